@@ -1,0 +1,104 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Compressed subdivision surfaces.
+ *
+ * Subdivision geometry (RTC_GEOMETRY_TYPE_SUBDIVISION) with displacement is
+ * tessellated, compressed and dropped when its scene is committed, and traced
+ * straight from the compressed form. Which representation a geometry gets is
+ * decided by, in this order: rtcSetGeometryCompression, the device string
+ * ("subdiv_accel=cbvh.leaf,cbvh_frame_level=2"), the environment variable
+ * EMBREE_CBVH ("leaf,level=2"), Embree's own default (vertex grids).
+ *
+ * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression
+ * Scheme for Ray Tracing Subdivision Surfaces with Displacement", 2018. */
+
+#include "rtcore_device.h"
+
+RTC_NAMESPACE_BEGIN
+
+/* Representation of a subdivision geometry. */
+enum RTCCompression
+{
+  RTC_COMPRESSION_INHERIT = 0, // what the device string or the environment say
+  RTC_COMPRESSION_NONE    = 1, // GRID:   Embree's full-precision vertex grids
+  RTC_COMPRESSION_GRID    = 2, // cGRID:  compressed nodes, full-precision vertices
+  RTC_COMPRESSION_VOXEL   = 3, // cVOXEL: compressed nodes, the leaf box is the surface
+  RTC_COMPRESSION_LEAF    = 4, // cLEAF:  compressed nodes, 4 x 4-bit heights a quad
+};
+
+/* Frame level that picks itself, see RTCCompressionArguments::frameLevel. */
+#define RTC_COMPRESSION_FRAME_LEVEL_AUTO (-1)
+
+/* Frame level that is left to the device string or the environment. */
+#define RTC_COMPRESSION_FRAME_LEVEL_INHERIT (-2)
+
+/* Settings of one geometry. Fill with rtcInitCompressionArguments first. */
+struct RTCCompressionArguments
+{
+  enum RTCCompression compression;
+
+  /* Number of uniform subdivisions of a face before local frames start: a face
+   * tessellated at level L (2^L x 2^L quads) gets 4^n blocks of 2^(L-n) x 2^(L-n)
+   * quads, each in a frame of its own. 0 to 8; clamped to L. AUTO takes the
+   * coarsest frames that meet maxError, or, without maxError, blocks of 16 x 16
+   * quads. INHERIT takes the device's setting (2 unless told otherwise). */
+  int frameLevel;
+
+  /* Upper bound of a leaf's thickness in world units, 0 for none, negative to
+   * inherit the device's setting. Honoured when frameLevel is AUTO: a face is
+   * split into finer frames until its leaves meet the bound or a block has one
+   * quad left. */
+  float maxError;
+};
+
+/* Sets every argument to inherit the setting of the device. */
+RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments* args)
+{
+  args->compression = RTC_COMPRESSION_INHERIT;
+  args->frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
+  args->maxError = -1.0f;
+}
+
+/* Chooses the representation of a subdivision geometry. Takes effect when the
+ * scene is committed the next time; the geometry has to be committed before.
+ *
+ * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION.
+ * args:     read during the call, not NULL.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, an unknown compression, a frame
+ * level outside -2..8, or a maxError that is not finite;
+ * RTC_ERROR_INVALID_OPERATION for a geometry of another type. The geometry keeps
+ * its setting then. Thread safety: as rtcSetGeometryTessellationRate. */
+RTC_API void rtcSetGeometryCompression(RTCGeometry geometry, const struct RTCCompressionArguments* args);
+
+/* What a committed scene holds in compressed form. Sizes in bytes. */
+struct RTCCompressionStatistics
+{
+  size_t topLevelBytes;         // full-precision BVH over blocks and grids
+  size_t frameBytes;            // headers of all blocks: frame, IDs, parametrisation
+  size_t nodeBytes;             // compressed inner nodes
+  size_t leafBytes;             // leaves: heights (cLEAF), vertices (cGRID), none (cVOXEL)
+  size_t gridBytes;             // grids of what is not compressed, see numGridQuads
+  size_t numBlocks;
+  size_t numQuads;              // quads in blocks
+  size_t numGridQuads;          // quads in the same BVH that are traced by GRID instead
+  size_t numInvalidQuads;       // quads left out because a vertex is not finite
+  size_t numAffineBlocks;       // blocks whose projective frame fell back to an affine one
+  size_t numSolidLeaves;        // cLEAF leaves that heights cannot bound: their box is the surface
+  float  maxLeafThickness;      // world units: largest distance between the two bounds of a leaf
+};
+
+/* Reports what the last commit of a scene compressed. All zero when the scene
+ * has no compressed geometry.
+ *
+ * scene: committed. Geometry inside instanced scenes belongs to those scenes.
+ * stats: written during the call, not NULL.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, RTC_ERROR_INVALID_OPERATION when
+ * the scene was modified since its last commit. Thread safety: as rtcGetSceneBounds. */
+RTC_API void rtcGetSceneCompressionStatistics(RTCScene scene, struct RTCCompressionStatistics* stats);
+
+RTC_NAMESPACE_END

@@ -1,0 +1,267 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of a block: vertices -> frame -> bounds bottom-up -> nodes top-down ->
+ * leaves. Top-down, because a node's planes are relative to what its parent
+ * decodes to, not to what the parent holds: rounding cannot add up. */
+
+#include "block.h"
+#include "frame.h"
+#include "leaf_codec.h"
+#include <cstring>
+#include <cmath>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    struct BlockStatistics
+    {
+      uint32_t invalidQuads = 0;   //!< with a vertex that is not finite
+      uint32_t solidLeaves = 0;
+      bool affine = false;
+      float maxThickness = 0;      //!< world units
+    };
+
+    class BlockEncoder
+    {
+    public:
+      /*! bytes of scratch memory for blocks of this height, 16-byte aligned */
+      static size_t scratchBytes(uint32_t height)
+      {
+        const size_t quads = size_t(1) << (2*height);
+        const size_t width = (size_t(1) << height) + 1;
+        const size_t boxes = nodesOfLevels(height) + quads;
+        return width*width*(3*sizeof(double) + sizeof(Double3) + 3*sizeof(float)) + boxes*sizeof(ExactBox)
+          + quads*(sizeof(NodeBox) + sizeof(CornerHeights)) + 64;
+      }
+
+      /*! height:  log2 of quads along a side;
+       *  vertices: (2^height+1)^2 world positions, row by row, kept by reference;
+       *  scratch: see scratchBytes, kept by reference */
+      BlockEncoder(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
+        : kind(kind), height(height), width((1u << height)+1), vertices(vertices)
+      {
+        const size_t quads = size_t(1) << (2*height);
+        char* p = (char*)scratch;
+        auto take = [&](size_t bytes) { char* r = p; p += (bytes+15) & ~size_t(15); return r; };
+        boxes   = (ExactBox*)take((nodesOfLevels(height)+quads)*sizeof(ExactBox));
+        local   = (double(*)[3])take(width*width*3*sizeof(double));
+        points  = (Double3*)take(width*width*sizeof(Double3));
+        leafBox = (NodeBox*)take(quads*sizeof(NodeBox));
+        corner  = (CornerHeights*)take(quads*sizeof(CornerHeights));
+        finite  = (float(*)[3])take(width*width*3*sizeof(float));
+      }
+
+      /*! Fits the block's frame; false when nothing is left to encode: no quad is
+       *  finite, or floats cannot hold a frame.
+       *  corners: world positions to align to, (0,0), (1,0), (0,1), (1,1) */
+      bool fit(const float corners[4][3])
+      {
+        size_t count = 0;
+        for (uint32_t i=0; i<width*width; i++)
+          if (isFinite(i)) { memcpy(finite[count++],vertices[i],sizeof(float[3])); }
+        if (count == 0) return false;
+
+        float aligned[4][3];
+        bool ok = true;
+        for (int c=0; c<4; c++)
+          for (int k=0; k<3; k++) ok &= std::isfinite(aligned[c][k] = corners[c][k]);
+        if (!ok) /* no corners to align to: any frame around the vertices */
+          for (int c=0; c<4; c++) memcpy(aligned[c],finite[size_t(c)*(count-1)/3],sizeof(float[3]));
+        return fitFrame(aligned,finite,count,points,frame);
+      }
+
+      /*! Writes frame, info, nodes and leaves; IDs and face parameters are the caller's.
+       *  block:  BlockLayout(kind,height).bytes of room, 16-byte aligned;
+       *  level:  subdivision level of the patch; x, y: position in it, in blocks. */
+      void encode(Block* block, uint32_t level, uint32_t x, uint32_t y, BlockStatistics& stats)
+      {
+        block->info = Block::encodeInfo(kind,height,level,x,y);
+        memcpy(block->centre,frame.centre,sizeof(frame.centre));
+        memcpy(block->columns,frame.columns,sizeof(frame.columns));
+        block->zScale = 1.0f;
+        stats.affine = !frame.projective;
+
+        for (uint32_t i=0; i<width*width; i++)
+          frame.transform(vertices[i],local[i]);
+        boundQuads(stats);
+        nodes = block->nodes();
+        encodeNodes(0,0,NodeBox::root());
+
+        char* leaves = block->leaves();
+        if (kind == Kind::LEAF) encodeLeaves((uint16_t*)leaves,block->zScale,stats);
+        else if (kind == Kind::VOXEL) voxelThickness(stats);
+        else storeVertices((float*)leaves);
+      }
+
+      const Frame& getFrame() const { return frame; }
+
+    private:
+      bool isFinite(uint32_t i) const {
+        return std::isfinite(vertices[i][0]) && std::isfinite(vertices[i][1]) && std::isfinite(vertices[i][2]);
+      }
+
+      uint32_t vertexOfQuad(uint32_t m, int corner) const {
+        return (mortonY(m)+(corner>>1))*width + mortonX(m)+(corner&1);
+      }
+
+      ExactBox& boxOf(uint32_t level, uint32_t m) { return boxes[nodesOfLevels(level)+m]; }
+
+      void boundQuads(BlockStatistics& stats)
+      {
+        for (uint32_t m=0; m < 1u << (2*height); m++)
+        {
+          ExactBox box;
+          bool valid = true;
+          for (int c=0; c<4; c++) {
+            const uint32_t i = vertexOfQuad(m,c);
+            valid &= isFinite(i);
+            if (valid) box.extend(local[i]);
+          }
+          boxOf(height,m) = valid ? box : ExactBox();
+          stats.invalidQuads += !valid;
+        }
+        for (uint32_t level=height; level-- > 0;)
+          for (uint32_t m=0; m < 1u << (2*level); m++)
+          {
+            ExactBox box;
+            for (uint32_t c=0; c<4; c++) box.extend(boxOf(level+1,4*m+c));
+            boxOf(level,m) = box;
+          }
+      }
+
+      void encodeNodes(uint32_t level, uint32_t m, const NodeBox& box)
+      {
+        if (level == (kind == Kind::GRID && height > 0 ? height-1 : height)) {
+          if (kind != Kind::GRID) leafBox[m] = box;
+          return;
+        }
+        const uint32_t word = encodeNode(box,&boxOf(level+1,4*m));
+        nodes[nodesOfLevels(level)+m] = word;
+        for (uint32_t c=0; c<4; c++)
+          encodeNodes(level+1,4*m+c,decodeChild(word,int(c),box));
+      }
+
+      void gatherQuad(uint32_t m, double quad[4][3]) const {
+        for (int c=0; c<4; c++) memcpy(quad[c],local[vertexOfQuad(m,c)],sizeof(double[3]));
+      }
+
+      /*! The z scale that makes the bins thinnest on average. A larger scale makes
+       *  every bin of the block thicker, a smaller one leaves more leaves solid, which
+       *  then are as thick as their box. */
+      float chooseZScale() const
+      {
+        static constexpr int steps = 32;
+        double inRange[steps+1] = {}, solid = 0;
+        for (uint32_t m=0; m < 1u << (2*height); m++)
+        {
+          if (!corner[m].valid) continue;
+          const double step = std::ceil((requiredZScale(leafBox[m],corner[m])*1.0001 - 1)*(steps/(maxZScale-1)));
+          if (step > steps) continue;
+          inRange[step > 0 ? int(step) : 0] += leafBox[m].extent[2];
+          solid += leafBox[m].extent[2];
+        }
+        double best = DBL_MAX, held = 0;
+        float zScale = 1;
+        for (int i=0; i<=steps; i++) {
+          const float scale = 1 + float(i)*(maxZScale-1)/steps;
+          held += inRange[i];
+          const double cost = held*scale/heightBins + (solid-held);
+          if (cost < best) { best = cost; zScale = scale; }
+        }
+        return zScale;
+      }
+
+      void encodeLeaves(uint16_t* leaves, float& zScale, BlockStatistics& stats)
+      {
+        double quad[4][3];
+        const uint32_t quads = 1u << (2*height);
+        for (uint32_t m=0; m<quads; m++)
+        {
+          corner[m].valid = false;
+          if (boxOf(height,m).empty()) continue;
+          gatherQuad(m,quad);
+          corner[m] = extrapolateQuad(leafBox[m],quad);
+        }
+        zScale = chooseZScale();
+        for (uint32_t m=0; m<quads; m++)
+        {
+          leaves[m] = emptyLeaf;
+          if (boxOf(height,m).empty()) continue;
+          gatherQuad(m,quad);
+          leaves[m] = encodeLeaf(leafBox[m],zScale,quad,corner[m]);
+          const LeafBins bins(leafBox[m],zScale);
+          const bool solid = leaves[m] == solidLeaf;
+          stats.solidLeaves += solid;
+          const double slope[2] = {
+            0.5*(corner[m].z[1]+corner[m].z[3]-corner[m].z[0]-corner[m].z[2])/leafBox[m].extent[0],
+            0.5*(corner[m].z[2]+corner[m].z[3]-corner[m].z[0]-corner[m].z[1])/leafBox[m].extent[1] };
+          const double flat[2] = { 0,0 };
+          addThickness(leafBox[m], solid ? flat : slope, solid ? leafBox[m].extent[2] : bins.size, stats);
+        }
+        for (uint32_t m=quads; m<4; m++) leaves[m] = emptyLeaf;
+      }
+
+      void voxelThickness(BlockStatistics& stats)
+      {
+        const double flat[2] = { 0,0 };
+        for (uint32_t m=0; m < 1u << (2*height); m++)
+          if (!boxOf(height,m).empty()) addThickness(leafBox[m],flat,leafBox[m].extent[2],stats);
+      }
+
+      /*! World distance between the planes z = slope (x,y) and the same moved up by
+       *  thickness. A plane a.(x,y,z) = k of the frame is the plane
+       *  (a_x Rx + a_y Ry + a_z Rz - k Rw).p = const of the world, R the rows of the
+       *  map; its normal's length over W is the frame's distance a unit of the world. */
+      void addThickness(const NodeBox& box, const double slope[2], double thickness, BlockStatistics& stats) const
+      {
+        const double c[3] = { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
+        const double k = c[2] - slope[0]*c[0] - slope[1]*c[1];
+        double n2 = 0;
+        double W = worldW(c);
+        for (int i=0; i<3; i++) {
+          const float* col = frame.columns[i];
+          const double n = -slope[0]*col[0] - slope[1]*col[1] + col[2] - k*col[3];
+          n2 += n*n;
+        }
+        const float t = float(thickness*W/std::sqrt(n2));
+        if (t > stats.maxThickness) stats.maxThickness = t;
+      }
+
+      /*! W at the world point of a frame position: 1/W is a linear form of it */
+      double worldW(const double c[3]) const
+      {
+        const FrameMap map = { row(0,0.5), row(1,0.5), row(2,0.5), row(3,1.0), frame.projective };
+        Double3 p;
+        return unproject(map,c[0],c[1],c[2],p) ? map.W(p) : 1.0;
+      }
+      Form row(int k, double d) const {
+        return { { frame.columns[0][k], frame.columns[1][k], frame.columns[2][k] }, d };
+      }
+
+      void storeVertices(float* out) const
+      {
+        for (int k=0; k<3; k++)
+          for (uint32_t i=0; i<width*width; i++)
+            out[k*width*width+i] = vertices[i][k];
+        for (int i=0; i<3; i++) out[3*width*width+i] = 0.0f;
+      }
+
+    private:
+      Kind kind;
+      uint32_t height, width;
+      const float (*vertices)[3];
+      Frame frame;
+      uint32_t* nodes = nullptr;
+      ExactBox* boxes;          //!< of all quadtree levels, level by level
+      double (*local)[3];       //!< vertices in the frame
+      Double3* points;
+      float (*finite)[3];
+      NodeBox* leafBox;         //!< decoded
+      CornerHeights* corner;
+    };
+  }
+}

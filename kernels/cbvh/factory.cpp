@@ -1,0 +1,110 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "factory.h"
+#include "node_tables.h"
+#include "../common/scene.h"
+#include "../common/isa.h"
+#include "../bvh/bvh.h"
+#include "../geometry/subdivpatch1.h"
+
+namespace embree
+{
+  namespace cbvh
+  {
+    /* here, as the library's lowest ISA is the only one that may run code when it is loaded */
+    extern const NodeTables nodeTables;
+    const NodeTables nodeTables;
+  }
+
+  DECLARE_SYMBOL2(Accel::Intersector1,BVH4CompressedSubdivIntersector1);
+  DECLARE_SYMBOL2(Accel::Intersector4,BVH4CompressedSubdivIntersector4);
+  DECLARE_SYMBOL2(Accel::Intersector8,BVH4CompressedSubdivIntersector8);
+  DECLARE_SYMBOL2(Accel::Intersector16,BVH4CompressedSubdivIntersector16);
+  DECLARE_SYMBOL2(Accel::IntersectorN,BVH4CompressedSubdivIntersectorN);
+  DECLARE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA cbvh::BuildStatistics*);
+
+  namespace
+  {
+    struct Symbols
+    {
+      DEFINE_SYMBOL2(Accel::Intersector1,BVH4CompressedSubdivIntersector1);
+      DEFINE_SYMBOL2(Accel::Intersector4,BVH4CompressedSubdivIntersector4);
+      DEFINE_SYMBOL2(Accel::Intersector8,BVH4CompressedSubdivIntersector8);
+      DEFINE_SYMBOL2(Accel::Intersector16,BVH4CompressedSubdivIntersector16);
+      DEFINE_SYMBOL2(Accel::IntersectorN,BVH4CompressedSubdivIntersectorN);
+      DEFINE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA cbvh::BuildStatistics*);
+
+      Symbols (int features, int builderFeatures)
+      {
+        /* as upstream chooses GRID's builder: the vertices of both are the same floats */
+        SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedSubdivBuilder);
+        SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector1);
+#if defined(EMBREE_RAY_PACKETS)
+        SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector4);
+        SELECT_SYMBOL_INIT_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector8);
+        SELECT_SYMBOL_INIT_AVX512(features,BVH4CompressedSubdivIntersector16);
+        SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersectorN);
+#endif
+      }
+    };
+  }
+
+  static const char* compressionName (RTCCompression compression)
+  {
+    switch (compression) {
+    case RTC_COMPRESSION_GRID : return "cGRID";
+    case RTC_COMPRESSION_VOXEL: return "cVOXEL";
+    case RTC_COMPRESSION_LEAF : return "cLEAF";
+    default: return "GRID";
+    }
+  }
+
+  /*! Whether a scene compresses anything; tells at verbosity 1 what it does not. */
+  static bool hasCompressedGeometry (Scene* scene)
+  {
+    Device* device = scene->device;
+    bool compressed = false;
+    for (size_t i=0; i<scene->size(); i++)
+    {
+      Geometry* geometry = scene->geometries[i].ptr;
+      if (!geometry || !geometry->isEnabled() || !(geometry->getTypeMask() & SubdivMesh::geom_type)) continue;
+      const CompressionSettings settings = ((SubdivMesh*)geometry)->compression.resolve(device->compression);
+      if (settings.compression == RTC_COMPRESSION_NONE) continue;
+      const bool motion = geometry->numTimeSteps != 1;
+      if (!motion) compressed = true;
+      if (!device->verbosity(1)) continue;
+      Lock<MutexSys> lock(g_printMutex);
+      std::cout << "compression: geometry " << i << ": " << compressionName(settings.compression);
+      if (motion) std::cout << " asked for, but it has motion blur: traced by GRID";
+      else if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cout << ", frame level auto";
+      else std::cout << ", frame level " << settings.frameLevel;
+      std::cout << std::endl;
+    }
+    return compressed;
+  }
+
+  Accel* createCompressedSubdivAccel (Scene* scene)
+  {
+    if (!hasCompressedGeometry(scene)) return nullptr;
+    Device* device = scene->device;
+    const Symbols symbols(device->enabled_cpu_features,device->enabled_builder_cpu_features);
+
+    BVH4* bvh = new BVH4(SubdivPatch1::type,scene);
+    cbvh::BuildStatistics* statistics = new cbvh::BuildStatistics;
+    Builder* builder = symbols.BVH4CompressedSubdivBuilder(bvh,scene,statistics);
+
+    Accel::Intersectors intersectors;
+    intersectors.ptr = bvh;
+    intersectors.intersector1  = symbols.BVH4CompressedSubdivIntersector1();
+#if defined(EMBREE_RAY_PACKETS)
+    intersectors.intersector4  = symbols.BVH4CompressedSubdivIntersector4();
+    intersectors.intersector8  = symbols.BVH4CompressedSubdivIntersector8();
+    intersectors.intersector16 = symbols.BVH4CompressedSubdivIntersector16();
+    intersectors.intersectorN  = symbols.BVH4CompressedSubdivIntersectorN();
+    if (device->verbosity(1))
+      std::cout << "compression: packets and streams of rays are traced one ray at a time" << std::endl;
+#endif
+    return new CompressedSubdivAccel(bvh,builder,intersectors,statistics);
+  }
+}

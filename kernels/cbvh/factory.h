@@ -1,0 +1,26 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include "../common/accelinstance.h"
+#include "statistics.h"
+
+namespace embree
+{
+  class Scene;
+
+  /*! accelerator of a scene's subdivision surfaces where at least one is compressed */
+  struct CompressedSubdivAccel : public AccelInstance
+  {
+    CompressedSubdivAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, cbvh::BuildStatistics* statistics)
+      : AccelInstance(accel,builder,intersectors), statistics(statistics) {}
+
+    std::unique_ptr<cbvh::BuildStatistics> statistics; //!< of the last build
+  };
+
+  /*! Accelerator for all subdivision surfaces of a scene without motion blur; null
+   *  when none of them is to be compressed. Selects builder and intersectors for the
+   *  device's ISA. The caller owns it. */
+  Accel* createCompressedSubdivAccel (Scene* scene);
+}

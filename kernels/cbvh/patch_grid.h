@@ -1,0 +1,127 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Vertices of a whole patch, before and after displacement. Evaluated as GRID
+ * evaluates its subgrids (subdivpatch1base_eval.cpp), parameter by parameter and
+ * operation by operation, so that both hold the same floats; in one go, so that
+ * irregular patches are subdivided once and the displacement function is called
+ * once a patch. */
+
+#include "../subdiv/subdivpatch1base.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    class PatchGrid
+    {
+    public:
+      PatchGrid (Device* device) : arrays(device,0), interleaved(device,0) {}
+
+      /*! evaluates a patch without stitching, of resolution width x height vertices */
+      void eval (const SubdivPatch1Base& patch, const SubdivMesh* mesh)
+      {
+        width = patch.grid_u_res; height = patch.grid_v_res;
+        count = size_t(width)*size_t(height);
+        stride = (count + 2*VSIZEX - 1) & ~size_t(VSIZEX-1); // room for full-width stores
+        arrays.resize(8*stride);
+        float* P[3] = { array(0), array(1), array(2) };
+        float* N[3] = { array(3), array(4), array(5) };
+        float* u = array(6);
+        float* v = array(7);
+        interleaved.resize(6*count);
+
+        if (patch.type == SubdivPatch1Base::EVAL_PATCH) evalIrregular(patch,mesh,P,N,u,v);
+        else evalRegular(patch,mesh,P,N,u,v);
+
+        interleave(undisplaced());
+        if (mesh->displFunc) displace(patch,mesh,P,N,u,v);
+        interleave(displaced());
+      }
+
+      /*! vertices row by row */
+      float (*undisplaced ())[3] { return (float(*)[3])interleaved.data(); }
+      float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }
+
+      size_t width = 0, height = 0;
+
+    private:
+      float* array (size_t i) { return &arrays[i*stride]; }
+
+      void interleave (float (*out)[3])
+      {
+        for (int k=0; k<3; k++) {
+          const float* in = array(k);
+          for (size_t i=0; i<count; i++) out[i][k] = in[i];
+        }
+      }
+
+      void evalRegular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, float* P[3], float* N[3], float* u, float* v)
+      {
+        gridUVTessellator(patch.level,unsigned(width),unsigned(height),0,0,unsigned(width),unsigned(height),u,v);
+        for (size_t i=count; i<stride; i++) { u[i] = u[count-1]; v[i] = v[count-1]; }
+        for (size_t i=0; i<count; i+=VSIZEX)
+        {
+          const vfloatx uu = vfloatx::load(u+i), vv = vfloatx::load(v+i);
+          const Vec3vfx p = patchEval(patch,uu,vv);
+          for (int k=0; k<3; k++) vfloatx::store(P[k]+i,p[k]);
+          if (!mesh->displFunc) continue;
+          const Vec3vfx n = normalize_safe(patchNormal(patch,uu,vv));
+          for (int k=0; k<3; k++) vfloatx::store(N[k]+i,n[k]);
+        }
+      }
+
+      void evalIrregular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, float* P[3], float* N[3], float* u, float* v)
+      {
+        const bool normals = mesh->displFunc;
+        const unsigned w = unsigned(width), h = unsigned(height);
+        float *Nx = normals ? N[0] : nullptr, *Ny = normals ? N[1] : nullptr, *Nz = normals ? N[2] : nullptr;
+        if (mesh->patch_eval_trees.size())
+          feature_adaptive_eval_grid<PatchEvalGrid>
+            (mesh->patch_eval_trees[mesh->numTimeSteps*patch.primID()+patch.time()],patch.subPatch(),nullptr,
+             0,w-1,0,h-1,w,h,P[0],P[1],P[2],u,v,Nx,Ny,Nz,w,h);
+        else {
+          GeneralCatmullClarkPatch3fa ccpatch(patch.edge(),mesh->getVertexBuffer(patch.time()));
+          feature_adaptive_eval_grid<FeatureAdaptiveEvalGrid,GeneralCatmullClarkPatch3fa>
+            (ccpatch,patch.subPatch(),nullptr,
+             0,w-1,0,h-1,w,h,P[0],P[1],P[2],u,v,Nx,Ny,Nz,w,h);
+        }
+
+        /* parameters of the sub-patch to parameters of the face */
+        const Vec2f uv0 = patch.getUV(0), uv1 = patch.getUV(1), uv2 = patch.getUV(2), uv3 = patch.getUV(3);
+        for (size_t i=0; i<count; i+=VSIZEX)
+        {
+          const vfloatx uu = vfloatx::load(u+i), vv = vfloatx::load(v+i);
+          vfloatx::store(u+i,lerp2(uv0.x,uv1.x,uv3.x,uv2.x,uu,vv));
+          vfloatx::store(v+i,lerp2(uv0.y,uv1.y,uv3.y,uv2.y,uu,vv));
+        }
+      }
+
+      void displace (const SubdivPatch1Base& patch, const SubdivMesh* mesh, float* P[3], float* N[3], float* u, float* v)
+      {
+        RTCDisplacementFunctionNArguments args;
+        args.geometryUserPtr = mesh->userPtr;
+        args.geometry = (RTCGeometry)mesh;
+        args.primID = patch.primID();
+        args.timeStep = patch.time();
+        args.u = u;
+        args.v = v;
+        args.Ng_x = N[0];
+        args.Ng_y = N[1];
+        args.Ng_z = N[2];
+        args.P_x = P[0];
+        args.P_y = P[1];
+        args.P_z = P[2];
+        args.N = unsigned(count);
+        mesh->displFunc(&args);
+      }
+
+    private:
+      mvector<float> arrays;      //!< P, N, u, v, one after the other
+      mvector<float> interleaved; //!< undisplaced and displaced vertices
+      size_t count = 0, stride = 0;
+    };
+  }
+}
