@@ -1,0 +1,207 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "built_scene.h"
+#include "error.h"
+#include "parallel.h"
+#include "progress.h"
+
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+
+namespace cbvh {
+namespace {
+
+std::string deviceConfig(const Representation& representation, const BuildSettings& settings)
+{
+  std::string config = representation.deviceConfig();
+  auto add = [&](const std::string& item) { config += (config.empty() ? "" : ",") + item; };
+  add("threads=" + std::to_string(threadCount(settings.threads)));
+  if (!settings.isa.empty())
+    add("isa=" + settings.isa);
+  return config;
+}
+
+bool onProgress(void* phase, double fraction)
+{
+  static_cast<Phase*>(phase)->update(fraction);
+  return !cancelRequested();
+}
+
+void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name)
+{
+  Phase phase(name);
+  rtcSetSceneProgressMonitorFunction(scene, onProgress, &phase);
+  rtcCommitScene(scene);
+  rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+  device.check("committing the scene");
+}
+
+} // namespace
+
+BuiltScene::BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings)
+  : what(representation), patches(model.cage, settings.level)
+{
+  device = std::make_unique<EmbreeDevice>(deviceConfig(representation, settings));
+  scene.reset(rtcNewScene(device->handle()));
+  device->check("making a scene");
+  if (representation.kind == RepresentationKind::Naive)
+    buildTriangles(model, settings);
+  else
+    buildSubdivision(model, settings);
+  built.quads = patches.numQuads();
+}
+
+void BuiltScene::commit(const char* doing)
+{
+  const auto start = std::chrono::steady_clock::now();
+  commitScene(*device, scene.get(), what.label() + ": " + doing);
+  built.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  built.liveBytes = device->memory().live();
+  built.peakBytes = device->memory().peak();
+}
+
+void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& settings)
+{
+  const auto start = std::chrono::steady_clock::now();
+  context.displacement = model.displacement.get();
+  const GeometryHandle geometry = makeSubdivisionGeometry(*device, model.cage, settings.level, context);
+  rtcAttachGeometry(scene.get(), geometry.get());
+  built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  commit("build");
+  if (what.isCompressed())
+  {
+    rtcGetSceneCompressionStatistics(scene.get(), &built.compression);
+    device->check("asking for the compression statistics");
+  }
+}
+
+/* NAIVE's vertices are GRID's own: a second subdivision geometry, built as GRID and
+ * dropped, hands over each vertex that it tessellates. Two triangles a quad, split
+ * as GRID splits them, from (1,0) to (0,1):
+ *
+ *     01 --- 11
+ *      | \ B |        A = 00, 10, 01    B = 01, 10, 11    (first digit u)
+ *      | A \ |
+ *     00 --- 10
+ *
+ * Every patch has its own vertices. */
+void BuiltScene::buildTriangles(const Model& model, const BuildSettings& settings)
+{
+  for (const Patch& patch : patches.patches())
+    if (settings.level == 0 && !patches.isQuadFace(patch.face))
+      throw Error("NAIVE at level 0 needs a cage of quads only");
+
+  const GeometryHandle triangles(rtcNewGeometry(device->handle(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  float* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+    triangles.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), patches.numVertices()));
+  device->check("allocating the vertices of NAIVE");
+  {
+    DisplacementContext capture;
+    capture.displacement = model.displacement.get();
+    capture.layout = &patches;
+    capture.captured = vertices;
+    EmbreeDevice gridDevice(deviceConfig({RepresentationKind::Grid}, settings));
+    const SceneHandle gridScene(rtcNewScene(gridDevice.handle()));
+    const GeometryHandle geometry = makeSubdivisionGeometry(gridDevice, model.cage, settings.level, capture);
+    rtcAttachGeometry(gridScene.get(), geometry.get());
+    commitScene(gridDevice, gridScene.get(), what.label() + ": tessellation");
+  }
+
+  uint32_t* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
+    triangles.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), 2 * patches.numQuads()));
+  device->check("allocating the triangles of NAIVE");
+  parallelFor(patches.patches().size(), 64, threadCount(settings.threads), [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; i++)
+    {
+      const Patch& patch = patches.patches()[i];
+      uint32_t* out = indices + 6 * patch.firstQuad;
+      const uint32_t row = patch.resolution + 1;
+      for (uint32_t y = 0; y < patch.resolution; y++)
+        for (uint32_t x = 0; x < patch.resolution; x++)
+        {
+          const uint32_t v00 = uint32_t(patch.firstVertex) + y * row + x;
+          const uint32_t v10 = v00 + 1, v01 = v00 + row, v11 = v01 + 1;
+          for (uint32_t index : {v00, v10, v01, v01, v10, v11})
+            *out++ = index;
+        }
+    }
+  });
+
+  const auto start = std::chrono::steady_clock::now();
+  rtcCommitGeometry(triangles.get());
+  rtcAttachGeometry(scene.get(), triangles.get());
+  device->check("committing the triangles of NAIVE");
+  built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  commit("build");
+}
+
+Box3f BuiltScene::bounds() const
+{
+  RTCBounds b;
+  rtcGetSceneBounds(scene.get(), &b);
+  return {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+}
+
+SurfaceHit BuiltScene::surfaceHit(const RTCRayHit& ray) const
+{
+  SurfaceHit result;
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    return result;
+  result.t = ray.ray.tfar;
+  result.u = ray.hit.u;
+  result.v = ray.hit.v;
+  result.face = ray.hit.primID;
+  result.normal = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
+  if (what.kind != RepresentationKind::Naive)
+    return result;
+
+  const size_t quad = ray.hit.primID / 2;
+  const auto& all = patches.patches();
+  const Patch& patch = *(std::upper_bound(all.begin(), all.end(), quad,
+                                          [](size_t q, const Patch& p) { return q < p.firstQuad; }) - 1);
+  const unsigned local = unsigned(quad - patch.firstQuad);
+  const unsigned x = local % patch.resolution, y = local / patch.resolution;
+  /* Triangle A: (u,v) = barycentric (a,b). Triangle B: vertices (0,1), (1,0), (1,1). */
+  const float a = ray.hit.u, b = ray.hit.v;
+  const float du = ray.hit.primID & 1 ? a + b : a;
+  const float dv = ray.hit.primID & 1 ? 1.0f - a : b;
+  result.face = patch.face;
+  result.u = (float(x) + du) / float(patch.resolution);
+  result.v = (float(y) + dv) / float(patch.resolution);
+  if (!patches.isQuadFace(patch.face))
+  {
+    const Vec2f uv = encodeSubPatch(patch.subPatch, result.u, result.v);
+    result.u = uv.x;
+    result.v = uv.y;
+  }
+  return result;
+}
+
+size_t estimatedPeakBytes(RepresentationKind kind, size_t quads)
+{
+  switch (kind)
+  {
+  case RepresentationKind::Naive: return quads * 300; // measured: see the peak column
+  case RepresentationKind::Grid: return quads * 45;
+  case RepresentationKind::CGrid: return quads * 25;
+  default: return quads * 10;
+  }
+}
+
+size_t availableMemory()
+{
+  size_t available = SIZE_MAX;
+  std::ifstream meminfo("/proc/meminfo");
+  for (std::string key, rest; meminfo >> key && std::getline(meminfo, rest);)
+    if (key == "MemAvailable:")
+      available = std::min(available, size_t(std::strtoull(rest.c_str(), nullptr, 10)) * 1024);
+  std::ifstream limitFile("/sys/fs/cgroup/memory.max"), usedFile("/sys/fs/cgroup/memory.current");
+  size_t limit = 0, used = 0;
+  if (limitFile >> limit && usedFile >> used) // "max" is no number: no limit
+    available = std::min(available, limit > used ? limit - used : 0);
+  return available;
+}
+
+} // namespace cbvh

@@ -1,0 +1,49 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What a long run is doing, on stderr, and how the user stops it. */
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <string>
+
+namespace cbvh {
+
+/* Makes Ctrl-C (SIGINT) and SIGTERM set a flag instead of ending the process; the
+ * second signal ends it. */
+void installCancelHandler();
+
+/* Whether the flag is set. Safe in any thread. */
+bool cancelRequested();
+
+/* Throws Cancelled if the flag is set. */
+void throwIfCancelled();
+
+/* One line a phase: its name, percents while it runs if stderr is a terminal, and
+ * its time at the end. Only one phase runs at a time; update may come from any
+ * thread. */
+class Phase
+{
+public:
+  explicit Phase(const std::string& name);
+  ~Phase();
+
+  /* fraction in [0,1]; smaller ones than before are ignored. */
+  void update(double fraction);
+
+  double seconds() const;
+
+private:
+  void print(bool final);
+
+  std::string name;
+  std::chrono::steady_clock::time_point start;
+  bool terminal;
+  std::mutex mutex;
+  int percent = 0;
+};
+
+} // namespace cbvh

@@ -1,0 +1,189 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* One unit is about a metre; x runs from tail to head, y up, the left side is +z. */
+
+#include "trex.h"
+
+#include "../noise.h"
+#include "../parallel.h"
+#include "../subdivision_geometry.h"
+#include "implicit_cage.h"
+
+namespace cbvh {
+namespace {
+
+constexpr float voxelSize = 0.15f;
+
+void addLeg(std::vector<Capsule>& body, float side, float stride)
+{
+  const float z = 0.78f * side;
+  const Vec3f hip{0.05f + 0.1f * stride, 2.95f, 0.55f * side};
+  const Vec3f knee{0.75f + 0.45f * stride, 1.85f, z};
+  const Vec3f ankle{-0.15f + 0.65f * stride, 0.95f, z};
+  const Vec3f ball{0.15f + 0.8f * stride, 0.24f, z};
+  body.push_back({hip, knee, 0.68f, 0.36f, 0.35f});
+  body.push_back({knee, ankle, 0.34f, 0.19f, 0.12f});
+  body.push_back({ankle, ball, 0.18f, 0.19f, 0.1f});
+  for (float spread : {-0.42f, 0.0f, 0.42f})
+  {
+    const Vec3f knuckle = ball + Vec3f{0.5f, -0.06f, spread * 0.75f};
+    const Vec3f tip = ball + Vec3f{0.88f, -0.12f, spread * 1.15f};
+    body.push_back({ball, knuckle, 0.17f, 0.15f, 0.06f});
+    body.push_back({knuckle, tip, 0.14f, 0.085f, 0.04f});
+  }
+  body.push_back({ball, ball + Vec3f{-0.42f, -0.04f, -0.1f * side}, 0.14f, 0.09f, 0.05f});
+}
+
+void addArm(std::vector<Capsule>& body, float side)
+{
+  const Vec3f shoulder{2.0f, 2.95f, 0.62f * side}, elbow{2.12f, 2.42f, 0.78f * side}, hand{2.55f, 2.3f, 0.66f * side};
+  body.push_back({shoulder, elbow, 0.25f, 0.15f, 0.2f});
+  body.push_back({elbow, hand, 0.15f, 0.12f, 0.05f});
+  body.push_back({hand, {2.82f, 2.12f, 0.52f * side}, 0.11f, 0.085f, 0.03f});
+  body.push_back({hand, {2.86f, 2.18f, 0.82f * side}, 0.11f, 0.085f, 0.03f});
+}
+
+void addHead(std::vector<Capsule>& body)
+{
+  body.push_back({{3.05f, 4.75f, 0}, {3.55f, 4.95f, 0}, 0.5f, 0.5f, 0.25f});          // skull
+  body.push_back({{3.5f, 4.98f, 0.16f}, {4.75f, 4.78f, 0.07f}, 0.36f, 0.25f, 0.15f}); // upper jaw, two halves:
+  body.push_back({{3.5f, 4.98f, -0.16f}, {4.75f, 4.78f, -0.07f}, 0.36f, 0.25f, 0.15f}); // wider than high
+  body.push_back({{3.3f, 4.55f, 0.14f}, {4.45f, 3.92f, 0.06f}, 0.26f, 0.16f, 0.1f});  // lower jaw
+  body.push_back({{3.3f, 4.55f, -0.14f}, {4.45f, 3.92f, -0.06f}, 0.26f, 0.16f, 0.1f});
+  for (float side : {-1.0f, 1.0f})
+  {
+    body.push_back({{3.5f, 5.33f, 0.3f * side}, {3.95f, 5.2f, 0.33f * side}, 0.13f, 0.1f, 0.08f});   // brow
+    body.push_back({{3.72f, 5.06f, 0.43f * side}, {3.73f, 5.06f, 0.43f * side}, 0.14f, 0.14f, 0.03f}); // eye
+    body.push_back({{4.2f, 5.08f, 0.12f * side}, {4.7f, 4.98f, 0.12f * side}, 0.1f, 0.1f, 0.1f});     // nose ridge
+  }
+}
+
+std::vector<Capsule> trexBody()
+{
+  std::vector<Capsule> body;
+  body.push_back({{0, 3.15f, 0}, {1.0f, 3.05f, 0}, 0.95f, 1.0f, 0.0f});           // hip and belly
+  body.push_back({{1.0f, 3.1f, 0}, {2.0f, 3.45f, 0}, 0.98f, 0.78f, 0.4f});        // chest
+  body.push_back({{2.0f, 3.55f, 0}, {2.65f, 4.2f, 0}, 0.7f, 0.5f, 0.4f});         // neck
+  body.push_back({{2.65f, 4.2f, 0}, {3.1f, 4.75f, 0}, 0.5f, 0.45f, 0.3f});
+  body.push_back({{-0.3f, 3.2f, 0}, {-1.9f, 3.3f, 0.05f}, 0.88f, 0.58f, 0.5f});   // tail
+  body.push_back({{-1.9f, 3.3f, 0.05f}, {-3.5f, 3.25f, 0.3f}, 0.57f, 0.36f, 0.3f});
+  body.push_back({{-3.5f, 3.25f, 0.3f}, {-4.9f, 3.4f, 0.75f}, 0.35f, 0.2f, 0.3f});
+  body.push_back({{-4.9f, 3.4f, 0.75f}, {-6.0f, 3.75f, 1.35f}, 0.2f, 0.09f, 0.2f});
+  addLeg(body, -1.0f, 0.35f);
+  addLeg(body, 1.0f, -0.6f);
+  addArm(body, -1.0f);
+  addArm(body, 1.0f);
+  addHead(body);
+  return body;
+}
+
+float smoothstep(float a, float b, float x)
+{
+  const float t = std::min(std::max((x - a) / (b - a), 0.0f), 1.0f);
+  return t * t * (3.0f - 2.0f * t);
+}
+
+/* One plate a cell: domed, with a groove along its border. */
+float scales(Vec3f p, uint32_t seed)
+{
+  const CellNoise cell = cellNoise(p, seed);
+  const float plate = smoothstep(0.0f, 0.3f, cell.second - cell.nearest);
+  const float dome = 1.0f - 0.6f * cell.nearest * cell.nearest;
+  const float own = 0.75f + 0.25f * float(cell.id >> 24) / 255.0f;
+  return plate * dome * own;
+}
+
+/* Grooves where the noise crosses zero; 0 in them, 1 between. */
+float creases(Vec3f p, float width, uint32_t seed)
+{
+  return smoothstep(0.0f, width, std::abs(gradientNoise(p, seed)));
+}
+
+/* Height of the skin at a point of the limit surface, within 0 and 1. */
+float skinHeight(Vec3f p)
+{
+  /* Large plates on head, back and tail; fine ones on belly, limbs and throat. */
+  const float wobble = gradientNoise(0.9f * p, 11);
+  const float high = smoothstep(-0.5f, 0.5f, p.y - 3.25f - 0.55f * std::max(0.0f, p.x - 2.0f) + 0.5f * wobble);
+  const Vec3f warped = p + 0.05f * Vec3f{gradientNoise(4.0f * p, 1), gradientNoise(4.0f * p, 2), gradientNoise(4.0f * p, 3)};
+  const float large = scales(4.2f * warped, 4);
+  const float fine = scales(11.0f * warped, 5);
+  const float plates = fine * (0.35f + 0.1f * (1.0f - high)) + large * (0.15f + 0.4f * high);
+  /* Folds run around trunk and limbs, mostly across the long axis. */
+  const Vec3f folded = Vec3f{2.6f, 0.7f, 0.7f} * (p + 0.15f * Vec3f{wobble, -wobble, wobble});
+  const float folds = creases(folded, 0.28f, 6);
+  const float wrinkles = creases(6.5f * warped, 0.2f, 7);
+  const float bumps = 0.5f + 0.5f * gradientNoise(1.7f * p, 8);
+  return std::min(1.0f, 0.52f * plates * (0.55f + 0.45f * folds) + 0.18f * folds + 0.12f * wrinkles + 0.18f * bumps);
+}
+
+HeightMap bakeSkin(const Cage& cage, const FaceAtlas& atlas, unsigned threads)
+{
+  Phase phase("trex: skin");
+  EmbreeDevice device("threads=1");
+  DisplacementContext plain;
+  const GeometryHandle geometry = makeSubdivisionGeometry(device, cage, 0, plain);
+  HeightMap map(atlas.columns(), atlas.rows(cage.numFaces()));
+  const int side = atlas.tileSize + 1;
+  const unsigned points = unsigned((side * side + 3) & ~3); // Embree evaluates four at a time
+  std::vector<float> u(points, 0.0f), v(points, 0.0f);
+  for (int i = 0; i < side * side; i++)
+  {
+    u[i] = float(i % side) / float(atlas.tileSize);
+    v[i] = float(i / side) / float(atlas.tileSize);
+  }
+  std::atomic<size_t> done{0};
+  parallelFor(cage.numFaces(), 16, threads, [&](size_t begin, size_t end) {
+    std::vector<float> positions(3 * points);
+    std::vector<unsigned> faces(points);
+    for (size_t face = begin; face < end; face++)
+    {
+      std::fill(faces.begin(), faces.end(), unsigned(face));
+      RTCInterpolateNArguments args{};
+      args.geometry = geometry.get();
+      args.primIDs = faces.data();
+      args.u = u.data();
+      args.v = v.data();
+      args.N = points;
+      args.bufferType = RTC_BUFFER_TYPE_VERTEX;
+      args.P = positions.data();
+      args.valueCount = 3;
+      rtcInterpolateN(&args);
+      const int x0 = int(face) % atlas.tilesPerRow * side, y0 = int(face) / atlas.tilesPerRow * side;
+      for (int i = 0; i < side * side; i++)
+        map.at(x0 + i % side, y0 + i / side) =
+          skinHeight({positions[i], positions[points + i], positions[2 * points + i]});
+    }
+    done += end - begin;
+    phase.update(double(done) / double(cage.numFaces()));
+  });
+  device.check("evaluating the limit surface");
+  return map;
+}
+
+} // namespace
+
+Cage makeTrexCage()
+{
+  Cage cage = makeImplicitCage(trexBody(), voxelSize);
+  cage.name = "trex";
+  return cage;
+}
+
+Model makeTrex(const TrexSettings& settings)
+{
+  Model model;
+  model.name = "trex";
+  model.cage = makeTrexCage();
+  const FaceAtlas atlas = FaceAtlas::forFaces(model.cage.numFaces(), 64);
+  bakeSkin(model.cage, atlas, threadCount(settings.threads)).write(settings.mapPath);
+  model.displacement = displaceByAtlas(atlas, HeightMap::read(settings.mapPath),
+                                       settings.amplitude * model.cage.bounds().diagonal());
+  model.view.direction = {-0.5f, -0.16f, -1.0f};
+  model.view.closePoint = {0.8f, 0.33f};
+  model.view.closeDistance = 0.13f;
+  return model;
+}
+
+} // namespace cbvh

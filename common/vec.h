@@ -1,0 +1,69 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Small vectors for the tools: plain floats, no alignment, no SIMD. The kernels
+ * have Embree's own; the tools only see Embree's public API and need neither. */
+
+#include <algorithm>
+#include <cmath>
+
+namespace cbvh {
+
+struct Vec2f
+{
+  float x = 0, y = 0;
+};
+
+inline Vec2f operator+(Vec2f a, Vec2f b) { return {a.x + b.x, a.y + b.y}; }
+inline Vec2f operator-(Vec2f a, Vec2f b) { return {a.x - b.x, a.y - b.y}; }
+inline Vec2f operator*(Vec2f a, float s) { return {a.x * s, a.y * s}; }
+
+struct Vec3f
+{
+  float x = 0, y = 0, z = 0;
+};
+
+inline Vec3f operator+(Vec3f a, Vec3f b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vec3f operator-(Vec3f a, Vec3f b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vec3f operator-(Vec3f a) { return {-a.x, -a.y, -a.z}; }
+inline Vec3f operator*(Vec3f a, float s) { return {a.x * s, a.y * s, a.z * s}; }
+inline Vec3f operator*(float s, Vec3f a) { return a * s; }
+inline Vec3f operator*(Vec3f a, Vec3f b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+inline Vec3f& operator+=(Vec3f& a, Vec3f b) { return a = a + b; }
+
+inline float dot(Vec3f a, Vec3f b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline float length(Vec3f a) { return std::sqrt(dot(a, a)); }
+inline Vec3f cross(Vec3f a, Vec3f b)
+{
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/* The zero vector stays zero. */
+inline Vec3f normalize(Vec3f a)
+{
+  const float l = length(a);
+  return l > 0.0f ? a * (1.0f / l) : a;
+}
+
+inline Vec3f lerp(Vec3f a, Vec3f b, float t) { return a + t * (b - a); }
+inline Vec3f minimum(Vec3f a, Vec3f b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
+inline Vec3f maximum(Vec3f a, Vec3f b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
+inline bool isFinite(Vec3f a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+
+struct Box3f
+{
+  Vec3f lower{INFINITY, INFINITY, INFINITY};
+  Vec3f upper{-INFINITY, -INFINITY, -INFINITY};
+
+  void extend(Vec3f p)
+  {
+    lower = minimum(lower, p);
+    upper = maximum(upper, p);
+  }
+  Vec3f center() const { return 0.5f * (lower + upper); }
+  float diagonal() const { return length(upper - lower); }
+};
+
+} // namespace cbvh

@@ -1,0 +1,46 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Renders a displaced subdivision surface in several representations and compares
+ * them in memory, build time, speed and error. See --help. */
+
+#include "comparison.h"
+#include "error.h"
+#include "file_output.h"
+#include "options.h"
+#include "progress.h"
+#include "report.h"
+
+#include <cstdio>
+#include <new>
+
+int main(int argc, char** argv)
+{
+  try
+  {
+    const std::optional<cbvh::Options> options = cbvh::parseOptions(argc, argv);
+    if (!options)
+      return 0;
+    cbvh::installCancelHandler();
+    cbvh::prepareOutputFolder(options->output);
+    const cbvh::Comparison comparison = cbvh::runComparison(*options);
+    std::fputs(cbvh::formatTable(comparison).c_str(), stdout);
+    if (!options->json.empty())
+      cbvh::writeTextFile(options->json, cbvh::formatJson(comparison));
+    return 0;
+  }
+  catch (const cbvh::Cancelled&)
+  {
+    std::fprintf(stderr, "cbvh_render: cancelled\n");
+    return 130;
+  }
+  catch (const std::bad_alloc&)
+  {
+    std::fprintf(stderr, "cbvh_render: out of memory\n");
+  }
+  catch (const std::exception& e)
+  {
+    std::fprintf(stderr, "cbvh_render: %s\n", e.what());
+  }
+  return 1;
+}

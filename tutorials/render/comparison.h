@@ -1,0 +1,53 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The run: builds one representation after the other beside GRID, traces the same
+ * rays through both, and collects what the table says. */
+
+#include "hit_metrics.h"
+#include "options.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+enum RaySet { Coherent, Incoherent, numRaySets };
+enum Query { Closest, Any, numQueries };
+
+struct Speed
+{
+  double mrays = 0;     // millions of rays a second, median
+  double toGrid = 1;    // speed over that of GRID measured in turns with it
+};
+
+struct Result
+{
+  Representation representation;
+  BuildReport build;
+  std::optional<HitErrors> errors; // none for the reference itself
+  size_t anyDisagreements[numRaySets] = {0, 0};
+  Speed speed[numRaySets][numQueries];
+};
+
+struct Comparison
+{
+  std::string model;
+  size_t faces = 0, vertices = 0;
+  BuildSettings build;
+  ImageSize size;
+  std::string camera;         // eye, target, field of view
+  size_t primaryHits = 0;
+  size_t rays[numRaySets] = {0, 0};
+  bool speed = true;
+  std::string reference;      // of the errors: NAIVE, or GRID where NAIVE is not asked for
+  std::vector<Result> results; // in the order asked for
+};
+
+/* Runs everything and writes the pictures. Throws Error, Cancelled. */
+Comparison runComparison(const Options& options);
+
+} // namespace cbvh

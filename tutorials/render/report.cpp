@@ -1,0 +1,208 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "report.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <functional>
+
+namespace cbvh {
+namespace {
+
+std::string number(double value, int digits)
+{
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.*f", digits, value);
+  return text;
+}
+
+class Table
+{
+public:
+  explicit Table(const std::vector<Result>& results) : results(results)
+  {
+    rows.push_back({""});
+    for (const Result& r : results)
+      rows[0].push_back(r.representation.label());
+  }
+
+  void row(const std::string& name, const std::function<std::string(const Result&)>& cell)
+  {
+    rows.push_back({name});
+    for (const Result& r : results)
+      rows.back().push_back(cell(r));
+  }
+
+  std::string text() const
+  {
+    std::vector<size_t> widths(rows[0].size(), 0);
+    for (const auto& row : rows)
+      for (size_t i = 0; i < row.size(); i++)
+        widths[i] = std::max(widths[i], row[i].size());
+    std::string out;
+    for (size_t r = 0; r < rows.size(); r++)
+    {
+      for (size_t i = 0; i < rows[r].size(); i++)
+      {
+        const std::string fill(widths[i] - rows[r][i].size(), ' ');
+        out += i == 0 ? "| " + rows[r][i] + fill : " | " + fill + rows[r][i];
+      }
+      out += " |\n";
+      if (r == 0)
+        for (size_t i = 0; i < widths.size(); i++)
+          out += (i == 0 ? "|:" : "|-") + std::string(widths[i], '-') + (i == 0 ? "-" : ":") +
+                 (i + 1 == widths.size() ? "|\n" : "");
+    }
+    return out;
+  }
+
+private:
+  const std::vector<Result>& results;
+  std::vector<std::vector<std::string>> rows;
+};
+
+const char* const setNames[numRaySets] = {"coherent", "incoherent"};
+const char* const queryNames[numQueries] = {"closest", "any"};
+
+const Result* findNaive(const Comparison& c)
+{
+  for (const Result& r : c.results)
+    if (r.representation.kind == RepresentationKind::Naive)
+      return &r;
+  return nullptr;
+}
+
+void addMemory(Table& table)
+{
+  table.row("bytes a quad", [](const Result& r) { return number(r.build.bytesPerQuad(), 2); });
+  using Field = size_t RTCCompressionStatistics::*;
+  const std::pair<const char*, Field> split[] = {{"- top level", &RTCCompressionStatistics::topLevelBytes},
+                                                 {"- frames", &RTCCompressionStatistics::frameBytes},
+                                                 {"- nodes", &RTCCompressionStatistics::nodeBytes},
+                                                 {"- leaves", &RTCCompressionStatistics::leafBytes},
+                                                 {"- grids", &RTCCompressionStatistics::gridBytes}};
+  for (const auto& [name, field] : split)
+    table.row(name, [field = field](const Result& r) {
+      return r.representation.isCompressed() ? number(double(r.build.compression.*field) / double(r.build.quads), 2)
+                                             : std::string("-");
+    });
+  table.row("memory, MiB", [](const Result& r) { return number(double(r.build.liveBytes) / (1 << 20), 1); });
+  table.row("peak of the build, MiB", [](const Result& r) { return number(double(r.build.peakBytes) / (1 << 20), 1); });
+  table.row("build, s", [](const Result& r) { return number(r.build.seconds, 2); });
+}
+
+void addSpeed(Table& table, const Comparison& c)
+{
+  const Result* naive = findNaive(c);
+  for (int set = 0; set < numRaySets; set++)
+    for (int query = 0; query < numQueries; query++)
+    {
+      const std::string name = std::string(setNames[set]) + ", " + queryNames[query] + " hit";
+      table.row(name + ", Mrays/s", [=](const Result& r) { return number(r.speed[set][query].mrays, 3); });
+      table.row("- of GRID", [=](const Result& r) { return number(r.speed[set][query].toGrid, 2); });
+      if (naive)
+        table.row("- of NAIVE", [=](const Result& r) {
+          return number(r.speed[set][query].toGrid / naive->speed[set][query].toGrid, 2);
+        });
+    }
+}
+
+void addErrors(Table& table)
+{
+  const auto error = [&](const std::string& name, const std::function<std::string(const HitErrors&)>& cell) {
+    table.row(name, [=](const Result& r) { return r.errors ? cell(*r.errors) : std::string("-"); });
+  };
+  error("error RMSE, pixels", [](const HitErrors& e) { return number(e.rmse, 4); });
+  error("- median", [](const HitErrors& e) { return number(e.median, 4); });
+  error("- p99", [](const HitErrors& e) { return number(e.p99, 4); });
+  error("- max", [](const HitErrors& e) { return number(e.max, 2); });
+  error("false hits", [](const HitErrors& e) { return std::to_string(e.falseHits); });
+  error("misses", [](const HitErrors& e) { return std::to_string(e.misses); });
+  error("normal, degrees, median", [](const HitErrors& e) { return number(e.normalMedian, 3); });
+  error("- p99", [](const HitErrors& e) { return number(e.normalP99, 2); });
+  error("(u,v), cells, median", [](const HitErrors& e) { return number(e.uvMedian, 4); });
+  error("- p99", [](const HitErrors& e) { return number(e.uvP99, 3); });
+  error("- on another patch", [](const HitErrors& e) { return std::to_string(e.otherPatch); });
+}
+
+} // namespace
+
+std::string formatTable(const Comparison& c)
+{
+  char head[512];
+  std::snprintf(head, sizeof(head),
+                "%s: %zu faces, level %d, %.2f million quads; %d x %d pixels from %s, %zu hit\n"
+                "speed: one thread, single rays, %zu coherent and %zu incoherent; errors against %s, %s%s\n\n",
+                c.model.c_str(), c.faces, c.build.level, c.results.empty() ? 0.0 : double(c.results[0].build.quads) * 1e-6,
+                c.size.width, c.size.height, c.camera.c_str(), c.primaryHits, c.rays[Coherent], c.rays[Incoherent],
+                c.reference.c_str(), "isa ", c.build.isa.empty() ? "best of the host" : c.build.isa.c_str());
+  Table table(c.results);
+  addMemory(table);
+  if (c.speed)
+    addSpeed(table, c);
+  addErrors(table);
+  for (int set = 0; set < numRaySets; set++)
+    table.row(std::string("any hit disagrees, ") + setNames[set],
+              [=](const Result& r) { return std::to_string(r.anyDisagreements[set]); });
+  return head + table.text();
+}
+
+std::string formatJson(const Comparison& c)
+{
+  using nlohmann::json;
+  json out;
+  out["model"] = c.model;
+  out["faces"] = c.faces;
+  out["level"] = c.build.level;
+  out["isa"] = c.build.isa.empty() ? "best" : c.build.isa;
+  out["width"] = c.size.width;
+  out["height"] = c.size.height;
+  out["camera"] = c.camera;
+  out["primary_hits"] = c.primaryHits;
+  out["coherent_rays"] = c.rays[Coherent];
+  out["incoherent_rays"] = c.rays[Incoherent];
+  out["error_reference"] = c.reference;
+  for (const Result& r : c.results)
+  {
+    json j;
+    j["representation"] = r.representation.label();
+    j["quads"] = r.build.quads;
+    j["bytes_per_quad"] = r.build.bytesPerQuad();
+    j["live_bytes"] = r.build.liveBytes;
+    j["peak_bytes"] = r.build.peakBytes;
+    j["build_seconds"] = r.build.seconds;
+    if (r.representation.isCompressed())
+    {
+      const RTCCompressionStatistics& s = r.build.compression;
+      j["compression"] = {{"top_level_bytes", s.topLevelBytes}, {"frame_bytes", s.frameBytes},
+                          {"node_bytes", s.nodeBytes},          {"leaf_bytes", s.leafBytes},
+                          {"grid_bytes", s.gridBytes},          {"blocks", s.numBlocks},
+                          {"quads", s.numQuads},                {"grid_quads", s.numGridQuads},
+                          {"invalid_quads", s.numInvalidQuads}, {"affine_blocks", s.numAffineBlocks},
+                          {"solid_leaves", s.numSolidLeaves},   {"max_leaf_thickness", s.maxLeafThickness}};
+    }
+    for (int set = 0; set < numRaySets; set++)
+    {
+      j["any_hit_disagreements"][setNames[set]] = r.anyDisagreements[set];
+      for (int query = 0; c.speed && query < numQueries; query++)
+        j["speed"][setNames[set]][queryNames[query]] = {{"mrays_per_second", r.speed[set][query].mrays},
+                                                        {"relative_to_grid", r.speed[set][query].toGrid}};
+    }
+    if (r.errors)
+    {
+      const HitErrors& e = *r.errors;
+      j["errors"] = {{"rmse_pixels", e.rmse},          {"median_pixels", e.median},
+                     {"p99_pixels", e.p99},            {"max_pixels", e.max},
+                     {"false_hits", e.falseHits},      {"misses", e.misses},
+                     {"both_hit", e.bothHit},          {"normal_median_degrees", e.normalMedian},
+                     {"normal_p99_degrees", e.normalP99}, {"uv_median_cells", e.uvMedian},
+                     {"uv_p99_cells", e.uvP99},        {"other_patch", e.otherPatch}};
+    }
+    out["results"].push_back(j);
+  }
+  return out.dump(2) + "\n";
+}
+
+} // namespace cbvh
