@@ -74,6 +74,9 @@ namespace embree
       uint32_t blockX() const { return (info >> 12) & 255; }  //!< position in the patch, in blocks
       uint32_t blockY() const { return (info >> 20) & 255; }
 
+      /*! width of a quad in the parameters of the patch */
+      float rcpQuads() const { return 1.0f/float(1u << level()); }
+
       static uint32_t encodeInfo(Kind kind, uint32_t height, uint32_t level, uint32_t x, uint32_t y) {
         return uint32_t(kind) | (height << 4) | (level << 8) | (x << 12) | (y << 20);
       }

@@ -70,7 +70,7 @@ namespace embree
                                       vboolf4 valid, const GroupHits& hits, float& sBest)
       {
         const uint32_t height = block->height();
-        const float rcpQuads = asFloat((127 - block->level()) << 23); // 2^-level
+        const float rcpQuads = block->rcpQuads();
         while (any(valid))
         {
           const size_t i = select_min(valid,hits.s);
@@ -218,7 +218,7 @@ namespace embree
 
           __forceinline MapUV (const Block* block, float x, float y)
           {
-            const float rcpQuads = asFloat((127 - block->level()) << 23);
+            const float rcpQuads = block->rcpQuads();
             const float u = float(block->u0)*(8.0f/0x10000) + x*rcpQuads;
             const float v = float(block->v0)*(8.0f/0x10000) + y*rcpQuads;
             static const float X0[8] = {0,0,1,1,0,0,1,1}, Y0[8] = {0,1,0,1,1,2,1,2};

@@ -1,11 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include "../common/default.h"
+#include "../common/rtcore.h"
 #include "settings.h"
 #include "block.h"
-#include "../common/rtcore.h"
 #include "../../common/lexers/tokenstream.h"
 #include <cstdlib>
+#include <sstream>
 #include <cmath>
 
 namespace embree

@@ -7,8 +7,8 @@
  * field may be left to the next one in the order geometry, device string,
  * environment, default; resolve() closes the chain. */
 
-#include "../common/default.h"
 #include "../../include/embree3/rtcore_compression.h"
+#include <string>
 
 namespace embree
 {
