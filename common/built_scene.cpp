@@ -183,7 +183,7 @@ size_t estimatedPeakBytes(RepresentationKind kind, size_t quads)
 {
   switch (kind)
   {
-  case RepresentationKind::Naive: return quads * 300; // measured: see the peak column
+  case RepresentationKind::Naive: return quads * 265; // measured: 246
   case RepresentationKind::Grid: return quads * 45;
   case RepresentationKind::CGrid: return quads * 25;
   default: return quads * 10;

@@ -19,24 +19,37 @@ Camera::Camera(Vec3f eye, Vec3f lookAt, Vec3f up, float fov, ImageSize size)
   pixel = 2.0f * std::tan(0.5f * fov * float(M_PI) / 180.0f) / float(size.height);
 }
 
-Camera Camera::wholeBox(const Box3f& box, const ViewHints& hints, float fov, ImageSize size)
+Camera Camera::fit(const std::vector<Vec3f>& points, float radius, const ViewHints& hints, float fov, ImageSize size)
 {
-  /* Far enough for each corner: one at depth z and offset (x,y) from the axis is in
-   * view from distance d when |y| <= (d + z) tan, and likewise for x. */
-  const Vec3f center = box.center();
+  /* In axes of the camera, a ball at (x,y,z) is left of the right border plane of an
+   * eye at (ex,ey,ez) when x - z t + radius / cos <= ex - ez t, t the tangent of half
+   * the field of view; likewise for the other three. The largest left sides of
+   * opposite planes give the nearest eye, and the middle between them. */
+  constexpr float rim = 0.96f;
   const Vec3f direction = normalize(hints.direction);
-  const Camera probe(center - direction, center, hints.up, fov, size);
-  const float tanY = 0.5f * probe.pixel * float(size.height), tanX = 0.5f * probe.pixel * float(size.width);
-  float distance = 0.0f;
-  for (int i = 0; i < 8; i++)
+  const Camera probe(-direction, {}, hints.up, fov, size);
+  const float tans[2] = {rim * 0.5f * probe.pixel * float(size.width), rim * 0.5f * probe.pixel * float(size.height)};
+  const Vec3f axes[2] = {probe.right, probe.down};
+  float middle[2], nearest = INFINITY;
+  for (int i = 0; i < 2; i++)
   {
-    const Vec3f corner{i & 1 ? box.upper.x : box.lower.x, i & 2 ? box.upper.y : box.lower.y,
-                       i & 4 ? box.upper.z : box.lower.z};
-    const Vec3f c = corner - center;
-    const float x = std::abs(dot(c, probe.right)), y = std::abs(dot(c, probe.down)), z = dot(c, direction);
-    distance = std::max(distance, std::max(x / tanX, y / tanY) - z);
+    const float grow = radius * std::sqrt(1.0f + tans[i] * tans[i]);
+    float a = -INFINITY, b = -INFINITY;
+    for (const Vec3f& p : points)
+    {
+      const float x = dot(p, axes[i]), z = dot(p, direction);
+      a = std::max(a, x - z * tans[i] + grow);
+      b = std::max(b, -x - z * tans[i] + grow);
+    }
+    middle[i] = 0.5f * (a - b);
+    nearest = std::min(nearest, -0.5f * (a + b) / tans[i]);
   }
-  return Camera(center - direction * (1.02f * distance), center, hints.up, fov, size);
+  const Vec3f eye = middle[0] * axes[0] + middle[1] * axes[1] + nearest * direction;
+  Box3f box;
+  for (const Vec3f& p : points)
+    box.extend(p);
+  return Camera(eye, eye + std::max(dot(box.center() - eye, direction), box.diagonal() * 1e-3f) * direction, hints.up,
+                fov, size);
 }
 
 Vec3f Camera::direction(float pixelX, float pixelY) const

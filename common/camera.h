@@ -8,6 +8,7 @@
 #include "model.h"
 
 #include <string>
+#include <vector>
 
 namespace cbvh {
 
@@ -22,8 +23,9 @@ public:
   /* fov: vertical, in degrees. */
   Camera(Vec3f eye, Vec3f lookAt, Vec3f up, float fov, ImageSize size);
 
-  /* The whole box in view, seen along the hint's direction. */
-  static Camera wholeBox(const Box3f& box, const ViewHints& hints, float fov, ImageSize size);
+  /* All points, each a ball of some radius, in view along the hint's direction, as
+   * large as can be with a narrow rim. */
+  static Camera fit(const std::vector<Vec3f>& points, float radius, const ViewHints& hints, float fov, ImageSize size);
 
   /* Direction through the centre of a pixel, of length 1. */
   Vec3f direction(float pixelX, float pixelY) const;

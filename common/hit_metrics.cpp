@@ -19,6 +19,15 @@ std::vector<float> pixelErrors(const std::vector<SurfaceHit>& reference, const s
   return errors;
 }
 
+std::vector<SurfaceHit> nearerHits(const std::vector<SurfaceHit>& a, const std::vector<SurfaceHit>& b)
+{
+  std::vector<SurfaceHit> nearer = a;
+  for (size_t i = 0; i < nearer.size(); i++)
+    if (b[i].t < nearer[i].t)
+      nearer[i] = b[i];
+  return nearer;
+}
+
 double quantile(std::vector<float>& values, double q)
 {
   if (values.empty())
@@ -36,7 +45,7 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
   result.rays = hits.size();
   const std::vector<float> pixels = pixelErrors(reference, hits, footprint);
   std::vector<float> distances, angles, cells;
-  double sumOfSquares = 0;
+  double sumOfSquares = 0, sumOfOthers = 0;
   for (size_t i = 0; i < hits.size(); i++)
   {
     result.falseHits += pixels[i] == falseHitError;
@@ -45,6 +54,10 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
       continue;
     distances.push_back(pixels[i]);
     sumOfSquares += double(pixels[i]) * pixels[i];
+    if (pixels[i] > farOffPixels)
+      result.farOff++;
+    else
+      sumOfOthers += double(pixels[i]) * pixels[i];
 
     const Vec3f a = reference[i].normal, b = hits[i].normal;
     const float angle = std::atan2(length(cross(normalize(a), normalize(b))), dot(normalize(a), normalize(b)));
@@ -65,6 +78,8 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
   result.bothHit = distances.size();
   if (result.bothHit)
     result.rmse = std::sqrt(sumOfSquares / double(result.bothHit));
+  if (result.bothHit > result.farOff)
+    result.rmseOfOthers = std::sqrt(sumOfOthers / double(result.bothHit - result.farOff));
   result.median = quantile(distances, 0.5);
   result.p99 = quantile(distances, 0.99);
   result.max = quantile(distances, 1.0);

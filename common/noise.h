@@ -58,16 +58,36 @@ struct CellNoise
 inline CellNoise cellNoise(Vec3f p, uint32_t seed)
 {
   const float fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
+  /* Squared distance, on one axis, to where points can be in the cell at -1, 0, 1. */
+  constexpr float margin = 0.1f; // points keep off the cell's walls: more even cells
+  auto axisDistances = [](float f, float out[3]) {
+    const float below = f + margin, above = 1.0f + margin - f, inside = std::max(0.0f, std::max(margin - f, f - 1.0f + margin));
+    out[0] = below * below;
+    out[1] = inside * inside;
+    out[2] = above * above;
+  };
+  float mx[3], my[3], mz[3];
+  axisDistances(p.x - fx, mx);
+  axisDistances(p.y - fy, my);
+  axisDistances(p.z - fz, mz);
+
   float first = 9.0f, second = 9.0f;
   uint32_t id = 0;
-  for (int dz = -1; dz <= 1; dz++)
-    for (int dy = -1; dy <= 1; dy++)
-      for (int dx = -1; dx <= 1; dx++)
+  constexpr int order[3] = {0, -1, 1}; // the middle first, so that most others are skipped
+  for (int dz : order)
+    for (int dy : order)
+    {
+      if (mz[dz + 1] + my[dy + 1] >= second)
+        continue;
+      for (int dx : order)
       {
+        if (mz[dz + 1] + my[dy + 1] + mx[dx + 1] >= second)
+          continue;
         const uint32_t h = hashCell(int(fx) + dx, int(fy) + dy, int(fz) + dz, seed);
-        const float scale = 0.8f / 1024.0f; // points keep off the cell's walls: more even cells
-        const Vec3f q{fx + float(dx) + 0.1f + float(h & 1023) * scale, fy + float(dy) + 0.1f + float((h >> 10) & 1023) * scale,
-                      fz + float(dz) + 0.1f + float((h >> 20) & 1023) * scale};
+        constexpr float scale = (1.0f - 2.0f * margin) / 1024.0f;
+        const Vec3f q{fx + float(dx) + margin + float(h & 1023) * scale,
+                      fy + float(dy) + margin + float((h >> 10) & 1023) * scale,
+                      fz + float(dz) + margin + float((h >> 20) & 1023) * scale};
         const float d = dot(q - p, q - p);
         if (d < first)
         {
@@ -78,6 +98,7 @@ inline CellNoise cellNoise(Vec3f p, uint32_t seed)
         else if (d < second)
           second = d;
       }
+    }
   return {std::sqrt(first), std::sqrt(second), id};
 }
 

@@ -152,7 +152,7 @@ Cage voxelSurface(VoxelGrid& grid)
 /* Alternates between evening out and stepping back onto the surface. */
 void relax(Cage& cage, const std::vector<Capsule>& capsules, float voxel)
 {
-  constexpr int iterations = 40;
+  constexpr int iterations = 10;
   const float h = 0.01f * voxel;
   for (int iteration = 0; iteration < iterations; iteration++)
   {

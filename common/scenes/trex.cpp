@@ -13,7 +13,7 @@
 namespace cbvh {
 namespace {
 
-constexpr float voxelSize = 0.15f;
+constexpr float voxelSize = 0.115f;
 
 void addLeg(std::vector<Capsule>& body, float side, float stride)
 {
@@ -22,8 +22,8 @@ void addLeg(std::vector<Capsule>& body, float side, float stride)
   const Vec3f knee{0.75f + 0.45f * stride, 1.85f, z};
   const Vec3f ankle{-0.15f + 0.65f * stride, 0.95f, z};
   const Vec3f ball{0.15f + 0.8f * stride, 0.24f, z};
-  body.push_back({hip, knee, 0.68f, 0.36f, 0.35f});
-  body.push_back({knee, ankle, 0.34f, 0.19f, 0.12f});
+  body.push_back({hip, knee, 0.78f, 0.4f, 0.35f});
+  body.push_back({knee, ankle, 0.39f, 0.2f, 0.15f});
   body.push_back({ankle, ball, 0.18f, 0.19f, 0.1f});
   for (float spread : {-0.42f, 0.0f, 0.42f})
   {
@@ -40,22 +40,24 @@ void addArm(std::vector<Capsule>& body, float side)
   const Vec3f shoulder{2.0f, 2.95f, 0.62f * side}, elbow{2.12f, 2.42f, 0.78f * side}, hand{2.55f, 2.3f, 0.66f * side};
   body.push_back({shoulder, elbow, 0.25f, 0.15f, 0.2f});
   body.push_back({elbow, hand, 0.15f, 0.12f, 0.05f});
-  body.push_back({hand, {2.82f, 2.12f, 0.52f * side}, 0.11f, 0.085f, 0.03f});
-  body.push_back({hand, {2.86f, 2.18f, 0.82f * side}, 0.11f, 0.085f, 0.03f});
+  body.push_back({hand, {2.82f, 2.12f, 0.52f * side}, 0.12f, 0.1f, 0.03f});
+  body.push_back({hand, {2.86f, 2.18f, 0.82f * side}, 0.12f, 0.1f, 0.03f});
 }
 
 void addHead(std::vector<Capsule>& body)
 {
-  body.push_back({{3.05f, 4.75f, 0}, {3.55f, 4.95f, 0}, 0.5f, 0.5f, 0.25f});          // skull
-  body.push_back({{3.5f, 4.98f, 0.16f}, {4.75f, 4.78f, 0.07f}, 0.36f, 0.25f, 0.15f}); // upper jaw, two halves:
-  body.push_back({{3.5f, 4.98f, -0.16f}, {4.75f, 4.78f, -0.07f}, 0.36f, 0.25f, 0.15f}); // wider than high
-  body.push_back({{3.3f, 4.55f, 0.14f}, {4.45f, 3.92f, 0.06f}, 0.26f, 0.16f, 0.1f});  // lower jaw
-  body.push_back({{3.3f, 4.55f, -0.14f}, {4.45f, 3.92f, -0.06f}, 0.26f, 0.16f, 0.1f});
+  for (float side : {-1.0f, 1.0f}) // in halves: wider than high
+  {
+    body.push_back({{3.0f, 4.88f, 0.18f * side}, {3.6f, 5.05f, 0.2f * side}, 0.46f, 0.44f, 0.3f});  // skull
+    body.push_back({{3.6f, 4.98f, 0.17f * side}, {4.95f, 4.78f, 0.07f * side}, 0.36f, 0.22f, 0.15f}); // upper jaw
+    body.push_back({{3.1f, 4.5f, 0.2f * side}, {4.72f, 3.95f, 0.06f * side}, 0.26f, 0.14f, 0.08f}); // lower jaw
+    body.push_back({{3.15f, 4.62f, 0.32f * side}, {3.3f, 4.45f, 0.3f * side}, 0.24f, 0.2f, 0.15f}); // cheek
+  }
+  body.push_back({{3.8f, 5.26f, 0}, {4.9f, 4.94f, 0}, 0.12f, 0.1f, 0.12f});                         // nasal ridge
   for (float side : {-1.0f, 1.0f})
   {
-    body.push_back({{3.5f, 5.33f, 0.3f * side}, {3.95f, 5.2f, 0.33f * side}, 0.13f, 0.1f, 0.08f});   // brow
-    body.push_back({{3.72f, 5.06f, 0.43f * side}, {3.73f, 5.06f, 0.43f * side}, 0.14f, 0.14f, 0.03f}); // eye
-    body.push_back({{4.2f, 5.08f, 0.12f * side}, {4.7f, 4.98f, 0.12f * side}, 0.1f, 0.1f, 0.1f});     // nose ridge
+    body.push_back({{3.5f, 5.46f, 0.38f * side}, {4.0f, 5.32f, 0.36f * side}, 0.12f, 0.09f, 0.08f}); // brow
+    body.push_back({{3.86f, 5.14f, 0.46f * side}, {3.87f, 5.14f, 0.46f * side}, 0.13f, 0.13f, 0.0f}); // eye
   }
 }
 
@@ -84,14 +86,13 @@ float smoothstep(float a, float b, float x)
   return t * t * (3.0f - 2.0f * t);
 }
 
-/* One plate a cell: domed, with a groove along its border. */
-float scales(Vec3f p, uint32_t seed)
+/* A pebble a cell: 1 in its middle, falling to 0 in a groove on its border. Squared
+ * distances make it smooth in the middle. */
+float pebble(const CellNoise& cell)
 {
-  const CellNoise cell = cellNoise(p, seed);
-  const float plate = smoothstep(0.0f, 0.3f, cell.second - cell.nearest);
-  const float dome = 1.0f - 0.6f * cell.nearest * cell.nearest;
-  const float own = 0.75f + 0.25f * float(cell.id >> 24) / 255.0f;
-  return plate * dome * own;
+  const float a = cell.nearest * cell.nearest, b = cell.second * cell.second;
+  const float s = (b - a) / (b + a);
+  return s * (2.0f - s);
 }
 
 /* Grooves where the noise crosses zero; 0 in them, 1 between. */
@@ -100,22 +101,27 @@ float creases(Vec3f p, float width, uint32_t seed)
   return smoothstep(0.0f, width, std::abs(gradientNoise(p, seed)));
 }
 
-/* Height of the skin at a point of the limit surface, within 0 and 1. */
+/* Height of the skin at a point of the limit surface, within 0 and 1: fine pebbles
+ * everywhere, a large feature scale here and there, more of them along the back and
+ * on the head, folds around trunk and limbs, wrinkles across them. */
 float skinHeight(Vec3f p)
 {
-  /* Large plates on head, back and tail; fine ones on belly, limbs and throat. */
   const float wobble = gradientNoise(0.9f * p, 11);
-  const float high = smoothstep(-0.5f, 0.5f, p.y - 3.25f - 0.55f * std::max(0.0f, p.x - 2.0f) + 0.5f * wobble);
-  const Vec3f warped = p + 0.05f * Vec3f{gradientNoise(4.0f * p, 1), gradientNoise(4.0f * p, 2), gradientNoise(4.0f * p, 3)};
-  const float large = scales(4.2f * warped, 4);
-  const float fine = scales(11.0f * warped, 5);
-  const float plates = fine * (0.35f + 0.1f * (1.0f - high)) + large * (0.15f + 0.4f * high);
-  /* Folds run around trunk and limbs, mostly across the long axis. */
-  const Vec3f folded = Vec3f{2.6f, 0.7f, 0.7f} * (p + 0.15f * Vec3f{wobble, -wobble, wobble});
-  const float folds = creases(folded, 0.28f, 6);
-  const float wrinkles = creases(6.5f * warped, 0.2f, 7);
+  const float high = smoothstep(-0.4f, 0.6f, p.y - 3.3f - 0.6f * std::max(0.0f, p.x - 2.0f) + 0.5f * wobble);
+  const Vec3f warped = p + 0.03f * Vec3f{gradientNoise(5.0f * p, 1), gradientNoise(5.0f * p, 2), gradientNoise(5.0f * p, 3)};
+
+  const float fine = pebble(cellNoise(13.0f * warped, 5));
+  const CellNoise cell = cellNoise(4.5f * warped, 4);
+  const float rank = float(cell.id >> 22) / 1023.0f; // of the cell's scale among all
+  const float feature = smoothstep(0.62f - 0.45f * high, 0.72f - 0.45f * high, rank) *
+                        smoothstep(0.1f, 1.0f, pebble(cell));
+  const Vec3f folded = Vec3f{2.4f, 0.6f, 0.6f} * (p + 0.2f * Vec3f{wobble, -wobble, wobble});
+  const float folds = creases(folded, 0.35f, 6);
+  const float wrinkles = creases(Vec3f{4.0f, 7.0f, 7.0f} * warped, 0.15f, 7);
   const float bumps = 0.5f + 0.5f * gradientNoise(1.7f * p, 8);
-  return std::min(1.0f, 0.52f * plates * (0.55f + 0.45f * folds) + 0.18f * folds + 0.12f * wrinkles + 0.18f * bumps);
+
+  const float scales = fine * (0.2f - 0.06f * feature) + 0.36f * feature;
+  return std::min(1.0f, scales + 0.26f * folds + 0.06f * wrinkles + 0.12f * bumps);
 }
 
 HeightMap bakeSkin(const Cage& cage, const FaceAtlas& atlas, unsigned threads)
@@ -180,7 +186,7 @@ Model makeTrex(const TrexSettings& settings)
   bakeSkin(model.cage, atlas, threadCount(settings.threads)).write(settings.mapPath);
   model.displacement = displaceByAtlas(atlas, HeightMap::read(settings.mapPath),
                                        settings.amplitude * model.cage.bounds().diagonal());
-  model.view.direction = {-0.5f, -0.16f, -1.0f};
+  model.view.direction = {-0.62f, -0.12f, -0.8f};
   model.view.closePoint = {0.8f, 0.33f};
   model.view.closeDistance = 0.13f;
   return model;

@@ -43,7 +43,7 @@ struct Comparison
   size_t primaryHits = 0;
   size_t rays[numRaySets] = {0, 0};
   bool speed = true;
-  std::string reference;      // of the errors: NAIVE, or GRID where NAIVE is not asked for
+  std::string reference;      // what the errors are measured against
   std::vector<Result> results; // in the order asked for
 };
 

@@ -118,6 +118,8 @@ void addErrors(Table& table)
   error("- median", [](const HitErrors& e) { return number(e.median, 4); });
   error("- p99", [](const HitErrors& e) { return number(e.p99, 4); });
   error("- max", [](const HitErrors& e) { return number(e.max, 2); });
+  error("- beyond 5 pixels", [](const HitErrors& e) { return std::to_string(e.farOff); });
+  error("- RMSE of the others", [](const HitErrors& e) { return number(e.rmseOfOthers, 4); });
   error("false hits", [](const HitErrors& e) { return std::to_string(e.falseHits); });
   error("misses", [](const HitErrors& e) { return std::to_string(e.misses); });
   error("normal, degrees, median", [](const HitErrors& e) { return number(e.normalMedian, 3); });
@@ -194,7 +196,8 @@ std::string formatJson(const Comparison& c)
     {
       const HitErrors& e = *r.errors;
       j["errors"] = {{"rmse_pixels", e.rmse},          {"median_pixels", e.median},
-                     {"p99_pixels", e.p99},            {"max_pixels", e.max},
+                     {"p99_pixels", e.p99},
+                     {"beyond_5_pixels", e.farOff},    {"rmse_of_others_pixels", e.rmseOfOthers},            {"max_pixels", e.max},
                      {"false_hits", e.falseHits},      {"misses", e.misses},
                      {"both_hit", e.bothHit},          {"normal_median_degrees", e.normalMedian},
                      {"normal_p99_degrees", e.normalP99}, {"uv_median_cells", e.uvMedian},
