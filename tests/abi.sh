@@ -1,0 +1,38 @@
+#!/bin/sh
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Our library and headers are a superset of Debian's: nothing removed, nothing
+# changed, and what is added is the API of compression.
+#
+#   abi.sh ABIDIFF STOCK-LIBRARY OUR-LIBRARY OUR-HEADERS
+set -eu
+abidiff=$1 stock=$2 ours=$3 headers=$4
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export LC_ALL=C
+
+"$abidiff" --no-added-syms "$stock" "$ours" || { echo "abidiff: removed or changed symbols" >&2; exit 1; }
+
+symbols() { nm --dynamic --defined-only "$1" | awk '{ print $2, $3 }' | sort; }
+symbols "$stock" > "$work/stock"
+symbols "$ours" > "$work/ours"
+[ "$(wc -l < "$work/stock")" -gt 100 ]
+comm -23 "$work/stock" "$work/ours" > "$work/removed"
+comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
+[ ! -s "$work/removed" ] || { echo "removed:"; cat "$work/removed"; exit 1; }
+printf '%s\n' rtcGetSceneCompressionStatistics rtcSetGeometryCompression > "$work/api"
+diff "$work/api" "$work/added" || { echo "added symbols are not those of rtcore_compression.h" >&2; exit 1; }
+
+soname() { readelf -d "$1" | sed -n 's/.*soname: //p'; }
+[ "$(soname "$stock")" = "$(soname "$ours")" ]
+
+# Debian's library has no debug information, so abidiff sees no types: the
+# headers have to be the same to the byte.
+for header in /usr/include/embree3/*; do
+  cmp "$header" "$headers/${header##*/}"
+done
+# Ours stands on its own, in C and in C++.
+for language in c c++; do
+  echo '#include <embree3/rtcore_compression.h>' | cc -x "$language" -fsyntax-only -I "${headers%/*}" -
+done

@@ -1,0 +1,12 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+# Tests of common/ and of the programs in tutorials/. Included by CMakeLists.txt,
+# after cbvh_test.
+
+foreach(unit cage_validation displacement hit_metrics height_map obj_reader ray_sets representation trex_cage)
+  cbvh_test(${unit} LIBRARIES cbvh_common)
+endforeach()
+
+add_test(NAME render_cli COMMAND "${CMAKE_CURRENT_LIST_DIR}/render_cli.sh" "$<TARGET_FILE:cbvh_render>")
+set_tests_properties(render_cli PROPERTIES TIMEOUT 600)
