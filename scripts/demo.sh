@@ -11,7 +11,7 @@
 output=${1:-output/demo}
 
 render() {
-  build/release/tutorials/cbvh_render --scene "$1" --level 6 --frame-level 2 \
+  build/release/tutorials/render/cbvh_render --scene "$1" --level 6 --frame-level 2 \
     --representation naive,grid,cgrid,cvoxel,cleaf --output "$output/$1"
 }
 
