@@ -8,9 +8,43 @@
 #include <OpenImageIO/imageio.h>
 
 #include <cmath>
+#include <cstdio>
+#include <fcntl.h>
 #include <filesystem>
+#include <unistd.h>
 
 namespace cbvh {
+namespace {
+
+/* libpng writes its complaints to stderr itself, past OpenImageIO, which reports
+ * them, too. Holds stderr shut for the length of a call; the programs read maps
+ * while they do nothing else. */
+class QuietStderr
+{
+public:
+  QuietStderr() : saved(dup(STDERR_FILENO))
+  {
+    std::fflush(stderr);
+    const int nowhere = open("/dev/null", O_WRONLY);
+    if (saved >= 0 && nowhere >= 0)
+      dup2(nowhere, STDERR_FILENO);
+    if (nowhere >= 0)
+      close(nowhere);
+  }
+  ~QuietStderr()
+  {
+    if (saved < 0)
+      return;
+    std::fflush(stderr);
+    dup2(saved, STDERR_FILENO);
+    close(saved);
+  }
+
+private:
+  int saved;
+};
+
+} // namespace
 
 HeightMap HeightMap::read(const std::string& path)
 {
@@ -25,6 +59,7 @@ HeightMap HeightMap::read(const std::string& path)
         c = ' ';
     return Error(path + ": cannot be read as a height map: " + (reason.empty() ? "unknown reason" : reason));
   };
+  const QuietStderr quiet;
   const auto input = OIIO::ImageInput::open(path);
   if (!input)
     throw fail(OIIO::geterror());

@@ -59,6 +59,11 @@ refuses "cannot be opened" --cage "$folder/missing.obj"
 refuses "no such height map" --cage "$folder/quad.obj" --height "$folder/missing.exr"
 refuses "cannot be read as a height map" --cage "$folder/quad.obj" --height "$folder/text.png"
 refuses "cannot be read as a height map" --cage "$folder/quad.obj" --height "$folder/short.exr"
+if command -v oiiotool >/dev/null; then
+  oiiotool --pattern noise:type=uniform 64x64 1 -d uint16 -o "$folder/whole.png"
+  head -c $(($(stat -c %s "$folder/whole.png") / 2)) "$folder/whole.png" >"$folder/half.png"
+  refuses "cannot be read as a height map" --cage "$folder/quad.obj" --height "$folder/half.png"
+fi
 refuses "unknown representation 'mesh'" --scene cube --representation grid,mesh
 refuses "unknown --scene 'teapot'" --scene teapot
 refuses "level 9 is out of range" --scene cube --level 9
