@@ -26,11 +26,18 @@ inline uint32_t hashCell(int x, int y, int z, uint32_t seed)
   return h;
 }
 
+/* std::floor is a function call where SSE4.1 is not assumed. */
+inline int floorToInt(float x)
+{
+  const int i = int(x);
+  return i - (float(i) > x);
+}
+
 /* Gradient noise, about -1 to 1, one feature a unit. */
 inline float gradientNoise(Vec3f p, uint32_t seed)
 {
-  const float fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
-  const int ix = int(fx), iy = int(fy), iz = int(fz);
+  const int ix = floorToInt(p.x), iy = floorToInt(p.y), iz = floorToInt(p.z);
+  const float fx = float(ix), fy = float(iy), fz = float(iz);
   const Vec3f f{p.x - fx, p.y - fy, p.z - fz};
   auto fade = [](float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); };
   const float wx = fade(f.x), wy = fade(f.y), wz = fade(f.z);
@@ -57,7 +64,8 @@ struct CellNoise
 
 inline CellNoise cellNoise(Vec3f p, uint32_t seed)
 {
-  const float fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
+  const int ix = floorToInt(p.x), iy = floorToInt(p.y), iz = floorToInt(p.z);
+  const float fx = float(ix), fy = float(iy), fz = float(iz);
   /* Squared distance, on one axis, to where points can be in the cell at -1, 0, 1. */
   constexpr float margin = 0.1f; // points keep off the cell's walls: more even cells
   auto axisDistances = [](float f, float out[3]) {
@@ -83,7 +91,7 @@ inline CellNoise cellNoise(Vec3f p, uint32_t seed)
       {
         if (mz[dz + 1] + my[dy + 1] + mx[dx + 1] >= second)
           continue;
-        const uint32_t h = hashCell(int(fx) + dx, int(fy) + dy, int(fz) + dz, seed);
+        const uint32_t h = hashCell(ix + dx, iy + dy, iz + dz, seed);
         constexpr float scale = (1.0f - 2.0f * margin) / 1024.0f;
         const Vec3f q{fx + float(dx) + margin + float(h & 1023) * scale,
                       fy + float(dy) + margin + float((h >> 10) & 1023) * scale,

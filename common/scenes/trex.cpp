@@ -49,11 +49,11 @@ void addHead(std::vector<Capsule>& body)
   for (float side : {-1.0f, 1.0f}) // in halves: wider than high
   {
     body.push_back({{3.0f, 4.88f, 0.18f * side}, {3.6f, 5.05f, 0.2f * side}, 0.46f, 0.44f, 0.3f});  // skull
-    body.push_back({{3.6f, 4.98f, 0.17f * side}, {4.95f, 4.78f, 0.07f * side}, 0.36f, 0.22f, 0.15f}); // upper jaw
-    body.push_back({{3.1f, 4.5f, 0.2f * side}, {4.72f, 3.95f, 0.06f * side}, 0.26f, 0.14f, 0.08f}); // lower jaw
+    body.push_back({{3.6f, 4.95f, 0.17f * side}, {4.85f, 4.76f, 0.09f * side}, 0.42f, 0.29f, 0.15f}); // upper jaw
+    body.push_back({{3.1f, 4.48f, 0.2f * side}, {4.66f, 3.88f, 0.07f * side}, 0.27f, 0.16f, 0.06f}); // lower jaw
     body.push_back({{3.15f, 4.62f, 0.32f * side}, {3.3f, 4.45f, 0.3f * side}, 0.24f, 0.2f, 0.15f}); // cheek
   }
-  body.push_back({{3.8f, 5.26f, 0}, {4.9f, 4.94f, 0}, 0.12f, 0.1f, 0.12f});                         // nasal ridge
+  body.push_back({{3.8f, 5.28f, 0}, {4.9f, 4.99f, 0}, 0.12f, 0.1f, 0.12f});                         // nasal ridge
   for (float side : {-1.0f, 1.0f})
   {
     body.push_back({{3.5f, 5.46f, 0.38f * side}, {4.0f, 5.32f, 0.36f * side}, 0.12f, 0.09f, 0.08f}); // brow
