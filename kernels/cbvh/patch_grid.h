@@ -26,7 +26,7 @@ namespace embree
         width = patch.grid_u_res; height = patch.grid_v_res;
         count = size_t(width)*size_t(height);
         stride = (count + 2*VSIZEX - 1) & ~size_t(VSIZEX-1); // room for full-width stores
-        arrays.resize(8*stride);
+        arrays.resize(8*stride+16);
         float* P[3] = { array(0), array(1), array(2) };
         float* N[3] = { array(3), array(4), array(5) };
         float* u = array(6);
@@ -48,7 +48,8 @@ namespace embree
       size_t width = 0, height = 0;
 
     private:
-      float* array (size_t i) { return &arrays[i*stride]; }
+      /*! aligned for full-width loads, which mvector is not */
+      float* array (size_t i) { return (float*)((size_t(arrays.data())+63) & ~size_t(63)) + i*stride; }
 
       void interleave (float (*out)[3])
       {

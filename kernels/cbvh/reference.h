@@ -1,0 +1,234 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Scalar reference decoder and intersector of a block, in double: what the SIMD
+ * intersectors must equal. Written for reading, after FORMAT.md, with no ordering,
+ * no mirroring and no early out: every node is opened whose box the ray's segment
+ * meets, the nearest hit is kept.
+ *
+ * The SIMD code widens bounds by the float error of its ray. "widening" says by how
+ * many times that the reference widens: 0 is the exact answer, and what SIMD finds
+ * lies between the answers for 0 and for 2. */
+
+#include "frame.h"
+#include "leaf_codec.h"
+#include <limits>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    struct ReferenceRay
+    {
+      double org[3], dir[3];
+      double tnear = 0, tfar = std::numeric_limits<double>::infinity();
+    };
+
+    struct ReferenceHit
+    {
+      bool found = false;
+      double t = std::numeric_limits<double>::infinity();
+      double u = 0, v = 0;   //!< of the face
+      double Ng[3] = {0,0,0};
+      uint32_t leaf = 0;     //!< Morton index
+    };
+
+    class ReferenceIntersector
+    {
+    public:
+      ReferenceIntersector (const Block* block, double widening = 0)
+        : block(block), layout(block->layout()), widening(widening) {}
+
+      ReferenceHit intersect (const ReferenceRay& ray)
+      {
+        best = ReferenceHit();
+        if (!enter(ray)) return best;
+        visit(0,0,NodeBox::root());
+        return best;
+      }
+
+    private:
+      /*! clips the ray to the block's box and takes the segment to the frame */
+      bool enter (const ReferenceRay& r)
+      {
+        ray = r;
+        double O[4] = { 0.5,0.5,0.5,1 }, D[4] = { 0,0,0,0 }, stretch[3] = { 0,0,0 }, reach = 0;
+        for (int i=0; i<3; i++)
+        {
+          const double o = ray.org[i] - double(block->centre[i]);
+          reach = std::fmax(reach,std::fabs(o));
+          for (int k=0; k<4; k++) {
+            O[k] += double(block->columns[i][k])*o;
+            D[k] += double(block->columns[i][k])*ray.dir[i];
+            if (k < 3) stretch[k] += std::fabs(double(block->columns[i][k]));
+          }
+        }
+        const double ulp = std::numeric_limits<float>::epsilon();
+        double t0 = -std::numeric_limits<double>::infinity(), t1 = std::numeric_limits<double>::infinity();
+        for (int k=0; k<3; k++) {
+          epsilon[k] = widening*(4*ulp*reach*stretch[k] + 8*ulp);
+          clip(O[k]+epsilon[k],D[k],t0,t1);
+          clip(O[3]-O[k]+epsilon[k],D[3]-D[k],t0,t1);
+        }
+        startClipped = ray.tnear > t0;
+        endClipped = ray.tfar < t1;
+        begin = std::fmax(t0,ray.tnear);
+        end = std::fmin(t1,ray.tfar);
+        if (!(begin <= end)) return false;
+        for (int k=0; k<3; k++) {
+          P0[k] = (O[k]+begin*D[k])/(O[3]+begin*D[3]);
+          P1[k] = (O[k]+end*D[k])/(O[3]+end*D[3]);
+        }
+        w0 = O[3]+begin*D[3];
+        w1 = O[3]+end*D[3];
+        return w0 > 0 && w1 > 0;
+      }
+
+      /*! keeps the part of [t0,t1] where o + t d >= 0 */
+      static void clip (double o, double d, double& t0, double& t1)
+      {
+        if (d > 0) t0 = std::fmax(t0,-o/d);
+        else if (d < 0) t1 = std::fmin(t1,-o/d);
+        else if (o < 0) t1 = -std::numeric_limits<double>::infinity();
+      }
+
+      /*! part of the segment's line in a box, widened */
+      bool slab (const NodeBox& box, double& s0, double& s1) const
+      {
+        s0 = -std::numeric_limits<double>::infinity();
+        s1 =  std::numeric_limits<double>::infinity();
+        for (int k=0; k<3; k++) {
+          clip(P0[k]-double(box.lower[k])+epsilon[k],P1[k]-P0[k],s0,s1);
+          clip(double(box.upper(k))-P0[k]+epsilon[k],P0[k]-P1[k],s0,s1);
+        }
+        return std::fmax(s0,0.0) <= std::fmin(s1,1.0);
+      }
+
+      void visit (uint32_t level, uint32_t m, const NodeBox& box)
+      {
+        double s0, s1;
+        if (!slab(box,s0,s1)) return;
+        if (level == layout.nodeLevels) { leaf(m,box,s0,s1); return; }
+        const uint32_t node = block->nodes()[nodesOfLevels(level)+m];
+        for (int c=0; c<4; c++)
+          visit(level+1,4*m+uint32_t(c),decodeChild(node,c,box));
+      }
+
+      void leaf (uint32_t m, const NodeBox& box, double s0, double s1)
+      {
+        switch (block->kind()) {
+        case Kind::LEAF : heightLeaf(m,box,s0,s1); break;
+        case Kind::VOXEL: if (!(startClipped && s0 < 0)) hit(m,box,std::fmax(s0,0.0),0,0); break;
+        case Kind::GRID : gridLeaf(m); break;
+        }
+      }
+
+      void heightLeaf (uint32_t m, const NodeBox& box, double sNear, double sFar)
+      {
+        const uint16_t code = ((const uint16_t*)block->leaves())[m];
+        if (code == emptyLeaf) return;
+        const bool startsInside = startClipped && sNear < 0, endsInside = endClipped && sFar > 1;
+        const double s0 = std::fmax(sNear,0.0), s1 = std::fmin(sFar,1.0);
+        if (code == solidLeaf) {
+          if (!startsInside) hit(m,box,s0,0,0);
+          return;
+        }
+        const LeafBins bins(box,block->zScale);
+        double q[4];
+        for (int i=0; i<4; i++) q[i] = bins.base + (leafHeight(code,i)+0.5)*bins.size;
+        auto height = [&](double s) {
+          const double u = boxPosition(box,s,0), v = boxPosition(box,s,1);
+          return q[0] + u*(q[1]-q[0]) + v*(q[2]-q[0]) + u*v*(q[0]-q[1]-q[2]+q[3]);
+        };
+        const double f0 = P0[2]+s0*(P1[2]-P0[2]) - height(s0), f1 = P0[2]+s1*(P1[2]-P0[2]) - height(s1);
+        const double reach = startsInside || endsInside ? 0 : 0.5*bins.size + epsilon[2];
+        if (std::fmin(f0,f1) > reach || std::fmax(f0,f1) < -reach) return;
+        double k = f0 == f1 ? f0 : f0/(f0-f1);
+        k = k < 0 ? 0 : k > 1 ? 1 : k;
+        const double s = s0 + k*(s1-s0);
+        const double u = boxPosition(box,s,0), v = boxPosition(box,s,1);
+        hit(m,box,s,(q[1]-q[0] + v*(q[0]-q[1]-q[2]+q[3]))/box.extent[0],
+                    (q[2]-q[0] + u*(q[0]-q[1]-q[2]+q[3]))/box.extent[1]);
+      }
+
+      double boxPosition (const NodeBox& box, double s, int axis) const {
+        const double u = (P0[axis]+s*(P1[axis]-P0[axis])-double(box.lower[axis]))/double(box.extent[axis]);
+        return u < 0 ? 0 : u > 1 ? 1 : u;
+      }
+
+      void hit (uint32_t m, const NodeBox& box, double s, double slopeX, double slopeY)
+      {
+        const double sw = s*w0, tau = sw/(w1*(1-s)+sw);
+        const double t = begin + tau*(end-begin);
+        if (!(t < best.t)) return;
+        const double P[3] = { P0[0]+s*(P1[0]-P0[0]), P0[1]+s*(P1[1]-P0[1]), P0[2]+s*(P1[2]-P0[2]) };
+        setHit(m,t,mortonX(m)+boxPosition(box,s,0),mortonY(m)+boxPosition(box,s,1));
+        const double k = P[2] - slopeX*P[0] - slopeY*P[1];
+        for (int i=0; i<3; i++) {
+          const float* c = block->columns[i];
+          best.Ng[i] = -slopeX*c[0] - slopeY*c[1] + c[2] - k*c[3];
+        }
+      }
+
+      void setHit (uint32_t m, double t, double x, double y)
+      {
+        best.found = true;
+        best.t = t;
+        best.leaf = m;
+        best.u = block->u0*(8.0/0x10000) + ((block->blockX() << block->height()) + x)*block->rcpQuads();
+        best.v = block->v0*(8.0/0x10000) + ((block->blockY() << block->height()) + y)*block->rcpQuads();
+      }
+
+      /*! the triangles (00,10,01) and (01,10,11) of every quad of a group */
+      void gridLeaf (uint32_t m)
+      {
+        const uint32_t width = (1u << block->height()) + 1;
+        const uint32_t quads = block->height() ? 2 : 1;
+        for (uint32_t j=0; j<quads; j++)
+          for (uint32_t i=0; i<quads; i++)
+          {
+            const uint32_t x = quads*mortonX(m)+i, y = quads*mortonY(m)+j;
+            double p[4][3];
+            for (uint32_t c=0; c<4; c++)
+              for (int k=0; k<3; k++)
+                p[c][k] = ((const float*)block->leaves())[size_t(k)*width*width + (y+(c>>1))*width + x+(c&1)];
+            triangle(m,p[0],p[1],p[2],x,y,1,0,0,1,0,0);
+            triangle(m,p[2],p[1],p[3],x,y,1,0,1,1,0,1);
+          }
+      }
+
+      /*! v0 at (x0,y0) of the quad, v1 at (x1,y1), v2 at (x2,y2), in the argument order
+       *  1, 2, 0 of the corners */
+      void triangle (uint32_t m, const double v0[3], const double v1[3], const double v2[3], uint32_t x, uint32_t y,
+                     double x1, double y1, double x2, double y2, double x0, double y0)
+      {
+        const Double3 a = { v0[0],v0[1],v0[2] }, b = { v1[0],v1[1],v1[2] }, c = { v2[0],v2[1],v2[2] };
+        const Double3 o = { ray.org[0],ray.org[1],ray.org[2] }, d = { ray.dir[0],ray.dir[1],ray.dir[2] };
+        const Double3 e1 = b-a, e2 = c-a, n = cross(e1,e2);
+        const double den = dot(n,d);
+        if (den == 0) return;
+        const double t = dot(n,a-o)/den;
+        const Double3 p = o + t*d - a;
+        const double n2 = dot(n,n);
+        const double u = dot(cross(p,e2),n)/n2, v = dot(cross(e1,p),n)/n2;
+        const double slack = 1e-9;
+        if (u < -slack || v < -slack || u+v > 1+slack || t < ray.tnear || t > ray.tfar || !(t < best.t)) return;
+        setHit(m,t,x + x0+u*(x1-x0)+v*(x2-x0),y + y0+u*(y1-y0)+v*(y2-y0));
+        best.Ng[0] = n.x; best.Ng[1] = n.y; best.Ng[2] = n.z;
+      }
+
+    private:
+      const Block* block;
+      BlockLayout layout;
+      double widening;
+      ReferenceRay ray;
+      ReferenceHit best;
+      double P0[3], P1[3], w0, w1;
+      double begin, end; //!< world parameter of the segment's ends
+      double epsilon[3];
+      bool startClipped, endClipped;
+    };
+  }
+}
