@@ -55,10 +55,17 @@ namespace embree
       uint32_t leafBytes;
       uint32_t bytes;       //!< all, a multiple of 4
 
+      static const uint32_t alignment = 16; //!< of a block in memory
+
+      /*! distance between blocks that follow each other */
+      uint32_t stride() const { return (bytes + alignment-1) & ~(alignment-1); }
+
       BlockLayout(Kind kind, uint32_t height);
     };
 
-    struct alignas(16) Block
+    /*! Header of a block, 76 bytes: a size that is 4 modulo 16, as an even-height
+     *  tree of nodes is, so that the two leave no gap in front of the next block. */
+    struct Block
     {
       float centre[3];      //!< world position that the frame maps to (1/2,1/2,1/2)
       uint32_t geomID;
@@ -66,19 +73,19 @@ namespace embree
       uint32_t primID;
       uint32_t info;        //!< see the accessors
       uint16_t u0, v0;      //!< face parameters of the patch's corner (0,0), in units of 8/65536
-      float zScale;         //!< cLEAF: height of the range of a leaf's bins, in leaf boxes, 1 to 3
 
       Kind kind() const { return Kind(info & 15); }
       uint32_t height() const { return (info >> 4) & 15; }
       uint32_t level() const { return (info >> 8) & 15; }     //!< subdivision level of the patch
       uint32_t blockX() const { return (info >> 12) & 255; }  //!< position in the patch, in blocks
       uint32_t blockY() const { return (info >> 20) & 255; }
+      uint32_t zScale() const { return info >> 28; }          //!< cLEAF: code of the z scale, leaf_codec.h
 
       /*! width of a quad in the parameters of the patch */
       float rcpQuads() const { return 1.0f/float(1u << level()); }
 
-      static uint32_t encodeInfo(Kind kind, uint32_t height, uint32_t level, uint32_t x, uint32_t y) {
-        return uint32_t(kind) | (height << 4) | (level << 8) | (x << 12) | (y << 20);
+      static uint32_t encodeInfo(Kind kind, uint32_t height, uint32_t level, uint32_t x, uint32_t y, uint32_t zScale = 0) {
+        return uint32_t(kind) | (height << 4) | (level << 8) | (x << 12) | (y << 20) | (zScale << 28);
       }
 
       BlockLayout layout() const { return BlockLayout(kind(),height()); }
@@ -88,7 +95,7 @@ namespace embree
       uint32_t* nodes() { return (uint32_t*)(this+1); }
       char* leaves() { return (char*)this + layout().leafOffset; }
     };
-    static_assert(sizeof(Block) == 80, "block header is 80 bytes");
+    static_assert(sizeof(Block) == 76, "block header is 76 bytes");
     static_assert(offsetof(Block,columns) == 16 && offsetof(Block,primID) == 64, "block header layout");
 
     inline BlockLayout::BlockLayout(Kind kind, uint32_t height)

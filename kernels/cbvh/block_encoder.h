@@ -82,7 +82,6 @@ namespace embree
         block->info = Block::encodeInfo(kind,height,level,x,y);
         memcpy(block->centre,frame.centre,sizeof(frame.centre));
         memcpy(block->columns,frame.columns,sizeof(frame.columns));
-        block->zScale = 1.0f;
         stats.affine = !frame.projective;
 
         for (uint32_t i=0; i<width*width; i++)
@@ -91,10 +90,11 @@ namespace embree
         nodes = block->nodes();
         encodeNodes(0,0,NodeBox::root());
 
-        char* leaves = block->leaves();
-        if (kind == Kind::LEAF) encodeLeaves((uint16_t*)leaves,block->zScale,stats);
-        else if (kind == Kind::VOXEL) voxelThickness(stats);
-        else storeVertices((float*)leaves);
+        switch (kind) {
+        case Kind::LEAF : encodeLeaves(block,stats); break;
+        case Kind::VOXEL: voxelThickness(stats); break;
+        case Kind::GRID : storeVertices((float*)block->leaves()); break;
+        }
       }
 
       const Frame& getFrame() const { return frame; }
@@ -152,31 +152,32 @@ namespace embree
       /*! The z scale that makes the bins thinnest on average. A larger scale makes
        *  every bin of the block thicker, a smaller one leaves more leaves solid, which
        *  then are as thick as their box. */
-      float chooseZScale() const
+      uint32_t chooseZScale() const
       {
-        static constexpr int steps = 32;
-        double inRange[steps+1] = {}, solid = 0;
+        double inRange[zScaleCodes] = {}, all = 0;
         for (uint32_t m=0; m < 1u << (2*height); m++)
         {
           if (!corner[m].valid) continue;
-          const double step = std::ceil((requiredZScale(leafBox[m],corner[m])*1.0001 - 1)*(steps/(maxZScale-1)));
-          if (step > steps) continue;
-          inRange[step > 0 ? int(step) : 0] += leafBox[m].extent[2];
-          solid += leafBox[m].extent[2];
+          const double required = requiredZScale(leafBox[m],corner[m])*1.0001;
+          uint32_t code = 0;
+          while (code < zScaleCodes && decodeZScale(code) < required) code++;
+          if (code == zScaleCodes) continue;
+          inRange[code] += leafBox[m].extent[2];
+          all += leafBox[m].extent[2];
         }
         double best = DBL_MAX, held = 0;
-        float zScale = 1;
-        for (int i=0; i<=steps; i++) {
-          const float scale = 1 + float(i)*(maxZScale-1)/steps;
-          held += inRange[i];
-          const double cost = held*scale/heightBins + (solid-held);
-          if (cost < best) { best = cost; zScale = scale; }
+        uint32_t bestCode = 0;
+        for (uint32_t code=0; code<zScaleCodes; code++) {
+          held += inRange[code];
+          const double cost = held*decodeZScale(code)/heightBins + (all-held);
+          if (cost < best) { best = cost; bestCode = code; }
         }
-        return zScale;
+        return bestCode;
       }
 
-      void encodeLeaves(uint16_t* leaves, float& zScale, BlockStatistics& stats)
+      void encodeLeaves(Block* block, BlockStatistics& stats)
       {
+        uint16_t* leaves = (uint16_t*)block->leaves();
         double quad[4][3];
         const uint32_t quads = 1u << (2*height);
         for (uint32_t m=0; m<quads; m++)
@@ -186,7 +187,9 @@ namespace embree
           gatherQuad(m,quad);
           corner[m] = extrapolateQuad(leafBox[m],quad);
         }
-        zScale = chooseZScale();
+        const uint32_t code = chooseZScale();
+        const float zScale = decodeZScale(code);
+        block->info |= code << 28;
         for (uint32_t m=0; m<quads; m++)
         {
           leaves[m] = emptyLeaf;

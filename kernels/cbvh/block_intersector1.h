@@ -166,7 +166,7 @@ namespace embree
           const vboolf4 empty = vboolf4(leaf == vint4(emptyLeaf));
 
           /* z of the interval's middle = base + bin*(q+1/2), mirrored with z */
-          const float zScale = block->zScale, binScale = zScale*(1.0f/heightBins);
+          const float zScale = decodeZScale(block->zScale()), binScale = zScale*(1.0f/heightBins);
           const vfloat4 halfBin = vfloat4(0.5f*binScale)*c.extent[2];
           const vfloat4 bin = vfloat4(mirrored.flip[2] ? -binScale : binScale)*c.extent[2];
           const vfloat4 base = madd(vfloat4(mirrored.flip[2] ? 0.5f*(zScale+1.0f) : 0.5f*(1.0f-zScale)),c.extent[2],c.lower[2]);

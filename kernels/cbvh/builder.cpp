@@ -278,13 +278,16 @@ namespace embree
         const unsigned n = boundsError(settings) ? boundedFrameLevel(settings,level,scratch) : frameLevel(settings,level);
         const unsigned height = level-n;
         const size_t count = size_t(1) << (2*n);
+        /* one piece of memory a patch: small pieces cost the allocator's rounding each */
+        const size_t stride = BlockLayout(kind,height).stride();
+        char* memory = (char*)alloc.malloc1(count*stride,BlockLayout::alignment);
         for (unsigned i=0; i<count; i++)
-          out[i] = createBlock(patch,settings,kind,level,height,cbvh::mortonX(i),cbvh::mortonY(i),alloc,scratch,stats);
+          out[i] = createBlock(patch,settings,kind,level,height,cbvh::mortonX(i),cbvh::mortonY(i),(Block*)(memory+i*stride),alloc,scratch,stats);
         return count;
       }
 
       PrimRef createBlock (const SubdivPatch1Base& patch, const CompressionSettings& settings, cbvh::Kind kind, unsigned level, unsigned height,
-                           unsigned x, unsigned y, Allocator& alloc, BuildScratch& scratch, BuildStatistics& stats)
+                           unsigned x, unsigned y, Block* block, Allocator& alloc, BuildScratch& scratch, BuildStatistics& stats)
       {
         float corners[4][3];
         gatherBlock(settings,height,x,y,scratch,corners);
@@ -310,7 +313,6 @@ namespace embree
           return droppedPrim();
         }
 
-        Block* block = (Block*)alloc.malloc1(BlockLayout(kind,height).bytes,16);
         BlockStatistics blockStats;
         encoder.encode(block,level,x,y,blockStats);
         block->geomID = patch.geomID();

@@ -32,8 +32,9 @@ namespace embree
     static constexpr uint16_t emptyLeaf = 0xFFFE;
     static constexpr int heightBins = 16;
 
-    /*! the range of the bins is at most so many boxes high */
-    static constexpr float maxZScale = 3.0f;
+    /*! z scale of a block: the range of a leaf's bins is 1 to 3 boxes high */
+    static constexpr uint32_t zScaleCodes = 16;
+    inline float decodeZScale(uint32_t code) { return 1.0f + float(code)*(2.0f/15.0f); }
 
     /*! corner = column + 2 row, as for children */
     inline int leafHeight(uint16_t leaf, int corner) { return (leaf >> (4*corner)) & 15; }

@@ -135,7 +135,7 @@ namespace embree
           if (!startsInside) hit(m,box,s0,0,0);
           return;
         }
-        const LeafBins bins(box,block->zScale);
+        const LeafBins bins(box,decodeZScale(block->zScale()));
         double q[4];
         for (int i=0; i<4; i++) q[i] = bins.base + (leafHeight(code,i)+0.5)*bins.size;
         auto height = [&](double s) {

@@ -21,7 +21,7 @@ namespace embree
         const BlockLayout layout(kind,height);
         frameBytes += layout.nodeOffset;
         nodeBytes += layout.leafOffset - layout.nodeOffset;
-        leafBytes += layout.bytes - layout.leafOffset;
+        leafBytes += layout.stride() - layout.leafOffset;
         numBlocks++;
         numQuads += size_t(1) << (2*height);
         numInvalidQuads += block.invalidQuads;
