@@ -32,7 +32,8 @@ soname() { readelf -d "$1" | sed -n 's/.*soname: //p'; }
 for header in /usr/include/embree3/*; do
   cmp "$header" "$headers/${header##*/}"
 done
-# Ours stands on its own, in C and in C++.
+# Ours is for C and C++.
 for language in c c++; do
-  echo '#include <embree3/rtcore_compression.h>' | cc -x "$language" -fsyntax-only -I "${headers%/*}" -
+  printf '#include <embree3/rtcore.h>\n#include <embree3/rtcore_compression.h>\n' |
+    cc -x "$language" -Wall -Werror -fsyntax-only -I "${headers%/*}" -
 done
