@@ -107,10 +107,11 @@ namespace embree
       leafOffset = nodeOffset + 4*nodes;
       const uint32_t quads = 1u << (2*height);
       const uint32_t width = (1u << height) + 1;
+      leafBytes = 0;
       switch (kind) {
       /* vertices: x, y, z planes; 3 floats behind are read by full-width loads of the last row */
       case Kind::GRID : leafBytes = 4*(3*width*width + 3); break;
-      case Kind::VOXEL: leafBytes = 0; break;
+      case Kind::VOXEL: break;
       /* four leaves are read at once, so one leaf takes the room of four */
       case Kind::LEAF : leafBytes = quads < 4 ? 8 : 2*quads; break;
       }
