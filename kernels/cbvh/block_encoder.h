@@ -64,6 +64,7 @@ namespace embree
         for (uint32_t i=0; i<width*width; i++)
           if (isFinite(i)) { memcpy(finite[count++],vertices[i],sizeof(float[3])); }
         if (count == 0) return false;
+        allFinite = count == width*width;
 
         float aligned[4][3];
         bool ok = true;
@@ -87,6 +88,7 @@ namespace embree
         for (uint32_t i=0; i<width*width; i++)
           frame.transform(vertices[i],local[i]);
         boundQuads(stats);
+        invertW();
         nodes = block->nodes();
         encodeNodes(0,0,NodeBox::root());
 
@@ -118,7 +120,7 @@ namespace embree
           bool valid = true;
           for (int c=0; c<4; c++) {
             const uint32_t i = vertexOfQuad(m,c);
-            valid &= isFinite(i);
+            valid &= allFinite || isFinite(i);
             if (valid) box.extend(local[i]);
           }
           boxOf(height,m) = valid ? box : ExactBox();
@@ -224,25 +226,27 @@ namespace embree
         const double c[3] = { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
         const double k = c[2] - slope[0]*c[0] - slope[1]*c[1];
         double n2 = 0;
-        double W = worldW(c);
         for (int i=0; i<3; i++) {
           const float* col = frame.columns[i];
           const double n = -slope[0]*col[0] - slope[1]*col[1] + col[2] - k*col[3];
           n2 += n*n;
         }
-        const float t = float(thickness*W/std::sqrt(n2));
+        const float t = float(thickness/(inverseW({ c[0],c[1],c[2] })*std::sqrt(n2)));
         if (t > stats.maxThickness) stats.maxThickness = t;
       }
 
-      /*! W at the world point of a frame position: 1/W is a linear form of it */
-      double worldW(const double c[3]) const
+      /*! 1/W as a linear form of the frame's position: the inverse of a projective map
+       *  is one, and its last row is this. Sampled at four points. */
+      void invertW()
       {
+        auto row = [&](int k, double d) { return Form{ { frame.columns[0][k], frame.columns[1][k], frame.columns[2][k] }, d }; };
         const FrameMap map = { row(0,0.5), row(1,0.5), row(2,0.5), row(3,1.0), frame.projective };
-        Double3 p;
-        return unproject(map,c[0],c[1],c[2],p) ? map.W(p) : 1.0;
-      }
-      Form row(int k, double d) const {
-        return { { frame.columns[0][k], frame.columns[1][k], frame.columns[2][k] }, d };
+        auto rcpW = [&](double x, double y, double z) {
+          Double3 p;
+          return frame.projective && unproject(map,x,y,z,p) ? 1.0/map.W(p) : 1.0;
+        };
+        const double o = rcpW(0,0,0);
+        inverseW = Form{ { rcpW(1,0,0)-o, rcpW(0,1,0)-o, rcpW(0,0,1)-o }, o };
       }
 
       void storeVertices(float* out) const
@@ -256,8 +260,10 @@ namespace embree
     private:
       Kind kind;
       uint32_t height, width;
+      bool allFinite = false;
       const float (*vertices)[3];
       Frame frame;
+      Form inverseW = { { 0,0,0 }, 1 };
       uint32_t* nodes = nullptr;
       ExactBox* boxes;          //!< of all quadtree levels, level by level
       double (*local)[3];       //!< vertices in the frame

@@ -55,6 +55,10 @@ namespace embree
      *  for flat blocks and needles */
     static constexpr double minExtentRatio = 1.0/(1<<14);
 
+    /* unlike std::fmax they need no call; NaN never gets here */
+    inline double minimum(double a, double b) { return a < b ? a : b; }
+    inline double maximum(double a, double b) { return a > b ? a : b; }
+
     struct Double3
     {
       double x, y, z;
@@ -188,7 +192,7 @@ namespace embree
       double m00 = dot(a,plane.e1), m01 = dot(b,plane.e1);
       double m10 = dot(a,plane.e2), m11 = dot(b,plane.e2);
       const double det = m00*m11 - m01*m10;
-      const double size = std::fmax(length(a),length(b));
+      const double size = maximum(length(a),length(b));
       if (!(det > 1e-3*length(a)*length(b))) {
         m00 = m11 = size > 0 ? size : 1.0;
         m01 = m10 = 0;
@@ -224,24 +228,24 @@ namespace embree
       {
         const Double3& v = vertices[i];
         const double w = map.W(v);
-        minW = std::fmin(minW,w); maxW = std::fmax(maxW,w);
+        minW = minimum(minW,w); maxW = maximum(maxW,w);
         if (!(w > 0)) return false;
         const double l[3] = { map.X(v)/w, map.Y(v)/w, map.Z(v)/w };
-        for (int k=0; k<3; k++) { lower[k] = std::fmin(lower[k],l[k]); upper[k] = std::fmax(upper[k],l[k]); }
-        worldExtent = std::fmax(worldExtent,2*std::fmax(std::fabs(v.x),std::fmax(std::fabs(v.y),std::fabs(v.z))));
+        for (int k=0; k<3; k++) { lower[k] = minimum(lower[k],l[k]); upper[k] = maximum(upper[k],l[k]); }
+        worldExtent = maximum(worldExtent,2*maximum(std::fabs(v.x),maximum(std::fabs(v.y),std::fabs(v.z))));
       }
       if (!(maxW <= maxWRatio*minW)) return false;
-      coordinate = std::fmax(std::fabs(origin.x),std::fmax(std::fabs(origin.y),std::fabs(origin.z))) + worldExtent;
+      coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z))) + worldExtent;
 
       /* no axis may collapse: not below a fraction of the block's size in the world,
        * nor below what floats at its position resolve */
       const double w0 = map.W({0,0,0}) > 0 ? map.W({0,0,0}) : maxW;
-      const double floor = std::fmax(std::fmax(minExtentRatio*worldExtent, coordinate*std::ldexp(1.0,-22)),1e-30);
+      const double floor = maximum(maximum(minExtentRatio*worldExtent, coordinate*std::ldexp(1.0,-22)),1e-30);
       Form* forms[3] = { &map.X, &map.Y, &map.Z };
       for (int k=0; k<3; k++)
       {
         const double minExtent = floor*length(forms[k]->n)/w0;
-        const double grow = std::fmax(0.0,0.5*(minExtent-(upper[k]-lower[k])));
+        const double grow = maximum(0.0,0.5*(minExtent-(upper[k]-lower[k])));
         lower[k] -= grow; upper[k] += grow;
         const double s = (1-2*frameMargin)/(upper[k]-lower[k]);
         *forms[k] = s*(*forms[k]) + (frameMargin - s*lower[k])*map.W;
@@ -284,7 +288,7 @@ namespace embree
           for (int j=0; j<3; j++)
             for (int k=0; k<4; k++) l[k] += double(frame.columns[j][k])*d[j];
           if (!(l[3] > 0)) return false;
-          for (int k=0; k<3; k++) reach[k] = std::fmax(reach[k],std::fabs(l[k]/l[3]-0.5));
+          for (int k=0; k<3; k++) reach[k] = maximum(reach[k],std::fabs(l[k]/l[3]-0.5));
         }
         const double limit = 0.5 - 0.5*frameMargin;
         bool inside = true;

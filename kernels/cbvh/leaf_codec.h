@@ -122,7 +122,7 @@ namespace embree
       const double centre = box.lower[2] + 0.5*box.extent[2];
       double r = 0;
       for (int i=0; i<4; i++)
-        r = std::fmax(r,std::fabs(h.z[i]-centre));
+        r = std::fabs(h.z[i]-centre) > r ? std::fabs(h.z[i]-centre) : r;
       return 2*r/box.extent[2];
     }
 
