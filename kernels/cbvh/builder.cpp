@@ -48,6 +48,9 @@ namespace embree
       /*! GRID cuts patches into grids of 8 x 8 quads */
       static const unsigned gridQuads = 8;
 
+      /*! memory of a patch's blocks is taken in pieces of at most this */
+      static const size_t maxPieceBytes = 1 << 18;
+
       BVH4* bvh;
       Scene* scene;
       BuildStatistics* statistics;
@@ -278,11 +281,15 @@ namespace embree
         const unsigned n = boundsError(settings) ? boundedFrameLevel(settings,level,scratch) : frameLevel(settings,level);
         const unsigned height = level-n;
         const size_t count = size_t(1) << (2*n);
-        /* one piece of memory a patch: small pieces cost the allocator's rounding each */
+        /* one piece of memory a patch: small pieces cost the allocator's rounding each;
+         * several for a large patch, as it takes none above 2 MiB */
         const size_t stride = BlockLayout(kind,height).stride();
-        char* memory = (char*)alloc.malloc1(count*stride,BlockLayout::alignment);
-        for (unsigned i=0; i<count; i++)
-          out[i] = createBlock(patch,settings,kind,level,height,cbvh::mortonX(i),cbvh::mortonY(i),(Block*)(memory+i*stride),alloc,scratch,stats);
+        const size_t piece = max(maxPieceBytes/stride,size_t(1));
+        char* memory = nullptr;
+        for (unsigned i=0; i<count; i++) {
+          if (i % piece == 0) memory = (char*)alloc.malloc1(min(piece,count-i)*stride,BlockLayout::alignment);
+          out[i] = createBlock(patch,settings,kind,level,height,cbvh::mortonX(i),cbvh::mortonY(i),(Block*)(memory+(i%piece)*stride),alloc,scratch,stats);
+        }
         return count;
       }
 
