@@ -18,3 +18,6 @@ target_compile_definitions(scene_blocks PRIVATE ${embree_definitions})
 target_compile_options(scene_blocks PRIVATE -fno-strict-aliasing)
 target_link_libraries(scene_blocks PUBLIC embree tbb)
 cbvh_test(simd_reference LIBRARIES scene_blocks DEFINITIONS "TEST_ISAS=${isas}")
+
+# Through the API, against GRID.
+cbvh_test(surfaces LIBRARIES scene_blocks)

@@ -217,7 +217,6 @@ inline RTCGeometry newSurface(RTCDevice device, const Cage& cage, const SurfaceS
   rtcSetGeometryMask(geometry, settings.mask);
   rtcSetGeometryUserData(geometry, settings.displacement);
   if (settings.displacement) rtcSetGeometryDisplacementFunction(geometry, Displacement::apply);
-  rtcCommitGeometry(geometry);
   if (settings.compression != RTC_COMPRESSION_INHERIT || settings.frameLevel != RTC_COMPRESSION_FRAME_LEVEL_INHERIT) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
@@ -225,6 +224,7 @@ inline RTCGeometry newSurface(RTCDevice device, const Cage& cage, const SurfaceS
     args.frameLevel = settings.frameLevel;
     rtcSetGeometryCompression(geometry, &args);
   }
+  rtcCommitGeometry(geometry);
   return geometry;
 }
 
