@@ -276,8 +276,10 @@ namespace embree
       size_t buildBlocks (const SubdivPatch1Base& patch, SubdivMesh* mesh, const CompressionSettings& settings, unsigned level,
                           Allocator& alloc, BuildScratch& scratch, PrimRef* out, BuildStatistics& stats)
       {
-        const cbvh::Kind kind = kindOf(settings);
         scratch.grid.eval(patch,mesh);
+        /* a node has no code for a child without surface: where quads are left out, leaves say so */
+        const bool hasHoles = !scratch.grid.isFinite();
+        const cbvh::Kind kind = kindOf(settings) == cbvh::Kind::VOXEL && hasHoles ? cbvh::Kind::LEAF : kindOf(settings);
         const unsigned n = boundsError(settings) ? boundedFrameLevel(settings,level,scratch) : frameLevel(settings,level);
         const unsigned height = level-n;
         const size_t count = size_t(1) << (2*n);

@@ -10,6 +10,7 @@
  * once a patch. */
 
 #include "../subdiv/subdivpatch1base.h"
+#include <cmath>
 
 namespace embree
 {
@@ -44,6 +45,15 @@ namespace embree
       /*! vertices row by row */
       float (*undisplaced ())[3] { return (float(*)[3])interleaved.data(); }
       float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }
+
+      /*! whether displacement left every coordinate finite */
+      bool isFinite ()
+      {
+        const float* p = displaced()[0];
+        for (size_t i=0; i<3*count; i++)
+          if (!std::isfinite(p[i])) return false;
+        return true;
+      }
 
       size_t width = 0, height = 0;
 
