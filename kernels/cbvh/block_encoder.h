@@ -253,7 +253,7 @@ namespace embree
       {
         for (int k=0; k<3; k++)
           for (uint32_t i=0; i<width*width; i++)
-            out[k*width*width+i] = isFinite(i) ? vertices[i][k] : NAN; // an infinite triangle has hits, this one has none
+            out[k*width*width+i] = isFinite(i) ? vertices[i][k] : NAN; // a triangle with NaN has no hit, one with infinity might
         for (int i=0; i<3; i++) out[3*width*width+i] = 0.0f;
       }
 
