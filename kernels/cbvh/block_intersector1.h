@@ -55,54 +55,59 @@ namespace embree
         return normalize_safe(Vec3fa(reduce_add(x),reduce_add(y),reduce_add(z)));
       }
 
-      /*! hits of a group of leaves, before one of them is reported */
-      struct GroupHits
-      {
-        vfloat4 s;          //!< segment parameter
-        vfloat4 u, v;       //!< position in the leaf's box, mirrored
-        vfloat4 slopeX, slopeY; //!< of the surface there, mirrored
-      };
-
-      /*! Reports hits of a group nearest first; true when traversal may end. */
+      /*! what the three kinds of leaves share: a ray in a block */
       template<typename RayType>
-      __forceinline bool reportGroup (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block,
-                                      const LocalRay& local, const MirroredRay& mirrored, const uint32_t m,
-                                      vboolf4 valid, const GroupHits& hits, float& sBest)
+      struct LeafGroup
       {
-        const uint32_t height = block->height();
-        const float rcpQuads = block->rcpQuads();
-        while (any(valid))
+        RayType& ray;
+        IntersectContext* context;
+        const RayPrecalculations& pre;
+        const Block* block;
+        const LocalRay& local;
+        const MirroredRay& mirrored;
+        const char* data; //!< leaves
+        float sBest;
+
+        __forceinline LeafGroup (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block,
+                                 const LocalRay& local, const MirroredRay& mirrored, const char* data)
+          : ray(ray), context(context), pre(pre), block(block), local(local), mirrored(mirrored), data(data), sBest(1.0f) {}
+
+        __forceinline bool wantsPassed () const { return false; }
+        __forceinline bool passedAbove (bool) { return false; }
+
+        /*! index of a lane's child */
+        __forceinline uint32_t child (uint32_t m, size_t lane) const { return 4*m + (uint32_t(lane) ^ uint32_t(mirrored.flipXY())); }
+
+        /*! Reports a hit at s in a leaf; true if it was accepted. u, v: position in the
+         *  leaf, slopeX, slopeY: of the surface there, all mirrored. */
+        __forceinline bool reportHit (float s, uint32_t leaf, float u, float v, float slopeX, float slopeY)
         {
-          const size_t i = select_min(valid,hits.s);
-          const float s = hits.s[i];
-          const uint32_t leaf = 4*m + (uint32_t(i) ^ uint32_t(mirrored.flipXY()));
-          const float u = mirrored.flip[0] ? 1.0f-hits.u[i] : hits.u[i];
-          const float v = mirrored.flip[1] ? 1.0f-hits.v[i] : hits.v[i];
+          const uint32_t height = block->height();
+          const float rcpQuads = block->rcpQuads();
+          const bool flipZ = mirrored.flip[2];
+          if (mirrored.flip[0]) u = 1.0f-u;
+          if (mirrored.flip[1]) v = 1.0f-v;
+          if ((mirrored.flip[0] != 0) != flipZ) slopeX = -slopeX;
+          if ((mirrored.flip[1] != 0) != flipZ) slopeY = -slopeY;
           const float x = float((block->blockX() << height) + mortonX(leaf)) + u;
           const float y = float((block->blockY() << height) + mortonY(leaf)) + v;
-          const bool flipZ = mirrored.flip[2];
-          const float slopeX = (mirrored.flip[0] != flipZ) ? -hits.slopeX[i] : hits.slopeX[i];
-          const float slopeY = (mirrored.flip[1] != flipZ) ? -hits.slopeY[i] : hits.slopeY[i];
 
           SurfaceHit hit;
           hit.u = float(block->u0)*(8.0f/0x10000) + x*rcpQuads;
           hit.v = float(block->v0)*(8.0f/0x10000) + y*rcpQuads;
           hit.t = min(max(local.worldT(pre,s),ray.tnear()),ray.tfar);
           hit.Ng = worldNormal(block,local.P0 + s*(local.P1-local.P0),slopeX,slopeY);
-          if (report(ray,context,block,hit)) {
-            sBest = s;
-            return IsAnyHit<RayType>::value;
-          }
-          clear(valid,i);
-          valid &= hits.s <= vfloat4(sBest);
+          if (!report(ray,context,block,hit)) return false;
+          sBest = s;
+          return true;
         }
-        return false;
-      }
+      };
 
       /*! lanes whose segment begins or ends inside the leaf's box, at tnear or tfar */
       __forceinline vboolf4 startsInside (const LocalRay& local, const ChildBoxes& c) {
         return vboolf4(local.startClipped) & (c.sNear < vfloat4(zero));
       }
+
       __forceinline vboolf4 endsInside (const LocalRay& local, const ChildBoxes& c) {
         return vboolf4(local.endClipped) & (c.sFar > vfloat4(1.0f));
       }
@@ -113,47 +118,102 @@ namespace embree
 
       /*! cVOXEL: the ray hits a leaf where it enters its box. A ray that starts inside
        *  a box does not hit that box: it left, or was left behind by, that surface. */
-      struct VoxelLeaf
+      template<typename RayType>
+      struct VoxelLeaf : public LeafGroup<RayType>
       {
-        template<typename RayType>
-        static __forceinline bool intersect (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block,
-                                             const LocalRay& local, const MirroredRay& mirrored, const char*,
-                                             const ChildBoxes& c, size_t mask, uint32_t m, float& sBest)
+        using LeafGroup<RayType>::LeafGroup;
+
+        __forceinline bool leaves (const ChildBoxes& c, size_t hit, size_t, uint32_t m)
         {
-          const vboolf4 valid = laneMask(mask) & !startsInside(local,c);
+          const MirroredRay& ray = this->mirrored;
+          vboolf4 valid = laneMask(hit) & !startsInside(this->local,c);
           if (none(valid)) return false;
-          GroupHits hits;
-          hits.s = max(c.sNear,vfloat4(zero));
-          hits.u = clamp((madd(hits.s,mirrored.D[0],mirrored.P[0])-c.lower[0])/c.extent[0],vfloat4(zero),vfloat4(one));
-          hits.v = clamp((madd(hits.s,mirrored.D[1],mirrored.P[1])-c.lower[1])/c.extent[1],vfloat4(zero),vfloat4(one));
-          hits.slopeX = hits.slopeY = vfloat4(zero);
-          return reportGroup(ray,context,pre,block,local,mirrored,m,valid,hits,sBest);
+          const vfloat4 s = max(c.sNear,vfloat4(zero));
+          const vfloat4 u = clamp((madd(s,ray.D[0],ray.P[0])-c.lower[0])/c.extent[0],vfloat4(zero),vfloat4(one));
+          const vfloat4 v = clamp((madd(s,ray.D[1],ray.P[1])-c.lower[1])/c.extent[1],vfloat4(zero),vfloat4(one));
+          while (any(valid))
+          {
+            const size_t i = select_min(valid,s);
+            if (this->reportHit(s[i],this->child(m,i),u[i],v[i],0.0f,0.0f))
+              return IsAnyHit<RayType>::value;
+            clear(valid,i);
+            valid &= s <= vfloat4(this->sBest);
+          }
+          return false;
         }
       };
 
-      /*! cLEAF: one line test against the interval between the two bilinear patches.
+      /*! cLEAF. The surface of a leaf is the bilinear patch through the middles of its
+       *  intervals, and along a ray
        *
-       *  f(s) = z of the ray - z of the interval's middle, taken at the entry and the
-       *  exit of the box and linear between them (the paper's approximation). The ray
-       *  misses if f is above half a bin at both ends, or below minus half at both.
-       *  Otherwise it hits where f = 0, or at the end nearest to that. The set of rays
-       *  that hit is the paper's; its three cases report the near side of the interval
-       *  instead, which always hits half a bin early.
+       *    f(s) = z of the ray - z of that patch,
        *
-       *  A segment that starts (ends) inside the box at tnear (tfar) hits only if f
-       *  changes sign: the thickness is there to close the gaps between leaves, and
-       *  a ray that starts on the surface must not hit it again. */
-      struct HeightLeaf
+       *  taken where the ray enters and leaves the leaf's box and linear between (the
+       *  paper's line test). Through the lower (upper) face of the box a ray passes
+       *  below (above) the surface, whatever the patch says. The ray hits where f
+       *  changes sign.
+       *
+       *  Patches of neighbouring leaves do not meet exactly, each is off the true
+       *  surface by up to half a bin, and a ray could slip through the step between
+       *  them. Therefore the ray remembers on which side it left the last leaf. It hits
+       *
+       *  - at the entry of a leaf, if it enters on the other side;
+       *  - where it left a leaf within half a bin, if it then passes over (under) the
+       *    boxes that come next, but was under (over) that leaf;
+       *  - in a leaf at the border of the block, if within half a bin of its patch: its
+       *    neighbour is in another block, which knows nothing of the ray's side.
+       *
+       *  Inside a block that is watertight because leaves, and boxes passed, cover the
+       *  ray's way in x and y without a gap, so no change of side goes unseen. Between
+       *  blocks it is because the true edge is inside the intervals of both leaves.
+       *
+       *  The paper takes every ray that meets an interval for a hit, at its near side.
+       *  That closes the steps too, but thickens the surface: rays along a crest hit
+       *  what they should pass, hits are early by half a bin, and rays that start on
+       *  the surface hit it again. A segment that starts (ends) in a leaf, at tnear
+       *  (tfar), hits it only if f changes sign. */
+      template<typename RayType>
+      struct HeightLeaf : public LeafGroup<RayType>
       {
-        template<typename RayType>
-        static __forceinline bool intersect (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block,
-                                             const LocalRay& local, const MirroredRay& mirrored, const char* leaves,
-                                             const ChildBoxes& c, size_t mask, uint32_t m, float& sBest)
+        enum Side { UNKNOWN, BELOW, ABOVE };
+
+        /*! of the leaf that the ray left last */
+        Side side;
+        bool pending;         //!< within half a bin of its surface
+        float exitS, exitU, exitV, exitSlopeX, exitSlopeY;
+        uint32_t exitLeaf;
+
+        __forceinline HeightLeaf (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block,
+                                  const LocalRay& local, const MirroredRay& mirrored, const char* data)
+          : LeafGroup<RayType>(ray,context,pre,block,local,mirrored,data), side(UNKNOWN), pending(false) {}
+
+        __forceinline bool wantsPassed () const { return pending; }
+
+        __forceinline bool passedAbove (bool above)
         {
+          const Side now = above ? ABOVE : BELOW;
+          if (side == now) return false;
+          side = now;
+          pending = false;
+          return this->reportHit(exitS,exitLeaf,exitU,exitV,exitSlopeX,exitSlopeY);
+        }
+
+        __forceinline bool onBorder (uint32_t leaf) const
+        {
+          const uint32_t last = (1u << this->block->height()) - 1;
+          const uint32_t x = mortonX(leaf), y = mortonY(leaf);
+          return x == 0 || y == 0 || x == last || y == last;
+        }
+
+        __forceinline bool leaves (const ChildBoxes& c, size_t hit, size_t passed, uint32_t m)
+        {
+          const MirroredRay& ray = this->mirrored;
+          const LocalRay& local = this->local;
+
           /* 4 leaves x 4 heights, into lanes; lane l is child l ^ flip, and so are corners */
-          const int flip = mirrored.flipXY();
+          const int flip = ray.flipXY();
           uint64_t bits;
-          memcpy(&bits,leaves + 8*size_t(m),8);
+          memcpy(&bits,this->data + 8*size_t(m),8);
           if (flip & 1) bits = ((bits >> 16) & 0x0000FFFF0000FFFFull) | ((bits & 0x0000FFFF0000FFFFull) << 16);
           if (flip & 2) bits = (bits >> 32) | (bits << 32);
           const vint4 leaf = vint4(_mm_unpacklo_epi16(_mm_cvtsi64_si128((long long)bits),_mm_setzero_si128()));
@@ -162,52 +222,89 @@ namespace embree
           const vfloat4 q10 = vfloat4((leaf >> (4*(1^flip))) & nibble);
           const vfloat4 q01 = vfloat4((leaf >> (4*(2^flip))) & nibble);
           const vfloat4 q11 = vfloat4((leaf >> (4*(3^flip))) & nibble);
-          const vboolf4 solid = vboolf4(leaf == vint4(solidLeaf));
-          const vboolf4 empty = vboolf4(leaf == vint4(emptyLeaf));
+          const size_t solid = movemask(vboolf4(leaf == vint4(solidLeaf)));
+          const size_t empty = movemask(vboolf4(leaf == vint4(emptyLeaf)));
 
           /* z of the interval's middle = base + bin*(q+1/2), mirrored with z */
-          const float zScale = decodeZScale(block->zScale()), binScale = zScale*(1.0f/heightBins);
+          const float zScale = decodeZScale(this->block->zScale()), binScale = zScale*(1.0f/heightBins);
           const vfloat4 halfBin = vfloat4(0.5f*binScale)*c.extent[2];
-          const vfloat4 bin = vfloat4(mirrored.flip[2] ? -binScale : binScale)*c.extent[2];
-          const vfloat4 base = madd(vfloat4(mirrored.flip[2] ? 0.5f*(zScale+1.0f) : 0.5f*(1.0f-zScale)),c.extent[2],c.lower[2]);
+          const vfloat4 bin = vfloat4(ray.flip[2] ? -binScale : binScale)*c.extent[2];
+          const vfloat4 base = madd(vfloat4(ray.flip[2] ? 0.5f*(zScale+1.0f) : 0.5f*(1.0f-zScale)),c.extent[2],c.lower[2]);
 
           const vfloat4 s0 = max(c.sNear,vfloat4(zero)), s1 = min(c.sFar,vfloat4(one));
           const vfloat4 rx = vfloat4(one)/c.extent[0], ry = vfloat4(one)/c.extent[1];
-          auto boxU = [&](const vfloat4& s) { return clamp((madd(s,mirrored.D[0],mirrored.P[0])-c.lower[0])*rx,vfloat4(zero),vfloat4(one)); };
-          auto boxV = [&](const vfloat4& s) { return clamp((madd(s,mirrored.D[1],mirrored.P[1])-c.lower[1])*ry,vfloat4(zero),vfloat4(one)); };
+          auto boxU = [&](const vfloat4& s) { return clamp((madd(s,ray.D[0],ray.P[0])-c.lower[0])*rx,vfloat4(zero),vfloat4(one)); };
+          auto boxV = [&](const vfloat4& s) { return clamp((madd(s,ray.D[1],ray.P[1])-c.lower[1])*ry,vfloat4(zero),vfloat4(one)); };
           const vfloat4 u0 = boxU(s0), v0 = boxV(s0), u1 = boxU(s1), v1 = boxV(s1);
           const vfloat4 a = q10-q00, b = q01-q00, twist = (q11-q01)-a;
           const vfloat4 half(0.5f);
           auto height = [&](const vfloat4& u, const vfloat4& v) { return madd(bin,madd(u,a,madd(v,madd(u,twist,b),q00+half)),base); };
-          const vfloat4 f0 = madd(s0,mirrored.D[2],mirrored.P[2]) - height(u0,v0);
-          const vfloat4 f1 = madd(s1,mirrored.D[2],mirrored.P[2]) - height(u1,v1);
+          const vfloat4 f0 = madd(s0,ray.D[2],ray.P[2]) - height(u0,v0);
+          const vfloat4 f1 = madd(s1,ray.D[2],ray.P[2]) - height(u1,v1);
 
-          const vfloat4 reach = halfBin + vfloat4(mirrored.epsilonZ);
-          const vboolf4 start = startsInside(local,c);
-          const vboolf4 clipped = start | endsInside(local,c);
-          vboolf4 hit = (min(f0,f1) <= reach) & (max(f0,f1) >= -reach);
-          hit &= !clipped | ((min(f0,f1) <= vfloat4(zero)) & (max(f0,f1) >= vfloat4(zero)));
-          hit = (hit | solid) & !empty & !(solid & start);
-          const vboolf4 valid = hit & laneMask(mask);
-          if (none(valid)) return false;
+          const vfloat4 reach = halfBin + vfloat4(ray.epsilonZ);
+          /* through the lower (upper) face of a box a ray is below (above) the surface in it,
+           * whatever the patch says; mirrored, it enters through lower and leaves through upper faces */
+          const vfloat4 faceNear = (c.lower[2]-ray.Pnear[2])*ray.rcpD[2], faceFar = (c.lower[2]+c.extent[2]-ray.Pfar[2])*ray.rcpD[2];
+          const vboolf4 below0 = (f0 < vfloat4(zero)) | ((faceNear >= c.sNear) & !startsInside(local,c));
+          const vboolf4 above1m = (f1 >= vfloat4(zero)) | ((faceFar <= c.sFar) & !endsInside(local,c));
+          const size_t flipAbove = ray.flip[2] ? 15 : 0;
+          const size_t above0 = movemask(!below0) ^ flipAbove, above1 = movemask(above1m) ^ flipAbove;
+          const size_t near = movemask(min(abs(f0),abs(f1)) <= reach);
+          const size_t started = movemask(startsInside(local,c));
+          const size_t clipped = started | movemask(endsInside(local,c));
 
-          const vfloat4 df = f0-f1;
-          const vfloat4 root = f0/select(df == vfloat4(zero),vfloat4(one),df);
-          const vfloat4 k = select(solid,vfloat4(zero),clamp(root,vfloat4(zero),vfloat4(one)));
-          GroupHits hits;
-          hits.s = madd(k,s1-s0,s0);
-          hits.u = boxU(hits.s);
-          hits.v = boxV(hits.s);
-          hits.slopeX = select(solid,vfloat4(zero),bin*madd(hits.v,twist,a)*rx);
-          hits.slopeY = select(solid,vfloat4(zero),bin*madd(hits.u,twist,b)*ry);
-          return reportGroup(ray,context,pre,block,local,mirrored,m,valid & (hits.s <= vfloat4(sBest)),hits,sBest);
+          auto hitAt = [&](size_t i, float s) {
+            const float u = clamp((ray.P[0][0]+s*ray.D[0][0]-c.lower[0][i])*rx[i],0.0f,1.0f);
+            const float v = clamp((ray.P[1][0]+s*ray.D[1][0]-c.lower[1][i])*ry[i],0.0f,1.0f);
+            const bool flat = (solid >> i) & 1;
+            return this->reportHit(s,this->child(m,i),u,v,flat ? 0.0f : bin[i]*(a[i]+v*twist[i])*rx[i],flat ? 0.0f : bin[i]*(b[i]+u*twist[i])*ry[i]);
+          };
+
+          const ChildOrder order(c,hit | passed);
+          size_t events = order.toOrder(hit | passed);
+          while (events)
+          {
+            const size_t i = order.lane(bscf(events));
+            const size_t bit = size_t(1) << i;
+            if (!(hit & bit)) {
+              if (pending && passedAbove(ray.isAbove(c,i))) return true;
+              continue;
+            }
+            if ((solid | empty) & bit) {
+              side = UNKNOWN; pending = false;
+              if ((solid & bit) && !(started & bit) && hitAt(i,s0[i])) return true;
+              continue;
+            }
+            const Side enter = above0 & bit ? ABOVE : BELOW, leave = above1 & bit ? ABOVE : BELOW;
+            if (side != UNKNOWN && side != enter && !(started & bit) && hitAt(i,s0[i])) return true;
+            if (enter != leave) {
+              const float df = f0[i]-f1[i];
+              const float k = df != 0.0f ? clamp(f0[i]/df,0.0f,1.0f) : 1.0f;
+              if (hitAt(i,s0[i]+k*(s1[i]-s0[i]))) return true;
+            }
+            else if ((near & bit) && !(clipped & bit) && onBorder(this->child(m,i))) {
+              if (hitAt(i,abs(f0[i]) < abs(f1[i]) ? s0[i] : s1[i])) return true;
+            }
+            side = leave;
+            pending = near & bit;
+            if (pending) {
+              exitS = s1[i]; exitU = u1[i]; exitV = v1[i]; exitLeaf = this->child(m,i);
+              exitSlopeX = bin[i]*(a[i]+v1[i]*twist[i])*rx[i];
+              exitSlopeY = bin[i]*(b[i]+u1[i]*twist[i])*ry[i];
+            }
+          }
+          return false;
         }
       };
 
       /*! cGRID: 2 x 2 quads of full-precision vertices, the very triangles and the very
        *  test of Embree's GRID */
-      struct GridLeaf
+      template<typename RayType>
+      struct GridLeaf : public LeafGroup<RayType>
       {
+        using LeafGroup<RayType>::LeafGroup;
+
         /*! barycentrics of a triangle to parameters of the face, as GridSOA::MapUV does
          *  from stored parameters; lanes are ordered as its loaders order triangles */
         template<typename Loader>
@@ -258,53 +355,49 @@ namespace embree
           return intersector.intersect(ray,v0,v1,v2,mapUV,Occluded1EpilogMU<Loader::M,true>(ray,context,block->geomID,block->primID));
         }
 
-        template<typename Loader, typename RayType>
-        static __forceinline bool quads (RayType& ray, IntersectContext* context, const Block* block, const float* vertices,
-                                         size_t width, size_t x, size_t y, size_t lines, size_t blockX, size_t blockY)
+        template<typename Loader>
+        __forceinline bool quads (size_t width, size_t x, size_t y, size_t lines)
         {
           typedef typename Loader::vfloat vfloat;
           const size_t plane = width*width;
-          const float* p = vertices + y*width + x;
+          const float* p = (const float*)this->data + y*width + x;
           Vec3<vfloat> v0, v1, v2;
           Loader::gather(p,p+plane,p+2*plane,width,lines,v0,v1,v2);
-          return triangles<Loader>(ray,context,block,v0,v1,v2,float(blockX+x),float(blockY+y));
+          const size_t height = this->block->height();
+          return triangles<Loader>(this->ray,this->context,this->block,v0,v1,v2,
+                                   float((size_t(this->block->blockX()) << height) + x),float((size_t(this->block->blockY()) << height) + y));
         }
 
-        template<typename RayType>
-        static __forceinline bool intersect (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block,
-                                             const LocalRay& local, const MirroredRay& mirrored, const char* leaves,
-                                             const ChildBoxes& c, size_t mask, uint32_t m, float& sBest)
+        __forceinline bool leaves (const ChildBoxes& c, size_t hit, size_t, uint32_t m)
         {
-          const float* vertices = (const float*)leaves;
-          const uint32_t height = block->height();
-          const size_t width = (size_t(1) << height) + 1;
+          const size_t width = (size_t(1) << this->block->height()) + 1;
           const size_t lines = min(width,size_t(3));
-          const size_t bx = size_t(block->blockX()) << height, by = size_t(block->blockY()) << height;
-          while (mask)
+          while (hit)
           {
-            const size_t lane = bscf(mask);
-            if (c.sNear[lane] > sBest) continue;
-            const uint32_t g = 4*m + (uint32_t(lane) ^ uint32_t(mirrored.flipXY()));
+            const size_t lane = bscf(hit);
+            if (c.sNear[lane] > this->sBest) continue;
+            const uint32_t g = this->child(m,lane);
             const size_t x = 2*mortonX(g), y = 2*mortonY(g);
-            bool hit;
+            bool found;
 #if defined(__AVX__)
-            hit = quads<GridSOA::Gather3x3>(ray,context,block,vertices,width,x,y,lines,bx,by);
+            found = quads<GridSOA::Gather3x3>(width,x,y,lines);
 #else
-            hit = quads<GridSOA::Gather2x3>(ray,context,block,vertices,width,x,y,lines,bx,by);
-            if (IsAnyHit<RayType>::value && hit) return true;
-            if (lines > 2) hit |= quads<GridSOA::Gather2x3>(ray,context,block,vertices,width,x,y+1,lines,bx,by);
+            found = quads<GridSOA::Gather2x3>(width,x,y,lines);
+            if (IsAnyHit<RayType>::value && found) return true;
+            if (lines > 2) found |= quads<GridSOA::Gather2x3>(width,x,y+1,lines);
 #endif
-            if (!hit) continue;
+            if (!found) continue;
             if (IsAnyHit<RayType>::value) return true;
-            sBest = local.localS(pre,ray.tfar) + 1e-5f;
+            this->sBest = this->local.localS(this->pre,this->ray.tfar) + 1e-5f;
           }
           return false;
         }
       };
 
-      template<typename Leaf>
+      template<template<typename> class Leaf>
       struct BlockIntersector1
       {
+        /*! any hit: true if occluded; closest hit: what it returns has no meaning */
         template<typename RayType>
         static __forceinline bool intersect (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block)
         {
@@ -312,11 +405,8 @@ namespace embree
           if (!local.init(pre,block,ray.tfar)) return false;
           const MirroredRay mirrored(local);
           const BlockLayout layout = block->layout();
-          const char* leaves = (const char*)block + layout.leafOffset;
-          float sBest = 1.0f;
-          return traverseBlock(mirrored,block->nodes(),layout.nodeLevels,sBest,[&](const ChildBoxes& c, size_t mask, uint32_t m) {
-              return Leaf::intersect(ray,context,pre,block,local,mirrored,leaves,c,mask,m,sBest);
-            });
+          Leaf<RayType> group(ray,context,pre,block,local,mirrored,(const char*)block + layout.leafOffset);
+          return traverseBlock(mirrored,block->nodes(),layout.nodeLevels,group);
         }
       };
     }

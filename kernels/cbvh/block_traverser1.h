@@ -10,8 +10,8 @@
  * a node are decoded and tested four at a time; the open part of each level is a
  * mask and the decoded boxes, so the depth of the tree is all the stack there is.
  *
- * The traverser knows nothing of leaves. Whenever up to four children of a node
- * of the last level are hit it hands them over as a group. */
+ * The traverser knows nothing of leaves. It hands them over in groups, up to four
+ * children of a node of the last level. */
 
 #include "local_ray.h"
 #include "node_tables.h"
@@ -33,6 +33,12 @@ namespace embree
         vfloat4 lower[3], extent[3];
         vfloat4 sNear;  //!< where the ray's line enters, may lie before the segment
         vfloat4 sFar;   //!< where it leaves, may lie behind the segment
+      };
+
+      struct HitMasks
+      {
+        size_t hit;    //!< children whose box the segment meets
+        size_t passed; //!< children that it only shares x and y with
       };
 
       /*! ray segment in mirrored coordinates */
@@ -79,13 +85,28 @@ namespace embree
 
         __forceinline int flipXY() const { return flip[0] | (flip[1] << 1); }
 
-        __forceinline void intersect (ChildBoxes& c) const
+        /*! tests the four boxes against the segment up to sBest */
+        __forceinline HitMasks intersect (ChildBoxes& c, float sBest) const
         {
           const vfloat4 nx = (c.lower[0]-Pnear[0])*rcpD[0], fx = (c.lower[0]+c.extent[0]-Pfar[0])*rcpD[0];
           const vfloat4 ny = (c.lower[1]-Pnear[1])*rcpD[1], fy = (c.lower[1]+c.extent[1]-Pfar[1])*rcpD[1];
           const vfloat4 nz = (c.lower[2]-Pnear[2])*rcpD[2], fz = (c.lower[2]+c.extent[2]-Pfar[2])*rcpD[2];
-          c.sNear = max(max(nx,ny),nz);
-          c.sFar = min(min(fx,fy),fz);
+          const vfloat4 nxy = max(nx,ny), fxy = min(fx,fy);
+          c.sNear = max(nxy,nz);
+          c.sFar = min(fxy,fz);
+          HitMasks masks;
+          masks.hit = movemask(max(c.sNear,vfloat4(zero)) <= min(c.sFar,vfloat4(sBest)));
+          masks.passed = movemask(max(nxy,vfloat4(zero)) <= min(fxy,vfloat4(sBest))) & ~masks.hit;
+          return masks;
+        }
+
+        /*! whether the ray goes over a box that it shares x and y with but does not meet,
+         *  in the frame, not mirrored */
+        __forceinline bool isAbove (const ChildBoxes& c, size_t lane) const
+        {
+          const float x0 = (c.lower[0][lane]-Pnear[0][0])*rcpD[0][0], y0 = (c.lower[1][lane]-Pnear[1][0])*rcpD[1][0];
+          const float z1 = (c.lower[2][lane]+c.extent[2][lane]-Pfar[2][0])*rcpD[2][0];
+          return (z1 < max(max(x0,y0),0.0f)) != (flip[2] != 0);
         }
 
         __forceinline void decode (uint32_t node, const vfloat4 lower[3], const vfloat4 extent[3], ChildBoxes& c) const
@@ -104,24 +125,48 @@ namespace embree
         }
       };
 
-      /*! Group is called as group(boxes, mask, m) with the mask of lanes hit; lane l is
-       *  node (or leaf, or group of quads) 4m + (l ^ flip) of its level. It returns
-       *  true to end the walk and may lower sBest. */
+      /*! Order of a node's children along the ray: 0 is first, 3 last, 1 and 2 are
+       *  alternatives of which overlaps can make the ray meet both, nearest first.
+       *  Masks in order space have bit i for the i-th child of the order. */
+      struct ChildOrder
+      {
+        bool swapped; //!< 0, 2, 1, 3
+
+        __forceinline ChildOrder (const ChildBoxes& c, size_t mask)
+          : swapped(unlikely((mask & 6) == 6) && c.sNear[2] < c.sNear[1]) {}
+
+        __forceinline size_t toOrder (size_t mask) const { return swapped ? (mask & 9) | ((mask & 2) << 1) | ((mask & 4) >> 1) : mask; }
+        __forceinline size_t lane (size_t i) const { return swapped && (i == 1 || i == 2) ? 3-i : i; }
+      };
+
+      /*! Walks the tree. A Group has
+       *
+       *    bool leaves (const ChildBoxes& c, size_t hit, size_t passed, uint32_t m)
+       *      up to four leaves of one parent; lane l is leaf 4m + (l ^ flip). Lanes in
+       *      "hit" meet the ray, those in "passed" share x and y with it, but the ray
+       *      goes over or under them. True ends the walk.
+       *    bool passedAbove (bool above)
+       *      only if wantsPassed(): the ray went over (under) a whole subtree.
+       *    bool wantsPassed ()
+       *    float sBest
+       *      nodes that begin behind it are skipped; may be lowered.
+       *
+       *  Events come in front-to-back order. */
       template<typename Group>
-      __forceinline bool traverseBlock (const MirroredRay& ray, const uint32_t* nodes, const uint32_t nodeLevels, float& sBest, const Group& group)
+      __forceinline bool traverseBlock (const MirroredRay& ray, const uint32_t* nodes, const uint32_t nodeLevels, Group& group)
       {
         const int flip = ray.flipXY();
         ChildBoxes stack[maxLevel];
-        unsigned open[maxLevel];
-        uint32_t index[maxLevel]; //!< of the first child of the level's open node
+        struct Open { unsigned hit, passed; uint32_t first; ChildOrder order; };
+        char memory[maxLevel*sizeof(Open)];
+        Open* open = (Open*)memory;
 
         if (unlikely(nodeLevels == 0))
         {
           ChildBoxes& c = stack[0];
           for (int k=0; k<3; k++) { c.lower[k] = vfloat4(zero); c.extent[k] = vfloat4(1.0f); }
-          ray.intersect(c);
-          const vboolf4 hit = max(c.sNear,vfloat4(zero)) <= min(c.sFar,vfloat4(sBest));
-          return movemask(hit) && group(c,size_t(1) << flip,uint32_t(0));
+          const HitMasks masks = ray.intersect(c,group.sBest);
+          return masks.hit && group.leaves(c,size_t(1) << flip,0,uint32_t(0));
         }
 
         vfloat4 lower[3], extent[3];
@@ -131,29 +176,38 @@ namespace embree
         {
           ChildBoxes& c = stack[depth];
           ray.decode(nodes[nodesOfLevels(depth)+m],lower,extent,c);
-          ray.intersect(c);
-          const vboolf4 hit = max(c.sNear,vfloat4(zero)) <= min(c.sFar,vfloat4(sBest));
-          size_t mask = movemask(hit);
+          const HitMasks masks = ray.intersect(c,group.sBest);
+          const ChildOrder order(c,masks.hit | masks.passed);
+          open[depth] = Open{ unsigned(order.toOrder(masks.hit)), unsigned(order.toOrder(masks.passed)), 4*m, order };
           if (depth+1 == nodeLevels) {
-            if (mask && group(c,mask,m)) return true;
-            mask = 0;
+            if ((masks.hit | (group.wantsPassed() ? masks.passed : 0)) && group.leaves(c,masks.hit,masks.passed,m)) return true;
+            open[depth].hit = open[depth].passed = 0;
           }
-          open[depth] = unsigned(mask);
-          index[depth] = 4*m;
 
           /* next child in front-to-back order that is not behind the closest hit */
           while (true)
           {
-            while (open[depth] == 0) {
+            Open& o = open[depth];
+            const unsigned events = group.wantsPassed() ? o.hit | o.passed : o.hit;
+            if (events == 0) {
               if (depth == 0) return false;
               depth--;
+              continue;
             }
-            const size_t lane = bsf(size_t(open[depth]));
-            open[depth] &= open[depth]-1;
+            const size_t i = bsf(size_t(events));
+            const size_t lane = o.order.lane(i);
             const ChildBoxes& p = stack[depth];
-            if (unlikely(p.sNear[lane] > sBest)) continue;
+            const unsigned before = (2u << i) - 1;
+            const bool isHit = (o.hit >> i) & 1;
+            o.hit &= ~before;
+            o.passed &= ~before;
+            if (!isHit) {
+              if (group.passedAbove(ray.isAbove(p,lane))) return true;
+              continue;
+            }
+            if (unlikely(p.sNear[lane] > group.sBest)) continue;
             for (int k=0; k<3; k++) { lower[k] = vfloat4(p.lower[k][lane]); extent[k] = vfloat4(p.extent[k][lane]); }
-            m = index[depth] + (uint32_t(lane) ^ uint32_t(flip));
+            m = o.first + (uint32_t(lane) ^ uint32_t(flip));
             depth++;
             break;
           }

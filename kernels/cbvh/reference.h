@@ -39,11 +39,12 @@ namespace embree
     {
     public:
       ReferenceIntersector (const Block* block, double widening = 0)
-        : block(block), layout(block->layout()), widening(widening) {}
+        : block(block), layout(block->layout()), kind(block->kind()), widening(widening) {}
 
       ReferenceHit intersect (const ReferenceRay& ray)
       {
         best = ReferenceHit();
+        side = 0; pending = false;
         if (!enter(ray)) return best;
         visit(0,0,NodeBox::root());
         return best;
@@ -99,58 +100,128 @@ namespace embree
       {
         s0 = -std::numeric_limits<double>::infinity();
         s1 =  std::numeric_limits<double>::infinity();
-        for (int k=0; k<3; k++) {
-          clip(P0[k]-double(box.lower[k])+epsilon[k],P1[k]-P0[k],s0,s1);
-          clip(double(box.upper(k))-P0[k]+epsilon[k],P0[k]-P1[k],s0,s1);
-        }
+        clipAxes(box,3,s0,s1);
         return std::fmax(s0,0.0) <= std::fmin(s1,1.0);
       }
 
+      /*! clips to the first axes of a box, widened */
+      void clipAxes (const NodeBox& box, int axes, double& s0, double& s1) const
+      {
+        for (int k=0; k<axes; k++) {
+          clip(P0[k]-double(box.lower[k])+epsilon[k],P1[k]-P0[k],s0,s1);
+          clip(double(box.upper(k))-P0[k]+epsilon[k],P0[k]-P1[k],s0,s1);
+        }
+      }
+
+      /*! Children in the order along the ray: mirror x and y so that it ascends, then 0,
+       *  1 and 2 (the one entered first), 3. */
       void visit (uint32_t level, uint32_t m, const NodeBox& box)
       {
+        if (best.found && kind == Kind::LEAF) return; // the first hit of an ordered walk
         double s0, s1;
         if (!slab(box,s0,s1)) return;
         if (level == layout.nodeLevels) { leaf(m,box,s0,s1); return; }
         const uint32_t node = block->nodes()[nodesOfLevels(level)+m];
-        for (int c=0; c<4; c++)
-          visit(level+1,4*m+uint32_t(c),decodeChild(node,c,box));
+        const int flip = (P1[0] < P0[0] ? 1 : 0) | (P1[1] < P0[1] ? 2 : 0);
+        int order[4] = { flip, 1^flip, 2^flip, 3^flip };
+        const NodeBox middle[2] = { decodeChild(node,order[1],box), decodeChild(node,order[2],box) };
+        if (meets(middle[0]) && meets(middle[1]) && entry(middle[1]) < entry(middle[0])) std::swap(order[1],order[2]);
+        for (int c : order)
+        {
+          const NodeBox child = decodeChild(node,c,box);
+          double c0, c1;
+          if (slab(child,c0,c1)) visit(level+1,4*m+uint32_t(c),child);
+          else if (pending && meets(child)) passed(isAbove(child));
+        }
+      }
+
+      /*! whether the segment shares x and y with a box */
+      bool meets (const NodeBox& box) const
+      {
+        double s0 = 0, s1 = 1;
+        clipAxes(box,2,s0,s1);
+        return s0 <= s1;
+      }
+      double entry (const NodeBox& box) const
+      {
+        double s0 = -std::numeric_limits<double>::infinity(), s1 = std::numeric_limits<double>::infinity();
+        clipAxes(box,3,s0,s1);
+        return s0;
+      }
+      bool isAbove (const NodeBox& box) const
+      {
+        double s0 = 0, s1 = 1;
+        clipAxes(box,2,s0,s1);
+        return P0[2]+0.5*(s0+s1)*(P1[2]-P0[2]) > box.lower[2]+0.5*box.extent[2];
       }
 
       void leaf (uint32_t m, const NodeBox& box, double s0, double s1)
       {
-        switch (block->kind()) {
+        switch (kind) {
         case Kind::LEAF : heightLeaf(m,box,s0,s1); break;
         case Kind::VOXEL: if (!(startClipped && s0 < 0)) hit(m,box,std::fmax(s0,0.0),0,0); break;
         case Kind::GRID : gridLeaf(m); break;
         }
       }
 
+      bool onBorder (uint32_t m) const {
+        const uint32_t last = (1u << block->height()) - 1;
+        return mortonX(m) == 0 || mortonY(m) == 0 || mortonX(m) == last || mortonY(m) == last;
+      }
+
+      void passed (bool above)
+      {
+        if (side == (above ? 1 : -1)) return;
+        hit(exitLeaf,exitBox,exitS,exitSlope[0],exitSlope[1]);
+      }
+
       void heightLeaf (uint32_t m, const NodeBox& box, double sNear, double sFar)
       {
         const uint16_t code = ((const uint16_t*)block->leaves())[m];
-        if (code == emptyLeaf) return;
         const bool startsInside = startClipped && sNear < 0, endsInside = endClipped && sFar > 1;
         const double s0 = std::fmax(sNear,0.0), s1 = std::fmin(sFar,1.0);
-        if (code == solidLeaf) {
-          if (!startsInside) hit(m,box,s0,0,0);
+        if (code == emptyLeaf || code == solidLeaf) {
+          side = 0; pending = false;
+          if (code == solidLeaf && !startsInside) hit(m,box,s0,0,0);
           return;
         }
         const LeafBins bins(box,decodeZScale(block->zScale()));
         double q[4];
         for (int i=0; i<4; i++) q[i] = bins.base + (leafHeight(code,i)+0.5)*bins.size;
-        auto height = [&](double s) {
+        auto f = [&](double s) {
           const double u = boxPosition(box,s,0), v = boxPosition(box,s,1);
-          return q[0] + u*(q[1]-q[0]) + v*(q[2]-q[0]) + u*v*(q[0]-q[1]-q[2]+q[3]);
+          return P0[2]+s*(P1[2]-P0[2]) - (q[0] + u*(q[1]-q[0]) + v*(q[2]-q[0]) + u*v*(q[0]-q[1]-q[2]+q[3]));
         };
-        const double f0 = P0[2]+s0*(P1[2]-P0[2]) - height(s0), f1 = P0[2]+s1*(P1[2]-P0[2]) - height(s1);
-        const double reach = startsInside || endsInside ? 0 : 0.5*bins.size + epsilon[2];
-        if (std::fmin(f0,f1) > reach || std::fmax(f0,f1) < -reach) return;
-        double k = f0 == f1 ? f0 : f0/(f0-f1);
-        k = k < 0 ? 0 : k > 1 ? 1 : k;
-        const double s = s0 + k*(s1-s0);
-        const double u = boxPosition(box,s,0), v = boxPosition(box,s,1);
-        hit(m,box,s,(q[1]-q[0] + v*(q[0]-q[1]-q[2]+q[3]))/box.extent[0],
-                    (q[2]-q[0] + u*(q[0]-q[1]-q[2]+q[3]))/box.extent[1]);
+        auto hitAt = [&](double s) {
+          const double u = boxPosition(box,s,0), v = boxPosition(box,s,1);
+          hit(m,box,s,(q[1]-q[0] + v*(q[0]-q[1]-q[2]+q[3]))/box.extent[0],
+                      (q[2]-q[0] + u*(q[0]-q[1]-q[2]+q[3]))/box.extent[1]);
+        };
+        const double f0 = f(s0), f1 = f(s1);
+        /* sides: by the patch, unless the ray passes through the upper or lower face */
+        const bool up = P1[2] >= P0[2];
+        double t0 = -std::numeric_limits<double>::infinity(), t1 = std::numeric_limits<double>::infinity();
+        clipAxes(box,2,t0,t1);
+        const int enter = sNear > t0 && !startsInside ? (up ? -1 : 1) : f0 >= 0 ? 1 : -1;
+        const int leave = sFar  < t1 && !endsInside   ? (up ? 1 : -1) : f1 >= 0 ? 1 : -1;
+        const bool near = std::fmin(std::fabs(f0),std::fabs(f1)) <= 0.5*bins.size + epsilon[2];
+
+        if (side != 0 && side != enter && !startsInside) { hitAt(s0); return; }
+        if (enter != leave) {
+          const double k = f0 == f1 ? 1 : f0/(f0-f1);
+          hitAt(s0 + (k < 0 ? 0 : k > 1 ? 1 : k)*(s1-s0));
+          return;
+        }
+        if (near && !startsInside && !endsInside && onBorder(m)) {
+          hitAt(std::fabs(f0) < std::fabs(f1) ? s0 : s1);
+          return;
+        }
+        side = leave;
+        pending = near;
+        exitLeaf = m; exitBox = box; exitS = s1;
+        const double u = boxPosition(box,s1,0), v = boxPosition(box,s1,1);
+        exitSlope[0] = (q[1]-q[0] + v*(q[0]-q[1]-q[2]+q[3]))/box.extent[0];
+        exitSlope[1] = (q[2]-q[0] + u*(q[0]-q[1]-q[2]+q[3]))/box.extent[1];
       }
 
       double boxPosition (const NodeBox& box, double s, int axis) const {
@@ -222,6 +293,7 @@ namespace embree
     private:
       const Block* block;
       BlockLayout layout;
+      Kind kind;
       double widening;
       ReferenceRay ray;
       ReferenceHit best;
@@ -229,6 +301,13 @@ namespace embree
       double begin, end; //!< world parameter of the segment's ends
       double epsilon[3];
       bool startClipped, endClipped;
+
+      /* cLEAF: the leaf that the ray left last */
+      int side;      //!< 1 above, -1 below, 0 unknown
+      bool pending;  //!< within half a bin of its patch
+      uint32_t exitLeaf;
+      NodeBox exitBox;
+      double exitS, exitSlope[2];
     };
   }
 }
