@@ -4,9 +4,8 @@
 #pragma once
 
 /* Scalar reference decoder and intersector of a block, in double: what the SIMD
- * intersectors must equal. Written for reading, after FORMAT.md, with no ordering,
- * no mirroring and no early out: every node is opened whose box the ray's segment
- * meets, the nearest hit is kept.
+ * intersectors must equal. Written for reading, after FORMAT.md: nothing is mirrored,
+ * one child at a time, no node is skipped for being behind a hit.
  *
  * The SIMD code widens bounds by the float error of its ray. "widening" says by how
  * many times that the reference widens: 0 is the exact answer, and what SIMD finds
