@@ -116,7 +116,6 @@ namespace embree
        *  1 and 2 (the one entered first), 3. */
       void visit (uint32_t level, uint32_t m, const NodeBox& box)
       {
-        if (best.found && kind == Kind::LEAF) return; // the first hit of an ordered walk
         double s0, s1;
         if (!slab(box,s0,s1)) return;
         if (level == layout.nodeLevels) { leaf(m,box,s0,s1); return; }
@@ -127,6 +126,7 @@ namespace embree
         if (meets(middle[0]) && meets(middle[1]) && entry(middle[1]) < entry(middle[0])) std::swap(order[1],order[2]);
         for (int c : order)
         {
+          if (best.found && kind == Kind::LEAF) return; // the first hit of an ordered walk
           const NodeBox child = decodeChild(node,c,box);
           double c0, c1;
           if (slab(child,c0,c1)) visit(level+1,4*m+uint32_t(c),child);
