@@ -60,33 +60,55 @@ namespace embree
     }
   }
 
-  /*! Whether a scene compresses anything; tells at verbosity 1 what it does not. */
-  static bool hasCompressedGeometry (Scene* scene)
+  /*! Calls closure(geomID, settings, motion) for each subdivision surface that asks for compression. */
+  template<typename Closure>
+  static void forEachCompressed (const Scene* scene, const Closure& closure)
   {
-    Device* device = scene->device;
-    bool compressed = false;
-    for (size_t i=0; i<scene->size(); i++)
+    for (size_t i=0; i<scene->geometries.size(); i++)
     {
       Geometry* geometry = scene->geometries[i].ptr;
-      if (!geometry || !geometry->isEnabled() || !(geometry->getTypeMask() & SubdivMesh::geom_type)) continue;
-      const CompressionSettings settings = ((SubdivMesh*)geometry)->compression.resolve(device->compression);
-      if (settings.compression == RTC_COMPRESSION_NONE) continue;
-      const bool motion = geometry->numTimeSteps != 1;
-      if (!motion) compressed = true;
-      if (!device->verbosity(1)) continue;
-      Lock<MutexSys> lock(g_printMutex);
-      std::cout << "compression: geometry " << i << ": " << compressionName(settings.compression);
-      if (motion) std::cout << " asked for, but it has motion blur: traced by GRID";
-      else if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cout << ", frame level auto";
-      else std::cout << ", frame level " << settings.frameLevel;
-      std::cout << std::endl;
+      if (!geometry || !geometry->isEnabled() || geometry->getType() != Geometry::GTY_SUBDIV_MESH) continue;
+      const CompressionSettings settings = ((SubdivMesh*)geometry)->compression.resolve(scene->device->compression);
+      if (settings.compression != RTC_COMPRESSION_NONE) closure(i,settings,geometry->numTimeSteps != 1);
     }
+  }
+
+  static bool hasCompressedGeometry (const Scene* scene)
+  {
+    bool compressed = false;
+    forEachCompressed(scene,[&](size_t, const CompressionSettings&, bool motion) { compressed |= !motion; });
     return compressed;
   }
+
+  bool isCompressionOutdated (Scene* scene)
+  {
+    bool compressed = false;
+    for (Accel* accel : scene->accels)
+      compressed |= dynamic_cast<CompressedSubdivAccel*>(accel) != nullptr;
+    return compressed != hasCompressedGeometry(scene);
+  }
+
+  /*! says at verbosity 1 what becomes of the surfaces with motion blur, or of those without */
+  static void reportCompression (Scene* scene, bool ofMotion)
+  {
+    if (!scene->device->verbosity(1)) return;
+    forEachCompressed(scene,[&](size_t geomID, const CompressionSettings& settings, bool motion) {
+        if (motion != ofMotion) return;
+        Lock<MutexSys> lock(g_printMutex);
+        std::cout << "compression: geometry " << geomID << ": " << compressionName(settings.compression);
+        if (motion) std::cout << " asked for, but it has motion blur: traced by GRID";
+        else if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cout << ", frame level auto";
+        else std::cout << ", frame level " << settings.frameLevel;
+        std::cout << std::endl;
+      });
+  }
+
+  void reportCompressionOfMotionBlur (Scene* scene) { reportCompression(scene,true); }
 
   Accel* createCompressedSubdivAccel (Scene* scene)
   {
     if (!hasCompressedGeometry(scene)) return nullptr;
+    reportCompression(scene,false);
     Device* device = scene->device;
     const Symbols symbols(device->enabled_cpu_features,device->enabled_builder_cpu_features);
 

@@ -19,6 +19,13 @@ namespace embree
     std::unique_ptr<cbvh::BuildStatistics> statistics; //!< of the last build
   };
 
+  /*! Whether a scene that keeps its accelerators, as dynamic ones do, has to get new ones:
+   *  its surfaces were compressed and none asks for it any more, or the other way round. */
+  bool isCompressionOutdated (Scene* scene);
+
+  /*! Tells at verbosity 1 of surfaces that ask for compression but have motion blur. */
+  void reportCompressionOfMotionBlur (Scene* scene);
+
   /*! Accelerator for all subdivision surfaces of a scene without motion blur; null
    *  when none of them is to be compressed. Selects builder and intersectors for the
    *  device's ISA. The caller owns it. */
