@@ -7,13 +7,19 @@
 #include "block.h"
 #include "../../common/lexers/tokenstream.h"
 #include <cstdlib>
+#include <iostream>
 #include <sstream>
 #include <cmath>
 
 namespace embree
 {
-  static void invalid (const std::string& name, const std::string& value, const std::string& expected) {
-    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid value \"" + value + "\" of " + name + ": " + expected);
+  /*! There is no device yet to take a message to its error function: Embree would keep
+   *  the code alone, and rtcNewDevice return NULL without a reason. */
+  static void invalid (const std::string& name, const std::string& value, const std::string& expected)
+  {
+    const std::string message = "invalid value \"" + value + "\" of " + name + ": " + expected;
+    std::cerr << "Embree: Invalid argument, (" << message << ")" << std::endl;
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,message);
   }
 
   static bool parseKind (const std::string& name, RTCCompression& compression)
