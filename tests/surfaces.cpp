@@ -122,20 +122,17 @@ void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     if (!isHit(a)) continue;
     hits++;
     ASSERT_EQ(b.hit.geomID, a.hit.geomID);
-    ASSERT_LE(std::fabs(b.ray.tfar - a.ray.tfar), 4*ulp*a.ray.tfar);
-    if (b.hit.primID != a.hit.primID) { // on the border of two faces either may come first
-      ASSERT_EQ(b.ray.tfar, a.ray.tfar);
-      continue;
-    }
     double m[3], n[3];
     unitNormal(a, m);
     unitNormal(b, n);
-    ASSERT_GT(dot(m, n), 1 - 1e-5);
+    const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z}, length = std::sqrt(dot(d, d));
+    const double cosine = std::fabs(dot(d, m))/length;
     // GRID keeps u and v as integers of 8/65536, which levels up to 8 hit exactly. Most hits are
     // equal to the bit; where GRID cuts a face into 8 x 8 quads its vertices may round another way,
     // which shifts a hit by ulps of t over the cosine, out of the length of a face.
-    const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};
-    const double cosine = std::fabs(dot(d, m))/std::sqrt(dot(d, d));
+    ASSERT_LE(std::fabs(b.ray.tfar - a.ray.tfar), 4*ulp*(a.ray.tfar + 1/(cosine*length)));
+    if (b.hit.primID != a.hit.primID) continue; // on the border of two faces either may come first
+    ASSERT_GT(dot(m, n), 1 - 1e-5);
     const double tolerance = 4*ulp*(1 + 1/(cosine*face));
     equal += a.ray.tfar == b.ray.tfar && a.hit.u == b.hit.u && a.hit.v == b.hit.v;
     ASSERT_LE(std::fabs(b.hit.u - a.hit.u), tolerance);
@@ -216,6 +213,10 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     hits += isHit(a);
     if (isHit(a) && !isHit(b)) {
       ASSERT_NE(compression, RTC_COMPRESSION_VOXEL) << "a box contains the surface: no misses";
+      double m[3];
+      unitNormal(a, m);
+      const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};
+      EXPECT_LT(std::fabs(dot(d, m))/std::sqrt(dot(d, d)), 0.5) << "a ray that does not graze is missed";
       misses++;
     }
     falseHits += isHit(b) && !isHit(a);
@@ -247,7 +248,7 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
   EXPECT_GE(across, compared - compared/20) << "of " << compared << " hits lie within the thickness";
   EXPECT_LE(otherWay, compared/100) << "of " << compared << " normals point the other way";
   EXPECT_GE(parameters, compared - compared/20) << "of " << compared << " parameters agree";
-  EXPECT_LE(misses, hits/200) << falseHits << " false";
+  EXPECT_LE(misses, hits/200 + 1);
   // A border as wide as the thickness and the overlap of boxes around a sheet
   // that is 2 wide is four times their ratio to it, and as much again for folds.
   EXPECT_LE(falseHits, hits*std::min(1.0f, 8*(thickness + 0.25f*quad)/2) + 2);
