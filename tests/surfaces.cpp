@@ -114,7 +114,7 @@ std::pair<float, float> edgeLengths(const Cage& cage)
 void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, const Cage& cage)
 {
   const double face = 0.5*edgeLengths(cage).first;
-  unsigned hits = 0, equal = 0;
+  unsigned hits = 0;
   for (const RTCRayHit& ray : rays) {
     const RTCRayHit a = intersect(grid, ray), b = intersect(scene, ray);
     ASSERT_EQ(occluded(scene, ray), occluded(grid, ray));
@@ -127,18 +127,17 @@ void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     unitNormal(b, n);
     const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z}, length = std::sqrt(dot(d, d));
     const double cosine = std::fabs(dot(d, m))/length;
-    // GRID keeps u and v as integers of 8/65536, which levels up to 8 hit exactly. Most hits are
-    // equal to the bit; where GRID cuts a face into 8 x 8 quads its vertices may round another way,
-    // which shifts a hit by ulps of t over the cosine, out of the length of a face.
+    // GRID keeps u and v as integers of 8/65536, which levels up to 8 hit exactly. Where GRID cuts a
+    // face into 8 x 8 quads its vertices may round another way, and the compiler may fuse one of two
+    // copies of the same test another way: that shifts a hit by ulps of t over the cosine, and u and v
+    // by as much out of the length of a face.
     ASSERT_LE(std::fabs(b.ray.tfar - a.ray.tfar), 4*ulp*(a.ray.tfar + 1/(cosine*length)));
     if (b.hit.primID != a.hit.primID) continue; // on the border of two faces either may come first
     ASSERT_GT(dot(m, n), 1 - 1e-5);
     const double tolerance = 4*ulp*(1 + 1/(cosine*face));
-    equal += a.ray.tfar == b.ray.tfar && a.hit.u == b.hit.u && a.hit.v == b.hit.v;
     ASSERT_LE(std::fabs(b.hit.u - a.hit.u), tolerance);
     ASSERT_LE(std::fabs(b.hit.v - a.hit.v), tolerance);
   }
-  EXPECT_GE(equal, hits - hits/4);
   EXPECT_GT(hits, rays.size()/10);
 }
 
