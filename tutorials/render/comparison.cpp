@@ -10,16 +10,13 @@
 
 #include "comparison.h"
 
-#include "cage_validation.h"
 #include "error.h"
 #include "file_output.h"
-#include "obj_reader.h"
 #include "parallel.h"
 #include "shading.h"
+#include "statistics.h"
 #include "tracing.h"
-
-#include "scenes/cube.h"
-#include "scenes/trex.h"
+#include "views.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -27,52 +24,17 @@
 namespace cbvh {
 namespace {
 
-constexpr float fieldOfView = 35.0f;
-
 std::string outputPath(const Options& options, const std::string& name)
 {
   return (std::filesystem::path(options.output) / name).string();
 }
 
-Model loadCage(const Options& options)
-{
-  constexpr float defaultAmplitude = 0.006f;
-  Model model;
-  model.cage = readObj(options.cagePath);
-  model.name = std::filesystem::path(options.cagePath).stem().string();
-  if (options.heightPath.empty())
-    return model;
-  HeightMap map = HeightMap::read(options.heightPath);
-  const float scale = options.amplitude.value_or(defaultAmplitude) * model.cage.bounds().diagonal();
-  if (model.cage.hasUVs())
-    model.displacement = displaceByUVs(model.cage, std::move(map), scale);
-  else
-  {
-    if (!map.hasConstantBorder())
-      std::fprintf(stderr, "cbvh_render: warning: %s has no texture coordinates: each face gets the whole map, and the "
-                           "surface tears between faces, as the border of the map is not of one height\n",
-                   options.cagePath.c_str());
-    model.displacement = displaceByFace(model.cage, std::move(map), scale);
-  }
-  return model;
-}
-
 Model loadModel(const Options& options)
 {
-  Model model;
-  if (options.scene == "cube")
-    model = makeCube(options.amplitude.value_or(cubeAmplitude));
-  else if (options.scene == "trex")
-  {
-    TrexSettings settings;
-    settings.amplitude = options.amplitude.value_or(settings.amplitude) * (options.rough ? trexRoughFactor : 1.0f);
-    settings.mapPath = outputPath(options, "trex_height.exr");
-    settings.threads = options.build.threads;
-    model = makeTrex(settings);
-  }
-  else
-    model = loadCage(options);
-  validateCage(model.cage);
+  std::string warning;
+  Model model = loadScene(options.scene, warning);
+  if (!warning.empty())
+    std::fprintf(stderr, "cbvh_render: warning: %s\n", warning.c_str());
   return model;
 }
 
@@ -111,50 +73,6 @@ void checkMemory(const Options& options, const Cage& cage)
   throw Error(text);
 }
 
-/* The close view stands before the point that the full view shows at a given place
- * of the picture, or at the nearest one to it where there is surface. */
-Camera closeCamera(const Camera& full, const BuiltScene& grid, const ViewHints& hints, unsigned threads)
-{
-  const ImageSize size = full.size();
-  const std::vector<Ray> rays = primaryRays(full);
-  const std::vector<SurfaceHit> hits = traceClosest(grid, rays, threads);
-  const float cx = hints.closePoint.x * float(size.width), cy = hints.closePoint.y * float(size.height);
-  float best = INFINITY;
-  size_t pixel = 0;
-  for (size_t i = 0; i < hits.size(); i++)
-  {
-    const float dx = float(i % size_t(size.width)) - cx, dy = float(i / size_t(size.width)) - cy;
-    if (hits[i].hit() && dx * dx + dy * dy < best)
-    {
-      best = dx * dx + dy * dy;
-      pixel = i;
-    }
-  }
-  if (best == INFINITY)
-    throw Error("the full view shows no surface to look at closely");
-  const Vec3f target = rays[pixel].origin + hits[pixel].t * rays[pixel].direction;
-  const float distance = hints.closeDistance * grid.bounds().diagonal();
-  return Camera(target - distance * rays[pixel].direction, target, hints.up, full.fov(), size);
-}
-
-Camera chooseCamera(const Options& options, const Model& model, const BuiltScene& grid, unsigned threads)
-{
-  if (options.view != "full" && options.view != "close")
-    return parseView(options.view, model.view.up, options.size);
-  const Box3f cage = model.cage.bounds(), surface = grid.bounds();
-  const Vec3f below = cage.lower - surface.lower, above = surface.upper - cage.upper;
-  const float beyond = std::max({0.0f, below.x, below.y, below.z, above.x, above.y, above.z});
-  const Camera full = Camera::fit(model.cage.positions, beyond, model.view, fieldOfView, options.size);
-  return options.view == "full" ? full : closeCamera(full, grid, model.view, threads);
-}
-
-double median(std::vector<double> values)
-{
-  std::sort(values.begin(), values.end());
-  const size_t n = values.size();
-  return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
-
 class Run
 {
 public:
@@ -167,9 +85,7 @@ public:
   Comparison run()
   {
     const BuiltScene grid(model, {RepresentationKind::Grid}, options.build);
-    if (grid.report().quads == 0 || !isFinite(grid.bounds().lower) || !isFinite(grid.bounds().upper))
-      throw Error(model.name + ": Embree makes no surface of this cage");
-    const Camera camera = chooseCamera(options, model, grid, threads);
+    const Camera camera = chooseCamera(options.view, model, grid, options.size, threads);
     footprint = camera.footprint();
     primary = primaryRays(camera);
     gridHits = traced(grid);

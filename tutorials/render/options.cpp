@@ -3,51 +3,14 @@
 
 #include "options.h"
 #include "error.h"
+#include "views.h"
 
 #include <CLI/CLI.hpp>
 
-#include <charconv>
 #include <cstdio>
 #include <set>
 
 namespace cbvh {
-namespace {
-
-ImageSize parseSize(const std::string& text)
-{
-  ImageSize size;
-  const char* const end = text.data() + text.size();
-  const auto w = std::from_chars(text.data(), end, size.width);
-  if (w.ec == std::errc() && w.ptr != end && *w.ptr == 'x')
-  {
-    const auto h = std::from_chars(w.ptr + 1, end, size.height);
-    if (h.ec == std::errc() && h.ptr == end && size.width > 0 && size.height > 0 && size.width <= 16384 &&
-        size.height <= 16384)
-      return size;
-  }
-  throw Error("--size '" + text + "' is not WIDTHxHEIGHT with 1 to 16384 pixels each");
-}
-
-} // namespace
-
-Camera parseView(const std::string& text, Vec3f up, ImageSize size)
-{
-  float x[7];
-  int n = 0;
-  const char* p = text.data();
-  const char* const end = p + text.size();
-  for (; n < 7; n++)
-  {
-    const auto [next, code] = std::from_chars(p, end, x[n]);
-    if (code != std::errc() || !std::isfinite(x[n]) || (n < 6 ? next == end || *next != ',' : next != end))
-      break;
-    p = next + 1;
-  }
-  if (n < 7 || !(x[6] > 0.0f && x[6] < 180.0f) || length(Vec3f{x[3] - x[0], x[4] - x[1], x[5] - x[2]}) == 0.0f)
-    throw Error("--view '" + text + "' is neither full nor close nor eye and target as ex,ey,ez,lx,ly,lz,fov");
-  return Camera({x[0], x[1], x[2]}, {x[3], x[4], x[5]}, up, x[6], size);
-}
-
 std::optional<Options> parseOptions(int argc, char** argv)
 {
   Options o;
@@ -57,13 +20,13 @@ std::optional<Options> parseOptions(int argc, char** argv)
   CLI::App app("Builds a displaced subdivision surface in several representations, traces it, and compares them.\n"
                "Writes for each a shaded picture, the hits as EXR, and the error against GRID as a heat map.",
                "cbvh_render");
-  app.add_option("--scene", o.scene, "generated scene: cube or trex")->type_name("NAME");
-  app.add_option("--cage", o.cagePath, "control cage, OBJ with OpenSubdiv's t tags")->type_name("FILE");
-  app.add_option("--height", o.heightPath, "height map of the cage, any image that OpenImageIO reads")->type_name("FILE");
-  app.add_option("--amplitude", o.amplitude,
+  app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
+  app.add_option("--cage", o.scene.cagePath, "control cage, OBJ with OpenSubdiv's t tags")->type_name("FILE");
+  app.add_option("--height", o.scene.heightPath, "height map of the cage, any image that OpenImageIO reads")->type_name("FILE");
+  app.add_option("--amplitude", o.scene.amplitude,
                  "displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding box")
     ->type_name("A");
-  app.add_flag("--rough", o.rough, "trex: five times the amplitude");
+  app.add_flag("--rough", o.scene.rough, "trex: five times the amplitude");
   app.add_option("--representation", representations,
                  "comma list of naive, grid, cgrid, cvoxel, cleaf; a frame level of its own after ^ or :")
     ->type_name("LIST")->capture_default_str();
@@ -97,18 +60,7 @@ std::optional<Options> parseOptions(int argc, char** argv)
     throw Error(e.what());
   }
 
-  if (o.scene.empty() == o.cagePath.empty())
-    throw Error("give either --scene cube|trex or --cage FILE");
-  if (!o.scene.empty() && o.scene != "cube" && o.scene != "trex")
-    throw Error("unknown --scene '" + o.scene + "', known are cube and trex");
-  if (!o.scene.empty() && !o.heightPath.empty())
-    throw Error("--height belongs to --cage, generated scenes bring their own displacement");
-  if (o.rough && o.scene != "trex")
-    throw Error("--rough belongs to --scene trex");
-  if (o.amplitude && !o.cagePath.empty() && o.heightPath.empty())
-    throw Error("--amplitude needs a height map, give --height FILE");
-  if (o.amplitude && !std::isfinite(*o.amplitude))
-    throw Error("--amplitude must be finite");
+  validateScene(o.scene);
   if (o.build.level < 0 || o.build.level > maxLevel)
     throw Error("--level " + std::to_string(o.build.level) + " is out of range, 0 to " + std::to_string(maxLevel));
   if (o.build.threads < 0)
@@ -119,8 +71,10 @@ std::optional<Options> parseOptions(int argc, char** argv)
     throw Error("--ray-offset must be finite and not negative");
   if (!std::set<std::string>{"", "sse2", "sse4.2", "avx", "avx2", "avx512"}.count(o.build.isa))
     throw Error("unknown --isa '" + o.build.isa + "', known are sse2, sse4.2, avx, avx2 and avx512");
+  o.scene.mapFolder = o.output;
+  o.scene.threads = o.build.threads;
   o.speed = !noSpeed;
-  o.size = parseSize(size);
+  o.size = parseImageSize(size);
   try
   {
     o.representations = parseRepresentations(representations, parseFrameLevel(frameLevel));

@@ -8,6 +8,7 @@
 #include "built_scene.h"
 #include "camera.h"
 #include "representation.h"
+#include "scenes/catalogue.h"
 
 #include <optional>
 #include <string>
@@ -17,11 +18,7 @@ namespace cbvh {
 
 struct Options
 {
-  std::string scene;             // generated: cube, trex; empty: a cage
-  std::string cagePath;          // OBJ
-  std::string heightPath;        // height map of the cage, empty: not displaced
-  std::optional<float> amplitude; // fraction of the cage's bounding-box diagonal
-  bool rough = false;            // trex: five times the amplitude
+  SceneSettings scene;
   std::vector<Representation> representations;
   BuildSettings build;
   std::string view = "full";     // full, close, or ex,ey,ez,lx,ly,lz,fov
@@ -37,8 +34,5 @@ struct Options
 /* Reads a command line. Returns nothing when it asked for help, which is printed.
  * Throws Error, one line, for anything wrong. */
 std::optional<Options> parseOptions(int argc, char** argv);
-
-/* Parses "ex,ey,ez,lx,ly,lz,fov". Throws Error. */
-Camera parseView(const std::string& text, Vec3f up, ImageSize size);
 
 } // namespace cbvh
