@@ -132,6 +132,7 @@ namespace embree
       {
         bool swapped; //!< 0, 2, 1, 3
 
+        __forceinline ChildOrder () {}
         __forceinline ChildOrder (const ChildBoxes& c, size_t mask)
           : swapped(unlikely((mask & 6) == 6) && c.sNear[2] < c.sNear[1]) {}
 
@@ -158,8 +159,7 @@ namespace embree
         const int flip = ray.flipXY();
         ChildBoxes stack[maxLevel];
         struct Open { unsigned hit, passed; uint32_t first; ChildOrder order; };
-        char memory[maxLevel*sizeof(Open)];
-        Open* open = (Open*)memory;
+        Open open[maxLevel];
 
         if (unlikely(nodeLevels == 0))
         {
