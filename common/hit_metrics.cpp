@@ -45,7 +45,7 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
   result.rays = hits.size();
   const std::vector<float> pixels = pixelErrors(reference, hits, footprint);
   std::vector<float> distances, angles, cells;
-  double sumOfSquares = 0, sumOfOthers = 0;
+  double sumOfSquares = 0, sumOfOthers = 0, signedSum = 0;
   for (size_t i = 0; i < hits.size(); i++)
   {
     result.falseHits += pixels[i] == falseHitError;
@@ -57,7 +57,10 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
     if (pixels[i] > farOffPixels)
       result.farOff++;
     else
+    {
       sumOfOthers += double(pixels[i]) * pixels[i];
+      signedSum += hits[i].t < reference[i].t ? -double(pixels[i]) : double(pixels[i]);
+    }
 
     const Vec3f a = reference[i].normal, b = hits[i].normal;
     const float angle = std::atan2(length(cross(normalize(a), normalize(b))), dot(normalize(a), normalize(b)));
@@ -79,7 +82,10 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
   if (result.bothHit)
     result.rmse = std::sqrt(sumOfSquares / double(result.bothHit));
   if (result.bothHit > result.farOff)
+  {
     result.rmseOfOthers = std::sqrt(sumOfOthers / double(result.bothHit - result.farOff));
+    result.bias = signedSum / double(result.bothHit - result.farOff);
+  }
   result.median = quantile(distances, 0.5);
   result.p99 = quantile(distances, 0.99);
   result.max = quantile(distances, 1.0);

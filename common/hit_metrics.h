@@ -28,6 +28,7 @@ struct HitErrors
    * this is the one without them. */
   size_t farOff = 0;
   double rmseOfOthers = 0;
+  double bias = 0;             // mean of the signed distance along the ray of those others, positive: behind
   /* Degrees between geometric normals with their signs: 180 is a wrong sign. */
   double normalMedian = 0, normalP99 = 0;
   /* Distance in (u,v) in quads of the tessellation, over rays whose hits are on the

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Tracing ray sets: once for the hits, on several threads, and for the clock, on
- * one thread with single rays. */
+/* Tracing ray sets for their hits. */
 
 #include "built_scene.h"
 #include "ray_sets.h"
@@ -13,6 +12,11 @@
 
 namespace cbvh {
 
+/* Closest hits of n rays, on the calling thread.
+ *
+ * rays, hits: n each; hits are written. */
+void traceClosest(const BuiltScene& scene, size_t n, const Ray* rays, SurfaceHit* hits);
+
 /* Closest hits, one a ray. Throws Cancelled. */
 std::vector<SurfaceHit> traceClosest(const BuiltScene& scene, const std::vector<Ray>& rays, unsigned threads);
 
@@ -20,10 +24,5 @@ std::vector<SurfaceHit> traceClosest(const BuiltScene& scene, const std::vector<
  * something is hit. Throws Cancelled. */
 size_t countAnyHitDisagreements(const BuiltScene& scene, const std::vector<Ray>& rays,
                                 const std::vector<SurfaceHit>& closest, unsigned threads);
-
-/* Seconds that the calling thread takes for all rays with rtcIntersect1 or
- * rtcOccluded1. Throws Cancelled. */
-double timeClosest(const BuiltScene& scene, const std::vector<Ray>& rays);
-double timeAny(const BuiltScene& scene, const std::vector<Ray>& rays);
 
 } // namespace cbvh

@@ -202,7 +202,10 @@ private:
   {
     Phase phase(result.representation.label() + ": speed");
     const auto timeOne = [&](const BuiltScene& s, int set, int query) {
-      return query == Closest ? timeClosest(s, sets[set]) : timeAny(s, sets[set]);
+      TraceSettings settings;
+      settings.query = Query(query);
+      settings.coherent = set == Coherent;
+      return timeTrace(s, sets[set], settings).seconds;
     };
     for (int set = 0; set < numRaySets; set++)
       for (int query = 0; query < numQueries; query++)

@@ -8,6 +8,7 @@
 
 #include "hit_metrics.h"
 #include "options.h"
+#include "trace_timing.h"
 
 #include <optional>
 #include <string>
@@ -16,7 +17,6 @@
 namespace cbvh {
 
 enum RaySet { Coherent, Incoherent, numRaySets };
-enum Query { Closest, Any, numQueries };
 
 struct Speed
 {
