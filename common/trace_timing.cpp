@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <ctime>
 #include <thread>
 
 namespace cbvh {
@@ -174,6 +175,18 @@ Kernel kernelOf(TraceMode mode, Query query)
   }
 }
 
+double wallSeconds()
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double threadSeconds()
+{
+  timespec time;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+}
+
 } // namespace
 
 const char* queryName(Query query)
@@ -207,6 +220,7 @@ TraceTiming timeTrace(const BuiltScene& scene, const std::vector<Ray>& rays, con
   constexpr size_t chunk = 4096; // whole packets and streams, and 64 tiles of 8 x 8
   static_assert(chunk % streamSize == 0, "only the last call of a set is not full");
   const Kernel kernel = kernelOf(settings.mode, settings.query);
+  const size_t chunks = (rays.size() + chunk - 1) / chunk;
   std::atomic<size_t> next{0}, hits{0};
   std::atomic<unsigned> waiting{0};
   std::atomic<bool> go{false};
@@ -216,8 +230,11 @@ TraceTiming timeTrace(const BuiltScene& scene, const std::vector<Ray>& rays, con
     rtcInitIntersectContext(&context);
     context.flags = settings.coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     size_t count = 0;
-    for (size_t begin; !cancelRequested() && (begin = next.fetch_add(chunk)) < rays.size();)
+    for (size_t i; !cancelRequested() && (i = next++) < chunks * settings.passes;)
+    {
+      const size_t begin = i % chunks * chunk;
       count += kernel(scene.handle(), context, &rays[begin], std::min(chunk, rays.size() - begin));
+    }
     hits += count;
   };
   std::vector<std::thread> pool;
@@ -230,14 +247,15 @@ TraceTiming timeTrace(const BuiltScene& scene, const std::vector<Ray>& rays, con
     });
   while (waiting < pool.size())
     std::this_thread::yield();
-  const auto start = std::chrono::steady_clock::now();
+  const auto clock = settings.threads > 1 ? wallSeconds : threadSeconds;
+  const double start = clock();
   go = true;
   work();
   for (std::thread& t : pool)
     t.join();
   TraceTiming timing;
-  timing.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  timing.hits = hits;
+  timing.seconds = (clock() - start) / double(settings.passes);
+  timing.hits = hits / settings.passes;
   throwIfCancelled();
   return timing;
 }

@@ -35,15 +35,19 @@ struct TraceSettings
   TraceMode mode = TraceMode::Single;
   bool coherent = false; // what Embree is told about the rays
   unsigned threads = 1;  // 1: the calling thread
+  unsigned passes = 1;   // over the rays, for sets that one pass is too short to time
 };
 
 struct TraceTiming
 {
-  double seconds = 0; // filling Embree's ray structures included, starting threads not
-  size_t hits = 0;    // rays that hit something
+  /* Of one pass, filling Embree's ray structures included, starting threads not. One
+   * thread is timed by its processor time, which other programs disturb less, several
+   * by the wall clock. */
+  double seconds = 0;
+  size_t hits = 0; // rays that hit something
 };
 
-/* Traces all rays once. Throws Cancelled. */
+/* Traces all rays. Throws Cancelled. */
 TraceTiming timeTrace(const BuiltScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
 
 } // namespace cbvh

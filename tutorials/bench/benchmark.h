@@ -1,0 +1,72 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Runs the combinations. What is measured together, a scene at a level, is a group. */
+
+#include "batches.h"
+#include "built_scene.h"
+#include "hit_metrics.h"
+#include "options.h"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+struct Speed
+{
+  std::string view;
+  RaySet set;
+  TraceSettings trace;
+  size_t rays = 0, hits = 0;
+  std::vector<double> seconds; // one a round
+  std::vector<double> toGrid;  // speed over that of GRID on the same ISA in the same round
+
+  double mrays(double s) const { return double(rays) * 1e-6 / s; }
+};
+
+struct ViewResult
+{
+  std::string view;
+  HitErrors errors;                 // primary rays, against GRID of the same level
+  std::optional<HitErrors> toReference; // against GRID of the reference level
+  HitErrors bounced;                // incoherent rays, against GRID of the same level
+  std::string picture, errorMap;    // file names
+};
+
+struct VariantResult
+{
+  Variant variant;
+  std::string skipped;              // why it was not measured, empty otherwise
+  int batch = 0;                    // variants of a batch are measured in turns
+  BuildReport build;
+  size_t leafBytes = 0, innerBytes = 0;
+  std::vector<ViewResult> views;
+  std::vector<Speed> speeds;
+};
+
+struct ViewInfo
+{
+  std::string name, camera;         // as the --view option takes it
+  size_t primaryHits = 0;
+  size_t rays[numRaySets] = {0, 0};
+};
+
+struct Group
+{
+  std::string scene;
+  int level = 0;
+  size_t faces = 0, quads = 0;
+  double diagonal = 0;              // of the surface's bounding box
+  std::vector<ViewInfo> views;
+  std::vector<VariantResult> results;
+};
+
+/* Calls done after each group. Throws Error, Cancelled. */
+void runBenchmark(const BenchOptions& options, const std::function<void(const Group&)>& done);
+
+} // namespace cbvh

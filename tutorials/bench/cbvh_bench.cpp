@@ -1,0 +1,72 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Measures memory, build, speed and error of representations in many combinations,
+ * and writes JSON. See --help. */
+
+#include "benchmark.h"
+#include "error.h"
+#include "file_output.h"
+#include "json.h"
+#include "machine.h"
+#include "options.h"
+#include "progress.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <new>
+
+namespace {
+
+void run(const cbvh::BenchOptions& options, const cbvh::Machine& machine)
+{
+  if (!options.pictures.empty())
+    cbvh::prepareOutputFolder(options.pictures);
+  if (!options.maps.empty())
+    cbvh::prepareOutputFolder(options.maps);
+  const std::filesystem::path folder = std::filesystem::path(options.json).parent_path();
+  if (!folder.empty())
+    cbvh::prepareOutputFolder(folder.string());
+  std::fputs(cbvh::formatHead(options, machine).c_str(), stdout);
+
+  /* Written anew after each group: a run that is stopped keeps what it has. */
+  std::vector<cbvh::Group> groups;
+  const size_t wanted = options.scenes.size() * options.levels.size();
+  cbvh::runBenchmark(options, [&](const cbvh::Group& group) {
+    groups.push_back(group);
+    std::fputs(cbvh::formatTable(group).c_str(), stdout);
+    std::fflush(stdout);
+    if (!options.json.empty())
+      cbvh::writeTextFile(options.json, cbvh::formatJson(options, machine, groups, groups.size() == wanted));
+  });
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+  try
+  {
+    const cbvh::Machine machine = cbvh::describeMachine();
+    const std::optional<cbvh::BenchOptions> options = cbvh::parseBenchOptions(argc, argv, machine);
+    if (!options)
+      return 0;
+    cbvh::installCancelHandler();
+    run(*options, machine);
+    return 0;
+  }
+  catch (const cbvh::Cancelled&)
+  {
+    std::fprintf(stderr, "cbvh_bench: cancelled\n");
+    return 130;
+  }
+  catch (const std::bad_alloc&)
+  {
+    std::fprintf(stderr, "cbvh_bench: out of memory\n");
+  }
+  catch (const std::exception& e)
+  {
+    std::fprintf(stderr, "cbvh_bench: %s\n", e.what());
+  }
+  return 1;
+}

@@ -1,0 +1,26 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Measurements as JSON and as text. */
+
+#include "benchmark.h"
+#include "machine.h"
+
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+/* Everything, with units in the names and what it takes to measure it again.
+ * complete: whether all groups that were asked for are there. */
+std::string formatJson(const BenchOptions& options, const Machine& machine, const std::vector<Group>& groups, bool complete);
+
+/* A few lines about the machine and the build. */
+std::string formatHead(const BenchOptions& options, const Machine& machine);
+
+/* One line a variant, one column a combination. */
+std::string formatTable(const Group& group);
+
+} // namespace cbvh

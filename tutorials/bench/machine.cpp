@@ -1,0 +1,96 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "machine.h"
+#include "build_info.h"
+#include "error.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <sstream>
+#include <sys/utsname.h>
+#include <thread>
+#include <unistd.h>
+
+namespace cbvh {
+namespace {
+
+std::string processorName()
+{
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.rfind("model name", 0) == 0 && line.find(':') != std::string::npos)
+      return line.substr(std::min(line.size(), line.find(':') + 2));
+  return "unknown";
+}
+
+bool processorHas(const std::string& isa)
+{
+  if (isa == "sse2")
+    return __builtin_cpu_supports("sse2");
+  if (isa == "sse4.2")
+    return __builtin_cpu_supports("sse4.2");
+  if (isa == "avx")
+    return __builtin_cpu_supports("avx");
+  if (isa == "avx2")
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+}
+
+std::vector<std::string> split(const std::string& list)
+{
+  std::vector<std::string> words;
+  std::istringstream stream(list);
+  for (std::string word; std::getline(stream, word, ',');)
+    words.push_back(word);
+  return words;
+}
+
+} // namespace
+
+Machine describeMachine()
+{
+  Machine m;
+  m.cpu = processorName();
+  m.threads = std::max(1u, std::thread::hardware_concurrency());
+  m.memoryBytes = size_t(sysconf(_SC_PHYS_PAGES)) * size_t(sysconf(_SC_PAGESIZE));
+  getloadavg(&m.load, 1);
+  utsname names;
+  if (uname(&names) == 0)
+    m.system = std::string(names.sysname) + " " + names.release + " " + names.machine;
+  m.commit = CBVH_BUILD_COMMIT;
+  m.compiler = CBVH_BUILD_COMPILER;
+  m.flags = CBVH_BUILD_FLAGS;
+  m.buildType = CBVH_BUILD_TYPE;
+  m.isas = split(CBVH_BUILD_ISAS);
+  char text[32];
+  const std::time_t now = std::time(nullptr);
+  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
+  m.date = text;
+  return m;
+}
+
+std::string bestIsa(const Machine& machine)
+{
+  std::string best;
+  for (const std::string& isa : machine.isas) // narrowest first
+    if (processorHas(isa))
+      best = isa;
+  return best;
+}
+
+void requireIsa(const Machine& machine, const std::string& isa)
+{
+  const std::vector<std::string> known{"sse2", "sse4.2", "avx", "avx2", "avx512"};
+  if (std::find(known.begin(), known.end(), isa) == known.end())
+    throw Error("unknown --isa '" + isa + "', known are sse2, sse4.2, avx, avx2 and avx512");
+  if (std::find(machine.isas.begin(), machine.isas.end(), isa) == machine.isas.end())
+    throw Error("--isa '" + isa + "': the library was not built for it");
+  if (!processorHas(isa))
+    throw Error("--isa '" + isa + "': this processor does not have it");
+}
+
+} // namespace cbvh

@@ -1,0 +1,57 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Command line of cbvh_bench: lists, whose combinations are measured. */
+
+#include "camera.h"
+#include "machine.h"
+#include "representation.h"
+#include "scenes/catalogue.h"
+#include "trace_timing.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+enum RaySet { Coherent, Incoherent, numRaySets };
+const char* raySetName(RaySet set);
+
+struct BenchScene
+{
+  std::string label;      // as on the command line: "cube", "cube:0.45"
+  SceneSettings settings;
+};
+
+struct BenchOptions
+{
+  std::vector<BenchScene> scenes;
+  std::vector<std::string> views;
+  std::vector<int> levels;
+  std::vector<Representation> representations; // GRID among them or not: it is always built
+  std::vector<std::string> isas;
+  std::vector<unsigned> threads;               // that trace
+  std::vector<RaySet> sets;
+  std::vector<Query> queries;
+  std::vector<TraceMode> modes;
+  int buildThreads = 0;      // 0 for all
+  int referenceLevel = -1;   // GRID at this level is a second reference for errors; -1 for none
+  size_t rays = 200000;      // at most, a set, 0 for one a pixel
+  int repeat = 7;            // 0: no speed
+  ImageSize size;
+  float rayOffset = 1e-4f;   // of bounced rays, in bounding-box diagonals
+  uint32_t seed = 1;         // of bounced rays
+  std::string pictures;      // folder, empty for none
+  std::string json;          // file, empty for none
+  std::string maps;          // folder of generated height maps, empty for a temporary one
+  std::string command;       // the command line, program without its folder
+};
+
+/* Reads a command line. Returns nothing when it asked for help, which is printed.
+ * Throws Error, one line, for anything wrong, before anything is built. */
+std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machine& machine);
+
+} // namespace cbvh
