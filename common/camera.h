@@ -34,6 +34,7 @@ public:
   float footprint() const { return pixel; }
 
   Vec3f eye() const { return origin; }
+  Vec3f lookAt() const { return target; }
   float fov() const { return fieldOfView; }
   ImageSize size() const { return image; }
   std::string description() const; // as the --view option takes it
