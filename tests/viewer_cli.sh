@@ -1,0 +1,74 @@
+#!/bin/bash
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+# cbvh_viewer without a display: screenshots, and one clear line with an exit status
+# that is not 0, and nothing written, for bad input.
+#
+# usage: viewer_cli.sh PATH/TO/cbvh_viewer
+
+set -u
+program=$1
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+unset DISPLAY WAYLAND_DISPLAY
+failures=0
+
+complain() { echo "FAILED: $*"; failures=$((failures + 1)); }
+
+# refuses PATTERN ARGUMENT...
+refuses() {
+  local pattern=$1
+  shift
+  rm -f "$folder/out.png"
+  [[ "$*" == *--screenshot* ]] || set -- "$@" --screenshot "$folder/out.png"
+  "$program" "$@" >"$folder/stdout" 2>"$folder/stderr"
+  local status=$?
+  [ $status -ge 1 ] && [ $status -lt 126 ] || complain "exit status $status: $*"
+  grep -q "$pattern" "$folder/stderr" || complain "no '$pattern' in '$(cat "$folder/stderr")': $*"
+  [ "$(grep -vc '^  ' "$folder/stderr")" = 1 ] || complain "not one line on stderr: $(cat "$folder/stderr")" # progress is indented
+  [ ! -e "$folder/out.png" ] || complain "a file was written: $*"
+}
+
+refuses "unknown --scene 'teapot'" --scene teapot
+refuses "either --scene" --level 2
+refuses "cannot be opened" --cage "$folder/missing.obj"
+refuses "unknown representation 'mesh'" --scene cube --representation mesh
+refuses "names more than two" --scene cube --representation grid,cleaf,cvoxel
+refuses "unknown --mode 'pretty'" --scene cube --mode pretty
+refuses "level 9 is out of range" --scene cube --level 9
+refuses "frame level '9'" --scene cube --frame-level 9
+refuses "size '16'" --scene cube --size 16
+refuses "view 'side'" --scene cube --view side
+refuses "unknown --isa 'mmx'" --scene cube --isa mmx
+refuses "threads must not be negative" --scene cube --threads -1
+refuses "colour" --scene cube --colour red
+refuses "$folder/missing/out.png" --scene cube --level 2 --screenshot "$folder/missing/out.png"
+refuses "$folder/out.txt" --scene cube --level 2 --screenshot "$folder/out.txt"
+
+"$program" --scene cube --level 2 >/dev/null 2>"$folder/stderr"
+status=$?
+[ $status = 1 ] || complain "exit status $status without a display"
+grep -q "^cbvh_viewer: no window can be opened" "$folder/stderr" || complain "without a display: $(cat "$folder/stderr")"
+
+for mode in shading normals error cells blocks; do
+  for representation in naive grid cgrid cvoxel cleaf^auto cleaf^0,cvoxel^8; do
+    "$program" --scene cube --level 3 --size 65x47 --mode $mode --representation $representation \
+      --screenshot "$folder/$mode-${representation//,/-}.ppm" 2>"$folder/stderr" ||
+      complain "$mode, $representation: $(cat "$folder/stderr")"
+    [ "$(head -c 12 "$folder/$mode-${representation//,/-}.ppm" | tr '\n' ' ')" = "P6 65 47 255" ] ||
+      complain "$mode, $representation: no picture of 65 x 47"
+  done
+done
+# GRID has no error against itself: white and the blue of 0 pixels.
+colors=$(tail -c $((65 * 47 * 3)) "$folder/error-grid.ppm" | od -An -v -tu1 -w3 | sort -u | wc -l)
+[ "$colors" = 2 ] || complain "$colors colours in the error of GRID"
+
+# One thread or two: the same picture.
+for threads in 1 2; do
+  "$program" --scene cube --level 4 --size 200x100 --threads $threads --screenshot "$folder/threads$threads.ppm" 2>/dev/null
+done
+cmp "$folder/threads1.ppm" "$folder/threads2.ppm" || complain "threads change the picture"
+
+[ $failures = 0 ] && echo "all well"
+exit $((failures != 0))

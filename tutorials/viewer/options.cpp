@@ -1,0 +1,105 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "options.h"
+#include "error.h"
+#include "views.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <set>
+
+namespace cbvh {
+namespace {
+
+std::string listOfModes()
+{
+  std::string list;
+  for (PictureMode mode : allPictureModes)
+    list += (list.empty() ? "" : ", ") + std::string(pictureModeName(mode));
+  return list;
+}
+
+} // namespace
+
+std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
+{
+  ViewerOptions o;
+  std::string representations = "cleaf", frameLevel = "2", size = "1024x768", mode = "shading";
+
+  CLI::App app("Shows a displaced subdivision surface in one representation, or in two side by side, in a window\n"
+               "that lists its keys, or in a picture with --screenshot.",
+               "cbvh_viewer");
+  app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
+  app.add_option("--cage", o.scene.cagePath, "control cage, OBJ with OpenSubdiv's t tags")->type_name("FILE");
+  app.add_option("--height", o.scene.heightPath, "height map of the cage, any image that OpenImageIO reads")->type_name("FILE");
+  app.add_option("--amplitude", o.scene.amplitude,
+                 "displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding box")
+    ->type_name("A");
+  app.add_flag("--rough", o.scene.rough, "trex: five times the amplitude");
+  app.add_option("--maps", o.scene.mapFolder, "folder for the height maps of generated scenes")->type_name("DIR")->capture_default_str();
+  app.add_option("--representation", representations,
+                 "naive, grid, cgrid, cvoxel or cleaf, a frame level of its own after ^ or :; "
+                 "two of them, with a comma between, for a split screen")
+    ->type_name("LIST")->capture_default_str();
+  app.add_option("--level", o.build.level, "subdivision level, 0 to 8: 2^L x 2^L quads a face")
+    ->type_name("L")->capture_default_str();
+  app.add_option("--frame-level", frameLevel, "level at which local frames start: 0 to 8, or auto")
+    ->type_name("N")->capture_default_str();
+  app.add_option("--mode", mode, "what is shown: " + listOfModes())->type_name("MODE")->capture_default_str();
+  app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
+  app.add_option("--size", size, "size of window and picture")->type_name("WxH")->capture_default_str();
+  app.add_option("--screenshot", o.screenshot, "write a picture there and open no window; PNG, or what the name ends in")
+    ->type_name("FILE");
+  app.add_option("--picture", o.picture, "where key P of the window saves what it shows")->type_name("FILE")->capture_default_str();
+  app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")->type_name("N")->capture_default_str();
+  app.add_option("--isa", o.build.isa, "widest instruction set: sse2, sse4.2, avx, avx2 or avx512")->type_name("ISA");
+  try
+  {
+    app.parse(argc, argv);
+  }
+  catch (const CLI::CallForHelp&)
+  {
+    std::fputs(app.help().c_str(), stdout);
+    return std::nullopt;
+  }
+  catch (const CLI::ParseError& e)
+  {
+    throw Error(e.what());
+  }
+
+  validateScene(o.scene);
+  if (o.build.level < 0 || o.build.level > maxLevel)
+    throw Error("--level " + std::to_string(o.build.level) + " is out of range, 0 to " + std::to_string(maxLevel));
+  if (o.build.threads < 0)
+    throw Error("--threads must not be negative");
+  if (!std::set<std::string>{"", "sse2", "sse4.2", "avx", "avx2", "avx512"}.count(o.build.isa))
+    throw Error("unknown --isa '" + o.build.isa + "', known are sse2, sse4.2, avx, avx2 and avx512");
+  o.scene.threads = o.build.threads;
+  o.size = parseImageSize(size);
+  bool known = false;
+  for (PictureMode m : allPictureModes)
+    if (mode == pictureModeName(m))
+    {
+      o.mode = m;
+      known = true;
+    }
+  if (!known)
+    throw Error("unknown --mode '" + mode + "', known are " + listOfModes());
+  try
+  {
+    o.representations = parseRepresentations(representations, parseFrameLevel(frameLevel));
+  }
+  catch (const Error& e)
+  {
+    throw Error(std::string("--representation or --frame-level: ") + e.what());
+  }
+  if (o.representations.size() > 2)
+    throw Error("--representation '" + representations + "' names more than two");
+  if (o.view != "full" && o.view != "close")
+    parseView(o.view, {0, 1, 0}, o.size);
+  return o;
+}
+
+} // namespace cbvh

@@ -1,0 +1,33 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Command line of cbvh_viewer. */
+
+#include "picture.h"
+#include "scenes/catalogue.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+struct ViewerOptions
+{
+  SceneSettings scene;
+  std::vector<Representation> representations; // one, or two for a split screen
+  BuildSettings build;
+  PictureMode mode = PictureMode::Shading;
+  std::string view = "full";
+  ImageSize size{1024, 768};
+  std::string screenshot;                   // render there and end; empty: open a window
+  std::string picture = "cbvh_viewer.png";  // where the window's key saves
+};
+
+/* Reads a command line. Returns nothing when it asked for help, which is printed.
+ * Throws Error, one line, for anything wrong. */
+std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv);
+
+} // namespace cbvh

@@ -1,0 +1,228 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "picture.h"
+#include "hit_metrics.h"
+#include "shading.h"
+#include "tracing.h"
+
+#include <tbb/blocked_range2d.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <chrono>
+#include <cmath>
+
+namespace cbvh {
+namespace {
+
+/* Pixels a side. One tile is a task: enough rays to pay for it, few enough that the
+ * last tiles do not hold up the frame. */
+constexpr int tileSize = 16;
+
+/* Columns of the picture that a pane fills; hits in its own rows. */
+struct Region
+{
+  int begin, end, height;
+  int width() const { return end - begin; }
+  size_t index(int x, int y) const { return size_t(y) * size_t(width()) + size_t(x - begin); }
+  size_t pixels() const { return size_t(width()) * size_t(height); }
+};
+
+template<typename Body>
+void forTiles(const Region& region, const Body& body)
+{
+  const tbb::blocked_range2d<int> tiles(0, region.height, tileSize, region.begin, region.end, tileSize);
+  tbb::parallel_for(tiles, [&](const tbb::blocked_range2d<int>& tile) {
+    body(tile.cols().begin(), tile.cols().end(), tile.rows().begin(), tile.rows().end());
+  }, tbb::simple_partitioner());
+}
+
+Ray primaryRay(const Camera& camera, int x, int y)
+{
+  Ray ray;
+  ray.origin = camera.eye();
+  ray.direction = camera.direction(float(x), float(y));
+  return ray;
+}
+
+std::vector<SurfaceHit> traceRegion(const Camera& camera, const Region& region, const BuiltScene& scene)
+{
+  std::vector<SurfaceHit> hits(region.pixels());
+  forTiles(region, [&](int x0, int x1, int y0, int y1) {
+    Ray rays[tileSize * tileSize];
+    SurfaceHit found[tileSize * tileSize];
+    size_t n = 0;
+    for (int y = y0; y < y1; y++)
+      for (int x = x0; x < x1; x++)
+        rays[n++] = primaryRay(camera, x, y);
+    traceClosest(scene, n, rays, found);
+    n = 0;
+    for (int y = y0; y < y1; y++)
+      for (int x = x0; x < x1; x++)
+        hits[region.index(x, y)] = found[n++];
+  });
+  return hits;
+}
+
+/* Well mixed bits of an integer (finaliser of MurmurHash3). */
+uint32_t mix(uint32_t x)
+{
+  x = (x ^ (x >> 16)) * 0x85ebca6bu;
+  x = (x ^ (x >> 13)) * 0xc2b2ae35u;
+  return x ^ (x >> 16);
+}
+
+float unit(uint32_t bits)
+{
+  return float(bits & 0xffff) * (1.0f / 65535.0f);
+}
+
+/* hue in turns; linear, not too dark. */
+Vec3f fromHue(float hue, float saturation, float value)
+{
+  const auto channel = [&](float shift) {
+    const float x = std::abs(6.0f * (hue + shift - std::floor(hue + shift)) - 3.0f) - 1.0f;
+    return value * (1.0f - saturation + saturation * std::min(std::max(x, 0.0f), 1.0f));
+  };
+  return {channel(0.0f), channel(2.0f / 3.0f), channel(1.0f / 3.0f)};
+}
+
+/* Where in a patch a hit lies. */
+struct Cell
+{
+  uint32_t patch;
+  unsigned x, y, resolution;
+};
+
+Cell findCell(const PatchLayout& layout, const SurfaceHit& hit)
+{
+  const Patch& patch = layout.find(hit.face, hit.u, hit.v);
+  float u = hit.u, v = hit.v;
+  if (!layout.isQuadFace(hit.face))
+    decodeSubPatch(u, v);
+  const auto index = [&](float t) {
+    return unsigned(std::min(std::max(t, 0.0f) * float(patch.resolution), float(patch.resolution - 1)));
+  };
+  return {mix(patch.face * 16 + patch.subPatch), index(u), index(v), patch.resolution};
+}
+
+Vec3f cellColor(const Cell& cell)
+{
+  const uint32_t bits = mix(cell.patch ^ (cell.y << 16 | cell.x));
+  return fromHue(unit(bits), 0.8f, 0.2f + 0.7f * unit(bits >> 16));
+}
+
+Vec3f blockColor(const Cell& cell, int frameLevel, bool compressed)
+{
+  const unsigned size = std::max(1u, cell.resolution >> frameLevel); // quads of a block a side
+  const uint32_t bits = mix(cell.patch ^ ((cell.y / size) << 16 | (cell.x / size)));
+  if (!compressed)
+    return Vec3f{1, 1, 1} * (0.15f + 0.65f * unit(bits >> 16)); // grey: no blocks but patches
+  /* Neighbouring levels are a golden section of the circle apart. */
+  const float hue = 0.6f + 0.618034f * float(frameLevel) + 0.05f * (unit(bits) - 0.5f);
+  return fromHue(hue, 0.8f, 0.15f + 0.8f * unit(bits >> 16));
+}
+
+} // namespace
+
+const char* pictureModeName(PictureMode mode)
+{
+  static const char* const names[] = {"shading", "normals", "error", "cells", "blocks"};
+  return names[size_t(mode)];
+}
+
+int effectiveFrameLevel(const Representation& representation, unsigned resolution)
+{
+  constexpr int autoBlockLevel = 4; // blocks of 16 x 16 quads
+  int level = 0;
+  while (resolution > 1u << level)
+    level++;
+  if (!representation.isCompressed())
+    return 0;
+  return representation.frameLevel == autoFrameLevel ? std::max(0, level - autoBlockLevel)
+                                                     : std::min(representation.frameLevel, level);
+}
+
+Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings,
+                    std::vector<PaneReport>& reports)
+{
+  const ImageSize size = camera.size();
+  Image image(size);
+  reports.assign(panes.size(), {});
+  const HitShader shader(camera.direction(float(size.width / 2), float(size.height / 2)), settings.up);
+  tbb::task_arena arena(int(settings.threads));
+
+  for (size_t i = 0; i < panes.size(); i++)
+  {
+    const BuiltScene& scene = *panes[i].scene;
+    const Region region{int(i * size_t(size.width) / panes.size()), int((i + 1) * size_t(size.width) / panes.size()),
+                        size.height};
+    PaneReport& report = reports[i];
+    report.rays = region.pixels();
+    std::vector<SurfaceHit> hits;
+    std::vector<float> errors;
+    arena.execute([&] {
+      const auto start = std::chrono::steady_clock::now();
+      hits = traceRegion(camera, region, scene);
+      report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      if (settings.mode == PictureMode::Error)
+        errors = pixelErrors(traceRegion(camera, region, *panes[i].reference), hits, camera.footprint());
+
+      forTiles(region, [&](int x0, int x1, int y0, int y1) {
+        for (int y = y0; y < y1; y++)
+          for (int x = x0; x < x1; x++)
+          {
+            const SurfaceHit& hit = hits[region.index(x, y)];
+            Vec3f color;
+            if (settings.mode == PictureMode::Error)
+              color = errorColor(errors[region.index(x, y)]);
+            else if (!hit.hit())
+              color = backgroundColor(float(y) / float(size.height));
+            else
+            {
+              const Ray ray = primaryRay(camera, x, y);
+              const Vec3f n = normalize(hit.normal);
+              /* Colours of places keep a little of the shape. */
+              const float facing = 0.4f + 0.6f * std::abs(dot(n, ray.direction));
+              switch (settings.mode)
+              {
+              case PictureMode::Normals: color = 0.5f * (n + Vec3f{1, 1, 1}); break;
+              case PictureMode::Cells: color = facing * cellColor(findCell(scene.layout(), hit)); break;
+              case PictureMode::Blocks:
+              {
+                const Cell cell = findCell(scene.layout(), hit);
+                color = facing * blockColor(cell, effectiveFrameLevel(scene.representation(), cell.resolution),
+                                            scene.representation().isCompressed());
+                break;
+              }
+              default: color = shader.color(ray, hit);
+              }
+            }
+            image.set(size_t(y) * size_t(size.width) + size_t(x), color);
+          }
+      });
+    });
+
+    double sum = 0;
+    size_t both = 0;
+    for (float e : errors)
+    {
+      report.falseHits += e == falseHitError;
+      report.misses += e == missError;
+      if (e >= 0.0f)
+      {
+        sum += double(e) * e;
+        both++;
+      }
+    }
+    report.rmse = both ? std::sqrt(sum / double(both)) : 0.0;
+  }
+
+  if (panes.size() == 2)
+    for (int y = 0; y < size.height; y++)
+      image.set(size_t(y) * size_t(size.width) + size_t(size.width / 2), {1, 1, 1});
+  return image;
+}
+
+} // namespace cbvh

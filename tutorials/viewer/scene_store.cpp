@@ -1,0 +1,149 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "scene_store.h"
+#include "error.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <new>
+
+namespace cbvh {
+namespace {
+
+/* Scenes kept in all: both halves and GRID, and as many for switching back. */
+constexpr size_t maxEntries = 6;
+
+std::string name(const SceneKey& key)
+{
+  return key.representation.label() + ", level " + std::to_string(key.level);
+}
+
+} // namespace
+
+bool operator==(const SceneKey& a, const SceneKey& b)
+{
+  return a.level == b.level && a.representation.kind == b.representation.kind &&
+         (!a.representation.isCompressed() || a.representation.frameLevel == b.representation.frameLevel);
+}
+
+SceneStore::SceneStore(const Model& model, const BuildSettings& settings) : model(model), settings(settings) {}
+
+SceneStore::~SceneStore()
+{
+  if (build.valid())
+    build.wait();
+}
+
+bool SceneStore::isRequested(const SceneKey& key) const
+{
+  return std::find(requested.begin(), requested.end(), key) != requested.end();
+}
+
+const BuiltScene* SceneStore::find(const SceneKey& key) const
+{
+  for (const Entry& e : entries)
+    if (e.key == key)
+      return e.scene.get();
+  return nullptr;
+}
+
+void SceneStore::request(const std::vector<SceneKey>& keys)
+{
+  requested = keys;
+  error.clear();
+  /* Requested ones to the front, the others keep their order of age. */
+  entries.sort([&](const Entry& a, const Entry& b) { return isRequested(a.key) && !isRequested(b.key); });
+  start();
+}
+
+void SceneStore::makeRoom(const SceneKey& key)
+{
+  const size_t needed =
+    estimatedPeakBytes(key.representation.kind, PatchLayout(model.cage, key.level).numQuads());
+  while (!entries.empty() && !isRequested(entries.back().key) &&
+         (entries.size() + 1 > maxEntries || needed > availableMemory()))
+    entries.pop_back();
+  const size_t available = availableMemory();
+  if (needed <= available)
+    return;
+  char text[160];
+  std::snprintf(text, sizeof(text), "not enough memory: %s takes about %.1f GiB, and %.1f are free", name(key).c_str(),
+                double(needed) / (1 << 30), double(available) / (1 << 30));
+  throw Error(text);
+}
+
+void SceneStore::start()
+{
+  if (build.valid() || !error.empty())
+    return;
+  for (const SceneKey& key : requested)
+  {
+    if (find(key))
+      continue;
+    try
+    {
+      makeRoom(key);
+    }
+    catch (const Error& e)
+    {
+      error = e.what();
+      return;
+    }
+    underWay = key;
+    BuildSettings own = settings;
+    own.level = key.level;
+    build = std::async(std::launch::async, [this, key, own] {
+      return std::make_unique<BuiltScene>(model, key.representation, own);
+    });
+    return;
+  }
+}
+
+bool SceneStore::poll()
+{
+  if (!build.valid() || build.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+    return false;
+  try
+  {
+    entries.push_front({underWay, build.get()});
+    if (entries.front().scene->report().quads == 0)
+    {
+      entries.pop_front();
+      throw Error(model.name + ": Embree makes no surface of this cage");
+    }
+  }
+  catch (const Cancelled&)
+  {
+    throw;
+  }
+  catch (const std::bad_alloc&)
+  {
+    error = name(underWay) + ": out of memory";
+  }
+  catch (const std::exception& e)
+  {
+    error = name(underWay) + ": " + e.what();
+  }
+  start();
+  return true;
+}
+
+void SceneStore::finish()
+{
+  while (build.valid())
+  {
+    build.wait();
+    poll();
+  }
+  if (!error.empty())
+    throw Error(error);
+}
+
+std::string SceneStore::activity() const
+{
+  return build.valid() ? "building " + name(underWay) : "";
+}
+
+} // namespace cbvh

@@ -1,0 +1,83 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The built scenes of a viewer. One is built at a time, on a thread of its own, so
+ * that the window goes on; scenes looked at before stay while there is memory, so
+ * that switching back and forth is instant.
+ *
+ * Everything here is called from one thread; scenes that it hands out live until the
+ * next call of request. */
+
+#include "built_scene.h"
+
+#include <future>
+#include <list>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+struct SceneKey
+{
+  Representation representation;
+  int level = 6;
+};
+
+/* Frame levels count where there are frames only. */
+bool operator==(const SceneKey& a, const SceneKey& b);
+inline bool operator!=(const SceneKey& a, const SceneKey& b) { return !(a == b); }
+
+class SceneStore
+{
+public:
+  /* settings: its level is overruled by those of the keys. */
+  SceneStore(const Model& model, const BuildSettings& settings);
+
+  /* Waits for a build that is under way. */
+  ~SceneStore();
+
+  /* Keeps these scenes and builds what is missing of them, in this order. A build
+   * that nobody wants any more is finished first: Embree's cannot share a progress
+   * monitor. */
+  void request(const std::vector<SceneKey>& keys);
+
+  /* Takes over what has been built since and starts the next build. Whether a scene
+   * arrived or a build failed. */
+  bool poll();
+
+  /* Waits until everything requested is there. Throws Error, Cancelled. */
+  void finish();
+
+  /* Null if it is not built. */
+  const BuiltScene* find(const SceneKey& key) const;
+
+  /* "building cLEAF^2, level 6", or empty. */
+  std::string activity() const;
+
+  /* Why the last build failed; empty once another one is requested. */
+  const std::string& failure() const { return error; }
+
+private:
+  struct Entry
+  {
+    SceneKey key;
+    std::unique_ptr<BuiltScene> scene;
+  };
+
+  bool isRequested(const SceneKey& key) const;
+  void start();
+  void makeRoom(const SceneKey& key);
+
+  const Model& model;
+  BuildSettings settings;
+  std::list<Entry> entries; // requested last, first
+  std::vector<SceneKey> requested;
+  std::future<std::unique_ptr<BuiltScene>> build;
+  SceneKey underWay;
+  std::string error;
+};
+
+} // namespace cbvh

@@ -1,0 +1,43 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "view_state.h"
+
+namespace cbvh {
+
+std::vector<SceneKey> ViewState::scenes() const
+{
+  std::vector<SceneKey> keys;
+  for (const Representation& r : representations)
+    keys.push_back({r, level});
+  if (mode == PictureMode::Error)
+    keys.push_back({{RepresentationKind::Grid}, level});
+  return keys;
+}
+
+std::vector<Pane> findPanes(const ViewState& state, const SceneStore& store)
+{
+  std::vector<Pane> panes;
+  for (const Representation& r : state.representations)
+  {
+    Pane pane;
+    pane.scene = store.find({r, state.level});
+    pane.reference = store.find({{RepresentationKind::Grid}, state.level});
+    if (!pane.scene || (state.mode == PictureMode::Error && !pane.reference))
+      return {};
+    panes.push_back(pane);
+  }
+  return panes;
+}
+
+bool operator==(const ViewState& a, const ViewState& b)
+{
+  if (a.representations.size() != b.representations.size() || a.level != b.level || a.mode != b.mode)
+    return false;
+  for (size_t i = 0; i < a.representations.size(); i++)
+    if (SceneKey{a.representations[i], a.level} != SceneKey{b.representations[i], b.level})
+      return false;
+  return true;
+}
+
+} // namespace cbvh

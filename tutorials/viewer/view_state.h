@@ -1,0 +1,32 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What is looked at, as far as it can be switched while running, and the scenes that
+ * this takes. */
+
+#include "picture.h"
+#include "scene_store.h"
+
+#include <vector>
+
+namespace cbvh {
+
+struct ViewState
+{
+  std::vector<Representation> representations; // one, or two for a split screen
+  int level = 6;
+  PictureMode mode = PictureMode::Shading;
+
+  /* What has to be built, GRID for its errors included. */
+  std::vector<SceneKey> scenes() const;
+};
+
+/* Empty until all scenes of the state are built. */
+std::vector<Pane> findPanes(const ViewState& state, const SceneStore& store);
+
+bool operator==(const ViewState& a, const ViewState& b);
+inline bool operator!=(const ViewState& a, const ViewState& b) { return !(a == b); }
+
+} // namespace cbvh
