@@ -7,7 +7,7 @@
  * not (a mirrored ray decodes 1-upper from the mirrored parent, which rounds
  * differently). */
 
-#include "kernels/cbvh/node_tables.h"
+#include "kernels/cbvh/node_tables.cpp"
 #include "test_random.h"
 
 #include <algorithm>

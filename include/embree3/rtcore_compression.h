@@ -51,7 +51,7 @@ struct RTCCompressionArguments
   /* Upper bound of a leaf's thickness in world units, 0 for none, negative to
    * inherit the device's setting. Honoured when frameLevel is AUTO: a face is
    * split into finer frames until its leaves meet the bound or a block has one
-   * quad left. */
+   * quad left. Without meaning for RTC_COMPRESSION_GRID, whose leaves have none. */
   float maxError;
 };
 
@@ -89,7 +89,7 @@ struct RTCCompressionStatistics
   size_t numInvalidQuads;       // quads left out because a vertex is not finite
   size_t numAffineBlocks;       // blocks whose projective frame fell back to an affine one
   size_t numSolidLeaves;        // cLEAF leaves that heights cannot bound: their box is the surface
-  float  maxLeafThickness;      // world units: largest distance between the two bounds of a leaf
+  float  maxLeafThickness;      // world units: largest distance between the two bounds of a leaf, over its quad
 };
 
 /* Reports what the last commit of a scene compressed. All zero when the scene
@@ -99,7 +99,7 @@ struct RTCCompressionStatistics
  * stats: written during the call, not NULL.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, RTC_ERROR_INVALID_OPERATION when
- * the scene was modified since its last commit. Thread safety: as rtcGetSceneBounds. */
+ * the scene or one of its geometries was modified since its last commit. Thread safety: as rtcGetSceneBounds. */
 RTC_API void rtcGetSceneCompressionStatistics(RTCScene scene, struct RTCCompressionStatistics* stats);
 
 RTC_NAMESPACE_END

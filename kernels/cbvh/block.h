@@ -12,12 +12,13 @@
  * Only layout lives here; node_codec.h, leaf_codec.h and frame.h give the bytes
  * their meaning. */
 
+#include "target.h"
 #include <cstdint>
 #include <cstddef>
 
 namespace embree
 {
-  namespace cbvh
+  namespace cbvh { inline namespace CBVH_TARGET
   {
     enum class Kind : uint32_t { GRID = 0, VOXEL = 1, LEAF = 2 };
 
@@ -63,8 +64,8 @@ namespace embree
       BlockLayout(Kind kind, uint32_t height);
     };
 
-    /*! Header of a block, 76 bytes: a size that is 4 modulo 16, as an even-height
-     *  tree of nodes is, so that the two leave no gap in front of the next block. */
+    /*! Header of a block. 76 bytes are 12 modulo 16 and a tree of nodes is 4 modulo 16, so
+     *  that together they leave no gap in front of the next block. */
     struct Block
     {
       float centre[3];      //!< world position that the frame maps to (1/2,1/2,1/2)
@@ -83,6 +84,10 @@ namespace embree
 
       /*! width of a quad in the parameters of the patch */
       float rcpQuads() const { return 1.0f/float(1u << level()); }
+
+      /*! face parameters of a point, given in quads from the block's corner */
+      float faceU(float x) const { return float(u0)*(8.0f/0x10000) + (float(blockX() << height()) + x)*rcpQuads(); }
+      float faceV(float y) const { return float(v0)*(8.0f/0x10000) + (float(blockY() << height()) + y)*rcpQuads(); }
 
       static uint32_t encodeInfo(Kind kind, uint32_t height, uint32_t level, uint32_t x, uint32_t y, uint32_t zScale = 0) {
         return uint32_t(kind) | (height << 4) | (level << 8) | (x << 12) | (y << 20) | (zScale << 28);
@@ -117,5 +122,5 @@ namespace embree
       }
       bytes = leafOffset + leafBytes;
     }
-  }
+  }}
 }

@@ -15,7 +15,7 @@
 
 namespace embree
 {
-  namespace cbvh
+  namespace cbvh { inline namespace CBVH_TARGET
   {
     struct BlockStatistics
     {
@@ -29,31 +29,16 @@ namespace embree
     {
     public:
       /*! bytes of scratch memory for blocks of this height, 16-byte aligned */
-      static size_t scratchBytes(uint32_t height)
-      {
-        const size_t quads = size_t(1) << (2*height);
-        const size_t width = (size_t(1) << height) + 1;
-        const size_t boxes = nodesOfLevels(height) + quads;
-        return width*width*(3*sizeof(double) + sizeof(Double3) + 3*sizeof(float)) + boxes*sizeof(ExactBox)
-          + quads*(sizeof(NodeBox) + sizeof(CornerHeights)) + 64;
+      static size_t scratchBytes(uint32_t height) {
+        BlockEncoder encoder(Kind::LEAF,height,nullptr,nullptr);
+        return encoder.layoutScratch(nullptr);
       }
 
       /*! height:  log2 of quads along a side;
        *  vertices: (2^height+1)^2 world positions, row by row, kept by reference;
        *  scratch: see scratchBytes, kept by reference */
       BlockEncoder(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
-        : kind(kind), height(height), width((1u << height)+1), vertices(vertices)
-      {
-        const size_t quads = size_t(1) << (2*height);
-        char* p = (char*)scratch;
-        auto take = [&](size_t bytes) { char* r = p; p += (bytes+15) & ~size_t(15); return r; };
-        boxes   = (ExactBox*)take((nodesOfLevels(height)+quads)*sizeof(ExactBox));
-        local   = (double(*)[3])take(width*width*3*sizeof(double));
-        points  = (Double3*)take(width*width*sizeof(Double3));
-        leafBox = (NodeBox*)take(quads*sizeof(NodeBox));
-        corner  = (CornerHeights*)take(quads*sizeof(CornerHeights));
-        finite  = (float(*)[3])take(width*width*3*sizeof(float));
-      }
+        : kind(kind), height(height), width((1u << height)+1), vertices(vertices) { layoutScratch((char*)scratch); }
 
       /*! Fits the block's frame; false when nothing is left to encode: no quad is
        *  finite, or floats cannot hold a frame.
@@ -67,12 +52,12 @@ namespace embree
         allFinite = count == width*width;
 
         float aligned[4][3];
+        memcpy(aligned,corners,sizeof(aligned));
         bool ok = true;
-        for (int c=0; c<4; c++)
-          for (int k=0; k<3; k++) ok &= std::isfinite(aligned[c][k] = corners[c][k]);
+        for (int c=0; c<4; c++) ok &= cbvh::isFinite(corners[c]);
         if (!ok) /* no corners to align to: any frame around the vertices */
           for (int c=0; c<4; c++) memcpy(aligned[c],finite[size_t(c)*(count-1)/3],sizeof(float[3]));
-        return fitFrame(aligned,finite,count,points,frame);
+        return fitFrame(aligned,finite,count,fitted,frame);
       }
 
       /*! Writes frame, info, nodes and leaves; IDs and face parameters are the caller's.
@@ -102,9 +87,22 @@ namespace embree
       const Frame& getFrame() const { return frame; }
 
     private:
-      bool isFinite(uint32_t i) const {
-        return std::isfinite(vertices[i][0]) && std::isfinite(vertices[i][1]) && std::isfinite(vertices[i][2]);
+      /*! places the arrays in scratch memory; returns the end */
+      size_t layoutScratch(char* scratch)
+      {
+        const size_t quads = size_t(1) << (2*height), points = size_t(width)*width;
+        size_t bytes = 0;
+        auto take = [&](size_t n) { const uintptr_t p = uintptr_t(scratch) + bytes; bytes += (n+15) & ~size_t(15); return p; };
+        boxes   = (ExactBox*)take((nodesOfLevels(height)+quads)*sizeof(ExactBox));
+        local   = (double(*)[3])take(points*3*sizeof(double));
+        fitted  = (Double3*)take(points*sizeof(Double3));
+        leafBox = (NodeBox*)take(quads*sizeof(NodeBox));
+        corner  = (CornerHeights*)take(quads*sizeof(CornerHeights));
+        finite  = (float(*)[3])take(points*3*sizeof(float));
+        return bytes;
       }
+
+      bool isFinite(uint32_t i) const { return cbvh::isFinite(vertices[i]); }
 
       uint32_t vertexOfQuad(uint32_t m, int corner) const {
         return (mortonY(m)+(corner>>1))*width + mortonX(m)+(corner&1);
@@ -267,10 +265,10 @@ namespace embree
       uint32_t* nodes = nullptr;
       ExactBox* boxes;          //!< of all quadtree levels, level by level
       double (*local)[3];       //!< vertices in the frame
-      Double3* points;
+      Double3* fitted;          //!< vertices, relative, while the frame is fitted
       float (*finite)[3];
       NodeBox* leafBox;         //!< decoded
       CornerHeights* corner;
     };
-  }
+  }}
 }

@@ -14,15 +14,11 @@
  * children of a node of the last level. */
 
 #include "local_ray.h"
+#include "node_codec.h"
 #include "node_tables.h"
 
 namespace embree
 {
-  namespace cbvh
-  {
-    extern const NodeTables nodeTables;
-  }
-
   namespace isa
   {
     namespace cbvh
@@ -142,10 +138,9 @@ namespace embree
 
       /*! Walks the tree. A Group has
        *
-       *    bool leaves (const ChildBoxes& c, size_t hit, size_t passed, uint32_t m)
-       *      up to four leaves of one parent; lane l is leaf 4m + (l ^ flip). Lanes in
-       *      "hit" meet the ray, those in "passed" share x and y with it, but the ray
-       *      goes over or under them. True ends the walk.
+       *    bool leaves (const ChildBoxes& c, const HitMasks& masks, const ChildOrder& order, uint32_t m)
+       *      up to four leaves of one parent; lane l is leaf 4m + (l ^ flip). True ends
+       *      the walk.
        *    bool passedAbove (bool above)
        *      only if wantsPassed(): the ray went over (under) a whole subtree.
        *    bool wantsPassed ()
@@ -165,8 +160,11 @@ namespace embree
         {
           ChildBoxes& c = stack[0];
           for (int k=0; k<3; k++) { c.lower[k] = vfloat4(zero); c.extent[k] = vfloat4(1.0f); }
-          const HitMasks masks = ray.intersect(c,group.sBest);
-          return masks.hit && group.leaves(c,size_t(1) << flip,0,uint32_t(0));
+          HitMasks masks = ray.intersect(c,group.sBest);
+          if (masks.hit == 0) return false;
+          masks.hit = size_t(1) << flip; // lane of child 0, all four hold the root
+          masks.passed = 0;
+          return group.leaves(c,masks,ChildOrder(c,masks.hit),uint32_t(0));
         }
 
         vfloat4 lower[3], extent[3];
@@ -180,7 +178,7 @@ namespace embree
           const ChildOrder order(c,masks.hit | masks.passed);
           open[depth] = Open{ unsigned(order.toOrder(masks.hit)), unsigned(order.toOrder(masks.passed)), 4*m, order };
           if (depth+1 == nodeLevels) {
-            if ((masks.hit | (group.wantsPassed() ? masks.passed : 0)) && group.leaves(c,masks.hit,masks.passed,m)) return true;
+            if ((masks.hit | (group.wantsPassed() ? masks.passed : 0)) && group.leaves(c,masks,order,m)) return true;
             open[depth].hit = open[depth].passed = 0;
           }
 

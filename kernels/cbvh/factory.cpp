@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "factory.h"
-#include "node_tables.h"
 #include "../common/scene.h"
 #include "../common/isa.h"
 #include "../bvh/bvh.h"
@@ -10,19 +9,12 @@
 
 namespace embree
 {
-  namespace cbvh
-  {
-    /* here, as the library's lowest ISA is the only one that may run code when it is loaded */
-    extern const NodeTables nodeTables;
-    const NodeTables nodeTables;
-  }
-
   DECLARE_SYMBOL2(Accel::Intersector1,BVH4CompressedSubdivIntersector1);
   DECLARE_SYMBOL2(Accel::Intersector4,BVH4CompressedSubdivIntersector4);
   DECLARE_SYMBOL2(Accel::Intersector8,BVH4CompressedSubdivIntersector8);
   DECLARE_SYMBOL2(Accel::Intersector16,BVH4CompressedSubdivIntersector16);
   DECLARE_SYMBOL2(Accel::IntersectorN,BVH4CompressedSubdivIntersectorN);
-  DECLARE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA cbvh::BuildStatistics*);
+  DECLARE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA RTCCompressionStatistics*);
 
   namespace
   {
@@ -33,7 +25,7 @@ namespace embree
       DEFINE_SYMBOL2(Accel::Intersector8,BVH4CompressedSubdivIntersector8);
       DEFINE_SYMBOL2(Accel::Intersector16,BVH4CompressedSubdivIntersector16);
       DEFINE_SYMBOL2(Accel::IntersectorN,BVH4CompressedSubdivIntersectorN);
-      DEFINE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA cbvh::BuildStatistics*);
+      DEFINE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA RTCCompressionStatistics*);
 
       Symbols (int features, int builderFeatures)
       {
@@ -82,6 +74,7 @@ namespace embree
 
   bool isCompressionOutdated (Scene* scene)
   {
+    if (scene->getNumPrimitives(SubdivMesh::geom_type,false) == 0) return false;
     bool compressed = false;
     for (Accel* accel : scene->accels)
       compressed |= dynamic_cast<CompressedSubdivAccel*>(accel) != nullptr;
@@ -113,7 +106,7 @@ namespace embree
     const Symbols symbols(device->enabled_cpu_features,device->enabled_builder_cpu_features);
 
     BVH4* bvh = new BVH4(SubdivPatch1::type,scene);
-    cbvh::BuildStatistics* statistics = new cbvh::BuildStatistics;
+    RTCCompressionStatistics* statistics = new RTCCompressionStatistics;
     Builder* builder = symbols.BVH4CompressedSubdivBuilder(bvh,scene,statistics);
 
     Accel::Intersectors intersectors;

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "../common/accelinstance.h"
-#include "statistics.h"
+#include "../../include/embree3/rtcore_compression.h"
 
 namespace embree
 {
@@ -13,10 +13,10 @@ namespace embree
   /*! accelerator of a scene's subdivision surfaces where at least one is compressed */
   struct CompressedSubdivAccel : public AccelInstance
   {
-    CompressedSubdivAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, cbvh::BuildStatistics* statistics)
+    CompressedSubdivAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, RTCCompressionStatistics* statistics)
       : AccelInstance(accel,builder,intersectors), statistics(statistics) {}
 
-    std::unique_ptr<cbvh::BuildStatistics> statistics; //!< of the last build
+    std::unique_ptr<RTCCompressionStatistics> statistics; //!< of the last build
   };
 
   /*! Whether a scene that keeps its accelerators, as dynamic ones do, has to get new ones:

@@ -5,6 +5,7 @@
 list(APPEND EMBREE_LIBRARY_FILES
   cbvh/settings.cpp
   cbvh/factory.cpp
+  cbvh/node_tables.cpp
   cbvh/rtcore_compression.cpp
   cbvh/builder.cpp
   cbvh/intersector1.cpp)

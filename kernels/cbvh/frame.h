@@ -43,7 +43,7 @@
 
 namespace embree
 {
-  namespace cbvh
+  namespace cbvh { inline namespace CBVH_TARGET
   {
     static constexpr double maxWRatio = 4.0;
 
@@ -52,8 +52,15 @@ namespace embree
     static constexpr double frameMargin = 1.0/(1<<18);
 
     /*! smallest extent of a box relative to its largest: keeps the map invertible
-     *  for flat blocks and needles */
+     *  for flat blocks and needles. Where it widens x or y the frame is "degenerate":
+     *  leaves would be wider than their quads, and the block is better not compressed. */
     static constexpr double minExtentRatio = 1.0/(1<<14);
+
+    /*! coordinates that count as finite: Embree's own limit for rays and bounds */
+    static constexpr float maxCoordinate = 1.844e18f;
+    inline bool isFinite(const float p[3]) {
+      return std::fabs(p[0]) < maxCoordinate && std::fabs(p[1]) < maxCoordinate && std::fabs(p[2]) < maxCoordinate;
+    }
 
     /* unlike std::fmax they need no call; NaN never gets here */
     inline double minimum(double a, double b) { return a < b ? a : b; }
@@ -93,6 +100,7 @@ namespace embree
       float centre[3];
       float columns[3][4];
       bool projective;
+      bool degenerate; //!< a box wider than its vertices: they are on a line, or far apart on one axis
 
       void transform(const float p[3], double local[3]) const
       {
@@ -242,11 +250,13 @@ namespace embree
       const double w0 = map.W({0,0,0}) > 0 ? map.W({0,0,0}) : maxW;
       const double floor = maximum(maximum(minExtentRatio*worldExtent, coordinate*std::ldexp(1.0,-22)),1e-30);
       Form* forms[3] = { &map.X, &map.Y, &map.Z };
+      frame.degenerate = false;
       for (int k=0; k<3; k++)
       {
         const double minExtent = floor*length(forms[k]->n)/w0;
         const double grow = maximum(0.0,0.5*(minExtent-(upper[k]-lower[k])));
         lower[k] -= grow; upper[k] += grow;
+        if (k < 2 && grow > 0) frame.degenerate = true;
         const double s = (1-2*frameMargin)/(upper[k]-lower[k]);
         *forms[k] = s*(*forms[k]) + (frameMargin - s*lower[k])*map.W;
       }
@@ -333,5 +343,5 @@ namespace embree
       map.Z = Form{ plane.n, 0 };
       return fitBox(map,origin,scratch,count,frame);
     }
-  }
+  }}
 }

@@ -71,9 +71,8 @@ namespace embree
           RayHit ray;
           rays.get(k,ray);
           if (!(ray.tnear() <= ray.tfar)) continue; // inactive, as in Embree's packet traversal
-          const float tfar = ray.tfar;
           CompressedSubdivTraversal1::intersect(This,ray,context);
-          if (ray.tfar < tfar || ray.geomID != rays.geomID[k]) rays.set(k,ray);
+          rays.set(k,ray);
         }
       }
 

@@ -26,7 +26,7 @@
 
 namespace embree
 {
-  namespace cbvh
+  namespace cbvh { inline namespace CBVH_TARGET
   {
     static constexpr uint16_t solidLeaf = 0xFFFF;
     static constexpr uint16_t emptyLeaf = 0xFFFE;
@@ -148,5 +148,5 @@ namespace embree
       }
       return leaf;
     }
-  }
+  }}
 }

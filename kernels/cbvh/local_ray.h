@@ -14,8 +14,8 @@
  * Numerics. The ray is first moved to its point nearest to the block's centre,
  * relative to that centre; what is lost there is a few ulps of the distance
  * between ray origin and block, as in any float ray tracer. That loss, times the
- * map's largest stretch, plus a few ulps of 1, is the vector "epsilon" by which
- * the traversal widens every bound: neighbouring blocks see the same ray
+ * map's stretch of each axis, plus a few ulps of 1, is the vector "epsilon" by which
+ * the traversal widens every bound, axis by axis: neighbouring blocks see the same ray
  * displaced by less than their epsilons, so no ray slips between them. */
 
 #include "block.h"
@@ -37,7 +37,7 @@ namespace embree
         float scale;    //!< t = t' * scale, t' along dir
         float rcpScale;
         float rcpDir2;  //!< 1/dot(dir,dir)
-        float rcpTnear; //!< tnear in t'
+        float scaledTnear; //!< tnear in t'
 
         __forceinline RayPrecalculations (const Ray& ray)
         {
@@ -47,7 +47,7 @@ namespace embree
           dir = d*scale;
           org = ray.org;
           rcpDir2 = 1.0f/dot(dir,dir);
-          rcpTnear = max(ray.tnear(),0.0f)*rcpScale;
+          scaledTnear = max(ray.tnear(),0.0f)*rcpScale;
         }
       };
 
@@ -89,7 +89,7 @@ namespace embree
           const vfloat4 leave = min(select(out0,r0,vfloat4(pos_inf)),select(out1,r1,vfloat4(pos_inf)));
           const vbool4 outside = xyz & (((D == zero4) & (a0 < zero4)) | ((d1 == zero4) & (a1 < zero4)));
           const float tauIn  = reduce_max(enter), tauOut = reduce_min(leave);
-          const float tauNear = pre.rcpTnear - tref, tauFar = tfar*pre.rcpScale - tref;
+          const float tauNear = pre.scaledTnear - tref, tauFar = tfar*pre.rcpScale - tref;
           const float tau0 = max(tauIn,tauNear), tau1 = min(tauOut,tauFar);
           if (any(outside) || !(tau0 <= tau1)) return false;
           startClipped = tauNear > tauIn;

@@ -24,11 +24,12 @@
  * Based on: Selgrad et al., "A Compressed Representation for Ray Tracing
  * Parametric Surfaces", 2016 (relative bounds, shared planes). */
 
+#include "target.h"
 #include <cstdint>
 
 namespace embree
 {
-  namespace cbvh
+  namespace cbvh { inline namespace CBVH_TARGET
   {
     /*! bounds in the block's frame, where the block's own box is [0,1]^3 */
     struct NodeBox
@@ -179,5 +180,5 @@ namespace embree
       }
       return node;
     }
-  }
+  }}
 }

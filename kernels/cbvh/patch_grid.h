@@ -10,6 +10,8 @@
  * once a patch. */
 
 #include "../subdiv/subdivpatch1base.h"
+#include "frame.h"
+#include "top_level.h"
 #include <cmath>
 
 namespace embree
@@ -49,9 +51,8 @@ namespace embree
       /*! whether displacement left every coordinate finite */
       bool isFinite ()
       {
-        const float* p = displaced()[0];
-        for (size_t i=0; i<3*count; i++)
-          if (!std::isfinite(p[i])) return false;
+        for (size_t i=0; i<count; i++)
+          if (!cbvh::isFinite(displaced()[i])) return false;
         return true;
       }
 

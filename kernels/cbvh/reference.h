@@ -17,7 +17,7 @@
 
 namespace embree
 {
-  namespace cbvh
+  namespace cbvh { inline namespace CBVH_TARGET
   {
     struct ReferenceRay
     {
@@ -43,7 +43,7 @@ namespace embree
       ReferenceHit intersect (const ReferenceRay& ray)
       {
         best = ReferenceHit();
-        side = 0; pending = false;
+        side = 0; pending = fromSurface = false;
         if (!enter(ray)) return best;
         visit(0,0,NodeBox::root());
         return best;
@@ -126,7 +126,6 @@ namespace embree
         if (meets(middle[0]) && meets(middle[1]) && entry(middle[1]) < entry(middle[0])) std::swap(order[1],order[2]);
         for (int c : order)
         {
-          if (best.found && kind == Kind::LEAF) return; // the first hit of an ordered walk
           const NodeBox child = decodeChild(node,c,box);
           double c0, c1;
           if (slab(child,c0,c1)) visit(level+1,4*m+uint32_t(c),child);
@@ -171,6 +170,7 @@ namespace embree
       void passed (bool above)
       {
         if (side == (above ? 1 : -1)) return;
+        pending = false;
         hit(exitLeaf,exitBox,exitS,exitSlope[0],exitSlope[1]);
       }
 
@@ -180,6 +180,7 @@ namespace embree
         const bool startsInside = startClipped && sNear < 0, endsInside = endClipped && sFar > 1;
         const double s0 = std::fmax(sNear,0.0), s1 = std::fmin(sFar,1.0);
         if (code == emptyLeaf || code == solidLeaf) {
+          if (best.found) return;
           side = 0; pending = false;
           if (code == solidLeaf && !startsInside) hit(m,box,s0,0,0);
           return;
@@ -205,13 +206,28 @@ namespace embree
         const int leave = sFar  < t1 && !endsInside   ? (up ? 1 : -1) : f1 >= 0 ? 1 : -1;
         const bool near = std::fmin(std::fabs(f0),std::fabs(f1)) <= 0.5*bins.size + epsilon[2];
 
-        if (side != 0 && side != enter && !startsInside) { hitAt(s0); return; }
-        if (enter != leave) {
-          const double k = f0 == f1 ? 1 : f0/(f0-f1);
-          hitAt(s0 + (k < 0 ? 0 : k > 1 ? 1 : k)*(s1-s0));
+        /* f(k) = f0 + k (f1-f0) + saddle k (1-k): bisection, as there is one change of sign */
+        auto root = [&]() {
+          if ((f0 < 0) == (f1 < 0)) return std::fabs(f0) < std::fabs(f1) ? s0 : s1;
+          double lower = s0, upper = s1;
+          for (int i=0; i<60; i++) {
+            const double middle = 0.5*(lower+upper);
+            ((f(middle) < 0) == (f0 < 0) ? lower : upper) = middle;
+          }
+          return 0.5*(lower+upper);
+        };
+
+        /* after a hit only what lies nearer is of interest, where leaves overlap */
+        if (best.found) {
+          if (enter != leave) hitAt(root());
           return;
         }
-        if (near && !startsInside && !endsInside && onBorder(m)) {
+        if (startsInside) fromSurface = near;
+        const bool beyond = fromSurface && !startsInside && side == leave;
+        pending = false;
+        if (side != 0 && side != enter && !startsInside && !beyond) { hitAt(s0); return; }
+        if (enter != leave && !beyond) { hitAt(root()); return; }
+        if (enter == leave && near && !startsInside && !endsInside && onBorder(m)) {
           hitAt(std::fabs(f0) < std::fabs(f1) ? s0 : s1);
           return;
         }
@@ -247,8 +263,8 @@ namespace embree
         best.found = true;
         best.t = t;
         best.leaf = m;
-        best.u = block->u0*(8.0/0x10000) + ((block->blockX() << block->height()) + x)*block->rcpQuads();
-        best.v = block->v0*(8.0/0x10000) + ((block->blockY() << block->height()) + y)*block->rcpQuads();
+        best.u = block->faceU(float(x));
+        best.v = block->faceV(float(y));
       }
 
       /*! the triangles (00,10,01) and (01,10,11) of every quad of a group */
@@ -304,9 +320,10 @@ namespace embree
       /* cLEAF: the leaf that the ray left last */
       int side;      //!< 1 above, -1 below, 0 unknown
       bool pending;  //!< within half a bin of its patch
+      bool fromSurface; //!< the ray starts in a leaf, within half a bin
       uint32_t exitLeaf;
       NodeBox exitBox;
       double exitS, exitSlope[2];
     };
-  }
+  }}
 }

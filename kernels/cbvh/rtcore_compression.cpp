@@ -6,6 +6,7 @@
 #include "../common/default.h"
 #include "../common/device.h"
 #include "../common/scene.h"
+#include "block.h"
 #include "factory.h"
 #include "../../include/embree3/rtcore_compression.h"
 #include <cmath>
@@ -47,7 +48,10 @@ RTC_API void rtcGetSceneCompressionStatistics (RTCScene hscene, struct RTCCompre
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"scene is NULL");
   if (stats == nullptr)
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"stats is NULL");
-  if (scene->isModified())
+  bool modified = scene->isModified();
+  for (size_t i=0; i<scene->size(); i++)
+    modified |= scene->get(i) && scene->get(i)->isEnabled() && scene->isGeometryModified(i);
+  if (modified)
     throw_RTCError(RTC_ERROR_INVALID_OPERATION,"scene not committed");
 
   *stats = RTCCompressionStatistics();

@@ -8,6 +8,7 @@
 #include "../../common/lexers/tokenstream.h"
 #include <cstdlib>
 #include <iostream>
+#include <locale>
 #include <sstream>
 #include <cmath>
 
@@ -43,9 +44,11 @@ namespace embree
 
   void CompressionSettings::setMaxError (const std::string& name, const std::string& value)
   {
-    char* end = nullptr;
-    const float e = strtof(value.c_str(),&end);
-    if (value.empty() || *end != 0 || !std::isfinite(e) || e < 0.0f)
+    /* with a point in every locale */
+    std::istringstream stream(value);
+    stream.imbue(std::locale::classic());
+    float e = -1.0f;
+    if (!(stream >> e) || !stream.eof() || !std::isfinite(e) || e < 0.0f)
       invalid(name,value,"expected a distance, 0 or more");
     maxError = e;
   }
@@ -55,7 +58,7 @@ namespace embree
   {
     try { return token.Identifier(); } catch (const std::exception&) {}
     try { return std::to_string(token.Int()); } catch (const std::exception&) {}
-    try { std::ostringstream s; s.precision(9); s << token.Float(); return s.str(); } catch (const std::exception&) {}
+    try { std::ostringstream s; s.imbue(std::locale::classic()); s.precision(9); s << token.Float(); return s.str(); } catch (const std::exception&) {}
     return "";
   }
 

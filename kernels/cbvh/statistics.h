@@ -3,48 +3,52 @@
 
 #pragma once
 
-/* Sums of what a build compressed. Build tasks fill one each and merge them. */
+/* Sums of what a build compressed. Every task fills one and merges it. */
 
 #include "block_encoder.h"
 #include "../../include/embree3/rtcore_compression.h"
 
 namespace embree
 {
-  namespace cbvh
+  namespace cbvh { inline namespace CBVH_TARGET
   {
-    struct BuildStatistics : public RTCCompressionStatistics
+    struct BuildStatistics
     {
-      BuildStatistics () : RTCCompressionStatistics() {}
+      RTCCompressionStatistics sums = RTCCompressionStatistics();
+      size_t otherRateQuads = 0;   //!< traced by GRID for their edge rates
+      size_t refusedQuads = 0;     //!< traced by GRID as their block has no good frame
 
       void addBlock (Kind kind, uint32_t height, const BlockStatistics& block)
       {
         const BlockLayout layout(kind,height);
-        frameBytes += layout.nodeOffset;
-        nodeBytes += layout.leafOffset - layout.nodeOffset;
-        leafBytes += layout.stride() - layout.leafOffset;
-        numBlocks++;
-        numQuads += size_t(1) << (2*height);
-        numInvalidQuads += block.invalidQuads;
-        numAffineBlocks += block.affine;
-        numSolidLeaves += block.solidLeaves;
-        if (block.maxThickness > maxLeafThickness) maxLeafThickness = block.maxThickness;
+        sums.frameBytes += layout.nodeOffset;
+        sums.nodeBytes += layout.leafOffset - layout.nodeOffset;
+        sums.leafBytes += layout.stride() - layout.leafOffset;
+        sums.numBlocks++;
+        sums.numQuads += size_t(1) << (2*height);
+        sums.numInvalidQuads += block.invalidQuads;
+        sums.numAffineBlocks += block.affine;
+        sums.numSolidLeaves += block.solidLeaves;
+        if (block.maxThickness > sums.maxLeafThickness) sums.maxLeafThickness = block.maxThickness;
       }
 
       void merge (const BuildStatistics& other)
       {
-        topLevelBytes += other.topLevelBytes;
-        frameBytes += other.frameBytes;
-        nodeBytes += other.nodeBytes;
-        leafBytes += other.leafBytes;
-        gridBytes += other.gridBytes;
-        numBlocks += other.numBlocks;
-        numQuads += other.numQuads;
-        numGridQuads += other.numGridQuads;
-        numInvalidQuads += other.numInvalidQuads;
-        numAffineBlocks += other.numAffineBlocks;
-        numSolidLeaves += other.numSolidLeaves;
-        if (other.maxLeafThickness > maxLeafThickness) maxLeafThickness = other.maxLeafThickness;
+        sums.topLevelBytes += other.sums.topLevelBytes;
+        sums.frameBytes += other.sums.frameBytes;
+        sums.nodeBytes += other.sums.nodeBytes;
+        sums.leafBytes += other.sums.leafBytes;
+        sums.gridBytes += other.sums.gridBytes;
+        sums.numBlocks += other.sums.numBlocks;
+        sums.numQuads += other.sums.numQuads;
+        sums.numGridQuads += other.sums.numGridQuads;
+        sums.numInvalidQuads += other.sums.numInvalidQuads;
+        sums.numAffineBlocks += other.sums.numAffineBlocks;
+        sums.numSolidLeaves += other.sums.numSolidLeaves;
+        if (other.sums.maxLeafThickness > sums.maxLeafThickness) sums.maxLeafThickness = other.sums.maxLeafThickness;
+        otherRateQuads += other.otherRateQuads;
+        refusedQuads += other.refusedQuads;
       }
     };
-  }
+  }}
 }

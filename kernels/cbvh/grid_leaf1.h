@@ -1,0 +1,112 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Leaves of cGRID: full-precision vertices. */
+
+#include "leaf_group1.h"
+#include "../geometry/grid_soa.h"
+#include "../geometry/triangle_intersector_pluecker.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! cGRID: 2 x 2 quads of full-precision vertices, the very triangles and the very
+       *  test of Embree's GRID */
+      template<typename RayType>
+      struct GridLeaf : public LeafGroup<RayType>
+      {
+        using LeafGroup<RayType>::LeafGroup;
+
+        /*! barycentrics of a triangle to parameters of the face, as GridSOA::MapUV does
+         *  from stored parameters; lanes are ordered as its loaders order triangles */
+        template<typename Loader>
+        struct MapUV
+        {
+          typedef typename Loader::vfloat vfloat;
+          vfloat x0, y0, x1, y1, x2, y2;
+
+          __forceinline MapUV (const Block* block, float x, float y)
+          {
+            const float rcpQuads = block->rcpQuads(), u = block->faceU(x), v = block->faceV(y);
+            static const float X0[8] = {0,0,1,1,0,0,1,1}, Y0[8] = {0,1,0,1,1,2,1,2};
+            static const float X1[8] = {1,1,2,2,1,1,2,2}, Y1[8] = {0,0,0,0,1,1,1,1};
+            static const float X2[8] = {0,1,1,2,0,1,1,2}, Y2[8] = {1,1,1,1,2,2,2,2};
+            auto place = [&](const float* d, float o) { return madd(vfloat::loadu(d),vfloat(rcpQuads),vfloat(o)); };
+            x0 = place(X0,u); x1 = place(X1,u); x2 = place(X2,u);
+            y0 = place(Y0,v); y1 = place(Y1,v); y2 = place(Y2,v);
+          }
+
+          __forceinline void operator() (vfloat& u, vfloat& v, Vec3<vfloat>& Ng) const
+          {
+            const vfloat w = vfloat(1.0f)-u-v;
+            const vfloat x = u*x1 + v*x2 + w*x0;
+            const vfloat y = u*y1 + v*y2 + w*y0;
+            u = x; v = y;
+          }
+        };
+
+        template<typename Loader>
+        static __forceinline bool triangles (RayHit& ray, IntersectContext* context, const Block* block,
+                                             const Vec3<typename Loader::vfloat>& v0, const Vec3<typename Loader::vfloat>& v1,
+                                             const Vec3<typename Loader::vfloat>& v2, float x, float y)
+        {
+          const MapUV<Loader> mapUV(block,x,y);
+          PlueckerIntersector1<Loader::M> intersector(ray,nullptr);
+          return intersector.intersect(ray,v0,v1,v2,mapUV,Intersect1EpilogMU<Loader::M,true>(ray,context,block->geomID,block->primID));
+        }
+
+        template<typename Loader>
+        static __forceinline bool triangles (Ray& ray, IntersectContext* context, const Block* block,
+                                             const Vec3<typename Loader::vfloat>& v0, const Vec3<typename Loader::vfloat>& v1,
+                                             const Vec3<typename Loader::vfloat>& v2, float x, float y)
+        {
+          const MapUV<Loader> mapUV(block,x,y);
+          PlueckerIntersector1<Loader::M> intersector(ray,nullptr);
+          return intersector.intersect(ray,v0,v1,v2,mapUV,Occluded1EpilogMU<Loader::M,true>(ray,context,block->geomID,block->primID));
+        }
+
+        template<typename Loader>
+        __forceinline bool quads (size_t width, size_t x, size_t y, size_t lines)
+        {
+          typedef typename Loader::vfloat vfloat;
+          const size_t plane = width*width;
+          const float* p = (const float*)this->data + y*width + x;
+          Vec3<vfloat> v0, v1, v2;
+          Loader::gather(p,p+plane,p+2*plane,width,lines,v0,v1,v2);
+          return triangles<Loader>(this->ray,this->context,this->block,v0,v1,v2,float(x),float(y));
+        }
+
+        __forceinline bool leaves (const ChildBoxes& c, const HitMasks& masks, const ChildOrder&, uint32_t m)
+        {
+          size_t hit = masks.hit;
+          const size_t width = (size_t(1) << this->block->height()) + 1;
+          const size_t lines = min(width,size_t(3));
+          while (hit)
+          {
+            const size_t lane = bscf(hit);
+            if (c.sNear[lane] > this->sBest) continue;
+            const uint32_t g = this->child(m,lane);
+            const size_t x = 2*mortonX(g), y = 2*mortonY(g);
+            bool found;
+#if defined(__AVX__)
+            found = quads<GridSOA::Gather3x3>(width,x,y,lines);
+#else
+            found = quads<GridSOA::Gather2x3>(width,x,y,lines);
+            if (IsAnyHit<RayType>::value && found) return true;
+            if (lines > 2) found |= quads<GridSOA::Gather2x3>(width,x,y+1,lines);
+#endif
+            if (!found) continue;
+            if (IsAnyHit<RayType>::value) return true;
+            this->sBest = this->local.localS(this->pre,this->ray.tfar) + 1e-5f;
+          }
+          return false;
+        }
+      };
+    }
+  }
+}

@@ -1,0 +1,239 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Builds the top-level primitives of one patch: blocks, or, where it cannot be
+ * compressed, Embree's GridSOA. A task owns one builder and reuses its memory from
+ * patch to patch. */
+
+#include "../bvh/bvh.h"
+#include "../geometry/grid_soa.h"
+#include "patch_grid.h"
+#include "top_level.h"
+#include "statistics.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! how one face is subdivided and compressed */
+    struct FacePlan
+    {
+      /*! a face that GRID traces */
+      static const int uncompressed = -1;
+
+      int level;            //!< of its patches, or uncompressed
+      unsigned frameLevel;
+    };
+
+    /*! what all patches of a geometry have in common */
+    struct CompressionPlan
+    {
+      SubdivMesh* mesh;
+      unsigned geomID;
+      CompressionSettings settings;  //!< resolved
+
+      CompressionPlan (Scene* scene, SubdivMesh* mesh, unsigned geomID)
+        : mesh(mesh), geomID(geomID), settings(mesh->compression.resolve(scene->device->compression)) {}
+
+      cbvh::Kind kind () const
+      {
+        switch (settings.compression) {
+        case RTC_COMPRESSION_GRID : return cbvh::Kind::GRID;
+        case RTC_COMPRESSION_VOXEL: return cbvh::Kind::VOXEL;
+        default: return cbvh::Kind::LEAF;
+        }
+      }
+
+      bool compresses () const { return settings.compression != RTC_COMPRESSION_NONE; }
+
+      /*! whether frame levels follow from the geometry itself */
+      bool boundsError () const {
+        return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && settings.compression != RTC_COMPRESSION_GRID;
+      }
+
+      /*! level of a patch whose four edges have the rate 2^level, up to 256; uncompressed for any other */
+      int level (const float rate[4]) const
+      {
+        if (!compresses() || rate[0] != rate[1] || rate[0] != rate[2] || rate[0] != rate[3]) return FacePlan::uncompressed;
+        for (unsigned level=0; level<=cbvh::maxLevel; level++)
+          if (rate[0] == float(1u << level)) return int(level);
+        return FacePlan::uncompressed;
+      }
+
+      /*! frame level without an error bound */
+      unsigned frameLevel (unsigned level) const {
+        const unsigned n = settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO ? (level > 4 ? level-4 : 0) : unsigned(settings.frameLevel);
+        return min(n,level);
+      }
+    };
+
+    class PatchBuilder
+    {
+    public:
+      typedef FastAllocator::CachedAllocator Allocator;
+
+      /*! GRID cuts patches into grids of 8 x 8 quads */
+      static const unsigned gridQuads = 8;
+
+      cbvh::BuildStatistics statistics;
+
+      PatchBuilder (const CompressionPlan& plan, Scene* scene, const Allocator& alloc)
+        : plan(plan), scene(scene), alloc(alloc), grid(scene->device), vertices(scene->device,0), scratch(scene->device,0), trial(scene->device,0) {}
+
+      static unsigned numGrids (Vec2i resolution) {
+        return ((resolution.x-2)/gridQuads + 1)*((resolution.y-2)/gridQuads + 1);
+      }
+
+      /*! smallest frame level at which no leaf of the patch is thicker than the bound */
+      unsigned boundedFrameLevel (const SubdivPatch1Base& patch, unsigned level)
+      {
+        grid.eval(patch,plan.mesh);
+        for (unsigned n=0; n<level; n++)
+        {
+          cbvh::BlockStatistics worst;
+          for (unsigned i=0; i < 1u << (2*n) && worst.maxThickness <= plan.settings.maxError; i++)
+          {
+            Encoding e(plan.kind(),level,level-n,i);
+            trial.resize(e.layout.bytes/sizeof(Vec3fa)+1);
+            gather(e);
+            cbvh::BlockEncoder encoder(e.kind,e.height,vertexData(),scratch.data());
+            if (encoder.fit(e.corners)) encoder.encode((cbvh::Block*)trial.data(),level,e.x,e.y,worst);
+          }
+          if (worst.maxThickness <= plan.settings.maxError) return n;
+        }
+        return level;
+      }
+
+      /*! Writes the primitives of a patch, 4^frameLevel blocks; a dropped one has no
+       *  reference, see isDropped. Returns their number. */
+      size_t buildBlocks (const SubdivPatch1Base& patch, unsigned level, unsigned frameLevel, PrimRef* out)
+      {
+        grid.eval(patch,plan.mesh);
+        /* a node has no code for a child without surface: where quads are left out, leaves say so */
+        const bool hasHoles = !grid.isFinite();
+        const cbvh::Kind kind = plan.kind() == cbvh::Kind::VOXEL && hasHoles ? cbvh::Kind::LEAF : plan.kind();
+        const size_t count = size_t(1) << (2*frameLevel);
+        /* one piece of memory a patch: small pieces cost the allocator's rounding each;
+         * several for a large patch, as it takes none above 2 MiB */
+        const size_t stride = cbvh::BlockLayout(kind,level-frameLevel).stride();
+        const size_t piece = max(maxPieceBytes/stride,size_t(1));
+        char* memory = nullptr;
+        for (size_t i=0; i<count; i++) {
+          if (i % piece == 0) memory = (char*)alloc.malloc1(min(piece,count-i)*stride,cbvh::BlockLayout::alignment);
+          Encoding e(kind,level,level-frameLevel,unsigned(i));
+          out[i] = buildBlock(patch,e,(cbvh::Block*)(memory+(i%piece)*stride));
+        }
+        return count;
+      }
+
+      /*! patch as stock Embree has it */
+      size_t buildGrids (const SubdivPatch1Base& patch, PrimRef* out)
+      {
+        size_t n = 0;
+        const unsigned x1 = patch.grid_u_res-1, y1 = patch.grid_v_res-1;
+        for (unsigned y=0; y<y1; y+=gridQuads)
+          for (unsigned x=0; x<x1; x+=gridQuads)
+            out[n++] = buildGrid(patch,x,min(x+gridQuads,x1),y,min(y+gridQuads,y1));
+        statistics.otherRateQuads += plan.compresses() ? size_t(x1)*size_t(y1) : 0;
+        return n;
+      }
+
+      static bool isDropped (const PrimRef& prim) { return prim.ID() == 0; }
+
+    private:
+      static const size_t maxPieceBytes = 1 << 20;
+
+      /*! one block of a patch */
+      struct Encoding
+      {
+        cbvh::Kind kind;
+        unsigned level, height;
+        unsigned x, y;          //!< in blocks
+        cbvh::BlockLayout layout;
+        float corners[4][3];    //!< that the frame aligns to
+
+        Encoding (cbvh::Kind kind, unsigned level, unsigned height, unsigned morton)
+          : kind(kind), level(level), height(height), x(cbvh::mortonX(morton)), y(cbvh::mortonY(morton)), layout(kind,height) {}
+
+        size_t width () const { return (size_t(1) << height) + 1; }
+      };
+
+      const float (*vertexData () const)[3] { return (const float(*)[3])vertices.data(); }
+
+      /*! vertices and corners of a block */
+      void gather (Encoding& e)
+      {
+        const size_t w = e.width();
+        const size_t x0 = size_t(e.x) << e.height, y0 = size_t(e.y) << e.height;
+        vertices.resize(3*w*w);
+        scratch.resize((cbvh::BlockEncoder::scratchBytes(e.height)+sizeof(Vec3fa)-1)/sizeof(Vec3fa));
+        for (size_t r=0; r<w; r++)
+          memcpy(&vertices[3*r*w],grid.displaced()[(y0+r)*grid.width+x0],3*w*sizeof(float));
+        /* heights are best stored along the normal of the smooth surface; boxes are
+         * tightest around what they bound */
+        float (*aligned)[3] = plan.kind() == cbvh::Kind::LEAF ? grid.undisplaced() : grid.displaced();
+        for (size_t c=0; c<4; c++)
+          memcpy(e.corners[c],aligned[(y0 + (c>>1)*(w-1))*grid.width + x0 + (c&1)*(w-1)],sizeof(float[3]));
+      }
+
+      PrimRef buildBlock (const SubdivPatch1Base& patch, Encoding& e, cbvh::Block* block)
+      {
+        gather(e);
+        const size_t count = e.width()*e.width();
+        BBox3fa bounds(empty);
+        size_t finite = 0;
+        for (size_t i=0; i<count; i++) {
+          const float* p = vertexData()[i];
+          if (!cbvh::isFinite(p)) continue;
+          bounds.extend(Vec3fa(p[0],p[1],p[2]));
+          finite++;
+        }
+        if (finite == 0) return drop(e);
+
+        cbvh::BlockEncoder encoder(e.kind,e.height,vertexData(),scratch.data());
+        const bool fits = encoder.fit(e.corners);
+        if (finite == count && (!fits || encoder.getFrame().degenerate)) {
+          const unsigned quads = 1u << e.height;
+          statistics.refusedQuads += size_t(quads)*size_t(quads);
+          return buildGrid(patch,e.x*quads,(e.x+1)*quads,e.y*quads,(e.y+1)*quads);
+        }
+        if (!fits) return drop(e);
+
+        cbvh::BlockStatistics blockStatistics;
+        encoder.encode(block,e.level,e.x,e.y,blockStatistics);
+        block->geomID = patch.geomID();
+        block->primID = patch.primID();
+        block->u0 = patch.u[0];
+        block->v0 = patch.v[0];
+        statistics.addBlock(e.kind,e.height,blockStatistics);
+        return PrimRef(bounds,size_t(BVH4::encodeTypedLeaf(block,cbvh::leafType(e.kind))));
+      }
+
+      PrimRef drop (const Encoding& e)
+      {
+        statistics.sums.numInvalidQuads += size_t(1) << (2*e.height);
+        return PrimRef(BBox3fa(Vec3fa(zero),Vec3fa(zero)),size_t(0));
+      }
+
+      PrimRef buildGrid (const SubdivPatch1Base& patch, unsigned x0, unsigned x1, unsigned y0, unsigned y1)
+      {
+        BBox3fa bounds;
+        GridSOA* soa = GridSOA::create(&patch,1,x0,x1,y0,y1,scene,alloc,&bounds);
+        statistics.sums.gridBytes += offsetof(GridSOA,data) + soa->rootOffset + sizeof(BVH4::NodeRef);
+        statistics.sums.numGridQuads += size_t(x1-x0)*size_t(y1-y0);
+        return PrimRef(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
+      }
+
+    private:
+      const CompressionPlan& plan;
+      Scene* scene;
+      Allocator alloc;
+      PatchGrid grid;
+      mvector<float> vertices;  //!< of one block
+      mvector<Vec3fa> scratch;  //!< the encoder's, aligned
+      mvector<Vec3fa> trial;    //!< a block that is encoded to see how thick it gets
+    };
+  }
+}
