@@ -211,10 +211,9 @@ namespace embree
             const Side enter = x.above0 & bit ? ABOVE : BELOW, leave = x.above1 & bit ? ABOVE : BELOW;
             if (found) {
               /* only what lies nearer than the hit can still be of interest */
-              if (!((patch.solid | patch.empty) & bit) && enter != leave) {
-                const float s = x.root(i,patch);
-                if (s < this->sBest) hitAt(i,s);
-              }
+              if ((patch.empty & bit) || (enter == leave && !(patch.solid & bit)) || ((patch.solid & bit) && started)) continue;
+              const float s = patch.solid & bit ? x.s0[i] : x.root(i,patch);
+              if (s < this->sBest) hitAt(i,s);
               continue;
             }
             if ((patch.solid | patch.empty) & bit) {

@@ -180,7 +180,6 @@ namespace embree
         const bool startsInside = startClipped && sNear < 0, endsInside = endClipped && sFar > 1;
         const double s0 = std::fmax(sNear,0.0), s1 = std::fmin(sFar,1.0);
         if (code == emptyLeaf || code == solidLeaf) {
-          if (best.found) return;
           side = 0; pending = false;
           if (code == solidLeaf && !startsInside) hit(m,box,s0,0,0);
           return;
