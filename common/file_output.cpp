@@ -4,6 +4,7 @@
 #include "file_output.h"
 #include "error.h"
 
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <unistd.h>
@@ -11,6 +12,20 @@
 namespace cbvh {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/* Has the contents on disk before the name is: what a crash leaves is whole. */
+void synchronise(const std::string& path)
+{
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0)
+    return;
+  fsync(file);
+  close(file);
+}
+
+} // namespace
 
 PendingFile::PendingFile(const std::string& path) : final(path)
 {
@@ -43,6 +58,7 @@ void writeTextFile(const std::string& path, const std::string& text)
   stream.close();
   if (!stream)
     throw Error(path + ": cannot be written");
+  synchronise(file.temporary());
   file.commit();
 }
 

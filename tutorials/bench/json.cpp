@@ -172,6 +172,13 @@ std::string formatJson(const BenchOptions& options, const Machine& m, const std:
   return out.dump(1) + "\n";
 }
 
+std::string formatAbout(const Machine& machine)
+{
+  const json about = {{"commit", machine.commit}, {"isas", usableIsas(machine)}, {"scenes", sceneNames()},
+                      {"hardware_threads", machine.threads}};
+  return about.dump();
+}
+
 std::string formatHead(const BenchOptions& options, const Machine& m)
 {
   std::string isas, threads;

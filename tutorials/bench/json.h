@@ -17,6 +17,9 @@ namespace cbvh {
  * complete: whether all groups that were asked for are there. */
 std::string formatJson(const BenchOptions& options, const Machine& machine, const std::vector<Group>& groups, bool complete);
 
+/* Commit, instruction sets that library and processor have, and scenes. */
+std::string formatAbout(const Machine& machine);
+
 /* A few lines about the machine and the build. */
 std::string formatHead(const BenchOptions& options, const Machine& machine);
 

@@ -73,13 +73,19 @@ Machine describeMachine()
   return m;
 }
 
-std::string bestIsa(const Machine& machine)
+std::vector<std::string> usableIsas(const Machine& machine)
 {
-  std::string best;
+  std::vector<std::string> usable;
   for (const std::string& isa : machine.isas) // narrowest first
     if (processorHas(isa))
-      best = isa;
-  return best;
+      usable.push_back(isa);
+  return usable;
+}
+
+std::string bestIsa(const Machine& machine)
+{
+  const std::vector<std::string> usable = usableIsas(machine);
+  return usable.empty() ? "" : usable.back();
 }
 
 void requireIsa(const Machine& machine, const std::string& isa)

@@ -26,8 +26,10 @@ struct Machine
 
 Machine describeMachine();
 
-/* The instruction set that Embree picks when told nothing: the widest that the
- * library has and the processor, too. */
+/* What both library and processor have, narrowest first. */
+std::vector<std::string> usableIsas(const Machine& machine);
+
+/* The instruction set that Embree picks when told nothing, the widest of them. */
 std::string bestIsa(const Machine& machine);
 
 /* Throws Error for a name that is unknown, or that the library or the processor

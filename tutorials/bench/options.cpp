@@ -3,6 +3,7 @@
 
 #include "options.h"
 #include "error.h"
+#include "json.h"
 #include "parallel.h"
 #include "views.h"
 
@@ -134,6 +135,7 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   std::string isas = "best", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
   std::string size = "768x768";
   std::vector<std::string> views;
+  bool about = false;
 
   CLI::App app("Measures representations of displaced subdivision surfaces: memory, build, speed and error of every\n"
                "combination of what the lists name, interleaved. GRID is always among them: speeds are relative to it.",
@@ -172,6 +174,7 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   app.add_option("--pictures", o.pictures, "folder for shaded pictures and error maps")->type_name("DIR");
   app.add_option("--maps", o.maps, "folder for generated height maps, else a temporary one")->type_name("DIR");
   app.add_option("--json", o.json, "write the measurements there")->type_name("FILE");
+  app.add_flag("--about", about, "print commit, instruction sets and scenes as JSON, and end");
   try
   {
     app.parse(argc, argv);
@@ -186,6 +189,11 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
     throw Error(e.what());
   }
 
+  if (about)
+  {
+    std::puts(formatAbout(machine).c_str());
+    return std::nullopt;
+  }
   if (scenes.empty() || !cage.cagePath.empty())
   {
     cage.scene = scenes;

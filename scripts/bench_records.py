@@ -1,0 +1,37 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Reading what cbvh_bench writes."""
+
+import json
+
+VERSION = 1
+
+
+class Damaged(Exception):
+    """A record that cannot be used; its text says why, in a few words."""
+
+
+def read(path):
+    """The contents of a record, checked for what its readers rely on."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            record = json.load(file)
+    except OSError as error:
+        raise Damaged(f"cannot be read: {error.strerror}") from error
+    except ValueError as error:
+        raise Damaged("truncated or no JSON") from error
+    if not isinstance(record, dict) or record.get("format") != "cbvh-bench":
+        raise Damaged("no measurement of cbvh_bench")
+    if record.get("version") != VERSION:
+        raise Damaged(f"of format version {record.get('version')}, this reads {VERSION}")
+    try:
+        record["run"]["commit"], record["run"]["command"]
+        for group in record["groups"]:
+            group["scene"], group["level"], group["quads"]
+            for result in group["results"]:
+                if "skipped" not in result:
+                    result["memory"]["live_bytes"], result["views"], result["speed"]
+    except (KeyError, TypeError) as error:
+        raise Damaged(f"incomplete, lacks {error}") from error
+    return record

@@ -1,0 +1,274 @@
+#!/usr/bin/python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Measures a named set of scenes and representations with cbvh_bench.
+
+    scripts/benchmark.py quick        at most 5 minutes on two cores
+    scripts/benchmark.py paper        everything that the paper shows
+    scripts/benchmark.py full         that, and packets, threads, instruction sets, large scenes
+
+Each scene and level is a record of its own under output/benchmark/SET. A run that
+was stopped goes on where it was when the same command is given again; a record that
+is damaged, or of another build, is measured again. scripts/report.py makes a page
+of the records.
+"""
+
+import argparse
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import benchmark_sets as sets  # noqa: E402
+import bench_records as records  # noqa: E402
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+class Failure(Exception):
+    """Its text is one line for the user."""
+
+
+def read_arguments():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0], formatter_class=argparse.RawDescriptionHelpFormatter,
+                                     epilog=__doc__.split("\n", 2)[2])
+    parser.add_argument("set", nargs="?", default="quick", metavar="SET", help="quick, full or paper (default: quick)")
+    parser.add_argument("--scene", action="append", metavar="NAME", help="only what shows this scene; may be repeated")
+    parser.add_argument("--cage", metavar="FILE", help="measure this OBJ instead of the set's scenes")
+    parser.add_argument("--height", metavar="FILE", help="height map of the cage")
+    parser.add_argument("--amplitude", metavar="A", help="displacement of the cage, in diagonals of its bounding box")
+    parser.add_argument("--output", metavar="DIR", help="folder of the records (default: output/benchmark/SET)")
+    parser.add_argument("--bench", metavar="FILE", help="program (default: build/release/tutorials/bench/cbvh_bench)")
+    parser.add_argument("--fresh", action="store_true", help="measure again what has been measured")
+    parser.add_argument("--list", action="store_true", help="say what the set measures, and end")
+    return parser.parse_args()
+
+
+def about(bench):
+    """What the program says of itself."""
+    if not bench.is_file():
+        raise Failure(f"{bench}: no such program; build it first, scripts/demo.sh does")
+    try:
+        answer = subprocess.run([bench, "--about"], capture_output=True, text=True, timeout=60, check=True)
+        return json.loads(answer.stdout)
+    except (OSError, subprocess.SubprocessError, ValueError) as error:
+        raise Failure(f"{bench}: does not answer --about: {type(error).__name__}") from error
+
+
+def base_name(scene):
+    return scene.split(":")[0]
+
+
+def choose_jobs(options, build):
+    """The jobs of the command line; what this build cannot show is left out with a line."""
+    if options.set not in sets.NAMES:
+        raise Failure(f"unknown set '{options.set}', known are {', '.join(sets.NAMES)}")
+    if options.cage:
+        for path in filter(None, (options.cage, options.height)):
+            if not Path(path).is_file():
+                raise Failure(f"{path}: no such file")
+        arguments = ["--cage", options.cage, "--view", "full,close", "--representation", sets.WITH_FINE_FRAMES + ",naive,cgrid^2"]
+        for name in ("height", "amplitude"):
+            value = getattr(options, name)
+            if value:
+                arguments += ["--" + name, value]
+        levels = [4, 5] if options.set == "quick" else [4, 5, 6]
+        return [sets.Job(Path(options.cage).stem, "your cage", "", levels, arguments, 60)]
+    if options.height or options.amplitude:
+        raise Failure("--height and --amplitude belong to --cage")
+    jobs = sets.jobs_of(options.set, build["isas"])
+    for name in options.scene or []:
+        if name not in build["scenes"]:
+            raise Failure(f"unknown scene '{name}', known are {', '.join(build['scenes'])}")
+        if not any(base_name(job.scene) == name for job in jobs):
+            raise Failure(f"scene '{name}' is not in the set '{options.set}'")
+    if options.scene:
+        jobs = [job for job in jobs if base_name(job.scene) in options.scene]
+    for job in jobs:
+        if base_name(job.scene) not in build["scenes"]:
+            print(f"left out: {job.name} ({job.figures}), as this build has no scene '{base_name(job.scene)}'")
+    return [job for job in jobs if base_name(job.scene) in build["scenes"]]
+
+
+class Progress:
+    """A bar with the time left on a terminal, else a line a job."""
+
+    def __init__(self, expected):
+        self.left = dict(expected)      # job: seconds by the plan
+        self.total = sum(expected.values())
+        self.planned = self.spent = 0.0  # of finished jobs
+        self.terminal = sys.stdout.isatty()
+        self.current, self.begin, self.doing = None, 0.0, ""
+
+    def start(self, job):
+        self.current, self.begin, self.doing = job, time.monotonic(), ""
+
+    def finish(self):
+        self.planned += self.left[self.current]
+        self.spent += time.monotonic() - self.begin
+        del self.left[self.current]
+        self.current = None
+
+    def pace(self):
+        """How much slower than planned this machine is."""
+        known = self.planned + 10
+        return (self.spent + 10) / known
+
+    def draw(self):
+        if not self.terminal or self.current is None:
+            return
+        pace, elapsed = self.pace(), time.monotonic() - self.begin
+        plan = self.left[self.current] * pace
+        inside = min(elapsed, 0.97 * plan)
+        left = sum(self.left.values()) * pace - inside
+        done = (self.planned + inside / pace) / max(self.total, 1e-9)
+        width = 28
+        filled = int(width * min(done, 1.0))
+        text = f"[{'#' * filled}{'.' * (width - filled)}] {100 * done:3.0f}%  {clock(left)} left  {self.current}: {self.doing}"
+        print("\r\033[K" + text[:os.get_terminal_size().columns - 1], end="", flush=True)
+
+    def say(self, text):
+        print(("\r\033[K" if self.terminal else "") + text, flush=True)
+
+
+def clock(seconds):
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
+
+
+def level_text(levels):
+    return "-".join(str(level) for level in levels)
+
+
+def finished_levels(job, folder, build, progress, fresh):
+    """Levels of a job that are on disk, whole, and measured in the same way."""
+    done = set()
+    for path in sorted(folder.glob(f"{job.name}_L*.json")):
+        if fresh:
+            path.unlink()
+            continue
+        try:
+            record = records.read(path)
+        except records.Damaged as error:
+            progress.say(f"{path.name}: {error}; measured again")
+            path.unlink()
+            continue
+        if record["run"]["commit"] != build["commit"] or not asks_the_same(job, record["run"]["command"]):
+            progress.say(f"{path.name}: of commit {record['run']['commit']} or other settings; measured again")
+            path.unlink()
+            continue
+        done.update(group["level"] for group in record["groups"])
+    return done
+
+
+def asks_the_same(job, command):
+    return all(str(word) in command for word in job.arguments) and (not job.scene or f"--scene {job.scene} " in command)
+
+
+class Runner:
+    def __init__(self, bench, folder, progress):
+        self.bench, self.folder, self.progress = bench, folder, progress
+        self.process = None
+        self.stopped = False
+
+    def stop(self, *_):
+        self.stopped = True
+        if self.process and self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+
+    def measure(self, job, levels):
+        """Runs one process. Returns the exit status and the last line of its complaint."""
+        out = self.folder / f"{job.name}_L{level_text(levels)}.json"
+        command = [str(self.bench)] + (["--scene", job.scene] if job.scene else [])
+        command += ["--level", ",".join(map(str, levels))] + list(map(str, job.arguments))
+        # Relative, so that the record names no folder of this machine.
+        command += ["--pictures", os.path.relpath(self.folder / "pictures"), "--json", os.path.relpath(out)]
+        last = []
+        with open(self.folder / f"{job.name}.log", "a", encoding="utf-8") as log:
+            # In a group of its own: Ctrl-C reaches it through us, once.
+            self.process = subprocess.Popen(command, stdout=log, stderr=subprocess.PIPE, text=True, start_new_session=True)
+            watcher = threading.Thread(target=self.watch, args=(self.process.stderr, log, last), daemon=True)
+            watcher.start()
+            if self.stopped:
+                self.stop()
+            while self.process.poll() is None:
+                self.progress.draw()
+                time.sleep(0.2)
+            watcher.join()
+        return self.process.returncode, last[-1].strip() if last else ""
+
+    def watch(self, stream, log, last):
+        for line in stream:
+            log.write(line)
+            last.append(line)
+            if line.startswith("  "):
+                self.progress.doing = line.strip().rsplit(":", 1)[0]
+
+
+def run(options):
+    bench = Path(options.bench) if options.bench else ROOT / "build/release/tutorials/bench/cbvh_bench"
+    build = about(bench)
+    jobs = choose_jobs(options, build)
+    if options.list:
+        for job in jobs:
+            print(f"{job.name:14s} {job.figures:34s} {job.scene or options.cage}, levels {level_text(job.levels)}, "
+                  f"about {job.seconds} s")
+        return 0
+    folder = Path(options.output) if options.output else ROOT / "output/benchmark" / options.set
+    try:
+        (folder / "pictures").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Failure(f"{folder}: cannot be made a folder: {error.strerror}") from error
+
+    progress = Progress({})
+    todo = []
+    for job in jobs:
+        done = finished_levels(job, folder, build, progress, options.fresh)
+        levels = [level for level in job.levels if level not in done]
+        if levels:
+            weight = sum(2.5 ** level for level in levels) / sum(2.5 ** level for level in job.levels)
+            todo.append((job, levels, job.seconds * weight))
+    kept = len(jobs) - len(todo)
+    progress = Progress({job.name: seconds for job, _, seconds in todo})
+    print(f"{options.set}: {len(jobs)} jobs, {kept} of them measured before; about {clock(progress.total)} on two cores; "
+          f"{build['hardware_threads']} threads, commit {build['commit']}", flush=True)
+
+    runner = Runner(bench, folder, progress)
+    signal.signal(signal.SIGINT, runner.stop)
+    signal.signal(signal.SIGTERM, runner.stop)
+    failed = 0
+    for job, levels, _ in todo:
+        progress.start(job.name)
+        status, complaint = runner.measure(job, levels)
+        took = time.monotonic() - progress.begin
+        progress.finish()
+        if runner.stopped:
+            progress.say("stopped; what is measured is kept, and the same command goes on from there")
+            return 130
+        if status == 0:
+            progress.say(f"  {job.name:14s} {job.figures:34s} {clock(took)}")
+        elif job.heavy and "not enough memory" in complaint:
+            progress.say(f"  {job.name:14s} left out: {complaint.split(': ', 1)[-1]}")
+        else:
+            failed += 1
+            progress.say(f"  {job.name:14s} failed with status {status}: {complaint}")
+    where = f"{folder}" if options.output else f"output/benchmark/{options.set}"
+    print(f"records in {where}; a page of them: scripts/report.py {where}")
+    return 1 if failed else 0
+
+
+def main():
+    try:
+        return run(read_arguments())
+    except Failure as error:
+        print(f"benchmark.py: {error}", file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

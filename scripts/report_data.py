@@ -1,0 +1,149 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""The measurements of a folder of records, flattened so that figures can ask for them."""
+
+import re
+from pathlib import Path
+
+import bench_records as records
+
+KINDS = ("NAIVE", "GRID", "cGRID", "cVOXEL", "cLEAF", "cVERT")
+ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")
+
+
+class Row:
+    """One representation of one scene at one level on one instruction set."""
+
+    def __init__(self, record, job, folder, group, result):
+        self.run = record["run"]
+        self.job, self.folder = job, folder
+        self.scene, self.level, self.quads = group["scene"], group["level"], group["quads"]
+        self.label, self.kind, self.isa = result["representation"], result["kind"], result["isa"]
+        self.frame_level = result.get("frame_level")
+        self.build_seconds = result["build_seconds"]
+        self.memory = result["memory"]
+        self.speeds = result["speed"]
+        self.views = {view["view"]: view for view in result["views"]}
+
+    @property
+    def bytes(self):
+        return self.memory["live_bytes"]
+
+    def errors(self, view, to_reference=False):
+        """Errors of primary rays, or None."""
+        found = self.views.get(view, {})
+        return found.get("errors_to_reference_level" if to_reference else "errors")
+
+    def speed(self, view, ray_set, query="closest", mode="single", threads=1):
+        """A speed record, or None."""
+        for s in self.speeds:
+            if (s["view"], s["set"], s["query"], s["mode"], s["threads"]) == (view, ray_set, query, mode, threads):
+                return s
+        return None
+
+    def image(self, view, what):
+        """Path of a picture, or None when there is none."""
+        name = self.views.get(view, {}).get(what)
+        path = self.folder / "pictures" / Path(name).name if name else None
+        return path if path and path.is_file() else None
+
+    @property
+    def command(self):
+        """What measured it, without where the results went."""
+        return re.sub(r" --(json|pictures|maps) ('[^']*'|\S+)", "", self.run["command"])
+
+
+class Data:
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        self.rows, self.runs, self.problems, self.skipped = [], [], [], []
+        for path in sorted(self.folder.glob("*.json")):
+            try:
+                record = records.read(path)
+            except records.Damaged as error:
+                self.problems.append(f"{path.name}: {error}")
+                continue
+            self.runs.append(record["run"])
+            job = path.stem.rsplit("_L", 1)[0]
+            for group in record["groups"]:
+                for result in group["results"]:
+                    if "skipped" in result:
+                        self.skipped.append(f"{group['scene']}, level {group['level']}, {result['representation']}: "
+                                            f"{result['skipped']}")
+                    else:
+                        self.rows.append(Row(record, job, self.folder, group, result))
+        widest = [isa for isa in ISAS if any(row.isa == isa for row in self.rows)]
+        self.isa = widest[-1] if widest else ""
+
+    def scenes(self):
+        return sorted({row.scene for row in self.rows})
+
+    def levels(self, scene):
+        return sorted({row.level for row in self.rows if row.scene == scene})
+
+    def main_scene(self):
+        """What speed and memory are shown of: trex, or else the largest."""
+        names = self.scenes()
+        if "trex" in names or not names:
+            return "trex"
+        return max(names, key=lambda name: max(row.quads for row in self.rows if row.scene == name))
+
+    def pick(self, scene, level, label, view=None, job=None):
+        """The row of a representation, of the widest instruction set and of most repeats; None without one."""
+        found = [row for row in self.rows
+                 if (row.scene, row.level, row.label, row.isa) == (scene, level, label, self.isa)
+                 and (view is None or view in row.views) and (job is None or row.job == job)]
+        return max(found, key=lambda row: (row.run["settings"]["repeat"], row.run["date"]), default=None)
+
+    def of_scene(self, scene, job=None):
+        """Rows of a scene, one a level and representation."""
+        keys = sorted({(row.level, row.label) for row in self.rows if row.scene == scene and row.isa == self.isa
+                       and (job is None or row.job == job)})
+        return [row for row in (self.pick(scene, level, label, job=job) for level, label in keys) if row]
+
+
+def median(values):
+    ordered = sorted(values)
+    n = len(ordered)
+    return ordered[n // 2] if n % 2 else 0.5 * (ordered[n // 2 - 1] + ordered[n // 2])
+
+
+def noise(data):
+    """Spread (middle half over median) of the ratios to GRID, of all measurements but GRID's: median, largest, and
+    how many are beyond 5%. None without measurements."""
+    spreads = [s["relative_to_grid"]["spread"] for row in data.rows if row.kind != "GRID" for s in row.speeds]
+    if not spreads:
+        return None
+    return {"median": median(spreads), "max": max(spreads), "beyond": sum(s > 0.05 for s in spreads), "count": len(spreads)}
+
+
+def compare_runs(data, other):
+    """How far the medians of ratios to GRID of two runs are apart: (median, largest, count, beyond 5%), or None."""
+    differences = []
+    for row in data.rows:
+        if row.kind == "GRID":
+            continue
+        twin = next((r for r in other.rows if (r.job, r.scene, r.level, r.label, r.isa) ==
+                     (row.job, row.scene, row.level, row.label, row.isa)), None)
+        for s in row.speeds if twin else []:
+            t = twin.speed(s["view"], s["set"], s["query"], s["mode"], s["threads"])
+            if t:
+                a, b = s["relative_to_grid"]["median"], t["relative_to_grid"]["median"]
+                differences.append(abs(a - b) / (0.5 * (a + b)))
+    if not differences:
+        return None
+    return {"median": median(differences), "max": max(differences), "beyond": sum(d > 0.05 for d in differences),
+            "count": len(differences)}
+
+
+def relative_speeds(data, kind, scene, levels=(4, 5, 6), view="full"):
+    """Ratios to GRID of all frame levels of a kind, single rays, closest hit, both ray sets."""
+    ratios = []
+    for row in data.of_scene(scene):
+        if row.kind == kind and row.level in levels:
+            for ray_set in ("coherent", "incoherent"):
+                speed = row.speed(view, ray_set)
+                if speed:
+                    ratios.append(speed["relative_to_grid"]["median"])
+    return ratios

@@ -1,0 +1,114 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""HTML of the report: one file without references to others."""
+
+import base64
+from html import escape
+
+STYLE = """
+:root { color-scheme: light dark; --ink: #1c2733; --soft: #5b6875; --page: #ffffff; --panel: #f5f7f9; --line: #d9dee4;
+        --good: #18794e; --bad: #b42318; --accent: #0072B2; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #dfe6ee; --soft: #9aa7b4; --page: #14191f; --panel: #1c232b; --line: #36404b;
+          --good: #4cc38a; --bad: #ff8b7d; --accent: #6db8ee; } }
+* { box-sizing: border-box; }
+body { margin: 0; background: var(--page); color: var(--ink); font: 16px/1.5 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }
+main { max-width: 76rem; margin: 0 auto; padding: 1.5rem 1rem 4rem; }
+h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .4rem; }
+h2 { font-size: 1.25rem; margin: 2.6rem 0 .4rem; padding-top: .8rem; border-top: 1px solid var(--line); }
+h3 { font-size: 1rem; margin: 1.2rem 0 .3rem; }
+p { margin: .4rem 0 .8rem; max-width: 52rem; }
+.soft, figcaption, .command { color: var(--soft); font-size: .87rem; }
+nav { display: flex; flex-wrap: wrap; gap: .3rem .9rem; margin: .8rem 0 0; font-size: .92rem; }
+a { color: var(--accent); }
+.charts, .pictures { display: grid; gap: 1rem; margin: .8rem 0; }
+.charts { grid-template-columns: repeat(auto-fit, minmax(min(100%, 21rem), 1fr)); }
+.pictures { grid-template-columns: repeat(auto-fit, minmax(min(100%, 15rem), 1fr)); }
+.charts.one { max-width: 38rem; }
+figure { margin: 0; background: var(--panel); border: 1px solid var(--line); border-radius: 8px; padding: .6rem; min-width: 0; }
+figure img { display: block; width: 100%; height: auto; border-radius: 4px; }
+figcaption { padding: .45rem .1rem 0; overflow-wrap: anywhere; }
+figcaption b { color: var(--ink); }
+.command { display: block; margin: .3rem 0 0; }
+code { font: .82rem/1.5 ui-monospace, "DejaVu Sans Mono", monospace; overflow-wrap: anywhere; }
+.table { overflow-x: auto; margin: .8rem 0; border: 1px solid var(--line); border-radius: 8px; }
+table { border-collapse: collapse; width: 100%; font-size: .9rem; font-variant-numeric: tabular-nums; }
+th, td { padding: .35rem .6rem; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
+tr:last-child td { border-bottom: 0; }
+th { background: var(--panel); font-weight: 600; }
+th:first-child, td:first-child, td.text, th.text { text-align: left; }
+td.wrap { white-space: normal; min-width: 13rem; }
+.yes { color: var(--good); font-weight: 600; } .no { color: var(--bad); font-weight: 600; } .none { color: var(--soft); }
+.missing { background: var(--panel); border: 1px dashed var(--line); border-radius: 8px; padding: .8rem 1rem; color: var(--soft); }
+.key { display: inline-block; width: .8em; height: .8em; border-radius: 2px; margin: 0 .25em 0 .6em; vertical-align: -.05em;
+       border: 1px solid var(--line); }
+details > summary { cursor: pointer; color: var(--accent); }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: .15rem 1rem; font-size: .92rem; margin: .8rem 0; }
+dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
+@media (max-width: 34rem) {
+  body { font-size: 15px; } h1 { font-size: 1.35rem; } main { padding: 1rem .7rem 3rem; }
+  .pictures.narrow { grid-template-columns: repeat(2, 1fr); gap: .5rem; } figure { padding: .4rem; }
+  .stack thead { display: none; } .stack tr { display: block; padding: .5rem .6rem; border-bottom: 1px solid var(--line); }
+  .stack td { display: flex; justify-content: space-between; gap: 1rem; border: 0; padding: .1rem 0; white-space: normal; text-align: right; }
+  .stack td:first-child { text-align: left; font-weight: 600; }
+  .stack td[data-name]::before { content: attr(data-name); color: var(--soft); font-weight: 400; text-align: left; } }
+"""
+
+
+def data_url(kind, content):
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def chart(pictures, text):
+    """pictures: as report_figures.themed makes them. text: for readers who do not see it."""
+    light, dark = (data_url("image/svg+xml", pictures[name]) for name in ("light", "dark"))
+    return (f'<figure><picture><source media="(prefers-color-scheme: dark)" srcset="{dark}">'
+            f'<img src="{light}" alt="{escape(text)}"></picture></figure>')
+
+
+def image(content, caption, text):
+    """caption: HTML."""
+    return (f'<figure><img src="{data_url("image/webp", content)}" alt="{escape(text)}" loading="lazy">'
+            f"<figcaption>{caption}</figcaption></figure>")
+
+
+def missing(what):
+    return f'<p class="missing">No data: {escape(what)}</p>'
+
+
+def command(*commands):
+    return "".join(f'<span class="command">Made by <code>{escape(c)}</code></span>' for c in dict.fromkeys(commands))
+
+
+def label(name):
+    """cLEAF^2 with the frame level raised."""
+    kind, _, frame = name.partition("^")
+    return escape(kind) + (f"<sup>{escape(frame)}</sup>" if frame else "")
+
+
+def table(heads, rows, text_columns=(0,), stack=False):
+    """rows: lists of HTML. text_columns: aligned left. stack: one below the other on phones."""
+    kinds = ["text" if i in text_columns else "" for i in range(len(heads))]
+    out = ['<div class="table"><table' + (' class="stack"' if stack else "") + "><thead><tr>"]
+    out += [f'<th class="{kind}">{head}</th>' for kind, head in zip(kinds, heads)]
+    out.append("</tr></thead><tbody>")
+    for row in rows:
+        cells = [f'<td class="{kind}{" wrap" if stack else ""}"' + (f' data-name="{escape(head)}"' if stack and i else "") +
+                 f"><span>{cell}</span></td>" for i, (kind, head, cell) in enumerate(zip(kinds, heads, row))]
+        out.append("<tr>" + "".join(cells) + "</tr>")
+    out.append("</tbody></table></div>")
+    return "".join(out)
+
+
+def section(name, title, *parts):
+    return f'<section><h2 id="{name}">{escape(title)}</h2>' + "".join(parts) + "</section>"
+
+
+def page(title, head, sections, contents):
+    """contents: (name, text) of the sections, for the links at the top."""
+    links = "".join(f'<a href="#{name}">{escape(text)}</a>' for name, text in contents)
+    return ("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+            '<meta name="viewport" content="width=device-width, initial-scale=1">'
+            f"<title>{escape(title)}</title><style>{STYLE}</style></head><body><main>"
+            f"<h1>{escape(title)}</h1>{head}<nav>{links}</nav>" + "\n".join(sections) + "</main></body></html>\n")

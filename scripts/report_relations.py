@@ -1,0 +1,89 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""What the paper (Lier, Martinek, Stamminger, Selgrad 2018) claims, held against our measurements."""
+
+from report_data import relative_speeds
+
+
+class Relation:
+    """claim, the paper's value, ours as text, and whether it holds: None when it was not measured."""
+
+    def __init__(self, claim, paper, ours="not measured", holds=None, row=None):
+        self.claim, self.paper, self.ours, self.holds, self.row = claim, paper, ours, holds, row
+
+
+def percent(part, whole):
+    return 100.0 * part / whole
+
+
+def part_of_grid(data, claim, paper, bound, scene, label, level=6):
+    ours, grid = data.pick(scene, level, label), data.pick(scene, 6, "GRID")
+    if not ours or not grid:
+        return Relation(claim, paper)
+    value = percent(ours.bytes, grid.bytes)
+    return Relation(claim, paper, f"{value:.1f}% ({ours.bytes / 2**20:.1f} of {grid.bytes / 2**20:.1f} MiB)", value <= bound, ours)
+
+
+def below(data, claim, paper, scene, view, first, second, get, unit, form="{:.3f}"):
+    """first, second: (level, label); holds when get(first) < get(second)."""
+    a, b = data.pick(scene, first[0], first[1], view), data.pick(scene, second[0], second[1], view)
+    x, y = (get(a) if a else None), (get(b) if b else None)
+    if x is None or y is None:
+        return Relation(claim, paper)
+    return Relation(claim, paper, f"{form.format(x)} against {form.format(y)} {unit}", x < y, a)
+
+
+def rmse(view):
+    def get(row):
+        errors = row.errors(view)
+        return errors["rmse_pixels"] if errors else None
+    return get
+
+
+def rmse_of_others(view):
+    def get(row):
+        errors = row.errors(view)
+        return errors["rmse_of_others_pixels"] if errors else None
+    return get
+
+
+def speed_range(data, scene, kind, low, high, mean):
+    claim = f"Speed of {kind} relative to GRID, coherent and incoherent, levels 4 to 6"
+    paper = f"{low} to {high}%, mean {mean}%"
+    ratios = [100 * r for r in relative_speeds(data, kind, scene)]
+    if not ratios:
+        return Relation(claim, paper)
+    ours = sum(ratios) / len(ratios)
+    row = next(r for r in data.of_scene(scene) if r.kind == kind)
+    return Relation(claim, paper, f"{min(ratios):.0f} to {max(ratios):.0f}%, mean {ours:.0f}%", ours >= mean, row)
+
+
+def relations(data):
+    main = data.main_scene()
+    has_level8 = data.pick(main, 8, "cVOXEL^4") is not None
+    fine_scene = main if has_level8 else "cube"
+    fine_view = "close" if has_level8 else "full"
+    table = [
+        part_of_grid(data, f"{main}: memory of cLEAF^2 as a part of GRID, level 6", "20%", 20.5, main, "cLEAF^2"),
+        part_of_grid(data, f"{main}: memory of cVOXEL^2 as a part of GRID, level 6", "10%", 10.5, main, "cVOXEL^2"),
+        below(data, f"{main}: cLEAF^2 takes less memory than cVOXEL^3, level 6", "94 against 101.4 MiB", main, None,
+              (6, "cLEAF^2"), (6, "cVOXEL^3"), lambda row: row.bytes / 2**20, "MiB", "{:.1f}"),
+        below(data, f"{main}, close view: RMSE of cLEAF^2 is below that of cVOXEL^3, level 6", "0.064 against 0.146 pixels",
+              main, "close", (6, "cLEAF^2"), (6, "cVOXEL^3"), rmse("close"), "pixels"),
+        below(data, f"{main}, close view: the same without rays that are off by more than 5 pixels", "not given",
+              main, "close", (6, "cLEAF^2"), (6, "cVOXEL^3"), rmse_of_others("close"), "pixels"),
+        below(data, f"{fine_scene}, {fine_view} view: RMSE of cLEAF^2 at level 6 is below that of cVOXEL^4 at level 8",
+              "0.064 against 0.093 pixels", fine_scene, fine_view, (6, "cLEAF^2"), (8, "cVOXEL^4"), rmse(fine_view), "pixels"),
+        below(data, f"{fine_scene}: cLEAF^2 at level 6 takes less memory than cVOXEL^4 at level 8", "94 against 555 MiB",
+              fine_scene, None, (6, "cLEAF^2"), (8, "cVOXEL^4"), lambda row: row.bytes / 2**20, "MiB"),
+        below(data, "cube: RMSE of cLEAF^2 is below that of cVOXEL^4, level 6", "by the colours of figure 10",
+              "cube", "full", (6, "cLEAF^2"), (6, "cVOXEL^4"), rmse("full"), "pixels"),
+        part_of_grid(data, "cube: memory of cLEAF^2 at level 6 as a part of GRID at level 6", "31.3%", 31.35, "cube", "cLEAF^2"),
+        part_of_grid(data, "cube: memory of cVOXEL^2 at level 7 as a part of GRID at level 6", "41.6%", 41.65, "cube",
+                     "cVOXEL^2", 7),
+        speed_range(data, main, "cGRID", 65, 99, 84),
+        speed_range(data, main, "cVOXEL", 73, 105, 86),
+        speed_range(data, main, "cLEAF", 69, 92, 80),
+    ]
+    return table
