@@ -38,10 +38,27 @@ void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name)
   device.check("committing the scene");
 }
 
+/* contexts: as many as copies, whose capture is set already or is none; outlive the
+ * scene. */
+void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, int level,
+                  std::vector<DisplacementContext>& contexts)
+{
+  contexts.resize(model.copies.size());
+  const SharedTopology topology(device, model.cage);
+  for (size_t i = 0; i < contexts.size(); i++)
+  {
+    contexts[i].displacement = model.displacement.get();
+    contexts[i].level = level;
+    rtcAttachGeometry(scene, topology.makeGeometry(model.copies[i], contexts[i]).get());
+    throwIfCancelled();
+  }
+}
+
 } // namespace
 
 BuiltScene::BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings)
-  : what(representation), patches(model.cage, settings.level)
+  : what(representation), patches(model.layout(settings.level)), facesOfCopy(model.cage.numFaces()),
+    quadsOfCopy(patches.numQuads() / model.copies.size())
 {
   device = std::make_unique<EmbreeDevice>(deviceConfig(representation, settings));
   scene.reset(rtcNewScene(device->handle()));
@@ -65,9 +82,7 @@ void BuiltScene::commit(const char* doing)
 void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& settings)
 {
   const auto start = std::chrono::steady_clock::now();
-  context.displacement = model.displacement.get();
-  const GeometryHandle geometry = makeSubdivisionGeometry(*device, model.cage, settings.level, context);
-  rtcAttachGeometry(scene.get(), geometry.get());
+  attachCopies(*device, scene.get(), model, settings.level, contexts);
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");
   if (what.isCompressed())
@@ -86,36 +101,54 @@ void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& setti
  *      | A \ |
  *     00 --- 10
  *
- * Every patch has its own vertices. */
+ * Every patch has its own vertices, every copy is a geometry. */
 void BuiltScene::buildTriangles(const Model& model, const BuildSettings& settings)
 {
-  for (const Patch& patch : patches.patches())
-    if (settings.level == 0 && !patches.isQuadFace(patch.face))
+  const PatchLayout layout(model.cage, settings.level);
+  for (const Patch& patch : layout.patches())
+    if (settings.level == 0 && !layout.isQuadFace(patch.face))
       throw Error("NAIVE at level 0 needs a cage of quads only");
 
-  const GeometryHandle triangles(rtcNewGeometry(device->handle(), RTC_GEOMETRY_TYPE_TRIANGLE));
-  float* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
-    triangles.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), patches.numVertices()));
-  device->check("allocating the vertices of NAIVE");
+  std::vector<GeometryHandle> copies;
+  std::vector<DisplacementContext> captures(model.copies.size());
+  for (DisplacementContext& capture : captures)
   {
-    DisplacementContext capture;
-    capture.displacement = model.displacement.get();
-    capture.layout = &patches;
-    capture.captured = vertices;
+    copies.emplace_back(rtcNewGeometry(device->handle(), RTC_GEOMETRY_TYPE_TRIANGLE));
+    capture.layout = &layout;
+    capture.captured =
+      static_cast<float*>(rtcSetNewGeometryBuffer(copies.back().get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                  3 * sizeof(float), layout.numVertices()));
+    device->check("allocating the vertices of NAIVE");
+  }
+  {
     EmbreeDevice gridDevice(deviceConfig({RepresentationKind::Grid}, settings));
     const SceneHandle gridScene(rtcNewScene(gridDevice.handle()));
-    const GeometryHandle geometry = makeSubdivisionGeometry(gridDevice, model.cage, settings.level, capture);
-    rtcAttachGeometry(gridScene.get(), geometry.get());
+    attachCopies(gridDevice, gridScene.get(), model, settings.level, captures);
     commitScene(gridDevice, gridScene.get(), what.label() + ": tessellation");
   }
+  for (const GeometryHandle& copy : copies)
+    fillTriangles(copy.get(), layout, settings);
 
+  const auto start = std::chrono::steady_clock::now();
+  for (const GeometryHandle& copy : copies)
+  {
+    rtcCommitGeometry(copy.get());
+    rtcAttachGeometry(scene.get(), copy.get());
+  }
+  device->check("committing the triangles of NAIVE");
+  built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  commit("build");
+}
+
+void BuiltScene::fillTriangles(RTCGeometry triangles, const PatchLayout& layout, const BuildSettings& settings)
+{
   uint32_t* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
-    triangles.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), 2 * patches.numQuads()));
+    triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), 2 * layout.numQuads()));
   device->check("allocating the triangles of NAIVE");
-  parallelFor(patches.patches().size(), 64, threadCount(settings.threads), [&](size_t begin, size_t end) {
+  parallelFor(layout.patches().size(), 64, threadCount(settings.threads), [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; i++)
     {
-      const Patch& patch = patches.patches()[i];
+      const Patch& patch = layout.patches()[i];
       uint32_t* out = indices + 6 * patch.firstQuad;
       const uint32_t row = patch.resolution + 1;
       for (uint32_t y = 0; y < patch.resolution; y++)
@@ -128,13 +161,6 @@ void BuiltScene::buildTriangles(const Model& model, const BuildSettings& setting
         }
     }
   });
-
-  const auto start = std::chrono::steady_clock::now();
-  rtcCommitGeometry(triangles.get());
-  rtcAttachGeometry(scene.get(), triangles.get());
-  device->check("committing the triangles of NAIVE");
-  built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  commit("build");
 }
 
 Box3f BuiltScene::bounds() const
@@ -152,12 +178,12 @@ SurfaceHit BuiltScene::surfaceHit(const RTCRayHit& ray) const
   result.t = ray.ray.tfar;
   result.u = ray.hit.u;
   result.v = ray.hit.v;
-  result.face = ray.hit.primID;
+  result.face = unsigned(ray.hit.geomID * facesOfCopy + ray.hit.primID);
   result.normal = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
   if (what.kind != RepresentationKind::Naive)
     return result;
 
-  const size_t quad = ray.hit.primID / 2;
+  const size_t quad = ray.hit.geomID * quadsOfCopy + ray.hit.primID / 2;
   const auto& all = patches.patches();
   const Patch& patch = *(std::upper_bound(all.begin(), all.end(), quad,
                                           [](size_t q, const Patch& p) { return q < p.firstQuad; }) - 1);

@@ -41,7 +41,7 @@ struct SurfaceHit
 {
   float t = INFINITY; // infinite: a miss
   float u = 0, v = 0;
-  unsigned face = RTC_INVALID_GEOMETRY_ID;
+  unsigned face = RTC_INVALID_GEOMETRY_ID; // numbered on from copy to copy of a model
   Vec3f normal;       // geometric, not normalised, orientation of dP/du x dP/dv
 
   bool hit() const { return t < INFINITY; }
@@ -66,11 +66,13 @@ public:
 private:
   void buildSubdivision(const Model& model, const BuildSettings& settings);
   void buildTriangles(const Model& model, const BuildSettings& settings);
+  void fillTriangles(RTCGeometry triangles, const PatchLayout& layout, const BuildSettings& settings);
   void commit(const char* doing);
 
   Representation what;
   PatchLayout patches;
-  DisplacementContext context;
+  size_t facesOfCopy, quadsOfCopy;
+  std::vector<DisplacementContext> contexts; // one a copy
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device
   BuildReport built;

@@ -13,23 +13,23 @@ Box3f Cage::bounds() const
   return box;
 }
 
-PatchLayout::PatchLayout(const Cage& cage, int level)
+PatchLayout::PatchLayout(const Cage& cage, int level, size_t copies)
 {
   std::vector<char> isHole(cage.numFaces(), 0);
   for (unsigned face : cage.holes)
     isHole[face] = 1;
 
-  firstOfFace.reserve(cage.numFaces());
+  firstOfFace.reserve(cage.numFaces() * copies);
   sizeOfFace = cage.faceSizes;
-  for (unsigned face = 0; face < cage.numFaces(); face++)
+  for (unsigned face = 0; face < cage.numFaces() * copies; face++)
   {
     firstOfFace.push_back(unsigned(all.size()));
-    if (isHole[face])
+    if (isHole[face % cage.numFaces()])
       continue;
-    const bool quad = cage.faceSizes[face] == 4;
+    const bool quad = size(face) == 4;
     const unsigned rate = 1u << level;
     const unsigned resolution = quad ? rate : std::max(1u, rate / 2);
-    for (unsigned sub = 0; sub < (quad ? 1 : cage.faceSizes[face]); sub++)
+    for (unsigned sub = 0; sub < (quad ? 1 : size(face)); sub++)
     {
       all.push_back({face, sub, resolution, vertices, quads});
       vertices += size_t(resolution + 1) * (resolution + 1);
@@ -40,7 +40,7 @@ PatchLayout::PatchLayout(const Cage& cage, int level)
 
 const Patch& PatchLayout::find(unsigned face, float u, float v) const
 {
-  const unsigned sub = sizeOfFace[face] == 4 ? 0 : std::min(decodeSubPatch(u, v), sizeOfFace[face] - 1);
+  const unsigned sub = isQuadFace(face) ? 0 : std::min(decodeSubPatch(u, v), size(face) - 1);
   return all[firstOfFace[face] + sub];
 }
 

@@ -61,17 +61,18 @@ struct Patch
   size_t firstQuad;    // likewise for quads
 };
 
-/* All patches of a cage at one level, in order of faces; holes have none. */
+/* All patches of a cage at one level, in order of faces; holes have none. Several
+ * copies of a cage follow one another, faces numbered on. */
 class PatchLayout
 {
 public:
-  PatchLayout(const Cage& cage, int level);
+  PatchLayout(const Cage& cage, int level, size_t copies = 1);
 
   /* Patch of a face, given (u,v) as Embree reports them. */
   const Patch& find(unsigned face, float u, float v) const;
 
   /* Whether a face is one patch, with (u,v) from 0 to 1. */
-  bool isQuadFace(unsigned face) const { return sizeOfFace[face] == 4; }
+  bool isQuadFace(unsigned face) const { return size(face) == 4; }
 
   const std::vector<Patch>& patches() const { return all; }
   size_t numQuads() const { return quads; }
@@ -79,8 +80,10 @@ public:
 
 private:
   std::vector<Patch> all;
+  unsigned size(unsigned face) const { return sizeOfFace[face % sizeOfFace.size()]; }
+
   std::vector<unsigned> firstOfFace; // into all
-  std::vector<unsigned> sizeOfFace;
+  std::vector<unsigned> sizeOfFace;  // of one copy
   size_t quads = 0, vertices = 0;
 };
 

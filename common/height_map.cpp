@@ -44,42 +44,89 @@ private:
   int saved;
 };
 
-} // namespace
+constexpr const char* recipeAttribute = "recipe";
 
-HeightMap HeightMap::read(const std::string& path)
+Error unreadable(const std::string& path, std::string reason)
+{
+  while (!reason.empty() && reason.back() == '\n')
+    reason.pop_back();
+  for (char& c : reason)
+    if (c == '\n')
+      c = ' ';
+  return Error(path + ": cannot be read as a height map: " + (reason.empty() ? "unknown reason" : reason));
+}
+
+std::unique_ptr<OIIO::ImageInput> openImage(const std::string& path)
 {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
     throw Error(path + ": no such height map");
-  auto fail = [&](std::string reason) {
-    while (!reason.empty() && reason.back() == '\n')
-      reason.pop_back();
-    for (char& c : reason)
-      if (c == '\n')
-        c = ' ';
-    return Error(path + ": cannot be read as a height map: " + (reason.empty() ? "unknown reason" : reason));
-  };
-  const QuietStderr quiet;
-  const auto input = OIIO::ImageInput::open(path);
+  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string formats = "," + std::string(OIIO::get_string_attribute("input_format_list")) + ",";
+  if ((extension == ".ptx" || extension == ".ptex") && formats.find(",ptex,") == std::string::npos)
+    throw Error(path + ": this OpenImageIO is built without its Ptex reader; a TIFF of one page a face serves as well");
+  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path);
   if (!input)
-    throw fail(OIIO::geterror());
-  const OIIO::ImageSpec& spec = input->spec();
+    throw unreadable(path, OIIO::geterror());
+  return input;
+}
+
+/* The image that the input is at. */
+HeightMap readImage(OIIO::ImageInput& input, int image, const std::string& path)
+{
+  const OIIO::ImageSpec& spec = input.spec();
   if (spec.width < 1 || spec.height < 1)
-    throw fail("it is empty");
+    throw unreadable(path, "it is empty");
   HeightMap map(spec.width, spec.height);
-  if (!input->read_image(0, 0, 0, 1, OIIO::TypeDesc::FLOAT, map.texels.data()))
-    throw fail(input->geterror());
+  if (!input.read_image(image, 0, 0, 1, OIIO::TypeDesc::FLOAT, &map.at(0, 0)))
+    throw unreadable(path, input.geterror());
   /* Some readers fill what a truncated file lacks and only leave a message. */
-  if (input->has_error())
-    throw fail(input->geterror());
-  for (size_t i = 0; i < map.texels.size(); i++)
-    if (!std::isfinite(map.texels[i]))
-      throw Error(path + ": the height at texel " + std::to_string(i % map.w) + "," + std::to_string(i / map.w) +
-                  " is not finite");
+  if (input.has_error())
+    throw unreadable(path, input.geterror());
+  const size_t width = size_t(spec.width), texels = width * size_t(spec.height);
+  for (size_t i = 0; i < texels; i++)
+    if (!std::isfinite((&map.at(0, 0))[i]))
+      throw Error(path + ": the height at texel " + std::to_string(i % width) + "," + std::to_string(i / width) +
+                  (image ? " of image " + std::to_string(image) : "") + " is not finite");
   return map;
 }
 
-void HeightMap::write(const std::string& path) const
+} // namespace
+
+HeightMap HeightMap::read(const std::string& path)
+{
+  const QuietStderr quiet;
+  return readImage(*openImage(path), 0, path);
+}
+
+HeightMap::FileInfo HeightMap::inspect(const std::string& path)
+{
+  const QuietStderr quiet;
+  const auto input = openImage(path);
+  FileInfo info;
+  while (input->seek_subimage(int(info.images), 0))
+  {
+    const HeightMap map = readImage(*input, int(info.images), path);
+    if (info.images++ == 0)
+      info.constantBorder = map.hasConstantBorder();
+  }
+  return info;
+}
+
+std::string HeightMap::recipeOf(const std::string& path)
+{
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored))
+    return "";
+  const QuietStderr quiet;
+  const auto input = OIIO::ImageInput::open(path);
+  if (input)
+    return std::string(input->spec().get_string_attribute(recipeAttribute));
+  OIIO::geterror(); // else it is reported at OpenImageIO's leisure
+  return "";
+}
+
+void HeightMap::write(const std::string& path, const std::string& recipe) const
 {
   PendingFile file(path);
   const auto output = OIIO::ImageOutput::create(file.temporary());
@@ -88,6 +135,8 @@ void HeightMap::write(const std::string& path) const
   OIIO::ImageSpec spec(w, h, 1, OIIO::TypeDesc::FLOAT);
   spec.channelnames = {"Y"};
   spec.attribute("compression", "none"); // noise hardly shrinks, and takes long to try
+  if (!recipe.empty())
+    spec.attribute(recipeAttribute, recipe);
   if (!output->open(file.temporary(), spec) || !output->write_image(OIIO::TypeDesc::FLOAT, texels.data()) ||
       !output->close())
     throw Error(path + ": cannot be written: " + output->geterror());
@@ -101,20 +150,6 @@ float HeightMap::sampleTexels(float x, float y) const
   const int x0 = int(x), y0 = int(y);
   const int x1 = std::min(x0 + 1, w - 1), y1 = std::min(y0 + 1, h - 1);
   const float fx = x - float(x0), fy = y - float(y0);
-  const float top = at(x0, y0) * (1.0f - fx) + at(x1, y0) * fx;
-  const float bottom = at(x0, y1) * (1.0f - fx) + at(x1, y1) * fx;
-  return top * (1.0f - fy) + bottom * fy;
-}
-
-float HeightMap::sampleRepeated(float s, float t) const
-{
-  auto wrap = [](int i, int n) { return i < 0 ? i + n : i >= n ? i - n : i; };
-  const float x = (s - std::floor(s)) * float(w) - 0.5f;
-  const float y = (1.0f - (t - std::floor(t))) * float(h) - 0.5f;
-  const float bx = std::floor(x), by = std::floor(y);
-  const float fx = x - bx, fy = y - by;
-  const int x0 = wrap(int(bx), w), x1 = wrap(int(bx) + 1, w);
-  const int y0 = wrap(int(by), h), y1 = wrap(int(by) + 1, h);
   const float top = at(x0, y0) * (1.0f - fx) + at(x1, y0) * fx;
   const float bottom = at(x0, y1) * (1.0f - fx) + at(x1, y1) * fx;
   return top * (1.0f - fy) + bottom * fy;

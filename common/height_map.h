@@ -7,6 +7,7 @@
  * TIFF, anything else it knows; integers become 0..1). Row 0 is the top of the
  * image. */
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -23,9 +24,22 @@ public:
    * that are not finite. */
   static HeightMap read(const std::string& path);
 
+  /* What is in a file, all images of which were read and found well. Throws Error as
+   * read does. */
+  struct FileInfo
+  {
+    unsigned images = 0;         // one a face in Ptex files; pages of a TIFF, parts of an EXR
+    bool constantBorder = false; // of the first
+  };
+  static FileInfo inspect(const std::string& path);
+
   /* Writes one float channel "Y", uncompressed, under a temporary name that is
-   * renamed at the end. Throws Error. */
-  void write(const std::string& path) const;
+   * renamed at the end. recipe: kept in the header, says how the map was made.
+   * Throws Error. */
+  void write(const std::string& path, const std::string& recipe = "") const;
+
+  /* The recipe of a file, empty when it has none or is no image. */
+  static std::string recipeOf(const std::string& path);
 
   int width() const { return w; }
   int height() const { return h; }
@@ -35,10 +49,6 @@ public:
   /* Bilinear, in texels: (0,0) is the centre of the first. Beyond the edge the
    * border is repeated. */
   float sampleTexels(float x, float y) const;
-
-  /* Bilinear at texture coordinates as OBJ has them: (0,0) the lower left corner
-   * of the image, (1,1) the upper right, repeated outside. */
-  float sampleRepeated(float s, float t) const;
 
   /* Whether the border texels all have the same height, so that copies of the map
    * side by side do not tear. */

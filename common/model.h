@@ -3,13 +3,15 @@
 
 #pragma once
 
-/* A displaced subdivision surface and how it likes to be looked at. */
+/* A displaced subdivision surface, or many copies of one, and how it likes to be
+ * looked at. */
 
 #include "cage.h"
 #include "displacement.h"
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace cbvh {
 
@@ -21,12 +23,42 @@ struct ViewHints
   float closeDistance = 0.12f;           // from the eye, in bounding-box diagonals
 };
 
+/* Where a copy of the cage stands: scaled, turned about the y axis, moved. */
+struct Placement
+{
+  Vec3f origin;
+  float angle = 0; // radians
+  float scale = 1;
+
+  Vec3f apply(Vec3f p) const
+  {
+    const float c = std::cos(angle), s = std::sin(angle);
+    return origin + scale * Vec3f{c * p.x + s * p.z, p.y, c * p.z - s * p.x};
+  }
+};
+
 struct Model
 {
   std::string name;
   Cage cage;
   std::shared_ptr<const Displacement> displacement; // none: the limit surface itself
+  std::vector<Placement> copies{Placement()};       // each a geometry of its own, no instances
   ViewHints view;
+
+  size_t numFaces() const { return cage.numFaces() * copies.size(); }
+  size_t numVertices() const { return cage.positions.size() * copies.size(); }
+  PatchLayout layout(int level) const { return PatchLayout(cage, level, copies.size()); }
+
+  /* Control points of all copies. */
+  std::vector<Vec3f> positions() const
+  {
+    std::vector<Vec3f> all;
+    all.reserve(numVertices());
+    for (const Placement& copy : copies)
+      for (const Vec3f& p : cage.positions)
+        all.push_back(copy.apply(p));
+    return all;
+  }
 };
 
 } // namespace cbvh

@@ -18,11 +18,12 @@ void displace(const RTCDisplacementFunctionNArguments* args)
   {
     const size_t n = std::min<size_t>(batch, args->N - begin);
     if (context.displacement)
-      context.displacement->offsets(args->primID, n, args->u + begin, args->v + begin, offsets);
+      context.displacement->offsets({args->primID, context.level, n, args->u + begin, args->v + begin}, offsets);
     else
       std::fill(offsets, offsets + n, 0.0f);
     for (size_t i = 0; i < n; i++)
     {
+      offsets[i] *= context.scale;
       args->P_x[begin + i] += offsets[i] * args->Ng_x[begin + i];
       args->P_y[begin + i] += offsets[i] * args->Ng_y[begin + i];
       args->P_z[begin + i] += offsets[i] * args->Ng_z[begin + i];
@@ -45,20 +46,6 @@ void displace(const RTCDisplacementFunctionNArguments* args)
   }
 }
 
-template<typename T>
-void copyBuffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, const T* data, size_t count)
-{
-  if (void* buffer = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), count))
-    std::memcpy(buffer, data, sizeof(T) * count);
-}
-
-template<typename T>
-void copyBuffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, const std::vector<T>& data)
-{
-  if (!data.empty())
-    copyBuffer(geometry, type, format, data.data(), data.size());
-}
-
 RTCSubdivisionMode subdivisionMode(BoundaryRule rule)
 {
   switch (rule)
@@ -71,21 +58,41 @@ RTCSubdivisionMode subdivisionMode(BoundaryRule rule)
 
 } // namespace
 
-GeometryHandle makeSubdivisionGeometry(EmbreeDevice& device, const Cage& cage, int level, DisplacementContext& context)
+template<typename T>
+void SharedTopology::add(RTCBufferType type, RTCFormat format, const std::vector<T>& data)
+{
+  if (data.empty())
+    return;
+  BufferHandle buffer(rtcNewBuffer(device.handle(), sizeof(T) * data.size()));
+  device.check("allocating a buffer of the cage");
+  std::memcpy(rtcGetBufferData(buffer.get()), data.data(), sizeof(T) * data.size());
+  buffers.push_back({type, format, sizeof(T), data.size(), std::move(buffer)});
+}
+
+SharedTopology::SharedTopology(EmbreeDevice& device, const Cage& cage) : device(device), cage(cage)
+{
+  add(RTC_BUFFER_TYPE_FACE, RTC_FORMAT_UINT, cage.faceSizes);
+  add(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, cage.faceIndices);
+  add(RTC_BUFFER_TYPE_EDGE_CREASE_INDEX, RTC_FORMAT_UINT2, cage.creaseEdges);
+  add(RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, RTC_FORMAT_FLOAT, cage.creaseSharpness);
+  add(RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX, RTC_FORMAT_UINT, cage.cornerVertices);
+  add(RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT, RTC_FORMAT_FLOAT, cage.cornerSharpness);
+  add(RTC_BUFFER_TYPE_HOLE, RTC_FORMAT_UINT, cage.holes);
+}
+
+GeometryHandle SharedTopology::makeGeometry(const Placement& placement, DisplacementContext& context) const
 {
   GeometryHandle handle(rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SUBDIVISION));
   device.check("making a geometry");
   const RTCGeometry geometry = handle.get();
-  copyBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, cage.positions);
-  copyBuffer(geometry, RTC_BUFFER_TYPE_FACE, RTC_FORMAT_UINT, cage.faceSizes);
-  copyBuffer(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, cage.faceIndices);
-  copyBuffer(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_INDEX, RTC_FORMAT_UINT2, cage.creaseEdges);
-  copyBuffer(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, RTC_FORMAT_FLOAT, cage.creaseSharpness);
-  copyBuffer(geometry, RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX, RTC_FORMAT_UINT, cage.cornerVertices);
-  copyBuffer(geometry, RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT, RTC_FORMAT_FLOAT, cage.cornerSharpness);
-  copyBuffer(geometry, RTC_BUFFER_TYPE_HOLE, RTC_FORMAT_UINT, cage.holes);
+  if (auto* out = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                              sizeof(Vec3f), cage.positions.size())))
+    std::transform(cage.positions.begin(), cage.positions.end(), out, [&](Vec3f p) { return placement.apply(p); });
+  for (const Buffer& b : buffers)
+    rtcSetGeometryBuffer(geometry, b.type, 0, b.format, b.handle.get(), 0, b.stride, b.count);
+  context.scale = placement.scale;
   rtcSetGeometrySubdivisionMode(geometry, 0, subdivisionMode(cage.boundary));
-  rtcSetGeometryTessellationRate(geometry, float(1 << level));
+  rtcSetGeometryTessellationRate(geometry, float(1 << context.level));
   rtcSetGeometryUserData(geometry, &context);
   rtcSetGeometryDisplacementFunction(geometry, displace);
   rtcCommitGeometry(geometry);

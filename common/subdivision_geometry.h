@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A model as Embree subdivision geometry at a uniform edge rate. */
+/* Cages as Embree subdivision geometries at a uniform edge rate. */
 
 #include "embree_device.h"
 #include "model.h"
@@ -16,6 +16,8 @@ namespace cbvh {
 struct DisplacementContext
 {
   const Displacement* displacement = nullptr;
+  int level = 0;          // of the subdivision
+  float scale = 1.0f;     // of the copy, and so of its displacement
 
   /* If set, every vertex that Embree tessellates is also written here, in the order
    * of the layout: the tessellation that GRID stores, to the bit. */
@@ -23,10 +25,40 @@ struct DisplacementContext
   float* captured = nullptr; // 3 floats a vertex
 };
 
-/* Makes the geometry, committed, not yet attached to a scene.
- *
- * level: edge rate 2^level. context: displacement and capture.
- * Errors: throws Error. */
-GeometryHandle makeSubdivisionGeometry(EmbreeDevice& device, const Cage& cage, int level, DisplacementContext& context);
+struct BufferRelease
+{
+  void operator()(RTCBuffer buffer) const { rtcReleaseBuffer(buffer); }
+};
+using BufferHandle = std::unique_ptr<RTCBufferTy, BufferRelease>;
+
+/* What all copies of a cage have in common, in buffers of a device. The cage outlives
+ * it. */
+class SharedTopology
+{
+public:
+  /* Throws Error. */
+  SharedTopology(EmbreeDevice& device, const Cage& cage);
+
+  /* Makes a geometry at a place, committed, not yet attached to a scene.
+   *
+   * context: displacement, level (the edge rate is 2^level) and capture.
+   * Errors: throws Error. */
+  GeometryHandle makeGeometry(const Placement& placement, DisplacementContext& context) const;
+
+private:
+  struct Buffer
+  {
+    RTCBufferType type;
+    RTCFormat format;
+    size_t stride, count;
+    BufferHandle handle;
+  };
+  template<typename T>
+  void add(RTCBufferType type, RTCFormat format, const std::vector<T>& data);
+
+  EmbreeDevice& device;
+  const Cage& cage;
+  std::vector<Buffer> buffers;
+};
 
 } // namespace cbvh

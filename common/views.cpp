@@ -81,10 +81,14 @@ Camera chooseCamera(const std::string& view, const Model& model, const BuiltScen
     throw Error(model.name + ": Embree makes no surface of this cage");
   if (view != "full" && view != "close")
     return parseView(view, model.view.up, size);
-  const Box3f cage = model.cage.bounds(), surface = grid.bounds();
+  const std::vector<Vec3f> positions = model.positions();
+  Box3f cage;
+  for (const Vec3f& p : positions)
+    cage.extend(p);
+  const Box3f surface = grid.bounds();
   const Vec3f below = cage.lower - surface.lower, above = surface.upper - cage.upper;
   const float beyond = std::max({0.0f, below.x, below.y, below.z, above.x, above.y, above.z});
-  const Camera full = Camera::fit(model.cage.positions, beyond, model.view, fieldOfView, size);
+  const Camera full = Camera::fit(positions, beyond, model.view, fieldOfView, size);
   return view == "full" ? full : closeCamera(full, grid, model.view, threads);
 }
 

@@ -50,17 +50,6 @@ TEST(HeightMap, IsBilinearBetweenTexelCentres)
   EXPECT_EQ(map.sampleTexels(-5, 9), 10.0f) << "the border is repeated";
 }
 
-TEST(HeightMap, TextureCoordinatesStartAtTheLowerLeftAndRepeat)
-{
-  const HeightMap map = smallMap();
-  const float s = 0.5f / 3.0f; // centre of the first column
-  EXPECT_NEAR(map.sampleRepeated(s, 0.25f), 10.0f, 1e-5f);
-  EXPECT_NEAR(map.sampleRepeated(s, 0.75f), 0.0f, 1e-5f);
-  EXPECT_NEAR(map.sampleRepeated(s + 2.0f, 0.75f - 3.0f), 0.0f, 1e-5f);
-  EXPECT_NEAR(map.sampleRepeated(0.0f, 0.75f), 1.0f, 1e-5f) << "half first, half last column";
-  EXPECT_NEAR(map.sampleRepeated(1.0f, 0.75f), 1.0f, 1e-5f);
-}
-
 TEST(HeightMap, KnowsAConstantBorder)
 {
   HeightMap map(3, 3);
@@ -96,6 +85,34 @@ TEST_F(HeightMapFile, RefusesWhatIsMissingTruncatedOrNoImage)
   std::ofstream(path) << "this is no image";
   EXPECT_THROW(HeightMap::read(path), Error);
   EXPECT_THROW(HeightMap::read(folder.string()), Error);
+}
+
+TEST_F(HeightMapFile, KeepsItsRecipe)
+{
+  smallMap().write(path, "a pinch of noise");
+  EXPECT_EQ(HeightMap::recipeOf(path), "a pinch of noise");
+  EXPECT_EQ(HeightMap::inspect(path).images, 1u);
+  smallMap().write(path);
+  EXPECT_EQ(HeightMap::recipeOf(path), "");
+  std::ofstream(path) << "this is no image";
+  EXPECT_EQ(HeightMap::recipeOf(path), "");
+  EXPECT_EQ(HeightMap::recipeOf(path + ".missing"), "");
+}
+
+TEST_F(HeightMapFile, RefusesPtexWithAReasonWhereItHasNoReader)
+{
+  const std::string ptex = (folder / "map.ptx").string();
+  std::ofstream(ptex) << "Ptex";
+  try
+  {
+    HeightMap::read(ptex);
+    FAIL() << "read without an error";
+  }
+  catch (const Error& e)
+  {
+    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
+    EXPECT_EQ(std::string(e.what()).rfind(ptex, 0), 0u) << e.what();
+  }
 }
 
 TEST_F(HeightMapFile, RefusesHeightsThatAreNotFinite)

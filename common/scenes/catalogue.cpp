@@ -25,17 +25,11 @@ Model loadCage(const SceneSettings& settings, std::string& warning)
   model.name = std::filesystem::path(settings.cagePath).stem().string();
   if (settings.heightPath.empty())
     return model;
-  HeightMap map = HeightMap::read(settings.heightPath);
   const float scale = settings.amplitude.value_or(defaultAmplitude) * model.cage.bounds().diagonal();
   if (model.cage.hasUVs())
-    model.displacement = displaceByUVs(model.cage, std::move(map), scale);
+    model.displacement = displaceByUVs(model.cage, settings.heightPath, scale);
   else
-  {
-    if (!map.hasConstantBorder())
-      warning = settings.cagePath + " has no texture coordinates: each face gets the whole map, and the surface tears "
-                                    "between faces, as the border of the map is not of one height";
-    model.displacement = displaceByFace(model.cage, std::move(map), scale);
-  }
+    model.displacement = displaceByFace(model.cage, settings.heightPath, scale, warning);
   return model;
 }
 

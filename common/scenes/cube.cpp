@@ -12,11 +12,11 @@ class Spikes : public Displacement
 public:
   explicit Spikes(float height) : height(height) {}
 
-  void offsets(unsigned, size_t n, const float* u, const float* v, float* out) const override
+  void offsets(const SurfacePoints& points, float* out) const override
   {
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < points.n; i++)
     {
-      const float s = wave(u[i]) * wave(v[i]);
+      const float s = wave(points.u[i]) * wave(points.v[i]);
       out[i] = height * s * s * s;
     }
   }

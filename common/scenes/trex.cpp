@@ -5,6 +5,7 @@
 
 #include "trex.h"
 
+#include "../face_atlas.h"
 #include "../noise.h"
 #include "../parallel.h"
 #include "../subdivision_geometry.h"
@@ -129,7 +130,7 @@ HeightMap bakeSkin(const Cage& cage, const FaceAtlas& atlas, unsigned threads)
   Phase phase("trex: skin");
   EmbreeDevice device("threads=1");
   DisplacementContext plain;
-  const GeometryHandle geometry = makeSubdivisionGeometry(device, cage, 0, plain);
+  const GeometryHandle geometry = SharedTopology(device, cage).makeGeometry(Placement(), plain);
   HeightMap map(atlas.columns(), atlas.rows(cage.numFaces()));
   const int side = atlas.tileSize + 1;
   const unsigned points = unsigned((side * side + 3) & ~3); // Embree evaluates four at a time
@@ -184,7 +185,7 @@ Model makeTrex(const TrexSettings& settings)
   model.cage = makeTrexCage();
   const FaceAtlas atlas = FaceAtlas::forFaces(model.cage.numFaces(), 64);
   bakeSkin(model.cage, atlas, threadCount(settings.threads)).write(settings.mapPath);
-  model.displacement = displaceByAtlas(atlas, HeightMap::read(settings.mapPath),
+  model.displacement = displaceByAtlas(model.cage, atlas, HeightMap::read(settings.mapPath),
                                        settings.amplitude * model.cage.bounds().diagonal());
   model.view.direction = {-0.62f, -0.12f, -0.8f};
   model.view.closePoint = {0.8f, 0.33f};

@@ -49,9 +49,9 @@ std::vector<Representation> buildOrder(const std::vector<Representation>& asked)
   return order;
 }
 
-void checkMemory(const Options& options, const Cage& cage)
+void checkMemory(const Options& options, const Model& model)
 {
-  const size_t quads = PatchLayout(cage, options.build.level).numQuads();
+  const size_t quads = model.layout(options.build.level).numQuads();
   const size_t available = availableMemory();
   const size_t grid = estimatedPeakBytes(RepresentationKind::Grid, quads);
   Representation largest{RepresentationKind::Grid};
@@ -79,7 +79,7 @@ public:
   explicit Run(const Options& options)
     : options(options), threads(threadCount(options.build.threads)), model(loadModel(options))
   {
-    checkMemory(options, model.cage);
+    checkMemory(options, model);
   }
 
   Comparison run()
@@ -165,8 +165,8 @@ private:
   void describe(const Camera& camera)
   {
     comparison.model = model.name;
-    comparison.faces = model.cage.numFaces();
-    comparison.vertices = model.cage.positions.size();
+    comparison.faces = model.numFaces();
+    comparison.vertices = model.numVertices();
     comparison.build = options.build;
     comparison.size = options.size;
     comparison.camera = camera.description();
