@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Tests of cbvh_viewer. Included by CMakeLists.txt.
+# Tests of cbvh_viewer and of Embree's own viewers. Included by CMakeLists.txt.
 
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 
@@ -11,3 +11,11 @@ add_test(NAME viewer_window COMMAND "${Python3_EXECUTABLE}" "${CMAKE_CURRENT_LIS
   "$<TARGET_FILE:cbvh_viewer>")
 set_tests_properties(viewer_cli viewer_window PROPERTIES TIMEOUT 600)
 set_tests_properties(viewer_window PROPERTIES SKIP_RETURN_CODE 77)
+
+# Embree's own programs, and a scene in their format.
+add_executable(displaced_cage displaced_cage.cpp)
+target_compile_options(displaced_cage PRIVATE -Wall -Wextra)
+target_link_libraries(displaced_cage PRIVATE cbvh_common)
+add_test(NAME embree_tutorials COMMAND "${Python3_EXECUTABLE}" "${CMAKE_CURRENT_LIST_DIR}/embree_tutorials.py"
+  "$<TARGET_FILE_DIR:viewer>" "${CMAKE_BINARY_DIR}/upstream/tutorials/models" "$<TARGET_FILE:displaced_cage>")
+set_tests_properties(embree_tutorials PROPERTIES TIMEOUT 600)

@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+"""Embree's own programs draw compressed surfaces when --rtcore asks for them, as they
+draw GRID's.
+
+usage: embree_tutorials.py FOLDER-OF-THE-PROGRAMS MODELS DISPLACED-CAGE-PROGRAM"""
+
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+PROGRAMS, MODELS, DISPLACED_CAGE = sys.argv[1:4]
+SIZE = 256
+failures = 0
+
+
+def complain(text):
+    global failures
+    failures += 1
+    print("FAILED:", text)
+
+
+def draw(folder, program, rtcore, *options):
+    """Pixels of a picture, as bytes, and what the program said."""
+    path = os.path.join(folder, "picture.ppm")
+    done = subprocess.run(
+        [os.path.join(PROGRAMS, program), *options, "--size", str(SIZE), str(SIZE), "--rtcore", rtcore, "-o", path],
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    if done.returncode:
+        raise SystemExit(f"FAILED: {program} --rtcore {rtcore}: {done.stdout}")
+    with open(path, "rb") as file:
+        pixels = file.read()[-3 * SIZE * SIZE:]
+    os.remove(path)
+    return pixels, done.stdout
+
+
+def difference(a, b):
+    """Root mean square of a - b in 0 to 255, over what is not black in both."""
+    squares = [(x - y) ** 2 for x, y in zip(a, b) if x or y]
+    return math.sqrt(sum(squares) / max(1, len(squares)))
+
+
+def mean(pixels):
+    lit = [x for x in pixels if x]
+    return sum(lit) / max(1, len(lit))
+
+
+def compare(folder, program, kind, limit, *options):
+    # cGRID has GRID's vertices, cLEAF has thick leaves: edges of shadows move.
+    grid, _ = draw(folder, program, "verbose=2", *options)
+    ours, said = draw(folder, program, f"verbose=2,subdiv_accel=cbvh.{kind}", *options)
+    if "CompressedSubdivIntersector1" not in said:
+        complain(f"{program}, {kind}: nothing is compressed")
+    if "traced by GRID" in said:
+        complain(f"{program}, {kind}: GRID traces some of it")
+    d = difference(grid, ours)
+    print(f"{program}, {kind}: differs by {d:.2f} of 255")
+    if d > limit:
+        complain(f"{program}, {kind}: differs by {d:.2f}, more than {limit}")
+
+
+def compare_paths(folder, name, level):
+    """The path tracer: what compression changes is within the noise of the picture,
+    and no light is gained or lost."""
+    samples = 16
+    path = os.path.join(folder, name + ".xml")
+    camera = subprocess.run([DISPLACED_CAGE, name, str(level), path], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                            text=True, check=True).stdout.split()
+    arguments = ["-i", path, *camera, "--ambientlight", "0.4", "0.5", "0.6", "--dirlight", "-0.5", "-1", "-0.6", "1.2", "1.1", "1"]
+    setting = "verbose=2,subdiv_accel={},cbvh_frame_level=0"
+    few, _ = draw(folder, "pathtracer", "verbose=2", *arguments, "--spp", str(samples // 2))
+    grid, _ = draw(folder, "pathtracer", "verbose=2", *arguments, "--spp", str(samples))
+    ours, said = draw(folder, "pathtracer", setting.format("cbvh.leaf"), *arguments, "--spp", str(samples))
+    if "CompressedSubdivIntersector1" not in said or "traced by GRID" in said:
+        complain(f"pathtracer, {name}: not all of it is compressed")
+    # Half the samples are those of the other picture: the difference has its variance.
+    noise, d = difference(few, grid), difference(grid, ours)
+    print(f"pathtracer, {name}: noise {noise:.2f}, cLEAF differs by {d:.2f} of 255; mean {mean(grid):.2f}, {mean(ours):.2f}")
+    if d > 1.5 * noise: # different paths: sqrt(2) at most
+        complain(f"pathtracer, {name}: differs by more than its noise")
+    if abs(mean(ours) / mean(grid) - 1) > 0.01:
+        complain(f"pathtracer, {name}: light is lost or gained")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        for program, limit in ("displacement_geometry", 14), ("subdivision_geometry", 4):
+            compare(folder, program, "leaf", limit)
+            compare(folder, program, "grid", 0.5)
+        # Edge rates follow the distance; from afar they are one power of two.
+        far = ["-i", os.path.join(MODELS, "subdiv1.xml"), "--vp", "12", "9", "15", "--vi", "0", "0", "0", "--fov", "8"]
+        compare(folder, "viewer", "leaf", 4, *far)
+        compare_paths(folder, "trex", 2)
+        done = subprocess.run([os.path.join(PROGRAMS, "viewer"), *far, "--rtcore", "subdiv_accel=cbvh.leaves", "-o", "/dev/null"],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        if done.returncode == 0 or "cbvh.leaves" not in done.stdout:
+            complain(f"a wrong setting: status {done.returncode}, {done.stdout}")
+    print("all well" if not failures else f"{failures} failures")
+    return int(failures != 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
