@@ -43,8 +43,8 @@ def cube(views, rays, repeat, size="768x768", seconds=30):
 def quick():
     return cube("full", 30000, 4) + [
         Job("trex", "figures 11, 12, 16, 17", "trex", [4, 5, 6], [
-            "--view", "full,close", "--representation", TRIANGLES_TO_LEAVES, "--size", "768x768",
-            "--rays", "60000", "--repeat", "5"], 110),
+            "--view", "full,close", "--representation", TRIANGLES_TO_LEAVES + ",cvoxel^4", "--size", "768x768",
+            "--rays", "60000", "--repeat", "5"], 130),
         portrait("frog", "figure 13", "frog", 15, 50000),
         portrait("scythe", "figure 14", "scythe", 15, 50000),
         portrait("knee", "figure 15", "knee", 15, 50000),

@@ -20,7 +20,7 @@ KIND_COLOURS = {"NAIVE": "#999999", "GRID": "#56B4E9", "cGRID": "#0072B2", "cVOX
 KIND_MARKS = {"NAIVE": "P", "GRID": "X", "cGRID": "s", "cVOXEL": "^", "cLEAF": "o", "cVERT": "D"}
 LEVEL_COLOURS = {4: "#4daf4a", 5: "#4682c8", 6: "#d9534f", 7: "#9467bd", 8: "#8c6d31"}  # the paper's for 4 to 6
 THEMES = {"light": {"ink": "#1c2733", "grid": "#d9dee4"}, "dark": {"ink": "#dfe6ee", "grid": "#3a444f"}}
-EXACT = 1e-4  # pixels; smaller errors are drawn here
+EXACT = 1e-3  # pixels: smaller errors are rounding, and are drawn at the left edge
 
 
 def themed(draw, width=4.6, height=3.5):
@@ -33,6 +33,7 @@ def themed(draw, width=4.6, height=3.5):
                  "legend.fontsize": 8.5, "axes.titlesize": 11, "svg.hashsalt": "cbvh", "font.family": "DejaVu Sans"}
         with plt.rc_context(style):
             figure, axes = plt.subplots(figsize=(width, height), layout="constrained")
+            figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06)
             draw(axes, theme)
             out = io.BytesIO()
             figure.savefig(out, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
@@ -123,32 +124,44 @@ def pareto(points, lower_is_better):
     return front
 
 
-def scatter(title, unit, points, lower_is_better, exact):
-    """points: (row, error in pixels, value). exact: whether an error may be none."""
+def scatter(title, unit, points, lower_is_better):
+    """points: (row, error in pixels, value). The larger a mark, the higher its level; those on the front are labelled
+    with level and frame level."""
     def draw(axes, theme):
-        clipped = [(row, max(error, EXACT), value) for row, error, value in points]
-        front = pareto([(error, value) for _, error, value in clipped], lower_is_better)
-        axes.plot([p[0] for p in front], [p[1] for p in front], "-", color=theme["ink"], linewidth=1, alpha=0.6,
-                  label="Pareto front", drawstyle="steps-post")
+        edge = min([error for _, error, _ in points if error >= EXACT] or [2 * EXACT]) / 2.5
+        placed = [(row, error if error >= EXACT else edge, value) for row, error, value in points]
+        front = pareto([(error, value) for _, error, value in placed], lower_is_better)
+        right = 1.6 * max(error for _, error, _ in placed)
+        axes.plot([p[0] for p in front] + [right], [p[1] for p in front] + [front[-1][1]], "-", color=theme["ink"],
+                  linewidth=1, alpha=0.6, label="Pareto front", drawstyle="steps-post")
         seen = set()
-        for row, error, value in clipped:
-            axes.plot(error, value, KIND_MARKS.get(row.kind, "o"), color=KIND_COLOURS.get(row.kind, "#777777"), markersize=6,
-                      markeredgecolor=theme["ink"], markeredgewidth=0.3, label=None if row.kind in seen else row.kind)
+        for row, error, value in sorted(placed, key=lambda point: kind_order(point[0].kind)):
+            axes.plot(error, value, KIND_MARKS.get(row.kind, "o"), color=KIND_COLOURS.get(row.kind, "#777777"),
+                      markersize=3.2 + 1.0 * max(0, row.level - 3), markeredgecolor=theme["ink"], markeredgewidth=0.3,
+                      label=None if row.kind in seen else row.kind)
             seen.add(row.kind)
-            axes.annotate(f"{row.level}" + (f",{row.frame_level}" if row.frame_level is not None else ""), (error, value),
-                          fontsize=6.5, xytext=(3.5, 2.5), textcoords="offset points", color=theme["ink"])
+            if (error, value) in front:
+                text = f"{row.level}" if row.frame_level is None else f"{row.level}$^{{{row.frame_level}}}$"
+                axes.annotate(text, (error, value), fontsize=8, xytext=(4, -9 if lower_is_better else 5),
+                              textcoords="offset points", color=theme["ink"])
         axes.set_xscale("log")
+        axes.set_xlim(edge / 1.6, right)
         log_axis(axes.xaxis)
         if lower_is_better:
             axes.set_yscale("log")
             log_axis(axes.yaxis)
         else:
             axes.set_ylim(bottom=0)
-        axes.set_xlabel("RMSE, pixels" + (f" (left edge: none)" if exact else ""))
+        exact = any(error < EXACT for _, error, _ in points)
+        axes.set_xlabel("RMSE within 5 pixels" + (" (left edge: none)" if exact else ""))
         axes.set_ylabel(unit)
         axes.set_title(title)
-        axes.legend(ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.2), columnspacing=1.0)
+        axes.legend(ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.2), columnspacing=1.0, markerscale=0.8)
     return themed(draw, height=3.9)
+
+
+def kind_order(kind):
+    return list(KIND_COLOURS).index(kind) if kind in KIND_COLOURS else 99
 
 
 def growth(title, unit, lines, log_value=True):

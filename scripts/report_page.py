@@ -25,7 +25,7 @@ a { color: var(--accent); }
 .charts, .pictures { display: grid; gap: 1rem; margin: .8rem 0; }
 .charts { grid-template-columns: repeat(auto-fit, minmax(min(100%, 21rem), 1fr)); }
 .pictures { grid-template-columns: repeat(auto-fit, minmax(min(100%, 15rem), 1fr)); }
-.charts.one { max-width: 38rem; }
+.pictures.three { grid-template-columns: repeat(3, minmax(0, 1fr)); }
 figure { margin: 0; background: var(--panel); border: 1px solid var(--line); border-radius: 8px; padding: .6rem; min-width: 0; }
 figure img { display: block; width: 100%; height: auto; border-radius: 4px; }
 figcaption { padding: .45rem .1rem 0; overflow-wrap: anywhere; }
@@ -41,14 +41,15 @@ th:first-child, td:first-child, td.text, th.text { text-align: left; }
 td.wrap { white-space: normal; min-width: 13rem; }
 .yes { color: var(--good); font-weight: 600; } .no { color: var(--bad); font-weight: 600; } .none { color: var(--soft); }
 .missing { background: var(--panel); border: 1px dashed var(--line); border-radius: 8px; padding: .8rem 1rem; color: var(--soft); }
-.key { display: inline-block; width: .8em; height: .8em; border-radius: 2px; margin: 0 .25em 0 .6em; vertical-align: -.05em;
+.entry { white-space: nowrap; margin-right: .7em; }
+.key { display: inline-block; width: .8em; height: .8em; border-radius: 2px; margin-right: .3em; vertical-align: -.05em;
        border: 1px solid var(--line); }
 details > summary { cursor: pointer; color: var(--accent); }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .15rem 1rem; font-size: .92rem; margin: .8rem 0; }
 dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
 @media (max-width: 34rem) {
   body { font-size: 15px; } h1 { font-size: 1.35rem; } main { padding: 1rem .7rem 3rem; }
-  .pictures.narrow { grid-template-columns: repeat(2, 1fr); gap: .5rem; } figure { padding: .4rem; }
+  .pictures.three { grid-template-columns: minmax(0, 1fr); } figure { padding: .4rem; }
   .stack thead { display: none; } .stack tr { display: block; padding: .5rem .6rem; border-bottom: 1px solid var(--line); }
   .stack td { display: flex; justify-content: space-between; gap: 1rem; border: 0; padding: .1rem 0; white-space: normal; text-align: right; }
   .stack td:first-child { text-align: left; font-weight: 600; }
