@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Writes a generated scene for Embree's own programs, which know no displacement: its
+/* Writes a generated scene of one cage for Embree's own programs, which know no displacement: its
  * tessellation at some level, displaced, as the cage of a subdivision surface. Prints
  * a camera for their command lines that sees all of it.
  *
@@ -79,11 +79,12 @@ void write(const std::string& scene, int level, const std::string& path)
   {
     DisplacementContext capture;
     capture.displacement = model.displacement.get();
+    capture.level = level;
     capture.layout = &layout;
     capture.captured = vertices.data();
     EmbreeDevice device("subdiv_accel=bvh4.grid.eager");
     const SceneHandle handle(rtcNewScene(device.handle()));
-    const GeometryHandle geometry = makeSubdivisionGeometry(device, model.cage, level, capture);
+    const GeometryHandle geometry = SharedTopology(device, model.cage).makeGeometry(Placement(), capture);
     rtcAttachGeometry(handle.get(), geometry.get());
     rtcCommitScene(handle.get());
     device.check("tessellating");
