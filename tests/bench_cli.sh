@@ -1,0 +1,133 @@
+#!/bin/bash
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+# cbvh_bench from the outside: one clear line and a status that is not 0 for bad names,
+# and a record that holds everything it takes to measure again.
+#
+# usage: bench_cli.sh PATH/TO/cbvh_bench
+
+set -u
+program=$1
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+failures=0
+
+complain() { echo "FAILED: $*"; failures=$((failures + 1)); }
+
+# refuses PATTERN ARGUMENT...: status not 0 nor a signal's, one line on stderr that
+# matches, no record.
+refuses() {
+  local pattern=$1
+  shift
+  "$program" --json "$folder/refused.json" "$@" >"$folder/stdout" 2>"$folder/stderr"
+  local status=$?
+  [ $status -ge 1 ] && [ $status -lt 126 ] || complain "exit status $status: $*"
+  grep -q "$pattern" "$folder/stderr" || complain "no '$pattern' in '$(cat "$folder/stderr")': $*"
+  local lines
+  lines=$(grep -vc '^  ' "$folder/stderr") # progress is indented
+  [ "$lines" = 1 ] || complain "$lines lines on stderr: $*"
+  [ ! -e "$folder/refused.json" ] || complain "a record was written: $*"
+}
+
+cat >"$folder/quad.obj" <<OBJ
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+f 1/1 2/2 3/3 4/4
+OBJ
+
+refuses "unknown --scene 'teapot'" --scene teapot
+refuses "unknown --scene 'teapot'" --scene cube,teapot
+refuses "names 'cube' twice" --scene cube,cube
+refuses "amplitude after the colon" --scene cube:high
+refuses "either --scene"
+refuses "belong to --cage" --scene cube --height "$folder/map.exr"
+refuses "cannot be opened" --cage "$folder/missing.obj"
+refuses "missing.exr" --cage "$folder/quad.obj" --height "$folder/missing.exr"
+refuses "unknown representation 'mesh'" --scene cube --representation mesh
+refuses "frame level '9'" --scene cube --frame-level 2,9
+refuses "'9' is not a number from 0 to 8" --scene cube --level 4,9
+refuses "view 'side'" --scene cube --view full,side
+refuses "unknown --isa 'mmx'" --scene cube --isa mmx
+refuses "unknown --set 'random'" --scene cube --set random
+refuses "unknown query 'all'" --scene cube --query all
+refuses "unknown mode 'packet5'" --scene cube --mode packet5
+refuses "empty entry" --scene cube --mode single,
+refuses "threads 'many'" --scene cube --threads many
+refuses "repeat" --scene cube --repeat -1
+refuses "reference-level" --scene cube --reference-level 9
+refuses "size '64'" --scene cube --size 64
+refuses "colour" --scene cube --colour red
+refuses "cannot be made an output folder" --scene cube --pictures "$folder/quad.obj/pictures"
+
+# A record of two levels, with pictures.
+"$program" --scene cube --level 2,3 --view full,close --representation naive,cvoxel,cleaf --frame-level 1 \
+  --set coherent,incoherent --query closest,any --mode single,packet8,stream --threads 1 \
+  --rays 500 --repeat 1 --size 40x32 --reference-level 4 --pictures "$folder/pictures" --json "$folder/good.json" \
+  >"$folder/stdout" 2>"$folder/stderr" || complain "cube: $(cat "$folder/stderr")"
+for word in commit isa thread; do
+  grep -q "$word" "$folder/stdout" || complain "no word on $word on stdout"
+done
+[ -z "$(find "$folder" -name '.tmp-*')" ] || complain "temporary files are left"
+/usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "the record is not right"
+import json, os, sys
+folder = sys.argv[1]
+record = json.load(open(folder + "/good.json"))
+run = record["run"]
+assert record["format"] == "cbvh-bench" and record["complete"]
+for key in ("command", "date", "commit", "compiler", "flags", "build_type", "cpu", "hardware_threads", "system", "settings"):
+    assert key in run, key
+assert run["command"].startswith("cbvh_bench --scene cube --level 2,3"), run["command"]
+assert run["settings"]["seed"] == 1 and run["settings"]["repeat"] == 1 and run["settings"]["reference_level"] == 4
+assert [g["level"] for g in record["groups"]] == [2, 3]
+for group in record["groups"]:
+    labels = [r["representation"] for r in group["results"]]
+    assert labels == ["GRID", "NAIVE", "cVOXEL^1", "cLEAF^1"], labels
+    for r in group["results"]:
+        m = r["memory"]
+        assert 0 < m["live_bytes"] <= m["peak_bytes"]
+        assert m["inner_bytes"] + m["leaf_bytes"] == m["live_bytes"], (r["representation"], m)
+        assert len(r["speed"]) == 2 * 2 * 2 * 3 and len(r["views"]) == 2
+        for s in r["speed"]:
+            assert len(s["seconds"]) == 1 and s["seconds"][0] > 0 and s["hits"] <= s["rays"]
+            if r["representation"] == "GRID":
+                assert s["relative_to_grid"]["median"] == 1
+            same = [t["hits"] for t in r["speed"] if (t["view"], t["set"]) == (s["view"], s["set"])]
+            assert max(same) - min(same) <= 0.01 * s["rays"], (r["representation"], s["view"], s["set"], same)
+        for v in r["views"]:
+            assert os.path.isfile(os.path.join(folder, "pictures", v["picture"]))
+            assert v["errors_to_reference_level"]["both_hit"] > 0
+            e = v["errors"]
+            assert {"rmse_pixels", "median_pixels", "p99_pixels", "max_pixels", "bias_pixels", "false_hits", "misses"} <= set(e)
+            if r["representation"] == "GRID":
+                assert e["max_pixels"] == 0 and e["false_hits"] == e["misses"] == 0
+            else:
+                assert os.path.isfile(os.path.join(folder, "pictures", v["error_map"]))
+PYTHON
+
+# Ctrl-C after the first level: status 130, and the record holds that level, whole.
+"$program" --scene cube --level 2,8,7 --representation grid,cleaf --rays 2000 --repeat 10 --size 32x32 --json "$folder/half.json" \
+  >/dev/null 2>"$folder/stderr" &
+process=$!
+for _ in $(seq 600); do
+  [ -e "$folder/half.json" ] && break
+  sleep 0.1
+done
+kill -INT $process
+wait $process
+status=$?
+[ $status = 130 ] || complain "exit status $status after Ctrl-C: $(tail -3 "$folder/stderr")"
+grep -q "cancelled" "$folder/stderr" || complain "no word on the cancellation"
+/usr/bin/python3 -B -c '
+import json, sys
+record = json.load(open(sys.argv[1]))
+assert not record["complete"] and [g["level"] for g in record["groups"]] == [2]' "$folder/half.json" || complain "the first level is lost"
+
+[ $failures = 0 ] && echo "all well"
+exit $((failures != 0))
