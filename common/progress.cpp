@@ -29,6 +29,11 @@ void installCancelHandler()
   std::signal(SIGTERM, onSignal);
 }
 
+void requestCancel()
+{
+  cancelFlag = 1;
+}
+
 bool cancelRequested()
 {
   return cancelFlag != 0;

@@ -16,6 +16,9 @@ namespace cbvh {
  * second signal ends it. */
 void installCancelHandler();
 
+/* Sets the flag: the process is about to end, and whatever runs may stop. */
+void requestCancel();
+
 /* Whether the flag is set. Safe in any thread. */
 bool cancelRequested();
 

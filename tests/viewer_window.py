@@ -104,9 +104,10 @@ class Session:
             raise SystemExit(f"FAILED: no screenshot of {name}: {done.stderr}")
         return read_ppm(path)
 
-    def start(self, *options):
-        self.viewer = subprocess.Popen([self.program, "--scene", "cube", "--size", "%dx%d" % SIZE, *options],
-                                       env=self.environment, cwd=self.folder, stderr=subprocess.DEVNULL)
+    def start(self, *options, scene=("--scene", "cube")):
+        with open(os.path.join(self.folder, "log"), "w") as log:
+            self.viewer = subprocess.Popen([self.program, *scene, "--size", "%dx%d" % SIZE, *options],
+                                           env=self.environment, cwd=self.folder, stderr=log)
         def window():
             if self.viewer.poll() is not None:
                 raise SystemExit(f"FAILED: the viewer ended with status {self.viewer.returncode}")
@@ -184,6 +185,22 @@ def run(session, folder):
     session.start("--level", "4")
     session.viewer.send_signal(signal.SIGINT)
     session.ends(130)
+
+    # Closing does not wait for a build, here of a hundred million quads.
+    n = 40
+    with open(os.path.join(folder, "plane.obj"), "w") as file:
+        for i in range((n + 1) ** 2):
+            file.write(f"v {i % (n + 1)} {i // (n + 1)} 0\n")
+        for i in range(n * n):
+            v = i // n * (n + 1) + i % n + 1
+            file.write(f"f {v} {v + 1} {v + n + 2} {v + n + 1}\n")
+    session.start("--level", "8", scene=("--cage", "plane.obj"))
+    session.key("q")
+    session.ends(0)
+    with open(os.path.join(folder, "log")) as log:
+        text = log.read()
+    if "cLEAF^2: build: stopped" not in text:
+        raise SystemExit(f"FAILED: the build was not stopped: {text}")
 
 
 def main():

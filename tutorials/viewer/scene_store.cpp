@@ -3,6 +3,7 @@
 
 #include "scene_store.h"
 #include "error.h"
+#include "progress.h"
 
 #include <algorithm>
 #include <chrono>
@@ -32,8 +33,10 @@ SceneStore::SceneStore(const Model& model, const BuildSettings& settings) : mode
 
 SceneStore::~SceneStore()
 {
-  if (build.valid())
-    build.wait();
+  if (!build.valid())
+    return;
+  requestCancel();
+  build.wait();
 }
 
 bool SceneStore::isRequested(const SceneKey& key) const
@@ -60,8 +63,7 @@ void SceneStore::request(const std::vector<SceneKey>& keys)
 
 void SceneStore::makeRoom(const SceneKey& key)
 {
-  const size_t needed =
-    estimatedPeakBytes(key.representation.kind, PatchLayout(model.cage, key.level).numQuads());
+  const size_t needed = estimatedPeakBytes(key.representation.kind, model.layout(key.level).numQuads());
   while (!entries.empty() && !isRequested(entries.back().key) &&
          (entries.size() + 1 > maxEntries || needed > availableMemory()))
     entries.pop_back();

@@ -36,7 +36,7 @@ public:
   /* settings: its level is overruled by those of the keys. */
   SceneStore(const Model& model, const BuildSettings& settings);
 
-  /* Waits for a build that is under way. */
+  /* At the end of the program: stops a build that is under way, by requestCancel. */
   ~SceneStore();
 
   /* Keeps these scenes and builds what is missing of them, in this order. A build
