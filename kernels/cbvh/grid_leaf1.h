@@ -50,24 +50,14 @@ namespace embree
           }
         };
 
-        template<typename Loader>
-        static __forceinline bool triangles (RayHit& ray, IntersectContext* context, const Block* block,
-                                             const Vec3<typename Loader::vfloat>& v0, const Vec3<typename Loader::vfloat>& v1,
-                                             const Vec3<typename Loader::vfloat>& v2, float x, float y)
-        {
-          const MapUV<Loader> mapUV(block,x,y);
-          PlueckerIntersector1<Loader::M> intersector(ray,nullptr);
-          return intersector.intersect(ray,v0,v1,v2,mapUV,Intersect1EpilogMU<Loader::M,true>(ray,context,block->geomID,block->primID));
+        /*! epilogue of closest hit or of any hit for M triangles */
+        template<int M>
+        static __forceinline Intersect1EpilogMU<M,true> epilog (RayHit& ray, IntersectContext* context, const Block* block) {
+          return Intersect1EpilogMU<M,true>(ray,context,block->geomID,block->primID);
         }
-
-        template<typename Loader>
-        static __forceinline bool triangles (Ray& ray, IntersectContext* context, const Block* block,
-                                             const Vec3<typename Loader::vfloat>& v0, const Vec3<typename Loader::vfloat>& v1,
-                                             const Vec3<typename Loader::vfloat>& v2, float x, float y)
-        {
-          const MapUV<Loader> mapUV(block,x,y);
-          PlueckerIntersector1<Loader::M> intersector(ray,nullptr);
-          return intersector.intersect(ray,v0,v1,v2,mapUV,Occluded1EpilogMU<Loader::M,true>(ray,context,block->geomID,block->primID));
+        template<int M>
+        static __forceinline Occluded1EpilogMU<M,true> epilog (Ray& ray, IntersectContext* context, const Block* block) {
+          return Occluded1EpilogMU<M,true>(ray,context,block->geomID,block->primID);
         }
 
         template<typename Loader>
@@ -78,7 +68,9 @@ namespace embree
           const float* p = (const float*)this->data + y*width + x;
           Vec3<vfloat> v0, v1, v2;
           Loader::gather(p,p+plane,p+2*plane,width,lines,v0,v1,v2);
-          return triangles<Loader>(this->ray,this->context,this->block,v0,v1,v2,float(x),float(y));
+          const MapUV<Loader> mapUV(this->block,float(x),float(y));
+          const PlueckerIntersector1<Loader::M> intersector(this->ray,nullptr);
+          return intersector.intersect(this->ray,v0,v1,v2,mapUV,epilog<Loader::M>(this->ray,this->context,this->block));
         }
 
         __forceinline bool leaves (const ChildBoxes& c, const HitMasks& masks, const ChildOrder&, uint32_t m)
