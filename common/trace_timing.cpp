@@ -72,7 +72,10 @@ struct Packet16
   static constexpr size_t size = 16;
   using Ray = RTCRay16;
   using RayHit = RTCRayHit16;
-  static void closest(const int* valid, RTCScene s, RTCIntersectContext* c, RayHit* r) { rtcIntersect16(valid, s, c, r); }
+  static void closest(const int* valid, RTCScene s, RTCIntersectContext* c, RayHit* r)
+  {
+    rtcIntersect16(valid, s, c, r);
+  }
   static void any(const int* valid, RTCScene s, RTCIntersectContext* c, Ray* r) { rtcOccluded16(valid, s, c, r); }
 };
 

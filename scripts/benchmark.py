@@ -17,6 +17,7 @@ of the records.
 import argparse
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -36,8 +37,11 @@ class Failure(Exception):
 
 
 def read_arguments():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0], formatter_class=argparse.RawDescriptionHelpFormatter,
-                                     epilog=__doc__.split("\n", 2)[2])
+    parser = argparse.ArgumentParser(
+        description=__doc__.split("\n")[0],
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog=__doc__.split("\n", 2)[2],
+    )
     parser.add_argument("set", nargs="?", default="quick", metavar="SET", help="quick, full or paper (default: quick)")
     parser.add_argument("--scene", action="append", metavar="NAME", help="only what shows this scene; may be repeated")
     parser.add_argument("--cage", metavar="FILE", help="measure this OBJ instead of the set's scenes")
@@ -73,13 +77,10 @@ def choose_jobs(options, build):
         for path in filter(None, (options.cage, options.height)):
             if not Path(path).is_file():
                 raise Failure(f"{path}: no such file")
-        arguments = ["--cage", options.cage, "--view", "full,close", "--representation", sets.WITH_FINE_FRAMES + ",naive,cgrid^2"]
+        words = ["--cage", options.cage]
         for name in ("height", "amplitude"):
-            value = getattr(options, name)
-            if value:
-                arguments += ["--" + name, value]
-        levels = [4, 5] if options.set == "quick" else [4, 5, 6]
-        return [sets.Job(Path(options.cage).stem, "your cage", "", levels, arguments, 60)]
+            words += ["--" + name, getattr(options, name)] if getattr(options, name) else []
+        return [sets.own_cage(Path(options.cage).stem, shlex.join(words), options.set == "quick")]
     if options.height or options.amplitude:
         raise Failure("--height and --amplitude belong to --cage")
     jobs = sets.jobs_of(options.set, build["isas"])
@@ -100,7 +101,7 @@ class Progress:
     """A bar with the time left on a terminal, else a line a job."""
 
     def __init__(self, expected):
-        self.left = dict(expected)      # job: seconds by the plan
+        self.left = dict(expected)  # job: seconds by the plan
         self.total = sum(expected.values())
         self.planned = self.spent = 0.0  # of finished jobs
         self.terminal = sys.stdout.isatty()
@@ -131,7 +132,7 @@ class Progress:
         width = 28
         filled = int(width * min(done, 1.0))
         text = f"[{'#' * filled}{'.' * (width - filled)}] {100 * done:3.0f}%  {clock(left)} left  {self.current}: {self.doing}"
-        print("\r\033[K" + text[:os.get_terminal_size().columns - 1], end="", flush=True)
+        print("\r\033[K" + text[: os.get_terminal_size().columns - 1], end="", flush=True)
 
     def say(self, text):
         print(("\r\033[K" if self.terminal else "") + text, flush=True)
@@ -167,7 +168,7 @@ def finished_levels(job, folder, build, progress, fresh):
 
 
 def asks_the_same(job, command):
-    return all(str(word) in command for word in job.arguments) and (not job.scene or f"--scene {job.scene} " in command)
+    return all(word in command for word in job.arguments) and (not job.scene or f"--scene {job.scene} " in command)
 
 
 class Runner:
@@ -185,13 +186,15 @@ class Runner:
         """Runs one process. Returns the exit status and the last line of its complaint."""
         out = self.folder / f"{job.name}_L{level_text(levels)}.json"
         command = [str(self.bench)] + (["--scene", job.scene] if job.scene else [])
-        command += ["--level", ",".join(map(str, levels))] + list(map(str, job.arguments))
+        command += ["--level", ",".join(map(str, levels))] + job.arguments
         # Relative, so that the record names no folder of this machine.
         command += ["--pictures", os.path.relpath(self.folder / "pictures"), "--json", os.path.relpath(out)]
         last = []
         with open(self.folder / f"{job.name}.log", "a", encoding="utf-8") as log:
             # In a group of its own: Ctrl-C reaches it through us, once.
-            self.process = subprocess.Popen(command, stdout=log, stderr=subprocess.PIPE, text=True, start_new_session=True)
+            self.process = subprocess.Popen(
+                command, stdout=log, stderr=subprocess.PIPE, text=True, start_new_session=True
+            )
             watcher = threading.Thread(target=self.watch, args=(self.process.stderr, log, last), daemon=True)
             watcher.start()
             if self.stopped:
@@ -216,8 +219,10 @@ def run(options):
     jobs = choose_jobs(options, build)
     if options.list:
         for job in jobs:
-            print(f"{job.name:14s} {job.figures:34s} {job.scene or options.cage}, levels {level_text(job.levels)}, "
-                  f"about {job.seconds} s")
+            print(
+                f"{job.name:14s} {job.figures:34s} {job.scene or options.cage}, levels {level_text(job.levels)}, "
+                f"about {job.seconds} s"
+            )
         return 0
     folder = Path(options.output) if options.output else ROOT / "output/benchmark" / options.set
     try:
@@ -231,12 +236,15 @@ def run(options):
         done = finished_levels(job, folder, build, progress, options.fresh)
         levels = [level for level in job.levels if level not in done]
         if levels:
-            weight = sum(2.5 ** level for level in levels) / sum(2.5 ** level for level in job.levels)
+            weight = sum(2.5**level for level in levels) / sum(2.5**level for level in job.levels)
             todo.append((job, levels, job.seconds * weight))
     kept = len(jobs) - len(todo)
     progress = Progress({job.name: seconds for job, _, seconds in todo})
-    print(f"{options.set}: {len(jobs)} jobs, {kept} of them measured before; about {clock(progress.total)} on two cores; "
-          f"{build['hardware_threads']} threads, commit {build['commit']}", flush=True)
+    print(
+        f"{options.set}: {len(jobs)} jobs, {kept} of them measured before; about {clock(progress.total)} on two cores; "
+        f"{build['hardware_threads']} threads, commit {build['commit']}",
+        flush=True,
+    )
 
     runner = Runner(bench, folder, progress)
     signal.signal(signal.SIGINT, runner.stop)

@@ -3,90 +3,92 @@
 
 """The named sets of scripts/benchmark.py: what is measured for which figure."""
 
-from dataclasses import dataclass, field
+import shlex
+from dataclasses import dataclass
 
 
 @dataclass
 class Job:
     """One scene in one process of cbvh_bench; a record a level."""
 
-    name: str             # of its files
-    figures: str          # what it is for, shown while it runs
-    scene: str            # as --scene takes it; empty: arguments name a cage
+    name: str  # of its files
+    figures: str  # what it is for, shown when it is done
+    scene: str  # as --scene takes it; empty: options name a cage
     levels: list
-    arguments: list = field(default_factory=list)
-    seconds: float = 10   # on two cores, for the first estimate of the time left
-    heavy: bool = False   # may not fit into memory: then left out, not failed
+    options: str
+    seconds: float  # on two cores, for the first estimate of the time left
+    heavy: bool = False  # may not fit into memory: then left out, not failed
+
+    @property
+    def arguments(self):
+        return shlex.split(self.options)
 
 
-TRIANGLES_TO_LEAVES = "naive,grid,cgrid^2,cvoxel^2,cvoxel^3,cleaf^2,cleaf^3"
-WITH_FINE_FRAMES = "grid,cvoxel^2,cvoxel^3,cvoxel^4,cleaf^2,cleaf^3,cleaf^4"
+MAIN = "naive,grid,cgrid^2,cvoxel^2,cvoxel^3,cvoxel^4,cleaf^2,cleaf^3"
+FINE_FRAMES = "grid,cgrid^2,cvoxel^2,cvoxel^3,cvoxel^4,cleaf^2,cleaf^3,cleaf^4"
+ENTRANCES = "--query closest,any --mode single,packet4,packet8,packet16,stream"
 
 
-def portrait(name, figures, scene, seconds=20, rays=100000):
-    """A scene of figures 13 to 15: pictures and errors, full and close."""
-    return Job(name, figures, scene, [6], [
-        "--view", "full,close", "--representation", "grid,cvoxel^3,cleaf^2", "--size", "768x768",
-        "--rays", str(rays), "--repeat", "3"], seconds)
-
-
-def cube(views, rays, repeat, size="768x768", seconds=30):
+def cube(views, measure, seconds):
+    """Small enough for level 8, and so for errors against it."""
     return [
-        Job("cube", "figures 1 and 10, error", "cube", [4, 5, 6, 7, 8], [
-            "--view", views, "--representation", WITH_FINE_FRAMES + ",naive,cgrid^2", "--reference-level", "8",
-            "--rays", str(rays), "--repeat", str(repeat), "--size", size], seconds),
-        Job("cube_fivefold", "figure 18", "cube:0.45", [6], [
-            "--view", "full", "--representation", "grid,cvoxel^3,cleaf^3", "--rays", str(rays),
-            "--repeat", str(repeat), "--size", size], 5)]
+        Job("cube", "figures 1 and 10, error", "cube", [4, 5, 6, 7, 8],
+            f"--representation {FINE_FRAMES},naive --reference-level 8 --view {views} --picture-level 6,8 {measure}", seconds),
+        Job("cube_fivefold", "figure 18", "cube:0.45", [6], f"--representation grid,cvoxel^3,cleaf^3 --view full {measure}", 4),
+    ]
+
+
+def portraits(measure, seconds):
+    """Pictures and errors, full and close."""
+    return [Job(scene, f"figure {number}", scene, [6],
+                f"--representation grid,cvoxel^3,cleaf^2 --view full,close {measure}", seconds)
+            for number, scene in ((13, "frog"), (14, "scythe"), (15, "knee"))]
 
 
 def quick():
-    return cube("full", 30000, 4) + [
-        Job("trex", "figures 11, 12, 16, 17", "trex", [4, 5, 6], [
-            "--view", "full,close", "--representation", TRIANGLES_TO_LEAVES + ",cvoxel^4", "--size", "768x768",
-            "--rays", "60000", "--repeat", "5"], 130),
-        portrait("frog", "figure 13", "frog", 15, 50000),
-        portrait("scythe", "figure 14", "scythe", 15, 50000),
-        portrait("knee", "figure 15", "knee", 15, 50000),
-        Job("entrances", "packets and streams", "trex", [4], [
-            "--view", "full", "--representation", "grid,cgrid^2,cvoxel^2,cleaf^2", "--size", "768x768",
-            "--query", "closest,any", "--mode", "single,packet4,packet8,packet16,stream",
-            "--rays", "40000", "--repeat", "3"], 30)]
+    return (
+        cube("full", "--size 768x768 --rays 30000 --repeat 4", 30)
+        + [Job("trex", "figures 11, 12, 16, 17", "trex", [4, 5, 6],
+               f"--representation {MAIN} --view full,close --picture-level 6 --size 768x768 --rays 50000 --repeat 5", 130)]
+        + portraits("--size 768x768 --rays 50000 --repeat 3", 12)
+        + [Job("entrances", "packets, streams, any hit", "trex", [4],
+               f"--representation grid,cgrid^2,cvoxel^2,cleaf^2 --view full {ENTRANCES} --size 768x768 --rays 40000 --repeat 3",
+               30)]
+    )
 
 
 def paper():
-    return cube("full,close", 200000, 9, "1024x1024", 120) + [
-        Job("trex", "figures 11, 12, 16, 17", "trex", [4, 5, 6], [
-            "--view", "full,close", "--representation", TRIANGLES_TO_LEAVES + ",cgrid^3,cvoxel^4", "--size", "1024x1024",
-            "--rays", "300000", "--repeat", "9"], 400),
-        Job("trex_level8", "figure 11, right", "trex", [8], [
-            "--view", "full,close", "--representation", "grid,cvoxel^4", "--size", "1024x1024",
-            "--rays", "300000", "--repeat", "5"], 300, heavy=True),
-        portrait("frog", "figure 13", "frog", 40, 200000),
-        portrait("scythe", "figure 14", "scythe", 40, 200000),
-        portrait("knee", "figure 15", "knee", 40, 200000)]
+    measure = "--size 1024x1024 --rays 300000"
+    return (
+        cube("full,close", "--size 1024x1024 --rays 200000 --repeat 9", 120)
+        + [Job("trex", "figures 11, 12, 16, 17", "trex", [4, 5, 6],
+               f"--representation {MAIN},cgrid^3 --view full,close --picture-level 6 {measure} --repeat 9", 400),
+           Job("trex_level8", "figure 11, right", "trex", [8],
+               f"--representation grid,cvoxel^4 --view full,close {measure} --repeat 5", 300, heavy=True)]
+        + portraits("--size 1024x1024 --rays 200000 --repeat 5", 40)
+    )
 
 
-def full(isas=()):
+def full(isas):
+    measure = "--size 1024x1024 --rays 200000 --repeat 5"
     jobs = paper() + [
-        Job("trex_levels", "error against memory", "trex", [4, 5, 6], [
-            "--view", "full,close", "--representation", WITH_FINE_FRAMES + ",cgrid^2", "--reference-level", "7",
-            "--size", "1024x1024", "--rays", "200000", "--repeat", "5"], 400, heavy=True),
-        Job("trex_rough", "strong displacement", "trex:0.02", [5, 6], [
-            "--view", "full,close", "--representation", TRIANGLES_TO_LEAVES, "--size", "1024x1024",
-            "--rays", "200000", "--repeat", "5"], 240),
-        Job("entrances", "packets and streams, all threads", "trex", [5], [
-            "--view", "full,close", "--representation", "naive,grid,cgrid^2,cvoxel^2,cleaf^2", "--size", "1024x1024",
-            "--query", "closest,any", "--mode", "single,packet4,packet8,packet16,stream", "--threads", "1,0",
-            "--rays", "200000", "--repeat", "5"], 500),
-        Job("herd", "growth", "herd", [4, 5], [
-            "--view", "full", "--representation", "grid,cvoxel^2,cleaf^2", "--rays", "200000", "--repeat", "5"],
-            300, heavy=True)]
+        Job("trex_levels", "error against speed and memory", "trex", [4, 5, 6],
+            f"--representation {FINE_FRAMES} --reference-level 7 --view full,close --picture-level 6 {measure}", 400, heavy=True),
+        Job("trex_rough", "strong displacement", "trex:0.02", [5, 6], f"--representation {MAIN} --view full,close {measure}", 240),
+        Job("entrances", "packets, streams, any hit, threads", "trex", [5],
+            f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf^2 --view full,close {ENTRANCES} --threads 1,0 {measure}", 500),
+        Job("herd", "growth", "herd", [4, 5], f"--representation grid,cvoxel^2,cleaf^2 --view full {measure}", 300, heavy=True),
+    ]
     if len(isas) > 1:
-        jobs.append(Job("isas", "instruction sets", "trex", [5], [
-            "--view", "full", "--representation", "naive,grid,cgrid^2,cvoxel^2,cleaf^2", "--isa", ",".join(isas),
-            "--rays", "200000", "--repeat", "5"], 400))
+        jobs.append(Job("isas", "instruction sets", "trex", [5],
+                        f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf^2 --isa {','.join(isas)} --view full {measure}", 400))
     return jobs
+
+
+def own_cage(name, options, short):
+    """What is measured of a cage of the user's."""
+    levels = [4, 5] if short else [4, 5, 6]
+    return Job(name, "your cage", "", levels, f"--representation {FINE_FRAMES},naive --view full,close {options}", 60)
 
 
 NAMES = ("quick", "full", "paper")

@@ -69,8 +69,10 @@ class Data:
             for group in record["groups"]:
                 for result in group["results"]:
                     if "skipped" in result:
-                        self.skipped.append(f"{group['scene']}, level {group['level']}, {result['representation']}: "
-                                            f"{result['skipped']}")
+                        self.skipped.append(
+                            f"{group['scene']}, level {group['level']}, {result['representation']}: "
+                            f"{result['skipped']}"
+                        )
                     else:
                         self.rows.append(Row(record, job, self.folder, group, result))
         widest = [isa for isa in ISAS if any(row.isa == isa for row in self.rows)]
@@ -91,15 +93,24 @@ class Data:
 
     def pick(self, scene, level, label, view=None, job=None):
         """The row of a representation, of the widest instruction set and of most repeats; None without one."""
-        found = [row for row in self.rows
-                 if (row.scene, row.level, row.label, row.isa) == (scene, level, label, self.isa)
-                 and (view is None or view in row.views) and (job is None or row.job == job)]
+        found = [
+            row
+            for row in self.rows
+            if (row.scene, row.level, row.label, row.isa) == (scene, level, label, self.isa)
+            and (view is None or view in row.views)
+            and (job is None or row.job == job)
+        ]
         return max(found, key=lambda row: (row.run["settings"]["repeat"], row.run["date"]), default=None)
 
     def of_scene(self, scene, job=None):
         """Rows of a scene, one a level and representation."""
-        keys = sorted({(row.level, row.label) for row in self.rows if row.scene == scene and row.isa == self.isa
-                       and (job is None or row.job == job)})
+        keys = sorted(
+            {
+                (row.level, row.label)
+                for row in self.rows
+                if row.scene == scene and row.isa == self.isa and (job is None or row.job == job)
+            }
+        )
         return [row for row in (self.pick(scene, level, label, job=job) for level, label in keys) if row]
 
 
@@ -115,7 +126,12 @@ def noise(data):
     spreads = [s["relative_to_grid"]["spread"] for row in data.rows if row.kind != "GRID" for s in row.speeds]
     if not spreads:
         return None
-    return {"median": median(spreads), "max": max(spreads), "beyond": sum(s > 0.05 for s in spreads), "count": len(spreads)}
+    return {
+        "median": median(spreads),
+        "max": max(spreads),
+        "beyond": sum(s > 0.05 for s in spreads),
+        "count": len(spreads),
+    }
 
 
 def compare_runs(data, other):
@@ -124,8 +140,14 @@ def compare_runs(data, other):
     for row in data.rows:
         if row.kind == "GRID":
             continue
-        twin = next((r for r in other.rows if (r.job, r.scene, r.level, r.label, r.isa) ==
-                     (row.job, row.scene, row.level, row.label, row.isa)), None)
+        twin = next(
+            (
+                r
+                for r in other.rows
+                if (r.job, r.scene, r.level, r.label, r.isa) == (row.job, row.scene, row.level, row.label, row.isa)
+            ),
+            None,
+        )
         for s in row.speeds if twin else []:
             t = twin.speed(s["view"], s["set"], s["query"], s["mode"], s["threads"])
             if t:
@@ -133,15 +155,20 @@ def compare_runs(data, other):
                 differences.append(abs(a - b) / (0.5 * (a + b)))
     if not differences:
         return None
-    return {"median": median(differences), "max": max(differences), "beyond": sum(d > 0.05 for d in differences),
-            "count": len(differences)}
+    return {
+        "median": median(differences),
+        "max": max(differences),
+        "beyond": sum(d > 0.05 for d in differences),
+        "count": len(differences),
+    }
 
 
-def relative_speeds(data, kind, scene, levels=(4, 5, 6), view="full"):
-    """Ratios to GRID of all frame levels of a kind, single rays, closest hit, both ray sets."""
+def relative_speeds(data, kind, scene, levels=(4, 5, 6), view="full", frame_levels=(None, 2, 3)):
+    """Ratios to GRID of a kind at some frame levels, single rays, closest hit, both ray sets. The paper's ranges are of
+    frame levels 2 and 3; NAIVE has none."""
     ratios = []
     for row in data.of_scene(scene):
-        if row.kind == kind and row.level in levels:
+        if row.kind == kind and row.level in levels and row.frame_level in frame_levels:
             for ray_set in ("coherent", "incoherent"):
                 speed = row.speed(view, ray_set)
                 if speed:

@@ -64,14 +64,18 @@ def data_url(kind, content):
 def chart(pictures, text):
     """pictures: as report_figures.themed makes them. text: for readers who do not see it."""
     light, dark = (data_url("image/svg+xml", pictures[name]) for name in ("light", "dark"))
-    return (f'<figure><picture><source media="(prefers-color-scheme: dark)" srcset="{dark}">'
-            f'<img src="{light}" alt="{escape(text)}"></picture></figure>')
+    return (
+        f'<figure><picture><source media="(prefers-color-scheme: dark)" srcset="{dark}">'
+        f'<img src="{light}" alt="{escape(text)}"></picture></figure>'
+    )
 
 
 def image(content, caption, text):
     """caption: HTML."""
-    return (f'<figure><img src="{data_url("image/webp", content)}" alt="{escape(text)}" loading="lazy">'
-            f"<figcaption>{caption}</figcaption></figure>")
+    return (
+        f'<figure><img src="{data_url("image/webp", content)}" alt="{escape(text)}" loading="lazy">'
+        f"<figcaption>{caption}</figcaption></figure>"
+    )
 
 
 def missing(what):
@@ -95,8 +99,12 @@ def table(heads, rows, text_columns=(0,), stack=False):
     out += [f'<th class="{kind}">{head}</th>' for kind, head in zip(kinds, heads)]
     out.append("</tr></thead><tbody>")
     for row in rows:
-        cells = [f'<td class="{kind}{" wrap" if stack else ""}"' + (f' data-name="{escape(head)}"' if stack and i else "") +
-                 f"><span>{cell}</span></td>" for i, (kind, head, cell) in enumerate(zip(kinds, heads, row))]
+        cells = [
+            f'<td class="{kind}{" wrap" if stack else ""}"'
+            + (f' data-name="{escape(head)}"' if stack and i else "")
+            + f"><span>{cell}</span></td>"
+            for i, (kind, head, cell) in enumerate(zip(kinds, heads, row))
+        ]
         out.append("<tr>" + "".join(cells) + "</tr>")
     out.append("</tbody></table></div>")
     return "".join(out)
@@ -109,7 +117,9 @@ def section(name, title, *parts):
 def page(title, head, sections, contents):
     """contents: (name, text) of the sections, for the links at the top."""
     links = "".join(f'<a href="#{name}">{escape(text)}</a>' for name, text in contents)
-    return ("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-            '<meta name="viewport" content="width=device-width, initial-scale=1">'
-            f"<title>{escape(title)}</title><style>{STYLE}</style></head><body><main>"
-            f"<h1>{escape(title)}</h1>{head}<nav>{links}</nav>" + "\n".join(sections) + "</main></body></html>\n")
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{escape(title)}</title><style>{STYLE}</style></head><body><main>"
+        f"<h1>{escape(title)}</h1>{head}<nav>{links}</nav>" + "\n".join(sections) + "</main></body></html>\n"
+    )

@@ -20,13 +20,14 @@ from pathlib import Path
 SCRIPT = Path(__file__).resolve().parent.parent / "scripts/benchmark.py"
 BENCH = sys.argv.pop(1) if len(sys.argv) > 1 else ""
 
-STAND_IN = '''#!/usr/bin/python3
+STAND_IN = """#!/usr/bin/python3
 import json, os, signal, sys, time
 folder = os.path.dirname(os.path.abspath(__file__))
 mode = open(folder + "/mode").read()
 words = sys.argv[1:]
 if words == ["--about"]:
-    print(json.dumps({"commit": open(folder + "/commit").read(), "isas": ["avx2"], "scenes": ["cube", "trex"], "hardware_threads": 2}))
+    print(json.dumps({"commit": open(folder + "/commit").read(), "isas": ["avx2"], "scenes": ["cube", "trex"],
+                      "hardware_threads": 2}))
     sys.exit(0)
 value = lambda name: words[words.index(name) + 1]
 with open(folder + "/calls", "a") as calls:
@@ -46,7 +47,7 @@ for level in levels:
               "run": {"commit": open(folder + "/commit").read(), "command": "cbvh_bench " + " ".join(words)}}
     with open(value("--json"), "w") as file:
         json.dump(record, file)
-'''
+"""
 
 
 class Benchmark(unittest.TestCase):
@@ -88,7 +89,9 @@ class Benchmark(unittest.TestCase):
 
     def test_an_interrupted_run_goes_on_and_loses_nothing(self):
         self.set_mode("slow")
-        process = subprocess.Popen(self.command("quick", "--scene", "cube"), stdout=subprocess.PIPE, text=True, cwd=self.folder)
+        process = subprocess.Popen(
+            self.command("quick", "--scene", "cube"), stdout=subprocess.PIPE, text=True, cwd=self.folder
+        )
         record = self.output / "cube_L4-5-6-7-8.json"
         begin = time.monotonic()
         while not record.exists() and time.monotonic() - begin < 60:
@@ -126,10 +129,14 @@ class Benchmark(unittest.TestCase):
         self.assertEqual(len(self.calls()), 2)
 
     def test_bad_names_get_one_line(self):
-        for words, said in ((["slow"], "unknown set 'slow'"), (["quick", "--scene", "teapot"], "unknown scene 'teapot'"),
-                            (["--cage", "missing.obj"], "missing.obj: no such file"),
-                            (["--cage", str(SCRIPT), "--height", "missing.exr"], "missing.exr: no such file"),
-                            (["--height", "x.exr"], "belong to --cage"), (["--bench", "nothing"], "no such program")):
+        for words, said in (
+            (["slow"], "unknown set 'slow'"),
+            (["quick", "--scene", "teapot"], "unknown scene 'teapot'"),
+            (["--cage", "missing.obj"], "missing.obj: no such file"),
+            (["--cage", str(SCRIPT), "--height", "missing.exr"], "missing.exr: no such file"),
+            (["--height", "x.exr"], "belong to --cage"),
+            (["--bench", "nothing"], "no such program"),
+        ):
             command = self.command() + words if "--bench" in words else self.command(*words)
             done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=self.folder)
             self.assertEqual(done.returncode, 1, words)
@@ -154,16 +161,32 @@ class Benchmark(unittest.TestCase):
         """Every job's arguments are understood: the program is stopped by a wrong option only after parsing them."""
         sys.path.insert(0, str(SCRIPT.parent))
         import benchmark_sets as sets
-        scenes = json.loads(subprocess.run([BENCH, "--about"], capture_output=True, text=True, check=True).stdout)["scenes"]
+
+        scenes = json.loads(subprocess.run([BENCH, "--about"], capture_output=True, text=True, check=True).stdout)[
+            "scenes"
+        ]
         for name in sets.NAMES:
             for job in sets.jobs_of(name, ["avx", "avx2"]):
                 if job.scene.split(":")[0] not in scenes:
                     continue
-                words = [str(word) for word in job.arguments]
+                words = job.arguments
                 if "--isa" in words:
                     words[words.index("--isa") + 1] = "best"
-                done = subprocess.run([BENCH, "--scene", job.scene, "--level", ",".join(map(str, job.levels)), *words,
-                                       "--build-threads", "-1"], capture_output=True, text=True, timeout=60)
+                done = subprocess.run(
+                    [
+                        BENCH,
+                        "--scene",
+                        job.scene,
+                        "--level",
+                        ",".join(map(str, job.levels)),
+                        *words,
+                        "--build-threads",
+                        "-1",
+                    ],
+                    capture_output=True,
+                    text=True,
+                    timeout=60,
+                )
                 self.assertEqual(done.stderr, "cbvh_bench: --build-threads must not be negative\n", (name, job.name))
 
 

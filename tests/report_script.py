@@ -23,7 +23,18 @@ import report_data  # noqa: E402
 import report_figures  # noqa: E402
 from report_relations import relations  # noqa: E402
 
-SECTIONS = ("relations", "figure10", "figure11", "pictures", "figure16", "figure17", "tradeoffs", "growth", "entrances", "all")
+SECTIONS = (
+    "relations",
+    "figure10",
+    "figure11",
+    "pictures",
+    "figure16",
+    "figure17",
+    "tradeoffs",
+    "growth",
+    "entrances",
+    "all",
+)
 
 
 class Page(HTMLParser):
@@ -53,17 +64,42 @@ class Report(unittest.TestCase):
     def setUpClass(cls):
         cls.temporary = tempfile.TemporaryDirectory()
         cls.records = Path(cls.temporary.name) / "records"
-        subprocess.run([BENCH, "--scene", "cube", "--level", "2,6", "--view", "full,close", "--representation",
-                        "naive,cvoxel,cleaf,cgrid^2", "--frame-level", "2,3", "--rays", "300", "--repeat", "3", "--size", "48x48",
-                        "--pictures", str(cls.records / "pictures"), "--json", str(cls.records / "cube_L2-6.json")],
-                       check=True, capture_output=True)
+        subprocess.run(
+            [
+                BENCH,
+                "--scene",
+                "cube",
+                "--level",
+                "2,6",
+                "--view",
+                "full,close",
+                "--representation",
+                "naive,cvoxel,cleaf,cgrid^2",
+                "--frame-level",
+                "2,3",
+                "--rays",
+                "300",
+                "--repeat",
+                "3",
+                "--size",
+                "48x48",
+                "--pictures",
+                str(cls.records / "pictures"),
+                "--json",
+                str(cls.records / "cube_L2-6.json"),
+            ],
+            check=True,
+            capture_output=True,
+        )
 
     @classmethod
     def tearDownClass(cls):
         cls.temporary.cleanup()
 
     def run_script(self, *words):
-        return subprocess.run([sys.executable, "-B", str(SCRIPT), *map(str, words)], capture_output=True, text=True, timeout=200)
+        return subprocess.run(
+            [sys.executable, "-B", str(SCRIPT), *map(str, words)], capture_output=True, text=True, timeout=200
+        )
 
     def test_the_page_is_whole_and_refers_to_nothing_outside(self):
         # A damaged record is named in one line and left out.
@@ -89,7 +125,7 @@ class Report(unittest.TestCase):
         self.assertNotIn(str(folder), html)
         for section in SECTIONS[:-1]:
             begin = html.index(f'id="{section}"')
-            body = html[begin:html.find("</section>", begin)]
+            body = html[begin : html.find("</section>", begin)]
             self.assertTrue("Made by" in body or "No data" in body, section)
         tables = (folder / "tables.md").read_text()
         self.assertIn("| GRID |", tables)

@@ -33,6 +33,12 @@ namespace fs = std::filesystem;
 /* At least so long a measurement of GRID takes. */
 constexpr double sampleSeconds = 0.04;
 
+unsigned passesFor(double gridSeconds)
+{
+  constexpr double most = 100.0;
+  return unsigned(std::min(most, std::ceil(sampleSeconds / std::max(gridSeconds, 1e-6))));
+}
+
 /* A view with the rays that every variant traces. */
 struct View
 {
@@ -136,7 +142,8 @@ public:
     {
       VariantResult result;
       result.variant = variant;
-      result.skipped = sizeMessage(variant.representation.label(), neededBytes(plan, variant, group.quads), available);
+      const size_t needed = neededBytes(plan, variant, group.quads);
+      result.skipped = sizeMessage(variant.representation.label(), needed, available);
       std::fprintf(stderr, "  %s L%d: %s\n", group.scene.c_str(), group.level, result.skipped.c_str());
       group.results.push_back(result);
     }
@@ -147,7 +154,8 @@ private:
   std::string sizeMessage(const std::string& what, size_t needed, size_t available) const
   {
     char text[200];
-    std::snprintf(text, sizeof(text), "not enough memory: %s on %.1f million quads takes about %.1f GiB with GRID, and %.1f are free",
+    std::snprintf(text, sizeof(text),
+                  "not enough memory: %s on %.1f million quads takes about %.1f GiB with GRID, and %.1f are free",
                   what.c_str(), double(group.quads) * 1e-6, double(needed) / (1 << 30), double(available) / (1 << 30));
     return text;
   }
@@ -175,8 +183,9 @@ private:
       View view;
       view.name = options.views[i];
       view.fileName = view.name.find(',') == std::string::npos ? view.name : "view" + std::to_string(i + 1);
-      view.camera = std::make_unique<Camera>(reference.empty() ? chooseCamera(view.name, model, grid, options.size, threads)
-                                                               : *reference[i].camera);
+      view.camera = std::make_unique<Camera>(reference.empty()
+                                               ? chooseCamera(view.name, model, grid, options.size, threads)
+                                               : *reference[i].camera);
       view.primary = primaryRays(*view.camera);
       view.gridHits = traceClosest(grid, view.primary, threads);
       BounceSettings bounce;
@@ -212,15 +221,23 @@ private:
       result.errors = compareHits(view.gridHits, hits, footprint, b.scene->layout());
       if (!reference.empty())
         result.toReference = compareHits(reference[i].gridHits, hits, footprint, b.scene->layout());
-      result.bounced = compareHits(view.bouncedGridHits, traceClosest(*b.scene, view.sets[Incoherent], threads), footprint,
-                                   b.scene->layout());
-      if (!options.pictures.empty())
+      const std::vector<SurfaceHit> bounced = traceClosest(*b.scene, view.sets[Incoherent], threads);
+      result.bounced = compareHits(view.bouncedGridHits, bounced, footprint, b.scene->layout());
+      if (wantsPictures())
         writePictures(b.result->variant, view, hits, result);
       b.result->views.push_back(result);
     }
   }
 
-  void writePictures(const Variant& variant, const View& view, const std::vector<SurfaceHit>& hits, ViewResult& result) const
+  bool wantsPictures() const
+  {
+    const std::vector<int>& levels = options.pictureLevels;
+    return !options.pictures.empty() &&
+           (levels.empty() || std::find(levels.begin(), levels.end(), group.level) != levels.end());
+  }
+
+  void writePictures(const Variant& variant, const View& view, const std::vector<SurfaceHit>& hits,
+                     ViewResult& result) const
   {
     std::string stem = bench.label + "_L" + std::to_string(group.level) + "_" + view.fileName + "_" +
                        variant.representation.fileStem() + (options.isas.size() > 1 ? "_" + variant.isa : "");
@@ -263,7 +280,7 @@ private:
           phase.update(double(++taken) / double(samples));
         }
         if (round < 0)
-          combination.trace.passes = unsigned(std::min(100.0, std::ceil(sampleSeconds / std::max(timings[0].seconds, 1e-6))));
+          combination.trace.passes = passesFor(timings[0].seconds);
         else
           note(batch, c, combination, timings);
       }

@@ -126,7 +126,8 @@ std::string number(const char* format, double value)
 
 } // namespace
 
-std::string formatJson(const BenchOptions& options, const Machine& m, const std::vector<Group>& groups, bool complete)
+std::string formatJson(const BenchOptions& options, const Machine& m, const std::vector<Group>& groups,
+                       bool complete)
 {
   json out;
   out["format"] = "cbvh-bench";
@@ -157,7 +158,11 @@ std::string formatJson(const BenchOptions& options, const Machine& m, const std:
   out["groups"] = json::array();
   for (const Group& g : groups)
   {
-    json group = {{"scene", g.scene}, {"level", g.level}, {"faces", g.faces}, {"quads", g.quads}, {"diagonal", g.diagonal}};
+    json group = {{"scene", g.scene},
+                  {"level", g.level},
+                  {"faces", g.faces},
+                  {"quads", g.quads},
+                  {"diagonal", g.diagonal}};
     for (const ViewInfo& v : g.views)
       group["views"].push_back({{"view", v.name},
                                 {"camera", v.camera},
@@ -187,16 +192,17 @@ std::string formatHead(const BenchOptions& options, const Machine& m)
   for (unsigned n : options.threads)
     threads += (threads.empty() ? "" : ", ") + std::to_string(n);
   char text[512];
-  std::snprintf(text, sizeof(text), "commit %s, %s build by %s\n%s, %u hardware threads, load %.1f; isa %s; tracing on %s thread%s\n",
-                m.commit.c_str(), m.buildType.c_str(), m.compiler.c_str(), m.cpu.c_str(), m.threads, m.load, isas.c_str(),
-                threads.c_str(), threads == "1" ? "" : "s");
+  std::snprintf(text, sizeof(text),
+                "commit %s, %s build by %s\n%s, %u hardware threads, load %.1f; isa %s; tracing on %s thread%s\n",
+                m.commit.c_str(), m.buildType.c_str(), m.compiler.c_str(), m.cpu.c_str(), m.threads, m.load,
+                isas.c_str(), threads.c_str(), threads == "1" ? "" : "s");
   return text;
 }
 
 std::string formatTable(const Group& g)
 {
-  std::string out = "\n" + g.scene + ", level " + std::to_string(g.level) + ", " + number("%.3f", double(g.quads) * 1e-6) +
-                    " million quads\n";
+  std::string out = "\n" + g.scene + ", level " + std::to_string(g.level) + ", " +
+                    number("%.3f", double(g.quads) * 1e-6) + " million quads\n";
   for (const VariantResult& r : g.results)
   {
     char head[160];
@@ -218,9 +224,10 @@ std::string formatTable(const Group& g)
       std::vector<double> mrays;
       for (double seconds : s.seconds)
         mrays.push_back(s.mrays(seconds));
+      const double toGrid = median(s.toGrid);
       std::snprintf(head, sizeof(head), "%-10s %-7s %-8s %2u thr %8.3f Mrays/s, %5.2f of GRID, spread %4.1f%%\n",
-                    raySetName(s.set), queryName(s.trace.query), traceModeName(s.trace.mode), s.trace.threads, median(mrays),
-                    median(s.toGrid), 100.0 * interquartileRange(s.toGrid) / median(s.toGrid));
+                    raySetName(s.set), queryName(s.trace.query), traceModeName(s.trace.mode), s.trace.threads,
+                    median(mrays), toGrid, 100.0 * interquartileRange(s.toGrid) / toGrid);
       out += "    " + s.view + " " + head;
     }
   }

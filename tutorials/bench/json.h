@@ -15,7 +15,8 @@ namespace cbvh {
 
 /* Everything, with units in the names and what it takes to measure it again.
  * complete: whether all groups that were asked for are there. */
-std::string formatJson(const BenchOptions& options, const Machine& machine, const std::vector<Group>& groups, bool complete);
+std::string formatJson(const BenchOptions& options, const Machine& machine, const std::vector<Group>& groups,
+                       bool complete);
 
 /* Commit, instruction sets that library and processor have, and scenes. */
 std::string formatAbout(const Machine& machine);

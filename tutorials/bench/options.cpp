@@ -43,7 +43,8 @@ int parseInteger(const std::string& option, const std::string& word, int lower, 
   const char* const end = word.data() + word.size();
   const auto result = std::from_chars(word.data(), end, value);
   if (result.ec != std::errc() || result.ptr != end || value < lower || value > upper)
-    throw Error(option + " '" + word + "' is not a number from " + std::to_string(lower) + " to " + std::to_string(upper));
+    throw Error(option + " '" + word + "' is not a number from " + std::to_string(lower) + " to " +
+                std::to_string(upper));
   return value;
 }
 
@@ -134,6 +135,7 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   std::string scenes, levels = "6", representations = "naive,grid,cgrid,cvoxel,cleaf", frameLevels = "2";
   std::string isas = "best", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
   std::string size = "768x768";
+  std::string pictureLevels;
   std::vector<std::string> views;
   bool about = false;
 
@@ -143,7 +145,8 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   app.add_option("--scene", scenes, "comma list of " + listOfScenes() + "; an amplitude of its own after a colon")
     ->type_name("LIST");
   app.add_option("--cage", cage.cagePath, "instead: a control cage, OBJ with OpenSubdiv's t tags")->type_name("FILE");
-  app.add_option("--height", cage.heightPath, "height map of the cage, any image that OpenImageIO reads")->type_name("FILE");
+  app.add_option("--height", cage.heightPath, "height map of the cage, any image that OpenImageIO reads")
+    ->type_name("FILE");
   app.add_option("--amplitude", cage.amplitude,
                  "displacement of the cage between heights 0 and 1, as a fraction of the diagonal of its bounding box")
     ->type_name("A");
@@ -157,21 +160,27 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
     ->type_name("LIST")->capture_default_str();
   app.add_option("--isa", isas, "widest instruction sets: best, sse2, sse4.2, avx, avx2, avx512")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--threads", threads, "numbers of threads that trace, 0 for all")->type_name("LIST")->capture_default_str();
+  app.add_option("--threads", threads, "numbers of threads that trace, 0 for all")
+    ->type_name("LIST")->capture_default_str();
   app.add_option("--set", sets, "ray sets: coherent, incoherent")->type_name("LIST")->capture_default_str();
   app.add_option("--query", queries, "closest, any")->type_name("LIST")->capture_default_str();
-  app.add_option("--mode", modes, "single, packet4, packet8, packet16, stream")->type_name("LIST")->capture_default_str();
+  app.add_option("--mode", modes, "single, packet4, packet8, packet16, stream")
+    ->type_name("LIST")->capture_default_str();
   app.add_option("--rays", o.rays, "rays in a measurement, 0 for one a pixel")->type_name("N")->capture_default_str();
-  app.add_option("--repeat", o.repeat, "measurements of each combination, 0 for no speed")->type_name("N")->capture_default_str();
+  app.add_option("--repeat", o.repeat, "measurements of each combination, 0 for no speed")
+    ->type_name("N")->capture_default_str();
   app.add_option("--size", size, "picture size")->type_name("WxH")->capture_default_str();
   app.add_option("--ray-offset", o.rayOffset,
                  "distance of bounced rays' origins from the surface, in bounding-box diagonals")
     ->type_name("D")->capture_default_str();
   app.add_option("--seed", o.seed, "of the bounced rays")->type_name("N")->capture_default_str();
-  app.add_option("--build-threads", o.buildThreads, "threads that build, 0 for all")->type_name("N")->capture_default_str();
+  app.add_option("--build-threads", o.buildThreads, "threads that build, 0 for all")
+    ->type_name("N")->capture_default_str();
   app.add_option("--reference-level", o.referenceLevel,
-                 "measure errors against GRID at this level, too, which also fixes the view for all levels")->type_name("L");
+                 "measure errors against GRID at this level, too, which also fixes the view for all levels")
+    ->type_name("L");
   app.add_option("--pictures", o.pictures, "folder for shaded pictures and error maps")->type_name("DIR");
+  app.add_option("--picture-level", pictureLevels, "levels that get pictures, else all")->type_name("LIST");
   app.add_option("--maps", o.maps, "folder for generated height maps, else a temporary one")->type_name("DIR");
   app.add_option("--json", o.json, "write the measurements there")->type_name("FILE");
   app.add_flag("--about", about, "print commit, instruction sets and scenes as JSON, and end");
@@ -209,6 +218,9 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   o.views = parseViews(views.empty() ? std::vector<std::string>{"full"} : views, o.size);
   for (const std::string& word : split("--level", levels))
     o.levels.push_back(parseInteger("--level", word, 0, maxLevel));
+  if (!pictureLevels.empty())
+    for (const std::string& word : split("--picture-level", pictureLevels))
+      o.pictureLevels.push_back(parseInteger("--picture-level", word, 0, maxLevel));
   o.representations = parseAll(representations, frameLevels);
   for (const std::string& word : split("--isa", isas))
   {

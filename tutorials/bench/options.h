@@ -45,6 +45,7 @@ struct BenchOptions
   float rayOffset = 1e-4f;   // of bounced rays, in bounding-box diagonals
   uint32_t seed = 1;         // of bounced rays
   std::string pictures;      // folder, empty for none
+  std::vector<int> pictureLevels; // levels that get pictures; empty: all
   std::string json;          // file, empty for none
   std::string maps;          // folder of generated height maps, empty for a temporary one
   std::string command;       // the command line, program without its folder
