@@ -93,6 +93,7 @@ def main():
         # Edge rates follow the distance; from afar they are one power of two.
         far = ["-i", os.path.join(MODELS, "subdiv1.xml"), "--vp", "12", "9", "15", "--vi", "0", "0", "0", "--fov", "8"]
         compare(folder, "viewer", "leaf", 4, *far)
+        compare_paths(folder, "cube", 5)
         compare_paths(folder, "trex", 2)
         done = subprocess.run([os.path.join(PROGRAMS, "viewer"), *far, "--rtcore", "subdiv_accel=cbvh.leaves", "-o", "/dev/null"],
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)

@@ -52,7 +52,7 @@ status=$?
 grep -q "^cbvh_viewer: no window can be opened" "$folder/stderr" || complain "without a display: $(cat "$folder/stderr")"
 
 for mode in shading normals error cells blocks; do
-  for representation in naive grid cgrid cvoxel cleaf^auto cleaf^0,cvoxel^8; do
+  for representation in naive grid cgrid,cvoxel cleaf^auto,cvoxel^8; do
     "$program" --scene cube --level 3 --size 65x47 --mode $mode --representation $representation \
       --screenshot "$folder/$mode-${representation//,/-}.ppm" 2>"$folder/stderr" ||
       complain "$mode, $representation: $(cat "$folder/stderr")"
@@ -69,6 +69,24 @@ for threads in 1 2; do
   "$program" --scene cube --level 4 --size 200x100 --threads $threads --screenshot "$folder/threads$threads.ppm" 2>/dev/null
 done
 cmp "$folder/threads1.ppm" "$folder/threads2.ppm" || complain "threads change the picture"
+
+# Ctrl-C in the middle of a build of 268 million quads: status 130, no file.
+awk 'BEGIN { n = 64
+  for (y = 0; y <= n; y++) for (x = 0; x <= n; x++) print "v", x, y, 0
+  for (y = 0; y < n; y++) for (x = 0; x < n; x++) { v = y * (n + 1) + x + 1; print "f", v, v + 1, v + n + 2, v + n + 1 } }' \
+  >"$folder/plane.obj"
+"$program" --cage "$folder/plane.obj" --level 8 --screenshot "$folder/out.png" 2>"$folder/stderr" &
+process=$!
+for i in $(seq 600); do
+  grep -q "GRID: build" "$folder/stderr" && break # which comes first, for the camera
+  sleep 0.05
+done
+kill -INT $process
+wait $process
+status=$?
+[ $status = 130 ] || complain "exit status $status after Ctrl-C: $(cat "$folder/stderr")"
+grep -q "^cbvh_viewer: cancelled" "$folder/stderr" || complain "no word on the cancellation"
+[ ! -e "$folder/out.png" ] || complain "a file is left after Ctrl-C"
 
 [ $failures = 0 ] && echo "all well"
 exit $((failures != 0))

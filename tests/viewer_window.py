@@ -111,10 +111,13 @@ class Session:
         def window():
             if self.viewer.poll() is not None:
                 raise SystemExit(f"FAILED: the viewer ended with status {self.viewer.returncode}")
-            return self.xdotool("search", "--name", "cbvh_viewer").split("\n")[0]
+            return self.xdotool("search", "--onlyvisible", "--name", "cbvh_viewer").split("\n")[0]
         self.window = wait_for("no window", window)
         self.xdotool("mousemove", 790, 590)  # the cursor is drawn into the screen
-        self.xdotool("windowfocus", "--sync", self.window)
+        def focused(): # there is no window manager to do it
+            self.xdotool("windowfocus", self.window)
+            return self.xdotool("getwindowfocus", "-f") == self.window
+        wait_for("the window does not take the focus", focused)
 
     def key(self, *keys):
         for key in keys:
@@ -170,8 +173,13 @@ def run(session, folder):
     session.shows("errors", error)
 
     # The mouse orbits, R goes back.
-    session.xdotool("mousemove", 240, 180, "mousedown", 1, "mousemove", 300, 200, "mouseup", 1, "mousemove", 790, 590)
-    wait_for("dragging does not move the camera", lambda: session.screen() != error)
+    def drag():
+        # With pauses: GLFW asks where the mouse is now, not where it was at the click.
+        for step in ("mousemove", 240, 180), ("mousedown", 1), ("mousemove", 300, 200), ("mouseup", 1), ("mousemove", 790, 590):
+            session.xdotool(*step)
+            time.sleep(0.2)
+        return session.screen() != error
+    wait_for("dragging does not move the camera", drag)
     session.key("r")
     session.shows("where it started", error)
     session.xdotool("windowsize", session.window, 400, 300)
@@ -186,8 +194,8 @@ def run(session, folder):
     session.viewer.send_signal(signal.SIGINT)
     session.ends(130)
 
-    # Closing does not wait for a build, here of a hundred million quads.
-    n = 40
+    # Closing does not wait for a build, here of 268 million quads.
+    n = 64
     with open(os.path.join(folder, "plane.obj"), "w") as file:
         for i in range((n + 1) ** 2):
             file.write(f"v {i % (n + 1)} {i // (n + 1)} 0\n")

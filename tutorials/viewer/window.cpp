@@ -3,8 +3,10 @@
 
 #include "window.h"
 #include "error.h"
+#include "hit_metrics.h"
 #include "parallel.h"
 #include "progress.h"
+#include "shading.h"
 #include "tracing.h"
 #include "view_state.h"
 
@@ -356,6 +358,25 @@ private:
       if (shown.mode == PictureMode::Error)
         ImGui::Text("RMSE %.3f pixels, %zu false, %zu missed", reports[i].rmse, reports[i].falseHits, reports[i].misses);
     }
+    if (shown.mode == PictureMode::Error)
+      drawLegend();
+  }
+
+  void drawLegend()
+  {
+    const std::pair<float, const char*> entries[] = {{0.0f, "0"}, {1.25f, "1.25"}, {2.5f, "2.5"}, {3.75f, "3.75"},
+                                                     {5.0f, "5 pixels"}, {falseHitError, "false"}, {missError, "missed"}};
+    Image color(ImageSize{1, 1}); // encodes
+    for (const auto& [error, text] : entries)
+    {
+      color.set(0, errorColor(error));
+      const ImVec4 rgb(float(color.rgb[0]) / 255.0f, float(color.rgb[1]) / 255.0f, float(color.rgb[2]) / 255.0f, 1);
+      ImGui::ColorButton(text, rgb, ImGuiColorEditFlags_NoTooltip, ImVec2(12, 12));
+      ImGui::SameLine();
+      ImGui::TextUnformatted(text);
+      ImGui::SameLine();
+    }
+    ImGui::NewLine();
   }
 
   const ViewerOptions& options;
