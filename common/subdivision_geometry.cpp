@@ -85,9 +85,15 @@ GeometryHandle SharedTopology::makeGeometry(const Placement& placement, Displace
   GeometryHandle handle(rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SUBDIVISION));
   device.check("making a geometry");
   const RTCGeometry geometry = handle.get();
-  if (auto* out = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                              sizeof(Vec3f), cage.positions.size())))
-    std::transform(cage.positions.begin(), cage.positions.end(), out, [&](Vec3f p) { return placement.apply(p); });
+  /* Embree loads 16 bytes of a vertex and wants all four numbers valid, so what comes
+   * after the last one matters, and rtcSetNewGeometryBuffer leaves it as it was. */
+  const size_t n = cage.positions.size();
+  const BufferHandle vertices(rtcNewBuffer(device.handle(), (n + 1) * sizeof(Vec3f)));
+  device.check("allocating the vertices of a cage");
+  auto* out = static_cast<Vec3f*>(rtcGetBufferData(vertices.get()));
+  std::transform(cage.positions.begin(), cage.positions.end(), out, [&](Vec3f p) { return placement.apply(p); });
+  out[n] = Vec3f();
+  rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.get(), 0, sizeof(Vec3f), n);
   for (const Buffer& b : buffers)
     rtcSetGeometryBuffer(geometry, b.type, 0, b.format, b.handle.get(), 0, b.stride, b.count);
   context.scale = placement.scale;

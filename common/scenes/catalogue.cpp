@@ -3,6 +3,10 @@
 
 #include "catalogue.h"
 #include "cube.h"
+#include "frog.h"
+#include "herd.h"
+#include "knee.h"
+#include "scythe.h"
 #include "trex.h"
 
 #include "../cage_validation.h"
@@ -33,22 +37,49 @@ Model loadCage(const SceneSettings& settings, std::string& warning)
   return model;
 }
 
-Model makeScene(const SceneSettings& s)
+TrexSettings trexSettings(const SceneSettings& s)
 {
-  if (s.scene == "cube")
-    return makeCube(s.amplitude.value_or(cubeAmplitude));
   TrexSettings trex;
   trex.amplitude = s.amplitude.value_or(trex.amplitude) * (s.rough ? trexRoughFactor : 1.0f);
-  trex.mapPath = (std::filesystem::path(s.mapFolder) / "trex_height.exr").string();
+  trex.mapFolder = s.mapFolder;
+  trex.mapping = s.mapping == "atlas" ? TrexMapping::Atlas : TrexMapping::Faces;
   trex.threads = s.threads;
-  return makeTrex(trex);
+  return trex;
+}
+
+struct SceneEntry
+{
+  const char* name;
+  Model (*make)(const SceneSettings&);
+};
+
+const SceneEntry scenes[] = {
+  {"cube", [](const SceneSettings& s) { return makeCube(s.amplitude.value_or(cubeAmplitude)); }},
+  {"frog", [](const SceneSettings& s) { return makeFrog(s.amplitude.value_or(frogAmplitude), s.threads); }},
+  {"herd", [](const SceneSettings& s) { return makeHerd(trexSettings(s), s.count.value_or(herdCount)); }},
+  {"knee", [](const SceneSettings& s) { return makeKnee(s.amplitude.value_or(kneeAmplitude), s.threads); }},
+  {"scythe", [](const SceneSettings& s) { return makeScythe(s.amplitude.value_or(scytheAmplitude), s.threads); }},
+  {"trex", [](const SceneSettings& s) { return makeTrex(trexSettings(s)); }},
+};
+
+Model makeScene(const SceneSettings& s)
+{
+  for (const SceneEntry& entry : scenes)
+    if (s.scene == entry.name)
+      return entry.make(s);
+  throw Error("unknown --scene '" + s.scene + "', known are " + listOfScenes());
 }
 
 } // namespace
 
 const std::vector<std::string>& sceneNames()
 {
-  static const std::vector<std::string> names{"cube", "trex"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const SceneEntry& entry : scenes)
+      all.push_back(entry.name);
+    return all;
+  }();
   return names;
 }
 
@@ -69,8 +100,17 @@ void validateScene(const SceneSettings& s)
     throw Error("unknown --scene '" + s.scene + "', known are " + listOfScenes());
   if (!s.scene.empty() && !s.heightPath.empty())
     throw Error("--height belongs to --cage, generated scenes bring their own displacement");
-  if (s.rough && s.scene != "trex")
-    throw Error("--rough belongs to --scene trex");
+  const bool isTrex = s.scene == "trex" || s.scene == "herd";
+  if (s.rough && !isTrex)
+    throw Error("--rough belongs to --scene trex or herd");
+  if (!s.mapping.empty() && !isTrex)
+    throw Error("--mapping belongs to --scene trex or herd");
+  if (!s.mapping.empty() && s.mapping != "faces" && s.mapping != "atlas")
+    throw Error("unknown --mapping '" + s.mapping + "', known are faces and atlas");
+  if (s.count && s.scene != "herd")
+    throw Error("--count belongs to --scene herd");
+  if (s.count && (*s.count < 1 || *s.count > herdMostCount))
+    throw Error("--count " + std::to_string(*s.count) + " is out of range, 1 to " + std::to_string(herdMostCount));
   if (s.amplitude && !s.cagePath.empty() && s.heightPath.empty())
     throw Error("--amplitude needs a height map, give --height FILE");
   if (s.amplitude && !std::isfinite(*s.amplitude))

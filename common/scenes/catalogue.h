@@ -19,8 +19,10 @@ struct SceneSettings
   std::string cagePath;           // OBJ
   std::string heightPath;         // height map of the cage, empty: not displaced
   std::optional<float> amplitude; // fraction of the cage's bounding-box diagonal, none: the scene's own
-  bool rough = false;             // trex: five times the amplitude
-  std::string mapFolder = ".";    // where generated height maps are written
+  bool rough = false;             // trex and herd: five times the amplitude
+  std::string mapping;            // trex and herd: "faces", the default, or "atlas"
+  std::optional<int> count;       // herd: of copies
+  std::string mapFolder = ".";    // where generated height maps are kept
   int threads = 0;                // for generating them, 0 for all
 };
 

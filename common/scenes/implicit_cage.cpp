@@ -37,7 +37,7 @@ float distanceToCapsule(const Capsule& c, Vec3f p)
 class VoxelGrid
 {
 public:
-  VoxelGrid(const std::vector<Capsule>& capsules, float voxel) : voxel(voxel)
+  VoxelGrid(const std::vector<Capsule>& capsules, const VoxelSize& voxelSize)
   {
     Box3f box;
     for (const Capsule& c : capsules)
@@ -46,21 +46,27 @@ public:
         box.extend(c.a + sign * c.radiusA * Vec3f{1, 1, 1});
         box.extend(c.b + sign * c.radiusB * Vec3f{1, 1, 1});
       }
-    /* Two empty layers all round: filling never reaches the border. */
-    origin = box.lower - 2.0f * voxel * Vec3f{1, 1, 1};
-    const Vec3f extent = box.upper - box.lower;
-    nx = int(extent.x / voxel) + 5;
-    ny = int(extent.y / voxel) + 5;
-    nz = int(extent.z / voxel) + 5;
+    const float lower[3] = {box.lower.x, box.lower.y, box.lower.z}, upper[3] = {box.upper.x, box.upper.y, box.upper.z};
+    for (int axis = 0; axis < 3; axis++)
+    {
+      /* Two empty layers all round: filling never reaches the border. */
+      float x = lower[axis] - 2.0f * voxelSize(axis, lower[axis]);
+      for (; x < upper[axis] + 2.0f * voxelSize(axis, upper[axis]); x += voxelSize(axis, x))
+        lines[axis].push_back(x);
+      lines[axis].push_back(x);
+    }
+    nx = int(lines[0].size()) - 1;
+    ny = int(lines[1].size()) - 1;
+    nz = int(lines[2].size()) - 1;
     inside.resize(size_t(nx) * ny * nz);
     for (int z = 0; z < nz; z++)
       for (int y = 0; y < ny; y++)
         for (int x = 0; x < nx; x++)
-          at(x, y, z) = distanceToCapsules(capsules, corner(x, y, z) + 0.5f * voxel * Vec3f{1, 1, 1}) < 0.0f;
+          at(x, y, z) = distanceToCapsules(capsules, 0.5f * (corner(x, y, z) + corner(x + 1, y + 1, z + 1))) < 0.0f;
   }
 
   uint8_t& at(int x, int y, int z) { return inside[(size_t(z) * ny + y) * nx + x]; }
-  Vec3f corner(int x, int y, int z) const { return origin + voxel * Vec3f{float(x), float(y), float(z)}; }
+  Vec3f corner(int x, int y, int z) const { return {lines[0][size_t(x)], lines[1][size_t(y)], lines[2][size_t(z)]}; }
 
   /* Fills one voxel of each pair that meets in an edge or a corner only, until there
    * is none. Ends: voxels are only ever added. */
@@ -108,8 +114,7 @@ private:
     return false;
   }
 
-  Vec3f origin;
-  float voxel;
+  std::vector<float> lines[3]; // where voxels begin and end on each axis
   std::vector<uint8_t> inside;
 };
 
@@ -150,10 +155,9 @@ Cage voxelSurface(VoxelGrid& grid)
 }
 
 /* Alternates between evening out and stepping back onto the surface. */
-void relax(Cage& cage, const std::vector<Capsule>& capsules, float voxel)
+void relax(Cage& cage, const std::vector<Capsule>& capsules, const VoxelSize& voxelSize)
 {
   constexpr int iterations = 10;
-  const float h = 0.01f * voxel;
   for (int iteration = 0; iteration < iterations; iteration++)
   {
     std::vector<Vec3f> sum(cage.positions.size());
@@ -171,6 +175,8 @@ void relax(Cage& cage, const std::vector<Capsule>& capsules, float voxel)
     }
     for (size_t i = 0; i < cage.positions.size(); i++)
     {
+      const Vec3f at = cage.positions[i];
+      const float voxel = std::min({voxelSize(0, at.x), voxelSize(1, at.y), voxelSize(2, at.z)}), h = 0.01f * voxel;
       Vec3f p = lerp(cage.positions[i], sum[i] * (1.0f / count[i]), 0.6f);
       const float d = distanceToCapsules(capsules, p);
       const Vec3f gradient{distanceToCapsules(capsules, p + Vec3f{h, 0, 0}) - distanceToCapsules(capsules, p - Vec3f{h, 0, 0}),
@@ -189,19 +195,19 @@ float distanceToCapsules(const std::vector<Capsule>& capsules, Vec3f p)
   float d = INFINITY;
   for (const Capsule& c : capsules)
   {
-    const float e = distanceToCapsule(c, p);
-    const float h = c.smooth > 0.0f ? std::max(c.smooth - std::abs(d - e), 0.0f) / c.smooth : 0.0f;
-    d = std::min(d, e) - 0.25f * h * h * c.smooth;
+    const float e = distanceToCapsule(c, p), other = c.carve ? -e : e;
+    const float h = c.smooth > 0.0f ? std::max(c.smooth - std::abs(d - other), 0.0f) / c.smooth : 0.0f;
+    d = c.carve ? std::max(d, -e) + 0.25f * h * h * c.smooth : std::min(d, e) - 0.25f * h * h * c.smooth;
   }
   return d;
 }
 
-Cage makeImplicitCage(const std::vector<Capsule>& capsules, float voxel)
+Cage makeImplicitCage(const std::vector<Capsule>& capsules, const VoxelSize& voxelSize)
 {
-  VoxelGrid grid(capsules, voxel);
+  VoxelGrid grid(capsules, voxelSize);
   grid.makeManifold();
   Cage cage = voxelSurface(grid);
-  relax(cage, capsules, voxel);
+  relax(cage, capsules, voxelSize);
   return cage;
 }
 

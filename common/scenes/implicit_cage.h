@@ -10,24 +10,29 @@
 
 #include "../cage.h"
 
+#include <functional>
 #include <vector>
 
 namespace cbvh {
 
 /* The hull of two balls; smooth says how softly it joins what is there already
- * (world units, 0: a crease). */
+ * (world units, 0: a crease). carve: taken away instead. */
 struct Capsule
 {
   Vec3f a, b;
   float radiusA, radiusB;
   float smooth;
+  bool carve = false;
 };
 
-/* Signed distance, negative inside, joined in the order given. */
+/* Edge length of voxels along an axis (0 to 2) at a coordinate on it. */
+using VoxelSize = std::function<float(int axis, float coordinate)>;
+
+/* Signed distance, negative inside, in the order given. */
 float distanceToCapsules(const std::vector<Capsule>& capsules, Vec3f p);
 
-/* voxel: edge length. Voxels that meet in an edge or corner only are joined by
+/* Voxels that meet in an edge or corner only are joined by
  * filling, so the result is manifold. */
-Cage makeImplicitCage(const std::vector<Capsule>& capsules, float voxel);
+Cage makeImplicitCage(const std::vector<Capsule>& capsules, const VoxelSize& voxelSize);
 
 } // namespace cbvh

@@ -26,7 +26,10 @@ std::optional<Options> parseOptions(int argc, char** argv)
   app.add_option("--amplitude", o.scene.amplitude,
                  "displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding box")
     ->type_name("A");
-  app.add_flag("--rough", o.scene.rough, "trex: five times the amplitude");
+  app.add_flag("--rough", o.scene.rough, "trex and herd: five times the amplitude");
+  app.add_option("--mapping", o.scene.mapping, "trex and herd: heights by faces, like Ptex, or by an atlas")
+    ->type_name("faces|atlas");
+  app.add_option("--count", o.scene.count, "herd: number of copies")->type_name("N");
   app.add_option("--representation", representations,
                  "comma list of naive, grid, cgrid, cvoxel, cleaf; a frame level of its own after ^ or :")
     ->type_name("LIST")->capture_default_str();

@@ -1,0 +1,167 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "baked_heights.h"
+#include "uv_charts.h"
+
+#include "../parallel.h"
+#include "../subdivision_geometry.h"
+
+#include <cstdint>
+#include <cstdio>
+
+namespace cbvh {
+namespace {
+
+constexpr int rim = 4; // texels around a chart
+
+/* Evaluates heights at points of a face given as (u,v), the same for every face, and
+ * hands each to store(face, index of the point, height). */
+template<typename Store>
+void evaluate(const Cage& cage, std::vector<float> u, std::vector<float> v, const std::string& name, unsigned threads,
+              const HeightFunction& height, const Store& store)
+{
+  Phase phase(name);
+  EmbreeDevice device("threads=1");
+  DisplacementContext plain;
+  const GeometryHandle geometry = SharedTopology(device, cage).makeGeometry(Placement(), plain);
+  const size_t n = u.size(), points = (n + 3) & ~size_t(3); // Embree evaluates four at a time
+  u.resize(points);
+  v.resize(points);
+  std::atomic<size_t> done{0};
+  parallelFor(cage.numFaces(), 16, threads, [&](size_t begin, size_t end) {
+    std::vector<float> positions(3 * points);
+    std::vector<unsigned> faces(points);
+    for (size_t face = begin; face < end; face++)
+    {
+      std::fill(faces.begin(), faces.end(), unsigned(face));
+      RTCInterpolateNArguments args{};
+      args.geometry = geometry.get();
+      args.primIDs = faces.data();
+      args.u = u.data();
+      args.v = v.data();
+      args.N = unsigned(points);
+      args.bufferType = RTC_BUFFER_TYPE_VERTEX;
+      args.P = positions.data();
+      args.valueCount = 3;
+      rtcInterpolateN(&args);
+      for (size_t i = 0; i < n; i++)
+        store(face, i, height({unsigned(face), u[i], v[i], {positions[i], positions[points + i], positions[2 * points + i]}}));
+    }
+    done += end - begin;
+    phase.update(double(done) / double(cage.numFaces()));
+  });
+  device.check("evaluating the limit surface");
+}
+
+} // namespace
+
+HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const std::string& name, unsigned threads,
+                    const HeightFunction& height)
+{
+  HeightMap map(atlas.columns(), atlas.rows(cage.numFaces()));
+  const int side = atlas.tileSize + 1;
+  std::vector<float> u, v;
+  for (int i = 0; i < side * side; i++)
+  {
+    u.push_back(float(i % side) / float(atlas.tileSize));
+    v.push_back(float(i / side) / float(atlas.tileSize));
+  }
+  evaluate(cage, std::move(u), std::move(v), name, threads, height, [&](size_t face, size_t i, float h) {
+    map.at(int(face) % atlas.tilesPerRow * side + int(i) % side, int(face) / atlas.tilesPerRow * side + int(i) / side) = h;
+  });
+  return map;
+}
+
+/* The rim continues the outermost texels, a texel further at a time, so that filters
+ * at a seam find heights like those inside. */
+HeightMap bakeCharts(Cage& cage, int texels, const std::string& name, unsigned threads, const HeightFunction& height)
+{
+  const Charts charts = unfoldCharts(cage, texels, rim);
+  setChartUVs(cage, charts);
+  HeightMap map(charts.width, charts.height);
+  std::vector<float> u, v;
+  for (int i = 0; i < texels * texels; i++)
+  {
+    u.push_back((float(i % texels) + 0.5f) / float(texels));
+    v.push_back((float(i / texels) + 0.5f) / float(texels));
+  }
+  /* (u,v) of a face to texels of the map, whose rows run down. */
+  const auto texel = [&](size_t face, int i, int j) -> float& {
+    const ChartCell& c = charts.cells[face];
+    const int last = texels - 1;
+    const int turned[4][2] = {{i, j}, {last - j, i}, {last - i, last - j}, {j, last - i}};
+    return map.at(c.x + turned[c.turn][0], charts.height - 1 - (c.y + turned[c.turn][1]));
+  };
+  evaluate(cage, std::move(u), std::move(v), name, threads, height,
+           [&](size_t face, size_t i, float h) { texel(face, int(i) % texels, int(i) / texels) = h; });
+
+  std::vector<char> covered(size_t(charts.width) * charts.height);
+  const auto at = [&](int x, int y) -> char& { return covered[size_t(y) * charts.width + x]; };
+  for (const ChartCell& c : charts.cells)
+    for (int y = 0; y < texels; y++)
+      for (int x = 0; x < texels; x++)
+        at(c.x + x, charts.height - 1 - (c.y + y)) = 1;
+  for (int step = 0; step < 2 * rim; step++) // a texel further each time
+  {
+    const std::vector<char> before = covered;
+    parallelFor(size_t(charts.height), 64, threads, [&](size_t begin, size_t end) {
+      for (int y = int(begin); y < int(end); y++)
+        for (int x = 0; x < charts.width; x++)
+        {
+          if (before[size_t(y) * charts.width + x])
+            continue;
+          float sum = 0;
+          int count = 0;
+          for (int dy = -1; dy <= 1; dy++)
+            for (int dx = -1; dx <= 1; dx++)
+            {
+              const int px = x + dx, py = y + dy;
+              if (px < 0 || py < 0 || px >= charts.width || py >= charts.height ||
+                  !before[size_t(py) * charts.width + px])
+                continue;
+              sum += map.at(px, py);
+              count++;
+            }
+          if (count)
+          {
+            map.at(x, y) = sum / float(count);
+            at(x, y) = 1;
+          }
+        }
+    });
+  }
+  for (int y = 0; y < charts.height; y++)
+    for (int x = 0; x < charts.width; x++)
+      if (!at(x, y))
+        map.at(x, y) = neutralHeight;
+  return map;
+}
+
+void unfoldForCharts(Cage& cage, int texels)
+{
+  setChartUVs(cage, unfoldCharts(cage, texels, rim));
+}
+
+std::shared_ptr<const Displacement> displaceByBake(const Cage& cage, int tileSize, const std::string& name,
+                                                   unsigned threads, float scale, const HeightFunction& height)
+{
+  const FaceAtlas atlas = FaceAtlas::forFaces(cage.numFaces(), tileSize);
+  return displaceByAtlas(cage, atlas, bakeTiles(cage, atlas, name, threads, height), scale);
+}
+
+std::string fingerprint(const Cage& cage)
+{
+  uint64_t h = 14695981039346656037ull; // FNV-1a
+  const auto add = [&](const void* data, size_t bytes) {
+    for (size_t i = 0; i < bytes; i++)
+      h = (h ^ static_cast<const unsigned char*>(data)[i]) * 1099511628211ull;
+  };
+  add(cage.positions.data(), cage.positions.size() * sizeof(Vec3f));
+  add(cage.faceIndices.data(), cage.faceIndices.size() * sizeof(unsigned));
+  char text[20];
+  std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(h));
+  return text;
+}
+
+} // namespace cbvh

@@ -1,0 +1,36 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "herd.h"
+
+#include "../noise.h"
+
+namespace cbvh {
+
+/* On a plane, in offset rows with some disorder, all on the move about the same way;
+ * the first goes ahead. A copy is about 11 long and 4 wide. */
+Model makeHerd(const TrexSettings& settings, int count)
+{
+  constexpr float spacingX = 10.5f, spacingZ = 6.0f;
+  Model model = makeTrex(settings);
+  model.name = "herd";
+  model.copies.clear();
+  const int perRow = std::max(1, int(std::lround(std::sqrt(float(count) * 1.4f))));
+  for (int i = 0; i < count; i++)
+  {
+    const int row = i / perRow, column = i % perRow;
+    const auto random = [&](uint32_t seed) { return float(hashCell(i, 0, 0, seed) & 1023) / 1023.0f - 0.5f; };
+    Placement copy;
+    copy.origin = {-spacingX * float(row) + 2.2f * random(1), 0.0f,
+                   spacingZ * (float(column) - 0.5f * float(perRow - 1) + (row % 2 ? 0.5f : 0.0f)) + 1.2f * random(2)};
+    copy.angle = 0.55f * random(3);
+    copy.scale = 0.92f + 0.3f * (random(4) + 0.5f) * (i % 3 == 1 ? -1.0f : 1.0f) * 0.8f;
+    model.copies.push_back(copy);
+  }
+  model.view.direction = {-0.85f, -0.2f, -0.5f};
+  model.view.closePoint = {0.5f, 0.55f};
+  model.view.closeDistance = 0.18f;
+  return model;
+}
+
+} // namespace cbvh

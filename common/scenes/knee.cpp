@@ -1,0 +1,80 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Thigh and shank in the plane z = 0, the knee points to +x. */
+
+#include "knee.h"
+
+#include "../noise.h"
+#include "../parallel.h"
+#include "baked_heights.h"
+#include "cage_parts.h"
+
+namespace cbvh {
+namespace {
+
+struct Section
+{
+  float x, y, front, back, side; // half axes towards +x, -x of the section, and z
+};
+
+/* From the hip down to the foot; few sections where the bend is tight. */
+constexpr Section sections[] = {
+  {-3.0f, 1.45f, 0.75f, 0.7f, 0.8f},   {-2.5f, 1.25f, 0.95f, 0.8f, 0.95f}, {-1.6f, 0.9f, 0.95f, 0.68f, 0.9f},
+  {-0.75f, 0.55f, 0.72f, 0.45f, 0.68f}, {-0.15f, 0.28f, 0.55f, 0.32f, 0.56f}, {0.12f, -0.1f, 0.55f, 0.3f, 0.56f},
+  {0.0f, -0.55f, 0.42f, 0.36f, 0.5f},  {-0.35f, -1.2f, 0.36f, 0.66f, 0.52f}, {-0.75f, -1.9f, 0.3f, 0.5f, 0.42f},
+  {-1.1f, -2.6f, 0.25f, 0.27f, 0.28f}, {-1.3f, -3.05f, 0.3f, 0.3f, 0.34f},  {-1.25f, -3.4f, 0.5f, 0.3f, 0.42f},
+  {-1.2f, -3.6f, 0.55f, 0.32f, 0.45f}};
+
+float smoothstep(float a, float b, float x)
+{
+  const float t = std::min(std::max((x - a) / (b - a), 0.0f), 1.0f);
+  return t * t * (3.0f - 2.0f * t);
+}
+
+/* A kneecap with plates, wrinkles round the bend, muscles and skin elsewhere. */
+float kneeHeight(Vec3f p)
+{
+  const float near = std::exp(-dot(p - Vec3f{0.45f, 0.1f, 0}, p - Vec3f{0.45f, 0.1f, 0}) / 0.3f);
+  const Vec3f warped = p + 0.08f * Vec3f{gradientNoise(2.0f * p, 1), gradientNoise(2.0f * p, 2), gradientNoise(2.0f * p, 3)};
+  const CellNoise plate = cellNoise(3.4f * warped, 4);
+  const float plates = smoothstep(0.0f, 0.25f, plate.second - plate.nearest) * (1.0f - 0.5f * plate.nearest * plate.nearest);
+  const CellNoise cell = cellNoise(9.0f * warped, 5);
+  const float scales = smoothstep(0.0f, 0.35f, cell.second - cell.nearest) * (1.0f - 0.5f * cell.nearest * cell.nearest);
+  /* Rings around the inside of the bend. */
+  const float angle = std::atan2(p.y + 0.5f, p.x + 1.0f);
+  const float bend = std::exp(-(p.x * p.x + p.y * p.y) / 0.9f);
+  const float rings = std::abs(std::sin(11.0f * angle + 1.5f * gradientNoise(1.5f * p, 6)));
+  const float veins = smoothstep(0.25f, 0.0f, std::abs(gradientNoise({1.5f * p.x, 0.7f * p.y, 1.5f * p.z}, 7)));
+  return 0.35f + near * (0.3f + 0.3f * plates) + (1.0f - near) * (0.12f * scales + 0.2f * veins) +
+         0.2f * bend * (1.0f - near) * rings + 0.08f * gradientNoise(1.2f * p, 8);
+}
+
+} // namespace
+
+Model makeKnee(float amplitude, int threads)
+{
+  constexpr size_t n = sizeof(sections) / sizeof(sections[0]);
+  Model model;
+  model.name = "knee";
+  std::vector<Station> stations;
+  for (size_t i = 0; i < n; i++)
+  {
+    const Section &s = sections[i], &before = sections[i ? i - 1 : 0], &after = sections[std::min(i + 1, n - 1)];
+    const Vec3f tangent = normalize(Vec3f{after.x - before.x, after.y - before.y, 0});
+    const Vec3f front = cross(Vec3f{0, 0, 1}, tangent); // towards +x on the way down
+    const float a = 0.5f * (s.front + s.back);
+    stations.push_back({Vec3f{s.x, s.y, 0} + 0.5f * (s.front - s.back) * front, a * front, s.side * cross(tangent, front)});
+  }
+  appendTube(model.cage, stations, 8);
+  model.cage.name = "knee";
+  model.displacement = displaceByBake(model.cage, 128, "knee: skin", threadCount(threads),
+                                      amplitude * model.cage.bounds().diagonal(),
+                                      [](const LimitPoint& p) { return kneeHeight(p.position); });
+  model.view.direction = {-0.45f, -0.1f, -0.9f};
+  model.view.closePoint = {0.72f, 0.42f};
+  model.view.closeDistance = 0.34f;
+  return model;
+}
+
+} // namespace cbvh

@@ -1,0 +1,17 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A scythe: a blade of few large, strongly displaced patches that end in a thin tip,
+ * on a shaft. What figure 14 of the paper is about. */
+
+#include "../model.h"
+
+namespace cbvh {
+
+/* amplitude: from height 0 to 1 as a fraction of the cage's diagonal. */
+constexpr float scytheAmplitude = 0.045f;
+Model makeScythe(float amplitude = scytheAmplitude, int threads = 0);
+
+} // namespace cbvh
