@@ -89,7 +89,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for program, limit in ("displacement_geometry", 14), ("subdivision_geometry", 4):
             compare(folder, program, "leaf", limit)
-            compare(folder, program, "grid", 0.5)
+            compare(folder, program, "grid", 1.5)
         # Edge rates follow the distance; from afar they are one power of two.
         far = ["-i", os.path.join(MODELS, "subdiv1.xml"), "--vp", "12", "9", "15", "--vi", "0", "0", "0", "--fov", "8"]
         compare(folder, "viewer", "leaf", 4, *far)
