@@ -59,13 +59,18 @@ refuses "cannot be opened" --cage "$folder/missing.obj"
 refuses "no such height map" --cage "$folder/quad.obj" --height "$folder/missing.exr"
 refuses "cannot be read as a height map" --cage "$folder/quad.obj" --height "$folder/text.png"
 refuses "cannot be read as a height map" --cage "$folder/quad.obj" --height "$folder/short.exr"
+printf 'Ptex' >"$folder/map.ptx"
+refuses "map.ptx: " --cage "$folder/quad.obj" --height "$folder/map.ptx"
 if command -v oiiotool >/dev/null; then
   oiiotool --pattern noise:type=uniform 64x64 1 -d uint16 -o "$folder/whole.png"
   head -c $(($(stat -c %s "$folder/whole.png") / 2)) "$folder/whole.png" >"$folder/half.png"
   refuses "cannot be read as a height map" --cage "$folder/quad.obj" --height "$folder/half.png"
 fi
 refuses "unknown representation 'mesh'" --scene cube --representation grid,mesh
-refuses "unknown --scene 'teapot'" --scene teapot
+refuses "unknown --scene 'teapot', known are cube, frog" --scene teapot
+refuses "count 0 is out of range" --scene herd --count 0
+refuses "count belongs to --scene herd" --scene frog --count 3
+refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
 refuses "level 9 is out of range" --scene cube --level 9
 refuses "frame level '9'" --scene cube --frame-level 9
 refuses "frame level '9'" --scene cube --representation cleaf^9

@@ -14,10 +14,12 @@
 namespace cbvh {
 namespace {
 
-constexpr int texels = 64; // a side of a face
+/* A side of a face: one a vertex at level 6, fewer in the atlas, more than half of
+ * which lies between charts. */
+constexpr int tileTexels = 64, chartTexels = 48;
 
 /* The map's recipe names all that its texels depend on. */
-std::string recipe(const Cage& cage, const char* mapping)
+std::string recipe(const Cage& cage, const char* mapping, int texels)
 {
   return "trex skin " + std::to_string(trexSkinVersion) + ", " + mapping + " of " + std::to_string(texels) +
          " texels, cage " + fingerprint(cage);
@@ -32,7 +34,7 @@ Model makeTrex(const TrexSettings& settings)
   const unsigned threads = threadCount(settings.threads);
   const std::string path =
     (std::filesystem::path(settings.mapFolder) / (faces ? "trex_height.exr" : "trex_height_atlas.exr")).string();
-  const std::string made = recipe(trex.cage, faces ? "tiles" : "charts");
+  const std::string made = faces ? recipe(trex.cage, "tiles", tileTexels) : recipe(trex.cage, "charts", chartTexels);
   const auto height = [&](const LimitPoint& p) { return trexHeight(trex.parts[p.face], p.position); };
 
   Model model;
@@ -41,7 +43,7 @@ Model makeTrex(const TrexSettings& settings)
   const bool cached = HeightMap::recipeOf(path) == made;
   if (faces)
   {
-    const FaceAtlas atlas = FaceAtlas::forFaces(trex.cage.numFaces(), texels);
+    const FaceAtlas atlas = FaceAtlas::forFaces(trex.cage.numFaces(), tileTexels);
     if (!cached)
       bakeTiles(trex.cage, atlas, "trex: skin", threads, height).write(path, made);
     model.displacement = displaceByAtlas(trex.cage, atlas, HeightMap::read(path), scale);
@@ -49,9 +51,9 @@ Model makeTrex(const TrexSettings& settings)
   else
   {
     if (cached)
-      unfoldForCharts(trex.cage, texels);
+      unfoldForCharts(trex.cage, chartTexels);
     else
-      bakeCharts(trex.cage, texels, "trex: skin", threads, height).write(path, made);
+      bakeCharts(trex.cage, chartTexels, "trex: skin", threads, height).write(path, made);
     model.displacement = displaceByUVs(trex.cage, path, scale);
   }
   model.cage = std::move(trex.cage);
