@@ -131,7 +131,8 @@ class Progress:
         done = (self.planned + inside / pace) / max(self.total, 1e-9)
         width = 28
         filled = int(width * min(done, 1.0))
-        text = f"[{'#' * filled}{'.' * (width - filled)}] {100 * done:3.0f}%  {clock(left)} left  {self.current}: {self.doing}"
+        bar = "#" * filled + "." * (width - filled)
+        text = f"[{bar}] {100 * done:3.0f}%  {clock(left)} left  {self.current}: {self.doing}"
         print("\r\033[K" + text[: os.get_terminal_size().columns - 1], end="", flush=True)
 
     def say(self, text):
@@ -189,6 +190,7 @@ class Runner:
         command += ["--level", ",".join(map(str, levels))] + job.arguments
         # Relative, so that the record names no folder of this machine.
         command += ["--pictures", os.path.relpath(self.folder / "pictures"), "--json", os.path.relpath(out)]
+        command += ["--maps", os.path.relpath(self.folder / "maps")]  # one skin of trex for all jobs
         last = []
         with open(self.folder / f"{job.name}.log", "a", encoding="utf-8") as log:
             # In a group of its own: Ctrl-C reaches it through us, once.
