@@ -18,6 +18,7 @@ import argparse
 import json
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -133,7 +134,7 @@ class Progress:
         filled = int(width * min(done, 1.0))
         bar = "#" * filled + "." * (width - filled)
         text = f"[{bar}] {100 * done:3.0f}%  {clock(left)} left  {self.current}: {self.doing}"
-        print("\r\033[K" + text[: os.get_terminal_size().columns - 1], end="", flush=True)
+        print("\r\033[K" + text[: shutil.get_terminal_size().columns - 1], end="", flush=True)
 
     def say(self, text):
         print(("\r\033[K" if self.terminal else "") + text, flush=True)
