@@ -100,7 +100,7 @@ public:
     group.scene = bench.label;
     group.level = level;
     group.faces = model.cage.numFaces();
-    group.quads = PatchLayout(model.cage, level).numQuads();
+    group.quads = model.layout(level).numQuads();
   }
 
   Group run()
@@ -334,7 +334,7 @@ std::vector<View> traceReference(const BenchOptions& options, const Model& model
   BuildSettings build;
   build.level = options.referenceLevel;
   build.threads = options.buildThreads;
-  const size_t quads = PatchLayout(model.cage, build.level).numQuads();
+  const size_t quads = model.layout(build.level).numQuads();
   if (estimatedPeakBytes(RepresentationKind::Grid, quads) > availableMemory())
     throw Error("not enough memory for GRID at --reference-level " + std::to_string(build.level) + " of " + model.name);
   const BuiltScene grid(model, {RepresentationKind::Grid}, build);
