@@ -4,21 +4,32 @@
 #include "subdivision_geometry.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace cbvh {
 namespace {
 
+/* The lattice of all tessellations, 2^-16: Embree multiplies by a rounded reciprocal,
+ * and its grids end a face at 0.99999994 where other code ends it at 1. A border that
+ * is not recognised as one would tear there. */
+float snap(float parameter)
+{
+  return std::nearbyint(parameter * 0x1p16f) * 0x1p-16f;
+}
+
 void displace(const RTCDisplacementFunctionNArguments* args)
 {
   const DisplacementContext& context = *static_cast<const DisplacementContext*>(args->geometryUserPtr);
   constexpr size_t batch = 256;
-  float offsets[batch];
+  float offsets[batch], u[batch], v[batch];
   for (size_t begin = 0; begin < args->N; begin += batch)
   {
     const size_t n = std::min<size_t>(batch, args->N - begin);
+    std::transform(args->u + begin, args->u + begin + n, u, snap);
+    std::transform(args->v + begin, args->v + begin + n, v, snap);
     if (context.displacement)
-      context.displacement->offsets({args->primID, context.level, n, args->u + begin, args->v + begin}, offsets);
+      context.displacement->offsets({args->primID, context.level, n, u, v}, offsets);
     else
       std::fill(offsets, offsets + n, 0.0f);
     for (size_t i = 0; i < n; i++)
