@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <set>
 
 namespace cbvh {
 namespace {
@@ -55,6 +56,16 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, int 
 }
 
 } // namespace
+
+void validateBuild(const BuildSettings& settings)
+{
+  if (settings.level < 0 || settings.level > maxLevel)
+    throw Error("--level " + std::to_string(settings.level) + " is out of range, 0 to " + std::to_string(maxLevel));
+  if (settings.threads < 0)
+    throw Error("--threads must not be negative");
+  if (!std::set<std::string>{"", "sse2", "sse4.2", "avx", "avx2", "avx512"}.count(settings.isa))
+    throw Error("unknown --isa '" + settings.isa + "', known are sse2, sse4.2, avx, avx2 and avx512");
+}
 
 BuiltScene::BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings)
   : what(representation), patches(model.layout(settings.level)), facesOfCopy(model.cage.numFaces()),

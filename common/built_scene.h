@@ -24,6 +24,9 @@ struct BuildSettings
   std::string isa;     // Embree's name of the widest instruction set to use, empty for the host's best
 };
 
+/* Throws Error that names the option, --level, --threads or --isa, and its value. */
+void validateBuild(const BuildSettings& settings);
+
 struct BuildReport
 {
   double seconds = 0;    // commit of geometry and scene

@@ -61,8 +61,10 @@ namespace embree
 
         prims.resize(numPrims);
         bvh->alloc.init_estimate(estimateBytes(numPrims));
+        cbvh::BuildStatistics all;
         for (const auto& table : tables)
-          buildFaces(*table);
+          buildFaces(*table,all);
+        *statistics = all.sums;
 
         buildTopLevel(compact());
         if (scene->isStaticAccel()) prims.clear();
@@ -156,7 +158,7 @@ namespace embree
         }
       };
 
-      void buildFaces (const FaceTable& table)
+      void buildFaces (const FaceTable& table, cbvh::BuildStatistics& all)
       {
         const CompressionPlan& plan = table.plan;
         cbvh::BuildStatistics total;
@@ -185,11 +187,7 @@ namespace embree
             total.merge(builder.statistics);
           });
         tell(plan,total);
-        total.sums.topLevelBytes = 0;
-        cbvh::BuildStatistics all;
-        all.sums = *statistics;
         all.merge(total);
-        *statistics = all.sums;
       }
 
       /*! says at verbosity 1 what of a compressed geometry GRID traces */

@@ -17,19 +17,12 @@ namespace embree
 {
   namespace isa
   {
-    /*! how one face is subdivided and compressed */
-    struct FacePlan
-    {
-      /*! a face that GRID traces */
-      static const int uncompressed = -1;
-
-      int level;            //!< of its patches, or uncompressed
-      unsigned frameLevel;
-    };
-
     /*! what all patches of a geometry have in common */
     struct CompressionPlan
     {
+      /*! level of a patch that GRID traces */
+      static const int uncompressed = -1;
+
       SubdivMesh* mesh;
       unsigned geomID;
       CompressionSettings settings;  //!< resolved
@@ -56,10 +49,10 @@ namespace embree
       /*! level of a patch whose four edges have the rate 2^level, up to 256; uncompressed for any other */
       int level (const float rate[4]) const
       {
-        if (!compresses() || rate[0] != rate[1] || rate[0] != rate[2] || rate[0] != rate[3]) return FacePlan::uncompressed;
+        if (!compresses() || rate[0] != rate[1] || rate[0] != rate[2] || rate[0] != rate[3]) return uncompressed;
         for (unsigned level=0; level<=cbvh::maxLevel; level++)
           if (rate[0] == float(1u << level)) return int(level);
-        return FacePlan::uncompressed;
+        return uncompressed;
       }
 
       /*! frame level without an error bound */

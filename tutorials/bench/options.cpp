@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "options.h"
+#include "command_line.h"
 #include "error.h"
 #include "json.h"
 #include "parallel.h"
 #include "views.h"
-
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -184,19 +183,8 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   app.add_option("--maps", o.maps, "folder for generated height maps, else a temporary one")->type_name("DIR");
   app.add_option("--json", o.json, "write the measurements there")->type_name("FILE");
   app.add_flag("--about", about, "print commit, instruction sets and scenes as JSON, and end");
-  try
-  {
-    app.parse(argc, argv);
-  }
-  catch (const CLI::CallForHelp&)
-  {
-    std::fputs(app.help().c_str(), stdout);
+  if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
-  }
-  catch (const CLI::ParseError& e)
-  {
-    throw Error(e.what());
-  }
 
   if (about)
   {

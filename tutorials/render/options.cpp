@@ -2,13 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "options.h"
+#include "command_line.h"
 #include "error.h"
 #include "views.h"
 
-#include <CLI/CLI.hpp>
-
 #include <cstdio>
-#include <set>
 
 namespace cbvh {
 std::optional<Options> parseOptions(int argc, char** argv)
@@ -49,43 +47,20 @@ std::optional<Options> parseOptions(int argc, char** argv)
   app.add_option("--isa", o.build.isa, "widest instruction set: sse2, sse4.2, avx, avx2 or avx512")->type_name("ISA");
   app.add_option("--json", o.json, "write the numbers there, too")->type_name("FILE");
   app.add_flag("--no-speed", noSpeed, "leave the speed measurements out");
-  try
-  {
-    app.parse(argc, argv);
-  }
-  catch (const CLI::CallForHelp&)
-  {
-    std::fputs(app.help().c_str(), stdout);
+  if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
-  }
-  catch (const CLI::ParseError& e)
-  {
-    throw Error(e.what());
-  }
 
   validateScene(o.scene);
-  if (o.build.level < 0 || o.build.level > maxLevel)
-    throw Error("--level " + std::to_string(o.build.level) + " is out of range, 0 to " + std::to_string(maxLevel));
-  if (o.build.threads < 0)
-    throw Error("--threads must not be negative");
+  validateBuild(o.build);
   if (o.repeat < 1)
     throw Error("--repeat must be at least 1");
   if (!(o.rayOffset >= 0.0f) || !std::isfinite(o.rayOffset))
     throw Error("--ray-offset must be finite and not negative");
-  if (!std::set<std::string>{"", "sse2", "sse4.2", "avx", "avx2", "avx512"}.count(o.build.isa))
-    throw Error("unknown --isa '" + o.build.isa + "', known are sse2, sse4.2, avx, avx2 and avx512");
   o.scene.mapFolder = o.output;
   o.scene.threads = o.build.threads;
   o.speed = !noSpeed;
   o.size = parseImageSize(size);
-  try
-  {
-    o.representations = parseRepresentations(representations, parseFrameLevel(frameLevel));
-  }
-  catch (const Error& e)
-  {
-    throw Error(std::string("--representation or --frame-level: ") + e.what());
-  }
+  o.representations = parseRepresentationOptions(representations, frameLevel);
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
   return o;

@@ -2,13 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "options.h"
+#include "command_line.h"
 #include "error.h"
 #include "views.h"
 
-#include <CLI/CLI.hpp>
-
 #include <cstdio>
-#include <set>
 
 namespace cbvh {
 namespace {
@@ -55,27 +53,11 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   app.add_option("--picture", o.picture, "where key P of the window saves what it shows")->type_name("FILE")->capture_default_str();
   app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")->type_name("N")->capture_default_str();
   app.add_option("--isa", o.build.isa, "widest instruction set: sse2, sse4.2, avx, avx2 or avx512")->type_name("ISA");
-  try
-  {
-    app.parse(argc, argv);
-  }
-  catch (const CLI::CallForHelp&)
-  {
-    std::fputs(app.help().c_str(), stdout);
+  if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
-  }
-  catch (const CLI::ParseError& e)
-  {
-    throw Error(e.what());
-  }
 
   validateScene(o.scene);
-  if (o.build.level < 0 || o.build.level > maxLevel)
-    throw Error("--level " + std::to_string(o.build.level) + " is out of range, 0 to " + std::to_string(maxLevel));
-  if (o.build.threads < 0)
-    throw Error("--threads must not be negative");
-  if (!std::set<std::string>{"", "sse2", "sse4.2", "avx", "avx2", "avx512"}.count(o.build.isa))
-    throw Error("unknown --isa '" + o.build.isa + "', known are sse2, sse4.2, avx, avx2 and avx512");
+  validateBuild(o.build);
   o.scene.threads = o.build.threads;
   o.size = parseImageSize(size);
   bool known = false;
@@ -87,14 +69,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
     }
   if (!known)
     throw Error("unknown --mode '" + mode + "', known are " + listOfModes());
-  try
-  {
-    o.representations = parseRepresentations(representations, parseFrameLevel(frameLevel));
-  }
-  catch (const Error& e)
-  {
-    throw Error(std::string("--representation or --frame-level: ") + e.what());
-  }
+  o.representations = parseRepresentationOptions(representations, frameLevel);
   if (o.representations.size() > 2)
     throw Error("--representation '" + representations + "' names more than two");
   if (o.view != "full" && o.view != "close")
