@@ -9,24 +9,14 @@
 
 set -u
 program=$1
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-failures=0
-
-complain() { echo "FAILED: $*"; failures=$((failures + 1)); }
+. "$(dirname -- "$0")/cli.sh"
 
 # refuses PATTERN ARGUMENT...: status not 0 nor a signal's, one line on stderr that
 # matches, no record.
 refuses() {
   local pattern=$1
   shift
-  "$program" --json "$folder/refused.json" "$@" >"$folder/stdout" 2>"$folder/stderr"
-  local status=$?
-  [ $status -ge 1 ] && [ $status -lt 126 ] || complain "exit status $status: $*"
-  grep -q "$pattern" "$folder/stderr" || complain "no '$pattern' in '$(cat "$folder/stderr")': $*"
-  local lines
-  lines=$(grep -vc '^  ' "$folder/stderr") # progress is indented
-  [ "$lines" = 1 ] || complain "$lines lines on stderr: $*"
+  expect_refusal "$pattern" --json "$folder/refused.json" "$@"
   [ ! -e "$folder/refused.json" ] || complain "a record was written: $*"
 }
 

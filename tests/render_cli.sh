@@ -10,11 +10,7 @@
 set -u
 program=$1
 representations=${2:-naive,grid,cgrid,cvoxel,cleaf}
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-failures=0
-
-complain() { echo "FAILED: $*"; failures=$((failures + 1)); }
+. "$(dirname -- "$0")/cli.sh"
 
 # refuses PATTERN ARGUMENT...: status not 0 nor a signal's, one line on stderr that
 # matches, nothing in the output folder.
@@ -23,13 +19,7 @@ refuses() {
   shift
   rm -rf "$folder/out"
   [[ "$*" == *--output* ]] || set -- "$@" --output "$folder/out"
-  "$program" --no-speed "$@" >"$folder/stdout" 2>"$folder/stderr"
-  local status=$?
-  [ $status -ge 1 ] && [ $status -lt 126 ] || complain "exit status $status: $*"
-  grep -q "$pattern" "$folder/stderr" || complain "no '$pattern' in '$(cat "$folder/stderr")': $*"
-  local lines
-  lines=$(grep -vc '^  ' "$folder/stderr") # progress is indented
-  [ "$lines" = 1 ] || complain "$lines lines on stderr: $*"
+  expect_refusal "$pattern" --no-speed "$@"
   [ -z "$(ls -A "$folder/out" 2>/dev/null)" ] || complain "files were written: $*"
 }
 

@@ -9,12 +9,8 @@
 
 set -u
 program=$1
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
+. "$(dirname -- "$0")/cli.sh"
 unset DISPLAY WAYLAND_DISPLAY
-failures=0
-
-complain() { echo "FAILED: $*"; failures=$((failures + 1)); }
 
 # refuses PATTERN ARGUMENT...
 refuses() {
@@ -22,11 +18,7 @@ refuses() {
   shift
   rm -f "$folder/out.png"
   [[ "$*" == *--screenshot* ]] || set -- "$@" --screenshot "$folder/out.png"
-  "$program" "$@" >"$folder/stdout" 2>"$folder/stderr"
-  local status=$?
-  [ $status -ge 1 ] && [ $status -lt 126 ] || complain "exit status $status: $*"
-  grep -q "$pattern" "$folder/stderr" || complain "no '$pattern' in '$(cat "$folder/stderr")': $*"
-  [ "$(grep -vc '^  ' "$folder/stderr")" = 1 ] || complain "not one line on stderr: $(cat "$folder/stderr")" # progress is indented
+  expect_refusal "$pattern" "$@"
   [ ! -e "$folder/out.png" ] || complain "a file was written: $*"
 }
 

@@ -1,0 +1,25 @@
+# shellcheck shell=bash
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# What the tests of programs from the outside share; sourced, not run. Wants $program.
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+failures=0
+
+complain() { echo "FAILED: $*"; failures=$((failures + 1)); }
+
+# expect_refusal PATTERN ARGUMENT...: status not 0 nor a signal's, one line on stderr
+# that matches.
+expect_refusal() {
+  local pattern=$1
+  shift
+  "$program" "$@" >"$folder/stdout" 2>"$folder/stderr"
+  local status=$?
+  [ $status -ge 1 ] && [ $status -lt 126 ] || complain "exit status $status: $*"
+  grep -q "$pattern" "$folder/stderr" || complain "no '$pattern' in '$(cat "$folder/stderr")': $*"
+  local lines
+  lines=$(grep -vc '^  ' "$folder/stderr") # progress is indented
+  [ "$lines" = 1 ] || complain "$lines lines on stderr, '$(cat "$folder/stderr")': $*"
+}
