@@ -19,6 +19,12 @@ std::string deviceConfig(const Representation& representation, const BuildSettin
   std::string config = representation.deviceConfig();
   auto add = [&](const std::string& item) { config += (config.empty() ? "" : ",") + item; };
   add("threads=" + std::to_string(threadCount(settings.threads)));
+  if (representation.isCompressed() && settings.maxError > 0.0f)
+  {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.9g", double(settings.maxError));
+    add(std::string("cbvh_max_error=") + text);
+  }
   if (!settings.isa.empty())
     add("isa=" + settings.isa);
   return config;
@@ -53,6 +59,16 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, int 
     rtcAttachGeometry(scene, topology.makeGeometry(model.copies[i], contexts[i]).get());
     throwIfCancelled();
   }
+}
+
+/* Builds GRID and drops it again. captures: a copy each, with where its vertices go. */
+void captureVertices(const Model& model, const BuildSettings& settings, std::vector<DisplacementContext>& captures,
+                     const std::string& phase)
+{
+  EmbreeDevice device(deviceConfig({RepresentationKind::Grid}, settings));
+  const SceneHandle scene(rtcNewScene(device.handle()));
+  attachCopies(device, scene.get(), model, settings.level, captures);
+  commitScene(device, scene.get(), phase);
 }
 
 } // namespace
@@ -131,12 +147,7 @@ void BuiltScene::buildTriangles(const Model& model, const BuildSettings& setting
                                                   3 * sizeof(float), layout.numVertices()));
     device->check("allocating the vertices of NAIVE");
   }
-  {
-    EmbreeDevice gridDevice(deviceConfig({RepresentationKind::Grid}, settings));
-    const SceneHandle gridScene(rtcNewScene(gridDevice.handle()));
-    attachCopies(gridDevice, gridScene.get(), model, settings.level, captures);
-    commitScene(gridDevice, gridScene.get(), what.label() + ": tessellation");
-  }
+  captureVertices(model, settings, captures, what.label() + ": tessellation");
   for (const GeometryHandle& copy : copies)
     fillTriangles(copy.get(), layout, settings);
 
@@ -214,6 +225,20 @@ SurfaceHit BuiltScene::surfaceHit(const RTCRayHit& ray) const
     result.v = uv.y;
   }
   return result;
+}
+
+std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings)
+{
+  const PatchLayout layout(model.cage, settings.level);
+  std::vector<Vec3f> vertices(layout.numVertices() * model.copies.size());
+  std::vector<DisplacementContext> captures(model.copies.size());
+  for (size_t i = 0; i < captures.size(); i++)
+  {
+    captures[i].layout = &layout;
+    captures[i].captured = &vertices[i * layout.numVertices()].x;
+  }
+  captureVertices(model, settings, captures, "tessellation");
+  return vertices;
 }
 
 size_t estimatedPeakBytes(RepresentationKind kind, size_t quads)

@@ -21,6 +21,7 @@ struct BuildSettings
 {
   int level = 6;
   int threads = 0;     // of Embree's build, 0 for all
+  float maxError = 0;  // bound on the thickness of leaves where frame levels are automatic, 0 for none
   std::string isa;     // Embree's name of the widest instruction set to use, empty for the host's best
 };
 
@@ -80,6 +81,10 @@ private:
   SceneHandle scene; // released before its device
   BuildReport built;
 };
+
+/* Vertices of all patches of all copies, in the order of the model's layout: those that
+ * GRID holds, to the bit. Throws Error, Cancelled. */
+std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings);
 
 /* Bytes that building a representation needs at its peak, an upper estimate. */
 size_t estimatedPeakBytes(RepresentationKind kind, size_t quads);

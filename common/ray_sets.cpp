@@ -2,17 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "ray_sets.h"
-
-#include <random>
+#include "sampling.h"
 
 namespace cbvh {
 namespace {
-
-/* In [0,1), the same on every machine; std::uniform_real_distribution is not. */
-float uniform(std::mt19937& random)
-{
-  return float(random() >> 8) * 0x1p-24f;
-}
 
 void shuffle(std::vector<size_t>& order, std::mt19937& random)
 {
@@ -75,14 +68,9 @@ std::vector<Ray> bounceRays(const std::vector<Ray>& primary, const std::vector<S
     Vec3f n = normalize(hits[i].normal);
     if (dot(n, primary[i].direction) > 0.0f)
       n = -n;
-    const Vec3f s = normalize(std::abs(n.x) > 0.5f ? cross(n, Vec3f{0, 1, 0}) : cross(n, Vec3f{1, 0, 0}));
-    const Vec3f t = cross(n, s);
-    const float radius2 = uniform(random), angle = 2.0f * float(M_PI) * uniform(random);
-    const float radius = std::sqrt(radius2);
     Ray ray;
     ray.origin = primary[i].origin + hits[i].t * primary[i].direction + settings.offset * n;
-    ray.direction = normalize((radius * std::cos(angle)) * s + (radius * std::sin(angle)) * t +
-                              std::sqrt(1.0f - radius2) * n);
+    ray.direction = cosineDirection(n, random);
     rays.push_back(ray);
   }
   return rays;

@@ -39,7 +39,30 @@ Camera closeCamera(const Camera& full, const BuiltScene& grid, const ViewHints& 
   return Camera(target - distance * rays[pixel].direction, target, hints.up, full.fov(), size);
 }
 
+/* Whether text is n finite numbers with commas between them. */
+bool parseNumbers(const std::string& text, float* x, int n)
+{
+  const char* p = text.data();
+  const char* const end = p + text.size();
+  for (int i = 0; i < n; i++)
+  {
+    const auto [next, code] = std::from_chars(p, end, x[i]);
+    if (code != std::errc() || !std::isfinite(x[i]) || (i < n - 1 ? next == end || *next != ',' : next != end))
+      return false;
+    p = next + 1;
+  }
+  return true;
+}
+
 } // namespace
+
+Vec3f parsePosition(const std::string& text)
+{
+  float x[3];
+  if (!parseNumbers(text, x, 3))
+    throw Error("--position '" + text + "' is not x,y,z");
+  return {x[0], x[1], x[2]};
+}
 
 ImageSize parseImageSize(const std::string& text)
 {
@@ -59,17 +82,7 @@ ImageSize parseImageSize(const std::string& text)
 Camera parseView(const std::string& text, Vec3f up, ImageSize size)
 {
   float x[7];
-  int n = 0;
-  const char* p = text.data();
-  const char* const end = p + text.size();
-  for (; n < 7; n++)
-  {
-    const auto [next, code] = std::from_chars(p, end, x[n]);
-    if (code != std::errc() || !std::isfinite(x[n]) || (n < 6 ? next == end || *next != ',' : next != end))
-      break;
-    p = next + 1;
-  }
-  if (n < 7 || !(x[6] > 0.0f && x[6] < 180.0f) || length(Vec3f{x[3] - x[0], x[4] - x[1], x[5] - x[2]}) == 0.0f)
+  if (!parseNumbers(text, x, 7) || !(x[6] > 0.0f && x[6] < 180.0f) || length(Vec3f{x[3] - x[0], x[4] - x[1], x[5] - x[2]}) == 0.0f)
     throw Error("--view '" + text + "' is neither full nor close nor eye and target as ex,ey,ez,lx,ly,lz,fov");
   return Camera({x[0], x[1], x[2]}, {x[3], x[4], x[5]}, up, x[6], size);
 }

@@ -15,6 +15,9 @@ namespace cbvh {
 /* Reads "WIDTHxHEIGHT". Throws Error. */
 ImageSize parseImageSize(const std::string& text);
 
+/* Reads "x,y,z". Throws Error. */
+Vec3f parsePosition(const std::string& text);
+
 /* Reads "ex,ey,ez,lx,ly,lz,fov". Throws Error. */
 Camera parseView(const std::string& text, Vec3f up, ImageSize size);
 

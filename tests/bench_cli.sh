@@ -52,6 +52,9 @@ refuses "empty entry" --scene cube --mode single,
 refuses "threads 'many'" --scene cube --threads many
 refuses "repeat" --scene cube --repeat -1
 refuses "reference-level" --scene cube --reference-level 9
+refuses "unknown --check 'holes'" --scene cube --check leaks,holes
+refuses "position '1,2'" --scene cube --position 1,2
+refuses "max-error" --scene cube --max-error -1
 refuses "size '64'" --scene cube --size 64
 refuses "colour" --scene cube --colour red
 refuses "cannot be made an output folder" --scene cube --pictures "$folder/quad.obj/pictures"
@@ -100,6 +103,24 @@ for group in record["groups"]:
             else:
                 assert os.path.isfile(os.path.join(folder, "pictures", v["error_map"]))
 PYTHON
+
+# Leaks and shadows of a closed surface, moved away.
+"$program" --scene cube --level 3 --representation cgrid,cleaf^auto --max-error 0.01 --position 1000,0,-50 --repeat 0 \
+  --size 40x32 --check leaks,offsets --check-rays 20000 --json "$folder/checks.json" >"$folder/stdout" 2>"$folder/stderr" ||
+  complain "checks: $(cat "$folder/stderr")"
+grep -q "leaks of" "$folder/stdout" || complain "no word on leaks"
+/usr/bin/python3 -B -c '
+import json, sys
+group = json.load(open(sys.argv[1]))["groups"][0]
+grid, cgrid, cleaf = group["results"]
+assert "leaks" not in grid and group["quad_width"] > 0
+for r in (cgrid, cleaf):
+    leaks, shadows = r["leaks"], r["shadows"]
+    assert 10000 < leaks["aimed_rays"] < leaks["rays"] <= 20000, leaks
+    assert len(shadows) > 10 and all(s["rays"] > s["occluded"] for s in shadows)
+assert cleaf["leaks"]["missed"] == {"closest": 0, "any": 0, "through": 0}, cleaf["leaks"]
+assert all(s["errors"] == {"false_occlusions": 0, "false_passes": 0} for s in cgrid["shadows"])' "$folder/checks.json" ||
+  complain "leaks or shadows are not right: $(cat "$folder/checks.json")"
 
 # Ctrl-C after the first level: status 130, and the record holds that level, whole.
 "$program" --scene cube --level 2,8,7 --representation grid,cleaf --rays 2000 --repeat 10 --size 32x32 --json "$folder/half.json" \

@@ -97,6 +97,7 @@ public:
   {
     build.level = level;
     build.threads = options.buildThreads;
+    build.maxError = options.maxError * model.cage.bounds().diagonal();
     group.scene = bench.label;
     group.level = level;
     group.faces = model.cage.numFaces();
@@ -120,7 +121,11 @@ public:
     {
       baselines.push_back(built(variant, 0));
       if (baselines.size() == 1)
-        makeViews(*baselines[0].scene);
+      {
+        grid = baselines[0].scene.get();
+        makeViews(*grid);
+        prepareChecks();
+      }
       compare(baselines.back());
     }
     for (size_t i = 0; i < plan.rest.size(); i++)
@@ -226,7 +231,22 @@ private:
       if (wantsPictures())
         writePictures(b.result->variant, view, hits, result);
       b.result->views.push_back(result);
+      if (options.checks.any() && b.scene.get() != grid)
+        for (ShadowCheck& check :
+             robustness->shadows(*grid, *b.scene, {view.name, view.primary, view.gridHits, footprint}, hits))
+          b.result->checks.shadows.push_back(std::move(check));
     }
+    if (options.checks.any() && b.scene.get() != grid)
+      b.result->checks.leaks = robustness->leaks(*grid, *b.scene);
+  }
+
+  void prepareChecks()
+  {
+    std::vector<int> frameLevels;
+    for (const Representation& r : options.representations)
+      frameLevels.push_back(r.frameLevel);
+    robustness = std::make_unique<Robustness>(model, build, frameLevels, options.checks, options.seed);
+    group.quadWidth = robustness->quadWidth();
   }
 
   bool wantsPictures() const
@@ -325,6 +345,8 @@ private:
   unsigned threads;
   BuildSettings build;
   std::vector<View> views;
+  const BuiltScene* grid = nullptr; // the first baseline
+  std::unique_ptr<Robustness> robustness;
   Group group;
 };
 
@@ -380,7 +402,9 @@ void runBenchmark(const BenchOptions& options, const std::function<void(const Gr
     settings.mapFolder = temporary ? temporary->path.string() : options.maps;
     settings.threads = options.buildThreads;
     std::string warning;
-    const Model model = loadScene(settings, warning);
+    Model model = loadScene(settings, warning);
+    for (Placement& copy : model.copies)
+      copy.origin += options.position;
     if (!warning.empty())
       std::fprintf(stderr, "cbvh_bench: warning: %s\n", warning.c_str());
     std::vector<View> reference;

@@ -47,6 +47,7 @@ struct VariantResult
   size_t leafBytes = 0, innerBytes = 0;
   std::vector<ViewResult> views;
   std::vector<Speed> speeds;
+  CheckResult checks;
 };
 
 struct ViewInfo
@@ -62,6 +63,7 @@ struct Group
   int level = 0;
   size_t faces = 0, quads = 0;
   double diagonal = 0;              // of the surface's bounding box
+  double quadWidth = 0;             // mean length of an edge; 0 without checks
   std::vector<ViewInfo> views;
   std::vector<VariantResult> results;
 };

@@ -46,6 +46,45 @@ json errorsJson(const HitErrors& e)
           {"other_patch", e.otherPatch}};
 }
 
+json leaksJson(const Leaks& l)
+{
+  return {{"closest", l.closest}, {"any", l.any}, {"through", l.through}};
+}
+
+json leaksJson(const LeakCounts& c)
+{
+  json j = {{"rays", c.rays},
+            {"aimed_rays", c.aimed},
+            {"missed", leaksJson(c.ofScene)},
+            {"missed_unaimed", leaksJson(c.random)},
+            {"missed_by_grid", leaksJson(c.ofGrid)},
+            {"examples", json::array()}};
+  for (const Ray& r : c.examples)
+    j["examples"].push_back({r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z});
+  return j;
+}
+
+json shadowJson(const ShadowErrors& e)
+{
+  return {{"false_occlusions", e.falseOcclusions}, {"false_passes", e.falsePasses}};
+}
+
+json shadowsJson(const ShadowCheck& c)
+{
+  return {{"view", c.view},
+          {"offset", c.offset},
+          {"offset_length", c.settings.length},
+          {"offset_pixels", c.settings.pixels},
+          {"offset_ulps", c.settings.ulps},
+          {"length", std::isfinite(c.length) ? json(c.length) : json()},
+          {"rays", c.found.rays},
+          {"occluded", c.found.occluded},
+          {"errors", shadowJson(c.found.all)},
+          {"same_place_rays", c.found.raysOfSame},
+          {"same_place_errors", shadowJson(c.found.ofSame)},
+          {"control_errors", shadowJson(c.found.control)}};
+}
+
 json speedJson(const Speed& s)
 {
   std::vector<double> mrays;
@@ -114,7 +153,39 @@ json resultJson(const VariantResult& r)
   j["speed"] = json::array();
   for (const Speed& s : r.speeds)
     j["speed"].push_back(speedJson(s));
+  if (r.checks.leaks)
+    j["leaks"] = leaksJson(*r.checks.leaks);
+  for (const ShadowCheck& c : r.checks.shadows)
+    j["shadows"].push_back(shadowsJson(c));
   return j;
+}
+
+std::string checkLines(const CheckResult& checks)
+{
+  std::string out;
+  char line[240];
+  if (checks.leaks)
+  {
+    const LeakCounts& c = *checks.leaks;
+    std::snprintf(line, sizeof(line),
+                  "    leaks of %zu rays: closest %zu, any %zu, through %zu (GRID %zu, %zu, %zu)\n", c.rays,
+                  c.ofScene.closest, c.ofScene.any, c.ofScene.through, c.ofGrid.closest, c.ofGrid.any,
+                  c.ofGrid.through);
+    out += line;
+  }
+  for (const ShadowCheck& c : checks.shadows)
+  {
+    const auto share = [](size_t n, size_t rays) { return rays ? 1000.0 * double(n) / double(rays) : 0.0; };
+    std::snprintf(line, sizeof(line),
+                  "    %s shadows, offset %s, %s: %.3f per 1000 (occluded %.3f, passed %.3f); "
+                  "same place %.3f; control %.3f\n",
+                  c.view.c_str(), c.offset.c_str(), std::isfinite(c.length) ? "short" : "infinite",
+                  share(c.found.all.sum(), c.found.rays), share(c.found.all.falseOcclusions, c.found.rays),
+                  share(c.found.all.falsePasses, c.found.rays), share(c.found.ofSame.sum(), c.found.raysOfSame),
+                  share(c.found.control.sum(), c.found.rays));
+    out += line;
+  }
+  return out;
 }
 
 std::string number(const char* format, double value)
@@ -154,6 +225,9 @@ std::string formatJson(const BenchOptions& options, const Machine& m, const std:
                   {"seed", options.seed},
                   {"build_threads", options.buildThreads},
                   {"stream_size", streamSize},
+                  {"check_rays", options.checks.rays},
+                  {"position", {options.position.x, options.position.y, options.position.z}},
+                  {"max_error_diagonals", options.maxError},
                   {"reference_level", options.referenceLevel >= 0 ? json(options.referenceLevel) : json()}}}};
   out["groups"] = json::array();
   for (const Group& g : groups)
@@ -162,7 +236,8 @@ std::string formatJson(const BenchOptions& options, const Machine& m, const std:
                   {"level", g.level},
                   {"faces", g.faces},
                   {"quads", g.quads},
-                  {"diagonal", g.diagonal}};
+                  {"diagonal", g.diagonal},
+                  {"quad_width", g.quadWidth}};
     for (const ViewInfo& v : g.views)
       group["views"].push_back({{"view", v.name},
                                 {"camera", v.camera},
@@ -219,6 +294,7 @@ std::string formatTable(const Group& g)
     for (const ViewResult& v : r.views)
       out += ", " + v.view + " RMSE " + number("%.4f px", v.errors.rmse);
     out += "\n";
+    out += checkLines(r.checks);
     for (const Speed& s : r.speeds)
     {
       std::vector<double> mrays;

@@ -134,7 +134,7 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   std::string scenes, levels = "6", representations = "naive,grid,cgrid,cvoxel,cleaf", frameLevels = "2";
   std::string isas = "best", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
   std::string size = "768x768";
-  std::string pictureLevels;
+  std::string pictureLevels, checks, position;
   std::vector<std::string> views;
   bool about = false;
 
@@ -175,6 +175,15 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   app.add_option("--seed", o.seed, "of the bounced rays")->type_name("N")->capture_default_str();
   app.add_option("--build-threads", o.buildThreads, "threads that build, 0 for all")
     ->type_name("N")->capture_default_str();
+  app.add_option("--check", checks,
+                 "leaks (rays out of closed surfaces), shadows (secondary rays from own hits against GRID's),\n"
+                 "offsets (shadows at many offsets)")
+    ->type_name("LIST");
+  app.add_option("--check-rays", o.checks.rays, "rays that look for leaks, a representation")
+    ->type_name("N")->capture_default_str();
+  app.add_option("--position", position, "moves models there: x,y,z")->type_name("P");
+  app.add_option("--max-error", o.maxError, "bound on the thickness of leaves where the frame level is auto, in\n"
+                 "bounding-box diagonals of the cage")->type_name("E");
   app.add_option("--reference-level", o.referenceLevel,
                  "measure errors against GRID at this level, too, which also fixes the view for all levels")
     ->type_name("L");
@@ -209,6 +218,13 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   if (!pictureLevels.empty())
     for (const std::string& word : split("--picture-level", pictureLevels))
       o.pictureLevels.push_back(parseInteger("--picture-level", word, 0, maxLevel));
+  if (!checks.empty())
+    for (const std::string& word : split("--check", checks))
+      o.checks.add(word);
+  if (!position.empty())
+    o.position = parsePosition(position);
+  if (!(o.maxError >= 0.0f) || !std::isfinite(o.maxError))
+    throw Error("--max-error must be finite and not negative");
   o.representations = parseAll(representations, frameLevels);
   for (const std::string& word : split("--isa", isas))
   {

@@ -8,6 +8,7 @@
 #include "camera.h"
 #include "machine.h"
 #include "representation.h"
+#include "robustness.h"
 #include "scenes/catalogue.h"
 #include "trace_timing.h"
 
@@ -44,6 +45,9 @@ struct BenchOptions
   ImageSize size;
   float rayOffset = 1e-4f;   // of bounced rays, in bounding-box diagonals
   uint32_t seed = 1;         // of bounced rays
+  Checks checks;
+  Vec3f position;            // that models are moved to
+  float maxError = 0.0f;     // of leaves, in bounding-box diagonals; 0: no bound
   std::string pictures;      // folder, empty for none
   std::vector<int> pictureLevels; // levels that get pictures; empty: all
   std::string json;          // file, empty for none

@@ -1,0 +1,114 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "robustness.h"
+#include "error.h"
+#include "parallel.h"
+
+#include <sstream>
+
+namespace cbvh {
+namespace {
+
+constexpr size_t pointsOfKind = 100000;
+
+struct Offset
+{
+  std::string name;
+  RayOffset offset;
+};
+
+std::string text(const char* what, float factor)
+{
+  std::ostringstream out;
+  out << factor << " " << what;
+  return out.str();
+}
+
+} // namespace
+
+void Checks::add(const std::string& name)
+{
+  if (name == "leaks")
+    leaks = true;
+  else if (name == "shadows")
+    shadows = true;
+  else if (name == "offsets")
+    offsets = true;
+  else
+    throw Error("unknown --check '" + name + "', known are leaks, shadows and offsets");
+}
+
+Robustness::Robustness(const Model& model, const BuildSettings& settings, const std::vector<int>& frameLevels,
+                       const Checks& checks, uint32_t seed)
+  : checks(checks), seed(seed), level(settings.level), threads(threadCount(settings.threads))
+{
+  if (!checks.any())
+    return;
+  const PatchLayout layout = model.layout(settings.level);
+  const std::vector<Vec3f> vertices = tessellate(model, settings);
+  for (int frameLevel : frameLevels)
+    if (!points.count(blockLevel(frameLevel)))
+      points[blockLevel(frameLevel)] =
+        pickAimPoints(layout, vertices, level, blockLevel(frameLevel), pointsOfKind, seed);
+  double sum = 0;
+  for (const AimPoint& point : points.begin()->second[AtVertex])
+    sum += length(point.neighbour - point.position);
+  meanQuadWidth = float(sum / double(std::max<size_t>(1, points.begin()->second[AtVertex].size())));
+}
+
+/* Of GRID and NAIVE, and of automatic frame levels: that of blocks of 16 x 16 quads. */
+int Robustness::blockLevel(int frameLevel) const
+{
+  return frameLevel == autoFrameLevel ? std::max(0, level - 4) : frameLevel;
+}
+
+std::optional<LeakCounts> Robustness::leaks(const BuiltScene& grid, const BuiltScene& scene) const
+{
+  if (!checks.leaks)
+    return std::nullopt;
+  LeakSettings settings;
+  settings.rays = checks.rays;
+  settings.seed = seed;
+  settings.thickness = scene.report().compression.maxLeafThickness;
+  return countLeaks(grid.handle(), scene.handle(), points.at(blockLevel(scene.representation().frameLevel)), settings,
+                    threads);
+}
+
+std::vector<ShadowCheck> Robustness::shadows(const BuiltScene& grid, const BuiltScene& scene, const CheckedView& view,
+                                             const std::vector<SurfaceHit>& hits) const
+{
+  const float diagonal = grid.bounds().diagonal();
+  const float thickness = scene.report().compression.maxLeafThickness;
+  std::vector<Offset> offsets;
+  if (checks.shadows || checks.offsets)
+  {
+    offsets.push_back({"Embree's path tracer", RayOffset::ofEmbree()});
+    offsets.push_back({"1e-4 diagonals", {1e-4f * diagonal, 0, 0}});
+  }
+  if (checks.offsets)
+  {
+    for (float x : {0.25f, 1.0f})
+      offsets.push_back({text("pixels", x), {0, x, 0}});
+    for (float x : {0.01f, 0.1f, 0.5f, 1.0f})
+      offsets.push_back({text("quads", x), {x * meanQuadWidth, 0, 0}});
+    for (float x : {0.1f, 0.25f, 0.5f, 1.0f})
+      if (thickness > 0.0f)
+        offsets.push_back({text("thickness", x), {x * thickness, 0, 0}});
+  }
+  std::vector<ShadowCheck> all;
+  for (const Offset& o : offsets)
+    for (float length : {INFINITY, 0.1f * diagonal})
+    {
+      ShadowSettings settings;
+      settings.offset = o.offset;
+      settings.length = length;
+      settings.seed = seed;
+      all.push_back({view.name, o.name, o.offset, length,
+                     compareShadows(grid.handle(), view.gridHits, scene.handle(), hits, view.primary, view.footprint,
+                                    settings, threads)});
+    }
+  return all;
+}
+
+} // namespace cbvh

@@ -1,0 +1,83 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What --check measures: rays that leak out of closed surfaces, and secondary rays that
+ * see another thing than GRID's. */
+
+#include "leak_rays.h"
+#include "self_shadow.h"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+struct Checks
+{
+  bool leaks = false;
+  bool shadows = false;      // at the offset that is documented, and at Embree's
+  bool offsets = false;      // at many offsets
+  size_t rays = 1000000;     // for leaks, a representation
+
+  bool any() const { return leaks || shadows || offsets; }
+
+  /* By its name, as above. Throws Error. */
+  void add(const std::string& name);
+};
+
+struct ShadowCheck
+{
+  std::string view;
+  std::string offset;        // in words
+  RayOffset settings;
+  float length = INFINITY;   // of the rays
+  ShadowComparison found;
+};
+
+struct CheckResult
+{
+  std::optional<LeakCounts> leaks;
+  std::vector<ShadowCheck> shadows;
+};
+
+/* A view as GRID sees it. */
+struct CheckedView
+{
+  const std::string& name;
+  const std::vector<Ray>& primary;
+  const std::vector<SurfaceHit>& gridHits;
+  float footprint;
+};
+
+/* What all representations of a model at a level have in common. */
+class Robustness
+{
+public:
+  /* frameLevels: of the representations. Throws Error, Cancelled. */
+  Robustness(const Model& model, const BuildSettings& settings, const std::vector<int>& frameLevels,
+             const Checks& checks, uint32_t seed);
+
+  std::optional<LeakCounts> leaks(const BuiltScene& grid, const BuiltScene& scene) const;
+
+  /* hits: of the view's primary rays in the scene. */
+  std::vector<ShadowCheck> shadows(const BuiltScene& grid, const BuiltScene& scene, const CheckedView& view,
+                                   const std::vector<SurfaceHit>& hits) const;
+
+  float quadWidth() const { return meanQuadWidth; }
+
+private:
+  int blockLevel(int frameLevel) const;
+
+  Checks checks;
+  uint32_t seed;
+  int level;
+  unsigned threads;
+  float meanQuadWidth = 0;
+  std::map<int, AimPoints> points; // by frame level
+};
+
+} // namespace cbvh
