@@ -3,10 +3,11 @@
 
 #pragma once
 
-/* What the programs' option parsers share, beyond the options themselves. */
+/* What the programs' option parsers share. */
 
 #include "error.h"
 #include "representation.h"
+#include "scenes/catalogue.h"
 
 #include <CLI/CLI.hpp>
 
@@ -33,6 +34,22 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
     throw Error(e.what());
   }
   return true;
+}
+
+/* What a model is made of, but for --scene and where its maps go. */
+inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
+{
+  app.add_option("--cage", settings.cagePath, "instead of a scene: control cage, OBJ with OpenSubdiv's t tags")
+    ->type_name("FILE");
+  app.add_option("--height", settings.heightPath, "height map of the cage, any image that OpenImageIO reads")
+    ->type_name("FILE");
+  app.add_option("--amplitude", settings.amplitude,
+                 "displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding box")
+    ->type_name("A");
+  app.add_flag("--rough", settings.rough, "trex and herd: five times the amplitude");
+  app.add_option("--mapping", settings.mapping, "trex and herd: heights by faces, like Ptex, or by an atlas")
+    ->type_name("faces|atlas");
+  app.add_option("--count", settings.count, "herd: number of copies")->type_name("N");
 }
 
 /* Values of --representation and --frame-level. Throws Error that names the options. */

@@ -37,7 +37,11 @@ refuses "unknown --scene 'teapot'" --scene cube,teapot
 refuses "names 'cube' twice" --scene cube,cube
 refuses "amplitude after the colon" --scene cube:high
 refuses "either --scene"
-refuses "belong to --cage" --scene cube --height "$folder/map.exr"
+refuses "belongs to --cage" --scene cube --height "$folder/map.exr"
+refuses "belongs to --cage; one for a scene comes after a colon" --scene cube --amplitude 0.45
+refuses "count belongs to --scene herd" --scene herd,cube --count 2
+refuses "count 0 is out of range" --scene herd --count 0
+refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
 refuses "cannot be opened" --cage "$folder/missing.obj"
 refuses "missing.exr" --cage "$folder/quad.obj" --height "$folder/missing.exr"
 refuses "unknown representation 'mesh'" --scene cube --representation mesh
@@ -121,6 +125,18 @@ for r in (cgrid, cleaf):
 assert cleaf["leaks"]["missed"] == {"closest": 0, "any": 0, "through": 0}, cleaf["leaks"]
 assert all(s["errors"] == {"false_occlusions": 0, "false_passes": 0} for s in cgrid["shadows"])' "$folder/checks.json" ||
   complain "leaks or shadows are not right: $(cat "$folder/checks.json")"
+
+# The scene's own options: two copies have twice the faces, and a name of their own.
+"$program" --scene herd --count 2 --mapping atlas --level 0 --representation grid --repeat 0 --size 16x16 \
+  --maps "$folder/maps" --json "$folder/two.json" >/dev/null 2>"$folder/stderr" || complain "herd: $(cat "$folder/stderr")"
+"$program" --scene trex --mapping atlas --level 0 --representation grid --repeat 0 --size 16x16 \
+  --maps "$folder/maps" --json "$folder/one.json" >/dev/null 2>"$folder/stderr" || complain "trex: $(cat "$folder/stderr")"
+/usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "two copies are not twice one"
+import json, sys
+one, two = (json.load(open(f"{sys.argv[1]}/{name}.json"))["groups"][0] for name in ("one", "two"))
+assert (one["scene"], two["scene"]) == ("trex-atlas", "herd-atlas-2")
+assert 0 < 2 * one["faces"] == two["faces"] and 2 * one["quads"] == two["quads"]
+PYTHON
 
 # Ctrl-C after the first level: status 130, and the record holds that level, whole.
 "$program" --scene cube --level 2,8,7 --representation grid,cleaf --rays 2000 --repeat 10 --size 32x32 --json "$folder/half.json" \

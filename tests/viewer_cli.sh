@@ -27,6 +27,8 @@ refuses "either --scene" --level 2
 refuses "cannot be opened" --cage "$folder/missing.obj"
 refuses "unknown representation 'mesh'" --scene cube --representation mesh
 refuses "names more than two" --scene cube --representation grid,cleaf,cvoxel
+refuses "count 0 is out of range" --scene herd --count 0
+refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
 refuses "unknown --mode 'pretty'" --scene cube --mode pretty
 refuses "level 9 is out of range" --scene cube --level 9
 refuses "frame level '9'" --scene cube --frame-level 9

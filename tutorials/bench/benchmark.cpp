@@ -100,7 +100,7 @@ public:
     build.maxError = options.maxError * model.cage.bounds().diagonal();
     group.scene = bench.label;
     group.level = level;
-    group.faces = model.cage.numFaces();
+    group.faces = model.numFaces();
     group.quads = model.layout(level).numQuads();
   }
 

@@ -47,10 +47,13 @@ int parseInteger(const std::string& option, const std::string& word, int lower, 
   return value;
 }
 
-BenchScene parseScene(const std::string& word)
+/* settings: of all scenes on the command line. */
+BenchScene parseScene(const std::string& word, const SceneSettings& settings)
 {
-  BenchScene scene;
-  scene.label = word;
+  BenchScene scene{word, settings};
+  scene.label += settings.rough ? "-rough" : "";
+  scene.label += settings.mapping.empty() ? "" : "-" + settings.mapping;
+  scene.label += settings.count ? "-" + std::to_string(*settings.count) : "";
   const size_t mark = word.find(':');
   scene.settings.scene = word.substr(0, mark);
   if (mark != std::string::npos)
@@ -130,7 +133,7 @@ const char* raySetName(RaySet set)
 std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machine& machine)
 {
   BenchOptions o;
-  SceneSettings cage;
+  SceneSettings settings;
   std::string scenes, levels = "6", representations = "naive,grid,cgrid,cvoxel,cleaf", frameLevels = "2";
   std::string isas = "best", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
   std::string size = "768x768";
@@ -143,12 +146,7 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
                "cbvh_bench");
   app.add_option("--scene", scenes, "comma list of " + listOfScenes() + "; an amplitude of its own after a colon")
     ->type_name("LIST");
-  app.add_option("--cage", cage.cagePath, "instead: a control cage, OBJ with OpenSubdiv's t tags")->type_name("FILE");
-  app.add_option("--height", cage.heightPath, "height map of the cage, any image that OpenImageIO reads")
-    ->type_name("FILE");
-  app.add_option("--amplitude", cage.amplitude,
-                 "displacement of the cage between heights 0 and 1, as a fraction of the diagonal of its bounding box")
-    ->type_name("A");
+  addSceneOptions(app, settings);
   app.add_option("--view", views, "full, close, or ex,ey,ez,lx,ly,lz,fov; may be given several times")
     ->type_name("LIST")->default_str("full");
   app.add_option("--level", levels, "subdivision levels, 0 to 8")->type_name("LIST")->capture_default_str();
@@ -200,17 +198,17 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
     std::puts(formatAbout(machine).c_str());
     return std::nullopt;
   }
-  if (scenes.empty() || !cage.cagePath.empty())
+  if (scenes.empty() || !settings.cagePath.empty())
   {
-    cage.scene = scenes;
-    validateScene(cage);
-    o.scenes.push_back({std::filesystem::path(cage.cagePath).stem().string(), cage});
+    settings.scene = scenes;
+    validateScene(settings);
+    o.scenes.push_back({std::filesystem::path(settings.cagePath).stem().string(), settings});
   }
-  else if (!cage.heightPath.empty() || cage.amplitude)
-    throw Error("--height and --amplitude belong to --cage; an amplitude for a scene comes after a colon, cube:0.45");
+  else if (settings.amplitude)
+    throw Error("--amplitude belongs to --cage; one for a scene comes after a colon, cube:0.45");
   else
     for (const std::string& word : split("--scene", scenes))
-      o.scenes.push_back(parseScene(word));
+      o.scenes.push_back(parseScene(word, settings));
   o.size = parseImageSize(size);
   o.views = parseViews(views.empty() ? std::vector<std::string>{"full"} : views, o.size);
   for (const std::string& word : split("--level", levels))

@@ -23,7 +23,7 @@ const char* raySetName(RaySet set);
 
 struct BenchScene
 {
-  std::string label;      // as on the command line: "cube", "cube:0.45"
+  std::string label;      // as on the command line: "cube", "cube:0.45", "herd-40"
   SceneSettings settings;
 };
 

@@ -19,15 +19,7 @@ std::optional<Options> parseOptions(int argc, char** argv)
                "Writes for each a shaded picture, the hits as EXR, and the error against GRID as a heat map.",
                "cbvh_render");
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
-  app.add_option("--cage", o.scene.cagePath, "control cage, OBJ with OpenSubdiv's t tags")->type_name("FILE");
-  app.add_option("--height", o.scene.heightPath, "height map of the cage, any image that OpenImageIO reads")->type_name("FILE");
-  app.add_option("--amplitude", o.scene.amplitude,
-                 "displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding box")
-    ->type_name("A");
-  app.add_flag("--rough", o.scene.rough, "trex and herd: five times the amplitude");
-  app.add_option("--mapping", o.scene.mapping, "trex and herd: heights by faces, like Ptex, or by an atlas")
-    ->type_name("faces|atlas");
-  app.add_option("--count", o.scene.count, "herd: number of copies")->type_name("N");
+  addSceneOptions(app, o.scene);
   app.add_option("--representation", representations,
                  "comma list of naive, grid, cgrid, cvoxel, cleaf; a frame level of its own after ^ or :")
     ->type_name("LIST")->capture_default_str();

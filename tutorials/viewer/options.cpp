@@ -30,12 +30,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
                "that lists its keys, or in a picture with --screenshot.",
                "cbvh_viewer");
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
-  app.add_option("--cage", o.scene.cagePath, "control cage, OBJ with OpenSubdiv's t tags")->type_name("FILE");
-  app.add_option("--height", o.scene.heightPath, "height map of the cage, any image that OpenImageIO reads")->type_name("FILE");
-  app.add_option("--amplitude", o.scene.amplitude,
-                 "displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding box")
-    ->type_name("A");
-  app.add_flag("--rough", o.scene.rough, "trex: five times the amplitude");
+  addSceneOptions(app, o.scene);
   app.add_option("--maps", o.scene.mapFolder, "folder for the height maps of generated scenes")->type_name("DIR")->capture_default_str();
   app.add_option("--representation", representations,
                  "naive, grid, cgrid, cvoxel or cleaf, a frame level of its own after ^ or :; "
