@@ -23,26 +23,42 @@ Camera Camera::fit(const std::vector<Vec3f>& points, float radius, const ViewHin
 {
   /* In axes of the camera, a ball at (x,y,z) is left of the right border plane of an
    * eye at (ex,ey,ez) when x - z t + radius / cos <= ex - ez t, t the tangent of half
-   * the field of view; likewise for the other three. The largest left sides of
-   * opposite planes give the nearest eye, and the middle between them. */
+   * the field of view; likewise for the other three. The largest left sides a and b of
+   * opposite planes give the nearest eye. From there, the narrowest pair of planes
+   * with all balls between them has the middle of the picture between them. */
   constexpr float rim = 0.96f;
   const Vec3f direction = normalize(hints.direction);
   const Camera probe(-direction, {}, hints.up, fov, size);
   const float tans[2] = {rim * 0.5f * probe.pixel * float(size.width), rim * 0.5f * probe.pixel * float(size.height)};
   const Vec3f axes[2] = {probe.right, probe.down};
+  const auto sides = [&](Vec3f axis, float tan) {
+    const float grow = radius * std::sqrt(1.0f + tan * tan);
+    Vec2f side{-INFINITY, -INFINITY};
+    for (const Vec3f& p : points)
+    {
+      const float x = dot(p, axis), z = dot(p, direction);
+      side.x = std::max(side.x, x - z * tan + grow);
+      side.y = std::max(side.y, -x - z * tan + grow);
+    }
+    return side;
+  };
   float middle[2], nearest = INFINITY;
   for (int i = 0; i < 2; i++)
   {
-    const float grow = radius * std::sqrt(1.0f + tans[i] * tans[i]);
-    float a = -INFINITY, b = -INFINITY;
-    for (const Vec3f& p : points)
+    const Vec2f side = sides(axes[i], tans[i]);
+    nearest = std::min(nearest, -0.5f * (side.x + side.y) / tans[i]);
+  }
+  for (int i = 0; i < 2; i++)
+  {
+    float narrow = 0.0f, wide = tans[i];
+    for (int step = 0; step < 20; step++)
     {
-      const float x = dot(p, axes[i]), z = dot(p, direction);
-      a = std::max(a, x - z * tans[i] + grow);
-      b = std::max(b, -x - z * tans[i] + grow);
+      const float tan = 0.5f * (narrow + wide);
+      const Vec2f side = sides(axes[i], tan);
+      (side.x + side.y <= -2.0f * nearest * tan ? wide : narrow) = tan;
     }
-    middle[i] = 0.5f * (a - b);
-    nearest = std::min(nearest, -0.5f * (a + b) / tans[i]);
+    const Vec2f side = sides(axes[i], wide);
+    middle[i] = 0.5f * (side.x - side.y);
   }
   const Vec3f eye = middle[0] * axes[0] + middle[1] * axes[1] + nearest * direction;
   Box3f box;

@@ -4,7 +4,8 @@
 # Tests of common/ and of the programs in tutorials/. Included by CMakeLists.txt,
 # after cbvh_test.
 
-foreach(unit cage_tags cage_validation displacement hit_metrics height_map obj_reader ray_sets representation scenes)
+foreach(unit cage_tags cage_validation camera displacement hit_metrics height_map obj_reader ray_sets representation
+        scenes)
   cbvh_test(${unit} LIBRARIES cbvh_common)
 endforeach()
 

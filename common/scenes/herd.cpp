@@ -27,7 +27,7 @@ Model makeHerd(const TrexSettings& settings, int count)
     copy.scale = 0.92f + 0.3f * (random(4) + 0.5f) * (i % 3 == 1 ? -1.0f : 1.0f) * 0.8f;
     model.copies.push_back(copy);
   }
-  model.view.direction = {-0.85f, -0.2f, -0.5f};
+  model.view.direction = {-0.8f, -0.45f, -0.5f};
   model.view.closePoint = {0.5f, 0.55f};
   model.view.closeDistance = 0.18f;
   return model;
