@@ -8,10 +8,10 @@
     scripts/benchmark.py paper        everything that the paper shows
     scripts/benchmark.py full         that, and packets, threads, instruction sets, large scenes
 
-Each scene and level is a record of its own under output/benchmark/SET. A run that
-was stopped goes on where it was when the same command is given again; a record that
-is damaged, or of another build, is measured again. scripts/report.py makes a page
-of the records.
+Each scene is a record of its own under output/benchmark/SET, written anew after each
+level. A run that was stopped goes on where it was when the same command is given
+again; a record that is damaged, or of another build, is measured again.
+scripts/report.py makes a page of the records.
 """
 
 import argparse
@@ -48,7 +48,7 @@ def read_arguments():
     parser.add_argument("--cage", metavar="FILE", help="measure this OBJ instead of the set's scenes")
     parser.add_argument("--height", metavar="FILE", help="height map of the cage")
     parser.add_argument("--amplitude", metavar="A", help="displacement of the cage, in diagonals of its bounding box")
-    parser.add_argument("--output", metavar="DIR", help="folder of the records (default: output/benchmark/SET)")
+    parser.add_argument("--output", metavar="DIR", help="folder of the records (default: output/benchmark/SET, or the name of the cage)")
     parser.add_argument("--bench", metavar="FILE", help="program (default: build/release/tutorials/bench/cbvh_bench)")
     parser.add_argument("--fresh", action="store_true", help="measure again what has been measured")
     parser.add_argument("--list", action="store_true", help="say what the set measures, and end")
@@ -227,7 +227,8 @@ def run(options):
                 f"about {job.seconds} s"
             )
         return 0
-    folder = Path(options.output) if options.output else ROOT / "output/benchmark" / options.set
+    where = options.output or f"output/benchmark/{Path(options.cage).stem if options.cage else options.set}"
+    folder = Path(where) if options.output else ROOT / where
     try:
         (folder / "pictures").mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -268,7 +269,6 @@ def run(options):
         else:
             failed += 1
             progress.say(f"  {job.name:14s} failed with status {status}: {complaint}")
-    where = f"{folder}" if options.output else f"output/benchmark/{options.set}"
     print(f"records in {where}; a page of them: scripts/report.py {where}")
     return 1 if failed else 0
 

@@ -20,6 +20,7 @@ import report_data as d  # noqa: E402
 import report_figures as f  # noqa: E402
 import report_page as p  # noqa: E402
 import report_sections as sections  # noqa: E402
+import report_tables as tables  # noqa: E402
 from report_relations import relations  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -90,7 +91,7 @@ def header(data, against, source):
 def make_page(data, against, source):
     table = relations(data)
     contents = {
-        "relations": ("The paper's relations", sections.relation_section(table)),
+        "relations": ("The paper's relations", tables.relation_section(table)),
         "figure10": ("Figure 10", sections.figure_10(data)),
         "figure11": ("11", sections.figure_11(data)),
         "pictures": ("12 to 15, 18", sections.figures_12_to_18(data)),
@@ -98,8 +99,8 @@ def make_page(data, against, source):
         "figure17": ("17", sections.figure_17(data)),
         "tradeoffs": ("Speed, memory and error", sections.tradeoffs(data)),
         "growth": ("Growth", sections.growth(data)),
-        "entrances": ("Packets", sections.entrances(data)),
-        "all": ("All", sections.details(data)),
+        "entrances": ("Packets", tables.entrances(data)),
+        "all": ("All", tables.all_measurements(data)),
     }
     links = [(name, text) for name, (text, _) in contents.items()]
     title = "Embree CBVH: benchmark report"
@@ -180,10 +181,10 @@ def main():
     data = read(options.folder)
     against = read(options.against) if options.against else None
     output = Path(options.output) if options.output else Path(options.folder) / "report.html"
-    tables = Path(options.tables) if options.tables else output.with_name("tables.md")
+    markdown = Path(options.tables) if options.tables else output.with_name("tables.md")
     write(output, make_page(data, against, Path(options.folder).name))
-    write(tables, make_tables(data))
-    print(f"{output} ({output.stat().st_size / 2**20:.1f} MiB), {tables}")
+    write(markdown, make_tables(data))
+    print(f"{output} ({output.stat().st_size / 2**20:.1f} MiB), {markdown}")
     return 0
 
 

@@ -1,0 +1,145 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""The sections of the report that are tables."""
+
+import re
+from html import escape
+
+import report_figures as f
+import report_page as p
+
+
+def entrances(data):
+    rows = [row for row in data.rows if row.job == "entrances" and row.isa == data.isa] or [
+        row for row in data.rows if any(s["mode"] != "single" for s in row.speeds)
+    ]
+    modes = ("single", "packet4", "packet8", "packet16", "stream")
+    heads, table = ["", "set", "query", "threads"] + list(modes), []
+    for row in sorted(rows, key=lambda row: (row.scene, row.level, f.sort_key(row.label))):
+        for view, ray_set, query, threads in sorted(
+            {(s["view"], s["set"], s["query"], s["threads"]) for s in row.speeds}
+        ):
+            cells = []
+            for mode in modes:
+                s = row.speed(view, ray_set, query, mode, threads)
+                cells.append(
+                    f"{s['mrays_per_second']['median']:.2f} <span class=\"soft\">({100 * s['relative_to_grid']['median']:.0f}%)"
+                    "</span>"
+                    if s
+                    else "-"
+                )
+            table.append(
+                [
+                    f'{p.label(row.label)} <span class="soft">{escape(row.scene)} L{row.level} {view}</span>',
+                    ray_set,
+                    query,
+                    str(threads),
+                ]
+                + cells
+            )
+    body = (
+        p.table(heads, table, (0, 1, 2))
+        if table
+        else p.missing("packets and streams: the job 'entrances' of scripts/benchmark.py")
+    )
+    return p.section(
+        "entrances",
+        "Packets, streams and any hit",
+        "<p>Million rays a second through each entrance of the API, and, in "
+        "brackets, relative to GRID through the same.</p>",
+        body,
+        p.command(*(row.command for row in rows)),
+    )
+
+
+def verdict(relation):
+    return {
+        True: '<span class="yes">holds</span>',
+        False: '<span class="no">does not hold</span>',
+        None: '<span class="none">not measured</span>',
+    }[relation.holds]
+
+
+def raised(text):
+    """Frame levels raised: cLEAF^2."""
+    return re.sub(r"\^(\w+)", r"<sup>\1</sup>", escape(text))
+
+
+def relation_section(table):
+    rows = [[raised(r.claim), escape(r.paper), escape(r.ours), verdict(r)] for r in table]
+    return p.section(
+        "relations",
+        "The paper's relations",
+        "<p>Memory, error and speed ranges hold when ours are at least as good as "
+        "the paper's; comparisons hold when ours go the same way.</p>",
+        p.table(["relation", "paper", "ours", ""], rows, (0, 1, 2, 3), stack=True),
+        p.command(*(r.row.command for r in table if r.row)),
+    )
+
+
+def details(data):
+    heads = [
+        "",
+        "isa",
+        "level",
+        "quads",
+        "MiB",
+        "bytes a quad",
+        "peak MiB",
+        "build s",
+        "view",
+        "RMSE",
+        "median",
+        "p99",
+        "max",
+        "bias",
+        "false hits",
+        "misses",
+        "bounces wrong",
+    ]
+    rows = []
+    for row in sorted(data.rows, key=lambda r: (r.scene, r.level, f.sort_key(r.label), r.isa, r.job)):
+        for view, found in row.views.items():
+            e, b = found["errors"], found["bounced"]
+            wrong = 100 * (b["false_hits"] + b["misses"]) / max(1, b["rays"])
+            rows.append(
+                [
+                    f"{escape(row.scene)} {p.label(row.label)}",
+                    row.isa,
+                    str(row.level),
+                    str(row.quads),
+                    f"{row.bytes / 2**20:.2f}",
+                    f"{row.memory['bytes_per_quad']:.2f}",
+                    f"{row.memory['peak_bytes'] / 2**20:.2f}",
+                    f"{row.build_seconds:.3f}",
+                    escape(view),
+                ]
+                + [f.error_text(e[key]) for key in ("rmse_pixels", "median_pixels", "p99_pixels", "max_pixels")]
+                + [f"{e['bias_pixels']:+.4f}", str(e["false_hits"]), str(e["misses"]), f"{wrong:.2f}%"]
+            )
+    return rows_of_all("Memory, build and error", heads, rows)
+
+
+def speeds(data):
+    heads = ["", "isa", "level", "view", "rays", "query", "entrance", "threads", "Mrays/s", "of GRID", "spread", "rounds"]
+    rows = []
+    for row in sorted(data.rows, key=lambda r: (r.scene, r.level, f.sort_key(r.label), r.isa, r.job)):
+        for s in row.speeds:
+            ratio = s["relative_to_grid"]
+            rows.append(
+                [f"{escape(row.scene)} {p.label(row.label)}", row.isa, str(row.level), escape(s["view"])]
+                + [s[key] for key in ("set", "query", "mode")]
+                + [str(s["threads"]), f"{s['mrays_per_second']['median']:.3f}"]
+                + [f"{100 * ratio['median']:.1f}%", f"{100 * ratio['spread']:.1f}%", str(len(s["seconds"]))]
+            )
+    return rows_of_all("Speed, and how far its ratios to GRID spread", heads, rows)
+
+
+def rows_of_all(title, heads, rows):
+    body = p.table(heads, rows) if rows else p.missing("no record could be read")
+    return f"<details><summary>{title}, every combination</summary>{body}</details>"
+
+
+def all_measurements(data):
+    return p.section("all", "All measurements", details(data), speeds(data))
