@@ -21,7 +21,7 @@ namespace cbvh {
 
 using Vec = std::array<float, 3>;
 
-// Device that keeps the last error and what the memory monitor says is live.
+// Device that keeps the last error, counts errors and what the memory monitor says is live.
 class Device
 {
 public:
@@ -31,6 +31,7 @@ public:
     rtcSetDeviceErrorFunction(device, [](void* self, RTCError error, const char* text) {
       ((Device*)self)->lastError = error;
       ((Device*)self)->message = text ? text : "";
+      ((Device*)self)->errors++;
     }, this);
   }
   ~Device() { if (device) rtcReleaseDevice(device); }
@@ -43,6 +44,7 @@ public:
   // The error since the last call, and clears it.
   RTCError takeError() { rtcGetDeviceError(device); return std::exchange(lastError, RTC_ERROR_NONE); }
   std::string message;
+  unsigned errors = 0;
 
 private:
   RTCDevice device;

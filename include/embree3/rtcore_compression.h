@@ -12,6 +12,12 @@
  * ("subdiv_accel=cbvh.leaf,cbvh_frame_level=2"), the environment variable
  * EMBREE_CBVH ("leaf,level=2"), Embree's own default (vertex grids).
  *
+ * Quads with a vertex that is not finite, as a displacement function may return it,
+ * are left out of a compressed geometry. The commit succeeds with all others, and
+ * reports RTC_ERROR_INVALID_ARGUMENT to the thread that commits, once for each such
+ * geometry that changed since the last commit; the message names the geometry and the
+ * first face. cVOXEL cannot leave a quad out: it stores patches with holes as cLEAF.
+ *
  * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression
  * Scheme for Ray Tracing Subdivision Surfaces with Displacement", 2018. */
 

@@ -11,6 +11,7 @@
 #include "../bvh/bvh_builder.h"
 #include "../builders/bvh_builder_sah.h"
 #include "patch_builder.h"
+#include "factory.h"
 
 namespace embree
 {
@@ -24,7 +25,7 @@ namespace embree
 
       BVH4* bvh;
       Scene* scene;
-      RTCCompressionStatistics* statistics;
+      CompressionReport* report;
       mvector<PrimRef> prims;
 
       /*! faces of a geometry that a task takes at a time: a face is worth milliseconds at
@@ -35,14 +36,15 @@ namespace embree
       static const size_t progressQuads = 1 << 15;
 
     public:
-      CompressedSubdivBuilder (BVH4* bvh, Scene* scene, RTCCompressionStatistics* statistics)
-        : bvh(bvh), scene(scene), statistics(statistics), prims(scene->device,0) {}
+      CompressedSubdivBuilder (BVH4* bvh, Scene* scene, CompressionReport* report)
+        : bvh(bvh), scene(scene), report(report), prims(scene->device,0) {}
 
       void clear () { prims.clear(); }
 
       void build ()
       {
-        *statistics = RTCCompressionStatistics();
+        report->statistics = RTCCompressionStatistics();
+        report->errors.clear();
         prims.clear();
         if (scene->getNumPrimitives(SubdivMesh::geom_type,false) == 0) { setEmpty(); return; }
         const double t0 = bvh->preBuild(TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
@@ -64,7 +66,7 @@ namespace embree
         cbvh::BuildStatistics all;
         for (const auto& table : tables)
           buildFaces(*table,all);
-        *statistics = all.sums;
+        report->statistics = all.sums;
 
         buildTopLevel(compact());
         if (scene->isStaticAccel()) prims.clear();
@@ -169,6 +171,7 @@ namespace embree
             for (size_t f=faces.begin(); f!=faces.end(); f++)
             {
               PrimRef* out = prims.data() + table.offset[f];
+              const size_t invalid = builder.statistics.sums.numInvalidQuads;
               if (plan.mesh->valid(f))
                 forEachPatch(plan.mesh,f,[&](const Vec2f uv[4], const int subdiv[4], const float edgeLevel[4], int subPatch, const float rate[4]) {
                     const SubdivPatch1Base patch(plan.geomID,unsigned(f),unsigned(subPatch),plan.mesh,0,uv,edgeLevel,subdiv,VSIZEX);
@@ -177,6 +180,7 @@ namespace embree
                     else           out += builder.buildBlocks(patch,unsigned(level),table.frameLevelOf(f,unsigned(level)),out);
                     quads += size_t(patch.grid_u_res-1)*size_t(patch.grid_v_res-1);
                   });
+              if (builder.statistics.sums.numInvalidQuads != invalid) builder.statistics.addInvalidFace(f);
               if (quads >= progressQuads || f+1 == faces.end()) {
                 scene->progressMonitor(double(f+1-reported));
                 reported = f+1;
@@ -187,6 +191,9 @@ namespace embree
             total.merge(builder.statistics);
           });
         tell(plan,total);
+        /* a surface that did not change since the last commit was reported then */
+        if (total.invalidFaces && scene->isGeometryModified(plan.geomID))
+          report->errors.push_back(describeInvalid(plan,total));
         all.merge(total);
       }
 
@@ -201,6 +208,15 @@ namespace embree
         if (total.refusedQuads)
           std::cout << "compression: geometry " << plan.geomID << ": " << total.refusedQuads
                     << " quads of blocks that have no good frame (lines, outliers) are traced by GRID" << std::endl;
+        if (total.leafQuads)
+          std::cout << "compression: geometry " << plan.geomID << ": " << total.leafQuads
+                    << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;
+      }
+
+      static std::string describeInvalid (const CompressionPlan& plan, const cbvh::BuildStatistics& total)
+      {
+        return "geometry " + std::to_string(plan.geomID) + ", face " + std::to_string(total.firstInvalidFace) + ": vertices are not finite; left out of "
+          + std::to_string(total.invalidFaces) + " face(s): " + std::to_string(total.sums.numInvalidQuads) + " quads";
       }
 
       /*! closes the gaps that dropped blocks left */
@@ -232,7 +248,7 @@ namespace embree
         settings.singleThreadThreshold = DEFAULT_SINGLE_THREAD_THRESHOLD;
         const BVH4::NodeRef root = BVHNBuilderVirtual<4>::build(&bvh->alloc,createLeaf,virtualProgress,prims.data(),pinfo,settings);
         bvh->set(root,LBBox3fa(pinfo.geomBounds),pinfo.size());
-        statistics->topLevelBytes = countNodes(root)*sizeof(BVH4::AABBNode);
+        report->statistics.topLevelBytes = countNodes(root)*sizeof(BVH4::AABBNode);
         bvh->layoutLargeNodes(size_t(pinfo.size()*0.005f));
       }
 
@@ -245,8 +261,8 @@ namespace embree
       }
     };
 
-    Builder* BVH4CompressedSubdivBuilder (void* bvh, Scene* scene, RTCCompressionStatistics* statistics) {
-      return new CompressedSubdivBuilder((BVH4*)bvh,scene,statistics);
+    Builder* BVH4CompressedSubdivBuilder (void* bvh, Scene* scene, CompressionReport* report) {
+      return new CompressedSubdivBuilder((BVH4*)bvh,scene,report);
     }
   }
 }

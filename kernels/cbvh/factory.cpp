@@ -14,7 +14,7 @@ namespace embree
   DECLARE_SYMBOL2(Accel::Intersector8,BVH4CompressedSubdivIntersector8);
   DECLARE_SYMBOL2(Accel::Intersector16,BVH4CompressedSubdivIntersector16);
   DECLARE_SYMBOL2(Accel::IntersectorN,BVH4CompressedSubdivIntersectorN);
-  DECLARE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA RTCCompressionStatistics*);
+  DECLARE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA CompressionReport*);
 
   namespace
   {
@@ -25,7 +25,7 @@ namespace embree
       DEFINE_SYMBOL2(Accel::Intersector8,BVH4CompressedSubdivIntersector8);
       DEFINE_SYMBOL2(Accel::Intersector16,BVH4CompressedSubdivIntersector16);
       DEFINE_SYMBOL2(Accel::IntersectorN,BVH4CompressedSubdivIntersectorN);
-      DEFINE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA RTCCompressionStatistics*);
+      DEFINE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA CompressionReport*);
 
       Symbols (int features, int builderFeatures)
       {
@@ -98,6 +98,18 @@ namespace embree
 
   void reportCompressionOfMotionBlur (Scene* scene) { reportCompression(scene,true); }
 
+  void reportBuildErrors (Scene* scene)
+  {
+    std::vector<std::string> errors;
+    for (Accel* accel : scene->accels)
+      if (CompressedSubdivAccel* compressed = dynamic_cast<CompressedSubdivAccel*>(accel)) {
+        Lock<MutexSys> lock(compressed->report->mutex);
+        errors.swap(compressed->report->errors);
+      }
+    for (const std::string& error : errors)
+      Device::process_error(scene->device,RTC_ERROR_INVALID_ARGUMENT,error.c_str());
+  }
+
   Accel* createCompressedSubdivAccel (Scene* scene)
   {
     if (!hasCompressedGeometry(scene)) return nullptr;
@@ -106,8 +118,8 @@ namespace embree
     const Symbols symbols(device->enabled_cpu_features,device->enabled_builder_cpu_features);
 
     BVH4* bvh = new BVH4(SubdivPatch1::type,scene);
-    RTCCompressionStatistics* statistics = new RTCCompressionStatistics;
-    Builder* builder = symbols.BVH4CompressedSubdivBuilder(bvh,scene,statistics);
+    CompressionReport* report = new CompressionReport;
+    Builder* builder = symbols.BVH4CompressedSubdivBuilder(bvh,scene,report);
 
     Accel::Intersectors intersectors;
     intersectors.ptr = bvh;
@@ -120,6 +132,6 @@ namespace embree
     if (device->verbosity(1))
       std::cout << "compression: packets and streams of rays are traced one ray at a time" << std::endl;
 #endif
-    return new CompressedSubdivAccel(bvh,builder,intersectors,statistics);
+    return new CompressedSubdivAccel(bvh,builder,intersectors,report);
   }
 }

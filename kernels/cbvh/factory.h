@@ -5,18 +5,28 @@
 
 #include "../common/accelinstance.h"
 #include "../../include/embree3/rtcore_compression.h"
+#include <string>
+#include <vector>
 
 namespace embree
 {
   class Scene;
 
+  /*! what a build leaves behind besides its BVH */
+  struct CompressionReport
+  {
+    RTCCompressionStatistics statistics = RTCCompressionStatistics();
+    std::vector<std::string> errors; //!< that did not stop it, for reportBuildErrors
+    MutexSys mutex;                  //!< of errors, which any thread that joins a commit may fetch
+  };
+
   /*! accelerator of a scene's subdivision surfaces where at least one is compressed */
   struct CompressedSubdivAccel : public AccelInstance
   {
-    CompressedSubdivAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, RTCCompressionStatistics* statistics)
-      : AccelInstance(accel,builder,intersectors), statistics(statistics) {}
+    CompressedSubdivAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report)
+      : AccelInstance(accel,builder,intersectors), report(report) {}
 
-    std::unique_ptr<RTCCompressionStatistics> statistics; //!< of the last build
+    std::unique_ptr<CompressionReport> report; //!< of the last build
   };
 
   /*! Whether a scene that keeps its accelerators, as dynamic ones do, has to get new ones:
@@ -25,6 +35,10 @@ namespace embree
 
   /*! Tells at verbosity 1 of surfaces that ask for compression but have motion blur. */
   void reportCompressionOfMotionBlur (Scene* scene);
+
+  /*! Hands the errors of the last build to the device, once. Called by the thread that
+   *  commits: a device keeps the error of each thread, and builds run on any. */
+  void reportBuildErrors (Scene* scene);
 
   /*! Accelerator for all subdivision surfaces of a scene without motion blur; null
    *  when none of them is to be compressed. Selects builder and intersectors for the

@@ -107,6 +107,7 @@ namespace embree
         /* a node has no code for a child without surface: where quads are left out, leaves say so */
         const bool hasHoles = !grid.isFinite();
         const cbvh::Kind kind = plan.kind() == cbvh::Kind::VOXEL && hasHoles ? cbvh::Kind::LEAF : plan.kind();
+        if (kind != plan.kind()) statistics.leafQuads += size_t(1) << (2*level);
         const size_t count = size_t(1) << (2*frameLevel);
         /* one piece of memory a patch: small pieces cost the allocator's rounding each;
          * several for a large patch, as it takes none above 2 MiB */
@@ -193,6 +194,11 @@ namespace embree
           return buildGrid(patch,e.x*quads,(e.x+1)*quads,e.y*quads,(e.y+1)*quads);
         }
         if (!fits) return drop(e);
+        if (finite != count && encoder.getFrame().degenerate && e.kind != cbvh::Kind::GRID) {
+          /* GridSOA takes no holes, but cGRID's triangles are as exact in any frame */
+          Encoding exact(cbvh::Kind::GRID,e.level,e.height,cbvh::morton(e.x,e.y));
+          return buildBlock(patch,exact,(cbvh::Block*)alloc.malloc1(exact.layout.stride(),cbvh::BlockLayout::alignment));
+        }
 
         cbvh::BlockStatistics blockStatistics;
         encoder.encode(block,e.level,e.x,e.y,blockStatistics);

@@ -57,7 +57,7 @@ RTC_API void rtcGetSceneCompressionStatistics (RTCScene hscene, struct RTCCompre
   *stats = RTCCompressionStatistics();
   for (Accel* accel : scene->accels)
     if (const CompressedSubdivAccel* compressed = dynamic_cast<CompressedSubdivAccel*>(accel))
-      *stats = *compressed->statistics;
+      *stats = compressed->report->statistics;
   RTC_CATCH_END2(scene);
 }
 

@@ -7,6 +7,8 @@
 
 #include "block_encoder.h"
 #include "../../include/embree3/rtcore_compression.h"
+#include <algorithm>
+#include <limits>
 
 namespace embree
 {
@@ -17,6 +19,15 @@ namespace embree
       RTCCompressionStatistics sums = RTCCompressionStatistics();
       size_t otherRateQuads = 0;   //!< traced by GRID for their edge rates
       size_t refusedQuads = 0;     //!< traced by GRID as their block has no good frame
+      size_t leafQuads = 0;        //!< of cVOXEL patches that holes make cLEAF
+      size_t invalidFaces = 0;     //!< with quads that are left out
+      size_t firstInvalidFace = std::numeric_limits<size_t>::max();
+
+      void addInvalidFace (size_t face)
+      {
+        invalidFaces++;
+        firstInvalidFace = std::min(firstInvalidFace,face);
+      }
 
       void addBlock (Kind kind, uint32_t height, const BlockStatistics& block)
       {
@@ -48,6 +59,9 @@ namespace embree
         if (other.sums.maxLeafThickness > sums.maxLeafThickness) sums.maxLeafThickness = other.sums.maxLeafThickness;
         otherRateQuads += other.otherRateQuads;
         refusedQuads += other.refusedQuads;
+        leafQuads += other.leafQuads;
+        invalidFaces += other.invalidFaces;
+        firstInvalidFace = std::min(firstInvalidFace,other.firstInvalidFace);
       }
     };
   }}
