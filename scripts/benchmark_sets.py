@@ -47,13 +47,13 @@ def portraits(measure, seconds):
 
 def quick():
     return (
-        cube("full", "--size 768x768 --rays 30000 --repeat 4", 30)
+        cube("full", "--size 768x768 --rays 30000 --repeat 9", 30)
         + [Job("trex", "figures 11, 12, 16, 17", "trex", [4, 5, 6],
-               f"--representation {MAIN} --view full,close --picture-level 6 --size 768x768 --rays 50000 --repeat 5", 130)]
-        + portraits("--size 768x768 --rays 50000 --repeat 3", 12)
+               f"--representation {MAIN} --view full,close --picture-level 6 --size 768x768 --rays 50000 --repeat 9", 140)]
+        + portraits("--size 768x768 --rays 50000 --repeat 5", 12)
         + [Job("entrances", "packets, streams, any hit", "trex", [4],
-               f"--representation grid,cgrid^2,cvoxel^2,cleaf^2 --view full {ENTRANCES} --size 768x768 --rays 40000 --repeat 3",
-               30)]
+               f"--representation grid,cgrid^2,cvoxel^2,cleaf^2 --view full {ENTRANCES} --size 768x768 --rays 40000 --repeat 5",
+               35)]
     )
 
 

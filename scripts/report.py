@@ -40,8 +40,11 @@ def noise_text(data, against):
     text = (
         "<p><b>Noise.</b> The middle half of the ratios to GRID of a combination spreads by "
         f"{100 * found['median']:.1f}% (median of {found['count']} combinations; the worst {100 * found['max']:.0f}%, "
-        f"{found['beyond']} beyond 5%): {judged}. One thread is timed by its processor time, so other programs cost "
-        "caches and clock, not turns.</p>"
+        f"{found['beyond']} beyond 5%): {judged}. By that, a median is good to {100 * found['unsure']:.1f}%, 95 of 100 "
+        f"to {100 * found['unsure_95']:.1f}%, and ratios that are closer do not differ. One thread is timed by its "
+        "processor time, so other programs cost caches and clock, not turns: that hits GRID, which has more to cache, "
+        "harder, and may differ from run to run. How far a second run is apart, <code>--against</code> says. The spread "
+        "of each ratio is in the last table.</p>"
     )
     if against is not None:
         apart = d.compare_runs(data, against)
@@ -49,7 +52,8 @@ def noise_text(data, against):
             good = "less than 5%" if apart["beyond"] == 0 else f"{apart['beyond']} of them by more than 5%"
             text += (
                 f"<p><b>Two runs.</b> Medians of ratios to GRID of {apart['count']} combinations differ by "
-                f"{100 * apart['median']:.1f}% (median) and at most {100 * apart['max']:.1f}%: {good}.</p>"
+                f"{100 * apart['median']:.1f}% (median), 95 of 100 by less than {100 * apart['p95']:.1f}%, and at most "
+                f"{100 * apart['max']:.1f}%: {good}.</p>"
             )
         else:
             text += "<p><b>Two runs.</b> They have no measurement in common.</p>"
@@ -144,7 +148,7 @@ def make_tables(data):
         lines.append("")
     lines += ["| relation | paper | ours | |", "|:--|:--|:--|:--|"]
     for r in relations(data):
-        lines.append(f"| {r.claim} | {r.paper} | {r.ours} | {verdict(r)} |")
+        lines.append(f"| {r.claim} | {r.paper} | {r.ours} | {verdict(r)}{': ' + r.reason if r.reason else ''} |")
     return "\n".join(lines) + "\n"
 
 

@@ -3,6 +3,7 @@
 
 """The measurements of a folder of records, flattened so that figures can ask for them."""
 
+import math
 import re
 from pathlib import Path
 
@@ -120,22 +121,37 @@ def median(values):
     return ordered[n // 2] if n % 2 else 0.5 * (ordered[n // 2 - 1] + ordered[n // 2])
 
 
+def percentile(values, part):
+    """By nearest rank."""
+    return sorted(values)[min(len(values) - 1, int(part * len(values)))]
+
+
+def uncertainty(speed):
+    """Twice the standard deviation of the median of the ratios to GRID, as a part of it, were their noise normal: the
+    middle half of a normal distribution is 1.35 deviations wide, that of the median of n is 1.25 / sqrt(n)."""
+    return 2 * 1.25 * speed["relative_to_grid"]["spread"] / 1.35 / math.sqrt(len(speed["seconds"]))
+
+
 def noise(data):
-    """Spread (middle half over median) of the ratios to GRID, of all measurements but GRID's: median, largest, and
-    how many are beyond 5%. None without measurements."""
-    spreads = [s["relative_to_grid"]["spread"] for row in data.rows if row.kind != "GRID" for s in row.speeds]
-    if not spreads:
+    """Of the ratios to GRID, of all measurements but GRID's: their spread (middle half over median) and how sure their
+    medians are. None without measurements."""
+    speeds = [s for row in data.rows if row.kind != "GRID" for s in row.speeds]
+    if not speeds:
         return None
+    spreads = [s["relative_to_grid"]["spread"] for s in speeds]
+    unsure = [uncertainty(s) for s in speeds]
     return {
         "median": median(spreads),
         "max": max(spreads),
         "beyond": sum(s > 0.05 for s in spreads),
         "count": len(spreads),
+        "unsure": median(unsure),
+        "unsure_95": percentile(unsure, 0.95),
     }
 
 
 def compare_runs(data, other):
-    """How far the medians of ratios to GRID of two runs are apart: (median, largest, count, beyond 5%), or None."""
+    """How far the medians of ratios to GRID of two runs are apart, or None."""
     differences = []
     for row in data.rows:
         if row.kind == "GRID":
@@ -157,6 +173,7 @@ def compare_runs(data, other):
         return None
     return {
         "median": median(differences),
+        "p95": percentile(differences, 0.95),
         "max": max(differences),
         "beyond": sum(d > 0.05 for d in differences),
         "count": len(differences),

@@ -276,6 +276,12 @@ def picture(path, quality):
     return out.getvalue()
 
 
+def mebibytes(count):
+    """Three digits at least."""
+    value = count / 2**20
+    return f"{value:.{0 if value >= 100 else 1 if value >= 10 else 2 if value >= 1 else 3}f} MiB"
+
+
 def error_text(value):
     if value == 0 or not math.isfinite(value):
         return "0"

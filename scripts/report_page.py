@@ -19,7 +19,7 @@ h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .4rem; }
 h2 { font-size: 1.25rem; margin: 2.6rem 0 .4rem; padding-top: .8rem; border-top: 1px solid var(--line); }
 h3 { font-size: 1rem; margin: 1.2rem 0 .3rem; }
 p { margin: .4rem 0 .8rem; max-width: 52rem; }
-.soft, figcaption, .command { color: var(--soft); font-size: .87rem; }
+.soft, figcaption, .command, .reason { color: var(--soft); font-size: .87rem; }
 nav { display: flex; flex-wrap: wrap; gap: .3rem .9rem; margin: .8rem 0 0; font-size: .92rem; }
 a { color: var(--accent); }
 .charts, .pictures { display: grid; gap: 1rem; margin: .8rem 0; }
@@ -30,7 +30,7 @@ figure { margin: 0; background: var(--panel); border: 1px solid var(--line); bor
 figure img { display: block; width: 100%; height: auto; border-radius: 4px; }
 figcaption { padding: .45rem .1rem 0; overflow-wrap: anywhere; }
 figcaption b { color: var(--ink); }
-.command { display: block; margin: .3rem 0 0; }
+.command, .reason { display: block; margin: .3rem 0 0; }
 code { font: .82rem/1.5 ui-monospace, "DejaVu Sans Mono", monospace; overflow-wrap: anywhere; }
 .table { overflow-x: auto; margin: .8rem 0; border: 1px solid var(--line); border-radius: 8px; }
 table { border-collapse: collapse; width: 100%; font-size: .9rem; font-variant-numeric: tabular-nums; }
@@ -92,15 +92,16 @@ def label(name):
     return escape(kind) + (f"<sup>{escape(frame)}</sup>" if frame else "")
 
 
-def table(heads, rows, text_columns=(0,), stack=False):
-    """rows: lists of HTML. text_columns: aligned left. stack: one below the other on phones."""
+def table(heads, rows, text_columns=(0,), stack=False, wrap=False):
+    """rows: lists of HTML. text_columns: aligned left. stack: cells one below the other on phones. wrap: cells of
+    several lines."""
     kinds = ["text" if i in text_columns else "" for i in range(len(heads))]
     out = ['<div class="table"><table' + (' class="stack"' if stack else "") + "><thead><tr>"]
     out += [f'<th class="{kind}">{head}</th>' for kind, head in zip(kinds, heads)]
     out.append("</tr></thead><tbody>")
     for row in rows:
         cells = [
-            f'<td class="{kind}{" wrap" if stack else ""}"'
+            f'<td class="{kind}{" wrap" if wrap else ""}"'
             + (f' data-name="{escape(head)}"' if stack and i else "")
             + f"><span>{cell}</span></td>"
             for i, (kind, head, cell) in enumerate(zip(kinds, heads, row))

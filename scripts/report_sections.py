@@ -71,7 +71,7 @@ def picture_row(data, scene, level, names, view):
             parts.append(p.missing(f"picture of {scene} in {name}, level {level}, {view} view"))
             continue
         part = f", {100 * row.bytes / grid.bytes:.1f}% of GRID" if grid and name != "GRID" else ""
-        size = f"{row.bytes / 2**20:.2f} MiB{part}, {row.memory['bytes_per_quad']:.2f} bytes a quad"
+        size = f"{f.mebibytes(row.bytes)}{part}, {row.memory['bytes_per_quad']:.2f} bytes a quad"
         caption = f"<b>{p.label(name)}</b> {size}"
         if name != "GRID":
             caption += "<br>" + error_lines(row.errors(view))
@@ -112,7 +112,10 @@ def figure_11(data):
 
 def figures_12_to_18(data):
     main = data.main_scene()
-    parts = ["<p>Memory is what the device holds after the commit, everything included.</p>"]
+    parts = [
+        "<p>Memory is what the device holds after the commit, everything included. Magenta are hits whose normal faces "
+        "away from the viewer.</p>"
+    ]
     for number, scene, names, view in (
         ("12", main, ("GRID", "cVOXEL^3", "cLEAF^2"), "close"),
         ("12, whole", main, ("GRID", "cVOXEL^3", "cLEAF^2"), "full"),
@@ -149,7 +152,7 @@ def figure_16(data):
         body = p.missing(f"speeds of {main} at levels 4 to 6")
     else:
         body = f'<div class="charts">{"".join(charts)}</div>'
-    heads = ["relative to GRID", "min", "mean", "max", "paper: min", "mean", "max"]
+    heads = ["relative to GRID", "min", "mean", "max", "paper: min", "paper: mean", "paper: max"]
     paper = {"cGRID": (65, 84, 99), "cVOXEL": (73, 86, 105), "cLEAF": (69, 80, 92)}
     table = []
     for kind in ("NAIVE", "cGRID", "cVOXEL", "cLEAF", "cVERT"):
@@ -169,7 +172,7 @@ def figure_16(data):
         "with a cosine distribution (incoherent); closest hit, one ray a call. Bars are medians, whiskers "
         "the slowest and the fastest round. The paper's figures are of a Core i7-6700.</p>",
         body,
-        p.table(heads, table) if table else "",
+        p.table(heads, table, stack=True) if table else "",
         commands_of([row for row in rows if row.speeds]),
     )
 

@@ -39,7 +39,7 @@ def entrances(data):
                 + cells
             )
     body = (
-        p.table(heads, table, (0, 1, 2))
+        p.table(heads, table, (0, 1, 2), stack=True)
         if table
         else p.missing("packets and streams: the job 'entrances' of scripts/benchmark.py")
     )
@@ -61,19 +61,23 @@ def verdict(relation):
     }[relation.holds]
 
 
+def reason(relation):
+    return f'<span class="reason">{raised(relation.reason)}</span>' if relation.reason else ""
+
+
 def raised(text):
     """Frame levels raised: cLEAF^2."""
     return re.sub(r"\^(\w+)", r"<sup>\1</sup>", escape(text))
 
 
 def relation_section(table):
-    rows = [[raised(r.claim), escape(r.paper), escape(r.ours), verdict(r)] for r in table]
+    rows = [[raised(r.claim), escape(r.paper), escape(r.ours), verdict(r) + reason(r)] for r in table]
     return p.section(
         "relations",
         "The paper's relations",
-        "<p>Memory, error and speed ranges hold when ours are at least as good as "
+        "<p>Parts of GRID and speeds hold when ours are at least as good as "
         "the paper's; comparisons hold when ours go the same way.</p>",
-        p.table(["relation", "paper", "ours", ""], rows, (0, 1, 2, 3), stack=True),
+        p.table(["relation", "paper", "ours", ""], rows, (0, 1, 2, 3), stack=True, wrap=True),
         p.command(*(r.row.command for r in table if r.row)),
     )
 

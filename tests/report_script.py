@@ -147,6 +147,11 @@ class Report(unittest.TestCase):
         self.assertEqual((apart["max"], apart["beyond"]), (0, 0))
         self.assertIsNotNone(report_data.noise(data))
 
+    def test_more_rounds_make_a_median_surer(self):
+        few, many = ({"relative_to_grid": {"spread": 0.027}, "seconds": [1] * n} for n in (4, 16))
+        self.assertAlmostEqual(report_data.uncertainty(few), 0.025)
+        self.assertAlmostEqual(report_data.uncertainty(many), 0.0125)
+
     def test_relations_are_judged_by_the_numbers(self):
         folder = Path(self.temporary.name) / "judged"
         folder.mkdir()
@@ -159,6 +164,7 @@ class Report(unittest.TestCase):
             table = {r.claim: r for r in relations(report_data.Data(folder))}
             claim = "cube: memory of cLEAF^2 at level 6 as a part of GRID at level 6"
             self.assertEqual(table[claim].holds, holds, name)
+            self.assertEqual(bool(table[claim].reason), not holds, "what does not hold has a reason or says that it has none")
             self.assertIn(f"{100 * part:.1f}%", table[claim].ours)
             missing = next(r for r in table.values() if re.search("frog|level 8", r.claim))
             self.assertIsNone(missing.holds, "what was not measured neither holds nor fails")

@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /* At least so long a measurement of GRID takes. */
-constexpr double sampleSeconds = 0.04;
+constexpr double sampleSeconds = 0.02;
 
 unsigned passesFor(double gridSeconds)
 {
