@@ -3,26 +3,14 @@
 
 #pragma once
 
-/* Vertices of a tessellation, by what meets there: where a ray could slip through. */
+/* Aim points of a model. */
 
-#include "built_scene.h"
+#include "cage.h"
+#include "leak_rays.h"
 
-#include <array>
 #include <vector>
 
 namespace cbvh {
-
-/* On the surface to the last bit, all of them. */
-struct AimPoint
-{
-  Vec3f position;
-  Vec3f neighbour; // the other end of an edge of a quad, along the border for a border
-  Vec3f normal;    // outwards, roughly
-};
-
-enum Meeting { AtCageVertex, AtFaceBorder, AtBlockBorder, AtVertex, numMeetings };
-
-using AimPoints = std::array<std::vector<AimPoint>, numMeetings>;
 
 /* Picks about count points of each kind.
  *

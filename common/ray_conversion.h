@@ -5,7 +5,7 @@
 
 /* Rays as Embree takes them. */
 
-#include "ray_sets.h"
+#include "ray.h"
 
 #include <embree3/rtcore.h>
 

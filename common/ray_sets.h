@@ -8,19 +8,12 @@
 
 #include "built_scene.h"
 #include "camera.h"
+#include "ray.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace cbvh {
-
-struct Ray
-{
-  Vec3f origin;
-  float tnear = 0.0f;
-  Vec3f direction; // of length 1, so t is a distance
-  float tfar = INFINITY;
-};
 
 /* One ray a pixel, through its centre, in rows. */
 std::vector<Ray> primaryRays(const Camera& camera);

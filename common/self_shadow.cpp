@@ -11,11 +11,16 @@ namespace {
 
 constexpr size_t chunk = 1024;
 
+bool seenFromBehind(const Ray& ray, const SurfaceHit& hit)
+{
+  return dot(hit.normal, ray.direction) > 0.0f;
+}
+
 /* On the side that the ray comes from; nothing where there is no normal. */
 Vec3f facing(const Ray& ray, const SurfaceHit& hit)
 {
   const Vec3f n = normalize(hit.normal);
-  return dot(n, ray.direction) > 0.0f ? -n : n;
+  return seenFromBehind(ray, hit) ? -n : n;
 }
 
 Vec3f position(const Ray& ray, const SurfaceHit& hit)
@@ -94,6 +99,7 @@ ShadowComparison compareShadows(RTCScene grid, const std::vector<SurfaceHit>& gr
         continue;
       }
       const bool same = std::abs(hits[i].t - gridHits[i].t) <= footprint * gridHits[i].t;
+      const bool turned = seenFromBehind(primary[i], hits[i]) != seenFromBehind(primary[i], gridHits[i]);
       const Vec3f n = facing(primary[i], gridHits[i]);
       for (unsigned k = 0; k < settings.raysPerHit; k++)
       {
@@ -108,10 +114,16 @@ ShadowComparison compareShadows(RTCScene grid, const std::vector<SurfaceHit>& gr
         local.occluded += truth;
         count(local.all, truth, found);
         count(local.control, truth, isOccluded(grid, context, own));
-        if (!same)
-          continue;
-        local.raysOfSame++;
-        count(local.ofSame, truth, found);
+        if (same)
+        {
+          local.raysOfSame++;
+          count(local.ofSame, truth, found);
+        }
+        if (turned)
+        {
+          local.raysOfTurned++;
+          count(local.ofTurned, truth, found);
+        }
       }
     }
     const std::lock_guard<std::mutex> lock(mutex);
@@ -120,6 +132,8 @@ ShadowComparison compareShadows(RTCScene grid, const std::vector<SurfaceHit>& gr
     sum.raysOfSame += local.raysOfSame;
     add(sum.all, local.all);
     add(sum.ofSame, local.ofSame);
+    sum.raysOfTurned += local.raysOfTurned;
+    add(sum.ofTurned, local.ofTurned);
     add(sum.control, local.control);
   });
   return sum;

@@ -35,7 +35,7 @@ struct ShadowSettings
 {
   RayOffset offset;
   float length = INFINITY; // of the secondary rays
-  unsigned raysPerHit = 1; // at most 64
+  unsigned raysPerHit = 1;
   uint32_t seed = 1;
 };
 
@@ -57,6 +57,10 @@ struct ShadowComparison
    * another part of the surface, and are no matter of self-shadowing. */
   size_t raysOfSame = 0;
   ShadowErrors ofSame;
+  /* Those of pixels whose normal is seen from behind where GRID's is not, or the opposite:
+   * their rays start on the wrong side. */
+  size_t raysOfTurned = 0;
+  ShadowErrors ofTurned;
   /* The control: GRID's rays from the representation's hits. What is wrong with them,
    * too, is wrong with the hit, not with how a ray leaves it. */
   ShadowErrors control;

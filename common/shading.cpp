@@ -45,6 +45,21 @@ Image shadeHits(ImageSize size, const std::vector<Ray>& rays, const std::vector<
   return image;
 }
 
+Image compareAmbient(ImageSize size, const std::vector<float>& grid, const std::vector<float>& light)
+{
+  constexpr float gain = 4.0f;
+  Image image({3 * size.width, size.height});
+  for (size_t i = 0; i < grid.size(); i++)
+  {
+    const size_t width = size_t(size.width), pixel = i / width * 3 * width + i % width;
+    const float difference = std::clamp(0.5f + gain * (light[i] - grid[i]), 0.0f, 1.0f);
+    const float values[3] = {grid[i], light[i], difference};
+    for (size_t k = 0; k < 3; k++)
+      image.set(pixel + k * width, {values[k], values[k], values[k]});
+  }
+  return image;
+}
+
 Vec3f errorColor(float error)
 {
   /* Stops at 0, 1.25, 2.5, 3.75 and 5 pixels. */

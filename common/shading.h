@@ -33,6 +33,11 @@ Vec3f backgroundColor(float fraction);
 /* Shades every hit, before the background. */
 Image shadeHits(ImageSize size, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, Vec3f up);
 
+/* Ambient occlusion of GRID, of another representation, and four times their difference,
+ * side by side: grey for none, brighter where the representation lets more light in.
+ * grid, light: a value a pixel, as ambientOcclusion makes them. */
+Image compareAmbient(ImageSize size, const std::vector<float>& grid, const std::vector<float>& light);
+
 /* Colour of one error of pixelErrors, see errorHeatMap. */
 Vec3f errorColor(float error);
 

@@ -64,6 +64,7 @@ refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
 refuses "level 9 is out of range" --scene cube --level 9
 refuses "frame level '9'" --scene cube --frame-level 9
 refuses "frame level '9'" --scene cube --representation cleaf^9
+refuses "ambient" --scene cube --ambient -1
 refuses "size '16'" --scene cube --size 16
 refuses "view 'side'" --scene cube --view side
 refuses "unknown --isa 'mmx'" --scene cube --isa mmx
@@ -81,13 +82,14 @@ fi
 # What a run leaves.
 out="$folder/good"
 "$program" --scene cube --level 3 --size 64x48 --rays 2000 --repeat 1 --output "$out" --json "$folder/numbers.json" \
-  --representation "$representations" >"$folder/table" 2>"$folder/stderr" || complain "cube: $(cat "$folder/stderr")"
+  --representation "$representations" --ambient 4 >"$folder/table" 2>"$folder/stderr" || complain "cube: $(cat "$folder/stderr")"
 for representation in ${representations//,/ }; do
   case $representation in c*) stem=${representation}2 ;; *) stem=$representation ;; esac
   for file in "cube_$stem.png" "cube_$stem.exr"; do
     [ -s "$out/$file" ] || complain "no $file"
   done
   [ "$stem" = grid ] || [ -s "$out/cube_${stem}_error.png" ] || complain "no error map of $stem"
+  [ "$stem" = grid ] || [ -s "$out/cube_${stem}_ambient.png" ] || complain "no ambient occlusion of $stem"
 done
 [ -z "$(find "$out" -name '.tmp-*')" ] || complain "temporary files are left"
 for row in "bytes a quad" "peak of the build" "build, s" "coherent, closest hit" "incoherent, any hit" \

@@ -82,6 +82,8 @@ json shadowsJson(const ShadowCheck& c)
           {"errors", shadowJson(c.found.all)},
           {"same_place_rays", c.found.raysOfSame},
           {"same_place_errors", shadowJson(c.found.ofSame)},
+          {"turned_rays", c.found.raysOfTurned},
+          {"turned_errors", shadowJson(c.found.ofTurned)},
           {"control_errors", shadowJson(c.found.control)}};
 }
 
@@ -178,11 +180,11 @@ std::string checkLines(const CheckResult& checks)
     const auto share = [](size_t n, size_t rays) { return rays ? 1000.0 * double(n) / double(rays) : 0.0; };
     std::snprintf(line, sizeof(line),
                   "    %s shadows, offset %s, %s: %.3f per 1000 (occluded %.3f, passed %.3f); "
-                  "same place %.3f; control %.3f\n",
+                  "same place %.3f; turned %.3f; control %.3f\n",
                   c.view.c_str(), c.offset.c_str(), std::isfinite(c.length) ? "short" : "infinite",
                   share(c.found.all.sum(), c.found.rays), share(c.found.all.falseOcclusions, c.found.rays),
                   share(c.found.all.falsePasses, c.found.rays), share(c.found.ofSame.sum(), c.found.raysOfSame),
-                  share(c.found.control.sum(), c.found.rays));
+                  share(c.found.ofTurned.sum(), c.found.rays), share(c.found.control.sum(), c.found.rays));
     out += line;
   }
   return out;

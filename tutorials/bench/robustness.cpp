@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "robustness.h"
+#include "aim_points.h"
 #include "error.h"
 #include "parallel.h"
 

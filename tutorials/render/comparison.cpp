@@ -13,6 +13,7 @@
 #include "error.h"
 #include "file_output.h"
 #include "parallel.h"
+#include "self_shadow.h"
 #include "shading.h"
 #include "statistics.h"
 #include "tracing.h"
@@ -90,6 +91,8 @@ public:
     primary = primaryRays(camera);
     gridHits = traced(grid);
     makeRaySets(grid);
+    if (options.ambientRays)
+      gridAmbient = ambient(grid, gridHits);
     describe(camera);
 
     bool askedForGrid = false;
@@ -195,6 +198,17 @@ private:
     if (scene.representation().kind != RepresentationKind::Grid)
       writePng(outputPath(options, stem + "_error.png"),
                errorHeatMap(options.size, pixelErrors(gridHits, hits, footprint)));
+    if (scene.representation().kind != RepresentationKind::Grid && options.ambientRays)
+      writePng(outputPath(options, stem + "_ambient.png"),
+               compareAmbient(options.size, gridAmbient, ambient(scene, hits)));
+  }
+
+  std::vector<float> ambient(const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const
+  {
+    ShadowSettings settings;
+    settings.offset.length = options.rayOffset * scene.bounds().diagonal();
+    settings.raysPerHit = options.ambientRays;
+    return ambientOcclusion(scene.handle(), primary, hits, footprint, settings, threads);
   }
 
   /* In turns with GRID, which goes first in every other round. */
@@ -236,6 +250,7 @@ private:
   float footprint = 0;
   std::vector<Ray> primary, sets[numRaySets];
   std::vector<SurfaceHit> gridHits, nearest;
+  std::vector<float> gridAmbient;
   const std::vector<SurfaceHit>* referenceHits = nullptr;
   std::vector<double> gridSeconds[numRaySets][numQueries];
   Comparison comparison;

@@ -35,6 +35,10 @@ std::optional<Options> parseOptions(int argc, char** argv)
   app.add_option("--ray-offset", o.rayOffset,
                  "distance of bounced rays' origins from the surface, in bounding-box diagonals")
     ->type_name("D")->capture_default_str();
+  app.add_option("--ambient", o.ambientRays,
+                 "pictures of ambient occlusion with so many rays a pixel, from each representation's own hits, "
+                 "beside GRID's")
+    ->type_name("N")->check(CLI::Range(0, 4096));
   app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")->type_name("N")->capture_default_str();
   app.add_option("--isa", o.build.isa, "widest instruction set: sse2, sse4.2, avx, avx2 or avx512")->type_name("ISA");
   app.add_option("--json", o.json, "write the numbers there, too")->type_name("FILE");

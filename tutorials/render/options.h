@@ -29,6 +29,7 @@ struct Options
   int repeat = 5;
   bool speed = true;
   float rayOffset = 1e-4f;       // of bounced rays, in bounding-box diagonals
+  unsigned ambientRays = 0;      // a pixel, for pictures of ambient occlusion; 0: none
 };
 
 /* Reads a command line. Returns nothing when it asked for help, which is printed.
