@@ -52,18 +52,34 @@ TEST(BlockFormat, InfoHoldsEveryFieldAtItsLimits)
 {
   for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
     for (uint32_t height = 0; height <= maxLevel; height++)
-      for (uint32_t level = height; level <= maxLevel; level++)
+      for (uint32_t x : {0u, (256u >> height) - 1})
         for (uint32_t zScale : {0, 15}) {
-          const uint32_t last = (1u << (level - height)) - 1;
           Block block;
-          block.info = Block::encodeInfo(kind, height, level, last, last/2, zScale);
+          block.info = Block::encodeInfo(kind, height, x, x/2, zScale);
+          block.lastX = uint8_t(x);
+          block.lastY = uint8_t(x/2);
           ASSERT_EQ(block.kind(), kind);
           ASSERT_EQ(block.height(), height);
-          ASSERT_EQ(block.level(), level);
-          ASSERT_EQ(block.blockX(), last);
-          ASSERT_EQ(block.blockY(), last/2);
+          ASSERT_EQ(block.blockX(), x);
+          ASSERT_EQ(block.blockY(), x/2);
           ASSERT_EQ(block.zScale(), zScale);
+          ASSERT_EQ(block.quadsX(), (x + 1) << height);
+          ASSERT_EQ(block.quadsY(), (x/2 + 1) << height);
         }
+}
+
+TEST(BlockFormat, ParametersEndAtOneForAnyNumberOfBlocks)
+{
+  for (uint32_t height : {0, 1, 3})
+    for (uint32_t last = 0; last < 256u >> height; last++) {
+      Block block;
+      block.info = Block::encodeInfo(Kind::LEAF, height, last, last);
+      block.lastX = block.lastY = uint8_t(last);
+      block.u0 = 0;
+      block.v0 = 13; // the last sub-patch of an n-gon
+      ASSERT_EQ(block.faceU(float(1u << height)), 1.0f);
+      ASSERT_EQ(block.faceV(float(1u << height)), 7.5f);
+    }
 }
 
 TEST(BlockFormat, MortonOrderIsAOneToOneMapWithXInTheEvenBits)
@@ -113,9 +129,11 @@ TEST(BlockFormat, TheAnnotatedBlockIsWhatTheEncoderWrites)
   alignas(16) uint8_t bytes[256];
   Block* block = (Block*)bytes;
   BlockStatistics stats;
-  encoder.encode(block, 2, 1, 0, stats);
+  encoder.encode(block, 1, 0, stats);
   block->geomID = 3;
   block->primID = 5;
+  block->lastX = 2;
+  block->lastY = 1;
   block->u0 = block->v0 = 0;
 
   const std::vector<uint8_t> written(bytes, bytes + block->layout().bytes);

@@ -21,6 +21,6 @@ cbvh_test(simd_reference LIBRARIES scene_blocks DEFINITIONS "TEST_ISAS=${isas}")
 
 # Through the API, against GRID.
 cbvh_test(surfaces LIBRARIES scene_blocks)
-foreach(unit watertight scene_features invalid_vertices hard_surfaces compression_api)
+foreach(unit watertight mixed_rates resampled_faces scene_features invalid_vertices hard_surfaces compression_api)
   cbvh_test(${unit})
 endforeach()

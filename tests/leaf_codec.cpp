@@ -172,7 +172,7 @@ TEST(LeafCodec, QuadsWithAVertexThatIsNotFiniteAreEmptyAndNoOthers)
       if (!encoder.fit(corners)) continue; // all are bad
       Block* block = (Block*)align(memory.data());
       BlockStatistics stats;
-      encoder.encode(block, height, 0, 0, stats);
+      encoder.encode(block, 0, 0, stats);
       uint32_t count = 0;
       for (uint32_t m = 0; m < n*n; m++) {
         const bool expected = isBad(mortonX(m), mortonY(m));

@@ -186,6 +186,7 @@ void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCForma
 struct SurfaceSettings
 {
   float rate = 16;
+  std::vector<float> edgeRates;         // one an index of the faces, over rate
   Displacement* displacement = nullptr; // outlives the scene
   RTCCompression compression = RTC_COMPRESSION_INHERIT;
   int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
@@ -214,6 +215,7 @@ inline RTCGeometry newSurface(RTCDevice device, const Cage& cage, const SurfaceS
   setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX, 0, RTC_FORMAT_UINT, cage.corners);
   setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT, cage.cornerWeights);
   setBuffer(geometry, RTC_BUFFER_TYPE_HOLE, 0, RTC_FORMAT_UINT, cage.holes);
+  setBuffer(geometry, RTC_BUFFER_TYPE_LEVEL, 0, RTC_FORMAT_FLOAT, settings.edgeRates);
   rtcSetGeometrySubdivisionMode(geometry, 0, cage.mode);
   rtcSetGeometryTessellationRate(geometry, settings.rate);
   rtcSetGeometryMask(geometry, settings.mask);

@@ -73,24 +73,26 @@ namespace embree
       float columns[3][4];  //!< frame: (X,Y,Z,W) = (1/2,1/2,1/2,1) + sum_i columns[i]*(p-centre)[i]
       uint32_t primID;
       uint32_t info;        //!< see the accessors
-      uint16_t u0, v0;      //!< face parameters of the patch's corner (0,0), in units of 8/65536
+      uint8_t lastX, lastY; //!< position of the patch's last block: its number of blocks, less 1
+      uint8_t u0, v0;       //!< face parameters of the patch's corner (0,0), in halves
 
       Kind kind() const { return Kind(info & 15); }
       uint32_t height() const { return (info >> 4) & 15; }
-      uint32_t level() const { return (info >> 8) & 15; }     //!< subdivision level of the patch
-      uint32_t blockX() const { return (info >> 12) & 255; }  //!< position in the patch, in blocks
-      uint32_t blockY() const { return (info >> 20) & 255; }
+      uint32_t blockX() const { return (info >> 8) & 255; }   //!< position in the patch, in blocks
+      uint32_t blockY() const { return (info >> 16) & 255; }
       uint32_t zScale() const { return info >> 28; }          //!< cLEAF: code of the z scale, leaf_codec.h
 
-      /*! width of a quad in the parameters of the patch */
-      float rcpQuads() const { return 1.0f/float(1u << level()); }
+      /*! quads of the patch along u and v */
+      uint32_t quadsX() const { return (lastX+1u) << height(); }
+      uint32_t quadsY() const { return (lastY+1u) << height(); }
 
-      /*! face parameters of a point, given in quads from the block's corner */
-      float faceU(float x) const { return float(u0)*(8.0f/0x10000) + (float(blockX() << height()) + x)*rcpQuads(); }
-      float faceV(float y) const { return float(v0)*(8.0f/0x10000) + (float(blockY() << height()) + y)*rcpQuads(); }
+      /*! Face parameters of a point, given in quads from the block's corner. Divided, not
+       *  multiplied by a reciprocal, so that the patch ends at 1. */
+      template<typename Float> Float faceU(const Float& x) const { return Float(0.5f*float(u0)) + (Float(float(blockX() << height())) + x)/Float(float(quadsX())); }
+      template<typename Float> Float faceV(const Float& y) const { return Float(0.5f*float(v0)) + (Float(float(blockY() << height())) + y)/Float(float(quadsY())); }
 
-      static uint32_t encodeInfo(Kind kind, uint32_t height, uint32_t level, uint32_t x, uint32_t y, uint32_t zScale = 0) {
-        return uint32_t(kind) | (height << 4) | (level << 8) | (x << 12) | (y << 20) | (zScale << 28);
+      static uint32_t encodeInfo(Kind kind, uint32_t height, uint32_t x, uint32_t y, uint32_t zScale = 0) {
+        return uint32_t(kind) | (height << 4) | (x << 8) | (y << 16) | (zScale << 28);
       }
 
       BlockLayout layout() const { return BlockLayout(kind(),height()); }

@@ -62,10 +62,10 @@ namespace embree
 
       /*! Writes frame, info, nodes and leaves; IDs and face parameters are the caller's.
        *  block:  BlockLayout(kind,height).bytes of room, 16-byte aligned;
-       *  level:  subdivision level of the patch; x, y: position in it, in blocks. */
-      void encode(Block* block, uint32_t level, uint32_t x, uint32_t y, BlockStatistics& stats)
+       *  x, y:   position in the patch, in blocks. */
+      void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& stats)
       {
-        block->info = Block::encodeInfo(kind,height,level,x,y);
+        block->info = Block::encodeInfo(kind,height,x,y);
         memcpy(block->centre,frame.centre,sizeof(frame.centre));
         memcpy(block->columns,frame.columns,sizeof(frame.columns));
         stats.affine = !frame.projective;

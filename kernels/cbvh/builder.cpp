@@ -5,8 +5,8 @@
  * one patch at a time, encodes its blocks into the BVH's own memory and drops the
  * vertices. The top level is Embree's binned SAH BVH4 over the blocks' bounds.
  *
- * Patches that cannot be compressed (edge rates that differ or are not a power of
- * two) and geometries that opt out become GridSOA leaves of the same BVH. */
+ * Patches with edge rates above 256 and geometries that opt out become GridSOA leaves
+ * of the same BVH. */
 
 #include "../bvh/bvh_builder.h"
 #include "../builders/bvh_builder_sah.h"
@@ -122,16 +122,15 @@ namespace embree
                   if (quads >= progressQuads) { scene->progressMonitor(0.0); quads = 0; }
                 }
                 forEachPatch(plan.mesh,f,[&](const Vec2f*, const int*, const float*, int, const float rate[4]) {
-                    const int level = plan.level(rate);
-                    if (level < 0) offset[f] += PatchBuilder::numGrids(SubdivPatch1Base::computeGridSize(rate));
-                    else           offset[f] += size_t(1) << (2*frameLevelOf(f,unsigned(level)));
+                    const PatchTiling tiling = tilingOf(f,rate);
+                    offset[f] += tiling.size() ? tiling.size() : PatchBuilder::numGrids(SubdivPatch1Base::computeGridSize(rate));
                   });
               }
             });
         }
 
-        unsigned frameLevelOf (size_t f, unsigned level) const {
-          return plan.boundsError() ? min(unsigned(frameLevel[f]),level) : plan.frameLevel(level);
+        PatchTiling tilingOf (size_t f, const float rate[4]) const {
+          return plan.tiling(rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(plan.level(rate)));
         }
 
         /*! counts become offsets; returns where they end */
@@ -150,11 +149,11 @@ namespace embree
         {
           unsigned n = 0;
           forEachPatch(plan.mesh,f,[&](const Vec2f uv[4], const int subdiv[4], const float edgeLevel[4], int subPatch, const float rate[4]) {
-              const int level = plan.level(rate);
-              if (level < 0) return;
+              const PatchTiling tiling = plan.tiling(rate,0);
+              if (tiling.size() == 0) return;
               const SubdivPatch1Base patch(plan.geomID,unsigned(f),unsigned(subPatch),plan.mesh,0,uv,edgeLevel,subdiv,VSIZEX);
-              n = max(n,trial.boundedFrameLevel(patch,unsigned(level)));
-              quads += size_t(1) << (2*level);
+              n = max(n,trial.boundedFrameLevel(patch));
+              quads += size_t(tiling.quadsX())*size_t(tiling.quadsY());
             });
           return (unsigned char)n;
         }
@@ -175,9 +174,8 @@ namespace embree
               if (plan.mesh->valid(f))
                 forEachPatch(plan.mesh,f,[&](const Vec2f uv[4], const int subdiv[4], const float edgeLevel[4], int subPatch, const float rate[4]) {
                     const SubdivPatch1Base patch(plan.geomID,unsigned(f),unsigned(subPatch),plan.mesh,0,uv,edgeLevel,subdiv,VSIZEX);
-                    const int level = plan.level(rate);
-                    if (level < 0) out += builder.buildGrids(patch,out);
-                    else           out += builder.buildBlocks(patch,unsigned(level),table.frameLevelOf(f,unsigned(level)),out);
+                    const PatchTiling tiling = table.tilingOf(f,rate);
+                    out += tiling.size() ? builder.buildBlocks(patch,tiling,out) : builder.buildGrids(patch,out);
                     quads += size_t(patch.grid_u_res-1)*size_t(patch.grid_v_res-1);
                   });
               if (builder.statistics.sums.numInvalidQuads != invalid) builder.statistics.addInvalidFace(f);
@@ -202,12 +200,12 @@ namespace embree
       {
         if (!scene->device->verbosity(1)) return;
         Lock<MutexSys> lock(g_printMutex);
-        if (total.otherRateQuads)
-          std::cout << "compression: geometry " << plan.geomID << ": " << total.otherRateQuads
-                    << " quads of faces whose edge rates are not one power of two up to 256 are traced by GRID" << std::endl;
+        if (total.highRateQuads)
+          std::cout << "compression: geometry " << plan.geomID << ": " << total.highRateQuads
+                    << " quads of faces with edge rates above 256 are traced by GRID" << std::endl;
         if (total.refusedQuads)
           std::cout << "compression: geometry " << plan.geomID << ": " << total.refusedQuads
-                    << " quads of blocks that have no good frame (lines, outliers) are traced by GRID" << std::endl;
+                    << " quads of blocks that have no good frame (lines, outliers) keep full precision" << std::endl;
         if (total.leafQuads)
           std::cout << "compression: geometry " << plan.geomID << ": " << total.leafQuads
                     << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;

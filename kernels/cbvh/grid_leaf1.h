@@ -28,17 +28,16 @@ namespace embree
         struct MapUV
         {
           typedef typename Loader::vfloat vfloat;
-          vfloat x0, y0, x1, y1, x2, y2;
+          const Block* block;
+          vfloat x0, y0, x1, y1, x2, y2; //!< in quads of the block
 
-          __forceinline MapUV (const Block* block, float x, float y)
+          __forceinline MapUV (const Block* block, float x, float y) : block(block)
           {
-            const float rcpQuads = block->rcpQuads(), u = block->faceU(x), v = block->faceV(y);
             static const float X0[8] = {0,0,1,1,0,0,1,1}, Y0[8] = {0,1,0,1,1,2,1,2};
             static const float X1[8] = {1,1,2,2,1,1,2,2}, Y1[8] = {0,0,0,0,1,1,1,1};
             static const float X2[8] = {0,1,1,2,0,1,1,2}, Y2[8] = {1,1,1,1,2,2,2,2};
-            auto place = [&](const float* d, float o) { return madd(vfloat::loadu(d),vfloat(rcpQuads),vfloat(o)); };
-            x0 = place(X0,u); x1 = place(X1,u); x2 = place(X2,u);
-            y0 = place(Y0,v); y1 = place(Y1,v); y2 = place(Y2,v);
+            x0 = vfloat::loadu(X0) + x; x1 = vfloat::loadu(X1) + x; x2 = vfloat::loadu(X2) + x;
+            y0 = vfloat::loadu(Y0) + y; y1 = vfloat::loadu(Y1) + y; y2 = vfloat::loadu(Y2) + y;
           }
 
           __forceinline void operator() (vfloat& u, vfloat& v, Vec3<vfloat>& Ng) const
@@ -46,7 +45,7 @@ namespace embree
             const vfloat w = vfloat(1.0f)-u-v;
             const vfloat x = u*x1 + v*x2 + w*x0;
             const vfloat y = u*y1 + v*y2 + w*y0;
-            u = x; v = y;
+            u = block->faceU(x); v = block->faceV(y);
           }
         };
 

@@ -10,6 +10,7 @@
 #include "../bvh/bvh.h"
 #include "../geometry/grid_soa.h"
 #include "patch_grid.h"
+#include "compression_plan.h"
 #include "top_level.h"
 #include "statistics.h"
 
@@ -17,51 +18,6 @@ namespace embree
 {
   namespace isa
   {
-    /*! what all patches of a geometry have in common */
-    struct CompressionPlan
-    {
-      /*! level of a patch that GRID traces */
-      static const int uncompressed = -1;
-
-      SubdivMesh* mesh;
-      unsigned geomID;
-      CompressionSettings settings;  //!< resolved
-
-      CompressionPlan (Scene* scene, SubdivMesh* mesh, unsigned geomID)
-        : mesh(mesh), geomID(geomID), settings(mesh->compression.resolve(scene->device->compression)) {}
-
-      cbvh::Kind kind () const
-      {
-        switch (settings.compression) {
-        case RTC_COMPRESSION_GRID : return cbvh::Kind::GRID;
-        case RTC_COMPRESSION_VOXEL: return cbvh::Kind::VOXEL;
-        default: return cbvh::Kind::LEAF;
-        }
-      }
-
-      bool compresses () const { return settings.compression != RTC_COMPRESSION_NONE; }
-
-      /*! whether frame levels follow from the geometry itself */
-      bool boundsError () const {
-        return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && settings.compression != RTC_COMPRESSION_GRID;
-      }
-
-      /*! level of a patch whose four edges have the rate 2^level, up to 256; uncompressed for any other */
-      int level (const float rate[4]) const
-      {
-        if (!compresses() || rate[0] != rate[1] || rate[0] != rate[2] || rate[0] != rate[3]) return uncompressed;
-        for (unsigned level=0; level<=cbvh::maxLevel; level++)
-          if (rate[0] == float(1u << level)) return int(level);
-        return uncompressed;
-      }
-
-      /*! frame level without an error bound */
-      unsigned frameLevel (unsigned level) const {
-        const unsigned n = settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO ? (level > 4 ? level-4 : 0) : unsigned(settings.frameLevel);
-        return min(n,level);
-      }
-    };
-
     class PatchBuilder
     {
     public:
@@ -80,43 +36,48 @@ namespace embree
       }
 
       /*! smallest frame level at which no leaf of the patch is thicker than the bound */
-      unsigned boundedFrameLevel (const SubdivPatch1Base& patch, unsigned level)
+      unsigned boundedFrameLevel (const SubdivPatch1Base& patch)
       {
-        grid.eval(patch,plan.mesh);
+        const unsigned level = plan.level(patch.level);
+        PatchTiling evaluated;
         for (unsigned n=0; n<level; n++)
         {
+          const PatchTiling tiling = plan.tiling(patch.level,n);
+          if (tiling.quadsX() != evaluated.quadsX() || tiling.quadsY() != evaluated.quadsY())
+            grid.eval(patch,plan.mesh,tiling.quadsX(),tiling.quadsY());
+          evaluated = tiling;
           cbvh::BlockStatistics worst;
-          for (unsigned i=0; i < 1u << (2*n) && worst.maxThickness <= plan.settings.maxError; i++)
+          for (unsigned i=0; i < tiling.size() && worst.maxThickness <= plan.settings.maxError; i++)
           {
-            Encoding e(plan.kind(),level,level-n,i);
+            Encoding e(plan.kind(),tiling,i);
             trial.resize(e.layout.bytes/sizeof(Vec3fa)+1);
             gather(e);
             cbvh::BlockEncoder encoder(e.kind,e.height,vertexData(),scratch.data());
-            if (encoder.fit(e.corners)) encoder.encode((cbvh::Block*)trial.data(),level,e.x,e.y,worst);
+            if (encoder.fit(e.corners)) encoder.encode((cbvh::Block*)trial.data(),e.x,e.y,worst);
           }
           if (worst.maxThickness <= plan.settings.maxError) return n;
         }
         return level;
       }
 
-      /*! Writes the primitives of a patch, 4^frameLevel blocks; a dropped one has no
+      /*! Writes the primitives of a patch, the blocks of a tiling; a dropped one has no
        *  reference, see isDropped. Returns their number. */
-      size_t buildBlocks (const SubdivPatch1Base& patch, unsigned level, unsigned frameLevel, PrimRef* out)
+      size_t buildBlocks (const SubdivPatch1Base& patch, const PatchTiling& tiling, PrimRef* out)
       {
-        grid.eval(patch,plan.mesh);
+        grid.eval(patch,plan.mesh,tiling.quadsX(),tiling.quadsY());
         /* a node has no code for a child without surface: where quads are left out, leaves say so */
         const bool hasHoles = !grid.isFinite();
         const cbvh::Kind kind = plan.kind() == cbvh::Kind::VOXEL && hasHoles ? cbvh::Kind::LEAF : plan.kind();
-        if (kind != plan.kind()) statistics.leafQuads += size_t(1) << (2*level);
-        const size_t count = size_t(1) << (2*frameLevel);
+        if (kind != plan.kind()) statistics.leafQuads += size_t(tiling.quadsX())*size_t(tiling.quadsY());
+        const size_t count = tiling.size();
         /* one piece of memory a patch: small pieces cost the allocator's rounding each;
          * several for a large patch, as it takes none above 2 MiB */
-        const size_t stride = cbvh::BlockLayout(kind,level-frameLevel).stride();
+        const size_t stride = cbvh::BlockLayout(kind,tiling.height).stride();
         const size_t piece = max(maxPieceBytes/stride,size_t(1));
         char* memory = nullptr;
         for (size_t i=0; i<count; i++) {
           if (i % piece == 0) memory = (char*)alloc.malloc1(min(piece,count-i)*stride,cbvh::BlockLayout::alignment);
-          Encoding e(kind,level,level-frameLevel,unsigned(i));
+          Encoding e(kind,tiling,unsigned(i));
           out[i] = buildBlock(patch,e,(cbvh::Block*)(memory+(i%piece)*stride));
         }
         return count;
@@ -130,7 +91,7 @@ namespace embree
         for (unsigned y=0; y<y1; y+=gridQuads)
           for (unsigned x=0; x<x1; x+=gridQuads)
             out[n++] = buildGrid(patch,x,min(x+gridQuads,x1),y,min(y+gridQuads,y1));
-        statistics.otherRateQuads += plan.compresses() ? size_t(x1)*size_t(y1) : 0;
+        statistics.highRateQuads += plan.compresses() ? size_t(x1)*size_t(y1) : 0;
         return n;
       }
 
@@ -143,13 +104,14 @@ namespace embree
       struct Encoding
       {
         cbvh::Kind kind;
-        unsigned level, height;
-        unsigned x, y;          //!< in blocks
+        PatchTiling tiling;
+        unsigned height;
+        unsigned index, x, y;   //!< position in the tiling
         cbvh::BlockLayout layout;
         float corners[4][3];    //!< that the frame aligns to
 
-        Encoding (cbvh::Kind kind, unsigned level, unsigned height, unsigned morton)
-          : kind(kind), level(level), height(height), x(cbvh::mortonX(morton)), y(cbvh::mortonY(morton)), layout(kind,height) {}
+        Encoding (cbvh::Kind kind, const PatchTiling& tiling, unsigned index)
+          : kind(kind), tiling(tiling), height(tiling.height), index(index), x(index % tiling.x), y(index / tiling.x), layout(kind,height) {}
 
         size_t width () const { return (size_t(1) << height) + 1; }
       };
@@ -188,24 +150,29 @@ namespace embree
 
         cbvh::BlockEncoder encoder(e.kind,e.height,vertexData(),scratch.data());
         const bool fits = encoder.fit(e.corners);
-        if (finite == count && (!fits || encoder.getFrame().degenerate)) {
-          const unsigned quads = 1u << e.height;
+        const bool refused = !fits || encoder.getFrame().degenerate;
+        const unsigned quads = 1u << e.height;
+        if (refused && finite == count && !grid.stitched) {
           statistics.refusedQuads += size_t(quads)*size_t(quads);
           return buildGrid(patch,e.x*quads,(e.x+1)*quads,e.y*quads,(e.y+1)*quads);
         }
         if (!fits) return drop(e);
-        if (finite != count && encoder.getFrame().degenerate && e.kind != cbvh::Kind::GRID) {
-          /* GridSOA takes no holes, but cGRID's triangles are as exact in any frame */
-          Encoding exact(cbvh::Kind::GRID,e.level,e.height,cbvh::morton(e.x,e.y));
+        if (refused && e.kind != cbvh::Kind::GRID) {
+          /* GridSOA takes no holes, and on stitched borders it has other vertices than the
+           * blocks around, but cGRID's triangles are as exact in any frame */
+          statistics.refusedQuads += size_t(quads)*size_t(quads);
+          Encoding exact(cbvh::Kind::GRID,e.tiling,e.index);
           return buildBlock(patch,exact,(cbvh::Block*)alloc.malloc1(exact.layout.stride(),cbvh::BlockLayout::alignment));
         }
 
         cbvh::BlockStatistics blockStatistics;
-        encoder.encode(block,e.level,e.x,e.y,blockStatistics);
+        encoder.encode(block,e.x,e.y,blockStatistics);
         block->geomID = patch.geomID();
         block->primID = patch.primID();
-        block->u0 = patch.u[0];
-        block->v0 = patch.v[0];
+        block->lastX = uint8_t(e.tiling.x-1);
+        block->lastY = uint8_t(e.tiling.y-1);
+        block->u0 = uint8_t(2*patch.getUV(0).x);
+        block->v0 = uint8_t(2*patch.getUV(0).y);
         statistics.addBlock(e.kind,e.height,blockStatistics);
         return PrimRef(bounds,size_t(BVH4::encodeTypedLeaf(block,cbvh::leafType(e.kind))));
       }

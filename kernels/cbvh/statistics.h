@@ -17,8 +17,8 @@ namespace embree
     struct BuildStatistics
     {
       RTCCompressionStatistics sums = RTCCompressionStatistics();
-      size_t otherRateQuads = 0;   //!< traced by GRID for their edge rates
-      size_t refusedQuads = 0;     //!< traced by GRID as their block has no good frame
+      size_t highRateQuads = 0;    //!< traced by GRID for their edge rates
+      size_t refusedQuads = 0;     //!< at full precision as their block has no good frame
       size_t leafQuads = 0;        //!< of cVOXEL patches that holes make cLEAF
       size_t invalidFaces = 0;     //!< with quads that are left out
       size_t firstInvalidFace = std::numeric_limits<size_t>::max();
@@ -57,7 +57,7 @@ namespace embree
         sums.numAffineBlocks += other.sums.numAffineBlocks;
         sums.numSolidLeaves += other.sums.numSolidLeaves;
         if (other.sums.maxLeafThickness > sums.maxLeafThickness) sums.maxLeafThickness = other.sums.maxLeafThickness;
-        otherRateQuads += other.otherRateQuads;
+        highRateQuads += other.highRateQuads;
         refusedQuads += other.refusedQuads;
         leafQuads += other.leafQuads;
         invalidFaces += other.invalidFaces;

@@ -1,0 +1,101 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What all patches of a geometry have in common, and how the edge rates of a patch
+ * decide into which blocks it is cut. */
+
+#include "../subdiv/subdivpatch1base.h"
+#include "../common/scene.h"
+#include "block.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! A patch in blocks of 2^height x 2^height quads. Along u and v it has as many as
+     *  it takes for the higher rate of its two opposite edges:
+     *
+     *       rate 9
+     *     +---+---+---+
+     *     |   |   |   |    height 2: 3 x 2 blocks, 12 x 8 quads
+     *   8 +---+---+---+ 5
+     *     |   |   |   |    Edges of a lower rate keep their own vertices (patch_grid.h).
+     *     +---+---+---+
+     *       rate 3                                                                 */
+    struct PatchTiling
+    {
+      unsigned height = 0;
+      unsigned x = 0, y = 0; //!< blocks; none where GRID traces the patch
+
+      size_t size () const { return size_t(x)*size_t(y); }
+      unsigned quadsX () const { return x << height; }
+      unsigned quadsY () const { return y << height; }
+    };
+
+    struct CompressionPlan
+    {
+      SubdivMesh* mesh;
+      unsigned geomID;
+      CompressionSettings settings;  //!< resolved
+
+      CompressionPlan (Scene* scene, SubdivMesh* mesh, unsigned geomID)
+        : mesh(mesh), geomID(geomID), settings(mesh->compression.resolve(scene->device->compression)) {}
+
+      cbvh::Kind kind () const
+      {
+        switch (settings.compression) {
+        case RTC_COMPRESSION_GRID : return cbvh::Kind::GRID;
+        case RTC_COMPRESSION_VOXEL: return cbvh::Kind::VOXEL;
+        default: return cbvh::Kind::LEAF;
+        }
+      }
+
+      bool compresses () const { return settings.compression != RTC_COMPRESSION_NONE; }
+
+      /*! whether frame levels follow from the geometry itself */
+      bool boundsError () const {
+        return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && settings.compression != RTC_COMPRESSION_GRID;
+      }
+
+      /*! Subdivision level of a patch: 2^level is its highest rate or next above it.
+       *  More than maxLevel where GRID traces it. */
+      unsigned level (const float rate[4]) const
+      {
+        unsigned level = 0;
+        const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
+        while (level <= cbvh::maxLevel && float(1u << level) < highest) level++;
+        return compresses() ? level : cbvh::maxLevel+1;
+      }
+
+      /*! frame level without an error bound */
+      unsigned frameLevel (unsigned level) const {
+        return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO ? (level > 4 ? level-4 : 0) : unsigned(settings.frameLevel);
+      }
+
+      /*! Tiling of a patch at a frame level: blocks of 2^(level-frameLevel) quads a side,
+       *  or smaller ones where they take fewer bytes, as for a long and narrow patch or
+       *  a rate just above a multiple. */
+      PatchTiling tiling (const float rate[4], unsigned frameLevel) const
+      {
+        const unsigned level = this->level(rate);
+        PatchTiling best;
+        if (level > cbvh::maxLevel) return best;
+        const Vec2i quads = SubdivPatch1Base::computeGridSize(rate) - Vec2i(1);
+        for (unsigned height=0; height <= level-min(frameLevel,level); height++)
+        {
+          PatchTiling t;
+          t.height = height;
+          t.x = (unsigned(quads.x-1) >> height) + 1;
+          t.y = (unsigned(quads.y-1) >> height) + 1;
+          if (best.size() == 0 || bytes(t) <= bytes(best)) best = t;
+        }
+        return best;
+      }
+
+    private:
+      size_t bytes (const PatchTiling& t) const { return t.size()*cbvh::BlockLayout(kind(),t.height).stride(); }
+    };
+  }
+}
