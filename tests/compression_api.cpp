@@ -21,7 +21,7 @@ public:
   ~Environment() { unsetenv("EMBREE_CBVH"); }
 };
 
-// What a scene's statistics say of the representation of a cube at level 4.
+// What a scene's statistics say of the representation of a cube.
 std::string representationOf(RTCScene scene)
 {
   const RTCCompressionStatistics s = statisticsOf(scene);
@@ -34,14 +34,15 @@ std::string representationOf(RTCScene scene)
   return name;
 }
 
-// Representation of a cube at level 4 on a device with that configuration.
-std::string representation(const std::string& config, const RTCCompressionArguments* args = nullptr)
+// Representation of a cube, at level 5 if not told, on a device with that configuration.
+std::string representation(const std::string& config, const RTCCompressionArguments* args = nullptr, float rate = 32)
 {
   Device device(config);
   if (!device) return "no device";
   Displacement displacement;
   SurfaceSettings settings;
   settings.displacement = &displacement;
+  settings.rate = rate;
   Scene scene(device);
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
   if (args) rtcSetGeometryCompression(geometry, args);
@@ -80,16 +81,24 @@ TEST(Settings, DeviceStringChoosesTheRepresentation)
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf"), "leaf 2");
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=0"), "leaf 0");
   EXPECT_EQ(representation("cbvh_frame_level=3,subdiv_accel=cbvh.leaf"), "leaf 3");
-  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto"), "leaf 0");
-  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=1e-30"), "leaf 4");
-  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=8"), "leaf 4");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto"), "leaf 1");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=1e-30"), "leaf 5");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=8"), "leaf 5");
+}
+
+TEST(Settings, FrameLevelThatNobodyGivesKeepsBlocksOf8x8Quads)
+{
+  const char* const expected[] = {"leaf 0", "leaf 0", "leaf 0", "leaf 0", "leaf 1", "leaf 2", "leaf 2"};
+  for (unsigned level = 0; level <= 6; level++)
+    EXPECT_EQ(representation("subdiv_accel=cbvh.leaf", nullptr, float(1u << level)), expected[level]) << level;
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=2", nullptr, 4), "leaf 2");
 }
 
 TEST(Settings, EnvironmentChoosesForProgramsThatDoNot)
 {
   const std::pair<const char*, const char*> cases[] = {
-    {"leaf", "leaf 2"}, {"voxel,level=1", "voxel 1"}, {"grid,frame_level=3", "grid 3"}, {" leaf , level=auto ", "leaf 0"},
-    {"leaf,level=auto,max_error=1e-30", "leaf 4"}, {"none", "none"}, {"", "none"}, {"level=1", "none"}};
+    {"leaf", "leaf 2"}, {"voxel,level=1", "voxel 1"}, {"grid,frame_level=3", "grid 3"}, {" leaf , level=auto ", "leaf 1"},
+    {"leaf,level=auto,max_error=1e-30", "leaf 5"}, {"none", "none"}, {"", "none"}, {"level=1", "none"}};
   for (const auto& c : cases) {
     Environment environment(c.first);
     EXPECT_EQ(representation(""), c.second) << c.first;
@@ -111,7 +120,7 @@ TEST(Settings, GeometryGoesBeforeDeviceGoesBeforeEnvironment)
   args = arguments(RTC_COMPRESSION_NONE);
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "none");
   args = arguments(RTC_COMPRESSION_LEAF, RTC_COMPRESSION_FRAME_LEVEL_AUTO, 1e-30f);
-  EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "leaf 4");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "leaf 5");
 }
 
 // rtcNewDevice has no device to report with: a line on stderr, and the code.

@@ -47,17 +47,17 @@ struct RTCCompressionArguments
 {
   enum RTCCompression compression;
 
-  /* Number of uniform subdivisions of a face before local frames start: a face
-   * tessellated at level L (2^L x 2^L quads) gets 4^n blocks of 2^(L-n) x 2^(L-n)
-   * quads, each in a frame of its own. 0 to 8; clamped to L. AUTO takes the
-   * coarsest frames that meet maxError, or, without maxError, blocks of 16 x 16
-   * quads. INHERIT takes the device's setting (2 unless told otherwise). */
+  /* Number of uniform subdivisions of a face before local frames start: a face tessellated
+   * at level L (2^L x 2^L quads) gets 4^n blocks of 2^(L-n) x 2^(L-n) quads, each in a frame
+   * of its own; with other edge rates, blocks of that size for the highest, or smaller. 0 to 8;
+   * clamped to L. AUTO takes the coarsest frames that meet maxError, or, without maxError,
+   * blocks of 16 x 16 quads. INHERIT takes the device's setting; where nobody gives one, that
+   * is 2, or less for blocks of 8 x 8 quads. */
   int frameLevel;
 
-  /* Upper bound of a leaf's thickness in world units, 0 for none, negative to
-   * inherit the device's setting. Honoured when frameLevel is AUTO: a face is
-   * split into finer frames until its leaves meet the bound or a block has one
-   * quad left. Without meaning for RTC_COMPRESSION_GRID, whose leaves have none. */
+  /* Upper bound of a leaf's thickness in world units, 0 for none, negative to inherit the device's
+   * setting. Honoured when frameLevel is AUTO: a face is split into finer frames until its leaves meet
+   * the bound or a block has one quad left. Without meaning for RTC_COMPRESSION_GRID. */
   float maxError;
 };
 

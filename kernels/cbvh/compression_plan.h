@@ -69,9 +69,16 @@ namespace embree
         return compresses() ? level : cbvh::maxLevel+1;
       }
 
-      /*! frame level without an error bound */
-      unsigned frameLevel (unsigned level) const {
-        return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO ? (level > 4 ? level-4 : 0) : unsigned(settings.frameLevel);
+      /*! Frame level without an error bound. Nobody's setting is 2, but not for blocks
+       *  below 8 x 8 quads, whose frames would outweigh what leaves save: at rates of 4,
+       *  which renderers give to what is far away, GRID would take half as much. */
+      unsigned frameLevel (unsigned level) const
+      {
+        switch (settings.frameLevel) {
+        case RTC_COMPRESSION_FRAME_LEVEL_AUTO   : return level > 4 ? level-4 : 0;
+        case RTC_COMPRESSION_FRAME_LEVEL_INHERIT: return level > 3 ? min(level-3,unsigned(CompressionSettings::defaultFrameLevel)) : 0;
+        default: return unsigned(settings.frameLevel);
+        }
       }
 
       /*! Tiling of a patch at a frame level: blocks of 2^(level-frameLevel) quads a side,

@@ -91,7 +91,7 @@ namespace embree
         std::cout << "compression: geometry " << geomID << ": " << compressionName(settings.compression);
         if (motion) std::cout << " asked for, but it has motion blur: traced by GRID";
         else if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cout << ", frame level auto";
-        else std::cout << ", frame level " << settings.frameLevel;
+        else if (settings.frameLevel != RTC_COMPRESSION_FRAME_LEVEL_INHERIT) std::cout << ", frame level " << settings.frameLevel;
         std::cout << std::endl;
       });
   }

@@ -112,7 +112,6 @@ namespace embree
     if (r.compression == RTC_COMPRESSION_INHERIT) r.compression = device.compression;
     if (r.compression == RTC_COMPRESSION_INHERIT) r.compression = RTC_COMPRESSION_NONE;
     if (r.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_INHERIT) r.frameLevel = device.frameLevel;
-    if (r.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_INHERIT) r.frameLevel = defaultFrameLevel;
     if (r.maxError < 0.0f) r.maxError = device.maxError;
     if (r.maxError < 0.0f) r.maxError = 0.0f;
     return r;

@@ -21,7 +21,7 @@ namespace embree
     int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
     float maxError = -1.0f; //!< world units, 0 for no bound, negative to inherit
 
-    static const int defaultFrameLevel = 2;
+    static const int defaultFrameLevel = 2; //!< of a geometry for which nobody gave one, see CompressionPlan
 
     /*! Takes cbvh_frame_level and cbvh_max_error out of a device string; false for any
      *  other key. Throws rtcore_error naming key and value. */
@@ -34,7 +34,7 @@ namespace embree
      *  Throws rtcore_error for an unknown "cbvh." kind. */
     void verify (const std::string& subdivAccel);
 
-    /*! what holds for a geometry with these settings on that device; nothing inherits */
+    /*! what holds for a geometry with these settings on that device; only frameLevel may still inherit */
     CompressionSettings resolve (const CompressionSettings& device) const;
 
   private:
