@@ -60,28 +60,31 @@ def quick():
 def paper():
     measure = "--size 1024x1024 --rays 300000"
     return (
-        cube("full,close", "--size 1024x1024 --rays 200000 --repeat 9", 120)
+        cube("full,close", "--size 1024x1024 --rays 200000 --repeat 9", 190)
         + [Job("trex", "figures 11, 12, 16, 17", "trex", [4, 5, 6],
-               f"--representation {MAIN},cgrid^3 --view full,close --picture-level 6 {measure} --repeat 9", 400),
+               f"--representation {MAIN},cgrid^3 --view full,close --picture-level 6 {measure} --repeat 9", 260),
            Job("trex_level8", "figure 11, right", "trex", [8],
                f"--representation grid,cvoxel^4 --view full,close {measure} --repeat 5", 300, heavy=True)]
-        + portraits("--size 1024x1024 --rays 200000 --repeat 5", 40)
+        + portraits("--size 1024x1024 --rays 200000 --repeat 5", 20)
+        + [Job("trex_levels", "error against speed and memory", "trex", [4, 5, 6],
+               f"--representation {FINE_FRAMES} --reference-level 7 --view full {measure} --repeat 5", 180, heavy=True),
+           Job("entrances", "packets, streams, any hit", "trex", [5],
+               f"--representation grid,cgrid^2,cvoxel^2,cleaf^2 --view full {ENTRANCES} --size 1024x1024 --rays 100000 --repeat 7",
+               80)]
     )
 
 
 def full(isas):
     measure = "--size 1024x1024 --rays 200000 --repeat 5"
     jobs = paper() + [
-        Job("trex_levels", "error against speed and memory", "trex", [4, 5, 6],
-            f"--representation {FINE_FRAMES} --reference-level 7 --view full,close --picture-level 6 {measure}", 400, heavy=True),
-        Job("trex_rough", "strong displacement", "trex:0.02", [5, 6], f"--representation {MAIN} --view full,close {measure}", 240),
-        Job("entrances", "packets, streams, any hit, threads", "trex", [5],
-            f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf^2 --view full,close {ENTRANCES} --threads 1,0 {measure}", 500),
-        Job("herd", "growth", "herd", [4, 5], f"--representation grid,cvoxel^2,cleaf^2 --view full {measure}", 300, heavy=True),
+        Job("trex_rough", "strong displacement", "trex:0.02", [5, 6], f"--representation {MAIN} --view full,close {measure}", 150),
+        Job("threads", "all threads", "trex", [5],
+            f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf^2 --view full --mode single,stream --threads 1,0 {measure}", 60),
+        Job("herd", "growth", "herd", [4, 5], f"--representation grid,cvoxel^2,cleaf^2 --view full {measure}", 120, heavy=True),
     ]
     if len(isas) > 1:
         jobs.append(Job("isas", "instruction sets", "trex", [5],
-                        f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf^2 --isa {','.join(isas)} --view full {measure}", 400))
+                        f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf^2 --isa {','.join(isas)} --view full {measure}", 180))
     return jobs
 
 

@@ -201,9 +201,18 @@ def figure_17(data):
 
 
 def scatter_points(data, scene, view, value):
-    """(row, error, value) of a scene; and whether errors are against the same level."""
-    rows = [row for row in data.of_scene(scene) if row.kind != "NAIVE" and view in row.views]
-    to_reference = bool(rows) and all(row.errors(view, True) for row in rows)
+    """(row, error, value) of a scene; and whether errors are against a finer mesh, as they are when all measurements of
+    the scene, or of one job on it, have them."""
+
+    def rows_of(job):
+        return [row for row in data.of_scene(scene, job) if row.kind != "NAIVE" and view in row.views]
+
+    rows, to_reference = rows_of(None), False
+    for job in [None] + sorted({row.job for row in data.rows if row.scene == scene}):
+        found = rows_of(job)
+        if found and all(row.errors(view, True) for row in found):
+            rows, to_reference = found, True
+            break
     if rows and not to_reference:  # levels cannot be compared: the one that was measured most, the highest of those
         levels = [row.level for row in rows]
         most = max(levels, key=lambda level: (levels.count(level), level))

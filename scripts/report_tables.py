@@ -11,7 +11,7 @@ import report_page as p
 
 
 def entrances(data):
-    rows = [row for row in data.rows if row.job == "entrances" and row.isa == data.isa] or [
+    rows = [row for row in data.rows if row.job in ("entrances", "threads") and row.isa == data.isa] or [
         row for row in data.rows if any(s["mode"] != "single" for s in row.speeds)
     ]
     modes = ("single", "packet4", "packet8", "packet16", "stream")

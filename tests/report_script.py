@@ -21,6 +21,7 @@ BENCH = sys.argv.pop(1)
 sys.path.insert(0, str(SCRIPT.parent))
 import report_data  # noqa: E402
 import report_figures  # noqa: E402
+import report_sections  # noqa: E402
 from report_relations import relations  # noqa: E402
 
 SECTIONS = (
@@ -146,6 +147,23 @@ class Report(unittest.TestCase):
         self.assertGreater(apart["count"], 10)
         self.assertEqual((apart["max"], apart["beyond"]), (0, 0))
         self.assertIsNotNone(report_data.noise(data))
+
+    def test_errors_against_a_finer_mesh_come_from_the_job_that_has_them(self):
+        folder = Path(self.temporary.name) / "finer"
+        shutil.copytree(self.records, folder)
+        value = report_sections.speed_value("coherent")
+        points, finer = report_sections.scatter_points(report_data.Data(folder), "cube", "full", value)
+        self.assertFalse(finer)
+        self.assertEqual({row.level for row, _, _ in points}, {6})
+        record = json.loads((folder / "cube_L2-6.json").read_text())
+        for group in record["groups"]:
+            for result in group["results"]:
+                for view in result["views"]:
+                    view["errors_to_reference_level"] = view["errors"]
+        (folder / "levels_L2-6.json").write_text(json.dumps(record))
+        points, finer = report_sections.scatter_points(report_data.Data(folder), "cube", "full", value)
+        self.assertTrue(finer)
+        self.assertEqual({(row.level, row.job) for row, _, _ in points}, {(2, "levels"), (6, "levels")})
 
     def test_more_rounds_make_a_median_surer(self):
         few, many = ({"relative_to_grid": {"spread": 0.027}, "seconds": [1] * n} for n in (4, 16))
