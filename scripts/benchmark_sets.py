@@ -26,6 +26,7 @@ class Job:
 
 MAIN = "naive,grid,cgrid^2,cvoxel^2,cvoxel^3,cvoxel^4,cleaf^2,cleaf^3"
 FINE_FRAMES = "grid,cgrid^2,cvoxel^2,cvoxel^3,cvoxel^4,cleaf^2,cleaf^3,cleaf^4"
+CLOSED = ("cube:0.001", "cube:0.03", "cube", "frog", "knee", "scythe", "trex")
 ENTRANCES = "--query closest,any --mode single,packet4,packet8,packet16,stream"
 
 
@@ -45,6 +46,23 @@ def portraits(measure, seconds):
             for number, scene in ((13, "frog"), (14, "scythe"), (15, "knee"))]
 
 
+def checks(scenes, level, rays, what, seconds):
+    """Leaks out of closed surfaces, and secondary rays from own hits."""
+    return [Job("checks_" + scene.replace(":", "_"), "leaks and self-shadowing", scene, [level],
+                f"--representation cgrid^2,cvoxel^3,cleaf^2 --view full --size 1024x1024 --repeat 0 --check {what} "
+                f"--check-rays {rays}", seconds)
+            for scene in scenes]
+
+
+def hard_checks(rays):
+    """All levels, frame levels that differ from face to face, and far from the origin."""
+    options = f"--view full --size 64x64 --repeat 0 --check leaks --check-rays {rays}"
+    mixed = "cgrid^2,cvoxel^auto,cleaf^2,cleaf^auto --max-error 0.002"
+    return [Job("checks_levels", "leaks, all levels", "cube", [3, 4, 5, 6, 7], f"--representation {mixed} {options}", 200),
+            Job("checks_far", "leaks, far away", "cube", [3, 4, 5],
+                f"--representation {mixed} --position 148376,1234,-223423 {options}", 120)]
+
+
 def quick():
     return (
         cube("full", "--size 768x768 --rays 30000 --repeat 9", 30)
@@ -54,10 +72,11 @@ def quick():
         + [Job("entrances", "packets, streams, any hit", "trex", [4],
                f"--representation grid,cgrid^2,cvoxel^2,cleaf^2 --view full {ENTRANCES} --size 768x768 --rays 40000 --repeat 5",
                35)]
+        + checks(["knee", "scythe"], 5, 200000, "leaks,shadows", 6)
     )
 
 
-def paper():
+def figures():
     measure = "--size 1024x1024 --rays 300000"
     return (
         cube("full,close", "--size 1024x1024 --rays 200000 --repeat 9", 190)
@@ -74,9 +93,13 @@ def paper():
     )
 
 
+def paper():
+    return figures() + checks(CLOSED, 6, 10**6, "leaks,shadows", 15)
+
+
 def full(isas):
     measure = "--size 1024x1024 --rays 200000 --repeat 5"
-    jobs = paper() + [
+    jobs = figures() + checks(CLOSED, 6, 10**7, "leaks,offsets", 120) + hard_checks(10**7) + [
         Job("trex_rough", "strong displacement", "trex:0.02", [5, 6], f"--representation {MAIN} --view full,close {measure}", 150),
         Job("threads", "all threads", "trex", [5],
             f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf^2 --view full --mode single,stream --threads 1,0 {measure}", 60),

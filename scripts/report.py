@@ -22,6 +22,7 @@ import report_page as p  # noqa: E402
 import report_sections as sections  # noqa: E402
 import report_tables as tables  # noqa: E402
 from report_relations import relations  # noqa: E402
+from report_robustness import robustness  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -104,6 +105,7 @@ def make_page(data, against, source):
         "tradeoffs": ("Speed, memory and error", sections.tradeoffs(data)),
         "growth": ("Growth", sections.growth(data)),
         "entrances": ("Packets", tables.entrances(data)),
+        "robustness": ("Leaks and shadows", robustness(data)),
         "all": ("All", tables.all_measurements(data)),
     }
     links = [(name, text) for name, (text, _) in contents.items()]

@@ -25,6 +25,7 @@ class Row:
         self.build_seconds = result["build_seconds"]
         self.memory = result["memory"]
         self.speeds = result["speed"]
+        self.leaks, self.shadows = result.get("leaks"), result.get("shadows", [])
         self.views = {view["view"]: view for view in result["views"]}
 
     @property
@@ -59,6 +60,7 @@ class Data:
     def __init__(self, folder):
         self.folder = Path(folder)
         self.rows, self.runs, self.problems, self.skipped = [], [], [], []
+        self.checked = []  # rows with leaks or shadows
         for path in sorted(self.folder.glob("*.json")):
             try:
                 record = records.read(path)
@@ -75,7 +77,11 @@ class Data:
                             f"{result['skipped']}"
                         )
                     else:
-                        self.rows.append(Row(record, job, self.folder, group, result))
+                        row = Row(record, job, self.folder, group, result)
+                        if row.leaks or row.shadows:
+                            self.checked.append(row)
+                        if row.speeds or not job.startswith("checks_"):
+                            self.rows.append(row)
         widest = [isa for isa in ISAS if any(row.isa == isa for row in self.rows)]
         self.isa = widest[-1] if widest else ""
 

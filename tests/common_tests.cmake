@@ -9,5 +9,8 @@ foreach(unit cage_tags cage_validation camera displacement hit_metrics height_ma
   cbvh_test(${unit} LIBRARIES cbvh_common)
 endforeach()
 
+cbvh_test(self_shadow LIBRARIES cbvh_common scene_blocks)
+target_sources(test_self_shadow PRIVATE near_side.cpp)
+
 add_test(NAME render_cli COMMAND "${CMAKE_CURRENT_LIST_DIR}/render_cli.sh" "$<TARGET_FILE:cbvh_render>")
 set_tests_properties(render_cli PROPERTIES TIMEOUT 600)

@@ -34,6 +34,7 @@ SECTIONS = (
     "tradeoffs",
     "growth",
     "entrances",
+    "robustness",
     "all",
 )
 
@@ -84,6 +85,10 @@ class Report(unittest.TestCase):
                 "3",
                 "--size",
                 "48x48",
+                "--check",
+                "leaks,shadows",
+                "--check-rays",
+                "2000",
                 "--pictures",
                 str(cls.records / "pictures"),
                 "--json",
@@ -121,6 +126,8 @@ class Report(unittest.TestCase):
         self.assertGreater(page.alternatives, 10)
         self.assertIn("short_L4.json", html)
         self.assertIn("Noise.", html)
+        self.assertIn("Leaks and self-shadowing", html)
+        self.assertGreaterEqual(html.count("1e-4 diagonals"), 8 * 2)
         self.assertIn("No data", html, "no trex, no frog: the page says so")
         self.assertIn("cbvh_bench --scene cube --level 2,6", html)
         self.assertNotIn(str(folder), html)

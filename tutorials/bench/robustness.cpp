@@ -86,12 +86,13 @@ std::vector<ShadowCheck> Robustness::shadows(const BuiltScene& grid, const Built
   {
     offsets.push_back({"Embree's path tracer", RayOffset::ofEmbree()});
     offsets.push_back({"1e-4 diagonals", {1e-4f * diagonal, 0, 0}});
+    offsets.push_back({"0.5 quads", {0.5f * meanQuadWidth, 0, 0}});
   }
   if (checks.offsets)
   {
     for (float x : {0.25f, 1.0f})
       offsets.push_back({text("pixels", x), {0, x, 0}});
-    for (float x : {0.01f, 0.1f, 0.5f, 1.0f})
+    for (float x : {0.01f, 0.1f, 1.0f})
       offsets.push_back({text("quads", x), {x * meanQuadWidth, 0, 0}});
     for (float x : {0.1f, 0.25f, 0.5f, 1.0f})
       if (thickness > 0.0f)

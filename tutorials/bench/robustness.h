@@ -19,7 +19,7 @@ namespace cbvh {
 struct Checks
 {
   bool leaks = false;
-  bool shadows = false;      // at the offset that is documented, and at Embree's
+  bool shadows = false;      // at Embree's offset, a fraction of the scene, and half a quad
   bool offsets = false;      // at many offsets
   size_t rays = 1000000;     // for leaks, a representation
 
