@@ -3,10 +3,9 @@
 
 #include "cage_validation.h"
 #include "error.h"
+#include "topology_refiner.h"
 
 #include <opensubdiv/far/error.h>
-#include <opensubdiv/far/topologyDescriptor.h>
-#include <opensubdiv/far/topologyRefinerFactory.h>
 
 #include <memory>
 #include <string>
@@ -15,7 +14,6 @@ namespace cbvh {
 namespace {
 
 namespace Far = OpenSubdiv::Far;
-namespace Sdc = OpenSubdiv::Sdc;
 
 /* MAX_PATCH_VALENCE and MAX_RING_FACE_VALENCE of Embree's kernels/subdiv. */
 constexpr unsigned maxFaceVertices = 16;
@@ -64,63 +62,16 @@ void checkFaces(const Cage& cage)
   }
 }
 
-Sdc::Options schemeOptions(const Cage& cage)
-{
-  Sdc::Options options;
-  options.SetVtxBoundaryInterpolation(cage.boundary == BoundaryRule::None ? Sdc::Options::VTX_BOUNDARY_NONE
-                                      : cage.boundary == BoundaryRule::EdgeAndCorner
-                                        ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
-                                        : Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
-  return options;
-}
-
 } // namespace
 
 void validateCage(const Cage& cage)
 {
   checkFaces(cage);
 
-  const std::vector<int> sizes(cage.faceSizes.begin(), cage.faceSizes.end());
-  const std::vector<Far::Index> indices(cage.faceIndices.begin(), cage.faceIndices.end());
-  const std::vector<Far::Index> uvIndices(cage.uvIndices.begin(), cage.uvIndices.end());
-  const std::vector<Far::Index> corners(cage.cornerVertices.begin(), cage.cornerVertices.end());
-  const std::vector<Far::Index> holes(cage.holes.begin(), cage.holes.end());
-  std::vector<Far::Index> creases;
-  for (auto [a, b] : cage.creaseEdges)
-  {
-    creases.push_back(Far::Index(a));
-    creases.push_back(Far::Index(b));
-  }
-
-  Far::TopologyDescriptor descriptor;
-  descriptor.numVertices = int(cage.positions.size());
-  descriptor.numFaces = int(sizes.size());
-  descriptor.numVertsPerFace = sizes.data();
-  descriptor.vertIndicesPerFace = indices.data();
-  descriptor.numCreases = int(cage.creaseEdges.size());
-  descriptor.creaseVertexIndexPairs = creases.data();
-  descriptor.creaseWeights = cage.creaseSharpness.data();
-  descriptor.numCorners = int(corners.size());
-  descriptor.cornerVertexIndices = corners.data();
-  descriptor.cornerWeights = cage.cornerSharpness.data();
-  descriptor.numHoles = int(holes.size());
-  descriptor.holeIndices = holes.data();
-  Far::TopologyDescriptor::FVarChannel channel;
-  if (cage.hasUVs())
-  {
-    channel.numValues = int(cage.uvs.size());
-    channel.valueIndices = uvIndices.data();
-    descriptor.numFVarChannels = 1;
-    descriptor.fvarChannels = &channel;
-  }
-
-  using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-  Factory::Options options(Sdc::SCHEME_CATMARK, schemeOptions(cage));
-  options.validateFullTopology = true;
   lastReport.clear();
   Far::SetErrorCallback(keepReport);
   Far::SetWarningCallback(keepWarning);
-  const std::unique_ptr<Far::TopologyRefiner> refiner(Factory::Create(descriptor, options));
+  const std::unique_ptr<Far::TopologyRefiner> refiner = makeTopologyRefiner(cage, true);
   Far::SetErrorCallback(nullptr);
   Far::SetWarningCallback(nullptr);
   if (!refiner || !lastReport.empty())

@@ -35,6 +35,14 @@ struct Placement
     const float c = std::cos(angle), s = std::sin(angle);
     return origin + scale * Vec3f{c * p.x + s * p.z, p.y, c * p.z - s * p.x};
   }
+
+  /* The inverse, and for directions, which keep their length. */
+  Vec3d pointToCage(Vec3d p) const { return directionToCage(p - toDouble(origin)) * (1.0 / scale); }
+  Vec3d directionToCage(Vec3d d) const
+  {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return {c * d.x - s * d.z, d.y, s * d.x + c * d.z};
+  }
 };
 
 struct Model

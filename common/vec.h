@@ -20,31 +20,49 @@ inline Vec2f operator+(Vec2f a, Vec2f b) { return {a.x + b.x, a.y + b.y}; }
 inline Vec2f operator-(Vec2f a, Vec2f b) { return {a.x - b.x, a.y - b.y}; }
 inline Vec2f operator*(Vec2f a, float s) { return {a.x * s, a.y * s}; }
 
-struct Vec3f
+template<typename T>
+struct Vec3
 {
-  float x = 0, y = 0, z = 0;
+  T x = 0, y = 0, z = 0;
+
+  friend Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
+  friend Vec3 operator*(Vec3 a, T s) { return {a.x * s, a.y * s, a.z * s}; }
+  friend Vec3 operator*(T s, Vec3 a) { return a * s; }
+  friend Vec3 operator*(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+  friend Vec3& operator+=(Vec3& a, Vec3 b) { return a = a + b; }
 };
 
-inline Vec3f operator+(Vec3f a, Vec3f b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vec3f operator-(Vec3f a, Vec3f b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Vec3f operator-(Vec3f a) { return {-a.x, -a.y, -a.z}; }
-inline Vec3f operator*(Vec3f a, float s) { return {a.x * s, a.y * s, a.z * s}; }
-inline Vec3f operator*(float s, Vec3f a) { return a * s; }
-inline Vec3f operator*(Vec3f a, Vec3f b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-inline Vec3f& operator+=(Vec3f& a, Vec3f b) { return a = a + b; }
+using Vec3f = Vec3<float>;
+using Vec3d = Vec3<double>; // where errors are measured
 
-inline float dot(Vec3f a, Vec3f b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline float length(Vec3f a) { return std::sqrt(dot(a, a)); }
-inline Vec3f cross(Vec3f a, Vec3f b)
+inline Vec3d toDouble(Vec3f a) { return {a.x, a.y, a.z}; }
+
+template<typename T>
+T dot(Vec3<T> a, Vec3<T> b)
+{
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+template<typename T>
+T length(Vec3<T> a)
+{
+  return std::sqrt(dot(a, a));
+}
+
+template<typename T>
+Vec3<T> cross(Vec3<T> a, Vec3<T> b)
 {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
 /* The zero vector stays zero. */
-inline Vec3f normalize(Vec3f a)
+template<typename T>
+Vec3<T> normalize(Vec3<T> a)
 {
-  const float l = length(a);
-  return l > 0.0f ? a * (1.0f / l) : a;
+  const T l = length(a);
+  return l > T(0) ? a * (T(1) / l) : a;
 }
 
 inline Vec3f lerp(Vec3f a, Vec3f b, float t) { return a + t * (b - a); }

@@ -5,7 +5,7 @@
 # after cbvh_test.
 
 foreach(unit cage_tags cage_validation camera displacement hit_metrics height_map obj_reader ray_sets representation
-        scenes)
+        scenes true_surface)
   cbvh_test(${unit} LIBRARIES cbvh_common)
 endforeach()
 
