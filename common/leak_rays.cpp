@@ -43,7 +43,7 @@ Found closest(RTCScene scene, RTCIntersectContext& context, const Ray& ray)
   rtcIntersect1(scene, &context, &out);
   if (out.hit.geomID == RTC_INVALID_GEOMETRY_ID)
     return {};
-  return {out.ray.tfar, dot(normalize({out.hit.Ng_x, out.hit.Ng_y, out.hit.Ng_z}), ray.direction)};
+  return {out.ray.tfar, dot(normalize(Vec3f{out.hit.Ng_x, out.hit.Ng_y, out.hit.Ng_z}), ray.direction)};
 }
 
 bool any(RTCScene scene, RTCIntersectContext& context, const Ray& ray)

@@ -17,6 +17,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import report_data as d  # noqa: E402
+import report_errors  # noqa: E402
 import report_figures as f  # noqa: E402
 import report_page as p  # noqa: E402
 import report_sections as sections  # noqa: E402
@@ -103,6 +104,7 @@ def make_page(data, against, source):
         "figure16": ("16", sections.figure_16(data)),
         "figure17": ("17", sections.figure_17(data)),
         "tradeoffs": ("Speed, memory and error", sections.tradeoffs(data)),
+        "errors": ("Errors", report_errors.errors(data)),
         "growth": ("Growth", sections.growth(data)),
         "entrances": ("Packets", tables.entrances(data)),
         "robustness": ("Leaks and shadows", robustness(data)),

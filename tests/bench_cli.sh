@@ -66,7 +66,7 @@ refuses "cannot be made an output folder" --scene cube --pictures "$folder/quad.
 # A record of two levels, with pictures.
 "$program" --scene cube --level 2,3 --view full,close --representation naive,cvoxel,cleaf --frame-level 1 \
   --set coherent,incoherent --query closest,any --mode single,packet8,stream --threads 1 \
-  --rays 500 --repeat 1 --size 40x32 --reference-level 4 --pictures "$folder/pictures" --json "$folder/good.json" \
+  --rays 500 --repeat 1 --size 40x32 --true-surface 200 --reference-level 4 --pictures "$folder/pictures" --json "$folder/good.json" \
   >"$folder/stdout" 2>"$folder/stderr" || complain "cube: $(cat "$folder/stderr")"
 for word in commit isa thread; do
   grep -q "$word" "$folder/stdout" || complain "no word on $word on stdout"
@@ -81,6 +81,7 @@ assert record["format"] == "cbvh-bench" and record["complete"]
 for key in ("command", "date", "commit", "compiler", "flags", "build_type", "cpu", "hardware_threads", "system", "settings"):
     assert key in run, key
 assert run["command"].startswith("cbvh_bench --scene cube --level 2,3"), run["command"]
+assert run["settings"]["true_surface_hits"] == 200
 assert run["settings"]["seed"] == 1 and run["settings"]["repeat"] == 1 and run["settings"]["reference_level"] == 4
 assert [g["level"] for g in record["groups"]] == [2, 3]
 for group in record["groups"]:
@@ -100,6 +101,8 @@ for group in record["groups"]:
         for v in r["views"]:
             assert os.path.isfile(os.path.join(folder, "pictures", v["picture"]))
             assert v["errors_to_reference_level"]["both_hit"] > 0
+            true = v["errors_to_true_surface"]
+            assert 0 < true["hits"] <= 200 and 0 < true["median_pixels"] <= true["p99_pixels"] <= true["max_pixels"], true
             e = v["errors"]
             assert {"rmse_pixels", "median_pixels", "p99_pixels", "max_pixels", "bias_pixels", "false_hits", "misses"} <= set(e)
             if r["representation"] == "GRID":

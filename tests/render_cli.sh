@@ -93,7 +93,7 @@ for representation in ${representations//,/ }; do
 done
 [ -z "$(find "$out" -name '.tmp-*')" ] || complain "temporary files are left"
 for row in "bytes a quad" "peak of the build" "build, s" "coherent, closest hit" "incoherent, any hit" \
-  "error RMSE" "false hits" "misses"; do
+  "error RMSE" "against the true surface" "false hits" "misses"; do
   grep -q "$row" "$folder/table" || complain "no row '$row' in the table"
 done
 grep '^| any hit disagrees' "$folder/table" | grep -q '[1-9]' && complain "any hit and closest hit disagree"

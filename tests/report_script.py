@@ -32,6 +32,7 @@ SECTIONS = (
     "figure16",
     "figure17",
     "tradeoffs",
+    "errors",
     "growth",
     "entrances",
     "robustness",

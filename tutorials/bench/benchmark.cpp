@@ -46,6 +46,7 @@ struct View
   std::unique_ptr<Camera> camera;
   std::vector<Ray> primary, sets[numRaySets];
   std::vector<SurfaceHit> gridHits, bouncedGridHits;
+  std::vector<size_t> sample; // of primary rays, compared with the true surface
 };
 
 struct Built
@@ -90,9 +91,10 @@ struct Combination
 class GroupRun
 {
 public:
-  GroupRun(const BenchOptions& options, const BenchScene& bench, const Model& model, int level,
-           const std::vector<View>& reference)
-    : options(options), bench(bench), model(model), reference(reference),
+  /* surface: of the model, null for no errors against it. */
+  GroupRun(const BenchOptions& options, const BenchScene& bench, const Model& model, const TrueSurface* surface,
+           int level, const std::vector<View>& reference)
+    : options(options), bench(bench), model(model), surface(surface), reference(reference),
       threads(threadCount(options.buildThreads))
   {
     build.level = level;
@@ -193,6 +195,7 @@ private:
                                                : *reference[i].camera);
       view.primary = primaryRays(*view.camera);
       view.gridHits = traceClosest(grid, view.primary, threads);
+      view.sample = sampleOfHits(view.gridHits, options.trueHits, options.seed);
       BounceSettings bounce;
       bounce.count = options.rays;
       bounce.offset = options.rayOffset * float(group.diagonal);
@@ -226,6 +229,9 @@ private:
       result.errors = compareHits(view.gridHits, hits, footprint, b.scene->layout());
       if (!reference.empty())
         result.toReference = compareHits(reference[i].gridHits, hits, footprint, b.scene->layout());
+      if (surface)
+        result.toTrue = compareToTrueSurface({model, *surface, view.primary, view.sample, footprint}, hits,
+                                             b.scene->layout(), threads);
       const std::vector<SurfaceHit> bounced = traceClosest(*b.scene, view.sets[Incoherent], threads);
       result.bounced = compareHits(view.bouncedGridHits, bounced, footprint, b.scene->layout());
       if (wantsPictures())
@@ -341,6 +347,7 @@ private:
   const BenchOptions& options;
   const BenchScene& bench;
   const Model& model;
+  const TrueSurface* surface;
   const std::vector<View>& reference;
   unsigned threads;
   BuildSettings build;
@@ -410,8 +417,11 @@ void runBenchmark(const BenchOptions& options, const std::function<void(const Gr
     std::vector<View> reference;
     if (options.referenceLevel >= 0)
       reference = traceReference(options, model);
+    std::optional<TrueSurface> surface;
+    if (options.trueHits)
+      surface.emplace(model);
     for (int level : options.levels)
-      done(GroupRun(options, bench, model, level, reference).run());
+      done(GroupRun(options, bench, model, surface ? &*surface : nullptr, level, reference).run());
   }
 }
 

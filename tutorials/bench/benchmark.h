@@ -9,6 +9,7 @@
 #include "built_scene.h"
 #include "hit_metrics.h"
 #include "options.h"
+#include "true_errors.h"
 
 #include <functional>
 #include <optional>
@@ -34,6 +35,7 @@ struct ViewResult
   std::string view;
   HitErrors errors;                 // primary rays, against GRID of the same level
   std::optional<HitErrors> toReference; // against GRID of the reference level
+  std::optional<TrueErrors> toTrue;     // primary rays, against the true surface
   HitErrors bounced;                // incoherent rays, against GRID of the same level
   std::string picture, errorMap;    // file names
 };

@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "json.h"
+#include "errors_json.h"
 #include "statistics.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstdio>
@@ -24,26 +23,6 @@ json summary(const std::vector<double>& values)
           {"min", *std::min_element(values.begin(), values.end())},
           {"max", *std::max_element(values.begin(), values.end())},
           {"spread", interquartileRange(values) / middle}};
-}
-
-json errorsJson(const HitErrors& e)
-{
-  return {{"rays", e.rays},
-          {"both_hit", e.bothHit},
-          {"rmse_pixels", e.rmse},
-          {"median_pixels", e.median},
-          {"p99_pixels", e.p99},
-          {"max_pixels", e.max},
-          {"bias_pixels", e.bias},
-          {"beyond_5_pixels", e.farOff},
-          {"rmse_of_others_pixels", e.rmseOfOthers},
-          {"false_hits", e.falseHits},
-          {"misses", e.misses},
-          {"normal_median_degrees", e.normalMedian},
-          {"normal_p99_degrees", e.normalP99},
-          {"uv_median_cells", e.uvMedian},
-          {"uv_p99_cells", e.uvP99},
-          {"other_patch", e.otherPatch}};
 }
 
 json leaksJson(const Leaks& l)
@@ -146,6 +125,8 @@ json resultJson(const VariantResult& r)
     json view = {{"view", v.view}, {"errors", errorsJson(v.errors)}, {"bounced", errorsJson(v.bounced)}};
     if (v.toReference)
       view["errors_to_reference_level"] = errorsJson(*v.toReference);
+    if (v.toTrue)
+      view["errors_to_true_surface"] = errorsJson(*v.toTrue);
     if (!v.picture.empty())
       view["picture"] = v.picture;
     if (!v.errorMap.empty())
@@ -224,6 +205,7 @@ std::string formatJson(const BenchOptions& options, const Machine& m, const std:
                   {"width", options.size.width},
                   {"height", options.size.height},
                   {"ray_offset_diagonals", options.rayOffset},
+                  {"true_surface_hits", options.trueHits},
                   {"seed", options.seed},
                   {"build_threads", options.buildThreads},
                   {"stream_size", streamSize},

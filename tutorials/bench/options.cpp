@@ -170,7 +170,7 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   app.add_option("--ray-offset", o.rayOffset,
                  "distance of bounced rays' origins from the surface, in bounding-box diagonals")
     ->type_name("D")->capture_default_str();
-  app.add_option("--seed", o.seed, "of the bounced rays")->type_name("N")->capture_default_str();
+  app.add_option("--seed", o.seed, "of the bounced rays and of the hits compared with the true surface")->type_name("N")->capture_default_str();
   app.add_option("--build-threads", o.buildThreads, "threads that build, 0 for all")
     ->type_name("N")->capture_default_str();
   app.add_option("--check", checks,
@@ -185,6 +185,9 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   app.add_option("--reference-level", o.referenceLevel,
                  "measure errors against GRID at this level, too, which also fixes the view for all levels")
     ->type_name("L");
+  app.add_option("--true-surface", o.trueHits,
+                 "hits of a view compared with the displaced limit surface itself, drawn at random, 0 for none")
+    ->type_name("N")->capture_default_str();
   app.add_option("--pictures", o.pictures, "folder for shaded pictures and error maps")->type_name("DIR");
   app.add_option("--picture-level", pictureLevels, "levels that get pictures, else all")->type_name("LIST");
   app.add_option("--maps", o.maps, "folder for generated height maps, else a temporary one")->type_name("DIR");

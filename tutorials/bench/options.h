@@ -40,11 +40,12 @@ struct BenchOptions
   std::vector<TraceMode> modes;
   int buildThreads = 0;      // 0 for all
   int referenceLevel = -1;   // GRID at this level is a second reference for errors; -1 for none
+  size_t trueHits = 20000;   // at most, a view, that are compared with the true surface
   size_t rays = 200000;      // at most, a set, 0 for one a pixel
   int repeat = 7;            // 0: no speed
   ImageSize size;
   float rayOffset = 1e-4f;   // of bounced rays, in bounding-box diagonals
-  uint32_t seed = 1;         // of bounced rays
+  uint32_t seed = 1;         // of bounced rays and of the hits compared with the true surface
   Checks checks;
   Vec3f position;            // that models are moved to
   float maxError = 0.0f;     // of leaves, in bounding-box diagonals; 0: no bound

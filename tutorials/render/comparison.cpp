@@ -25,6 +25,8 @@
 namespace cbvh {
 namespace {
 
+constexpr uint32_t sampleSeed = 1;
+
 std::string outputPath(const Options& options, const std::string& name)
 {
   return (std::filesystem::path(options.output) / name).string();
@@ -94,6 +96,10 @@ public:
     if (options.ambientRays)
       gridAmbient = ambient(grid, gridHits);
     describe(camera);
+    if (options.trueHits)
+      surface.emplace(model);
+    sample = sampleOfHits(gridHits, options.trueHits, sampleSeed);
+    comparison.trueHits = sample.size();
 
     bool askedForGrid = false;
     for (const Representation& r : options.representations)
@@ -103,6 +109,7 @@ public:
     gridResult.representation = grid.representation();
     gridResult.build = grid.report();
     countDisagreements(grid, gridHits, gridResult);
+    compareToTruth(grid, gridHits, gridResult);
     if (askedForGrid)
       writePictures(grid, gridHits);
 
@@ -115,6 +122,7 @@ public:
       result.build = scene.report();
       std::vector<SurfaceHit> hits = traced(scene);
       countDisagreements(scene, hits, result);
+      compareToTruth(scene, hits, result);
       writePictures(scene, hits);
       if (options.speed)
         measure(grid, &scene, result);
@@ -189,6 +197,15 @@ private:
       scene, sets[Incoherent], traceClosest(scene, sets[Incoherent], threads), threads);
   }
 
+  void compareToTruth(const BuiltScene& scene, const std::vector<SurfaceHit>& hits, Result& result) const
+  {
+    if (!surface)
+      return;
+    Phase phase(scene.representation().label() + ": distance to the true surface");
+    result.trueErrors =
+      compareToTrueSurface({model, *surface, primary, sample, footprint}, hits, scene.layout(), threads);
+  }
+
   void writePictures(const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const
   {
     Phase phase(scene.representation().label() + ": files");
@@ -252,6 +269,8 @@ private:
   std::vector<SurfaceHit> gridHits, nearest;
   std::vector<float> gridAmbient;
   const std::vector<SurfaceHit>* referenceHits = nullptr;
+  std::optional<TrueSurface> surface;
+  std::vector<size_t> sample; // of the primary rays, compared with the true surface
   std::vector<double> gridSeconds[numRaySets][numQueries];
   Comparison comparison;
 };

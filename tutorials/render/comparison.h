@@ -9,6 +9,7 @@
 #include "hit_metrics.h"
 #include "options.h"
 #include "trace_timing.h"
+#include "true_errors.h"
 
 #include <optional>
 #include <string>
@@ -29,6 +30,7 @@ struct Result
   Representation representation;
   BuildReport build;
   std::optional<HitErrors> errors; // none for the reference itself
+  std::optional<TrueErrors> trueErrors;
   size_t anyDisagreements[numRaySets] = {0, 0};
   Speed speed[numRaySets][numQueries];
 };
@@ -44,6 +46,7 @@ struct Comparison
   size_t rays[numRaySets] = {0, 0};
   bool speed = true;
   std::string reference;      // what the errors are measured against
+  size_t trueHits = 0;        // compared with the true surface
   std::vector<Result> results; // in the order asked for
 };
 

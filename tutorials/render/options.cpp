@@ -39,6 +39,9 @@ std::optional<Options> parseOptions(int argc, char** argv)
                  "pictures of ambient occlusion with so many rays a pixel, from each representation's own hits, "
                  "beside GRID's")
     ->type_name("N")->check(CLI::Range(0, 4096));
+  app.add_option("--true-surface", o.trueHits,
+                 "hits compared with the displaced limit surface itself, drawn at random, 0 for none")
+    ->type_name("N")->capture_default_str();
   app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")->type_name("N")->capture_default_str();
   app.add_option("--isa", o.build.isa, "widest instruction set: sse2, sse4.2, avx, avx2 or avx512")->type_name("ISA");
   app.add_option("--json", o.json, "write the numbers there, too")->type_name("FILE");

@@ -30,6 +30,7 @@ struct Options
   bool speed = true;
   float rayOffset = 1e-4f;       // of bounced rays, in bounding-box diagonals
   unsigned ambientRays = 0;      // a pixel, for pictures of ambient occlusion; 0: none
+  size_t trueHits = 20000;       // at most, that are compared with the true surface
 };
 
 /* Reads a command line. Returns nothing when it asked for help, which is printed.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "report.h"
+#include "errors_json.h"
 
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,13 @@ std::string number(double value, int digits)
 {
   char text[64];
   std::snprintf(text, sizeof(text), "%.*f", digits, value);
+  return text;
+}
+
+std::string scientific(double value)
+{
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.3g", value);
   return text;
 }
 
@@ -109,24 +117,55 @@ void addSpeed(Table& table, const Comparison& c)
     }
 }
 
-void addErrors(Table& table)
+template<typename Errors>
+void addNormalsAndParameters(Table& table, std::optional<Errors> Result::*errors)
+{
+  const auto row = [&](const std::string& name, double Errors::*value, int digits) {
+    table.row(name, [=](const Result& r) { return r.*errors ? number((*(r.*errors)).*value, digits) : std::string("-"); });
+  };
+  row("- normal, degrees, median", &Errors::normalMedian, 3);
+  row("- - p99", &Errors::normalP99, 2);
+  row("- (u,v), cells, median", &Errors::uvMedian, 4);
+  row("- - p99", &Errors::uvP99, 3);
+  table.row("- - on another patch", [=](const Result& r) {
+    return r.*errors ? std::to_string((*(r.*errors)).otherPatch) : std::string("-");
+  });
+}
+
+/* What compression costs. */
+void addMeshErrors(Table& table)
 {
   const auto error = [&](const std::string& name, const std::function<std::string(const HitErrors&)>& cell) {
     table.row(name, [=](const Result& r) { return r.errors ? cell(*r.errors) : std::string("-"); });
   };
-  error("error RMSE, pixels", [](const HitErrors& e) { return number(e.rmse, 4); });
+  error("against the mesh: error RMSE, pixels", [](const HitErrors& e) { return number(e.rmse, 4); });
   error("- median", [](const HitErrors& e) { return number(e.median, 4); });
   error("- p99", [](const HitErrors& e) { return number(e.p99, 4); });
   error("- max", [](const HitErrors& e) { return number(e.max, 2); });
   error("- beyond 5 pixels", [](const HitErrors& e) { return std::to_string(e.farOff); });
   error("- RMSE of the others", [](const HitErrors& e) { return number(e.rmseOfOthers, 4); });
-  error("false hits", [](const HitErrors& e) { return std::to_string(e.falseHits); });
-  error("misses", [](const HitErrors& e) { return std::to_string(e.misses); });
-  error("normal, degrees, median", [](const HitErrors& e) { return number(e.normalMedian, 3); });
-  error("- p99", [](const HitErrors& e) { return number(e.normalP99, 2); });
-  error("(u,v), cells, median", [](const HitErrors& e) { return number(e.uvMedian, 4); });
-  error("- p99", [](const HitErrors& e) { return number(e.uvP99, 3); });
-  error("- on another patch", [](const HitErrors& e) { return std::to_string(e.otherPatch); });
+  error("- bias of the others", [](const HitErrors& e) { return number(e.bias, 4); });
+  error("- false hits", [](const HitErrors& e) { return std::to_string(e.falseHits); });
+  error("- misses", [](const HitErrors& e) { return std::to_string(e.misses); });
+  addNormalsAndParameters(table, &Result::errors);
+}
+
+/* What tessellation and compression cost. */
+void addTrueErrors(Table& table)
+{
+  const auto error = [&](const std::string& name, const std::function<std::string(const TrueErrors&)>& cell) {
+    table.row(name, [=](const Result& r) { return r.trueErrors ? cell(*r.trueErrors) : std::string("-"); });
+  };
+  error("against the true surface: RMSE, pixels", [](const TrueErrors& e) { return number(e.rmse, 4); });
+  error("- median", [](const TrueErrors& e) { return number(e.median, 4); });
+  error("- p99", [](const TrueErrors& e) { return number(e.p99, 4); });
+  error("- max", [](const TrueErrors& e) { return number(e.max, 2); });
+  error("- RMSE, world units", [](const TrueErrors& e) { return scientific(e.rmseWorld); });
+  error("- median, world units", [](const TrueErrors& e) { return scientific(e.medianWorld); });
+  error("- not within 5 pixels along the ray", [](const TrueErrors& e) { return std::to_string(e.apart); });
+  error("- RMSE of the others along the ray", [](const TrueErrors& e) { return number(e.rmseAlong, 4); });
+  error("- bias of the others", [](const TrueErrors& e) { return number(e.bias, 4); });
+  addNormalsAndParameters(table, &Result::trueErrors);
 }
 
 } // namespace
@@ -136,15 +175,17 @@ std::string formatTable(const Comparison& c)
   char head[512];
   std::snprintf(head, sizeof(head),
                 "%s: %zu faces, level %d, %.2f million quads; %d x %d pixels from %s, %zu hit\n"
-                "speed: one thread, single rays, %zu coherent and %zu incoherent; errors against %s, %s%s\n\n",
+                "speed: one thread, single rays, %zu coherent and %zu incoherent; mesh: %s; true surface: %zu hits; %s%s\n\n",
                 c.model.c_str(), c.faces, c.build.level, c.results.empty() ? 0.0 : double(c.results[0].build.quads) * 1e-6,
                 c.size.width, c.size.height, c.camera.c_str(), c.primaryHits, c.rays[Coherent], c.rays[Incoherent],
-                c.reference.c_str(), "isa ", c.build.isa.empty() ? "best of the host" : c.build.isa.c_str());
+                c.reference.c_str(), c.trueHits, "isa ", c.build.isa.empty() ? "best of the host" : c.build.isa.c_str());
   Table table(c.results);
   addMemory(table);
   if (c.speed)
     addSpeed(table, c);
-  addErrors(table);
+  addMeshErrors(table);
+  if (c.trueHits)
+    addTrueErrors(table);
   for (int set = 0; set < numRaySets; set++)
     table.row(std::string("any hit disagrees, ") + setNames[set],
               [=](const Result& r) { return std::to_string(r.anyDisagreements[set]); });
@@ -166,6 +207,7 @@ std::string formatJson(const Comparison& c)
   out["coherent_rays"] = c.rays[Coherent];
   out["incoherent_rays"] = c.rays[Incoherent];
   out["error_reference"] = c.reference;
+  out["true_surface_hits"] = c.trueHits;
   for (const Result& r : c.results)
   {
     json j;
@@ -193,16 +235,9 @@ std::string formatJson(const Comparison& c)
                                                         {"relative_to_grid", r.speed[set][query].toGrid}};
     }
     if (r.errors)
-    {
-      const HitErrors& e = *r.errors;
-      j["errors"] = {{"rmse_pixels", e.rmse},          {"median_pixels", e.median},
-                     {"p99_pixels", e.p99},
-                     {"beyond_5_pixels", e.farOff},    {"rmse_of_others_pixels", e.rmseOfOthers},            {"max_pixels", e.max},
-                     {"false_hits", e.falseHits},      {"misses", e.misses},
-                     {"both_hit", e.bothHit},          {"normal_median_degrees", e.normalMedian},
-                     {"normal_p99_degrees", e.normalP99}, {"uv_median_cells", e.uvMedian},
-                     {"uv_p99_cells", e.uvP99},        {"other_patch", e.otherPatch}};
-    }
+      j["errors"] = errorsJson(*r.errors);
+    if (r.trueErrors)
+      j["errors_to_true_surface"] = errorsJson(*r.trueErrors);
     out["results"].push_back(j);
   }
   return out.dump(2) + "\n";
