@@ -27,7 +27,7 @@ class Job:
 MAIN = "naive,grid,cgrid^2,cvoxel^2,cvoxel^3,cvoxel^4,cleaf^2,cleaf^3"
 FINE_FRAMES = "grid,cgrid^2,cvoxel^2,cvoxel^3,cvoxel^4,cleaf^2,cleaf^3,cleaf^4"
 CLOSED = ("cube:0.001", "cube:0.03", "cube", "frog", "knee", "scythe", "trex")
-ENTRANCES = "--query closest,any --mode single,packet4,packet8,packet16,stream"
+ENTRANCES = "--query closest,any --mode single,packet4,packet8,packet16,stream --true-surface 0"
 
 
 def cube(views, measure, seconds):
@@ -56,7 +56,7 @@ def checks(scenes, level, rays, what, seconds):
 
 def hard_checks(rays):
     """All levels, frame levels that differ from face to face, and far from the origin."""
-    options = f"--view full --size 64x64 --repeat 0 --check leaks --check-rays {rays}"
+    options = f"--view full --size 64x64 --repeat 0 --true-surface 0 --check leaks --check-rays {rays}"
     mixed = "cgrid^2,cvoxel^auto,cleaf^2,cleaf^auto --max-error 0.002"
     return [Job("checks_levels", "leaks, all levels", "cube", [3, 4, 5, 6, 7], f"--representation {mixed} {options}", 200),
             Job("checks_far", "leaks, far away", "cube", [3, 4, 5],
@@ -64,11 +64,12 @@ def hard_checks(rays):
 
 
 def quick():
+    small = "--size 768x768 --true-surface 1000"
     return (
-        cube("full", "--size 768x768 --rays 30000 --repeat 9", 30)
+        cube("full", f"{small} --rays 30000 --repeat 9", 30)
         + [Job("trex", "figures 11, 12, 16, 17", "trex", [4, 5, 6],
-               f"--representation {MAIN} --view full,close --picture-level 6 --size 768x768 --rays 50000 --repeat 9", 140)]
-        + portraits("--size 768x768 --rays 50000 --repeat 5", 12)
+               f"--representation {MAIN} --view full,close --picture-level 6 {small} --rays 50000 --repeat 9", 140)]
+        + portraits(f"{small} --rays 50000 --repeat 5", 12)
         + [Job("entrances", "packets, streams, any hit", "trex", [4],
                f"--representation grid,cgrid^2,cvoxel^2,cleaf^2 --view full {ENTRANCES} --size 768x768 --rays 40000 --repeat 5",
                35)]

@@ -107,7 +107,10 @@ fi
 # Ctrl-C in the middle: status 130, and no half of a file.
 "$program" --scene trex --level 6 --output "$folder/cancelled" --representation grid >/dev/null 2>"$folder/stderr" &
 process=$!
-sleep 1
+for _ in $(seq 600); do # until it listens
+  [ -d "$folder/cancelled" ] && break
+  sleep 0.1
+done
 kill -INT $process
 wait $process
 status=$?
