@@ -45,7 +45,9 @@ namespace embree
         const vfloat4 x = plane*vfloat4::load(block->columns[0]);
         const vfloat4 y = plane*vfloat4::load(block->columns[1]);
         const vfloat4 z = plane*vfloat4::load(block->columns[2]);
-        return normalize_safe(Vec3fa(reduce_add(x),reduce_add(y),reduce_add(z)));
+        const Vec3fa n(reduce_add(x),reduce_add(y),reduce_add(z));
+        /* the frame of a block smaller than 1e-19 has components that have no square */
+        return normalize_safe(n*(1.0f/max(reduce_max(abs(n)),1e-37f)));
       }
 
       /*! what the three kinds of leaves share: a ray in a block */
