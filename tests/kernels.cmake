@@ -19,6 +19,9 @@ target_compile_options(scene_blocks PRIVATE -fno-strict-aliasing)
 target_link_libraries(scene_blocks PUBLIC embree tbb)
 cbvh_test(simd_reference LIBRARIES scene_blocks DEFINITIONS "TEST_ISAS=${isas}")
 
+# The traversal on random bytes.
+include(fuzz/fuzz.cmake)
+
 # Through the API, against GRID.
 cbvh_test(surfaces LIBRARIES scene_blocks)
 foreach(unit watertight mixed_rates resampled_faces scene_features invalid_vertices hard_surfaces compression_api)

@@ -1,0 +1,249 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* libFuzzer target: random bytes as a ray and a block, traced by the intersectors of all
+ * three kinds, closest hit and any hit.
+ *
+ * What the traversal relies on, and what is made true of the bytes here: the kind is the
+ * one that the top level's leaf type names, the height at most maxLevel, and there are as
+ * many bytes as the layout says. All else, frame, nodes, leaves, vertices and ray, may
+ * be anything: no access outside the block, no undefined behaviour, an end. Where frame and
+ * ray are also what a builder and an application may give (FRAME and RAY below)
+ *   - every hit lies between tnear and tfar, each accepted one no farther than the one
+ *     before, with finite parameters, those of cLEAF and cVOXEL inside the block;
+ *   - closest hit and any hit agree on whether there is one.
+ *
+ * --seeds=DIRECTORY writes blocks of the encoder, with rays, for a corpus to start from. */
+
+#include "kernels/common/scene.h"
+#include "kernels/cbvh/block_encoder.h"
+#include "kernels/cbvh/block_intersector1.h"
+#include <embree3/rtcore.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+namespace {
+
+using namespace embree;
+using namespace embree::isa;
+using namespace embree::cbvh;
+using embree::isa::cbvh::BlockIntersector1;
+using embree::isa::cbvh::GridLeaf;
+using embree::isa::cbvh::HeightLeaf;
+using embree::isa::cbvh::RayPrecalculations;
+using embree::isa::cbvh::VoxelLeaf;
+
+#define REQUIRE(condition) \
+  do { if (!(condition)) { std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); std::abort(); } } while (false)
+
+// In front of the block.
+struct RayBytes
+{
+  float org[3], tnear;
+  float dir[3], tfar;
+};
+
+// Geometry 0 of a scene, for the epilogues to look up its mask and filters.
+struct World
+{
+  RTCScene scene;
+  World()
+  {
+    RTCDevice device = rtcNewDevice("threads=1");
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
+    scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcReleaseDevice(device);
+  }
+};
+
+// RAY: within Embree's limits, and not so far from the block, in sizes of it, that floats
+// overflow in its frame.
+bool isSound(const RayBytes& ray, const Block* block)
+{
+  double length = 0, distance = 0, stretch = 0;
+  for (float d : ray.dir) length = std::fmax(length, std::fabs(d));
+  for (int k = 0; k < 3; k++) distance = std::fmax(distance, std::fabs(double(ray.org[k]) - double(block->centre[k])));
+  for (const auto& column : block->columns)
+    for (float c : column) stretch = std::fmax(stretch, std::fabs(c));
+  return distance*stretch <= 1e36 && isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 && ray.tnear <= maxCoordinate && ray.tfar >= ray.tnear;
+}
+
+// FRAME: as fitBox (frame.h) gives them, the box a bounded region of the world of at least
+// the smallest size and W in its range.
+bool isSound(const Block* block)
+{
+  bool ok = isFinite(block->centre);
+  for (const auto& column : block->columns)
+    for (float c : column) ok &= std::fabs(c) <= 1e31f;
+  if (!ok) return false;
+  const auto row = [&](int k, double d) { return Form{{block->columns[0][k], block->columns[1][k], block->columns[2][k]}, d}; };
+  const FrameMap map = {row(0, 0.5), row(1, 0.5), row(2, 0.5), row(3, 1), true};
+  for (int i = 0; i < 8; i++) {
+    Double3 corner;
+    ok &= unproject(map, i & 1, (i >> 1) & 1, i >> 2, corner);
+    const double W = ok ? map.W(corner) : 0;
+    ok &= W > 1/(2.5*maxWRatio) && W < 2.5*maxWRatio; // rounding took some of fitBox's 2
+  }
+  return ok;
+}
+
+// Context whose filter sees every candidate.
+struct Trace : RTCIntersectContext
+{
+  const Block* block;
+  bool sound, accepts;
+  size_t hits = 0;
+  float tnear, tfar;
+
+  Trace(const Block* block, const RayBytes& ray, bool sound, bool accepts) : block(block), sound(sound), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
+  {
+    rtcInitIntersectContext(this);
+    filter = [](const RTCFilterFunctionNArguments* args) { ((Trace*)args->context)->see(args); };
+  }
+
+  void see(const RTCFilterFunctionNArguments* args)
+  {
+    const size_t quads = size_t(1) << (2*block->height());
+    REQUIRE(++hits <= 4*quads);
+    const float t = ((const RTCRay*)args->ray)->tfar;
+    const RTCHit& hit = *(const RTCHit*)args->hit;
+    if (sound) {
+      REQUIRE(t >= tnear && t <= tfar);
+      REQUIRE(std::isfinite(hit.u) && std::isfinite(hit.v));
+      if (block->kind() != Kind::GRID) {
+        const float n = float(1u << block->height()), slack = 1e-6f;
+        REQUIRE(hit.u >= block->faceU(0.0f) - slack && hit.u <= block->faceU(n) + slack*block->faceU(n));
+        REQUIRE(hit.v >= block->faceV(0.0f) - slack && hit.v <= block->faceV(n) + slack*block->faceV(n));
+        REQUIRE(std::isfinite(hit.Ng_x) && std::isfinite(hit.Ng_y) && std::isfinite(hit.Ng_z));
+      }
+    }
+    if (accepts) tfar = t;
+    else args->valid[0] = 0;
+  }
+};
+
+template<template<typename> class Leaf>
+void trace(RTCScene scene, const RayBytes& bytes, const Block* block)
+{
+  const bool sound = isSound(bytes, block) && isSound(block);
+  const Ray ray(Vec3fa(bytes.org[0], bytes.org[1], bytes.org[2]), Vec3fa(bytes.dir[0], bytes.dir[1], bytes.dir[2]), bytes.tnear, bytes.tfar);
+  bool found[2];
+  for (bool accepts : {true, false}) {
+    Trace closest(block, bytes, sound, accepts);
+    RayHit hit(ray);
+    hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    IntersectContext context((Scene*)scene, &closest);
+    BlockIntersector1<Leaf>::intersect(hit, &context, RayPrecalculations(ray), block);
+    if (sound) REQUIRE(hit.tfar == (accepts ? closest.tfar : bytes.tfar) && (hit.geomID == 0) == (accepts && closest.hits));
+
+    Trace any(block, bytes, sound, accepts);
+    Ray occluded(ray);
+    context.user = &any;
+    const bool isOccluded = BlockIntersector1<Leaf>::intersect(occluded, &context, RayPrecalculations(ray), block);
+    if (sound) REQUIRE(isOccluded == (accepts && any.hits));
+    if (sound) REQUIRE((closest.hits != 0) == (any.hits != 0));
+    found[accepts] = any.hits;
+  }
+  if (sound) REQUIRE(found[true] == found[false]);
+}
+
+// --- seeds -------------------------------------------------------------------------------
+
+enum Surface { WAVES, SPIKES, FOLDED, HOLES, SURFACES };
+
+std::vector<float> sheet(Surface surface, uint32_t n)
+{
+  std::vector<float> vertices;
+  for (uint32_t j = 0; j <= n; j++)
+    for (uint32_t i = 0; i <= n; i++) {
+      const float x = float(i)/float(n), y = float(j)/float(n);
+      float p[3] = {x + 0.1f*x*y, y, 0.1f*std::sin(5*x + 3*y)};
+      if (surface == SPIKES && (5*i + 3*j) % 7 == 0) p[2] += 0.5f;
+      if (surface == FOLDED) p[0] += 0.3f*std::sin(9*x);
+      if (surface == HOLES && (i + 2*j) % 5 == 1) p[2] = NAN;
+      vertices.insert(vertices.end(), p, p + 3);
+    }
+  return vertices;
+}
+
+void writeSeeds(const std::string& directory)
+{
+  const RayBytes rays[] = {
+    {{0.4f, 0.6f, 3}, 0, {0.01f, -0.02f, -1}, INFINITY}, {{-2, 0.5f, 0.1f}, 0, {1, 0.05f, 0.01f}, INFINITY},
+    {{0.3f, 0.2f, 0.1f}, 0.001f, {0.5f, 0.7f, 0.1f}, 5}, {{0.5f, 3, -0.2f}, 0, {0, -1, 0}, 1e6f}};
+  for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
+    for (uint32_t height = 0; height <= 4; height++)
+      for (int surface = 0; surface < SURFACES; surface++) {
+        const std::vector<float> vertices = sheet(Surface(surface), 1u << height);
+        const auto* p = (const float(*)[3])vertices.data();
+        const uint32_t w = (1u << height) + 1;
+        float corners[4][3];
+        for (int c = 0; c < 4; c++) memcpy(corners[c], p[(c>>1)*(w-1)*w + (c&1)*(w-1)], sizeof(corners[c]));
+        std::vector<Vec3fa> scratch(BlockEncoder::scratchBytes(height)/sizeof(Vec3fa) + 1), memory(BlockLayout(kind, height).bytes/sizeof(Vec3fa) + 1);
+        Block* block = (Block*)memory.data();
+        BlockEncoder encoder(kind, height, p, scratch.data());
+        BlockStatistics statistics;
+        if (!encoder.fit(corners)) continue;
+        encoder.encode(block, 1, 0, statistics);
+        block->geomID = block->primID = block->u0 = block->v0 = 0;
+        block->lastX = block->lastY = 3;
+        for (const RayBytes& ray : rays) {
+          const std::string name = directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - rays);
+          FILE* file = std::fopen(name.c_str(), "wb");
+          REQUIRE(file && std::fwrite(&ray, sizeof(ray), 1, file) == 1 && std::fwrite(block, block->layout().bytes, 1, file) == 1);
+          std::fclose(file);
+        }
+      }
+}
+
+} // namespace
+} // namespace cbvh
+
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)
+{
+  const std::string option = "--seeds=";
+  for (int i = 1; i < *argc; i++)
+    if (option.compare(0, option.size(), (*argv)[i], option.size()) == 0) ::cbvh::writeSeeds((*argv)[i] + option.size());
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+  using namespace ::cbvh;
+  static const World world;
+  RayBytes ray;
+  if (size < sizeof(ray) + sizeof(Block)) return 0;
+  memcpy(&ray, data, sizeof(ray));
+  data += sizeof(ray);
+  size -= sizeof(ray);
+
+  Block header;
+  memcpy(&header, data, sizeof(header));
+  const Kind kind = Kind(header.info % 3);
+  const uint32_t height = header.height() % (maxLevel + 1);
+  header.info = (header.info & ~255u) | uint32_t(kind) | (height << 4);
+  header.geomID = 0;
+  const uint32_t bytes = header.layout().bytes;
+  if (size < bytes) return 0;
+
+  // exactly the bytes of the block, so that any access beyond them is seen
+  void* memory = nullptr;
+  REQUIRE(posix_memalign(&memory, BlockLayout::alignment, bytes) == 0);
+  Block* block = (Block*)memory;
+  memcpy(block, data, bytes);
+  memcpy(block, &header, sizeof(header));
+  switch (kind) {
+  case Kind::LEAF: trace<HeightLeaf>(world.scene, ray, block); break;
+  case Kind::VOXEL: trace<VoxelLeaf>(world.scene, ray, block); break;
+  case Kind::GRID: trace<GridLeaf>(world.scene, ray, block); break;
+  }
+  free(memory);
+  return 0;
+}
