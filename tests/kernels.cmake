@@ -24,6 +24,6 @@ include(fuzz/fuzz.cmake)
 
 # Through the API, against GRID.
 cbvh_test(surfaces LIBRARIES scene_blocks)
-foreach(unit watertight mixed_rates resampled_faces scene_features invalid_vertices hard_surfaces compression_api)
+foreach(unit watertight mixed_rates resampled_faces scene_features invalid_vertices hard_surfaces compression_api threads)
   cbvh_test(${unit})
 endforeach()
