@@ -25,6 +25,10 @@ namespace embree
       float maxThickness = 0;      //!< world units
     };
 
+    /*! area of a quad in the frame, relative to that of a leaf, below which it is much
+     *  smaller: leaves 16 times as wide as their quads are no picture of them */
+    static constexpr double minQuadArea = 1.0/256;
+
     class BlockEncoder
     {
     public:
@@ -57,7 +61,27 @@ namespace embree
         for (int c=0; c<4; c++) ok &= cbvh::isFinite(corners[c]);
         if (!ok) /* no corners to align to: any frame around the vertices */
           for (int c=0; c<4; c++) memcpy(aligned[c],finite[size_t(c)*(count-1)/3],sizeof(float[3]));
-        return fitFrame(aligned,finite,count,fitted,frame);
+        if (!fitFrame(aligned,finite,count,fitted,frame)) return false;
+        for (uint32_t i=0; i<width*width; i++)
+          frame.transform(vertices[i],local[i]);
+        return true;
+      }
+
+      /*! Whether leaves would be much larger than most of their quads: the vertices lie on
+       *  a line, or some are far away from all others. Better not compressed. */
+      bool isDegenerate() const
+      {
+        const uint32_t quads = 1u << (2*height);
+        uint32_t small = 0, valid = 0;
+        for (uint32_t m=0; m<quads; m++)
+        {
+          double quad[4][3];
+          gatherQuad(m,quad);
+          const double area = 0.5*std::fabs((quad[3][0]-quad[0][0])*(quad[2][1]-quad[1][1]) - (quad[3][1]-quad[0][1])*(quad[2][0]-quad[1][0]));
+          small += area*quads < minQuadArea;
+          valid += area >= 0; // not NaN
+        }
+        return frame.degenerate || 2*small > valid;
       }
 
       /*! Writes frame, info, nodes and leaves; IDs and face parameters are the caller's.
@@ -70,8 +94,6 @@ namespace embree
         memcpy(block->columns,frame.columns,sizeof(frame.columns));
         stats.affine = !frame.projective;
 
-        for (uint32_t i=0; i<width*width; i++)
-          frame.transform(vertices[i],local[i]);
         boundQuads(stats);
         invertW();
         nodes = block->nodes();
@@ -83,8 +105,6 @@ namespace embree
         case Kind::GRID : storeVertices((float*)block->leaves()); break;
         }
       }
-
-      const Frame& getFrame() const { return frame; }
 
     private:
       /*! places the arrays in scratch memory; returns the end */

@@ -150,7 +150,7 @@ namespace embree
 
         cbvh::BlockEncoder encoder(e.kind,e.height,vertexData(),scratch.data());
         const bool fits = encoder.fit(e.corners);
-        const bool refused = !fits || encoder.getFrame().degenerate;
+        const bool refused = !fits || encoder.isDegenerate();
         const unsigned quads = 1u << e.height;
         if (refused && finite == count && !grid.stitched) {
           statistics.refusedQuads += size_t(quads)*size_t(quads);
