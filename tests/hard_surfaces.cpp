@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Surfaces that are hard to build or to trace: folds, outliers, displacement that
- * changes its mind, rays that leave the surface. */
+/* Surfaces that are hard to build or to trace, and are no case of hard_*.cpp: displacement
+ * that changes its mind, rays that leave the surface. */
 
 #include "test_random.h"
 #include "test_scene.h"
@@ -84,67 +84,6 @@ TEST(HardSurfaces, ADisplacementMayAnswerDifferentlyTheSecondTime)
   commit(scene, newSheet(device, 4, 0, 32, rougher));
   ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_EQ(statisticsOf(scene).numBlocks, 4u);
-}
-
-// Where the surface folds over, several parts of it share the same x and y of a block's
-// frame. The closest hit is the nearest, not the first of the walk.
-TEST(HardSurfaces, FoldsAreHitAtTheirNearestPart)
-{
-  DisplaceFunction rolling = [](unsigned, float u, float v, Vec& p) {
-    const float a = 6*float(M_PI)*u, b = 6*float(M_PI)*v;
-    p = {u - 0.12f*std::sin(a), v - 0.12f*std::sin(b), 0.05f*(std::cos(a) + std::cos(b))};
-  };
-  Device stock, device("subdiv_accel=cbvh.leaf");
-  Scene grid(stock);
-  commit(grid, newSheet(stock, 1, 0, 64, rolling));
-  for (int frameLevel : {1, 2, 3}) {
-    Scene scene(device);
-    RTCGeometry geometry = newSheet(device, 1, 0, 64, rolling);
-    RTCCompressionArguments args;
-    rtcInitCompressionArguments(&args);
-    args.frameLevel = frameLevel;
-    rtcSetGeometryCompression(geometry, &args);
-    commit(scene, geometry);
-    Random random(11);
-    int hits = 0, behind = 0;
-    for (int i = 0; i < 4000; i++) {
-      const Vec target = {float(random.uniform(0.2, 0.8)), float(random.uniform(0.2, 0.8)), 0};
-      const Vec dir = {float(0.5*random.normal()), float(0.5*random.normal()), -1};
-      const RTCRayHit ray = makeRay({target[0] - dir[0], target[1] - dir[1], 1}, dir);
-      const RTCRayHit a = intersect(grid, ray), b = intersect(scene, ray);
-      if (!isHit(a)) continue;
-      hits++;
-      behind += !isHit(b) || b.ray.tfar > a.ray.tfar + 0.02f;
-    }
-    EXPECT_GT(hits, 3000);
-    // what is left are leaves seen from the side, which are solid or missing by their thickness
-    EXPECT_LE(behind, hits/100) << "frame level " << frameLevel;
-  }
-}
-
-// One vertex far away must not cost the quads around it: their frame would be wider than
-// they are, so GRID traces that block. (A leaf of cVOXEL is a box, here one that the rays
-// start in as long as the block is compressed.)
-TEST(HardSurfaces, AnOutlierLeavesItsBlockAsItIs)
-{
-  for (float height : {1e3f, 1e6f, 1e12f})
-    for (const char* kind : {"cbvh.voxel", "cbvh.leaf", "cbvh.grid"}) {
-      if (height < 1e6f && std::string(kind) == "cbvh.voxel") continue;
-      DisplaceFunction outlier = [&](unsigned, float u, float v, Vec& p) {
-        if (std::lround(u*64) == 20 && std::lround(v*64) == 20) p[2] = height;
-      };
-      Device device(std::string("subdiv_accel=") + kind);
-      Scene scene(device);
-      commit(scene, newSheet(device, 1, 0, 64, outlier));
-      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-      int misses = 0;
-      for (int y = 0; y < 64; y++)
-        for (int x = 0; x < 64; x++) {
-          if (std::abs(x-20) < 2 && std::abs(y-20) < 2) continue;
-          misses += !isHit(intersect(scene, makeRay({(x + 0.3f)/64, (y + 0.4f)/64, 0.5f}, {0, 0, -1})));
-        }
-      EXPECT_EQ(misses, 0) << kind << ", height " << height;
-    }
 }
 
 // A compressed geometry without faces has no accelerator, which is no reason to make new

@@ -41,22 +41,6 @@ std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
 }
 INSTANTIATE_TEST_SUITE_P(Compression, SceneFeatures, testing::ValuesIn(allKinds), nameOf);
 
-std::vector<RTCRayHit> raysAt(Random& random, unsigned count, float spread = 0.45f)
-{
-  std::vector<RTCRayHit> rays;
-  for (unsigned i = 0; i < count; i++) {
-    double n[3], length = 0;
-    for (double& x : n) { x = random.normal(); length += x*x; }
-    Vec o, d;
-    for (int k = 0; k < 3; k++) {
-      o[k] = float(4*n[k]/std::sqrt(length));
-      d[k] = float(spread*random.normal()) - o[k];
-    }
-    rays.push_back(makeRay(o, d));
-  }
-  return rays;
-}
-
 // --- geometries ----------------------------------------------------------------------------
 
 TEST(MixedScene, EveryGeometryIsTracedWithItsOwnSettings)

@@ -5,6 +5,8 @@
 
 /* Devices, small cages, displacement and rays for the tests that go through the API. */
 
+#include "test_random.h"
+
 #include <embree3/rtcore.h>
 #include <embree3/rtcore_compression.h>
 
@@ -258,6 +260,23 @@ inline RTCRayHit makeRay(const Vec& org, const Vec& dir, float tnear = 0, float 
   r.ray.mask = ~0u;
   r.hit.geomID = r.hit.primID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   return r;
+}
+
+// From a sphere around the origin, at what is around it.
+inline std::vector<RTCRayHit> raysAt(Random& random, unsigned count, float spread = 0.45f)
+{
+  std::vector<RTCRayHit> rays;
+  for (unsigned i = 0; i < count; i++) {
+    double n[3], length = 0;
+    for (double& x : n) { x = random.normal(); length += x*x; }
+    Vec o, d;
+    for (int k = 0; k < 3; k++) {
+      o[k] = float(4*n[k]/std::sqrt(length));
+      d[k] = float(spread*random.normal()) - o[k];
+    }
+    rays.push_back(makeRay(o, d));
+  }
+  return rays;
 }
 
 inline bool isHit(const RTCRayHit& r) { return r.hit.geomID != RTC_INVALID_GEOMETRY_ID; }
