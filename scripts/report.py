@@ -19,6 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import report_data as d  # noqa: E402
 import report_errors  # noqa: E402
 import report_figures as f  # noqa: E402
+import report_hard_cases as hard_cases  # noqa: E402
 import report_page as p  # noqa: E402
 import report_sections as sections  # noqa: E402
 import report_tables as tables  # noqa: E402
@@ -108,6 +109,7 @@ def make_page(data, against, source):
         "growth": ("Growth", sections.growth(data)),
         "entrances": ("Packets", tables.entrances(data)),
         "robustness": ("Leaks and shadows", robustness(data)),
+        "hard": ("Hard cases", hard_cases.section(ROOT / "build/release/tests/hard_cases")),
         "all": ("All", tables.all_measurements(data)),
     }
     links = [(name, text) for name, (text, _) in contents.items()]

@@ -21,6 +21,7 @@ BENCH = sys.argv.pop(1)
 sys.path.insert(0, str(SCRIPT.parent))
 import report_data  # noqa: E402
 import report_figures  # noqa: E402
+import report_hard_cases  # noqa: E402
 import report_sections  # noqa: E402
 from report_relations import relations  # noqa: E402
 
@@ -36,6 +37,7 @@ SECTIONS = (
     "growth",
     "entrances",
     "robustness",
+    "hard",
     "all",
 )
 
@@ -194,6 +196,24 @@ class Report(unittest.TestCase):
             self.assertIn(f"{100 * part:.1f}%", table[claim].ours)
             missing = next(r for r in table.values() if re.search("frog|level 8", r.claim))
             self.assertIsNone(missing.holds, "what was not measured neither holds nor fails")
+
+    def test_the_table_of_hard_cases_says_what_their_tests_said(self):
+        folder = Path(self.temporary.name) / "hard_cases"
+        folder.mkdir()
+        for isa, result in (("sse2", ""), ("avx2", '<failure message="t is &lt; 0"/>'), ("avx512", "<skipped/>")):
+            (folder / f"{isa}.xml").write_text(
+                f'<testsuites><testsuite><testcase name="AlongAxes/cLEAF_{isa}" classname="HardCases/HardRays">{result}'
+                '<properties><property name="property" value="rays &gt; boxes"/></properties></testcase></testsuite></testsuites>'
+            )
+        (folder / "stopped.xml").write_text("<testsuites><testsuite>")
+        (case,) = report_hard_cases.read(folder)
+        self.assertEqual((case.name, case.sentence), ("HardRays.AlongAxes", "rays > boxes"))
+        self.assertEqual([case.results["cLEAF", isa] for isa in ("sse2", "avx2", "avx512")], ["passed", "failed", "skipped"])
+        html = report_hard_cases.section(folder)
+        self.assertIn("fails: avx2", html)
+        self.assertIn("rays &gt; boxes", html)
+        self.assertIn("1 of 3 tests pass, 1 fail, 1 were skipped", html)
+        self.assertIn("No data", report_hard_cases.section(folder / "none"))
 
     def test_the_front_keeps_what_nothing_beats(self):
         points = [(1, 5), (2, 4), (2, 6), (3, 7), (0.5, 1)]
