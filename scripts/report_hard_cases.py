@@ -15,7 +15,7 @@ from pathlib import Path
 import report_page as p
 
 KINDS = ("cGRID", "cVOXEL", "cLEAF")
-MADE_BY = "scripts/test.sh -R HardCases"
+MADE_BY = "scripts/test.sh -R 'hard_cases|invalid_vertices'"
 
 
 @dataclass

@@ -28,6 +28,7 @@ int lattice(float u) { return int(std::lround(u*quads)); }
 
 TEST_P(InvalidVertices, LeaveOutTheirQuadsAndNoOthers)
 {
+  RecordProperty("property", "quads with a vertex that is NaN or infinite are left out and counted, and no others: inside a block, on borders of blocks, on the rim");
   Device device;
   // vertex (x, y) of the grid is bad; inside a block, on the border of two, on a corner of four, on the rim
   const std::vector<std::vector<std::array<int, 2>>> sets = {
@@ -88,6 +89,7 @@ TEST_P(InvalidVertices, LeaveOutTheirQuadsAndNoOthers)
 
 TEST_P(InvalidVertices, HolesStayOpen)
 {
+  RecordProperty("property", "a hole of quads that are left out stays open");
   // a hole of 6 x 6 quads is wider than any overlap
   Device device;
   Displacement displacement;
@@ -108,6 +110,7 @@ TEST_P(InvalidVertices, HolesStayOpen)
 
 TEST_P(InvalidVertices, ASceneOfNothingElseIsEmpty)
 {
+  RecordProperty("property", "a scene of nothing but vertices that are not finite is empty, and tracing it ends");
   Device device;
   Displacement displacement;
   displacement.poison = [](unsigned, float, float) { return true; };
@@ -126,6 +129,7 @@ TEST_P(InvalidVertices, ASceneOfNothingElseIsEmpty)
 
 TEST_P(InvalidVertices, FacesBesideBadOnesAreWhole)
 {
+  RecordProperty("property", "faces beside one whose vertices are not finite are whole");
   Device device;
   Displacement displacement;
   displacement.poison = [](unsigned primID, float, float) { return primID == 2; };
@@ -148,6 +152,7 @@ TEST_P(InvalidVertices, FacesBesideBadOnesAreWhole)
 
 TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
 {
+  RecordProperty("property", "vertices that are not finite are an error of the device, once, with geometry and face");
   Device device;
   Displacement sound, bad, worse;
   bad.poison = [](unsigned primID, float u, float v) { return primID >= 3 && u == 0 && v == 0; };
@@ -185,6 +190,7 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
 
 TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)
 {
+  RecordProperty("property", "vertices that are not finite are an error on one of the threads that join a commit");
   Device device;
   Displacement displacement;
   displacement.poison = [](unsigned primID, float, float) { return primID == 4; };
@@ -205,6 +211,7 @@ TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)
 // A needle has no good frame, and GRID, which takes those, takes none with a hole.
 TEST_P(InvalidVertices, LeaveTheOthersOfABlockWithoutAGoodFrame)
 {
+  RecordProperty("property", "a block without a good frame keeps its finite quads");
   const float width = 1e-5f;
   Cage needle = quadCage();
   for (Vec& p : needle.positions) p[1] *= width;
@@ -239,6 +246,7 @@ TEST_P(InvalidVertices, LeaveTheOthersOfABlockWithoutAGoodFrame)
 // Coordinates that are finite but huge: an answer or nothing, no crash.
 TEST_P(InvalidVertices, HugeCoordinatesAreTakenOrLeft)
 {
+  RecordProperty("property", "coordinates up to 1e37 are taken or left out: no crash, and hits up to 1e15");
   Device device;
   for (float scale : {1e10f, 1e15f, 1e18f, 1e25f, 1e30f, 1e37f}) {
     Displacement displacement;

@@ -27,6 +27,7 @@ cbvh_test(hard_cases
           random_blocks.cpp random_sheets.cpp reference_check.cpp grid_agreement.cpp
   LIBRARIES scene_blocks DEFINITIONS "TEST_ISAS=${isas}" RESULTS "${CMAKE_CURRENT_BINARY_DIR}/hard_cases")
 cbvh_test(surfaces SOURCES surfaces.cpp grid_agreement.cpp LIBRARIES scene_blocks)
-foreach(unit watertight mixed_rates resampled_faces scene_features invalid_vertices hard_surfaces compression_api threads)
+cbvh_test(invalid_vertices RESULTS "${CMAKE_CURRENT_BINARY_DIR}/hard_cases")
+foreach(unit watertight mixed_rates resampled_faces scene_features hard_surfaces compression_api threads)
   cbvh_test(${unit})
 endforeach()
