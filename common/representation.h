@@ -17,7 +17,7 @@ enum class RepresentationKind
   Grid,   // stock Embree's vertex grids
   CGrid,  // compressed nodes, full-precision vertices
   CVoxel, // compressed nodes, the leaf box is the surface
-  CLeaf,  // compressed nodes, 4-bit heights
+  CLeaf,  // compressed nodes, shared heights
 };
 
 constexpr int autoFrameLevel = -1;

@@ -30,10 +30,10 @@ TEST(BlockFormat, SizesAndOffsetsFollowFromKindAndHeight)
     const BlockLayout grid(Kind::GRID, height), voxel(Kind::VOXEL, height), leaf(Kind::LEAF, height);
     SCOPED_TRACE(height);
     EXPECT_EQ(voxel.nodeLevels, height);
-    EXPECT_EQ(leaf.nodeLevels, height);
+    EXPECT_EQ(leaf.nodeLevels, height ? height : 1);
     EXPECT_EQ(grid.nodeLevels, height ? height - 1 : 0);
     EXPECT_EQ(voxel.bytes, headerBytes + 4*nodes);
-    EXPECT_EQ(leaf.bytes, headerBytes + 4*nodes + (height ? 2*quads : 8));
+    EXPECT_EQ(leaf.bytes, headerBytes + (height ? 4*nodes + 2*quads : 12));
     EXPECT_EQ(grid.bytes, headerBytes + 4*groups + 4*(3*width*width + 3));
     for (const BlockLayout& layout : {grid, voxel, leaf}) {
       EXPECT_EQ(layout.nodeOffset, headerBytes);
@@ -53,16 +53,16 @@ TEST(BlockFormat, InfoHoldsEveryFieldAtItsLimits)
   for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
     for (uint32_t height = 0; height <= maxLevel; height++)
       for (uint32_t x : {0u, (256u >> height) - 1})
-        for (uint32_t zScale : {0, 15}) {
+        for (uint32_t width : {0, 15}) {
           Block block;
-          block.info = Block::encodeInfo(kind, height, x, x/2, zScale);
+          block.info = Block::encodeInfo(kind, height, x, x/2) | Block::encodeBorderWidth((width + 0.5)/16);
           block.lastX = uint8_t(x);
           block.lastY = uint8_t(x/2);
           ASSERT_EQ(block.kind(), kind);
           ASSERT_EQ(block.height(), height);
           ASSERT_EQ(block.blockX(), x);
           ASSERT_EQ(block.blockY(), x/2);
-          ASSERT_EQ(block.zScale(), zScale);
+          ASSERT_EQ(block.borderWidth(), (width + 1)/16.0f);
           ASSERT_EQ(block.quadsX(), (x + 1) << height);
           ASSERT_EQ(block.quadsY(), (x/2 + 1) << height);
         }

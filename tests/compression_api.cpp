@@ -181,8 +181,7 @@ TEST(SetGeometryCompression, RefusesBadArgumentsByNameAndValueAndKeepsTheSetting
   };
   expectError(nullptr, "args", "NULL");
   for (int value : {-1, 5, 99, 1 << 30}) {
-    RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF);
-    std::memcpy(&args.compression, &value, sizeof(value));
+    const RTCCompressionArguments args = arguments(RTCCompression(value));
     expectError(&args, "compression", std::to_string(value));
   }
   for (int value : {-3, 9, -(1 << 30), 1 << 30}) {

@@ -8,7 +8,7 @@
  * not (a mirrored ray decodes 1-upper from the mirrored parent, which rounds
  * differently). */
 
-#include "kernels/cbvh/node_codec.h"
+#include "kernels/cbvh/leaf_codec.h"
 
 #include <cmath>
 #include <utility>
@@ -47,6 +47,20 @@ inline NodeBox decode(Form form, uint32_t node, int child, const NodeBox& parent
     }
     box.lower[axis] = madd(form.fused, lower, parent.extent[axis], parent.lower[axis]);
     box.extent[axis] = madd(form.fused, upper, parent.extent[axis], parent.lower[axis]) - box.lower[axis];
+  }
+  return box;
+}
+
+// The outer planes of a lattice; as high as its parent.
+inline NodeBox decodeLattice(Form form, uint32_t word, const NodeBox& parent)
+{
+  NodeBox box = parent;
+  for (int axis = 0; axis < 2; axis++) {
+    const uint32_t bits = word >> latticeShift(axis);
+    float lower = latticeOuter(bits & latticePlaneMask), upper = latticeOuter((bits >> 5) & latticePlaneMask);
+    if (form.mirrored) std::swap(lower, upper);
+    box.lower[axis] = madd(form.fused, lower, parent.extent[axis], parent.lower[axis]);
+    box.extent[axis] = madd(form.fused, 1 - upper, parent.extent[axis], parent.lower[axis]) - box.lower[axis];
   }
   return box;
 }

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Leaves of cLEAF: what is stored bounds the quad, and says so when it cannot. */
+/* Leaves of cLEAF: what is stored bounds the quads' edges, and says so when it cannot. */
 
 #include "kernels/cbvh/block_encoder.h"
 #include "test_random.h"
@@ -15,130 +15,176 @@ namespace {
 
 using namespace embree::cbvh;
 
+// The encoder's slack, and what float arithmetic on numbers up to 4 rounds.
+constexpr double tolerance = containmentSlack + 0x1p-20;
+
+// Lattices of vertices in the parent's box; the first kinds are graphs over it.
+enum Shape { REGULAR, WAVY, JITTERED, STEEP, ROUGH, FOLDED, ANYWHERE, COLLAPSED, VERTICAL, SHAPES };
+
+void makeGroup(Random& random, Shape shape, const NodeBox& parent, QuadGroup& group)
+{
+  const double slopeX = random.uniform(-1, 1), slopeY = random.uniform(-1, 1), bend = random.uniform(-1, 1);
+  for (int v = 0; v < 9; v++) {
+    double x = 0.05 + 0.45*(v % 3), y = 0.05 + 0.45*(v / 3), z = 0.5 + 0.2*slopeX*(x - 0.5) + 0.2*slopeY*(y - 0.5) + 0.3*bend*(x - 0.5)*(y - 0.5);
+    switch (shape) {
+    case WAVY: z += 0.1*std::sin(7*x + 3*y + 6*bend); break;
+    case JITTERED:
+      x += random.uniform(-0.05, 0.05);
+      y += random.uniform(-0.05, 0.05);
+      z += 0.05*random.uniform();
+      break;
+    case STEEP: z = 0.1 + 0.4*(x + y); break;
+    case ROUGH: z = random.uniform(0.2, 0.8); break;
+    case FOLDED: if (v % 3 == 1) x = 0.97; break;
+    case COLLAPSED: x = y = 0.5; break;
+    case VERTICAL: z = x; x = 0.5; break;
+    case ANYWHERE: x = random.uniform(); y = random.uniform(); z = random.uniform(); break;
+    default: break;
+    }
+    const double p[3] = {x, y, z};
+    for (int k = 0; k < 3; k++) group.vertices[v][k] = parent.lower[k] + parent.extent[k]*std::min(0.999, std::max(0.001, p[k]));
+  }
+  for (int quad = 0; quad < 4; quad++) {
+    group.boxes[quad] = ExactBox();
+    for (int c = 0; c < 4; c++) group.boxes[quad].extend(group.vertexOf(quad, c));
+  }
+  for (auto& axis : group.border)
+    for (bool& side : axis) side = random.chance(0.3);
+}
+
 NodeBox randomBox(Random& random)
 {
   NodeBox box;
   for (int axis = 0; axis < 3; axis++) {
-    box.extent[axis] = float(random.magnitude(1.0/256, 1.0));
+    box.extent[axis] = float(random.magnitude(1.0/64, 1.0));
     box.lower[axis] = float(random.uniform(0, 1 - box.extent[axis]));
   }
   return box;
 }
 
-// Vertices in the box; the first kinds are graphs over it, the others are not.
-enum Shape { REGULAR, JITTERED, STEEP, FOLDED, ANYWHERE, COLLAPSED, VERTICAL, SHAPES };
-
-void makeQuad(Random& random, Shape shape, const NodeBox& box, double quad[4][3])
+// Distance of a leaf's surface from a point, up; false outside of its box.
+bool surfaceAbove(const LeafPatch& leaf, const double p[3], double& distance, double position[2])
 {
-  const double slopeX = random.uniform(-1, 1), slopeY = random.uniform(-1, 1);
-  for (int i = 0; i < 4; i++) {
-    double p[3] = {double(i & 1), double(i >> 1), random.uniform()};
-    switch (shape) {
-    case REGULAR: break;
-    case JITTERED:
-      for (int k = 0; k < 2; k++) p[k] = std::fabs(p[k] - 0.3*random.uniform());
-      p[2] = 0.5 + 0.25*slopeX*(p[0] - 0.5) + 0.25*slopeY*(p[1] - 0.5) + 0.1*random.uniform();
-      break;
-    case STEEP: p[2] = 0.5*(p[0] + p[1]); break;
-    case FOLDED: p[0] = i == 1 ? 0 : p[0]; break;
-    case COLLAPSED: p[0] = p[1] = 0.5; break;
-    case VERTICAL: p[0] = 0.5; break;
-    default: p[0] = random.uniform(); p[1] = random.uniform(); break;
-    }
-    for (int k = 0; k < 3; k++) quad[i][k] = box.lower[k] + box.extent[k]*std::min(1.0, std::max(0.0, p[k]));
-  }
+  for (int k = 0; k < 3; k++)
+    if (p[k] < leaf.box.lower[k] - tolerance || p[k] > leaf.box.upper(k) + tolerance) return false;
+  for (int k = 0; k < 2; k++)
+    position[k] = std::min(1.0, std::max(0.0, (p[k] - leaf.box.lower[k])/leaf.box.extent[k]));
+  distance = bilinear(leaf.z, float(position[0]), float(position[1])) - p[2];
+  return true;
 }
 
-// The stored interval at a point of the box, in double.
-void intervalAt(const NodeBox& box, float zScale, uint16_t leaf, double u, double v, double& lower, double& upper)
-{
-  const double size = double(zScale)*box.extent[2]/16, base = box.lower[2] - 0.5*(double(zScale) - 1)*box.extent[2];
-  double q[4];
-  for (int c = 0; c < 4; c++) q[c] = base + leafHeight(leaf, c)*size;
-  lower = (1 - v)*((1 - u)*q[0] + u*q[1]) + v*((1 - u)*q[2] + u*q[3]);
-  upper = lower + size;
-}
-
-// The encoder's slack, and what its float arithmetic on numbers up to 4 rounds.
-constexpr double tolerance = containmentSlack + 0x1p-20;
-
-TEST(LeafCodec, IntervalContainsTheVerticesOrTheLeafIsSolid)
+// Every edge of every quad is in a leaf of the group (its own, if they are loose) within
+// half a thickness of the surface; on the border it is not above it, and within the
+// border's width.
+TEST(LeafCodec, LeavesBoundTheEdgesOfTheirQuads)
 {
   Random random(11);
-  unsigned heights[SHAPES] = {}, solid[SHAPES] = {};
+  unsigned lattices[SHAPES] = {}, loose[SHAPES] = {}, solid[SHAPES] = {};
   for (int shape = 0; shape < SHAPES; shape++)
-    for (int i = 0; i < 20000; i++) {
-      const NodeBox box = randomBox(random);
-      const float zScale = float(random.uniform(1, decodeZScale(zScaleCodes - 1)));
-      double quad[4][3];
-      makeQuad(random, Shape(shape), box, quad);
-      const uint16_t leaf = encodeLeaf(box, zScale, quad, extrapolateQuad(box, quad));
-      ASSERT_NE(leaf, emptyLeaf);
-      (leaf == solidLeaf ? solid : heights)[shape]++;
-      if (leaf == solidLeaf) continue;
+    for (int repeat = 0; repeat < 4000; repeat++) {
+      SCOPED_TRACE(testing::Message() << "shape " << shape << ", group " << repeat);
+      const NodeBox parent = randomBox(random);
+      QuadGroup group;
+      makeGroup(random, Shape(shape), parent, group);
+      const EncodedGroup encoded = encodeGroup(parent, group);
+      const float width = (Block::encodeBorderWidth(encoded.borderWidth) >> 28)*0.0625f + 0.0625f;
+      const bool isLattice = !isLoose(encoded.heights);
+      (isLattice ? lattices : loose)[shape]++;
+      LeafPatch leaves[4];
       for (int c = 0; c < 4; c++) {
-        double lower, upper;
-        intervalAt(box, zScale, leaf, (quad[c][0] - box.lower[0])/box.extent[0], (quad[c][1] - box.lower[1])/box.extent[1], lower, upper);
-        ASSERT_GE(quad[c][2], lower - tolerance) << "shape " << shape << ", quad " << i << ", corner " << c;
-        ASSERT_LE(quad[c][2], upper + tolerance) << "shape " << shape << ", quad " << i << ", corner " << c;
+        leaves[c] = decodeLeaf(encoded.word, encoded.heights, c, parent);
+        ASSERT_FALSE(leaves[c].empty);
+        solid[shape] += leaves[c].solid;
       }
+      for (int quad = 0; quad < 4; quad++)
+        for (int edge = 0; edge < 4; edge++)
+          for (int step = 0; step <= 8; step++) {
+            const int axis = edge/2, upper = edge % 2; // the side of the quad
+            const double* a = group.vertexOf(quad, axis == 0 ? upper : 2*upper);
+            const double* b = group.vertexOf(quad, axis == 0 ? upper + 2 : 2*upper + 1);
+            double p[3];
+            for (int k = 0; k < 3; k++) p[k] = a[k] + step*(b[k] - a[k])/8;
+            const bool onBorder = childColumn(quad, axis) == upper && group.border[axis][upper];
+            bool found = false;
+            for (int c = 0; c < 4; c++) {
+              if (!isLattice && c != quad) continue;
+              double distance, position[2];
+              if (!surfaceAbove(leaves[c], p, distance, position)) continue;
+              found = true;
+              if (leaves[c].solid) continue;
+              ASSERT_LE(std::fabs(distance), 0.5*leaves[c].thickness + tolerance) << "quad " << quad << ", edge " << edge;
+              if (!onBorder) continue;
+              ASSERT_GE(distance, -tolerance) << "quad " << quad << ", edge " << edge;
+              ASSERT_EQ(childColumn(c, axis), upper) << "the leaf that has the edge is not on the border";
+              ASSERT_LE(upper ? 1 - position[axis] : position[axis], width) << "quad " << quad << ", edge " << edge;
+            }
+            ASSERT_TRUE(found) << "quad " << quad << ", edge " << edge << " is in no leaf";
+          }
     }
-  // neither answer may be the only one
-  EXPECT_GT(heights[REGULAR], solid[REGULAR]);
-  EXPECT_GT(heights[JITTERED], solid[JITTERED]);
-  EXPECT_GT(solid[VERTICAL], 0u);
+  // each answer is given where it is the right one
+  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH}) EXPECT_GT(lattices[shape], 3000u) << "shape " << shape;
+  for (Shape shape : {FOLDED, COLLAPSED, VERTICAL, ANYWHERE}) EXPECT_GT(loose[shape], 3000u) << "shape " << shape;
   EXPECT_GT(solid[ANYWHERE], 0u);
+  EXPECT_LT(solid[COLLAPSED], 4*loose[COLLAPSED]);
 }
 
-TEST(LeafCodec, CornerHeightsComeBackWithinABin)
+TEST(LeafCodec, LatticesPassThroughTheirVerticesWithinTwoBins)
 {
   Random random(12);
-  for (int i = 0; i < 20000; i++) {
-    const NodeBox box = randomBox(random);
-    double quad[4][3];
-    makeQuad(random, REGULAR, box, quad);
-    const CornerHeights h = extrapolateQuad(box, quad);
-    const float zScale = std::max(1.0f, float(requiredZScale(box, h)*1.0001));
-    ASSERT_LE(zScale, 1.001f) << "vertices at the corners of the box need no larger range";
-    const uint16_t leaf = encodeLeaf(box, zScale, quad, h);
-    if (leaf == solidLeaf) continue; // the two codes that are taken
-    const LeafBins bins(box, zScale);
-    for (int c = 0; c < 4; c++) {
-      ASSERT_NEAR(h.z[c], quad[c][2], 1e-9) << "extrapolation to where the vertex already is";
-      const double lower = double(bins.base) + leafHeight(leaf, c)*double(bins.size);
-      ASSERT_GE(quad[c][2], lower - tolerance);
-      ASSERT_LE(quad[c][2], lower + double(bins.size) + tolerance);
+  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP})
+    for (int repeat = 0; repeat < 2000; repeat++) {
+      const NodeBox parent = randomBox(random);
+      QuadGroup group;
+      makeGroup(random, shape, parent, group);
+      for (auto& axis : group.border) axis[0] = axis[1] = false;
+      const EncodedGroup encoded = encodeGroup(parent, group);
+      if (isLoose(encoded.heights)) continue;
+      const double bin = latticeRange/latticeBins*parent.extent[2];
+      for (int quad = 0; quad < 4; quad++)
+        for (int c = 0; c < 4; c++) {
+          double distance, position[2];
+          for (int leaf = 0; leaf < 4; leaf++) {
+            if (!surfaceAbove(decodeLeaf(encoded.word, encoded.heights, leaf, parent), group.vertexOf(quad, c), distance, position)) continue;
+            ASSERT_LE(std::fabs(distance), bin + tolerance) << "shape " << shape << ", group " << repeat;
+          }
+        }
     }
-  }
 }
 
-TEST(LeafCodec, EveryHeightIsReachedAndReadBack)
+TEST(LeafCodec, EveryHeightIsReadBack)
 {
-  const NodeBox box = NodeBox::root();
-  for (int corner = 0; corner < 4; corner++)
-    for (int bin = 0; bin < heightBins; bin++) {
-      double quad[4][3];
-      for (int c = 0; c < 4; c++) {
-        quad[c][0] = c & 1;
-        quad[c][1] = c >> 1;
-        quad[c][2] = ((c == corner ? bin : 3) + 0.5)/heightBins;
+  Random random(14);
+  for (int vertex = 0; vertex < 9; vertex++)
+    for (int height = 0; height < latticeBins; height++) {
+      int heights[9];
+      for (int& h : heights) h = int(random.below(latticeBins));
+      heights[vertex] = height;
+      const uint64_t bits = packLattice(heights);
+      ASSERT_FALSE(isLoose(bits));
+      for (int v = 0; v < 9; v++) ASSERT_EQ(latticeHeight(bits, v), heights[v]);
+    }
+}
+
+// Siblings of a lattice share the planes between them and the heights along them.
+TEST(LeafCodec, LatticesHaveNoStepsBetweenSiblings)
+{
+  Random random(15);
+  for (int repeat = 0; repeat < 2000; repeat++) {
+    int heights[9];
+    for (int& h : heights) h = int(random.below(latticeBins));
+    const uint64_t bits = packLattice(heights);
+    const uint32_t word = uint32_t(random.below(1u << 30));
+    const NodeBox parent = randomBox(random);
+    LeafPatch leaf[4];
+    for (int c = 0; c < 4; c++) leaf[c] = decodeLeaf(word, bits, c, parent);
+    for (int i = 0; i < 2; i++) {
+      ASSERT_FLOAT_EQ(leaf[2*i].box.upper(0), leaf[2*i+1].box.lower[0]);
+      ASSERT_FLOAT_EQ(leaf[i].box.upper(1), leaf[2+i].box.lower[1]);
+      for (int j = 0; j < 2; j++) {
+        ASSERT_EQ(leaf[2*i].z[2*j+1], leaf[2*i+1].z[2*j]);
+        ASSERT_EQ(leaf[i].z[2+j], leaf[2+i].z[j]);
       }
-      const uint16_t leaf = encodeLeaf(box, 1.0f, quad, extrapolateQuad(box, quad));
-      for (int c = 0; c < 4; c++) EXPECT_EQ(leafHeight(leaf, c), c == corner ? bin : 3);
     }
-}
-
-// The two special codes are heights (15,15,15,15) and (14,15,15,15).
-TEST(LeafCodec, HeightsThatReadAsSpecialCodesBecomeSolid)
-{
-  for (int low : {14, 15}) {
-    double quad[4][3];
-    for (int c = 0; c < 4; c++) {
-      quad[c][0] = c & 1;
-      quad[c][1] = c >> 1;
-      quad[c][2] = ((c == 0 ? low : 15) + 0.5)/heightBins;
-    }
-    EXPECT_EQ(encodeLeaf(NodeBox::root(), 1.0f, quad, extrapolateQuad(NodeBox::root(), quad)), solidLeaf);
   }
 }
 
@@ -177,7 +223,8 @@ TEST(LeafCodec, QuadsWithAVertexThatIsNotFiniteAreEmptyAndNoOthers)
       for (uint32_t m = 0; m < n*n; m++) {
         const bool expected = isBad(mortonX(m), mortonY(m));
         count += expected;
-        ASSERT_EQ(((const uint16_t*)block->leaves())[m] == emptyLeaf, expected) << "height " << height << ", quad " << m;
+        const uint64_t heights = ((const uint64_t*)block->leaves())[m/4];
+        ASSERT_EQ(isLoose(heights) && looseLeaf(heights, int(m%4)) == emptyLeaf, expected) << "height " << height << ", quad " << m;
       }
       EXPECT_EQ(stats.invalidQuads, count);
     }

@@ -64,43 +64,50 @@ private:
 
   double at(int axis, double s) const { return P0[axis] + s*(P1[axis] - P0[axis]); }
 
-  void visit(uint32_t level, uint32_t m, const NodeBox& box)
+  bool meets(const NodeBox& box, double& s0, double& s1) const
   {
-    double s0 = 0, s1 = 1;
     for (int k = 0; k < 3; k++) {
       clip(P0[k] - double(box.lower[k]) + slack, P1[k] - P0[k], s0, s1);
       clip(double(box.upper(k)) - P0[k] + slack, P0[k] - P1[k], s0, s1);
     }
-    if (!(s0 <= s1) || worldT(s0) >= t) return;
-    if (level < layout.nodeLevels) {
-      const uint32_t node = block.nodes()[nodesOfLevels(level) + m];
-      for (int c = 0; c < 4; c++) visit(level + 1, 4*m + uint32_t(c), decodeChild(node, c, box));
+    return s0 <= s1;
+  }
+
+  void visit(uint32_t level, uint32_t m, const NodeBox& box)
+  {
+    double s0 = 0, s1 = 1;
+    if (!meets(box, s0, s1) || worldT(s0) >= t) return;
+    const uint32_t node = block.nodes()[nodesOfLevels(level) + m];
+    for (int c = 0; c < 4; c++) {
+      const uint32_t child = 4*m + uint32_t(c);
+      if (level + 1 < layout.nodeLevels) { visit(level + 1, child, decodeChild(node, c, box)); continue; }
+      uint64_t heights;
+      std::memcpy(&heights, block.leaves() + 8*size_t(m), 8);
+      visitLeaf(child, decodeLeaf(node, heights, c, box));
     }
-    else visitLeaf(m, box, s0, s1);
   }
 
   // The line test: z over the lower and under the upper patch where the ray enters and
-  // leaves; three cases, hit at entry, from above, from below.
-  void visitLeaf(uint32_t m, const NodeBox& box, double s0, double s1)
+  // leaves; three cases, hit at entry, from above, from below. The interval is a bin of
+  // the paper's 4 bits around our surface.
+  void visitLeaf(uint32_t m, const LeafPatch& leaf)
   {
-    uint16_t code;
-    std::memcpy(&code, block.leaves() + 2*size_t(m), 2);
-    if (code == emptyLeaf) return;
-    if (code == solidLeaf) { hit(m, box, s0, 0, 0); return; }
-    const LeafBins bins(box, decodeZScale(block.zScale()));
-    float lower[4];
-    for (int i = 0; i < 4; i++) lower[i] = bins.base + float(leafHeight(code, i))*bins.size;
+    const NodeBox& box = leaf.box;
+    double s0 = 0, s1 = 1;
+    if (leaf.empty || !meets(box, s0, s1) || worldT(s0) >= t) return;
+    if (leaf.solid) { hit(m, box, s0, 0, 0); return; }
+    const double size = std::max(double(leaf.thickness), box.extent[2]/16.0);
     const auto over = [&](double s) { // over the lower patch
-      return at(2, s) - double(bilinear(lower, float(inBox(box, s, 0)), float(inBox(box, s, 1))));
+      return at(2, s) - double(bilinear(leaf.z, float(inBox(box, s, 0)), float(inBox(box, s, 1)))) + 0.5*size;
     };
-    const double d0 = over(s0), d1 = over(s1), size = double(bins.size);
+    const double d0 = over(s0), d1 = over(s1);
     double s = s0;
     if (d0 > size && d1 <= size) s = s0 + (s1 - s0)*(d0 - size)/(d0 - d1);
     else if (d0 < 0 && d1 >= 0) s = s0 + (s1 - s0)*d0/(d0 - d1);
     else if (d0 < 0 || d0 > size) return;
     const double u = inBox(box, s, 0), v = inBox(box, s, 1);
-    const double twist = double(lower[0]) - lower[1] - lower[2] + lower[3];
-    hit(m, box, s, (lower[1] - lower[0] + v*twist)/box.extent[0], (lower[2] - lower[0] + u*twist)/box.extent[1]);
+    const double twist = double(leaf.z[0]) - leaf.z[1] - leaf.z[2] + leaf.z[3];
+    hit(m, box, s, (leaf.z[1] - leaf.z[0] + v*twist)/box.extent[0], (leaf.z[2] - leaf.z[0] + u*twist)/box.extent[1]);
   }
 
   double inBox(const NodeBox& box, double s, int axis) const

@@ -33,9 +33,13 @@ ExactBox boundsOf(const Frame& frame, const Sheet& sheet, uint32_t level, uint32
 unsigned violations(Form form, const Block* block, const Frame& frame, const Sheet& sheet, uint32_t level, uint32_t m, const NodeBox& box)
 {
   unsigned count = !contains(form, box, boundsOf(frame, sheet, level, block->height(), m));
-  if (level == block->layout().nodeLevels) return count;
+  if (level == block->layout().nodeLevels || level == block->height()) return count;
+  const uint32_t word = block->nodes()[nodesOfLevels(level) + m];
+  const bool isGroup = block->kind() == Kind::LEAF && level + 1 == block->layout().nodeLevels;
+  if (isGroup && !isLoose(((const uint64_t*)block->leaves())[m]))
+    return count + !contains(form, decodeLattice(form, word, box), boundsOf(frame, sheet, level, block->height(), m));
   for (int c = 0; c < 4; c++)
-    count += violations(form, block, frame, sheet, level + 1, 4*m + uint32_t(c), decode(form, block->nodes()[nodesOfLevels(level) + m], c, box));
+    count += violations(form, block, frame, sheet, level + 1, 4*m + uint32_t(c), decode(form, word, c, box));
   return count;
 }
 

@@ -76,27 +76,54 @@ struct UncertainRay
 
   ReferenceHit exactHit() const { return ReferenceIntersector(block, 0).intersect(ray); }
 
-  void bounds(double& nearest, double& farthest) const
+  // Extends the bounds by what the reference finds when the ends of the ray in the block
+  // move by these parts of each axis' epsilon.
+  void extend(const double move[2][3], double& nearest, double& farthest) const
+  {
+    ReferenceRay moved = ray;
+    for (int i = 0; i < 3; i++) {
+      double mean = 0, turn = 0;
+      for (int k = 0; k < 3; k++) {
+        mean += 0.5*(move[0][k] + move[1][k])*shift[k][i];
+        turn += 0.5*(move[1][k] - move[0][k])*shift[k][i]/half;
+      }
+      moved.org[i] += mean - turn*middle;
+      moved.dir[i] += turn;
+    }
+    for (int widening = 0; widening <= 2; widening++) {
+      const ReferenceHit hit = ReferenceIntersector(block, widening).intersect(moved);
+      nearest = std::min(nearest, hit.t);
+      if (hit.found || widening == 0) farthest = std::max(farthest, hit.t);
+    }
+  }
+
+  // Whether one of the rays that SIMD may have taken it for has a hit at t or before, and one
+  // at t or behind.
+  bool allows(double t, double& nearest, double& farthest) const
   {
     nearest = infinity;
     farthest = -infinity;
-    // both ends move alike, apart, or one of them alone: towards each corner of the box of errors
-    static const double moves[4][2] = {{1, 1}, {1, -1}, {1, 0}, {0, 1}};
-    for (int m = 0; m <= 32; m++) {
-      ReferenceRay moved = ray;
-      for (int i = 0; i < 3 && m < 32; i++) {
-        double delta = 0;
-        for (int k = 0; k < 3; k++) delta += ((m >> k) & 1 ? 1 : -1)*shift[k][i];
-        const double turn = 0.5*(moves[m >> 3][1] - moves[m >> 3][0])*delta/half;
-        moved.org[i] += 0.5*(moves[m >> 3][0] + moves[m >> 3][1])*delta - turn*middle;
-        moved.dir[i] += turn;
-      }
-      for (int widening = 0; widening <= 2; widening++) {
-        const ReferenceHit hit = ReferenceIntersector(block, widening).intersect(moved);
-        nearest = std::min(nearest, hit.t);
-        if (hit.found || widening == 0) farthest = std::max(farthest, hit.t);
-      }
+    const double unmoved[2][3] = {};
+    extend(unmoved, nearest, farthest);
+    auto inside = [&] { return t >= nearest - rounding && t <= farthest + rounding; };
+    // both ends alike, apart, or one of them alone: towards each corner of the box of errors
+    static const double ends[4][2] = {{1, 1}, {1, -1}, {1, 0}, {0, 1}};
+    for (int m = 0; m < 32; m++) {
+      double move[2][3];
+      for (int end = 0; end < 2; end++)
+        for (int k = 0; k < 3; k++) move[end][k] = ((m >> k) & 1 ? 1 : -1)*ends[m >> 3][end];
+      extend(move, nearest, farthest);
     }
+    // a ray along a surface may be any side of each of its leaves, whose own heights round as
+    // much as the ray does
+    Random random(35);
+    for (int i = 0; i < 1000 && !inside(); i++) {
+      double move[2][3];
+      for (auto& end : move)
+        for (double& m : end) m = random.uniform(-2, 2);
+      extend(move, nearest, farthest);
+    }
+    return inside();
   }
 };
 
@@ -119,6 +146,9 @@ bool nearEdge(double u, double v)
   const double x = u - std::floor(u), y = v - std::floor(v);
   return std::min({x, y, 1-x, 1-y, std::fabs(1-x-y)}) < 1e-3;
 }
+
+// Whether a parameter, in quads, is that of an edge between quads.
+bool onLine(double x) { return std::fabs(x - std::round(x)) < 1e-5; }
 
 } // namespace
 
@@ -168,8 +198,7 @@ void ReferenceCheck::compare(const RTCRayHit& ray, RayKind kind, const Sheet& sh
   }
   if (!isExact) {
     double nearest, farthest;
-    uncertain.bounds(nearest, farthest);
-    if (!(t >= nearest - rounding && t <= farthest + rounding)) fail(testing::Message() << "not in [" << nearest << ", " << farthest << "]");
+    if (!uncertain.allows(t, nearest, farthest)) fail(testing::Message() << "not in [" << nearest << ", " << farthest << "]");
   }
   if (!isHit(found)) return;
   if (!(found.ray.tfar >= ray.ray.tnear && found.ray.tfar <= ray.ray.tfar)) fail(testing::Message() << "outside tnear, tfar");
@@ -184,6 +213,8 @@ void ReferenceCheck::compare(const RTCRayHit& ray, RayKind kind, const Sheet& sh
   if (!isExact || !(epsilon < 1e-4)) return;
   if (std::floor(exact.u*quads) != std::floor(u*quads) || std::floor(exact.v*quads) != std::floor(v*quads)) return;
   if (compression == RTC_COMPRESSION_GRID && (nearEdge(exact.u*quads, exact.v*quads) || nearEdge(u*quads, v*quads))) return;
+  // a ray may hit leaves that share an edge there, whose normals differ
+  if (compression == RTC_COMPRESSION_LEAF && (onLine(u*quads) || onLine(v*quads))) return;
   parameters++;
   const double cosine = (exact.Ng[0]*n[0] + exact.Ng[1]*n[1] + exact.Ng[2]*n[2])/
     std::sqrt((exact.Ng[0]*exact.Ng[0] + exact.Ng[1]*exact.Ng[1] + exact.Ng[2]*exact.Ng[2])*n2);

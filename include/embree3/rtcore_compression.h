@@ -33,7 +33,7 @@ enum RTCCompression
   RTC_COMPRESSION_NONE    = 1, // GRID:   Embree's full-precision vertex grids
   RTC_COMPRESSION_GRID    = 2, // cGRID:  compressed nodes, full-precision vertices
   RTC_COMPRESSION_VOXEL   = 3, // cVOXEL: compressed nodes, the leaf box is the surface
-  RTC_COMPRESSION_LEAF    = 4, // cLEAF:  compressed nodes, 4 x 4-bit heights a quad
+  RTC_COMPRESSION_LEAF    = 4, // cLEAF:  compressed nodes, 9 x 7-bit heights for 2 x 2 quads
 };
 
 /* Frame level that picks itself, see RTCCompressionArguments::frameLevel. */

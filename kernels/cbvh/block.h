@@ -80,7 +80,15 @@ namespace embree
       uint32_t height() const { return (info >> 4) & 15; }
       uint32_t blockX() const { return (info >> 8) & 255; }   //!< position in the patch, in blocks
       uint32_t blockY() const { return (info >> 16) & 255; }
-      uint32_t zScale() const { return info >> 28; }          //!< cLEAF: code of the z scale, leaf_codec.h
+
+      /*! cLEAF: the edges on the border of the block are within this part of their leaves'
+       *  boxes, from the outer side */
+      float borderWidth() const { return float((info >> 28)+1)*(1.0f/16); }
+      static uint32_t encodeBorderWidth(double width) {
+        uint32_t code = 0;
+        while (code < 15 && !(float(code+1)*(1.0f/16) >= width)) code++;
+        return code << 28;
+      }
 
       /*! quads of the patch along u and v */
       uint32_t quadsX() const { return (lastX+1u) << height(); }
@@ -91,8 +99,8 @@ namespace embree
       template<typename Float> Float faceU(const Float& x) const { return Float(0.5f*float(u0)) + (Float(float(blockX() << height())) + x)/Float(float(quadsX())); }
       template<typename Float> Float faceV(const Float& y) const { return Float(0.5f*float(v0)) + (Float(float(blockY() << height())) + y)/Float(float(quadsY())); }
 
-      static uint32_t encodeInfo(Kind kind, uint32_t height, uint32_t x, uint32_t y, uint32_t zScale = 0) {
-        return uint32_t(kind) | (height << 4) | (x << 8) | (y << 16) | (zScale << 28);
+      static uint32_t encodeInfo(Kind kind, uint32_t height, uint32_t x, uint32_t y) {
+        return uint32_t(kind) | (height << 4) | (x << 8) | (y << 16);
       }
 
       BlockLayout layout() const { return BlockLayout(kind(),height()); }
@@ -107,21 +115,21 @@ namespace embree
 
     inline BlockLayout::BlockLayout(Kind kind, uint32_t height)
     {
-      /* the leaf of cGRID is a group of 2 x 2 quads, as GRID's own */
-      nodeLevels = kind == Kind::GRID ? (height ? height-1 : 0) : height;
+      const uint32_t quads = 1u << (2*height);
+      const uint32_t width = (1u << height) + 1;
+      nodeLevels = height;
+      leafBytes = 0;
+      switch (kind) {
+      /* leaves are groups of 2 x 2 quads, as GRID's own. Vertices: x, y, z planes; 3 floats behind
+       * are read by full-width loads of the last row */
+      case Kind::GRID : nodeLevels = height ? height-1 : 0; leafBytes = 4*(3*width*width + 3); break;
+      case Kind::VOXEL: break;
+      /* groups of 2 x 2 as well, with a node's word each; one quad is cut into four */
+      case Kind::LEAF : nodeLevels = height ? height : 1; leafBytes = height ? 2*quads : 8; break;
+      }
       nodes = nodesOfLevels(nodeLevels);
       nodeOffset = sizeof(Block);
       leafOffset = nodeOffset + 4*nodes;
-      const uint32_t quads = 1u << (2*height);
-      const uint32_t width = (1u << height) + 1;
-      leafBytes = 0;
-      switch (kind) {
-      /* vertices: x, y, z planes; 3 floats behind are read by full-width loads of the last row */
-      case Kind::GRID : leafBytes = 4*(3*width*width + 3); break;
-      case Kind::VOXEL: break;
-      /* four leaves are read at once, so one leaf takes the room of four */
-      case Kind::LEAF : leafBytes = quads < 4 ? 8 : 2*quads; break;
-      }
       bytes = leafOffset + leafBytes;
     }
   }}

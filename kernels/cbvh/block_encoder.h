@@ -9,7 +9,7 @@
 
 #include "block.h"
 #include "frame.h"
-#include "leaf_codec.h"
+#include "leaf_encoder.h"
 #include <cstring>
 #include <cmath>
 
@@ -42,7 +42,8 @@ namespace embree
        *  vertices: (2^height+1)^2 world positions, row by row, kept by reference;
        *  scratch: see scratchBytes, kept by reference */
       BlockEncoder(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
-        : kind(kind), height(height), width((1u << height)+1), vertices(vertices) { layoutScratch((char*)scratch); }
+        : kind(kind), height(height), width((1u << height)+1), cellLevels(kind == Kind::LEAF && height == 0 ? 1 : height),
+          vertices(vertices) { layoutScratch((char*)scratch); }
 
       /*! Fits the block's frame; false when nothing is left to encode: no quad is
        *  finite, or floats cannot hold a frame.
@@ -64,6 +65,7 @@ namespace embree
         if (!fitFrame(aligned,finite,count,fitted,frame)) return false;
         for (uint32_t i=0; i<width*width; i++)
           frame.transform(vertices[i],local[i]);
+        if (cellLevels > height) splitQuad();
         return true;
       }
 
@@ -71,14 +73,14 @@ namespace embree
        *  a line, or some are far away from all others. Better not compressed. */
       bool isDegenerate() const
       {
-        const uint32_t quads = 1u << (2*height);
+        const uint32_t cells = 1u << (2*cellLevels);
         uint32_t small = 0, valid = 0;
-        for (uint32_t m=0; m<quads; m++)
+        for (uint32_t m=0; m<cells; m++)
         {
-          double quad[4][3];
-          gatherQuad(m,quad);
-          const double area = 0.5*std::fabs((quad[3][0]-quad[0][0])*(quad[2][1]-quad[1][1]) - (quad[3][1]-quad[0][1])*(quad[2][0]-quad[1][0]));
-          small += area*quads < minQuadArea;
+          const double* q[4];
+          for (int c=0; c<4; c++) q[c] = local[vertexOfCell(m,c)];
+          const double area = 0.5*std::fabs((q[3][0]-q[0][0])*(q[2][1]-q[1][1]) - (q[3][1]-q[0][1])*(q[2][0]-q[1][0]));
+          small += area*cells < minQuadArea;
           valid += area >= 0; // not NaN
         }
         return frame.degenerate || 2*small > valid;
@@ -94,57 +96,68 @@ namespace embree
         memcpy(block->columns,frame.columns,sizeof(frame.columns));
         stats.affine = !frame.projective;
 
-        boundQuads(stats);
+        boundCells(stats);
         invertW();
         nodes = block->nodes();
-        encodeNodes(0,0,NodeBox::root());
-
-        switch (kind) {
-        case Kind::LEAF : encodeLeaves(block,stats); break;
-        case Kind::VOXEL: voxelThickness(stats); break;
-        case Kind::GRID : storeVertices((float*)block->leaves()); break;
-        }
+        groups = (uint64_t*)block->leaves();
+        borderWidth = 0;
+        encodeNodes(0,0,NodeBox::root(),stats);
+        if (kind == Kind::LEAF) block->info |= Block::encodeBorderWidth(borderWidth);
+        if (kind == Kind::GRID) storeVertices((float*)block->leaves());
       }
 
     private:
       /*! places the arrays in scratch memory; returns the end */
       size_t layoutScratch(char* scratch)
       {
-        const size_t quads = size_t(1) << (2*height), points = size_t(width)*width;
+        const size_t side = (size_t(1) << cellLevels) + 1, points = side*side;
         size_t bytes = 0;
         auto take = [&](size_t n) { const uintptr_t p = uintptr_t(scratch) + bytes; bytes += (n+15) & ~size_t(15); return p; };
-        boxes   = (ExactBox*)take((nodesOfLevels(height)+quads)*sizeof(ExactBox));
-        local   = (double(*)[3])take(points*3*sizeof(double));
-        fitted  = (Double3*)take(points*sizeof(Double3));
-        leafBox = (NodeBox*)take(quads*sizeof(NodeBox));
-        corner  = (CornerHeights*)take(quads*sizeof(CornerHeights));
-        finite  = (float(*)[3])take(points*3*sizeof(float));
+        boxes  = (ExactBox*)take(nodesOfLevels(cellLevels+1)*sizeof(ExactBox));
+        local  = (double(*)[3])take(points*3*sizeof(double));
+        fitted = (Double3*)take(points*sizeof(Double3));
+        finite = (float(*)[3])take(points*3*sizeof(float));
         return bytes;
       }
 
       bool isFinite(uint32_t i) const { return cbvh::isFinite(vertices[i]); }
 
-      uint32_t vertexOfQuad(uint32_t m, int corner) const {
-        return (mortonY(m)+(corner>>1))*width + mortonX(m)+(corner&1);
+      /*! whether a vertex in the frame, of a cell, is finite */
+      bool isLocalFinite(uint32_t i) const { return std::isfinite(local[i][0]) && std::isfinite(local[i][1]) && std::isfinite(local[i][2]); }
+
+      uint32_t vertexOfCell(uint32_t m, int corner) const {
+        return (mortonY(m)+(corner>>1))*((1u << cellLevels)+1) + mortonX(m)+(corner&1);
+      }
+
+      /*! cLEAF's leaves are groups of 2 x 2: a block of one quad is cut into four cells */
+      void splitQuad()
+      {
+        double quad[4][3];
+        memcpy(quad,local,sizeof(quad));
+        for (int v=0; v<9; v++)
+          for (int k=0; k<3; k++)
+            local[v][k] = 0.25*((2-v%3)*((2-v/3)*quad[0][k] + (v/3)*quad[2][k]) + (v%3)*((2-v/3)*quad[1][k] + (v/3)*quad[3][k]));
       }
 
       ExactBox& boxOf(uint32_t level, uint32_t m) { return boxes[nodesOfLevels(level)+m]; }
 
-      void boundQuads(BlockStatistics& stats)
+      void boundCells(BlockStatistics& stats)
       {
-        for (uint32_t m=0; m < 1u << (2*height); m++)
+        uint32_t invalid = 0;
+        for (uint32_t m=0; m < 1u << (2*cellLevels); m++)
         {
           ExactBox box;
           bool valid = true;
           for (int c=0; c<4; c++) {
-            const uint32_t i = vertexOfQuad(m,c);
-            valid &= allFinite || isFinite(i);
+            const uint32_t i = vertexOfCell(m,c);
+            valid &= allFinite || isLocalFinite(i);
             if (valid) box.extend(local[i]);
           }
-          boxOf(height,m) = valid ? box : ExactBox();
-          stats.invalidQuads += !valid;
+          boxOf(cellLevels,m) = valid ? box : ExactBox();
+          invalid += !valid;
         }
-        for (uint32_t level=height; level-- > 0;)
+        stats.invalidQuads += cellLevels > height ? invalid != 0 : invalid;
+        for (uint32_t level=cellLevels; level-- > 0;)
           for (uint32_t m=0; m < 1u << (2*level); m++)
           {
             ExactBox box;
@@ -153,86 +166,55 @@ namespace embree
           }
       }
 
-      void encodeNodes(uint32_t level, uint32_t m, const NodeBox& box)
+      void encodeNodes(uint32_t level, uint32_t m, const NodeBox& box, BlockStatistics& stats)
       {
-        if (level == (kind == Kind::GRID && height > 0 ? height-1 : height)) {
-          if (kind != Kind::GRID) leafBox[m] = box;
+        const uint32_t nodeLevels = BlockLayout(kind,height).nodeLevels;
+        if (level == nodeLevels) {
+          if (kind == Kind::VOXEL) addBoxThickness(m,box,stats);
           return;
         }
-        const uint32_t word = encodeNode(box,&boxOf(level+1,4*m));
-        nodes[nodesOfLevels(level)+m] = word;
+        uint32_t& word = nodes[nodesOfLevels(level)+m];
+        if (kind == Kind::LEAF && level+1 == nodeLevels) {
+          encodeLeaves(m,box,word,stats);
+          return;
+        }
+        word = encodeNode(box,&boxOf(level+1,4*m));
         for (uint32_t c=0; c<4; c++)
-          encodeNodes(level+1,4*m+c,decodeChild(word,int(c),box));
+          encodeNodes(level+1,4*m+c,decodeChild(word,int(c),box),stats);
       }
 
-      void gatherQuad(uint32_t m, double quad[4][3]) const {
-        for (int c=0; c<4; c++) memcpy(quad[c],local[vertexOfQuad(m,c)],sizeof(double[3]));
-      }
-
-      /*! The z scale that makes the bins thinnest on average. A larger scale makes
-       *  every bin of the block thicker, a smaller one leaves more leaves solid, which
-       *  then are as thick as their box. */
-      uint32_t chooseZScale() const
+      void encodeLeaves(uint32_t m, const NodeBox& box, uint32_t& word, BlockStatistics& stats)
       {
-        double inRange[zScaleCodes] = {}, all = 0;
-        for (uint32_t m=0; m < 1u << (2*height); m++)
+        QuadGroup group;
+        const uint32_t side = (1u << cellLevels)+1, x = 2*mortonX(m), y = 2*mortonY(m);
+        for (uint32_t v=0; v<9; v++)
+          memcpy(group.vertices[v],local[(y+v/3)*side + x+v%3],sizeof(double[3]));
+        for (int c=0; c<4; c++) group.boxes[c] = boxOf(cellLevels,4*m+c);
+        group.border[0][0] = x == 0;
+        group.border[1][0] = y == 0;
+        group.border[0][1] = x+2 == side-1;
+        group.border[1][1] = y+2 == side-1;
+        const EncodedGroup encoded = encodeGroup(box,group);
+        word = encoded.word;
+        groups[m] = encoded.heights;
+        borderWidth = std::max(borderWidth,encoded.borderWidth);
+
+        for (int c=0; c<4; c++)
         {
-          if (!corner[m].valid) continue;
-          const double required = requiredZScale(leafBox[m],corner[m])*1.0001;
-          uint32_t code = 0;
-          while (code < zScaleCodes && decodeZScale(code) < required) code++;
-          if (code == zScaleCodes) continue;
-          inRange[code] += leafBox[m].extent[2];
-          all += leafBox[m].extent[2];
+          const LeafPatch leaf = decodeLeaf(encoded.word,encoded.heights,c,box);
+          if (leaf.empty) continue;
+          stats.solidLeaves += leaf.solid;
+          const double slope[2] = { 0.5*(leaf.z[1]+leaf.z[3]-leaf.z[0]-leaf.z[2])/leaf.box.extent[0],
+                                    0.5*(leaf.z[2]+leaf.z[3]-leaf.z[0]-leaf.z[1])/leaf.box.extent[1] };
+          if (leaf.solid) addBoxThickness(4*m+c,leaf.box,stats);
+          else addThickness(leaf.box,slope,leaf.thickness,stats);
         }
-        double best = DBL_MAX, held = 0;
-        uint32_t bestCode = 0;
-        for (uint32_t code=0; code<zScaleCodes; code++) {
-          held += inRange[code];
-          const double cost = held*decodeZScale(code)/heightBins + (all-held);
-          if (cost < best) { best = cost; bestCode = code; }
-        }
-        return bestCode;
       }
 
-      void encodeLeaves(Block* block, BlockStatistics& stats)
-      {
-        uint16_t* leaves = (uint16_t*)block->leaves();
-        double quad[4][3];
-        const uint32_t quads = 1u << (2*height);
-        for (uint32_t m=0; m<quads; m++)
-        {
-          corner[m].valid = false;
-          if (boxOf(height,m).empty()) continue;
-          gatherQuad(m,quad);
-          corner[m] = extrapolateQuad(leafBox[m],quad);
-        }
-        const uint32_t code = chooseZScale();
-        const float zScale = decodeZScale(code);
-        block->info |= code << 28;
-        for (uint32_t m=0; m<quads; m++)
-        {
-          leaves[m] = emptyLeaf;
-          if (boxOf(height,m).empty()) continue;
-          gatherQuad(m,quad);
-          leaves[m] = encodeLeaf(leafBox[m],zScale,quad,corner[m]);
-          const LeafBins bins(leafBox[m],zScale);
-          const bool solid = leaves[m] == solidLeaf;
-          stats.solidLeaves += solid;
-          const double slope[2] = {
-            0.5*(corner[m].z[1]+corner[m].z[3]-corner[m].z[0]-corner[m].z[2])/leafBox[m].extent[0],
-            0.5*(corner[m].z[2]+corner[m].z[3]-corner[m].z[0]-corner[m].z[1])/leafBox[m].extent[1] };
-          const double flat[2] = { 0,0 };
-          addThickness(leafBox[m], solid ? flat : slope, solid ? leafBox[m].extent[2] : bins.size, stats);
-        }
-        for (uint32_t m=quads; m<4; m++) leaves[m] = emptyLeaf;
-      }
-
-      void voxelThickness(BlockStatistics& stats)
+      void addBoxThickness(uint32_t cell, const NodeBox& box, BlockStatistics& stats) const
       {
         const double flat[2] = { 0,0 };
-        for (uint32_t m=0; m < 1u << (2*height); m++)
-          if (!boxOf(height,m).empty()) addThickness(leafBox[m],flat,leafBox[m].extent[2],stats);
+        if (!boxes[nodesOfLevels(cellLevels)+cell].empty()) addThickness(box,flat,box.extent[2],stats);
       }
 
       /*! World distance between the planes z = slope (x,y) and the same moved up by
@@ -278,17 +260,18 @@ namespace embree
     private:
       Kind kind;
       uint32_t height, width;
+      uint32_t cellLevels;      //!< levels of cells, which are quads but for cLEAF of height 0
       bool allFinite = false;
       const float (*vertices)[3];
       Frame frame;
       Form inverseW = { { 0,0,0 }, 1 };
       uint32_t* nodes = nullptr;
+      uint64_t* groups = nullptr; //!< cLEAF's leaves
+      double borderWidth = 0;     //!< cLEAF: the largest of all groups
       ExactBox* boxes;          //!< of all quadtree levels, level by level
       double (*local)[3];       //!< vertices in the frame
       Double3* fitted;          //!< vertices, relative, while the frame is fitted
       float (*finite)[3];
-      NodeBox* leafBox;         //!< decoded
-      CornerHeights* corner;
     };
   }}
 }

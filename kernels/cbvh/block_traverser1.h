@@ -138,6 +138,8 @@ namespace embree
 
       /*! Walks the tree. A Group has
        *
+       *    void decode (uint32_t word, uint32_t m, const vfloat4 lower[3], const vfloat4 extent[3], ChildBoxes& c)
+       *      boxes of four leaves, from their parent's word and box.
        *    bool leaves (const ChildBoxes& c, const HitMasks& masks, const ChildOrder& order, uint32_t m)
        *      up to four leaves of one parent; lane l is leaf 4m + (l ^ flip). True ends
        *      the walk.
@@ -173,7 +175,9 @@ namespace embree
         while (true)
         {
           ChildBoxes& c = stack[depth];
-          ray.decode(nodes[nodesOfLevels(depth)+m],lower,extent,c);
+          const uint32_t word = nodes[nodesOfLevels(depth)+m];
+          if (depth+1 == nodeLevels) group.decode(word,m,lower,extent,c);
+          else ray.decode(word,lower,extent,c);
           const HitMasks masks = ray.intersect(c,group.sBest);
           const ChildOrder order(c,masks.hit | masks.passed);
           open[depth] = Open{ unsigned(order.toOrder(masks.hit)), unsigned(order.toOrder(masks.passed)), 4*m, order };

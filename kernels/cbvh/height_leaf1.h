@@ -3,36 +3,41 @@
 
 #pragma once
 
-/* Leaves of cLEAF: patches of four heights.
+/* Leaves of cLEAF: bilinear patches, leaf_codec.h.
  *
- * The surface of a leaf is the bilinear patch through the middles of its intervals,
- * and along a ray
+ * Along a ray
  *
- *   f(s) = z of the ray - z of that patch,
+ *   f(s) = z of the ray - z of the leaf's patch,
  *
  * taken where the ray enters and leaves the leaf's box (the paper's line test; its
  * root is that of the patch, not of the line). Through the lower (upper) face of the
  * box a ray passes below (above) the surface, whatever the patch says. The ray hits
  * where f changes sign.
  *
- * Patches of neighbouring leaves do not meet exactly, each is off the true surface by
- * up to half a bin, and a ray could slip through the step between them. Therefore the
- * ray remembers on which side it left the last leaf. It hits
+ * Patches of neighbouring groups do not meet exactly, each is off the edge between them
+ * by up to half a thickness, and a ray could slip through the step. Therefore the ray
+ * remembers on which side it left the last leaf. It hits
  *
  * - at the entry of a leaf, if it enters on the other side;
- * - where it left a leaf within half a bin, if it then passes over (under) the boxes
+ * - where it left a leaf within half a thickness, if it then passes over (under) the boxes
  *   that come next, but was under (over) that leaf;
- * - in a leaf at the border of the block, if within half a bin of its patch: its
- *   neighbour is in another block, which knows nothing of the ray's side.
+ * - a lip at the border of the block, as the neighbour is in another block, which knows
+ *   nothing of the ray's side.
+ *
+ *      surface of A  ____           The encoder keeps both surfaces above the edge that
+ *      ---------.....|   ....---    they share, and less than half a thickness. Lips
+ *                 lip|---|lip       hang from the border that far down: each reaches the
+ *                     edge          edge, so together they close what is between.
  *
  * Inside a block that is watertight because leaves, and boxes passed, cover the ray's
- * way in x and y without a gap, so no change of side goes unseen. Between blocks it is
- * because the true edge is inside the intervals of both leaves.
+ * way in x and y without a gap, so no change of side goes unseen. Lips are below the
+ * surface so that rays that pass over it, along a silhouette or away from it, do not
+ * meet them.
  *
- * A ray that starts on the surface of a leaf, within half a bin, does not hit a step
- * that it is beyond again when it leaves the step's leaf: it would shadow the surface
- * it comes from. A segment that starts (ends) in a leaf, at tnear (tfar), hits it only
- * if f changes sign.
+ * A ray that starts on the surface of a leaf, within half a thickness, does not hit a
+ * step that it is beyond again when it leaves the step's leaf: it would shadow the
+ * surface it comes from. A segment that starts (ends) in a leaf, at tnear (tfar), hits it
+ * only if f changes sign.
  *
  * The paper takes every ray that meets an interval for a hit, at its near side. That
  * closes the steps too, but thickens the surface: rays along a crest hit what they
@@ -46,7 +51,7 @@
  * Subdivision Surfaces with Displacement", 2018, section 4. */
 
 #include "leaf_group1.h"
-#include "leaf_codec.h"
+#include "height_patches1.h"
 
 namespace embree
 {
@@ -54,52 +59,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! the patches of up to four leaves, mirrored with the ray; lane l is child l ^ flip */
-      struct HeightPatches
-      {
-        vfloat4 base;          //!< z at height 0, bins' middles
-        vfloat4 bin;           //!< negative where z is mirrored
-        vfloat4 q, a, b, twist; //!< height = q + a u + b v + twist u v, in bins
-        vfloat4 rcpX, rcpY;    //!< of the box's extents
-        size_t solid, empty;
-
-        __forceinline HeightPatches (const char* leaves, uint32_t m, float zScale, const MirroredRay& ray, const ChildBoxes& c)
-        {
-          /* 4 leaves x 4 heights of 4 bits; mirroring x (y) swaps columns (rows) of leaves, and
-           * of the corners in them */
-          const int flip = ray.flipXY();
-          uint64_t bits;
-          memcpy(&bits,leaves + 8*size_t(m),8);
-          if (flip & 1) bits = ((bits >> 16) & 0x0000FFFF0000FFFFull) | ((bits & 0x0000FFFF0000FFFFull) << 16);
-          if (flip & 2) bits = (bits >> 32) | (bits << 32);
-          const vint4 leaf = unpackLanes(bits);
-          auto height = [&](int corner) { return vfloat4((leaf >> (4*(corner^flip))) & vint4(15)); };
-          const vfloat4 q00 = height(0), q10 = height(1), q01 = height(2), q11 = height(3);
-          solid = movemask(vboolf4(leaf == vint4(solidLeaf)));
-          empty = movemask(vboolf4(leaf == vint4(emptyLeaf)));
-
-          /* z = lower - e (zScale-1)/2 + bin (height + 1/2); with z -> 1-z its mirror image */
-          const float size = zScale*(1.0f/heightBins);
-          bin = vfloat4(ray.flip[2] ? -size : size)*c.extent[2];
-          base = madd(vfloat4(ray.flip[2] ? 0.5f*(zScale+1.0f) : 0.5f*(1.0f-zScale)),c.extent[2],c.lower[2]);
-          q = q00 + vfloat4(0.5f);
-          a = q10-q00;
-          b = q01-q00;
-          twist = (q11-q01)-a;
-          rcpX = vfloat4(one)/c.extent[0];
-          rcpY = vfloat4(one)/c.extent[1];
-        }
-
-        __forceinline vfloat4 z (const vfloat4& u, const vfloat4& v) const { return madd(bin,madd(u,a,madd(v,madd(u,twist,b),q)),base); }
-        __forceinline float slopeX (size_t i, float v) const { return (solid >> i) & 1 ? 0.0f : bin[i]*(a[i]+v*twist[i])*rcpX[i]; }
-        __forceinline float slopeY (size_t i, float u) const { return (solid >> i) & 1 ? 0.0f : bin[i]*(b[i]+u*twist[i])*rcpY[i]; }
-
-        /*! 4 x 16 bits to 4 lanes */
-        static __forceinline vint4 unpackLanes (uint64_t bits) {
-          return vint4(_mm_unpacklo_epi16(_mm_cvtsi64_si128((long long)bits),_mm_setzero_si128()));
-        }
-      };
-
       /*! a ray and up to four patches: f at entry and exit, and what it says */
       struct PatchCrossing
       {
@@ -107,7 +66,9 @@ namespace embree
         vfloat4 u0, v0, u1, v1;
         vfloat4 f0, f1;
         size_t above0, above1; //!< side at entry and exit, in the frame
-        size_t near;           //!< within half a bin at one of them
+        vfloat4 saddle;        //!< f(k) = f0 + k (f1-f0) + saddle k (1-k), k from 0 to 1
+        size_t near0;          //!< within reach of the patch at entry
+        size_t near;           //!< may be anywhere up to the exit
         size_t started;        //!< the segment starts inside, at tnear
         size_t ended;          //!< it ends inside, at tfar
 
@@ -126,7 +87,10 @@ namespace embree
           const vboolf4 inside0 = startsInside(local,c), inside1 = endsInside(local,c);
           started = movemask(inside0);
           ended = movemask(inside1);
-          near = movemask(min(abs(f0),abs(f1)) <= madd(vfloat4(0.5f),abs(patch.bin),vfloat4(ray.epsilonZ)));
+          saddle = patch.bin*patch.twist*(u1-u0)*(v1-v0);
+          const vfloat4 reach = patch.reach + vfloat4(ray.epsilonZ);
+          near0 = movemask(abs(f0) <= reach);
+          near = movemask((min(abs(f0),abs(f1)) <= madd(vfloat4(0.25f),abs(saddle),reach)) | ((f0 < vfloat4(zero)) != (f1 < vfloat4(zero))));
 
           /* mirrored, a ray enters through lower and leaves through upper faces */
           const vfloat4 lowerFace = (c.lower[2]-ray.Pnear[2])*ray.rcpD[2], upperFace = (c.lower[2]+c.extent[2]-ray.Pfar[2])*ray.rcpD[2];
@@ -137,13 +101,40 @@ namespace embree
           above1 = movemask(up1) ^ flip;
         }
 
-        /*! s where f changes sign. u and v are linear along the ray, so
-         *  f(k) = f0 + k (f1-f0) + saddle k (1-k) for k from 0 to 1. */
-        __forceinline float root (size_t i, const HeightPatches& patch) const
+        /*! s where f changes sign */
+        __forceinline float root (size_t i) const {
+          return s0[i] + rootOfPatch(f0[i],f1[i],saddle[i])*(s1[i]-s0[i]);
+        }
+
+        /*! Whether the ray meets the lip that closes the block's border: what is up to reach
+         *  below the patch, at positions u (v) up to width from that side; s is a place. sign: -1
+         *  where z is mirrored. Over that part f is a parabola, largest and smallest at its
+         *  ends or its vertex. */
+        __forceinline bool meetsLip (size_t i, bool upper, float p0, float p1, float width, float reach, float epsilon, float sign, float& s) const
         {
-          const float f0 = this->f0[i], f1 = this->f1[i];
-          const float saddle = patch.bin[i]*patch.twist[i]*(u1[i]-u0[i])*(v1[i]-v0[i]);
-          return s0[i] + rootOfPatch(f0,f1,saddle)*(s1[i]-s0[i]);
+          const float f0 = this->f0[i], f1 = this->f1[i], saddle = this->saddle[i], d = p1-p0;
+          float k0 = 0.0f, k1 = 1.0f;
+          if (upper) {
+            if (p1 < 1.0f-width) return false;
+            if (p0 < 1.0f-width) k0 = (1.0f-width-p0)/d;
+          } else {
+            if (p0 > width) return false;
+            if (p1 > width) k1 = (width-p0)/d;
+          }
+          float lowest = pos_inf, highest = neg_inf, k = k0;
+          bool inside = false;
+          auto sample = [&](float kj) {
+            const float f = sign*(f0 + kj*(f1-f0) + saddle*kj*(1.0f-kj));
+            lowest = min(lowest,f);
+            highest = max(highest,f);
+            if (!inside && f <= epsilon && f >= -(reach+epsilon)) { inside = true; k = kj; }
+          };
+          sample(k0);
+          sample(k1);
+          const float vertex = 0.5f + 0.5f*(f1-f0)/saddle;
+          if (vertex > k0 && vertex < k1) sample(vertex);
+          s = s0[i] + k*(s1[i]-s0[i]);
+          return lowest <= epsilon && highest >= -(reach+epsilon);
         }
 
         static __forceinline float rootOfPatch (float f0, float f1, float saddle)
@@ -166,15 +157,25 @@ namespace embree
         enum Side { UNKNOWN, BELOW, ABOVE };
 
         Side side;            //!< on which the ray left the last leaf
-        bool pending;         //!< it was within half a bin of that leaf
-        bool fromSurface;     //!< the ray starts in a leaf, within half a bin
+        bool pending;         //!< it was within half a thickness of that leaf
+        bool fromSurface;     //!< the ray starts in a leaf, within half a thickness
         bool found;           //!< a hit was accepted
         float exitS, exitU, exitV, exitSlopeX, exitSlopeY;
         uint32_t exitLeaf;
+        uint32_t cells;       //!< leaves along a side of the block
+        HeightPatches patch;
+
+        __forceinline void decode (uint32_t word, uint32_t m, const vfloat4 lower[3], const vfloat4 extent[3], ChildBoxes& c) {
+          patch.decode(word,this->data,m,this->mirrored,lower,extent,c);
+        }
 
         __forceinline HeightLeaf (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block,
                                   const LocalRay& local, const MirroredRay& mirrored, const char* data)
-          : LeafGroup<RayType>(ray,context,pre,block,local,mirrored,data), side(UNKNOWN), pending(false), fromSurface(false), found(false) {}
+          : LeafGroup<RayType>(ray,context,pre,block,local,mirrored,data), side(UNKNOWN), pending(false), fromSurface(false), found(false)
+        {
+          cells = 1u << block->height();
+          if (cells == 1) { cells = 2; this->leafSize = 0.5f; }
+        }
 
         __forceinline bool wantsPassed () const { return pending; }
 
@@ -190,7 +191,6 @@ namespace embree
         __forceinline bool leaves (const ChildBoxes& c, const HitMasks& masks, const ChildOrder& order, uint32_t m)
         {
           const MirroredRay& ray = this->mirrored;
-          const HeightPatches patch(this->data,m,decodeZScale(this->block->zScale()),ray,c);
           const PatchCrossing x(this->local,ray,c,patch);
 
           auto hitAt = [&](size_t i, float s) {
@@ -212,7 +212,7 @@ namespace embree
             if (found) {
               /* only what lies nearer than the hit can still be of interest */
               if ((patch.empty & bit) || (enter == leave && !(patch.solid & bit)) || ((patch.solid & bit) && started)) continue;
-              const float s = patch.solid & bit ? x.s0[i] : x.root(i,patch);
+              const float s = patch.solid & bit ? x.s0[i] : x.root(i);
               if (s < this->sBest) hitAt(i,s);
               continue;
             }
@@ -221,13 +221,14 @@ namespace embree
               if ((patch.solid & bit) && !started && hitAt(i,x.s0[i])) return true;
               continue;
             }
-            if (started) fromSurface = x.near & bit;
+            if (started) fromSurface = x.near0 & bit;
             const bool beyond = fromSurface && !started && side == leave;
             const bool step = !started && side != UNKNOWN && side != enter && !beyond;
-            const bool border = (x.near & bit) && !((x.started | x.ended) & bit) && onBorder(this->child(m,i));
+            float sLip;
+            const bool lip = (x.near & bit) && !((x.started | x.ended) & bit) && meetsLip(x,i,m,sLip);
             if (step) { if (hitAt(i,x.s0[i])) return true; }
-            else if (enter != leave && !beyond) { if (hitAt(i,x.root(i,patch))) return true; }
-            else if (enter == leave && border) { if (hitAt(i,abs(x.f0[i]) < abs(x.f1[i]) ? x.s0[i] : x.s1[i])) return true; }
+            else if (enter != leave && !beyond) { if (hitAt(i,x.root(i))) return true; }
+            else if (enter == leave && lip) { if (hitAt(i,sLip)) return true; }
             if (found) continue;
             side = leave;
             pending = x.near & bit;
@@ -249,11 +250,21 @@ namespace embree
           return accepted && IsAnyHit<RayType>::value;
         }
 
-        __forceinline bool onBorder (uint32_t leaf) const
+        /*! whether the ray meets a lip of leaf i of group m, and where */
+        __forceinline bool meetsLip (const PatchCrossing& x, size_t i, uint32_t m, float& s) const
         {
-          const uint32_t last = (1u << this->block->height()) - 1;
-          const uint32_t x = mortonX(leaf), y = mortonY(leaf);
-          return x == 0 || y == 0 || x == last || y == last;
+          const uint32_t leaf = this->child(m,i), last = cells-1;
+          const uint32_t cell[2] = { mortonX(leaf), mortonY(leaf) };
+          const float p0[2] = { x.u0[i], x.v0[i] }, p1[2] = { x.u1[i], x.v1[i] };
+          const float width = this->block->borderWidth(), reach = patch.reach[i], epsilon = this->mirrored.epsilonZ;
+          const float sign = this->mirrored.flip[2] ? -1.0f : 1.0f;
+          for (int axis=0; axis<2; axis++)
+          {
+            const bool flip = this->mirrored.flip[axis];
+            if (cell[axis] == 0    && x.meetsLip(i,flip, p0[axis],p1[axis],width,reach,epsilon,sign,s)) return true;
+            if (cell[axis] == last && x.meetsLip(i,!flip,p0[axis],p1[axis],width,reach,epsilon,sign,s)) return true;
+          }
+          return false;
         }
       };
     }

@@ -3,149 +3,164 @@
 
 #pragma once
 
-/* Leaves of cLEAF: 16 bits a quad, four 4-bit heights at the corners of the
- * leaf's box. A height is the lower end of an interval of one bin; the bilinear
- * patches through the lower and upper ends bound the quad.
+/* Leaves of cLEAF: groups of 2 x 2 quads. A group has one node word, as the nodes of
+ * the last level, and 64 bits of heights: 2 bytes and 8 bits a quad.
  *
- *   z  +-----------+   Bins divide a range that is zScale times as high as the
- *      |   ____..--|   box and centred on it, as a patch that is extrapolated
- *      |.-'' ____..|   from the quad's vertices to the box's corners may leave
- *      | _.-''     |   the box. Hits count only inside the box.
- *      +-----------+ x
+ * Lattice. Nine heights over three planes of x and three of y: one bilinear patch a
+ * quad, and patches that share their edges.
  *
- * Two codes are taken out: a solid leaf, whose whole box is the surface, for
- * quads that no four heights bound, and an empty one, for quads with a vertex
- * that is not finite.
+ *    y2 +-------+--------+   x0, x2, y0, y2 bound the group's quads; x1 and y1 run
+ *       |   2   |    3   |   along its middle column and row of vertices. The surface
+ *    y1 +-------+--------+   passes through the quads' vertices, wherever in their
+ *       |   0   |    1   |   cells they are. Siblings do not overlap and have no steps
+ *    y0 +-------+--------+   between them.
+ *       x0     x1       x2
+ *
+ * Loose. Where quads fold over each other, or have holes: a node word like any
+ * other, and in each child's box a plane of its own, or the whole box (solid), or
+ * nothing (empty).
+ *
+ * Either way a leaf's surface bounds the edges of its quad to half a thickness, up and
+ * down in z.
  *
  * Based on: Lier et al., "A High-Resolution Compression Scheme for Ray Tracing
- * Subdivision Surfaces with Displacement", 2018, section 4.1. */
+ * Subdivision Surfaces with Displacement", 2018, section 4.1, which stores each
+ * corner of each quad, in 4 bits. */
 
 #include "node_codec.h"
-#include <cmath>
-#include <utility>
 
 namespace embree
 {
   namespace cbvh { inline namespace CBVH_TARGET
   {
-    static constexpr uint16_t solidLeaf = 0xFFFF;
-    static constexpr uint16_t emptyLeaf = 0xFFFE;
-    static constexpr int heightBins = 16;
+    /*! Bits of the heights. Byte i holds in its lower 7 bits the height of vertex i
+     *  of the lattice, row by row without the middle one; the upper bits of bytes 0
+     *  to 6 are the middle one's, that of byte 7 says loose. */
+    inline bool isLoose(uint64_t heights) { return heights >> 63; }
 
-    /*! z scale of a block: the range of a leaf's bins is 1 to 3 boxes high */
-    static constexpr uint32_t zScaleCodes = 16;
-    inline float decodeZScale(uint32_t code) { return 1.0f + float(code)*(2.0f/15.0f); }
+    static constexpr int latticeBins = 128;
+    static constexpr float latticeRange = 1.5f; //!< of the bins, in heights of the parent's box: patches are extrapolated to the corners
 
-    /*! corner = column + 2 row, as for children */
-    inline int leafHeight(uint16_t leaf, int corner) { return (leaf >> (4*corner)) & 15; }
+    inline int latticeByte(int vertex) { return vertex < 4 ? vertex : vertex-1; }
+
+    inline int latticeHeight(uint64_t heights, int vertex)
+    {
+      if (vertex != 4) return int(heights >> (8*latticeByte(vertex))) & 127;
+      int h = 0;
+      for (int i=0; i<7; i++) h |= int((heights >> (8*i+7)) & 1) << i;
+      return h;
+    }
+
+    inline uint64_t packLattice(const int heights[9])
+    {
+      uint64_t bits = 0;
+      for (int v=0; v<9; v++)
+        if (v != 4) bits |= uint64_t(heights[v]) << (8*latticeByte(v));
+      for (int i=0; i<7; i++) bits |= uint64_t((heights[4] >> i) & 1) << (8*i+7);
+      return bits;
+    }
+
+    /*! Word of a lattice: 15 bits an axis, of 5 bits each the outer planes' distances
+     *  from the parent's, lower and upper, and the middle plane; then the thickness. */
+    static constexpr uint32_t latticePlaneMask = 31;
+    constexpr int latticeShift(int axis) { return 15*axis; }
+    constexpr int latticeThicknessShift = 30;
+
+    /*! outer planes, in parent extents: fine steps for what the parent's own rounding
+     *  lost, up to a third for quads that do not fill their parent */
+    constexpr float latticeOuter(uint32_t code) { return float(4*code + code*code/4)*(1.0f/1024); }
+
+    /*! the middle plane bounds nothing, it is the nearest */
+    constexpr float latticeMiddle(uint32_t code) { return float(33 + 2*code)*(1.0f/128); }
+
+    /*! thickness in bins: heights are rounded by up to half a bin either way, the rest
+     *  is how far edges are from straight over the lattice */
+    static constexpr float latticeThickness[4] = { 1.0f, 2.0f, 5.0f, 16.0f };
+
+    /*! Loose heights: 15 bits a child, 5 bits each for corners (0,0), (1,0) and (0,1)
+     *  of its box, and from bit 60 the thickness. */
+    static constexpr int looseBits = 15;
+    static constexpr uint32_t looseMask = 0x7FFF;
+    static constexpr uint32_t solidLeaf = 0x7FFF;
+    static constexpr uint32_t emptyLeaf = 0x7FFE;
+    static constexpr int looseBins = 32;
+    static constexpr float looseRange = 2.0f; //!< of the bins, in heights of the leaf's box
+    static constexpr int looseThicknessShift = 60;
+    static constexpr float looseThickness[8] = { 1.0f, 1.5f, 2.0f, 3.0f, 4.0f, 6.0f, 8.0f, 12.0f };
+
+    inline uint32_t looseLeaf(uint64_t heights, int child) { return uint32_t(heights >> (looseBits*child)) & looseMask; }
+    inline int looseHeight(uint32_t leaf, int corner) { return int(leaf >> (5*corner)) & 31; }
+
+    /*! bins of heights: the range is centred on the box, height q is at lower + (q+1/2) size */
+    struct HeightBins
+    {
+      float lower, size;
+      HeightBins(const NodeBox& box, float range, int bins)
+        : lower(box.lower[2] - 0.5f*(range-1.0f)*box.extent[2]), size(range/float(bins)*box.extent[2]) {}
+      float z(float height) const { return lower + (height+0.5f)*size; }
+    };
 
     inline float bilinear(const float c[4], float u, float v) {
       return c[0] + u*(c[1]-c[0]) + v*(c[2]-c[0]) + u*v*(c[0]-c[1]-c[2]+c[3]);
     }
 
-    /*! a leaf's bins in z */
-    struct LeafBins
+    /*! a leaf: its box, and the surface in it */
+    struct LeafPatch
     {
-      float base; //!< lower end of bin 0
-      float size; //!< height of a bin
-
-      LeafBins(const NodeBox& box, float zScale)
-        : base(box.lower[2] - 0.5f*(zScale-1.0f)*box.extent[2]), size(zScale*box.extent[2]*(1.0f/heightBins)) {}
+      NodeBox box;
+      float z[4];       //!< at the corners of the box, column + 2 row
+      float thickness;
+      bool solid, empty;
     };
 
-    /*! heights of a quad at the corners of its leaf's box */
-    struct CornerHeights
+    /*! planes of a lattice along one axis */
+    inline void latticePlanes(uint32_t word, int axis, const NodeBox& parent, float planes[3])
     {
-      double z[4];
-      double u[4], v[4]; //!< position of the quad's vertices in the box, 0 to 1
-      bool valid;
-    };
-
-    /*! Extrapolates a quad to the corners of its box: the bilinear patch through
-     *  the four vertices, or the plane nearest to them where they do not determine
-     *  one (a quad that is seen from the side in its frame).
-     *  quad: vertices in the frame, corner order. */
-    inline CornerHeights extrapolateQuad(const NodeBox& box, const double quad[4][3])
-    {
-      CornerHeights h;
-      double m[4][5];
-      for (int i=0; i<4; i++)
-      {
-        h.u[i] = (quad[i][0]-box.lower[0])/box.extent[0];
-        h.v[i] = (quad[i][1]-box.lower[1])/box.extent[1];
-        m[i][0] = (1-h.u[i])*(1-h.v[i]);
-        m[i][1] = h.u[i]*(1-h.v[i]);
-        m[i][2] = (1-h.u[i])*h.v[i];
-        m[i][3] = h.u[i]*h.v[i];
-        m[i][4] = quad[i][2];
-      }
-
-      /* Gauss-Jordan elimination with partial pivoting */
-      h.valid = true;
-      for (int c=0; c<4 && h.valid; c++)
-      {
-        int p = c;
-        for (int r=c+1; r<4; r++)
-          if (std::fabs(m[r][c]) > std::fabs(m[p][c])) p = r;
-        if (std::fabs(m[p][c]) < 1e-3) { h.valid = false; break; }
-        for (int k=0; k<5; k++) std::swap(m[c][k],m[p][k]);
-        for (int r=0; r<4; r++) {
-          if (r == c) continue;
-          const double f = m[r][c]/m[c][c];
-          for (int k=c; k<5; k++) m[r][k] -= f*m[c][k];
-        }
-      }
-      for (int i=0; i<4 && h.valid; i++)
-        h.z[i] = m[i][4]/m[i][i];
-      if (h.valid) return h;
-
-      /* plane: normal equations around the mean, damped so that a direction
-       * without extent gets no slope */
-      double mu = 0, mv = 0, mz = 0, suu = 1e-9, suv = 0, svv = 1e-9, suz = 0, svz = 0;
-      for (int i=0; i<4; i++) { mu += 0.25*h.u[i]; mv += 0.25*h.v[i]; mz += 0.25*quad[i][2]; }
-      for (int i=0; i<4; i++) {
-        const double du = h.u[i]-mu, dv = h.v[i]-mv, dz = quad[i][2]-mz;
-        suu += du*du; suv += du*dv; svv += dv*dv; suz += du*dz; svz += dv*dz;
-      }
-      const double det = suu*svv - suv*suv;
-      const double a = det > 0 ? (suz*svv - svz*suv)/det : 0;
-      const double b = det > 0 ? (svz*suu - suz*suv)/det : 0;
-      for (int i=0; i<4; i++)
-        h.z[i] = mz + a*((i&1)-mu) + b*((i>>1)-mv);
-      h.valid = true;
-      return h;
+      const uint32_t bits = word >> latticeShift(axis);
+      planes[0] = parent.lower[axis] + latticeOuter(bits & latticePlaneMask)*parent.extent[axis];
+      planes[1] = parent.lower[axis] + latticeMiddle((bits >> 10) & latticePlaneMask)*parent.extent[axis];
+      planes[2] = parent.lower[axis] + (1.0f-latticeOuter((bits >> 5) & latticePlaneMask))*parent.extent[axis];
     }
 
-    /*! smallest z scale whose range holds all corner heights */
-    inline double requiredZScale(const NodeBox& box, const CornerHeights& h)
+    /*! scalar reference decoder */
+    inline LeafPatch decodeLeaf(uint32_t word, uint64_t heights, int child, const NodeBox& parent)
     {
-      const double centre = box.lower[2] + 0.5*box.extent[2];
-      double r = 0;
-      for (int i=0; i<4; i++)
-        r = std::fabs(h.z[i]-centre) > r ? std::fabs(h.z[i]-centre) : r;
-      return 2*r/box.extent[2];
-    }
-
-    /*! Quantises corner heights; solidLeaf when the interval of one bin does not
-     *  contain the quad's vertices with the slack. */
-    inline uint16_t encodeLeaf(const NodeBox& box, float zScale, const double quad[4][3], const CornerHeights& h)
-    {
-      const LeafBins bins(box,zScale);
-      uint16_t leaf = 0;
-      float lower[4];
-      for (int i=0; i<4; i++)
+      LeafPatch leaf;
+      leaf.solid = leaf.empty = false;
+      if (isLoose(heights))
       {
-        double q = std::floor((h.z[i]-bins.base)/bins.size);
-        q = q < 0 ? 0 : q > heightBins-1 ? heightBins-1 : q;
-        leaf = uint16_t(leaf | (uint16_t(q) << (4*i)));
-        lower[i] = bins.base + float(q)*bins.size;
+        leaf.box = decodeChild(word,child,parent);
+        const uint32_t code = looseLeaf(heights,child);
+        leaf.solid = code == solidLeaf;
+        leaf.empty = code == emptyLeaf;
+        const HeightBins bins(leaf.box,looseRange,looseBins);
+        for (int c=0; c<3; c++) leaf.z[c] = bins.z(float(looseHeight(code,c)));
+        leaf.z[3] = leaf.z[1]+leaf.z[2]-leaf.z[0];
+        leaf.thickness = looseThickness[(heights >> looseThicknessShift) & 7]*bins.size;
+        return leaf;
       }
-      if (leaf == solidLeaf || leaf == emptyLeaf) return solidLeaf;
-
-      for (int i=0; i<4; i++) {
-        const double z = bilinear(lower,float(h.u[i]),float(h.v[i]));
-        if (quad[i][2] < z - containmentSlack || quad[i][2] > z + bins.size + containmentSlack) return solidLeaf;
+      for (int axis=0; axis<2; axis++) {
+        float planes[3];
+        latticePlanes(word,axis,parent,planes);
+        const int column = childColumn(child,axis);
+        leaf.box.lower[axis] = planes[column];
+        leaf.box.extent[axis] = planes[column+1]-planes[column];
       }
+      const HeightBins bins(parent,latticeRange,latticeBins);
+      leaf.thickness = latticeThickness[word >> latticeThicknessShift]*bins.size;
+      float lowest = 1e30f, highest = -1e30f;
+      for (int c=0; c<4; c++) {
+        const int vertex = childColumn(child,0)+(c&1) + 3*(childColumn(child,1)+(c>>1));
+        leaf.z[c] = bins.z(float(latticeHeight(heights,vertex)));
+        lowest  = leaf.z[c] < lowest  ? leaf.z[c] : lowest;
+        highest = leaf.z[c] > highest ? leaf.z[c] : highest;
+      }
+      /* a bilinear patch stays between its corners */
+      const float z0 = lowest-0.5f*leaf.thickness, z1 = highest+0.5f*leaf.thickness;
+      const float lower = z0 > parent.lower[2] ? z0 : parent.lower[2];
+      const float upper = z1 < parent.upper(2) ? z1 : parent.upper(2);
+      leaf.box.lower[2] = lower;
+      leaf.box.extent[2] = upper > lower ? upper-lower : 0.0f;
       return leaf;
     }
   }}

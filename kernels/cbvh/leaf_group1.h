@@ -62,13 +62,18 @@ namespace embree
         const MirroredRay& mirrored;
         const char* data; //!< leaves
         float sBest;
+        float leafSize; //!< of a leaf's side, in quads
 
         __forceinline LeafGroup (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block,
                                  const LocalRay& local, const MirroredRay& mirrored, const char* data)
-          : ray(ray), context(context), pre(pre), block(block), local(local), mirrored(mirrored), data(data), sBest(1.0f) {}
+          : ray(ray), context(context), pre(pre), block(block), local(local), mirrored(mirrored), data(data), sBest(1.0f), leafSize(1.0f) {}
 
         __forceinline bool wantsPassed () const { return false; }
         __forceinline bool passedAbove (bool) { return false; }
+
+        __forceinline void decode (uint32_t word, uint32_t, const vfloat4 lower[3], const vfloat4 extent[3], ChildBoxes& c) const {
+          mirrored.decode(word,lower,extent,c);
+        }
 
         /*! index of a lane's child */
         __forceinline uint32_t child (uint32_t m, size_t lane) const { return 4*m + (uint32_t(lane) ^ uint32_t(mirrored.flipXY())); }
@@ -84,8 +89,8 @@ namespace embree
           if ((mirrored.flip[1] != 0) != flipZ) slopeY = -slopeY;
 
           SurfaceHit hit;
-          hit.u = block->faceU(float(mortonX(leaf)) + u);
-          hit.v = block->faceV(float(mortonY(leaf)) + v);
+          hit.u = block->faceU(leafSize*(float(mortonX(leaf)) + u));
+          hit.v = block->faceV(leafSize*(float(mortonY(leaf)) + v));
           hit.t = min(max(local.worldT(pre,s),ray.tnear()),ray.tfar);
           hit.Ng = worldNormal(block,local.P0 + s*(local.P1-local.P0),slopeX,slopeY);
           if (!report(ray,context,block,hit)) return false;

@@ -5,7 +5,7 @@
  * loaded must run everywhere. */
 
 #include "node_tables.h"
-#include "node_codec.h"
+#include "leaf_codec.h"
 
 namespace embree
 {
@@ -33,6 +33,16 @@ namespace embree
               zPair[flipX][flipZ][pair][lane  ] = flipZ ? 1.0f - z.upper : z.lower;
               zPair[flipX][flipZ][pair][lane+2] = flipZ ? 1.0f - z.lower : z.upper;
             }
+      for (uint32_t code=0; code<32; code++)
+        latticeOuter[code] = cbvh::latticeOuter(code);
+      for (int flip=0; flip<4; flip++)
+        for (int corner=0; corner<4; corner++)
+          for (int byte=0; byte<16; byte++)
+          {
+            const int child = (byte/4) ^ flip, c = corner ^ flip;
+            const int vertex = childColumn(child,0)+childColumn(c,0) + 3*(childColumn(child,1)+childColumn(c,1));
+            latticeCorner[flip][corner][byte] = uint8_t(byte % 4 ? 0x80 : vertex == 4 ? 8 : latticeByte(vertex));
+          }
     }
   }
 }

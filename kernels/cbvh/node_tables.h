@@ -13,6 +13,8 @@
  * bit 0 (1) of flip mirrors x (y). The tables exist for both orientations; a ray
  * picks its pointers and shifts once a block. */
 
+#include <cstdint>
+
 namespace embree
 {
   namespace cbvh
@@ -26,6 +28,14 @@ namespace embree
       /*! [x mirrored][z mirrored][6 bits of a row's two children]: lower planes of the
        *  row's two lanes, then their upper planes */
       float zPair[2][2][64][4];
+
+      /*! outer planes of cLEAF's lattices, leaf_codec.h */
+      float latticeOuter[32];
+
+      /*! [mirrored x + 2 mirrored y][corner]: for each lane the byte of the corner's height among
+       *  the nine of a lattice, the middle one last; the other bytes of the lane are 0x80, so
+       *  that a byte shuffle makes integers */
+      alignas(16) uint8_t latticeCorner[4][4][16];
 
       NodeTables ();
     };

@@ -120,13 +120,19 @@ namespace embree
         if (!slab(box,s0,s1)) return;
         if (level == layout.nodeLevels) { leaf(m,box,s0,s1); return; }
         const uint32_t node = block->nodes()[nodesOfLevels(level)+m];
+        const bool last = kind == Kind::LEAF && level+1 == layout.nodeLevels;
+        NodeBox children[4];
+        for (int c=0; c<4; c++) {
+          if (last) patches[c] = decodeLeaf(node,((const uint64_t*)block->leaves())[m],c,box);
+          children[c] = last ? patches[c].box : decodeChild(node,c,box);
+        }
         const int flip = (P1[0] < P0[0] ? 1 : 0) | (P1[1] < P0[1] ? 2 : 0);
         int order[4] = { flip, 1^flip, 2^flip, 3^flip };
-        const NodeBox middle[2] = { decodeChild(node,order[1],box), decodeChild(node,order[2],box) };
+        const NodeBox middle[2] = { children[order[1]], children[order[2]] };
         if (meets(middle[0]) && meets(middle[1]) && entry(middle[1]) < entry(middle[0])) std::swap(order[1],order[2]);
         for (int c : order)
         {
-          const NodeBox child = decodeChild(node,c,box);
+          const NodeBox child = children[c];
           double c0, c1;
           if (slab(child,c0,c1)) visit(level+1,4*m+uint32_t(c),child);
           else if (pending && meets(child)) passed(isAbove(child));
@@ -162,9 +168,42 @@ namespace embree
         }
       }
 
-      bool onBorder (uint32_t m) const {
-        const uint32_t last = (1u << block->height()) - 1;
-        return mortonX(m) == 0 || mortonY(m) == 0 || mortonX(m) == last || mortonY(m) == last;
+      /*! cLEAF's leaves along a side */
+      uint32_t cells () const { return block->height() ? 1u << block->height() : 2; }
+
+      /*! Whether the ray meets a lip of the leaf between s0 and s1: what is up to half a
+       *  thickness below its surface, near a side on the block's border; s is a place. f is
+       *  a parabola in s, so its extremes are at the ends of that part or at its vertex. */
+      template<typename F>
+      bool meetsLip (const F& f, uint32_t m, const NodeBox& box, double reach, double s0, double s1, double& s) const
+      {
+        const uint32_t cell[2] = { mortonX(m), mortonY(m) }, last = cells()-1;
+        for (int axis=0; axis<2; axis++)
+          for (int upper=0; upper<2; upper++)
+          {
+            if (cell[axis] != (upper ? last : 0)) continue;
+            const double width = block->borderWidth()*box.extent[axis];
+            const double side = upper ? box.upper(axis)-width : box.lower[axis]+width;
+            double begin = s0, end = s1;
+            if (upper) clip(P0[axis]-side,P1[axis]-P0[axis],begin,end);
+            else       clip(side-P0[axis],P0[axis]-P1[axis],begin,end);
+            if (!(begin <= end)) continue;
+            const double fb = f(begin), fe = f(end), bend = 4*f(0.5*(begin+end)) - 2*(fb+fe); // f = chord + bend k (1-k)
+            const double k = 0.5 + 0.5*(fe-fb)/bend;
+            double lowest = 1e300, highest = -1e300;
+            bool inside = false;
+            s = begin;
+            auto sample = [&](double at, double value) {
+              lowest = std::fmin(lowest,value);
+              highest = std::fmax(highest,value);
+              if (!inside && value <= epsilon[2] && value >= -(reach+epsilon[2])) { inside = true; s = at; }
+            };
+            sample(begin,fb);
+            sample(end,fe);
+            if (k > 0 && k < 1) sample(begin + k*(end-begin),f(begin + k*(end-begin)));
+            if (lowest <= epsilon[2] && highest >= -(reach+epsilon[2])) return true;
+          }
+        return false;
       }
 
       void passed (bool above)
@@ -176,17 +215,16 @@ namespace embree
 
       void heightLeaf (uint32_t m, const NodeBox& box, double sNear, double sFar)
       {
-        const uint16_t code = ((const uint16_t*)block->leaves())[m];
+        const LeafPatch& patch = patches[m & 3];
         const bool startsInside = startClipped && sNear < 0, endsInside = endClipped && sFar > 1;
         const double s0 = std::fmax(sNear,0.0), s1 = std::fmin(sFar,1.0);
-        if (code == emptyLeaf || code == solidLeaf) {
+        if (patch.empty || patch.solid) {
           side = 0; pending = false;
-          if (code == solidLeaf && !startsInside) hit(m,box,s0,0,0);
+          if (patch.solid && !startsInside) hit(m,box,s0,0,0);
           return;
         }
-        const LeafBins bins(box,decodeZScale(block->zScale()));
-        double q[4];
-        for (int i=0; i<4; i++) q[i] = bins.base + (leafHeight(code,i)+0.5)*bins.size;
+        const float* z = patch.z;
+        const double q[4] = { z[0],z[1],z[2],z[3] };
         auto f = [&](double s) {
           const double u = boxPosition(box,s,0), v = boxPosition(box,s,1);
           return P0[2]+s*(P1[2]-P0[2]) - (q[0] + u*(q[1]-q[0]) + v*(q[2]-q[0]) + u*v*(q[0]-q[1]-q[2]+q[3]));
@@ -203,7 +241,10 @@ namespace embree
         clipAxes(box,2,t0,t1);
         const int enter = sNear > t0 && !startsInside ? (up ? -1 : 1) : f0 >= 0 ? 1 : -1;
         const int leave = sFar  < t1 && !endsInside   ? (up ? 1 : -1) : f1 >= 0 ? 1 : -1;
-        const bool near = std::fmin(std::fabs(f0),std::fabs(f1)) <= 0.5*bins.size + epsilon[2];
+        const double reach = 0.5*double(patch.thickness);
+        const double saddle = 4*f(0.5*(s0+s1)) - 2*(f0+f1);
+        const bool near0 = std::fabs(f0) <= reach+epsilon[2];
+        const bool near = std::fmin(std::fabs(f0),std::fabs(f1)) <= reach+epsilon[2]+0.25*std::fabs(saddle) || (f0 < 0) != (f1 < 0);
 
         /* f(k) = f0 + k (f1-f0) + saddle k (1-k): bisection, as there is one change of sign */
         auto root = [&]() {
@@ -221,15 +262,13 @@ namespace embree
           if (enter != leave) hitAt(root());
           return;
         }
-        if (startsInside) fromSurface = near;
+        if (startsInside) fromSurface = near0;
         const bool beyond = fromSurface && !startsInside && side == leave;
         pending = false;
         if (side != 0 && side != enter && !startsInside && !beyond) { hitAt(s0); return; }
         if (enter != leave && !beyond) { hitAt(root()); return; }
-        if (enter == leave && near && !startsInside && !endsInside && onBorder(m)) {
-          hitAt(std::fabs(f0) < std::fabs(f1) ? s0 : s1);
-          return;
-        }
+        double sLip;
+        if (enter == leave && !startsInside && !endsInside && meetsLip(f,m,box,reach,s0,s1,sLip)) { hitAt(sLip); return; }
         side = leave;
         pending = near;
         exitLeaf = m; exitBox = box; exitS = s1;
@@ -262,8 +301,9 @@ namespace embree
         best.found = true;
         best.t = t;
         best.leaf = m;
-        best.u = block->faceU(float(x));
-        best.v = block->faceV(float(y));
+        const double size = kind == Kind::LEAF && block->height() == 0 ? 0.5 : 1.0;
+        best.u = block->faceU(float(size*x));
+        best.v = block->faceV(float(size*y));
       }
 
       /*! the triangles (00,10,01) and (01,10,11) of every quad of a group */
@@ -316,10 +356,12 @@ namespace embree
       double epsilon[3];
       bool startClipped, endClipped;
 
+      LeafPatch patches[4]; //!< cLEAF: of the group that is being visited
+
       /* cLEAF: the leaf that the ray left last */
       int side;      //!< 1 above, -1 below, 0 unknown
-      bool pending;  //!< within half a bin of its patch
-      bool fromSurface; //!< the ray starts in a leaf, within half a bin
+      bool pending;  //!< within half a thickness of its patch
+      bool fromSurface; //!< the ray starts in a leaf, within half a thickness
       uint32_t exitLeaf;
       NodeBox exitBox;
       double exitS, exitSlope[2];
