@@ -224,11 +224,11 @@ namespace embree
             if (started) fromSurface = x.near0 & bit;
             const bool beyond = fromSurface && !started && side == leave;
             const bool step = !started && side != UNKNOWN && side != enter && !beyond;
+            const bool mayMeetLip = x.near & ~(x.started | x.ended) & bit;
             float sLip;
-            const bool lip = (x.near & bit) && !((x.started | x.ended) & bit) && meetsLip(x,i,m,sLip);
             if (step) { if (hitAt(i,x.s0[i])) return true; }
             else if (enter != leave && !beyond) { if (hitAt(i,x.root(i))) return true; }
-            else if (enter == leave && lip) { if (hitAt(i,sLip)) return true; }
+            else if (enter == leave && mayMeetLip && meetsLip(x,i,m,sLip)) { if (hitAt(i,sLip)) return true; }
             if (found) continue;
             side = leave;
             pending = x.near & bit;
