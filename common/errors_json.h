@@ -5,6 +5,7 @@
 
 /* Errors as JSON, units in the names, for the programs that write records. */
 
+#include "bin_sizes.h"
 #include "hit_metrics.h"
 #include "true_errors.h"
 
@@ -52,6 +53,15 @@ inline nlohmann::json errorsJson(const TrueErrors& e)
           {"uv_median_cells", e.uvMedian},
           {"uv_p99_cells", e.uvP99},
           {"other_patch", e.otherPatch}};
+}
+
+/* What 4 bits a height can give. */
+inline nlohmann::json binSizesJson(const BinSizes& b)
+{
+  return {{"hits", b.hits},
+          {"quantiles_pixels", b.quantiles},
+          {"median_pixels", b.median},
+          {"rmse_of_others_pixels", b.rmseOfOthers}};
 }
 
 } // namespace cbvh

@@ -36,6 +36,7 @@ public:
 
   bool has(unsigned face) const { return limit.has(face); }
   const PatchWalk& patches() const { return walk; }
+  const LimitSurface& limitSurface() const { return limit; }
   TruePoint evaluate(const PatchPoint& p) const;
 
   /* The nearest point to x that a search from `start` finds: by descent, and then from

@@ -16,6 +16,7 @@ from html import escape
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+import report_bins  # noqa: E402
 import report_data as d  # noqa: E402
 import report_errors  # noqa: E402
 import report_figures as f  # noqa: E402
@@ -106,6 +107,7 @@ def make_page(data, against, source):
         "figure17": ("17", sections.figure_17(data)),
         "tradeoffs": ("Speed, memory and error", sections.tradeoffs(data)),
         "errors": ("Errors", report_errors.errors(data)),
+        "bins": ("4 bits", report_bins.section(data)),
         "growth": ("Growth", sections.growth(data)),
         "entrances": ("Packets", tables.entrances(data)),
         "robustness": ("Leaks and shadows", robustness(data)),

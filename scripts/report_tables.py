@@ -53,12 +53,12 @@ def entrances(data):
     )
 
 
-def verdict(relation):
+def verdict(holds):
     return {
         True: '<span class="yes">holds</span>',
         False: '<span class="no">does not hold</span>',
         None: '<span class="none">not measured</span>',
-    }[relation.holds]
+    }[holds]
 
 
 def reason(relation):
@@ -71,7 +71,7 @@ def raised(text):
 
 
 def relation_section(table):
-    rows = [[raised(r.claim), escape(r.paper), escape(r.ours), verdict(r) + reason(r)] for r in table]
+    rows = [[raised(r.claim), escape(r.paper), escape(r.ours), verdict(r.holds) + reason(r)] for r in table]
     return p.section(
         "relations",
         "The paper's relations",

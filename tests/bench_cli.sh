@@ -103,6 +103,13 @@ for group in record["groups"]:
             assert v["errors_to_reference_level"]["both_hit"] > 0
             true = v["errors_to_true_surface"]
             assert 0 < true["hits"] <= 200 and 0 < true["median_pixels"] <= true["p99_pixels"] <= true["max_pixels"], true
+            if r["representation"] == "cLEAF^1":
+                bins = v["bins_of_4_bits"]
+                sizes = bins["quantiles_pixels"]
+                assert 0 < bins["hits"] <= 200 and 0 < bins["median_pixels"] < bins["rmse_of_others_pixels"], bins
+                assert len(sizes) == 19 and 0 <= sizes[0] and sizes == sorted(sizes), bins
+            else:
+                assert "bins_of_4_bits" not in v
             e = v["errors"]
             assert {"rmse_pixels", "median_pixels", "p99_pixels", "max_pixels", "bias_pixels", "false_hits", "misses"} <= set(e)
             if r["representation"] == "GRID":

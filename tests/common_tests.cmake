@@ -4,8 +4,8 @@
 # Tests of common/ and of the programs in tutorials/. Included by CMakeLists.txt,
 # after cbvh_test.
 
-foreach(unit cage_tags cage_validation camera displacement hit_metrics height_map limit_surface obj_reader patch_walk
-        ray_sets representation scenes true_surface watertight)
+foreach(unit bin_sizes cage_tags cage_validation camera displacement hit_metrics height_map limit_surface obj_reader
+        patch_walk ray_sets representation scenes true_surface watertight)
   cbvh_test(${unit} LIBRARIES cbvh_common)
 endforeach()
 

@@ -34,6 +34,7 @@ SECTIONS = (
     "figure17",
     "tradeoffs",
     "errors",
+    "bins",
     "growth",
     "entrances",
     "robustness",

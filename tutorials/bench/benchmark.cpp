@@ -230,8 +230,14 @@ private:
       if (!reference.empty())
         result.toReference = compareHits(reference[i].gridHits, hits, footprint, b.scene->layout());
       if (surface)
-        result.toTrue = compareToTrueSurface({model, *surface, view.primary, view.sample, footprint}, hits,
-                                             b.scene->layout(), threads);
+      {
+        const TrueView trueView{model, *surface, view.primary, view.sample, footprint};
+        result.toTrue = compareToTrueSurface(trueView, hits, b.scene->layout(), threads);
+        const Representation& what = b.scene->representation();
+        if (what.kind == RepresentationKind::CLeaf && what.frameLevel != autoFrameLevel)
+          result.bins =
+            binSizes(trueView, view.gridHits, b.scene->layout(), group.level, what.frameLevel, threads);
+      }
       const std::vector<SurfaceHit> bounced = traceClosest(*b.scene, view.sets[Incoherent], threads);
       result.bounced = compareHits(view.bouncedGridHits, bounced, footprint, b.scene->layout());
       if (wantsPictures())

@@ -6,6 +6,7 @@
 /* Runs the combinations. What is measured together, a scene at a level, is a group. */
 
 #include "batches.h"
+#include "bin_sizes.h"
 #include "built_scene.h"
 #include "hit_metrics.h"
 #include "options.h"
@@ -36,6 +37,7 @@ struct ViewResult
   HitErrors errors;                 // primary rays, against GRID of the same level
   std::optional<HitErrors> toReference; // against GRID of the reference level
   std::optional<TrueErrors> toTrue;     // primary rays, against the true surface
+  std::optional<BinSizes> bins;         // of cLEAF's frame level
   HitErrors bounced;                // incoherent rays, against GRID of the same level
   std::string picture, errorMap;    // file names
 };

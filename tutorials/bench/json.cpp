@@ -127,6 +127,8 @@ json resultJson(const VariantResult& r)
       view["errors_to_reference_level"] = errorsJson(*v.toReference);
     if (v.toTrue)
       view["errors_to_true_surface"] = errorsJson(*v.toTrue);
+    if (v.bins)
+      view["bins_of_4_bits"] = binSizesJson(*v.bins);
     if (!v.picture.empty())
       view["picture"] = v.picture;
     if (!v.errorMap.empty())

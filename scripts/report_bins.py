@@ -1,0 +1,98 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""The section of the report on what heights of 4 bits could give, and what cLEAF does."""
+
+from html import escape
+
+import report_figures as f
+import report_page as p
+from report_errors import finest, pixels
+from report_tables import verdict
+
+TARGET = 1.5  # times the yardstick, at most
+
+HEADS = (
+    "",
+    "level",
+    "view",
+    "<b>bins</b>: 10%",
+    "median",
+    "90%",
+    "<b>4 bits</b>: median",
+    "RMSE",
+    "<b>cLEAF</b>: median",
+    "RMSE",
+    "<b>ratio</b>: median",
+    "RMSE",
+    f"up to {TARGET}",
+)
+
+TEXT = (
+    "<p>A yardstick out of the surface alone: the paper's four heights of 4 bits, in the tightest box of each quad along "
+    "z, the normal of the block's corners before displacement. A bin is a sixteenth of that box; heights rounded to its "
+    "middle leave an error of up to half a bin either way, all alike. Bins and errors are along the ray, in pixels, on a "
+    "random sample of GRID's hits; medians are of all hits, RMSE is of errors within 5 pixels, on both sides. That "
+    "interpolation averages rounded heights is left out: it would take 4 bits' RMSE down to 0.71 of it. So are errors "
+    "across z and rays that pass a silhouette on one side only, which the RMSE of cLEAF contains.</p>"
+)
+
+
+def bins(row, view):
+    """Sizes of bins and the errors they leave, or None."""
+    found = row.views.get(view, {}).get("bins_of_4_bits")
+    return found if found and found["hits"] else None
+
+
+def quantile(found, percent):
+    return found["quantiles_pixels"][percent // 5 - 1]
+
+
+def ratios(row, view):
+    """Of median and RMSE, ours to those of 4 bits; None where 4 bits leave no error."""
+    ours, best = row.errors(view), bins(row, view)
+    return [ours[key] / best[key] if best[key] else None for key in ("median_pixels", "rmse_of_others_pixels")]
+
+
+def cells(row, view):
+    found, ours, both = bins(row, view), row.errors(view), ratios(row, view)
+    out = [f"{escape(row.scene)} {p.label(row.label)}", str(row.level), escape(view)]
+    out += [pixels(quantile(found, percent)) for percent in (10, 50, 90)]
+    out += [pixels(side[key]) for side in (found, ours) for key in ("median_pixels", "rmse_of_others_pixels")]
+    out += ["-" if ratio is None else f"{ratio:.2f}" for ratio in both]
+    return out + [verdict(None if None in both else max(both) <= TARGET)]
+
+
+def distribution(rows):
+    """How large bins are in the full view, a line a row."""
+
+    def draw(axes, _):
+        for row in rows:
+            sizes = bins(row, "full")["quantiles_pixels"]
+            axes.plot(sizes, range(5, 100, 5), label=f"{row.scene}, level {row.level}", linewidth=1.4)
+        axes.set_xscale("log")
+        f.log_axis(axes.xaxis)
+        axes.set_ylim(0, 100)
+        axes.set_xlabel("size of a bin along the ray, pixels")
+        axes.set_ylabel("% of hits with smaller ones")
+        axes.set_title("Bins of 4 bits")
+        axes.legend(ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.2), columnspacing=1.0)
+
+    return f.themed(draw, height=3.9)
+
+
+def section(data):
+    rows = [row for scene in data.scenes() for row in data.of_scene(scene) if row.level == finest(data, scene)]
+    rows = [row for row in rows if any(bins(row, view) for view in row.views)]
+    if not rows:
+        body = p.missing("bins of 4 bits: cbvh_bench --representation cleaf --true-surface N")
+    else:
+        coarsest = {}  # frame level of each scene, rows come in their order
+        for row in rows:
+            if bins(row, "full"):
+                coarsest.setdefault(row.scene, row)
+        chart = p.chart(distribution(coarsest.values()), "Sizes of bins of 4 bits") if coarsest else ""
+        body = f'<div class="charts">{chart}</div>' + p.table(
+            HEADS, [cells(row, view) for row in rows for view in row.views if bins(row, view)]
+        )
+    return p.section("bins", "What 4 bits can give", TEXT, body, p.command(*(row.command for row in rows)))
