@@ -50,6 +50,7 @@ void makeGroup(Random& random, Shape shape, const NodeBox& parent, QuadGroup& gr
   }
   for (auto& axis : group.border)
     for (bool& side : axis) side = random.chance(0.3);
+  std::fill_n(group.rounding, 3, 0.0);
 }
 
 NodeBox randomBox(Random& random)

@@ -96,8 +96,9 @@ namespace embree
         memcpy(block->columns,frame.columns,sizeof(frame.columns));
         stats.affine = !frame.projective;
 
-        boundCells(stats);
         invertW();
+        boundRounding();
+        boundCells(stats);
         nodes = block->nodes();
         groups = (uint64_t*)block->leaves();
         borderWidth = 0;
@@ -141,6 +142,21 @@ namespace embree
 
       ExactBox& boxOf(uint32_t level, uint32_t m) { return boxes[nodesOfLevels(level)+m]; }
 
+      /*! vertexRounding in the frame, axis by axis: a world step of r on each axis moves
+       *  x = X/W by at most r (|dX| + |dW|)/W */
+      void boundRounding()
+      {
+        double coordinate = 0, rcpW = 0;
+        for (uint32_t i=0; i<width*width; i++)
+          for (int k=0; k<3; k++)
+            if (isFinite(i)) coordinate = std::max(coordinate,std::fabs(double(vertices[i][k])));
+        for (int corner=0; corner<8; corner++)
+          rcpW = std::max(rcpW,inverseW({ double(corner&1),double((corner>>1)&1),double(corner>>2) }));
+        auto sum = [&](int k) { return std::fabs(double(frame.columns[0][k])) + std::fabs(double(frame.columns[1][k])) + std::fabs(double(frame.columns[2][k])); };
+        for (int k=0; k<3; k++)
+          rounding[k] = vertexRounding*coordinate*(sum(k)+sum(3))*rcpW;
+      }
+
       void boundCells(BlockStatistics& stats)
       {
         uint32_t invalid = 0;
@@ -152,6 +168,10 @@ namespace embree
             const uint32_t i = vertexOfCell(m,c);
             valid &= allFinite || isLocalFinite(i);
             if (valid) box.extend(local[i]);
+          }
+          for (int k=0; k<3; k++) {
+            box.lower[k] = std::min(box.lower[k],std::max(box.lower[k]-rounding[k],frameMargin));
+            box.upper[k] = std::max(box.upper[k],std::min(box.upper[k]+rounding[k],1-frameMargin));
           }
           boxOf(cellLevels,m) = valid ? box : ExactBox();
           invalid += !valid;
@@ -190,6 +210,7 @@ namespace embree
         for (uint32_t v=0; v<9; v++)
           memcpy(group.vertices[v],local[(y+v/3)*side + x+v%3],sizeof(double[3]));
         for (int c=0; c<4; c++) group.boxes[c] = boxOf(cellLevels,4*m+c);
+        memcpy(group.rounding,rounding,sizeof(rounding));
         group.border[0][0] = x == 0;
         group.border[1][0] = y == 0;
         group.border[0][1] = x+2 == side-1;
@@ -270,6 +291,7 @@ namespace embree
       double borderWidth = 0;     //!< cLEAF: the largest of all groups
       ExactBox* boxes;          //!< of all quadtree levels, level by level
       double (*local)[3];       //!< vertices in the frame
+      double rounding[3];       //!< how far they may be from where a neighbouring face has them
       Double3* fitted;          //!< vertices, relative, while the frame is fitted
       float (*finite)[3];
     };

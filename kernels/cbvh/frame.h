@@ -51,6 +51,11 @@ namespace embree
      *  slack of decoded planes */
     static constexpr double frameMargin = 1.0/(1<<18);
 
+    /*! How far apart two faces may round a vertex that they share, in parts of its largest
+     *  coordinate: each evaluates its own patch, in some twenty float operations. Bounds
+     *  are wider by this much, so that neighbouring blocks close what is between. */
+    static constexpr double vertexRounding = 2.0/(1<<23);
+
     /*! smallest extent of a box relative to its largest: keeps the map invertible
      *  for flat blocks and needles. Where it widens x or y the frame is "degenerate":
      *  leaves would be wider than their quads, and the block is better not compressed. */
@@ -76,6 +81,7 @@ namespace embree
     inline double dot(const Double3& a, const Double3& b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
     inline Double3 cross(const Double3& a, const Double3& b) { return {a.y*b.z-a.z*b.y, a.z*b.x-a.x*b.z, a.x*b.y-a.y*b.x}; }
     inline double length(const Double3& a) { return std::sqrt(dot(a,a)); }
+    inline double length1(const Double3& a) { return std::fabs(a.x)+std::fabs(a.y)+std::fabs(a.z); }
 
     /*! linear form of homogeneous world coordinates */
     struct Form
@@ -224,6 +230,14 @@ namespace embree
       return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
     }
 
+    /*! whether rounding to floats left the axes of a sliver apart */
+    inline bool isInvertible(const Frame& frame)
+    {
+      Double3 row[3];
+      for (int k=0; k<3; k++) row[k] = { frame.columns[0][k], frame.columns[1][k], frame.columns[2][k] };
+      return std::fabs(dot(row[0],cross(row[1],row[2]))) > 1e-6*length(row[0])*length(row[1])*length(row[2]);
+    }
+
     /*! Scales a map so that its vertices fill the box and rounds it to the stored
      *  floats; false if W gets out of bounds.
      *  vertices: world positions relative to origin, count of them at least 1. */
@@ -254,9 +268,9 @@ namespace embree
       for (int k=0; k<3; k++)
       {
         const double minExtent = floor*length(forms[k]->n)/w0;
-        const double grow = maximum(0.0,0.5*(minExtent-(upper[k]-lower[k])));
+        const double grow = maximum(vertexRounding*coordinate*length1(forms[k]->n)/w0,0.5*(minExtent-(upper[k]-lower[k])));
+        if (k < 2 && minExtent > upper[k]-lower[k]) frame.degenerate = true;
         lower[k] -= grow; upper[k] += grow;
-        if (k < 2 && grow > 0) frame.degenerate = true;
         const double s = (1-2*frameMargin)/(upper[k]-lower[k]);
         *forms[k] = s*(*forms[k]) + (frameMargin - s*lower[k])*map.W;
       }
@@ -310,7 +324,7 @@ namespace embree
           const double s = (0.5-frameMargin)/reach[k];
           rows[k] = s*rows[k] + (0.5*(1-s))*rows[3];
         }
-        if (inside) return true;
+        if (inside) return isInvertible(frame);
       }
       return false;
     }

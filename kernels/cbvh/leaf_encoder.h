@@ -19,7 +19,8 @@ namespace embree
     struct QuadGroup
     {
       double vertices[9][3]; //!< row by row
-      ExactBox boxes[4];     //!< of the quads, empty for those with a vertex that is not finite
+      ExactBox boxes[4];     //!< of the quads and their rounding, empty for those with a vertex that is not finite
+      double rounding[3];    //!< how far vertices may be from where a neighbouring face has them
       bool border[2][2];     //!< [axis][upper]: whether that side is on the border of the block
 
       bool isOnBorder(int quad, int corner) const {
@@ -28,6 +29,11 @@ namespace embree
           if (childColumn(quad,axis) == upper && border[axis][upper]) return true;
         }
         return false;
+      }
+
+      /*! distance in z that a surface of these slopes keeps from what it bounds */
+      double slack(const double slope[2]) const {
+        return containmentSlack + rounding[2] + slope[0]*rounding[0] + slope[1]*rounding[1];
       }
 
       const double* vertexOf(int quad, int corner) const {
@@ -56,6 +62,16 @@ namespace embree
       Position in(int column, int row, double x, double y) const {
         return { column + 3*row, (x-planes[0][column])/(planes[0][column+1]-planes[0][column]),
                                  (y-planes[1][row])/(planes[1][row+1]-planes[1][row]) };
+      }
+      double steepest(int axis) const
+      {
+        double slope = 0;
+        for (int line=0; line<3; line++)
+          for (int i=0; i<2; i++) {
+            const int v = axis == 0 ? i+3*line : line+3*i;
+            slope = std::max(slope,std::fabs(z[v+(axis == 0 ? 1 : 3)]-z[v])/(planes[axis][i+1]-planes[axis][i]));
+          }
+        return slope;
       }
       double twist(int corner) const { return z[corner]-z[corner+1]-z[corner+3]+z[corner+4]; }
       double at(const Position& p) const {
@@ -126,7 +142,7 @@ namespace embree
           for (int c=0; c<4; c++) {
             if (childColumn(c,axis) != upper) continue;
             const double u = (group.vertexOf(quad,c)[axis]-box.lower[axis])/box.extent[axis];
-            width = std::max(width,(upper ? 1-u : u) + 1e-3); // rounding of the ray's u
+            width = std::max(width,(upper ? 1-u : u) + group.rounding[axis]/box.extent[axis] + 1e-3); // rounding of the ray's u
           }
         }
       }
@@ -164,8 +180,8 @@ namespace embree
       const double narrowest = (planes[2]-planes[0])*(1.0/16);
       if (!(planes[1]-planes[0] > narrowest) || !(planes[2]-planes[1] > narrowest)) return false;
       for (int i=0; i<3; i++) {
-        if (group.border[axis][0] && group.vertices[i*across][axis] > planes[1]-containmentSlack) return false;
-        if (group.border[axis][1] && group.vertices[2*along + i*across][axis] < planes[1]+containmentSlack) return false;
+        if (group.border[axis][0] && group.vertices[i*across][axis] > planes[1]-containmentSlack-group.rounding[axis]) return false;
+        if (group.border[axis][1] && group.vertices[2*along + i*across][axis] < planes[1]+containmentSlack+group.rounding[axis]) return false;
       }
       return true;
     }
@@ -213,6 +229,7 @@ namespace embree
       for (int v=0; v<9; v++) setHeight(v,std::floor((lattice.z[v]-bins.lower)/bins.size));
 
       /* on the border the surface may not be below the edge */
+      const double slopes[2] = { lattice.steepest(0),lattice.steepest(1) }, slack = group.slack(slopes);
       for (int axis=0; axis<2; axis++)
         for (int upper=0; upper<2; upper++)
         {
@@ -221,10 +238,10 @@ namespace embree
           auto raise = [&](int v, double below) { if (below > 0) setHeight(v,heights[v]+std::ceil(below/bins.size)); };
           for (int v : side.vertex) {
             const double* p = group.vertices[v];
-            raise(v,containmentSlack + p[2] - lattice.at(lattice.find(p[0],p[1])));
+            raise(v,slack + p[2] - lattice.at(lattice.find(p[0],p[1])));
           }
           for (int turn=0; ; turn++) {
-            const double below = containmentSlack - side.distance(lattice,group).lower;
+            const double below = slack - side.distance(lattice,group).lower;
             if (below <= 0) break;
             if (!(below < 4*bins.size) || turn == 4) return false;
             for (int v : side.vertex) raise(v,below);
@@ -237,7 +254,7 @@ namespace embree
           range.extend(GroupLine(axis,line).distance(lattice,group));
       const double deviation = range.largest();
       uint32_t code = 0;
-      while (code < 4 && !(0.5*latticeThickness[code]*bins.size >= deviation+containmentSlack)) code++;
+      while (code < 4 && !(0.5*latticeThickness[code]*bins.size >= deviation+slack)) code++;
       if (code == 4) return false;
       out.word = word | (code << latticeThicknessShift);
       out.heights = packLattice(heights);
@@ -283,6 +300,7 @@ namespace embree
         leaf |= height << (5*c);
         z[c] = bins.z(float(height));
       }
+      const double slopes[2] = { std::fabs(z[1]-z[0])/box.extent[0],std::fabs(z[2]-z[0])/box.extent[1] }, slack = group.slack(slopes);
       double lowest = 0, highest = 0; // of the plane over the vertices, and over those on the border
       double lowestBorder = 1e300;
       for (int c=0; c<4; c++) {
@@ -294,9 +312,9 @@ namespace embree
         if (group.isOnBorder(quad,c)) lowestBorder = std::min(lowestBorder,d);
       }
       /* on the border the surface may not be below the edge */
-      if (lowestBorder < containmentSlack)
+      if (lowestBorder < slack)
       {
-        const double up = std::ceil((containmentSlack-lowestBorder)/bins.size);
+        const double up = std::ceil((slack-lowestBorder)/bins.size);
         if (!(up < looseBins)) return solidLeaf;
         for (int c=0; c<3; c++) {
           if (looseHeight(leaf,c) + int(up) >= looseBins) return solidLeaf;
@@ -307,7 +325,7 @@ namespace embree
       }
       if (leaf == solidLeaf || leaf == emptyLeaf) return solidLeaf;
       const double deviation = std::max(-lowest,highest);
-      while (thickness < 8 && !(0.5*looseThickness[thickness]*bins.size >= deviation+containmentSlack)) thickness++;
+      while (thickness < 8 && !(0.5*looseThickness[thickness]*bins.size >= deviation+slack)) thickness++;
       if (thickness < 8) return leaf;
       thickness = 0;
       return solidLeaf;
