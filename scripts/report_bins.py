@@ -14,10 +14,8 @@ TARGET = 1.5  # times the yardstick, at most
 
 HEADS = (
     "",
-    "level",
     "view",
-    "<b>bins</b>: 10%",
-    "median",
+    "<b>bins</b>: median",
     "90%",
     "<b>4 bits</b>: median",
     "RMSE",
@@ -56,8 +54,8 @@ def ratios(row, view):
 
 def cells(row, view):
     found, ours, both = bins(row, view), row.errors(view), ratios(row, view)
-    out = [f"{escape(row.scene)} {p.label(row.label)}", str(row.level), escape(view)]
-    out += [pixels(quantile(found, percent)) for percent in (10, 50, 90)]
+    out = [f"{escape(row.scene)} {p.label(row.label)}", escape(view)]
+    out += [pixels(quantile(found, percent)) for percent in (50, 90)]
     out += [pixels(side[key]) for side in (found, ours) for key in ("median_pixels", "rmse_of_others_pixels")]
     out += ["-" if ratio is None else f"{ratio:.2f}" for ratio in both]
     return out + [verdict(None if None in both else max(both) <= TARGET)]
@@ -92,7 +90,7 @@ def section(data):
             if bins(row, "full"):
                 coarsest.setdefault(row.scene, row)
         chart = p.chart(distribution(coarsest.values()), "Sizes of bins of 4 bits") if coarsest else ""
-        body = f'<div class="charts">{chart}</div>' + p.table(
+        body = f'<div class="charts" style="max-width: 34rem">{chart}</div>' + p.table(
             HEADS, [cells(row, view) for row in rows for view in row.views if bins(row, view)]
         )
     return p.section("bins", "What 4 bits can give", TEXT, body, p.command(*(row.command for row in rows)))
