@@ -20,18 +20,6 @@ refuses() {
   [ ! -e "$folder/refused.json" ] || complain "a record was written: $*"
 }
 
-cat >"$folder/quad.obj" <<OBJ
-v 0 0 0
-v 1 0 0
-v 1 1 0
-v 0 1 0
-vt 0 0
-vt 1 0
-vt 1 1
-vt 0 1
-f 1/1 2/2 3/3 4/4
-OBJ
-
 refuses "unknown --scene 'teapot'" --scene teapot
 refuses "unknown --scene 'teapot'" --scene cube,teapot
 refuses "names 'cube' twice" --scene cube,cube

@@ -8,6 +8,19 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 failures=0
 
+# A cage of one quad, with texture coordinates.
+cat >"$folder/quad.obj" <<OBJ
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+f 1/1 2/2 3/3 4/4
+OBJ
+
 complain() { echo "FAILED: $*"; failures=$((failures + 1)); }
 
 # expect_refusal PATTERN ARGUMENT...: status not 0 nor a signal's, one line on stderr

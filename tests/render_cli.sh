@@ -23,17 +23,6 @@ refuses() {
   [ -z "$(ls -A "$folder/out" 2>/dev/null)" ] || complain "files were written: $*"
 }
 
-cat >"$folder/quad.obj" <<OBJ
-v 0 0 0
-v 1 0 0
-v 1 1 0
-v 0 1 0
-vt 0 0
-vt 1 0
-vt 1 1
-vt 0 1
-f 1/1 2/2 3/3 4/4
-OBJ
 sed 's/^f.*/f 1 2/' "$folder/quad.obj" >"$folder/two.obj"
 sed 's/^f.*/f 1 2 3 7/' "$folder/quad.obj" >"$folder/range.obj"
 sed 's/^f.*/f 1 2 3\nf 2 1 4\nf 1 2 4/' "$folder/quad.obj" >"$folder/edge.obj"

@@ -99,6 +99,7 @@ namespace embree
         invertW();
         boundRounding();
         boundCells(stats);
+        nodeLevels = block->layout().nodeLevels;
         nodes = block->nodes();
         groups = (uint64_t*)block->leaves();
         borderWidth = 0;
@@ -188,7 +189,6 @@ namespace embree
 
       void encodeNodes(uint32_t level, uint32_t m, const NodeBox& box, BlockStatistics& stats)
       {
-        const uint32_t nodeLevels = BlockLayout(kind,height).nodeLevels;
         if (level == nodeLevels) {
           if (kind == Kind::VOXEL) addBoxThickness(m,box,stats);
           return;
@@ -286,6 +286,7 @@ namespace embree
       const float (*vertices)[3];
       Frame frame;
       Form inverseW = { { 0,0,0 }, 1 };
+      uint32_t nodeLevels = 0;
       uint32_t* nodes = nullptr;
       uint64_t* groups = nullptr; //!< cLEAF's leaves
       double borderWidth = 0;     //!< cLEAF: the largest of all groups

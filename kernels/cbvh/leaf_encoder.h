@@ -63,6 +63,7 @@ namespace embree
         return { column + 3*row, (x-planes[0][column])/(planes[0][column+1]-planes[0][column]),
                                  (y-planes[1][row])/(planes[1][row+1]-planes[1][row]) };
       }
+      /*! largest slope along an axis: that of a bilinear patch is largest on its sides */
       double steepest(int axis) const
       {
         double slope = 0;
@@ -79,15 +80,15 @@ namespace embree
         return h[0] + p.u*(h[1]-h[0]) + p.v*(h[3]-h[0]) + p.u*p.v*twist(p.corner);
       }
 
-      /*! Distance in z of the surface from the straight edge from a to b, positive where
-       *  the surface is above. Between the planes that it crosses the surface is a
-       *  parabola over the edge, off its chord by at most a quarter of its quadratic term. */
       struct Range {
         double lower, upper;
         void extend(const Range& r) { lower = std::min(lower,r.lower); upper = std::max(upper,r.upper); }
         double largest() const { return std::max(-lower,upper); }
       };
 
+      /*! Distance in z of the surface from the straight edge from a to b, positive where
+       *  the surface is above. Between the planes that it crosses the surface is a
+       *  parabola over the edge, off its chord by at most a quarter of its quadratic term. */
       Range distance(const double a[3], const double b[3]) const
       {
         double cut[4] = { 0,1,1,1 };

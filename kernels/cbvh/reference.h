@@ -169,7 +169,7 @@ namespace embree
       }
 
       /*! cLEAF's leaves along a side */
-      uint32_t cells () const { return block->height() ? 1u << block->height() : 2; }
+      uint32_t cells () const { return 1u << layout.nodeLevels; }
 
       /*! Whether the ray meets a lip of the leaf between s0 and s1: what is up to half a
        *  thickness below its surface, near a side on the block's border; s is a place. f is
