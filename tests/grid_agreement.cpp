@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "kernels/cbvh/frame.h"
 #include "kernels/cbvh/node_codec.h"
+#include "kernels/cbvh/reference.h"
 #include "grid_agreement.h"
 #include "scene_blocks.h"
 
@@ -76,8 +76,7 @@ float reachOfLeaf(const std::vector<const Block*>& blocks, const RTCRayHit& r)
     const double rounding = 1e-3, quads = 1u << block->height();
     const double x = (r.hit.u - block->u0*0.5)*block->quadsX() - block->blockX()*quads;
     const double y = (r.hit.v - block->v0*0.5)*block->quadsY() - block->blockY()*quads;
-    auto row = [&](int k, double d) { return Form{{block->columns[0][k], block->columns[1][k], block->columns[2][k]}, d}; };
-    const FrameMap map = {row(0, 0.5), row(1, 0.5), row(2, 0.5), row(3, 1), true};
+    const FrameMap map = frameMap(block);
     for (double i = std::floor(x - rounding); i <= x + rounding; i++)
       for (double j = std::floor(y - rounding); j <= y + rounding; j++) {
         if (i < 0 || j < 0 || i >= quads || j >= quads) continue;

@@ -13,10 +13,12 @@
  *
  * Numerics. The ray is first moved to its point nearest to the block's centre,
  * relative to that centre; what is lost there is a few ulps of the distance
- * between ray origin and block, as in any float ray tracer. That loss, times the
- * map's stretch of each axis, plus a few ulps of 1, is the vector "epsilon" by which
- * the traversal widens every bound, axis by axis: neighbouring blocks see the same ray
- * displaced by less than their epsilons, so no ray slips between them. */
+ * between ray origin and block, as in any float ray tracer, and as many of the block's
+ * own size: O and D are rounded by 3/2 ulps of their terms, and from the centre no point
+ * of the box is much farther than its longest side. That loss, times the map's stretch of each axis and
+ * of W, plus a few ulps of 1, all over W, is the vector "epsilon" by which the traversal
+ * widens every bound, axis by axis: neighbouring blocks see the same ray displaced by
+ * less than their epsilons, so no ray slips between them. */
 
 #include "block.h"
 #include "../common/ray.h"
@@ -74,8 +76,10 @@ namespace embree
           const Vec3fa p = o + tref*pre.dir;
           const vfloat4 O = madd(vfloat4(p.x),cx,madd(vfloat4(p.y),cy,madd(vfloat4(p.z),cz,vfloat4(0.5f,0.5f,0.5f,1.0f))));
           const vfloat4 D = madd(vfloat4(pre.dir.x),cx,madd(vfloat4(pre.dir.y),cy,vfloat4(pre.dir.z)*cz));
-          const float loss = 4.0f*float(ulp)*reduce_max(abs(o));
-          epsilon = madd(vfloat4(loss),abs(cx)+abs(cy)+abs(cz),vfloat4(8.0f*float(ulp)));
+          const vfloat4 stretch = abs(cx)+abs(cy)+abs(cz);
+          const vfloat4 size = vfloat4(1.0f)/stretch; // of the box
+          const float reach = reduce_max(abs(o)) + 0.75f*max(max(size[0],size[1]),size[2]);
+          epsilon = madd(vfloat4(4.0f*float(ulp)*reach),stretch+shuffle<3>(stretch),vfloat4(8.0f*float(ulp)));
 
           /* clip to X >= 0 and W-X >= 0, and so on: linear in the parameter */
           const vfloat4 W = shuffle<3>(O), DW = shuffle<3>(D);
@@ -97,6 +101,7 @@ namespace embree
 
           const vfloat4 h0 = madd(vfloat4(tau0),D,O), h1 = madd(vfloat4(tau1),D,O);
           w0 = h0[3]; w1 = h1[3];
+          epsilon = epsilon/vfloat4(min(w0,w1));
           P0 = h0/vfloat4(w0); P1 = h1/vfloat4(w1);
           t0 = tref + tau0; t1 = tref + tau1;
           return w0 > 0.0f && w1 > 0.0f;

@@ -34,6 +34,26 @@ namespace embree
       uint32_t leaf = 0;     //!< Morton index
     };
 
+    /*! the stored frame, from world points relative to the centre */
+    inline FrameMap frameMap(const Block* block)
+    {
+      auto row = [&](int k, double d) { return Form{ { block->columns[0][k],block->columns[1][k],block->columns[2][k] },d }; };
+      return { row(0,0.5),row(1,0.5),row(2,0.5),row(3,1),true };
+    }
+
+    /*! what SIMD widens bounds by, axis by axis, times W: local_ray.h */
+    inline void rayEpsilon(const Block* block, const ReferenceRay& ray, double epsilon[3])
+    {
+      const double ulp = std::numeric_limits<float>::epsilon();
+      double stretch[4] = { 0,0,0,0 }, distance = 0;
+      for (int i=0; i<3; i++) {
+        distance = std::fmax(distance,std::fabs(ray.org[i] - double(block->centre[i])));
+        for (int k=0; k<4; k++) stretch[k] += std::fabs(double(block->columns[i][k]));
+      }
+      const double reach = distance + 0.75/std::fmin(std::fmin(stretch[0],stretch[1]),stretch[2]);
+      for (int k=0; k<3; k++) epsilon[k] = 4*ulp*reach*(stretch[k]+stretch[3]) + 8*ulp;
+    }
+
     class ReferenceIntersector
     {
     public:
@@ -54,21 +74,19 @@ namespace embree
       bool enter (const ReferenceRay& r)
       {
         ray = r;
-        double O[4] = { 0.5,0.5,0.5,1 }, D[4] = { 0,0,0,0 }, stretch[3] = { 0,0,0 }, reach = 0;
+        double O[4] = { 0.5,0.5,0.5,1 }, D[4] = { 0,0,0,0 };
         for (int i=0; i<3; i++)
         {
           const double o = ray.org[i] - double(block->centre[i]);
-          reach = std::fmax(reach,std::fabs(o));
           for (int k=0; k<4; k++) {
             O[k] += double(block->columns[i][k])*o;
             D[k] += double(block->columns[i][k])*ray.dir[i];
-            if (k < 3) stretch[k] += std::fabs(double(block->columns[i][k]));
           }
         }
-        const double ulp = std::numeric_limits<float>::epsilon();
+        rayEpsilon(block,ray,epsilon);
         double t0 = -std::numeric_limits<double>::infinity(), t1 = std::numeric_limits<double>::infinity();
         for (int k=0; k<3; k++) {
-          epsilon[k] = widening*(4*ulp*reach*stretch[k] + 8*ulp);
+          epsilon[k] *= widening;
           clip(O[k]+epsilon[k],D[k],t0,t1);
           clip(O[3]-O[k]+epsilon[k],D[3]-D[k],t0,t1);
         }
@@ -83,6 +101,7 @@ namespace embree
         }
         w0 = O[3]+begin*D[3];
         w1 = O[3]+end*D[3];
+        for (int k=0; k<3; k++) epsilon[k] /= std::fmin(w0,w1);
         return w0 > 0 && w1 > 0;
       }
 

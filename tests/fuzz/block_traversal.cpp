@@ -18,6 +18,7 @@
 #include "kernels/common/scene.h"
 #include "kernels/cbvh/block_encoder.h"
 #include "kernels/cbvh/block_intersector1.h"
+#include "kernels/cbvh/reference.h"
 #include <embree3/rtcore.h>
 
 #include <cstdio>
@@ -76,15 +77,20 @@ bool isSound(const RayBytes& ray, const Block* block)
 }
 
 // FRAME: as fitBox (frame.h) gives them, the box a bounded region of the world of at least
-// the smallest size and W in its range.
+// the smallest size, none of its sides far shorter than another, and W in its range.
 bool isSound(const Block* block)
 {
   bool ok = isFinite(block->centre);
-  for (const auto& column : block->columns)
-    for (float c : column) ok &= std::fabs(c) <= 1e31f;
+  double least = INFINITY, most = 0; // of 1 over a side
+  for (int k = 0; k < 3; k++) {
+    double stretch = 0;
+    for (const auto& column : block->columns) stretch += std::fabs(column[k]);
+    least = std::fmin(least, stretch);
+    most = std::fmax(most, stretch);
+  }
+  ok &= most <= 1e31 && minExtentRatio*most <= 64*least;
   if (!ok) return false;
-  const auto row = [&](int k, double d) { return Form{{block->columns[0][k], block->columns[1][k], block->columns[2][k]}, d}; };
-  const FrameMap map = {row(0, 0.5), row(1, 0.5), row(2, 0.5), row(3, 1), true};
+  const FrameMap map = frameMap(block);
   for (int i = 0; i < 8; i++) {
     Double3 corner;
     ok &= unproject(map, i & 1, (i >> 1) & 1, i >> 2, corner);
