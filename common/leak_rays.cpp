@@ -30,6 +30,7 @@ struct Found
 {
   float t = INFINITY;
   float slope = 0; // how fast the ray leaves the surface for its outside, a unit of t
+  Vec3f normal;
 
   bool fromBack() const { return slope > 0.0f; }
   bool hit() const { return t < INFINITY; }
@@ -43,7 +44,8 @@ Found closest(RTCScene scene, RTCIntersectContext& context, const Ray& ray)
   rtcIntersect1(scene, &context, &out);
   if (out.hit.geomID == RTC_INVALID_GEOMETRY_ID)
     return {};
-  return {out.ray.tfar, dot(normalize(Vec3f{out.hit.Ng_x, out.hit.Ng_y, out.hit.Ng_z}), ray.direction)};
+  const Vec3f normal = normalize(Vec3f{out.hit.Ng_x, out.hit.Ng_y, out.hit.Ng_z});
+  return {out.ray.tfar, dot(normal, ray.direction), normal};
 }
 
 bool any(RTCScene scene, RTCIntersectContext& context, const Ray& ray)
@@ -107,7 +109,7 @@ private:
       if (!wall.fromBack() || wall.t < 4.0f * std::max(edge, settings.thickness))
         continue;
       place.origin = place.target.position + 0.5f * wall.t * direction;
-      if (isInside(place.origin) && isClear(place.origin, -inwards))
+      if (isInside(place.origin) && isClear(place.origin, {place.target.position - place.origin, place.target.normal}))
         return true;
     }
     return false;
@@ -121,17 +123,29 @@ private:
     return true;
   }
 
-  /* Not within the thickness of the surface, where a ray may have left it behind. */
-  bool isClear(Vec3f p, Vec3f outwards)
+  bool isOutside(Vec3f p)
   {
-    const auto touches = [&](Vec3f direction) {
-      Ray ray = rayFrom(p, direction);
-      ray.tfar = 1.5f * settings.thickness;
-      return any(grid, context, ray);
-    };
-    for (int i = 0; i < 8; i++)
-      if (touches(i == 0 ? outwards : anyDirection(random)))
+    for (int i = 0; i < 16; i++)
+      if (closest(grid, context, rayFrom(p, anyDirection(random))).fromBack())
         return false;
+    return true;
+  }
+
+  /* Not within the thickness of the surface, where a ray may have left it behind. Looks
+   * along the normals of walls that p sees, there and anywhere: the nearest point of each
+   * is that way. */
+  bool isClear(Vec3f p, std::array<Vec3f, 2> directions)
+  {
+    const float distance = 1.5f * settings.thickness;
+    for (size_t i = 0; i < 10; i++)
+    {
+      const Vec3f direction = i < directions.size() ? normalize(directions[i]) : anyDirection(random);
+      const Found wall = closest(grid, context, rayFrom(p, direction));
+      Ray nearest = rayFrom(p, wall.fromBack() ? wall.normal : -wall.normal);
+      nearest.tfar = distance;
+      if (wall.hit() && (wall.t < distance || any(grid, context, nearest)))
+        return false;
+    }
     return true;
   }
 
@@ -167,7 +181,7 @@ private:
       counts.examples.push_back(ray);
   }
 
-  Leaks leaks(const Found& found, bool foundAny, const Found& other, const Ray& ray) const
+  Leaks leaks(const Found& found, bool foundAny, const Found& other, const Ray& ray)
   {
     Leaks leaks;
     leaks.closest = !found.hit();
@@ -176,31 +190,23 @@ private:
     return leaks;
   }
 
-  /* Whether a hit is well behind the wall that the other scene sees first, and of the
-   * outside, by its own normal and by the wall that GRID has nearest to it. */
-  bool leaksThrough(const Found& found, const Found& first, Ray ray) const
+  /* Whether a hit is well behind the wall that the other scene sees first, by its own
+   * normal of the outside, and halfway from that wall the ray is outside: not where one
+   * only touches the wall and goes on, to another that is inside of the same surface. */
+  bool leaksThrough(const Found& found, const Found& first, const Ray& ray)
   {
     const float tolerance = 2.0f * settings.thickness + 1e-5f * length(ray.origin);
     if (found.fromBack() || !((found.t - first.t) * std::abs(first.slope) > tolerance))
       return false;
-    Found nearest;
-    ray.tnear = std::nextafter(first.t, INFINITY);
-    for (int i = 0; i < 1000; i++)
-    {
-      const Found wall = closest(grid, context, ray);
-      if (!wall.hit() || std::abs(wall.t - found.t) > std::abs(nearest.t - found.t))
-        break;
-      nearest = wall;
-      ray.tnear = std::nextafter(wall.t, INFINITY);
-    }
-    return nearest.hit() && !nearest.fromBack();
+    const Vec3f p = ray.origin + 0.5f * (first.t + found.t) * ray.direction;
+    return isOutside(p) && isClear(p, {first.normal, found.normal});
   }
 
   RTCScene grid, scene;
   const AimPoints& points;
   const LeakSettings& settings;
   std::mt19937 random;
-  mutable RTCIntersectContext context;
+  RTCIntersectContext context;
   LeakCounts counts;
 };
 
