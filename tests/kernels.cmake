@@ -19,7 +19,9 @@ target_compile_options(scene_blocks PRIVATE -fno-strict-aliasing)
 target_link_libraries(scene_blocks PUBLIC embree tbb)
 
 # The traversal on random bytes.
-include(fuzz/fuzz.cmake)
+if(NOT CBVH_SANITIZE MATCHES "thread")
+  include(fuzz/fuzz.cmake)
+endif()
 
 # Through the API, against GRID and against the scalar reference: hard cases ISA by ISA.
 cbvh_test(hard_cases
