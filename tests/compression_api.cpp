@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <malloc.h>
+#include <mutex>
 
 namespace cbvh {
 namespace {
@@ -413,10 +414,12 @@ struct Progress
 {
   std::vector<double> fractions;
   double cancelAt = 2;
+  std::mutex mutex; // several threads call
 
   static bool monitor(void* self, double n)
   {
     Progress& p = *(Progress*)self;
+    std::lock_guard<std::mutex> lock(p.mutex);
     p.fractions.push_back(n);
     return n < p.cancelAt;
   }
