@@ -5,7 +5,7 @@
 
 import json
 
-VERSION = 1
+VERSION = 2
 
 
 class Damaged(Exception):

@@ -96,9 +96,11 @@ for group in record["groups"]:
                 sizes = bins["quantiles_pixels"]
                 assert 0 < bins["hits"] <= 200 and 0 < bins["median_pixels"] < bins["rmse_of_others_pixels"], bins
                 assert len(sizes) == 19 and 0 <= sizes[0] and sizes == sorted(sizes), bins
+                assert 0 < v["bins_of_4_bits_away_from_silhouettes"]["hits"] < bins["hits"], v
             else:
                 assert "bins_of_4_bits" not in v
             e = v["errors"]
+            assert 0 < v["errors_away_from_silhouettes"]["rays"] < e["both_hit"], v
             assert {"rmse_pixels", "median_pixels", "p99_pixels", "max_pixels", "bias_pixels", "false_hits", "misses"} <= set(e)
             if r["representation"] == "GRID":
                 assert e["max_pixels"] == 0 and e["false_hits"] == e["misses"] == 0

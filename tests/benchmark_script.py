@@ -43,7 +43,7 @@ for level in levels:
     if mode == "slow" and level > levels[0]:
         time.sleep(60)
     groups.append({"scene": value("--scene"), "level": level, "quads": 1, "results": []})
-    record = {"format": "cbvh-bench", "version": 1, "complete": level == levels[-1], "groups": groups,
+    record = {"format": "cbvh-bench", "version": 2, "complete": level == levels[-1], "groups": groups,
               "run": {"commit": open(folder + "/commit").read(), "command": "cbvh_bench " + " ".join(words)}}
     with open(value("--json"), "w") as file:
         json.dump(record, file)

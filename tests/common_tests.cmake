@@ -5,7 +5,7 @@
 # after cbvh_test.
 
 foreach(unit bin_sizes cage_tags cage_validation camera displacement hit_metrics height_map limit_surface obj_reader
-        patch_walk ray_sets representation scenes true_surface watertight)
+        patch_walk ray_sets representation scenes silhouettes true_surface watertight)
   cbvh_test(${unit} LIBRARIES cbvh_common)
 endforeach()
 

@@ -15,6 +15,7 @@
 #include "file_output.h"
 #include "parallel.h"
 #include "shading.h"
+#include "silhouettes.h"
 #include "tracing.h"
 #include "views.h"
 
@@ -22,6 +23,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <unistd.h>
 
@@ -47,7 +49,17 @@ struct View
   std::vector<Ray> primary, sets[numRaySets];
   std::vector<SurfaceHit> gridHits, bouncedGridHits;
   std::vector<size_t> sample; // of primary rays, compared with the true surface
+  std::vector<size_t> away;   // primary rays away from silhouettes
+  std::vector<size_t> sampleAway;
 };
+
+std::vector<SurfaceHit> picked(const std::vector<SurfaceHit>& hits, const std::vector<size_t>& rays)
+{
+  std::vector<SurfaceHit> some;
+  for (size_t ray : rays)
+    some.push_back(hits[ray]);
+  return some;
+}
 
 struct Built
 {
@@ -196,6 +208,9 @@ private:
       view.primary = primaryRays(*view.camera);
       view.gridHits = traceClosest(grid, view.primary, threads);
       view.sample = sampleOfHits(view.gridHits, options.trueHits, options.seed);
+      view.away = hitsAwayFromSilhouettes(view.primary, view.gridHits, *view.camera);
+      std::set_intersection(view.sample.begin(), view.sample.end(), view.away.begin(), view.away.end(),
+                            std::back_inserter(view.sampleAway));
       BounceSettings bounce;
       bounce.count = options.rays;
       bounce.offset = options.rayOffset * float(group.diagonal);
@@ -227,6 +242,8 @@ private:
       ViewResult result;
       result.view = view.name;
       result.errors = compareHits(view.gridHits, hits, footprint, b.scene->layout());
+      result.away =
+        compareHits(picked(view.gridHits, view.away), picked(hits, view.away), footprint, b.scene->layout());
       if (!reference.empty())
         result.toReference = compareHits(reference[i].gridHits, hits, footprint, b.scene->layout());
       if (surface)
@@ -235,8 +252,14 @@ private:
         result.toTrue = compareToTrueSurface(trueView, hits, b.scene->layout(), threads);
         const Representation& what = b.scene->representation();
         if (what.kind == RepresentationKind::CLeaf && what.frameLevel != autoFrameLevel)
-          result.bins =
-            binSizes(trueView, view.gridHits, b.scene->layout(), group.level, what.frameLevel, threads);
+        {
+          const auto bins = [&](const std::vector<size_t>& sample) {
+            return binSizes({model, *surface, view.primary, sample, footprint}, view.gridHits, b.scene->layout(),
+                            group.level, what.frameLevel, threads);
+          };
+          result.bins = bins(view.sample);
+          result.binsAway = bins(view.sampleAway);
+        }
       }
       const std::vector<SurfaceHit> bounced = traceClosest(*b.scene, view.sets[Incoherent], threads);
       result.bounced = compareHits(view.bouncedGridHits, bounced, footprint, b.scene->layout());

@@ -35,9 +35,10 @@ struct ViewResult
 {
   std::string view;
   HitErrors errors;                 // primary rays, against GRID of the same level
+  HitErrors away;                   // those of them that are away from silhouettes
   std::optional<HitErrors> toReference; // against GRID of the reference level
   std::optional<TrueErrors> toTrue;     // primary rays, against the true surface
-  std::optional<BinSizes> bins;         // of cLEAF's frame level
+  std::optional<BinSizes> bins, binsAway; // of cLEAF's frame level; away from silhouettes
   HitErrors bounced;                // incoherent rays, against GRID of the same level
   std::string picture, errorMap;    // file names
 };

@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 
 /* Of the format below; readers refuse others. */
-constexpr int formatVersion = 1;
+constexpr int formatVersion = 2;
 
 json summary(const std::vector<double>& values)
 {
@@ -122,13 +122,18 @@ json resultJson(const VariantResult& r)
   j["views"] = json::array();
   for (const ViewResult& v : r.views)
   {
-    json view = {{"view", v.view}, {"errors", errorsJson(v.errors)}, {"bounced", errorsJson(v.bounced)}};
+    json view = {{"view", v.view},
+                 {"errors", errorsJson(v.errors)},
+                 {"errors_away_from_silhouettes", errorsJson(v.away)},
+                 {"bounced", errorsJson(v.bounced)}};
     if (v.toReference)
       view["errors_to_reference_level"] = errorsJson(*v.toReference);
     if (v.toTrue)
       view["errors_to_true_surface"] = errorsJson(*v.toTrue);
     if (v.bins)
       view["bins_of_4_bits"] = binSizesJson(*v.bins);
+    if (v.binsAway)
+      view["bins_of_4_bits_away_from_silhouettes"] = binSizesJson(*v.binsAway);
     if (!v.picture.empty())
       view["picture"] = v.picture;
     if (!v.errorMap.empty())
