@@ -189,8 +189,10 @@ class Runner:
         out = self.folder / f"{job.name}_L{level_text(levels)}.json"
         command = [str(self.bench)] + (["--scene", job.scene] if job.scene else [])
         command += ["--level", ",".join(map(str, levels))] + job.arguments
-        # Relative, so that the record names no folder of this machine.
-        command += ["--pictures", os.path.relpath(self.folder / "pictures"), "--json", os.path.relpath(out)]
+        # Of its own: jobs may show the same scene and view in other sizes. Relative, so that
+        # the record names no folder of this machine.
+        pictures = self.folder / "pictures" / job.name
+        command += ["--pictures", os.path.relpath(pictures), "--json", os.path.relpath(out)]
         command += ["--maps", os.path.relpath(self.folder / "maps")]  # one skin of trex for all jobs
         last = []
         with open(self.folder / f"{job.name}.log", "a", encoding="utf-8") as log:
@@ -230,7 +232,7 @@ def run(options):
     where = options.output or f"output/benchmark/{Path(options.cage).stem if options.cage else options.set}"
     folder = Path(where) if options.output else ROOT / where
     try:
-        (folder / "pictures").mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise Failure(f"{folder}: cannot be made a folder: {error.strerror}") from error
 

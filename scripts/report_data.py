@@ -47,7 +47,7 @@ class Row:
     def image(self, view, what):
         """Path of a picture, or None when there is none."""
         name = self.views.get(view, {}).get(what)
-        path = self.folder / "pictures" / Path(name).name if name else None
+        path = self.folder / "pictures" / self.job / Path(name).name if name else None
         return path if path and path.is_file() else None
 
     @property

@@ -94,7 +94,7 @@ class Report(unittest.TestCase):
                 "--check-rays",
                 "2000",
                 "--pictures",
-                str(cls.records / "pictures"),
+                str(cls.records / "pictures/cube"),
                 "--json",
                 str(cls.records / "cube_L2-6.json"),
             ],
