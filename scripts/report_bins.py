@@ -40,11 +40,12 @@ TEXT = (
     "<p>A yardstick out of the surface alone: the paper's four heights of 4 bits, in the tightest box of each quad along "
     "z, the normal of the block's corners before displacement. A bin is a sixteenth of that box; heights rounded to its "
     "middle leave an error of up to half a bin either way, all alike. Bins and errors are along the ray, in pixels, on a "
-    "random sample of GRID's hits; medians are of all hits, RMSE is of errors within 5 pixels, on both sides. That "
-    "interpolation averages rounded heights is left out: it would take 4 bits' RMSE down to 0.71 of it. So are errors "
-    "across z, which the RMSE of cLEAF contains, and rays that pass a silhouette on one side only. “Away” therefore means "
-    "rays away from silhouettes, on both sides: where all of 3 x 3 pixels see the plane of the hit in the middle, to 3 "
-    "pixels.</p>"
+    "random sample of GRID's hits; medians are of all hits, RMSE is of errors within 5 pixels, on both sides.</p>"
+    "<p>The yardstick leaves out that interpolation averages rounded heights, which would take its RMSE down to 0.71 of "
+    "it, and three errors that the RMSE of cLEAF contains. Rays that pass a silhouette on one side only: “away” means "
+    "away from silhouettes, on both sides, where all of 3 x 3 pixels see the plane of the hit in the middle, to 3 pixels. "
+    "Errors across z. And GRID's two triangles leave the bilinear patch of a quad by a quarter of its twist, four bins "
+    "where one corner stands out: against the true surface, in the section above, that counts for neither.</p>"
 )
 
 
