@@ -185,7 +185,7 @@ namespace embree
           if (side == now) return false;
           side = now;
           pending = false;
-          return accept(this->reportHit(exitS,exitLeaf,exitU,exitV,exitSlopeX,exitSlopeY));
+          return accept(this->reportHit(exitS,exitLeaf,exitU,exitV,exitSlopeX,exitSlopeY,above ? -1.0f : 1.0f));
         }
 
         __forceinline bool leaves (const ChildBoxes& c, const HitMasks& masks, const ChildOrder& order, uint32_t m)
@@ -193,10 +193,11 @@ namespace embree
           const MirroredRay& ray = this->mirrored;
           const PatchCrossing x(this->local,ray,c,patch);
 
-          auto hitAt = [&](size_t i, float s) {
+          auto hitAt = [&](size_t i, float s, Side from) {
             const float u = clamp((ray.P[0][0]+s*ray.D[0][0]-c.lower[0][i])*patch.rcpX[i],0.0f,1.0f);
             const float v = clamp((ray.P[1][0]+s*ray.D[1][0]-c.lower[1][i])*patch.rcpY[i],0.0f,1.0f);
-            return accept(this->reportHit(s,this->child(m,i),u,v,patch.slopeX(i,v),patch.slopeY(i,u)));
+            return accept(this->reportHit(s,this->child(m,i),u,v,patch.slopeX(i,v),patch.slopeY(i,u),
+                                          from == UNKNOWN ? 0.0f : from == ABOVE ? 1.0f : -1.0f));
           };
 
           size_t events = order.toOrder(masks.hit | masks.passed);
@@ -213,12 +214,12 @@ namespace embree
               /* only what lies nearer than the hit can still be of interest */
               if ((patch.empty & bit) || (enter == leave && !(patch.solid & bit)) || ((patch.solid & bit) && started)) continue;
               const float s = patch.solid & bit ? x.s0[i] : x.root(i);
-              if (s < this->sBest) hitAt(i,s);
+              if (s < this->sBest) hitAt(i,s,UNKNOWN);
               continue;
             }
             if ((patch.solid | patch.empty) & bit) {
               side = UNKNOWN; pending = false;
-              if ((patch.solid & bit) && !started && hitAt(i,x.s0[i])) return true;
+              if ((patch.solid & bit) && !started && hitAt(i,x.s0[i],UNKNOWN)) return true;
               continue;
             }
             if (started) fromSurface = x.near0 & bit;
@@ -226,9 +227,9 @@ namespace embree
             const bool step = !started && side != UNKNOWN && side != enter && !beyond;
             const bool mayMeetLip = x.near & ~(x.started | x.ended) & bit;
             float sLip;
-            if (step) { if (hitAt(i,x.s0[i])) return true; }
-            else if (enter != leave && !beyond) { if (hitAt(i,x.root(i))) return true; }
-            else if (enter == leave && mayMeetLip && meetsLip(x,i,m,sLip)) { if (hitAt(i,sLip)) return true; }
+            if (step) { if (hitAt(i,x.s0[i],side)) return true; }
+            else if (enter != leave && !beyond) { if (hitAt(i,x.root(i),UNKNOWN)) return true; }
+            else if (enter == leave && mayMeetLip && meetsLip(x,i,m,sLip)) { if (hitAt(i,sLip,UNKNOWN)) return true; }
             if (found) continue;
             side = leave;
             pending = x.near & bit;

@@ -79,8 +79,11 @@ namespace embree
         __forceinline uint32_t child (uint32_t m, size_t lane) const { return 4*m + (uint32_t(lane) ^ uint32_t(mirrored.flipXY())); }
 
         /*! Reports a hit at s in a leaf; true if it was accepted. u, v: position in the
-         *  leaf, slopeX, slopeY: of the surface there, all mirrored. */
-        __forceinline bool reportHit (float s, uint32_t leaf, float u, float v, float slopeX, float slopeY)
+         *  leaf, slopeX, slopeY: of the surface there, all mirrored. from: 1 if the ray comes
+         *  from above in the frame, -1 from below, 0 if that is not known. Where it meets a
+         *  step behind a silhouette the surface faces away, by less than 30 degrees: then the
+         *  normal is mirrored across the ray, which came from the other side. */
+        __forceinline bool reportHit (float s, uint32_t leaf, float u, float v, float slopeX, float slopeY, float from = 0.0f)
         {
           const bool flipZ = mirrored.flip[2];
           if (mirrored.flip[0]) u = 1.0f-u;
@@ -93,6 +96,8 @@ namespace embree
           hit.v = block->faceV(leafSize*(float(mortonY(leaf)) + v));
           hit.t = min(max(local.worldT(pre,s),ray.tnear()),ray.tfar);
           hit.Ng = worldNormal(block,local.P0 + s*(local.P1-local.P0),slopeX,slopeY);
+          const float away = dot(hit.Ng,pre.dir);
+          if (away*from > 0.0f && away*away*pre.rcpDir2 < 0.25f) hit.Ng = hit.Ng - (2.0f*away*pre.rcpDir2)*pre.dir;
           if (!report(ray,context,block,hit)) return false;
           sBest = s;
           return true;

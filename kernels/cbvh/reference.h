@@ -229,7 +229,7 @@ namespace embree
       {
         if (side == (above ? 1 : -1)) return;
         pending = false;
-        hit(exitLeaf,exitBox,exitS,exitSlope[0],exitSlope[1]);
+        hit(exitLeaf,exitBox,exitS,exitSlope[0],exitSlope[1],above ? -1 : 1);
       }
 
       void heightLeaf (uint32_t m, const NodeBox& box, double sNear, double sFar)
@@ -248,10 +248,10 @@ namespace embree
           const double u = boxPosition(box,s,0), v = boxPosition(box,s,1);
           return P0[2]+s*(P1[2]-P0[2]) - (q[0] + u*(q[1]-q[0]) + v*(q[2]-q[0]) + u*v*(q[0]-q[1]-q[2]+q[3]));
         };
-        auto hitAt = [&](double s) {
+        auto hitAt = [&](double s, int from) {
           const double u = boxPosition(box,s,0), v = boxPosition(box,s,1);
           hit(m,box,s,(q[1]-q[0] + v*(q[0]-q[1]-q[2]+q[3]))/box.extent[0],
-                      (q[2]-q[0] + u*(q[0]-q[1]-q[2]+q[3]))/box.extent[1]);
+                      (q[2]-q[0] + u*(q[0]-q[1]-q[2]+q[3]))/box.extent[1],from);
         };
         const double f0 = f(s0), f1 = f(s1);
         /* sides: by the patch, unless the ray passes through the upper or lower face */
@@ -278,16 +278,16 @@ namespace embree
 
         /* after a hit only what lies nearer is of interest, where leaves overlap */
         if (best.found) {
-          if (enter != leave) hitAt(root());
+          if (enter != leave) hitAt(root(),0);
           return;
         }
         if (startsInside) fromSurface = near0;
         const bool beyond = fromSurface && !startsInside && side == leave;
         pending = false;
-        if (side != 0 && side != enter && !startsInside && !beyond) { hitAt(s0); return; }
-        if (enter != leave && !beyond) { hitAt(root()); return; }
+        if (side != 0 && side != enter && !startsInside && !beyond) { hitAt(s0,side); return; }
+        if (enter != leave && !beyond) { hitAt(root(),0); return; }
         double sLip;
-        if (enter == leave && !startsInside && !endsInside && meetsLip(f,m,box,reach,s0,s1,sLip)) { hitAt(sLip); return; }
+        if (enter == leave && !startsInside && !endsInside && meetsLip(f,m,box,reach,s0,s1,sLip)) { hitAt(sLip,0); return; }
         side = leave;
         pending = near;
         exitLeaf = m; exitBox = box; exitS = s1;
@@ -301,7 +301,9 @@ namespace embree
         return u < 0 ? 0 : u > 1 ? 1 : u;
       }
 
-      void hit (uint32_t m, const NodeBox& box, double s, double slopeX, double slopeY)
+      /*! from: 1 if the ray comes from above, -1 from below, 0 if that is not known; a normal
+       *  that faces away from there by less than 30 degrees is mirrored across the ray */
+      void hit (uint32_t m, const NodeBox& box, double s, double slopeX, double slopeY, int from = 0)
       {
         const double sw = s*w0, tau = sw/(w1*(1-s)+sw);
         const double t = begin + tau*(end-begin);
@@ -313,6 +315,14 @@ namespace embree
           const float* c = block->columns[i];
           best.Ng[i] = -slopeX*c[0] - slopeY*c[1] + c[2] - k*c[3];
         }
+        double away = 0, dir2 = 0, Ng2 = 0;
+        for (int i=0; i<3; i++) {
+          away += best.Ng[i]*ray.dir[i];
+          dir2 += ray.dir[i]*ray.dir[i];
+          Ng2 += best.Ng[i]*best.Ng[i];
+        }
+        if (away*from > 0 && away*away < 0.25*Ng2*dir2)
+          for (int i=0; i<3; i++) best.Ng[i] -= 2*away/dir2*ray.dir[i];
       }
 
       void setHit (uint32_t m, double t, double x, double y)
