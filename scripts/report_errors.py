@@ -32,8 +32,10 @@ TEXT = (
     "<b>true</b> surface, OpenSubdiv's limit surface displaced by the heights as they are in the map, on a random sample "
     "of the hits: what tessellation and compression cost together, GRID's own error included. RMSE and bias are along "
     "the ray, in pixels, of hits within 5 pixels, a positive bias is behind; distance is to the nearest point of the "
-    "true surface; normal and (u,v) are medians in degrees and in quads of the level. The last column says which of "
-    "both is the larger: where it is tessellation, a finer level helps more than a better representation.</p>"
+    "true surface; normal and (u,v) are medians in degrees and in quads of the level. A ray that passes a silhouette in "
+    "one of both hits another sheet, far from the mesh's hit but near to the true surface: such rays are in the RMSE "
+    "against the mesh alone. The last column says what rules the error against the true surface: where GRID's own is "
+    "half of its square and more, a finer level helps more than a better representation.</p>"
 )
 
 
@@ -47,9 +49,10 @@ def of_grid(data, row, view):
     return true_errors(grid, view) if grid else None
 
 
-def ruling(compression, tessellation):
-    """Which error is larger, given both in pixels."""
-    return "compression" if compression > tessellation else "tessellation"
+def ruling(total, tessellation):
+    """Which error is larger. Both in pixels: a representation's and GRID's against the true surface. Independent errors
+    add up as squares."""
+    return "compression" if total**2 - tessellation**2 > tessellation**2 else "tessellation"
 
 
 def pixels(value):
@@ -67,7 +70,7 @@ def cells(data, row, view):
     out += [pixels(true["rmse_along_ray_pixels"]), f"{true['bias_pixels']:+.4f}"]
     out += [pixels(true[key]) for key in ("rmse_pixels", "median_pixels", "p99_pixels")]
     out += [f"{true['normal_median_degrees']:.2f}", pixels(true["uv_median_cells"])]
-    rules = ruling(mesh["rmse_of_others_pixels"], grid["rmse_along_ray_pixels"]) if grid else "-"
+    rules = ruling(true["rmse_along_ray_pixels"], grid["rmse_along_ray_pixels"]) if grid else "-"
     return out + ["-" if row.kind == "GRID" else rules]
 
 

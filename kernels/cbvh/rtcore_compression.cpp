@@ -10,6 +10,7 @@
 #include "factory.h"
 #include "../../include/embree3/rtcore_compression.h"
 #include <cmath>
+#include <cstring>
 
 using namespace embree;
 
@@ -25,8 +26,10 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"args is NULL");
   if (geometry->getType() != Geometry::GTY_SUBDIV_MESH)
     throw_RTCError(RTC_ERROR_INVALID_OPERATION,"only geometry of type RTC_GEOMETRY_TYPE_SUBDIVISION can be compressed");
-  if (args->compression < RTC_COMPRESSION_INHERIT || args->compression > RTC_COMPRESSION_LEAF)
-    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown compression " + std::to_string(int(args->compression)));
+  int compression; // an enumeration may not hold what the application may have written
+  memcpy(&compression,&args->compression,sizeof(compression));
+  if (compression < RTC_COMPRESSION_INHERIT || compression > RTC_COMPRESSION_LEAF)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown compression " + std::to_string(compression));
   if (args->frameLevel < RTC_COMPRESSION_FRAME_LEVEL_INHERIT || args->frameLevel > int(cbvh::maxLevel))
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid frameLevel " + std::to_string(args->frameLevel) + ": expected 0 to 8, AUTO or INHERIT");
   if (!std::isfinite(args->maxError))
