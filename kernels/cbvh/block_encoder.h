@@ -96,7 +96,7 @@ namespace embree
         memcpy(block->columns,frame.columns,sizeof(frame.columns));
         stats.affine = !frame.projective;
 
-        invertW();
+        invertFrame();
         boundRounding();
         boundCells(stats);
         nodeLevels = block->layout().nodeLevels;
@@ -108,7 +108,52 @@ namespace embree
         if (kind == Kind::GRID) storeVertices((float*)block->leaves());
       }
 
+      /*! Bounds in the world of all that a ray may hit in the block that encode() wrote: its
+       *  leaves' boxes, which reach past the vertices. cGRID's triangles do not. */
+      void worldBounds(const Block* block, double lower[3], double upper[3])
+      {
+        for (int k=0; k<3; k++) { lower[k] = 1e300; upper[k] = -1e300; }
+        for (uint32_t i=0; i<width*width; i++)
+          for (int k=0; k<3; k++)
+            if (isFinite(i)) {
+              lower[k] = std::min(lower[k],double(vertices[i][k]));
+              upper[k] = std::max(upper[k],double(vertices[i][k]));
+            }
+        if (kind != Kind::GRID) extendByLeaves(block,0,0,NodeBox::root(),lower,upper);
+      }
+
     private:
+      /*! extends bounds in the world by the leaves below a node; none where its box is inside */
+      void extendByLeaves(const Block* block, uint32_t level, uint32_t m, const NodeBox& box, double lower[3], double upper[3]) const
+      {
+        double l[3] = { 1e300,1e300,1e300 }, u[3] = { -1e300,-1e300,-1e300 };
+        for (int c=0; c<8; c++)
+        {
+          const double x = c & 1 ? box.upper(0) : box.lower[0], y = c & 2 ? box.upper(1) : box.lower[1], z = c & 4 ? box.upper(2) : box.lower[2];
+          const double w = 1/inverseW({ x,y,z });
+          for (int k=0; k<3; k++) {
+            const double p = frame.centre[k] + w*inverse[k]({ x,y,z });
+            l[k] = minimum(l[k],p);
+            u[k] = maximum(u[k],p);
+          }
+        }
+        bool inside = true;
+        for (int k=0; k<3; k++) inside &= lower[k] <= l[k] && u[k] <= upper[k];
+        if (inside) return;
+        if (level == nodeLevels) {
+          for (int k=0; k<3; k++) { lower[k] = minimum(lower[k],l[k]); upper[k] = maximum(upper[k],u[k]); }
+          return;
+        }
+        const uint32_t word = block->nodes()[nodesOfLevels(level)+m];
+        const bool isGroup = kind == Kind::LEAF && level+1 == nodeLevels;
+        for (uint32_t c=0; c<4; c++)
+        {
+          if (level+1 == nodeLevels && boxes[nodesOfLevels(cellLevels)+4*m+c].empty()) continue;
+          const NodeBox child = isGroup ? decodeLeaf(word,groups[m],int(c),box).box : decodeChild(word,int(c),box);
+          extendByLeaves(block,level+1,4*m+c,child,lower,upper);
+        }
+      }
+
       /*! places the arrays in scratch memory; returns the end */
       size_t layoutScratch(char* scratch)
       {
@@ -256,18 +301,26 @@ namespace embree
         if (t > stats.maxThickness) stats.maxThickness = t;
       }
 
-      /*! 1/W as a linear form of the frame's position: the inverse of a projective map
-       *  is one, and its last row is this. Sampled at four points. */
-      void invertW()
+      /*! The inverse of the frame. That of a projective map is one too: 1/W, and p/W of the world
+       *  point relative to the centre, are linear forms of the frame's position. Sampled at four
+       *  points. */
+      void invertFrame()
       {
         auto row = [&](int k, double d) { return Form{ { frame.columns[0][k], frame.columns[1][k], frame.columns[2][k] }, d }; };
         const FrameMap map = { row(0,0.5), row(1,0.5), row(2,0.5), row(3,1.0), frame.projective };
-        auto rcpW = [&](double x, double y, double z) {
-          Double3 p;
-          return frame.projective && unproject(map,x,y,z,p) ? 1.0/map.W(p) : 1.0;
+        double sample[4][4];
+        for (int i=0; i<4; i++)
+        {
+          Double3 p = { 0,0,0 };
+          unproject(map,i == 1,i == 2,i == 3,p);
+          const double rcpW = frame.projective ? 1.0/map.W(p) : 1.0;
+          sample[i][0] = p.x*rcpW; sample[i][1] = p.y*rcpW; sample[i][2] = p.z*rcpW; sample[i][3] = rcpW;
+        }
+        auto form = [&](int k) {
+          return Form{ { sample[1][k]-sample[0][k], sample[2][k]-sample[0][k], sample[3][k]-sample[0][k] }, sample[0][k] };
         };
-        const double o = rcpW(0,0,0);
-        inverseW = Form{ { rcpW(1,0,0)-o, rcpW(0,1,0)-o, rcpW(0,0,1)-o }, o };
+        for (int k=0; k<3; k++) inverse[k] = form(k);
+        inverseW = form(3);
       }
 
       void storeVertices(float* out) const
@@ -286,6 +339,7 @@ namespace embree
       const float (*vertices)[3];
       Frame frame;
       Form inverseW = { { 0,0,0 }, 1 };
+      Form inverse[3];
       uint32_t nodeLevels = 0;
       uint32_t* nodes = nullptr;
       uint64_t* groups = nullptr; //!< cLEAF's leaves

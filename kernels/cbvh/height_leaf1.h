@@ -69,6 +69,7 @@ namespace embree
         vfloat4 saddle;        //!< f(k) = f0 + k (f1-f0) + saddle k (1-k), k from 0 to 1
         size_t near0;          //!< within reach of the patch at entry
         size_t near;           //!< may be anywhere up to the exit
+        size_t changes;        //!< f has another sign at the exit
         size_t started;        //!< the segment starts inside, at tnear
         size_t ended;          //!< it ends inside, at tfar
 
@@ -90,7 +91,9 @@ namespace embree
           saddle = patch.bin*patch.twist*(u1-u0)*(v1-v0);
           const vfloat4 reach = patch.reach + vfloat4(ray.epsilonZ);
           near0 = movemask(abs(f0) <= reach);
-          near = movemask((min(abs(f0),abs(f1)) <= madd(vfloat4(0.25f),abs(saddle),reach)) | ((f0 < vfloat4(zero)) != (f1 < vfloat4(zero))));
+          const vboolf4 change = (f0 < vfloat4(zero)) != (f1 < vfloat4(zero));
+          changes = movemask(change);
+          near = movemask((min(abs(f0),abs(f1)) <= madd(vfloat4(0.25f),abs(saddle),reach)) | change);
 
           /* mirrored, a ray enters through lower and leaves through upper faces */
           const vfloat4 lowerFace = (c.lower[2]-ray.Pnear[2])*ray.rcpD[2], upperFace = (c.lower[2]+c.extent[2]-ray.Pfar[2])*ray.rcpD[2];
@@ -177,13 +180,14 @@ namespace embree
           if (cells == 1) { cells = 2; this->leafSize = 0.5f; }
         }
 
-        __forceinline bool wantsPassed () const { return pending; }
+        __forceinline bool wantsPassed () const { return pending || (side == UNKNOWN && !found); }
 
         __forceinline bool passedAbove (bool above)
         {
-          const Side now = above ? ABOVE : BELOW;
-          if (side == now) return false;
+          const Side before = side, now = above ? ABOVE : BELOW;
+          if (before == now) return false;
           side = now;
+          if (before == UNKNOWN) return false;
           pending = false;
           return accept(this->reportHit(exitS,exitLeaf,exitU,exitV,exitSlopeX,exitSlopeY,above ? -1.0f : 1.0f));
         }
@@ -205,14 +209,15 @@ namespace embree
           {
             const size_t i = order.lane(bscf(events)), bit = size_t(1) << i;
             if (!(masks.hit & bit)) {
-              if (pending && passedAbove(ray.isAbove(c,i))) return true;
+              if (wantsPassed() && passedAbove(ray.isAbove(c,i))) return true;
               continue;
             }
             const bool started = x.started & bit;
             const Side enter = x.above0 & bit ? ABOVE : BELOW, leave = x.above1 & bit ? ABOVE : BELOW;
+            const bool crosses = enter != leave || (x.changes & bit);
             if (found) {
               /* only what lies nearer than the hit can still be of interest */
-              if ((patch.empty & bit) || (enter == leave && !(patch.solid & bit)) || ((patch.solid & bit) && started)) continue;
+              if ((patch.empty & bit) || (!crosses && !(patch.solid & bit)) || ((patch.solid & bit) && started)) continue;
               const float s = patch.solid & bit ? x.s0[i] : x.root(i);
               if (s < this->sBest) hitAt(i,s,UNKNOWN);
               continue;
@@ -228,8 +233,8 @@ namespace embree
             const bool mayMeetLip = x.near & ~(x.started | x.ended) & bit;
             float sLip;
             if (step) { if (hitAt(i,x.s0[i],side)) return true; }
-            else if (enter != leave && !beyond) { if (hitAt(i,x.root(i),UNKNOWN)) return true; }
-            else if (enter == leave && mayMeetLip && meetsLip(x,i,m,sLip)) { if (hitAt(i,sLip,UNKNOWN)) return true; }
+            else if (crosses && !beyond) { if (hitAt(i,x.root(i),UNKNOWN)) return true; }
+            else if (!crosses && mayMeetLip && meetsLip(x,i,m,sLip)) { if (hitAt(i,sLip,UNKNOWN)) return true; }
             if (found) continue;
             side = leave;
             pending = x.near & bit;

@@ -138,14 +138,8 @@ namespace embree
       {
         gather(e);
         const size_t count = e.width()*e.width();
-        BBox3fa bounds(empty);
         size_t finite = 0;
-        for (size_t i=0; i<count; i++) {
-          const float* p = vertexData()[i];
-          if (!cbvh::isFinite(p)) continue;
-          bounds.extend(Vec3fa(p[0],p[1],p[2]));
-          finite++;
-        }
+        for (size_t i=0; i<count; i++) finite += cbvh::isFinite(vertexData()[i]);
         if (finite == 0) return drop(e);
 
         cbvh::BlockEncoder encoder(e.kind,e.height,vertexData(),scratch.data());
@@ -174,7 +168,16 @@ namespace embree
         block->u0 = uint8_t(2*patch.getUV(0).x);
         block->v0 = uint8_t(2*patch.getUV(0).y);
         statistics.addBlock(e.kind,e.height,blockStatistics);
-        return PrimRef(bounds,size_t(BVH4::encodeTypedLeaf(block,cbvh::leafType(e.kind))));
+        return PrimRef(boundsOf(encoder,block),size_t(BVH4::encodeTypedLeaf(block,cbvh::leafType(e.kind))));
+      }
+
+      /*! what a ray may hit, rounded outwards */
+      static BBox3fa boundsOf (cbvh::BlockEncoder& encoder, const cbvh::Block* block)
+      {
+        double lower[3], upper[3];
+        encoder.worldBounds(block,lower,upper);
+        auto below = [](double x) { const float f = float(x); return double(f) <= x ? f : std::nextafter(f,-std::numeric_limits<float>::infinity()); };
+        return BBox3fa(Vec3fa(below(lower[0]),below(lower[1]),below(lower[2])),Vec3fa(-below(-upper[0]),-below(-upper[1]),-below(-upper[2])));
       }
 
       PrimRef drop (const Encoding& e)

@@ -154,7 +154,7 @@ namespace embree
           const NodeBox child = children[c];
           double c0, c1;
           if (slab(child,c0,c1)) visit(level+1,4*m+uint32_t(c),child);
-          else if (pending && meets(child)) passed(isAbove(child));
+          else if ((pending || (side == 0 && !best.found)) && meets(child)) passed(isAbove(child));
         }
       }
 
@@ -227,7 +227,10 @@ namespace embree
 
       void passed (bool above)
       {
-        if (side == (above ? 1 : -1)) return;
+        const int before = side;
+        if (before == (above ? 1 : -1)) return;
+        side = above ? 1 : -1;
+        if (before == 0) return;
         pending = false;
         hit(exitLeaf,exitBox,exitS,exitSlope[0],exitSlope[1],above ? -1 : 1);
       }
@@ -260,6 +263,7 @@ namespace embree
         clipAxes(box,2,t0,t1);
         const int enter = sNear > t0 && !startsInside ? (up ? -1 : 1) : f0 >= 0 ? 1 : -1;
         const int leave = sFar  < t1 && !endsInside   ? (up ? 1 : -1) : f1 >= 0 ? 1 : -1;
+        const bool crosses = enter != leave || (f0 < 0) != (f1 < 0);
         const double reach = 0.5*double(patch.thickness);
         const double saddle = 4*f(0.5*(s0+s1)) - 2*(f0+f1);
         const bool near0 = std::fabs(f0) <= reach+epsilon[2];
@@ -278,16 +282,16 @@ namespace embree
 
         /* after a hit only what lies nearer is of interest, where leaves overlap */
         if (best.found) {
-          if (enter != leave) hitAt(root(),0);
+          if (crosses) hitAt(root(),0);
           return;
         }
         if (startsInside) fromSurface = near0;
         const bool beyond = fromSurface && !startsInside && side == leave;
         pending = false;
         if (side != 0 && side != enter && !startsInside && !beyond) { hitAt(s0,side); return; }
-        if (enter != leave && !beyond) { hitAt(root(),0); return; }
+        if (crosses && !beyond) { hitAt(root(),0); return; }
         double sLip;
-        if (enter == leave && !startsInside && !endsInside && meetsLip(f,m,box,reach,s0,s1,sLip)) { hitAt(sLip,0); return; }
+        if (!crosses && !startsInside && !endsInside && meetsLip(f,m,box,reach,s0,s1,sLip)) { hitAt(sLip,0); return; }
         side = leave;
         pending = near;
         exitLeaf = m; exitBox = box; exitS = s1;
