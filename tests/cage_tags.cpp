@@ -4,9 +4,9 @@
 /* What the `t` tags of an OBJ do to the surface that is traced, in stock GRID and in a
  * compressed representation. */
 
-#include "built_scene.h"
-#include "obj_reader.h"
-#include "tracing.h"
+#include "building/built_scene.h"
+#include "surface/obj_reader.h"
+#include "tracing/trace_hits.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cage_validation.h"
-#include "error.h"
+#include "surface/cage_validation.h"
+#include "basics/error.h"
 #include "scenes/cube.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "camera.h"
+#include "tracing/camera.h"
 #include "test_random.h"
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 # Tests of common/ and of the programs in tutorials/. Included by CMakeLists.txt,
 # after cbvh_test.
 
-foreach(unit bin_sizes cage_tags cage_validation camera displacement hit_metrics height_map limit_surface obj_reader
+foreach(unit cage_tags cage_validation camera displacement height_bins height_map hit_metrics limit_surface obj_reader
         patch_walk ray_sets representation scenes silhouettes true_surface watertight)
   cbvh_test(${unit} LIBRARIES cbvh_common)
 endforeach()

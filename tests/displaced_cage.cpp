@@ -7,11 +7,11 @@
  *
  * usage: displaced_cage SCENE LEVEL FILE.xml */
 
-#include "built_scene.h"
-#include "error.h"
+#include "basics/error.h"
+#include "building/built_scene.h"
+#include "building/subdivision_geometry.h"
+#include "programs/view_options.h"
 #include "scenes/catalogue.h"
-#include "subdivision_geometry.h"
-#include "views.h"
 
 #include <cstdio>
 #include <cstring>

@@ -1,12 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "displacement.h"
-#include "error.h"
-#include "face_atlas.h"
-#include "face_borders.h"
-#include "parallel.h"
+#include "surface/displacement.h"
+#include "basics/error.h"
+#include "basics/parallel.h"
 #include "scenes/cube.h"
+#include "surface/face_atlas.h"
+#include "surface/face_borders.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>

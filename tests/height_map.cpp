@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "height_map.h"
-#include "error.h"
+#include "surface/height_map.h"
+#include "basics/error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "hit_metrics.h"
+#include "measure/hit_metrics.h"
 #include "scenes/cube.h"
 
 #include <gtest/gtest.h>

@@ -3,10 +3,10 @@
 
 /* OpenSubdiv's limit surface against formulas and against Embree's own evaluation. */
 
-#include "limit_surface.h"
+#include "surface/limit_surface.h"
 #include "random_cages.h"
+#include "building/subdivision_geometry.h"
 #include "scenes/cube.h"
-#include "subdivision_geometry.h"
 
 #include <gtest/gtest.h>
 

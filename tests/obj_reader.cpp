@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "obj_reader.h"
-#include "error.h"
+#include "surface/obj_reader.h"
+#include "basics/error.h"
 
 #include <gtest/gtest.h>
 

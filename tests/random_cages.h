@@ -6,7 +6,7 @@
 /* Cages of the tests of the true surface, and points on them. */
 
 #include "test_random.h"
-#include "true_surface.h"
+#include "surface/true_surface.h"
 
 namespace cbvh {
 

@@ -1,10 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cage_validation.h"
-#include "error.h"
-#include "face_borders.h"
-#include "built_scene.h"
+#include "basics/error.h"
+#include "building/built_scene.h"
 #include "scenes/baked_heights.h"
 #include "scenes/catalogue.h"
 #include "scenes/cube.h"
@@ -14,7 +12,9 @@
 #include "scenes/trex_cage.h"
 #include "scenes/trex_skin.h"
 #include "scenes/uv_charts.h"
-#include "tracing.h"
+#include "surface/cage_validation.h"
+#include "surface/face_borders.h"
+#include "tracing/trace_hits.h"
 
 #include <gtest/gtest.h>
 

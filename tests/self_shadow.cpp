@@ -6,14 +6,14 @@
  * meets, needs a larger offset for as much. */
 
 #include "near_side.h"
-#include "self_shadow.h"
+#include "measure/self_shadow.h"
 
-#include "camera.h"
-#include "parallel.h"
-#include "ray_conversion.h"
+#include "basics/parallel.h"
+#include "programs/view_options.h"
 #include "scenes/catalogue.h"
-#include "tracing.h"
-#include "views.h"
+#include "tracing/camera.h"
+#include "tracing/ray_conversion.h"
+#include "tracing/trace_hits.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "silhouettes.h"
-#include "ray_sets.h"
+#include "measure/silhouettes.h"
+#include "tracing/ray_sets.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "trace_timing.h"
-#include "error.h"
+#include "tracing/trace_timing.h"
+#include "basics/error.h"
+#include "measure/quantiles.h"
 #include "scenes/cube.h"
-#include "statistics.h"
-#include "tracing.h"
+#include "tracing/trace_hits.h"
 
 #include <gtest/gtest.h>
 

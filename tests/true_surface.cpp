@@ -5,9 +5,9 @@
  * whose error is known. */
 
 #include "random_cages.h"
+#include "measure/true_errors.h"
 #include "scenes/cube.h"
-#include "tracing.h"
-#include "true_errors.h"
+#include "tracing/trace_hits.h"
 
 #include <gtest/gtest.h>
 

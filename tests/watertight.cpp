@@ -10,9 +10,9 @@
  * rounds apart: cGRID, which is that test, may miss as many of them as GRID does. No
  * other ray may be missed by any. (Stock GRID misses 1 to 5 in a hundred of these.) */
 
-#include "leak_rays.h"
-#include "parallel.h"
 #include "test_scene.h"
+#include "basics/parallel.h"
+#include "measure/leak_rays.h"
 
 #include <gtest/gtest.h>
 
