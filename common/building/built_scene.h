@@ -8,6 +8,7 @@
 #include "building/embree_device.h"
 #include "building/representation.h"
 #include "building/subdivision_geometry.h"
+#include "building/surface_hit.h"
 #include "surface/model.h"
 
 #include <embree3/rtcore_compression.h>
@@ -37,18 +38,6 @@ struct BuildReport
   RTCCompressionStatistics compression{}; // all zero for NAIVE and GRID
 
   double bytesPerQuad() const { return quads ? double(liveBytes) / double(quads) : 0.0; }
-};
-
-/* Where a ray meets the surface, in the terms of the subdivision surface whatever
- * the representation: face and its (u,v) as GRID reports them. */
-struct SurfaceHit
-{
-  float t = INFINITY; // infinite: a miss
-  float u = 0, v = 0;
-  unsigned face = RTC_INVALID_GEOMETRY_ID; // numbered on from copy to copy of a model
-  Vec3f normal;       // geometric, not normalised, orientation of dP/du x dP/dv
-
-  bool hit() const { return t < INFINITY; }
 };
 
 class BuiltScene
@@ -85,12 +74,5 @@ private:
 /* Vertices of all patches of all copies, in the order of the model's layout: those that
  * GRID holds, to the bit. Throws Error, Cancelled. */
 std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings);
-
-/* Bytes that building a representation needs at its peak, an upper estimate. */
-size_t estimatedPeakBytes(RepresentationKind kind, size_t quads);
-
-/* Bytes that this process can still get: the machine's or its control group's,
- * whichever is less. SIZE_MAX when neither can be read. */
-size_t availableMemory();
 
 } // namespace cbvh

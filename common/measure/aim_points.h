@@ -3,14 +3,29 @@
 
 #pragma once
 
-/* Aim points of a model. */
+/* Points of a tessellation at which a ray could slip through. */
 
-#include "measure/leak_rays.h"
 #include "surface/cage.h"
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace cbvh {
+
+/* A vertex of the tessellation, to the last bit. */
+struct AimPoint
+{
+  Vec3f position;
+  Vec3f neighbour; // the other end of an edge of a quad
+  Vec3f normal;    // outwards, roughly
+};
+
+/* What meets there. */
+enum Meeting { AtCageVertex, AtFaceBorder, AtBlockBorder, AtVertex, numMeetings };
+
+using AimPoints = std::array<std::vector<AimPoint>, numMeetings>;
 
 /* Picks about count points of each kind.
  *

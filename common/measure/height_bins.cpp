@@ -4,6 +4,7 @@
 #include "measure/height_bins.h"
 #include "basics/parallel.h"
 #include "measure/hit_metrics.h"
+#include "measure/quantiles.h"
 
 namespace cbvh {
 namespace {

@@ -28,14 +28,15 @@ std::vector<SurfaceHit> nearerHits(const std::vector<SurfaceHit>& a, const std::
   return nearer;
 }
 
-double quantile(std::vector<float>& values, double q)
+/* Distance in quads of the patch that both are on, if there is one. */
+static std::optional<float> distanceOnPatch(const SurfaceHit& a, const SurfaceHit& b, const PatchLayout& layout)
 {
-  if (values.empty())
-    return 0.0;
-  const double rank = std::ceil(q * double(values.size()));
-  const size_t k = size_t(std::min(std::max(rank - 1.0, 0.0), double(values.size() - 1)));
-  std::nth_element(values.begin(), values.begin() + ptrdiff_t(k), values.end());
-  return values[k];
+  if (a.face != b.face)
+    return std::nullopt;
+  const Patch& patch = layout.find(b.face, b.u, b.v);
+  if (&patch != &layout.find(b.face, a.u, a.v))
+    return std::nullopt;
+  return std::hypot(b.u - a.u, b.v - a.v) * float(patch.resolution);
 }
 
 HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vector<SurfaceHit>& hits, float footprint,
@@ -44,16 +45,14 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
   HitErrors result;
   result.rays = hits.size();
   const std::vector<float> pixels = pixelErrors(reference, hits, footprint);
-  std::vector<float> distances, angles, cells;
-  double sumOfSquares = 0, sumOfOthers = 0, signedSum = 0;
+  ErrorSamples samples;
+  double sumOfOthers = 0, signedSum = 0;
   for (size_t i = 0; i < hits.size(); i++)
   {
     result.falseHits += pixels[i] == falseHitError;
     result.misses += pixels[i] == missError;
     if (pixels[i] < 0.0f)
       continue;
-    distances.push_back(pixels[i]);
-    sumOfSquares += double(pixels[i]) * pixels[i];
     if (pixels[i] > farOffPixels)
       result.farOff++;
     else
@@ -61,38 +60,15 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
       sumOfOthers += double(pixels[i]) * pixels[i];
       signedSum += hits[i].t < reference[i].t ? -double(pixels[i]) : double(pixels[i]);
     }
-
-    const Vec3f a = reference[i].normal, b = hits[i].normal;
-    const float angle = std::atan2(length(cross(normalize(a), normalize(b))), dot(normalize(a), normalize(b)));
-    angles.push_back(angle * 180.0f / float(M_PI));
-
-    const Patch* patch = nullptr;
-    if (reference[i].face == hits[i].face)
-    {
-      patch = &layout.find(hits[i].face, hits[i].u, hits[i].v);
-      if (patch != &layout.find(hits[i].face, reference[i].u, reference[i].v))
-        patch = nullptr;
-    }
-    if (patch)
-      cells.push_back(std::hypot(hits[i].u - reference[i].u, hits[i].v - reference[i].v) * float(patch->resolution));
-    else
-      result.otherPatch++;
+    const Vec3f a = normalize(reference[i].normal), b = normalize(hits[i].normal);
+    const float angle = std::atan2(length(cross(a, b)), dot(a, b));
+    samples.add(pixels[i], angle * 180.0f / float(M_PI), distanceOnPatch(reference[i], hits[i], layout));
   }
-  result.bothHit = distances.size();
-  if (result.bothHit)
-    result.rmse = std::sqrt(sumOfSquares / double(result.bothHit));
-  if (result.bothHit > result.farOff)
-  {
-    result.rmseOfOthers = std::sqrt(sumOfOthers / double(result.bothHit - result.farOff));
-    result.bias = signedSum / double(result.bothHit - result.farOff);
-  }
-  result.median = quantile(distances, 0.5);
-  result.p99 = quantile(distances, 0.99);
-  result.max = quantile(distances, 1.0);
-  result.normalMedian = quantile(angles, 0.5);
-  result.normalP99 = quantile(angles, 0.99);
-  result.uvMedian = quantile(cells, 0.5);
-  result.uvP99 = quantile(cells, 0.99);
+  result.bothHit = samples.hits();
+  const size_t others = result.bothHit - result.farOff;
+  result.rmseOfOthers = rootOfMean(sumOfOthers, others);
+  result.bias = others ? signedSum / double(others) : 0.0;
+  static_cast<ErrorSummary&>(result) = samples.summary();
   return result;
 }
 

@@ -7,34 +7,28 @@
  * the paper's: the distance between both hit points over the width of a pixel at
  * the reference's distance. */
 
-#include "building/built_scene.h"
-#include "tracing/ray_sets.h"
+#include "building/surface_hit.h"
+#include "measure/error_summary.h"
+#include "surface/cage.h"
 
 #include <cstddef>
 #include <vector>
 
 namespace cbvh {
 
-struct HitErrors
+/* Over rays where both hit, against the reference. */
+struct HitErrors : ErrorSummary
 {
   size_t rays = 0;
   size_t bothHit = 0;
   size_t falseHits = 0;        // hit where the reference misses
   size_t misses = 0;           // miss where the reference hits
-  /* In pixels, over rays where both hit. */
-  double rmse = 0, median = 0, p99 = 0, max = 0;
   /* Rays off by more than 5 pixels, which is another sheet of the surface more often
    * than not: behind a silhouette, or through a crack. A few of them make the RMSE;
    * this is the one without them. */
   size_t farOff = 0;
   double rmseOfOthers = 0;
   double bias = 0;             // mean of the signed distance along the ray of those others, positive: behind
-  /* Degrees between geometric normals with their signs: 180 is a wrong sign. */
-  double normalMedian = 0, normalP99 = 0;
-  /* Distance in (u,v) in quads of the tessellation, over rays whose hits are on the
-   * same patch; the others are counted. */
-  double uvMedian = 0, uvP99 = 0;
-  size_t otherPatch = 0;
 };
 
 /* Compares hits of primary rays.
@@ -58,8 +52,5 @@ constexpr float backgroundError = -3.0f;
 /* Error of each ray in pixels, or one of the values above where not both hit. */
 std::vector<float> pixelErrors(const std::vector<SurfaceHit>& reference, const std::vector<SurfaceHit>& hits,
                                float footprint);
-
-/* The q-quantile (nearest rank) of values, which it reorders; 0 when there are none. */
-double quantile(std::vector<float>& values, double q);
 
 } // namespace cbvh

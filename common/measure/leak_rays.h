@@ -6,29 +6,16 @@
 /* Rays from inside of a closed surface, each of which has to hit it. Most aim where a
  * ray could slip through, straight on or so that they graze the surface there. */
 
+#include "measure/aim_points.h"
 #include "tracing/ray.h"
 
 #include <embree3/rtcore.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace cbvh {
-
-/* A vertex of the tessellation, to the last bit. */
-struct AimPoint
-{
-  Vec3f position;
-  Vec3f neighbour; // the other end of an edge of a quad
-  Vec3f normal;    // outwards, roughly
-};
-
-/* What meets there. */
-enum Meeting { AtCageVertex, AtFaceBorder, AtBlockBorder, AtVertex, numMeetings };
-
-using AimPoints = std::array<std::vector<AimPoint>, numMeetings>;
 
 struct LeakSettings
 {

@@ -3,12 +3,25 @@
 
 #pragma once
 
-/* Summaries of repeated measurements. */
+/* Summaries of many values. */
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <vector>
 
 namespace cbvh {
+
+/* The q-quantile (nearest rank) of values, which it reorders; 0 when there are none. */
+inline double quantile(std::vector<float>& values, double q)
+{
+  if (values.empty())
+    return 0.0;
+  const double rank = std::ceil(q * double(values.size()));
+  const size_t k = size_t(std::min(std::max(rank - 1.0, 0.0), double(values.size() - 1)));
+  std::nth_element(values.begin(), values.begin() + ptrdiff_t(k), values.end());
+  return values[k];
+}
 
 /* Of at least one value. */
 inline double median(std::vector<double> values)

@@ -6,7 +6,8 @@
 /* Whether secondary rays that leave a representation's own hits see what GRID's see
  * from GRID's hits: neither a surface that shadows itself nor light that comes through. */
 
-#include "tracing/ray_sets.h"
+#include "building/surface_hit.h"
+#include "tracing/ray.h"
 
 #include <embree3/rtcore.h>
 

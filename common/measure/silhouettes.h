@@ -7,7 +7,7 @@
  * in the other has the distance between two sheets for an error, whatever the
  * representation is like; errors of the others are those of the surface itself. */
 
-#include "building/built_scene.h"
+#include "building/surface_hit.h"
 #include "tracing/camera.h"
 #include "tracing/ray.h"
 

@@ -4,6 +4,7 @@
 #include "measure/true_errors.h"
 #include "basics/parallel.h"
 #include "measure/hit_metrics.h"
+#include "measure/quantiles.h"
 
 #include <random>
 
@@ -13,8 +14,9 @@ namespace {
 /* What one hit gives; in pixels where nothing else is said. */
 struct Measure
 {
-  bool measured = false, apart = false, otherPatch = false;
-  float distance = 0, world = 0, along = 0, angle = 0, cells = 0;
+  bool measured = false, apart = false;
+  float distance = 0, world = 0, along = 0, angle = 0;
+  std::optional<float> cells; // on the same patch
 };
 
 Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const PatchLayout& layout)
@@ -45,14 +47,9 @@ Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
   const Vec3d a = normalize(cross(foot.du, foot.dv));
   const Vec3d b = normalize(copy.directionToCage(toDouble(hit.normal)));
   result.angle = float(std::atan2(length(cross(a, b)), dot(a, b)) * 180.0 / M_PI);
-  result.otherPatch = foot.at.face != start.face || foot.at.subPatch != start.subPatch;
-  result.cells = float(std::hypot(foot.at.u - start.u, foot.at.v - start.v) * resolution);
+  if (foot.at.face == start.face && foot.at.subPatch == start.subPatch)
+    result.cells = float(std::hypot(foot.at.u - start.u, foot.at.v - start.v) * resolution);
   return result;
-}
-
-double rootOfMean(double sumOfSquares, size_t n)
-{
-  return n ? std::sqrt(sumOfSquares / double(n)) : 0.0;
 }
 
 } // namespace
@@ -81,16 +78,15 @@ TrueErrors compareToTrueSurface(const TrueView& view, const std::vector<SurfaceH
   });
 
   TrueErrors result;
-  std::vector<float> distances, world, angles, cells;
-  double squares = 0, squaresWorld = 0, squaresAlong = 0, sumAlong = 0;
+  ErrorSamples samples;
+  std::vector<float> world;
+  double squaresWorld = 0, squaresAlong = 0, sumAlong = 0;
   for (const Measure& m : measures)
   {
     if (!m.measured)
       continue;
-    distances.push_back(m.distance);
+    samples.add(m.distance, m.angle, m.cells);
     world.push_back(m.world);
-    angles.push_back(m.angle);
-    squares += double(m.distance) * m.distance;
     squaresWorld += double(m.world) * m.world;
     result.apart += m.apart;
     if (!m.apart)
@@ -98,25 +94,15 @@ TrueErrors compareToTrueSurface(const TrueView& view, const std::vector<SurfaceH
       squaresAlong += double(m.along) * m.along;
       sumAlong += m.along;
     }
-    result.otherPatch += m.otherPatch;
-    if (!m.otherPatch)
-      cells.push_back(m.cells);
   }
-  result.hits = distances.size();
+  static_cast<ErrorSummary&>(result) = samples.summary();
+  result.hits = samples.hits();
   const size_t met = result.hits - result.apart;
-  result.rmse = rootOfMean(squares, result.hits);
   result.rmseWorld = rootOfMean(squaresWorld, result.hits);
-  result.rmseAlong = rootOfMean(squaresAlong, met);
-  result.bias = met ? sumAlong / double(met) : 0.0;
-  result.median = quantile(distances, 0.5);
-  result.p99 = quantile(distances, 0.99);
-  result.max = quantile(distances, 1.0);
   result.medianWorld = quantile(world, 0.5);
   result.p99World = quantile(world, 0.99);
-  result.normalMedian = quantile(angles, 0.5);
-  result.normalP99 = quantile(angles, 0.99);
-  result.uvMedian = quantile(cells, 0.5);
-  result.uvP99 = quantile(cells, 0.99);
+  result.rmseAlong = rootOfMean(squaresAlong, met);
+  result.bias = met ? sumAlong / double(met) : 0.0;
   return result;
 }
 

@@ -6,32 +6,26 @@
 /* How far hits lie from the true surface: tessellation and compression together, by
  * the same measure for every representation. */
 
-#include "building/built_scene.h"
+#include "building/surface_hit.h"
+#include "measure/error_summary.h"
 #include "surface/true_surface.h"
-#include "tracing/ray_sets.h"
+#include "tracing/ray.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace cbvh {
 
-struct TrueErrors
+/* Against the nearest point of the true surface. */
+struct TrueErrors : ErrorSummary
 {
   size_t hits = 0; // that were measured
-  /* Distance to the nearest point of the true surface, in pixels at the hit. */
-  double rmse = 0, median = 0, p99 = 0, max = 0;
-  /* The same in world units. */
+  /* Distances in world units. */
   double rmseWorld = 0, medianWorld = 0, p99World = 0;
   /* Signed distance along the ray, in pixels, positive: behind the true surface; of
    * hits whose ray meets it within 5 pixels. The others graze it, or pass it by. */
   double rmseAlong = 0, bias = 0;
   size_t apart = 0; // those others
-  /* Degrees between the geometric normals of the hit and of that nearest point. */
-  double normalMedian = 0, normalP99 = 0;
-  /* Distance in (u,v) in quads of the tessellation, over hits whose nearest point is on
-   * the same patch; the others are counted. */
-  double uvMedian = 0, uvP99 = 0;
-  size_t otherPatch = 0;
 };
 
 /* Indices of `count` hits drawn at random, in order; of all there are when those are

@@ -6,27 +6,14 @@
 /* Pictures: PNG through OpenImageIO, hits as multi-channel EXR through OpenEXR. Both
  * appear under their names complete or not at all. */
 
-#include "building/built_scene.h"
-#include "tracing/camera.h"
-#include "tracing/ray_sets.h"
+#include "building/surface_hit.h"
+#include "pictures/image.h"
+#include "tracing/ray.h"
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace cbvh {
-
-/* 8-bit sRGB, rows from the top. */
-struct Image
-{
-  explicit Image(ImageSize size) : size(size), rgb(size_t(size.width) * size.height * 3) {}
-
-  /* color: linear, 0 to 1. */
-  void set(size_t pixel, Vec3f color);
-
-  ImageSize size;
-  std::vector<uint8_t> rgb;
-};
 
 /* Throws Error with the path. */
 void writePng(const std::string& path, const Image& image);

@@ -5,7 +5,9 @@
 
 /* Turns hits and errors into pictures. */
 
-#include "pictures/image_output.h"
+#include "building/surface_hit.h"
+#include "pictures/image.h"
+#include "tracing/ray.h"
 
 #include <vector>
 

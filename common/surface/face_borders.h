@@ -8,18 +8,12 @@
  * sides is the same for each of them, and closes the surface. */
 
 #include "surface/cage.h"
+#include "surface/patch_point.h"
 
 #include <cstddef>
 #include <vector>
 
 namespace cbvh {
-
-/* A point of a cage as Embree names it. */
-struct FacePoint
-{
-  unsigned face;
-  float u, v;
-};
 
 class FaceBorders
 {

@@ -16,7 +16,9 @@
  *   - on the corner faces of open surfaces under BoundaryRule::EdgeOnly.
  * There errors against the true surface contain that of Embree's rule. */
 
-#include "surface/patch_walk.h"
+#include "basics/vec.h"
+#include "surface/cage.h"
+#include "surface/patch_point.h"
 
 #include <memory>
 

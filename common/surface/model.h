@@ -8,20 +8,13 @@
 
 #include "surface/cage.h"
 #include "surface/displacement.h"
+#include "surface/view_hints.h"
 
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace cbvh {
-
-struct ViewHints
-{
-  Vec3f direction{-0.5f, -0.35f, -1.0f}; // from the eye to the middle of the model
-  Vec3f up{0, 1, 0};
-  Vec2f closePoint{0.5f, 0.4f};          // what the close view looks at, in the full view, from the upper left
-  float closeDistance = 0.12f;           // from the eye, in bounding-box diagonals
-};
 
 /* Where a copy of the cage stands: scaled, turned about the y axis, moved. */
 struct Placement

@@ -12,13 +12,6 @@
 
 namespace cbvh {
 
-/* A point of a patch, (u,v) from 0 to 1 in it. */
-struct PatchPoint
-{
-  unsigned face, subPatch;
-  double u, v;
-};
-
 class PatchWalk
 {
 public:

@@ -14,6 +14,7 @@
 
 #include "surface/limit_surface.h"
 #include "surface/model.h"
+#include "surface/patch_walk.h"
 
 #include <optional>
 

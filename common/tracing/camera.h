@@ -5,17 +5,13 @@
 
 /* A pinhole camera with square pixels. */
 
-#include "surface/model.h"
+#include "surface/view_hints.h"
+#include "tracing/image_size.h"
 
 #include <string>
 #include <vector>
 
 namespace cbvh {
-
-struct ImageSize
-{
-  int width = 1024, height = 1024;
-};
 
 class Camera
 {

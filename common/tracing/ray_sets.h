@@ -6,7 +6,7 @@
 /* The rays that representations are compared with. Every representation traces the
  * very same ones: they are made once, from GRID's hits. */
 
-#include "building/built_scene.h"
+#include "building/surface_hit.h"
 #include "tracing/camera.h"
 #include "tracing/ray.h"
 

@@ -84,17 +84,5 @@ TEST(HitMetrics, NearerHitsTakeTheSmallerDistanceAndAnyHit)
   EXPECT_EQ(n[2].t, 3.0f);
 }
 
-TEST(HitMetrics, QuantilesAreNearestRanks)
-{
-  std::vector<float> values;
-  for (int i = 100; i > 0; i--)
-    values.push_back(float(i));
-  EXPECT_EQ(quantile(values, 0.5), 50.0);
-  EXPECT_EQ(quantile(values, 0.99), 99.0);
-  EXPECT_EQ(quantile(values, 1.0), 100.0);
-  std::vector<float> none;
-  EXPECT_EQ(quantile(none, 0.5), 0.0);
-}
-
 } // namespace
 } // namespace cbvh::test

@@ -3,7 +3,6 @@
 
 #include "tracing/trace_timing.h"
 #include "basics/error.h"
-#include "measure/quantiles.h"
 #include "scenes/cube.h"
 #include "tracing/trace_hits.h"
 
@@ -46,15 +45,6 @@ TEST(TraceTiming, NamesAreReadBack)
   EXPECT_EQ(parseQuery("any"), Any);
   EXPECT_THROW(parseTraceMode("packet"), Error);
   EXPECT_THROW(parseQuery(""), Error);
-}
-
-TEST(Statistics, MedianAndInterquartileRange)
-{
-  EXPECT_EQ(median({3}), 3);
-  EXPECT_EQ(median({4, 1}), 2.5);
-  EXPECT_EQ(median({9, 1, 5}), 5);
-  EXPECT_EQ(interquartileRange({7}), 0);
-  EXPECT_EQ(interquartileRange({1, 2, 3, 4, 100}), 2) << "one outlier does not count";
 }
 
 } // namespace

@@ -6,6 +6,7 @@
 /* What --check measures: rays that leak out of closed surfaces, and secondary rays that
  * see another thing than GRID's. */
 
+#include "building/built_scene.h"
 #include "measure/leak_rays.h"
 #include "measure/self_shadow.h"
 

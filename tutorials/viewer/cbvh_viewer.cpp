@@ -9,6 +9,7 @@
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "basics/progress.h"
+#include "pictures/image_output.h"
 #include "programs/view_options.h"
 
 #include <cstdio>

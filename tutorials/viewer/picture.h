@@ -6,7 +6,8 @@
 /* One picture of one representation, or of two side by side, the same in the window
  * and without one. Tiles of pixels are the tasks of TBB. */
 
-#include "pictures/image_output.h"
+#include "building/built_scene.h"
+#include "pictures/image.h"
 #include "tracing/camera.h"
 
 #include <optional>

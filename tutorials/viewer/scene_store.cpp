@@ -4,6 +4,7 @@
 #include "scene_store.h"
 #include "basics/error.h"
 #include "basics/progress.h"
+#include "building/memory.h"
 
 #include <algorithm>
 #include <chrono>

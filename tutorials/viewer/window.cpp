@@ -7,6 +7,7 @@
 #include "basics/parallel.h"
 #include "basics/progress.h"
 #include "measure/hit_metrics.h"
+#include "pictures/image_output.h"
 #include "pictures/shading.h"
 #include "tracing/trace_hits.h"
 
