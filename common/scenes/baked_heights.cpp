@@ -1,11 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "baked_heights.h"
-#include "uv_charts.h"
-
-#include "../parallel.h"
-#include "../subdivision_geometry.h"
+#include "scenes/baked_heights.h"
+#include "basics/parallel.h"
+#include "building/subdivision_geometry.h"
+#include "scenes/uv_charts.h"
 
 #include <cstdint>
 #include <cstdio>

@@ -7,9 +7,9 @@
  * surface. A height that depends on the position alone is the same from all faces
  * that meet there. */
 
-#include "../cage.h"
-#include "../face_atlas.h"
-#include "../height_map.h"
+#include "surface/cage.h"
+#include "surface/face_atlas.h"
+#include "surface/height_map.h"
 
 #include <functional>
 #include <string>

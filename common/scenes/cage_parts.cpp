@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cage_parts.h"
+#include "scenes/cage_parts.h"
 
 #include <map>
 #include <tuple>

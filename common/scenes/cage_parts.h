@@ -6,7 +6,7 @@
 /* Closed pieces of all-quad cages: tubes along a curve, for limbs, horns, teeth and
  * blades, and balls. */
 
-#include "../cage.h"
+#include "surface/cage.h"
 
 #include <vector>
 

@@ -1,18 +1,17 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "catalogue.h"
-#include "cube.h"
-#include "frog.h"
-#include "herd.h"
-#include "knee.h"
-#include "scythe.h"
-#include "trex.h"
-
-#include "../cage_validation.h"
-#include "../error.h"
-#include "../height_map.h"
-#include "../obj_reader.h"
+#include "scenes/catalogue.h"
+#include "basics/error.h"
+#include "scenes/cube.h"
+#include "scenes/frog.h"
+#include "scenes/herd.h"
+#include "scenes/knee.h"
+#include "scenes/scythe.h"
+#include "scenes/trex.h"
+#include "surface/cage_validation.h"
+#include "surface/height_map.h"
+#include "surface/obj_reader.h"
 
 #include <algorithm>
 #include <cmath>

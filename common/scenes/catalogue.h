@@ -5,7 +5,7 @@
 
 /* The models that programs make by name, and those they read from files. */
 
-#include "../model.h"
+#include "surface/model.h"
 
 #include <optional>
 #include <string>

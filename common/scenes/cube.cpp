@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cube.h"
+#include "scenes/cube.h"
 
 namespace cbvh {
 namespace {

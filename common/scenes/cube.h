@@ -6,7 +6,7 @@
 /* The paper's figure 1: a cube of 8 control points and 6 faces, 9 spikes on each,
  * by a smooth displacement function. */
 
-#include "../model.h"
+#include "surface/model.h"
 
 namespace cbvh {
 

@@ -3,13 +3,12 @@
 
 /* x runs to the head, y up, the left side is +z. */
 
-#include "frog.h"
-
-#include "../noise.h"
-#include "../parallel.h"
-#include "baked_heights.h"
-#include "cage_parts.h"
-#include "implicit_cage.h"
+#include "scenes/frog.h"
+#include "basics/parallel.h"
+#include "scenes/baked_heights.h"
+#include "scenes/cage_parts.h"
+#include "scenes/implicit_cage.h"
+#include "scenes/noise.h"
 
 namespace cbvh {
 namespace {

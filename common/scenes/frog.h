@@ -6,7 +6,7 @@
 /* A squat toad of some hundred large smooth faces with a single sharp spike on many of
  * them: what figure 13 of the paper is about. */
 
-#include "../model.h"
+#include "surface/model.h"
 
 namespace cbvh {
 

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "herd.h"
-
-#include "../noise.h"
+#include "scenes/herd.h"
+#include "scenes/noise.h"
 
 namespace cbvh {
 

@@ -5,7 +5,7 @@
 
 /* Many copies of `trex`, none an instance: for scale. */
 
-#include "trex.h"
+#include "scenes/trex.h"
 
 namespace cbvh {
 

@@ -4,7 +4,7 @@
 /* Round cone distance based on: Inigo Quilez, "Distance functions" (round cone);
  * smooth minimum: the same author, "Smooth minimum" (quadratic polynomial). */
 
-#include "implicit_cage.h"
+#include "scenes/implicit_cage.h"
 
 #include <cstdint>
 #include <unordered_map>

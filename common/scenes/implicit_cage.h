@@ -8,7 +8,7 @@
  * and 5 to 6 everywhere that the surface is not parallel to an axis, which is what
  * this is good for. */
 
-#include "../cage.h"
+#include "surface/cage.h"
 
 #include <functional>
 #include <vector>

@@ -3,12 +3,11 @@
 
 /* Thigh and shank in the plane z = 0, the knee points to +x. */
 
-#include "knee.h"
-
-#include "../noise.h"
-#include "../parallel.h"
-#include "baked_heights.h"
-#include "cage_parts.h"
+#include "scenes/knee.h"
+#include "basics/parallel.h"
+#include "scenes/baked_heights.h"
+#include "scenes/cage_parts.h"
+#include "scenes/noise.h"
 
 namespace cbvh {
 namespace {

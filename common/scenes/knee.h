@@ -6,7 +6,7 @@
 /* A bent limb of few faces: high curvature at the knee, moderate displacement. What
  * figure 15 of the paper is about. */
 
-#include "../model.h"
+#include "surface/model.h"
 
 namespace cbvh {
 

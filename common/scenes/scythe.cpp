@@ -4,12 +4,11 @@
 /* The blade lies in the plane z = 0, its cutting edge towards the inside of the bend;
  * the shaft stands along y. */
 
-#include "scythe.h"
-
-#include "../noise.h"
-#include "../parallel.h"
-#include "baked_heights.h"
-#include "cage_parts.h"
+#include "scenes/scythe.h"
+#include "basics/parallel.h"
+#include "scenes/baked_heights.h"
+#include "scenes/cage_parts.h"
+#include "scenes/noise.h"
 
 namespace cbvh {
 namespace {

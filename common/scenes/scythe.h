@@ -6,7 +6,7 @@
 /* A scythe: a blade of few large, strongly displaced patches that end in a thin tip,
  * on a shaft. What figure 14 of the paper is about. */
 
-#include "../model.h"
+#include "surface/model.h"
 
 namespace cbvh {
 

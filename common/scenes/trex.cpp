@@ -1,13 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "trex.h"
-
-#include "../face_atlas.h"
-#include "../parallel.h"
-#include "baked_heights.h"
-#include "trex_cage.h"
-#include "trex_skin.h"
+#include "scenes/trex.h"
+#include "basics/parallel.h"
+#include "scenes/baked_heights.h"
+#include "scenes/trex_cage.h"
+#include "scenes/trex_skin.h"
+#include "surface/face_atlas.h"
 
 #include <filesystem>
 

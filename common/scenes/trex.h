@@ -11,7 +11,7 @@
  * already and was made for this cage is taken as it is. Heights are a function of the
  * limit position, so faces agree on their common edges. */
 
-#include "../model.h"
+#include "surface/model.h"
 
 #include <string>
 

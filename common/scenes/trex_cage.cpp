@@ -1,11 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "trex_cage.h"
-#include "cage_parts.h"
-#include "implicit_cage.h"
-
-#include "../noise.h"
+#include "scenes/trex_cage.h"
+#include "scenes/cage_parts.h"
+#include "scenes/implicit_cage.h"
+#include "scenes/noise.h"
 
 namespace cbvh {
 namespace {

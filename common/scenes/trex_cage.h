@@ -7,7 +7,7 @@
  * eyes, lids and tongue as closed pieces that stand in it. One unit is about a metre; x
  * runs from tail to head, y up, the left side is +z. */
 
-#include "../cage.h"
+#include "surface/cage.h"
 
 #include <cstdint>
 #include <vector>

@@ -3,9 +3,8 @@
 
 /* Lengths are metres; heights are of the amplitude, 0.056 m in the smooth variant. */
 
-#include "trex_skin.h"
-
-#include "../noise.h"
+#include "scenes/trex_skin.h"
+#include "scenes/noise.h"
 
 namespace cbvh {
 namespace {

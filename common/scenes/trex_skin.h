@@ -5,7 +5,7 @@
 
 /* The skin of `trex` as heights within 0 and 1. */
 
-#include "trex_cage.h"
+#include "scenes/trex_cage.h"
 
 namespace cbvh {
 

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "uv_charts.h"
-#include "../face_borders.h"
+#include "scenes/uv_charts.h"
+#include "surface/face_borders.h"
 
 #include <algorithm>
 #include <map>

@@ -7,7 +7,7 @@
  * lattice, so that every face is a square of its own size in the map, in charts as
  * large as they stay compact. */
 
-#include "../cage.h"
+#include "surface/cage.h"
 
 #include <vector>
 

@@ -26,7 +26,7 @@
 #include <string>
 #include <vector>
 
-namespace cbvh {
+namespace cbvh::test {
 namespace {
 
 using namespace embree;
@@ -210,19 +210,19 @@ void writeSeeds(const std::string& directory)
 }
 
 } // namespace
-} // namespace cbvh
+} // namespace cbvh::test
 
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)
 {
   const std::string option = "--seeds=";
   for (int i = 1; i < *argc; i++)
-    if (option.compare(0, option.size(), (*argv)[i], option.size()) == 0) ::cbvh::writeSeeds((*argv)[i] + option.size());
+    if (option.compare(0, option.size(), (*argv)[i], option.size()) == 0) ::cbvh::test::writeSeeds((*argv)[i] + option.size());
   return 0;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
-  using namespace ::cbvh;
+  using namespace ::cbvh::test;
   static const World world;
   RayBytes ray;
   if (size < sizeof(ray) + sizeof(Block)) return 0;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "batches.h"
-#include "built_scene.h"
+#include "building/memory.h"
 
 namespace cbvh {
 

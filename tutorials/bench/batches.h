@@ -5,7 +5,7 @@
 
 /* Which variants of a group are in memory, and measured in turns, at a time. */
 
-#include "representation.h"
+#include "building/representation.h"
 
 #include <cstddef>
 #include <string>

@@ -11,13 +11,15 @@
 
 #include "benchmark.h"
 
-#include "error.h"
-#include "file_output.h"
-#include "parallel.h"
-#include "shading.h"
-#include "silhouettes.h"
-#include "tracing.h"
-#include "views.h"
+#include "basics/error.h"
+#include "basics/file_output.h"
+#include "basics/parallel.h"
+#include "building/memory.h"
+#include "measure/silhouettes.h"
+#include "pictures/image_output.h"
+#include "pictures/shading.h"
+#include "programs/view_options.h"
+#include "tracing/trace_hits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -254,7 +256,7 @@ private:
         if (what.kind == RepresentationKind::CLeaf && what.frameLevel != autoFrameLevel)
         {
           const auto bins = [&](const std::vector<size_t>& sample) {
-            return binSizes({model, *surface, view.primary, sample, footprint}, view.gridHits, b.scene->layout(),
+            return heightBins({model, *surface, view.primary, sample, footprint}, view.gridHits, b.scene->layout(),
                             group.level, what.frameLevel, threads);
           };
           result.bins = bins(view.sample);

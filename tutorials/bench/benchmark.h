@@ -6,11 +6,11 @@
 /* Runs the combinations. What is measured together, a scene at a level, is a group. */
 
 #include "batches.h"
-#include "bin_sizes.h"
-#include "built_scene.h"
-#include "hit_metrics.h"
 #include "options.h"
-#include "true_errors.h"
+#include "building/built_scene.h"
+#include "measure/height_bins.h"
+#include "measure/hit_metrics.h"
+#include "measure/true_errors.h"
 
 #include <functional>
 #include <optional>
@@ -38,7 +38,7 @@ struct ViewResult
   HitErrors away;                   // those of them that are away from silhouettes
   std::optional<HitErrors> toReference; // against GRID of the reference level
   std::optional<TrueErrors> toTrue;     // primary rays, against the true surface
-  std::optional<BinSizes> bins, binsAway; // of cLEAF's frame level; away from silhouettes
+  std::optional<HeightBins> bins, binsAway; // of cLEAF's frame level; away from silhouettes
   HitErrors bounced;                // incoherent rays, against GRID of the same level
   std::string picture, errorMap;    // file names
 };

@@ -5,12 +5,12 @@
  * and writes JSON. See --help. */
 
 #include "benchmark.h"
-#include "error.h"
-#include "file_output.h"
 #include "json.h"
 #include "machine.h"
 #include "options.h"
-#include "progress.h"
+#include "basics/error.h"
+#include "basics/file_output.h"
+#include "basics/progress.h"
 
 #include <cstdio>
 #include <filesystem>

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "json.h"
-#include "errors_json.h"
-#include "statistics.h"
+#include "measure/quantiles.h"
+#include "programs/errors_json.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -131,9 +131,9 @@ json resultJson(const VariantResult& r)
     if (v.toTrue)
       view["errors_to_true_surface"] = errorsJson(*v.toTrue);
     if (v.bins)
-      view["bins_of_4_bits"] = binSizesJson(*v.bins);
+      view["bins_of_4_bits"] = heightBinsJson(*v.bins);
     if (v.binsAway)
-      view["bins_of_4_bits_away_from_silhouettes"] = binSizesJson(*v.binsAway);
+      view["bins_of_4_bits_away_from_silhouettes"] = heightBinsJson(*v.binsAway);
     if (!v.picture.empty())
       view["picture"] = v.picture;
     if (!v.errorMap.empty())

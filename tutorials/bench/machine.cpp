@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "machine.h"
+#include "basics/error.h"
 #include "build_info.h"
-#include "error.h"
 
 #include <algorithm>
 #include <cstdlib>

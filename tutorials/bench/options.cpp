@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "options.h"
-#include "command_line.h"
-#include "error.h"
 #include "json.h"
-#include "parallel.h"
-#include "views.h"
+#include "basics/error.h"
+#include "basics/parallel.h"
+#include "programs/command_line.h"
+#include "programs/view_options.h"
 
 #include <algorithm>
 #include <charconv>

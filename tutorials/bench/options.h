@@ -5,12 +5,12 @@
 
 /* Command line of cbvh_bench: lists, whose combinations are measured. */
 
-#include "camera.h"
 #include "machine.h"
-#include "representation.h"
 #include "robustness.h"
+#include "building/representation.h"
 #include "scenes/catalogue.h"
-#include "trace_timing.h"
+#include "tracing/camera.h"
+#include "tracing/trace_timing.h"
 
 #include <optional>
 #include <string>

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "robustness.h"
-#include "aim_points.h"
-#include "error.h"
-#include "parallel.h"
+#include "basics/error.h"
+#include "basics/parallel.h"
+#include "measure/aim_points.h"
 
 #include <sstream>
 

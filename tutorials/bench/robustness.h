@@ -6,8 +6,9 @@
 /* What --check measures: rays that leak out of closed surfaces, and secondary rays that
  * see another thing than GRID's. */
 
-#include "leak_rays.h"
-#include "self_shadow.h"
+#include "building/built_scene.h"
+#include "measure/leak_rays.h"
+#include "measure/self_shadow.h"
 
 #include <map>
 #include <optional>

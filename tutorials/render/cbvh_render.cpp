@@ -5,11 +5,11 @@
  * them in memory, build time, speed and error. See --help. */
 
 #include "comparison.h"
-#include "error.h"
-#include "file_output.h"
 #include "options.h"
-#include "progress.h"
 #include "report.h"
+#include "basics/error.h"
+#include "basics/file_output.h"
+#include "basics/progress.h"
 
 #include <cstdio>
 #include <new>

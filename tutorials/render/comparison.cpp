@@ -10,14 +10,16 @@
 
 #include "comparison.h"
 
-#include "error.h"
-#include "file_output.h"
-#include "parallel.h"
-#include "self_shadow.h"
-#include "shading.h"
-#include "statistics.h"
-#include "tracing.h"
-#include "views.h"
+#include "basics/error.h"
+#include "basics/file_output.h"
+#include "basics/parallel.h"
+#include "building/memory.h"
+#include "measure/quantiles.h"
+#include "measure/self_shadow.h"
+#include "pictures/image_output.h"
+#include "pictures/shading.h"
+#include "programs/view_options.h"
+#include "tracing/trace_hits.h"
 
 #include <cstdio>
 #include <filesystem>

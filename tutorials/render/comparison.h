@@ -6,10 +6,10 @@
 /* The run: builds one representation after the other beside GRID, traces the same
  * rays through both, and collects what the table says. */
 
-#include "hit_metrics.h"
 #include "options.h"
-#include "trace_timing.h"
-#include "true_errors.h"
+#include "measure/hit_metrics.h"
+#include "measure/true_errors.h"
+#include "tracing/trace_timing.h"
 
 #include <optional>
 #include <string>

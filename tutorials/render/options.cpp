@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "options.h"
-#include "command_line.h"
-#include "error.h"
-#include "views.h"
+#include "basics/error.h"
+#include "programs/command_line.h"
+#include "programs/view_options.h"
 
 #include <cstdio>
 

@@ -5,10 +5,10 @@
 
 /* Command line of cbvh_render. */
 
-#include "built_scene.h"
-#include "camera.h"
-#include "representation.h"
+#include "building/built_scene.h"
+#include "building/representation.h"
 #include "scenes/catalogue.h"
+#include "tracing/camera.h"
 
 #include <optional>
 #include <string>

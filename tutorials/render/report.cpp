@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "report.h"
-#include "errors_json.h"
+#include "programs/errors_json.h"
 
 #include <nlohmann/json.hpp>
 

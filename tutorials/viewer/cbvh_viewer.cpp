@@ -3,13 +3,14 @@
 
 /* Shows a displaced subdivision surface in any representation. See --help. */
 
-#include "error.h"
 #include "options.h"
-#include "parallel.h"
-#include "progress.h"
 #include "view_state.h"
-#include "views.h"
 #include "window.h"
+#include "basics/error.h"
+#include "basics/parallel.h"
+#include "basics/progress.h"
+#include "pictures/image_output.h"
+#include "programs/view_options.h"
 
 #include <cstdio>
 #include <new>

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "picture.h"
-#include "hit_metrics.h"
-#include "shading.h"
-#include "tracing.h"
+#include "measure/hit_metrics.h"
+#include "pictures/shading.h"
+#include "tracing/trace_hits.h"
 
 #include <tbb/blocked_range2d.h>
 #include <tbb/parallel_for.h>

@@ -6,8 +6,9 @@
 /* One picture of one representation, or of two side by side, the same in the window
  * and without one. Tiles of pixels are the tasks of TBB. */
 
-#include "camera.h"
-#include "image_output.h"
+#include "building/built_scene.h"
+#include "pictures/image.h"
+#include "tracing/camera.h"
 
 #include <optional>
 #include <vector>

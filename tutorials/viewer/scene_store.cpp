@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "scene_store.h"
-#include "error.h"
-#include "progress.h"
+#include "basics/error.h"
+#include "basics/progress.h"
+#include "building/memory.h"
 
 #include <algorithm>
 #include <chrono>

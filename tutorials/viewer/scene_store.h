@@ -10,7 +10,7 @@
  * Everything here is called from one thread; scenes that it hands out live until the
  * next call of request. */
 
-#include "built_scene.h"
+#include "building/built_scene.h"
 
 #include <future>
 #include <list>

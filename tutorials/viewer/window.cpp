@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "window.h"
-#include "error.h"
-#include "hit_metrics.h"
-#include "parallel.h"
-#include "progress.h"
-#include "shading.h"
-#include "tracing.h"
 #include "view_state.h"
+#include "basics/error.h"
+#include "basics/parallel.h"
+#include "basics/progress.h"
+#include "measure/hit_metrics.h"
+#include "pictures/image_output.h"
+#include "pictures/shading.h"
+#include "tracing/trace_hits.h"
 
 #include "tutorials/common/tutorial/tutorial.h"
 

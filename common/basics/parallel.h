@@ -1,0 +1,61 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A loop on several threads, cancellable. The tools use plain threads: Embree's
+ * own pool belongs to its devices. */
+
+#include "basics/progress.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace cbvh {
+
+/* 0 means all there are. */
+inline unsigned threadCount(int requested)
+{
+  return requested > 0 ? unsigned(requested) : std::max(1u, std::thread::hardware_concurrency());
+}
+
+/* Calls body(begin, end) for consecutive ranges of at most `chunk` that cover
+ * [0,n), in any order and on up to `threads` threads. Rethrows the first exception;
+ * throws Cancelled when the user asks for it. */
+template<typename Body>
+void parallelFor(size_t n, size_t chunk, unsigned threads, const Body& body)
+{
+  std::atomic<size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex mutex;
+  auto work = [&] {
+    try
+    {
+      for (size_t begin; !cancelRequested() && (begin = next.fetch_add(chunk)) < n;)
+        body(begin, std::min(begin + chunk, n));
+    }
+    catch (...)
+    {
+      std::lock_guard<std::mutex> lock(mutex);
+      if (!failure)
+        failure = std::current_exception();
+      next = n;
+    }
+  };
+  std::vector<std::thread> pool;
+  for (unsigned i = 1; i < threads; i++)
+    pool.emplace_back(work);
+  work();
+  for (std::thread& t : pool)
+    t.join();
+  if (failure)
+    std::rethrow_exception(failure);
+  throwIfCancelled();
+}
+
+} // namespace cbvh

@@ -1,0 +1,89 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "basics/progress.h"
+#include "basics/error.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <unistd.h>
+
+namespace cbvh {
+namespace {
+
+volatile std::sig_atomic_t cancelFlag = 0;
+
+void onSignal(int signal)
+{
+  cancelFlag = 1;
+  std::signal(signal, SIG_DFL);
+}
+
+} // namespace
+
+void installCancelHandler()
+{
+  std::signal(SIGINT, onSignal);
+  std::signal(SIGTERM, onSignal);
+}
+
+void requestCancel()
+{
+  cancelFlag = 1;
+}
+
+bool cancelRequested()
+{
+  return cancelFlag != 0;
+}
+
+void throwIfCancelled()
+{
+  if (cancelRequested())
+    throw Cancelled();
+}
+
+Phase::Phase(const std::string& name)
+  : name(name), start(std::chrono::steady_clock::now()), terminal(isatty(STDERR_FILENO))
+{
+  throwIfCancelled();
+  if (terminal)
+    print(false);
+}
+
+Phase::~Phase()
+{
+  print(true);
+}
+
+void Phase::update(double fraction)
+{
+  const int now = int(std::min(1.0, fraction) * 100.0);
+  std::lock_guard<std::mutex> lock(mutex);
+  if (now <= percent)
+    return;
+  percent = now;
+  if (terminal)
+    print(false);
+}
+
+double Phase::seconds() const
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void Phase::print(bool final)
+{
+  const char* back = terminal ? "\r\033[K" : "";
+  if (!final)
+    std::fprintf(stderr, "%s  %s %d%%", back, name.c_str(), percent);
+  else if (cancelRequested() || std::uncaught_exceptions())
+    std::fprintf(stderr, "%s  %s: stopped after %.1f s\n", back, name.c_str(), seconds());
+  else
+    std::fprintf(stderr, "%s  %s: %.1f s\n", back, name.c_str(), seconds());
+  std::fflush(stderr);
+}
+
+} // namespace cbvh

@@ -1,0 +1,51 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Random numbers and directions, the same on every machine: distributions of the
+ * standard library are not. */
+
+#include "basics/vec.h"
+
+#include <cstdint>
+#include <random>
+
+namespace cbvh {
+
+/* In [0,1). */
+inline float uniform(std::mt19937& random)
+{
+  return float(random() >> 8) * 0x1p-24f;
+}
+
+/* Below n, which is not 0. */
+inline size_t below(size_t n, std::mt19937& random)
+{
+  return size_t((uint64_t(random()) * n) >> 32);
+}
+
+/* The direction with cosine `cosine` to the unit vector n, at an angle about it. */
+inline Vec3f around(Vec3f n, float cosine, float angle)
+{
+  const Vec3f s = normalize(std::abs(n.x) > 0.5f ? cross(n, Vec3f{0, 1, 0}) : cross(n, Vec3f{1, 0, 0}));
+  const Vec3f t = cross(n, s);
+  const float sine = std::sqrt(1.0f - cosine * cosine);
+  return normalize((sine * std::cos(angle)) * s + (sine * std::sin(angle)) * t + cosine * n);
+}
+
+/* Cosine distribution about the unit vector n. */
+inline Vec3f cosineDirection(Vec3f n, std::mt19937& random)
+{
+  const float radius2 = uniform(random), angle = 2.0f * float(M_PI) * uniform(random);
+  return around(n, std::sqrt(1.0f - radius2), angle);
+}
+
+/* All directions alike. */
+inline Vec3f anyDirection(std::mt19937& random)
+{
+  const float z = 2.0f * uniform(random) - 1.0f, angle = 2.0f * float(M_PI) * uniform(random);
+  return around({0, 0, 1}, z, angle);
+}
+
+} // namespace cbvh

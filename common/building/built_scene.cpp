@@ -1,0 +1,242 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "building/built_scene.h"
+#include "basics/error.h"
+#include "basics/parallel.h"
+#include "basics/progress.h"
+
+#include <cstdint>
+#include <set>
+
+namespace cbvh {
+namespace {
+
+std::string deviceConfig(const Representation& representation, const BuildSettings& settings)
+{
+  std::string config = representation.deviceConfig();
+  auto add = [&](const std::string& item) { config += (config.empty() ? "" : ",") + item; };
+  add("threads=" + std::to_string(threadCount(settings.threads)));
+  if (representation.isCompressed() && settings.maxError > 0.0f)
+  {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.9g", double(settings.maxError));
+    add(std::string("cbvh_max_error=") + text);
+  }
+  if (!settings.isa.empty())
+    add("isa=" + settings.isa);
+  return config;
+}
+
+bool onProgress(void* phase, double fraction)
+{
+  static_cast<Phase*>(phase)->update(fraction);
+  return !cancelRequested();
+}
+
+void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name)
+{
+  Phase phase(name);
+  rtcSetSceneProgressMonitorFunction(scene, onProgress, &phase);
+  rtcCommitScene(scene);
+  rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+  device.check("committing the scene");
+}
+
+/* contexts: as many as copies, whose capture is set already or is none; outlive the
+ * scene. */
+void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, int level,
+                  std::vector<DisplacementContext>& contexts)
+{
+  contexts.resize(model.copies.size());
+  const SharedTopology topology(device, model.cage);
+  for (size_t i = 0; i < contexts.size(); i++)
+  {
+    contexts[i].displacement = model.displacement.get();
+    contexts[i].level = level;
+    rtcAttachGeometry(scene, topology.makeGeometry(model.copies[i], contexts[i]).get());
+    throwIfCancelled();
+  }
+}
+
+/* Builds GRID and drops it again. captures: a copy each, with where its vertices go. */
+void captureVertices(const Model& model, const BuildSettings& settings, std::vector<DisplacementContext>& captures,
+                     const std::string& phase)
+{
+  EmbreeDevice device(deviceConfig({RepresentationKind::Grid}, settings));
+  const SceneHandle scene(rtcNewScene(device.handle()));
+  attachCopies(device, scene.get(), model, settings.level, captures);
+  commitScene(device, scene.get(), phase);
+}
+
+} // namespace
+
+void validateBuild(const BuildSettings& settings)
+{
+  if (settings.level < 0 || settings.level > maxLevel)
+    throw Error("--level " + std::to_string(settings.level) + " is out of range, 0 to " + std::to_string(maxLevel));
+  if (settings.threads < 0)
+    throw Error("--threads must not be negative");
+  if (!std::set<std::string>{"", "sse2", "sse4.2", "avx", "avx2", "avx512"}.count(settings.isa))
+    throw Error("unknown --isa '" + settings.isa + "', known are sse2, sse4.2, avx, avx2 and avx512");
+}
+
+BuiltScene::BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings)
+  : what(representation), patches(model.layout(settings.level)), facesOfCopy(model.cage.numFaces()),
+    quadsOfCopy(patches.numQuads() / model.copies.size())
+{
+  device = std::make_unique<EmbreeDevice>(deviceConfig(representation, settings));
+  scene.reset(rtcNewScene(device->handle()));
+  device->check("making a scene");
+  if (representation.kind == RepresentationKind::Naive)
+    buildTriangles(model, settings);
+  else
+    buildSubdivision(model, settings);
+  built.quads = patches.numQuads();
+}
+
+void BuiltScene::commit(const char* doing)
+{
+  const auto start = std::chrono::steady_clock::now();
+  commitScene(*device, scene.get(), what.label() + ": " + doing);
+  built.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  built.liveBytes = device->memory().live();
+  built.peakBytes = device->memory().peak();
+}
+
+void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& settings)
+{
+  const auto start = std::chrono::steady_clock::now();
+  attachCopies(*device, scene.get(), model, settings.level, contexts);
+  built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  commit("build");
+  if (what.isCompressed())
+  {
+    rtcGetSceneCompressionStatistics(scene.get(), &built.compression);
+    device->check("asking for the compression statistics");
+  }
+}
+
+/* NAIVE's vertices are GRID's own: a second subdivision geometry, built as GRID and
+ * dropped, hands over each vertex that it tessellates. Two triangles a quad, split
+ * as GRID splits them, from (1,0) to (0,1):
+ *
+ *     01 --- 11
+ *      | \ B |        A = 00, 10, 01    B = 01, 10, 11    (first digit u)
+ *      | A \ |
+ *     00 --- 10
+ *
+ * Every patch has its own vertices, every copy is a geometry. */
+void BuiltScene::buildTriangles(const Model& model, const BuildSettings& settings)
+{
+  const PatchLayout layout(model.cage, settings.level);
+  for (const Patch& patch : layout.patches())
+    if (settings.level == 0 && !layout.isQuadFace(patch.face))
+      throw Error("NAIVE at level 0 needs a cage of quads only");
+
+  std::vector<GeometryHandle> copies;
+  std::vector<DisplacementContext> captures(model.copies.size());
+  for (DisplacementContext& capture : captures)
+  {
+    copies.emplace_back(rtcNewGeometry(device->handle(), RTC_GEOMETRY_TYPE_TRIANGLE));
+    capture.layout = &layout;
+    capture.captured =
+      static_cast<float*>(rtcSetNewGeometryBuffer(copies.back().get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                  3 * sizeof(float), layout.numVertices()));
+    device->check("allocating the vertices of NAIVE");
+  }
+  captureVertices(model, settings, captures, what.label() + ": tessellation");
+  for (const GeometryHandle& copy : copies)
+    fillTriangles(copy.get(), layout, settings);
+
+  const auto start = std::chrono::steady_clock::now();
+  for (const GeometryHandle& copy : copies)
+  {
+    rtcCommitGeometry(copy.get());
+    rtcAttachGeometry(scene.get(), copy.get());
+  }
+  device->check("committing the triangles of NAIVE");
+  built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  commit("build");
+}
+
+void BuiltScene::fillTriangles(RTCGeometry triangles, const PatchLayout& layout, const BuildSettings& settings)
+{
+  uint32_t* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
+    triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), 2 * layout.numQuads()));
+  device->check("allocating the triangles of NAIVE");
+  parallelFor(layout.patches().size(), 64, threadCount(settings.threads), [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; i++)
+    {
+      const Patch& patch = layout.patches()[i];
+      uint32_t* out = indices + 6 * patch.firstQuad;
+      const uint32_t row = patch.resolution + 1;
+      for (uint32_t y = 0; y < patch.resolution; y++)
+        for (uint32_t x = 0; x < patch.resolution; x++)
+        {
+          const uint32_t v00 = uint32_t(patch.firstVertex) + y * row + x;
+          const uint32_t v10 = v00 + 1, v01 = v00 + row, v11 = v01 + 1;
+          for (uint32_t index : {v00, v10, v01, v01, v10, v11})
+            *out++ = index;
+        }
+    }
+  });
+}
+
+Box3f BuiltScene::bounds() const
+{
+  RTCBounds b;
+  rtcGetSceneBounds(scene.get(), &b);
+  return {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+}
+
+SurfaceHit BuiltScene::surfaceHit(const RTCRayHit& ray) const
+{
+  SurfaceHit result;
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    return result;
+  result.t = ray.ray.tfar;
+  result.u = ray.hit.u;
+  result.v = ray.hit.v;
+  result.face = unsigned(ray.hit.geomID * facesOfCopy + ray.hit.primID);
+  result.normal = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
+  if (what.kind != RepresentationKind::Naive)
+    return result;
+
+  const size_t quad = ray.hit.geomID * quadsOfCopy + ray.hit.primID / 2;
+  const auto& all = patches.patches();
+  const Patch& patch = *(std::upper_bound(all.begin(), all.end(), quad,
+                                          [](size_t q, const Patch& p) { return q < p.firstQuad; }) - 1);
+  const unsigned local = unsigned(quad - patch.firstQuad);
+  const unsigned x = local % patch.resolution, y = local / patch.resolution;
+  /* Triangle A: (u,v) = barycentric (a,b). Triangle B: vertices (0,1), (1,0), (1,1). */
+  const float a = ray.hit.u, b = ray.hit.v;
+  const float du = ray.hit.primID & 1 ? a + b : a;
+  const float dv = ray.hit.primID & 1 ? 1.0f - a : b;
+  result.face = patch.face;
+  result.u = (float(x) + du) / float(patch.resolution);
+  result.v = (float(y) + dv) / float(patch.resolution);
+  if (!patches.isQuadFace(patch.face))
+  {
+    const Vec2f uv = encodeSubPatch(patch.subPatch, result.u, result.v);
+    result.u = uv.x;
+    result.v = uv.y;
+  }
+  return result;
+}
+
+std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings)
+{
+  const PatchLayout layout(model.cage, settings.level);
+  std::vector<Vec3f> vertices(layout.numVertices() * model.copies.size());
+  std::vector<DisplacementContext> captures(model.copies.size());
+  for (size_t i = 0; i < captures.size(); i++)
+  {
+    captures[i].layout = &layout;
+    captures[i].captured = &vertices[i * layout.numVertices()].x;
+  }
+  captureVertices(model, settings, captures, "tessellation");
+  return vertices;
+}
+
+} // namespace cbvh

@@ -1,0 +1,78 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A model built in one representation, with what that took. */
+
+#include "building/embree_device.h"
+#include "building/representation.h"
+#include "building/subdivision_geometry.h"
+#include "building/surface_hit.h"
+#include "surface/model.h"
+
+#include <embree3/rtcore_compression.h>
+
+#include <memory>
+#include <string>
+
+namespace cbvh {
+
+struct BuildSettings
+{
+  int level = 6;
+  int threads = 0;     // of Embree's build, 0 for all
+  float maxError = 0;  // bound on the thickness of leaves where frame levels are automatic, 0 for none
+  std::string isa;     // Embree's name of the widest instruction set to use, empty for the host's best
+};
+
+/* Throws Error that names the option, --level, --threads or --isa, and its value. */
+void validateBuild(const BuildSettings& settings);
+
+struct BuildReport
+{
+  double seconds = 0;    // commit of geometry and scene
+  size_t liveBytes = 0;  // held by the device after the commit, buffers and cage included
+  size_t peakBytes = 0;  // most held at any time of the commit
+  size_t quads = 0;
+  RTCCompressionStatistics compression{}; // all zero for NAIVE and GRID
+
+  double bytesPerQuad() const { return quads ? double(liveBytes) / double(quads) : 0.0; }
+};
+
+class BuiltScene
+{
+public:
+  /* Builds. Shows progress, and stops with Cancelled on Ctrl-C.
+   * The model outlives the scene. Errors: throws Error with Embree's message. */
+  BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings);
+
+  RTCScene handle() const { return scene.get(); }
+  const Representation& representation() const { return what; }
+  const BuildReport& report() const { return built; }
+  const PatchLayout& layout() const { return patches; }
+  Box3f bounds() const;
+
+  /* Translates what Embree reports; NAIVE's triangles become faces and (u,v). */
+  SurfaceHit surfaceHit(const RTCRayHit& ray) const;
+
+private:
+  void buildSubdivision(const Model& model, const BuildSettings& settings);
+  void buildTriangles(const Model& model, const BuildSettings& settings);
+  void fillTriangles(RTCGeometry triangles, const PatchLayout& layout, const BuildSettings& settings);
+  void commit(const char* doing);
+
+  Representation what;
+  PatchLayout patches;
+  size_t facesOfCopy, quadsOfCopy;
+  std::vector<DisplacementContext> contexts; // one a copy
+  std::unique_ptr<EmbreeDevice> device;
+  SceneHandle scene; // released before its device
+  BuildReport built;
+};
+
+/* Vertices of all patches of all copies, in the order of the model's layout: those that
+ * GRID holds, to the bit. Throws Error, Cancelled. */
+std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings);
+
+} // namespace cbvh

@@ -1,0 +1,22 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What a build takes of memory, and what there is of it: asked before something is built
+ * that would not fit. */
+
+#include "building/representation.h"
+
+#include <cstddef>
+
+namespace cbvh {
+
+/* Bytes that building a representation needs at its peak, an upper estimate. */
+size_t estimatedPeakBytes(RepresentationKind kind, size_t quads);
+
+/* Bytes that this process can still get: the machine's or its control group's,
+ * whichever is less. SIZE_MAX when neither can be read. */
+size_t availableMemory();
+
+} // namespace cbvh

@@ -1,0 +1,120 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "building/subdivision_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace cbvh {
+namespace {
+
+/* The lattice of all tessellations, 2^-16: Embree multiplies by a rounded reciprocal,
+ * and its grids end a face at 0.99999994 where other code ends it at 1. A border that
+ * is not recognised as one would tear there. */
+float snap(float parameter)
+{
+  return std::nearbyint(parameter * 0x1p16f) * 0x1p-16f;
+}
+
+void displace(const RTCDisplacementFunctionNArguments* args)
+{
+  const DisplacementContext& context = *static_cast<const DisplacementContext*>(args->geometryUserPtr);
+  constexpr size_t batch = 256;
+  float offsets[batch], u[batch], v[batch];
+  for (size_t begin = 0; begin < args->N; begin += batch)
+  {
+    const size_t n = std::min<size_t>(batch, args->N - begin);
+    std::transform(args->u + begin, args->u + begin + n, u, snap);
+    std::transform(args->v + begin, args->v + begin + n, v, snap);
+    if (context.displacement)
+      context.displacement->offsets({args->primID, context.level, n, u, v}, offsets);
+    else
+      std::fill(offsets, offsets + n, 0.0f);
+    for (size_t i = 0; i < n; i++)
+    {
+      offsets[i] *= context.scale;
+      args->P_x[begin + i] += offsets[i] * args->Ng_x[begin + i];
+      args->P_y[begin + i] += offsets[i] * args->Ng_y[begin + i];
+      args->P_z[begin + i] += offsets[i] * args->Ng_z[begin + i];
+    }
+  }
+  if (!context.captured)
+    return;
+  for (size_t i = 0; i < args->N; i++)
+  {
+    float u = args->u[i], v = args->v[i];
+    const Patch& patch = context.layout->find(args->primID, u, v);
+    if (!context.layout->isQuadFace(args->primID))
+      decodeSubPatch(u, v);
+    const size_t x = size_t(std::lround(u * float(patch.resolution)));
+    const size_t y = size_t(std::lround(v * float(patch.resolution)));
+    float* out = context.captured + 3 * (patch.firstVertex + y * (patch.resolution + 1) + x);
+    out[0] = args->P_x[i];
+    out[1] = args->P_y[i];
+    out[2] = args->P_z[i];
+  }
+}
+
+RTCSubdivisionMode subdivisionMode(BoundaryRule rule)
+{
+  switch (rule)
+  {
+  case BoundaryRule::None: return RTC_SUBDIVISION_MODE_NO_BOUNDARY;
+  case BoundaryRule::EdgeAndCorner: return RTC_SUBDIVISION_MODE_PIN_CORNERS;
+  default: return RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY;
+  }
+}
+
+} // namespace
+
+template<typename T>
+void SharedTopology::add(RTCBufferType type, RTCFormat format, const std::vector<T>& data)
+{
+  if (data.empty())
+    return;
+  BufferHandle buffer(rtcNewBuffer(device.handle(), sizeof(T) * data.size()));
+  device.check("allocating a buffer of the cage");
+  std::memcpy(rtcGetBufferData(buffer.get()), data.data(), sizeof(T) * data.size());
+  buffers.push_back({type, format, sizeof(T), data.size(), std::move(buffer)});
+}
+
+SharedTopology::SharedTopology(EmbreeDevice& device, const Cage& cage) : device(device), cage(cage)
+{
+  add(RTC_BUFFER_TYPE_FACE, RTC_FORMAT_UINT, cage.faceSizes);
+  add(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, cage.faceIndices);
+  add(RTC_BUFFER_TYPE_EDGE_CREASE_INDEX, RTC_FORMAT_UINT2, cage.creaseEdges);
+  add(RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, RTC_FORMAT_FLOAT, cage.creaseSharpness);
+  add(RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX, RTC_FORMAT_UINT, cage.cornerVertices);
+  add(RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT, RTC_FORMAT_FLOAT, cage.cornerSharpness);
+  add(RTC_BUFFER_TYPE_HOLE, RTC_FORMAT_UINT, cage.holes);
+}
+
+GeometryHandle SharedTopology::makeGeometry(const Placement& placement, DisplacementContext& context) const
+{
+  GeometryHandle handle(rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SUBDIVISION));
+  device.check("making a geometry");
+  const RTCGeometry geometry = handle.get();
+  /* Embree loads 16 bytes of a vertex and wants all four numbers valid, so what comes
+   * after the last one matters, and rtcSetNewGeometryBuffer leaves it as it was. */
+  const size_t n = cage.positions.size();
+  const BufferHandle vertices(rtcNewBuffer(device.handle(), (n + 1) * sizeof(Vec3f)));
+  device.check("allocating the vertices of a cage");
+  auto* out = static_cast<Vec3f*>(rtcGetBufferData(vertices.get()));
+  std::transform(cage.positions.begin(), cage.positions.end(), out, [&](Vec3f p) { return placement.apply(p); });
+  out[n] = Vec3f();
+  rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.get(), 0, sizeof(Vec3f), n);
+  for (const Buffer& b : buffers)
+    rtcSetGeometryBuffer(geometry, b.type, 0, b.format, b.handle.get(), 0, b.stride, b.count);
+  context.scale = placement.scale;
+  rtcSetGeometrySubdivisionMode(geometry, 0, subdivisionMode(cage.boundary));
+  rtcSetGeometryTessellationRate(geometry, float(1 << context.level));
+  rtcSetGeometryUserData(geometry, &context);
+  rtcSetGeometryDisplacementFunction(geometry, displace);
+  rtcCommitGeometry(geometry);
+  device.check("committing the subdivision geometry");
+  return handle;
+}
+
+} // namespace cbvh

@@ -1,0 +1,64 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Cages as Embree subdivision geometries at a uniform edge rate. */
+
+#include "building/embree_device.h"
+#include "surface/model.h"
+
+#include <vector>
+
+namespace cbvh {
+
+/* What the displacement function of a geometry needs; outlives the geometry. */
+struct DisplacementContext
+{
+  const Displacement* displacement = nullptr;
+  int level = 0;          // of the subdivision
+  float scale = 1.0f;     // of the copy, and so of its displacement
+
+  /* If set, every vertex that Embree tessellates is also written here, in the order
+   * of the layout: the tessellation that GRID stores, to the bit. */
+  const PatchLayout* layout = nullptr;
+  float* captured = nullptr; // 3 floats a vertex
+};
+
+struct BufferRelease
+{
+  void operator()(RTCBuffer buffer) const { rtcReleaseBuffer(buffer); }
+};
+using BufferHandle = std::unique_ptr<RTCBufferTy, BufferRelease>;
+
+/* What all copies of a cage have in common, in buffers of a device. The cage outlives
+ * it. */
+class SharedTopology
+{
+public:
+  /* Throws Error. */
+  SharedTopology(EmbreeDevice& device, const Cage& cage);
+
+  /* Makes a geometry at a place, committed, not yet attached to a scene.
+   *
+   * context: displacement, level (the edge rate is 2^level) and capture.
+   * Errors: throws Error. */
+  GeometryHandle makeGeometry(const Placement& placement, DisplacementContext& context) const;
+
+private:
+  struct Buffer
+  {
+    RTCBufferType type;
+    RTCFormat format;
+    size_t stride, count;
+    BufferHandle handle;
+  };
+  template<typename T>
+  void add(RTCBufferType type, RTCFormat format, const std::vector<T>& data);
+
+  EmbreeDevice& device;
+  const Cage& cage;
+  std::vector<Buffer> buffers;
+};
+
+} // namespace cbvh

@@ -1,0 +1,111 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "measure/height_bins.h"
+#include "basics/parallel.h"
+#include "measure/hit_metrics.h"
+#include "measure/quantiles.h"
+
+namespace cbvh {
+namespace {
+
+using Corners = std::array<Vec3d, 4>; // (0,0), (1,0), (0,1), (1,1)
+
+Vec3d normalOf(const Corners& c)
+{
+  return normalize(cross(c[3] - c[0], c[2] - c[1]));
+}
+
+/* A patch as tessellated at a level, in the frame of the cage. */
+struct Tessellation
+{
+  const TrueView& view;
+  PatchPoint patch;
+  unsigned resolution;
+  int level;
+
+  Vec3d vertex(unsigned i, unsigned j, bool displaced) const
+  {
+    const PatchPoint p{patch.face, patch.subPatch, double(i) / resolution, double(j) / resolution};
+    const LimitSample s = view.surface.limitSurface().evaluate(p);
+    if (!displaced || !view.model.displacement)
+      return s.p;
+    const FacePoint q = view.surface.patches().toEmbree(p);
+    float offset;
+    view.model.displacement->offsets({q.face, level, 1, &q.u, &q.v}, &offset);
+    return s.p + double(offset) * normalize(cross(s.du, s.dv));
+  }
+
+  /* Of a square of quads. */
+  Corners corners(unsigned i, unsigned j, unsigned size, bool displaced) const
+  {
+    return {vertex(i, j, displaced), vertex(i + size, j, displaced), vertex(i, j + size, displaced),
+            vertex(i + size, j + size, displaced)};
+  }
+};
+
+/* Along the ray in pixels; NaN: a quad or block without a normal, or no surface. */
+float heightBin(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const PatchLayout& layout, int level,
+              int frameLevel)
+{
+  const unsigned faces = unsigned(view.model.cage.numFaces());
+  const FacePoint reported{hit.face % faces, hit.u, hit.v};
+  if (!hit.hit() || !view.surface.has(reported.face))
+    return NAN;
+  const Placement& copy = view.model.copies[hit.face / faces];
+  const PatchPoint at = view.surface.patches().fromEmbree(reported);
+  const unsigned resolution = layout.find(hit.face, hit.u, hit.v).resolution;
+  const Tessellation patch{view, at, resolution, level};
+
+  const unsigned block = std::min(resolution, 1u << std::max(0, level - frameLevel));
+  const unsigned i = std::min(unsigned(at.u * resolution), resolution - 1);
+  const unsigned j = std::min(unsigned(at.v * resolution), resolution - 1);
+  const Vec3d z = normalOf(patch.corners(i / block * block, j / block * block, block, false));
+  const Corners quad = patch.corners(i, j, 1, true);
+  const Vec3d n = normalOf(quad), d = copy.directionToCage(toDouble(ray.direction));
+  double lowest = INFINITY, highest = -INFINITY;
+  for (const Vec3d& p : quad)
+  {
+    lowest = std::min(lowest, dot(z, p));
+    highest = std::max(highest, dot(z, p));
+  }
+  const double bin = (highest - lowest) / 16.0 * copy.scale;
+  return float(bin * std::abs(dot(z, n) / dot(d, n)) / (double(view.footprint) * hit.t));
+}
+
+} // namespace
+
+HeightBins heightBins(const TrueView& view, const std::vector<SurfaceHit>& hits, const PatchLayout& layout, int level,
+                  int frameLevel, unsigned threads)
+{
+  std::vector<float> bins(view.sample.size());
+  parallelFor(bins.size(), 64, threads, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; k++)
+      bins[k] = heightBin(view, view.rays[view.sample[k]], hits[view.sample[k]], layout, level, frameLevel);
+  });
+  bins.erase(std::remove_if(bins.begin(), bins.end(), [](float b) { return std::isnan(b); }), bins.end());
+
+  /* Errors are spread evenly over half a bin. Of a bin of more than 10 pixels, only a share
+   * of them is within 5; their mean square is a third of the farthest one's. */
+  constexpr int errorsOfBin = 20;
+  HeightBins result;
+  result.hits = bins.size();
+  std::vector<float> errors;
+  double within = 0, sumOfSquares = 0;
+  for (float b : bins)
+  {
+    for (int k = 0; k < errorsOfBin; k++)
+      errors.push_back((float(k) + 0.5f) / errorsOfBin * 0.5f * b);
+    const double farthest = std::min(0.5 * b, double(farOffPixels));
+    const double share = b > 0.0f ? 2.0 * farthest / b : 1.0;
+    within += share;
+    sumOfSquares += share * farthest * farthest / 3.0;
+  }
+  for (size_t k = 0; k < result.quantiles.size(); k++)
+    result.quantiles[k] = quantile(bins, double(k + 1) / double(result.quantiles.size() + 1));
+  result.median = quantile(errors, 0.5);
+  result.rmseOfOthers = within > 0.0 ? std::sqrt(sumOfSquares / within) : 0.0;
+  return result;
+}
+
+} // namespace cbvh

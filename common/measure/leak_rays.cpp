@@ -1,0 +1,246 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Places inside are found from the surface: from an aim point a ray goes inwards, and
+ * half of its way to the other side is inside, and sees the aim point. It is inside if
+ * rays from there first hit the surface from its back, as GRID sees it. */
+
+#include "measure/leak_rays.h"
+#include "basics/parallel.h"
+#include "basics/sampling.h"
+#include "tracing/ray_conversion.h"
+
+#include <atomic>
+#include <limits>
+
+namespace cbvh {
+namespace {
+
+constexpr size_t raysOfPlace = 8;
+constexpr size_t placesOfChunk = 128;
+constexpr size_t maxExamples = 16;
+
+struct Place
+{
+  Vec3f origin;
+  AimPoint target;
+};
+
+struct Found
+{
+  float t = INFINITY;
+  float slope = 0; // how fast the ray leaves the surface for its outside, a unit of t
+  Vec3f normal;
+
+  bool fromBack() const { return slope > 0.0f; }
+  bool hit() const { return t < INFINITY; }
+};
+
+Found closest(RTCScene scene, RTCIntersectContext& context, const Ray& ray)
+{
+  RTCRayHit out;
+  load(ray, out.ray);
+  out.hit.geomID = out.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene, &context, &out);
+  if (out.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    return {};
+  const Vec3f normal = normalize(Vec3f{out.hit.Ng_x, out.hit.Ng_y, out.hit.Ng_z});
+  return {out.ray.tfar, dot(normal, ray.direction), normal};
+}
+
+bool any(RTCScene scene, RTCIntersectContext& context, const Ray& ray)
+{
+  RTCRay out;
+  load(ray, out);
+  rtcOccluded1(scene, &context, &out);
+  return out.tfar < 0.0f;
+}
+
+Ray rayFrom(Vec3f origin, Vec3f direction, float tnear = 0.0f)
+{
+  Ray ray;
+  ray.origin = origin;
+  ray.direction = direction;
+  ray.tnear = tnear;
+  return ray;
+}
+
+float nudged(float x, std::mt19937& random)
+{
+  const int steps = int(random() % 5) - 2;
+  for (int i = 0; i < std::abs(steps); i++)
+    x = std::nextafter(x, steps < 0 ? -INFINITY : INFINITY);
+  return x;
+}
+
+class Tracer
+{
+public:
+  Tracer(RTCScene grid, RTCScene scene, const AimPoints& points, const LeakSettings& settings, uint32_t seed)
+    : grid(grid), scene(scene), points(points), settings(settings), random(seed)
+  {
+    rtcInitIntersectContext(&context);
+  }
+
+  LeakCounts run(size_t places)
+  {
+    for (size_t i = 0; i < places; i++)
+    {
+      Place place;
+      if (findPlace(points[i % numMeetings], i / numMeetings % 2, place))
+        traceFrom(place);
+    }
+    return counts;
+  }
+
+private:
+  /* grazing: the aim point is seen at less than 6 degrees, or a little more where that
+   * stays too near to the surface. */
+  bool findPlace(const std::vector<AimPoint>& from, bool grazing, Place& place)
+  {
+    for (int attempt = 0; attempt < 64 && !from.empty(); attempt++)
+    {
+      place.target = from[below(from.size(), random)];
+      const Vec3f inwards = -normalize(place.target.normal);
+      const float cosine = (grazing ? 0.1f + 0.01f * float(attempt) : 1.0f) * uniform(random);
+      const Vec3f direction = around(inwards, cosine, 2.0f * float(M_PI) * uniform(random));
+      const float edge = length(place.target.neighbour - place.target.position);
+      const Found wall = closest(grid, context, rayFrom(place.target.position, direction, 0.01f * edge));
+      if (!wall.fromBack() || wall.t < 4.0f * std::max(edge, settings.thickness))
+        continue;
+      place.origin = place.target.position + 0.5f * wall.t * direction;
+      if (isInside(place.origin) && isClear(place.origin, {place.target.position - place.origin, place.target.normal}))
+        return true;
+    }
+    return false;
+  }
+
+  bool isInside(Vec3f p)
+  {
+    for (int i = 0; i < 2; i++)
+      if (!closest(grid, context, rayFrom(p, anyDirection(random))).fromBack())
+        return false;
+    return true;
+  }
+
+  bool isOutside(Vec3f p)
+  {
+    for (int i = 0; i < 16; i++)
+      if (closest(grid, context, rayFrom(p, anyDirection(random))).fromBack())
+        return false;
+    return true;
+  }
+
+  /* Not within the thickness of the surface, where a ray may have left it behind. Looks
+   * along the normals of walls that p sees, there and anywhere: the nearest point of each
+   * is that way. */
+  bool isClear(Vec3f p, std::array<Vec3f, 2> directions)
+  {
+    const float distance = 1.5f * settings.thickness;
+    for (size_t i = 0; i < 10; i++)
+    {
+      const Vec3f direction = i < directions.size() ? normalize(directions[i]) : anyDirection(random);
+      const Found wall = closest(grid, context, rayFrom(p, direction));
+      Ray nearest = rayFrom(p, wall.fromBack() ? wall.normal : -wall.normal);
+      nearest.tfar = distance;
+      if (wall.hit() && (wall.t < distance || any(grid, context, nearest)))
+        return false;
+    }
+    return true;
+  }
+
+  void traceFrom(const Place& place)
+  {
+    const auto towards = [&](Vec3f target) { return target - place.origin; };
+    const AimPoint& a = place.target;
+    Vec3f d = towards(a.position);
+    trace(place, d, true);
+    trace(place, {nudged(d.x, random), nudged(d.y, random), nudged(d.z, random)}, true);
+    for (int i = 0; i < 3; i++)
+      trace(place, towards(lerp(a.position, a.neighbour, uniform(random))), true);
+    trace(place, normalize(d), true);
+    trace(place, anyDirection(random), false);
+    const float side = random() & 1 ? 1.0f : -1.0f;
+    const size_t axis = below(3, random);
+    trace(place, {axis == 0 ? side : 0.0f, axis == 1 ? side : 0.0f, axis == 2 ? side : 0.0f}, false);
+  }
+
+  void trace(const Place& place, Vec3f direction, bool aimed)
+  {
+    const Ray ray = rayFrom(place.origin, direction);
+    const Found inGrid = closest(grid, context, ray), inScene = closest(scene, context, ray);
+    const bool anyInGrid = any(grid, context, ray), anyInScene = any(scene, context, ray);
+    const Leaks ofScene = leaks(inScene, anyInScene, inGrid, ray);
+    counts.rays++;
+    counts.aimed += aimed;
+    counts.ofGrid += leaks(inGrid, anyInGrid, inScene, ray);
+    counts.ofScene += ofScene;
+    if (!aimed)
+      counts.random += ofScene;
+    if (ofScene.closest + ofScene.any + ofScene.through > 0 && counts.examples.size() < maxExamples)
+      counts.examples.push_back(ray);
+  }
+
+  Leaks leaks(const Found& found, bool foundAny, const Found& other, const Ray& ray)
+  {
+    Leaks leaks;
+    leaks.closest = !found.hit();
+    leaks.any = !foundAny;
+    leaks.through = found.hit() && other.hit() && leaksThrough(found, other, ray);
+    return leaks;
+  }
+
+  /* Whether a hit is well behind the wall that the other scene sees first, by its own
+   * normal of the outside, and halfway from that wall the ray is outside: not where one
+   * only touches the wall and goes on, to another that is inside of the same surface. */
+  bool leaksThrough(const Found& found, const Found& first, const Ray& ray)
+  {
+    const float tolerance = 2.0f * settings.thickness + 1e-5f * length(ray.origin);
+    if (found.fromBack() || !((found.t - first.t) * std::abs(first.slope) > tolerance))
+      return false;
+    const Vec3f p = ray.origin + 0.5f * (first.t + found.t) * ray.direction;
+    return isOutside(p) && isClear(p, {first.normal, found.normal});
+  }
+
+  RTCScene grid, scene;
+  const AimPoints& points;
+  const LeakSettings& settings;
+  std::mt19937 random;
+  RTCIntersectContext context;
+  LeakCounts counts;
+};
+
+} // namespace
+
+Leaks& Leaks::operator+=(const Leaks& other)
+{
+  closest += other.closest;
+  any += other.any;
+  through += other.through;
+  return *this;
+}
+
+LeakCounts countLeaks(RTCScene grid, RTCScene scene, const AimPoints& points, const LeakSettings& settings,
+                      unsigned threads)
+{
+  LeakCounts sum;
+  std::mutex mutex;
+  const size_t places = (settings.rays + raysOfPlace - 1) / raysOfPlace;
+  parallelFor(places, placesOfChunk, threads, [&](size_t begin, size_t end) {
+    const FastDenormals denormals;
+    const uint32_t seed = settings.seed + 0x9E3779B9u * uint32_t(begin / placesOfChunk + 1);
+    const LeakCounts local = Tracer(grid, scene, points, settings, seed).run(end - begin);
+    const std::lock_guard<std::mutex> lock(mutex);
+    sum.rays += local.rays;
+    sum.aimed += local.aimed;
+    sum.ofScene += local.ofScene;
+    sum.ofGrid += local.ofGrid;
+    sum.random += local.random;
+    for (const Ray& ray : local.examples)
+      if (sum.examples.size() < maxExamples)
+        sum.examples.push_back(ray);
+  });
+  return sum;
+}
+
+} // namespace cbvh

@@ -1,0 +1,79 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "pictures/image_output.h"
+#include "basics/error.h"
+#include "basics/file_output.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenImageIO/imageio.h>
+
+namespace cbvh {
+
+void writePng(const std::string& path, const Image& image)
+{
+  PendingFile file(path);
+  const auto output = OIIO::ImageOutput::create(file.temporary());
+  if (!output)
+    throw Error(path + ": " + OIIO::geterror());
+  const OIIO::ImageSpec spec(image.size.width, image.size.height, 3, OIIO::TypeDesc::UINT8);
+  if (!output->open(file.temporary(), spec) || !output->write_image(OIIO::TypeDesc::UINT8, image.rgb.data()) ||
+      !output->close())
+    throw Error(path + ": cannot be written: " + output->geterror());
+  file.commit();
+}
+
+void writeHitsExr(const std::string& path, ImageSize size, const std::vector<Ray>& rays,
+                  const std::vector<SurfaceHit>& hits)
+{
+  constexpr int floats = 9;
+  static const char* const names[floats] = {"P.X", "P.Y", "P.Z", "Z", "N.X", "N.Y", "N.Z", "u", "v"};
+  std::vector<float> values(hits.size() * floats, 0.0f);
+  std::vector<unsigned> faces(hits.size());
+  for (size_t i = 0; i < hits.size(); i++)
+  {
+    float* out = &values[i * floats];
+    faces[i] = hits[i].face;
+    out[3] = hits[i].t;
+    if (!hits[i].hit())
+      continue;
+    const Vec3f p = rays[i].origin + hits[i].t * rays[i].direction, n = normalize(hits[i].normal);
+    out[0] = p.x;
+    out[1] = p.y;
+    out[2] = p.z;
+    out[4] = n.x;
+    out[5] = n.y;
+    out[6] = n.z;
+    out[7] = hits[i].u;
+    out[8] = hits[i].v;
+  }
+
+  PendingFile file(path);
+  try
+  {
+    Imf::Header header(size.width, size.height);
+    Imf::FrameBuffer frame;
+    for (int i = 0; i < floats; i++)
+    {
+      header.channels().insert(names[i], Imf::Channel(Imf::FLOAT));
+      frame.insert(names[i], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(&values[i]), sizeof(float) * floats,
+                                        sizeof(float) * floats * size_t(size.width)));
+    }
+    header.channels().insert("primID", Imf::Channel(Imf::UINT));
+    frame.insert("primID", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(faces.data()), sizeof(unsigned),
+                                      sizeof(unsigned) * size_t(size.width)));
+    Imf::OutputFile output(file.temporary().c_str(), header);
+    output.setFrameBuffer(frame);
+    output.writePixels(size.height);
+  }
+  catch (const std::exception& e)
+  {
+    throw Error(path + ": cannot be written: " + e.what());
+  }
+  file.commit();
+}
+
+} // namespace cbvh

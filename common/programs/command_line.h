@@ -1,0 +1,68 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What the programs' option parsers share. */
+
+#include "basics/error.h"
+#include "building/representation.h"
+#include "scenes/catalogue.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+/* False after --help, which has been printed then. Throws Error for what CLI11 refuses. */
+inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
+{
+  try
+  {
+    app.parse(argc, argv);
+  }
+  catch (const CLI::CallForHelp&)
+  {
+    std::fputs(app.help().c_str(), stdout);
+    return false;
+  }
+  catch (const CLI::ParseError& e)
+  {
+    throw Error(e.what());
+  }
+  return true;
+}
+
+/* What a model is made of, but for --scene and where its maps go. */
+inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
+{
+  app.add_option("--cage", settings.cagePath, "instead of a scene: control cage, OBJ with OpenSubdiv's t tags")
+    ->type_name("FILE");
+  app.add_option("--height", settings.heightPath, "height map of the cage, any image that OpenImageIO reads")
+    ->type_name("FILE");
+  app.add_option("--amplitude", settings.amplitude,
+                 "displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding box")
+    ->type_name("A");
+  app.add_flag("--rough", settings.rough, "trex and herd: five times the amplitude");
+  app.add_option("--mapping", settings.mapping, "trex and herd: heights by faces, like Ptex, or by an atlas")
+    ->type_name("faces|atlas");
+  app.add_option("--count", settings.count, "herd: number of copies")->type_name("N");
+}
+
+/* Values of --representation and --frame-level. Throws Error that names the options. */
+inline std::vector<Representation> parseRepresentationOptions(const std::string& list, const std::string& frameLevel)
+{
+  try
+  {
+    return parseRepresentations(list, parseFrameLevel(frameLevel));
+  }
+  catch (const Error& e)
+  {
+    throw Error(std::string("--representation or --frame-level: ") + e.what());
+  }
+}
+
+} // namespace cbvh

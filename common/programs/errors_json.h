@@ -1,0 +1,67 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Errors as JSON, units in the names, for the programs that write records. */
+
+#include "measure/height_bins.h"
+#include "measure/hit_metrics.h"
+#include "measure/true_errors.h"
+
+#include <nlohmann/json.hpp>
+
+namespace cbvh {
+
+/* What all errors have. */
+inline nlohmann::json summaryJson(const ErrorSummary& e)
+{
+  return {{"rmse_pixels", e.rmse},
+          {"median_pixels", e.median},
+          {"p99_pixels", e.p99},
+          {"max_pixels", e.max},
+          {"normal_median_degrees", e.normalMedian},
+          {"normal_p99_degrees", e.normalP99},
+          {"uv_median_cells", e.uvMedian},
+          {"uv_p99_cells", e.uvP99},
+          {"other_patch", e.otherPatch}};
+}
+
+/* Against a mesh: compression alone where it is that of the same level. */
+inline nlohmann::json errorsJson(const HitErrors& e)
+{
+  nlohmann::json json = summaryJson(e);
+  json.update({{"rays", e.rays},
+               {"both_hit", e.bothHit},
+               {"bias_pixels", e.bias},
+               {"beyond_5_pixels", e.farOff},
+               {"rmse_of_others_pixels", e.rmseOfOthers},
+               {"false_hits", e.falseHits},
+               {"misses", e.misses}});
+  return json;
+}
+
+/* Against the true surface: tessellation and compression. */
+inline nlohmann::json errorsJson(const TrueErrors& e)
+{
+  nlohmann::json json = summaryJson(e);
+  json.update({{"hits", e.hits},
+               {"rmse_world", e.rmseWorld},
+               {"median_world", e.medianWorld},
+               {"p99_world", e.p99World},
+               {"rmse_along_ray_pixels", e.rmseAlong},
+               {"bias_pixels", e.bias},
+               {"not_within_5_pixels_along_ray", e.apart}});
+  return json;
+}
+
+/* What 4 bits a height can give. */
+inline nlohmann::json heightBinsJson(const HeightBins& b)
+{
+  return {{"hits", b.hits},
+          {"quantiles_pixels", b.quantiles},
+          {"median_pixels", b.median},
+          {"rmse_of_others_pixels", b.rmseOfOthers}};
+}
+
+} // namespace cbvh

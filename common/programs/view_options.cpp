@@ -1,0 +1,108 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "programs/view_options.h"
+#include "basics/error.h"
+#include "tracing/trace_hits.h"
+
+#include <algorithm>
+#include <charconv>
+
+namespace cbvh {
+namespace {
+
+constexpr float fieldOfView = 35.0f;
+
+/* The close view stands before the point that the full view shows at a given place
+ * of the picture, or at the nearest one to it where there is surface. */
+Camera closeCamera(const Camera& full, const BuiltScene& grid, const ViewHints& hints, unsigned threads)
+{
+  const ImageSize size = full.size();
+  const std::vector<Ray> rays = primaryRays(full);
+  const std::vector<SurfaceHit> hits = traceClosest(grid, rays, threads);
+  const float cx = hints.closePoint.x * float(size.width), cy = hints.closePoint.y * float(size.height);
+  float best = INFINITY;
+  size_t pixel = 0;
+  for (size_t i = 0; i < hits.size(); i++)
+  {
+    const float dx = float(i % size_t(size.width)) - cx, dy = float(i / size_t(size.width)) - cy;
+    if (hits[i].hit() && dx * dx + dy * dy < best)
+    {
+      best = dx * dx + dy * dy;
+      pixel = i;
+    }
+  }
+  if (best == INFINITY)
+    throw Error("the full view shows no surface to look at closely");
+  const Vec3f target = rays[pixel].origin + hits[pixel].t * rays[pixel].direction;
+  const float distance = hints.closeDistance * grid.bounds().diagonal();
+  return Camera(target - distance * rays[pixel].direction, target, hints.up, full.fov(), size);
+}
+
+/* Whether text is n finite numbers with commas between them. */
+bool parseNumbers(const std::string& text, float* x, int n)
+{
+  const char* p = text.data();
+  const char* const end = p + text.size();
+  for (int i = 0; i < n; i++)
+  {
+    const auto [next, code] = std::from_chars(p, end, x[i]);
+    if (code != std::errc() || !std::isfinite(x[i]) || (i < n - 1 ? next == end || *next != ',' : next != end))
+      return false;
+    p = next + 1;
+  }
+  return true;
+}
+
+} // namespace
+
+Vec3f parsePosition(const std::string& text)
+{
+  float x[3];
+  if (!parseNumbers(text, x, 3))
+    throw Error("--position '" + text + "' is not x,y,z");
+  return {x[0], x[1], x[2]};
+}
+
+ImageSize parseImageSize(const std::string& text)
+{
+  ImageSize size;
+  const char* const end = text.data() + text.size();
+  const auto w = std::from_chars(text.data(), end, size.width);
+  if (w.ec == std::errc() && w.ptr != end && *w.ptr == 'x')
+  {
+    const auto h = std::from_chars(w.ptr + 1, end, size.height);
+    if (h.ec == std::errc() && h.ptr == end && size.width > 0 && size.height > 0 && size.width <= 16384 &&
+        size.height <= 16384)
+      return size;
+  }
+  throw Error("--size '" + text + "' is not WIDTHxHEIGHT with 1 to 16384 pixels each");
+}
+
+Camera parseView(const std::string& text, Vec3f up, ImageSize size)
+{
+  float x[7];
+  if (!parseNumbers(text, x, 7) || !(x[6] > 0.0f && x[6] < 180.0f) || length(Vec3f{x[3] - x[0], x[4] - x[1], x[5] - x[2]}) == 0.0f)
+    throw Error("--view '" + text + "' is neither full nor close nor eye and target as ex,ey,ez,lx,ly,lz,fov");
+  return Camera({x[0], x[1], x[2]}, {x[3], x[4], x[5]}, up, x[6], size);
+}
+
+Camera chooseCamera(const std::string& view, const Model& model, const BuiltScene& grid, ImageSize size,
+                    unsigned threads)
+{
+  if (grid.report().quads == 0 || !isFinite(grid.bounds().lower) || !isFinite(grid.bounds().upper))
+    throw Error(model.name + ": Embree makes no surface of this cage");
+  if (view != "full" && view != "close")
+    return parseView(view, model.view.up, size);
+  const std::vector<Vec3f> positions = model.positions();
+  Box3f cage;
+  for (const Vec3f& p : positions)
+    cage.extend(p);
+  const Box3f surface = grid.bounds();
+  const Vec3f below = cage.lower - surface.lower, above = surface.upper - cage.upper;
+  const float beyond = std::max({0.0f, below.x, below.y, below.z, above.x, above.y, above.z});
+  const Camera full = Camera::fit(positions, beyond, model.view, fieldOfView, size);
+  return view == "full" ? full : closeCamera(full, grid, model.view, threads);
+}
+
+} // namespace cbvh

@@ -1,0 +1,31 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The views that programs take on command lines: full, close, or numbers. */
+
+#include "building/built_scene.h"
+#include "tracing/camera.h"
+
+#include <string>
+
+namespace cbvh {
+
+/* Reads "WIDTHxHEIGHT". Throws Error. */
+ImageSize parseImageSize(const std::string& text);
+
+/* Reads "x,y,z". Throws Error. */
+Vec3f parsePosition(const std::string& text);
+
+/* Reads "ex,ey,ez,lx,ly,lz,fov". Throws Error. */
+Camera parseView(const std::string& text, Vec3f up, ImageSize size);
+
+/* Camera of a view: "full" shows the whole model, "close" stands before the point of
+ * it that the model's hints name, anything else goes to parseView.
+ * grid: the model as GRID, whose surface both are fitted to. threads: to trace it.
+ * Throws Error, also when there is no surface; Cancelled. */
+Camera chooseCamera(const std::string& view, const Model& model, const BuiltScene& grid, ImageSize size,
+                    unsigned threads);
+
+} // namespace cbvh

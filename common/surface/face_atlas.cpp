@@ -1,0 +1,128 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "surface/face_atlas.h"
+#include "surface/face_borders.h"
+
+#include <utility>
+
+namespace cbvh {
+namespace {
+
+/* Halves each tile: every other texel, with a quarter of both its neighbours on each
+ * axis, on the border of the tile along the border only. */
+HeightMap halved(const HeightMap& map, const FaceAtlas& atlas, const FaceAtlas& half, size_t numFaces)
+{
+  HeightMap result(half.columns(), half.rows(numFaces));
+  const int side = atlas.tileSize;
+  for (int face = 0; face < int(numFaces); face++)
+  {
+    const int x0 = face % atlas.tilesPerRow * (side + 1), y0 = face / atlas.tilesPerRow * (side + 1);
+    const int hx0 = face % half.tilesPerRow * (half.tileSize + 1), hy0 = face / half.tilesPerRow * (half.tileSize + 1);
+    const auto alongX = [&](int x, int y) {
+      const float m = map.at(x0 + x, y0 + y);
+      return x == 0 || x == side ? m : 0.5f * m + 0.25f * (map.at(x0 + x - 1, y0 + y) + map.at(x0 + x + 1, y0 + y));
+    };
+    for (int y = 0; y <= half.tileSize; y++)
+      for (int x = 0; x <= half.tileSize; x++)
+      {
+        const float m = alongX(2 * x, 2 * y);
+        result.at(hx0 + x, hy0 + y) =
+          y == 0 || y == half.tileSize ? m : 0.5f * m + 0.25f * (alongX(2 * x, 2 * y - 1) + alongX(2 * x, 2 * y + 1));
+      }
+  }
+  return result;
+}
+
+class AtlasDisplacement : public Displacement
+{
+public:
+  AtlasDisplacement(const Cage& cage, const FaceAtlas& finest, HeightMap map, float scale) : scale(scale)
+  {
+    const FaceBorders borders(cage);
+    levels.push_back({finest, std::move(map)});
+    while (levels.back().atlas.tileSize % 2 == 0)
+    {
+      const Level& last = levels.back();
+      FaceAtlas half = last.atlas;
+      half.tileSize /= 2;
+      Level next{half, halved(last.map, last.atlas, half, cage.numFaces())};
+      closeBorders(next, borders);
+      levels.push_back(std::move(next));
+    }
+  }
+
+  void offsets(const SurfacePoints& points, float* out) const override
+  {
+    /* The coarsest mip level with texels no wider than the spacing. */
+    size_t k = 0;
+    while (k + 1 < levels.size() && levels[k].atlas.tileSize > (1 << std::min(points.level, finestLevel)))
+      k++;
+    for (size_t i = 0; i < points.n; i++)
+      out[i] = scale * (levels[k].height(points.face, points.u[i], points.v[i]) - neutralHeight);
+  }
+
+private:
+  struct Level
+  {
+    FaceAtlas atlas;
+    HeightMap map;
+
+    float height(unsigned face, float u, float v) const
+    {
+      const float x0 = float(int(face) % atlas.tilesPerRow * (atlas.tileSize + 1));
+      const float y0 = float(int(face) / atlas.tilesPerRow * (atlas.tileSize + 1));
+      return map.sampleTexels(x0 + u * float(atlas.tileSize), y0 + v * float(atlas.tileSize));
+    }
+
+    float& texel(const FacePoint& p)
+    {
+      const int side = atlas.tileSize + 1;
+      return map.at(int(p.face) % atlas.tilesPerRow * side + int(std::lround(p.u * float(atlas.tileSize))),
+                    int(p.face) / atlas.tilesPerRow * side + int(std::lround(p.v * float(atlas.tileSize))));
+    }
+  };
+
+  /* Each border texel is the mean of what its sides had, so all are read first. */
+  static void closeBorders(Level& level, const FaceBorders& borders)
+  {
+    const int n = level.atlas.tileSize;
+    std::vector<float> means;
+    for (bool write : {false, true})
+    {
+      size_t next = 0;
+      for (unsigned face = 0; face < borders.numFaces(); face++)
+        for (unsigned edge = 0; edge < 4; edge++)
+          for (int i = 0; i < n; i++) // its last texel is the next edge's first
+          {
+            const float t = float(i) / float(n);
+            float& texel = level.texel(borders.point(face, edge, t));
+            if (write)
+              texel = means[next++];
+            else
+              means.push_back(borders.mean(face, {int(edge), t}, texel,
+                                           [&](const FacePoint& p) { return level.texel(p); }));
+          }
+    }
+  }
+
+  float scale;
+  std::vector<Level> levels; // finest first
+};
+
+} // namespace
+
+FaceAtlas FaceAtlas::forFaces(size_t numFaces, int tileSize)
+{
+  FaceAtlas atlas;
+  atlas.tileSize = tileSize;
+  atlas.tilesPerRow = std::max(1, int(std::ceil(std::sqrt(double(numFaces)))));
+  return atlas;
+}
+
+std::unique_ptr<Displacement> displaceByAtlas(const Cage& cage, const FaceAtlas& atlas, HeightMap map, float scale)
+{
+  return std::make_unique<AtlasDisplacement>(cage, atlas, std::move(map), scale);
+}
+
+} // namespace cbvh

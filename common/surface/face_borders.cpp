@@ -1,0 +1,80 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "surface/face_borders.h"
+
+#include <cstdint>
+#include <unordered_map>
+
+namespace cbvh {
+
+FaceBorders::FaceBorders(const Cage& cage)
+  : sizes(cage.faceSizes), vertexOf(cage.faceIndices), across(cage.faceIndices.size()), corners(cage.positions.size())
+{
+  size_t offset = 0;
+  std::unordered_map<uint64_t, Side> edges;
+  edges.reserve(cage.faceIndices.size());
+  auto key = [](unsigned a, unsigned b) { return uint64_t(a) << 32 | b; };
+  for (unsigned face = 0; face < sizes.size(); face++)
+  {
+    firstCorner.push_back(offset);
+    for (unsigned i = 0; i < sizes[face]; i++)
+    {
+      const unsigned a = vertexOf[offset + i], b = vertexOf[offset + (i + 1) % sizes[face]];
+      corners[a].push_back({face, i});
+      edges[key(a, b)] = {face, i};
+    }
+    offset += sizes[face];
+  }
+  for (const auto& [edge, side] : edges)
+  {
+    const auto other = edges.find(key(unsigned(edge), unsigned(edge >> 32)));
+    if (other != edges.end())
+      across[firstCorner[side.face] + side.edge] = other->second;
+  }
+}
+
+/* On a quad edges 0 to 3 are v = 0, u = 1, v = 1, u = 0. A corner quad of an n-gon
+ * has half of its corner's edge at v = 0 and half of the one before at u = 0. */
+FaceBorders::Place FaceBorders::place(const FacePoint& p) const
+{
+  float u = p.u, v = p.v;
+  if (sizes[p.face] == 4)
+  {
+    if (v == 0.0f)
+      return {0, u};
+    if (u == 1.0f)
+      return {1, v};
+    if (v == 1.0f)
+      return {2, 1.0f - u};
+    if (u == 0.0f)
+      return {3, 1.0f - v};
+    return {};
+  }
+  const unsigned n = sizes[p.face], corner = std::min(decodeSubPatch(u, v), n - 1);
+  if (v == 0.0f)
+    return {int(corner), 0.5f * u};
+  if (u == 0.0f)
+    return {int((corner + n - 1) % n), 1.0f - 0.5f * v};
+  return {};
+}
+
+FacePoint FaceBorders::point(unsigned face, unsigned edge, float t) const
+{
+  if (sizes[face] != 4)
+  {
+    const bool first = t <= 0.5f;
+    const Vec2f uv = encodeSubPatch(first ? edge : (edge + 1) % sizes[face], first ? 2.0f * t : 0.0f,
+                                    first ? 0.0f : 2.0f * (1.0f - t));
+    return {face, uv.x, uv.y};
+  }
+  switch (edge)
+  {
+  case 0: return {face, t, 0.0f};
+  case 1: return {face, 1.0f, t};
+  case 2: return {face, 1.0f - t, 1.0f};
+  default: return {face, 0.0f, 1.0f - t};
+  }
+}
+
+} // namespace cbvh

@@ -1,0 +1,65 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A displaced subdivision surface, or many copies of one, and how it likes to be
+ * looked at. */
+
+#include "surface/cage.h"
+#include "surface/displacement.h"
+#include "surface/view_hints.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+/* Where a copy of the cage stands: scaled, turned about the y axis, moved. */
+struct Placement
+{
+  Vec3f origin;
+  float angle = 0; // radians
+  float scale = 1;
+
+  Vec3f apply(Vec3f p) const
+  {
+    const float c = std::cos(angle), s = std::sin(angle);
+    return origin + scale * Vec3f{c * p.x + s * p.z, p.y, c * p.z - s * p.x};
+  }
+
+  /* The inverse, and for directions, which keep their length. */
+  Vec3d pointToCage(Vec3d p) const { return directionToCage(p - toDouble(origin)) * (1.0 / scale); }
+  Vec3d directionToCage(Vec3d d) const
+  {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return {c * d.x - s * d.z, d.y, s * d.x + c * d.z};
+  }
+};
+
+struct Model
+{
+  std::string name;
+  Cage cage;
+  std::shared_ptr<const Displacement> displacement; // none: the limit surface itself
+  std::vector<Placement> copies{Placement()};       // each a geometry of its own, no instances
+  ViewHints view;
+
+  size_t numFaces() const { return cage.numFaces() * copies.size(); }
+  size_t numVertices() const { return cage.positions.size() * copies.size(); }
+  PatchLayout layout(int level) const { return PatchLayout(cage, level, copies.size()); }
+
+  /* Control points of all copies. */
+  std::vector<Vec3f> positions() const
+  {
+    std::vector<Vec3f> all;
+    all.reserve(numVertices());
+    for (const Placement& copy : copies)
+      for (const Vec3f& p : cage.positions)
+        all.push_back(copy.apply(p));
+    return all;
+  }
+};
+
+} // namespace cbvh

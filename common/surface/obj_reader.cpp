@@ -1,0 +1,269 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* See obj_reader.h. Tags as in OpenSubdiv's regression shapes: `t name
+ * ints/floats/strings` followed by that many values, vertex and face numbers of
+ * tags counted from 0. */
+
+#include "surface/obj_reader.h"
+#include "basics/error.h"
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <string_view>
+
+namespace cbvh {
+namespace {
+
+class Parser
+{
+public:
+  Parser(std::istream& stream, const std::string& name) : stream(stream), name(name) {}
+
+  Cage run()
+  {
+    cage.name = name;
+    std::string line;
+    while (std::getline(stream, line))
+    {
+      lineNumber++;
+      while (!line.empty() && line.back() == '\\') // continued on the next line
+      {
+        line.back() = ' ';
+        std::string more;
+        if (!std::getline(stream, more))
+          break;
+        lineNumber++;
+        line += more;
+      }
+      statement(line);
+    }
+    if (stream.bad())
+      throw Error(name + ": read error");
+    finish();
+    return std::move(cage);
+  }
+
+private:
+  [[noreturn]] void fail(const std::string& what) const
+  {
+    throw Error(name + ":" + std::to_string(lineNumber) + ": " + what);
+  }
+
+  static std::vector<std::string_view> split(std::string_view line)
+  {
+    std::vector<std::string_view> words;
+    for (size_t i = 0; i < line.size();)
+    {
+      const size_t begin = line.find_first_not_of(" \t\r\n", i);
+      if (begin == std::string_view::npos || line[begin] == '#')
+        break;
+      const size_t end = std::min(line.find_first_of(" \t\r\n", begin), line.size());
+      words.push_back(line.substr(begin, end - begin));
+      i = end;
+    }
+    return words;
+  }
+
+  template<typename T>
+  T number(std::string_view word) const
+  {
+    if (!word.empty() && word[0] == '+')
+      word.remove_prefix(1);
+    T value{};
+    const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (code != std::errc() || end != word.data() + word.size())
+      fail("'" + std::string(word) + "' is not a number");
+    return value;
+  }
+
+  float coordinate(std::string_view word) const
+  {
+    const float value = number<float>(word);
+    if (!std::isfinite(value))
+      fail("'" + std::string(word) + "' is not finite");
+    return value;
+  }
+
+  unsigned index(std::string_view word, size_t count, const char* what) const
+  {
+    const long long value = number<long long>(word);
+    const long long zeroBased = value < 0 ? (long long)count + value : value - 1;
+    if (value == 0 || zeroBased < 0 || zeroBased >= (long long)count)
+      fail(std::string(what) + " index " + std::string(word) + " is out of range, there are " +
+           std::to_string(count));
+    return unsigned(zeroBased);
+  }
+
+  void statement(std::string_view line)
+  {
+    const std::vector<std::string_view> words = split(line);
+    if (words.empty())
+      return;
+    const std::string_view kind = words[0];
+    if (kind == "v")
+    {
+      if (words.size() < 4)
+        fail("a vertex needs three coordinates");
+      cage.positions.push_back({coordinate(words[1]), coordinate(words[2]), coordinate(words[3])});
+    }
+    else if (kind == "vt")
+    {
+      if (words.size() < 3)
+        fail("a texture coordinate needs two numbers");
+      cage.uvs.push_back({coordinate(words[1]), coordinate(words[2])});
+    }
+    else if (kind == "f")
+      face(words);
+    else if (kind == "t")
+      tag(words);
+    else
+    {
+      static const std::set<std::string_view> skipped = {"vn", "vp", "g",  "o",  "s",     "l",
+                                                         "p",  "usemtl", "mtllib", "usemap", "maplib"};
+      if (!skipped.count(kind))
+        fail("unknown statement '" + std::string(kind) + "'");
+    }
+  }
+
+  void face(const std::vector<std::string_view>& words)
+  {
+    const size_t corners = words.size() - 1;
+    if (corners < 3)
+      fail("a face needs at least three vertices, this one has " + std::to_string(corners));
+    for (size_t i = 1; i <= corners; i++)
+    {
+      const std::string_view word = words[i];
+      const size_t slash = word.find('/');
+      cage.faceIndices.push_back(index(word.substr(0, slash), cage.positions.size(), "vertex"));
+      std::string_view uv;
+      if (slash != std::string_view::npos)
+      {
+        uv = word.substr(slash + 1);
+        uv = uv.substr(0, uv.find('/'));
+      }
+      if (!uv.empty())
+        cage.uvIndices.push_back(index(uv, cage.uvs.size(), "texture coordinate"));
+    }
+    cage.faceSizes.push_back(unsigned(corners));
+    if (!cage.uvIndices.empty() && cage.uvIndices.size() != cage.faceIndices.size())
+      fail("some corners have texture coordinates and some have none");
+  }
+
+  void tag(const std::vector<std::string_view>& words)
+  {
+    if (words.size() < 3)
+      fail("a tag needs a name and counts");
+    size_t counts[3] = {0, 0, 0};
+    std::string_view rest = words[2];
+    for (int i = 0; i < 3; i++)
+    {
+      const size_t slash = rest.find('/');
+      counts[i] = number<unsigned>(rest.substr(0, slash));
+      if (slash == std::string_view::npos)
+      {
+        rest = {};
+        break;
+      }
+      rest = rest.substr(slash + 1);
+    }
+    if (words.size() != 3 + counts[0] + counts[1] + counts[2])
+      fail("tag '" + std::string(words[1]) + "' announces " + std::string(words[2]) + " values and has " +
+           std::to_string(words.size() - 3));
+
+    const std::string_view tagName = words[1];
+    std::vector<unsigned> ints;
+    std::vector<float> floats;
+    for (size_t i = 0; i < counts[0]; i++)
+      ints.push_back(number<unsigned>(words[3 + i]));
+    for (size_t i = 0; i < counts[1]; i++)
+    {
+      const float sharpness = number<float>(words[3 + counts[0] + i]);
+      if (!(sharpness >= 0.0f))
+        fail("sharpness must not be negative");
+      floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // as OpenSubdiv: 10 is infinitely sharp
+    }
+    auto sharpnessOf = [&](size_t i, size_t n) {
+      if (floats.size() != 1 && floats.size() != n)
+        fail("tag '" + std::string(tagName) + "' needs one sharpness, or one each");
+      return floats.size() == 1 ? floats[0] : floats[i];
+    };
+
+    if (tagName == "crease")
+    {
+      if (ints.size() < 2 || ints.size() % 2)
+        fail("tag 'crease' needs pairs of vertices");
+      for (size_t i = 0; i < ints.size() / 2; i++)
+      {
+        cage.creaseEdges.push_back({ints[2 * i], ints[2 * i + 1]});
+        cage.creaseSharpness.push_back(sharpnessOf(i, ints.size() / 2));
+      }
+    }
+    else if (tagName == "corner")
+      for (size_t i = 0; i < ints.size(); i++)
+      {
+        cage.cornerVertices.push_back(ints[i]);
+        cage.cornerSharpness.push_back(sharpnessOf(i, ints.size()));
+      }
+    else if (tagName == "hole")
+      cage.holes.insert(cage.holes.end(), ints.begin(), ints.end());
+    else if (tagName == "interpolateboundary")
+    {
+      if (ints.size() != 1 || ints[0] > 2)
+        fail("tag 'interpolateboundary' needs 0, 1 or 2");
+      cage.boundary = BoundaryRule(ints[0]);
+    }
+    else if (tagName.substr(0, 11) != "facevarying") // how UVs are smoothed: ours are not
+      fail("unknown tag '" + std::string(tagName) + "'");
+  }
+
+  /* Tags may come before what they refer to, so their ranges are checked last. */
+  void finish()
+  {
+    if (cage.faceSizes.empty())
+      throw Error(name + ": no faces");
+    if (cage.uvIndices.empty())
+      cage.uvs.clear();
+    auto check = [&](unsigned value, size_t count, const char* what) {
+      if (value >= count)
+        throw Error(name + ": tag refers to " + what + " " + std::to_string(value) + ", there are " +
+                    std::to_string(count));
+    };
+    for (auto [a, b] : cage.creaseEdges)
+    {
+      check(a, cage.positions.size(), "vertex");
+      check(b, cage.positions.size(), "vertex");
+    }
+    for (unsigned v : cage.cornerVertices)
+      check(v, cage.positions.size(), "vertex");
+    for (unsigned f : cage.holes)
+      check(f, cage.faceSizes.size(), "face");
+  }
+
+  std::istream& stream;
+  std::string name;
+  Cage cage;
+  size_t lineNumber = 0;
+};
+
+} // namespace
+
+Cage readObj(std::istream& stream, const std::string& name)
+{
+  return Parser(stream, name).run();
+}
+
+Cage readObj(const std::string& path)
+{
+  std::ifstream stream(path);
+  if (!stream)
+    throw Error(path + ": cannot be opened");
+  stream.peek(); // a directory opens, and fails at the first read
+  if (stream.bad())
+    throw Error(path + ": cannot be read");
+  return readObj(stream, path);
+}
+
+} // namespace cbvh

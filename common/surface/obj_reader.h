@@ -1,0 +1,31 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Strict reader of control cages in Wavefront OBJ: v, vt, f with v, v/vt, v//vn
+ * and v/vt/vn, negative (relative) indices, faces of any size, and OpenSubdiv's
+ * `t` tags (crease, corner, hole, interpolateboundary). Normals, groups, objects,
+ * materials, smoothing groups and lines are skipped; anything else is an error,
+ * for what is silently misread comes back as a wrong picture. */
+
+#include "surface/cage.h"
+
+#include <istream>
+#include <string>
+
+namespace cbvh {
+
+/* Reads a cage.
+ *
+ * path: file to read.
+ * Errors: throws Error, one line with path and line number, for a file that cannot
+ * be read or has no faces, a face of fewer than 3 vertices, an index out of range,
+ * a number that is none or not finite, an unknown statement, a malformed tag, and
+ * texture coordinates on some corners but not on all. */
+Cage readObj(const std::string& path);
+
+/* The same from a stream; name stands for the path in messages. */
+Cage readObj(std::istream& stream, const std::string& name);
+
+} // namespace cbvh

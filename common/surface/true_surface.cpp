@@ -1,0 +1,230 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "surface/true_surface.h"
+
+#include <cmath>
+
+namespace cbvh {
+namespace {
+
+/* Displacement is differentiated by differences of this width in parameters, less than
+ * a texel on all scenes; heights are floats, so that less would be noise. */
+constexpr double difference = 0x1p-12;
+
+/* Heights are read this far inside a patch at least: on the border itself
+ * displacements return the mean of its sides. More than the rounding of encoded (u,v). */
+constexpr double inset = 0x1p-20;
+
+double inside(double x)
+{
+  return std::min(std::max(x, inset), 1.0 - inset);
+}
+
+double square(double x) { return x * x; }
+
+/* A step in parameters. */
+struct Step
+{
+  double u, v;
+
+  Step shortened(double most) const
+  {
+    const double size = std::hypot(u, v);
+    return size > most ? Step{u * (most / size), v * (most / size)} : *this;
+  }
+};
+
+/* Steps longer than this many cells are cut: further away the surface is not what its
+ * derivatives say. */
+constexpr double longestStep = 4.0;
+
+} // namespace
+
+TrueSurface::TrueSurface(const Model& model)
+  : displacement(model.displacement), limit(model.cage), walk(model.cage, [&](unsigned face) { return limit.has(face); })
+{
+}
+
+TruePoint TrueSurface::evaluate(const PatchPoint& p) const
+{
+  const LimitSample s = limit.evaluate(p);
+  TruePoint result{p, s.p, s.du, s.dv};
+  if (!displacement)
+    return result;
+  const double u = inside(p.u), v = inside(p.v);
+  const double u0 = inside(u - difference), u1 = inside(u + difference);
+  const double v0 = inside(v - difference), v1 = inside(v + difference);
+  const PatchPoint around[5] = {
+    {p.face, p.subPatch, u, v}, {p.face, p.subPatch, u0, v}, {p.face, p.subPatch, u1, v},
+    {p.face, p.subPatch, u, v0}, {p.face, p.subPatch, u, v1}};
+  float us[5], vs[5], offsets[5];
+  for (int i = 0; i < 5; i++)
+  {
+    const FacePoint q = walk.toEmbree(around[i]);
+    us[i] = q.u;
+    vs[i] = q.v;
+  }
+  displacement->offsets({p.face, finestLevel, 5, us, vs}, offsets);
+  const double d = offsets[0];
+  const double slopeU = (double(offsets[2]) - offsets[1]) / (double(us[2]) - us[1]);
+  const double slopeV = (double(offsets[4]) - offsets[3]) / (double(vs[4]) - vs[3]);
+
+  /* Of the unit normal n = m / |m|, m = du x dv: its derivative is that of m over |m|,
+   * less the part along n. */
+  const Vec3d m = cross(s.du, s.dv), n = normalize(m);
+  const double size = length(m);
+  const auto slopeOfNormal = [&](Vec3d slopeOfM) {
+    return size > 0.0 ? (slopeOfM - n * dot(n, slopeOfM)) * (1.0 / size) : Vec3d();
+  };
+  const Vec3d nu = slopeOfNormal(cross(s.duu, s.dv) + cross(s.du, s.duv));
+  const Vec3d nv = slopeOfNormal(cross(s.duv, s.dv) + cross(s.du, s.dvv));
+  result.position += d * n;
+  result.du += slopeU * n + d * nu;
+  result.dv += slopeV * n + d * nv;
+  return result;
+}
+
+Vec3d TrueSurface::position(const PatchPoint& p) const
+{
+  const LimitSample s = limit.evaluate(p);
+  if (!displacement)
+    return s.p;
+  const FacePoint q = walk.toEmbree({p.face, p.subPatch, inside(p.u), inside(p.v)});
+  float offset;
+  displacement->offsets({q.face, finestLevel, 1, &q.u, &q.v}, &offset);
+  return s.p + double(offset) * normalize(cross(s.du, s.dv));
+}
+
+/* Gauss-Newton with Levenberg's and Marquardt's damping: a step is taken only if it
+ * comes nearer. */
+TruePoint TrueSurface::descend(Vec3d x, const TruePoint& start, double cell) const
+{
+  constexpr int mostSteps = 100;
+  constexpr double firstDamping = 1e-3, mostDamping = 1e6;
+  TruePoint best = start;
+  double damping = 0.0;
+  for (int i = 0; i < mostSteps && damping < mostDamping; i++)
+  {
+    const Vec3d r = best.position - x;
+    const double gu = dot(best.du, r), gv = dot(best.dv, r);
+    const double a = dot(best.du, best.du) * (1.0 + damping), b = dot(best.du, best.dv),
+                 c = dot(best.dv, best.dv) * (1.0 + damping), determinant = a * c - b * b;
+    if (!(determinant > 0.0))
+      break;
+    const Step full{(b * gv - c * gu) / determinant, (b * gu - a * gv) / determinant};
+    const Step step = full.shortened(longestStep * cell);
+    /* A foot off by s makes the distance d wrong by s^2 / 2d; but where the surface
+     * curves as strongly as the point is away, many short steps are left. */
+    const double moved = length(best.du * step.u + best.dv * step.v);
+    if (moved <= 1e-6 * length(r) + 1e-7 * cell * length(best.du))
+      break;
+    const TruePoint next = evaluate(walk.go(best.at, step.u, step.v));
+    if (length(next.position - x) < length(r))
+    {
+      best = next;
+      damping = damping > firstDamping ? 0.1 * damping : 0.0;
+    }
+    else
+      damping = damping > 0.0 ? 10.0 * damping : firstDamping;
+  }
+  return best;
+}
+
+TruePoint TrueSurface::nearest(Vec3d x, const PatchPoint& start, double cell) const
+{
+  constexpr double widest = 8.0, narrowest = 1.0 / 16; // cells
+  constexpr int fewest = 2, most = 8;                  // samples from the middle to each side
+  constexpr size_t mostDescents = 4;
+
+  TruePoint best = descend(x, evaluate(start), cell);
+  const auto distance = [&] { return length(best.position - x); };
+
+  /* A nearer point is less than two distances away from this one, and so is, but for
+   * curvature and change of height, the point of the limit surface below it. */
+  const LimitSample s = limit.evaluate(best.at);
+  const double uu = dot(s.du, s.du), uv = dot(s.du, s.dv), vv = dot(s.dv, s.dv);
+  const double determinant = uu * vv - square(uv);
+  if (!(determinant > 0.0))
+    return best;
+  const double reach = 2.0 * distance();
+  const double width = std::min(reach * std::sqrt(vv / determinant), widest * cell);
+  const double height = std::min(reach * std::sqrt(uu / determinant), widest * cell);
+  if (std::max(width, height) < narrowest * cell)
+    return best;
+  const auto samplesOf = [&](double size) {
+    return std::min(std::max(int(std::ceil(2.0 * size / cell)), fewest), most);
+  };
+  const int nu = samplesOf(width), nv = samplesOf(height), columns = 2 * nu + 1, rows = 2 * nv + 1;
+
+  struct Sample
+  {
+    PatchPoint at;
+    double distance;
+  };
+  std::vector<Sample> samples;
+  for (int j = -nv; j <= nv; j++)
+    for (int i = -nu; i <= nu; i++)
+    {
+      const PatchPoint at = walk.go(best.at, width * i / nu, height * j / nv);
+      samples.push_back({at, length(position(at) - x)});
+    }
+  std::vector<Sample> dents;
+  for (int j = 0; j < rows; j++)
+    for (int i = 0; i < columns; i++)
+    {
+      const Sample& own = samples[size_t(j * columns + i)];
+      bool lowest = true;
+      for (int y = std::max(j - 1, 0); y <= std::min(j + 1, rows - 1); y++)
+        for (int x = std::max(i - 1, 0); x <= std::min(i + 1, columns - 1); x++)
+          lowest &= own.distance <= samples[size_t(y * columns + x)].distance;
+      if (lowest && !(i == nu && j == nv)) // there the first descent ended
+        dents.push_back(own);
+    }
+  std::sort(dents.begin(), dents.end(), [](const Sample& a, const Sample& b) { return a.distance < b.distance; });
+  for (size_t i = 0; i < std::min(dents.size(), mostDescents); i++)
+  {
+    const TruePoint foot = descend(x, evaluate(dents[i].at), cell);
+    if (length(foot.position - x) < distance())
+      best = foot;
+  }
+  return best;
+}
+
+/* In the plane across the line, where the point has to fall on the line's own. */
+std::optional<TruePoint> TrueSurface::crossing(Vec3d origin, Vec3d direction, const TruePoint& start, double cell,
+                                               double tolerance) const
+{
+  constexpr int mostSteps = 40, mostHalvings = 12;
+  const Vec3d axis = std::abs(direction.x) < 0.6 * length(direction) ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const Vec3d e0 = normalize(cross(direction, axis)), e1 = normalize(cross(direction, e0));
+  const auto off = [&](const TruePoint& p) {
+    return std::hypot(dot(e0, p.position - origin), dot(e1, p.position - origin));
+  };
+  TruePoint p = start;
+  for (int i = 0; i < mostSteps; i++)
+  {
+    const double distance = off(p);
+    if (distance <= tolerance)
+      return p;
+    const double f0 = dot(e0, p.position - origin), f1 = dot(e1, p.position - origin);
+    const double a = dot(e0, p.du), b = dot(e0, p.dv), c = dot(e1, p.du), d = dot(e1, p.dv);
+    const double determinant = a * d - b * c;
+    if (determinant == 0.0)
+      return {};
+    Step step = Step{(b * f1 - d * f0) / determinant, (c * f0 - a * f1) / determinant}.shortened(longestStep * cell);
+    TruePoint next;
+    int halvings = 0;
+    do
+    {
+      next = evaluate(walk.go(p.at, step.u, step.v));
+      step = {0.5 * step.u, 0.5 * step.v};
+    } while (off(next) >= distance && ++halvings < mostHalvings);
+    if (halvings == mostHalvings)
+      return {};
+    p = next;
+  }
+  return {};
+}
+
+} // namespace cbvh

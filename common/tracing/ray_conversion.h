@@ -1,0 +1,68 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Rays as Embree takes them. */
+
+#include "tracing/ray.h"
+
+#include <embree3/rtcore.h>
+
+#include <pmmintrin.h>
+#include <xmmintrin.h>
+
+namespace cbvh {
+
+/* Denormals off while tracing, as Embree's manual asks for. */
+class FastDenormals
+{
+public:
+  FastDenormals() : saved(_mm_getcsr())
+  {
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+  }
+  ~FastDenormals() { _mm_setcsr(saved); }
+  FastDenormals(const FastDenormals&) = delete;
+  FastDenormals& operator=(const FastDenormals&) = delete;
+
+private:
+  unsigned saved;
+};
+
+inline void load(const Ray& ray, RTCRay& out)
+{
+  out.org_x = ray.origin.x;
+  out.org_y = ray.origin.y;
+  out.org_z = ray.origin.z;
+  out.tnear = ray.tnear;
+  out.dir_x = ray.direction.x;
+  out.dir_y = ray.direction.y;
+  out.dir_z = ray.direction.z;
+  out.time = 0.0f;
+  out.tfar = ray.tfar;
+  out.mask = ~0u;
+  out.id = 0;
+  out.flags = 0;
+}
+
+/* Lane i of a packet. */
+template<typename RTCRayN>
+inline void load(const Ray& ray, RTCRayN& out, size_t i)
+{
+  out.org_x[i] = ray.origin.x;
+  out.org_y[i] = ray.origin.y;
+  out.org_z[i] = ray.origin.z;
+  out.tnear[i] = ray.tnear;
+  out.dir_x[i] = ray.direction.x;
+  out.dir_y[i] = ray.direction.y;
+  out.dir_z[i] = ray.direction.z;
+  out.time[i] = 0.0f;
+  out.tfar[i] = ray.tfar;
+  out.mask[i] = ~0u;
+  out.id[i] = 0;
+  out.flags[i] = 0;
+}
+
+} // namespace cbvh

@@ -1,0 +1,53 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Tracing ray sets for the clock, through every entrance of Embree's API. */
+
+#include "building/built_scene.h"
+#include "tracing/ray_sets.h"
+
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+enum Query { Closest, Any, numQueries };
+
+/* How many rays a call takes. A packet is made of consecutive rays of the set, the
+ * last one filled up with inactive lanes. */
+enum class TraceMode { Single, Packet4, Packet8, Packet16, Stream };
+
+constexpr size_t streamSize = 1024;
+
+/* "closest"; "single", "packet4", "stream". */
+const char* queryName(Query query);
+const char* traceModeName(TraceMode mode);
+
+/* The inverse. Throws Error. */
+Query parseQuery(const std::string& name);
+TraceMode parseTraceMode(const std::string& name);
+
+struct TraceSettings
+{
+  Query query = Closest;
+  TraceMode mode = TraceMode::Single;
+  bool coherent = false; // what Embree is told about the rays
+  unsigned threads = 1;  // 1: the calling thread
+  unsigned passes = 1;   // over the rays, for sets that one pass is too short to time
+};
+
+struct TraceTiming
+{
+  /* Of one pass, filling Embree's ray structures included, starting threads not. One
+   * thread is timed by its processor time, which other programs disturb less, several
+   * by the wall clock. */
+  double seconds = 0;
+  size_t hits = 0; // rays that hit something
+};
+
+/* Traces all rays. Throws Cancelled. */
+TraceTiming timeTrace(const BuiltScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
+
+} // namespace cbvh

@@ -1,0 +1,232 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Containment: decoded bounds contain the geometry through all levels, in every
+ * form of arithmetic that a traversal may have been compiled to. */
+
+#include "kernels/cbvh/node_tables.cpp"
+#include "support/decoding_forms.h"
+#include "support/random.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+
+constexpr int levels = 8;
+
+ExactBox intersection(const ExactBox& a, const ExactBox& b)
+{
+  ExactBox r;
+  for (int axis = 0; axis < 3; axis++) {
+    r.lower[axis] = std::min(std::max(a.lower[axis], b.lower[axis]), b.upper[axis]);
+    r.upper[axis] = std::max(std::min(a.upper[axis], b.upper[axis]), r.lower[axis]);
+  }
+  return r;
+}
+
+// What children look like beside each other.
+enum Shape { QUADRANTS, FOLDED, NEEDLES, FLAT, POINTS, TOUCHING, SHAPES };
+
+// Children of a parent whose geometry has the given exact bounds.
+void makeChildren(Random& random, Shape shape, const NodeBox& parent, const ExactBox& exact, ExactBox children[4])
+{
+  for (int c = 0; c < 4; c++) {
+    for (int axis = 0; axis < 3; axis++) {
+      const double l = exact.lower[axis], e = exact.upper[axis] - l;
+      double a = random.uniform(), b = random.uniform();
+      switch (shape) {
+      case QUADRANTS: // a little more than the quadrant
+        a = axis < 2 ? 0.5*childColumn(c, axis) - 0.03*random.uniform() : random.uniform(0, 0.5);
+        b = axis < 2 ? a + 0.5 + 0.06*random.uniform() : random.uniform(0.5, 1);
+        break;
+      case NEEDLES: if (axis != int(random.below(3))) b = a + random.magnitude(1e-9, 1e-2); break;
+      case FLAT: if (axis == 2) b = a; break;
+      case POINTS: b = a; break;
+      default: break; // FOLDED: anywhere
+      }
+      double lower = l + e*std::min(a, b), upper = l + e*std::max(a, b);
+      if (shape == TOUCHING) { // exactly on planes that some code decodes to
+        const uint32_t pair = random.below(32);
+        const int column = childColumn(c, axis == 2 ? 0 : axis);
+        const Interval z = zIntervals[random.below(8)];
+        lower = parent.lower[axis] + (axis == 2 ? z.lower : lowerPlane(pair, column))*parent.extent[axis];
+        upper = parent.lower[axis] + (axis == 2 ? z.upper : upperPlane(pair, column))*parent.extent[axis];
+        if (lower > upper) std::swap(lower, upper);
+      }
+      children[c].lower[axis] = lower;
+      children[c].upper[axis] = upper;
+    }
+    children[c] = intersection(children[c], exact);
+  }
+}
+
+// What an encoder without slack makes: bounds moved inwards by the slack that the
+// real one is going to keep.
+uint32_t encodeWithoutSlack(const NodeBox& parent, const ExactBox children[4])
+{
+  ExactBox moved[4];
+  for (int c = 0; c < 4; c++)
+    for (int axis = 0; axis < 3; axis++) {
+      moved[c].lower[axis] = children[c].lower[axis] + containmentSlack;
+      moved[c].upper[axis] = children[c].upper[axis] - containmentSlack;
+    }
+  return encodeNode(parent, moved);
+}
+
+// Walks one random path from the root to level 8; the number of levels and forms at
+// which some child was not contained.
+template<typename Encode>
+unsigned violations(Random& random, int shape, const Encode& encode)
+{
+  ExactBox exact;
+  for (int axis = 0; axis < 3; axis++) { // the frame's margin is 2^-18
+    exact.lower[axis] = 0x1p-18;
+    exact.upper[axis] = 1 - 0x1p-18;
+  }
+  unsigned count = 0;
+  NodeBox box[4] = {NodeBox::root(), NodeBox::root(), NodeBox::root(), NodeBox::root()};
+  for (int level = 0; level < levels; level++) {
+    ExactBox children[4];
+    makeChildren(random, Shape(shape < SHAPES ? shape : int(random.below(SHAPES))), box[0], exact, children);
+    const uint32_t node = encode(box[0], children);
+    const int next = int(random.below(4));
+    for (int f = 0; f < 4; f++) {
+      for (int c = 0; c < 4; c++)
+        count += !contains(forms[f], decode(forms[f], node, c, box[f]), children[c]);
+      box[f] = decode(forms[f], node, next, box[f]);
+    }
+    exact = children[next];
+  }
+  return count;
+}
+
+TEST(NodeCodec, DecodedBoundsContainEveryChildThroughAllLevelsInAllArithmetic)
+{
+  Random random(1);
+  for (int shape = 0; shape <= SHAPES; shape++)
+    for (int i = 0; i < 20000; i++)
+      ASSERT_EQ(violations(random, shape, encodeNode), 0u) << "shape " << shape << ", path " << i;
+}
+
+// The test above has teeth: geometry that touches planes leaves an encoder that keeps
+// no slack in the fused form, as its planes are rounded only once.
+TEST(NodeCodec, WithoutSlackGeometryThatTouchesPlanesIsLost)
+{
+  Random random(1);
+  unsigned count = 0;
+  for (int i = 0; i < 20000; i++) count += violations(random, TOUCHING, encodeWithoutSlack) != 0;
+  EXPECT_GT(count, 100u);
+}
+
+TEST(NodeCodec, ReferenceDecoderIsOneOfTheForms)
+{
+  Random random(2);
+  for (int i = 0; i < 10000; i++) {
+    NodeBox parent;
+    for (int axis = 0; axis < 3; axis++) {
+      parent.lower[axis] = float(random.uniform());
+      parent.extent[axis] = float(random.uniform())*(1 - parent.lower[axis]);
+    }
+    const uint32_t node = random.bits();
+    for (int c = 0; c < 4; c++) {
+      const NodeBox a = decodeChild(node, c, parent), b = decode(forms[0], node, c, parent);
+      for (int axis = 0; axis < 3; axis++) {
+        ASSERT_EQ(a.lower[axis], b.lower[axis]);
+        ASSERT_EQ(a.extent[axis], b.extent[axis]);
+      }
+    }
+  }
+}
+
+TEST(NodeCodec, BoundsNeverGrow)
+{
+  Random random(3);
+  for (int i = 0; i < 10000; i++) {
+    const uint32_t node = random.bits();
+    for (int c = 0; c < 4; c++) {
+      const NodeBox box = decodeChild(node, c, NodeBox::root());
+      for (int axis = 0; axis < 3; axis++) {
+        ASSERT_GE(box.lower[axis], 0);
+        ASSERT_LE(box.upper(axis), 1);
+      }
+    }
+  }
+}
+
+// Children that fill their quadrants: a code wastes at most the step of its table.
+TEST(NodeCodec, RegularChildrenGetTightBounds)
+{
+  ExactBox children[4];
+  for (int c = 0; c < 4; c++)
+    for (int axis = 0; axis < 3; axis++) {
+      children[c].lower[axis] = 0.01 + (axis < 2 ? 0.49*childColumn(c, axis) : 0.3);
+      children[c].upper[axis] = children[c].lower[axis] + (axis < 2 ? 0.49 : 0.15);
+    }
+  const uint32_t node = encodeNode(NodeBox::root(), children);
+  for (int c = 0; c < 4; c++) {
+    const NodeBox box = decodeChild(node, c, NodeBox::root());
+    EXPECT_LE(box.extent[0], 0.55f);
+    EXPECT_LE(box.extent[1], 0.55f);
+    EXPECT_LE(box.extent[2], 0.5f);
+  }
+}
+
+TEST(NodeCodec, EveryFieldReachesOnlyItsOwnPlanes)
+{
+  // changing a field changes bounds of the axis it belongs to and of no other
+  for (int bit = 0; bit < 32; bit++) {
+    const int axis = bit < 10 ? 0 : bit < 20 ? 1 : 2;
+    bool changed = false;
+    for (int c = 0; c < 4; c++) {
+      const NodeBox a = decodeChild(0, c, NodeBox::root()), b = decodeChild(1u << bit, c, NodeBox::root());
+      for (int k = 0; k < 3; k++) {
+        const bool differs = a.lower[k] != b.lower[k] || a.extent[k] != b.extent[k];
+        if (k == axis) changed |= differs;
+        else EXPECT_FALSE(differs) << "bit " << bit << ", child " << c << ", axis " << k;
+      }
+    }
+    EXPECT_TRUE(changed) << "bit " << bit;
+  }
+}
+
+// All planes are multiples of 1/256, so at the root both sides are exact.
+TEST(NodeTables, EqualTheScalarDecoderForAllCodesAndFlips)
+{
+  static const NodeTables tables;
+  Random random(4);
+  std::vector<uint32_t> nodes;
+  for (int field = 0; field < 4; field++) // every code of every pair
+    for (uint32_t code = 0; code < 32; code++) nodes.push_back(code << (field*planePairBits));
+  for (uint32_t code = 0; code < 4096; code++) nodes.push_back(code << zShift); // every z
+  for (int i = 0; i < 4096; i++) nodes.push_back(random.bits());
+
+  for (uint32_t node : nodes)
+    for (int flips = 0; flips < 8; flips++) {
+      const int flip[3] = {flips & 1, (flips >> 1) & 1, flips >> 2};
+      for (int lane = 0; lane < 4; lane++) {
+        const NodeBox box = decodeChild(node, lane ^ (flips & 3), NodeBox::root());
+        float lower[3], upper[3];
+        for (int axis = 0; axis < 2; axis++) {
+          const int nearShift = flip[axis] ? upperShift(axis) : lowerShift(axis);
+          const int farShift = flip[axis] ? lowerShift(axis) : upperShift(axis);
+          lower[axis] = tables.nearPlane[axis][flip[axis]][(node >> nearShift) & planePairMask][lane];
+          upper[axis] = tables.farPlane[axis][flip[axis]][(node >> farShift) & planePairMask][lane];
+        }
+        const int row = (lane >> 1) ^ flip[1];
+        const float* z = tables.zPair[flip[0]][flip[2]][(node >> (zShift + 2*zBits*row)) & 63];
+        lower[2] = z[lane & 1];
+        upper[2] = z[2 + (lane & 1)];
+        for (int axis = 0; axis < 3; axis++) {
+          ASSERT_EQ(lower[axis], flip[axis] ? 1 - box.upper(axis) : box.lower[axis]) << std::hex << node << " flips " << flips << " lane " << lane;
+          ASSERT_EQ(upper[axis], flip[axis] ? 1 - box.lower[axis] : box.upper(axis)) << std::hex << node << " flips " << flips << " lane " << lane;
+        }
+      }
+    }
+}
+
+} // namespace
+} // namespace cbvh::test

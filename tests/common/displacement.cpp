@@ -1,0 +1,302 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "surface/displacement.h"
+#include "basics/error.h"
+#include "basics/parallel.h"
+#include "scenes/cube.h"
+#include "surface/face_atlas.h"
+#include "surface/face_borders.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <unistd.h>
+
+namespace cbvh::test {
+namespace {
+
+/* Two quads beside each other, one atlas over both: face 0 left, face 1 right. */
+Cage twoQuads()
+{
+  Cage cage;
+  cage.name = "two";
+  cage.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}};
+  cage.faceSizes = {4, 4};
+  cage.faceIndices = {0, 1, 4, 3, 1, 2, 5, 4};
+  cage.uvs = {{0.1f, 0.1f}, {0.45f, 0.13f}, {0.9f, 0.1f}, {0.1f, 0.9f}, {0.55f, 0.87f}, {0.9f, 0.9f}};
+  cage.uvIndices = cage.faceIndices;
+  return cage;
+}
+
+HeightMap ramp(int size)
+{
+  HeightMap map(size, size);
+  for (int y = 0; y < size; y++)
+    for (int x = 0; x < size; x++)
+      map.at(x, y) = std::sin(0.7f * float(x)) * std::cos(0.3f * float(y));
+  return map;
+}
+
+float offset(const Displacement& d, unsigned face, float u, float v, int level = finestLevel)
+{
+  float result;
+  d.offsets({face, level, 1, &u, &v}, &result);
+  return result;
+}
+
+/* Maps in files, in a folder that goes at the end. */
+class Displacing : public testing::Test
+{
+protected:
+  void SetUp() override
+  {
+    folder = std::filesystem::temp_directory_path() / ("cbvh_displacement_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  std::string path(const HeightMap& map, const std::string& name = "map.exr")
+  {
+    map.write((folder / name).string());
+    return (folder / name).string();
+  }
+
+  /* A TIFF of one page a face. */
+  std::string pages(const std::vector<HeightMap>& maps)
+  {
+    const std::string file = (folder / "pages.tif").string();
+    const auto output = OIIO::ImageOutput::create(file);
+    std::vector<OIIO::ImageSpec> specs;
+    for (const HeightMap& map : maps)
+      specs.emplace_back(map.width(), map.height(), 1, OIIO::TypeDesc::FLOAT);
+    for (size_t i = 0; i < maps.size(); i++)
+    {
+      EXPECT_TRUE(i == 0 ? output->open(file, int(specs.size()), specs.data())
+                         : output->open(file, specs[i], OIIO::ImageOutput::AppendSubimage));
+      std::vector<float> texels;
+      for (int y = 0; y < maps[i].height(); y++)
+        for (int x = 0; x < maps[i].width(); x++)
+          texels.push_back(maps[i].at(x, y));
+      EXPECT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, texels.data()));
+    }
+    output->close();
+    return file;
+  }
+
+  std::filesystem::path folder;
+};
+
+HeightMap flat(int size, float height)
+{
+  HeightMap map(size, size);
+  for (int y = 0; y < size; y++)
+    for (int x = 0; x < size; x++)
+      map.at(x, y) = height;
+  return map;
+}
+
+/* A pyramid of a triangle and quads over a pentagon, closed, no coordinates. */
+Cage mixedCage()
+{
+  Cage cage;
+  cage.name = "mixed";
+  for (float z : {0.0f, 1.0f})
+    for (int i = 0; i < 5; i++)
+      cage.positions.push_back({std::cos(1.2566f * float(i)), std::sin(1.2566f * float(i)), z});
+  cage.faceSizes = {5, 4, 4, 4, 4, 4, 3, 4};
+  cage.faceIndices = {4, 3, 2, 1, 0, 0, 1, 6, 5, 1, 2, 7, 6, 2, 3, 8, 7, 3, 4, 9, 8, 4, 0, 5, 9, 5, 6, 7, 5, 7, 8, 9};
+  return cage;
+}
+
+/* Every point of every border from all of its sides, at one level. */
+void expectClosed(const Cage& cage, const Displacement& d, int level)
+{
+  const FaceBorders borders(cage);
+  const int n = 1 << level;
+  for (unsigned face = 0; face < cage.numFaces(); face++)
+    for (unsigned edge = 0; edge < cage.faceSizes[face]; edge++)
+      for (int i = 0; i <= n; i++)
+      {
+        const float t = float(i) / float(n);
+        const FacePoint here = borders.point(face, edge, t);
+        const FaceBorders::Side other = borders.opposite(face, edge);
+        ASSERT_NE(other.face, ~0u);
+        const FacePoint there = borders.point(other.face, other.edge, 1.0f - t);
+        ASSERT_EQ(offset(d, face, here.u, here.v, level), offset(d, there.face, there.u, there.v, level))
+          << "face " << face << " edge " << edge << " at " << t;
+      }
+}
+
+TEST_F(Displacing, FacesWithTheSameCoordinatesOnAnEdgeMeetExactly)
+{
+  const Cage cage = twoQuads();
+  const auto d = displaceByUVs(cage, path(ramp(64)), 2.0f);
+  for (int level : {3, 5, 8})
+    for (int i = 0; i <= 256; i++) // right border of face 0, left border of face 1
+      EXPECT_EQ(offset(*d, 0, 1.0f, float(i) / 256, level), offset(*d, 1, 0.0f, float(i) / 256, level)) << i;
+}
+
+TEST_F(Displacing, SeamsOfAnAtlasAreClosed)
+{
+  Cage cage = mixedCage(); // every face a square of its own: all edges are seams
+  for (unsigned face = 0; face < cage.numFaces(); face++)
+    for (unsigned i = 0; i < cage.faceSizes[face]; i++)
+    {
+      const float angle = 6.2832f * float(i) / float(cage.faceSizes[face]);
+      cage.uvIndices.push_back(unsigned(cage.uvs.size()));
+      cage.uvs.push_back({0.1f * float(face) + 0.04f * std::cos(angle), 0.5f + 0.3f * std::sin(angle)});
+    }
+  const auto d = displaceByUVs(cage, path(ramp(64)), 2.0f);
+  for (int level : {1, 3, 6})
+    expectClosed(cage, *d, level);
+}
+
+TEST_F(Displacing, OneMapOnEveryFaceIsClosed)
+{
+  const Cage cage = mixedCage();
+  std::string warning;
+  const auto d = displaceByFace(cage, path(ramp(32)), 2.0f, warning);
+  EXPECT_NE(warning.find("not of one height"), std::string::npos);
+  for (int level : {1, 3, 6})
+    expectClosed(cage, *d, level);
+  warning.clear();
+  displaceByFace(cage, path(flat(8, 0.25f)), 2.0f, warning);
+  EXPECT_EQ(warning, "");
+}
+
+TEST_F(Displacing, AnImageAFaceIsReadByItsFaceAndClosed)
+{
+  const Cage cage = mixedCage();
+  std::vector<HeightMap> maps; // 5 of the pentagon, 3 of the triangle
+  for (int i = 0; i < 14; i++)
+    maps.push_back(flat(8, float(i)));
+  std::string warning;
+  const auto d = displaceByFace(cage, pages(maps), 1.0f, warning);
+  EXPECT_EQ(warning, "");
+  EXPECT_EQ(offset(*d, 0, 2.0f * 3 + 0.5f + 0.4f, 0.7f), 3.0f - neutralHeight) << "fourth corner of the pentagon";
+  EXPECT_EQ(offset(*d, 2, 0.5f, 0.5f), 6.0f - neutralHeight);
+  EXPECT_EQ(offset(*d, 7, 0.5f, 0.5f), 13.0f - neutralHeight);
+  expectClosed(cage, *d, 4);
+  maps.pop_back();
+  EXPECT_THROW(displaceByFace(cage, pages(maps), 1.0f, warning), Error);
+}
+
+TEST_F(Displacing, MapsAreFilteredToTheSpacing)
+{
+  HeightMap checker(256, 256); // too fine for coarse levels, which see its mean
+  for (int y = 0; y < 256; y++)
+    for (int x = 0; x < 256; x++)
+      checker.at(x, y) = float((x + y) & 1);
+  Cage cage = twoQuads();
+  cage.uvs = {{0, 0}, {0.5f, 0}, {1, 0}, {0, 1}, {0.5f, 1}, {1, 1}};
+  std::string warning;
+  const std::string file = path(checker);
+  const auto byUVs = displaceByUVs(cage, file, 1.0f), byFace = displaceByFace(cage, file, 1.0f, warning);
+  const float texel = 100.5f / 256.0f;
+  for (const Displacement* d : {byUVs.get(), byFace.get()})
+  {
+    EXPECT_NEAR(offset(*d, 0, texel, texel, 3), 0.0f, 0.02f);
+    EXPECT_GT(std::abs(offset(*d, 0, d == byUVs.get() ? 2 * texel - 0.4f : texel, texel, 9)), 0.05f);
+  }
+}
+
+TEST_F(Displacing, IsTheSameFromManyThreadsInAnyOrder)
+{
+  const Cage cage = twoQuads();
+  const std::string file = path(ramp(512));
+  const auto alone = displaceByUVs(cage, file, 1.0f), shared = displaceByUVs(cage, file, 1.0f);
+  constexpr size_t n = 20000;
+  std::vector<float> expected(n), got(n);
+  const auto point = [](size_t i) { return Vec2f{float(i * 7919 % 4096) / 4096, float(i * 104729 % 4096) / 4096}; };
+  for (size_t i = 0; i < n; i++)
+    expected[i] = offset(*alone, i & 1, point(i).x, point(i).y, 6);
+  parallelFor(n, 16, 4, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; i++)
+      got[n - 1 - i] = offset(*shared, (n - 1 - i) & 1, point(n - 1 - i).x, point(n - 1 - i).y, 6);
+  });
+  EXPECT_EQ(expected, got);
+}
+
+TEST_F(Displacing, NeutralHeightMovesNothing)
+{
+  const std::string map = path(flat(4, neutralHeight));
+  const Cage cage = twoQuads();
+  std::string warning;
+  EXPECT_EQ(offset(*displaceByUVs(cage, map, 3.0f), 1, 0.3f, 0.7f), 0.0f);
+  EXPECT_EQ(offset(*displaceByFace(cage, map, 3.0f, warning), 1, 0.3f, 0.7f), 0.0f);
+  EXPECT_EQ(offset(*displaceByAtlas(cage, FaceAtlas::forFaces(2, 2), flat(6, neutralHeight), 3.0f), 0, 0.3f, 0.7f), 0.0f);
+}
+
+TEST_F(Displacing, PolygonsInterpolateOverTheirCornerQuads)
+{
+  /* Height = s: what comes back is the first texture coordinate. */
+  Cage triangle;
+  triangle.name = "triangle";
+  triangle.positions.resize(3);
+  triangle.faceSizes = {3};
+  triangle.faceIndices = {0, 1, 2};
+  triangle.uvs = {{0.2f, 0.5f}, {0.8f, 0.5f}, {0.5f, 0.5f}};
+  triangle.uvIndices = {0, 1, 2};
+  HeightMap map(128, 16);
+  for (int y = 0; y < 16; y++)
+    for (int x = 0; x < 128; x++)
+      map.at(x, y) = (float(x) + 0.5f) / 128.0f + neutralHeight;
+  const auto d = displaceByUVs(triangle, path(map), 1.0f);
+  EXPECT_NEAR(offset(*d, 0, 0.5f, 0.5f), 0.2f, 1e-5f);  // corner 0
+  EXPECT_NEAR(offset(*d, 0, 1.5f, 0.5f), 0.5f, 1e-5f);  // middle of its edge
+  EXPECT_NEAR(offset(*d, 0, 2.5f, 0.5f), 0.8f, 1e-5f);  // corner 1
+  EXPECT_NEAR(offset(*d, 0, 1.5f, 1.5f), 0.5f, 1e-5f);  // centre, from corner 0
+  EXPECT_NEAR(offset(*d, 0, 3.5f, 1.5f), 0.5f, 1e-5f);  // and from corner 1
+}
+
+TEST(FaceAtlas, TilesAgreeOnBordersAtEveryLevel)
+{
+  const Cage cube = makeCube().cage;
+  const FaceAtlas atlas = FaceAtlas::forFaces(cube.numFaces(), 16);
+  HeightMap map(atlas.columns(), atlas.rows(cube.numFaces()));
+  for (int y = 0; y < map.height(); y++)
+    for (int x = 0; x < map.width(); x++)
+      map.at(x, y) = std::sin(0.37f * float(x * x) + 1.7f * float(y));
+  const auto d = displaceByAtlas(cube, atlas, map, 1.0f);
+  for (int level : {0, 1, 2, 3}) // the tiles themselves disagree: coarser ones are made to agree
+    expectClosed(cube, *d, level);
+}
+
+TEST(FaceAtlas, TilesAreReadAtTheirOwnTexelsExactly)
+{
+  const FaceAtlas atlas = FaceAtlas::forFaces(7, 8);
+  Cage cage;
+  for (unsigned i = 0; i < 7; i++)
+  {
+    cage.faceSizes.push_back(4);
+    for (unsigned j = 0; j < 4; j++)
+      cage.faceIndices.push_back(4 * i + j);
+  }
+  cage.positions.resize(28);
+  HeightMap map(atlas.columns(), atlas.rows(7));
+  for (int y = 0; y < map.height(); y++)
+    for (int x = 0; x < map.width(); x++)
+      map.at(x, y) = float(y * map.width() + x);
+  const auto d = displaceByAtlas(cage, atlas, map, 1.0f);
+  for (int face = 0; face < 7; face++)
+    for (int y = 0; y <= 8; y++)
+      for (int x = 0; x <= 8; x++)
+      {
+        const int column = face % atlas.tilesPerRow * 9 + x, row = face / atlas.tilesPerRow * 9 + y;
+        EXPECT_EQ(offset(*d, unsigned(face), float(x) / 8, float(y) / 8), map.at(column, row) - neutralHeight);
+      }
+}
+
+TEST(Displacement, CubeSpikesVanishOnTheBorders)
+{
+  const Model cube = makeCube();
+  for (int i = 0; i <= 64; i++)
+    for (auto [u, v] : {std::pair<float, float>{0, i / 64.0f}, {1, i / 64.0f}, {i / 64.0f, 0}, {i / 64.0f, 1}})
+      EXPECT_NEAR(offset(*cube.displacement, 2, u, v), 0.0f, 1e-12f);
+  EXPECT_NEAR(offset(*cube.displacement, 2, 0.5f, 0.5f), cubeAmplitude * cube.cage.bounds().diagonal(), 1e-6f);
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,257 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* OpenSubdiv's limit surface against formulas and against Embree's own evaluation. */
+
+#include "building/subdivision_geometry.h"
+#include "scenes/cube.h"
+#include "support/random_cages.h"
+#include "surface/limit_surface.h"
+
+#include <gtest/gtest.h>
+
+namespace cbvh::test {
+namespace {
+
+/* Some of the edges, all equally sharp. */
+Cage creased(Cage cage, float sharpness, Random& random)
+{
+  const FaceBorders borders(cage);
+  for (unsigned face = 0; face < cage.numFaces(); face++)
+    for (unsigned i = 0, n = cage.faceSizes[face]; i < n; i++)
+    {
+      const unsigned a = cage.faceIndices[borders.corner(face, i)], b = cage.faceIndices[borders.corner(face, (i + 1) % n)];
+      if (a < b && random.chance(0.3))
+        cage.creaseEdges.push_back({a, b});
+    }
+  cage.creaseSharpness.assign(cage.creaseEdges.size(), sharpness);
+  return cage;
+}
+
+/* The ring about the middle of a trapezohedron. */
+Cage belted(Cage cage, float sharpness)
+{
+  const unsigned n = unsigned(cage.numFaces());
+  for (unsigned i = 0; i < n; i++)
+    cage.creaseEdges.push_back({i, (i + 1) % n});
+  cage.creaseSharpness.assign(n, sharpness);
+  return cage;
+}
+
+/* --- against formulas ------------------------------------------------------------ */
+
+TEST(LimitSurface, APlaneStaysAPlane)
+{
+  Cage cage = sheet(5);
+  for (Vec3f& p : cage.positions)
+    p.z = 0.25f * p.x - 0.5f * p.y;
+  const LimitSurface limit(cage);
+  for (double u : {0.0, 0.3, 1.0})
+    for (double v : {0.0, 0.75, 1.0})
+    {
+      const LimitSample s = limit.evaluate({12, 0, u, v}); // the middle face
+      EXPECT_NEAR(s.p.x, 2 + u, 1e-12);
+      EXPECT_NEAR(s.p.y, 2 + v, 1e-12);
+      EXPECT_NEAR(s.p.z, 0.25 * s.p.x - 0.5 * s.p.y, 1e-12);
+      EXPECT_NEAR(length(s.du - Vec3d{1, 0, 0.25}), 0, 1e-12);
+      EXPECT_NEAR(length(s.duv), 0, 1e-12);
+    }
+}
+
+/* Uniform cubic B-spline weights and their first two derivatives. */
+void spline(double t, double w[3][4])
+{
+  const double s = 1 - t;
+  const double values[3][4] = {
+    {s * s * s / 6, (3 * t * t * t - 6 * t * t + 4) / 6, (3 * s * s * s - 6 * s * s + 4) / 6, t * t * t / 6},
+    {-s * s / 2, (3 * t * t - 4 * t) / 2, (-3 * s * s + 4 * s) / 2, t * t / 2},
+    {s, 3 * t - 2, 3 * s - 2, t}};
+  std::copy(&values[0][0], &values[0][0] + 12, &w[0][0]);
+}
+
+TEST(LimitSurface, RegularPatchesAreBicubicSplines)
+{
+  Random random(1);
+  const Cage cage = moved(sheet(3), random, 0.4);
+  const LimitSurface limit(cage);
+  for (int i = 0; i < 100; i++)
+  {
+    const double u = random.uniform(), v = random.uniform();
+    double wu[3][4], wv[3][4];
+    spline(u, wu);
+    spline(v, wv);
+    const LimitSample s = limit.evaluate({4, 0, u, v});
+    const auto expect = [&](Vec3d found, int du, int dv) {
+      Vec3d sum;
+      for (int y = 0; y < 4; y++)
+        for (int x = 0; x < 4; x++)
+          sum += wu[du][x] * wv[dv][y] * toDouble(cage.positions[size_t(4 * y + x)]);
+      EXPECT_NEAR(length(found - sum), 0, 1e-12) << "derivatives " << du << ", " << dv << " at " << u << ", " << v;
+    };
+    expect(s.p, 0, 0);
+    expect(s.du, 1, 0);
+    expect(s.dv, 0, 1);
+    expect(s.duu, 2, 0);
+    expect(s.duv, 1, 1);
+    expect(s.dvv, 0, 2);
+  }
+}
+
+TEST(LimitSurface, CubeCornersComeToAHalf)
+{
+  /* (n^2 v + 4 sum of neighbours + sum of those across the faces) / (n (n + 5)) */
+  const LimitSample s = LimitSurface(makeCube().cage).evaluate({5, 0, 1, 1});
+  EXPECT_NEAR(length(s.p - Vec3d{0.5, 0.5, 0.5}), 0, 1e-12);
+}
+
+TEST(LimitSurface, VerticesOfAnyValenceHaveTheKnownLimit)
+{
+  Random random(2);
+  for (unsigned n = 3; n <= 10; n++)
+  {
+    const Cage cage = moved(trapezohedron(n), random, 0.2);
+    const LimitSurface limit(cage);
+    Vec3d neighbours, across;
+    for (unsigned i = 0; i < n; i++)
+    {
+      neighbours += toDouble(cage.positions[2 * i]);
+      across += toDouble(cage.positions[2 * i + 1]);
+    }
+    const Vec3d expected = (double(n * n) * toDouble(cage.positions[2 * n]) + 4.0 * neighbours + across) * (1.0 / (n * (n + 5.0)));
+    for (unsigned face = 0; face < 2 * n; face += 2)
+      EXPECT_NEAR(length(limit.evaluate({face, 0, 0, 0}).p - expected), 0, 1e-7) << "valence " << n;
+  }
+}
+
+TEST(LimitSurface, DerivativesAreThoseOfThePosition)
+{
+  Random random(3);
+  for (const Cage& cage : {moved(prism(5), random, 0.2), moved(trapezohedron(7), random, 0.2)})
+  {
+    const Model model = modelOf(cage);
+    const TrueSurface surface(model);
+    const LimitSurface limit(cage);
+    constexpr double h = 1e-6;
+    for (int i = 0; i < 200; i++)
+    {
+      PatchPoint p = randomPoint(cage, surface, random);
+      p.u = 0.1 + 0.8 * p.u; // away from corners, where second derivatives have no limit
+      p.v = 0.1 + 0.8 * p.v;
+      const LimitSample s = limit.evaluate(p);
+      const auto at = [&](double du, double dv) { return limit.evaluate({p.face, p.subPatch, p.u + du, p.v + dv}); };
+      const double k = 1 / (2 * h);
+      EXPECT_NEAR(length((at(h, 0).p - at(-h, 0).p) * k - s.du), 0, 1e-7);
+      EXPECT_NEAR(length((at(0, h).p - at(0, -h).p) * k - s.dv), 0, 1e-7);
+      EXPECT_NEAR(length((at(h, 0).du - at(-h, 0).du) * k - s.duu), 0, 1e-4);
+      EXPECT_NEAR(length((at(0, h).du - at(0, -h).du) * k - s.duv), 0, 1e-4);
+      EXPECT_NEAR(length((at(0, h).dv - at(0, -h).dv) * k - s.dvv), 0, 1e-4);
+    }
+  }
+}
+
+/* --- against Embree --------------------------------------------------------------- */
+
+struct Deviation
+{
+  double position = 0, angle = 0;
+};
+
+/* margin: of points from the borders of their patch. */
+Deviation deviationFromEmbree(const Cage& cage, double margin, Random& random)
+{
+  const Model model = modelOf(cage);
+  const TrueSurface surface(model);
+  const LimitSurface limit(cage);
+  EmbreeDevice device("threads=1");
+  const SceneHandle scene(rtcNewScene(device.handle()));
+  DisplacementContext context;
+  context.level = 2;
+  const GeometryHandle geometry = SharedTopology(device, cage).makeGeometry(Placement(), context);
+  rtcAttachGeometry(scene.get(), geometry.get());
+  rtcCommitScene(scene.get());
+  Deviation most;
+  for (int i = 0; i < 2000; i++)
+  {
+    PatchPoint p = randomPoint(cage, surface, random);
+    p.u = margin + (1 - 2 * margin) * p.u;
+    p.v = margin + (1 - 2 * margin) * p.v;
+    const FacePoint q = surface.patches().toEmbree(p);
+    alignas(16) float P[4], du[4], dv[4];
+    rtcInterpolate1(geometry.get(), q.face, q.u, q.v, RTC_BUFFER_TYPE_VERTEX, 0, P, du, dv, 3);
+    const LimitSample s = limit.evaluate(p);
+    const Vec3d m = normalize(cross(s.du, s.dv));
+    const Vec3d n = normalize(cross(Vec3d{du[0], du[1], du[2]}, Vec3d{dv[0], dv[1], dv[2]}));
+    most.position = std::max(most.position, length(Vec3d{P[0], P[1], P[2]} - s.p));
+    most.angle = std::max(most.angle, std::atan2(length(cross(n, m)), dot(n, m)));
+  }
+  return most;
+}
+
+/* Some ulps of coordinates up to 4. Near extraordinary vertices Embree takes tangents
+ * from differences over 2^-10 of a face, which lets those ulps grow 2^10-fold. */
+constexpr double ulp = 0x1p-23, positionBound = 4 * 4 * ulp, angleBound = 4 * ulp * 0x1p10;
+
+void expectEmbrees(const Cage& cage, double margin, Random& random)
+{
+  const Deviation d = deviationFromEmbree(cage, margin, random);
+  EXPECT_LT(d.position, positionBound) << cage.name << " of " << cage.numFaces() << " faces";
+  EXPECT_LT(d.angle, angleBound) << cage.name << " of " << cage.numFaces() << " faces";
+}
+
+TEST(LimitSurface, EqualsEmbreesOnSmoothCages)
+{
+  Random random(4);
+  expectEmbrees(makeCube().cage, 0, random);
+  for (unsigned n = 3; n <= 10; n++)
+  {
+    expectEmbrees(moved(trapezohedron(n), random, 0.1), 0, random);
+    expectEmbrees(moved(prism(n), random, 0.1), 0, random);
+  }
+}
+
+TEST(LimitSurface, EqualsEmbreesOnOpenSheetsWithHoles)
+{
+  Random random(5);
+  Cage cage = moved(sheet(4), random, 0.3);
+  for (BoundaryRule rule : {BoundaryRule::EdgeAndCorner, BoundaryRule::None})
+  {
+    cage.boundary = rule;
+    expectEmbrees(cage, 0, random);
+  }
+  cage.boundary = BoundaryRule::EdgeAndCorner;
+  cage.holes = {5};
+  expectEmbrees(cage, 0, random);
+  cage.boundary = BoundaryRule::EdgeOnly; // but for corner faces
+  cage.holes = {0, 3, 12, 15};
+  cage.cornerVertices = {1, 3, 5, 9, 15, 19, 21, 23};
+  cage.cornerSharpness.assign(8, INFINITY);
+  expectEmbrees(cage, 0, random);
+}
+
+/* Away from borders of patches: along infinitely sharp creases either side closes the
+ * last 2^-10 of a face its own way. */
+TEST(LimitSurface, EqualsEmbreesWithCreasesAndCorners)
+{
+  Random random(6);
+  constexpr double margin = 0x1p-8;
+  for (unsigned n = 3; n <= 10; n++)
+  {
+    const Cage t = moved(trapezohedron(n), random, 0.1), p = moved(prism(n), random, 0.1);
+    for (float sharpness : {1.0f, 2.0f, INFINITY})
+    {
+      expectEmbrees(creased(t, sharpness, random), margin, random);
+      expectEmbrees(creased(p, sharpness, random), margin, random);
+    }
+    for (float sharpness : {0.4f, 1.7f, 2.5f})
+    {
+      expectEmbrees(belted(t, sharpness), margin, random);
+      Cage cornered = t;
+      cornered.cornerVertices = {0, n + 1};
+      cornered.cornerSharpness = {sharpness, INFINITY};
+      expectEmbrees(cornered, margin, random);
+    }
+  }
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,116 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "surface/obj_reader.h"
+#include "basics/error.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+namespace cbvh::test {
+namespace {
+
+Cage read(const std::string& text)
+{
+  std::istringstream stream(text);
+  return readObj(stream, "test.obj");
+}
+
+const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+std::string errorOf(const std::string& text)
+{
+  try
+  {
+    read(text);
+  }
+  catch (const Error& e)
+  {
+    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << "one line: " << e.what();
+    return e.what();
+  }
+  return "";
+}
+
+TEST(ObjReader, KeepsPolygonsWhole)
+{
+  const Cage cage = read(square + "v 2 2 2\nf 1 2 3 4 5\nf 1 2 3\n");
+  EXPECT_EQ(cage.faceSizes, (std::vector<unsigned>{5, 3}));
+  EXPECT_EQ(cage.faceIndices, (std::vector<unsigned>{0, 1, 2, 3, 4, 0, 1, 2}));
+  EXPECT_FALSE(cage.hasUVs());
+}
+
+TEST(ObjReader, ReadsAllCornerForms)
+{
+  const std::string uvs = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\n";
+  for (const char* face : {"f 1/4 2/3 3/2 4/1\n", "f 1/4/1 2/3/1 3/2/1 4/1/1\n", "f -4/-1 -3/-2 -2/-3 -1/-4\n"})
+  {
+    const Cage cage = read(square + uvs + face);
+    EXPECT_EQ(cage.faceIndices, (std::vector<unsigned>{0, 1, 2, 3})) << face;
+    EXPECT_EQ(cage.uvIndices, (std::vector<unsigned>{3, 2, 1, 0})) << face;
+  }
+  EXPECT_FALSE(read(square + "vn 0 0 1\nf 1//1 2//1 3//1 4//1\n").hasUVs());
+}
+
+TEST(ObjReader, NegativeIndicesCountFromWhatWasReadSoFar)
+{
+  const Cage cage = read(square + "f -4 -3 -2 -1\nv 9 9 9\nf -1 1 2\n");
+  EXPECT_EQ(cage.faceIndices, (std::vector<unsigned>{0, 1, 2, 3, 4, 0, 1}));
+}
+
+TEST(ObjReader, OneVertexMayHaveSeveralUVs)
+{
+  const Cage cage = read(square + "vt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 1/2 3/2 4/2\n");
+  EXPECT_EQ(cage.uvIndices, (std::vector<unsigned>{0, 0, 0, 1, 1, 1}));
+}
+
+TEST(ObjReader, ReadsTags)
+{
+  const Cage cage = read("t interpolateboundary 1/0/0 1\n" + square +
+                         "f 1 2 3 4\nt crease 2/1/0 0 1 2.5\nt crease 4/2/0 1 2 2 3 10 1\nt corner 1/1/0 3 4\nt hole 1/0/0 0\n");
+  EXPECT_EQ(cage.boundary, BoundaryRule::EdgeAndCorner);
+  ASSERT_EQ(cage.creaseEdges.size(), 3u);
+  EXPECT_EQ(cage.creaseEdges[1], (std::pair<unsigned, unsigned>{1, 2}));
+  EXPECT_EQ(cage.creaseSharpness[0], 2.5f);
+  EXPECT_EQ(cage.creaseSharpness[1], INFINITY) << "10 is infinitely sharp in OpenSubdiv";
+  EXPECT_EQ(cage.creaseSharpness[2], 1.0f);
+  EXPECT_EQ(cage.cornerVertices, (std::vector<unsigned>{3}));
+  EXPECT_EQ(cage.holes, (std::vector<unsigned>{0}));
+}
+
+TEST(ObjReader, WindowsLineEndsCommentsAndContinuations)
+{
+  const Cage cage = read("# cage\r\nv 0 0 0\r\nv 1 0 0 # corner\r\nv 1 1 0\r\nf 1 \\\n2 3\r\n");
+  EXPECT_EQ(cage.faceSizes, (std::vector<unsigned>{3}));
+}
+
+TEST(ObjReader, RefusesBadInputWithItsLine)
+{
+  const std::pair<const char*, const char*> cases[] = {
+    {"f 1 2\n", "test.obj:5: a face needs at least three vertices, this one has 2"},
+    {"f 1 2 5\n", "test.obj:5: vertex index 5 is out of range, there are 4"},
+    {"f 1 2 0\n", "test.obj:5: vertex index 0 is out of range, there are 4"},
+    {"f 1 2 -5\n", "test.obj:5: vertex index -5 is out of range, there are 4"},
+    {"f 1/1 2/1 3/1\n", "test.obj:5: texture coordinate index 1 is out of range, there are 0"},
+    {"f 1 2 x\n", "test.obj:5: 'x' is not a number"},
+    {"f 1 2 3.5\n", "test.obj:5: '3.5' is not a number"},
+    {"v 1 2\n", "test.obj:5: a vertex needs three coordinates"},
+    {"v 1 2 nan\n", "test.obj:5: 'nan' is not finite"},
+    {"v 1 2 1e99\n", "test.obj:5: '1e99' is not a number"},
+    {"vt 0 0\nf 1/1 2/1 3\n", "test.obj:6: some corners have texture coordinates and some have none"},
+    {"surf 1\n", "test.obj:5: unknown statement 'surf'"},
+    {"t crease 2/1/0 0 1\n", "test.obj:5: tag 'crease' announces 2/1/0 values and has 2"},
+    {"f 1 2 3\nt crease 2/1/0 0 4 1\n", "test.obj: tag refers to vertex 4, there are 4"},
+    {"f 1 2 3\nt hole 1/0/0 1\n", "test.obj: tag refers to face 1, there are 1"},
+    {"t corner 1/1/0 0 -1\nf 1 2 3\n", "test.obj:5: sharpness must not be negative"},
+    {"", "test.obj: no faces"},
+  };
+  for (const auto& [text, message] : cases)
+    EXPECT_EQ(errorOf(square + text), message) << text;
+  EXPECT_THROW(readObj("/nonexistent/cage.obj"), Error);
+  EXPECT_THROW(readObj("/"), Error);
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,296 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "basics/error.h"
+#include "building/built_scene.h"
+#include "scenes/baked_heights.h"
+#include "scenes/catalogue.h"
+#include "scenes/cube.h"
+#include "scenes/frog.h"
+#include "scenes/knee.h"
+#include "scenes/scythe.h"
+#include "scenes/trex_cage.h"
+#include "scenes/trex_skin.h"
+#include "scenes/uv_charts.h"
+#include "surface/cage_validation.h"
+#include "surface/face_borders.h"
+#include "tracing/trace_hits.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <numeric>
+#include <set>
+#include <unistd.h>
+
+namespace cbvh::test {
+namespace {
+
+double volume(const Cage& cage, const std::vector<size_t>& faces)
+{
+  double sum = 0; // by the divergence theorem, positive when faces look outwards
+  for (size_t f : faces)
+  {
+    const unsigned* q = &cage.faceIndices[4 * f];
+    const Vec3f a = cage.positions[q[0]], b = cage.positions[q[1]], c = cage.positions[q[2]], d = cage.positions[q[3]];
+    sum += dot(a, cross(b, c)) + dot(a, cross(c, d));
+  }
+  return sum / 6;
+}
+
+std::vector<std::vector<size_t>> connectedPieces(const Cage& cage)
+{
+  const FaceBorders borders(cage);
+  std::vector<char> seen(cage.numFaces());
+  std::vector<std::vector<size_t>> pieces;
+  for (unsigned seed = 0; seed < cage.numFaces(); seed++)
+  {
+    if (seen[seed])
+      continue;
+    std::vector<size_t> piece{seed};
+    seen[seed] = 1;
+    for (size_t i = 0; i < piece.size(); i++)
+      for (unsigned edge = 0; edge < 4; edge++)
+      {
+        const unsigned other = borders.opposite(unsigned(piece[i]), edge).face;
+        if (other != ~0u && !seen[other])
+        {
+          seen[other] = 1;
+          piece.push_back(other);
+        }
+      }
+    pieces.push_back(piece);
+  }
+  return pieces;
+}
+
+/* All quads, manifold, without boundary, every piece facing outwards. */
+void expectClosedCage(const Cage& cage)
+{
+  for (unsigned size : cage.faceSizes)
+    ASSERT_EQ(size, 4u);
+  EXPECT_NO_THROW(validateCage(cage));
+  const FaceBorders borders(cage);
+  for (unsigned f = 0; f < cage.numFaces(); f++)
+    for (unsigned edge = 0; edge < 4; edge++)
+      ASSERT_NE(borders.opposite(f, edge).face, ~0u) << cage.name << ": a boundary at face " << f;
+  for (const std::vector<size_t>& piece : connectedPieces(cage))
+    EXPECT_GT(volume(cage, piece), 0.0) << cage.name << ": the piece of face " << piece[0];
+}
+
+/* Both sides of every edge displace alike. Unlike heights computed from a position,
+ * positions themselves differ by rounding from side to side. */
+void expectContinuous(const Cage& cage, const Displacement& d, int level, float tolerance)
+{
+  const FaceBorders borders(cage);
+  const auto offset = [&](const FacePoint& p) {
+    float result;
+    d.offsets({p.face, level, 1, &p.u, &p.v}, &result);
+    return result;
+  };
+  for (unsigned face = 0; face < cage.numFaces(); face++)
+    for (unsigned edge = 0; edge < 4; edge++)
+      for (int i = 0; i <= 1 << level; i++)
+      {
+        const float t = std::ldexp(float(i), -level);
+        const FaceBorders::Side other = borders.opposite(face, edge);
+        ASSERT_NEAR(offset(borders.point(face, edge, t)), offset(borders.point(other.face, other.edge, 1.0f - t)),
+                    tolerance) << cage.name << ": face " << face << " edge " << edge << " at " << t;
+      }
+}
+
+TEST(Scenes, SmallOnesAreClosedAndContinuous)
+{
+  for (const Model& model : {makeCube(), makeFrog(), makeScythe(), makeKnee()})
+  {
+    SCOPED_TRACE(model.name);
+    expectClosedCage(model.cage);
+    EXPECT_LE(model.cage.numFaces(), 1000u);
+    for (int level : {2, 6})
+      expectContinuous(model.cage, *model.displacement, level, 1e-4f * model.cage.bounds().diagonal());
+  }
+}
+
+TEST(Scenes, AmplitudeScalesTheDisplacement)
+{
+  const Model once = makeScythe(0.01f), fivefold = makeScythe(0.05f);
+  for (float u : {0.25f, 0.5f, 0.8125f})
+  {
+    float a, b;
+    once.displacement->offsets({30, 6, 1, &u, &u}, &a);
+    fivefold.displacement->offsets({30, 6, 1, &u, &u}, &b);
+    EXPECT_NEAR(b, 5.0f * a, 1e-5f);
+    EXPECT_NE(a, 0.0f);
+  }
+}
+
+class Trex : public testing::Test
+{
+protected:
+  static void SetUpTestSuite() { trex = new TrexCage(makeTrexCage()); }
+  static void TearDownTestSuite() { delete trex; }
+  static TrexCage* trex;
+};
+TrexCage* Trex::trex;
+
+TEST_F(Trex, CageIsClosedOfSixToEightThousandQuads)
+{
+  EXPECT_GE(trex->cage.numFaces(), 6000u);
+  EXPECT_LE(trex->cage.numFaces(), 8000u);
+  EXPECT_EQ(trex->parts.size(), trex->cage.numFaces());
+  expectClosedCage(trex->cage);
+}
+
+TEST_F(Trex, BodyIsOnePieceAndHasManyExtraordinaryVertices)
+{
+  const std::vector<std::vector<size_t>> pieces = connectedPieces(trex->cage);
+  size_t skin = 0, teeth = 0, claws = 0;
+  for (const std::vector<size_t>& piece : pieces)
+  {
+    skin += trex->parts[piece[0]] == TrexPart::Skin;
+    teeth += trex->parts[piece[0]] == TrexPart::Tooth;
+    claws += trex->parts[piece[0]] == TrexPart::Claw;
+  }
+  EXPECT_EQ(skin, 1u);
+  EXPECT_EQ(teeth, 60u);
+  EXPECT_EQ(claws, 12u);
+  std::vector<int> valence(trex->cage.positions.size());
+  for (unsigned v : trex->cage.faceIndices)
+    valence[v]++;
+  size_t extraordinary = 0;
+  for (int v : valence)
+    extraordinary += v != 4;
+  EXPECT_GT(extraordinary, 1000u);
+}
+
+TEST_F(Trex, SkinIsContinuousAndUsesItsRange)
+{
+  const FaceAtlas atlas = FaceAtlas::forFaces(trex->cage.numFaces(), 8);
+  HeightMap map = bakeTiles(trex->cage, atlas, "skin", 0,
+                            [&](const LimitPoint& p) { return trexHeight(trex->parts[p.face], p.position); });
+  float low = 1, high = 0;
+  for (int y = 0; y < map.height(); y++)
+    for (int x = 0; x < map.width(); x++)
+    {
+      low = std::min(low, map.at(x, y));
+      high = std::max(high, map.at(x, y));
+    }
+  EXPECT_GE(low, 0.0f);
+  EXPECT_LE(high, 1.0f);
+  EXPECT_LT(low, 0.15f);
+  EXPECT_GT(high, 0.8f);
+  const auto d = displaceByAtlas(trex->cage, atlas, map, 1.0f);
+  expectContinuous(trex->cage, *d, 3, 0.01f);
+  expectContinuous(trex->cage, *d, 2, 0.0f);
+}
+
+TEST_F(Trex, ChartsOverlapNowhereAndAreFew)
+{
+  const Charts charts = unfoldCharts(trex->cage, 8, 2);
+  EXPECT_LT(charts.count, trex->cage.numFaces() / 10);
+  EXPECT_LT(double(charts.width) * charts.height, 3.0 * 64 * double(trex->cage.numFaces()));
+  std::vector<int> owner(size_t(charts.width) * charts.height, 0);
+  for (const ChartCell& c : charts.cells)
+    for (int y = 0; y < 8; y++)
+      for (int x = 0; x < 8; x++)
+      {
+        ASSERT_LT(c.x + x, charts.width);
+        ASSERT_LT(c.y + y, charts.height);
+        ASSERT_EQ(owner[size_t(c.y + y) * charts.width + c.x + x]++, 0);
+      }
+}
+
+/* A map that is linear in the position is reproduced by interpolation in either
+ * parametrisation, so texels and coordinates belong together. */
+TEST_F(Trex, TilesAndChartsShowTheSameHeights)
+{
+  Cage cage = makeKnee().cage;
+  const auto height = [](const LimitPoint& p) { return 0.3f * p.position.x - 0.2f * p.position.y + 0.1f * p.position.z; };
+  const auto tiles = displaceByBake(cage, 16, "tiles", 0, 1.0f, height);
+  const std::filesystem::path folder =
+    std::filesystem::temp_directory_path() / ("cbvh_scenes_" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  bakeCharts(cage, 16, "charts", 0, height).write((folder / "charts.exr").string());
+  const auto charts = displaceByUVs(cage, (folder / "charts.exr").string(), 1.0f);
+  std::filesystem::remove_all(folder);
+  for (unsigned face = 0; face < cage.numFaces(); face++)
+    for (float u : {0.25f, 0.5f, 0.75f})
+      for (float v : {0.25f, 0.625f})
+      {
+        float a, b;
+        tiles->offsets({face, finestLevel, 1, &u, &v}, &a);
+        charts->offsets({face, finestLevel, 1, &u, &v}, &b);
+        EXPECT_NEAR(a, b, 0.01f) << "face " << face << " at " << u << "," << v;
+      }
+}
+
+/* Three small copies: every face of each is hit where the placement puts it. */
+TEST(Herd, CopiesStandWhereTheyArePlacedInEveryRepresentation)
+{
+  Model model = makeCube();
+  model.copies = {{{0, 0, 0}, 0.0f, 1.0f}, {{9, 0, 0}, 0.6f, 1.5f}, {{0, 0, 9}, -1.0f, 0.5f}};
+  BuildSettings settings;
+  settings.level = 3;
+  EXPECT_EQ(model.layout(3).numQuads(), 3u * 6 * 64);
+  for (const RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::Grid, RepresentationKind::CLeaf})
+  {
+    const BuiltScene scene(model, {kind, 1}, settings);
+    EXPECT_EQ(scene.report().quads, 3u * 6 * 64);
+    std::vector<Ray> rays;
+    for (const Placement& copy : model.copies) // down onto the middle of the face at +y
+      rays.push_back({copy.apply({0.01f, 20.0f, 0.02f}), 0.0f, {0, -1, 0}, INFINITY});
+    const std::vector<SurfaceHit> hits = traceClosest(scene, rays, 1);
+    for (size_t i = 0; i < rays.size(); i++)
+    {
+      ASSERT_TRUE(hits[i].hit()) << i;
+      EXPECT_EQ(hits[i].face, 6 * i + 3);
+      EXPECT_NEAR(hits[i].u, 0.5f, 0.06f);
+      EXPECT_NEAR((rays[i].origin.y - hits[i].t) / model.copies[i].scale, (rays[0].origin.y - hits[0].t), 0.05f);
+    }
+  }
+}
+
+std::string complaint(const SceneSettings& settings)
+{
+  try
+  {
+    validateScene(settings);
+  }
+  catch (const Error& e)
+  {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Catalogue, UnknownNamesListTheKnownOnes)
+{
+  SceneSettings s;
+  s.scene = "teapot";
+  EXPECT_EQ(complaint(s), "unknown --scene 'teapot', known are cube, frog, herd, knee, scythe and trex");
+  for (const std::string& name : sceneNames())
+  {
+    s.scene = name;
+    EXPECT_EQ(complaint(s), "");
+  }
+}
+
+TEST(Catalogue, OptionsBelongToTheirScenes)
+{
+  SceneSettings s;
+  s.scene = "cube";
+  s.count = 3;
+  EXPECT_EQ(complaint(s), "--count belongs to --scene herd");
+  s.scene = "herd";
+  EXPECT_EQ(complaint(s), "");
+  s.count = 0;
+  EXPECT_NE(complaint(s).find("--count 0 is out of range"), std::string::npos);
+  s.count = 2;
+  s.mapping = "sphere";
+  EXPECT_EQ(complaint(s), "unknown --mapping 'sphere', known are faces and atlas");
+  s.mapping = "atlas";
+  EXPECT_EQ(complaint(s), "");
+}
+
+} // namespace
+} // namespace cbvh::test

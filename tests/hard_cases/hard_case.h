@@ -1,0 +1,58 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Hard cases: a test each, for every representation and every ISA that is built in.
+ * A test says its property in a sentence, which scripts/report_hard_cases.py puts
+ * beside the results: the table of hard cases is made of nothing else. */
+
+#include "support/random.h"
+#include "support/scene.h"
+
+namespace cbvh::test {
+
+struct Tracer
+{
+  RTCCompression compression;
+  std::string isa; // of the device string: isa=avx2
+};
+
+inline const char* kindName(RTCCompression compression)
+{
+  return compression == RTC_COMPRESSION_GRID ? "cGRID" : compression == RTC_COMPRESSION_VOXEL ? "cVOXEL" : "cLEAF";
+}
+
+inline std::ostream& operator<<(std::ostream& out, const Tracer& tracer) { return out << kindName(tracer.compression) << ", " << tracer.isa; }
+
+// cLEAF_avx2, and sse42 for sse4.2: GoogleTest wants names of letters and digits.
+inline std::string tracerName(const testing::TestParamInfo<Tracer>& info)
+{
+  std::string name = std::string(kindName(info.param.compression)) + "_";
+  for (char c : info.param.isa.substr(4)) if (c != '.') name += c;
+  return name;
+}
+
+inline std::vector<Tracer> tracers()
+{
+  std::vector<Tracer> list;
+  for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF})
+    for (const char* isa : {TEST_ISAS}) list.push_back({compression, isa});
+  return list;
+}
+
+class HardCase : public testing::TestWithParam<Tracer>
+{
+protected:
+  Device device{GetParam().isa + ",threads=1"};
+
+  RTCCompression compression() const { return GetParam().compression; }
+
+  void SetUp() override { if (!device) GTEST_SKIP() << "this machine does not run " << GetParam().isa; }
+  void TearDown() override { if (device) { EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message; } }
+
+  // What holds, in a sentence.
+  void property(const std::string& sentence) { RecordProperty("property", sentence); }
+};
+
+} // namespace cbvh::test

@@ -1,0 +1,86 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Hard cases: edge rates. What of them is compressed and what is left to GRID is the
+ * library's choice; the property is the same. */
+
+#include "hard_cases/hard_case.h"
+#include "support/edge_rates.h"
+#include "support/grid_agreement.h"
+
+namespace cbvh::test {
+namespace {
+
+class HardRates : public HardCase
+{
+protected:
+  // rates: of all half-edges, neighbours alike. slack: how far tessellations may be apart.
+  void expectTightAndNear(const Cage& cage, const std::vector<float>& rates, float slack)
+  {
+    Random random(71);
+    Displacement displacement;
+    std::vector<RTCRayHit> inside;
+    for (int i = 0; i < 2000; i++) inside.push_back(makeRay({0, 0, 0}, {float(random.normal()), float(random.normal()), float(random.normal())}));
+    for (int frameLevel : {0, 1, 3}) {
+      SCOPED_TRACE(testing::Message() << "rate " << rates[0] << ", frame level " << frameLevel);
+      SurfaceSettings settings;
+      settings.displacement = &displacement;
+      settings.frameLevel = frameLevel;
+      settings.edgeRates = rates;
+      const Twins twins(device, cage, settings, compression());
+      expectHitsNearGrid(twins.grid, twins.scene, raysAt(random, 500), slack);
+      if (HasFatalFailure()) return;
+      expectNoLeaks(twins.grid, twins.scene, inside, compression());
+    }
+  }
+
+  void expectTightAndNear(float rate)
+  {
+    property("edges of rate " + std::to_string(int(rate)) + ": hits agree with GRID's, and no ray from inside leaks");
+    // resampled or not, both are as far from the surface as a quad's chord: within half its width
+    const float quad = 2/rate;
+    expectTightAndNear(cubeCage(), std::vector<float>(24, rate), 0.5f*quad);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(HardCases, HardRates, testing::ValuesIn(tracers()), tracerName);
+
+TEST_P(HardRates, Rate1) { expectTightAndNear(1); }
+TEST_P(HardRates, Rate2) { expectTightAndNear(2); }
+TEST_P(HardRates, Rate5) { expectTightAndNear(5); }
+TEST_P(HardRates, Rate13) { expectTightAndNear(13); }
+TEST_P(HardRates, Rate64) { expectTightAndNear(64); }
+
+TEST_P(HardRates, Mixed)
+{
+  property("faces whose edges have different rates: hits agree with GRID's, and no ray from inside leaks");
+  const float choice[] = {1, 2, 5, 8, 13, 16, 64};
+  Random random(72);
+  for (int repeat = 0; repeat < 4; repeat++) {
+    const Cage cage = cubeCage();
+    const std::vector<float> rates = drawRates(cage, random, [&](Random& r) { return choice[r.below(7)]; });
+    expectTightAndNear(cage, rates, 1); // beside an edge of rate 1 a quad is as long as the face
+    if (HasFatalFailure()) return;
+  }
+}
+
+// Opposite edges of rate 1 keep it small.
+TEST_P(HardRates, Rate4096)
+{
+  property("edges of rate 4096, the most that Embree takes, beside edges of rate 1: a plane is hit where it is");
+  SurfaceSettings settings;
+  settings.compression = compression();
+  settings.edgeRates = {4096, 1, 4096, 1};
+  const SurfaceScene scene(device, quadCage(), settings);
+  Random random(73);
+  for (int i = 0; i < 2000; i++) {
+    const float x = float(random.uniform(0.01, 0.99)), y = float(random.uniform(0.01, 0.99));
+    const RTCRayHit ray = makeRay({x, y, 1}, {0, 0, -1}), hit = intersect(scene, ray);
+    ASSERT_TRUE(isHit(hit) && occluded(scene, ray));
+    ASSERT_NEAR(hit.ray.tfar, 1, 1e-4f);
+    ASSERT_NEAR(hit.hit.u, x, 1e-3f);
+    ASSERT_NEAR(hit.hit.v, y, 1e-3f);
+  }
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,68 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Builds that could end badly, and do not: faces without a vertex, displacement that
+ * changes its mind, geometries without faces. */
+
+#include "support/displaced_sheet.h"
+
+#include <cmath>
+
+namespace cbvh::test {
+namespace {
+
+// A face that loses all its vertices leaves no block, and takes none from the mesh behind
+// it, whichever tasks build the two.
+TEST(BuildEdgeCases, AFaceWithoutVerticesTakesNothingFromItsNeighbours)
+{
+  Device device("threads=1,subdiv_accel=cbvh.leaf");
+  Scene scene(device);
+  DisplaceFunction poison = [](unsigned primID, float, float, Vec& p) { if (primID == 0) p[2] = NAN; }, none = [](unsigned, float, float, Vec&) {};
+  for (int m = 0; m < 2; m++) {
+    RTCGeometry geometry = newSheet(device, m ? 4 : 2, 10.f*m, 64, m ? none : poison);
+    rtcCommitGeometry(geometry);
+    attach(scene, geometry);
+  }
+  rtcCommitScene(scene);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 4096u);
+  for (int f = 0; f < 6; f++)
+    for (int i = 0; i < 64; i++) {
+      const float x = (f < 2 ? f : 10 + f - 2) + (i % 8 + 0.3f)/8, y = (i/8 + 0.4f)/8;
+      EXPECT_EQ(isHit(intersect(scene, makeRay({x, y, 1}, {0, 0, -1}))), f != 0) << "face " << f << " at " << x << ", " << y;
+    }
+}
+
+// Frame levels of an error bound are decided once, so a displacement that gives other
+// values when it is asked again cannot ask for more room than there is.
+TEST(BuildEdgeCases, ADisplacementMayAnswerDifferentlyTheSecondTime)
+{
+  Device device("threads=1,subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=0.0005");
+  Scene scene(device);
+  size_t calls = 0;
+  DisplaceFunction rougher = [&](unsigned, float u, float v, Vec& p) {
+    const float amplitude = calls++ < 4*33*33 ? 0.f : 0.1f;
+    p[2] = amplitude*std::sin(40*u)*std::sin(40*v);
+  };
+  commit(scene, newSheet(device, 4, 0, 32, rougher));
+  ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  EXPECT_EQ(statisticsOf(scene).numBlocks, 4u);
+}
+
+// A compressed geometry without faces has no accelerator, which is no reason to make new
+// ones at every commit of a dynamic scene: others would be rebuilt from nothing.
+TEST(BuildEdgeCases, AGeometryWithoutFacesIsNoReasonToRebuild)
+{
+  Device device("subdiv_accel=cbvh.leaf");
+  Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+  SurfaceSettings settings;
+  addSurface(device, scene, Cage(), settings);
+  rtcCommitScene(scene);
+  rtcCommitScene(scene);
+  const RTCCompressionStatistics stats = statisticsOf(scene);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  EXPECT_EQ(stats.numBlocks + stats.numQuads + stats.topLevelBytes, 0u);
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,550 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Settings, statistics, memory, progress and rebuilding, as a program sees them. */
+
+#include "support/random.h"
+#include "support/scene.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <malloc.h>
+#include <mutex>
+
+namespace cbvh::test {
+namespace {
+
+class Environment
+{
+public:
+  explicit Environment(const char* value) { setenv("EMBREE_CBVH", value, 1); }
+  ~Environment() { unsetenv("EMBREE_CBVH"); }
+};
+
+// What a scene's statistics say of the representation of a cube.
+std::string representationOf(RTCScene scene)
+{
+  const RTCCompressionStatistics s = statisticsOf(scene);
+  if (s.numBlocks == 0) return "none";
+  // leaves take nothing, 2 bytes a quad (at least 8), or 12 a vertex; and up to 12 to align the next block
+  const size_t leaves = s.leafBytes/s.numBlocks, quads = s.numQuads/s.numBlocks;
+  std::string name = leaves < 16 ? "voxel" : leaves <= std::max<size_t>(2*quads, 8) + 12 ? "leaf" : "grid";
+  for (int n = 0; n <= 8; n++)
+    if (s.numBlocks == 6*(size_t(1) << 2*n)) name += " " + std::to_string(n);
+  return name;
+}
+
+// Representation of a cube, at level 5 if not told, on a device with that configuration.
+std::string representation(const std::string& config, const RTCCompressionArguments* args = nullptr, float rate = 32)
+{
+  Device device(config);
+  if (!device) return "no device";
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.rate = rate;
+  Scene scene(device);
+  RTCGeometry geometry = newSurface(device, cubeCage(), settings);
+  if (args) rtcSetGeometryCompression(geometry, args);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  return representationOf(scene);
+}
+
+RTCCompressionArguments arguments(RTCCompression compression, int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT, float maxError = -1)
+{
+  RTCCompressionArguments args;
+  rtcInitCompressionArguments(&args);
+  args.compression = compression;
+  args.frameLevel = frameLevel;
+  args.maxError = maxError;
+  return args;
+}
+
+// --- settings --------------------------------------------------------------------------------
+
+TEST(Settings, DefaultIsStock)
+{
+  EXPECT_EQ(representation(""), "none");
+  EXPECT_EQ(representation("threads=1"), "none");
+  EXPECT_EQ(representation("subdiv_accel=bvh4.grid.eager"), "none");
+  EXPECT_EQ(representation("cbvh_frame_level=1"), "none");
+}
+
+TEST(Settings, DeviceStringChoosesTheRepresentation)
+{
+  EXPECT_EQ(representation("subdiv_accel=cbvh.grid"), "grid 2");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.voxel"), "voxel 2");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf"), "leaf 2");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=0"), "leaf 0");
+  EXPECT_EQ(representation("cbvh_frame_level=3,subdiv_accel=cbvh.leaf"), "leaf 3");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto"), "leaf 1");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=1e-30"), "leaf 5");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=8"), "leaf 5");
+}
+
+TEST(Settings, FrameLevelThatNobodyGivesKeepsBlocksOf8x8Quads)
+{
+  const char* const expected[] = {"leaf 0", "leaf 0", "leaf 0", "leaf 0", "leaf 1", "leaf 2", "leaf 2"};
+  for (unsigned level = 0; level <= 6; level++)
+    EXPECT_EQ(representation("subdiv_accel=cbvh.leaf", nullptr, float(1u << level)), expected[level]) << level;
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=2", nullptr, 4), "leaf 2");
+}
+
+TEST(Settings, EnvironmentChoosesForProgramsThatDoNot)
+{
+  const std::pair<const char*, const char*> cases[] = {
+    {"leaf", "leaf 2"}, {"voxel,level=1", "voxel 1"}, {"grid,frame_level=3", "grid 3"}, {" leaf , level=auto ", "leaf 1"},
+    {"leaf,level=auto,max_error=1e-30", "leaf 5"}, {"none", "none"}, {"", "none"}, {"level=1", "none"}};
+  for (const auto& c : cases) {
+    Environment environment(c.first);
+    EXPECT_EQ(representation(""), c.second) << c.first;
+  }
+}
+
+TEST(Settings, GeometryGoesBeforeDeviceGoesBeforeEnvironment)
+{
+  Environment environment("leaf,level=1");
+  EXPECT_EQ(representation(""), "leaf 1");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.voxel"), "voxel 1");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.voxel,cbvh_frame_level=3"), "voxel 3");
+  EXPECT_EQ(representation("cbvh_frame_level=3"), "leaf 3");
+  EXPECT_EQ(representation("subdiv_accel=bvh4.grid.eager"), "none");
+  RTCCompressionArguments args = arguments(RTC_COMPRESSION_GRID);
+  EXPECT_EQ(representation("subdiv_accel=cbvh.voxel,cbvh_frame_level=3", &args), "grid 3");
+  args = arguments(RTC_COMPRESSION_INHERIT, 0);
+  EXPECT_EQ(representation("subdiv_accel=cbvh.voxel,cbvh_frame_level=3", &args), "voxel 0");
+  args = arguments(RTC_COMPRESSION_NONE);
+  EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "none");
+  args = arguments(RTC_COMPRESSION_LEAF, RTC_COMPRESSION_FRAME_LEVEL_AUTO, 1e-30f);
+  EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "leaf 5");
+}
+
+// rtcNewDevice has no device to report with: a line on stderr, and the code.
+void expectNoDevice(const std::string& config, const std::string& name, const std::string& value)
+{
+  rtcGetDeviceError(nullptr);
+  testing::internal::CaptureStderr();
+  RTCDevice device = rtcNewDevice(config.c_str());
+  const std::string output = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(device, nullptr) << config;
+  if (device) rtcReleaseDevice(device);
+  EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT) << config;
+  EXPECT_NE(output.find(name), std::string::npos) << config << ": " << output;
+  EXPECT_NE(output.find("\"" + value + "\""), std::string::npos) << config << ": " << output;
+}
+
+TEST(Settings, DeviceStringsWithUnknownValuesAreRefusedByNameAndValue)
+{
+  expectNoDevice("subdiv_accel=cbvh.foo", "subdiv_accel", "cbvh.foo");
+  expectNoDevice("subdiv_accel=cbvh.", "subdiv_accel", "cbvh.");
+  expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_frame_level=9", "cbvh_frame_level", "9");
+  expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_frame_level=-1", "cbvh_frame_level", "-1");
+  expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_frame_level=x", "cbvh_frame_level", "x");
+  expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_frame_level", "cbvh_frame_level", "");
+  expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_frame_level=2.5", "cbvh_frame_level", "2.5");
+  expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_max_error=-1", "cbvh_max_error", "-1");
+  expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_max_error=x", "cbvh_max_error", "x");
+}
+
+TEST(Settings, EnvironmentsWithUnknownValuesAreRefusedByNameAndValue)
+{
+  const std::pair<const char*, const char*> cases[] = {
+    {"foo", "foo"}, {"leaf,level=9", "9"}, {"leaf,level=-1", "-1"}, {"leaf,level=", ""}, {"leaf,level=2x", "2x"},
+    {"leaf,max_error=-1", "-1"}, {"leaf,max_error=nan", "nan"}, {"leaf,colour=2", "colour=2"}, {"cbvh.leaf", "cbvh.leaf"}};
+  for (const auto& c : cases) {
+    Environment environment(c.first);
+    expectNoDevice("", "EMBREE_CBVH", c.second);
+  }
+}
+
+// --- errors of the functions --------------------------------------------------------------------
+
+TEST(SetGeometryCompression, RefusesBadArgumentsByNameAndValueAndKeepsTheSetting)
+{
+  Device device;
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = RTC_COMPRESSION_VOXEL;
+  settings.frameLevel = 1;
+  RTCGeometry geometry = newSurface(device, cubeCage(), settings);
+
+  auto expectError = [&](const RTCCompressionArguments* args, const char* name, const std::string& value) {
+    rtcSetGeometryCompression(geometry, args);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << name << " " << value;
+    EXPECT_NE(device.message.find(name), std::string::npos) << device.message;
+    EXPECT_NE(device.message.find(value), std::string::npos) << device.message;
+  };
+  expectError(nullptr, "args", "NULL");
+  for (int value : {-1, 5, 99, 1 << 30}) {
+    RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF);
+    std::memcpy(&args.compression, &value, sizeof(value));
+    expectError(&args, "compression", std::to_string(value));
+  }
+  for (int value : {-3, 9, -(1 << 30), 1 << 30}) {
+    const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF, value);
+    expectError(&args, "frameLevel", std::to_string(value));
+  }
+  for (float value : {INFINITY, -INFINITY, NAN}) {
+    const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF, 2, value);
+    expectError(&args, "maxError", std::isnan(value) ? "nan" : "inf");
+  }
+
+  rtcGetDeviceError(nullptr);
+  const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF);
+  rtcSetGeometryCompression(nullptr, &args);
+  EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
+
+  Scene scene(device);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+  EXPECT_EQ(representationOf(scene), "voxel 1");
+}
+
+TEST(SetGeometryCompression, RefusesGeometryOfOtherTypes)
+{
+  Device device;
+  const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF);
+  for (RTCGeometryType type : {RTC_GEOMETRY_TYPE_TRIANGLE, RTC_GEOMETRY_TYPE_QUAD, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_INSTANCE, RTC_GEOMETRY_TYPE_USER}) {
+    RTCGeometry geometry = rtcNewGeometry(device, type);
+    rtcSetGeometryCompression(geometry, &args);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << type;
+    EXPECT_NE(device.message.find("RTC_GEOMETRY_TYPE_SUBDIVISION"), std::string::npos) << device.message;
+    rtcReleaseGeometry(geometry);
+  }
+}
+
+TEST(GetSceneCompressionStatistics, RefusesNullAndUncommittedScenes)
+{
+  Device device;
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = RTC_COMPRESSION_LEAF;
+  Scene scene(device);
+  RTCCompressionStatistics stats;
+  rtcGetDeviceError(nullptr);
+  rtcGetSceneCompressionStatistics(nullptr, &stats);
+  EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  addSurface(device, scene, cubeCage(), settings);
+  rtcGetSceneCompressionStatistics(scene, &stats);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  rtcCommitScene(scene);
+  rtcGetSceneCompressionStatistics(scene, nullptr);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(device.message.find("stats"), std::string::npos) << device.message;
+  rtcGetSceneCompressionStatistics(scene, &stats);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE);
+  addSurface(device, scene, cubeCage(), settings);
+  rtcGetSceneCompressionStatistics(scene, &stats);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+}
+
+TEST(GetSceneCompressionStatistics, IsAllZeroWithoutCompression)
+{
+  Device device;
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  Scene scene(device);
+  addSurface(device, scene, cubeCage(), settings);
+  rtcCommitScene(scene);
+  const RTCCompressionStatistics stats = statisticsOf(scene);
+  const RTCCompressionStatistics none = RTCCompressionStatistics();
+  EXPECT_EQ(std::memcmp(&stats, &none, offsetof(RTCCompressionStatistics, maxLeafThickness) + sizeof(float)), 0);
+}
+
+TEST(GetSceneCompressionStatistics, CountsWhatFormatSaysABlockHolds)
+{
+  Device device;
+  Displacement displacement;
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.compression = kind;
+    settings.frameLevel = 1;
+    settings.rate = 16; // 24 blocks of height 3
+    Scene scene(device);
+    addSurface(device, scene, cubeCage(), settings);
+    rtcCommitScene(scene);
+    const RTCCompressionStatistics s = statisticsOf(scene);
+    EXPECT_EQ(s.numBlocks, 24u);
+    EXPECT_EQ(s.numQuads, 24u*64);
+    EXPECT_EQ(s.nodeBytes, 24u*4*(kind == RTC_COMPRESSION_GRID ? 5 : 21));
+    const size_t leaf = kind == RTC_COMPRESSION_GRID ? 4*(3*81 + 3) : kind == RTC_COMPRESSION_LEAF ? 128 : 0;
+    EXPECT_GE(s.leafBytes, 24*leaf);
+    EXPECT_LT(s.leafBytes, 24*(leaf + 16)); // up to the alignment of the next block
+    EXPECT_EQ(s.frameBytes, 24u*76);
+    EXPECT_GT(s.topLevelBytes, 0u);
+    EXPECT_EQ(s.gridBytes, 0u);
+    if (kind != RTC_COMPRESSION_GRID) { EXPECT_GT(s.maxLeafThickness, 0); }
+  }
+}
+
+TEST(MaxError, BoundsTheThicknessOfLeavesWhenTheFrameLevelIsAuto)
+{
+  Device device;
+  Displacement displacement;
+  for (RTCCompression kind : {RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+    size_t blocks = 0;
+    for (float maxError : {0.2f, 0.05f, 0.02f}) {
+      Scene scene(device);
+      SurfaceSettings settings;
+      settings.displacement = &displacement;
+      settings.rate = 64;
+      RTCGeometry geometry = newSurface(device, cubeCage(), settings);
+      const RTCCompressionArguments args = arguments(kind, RTC_COMPRESSION_FRAME_LEVEL_AUTO, maxError);
+      rtcSetGeometryCompression(geometry, &args);
+      rtcCommitGeometry(geometry);
+      rtcAttachGeometry(scene, geometry);
+      rtcReleaseGeometry(geometry);
+      rtcCommitScene(scene);
+      const RTCCompressionStatistics s = statisticsOf(scene);
+      EXPECT_LE(s.maxLeafThickness, maxError);
+      EXPECT_GE(s.numBlocks, blocks) << "a tighter bound takes no coarser frames";
+      EXPECT_LT(s.numBlocks, s.numQuads) << "the bound is met before blocks have one quad";
+      blocks = s.numBlocks;
+    }
+  }
+}
+
+// --- memory -------------------------------------------------------------------------------------
+
+struct Memory
+{
+  std::atomic<ssize_t> live{0}, peak{0};
+
+  static bool monitor(void* self, ssize_t bytes, bool)
+  {
+    Memory& m = *(Memory*)self;
+    const ssize_t live = m.live += bytes;
+    ssize_t peak = m.peak;
+    while (live > peak && !m.peak.compare_exchange_weak(peak, live)) {}
+    return true;
+  }
+};
+
+size_t heapBytes()
+{
+  const struct mallinfo2 info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
+
+struct Sizes { size_t result, sum, peak, heap; };
+
+Sizes measure(RTCCompression kind, const Cage& cage, float rate)
+{
+  Memory memory;
+  Sizes sizes;
+  {
+    Device device;
+    rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+    const ssize_t before = memory.live;
+    {
+      Displacement displacement;
+      SurfaceSettings settings;
+      settings.displacement = &displacement;
+      settings.compression = kind;
+      settings.frameLevel = 2;
+      settings.rate = rate;
+      Scene scene(device);
+      addSurface(device, scene, cage, settings);
+      const ssize_t input = memory.live;
+      const size_t heap = heapBytes();
+      memory.peak = input;
+      rtcCommitScene(scene);
+      EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      sizes.result = size_t(memory.live - input);
+      sizes.peak = size_t(memory.peak - input);
+      sizes.heap = heapBytes() - heap;
+      const RTCCompressionStatistics s = statisticsOf(scene);
+      sizes.sum = s.topLevelBytes + s.frameBytes + s.nodeBytes + s.leafBytes + s.gridBytes;
+    }
+    EXPECT_EQ(memory.live, before) << "all is returned with the scene";
+  }
+  EXPECT_EQ(memory.live, 0) << "all is returned with the device";
+  return sizes;
+}
+
+// What the scene holds besides, its mesh's topology and regular patches, does not
+// depend on the level. The allocator rounds up by a few percent and by a block a thread.
+TEST(Memory, StatisticsAddUpToTheMonitorsFigure)
+{
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+    SCOPED_TRACE(kind);
+    const Sizes small = measure(kind, sheetCage(8), 4), large = measure(kind, sheetCage(8), 128);
+    const double added = double(large.result) - double(small.result), stated = double(large.sum) - double(small.sum);
+    std::printf("compression %d: monitor %zu, statistics %zu, peak %zu\n", int(kind), large.result, large.sum, large.peak);
+    EXPECT_GE(added, stated*0.999);
+    EXPECT_LE(added, stated*1.06 + 256*1024);
+  }
+}
+
+TEST(Memory, PeakDuringCommitIsLittleMoreThanTheResult)
+{
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_LEAF}) {
+    SCOPED_TRACE(kind);
+    const Sizes sizes = measure(kind, sheetCage(6), 256);
+    std::printf("compression %d: result %zu, peak %zu\n", int(kind), sizes.result, sizes.peak);
+    EXPECT_LE(double(sizes.peak), 1.3*double(sizes.result) + 64*1024*1024);
+  }
+}
+
+// What malloc holds more after a commit has gone through the monitor: all but small
+// change of the C++ library and of TBB.
+TEST(Memory, EveryByteGoesThroughTheMonitor)
+{
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+    SCOPED_TRACE(kind);
+    measure(kind, sheetCage(8), 4); // TBB's threads and arenas come once
+    const Sizes sizes = measure(kind, sheetCage(8), 128);
+    EXPECT_LE(sizes.heap, sizes.result + 256*1024);
+  }
+}
+
+// --- progress -------------------------------------------------------------------------------------
+
+struct Progress
+{
+  std::vector<double> fractions;
+  double cancelAt = 2;
+  std::mutex mutex; // several threads call
+
+  static bool monitor(void* self, double n)
+  {
+    Progress& p = *(Progress*)self;
+    std::lock_guard<std::mutex> lock(p.mutex);
+    p.fractions.push_back(n);
+    return n < p.cancelAt;
+  }
+};
+
+TEST(Progress, RisesToOne)
+{
+  Device device("threads=1"); // one thread: calls come in order
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.rate = 64;
+  Scene scene(device);
+  addSurface(device, scene, sheetCage(12), settings);
+  Progress progress;
+  rtcSetSceneProgressMonitorFunction(scene, Progress::monitor, &progress);
+  rtcCommitScene(scene);
+  ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  ASSERT_GT(progress.fractions.size(), 5u);
+  EXPECT_TRUE(std::is_sorted(progress.fractions.begin(), progress.fractions.end()));
+  EXPECT_LT(progress.fractions.front(), 0.3);
+  EXPECT_GT(progress.fractions.back(), 0.9);
+  EXPECT_LE(progress.fractions.back(), 1.001);
+}
+
+TEST(Progress, CancellingLeavesASceneThatCanBeCommittedAgain)
+{
+  Memory memory;
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+    {
+      Device device;
+      rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+      Displacement displacement;
+      SurfaceSettings settings;
+      settings.displacement = &displacement;
+      settings.compression = kind;
+      settings.rate = 32;
+      Scene scene(device), whole(device);
+      addSurface(device, scene, sheetCage(16), settings);
+      addSurface(device, whole, sheetCage(16), settings);
+      rtcCommitScene(whole);
+      Progress progress;
+      rtcSetSceneProgressMonitorFunction(scene, Progress::monitor, &progress);
+      for (double at : {0.0, 0.3, 0.7}) {
+        progress.cancelAt = at;
+        rtcCommitScene(scene);
+        EXPECT_EQ(device.takeError(), RTC_ERROR_CANCELLED) << at;
+      }
+      progress.cancelAt = 2;
+      rtcCommitScene(scene);
+      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      Random random(81);
+      for (int i = 0; i < 500; i++) {
+        const RTCRayHit ray = makeRay({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 3}, {0.01f, 0.02f, -1});
+        const RTCRayHit a = intersect(whole, ray), b = intersect(scene, ray);
+        ASSERT_EQ(isHit(a), isHit(b));
+        if (isHit(a)) { ASSERT_EQ(a.ray.tfar, b.ray.tfar); }
+      }
+    }
+    EXPECT_EQ(memory.live, 0);
+  }
+}
+
+// --- rebuilding -------------------------------------------------------------------------------------
+
+TEST(Dynamic, ScenesFollowWhatChanges)
+{
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+    Memory memory;
+    Device device;
+    rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+    Displacement displacement;
+    displacement.amplitude = 0.01f;
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.compression = kind;
+    Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+    Cage cage = cubeCage();
+    addSurface(device, scene, cage, settings);
+    rtcCommitScene(scene);
+    RTCGeometry geometry = rtcGetGeometry(scene, 0);
+    ssize_t live = 0;
+    for (int frame = 0; frame < 20; frame++) {
+      float* positions = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+      const float x = float(frame % 4);
+      for (size_t i = 0; i < cage.positions.size(); i++) positions[3*i] = cage.positions[i][0] + x;
+      rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+      rtcSetGeometryTessellationRate(geometry, frame % 2 ? 8 : 16);
+      rtcCommitGeometry(geometry);
+      rtcCommitScene(scene);
+      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      ASSERT_EQ(statisticsOf(scene).numQuads, 6u*(frame % 2 ? 64 : 256));
+      const RTCRayHit hit = intersect(scene, makeRay({x, 0, 5}, {0, 0, -1}));
+      ASSERT_TRUE(isHit(hit)) << "frame " << frame;
+      ASSERT_FALSE(isHit(intersect(scene, makeRay({x + 2, 0, 5}, {0, 0, -1}))));
+      if (frame == 7) live = memory.live;
+      if (frame > 7 && frame % 4 == 3) { ASSERT_LE(memory.live, live + 64*1024) << "rebuilding grows"; }
+    }
+  }
+}
+
+TEST(Dynamic, SettingsTakeEffectWithTheNextCommit)
+{
+  Device device;
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+  addSurface(device, scene, cubeCage(), settings);
+  RTCGeometry geometry = rtcGetGeometry(scene, 0);
+  const struct { RTCCompression kind; int frameLevel; const char* name; } steps[] = {
+    {RTC_COMPRESSION_INHERIT, 2, "none"}, {RTC_COMPRESSION_LEAF, 2, "leaf 2"}, {RTC_COMPRESSION_LEAF, 0, "leaf 0"},
+    {RTC_COMPRESSION_GRID, 1, "grid 1"}, {RTC_COMPRESSION_NONE, 1, "none"}, {RTC_COMPRESSION_VOXEL, 4, "voxel 4"}, {RTC_COMPRESSION_INHERIT, 0, "none"}};
+  for (const auto& step : steps) {
+    const RTCCompressionArguments args = arguments(step.kind, step.frameLevel);
+    rtcSetGeometryCompression(geometry, &args);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    EXPECT_EQ(representationOf(scene), step.name);
+    EXPECT_TRUE(isHit(intersect(scene, makeRay({0, 0, 5}, {0, 0, -1}))));
+  }
+}
+
+} // namespace
+} // namespace cbvh::test

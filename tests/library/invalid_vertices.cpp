@@ -1,0 +1,268 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Displacement that gives NaN or infinity at some vertices: the quads around them are
+ * left out and counted, the device is told which, all else is as without. */
+
+#include "support/random.h"
+#include "support/scene.h"
+
+#include <algorithm>
+#include <thread>
+
+namespace cbvh::test {
+namespace {
+
+class InvalidVertices : public testing::TestWithParam<RTCCompression> {};
+
+std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
+{
+  const char* const names[] = {"", "", "cGRID", "cVOXEL", "cLEAF"};
+  return names[info.param];
+}
+INSTANTIATE_TEST_SUITE_P(Compression, InvalidVertices, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF), nameOf);
+
+constexpr int quads = 16;
+
+int lattice(float u) { return int(std::lround(u*quads)); }
+
+TEST_P(InvalidVertices, LeaveOutTheirQuadsAndNoOthers)
+{
+  RecordProperty("property", "quads with a vertex that is NaN or infinite are left out and counted, and no others: inside a block, on borders of blocks, on the rim");
+  Device device;
+  // vertex (x, y) of the grid is bad; inside a block, on the border of two, on a corner of four, on the rim
+  const std::vector<std::vector<std::array<int, 2>>> sets = {
+    {{6, 6}}, {{4, 6}}, {{8, 8}}, {{0, 5}}, {{0, 0}}, {{3, 3}, {4, 3}, {13, 2}, {16, 16}}, {{7, 9}, {7, 10}, {7, 11}, {8, 12}}};
+  for (size_t set = 0; set < sets.size(); set++)
+    for (int frameLevel : {0, 1, 2, 4}) {
+      SCOPED_TRACE(testing::Message() << "set " << set << ", frame level " << frameLevel);
+      auto isBad = [&](int x, int y) {
+        for (const auto& p : sets[set]) if (p[0] == x && p[1] == y) return true;
+        return false;
+      };
+      auto isBadQuad = [&](int x, int y) { return isBad(x, y) || isBad(x+1, y) || isBad(x, y+1) || isBad(x+1, y+1); };
+      size_t invalid = 0;
+      for (int y = 0; y < quads; y++)
+        for (int x = 0; x < quads; x++) invalid += isBadQuad(x, y);
+
+      Displacement displacement;
+      displacement.amplitude = 0.01f;
+      displacement.poison = [&](unsigned, float u, float v) { return isBad(lattice(u), lattice(v)); };
+      SurfaceSettings settings;
+      settings.displacement = &displacement;
+      settings.rate = quads;
+      settings.compression = GetParam();
+      settings.frameLevel = frameLevel;
+      Scene scene(device);
+      Cage cage = quadCage();
+      addSurface(device, scene, cage, settings);
+      rtcCommitScene(scene);
+      ASSERT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+      EXPECT_EQ(device.message, "geometry 0, face 0: vertices are not finite; left out of 1 face(s): " + std::to_string(invalid) + " quads");
+      EXPECT_EQ(statisticsOf(scene).numInvalidQuads, invalid);
+      RTCBounds bounds;
+      rtcGetSceneBounds(scene, &bounds);
+      EXPECT_TRUE(std::isfinite(bounds.lower_x) && std::isfinite(bounds.upper_z));
+
+      // straight down at the first triangle of each quad; quads next to a hole may reach over it, by a leaf's
+      // overlap, and what is next to one may be seen in it only by a thick leaf
+      for (int y = 0; y < quads; y++)
+        for (int x = 0; x < quads; x++) {
+          const float u = (x + 0.3f)/quads, v = (y + 0.3f)/quads;
+          const RTCRayHit ray = makeRay({u, v, 1}, {0, 0, -1});
+          const RTCRayHit hit = intersect(scene, ray);
+          ASSERT_EQ(occluded(scene, ray), isHit(hit));
+          if (!isBadQuad(x, y)) { ASSERT_TRUE(isHit(hit)) << "quad " << x << ", " << y; }
+          // cGRID shares its vertices: the other triangle of a quad may be seen, as GRID sees it
+          const bool badTriangle = isBad(x, y) || isBad(x+1, y) || isBad(x, y+1);
+          if (badTriangle && GetParam() == RTC_COMPRESSION_GRID) { ASSERT_FALSE(isHit(hit)) << "quad " << x << ", " << y; }
+          if (!isHit(hit)) continue;
+          ASSERT_TRUE(std::isfinite(hit.ray.tfar) && std::isfinite(hit.hit.Ng_x + hit.hit.Ng_y + hit.hit.Ng_z));
+          ASSERT_NEAR(hit.ray.tfar, 1, 0.1f);
+          const int i = int(hit.hit.u*quads), j = int(hit.hit.v*quads);
+          if (GetParam() == RTC_COMPRESSION_GRID) continue;
+          ASSERT_FALSE(isBadQuad(std::min(i, quads-1), std::min(j, quads-1)) && std::fabs(hit.hit.u*quads - i - 0.5f) < 0.49f && std::fabs(hit.hit.v*quads - j - 0.5f) < 0.49f)
+            << "hit in a quad that is left out";
+        }
+    }
+}
+
+TEST_P(InvalidVertices, HolesStayOpen)
+{
+  RecordProperty("property", "a hole of quads that are left out stays open");
+  // a hole of 6 x 6 quads is wider than any overlap
+  Device device;
+  Displacement displacement;
+  displacement.amplitude = 0.01f;
+  displacement.poison = [](unsigned, float u, float v) { const int x = lattice(u), y = lattice(v); return x >= 5 && x <= 9 && y >= 5 && y <= 9; };
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.rate = quads;
+  settings.compression = GetParam();
+  settings.frameLevel = 0;
+  Scene scene(device);
+  addSurface(device, scene, quadCage(), settings);
+  rtcCommitScene(scene);
+  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 36u);
+  EXPECT_FALSE(isHit(intersect(scene, makeRay({7.0f/quads, 7.0f/quads, 1}, {0, 0, -1}))));
+  EXPECT_TRUE(isHit(intersect(scene, makeRay({2.0f/quads, 7.0f/quads, 1}, {0, 0, -1}))));
+}
+
+TEST_P(InvalidVertices, ASceneOfNothingElseIsEmpty)
+{
+  RecordProperty("property", "a scene of nothing but vertices that are not finite is empty, and tracing it ends");
+  Device device;
+  Displacement displacement;
+  displacement.poison = [](unsigned, float, float) { return true; };
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = GetParam();
+  Scene scene(device);
+  addSurface(device, scene, cubeCage(), settings);
+  rtcCommitScene(scene);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 6u*16*16);
+  EXPECT_EQ(statisticsOf(scene).numBlocks, 0u);
+  EXPECT_FALSE(isHit(intersect(scene, makeRay({0, 0, 5}, {0, 0, -1}))));
+  EXPECT_FALSE(occluded(scene, makeRay({0, 0, 5}, {0, 0, -1})));
+}
+
+TEST_P(InvalidVertices, FacesBesideBadOnesAreWhole)
+{
+  RecordProperty("property", "faces beside one whose vertices are not finite are whole");
+  Device device;
+  Displacement displacement;
+  displacement.poison = [](unsigned primID, float, float) { return primID == 2; };
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = GetParam();
+  settings.frameLevel = 2;
+  Scene scene(device);
+  addSurface(device, scene, cubeCage(), settings);
+  rtcCommitScene(scene);
+  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 16u*16);
+  EXPECT_EQ(statisticsOf(scene).numBlocks, 5u*16);
+  Random random(71);
+  for (int i = 0; i < 2000; i++) { // from the middle: all but the side towards -y
+    Vec d = {float(random.uniform(-1, 1)), float(random.uniform(-0.5, 1)), float(random.uniform(-1, 1))};
+    if (d[1] < 0 && std::fabs(d[1]) > 0.5f*std::max(std::fabs(d[0]), std::fabs(d[2]))) continue;
+    ASSERT_TRUE(isHit(intersect(scene, makeRay({0, 0, 0}, d))));
+  }
+}
+
+TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
+{
+  RecordProperty("property", "vertices that are not finite are an error of the device, once, with geometry and face");
+  Device device;
+  Displacement sound, bad, worse;
+  bad.poison = [](unsigned primID, float u, float v) { return primID >= 3 && u == 0 && v == 0; };
+  worse.poison = [](unsigned primID, float, float) { return primID == 1; };
+  Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+  RTCGeometry geometries[3];
+  int i = 0;
+  for (Displacement* displacement : {&sound, &bad, &worse}) {
+    SurfaceSettings settings;
+    settings.displacement = displacement;
+    settings.compression = GetParam();
+    rtcAttachGeometry(scene, geometries[i++] = newSurface(device, cubeCage(), settings));
+  }
+  std::vector<std::string> messages;
+  rtcSetDeviceErrorFunction(device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); }, &messages);
+  auto commit = [&]() {
+    messages.clear();
+    rtcCommitScene(scene);
+    return rtcGetDeviceError(device);
+  };
+  const std::string ofBad = "geometry 1, face 3: vertices are not finite; left out of 3 face(s): 3 quads";
+  EXPECT_EQ(commit(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(messages, (std::vector<std::string>{ofBad, "geometry 2, face 1: vertices are not finite; left out of 1 face(s): 256 quads"}));
+  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 259u);
+
+  EXPECT_EQ(commit(), RTC_ERROR_NONE) << "nothing changed";
+  rtcCommitGeometry(geometries[0]);
+  EXPECT_EQ(commit(), RTC_ERROR_NONE) << "only a sound geometry changed";
+  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 259u);
+  rtcCommitGeometry(geometries[1]);
+  EXPECT_EQ(commit(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(messages, std::vector<std::string>{ofBad});
+  for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry);
+}
+
+TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)
+{
+  RecordProperty("property", "vertices that are not finite are an error on one of the threads that join a commit");
+  Device device;
+  Displacement displacement;
+  displacement.poison = [](unsigned primID, float, float) { return primID == 4; };
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = GetParam();
+  Scene scene(device);
+  addSurface(device, scene, cubeCage(), settings);
+  unsigned told[4] = {};
+  std::vector<std::thread> threads;
+  for (unsigned& n : told)
+    threads.emplace_back([&]() { rtcJoinCommitScene(scene); n = rtcGetDeviceError(device) == RTC_ERROR_INVALID_ARGUMENT; });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(told[0] + told[1] + told[2] + told[3], 1u);
+  EXPECT_EQ(device.errors, 1u);
+}
+
+// A needle has no good frame, and GRID, which takes those, takes none with a hole.
+TEST_P(InvalidVertices, LeaveTheOthersOfABlockWithoutAGoodFrame)
+{
+  RecordProperty("property", "a block without a good frame keeps its finite quads");
+  const float width = 1e-5f;
+  Cage needle = quadCage();
+  for (Vec& p : needle.positions) p[1] *= width;
+  Displacement displacement;
+  displacement.amplitude = 0;
+  displacement.poison = [](unsigned, float u, float v) { return lattice(u) == 9 && lattice(v) == 5; };
+  for (int frameLevel : {0, 2}) {
+    Device device;
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.rate = quads;
+    settings.compression = GetParam();
+    settings.frameLevel = frameLevel;
+    Scene scene(device);
+    addSurface(device, scene, needle, settings);
+    rtcCommitScene(scene);
+    EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 4u);
+    for (int y = 0; y < quads; y++)
+      for (int x = 0; x < quads; x++) {
+        const float u = (x + 0.3f)/quads, v = (y + 0.3f)/quads;
+        const RTCRayHit hit = intersect(scene, makeRay({u, v*width, 1}, {0, 0, -1}));
+        if (x == 8 && y == 4) continue; // its first triangle is sound, and may be seen
+        if ((x == 8 || x == 9) && (y == 4 || y == 5)) { EXPECT_FALSE(isHit(hit)) << "quad " << x << ", " << y; continue; }
+        ASSERT_TRUE(isHit(hit)) << "quad " << x << ", " << y;
+        EXPECT_NEAR(hit.ray.tfar, 1, 1e-5f);
+        EXPECT_NEAR(hit.hit.u, u, 1e-4f) << "quad " << x << ", " << y;
+        EXPECT_NEAR(hit.hit.v, v, 1e-2f) << "quad " << x << ", " << y;
+      }
+  }
+}
+
+// Coordinates that are finite but huge: an answer or nothing, no crash.
+TEST_P(InvalidVertices, HugeCoordinatesAreTakenOrLeft)
+{
+  RecordProperty("property", "coordinates up to 1e37 are taken or left out: no crash, and hits up to 1e15");
+  Device device;
+  for (float scale : {1e10f, 1e15f, 1e18f, 1e25f, 1e30f, 1e37f}) {
+    Displacement displacement;
+    displacement.scale = scale;
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.rate = 8;
+    settings.compression = GetParam();
+    Scene scene(device);
+    addSurface(device, scene, cubeCage(), settings);
+    rtcCommitScene(scene);
+    device.takeError();
+    const RTCRayHit hit = intersect(scene, makeRay({0, 0, 0}, {0.1f, 0.2f, 1}));
+    if (scale <= 1e15f) { EXPECT_TRUE(isHit(hit)) << scale; }
+  }
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,227 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Faces of any edge rates, resampled to whole blocks: as near to the true surface as
+ * GRID's of the same rates, in a fraction of the memory, and anew when rates change. */
+
+#include "support/edge_rates.h"
+
+#include <atomic>
+#include <cmath>
+#include <numeric>
+
+namespace cbvh::test {
+namespace {
+
+std::vector<RTCRayHit> raysFromAround(Random& random, unsigned count)
+{
+  std::vector<RTCRayHit> rays;
+  for (unsigned i = 0; i < count; i++) {
+    Vec o, d;
+    for (int k = 0; k < 3; k++) o[k] = float(random.normal());
+    const float length = std::sqrt(std::inner_product(o.begin(), o.end(), o.begin(), 0.0f));
+    for (int k = 0; k < 3; k++) {
+      o[k] *= 4/length;
+      d[k] = float(random.uniform(-0.5, 0.5)) - o[k];
+    }
+    rays.push_back(makeRay(o, d));
+  }
+  return rays;
+}
+
+// Rates whose multiples GRID has too: vertices are GRID's but on borders to lower rates.
+TEST(ResampledInterior, IsGridsWhereRatesAreMultiplesOfTheBlocks)
+{
+  Device device;
+  const Cage cage = cubeCage();
+  Random random(63);
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.edgeRates = drawRates(cage, random, [](Random& r) { return float(16u << r.below(3)); });
+  settings.compression = RTC_COMPRESSION_NONE;
+  Scene grid(device), scene(device);
+  addSurface(device, grid, cage, settings);
+  rtcCommitScene(grid);
+  settings.compression = RTC_COMPRESSION_GRID;
+  addSurface(device, scene, cage, settings);
+  rtcCommitScene(scene);
+  EXPECT_EQ(statisticsOf(scene).numGridQuads, 0u);
+  const float quad = 1.0f/16;
+  unsigned interior = 0, borders = 0;
+  for (const RTCRayHit& ray : raysFromAround(random, 20000)) {
+    const RTCRayHit a = intersect(grid, ray), b = intersect(scene, ray);
+    if (!isHit(a) || !isHit(b) || a.hit.primID != b.hit.primID) continue;
+    // GRID stores parameters in 16 bits, and its fans at borders have those of the edge
+    ASSERT_LE(std::hypot(a.hit.u - b.hit.u, a.hit.v - b.hit.v), quad) << a.hit.u << " " << a.hit.v << ", " << b.hit.u << " " << b.hit.v;
+    if (std::min({a.hit.u, a.hit.v, 1 - a.hit.u, 1 - a.hit.v}) < quad) { borders++; continue; }
+    interior++;
+    ASSERT_NEAR(a.ray.tfar, b.ray.tfar, 1e-5f) << a.hit.u << " " << a.hit.v; // a test compiled twice rounds twice
+    ASSERT_NEAR(a.hit.u, b.hit.u, 1e-4f);
+    ASSERT_NEAR(a.hit.v, b.hit.v, 1e-4f);
+  }
+  EXPECT_GT(interior, 8000u);
+  EXPECT_GT(borders, 500u);
+}
+
+class ResampledFaces : public testing::TestWithParam<RTCCompression> {};
+INSTANTIATE_TEST_SUITE_P(Compression, ResampledFaces,
+  testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF), nameOf);
+
+// Distances to a much finer surface, along rays that meet it steeply.
+struct Distances
+{
+  double sum = 0;
+  unsigned count = 0;
+
+  void add(const RTCRayHit& fine, const RTCRayHit& hit)
+  {
+    const float* N = &fine.hit.Ng_x;
+    const float* D = &fine.ray.dir_x;
+    const double nd = std::inner_product(N, N + 3, D, 0.0), nn = std::inner_product(N, N + 3, N, 0.0), dd = std::inner_product(D, D + 3, D, 0.0);
+    if (nd*nd < 0.25*nn*dd) return;
+    sum += std::fabs(hit.ray.tfar - fine.ray.tfar)*std::fabs(nd)/std::sqrt(nn);
+    count++;
+  }
+};
+
+// A finer inside, and borders without GRID's fans of triangles: resampling takes nothing
+// away. What leaves add is within their thickness.
+TEST_P(ResampledFaces, SurfaceIsAsNearToTheTrueOneAsGrids)
+{
+  Device device;
+  for (const auto& set : rateSets) {
+    SCOPED_TRACE(testing::Message() << "rates " << set.name);
+    Random random(64);
+    Distances ours, grids;
+    double thickness = 0;
+    for (const auto& cage : closedCages) {
+      Displacement displacement;
+      SurfaceSettings settings;
+      settings.displacement = &displacement;
+      settings.compression = RTC_COMPRESSION_NONE;
+      settings.rate = 128;
+      Scene fine(device), grid(device), scene(device);
+      addSurface(device, fine, cage.cage, settings);
+      rtcCommitScene(fine);
+      settings.edgeRates = drawRates(cage.cage, random, set.draw);
+      addSurface(device, grid, cage.cage, settings);
+      rtcCommitScene(grid);
+      settings.compression = GetParam();
+      addSurface(device, scene, cage.cage, settings);
+      rtcCommitScene(scene);
+      thickness = std::max(thickness, double(statisticsOf(scene).maxLeafThickness));
+      for (const RTCRayHit& ray : raysFromAround(random, 2000)) {
+        const RTCRayHit f = intersect(fine, ray), a = intersect(grid, ray), b = intersect(scene, ray);
+        if (!isHit(f) || !isHit(a) || !isHit(b)) continue;
+        grids.add(f, a);
+        ours.add(f, b);
+      }
+    }
+    EXPECT_GT(ours.count, 3000u);
+    EXPECT_LE(ours.sum/ours.count, grids.sum/grids.count + thickness);
+  }
+}
+
+struct Memory
+{
+  std::atomic<ssize_t> live{0};
+  static bool monitor(void* self, ssize_t bytes, bool) { ((Memory*)self)->live += bytes; return true; }
+};
+
+// Small faces: level 6 has 8.6 times less in cLEAF, here most have a fraction of its quads.
+TEST_P(ResampledFaces, MemoryIsAFractionOfGrids)
+{
+  const double largestPart = GetParam() == RTC_COMPRESSION_GRID ? 0.65 : GetParam() == RTC_COMPRESSION_VOXEL ? 0.14 : 0.22;
+  for (const auto& set : rateSets) {
+    SCOPED_TRACE(testing::Message() << "rates " << set.name);
+    ssize_t bytes[2];
+    Random random(65);
+    const Cage cage = sheetCage(32);
+    Displacement displacement;
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.edgeRates = drawRates(cage, random, set.draw);
+    for (int i = 0; i < 2; i++) {
+      Device device;
+      Memory memory;
+      rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+      settings.compression = i ? GetParam() : RTC_COMPRESSION_NONE;
+      Scene scene(device);
+      addSurface(device, scene, cage, settings);
+      const ssize_t before = memory.live;
+      rtcCommitScene(scene);
+      bytes[i] = memory.live - before;
+    }
+    EXPECT_LE(bytes[1], bytes[0]*largestPart);
+  }
+}
+
+// A box so flat that its sides have no good frame. Their blocks keep exact vertices, and
+// not GRID's, whose borders are others.
+TEST_P(ResampledFaces, BlocksWithoutAFrameMeetTheOthers)
+{
+  Device device;
+  Random random(67);
+  Cage cage = cubeCage();
+  for (Vec& p : cage.positions) p[1] *= 1e-5f;
+  cage.mode = RTC_SUBDIVISION_MODE_PIN_ALL;
+  SurfaceSettings settings;
+  settings.edgeRates = drawRates(cage, random, rateSets[0].draw);
+  settings.compression = GetParam();
+  Scene scene(device);
+  addSurface(device, scene, cage, settings);
+  rtcCommitScene(scene);
+  const RTCCompressionStatistics stats = statisticsOf(scene);
+  EXPECT_GT(stats.numQuads, 0u);
+  EXPECT_EQ(stats.numGridQuads, 0u);
+  EXPECT_EQ(stats.numInvalidQuads, 0u);
+  for (unsigned i = 0; i < 20000; i++) { // at a side, through the middle of its height
+    const float z = float(random.uniform(-0.99, 0.99));
+    const RTCRayHit hit = intersect(scene, makeRay({3, 0, z}, {-1, float(random.uniform(-2e-6, 2e-6)), 0}));
+    ASSERT_TRUE(isHit(hit)) << z;
+    ASSERT_NEAR(hit.ray.tfar, 2, GetParam() == RTC_COMPRESSION_VOXEL ? 0.1 : 1e-3) << z;
+  }
+}
+
+// Other rates and a commit give the scene that they give from the start.
+TEST_P(ResampledFaces, ChangedRatesAreBuiltAnew)
+{
+  Device device;
+  const Cage cage = prismCage(5);
+  Random random(66);
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = GetParam();
+  settings.edgeRates = drawRates(cage, random, rateSets[0].draw);
+  Scene changing(device, RTC_SCENE_FLAG_DYNAMIC);
+  const unsigned id = addSurface(device, changing, cage, settings);
+  rtcCommitScene(changing);
+  for (int step = 0; step < 4; step++) {
+    settings.edgeRates = drawRates(cage, random, rateSets[step].draw);
+    RTCGeometry geometry = rtcGetGeometry(changing, id);
+    std::copy(settings.edgeRates.begin(), settings.edgeRates.end(), (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0));
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_LEVEL, 0);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(changing);
+    Scene fresh(device);
+    addSurface(device, fresh, cage, settings);
+    rtcCommitScene(fresh);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    EXPECT_EQ(statisticsOf(changing).numQuads, statisticsOf(fresh).numQuads);
+    unsigned hits = 0;
+    for (const RTCRayHit& ray : raysFromAround(random, 2000)) {
+      const RTCRayHit a = intersect(fresh, ray), b = intersect(changing, ray);
+      ASSERT_EQ(isHit(a), isHit(b));
+      if (!isHit(a)) continue;
+      hits++;
+      ASSERT_EQ(a.ray.tfar, b.ray.tfar);
+      ASSERT_EQ(a.hit.primID, b.hit.primID);
+    }
+    EXPECT_GT(hits, 500u);
+  }
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,495 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* What surrounds a compressed surface in a scene behaves as for every other geometry:
+ * settings a geometry, enabling and attaching, instances, masks, filters, packets and
+ * streams. */
+
+#include "support/random.h"
+#include "support/scene.h"
+
+#include <algorithm>
+#include <map>
+
+namespace cbvh::test {
+namespace {
+
+const RTCCompression allKinds[] = {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF};
+
+class SceneFeatures : public testing::TestWithParam<RTCCompression>
+{
+protected:
+  Device device;
+  Displacement displacement;
+
+  SurfaceSettings settings(RTCCompression compression = RTC_COMPRESSION_INHERIT)
+  {
+    SurfaceSettings s;
+    s.displacement = &displacement;
+    s.compression = compression == RTC_COMPRESSION_INHERIT ? GetParam() : compression;
+    s.frameLevel = 2;
+    return s;
+  }
+
+  void TearDown() override { EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message; }
+};
+
+std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
+{
+  const char* const names[] = {"", "", "cGRID", "cVOXEL", "cLEAF"};
+  return names[info.param];
+}
+INSTANTIATE_TEST_SUITE_P(Compression, SceneFeatures, testing::ValuesIn(allKinds), nameOf);
+
+// --- geometries ----------------------------------------------------------------------------
+
+TEST(MixedScene, EveryGeometryIsTracedWithItsOwnSettings)
+{
+  Device device;
+  Scene scene(device);
+  const struct { RTCCompression compression; int frameLevel; float rate; } kinds[] = {
+    {RTC_COMPRESSION_NONE, 0, 8}, {RTC_COMPRESSION_GRID, 1, 16}, {RTC_COMPRESSION_VOXEL, 2, 32}, {RTC_COMPRESSION_LEAF, 0, 8},
+    {RTC_COMPRESSION_LEAF, 3, 8}, {RTC_COMPRESSION_LEAF, 1, 8}, {RTC_COMPRESSION_VOXEL, 1, 8}};
+  constexpr unsigned numKinds = 7, disabled = 5, detached = 6;
+  Displacement displacement[numKinds];
+  size_t blocks = 0, quads = 0;
+  for (unsigned i = 0; i < numKinds; i++) {
+    displacement[i].offset = {4.0f*i, 0, 0};
+    SurfaceSettings settings;
+    settings.displacement = &displacement[i];
+    settings.compression = kinds[i].compression;
+    settings.frameLevel = kinds[i].frameLevel;
+    settings.rate = kinds[i].rate;
+    ASSERT_EQ(addSurface(device, scene, cubeCage(), settings), i);
+    if (kinds[i].compression == RTC_COMPRESSION_NONE || i >= disabled) continue;
+    blocks += 6*(size_t(1) << 2*kinds[i].frameLevel);
+    quads += 6*size_t(kinds[i].rate*kinds[i].rate);
+  }
+  rtcDisableGeometry(rtcGetGeometry(scene, disabled));
+  rtcDetachGeometry(scene, detached);
+  rtcCommitScene(scene);
+  EXPECT_EQ(statisticsOf(scene).numBlocks, blocks);
+  EXPECT_EQ(statisticsOf(scene).numQuads, quads);
+  EXPECT_EQ(statisticsOf(scene).numGridQuads, 6u*8*8);
+
+  Random random(61);
+  auto probe = [&](unsigned i) {
+    Vec o, d;
+    for (int k = 0; k < 3; k++) {
+      o[k] = displacement[i].offset[k] + (k == 0 ? 0 : float(random.uniform(-0.2, 0.2)));
+      d[k] = k == 0 ? 0 : float(random.uniform(-1, 1)); // stays beside its neighbours
+    }
+    return intersect(scene, makeRay(o, d));
+  };
+  for (unsigned i = 0; i < numKinds; i++)
+    for (int repeat = 0; repeat < 200; repeat++) {
+      const RTCRayHit hit = probe(i);
+      ASSERT_EQ(hit.hit.geomID, i < disabled ? i : RTC_INVALID_GEOMETRY_ID);
+      if (isHit(hit)) { ASSERT_LT(hit.hit.primID, 6u); }
+    }
+
+  rtcEnableGeometry(rtcGetGeometry(scene, disabled));
+  rtcDisableGeometry(rtcGetGeometry(scene, 2));
+  rtcCommitScene(scene);
+  for (int repeat = 0; repeat < 200; repeat++) {
+    ASSERT_EQ(probe(disabled).hit.geomID, disabled);
+    ASSERT_FALSE(isHit(probe(2)));
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST(MixedScene, TrianglesBesideCompressedSurfacesAreHit)
+{
+  Device device;
+  Scene scene(device);
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = RTC_COMPRESSION_LEAF;
+  addSurface(device, scene, cubeCage(), settings);
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, std::vector<Vec>{{-5,-5,2}, {5,-5,2}, {0,5,2}});
+  setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, std::vector<std::array<unsigned, 3>>{{0, 1, 2}});
+  rtcCommitGeometry(geometry);
+  ASSERT_EQ(rtcAttachGeometry(scene, geometry), 1u);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+  EXPECT_EQ(intersect(scene, makeRay({0,0,3}, {0,0,-1})).hit.geomID, 1u);
+  EXPECT_EQ(intersect(scene, makeRay({0,0,1.9f}, {0,0,-1})).hit.geomID, 0u);
+  EXPECT_EQ(intersect(scene, makeRay({0,0,0}, {0,0,1})).hit.geomID, 0u);
+}
+
+// --- instances -------------------------------------------------------------------------------
+
+// Translations by powers of two leave rays as they are, so hits are the same floats.
+TEST_P(SceneFeatures, InstancesReportTheHitsOfTheirScene)
+{
+  Scene inner(device), outer(device);
+  addSurface(device, inner, cubeCage(), settings());
+  rtcCommitScene(inner);
+  for (unsigned i = 0; i < 3; i++) {
+    RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, inner);
+    const float xfm[12] = {1,0,0, 0,1,0, 0,0,1, 16.0f*i,0,0};
+    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, xfm);
+    rtcCommitGeometry(instance);
+    ASSERT_EQ(rtcAttachGeometry(outer, instance), i);
+    rtcReleaseGeometry(instance);
+  }
+  rtcCommitScene(outer);
+  Random random(62);
+  unsigned hits = 0;
+  for (RTCRayHit ray : raysAt(random, 2000)) {
+    // origins on a lattice of 2^-10, so that moving them by 16 and back is exact
+    for (float* o : {&ray.ray.org_x, &ray.ray.org_y, &ray.ray.org_z}) *o = std::round(*o*1024)/1024;
+    const unsigned i = random.below(3);
+    RTCRayHit moved = ray;
+    moved.ray.org_x += 16.0f*i;
+    moved.ray.tfar = ray.ray.tfar = 1.5f; // not as far as the next instance
+    const RTCRayHit a = intersect(inner, ray), b = intersect(outer, moved);
+    ASSERT_EQ(isHit(a), isHit(b));
+    ASSERT_EQ(occluded(outer, moved), isHit(b));
+    if (!isHit(a)) continue;
+    hits++;
+    ASSERT_EQ(b.hit.instID[0], i);
+    ASSERT_EQ(b.hit.geomID, a.hit.geomID);
+    ASSERT_EQ(b.hit.primID, a.hit.primID);
+    ASSERT_EQ(b.ray.tfar, a.ray.tfar);
+    ASSERT_EQ(b.hit.u, a.hit.u);
+    ASSERT_EQ(b.hit.v, a.hit.v);
+    ASSERT_EQ(a.hit.instID[0], RTC_INVALID_GEOMETRY_ID);
+  }
+  EXPECT_GT(hits, 500u);
+}
+
+// --- masks -------------------------------------------------------------------------------------
+
+TEST_P(SceneFeatures, MasksHideGeometryFromRays)
+{
+  Scene scene(device);
+  SurfaceSettings masked = settings();
+  masked.mask = 2;
+  addSurface(device, scene, cubeCage(), masked);
+  rtcCommitScene(scene);
+  Random random(63);
+  unsigned seen = 0;
+  for (RTCRayHit ray : raysAt(random, 500)) {
+    ray.ray.mask = 5;
+    ASSERT_FALSE(isHit(intersect(scene, ray)));
+    ASSERT_FALSE(occluded(scene, ray));
+    ray.ray.mask = 6;
+    seen += isHit(intersect(scene, ray));
+    ASSERT_EQ(occluded(scene, ray), isHit(intersect(scene, ray)));
+  }
+  EXPECT_GT(seen, 100u);
+}
+
+// --- filters -----------------------------------------------------------------------------------
+
+struct SeenHit
+{
+  unsigned geomID, primID, instID;
+  float t, u, v, Ng[3];
+};
+
+// What a filter sees and rejects; passed through the ray query context.
+struct FilterContext
+{
+  RTCIntersectContext context; // first
+  std::function<bool(const SeenHit&)> accepts;
+  std::vector<SeenHit> seen;
+};
+
+void filter(const RTCFilterFunctionNArguments* args)
+{
+  FilterContext& self = *(FilterContext*)args->context;
+  ASSERT_EQ(args->N, 1u);
+  if (args->valid[0] != -1) return;
+  const RTCRay& ray = *(const RTCRay*)args->ray;
+  const RTCHit& hit = *(const RTCHit*)args->hit;
+  const SeenHit s = {hit.geomID, hit.primID, hit.instID[0], ray.tfar, hit.u, hit.v, {hit.Ng_x, hit.Ng_y, hit.Ng_z}};
+  self.seen.push_back(s);
+  if (!self.accepts(s)) args->valid[0] = 0;
+}
+
+struct Filtered { RTCRayHit hit; bool occluded; std::vector<SeenHit> seen, seenByAnyHit; };
+
+Filtered traceFiltered(RTCScene scene, const RTCRayHit& ray, const std::function<bool(const SeenHit&)>& accepts)
+{
+  Filtered result;
+  FilterContext context;
+  context.accepts = accepts;
+  rtcInitIntersectContext(&context.context);
+  result.hit = ray;
+  rtcIntersect1(scene, &context.context, &result.hit);
+  result.seen.swap(context.seen);
+  RTCRay shadow = ray.ray;
+  rtcOccluded1(scene, &context.context, &shadow);
+  result.occluded = shadow.tfar < 0;
+  result.seenByAnyHit.swap(context.seen);
+  return result;
+}
+
+void addFiltered(RTCDevice device, RTCScene scene, const SurfaceSettings& settings)
+{
+  RTCGeometry geometry = newSurface(device, cubeCage(), settings);
+  rtcSetGeometryIntersectFilterFunction(geometry, filter);
+  rtcSetGeometryOccludedFilterFunction(geometry, filter);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+}
+
+bool isSame(const SeenHit& a, const RTCRayHit& b)
+{
+  return a.geomID == b.hit.geomID && a.primID == b.hit.primID && a.t == b.ray.tfar && a.u == b.hit.u && a.v == b.hit.v &&
+    a.Ng[0] == b.hit.Ng_x && a.Ng[1] == b.hit.Ng_y && a.Ng[2] == b.hit.Ng_z;
+}
+
+TEST_P(SceneFeatures, FiltersSeeTheHitThatIsReported)
+{
+  Scene scene(device);
+  addFiltered(device, scene, settings());
+  Random random(64);
+  unsigned hits = 0;
+  for (const RTCRayHit& ray : raysAt(random, 1000)) {
+    const Filtered r = traceFiltered(scene, ray, [](const SeenHit&) { return true; });
+    ASSERT_EQ(isHit(r.hit), !r.seen.empty());
+    ASSERT_EQ(r.occluded, isHit(r.hit));
+    ASSERT_EQ(r.seenByAnyHit.size(), r.occluded ? 1u : 0u) << "any hit ends with the first accepted one";
+    if (!isHit(r.hit)) continue;
+    hits++;
+    ASSERT_TRUE(isSame(r.seen.back(), r.hit));
+    for (const SeenHit& s : r.seen) {
+      ASSERT_GE(s.t, r.hit.ray.tfar) << "accepted hits come nearer";
+      ASSERT_LT(s.primID, 6u);
+      ASSERT_TRUE(s.u >= 0 && s.u <= 1 && s.v >= 0 && s.v <= 1);
+      ASSERT_GT(std::fabs(s.Ng[0]) + std::fabs(s.Ng[1]) + std::fabs(s.Ng[2]), 0);
+    }
+  }
+  EXPECT_GT(hits, 300u);
+}
+
+TEST_P(SceneFeatures, AFilterThatRejectsAllLeavesTheRayAlone)
+{
+  Scene scene(device);
+  addFiltered(device, scene, settings());
+  Random random(65);
+  unsigned seen = 0;
+  for (const RTCRayHit& ray : raysAt(random, 1000)) {
+    const Filtered r = traceFiltered(scene, ray, [](const SeenHit&) { return false; });
+    ASSERT_FALSE(isHit(r.hit));
+    ASSERT_FALSE(r.occluded);
+    ASSERT_EQ(std::memcmp(&r.hit.ray, &ray.ray, sizeof(RTCRay)), 0);
+    seen += !r.seen.empty();
+    ASSERT_EQ(r.seen.size(), r.seenByAnyHit.size());
+  }
+  EXPECT_GT(seen, 300u);
+}
+
+// A filter that decides by where the hit is: closest hit finds the nearest of all hits
+// along the ray that it accepts, any hit finds one if there is one.
+TEST_P(SceneFeatures, TheNearestAcceptedHitIsFound)
+{
+  Scene scene(device);
+  addFiltered(device, scene, settings());
+  Random random(66);
+  unsigned past = 0;
+  // What was hit before changes what is seen of leaves there, inside their boxes: cLEAF draws its
+  // line of heights only to the end of the ray, and a box reaches past the bounds of the vertices
+  // by which the top level culls. A box is about as large as a quad and as thick as a leaf.
+  const float tolerance = GetParam() == RTC_COMPRESSION_GRID ? 1e-5f : 2/16.0f + statisticsOf(scene).maxLeafThickness;
+  for (const RTCRayHit& ray : raysAt(random, 2000)) {
+    auto accepts = [](const SeenHit& s) { return (int(s.u*5.3f + 0.37f) + int(s.v*5.3f + 0.37f)) % 2 == 0; }; // not along borders of quads
+    std::vector<SeenHit> all = traceFiltered(scene, ray, [](const SeenHit&) { return false; }).seen;
+    const Filtered r = traceFiltered(scene, ray, accepts);
+    auto nearer = [](const SeenHit& a, const SeenHit& b) { return a.t < b.t; };
+    std::stable_sort(all.begin(), all.end(), nearer);
+    const auto nearest = std::find_if(all.begin(), all.end(), accepts);
+    ASSERT_EQ(isHit(r.hit), nearest != all.end());
+    ASSERT_EQ(r.occluded, isHit(r.hit));
+    if (!isHit(r.hit)) continue;
+    const Vec d = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};
+    ASSERT_LE(std::fabs(r.hit.ray.tfar - nearest->t)*std::hypot(d[0], d[1], d[2]), tolerance);
+    past += nearest != all.begin();
+  }
+  EXPECT_GT(past, 100u) << "the filter rejected no first hit";
+}
+
+// Alternating by count, whatever the order: the second hit that a ray meets.
+TEST_P(SceneFeatures, AFilterMayRejectEveryOtherHit)
+{
+  Scene scene(device);
+  addFiltered(device, scene, settings());
+  Random random(67);
+  unsigned hits = 0;
+  for (const RTCRayHit& ray : raysAt(random, 1000)) {
+    unsigned count = 0;
+    const Filtered r = traceFiltered(scene, ray, [&](const SeenHit&) { return count++ % 2 == 1; });
+    ASSERT_EQ(isHit(r.hit), r.seen.size() >= 2);
+    if (!isHit(r.hit)) continue;
+    hits++;
+    bool known = false; // one of those it accepted
+    for (size_t i = 1; i < r.seen.size(); i += 2) known |= isSame(r.seen[i], r.hit);
+    ASSERT_TRUE(known);
+  }
+  EXPECT_GT(hits, 300u);
+}
+
+TEST_P(SceneFeatures, TheContextFilterIsCalled)
+{
+  Scene scene(device, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  addSurface(device, scene, cubeCage(), settings());
+  rtcCommitScene(scene);
+  FilterContext context;
+  context.accepts = [](const SeenHit&) { return false; };
+  rtcInitIntersectContext(&context.context);
+  context.context.filter = filter;
+  RTCRayHit ray = makeRay({0,0,0}, {0.1f,0.2f,1});
+  rtcIntersect1(scene, &context.context, &ray);
+  EXPECT_FALSE(isHit(ray));
+  EXPECT_FALSE(context.seen.empty());
+}
+
+TEST(Filters, OfCGridSeeWhatThoseOfGridSee)
+{
+  Device device;
+  Displacement displacement;
+  Scene scenes[2] = {Scene(device), Scene(device)};
+  for (int i = 0; i < 2; i++) {
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.compression = i ? RTC_COMPRESSION_GRID : RTC_COMPRESSION_NONE;
+    settings.frameLevel = 2;
+    addFiltered(device, scenes[i], settings);
+  }
+  Random random(68);
+  for (const RTCRayHit& ray : raysAt(random, 1000)) {
+    auto accepts = [](const SeenHit& s) { return s.primID % 2 == 0; };
+    const Filtered a = traceFiltered(scenes[0], ray, accepts), b = traceFiltered(scenes[1], ray, accepts);
+    ASSERT_EQ(isHit(a.hit), isHit(b.hit));
+    ASSERT_EQ(a.occluded, b.occluded);
+    if (!isHit(a.hit)) continue;
+    ASSERT_EQ(a.hit.hit.primID, b.hit.hit.primID);
+    ASSERT_LE(std::fabs(a.hit.ray.tfar - b.hit.ray.tfar), 4*std::numeric_limits<float>::epsilon()*a.hit.ray.tfar);
+  }
+}
+
+// --- packets and streams -------------------------------------------------------------------------
+
+void expectSame(const RTCRayHit& expected, const RTCRayHit& found)
+{
+  ASSERT_EQ(found.hit.geomID, expected.hit.geomID);
+  ASSERT_EQ(found.ray.tfar, expected.ray.tfar);
+  if (!isHit(expected)) return;
+  ASSERT_EQ(found.hit.primID, expected.hit.primID);
+  ASSERT_EQ(found.hit.instID[0], expected.hit.instID[0]);
+  ASSERT_EQ(found.hit.u, expected.hit.u);
+  ASSERT_EQ(found.hit.v, expected.hit.v);
+  ASSERT_EQ(found.hit.Ng_x, expected.hit.Ng_x);
+  ASSERT_EQ(found.hit.Ng_y, expected.hit.Ng_y);
+  ASSERT_EQ(found.hit.Ng_z, expected.hit.Ng_z);
+}
+
+// Packets are arrays of N where single rays have one word; every fifth lane is off.
+template<unsigned N, typename Packet>
+void comparePackets(RTCScene scene, const std::vector<RTCRayHit>& rays,
+                    void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*), const std::function<void(const int*, RTCIntersectContext*, Packet*)>& any)
+{
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  constexpr unsigned words = sizeof(RTCRayHit)/4;
+  for (size_t first = 0; first + N <= rays.size(); first += N) {
+    alignas(64) Packet packet;
+    alignas(64) int valid[N];
+    float* lanes = (float*)&packet;
+    auto pack = [&] {
+      for (unsigned k = 0; k < N; k++) {
+        valid[k] = (first + k) % 5 ? -1 : 0;
+        for (unsigned w = 0; w < sizeof(Packet)/4/N; w++) std::memcpy(&lanes[w*N + k], (const float*)&rays[first + k] + w, 4);
+      }
+    };
+    auto unpack = [&](unsigned k) {
+      RTCRayHit r = rays[first + k];
+      for (unsigned w = 0; w < words && w < sizeof(Packet)/4/N; w++) std::memcpy((float*)&r + w, &lanes[w*N + k], 4);
+      return r;
+    };
+    pack();
+    closest(valid, scene, &context, &packet);
+    for (unsigned k = 0; k < N; k++)
+      expectSame(valid[k] ? intersect(scene, rays[first + k]) : rays[first + k], unpack(k));
+    pack();
+    any(valid, &context, &packet);
+    for (unsigned k = 0; k < N; k++)
+      ASSERT_EQ(unpack(k).ray.tfar < 0, valid[k] && occluded(scene, rays[first + k]));
+    if (testing::Test::HasFatalFailure()) return;
+  }
+}
+
+TEST_P(SceneFeatures, PacketsEqualSingleRays)
+{
+  Scene scene(device);
+  addSurface(device, scene, cubeCage(), settings());
+  rtcCommitScene(scene);
+  Random random(69);
+  const std::vector<RTCRayHit> rays = raysAt(random, 1600);
+  comparePackets<4, RTCRayHit4>(scene, rays, rtcIntersect4, [&](const int* v, RTCIntersectContext* c, RTCRayHit4* p) { rtcOccluded4(v, scene, c, &p->ray); });
+  comparePackets<8, RTCRayHit8>(scene, rays, rtcIntersect8, [&](const int* v, RTCIntersectContext* c, RTCRayHit8* p) { rtcOccluded8(v, scene, c, &p->ray); });
+  comparePackets<16, RTCRayHit16>(scene, rays, rtcIntersect16, [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); });
+}
+
+TEST_P(SceneFeatures, StreamsEqualSingleRays)
+{
+  Scene scene(device);
+  addSurface(device, scene, cubeCage(), settings());
+  rtcCommitScene(scene);
+  Random random(70);
+  const std::vector<RTCRayHit> rays = raysAt(random, 1003);
+  const unsigned n = unsigned(rays.size());
+  std::vector<RTCRayHit> expected;
+  for (const RTCRayHit& ray : rays) expected.push_back(intersect(scene, ray));
+
+  for (RTCIntersectContextFlags flags : {RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, RTC_INTERSECT_CONTEXT_FLAG_COHERENT}) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = flags;
+    std::vector<RTCRayHit> stream = rays, shadows = rays;
+    rtcIntersect1M(scene, &context, stream.data(), n, sizeof(RTCRayHit));
+    rtcOccluded1M(scene, &context, &shadows[0].ray, n, sizeof(RTCRayHit));
+    for (unsigned i = 0; i < n; i++) {
+      expectSame(expected[i], stream[i]);
+      ASSERT_EQ(shadows[i].ray.tfar < 0, isHit(expected[i]));
+    }
+
+    // pointers to arrays, one a component
+    constexpr unsigned words = sizeof(RTCRayHit)/4;
+    for (bool any : {false, true}) {
+      std::vector<std::vector<uint32_t>> soa(words, std::vector<uint32_t>(n));
+      for (unsigned i = 0; i < n; i++)
+        for (unsigned w = 0; w < words; w++) std::memcpy(&soa[w][i], (const float*)&rays[i] + w, 4);
+      RTCRayHitNp p;
+      auto f = [&](size_t offset) { return (float*)soa[offset/4].data(); };
+      auto u = [&](size_t offset) { return (unsigned*)soa[offset/4].data(); };
+      p.ray.org_x = f(offsetof(RTCRay, org_x)); p.ray.org_y = f(offsetof(RTCRay, org_y)); p.ray.org_z = f(offsetof(RTCRay, org_z));
+      p.ray.dir_x = f(offsetof(RTCRay, dir_x)); p.ray.dir_y = f(offsetof(RTCRay, dir_y)); p.ray.dir_z = f(offsetof(RTCRay, dir_z));
+      p.ray.tnear = f(offsetof(RTCRay, tnear)); p.ray.tfar = f(offsetof(RTCRay, tfar)); p.ray.time = f(offsetof(RTCRay, time));
+      p.ray.mask = u(offsetof(RTCRay, mask)); p.ray.id = u(offsetof(RTCRay, id)); p.ray.flags = u(offsetof(RTCRay, flags));
+      const size_t hit = offsetof(RTCRayHit, hit);
+      p.hit.Ng_x = f(hit + offsetof(RTCHit, Ng_x)); p.hit.Ng_y = f(hit + offsetof(RTCHit, Ng_y)); p.hit.Ng_z = f(hit + offsetof(RTCHit, Ng_z));
+      p.hit.u = f(hit + offsetof(RTCHit, u)); p.hit.v = f(hit + offsetof(RTCHit, v));
+      p.hit.primID = u(hit + offsetof(RTCHit, primID)); p.hit.geomID = u(hit + offsetof(RTCHit, geomID)); p.hit.instID[0] = u(hit + offsetof(RTCHit, instID));
+      if (any) rtcOccludedNp(scene, &context, &p.ray, n);
+      else rtcIntersectNp(scene, &context, &p, n);
+      for (unsigned i = 0; i < n; i++) {
+        RTCRayHit r = rays[i];
+        for (unsigned w = 0; w < words; w++) std::memcpy((float*)&r + w, &soa[w][i], 4);
+        if (any) { ASSERT_EQ(r.ray.tfar < 0, isHit(expected[i])); }
+        else expectSame(expected[i], r);
+      }
+    }
+  }
+}
+
+} // namespace
+} // namespace cbvh::test

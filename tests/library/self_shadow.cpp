@@ -1,0 +1,136 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Secondary rays from a representation's own hits see what GRID's see from GRID's hits,
+ * but for a share. The paper's rule, a hit at the near side of every interval that a ray
+ * meets, needs a larger offset for as much. */
+
+#include "measure/self_shadow.h"
+#include "support/near_side.h"
+
+#include "basics/parallel.h"
+#include "programs/view_options.h"
+#include "scenes/catalogue.h"
+#include "tracing/camera.h"
+#include "tracing/ray_conversion.h"
+#include "tracing/trace_hits.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+
+namespace cbvh::test {
+namespace {
+
+constexpr int level = 5;
+constexpr ImageSize size = {512, 512};
+
+// A scene, its picture as GRID sees it, and an offset of half a quad.
+struct Fixture
+{
+  Fixture(const std::string& name, std::optional<float> amplitude)
+    : model(loadModel(name, amplitude)), grid(built("grid")), camera(chooseCamera("full", model, *grid, size, threads)),
+      primary(primaryRays(camera)), gridHits(traceClosest(*grid, primary, threads))
+  {
+    shadows.raysPerHit = 2;
+    shadows.offset.length = 0.5f*quadWidth();
+  }
+
+  static Model loadModel(const std::string& name, std::optional<float> amplitude)
+  {
+    SceneSettings settings;
+    settings.scene = name;
+    settings.amplitude = amplitude;
+    settings.mapFolder = testing::TempDir();
+    std::string warning;
+    return loadScene(settings, warning);
+  }
+
+  std::unique_ptr<BuiltScene> built(const std::string& representation) const
+  {
+    BuildSettings settings;
+    settings.level = level;
+    return std::make_unique<BuiltScene>(model, parseRepresentations(representation, 2).front(), settings);
+  }
+
+  // The mean length of an edge of a quad.
+  float quadWidth() const
+  {
+    BuildSettings settings;
+    settings.level = level;
+    const std::vector<Vec3f> vertices = tessellate(model, settings);
+    double sum = 0;
+    size_t n = 0;
+    for (const Patch& patch : grid->layout().patches())
+      for (unsigned i = 0; i < patch.resolution; i++, n++)
+        sum += length(vertices[patch.firstVertex + i + 1] - vertices[patch.firstVertex + i]);
+    return float(sum/double(n));
+  }
+
+  ShadowComparison compare(RTCScene scene, const std::vector<SurfaceHit>& hits) const
+  {
+    return compareShadows(grid->handle(), gridHits, scene, hits, primary, camera.footprint(), shadows, threads);
+  }
+
+  ShadowComparison compare(const BuiltScene& scene) const
+  {
+    return compare(scene.handle(), traceClosest(scene, primary, threads));
+  }
+
+  ShadowComparison compareNearSide(const BuiltScene& leaf) const
+  {
+    const NearSideScene nearSide(leaf.handle());
+    std::vector<SurfaceHit> hits(primary.size());
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (size_t i = 0; i < hits.size(); i++) {
+      RTCRayHit ray;
+      load(primary[i], ray.ray);
+      ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+      rtcIntersect1(nearSide.handle(), &context, &ray);
+      hits[i] = leaf.surfaceHit(ray);
+    }
+    return compare(nearSide.handle(), hits);
+  }
+
+  const unsigned threads = threadCount(0);
+  Model model;
+  std::unique_ptr<BuiltScene> grid;
+  Camera camera;
+  std::vector<Ray> primary;
+  std::vector<SurfaceHit> gridHits;
+  ShadowSettings shadows;
+};
+
+double share(const ShadowComparison& c) { return double(c.all.sum())/double(c.rays); }
+
+class SelfShadow : public testing::Test
+{
+protected:
+  // At most `bound` of the rays of cLEAF see another thing than GRID's.
+  static void expectAtMost(double bound, const Fixture& f)
+  {
+    const ShadowComparison grid = f.compare(*f.built("cgrid")), leaf = f.compare(*f.built("cleaf"));
+    EXPECT_GT(leaf.rays, 100000u);
+    EXPECT_EQ(grid.all.sum(), 0u) << "cGRID has GRID's own triangles";
+    EXPECT_LE(share(leaf), bound);
+  }
+};
+
+TEST_F(SelfShadow, OneInAThousandOfAGentleSurface) { expectAtMost(0.001, Fixture("cube", 0.001f)); }
+
+TEST_F(SelfShadow, OneInAHundredOfFrog) { expectAtMost(0.01, Fixture("frog", std::nullopt)); }
+
+TEST_F(SelfShadow, AFifthOfTheNearSideRuleAtEmbreesOffset)
+{
+  for (const char* scene : {"knee", "cube"}) {
+    SCOPED_TRACE(scene);
+    Fixture f(scene, std::nullopt);
+    f.shadows.offset = RayOffset::ofEmbree();
+    const std::unique_ptr<BuiltScene> leaf = f.built("cleaf");
+    EXPECT_LE(share(f.compare(*leaf)), 0.2*share(f.compareNearSide(*leaf)));
+  }
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,68 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Every level and frame level that can be compressed, against GRID. */
+
+#include "support/grid_agreement.h"
+
+namespace cbvh::test {
+namespace {
+
+void compare(Device& device, const Cage& cage, unsigned level, int frameLevel, unsigned numRays, uint32_t seed)
+{
+  Random random(seed);
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.rate = float(1u << level);
+  const std::vector<RTCRayHit> rays = raysAt(random, numRays);
+  settings.compression = RTC_COMPRESSION_NONE;
+  const SurfaceScene grid(device, cage, settings);
+  for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+    SCOPED_TRACE(testing::Message() << "compression " << compression << ", level " << level << ", frame level " << frameLevel);
+    settings.compression = compression;
+    settings.frameLevel = frameLevel;
+    const SurfaceScene scene(device, cage, settings);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    const RTCCompressionStatistics stats = statisticsOf(scene);
+    ASSERT_GT(stats.numQuads, 0u);
+    EXPECT_EQ(stats.numGridQuads, 0u);
+    EXPECT_EQ(stats.numInvalidQuads, 0u);
+    if (compression == RTC_COMPRESSION_GRID) expectEqualToGrid(grid, scene, rays, cage);
+    else expectCloseToGrid(grid, scene, rays, compression, settings.rate, cage, displacement);
+    if (testing::Test::HasFatalFailure()) return;
+  }
+}
+
+TEST(SurfaceLevels, EveryLevelAndFrameLevelIsFoundAsGridFindsIt)
+{
+  Device device;
+  Cage cage = sheetCage(1);
+  cage.mode = RTC_SUBDIVISION_MODE_PIN_CORNERS;
+  for (unsigned level = 1; level <= 8; level++)
+    for (int frameLevel = 0; frameLevel <= int(level); frameLevel++) {
+      compare(device, cage, level, frameLevel, 300, 42);
+      if (HasFatalFailure()) return;
+    }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// A frame level past the level leaves one quad a block.
+TEST(SurfaceLevels, FrameLevelsPastTheLevelAreClamped)
+{
+  Device device;
+  Displacement displacement;
+  for (unsigned level : {0, 1, 3}) {
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.rate = float(1u << level);
+    settings.compression = RTC_COMPRESSION_LEAF;
+    settings.frameLevel = 8;
+    const SurfaceScene scene(device, cubeCage(), settings);
+    EXPECT_EQ(statisticsOf(scene).numBlocks, 6*(size_t(1) << (2*level)));
+    EXPECT_EQ(statisticsOf(scene).numQuads, 6*(size_t(1) << (2*level)));
+  }
+}
+
+} // namespace
+} // namespace cbvh::test

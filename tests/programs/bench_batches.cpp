@@ -1,0 +1,56 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "batches.h"
+#include "building/memory.h"
+
+#include <gtest/gtest.h>
+
+namespace cbvh::test {
+namespace {
+
+constexpr size_t quads = 1000;
+
+size_t bytes(RepresentationKind kind)
+{
+  return estimatedPeakBytes(kind, quads);
+}
+
+TEST(Batches, EverythingIsMeasuredInTurnsWhereItFits)
+{
+  const Batches plan = planBatches(parseRepresentations("naive,grid,cvoxel,cleaf", 2), {"avx2", "sse2"}, quads, SIZE_MAX);
+  ASSERT_EQ(plan.baselines.size(), 2u) << "GRID, one an ISA";
+  ASSERT_EQ(plan.rest.size(), 1u);
+  EXPECT_EQ(plan.rest[0].size(), 6u) << "GRID is no variant of its own";
+  EXPECT_TRUE(plan.tooLarge.empty());
+}
+
+TEST(Batches, GridIsThereEvenWhenNotAskedFor)
+{
+  const Batches plan = planBatches(parseRepresentations("cleaf", 2), {"avx2"}, quads, SIZE_MAX);
+  EXPECT_EQ(plan.baselines.size(), 1u);
+}
+
+TEST(Batches, NoBatchIsLargerThanWhatIsFree)
+{
+  const size_t available = bytes(RepresentationKind::Grid) + 2 * bytes(RepresentationKind::CLeaf);
+  const auto representations = parseRepresentations("naive,cleaf^0,cleaf^1,cleaf^2,cleaf^3,cleaf^4", 2);
+  const Batches plan = planBatches(representations, {"avx2"}, quads, available);
+  ASSERT_EQ(plan.tooLarge.size(), 1u);
+  EXPECT_EQ(plan.tooLarge[0].representation.kind, RepresentationKind::Naive);
+  EXPECT_GT(neededBytes(plan, plan.tooLarge[0], quads), available);
+  size_t variants = 0;
+  for (const auto& batch : plan.rest)
+  {
+    size_t used = bytes(RepresentationKind::Grid);
+    for (const Variant& v : batch)
+      used += bytes(v.representation.kind);
+    EXPECT_LE(used, available);
+    variants += batch.size();
+  }
+  EXPECT_EQ(variants, 5u);
+  EXPECT_EQ(plan.rest.size(), 3u);
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,194 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""scripts/benchmark.py from the outside, most of it with a stand-in for cbvh_bench that
+answers at once and notes how it was called.
+
+usage: benchmark_script.py PATH/TO/cbvh_bench
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts/benchmark.py"
+BENCH = sys.argv.pop(1) if len(sys.argv) > 1 else ""
+
+STAND_IN = """#!/usr/bin/python3
+import json, os, signal, sys, time
+folder = os.path.dirname(os.path.abspath(__file__))
+mode = open(folder + "/mode").read()
+words = sys.argv[1:]
+if words == ["--about"]:
+    print(json.dumps({"commit": open(folder + "/commit").read(), "isas": ["avx2"], "scenes": ["cube", "trex"],
+                      "hardware_threads": 2}))
+    sys.exit(0)
+value = lambda name: words[words.index(name) + 1]
+with open(folder + "/calls", "a") as calls:
+    calls.write(value("--scene") + " " + value("--level") + "\\n")
+if mode == "fail":
+    print("  cube: 0.1 s", file=sys.stderr)
+    print("cbvh_bench: out of memory", file=sys.stderr)
+    sys.exit(1)
+levels = [int(level) for level in value("--level").split(",")]
+groups = []
+signal.signal(signal.SIGINT, lambda *_: sys.exit(130))
+for level in levels:
+    if mode == "slow" and level > levels[0]:
+        time.sleep(60)
+    groups.append({"scene": value("--scene"), "level": level, "quads": 1, "results": []})
+    record = {"format": "cbvh-bench", "version": 2, "complete": level == levels[-1], "groups": groups,
+              "run": {"commit": open(folder + "/commit").read(), "command": "cbvh_bench " + " ".join(words)}}
+    with open(value("--json"), "w") as file:
+        json.dump(record, file)
+"""
+
+
+class Benchmark(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self.temporary.cleanup)
+        self.folder = Path(self.temporary.name)
+        self.bench = self.folder / "bench"
+        self.bench.write_text(STAND_IN)
+        self.bench.chmod(0o755)
+        self.output = self.folder / "out"
+        self.set_mode("quick")
+        (self.folder / "commit").write_text("abc")
+
+    def set_mode(self, mode):
+        (self.folder / "mode").write_text(mode)
+
+    def command(self, *words):
+        return [sys.executable, "-B", str(SCRIPT), *words, "--bench", str(self.bench), "--output", str(self.output)]
+
+    def run_script(self, *words):
+        return subprocess.run(self.command(*words), capture_output=True, text=True, timeout=100, cwd=self.folder)
+
+    def calls(self):
+        path = self.folder / "calls"
+        lines = path.read_text().split("\n")[:-1] if path.exists() else []
+        path.unlink(missing_ok=True)
+        return lines
+
+    def test_what_is_measured_is_not_measured_again(self):
+        first = self.run_script("quick", "--scene", "cube")
+        self.assertEqual(first.returncode, 0, first.stderr)
+        self.assertEqual(self.calls(), ["cube 4,5,6,7,8", "cube:0.45 6"])
+        second = self.run_script("quick", "--scene", "cube")
+        self.assertEqual(second.returncode, 0, second.stderr)
+        self.assertEqual(self.calls(), [])
+        self.assertEqual(self.run_script("quick", "--scene", "cube", "--fresh").returncode, 0)
+        self.assertEqual(len(self.calls()), 2)
+
+    def test_an_interrupted_run_goes_on_and_loses_nothing(self):
+        self.set_mode("slow")
+        process = subprocess.Popen(
+            self.command("quick", "--scene", "cube"), stdout=subprocess.PIPE, text=True, cwd=self.folder
+        )
+        record = self.output / "cube_L4-5-6-7-8.json"
+        begin = time.monotonic()
+        while not record.exists() and time.monotonic() - begin < 60:
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        said, _ = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.assertIn("goes on from there", said)
+        self.assertEqual(json.loads(record.read_text())["groups"][0]["level"], 4)
+        self.calls()
+        self.set_mode("quick")
+        again = self.run_script("quick", "--scene", "cube")
+        self.assertEqual(again.returncode, 0, again.stdout)
+        self.assertEqual(self.calls(), ["cube 5,6,7,8", "cube:0.45 6"], "level 4 is there")
+        self.assertTrue(record.exists())
+
+    def test_a_truncated_record_gets_one_line_and_is_measured_again(self):
+        self.run_script("quick", "--scene", "cube")
+        self.calls()
+        record = self.output / "cube_fivefold_L6.json"
+        record.write_text(record.read_text()[:40])
+        again = self.run_script("quick", "--scene", "cube")
+        self.assertEqual(again.returncode, 0)
+        lines = [line for line in again.stdout.split("\n") if "cube_fivefold_L6.json" in line]
+        self.assertEqual(lines, ["cube_fivefold_L6.json: truncated or no JSON; measured again"])
+        self.assertEqual(self.calls(), ["cube:0.45 6"])
+        json.loads(record.read_text())
+
+    def test_records_of_another_commit_are_measured_again(self):
+        self.run_script("quick", "--scene", "cube")
+        self.calls()
+        (self.folder / "commit").write_text("def")
+        again = self.run_script("quick", "--scene", "cube")
+        self.assertIn("of commit abc", again.stdout)
+        self.assertEqual(len(self.calls()), 2)
+
+    def test_bad_names_get_one_line(self):
+        for words, said in (
+            (["slow"], "unknown set 'slow'"),
+            (["quick", "--scene", "teapot"], "unknown scene 'teapot'"),
+            (["--cage", "missing.obj"], "missing.obj: no such file"),
+            (["--cage", str(SCRIPT), "--height", "missing.exr"], "missing.exr: no such file"),
+            (["--height", "x.exr"], "belong to --cage"),
+            (["--bench", "nothing"], "no such program"),
+        ):
+            command = self.command() + words if "--bench" in words else self.command(*words)
+            done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=self.folder)
+            self.assertEqual(done.returncode, 1, words)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertIn(said, done.stderr)
+            self.assertEqual(self.calls(), [])
+
+    def test_a_failed_job_is_named_and_the_others_go_on(self):
+        self.set_mode("fail")
+        done = self.run_script("quick", "--scene", "cube")
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.stdout.count("cbvh_bench: out of memory"), 2)
+        self.assertEqual(len(self.calls()), 2)
+
+    def test_scenes_that_the_build_lacks_are_left_out_with_a_line(self):
+        done = self.run_script("quick", "--list")
+        self.assertIn("no scene 'frog'", done.stdout)
+        self.assertIn("trex", done.stdout)
+
+    @unittest.skipUnless(BENCH, "needs cbvh_bench")
+    def test_the_program_and_the_sets_agree(self):
+        """Every job's arguments are understood: the program is stopped by a wrong option only after parsing them."""
+        sys.path.insert(0, str(SCRIPT.parent))
+        import benchmark_sets as sets
+
+        scenes = json.loads(subprocess.run([BENCH, "--about"], capture_output=True, text=True, check=True).stdout)[
+            "scenes"
+        ]
+        for name in sets.NAMES:
+            for job in sets.jobs_of(name, ["avx", "avx2"]):
+                if job.scene.split(":")[0] not in scenes:
+                    continue
+                words = job.arguments
+                if "--isa" in words:
+                    words[words.index("--isa") + 1] = "best"
+                done = subprocess.run(
+                    [
+                        BENCH,
+                        "--scene",
+                        job.scene,
+                        "--level",
+                        ",".join(map(str, job.levels)),
+                        *words,
+                        "--build-threads",
+                        "-1",
+                    ],
+                    capture_output=True,
+                    text=True,
+                    timeout=60,
+                )
+                self.assertEqual(done.stderr, "cbvh_bench: --build-threads must not be negative\n", (name, job.name))
+
+
+if __name__ == "__main__":
+    unittest.main()

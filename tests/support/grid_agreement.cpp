@@ -1,0 +1,223 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "support/grid_agreement.h"
+#include "kernels/cbvh/node_codec.h"
+#include "kernels/cbvh/reference.h"
+#include "support/scene_blocks.h"
+
+#include <algorithm>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+
+constexpr float ulp = std::numeric_limits<float>::epsilon();
+
+Vec hitPoint(const RTCRayHit& r) {
+  return {r.ray.org_x + r.ray.tfar*r.ray.dir_x, r.ray.org_y + r.ray.tfar*r.ray.dir_y, r.ray.org_z + r.ray.tfar*r.ray.dir_z};
+}
+
+double dot(const double a[3], const double b[3]) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; }
+
+void unitNormal(const RTCRayHit& r, double n[3])
+{
+  const double x = r.hit.Ng_x, y = r.hit.Ng_y, z = r.hit.Ng_z, l = std::sqrt(x*x + y*y + z*z);
+  n[0] = x/l; n[1] = y/l; n[2] = z/l;
+}
+
+// Lengths of the shortest and the longest edge.
+std::pair<float, float> edgeLengths(const Cage& cage)
+{
+  std::pair<float, float> range(INFINITY, 0);
+  size_t first = 0;
+  for (unsigned n : cage.faces) {
+    for (unsigned i = 0; i < n; i++) {
+      const Vec &a = cage.positions[cage.indices[first + i]], &b = cage.positions[cage.indices[first + (i+1) % n]];
+      const float length = std::hypot(a[0]-b[0], a[1]-b[1], a[2]-b[2]);
+      range = {std::min(range.first, length), std::max(range.second, length)};
+    }
+    first += n;
+  }
+  return range;
+}
+
+// Whether GRID has a surface within a distance of a point. Probes start beside the point,
+// as it may lie in the plane of the surface, past its border.
+bool isNearGrid(RTCScene grid, const Vec& p, float distance)
+{
+  Random random(1);
+  for (int i = 0; i < 1000; i++) {
+    Vec o = p, d;
+    double q[3], r[3], q2 = 0, r2 = 0;
+    for (int k = 0; k < 3; k++) {
+      q[k] = random.normal(); q2 += q[k]*q[k];
+      r[k] = random.normal(); r2 += r[k]*r[k];
+    }
+    const double beside = random.uniform(0, 0.5);
+    for (int k = 0; k < 3; k++) {
+      o[k] += float(beside*distance*q[k]/std::sqrt(q2));
+      d[k] = float(r[k]/std::sqrt(r2));
+    }
+    if (occluded(grid, makeRay(o, d, 0, float(1 - beside)*distance))) return true;
+  }
+  return false;
+}
+
+// Distance from a point to the farthest corner of the boxes of the leaves that report
+// these parameters: no part of their quads is farther. Several on the border of two.
+float reachOfLeaf(const std::vector<const Block*>& blocks, const RTCRayHit& r)
+{
+  const Vec point = hitPoint(r);
+  double reach = 0;
+  for (const Block* block : blocks) {
+    if (block->primID != r.hit.primID) continue;
+    const double rounding = 1e-3, quads = 1u << block->height();
+    const double x = (r.hit.u - block->u0*0.5)*block->quadsX() - block->blockX()*quads;
+    const double y = (r.hit.v - block->v0*0.5)*block->quadsY() - block->blockY()*quads;
+    const FrameMap map = frameMap(block);
+    for (double i = std::floor(x - rounding); i <= x + rounding; i++)
+      for (double j = std::floor(y - rounding); j <= y + rounding; j++) {
+        if (i < 0 || j < 0 || i >= quads || j >= quads) continue;
+        const uint32_t leaf = morton(uint32_t(i), uint32_t(j));
+        NodeBox box = NodeBox::root();
+        for (uint32_t level = 0; level < block->height(); level++) {
+          const uint32_t m = leaf >> 2*(block->height() - level), child = (leaf >> 2*(block->height() - level - 1)) & 3;
+          box = decodeChild(block->nodes()[nodesOfLevels(level) + m], int(child), box);
+        }
+        for (int c = 0; c < 8; c++) {
+          Double3 p;
+          EXPECT_TRUE(unproject(map, c & 1 ? box.upper(0) : box.lower[0], c & 2 ? box.upper(1) : box.lower[1], c & 4 ? box.upper(2) : box.lower[2], p));
+          reach = std::max(reach, length(Double3{p.x + block->centre[0] - point[0], p.y + block->centre[1] - point[1], p.z + block->centre[2] - point[2]}));
+        }
+      }
+  }
+  return float(reach);
+}
+
+void expectNearGrid(RTCScene grid, const std::vector<const Block*>& blocks, const RTCRayHit& hit, float slack)
+{
+  ASSERT_EQ(hit.hit.geomID, 0u);
+  ASSERT_GE(hit.hit.u, 0);
+  ASSERT_GE(hit.hit.v, 0);
+  const double n2 = double(hit.hit.Ng_x)*hit.hit.Ng_x + double(hit.hit.Ng_y)*hit.hit.Ng_y + double(hit.hit.Ng_z)*hit.hit.Ng_z;
+  ASSERT_GT(n2, 0);
+  const float reach = slack + reachOfLeaf(blocks, hit);
+  ASSERT_GT(reach, 0) << "no leaf has these parameters: face " << hit.hit.primID << ", " << hit.hit.u << ", " << hit.hit.v;
+  ASSERT_TRUE(isNearGrid(grid, hitPoint(hit), reach)) << "nothing within " << reach << " of a hit";
+}
+
+} // namespace
+
+void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, const Cage& cage)
+{
+  const double face = 0.5*edgeLengths(cage).first;
+  unsigned hits = 0;
+  for (const RTCRayHit& ray : rays) {
+    const RTCRayHit a = intersect(grid, ray), b = intersect(scene, ray);
+    ASSERT_EQ(occluded(scene, ray), occluded(grid, ray));
+    ASSERT_EQ(isHit(b), isHit(a));
+    if (!isHit(a)) continue;
+    hits++;
+    ASSERT_EQ(b.hit.geomID, a.hit.geomID);
+    double m[3], n[3];
+    unitNormal(a, m);
+    unitNormal(b, n);
+    const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z}, length = std::sqrt(dot(d, d));
+    const double cosine = std::fabs(dot(d, m))/length;
+    // GRID keeps u and v as integers of 8/65536, which levels up to 8 hit exactly. Where GRID cuts a
+    // face into 8 x 8 quads its vertices may round another way, and the compiler may fuse one of two
+    // copies of the same test another way: that shifts a hit by ulps of t over the cosine, and u and v
+    // by as much out of the length of a face.
+    ASSERT_LE(std::fabs(b.ray.tfar - a.ray.tfar), 4*ulp*(a.ray.tfar + 1/(cosine*length))) << "face " << a.hit.primID << " at " << a.hit.u << ", " << a.hit.v
+      << " is face " << b.hit.primID << " at " << b.hit.u << ", " << b.hit.v << ", cosine " << cosine << ", t " << a.ray.tfar;
+    if (b.hit.primID != a.hit.primID) continue; // on the border of two faces either may come first
+    ASSERT_GT(dot(m, n), 1 - 1e-5);
+    const double tolerance = 4*ulp*(1 + 1/(cosine*face));
+    ASSERT_LE(std::fabs(b.hit.u - a.hit.u), tolerance);
+    ASSERT_LE(std::fabs(b.hit.v - a.hit.v), tolerance);
+  }
+  EXPECT_GT(hits, rays.size()/10);
+}
+
+void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, RTCCompression compression,
+                       float rate, const Cage& cage, const Displacement& displacement)
+{
+  const float thickness = statisticsOf(scene).maxLeafThickness;
+  // Catmull-Clark pulls faces of high valence together, to about half their width.
+  const float quad = edgeLengths(cage).second/rate, narrow = 0.5f*edgeLengths(cage).first/rate;
+  const std::vector<const Block*> blocks = sceneBlocks(scene);
+  // A quad's two triangles leave its bilinear patch by a quarter of its twist, the mixed
+  // derivative of the displacement, at most amplitude times twice the frequency squared.
+  const float twist = 0.25f*2*displacement.amplitude*displacement.frequency*displacement.frequency*quad*quad;
+  unsigned hits = 0, misses = 0, falseHits = 0, compared = 0, across = 0, otherWay = 0, parameters = 0;
+  for (const RTCRayHit& ray : rays) {
+    const RTCRayHit a = intersect(grid, ray), b = intersect(scene, ray);
+    ASSERT_EQ(occluded(scene, ray), isHit(b));
+    hits += isHit(a);
+    if (isHit(a) && !isHit(b)) {
+      ASSERT_NE(compression, RTC_COMPRESSION_VOXEL) << "a box contains the surface: no misses";
+      double m[3];
+      unitNormal(a, m);
+      const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};
+      EXPECT_LT(std::fabs(dot(d, m))/std::sqrt(dot(d, d)), 0.5) << "a ray that does not graze is missed";
+      misses++;
+    }
+    falseHits += isHit(b) && !isHit(a);
+    if (isHit(b)) {
+      expectNearGrid(grid, blocks, b, 0);
+      if (testing::Test::HasFatalFailure()) return;
+    }
+    if (!isHit(a) || !isHit(b)) continue;
+    double m[3], n[3];
+    unitNormal(a, m);
+    unitNormal(b, n);
+    const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};
+    const double cosine = std::fabs(dot(d, m))/std::sqrt(dot(d, d));
+    if (cosine < 0.5 || a.hit.primID != b.hit.primID) continue;
+    compared++;
+    across += std::fabs(double(b.ray.tfar) - a.ray.tfar)*std::fabs(dot(d, m)) <= thickness + twist;
+    otherWay += dot(m, n) <= 0;
+    parameters += std::hypot(b.hit.u - a.hit.u, b.hit.v - a.hit.v)*rate <= 1.5f + 2*thickness/narrow;
+  }
+  EXPECT_GT(hits, rays.size()/10);
+  EXPECT_GT(compared, hits/3);
+  // The rest: a leaf's box reaches past its quad, and what is extrapolated there may be hit first.
+  EXPECT_GE(across, compared - compared/10) << "of " << compared << " hits lie within the thickness";
+  EXPECT_LE(otherWay, compared/100) << "of " << compared << " normals point the other way";
+  EXPECT_GE(parameters, compared - compared/10) << "of " << compared << " parameters agree";
+  EXPECT_LE(misses, hits/200 + 1);
+  // A border as wide as the thickness and the overlap of boxes around a sheet
+  // that is 2 wide is four times their ratio to it, and as much again for folds.
+  EXPECT_LE(falseHits, hits*std::min(1.0f, 8*(thickness + 0.25f*quad)/2) + 2);
+}
+
+void expectHitsNearGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, float slack)
+{
+  const std::vector<const Block*> blocks = sceneBlocks(scene);
+  unsigned hits = 0;
+  for (const RTCRayHit& ray : rays) {
+    const RTCRayHit hit = intersect(scene, ray);
+    ASSERT_EQ(occluded(scene, ray), isHit(hit));
+    if (!isHit(hit)) continue;
+    hits++;
+    expectNearGrid(grid, blocks, hit, slack);
+    if (testing::Test::HasFatalFailure()) return;
+  }
+  EXPECT_GT(hits, rays.size()/10);
+}
+
+void expectNoLeaks(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& raysFromInside, RTCCompression compression)
+{
+  unsigned leaks = 0, gridLeaks = 0;
+  for (const RTCRayHit& ray : raysFromInside) {
+    const bool hit = isHit(intersect(scene, ray));
+    ASSERT_EQ(occluded(scene, ray), hit) << "any hit differs from closest hit";
+    leaks += !hit;
+    gridLeaks += compression == RTC_COMPRESSION_GRID && !isHit(intersect(grid, ray));
+  }
+  EXPECT_LE(leaks, gridLeaks) << "of " << raysFromInside.size();
+}
+
+} // namespace cbvh::test

@@ -1,0 +1,36 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A compressed surface against GRID's of the same cage. cGRID finds GRID's hits to a few
+ * ulps. cVOXEL and cLEAF are approximate:
+ *
+ *   - where they hit and GRID does not, and where both hit, GRID's surface lies within
+ *     the box of the leaf, as that contains its quad;
+ *   - where GRID hits, so do they: cVOXEL always, as boxes contain the surface, cLEAF
+ *     unless the ray grazes, as its patches bound the vertices of a quad, which a
+ *     triangle between them may leave;
+ *   - across the surface they differ by the thickness that the statistics report,
+ *     but for hits on what a leaf extrapolates past its quad. */
+
+#include "support/random.h"
+#include "support/scene.h"
+
+namespace cbvh::test {
+
+void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, const Cage& cage);
+
+// All of the above; rate, displacement: those of the surface.
+void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, RTCCompression compression,
+                       float rate, const Cage& cage, const Displacement& displacement);
+
+// Whatever the surface: every hit is within its leaf's box of GRID's, and closest and any
+// hit agree. slack: for tessellations that differ, and what is not compressed.
+void expectHitsNearGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, float slack = 0);
+
+// Rays that start inside a closed surface hit it. Where GRID's triangles let a ray
+// through, cGRID, which has the same, may.
+void expectNoLeaks(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& raysFromInside, RTCCompression compression);
+
+} // namespace cbvh::test

@@ -1,0 +1,48 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Displacement that shows a test the vertices that it makes, to the last bit: what rays
+ * aim at. */
+
+#include "support/scene.h"
+
+#include <mutex>
+
+namespace cbvh::test {
+
+class VertexRecorder : public Displacement
+{
+public:
+  virtual ~VertexRecorder() = default;
+
+  // Adds a surface of this displacement to a scene, commits it, and records its vertices.
+  // As the displacement of other surfaces this records nothing.
+  void build(RTCDevice device, RTCScene scene, const Cage& cage, SurfaceSettings settings)
+  {
+    settings.displacement = this;
+    RTCGeometry geometry = newSurface(device, cage, settings);
+    rtcSetGeometryDisplacementFunction(geometry, applyAndRecord);
+    rtcCommitGeometry(geometry);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+  }
+
+protected:
+  // Some vertices, displaced already. Called by one thread at a time.
+  virtual void record(const RTCDisplacementFunctionNArguments& vertices) = 0;
+
+private:
+  static void applyAndRecord(const RTCDisplacementFunctionNArguments* args)
+  {
+    apply(args);
+    VertexRecorder& self = *static_cast<VertexRecorder*>((Displacement*)args->geometryUserPtr);
+    std::lock_guard<std::mutex> lock(self.mutex);
+    self.record(*args);
+  }
+
+  std::mutex mutex;
+};
+
+} // namespace cbvh::test

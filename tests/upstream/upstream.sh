@@ -1,0 +1,104 @@
+#!/bin/sh
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# The patch series applies twice without harm and fails loudly when it does not
+# fit; a spoiled archive is refused. Every failure is one clear line and leaves
+# nothing half-written.
+#
+#   upstream.sh CMAKE ARCHIVE
+set -eu
+cmake=$1 archive=${2:-}
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+[ -n "$archive" ] || exit 77
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cp -r "$here/../../kernels/upstream" "$work/upstream"
+cd "$work"
+
+# provide ARCHIVE [CMAKE-OPTION...]: what configuring does, into $work/tree.
+cat > provide.cmake <<'CMAKE'
+include(${CMAKE_CURRENT_LIST_DIR}/upstream/upstream.cmake)
+upstream_provide(${CMAKE_CURRENT_LIST_DIR}/tree)
+CMAKE
+provide() {
+  file=$1; shift
+  "$cmake" -DEMBREE_UPSTREAM_ARCHIVE="$file" -DEMBREE_UPSTREAM_CACHE="$work/cache" "$@" -P provide.cmake
+}
+fail() { echo "FAILED: $*" >&2; exit 1; }
+# refuses TEXT PROVIDE-ARGUMENT...: fails with one line that has the text; no tree, no leftovers.
+refuses() {
+  text=$1; shift
+  ! provide "$@" > log 2>&1 || fail "accepted: $text"
+  grep -q "^ *upstream: .*$text" log || { cat log; fail "message lacks: $text"; }
+  [ "$(grep -c 'upstream: ' log)" = 1 ] || { cat log; fail "more than one line: $text"; }
+  for left in tree* cache/.download* cache/*.part; do
+    [ ! -e "$left" ] || fail "left behind: $left"
+  done
+  echo "refused: $(grep -m 1 'upstream: ' log)"
+}
+
+lines=$(cat upstream/patches/*.patch | wc -l)
+[ "$lines" -lt 150 ] || fail "the series has $lines lines"
+echo "the series has $lines lines"
+sed '/^#/d' upstream/patches/series | sort > named
+(cd upstream/patches && printf "%s\n" *.patch | sort) > present
+diff named present || fail "series and patches differ"
+
+# Spoiled archives.
+sum=$(sha256sum "$archive" | cut -d ' ' -f 1)
+head -c 1000000 "$archive" > truncated.tar.xz
+refuses "truncated.tar.xz: SHA-256 is $(sha256sum truncated.tar.xz | cut -d ' ' -f 1) (1000000 bytes), expected $sum" "$work/truncated.tar.xz"
+{ cat "$archive"; echo; } > longer.tar.xz
+refuses "longer.tar.xz: SHA-256 is .*, expected $sum" "$work/longer.tar.xz"
+: > empty.tar.xz
+refuses "empty.tar.xz: SHA-256 is .* (0 bytes), expected $sum" "$work/empty.tar.xz"
+refuses "absent.tar.xz: no such file" "$work/absent.tar.xz"
+refuses "not a source tree of Embree" "" -DEMBREE_UPSTREAM_SOURCE_DIR="$work/upstream"
+
+# A registry that does not answer, a registry with something else.
+mkdir bin
+printf '#!/bin/sh\necho "no answer" >&2\nexit 1\n' > bin/fetch.sh
+cp upstream/fetch.sh kept.sh
+install -m 755 bin/fetch.sh upstream/fetch.sh
+(unset EMBREE_UPSTREAM_FALLBACK; refuses "download of source package embree .* failed (no answer)" "")
+printf '#!/bin/sh\necho other > "$3/embree.orig.tar.xz"\n' > bin/fetch.sh
+install -m 755 bin/fetch.sh upstream/fetch.sh
+refuses "downloaded with SHA-256 .*, expected $sum" ""
+mv kept.sh upstream/fetch.sh
+
+# A series that does not fit, a patch that is missing.
+cp upstream/patches/subdiv-accel.patch kept
+sed -i 's/^ #include "\.\.\/bvh\/bvh8_factory\.h"/ #include "..\/bvh\/bvh9_factory.h"/' upstream/patches/subdiv-accel.patch
+refuses "subdiv-accel.patch does not fit embree .*Hunk #1 FAILED" "$archive"
+rm upstream/patches/subdiv-accel.patch
+refuses "subdiv-accel.patch: named in series, no such file" "$archive"
+mv kept upstream/patches/subdiv-accel.patch
+
+# Applied, and applied again: the second time touches nothing.
+contents() { find tree -type f -printf '%p %T@ ' -exec md5sum {} +; }
+provide "$archive"
+grep -q createCompressedSubdivAccel tree/kernels/common/scene.cpp || fail "not patched"
+contents > once
+provide "$archive"
+contents > twice
+cmp once twice || fail "applying twice changes the tree"
+
+# A tree unpacked elsewhere gives the same.
+mkdir elsewhere
+(cd elsewhere && "$cmake" -E tar xf "$archive")
+mv tree first
+provide "" -DEMBREE_UPSTREAM_SOURCE_DIR="$(echo "$work"/elsewhere/*)"
+diff -r --exclude=.cbvh-stamp first tree || fail "EMBREE_UPSTREAM_SOURCE_DIR gives another tree"
+rm -rf tree first
+
+# Another series: only what it changes is written.
+provide "$archive"
+sed -i '/geometry-settings/d' upstream/patches/series
+touch -d '1 hour ago' mark
+find tree -exec touch -d '2 hours ago' {} +
+provide "$archive"
+! grep -q CompressionSettings tree/kernels/common/scene_subdiv_mesh.h || fail "the old patch is still in"
+changed=$(find tree -type f -newer mark ! -name .cbvh-stamp)
+[ "$changed" = tree/kernels/common/scene_subdiv_mesh.h ] || fail "written: $changed"
+echo passed
