@@ -18,6 +18,9 @@ target_compile_definitions(scene_blocks PRIVATE ${embree_definitions})
 target_compile_options(scene_blocks PRIVATE -fno-strict-aliasing)
 target_link_libraries(scene_blocks PUBLIC embree tbb)
 
+# The traversal's decoders.
+include(simd_decoding.cmake)
+
 # The traversal on random bytes.
 if(NOT CBVH_SANITIZE MATCHES "thread")
   include(fuzz/fuzz.cmake)
