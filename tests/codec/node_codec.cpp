@@ -142,17 +142,28 @@ TEST(NodeCodec, ReferenceDecoderIsOneOfTheForms)
   }
 }
 
+// One step of decoding is off by at most an ulp of a number below 2 (node_codec.h).
+constexpr double stepError = 0x1p-23;
+
+// Down random paths, box by box. A lower plane cannot round below its parent's: what is added
+// is not negative. An upper plane is the sum of two numbers that were rounded.
 TEST(NodeCodec, BoundsNeverGrow)
 {
   Random random(3);
   for (int i = 0; i < 10000; i++) {
-    const uint32_t node = random.bits();
-    for (int c = 0; c < 4; c++) {
-      const NodeBox box = decodeChild(node, c, NodeBox::root());
-      for (int axis = 0; axis < 3; axis++) {
-        ASSERT_GE(box.lower[axis], 0);
-        ASSERT_LE(box.upper(axis), 1);
+    NodeBox parent = NodeBox::root();
+    for (int level = 0; level < levels; level++) {
+      const uint32_t node = random.bits();
+      NodeBox boxes[4];
+      for (int c = 0; c < 4; c++) {
+        boxes[c] = decodeChild(node, c, parent);
+        for (int axis = 0; axis < 3; axis++) {
+          ASSERT_GE(boxes[c].lower[axis], parent.lower[axis]) << "level " << level;
+          ASSERT_GE(boxes[c].extent[axis], 0) << "level " << level;
+          ASSERT_LE(boxes[c].upper(axis), parent.upper(axis) + stepError) << "level " << level;
+        }
       }
+      parent = boxes[random.below(4)];
     }
   }
 }
@@ -175,22 +186,77 @@ TEST(NodeCodec, RegularChildrenGetTightBounds)
   }
 }
 
+// A box that lies so many levels below the root.
+NodeBox randomBox(Random& random, int level)
+{
+  NodeBox box = NodeBox::root();
+  for (int i = 0; i < level; i++) box = decodeChild(random.bits(), int(random.below(4)), box);
+  return box;
+}
+
 TEST(NodeCodec, EveryFieldReachesOnlyItsOwnPlanes)
 {
   // changing a field changes bounds of the axis it belongs to and of no other
-  for (int bit = 0; bit < 32; bit++) {
-    const int axis = bit < 10 ? 0 : bit < 20 ? 1 : 2;
-    bool changed = false;
-    for (int c = 0; c < 4; c++) {
-      const NodeBox a = decodeChild(0, c, NodeBox::root()), b = decodeChild(1u << bit, c, NodeBox::root());
-      for (int k = 0; k < 3; k++) {
-        const bool differs = a.lower[k] != b.lower[k] || a.extent[k] != b.extent[k];
-        if (k == axis) changed |= differs;
-        else EXPECT_FALSE(differs) << "bit " << bit << ", child " << c << ", axis " << k;
+  Random random(6);
+  for (int bit = 0; bit < 32; bit++)
+    for (int level = 0; level < levels; level++) {
+      const int axis = bit < 10 ? 0 : bit < 20 ? 1 : 2;
+      const NodeBox parent = randomBox(random, level);
+      const uint32_t node = random.bits();
+      bool changed = false;
+      for (int c = 0; c < 4; c++) {
+        const NodeBox a = decodeChild(node, c, parent), b = decodeChild(node ^ (1u << bit), c, parent);
+        for (int k = 0; k < 3; k++) {
+          const bool differs = a.lower[k] != b.lower[k] || a.extent[k] != b.extent[k];
+          if (k == axis) changed |= differs;
+          else EXPECT_FALSE(differs) << "bit " << bit << ", child " << c << ", axis " << k << ", level " << level;
+        }
       }
+      EXPECT_TRUE(changed) << "bit " << bit << ", level " << level;
     }
-    EXPECT_TRUE(changed) << "bit " << bit;
+}
+
+// --- the tables of the traversal ---------------------------------------------------------
+
+// Planes of a lane's child in the parent's extents, in mirrored coordinates, as the tables have them.
+void lookUp(const NodeTables& tables, uint32_t node, const int flip[3], int lane, float lower[3], float upper[3])
+{
+  for (int axis = 0; axis < 2; axis++) {
+    const int nearShift = flip[axis] ? upperShift(axis) : lowerShift(axis);
+    const int farShift = flip[axis] ? lowerShift(axis) : upperShift(axis);
+    lower[axis] = tables.nearPlane[axis][flip[axis]][(node >> nearShift) & planePairMask][lane];
+    upper[axis] = tables.farPlane[axis][flip[axis]][(node >> farShift) & planePairMask][lane];
   }
+  const int row = (lane >> 1) ^ flip[1];
+  const float* z = tables.zPair[flip[0]][flip[2]][(node >> (zShift + 2*zBits*row)) & 63];
+  lower[2] = z[lane & 1];
+  upper[2] = z[2 + (lane & 1)];
+}
+
+struct Bounds { double lower[3], upper[3]; };
+
+Bounds boundsOf(const NodeBox& box)
+{
+  Bounds bounds;
+  for (int axis = 0; axis < 3; axis++) {
+    bounds.lower[axis] = box.lower[axis];
+    bounds.upper[axis] = double(box.lower[axis]) + double(box.extent[axis]);
+  }
+  return bounds;
+}
+
+// A lane's child by the tables, without mirroring, in double.
+Bounds childByTables(const NodeTables& tables, uint32_t node, const int flip[3], int lane, const Bounds& parent)
+{
+  float lower[3], upper[3];
+  lookUp(tables, node, flip, lane, lower, upper);
+  Bounds child;
+  for (int axis = 0; axis < 3; axis++) {
+    const double extent = parent.upper[axis] - parent.lower[axis];
+    child.lower[axis] = parent.lower[axis] + (flip[axis] ? 1.0 - upper[axis] : double(lower[axis]))*extent;
+    child.upper[axis] = parent.lower[axis] + (flip[axis] ? 1.0 - lower[axis] : double(upper[axis]))*extent;
+  }
+  return child;
 }
 
 // All planes are multiples of 1/256, so at the root both sides are exact.
@@ -210,22 +276,46 @@ TEST(NodeTables, EqualTheScalarDecoderForAllCodesAndFlips)
       for (int lane = 0; lane < 4; lane++) {
         const NodeBox box = decodeChild(node, lane ^ (flips & 3), NodeBox::root());
         float lower[3], upper[3];
-        for (int axis = 0; axis < 2; axis++) {
-          const int nearShift = flip[axis] ? upperShift(axis) : lowerShift(axis);
-          const int farShift = flip[axis] ? lowerShift(axis) : upperShift(axis);
-          lower[axis] = tables.nearPlane[axis][flip[axis]][(node >> nearShift) & planePairMask][lane];
-          upper[axis] = tables.farPlane[axis][flip[axis]][(node >> farShift) & planePairMask][lane];
-        }
-        const int row = (lane >> 1) ^ flip[1];
-        const float* z = tables.zPair[flip[0]][flip[2]][(node >> (zShift + 2*zBits*row)) & 63];
-        lower[2] = z[lane & 1];
-        upper[2] = z[2 + (lane & 1)];
+        lookUp(tables, node, flip, lane, lower, upper);
         for (int axis = 0; axis < 3; axis++) {
           ASSERT_EQ(lower[axis], flip[axis] ? 1 - box.upper(axis) : box.lower[axis]) << std::hex << node << " flips " << flips << " lane " << lane;
           ASSERT_EQ(upper[axis], flip[axis] ? 1 - box.lower[axis] : box.upper(axis)) << std::hex << node << " flips " << flips << " lane " << lane;
         }
       }
     }
+}
+
+// Down random paths: children of parents that no word of the root has. Three levels of
+// multiples of 1/256 are multiples of 2^-24 below 1, which floats hold: there both are exact,
+// as long as the parent's upper plane is, which is below 1 or 1 itself. Deeper, decodeChild
+// is off by a step's error a level.
+TEST(NodeTables, EqualTheScalarDecoderDownPathsThroughAllLevels)
+{
+  static const NodeTables tables;
+  Random random(5);
+  for (int path = 0; path < 4000; path++) {
+    const int flips = path % 8, flip[3] = {flips & 1, (flips >> 1) & 1, flips >> 2};
+    NodeBox parent = NodeBox::root();
+    Bounds exactParent = boundsOf(parent);
+    for (int level = 1; level <= levels; level++) {
+      const uint32_t node = random.bits();
+      const int next = int(random.below(4));
+      NodeBox nextBox = parent;
+      Bounds nextExact = exactParent;
+      for (int lane = 0; lane < 4; lane++) {
+        const NodeBox box = decodeChild(node, lane ^ (flips & 3), parent);
+        const Bounds decoded = boundsOf(box), exact = childByTables(tables, node, flip, lane, exactParent);
+        const double error = level <= 3 ? 0 : level*stepError;
+        for (int axis = 0; axis < 3; axis++) {
+          ASSERT_NEAR(decoded.lower[axis], exact.lower[axis], error) << std::hex << node << std::dec << " flips " << flips << " lane " << lane << " level " << level << " axis " << axis;
+          ASSERT_NEAR(decoded.upper[axis], exact.upper[axis], error) << std::hex << node << std::dec << " flips " << flips << " lane " << lane << " level " << level << " axis " << axis;
+        }
+        if (lane == next) { nextBox = box; nextExact = exact; }
+      }
+      parent = nextBox;
+      exactParent = nextExact;
+    }
+  }
 }
 
 } // namespace

@@ -8,9 +8,8 @@
 #
 #   upstream.sh CMAKE ARCHIVE
 set -eu
-cmake=$1 archive=${2:-}
+cmake=$1 archive=$2
 here=$(cd -- "$(dirname -- "$0")" && pwd)
-[ -n "$archive" ] || exit 77
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cp -r "$here/../../kernels/upstream" "$work/upstream"
