@@ -4,7 +4,7 @@
 /* Layout of blocks: sizes and offsets as FORMAT.md states them, and the block that
  * it shows byte by byte. The table there is read, so the two cannot drift. */
 
-#include "kernels/cbvh/block_encoder.h"
+#include "kernels/cbvh/build/block_encoder.h"
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ TEST(BlockFormat, SizesAndOffsetsFollowFromKindAndHeight)
   for (uint32_t height = 0; height <= maxLevel; height++) {
     const uint32_t width = (1u << height) + 1;
     const uint32_t groups = height ? (quads/4 - 1)/3 : 0; // nodes of h-1 levels
-    const BlockLayout grid(Kind::GRID, height), voxel(Kind::VOXEL, height), leaf(Kind::LEAF, height);
+    const BlockLayout grid = blockLayout(kindGrid, height), voxel = blockLayout(kindVoxel, height), leaf = blockLayout(kindLeaf, height);
     SCOPED_TRACE(height);
     EXPECT_EQ(voxel.nodeLevels, height);
     EXPECT_EQ(leaf.nodeLevels, height ? height : 1);
@@ -36,12 +36,11 @@ TEST(BlockFormat, SizesAndOffsetsFollowFromKindAndHeight)
     EXPECT_EQ(leaf.bytes, headerBytes + (height ? 4*nodes + 2*quads : 12));
     EXPECT_EQ(grid.bytes, headerBytes + 4*groups + 4*(3*width*width + 3));
     for (const BlockLayout& layout : {grid, voxel, leaf}) {
-      EXPECT_EQ(layout.nodeOffset, headerBytes);
-      EXPECT_EQ(layout.leafOffset, layout.nodeOffset + 4*layout.nodes);
+      EXPECT_EQ(layout.leafOffset, headerBytes + 4*layout.nodes);
       EXPECT_EQ(layout.leafOffset + layout.leafBytes, layout.bytes);
       EXPECT_EQ(layout.bytes % 4, 0u);
-      EXPECT_EQ(layout.stride() % 16, 0u);
-      EXPECT_LT(layout.stride() - layout.bytes, 16u);
+      EXPECT_EQ(layout.stride % 16, 0u);
+      EXPECT_LT(layout.stride - layout.bytes, 16u);
     }
     nodes += quads;
     quads *= 4;
@@ -55,14 +54,13 @@ TEST(BlockFormat, InfoHoldsEveryFieldAtItsLimits)
       for (uint32_t x : {0u, (256u >> height) - 1})
         for (uint32_t width : {0, 15}) {
           Block block;
-          block.info = Block::encodeInfo(kind, height, x, x/2) | Block::encodeBorderWidth((width + 0.5)/16);
-          block.lastX = uint8_t(x);
-          block.lastY = uint8_t(x/2);
+          block.info = blockInfo(uint32_t(kind), height, x, x/2) | LeafEncoder::encodeBorderWidth((width + 0.5)/16);
+          block.tiling = blockTiling(x, x/2, 0, 0);
           ASSERT_EQ(block.kind(), kind);
           ASSERT_EQ(block.height(), height);
-          ASSERT_EQ(block.blockX(), x);
-          ASSERT_EQ(block.blockY(), x/2);
-          ASSERT_EQ(block.borderWidth(), (width + 1)/16.0f);
+          ASSERT_EQ(blockXOf(block.info), x);
+          ASSERT_EQ(blockYOf(block.info), x/2);
+          ASSERT_EQ(borderWidthOf(block.info), (width + 1)/16.0f);
           ASSERT_EQ(block.quadsX(), (x + 1) << height);
           ASSERT_EQ(block.quadsY(), (x/2 + 1) << height);
         }
@@ -73,10 +71,8 @@ TEST(BlockFormat, ParametersEndAtOneForAnyNumberOfBlocks)
   for (uint32_t height : {0, 1, 3})
     for (uint32_t last = 0; last < 256u >> height; last++) {
       Block block;
-      block.info = Block::encodeInfo(Kind::LEAF, height, last, last);
-      block.lastX = block.lastY = uint8_t(last);
-      block.u0 = 0;
-      block.v0 = 13; // the last sub-patch of an n-gon
+      block.info = blockInfo(kindLeaf, height, last, last);
+      block.tiling = blockTiling(last, last, 0, 13); // the last sub-patch of an n-gon
       ASSERT_EQ(block.faceU(float(1u << height)), 1.0f);
       ASSERT_EQ(block.faceV(float(1u << height)), 7.5f);
     }
@@ -132,9 +128,7 @@ TEST(BlockFormat, TheAnnotatedBlockIsWhatTheEncoderWrites)
   encoder.encode(block, 1, 0, stats);
   block->geomID = 3;
   block->primID = 5;
-  block->lastX = 2;
-  block->lastY = 1;
-  block->u0 = block->v0 = 0;
+  block->tiling = blockTiling(2, 1, 0, 0);
 
   const std::vector<uint8_t> written(bytes, bytes + block->layout().bytes);
   std::ostringstream dump;

@@ -3,7 +3,9 @@
 
 /* Leaves of cLEAF: what is stored bounds the quads' edges, and says so when it cannot. */
 
-#include "kernels/cbvh/block_encoder.h"
+#include "kernels/cbvh/build/block_encoder.h"
+#include "kernels/cbvh/codec/crossing.h"
+#include "kernels/cbvh/codec/tree.h"
 #include "support/random.h"
 
 #include <algorithm>
@@ -67,10 +69,10 @@ NodeBox randomBox(Random& random)
 bool surfaceAbove(const LeafPatch& leaf, const double p[3], double& distance, double position[2])
 {
   for (int k = 0; k < 3; k++)
-    if (p[k] < leaf.box.lower[k] - tolerance || p[k] > leaf.box.upper(k) + tolerance) return false;
+    if (p[k] < leaf.box.lower[k] - tolerance || p[k] > upperOf(leaf.box, k) + tolerance) return false;
   for (int k = 0; k < 2; k++)
     position[k] = std::min(1.0, std::max(0.0, (p[k] - leaf.box.lower[k])/leaf.box.extent[k]));
-  distance = bilinear(leaf.z, float(position[0]), float(position[1])) - p[2];
+  distance = patchZ(leaf, position[0], position[1]) - p[2];
   return true;
 }
 
@@ -88,7 +90,7 @@ TEST(LeafCodec, LeavesBoundTheEdgesOfTheirQuads)
       QuadGroup group;
       makeGroup(random, Shape(shape), parent, group);
       const EncodedGroup encoded = encodeGroup(parent, group);
-      const float width = (Block::encodeBorderWidth(encoded.borderWidth) >> 28)*0.0625f + 0.0625f;
+      const float width = borderWidthOf(LeafEncoder::encodeBorderWidth(encoded.borderWidth));
       const bool isLattice = !isLoose(encoded.heights);
       (isLattice ? lattices : loose)[shape]++;
       LeafPatch leaves[4];
@@ -167,7 +169,7 @@ TEST(LeafCodec, EveryHeightIsReadBack)
       int heights[9];
       for (int& h : heights) h = int(random.below(latticeBins));
       heights[vertex] = height;
-      const uint64_t bits = packLattice(heights);
+      const Heights bits = packLattice(heights);
       ASSERT_FALSE(isLoose(bits));
       for (int v = 0; v < 9; v++) ASSERT_EQ(latticeHeight(bits, v), heights[v]);
     }
@@ -180,14 +182,14 @@ TEST(LeafCodec, LatticesHaveNoStepsBetweenSiblings)
   for (int repeat = 0; repeat < 2000; repeat++) {
     int heights[9];
     for (int& h : heights) h = int(random.below(latticeBins));
-    const uint64_t bits = packLattice(heights);
+    const Heights bits = packLattice(heights);
     const uint32_t word = uint32_t(random.below(1u << 30));
     const NodeBox parent = randomBox(random);
     LeafPatch leaf[4];
     for (int c = 0; c < 4; c++) leaf[c] = decodeLeaf(word, bits, c, parent);
     for (int i = 0; i < 2; i++) {
-      ASSERT_FLOAT_EQ(leaf[2*i].box.upper(0), leaf[2*i+1].box.lower[0]);
-      ASSERT_FLOAT_EQ(leaf[i].box.upper(1), leaf[2+i].box.lower[1]);
+      ASSERT_FLOAT_EQ(upperOf(leaf[2*i].box, 0), leaf[2*i+1].box.lower[0]);
+      ASSERT_FLOAT_EQ(upperOf(leaf[i].box, 1), leaf[2+i].box.lower[1]);
       for (int j = 0; j < 2; j++) {
         ASSERT_EQ(leaf[2*i].z[2*j+1], leaf[2*i+1].z[2*j]);
         ASSERT_EQ(leaf[i].z[2+j], leaf[2+i].z[j]);
@@ -214,7 +216,7 @@ TEST(LeafCodec, QuadsWithAVertexThatIsNotFiniteAreEmptyAndNoOthers)
         std::copy_n(&vertices[3*((c >> 1)*n*width + (c & 1)*n)], 3, corners[c]);
       for (int i = 0; i < repeat % 5; i++) vertices[random.below(3*width*width)] = bad[random.below(3)];
 
-      std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2), memory(BlockLayout(Kind::LEAF, height).bytes/sizeof(Double3) + 2);
+      std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2), memory(blockLayout(uint32_t(Kind::LEAF), height).bytes/sizeof(Double3) + 2);
       auto align = [](void* p) { return (void*)((uintptr_t(p) + 15) & ~uintptr_t(15)); };
       BlockEncoder encoder(Kind::LEAF, height, (const float(*)[3])vertices.data(), align(scratch.data()));
       auto isBad = [&](uint32_t x, uint32_t y) {
@@ -231,7 +233,7 @@ TEST(LeafCodec, QuadsWithAVertexThatIsNotFiniteAreEmptyAndNoOthers)
       for (uint32_t m = 0; m < n*n; m++) {
         const bool expected = isBad(mortonX(m), mortonY(m));
         count += expected;
-        const uint64_t heights = ((const uint64_t*)block->leaves())[m/4];
+        const Heights heights = heightsOf(block, m/4);
         ASSERT_EQ(isLoose(heights) && looseLeaf(heights, int(m%4)) == emptyLeaf, expected) << "height " << height << ", quad " << m;
       }
       EXPECT_EQ(stats.invalidQuads, count);

@@ -4,7 +4,8 @@
 /* Containment: decoded bounds contain the geometry through all levels, in every
  * form of arithmetic that a traversal may have been compiled to. */
 
-#include "kernels/cbvh/node_tables.cpp"
+#include "kernels/cbvh/build/node_encoder.h"
+#include "kernels/cbvh/trace/node_tables.cpp"
 #include "support/decoding_forms.h"
 #include "support/random.h"
 
@@ -88,7 +89,7 @@ unsigned violations(Random& random, int shape, const Encode& encode)
     exact.upper[axis] = 1 - 0x1p-18;
   }
   unsigned count = 0;
-  NodeBox box[4] = {NodeBox::root(), NodeBox::root(), NodeBox::root(), NodeBox::root()};
+  NodeBox box[4] = {rootBox(), rootBox(), rootBox(), rootBox()};
   for (int level = 0; level < levels; level++) {
     ExactBox children[4];
     makeChildren(random, Shape(shape < SHAPES ? shape : int(random.below(SHAPES))), box[0], exact, children);
@@ -151,7 +152,7 @@ TEST(NodeCodec, BoundsNeverGrow)
 {
   Random random(3);
   for (int i = 0; i < 10000; i++) {
-    NodeBox parent = NodeBox::root();
+    NodeBox parent = rootBox();
     for (int level = 0; level < levels; level++) {
       const uint32_t node = random.bits();
       NodeBox boxes[4];
@@ -160,7 +161,7 @@ TEST(NodeCodec, BoundsNeverGrow)
         for (int axis = 0; axis < 3; axis++) {
           ASSERT_GE(boxes[c].lower[axis], parent.lower[axis]) << "level " << level;
           ASSERT_GE(boxes[c].extent[axis], 0) << "level " << level;
-          ASSERT_LE(boxes[c].upper(axis), parent.upper(axis) + stepError) << "level " << level;
+          ASSERT_LE(upperOf(boxes[c], axis), upperOf(parent, axis) + stepError) << "level " << level;
         }
       }
       parent = boxes[random.below(4)];
@@ -177,9 +178,9 @@ TEST(NodeCodec, RegularChildrenGetTightBounds)
       children[c].lower[axis] = 0.01 + (axis < 2 ? 0.49*childColumn(c, axis) : 0.3);
       children[c].upper[axis] = children[c].lower[axis] + (axis < 2 ? 0.49 : 0.15);
     }
-  const uint32_t node = encodeNode(NodeBox::root(), children);
+  const uint32_t node = encodeNode(rootBox(), children);
   for (int c = 0; c < 4; c++) {
-    const NodeBox box = decodeChild(node, c, NodeBox::root());
+    const NodeBox box = decodeChild(node, c, rootBox());
     EXPECT_LE(box.extent[0], 0.55f);
     EXPECT_LE(box.extent[1], 0.55f);
     EXPECT_LE(box.extent[2], 0.5f);
@@ -189,7 +190,7 @@ TEST(NodeCodec, RegularChildrenGetTightBounds)
 // A box that lies so many levels below the root.
 NodeBox randomBox(Random& random, int level)
 {
-  NodeBox box = NodeBox::root();
+  NodeBox box = rootBox();
   for (int i = 0; i < level; i++) box = decodeChild(random.bits(), int(random.below(4)), box);
   return box;
 }
@@ -274,12 +275,12 @@ TEST(NodeTables, EqualTheScalarDecoderForAllCodesAndFlips)
     for (int flips = 0; flips < 8; flips++) {
       const int flip[3] = {flips & 1, (flips >> 1) & 1, flips >> 2};
       for (int lane = 0; lane < 4; lane++) {
-        const NodeBox box = decodeChild(node, lane ^ (flips & 3), NodeBox::root());
+        const NodeBox box = decodeChild(node, lane ^ (flips & 3), rootBox());
         float lower[3], upper[3];
         lookUp(tables, node, flip, lane, lower, upper);
         for (int axis = 0; axis < 3; axis++) {
-          ASSERT_EQ(lower[axis], flip[axis] ? 1 - box.upper(axis) : box.lower[axis]) << std::hex << node << " flips " << flips << " lane " << lane;
-          ASSERT_EQ(upper[axis], flip[axis] ? 1 - box.lower[axis] : box.upper(axis)) << std::hex << node << " flips " << flips << " lane " << lane;
+          ASSERT_EQ(lower[axis], flip[axis] ? 1 - upperOf(box, axis) : box.lower[axis]) << std::hex << node << " flips " << flips << " lane " << lane;
+          ASSERT_EQ(upper[axis], flip[axis] ? 1 - box.lower[axis] : upperOf(box, axis)) << std::hex << node << " flips " << flips << " lane " << lane;
         }
       }
     }
@@ -295,7 +296,7 @@ TEST(NodeTables, EqualTheScalarDecoderDownPathsThroughAllLevels)
   Random random(5);
   for (int path = 0; path < 4000; path++) {
     const int flips = path % 8, flip[3] = {flips & 1, (flips >> 1) & 1, flips >> 2};
-    NodeBox parent = NodeBox::root();
+    NodeBox parent = rootBox();
     Bounds exactParent = boundsOf(parent);
     for (int level = 1; level <= levels; level++) {
       const uint32_t node = random.bits();

@@ -16,9 +16,8 @@
  * --seeds=DIRECTORY writes blocks of the encoder, with rays, for a corpus to start from. */
 
 #include "kernels/common/scene.h"
-#include "kernels/cbvh/block_encoder.h"
-#include "kernels/cbvh/block_intersector1.h"
-#include "kernels/cbvh/reference.h"
+#include "kernels/cbvh/build/block_encoder.h"
+#include "kernels/cbvh/trace/kind_visitors1.h"
 #include <embree3/rtcore.h>
 
 #include <cstdio>
@@ -33,10 +32,10 @@ using namespace embree;
 using namespace embree::isa;
 using namespace embree::cbvh;
 using embree::isa::cbvh::BlockIntersector1;
-using embree::isa::cbvh::GridLeaf;
-using embree::isa::cbvh::HeightLeaf;
+using embree::isa::cbvh::GridVisitor1;
+using embree::isa::cbvh::LeafVisitor1;
 using embree::isa::cbvh::RayPrecalculations;
-using embree::isa::cbvh::VoxelLeaf;
+using embree::isa::cbvh::VoxelVisitor1;
 
 #define REQUIRE(condition) \
   do { if (!(condition)) { std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); std::abort(); } } while (false)
@@ -76,7 +75,7 @@ bool isSound(const RayBytes& ray, const Block* block)
   return distance*stretch <= 1e36 && isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 && ray.tnear <= maxCoordinate && ray.tfar >= ray.tnear;
 }
 
-// FRAME: as fitBox (frame.h) gives them, the box a bounded region of the world of at least
+// FRAME: as fitBox (build/frame_fit.h) gives them, the box a bounded region of the world of at least
 // the smallest size, none of its sides far shorter than another, and W in its range.
 bool isSound(const Block* block)
 {
@@ -192,14 +191,14 @@ void writeSeeds(const std::string& directory)
         const uint32_t w = (1u << height) + 1;
         float corners[4][3];
         for (int c = 0; c < 4; c++) memcpy(corners[c], p[(c>>1)*(w-1)*w + (c&1)*(w-1)], sizeof(corners[c]));
-        std::vector<Vec3fa> scratch(BlockEncoder::scratchBytes(height)/sizeof(Vec3fa) + 1), memory(BlockLayout(kind, height).bytes/sizeof(Vec3fa) + 1);
+        std::vector<Vec3fa> scratch(BlockEncoder::scratchBytes(height)/sizeof(Vec3fa) + 1), memory(blockLayout(uint32_t(kind), height).bytes/sizeof(Vec3fa) + 1);
         Block* block = (Block*)memory.data();
         BlockEncoder encoder(kind, height, p, scratch.data());
         BlockStatistics statistics;
         if (!encoder.fit(corners)) continue;
         encoder.encode(block, 1, 0, statistics);
-        block->geomID = block->primID = block->u0 = block->v0 = 0;
-        block->lastX = block->lastY = 3;
+        block->geomID = block->primID = 0;
+        block->tiling = blockTiling(3, 3, 0, 0);
         for (const RayBytes& ray : rays) {
           const std::string name = directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - rays);
           FILE* file = std::fopen(name.c_str(), "wb");
@@ -241,14 +240,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 
   // exactly the bytes of the block, so that any access beyond them is seen
   void* memory = nullptr;
-  REQUIRE(posix_memalign(&memory, BlockLayout::alignment, bytes) == 0);
+  REQUIRE(posix_memalign(&memory, blockAlignment, bytes) == 0);
   Block* block = (Block*)memory;
   memcpy(block, data, bytes);
   memcpy(block, &header, sizeof(header));
   switch (kind) {
-  case Kind::LEAF: trace<HeightLeaf>(world.scene, ray, block); break;
-  case Kind::VOXEL: trace<VoxelLeaf>(world.scene, ray, block); break;
-  case Kind::GRID: trace<GridLeaf>(world.scene, ray, block); break;
+  case Kind::LEAF: trace<LeafVisitor1>(world.scene, ray, block); break;
+  case Kind::VOXEL: trace<VoxelVisitor1>(world.scene, ray, block); break;
+  case Kind::GRID: trace<GridVisitor1>(world.scene, ray, block); break;
   }
   free(memory);
   return 0;

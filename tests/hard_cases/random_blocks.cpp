@@ -4,7 +4,7 @@
 /* Random blocks as the encoder makes them: needles, folds, flats, spikes, huge and tiny,
  * near and far. What every ISA decodes of them contains them. */
 
-#include "kernels/cbvh/block_encoder.h"
+#include "kernels/cbvh/build/block_encoder.h"
 #include "support/decoding_forms.h"
 #include "support/random_sheets.h"
 
@@ -35,8 +35,8 @@ unsigned violations(Form form, const Block* block, const Frame& frame, const She
   unsigned count = !contains(form, box, boundsOf(frame, sheet, level, block->height(), m));
   if (level == block->layout().nodeLevels || level == block->height()) return count;
   const uint32_t word = block->nodes()[nodesOfLevels(level) + m];
-  const bool isGroup = block->kind() == Kind::LEAF && level + 1 == block->layout().nodeLevels;
-  if (isGroup && !isLoose(((const uint64_t*)block->leaves())[m]))
+  const bool isGroup = isGroupLevel(kindOf(block->info), level, block->layout().nodeLevels);
+  if (isGroup && !isLoose(heightsOf(block, m)))
     return count + !contains(form, decodeLattice(form, word, box), boundsOf(frame, sheet, level, block->height(), m));
   for (int c = 0; c < 4; c++)
     count += violations(form, block, frame, sheet, level + 1, 4*m + uint32_t(c), decode(form, word, c, box));
@@ -59,7 +59,7 @@ TEST(RandomBlocks, ContainTheirVerticesInAllArithmetic)
           for (int c = 0; c < 4; c++) // of the cage for cLEAF, of the surface else; the face's order goes around
             std::copy_n(kind == Kind::LEAF ? sheet.cage.positions[c < 2 ? c : 5 - c].data()
                                            : sheet.vertex((c & 1)*sheet.quads, (c >> 1)*sheet.quads).data(), 3, corners[c]);
-          std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2), memory(BlockLayout(kind, height).bytes/sizeof(Double3) + 2);
+          std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2), memory(blockLayout(uint32_t(kind), height).bytes/sizeof(Double3) + 2);
           BlockEncoder encoder(kind, height, (const float(*)[3])sheet.vertices.data(), align(scratch.data()));
           sheets++;
           if (!encoder.fit(corners) || encoder.isDegenerate()) continue;
@@ -74,7 +74,7 @@ TEST(RandomBlocks, ContainTheirVerticesInAllArithmetic)
           for (const auto& column : frame.columns)
             for (float c : column) ASSERT_TRUE(std::isfinite(c));
           for (Form form : forms)
-            ASSERT_EQ(violations(form, block, frame, sheet, 0, 0, NodeBox::root()), 0u)
+            ASSERT_EQ(violations(form, block, frame, sheet, 0, 0, rootBox()), 0u)
               << nameOf(shape) << ", height " << height << ", scale " << scale << " at " << away << ", kind " << int(kind);
         }
   std::printf("%u of %u sheets are blocks\n", blocks, sheets);

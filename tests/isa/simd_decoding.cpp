@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* The traversal's decoders of nodes and of cLEAF's groups, lane for lane against the scalar
- * ones, node_codec.h and leaf_codec.h: random words, random parents, all mirrorings. Compiled
+ * ones, codec/node.h and codec/leaf.h: random words, random parents, all mirrorings. Compiled
  * once for every ISA, outside of the library.
  *
  * Where all planes of a parent are multiples of 2^-12 nothing rounds: planes of nodes are
@@ -12,7 +12,7 @@
  * 2^-22 below 2, which a float holds. There the two must be equal to the last bit, fused or
  * not. Anywhere else they may round another way, by no more than maxRounding. */
 
-#include "kernels/cbvh/height_patches1.h"
+#include "kernels/cbvh/trace/group_patches4.h"
 #include "support/random.h"
 
 // for isa_check.cpp
@@ -47,19 +47,19 @@ Lanes decodeLanes(int flips, uint32_t word, const uint64_t* groups, uint32_t gro
   local.P1 = vfloat4(1.0f) - local.P0;
   local.epsilon = vfloat4(0.0f);
   const MirroredRay ray(local);
-  vfloat4 lower[3], extent[3];
-  for (int axis = 0; axis < 3; axis++) { lower[axis] = vfloat4(parent.lower[axis]); extent[axis] = vfloat4(parent.extent[axis]); }
+  ParentBox box;
+  for (int axis = 0; axis < 3; axis++) { box.lower[axis] = vfloat4(parent.lower[axis]); box.extent[axis] = vfloat4(parent.extent[axis]); }
   ChildBoxes boxes;
   Lanes lanes = {};
   if (groups) {
-    HeightPatches patches;
-    patches.decode(word, (const char*)groups, group, ray, lower, extent, boxes);
+    GroupPatches patches;
+    patches.decode(word, groups[group], box, ray, boxes);
     for (int c = 0; c < 4; c++) vfloat4::storeu(lanes.z[c], patches.z(vfloat4(float(c & 1)), vfloat4(float(c >> 1))));
     vfloat4::storeu(lanes.thickness, patches.reach + patches.reach);
     lanes.solid = patches.solid;
     lanes.empty = patches.empty;
   } else {
-    ray.decode(word, lower, extent, boxes);
+    ray.decode(word, box, boxes);
   }
   for (int axis = 0; axis < 3; axis++) {
     vfloat4::storeu(lanes.lower[axis], boxes.lower[axis]);
@@ -132,15 +132,17 @@ NodeBox coarseBox(Random& random)
 // A box up to seven levels below the root.
 NodeBox anyBox(Random& random)
 {
-  NodeBox box = NodeBox::root();
+  NodeBox box = rootBox();
   for (uint32_t i = random.below(8); i > 0; i--) box = decodeChild(random.bits(), int(random.below(4)), box);
   return box;
 }
 
+Heights heightsOf(uint64_t bits) { return {uint32_t(bits), uint32_t(bits >> 32)}; }
+
 uint64_t randomHeights(Random& random)
 {
   uint64_t heights = uint64_t(random.bits()) << 32 | random.bits();
-  if (!isLoose(heights)) return heights;
+  if (!isLoose(heightsOf(heights))) return heights;
   for (int child = 0; child < 4; child++) {
     if (!random.chance(0.3)) continue;
     const uint64_t code = random.chance(0.5) ? solidLeaf : emptyLeaf;
@@ -178,12 +180,12 @@ void compareGroups(uint32_t seed, const MakeBox& makeBox, double tolerance)
     uint64_t groups[3];
     for (uint64_t& heights : groups) heights = randomHeights(random);
     const uint32_t group = random.below(3);
-    (isLoose(groups[group]) ? loose : lattices)++;
+    (isLoose(heightsOf(groups[group])) ? loose : lattices)++;
     for (int flips = 0; flips < 8; flips++) {
       const Lanes lanes = decodeLanes(flips, word, groups, group, mirror(parent, flips));
       for (int lane = 0; lane < 4; lane++) {
-        SCOPED_TRACE(testing::Message() << "group " << i << (isLoose(groups[group]) ? ", loose" : ", lattice") << ", flips " << flips << ", lane " << lane);
-        const LeafPatch leaf = decodeLeaf(word, groups[group], lane ^ (flips & 3), parent);
+        SCOPED_TRACE(testing::Message() << "group " << i << (isLoose(heightsOf(groups[group])) ? ", loose" : ", lattice") << ", flips " << flips << ", lane " << lane);
+        const LeafPatch leaf = decodeLeaf(word, heightsOf(groups[group]), lane ^ (flips & 3), parent);
         solid += leaf.solid;
         empty += leaf.empty;
         Comparison{flips, tolerance}.expectBox(leaf.box, lanes, lane);

@@ -8,7 +8,8 @@
  * not (a mirrored ray decodes 1-upper from the mirrored parent, which rounds
  * differently). */
 
-#include "kernels/cbvh/leaf_codec.h"
+#include "kernels/cbvh/build/node_encoder.h"
+#include "kernels/cbvh/codec/leaf.h"
 
 #include <cmath>
 #include <utility>

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "support/grid_agreement.h"
-#include "kernels/cbvh/node_codec.h"
-#include "kernels/cbvh/reference.h"
+#include "kernels/cbvh/build/frame_map.h"
+#include "kernels/cbvh/codec/tree.h"
 #include "support/scene_blocks.h"
 
 #include <algorithm>
@@ -74,21 +74,21 @@ float reachOfLeaf(const std::vector<const Block*>& blocks, const RTCRayHit& r)
   for (const Block* block : blocks) {
     if (block->primID != r.hit.primID) continue;
     const double rounding = 1e-3, quads = 1u << block->height();
-    const double x = (r.hit.u - block->u0*0.5)*block->quadsX() - block->blockX()*quads;
-    const double y = (r.hit.v - block->v0*0.5)*block->quadsY() - block->blockY()*quads;
+    const double x = (r.hit.u - cornerUOf(block->tiling)*0.5)*block->quadsX() - blockXOf(block->info)*quads;
+    const double y = (r.hit.v - cornerVOf(block->tiling)*0.5)*block->quadsY() - blockYOf(block->info)*quads;
     const FrameMap map = frameMap(block);
     for (double i = std::floor(x - rounding); i <= x + rounding; i++)
       for (double j = std::floor(y - rounding); j <= y + rounding; j++) {
         if (i < 0 || j < 0 || i >= quads || j >= quads) continue;
         const uint32_t leaf = morton(uint32_t(i), uint32_t(j));
-        NodeBox box = NodeBox::root();
+        NodeBox box = rootBox();
         for (uint32_t level = 0; level < block->height(); level++) {
           const uint32_t m = leaf >> 2*(block->height() - level), child = (leaf >> 2*(block->height() - level - 1)) & 3;
           box = decodeChild(block->nodes()[nodesOfLevels(level) + m], int(child), box);
         }
         for (int c = 0; c < 8; c++) {
           Double3 p;
-          EXPECT_TRUE(unproject(map, c & 1 ? box.upper(0) : box.lower[0], c & 2 ? box.upper(1) : box.lower[1], c & 4 ? box.upper(2) : box.lower[2], p));
+          EXPECT_TRUE(unproject(map, c & 1 ? upperOf(box, 0) : box.lower[0], c & 2 ? upperOf(box, 1) : box.lower[1], c & 4 ? upperOf(box, 2) : box.lower[2], p));
           reach = std::max(reach, length(Double3{p.x + block->centre[0] - point[0], p.y + block->centre[1] - point[1], p.z + block->centre[2] - point[2]}));
         }
       }

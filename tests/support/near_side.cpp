@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "support/near_side.h"
-#include "kernels/cbvh/frame.h"
-#include "kernels/cbvh/leaf_codec.h"
+#include "kernels/cbvh/build/frame_fit.h"
+#include "kernels/cbvh/codec/crossing.h"
+#include "kernels/cbvh/codec/tree.h"
 #include "support/scene_blocks.h"
 
 #include <algorithm>
@@ -43,7 +44,7 @@ public:
       P0[k] = (O[k] + begin*D[k])/w0;
       P1[k] = (O[k] + end*D[k])/w1;
     }
-    visit(0, 0, NodeBox::root());
+    visit(0, 0, rootBox());
   }
 
   double t = infinite; // no hit, else at most the ray's tfar
@@ -68,7 +69,7 @@ private:
   {
     for (int k = 0; k < 3; k++) {
       clip(P0[k] - double(box.lower[k]) + slack, P1[k] - P0[k], s0, s1);
-      clip(double(box.upper(k)) - P0[k] + slack, P0[k] - P1[k], s0, s1);
+      clip(double(upperOf(box, k)) - P0[k] + slack, P0[k] - P1[k], s0, s1);
     }
     return s0 <= s1;
   }
@@ -81,9 +82,7 @@ private:
     for (int c = 0; c < 4; c++) {
       const uint32_t child = 4*m + uint32_t(c);
       if (level + 1 < layout.nodeLevels) { visit(level + 1, child, decodeChild(node, c, box)); continue; }
-      uint64_t heights;
-      std::memcpy(&heights, block.leaves() + 8*size_t(m), 8);
-      visitLeaf(child, decodeLeaf(node, heights, c, box));
+      visitLeaf(child, decodeLeaf(node, heightsOf(&block, m), c, box));
     }
   }
 
@@ -98,7 +97,7 @@ private:
     if (leaf.solid) { hit(m, box, s0, 0, 0); return; }
     const double size = std::max(double(leaf.thickness), box.extent[2]/16.0);
     const auto over = [&](double s) { // over the lower patch
-      return at(2, s) - double(bilinear(leaf.z, float(inBox(box, s, 0)), float(inBox(box, s, 1)))) + 0.5*size;
+      return at(2, s) - patchZ(leaf, inBox(box, s, 0), inBox(box, s, 1)) + 0.5*size;
     };
     const double d0 = over(s0), d1 = over(s1);
     double s = s0;
@@ -149,10 +148,7 @@ const Block& blockOf(void* user, unsigned primID)
 void bounds(const RTCBoundsFunctionArguments* args)
 {
   const Block& b = blockOf(args->geometryUserPtr, args->primID);
-  const auto form = [&](int k) {
-    return Form{{double(b.columns[0][k]), double(b.columns[1][k]), double(b.columns[2][k])}, k < 3 ? 0.5 : 1.0};
-  };
-  const FrameMap map = {form(0), form(1), form(2), form(3), true};
+  const FrameMap map = frameMap(&b);
   double lower[3] = {infinite, infinite, infinite}, upper[3] = {-infinite, -infinite, -infinite}, size = 0;
   for (int corner = 0; corner < 8; corner++) {
     Double3 p = {0, 0, 0};

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "support/reference_check.h"
-#include "kernels/cbvh/reference.h"
+#include "kernels/cbvh/build/frame_map.h"
+#include "kernels/cbvh/trace/scalar_intersector.h"
 #include "support/scene_blocks.h"
 
 #include <algorithm>
@@ -14,9 +15,10 @@ namespace {
 using embree::cbvh::Block;
 using embree::cbvh::Double3;
 using embree::cbvh::FrameMap;
-using embree::cbvh::ReferenceHit;
-using embree::cbvh::ReferenceIntersector;
-using embree::cbvh::ReferenceRay;
+using embree::cbvh::frameMap;
+using ReferenceIntersector = embree::cbvh::ScalarIntersector<double>;
+using ReferenceHit = ReferenceIntersector::Hit;
+using ReferenceRay = ReferenceIntersector::Ray;
 constexpr double ulp = std::numeric_limits<float>::epsilon();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -66,7 +68,6 @@ struct UncertainRay
     ray.org[0] = r.org_x; ray.org[1] = r.org_y; ray.org[2] = r.org_z;
     ray.dir[0] = r.dir_x; ray.dir[1] = r.dir_y; ray.dir[2] = r.dir_z;
     ray.tnear = r.tnear; ray.tfar = r.tfar;
-    rayEpsilon(block, ray, epsilon);
     const double W = smallestW(block);
     double reach = 0, dir2 = 0, od = 0, size = 0;
     for (int i = 0; i < 3; i++) {
@@ -77,7 +78,7 @@ struct UncertainRay
     }
     for (int k = 0; k < 3; k++) {
       double axis[3];
-      epsilon[k] /= W;
+      epsilon[k] = embree::cbvh::rayEpsilon(*block, reach, k)/W;
       axisInWorld(block, k, epsilon[k], shift[k]);
       axisInWorld(block, k, 1, axis);
       size += std::sqrt(axis[0]*axis[0] + axis[1]*axis[1] + axis[2]*axis[2]);

@@ -17,7 +17,7 @@
  * What t itself rounds comes on top: the sum t0 + tau (t1-t0) of a few rounded terms
  * as large as the distance to the block. */
 
-#include "kernels/cbvh/block.h"
+#include "kernels/cbvh/codec/block.h"
 #include "support/random_sheets.h"
 
 namespace cbvh::test {

@@ -3,7 +3,7 @@
 
 #include "support/scene_blocks.h"
 #include "kernels/bvh/bvh.h"
-#include "kernels/cbvh/top_level.h"
+#include "kernels/cbvh/codec/primitive_type.h"
 #include "kernels/common/scene.h"
 
 namespace cbvh::test {
@@ -19,7 +19,7 @@ static void collect(BVH4::NodeRef ref, std::vector<const embree::cbvh::Block*>& 
   }
   size_t type;
   const void* leaf = ref.leaf(type);
-  if (type >= embree::cbvh::GRID_BLOCK) blocks.push_back((const embree::cbvh::Block*)leaf);
+  if (type >= embree::cbvh::FIRST_BLOCK) blocks.push_back((const embree::cbvh::Block*)leaf);
 }
 
 std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene)

@@ -1,0 +1,37 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include "../../common/accelinstance.h"
+#include "../build/build_report.h"
+
+namespace embree
+{
+  class Scene;
+
+  /*! accelerator of a scene's subdivision surfaces where at least one is compressed */
+  struct CompressedSubdivAccel : public AccelInstance
+  {
+    CompressedSubdivAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report)
+      : AccelInstance(accel,builder,intersectors), report(report) {}
+
+    std::unique_ptr<CompressionReport> report; //!< of the last build
+  };
+
+  /*! Whether a scene that keeps its accelerators, as dynamic ones do, has to get new ones:
+   *  its surfaces were compressed and none asks for it any more, or the other way round. */
+  bool isCompressionOutdated (Scene* scene);
+
+  /*! Tells at verbosity 1 of surfaces that ask for compression but have motion blur. */
+  void reportCompressionOfMotionBlur (Scene* scene);
+
+  /*! Hands the errors of the last build to the device, once. Called by the thread that
+   *  commits: a device keeps the error of each thread, and builds run on any. */
+  void reportBuildErrors (Scene* scene);
+
+  /*! Accelerator for all subdivision surfaces of a scene without motion blur; null
+   *  when none of them is to be compressed. Selects builder and intersectors for the
+   *  device's ISA. The caller owns it. */
+  Accel* createCompressedSubdivAccel (Scene* scene);
+}

@@ -1,0 +1,68 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#define RTC_EXPORT_API
+
+#include "../../common/default.h"
+#include "../../common/device.h"
+#include "../../common/scene.h"
+#include "../codec/kinds.h"
+#include "factory.h"
+#include "../../../include/embree3/rtcore_compression.h"
+#include <cmath>
+#include <cstring>
+
+using namespace embree;
+
+RTC_NAMESPACE_BEGIN;
+
+RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCCompressionArguments* args)
+{
+  Geometry* geometry = (Geometry*) hgeometry;
+  RTC_CATCH_BEGIN;
+  if (hgeometry == nullptr)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"geometry is NULL");
+  if (args == nullptr)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"args is NULL");
+  if (geometry->getType() != Geometry::GTY_SUBDIV_MESH)
+    throw_RTCError(RTC_ERROR_INVALID_OPERATION,"only geometry of type RTC_GEOMETRY_TYPE_SUBDIVISION can be compressed");
+  int compression; // an enumeration may not hold what the application may have written
+  memcpy(&compression,&args->compression,sizeof(compression));
+  cbvh::Kind kind;
+  if (compression != RTC_COMPRESSION_INHERIT && compression != RTC_COMPRESSION_NONE && !cbvh::findKind(compression,kind))
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown compression " + std::to_string(compression));
+  if (args->frameLevel < RTC_COMPRESSION_FRAME_LEVEL_INHERIT || args->frameLevel > int(cbvh::maxLevel))
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid frameLevel " + std::to_string(args->frameLevel) + ": expected 0 to 8, AUTO or INHERIT");
+  if (!std::isfinite(args->maxError))
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxError " + std::to_string(args->maxError) + ": expected a distance, or a negative number to inherit");
+
+  CompressionSettings& settings = ((SubdivMesh*)geometry)->compression;
+  settings.compression = args->compression;
+  settings.frameLevel = args->frameLevel;
+  settings.maxError = args->maxError;
+  geometry->Geometry::update();
+  RTC_CATCH_END2(geometry);
+}
+
+RTC_API void rtcGetSceneCompressionStatistics (RTCScene hscene, struct RTCCompressionStatistics* stats)
+{
+  Scene* scene = (Scene*) hscene;
+  RTC_CATCH_BEGIN;
+  if (hscene == nullptr)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"scene is NULL");
+  if (stats == nullptr)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"stats is NULL");
+  bool modified = scene->isModified();
+  for (size_t i=0; i<scene->size(); i++)
+    modified |= scene->get(i) && scene->get(i)->isEnabled() && scene->isGeometryModified(i);
+  if (modified)
+    throw_RTCError(RTC_ERROR_INVALID_OPERATION,"scene not committed");
+
+  *stats = RTCCompressionStatistics();
+  for (Accel* accel : scene->accels)
+    if (const CompressedSubdivAccel* compressed = dynamic_cast<CompressedSubdivAccel*>(accel))
+      *stats = compressed->report->statistics;
+  RTC_CATCH_END2(scene);
+}
+
+RTC_NAMESPACE_END

@@ -1,0 +1,44 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Settings of compression, the same struct for a device and for a geometry. Every
+ * field may be left to the next one in the order geometry, device string,
+ * environment, default; resolve() closes the chain. */
+
+#include "../../../include/embree3/rtcore_compression.h"
+#include <string>
+
+namespace embree
+{
+  class Token;
+  class TokenStream;
+
+  struct CompressionSettings
+  {
+    RTCCompression compression = RTC_COMPRESSION_INHERIT;
+    int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
+    float maxError = -1.0f; //!< world units, 0 for no bound, negative to inherit
+
+    static const int defaultFrameLevel = 2; //!< of a geometry for which nobody gave one, see CompressionPlan
+
+    /*! Takes cbvh_frame_level and cbvh_max_error out of a device string; false for any
+     *  other key. Throws rtcore_error naming key and value. */
+    bool parse (const Token& key, TokenStream& stream);
+
+    /*! Takes EMBREE_CBVH, for example "leaf,level=2". Throws rtcore_error. */
+    void parseEnvironment ();
+
+    /*! Takes the device string's subdiv_accel once it is known; "default" says nothing.
+     *  Throws rtcore_error for an unknown "cbvh." kind. */
+    void verify (const std::string& subdivAccel);
+
+    /*! what holds for a geometry with these settings on that device; only frameLevel may still inherit */
+    CompressionSettings resolve (const CompressionSettings& device) const;
+
+  private:
+    void setFrameLevel (const std::string& name, const std::string& value);
+    void setMaxError (const std::string& name, const std::string& value);
+  };
+}

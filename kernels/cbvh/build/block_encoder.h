@@ -1,0 +1,83 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of a block: vertices -> frame -> bounds bottom-up -> nodes top-down -> leaves.
+ * Top-down, because a node's planes are relative to what its parent decodes to, not to what
+ * the parent holds: rounding cannot add up.
+ *
+ * The leaves of each kind have an encoder of their own, which is given
+ *
+ *    uint32_t group (uint32_t m, const NodeBox& box)
+ *      a group of the last level, of kinds that have groups; returns its word
+ *    void leaf (uint32_t m, const NodeBox& box)
+ *      a leaf of the others
+ *    void finish ()
+ *      at the end. */
+
+#include "block_bounds.h"
+#include "grid_encoder.h"
+#include "leaf_encoder.h"
+#include "voxel_encoder.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_TARGET
+  {
+    class BlockEncoder
+    {
+    public:
+      /*! as of BlockGeometry, whose fit has to come before encode */
+      BlockEncoder(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
+        : kind(kind), geometry(kind,height,vertices,scratch) {}
+
+      static size_t scratchBytes(uint32_t height) { return BlockGeometry::scratchBytes(height); }
+      bool fit(const float corners[4][3]) { return geometry.fit(corners); }
+      bool isDegenerate() const { return geometry.isDegenerate(); }
+
+      /*! Writes frame, info, nodes and leaves; IDs and face parameters are the caller's.
+       *  block:  BlockLayout(kind,height).bytes of room, 16-byte aligned;
+       *  x, y:   position in the patch, in blocks. */
+      void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& statistics)
+      {
+        block->info = blockInfo(uint32_t(kind),geometry.height,x,y);
+        memcpy(block->centre,geometry.frame.centre,sizeof(block->centre));
+        memcpy(block->columns,geometry.frame.columns,sizeof(block->columns));
+        geometry.bound();
+        statistics.affine = !geometry.frame.projective;
+        statistics.invalidQuads += geometry.invalidQuads;
+        switch (kind) {
+        case Kind::GRID : encodeWith(GridEncoder (geometry,block,statistics),block); break;
+        case Kind::VOXEL: encodeWith(VoxelEncoder(geometry,block,statistics),block); break;
+        case Kind::LEAF : encodeWith(LeafEncoder (geometry,block,statistics),block); break;
+        }
+      }
+
+      /*! of the block that encode wrote */
+      WorldBounds worldBounds(const Block* block) const { return boundBlock(block,geometry); }
+
+    private:
+      template<typename Leaves>
+      void encodeWith(Leaves leaves, Block* block)
+      {
+        encodeNodes(leaves,block->nodes(),block->layout().nodeLevels,0,0,rootBox());
+        leaves.finish();
+      }
+
+      template<typename Leaves>
+      void encodeNodes(Leaves& leaves, uint32_t* nodes, uint32_t nodeLevels, uint32_t level, uint32_t m, const NodeBox& box)
+      {
+        if (level == nodeLevels) { leaves.leaf(m,box); return; }
+        uint32_t& word = nodes[nodesOfLevels(level)+m];
+        if (level+1 == nodeLevels && hasGroups(uint32_t(kind))) { word = leaves.group(m,box); return; }
+        word = encodeNode(box,&geometry.boxOf(level+1,4*m));
+        for (uint32_t c=0; c<4; c++)
+          encodeNodes(leaves,nodes,nodeLevels,level+1,4*m+c,decodeChild(word,int(c),box));
+      }
+
+      Kind kind;
+      BlockGeometry geometry;
+    };
+  }}
+}

@@ -1,0 +1,106 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What all patches of a geometry have in common, and how the edge rates of a patch
+ * decide into which blocks it is cut. */
+
+#include "../../subdiv/subdivpatch1base.h"
+#include "../../common/scene.h"
+#include "../codec/kinds.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! A patch in blocks of 2^height x 2^height quads. Along u and v it has as many as
+     *  it takes for the higher rate of its two opposite edges:
+     *
+     *       rate 9
+     *     +---+---+---+
+     *     |   |   |   |    height 2: 3 x 2 blocks, 12 x 8 quads
+     *   8 +---+---+---+ 5
+     *     |   |   |   |    Edges of a lower rate keep their own vertices (patch_grid.h).
+     *     +---+---+---+
+     *       rate 3                                                                 */
+    struct PatchTiling
+    {
+      unsigned height = 0;
+      unsigned x = 0, y = 0; //!< blocks; none where GRID traces the patch
+
+      size_t size () const { return size_t(x)*size_t(y); }
+      unsigned quadsX () const { return x << height; }
+      unsigned quadsY () const { return y << height; }
+    };
+
+    struct CompressionPlan
+    {
+      SubdivMesh* mesh;
+      unsigned geomID;
+      CompressionSettings settings;  //!< resolved
+
+      CompressionPlan (Scene* scene, SubdivMesh* mesh, unsigned geomID)
+        : mesh(mesh), geomID(geomID), settings(mesh->compression.resolve(scene->device->compression)),
+          isCompressed(cbvh::findKind(settings.compression,blockKind)) {}
+
+      /*! only if compresses() */
+      cbvh::Kind kind () const { return blockKind; }
+
+      bool compresses () const { return isCompressed; }
+
+      /*! whether frame levels follow from the geometry itself */
+      bool boundsError () const {
+        return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses() && cbvh::describe(kind()).hasThickness;
+      }
+
+      /*! Subdivision level of a patch: 2^level is its highest rate or next above it.
+       *  More than maxLevel where GRID traces it. */
+      unsigned level (const float rate[4]) const
+      {
+        unsigned level = 0;
+        const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
+        while (level <= cbvh::maxLevel && float(1u << level) < highest) level++;
+        return compresses() ? level : cbvh::maxLevel+1;
+      }
+
+      /*! Frame level without an error bound. Where nobody gave one it is 2, or less for blocks
+       *  of at least 8 x 8 quads: frames of smaller ones would outweigh what leaves save. At
+       *  rates of 4, which renderers give to what is far away, GRID would take half as much. */
+      unsigned frameLevel (unsigned level) const
+      {
+        switch (settings.frameLevel) {
+        case RTC_COMPRESSION_FRAME_LEVEL_AUTO   : return level > 4 ? level-4 : 0;
+        case RTC_COMPRESSION_FRAME_LEVEL_INHERIT: return level > 3 ? min(level-3,unsigned(CompressionSettings::defaultFrameLevel)) : 0;
+        default: return unsigned(settings.frameLevel);
+        }
+      }
+
+      /*! Tiling of a patch at a frame level: blocks of 2^(level-frameLevel) quads a side,
+       *  or smaller ones where they take fewer bytes, as for a long and narrow patch or
+       *  a rate just above a multiple. */
+      PatchTiling tiling (const float rate[4], unsigned frameLevel) const
+      {
+        const unsigned level = this->level(rate);
+        PatchTiling best;
+        if (level > cbvh::maxLevel) return best;
+        const Vec2i quads = SubdivPatch1Base::computeGridSize(rate) - Vec2i(1);
+        for (unsigned height=0; height <= level-min(frameLevel,level); height++)
+        {
+          PatchTiling t;
+          t.height = height;
+          t.x = (unsigned(quads.x-1) >> height) + 1;
+          t.y = (unsigned(quads.y-1) >> height) + 1;
+          if (best.size() == 0 || bytes(t) <= bytes(best)) best = t;
+        }
+        return best;
+      }
+
+    private:
+      size_t bytes (const PatchTiling& t) const { return t.size()*cbvh::blockLayout(uint32_t(kind()),t.height).stride; }
+
+      cbvh::Kind blockKind = cbvh::Kind::GRID;
+      bool isCompressed;
+    };
+  }
+}

@@ -1,0 +1,327 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Frames: one 3D projective map a block, from the world to the block's box
+ * [0,1]^3, aligned to the block's corners:
+ *
+ *    world           frame               p -> (X,Y,Z,W), linear in p
+ *      ______         ______             x = X/W, y = Y/W, z = Z/W
+ *     /      \       |      |
+ *    /        \  ->  |      |            A trapezoid becomes a square, a straight
+ *   /__________\     |______|            line stays straight.
+ *
+ * In the plane of the corners the map is the homography from the corner quad to
+ * the unit square; along the normal of that plane W does not change and Z is the
+ * signed distance. Then x, y and z are scaled so that the block's vertices fill
+ * [0,1]^3: bounds of the root need no bytes.
+ *
+ * The map is stored relative to the world point "centre" that it sends to
+ * (1/2,1/2,1/2), W = 1 there, which leaves 3 + 12 floats. Vertices and ray origins
+ * are taken relative to it before anything else, so that far from the origin no
+ * more is lost than the coordinates themselves have.
+ *
+ * Affine fallback. A homography is taken only if
+ *  - the corners, seen along the normal, form a convex quad with no corner
+ *    triangle below 1/64 of the quad's area (a folded or collapsed quad has none);
+ *  - W, over all vertices, stays within maxWRatio: z is stretched by 1/W and the
+ *    ray parameter's float error grows with the ratio, and W <= 0 would have no
+ *    meaning at all;
+ *  - the inverse map is positive at the eight corners of the box, within the same
+ *    ratio: then the box is a bounded region of the world and a ray's part in
+ *    it is a segment with finite ends.
+ * Otherwise the axes are the mean edges, orthogonalised where even those are
+ * (nearly) parallel. An affine frame is looser but as conservative.
+ *
+ * Based on: Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989
+ * (square to quad); Selgrad et al. 2016, Lier et al. 2018 (use for patches). */
+
+#include "frame_map.h"
+#include <cfloat>
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_TARGET
+  {
+    static constexpr double maxWRatio = 4.0;
+
+    /*! distance that vertices keep from the faces of the box, more than twice the
+     *  slack of decoded planes */
+    static constexpr double frameMargin = 1.0/(1<<18);
+
+    /*! How far apart two faces may round a vertex that they share, in parts of its largest
+     *  coordinate: each evaluates its own patch, in some twenty float operations. Bounds
+     *  are wider by this much, so that neighbouring blocks close what is between. */
+    static constexpr double vertexRounding = 2.0/(1<<23);
+
+    /*! smallest extent of a box relative to its largest: keeps the map invertible
+     *  for flat blocks and needles. Where it widens x or y the frame is "degenerate":
+     *  leaves would be wider than their quads, and the block is better not compressed. */
+    static constexpr double minExtentRatio = 1.0/(1<<14);
+
+    /*! unit normal of the corner quad, and axes in its plane */
+    struct CornerPlane
+    {
+      Double3 e1, e2, n;
+    };
+
+    /*! any unit vector orthogonal to a */
+    inline Double3 anyOrthogonal(const Double3& a)
+    {
+      const Double3 axis = std::fabs(a.x) < std::fabs(a.y) ? (std::fabs(a.x) < std::fabs(a.z) ? Double3{1,0,0} : Double3{0,0,1})
+                                                           : (std::fabs(a.y) < std::fabs(a.z) ? Double3{0,1,0} : Double3{0,0,1});
+      const Double3 c = cross(a,axis);
+      return (1.0/length(c))*c;
+    }
+
+    /*! corners: p[0] = (0,0), p[1] = (1,0), p[2] = (0,1), p[3] = (1,1) */
+    inline CornerPlane fitPlane(const Double3 p[4])
+    {
+      const Double3 d1 = p[3]-p[0], d2 = p[2]-p[1];
+      const Double3 a = (p[1]-p[0]) + (p[3]-p[2]);
+      const Double3 b = (p[2]-p[0]) + (p[3]-p[1]);
+      CornerPlane plane;
+      plane.n = cross(d1,d2);
+      const double ln = length(plane.n), la = length(a), lb = length(b);
+      const Double3 longest = la >= lb ? a : b;
+      const double ll = length(longest);
+      if (ln > 1e-9*length(d1)*length(d2) && ln > 0)
+        plane.n = (1.0/ln)*plane.n;
+      else /* collapsed: nothing to be normal to but the longest edge */
+        plane.n = ll > 0 ? anyOrthogonal((1.0/ll)*longest) : Double3{0,0,1};
+      Double3 e1 = a - dot(a,plane.n)*plane.n;
+      if (!(length(e1) > 1e-9*ll)) e1 = cross(b,plane.n);
+      plane.e1 = length(e1) > 0 ? (1.0/length(e1))*e1 : anyOrthogonal(plane.n);
+      plane.e2 = cross(plane.n,plane.e1);
+      return plane;
+    }
+
+    /*! homography from the corner quad to the unit square; false if there is no good one */
+    inline bool fitProjective(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
+    {
+      double a[4], b[4];
+      for (int i=0; i<4; i++) { a[i] = dot(p[i],plane.e1); b[i] = dot(p[i],plane.e2); }
+
+      /* convexity: twice the area of each corner triangle, in the order around the quad */
+      const int ring[4] = { 0, 1, 3, 2 };
+      double area = 0, smallest = DBL_MAX;
+      for (int i=0; i<4; i++) {
+        const int i0 = ring[(i+3)&3], i1 = ring[i], i2 = ring[(i+1)&3];
+        const double t = (a[i1]-a[i0])*(b[i2]-b[i0]) - (a[i2]-a[i0])*(b[i1]-b[i0]);
+        area += 0.5*t;
+        smallest = t < smallest ? t : smallest;
+      }
+      if (!(area > 0) || !(smallest > area/64)) return false;
+
+      /* square to quad: a = (sa x + ta y + a0)/(g x + h y + 1) and the same for b */
+      const double dx1 = a[1]-a[3], dx2 = a[2]-a[3], dx3 = a[0]-a[1]+a[3]-a[2];
+      const double dy1 = b[1]-b[3], dy2 = b[2]-b[3], dy3 = b[0]-b[1]+b[3]-b[2];
+      const double den = dx1*dy2 - dx2*dy1;
+      if (!(std::fabs(den) > 0)) return false;
+      const double g = (dx3*dy2 - dx2*dy3)/den;
+      const double h = (dx1*dy3 - dx3*dy1)/den;
+      const double m[3][3] = { { a[1]-a[0]+g*a[1], a[2]-a[0]+h*a[2], a[0] },
+                               { b[1]-b[0]+g*b[1], b[2]-b[0]+h*b[2], b[0] },
+                               { g, h, 1 } };
+      /* quad to square: the adjugate */
+      double q[3][3];
+      for (int r=0; r<3; r++)
+        for (int c=0; c<3; c++)
+          q[c][r] = m[(r+1)%3][(c+1)%3]*m[(r+2)%3][(c+2)%3] - m[(r+1)%3][(c+2)%3]*m[(r+2)%3][(c+1)%3];
+      const double det = m[0][0]*q[0][0] + m[0][1]*q[1][0] + m[0][2]*q[2][0];
+      if (!(std::fabs(det) > 0)) return false;
+
+      auto form = [&](int r) { return Form{ (q[r][0]/det)*plane.e1 + (q[r][1]/det)*plane.e2, q[r][2]/det }; };
+      map.X = form(0); map.Y = form(1); map.W = form(2);
+      map.Z = Form{ plane.n, -0.25*(dot(p[0],plane.n)+dot(p[1],plane.n)+dot(p[2],plane.n)+dot(p[3],plane.n)) };
+      map.projective = true;
+      return true;
+    }
+
+    /*! parallelogram of the mean edges, or a rectangle where they are nearly parallel */
+    inline void fitAffine(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
+    {
+      const Double3 a = 0.5*((p[1]-p[0]) + (p[3]-p[2]));
+      const Double3 b = 0.5*((p[2]-p[0]) + (p[3]-p[1]));
+      double m00 = dot(a,plane.e1), m01 = dot(b,plane.e1);
+      double m10 = dot(a,plane.e2), m11 = dot(b,plane.e2);
+      const double det = m00*m11 - m01*m10;
+      const double size = maximum(length(a),length(b));
+      if (!(det > 1e-3*length(a)*length(b))) {
+        m00 = m11 = size > 0 ? size : 1.0;
+        m01 = m10 = 0;
+      }
+      const double r = 1.0/(m00*m11 - m01*m10);
+      map.X = Form{ (r*m11)*plane.e1 + (-r*m01)*plane.e2, 0 };
+      map.Y = Form{ (-r*m10)*plane.e1 + (r*m00)*plane.e2, 0 };
+      map.Z = Form{ plane.n, 0 };
+      map.W = Form{ {0,0,0}, 1 };
+      map.projective = false;
+    }
+
+    /*! whether rounding to floats left the axes of a sliver apart */
+    inline bool isInvertible(const Frame& frame)
+    {
+      Double3 row[3];
+      for (int k=0; k<3; k++) row[k] = { frame.columns[0][k], frame.columns[1][k], frame.columns[2][k] };
+      return std::fabs(dot(row[0],cross(row[1],row[2]))) > 1e-6*length(row[0])*length(row[1])*length(row[2]);
+    }
+
+    /*! what a map does to the vertices of a block */
+    struct MappedVertices
+    {
+      double lower[3] = { DBL_MAX,DBL_MAX,DBL_MAX }, upper[3] = { -DBL_MAX,-DBL_MAX,-DBL_MAX };
+      double minW = DBL_MAX, maxW = -DBL_MAX;
+      double worldExtent = 0; //!< of the vertices, on their longest axis, at most
+
+      /*! vertices: world positions relative to an origin, at least 1 */
+      MappedVertices(const FrameMap& map, const Double3* vertices, size_t count)
+      {
+        for (size_t i=0; i<count; i++)
+        {
+          const Double3& v = vertices[i];
+          const double w = map.W(v);
+          minW = minimum(minW,w); maxW = maximum(maxW,w);
+          if (!(w > 0)) return;
+          const double l[3] = { map.X(v)/w, map.Y(v)/w, map.Z(v)/w };
+          for (int k=0; k<3; k++) { lower[k] = minimum(lower[k],l[k]); upper[k] = maximum(upper[k],l[k]); }
+          worldExtent = maximum(worldExtent,2*maximum(std::fabs(v.x),maximum(std::fabs(v.y),std::fabs(v.z))));
+        }
+      }
+
+      bool hasGoodW() const { return minW > 0 && maxW <= maxWRatio*minW; }
+    };
+
+    /*! Scales X, Y and Z so that the vertices fill the box but for a margin. No axis may
+     *  collapse: not below a fraction of the block's size in the world, nor below what floats
+     *  at its position resolve. Returns whether x or y would have: see Frame::degenerate. */
+    inline bool fillBox(FrameMap& map, const Double3& origin, MappedVertices& vertices)
+    {
+      const double coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z))) + vertices.worldExtent;
+      const double w0 = map.W({0,0,0}) > 0 ? map.W({0,0,0}) : vertices.maxW;
+      const double floor = maximum(maximum(minExtentRatio*vertices.worldExtent,coordinate*std::ldexp(1.0,-22)),1e-30);
+      Form* forms[3] = { &map.X, &map.Y, &map.Z };
+      bool degenerate = false;
+      for (int k=0; k<3; k++)
+      {
+        const double minExtent = floor*length(forms[k]->n)/w0, extent = vertices.upper[k]-vertices.lower[k];
+        const double grow = maximum(vertexRounding*coordinate*length1(forms[k]->n)/w0,0.5*(minExtent-extent));
+        if (k < 2 && minExtent > extent) degenerate = true;
+        vertices.lower[k] -= grow; vertices.upper[k] += grow;
+        const double s = (1-2*frameMargin)/(vertices.upper[k]-vertices.lower[k]);
+        *forms[k] = s*(*forms[k]) + (frameMargin - s*vertices.lower[k])*map.W;
+      }
+      return degenerate;
+    }
+
+    /*! whether the box is a bounded region of the world: W > 0 at the world points of its
+     *  corners; centre: that of the box */
+    inline bool isBounded(const FrameMap& map, const Double3& centre)
+    {
+      if (!map.projective) return true;
+      for (int i=0; i<8; i++) {
+        Double3 q;
+        if (!unproject(map,i&1,(i>>1)&1,i>>2,q)) return false;
+        const double w = map.W(q)/map.W(centre);
+        if (!(w > 1.0/(2*maxWRatio) && w < 2*maxWRatio)) return false;
+      }
+      return true;
+    }
+
+    /*! largest distance of the vertices from the centre of the box, axis by axis; false where
+     *  W or that is not a number */
+    inline bool farthest(const Frame& frame, const Double3& centre, const Double3* vertices, size_t count, double reach[3])
+    {
+      for (int k=0; k<3; k++) reach[k] = 0;
+      for (size_t i=0; i<count; i++)
+      {
+        double l[4] = { 0.5,0.5,0.5,1.0 };
+        const double d[3] = { vertices[i].x-centre.x, vertices[i].y-centre.y, vertices[i].z-centre.z };
+        for (int j=0; j<3; j++)
+          for (int k=0; k<4; k++) l[k] += double(frame.columns[j][k])*d[j];
+        if (!(l[3] > 0)) return false;
+        for (int k=0; k<3; k++) reach[k] = maximum(reach[k],std::fabs(l[k]/l[3]-0.5));
+      }
+      return std::isfinite(reach[0]) && std::isfinite(reach[1]) && std::isfinite(reach[2]);
+    }
+
+    /*! Rounds a map to the floats that a frame stores. Rounding moves the centre: it is pinned
+     *  to (1/2,1/2,1/2), which shifts the map by as much, and then the map is scaled about it
+     *  until every vertex is inside again. frame.centre is set. */
+    inline bool roundMap(const FrameMap& map, const Double3& origin, const Double3* vertices, size_t count, Frame& frame)
+    {
+      const Double3 rounded = { double(frame.centre[0])-origin.x, double(frame.centre[1])-origin.y, double(frame.centre[2])-origin.z };
+      const double w = map.W(rounded);
+      if (!(w > 0)) return false;
+      Double3 rows[4] = { (1/w)*map.X.n, (1/w)*map.Y.n, (1/w)*map.Z.n, (1/w)*map.W.n };
+      for (int attempt=0; attempt<8; attempt++)
+      {
+        for (int k=0; k<4; k++) {
+          frame.columns[0][k] = float(rows[k].x);
+          frame.columns[1][k] = float(rows[k].y);
+          frame.columns[2][k] = float(rows[k].z);
+        }
+        double reach[3]; // from the centre
+        if (!farthest(frame,rounded,vertices,count,reach)) return false;
+        bool inside = true;
+        for (int k=0; k<3; k++) {
+          if (reach[k] <= 0.5 - 0.5*frameMargin) continue;
+          inside = false;
+          /* x - 1/2 = (X - W/2)/W: scale the numerator */
+          const double s = (0.5-frameMargin)/reach[k];
+          rows[k] = s*rows[k] + (0.5*(1-s))*rows[3];
+        }
+        if (inside) return isInvertible(frame);
+      }
+      return false;
+    }
+
+    /*! Scales a map so that its vertices fill the box and rounds it to the stored
+     *  floats; false if W gets out of bounds.
+     *  vertices: world positions relative to origin, count of them at least 1. */
+    inline bool fitBox(FrameMap map, const Double3& origin, const Double3* vertices, size_t count, Frame& frame)
+    {
+      MappedVertices mapped(map,vertices,count);
+      if (!mapped.hasGoodW()) return false;
+      frame.degenerate = fillBox(map,origin,mapped);
+      frame.projective = map.projective;
+
+      Double3 centre;
+      if (!unproject(map,0.5,0.5,0.5,centre) || !isBounded(map,centre)) return false;
+      frame.centre[0] = float(origin.x+centre.x);
+      frame.centre[1] = float(origin.y+centre.y);
+      frame.centre[2] = float(origin.z+centre.z);
+      return roundMap(map,origin,vertices,count,frame);
+    }
+
+    /*! Fits the frame of a block. A block whose vertices have no extent at all gets a
+     *  box of the size that floats resolve at its position.
+     *  corners:  world positions to align to, (0,0), (1,0), (0,1), (1,1), finite;
+     *  vertices: world positions to contain, finite, xyz, count of them, at least 1;
+     *  scratch:  room for count points.
+     *  Returns false when floats cannot hold any frame, as for coordinates near FLT_MAX. */
+    inline bool fitFrame(const float corners[4][3], const float (*vertices)[3], size_t count, Double3* scratch, Frame& frame)
+    {
+      const Double3 origin = { 0.5*(double(corners[0][0])+double(corners[3][0])),
+                               0.5*(double(corners[0][1])+double(corners[3][1])),
+                               0.5*(double(corners[0][2])+double(corners[3][2])) };
+      auto relative = [&](const float p[3]) { return Double3{ p[0]-origin.x, p[1]-origin.y, p[2]-origin.z }; };
+      Double3 p[4];
+      for (int i=0; i<4; i++) p[i] = relative(corners[i]);
+      for (size_t i=0; i<count; i++) scratch[i] = relative(vertices[i]);
+
+      const CornerPlane plane = fitPlane(p);
+      FrameMap map;
+      if (fitProjective(p,plane,map) && fitBox(map,origin,scratch,count,frame)) return true;
+      fitAffine(p,plane,map);
+      if (fitBox(map,origin,scratch,count,frame)) return true;
+
+      /* axes of a sliver: a rectangle in the same plane always works */
+      map.X = Form{ plane.e1, 0 };
+      map.Y = Form{ plane.e2, 0 };
+      map.Z = Form{ plane.n, 0 };
+      return fitBox(map,origin,scratch,count,frame);
+    }
+  }}
+}

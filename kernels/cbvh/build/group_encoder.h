@@ -1,0 +1,45 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of cLEAF's groups: a lattice, or loose leaves where none is near enough. */
+
+#include "lattice_encoder.h"
+#include "loose_encoder.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_TARGET
+  {
+    /*! how far the edges on the border reach into their leaves' boxes */
+    inline double borderWidth(const QuadGroup& group, const EncodedGroup& encoded, const NodeBox& parent)
+    {
+      double width = 0;
+      for (int quad=0; quad<4; quad++)
+      {
+        if (group.boxes[quad].empty()) continue;
+        const NodeBox box = decodeLeaf(encoded.word,encoded.heights,quad,parent).box;
+        for (int axis=0; axis<2; axis++)
+        {
+          const int upper = childColumn(quad,axis);
+          if (!group.border[axis][upper]) continue;
+          for (int c=0; c<4; c++) {
+            if (childColumn(c,axis) != upper) continue;
+            const double u = (group.vertexOf(quad,c)[axis]-box.lower[axis])/box.extent[axis];
+            width = std::max(width,(upper ? 1-u : u) + group.rounding[axis]/box.extent[axis] + 1e-3); // rounding of the ray's u
+          }
+        }
+      }
+      return width;
+    }
+
+    inline EncodedGroup encodeGroup(const NodeBox& parent, const QuadGroup& group)
+    {
+      EncodedGroup out;
+      if (!encodeLattice(parent,group,out)) out = encodeLoose(parent,group);
+      out.borderWidth = borderWidth(group,out,parent);
+      return out;
+    }
+  }}
+}

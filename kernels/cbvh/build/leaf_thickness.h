@@ -1,0 +1,47 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What the encoders tell of a block, first of all how thick its leaves are in the world. */
+
+#include "block_geometry.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_TARGET
+  {
+    struct BlockStatistics
+    {
+      uint32_t invalidQuads = 0;   //!< with a vertex that is not finite
+      uint32_t solidLeaves = 0;
+      bool affine = false;
+      float maxThickness = 0;      //!< world units
+
+      /*! World distance between the planes z = slope (x,y) through the middle of a box and the
+       *  same moved up by thickness. A plane a.(x,y,z) = k of the frame is the plane
+       *  (a_x Rx + a_y Ry + a_z Rz - k Rw).p = const of the world, R the rows of the
+       *  map; its normal's length over W is the frame's distance a unit of the world. */
+      void addThickness(const BlockGeometry& geometry, const NodeBox& box, const double slope[2], double thickness)
+      {
+        const double c[3] = { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
+        const double k = c[2] - slope[0]*c[0] - slope[1]*c[1];
+        double n2 = 0;
+        for (int i=0; i<3; i++) {
+          const float* col = geometry.frame.columns[i];
+          const double n = -slope[0]*col[0] - slope[1]*col[1] + col[2] - k*col[3];
+          n2 += n*n;
+        }
+        const float t = float(thickness/(geometry.inverse.rcpW({ c[0],c[1],c[2] })*std::sqrt(n2)));
+        if (t > maxThickness) maxThickness = t;
+      }
+
+      /*! a leaf whose box is the surface */
+      void addBoxThickness(const BlockGeometry& geometry, const NodeBox& box)
+      {
+        const double flat[2] = { 0,0 };
+        addThickness(geometry,box,flat,box.extent[2]);
+      }
+    };
+  }}
+}

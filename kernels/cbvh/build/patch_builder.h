@@ -1,0 +1,203 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Builds the top-level primitives of one patch: blocks, or, where it cannot be
+ * compressed, Embree's GridSOA. A task owns one builder and reuses its memory from
+ * patch to patch. */
+
+#include "../../bvh/bvh.h"
+#include "../../geometry/grid_soa.h"
+#include "patch_grid.h"
+#include "compression_plan.h"
+#include "../codec/primitive_type.h"
+#include "build_statistics.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    class PatchBuilder
+    {
+    public:
+      typedef FastAllocator::CachedAllocator Allocator;
+
+      /*! GRID cuts patches into grids of 8 x 8 quads */
+      static const unsigned gridQuads = 8;
+
+      cbvh::BuildStatistics statistics;
+
+      PatchBuilder (const CompressionPlan& plan, Scene* scene, const Allocator& alloc)
+        : plan(plan), scene(scene), alloc(alloc), grid(scene->device), vertices(scene->device,0), scratch(scene->device,0), trial(scene->device,0) {}
+
+      static unsigned numGrids (Vec2i resolution) {
+        return ((resolution.x-2)/gridQuads + 1)*((resolution.y-2)/gridQuads + 1);
+      }
+
+      /*! smallest frame level at which no leaf of the patch is thicker than the bound */
+      unsigned boundedFrameLevel (const SubdivPatch1Base& patch)
+      {
+        const unsigned level = plan.level(patch.level);
+        PatchTiling evaluated;
+        for (unsigned n=0; n<level; n++)
+        {
+          const PatchTiling tiling = plan.tiling(patch.level,n);
+          if (tiling.quadsX() != evaluated.quadsX() || tiling.quadsY() != evaluated.quadsY())
+            grid.eval(patch,plan.mesh,tiling.quadsX(),tiling.quadsY());
+          evaluated = tiling;
+          cbvh::BlockStatistics worst;
+          for (unsigned i=0; i < tiling.size() && worst.maxThickness <= plan.settings.maxError; i++)
+          {
+            Encoding e(plan.kind(),tiling,i);
+            trial.resize(e.layout.bytes/sizeof(Vec3fa)+1);
+            gather(e);
+            cbvh::BlockEncoder encoder(e.kind,e.height,vertexData(),scratch.data());
+            if (encoder.fit(e.corners)) encoder.encode((cbvh::Block*)trial.data(),e.x,e.y,worst);
+          }
+          if (worst.maxThickness <= plan.settings.maxError) return n;
+        }
+        return level;
+      }
+
+      /*! Writes the primitives of a patch, the blocks of a tiling; a dropped one has no
+       *  reference, see isDropped. Returns their number. */
+      size_t buildBlocks (const SubdivPatch1Base& patch, const PatchTiling& tiling, PrimRef* out)
+      {
+        grid.eval(patch,plan.mesh,tiling.quadsX(),tiling.quadsY());
+        /* a node has no code for a child without surface: where quads are left out, leaves say so */
+        const bool hasHoles = !grid.isFinite();
+        const cbvh::Kind kind = hasHoles && !cbvh::describe(plan.kind()).takesHoles ? kindForHoles : plan.kind();
+        if (kind != plan.kind()) statistics.quadsForHoles += size_t(tiling.quadsX())*size_t(tiling.quadsY());
+        const size_t count = tiling.size();
+        /* one piece of memory a patch: small pieces cost the allocator's rounding each;
+         * several for a large patch, as it takes none above 2 MiB */
+        const size_t stride = cbvh::blockLayout(uint32_t(kind),tiling.height).stride;
+        const size_t piece = max(maxPieceBytes/stride,size_t(1));
+        char* memory = nullptr;
+        for (size_t i=0; i<count; i++) {
+          if (i % piece == 0) memory = (char*)alloc.malloc1(min(piece,count-i)*stride,cbvh::blockAlignment);
+          Encoding e(kind,tiling,unsigned(i));
+          out[i] = buildBlock(patch,e,(cbvh::Block*)(memory+(i%piece)*stride));
+        }
+        return count;
+      }
+
+      /*! patch as stock Embree has it */
+      size_t buildGrids (const SubdivPatch1Base& patch, PrimRef* out)
+      {
+        size_t n = 0;
+        const unsigned x1 = patch.grid_u_res-1, y1 = patch.grid_v_res-1;
+        for (unsigned y=0; y<y1; y+=gridQuads)
+          for (unsigned x=0; x<x1; x+=gridQuads)
+            out[n++] = buildGrid(patch,x,min(x+gridQuads,x1),y,min(y+gridQuads,y1));
+        statistics.highRateQuads += plan.compresses() ? size_t(x1)*size_t(y1) : 0;
+        return n;
+      }
+
+      static bool isDropped (const PrimRef& prim) { return prim.ID() == 0; }
+
+    private:
+      static const size_t maxPieceBytes = 1 << 20;
+      static const cbvh::Kind kindForHoles = cbvh::Kind::LEAF; //!< of patches whose own kind cannot leave a quad out
+
+      /*! one block of a patch */
+      struct Encoding
+      {
+        cbvh::Kind kind;
+        PatchTiling tiling;
+        unsigned height;
+        unsigned index, x, y;   //!< position in the tiling
+        cbvh::BlockLayout layout;
+        float corners[4][3];    //!< that the frame aligns to
+
+        Encoding (cbvh::Kind kind, const PatchTiling& tiling, unsigned index)
+          : kind(kind), tiling(tiling), height(tiling.height), index(index), x(index % tiling.x), y(index / tiling.x), layout(cbvh::blockLayout(uint32_t(kind),height)) {}
+
+        size_t width () const { return (size_t(1) << height) + 1; }
+      };
+
+      const float (*vertexData () const)[3] { return (const float(*)[3])vertices.data(); }
+
+      /*! vertices and corners of a block */
+      void gather (Encoding& e)
+      {
+        const size_t w = e.width();
+        const size_t x0 = size_t(e.x) << e.height, y0 = size_t(e.y) << e.height;
+        vertices.resize(3*w*w);
+        scratch.resize((cbvh::BlockEncoder::scratchBytes(e.height)+sizeof(Vec3fa)-1)/sizeof(Vec3fa));
+        for (size_t r=0; r<w; r++)
+          memcpy(&vertices[3*r*w],grid.displaced()[(y0+r)*grid.width+x0],3*w*sizeof(float));
+        float (*aligned)[3] = cbvh::describe(e.kind).alignsToLimit ? grid.undisplaced() : grid.displaced();
+        for (size_t c=0; c<4; c++)
+          memcpy(e.corners[c],aligned[(y0 + (c>>1)*(w-1))*grid.width + x0 + (c&1)*(w-1)],sizeof(float[3]));
+      }
+
+      PrimRef buildBlock (const SubdivPatch1Base& patch, Encoding& e, cbvh::Block* block)
+      {
+        gather(e);
+        const size_t count = e.width()*e.width();
+        size_t finite = 0;
+        for (size_t i=0; i<count; i++) finite += cbvh::isFinite(vertexData()[i]);
+        if (finite == 0) return drop(e);
+
+        cbvh::BlockEncoder encoder(e.kind,e.height,vertexData(),scratch.data());
+        const bool fits = encoder.fit(e.corners);
+        const bool refused = !fits || encoder.isDegenerate();
+        const unsigned quads = 1u << e.height;
+        if (refused && finite == count && !grid.stitched) {
+          statistics.refusedQuads += size_t(quads)*size_t(quads);
+          return buildGrid(patch,e.x*quads,(e.x+1)*quads,e.y*quads,(e.y+1)*quads);
+        }
+        if (!fits) return drop(e);
+        if (refused && e.kind != cbvh::Kind::GRID) {
+          /* GridSOA takes no holes, and on stitched borders it has other vertices than the
+           * blocks around, but cGRID's triangles are as exact in any frame */
+          statistics.refusedQuads += size_t(quads)*size_t(quads);
+          Encoding exact(cbvh::Kind::GRID,e.tiling,e.index);
+          return buildBlock(patch,exact,(cbvh::Block*)alloc.malloc1(exact.layout.stride,cbvh::blockAlignment));
+        }
+
+        cbvh::BlockStatistics blockStatistics;
+        encoder.encode(block,e.x,e.y,blockStatistics);
+        block->geomID = patch.geomID();
+        block->primID = patch.primID();
+        block->tiling = cbvh::blockTiling(e.tiling.x-1,e.tiling.y-1,uint32_t(2*patch.getUV(0).x),uint32_t(2*patch.getUV(0).y));
+        statistics.addBlock(e.kind,e.height,blockStatistics);
+        return PrimRef(boundsOf(encoder,block),size_t(BVH4::encodeTypedLeaf(block,cbvh::blockType(uint32_t(e.kind)))));
+      }
+
+      /*! what a ray may hit, rounded outwards */
+      static BBox3fa boundsOf (const cbvh::BlockEncoder& encoder, const cbvh::Block* block)
+      {
+        const cbvh::WorldBounds b = encoder.worldBounds(block);
+        auto below = [](double x) { const float f = float(x); return double(f) <= x ? f : std::nextafter(f,-std::numeric_limits<float>::infinity()); };
+        return BBox3fa(Vec3fa(below(b.lower[0]),below(b.lower[1]),below(b.lower[2])),Vec3fa(-below(-b.upper[0]),-below(-b.upper[1]),-below(-b.upper[2])));
+      }
+
+      PrimRef drop (const Encoding& e)
+      {
+        statistics.sums.numInvalidQuads += size_t(1) << (2*e.height);
+        return PrimRef(BBox3fa(Vec3fa(zero),Vec3fa(zero)),size_t(0));
+      }
+
+      PrimRef buildGrid (const SubdivPatch1Base& patch, unsigned x0, unsigned x1, unsigned y0, unsigned y1)
+      {
+        BBox3fa bounds;
+        GridSOA* soa = GridSOA::create(&patch,1,x0,x1,y0,y1,scene,alloc,&bounds);
+        statistics.sums.gridBytes += offsetof(GridSOA,data) + soa->rootOffset + sizeof(BVH4::NodeRef);
+        statistics.sums.numGridQuads += size_t(x1-x0)*size_t(y1-y0);
+        return PrimRef(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
+      }
+
+    private:
+      const CompressionPlan& plan;
+      Scene* scene;
+      Allocator alloc;
+      PatchGrid grid;
+      mvector<float> vertices;  //!< of one block
+      mvector<Vec3fa> scratch;  //!< the encoder's, aligned
+      mvector<Vec3fa> trial;    //!< a block that is encoded to see how thick it gets
+    };
+  }
+}

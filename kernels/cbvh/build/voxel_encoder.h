@@ -1,0 +1,32 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Leaves of cVOXEL: none, the nodes say all. */
+
+#include "leaf_thickness.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_TARGET
+  {
+    class VoxelEncoder
+    {
+    public:
+      VoxelEncoder(const BlockGeometry& geometry, Block*, BlockStatistics& statistics) : geometry(geometry), statistics(statistics) {}
+
+      uint32_t group(uint32_t, const NodeBox&) { return 0; }
+
+      void leaf(uint32_t m, const NodeBox& box) {
+        if (!geometry.boxOf(geometry.cellLevels,m).empty()) statistics.addBoxThickness(geometry,box);
+      }
+
+      void finish() {}
+
+    private:
+      const BlockGeometry& geometry;
+      BlockStatistics& statistics;
+    };
+  }}
+}

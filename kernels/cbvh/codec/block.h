@@ -1,0 +1,165 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A block: 2^height x 2^height quads of a patch in one local frame. It is a header, then
+ * the words of a complete quadtree level by level, each level in Morton order, then the
+ * leaves in Morton order (cLEAF) or the vertices row by row (cGRID). Nothing points
+ * anywhere: positions, parameters and vertex indices follow from the index. FORMAT.md has
+ * the table of bytes.
+ *
+ * Only layout lives here; local_ray.h, node.h and leaf.h give the bytes their meaning. */
+
+#ifndef CBVH_BLOCK_H
+#define CBVH_BLOCK_H
+
+#include "morton.h"
+
+CBVH_BEGIN
+
+/*! of the bytes described here; a change that readers have to know of counts up */
+CBVH_CONSTANT uint32_t formatVersion = 1u;
+
+/*! quads of a block are at most 2^maxLevel along a side */
+CBVH_CONSTANT uint32_t maxLevel = 8u;
+
+/* --- kinds --------------------------------------------------------------------------- */
+
+CBVH_CONSTANT uint32_t kindGrid = 0u, kindVoxel = 1u, kindLeaf = 2u, numKinds = 3u;
+
+/*! what the layout of a block depends on */
+struct KindFormat
+{
+  uint32_t leafLevels;    //!< log2 of the quads along a side of a leaf, where there are that many
+  uint32_t minNodeLevels; //!< leaves of smaller blocks are parts of a quad
+  uint32_t groupBytes;    //!< behind the words: for each word of the last level
+  uint32_t vertexBytes;   //!< for each vertex
+  uint32_t padding;       //!< bytes behind all
+};
+
+CBVH_CONSTANT KindFormat kindFormats[3] = {
+  /* a leaf is 2 x 2 quads, as GRID's own; vectors that read its last row read 3 floats more */
+  { 1u, 0u, 0u, 12u, 12u },
+  { 0u, 0u, 0u, 0u, 0u },
+  /* words of the last level are groups of 2 x 2 leaves with heights; one quad is cut into four */
+  { 0u, 1u, 8u, 0u, 0u }
+};
+
+/*! whether a block has words of groups, leaf.h, for its last level of nodes */
+CBVH_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
+
+/* --- sizes --------------------------------------------------------------------------- */
+
+CBVH_CONSTANT uint32_t blockHeaderBytes = 76u;
+CBVH_CONSTANT uint32_t blockAlignment = 16u; //!< of a block in memory
+
+/*! sizes and offsets in bytes of everything behind the header */
+struct BlockLayout
+{
+  uint32_t nodeLevels;  //!< levels of words
+  uint32_t leaves;      //!< along a side
+  uint32_t nodes;       //!< words
+  uint32_t leafOffset;
+  uint32_t leafBytes;
+  uint32_t bytes;       //!< all, a multiple of 4
+  uint32_t stride;      //!< distance between blocks that follow each other
+};
+
+CBVH_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
+{
+  uint32_t leafLevels = kindFormats[kind].leafLevels;
+  uint32_t width = (1u << height) + 1u;
+  BlockLayout sizes;
+  sizes.nodeLevels = height > leafLevels ? height - leafLevels : 0u;
+  if (sizes.nodeLevels < kindFormats[kind].minNodeLevels) sizes.nodeLevels = kindFormats[kind].minNodeLevels;
+  sizes.leaves = 1u << sizes.nodeLevels;
+  sizes.nodes = nodesOfLevels(sizes.nodeLevels);
+  sizes.leafOffset = blockHeaderBytes + 4u*sizes.nodes;
+  sizes.leafBytes = kindFormats[kind].groupBytes*sizes.leaves*sizes.leaves/4u
+                   + kindFormats[kind].vertexBytes*width*width + kindFormats[kind].padding;
+  sizes.bytes = sizes.leafOffset + sizes.leafBytes;
+  sizes.stride = (sizes.bytes + blockAlignment-1u) & ~(blockAlignment-1u);
+  return sizes;
+}
+
+/* --- header -------------------------------------------------------------------------- */
+
+/*! Header of a block. 76 bytes are 12 modulo 16 and a tree of nodes is 4 modulo 16, so
+ *  that together they leave no gap in front of the next block. */
+struct BlockHeader
+{
+  float centre[3];      //!< world position that the frame maps to (1/2,1/2,1/2)
+  uint32_t geomID;
+  float columns[3][4];  //!< frame: (X,Y,Z,W) = (1/2,1/2,1/2,1) + sum_i columns[i]*(p-centre)[i]
+  uint32_t primID;
+  uint32_t info;        //!< kind, height, position in the patch, border width: see the accessors
+  uint32_t tiling;      //!< where the patch is in its face, and its last block
+};
+
+CBVH_FUNCTION uint32_t blockInfo (uint32_t kind, uint32_t height, uint32_t x, uint32_t y) {
+  return kind | (height << 4) | (x << 8) | (y << 16);
+}
+CBVH_FUNCTION uint32_t kindOf (uint32_t info) { return info & 15u; }
+CBVH_FUNCTION uint32_t heightOf (uint32_t info) { return (info >> 4) & 15u; }
+CBVH_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }  //!< position in the patch, in blocks
+CBVH_FUNCTION uint32_t blockYOf (uint32_t info) { return (info >> 16) & 255u; }
+
+/*! cLEAF: edges on the border of the block are within this part of their leaves' boxes,
+ *  from the outer side */
+CBVH_FUNCTION float borderWidthOf (uint32_t info) { return float((info >> 28)+1u)*(1.0f/16.0f); }
+
+/*! lastX, lastY: position of the patch's last block; u0, v0: face parameters of the patch's
+ *  corner (0,0), in halves, as the sub-patches of an n-gon have them */
+CBVH_FUNCTION uint32_t blockTiling (uint32_t lastX, uint32_t lastY, uint32_t u0, uint32_t v0) {
+  return lastX | (lastY << 8) | (u0 << 16) | (v0 << 24);
+}
+CBVH_FUNCTION uint32_t lastXOf (uint32_t tiling) { return tiling & 255u; }
+CBVH_FUNCTION uint32_t lastYOf (uint32_t tiling) { return (tiling >> 8) & 255u; }
+CBVH_FUNCTION uint32_t cornerUOf (uint32_t tiling) { return (tiling >> 16) & 255u; }
+CBVH_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
+
+/* --- parameters ---------------------------------------------------------------------- */
+
+/*! A parameter of the face, of a point at x quads from the block's corner along its axis.
+ *  corner: of the patch, in halves; block, last: position of the block and of the patch's
+ *  last one. Divided, not multiplied by a reciprocal, so that the patch ends at 1. */
+CBVH_REAL CBVH_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
+{
+  return Real(0.5f*float(corner)) + (Real(float(block << height)) + x)/Real(float((last+1u) << height));
+}
+
+CBVH_END
+
+#ifndef VULKAN
+#include <cstddef>
+
+CBVH_BEGIN
+
+enum class Kind : uint32_t { GRID = kindGrid, VOXEL = kindVoxel, LEAF = kindLeaf };
+
+/*! the header with what follows it */
+struct Block : public BlockHeader
+{
+  Kind kind () const { return Kind(kindOf(info)); }
+  uint32_t height () const { return heightOf(info); }
+  BlockLayout layout () const { return blockLayout(kindOf(info),height()); }
+
+  /*! quads of the patch along u and v */
+  uint32_t quadsX () const { return (lastXOf(tiling)+1u) << height(); }
+  uint32_t quadsY () const { return (lastYOf(tiling)+1u) << height(); }
+
+  /*! face parameters of a point, given in quads from the block's corner */
+  template<typename Float> Float faceU (const Float& x) const { return faceParameter(cornerUOf(tiling),blockXOf(info),lastXOf(tiling),height(),x); }
+  template<typename Float> Float faceV (const Float& y) const { return faceParameter(cornerVOf(tiling),blockYOf(info),lastYOf(tiling),height(),y); }
+
+  const uint32_t* nodes () const { return (const uint32_t*)(this+1); }
+  uint32_t* nodes () { return (uint32_t*)(this+1); }
+  const char* leaves () const { return (const char*)this + layout().leafOffset; }
+  char* leaves () { return (char*)this + layout().leafOffset; }
+};
+static_assert(sizeof(Block) == blockHeaderBytes, "header of a block");
+static_assert(offsetof(BlockHeader,columns) == 16 && offsetof(BlockHeader,primID) == 64 && offsetof(BlockHeader,tiling) == 72, "header of a block");
+
+CBVH_END
+#endif
+
+#endif

@@ -1,0 +1,35 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Single-ray intersector of blocks, closest hit and any hit: ray into the frame,
+ * walk through the quadtree, leaves. */
+
+#include "voxel_visitor1.h"
+#include "leaf_visitor1.h"
+#include "grid_visitor1.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      template<template<typename> class Visitor>
+      struct BlockIntersector1
+      {
+        /*! any hit: true if occluded; closest hit: what it returns has no meaning */
+        template<typename RayType>
+        static __forceinline bool intersect (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block)
+        {
+          LocalRay local;
+          if (!local.init(pre,block,ray.tfar)) return false;
+          const MirroredRay mirrored(local);
+          Visitor<RayType> visitor(ray,context,pre,block,local,mirrored);
+          return BlockWalk1<Visitor<RayType>>(mirrored,block->nodes(),block->layout().nodeLevels,visitor).run();
+        }
+      };
+    }
+  }
+}

@@ -1,0 +1,129 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What the visitors of the three kinds of leaves share: the ray in its block, and the way
+ * to Embree's epilogues, so that masks and filters behave as for every other geometry. */
+
+#include "block_walk1.h"
+#include "../codec/normal.h"
+#include "../../geometry/intersector_epilog.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! what Embree's single-hit epilogues expect */
+      struct SurfaceHit
+      {
+        float u, v, t;
+        Vec3fa Ng;
+        __forceinline void finalize () {}
+      };
+
+      /*! runs the epilogue of closest hit or of any hit */
+      __forceinline bool report (RayHit& ray, IntersectContext* context, const Block* block, SurfaceHit& hit) {
+        return Intersect1Epilog1<true>(ray,context,block->geomID,block->primID)(hit);
+      }
+      __forceinline bool report (Ray& ray, IntersectContext* context, const Block* block, SurfaceHit& hit) {
+        return Occluded1Epilog1<true>(ray,context,block->geomID,block->primID)(hit);
+      }
+      template<typename RayType> struct IsAnyHit;
+      template<> struct IsAnyHit<Ray>    { static const bool value = true; };
+      template<> struct IsAnyHit<RayHit> { static const bool value = false; };
+
+      /*! a hit in a leaf, mirrored */
+      struct LeafHit
+      {
+        float s;
+        uint32_t leaf;
+        float u, v;            //!< position in the leaf
+        float slopeX, slopeY;  //!< of the surface there
+        uint32_t from;         //!< side that the ray comes from, in the frame, as far as it is known
+      };
+
+      template<typename RayType>
+      struct BlockVisitor1
+      {
+        RayType& ray;
+        IntersectContext* context;
+        const RayPrecalculations& pre;
+        const Block* block;
+        const LocalRay& local;
+        const MirroredRay& mirrored;
+        const char* data;   //!< what follows the words
+        uint32_t numLeaves; //!< along a side
+        float sBest;
+
+        __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block,
+                                     const LocalRay& local, const MirroredRay& mirrored)
+          : ray(ray), context(context), pre(pre), block(block), local(local), mirrored(mirrored), sBest(1.0f)
+        {
+          const BlockLayout layout = block->layout();
+          data = (const char*)block + layout.leafOffset;
+          numLeaves = layout.leaves;
+        }
+
+        __forceinline bool wantsPassed () const { return false; }
+        __forceinline bool passedAbove (bool) { return false; }
+
+        __forceinline void decode (uint32_t word, uint32_t, const ParentBox& parent, ChildBoxes& c) const {
+          mirrored.decode(word,parent,c);
+        }
+
+        /*! index of a lane's child */
+        __forceinline uint32_t child (uint32_t m, size_t lane) const { return 4*m + (uint32_t(lane) ^ uint32_t(mirrored.flipXY())); }
+
+        /*! Reports a hit; true if it was accepted. */
+        __forceinline bool reportHit (const LeafHit& at)
+        {
+          const bool flipX = mirrored.flip[0], flipY = mirrored.flip[1], flipZ = mirrored.flip[2];
+          const float u = flipX ? 1.0f-at.u : at.u, slopeX = flipX != flipZ ? -at.slopeX : at.slopeX;
+          const float v = flipY ? 1.0f-at.v : at.v, slopeY = flipY != flipZ ? -at.slopeY : at.slopeY;
+
+          const float leafSize = float(1u << block->height())/float(numLeaves); // in quads
+          SurfaceHit hit;
+          hit.u = block->faceU(leafSize*(float(mortonX(at.leaf)) + u));
+          hit.v = block->faceV(leafSize*(float(mortonY(at.leaf)) + v));
+          hit.t = min(max(local.worldT(pre,at.s),ray.tnear()),ray.tfar);
+          hit.Ng = unitNormal(local.P0 + at.s*(local.P1-local.P0),slopeX,slopeY);
+          const float along = dot(hit.Ng,pre.dir);
+          if (isTurned(along,1.0f,1.0f/pre.rcpDir2,at.from)) hit.Ng = hit.Ng - (2.0f*along*pre.rcpDir2)*pre.dir;
+          if (!report(ray,context,block,hit)) return false;
+          sBest = at.s;
+          return true;
+        }
+
+      private:
+        /*! worldNormal of codec/normal.h */
+        __forceinline Vec3fa unitNormal (const vfloat4& P, float slopeX, float slopeY) const
+        {
+          const float k = P[2] - slopeX*P[0] - slopeY*P[1];
+          const vfloat4 plane(-slopeX,-slopeY,1.0f,-k);
+          const vfloat4 x = plane*vfloat4::load(block->columns[0]);
+          const vfloat4 y = plane*vfloat4::load(block->columns[1]);
+          const vfloat4 z = plane*vfloat4::load(block->columns[2]);
+          const Vec3fa n(reduce_add(x),reduce_add(y),reduce_add(z));
+          /* the frame of a block smaller than 1e-19 has components that have no square */
+          return normalize_safe(n*(1.0f/max(reduce_max(abs(n)),1e-37f)));
+        }
+      };
+
+      /*! lanes whose segment begins or ends inside the leaf's box, at tnear or tfar */
+      __forceinline vboolf4 startsInside (const LocalRay& local, const ChildBoxes& c) {
+        return vboolf4(local.startClipped) & (c.sNear < vfloat4(zero));
+      }
+
+      __forceinline vboolf4 endsInside (const LocalRay& local, const ChildBoxes& c) {
+        return vboolf4(local.endClipped) & (c.sFar > vfloat4(1.0f));
+      }
+
+      __forceinline vboolf4 laneMask (size_t mask) {
+        return (vint4(int(mask)) & vint4(1,2,4,8)) != vint4(zero);
+      }
+    }
+  }
+}

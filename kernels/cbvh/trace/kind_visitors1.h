@@ -1,0 +1,31 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The intersector of each kind of leaves, by the type of the primitive. */
+
+#include "block_intersector1.h"
+#include "../codec/primitive_type.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! false for a primitive that is not a block; else found is what the intersector returns */
+      template<typename RayType>
+      __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const void* prim, bool& found)
+      {
+        const Block* block = (const Block*)prim;
+        switch (type) {
+        case blockType(kindLeaf ): found = BlockIntersector1<LeafVisitor1 >::intersect(ray,context,pre,block); return true;
+        case blockType(kindVoxel): found = BlockIntersector1<VoxelVisitor1>::intersect(ray,context,pre,block); return true;
+        case blockType(kindGrid ): found = BlockIntersector1<GridVisitor1 >::intersect(ray,context,pre,block); return true;
+        default: return false;
+        }
+      }
+    }
+  }
+}
