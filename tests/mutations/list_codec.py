@@ -352,7 +352,7 @@ CROSSING = (
         "(from == sideAbove && along > Real(0))",
         "(from == sideAbove && along < Real(0))",
         "normals of steps face away, others are turned away",
-        "hit_rule",
+        "normals Normals.AreTurned*",
     ),
     edit(
         "normal: w of the plane forgotten",
@@ -360,7 +360,7 @@ CROSSING = (
         "- k*Real(block.columns[i][3]);",
         ";",
         "normals of the scalar path in projective frames",
-        "hard_cases *HardBlocks.Trapezoids/cLEAF*",
+        "normals Normals.AreThose*",
     ),
 )
 
