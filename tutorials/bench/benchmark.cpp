@@ -274,7 +274,10 @@ private:
           b.result->checks.shadows.push_back(std::move(check));
     }
     if (options.checks.any() && b.scene.get() != grid)
+    {
       b.result->checks.leaks = robustness->leaks(*grid, *b.scene);
+      b.result->checks.sheets = robustness->sheets(*b.scene);
+    }
   }
 
   void prepareChecks()

@@ -22,13 +22,6 @@ namespace embree
   namespace cbvh { inline namespace CBVH_TARGET
   {
     template<typename Real>
-    struct ScalarRay
-    {
-      Real org[3], dir[3];
-      Real tnear = 0, tfar = std::numeric_limits<Real>::infinity();
-    };
-
-    template<typename Real>
     struct ScalarHit
     {
       bool found = false;
@@ -42,7 +35,7 @@ namespace embree
     class ScalarIntersector
     {
     public:
-      typedef ScalarRay<Real> Ray;
+      typedef WorldRay<Real> Ray;
       typedef ScalarHit<Real> Hit;
 
       ScalarIntersector (const Block* block, Real widening = 0)
@@ -53,7 +46,7 @@ namespace embree
         ray = r;
         best = Hit();
         state = startOfWalk();
-        segment = enterBlock(*block,ray.org,ray.dir,ray.tnear,ray.tfar,widening);
+        segment = enterBlock(*block,ray,widening);
         if (segment.valid) visit(0,0,rootBox());
         return best;
       }
@@ -113,8 +106,9 @@ namespace embree
         Real s = x.s0;
         if (v.hit == hitRoot) s = x.s0 + parabolaRoot(x.f)*(x.s1-x.s0);
         if (v.hit == hitLip) {
-          const LipMeeting<Real> lip = meetLipsOfLeaf(x,patch,mortonX(m),mortonY(m),layout.leaves-1,Real(borderWidthOf(block->info)),segment.epsilon[2]);
-          if (lip.met) s = lip.k;
+          const Lip<Real> lip = { Real(borderWidthOf(block->info)),Real(0.5f*patch.thickness),segment.epsilon[2] };
+          const LipMeeting<Real> at = meetLipsOfLeaf(x,mortonX(m),mortonY(m),layout.leaves-1,lip);
+          if (at.met) s = x.s0 + at.k*(x.s1-x.s0);
           else { rememberExit(m,x.s1); return; }
         }
         if (v.hit == hitNone) { if (!hadHit) rememberExit(m,x.s1); return; }
@@ -158,8 +152,8 @@ namespace embree
         if (!(t < best.t)) return;
         const Real u = positionInBox(segment,leaf.box,0,s), v = positionInBox(segment,leaf.box,1,s);
         setHit(m,t,mortonX(m)+u,mortonY(m)+v);
-        const Normal<Real> n = worldNormal(*block,segmentAt(segment,0,s),segmentAt(segment,1,s),segmentAt(segment,2,s),
-                                           patchSlope(leaf,0,v),patchSlope(leaf,1,u));
+        const Vector<Real> p = { { segmentAt(segment,0,s),segmentAt(segment,1,s),segmentAt(segment,2,s) } };
+        const Vector<Real> n = worldNormal(*block,p,patchSlope(leaf,0,v),patchSlope(leaf,1,u));
         Real along = 0, dir2 = 0, Ng2 = 0;
         for (int i=0; i<3; i++) {
           best.Ng[i] = n.x[i];
@@ -184,7 +178,7 @@ namespace embree
 
       /* --- cGRID --- */
 
-      struct Point { Real x[3]; };
+      typedef Vector<Real> Point;
 
       static Point cross (const Point& a, const Point& b) {
         return { { a.x[1]*b.x[2]-a.x[2]*b.x[1], a.x[2]*b.x[0]-a.x[0]*b.x[2], a.x[0]*b.x[1]-a.x[1]*b.x[0] } };
