@@ -32,8 +32,8 @@ public:
   // that Embree allows. A sheet that is not compressed has to have GRID's hits.
   void trace(Random& random, const Sheet& sheet, const std::vector<RayKind>& kinds, unsigned raysOfAKind, bool unitLength = true);
 
-  // Fails if the rays said too little. share: of them that has to be equal, as too many
-  // explanations would explain anything.
+  // Fails if the rays said too little. share: of them that has to be equal in t, as
+  // too many explanations would explain anything.
   void conclude(double share = 0.75);
 
   unsigned sheetsOfGrid = 0; // not compressed
@@ -44,6 +44,7 @@ private:
   RTCDevice device;
   RTCCompression compression;
   unsigned rays = 0, hits = 0, equal = 0, failures = 0;
+  unsigned sameT = 0;                                       // and hit or miss
   unsigned atBorder = 0, betweenLeaves = 0, alongLeaf = 0; // explained by rounding
   unsigned hitsOfGrid = 0, strayed = 0;                    // cGRID: as GRID's triangle test rounds
 };

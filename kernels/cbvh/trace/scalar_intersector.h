@@ -16,6 +16,7 @@
 #include "../codec/tree.h"
 #include <limits>
 #include <utility>
+#include <vector>
 
 namespace embree
 {
@@ -41,9 +42,11 @@ namespace embree
       ScalarIntersector (const Block* block, Real widening = 0)
         : block(block), layout(block->layout()), kind(block->kind()), widening(widening) {}
 
-      Hit intersect (const Ray& r)
+      /*! the nearest hit; all: gets every hit that the walk meets, NULL for none */
+      Hit intersect (const Ray& r, std::vector<Hit>* all = nullptr)
       {
         ray = r;
+        met = all;
         best = Hit();
         state = startOfWalk();
         segment = enterBlock(*block,ray,widening);
@@ -149,31 +152,40 @@ namespace embree
       void hit (uint32_t m, const LeafPatch& leaf, Real s, uint32_t from)
       {
         const Real t = worldT(segment,s);
-        if (!(t < best.t)) return;
+        if (!met && !(t < best.t)) return;
         const Real u = positionInBox(segment,leaf.box,0,s), v = positionInBox(segment,leaf.box,1,s);
-        setHit(m,t,mortonX(m)+u,mortonY(m)+v);
+        Hit at = hitOf(m,t,mortonX(m)+u,mortonY(m)+v);
         const Vector<Real> p = { { segmentAt(segment,0,s),segmentAt(segment,1,s),segmentAt(segment,2,s) } };
         const Vector<Real> n = worldNormal(*block,p,patchSlope(leaf,0,v),patchSlope(leaf,1,u));
         Real along = 0, dir2 = 0, Ng2 = 0;
         for (int i=0; i<3; i++) {
-          best.Ng[i] = n.x[i];
+          at.Ng[i] = n.x[i];
           along += n.x[i]*ray.dir[i];
           dir2 += ray.dir[i]*ray.dir[i];
           Ng2 += n.x[i]*n.x[i];
         }
         if (isTurned(along,Ng2,dir2,from))
-          for (int i=0; i<3; i++) best.Ng[i] -= 2*along/dir2*ray.dir[i];
+          for (int i=0; i<3; i++) at.Ng[i] -= 2*along/dir2*ray.dir[i];
+        take(at);
       }
 
       /*! x, y: in leaves from the block's corner */
-      void setHit (uint32_t m, Real t, Real x, Real y)
+      Hit hitOf (uint32_t m, Real t, Real x, Real y) const
       {
         const Real size = Real(1u << block->height())/Real(layout.leaves); // of a leaf, in quads
-        best.found = true;
-        best.t = t;
-        best.leaf = m;
-        best.u = block->faceU(size*x);
-        best.v = block->faceV(size*y);
+        Hit at;
+        at.found = true;
+        at.t = t;
+        at.leaf = m;
+        at.u = block->faceU(size*x);
+        at.v = block->faceV(size*y);
+        return at;
+      }
+
+      void take (const Hit& at)
+      {
+        if (at.t < best.t) best = at;
+        if (met) met->push_back(at);
       }
 
       /* --- cGRID --- */
@@ -220,10 +232,11 @@ namespace embree
         for (int k=0; k<3; k++) p.x[k] = t*d.x[k] - ao.x[k];
         const Real u = dot(cross(p,e2),n)/n2, v = dot(cross(e1,p),n)/n2;
         const Real slack = Real(1e-9); // rounding in double
-        if (u < -slack || v < -slack || u+v > 1+slack || t < ray.tnear || t > ray.tfar || !(t < best.t)) return;
+        if (u < -slack || v < -slack || u+v > 1+slack || t < ray.tnear || t > ray.tfar) return;
         const Real leafQuads = Real(1u << block->height())/Real(layout.leaves);
-        setHit(m,t,(a.x + u*(b.x-a.x) + v*(c.x-a.x))/leafQuads,(a.y + u*(b.y-a.y) + v*(c.y-a.y))/leafQuads);
-        for (int k=0; k<3; k++) best.Ng[k] = n.x[k];
+        Hit at = hitOf(m,t,(a.x + u*(b.x-a.x) + v*(c.x-a.x))/leafQuads,(a.y + u*(b.y-a.y) + v*(c.y-a.y))/leafQuads);
+        for (int k=0; k<3; k++) at.Ng[k] = n.x[k];
+        take(at);
       }
 
     private:
@@ -233,6 +246,7 @@ namespace embree
       Real widening;
       Ray ray;
       Hit best;
+      std::vector<Hit>* met = nullptr;
       Segment<Real> segment;
 
       LeafPatch patch;     //!< cLEAF: the leaf that is visited next
