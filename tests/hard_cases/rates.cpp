@@ -25,9 +25,10 @@ protected:
       SCOPED_TRACE(testing::Message() << "rate " << rates[0] << ", frame level " << frameLevel);
       SurfaceSettings settings;
       settings.displacement = &displacement;
+      settings.compression = compression();
       settings.frameLevel = frameLevel;
       settings.edgeRates = rates;
-      const Twins twins(device, cage, settings, compression());
+      const Twins twins(device, cage, settings);
       expectHitsNearGrid(twins.grid, twins.scene, raysAt(random, 500), slack);
       if (HasFatalFailure()) return;
       expectNoLeaks(twins.grid, twins.scene, inside, compression());

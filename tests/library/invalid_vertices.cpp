@@ -53,10 +53,7 @@ TEST_P(InvalidVertices, LeaveOutTheirQuadsAndNoOthers)
       settings.rate = quads;
       settings.compression = GetParam();
       settings.frameLevel = frameLevel;
-      Scene scene(device);
-      Cage cage = quadCage();
-      addSurface(device, scene, cage, settings);
-      rtcCommitScene(scene);
+      const SurfaceScene scene(device, quadCage(), settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
       EXPECT_EQ(device.message, "geometry 0, face 0: vertices are not finite; left out of 1 face(s): " + std::to_string(invalid) + " quads");
       EXPECT_EQ(statisticsOf(scene).numInvalidQuads, invalid);
@@ -100,9 +97,7 @@ TEST_P(InvalidVertices, HolesStayOpen)
   settings.rate = quads;
   settings.compression = GetParam();
   settings.frameLevel = 0;
-  Scene scene(device);
-  addSurface(device, scene, quadCage(), settings);
-  rtcCommitScene(scene);
+  const SurfaceScene scene(device, quadCage(), settings);
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 36u);
   EXPECT_FALSE(isHit(intersect(scene, makeRay({7.0f/quads, 7.0f/quads, 1}, {0, 0, -1}))));
   EXPECT_TRUE(isHit(intersect(scene, makeRay({2.0f/quads, 7.0f/quads, 1}, {0, 0, -1}))));
@@ -117,9 +112,7 @@ TEST_P(InvalidVertices, ASceneOfNothingElseIsEmpty)
   SurfaceSettings settings;
   settings.displacement = &displacement;
   settings.compression = GetParam();
-  Scene scene(device);
-  addSurface(device, scene, cubeCage(), settings);
-  rtcCommitScene(scene);
+  const SurfaceScene scene(device, cubeCage(), settings);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 6u*16*16);
   EXPECT_EQ(statisticsOf(scene).numBlocks, 0u);
@@ -137,9 +130,7 @@ TEST_P(InvalidVertices, FacesBesideBadOnesAreWhole)
   settings.displacement = &displacement;
   settings.compression = GetParam();
   settings.frameLevel = 2;
-  Scene scene(device);
-  addSurface(device, scene, cubeCage(), settings);
-  rtcCommitScene(scene);
+  const SurfaceScene scene(device, cubeCage(), settings);
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 16u*16);
   EXPECT_EQ(statisticsOf(scene).numBlocks, 5u*16);
   Random random(71);
@@ -225,9 +216,7 @@ TEST_P(InvalidVertices, LeaveTheOthersOfABlockWithoutAGoodFrame)
     settings.rate = quads;
     settings.compression = GetParam();
     settings.frameLevel = frameLevel;
-    Scene scene(device);
-    addSurface(device, scene, needle, settings);
-    rtcCommitScene(scene);
+    const SurfaceScene scene(device, needle, settings);
     EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 4u);
     for (int y = 0; y < quads; y++)
       for (int x = 0; x < quads; x++) {
@@ -255,9 +244,7 @@ TEST_P(InvalidVertices, HugeCoordinatesAreTakenOrLeft)
     settings.displacement = &displacement;
     settings.rate = 8;
     settings.compression = GetParam();
-    Scene scene(device);
-    addSurface(device, scene, cubeCage(), settings);
-    rtcCommitScene(scene);
+    const SurfaceScene scene(device, cubeCage(), settings);
     device.takeError();
     const RTCRayHit hit = intersect(scene, makeRay({0, 0, 0}, {0.1f, 0.2f, 1}));
     if (scale <= 1e15f) { EXPECT_TRUE(isHit(hit)) << scale; }

@@ -141,10 +141,11 @@ void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
   EXPECT_GT(hits, rays.size()/10);
 }
 
-void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, RTCCompression compression,
-                       float rate, const Cage& cage, const Displacement& displacement)
+void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, const Cage& cage,
+                       const SurfaceSettings& settings)
 {
-  const float thickness = statisticsOf(scene).maxLeafThickness;
+  const Displacement& displacement = *settings.displacement;
+  const float thickness = statisticsOf(scene).maxLeafThickness, rate = settings.rate;
   // Catmull-Clark pulls faces of high valence together, to about half their width.
   const float quad = edgeLengths(cage).second/rate, narrow = 0.5f*edgeLengths(cage).first/rate;
   const std::vector<const Block*> blocks = sceneBlocks(scene);
@@ -157,7 +158,7 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     ASSERT_EQ(occluded(scene, ray), isHit(b));
     hits += isHit(a);
     if (isHit(a) && !isHit(b)) {
-      ASSERT_NE(compression, RTC_COMPRESSION_VOXEL) << "a box contains the surface: no misses";
+      ASSERT_NE(settings.compression, RTC_COMPRESSION_VOXEL) << "a box contains the surface: no misses";
       double m[3];
       unitNormal(a, m);
       const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};

@@ -21,9 +21,9 @@ namespace cbvh::test {
 
 void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, const Cage& cage);
 
-// All of the above; rate, displacement: those of the surface.
-void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, RTCCompression compression,
-                       float rate, const Cage& cage, const Displacement& displacement);
+// All of the above; settings: those of the scene's surface, with a displacement.
+void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, const Cage& cage,
+                       const SurfaceSettings& settings);
 
 // Whatever the surface: every hit is within its leaf's box of GRID's, and closest and any
 // hit agree. slack: for tessellations that differ, and what is not compressed.

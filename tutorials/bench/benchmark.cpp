@@ -256,8 +256,8 @@ private:
         if (what.kind == RepresentationKind::CLeaf && what.frameLevel != autoFrameLevel)
         {
           const auto bins = [&](const std::vector<size_t>& sample) {
-            return heightBins({model, *surface, view.primary, sample, footprint}, view.gridHits, b.scene->layout(),
-                            group.level, what.frameLevel, threads);
+            return heightBins({model, *surface, view.primary, sample, footprint}, view.gridHits,
+                              {b.scene->layout(), group.level, what.frameLevel}, threads);
           };
           result.bins = bins(view.sample);
           result.binsAway = bins(view.sampleAway);

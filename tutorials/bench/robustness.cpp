@@ -53,7 +53,7 @@ Robustness::Robustness(const Model& model, const BuildSettings& settings, const 
   for (int frameLevel : frameLevels)
     if (!points.count(blockLevel(frameLevel)))
       points[blockLevel(frameLevel)] =
-        pickAimPoints(layout, vertices, level, blockLevel(frameLevel), pointsOfKind, seed);
+        pickAimPoints({layout, level, blockLevel(frameLevel)}, vertices, pointsOfKind, seed);
   double sum = 0;
   for (const AimPoint& point : points.begin()->second[AtVertex])
     sum += length(point.neighbour - point.position);
@@ -125,8 +125,8 @@ std::vector<ShadowCheck> Robustness::shadows(const BuiltScene& grid, const Built
       settings.length = length;
       settings.seed = seed;
       all.push_back({view.name, o.name, o.offset, length,
-                     compareShadows(grid.handle(), view.gridHits, scene.handle(), hits, view.primary, view.footprint,
-                                    settings, threads)});
+                     compareShadows({grid.handle(), view.gridHits}, {scene.handle(), hits},
+                                    {view.primary, view.footprint}, settings, threads)});
     }
   return all;
 }
