@@ -20,7 +20,7 @@
 
 namespace embree
 {
-  namespace cbvh { inline namespace CBVH_TARGET
+  namespace cbvh { inline namespace CBVH_ISA
   {
     template<typename Real>
     struct ScalarHit
