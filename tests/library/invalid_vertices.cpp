@@ -6,6 +6,7 @@
 
 #include "support/random.h"
 #include "support/scene.h"
+#include "support/scene_blocks.h"
 
 #include <algorithm>
 #include <thread>
@@ -101,6 +102,28 @@ TEST_P(InvalidVertices, HolesStayOpen)
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 36u);
   EXPECT_FALSE(isHit(intersect(scene, makeRay({7.0f/quads, 7.0f/quads, 1}, {0, 0, -1}))));
   EXPECT_TRUE(isHit(intersect(scene, makeRay({2.0f/quads, 7.0f/quads, 1}, {0, 0, -1}))));
+}
+
+// cVOXEL stores patches with holes as cLEAF: the same bytes, frames included.
+TEST(VoxelsWithHoles, AreTheBlocksOfLeaves)
+{
+  Device device;
+  Displacement displacement;
+  displacement.amplitude = 0.1f;
+  displacement.poison = [](unsigned, float u, float v) { return lattice(u) == 3 && lattice(v) == 6; };
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.rate = quads;
+  settings.frameLevel = 1;
+  std::vector<std::string> blocks[2];
+  for (int i = 0; i < 2; i++) {
+    settings.compression = i ? RTC_COMPRESSION_LEAF : RTC_COMPRESSION_VOXEL;
+    const SurfaceScene scene(device, quadCage(), settings);
+    for (const embree::cbvh::Block* block : sceneBlocks(scene)) blocks[i].emplace_back((const char*)block, block->layout().bytes);
+    std::sort(blocks[i].begin(), blocks[i].end());
+  }
+  EXPECT_EQ(blocks[0].size(), 4u);
+  EXPECT_EQ(blocks[0], blocks[1]);
 }
 
 TEST_P(InvalidVertices, ASceneOfNothingElseIsEmpty)
