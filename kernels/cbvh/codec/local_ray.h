@@ -33,8 +33,9 @@ CBVH_BEGIN
 CBVH_CONSTANT float distanceUlps = 4.0f;
 CBVH_CONSTANT float unitUlps = 8.0f;
 
-/*! from the centre of its box no point of a block is farther than its longest side by this:
- *  sqrt(3)/2, less what the box is smaller than 1/stretch */
+/*! How far a box reaches from its centre, in parts of 1/(the least stretch of x, y and z). Where
+ *  its sides are at right angles it is at most sqrt(3) of that long, and reaches sqrt(3)/2 of its
+ *  length: the 3/2 ulps that are lost there are less than distanceUlps of this. */
 CBVH_CONSTANT float reachOfBox = 0.75f;
 
 /*! farther than any parameter of a ray */
