@@ -55,11 +55,15 @@ void main ()
 {
   uint ray = gl_GlobalInvocationID.x;
   vec4 origin = rays[2u*ray], direction = rays[2u*ray + 1u];
-  float org[3] = float[3](origin.x, origin.y, origin.z), dir[3] = float[3](direction.x, direction.y, direction.z);
+  WorldRay world;
+  world.org = float[3](origin.x, origin.y, origin.z);
+  world.dir = float[3](direction.x, direction.y, direction.z);
+  world.tnear = origin.w;
+  world.tfar = direction.w;
 
   BlockHeader header = readHeader();
   BlockLayout sizes = blockLayout(kindOf(header.info), heightOf(header.info));
-  Segment segment = enterBlock(header, org, dir, origin.w, direction.w, 1.0);
+  Segment segment = enterBlock(header, world, 1.0);
   hits[2u*ray] = vec4(0.0);
   if (!segment.valid || !hasGroups(kindOf(header.info))) return;
 
@@ -80,15 +84,17 @@ void main ()
     if (v.hit == hitNone) continue;
     float s = v.hit == hitRoot ? x.s0 + parabolaRoot(x.f)*(x.s1 - x.s0) : x.s0;
     if (v.hit == hitLip) {
-      LipMeeting lip = meetLipsOfLeaf(x, patch_, mortonX(leaf), mortonY(leaf), sizes.leaves - 1u, borderWidthOf(header.info), segment.epsilon[2]);
-      if (!lip.met) continue;
-      s = lip.k;
+      Lip lip = Lip(borderWidthOf(header.info), 0.5*patch_.thickness, segment.epsilon[2]);
+      LipMeeting at = meetLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), sizes.leaves - 1u, lip);
+      if (!at.met) continue;
+      s = x.s0 + at.k*(x.s1 - x.s0);
     }
     state = afterHit(state);
 
     float u = positionInBox(segment, patch_.box, 0, s), v_ = positionInBox(segment, patch_.box, 1, s);
-    Normal n = worldNormal(header, segmentAt(segment, 0, s), segmentAt(segment, 1, s), segmentAt(segment, 2, s),
-                           patchSlope(patch_, 0, v_), patchSlope(patch_, 1, u));
+    Vector p;
+    for (int k = 0; k < 3; k++) p.x[k] = segmentAt(segment, k, s);
+    Vector n = worldNormal(header, p, patchSlope(patch_, 0, v_), patchSlope(patch_, 1, u));
     vec3 normal = vec3(n.x[0], n.x[1], n.x[2]);
     float along = dot(normal, direction.xyz), direction2 = dot(direction.xyz, direction.xyz);
     if (isTurned(along, dot(normal, normal), direction2, v.from)) normal -= 2.0*along/direction2*direction.xyz;
