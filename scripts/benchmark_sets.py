@@ -63,6 +63,13 @@ def hard_checks(rays):
                 f"--representation {mixed} --position 148376,1234,-223423 {options}", 120)]
 
 
+def sheets(rays, seconds):
+    """Rays through random sheets; the scene does not matter."""
+    return [Job("checks_sheets", "rays through random sheets", "cube", [3],
+                "--representation grid,cgrid^1,cvoxel^1,cleaf^1 --view full --size 64x64 --repeat 0 --true-surface 0 "
+                f"--check sheets --check-rays {rays}", seconds)]
+
+
 def quick():
     small = "--size 768x768 --true-surface 1000"
     return (
@@ -74,6 +81,7 @@ def quick():
                f"--representation grid,cgrid^2,cvoxel^2,cleaf^2 --view full {ENTRANCES} --size 768x768 --rays 40000 --repeat 5",
                35)]
         + checks(["knee", "scythe"], 5, 200000, "leaks,shadows", 6)
+        + sheets(200000, 6)
     )
 
 
@@ -95,12 +103,12 @@ def figures():
 
 
 def paper():
-    return figures() + checks(CLOSED, 6, 10**6, "leaks,shadows", 15)
+    return figures() + checks(CLOSED, 6, 10**6, "leaks,shadows", 15) + sheets(10**6, 25)
 
 
 def full(isas):
     measure = "--size 1024x1024 --rays 200000 --repeat 5"
-    jobs = figures() + checks(CLOSED, 6, 10**7, "leaks,offsets", 120) + hard_checks(10**7) + [
+    jobs = figures() + checks(CLOSED, 6, 10**7, "leaks,offsets", 120) + hard_checks(10**7) + sheets(10**7, 250) + [
         Job("trex_rough", "strong displacement", "trex:0.02", [5, 6], f"--representation {MAIN} --view full,close {measure}", 150),
         Job("threads", "all threads", "trex", [5],
             f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf^2 --view full --mode single,stream --threads 1,0 {measure}", 60),

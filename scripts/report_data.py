@@ -25,7 +25,7 @@ class Row:
         self.build_seconds = result["build_seconds"]
         self.memory = result["memory"]
         self.speeds = result["speed"]
-        self.leaks, self.shadows = result.get("leaks"), result.get("shadows", [])
+        self.leaks, self.sheets, self.shadows = result.get("leaks"), result.get("sheets"), result.get("shadows", [])
         self.views = {view["view"]: view for view in result["views"]}
 
     @property
@@ -60,7 +60,7 @@ class Data:
     def __init__(self, folder):
         self.folder = Path(folder)
         self.rows, self.runs, self.problems, self.skipped = [], [], [], []
-        self.checked = []  # rows with leaks or shadows
+        self.checked = []  # rows with leaks, sheets or shadows
         for path in sorted(self.folder.glob("*.json")):
             try:
                 record = records.read(path)
@@ -78,7 +78,7 @@ class Data:
                         )
                     else:
                         row = Row(record, job, self.folder, group, result)
-                        if row.leaks or row.shadows:
+                        if row.leaks or row.sheets or row.shadows:
                             self.checked.append(row)
                         if row.speeds or not job.startswith("checks_"):
                             self.rows.append(row)

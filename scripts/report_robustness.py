@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The section of the report on leaks and self-shadowing."""
+"""The section of the report on leaks, crossed sheets and self-shadowing."""
 
 from html import escape
 
@@ -31,6 +31,14 @@ def leaks_table(rows):
     return p.table(["", "rays", "closest", "any hit", "through", "GRID: closest", "any hit", "through"], table)
 
 
+def sheets_table(rows):
+    table = [
+        [p.label(row.label)] + [f"{row.sheets[key]:,}" for key in ("sheets", "rays", "closest", "any", "missed_by_grid")]
+        for row in rows
+    ]
+    return p.table(["", "sheets", "rays", "closest", "any hit", "GRID, too"], table)
+
+
 def share(errors, rays):
     """Both kinds of errors, of a thousand rays."""
     return f"{1000 * (errors['false_occlusions'] + errors['false_passes']) / max(1, rays):.3f}"
@@ -56,7 +64,7 @@ def shadows_table(rows):
 
 def robustness(data):
     rows = sorted(data.checked, key=order)
-    leaks, shadows = [row for row in rows if row.leaks], [row for row in rows if row.shadows]
+    leaks, sheets, shadows = ([row for row in rows if getattr(row, what)] for what in ("leaks", "sheets", "shadows"))
     commands = dict.fromkeys(row.command for row in rows)
     return p.section(
         "robustness",
@@ -67,6 +75,10 @@ def robustness(data):
         "front of them and hit the outside of another. cGRID tests GRID's triangles, which let some rays slip "
         "between them; both do.</p>",
         leaks_table(leaks) if leaks else p.missing("leaks: jobs of scripts/benchmark.py whose names begin with checks"),
+        "<p>Rays from one side of a displaced sheet to the other, each of which has to hit it: sheets of random "
+        "amplitude, sideways displacement, frequency, level, frame level and edge rates, with GRID as the judge. "
+        "<i>GRID, too</i> counts rays that GRID lets through as well.</p>",
+        sheets_table(sheets) if sheets else p.missing("crossed sheets: job checks_sheets of scripts/benchmark.py"),
         "<p>Secondary rays with a cosine distribution from the hits of primary rays, each representation's own, "
         "against GRID's from GRID's hits: of a thousand, how many are <i>wrong</i>: dark where GRID has light, or "
         "bright. <i>Same place</i>: of those whose primary hits agree to a pixel. <i>Turned</i>: the part of wrong "

@@ -8,17 +8,17 @@ namespace cbvh {
 
 /* Each point is on a row (or column, by chance) of a random patch: its first or last,
  * the border of a block, or any. */
-AimPoints pickAimPoints(const PatchLayout& layout, const std::vector<Vec3f>& vertices, int level, int frameLevel,
-                        size_t count, uint32_t seed)
+AimPoints pickAimPoints(const BlockGrid& blocks, const std::vector<Vec3f>& vertices, size_t count, uint32_t seed)
 {
+  const std::vector<Patch>& patches = blocks.layout.patches();
+  const size_t block = blocks.blockWidth();
   std::mt19937 random(seed);
   AimPoints points;
   for (int kind = 0; kind < numMeetings; kind++)
     for (size_t i = 0; i < count; i++)
     {
-      const Patch& patch = layout.patches()[below(layout.patches().size(), random)];
+      const Patch& patch = patches[below(patches.size(), random)];
       const size_t n = patch.resolution;
-      const size_t block = std::max<size_t>(1, size_t(1) << std::max(0, level - frameLevel));
       const size_t corner[2] = {n * below(2, random), n * below(2, random)};
       size_t row = below(n + 1, random), along = below(n + 1, random);
       if (kind == AtCageVertex || kind == AtFaceBorder)

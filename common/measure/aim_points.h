@@ -5,7 +5,7 @@
 
 /* Points of a tessellation at which a ray could slip through. */
 
-#include "surface/cage.h"
+#include "measure/block_grid.h"
 
 #include <array>
 #include <cstddef>
@@ -29,8 +29,7 @@ using AimPoints = std::array<std::vector<AimPoint>, numMeetings>;
 
 /* Picks about count points of each kind.
  *
- * vertices: as tessellate makes them. frameLevel: of the blocks. */
-AimPoints pickAimPoints(const PatchLayout& layout, const std::vector<Vec3f>& vertices, int level, int frameLevel,
-                        size_t count, uint32_t seed);
+ * vertices: as tessellate makes them. */
+AimPoints pickAimPoints(const BlockGrid& blocks, const std::vector<Vec3f>& vertices, size_t count, uint32_t seed);
 
 } // namespace cbvh

@@ -45,8 +45,7 @@ struct Tessellation
 };
 
 /* Along the ray in pixels; NaN: a quad or block without a normal, or no surface. */
-float heightBin(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const PatchLayout& layout, int level,
-              int frameLevel)
+float heightBin(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const BlockGrid& blocks)
 {
   const unsigned faces = unsigned(view.model.cage.numFaces());
   const FacePoint reported{hit.face % faces, hit.u, hit.v};
@@ -54,10 +53,10 @@ float heightBin(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
     return NAN;
   const Placement& copy = view.model.copies[hit.face / faces];
   const PatchPoint at = view.surface.patches().fromEmbree(reported);
-  const unsigned resolution = layout.find(hit.face, hit.u, hit.v).resolution;
-  const Tessellation patch{view, at, resolution, level};
+  const unsigned resolution = blocks.layout.find(hit.face, hit.u, hit.v).resolution;
+  const Tessellation patch{view, at, resolution, blocks.level};
 
-  const unsigned block = std::min(resolution, 1u << std::max(0, level - frameLevel));
+  const unsigned block = std::min(resolution, unsigned(blocks.blockWidth()));
   const unsigned i = std::min(unsigned(at.u * resolution), resolution - 1);
   const unsigned j = std::min(unsigned(at.v * resolution), resolution - 1);
   const Vec3d z = normalOf(patch.corners(i / block * block, j / block * block, block, false));
@@ -75,13 +74,13 @@ float heightBin(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
 
 } // namespace
 
-HeightBins heightBins(const TrueView& view, const std::vector<SurfaceHit>& hits, const PatchLayout& layout, int level,
-                  int frameLevel, unsigned threads)
+HeightBins heightBins(const TrueView& view, const std::vector<SurfaceHit>& hits, const BlockGrid& blocks,
+                      unsigned threads)
 {
   std::vector<float> bins(view.sample.size());
   parallelFor(bins.size(), 64, threads, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; k++)
-      bins[k] = heightBin(view, view.rays[view.sample[k]], hits[view.sample[k]], layout, level, frameLevel);
+      bins[k] = heightBin(view, view.rays[view.sample[k]], hits[view.sample[k]], blocks);
   });
   bins.erase(std::remove_if(bins.begin(), bins.end(), [](float b) { return std::isnan(b); }), bins.end());
 

@@ -12,6 +12,7 @@
  * along z moves by dz (z.N)/(d.N) along a ray d. That interpolation averages several
  * rounded heights is left out: with three it would take RMSE down to sqrt(1/2) on average. */
 
+#include "measure/block_grid.h"
 #include "measure/true_errors.h"
 
 #include <array>
@@ -28,9 +29,8 @@ struct HeightBins
   double median = 0, rmseOfOthers = 0;
 };
 
-/* view: with the sample to measure. hits: GRID's, one a ray of the view. layout: of the
- * model at the level. frameLevel: of the blocks. Throws Cancelled. */
-HeightBins heightBins(const TrueView& view, const std::vector<SurfaceHit>& hits, const PatchLayout& layout, int level,
-                  int frameLevel, unsigned threads);
+/* view: with the sample to measure. hits: GRID's, one a ray of the view. Throws Cancelled. */
+HeightBins heightBins(const TrueView& view, const std::vector<SurfaceHit>& hits, const BlockGrid& blocks,
+                      unsigned threads);
 
 } // namespace cbvh

@@ -47,10 +47,24 @@ void count(ShadowErrors& errors, bool truth, bool found)
   errors.falsePasses += truth && !found;
 }
 
-void add(ShadowErrors& sum, const ShadowErrors& e)
+ShadowErrors& operator+=(ShadowErrors& sum, const ShadowErrors& e)
 {
   sum.falseOcclusions += e.falseOcclusions;
   sum.falsePasses += e.falsePasses;
+  return sum;
+}
+
+ShadowComparison& operator+=(ShadowComparison& sum, const ShadowComparison& c)
+{
+  sum.rays += c.rays;
+  sum.occluded += c.occluded;
+  sum.raysOfSame += c.raysOfSame;
+  sum.raysOfTurned += c.raysOfTurned;
+  sum.all += c.all;
+  sum.ofSame += c.ofSame;
+  sum.ofTurned += c.ofTurned;
+  sum.control += c.control;
+  return sum;
 }
 
 /* Random numbers of a chunk of pixels. A pixel always takes the same number of them, so
@@ -65,103 +79,117 @@ void skipPixel(const ShadowSettings& settings, std::mt19937& random)
   random.discard(2 * settings.raysPerHit);
 }
 
-} // namespace
-
-Ray secondaryRay(const Ray& primary, const SurfaceHit& hit, Vec3f direction, const RayOffset& offset, float footprint,
-                 float length)
+/* The ray from a hit into a direction, on the side that the primary ray comes from. */
+Ray secondaryRay(const Ray& primary, const SurfaceHit& hit, Vec3f direction, const ShadowSettings& settings,
+                 float footprint)
 {
+  const RayOffset& offset = settings.offset;
   const Vec3f p = position(primary, hit);
   Ray ray;
   ray.origin = p + (offset.length + offset.pixels * footprint * hit.t) * facing(primary, hit);
   ray.direction = direction;
   ray.tnear = offset.ulps * 0x1p-23f * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), hit.t});
-  ray.tfar = length;
+  ray.tfar = settings.length;
   return ray;
 }
 
-ShadowComparison compareShadows(RTCScene grid, const std::vector<SurfaceHit>& gridHits, RTCScene scene,
-                                const std::vector<SurfaceHit>& hits, const std::vector<Ray>& primary,
-                                float footprint, const ShadowSettings& settings, unsigned threads)
+/* Compares a pixel's secondary rays. */
+class PixelComparer
+{
+public:
+  PixelComparer(const SeenScene& grid, const SeenScene& seen, const PictureRays& primary, const ShadowSettings& settings)
+    : grid(grid), seen(seen), primary(primary), settings(settings)
+  {
+    rtcInitIntersectContext(&context);
+  }
+
+  void compare(size_t pixel, std::mt19937& random)
+  {
+    const Ray& ray = primary.rays[pixel];
+    const SurfaceHit &gridHit = grid.hits[pixel], &hit = seen.hits[pixel];
+    if (!hasNormal(gridHit) || !hasNormal(hit))
+    {
+      skipPixel(settings, random);
+      return;
+    }
+    const bool same = std::abs(hit.t - gridHit.t) <= primary.footprint * gridHit.t;
+    const bool turned = seenFromBehind(ray, hit) != seenFromBehind(ray, gridHit);
+    const Vec3f n = facing(ray, gridHit);
+    for (unsigned k = 0; k < settings.raysPerHit; k++)
+    {
+      const Vec3f direction = cosineDirection(n, random);
+      const Ray own = secondaryRay(ray, hit, direction, settings, primary.footprint);
+      const bool truth =
+        isOccluded(grid.scene, context, secondaryRay(ray, gridHit, direction, settings, primary.footprint));
+      const bool found = isOccluded(seen.scene, context, own);
+      sum.rays++;
+      sum.occluded += truth;
+      count(sum.all, truth, found);
+      count(sum.control, truth, isOccluded(grid.scene, context, own));
+      if (same)
+      {
+        sum.raysOfSame++;
+        count(sum.ofSame, truth, found);
+      }
+      if (turned)
+      {
+        sum.raysOfTurned++;
+        count(sum.ofTurned, truth, found);
+      }
+    }
+  }
+
+  ShadowComparison sum; // of the pixels so far
+
+private:
+  const SeenScene &grid, &seen;
+  const PictureRays& primary;
+  const ShadowSettings& settings;
+  RTCIntersectContext context;
+};
+
+} // namespace
+
+ShadowComparison compareShadows(const SeenScene& grid, const SeenScene& seen, const PictureRays& primary,
+                                const ShadowSettings& settings, unsigned threads)
 {
   ShadowComparison sum;
   std::mutex mutex;
-  parallelFor(primary.size(), chunk, threads, [&](size_t begin, size_t end) {
+  parallelFor(primary.rays.size(), chunk, threads, [&](size_t begin, size_t end) {
     const FastDenormals denormals;
     std::mt19937 random = randomOfChunk(settings, begin);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    ShadowComparison local;
+    PixelComparer comparer(grid, seen, primary, settings);
     for (size_t i = begin; i < end; i++)
-    {
-      if (!hasNormal(gridHits[i]) || !hasNormal(hits[i]))
-      {
-        skipPixel(settings, random);
-        continue;
-      }
-      const bool same = std::abs(hits[i].t - gridHits[i].t) <= footprint * gridHits[i].t;
-      const bool turned = seenFromBehind(primary[i], hits[i]) != seenFromBehind(primary[i], gridHits[i]);
-      const Vec3f n = facing(primary[i], gridHits[i]);
-      for (unsigned k = 0; k < settings.raysPerHit; k++)
-      {
-        const Vec3f direction = cosineDirection(n, random);
-        const auto from = [&](const SurfaceHit& hit) {
-          return secondaryRay(primary[i], hit, direction, settings.offset, footprint, settings.length);
-        };
-        const bool truth = isOccluded(grid, context, from(gridHits[i]));
-        const Ray own = from(hits[i]);
-        const bool found = isOccluded(scene, context, own);
-        local.rays++;
-        local.occluded += truth;
-        count(local.all, truth, found);
-        count(local.control, truth, isOccluded(grid, context, own));
-        if (same)
-        {
-          local.raysOfSame++;
-          count(local.ofSame, truth, found);
-        }
-        if (turned)
-        {
-          local.raysOfTurned++;
-          count(local.ofTurned, truth, found);
-        }
-      }
-    }
+      comparer.compare(i, random);
     const std::lock_guard<std::mutex> lock(mutex);
-    sum.rays += local.rays;
-    sum.occluded += local.occluded;
-    sum.raysOfSame += local.raysOfSame;
-    add(sum.all, local.all);
-    add(sum.ofSame, local.ofSame);
-    sum.raysOfTurned += local.raysOfTurned;
-    add(sum.ofTurned, local.ofTurned);
-    add(sum.control, local.control);
+    sum += comparer.sum;
   });
   return sum;
 }
 
-std::vector<float> ambientOcclusion(RTCScene scene, const std::vector<Ray>& primary,
-                                    const std::vector<SurfaceHit>& hits, float footprint,
-                                    const ShadowSettings& settings, unsigned threads)
+std::vector<float> ambientOcclusion(const SeenScene& seen, const PictureRays& primary, const ShadowSettings& settings,
+                                    unsigned threads)
 {
-  std::vector<float> light(primary.size(), 1.0f);
-  parallelFor(primary.size(), chunk, threads, [&](size_t begin, size_t end) {
+  std::vector<float> light(primary.rays.size(), 1.0f);
+  parallelFor(light.size(), chunk, threads, [&](size_t begin, size_t end) {
     const FastDenormals denormals;
     std::mt19937 random = randomOfChunk(settings, begin);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     for (size_t i = begin; i < end; i++)
     {
-      if (!hasNormal(hits[i]))
+      const Ray& ray = primary.rays[i];
+      const SurfaceHit& hit = seen.hits[i];
+      if (!hasNormal(hit))
       {
         skipPixel(settings, random);
         continue;
       }
-      const Vec3f n = facing(primary[i], hits[i]);
+      const Vec3f n = facing(ray, hit);
       unsigned free = 0;
       for (unsigned k = 0; k < settings.raysPerHit; k++)
-        free += !isOccluded(scene, context,
-                            secondaryRay(primary[i], hits[i], cosineDirection(n, random), settings.offset, footprint,
-                                         settings.length));
+        free += !isOccluded(seen.scene, context,
+                            secondaryRay(ray, hit, cosineDirection(n, random), settings, primary.footprint));
       light[i] = float(free) / float(settings.raysPerHit);
     }
   });

@@ -27,15 +27,24 @@ struct RayOffset
   static RayOffset ofEmbree() { return {0.0f, 0.0f, 32.0f}; }
 };
 
-/* The ray from a hit into a direction; length infinite for ambient light. The normal is
- * taken on the side that the primary ray comes from. */
-Ray secondaryRay(const Ray& primary, const SurfaceHit& hit, Vec3f direction, const RayOffset& offset, float footprint,
-                 float length);
+/* The primary rays of a picture, one a pixel. */
+struct PictureRays
+{
+  const std::vector<Ray>& rays;
+  float footprint; // width of a pixel at distance 1
+};
+
+/* A scene and its hits of them. */
+struct SeenScene
+{
+  RTCScene scene;
+  const std::vector<SurfaceHit>& hits;
+};
 
 struct ShadowSettings
 {
   RayOffset offset;
-  float length = INFINITY; // of the secondary rays
+  float length = INFINITY; // of the secondary rays; infinite for ambient light
   unsigned raysPerHit = 1;
   uint32_t seed = 1;
 };
@@ -68,18 +77,13 @@ struct ShadowComparison
 };
 
 /* From each pixel that both hit, the same directions, of cosine distribution about
- * GRID's normal.
- *
- * primary: one ray a pixel, with both hits. footprint: width of a pixel at distance 1.
- * Throws Cancelled. */
-ShadowComparison compareShadows(RTCScene grid, const std::vector<SurfaceHit>& gridHits, RTCScene scene,
-                                const std::vector<SurfaceHit>& hits, const std::vector<Ray>& primary,
-                                float footprint, const ShadowSettings& settings, unsigned threads);
+ * GRID's normal, on the side that the primary ray comes from. Throws Cancelled. */
+ShadowComparison compareShadows(const SeenScene& grid, const SeenScene& seen, const PictureRays& primary,
+                                const ShadowSettings& settings, unsigned threads);
 
 /* Share of directions that are free, a value a pixel, 1 where there is no hit; of a cosine
  * distribution about the hit's own normal. Throws Cancelled. */
-std::vector<float> ambientOcclusion(RTCScene scene, const std::vector<Ray>& primary,
-                                    const std::vector<SurfaceHit>& hits, float footprint,
-                                    const ShadowSettings& settings, unsigned threads);
+std::vector<float> ambientOcclusion(const SeenScene& seen, const PictureRays& primary, const ShadowSettings& settings,
+                                    unsigned threads);
 
 } // namespace cbvh

@@ -17,10 +17,9 @@ constexpr int rim = 4; // texels around a chart
 /* Evaluates heights at points of a face given as (u,v), the same for every face, and
  * hands each to store(face, index of the point, height). */
 template<typename Store>
-void evaluate(const Cage& cage, std::vector<float> u, std::vector<float> v, const std::string& name, unsigned threads,
-              const HeightFunction& height, const Store& store)
+void evaluate(const Cage& cage, std::vector<float> u, std::vector<float> v, const Bake& bake, const Store& store)
 {
-  Phase phase(name);
+  Phase phase(bake.name);
   EmbreeDevice device("threads=1");
   DisplacementContext plain;
   const GeometryHandle geometry = SharedTopology(device, cage).makeGeometry(Placement(), plain);
@@ -28,7 +27,7 @@ void evaluate(const Cage& cage, std::vector<float> u, std::vector<float> v, cons
   u.resize(points);
   v.resize(points);
   std::atomic<size_t> done{0};
-  parallelFor(cage.numFaces(), 16, threads, [&](size_t begin, size_t end) {
+  parallelFor(cage.numFaces(), 16, bake.threads, [&](size_t begin, size_t end) {
     std::vector<float> positions(3 * points);
     std::vector<unsigned> faces(points);
     for (size_t face = begin; face < end; face++)
@@ -45,7 +44,10 @@ void evaluate(const Cage& cage, std::vector<float> u, std::vector<float> v, cons
       args.valueCount = 3;
       rtcInterpolateN(&args);
       for (size_t i = 0; i < n; i++)
-        store(face, i, height({unsigned(face), u[i], v[i], {positions[i], positions[points + i], positions[2 * points + i]}}));
+      {
+        const Vec3f position{positions[i], positions[points + i], positions[2 * points + i]};
+        store(face, i, bake.height({unsigned(face), u[i], v[i], position}));
+      }
     }
     done += end - begin;
     phase.update(double(done) / double(cage.numFaces()));
@@ -53,10 +55,47 @@ void evaluate(const Cage& cage, std::vector<float> u, std::vector<float> v, cons
   device.check("evaluating the limit surface");
 }
 
+/* Which texels of a map have a height, in rows. */
+using Coverage = std::vector<char>;
+
+/* Gives texels beside covered ones the mean of those, a texel further at each step. */
+void growCovered(HeightMap& map, Coverage& covered, int steps, unsigned threads)
+{
+  const int width = map.width(), height = map.height();
+  for (int step = 0; step < steps; step++)
+  {
+    const Coverage before = covered;
+    const auto has = [&](int x, int y) {
+      return x >= 0 && y >= 0 && x < width && y < height && before[size_t(y) * width + x];
+    };
+    parallelFor(size_t(height), 64, threads, [&](size_t begin, size_t end) {
+      for (int y = int(begin); y < int(end); y++)
+        for (int x = 0; x < width; x++)
+        {
+          if (has(x, y))
+            continue;
+          float sum = 0;
+          int count = 0;
+          for (int dy = -1; dy <= 1; dy++)
+            for (int dx = -1; dx <= 1; dx++)
+              if (has(x + dx, y + dy))
+              {
+                sum += map.at(x + dx, y + dy);
+                count++;
+              }
+          if (count)
+          {
+            map.at(x, y) = sum / float(count);
+            covered[size_t(y) * width + x] = 1;
+          }
+        }
+    });
+  }
+}
+
 } // namespace
 
-HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const std::string& name, unsigned threads,
-                    const HeightFunction& height)
+HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const Bake& bake)
 {
   HeightMap map(atlas.columns(), atlas.rows(cage.numFaces()));
   const int side = atlas.tileSize + 1;
@@ -66,7 +105,7 @@ HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const std::string&
     u.push_back(float(i % side) / float(atlas.tileSize));
     v.push_back(float(i / side) / float(atlas.tileSize));
   }
-  evaluate(cage, std::move(u), std::move(v), name, threads, height, [&](size_t face, size_t i, float h) {
+  evaluate(cage, std::move(u), std::move(v), bake, [&](size_t face, size_t i, float h) {
     map.at(int(face) % atlas.tilesPerRow * side + int(i) % side, int(face) / atlas.tilesPerRow * side + int(i) / side) = h;
   });
   return map;
@@ -74,7 +113,7 @@ HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const std::string&
 
 /* The rim continues the outermost texels, a texel further at a time, so that filters
  * at a seam find heights like those inside. */
-HeightMap bakeCharts(Cage& cage, int texels, const std::string& name, unsigned threads, const HeightFunction& height)
+HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake)
 {
   const Charts charts = unfoldCharts(cage, texels, rim);
   setChartUVs(cage, charts);
@@ -92,44 +131,16 @@ HeightMap bakeCharts(Cage& cage, int texels, const std::string& name, unsigned t
     const int turned[4][2] = {{i, j}, {last - j, i}, {last - i, last - j}, {j, last - i}};
     return map.at(c.x + turned[c.turn][0], charts.height - 1 - (c.y + turned[c.turn][1]));
   };
-  evaluate(cage, std::move(u), std::move(v), name, threads, height,
+  evaluate(cage, std::move(u), std::move(v), bake,
            [&](size_t face, size_t i, float h) { texel(face, int(i) % texels, int(i) / texels) = h; });
 
-  std::vector<char> covered(size_t(charts.width) * charts.height);
+  Coverage covered(size_t(charts.width) * charts.height);
   const auto at = [&](int x, int y) -> char& { return covered[size_t(y) * charts.width + x]; };
   for (const ChartCell& c : charts.cells)
     for (int y = 0; y < texels; y++)
       for (int x = 0; x < texels; x++)
         at(c.x + x, charts.height - 1 - (c.y + y)) = 1;
-  for (int step = 0; step < 2 * rim; step++) // a texel further each time
-  {
-    const std::vector<char> before = covered;
-    parallelFor(size_t(charts.height), 64, threads, [&](size_t begin, size_t end) {
-      for (int y = int(begin); y < int(end); y++)
-        for (int x = 0; x < charts.width; x++)
-        {
-          if (before[size_t(y) * charts.width + x])
-            continue;
-          float sum = 0;
-          int count = 0;
-          for (int dy = -1; dy <= 1; dy++)
-            for (int dx = -1; dx <= 1; dx++)
-            {
-              const int px = x + dx, py = y + dy;
-              if (px < 0 || py < 0 || px >= charts.width || py >= charts.height ||
-                  !before[size_t(py) * charts.width + px])
-                continue;
-              sum += map.at(px, py);
-              count++;
-            }
-          if (count)
-          {
-            map.at(x, y) = sum / float(count);
-            at(x, y) = 1;
-          }
-        }
-    });
-  }
+  growCovered(map, covered, 2 * rim, bake.threads);
   for (int y = 0; y < charts.height; y++)
     for (int x = 0; x < charts.width; x++)
       if (!at(x, y))
@@ -142,11 +153,10 @@ void unfoldForCharts(Cage& cage, int texels)
   setChartUVs(cage, unfoldCharts(cage, texels, rim));
 }
 
-std::shared_ptr<const Displacement> displaceByBake(const Cage& cage, int tileSize, const std::string& name,
-                                                   unsigned threads, float scale, const HeightFunction& height)
+std::shared_ptr<const Displacement> displaceByBake(const Cage& cage, int tileSize, float scale, const Bake& bake)
 {
   const FaceAtlas atlas = FaceAtlas::forFaces(cage.numFaces(), tileSize);
-  return displaceByAtlas(cage, atlas, bakeTiles(cage, atlas, name, threads, height), scale);
+  return displaceByAtlas(cage, atlas, bakeTiles(cage, atlas, bake), scale);
 }
 
 std::string fingerprint(const Cage& cage)

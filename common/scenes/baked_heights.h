@@ -23,25 +23,28 @@ struct LimitPoint
   Vec3f position;
 };
 
-/* The height at a point; called from several threads. */
-using HeightFunction = std::function<float(const LimitPoint&)>;
+/* What is baked, and how. */
+struct Bake
+{
+  std::string name; // as progress shows it
+  unsigned threads;
+  std::function<float(const LimitPoint&)> height; // called from several threads
+};
 
-/* A tile a face, whose border texels lie on the borders of the face. Shows progress
- * as `name`. Throws Error, Cancelled. */
-HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const std::string& name, unsigned threads,
-                    const HeightFunction& height);
+/* A tile a face, whose border texels lie on the borders of the face. Throws Error,
+ * Cancelled. */
+HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const Bake& bake);
 
 /* Texels of charts: `texels` squared of them a face, their centres inside it, and a
- * rim around each chart. Fills the cage's texture coordinates. */
-HeightMap bakeCharts(Cage& cage, int texels, const std::string& name, unsigned threads, const HeightFunction& height);
+ * rim around each chart. Fills the cage's texture coordinates. Throws as bakeTiles. */
+HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake);
 
 /* Texture coordinates alone, for a map that is there already. */
 void unfoldForCharts(Cage& cage, int texels);
 
 /* Bakes tiles in memory for a cage of some hundred quads and displaces by them.
  * scale: world units from height 0 to 1. */
-std::shared_ptr<const Displacement> displaceByBake(const Cage& cage, int tileSize, const std::string& name,
-                                                   unsigned threads, float scale, const HeightFunction& height);
+std::shared_ptr<const Displacement> displaceByBake(const Cage& cage, int tileSize, float scale, const Bake& bake);
 
 /* A number that differs between cages. */
 std::string fingerprint(const Cage& cage);

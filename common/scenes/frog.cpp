@@ -70,12 +70,13 @@ Model makeFrog(float amplitude, int threads)
     const bool bare = onEye || center.y < 0.4f || normal.y < -0.1f || random % 100 < 35;
     lengths.push_back(bare ? 0.0f : (0.25f + 0.75f * std::max(normal.y, 0.0f)) * (0.6f + 0.4f * float(random >> 24) / 255.0f));
   }
-  model.displacement = displaceByBake(
-    cage, 128, "frog: spikes", threadCount(threads), amplitude * cage.bounds().diagonal(), [&](const LimitPoint& p) {
-      const float s = spike(p.u) * spike(p.v);
-      const float warts = 0.02f * gradientNoise(3.0f * p.position, 2);
-      return neutralHeight + warts + lengths[p.face] * s * s * s * s * s;
-    });
+  const auto height = [&](const LimitPoint& p) {
+    const float s = spike(p.u) * spike(p.v);
+    const float warts = 0.02f * gradientNoise(3.0f * p.position, 2);
+    return neutralHeight + warts + lengths[p.face] * s * s * s * s * s;
+  };
+  model.displacement =
+    displaceByBake(cage, 128, amplitude * cage.bounds().diagonal(), {"frog: spikes", threadCount(threads), height});
   model.view.direction = {-0.75f, -0.42f, -0.72f};
   model.view.closePoint = {0.52f, 0.3f};
   model.view.closeDistance = 0.3f;

@@ -67,9 +67,9 @@ Model makeKnee(float amplitude, int threads)
   }
   appendTube(model.cage, stations, 8);
   model.cage.name = "knee";
-  model.displacement = displaceByBake(model.cage, 128, "knee: skin", threadCount(threads),
-                                      amplitude * model.cage.bounds().diagonal(),
-                                      [](const LimitPoint& p) { return kneeHeight(p.position); });
+  const auto height = [](const LimitPoint& p) { return kneeHeight(p.position); };
+  model.displacement = displaceByBake(model.cage, 128, amplitude * model.cage.bounds().diagonal(),
+                                      {"knee: skin", threadCount(threads), height});
   model.view.direction = {-0.45f, -0.1f, -0.9f};
   model.view.closePoint = {0.72f, 0.42f};
   model.view.closeDistance = 0.34f;

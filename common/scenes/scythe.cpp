@@ -101,9 +101,11 @@ Model makeScythe(float amplitude, int threads)
   }
   appendTube(model.cage, shaft, 8);
   model.cage.name = "scythe";
-  model.displacement = displaceByBake(
-    model.cage, 128, "scythe: relief", threadCount(threads), amplitude * model.cage.bounds().diagonal(),
-    [&](const LimitPoint& p) { return p.face < bladeFaces ? bladeHeight(p.position) : shaftHeight(p.position); });
+  const auto height = [&](const LimitPoint& p) {
+    return p.face < bladeFaces ? bladeHeight(p.position) : shaftHeight(p.position);
+  };
+  model.displacement = displaceByBake(model.cage, 128, amplitude * model.cage.bounds().diagonal(),
+                                      {"scythe: relief", threadCount(threads), height});
   model.view.direction = {-0.3f, -0.15f, -1.0f};
   model.view.closePoint = {0.85f, 0.4f};
   model.view.closeDistance = 0.36f;

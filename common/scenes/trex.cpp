@@ -30,11 +30,11 @@ Model makeTrex(const TrexSettings& settings)
 {
   const bool faces = settings.mapping == TrexMapping::Faces;
   TrexCage trex = makeTrexCage();
-  const unsigned threads = threadCount(settings.threads);
   const std::string path =
     (std::filesystem::path(settings.mapFolder) / (faces ? "trex_height.exr" : "trex_height_atlas.exr")).string();
   const std::string made = faces ? recipe(trex.cage, "tiles", tileTexels) : recipe(trex.cage, "charts", chartTexels);
-  const auto height = [&](const LimitPoint& p) { return trexHeight(trex.parts[p.face], p.position); };
+  const Bake bake{"trex: skin", threadCount(settings.threads),
+                  [&](const LimitPoint& p) { return trexHeight(trex.parts[p.face], p.position); }};
 
   Model model;
   model.name = "trex";
@@ -44,7 +44,7 @@ Model makeTrex(const TrexSettings& settings)
   {
     const FaceAtlas atlas = FaceAtlas::forFaces(trex.cage.numFaces(), tileTexels);
     if (!cached)
-      bakeTiles(trex.cage, atlas, "trex: skin", threads, height).write(path, made);
+      bakeTiles(trex.cage, atlas, bake).write(path, made);
     model.displacement = displaceByAtlas(trex.cage, atlas, HeightMap::read(path), scale);
   }
   else
@@ -52,7 +52,7 @@ Model makeTrex(const TrexSettings& settings)
     if (cached)
       unfoldForCharts(trex.cage, chartTexels);
     else
-      bakeCharts(trex.cage, chartTexels, "trex: skin", threads, height).write(path, made);
+      bakeCharts(trex.cage, chartTexels, bake).write(path, made);
     model.displacement = displaceByUVs(trex.cage, path, scale);
   }
   model.cage = std::move(trex.cage);

@@ -152,7 +152,15 @@ private:
       fail("some corners have texture coordinates and some have none");
   }
 
-  void tag(const std::vector<std::string_view>& words)
+  /* t NAME INTS/FLOATS/STRINGS and as many values; strings are not looked at. */
+  struct Tag
+  {
+    std::string name;
+    std::vector<unsigned> ints;
+    std::vector<float> floats;
+  };
+
+  Tag readTag(const std::vector<std::string_view>& words) const
   {
     if (words.size() < 3)
       fail("a tag needs a name and counts");
@@ -172,51 +180,58 @@ private:
     if (words.size() != 3 + counts[0] + counts[1] + counts[2])
       fail("tag '" + std::string(words[1]) + "' announces " + std::string(words[2]) + " values and has " +
            std::to_string(words.size() - 3));
-
-    const std::string_view tagName = words[1];
-    std::vector<unsigned> ints;
-    std::vector<float> floats;
+    Tag tag;
+    tag.name = words[1];
     for (size_t i = 0; i < counts[0]; i++)
-      ints.push_back(number<unsigned>(words[3 + i]));
+      tag.ints.push_back(number<unsigned>(words[3 + i]));
     for (size_t i = 0; i < counts[1]; i++)
     {
       const float sharpness = number<float>(words[3 + counts[0] + i]);
       if (!(sharpness >= 0.0f))
         fail("sharpness must not be negative");
-      floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // as OpenSubdiv: 10 is infinitely sharp
+      tag.floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // as OpenSubdiv: 10 is infinitely sharp
     }
-    auto sharpnessOf = [&](size_t i, size_t n) {
-      if (floats.size() != 1 && floats.size() != n)
-        fail("tag '" + std::string(tagName) + "' needs one sharpness, or one each");
-      return floats.size() == 1 ? floats[0] : floats[i];
-    };
+    return tag;
+  }
 
-    if (tagName == "crease")
+  /* Of the i-th of n edges or vertices of a tag. */
+  float sharpness(const Tag& tag, size_t i, size_t n) const
+  {
+    if (tag.floats.size() != 1 && tag.floats.size() != n)
+      fail("tag '" + tag.name + "' needs one sharpness, or one each");
+    return tag.floats.size() == 1 ? tag.floats[0] : tag.floats[i];
+  }
+
+  void tag(const std::vector<std::string_view>& words)
+  {
+    const Tag tag = readTag(words);
+    const std::vector<unsigned>& ints = tag.ints;
+    if (tag.name == "crease")
     {
       if (ints.size() < 2 || ints.size() % 2)
         fail("tag 'crease' needs pairs of vertices");
       for (size_t i = 0; i < ints.size() / 2; i++)
       {
         cage.creaseEdges.push_back({ints[2 * i], ints[2 * i + 1]});
-        cage.creaseSharpness.push_back(sharpnessOf(i, ints.size() / 2));
+        cage.creaseSharpness.push_back(sharpness(tag, i, ints.size() / 2));
       }
     }
-    else if (tagName == "corner")
+    else if (tag.name == "corner")
       for (size_t i = 0; i < ints.size(); i++)
       {
         cage.cornerVertices.push_back(ints[i]);
-        cage.cornerSharpness.push_back(sharpnessOf(i, ints.size()));
+        cage.cornerSharpness.push_back(sharpness(tag, i, ints.size()));
       }
-    else if (tagName == "hole")
+    else if (tag.name == "hole")
       cage.holes.insert(cage.holes.end(), ints.begin(), ints.end());
-    else if (tagName == "interpolateboundary")
+    else if (tag.name == "interpolateboundary")
     {
       if (ints.size() != 1 || ints[0] > 2)
         fail("tag 'interpolateboundary' needs 0, 1 or 2");
       cage.boundary = BoundaryRule(ints[0]);
     }
-    else if (tagName.substr(0, 11) != "facevarying") // how UVs are smoothed: ours are not
-      fail("unknown tag '" + std::string(tagName) + "'");
+    else if (tag.name.substr(0, 11) != "facevarying") // how UVs are smoothed: ours are not
+      fail("unknown tag '" + tag.name + "'");
   }
 
   /* Tags may come before what they refer to, so their ranges are checked last. */

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Layout of blocks: sizes and offsets as FORMAT.md states them, and the block that
- * it shows byte by byte. The table there is read, so the two cannot drift. */
+/* Layout of blocks: sizes and offsets as FORMAT.md states them, and the blocks that
+ * it shows byte by byte. The tables there are read, so the two cannot drift. */
 
 #include "kernels/cbvh/build/block_encoder.h"
 
@@ -90,16 +90,48 @@ TEST(BlockFormat, MortonOrderIsAOneToOneMapWithXInTheEvenBits)
     }
 }
 
-// Rows "| offset | `bytes` | meaning |" of the section "A block, byte by byte".
-std::vector<uint8_t> annotatedBlock()
+// The lines of a section of FORMAT.md, up to the next heading.
+std::vector<std::string> section(const std::string& heading)
 {
   std::ifstream file(FORMAT_MD);
-  std::vector<uint8_t> bytes;
+  std::vector<std::string> lines;
   bool inside = false;
   for (std::string line; std::getline(file, line);) {
-    if (line.compare(0, 3, "## ") == 0) inside = line == "## A block, byte by byte";
+    if (line.compare(0, 1, "#") == 0) inside = line == heading;
+    else if (inside) lines.push_back(line);
+  }
+  EXPECT_FALSE(lines.empty()) << "no section " << heading;
+  return lines;
+}
+
+TEST(BlockFormat, TheVersionIsTheOneOfThePage)
+{
+  const std::string text = "This is format version " + std::to_string(formatVersion) + " ";
+  bool found = false;
+  for (const std::string& line : section("# Format of a compressed block")) found |= line.find(text) != std::string::npos;
+  EXPECT_TRUE(found) << text;
+}
+
+// Rows "| h | cGRID | cVOXEL | cLEAF |".
+TEST(BlockFormat, SizesAreThoseOfThePage)
+{
+  uint32_t rows = 0;
+  for (const std::string& line : section("## Sizes")) {
+    unsigned height, bytes[3];
+    if (std::sscanf(line.c_str(), "| %u | %u | %u | %u |", &height, bytes, bytes + 1, bytes + 2) != 4) continue;
+    EXPECT_EQ(height, rows++);
+    for (uint32_t kind = 0; kind < numKinds; kind++) EXPECT_EQ(bytes[kind], blockLayout(kind, height).bytes) << line;
+  }
+  EXPECT_EQ(rows, maxLevel + 1);
+}
+
+// Rows "| offset | `bytes` | meaning |" of a section.
+std::vector<uint8_t> annotatedBytes(const std::string& heading)
+{
+  std::vector<uint8_t> bytes;
+  for (const std::string& line : section(heading)) {
     unsigned offset;
-    if (!inside || std::sscanf(line.c_str(), "| %u | `", &offset) != 1) continue;
+    if (std::sscanf(line.c_str(), "| %u | `", &offset) != 1) continue;
     EXPECT_EQ(offset, bytes.size()) << line;
     const size_t begin = line.find('`') + 1;
     std::istringstream row(line.substr(begin, line.find('`', begin) - begin));
@@ -108,36 +140,58 @@ std::vector<uint8_t> annotatedBlock()
   return bytes;
 }
 
-TEST(BlockFormat, TheAnnotatedBlockIsWhatTheEncoderWrites)
+// Words as a table shows them.
+std::string wordsOf(const std::vector<uint8_t>& bytes)
 {
-  float vertices[9][3];
-  for (int j = 0; j < 3; j++)
-    for (int i = 0; i < 3; i++) {
-      vertices[3*j+i][0] = float(i);
-      vertices[3*j+i][1] = float(j);
-      vertices[3*j+i][2] = float(i*j);
-    }
-  const float corners[4][3] = {{0,0,0}, {2,0,0}, {0,2,0}, {2,2,0}};
-  std::vector<Double3> scratch(BlockEncoder::scratchBytes(1)/sizeof(Double3) + 2);
-  void* aligned = (void*)((uintptr_t(scratch.data()) + 15) & ~uintptr_t(15));
-  BlockEncoder encoder(Kind::LEAF, 1, vertices, aligned);
+  std::ostringstream text;
+  for (size_t i = 0; i < bytes.size(); i++) {
+    char byte[4];
+    std::snprintf(byte, sizeof(byte), "%02x ", bytes[i]);
+    if (i % 4 == 0) text << (i ? "\n" : "") << i << ": ";
+    text << byte;
+  }
+  return text.str();
+}
+
+// Vertices (i, j, z), row by row, in the block that FORMAT.md's section describes.
+void expectAnnotated(const std::string& heading, uint32_t height, const std::vector<float>& z)
+{
+  const uint32_t quads = 1u << height, width = quads + 1;
+  ASSERT_EQ(z.size(), width*width);
+  std::vector<float> vertices;
+  for (uint32_t v = 0; v < z.size(); v++) vertices.insert(vertices.end(), {float(v % width), float(v / width), z[v]});
+  const float n = float(quads), corners[4][3] = {{0,0,0}, {n,0,0}, {0,n,0}, {n,n,0}};
+  const uint32_t bytes = blockLayout(kindLeaf, height).bytes;
+  std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2), memory(bytes/sizeof(Double3) + 2);
+  auto align = [](void* p) { return (void*)((uintptr_t(p) + 15) & ~uintptr_t(15)); };
+  BlockEncoder encoder(Kind::LEAF, height, (const float(*)[3])vertices.data(), align(scratch.data()));
   ASSERT_TRUE(encoder.fit(corners));
-  alignas(16) uint8_t bytes[256];
-  Block* block = (Block*)bytes;
+  Block* block = (Block*)align(memory.data());
   BlockStatistics stats;
   encoder.encode(block, 1, 0, stats);
   block->geomID = 3;
   block->primID = 5;
   block->tiling = blockTiling(2, 1, 0, 0);
+  const std::vector<uint8_t> written((const uint8_t*)block, (const uint8_t*)block + bytes);
+  EXPECT_EQ(wordsOf(written), wordsOf(annotatedBytes(heading)));
+}
 
-  const std::vector<uint8_t> written(bytes, bytes + block->layout().bytes);
-  std::ostringstream dump;
-  for (size_t i = 0; i < written.size(); i++) {
-    char text[4];
-    std::snprintf(text, sizeof(text), "%02x ", written[i]);
-    dump << text << (i % 4 == 3 ? "\n" : "");
-  }
-  EXPECT_EQ(written, annotatedBlock()) << "the encoder writes\n" << dump.str();
+TEST(BlockFormat, TheAnnotatedLatticeIsWhatTheEncoderWrites)
+{
+  expectAnnotated("### A lattice", 1, {0, 0, 0,  0, 1, 2,  0, 2, 4});
+}
+
+TEST(BlockFormat, TheAnnotatedLooseGroupIsWhatTheEncoderWrites)
+{
+  expectAnnotated("### A loose group", 1, {0, 0.25f, 1.5f,  0.5f, 1, 0,  1, 1.75f, NAN});
+}
+
+TEST(BlockFormat, TheAnnotatedBlockOfTwoLevelsIsWhatTheEncoderWrites)
+{
+  std::vector<float> z;
+  for (int j = 0; j <= 4; j++)
+    for (int i = 0; i <= 4; i++) z.push_back(float(i*i + 2*j)/4);
+  expectAnnotated("### Two levels of words", 2, z);
 }
 
 } // namespace

@@ -166,8 +166,8 @@ TEST_F(Trex, BodyIsOnePieceAndHasManyExtraordinaryVertices)
 TEST_F(Trex, SkinIsContinuousAndUsesItsRange)
 {
   const FaceAtlas atlas = FaceAtlas::forFaces(trex->cage.numFaces(), 8);
-  HeightMap map = bakeTiles(trex->cage, atlas, "skin", 0,
-                            [&](const LimitPoint& p) { return trexHeight(trex->parts[p.face], p.position); });
+  HeightMap map = bakeTiles(
+    trex->cage, atlas, {"skin", 0, [&](const LimitPoint& p) { return trexHeight(trex->parts[p.face], p.position); }});
   float low = 1, high = 0;
   for (int y = 0; y < map.height(); y++)
     for (int x = 0; x < map.width(); x++)
@@ -206,11 +206,11 @@ TEST_F(Trex, TilesAndChartsShowTheSameHeights)
 {
   Cage cage = makeKnee().cage;
   const auto height = [](const LimitPoint& p) { return 0.3f * p.position.x - 0.2f * p.position.y + 0.1f * p.position.z; };
-  const auto tiles = displaceByBake(cage, 16, "tiles", 0, 1.0f, height);
+  const auto tiles = displaceByBake(cage, 16, 1.0f, {"tiles", 0, height});
   const std::filesystem::path folder =
     std::filesystem::temp_directory_path() / ("cbvh_scenes_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
-  bakeCharts(cage, 16, "charts", 0, height).write((folder / "charts.exr").string());
+  bakeCharts(cage, 16, {"charts", 0, height}).write((folder / "charts.exr").string());
   const auto charts = displaceByUVs(cage, (folder / "charts.exr").string(), 1.0f);
   std::filesystem::remove_all(folder);
   for (unsigned face = 0; face < cage.numFaces(); face++)

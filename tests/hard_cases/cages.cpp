@@ -23,13 +23,14 @@ protected:
       Random random(51);
       SurfaceSettings settings;
       settings.displacement = &displacement;
+      settings.compression = compression();
       settings.frameLevel = frameLevel;
-      const Twins twins(device, cage, settings, compression());
+      const Twins twins(device, cage, settings);
       ASSERT_EQ(statisticsOf(twins.scene).numGridQuads + statisticsOf(twins.scene).numInvalidQuads, 0u);
       const std::vector<RTCRayHit> rays = raysAt(random, 800);
       if (gap > 0) expectHitsNearGrid(twins.grid, twins.scene, rays, gap);
       else if (compression() == RTC_COMPRESSION_GRID) expectEqualToGrid(twins.grid, twins.scene, rays, cage);
-      else expectCloseToGrid(twins.grid, twins.scene, rays, compression(), settings.rate, cage, displacement);
+      else expectCloseToGrid(twins.grid, twins.scene, rays, cage, settings);
       if (HasFatalFailure()) return;
       expectNoLeaks(twins.grid, twins.scene, raysFromInside, compression());
       if (HasFatalFailure()) return;

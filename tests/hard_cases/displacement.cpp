@@ -24,8 +24,9 @@ protected:
       SurfaceSettings settings;
       settings.displacement = &displacement;
       settings.rate = rate;
+      settings.compression = compression();
       settings.frameLevel = frameLevel;
-      const Twins twins(device, cubeCage(), settings, compression());
+      const Twins twins(device, cubeCage(), settings);
       const std::vector<RTCRayHit> outside = raysAt(random, 1000);
       if (compression() == RTC_COMPRESSION_GRID) expectEqualToGrid(twins.grid, twins.scene, outside, cubeCage());
       else expectHitsNearGrid(twins.grid, twins.scene, outside);

@@ -6,6 +6,7 @@
 
 #include "support/random.h"
 #include "support/scene.h"
+#include "support/scene_blocks.h"
 
 #include <algorithm>
 #include <thread>
@@ -53,10 +54,7 @@ TEST_P(InvalidVertices, LeaveOutTheirQuadsAndNoOthers)
       settings.rate = quads;
       settings.compression = GetParam();
       settings.frameLevel = frameLevel;
-      Scene scene(device);
-      Cage cage = quadCage();
-      addSurface(device, scene, cage, settings);
-      rtcCommitScene(scene);
+      const SurfaceScene scene(device, quadCage(), settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
       EXPECT_EQ(device.message, "geometry 0, face 0: vertices are not finite; left out of 1 face(s): " + std::to_string(invalid) + " quads");
       EXPECT_EQ(statisticsOf(scene).numInvalidQuads, invalid);
@@ -100,12 +98,32 @@ TEST_P(InvalidVertices, HolesStayOpen)
   settings.rate = quads;
   settings.compression = GetParam();
   settings.frameLevel = 0;
-  Scene scene(device);
-  addSurface(device, scene, quadCage(), settings);
-  rtcCommitScene(scene);
+  const SurfaceScene scene(device, quadCage(), settings);
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 36u);
   EXPECT_FALSE(isHit(intersect(scene, makeRay({7.0f/quads, 7.0f/quads, 1}, {0, 0, -1}))));
   EXPECT_TRUE(isHit(intersect(scene, makeRay({2.0f/quads, 7.0f/quads, 1}, {0, 0, -1}))));
+}
+
+// cVOXEL stores patches with holes as cLEAF: the same bytes, frames included.
+TEST(VoxelsWithHoles, AreTheBlocksOfLeaves)
+{
+  Device device;
+  Displacement displacement;
+  displacement.amplitude = 0.1f;
+  displacement.poison = [](unsigned, float u, float v) { return lattice(u) == 3 && lattice(v) == 6; };
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.rate = quads;
+  settings.frameLevel = 1;
+  std::vector<std::string> blocks[2];
+  for (int i = 0; i < 2; i++) {
+    settings.compression = i ? RTC_COMPRESSION_LEAF : RTC_COMPRESSION_VOXEL;
+    const SurfaceScene scene(device, quadCage(), settings);
+    for (const embree::cbvh::Block* block : sceneBlocks(scene)) blocks[i].emplace_back((const char*)block, block->layout().bytes);
+    std::sort(blocks[i].begin(), blocks[i].end());
+  }
+  EXPECT_EQ(blocks[0].size(), 4u);
+  EXPECT_EQ(blocks[0], blocks[1]);
 }
 
 TEST_P(InvalidVertices, ASceneOfNothingElseIsEmpty)
@@ -117,9 +135,7 @@ TEST_P(InvalidVertices, ASceneOfNothingElseIsEmpty)
   SurfaceSettings settings;
   settings.displacement = &displacement;
   settings.compression = GetParam();
-  Scene scene(device);
-  addSurface(device, scene, cubeCage(), settings);
-  rtcCommitScene(scene);
+  const SurfaceScene scene(device, cubeCage(), settings);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 6u*16*16);
   EXPECT_EQ(statisticsOf(scene).numBlocks, 0u);
@@ -137,9 +153,7 @@ TEST_P(InvalidVertices, FacesBesideBadOnesAreWhole)
   settings.displacement = &displacement;
   settings.compression = GetParam();
   settings.frameLevel = 2;
-  Scene scene(device);
-  addSurface(device, scene, cubeCage(), settings);
-  rtcCommitScene(scene);
+  const SurfaceScene scene(device, cubeCage(), settings);
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 16u*16);
   EXPECT_EQ(statisticsOf(scene).numBlocks, 5u*16);
   Random random(71);
@@ -252,9 +266,7 @@ TEST_P(InvalidVertices, LeaveTheOthersOfABlockWithoutAGoodFrame)
     settings.rate = quads;
     settings.compression = GetParam();
     settings.frameLevel = frameLevel;
-    Scene scene(device);
-    addSurface(device, scene, needle, settings);
-    rtcCommitScene(scene);
+    const SurfaceScene scene(device, needle, settings);
     EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 4u);
     for (int y = 0; y < quads; y++)
       for (int x = 0; x < quads; x++) {
@@ -282,9 +294,7 @@ TEST_P(InvalidVertices, HugeCoordinatesAreTakenOrLeft)
     settings.displacement = &displacement;
     settings.rate = 8;
     settings.compression = GetParam();
-    Scene scene(device);
-    addSurface(device, scene, cubeCage(), settings);
-    rtcCommitScene(scene);
+    const SurfaceScene scene(device, cubeCage(), settings);
     device.takeError();
     const RTCRayHit hit = intersect(scene, makeRay({0, 0, 0}, {0.1f, 0.2f, 1}));
     if (scale <= 1e15f) { EXPECT_TRUE(isHit(hit)) << scale; }

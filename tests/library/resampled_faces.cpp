@@ -39,18 +39,13 @@ TEST(ResampledInterior, IsGridsWhereRatesAreMultiplesOfTheBlocks)
   SurfaceSettings settings;
   settings.displacement = &displacement;
   settings.edgeRates = drawRates(cage, random, [](Random& r) { return float(16u << r.below(3)); });
-  settings.compression = RTC_COMPRESSION_NONE;
-  Scene grid(device), scene(device);
-  addSurface(device, grid, cage, settings);
-  rtcCommitScene(grid);
   settings.compression = RTC_COMPRESSION_GRID;
-  addSurface(device, scene, cage, settings);
-  rtcCommitScene(scene);
-  EXPECT_EQ(statisticsOf(scene).numGridQuads, 0u);
+  const Twins twins(device, cage, settings);
+  EXPECT_EQ(statisticsOf(twins.scene).numGridQuads, 0u);
   const float quad = 1.0f/16;
   unsigned interior = 0, borders = 0;
   for (const RTCRayHit& ray : raysFromAround(random, 20000)) {
-    const RTCRayHit a = intersect(grid, ray), b = intersect(scene, ray);
+    const RTCRayHit a = intersect(twins.grid, ray), b = intersect(twins.scene, ray);
     if (!isHit(a) || !isHit(b) || a.hit.primID != b.hit.primID) continue;
     // GRID stores parameters in 16 bits, and its fans at borders have those of the edge
     ASSERT_LE(std::hypot(a.hit.u - b.hit.u, a.hit.v - b.hit.v), quad) << a.hit.u << " " << a.hit.v << ", " << b.hit.u << " " << b.hit.v;
@@ -101,18 +96,13 @@ TEST_P(ResampledFaces, SurfaceIsAsNearToTheTrueOneAsGrids)
       settings.displacement = &displacement;
       settings.compression = RTC_COMPRESSION_NONE;
       settings.rate = 128;
-      Scene fine(device), grid(device), scene(device);
-      addSurface(device, fine, cage.cage, settings);
-      rtcCommitScene(fine);
+      const SurfaceScene fine(device, cage.cage, settings);
       settings.edgeRates = drawRates(cage.cage, random, set.draw);
-      addSurface(device, grid, cage.cage, settings);
-      rtcCommitScene(grid);
       settings.compression = GetParam();
-      addSurface(device, scene, cage.cage, settings);
-      rtcCommitScene(scene);
-      thickness = std::max(thickness, double(statisticsOf(scene).maxLeafThickness));
+      const Twins twins(device, cage.cage, settings);
+      thickness = std::max(thickness, double(statisticsOf(twins.scene).maxLeafThickness));
       for (const RTCRayHit& ray : raysFromAround(random, 2000)) {
-        const RTCRayHit f = intersect(fine, ray), a = intersect(grid, ray), b = intersect(scene, ray);
+        const RTCRayHit f = intersect(fine, ray), a = intersect(twins.grid, ray), b = intersect(twins.scene, ray);
         if (!isHit(f) || !isHit(a) || !isHit(b)) continue;
         grids.add(f, a);
         ours.add(f, b);
@@ -169,9 +159,7 @@ TEST_P(ResampledFaces, BlocksWithoutAFrameMeetTheOthers)
   SurfaceSettings settings;
   settings.edgeRates = drawRates(cage, random, rateSets[0].draw);
   settings.compression = GetParam();
-  Scene scene(device);
-  addSurface(device, scene, cage, settings);
-  rtcCommitScene(scene);
+  const SurfaceScene scene(device, cage, settings);
   const RTCCompressionStatistics stats = statisticsOf(scene);
   EXPECT_GT(stats.numQuads, 0u);
   EXPECT_EQ(stats.numGridQuads, 0u);
@@ -205,9 +193,7 @@ TEST_P(ResampledFaces, ChangedRatesAreBuiltAnew)
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_LEVEL, 0);
     rtcCommitGeometry(geometry);
     rtcCommitScene(changing);
-    Scene fresh(device);
-    addSurface(device, fresh, cage, settings);
-    rtcCommitScene(fresh);
+    const SurfaceScene fresh(device, cage, settings);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     EXPECT_EQ(statisticsOf(changing).numQuads, statisticsOf(fresh).numQuads);
     unsigned hits = 0;

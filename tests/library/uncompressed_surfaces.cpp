@@ -70,9 +70,10 @@ TEST(UncompressedSurfaces, FacesOfTooHighRatesLiveBesideCompressedOnes)
   for (int i = 0; i < 4; i++) rates[i] = 300; // face 0; its neighbours' edges keep their own
   SurfaceSettings settings;
   settings.displacement = &displacement;
+  settings.compression = RTC_COMPRESSION_GRID;
   settings.frameLevel = 1;
   settings.edgeRates = rates;
-  const Twins twins(device, cubeCage(), settings, RTC_COMPRESSION_GRID);
+  const Twins twins(device, cubeCage(), settings);
   const RTCCompressionStatistics stats = statisticsOf(twins.scene);
   EXPECT_GT(stats.numQuads, 0u);
   EXPECT_GT(stats.numGridQuads, 0u);

@@ -9,7 +9,6 @@
 
 #include "basics/error.h"
 #include "building/built_scene.h"
-#include "building/subdivision_geometry.h"
 #include "programs/view_options.h"
 #include "scenes/catalogue.h"
 
@@ -31,19 +30,15 @@ struct Welded
 };
 
 /* tolerance: patches compute their common border each for itself. */
-Welded weld(const std::vector<float>& vertices, float tolerance)
+Welded weld(const std::vector<Vec3f>& vertices, float tolerance)
 {
   using Key = std::tuple<long, long, long>;
-  const auto keyOf = [&](float x, float y, float z) {
-    return Key{std::lround(x / tolerance), std::lround(y / tolerance), std::lround(z / tolerance)};
-  };
   Welded welded;
   std::map<Key, size_t> known;
-  for (size_t i = 0; i < vertices.size(); i += 3)
+  for (const Vec3f& p : vertices)
   {
-    const float* const p = &vertices[i];
     size_t found = SIZE_MAX;
-    const auto [x, y, z] = keyOf(p[0], p[1], p[2]);
+    const long x = std::lround(p.x / tolerance), y = std::lround(p.y / tolerance), z = std::lround(p.z / tolerance);
     for (int n = 0; n < 27 && found == SIZE_MAX; n++)
     {
       const auto it = known.find({x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1});
@@ -54,7 +49,7 @@ Welded weld(const std::vector<float>& vertices, float tolerance)
     {
       found = welded.positions.size();
       known[{x, y, z}] = found;
-      welded.positions.push_back({p[0], p[1], p[2]});
+      welded.positions.push_back(p);
     }
     welded.index.push_back(found);
   }
@@ -66,31 +61,8 @@ struct FileClose
   void operator()(FILE* file) const { std::fclose(file); }
 };
 
-void write(const std::string& scene, int level, const std::string& path)
+void writeXml(const std::string& path, const Welded& welded, const PatchLayout& layout)
 {
-  SceneSettings settings;
-  settings.scene = scene;
-  settings.mapFolder = std::filesystem::path(path).parent_path().string();
-  std::string warning;
-  const Model model = loadScene(settings, warning);
-  const PatchLayout layout(model.cage, level);
-
-  std::vector<float> vertices(3 * layout.numVertices());
-  {
-    DisplacementContext capture;
-    capture.displacement = model.displacement.get();
-    capture.level = level;
-    capture.layout = &layout;
-    capture.captured = vertices.data();
-    EmbreeDevice device("subdiv_accel=bvh4.grid.eager");
-    const SceneHandle handle(rtcNewScene(device.handle()));
-    const GeometryHandle geometry = SharedTopology(device, model.cage).makeGeometry(Placement(), capture);
-    rtcAttachGeometry(handle.get(), geometry.get());
-    rtcCommitScene(handle.get());
-    device.check("tessellating");
-  }
-  const Welded welded = weld(vertices, 1e-6f * model.cage.bounds().diagonal());
-
   std::unique_ptr<FILE, FileClose> file(std::fopen(path.c_str(), "w"));
   if (!file)
     throw Error(path + ": cannot be written");
@@ -111,14 +83,29 @@ void write(const std::string& scene, int level, const std::string& path)
     std::fputs("4\n", file.get());
   std::fputs("</faces>\n<material>\n<code>\"OBJ\"</code>\n<parameters>\n<float3 name=\"Kd\">0.7 0.6 0.5</float3>\n"
              "</parameters>\n</material>\n</SubdivisionMesh>\n</Group>\n</scene>\n", file.get());
+}
 
-  BuildSettings build;
-  build.level = level;
+/* As Embree's programs take it. */
+void printFullView(const Model& model, const BuildSettings& build)
+{
   const BuiltScene grid(model, {RepresentationKind::Grid}, build);
   const Camera camera = chooseCamera("full", model, grid, {512, 512}, 1);
   const Vec3f e = camera.eye(), l = camera.lookAt(), u = model.view.up;
   std::printf("--vp %g %g %g --vi %g %g %g --vu %g %g %g --fov %g\n", e.x, e.y, e.z, l.x, l.y, l.z, u.x, u.y, u.z,
               camera.fov());
+}
+
+void write(const std::string& scene, int level, const std::string& path)
+{
+  SceneSettings settings;
+  settings.scene = scene;
+  settings.mapFolder = std::filesystem::path(path).parent_path().string();
+  std::string warning;
+  const Model model = loadScene(settings, warning);
+  BuildSettings build;
+  build.level = level;
+  writeXml(path, weld(tessellate(model, build), 1e-6f * model.cage.bounds().diagonal()), model.layout(level));
+  printFullView(model, build);
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 
 #include "support/grid_agreement.h"
 #include "kernels/cbvh/build/frame_map.h"
+#include "kernels/cbvh/codec/local_ray.h"
 #include "kernels/cbvh/codec/tree.h"
 #include "support/scene_blocks.h"
 
@@ -65,35 +66,80 @@ bool isNearGrid(RTCScene grid, const Vec& p, float distance)
   return false;
 }
 
-// Distance from a point to the farthest corner of the boxes of the leaves that report
-// these parameters: no part of their quads is farther. Several on the border of two.
-float reachOfLeaf(const std::vector<const Block*>& blocks, const RTCRayHit& r)
+// Box of a leaf, as FORMAT.md has it: words of nodes down to the last level, whose words are
+// those of groups in cLEAF. A block has as many levels as its layout says.
+NodeBox leafBox(const Block* block, uint32_t leaf)
 {
-  const Vec point = hitPoint(r);
-  double reach = 0;
+  const uint32_t levels = block->layout().nodeLevels;
+  NodeBox box = rootBox();
+  for (uint32_t level = 0; level < levels; level++)
+    box = childBox(block, level, leaf >> 2*(levels - level), (leaf >> 2*(levels - level - 1)) & 3, box);
+  return box;
+}
+
+// What the leaves that report a hit's parameters say of its place; several on the border of two.
+struct LeafOfHit
+{
+  bool exists = false;
+  double outside = INFINITY; // of the nearest one's box, in the error that rays are widened by
+  double reach = 0;          // to the farthest corner of those boxes that the hit is in
+};
+
+// In the frame W is 1 over a linear form: over the block's box it is least at a corner.
+double leastW(const FrameMap& map)
+{
+  double least = INFINITY;
+  for (int c = 0; c < 8; c++) {
+    Double3 p;
+    EXPECT_TRUE(unproject(map, c & 1, (c >> 1) & 1, c >> 2, p));
+    least = std::min(least, map.W(p));
+  }
+  return least;
+}
+
+// The traversal widens boxes by the error of its ray, which is divided by the lesser W of the two
+// ends of the ray in the block (local_ray.h). The hit's t is rounded, which is as much at most.
+constexpr double hitError = 2;
+
+LeafOfHit leafOfHit(const std::vector<const Block*>& blocks, const RTCRayHit& r)
+{
+  const double t = r.ray.tfar;
+  const float org[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z}, dir[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
+  double point[3];
+  for (int k = 0; k < 3; k++) point[k] = double(org[k]) + t*double(dir[k]);
+  LeafOfHit found;
   for (const Block* block : blocks) {
     if (block->primID != r.hit.primID) continue;
-    const double rounding = 1e-3, quads = 1u << block->height();
-    const double x = (r.hit.u - cornerUOf(block->tiling)*0.5)*block->quadsX() - blockXOf(block->info)*quads;
-    const double y = (r.hit.v - cornerVOf(block->tiling)*0.5)*block->quadsY() - blockYOf(block->info)*quads;
+    const double cells = 1u << block->layout().nodeLevels, quads = 1u << block->height();
+    const double x = ((r.hit.u - cornerUOf(block->tiling)*0.5)*block->quadsX() - blockXOf(block->info)*quads)*cells/quads;
+    const double y = ((r.hit.v - cornerVOf(block->tiling)*0.5)*block->quadsY() - blockYOf(block->info)*quads)*cells/quads;
     const FrameMap map = frameMap(block);
+    const Double3 p = {point[0] - block->centre[0], point[1] - block->centre[1], point[2] - block->centre[2]};
+    const double W = map.W(p), local[3] = {map.X(p)/W, map.Y(p)/W, map.Z(p)/W};
+    double distance = 0, error[3];
+    for (int k = 0; k < 3; k++) distance = std::max(distance, std::fabs(double(org[k]) - double(block->centre[k])));
+    for (int k = 0; k < 3; k++) error[k] = rayEpsilon(*block, distance, k)/leastW(map);
+    const double rounding = 1e-3; // of parameters
     for (double i = std::floor(x - rounding); i <= x + rounding; i++)
       for (double j = std::floor(y - rounding); j <= y + rounding; j++) {
-        if (i < 0 || j < 0 || i >= quads || j >= quads) continue;
-        const uint32_t leaf = morton(uint32_t(i), uint32_t(j));
-        NodeBox box = rootBox();
-        for (uint32_t level = 0; level < block->height(); level++) {
-          const uint32_t m = leaf >> 2*(block->height() - level), child = (leaf >> 2*(block->height() - level - 1)) & 3;
-          box = decodeChild(block->nodes()[nodesOfLevels(level) + m], int(child), box);
+        if (i < 0 || j < 0 || i >= cells || j >= cells) continue;
+        found.exists = true;
+        const NodeBox box = leafBox(block, morton(uint32_t(i), uint32_t(j)));
+        double outside = 0;
+        for (int axis = 0; axis < 3; axis++) {
+          const double beyond = std::max(box.lower[axis] - local[axis], local[axis] - upperOf(box, axis));
+          outside = std::max(outside, beyond/error[axis]);
         }
+        found.outside = std::min(found.outside, outside);
+        if (outside > hitError) continue;
         for (int c = 0; c < 8; c++) {
-          Double3 p;
-          EXPECT_TRUE(unproject(map, c & 1 ? upperOf(box, 0) : box.lower[0], c & 2 ? upperOf(box, 1) : box.lower[1], c & 4 ? upperOf(box, 2) : box.lower[2], p));
-          reach = std::max(reach, length(Double3{p.x + block->centre[0] - point[0], p.y + block->centre[1] - point[1], p.z + block->centre[2] - point[2]}));
+          Double3 q;
+          EXPECT_TRUE(unproject(map, c & 1 ? upperOf(box, 0) : box.lower[0], c & 2 ? upperOf(box, 1) : box.lower[1], c & 4 ? upperOf(box, 2) : box.lower[2], q));
+          found.reach = std::max(found.reach, length(q - p));
         }
       }
   }
-  return float(reach);
+  return found;
 }
 
 void expectNearGrid(RTCScene grid, const std::vector<const Block*>& blocks, const RTCRayHit& hit, float slack)
@@ -103,8 +149,10 @@ void expectNearGrid(RTCScene grid, const std::vector<const Block*>& blocks, cons
   ASSERT_GE(hit.hit.v, 0);
   const double n2 = double(hit.hit.Ng_x)*hit.hit.Ng_x + double(hit.hit.Ng_y)*hit.hit.Ng_y + double(hit.hit.Ng_z)*hit.hit.Ng_z;
   ASSERT_GT(n2, 0);
-  const float reach = slack + reachOfLeaf(blocks, hit);
-  ASSERT_GT(reach, 0) << "no leaf has these parameters: face " << hit.hit.primID << ", " << hit.hit.u << ", " << hit.hit.v;
+  const LeafOfHit leaf = leafOfHit(blocks, hit);
+  ASSERT_TRUE(leaf.exists) << "no leaf has these parameters: face " << hit.hit.primID << ", " << hit.hit.u << ", " << hit.hit.v;
+  ASSERT_LE(leaf.outside, hitError) << "a hit outside of its leaf's box: face " << hit.hit.primID << ", " << hit.hit.u << ", " << hit.hit.v;
+  const float reach = slack + float(leaf.reach);
   ASSERT_TRUE(isNearGrid(grid, hitPoint(hit), reach)) << "nothing within " << reach << " of a hit";
 }
 
@@ -141,10 +189,11 @@ void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
   EXPECT_GT(hits, rays.size()/10);
 }
 
-void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, RTCCompression compression,
-                       float rate, const Cage& cage, const Displacement& displacement)
+void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, const Cage& cage,
+                       const SurfaceSettings& settings)
 {
-  const float thickness = statisticsOf(scene).maxLeafThickness;
+  const Displacement& displacement = *settings.displacement;
+  const float thickness = statisticsOf(scene).maxLeafThickness, rate = settings.rate;
   // Catmull-Clark pulls faces of high valence together, to about half their width.
   const float quad = edgeLengths(cage).second/rate, narrow = 0.5f*edgeLengths(cage).first/rate;
   const std::vector<const Block*> blocks = sceneBlocks(scene);
@@ -157,7 +206,7 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     ASSERT_EQ(occluded(scene, ray), isHit(b));
     hits += isHit(a);
     if (isHit(a) && !isHit(b)) {
-      ASSERT_NE(compression, RTC_COMPRESSION_VOXEL) << "a box contains the surface: no misses";
+      ASSERT_NE(settings.compression, RTC_COMPRESSION_VOXEL) << "a box contains the surface: no misses";
       double m[3];
       unitNormal(a, m);
       const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};

@@ -6,8 +6,8 @@
 /* A compressed surface against GRID's of the same cage. cGRID finds GRID's hits to a few
  * ulps. cVOXEL and cLEAF are approximate:
  *
- *   - where they hit and GRID does not, and where both hit, GRID's surface lies within
- *     the box of the leaf, as that contains its quad;
+ *   - where they hit, the place is in the box of the leaf that reports it, which contains its
+ *     quad: GRID's surface is no farther than the box's farthest corner;
  *   - where GRID hits, so do they: cVOXEL always, as boxes contain the surface, cLEAF
  *     unless the ray grazes, as its patches bound the vertices of a quad, which a
  *     triangle between them may leave;
@@ -21,12 +21,13 @@ namespace cbvh::test {
 
 void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, const Cage& cage);
 
-// All of the above; rate, displacement: those of the surface.
-void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, RTCCompression compression,
-                       float rate, const Cage& cage, const Displacement& displacement);
+// All of the above; settings: those of the scene's surface, with a displacement.
+void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, const Cage& cage,
+                       const SurfaceSettings& settings);
 
-// Whatever the surface: every hit is within its leaf's box of GRID's, and closest and any
-// hit agree. slack: for tessellations that differ, and what is not compressed.
+// Whatever the surface: every hit lies in the box of the leaf whose parameters it has, GRID's
+// surface is no farther from it than that box's farthest corner, and closest and any hit agree.
+// slack: for tessellations that differ.
 void expectHitsNearGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, float slack = 0);
 
 // Rays that start inside a closed surface hit it. Where GRID's triangles let a ray

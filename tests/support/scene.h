@@ -260,16 +260,16 @@ public:
   }
 };
 
-// The same surface by GRID and compressed.
+// The same surface by GRID, and compressed as the settings say.
 struct Twins
 {
-  Twins(RTCDevice device, const Cage& cage, const SurfaceSettings& settings, RTCCompression compression)
-    : grid(device, cage, with(settings, RTC_COMPRESSION_NONE)), scene(device, cage, with(settings, compression)) {}
+  Twins(RTCDevice device, const Cage& cage, const SurfaceSettings& settings)
+    : grid(device, cage, uncompressed(settings)), scene(device, cage, settings) {}
 
   SurfaceScene grid, scene;
 
 private:
-  static SurfaceSettings with(SurfaceSettings settings, RTCCompression compression) { settings.compression = compression; return settings; }
+  static SurfaceSettings uncompressed(SurfaceSettings settings) { settings.compression = RTC_COMPRESSION_NONE; return settings; }
 };
 
 inline RTCCompressionStatistics statisticsOf(RTCScene scene)

@@ -256,8 +256,8 @@ private:
         if (what.kind == RepresentationKind::CLeaf && what.frameLevel != autoFrameLevel)
         {
           const auto bins = [&](const std::vector<size_t>& sample) {
-            return heightBins({model, *surface, view.primary, sample, footprint}, view.gridHits, b.scene->layout(),
-                            group.level, what.frameLevel, threads);
+            return heightBins({model, *surface, view.primary, sample, footprint}, view.gridHits,
+                              {b.scene->layout(), group.level, what.frameLevel}, threads);
           };
           result.bins = bins(view.sample);
           result.binsAway = bins(view.sampleAway);
@@ -274,7 +274,10 @@ private:
           b.result->checks.shadows.push_back(std::move(check));
     }
     if (options.checks.any() && b.scene.get() != grid)
+    {
       b.result->checks.leaks = robustness->leaks(*grid, *b.scene);
+      b.result->checks.sheets = robustness->sheets(*b.scene);
+    }
   }
 
   void prepareChecks()

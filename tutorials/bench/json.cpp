@@ -43,6 +43,11 @@ json leaksJson(const LeakCounts& c)
   return j;
 }
 
+json sheetsJson(const SheetCrossings& c)
+{
+  return {{"sheets", c.sheets}, {"rays", c.rays}, {"closest", c.closest}, {"any", c.any}, {"missed_by_grid", c.ofGrid}, {"examples", c.examples}};
+}
+
 json shadowJson(const ShadowErrors& e)
 {
   return {{"false_occlusions", e.falseOcclusions}, {"false_passes", e.falsePasses}};
@@ -145,6 +150,8 @@ json resultJson(const VariantResult& r)
     j["speed"].push_back(speedJson(s));
   if (r.checks.leaks)
     j["leaks"] = leaksJson(*r.checks.leaks);
+  if (r.checks.sheets)
+    j["sheets"] = sheetsJson(*r.checks.sheets);
   for (const ShadowCheck& c : r.checks.shadows)
     j["shadows"].push_back(shadowsJson(c));
   return j;
@@ -162,6 +169,14 @@ std::string checkLines(const CheckResult& checks)
                   c.ofScene.closest, c.ofScene.any, c.ofScene.through, c.ofGrid.closest, c.ofGrid.any,
                   c.ofGrid.through);
     out += line;
+  }
+  if (checks.sheets)
+  {
+    std::snprintf(line, sizeof(line), "    through %zu random sheets, of %zu rays: closest %zu, any %zu (GRID, too: %zu)\n", checks.sheets->sheets,
+                  checks.sheets->rays, checks.sheets->closest, checks.sheets->any, checks.sheets->ofGrid);
+    out += line;
+    for (const std::string& example : checks.sheets->examples)
+      out += "      " + example + "\n";
   }
   for (const ShadowCheck& c : checks.shadows)
   {

@@ -174,10 +174,10 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   app.add_option("--build-threads", o.buildThreads, "threads that build, 0 for all")
     ->type_name("N")->capture_default_str();
   app.add_option("--check", checks,
-                 "leaks (rays out of closed surfaces), shadows (secondary rays from own hits against GRID's),\n"
+                 "leaks (rays out of closed surfaces), sheets (rays through random sheets), shadows (secondary rays from own hits against GRID's),\n"
                  "offsets (shadows at many offsets)")
     ->type_name("LIST");
-  app.add_option("--check-rays", o.checks.rays, "rays that look for leaks, a representation")
+  app.add_option("--check-rays", o.checks.rays, "rays that look for leaks or cross sheets, a representation")
     ->type_name("N")->capture_default_str();
   app.add_option("--position", position, "moves models there: x,y,z")->type_name("P");
   app.add_option("--max-error", o.maxError, "bound on the thickness of leaves where the frame level is auto, in\n"

@@ -32,12 +32,14 @@ void Checks::add(const std::string& name)
 {
   if (name == "leaks")
     leaks = true;
+  else if (name == "sheets")
+    sheets = true;
   else if (name == "shadows")
     shadows = true;
   else if (name == "offsets")
     offsets = true;
   else
-    throw Error("unknown --check '" + name + "', known are leaks, shadows and offsets");
+    throw Error("unknown --check '" + name + "', known are leaks, sheets, shadows and offsets");
 }
 
 Robustness::Robustness(const Model& model, const BuildSettings& settings, const std::vector<int>& frameLevels,
@@ -51,7 +53,7 @@ Robustness::Robustness(const Model& model, const BuildSettings& settings, const 
   for (int frameLevel : frameLevels)
     if (!points.count(blockLevel(frameLevel)))
       points[blockLevel(frameLevel)] =
-        pickAimPoints(layout, vertices, level, blockLevel(frameLevel), pointsOfKind, seed);
+        pickAimPoints({layout, level, blockLevel(frameLevel)}, vertices, pointsOfKind, seed);
   double sum = 0;
   for (const AimPoint& point : points.begin()->second[AtVertex])
     sum += length(point.neighbour - point.position);
@@ -74,6 +76,22 @@ std::optional<LeakCounts> Robustness::leaks(const BuiltScene& grid, const BuiltS
   settings.thickness = scene.report().compression.maxLeafThickness;
   return countLeaks(grid.handle(), scene.handle(), points.at(blockLevel(scene.representation().frameLevel)), settings,
                     threads);
+}
+
+std::optional<SheetCrossings> Robustness::sheets(const BuiltScene& scene) const
+{
+  if (!checks.sheets || !scene.representation().isCompressed())
+    return std::nullopt;
+  SheetSettings settings;
+  settings.rays = checks.rays;
+  settings.seed = seed;
+  const RepresentationKind kind = scene.representation().kind;
+  const EmbreeDevice device("");
+  return crossSheets(device.handle(),
+                     kind == RepresentationKind::CGrid    ? RTC_COMPRESSION_GRID
+                     : kind == RepresentationKind::CVoxel ? RTC_COMPRESSION_VOXEL
+                                                          : RTC_COMPRESSION_LEAF,
+                     settings, threads);
 }
 
 std::vector<ShadowCheck> Robustness::shadows(const BuiltScene& grid, const BuiltScene& scene, const CheckedView& view,
@@ -107,8 +125,8 @@ std::vector<ShadowCheck> Robustness::shadows(const BuiltScene& grid, const Built
       settings.length = length;
       settings.seed = seed;
       all.push_back({view.name, o.name, o.offset, length,
-                     compareShadows(grid.handle(), view.gridHits, scene.handle(), hits, view.primary, view.footprint,
-                                    settings, threads)});
+                     compareShadows({grid.handle(), view.gridHits}, {scene.handle(), hits},
+                                    {view.primary, view.footprint}, settings, threads)});
     }
   return all;
 }

@@ -3,12 +3,13 @@
 
 #pragma once
 
-/* What --check measures: rays that leak out of closed surfaces, and secondary rays that
- * see another thing than GRID's. */
+/* What --check measures: rays that leak out of closed surfaces or through random sheets, and
+ * secondary rays that see another thing than GRID's. */
 
 #include "building/built_scene.h"
 #include "measure/leak_rays.h"
 #include "measure/self_shadow.h"
+#include "measure/sheet_crossings.h"
 
 #include <map>
 #include <optional>
@@ -20,11 +21,12 @@ namespace cbvh {
 struct Checks
 {
   bool leaks = false;
+  bool sheets = false;
   bool shadows = false;      // at Embree's offset, a fraction of the scene, and half a quad
   bool offsets = false;      // at many offsets
-  size_t rays = 1000000;     // for leaks, a representation
+  size_t rays = 1000000;     // for leaks and for sheets, a representation
 
-  bool any() const { return leaks || shadows || offsets; }
+  bool any() const { return leaks || sheets || shadows || offsets; }
 
   /* By its name, as above. Throws Error. */
   void add(const std::string& name);
@@ -42,6 +44,7 @@ struct ShadowCheck
 struct CheckResult
 {
   std::optional<LeakCounts> leaks;
+  std::optional<SheetCrossings> sheets;
   std::vector<ShadowCheck> shadows;
 };
 
@@ -63,6 +66,9 @@ public:
              const Checks& checks, uint32_t seed);
 
   std::optional<LeakCounts> leaks(const BuiltScene& grid, const BuiltScene& scene) const;
+
+  /* Of the representation of a scene, through sheets of its own. None for NAIVE and GRID. */
+  std::optional<SheetCrossings> sheets(const BuiltScene& scene) const;
 
   /* hits: of the view's primary rays in the scene. */
   std::vector<ShadowCheck> shadows(const BuiltScene& grid, const BuiltScene& scene, const CheckedView& view,

@@ -227,7 +227,7 @@ private:
     ShadowSettings settings;
     settings.offset.length = options.rayOffset * scene.bounds().diagonal();
     settings.raysPerHit = options.ambientRays;
-    return ambientOcclusion(scene.handle(), primary, hits, footprint, settings, threads);
+    return ambientOcclusion({scene.handle(), hits}, {primary, footprint}, settings, threads);
   }
 
   /* In turns with GRID, which goes first in every other round. */

@@ -16,7 +16,7 @@
 
 namespace embree
 {
-  namespace cbvh { inline namespace CBVH_TARGET
+  namespace cbvh { inline namespace CBVH_ISA
   {
     /*! area of a quad in the frame, relative to that of a leaf, below which it is much
      *  smaller: leaves 16 times as wide as their quads are no picture of them */

@@ -42,7 +42,7 @@
 
 namespace embree
 {
-  namespace cbvh { inline namespace CBVH_TARGET
+  namespace cbvh { inline namespace CBVH_ISA
   {
     static constexpr double maxWRatio = 4.0;
 

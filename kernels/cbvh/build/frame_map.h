@@ -11,7 +11,7 @@
 
 namespace embree
 {
-  namespace cbvh { inline namespace CBVH_TARGET
+  namespace cbvh { inline namespace CBVH_ISA
   {
     /*! coordinates that count as finite: Embree's own limit for rays and bounds */
     static constexpr float maxCoordinate = 1.844e18f;

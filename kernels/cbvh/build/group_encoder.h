@@ -10,7 +10,7 @@
 
 namespace embree
 {
-  namespace cbvh { inline namespace CBVH_TARGET
+  namespace cbvh { inline namespace CBVH_ISA
   {
     /*! how far the edges on the border reach into their leaves' boxes */
     inline double borderWidth(const QuadGroup& group, const EncodedGroup& encoded, const NodeBox& parent)

@@ -12,7 +12,7 @@
 
 namespace embree
 {
-  namespace cbvh { inline namespace CBVH_TARGET
+  namespace cbvh { inline namespace CBVH_ISA
   {
     /*! narrower cells of a lattice would extrapolate their patches too far */
     static constexpr double minCellWidth = 1.0/16;

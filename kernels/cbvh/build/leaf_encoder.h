@@ -11,7 +11,7 @@
 
 namespace embree
 {
-  namespace cbvh { inline namespace CBVH_TARGET
+  namespace cbvh { inline namespace CBVH_ISA
   {
     class LeafEncoder
     {

@@ -11,7 +11,7 @@
 
 namespace embree
 {
-  namespace cbvh { inline namespace CBVH_TARGET
+  namespace cbvh { inline namespace CBVH_ISA
   {
     /*! the plane nearest to the four vertices of a quad, over its leaf's box: heights at
      *  corners (0,0), (1,0), (0,1). Damped, so that a direction without extent gets no slope. */

@@ -10,7 +10,7 @@
 
 namespace embree
 {
-  namespace cbvh { inline namespace CBVH_TARGET
+  namespace cbvh { inline namespace CBVH_ISA
   {
     /*! 2 x 2 quads in the frame of their block */
     struct QuadGroup

@@ -38,6 +38,13 @@ CBVH_REAL CBVH_FUNCTION Real parabolaRoot (CBVH_OF(Parabola) f)
   return clampToUnit(q/f.saddle);
 }
 
+/*! what closes one side of a block: up to reach below the patch, within width of that side;
+ *  epsilon: of z */
+CBVH_REAL struct Lip
+{
+  Real width, reach, epsilon;
+};
+
 /*! where a ray meets a lip */
 CBVH_REAL struct LipMeeting
 {
@@ -45,27 +52,27 @@ CBVH_REAL struct LipMeeting
   Real k;  //!< a place within reach, or the first one near the side
 };
 
-/*! Whether a ray meets the lip that closes one side of the block: what is up to reach below
- *  the patch, within width of that side. p0, p1: the ray's position at entry and exit, from
- *  0 at that side to 1 at the other. Over that part f is largest and smallest at its ends
- *  or at its vertex. epsilon: of z. */
-CBVH_REAL CBVH_FUNCTION CBVH_OF(LipMeeting) meetLip (CBVH_OF(Parabola) f, Real p0, Real p1, Real width, Real reach, Real epsilon)
+/*! Whether a ray meets the lip of a side. p0, p1: the ray's position at entry and exit, from
+ *  0 at that side to 1 at the other. Over the part near the side f is largest and smallest at
+ *  its ends or at its vertex. */
+CBVH_REAL CBVH_FUNCTION CBVH_OF(LipMeeting) meetLip (CBVH_OF(Parabola) f, Real p0, Real p1, CBVH_OF(Lip) lip)
 {
-  CBVH_OF(LipMeeting) lip;
-  lip.met = false;
+  CBVH_OF(LipMeeting) at;
+  at.met = false;
+  at.k = Real(0);
   Real k0 = Real(0), k1 = Real(1);
-  lip.k = k0;
-  if (p0 > width) {
-    if (p1 > width) return lip;
-    k0 = (width-p0)/(p1-p0);
+  if (p0 > lip.width) {
+    if (p1 > lip.width) return at;
+    k0 = (lip.width-p0)/(p1-p0);
   }
-  else if (p1 > width) k1 = (width-p0)/(p1-p0);
+  else if (p1 > lip.width) k1 = (lip.width-p0)/(p1-p0);
 
   Real vertex = Real(0.5f) + Real(0.5f)*(f.f1-f.f0)/f.saddle;
   bool hasVertex = vertex > k0 && vertex < k1;
   Real lowest = Real(beyondAll), highest = Real(-beyondAll);
+  Real bottom = -(lip.reach+lip.epsilon);
   bool inside = false;
-  lip.k = k0;
+  at.k = k0;
   for (int i=0; i<3; i++)
   {
     if (i == 2 && !hasVertex) continue;
@@ -73,10 +80,10 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(LipMeeting) meetLip (CBVH_OF(Parabola) f, Real p
     Real value = parabolaAt(f,k);
     lowest = lesser(lowest,value);
     highest = greater(highest,value);
-    if (!inside && value <= epsilon && value >= -(reach+epsilon)) { inside = true; lip.k = k; }
+    if (!inside && value <= lip.epsilon && value >= bottom) { inside = true; at.k = k; }
   }
-  lip.met = lowest <= epsilon && highest >= -(reach+epsilon);
-  return lip;
+  at.met = lowest <= lip.epsilon && highest >= bottom;
+  return at;
 }
 
 /* --- patches ------------------------------------------------------------------------- */
@@ -144,25 +151,23 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(Crossing) crossPatch (CBVH_OF(Segment) segment, 
   return x;
 }
 
-/*! whether a ray meets a lip of leaf (x,y), and where: s */
-CBVH_REAL CBVH_FUNCTION CBVH_OF(LipMeeting) meetLipsOfLeaf (CBVH_OF(Crossing) x, LeafPatch leaf, uint32_t leafX, uint32_t leafY, uint32_t last,
-                                                            Real width, Real epsilon)
+/*! Whether a ray meets a lip of leaf (leafX,leafY), and where, from entry to exit.
+ *  last: leaf of a side of the block */
+CBVH_REAL CBVH_FUNCTION CBVH_OF(LipMeeting) meetLipsOfLeaf (CBVH_OF(Crossing) x, uint32_t leafX, uint32_t leafY, uint32_t last, CBVH_OF(Lip) lip)
 {
-  CBVH_OF(LipMeeting) lip;
-  lip.met = false;
-  lip.k = x.s0;
+  CBVH_OF(LipMeeting) at;
+  at.met = false;
+  at.k = Real(0);
   for (int side=0; side<4; side++)
   {
     uint32_t cell = side < 2 ? leafX : leafY;
     bool upper = (side & 1) != 0;
-    if (lip.met || cell != (upper ? last : 0u)) continue;
+    if (at.met || cell != (upper ? last : 0u)) continue;
     Real p0 = side < 2 ? x.u0 : x.v0, p1 = side < 2 ? x.u1 : x.v1;
     if (upper) { p0 = Real(1)-p0; p1 = Real(1)-p1; }
-    CBVH_OF(LipMeeting) at = meetLip(x.f,p0,p1,width,Real(0.5f*leaf.thickness),epsilon);
-    if (at.met) lip.k = x.s0 + at.k*(x.s1-x.s0);
-    lip.met = at.met;
+    at = meetLip(x.f,p0,p1,lip);
   }
-  return lip;
+  return at;
 }
 
 CBVH_END

@@ -3,7 +3,7 @@
 
 /* Where a ray hits the surface of a cLEAF block: the decision alone. How a ray crosses a
  * leaf is measured elsewhere (crossing.h; four leaves at once: trace/patch_crossing4.h), and what becomes
- * of a hit, too. FORMAT.md has the rule as a table, which a test compares with this code.
+ * of a hit, too. FORMAT.md has the rule as tables, which a test compares with this code.
  *
  * Along a ray
  *
@@ -19,8 +19,8 @@
  * remembers on which side it left the last leaf, or passed the last box. It hits
  *
  * - at the entry of a leaf, if it enters on the other side;
- * - where it left a leaf within half a thickness, if it then passes over (under) the boxes
- *   that come next, but was under (over) that leaf;
+ * - where it left a leaf that it was within half a thickness of, if it then passes over (under)
+ *   the boxes that come next, but was under (over) that leaf;
  * - a lip at the border of the block, as the neighbour is in another block, which knows
  *   nothing of the ray's side.
  *
@@ -70,7 +70,7 @@ CBVH_CONSTANT uint32_t sideUnknown = 0u, sideBelow = 1u, sideAbove = 2u;
 struct WalkState
 {
   uint32_t side;    //!< on which it left the last leaf, or passed the last box
-  bool pending;     //!< it left a leaf within half a thickness, and nothing was passed since
+  bool pending;     //!< it was near the patch of the leaf that it left last, and has not changed its side since
   bool fromSurface; //!< it starts in a leaf, within half a thickness
   bool found;       //!< a hit was accepted
 };

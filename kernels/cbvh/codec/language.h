@@ -30,11 +30,11 @@
 
 #else
 
-#include "target.h"
+#include "isa_namespace.h"
 #include <cmath>
 #include <cstdint>
 
-#define CBVH_BEGIN namespace embree { namespace cbvh { inline namespace CBVH_TARGET {
+#define CBVH_BEGIN namespace embree { namespace cbvh { inline namespace CBVH_ISA {
 #define CBVH_END }}}
 #define CBVH_FUNCTION inline
 #define CBVH_CONSTANT static constexpr

@@ -33,8 +33,9 @@ CBVH_BEGIN
 CBVH_CONSTANT float distanceUlps = 4.0f;
 CBVH_CONSTANT float unitUlps = 8.0f;
 
-/*! from the centre of its box no point of a block is farther than its longest side by this:
- *  sqrt(3)/2, less what the box is smaller than 1/stretch */
+/*! How far a box reaches from its centre, in parts of 1/(the least stretch of x, y and z). Where
+ *  its sides are at right angles it is at most sqrt(3) of that long, and reaches sqrt(3)/2 of its
+ *  length: the 3/2 ulps that are lost there are less than distanceUlps of this. */
 CBVH_CONSTANT float reachOfBox = 0.75f;
 
 /*! farther than any parameter of a ray */
@@ -62,6 +63,13 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(Range) clipRange (CBVH_OF(Range) range, Real o, 
   else if (o < Real(0)) range.upper = Real(-beyondAll);
   return range;
 }
+
+/*! a ray in the world, from tnear to tfar in units of dir */
+CBVH_REAL struct WorldRay
+{
+  Real org[3], dir[3];
+  Real tnear, tfar;
+};
 
 /*! part of a ray in the frame */
 CBVH_REAL struct Segment
@@ -94,13 +102,13 @@ CBVH_REAL CBVH_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int k
 
 /*! Clips a ray to the box of a block and takes it to the frame.
  *  widening: of epsilon, 1 as in the SIMD path. */
-CBVH_REAL CBVH_FUNCTION CBVH_OF(Segment) enterBlock (BlockHeader block, Real org[3], Real dir[3], Real tnear, Real tfar, Real widening)
+CBVH_REAL CBVH_FUNCTION CBVH_OF(Segment) enterBlock (BlockHeader block, CBVH_OF(WorldRay) ray, Real widening)
 {
   Real o[3], od = Real(0), dd = Real(0), distance = Real(0);
   for (int i=0; i<3; i++) {
-    o[i] = org[i] - Real(block.centre[i]);
-    od += o[i]*dir[i];
-    dd += dir[i]*dir[i];
+    o[i] = ray.org[i] - Real(block.centre[i]);
+    od += o[i]*ray.dir[i];
+    dd += ray.dir[i]*ray.dir[i];
     distance = greater(distance,magnitude(o[i]));
   }
   /* nearest to the centre */
@@ -111,8 +119,8 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(Segment) enterBlock (BlockHeader block, Real org
     O[k] = k == 3 ? Real(1) : Real(0.5f);
     D[k] = Real(0);
     for (int i=0; i<3; i++) {
-      O[k] += (o[i] + tref*dir[i])*Real(block.columns[i][k]);
-      D[k] += dir[i]*Real(block.columns[i][k]);
+      O[k] += (o[i] + tref*ray.dir[i])*Real(block.columns[i][k]);
+      D[k] += ray.dir[i]*Real(block.columns[i][k]);
     }
   }
 
@@ -124,9 +132,10 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(Segment) enterBlock (BlockHeader block, Real org
     inBox = clipRange(inBox,O[k]+segment.epsilon[k],D[k]);
     inBox = clipRange(inBox,O[3]-O[k]+segment.epsilon[k],D[3]-D[k]);
   }
-  segment.startClipped = tnear-tref > inBox.lower;
-  segment.endClipped = tfar-tref < inBox.upper;
-  Real tau0 = greater(tnear-tref,inBox.lower), tau1 = lesser(tfar-tref,inBox.upper);
+  Real tauNear = ray.tnear-tref, tauFar = ray.tfar-tref;
+  segment.startClipped = tauNear > inBox.lower;
+  segment.endClipped = tauFar < inBox.upper;
+  Real tau0 = greater(tauNear,inBox.lower), tau1 = lesser(tauFar,inBox.upper);
   segment.t0 = tref + tau0;
   segment.t1 = tref + tau1;
   segment.w0 = O[3] + tau0*D[3];

@@ -11,7 +11,7 @@
 
 CBVH_BEGIN
 
-CBVH_REAL struct Normal
+CBVH_REAL struct Vector
 {
   Real x[3];
 };
@@ -19,10 +19,10 @@ CBVH_REAL struct Normal
 /*! World normal, not of unit length, of the plane z = slopeX x + slopeY y + const through a
  *  point of the frame. A plane (a,b,c,d) of homogeneous frame coordinates is the plane
  *  (a,b,c,d) M of the world: no inverse is needed. */
-CBVH_REAL CBVH_FUNCTION CBVH_OF(Normal) worldNormal (BlockHeader block, Real px, Real py, Real pz, Real slopeX, Real slopeY)
+CBVH_REAL CBVH_FUNCTION CBVH_OF(Vector) worldNormal (BlockHeader block, CBVH_OF(Vector) p, Real slopeX, Real slopeY)
 {
-  CBVH_OF(Normal) normal;
-  Real k = pz - slopeX*px - slopeY*py;
+  CBVH_OF(Vector) normal;
+  Real k = p.x[2] - slopeX*p.x[0] - slopeY*p.x[1];
   for (int i=0; i<3; i++)
     normal.x[i] = Real(block.columns[i][2]) - slopeX*Real(block.columns[i][0]) - slopeY*Real(block.columns[i][1]) - k*Real(block.columns[i][3]);
   return normal;

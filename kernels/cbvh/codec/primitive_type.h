@@ -11,7 +11,7 @@
 
 namespace embree
 {
-  namespace cbvh { inline namespace CBVH_TARGET
+  namespace cbvh { inline namespace CBVH_ISA
   {
     enum PrimitiveType : uint32_t { GRID_SOA_QUADS = 0, GRID_SOA_ROOT = 1, FIRST_BLOCK = 2 };
 

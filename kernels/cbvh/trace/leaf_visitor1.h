@@ -87,7 +87,7 @@ namespace embree
           const uint32_t leaf = this->child(m,i), last = this->numLeaves-1;
           const uint32_t cell[2] = { mortonX(leaf), mortonY(leaf) };
           const float p0[2] = { x.u0[i], x.v0[i] }, p1[2] = { x.u1[i], x.v1[i] };
-          const float width = borderWidthOf(this->block->info), reach = patch.reach[i], epsilon = this->mirrored.epsilonZ;
+          const Lip<float> lip = { borderWidthOf(this->block->info),patch.reach[i],this->mirrored.epsilonZ };
           const float sign = this->mirrored.flip[2] ? -1.0f : 1.0f;
           const Parabola<float> f = { sign*x.f0[i], sign*x.f1[i], sign*x.saddle[i] }; // lips are below in the frame
           for (int axis=0; axis<2; axis++)
@@ -95,9 +95,9 @@ namespace embree
             {
               if (cell[axis] != (upper ? last : 0)) continue;
               const bool far = upper != this->mirrored.flip[axis];
-              const LipMeeting<float> lip = meetLip(f,far ? 1.0f-p0[axis] : p0[axis],far ? 1.0f-p1[axis] : p1[axis],width,reach,epsilon);
-              if (!lip.met) continue;
-              s = x.s0[i] + lip.k*(x.s1[i]-x.s0[i]);
+              const LipMeeting<float> at = meetLip(f,far ? 1.0f-p0[axis] : p0[axis],far ? 1.0f-p1[axis] : p1[axis],lip);
+              if (!at.met) continue;
+              s = x.s0[i] + at.k*(x.s1[i]-x.s0[i]);
               return true;
             }
           return false;

@@ -16,18 +16,12 @@
 #include "../codec/tree.h"
 #include <limits>
 #include <utility>
+#include <vector>
 
 namespace embree
 {
-  namespace cbvh { inline namespace CBVH_TARGET
+  namespace cbvh { inline namespace CBVH_ISA
   {
-    template<typename Real>
-    struct ScalarRay
-    {
-      Real org[3], dir[3];
-      Real tnear = 0, tfar = std::numeric_limits<Real>::infinity();
-    };
-
     template<typename Real>
     struct ScalarHit
     {
@@ -42,18 +36,20 @@ namespace embree
     class ScalarIntersector
     {
     public:
-      typedef ScalarRay<Real> Ray;
+      typedef WorldRay<Real> Ray;
       typedef ScalarHit<Real> Hit;
 
       ScalarIntersector (const Block* block, Real widening = 0)
         : block(block), layout(block->layout()), kind(block->kind()), widening(widening) {}
 
-      Hit intersect (const Ray& r)
+      /*! the nearest hit; all: gets every hit that the walk meets, NULL for none */
+      Hit intersect (const Ray& r, std::vector<Hit>* all = nullptr)
       {
         ray = r;
+        met = all;
         best = Hit();
         state = startOfWalk();
-        segment = enterBlock(*block,ray.org,ray.dir,ray.tnear,ray.tfar,widening);
+        segment = enterBlock(*block,ray,widening);
         if (segment.valid) visit(0,0,rootBox());
         return best;
       }
@@ -113,8 +109,9 @@ namespace embree
         Real s = x.s0;
         if (v.hit == hitRoot) s = x.s0 + parabolaRoot(x.f)*(x.s1-x.s0);
         if (v.hit == hitLip) {
-          const LipMeeting<Real> lip = meetLipsOfLeaf(x,patch,mortonX(m),mortonY(m),layout.leaves-1,Real(borderWidthOf(block->info)),segment.epsilon[2]);
-          if (lip.met) s = lip.k;
+          const Lip<Real> lip = { Real(borderWidthOf(block->info)),Real(0.5f*patch.thickness),segment.epsilon[2] };
+          const LipMeeting<Real> at = meetLipsOfLeaf(x,mortonX(m),mortonY(m),layout.leaves-1,lip);
+          if (at.met) s = x.s0 + at.k*(x.s1-x.s0);
           else { rememberExit(m,x.s1); return; }
         }
         if (v.hit == hitNone) { if (!hadHit) rememberExit(m,x.s1); return; }
@@ -155,36 +152,45 @@ namespace embree
       void hit (uint32_t m, const LeafPatch& leaf, Real s, uint32_t from)
       {
         const Real t = worldT(segment,s);
-        if (!(t < best.t)) return;
+        if (!met && !(t < best.t)) return;
         const Real u = positionInBox(segment,leaf.box,0,s), v = positionInBox(segment,leaf.box,1,s);
-        setHit(m,t,mortonX(m)+u,mortonY(m)+v);
-        const Normal<Real> n = worldNormal(*block,segmentAt(segment,0,s),segmentAt(segment,1,s),segmentAt(segment,2,s),
-                                           patchSlope(leaf,0,v),patchSlope(leaf,1,u));
+        Hit at = hitOf(m,t,mortonX(m)+u,mortonY(m)+v);
+        const Vector<Real> p = { { segmentAt(segment,0,s),segmentAt(segment,1,s),segmentAt(segment,2,s) } };
+        const Vector<Real> n = worldNormal(*block,p,patchSlope(leaf,0,v),patchSlope(leaf,1,u));
         Real along = 0, dir2 = 0, Ng2 = 0;
         for (int i=0; i<3; i++) {
-          best.Ng[i] = n.x[i];
+          at.Ng[i] = n.x[i];
           along += n.x[i]*ray.dir[i];
           dir2 += ray.dir[i]*ray.dir[i];
           Ng2 += n.x[i]*n.x[i];
         }
         if (isTurned(along,Ng2,dir2,from))
-          for (int i=0; i<3; i++) best.Ng[i] -= 2*along/dir2*ray.dir[i];
+          for (int i=0; i<3; i++) at.Ng[i] -= 2*along/dir2*ray.dir[i];
+        take(at);
       }
 
       /*! x, y: in leaves from the block's corner */
-      void setHit (uint32_t m, Real t, Real x, Real y)
+      Hit hitOf (uint32_t m, Real t, Real x, Real y) const
       {
         const Real size = Real(1u << block->height())/Real(layout.leaves); // of a leaf, in quads
-        best.found = true;
-        best.t = t;
-        best.leaf = m;
-        best.u = block->faceU(size*x);
-        best.v = block->faceV(size*y);
+        Hit at;
+        at.found = true;
+        at.t = t;
+        at.leaf = m;
+        at.u = block->faceU(size*x);
+        at.v = block->faceV(size*y);
+        return at;
+      }
+
+      void take (const Hit& at)
+      {
+        if (at.t < best.t) best = at;
+        if (met) met->push_back(at);
       }
 
       /* --- cGRID --- */
 
-      struct Point { Real x[3]; };
+      typedef Vector<Real> Point;
 
       static Point cross (const Point& a, const Point& b) {
         return { { a.x[1]*b.x[2]-a.x[2]*b.x[1], a.x[2]*b.x[0]-a.x[0]*b.x[2], a.x[0]*b.x[1]-a.x[1]*b.x[0] } };
@@ -226,10 +232,11 @@ namespace embree
         for (int k=0; k<3; k++) p.x[k] = t*d.x[k] - ao.x[k];
         const Real u = dot(cross(p,e2),n)/n2, v = dot(cross(e1,p),n)/n2;
         const Real slack = Real(1e-9); // rounding in double
-        if (u < -slack || v < -slack || u+v > 1+slack || t < ray.tnear || t > ray.tfar || !(t < best.t)) return;
+        if (u < -slack || v < -slack || u+v > 1+slack || t < ray.tnear || t > ray.tfar) return;
         const Real leafQuads = Real(1u << block->height())/Real(layout.leaves);
-        setHit(m,t,(a.x + u*(b.x-a.x) + v*(c.x-a.x))/leafQuads,(a.y + u*(b.y-a.y) + v*(c.y-a.y))/leafQuads);
-        for (int k=0; k<3; k++) best.Ng[k] = n.x[k];
+        Hit at = hitOf(m,t,(a.x + u*(b.x-a.x) + v*(c.x-a.x))/leafQuads,(a.y + u*(b.y-a.y) + v*(c.y-a.y))/leafQuads);
+        for (int k=0; k<3; k++) at.Ng[k] = n.x[k];
+        take(at);
       }
 
     private:
@@ -239,6 +246,7 @@ namespace embree
       Real widening;
       Ray ray;
       Hit best;
+      std::vector<Hit>* met = nullptr;
       Segment<Real> segment;
 
       LeafPatch patch;     //!< cLEAF: the leaf that is visited next

@@ -1,0 +1,24 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include "surface/cage.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace cbvh {
+
+/* How blocks cut the patches of a tessellation. */
+struct BlockGrid
+{
+  const PatchLayout& layout; // of the model at the level
+  int level;
+  int frameLevel;            // of the blocks
+
+  /* In quads; a patch may be narrower. */
+  size_t blockWidth() const { return size_t(1) << std::max(0, level - frameLevel); }
+};
+
+} // namespace cbvh

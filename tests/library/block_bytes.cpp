@@ -1,0 +1,110 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Checksums of the blocks of all generated scenes: a change of the format, of frames or of
+ * encoders is seen, and therefore deliberate. After one that is meant, the test prints the
+ * new table.
+ *
+ * What the encoders are given depends on the machine: Embree normalizes by the processor's
+ * approximate reciprocal square root, and the compiler may fuse multiply and add where the
+ * lowest ISA has it. So the vertices, which cGRID stores as they are, have a checksum too:
+ * where that is another one the test is skipped. */
+
+#include "building/built_scene.h"
+#include "kernels/cbvh/codec/block.h"
+#include "scenes/catalogue.h"
+#include "support/scene_blocks.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cinttypes>
+#include <cstdio>
+#include <tuple>
+
+namespace cbvh::test {
+namespace {
+
+using embree::cbvh::Block;
+
+constexpr int level = 4;
+
+struct Pinned
+{
+  std::string scene;
+  uint64_t vertices;
+  uint64_t blocks[3]; // cGRID, cVOXEL, cLEAF, frame level 1
+};
+
+const std::vector<Pinned> pinned = {
+};
+
+// FNV-1a
+class Checksum
+{
+public:
+  void add(const void* data, size_t bytes)
+  {
+    for (size_t i = 0; i < bytes; i++) value = (value ^ ((const unsigned char*)data)[i])*0x100000001b3u;
+  }
+  uint64_t value = 0xcbf29ce484222325u;
+};
+
+// In an order that no thread has a part in.
+std::vector<const Block*> sortedBlocks(RTCScene scene)
+{
+  std::vector<const Block*> blocks = sceneBlocks(scene);
+  const auto key = [](const Block* b) { return std::make_tuple(b->geomID, b->primID, b->tiling, b->info); };
+  std::sort(blocks.begin(), blocks.end(), [&](const Block* a, const Block* b) { return key(a) < key(b); });
+  return blocks;
+}
+
+Pinned checksums(const std::string& name)
+{
+  SceneSettings settings;
+  settings.scene = name;
+  settings.mapFolder = MAP_FOLDER;
+  if (name == "herd") settings.count = 2;
+  std::string warning;
+  const Model model = loadScene(settings, warning);
+  BuildSettings build;
+  build.level = level;
+  Pinned found = {name, 0, {}};
+  const RepresentationKind kinds[] = {RepresentationKind::CGrid, RepresentationKind::CVoxel, RepresentationKind::CLeaf};
+  for (int k = 0; k < 3; k++) {
+    const BuiltScene scene(model, {kinds[k], 1}, build);
+    Checksum blocks, vertices;
+    for (const Block* block : sortedBlocks(scene.handle())) {
+      blocks.add(block, block->layout().bytes);
+      if (k == 0) vertices.add(block->leaves(), block->layout().leafBytes);
+    }
+    found.blocks[k] = blocks.value;
+    if (k == 0) found.vertices = vertices.value;
+  }
+  return found;
+}
+
+// One test, as trex and herd share a map that the first of them makes.
+TEST(BlockBytes, AreThoseThatWerePinned)
+{
+  bool sameVertices = true;
+  std::string table;
+  for (const std::string& scene : sceneNames()) {
+    SCOPED_TRACE(scene);
+    const Pinned found = checksums(scene);
+    char row[200];
+    std::snprintf(row, sizeof(row), "  {\"%s\", 0x%016" PRIx64 ", {0x%016" PRIx64 ", 0x%016" PRIx64 ", 0x%016" PRIx64 "}},\n", scene.c_str(), found.vertices, found.blocks[0], found.blocks[1], found.blocks[2]);
+    table += row;
+    const auto expected = std::find_if(pinned.begin(), pinned.end(), [&](const Pinned& p) { return p.scene == scene; });
+    if (expected == pinned.end()) { ADD_FAILURE() << "no checksums are pinned for this scene"; continue; }
+    sameVertices &= found.vertices == expected->vertices;
+    if (PINNED_ISA && found.vertices == expected->vertices)
+      for (int k = 0; k < 3; k++) EXPECT_EQ(found.blocks[k], expected->blocks[k]) << (k == 0 ? "cGRID" : k == 1 ? "cVOXEL" : "cLEAF");
+  }
+  std::printf("%s", table.c_str());
+  if (!PINNED_ISA) GTEST_SKIP() << "checksums are pinned for builds whose lowest ISA is SSE2";
+  if (!sameVertices) GTEST_SKIP() << "Embree evaluates other vertices on this processor";
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,62 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* rtcGetSceneBounds holds what can be hit: leaves reach past the vertices, and a renderer
+ * clips its rays to the bounds. */
+
+#include "support/random.h"
+#include "support/random_sheets.h"
+#include "support/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace cbvh::test {
+namespace {
+
+// How far a point is outside of bounds, at most on one axis.
+float outside(const RTCBounds& b, const Vec& p)
+{
+  return std::max({b.lower_x - p[0], p[0] - b.upper_x, b.lower_y - p[1], p[1] - b.upper_y, b.lower_z - p[2], p[2] - b.upper_z});
+}
+
+class SceneBounds : public testing::TestWithParam<RTCCompression> {};
+
+// t, and the point that it gives, round by a few ulps of the distance; a ray is widened by as
+// much (local_ray.h).
+TEST_P(SceneBounds, HoldEveryHit)
+{
+  Device device;
+  Random random(61);
+  unsigned hits = 0, reachesPast = 0;
+  for (Shape shape : allShapes)
+    for (uint32_t height = 0; height <= 5; height++) {
+      const Sheet sheet = randomSheet(random, shape, height, {1, {0, 0, 0}});
+      Scene scene(device), grid(device);
+      commitSheet(device, scene, sheet, GetParam());
+      commitSheet(device, grid, sheet, RTC_COMPRESSION_NONE);
+      RTCBounds bounds, vertices;
+      rtcGetSceneBounds(scene, &bounds);
+      rtcGetSceneBounds(grid, &vertices);
+      for (int i = 0; i < 2000; i++) {
+        const RTCRayHit hit = intersect(scene, randomRay(random, RayKind::Across, sheet));
+        if (!isHit(hit)) continue;
+        hits++;
+        const Vec p = {hit.ray.org_x + hit.ray.tfar*hit.ray.dir_x, hit.ray.org_y + hit.ray.tfar*hit.ray.dir_y, hit.ray.org_z + hit.ray.tfar*hit.ray.dir_z};
+        const float tolerance = 64*std::numeric_limits<float>::epsilon()*(1 + hit.ray.tfar);
+        ASSERT_LE(outside(bounds, p), tolerance) << nameOf(shape) << ", height " << height;
+        reachesPast += outside(vertices, p) > tolerance;
+      }
+    }
+  EXPECT_GT(hits, 20000u);
+  if (GetParam() != RTC_COMPRESSION_GRID) {
+    EXPECT_GT(reachesPast, 0u) << "the bounds of the vertices would have done";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, SceneBounds, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF),
+                         [](const auto& info) { return info.param == RTC_COMPRESSION_GRID ? "cGRID" : info.param == RTC_COMPRESSION_VOXEL ? "cVOXEL" : "cLEAF"; });
+
+} // namespace
+} // namespace cbvh::test
