@@ -412,7 +412,7 @@ PATCHES = (
         "cbvh::describe(e.kind).alignsToLimit ? grid.undisplaced() : grid.displaced();",
         "cbvh::describe(e.kind).alignsToLimit ? grid.displaced() : grid.displaced();",
         "heights of cLEAF are not along the smooth surface's normal",
-        "block_bytes",
+        "block_frames BlockFrames.OfLeavesFollowTheSmoothSurface",
     ),
     edit(
         "patch: error bound met one level before",

@@ -182,7 +182,7 @@ MIRRORING = (
         "max(nxy,vfloat4(zero)) <= min(fxy,vfloat4(sBest))) & ~masks.hit;",
         "nxy <= min(fxy,vfloat4(sBest))) & ~masks.hit;",
         "boxes behind the ray's start count as passed",
-        "sheet_crossings",
+        "sheet_crossings *NoRayGetsThrough*/cLEAF",
     ),
     edit(
         "visitor: child is not mirrored",
@@ -238,8 +238,7 @@ MIRRORING = (
         "const float sign = this->mirrored.flip[2] ? -1.0f : 1.0f;",
         "const float sign = 1.0f;",
         "lips stand up for rays that descend",
-        "sheet_crossings",
-        "hard_cases *HardBlocks.Waves*",
+        "sheet_crossings *NoRayGetsThrough*/cLEAF",
     ),
     edit(
         "lips: are not mirrored with x and y",
@@ -290,7 +289,7 @@ CROSSING = (
         "madd(vfloat4(0.25f),abs(saddle),reach)",
         "reach",
         "lips of bent patches are not looked for",
-        "sheet_crossings",
+        "sheet_crossings *NoRayGetsThrough*/cLEAF",
     ),
     edit(
         "crossing4: near within the whole thickness",
@@ -350,7 +349,7 @@ WALK = (
         "unsigned(order.toOrder(masks.passed)), 4*m, order };",
         "unsigned(masks.passed), 4*m, order };",
         "the wrong box counts as passed where children overlap",
-        "sheet_crossings",
+        "sheet_crossings *NoRayGetsThrough*/cLEAF",
     ),
     edit(
         "walk: order forgets the passed",
@@ -358,7 +357,7 @@ WALK = (
         "const ChildOrder order(c,masks.hit | masks.passed);",
         "const ChildOrder order(c,masks.hit);",
         "boxes that are passed come in the wrong order",
-        "sheet_crossings",
+        "sheet_crossings *NoRayGetsThrough*/cLEAF",
     ),
     edit(
         "voxel: hit from inside",
