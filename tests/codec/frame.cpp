@@ -290,6 +290,24 @@ TEST(Frame, NeedlesAndFlatSheetsKeepAnInvertibleMap)
     }
 }
 
+// Needles are better not compressed from some 2^-14 on; flat sheets are, however flat.
+TEST(Frame, NeedlesAreDegenerateAndFlatSheetsAreNot)
+{
+  Random random(29);
+  for (double scale : {1e-3, 1.0, 1e3})
+    for (int along : {0, 1})
+      for (double a : {0x1p-10, 0x1p-12, 0x1p-16, 0x1p-18}) {
+        double needle[4][3];
+        for (int c = 0; c < 4; c++) { needle[c][along] = along ? c >> 1 : c & 1; needle[c][1-along] = a*(along ? c & 1 : c >> 1); needle[c][2] = 0; }
+        Frame frame;
+        SCOPED_TRACE(testing::Message() << "aspect " << a << ", scale " << scale);
+        ASSERT_TRUE(makeSheet(random, needle, 5, 0, {scale, {0, 0, 0}}).fit(frame));
+        EXPECT_EQ(frame.degenerate, a < 0x1p-14);
+        ASSERT_TRUE(makeSheet(random, square, 5, a, {scale, {0, 0, 0}}).fit(frame));
+        EXPECT_FALSE(frame.degenerate);
+      }
+}
+
 TEST(Frame, AllVerticesInOnePointGiveABoxAroundIt)
 {
   for (float x : {0.0f, 1e-6f, 1.0f, 148376.0f, 1e6f}) {

@@ -169,6 +169,44 @@ TEST(NodeCodec, BoundsNeverGrow)
   }
 }
 
+// No code that keeps the slack is tighter than the one that is taken.
+TEST(NodeCodec, EveryPlaneIsTheTightestThatKeepsTheSlack)
+{
+  Random random(4);
+  unsigned taken[8] = {}; // inner planes, by their codes
+  for (int i = 0; i < 20000; i++) {
+    ExactBox exact, children[4];
+    for (int axis = 0; axis < 3; axis++) { exact.lower[axis] = 0x1p-18; exact.upper[axis] = 1 - 0x1p-18; }
+    const NodeBox parent = rootBox();
+    makeChildren(random, Shape(i % SHAPES), parent, exact, children);
+    const uint32_t word = encodeNode(parent, children);
+    SCOPED_TRACE(testing::Message() << "node " << i);
+    for (int axis = 0; axis < 2; axis++)
+      for (int column = 0; column < 2; column++) {
+        double lower = 1, upper = 0;
+        for (int c = 0; c < 4; c++)
+          if (childColumn(c, axis) == column) {
+            lower = std::min(lower, children[c].lower[axis]);
+            upper = std::max(upper, children[c].upper[axis]);
+          }
+        const uint32_t lowerPair = (word >> lowerShift(axis)) & planePairMask, upperPair = (word >> upperShift(axis)) & planePairMask;
+        taken[column ? lowerPair >> 2 : upperPair >> 2]++;
+        for (uint32_t other = 0; other < 32; other++) {
+          if (lowerPlane(other, column) <= lower - containmentSlack) { ASSERT_LE(lowerPlane(other, column), lowerPlane(lowerPair, column)); }
+          if (upperPlane(other, column) >= upper + containmentSlack) { ASSERT_GE(upperPlane(other, column), upperPlane(upperPair, column)); }
+        }
+      }
+    for (int c = 0; c < 4; c++) {
+      const Interval z = zIntervals[zCode(word, c)];
+      for (const Interval& other : zIntervals)
+        if (other.lower <= children[c].lower[2] - containmentSlack && other.upper >= children[c].upper[2] + containmentSlack) {
+          ASSERT_LE(z.upper - z.lower, other.upper - other.lower);
+        }
+    }
+  }
+  for (unsigned n : taken) EXPECT_GT(n, 20u);
+}
+
 // Children that fill their quadrants: a code wastes at most the step of its table.
 TEST(NodeCodec, RegularChildrenGetTightBounds)
 {

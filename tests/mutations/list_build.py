@@ -39,7 +39,10 @@ FRAMES = (
         "!(smallest > area/64)",
         "!(smallest > -area)",
         "W changes sign inside of the box",
-        "frame Frame.FallsBack*",
+        "frame",
+        harmless="corner triangles of a quad are as W at the corners opposite (three points a triangle, one determinant): where one is "
+        "below 1/64 of the quad, or turned, W differs by a factor of 63 or changes sign between two corners, and the tests of W over the "
+        "vertices and at the box refuse the map; where neither reaches those corners it is as good as any",
     ),
     edit(
         "frame: no bound on W at the box",
@@ -50,12 +53,12 @@ FRAMES = (
         "frame",
     ),
     edit(
-        "frame: flat blocks collapse",
+        "frame: needles collapse",
         "frame_fit.h",
         "const double floor = maximum(maximum(minExtentRatio*vertices.worldExtent,coordinate*std::ldexp(1.0,-22)),1e-30);",
         "const double floor = maximum(coordinate*std::ldexp(1.0,-22),1e-30);",
-        "maps of flat blocks have no inverse in floats",
-        "frame Frame.NeedlesAndFlat*",
+        "needles count as blocks, with leaves wider than their quads",
+        "frame Frame.NeedlesAreDegenerate*",
     ),
     edit(
         "frame: rounding may push vertices out",
@@ -63,7 +66,9 @@ FRAMES = (
         "if (reach[k] <= 0.5 - 0.5*frameMargin) continue;",
         "if (reach[k] <= 0.5) continue;",
         "vertices are nearer to the root's planes than rounding allows",
-        "frame Frame.VerticesMapInside*",
+        "frame",
+        harmless="every side of the box is vertexRounding of the coordinates, 2^-22, away from the vertices besides the margin: eight times what "
+        "rounding of the centre moves the map, and rounding of its columns moves a point by less than the margin",
     ),
     edit(
         "frame: only the smallest W counts",
@@ -157,7 +162,7 @@ NODES_AND_LEAVES = (
         "for (int q=6; q>=0; q--)\n        if (parent.lower[axis] + (1.0f-innerPositions[q])",
         "for (int q=6; q>0; q--)\n        if (parent.lower[axis] + (1.0f-innerPositions[q])",
         "boxes are larger than they have to be",
-        "node_codec NodeCodec.RegularChildren*",
+        "node_codec NodeCodec.EveryPlaneIsTheTightest*",
     ),
     edit(
         "lattice encoder: heights rounded up",
