@@ -18,8 +18,6 @@
 namespace cbvh {
 namespace {
 
-constexpr const char* raySetNames[numRaySets] = {"coherent", "incoherent"};
-
 std::vector<std::string> split(const std::string& option, const std::string& list)
 {
   std::vector<std::string> words;
@@ -123,12 +121,15 @@ std::string commandLine(int argc, char** argv)
   return command;
 }
 
-} // namespace
-
-const char* raySetName(RaySet set)
+RaySet parseRaySet(const std::string& word)
 {
-  return raySetNames[set];
+  for (RaySet set : {Coherent, Incoherent})
+    if (word == raySetName(set))
+      return set;
+  throw Error("unknown --set '" + word + "', known are coherent and incoherent");
 }
+
+} // namespace
 
 std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machine& machine)
 {
@@ -235,12 +236,7 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   for (const std::string& word : split("--threads", threads))
     o.threads.push_back(threadCount(parseInteger("--threads", word, 0, 1024)));
   for (const std::string& word : split("--set", sets))
-  {
-    const auto found = std::find(std::begin(raySetNames), std::end(raySetNames), word);
-    if (found == std::end(raySetNames))
-      throw Error("unknown --set '" + word + "', known are coherent and incoherent");
-    o.sets.push_back(RaySet(found - std::begin(raySetNames)));
-  }
+    o.sets.push_back(parseRaySet(word));
   for (const std::string& word : split("--query", queries))
     o.queries.push_back(parseQuery(word));
   for (const std::string& word : split("--mode", modes))

@@ -71,9 +71,6 @@ private:
   std::vector<std::vector<std::string>> rows;
 };
 
-const char* const setNames[numRaySets] = {"coherent", "incoherent"};
-const char* const queryNames[numQueries] = {"closest", "any"};
-
 const Result* findNaive(const Comparison& c)
 {
   for (const Result& r : c.results)
@@ -107,7 +104,7 @@ void addSpeed(Table& table, const Comparison& c)
   for (int set = 0; set < numRaySets; set++)
     for (int query = 0; query < numQueries; query++)
     {
-      const std::string name = std::string(setNames[set]) + ", " + queryNames[query] + " hit";
+      const std::string name = std::string(raySetName(RaySet(set))) + ", " + queryName(Query(query)) + " hit";
       table.row(name + ", Mrays/s", [=](const Result& r) { return number(r.speed[set][query].mrays, 3); });
       table.row("- of GRID", [=](const Result& r) { return number(r.speed[set][query].toGrid, 2); });
       if (naive)
@@ -187,7 +184,7 @@ std::string formatTable(const Comparison& c)
   if (c.trueHits)
     addTrueErrors(table);
   for (int set = 0; set < numRaySets; set++)
-    table.row(std::string("any hit disagrees, ") + setNames[set],
+    table.row(std::string("any hit disagrees, ") + raySetName(RaySet(set)),
               [=](const Result& r) { return std::to_string(r.anyDisagreements[set]); });
   return head + table.text();
 }
@@ -229,9 +226,9 @@ std::string formatJson(const Comparison& c)
     }
     for (int set = 0; set < numRaySets; set++)
     {
-      j["any_hit_disagreements"][setNames[set]] = r.anyDisagreements[set];
+      j["any_hit_disagreements"][raySetName(RaySet(set))] = r.anyDisagreements[set];
       for (int query = 0; c.speed && query < numQueries; query++)
-        j["speed"][setNames[set]][queryNames[query]] = {{"mrays_per_second", r.speed[set][query].mrays},
+        j["speed"][raySetName(RaySet(set))][queryName(Query(query))] = {{"mrays_per_second", r.speed[set][query].mrays},
                                                         {"relative_to_grid", r.speed[set][query].toGrid}};
     }
     if (r.errors)
