@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "report.h"
+#include "programs/compression_json.h"
 #include "programs/errors_json.h"
 
 #include <nlohmann/json.hpp>
@@ -11,6 +12,8 @@
 
 namespace cbvh {
 namespace {
+
+using nlohmann::json;
 
 std::string number(double value, int digits)
 {
@@ -165,6 +168,34 @@ void addTrueErrors(Table& table)
   addNormalsAndParameters(table, &Result::trueErrors);
 }
 
+/* speed: whether it was measured. */
+json resultJson(const Result& r, bool speed)
+{
+  json j;
+  j["representation"] = r.representation.label();
+  j["quads"] = r.build.quads;
+  j["bytes_per_quad"] = r.build.bytesPerQuad();
+  j["live_bytes"] = r.build.liveBytes;
+  j["peak_bytes"] = r.build.peakBytes;
+  j["build_seconds"] = r.build.seconds;
+  if (r.representation.isCompressed())
+    j["compression"] = compressionJson(r.build.compression);
+  for (RaySet set : {Coherent, Incoherent})
+  {
+    const char* const name = raySetName(set);
+    j["any_hit_disagreements"][name] = r.anyDisagreements[set];
+    for (Query query : {Closest, Any})
+      if (speed)
+        j["speed"][name][queryName(query)] = {{"mrays_per_second", r.speed[set][query].mrays},
+                                              {"relative_to_grid", r.speed[set][query].toGrid}};
+  }
+  if (r.errors)
+    j["errors"] = errorsJson(*r.errors);
+  if (r.trueErrors)
+    j["errors_to_true_surface"] = errorsJson(*r.trueErrors);
+  return j;
+}
+
 } // namespace
 
 std::string formatTable(const Comparison& c)
@@ -191,7 +222,6 @@ std::string formatTable(const Comparison& c)
 
 std::string formatJson(const Comparison& c)
 {
-  using nlohmann::json;
   json out;
   out["model"] = c.model;
   out["faces"] = c.faces;
@@ -206,37 +236,7 @@ std::string formatJson(const Comparison& c)
   out["error_reference"] = c.reference;
   out["true_surface_hits"] = c.trueHits;
   for (const Result& r : c.results)
-  {
-    json j;
-    j["representation"] = r.representation.label();
-    j["quads"] = r.build.quads;
-    j["bytes_per_quad"] = r.build.bytesPerQuad();
-    j["live_bytes"] = r.build.liveBytes;
-    j["peak_bytes"] = r.build.peakBytes;
-    j["build_seconds"] = r.build.seconds;
-    if (r.representation.isCompressed())
-    {
-      const RTCCompressionStatistics& s = r.build.compression;
-      j["compression"] = {{"top_level_bytes", s.topLevelBytes}, {"frame_bytes", s.frameBytes},
-                          {"node_bytes", s.nodeBytes},          {"leaf_bytes", s.leafBytes},
-                          {"grid_bytes", s.gridBytes},          {"blocks", s.numBlocks},
-                          {"quads", s.numQuads},                {"grid_quads", s.numGridQuads},
-                          {"invalid_quads", s.numInvalidQuads}, {"affine_blocks", s.numAffineBlocks},
-                          {"solid_leaves", s.numSolidLeaves},   {"max_leaf_thickness", s.maxLeafThickness}};
-    }
-    for (int set = 0; set < numRaySets; set++)
-    {
-      j["any_hit_disagreements"][raySetName(RaySet(set))] = r.anyDisagreements[set];
-      for (int query = 0; c.speed && query < numQueries; query++)
-        j["speed"][raySetName(RaySet(set))][queryName(Query(query))] = {{"mrays_per_second", r.speed[set][query].mrays},
-                                                        {"relative_to_grid", r.speed[set][query].toGrid}};
-    }
-    if (r.errors)
-      j["errors"] = errorsJson(*r.errors);
-    if (r.trueErrors)
-      j["errors_to_true_surface"] = errorsJson(*r.trueErrors);
-    out["results"].push_back(j);
-  }
+    out["results"].push_back(resultJson(r, c.speed));
   return out.dump(2) + "\n";
 }
 
