@@ -3,10 +3,10 @@
 
 #include "kernels/cbvh/reference.h"
 #include "grid_agreement.h"
+#include "leaf_of_hit.h"
 #include "scene_blocks.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace cbvh {
 namespace {
@@ -65,26 +65,6 @@ bool isNearGrid(RTCScene grid, const Vec& p, float distance)
   return false;
 }
 
-// Box of a leaf, as FORMAT.md has it: words of nodes down to the last level, whose words are
-// those of groups in cLEAF. A block has as many levels as its layout says.
-NodeBox leafBox(const Block* block, uint32_t leaf)
-{
-  const uint32_t levels = block->layout().nodeLevels;
-  NodeBox box = NodeBox::root();
-  for (uint32_t level = 0; level < levels; level++) {
-    const uint32_t m = leaf >> 2*(levels - level);
-    const int child = int(leaf >> 2*(levels - level - 1)) & 3;
-    const uint32_t word = block->nodes()[nodesOfLevels(level) + m];
-    if (block->kind() == Kind::LEAF && level + 1 == levels) {
-      uint64_t heights;
-      std::memcpy(&heights, block->leaves() + 8*size_t(m), sizeof(heights));
-      return decodeLeaf(word, heights, child, box).box;
-    }
-    box = decodeChild(word, child, box);
-  }
-  return box;
-}
-
 // What the leaves that report a hit's parameters say of its place; several on the border of two.
 struct LeafOfHit
 {
@@ -121,36 +101,26 @@ LeafOfHit leafOfHit(const std::vector<const Block*>& blocks, const RTCRayHit& r)
     point[k] = ray.org[k] + t*ray.dir[k];
   }
   LeafOfHit found;
-  for (const Block* block : blocks) {
-    if (block->primID != r.hit.primID) continue;
-    const double cells = 1u << block->layout().nodeLevels, quads = 1u << block->height();
-    const double x = ((r.hit.u - block->u0*0.5)*block->quadsX() - block->blockX()*quads)*cells/quads;
-    const double y = ((r.hit.v - block->v0*0.5)*block->quadsY() - block->blockY()*quads)*cells/quads;
-    const FrameMap map = frameMap(block);
-    const Double3 p = {point[0] - block->centre[0], point[1] - block->centre[1], point[2] - block->centre[2]};
-    const double W = map.W(p), local[3] = {map.X(p)/W, map.Y(p)/W, map.Z(p)/W};
+  for (const LeafOfBlock& at : leavesOfHit(blocks, r.hit)) {
+    found.exists = true;
+    const FrameMap map = frameMap(at.block);
+    const Double3 p = {point[0] - at.block->centre[0], point[1] - at.block->centre[1], point[2] - at.block->centre[2]};
+    const double W = map.W(p), local[3] = {map.X(p)/W, map.Y(p)/W, map.Z(p)/W}, least = leastW(map);
     double error[3];
-    rayEpsilon(block, ray, error);
-    for (double& e : error) e /= leastW(map);
-    const double rounding = 1e-3; // of parameters
-    for (double i = std::floor(x - rounding); i <= x + rounding; i++)
-      for (double j = std::floor(y - rounding); j <= y + rounding; j++) {
-        if (i < 0 || j < 0 || i >= cells || j >= cells) continue;
-        found.exists = true;
-        const NodeBox box = leafBox(block, morton(uint32_t(i), uint32_t(j)));
-        double outside = 0;
-        for (int axis = 0; axis < 3; axis++) {
-          const double beyond = std::max(box.lower[axis] - local[axis], local[axis] - box.upper(axis));
-          outside = std::max(outside, beyond/error[axis]);
-        }
-        found.outside = std::min(found.outside, outside);
-        if (outside > hitError) continue;
-        for (int c = 0; c < 8; c++) {
-          Double3 q;
-          EXPECT_TRUE(unproject(map, c & 1 ? box.upper(0) : box.lower[0], c & 2 ? box.upper(1) : box.lower[1], c & 4 ? box.upper(2) : box.lower[2], q));
-          found.reach = std::max(found.reach, length(q - p));
-        }
-      }
+    rayEpsilon(at.block, ray, error);
+    const NodeBox box = decodeLeafOfBlock(at).box;
+    double outside = 0;
+    for (int axis = 0; axis < 3; axis++) {
+      const double beyond = std::max(box.lower[axis] - local[axis], local[axis] - box.upper(axis));
+      outside = std::max(outside, beyond*least/error[axis]);
+    }
+    found.outside = std::min(found.outside, outside);
+    if (outside > hitError) continue;
+    for (int c = 0; c < 8; c++) {
+      Double3 q;
+      EXPECT_TRUE(unproject(map, c & 1 ? box.upper(0) : box.lower[0], c & 2 ? box.upper(1) : box.lower[1], c & 4 ? box.upper(2) : box.lower[2], q));
+      found.reach = std::max(found.reach, length(q - p));
+    }
   }
   return found;
 }

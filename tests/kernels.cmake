@@ -33,6 +33,7 @@ cbvh_test(hard_cases
   LIBRARIES scene_blocks DEFINITIONS "TEST_ISAS=${isas}" RESULTS "${CMAKE_CURRENT_BINARY_DIR}/hard_cases")
 cbvh_test(surfaces SOURCES surfaces.cpp grid_agreement.cpp LIBRARIES scene_blocks)
 cbvh_test(invalid_vertices RESULTS "${CMAKE_CURRENT_BINARY_DIR}/hard_cases")
-foreach(unit mixed_rates resampled_faces scene_features hard_surfaces compression_api threads)
+cbvh_test(resampled_faces LIBRARIES scene_blocks)
+foreach(unit mixed_rates scene_features hard_surfaces compression_api threads)
   cbvh_test(${unit})
 endforeach()
