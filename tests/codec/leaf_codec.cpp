@@ -23,7 +23,8 @@ constexpr double tolerance = containmentSlack + 0x1p-20;
 // Lattices of vertices in the parent's box; the first kinds are graphs over it.
 enum Shape { REGULAR, WAVY, JITTERED, STEEP, ROUGH, FOLDED, ANYWHERE, COLLAPSED, VERTICAL, SHAPES };
 
-void makeGroup(Random& random, Shape shape, const NodeBox& parent, QuadGroup& group)
+// rounding: how far from there a neighbouring face may have vertices, in parent extents.
+void makeGroup(Random& random, Shape shape, const NodeBox& parent, QuadGroup& group, double rounding = 0)
 {
   const double slopeX = random.uniform(-1, 1), slopeY = random.uniform(-1, 1), bend = random.uniform(-1, 1);
   for (int v = 0; v < 9; v++) {
@@ -46,13 +47,17 @@ void makeGroup(Random& random, Shape shape, const NodeBox& parent, QuadGroup& gr
     const double p[3] = {x, y, z};
     for (int k = 0; k < 3; k++) group.vertices[v][k] = parent.lower[k] + parent.extent[k]*std::min(0.999, std::max(0.001, p[k]));
   }
+  for (int k = 0; k < 3; k++) group.rounding[k] = rounding*parent.extent[k];
   for (int quad = 0; quad < 4; quad++) {
-    group.boxes[quad] = ExactBox();
-    for (int c = 0; c < 4; c++) group.boxes[quad].extend(group.vertexOf(quad, c));
+    ExactBox& box = group.boxes[quad] = ExactBox();
+    for (int c = 0; c < 4; c++) box.extend(group.vertexOf(quad, c));
+    for (int k = 0; k < 3; k++) {
+      box.lower[k] -= group.rounding[k];
+      box.upper[k] += group.rounding[k];
+    }
   }
   for (auto& axis : group.border)
     for (bool& side : axis) side = random.chance(0.3);
-  std::fill_n(group.rounding, 3, 0.0);
 }
 
 NodeBox randomBox(Random& random)
@@ -76,28 +81,29 @@ bool surfaceAbove(const LeafPatch& leaf, const double p[3], double& distance, do
   return true;
 }
 
+struct GroupCounts { unsigned lattices[SHAPES] = {}, loose[SHAPES] = {}, solid[SHAPES] = {}; };
+
 // Every edge of every quad is in a leaf of the group (its own, if they are loose) within
 // half a thickness of the surface; on the border it is not above it, and within the
-// border's width.
-TEST(LeafCodec, LeavesBoundTheEdgesOfTheirQuads)
+// border's width. So is every edge that is off by no more than the rounding.
+void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCounts& counts)
 {
-  Random random(11);
-  unsigned lattices[SHAPES] = {}, loose[SHAPES] = {}, solid[SHAPES] = {};
+  Random random(seed);
   for (int shape = 0; shape < SHAPES; shape++)
-    for (int repeat = 0; repeat < 4000; repeat++) {
+    for (unsigned repeat = 0; repeat < groups; repeat++) {
       SCOPED_TRACE(testing::Message() << "shape " << shape << ", group " << repeat);
       const NodeBox parent = randomBox(random);
       QuadGroup group;
-      makeGroup(random, Shape(shape), parent, group);
+      makeGroup(random, Shape(shape), parent, group, rounding);
       const EncodedGroup encoded = encodeGroup(parent, group);
       const float width = borderWidthOf(LeafEncoder::encodeBorderWidth(encoded.borderWidth));
       const bool isLattice = !isLoose(encoded.heights);
-      (isLattice ? lattices : loose)[shape]++;
+      (isLattice ? counts.lattices : counts.loose)[shape]++;
       LeafPatch leaves[4];
       for (int c = 0; c < 4; c++) {
         leaves[c] = decodeLeaf(encoded.word, encoded.heights, c, parent);
         ASSERT_FALSE(leaves[c].empty);
-        solid[shape] += leaves[c].solid;
+        counts.solid[shape] += leaves[c].solid;
       }
       for (int quad = 0; quad < 4; quad++)
         for (int edge = 0; edge < 4; edge++)
@@ -106,7 +112,7 @@ TEST(LeafCodec, LeavesBoundTheEdgesOfTheirQuads)
             const double* a = group.vertexOf(quad, axis == 0 ? upper : 2*upper);
             const double* b = group.vertexOf(quad, axis == 0 ? upper + 2 : 2*upper + 1);
             double p[3];
-            for (int k = 0; k < 3; k++) p[k] = a[k] + step*(b[k] - a[k])/8;
+            for (int k = 0; k < 3; k++) p[k] = a[k] + step*(b[k] - a[k])/8 + (rounding ? (random.chance(0.5) ? 1 : -1)*group.rounding[k] : 0);
             const bool onBorder = childColumn(quad, axis) == upper && group.border[axis][upper];
             bool found = false;
             for (int c = 0; c < 4; c++) {
@@ -124,11 +130,25 @@ TEST(LeafCodec, LeavesBoundTheEdgesOfTheirQuads)
             ASSERT_TRUE(found) << "quad " << quad << ", edge " << edge << " is in no leaf";
           }
     }
+}
+
+TEST(LeafCodec, LeavesBoundTheEdgesOfTheirQuads)
+{
+  GroupCounts counts;
+  expectEdgesBounded(11, 4000, 0, counts);
   // each answer is given where it is the right one
-  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH}) EXPECT_GT(lattices[shape], 3000u) << "shape " << shape;
-  for (Shape shape : {FOLDED, COLLAPSED, VERTICAL, ANYWHERE}) EXPECT_GT(loose[shape], 3000u) << "shape " << shape;
-  EXPECT_GT(solid[ANYWHERE], 0u);
-  EXPECT_LT(solid[COLLAPSED], 4*loose[COLLAPSED]);
+  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH}) EXPECT_GT(counts.lattices[shape], 3000u) << "shape " << shape;
+  for (Shape shape : {FOLDED, COLLAPSED, VERTICAL, ANYWHERE}) EXPECT_GT(counts.loose[shape], 3000u) << "shape " << shape;
+  EXPECT_GT(counts.solid[ANYWHERE], 0u);
+  EXPECT_LT(counts.solid[COLLAPSED], 4*counts.loose[COLLAPSED]);
+}
+
+// Far from the origin neighbours round a common vertex apart by a good part of a bin.
+TEST(LeafCodec, LeavesBoundEdgesWhereNeighboursHaveThem)
+{
+  GroupCounts counts;
+  expectEdgesBounded(16, 2000, 5e-4, counts);
+  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH}) EXPECT_GT(counts.lattices[shape], 1000u) << "shape " << shape;
 }
 
 // The encoder moves heights until no vertex is off by more than 1/16 of a bin, then rounds
@@ -238,6 +258,63 @@ TEST(LeafCodec, QuadsWithAVertexThatIsNotFiniteAreEmptyAndNoOthers)
       }
       EXPECT_EQ(stats.invalidQuads, count);
     }
+}
+
+// World distance between the two bounds of a leaf, from points of both.
+double worldThickness(const InverseFrame& inverse, const LeafPatch& leaf)
+{
+  const double slope[2] = {0.5*((leaf.z[1] + leaf.z[3]) - (leaf.z[0] + leaf.z[2]))/leaf.box.extent[0],
+                           0.5*((leaf.z[2] + leaf.z[3]) - (leaf.z[0] + leaf.z[1]))/leaf.box.extent[1]};
+  double c[3];
+  for (int k = 0; k < 3; k++) c[k] = leaf.box.lower[k] + 0.5*leaf.box.extent[k];
+  const double step = 1e-6;
+  const Double3 o = inverse({c[0], c[1], c[2]});
+  const Double3 x = inverse({c[0] + step, c[1], c[2] + step*slope[0]}) - o, y = inverse({c[0], c[1] + step, c[2] + step*slope[1]}) - o;
+  const Double3 z = inverse({c[0], c[1], c[2] + step}) - o, n = cross(x, y);
+  return std::fabs(dot(n, z))/length(n)*leaf.thickness/step;
+}
+
+double largestThickness(const Block* block, const InverseFrame& inverse, uint32_t level, uint32_t m, const NodeBox& box)
+{
+  double largest = 0;
+  for (uint32_t c = 0; c < 4; c++) {
+    const bool last = level + 1 == block->layout().nodeLevels;
+    largest = std::max(largest, last ? worldThickness(inverse, leafOfGroup(block, m, c, box))
+                                     : largestThickness(block, inverse, level + 1, 4*m + c, childBox(block, level, m, c, box)));
+  }
+  return largest;
+}
+
+// In projective frames, where a unit of the frame is not everywhere the same in the world, and
+// on slopes, where a leaf is thinner across than it is high.
+TEST(LeafCodec, ThicknessIsThatOfTheWorld)
+{
+  constexpr uint32_t height = 4, n = 1 << height, width = n + 1;
+  const float corners[4][3] = {{0, 0, 0}, {4, 0, 0}, {1.4f, 3, 0}, {2.6f, 3, 0}};
+  unsigned compared = 0;
+  for (float slope : {0.0f, 0.3f, 3.0f}) {
+    std::vector<float> vertices;
+    for (uint32_t y = 0; y < width; y++)
+      for (uint32_t x = 0; x < width; x++) {
+        const float u = float(x)/n, v = float(y)/n;
+        for (int k = 0; k < 2; k++)
+          vertices.push_back((1-v)*((1-u)*corners[0][k] + u*corners[1][k]) + v*((1-u)*corners[2][k] + u*corners[3][k]));
+        vertices.push_back(slope*vertices[vertices.size() - 2] + 0.02f*std::sin(9*u + 5*v));
+      }
+    std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2), memory(blockLayout(kindLeaf, height).bytes/sizeof(Double3) + 2);
+    auto align = [](void* p) { return (void*)((uintptr_t(p) + 15) & ~uintptr_t(15)); };
+    BlockEncoder encoder(Kind::LEAF, height, (const float(*)[3])vertices.data(), align(scratch.data()));
+    ASSERT_TRUE(encoder.fit(corners));
+    Block* block = (Block*)align(memory.data());
+    BlockStatistics stats;
+    encoder.encode(block, 0, 0, stats);
+    ASSERT_FALSE(stats.affine);
+    ASSERT_EQ(stats.solidLeaves, 0u);
+    const double expected = largestThickness(block, InverseFrame(frameMap(block)), 0, 0, rootBox());
+    EXPECT_NEAR(stats.maxThickness, expected, 1e-3*expected) << "slope " << slope;
+    compared++;
+  }
+  EXPECT_EQ(compared, 3u);
 }
 
 } // namespace

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <locale>
 #include <malloc.h>
 #include <mutex>
 
@@ -122,6 +123,18 @@ TEST(Settings, GeometryGoesBeforeDeviceGoesBeforeEnvironment)
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "none");
   args = arguments(RTC_COMPRESSION_LEAF, RTC_COMPRESSION_FRAME_LEVEL_AUTO, 1e-30f);
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "leaf 5");
+}
+
+// As a program that speaks German sets it, but for a locale that may not be there.
+TEST(Settings, NumbersHaveAPointInEveryLocale)
+{
+  struct Comma : public std::numpunct<char> { char do_decimal_point() const override { return ','; } };
+  const std::locale before = std::locale::global(std::locale(std::locale(), new Comma));
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=1000.5"), "leaf 0");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=0.0000001"), "leaf 5");
+  Environment environment("leaf,level=auto,max_error=0.0000001");
+  EXPECT_EQ(representation(""), "leaf 5");
+  std::locale::global(before);
 }
 
 // rtcNewDevice has no device to report with: a line on stderr, and the code.
@@ -414,6 +427,40 @@ TEST(Memory, EveryByteGoesThroughTheMonitor)
     measure(kind, sheetCage(8), 4); // TBB's threads and arenas come once
     const Sizes sizes = measure(kind, sheetCage(8), 128);
     EXPECT_LE(sizes.heap, sizes.result + 256*1024);
+  }
+}
+
+// So does what a commit takes for a while: at no call of the displacement function, which
+// comes when a patch has its vertices, has malloc given out more than the monitor knows of.
+TEST(Memory, EveryByteGoesThroughTheMonitorDuringCommit)
+{
+  mallopt(M_MMAP_THRESHOLD, 64*1024); // as large pieces do that are on no thread's list
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+    SCOPED_TRACE(kind);
+    Memory memory;
+    Device device("threads=1");
+    rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+    Displacement displacement;
+    size_t heap = 0, calls = 0;
+    ssize_t live = 0, unknown = 0;
+    displacement.poison = [&](unsigned, float u, float v) {
+      if (u != 0 || v != 0) return false;
+      calls++;
+      unknown = std::max(unknown, ssize_t(heapBytes() - heap) - (memory.live - live));
+      return false;
+    };
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.compression = kind;
+    settings.rate = 256;
+    Scene scene(device);
+    addSurface(device, scene, sheetCage(2), settings);
+    heap = heapBytes();
+    live = memory.live;
+    rtcCommitScene(scene);
+    EXPECT_EQ(calls, 4u);
+    EXPECT_LE(unknown, 256*1024);
+    displacement.poison = nullptr;
   }
 }
 

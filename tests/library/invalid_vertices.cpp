@@ -202,6 +202,33 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
   for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry);
 }
 
+// A commit that was cancelled has reported nothing, the next one reports what it would have.
+TEST_P(InvalidVertices, AreReportedOnceAfterACancelledCommit)
+{
+  RecordProperty("property", "vertices that are not finite are an error once, also after a commit that was cancelled");
+  Device device("threads=1");
+  Displacement bad, sound;
+  bad.poison = [](unsigned primID, float u, float v) { return primID == 3 && u == 0 && v == 0; };
+  SurfaceSettings settings;
+  settings.compression = GetParam();
+  Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+  for (Displacement* displacement : {&bad, &sound}) {
+    settings.displacement = displacement;
+    addSurface(device, scene, cubeCage(), settings);
+  }
+  std::vector<std::string> messages;
+  rtcSetDeviceErrorFunction(device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); }, &messages);
+  double cancelAt = 0.6; // in the second surface
+  rtcSetSceneProgressMonitorFunction(scene, [](void* at, double n) { return n < *(double*)at; }, &cancelAt);
+  rtcCommitScene(scene);
+  EXPECT_EQ(rtcGetDeviceError(device), RTC_ERROR_CANCELLED);
+  messages.clear();
+  cancelAt = 2;
+  rtcCommitScene(scene);
+  EXPECT_EQ(rtcGetDeviceError(device), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(messages, std::vector<std::string>{"geometry 0, face 3: vertices are not finite; left out of 1 face(s): 1 quads"});
+}
+
 TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)
 {
   RecordProperty("property", "vertices that are not finite are an error on one of the threads that join a commit");

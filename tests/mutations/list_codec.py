@@ -309,15 +309,15 @@ CROSSING = (
     edit(
         "crossing: lips hang up",
         "crossing.h",
-        "lip.met = lowest <= epsilon && highest >= -(reach+epsilon);",
-        "lip.met = highest >= -epsilon && lowest <= reach+epsilon;",
+        "at.met = lowest <= lip.epsilon && highest >= bottom;",
+        "at.met = highest >= -lip.epsilon && lowest <= -bottom;",
         "rays over the border hit what is not there, those under it slip through",
         "crossing",
     ),
     edit(
         "crossing: lips as wide as the leaf",
         "crossing.h",
-        "k0 = (width-p0)/(p1-p0);",
+        "k0 = (lip.width-p0)/(p1-p0);",
         "k0 = Real(0);",
         "rays that come to the border from inside hit the lip too early",
         "crossing",
@@ -352,7 +352,7 @@ CROSSING = (
         "(from == sideAbove && along > Real(0))",
         "(from == sideAbove && along < Real(0))",
         "normals of steps face away, others are turned away",
-        "hit_rule",
+        "normals Normals.AreTurned*",
     ),
     edit(
         "normal: w of the plane forgotten",
@@ -360,7 +360,7 @@ CROSSING = (
         "- k*Real(block.columns[i][3]);",
         ";",
         "normals of the scalar path in projective frames",
-        "hard_cases *HardBlocks.Trapezoids/cLEAF*",
+        "normals Normals.AreThose*",
     ),
 )
 
@@ -372,7 +372,6 @@ HIT_RULE = (
         "if (false && step && !beyond) return verdict(hitStep,state.side,next);",
         "rays slip through the steps between groups",
         "hit_rule",
-        "watertight *RaysFromInsideHit/cLEAF",
     ),
     edit(
         "rule: steps of the first leaf",
@@ -381,7 +380,6 @@ HIT_RULE = (
         "bool step = !leaf.started && state.side != leaf.enter;",
         "the first leaf of every ray is hit where it begins",
         "hit_rule",
-        "surface_levels SurfaceLevels.EveryLevel*",
     ),
     edit(
         "rule: steps where the ray starts",
@@ -414,7 +412,6 @@ HIT_RULE = (
         "if (leaf.near && leaf.started && leaf.ended) return verdict(hitLip,sideUnknown,next);",
         "rays slip between blocks",
         "hit_rule",
-        "watertight *RaysFromInsideHit/cLEAF",
     ),
     edit(
         "rule: lips where a segment ends",
@@ -431,7 +428,6 @@ HIT_RULE = (
         "next.pending = false;",
         "rays slip over the end of a surface",
         "hit_rule",
-        "watertight *RaysFromInsideHit/cLEAF",
     ),
     edit(
         "rule: pending for good",
@@ -448,7 +444,6 @@ HIT_RULE = (
         "if (leaf.started) next.fromSurface = false;",
         "surfaces shadow themselves",
         "hit_rule",
-        "secondary_rays SecondaryRays.*",
     ),
     edit(
         "rule: never beyond",
@@ -457,7 +452,6 @@ HIT_RULE = (
         "bool beyond = false;",
         "rays from the surface hit steps that they are beyond again",
         "hit_rule",
-        "secondary_rays SecondaryRays.*",
     ),
     edit(
         "rule: always beyond",
@@ -482,7 +476,6 @@ HIT_RULE = (
         "next.side = above ? sideBelow : sideAbove;",
         "boxes that are passed change the side",
         "hit_rule",
-        "surface_levels SurfaceLevels.EveryLevel*",
     ),
     edit(
         "rule: solid leaves keep the side",
@@ -507,7 +500,6 @@ HIT_RULE = (
         "  WalkState next = state;\n  if (leaf.solid) {",
         "holes are closed",
         "hit_rule",
-        "invalid_vertices *LeaveOutTheirQuads*/cLEAF",
     ),
     edit(
         "rule: nothing after the first hit",
@@ -516,7 +508,6 @@ HIT_RULE = (
         "return verdict(hitNone,sideUnknown,state);",
         "folds are not hit at their nearest part",
         "hit_rule",
-        "hard_cases *HardDisplacement.FoldsAreHit*/cLEAF*",
     ),
     edit(
         "rule: pending after a hit",

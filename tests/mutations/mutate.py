@@ -40,8 +40,9 @@ from mutation import PLANNED  # noqa: E402
 
 MUTATIONS = list_codec.MUTATIONS + list_build.MUTATIONS + list_trace.MUTATIONS + list_api.MUTATIONS
 
-# rooms of tests whose programs do not link the library: cheap to build, so first
+# rooms of tests; programs of the first two do not link the library: cheap to build, so first
 HEADER_ONLY = ("codec", "isa")
+ROOMS = (*HEADER_ONLY, "library", "hard_cases", "common")
 
 # a mutated test that runs this much longer than the sound one hangs
 PATIENCE = 5
@@ -89,18 +90,19 @@ def split(test):
     return unit, patterns or "*"
 
 
-def source_of(unit):
-    """The room that has the program of a unit: None where there is none (yet)."""
-    rooms = [room for room in ("codec", "isa", "library", "hard_cases", "common") if is_unit_of(unit, room)]
-    return rooms[0] if rooms else None
+def room_of(unit):
+    """The room of tests that has the program of a unit; None where there is none (yet)."""
+    return next((room for room in ROOMS if has_unit(room, unit)), None)
 
 
-def is_unit_of(unit, room):
-    return unit == room or (ROOT / "tests" / room / f"{unit}.cpp").exists() or (room == "isa" and unit.startswith("simd_decoding_"))
+def has_unit(room, unit):
+    if room == "isa":
+        return unit.startswith("simd_decoding_")
+    return unit == room or (ROOT / "tests" / room / f"{unit}.cpp").exists()
 
 
 def exists(test):
-    return source_of(split(test)[0]) is not None
+    return room_of(split(test)[0]) is not None
 
 
 # --- the list against the code ------------------------------------------------------------
@@ -238,7 +240,7 @@ def grouped(mutations):
 
     def key(m):
         units = sorted({split(test)[0] for test in m.tests})
-        return any(source_of(unit) not in HEADER_ONLY for unit in units), m.file, units
+        return any(room_of(unit) not in HEADER_ONLY for unit in units), m.file, units
 
     return sorted(mutations, key=key)
 

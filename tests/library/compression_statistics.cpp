@@ -1,0 +1,187 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* What rtcGetSceneCompressionStatistics counts, and when it does. */
+
+#include "support/scene.h"
+
+#include <cmath>
+
+namespace cbvh::test {
+namespace {
+
+RTCCompressionStatistics statisticsOf(RTCDevice device, const std::vector<std::pair<const Cage*, const SurfaceSettings*>>& surfaces)
+{
+  Scene scene(device);
+  for (const auto& surface : surfaces) addSurface(device, scene, *surface.first, *surface.second);
+  rtcCommitScene(scene);
+  return cbvh::test::statisticsOf(scene);
+}
+
+bool isAllZero(const RTCCompressionStatistics& s)
+{
+  return s.topLevelBytes + s.frameBytes + s.nodeBytes + s.leafBytes + s.gridBytes + s.numBlocks + s.numQuads + s.numGridQuads +
+    s.numInvalidQuads + s.numAffineBlocks + s.numSolidLeaves == 0 && s.maxLeafThickness == 0;
+}
+
+// Each of two surfaces has some of everything: blocks, affine ones, solid leaves, quads that are
+// left out, and quads of GRID's. A scene of both has the sums, but for the tree over them.
+TEST(CompressionStatistics, AddUpOverSurfaces)
+{
+  Device device;
+  Cage many = sheetCage(6), few = cubeCage(); // of several tasks, and of one
+  Displacement rough, rougher;
+  rough.amplitude = 0.4f;
+  rougher.amplitude = 0.9f;
+  rough.poison = [](unsigned primID, float u, float v) { return primID == 7 && u == 0 && v == 0; };
+  rougher.poison = [](unsigned primID, float u, float v) { return primID == 3 && u == 1 && v == 1; };
+  SurfaceSettings settings[2];
+  const Cage* cages[2] = {&many, &few};
+  Displacement* displacements[2] = {&rough, &rougher};
+  RTCCompressionStatistics alone[2];
+  for (int i = 0; i < 2; i++) {
+    settings[i].displacement = displacements[i];
+    settings[i].compression = RTC_COMPRESSION_LEAF;
+    settings[i].edgeRates.assign(cages[i]->indices.size(), 16.0f);
+    std::fill_n(settings[i].edgeRates.end() - 4, 4, 257.0f); // the last face, and so the edges of its neighbours too
+    alone[i] = statisticsOf(device, {{cages[i], &settings[i]}});
+    for (size_t n : {alone[i].frameBytes, alone[i].nodeBytes, alone[i].leafBytes, alone[i].gridBytes, alone[i].numBlocks, alone[i].numQuads,
+                     alone[i].numGridQuads, alone[i].numInvalidQuads, alone[i].numAffineBlocks, alone[i].numSolidLeaves})
+      EXPECT_GT(n, 0u) << "surface " << i << " has to have some of everything";
+  }
+  const RTCCompressionStatistics both = statisticsOf(device, {{cages[0], &settings[0]}, {cages[1], &settings[1]}});
+  for (size_t RTCCompressionStatistics::*field : {&RTCCompressionStatistics::frameBytes, &RTCCompressionStatistics::nodeBytes,
+      &RTCCompressionStatistics::leafBytes, &RTCCompressionStatistics::gridBytes, &RTCCompressionStatistics::numBlocks,
+      &RTCCompressionStatistics::numQuads, &RTCCompressionStatistics::numGridQuads, &RTCCompressionStatistics::numInvalidQuads,
+      &RTCCompressionStatistics::numAffineBlocks, &RTCCompressionStatistics::numSolidLeaves})
+    EXPECT_EQ(both.*field, alone[0].*field + alone[1].*field);
+  EXPECT_EQ(both.maxLeafThickness, std::max(alone[0].maxLeafThickness, alone[1].maxLeafThickness));
+  EXPECT_GE(both.topLevelBytes, std::max(alone[0].topLevelBytes, alone[1].topLevelBytes));
+}
+
+// Blocks follow each other at multiples of 16 bytes, and what is between them is theirs.
+TEST(CompressionStatistics, BytesOfBlocksAreThoseOfTheirStride)
+{
+  Device device;
+  Displacement displacement;
+  const Cage cage = quadCage();
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF})
+    for (int height = 0; height <= 3; height++) {
+      SurfaceSettings settings;
+      settings.displacement = &displacement;
+      settings.compression = kind;
+      settings.rate = 8;
+      settings.frameLevel = 3 - height;
+      const RTCCompressionStatistics s = statisticsOf(device, {{&cage, &settings}});
+      EXPECT_EQ(s.numBlocks, size_t(64) >> 2*height);
+      EXPECT_EQ((s.frameBytes + s.nodeBytes + s.leafBytes)/s.numBlocks % 16, 0u) << "height " << height << ", kind " << kind;
+    }
+}
+
+// The corners of a square have a projective frame, as each has, if it is affine or not; those
+// of a quad that folds over have none.
+TEST(CompressionStatistics, CountAffineBlocks)
+{
+  Device device;
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.rate = 8;
+  settings.frameLevel = 0;
+  Cage square = quadCage(), folded = quadCage();
+  std::swap(folded.positions[2], folded.positions[3]);
+  EXPECT_EQ(statisticsOf(device, {{&square, &settings}}).numAffineBlocks, 0u);
+  EXPECT_EQ(statisticsOf(device, {{&folded, &settings}}).numAffineBlocks, 1u);
+}
+
+TEST(CompressionStatistics, AreThoseOfTheLastCommit)
+{
+  Device device;
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_LEAF;
+  const Cage cage = cubeCage();
+  Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+  addSurface(device, scene, cage, settings);
+  rtcCommitScene(scene);
+  EXPECT_GT(statisticsOf(scene).numBlocks, 0u);
+  RTCGeometry geometry = rtcGetGeometry(scene, 0);
+  float* positions = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  std::fill_n(positions, 3*cage.positions.size(), NAN); // no face is left
+  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  EXPECT_TRUE(isAllZero(statisticsOf(scene)));
+}
+
+TEST(CompressionStatistics, AreRefusedWhereAGeometryChanged)
+{
+  Device device;
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_LEAF;
+  Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+  addSurface(device, scene, cubeCage(), settings);
+  rtcCommitScene(scene);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  RTCGeometry geometry = rtcGetGeometry(scene, 0);
+  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcCommitGeometry(geometry);
+  statisticsOf(scene);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  rtcCommitScene(scene);
+  EXPECT_GT(statisticsOf(scene).numBlocks, 0u);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// A surface that is disabled asks for nothing: the others are as without it, stock Embree's.
+TEST(CompressionStatistics, KnowNothingOfDisabledSurfaces)
+{
+  Device device;
+  SurfaceSettings settings;
+  Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+  addSurface(device, scene, quadCage(), settings);
+  settings.compression = RTC_COMPRESSION_LEAF;
+  RTCGeometry compressed = newSurface(device, cubeCage(), settings);
+  rtcDisableGeometry(compressed);
+  const unsigned id = attach(scene, compressed);
+  rtcCommitScene(scene);
+  EXPECT_TRUE(isAllZero(statisticsOf(scene)));
+  rtcEnableGeometry(rtcGetGeometry(scene, id));
+  rtcCommitScene(scene);
+  EXPECT_EQ(statisticsOf(scene).numQuads, 6u*256);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// The frame level of a face is that of its roughest sub-patch, whichever of them that is.
+TEST(CompressionStatistics, KeepTheErrorBoundInEverySubPatch)
+{
+  Device device;
+  const Cage cage = prismCage(5);
+  for (unsigned rough = 0; rough < 5; rough++) {
+    Displacement displacement;
+    displacement.amplitude = 0;
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.compression = RTC_COMPRESSION_LEAF;
+    settings.frameLevel = RTC_COMPRESSION_FRAME_LEVEL_AUTO;
+    settings.maxError = 0.002f;
+    settings.rate = 32;
+    RTCGeometry geometry = newSurface(device, cage, settings);
+    displacement.frequency = float(rough); // carries it to the function
+    rtcSetGeometryDisplacementFunction(geometry, [](const RTCDisplacementFunctionNArguments* args) {
+      const unsigned wanted = unsigned(((const Displacement*)args->geometryUserPtr)->frequency);
+      for (unsigned i = 0; i < args->N; i++) {
+        const float su = std::floor((args->u[i] - 0.25f)/2), sv = std::floor((args->v[i] - 0.25f)/2); // corner k of an n-gon is at (2 (k%4) + 1/2, 2 (k/4) + 1/2)
+        if (args->primID < 2 && unsigned(su + 4*sv) == wanted)
+          args->P_z[i] += 0.02f*std::sin(40*args->u[i])*std::sin(30*args->v[i]);
+      }
+    });
+    rtcCommitGeometry(geometry);
+    Scene scene(device);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    EXPECT_LE(statisticsOf(scene).maxLeafThickness, settings.maxError) << "sub-patch " << rough;
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  }
+}
+
+} // namespace
+} // namespace cbvh::test
