@@ -65,7 +65,7 @@ def hard_checks(rays):
 
 def sheets(rays, seconds):
     """Rays through random sheets; the scene does not matter."""
-    return [Job("checks_sheets", "rays through random sheets", "cube", [3],
+    return [Job("checks_sheets", "rays through random sheets", "knee", [3],
                 "--representation grid,cgrid^1,cvoxel^1,cleaf^1 --view full --size 64x64 --repeat 0 --true-surface 0 "
                 f"--check sheets --check-rays {rays}", seconds)]
 

@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -50,6 +51,13 @@ inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
   app.add_option("--mapping", settings.mapping, "trex and herd: heights by faces, like Ptex, or by an atlas")
     ->type_name("faces|atlas");
   app.add_option("--count", settings.count, "herd: number of copies")->type_name("N");
+}
+
+/* Throws Error that names the option, also for a value that is not finite. */
+inline void requireNotNegative(const std::string& option, float value)
+{
+  if (!(value >= 0.0f) || !std::isfinite(value))
+    throw Error(option + " must be finite and not negative");
 }
 
 /* Values of --representation and --frame-level. Throws Error that names the options. */

@@ -3,6 +3,7 @@
 
 #include "surface/true_surface.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cbvh {
@@ -131,60 +132,88 @@ TruePoint TrueSurface::descend(Vec3d x, const TruePoint& start, double cell) con
   return best;
 }
 
-TruePoint TrueSurface::nearest(Vec3d x, const PatchPoint& start, double cell) const
+/* Parameters around a point, sampled at (2 nu + 1) x (2 nv + 1) places. */
+struct TrueSurface::Window
+{
+  PatchPoint middle;
+  double width, height; // from the middle to each side
+  int nu, nv;           // samples likewise
+
+  int columns() const { return 2 * nu + 1; }
+  int rows() const { return 2 * nv + 1; }
+};
+
+/* A nearer point is less than two distances away from this one, and so is, but for
+ * curvature and change of height, the point of the limit surface below it. None where the
+ * limit surface has no tangents, or where so small a window is taken to be smooth. */
+std::optional<TrueSurface::Window> TrueSurface::windowOfNearer(const TruePoint& p, double distance, double cell) const
 {
   constexpr double widest = 8.0, narrowest = 1.0 / 16; // cells
   constexpr int fewest = 2, most = 8;                  // samples from the middle to each side
-  constexpr size_t mostDescents = 4;
-
-  TruePoint best = descend(x, evaluate(start), cell);
-  const auto distance = [&] { return length(best.position - x); };
-
-  /* A nearer point is less than two distances away from this one, and so is, but for
-   * curvature and change of height, the point of the limit surface below it. */
-  const LimitSample s = limit.evaluate(best.at);
+  const LimitSample s = limit.evaluate(p.at);
   const double uu = dot(s.du, s.du), uv = dot(s.du, s.dv), vv = dot(s.dv, s.dv);
   const double determinant = uu * vv - square(uv);
   if (!(determinant > 0.0))
-    return best;
-  const double reach = 2.0 * distance();
+    return {};
+  const double reach = 2.0 * distance;
   const double width = std::min(reach * std::sqrt(vv / determinant), widest * cell);
   const double height = std::min(reach * std::sqrt(uu / determinant), widest * cell);
   if (std::max(width, height) < narrowest * cell)
-    return best;
+    return {};
   const auto samplesOf = [&](double size) {
     return std::min(std::max(int(std::ceil(2.0 * size / cell)), fewest), most);
   };
-  const int nu = samplesOf(width), nv = samplesOf(height), columns = 2 * nu + 1, rows = 2 * nv + 1;
+  return Window{p.at, width, height, samplesOf(width), samplesOf(height)};
+}
 
+/* Samples no farther from x than those around them, nearest first; without the middle. */
+std::vector<PatchPoint> TrueSurface::dents(const Window& window, Vec3d x) const
+{
   struct Sample
   {
     PatchPoint at;
     double distance;
   };
+  const int columns = window.columns(), rows = window.rows();
   std::vector<Sample> samples;
-  for (int j = -nv; j <= nv; j++)
-    for (int i = -nu; i <= nu; i++)
+  for (int j = -window.nv; j <= window.nv; j++)
+    for (int i = -window.nu; i <= window.nu; i++)
     {
-      const PatchPoint at = walk.go(best.at, width * i / nu, height * j / nv);
+      const PatchPoint at = walk.go(window.middle, window.width * i / window.nu, window.height * j / window.nv);
       samples.push_back({at, length(position(at) - x)});
     }
-  std::vector<Sample> dents;
+  const auto isLowest = [&](int i, int j) {
+    const double own = samples[size_t(j * columns + i)].distance;
+    for (int b = std::max(j - 1, 0); b <= std::min(j + 1, rows - 1); b++)
+      for (int a = std::max(i - 1, 0); a <= std::min(i + 1, columns - 1); a++)
+        if (!(own <= samples[size_t(b * columns + a)].distance))
+          return false;
+    return true;
+  };
+  std::vector<Sample> lowest;
   for (int j = 0; j < rows; j++)
     for (int i = 0; i < columns; i++)
-    {
-      const Sample& own = samples[size_t(j * columns + i)];
-      bool lowest = true;
-      for (int y = std::max(j - 1, 0); y <= std::min(j + 1, rows - 1); y++)
-        for (int x = std::max(i - 1, 0); x <= std::min(i + 1, columns - 1); x++)
-          lowest &= own.distance <= samples[size_t(y * columns + x)].distance;
-      if (lowest && !(i == nu && j == nv)) // there the first descent ended
-        dents.push_back(own);
-    }
-  std::sort(dents.begin(), dents.end(), [](const Sample& a, const Sample& b) { return a.distance < b.distance; });
-  for (size_t i = 0; i < std::min(dents.size(), mostDescents); i++)
+      if (isLowest(i, j) && !(i == window.nu && j == window.nv))
+        lowest.push_back(samples[size_t(j * columns + i)]);
+  std::sort(lowest.begin(), lowest.end(), [](const Sample& a, const Sample& b) { return a.distance < b.distance; });
+  std::vector<PatchPoint> points;
+  for (const Sample& sample : lowest)
+    points.push_back(sample.at);
+  return points;
+}
+
+TruePoint TrueSurface::nearest(Vec3d x, const PatchPoint& start, double cell) const
+{
+  constexpr size_t mostDescents = 4; // from the nearest dents
+  TruePoint best = descend(x, evaluate(start), cell);
+  const auto distance = [&] { return length(best.position - x); };
+  const std::optional<Window> window = windowOfNearer(best, distance(), cell);
+  if (!window)
+    return best;
+  const std::vector<PatchPoint> starts = dents(*window, x);
+  for (size_t i = 0; i < std::min(starts.size(), mostDescents); i++)
   {
-    const TruePoint foot = descend(x, evaluate(dents[i].at), cell);
+    const TruePoint foot = descend(x, evaluate(starts[i]), cell);
     if (length(foot.position - x) < distance())
       best = foot;
   }

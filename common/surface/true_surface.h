@@ -17,6 +17,7 @@
 #include "surface/patch_walk.h"
 
 #include <optional>
+#include <vector>
 
 namespace cbvh {
 
@@ -56,7 +57,11 @@ public:
                                     double tolerance) const;
 
 private:
+  struct Window;
+
   TruePoint descend(Vec3d x, const TruePoint& start, double cell) const;
+  std::optional<Window> windowOfNearer(const TruePoint& p, double distance, double cell) const;
+  std::vector<PatchPoint> dents(const Window& window, Vec3d x) const;
   Vec3d position(const PatchPoint& p) const;
 
   std::shared_ptr<const Displacement> displacement;

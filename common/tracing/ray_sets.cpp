@@ -15,6 +15,11 @@ void shuffle(std::vector<size_t>& order, std::mt19937& random)
 
 } // namespace
 
+const char* raySetName(RaySet set)
+{
+  return set == Coherent ? "coherent" : "incoherent";
+}
+
 std::vector<Ray> primaryRays(const Camera& camera)
 {
   std::vector<Ray> rays;

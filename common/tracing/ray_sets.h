@@ -15,6 +15,11 @@
 
 namespace cbvh {
 
+enum RaySet { Coherent, Incoherent, numRaySets };
+
+/* "coherent", "incoherent". */
+const char* raySetName(RaySet set);
+
 /* One ray a pixel, through its centre, in rows. */
 std::vector<Ray> primaryRays(const Camera& camera);
 

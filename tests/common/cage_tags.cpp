@@ -72,8 +72,13 @@ TEST_P(CageTags, SemiSharpCreasesLieBetween)
 TEST_P(CageTags, HardCornersAreReached)
 {
   const BuiltScene scene = build("t corner 1/1/0 7 10\n");
-  EXPECT_NEAR(scene.bounds().upper.x, 1.0f, tolerance);
-  EXPECT_NEAR(scene.bounds().upper.y, 1.0f, tolerance);
+  // leaves reach past it by less than a quad, and the bounds hold them
+  const float past = GetParam() == RepresentationKind::Grid ? tolerance : 2.0f / 32;
+  for (float upper : {scene.bounds().upper.x, scene.bounds().upper.y, scene.bounds().upper.z})
+  {
+    EXPECT_GE(upper, 1.0f - tolerance);
+    EXPECT_LE(upper, 1.0f + past);
+  }
   EXPECT_GT(scene.bounds().lower.x, -0.9f) << "the others stay round";
 }
 

@@ -37,6 +37,12 @@ struct Pinned
 };
 
 const std::vector<Pinned> pinned = {
+  {"cube", 0xca4d661345f11e79, {0x575d47c7ae005426, 0xf4eb1252daf06b5e, 0xe84093954d6b2b47}},
+  {"frog", 0xbf08fd67ae03b294, {0x6bc56d8d12877b63, 0x7235559163af115d, 0xa239cae17942eed5}},
+  {"herd", 0x5b354d433494908d, {0x94ad17447b0388a1, 0x4fdc9bf315f7eef7, 0xacc43bfcde4108c3}},
+  {"knee", 0x9e29cd3513541861, {0x8436fbf939870cef, 0x0371576e70dc2f7e, 0x2efb2a99c8d3ebfb}},
+  {"scythe", 0x4eb9c880fd45f837, {0xa8b25619416b0c77, 0xe731c3adcc90bc3b, 0x9ba2ea78a1423c7d}},
+  {"trex", 0xbad89acd94cc6d43, {0x497ea27d3adf9b81, 0x217dd004d6878535, 0xc7b49010433bfdc8}},
 };
 
 // FNV-1a

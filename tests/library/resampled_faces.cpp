@@ -4,8 +4,12 @@
 /* Faces of any edge rates, resampled to whole blocks: as near to the true surface as
  * GRID's of the same rates, in a fraction of the memory, and anew when rates change. */
 
+#include "kernels/cbvh/build/frame_map.h"
 #include "support/edge_rates.h"
+#include "support/leaf_of_hit.h"
+#include "support/scene_blocks.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <numeric>
@@ -63,33 +67,75 @@ class ResampledFaces : public testing::TestWithParam<RTCCompression> {};
 INSTANTIATE_TEST_SUITE_P(Compression, ResampledFaces,
   testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF), nameOf);
 
-// Distances to a much finer surface, along rays that meet it steeply.
-struct Distances
+// Whether a ray meets a much finer surface steeply.
+bool isSteep(const RTCRayHit& fine)
 {
-  double sum = 0;
-  unsigned count = 0;
+  const float* N = &fine.hit.Ng_x;
+  const float* D = &fine.ray.dir_x;
+  const double nd = std::inner_product(N, N + 3, D, 0.0), nn = std::inner_product(N, N + 3, N, 0.0), dd = std::inner_product(D, D + 3, D, 0.0);
+  return nd*nd >= 0.25*nn*dd;
+}
 
-  void add(const RTCRayHit& fine, const RTCRayHit& hit)
-  {
-    const float* N = &fine.hit.Ng_x;
-    const float* D = &fine.ray.dir_x;
-    const double nd = std::inner_product(N, N + 3, D, 0.0), nn = std::inner_product(N, N + 3, N, 0.0), dd = std::inner_product(D, D + 3, D, 0.0);
-    if (nd*nd < 0.25*nn*dd) return;
-    sum += std::fabs(hit.ray.tfar - fine.ray.tfar)*std::fabs(nd)/std::sqrt(nn);
-    count++;
+// Distance of a hit from that surface, across it.
+double distanceAcross(const RTCRayHit& fine, const RTCRayHit& hit)
+{
+  const float* N = &fine.hit.Ng_x;
+  const float* D = &fine.ray.dir_x;
+  const double nd = std::inner_product(N, N + 3, D, 0.0), nn = std::inner_product(N, N + 3, N, 0.0);
+  return std::fabs(hit.ray.tfar - fine.ray.tfar)*std::fabs(nd)/std::sqrt(nn);
+}
+
+/* How far, across the finer surface, the leaf that is hit may be off the quads that it stands for:
+ * in cLEAF half its thickness, which is in z of the frame; in a box that is hit where the ray
+ * enters it, as in cVOXEL, as far as it reaches. On the border of two leaves the one counts
+ * that allows less. */
+double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RTCRayHit& fine, const RTCRayHit& hit)
+{
+  using namespace embree::cbvh;
+  const float* N = &fine.hit.Ng_x;
+  const double n = std::sqrt(std::inner_product(N, N + 3, N, 0.0));
+  double least = INFINITY;
+  for (const LeafOfBlock& at : leavesOfHit(blocks, hit.hit)) {
+    const Kind kind = at.block->kind();
+    if (kind == Kind::GRID) return 0;
+    const LeafPatch leaf = decodeLeafOfBlock(at);
+    const FrameMap map = frameMap(at.block);
+    auto across = [&](double x, double y, double z) {
+      Double3 p;
+      EXPECT_TRUE(unproject(map, x, y, z, p));
+      return (p.x*N[0] + p.y*N[1] + p.z*N[2])/n;
+    };
+    const float *l = leaf.box.lower, *e = leaf.box.extent;
+    double error;
+    if (kind == Kind::VOXEL || leaf.solid) {
+      double lowest = INFINITY, highest = -INFINITY;
+      for (int c = 0; c < 8; c++) {
+        const double d = across(l[0] + (c & 1)*e[0], l[1] + ((c >> 1) & 1)*e[1], l[2] + (c >> 2)*e[2]);
+        lowest = std::min(lowest, d);
+        highest = std::max(highest, d);
+      }
+      error = highest - lowest;
+    } else {
+      const double x = l[0] + 0.5*e[0], y = l[1] + 0.5*e[1], z = 0.25*(leaf.z[0] + leaf.z[1] + leaf.z[2] + leaf.z[3]);
+      error = std::fabs(across(x, y, z + 0.25*leaf.thickness) - across(x, y, z - 0.25*leaf.thickness));
+    }
+    least = std::min(least, error);
   }
-};
+  return least;
+}
 
-// A finer inside, and borders without GRID's fans of triangles: resampling takes nothing
-// away. What leaves add is within their thickness.
-TEST_P(ResampledFaces, SurfaceIsAsNearToTheTrueOneAsGrids)
+/* A finer inside, and borders without GRID's fans of triangles: resampling takes nothing away,
+ * which cGRID shows, whose leaves hold its quads. Leaves of the other kinds add to that: quads are
+ * spread evenly over where their leaf may be off from them, at none to all of its error, so in the
+ * mean over hits half of it. */
+TEST_P(ResampledFaces, SurfaceIsAsNearToTheTrueOneAsGridsButForTheErrorOfLeaves)
 {
   Device device;
   for (const auto& set : rateSets) {
     SCOPED_TRACE(testing::Message() << "rates " << set.name);
     Random random(64);
-    Distances ours, grids;
-    double thickness = 0;
+    double ours = 0, grids = 0, allowed = 0;
+    unsigned count = 0;
     for (const auto& cage : closedCages) {
       Displacement displacement;
       SurfaceSettings settings;
@@ -98,18 +144,25 @@ TEST_P(ResampledFaces, SurfaceIsAsNearToTheTrueOneAsGrids)
       settings.rate = 128;
       const SurfaceScene fine(device, cage.cage, settings);
       settings.edgeRates = drawRates(cage.cage, random, set.draw);
+      settings.compression = GetParam() == RTC_COMPRESSION_GRID ? RTC_COMPRESSION_NONE : RTC_COMPRESSION_GRID;
+      const SurfaceScene grid(device, cage.cage, settings);
       settings.compression = GetParam();
-      const Twins twins(device, cage.cage, settings);
-      thickness = std::max(thickness, double(statisticsOf(twins.scene).maxLeafThickness));
+      const SurfaceScene scene(device, cage.cage, settings);
+      const std::vector<const embree::cbvh::Block*> blocks = sceneBlocks(scene);
       for (const RTCRayHit& ray : raysFromAround(random, 2000)) {
-        const RTCRayHit f = intersect(fine, ray), a = intersect(twins.grid, ray), b = intersect(twins.scene, ray);
-        if (!isHit(f) || !isHit(a) || !isHit(b)) continue;
-        grids.add(f, a);
-        ours.add(f, b);
+        const RTCRayHit f = intersect(fine, ray), a = intersect(grid, ray), b = intersect(scene, ray);
+        if (!isHit(f) || !isHit(a) || !isHit(b) || !isSteep(f)) continue;
+        grids += distanceAcross(f, a);
+        ours += distanceAcross(f, b);
+        const double error = leafError(blocks, f, b);
+        ASSERT_TRUE(std::isfinite(error)) << "no leaf has these parameters: face " << b.hit.primID << ", " << b.hit.u << ", " << b.hit.v;
+        allowed += 0.5*error;
+        count++;
       }
     }
-    EXPECT_GT(ours.count, 3000u);
-    EXPECT_LE(ours.sum/ours.count, grids.sum/grids.count + thickness);
+    std::printf("%s, mean over %u hits: error %g, reference's %g, leaves may add %g\n", set.name, count, ours/count, grids/count, allowed/count);
+    EXPECT_GT(count, 3000u);
+    EXPECT_LE(ours/count, (grids + allowed)/count);
   }
 }
 

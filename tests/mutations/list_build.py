@@ -82,19 +82,19 @@ FRAMES = (
 
 BOUNDS = (
     edit(
-        "bounds: cVOXEL by its vertices",
+        "bounds of the scene: cVOXEL by its vertices",
         "block_bounds.h",
         "if (block->kind() != Kind::GRID) extend(0,0,rootBox());",
         "if (block->kind() == Kind::LEAF) extend(0,0,rootBox());",
-        "boxes that reach past the vertices are culled",
+        "hits lie outside of the bounds of the scene",
         "scene_bounds",
     ),
     edit(
-        "bounds: cLEAF by its vertices",
+        "bounds of the scene: cLEAF by its vertices",
         "block_bounds.h",
         "if (block->kind() != Kind::GRID) extend(0,0,rootBox());",
         "if (block->kind() == Kind::VOXEL) extend(0,0,rootBox());",
-        "leaves that reach past the vertices are culled",
+        "hits lie outside of the bounds of the scene",
         "scene_bounds",
     ),
     edit(
@@ -102,7 +102,7 @@ BOUNDS = (
         "block_bounds.h",
         "for (int c=0; c<8; c++) {",
         "for (int c=0; c<7; c++) {",
-        "parts of leaves are culled",
+        "parts of leaves are outside of the bounds of the scene",
         "scene_bounds",
     ),
     edit(

@@ -265,7 +265,7 @@ CROSSING = (
         "((lowerFace >= c.sNear) & !inside0)",
         "(lowerFace >= c.sNear)",
         "rays that start in a leaf, under its patch or over it, have a side that they do not",
-        "hard_cases *HardRays.FromInsideLeaf/cLEAF*",
+        "hard_cases *HardRays.FromInsideALeaf/cLEAF*",
     ),
     edit(
         "crossing4: sides are not mirrored back",
@@ -332,8 +332,8 @@ WALK = (
         "startClipped = tauNear > clip.tauIn;",
         "startClipped = false;",
         "rays that start in a leaf hit it there",
-        "hard_cases *HardRays.FromInsideLeaf/cLEAF*",
-        "hard_cases *HardRays.FromInsideLeaf/cVOXEL*",
+        "hard_cases *HardRays.FromInsideALeaf/cLEAF*",
+        "hard_cases *HardRays.FromInsideALeaf/cVOXEL*",
     ),
     edit(
         "walk: overlapping children, farther first",
@@ -365,7 +365,7 @@ WALK = (
         "vboolf4 valid = laneMask(masks.hit) & !startsInside(this->local,c);",
         "vboolf4 valid = laneMask(masks.hit);",
         "rays that start in a box hit it at once",
-        "hard_cases *HardRays.FromInsideLeaf/cVOXEL*",
+        "hard_cases *HardRays.FromInsideALeaf/cVOXEL*",
     ),
     edit(
         "voxel: only the first of four",

@@ -110,7 +110,8 @@ class Session:
                                            env=self.environment, cwd=self.folder, stderr=log)
         def window():
             if self.viewer.poll() is not None:
-                raise SystemExit(f"FAILED: the viewer ended with status {self.viewer.returncode}")
+                with open(os.path.join(self.folder, "log")) as log:
+                    raise SystemExit(f"FAILED: the viewer ended with status {self.viewer.returncode}: {log.read()}")
             return self.xdotool("search", "--onlyvisible", "--name", "cbvh_viewer").split("\n")[0]
         self.window = wait_for("no window", window)
         self.xdotool("mousemove", 790, 590)  # the cursor is drawn into the screen

@@ -4,7 +4,7 @@
 #include "support/grid_agreement.h"
 #include "kernels/cbvh/build/frame_map.h"
 #include "kernels/cbvh/codec/local_ray.h"
-#include "kernels/cbvh/codec/tree.h"
+#include "support/leaf_of_hit.h"
 #include "support/scene_blocks.h"
 
 #include <algorithm>
@@ -66,17 +66,6 @@ bool isNearGrid(RTCScene grid, const Vec& p, float distance)
   return false;
 }
 
-// Box of a leaf, as FORMAT.md has it: words of nodes down to the last level, whose words are
-// those of groups in cLEAF. A block has as many levels as its layout says.
-NodeBox leafBox(const Block* block, uint32_t leaf)
-{
-  const uint32_t levels = block->layout().nodeLevels;
-  NodeBox box = rootBox();
-  for (uint32_t level = 0; level < levels; level++)
-    box = childBox(block, level, leaf >> 2*(levels - level), (leaf >> 2*(levels - level - 1)) & 3, box);
-  return box;
-}
-
 // What the leaves that report a hit's parameters say of its place; several on the border of two.
 struct LeafOfHit
 {
@@ -108,36 +97,27 @@ LeafOfHit leafOfHit(const std::vector<const Block*>& blocks, const RTCRayHit& r)
   double point[3];
   for (int k = 0; k < 3; k++) point[k] = double(org[k]) + t*double(dir[k]);
   LeafOfHit found;
-  for (const Block* block : blocks) {
-    if (block->primID != r.hit.primID) continue;
-    const double cells = 1u << block->layout().nodeLevels, quads = 1u << block->height();
-    const double x = ((r.hit.u - cornerUOf(block->tiling)*0.5)*block->quadsX() - blockXOf(block->info)*quads)*cells/quads;
-    const double y = ((r.hit.v - cornerVOf(block->tiling)*0.5)*block->quadsY() - blockYOf(block->info)*quads)*cells/quads;
-    const FrameMap map = frameMap(block);
-    const Double3 p = {point[0] - block->centre[0], point[1] - block->centre[1], point[2] - block->centre[2]};
-    const double W = map.W(p), local[3] = {map.X(p)/W, map.Y(p)/W, map.Z(p)/W};
+  for (const LeafOfBlock& at : leavesOfHit(blocks, r.hit)) {
+    found.exists = true;
+    const FrameMap map = frameMap(at.block);
+    const Double3 p = {point[0] - at.block->centre[0], point[1] - at.block->centre[1], point[2] - at.block->centre[2]};
+    const double W = map.W(p), local[3] = {map.X(p)/W, map.Y(p)/W, map.Z(p)/W}, least = leastW(map);
     double distance = 0, error[3];
-    for (int k = 0; k < 3; k++) distance = std::max(distance, std::fabs(double(org[k]) - double(block->centre[k])));
-    for (int k = 0; k < 3; k++) error[k] = rayEpsilon(*block, distance, k)/leastW(map);
-    const double rounding = 1e-3; // of parameters
-    for (double i = std::floor(x - rounding); i <= x + rounding; i++)
-      for (double j = std::floor(y - rounding); j <= y + rounding; j++) {
-        if (i < 0 || j < 0 || i >= cells || j >= cells) continue;
-        found.exists = true;
-        const NodeBox box = leafBox(block, morton(uint32_t(i), uint32_t(j)));
-        double outside = 0;
-        for (int axis = 0; axis < 3; axis++) {
-          const double beyond = std::max(box.lower[axis] - local[axis], local[axis] - upperOf(box, axis));
-          outside = std::max(outside, beyond/error[axis]);
-        }
-        found.outside = std::min(found.outside, outside);
-        if (outside > hitError) continue;
-        for (int c = 0; c < 8; c++) {
-          Double3 q;
-          EXPECT_TRUE(unproject(map, c & 1 ? upperOf(box, 0) : box.lower[0], c & 2 ? upperOf(box, 1) : box.lower[1], c & 4 ? upperOf(box, 2) : box.lower[2], q));
-          found.reach = std::max(found.reach, length(q - p));
-        }
-      }
+    for (int k = 0; k < 3; k++) distance = std::max(distance, std::fabs(double(org[k]) - double(at.block->centre[k])));
+    for (int k = 0; k < 3; k++) error[k] = rayEpsilon(*at.block, distance, k);
+    const NodeBox box = decodeLeafOfBlock(at).box;
+    double outside = 0;
+    for (int axis = 0; axis < 3; axis++) {
+      const double beyond = std::max(box.lower[axis] - local[axis], local[axis] - upperOf(box, axis));
+      outside = std::max(outside, beyond*least/error[axis]);
+    }
+    found.outside = std::min(found.outside, outside);
+    if (outside > hitError) continue;
+    for (int c = 0; c < 8; c++) {
+      Double3 q;
+      EXPECT_TRUE(unproject(map, c & 1 ? upperOf(box, 0) : box.lower[0], c & 2 ? upperOf(box, 1) : box.lower[1], c & 4 ? upperOf(box, 2) : box.lower[2], q));
+      found.reach = std::max(found.reach, length(q - p));
+    }
   }
   return found;
 }

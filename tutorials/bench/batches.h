@@ -32,7 +32,11 @@ struct Batches
 Batches planBatches(const std::vector<Representation>& representations, const std::vector<std::string>& isas,
                     size_t quads, size_t available);
 
-/* Upper estimate of what the baselines and one variant take, for a message. */
+/* Upper estimates of what the baselines take, and of what they and one variant take. */
+size_t baselineBytes(const Batches& batches, size_t quads);
 size_t neededBytes(const Batches& batches, const Variant& variant, size_t quads);
+
+/* Says that `what`, a representation, needs more than is available. */
+std::string sizeMessage(const std::string& what, size_t quads, size_t needed, size_t available);
 
 } // namespace cbvh

@@ -3,75 +3,14 @@
 
 #pragma once
 
-/* Runs the combinations. What is measured together, a scene at a level, is a group. */
+/* Runs all combinations that a command line asks for. */
 
-#include "batches.h"
 #include "options.h"
-#include "building/built_scene.h"
-#include "measure/height_bins.h"
-#include "measure/hit_metrics.h"
-#include "measure/true_errors.h"
+#include "results.h"
 
 #include <functional>
-#include <optional>
-#include <string>
-#include <vector>
 
 namespace cbvh {
-
-struct Speed
-{
-  std::string view;
-  RaySet set;
-  TraceSettings trace;
-  size_t rays = 0, hits = 0;
-  std::vector<double> seconds; // one a round
-  std::vector<double> toGrid;  // speed over that of GRID on the same ISA in the same round
-
-  double mrays(double s) const { return double(rays) * 1e-6 / s; }
-};
-
-struct ViewResult
-{
-  std::string view;
-  HitErrors errors;                 // primary rays, against GRID of the same level
-  HitErrors away;                   // those of them that are away from silhouettes
-  std::optional<HitErrors> toReference; // against GRID of the reference level
-  std::optional<TrueErrors> toTrue;     // primary rays, against the true surface
-  std::optional<HeightBins> bins, binsAway; // of cLEAF's frame level; away from silhouettes
-  HitErrors bounced;                // incoherent rays, against GRID of the same level
-  std::string picture, errorMap;    // file names
-};
-
-struct VariantResult
-{
-  Variant variant;
-  std::string skipped;              // why it was not measured, empty otherwise
-  int batch = 0;                    // variants of a batch are measured in turns
-  BuildReport build;
-  size_t leafBytes = 0, innerBytes = 0;
-  std::vector<ViewResult> views;
-  std::vector<Speed> speeds;
-  CheckResult checks;
-};
-
-struct ViewInfo
-{
-  std::string name, camera;         // as the --view option takes it
-  size_t primaryHits = 0;
-  size_t rays[numRaySets] = {0, 0};
-};
-
-struct Group
-{
-  std::string scene;
-  int level = 0;
-  size_t faces = 0, quads = 0;
-  double diagonal = 0;              // of the surface's bounding box
-  double quadWidth = 0;             // mean length of an edge; 0 without checks
-  std::vector<ViewInfo> views;
-  std::vector<VariantResult> results;
-};
 
 /* Calls done after each group. Throws Error, Cancelled. */
 void runBenchmark(const BenchOptions& options, const std::function<void(const Group&)>& done);

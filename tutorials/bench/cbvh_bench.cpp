@@ -8,6 +8,7 @@
 #include "json.h"
 #include "machine.h"
 #include "options.h"
+#include "text.h"
 #include "basics/error.h"
 #include "basics/file_output.h"
 #include "basics/progress.h"

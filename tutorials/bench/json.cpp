@@ -3,10 +3,10 @@
 
 #include "json.h"
 #include "measure/quantiles.h"
+#include "programs/compression_json.h"
 #include "programs/errors_json.h"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace cbvh {
 namespace {
@@ -45,7 +45,8 @@ json leaksJson(const LeakCounts& c)
 
 json sheetsJson(const SheetCrossings& c)
 {
-  return {{"sheets", c.sheets}, {"rays", c.rays}, {"closest", c.closest}, {"any", c.any}, {"missed_by_grid", c.ofGrid}, {"examples", c.examples}};
+  return {{"sheets", c.sheets},          {"rays", c.rays},        {"closest", c.closest}, {"any", c.any},
+          {"missed_by_grid", c.ofGrid}, {"examples", c.examples}};
 }
 
 json shadowJson(const ShadowErrors& e)
@@ -92,7 +93,6 @@ json speedJson(const Speed& s)
 
 json memoryJson(const VariantResult& r)
 {
-  const RTCCompressionStatistics& s = r.build.compression;
   json j = {{"live_bytes", r.build.liveBytes},
             {"peak_bytes", r.build.peakBytes},
             {"bytes_per_quad", r.build.bytesPerQuad()},
@@ -100,13 +100,29 @@ json memoryJson(const VariantResult& r)
             {"leaf_bytes", r.leafBytes},
             {"leaf_bytes_are", r.variant.representation.isCompressed() ? "counted" : "computed from the layout"}};
   if (r.variant.representation.isCompressed())
-    j["compression"] = {{"top_level_bytes", s.topLevelBytes}, {"frame_bytes", s.frameBytes},
-                        {"node_bytes", s.nodeBytes},          {"leaf_bytes", s.leafBytes},
-                        {"grid_bytes", s.gridBytes},          {"blocks", s.numBlocks},
-                        {"quads", s.numQuads},                {"grid_quads", s.numGridQuads},
-                        {"invalid_quads", s.numInvalidQuads}, {"affine_blocks", s.numAffineBlocks},
-                        {"solid_leaves", s.numSolidLeaves},   {"max_leaf_thickness", s.maxLeafThickness}};
+    j["compression"] = compressionJson(r.build.compression);
   return j;
+}
+
+json viewJson(const ViewResult& v)
+{
+  json view = {{"view", v.view},
+               {"errors", errorsJson(v.errors)},
+               {"errors_away_from_silhouettes", errorsJson(v.away)},
+               {"bounced", errorsJson(v.bounced)}};
+  if (v.toReference)
+    view["errors_to_reference_level"] = errorsJson(*v.toReference);
+  if (v.toTrue)
+    view["errors_to_true_surface"] = errorsJson(*v.toTrue);
+  if (v.bins)
+    view["bins_of_4_bits"] = heightBinsJson(*v.bins);
+  if (v.binsAway)
+    view["bins_of_4_bits_away_from_silhouettes"] = heightBinsJson(*v.binsAway);
+  if (!v.picture.empty())
+    view["picture"] = v.picture;
+  if (!v.errorMap.empty())
+    view["error_map"] = v.errorMap;
+  return view;
 }
 
 json resultJson(const VariantResult& r)
@@ -126,25 +142,7 @@ json resultJson(const VariantResult& r)
   j["memory"] = memoryJson(r);
   j["views"] = json::array();
   for (const ViewResult& v : r.views)
-  {
-    json view = {{"view", v.view},
-                 {"errors", errorsJson(v.errors)},
-                 {"errors_away_from_silhouettes", errorsJson(v.away)},
-                 {"bounced", errorsJson(v.bounced)}};
-    if (v.toReference)
-      view["errors_to_reference_level"] = errorsJson(*v.toReference);
-    if (v.toTrue)
-      view["errors_to_true_surface"] = errorsJson(*v.toTrue);
-    if (v.bins)
-      view["bins_of_4_bits"] = heightBinsJson(*v.bins);
-    if (v.binsAway)
-      view["bins_of_4_bits_away_from_silhouettes"] = heightBinsJson(*v.binsAway);
-    if (!v.picture.empty())
-      view["picture"] = v.picture;
-    if (!v.errorMap.empty())
-      view["error_map"] = v.errorMap;
-    j["views"].push_back(view);
-  }
+    j["views"].push_back(viewJson(v));
   j["speed"] = json::array();
   for (const Speed& s : r.speeds)
     j["speed"].push_back(speedJson(s));
@@ -157,47 +155,59 @@ json resultJson(const VariantResult& r)
   return j;
 }
 
-std::string checkLines(const CheckResult& checks)
+json groupJson(const Group& g)
 {
-  std::string out;
-  char line[240];
-  if (checks.leaks)
-  {
-    const LeakCounts& c = *checks.leaks;
-    std::snprintf(line, sizeof(line),
-                  "    leaks of %zu rays: closest %zu, any %zu, through %zu (GRID %zu, %zu, %zu)\n", c.rays,
-                  c.ofScene.closest, c.ofScene.any, c.ofScene.through, c.ofGrid.closest, c.ofGrid.any,
-                  c.ofGrid.through);
-    out += line;
-  }
-  if (checks.sheets)
-  {
-    std::snprintf(line, sizeof(line), "    through %zu random sheets, of %zu rays: closest %zu, any %zu (GRID, too: %zu)\n", checks.sheets->sheets,
-                  checks.sheets->rays, checks.sheets->closest, checks.sheets->any, checks.sheets->ofGrid);
-    out += line;
-    for (const std::string& example : checks.sheets->examples)
-      out += "      " + example + "\n";
-  }
-  for (const ShadowCheck& c : checks.shadows)
-  {
-    const auto share = [](size_t n, size_t rays) { return rays ? 1000.0 * double(n) / double(rays) : 0.0; };
-    std::snprintf(line, sizeof(line),
-                  "    %s shadows, offset %s, %s: %.3f per 1000 (occluded %.3f, passed %.3f); "
-                  "same place %.3f; turned %.3f; control %.3f\n",
-                  c.view.c_str(), c.offset.c_str(), std::isfinite(c.length) ? "short" : "infinite",
-                  share(c.found.all.sum(), c.found.rays), share(c.found.all.falseOcclusions, c.found.rays),
-                  share(c.found.all.falsePasses, c.found.rays), share(c.found.ofSame.sum(), c.found.raysOfSame),
-                  share(c.found.ofTurned.sum(), c.found.rays), share(c.found.control.sum(), c.found.rays));
-    out += line;
-  }
-  return out;
+  json group = {{"scene", g.scene},
+                {"level", g.level},
+                {"faces", g.faces},
+                {"quads", g.quads},
+                {"diagonal", g.diagonal},
+                {"quad_width", g.quadWidth}};
+  for (const ViewInfo& v : g.views)
+    group["views"].push_back({{"view", v.name},
+                              {"camera", v.camera},
+                              {"primary_hits", v.primaryHits},
+                              {"coherent_rays", v.rays[Coherent]},
+                              {"incoherent_rays", v.rays[Incoherent]}});
+  group["results"] = json::array();
+  for (const VariantResult& r : g.results)
+    group["results"].push_back(resultJson(r));
+  return group;
 }
 
-std::string number(const char* format, double value)
+json settingsJson(const BenchOptions& options)
 {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, value);
-  return text;
+  return {{"rays", options.rays},
+          {"repeat", options.repeat},
+          {"width", options.size.width},
+          {"height", options.size.height},
+          {"ray_offset_diagonals", options.rayOffset},
+          {"true_surface_hits", options.trueHits},
+          {"seed", options.seed},
+          {"build_threads", options.buildThreads},
+          {"stream_size", streamSize},
+          {"check_rays", options.checks.rays},
+          {"position", {options.position.x, options.position.y, options.position.z}},
+          {"max_error_diagonals", options.maxError},
+          {"reference_level", options.referenceLevel >= 0 ? json(options.referenceLevel) : json()}};
+}
+
+/* Who measured, where and how. */
+json runJson(const BenchOptions& options, const Machine& m)
+{
+  return {{"command", options.command},
+          {"date", m.date},
+          {"commit", m.commit},
+          {"compiler", m.compiler},
+          {"flags", m.flags},
+          {"build_type", m.buildType},
+          {"library_isas", m.isas},
+          {"cpu", m.cpu},
+          {"hardware_threads", m.threads},
+          {"memory_bytes", m.memoryBytes},
+          {"load_before", m.load},
+          {"system", m.system},
+          {"settings", settingsJson(options)}};
 }
 
 } // namespace
@@ -209,52 +219,10 @@ std::string formatJson(const BenchOptions& options, const Machine& m, const std:
   out["format"] = "cbvh-bench";
   out["version"] = formatVersion;
   out["complete"] = complete;
-  out["run"] = {{"command", options.command},
-                {"date", m.date},
-                {"commit", m.commit},
-                {"compiler", m.compiler},
-                {"flags", m.flags},
-                {"build_type", m.buildType},
-                {"library_isas", m.isas},
-                {"cpu", m.cpu},
-                {"hardware_threads", m.threads},
-                {"memory_bytes", m.memoryBytes},
-                {"load_before", m.load},
-                {"system", m.system},
-                {"settings",
-                 {{"rays", options.rays},
-                  {"repeat", options.repeat},
-                  {"width", options.size.width},
-                  {"height", options.size.height},
-                  {"ray_offset_diagonals", options.rayOffset},
-                  {"true_surface_hits", options.trueHits},
-                  {"seed", options.seed},
-                  {"build_threads", options.buildThreads},
-                  {"stream_size", streamSize},
-                  {"check_rays", options.checks.rays},
-                  {"position", {options.position.x, options.position.y, options.position.z}},
-                  {"max_error_diagonals", options.maxError},
-                  {"reference_level", options.referenceLevel >= 0 ? json(options.referenceLevel) : json()}}}};
+  out["run"] = runJson(options, m);
   out["groups"] = json::array();
   for (const Group& g : groups)
-  {
-    json group = {{"scene", g.scene},
-                  {"level", g.level},
-                  {"faces", g.faces},
-                  {"quads", g.quads},
-                  {"diagonal", g.diagonal},
-                  {"quad_width", g.quadWidth}};
-    for (const ViewInfo& v : g.views)
-      group["views"].push_back({{"view", v.name},
-                                {"camera", v.camera},
-                                {"primary_hits", v.primaryHits},
-                                {"coherent_rays", v.rays[Coherent]},
-                                {"incoherent_rays", v.rays[Incoherent]}});
-    group["results"] = json::array();
-    for (const VariantResult& r : g.results)
-      group["results"].push_back(resultJson(r));
-    out["groups"].push_back(group);
-  }
+    out["groups"].push_back(groupJson(g));
   return out.dump(1) + "\n";
 }
 
@@ -263,57 +231,6 @@ std::string formatAbout(const Machine& machine)
   const json about = {{"commit", machine.commit}, {"isas", usableIsas(machine)}, {"scenes", sceneNames()},
                       {"hardware_threads", machine.threads}};
   return about.dump();
-}
-
-std::string formatHead(const BenchOptions& options, const Machine& m)
-{
-  std::string isas, threads;
-  for (const std::string& isa : options.isas)
-    isas += (isas.empty() ? "" : ", ") + isa;
-  for (unsigned n : options.threads)
-    threads += (threads.empty() ? "" : ", ") + std::to_string(n);
-  char text[512];
-  std::snprintf(text, sizeof(text),
-                "commit %s, %s build by %s\n%s, %u hardware threads, load %.1f; isa %s; tracing on %s thread%s\n",
-                m.commit.c_str(), m.buildType.c_str(), m.compiler.c_str(), m.cpu.c_str(), m.threads, m.load,
-                isas.c_str(), threads.c_str(), threads == "1" ? "" : "s");
-  return text;
-}
-
-std::string formatTable(const Group& g)
-{
-  std::string out = "\n" + g.scene + ", level " + std::to_string(g.level) + ", " +
-                    number("%.3f", double(g.quads) * 1e-6) + " million quads\n";
-  for (const VariantResult& r : g.results)
-  {
-    char head[160];
-    std::snprintf(head, sizeof(head), "  %-10s %-7s", r.variant.representation.label().c_str(), r.variant.isa.c_str());
-    out += head;
-    if (!r.skipped.empty())
-    {
-      out += r.skipped + "\n";
-      continue;
-    }
-    std::snprintf(head, sizeof(head), "%9.1f MiB %7.2f B/quad, build %6.2f s", double(r.build.liveBytes) / (1 << 20),
-                  r.build.bytesPerQuad(), r.build.seconds);
-    out += head;
-    for (const ViewResult& v : r.views)
-      out += ", " + v.view + " RMSE " + number("%.4f px", v.errors.rmse);
-    out += "\n";
-    out += checkLines(r.checks);
-    for (const Speed& s : r.speeds)
-    {
-      std::vector<double> mrays;
-      for (double seconds : s.seconds)
-        mrays.push_back(s.mrays(seconds));
-      const double toGrid = median(s.toGrid);
-      std::snprintf(head, sizeof(head), "%-10s %-7s %-8s %2u thr %8.3f Mrays/s, %5.2f of GRID, spread %4.1f%%\n",
-                    raySetName(s.set), queryName(s.trace.query), traceModeName(s.trace.mode), s.trace.threads,
-                    median(mrays), toGrid, 100.0 * interquartileRange(s.toGrid) / toGrid);
-      out += "    " + s.view + " " + head;
-    }
-  }
-  return out;
 }
 
 } // namespace cbvh

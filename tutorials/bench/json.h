@@ -3,10 +3,11 @@
 
 #pragma once
 
-/* Measurements as JSON and as text. */
+/* Measurements as JSON. */
 
-#include "benchmark.h"
 #include "machine.h"
+#include "options.h"
+#include "results.h"
 
 #include <string>
 #include <vector>
@@ -20,11 +21,5 @@ std::string formatJson(const BenchOptions& options, const Machine& machine, cons
 
 /* Commit, instruction sets that library and processor have, and scenes. */
 std::string formatAbout(const Machine& machine);
-
-/* A few lines about the machine and the build. */
-std::string formatHead(const BenchOptions& options, const Machine& machine);
-
-/* One line a variant, one column a combination. */
-std::string formatTable(const Group& group);
 
 } // namespace cbvh

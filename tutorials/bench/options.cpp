@@ -13,12 +13,9 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <sstream>
 
 namespace cbvh {
 namespace {
-
-constexpr const char* raySetNames[numRaySets] = {"coherent", "incoherent"};
 
 std::vector<std::string> split(const std::string& option, const std::string& list)
 {
@@ -36,15 +33,20 @@ std::vector<std::string> split(const std::string& option, const std::string& lis
   return words;
 }
 
-int parseInteger(const std::string& option, const std::string& word, int lower, int upper)
+/* A list of numbers from 0 to `most`. */
+std::vector<int> parseIntegers(const std::string& option, const std::string& list, int most)
 {
-  int value = 0;
-  const char* const end = word.data() + word.size();
-  const auto result = std::from_chars(word.data(), end, value);
-  if (result.ec != std::errc() || result.ptr != end || value < lower || value > upper)
-    throw Error(option + " '" + word + "' is not a number from " + std::to_string(lower) + " to " +
-                std::to_string(upper));
-  return value;
+  std::vector<int> numbers;
+  for (const std::string& word : split(option, list))
+  {
+    int value = 0;
+    const char* const end = word.data() + word.size();
+    const auto result = std::from_chars(word.data(), end, value);
+    if (result.ec != std::errc() || result.ptr != end || value < 0 || value > most)
+      throw Error(option + " '" + word + "' is not a number from 0 to " + std::to_string(most));
+    numbers.push_back(value);
+  }
+  return numbers;
 }
 
 /* settings: of all scenes on the command line. */
@@ -123,63 +125,75 @@ std::string commandLine(int argc, char** argv)
   return command;
 }
 
-} // namespace
-
-const char* raySetName(RaySet set)
+RaySet parseRaySet(const std::string& word)
 {
-  return raySetNames[set];
+  for (RaySet set : {Coherent, Incoherent})
+    if (word == raySetName(set))
+      return set;
+  throw Error("unknown --set '" + word + "', known are coherent and incoherent");
 }
 
-std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machine& machine)
+/* What the command line says in words of its own, with the defaults that --help names. */
+struct Words
 {
-  BenchOptions o;
-  SceneSettings settings;
+  SceneSettings settings; // of all scenes
   std::string scenes, levels = "6", representations = "naive,grid,cgrid,cvoxel,cleaf", frameLevels = "2";
   std::string isas = "best", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
-  std::string size = "768x768";
-  std::string pictureLevels, checks, position;
+  std::string size = "768x768", pictureLevels, checks, position;
   std::vector<std::string> views;
   bool about = false;
+};
 
-  CLI::App app("Measures representations of displaced subdivision surfaces: memory, build, speed and error of every\n"
-               "combination of what the lists name, interleaved. GRID is always among them: speeds are relative to it.",
-               "cbvh_bench");
-  app.add_option("--scene", scenes, "comma list of " + listOfScenes() + "; an amplitude of its own after a colon")
+/* The options, in the order of --help. */
+
+void declareLists(CLI::App& app, Words& words)
+{
+  app.add_option("--scene", words.scenes, "comma list of " + listOfScenes() + "; an amplitude of its own after a colon")
     ->type_name("LIST");
-  addSceneOptions(app, settings);
-  app.add_option("--view", views, "full, close, or ex,ey,ez,lx,ly,lz,fov; may be given several times")
+  addSceneOptions(app, words.settings);
+  app.add_option("--view", words.views, "full, close, or ex,ey,ez,lx,ly,lz,fov; may be given several times")
     ->type_name("LIST")->default_str("full");
-  app.add_option("--level", levels, "subdivision levels, 0 to 8")->type_name("LIST")->capture_default_str();
-  app.add_option("--representation", representations,
+  app.add_option("--level", words.levels, "subdivision levels, 0 to 8")->type_name("LIST")->capture_default_str();
+  app.add_option("--representation", words.representations,
                  "of naive, grid, cgrid, cvoxel, cleaf; a frame level of its own after ^ or :")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--frame-level", frameLevels, "levels at which local frames start: 0 to 8, or auto")
+  app.add_option("--frame-level", words.frameLevels, "levels at which local frames start: 0 to 8, or auto")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--isa", isas, "widest instruction sets: best, sse2, sse4.2, avx, avx2, avx512")
+  app.add_option("--isa", words.isas, "widest instruction sets: best, sse2, sse4.2, avx, avx2, avx512")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--threads", threads, "numbers of threads that trace, 0 for all")
+  app.add_option("--threads", words.threads, "numbers of threads that trace, 0 for all")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--set", sets, "ray sets: coherent, incoherent")->type_name("LIST")->capture_default_str();
-  app.add_option("--query", queries, "closest, any")->type_name("LIST")->capture_default_str();
-  app.add_option("--mode", modes, "single, packet4, packet8, packet16, stream")
+  app.add_option("--set", words.sets, "ray sets: coherent, incoherent")->type_name("LIST")->capture_default_str();
+  app.add_option("--query", words.queries, "closest, any")->type_name("LIST")->capture_default_str();
+  app.add_option("--mode", words.modes, "single, packet4, packet8, packet16, stream")
     ->type_name("LIST")->capture_default_str();
+}
+
+void declareMeasurement(CLI::App& app, BenchOptions& o, Words& words)
+{
   app.add_option("--rays", o.rays, "rays in a measurement, 0 for one a pixel")->type_name("N")->capture_default_str();
   app.add_option("--repeat", o.repeat, "measurements of each combination, 0 for no speed")
     ->type_name("N")->capture_default_str();
-  app.add_option("--size", size, "picture size")->type_name("WxH")->capture_default_str();
+  app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
   app.add_option("--ray-offset", o.rayOffset,
                  "distance of bounced rays' origins from the surface, in bounding-box diagonals")
     ->type_name("D")->capture_default_str();
-  app.add_option("--seed", o.seed, "of the bounced rays and of the hits compared with the true surface")->type_name("N")->capture_default_str();
+  app.add_option("--seed", o.seed, "of the bounced rays and of the hits compared with the true surface")
+    ->type_name("N")->capture_default_str();
   app.add_option("--build-threads", o.buildThreads, "threads that build, 0 for all")
     ->type_name("N")->capture_default_str();
-  app.add_option("--check", checks,
-                 "leaks (rays out of closed surfaces), sheets (rays through random sheets), shadows (secondary rays from own hits against GRID's),\n"
+}
+
+void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, Words& words)
+{
+  app.add_option("--check", words.checks,
+                 "leaks (rays out of closed surfaces), sheets (rays through random sheets), "
+                 "shadows (secondary rays from own hits against GRID's),\n"
                  "offsets (shadows at many offsets)")
     ->type_name("LIST");
   app.add_option("--check-rays", o.checks.rays, "rays that look for leaks or cross sheets, a representation")
     ->type_name("N")->capture_default_str();
-  app.add_option("--position", position, "moves models there: x,y,z")->type_name("P");
+  app.add_option("--position", words.position, "moves models there: x,y,z")->type_name("P");
   app.add_option("--max-error", o.maxError, "bound on the thickness of leaves where the frame level is auto, in\n"
                  "bounding-box diagonals of the cage")->type_name("E");
   app.add_option("--reference-level", o.referenceLevel,
@@ -188,71 +202,107 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   app.add_option("--true-surface", o.trueHits,
                  "hits of a view compared with the displaced limit surface itself, drawn at random, 0 for none")
     ->type_name("N")->capture_default_str();
+}
+
+void declareOutput(CLI::App& app, BenchOptions& o, Words& words)
+{
   app.add_option("--pictures", o.pictures, "folder for shaded pictures and error maps")->type_name("DIR");
-  app.add_option("--picture-level", pictureLevels, "levels that get pictures, else all")->type_name("LIST");
+  app.add_option("--picture-level", words.pictureLevels, "levels that get pictures, else all")->type_name("LIST");
   app.add_option("--maps", o.maps, "folder for generated height maps, else a temporary one")->type_name("DIR");
   app.add_option("--json", o.json, "write the measurements there")->type_name("FILE");
-  app.add_flag("--about", about, "print commit, instruction sets and scenes as JSON, and end");
-  if (!parseCommandLine(app, argc, argv))
-    return std::nullopt;
+  app.add_flag("--about", words.about, "print commit, instruction sets and scenes as JSON, and end");
+}
 
-  if (about)
+/* A cage, or scenes by their names. */
+std::vector<BenchScene> readScenes(const Words& words)
+{
+  SceneSettings settings = words.settings;
+  if (words.scenes.empty() || !settings.cagePath.empty())
   {
-    std::puts(formatAbout(machine).c_str());
-    return std::nullopt;
-  }
-  if (scenes.empty() || !settings.cagePath.empty())
-  {
-    settings.scene = scenes;
+    settings.scene = words.scenes;
     validateScene(settings);
-    o.scenes.push_back({std::filesystem::path(settings.cagePath).stem().string(), settings});
+    return {{std::filesystem::path(settings.cagePath).stem().string(), settings}};
   }
-  else if (settings.amplitude)
+  if (settings.amplitude)
     throw Error("--amplitude belongs to --cage; one for a scene comes after a colon, cube:0.45");
-  else
-    for (const std::string& word : split("--scene", scenes))
-      o.scenes.push_back(parseScene(word, settings));
-  o.size = parseImageSize(size);
-  o.views = parseViews(views.empty() ? std::vector<std::string>{"full"} : views, o.size);
-  for (const std::string& word : split("--level", levels))
-    o.levels.push_back(parseInteger("--level", word, 0, maxLevel));
-  if (!pictureLevels.empty())
-    for (const std::string& word : split("--picture-level", pictureLevels))
-      o.pictureLevels.push_back(parseInteger("--picture-level", word, 0, maxLevel));
-  if (!checks.empty())
-    for (const std::string& word : split("--check", checks))
+  std::vector<BenchScene> scenes;
+  for (const std::string& word : split("--scene", words.scenes))
+    scenes.push_back(parseScene(word, settings));
+  return scenes;
+}
+
+/* What is built, and looked at. */
+void readSurfaces(const Words& words, BenchOptions& o)
+{
+  o.scenes = readScenes(words);
+  o.size = parseImageSize(words.size);
+  o.views = parseViews(words.views.empty() ? std::vector<std::string>{"full"} : words.views, o.size);
+  o.levels = parseIntegers("--level", words.levels, maxLevel);
+  if (!words.pictureLevels.empty())
+    o.pictureLevels = parseIntegers("--picture-level", words.pictureLevels, maxLevel);
+  if (!words.checks.empty())
+    for (const std::string& word : split("--check", words.checks))
       o.checks.add(word);
-  if (!position.empty())
-    o.position = parsePosition(position);
-  if (!(o.maxError >= 0.0f) || !std::isfinite(o.maxError))
-    throw Error("--max-error must be finite and not negative");
-  o.representations = parseAll(representations, frameLevels);
-  for (const std::string& word : split("--isa", isas))
+  if (!words.position.empty())
+    o.position = parsePosition(words.position);
+  requireNotNegative("--max-error", o.maxError);
+  o.representations = parseAll(words.representations, words.frameLevels);
+}
+
+/* How it is measured. */
+void readCombinations(const Words& words, const Machine& machine, BenchOptions& o)
+{
+  constexpr int mostThreads = 1024; // more is a slip of the keyboard
+  for (const std::string& word : split("--isa", words.isas))
   {
     o.isas.push_back(word == "best" ? bestIsa(machine) : word);
     requireIsa(machine, o.isas.back());
   }
-  for (const std::string& word : split("--threads", threads))
-    o.threads.push_back(threadCount(parseInteger("--threads", word, 0, 1024)));
-  for (const std::string& word : split("--set", sets))
-  {
-    const auto found = std::find(std::begin(raySetNames), std::end(raySetNames), word);
-    if (found == std::end(raySetNames))
-      throw Error("unknown --set '" + word + "', known are coherent and incoherent");
-    o.sets.push_back(RaySet(found - std::begin(raySetNames)));
-  }
-  for (const std::string& word : split("--query", queries))
+  for (int n : parseIntegers("--threads", words.threads, mostThreads))
+    o.threads.push_back(threadCount(n));
+  for (const std::string& word : split("--set", words.sets))
+    o.sets.push_back(parseRaySet(word));
+  for (const std::string& word : split("--query", words.queries))
     o.queries.push_back(parseQuery(word));
-  for (const std::string& word : split("--mode", modes))
+  for (const std::string& word : split("--mode", words.modes))
     o.modes.push_back(parseTraceMode(word));
-  if (o.repeat < 0 || o.repeat > 1000)
-    throw Error("--repeat must be 0 to 1000");
-  if (!(o.rayOffset >= 0.0f) || !std::isfinite(o.rayOffset))
-    throw Error("--ray-offset must be finite and not negative");
+}
+
+void validateNumbers(const BenchOptions& o)
+{
+  constexpr int mostRounds = 1000; // as above
+  if (o.repeat < 0 || o.repeat > mostRounds)
+    throw Error("--repeat must be 0 to " + std::to_string(mostRounds));
+  requireNotNegative("--ray-offset", o.rayOffset);
   if (o.buildThreads < 0)
     throw Error("--build-threads must not be negative");
   if (o.referenceLevel < -1 || o.referenceLevel > maxLevel)
     throw Error("--reference-level must be 0 to " + std::to_string(maxLevel));
+}
+
+} // namespace
+
+std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machine& machine)
+{
+  BenchOptions o;
+  Words words;
+  CLI::App app("Measures representations of displaced subdivision surfaces: memory, build, speed and error of every\n"
+               "combination of what the lists name, interleaved. GRID is always among them: speeds are relative to it.",
+               "cbvh_bench");
+  declareLists(app, words);
+  declareMeasurement(app, o, words);
+  declareErrorsAndChecks(app, o, words);
+  declareOutput(app, o, words);
+  if (!parseCommandLine(app, argc, argv))
+    return std::nullopt;
+  if (words.about)
+  {
+    std::puts(formatAbout(machine).c_str());
+    return std::nullopt;
+  }
+  readSurfaces(words, o);
+  readCombinations(words, machine, o);
+  validateNumbers(o);
   o.command = commandLine(argc, argv);
   return o;
 }

@@ -18,9 +18,6 @@
 
 namespace cbvh {
 
-enum RaySet { Coherent, Incoherent, numRaySets };
-const char* raySetName(RaySet set);
-
 struct BenchScene
 {
   std::string label;      // as on the command line: "cube", "cube:0.45", "herd-40"

@@ -1,33 +1,35 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* GRID is always built and stays: its hits make the rays, and every other
- * representation is timed in turns with it, so that both see the same machine. Of
- * the others one is in memory at a time. NAIVE, the largest, goes first: where it is
- * there, its hits are the reference of all errors, but for the rays, tens in 100,000,
- * that slip between two of its triangles (Embree's test without RTC_SCENE_FLAG_ROBUST
- * does not close edges) while GRID, the same triangles tested otherwise, stops them. */
+/* GRID is always built and stays: its hits make the rays, and every other representation
+ * is timed in turns with it. Of the others one is in memory at a time.
+ *
+ * NAIVE, the largest, goes first: where it is there, the reference of all errors is what
+ * NAIVE or GRID hits, whichever is nearer. Both have the same triangles, but tens of rays
+ * in 100,000 slip between two of NAIVE's: Embree's test without RTC_SCENE_FLAG_ROBUST does
+ * not close edges, that of GRID does. */
 
 #include "comparison.h"
+#include "speed.h"
 
 #include "basics/error.h"
 #include "basics/file_output.h"
 #include "basics/parallel.h"
 #include "building/memory.h"
-#include "measure/quantiles.h"
 #include "measure/self_shadow.h"
 #include "pictures/image_output.h"
 #include "pictures/shading.h"
 #include "programs/view_options.h"
 #include "tracing/trace_hits.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
 namespace cbvh {
 namespace {
 
-constexpr uint32_t sampleSeed = 1;
+constexpr uint32_t sampleSeed = 1; // any: the same hits in every run
 
 std::string outputPath(const Options& options, const std::string& name)
 {
@@ -90,72 +92,19 @@ public:
   Comparison run()
   {
     const BuiltScene grid(model, {RepresentationKind::Grid}, options.build);
-    const Camera camera = chooseCamera(options.view, model, grid, options.size, threads);
-    footprint = camera.footprint();
-    primary = primaryRays(camera);
-    gridHits = traced(grid);
-    makeRaySets(grid);
-    if (options.ambientRays)
-      gridAmbient = ambient(grid, gridHits);
-    describe(camera);
-    if (options.trueHits)
-      surface.emplace(model);
-    sample = sampleOfHits(gridHits, options.trueHits, sampleSeed);
-    comparison.trueHits = sample.size();
-
-    bool askedForGrid = false;
-    for (const Representation& r : options.representations)
-      askedForGrid |= r.kind == RepresentationKind::Grid;
-    const std::vector<Representation> order = buildOrder(options.representations);
-    Result gridResult;
-    gridResult.representation = grid.representation();
-    gridResult.build = grid.report();
-    countDisagreements(grid, gridHits, gridResult);
-    compareToTruth(grid, gridHits, gridResult);
-    if (askedForGrid)
+    look(grid);
+    Result gridResult = resultOf(grid, gridHits);
+    if (askedForGrid())
       writePictures(grid, gridHits);
-
-    referenceHits = &gridHits;
+    const std::vector<Representation> order = buildOrder(options.representations);
     for (const Representation& r : order)
-    {
-      Result result;
-      result.representation = r;
-      const BuiltScene scene(model, r, options.build);
-      result.build = scene.report();
-      std::vector<SurfaceHit> hits = traced(scene);
-      countDisagreements(scene, hits, result);
-      compareToTruth(scene, hits, result);
-      writePictures(scene, hits);
-      if (options.speed)
-        measure(grid, &scene, result);
-      if (r.kind == RepresentationKind::Naive)
-      {
-        nearest = nearerHits(gridHits, hits);
-        referenceHits = &nearest;
-        comparison.reference = "the triangles of NAIVE and GRID, whichever is nearer";
-      }
-      result.errors = compareHits(*referenceHits, hits, footprint, scene.layout());
-      comparison.results.push_back(result);
-    }
+      comparison.results.push_back(compared(r, grid));
     if (referenceHits != &gridHits)
       gridResult.errors = compareHits(*referenceHits, gridHits, footprint, grid.layout());
     if (options.speed && order.empty())
-      measure(grid, nullptr, gridResult);
-    for (int set = 0; set < numRaySets; set++)
-      for (int query = 0; query < numQueries; query++)
-        if (!gridSeconds[set][query].empty())
-          gridResult.speed[set][query].mrays =
-            double(sets[set].size()) * 1e-6 / median(gridSeconds[set][query]);
-    /* In the order asked for; GRID, if only there to compare with, first. */
-    std::vector<Result> ordered;
-    if (!askedForGrid)
-      ordered.push_back(gridResult);
-    comparison.results.push_back(gridResult);
-    for (const Representation& r : options.representations)
-      for (const Result& result : comparison.results)
-        if (result.representation.label() == r.label())
-          ordered.push_back(result);
-    comparison.results = std::move(ordered);
+      speed.measureGrid(grid);
+    speed.noteGrid(gridResult);
+    comparison.results = inOrderAskedFor(gridResult);
     return std::move(comparison);
   }
 
@@ -166,13 +115,25 @@ private:
     return traceClosest(scene, primary, threads);
   }
 
-  void makeRaySets(const BuiltScene& grid)
+  /* All that comes from GRID alone: the view, its rays, and what they hit. */
+  void look(const BuiltScene& grid)
   {
+    const Camera camera = chooseCamera(options.view, model, grid, options.size, threads);
+    footprint = camera.footprint();
+    primary = primaryRays(camera);
+    gridHits = traced(grid);
     BounceSettings bounce;
     bounce.count = options.rays;
     bounce.offset = options.rayOffset * grid.bounds().diagonal();
     sets[Coherent] = coherentRays(primary, options.size, options.rays);
     sets[Incoherent] = bounceRays(primary, gridHits, bounce);
+    if (options.ambientRays)
+      gridAmbient = ambient(grid, gridHits);
+    describe(camera);
+    if (options.trueHits)
+      surface.emplace(model);
+    sample = sampleOfHits(gridHits, options.trueHits, sampleSeed);
+    comparison.trueHits = sample.size();
   }
 
   void describe(const Camera& camera)
@@ -189,6 +150,56 @@ private:
       comparison.rays[set] = sets[set].size();
     for (const SurfaceHit& hit : gridHits)
       comparison.primaryHits += hit.hit();
+  }
+
+  bool askedForGrid() const
+  {
+    const auto isGrid = [](const Representation& r) { return r.kind == RepresentationKind::Grid; };
+    return std::any_of(options.representations.begin(), options.representations.end(), isGrid);
+  }
+
+  /* What a scene says by itself. */
+  Result resultOf(const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const
+  {
+    Result result;
+    result.representation = scene.representation();
+    result.build = scene.report();
+    countDisagreements(scene, hits, result);
+    compareToTruth(scene, hits, result);
+    return result;
+  }
+
+  /* Builds a representation for as long as it takes. */
+  Result compared(const Representation& representation, const BuiltScene& grid)
+  {
+    const BuiltScene scene(model, representation, options.build);
+    const std::vector<SurfaceHit> hits = traced(scene);
+    Result result = resultOf(scene, hits);
+    writePictures(scene, hits);
+    if (options.speed)
+      speed.measure(grid, scene, result);
+    if (representation.kind == RepresentationKind::Naive)
+    {
+      nearest = nearerHits(gridHits, hits);
+      referenceHits = &nearest;
+      comparison.reference = "the triangles of NAIVE and GRID, whichever is nearer";
+    }
+    result.errors = compareHits(*referenceHits, hits, footprint, scene.layout());
+    return result;
+  }
+
+  /* GRID, if only there to compare with, first. */
+  std::vector<Result> inOrderAskedFor(const Result& gridResult) const
+  {
+    std::vector<Result> all = comparison.results, ordered;
+    all.push_back(gridResult);
+    if (!askedForGrid())
+      ordered.push_back(gridResult);
+    for (const Representation& r : options.representations)
+      for (const Result& result : all)
+        if (result.representation.label() == r.label())
+          ordered.push_back(result);
+    return ordered;
   }
 
   void countDisagreements(const BuiltScene& scene, const std::vector<SurfaceHit>& hits, Result& result) const
@@ -230,50 +241,18 @@ private:
     return ambientOcclusion({scene.handle(), hits}, {primary, footprint}, settings, threads);
   }
 
-  /* In turns with GRID, which goes first in every other round. */
-  void measure(const BuiltScene& grid, const BuiltScene* scene, Result& result)
-  {
-    Phase phase(result.representation.label() + ": speed");
-    const auto timeOne = [&](const BuiltScene& s, int set, int query) {
-      TraceSettings settings;
-      settings.query = Query(query);
-      settings.coherent = set == Coherent;
-      return timeTrace(s, sets[set], settings).seconds;
-    };
-    for (int set = 0; set < numRaySets; set++)
-      for (int query = 0; query < numQueries; query++)
-      {
-        std::vector<double> own, base;
-        for (int i = 0; i < options.repeat; i++)
-        {
-          if (scene && i % 2)
-            own.push_back(timeOne(*scene, set, query));
-          base.push_back(timeOne(grid, set, query));
-          if (scene && i % 2 == 0)
-            own.push_back(timeOne(*scene, set, query));
-          phase.update(double((set * numQueries + query) * options.repeat + i + 1) /
-                       double(numRaySets * numQueries * options.repeat));
-        }
-        gridSeconds[set][query].insert(gridSeconds[set][query].end(), base.begin(), base.end());
-        if (scene)
-        {
-          result.speed[set][query].mrays = double(sets[set].size()) * 1e-6 / median(own);
-          result.speed[set][query].toGrid = median(base) / median(own);
-        }
-      }
-  }
-
   const Options& options;
   unsigned threads;
   Model model;
   float footprint = 0;
-  std::vector<Ray> primary, sets[numRaySets];
+  std::vector<Ray> primary;
+  RaySets sets;
+  SpeedInTurns speed{sets, options.repeat};
   std::vector<SurfaceHit> gridHits, nearest;
   std::vector<float> gridAmbient;
-  const std::vector<SurfaceHit>* referenceHits = nullptr;
+  const std::vector<SurfaceHit>* referenceHits = &gridHits;
   std::optional<TrueSurface> surface;
   std::vector<size_t> sample; // of the primary rays, compared with the true surface
-  std::vector<double> gridSeconds[numRaySets][numQueries];
   Comparison comparison;
 };
 

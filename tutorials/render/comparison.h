@@ -17,8 +17,6 @@
 
 namespace cbvh {
 
-enum RaySet { Coherent, Incoherent, numRaySets };
-
 struct Speed
 {
   double mrays = 0;     // millions of rays a second, median

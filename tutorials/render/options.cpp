@@ -6,32 +6,41 @@
 #include "programs/command_line.h"
 #include "programs/view_options.h"
 
-#include <cstdio>
-
 namespace cbvh {
-std::optional<Options> parseOptions(int argc, char** argv)
+namespace {
+
+/* What the command line says in words of its own, with the defaults that --help names. */
+struct Words
 {
-  Options o;
   std::string representations = "naive,grid,cgrid,cvoxel,cleaf", frameLevel = "2", size = "1024x1024";
   bool noSpeed = false;
+};
 
-  CLI::App app("Builds a displaced subdivision surface in several representations, traces it, and compares them.\n"
-               "Writes for each a shaded picture, the hits as EXR, and the error against GRID as a heat map.",
-               "cbvh_render");
+/* The options, in the order of --help. */
+
+void declarePictures(CLI::App& app, Options& o, Words& words)
+{
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addSceneOptions(app, o.scene);
-  app.add_option("--representation", representations,
+  app.add_option("--representation", words.representations,
                  "comma list of naive, grid, cgrid, cvoxel, cleaf; a frame level of its own after ^ or :")
     ->type_name("LIST")->capture_default_str();
   app.add_option("--level", o.build.level, "subdivision level, 0 to 8: 2^L x 2^L quads a face")
     ->type_name("L")->capture_default_str();
-  app.add_option("--frame-level", frameLevel, "level at which local frames start: 0 to 8, or auto")
+  app.add_option("--frame-level", words.frameLevel, "level at which local frames start: 0 to 8, or auto")
     ->type_name("N")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
-  app.add_option("--size", size, "picture size")->type_name("WxH")->capture_default_str();
-  app.add_option("--output", o.output, "folder for the pictures, made if need be")->type_name("DIR")->capture_default_str();
-  app.add_option("--rays", o.rays, "rays in a speed measurement, 0 for one a pixel")->type_name("N")->capture_default_str();
-  app.add_option("--repeat", o.repeat, "speed measurements, of which the median counts")->type_name("N")->capture_default_str();
+  app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
+  app.add_option("--output", o.output, "folder for the pictures, made if need be")
+    ->type_name("DIR")->capture_default_str();
+}
+
+void declareMeasurement(CLI::App& app, Options& o, Words& words)
+{
+  app.add_option("--rays", o.rays, "rays in a speed measurement, 0 for one a pixel")
+    ->type_name("N")->capture_default_str();
+  app.add_option("--repeat", o.repeat, "speed measurements, of which the median counts")
+    ->type_name("N")->capture_default_str();
   app.add_option("--ray-offset", o.rayOffset,
                  "distance of bounced rays' origins from the surface, in bounding-box diagonals")
     ->type_name("D")->capture_default_str();
@@ -42,26 +51,43 @@ std::optional<Options> parseOptions(int argc, char** argv)
   app.add_option("--true-surface", o.trueHits,
                  "hits compared with the displaced limit surface itself, drawn at random, 0 for none")
     ->type_name("N")->capture_default_str();
-  app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")->type_name("N")->capture_default_str();
+  app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")
+    ->type_name("N")->capture_default_str();
   app.add_option("--isa", o.build.isa, "widest instruction set: sse2, sse4.2, avx, avx2 or avx512")->type_name("ISA");
   app.add_option("--json", o.json, "write the numbers there, too")->type_name("FILE");
-  app.add_flag("--no-speed", noSpeed, "leave the speed measurements out");
-  if (!parseCommandLine(app, argc, argv))
-    return std::nullopt;
+  app.add_flag("--no-speed", words.noSpeed, "leave the speed measurements out");
+}
 
+void read(const Words& words, Options& o)
+{
   validateScene(o.scene);
   validateBuild(o.build);
   if (o.repeat < 1)
     throw Error("--repeat must be at least 1");
-  if (!(o.rayOffset >= 0.0f) || !std::isfinite(o.rayOffset))
-    throw Error("--ray-offset must be finite and not negative");
+  requireNotNegative("--ray-offset", o.rayOffset);
   o.scene.mapFolder = o.output;
   o.scene.threads = o.build.threads;
-  o.speed = !noSpeed;
-  o.size = parseImageSize(size);
-  o.representations = parseRepresentationOptions(representations, frameLevel);
+  o.speed = !words.noSpeed;
+  o.size = parseImageSize(words.size);
+  o.representations = parseRepresentationOptions(words.representations, words.frameLevel);
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
+}
+
+} // namespace
+
+std::optional<Options> parseOptions(int argc, char** argv)
+{
+  Options o;
+  Words words;
+  CLI::App app("Builds a displaced subdivision surface in several representations, traces it, and compares them.\n"
+               "Writes for each a shaded picture, the hits as EXR, and the error against GRID as a heat map.",
+               "cbvh_render");
+  declarePictures(app, o, words);
+  declareMeasurement(app, o, words);
+  if (!parseCommandLine(app, argc, argv))
+    return std::nullopt;
+  read(words, o);
   return o;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "report.h"
+#include "programs/compression_json.h"
 #include "programs/errors_json.h"
 
 #include <nlohmann/json.hpp>
@@ -11,6 +12,8 @@
 
 namespace cbvh {
 namespace {
+
+using nlohmann::json;
 
 std::string number(double value, int digits)
 {
@@ -71,9 +74,6 @@ private:
   std::vector<std::vector<std::string>> rows;
 };
 
-const char* const setNames[numRaySets] = {"coherent", "incoherent"};
-const char* const queryNames[numQueries] = {"closest", "any"};
-
 const Result* findNaive(const Comparison& c)
 {
   for (const Result& r : c.results)
@@ -107,7 +107,7 @@ void addSpeed(Table& table, const Comparison& c)
   for (int set = 0; set < numRaySets; set++)
     for (int query = 0; query < numQueries; query++)
     {
-      const std::string name = std::string(setNames[set]) + ", " + queryNames[query] + " hit";
+      const std::string name = std::string(raySetName(RaySet(set))) + ", " + queryName(Query(query)) + " hit";
       table.row(name + ", Mrays/s", [=](const Result& r) { return number(r.speed[set][query].mrays, 3); });
       table.row("- of GRID", [=](const Result& r) { return number(r.speed[set][query].toGrid, 2); });
       if (naive)
@@ -168,6 +168,34 @@ void addTrueErrors(Table& table)
   addNormalsAndParameters(table, &Result::trueErrors);
 }
 
+/* speed: whether it was measured. */
+json resultJson(const Result& r, bool speed)
+{
+  json j;
+  j["representation"] = r.representation.label();
+  j["quads"] = r.build.quads;
+  j["bytes_per_quad"] = r.build.bytesPerQuad();
+  j["live_bytes"] = r.build.liveBytes;
+  j["peak_bytes"] = r.build.peakBytes;
+  j["build_seconds"] = r.build.seconds;
+  if (r.representation.isCompressed())
+    j["compression"] = compressionJson(r.build.compression);
+  for (RaySet set : {Coherent, Incoherent})
+  {
+    const char* const name = raySetName(set);
+    j["any_hit_disagreements"][name] = r.anyDisagreements[set];
+    for (Query query : {Closest, Any})
+      if (speed)
+        j["speed"][name][queryName(query)] = {{"mrays_per_second", r.speed[set][query].mrays},
+                                              {"relative_to_grid", r.speed[set][query].toGrid}};
+  }
+  if (r.errors)
+    j["errors"] = errorsJson(*r.errors);
+  if (r.trueErrors)
+    j["errors_to_true_surface"] = errorsJson(*r.trueErrors);
+  return j;
+}
+
 } // namespace
 
 std::string formatTable(const Comparison& c)
@@ -187,14 +215,13 @@ std::string formatTable(const Comparison& c)
   if (c.trueHits)
     addTrueErrors(table);
   for (int set = 0; set < numRaySets; set++)
-    table.row(std::string("any hit disagrees, ") + setNames[set],
+    table.row(std::string("any hit disagrees, ") + raySetName(RaySet(set)),
               [=](const Result& r) { return std::to_string(r.anyDisagreements[set]); });
   return head + table.text();
 }
 
 std::string formatJson(const Comparison& c)
 {
-  using nlohmann::json;
   json out;
   out["model"] = c.model;
   out["faces"] = c.faces;
@@ -209,37 +236,7 @@ std::string formatJson(const Comparison& c)
   out["error_reference"] = c.reference;
   out["true_surface_hits"] = c.trueHits;
   for (const Result& r : c.results)
-  {
-    json j;
-    j["representation"] = r.representation.label();
-    j["quads"] = r.build.quads;
-    j["bytes_per_quad"] = r.build.bytesPerQuad();
-    j["live_bytes"] = r.build.liveBytes;
-    j["peak_bytes"] = r.build.peakBytes;
-    j["build_seconds"] = r.build.seconds;
-    if (r.representation.isCompressed())
-    {
-      const RTCCompressionStatistics& s = r.build.compression;
-      j["compression"] = {{"top_level_bytes", s.topLevelBytes}, {"frame_bytes", s.frameBytes},
-                          {"node_bytes", s.nodeBytes},          {"leaf_bytes", s.leafBytes},
-                          {"grid_bytes", s.gridBytes},          {"blocks", s.numBlocks},
-                          {"quads", s.numQuads},                {"grid_quads", s.numGridQuads},
-                          {"invalid_quads", s.numInvalidQuads}, {"affine_blocks", s.numAffineBlocks},
-                          {"solid_leaves", s.numSolidLeaves},   {"max_leaf_thickness", s.maxLeafThickness}};
-    }
-    for (int set = 0; set < numRaySets; set++)
-    {
-      j["any_hit_disagreements"][setNames[set]] = r.anyDisagreements[set];
-      for (int query = 0; c.speed && query < numQueries; query++)
-        j["speed"][setNames[set]][queryNames[query]] = {{"mrays_per_second", r.speed[set][query].mrays},
-                                                        {"relative_to_grid", r.speed[set][query].toGrid}};
-    }
-    if (r.errors)
-      j["errors"] = errorsJson(*r.errors);
-    if (r.trueErrors)
-      j["errors_to_true_surface"] = errorsJson(*r.trueErrors);
-    out["results"].push_back(j);
-  }
+    out["results"].push_back(resultJson(r, c.speed));
   return out.dump(2) + "\n";
 }
 

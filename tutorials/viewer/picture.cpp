@@ -16,7 +16,7 @@
 namespace cbvh {
 namespace {
 
-/* Pixels a side. One tile is a task: enough rays to pay for it, few enough that the
+/* Pixels a side. A tile is a task: of enough rays to pay for it, and of so few that the
  * last tiles do not hold up the frame. */
 constexpr int tileSize = 16;
 
@@ -124,6 +124,102 @@ Vec3f blockColor(const Cell& cell, int frameLevel, bool compressed)
   return fromHue(hue, 0.8f, 0.15f + 0.8f * unit(bits >> 16));
 }
 
+/* What the pane shows, on the threads of the caller's arena. */
+class PaneRender
+{
+public:
+  PaneRender(const Camera& camera, const Pane& pane, const PictureSettings& settings, const Region& region)
+    : camera(camera), pane(pane), settings(settings), region(region),
+      shader(camera.direction(float(camera.size().width / 2), float(camera.size().height / 2)), settings.up)
+  {
+  }
+
+  /* Traces, for the clock, and then what the errors are measured against, if need be. */
+  PaneReport trace()
+  {
+    PaneReport report;
+    report.rays = region.pixels();
+    const auto start = std::chrono::steady_clock::now();
+    hits = traceRegion(camera, region, *pane.scene);
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (settings.mode == PictureMode::Error)
+    {
+      errors = pixelErrors(traceRegion(camera, region, *pane.reference), hits, camera.footprint());
+      summarise(report);
+    }
+    return report;
+  }
+
+  /* Its columns of the picture. */
+  void paint(Image& image) const
+  {
+    const size_t width = size_t(camera.size().width);
+    forTiles(region, [&](int x0, int x1, int y0, int y1) {
+      for (int y = y0; y < y1; y++)
+        for (int x = x0; x < x1; x++)
+          image.set(size_t(y) * width + size_t(x), color(x, y));
+    });
+  }
+
+private:
+  void summarise(PaneReport& report) const
+  {
+    double sum = 0;
+    size_t both = 0;
+    for (float e : errors)
+    {
+      report.falseHits += e == falseHitError;
+      report.misses += e == missError;
+      if (e >= 0.0f)
+      {
+        sum += double(e) * e;
+        both++;
+      }
+    }
+    report.rmse = both ? std::sqrt(sum / double(both)) : 0.0;
+  }
+
+  Vec3f color(int x, int y) const
+  {
+    const size_t index = region.index(x, y);
+    if (settings.mode == PictureMode::Error)
+      return errorColor(errors[index]);
+    if (!hits[index].hit())
+      return backgroundColor(float(y) / float(region.height));
+    return surfaceColor(primaryRay(camera, x, y), hits[index]);
+  }
+
+  Vec3f surfaceColor(const Ray& ray, const SurfaceHit& hit) const
+  {
+    if (settings.mode == PictureMode::Shading)
+      return shader.color(ray, hit);
+    const Vec3f n = normalize(hit.normal);
+    if (settings.mode == PictureMode::Normals)
+      return 0.5f * (n + Vec3f{1, 1, 1});
+    /* Colours of places keep a little of the shape. */
+    const float facing = 0.4f + 0.6f * std::abs(dot(n, ray.direction));
+    const Cell cell = findCell(pane.scene->layout(), hit);
+    if (settings.mode == PictureMode::Cells)
+      return facing * cellColor(cell);
+    const Representation& what = pane.scene->representation();
+    return facing * blockColor(cell, effectiveFrameLevel(what, cell.resolution), what.isCompressed());
+  }
+
+  const Camera& camera;
+  const Pane& pane;
+  const PictureSettings& settings;
+  Region region;
+  HitShader shader;
+  std::vector<SurfaceHit> hits;
+  std::vector<float> errors; // a value a hit, in PictureMode::Error only
+};
+
+void drawLine(Image& image, ImageSize size, int column)
+{
+  for (int y = 0; y < size.height; y++)
+    image.set(size_t(y) * size_t(size.width) + size_t(column), {1, 1, 1});
+}
+
 } // namespace
 
 const char* pictureModeName(PictureMode mode)
@@ -148,80 +244,18 @@ Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const 
                     std::vector<PaneReport>& reports)
 {
   const ImageSize size = camera.size();
+  const auto border = [&](size_t pane) { return int(pane * size_t(size.width) / panes.size()); };
   Image image(size);
-  reports.assign(panes.size(), {});
-  const HitShader shader(camera.direction(float(size.width / 2), float(size.height / 2)), settings.up);
+  reports.clear();
   tbb::task_arena arena(int(settings.threads));
-
   for (size_t i = 0; i < panes.size(); i++)
-  {
-    const BuiltScene& scene = *panes[i].scene;
-    const Region region{int(i * size_t(size.width) / panes.size()), int((i + 1) * size_t(size.width) / panes.size()),
-                        size.height};
-    PaneReport& report = reports[i];
-    report.rays = region.pixels();
-    std::vector<SurfaceHit> hits;
-    std::vector<float> errors;
     arena.execute([&] {
-      const auto start = std::chrono::steady_clock::now();
-      hits = traceRegion(camera, region, scene);
-      report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      if (settings.mode == PictureMode::Error)
-        errors = pixelErrors(traceRegion(camera, region, *panes[i].reference), hits, camera.footprint());
-
-      forTiles(region, [&](int x0, int x1, int y0, int y1) {
-        for (int y = y0; y < y1; y++)
-          for (int x = x0; x < x1; x++)
-          {
-            const SurfaceHit& hit = hits[region.index(x, y)];
-            Vec3f color;
-            if (settings.mode == PictureMode::Error)
-              color = errorColor(errors[region.index(x, y)]);
-            else if (!hit.hit())
-              color = backgroundColor(float(y) / float(size.height));
-            else
-            {
-              const Ray ray = primaryRay(camera, x, y);
-              const Vec3f n = normalize(hit.normal);
-              /* Colours of places keep a little of the shape. */
-              const float facing = 0.4f + 0.6f * std::abs(dot(n, ray.direction));
-              switch (settings.mode)
-              {
-              case PictureMode::Normals: color = 0.5f * (n + Vec3f{1, 1, 1}); break;
-              case PictureMode::Cells: color = facing * cellColor(findCell(scene.layout(), hit)); break;
-              case PictureMode::Blocks:
-              {
-                const Cell cell = findCell(scene.layout(), hit);
-                color = facing * blockColor(cell, effectiveFrameLevel(scene.representation(), cell.resolution),
-                                            scene.representation().isCompressed());
-                break;
-              }
-              default: color = shader.color(ray, hit);
-              }
-            }
-            image.set(size_t(y) * size_t(size.width) + size_t(x), color);
-          }
-      });
+      PaneRender render(camera, panes[i], settings, {border(i), border(i + 1), size.height});
+      reports.push_back(render.trace());
+      render.paint(image);
     });
-
-    double sum = 0;
-    size_t both = 0;
-    for (float e : errors)
-    {
-      report.falseHits += e == falseHitError;
-      report.misses += e == missError;
-      if (e >= 0.0f)
-      {
-        sum += double(e) * e;
-        both++;
-      }
-    }
-    report.rmse = both ? std::sqrt(sum / double(both)) : 0.0;
-  }
-
   if (panes.size() == 2)
-    for (int y = 0; y < size.height; y++)
-      image.set(size_t(y) * size_t(size.width) + size_t(size.width / 2), {1, 1, 1});
+    drawLine(image, size, size.width / 2);
   return image;
 }
 

@@ -54,8 +54,9 @@ namespace embree
         }
       }
 
-      /*! of the block that encode wrote */
-      WorldBounds worldBounds(const Block* block) const { return boundBlock(block,geometry); }
+      /*! of the block that encode wrote: for culling, and of all that a ray may hit */
+      WorldBounds surfaceBounds() const { return boundSurface(geometry); }
+      void extendByHits(WorldBounds& bounds, const Block* block) const { HitBounds(bounds,block,geometry).extend(); }
 
     private:
       template<typename Leaves>

@@ -31,6 +31,7 @@ namespace embree
       const float (*const vertices)[3]; //!< world positions
       Frame frame;
       InverseFrame inverse;
+      double coordinate = 0;      //!< largest of the vertices
       double rounding[3];         //!< in the frame: how far vertices may be from where a neighbouring face has them
       ExactBox* boxes;            //!< of all quadtree levels down to cells, level by level
       double (*local)[3];         //!< vertices of cells, in the frame
@@ -147,7 +148,8 @@ namespace embree
        *  x = X/W by at most r (|dX| + |dW|)/W */
       void boundRounding()
       {
-        double coordinate = 0, rcpW = 0;
+        double rcpW = 0;
+        coordinate = 0;
         for (uint32_t i=0; i<width*width; i++)
           for (int k=0; k<3; k++)
             if (isFinite(i)) coordinate = std::max(coordinate,std::fabs(double(vertices[i][k])));

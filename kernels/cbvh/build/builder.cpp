@@ -27,6 +27,7 @@ namespace embree
       Scene* scene;
       CompressionReport* report;
       mvector<PrimRef> prims;
+      cbvh::WorldBounds hitBounds; //!< of all that a ray may hit in blocks
 
       /*! faces of a geometry that a task takes at a time: a face is worth milliseconds at
        *  high levels, and those of one geometry may differ a lot */
@@ -61,6 +62,7 @@ namespace embree
         }
         if (numPrims == 0) { setEmpty(); bvh->postBuild(t0); return; }
 
+        hitBounds = cbvh::WorldBounds();
         prims.resize(numPrims);
         bvh->alloc.init_estimate(estimateBytes(numPrims));
         cbvh::BuildStatistics all;
@@ -187,6 +189,7 @@ namespace embree
             }
             Lock<MutexSys> lock(mutex);
             total.merge(builder.statistics);
+            hitBounds.extend(builder.hitBounds);
           });
         tell(plan,total);
         /* a surface that did not change since the last commit was reported then */
@@ -245,7 +248,9 @@ namespace embree
         settings.intCost = 1.0f;
         settings.singleThreadThreshold = DEFAULT_SINGLE_THREAD_THRESHOLD;
         const BVH4::NodeRef root = BVHNBuilderVirtual<4>::build(&bvh->alloc,createLeaf,virtualProgress,prims.data(),pinfo,settings);
-        bvh->set(root,LBBox3fa(pinfo.geomBounds),pinfo.size());
+        BBox3fa bounds = pinfo.geomBounds;
+        if (!hitBounds.isEmpty()) bounds.extend(toBBox(hitBounds));
+        bvh->set(root,LBBox3fa(bounds),pinfo.size());
         report->statistics.topLevelBytes = countNodes(root)*sizeof(BVH4::AABBNode);
         bvh->layoutLargeNodes(size_t(pinfo.size()*0.005f));
       }

@@ -300,7 +300,7 @@ namespace embree
      *  corners:  world positions to align to, (0,0), (1,0), (0,1), (1,1), finite;
      *  vertices: world positions to contain, finite, xyz, count of them, at least 1;
      *  scratch:  room for count points.
-     *  Returns false when floats cannot hold any frame, as for coordinates near FLT_MAX. */
+     *  Returns false when floats cannot hold any frame; no finite vertices are known that give that. */
     inline bool fitFrame(const float corners[4][3], const float (*vertices)[3], size_t count, Double3* scratch, Frame& frame)
     {
       const Double3 origin = { 0.5*(double(corners[0][0])+double(corners[3][0])),

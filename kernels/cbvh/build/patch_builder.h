@@ -18,6 +18,13 @@ namespace embree
 {
   namespace isa
   {
+    /*! rounded outwards */
+    inline BBox3fa toBBox (const cbvh::WorldBounds& b)
+    {
+      auto below = [](double x) { const float f = float(x); return double(f) <= x ? f : std::nextafter(f,-std::numeric_limits<float>::infinity()); };
+      return BBox3fa(Vec3fa(below(b.lower[0]),below(b.lower[1]),below(b.lower[2])),Vec3fa(-below(-b.upper[0]),-below(-b.upper[1]),-below(-b.upper[2])));
+    }
+
     class PatchBuilder
     {
     public:
@@ -27,6 +34,7 @@ namespace embree
       static const unsigned gridQuads = 8;
 
       cbvh::BuildStatistics statistics;
+      cbvh::WorldBounds hitBounds;  //!< of all that a ray may hit in the blocks
 
       PatchBuilder (const CompressionPlan& plan, Scene* scene, const Allocator& alloc)
         : plan(plan), scene(scene), alloc(alloc), grid(scene->device), vertices(scene->device,0), scratch(scene->device,0), trial(scene->device,0) {}
@@ -164,15 +172,8 @@ namespace embree
         block->primID = patch.primID();
         block->tiling = cbvh::blockTiling(e.tiling.x-1,e.tiling.y-1,uint32_t(2*patch.getUV(0).x),uint32_t(2*patch.getUV(0).y));
         statistics.addBlock(e.kind,e.height,blockStatistics);
-        return PrimRef(boundsOf(encoder,block),size_t(BVH4::encodeTypedLeaf(block,cbvh::blockType(uint32_t(e.kind)))));
-      }
-
-      /*! what a ray may hit, rounded outwards */
-      static BBox3fa boundsOf (const cbvh::BlockEncoder& encoder, const cbvh::Block* block)
-      {
-        const cbvh::WorldBounds b = encoder.worldBounds(block);
-        auto below = [](double x) { const float f = float(x); return double(f) <= x ? f : std::nextafter(f,-std::numeric_limits<float>::infinity()); };
-        return BBox3fa(Vec3fa(below(b.lower[0]),below(b.lower[1]),below(b.lower[2])),Vec3fa(-below(-b.upper[0]),-below(-b.upper[1]),-below(-b.upper[2])));
+        encoder.extendByHits(hitBounds,block);
+        return PrimRef(toBBox(encoder.surfaceBounds()),size_t(BVH4::encodeTypedLeaf(block,cbvh::blockType(uint32_t(e.kind)))));
       }
 
       PrimRef drop (const Encoding& e)

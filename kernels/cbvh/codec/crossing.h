@@ -35,7 +35,9 @@ CBVH_REAL CBVH_FUNCTION Real parabolaRoot (CBVH_OF(Parabola) f)
   Real q = Real(0.5f)*(b + (b < Real(0) ? -d : d));
   Real k = -f.f0/q;
   if (k >= Real(0) && k <= Real(1)) return k;
-  return clampToUnit(q/f.saddle);
+  /* either may be rounded out of the range that it is in */
+  Real other = q/f.saddle, kept = clampToUnit(k), otherKept = clampToUnit(other);
+  return magnitude(k-kept) <= magnitude(other-otherKept) ? kept : otherKept;
 }
 
 /*! what closes one side of a block: up to reach below the patch, within width of that side;

@@ -1,0 +1,24 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What a library's build says about its compression as JSON, units in the names. */
+
+#include <embree3/rtcore_compression.h>
+
+#include <nlohmann/json.hpp>
+
+namespace cbvh {
+
+inline nlohmann::json compressionJson(const RTCCompressionStatistics& s)
+{
+  return {{"top_level_bytes", s.topLevelBytes}, {"frame_bytes", s.frameBytes},
+          {"node_bytes", s.nodeBytes},          {"leaf_bytes", s.leafBytes},
+          {"grid_bytes", s.gridBytes},          {"blocks", s.numBlocks},
+          {"quads", s.numQuads},                {"grid_quads", s.numGridQuads},
+          {"invalid_quads", s.numInvalidQuads}, {"affine_blocks", s.numAffineBlocks},
+          {"solid_leaves", s.numSolidLeaves},   {"max_leaf_thickness", s.maxLeafThickness}};
+}
+
+} // namespace cbvh

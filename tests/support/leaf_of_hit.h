@@ -1,0 +1,56 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The leaves of a scene's blocks that a hit may lie in, by its parameters, and what they
+ * decode to, by the kind of their block: FORMAT.md. */
+
+#include "kernels/cbvh/codec/tree.h"
+#include <embree3/rtcore.h>
+
+#include <cmath>
+#include <vector>
+
+namespace cbvh::test {
+
+struct LeafOfBlock
+{
+  const embree::cbvh::Block* block;
+  uint32_t leaf; // Morton index; of a group of 2 x 2 quads in cGRID, of a quarter where cLEAF has one quad
+};
+
+// Several on the border of two.
+inline std::vector<LeafOfBlock> leavesOfHit(const std::vector<const embree::cbvh::Block*>& blocks, const RTCHit& hit)
+{
+  std::vector<LeafOfBlock> leaves;
+  for (const embree::cbvh::Block* block : blocks) {
+    if (block->primID != hit.primID) continue;
+    const double cells = 1u << block->layout().nodeLevels, quads = 1u << block->height();
+    const double x = ((hit.u - embree::cbvh::cornerUOf(block->tiling)*0.5)*block->quadsX() - embree::cbvh::blockXOf(block->info)*quads)*cells/quads;
+    const double y = ((hit.v - embree::cbvh::cornerVOf(block->tiling)*0.5)*block->quadsY() - embree::cbvh::blockYOf(block->info)*quads)*cells/quads;
+    const double rounding = 1e-3; // of parameters
+    for (double i = std::floor(x - rounding); i <= x + rounding; i++)
+      for (double j = std::floor(y - rounding); j <= y + rounding; j++)
+        if (i >= 0 && j >= 0 && i < cells && j < cells) leaves.push_back({block, embree::cbvh::morton(uint32_t(i), uint32_t(j))});
+  }
+  return leaves;
+}
+
+// Words of nodes down to the last level, whose words are those of groups in cLEAF. Only cLEAF has
+// more than the box.
+inline embree::cbvh::LeafPatch decodeLeafOfBlock(const LeafOfBlock& at)
+{
+  using namespace embree::cbvh;
+  const uint32_t levels = at.block->layout().nodeLevels;
+  LeafPatch patch = {};
+  patch.box = rootBox();
+  for (uint32_t level = 0; level < levels; level++) {
+    const uint32_t m = at.leaf >> 2*(levels - level), child = (at.leaf >> 2*(levels - level - 1)) & 3;
+    if (isGroupLevel(kindOf(at.block->info), level, levels)) return leafOfGroup(at.block, m, child, patch.box);
+    patch.box = childBox(at.block, level, m, child, patch.box);
+  }
+  return patch;
+}
+
+} // namespace cbvh::test

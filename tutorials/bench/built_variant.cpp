@@ -1,0 +1,64 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "built_variant.h"
+
+#include <algorithm>
+
+namespace cbvh {
+namespace {
+
+/* Sizes in Embree 3.13. */
+constexpr size_t gridQuads = 8;             // a side of a grid, of those that GRID cuts patches into
+constexpr size_t gridVertexBytes = 16;      // x, y, z and (u,v)
+constexpr size_t vertexBytes = 12;          // of a triangle mesh
+constexpr size_t triangleBytes = 12 + 44;   // three indices; the share of a full Triangle4
+
+size_t leafBytesOfTriangles(const PatchLayout& layout)
+{
+  return layout.numVertices() * vertexBytes + layout.numQuads() * 2 * triangleBytes;
+}
+
+/* Grids of a patch share no vertices: each has those of its own borders. */
+size_t leafBytesOfGrids(const PatchLayout& layout)
+{
+  size_t vertices = 0;
+  for (const Patch& p : layout.patches())
+  {
+    const size_t grids = (p.resolution + gridQuads - 1) / gridQuads, side = p.resolution + grids;
+    vertices += side * side;
+  }
+  return vertices * gridVertexBytes;
+}
+
+/* All that holds vertices: for NAIVE the buffers, too. */
+size_t leafBytes(const BuiltScene& scene)
+{
+  switch (scene.representation().kind)
+  {
+  case RepresentationKind::Naive:
+    return leafBytesOfTriangles(scene.layout());
+  case RepresentationKind::Grid:
+    return leafBytesOfGrids(scene.layout());
+  default:
+    return scene.report().compression.leafBytes + scene.report().compression.gridBytes;
+  }
+}
+
+} // namespace
+
+BuiltVariant buildVariant(const Model& model, const Variant& variant, BuildSettings settings, Group& group)
+{
+  settings.isa = variant.isa;
+  BuiltVariant built{std::make_unique<BuiltScene>(model, variant.representation, settings)};
+  VariantResult result;
+  result.variant = variant;
+  result.build = built.scene->report();
+  result.leafBytes = leafBytes(*built.scene);
+  result.innerBytes = result.build.liveBytes - std::min(result.build.liveBytes, result.leafBytes);
+  group.results.push_back(std::move(result));
+  built.result = &group.results.back();
+  return built;
+}
+
+} // namespace cbvh

@@ -1,0 +1,180 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* GRID of each ISA stands in memory all the time, the other variants as many as fit. What a
+ * variant is like, errors, pictures and checks, is found right after its build, when nothing
+ * is measured: only the speed takes turns. */
+
+#include "group_run.h"
+
+#include "built_variant.h"
+#include "speed.h"
+#include "view_errors.h"
+#include "view_pictures.h"
+#include "basics/error.h"
+#include "basics/parallel.h"
+#include "building/memory.h"
+#include "tracing/trace_hits.h"
+
+#include <cstdio>
+
+namespace cbvh {
+namespace {
+
+Group newGroup(const GroupSettings& settings)
+{
+  Group group;
+  group.scene = settings.scene;
+  group.level = settings.level;
+  group.faces = settings.model.numFaces();
+  group.quads = settings.model.layout(settings.level).numQuads();
+  return group;
+}
+
+BuildSettings buildSettings(const GroupSettings& settings)
+{
+  BuildSettings build;
+  build.level = settings.level;
+  build.threads = settings.options.buildThreads;
+  build.maxError = settings.options.maxError * settings.model.cage.bounds().diagonal();
+  return build;
+}
+
+std::vector<int> frameLevels(const std::vector<Representation>& representations)
+{
+  std::vector<int> levels;
+  for (const Representation& r : representations)
+    levels.push_back(r.frameLevel);
+  return levels;
+}
+
+/* All that the variants of a group are compared with: GRID, and what it sees. */
+class Comparisons
+{
+public:
+  /* grid: the first baseline; it and the settings outlive this. Describes grid and views in
+   * the group. */
+  Comparisons(const GroupSettings& settings, const BuildSettings& build, const BuiltScene& grid, Group& group)
+    : grid(grid), errors{settings.model, settings.surface, settings.level, threadCount(build.threads)},
+      all(makeViews(settings.options, settings.model, grid, settings.reference)),
+      pictures(settings.options, settings.scene, settings.model, settings.level),
+      robustness(settings.model, build, frameLevels(settings.options.representations), settings.options.checks,
+                 settings.options.seed)
+  {
+    group.diagonal = grid.bounds().diagonal();
+    group.quadWidth = robustness.quadWidth();
+    for (const View& view : all)
+      group.views.push_back(describe(view));
+  }
+
+  const std::vector<View>& views() const { return all; }
+
+  /* Errors, pictures and checks of a variant. */
+  void add(const BuiltVariant& built) const
+  {
+    const BuiltScene& scene = *built.scene;
+    VariantResult& result = *built.result;
+    const bool checked = &scene != &grid;
+    for (const View& view : all)
+    {
+      const std::vector<SurfaceHit> hits = traceClosest(scene, view.primary, errors.threads);
+      result.views.push_back(errorsInView(errors, view, scene, hits));
+      pictures.write(view, result.variant, hits, result.views.back());
+      if (checked)
+        addShadows(view, scene, hits, result.checks);
+    }
+    if (checked)
+    {
+      result.checks.leaks = robustness.leaks(grid, scene);
+      result.checks.sheets = robustness.sheets(scene);
+    }
+  }
+
+private:
+  void addShadows(const View& view, const BuiltScene& scene, const std::vector<SurfaceHit>& hits,
+                  CheckResult& checks) const
+  {
+    const CheckedView checkedView{view.name, view.primary, view.gridHits, view.camera.footprint()};
+    for (ShadowCheck& check : robustness.shadows(grid, scene, checkedView, hits))
+      checks.shadows.push_back(std::move(check));
+  }
+
+  const BuiltScene& grid;
+  ErrorSettings errors;
+  std::vector<View> all;
+  ViewPictures pictures;
+  Robustness robustness;
+};
+
+class GroupRun
+{
+public:
+  explicit GroupRun(const GroupSettings& settings)
+    : settings(settings), build(buildSettings(settings)), group(newGroup(settings)),
+      available(availableMemory() / 10 * 9), // the rest for rays and hits
+      plan(planBatches(settings.options.representations, settings.options.isas, group.quads, available))
+  {
+    const size_t needed = baselineBytes(plan, group.quads);
+    if (needed > available)
+      throw Error(sizeMessage("GRID", group.quads, needed, available) + "; lower --level");
+  }
+
+  Group run()
+  {
+    for (const Variant& variant : plan.baselines)
+      add(variant, 0);
+    for (size_t i = 0; i < plan.rest.size(); i++)
+    {
+      for (const Variant& variant : plan.rest[i])
+        add(variant, int(i));
+      if (settings.options.repeat > 0)
+        measureSpeed(settings.options, comparisons->views(), built,
+                     title() + ": speed, batch " + std::to_string(i + 1) + " of " + std::to_string(plan.rest.size()));
+      built.resize(plan.baselines.size());
+    }
+    for (const Variant& variant : plan.tooLarge)
+      skip(variant);
+    return std::move(group);
+  }
+
+private:
+  void add(const Variant& variant, int batch)
+  {
+    built.push_back(buildVariant(settings.model, variant, build, group));
+    built.back().result->batch = batch;
+    if (!comparisons)
+      comparisons = std::make_unique<Comparisons>(settings, build, *built[0].scene, group);
+    Phase phase(title() + ", " + variant.representation.label() +
+                (settings.options.isas.size() > 1 ? " " + variant.isa : "") + ": hits");
+    comparisons->add(built.back());
+  }
+
+  void skip(const Variant& variant)
+  {
+    VariantResult result;
+    result.variant = variant;
+    result.skipped = sizeMessage(variant.representation.label(), group.quads,
+                                 neededBytes(plan, variant, group.quads), available);
+    std::fprintf(stderr, "  %s: %s\n", title().c_str(), result.skipped.c_str());
+    group.results.push_back(std::move(result));
+  }
+
+  std::string title() const { return group.scene + " L" + std::to_string(group.level); }
+
+  const GroupSettings& settings;
+  BuildSettings build;
+  Group group;
+  size_t available; // bytes
+  Batches plan;
+  std::vector<BuiltVariant> built; // baselines first, and then a batch
+  std::unique_ptr<Comparisons> comparisons;
+};
+
+} // namespace
+
+Group runGroup(const GroupSettings& settings)
+{
+  return GroupRun(settings).run();
+}
+
+} // namespace cbvh

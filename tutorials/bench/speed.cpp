@@ -1,0 +1,117 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "speed.h"
+
+#include "basics/progress.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cbvh {
+namespace {
+
+struct Combination
+{
+  const View* view;
+  RaySet set;
+  TraceSettings trace;
+
+  const std::vector<Ray>& rays() const { return view->sets[set]; }
+};
+
+std::vector<Combination> combine(const BenchOptions& options, const std::vector<View>& views)
+{
+  std::vector<Combination> combinations;
+  for (const View& view : views)
+    for (RaySet set : options.sets)
+      for (Query query : options.queries)
+        for (TraceMode mode : options.modes)
+          for (unsigned n : options.threads)
+            if (!view.sets[set].empty())
+              combinations.push_back({&view, set, {query, mode, set == Coherent, n, 1}});
+  return combinations;
+}
+
+/* So many that a measurement of GRID takes 20 ms, beside which the microseconds of clocks
+ * and of waking threads do not count; 100 at most, for a set of few rays. */
+unsigned passesFor(double gridSeconds)
+{
+  constexpr double sampleSeconds = 0.02, most = 100.0;
+  constexpr double shortest = 1e-6; // a clock may say 0
+  return unsigned(std::min(most, std::ceil(sampleSeconds / std::max(gridSeconds, shortest))));
+}
+
+/* Which of n variants is the k-th of a round: another one begins each time, and every other
+ * round goes backwards. The round that warms up is -1. */
+size_t inTurn(size_t k, int round, size_t n)
+{
+  const size_t turn = (k + size_t(round + 1)) % n;
+  return round % 2 ? n - 1 - turn : turn;
+}
+
+/* Baselines come first, one of each ISA. */
+size_t gridOf(const std::vector<BuiltVariant>& batch, const std::string& isa)
+{
+  size_t grid = 0;
+  while (batch[grid].result->variant.isa != isa)
+    grid++;
+  return grid;
+}
+
+Speed recordOf(const Combination& combination)
+{
+  Speed speed;
+  speed.view = combination.view->name;
+  speed.set = combination.set;
+  speed.trace = combination.trace;
+  speed.rays = combination.rays().size();
+  return speed;
+}
+
+/* One round of one combination. index: of the combination, and of its record in every
+ * result. GRID's begins in the first batch, and goes on in the others. */
+void note(const std::vector<BuiltVariant>& batch, size_t index, const Combination& combination,
+          const std::vector<TraceTiming>& timings)
+{
+  for (size_t i = 0; i < batch.size(); i++)
+  {
+    VariantResult& result = *batch[i].result;
+    if (result.speeds.size() <= index)
+      result.speeds.push_back(recordOf(combination));
+    const double gridSeconds = timings[gridOf(batch, result.variant.isa)].seconds;
+    Speed& speed = result.speeds[index];
+    speed.hits = timings[i].hits;
+    speed.seconds.push_back(timings[i].seconds);
+    speed.toGrid.push_back(gridSeconds / timings[i].seconds);
+  }
+}
+
+} // namespace
+
+void measureSpeed(const BenchOptions& options, const std::vector<View>& views, const std::vector<BuiltVariant>& batch,
+                  const std::string& title)
+{
+  std::vector<Combination> combinations = combine(options, views);
+  Phase phase(title);
+  const size_t samples = combinations.size() * batch.size() * (size_t(options.repeat) + 1);
+  size_t taken = 0;
+  for (int round = -1; round < options.repeat; round++) // the first warms up, and counts passes
+    for (size_t c = 0; c < combinations.size(); c++)
+    {
+      Combination& combination = combinations[c];
+      std::vector<TraceTiming> timings(batch.size());
+      for (size_t k = 0; k < batch.size(); k++)
+      {
+        const size_t i = inTurn(k, round, batch.size());
+        timings[i] = timeTrace(*batch[i].scene, combination.rays(), combination.trace);
+        phase.update(double(++taken) / double(samples));
+      }
+      if (round < 0)
+        combination.trace.passes = passesFor(timings[0].seconds);
+      else
+        note(batch, c, combination, timings);
+    }
+}
+
+} // namespace cbvh

@@ -1,0 +1,115 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "text.h"
+#include "measure/quantiles.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace cbvh {
+namespace {
+
+std::string number(const char* format, double value)
+{
+  char text[64];
+  std::snprintf(text, sizeof(text), format, value);
+  return text;
+}
+
+std::string checkLines(const CheckResult& checks)
+{
+  std::string out;
+  char line[240];
+  if (checks.leaks)
+  {
+    const LeakCounts& c = *checks.leaks;
+    std::snprintf(line, sizeof(line),
+                  "    leaks of %zu rays: closest %zu, any %zu, through %zu (GRID %zu, %zu, %zu)\n", c.rays,
+                  c.ofScene.closest, c.ofScene.any, c.ofScene.through, c.ofGrid.closest, c.ofGrid.any,
+                  c.ofGrid.through);
+    out += line;
+  }
+  if (checks.sheets)
+  {
+    const SheetCrossings& c = *checks.sheets;
+    std::snprintf(line, sizeof(line),
+                  "    through %zu random sheets, of %zu rays: closest %zu, any %zu (GRID, too: %zu)\n", c.sheets,
+                  c.rays, c.closest, c.any, c.ofGrid);
+    out += line;
+    for (const std::string& example : c.examples)
+      out += "      " + example + "\n";
+  }
+  for (const ShadowCheck& c : checks.shadows)
+  {
+    const auto share = [](size_t n, size_t rays) { return rays ? 1000.0 * double(n) / double(rays) : 0.0; };
+    std::snprintf(line, sizeof(line),
+                  "    %s shadows, offset %s, %s: %.3f per 1000 (occluded %.3f, passed %.3f); "
+                  "same place %.3f; turned %.3f; control %.3f\n",
+                  c.view.c_str(), c.offset.c_str(), std::isfinite(c.length) ? "short" : "infinite",
+                  share(c.found.all.sum(), c.found.rays), share(c.found.all.falseOcclusions, c.found.rays),
+                  share(c.found.all.falsePasses, c.found.rays), share(c.found.ofSame.sum(), c.found.raysOfSame),
+                  share(c.found.ofTurned.sum(), c.found.rays), share(c.found.control.sum(), c.found.rays));
+    out += line;
+  }
+  return out;
+}
+
+std::string speedLine(const Speed& s)
+{
+  std::vector<double> mrays;
+  for (double seconds : s.seconds)
+    mrays.push_back(s.mrays(seconds));
+  const double toGrid = median(s.toGrid);
+  char line[160];
+  std::snprintf(line, sizeof(line), "%-10s %-7s %-8s %2u thr %8.3f Mrays/s, %5.2f of GRID, spread %4.1f%%\n",
+                raySetName(s.set), queryName(s.trace.query), traceModeName(s.trace.mode), s.trace.threads,
+                median(mrays), toGrid, 100.0 * interquartileRange(s.toGrid) / toGrid);
+  return "    " + s.view + " " + line;
+}
+
+std::string resultLines(const VariantResult& r)
+{
+  char head[160];
+  std::snprintf(head, sizeof(head), "  %-10s %-7s", r.variant.representation.label().c_str(), r.variant.isa.c_str());
+  std::string out = head;
+  if (!r.skipped.empty())
+    return out + r.skipped + "\n";
+  std::snprintf(head, sizeof(head), "%9.1f MiB %7.2f B/quad, build %6.2f s", double(r.build.liveBytes) / (1 << 20),
+                r.build.bytesPerQuad(), r.build.seconds);
+  out += head;
+  for (const ViewResult& v : r.views)
+    out += ", " + v.view + " RMSE " + number("%.4f px", v.errors.rmse);
+  out += "\n" + checkLines(r.checks);
+  for (const Speed& s : r.speeds)
+    out += speedLine(s);
+  return out;
+}
+
+} // namespace
+
+std::string formatHead(const BenchOptions& options, const Machine& m)
+{
+  std::string isas, threads;
+  for (const std::string& isa : options.isas)
+    isas += (isas.empty() ? "" : ", ") + isa;
+  for (unsigned n : options.threads)
+    threads += (threads.empty() ? "" : ", ") + std::to_string(n);
+  char text[512];
+  std::snprintf(text, sizeof(text),
+                "commit %s, %s build by %s\n%s, %u hardware threads, load %.1f; isa %s; tracing on %s thread%s\n",
+                m.commit.c_str(), m.buildType.c_str(), m.compiler.c_str(), m.cpu.c_str(), m.threads, m.load,
+                isas.c_str(), threads.c_str(), threads == "1" ? "" : "s");
+  return text;
+}
+
+std::string formatTable(const Group& g)
+{
+  std::string out = "\n" + g.scene + ", level " + std::to_string(g.level) + ", " +
+                    number("%.3f", double(g.quads) * 1e-6) + " million quads\n";
+  for (const VariantResult& r : g.results)
+    out += resultLines(r);
+  return out;
+}
+
+} // namespace cbvh

@@ -1,0 +1,53 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "view_pictures.h"
+
+#include "pictures/image_output.h"
+#include "pictures/shading.h"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace cbvh {
+
+ViewPictures::ViewPictures(const BenchOptions& options, const std::string& scene, const Model& model, int level)
+  : options(options), scene(scene), up(model.view.up), level(level)
+{
+}
+
+void ViewPictures::write(const View& view, const Variant& variant, const std::vector<SurfaceHit>& hits,
+                         ViewResult& result) const
+{
+  if (!wanted())
+    return;
+  result.picture = stem(view, variant) + ".png";
+  writePng(path(result.picture), shadeHits(options.size, view.primary, hits, up));
+  if (variant.representation.kind == RepresentationKind::Grid)
+    return;
+  result.errorMap = stem(view, variant) + "_error.png";
+  writePng(path(result.errorMap),
+           errorHeatMap(options.size, pixelErrors(view.gridHits, hits, view.camera.footprint())));
+}
+
+bool ViewPictures::wanted() const
+{
+  const std::vector<int>& levels = options.pictureLevels;
+  return !options.pictures.empty() &&
+         (levels.empty() || std::find(levels.begin(), levels.end(), level) != levels.end());
+}
+
+std::string ViewPictures::stem(const View& view, const Variant& variant) const
+{
+  std::string stem = scene + "_L" + std::to_string(level) + "_" + view.fileName + "_" +
+                     variant.representation.fileStem() + (options.isas.size() > 1 ? "_" + variant.isa : "");
+  std::replace(stem.begin(), stem.end(), ':', '_'); // of an amplitude, "cube:0.45": not in all file systems
+  return stem;
+}
+
+std::string ViewPictures::path(const std::string& name) const
+{
+  return (std::filesystem::path(options.pictures) / name).string();
+}
+
+} // namespace cbvh

@@ -1,0 +1,33 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Shaded pictures and error maps of the views of a group. */
+
+#include "views.h"
+
+namespace cbvh {
+
+class ViewPictures
+{
+public:
+  /* scene: its label. The options outlive the pictures. */
+  ViewPictures(const BenchOptions& options, const std::string& scene, const Model& model, int level);
+
+  /* Writes what is wanted of a variant in a view, if anything, and notes the files' names in
+   * the result. hits: of the view's primary rays. Throws Error. */
+  void write(const View& view, const Variant& variant, const std::vector<SurfaceHit>& hits, ViewResult& result) const;
+
+private:
+  bool wanted() const;
+  std::string stem(const View& view, const Variant& variant) const;
+  std::string path(const std::string& name) const;
+
+  const BenchOptions& options;
+  std::string scene;
+  Vec3f up;
+  int level;
+};
+
+} // namespace cbvh

@@ -1,0 +1,98 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "views.h"
+
+#include "basics/error.h"
+#include "basics/parallel.h"
+#include "building/memory.h"
+#include "measure/silhouettes.h"
+#include "programs/view_options.h"
+#include "tracing/trace_hits.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace cbvh {
+namespace {
+
+/* A view that is given in numbers has no name that a file could have. */
+std::string fileNameOf(const std::string& view, size_t index)
+{
+  return view.find(',') == std::string::npos ? view : "view" + std::to_string(index + 1);
+}
+
+View makeView(const BenchOptions& options, const Camera& camera, const BuiltScene& grid)
+{
+  const unsigned threads = threadCount(options.buildThreads);
+  View view(camera);
+  view.gridHits = traceClosest(grid, view.primary, threads);
+  view.sample = sampleOfHits(view.gridHits, options.trueHits, options.seed);
+  view.away = hitsAwayFromSilhouettes(view.primary, view.gridHits, camera);
+  std::set_intersection(view.sample.begin(), view.sample.end(), view.away.begin(), view.away.end(),
+                        std::back_inserter(view.sampleAway));
+  BounceSettings bounce;
+  bounce.count = options.rays;
+  bounce.offset = options.rayOffset * grid.bounds().diagonal();
+  bounce.seed = options.seed;
+  view.sets[Coherent] = coherentRays(view.primary, options.size, options.rays);
+  view.sets[Incoherent] = bounceRays(view.primary, view.gridHits, bounce);
+  view.bouncedGridHits = traceClosest(grid, view.sets[Incoherent], threads);
+  return view;
+}
+
+} // namespace
+
+std::vector<ReferenceView> traceReference(const BenchOptions& options, const Model& model)
+{
+  if (options.referenceLevel < 0)
+    return {};
+  BuildSettings build;
+  build.level = options.referenceLevel;
+  build.threads = options.buildThreads;
+  const size_t quads = model.layout(build.level).numQuads();
+  if (estimatedPeakBytes(RepresentationKind::Grid, quads) > availableMemory())
+    throw Error("not enough memory for GRID at --reference-level " + std::to_string(build.level) + " of " + model.name);
+  const BuiltScene grid(model, {RepresentationKind::Grid}, build);
+  const unsigned threads = threadCount(options.buildThreads);
+  std::vector<ReferenceView> views;
+  for (const std::string& name : options.views)
+  {
+    const Camera camera = chooseCamera(name, model, grid, options.size, threads);
+    views.push_back({camera, traceClosest(grid, primaryRays(camera), threads)});
+  }
+  return views;
+}
+
+std::vector<View> makeViews(const BenchOptions& options, const Model& model, const BuiltScene& grid,
+                            const std::vector<ReferenceView>& reference)
+{
+  std::vector<View> views;
+  for (size_t i = 0; i < options.views.size(); i++)
+  {
+    const std::string& name = options.views[i];
+    const Camera camera = reference.empty()
+                            ? chooseCamera(name, model, grid, options.size, threadCount(options.buildThreads))
+                            : reference[i].camera;
+    View view = makeView(options, camera, grid);
+    view.name = name;
+    view.fileName = fileNameOf(name, i);
+    view.reference = reference.empty() ? nullptr : &reference[i];
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+ViewInfo describe(const View& view)
+{
+  ViewInfo info;
+  info.name = view.name;
+  info.camera = view.camera.description();
+  for (const SurfaceHit& hit : view.gridHits)
+    info.primaryHits += hit.hit();
+  for (int set = 0; set < numRaySets; set++)
+    info.rays[set] = view.sets[set].size();
+  return info;
+}
+
+} // namespace cbvh

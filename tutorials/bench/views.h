@@ -1,0 +1,54 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The views of a group, with the rays that every variant traces and what GRID hits with
+ * them. GRID's hits are the reference of all errors: it tests the same triangles as NAIVE,
+ * but closes their edges. */
+
+#include "options.h"
+#include "results.h"
+#include "building/built_scene.h"
+#include "building/surface_hit.h"
+#include "tracing/ray_sets.h"
+
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+/* What a view shows at the reference level. Its camera is that of all levels. */
+struct ReferenceView
+{
+  Camera camera;
+  std::vector<SurfaceHit> gridHits;
+};
+
+struct View
+{
+  explicit View(const Camera& camera) : camera(camera), primary(primaryRays(camera)) {}
+
+  std::string name, fileName;
+  Camera camera;
+  const ReferenceView* reference = nullptr; // none without a reference level
+  std::vector<Ray> primary, sets[numRaySets];
+  std::vector<SurfaceHit> gridHits;        // of the primary rays
+  std::vector<SurfaceHit> bouncedGridHits; // of the incoherent set
+  std::vector<size_t> sample;              // primary rays that are compared with the true surface
+  std::vector<size_t> away;                // primary rays away from silhouettes
+  std::vector<size_t> sampleAway;          // those that are both
+};
+
+/* Builds GRID at the reference level for as long as it takes. A view each of the options;
+ * none without such a level. Throws Error, Cancelled. */
+std::vector<ReferenceView> traceReference(const BenchOptions& options, const Model& model);
+
+/* A view each of the options. grid: the model as GRID. reference: of the model, outlives
+ * the views. Throws Error, Cancelled. */
+std::vector<View> makeViews(const BenchOptions& options, const Model& model, const BuiltScene& grid,
+                            const std::vector<ReferenceView>& reference);
+
+ViewInfo describe(const View& view);
+
+} // namespace cbvh
