@@ -336,7 +336,7 @@ CROSSING = (
         "((axis == 0 ? z1 : z2)-z0 + across*(z0-z1-z2+z3))",
         "((axis == 0 ? z2 : z1)-z0 + across*(z0-z1-z2+z3))",
         "normals of the scalar path",
-        "hard_cases *HardBlocks.Saddles/cLEAF*",
+        "crossing",
     ),
     edit(
         "crossing: lower face taken for the upper",
@@ -344,7 +344,7 @@ CROSSING = (
         "if (inBox.lower > inColumn.lower && !event.started) above0 = !up;",
         "if (inBox.lower > inColumn.lower && !event.started) above0 = up;",
         "side at the entry, in the scalar path",
-        "hard_cases *HardBlocks.Spikes/cLEAF*",
+        "crossing Crossing.EntryExit*",
     ),
     edit(
         "normal: turned where it faces the ray",
