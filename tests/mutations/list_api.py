@@ -93,8 +93,8 @@ MUTATIONS = (
         "rtcore_compression.cpp",
         "  geometry->Geometry::update();\n",
         "",
-        "dynamic scenes keep what they were built with",
-        "compression_api Dynamic.SettingsTakeEffect*",
+        "a setting that is not committed looks as if it were",
+        "compression_statistics CompressionStatistics.AreRefused*",
     ),
     edit(
         "statistics: of a geometry that was changed",
@@ -110,7 +110,7 @@ MUTATIONS = (
         "bool modified = scene->isModified();",
         "bool modified = false;",
         "numbers of a scene that has to be committed again",
-        "compression_api GetSceneCompressionStatistics.RefusesNull*",
+        "compression_statistics CompressionStatistics.AreRefused*",
     ),
     edit(
         "statistics: those that were there",
@@ -142,7 +142,7 @@ MUTATIONS = (
         "compressed |= !motion; });",
         "compressed |= true; (void)motion; });",
         "an accelerator for surfaces that upstream has to trace",
-        "uncompressed_surfaces UncompressedSurfaces.MotionBlur*",
+        "compression_statistics CompressionStatistics.KnowNothingOfMotionBlur",
     ),
     edit(
         "factory: disabled surfaces count",
@@ -150,7 +150,7 @@ MUTATIONS = (
         "if (!geometry || !geometry->isEnabled() || geometry->getType()",
         "if (!geometry || geometry->getType()",
         "accelerators of scenes whose compressed surfaces are all disabled",
-        "compression_statistics CompressionStatistics.KnowNothing*",
+        "compression_statistics CompressionStatistics.KnowNothingOfDisabled*",
     ),
     edit(
         "factory: errors are told again",
