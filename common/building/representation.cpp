@@ -24,6 +24,7 @@ constexpr Names names[] = {
   {RepresentationKind::CGrid, "cgrid", "cGRID", "cbvh.grid"},
   {RepresentationKind::CVoxel, "cvoxel", "cVOXEL", "cbvh.voxel"},
   {RepresentationKind::CLeaf, "cleaf", "cLEAF", "cbvh.leaf"},
+  {RepresentationKind::CVert, "cvert", "cVERT", "cbvh.vert"},
 };
 
 const Names& namesOf(RepresentationKind kind)
@@ -83,7 +84,7 @@ std::vector<Representation> parseRepresentations(const std::string& list, int de
       c = char(std::tolower(static_cast<unsigned char>(c)));
     const auto found = std::find_if(std::begin(names), std::end(names), [&](const Names& n) { return name == n.word; });
     if (found == std::end(names))
-      throw Error("unknown representation '" + word + "', known are naive, grid, cgrid, cvoxel and cleaf");
+      throw Error("unknown representation '" + word + "', known are naive, grid, cgrid, cvoxel, cleaf and cvert");
 
     Representation r{found->kind, defaultFrameLevel};
     if (mark != std::string::npos)

@@ -18,6 +18,7 @@ enum class RepresentationKind
   CGrid,  // compressed nodes, full-precision vertices
   CVoxel, // compressed nodes, the leaf box is the surface
   CLeaf,  // compressed nodes, shared heights
+  CVert,  // GRID's own triangles over vertices on a lattice
 };
 
 constexpr int autoFrameLevel = -1;

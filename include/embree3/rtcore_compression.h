@@ -34,6 +34,7 @@ enum RTCCompression
   RTC_COMPRESSION_GRID    = 2, // cGRID:  compressed nodes, full-precision vertices
   RTC_COMPRESSION_VOXEL   = 3, // cVOXEL: compressed nodes, the leaf box is the surface
   RTC_COMPRESSION_LEAF    = 4, // cLEAF:  compressed nodes, 9 x 7-bit heights for 2 x 2 quads
+  RTC_COMPRESSION_VERT    = 5, // cVERT:  GRID's own triangles over vertices on a lattice in the world
 };
 
 /* Frame level that picks itself, see RTCCompressionArguments::frameLevel. */
@@ -96,6 +97,12 @@ struct RTCCompressionStatistics
   size_t numAffineBlocks;       // blocks whose projective frame fell back to an affine one
   size_t numSolidLeaves;        // cLEAF leaves that heights cannot bound: their box is the surface
   float  maxLeafThickness;      // world units: largest distance between the two bounds of a leaf, over its quad
+  size_t numRawBlocks;          // cVERT: blocks that hold floats, for a vertex that is not finite or outliers
+  float  maxVertexSpacing;      // cVERT, world units: largest spacing of a lattice
+  float  maxVertexDeviation;    // cVERT, world units: largest distance of a vertex from the one that its face evaluated,
+                                // or, on the border of faces, the face that owns it
+  float  maxBorderGap;          // cVERT, world units: largest distance between what two faces evaluate for a vertex
+                                // that they share; it is closed
 };
 
 /* Reports what the last commit of a scene compressed. All zero when the scene

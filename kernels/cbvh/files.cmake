@@ -8,6 +8,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/rtcore_compression.cpp
   cbvh/build/builder.cpp
   cbvh/trace/node_tables.cpp
+  cbvh/trace/vert_tables.cpp
   cbvh/trace/intersector1.cpp)
 
 # Files of one ISA, appended to the list that `target` names.

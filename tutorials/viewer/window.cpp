@@ -24,7 +24,7 @@ namespace {
 
 using embree::Vec3fa;
 
-constexpr int numKinds = int(RepresentationKind::CLeaf) + 1;
+constexpr int numKinds = int(RepresentationKind::CVert) + 1;
 
 const char* const keyHelp = "1 to 5      NAIVE, GRID, cGRID, cVOXEL, cLEAF; right half: Shift\n"
                             "L, N        level, frame level up; down: Shift\n"

@@ -6,6 +6,7 @@
 /* Sums of what a build compressed. Every task fills one and merges it. */
 
 #include "block_encoder.h"
+#include "vert_encoder.h"
 #include "../../../include/embree3/rtcore_compression.h"
 #include <algorithm>
 #include <limits>
@@ -43,6 +44,32 @@ namespace embree
         if (block.maxThickness > sums.maxLeafThickness) sums.maxLeafThickness = block.maxThickness;
       }
 
+      /*! bytes: of the block, with those that align the next */
+      void addVertBlock (uint32_t place, size_t bytes, float spacing, const VertStatistics& block)
+      {
+        const VertLayout layout = vertLayout(place);
+        const size_t stride = (bytes + blockAlignment-1) & ~size_t(blockAlignment-1);
+        const size_t nodesEnd = block.raw ? layout.words : layout.cell;
+        sums.frameBytes += vertHeaderBytes;
+        sums.nodeBytes += nodesEnd - vertHeaderBytes;
+        sums.leafBytes += stride - nodesEnd;
+        sums.numBlocks++;
+        sums.numRawBlocks += block.raw;
+        sums.numQuads += size_t(vertQuadsX(place))*size_t(vertQuadsY(place));
+        sums.numInvalidQuads += block.invalidQuads;
+        sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,spacing);
+      }
+
+      /*! own: as its face evaluates it */
+      void addVertex (const float own[3], const float stored[3]) { deviation2 = std::max(deviation2,distance2(own,stored)); }
+
+      /*! shared: as the face evaluates it that owns it */
+      void addBorderVertex (const float own[3], const float shared[3], const float stored[3])
+      {
+        addVertex(shared,stored);
+        gap2 = std::max(gap2,distance2(own,shared));
+      }
+
       void merge (const BuildStatistics& other)
       {
         sums.topLevelBytes += other.sums.topLevelBytes;
@@ -56,6 +83,12 @@ namespace embree
         sums.numInvalidQuads += other.sums.numInvalidQuads;
         sums.numAffineBlocks += other.sums.numAffineBlocks;
         sums.numSolidLeaves += other.sums.numSolidLeaves;
+        sums.numRawBlocks += other.sums.numRawBlocks;
+        sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,other.sums.maxVertexSpacing);
+        deviation2 = std::max(deviation2,other.deviation2);
+        gap2 = std::max(gap2,other.gap2);
+        sums.maxVertexDeviation = std::sqrt(deviation2);
+        sums.maxBorderGap = std::sqrt(gap2);
         if (other.sums.maxLeafThickness > sums.maxLeafThickness) sums.maxLeafThickness = other.sums.maxLeafThickness;
         highRateQuads += other.highRateQuads;
         refusedQuads += other.refusedQuads;
@@ -63,6 +96,17 @@ namespace embree
         invalidFaces += other.invalidFaces;
         firstInvalidFace = std::min(firstInvalidFace,other.firstInvalidFace);
       }
+
+    private:
+      /*! of a vertex that is not finite 0 */
+      static float distance2 (const float a[3], const float b[3])
+      {
+        const float x = a[0]-b[0], y = a[1]-b[1], z = a[2]-b[2];
+        const float d2 = x*x + y*y + z*z;
+        return d2 < std::numeric_limits<float>::max() ? d2 : 0.0f;
+      }
+
+      float deviation2 = 0, gap2 = 0; //!< squares of maxVertexDeviation and maxBorderGap
     };
   }}
 }

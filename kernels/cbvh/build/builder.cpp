@@ -11,6 +11,7 @@
 #include "../../bvh/bvh_builder.h"
 #include "../../builders/bvh_builder_sah.h"
 #include "patch_builder.h"
+#include "vert_patch_builder.h"
 #include "build_report.h"
 
 namespace embree
@@ -87,17 +88,6 @@ namespace embree
         return numPrims*(sizeof(BVH4::AABBNode)/2 + cbvh::blockLayout(cbvh::kindLeaf,4).bytes);
       }
 
-      /*! calls closure(uv, subdiv, edgeLevel, subPatch, rate) for the patches of a face */
-      template<typename Closure>
-      static void forEachPatch (SubdivMesh* mesh, size_t face, const Closure& closure)
-      {
-        patch_eval_subdivision(mesh->getHalfEdge(0,face),[&](const Vec2f uv[4], const int subdiv[4], const float edgeLevel[4], int subPatch) {
-            float rate[4];
-            SubdivPatch1Base::computeEdgeLevels(edgeLevel,subdiv,rate);
-            closure(uv,subdiv,edgeLevel,subPatch,rate);
-          });
-      }
-
       /*! where the primitives of each face of a geometry go, and, if they follow from the
        *  geometry, its frame levels: asked once, as a displacement may answer differently */
       struct FaceTable
@@ -123,9 +113,9 @@ namespace embree
                   frameLevel[f] = boundedFrameLevel(f,*trial,quads);
                   if (quads >= progressQuads) { scene->progressMonitor(0.0); quads = 0; }
                 }
-                forEachPatch(plan.mesh,f,[&](const Vec2f*, const int*, const float*, int, const float rate[4]) {
-                    const PatchTiling tiling = tilingOf(f,rate);
-                    offset[f] += tiling.size() ? tiling.size() : PatchBuilder::numGrids(SubdivPatch1Base::computeGridSize(rate));
+                forEachPatch(plan.mesh,f,[&](const PatchOfFace& patch) {
+                    const PatchTiling tiling = tilingOf(f,patch.rate);
+                    offset[f] += tiling.size() ? tiling.size() : PatchBuilder::numGrids(SubdivPatch1Base::computeGridSize(patch.rate));
                   });
               }
             });
@@ -150,11 +140,10 @@ namespace embree
         unsigned char boundedFrameLevel (size_t f, PatchBuilder& trial, size_t& quads) const
         {
           unsigned n = 0;
-          forEachPatch(plan.mesh,f,[&](const Vec2f uv[4], const int subdiv[4], const float edgeLevel[4], int subPatch, const float rate[4]) {
-              const PatchTiling tiling = plan.tiling(rate,0);
+          forEachPatch(plan.mesh,f,[&](const PatchOfFace& patch) {
+              const PatchTiling tiling = plan.tiling(patch.rate,0);
               if (tiling.size() == 0) return;
-              const SubdivPatch1Base patch(plan.geomID,unsigned(f),unsigned(subPatch),plan.mesh,0,uv,edgeLevel,subdiv,VSIZEX);
-              n = max(n,trial.boundedFrameLevel(patch));
+              n = max(n,trial.boundedFrameLevel(patch.make(plan.mesh,plan.geomID,f)));
               quads += size_t(tiling.quadsX())*size_t(tiling.quadsY());
             });
           return (unsigned char)n;
@@ -164,23 +153,33 @@ namespace embree
       void buildFaces (const FaceTable& table, cbvh::BuildStatistics& all)
       {
         const CompressionPlan& plan = table.plan;
+        std::unique_ptr<SharedVertices> shared;
+        if (plan.compresses() && plan.kind() == cbvh::Kind::VERT) {
+          shared.reset(new SharedVertices(scene,plan));
+          shared->build(facesPerTask);
+        }
         cbvh::BuildStatistics total;
         MutexSys mutex;
         parallel_for(size_t(0),table.offset.size(),facesPerTask,[&](const range<size_t>& faces) {
             PatchBuilder builder(plan,scene,bvh->alloc.getCachedAllocator());
+            std::unique_ptr<VertPatchBuilder> vertBuilder;
+            if (shared) vertBuilder.reset(new VertPatchBuilder(plan,*shared,scene,bvh->alloc.getCachedAllocator()));
+            auto invalidQuads = [&]() { return builder.statistics.sums.numInvalidQuads + (vertBuilder ? vertBuilder->statistics.sums.numInvalidQuads : 0); };
             size_t reported = faces.begin(), quads = 0;
             for (size_t f=faces.begin(); f!=faces.end(); f++)
             {
               PrimRef* out = prims.data() + table.offset[f];
-              const size_t invalid = builder.statistics.sums.numInvalidQuads;
+              const size_t invalid = invalidQuads();
               if (plan.mesh->valid(f))
-                forEachPatch(plan.mesh,f,[&](const Vec2f uv[4], const int subdiv[4], const float edgeLevel[4], int subPatch, const float rate[4]) {
-                    const SubdivPatch1Base patch(plan.geomID,unsigned(f),unsigned(subPatch),plan.mesh,0,uv,edgeLevel,subdiv,VSIZEX);
-                    const PatchTiling tiling = table.tilingOf(f,rate);
-                    out += tiling.size() ? builder.buildBlocks(patch,tiling,out) : builder.buildGrids(patch,out);
-                    quads += size_t(patch.grid_u_res-1)*size_t(patch.grid_v_res-1);
+                forEachPatch(plan.mesh,f,[&](const PatchOfFace& patch) {
+                    const PatchTiling tiling = table.tilingOf(f,patch.rate);
+                    if (tiling.size() == 0) out += builder.buildGrids(patch.make(plan.mesh,plan.geomID,f),out);
+                    else if (vertBuilder)   out += vertBuilder->buildBlocks(f,patch,tiling,out);
+                    else                    out += builder.buildBlocks(patch.make(plan.mesh,plan.geomID,f),tiling,out);
+                    const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
+                    quads += size_t(size.x-1)*size_t(size.y-1);
                   });
-              if (builder.statistics.sums.numInvalidQuads != invalid) builder.statistics.addInvalidFace(f);
+              if (invalidQuads() != invalid) builder.statistics.addInvalidFace(f);
               if (quads >= progressQuads || f+1 == faces.end()) {
                 scene->progressMonitor(double(f+1-reported));
                 reported = f+1;
@@ -190,6 +189,7 @@ namespace embree
             Lock<MutexSys> lock(mutex);
             total.merge(builder.statistics);
             hitBounds.extend(builder.hitBounds);
+            if (vertBuilder) { total.merge(vertBuilder->statistics); hitBounds.extend(vertBuilder->hitBounds); }
           });
         tell(plan,total);
         /* a surface that did not change since the last commit was reported then */

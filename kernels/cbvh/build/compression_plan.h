@@ -9,6 +9,7 @@
 #include "../../subdiv/subdivpatch1base.h"
 #include "../../common/scene.h"
 #include "../codec/kinds.h"
+#include "../codec/vert_block.h"
 
 namespace embree
 {
@@ -28,10 +29,11 @@ namespace embree
     {
       unsigned height = 0;
       unsigned x = 0, y = 0; //!< blocks; none where GRID traces the patch
+      Vec2i quads = Vec2i(0); //!< of all blocks; of cVERT, whose last blocks may be smaller, those of the rates
 
       size_t size () const { return size_t(x)*size_t(y); }
-      unsigned quadsX () const { return x << height; }
-      unsigned quadsY () const { return y << height; }
+      unsigned quadsX () const { return unsigned(quads.x); }
+      unsigned quadsY () const { return unsigned(quads.y); }
     };
 
     struct CompressionPlan
@@ -85,18 +87,31 @@ namespace embree
         PatchTiling best;
         if (level > cbvh::maxLevel) return best;
         const Vec2i quads = SubdivPatch1Base::computeGridSize(rate) - Vec2i(1);
-        for (unsigned height=0; height <= level-min(frameLevel,level); height++)
+        const unsigned highest = level-min(frameLevel,level);
+        if (kind() == cbvh::Kind::VERT) {
+          best = tilingOf(quads,min(highest,unsigned(cbvh::maxVertHeight)));
+          best.quads = quads;
+          return best;
+        }
+        for (unsigned height=0; height <= highest; height++)
         {
-          PatchTiling t;
-          t.height = height;
-          t.x = (unsigned(quads.x-1) >> height) + 1;
-          t.y = (unsigned(quads.y-1) >> height) + 1;
+          const PatchTiling t = tilingOf(quads,height);
           if (best.size() == 0 || bytes(t) <= bytes(best)) best = t;
         }
         return best;
       }
 
     private:
+      static PatchTiling tilingOf (const Vec2i& quads, unsigned height)
+      {
+        PatchTiling t;
+        t.height = height;
+        t.x = (unsigned(quads.x-1) >> height) + 1;
+        t.y = (unsigned(quads.y-1) >> height) + 1;
+        t.quads = Vec2i(int(t.x << height),int(t.y << height));
+        return t;
+      }
+
       size_t bytes (const PatchTiling& t) const { return t.size()*cbvh::blockLayout(uint32_t(kind()),t.height).stride; }
 
       cbvh::Kind blockKind = cbvh::Kind::GRID;

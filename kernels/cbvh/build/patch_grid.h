@@ -36,10 +36,23 @@ namespace embree
     public:
       PatchGrid (Device* device) : arrays(device,0), interleaved(device,0) {}
 
-      /*! evaluates a patch as quadsX x quadsY quads, not less than its edges have */
+      /*! vertices x0 to x1 along u and y0 to y1 along v */
+      struct Part { unsigned x0, x1, y0, y1; };
+
+      /*! evaluates a patch as quadsX x quadsY quads, not less than its edges have, with lower
+       *  edges spread as above */
       void eval (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY)
       {
-        width = quadsX+1; height = quadsY+1;
+        evalPart(patch,mesh,quadsX,quadsY,{ 0,quadsX,0,quadsY });
+        if (!stitched) return;
+        spreadBorders(patch.level,undisplaced());
+        spreadBorders(patch.level,displaced());
+      }
+
+      /*! evaluates a part of that, with lower edges stitched as Embree does it */
+      void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY, const Part& part)
+      {
+        width = part.x1-part.x0+1; height = part.y1-part.y0+1;
         const float* rate = patch.level;
         stitched = min(rate[0],rate[2]) < float(quadsX) || min(rate[1],rate[3]) < float(quadsY);
         count = size_t(width)*size_t(height);
@@ -51,15 +64,13 @@ namespace embree
         float* v = array(7);
         interleaved.resize(6*count);
 
-        if (patch.type == SubdivPatch1Base::EVAL_PATCH) evalIrregular(patch,mesh,P,N,u,v);
-        else evalRegular(patch,mesh,P,N,u,v);
+        const Range range = { quadsX+1,quadsY+1,part };
+        if (patch.type == SubdivPatch1Base::EVAL_PATCH) evalIrregular(patch,mesh,range,P,N,u,v);
+        else evalRegular(patch,mesh,range,P,N,u,v);
 
         interleave(undisplaced());
         if (mesh->displFunc) displace(patch,mesh,P,N,u,v);
         interleave(displaced());
-        if (!stitched) return;
-        spreadBorders(rate,undisplaced());
-        spreadBorders(rate,displaced());
       }
 
       /*! vertices row by row */
@@ -78,6 +89,13 @@ namespace embree
       bool stitched = false;        //!< whether an edge has a lower rate
 
     private:
+      /*! a part of a grid of that many vertices */
+      struct Range
+      {
+        unsigned width, height;
+        Part part;
+      };
+
       /*! aligned for full-width loads, which mvector is not */
       float* array (size_t i) { return (float*)((size_t(arrays.data())+63) & ~size_t(63)) + i*stride; }
 
@@ -89,11 +107,11 @@ namespace embree
         }
       }
 
-      void evalRegular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, float* P[3], float* N[3], float* u, float* v)
+      void evalRegular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, const Range& range, float* P[3], float* N[3], float* u, float* v)
       {
-        gridUVTessellator(patch.level,unsigned(width),unsigned(height),0,0,unsigned(width),unsigned(height),u,v);
+        gridUVTessellator(patch.level,range.width,range.height,range.part.x0,range.part.y0,unsigned(width),unsigned(height),u,v);
         for (size_t i=count; i<stride; i++) { u[i] = u[count-1]; v[i] = v[count-1]; }
-        if (stitched) stitchUVGrid(patch.level,unsigned(width),unsigned(height),0,0,unsigned(width),unsigned(height),u,v);
+        if (stitched) stitchUVGrid(patch.level,range.width,range.height,range.part.x0,range.part.y0,unsigned(width),unsigned(height),u,v);
         for (size_t i=0; i<count; i+=VSIZEX)
         {
           const vfloatx uu = vfloatx::load(u+i), vv = vfloatx::load(v+i);
@@ -105,21 +123,21 @@ namespace embree
         }
       }
 
-      void evalIrregular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, float* P[3], float* N[3], float* u, float* v)
+      void evalIrregular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, const Range& range, float* P[3], float* N[3], float* u, float* v)
       {
         const bool normals = mesh->displFunc;
         const float* rate = stitched ? patch.level : nullptr;
-        const unsigned w = unsigned(width), h = unsigned(height);
+        const unsigned w = unsigned(width), h = unsigned(height), x0 = range.part.x0, x1 = range.part.x1, y0 = range.part.y0, y1 = range.part.y1;
         float *Nx = normals ? N[0] : nullptr, *Ny = normals ? N[1] : nullptr, *Nz = normals ? N[2] : nullptr;
         if (mesh->patch_eval_trees.size())
           feature_adaptive_eval_grid<PatchEvalGrid>
             (mesh->patch_eval_trees[mesh->numTimeSteps*patch.primID()+patch.time()],patch.subPatch(),rate,
-             0,w-1,0,h-1,w,h,P[0],P[1],P[2],u,v,Nx,Ny,Nz,w,h);
+             x0,x1,y0,y1,range.width,range.height,P[0],P[1],P[2],u,v,Nx,Ny,Nz,w,h);
         else {
           GeneralCatmullClarkPatch3fa ccpatch(patch.edge(),mesh->getVertexBuffer(patch.time()));
           feature_adaptive_eval_grid<FeatureAdaptiveEvalGrid,GeneralCatmullClarkPatch3fa>
             (ccpatch,patch.subPatch(),rate,
-             0,w-1,0,h-1,w,h,P[0],P[1],P[2],u,v,Nx,Ny,Nz,w,h);
+             x0,x1,y0,y1,range.width,range.height,P[0],P[1],P[2],u,v,Nx,Ny,Nz,w,h);
         }
 
         /* parameters of the sub-patch to parameters of the face */

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A block: 2^height x 2^height quads of a patch in one local frame. It is a header, then
+/* A block of cGRID, cVOXEL or cLEAF: 2^height x 2^height quads of a patch in one local frame.
+ * (Those of cVERT have no frame, see vert_block.h.) It is a header, then
  * the words of a complete quadtree level by level, each level in Morton order, then the
  * leaves in Morton order (cLEAF) or the vertices row by row (cGRID). Nothing points
  * anywhere: positions, parameters and vertex indices follow from the index. FORMAT.md has
@@ -24,9 +25,11 @@ CBVH_CONSTANT uint32_t maxLevel = 8u;
 
 /* --- kinds --------------------------------------------------------------------------- */
 
-CBVH_CONSTANT uint32_t kindGrid = 0u, kindVoxel = 1u, kindLeaf = 2u, numKinds = 3u;
+/* those with frames, which are laid out here, and cVERT, of which vert_block.h tells */
+CBVH_CONSTANT uint32_t kindGrid = 0u, kindVoxel = 1u, kindLeaf = 2u, numFramedKinds = 3u;
+CBVH_CONSTANT uint32_t kindVert = 3u, numKinds = 4u;
 
-/*! what the layout of a block depends on */
+/*! what the layout of a block with a frame depends on */
 struct KindFormat
 {
   uint32_t leafLevels;    //!< log2 of the quads along a side of a leaf, where there are that many
@@ -36,7 +39,7 @@ struct KindFormat
   uint32_t padding;       //!< bytes behind all
 };
 
-CBVH_CONSTANT KindFormat kindFormats[3] = {
+CBVH_CONSTANT KindFormat kindFormats[numFramedKinds] = {
   /* a leaf is 2 x 2 quads, as GRID's own; vectors that read its last row read 3 floats more */
   { 1u, 0u, 0u, 12u, 12u },
   { 0u, 0u, 0u, 0u, 0u },
@@ -134,7 +137,7 @@ CBVH_END
 
 CBVH_BEGIN
 
-enum class Kind : uint32_t { GRID = kindGrid, VOXEL = kindVoxel, LEAF = kindLeaf };
+enum class Kind : uint32_t { GRID = kindGrid, VOXEL = kindVoxel, LEAF = kindLeaf, VERT = kindVert };
 
 /*! the header with what follows it */
 struct Block : public BlockHeader

@@ -4,7 +4,7 @@
 #pragma once
 
 /* What is to know of each kind of leaves besides its bytes, which kindFormats of block.h has.
- * A new kind has a line here and there, an encoder (build/block_encoder.h lists them), a
+ * A new kind with a frame has a line here and there, an encoder (build/block_encoder.h lists them), a
  * visitor (trace/kind_visitors1.h) and its value in rtcore_compression.h. */
 
 #include "block.h"
@@ -29,7 +29,8 @@ namespace embree
     static const KindDescription kindDescriptions[numKinds] = {
       { RTC_COMPRESSION_GRID,  "grid",  "cGRID",  false, true,  false },
       { RTC_COMPRESSION_VOXEL, "voxel", "cVOXEL", false, false, true  },
-      { RTC_COMPRESSION_LEAF,  "leaf",  "cLEAF",  true,  true,  true  }
+      { RTC_COMPRESSION_LEAF,  "leaf",  "cLEAF",  true,  true,  true  },
+      { RTC_COMPRESSION_VERT,  "vert",  "cVERT",  false, true,  false }
     };
 
     inline const KindDescription& describe(Kind kind) { return kindDescriptions[uint32_t(kind)]; }

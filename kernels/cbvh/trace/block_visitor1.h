@@ -25,11 +25,11 @@ namespace embree
       };
 
       /*! runs the epilogue of closest hit or of any hit */
-      __forceinline bool report (RayHit& ray, IntersectContext* context, const Block* block, SurfaceHit& hit) {
-        return Intersect1Epilog1<true>(ray,context,block->geomID,block->primID)(hit);
+      __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit& hit) {
+        return Intersect1Epilog1<true>(ray,context,geomID,primID)(hit);
       }
-      __forceinline bool report (Ray& ray, IntersectContext* context, const Block* block, SurfaceHit& hit) {
-        return Occluded1Epilog1<true>(ray,context,block->geomID,block->primID)(hit);
+      __forceinline bool report (Ray& ray, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit& hit) {
+        return Occluded1Epilog1<true>(ray,context,geomID,primID)(hit);
       }
       template<typename RayType> struct IsAnyHit;
       template<> struct IsAnyHit<Ray>    { static const bool value = true; };
@@ -92,7 +92,7 @@ namespace embree
           hit.Ng = unitNormal(local.P0 + at.s*(local.P1-local.P0),slopeX,slopeY);
           const float along = dot(hit.Ng,pre.dir);
           if (isTurned(along,1.0f,1.0f/pre.rcpDir2,at.from)) hit.Ng = hit.Ng - (2.0f*along*pre.rcpDir2)*pre.dir;
-          if (!report(ray,context,block,hit)) return false;
+          if (!report(ray,context,block->geomID,block->primID,hit)) return false;
           sBest = at.s;
           return true;
         }

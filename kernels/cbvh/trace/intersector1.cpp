@@ -22,6 +22,7 @@ namespace embree
           : SubdivPatch1Intersector1::Precalculations(ray,ptr), block(ray) {}
 
         cbvh::RayPrecalculations block;
+        cbvh::VertRay vert;
       };
 
       template<int N, bool robust>
@@ -29,7 +30,7 @@ namespace embree
                                            const Primitive* prim, size_t type, const TravRay<N,robust>& tray, size_t& lazyNode)
       {
         bool found;
-        if (!cbvh::intersectBlock(type,ray,context,pre.block,prim,found))
+        if (!cbvh::intersectBlock(type,ray,context,pre.block,pre.vert,prim,found))
           SubdivPatch1Intersector1::intersect(This,pre,ray,context,(const GridSOA*)prim,type,tray,lazyNode);
       }
 
@@ -38,7 +39,7 @@ namespace embree
                                           const Primitive* prim, size_t type, const TravRay<N,robust>& tray, size_t& lazyNode)
       {
         bool found;
-        if (cbvh::intersectBlock(type,ray,context,pre.block,prim,found)) return found;
+        if (cbvh::intersectBlock(type,ray,context,pre.block,pre.vert,prim,found)) return found;
         return SubdivPatch1Intersector1::occluded(This,pre,ray,context,(const GridSOA*)prim,type,tray,lazyNode);
       }
 

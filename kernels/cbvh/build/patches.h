@@ -1,0 +1,42 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The patches of a face: the face itself, or, where it is not a quadrilateral, one at each
+ * of its corners. */
+
+#include "../../subdiv/patch_eval_grid.h"
+#include "../../subdiv/subdivpatch1base.h"
+#include "../../common/scene_subdiv_mesh.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! what is known of a patch before it is evaluated */
+    struct PatchOfFace
+    {
+      const Vec2f* uv;         //!< of its corners, 4
+      const int* subdiv;
+      const float* edgeLevel;
+      int subPatch;            //!< the corner that it is at; 0 of a quadrilateral
+      float rate[4];           //!< of its edges v = 0, u = 1, v = 1, u = 0
+
+      SubdivPatch1Base make (const SubdivMesh* mesh, unsigned geomID, size_t face) const {
+        return SubdivPatch1Base(geomID,unsigned(face),unsigned(subPatch),mesh,0,uv,edgeLevel,subdiv,VSIZEX);
+      }
+    };
+
+    /*! calls closure(patch) for the patches of a face */
+    template<typename Closure>
+    inline void forEachPatch (const SubdivMesh* mesh, size_t face, const Closure& closure)
+    {
+      patch_eval_subdivision(mesh->getHalfEdge(0,face),[&](const Vec2f uv[4], const int subdiv[4], const float edgeLevel[4], int subPatch) {
+          PatchOfFace patch = { uv, subdiv, edgeLevel, subPatch, {} };
+          SubdivPatch1Base::computeEdgeLevels(edgeLevel,subdiv,patch.rate);
+          closure(patch);
+        });
+    }
+  }
+}

@@ -1,0 +1,203 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of a block of cVERT, codec/vert_block.h. It loses nothing: vertices come snapped to
+ * their lattices (vertex_lattice.h), and each is the same floats when it is decoded. */
+
+#include "../codec/vert_block.h"
+#include "cell_encoder.h"
+#include "frame_map.h"
+#include <algorithm>
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    struct VertStatistics
+    {
+      uint32_t invalidQuads = 0;  //!< with a vertex that is not finite
+      uint32_t fieldBytes = 0;
+      bool raw = false;
+    };
+
+    class VertEncoder
+    {
+    public:
+      static const uint32_t maxSide = (1u << maxVertHeight) + 1u;
+
+      /*! room for any block */
+      static const size_t maxBytes = vertHeaderBytes + 4*((boxPlanes*maxVertGroups+3)/4) + sizeof(float)*3*maxSide*maxSide + 64;
+
+      float vertices[maxSide*maxSide][3]; //!< row by row, (quadsX+1) (quadsY+1) of them
+      float lower[3], upper[3];           //!< of the finite ones, by encode
+
+      /*! place: vertPlace(); spacing: of the lattice that the vertices lie on. Returns the
+       *  number of bytes written to block, a multiple of 4; 0 where no vertex is finite. */
+      size_t encode (uint32_t place, float spacing, uint8_t* block, VertStatistics& statistics)
+      {
+        quads[0] = vertQuadsX(place); quads[1] = vertQuadsY(place);
+        width = quads[0]+1;
+        layout = vertLayout(place);
+        if (!bound(statistics)) return 0;
+        memset(block,0,layout.cell);
+        VertHeader& header = *(VertHeader*)block;
+        header.place = place;
+        const bool packed = allFinite && locate(spacing) && pack(header,block,statistics);
+        if (!packed) packRaw(header,spacing,block);
+        statistics.raw = !packed;
+        return size_t(end-block+3) & ~size_t(3);
+      }
+
+    private:
+      const float* vertexAt (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
+
+      bool bound (VertStatistics& statistics)
+      {
+        for (int k=0; k<3; k++) { lower[k] = INFINITY; upper[k] = -INFINITY; }
+        allFinite = true;
+        for (uint32_t i=0; i<width*(quads[1]+1); i++)
+        {
+          if (!isFinite(vertices[i])) { allFinite = false; continue; }
+          for (int k=0; k<3; k++) { lower[k] = std::min(lower[k],vertices[i][k]); upper[k] = std::max(upper[k],vertices[i][k]); }
+        }
+        if (!allFinite)
+          for (uint32_t y=0; y<quads[1]; y++)
+            for (uint32_t x=0; x<quads[0]; x++)
+              statistics.invalidQuads += !(isFinite(vertexAt(x,y)) && isFinite(vertexAt(x+1,y)) && isFinite(vertexAt(x,y+1)) && isFinite(vertexAt(x+1,y+1)));
+        return lower[0] <= upper[0];
+      }
+
+      /*! coordinates on the lattice relative to the lower bounds; false where one is too large */
+      bool locate (float spacing)
+      {
+        for (int k=0; k<3; k++)
+          if (!((double(upper[k])-double(lower[k])) < double(maxExtent)*spacing)) return false;
+        this->spacing = spacing;
+        const double reciprocal = 1.0/spacing;
+        for (uint32_t i=0; i<width*(quads[1]+1); i++)
+          for (int k=0; k<3; k++)
+          {
+            const double q = (double(vertices[i][k])-double(lower[k]))*reciprocal;
+            coordinates[k][i] = int(q);
+            if (double(coordinates[k][i]) != q) return false; // not on this lattice
+          }
+        return true;
+      }
+
+      /*! the vertices of a cell; those behind the last are the last */
+      void gather (uint32_t x0, uint32_t y0, uint32_t step)
+      {
+        for (int j=0; j<5; j++)
+        {
+          const uint32_t y = std::min(y0+step*j,quads[1]);
+          for (int i=0; i<5; i++)
+          {
+            const uint32_t v = y*width + std::min(x0+step*i,quads[0]);
+            for (int k=0; k<3; k++) cell.vertices[k][5*j+i] = coordinates[k][v];
+          }
+        }
+      }
+
+      bool pack (VertHeader& header, uint8_t* block, VertStatistics& statistics)
+      {
+        header.spacing = spacing;
+        for (int k=0; k<3; k++) header.origin[k] = lower[k];
+        for (int k=0; k<3; k++)
+        {
+          const int extent = int((double(upper[k])-double(lower[k]))/spacing);
+          uint32_t shift = 0;
+          while (stepsUp(extent,shift) > 255) shift++;
+          header.boxShifts |= shift << (8*k);
+        }
+        gather(0,0,groupQuads);
+        if (!cell.encode(quads,groupQuads)) return false;
+        header.word = cell.word;
+        end = cell.write(block+layout.cell);
+        for (int c=0; c<4; c++)
+          for (int k=0; k<3; k++)
+            header.corners[cornerPair(c,k)] |= uint32_t(cell.vertices[k][(c & 1)*4 + (c >> 1)*20]) << (16*((3*c+k) & 1));
+
+        uint32_t* words = (uint32_t*)(block+layout.words);
+        for (uint32_t g=0; g<layout.groups; g++)
+        {
+          const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
+          gather(groupQuads*gx,groupQuads*gy,1);
+          const uint32_t sides[2] = { quadsOfGroup(quads[0],gx), quadsOfGroup(quads[1],gy) };
+          if (!cell.encode(sides,1)) return false;
+          words[g] = cell.word;
+          end = cell.write(end);
+          for (int k=0; k<3; k++)
+          {
+            const int* v = cell.vertices[k];
+            int lo = v[0], hi = v[0];
+            for (int i=1; i<cellVertices; i++) { lo = std::min(lo,v[i]); hi = std::max(hi,v[i]); }
+            const uint32_t shift = boxShift(header.boxShifts,k);
+            block[layout.boxes + k*layout.groups + g] = uint8_t(lo >> shift);
+            block[layout.boxes + (3+k)*layout.groups + g] = uint8_t(stepsUp(hi,shift));
+          }
+        }
+        statistics.fieldBytes += uint32_t(end - (block+layout.cell));
+        return true;
+      }
+
+      static int stepsUp (int x, uint32_t shift) { return (x + (1 << shift) - 1) >> shift; }
+
+      /*! Vertices as floats. Planes of boxes are not on the lattice then: each is moved out
+       *  until the float that traversal computes contains. */
+      void packRaw (VertHeader& header, float spacing, uint8_t* block)
+      {
+        memset(block+sizeof(header),0,layout.words-sizeof(header));
+        memset(header.corners,0,sizeof(header.corners));
+        header.word = 0;
+        header.boxShifts = 1u << 24;
+        double extent = 0;
+        for (int k=0; k<3; k++) extent = std::max(extent,double(upper[k])-double(lower[k]));
+        header.spacing = std::max(spacing,std::ldexp(1.0f,std::max(-120,std::ilogb(std::max(extent,1e-36))-6))); // 128 steps at most
+        for (int k=0; k<3; k++)
+        {
+          float origin = lower[k];
+          header.origin[k] = origin;
+          for (uint32_t g=0; g<layout.groups; g++)
+          {
+            float lo = INFINITY, hi = -INFINITY;
+            extendByGroup(g,k,lo,hi);
+            uint32_t q0 = 255, q1 = 0; // empty
+            if (lo <= hi)
+            {
+              const double step = header.spacing;
+              q0 = uint32_t((double(lo)-origin)/step);
+              q1 = uint32_t(std::min(254.0,(double(hi)-origin)/step)) + 1;
+              while (q0 > 0 && origin + float(q0)*header.spacing > lo) q0--;
+              while (q1 < 255 && origin + float(q1)*header.spacing < hi) q1++;
+            }
+            block[layout.boxes + k*layout.groups + g] = uint8_t(q0);
+            block[layout.boxes + (3+k)*layout.groups + g] = uint8_t(q1);
+          }
+        }
+        float (*out)[3] = (float(*)[3])(block+layout.words);
+        for (uint32_t i=0; i<width*(quads[1]+1); i++)
+          for (int k=0; k<3; k++)
+            out[i][k] = isFinite(vertices[i]) ? vertices[i][k] : NAN; // a triangle with NaN is never hit, one with infinity might
+        end = (uint8_t*)(out + width*(quads[1]+1));
+      }
+
+      void extendByGroup (uint32_t g, int axis, float& lo, float& hi) const
+      {
+        const uint32_t x0 = groupQuads*(g % layout.groupsX), y0 = groupQuads*(g / layout.groupsX);
+        for (uint32_t y=y0; y<=std::min(y0+groupQuads,quads[1]); y++)
+          for (uint32_t x=x0; x<=std::min(x0+groupQuads,quads[0]); x++)
+            if (isFinite(vertexAt(x,y))) { lo = std::min(lo,vertexAt(x,y)[axis]); hi = std::max(hi,vertexAt(x,y)[axis]); }
+      }
+
+      uint32_t quads[2], width;
+      VertLayout layout;
+      bool allFinite;
+      float spacing;
+      int coordinates[3][maxSide*maxSide];
+      CellEncoder cell;
+      uint8_t* end;
+    };
+  }}
+}

@@ -1,0 +1,152 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Builds the top-level primitives of one patch in cVERT: its vertices are GRID's, those on
+ * its border come from the faces that own them, all are snapped to their lattices, and the
+ * blocks hold them exactly. */
+
+#include "../../bvh/bvh.h"
+#include "../codec/primitive_type.h"
+#include "build_statistics.h"
+#include "shared_vertices.h"
+#include "vert_encoder.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    class VertPatchBuilder
+    {
+    public:
+      typedef FastAllocator::CachedAllocator Allocator;
+
+      cbvh::BuildStatistics statistics;
+      cbvh::WorldBounds hitBounds;
+
+      VertPatchBuilder (const CompressionPlan& plan, const SharedVertices& shared, Scene* scene, const Allocator& alloc)
+        : plan(plan), shared(shared), alloc(alloc), grid(scene->device), bytes(scene->device,0) {}
+
+      /*! As PatchBuilder::buildBlocks; one piece of memory a patch. */
+      size_t buildBlocks (size_t face, const PatchOfFace& patch, const PatchTiling& tiling, PrimRef* out)
+      {
+        const SubdivPatch1Base base = patch.make(plan.mesh,plan.geomID,face);
+        grid.evalPart(base,plan.mesh,tiling.quadsX(),tiling.quadsY(),{ 0,tiling.quadsX(),0,tiling.quadsY() });
+        const cbvh::WorldLattice lattice(shared.exponent(face));
+        snapVertices(face,patch,tiling,lattice);
+
+        const uint32_t edgeRates = ratesOf(patch);
+        const size_t count = tiling.size();
+        size_t used = 0;
+        starts.clear();
+        for (size_t i=0; i<count; i++)
+        {
+          bytes.resize(max(bytes.size(),used + cbvh::VertEncoder::maxBytes));
+          const unsigned x = unsigned(i % tiling.x) << tiling.height, y = unsigned(i / tiling.x) << tiling.height;
+          const unsigned quads[2] = { min(1u << tiling.height,tiling.quadsX()-x), min(1u << tiling.height,tiling.quadsY()-y) };
+          gather(x,y,quads);
+          const uint32_t place = cbvh::vertPlace(quads[0],quads[1],x,y,uint32_t(2*base.getUV(0).x),uint32_t(2*base.getUV(0).y));
+          cbvh::VertStatistics block;
+          const size_t n = encoder.encode(place,lattice.spacing,bytes.data()+used,block);
+          starts.push_back(used);
+          if (n == 0) {
+            statistics.sums.numInvalidQuads += size_t(quads[0])*quads[1];
+            out[i] = PrimRef(BBox3fa(Vec3fa(zero),Vec3fa(zero)),size_t(0)); // dropped
+            continue;
+          }
+          cbvh::VertHeader* header = (cbvh::VertHeader*)(bytes.data()+used);
+          header->geomID = plan.geomID;
+          header->primID = unsigned(face);
+          header->rates = edgeRates;
+          statistics.addVertBlock(place,n,lattice.spacing,block);
+          out[i] = PrimRef(bounds(),size_t(1));
+          used += (n + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
+        }
+        place(count,used,out);
+        return count;
+      }
+
+    private:
+      static const size_t maxPieceBytes = 1 << 20;
+      static const size_t readBehind = 16; //!< bytes that decoders may read behind a block
+
+      static uint32_t ratesOf (const PatchOfFace& patch)
+      {
+        uint32_t rates = 0;
+        for (int s=0; s<4; s++) rates |= (uint32_t(patch.rate[s])-1u) << (8*s);
+        return rates;
+      }
+
+      /*! copies the blocks to memory of the BVH's and makes references to them */
+      void place (size_t count, size_t used, PrimRef* out)
+      {
+        size_t begin = 0;
+        while (begin < count)
+        {
+          size_t end = begin+1;
+          while (end < count && starts[end]-starts[begin] < maxPieceBytes) end++;
+          const size_t size = (end < count ? starts[end] : used) - starts[begin];
+          char* memory = size ? (char*)alloc.malloc1(size+readBehind,cbvh::blockAlignment) : nullptr;
+          if (size) memcpy(memory,bytes.data()+starts[begin],size);
+          for (size_t i=begin; i<end; i++)
+            if (out[i].ID() != 0)
+              out[i] = PrimRef(out[i].bounds(),size_t(BVH4::encodeTypedLeaf(memory+(starts[i]-starts[begin]),cbvh::blockType(cbvh::kindVert))));
+          begin = end;
+        }
+      }
+
+      void snapVertices (size_t face, const PatchOfFace& patch, const PatchTiling& tiling, const cbvh::WorldLattice& lattice)
+      {
+        float (*p)[3] = grid.displaced();
+        const size_t count = grid.width*grid.height;
+        memcpy(grid.undisplaced(),p,count*sizeof(*p)); // as the face evaluates them: for the statistics
+        const float (*own)[3] = grid.undisplaced();
+        for (size_t i=0; i<count; i++)
+          for (int k=0; k<3; k++) p[i][k] = lattice.snap(p[i][k]);
+
+        const unsigned quadsX = tiling.quadsX(), quadsY = tiling.quadsY();
+        for (int s=0; s<4; s++)
+        {
+          const SideVertices side = shared.side(face,patch.subPatch,s);
+          const unsigned fine = s % 2 == 0 ? quadsX : quadsY;
+          for (unsigned i=0; i<=fine; i++)
+          {
+            const unsigned c = i == fine ? side.rate : cbvh::stitchedVertex(i,fine,side.rate);
+            const SideVertices::Vertex v = side[s < 2 ? c : side.rate-c];
+            const size_t x = s == 1 ? quadsX : s == 3 ? 0 : i, y = s == 0 ? 0 : s == 2 ? quadsY : i;
+            const cbvh::WorldLattice common(v.exponent);
+            float* out = p[y*grid.width+x];
+            for (int k=0; k<3; k++) out[k] = common.snap(v.position[k]);
+            statistics.addBorderVertex(own[y*grid.width+x],v.position,out);
+          }
+        }
+        for (size_t y=1; y<grid.height-1; y++)
+          for (size_t x=1; x<grid.width-1; x++)
+            statistics.addVertex(own[y*grid.width+x],p[y*grid.width+x]);
+      }
+
+      void gather (unsigned x, unsigned y, const unsigned quads[2])
+      {
+        for (unsigned r=0; r<=quads[1]; r++)
+          memcpy(encoder.vertices[r*(quads[0]+1)],grid.displaced()[(y+r)*grid.width+x],(quads[0]+1)*sizeof(float[3]));
+      }
+
+      BBox3fa bounds ()
+      {
+        const Vec3fa lower(encoder.lower[0],encoder.lower[1],encoder.lower[2]), upper(encoder.upper[0],encoder.upper[1],encoder.upper[2]);
+        hitBounds.extend(lower.x,lower.y,lower.z);
+        hitBounds.extend(upper.x,upper.y,upper.z);
+        return BBox3fa(lower,upper);
+      }
+
+      const CompressionPlan& plan;
+      const SharedVertices& shared;
+      Allocator alloc;
+      PatchGrid grid;
+      cbvh::VertEncoder encoder;
+      mvector<uint8_t> bytes;      //!< of the patch's blocks
+      std::vector<size_t> starts;  //!< of each in bytes
+    };
+  }
+}

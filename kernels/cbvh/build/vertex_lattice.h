@@ -1,0 +1,89 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Lattices of cVERT: all multiples of 2^exponent on the world's three axes. A lattice is part
+ * of every finer one, so a vertex that faces share lies on the coarsest of theirs and is a
+ * point of all of them.
+ *
+ * Snapping works on floats and is exact: a coordinate that is so large that floats are not
+ * finer than the lattice is a multiple already. */
+
+#include "frame_map.h"
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    /*! default spacing: this part of the median edge of a face's quads, or less */
+    static constexpr double spacingOfEdge = 1.0/32;
+
+    /*! Coordinates of a face take at most this many bits, one less than floats have: sums with
+     *  a block's origin stay exact. */
+    static constexpr int maxCoordinateBits = 23;
+
+    /*! spacings whose reciprocal is a normal float */
+    static constexpr int minLatticeExponent = -100, maxLatticeExponent = 100;
+
+    /*! of a face without a lattice: nobody shares its vertices */
+    static constexpr int noLattice = -1000;
+
+    struct WorldLattice
+    {
+      float spacing, reciprocal, limit;
+
+      explicit WorldLattice (int exponent)
+        : spacing(std::ldexp(1.0f,exponent)), reciprocal(std::ldexp(1.0f,-exponent)), limit(std::ldexp(1.0f,std::min(exponent+maxCoordinateBits,127))) {}
+
+      /*! nearest multiple of the spacing, of two the even one; NaN and infinity stay */
+      float snap (float x) const
+      {
+        if (!(std::fabs(x) < limit)) return x;
+        return float(_mm_cvtss_si32(_mm_set_ss(x*reciprocal)))*spacing;
+      }
+    };
+
+    /*! Largest power of two that is not above a spacing, but not so fine that the largest
+     *  coordinate of a face would have too many bits. */
+    inline int latticeExponent(double spacing, double maxCoordinate)
+    {
+      int resolution = minLatticeExponent;
+      if (maxCoordinate > 0) resolution = std::max(resolution,std::ilogb(maxCoordinate) + 1 - maxCoordinateBits);
+      return std::min(spacing > 0 ? std::max(resolution,std::ilogb(spacing)) : resolution,maxLatticeExponent);
+    }
+
+    /*! median of the edges along lines of vertices, and their largest coordinate */
+    class EdgeSample
+    {
+    public:
+      void add(const float a[3], const float b[3])
+      {
+        const Double3 d = { double(b[0])-a[0], double(b[1])-a[1], double(b[2])-a[2] };
+        const double l = length(d);
+        if (l > 0 && std::isfinite(l)) lengths.push_back(l); // stitched vertices coincide
+        for (int k=0; k<3; k++)
+          if (std::isfinite(a[k])) maxCoordinate = std::max(maxCoordinate,std::fabs(double(a[k])));
+      }
+
+      bool empty() const { return lengths.empty(); }
+
+      double median()
+      {
+        if (lengths.empty()) return 0;
+        std::nth_element(lengths.begin(),lengths.begin()+lengths.size()/2,lengths.end());
+        return lengths[lengths.size()/2];
+      }
+
+      void clear() { lengths.clear(); maxCoordinate = 0; }
+
+      double maxCoordinate = 0;
+
+    private:
+      std::vector<double> lengths;
+    };
+  }}
+}

@@ -1,0 +1,116 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A block of cVERT: up to 16 x 16 quads whose vertices lie on a lattice of the world, in up to
+ * 4 x 4 groups of 4 x 4 quads. It is
+ *
+ *   header | boxes of groups | words of groups | fields of the first cell | fields of groups
+ *
+ * The lattice is the multiples of the spacing, a power of two, on all three axes. Vertices are
+ * stored relative to the block's lowest lattice point and are exact floats in the world: a
+ * vertex that blocks share is the same three floats in each, so that surfaces are closed as
+ * the triangles are. There is no frame: boxes are aligned to the world's axes, and of 8 bits
+ * they have 1.03 times the area of exact ones, less than boxes along the surface would save.
+ *
+ * A raw block stores its vertices as floats in place of words and fields: where one of them is
+ * not finite, or too far from the others for the lattice's integers.
+ *
+ * Only layout lives here; vertex_cell.h gives words and fields their meaning. */
+
+#ifndef CBVH_VERT_BLOCK_H
+#define CBVH_VERT_BLOCK_H
+
+#include "vertex_cell.h"
+
+CBVH_BEGIN
+
+CBVH_CONSTANT uint32_t groupQuads = 4u;         //!< along a side of a group
+CBVH_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^this quads along a side
+CBVH_CONSTANT uint32_t maxVertGroups = 16u;
+CBVH_CONSTANT uint32_t vertHeaderBytes = 64u;
+CBVH_CONSTANT uint32_t boxPlanes = 6u;          //!< x, y, z lower, then x, y, z upper
+
+struct VertHeader
+{
+  float origin[3];        //!< world position of the block's lowest lattice point
+  float spacing;          //!< of the lattice
+  uint32_t geomID;
+  uint32_t primID;
+  uint32_t place;         //!< size, position and sub-patch: see the accessors
+  uint32_t rates;         //!< of the patch's four edges, less 1, 8 bits each
+  uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 16 bits each: x, y, z of 00 first
+  uint32_t boxShifts;     //!< bits 0..23: a step of a box is spacing*2^shift, 8 bits an axis; bit 24: raw
+  uint32_t word;          //!< of the first cell
+};
+
+CBVH_FUNCTION uint32_t vertPlace (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y, uint32_t cornerU, uint32_t cornerV) {
+  return (quadsX-1u) | ((quadsY-1u) << 4) | (x << 8) | (y << 16) | (cornerU << 24) | (cornerV << 28);
+}
+CBVH_FUNCTION uint32_t vertQuadsX (uint32_t place) { return (place & 15u) + 1u; }
+CBVH_FUNCTION uint32_t vertQuadsY (uint32_t place) { return ((place >> 4) & 15u) + 1u; }
+CBVH_FUNCTION uint32_t vertX (uint32_t place) { return (place >> 8) & 255u; }        //!< first quad in the patch
+CBVH_FUNCTION uint32_t vertY (uint32_t place) { return (place >> 16) & 255u; }
+CBVH_FUNCTION uint32_t vertCornerU (uint32_t place) { return (place >> 24) & 15u; }  //!< face parameter of the patch's corner, in halves
+CBVH_FUNCTION uint32_t vertCornerV (uint32_t place) { return place >> 28; }
+
+/*! of edge 0 (v = 0), 1 (u = 1), 2 (v = 1) or 3 (u = 0) of the patch */
+CBVH_FUNCTION uint32_t vertRate (uint32_t rates, int edge) { return ((rates >> (8*edge)) & 255u) + 1u; }
+CBVH_FUNCTION uint32_t greaterRate (uint32_t a, uint32_t b) { return a > b ? a : b; }
+CBVH_FUNCTION uint32_t patchQuadsX (uint32_t rates) { return greaterRate(vertRate(rates,0),vertRate(rates,2)); }
+CBVH_FUNCTION uint32_t patchQuadsY (uint32_t rates) { return greaterRate(vertRate(rates,1),vertRate(rates,3)); }
+
+CBVH_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
+
+/*! quads along a side of group g of a row */
+CBVH_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
+{
+  uint32_t rest = quads - groupQuads*g;
+  return rest < groupQuads ? rest : groupQuads;
+}
+
+CBVH_FUNCTION uint32_t boxShift (uint32_t boxShifts, int axis) { return (boxShifts >> (8*axis)) & 255u; }
+CBVH_FUNCTION bool isRaw (uint32_t boxShifts) { return ((boxShifts >> 24) & 1u) != 0u; }
+
+/*! Corner c (column + 2 row) of the block: its coordinate along an axis. pair: the word of
+ *  corners that has it, cornerPair(c,axis). */
+CBVH_FUNCTION int cornerPair (int c, int axis) { return (3*c + axis) >> 1; }
+CBVH_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) { return int((pair >> (16*((3*c + axis) & 1))) & 65535u); }
+
+/*! offsets in bytes from the block's start */
+struct VertLayout
+{
+  uint32_t groupsX, groupsY, groups;
+  uint32_t boxes;     //!< plane by plane, a byte a group
+  uint32_t words;     //!< 4 bytes a group; of a raw block, its vertices: x, y, z of each, row by row
+  uint32_t cell;      //!< fields of the first cell
+};
+
+CBVH_FUNCTION VertLayout vertLayout (uint32_t place)
+{
+  VertLayout layout;
+  layout.groupsX = groupsOf(vertQuadsX(place));
+  layout.groupsY = groupsOf(vertQuadsY(place));
+  layout.groups = layout.groupsX*layout.groupsY;
+  layout.boxes = vertHeaderBytes;
+  layout.words = layout.boxes + ((boxPlanes*layout.groups + 3u) & ~3u);
+  layout.cell = layout.words + 4u*layout.groups;
+  return layout;
+}
+
+/*! Where Embree's stitching puts vertex x of an edge of the grid whose own rate is lower. */
+CBVH_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) { return (2u*x + 1u)*rate/(2u*quads); }
+
+/*! Parameter of the patch at vertex x of a row (column) of quads quads: that of GRID's
+ *  vertex. rate: of the edge that the row lies on, or quads inside of the patch. */
+CBVH_REAL CBVH_FUNCTION Real vertParameter (uint32_t x, uint32_t quads, uint32_t rate) {
+  return Real(float(stitchedVertex(x,quads,rate)))/Real(float(rate));
+}
+
+CBVH_END
+
+#ifndef VULKAN
+#include <cstddef>
+static_assert(sizeof(embree::cbvh::VertHeader) == embree::cbvh::vertHeaderBytes, "header of a block of cVERT");
+#endif
+
+#endif

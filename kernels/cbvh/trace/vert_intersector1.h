@@ -1,0 +1,179 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Single-ray intersector of blocks of cVERT: boxes of groups, groups front to back, their
+ * triangles. Boxes only cull: their planes are exact, and are widened by what the test of
+ * triangles may round, some ulps of the distance to the farthest plane. */
+
+#include "block_visitor1.h"
+#include "vert_triangles.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      template<typename RayType>
+      class VertIntersector1
+      {
+      public:
+        /*! any hit: true if occluded; closest hit: what it returns has no meaning */
+        static __forceinline bool intersect (RayType& ray, IntersectContext* context, VertRay& pre, const VertHeader* block)
+        {
+          pre.set(ray);
+          return VertIntersector1(ray,context,pre,block).run();
+        }
+
+      private:
+        __forceinline VertIntersector1 (RayType& ray, IntersectContext* context, const VertRay& pre, const VertHeader* block)
+          : ray(ray), context(context), pre(pre), block(block), layout(vertLayout(block->place)), groups(block,layout) {}
+
+        __forceinline bool run ()
+        {
+          uint32_t open = meetBoxes();
+          bool found = false;
+          while (open)
+          {
+            const uint32_t g = nextGroup(open);
+            if (enter[g] > ray.tfar) continue;
+            CellVertices vertices;
+            groups.decode(g,vertices);
+            GroupHits hits;
+            if (!GroupTriangles(pre,ray.tnear()).intersect(vertices,ray.tfar,hits)) continue;
+            if (reportHits(g,vertices,hits)) {
+              if (IsAnyHit<RayType>::value) return true;
+              found = true;
+            }
+          }
+          return found;
+        }
+
+        /*! ulps that the sheared vertices, the boxes and the ray's distances to them may be off
+         *  together: a difference is off by a half, a shear by three halves, a plane's distance
+         *  by three, each of the two. */
+        static constexpr float slackUlps = 8.0f;
+
+        /*! groups whose boxes the ray meets; sets enter */
+        __forceinline uint32_t meetBoxes ()
+        {
+          const uint8_t* boxes = (const uint8_t*)block + layout.boxes;
+          const uint8_t* nearPlanes[3];
+          const uint8_t* farPlanes[3];
+          float step[3], nearOrigin[3], farOrigin[3];
+          for (int k=0; k<3; k++)
+          {
+            const bool down = pre.rcp[k] < 0.0f;
+            nearPlanes[k] = boxes + (down ? k+3 : k)*layout.groups;
+            farPlanes[k]  = boxes + (down ? k : k+3)*layout.groups;
+            step[k] = block->spacing*float(1u << boxShift(block->boxShifts,k) % 24u);
+            const float distance = std::fabs(block->origin[k]-pre.org[k]) + 255.0f*step[k];
+            const float slack = slackUlps*floatUlp*distance;
+            nearOrigin[k] = down ? slack : -slack;
+            farOrigin[k] = -nearOrigin[k];
+          }
+          uint32_t open = 0;
+          for (uint32_t n=0; n<layout.groups; n+=vertWidth)
+          {
+            vfloatV tNear(ray.tnear()), tFar(ray.tfar);
+            for (int k=0; k<3; k++)
+            {
+              const vfloatV scale(step[k]), origin(block->origin[k]), org(pre.org[k]), rcp(pre.rcp[k]);
+              const vfloatV nearPlane = madd(loadBytes(nearPlanes[k]+n),scale,origin), farPlane = madd(loadBytes(farPlanes[k]+n),scale,origin);
+              tNear = max(tNear,(nearPlane - org + vfloatV(nearOrigin[k]))*rcp);
+              tFar  = min(tFar ,(farPlane  - org + vfloatV(farOrigin[k]))*rcp);
+            }
+            vfloatV::store(enter+n,tNear);
+            open |= uint32_t(movemask(tNear <= tFar)) << n;
+          }
+          return open & uint32_t((uint64_t(1) << layout.groups) - 1);
+        }
+
+        /*! reads up to 16 bytes, which a block has behind its boxes */
+        static __forceinline vfloatV loadBytes (const uint8_t* p)
+        {
+#if defined(__AVX512F__)
+          return vfloatV(vintV(_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i*)p))));
+#elif defined(__AVX__)
+          return vfloatV(vint8::load((const unsigned char*)p));
+#else
+          return vfloat4::load((const unsigned char*)p);
+#endif
+        }
+
+        /*! takes the group out that begins first */
+        __forceinline uint32_t nextGroup (uint32_t& open) const
+        {
+          uint32_t best = uint32_t(bsf(open));
+          for (uint32_t rest=open & (open-1); rest; rest&=rest-1) {
+            const uint32_t g = uint32_t(bsf(rest));
+            if (enter[g] < enter[best]) best = g;
+          }
+          open &= ~(1u << best);
+          return best;
+        }
+
+        /*! Reports hits, nearest first; true if one was accepted. */
+        __forceinline bool reportHits (uint32_t g, const CellVertices& vertices, const GroupHits& hits)
+        {
+          for (uint32_t rest = hits.mask; rest; )
+          {
+            uint32_t best = uint32_t(bsf(rest));
+            for (uint32_t others=rest & (rest-1); others; others&=others-1) {
+              const uint32_t h = uint32_t(bsf(others));
+              if (hits.t[h & 1][h >> 1] < hits.t[best & 1][best >> 1]) best = h;
+            }
+            rest &= ~(1u << best);
+            if (reportHit(g,vertices,best >> 1,best & 1,hits)) return true;
+          }
+          return false;
+        }
+
+        __forceinline bool reportHit (uint32_t g, const CellVertices& vertices, uint32_t quad, uint32_t triangle, const GroupHits& hits)
+        {
+          const uint32_t qx = quad & 3, qy = quad >> 2, v = 5*qy + qx;
+          auto vertex = [&](uint32_t i) { return Vec3fa(vertices.at[0][i],vertices.at[1][i],vertices.at[2][i]); };
+          const Vec3fa v00 = vertex(v), v10 = vertex(v+1), v01 = vertex(v+5), v11 = vertex(v+6);
+          SurfaceHit hit;
+          hit.t = hits.t[triangle][quad];
+          hit.Ng = triangle ? cross(v10-v01,v11-v01) : cross(v10-v00,v01-v00);
+          const uint32_t x = vertX(block->place) + groupQuads*(g % layout.groupsX) + qx, y = vertY(block->place) + groupQuads*(g / layout.groupsX) + qy;
+          setParameters(x,y,triangle,hits.u[triangle][quad],hits.v[triangle][quad],hit);
+          return report(ray,context,block->geomID,block->primID,hit);
+        }
+
+        /*! Parameters of the face at position (a,b) of quad (x,y) of the patch: interpolated from
+         *  those of the triangle's vertices, which Embree stitches where an edge has a lower rate. */
+        __forceinline void setParameters (uint32_t x, uint32_t y, uint32_t triangle, float a, float b, SurfaceHit& hit) const
+        {
+          const uint32_t quadsX = patchQuadsX(block->rates), quadsY = patchQuadsY(block->rates);
+          float u = (float(x)+a)/float(quadsX), v = (float(y)+b)/float(quadsY);
+          const bool stitched = vertRate(block->rates,0) != vertRate(block->rates,2) || vertRate(block->rates,1) != vertRate(block->rates,3);
+          if (unlikely(stitched && (x == 0 || y == 0 || x+1 == quadsX || y+1 == quadsY)))
+          {
+            /* barycentrics of 00, 10, 01, 11 */
+            const float w[4] = { triangle ? 0.0f : 1.0f-a-b, triangle ? 1.0f-b : a, triangle ? 1.0f-a : b, triangle ? a+b-1.0f : 0.0f };
+            u = v = 0.0f;
+            for (uint32_t c=0; c<4; c++) {
+              const uint32_t i = x + (c & 1), j = y + (c >> 1);
+              u += w[c]*vertParameter<float>(i,quadsX,j == 0 ? vertRate(block->rates,0) : j == quadsY ? vertRate(block->rates,2) : quadsX);
+              v += w[c]*vertParameter<float>(j,quadsY,i == 0 ? vertRate(block->rates,3) : i == quadsX ? vertRate(block->rates,1) : quadsY);
+            }
+          }
+          hit.u = 0.5f*float(vertCornerU(block->place)) + u;
+          hit.v = 0.5f*float(vertCornerV(block->place)) + v;
+        }
+
+        RayType& ray;
+        IntersectContext* context;
+        const VertRay& pre;
+        const VertHeader* block;
+        const VertLayout layout;
+        VertGroups groups;
+        alignas(64) float enter[16]; //!< where the ray enters the box of each group
+      };
+    }
+  }
+}
