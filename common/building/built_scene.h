@@ -13,6 +13,7 @@
 
 #include <embree3/rtcore_compression.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -36,6 +37,13 @@ struct BuildReport
   size_t peakBytes = 0;  // most held at any time of the commit
   size_t quads = 0;
   RTCCompressionStatistics compression{}; // all zero for NAIVE and GRID
+
+  /* Upper bound of the distance between the surface and the mesh that it stands for; none of
+   * cLEAF, where it is an estimate, and of surfaces that their own faces tear. */
+  float distanceFromMesh() const
+  {
+    return std::max(compression.maxLeafThickness, compression.maxVertexDeviation);
+  }
 
   double bytesPerQuad() const { return quads ? double(liveBytes) / double(quads) : 0.0; }
 };

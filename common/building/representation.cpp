@@ -16,15 +16,16 @@ struct Names
   const char* word;   // command line, file names
   const char* label;  // tables
   const char* accel;  // device string
+  RTCCompression compression;
 };
 
 constexpr Names names[] = {
-  {RepresentationKind::Naive, "naive", "NAIVE", ""},
-  {RepresentationKind::Grid, "grid", "GRID", "bvh4.grid.eager"},
-  {RepresentationKind::CGrid, "cgrid", "cGRID", "cbvh.grid"},
-  {RepresentationKind::CVoxel, "cvoxel", "cVOXEL", "cbvh.voxel"},
-  {RepresentationKind::CLeaf, "cleaf", "cLEAF", "cbvh.leaf"},
-  {RepresentationKind::CVert, "cvert", "cVERT", "cbvh.vert"},
+  {RepresentationKind::Naive, "naive", "NAIVE", "", RTC_COMPRESSION_NONE},
+  {RepresentationKind::Grid, "grid", "GRID", "bvh4.grid.eager", RTC_COMPRESSION_NONE},
+  {RepresentationKind::CGrid, "cgrid", "cGRID", "cbvh.grid", RTC_COMPRESSION_GRID},
+  {RepresentationKind::CVoxel, "cvoxel", "cVOXEL", "cbvh.voxel", RTC_COMPRESSION_VOXEL},
+  {RepresentationKind::CLeaf, "cleaf", "cLEAF", "cbvh.leaf", RTC_COMPRESSION_LEAF},
+  {RepresentationKind::CVert, "cvert", "cVERT", "cbvh.vert", RTC_COMPRESSION_VERT},
 };
 
 const Names& namesOf(RepresentationKind kind)
@@ -41,12 +42,17 @@ std::string frameLevelText(int frameLevel)
 
 std::string Representation::label() const
 {
-  return namesOf(kind).label + (isCompressed() ? "^" + frameLevelText(frameLevel) : "");
+  return namesOf(kind).label + (hasFrames() ? "^" + frameLevelText(frameLevel) : "");
 }
 
 std::string Representation::fileStem() const
 {
-  return namesOf(kind).word + (isCompressed() ? frameLevelText(frameLevel) : "");
+  return namesOf(kind).word + (hasFrames() ? frameLevelText(frameLevel) : "");
+}
+
+RTCCompression Representation::compression() const
+{
+  return namesOf(kind).compression;
 }
 
 std::string Representation::deviceConfig() const
@@ -55,7 +61,7 @@ std::string Representation::deviceConfig() const
   if (kind == RepresentationKind::Naive)
     return "";
   std::string config = std::string("subdiv_accel=") + namesOf(kind).accel;
-  if (isCompressed())
+  if (hasFrames())
     config += ",cbvh_frame_level=" + frameLevelText(frameLevel);
   return config;
 }
@@ -89,7 +95,7 @@ std::vector<Representation> parseRepresentations(const std::string& list, int de
     Representation r{found->kind, defaultFrameLevel};
     if (mark != std::string::npos)
     {
-      if (!r.isCompressed())
+      if (!r.hasFrames())
         throw Error("representation '" + word + "': " + name + " has no frame level");
       r.frameLevel = parseFrameLevel(word.substr(mark + 1));
     }

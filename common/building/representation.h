@@ -6,6 +6,8 @@
 /* The representations that the programs compare, and their names on command lines,
  * in tables and in file names. */
 
+#include <embree3/rtcore_compression.h>
+
 #include <string>
 #include <vector>
 
@@ -27,15 +29,21 @@ constexpr int maxLevel = 8;
 struct Representation
 {
   RepresentationKind kind = RepresentationKind::Grid;
-  int frameLevel = 2; // 0..8 or autoFrameLevel; NAIVE and GRID ignore it
+  int frameLevel = 2; // 0..8 or autoFrameLevel; NAIVE, GRID and cVERT ignore it
 
   bool isCompressed() const { return kind != RepresentationKind::Naive && kind != RepresentationKind::Grid; }
+
+  /* Whether blocks have frames, and so a level at which these start. */
+  bool hasFrames() const { return isCompressed() && kind != RepresentationKind::CVert; }
 
   /* As in the paper: "cLEAF^2". */
   std::string label() const;
 
   /* For file names: "cleaf2". */
   std::string fileStem() const;
+
+  /* RTC_COMPRESSION_NONE of NAIVE and GRID. */
+  RTCCompression compression() const;
 
   /* What selects it in an Embree device's configuration string. */
   std::string deviceConfig() const;

@@ -248,6 +248,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   case Kind::LEAF: trace<LeafVisitor1>(world.scene, ray, block); break;
   case Kind::VOXEL: trace<VoxelVisitor1>(world.scene, ray, block); break;
   case Kind::GRID: trace<GridVisitor1>(world.scene, ray, block); break;
+  case Kind::VERT: break; // has blocks of its own
   }
   free(memory);
   return 0;

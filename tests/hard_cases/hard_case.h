@@ -18,11 +18,6 @@ struct Tracer
   std::string isa; // of the device string: isa=avx2
 };
 
-inline const char* kindName(RTCCompression compression)
-{
-  return compression == RTC_COMPRESSION_GRID ? "cGRID" : compression == RTC_COMPRESSION_VOXEL ? "cVOXEL" : "cLEAF";
-}
-
 inline std::ostream& operator<<(std::ostream& out, const Tracer& tracer) { return out << kindName(tracer.compression) << ", " << tracer.isa; }
 
 // cLEAF_avx2, and sse42 for sse4.2: GoogleTest wants names of letters and digits.
@@ -36,7 +31,7 @@ inline std::string tracerName(const testing::TestParamInfo<Tracer>& info)
 inline std::vector<Tracer> tracers()
 {
   std::vector<Tracer> list;
-  for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF})
+  for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT})
     for (const char* isa : {TEST_ISAS}) list.push_back({compression, isa});
   return list;
 }

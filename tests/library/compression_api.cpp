@@ -278,7 +278,7 @@ TEST(GetSceneCompressionStatistics, CountsWhatFormatSaysABlockHolds)
 {
   Device device;
   Displacement displacement;
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     SurfaceSettings settings;
     settings.displacement = &displacement;
     settings.compression = kind;
@@ -390,7 +390,7 @@ Sizes measure(RTCCompression kind, const Cage& cage, float rate, const std::stri
 // depend on the level. The allocator rounds up by a few percent and by a block a thread.
 TEST(Memory, StatisticsAddUpToTheMonitorsFigure)
 {
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     SCOPED_TRACE(kind);
     const Sizes small = measure(kind, sheetCage(8), 4), large = measure(kind, sheetCage(8), 128);
     const double added = double(large.result) - double(small.result), stated = double(large.sum) - double(small.sum);
@@ -408,7 +408,7 @@ TEST(Memory, StatisticsAddUpToTheMonitorsFigure)
 TEST(Memory, PeakDuringCommitIsTheResultAndAPatchAThread)
 {
   const float rate = 256;
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF})
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT})
     for (unsigned threads : {1, 2}) {
       SCOPED_TRACE(testing::Message() << "compression " << kind << ", threads " << threads);
       const Sizes sizes = measure(kind, sheetCage(6), rate, "threads=" + std::to_string(threads));
@@ -422,7 +422,7 @@ TEST(Memory, PeakDuringCommitIsTheResultAndAPatchAThread)
 // change of the C++ library and of TBB.
 TEST(Memory, EveryByteGoesThroughTheMonitor)
 {
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     SCOPED_TRACE(kind);
     measure(kind, sheetCage(8), 4); // TBB's threads and arenas come once
     const Sizes sizes = measure(kind, sheetCage(8), 128);
@@ -435,7 +435,7 @@ TEST(Memory, EveryByteGoesThroughTheMonitor)
 TEST(Memory, EveryByteGoesThroughTheMonitorDuringCommit)
 {
   mallopt(M_MMAP_THRESHOLD, 64*1024); // as large pieces do that are on no thread's list
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     SCOPED_TRACE(kind);
     Memory memory;
     Device device("threads=1");
@@ -505,7 +505,7 @@ TEST(Progress, RisesToOne)
 TEST(Progress, CancellingLeavesASceneThatCanBeCommittedAgain)
 {
   Memory memory;
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     {
       Device device;
       rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
@@ -544,7 +544,7 @@ TEST(Progress, CancellingLeavesASceneThatCanBeCommittedAgain)
 
 TEST(Dynamic, ScenesFollowWhatChanges)
 {
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     Memory memory;
     Device device;
     rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);

@@ -18,10 +18,9 @@ class InvalidVertices : public testing::TestWithParam<RTCCompression> {};
 
 std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
 {
-  const char* const names[] = {"", "", "cGRID", "cVOXEL", "cLEAF"};
-  return names[info.param];
+  return kindName(info.param);
 }
-INSTANTIATE_TEST_SUITE_P(Compression, InvalidVertices, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF), nameOf);
+INSTANTIATE_TEST_SUITE_P(Compression, InvalidVertices, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
 
 constexpr int quads = 16;
 

@@ -84,7 +84,7 @@ struct BorderRecorder : public VertexRecorder
 
 class MixedRates : public testing::TestWithParam<RTCCompression> {};
 INSTANTIATE_TEST_SUITE_P(Compression, MixedRates,
-  testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF), nameOf);
+  testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
 
 std::vector<RTCRayHit> raysTowards(const std::vector<Vec>& targets, Random& random)
 {

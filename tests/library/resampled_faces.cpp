@@ -65,7 +65,7 @@ TEST(ResampledInterior, IsGridsWhereRatesAreMultiplesOfTheBlocks)
 
 class ResampledFaces : public testing::TestWithParam<RTCCompression> {};
 INSTANTIATE_TEST_SUITE_P(Compression, ResampledFaces,
-  testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF), nameOf);
+  testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
 
 // Whether a ray meets a much finer surface steeply.
 bool isSteep(const RTCRayHit& fine)

@@ -55,8 +55,8 @@ TEST_P(SceneBounds, HoldEveryHit)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, SceneBounds, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF),
-                         [](const auto& info) { return info.param == RTC_COMPRESSION_GRID ? "cGRID" : info.param == RTC_COMPRESSION_VOXEL ? "cVOXEL" : "cLEAF"; });
+INSTANTIATE_TEST_SUITE_P(Kinds, SceneBounds, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT),
+                         [](const auto& info) { return kindName(info.param); });
 
 } // namespace
 } // namespace cbvh::test

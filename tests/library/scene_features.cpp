@@ -14,7 +14,7 @@
 namespace cbvh::test {
 namespace {
 
-const RTCCompression allKinds[] = {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF};
+const RTCCompression allKinds[] = {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
 
 class SceneFeatures : public testing::TestWithParam<RTCCompression>
 {
@@ -36,8 +36,7 @@ protected:
 
 std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
 {
-  const char* const names[] = {"", "", "cGRID", "cVOXEL", "cLEAF"};
-  return names[info.param];
+  return kindName(info.param);
 }
 INSTANTIATE_TEST_SUITE_P(Compression, SceneFeatures, testing::ValuesIn(allKinds), nameOf);
 

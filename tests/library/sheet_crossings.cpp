@@ -62,8 +62,8 @@ TEST_P(CrossedSheets, RaysThatOnceGotThroughDoNot)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, CrossedSheets, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF),
-                         [](const auto& info) { return info.param == RTC_COMPRESSION_GRID ? "cGRID" : info.param == RTC_COMPRESSION_VOXEL ? "cVOXEL" : "cLEAF"; });
+INSTANTIATE_TEST_SUITE_P(Kinds, CrossedSheets, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT),
+                         [](const auto& info) { return kindName(info.param); });
 
 } // namespace
 } // namespace cbvh::test

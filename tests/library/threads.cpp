@@ -18,7 +18,7 @@ constexpr unsigned threadCount = 4;
 void addSurfaces(RTCDevice device, RTCScene scene, Displacement displacements[4])
 {
   int i = 0;
-  for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+  for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     SurfaceSettings settings;
     settings.displacement = &displacements[i];
     settings.compression = compression;

@@ -127,7 +127,8 @@ TEST_P(Watertight, RaysFromInsideHit)
 
     LeakSettings leakSettings;
     leakSettings.rays = raysOfCase;
-    leakSettings.thickness = statisticsOf(scene).maxLeafThickness;
+    const RTCCompressionStatistics stats = statisticsOf(scene);
+    leakSettings.thickness = std::max(stats.maxLeafThickness, stats.maxVertexDeviation + stats.maxBorderGap);
     leakSettings.seed = seed;
     const AimPoints points = recorder.taken();
     ASSERT_FALSE(points[AtCageVertex].empty());
@@ -153,12 +154,11 @@ TEST_P(Watertight, RaysFromInsideHit)
 
 std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
 {
-  const char* const names[] = {"", "", "cGRID", "cVOXEL", "cLEAF"};
-  return names[info.param];
+  return kindName(info.param);
 }
 
 INSTANTIATE_TEST_SUITE_P(Compression, Watertight,
-  testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF), nameOf);
+  testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
 
 } // namespace
 } // namespace cbvh::test

@@ -60,8 +60,7 @@ const struct { const char* name; Cage cage; } closedCages[] = {
 
 inline std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
 {
-  const char* const names[] = {"", "", "cGRID", "cVOXEL", "cLEAF"};
-  return names[info.param];
+  return kindName(info.param);
 }
 
 } // namespace cbvh::test

@@ -177,6 +177,18 @@ struct Displacement
   }
 };
 
+// Letters and digits, as GoogleTest wants names.
+inline const char* kindName(RTCCompression compression)
+{
+  switch (compression) {
+  case RTC_COMPRESSION_GRID : return "cGRID";
+  case RTC_COMPRESSION_VOXEL: return "cVOXEL";
+  case RTC_COMPRESSION_LEAF : return "cLEAF";
+  case RTC_COMPRESSION_VERT : return "cVERT";
+  default: return "GRID";
+  }
+}
+
 template<typename T>
 void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCFormat format, const std::vector<T>& data)
 {

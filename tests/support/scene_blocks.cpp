@@ -10,23 +10,44 @@ namespace cbvh::test {
 
 using namespace embree;
 
-static void collect(BVH4::NodeRef ref, std::vector<const embree::cbvh::Block*>& blocks)
+// Calls visit(type, leaf) for what the top level refers to.
+template<typename Visit>
+static void forEachLeaf(BVH4::NodeRef ref, const Visit& visit)
 {
   if (ref == BVH4::emptyNode) return;
   if (ref.isAABBNode()) {
-    for (size_t i = 0; i < 4; i++) collect(ref.getAABBNode()->child(i), blocks);
+    for (size_t i = 0; i < 4; i++) forEachLeaf(ref.getAABBNode()->child(i), visit);
     return;
   }
   size_t type;
   const void* leaf = ref.leaf(type);
-  if (type >= embree::cbvh::FIRST_BLOCK) blocks.push_back((const embree::cbvh::Block*)leaf);
+  visit(type, leaf);
+}
+
+template<typename Visit>
+static void forEachLeaf(RTCScene scene, const Visit& visit)
+{
+  for (const Accel* accel : ((const Scene*)scene)->accels)
+    forEachLeaf(((const BVH4*)accel->intersectors.ptr)->root, visit);
 }
 
 std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene)
 {
-  std::vector<const embree::cbvh::Block*> blocks;
-  for (const Accel* accel : ((const Scene*)scene)->accels)
-    collect(((const BVH4*)accel->intersectors.ptr)->root, blocks);
+  using namespace embree::cbvh;
+  std::vector<const Block*> blocks;
+  forEachLeaf(scene, [&](size_t type, const void* leaf) {
+    if (type >= FIRST_BLOCK && type < blockType(numFramedKinds)) blocks.push_back((const Block*)leaf);
+  });
+  return blocks;
+}
+
+std::vector<const embree::cbvh::VertHeader*> sceneVertBlocks(RTCScene scene)
+{
+  using namespace embree::cbvh;
+  std::vector<const VertHeader*> blocks;
+  forEachLeaf(scene, [&](size_t type, const void* leaf) {
+    if (type == blockType(kindVert)) blocks.push_back((const VertHeader*)leaf);
+  });
   return blocks;
 }
 

@@ -8,10 +8,10 @@
  * structures, which have the layout of the patched tree that both are built from. */
 
 #include "kernels/cbvh/codec/block.h"
+#include "kernels/cbvh/codec/vert_block.h"
 #include <embree3/rtcore.h>
 
 #include <vector>
-
 
 
 namespace cbvh::test {
@@ -19,5 +19,8 @@ namespace cbvh::test {
 // Blocks of a scene of nothing but compressed subdivision surfaces; they live as long
 // as its commit.
 std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene);
+
+// The same of cVERT, whose blocks have another form.
+std::vector<const embree::cbvh::VertHeader*> sceneVertBlocks(RTCScene scene);
 
 } // namespace cbvh::test

@@ -73,7 +73,7 @@ std::optional<LeakCounts> Robustness::leaks(const BuiltScene& grid, const BuiltS
   LeakSettings settings;
   settings.rays = checks.rays;
   settings.seed = seed;
-  settings.thickness = scene.report().compression.maxLeafThickness;
+  settings.thickness = scene.report().distanceFromMesh();
   /* A GRID that nobody asked for has no blocks: any points are as good. */
   const auto own = points.find(blockLevel(scene.representation().frameLevel));
   const AimPoints& aims = (own != points.end() ? own : points.begin())->second;
@@ -87,13 +87,8 @@ std::optional<SheetCrossings> Robustness::sheets(const BuiltScene& scene) const
   SheetSettings settings;
   settings.rays = checks.rays;
   settings.seed = seed;
-  const RepresentationKind kind = scene.representation().kind;
   const EmbreeDevice device("");
-  return crossSheets(device.handle(),
-                     kind == RepresentationKind::CGrid    ? RTC_COMPRESSION_GRID
-                     : kind == RepresentationKind::CVoxel ? RTC_COMPRESSION_VOXEL
-                                                          : RTC_COMPRESSION_LEAF,
-                     settings, threads);
+  return crossSheets(device.handle(), scene.representation().compression(), settings, threads);
 }
 
 std::vector<ShadowCheck> Robustness::shadows(const BuiltScene& grid, const BuiltScene& scene, const CheckedView& view,

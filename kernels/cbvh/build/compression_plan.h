@@ -87,13 +87,12 @@ namespace embree
         PatchTiling best;
         if (level > cbvh::maxLevel) return best;
         const Vec2i quads = SubdivPatch1Base::computeGridSize(rate) - Vec2i(1);
-        const unsigned highest = level-min(frameLevel,level);
-        if (kind() == cbvh::Kind::VERT) {
-          best = tilingOf(quads,min(highest,unsigned(cbvh::maxVertHeight)));
+        if (kind() == cbvh::Kind::VERT) { // has no frames: blocks are as large as can be
+          best = tilingOf(quads,min(level,unsigned(cbvh::maxVertHeight)));
           best.quads = quads;
           return best;
         }
-        for (unsigned height=0; height <= highest; height++)
+        for (unsigned height=0; height <= level-min(frameLevel,level); height++)
         {
           const PatchTiling t = tilingOf(quads,height);
           if (best.size() == 0 || bytes(t) <= bytes(best)) best = t;

@@ -13,6 +13,9 @@
  *     x----o----o----o----x    the lower half-edge; a corner x to the lowest half-edge that
  *           face B             leaves it, of those around it that are reached over edges.
  *
+ * What is shared with a face that GRID traces, for its edge rates, is that face's, and on no
+ * lattice: GRID does not know of any. (Blocks there are raw.)
+ *
  * An n-gon is a patch at each corner: its centre and the spokes from there to the middles
  * of its edges are shared by its own patches, and owned by it.
  *
@@ -100,6 +103,7 @@ namespace embree
         uint32_t face;
         size_t points;         //!< of an owner: the corner if it owns that, then the edge, then the spoke, then the centre
         int cornerExponent;
+        bool isGrids;          //!< GRID traces a patch of the face
       };
 
       template<typename Closure>
@@ -127,11 +131,14 @@ namespace embree
         for (unsigned i=0; i<n; i++) { at(h+i) = Edge(); at(h+i).ownRate = noRate; at(h+i).face = uint32_t(f); }
         exponents[f] = cbvh::noLattice;
         if (!mesh->valid(f)) return;
+        bool isGrids = false;
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
+            isGrids |= plan.level(patch.rate) > cbvh::maxLevel;
             for (unsigned s=0; s<4; s++)
               if (n == 4) at(h+s).ownRate = unsigned(patch.rate[s]);
               else if (s == 0) at(h+patch.subPatch).ownRate = 2*unsigned(patch.rate[s]);
           });
+        for (unsigned i=0; i<n; i++) at(h+i).isGrids = isGrids;
       }
 
       void findOwners (size_t f)
@@ -148,12 +155,17 @@ namespace embree
           {
             const HalfEdge* o = e->opposite();
             const Edge& other = at(o);
-            if (other.ownRate < edge.ownRate || (other.ownRate == edge.ownRate && indexOf(o) < indexOf(e))) edge.owner = indexOf(o);
+            const bool isOthers = other.isGrids != edge.isGrids ? other.isGrids
+              : other.ownRate != edge.ownRate ? other.ownRate < edge.ownRate : indexOf(o) < indexOf(e);
+            if (isOthers) edge.owner = indexOf(o);
             edge.rate = min(edge.ownRate,other.ownRate);
             if (!isQuad(e) || !isQuad(o)) edge.rate &= ~1u; // has a middle
           }
-          edge.cornerOwner = indexOf(e);
-          forEachAround(e,[&](const HalfEdge* a) { edge.cornerOwner = min(edge.cornerOwner,indexOf(a)); });
+          const HalfEdge* owner = e;
+          forEachAround(e,[&](const HalfEdge* a) {
+              if (at(a).isGrids != at(owner).isGrids ? at(a).isGrids : a < owner) owner = a;
+            });
+          edge.cornerOwner = indexOf(owner);
         }
       }
 
@@ -297,8 +309,9 @@ namespace embree
         const HalfEdge* h = mesh->getHalfEdge(0,f);
         for (unsigned i=0; i<h->numEdges(); i++) {
           int exponent = exponents[f];
-          forEachAround(h+i,[&](const HalfEdge* a) { exponent = max(exponent,exponents[faceOf(a)]); });
-          at(h+i).cornerExponent = exponent;
+          bool isGrids = false;
+          forEachAround(h+i,[&](const HalfEdge* a) { exponent = max(exponent,exponents[faceOf(a)]); isGrids |= at(a).isGrids; });
+          at(h+i).cornerExponent = isGrids ? cbvh::minLatticeExponent : exponent;
         }
       }
 
@@ -313,8 +326,9 @@ namespace embree
         side.interior = (const float(*)[3])point(firstEdgePoint(edge.owner));
         side.reversed = edge.owner != indexOf(h);
         side.rate = edge.rate;
-        side.exponent = exponents[faceOf(h)];
-        if (h->hasOpposite() && takesPart(h->opposite())) side.exponent = max(side.exponent,exponents[faceOf(h->opposite())]);
+        side.exponent = edge.isGrids ? cbvh::minLatticeExponent : exponents[faceOf(h)];
+        if (h->hasOpposite() && takesPart(h->opposite()))
+          side.exponent = at(h->opposite()).isGrids ? cbvh::minLatticeExponent : max(side.exponent,exponents[faceOf(h->opposite())]);
         return side;
       }
 

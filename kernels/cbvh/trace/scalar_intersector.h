@@ -95,6 +95,7 @@ namespace embree
         case Kind::GRID : gridLeaf(m); break;
         case Kind::VOXEL: voxelLeaf(m,box); break;
         case Kind::LEAF : patchLeaf(m); break;
+        case Kind::VERT : break; // trace/scalar_vert.h
         }
       }
 

@@ -74,9 +74,9 @@ namespace embree
         }
       };
 
-      /*! component of residuals before slopes; a shift by 32 of no bits makes 0 */
+      /*! component of residuals before slopes; without any bits a shift by 32 makes 0 */
       __forceinline vfloatV residualOf (const vintV& fields, int shift, int bits) {
-        return vfloatV((fields << (32-bits-shift)) >> (32-bits));
+        return vfloatV((fields << (bits == 0 ? 32 : 32-bits-shift)) >> (32-bits));
       }
 
       /*! Decodes a cell to coordinates of the block. ofQuads: a group's, else the first cell's;

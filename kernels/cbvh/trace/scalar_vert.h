@@ -1,0 +1,103 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Blocks of cVERT in scalar code, straight from the codec: what the SIMD code has to equal.
+ * For tests, and to read. */
+
+#include "../codec/vert_block.h"
+#include <cstring>
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    class ScalarVertBlock
+    {
+    public:
+      static const uint32_t maxSide = (1u << maxVertHeight) + 1u;
+
+      float vertices[maxSide*maxSide][3]; //!< in the world, row by row
+      uint32_t quadsX, quadsY;
+
+      explicit ScalarVertBlock(const VertHeader* block) : quadsX(vertQuadsX(block->place)), quadsY(vertQuadsY(block->place)), block(block), layout(vertLayout(block->place))
+      {
+        if (isRaw(block->boxShifts)) { memcpy(vertices,bytes(layout.words),sizeof(vertices[0])*(quadsX+1)*(quadsY+1)); return; }
+        int corners[3][4], first[3][cellVertices];
+        for (int k=0; k<3; k++)
+          for (int c=0; c<4; c++)
+            corners[k][c] = cornerCoordinate(block->corners[cornerPair(c,k)],c,k);
+        decodeCell(block->word,bytes(layout.cell),corners,int(groupQuads),quadsX,quadsY,first);
+        const uint8_t* data = bytes(layout.cell) + cellBytes(block->word);
+        for (uint32_t g=0; g<layout.groups; g++)
+        {
+          const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
+          for (int k=0; k<3; k++)
+            for (uint32_t c=0; c<4; c++)
+              corners[k][c] = first[k][5*(gy+(c >> 1)) + gx+(c & 1)];
+          const uint32_t word = wordOf(g);
+          int group[3][cellVertices];
+          decodeCell(word,data,corners,1,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy),group);
+          data += cellBytes(word);
+          for (uint32_t j=0; j<=quadsOfGroup(quadsY,gy); j++)
+            for (uint32_t i=0; i<=quadsOfGroup(quadsX,gx); i++)
+              for (int k=0; k<3; k++)
+                vertices[(groupQuads*gy+j)*(quadsX+1) + groupQuads*gx+i][k] = block->origin[k] + float(group[k][5*j+i])*block->spacing;
+        }
+        end = data;
+      }
+
+      /*! box of a group in the world: lower, upper */
+      void groupBox(uint32_t g, float lower[3], float upper[3]) const
+      {
+        for (int k=0; k<3; k++) {
+          const float step = block->spacing*float(1u << boxShift(block->boxShifts,k));
+          lower[k] = block->origin[k] + float(bytes(layout.boxes)[k*layout.groups+g])*step;
+          upper[k] = block->origin[k] + float(bytes(layout.boxes)[(3+k)*layout.groups+g])*step;
+        }
+      }
+
+      const float* vertex(uint32_t x, uint32_t y) const { return vertices[y*(quadsX+1)+x]; }
+
+      const uint8_t* end = nullptr; //!< of a block that is not raw
+
+    private:
+      const uint8_t* bytes(uint32_t offset) const { return (const uint8_t*)block + offset; }
+
+      uint32_t wordOf(uint32_t g) const
+      {
+        uint32_t word;
+        memcpy(&word,bytes(layout.words + 4*g),sizeof(word));
+        return word;
+      }
+
+      /*! corners, out: by axis */
+      static void decodeCell(uint32_t word, const uint8_t* data, const int corners[3][4], int step, uint32_t quadsX, uint32_t quadsY, int out[3][cellVertices])
+      {
+        const int bits[3] = { cellBits(word,0),cellBits(word,1),cellBits(word,2) }, sum = cellFieldBits(word);
+        for (int j=0; j<5; j++)
+          for (int i=0; i<5; i++)
+          {
+            int residual[3] = { 0,0,0 };
+            const int f = cellField(i,j);
+            if (f >= 0) {
+              uint32_t field = 0;
+              for (int b=0; b<sum; b++) field |= uint32_t((data[(f*sum+b) >> 3] >> ((f*sum+b) & 7)) & 1) << b;
+              residual[0] = cellResidual(field,0,bits[0]);
+              residual[1] = cellResidual(field,bits[0],bits[1]) + slopeResidual(cellSlope(word,1),residual[0]);
+              residual[2] = cellResidual(field,bits[0]+bits[1],bits[2]) + slopeResidual(cellSlope(word,2),residual[0]);
+            }
+            for (int c=0; c<3; c++) {
+              const int axis = cellAxis(word,c);
+              const int* k = corners[axis];
+              out[axis][5*j+i] = cellPrediction(k[0],k[1],k[2],k[3],cellWeight(i,step,int(quadsX)),cellWeight(j,step,int(quadsY))) + residual[c];
+            }
+          }
+      }
+
+      const VertHeader* block;
+      VertLayout layout;
+    };
+  }}
+}

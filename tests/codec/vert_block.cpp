@@ -1,0 +1,239 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Blocks of cVERT lose nothing: random vertices on random lattices, of every size of block, are
+ * the same floats after encoding and scalar decoding, and boxes contain their groups in the
+ * floats of the traversal. */
+
+#include "kernels/cbvh/build/vert_encoder.h"
+#include "kernels/cbvh/trace/scalar_vert.h"
+#include "support/random.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+
+constexpr uint32_t seed = 71;
+
+// A block's room; memory behind it is not the encoder's.
+struct Encoded
+{
+  alignas(16) uint8_t bytes[VertEncoder::maxBytes];
+  size_t size = 0;
+  VertStatistics statistics;
+
+  Encoded(VertEncoder& encoder, uint32_t place, float spacing) { size = encoder.encode(place, spacing, bytes, statistics); }
+  const VertHeader* block() const { return (const VertHeader*)bytes; }
+};
+
+// A sheet of that many quads on a lattice: a plane, a bend and noise in steps of the lattice.
+struct Sheet
+{
+  uint32_t quadsX, quadsY;
+  float spacing;
+  double origin[3];
+  std::vector<std::array<float, 3>> vertices;
+
+  Sheet(Random& random, uint32_t quadsX, uint32_t quadsY, double roughness) : quadsX(quadsX), quadsY(quadsY)
+  {
+    spacing = std::ldexp(1.0f, int(random.below(60)) - 30);
+    double axis[3][3];
+    for (int k = 0; k < 3; k++) {
+      origin[k] = std::floor(random.uniform(-4e6, 4e6));
+      for (double* a : {axis[0], axis[1], axis[2]}) a[k] = random.uniform(-40, 40);
+    }
+    for (uint32_t y = 0; y <= quadsY; y++)
+      for (uint32_t x = 0; x <= quadsX; x++) {
+        const double h = roughness*random.normal() + 0.02*(double(x)*x - double(y)*x);
+        std::array<float, 3> v;
+        for (int k = 0; k < 3; k++) v[k] = float((origin[k] + std::floor(x*axis[0][k] + y*axis[1][k] + h*axis[2][k]))*spacing);
+        vertices.push_back(v);
+      }
+  }
+
+  void fill(VertEncoder& encoder) const
+  {
+    for (size_t i = 0; i < vertices.size(); i++) std::copy(vertices[i].begin(), vertices[i].end(), encoder.vertices[i]);
+  }
+};
+
+bool sameFloat(float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0); }
+
+TEST(VertBlock, VerticesAreTheSameFloats)
+{
+  Random random(seed);
+  auto encoder = std::make_unique<VertEncoder>();
+  size_t packed = 0, raw = 0;
+  for (int i = 0; i < 4000; i++) {
+    const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16), std::vector<double>{0, 0.05, 0.5, 5}[i % 4]);
+    sheet.fill(*encoder);
+    const Encoded encoded(*encoder, vertPlace(sheet.quadsX, sheet.quadsY, 16, 32, 1, 5), sheet.spacing);
+    ASSERT_GT(encoded.size, sizeof(VertHeader));
+    const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
+    ASSERT_EQ(decoded->quadsX, sheet.quadsX);
+    ASSERT_EQ(decoded->quadsY, sheet.quadsY);
+    for (size_t v = 0; v < sheet.vertices.size(); v++)
+      for (int k = 0; k < 3; k++)
+        ASSERT_TRUE(sameFloat(decoded->vertices[v][k], sheet.vertices[v][k])) << "sheet " << i << ", vertex " << v << ", axis " << k;
+    ASSERT_EQ(encoded.statistics.raw, isRaw(encoded.block()->boxShifts));
+    (encoded.statistics.raw ? raw : packed)++;
+    if (!encoded.statistics.raw) {
+      ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "bytes that nobody reads";
+    }
+  }
+  EXPECT_GT(packed, 3000u);
+  EXPECT_GT(packed + raw, 3999u);
+}
+
+TEST(VertBlock, AFlatPartTakesNoFields)
+{
+  auto encoder = std::make_unique<VertEncoder>();
+  for (uint32_t y = 0; y <= 16; y++)
+    for (uint32_t x = 0; x <= 16; x++) {
+      float* v = encoder->vertices[17*y + x];
+      v[0] = 32.0f*float(x); v[1] = 32.0f*float(y); v[2] = 16.0f*float(x) - 48.0f*float(y);
+    }
+  const Encoded encoded(*encoder, vertPlace(16, 16, 0, 0, 0, 0), 1.0f);
+  EXPECT_EQ(encoded.statistics.fieldBytes, 0u);
+  EXPECT_EQ(encoded.size, vertLayout(encoded.block()->place).cell);
+}
+
+TEST(VertBlock, BoxesContainTheirGroups)
+{
+  Random random(seed + 1);
+  auto encoder = std::make_unique<VertEncoder>();
+  size_t loose = 0, planes = 0;
+  for (int i = 0; i < 2000; i++) {
+    const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16), 0.5);
+    sheet.fill(*encoder);
+    const bool hole = i % 5 == 0;
+    if (hole) encoder->vertices[0][i % 3] = i % 2 ? NAN : INFINITY;
+    const uint32_t place = vertPlace(sheet.quadsX, sheet.quadsY, 0, 0, 0, 0);
+    const Encoded encoded(*encoder, place, sheet.spacing);
+    const VertLayout layout = vertLayout(place);
+    const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
+    for (uint32_t g = 0; g < layout.groups; g++) {
+      float lower[3], upper[3];
+      decoded->groupBox(g, lower, upper);
+      const uint32_t x0 = groupQuads*(g % layout.groupsX), y0 = groupQuads*(g/layout.groupsX);
+      for (int k = 0; k < 3; k++) {
+        float least = INFINITY, greatest = -INFINITY;
+        for (uint32_t y = y0; y <= std::min(y0 + groupQuads, sheet.quadsY); y++)
+          for (uint32_t x = x0; x <= std::min(x0 + groupQuads, sheet.quadsX); x++) {
+            if (hole && x + y == 0) continue;
+            const float v = decoded->vertex(x, y)[k];
+            ASSERT_LE(lower[k], v) << "sheet " << i << ", group " << g;
+            ASSERT_GE(upper[k], v) << "sheet " << i << ", group " << g;
+            least = std::min(least, v); greatest = std::max(greatest, v);
+          }
+        if (hole) continue;
+        // a step is at most 1/127 of the block, as 255 of twice that would contain it
+        const float step = encoded.block()->spacing*float(1u << boxShift(encoded.block()->boxShifts, k));
+        planes += 2;
+        loose += (least - lower[k] >= step) + (upper[k] - greatest >= step);
+      }
+    }
+  }
+  EXPECT_EQ(loose, 0u) << "of " << planes << " planes are more than a step off";
+}
+
+TEST(VertBlock, VerticesThatAreNotFiniteAreRawAndNaN)
+{
+  Random random(seed + 2);
+  auto encoder = std::make_unique<VertEncoder>();
+  const Sheet sheet(random, 16, 16, 0.5);
+  for (float bad : {NAN, INFINITY, -INFINITY, 3e18f}) {
+    sheet.fill(*encoder);
+    encoder->vertices[17*5 + 5][1] = bad;
+    const Encoded encoded(*encoder, vertPlace(16, 16, 0, 0, 0, 0), sheet.spacing);
+    EXPECT_TRUE(encoded.statistics.raw);
+    EXPECT_EQ(encoded.statistics.invalidQuads, 4u);
+    const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
+    for (int k = 0; k < 3; k++) EXPECT_TRUE(std::isnan(decoded->vertex(5, 5)[k]));
+    for (int k = 0; k < 3; k++) EXPECT_EQ(decoded->vertex(6, 5)[k], sheet.vertices[17*5 + 6][k]);
+  }
+  for (auto& v : encoder->vertices) v[0] = NAN;
+  EXPECT_EQ(Encoded(*encoder, vertPlace(16, 16, 0, 0, 0, 0), 1).size, 0u) << "a block without a vertex";
+}
+
+TEST(VertBlock, WhatIsOffTheLatticeIsRaw)
+{
+  Random random(seed + 3);
+  auto encoder = std::make_unique<VertEncoder>();
+  const Sheet sheet(random, 8, 8, 0.5);
+  sheet.fill(*encoder);
+  encoder->vertices[40][2] += 0.5f*sheet.spacing;
+  if (encoder->vertices[40][2] == sheet.vertices[40][2]) encoder->vertices[40][2] = std::nextafter(sheet.vertices[40][2], INFINITY);
+  const Encoded encoded(*encoder, vertPlace(8, 8, 0, 0, 0, 0), sheet.spacing);
+  const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
+  EXPECT_EQ(decoded->vertices[40][2], encoder->vertices[40][2]);
+}
+
+TEST(VertCell, FieldsOfVerticesAreAllButTheCorners)
+{
+  std::vector<int> seen(cellFields, 0);
+  for (int j = 0; j < 5; j++)
+    for (int i = 0; i < 5; i++) {
+      const int f = cellField(i, j);
+      if (i % 4 == 0 && j % 4 == 0) EXPECT_EQ(f, -1);
+      else { ASSERT_GE(f, 0); ASSERT_LT(f, cellFields); seen[f]++; }
+    }
+  for (int n : seen) EXPECT_EQ(n, 1);
+}
+
+TEST(VertCell, PredictionsAreBilinearAndInterpolateCorners)
+{
+  Random random(seed + 4);
+  for (int n = 0; n < 20000; n++) {
+    int c[4];
+    for (int& x : c) x = int(random.below(maxExtent));
+    const int quads = 1 + int(random.below(4)), i = int(random.below(5)), j = int(random.below(5));
+    const int wx = cellWeight(i, 1, quads), wy = cellWeight(j, 1, quads);
+    if (quads != 3) { EXPECT_EQ(wx, 16*std::min(i, quads)/quads); }
+    const double x = wx/16.0, y = wy/16.0;
+    const double exact = c[0]*(1-x)*(1-y) + c[1]*x*(1-y) + c[2]*(1-x)*y + c[3]*x*y;
+    EXPECT_EQ(cellPrediction(c[0], c[1], c[2], c[3], wx, wy), int(std::floor(exact + 0.5)));
+    EXPECT_EQ(cellPrediction(c[0], c[1], c[2], c[3], 16, 16), c[3]);
+  }
+}
+
+// As stitch() of upstream's tessellation.h, whose vertices GRID's are.
+TEST(VertParameters, StitchedVerticesAreThoseOfEmbree)
+{
+  for (uint32_t quads = 1; quads <= 256; quads += quads < 20 ? 1 : 17)
+    for (uint32_t rate = 1; rate <= quads; rate++) {
+      EXPECT_EQ(stitchedVertex(0, quads, rate), 0u);
+      EXPECT_EQ(stitchedVertex(quads, quads, rate), rate);
+      for (uint32_t x = 0; x <= quads; x++) {
+        const double exact = double(x)*rate/quads;
+        ASSERT_EQ(stitchedVertex(x, quads, rate), uint32_t(std::floor(exact + 0.5*rate/quads)));
+        if (rate == quads) { ASSERT_EQ(vertParameter<float>(x, quads, rate), float(x)/float(quads)); }
+      }
+    }
+}
+
+TEST(VertHeader, FieldsOfPlaceAndRatesAreApart)
+{
+  Random random(seed + 5);
+  for (int n = 0; n < 1000; n++) {
+    const uint32_t w = 1 + random.below(16), h = 1 + random.below(16), x = random.below(256), y = random.below(256), u = random.below(16), v = random.below(16);
+    const uint32_t place = vertPlace(w, h, x, y, u, v);
+    EXPECT_EQ(vertQuadsX(place), w); EXPECT_EQ(vertQuadsY(place), h);
+    EXPECT_EQ(vertX(place), x); EXPECT_EQ(vertY(place), y);
+    EXPECT_EQ(vertCornerU(place), u); EXPECT_EQ(vertCornerV(place), v);
+    uint32_t rate[4], rates = 0;
+    for (int s = 0; s < 4; s++) { rate[s] = 1 + random.below(256); rates |= (rate[s]-1) << (8*s); }
+    for (int s = 0; s < 4; s++) EXPECT_EQ(vertRate(rates, s), rate[s]);
+    EXPECT_EQ(patchQuadsX(rates), std::max(rate[0], rate[2]));
+    EXPECT_EQ(patchQuadsY(rates), std::max(rate[1], rate[3]));
+  }
+}
+
+} // namespace
+} // namespace cbvh::test

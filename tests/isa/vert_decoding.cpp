@@ -1,0 +1,77 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* The traversal's decoder of cVERT against the scalar one, trace/scalar_vert.h: random blocks of
+ * every size, all groups, to the last bit, as nothing rounds. Compiled once for every ISA, outside
+ * of the library. */
+
+#include "kernels/cbvh/build/vert_encoder.h"
+#include "kernels/cbvh/trace/scalar_vert.h"
+#include "kernels/cbvh/trace/vert_group.h"
+#include "support/random.h"
+
+#include <memory>
+#include <vector>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+
+// Vertices on a lattice, at every scale of residuals; some blocks are raw.
+void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, double roughness, float spacing)
+{
+  double axis[3][3], origin[3];
+  for (int k = 0; k < 3; k++) {
+    origin[k] = std::floor(random.uniform(-1e5, 1e5));
+    for (double* a : {axis[0], axis[1], axis[2]}) a[k] = random.uniform(-60, 60);
+  }
+  for (uint32_t y = 0; y <= quadsY; y++)
+    for (uint32_t x = 0; x <= quadsX; x++) {
+      const double h = roughness*random.normal();
+      for (int k = 0; k < 3; k++)
+        encoder.vertices[y*(quadsX + 1) + x][k] = float((origin[k] + std::floor(x*axis[0][k] + y*axis[1][k] + h*axis[2][k]))*spacing);
+    }
+  if (random.chance(0.1)) encoder.vertices[random.below((quadsX + 1)*(quadsY + 1))][0] = INFINITY;
+}
+
+TEST(VertDecoding, GroupsEqualTheScalarDecoder)
+{
+  using namespace embree::isa::cbvh;
+  Random random(95);
+  auto encoder = std::make_unique<VertEncoder>();
+  std::vector<uint8_t> memory(VertEncoder::maxBytes + 32);
+  uint8_t* bytes = (uint8_t*)((uintptr_t(memory.data()) + 15) & ~uintptr_t(15));
+  unsigned raw = 0, packed = 0;
+  for (int i = 0; i < 3000; i++) {
+    const uint32_t quadsX = 1 + random.below(16), quadsY = 1 + random.below(16);
+    const uint32_t place = vertPlace(quadsX, quadsY, 0, 0, 0, 0);
+    const float spacing = std::ldexp(1.0f, int(random.below(20)) - 10);
+    fillRandomly(random, *encoder, quadsX, quadsY, std::vector<double>{0, 0.1, 1, 10}[i % 4], spacing);
+    VertStatistics statistics;
+    ASSERT_GT(encoder->encode(place, spacing, bytes, statistics), 0u);
+    (statistics.raw ? raw : packed)++;
+    const VertHeader* block = (const VertHeader*)bytes;
+    const auto expected = std::make_unique<ScalarVertBlock>(block);
+    const VertLayout layout = vertLayout(place);
+    VertGroups groups(block, layout);
+    for (uint32_t n = layout.groups; n > 0; n--) { // in any order
+      const uint32_t g = (n*7 + 3) % layout.groups;
+      CellVertices cell;
+      groups.decode(g, cell);
+      for (int v = 0; v < cellVertices; v++) {
+        const uint32_t x = std::min(groupQuads*(g % layout.groupsX) + v % 5, quadsX), y = std::min(groupQuads*(g / layout.groupsX) + v / 5, quadsY);
+        for (int k = 0; k < 3; k++) {
+          const float a = cell.at[k][v], b = expected->vertex(x, y)[k];
+          ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << a << " for " << b << ": block " << i << " of " << quadsX << " x " << quadsY
+            << (statistics.raw ? ", raw" : "") << ", group " << g << ", vertex " << v << ", axis " << k;
+        }
+      }
+    }
+  }
+  EXPECT_GT(raw, 100u);
+  EXPECT_GT(packed, 2000u);
+}
+
+} // namespace
+} // namespace cbvh::test
