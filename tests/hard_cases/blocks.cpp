@@ -36,7 +36,8 @@ protected:
   {
     ReferenceCheck check(device, compression());
     for (const Sheet& sheet : sheets) check.trace(random, sheet, allRays, 50);
-    EXPECT_EQ(check.sheetsOfGrid, sheets.size());
+    // cVERT has no frames, and holds any vertices
+    EXPECT_EQ(check.sheetsOfGrid, compression() == RTC_COMPRESSION_VERT ? 0 : sheets.size());
   }
 };
 INSTANTIATE_TEST_SUITE_P(HardCases, HardBlocks, testing::ValuesIn(tracers()), tracerName);

@@ -124,41 +124,6 @@ TEST(VertSurfaces, ExtraordinaryVerticesAlongNormalsAndSeamsAreClosed)
 
 // --- rays ----------------------------------------------------------------------------
 
-struct ExactHit
-{
-  const VertTriangle* triangle = nullptr;
-  double t = INFINITY, weight[3];
-};
-
-// How far a point is from the nearest edge, in parts of the triangle; negative outside.
-double inside(const ExactHit& h) { return std::min({h.weight[0], h.weight[1], h.weight[2]}); }
-
-// In double: the ray's line and the triangle's plane.
-bool meet(const RTCRay& r, const VertTriangle& triangle, ExactHit& hit)
-{
-  const double o[3] = {r.org_x, r.org_y, r.org_z}, d[3] = {r.dir_x, r.dir_y, r.dir_z};
-  double e1[3], e2[3], p[3], q[3], s[3];
-  for (int k = 0; k < 3; k++) {
-    e1[k] = double(triangle.vertices[1][k]) - triangle.vertices[0][k];
-    e2[k] = double(triangle.vertices[2][k]) - triangle.vertices[0][k];
-    s[k] = o[k] - triangle.vertices[0][k];
-  }
-  const auto cross = [](const double a[3], const double b[3], double out[3]) {
-    for (int k = 0; k < 3; k++) out[k] = a[(k+1)%3]*b[(k+2)%3] - a[(k+2)%3]*b[(k+1)%3];
-  };
-  const auto dot = [](const double a[3], const double b[3]) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; };
-  cross(d, e2, p);
-  const double det = dot(e1, p);
-  if (det == 0) return false;
-  cross(s, e1, q);
-  hit.triangle = &triangle;
-  hit.weight[1] = dot(s, p)/det;
-  hit.weight[2] = dot(d, q)/det;
-  hit.weight[0] = 1 - hit.weight[1] - hit.weight[2];
-  hit.t = dot(e2, q)/det;
-  return true;
-}
-
 // The library's hit must be that of the decoded triangles, unless the ray is within rounding of
 // an edge, where it may be the other triangle's.
 void expectTriangleHits(RTCScene scene, const std::vector<RTCRayHit>& rays)

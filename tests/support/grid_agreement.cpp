@@ -202,6 +202,10 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     hits += isHit(a);
     if (isHit(a) && !isHit(b)) {
       ASSERT_NE(settings.compression, RTC_COMPRESSION_VOXEL) << "a box contains the surface: no misses";
+      if (settings.compression == RTC_COMPRESSION_VERT) { // at a border or a silhouette, as far as vertices are moved
+        ASSERT_TRUE(isNearGrid(scene, hitPoint(a), vertSlack(scene))) << "a miss far from the surface";
+        continue;
+      }
       double m[3];
       unitNormal(a, m);
       const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};

@@ -198,16 +198,60 @@ void ReferenceCheck::trace(Random& random, const Sheet& sheet, const std::vector
   commitSheet(device, scene, sheet, compression);
   commitSheet(device, grid, sheet, RTC_COMPRESSION_NONE);
   const std::vector<const Block*> blocks = sceneBlocks(scene);
-  sheetsOfGrid += blocks.empty();
+  const std::vector<VertTriangle> triangles = vertTriangles(scene);
+  sheetsOfGrid += blocks.empty() && triangles.empty();
   for (RayKind kind : kinds)
     for (unsigned i = 0; i < raysOfAKind; i++) {
       const RTCRayHit ray = randomRay(random, kind, sheet, unitLength ? 1 : random.magnitude(1e-15, 1e18));
-      if (!blocks.empty()) compare(ray, kind, sheet, blocks[0], scene, grid);
+      if (!triangles.empty()) compareTriangles(ray, kind, sheet, triangles, scene);
+      else if (!blocks.empty()) compare(ray, kind, sheet, blocks[0], scene, grid);
       else if (!sameHit(intersect(scene, ray), intersect(grid, ray)) || occluded(scene, ray) != occluded(grid, ray)) {
         failures++;
         ADD_FAILURE() << "left to GRID, but not its hit: " << nameOf(sheet.shape) << ", ray " << nameOf(kind);
       }
     }
+}
+
+void ReferenceCheck::compareTriangles(const RTCRayHit& ray, RayKind kind, const Sheet& sheet, const std::vector<VertTriangle>& triangles, RTCScene scene)
+{
+  const RTCRayHit found = intersect(scene, ray);
+  const double t = isHit(found) ? double(found.ray.tfar) : infinity;
+  const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z}, length = std::sqrt(dot(d, d));
+  const float org[3] = {ray.ray.org_x, ray.ray.org_y, ray.ray.org_z};
+  rays++;
+  hits += isHit(found);
+  ExactHit nearest = {}, hit;
+  nearest.t = infinity;
+  bool same = false, near = false;
+  for (const VertTriangle& triangle : triangles) {
+    if (!meet(ray.ray, triangle, hit)) continue;
+    // what its vertices, less the origin and sheared, are rounded by, and what that does to the test
+    double reach = 0, e[2][3], n[3];
+    for (const auto& v : triangle.vertices)
+      for (int k = 0; k < 3; k++) reach = std::max(reach, std::fabs(double(v[k]) - org[k]));
+    for (int k = 0; k < 3; k++) {
+      e[0][k] = double(triangle.vertices[1][k]) - triangle.vertices[0][k];
+      e[1][k] = double(triangle.vertices[2][k]) - triangle.vertices[0][k];
+    }
+    for (int k = 0; k < 3; k++) n[k] = e[0][(k+1)%3]*e[1][(k+2)%3] - e[0][(k+2)%3]*e[1][(k+1)%3];
+    const double area = std::sqrt(dot(n, n)), side = std::sqrt(std::max(dot(e[0], e[0]), dot(e[1], e[1])));
+    if (area == 0) continue;
+    const double cosine = std::fabs(dot(n, d))/(area*length), error = 8*ulp*reach;
+    const double ofT = error/(std::max(cosine, 1e-12)*length), ofWeights = 2*side*error/(area*std::max(cosine, 1e-12));
+    const bool inRange = hit.t >= ray.ray.tnear && hit.t <= ray.ray.tfar;
+    if (inRange && inside(hit) >= 0 && hit.t < nearest.t) { nearest = hit; same = std::fabs(hit.t - t) <= ofT + 4*ulp*std::fabs(hit.t); }
+    near |= inside(hit) >= -ofWeights && (!isHit(found) ? inside(hit) <= ofWeights || hit.t <= ray.ray.tnear + ofT || hit.t >= ray.ray.tfar - ofT : std::fabs(hit.t - t) <= ofT + 4*ulp*std::fabs(hit.t));
+  }
+  same |= nearest.triangle == nullptr && !isHit(found);
+  sameT += same;
+  if (occluded(scene, ray) != isHit(found) || (!same && !near)) {
+    if (failures++ < 12)
+      ADD_FAILURE() << "no triangle says so: " << sheet.quads << " quads, " << nameOf(sheet.shape) << ", scale " << sheet.scale << ", ray " << nameOf(kind) << ", t " << t
+                    << ", reference " << nearest.t << ", weights " << nearest.weight[0] << " " << nearest.weight[1] << " " << nearest.weight[2];
+  }
+  else if (same) equal++;
+  else if (isHit(found) != (nearest.triangle != nullptr)) atBorder++;
+  else betweenLeaves++;
 }
 
 void ReferenceCheck::compare(const RTCRayHit& ray, RayKind kind, const Sheet& sheet, const Block* block, RTCScene scene, RTCScene grid)

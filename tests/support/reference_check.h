@@ -15,11 +15,15 @@
  *   - hit or miss, as at silhouettes and borders,
  *   - which of several leaves, as at edges and where leaves overlap,
  *   - where on one leaf, as for rays that graze it.
+ * cVERT's triangles are met with the ray itself, in double; an answer that differs must be that
+ * of a triangle whose edge, or whose plane, is within the ray's rounding.
+ *
  * What t itself rounds comes on top: the sum t0 + tau (t1-t0) of a few rounded terms as large
  * as the distance to the block. */
 
 #include "kernels/cbvh/codec/block.h"
 #include "support/random_sheets.h"
+#include "support/vert_triangles.h"
 
 namespace cbvh::test {
 
@@ -40,6 +44,8 @@ public:
 
 private:
   void compare(const RTCRayHit& ray, RayKind kind, const Sheet& sheet, const embree::cbvh::Block* block, RTCScene scene, RTCScene grid);
+
+  void compareTriangles(const RTCRayHit& ray, RayKind kind, const Sheet& sheet, const std::vector<VertTriangle>& triangles, RTCScene scene);
 
   RTCDevice device;
   RTCCompression compression;

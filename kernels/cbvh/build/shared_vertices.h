@@ -26,6 +26,8 @@
 #include "patch_grid.h"
 #include "patches.h"
 #include "vertex_lattice.h"
+#include <algorithm>
+#include <map>
 
 namespace embree
 {
@@ -66,9 +68,10 @@ namespace embree
         exponents.resize(mesh->size());
         forFaces(facesPerTask,[&](size_t f, PatchGrid&) { findRates(f); });
         forFaces(facesPerTask,[&](size_t f, PatchGrid&) { findOwners(f); });
+        joinNonManifold();
         placePoints();
         forFaces(facesPerTask,[&](size_t f, PatchGrid& grid) { evaluate(f,grid); });
-        forFaces(facesPerTask,[&](size_t f, PatchGrid&) { findCornerLattices(f); });
+        findLattices();
       }
 
       /*! exponent of a face's lattice */
@@ -92,6 +95,7 @@ namespace embree
 
     private:
       static const unsigned noRate = 0;
+      typedef std::pair<uint64_t,uint32_t> KeyedEdge; //!< a half-edge behind its vertices
 
       /*! of a half-edge */
       struct Edge
@@ -102,7 +106,7 @@ namespace embree
         uint32_t cornerOwner;  //!< half-edge that has the point of the start vertex
         uint32_t face;
         size_t points;         //!< of an owner: the corner if it owns that, then the edge, then the spoke, then the centre
-        int cornerExponent;
+        int cornerExponent, exponent; //!< of an owner's corner and edge
         bool isGrids;          //!< GRID traces a patch of the face
       };
 
@@ -186,6 +190,51 @@ namespace embree
         }
       }
 
+      /*! Edges of three faces and more have no opposites. Embree keeps their vertices where they
+       *  are, so that all faces have the same straight edge: they share it, and its ends. */
+      void joinNonManifold ()
+      {
+        std::vector<KeyedEdge> borders;
+        for (uint32_t i=0; i<edges.size(); i++)
+          if (edges[i].ownRate != noRate && !first[i].hasOpposite()) borders.push_back({ uint64_t(first[i].getEdge()),i });
+        std::sort(borders.begin(),borders.end());
+        std::map<unsigned,std::vector<uint32_t>> owners; // of corners, by vertex
+        for (size_t begin=0, end=0; begin<borders.size(); begin=end)
+        {
+          while (end < borders.size() && borders[end].first == borders[begin].first) end++;
+          if (end-begin < 3) continue;
+          joinEdges(borders.data()+begin,borders.data()+end);
+          for (size_t i=begin; i<end; i++)
+            for (const HalfEdge* h : { first+borders[i].second, first[borders[i].second].next() })
+              owners[h->getStartVertexIndex()].push_back(at(h).cornerOwner);
+        }
+        if (owners.empty()) return;
+        std::map<uint32_t,uint32_t> joined;
+        for (const auto& vertex : owners)
+          for (uint32_t owner : vertex.second)
+            joined[owner] = *std::min_element(vertex.second.begin(),vertex.second.end());
+        forEachShare([&](Edge& edge) {
+            const auto found = joined.find(edge.cornerOwner);
+            if (found != joined.end()) edge.cornerOwner = found->second;
+          });
+      }
+
+      void joinEdges (const KeyedEdge* begin, const KeyedEdge* end)
+      {
+        uint32_t owner = begin->second;
+        unsigned rate = edges[owner].ownRate;
+        bool hasMiddle = false;
+        for (const KeyedEdge* i=begin; i<end; i++) {
+          if (edges[i->second].ownRate < edges[owner].ownRate) owner = i->second;
+          rate = min(rate,edges[i->second].ownRate);
+          hasMiddle |= !isQuad(first+i->second);
+        }
+        for (const KeyedEdge* i=begin; i<end; i++) {
+          edges[i->second].owner = owner;
+          edges[i->second].rate = hasMiddle ? rate & ~1u : rate; // as in findOwners
+        }
+      }
+
       /*! points that a half-edge owns */
       size_t ownsCorner (uint32_t i) const { return edges[i].cornerOwner == i; }
       size_t ownsEdge (uint32_t i) const { return edges[i].owner == i; }
@@ -210,7 +259,11 @@ namespace embree
 
       float* point (size_t i) { return points.data() + 3*i; }
       const float* point (size_t i) const { return points.data() + 3*i; }
-      size_t cornerPoint (const HalfEdge* h) const { return edges[at(h).cornerOwner].points; }
+      SideVertices::Vertex corner (const HalfEdge* h) const
+      {
+        const Edge& owner = edges[at(h).cornerOwner];
+        return { point(owner.points), owner.cornerExponent };
+      }
       size_t firstEdgePoint (uint32_t owner) const { return edges[owner].points + ownsCorner(owner); }
       size_t firstSpokePoint (const HalfEdge* h) const { return firstEdgePoint(indexOf(h)) + edgePoints(indexOf(h)); }
       size_t centrePoint (const HalfEdge* last) const { return firstSpokePoint(last) + spokePoints(last); }
@@ -219,7 +272,7 @@ namespace embree
       void evaluate (size_t f, PatchGrid& grid)
       {
         if (!takesPart(f)) return;
-        cbvh::EdgeSample sample, all;
+        cbvh::EdgeSample samples[2], coarse[2]; // along u, v; coarse: of borders with a lower rate
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
             const SubdivPatch1Base base = patch.make(mesh,plan.geomID,f);
             const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
@@ -229,18 +282,25 @@ namespace embree
               const unsigned fine = quads[alongU ? 0 : 1], across = quads[alongU ? 1 : 0];
               const unsigned at = s == 1 || s == 2 ? across : 0;
               evaluateLine(base,grid,quads,alongU,at);
-              takeLine(grid,fine == unsigned(patch.rate[s]) ? sample : all);
+              takeLine(grid,(fine == unsigned(patch.rate[s]) ? samples : coarse)[alongU ? 0 : 1]);
               ownLine(f,patch,s,grid,fine);
             }
             for (bool alongU : { true, false }) {
               if (quads[alongU ? 1 : 0] < 2) continue;
               evaluateLine(base,grid,quads,alongU,quads[alongU ? 1 : 0]/2);
-              takeLine(grid,sample);
+              takeLine(grid,samples[alongU ? 0 : 1]);
             }
           });
-        cbvh::EdgeSample& edges = sample.empty() ? all : sample;
-        const double spacing = plan.settings.maxError > 0 ? double(plan.settings.maxError) : edges.median()*cbvh::spacingOfEdge;
-        exponents[f] = cbvh::latticeExponent(spacing,max(sample.maxCoordinate,all.maxCoordinate));
+        /* quads may be much longer than wide: the shorter side counts */
+        double edge = 0, maxCoordinate = 0;
+        for (int d=0; d<2; d++)
+        {
+          const double median = (samples[d].empty() ? coarse[d] : samples[d]).median();
+          if (median > 0) edge = edge > 0 ? min(edge,median) : median;
+          maxCoordinate = max(maxCoordinate,samples[d].maxCoordinate,coarse[d].maxCoordinate);
+        }
+        const double spacing = plan.settings.maxError > 0 ? double(plan.settings.maxError) : edge*cbvh::spacingOfEdge;
+        exponents[f] = cbvh::latticeExponent(spacing,maxCoordinate);
       }
 
       void evaluateLine (const SubdivPatch1Base& base, PatchGrid& grid, const unsigned quads[2], bool alongU, unsigned at) const
@@ -303,32 +363,39 @@ namespace embree
       /*! vertex k of `rate`, among `own` */
       static unsigned nearest (unsigned k, unsigned rate, unsigned own) { return (2*k*own + rate)/(2*rate); }
 
-      void findCornerLattices (size_t f)
+      /*! the coarsest of all faces that share, and none where GRID traces one */
+      void findLattices ()
       {
-        if (!takesPart(f)) return;
-        const HalfEdge* h = mesh->getHalfEdge(0,f);
-        for (unsigned i=0; i<h->numEdges(); i++) {
-          int exponent = exponents[f];
-          bool isGrids = false;
-          forEachAround(h+i,[&](const HalfEdge* a) { exponent = max(exponent,exponents[faceOf(a)]); isGrids |= at(a).isGrids; });
-          at(h+i).cornerExponent = isGrids ? cbvh::minLatticeExponent : exponent;
-        }
+        for (Edge& edge : edges) edge.cornerExponent = edge.exponent = cbvh::minLatticeExponent;
+        forEachShare([&](Edge& edge) {
+            int& corner = edges[edge.cornerOwner].cornerExponent;
+            int& interior = edges[edge.owner].exponent;
+            corner = max(corner,exponents[edge.face]);
+            interior = max(interior,exponents[edge.face]);
+          });
+        forEachShare([&](Edge& edge) {
+            if (!edge.isGrids) return;
+            edges[edge.cornerOwner].cornerExponent = edges[edge.owner].exponent = cbvh::minLatticeExponent;
+          });
       }
 
-      size_t faceOf (const HalfEdge* h) const { return at(h).face; }
+      template<typename Closure>
+      void forEachShare (const Closure& closure)
+      {
+        for (Edge& edge : edges)
+          if (edge.ownRate != noRate) closure(edge);
+      }
 
       SideVertices edgeOf (const HalfEdge* h) const
       {
         const Edge& edge = at(h);
         SideVertices side;
-        side.begin = { point(cornerPoint(h)), edge.cornerExponent };
-        side.end = { point(cornerPoint(h->next())), at(h->next()).cornerExponent };
+        side.begin = corner(h);
+        side.end = corner(h->next());
         side.interior = (const float(*)[3])point(firstEdgePoint(edge.owner));
-        side.reversed = edge.owner != indexOf(h);
+        side.reversed = edge.owner != indexOf(h) && first[edge.owner].getStartVertexIndex() != h->getStartVertexIndex();
         side.rate = edge.rate;
-        side.exponent = edge.isGrids ? cbvh::minLatticeExponent : exponents[faceOf(h)];
-        if (h->hasOpposite() && takesPart(h->opposite()))
-          side.exponent = at(h->opposite()).isGrids ? cbvh::minLatticeExponent : max(side.exponent,exponents[faceOf(h->opposite())]);
+        side.exponent = edges[edge.owner].exponent;
         return side;
       }
 

@@ -117,8 +117,11 @@ namespace embree
             const size_t x = s == 1 ? quadsX : s == 3 ? 0 : i, y = s == 0 ? 0 : s == 2 ? quadsY : i;
             const cbvh::WorldLattice common(v.exponent);
             float* out = p[y*grid.width+x];
-            for (int k=0; k<3; k++) out[k] = common.snap(v.position[k]);
-            statistics.addBorderVertex(own[y*grid.width+x],v.position,out);
+            /* a vertex that is not finite leaves out the quads of its own face, not those of others */
+            const float* mine = own[y*grid.width+x];
+            const float* position = cbvh::isFinite(v.position) && cbvh::isFinite(mine) ? v.position : mine;
+            for (int k=0; k<3; k++) out[k] = common.snap(position[k]);
+            statistics.addBorderVertex(mine,position,out);
           }
         }
         for (size_t y=1; y<grid.height-1; y++)

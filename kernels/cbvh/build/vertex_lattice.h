@@ -19,7 +19,8 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! default spacing: this part of the median edge of a face's quads, or less */
+    /*! default spacing: this part of the median edge of a face's quads along u or v, whichever is
+     *  shorter, or less */
     static constexpr double spacingOfEdge = 1.0/32;
 
     /*! Coordinates of a face take at most this many bits, one less than floats have: sums with
@@ -77,8 +78,6 @@ namespace embree
         std::nth_element(lengths.begin(),lengths.begin()+lengths.size()/2,lengths.end());
         return lengths[lengths.size()/2];
       }
-
-      void clear() { lengths.clear(); maxCoordinate = 0; }
 
       double maxCoordinate = 0;
 

@@ -118,28 +118,33 @@ namespace embree
         /*! Reports hits, nearest first; true if one was accepted. */
         __forceinline bool reportHits (uint32_t g, const CellVertices& vertices, const GroupHits& hits)
         {
-          for (uint32_t rest = hits.mask; rest; )
+          float t[32];
+          uint32_t open = 0;
+          for (uint32_t rest=hits.mask; rest; rest&=rest-1) {
+            const uint32_t h = uint32_t(bsf(rest));
+            if (VertTriangle(vertices,h).meet(ray,t[h])) open |= 1u << h;
+          }
+          while (open)
           {
-            uint32_t best = uint32_t(bsf(rest));
-            for (uint32_t others=rest & (rest-1); others; others&=others-1) {
+            uint32_t best = uint32_t(bsf(open));
+            for (uint32_t others=open & (open-1); others; others&=others-1) {
               const uint32_t h = uint32_t(bsf(others));
-              if (hits.t[h & 1][h >> 1] < hits.t[best & 1][best >> 1]) best = h;
+              if (t[h] < t[best]) best = h;
             }
-            rest &= ~(1u << best);
-            if (reportHit(g,vertices,best >> 1,best & 1,hits)) return true;
+            open &= ~(1u << best);
+            if (reportHit(g,vertices,best,t[best],hits)) return true;
           }
           return false;
         }
 
-        __forceinline bool reportHit (uint32_t g, const CellVertices& vertices, uint32_t quad, uint32_t triangle, const GroupHits& hits)
+        __forceinline bool reportHit (uint32_t g, const CellVertices& vertices, uint32_t h, float t, const GroupHits& hits)
         {
-          const uint32_t qx = quad & 3, qy = quad >> 2, v = 5*qy + qx;
-          auto vertex = [&](uint32_t i) { return Vec3fa(vertices.at[0][i],vertices.at[1][i],vertices.at[2][i]); };
-          const Vec3fa v00 = vertex(v), v10 = vertex(v+1), v01 = vertex(v+5), v11 = vertex(v+6);
+          const uint32_t quad = h >> 1, triangle = h & 1;
+          const VertTriangle at(vertices,h);
           SurfaceHit hit;
-          hit.t = hits.t[triangle][quad];
-          hit.Ng = triangle ? cross(v10-v01,v11-v01) : cross(v10-v00,v01-v00);
-          const uint32_t x = vertX(block->place) + groupQuads*(g % layout.groupsX) + qx, y = vertY(block->place) + groupQuads*(g / layout.groupsX) + qy;
+          hit.t = t;
+          hit.Ng = Vec3fa(float(at.normal[0]),float(at.normal[1]),float(at.normal[2]));
+          const uint32_t x = vertX(block->place) + groupQuads*(g % layout.groupsX) + (quad & 3), y = vertY(block->place) + groupQuads*(g / layout.groupsX) + (quad >> 2);
           setParameters(x,y,triangle,hits.u[triangle][quad],hits.v[triangle][quad],hit);
           return report(ray,context,block->geomID,block->primID,hit);
         }

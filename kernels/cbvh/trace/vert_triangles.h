@@ -21,11 +21,49 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! triangles of a group that a ray meets: bit 2q + 0 or 1 of quad q */
+      /*! Triangles of a group that a ray's line goes through: bit 2q + 0 or 1 of quad q. Where on
+       *  the ray they are is known roughly, see VertTriangle. */
       struct GroupHits
       {
         uint32_t mask;
-        alignas(64) float t[2][16], u[2][16], v[2][16]; //!< [triangle][quad]: where, and position in the quad
+        alignas(64) float u[2][16], v[2][16]; //!< [triangle][quad]: position in the quad
+      };
+
+      /*! A triangle of a group in double, where differences and products of its vertices are
+       *  exact: weights of a needle are off by more than its plane is. */
+      struct VertTriangle
+      {
+        double normal[3];
+        float corner[3];
+
+        /*! h: a bit of GroupHits */
+        __forceinline VertTriangle (const CellVertices& vertices, uint32_t h)
+        {
+          const uint32_t v = 5*(h >> 3) + ((h >> 1) & 3), a = h & 1 ? v+5 : v, b = v+1, c = h & 1 ? v+6 : v+5;
+          double e[3], f[3];
+          for (int k=0; k<3; k++) {
+            corner[k] = vertices.at[k][a];
+            e[k] = double(vertices.at[k][b]) - double(corner[k]);
+            f[k] = double(vertices.at[k][c]) - double(corner[k]);
+          }
+          normal[0] = e[1]*f[2] - e[2]*f[1];
+          normal[1] = e[2]*f[0] - e[0]*f[2];
+          normal[2] = e[0]*f[1] - e[1]*f[0];
+        }
+
+        /*! where the ray meets its plane; false beyond tnear and tfar, and for a triangle without
+         *  an area */
+        __forceinline bool meet (const Ray& ray, float& t) const
+        {
+          double height = 0, speed = 0;
+          for (int k=0; k<3; k++) {
+            height += normal[k]*(double(corner[k]) - double(ray.org[k]));
+            speed += normal[k]*double(ray.dir[k]);
+          }
+          const double exact = height/speed;
+          t = float(exact);
+          return exact >= double(ray.tnear()) && exact <= double(ray.tfar); // not for 0/0
+        }
       };
 
       /*! four corners of all quads, in vectors of them */
@@ -104,17 +142,17 @@ namespace embree
           return (min(a,min(b,c)) >= vfloatV(zero)) | (max(a,max(b,c)) <= vfloatV(zero));
         }
 
-        /*! Distances and positions; returns bits of hits. Triangles without an area have a sum of 0. */
+        /*! Positions; returns bits of hits. Triangles without an area have a sum of 0. */
         __forceinline uint32_t finish (int triangle, int j, const vboolV& inside, const vfloatV& w0, const vfloatV& w1, const vfloatV& w2,
                                        const vfloatV& z0, const vfloatV& z1, const vfloatV& z2, float tfar, GroupHits& hits) const
         {
           const vfloatV sum = w0 + w1 + w2;
           const vfloatV t = (w0*z0 + w1*z1 + w2*z2)/sum;
-          const size_t mask = movemask(inside & (sum != vfloatV(zero)) & (t >= vfloatV(tnear)) & (t <= vfloatV(tfar)));
+          const vfloatV doubt = abs(t)*vfloatV(1.0f/256.0f);
+          const size_t mask = movemask(inside & (sum != vfloatV(zero)) & (t+doubt >= vfloatV(tnear)) & (t-doubt <= vfloatV(tfar)));
           if (mask == 0) return 0;
           const int n = vertWidth*j;
           const vfloatV b1 = w1/sum, b2 = w2/sum;
-          vfloatV::store(hits.t[triangle]+n,t);
           vfloatV::store(hits.u[triangle]+n,triangle ? b1+b2 : b1);
           vfloatV::store(hits.v[triangle]+n,triangle ? vfloatV(1.0f)-b1 : b2);
           return spread(uint32_t(mask) << n) << triangle;
