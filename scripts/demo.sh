@@ -15,13 +15,13 @@ render() {
   directory=$1 scene=$2; shift 2
   build/release/tutorials/render/cbvh_render --scene "$scene" --level 6 --frame-level 2 --output "$output/$directory" "$@"
 }
-all=naive,grid,cgrid,cvoxel,cvoxel^3,cleaf
+all=naive,grid,cgrid,cvoxel,cvoxel^3,cleaf,cvert
 
 phase "packages" install_packages
 phase "configure, get upstream" configure
 phase "build" build embree cbvh_render
 phase "render trex" render trex trex --representation "$all"
-phase "render trex, near" render trex_close trex --view close --representation grid,cvoxel^3,cleaf --no-speed
+phase "render trex, near" render trex_close trex --view close --representation grid,cvoxel^3,cleaf,cvert --no-speed
 phase "render cube" render cube cube --representation "$all"
 
 echo "== pictures"

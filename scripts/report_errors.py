@@ -16,6 +16,7 @@ HEADS = (
     "median",
     "bias",
     "normal",
+    "flipped",
     "(u,v)",
     "<b>true</b>: RMSE",
     "bias",
@@ -32,7 +33,8 @@ TEXT = (
     "<b>true</b> surface, OpenSubdiv's limit surface displaced by the heights as they are in the map, on a random sample "
     "of the hits: what tessellation and compression cost together, GRID's own error included. RMSE and bias are along "
     "the ray, in pixels, of hits within 5 pixels, a positive bias is behind; distance is to the nearest point of the "
-    "true surface; normal and (u,v) are medians in degrees and in quads of the level. A ray that passes a silhouette in "
+    "true surface; normal and (u,v) are medians in degrees and in quads of the level; flipped counts normals that are more than 90 "
+    "degrees from the mesh's. A ray that passes a silhouette in "
     "one of both hits another sheet, far from the mesh's hit but near to the true surface: such rays are in the RMSE "
     "against the mesh alone. The last column says what rules the error against the true surface: where GRID's own is "
     "half of its square and more, a finer level helps more than a better representation.</p>"
@@ -63,10 +65,10 @@ def cells(data, row, view):
     mesh, true, grid = row.errors(view), true_errors(row, view), of_grid(data, row, view)
     out = [f"{escape(row.scene)} {p.label(row.label)}", str(row.level), escape(view)]
     if row.kind == "GRID":
-        out += ["-"] * 5
+        out += ["-"] * 6
     else:
         out += [pixels(mesh["rmse_of_others_pixels"]), pixels(mesh["median_pixels"]), f"{mesh['bias_pixels']:+.4f}"]
-        out += [f"{mesh['normal_median_degrees']:.2f}", pixels(mesh["uv_median_cells"])]
+        out += [f"{mesh['normal_median_degrees']:.2f}", str(mesh.get("flipped_normals", "-")), pixels(mesh["uv_median_cells"])]
     out += [pixels(true["rmse_along_ray_pixels"]), f"{true['bias_pixels']:+.4f}"]
     out += [pixels(true[key]) for key in ("rmse_pixels", "median_pixels", "p99_pixels")]
     out += [f"{true['normal_median_degrees']:.2f}", pixels(true["uv_median_cells"])]

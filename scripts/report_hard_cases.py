@@ -14,7 +14,7 @@ from pathlib import Path
 
 import report_page as p
 
-KINDS = ("cGRID", "cVOXEL", "cLEAF")
+KINDS = ("cGRID", "cVOXEL", "cLEAF", "cVERT")
 MADE_BY = "scripts/test.sh -R 'hard_cases|invalid_vertices'"
 
 

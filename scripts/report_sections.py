@@ -9,7 +9,7 @@ import report_data as d
 import report_figures as f
 import report_page as p
 
-BARS = ("NAIVE", "GRID", "cGRID^2", "cGRID^3", "cVOXEL^2", "cVOXEL^3", "cLEAF^2", "cLEAF^3", "cVERT^2", "cVERT^3")
+BARS = ("NAIVE", "GRID", "cGRID^2", "cGRID^3", "cVOXEL^2", "cVOXEL^3", "cLEAF^2", "cLEAF^3", "cVERT")
 HEAT_KEY = "".join(
     f'<span class="entry"><span class="key" style="background:{colour}"></span>{text}</span> '
     for colour, text in (
@@ -270,7 +270,7 @@ def tradeoffs(data):
 
 
 def growth(data):
-    names = ("NAIVE", "GRID", "cGRID^2", "cVOXEL^2", "cLEAF^2", "cVERT^2")
+    names = ("NAIVE", "GRID", "cGRID^2", "cVOXEL^2", "cLEAF^2", "cVERT")
     charts, used = [], []
     for title, unit, value, log_value in (
         ("Memory", "MiB", lambda row: row.bytes / 2**20, True),

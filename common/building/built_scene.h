@@ -23,7 +23,7 @@ struct BuildSettings
 {
   int level = 6;
   int threads = 0;     // of Embree's build, 0 for all
-  float maxError = 0;  // bound on the thickness of leaves where frame levels are automatic, 0 for none
+  float maxError = 0;  // bound on cVERT's spacing, and on the thickness of leaves where frame levels are automatic, 0 for none
   std::string isa;     // Embree's name of the widest instruction set to use, empty for the host's best
 };
 
@@ -38,8 +38,8 @@ struct BuildReport
   size_t quads = 0;
   RTCCompressionStatistics compression{}; // all zero for NAIVE and GRID
 
-  /* Upper bound of the distance between the surface and the mesh that it stands for; none of
-   * cLEAF, where it is an estimate, and of surfaces that their own faces tear. */
+  /* How far the surface may be from the mesh that it stands for: the thickness of its leaves, or the way
+   * that its vertices were moved. */
   float distanceFromMesh() const
   {
     return std::max(compression.maxLeafThickness, compression.maxVertexDeviation);

@@ -16,6 +16,7 @@ void ErrorSamples::add(float pixels, float degrees, std::optional<float> quads)
   distances.push_back(pixels);
   sumOfSquares += double(pixels) * pixels;
   angles.push_back(degrees);
+  flipped += degrees > 90.0f;
   if (quads)
     cells.push_back(*quads);
   else
@@ -31,6 +32,7 @@ ErrorSummary ErrorSamples::summary()
   s.max = quantile(distances, 1.0);
   s.normalMedian = quantile(angles, 0.5);
   s.normalP99 = quantile(angles, 0.99);
+  s.flipped = flipped;
   s.uvMedian = quantile(cells, 0.5);
   s.uvP99 = quantile(cells, 0.99);
   s.otherPatch = otherPatch;

@@ -17,6 +17,7 @@ struct ErrorSummary
   double rmse = 0, median = 0, p99 = 0, max = 0;
   /* Degrees between geometric normals with their signs: 180 is a wrong sign. */
   double normalMedian = 0, normalP99 = 0;
+  size_t flipped = 0; // normals that are more than 90 degrees off
   /* Distances in (u,v) in quads of the tessellation, over hits on the same patch as what
    * they are measured against; the others are counted. */
   double uvMedian = 0, uvP99 = 0;
@@ -41,7 +42,7 @@ public:
 private:
   std::vector<float> distances, angles, cells;
   double sumOfSquares = 0;
-  size_t otherPatch = 0;
+  size_t flipped = 0, otherPatch = 0;
 };
 
 } // namespace cbvh

@@ -18,7 +18,9 @@ inline nlohmann::json compressionJson(const RTCCompressionStatistics& s)
           {"grid_bytes", s.gridBytes},          {"blocks", s.numBlocks},
           {"quads", s.numQuads},                {"grid_quads", s.numGridQuads},
           {"invalid_quads", s.numInvalidQuads}, {"affine_blocks", s.numAffineBlocks},
-          {"solid_leaves", s.numSolidLeaves},   {"max_leaf_thickness", s.maxLeafThickness}};
+          {"solid_leaves", s.numSolidLeaves},   {"max_leaf_thickness", s.maxLeafThickness},
+          {"raw_blocks", s.numRawBlocks},       {"max_vertex_spacing", s.maxVertexSpacing},
+          {"max_border_gap", s.maxBorderGap},   {"max_vertex_deviation", s.maxVertexDeviation}};
 }
 
 } // namespace cbvh

@@ -22,6 +22,7 @@ inline nlohmann::json summaryJson(const ErrorSummary& e)
           {"max_pixels", e.max},
           {"normal_median_degrees", e.normalMedian},
           {"normal_p99_degrees", e.normalP99},
+          {"flipped_normals", e.flipped},
           {"uv_median_cells", e.uvMedian},
           {"uv_p99_cells", e.uvP99},
           {"other_patch", e.otherPatch}};

@@ -18,6 +18,9 @@
  * geometry that changed since the last commit; the message names the geometry and the
  * first face. cVOXEL cannot leave a quad out: it stores patches with holes as cLEAF.
  *
+ * cVERT closes surfaces also where faces of one geometry evaluate the vertices that they share
+ * apart: all take those of the face that owns the edge or corner.
+ *
  * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression
  * Scheme for Ray Tracing Subdivision Surfaces with Displacement", 2018. */
 
@@ -56,10 +59,24 @@ struct RTCCompressionArguments
    * is 2, or less for blocks of 8 x 8 quads. */
   int frameLevel;
 
-  /* Upper bound of a leaf's thickness in world units, 0 for none, negative to inherit the device's
-   * setting. Honoured when frameLevel is AUTO: a face is split into finer frames until its leaves meet
-   * the bound or a block has one quad left. Without meaning for RTC_COMPRESSION_GRID. */
+  /* In world units, 0 for none, negative to inherit the device's setting.
+   *
+   * RTC_COMPRESSION_VERT: spacing of the lattice that vertices are moved to, at most. None of them
+   * is moved by more than 0.866 of it (half a diagonal of the lattice's cubes). With 0 it is 1/32 of
+   * the median edge of each face's quads. Spacings are powers of two, and not below what floats at
+   * the face resolve.
+   *
+   * RTC_COMPRESSION_VOXEL and LEAF: upper bound of a leaf's thickness. Honoured when frameLevel is
+   * AUTO: a face is split into finer frames until its leaves meet the bound or a block has one quad
+   * left. Without meaning for RTC_COMPRESSION_GRID. */
   float maxError;
+
+  /* RTC_COMPRESSION_VERT: the same bound in pixels of a camera, 0 for none: a face at distance d, from
+   * the camera to the bounds of its vertices, grown by a quarter, has a spacing of at most
+   * maxPixelError*pixelSize*d. The lesser of this and maxError holds. */
+  float maxPixelError;
+  float cameraPosition[3];  /* world, finite where maxPixelError is not 0 */
+  float pixelSize;          /* width of a pixel at distance 1, more than 0 where maxPixelError is not 0 */
 };
 
 /* Sets every argument to inherit the setting of the device. */
@@ -68,6 +85,9 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
   args->compression = RTC_COMPRESSION_INHERIT;
   args->frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
   args->maxError = -1.0f;
+  args->maxPixelError = 0.0f;
+  args->cameraPosition[0] = args->cameraPosition[1] = args->cameraPosition[2] = 0.0f;
+  args->pixelSize = 0.0f;
 }
 
 /* Chooses the representation of a subdivision geometry. Takes effect when the
@@ -77,7 +97,8 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
  * args:     read during the call, not NULL.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, an unknown compression, a frame
- * level outside -2..8, or a maxError that is not finite;
+ * level outside -2..8, a maxError that is not finite, a maxPixelError that is negative or not
+ * finite, or a camera without which it means nothing;
  * RTC_ERROR_INVALID_OPERATION for a geometry of another type. The geometry keeps
  * its setting then. Thread safety: as rtcSetGeometryTessellationRate. */
 RTC_API void rtcSetGeometryCompression(RTCGeometry geometry, const struct RTCCompressionArguments* args);

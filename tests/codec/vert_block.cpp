@@ -11,7 +11,9 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <memory>
+#include <sstream>
 #include <vector>
 
 namespace cbvh::test {
@@ -173,6 +175,35 @@ TEST(VertBlock, WhatIsOffTheLatticeIsRaw)
   const Encoded encoded(*encoder, vertPlace(8, 8, 0, 0, 0, 0), sheet.spacing);
   const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
   EXPECT_EQ(decoded->vertices[40][2], encoder->vertices[40][2]);
+}
+
+// Rows "| offset | `bytes` | meaning |" of FORMAT_VERT.md's last section.
+TEST(VertBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
+{
+  std::ifstream file(FORMAT_VERT_MD);
+  std::vector<int> annotated;
+  bool inside = false;
+  for (std::string line; std::getline(file, line);) {
+    if (line.compare(0, 1, "#") == 0) inside = line == "## Annotated block";
+    unsigned offset;
+    if (!inside || std::sscanf(line.c_str(), "| %u | `", &offset) != 1) continue;
+    EXPECT_EQ(offset, annotated.size()) << line;
+    const size_t begin = line.find('`') + 1;
+    std::istringstream row(line.substr(begin, line.find('`', begin) - begin));
+    for (unsigned byte; row >> std::hex >> byte;) annotated.push_back(int(byte));
+  }
+  auto encoder = std::make_unique<VertEncoder>();
+  for (int j = 0; j <= 2; j++)
+    for (int i = 0; i <= 5; i++) {
+      float* v = encoder->vertices[6*j + i];
+      v[0] = float(100 + 8*i); v[1] = float(8*j); v[2] = float(i*i - (i == 1 && j == 1 ? 12 : 0));
+    }
+  Encoded encoded(*encoder, vertPlace(5, 2, 16, 0, 0, 0), 1);
+  VertHeader* block = (VertHeader*)encoded.bytes;
+  block->geomID = 3;
+  block->primID = 5;
+  block->rates = 20u | 1u << 8 | 20u << 16 | 1u << 24;
+  EXPECT_EQ(std::vector<int>(encoded.bytes, encoded.bytes + encoded.size), annotated);
 }
 
 TEST(VertCell, FieldsOfVerticesAreAllButTheCorners)

@@ -130,7 +130,7 @@ json resultJson(const VariantResult& r)
   const Representation& what = r.variant.representation;
   const std::string label = what.label();
   json j = {{"representation", label}, {"kind", label.substr(0, label.find('^'))}, {"isa", r.variant.isa}};
-  if (what.isCompressed())
+  if (what.hasFrames())
     j["frame_level"] = what.frameLevel == autoFrameLevel ? json("auto") : json(what.frameLevel);
   if (!r.skipped.empty())
   {

@@ -137,7 +137,7 @@ RaySet parseRaySet(const std::string& word)
 struct Words
 {
   SceneSettings settings; // of all scenes
-  std::string scenes, levels = "6", representations = "naive,grid,cgrid,cvoxel,cleaf", frameLevels = "2";
+  std::string scenes, levels = "6", representations = "naive,grid,cgrid,cvoxel,cleaf,cvert", frameLevels = "2";
   std::string isas = "best", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
   std::string size = "768x768", pictureLevels, checks, position;
   std::vector<std::string> views;
@@ -155,7 +155,7 @@ void declareLists(CLI::App& app, Words& words)
     ->type_name("LIST")->default_str("full");
   app.add_option("--level", words.levels, "subdivision levels, 0 to 8")->type_name("LIST")->capture_default_str();
   app.add_option("--representation", words.representations,
-                 "of naive, grid, cgrid, cvoxel, cleaf; a frame level of its own after ^ or :")
+                 "of naive, grid, cgrid, cvoxel, cleaf, cvert; a frame level of its own after ^ or :")
     ->type_name("LIST")->capture_default_str();
   app.add_option("--frame-level", words.frameLevels, "levels at which local frames start: 0 to 8, or auto")
     ->type_name("LIST")->capture_default_str();
@@ -194,7 +194,7 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, Words& words)
   app.add_option("--check-rays", o.checks.rays, "rays that look for leaks or cross sheets, a representation")
     ->type_name("N")->capture_default_str();
   app.add_option("--position", words.position, "moves models there: x,y,z")->type_name("P");
-  app.add_option("--max-error", o.maxError, "bound on the thickness of leaves where the frame level is auto, in\n"
+  app.add_option("--max-error", o.maxError, "bound on the thickness of leaves where the frame level is auto, and on cVERT's spacing, in\n"
                  "bounding-box diagonals of the cage")->type_name("E");
   app.add_option("--reference-level", o.referenceLevel,
                  "measure errors against GRID at this level, too, which also fixes the view for all levels")

@@ -12,7 +12,7 @@ namespace {
 /* What the command line says in words of its own, with the defaults that --help names. */
 struct Words
 {
-  std::string representations = "naive,grid,cgrid,cvoxel,cleaf", frameLevel = "2", size = "1024x1024";
+  std::string representations = "naive,grid,cgrid,cvoxel,cleaf,cvert", frameLevel = "2", size = "1024x1024";
   bool noSpeed = false;
 };
 
@@ -23,7 +23,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addSceneOptions(app, o.scene);
   app.add_option("--representation", words.representations,
-                 "comma list of naive, grid, cgrid, cvoxel, cleaf; a frame level of its own after ^ or :")
+                 "comma list of naive, grid, cgrid, cvoxel, cleaf, cvert; a frame level of its own after ^ or :")
     ->type_name("LIST")->capture_default_str();
   app.add_option("--level", o.build.level, "subdivision level, 0 to 8: 2^L x 2^L quads a face")
     ->type_name("L")->capture_default_str();

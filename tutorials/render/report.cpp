@@ -125,6 +125,9 @@ void addNormalsAndParameters(Table& table, std::optional<Errors> Result::*errors
   };
   row("- normal, degrees, median", &Errors::normalMedian, 3);
   row("- - p99", &Errors::normalP99, 2);
+  table.row("- - beyond 90 degrees", [=](const Result& r) {
+    return r.*errors ? std::to_string((*(r.*errors)).flipped) : std::string("-");
+  });
   row("- (u,v), cells, median", &Errors::uvMedian, 4);
   row("- - p99", &Errors::uvP99, 3);
   table.row("- - on another patch", [=](const Result& r) {

@@ -24,7 +24,7 @@ std::string listOfModes()
 std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
 {
   ViewerOptions o;
-  std::string representations = "cleaf", frameLevel = "2", size = "1024x768", mode = "shading";
+  std::string representations = "cvert", frameLevel = "2", size = "1024x768", mode = "shading";
 
   CLI::App app("Shows a displaced subdivision surface in one representation, or in two side by side, in a window\n"
                "that lists its keys, or in a picture with --screenshot.",
@@ -33,7 +33,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   addSceneOptions(app, o.scene);
   app.add_option("--maps", o.scene.mapFolder, "folder for the height maps of generated scenes")->type_name("DIR")->capture_default_str();
   app.add_option("--representation", representations,
-                 "naive, grid, cgrid, cvoxel or cleaf, a frame level of its own after ^ or :; "
+                 "naive, grid, cgrid, cvoxel, cleaf or cvert, a frame level of its own after ^ or :; "
                  "two of them, with a comma between, for a split screen")
     ->type_name("LIST")->capture_default_str();
   app.add_option("--level", o.build.level, "subdivision level, 0 to 8: 2^L x 2^L quads a face")

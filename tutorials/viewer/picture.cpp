@@ -236,8 +236,9 @@ int effectiveFrameLevel(const Representation& representation, unsigned resolutio
     level++;
   if (!representation.isCompressed())
     return 0;
-  return representation.frameLevel == autoFrameLevel ? std::max(0, level - autoBlockLevel)
-                                                     : std::min(representation.frameLevel, level);
+  if (!representation.hasFrames() || representation.frameLevel == autoFrameLevel)
+    return std::max(0, level - autoBlockLevel); // cVERT's blocks are as large
+  return std::min(representation.frameLevel, level);
 }
 
 Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings,

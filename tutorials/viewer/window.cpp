@@ -26,7 +26,7 @@ using embree::Vec3fa;
 
 constexpr int numKinds = int(RepresentationKind::CVert) + 1;
 
-const char* const keyHelp = "1 to 5      NAIVE, GRID, cGRID, cVOXEL, cLEAF; right half: Shift\n"
+const char* const keyHelp = "1 to 6      NAIVE, GRID, cGRID, cVOXEL, cLEAF, cVERT; right half: Shift\n"
                             "L, N        level, frame level up; down: Shift\n"
                             "M           next mode; back: Shift\n"
                             "X           split screen\n"
@@ -311,12 +311,12 @@ private:
       ImGui::PushID(int(i));
       int kind = int(r.kind), frame = r.frameLevel + 1;
       ImGui::PushItemWidth(90);
-      if (ImGui::Combo("##kind", &kind, "NAIVE\0GRID\0cGRID\0cVOXEL\0cLEAF\0"))
+      if (ImGui::Combo("##kind", &kind, "NAIVE\0GRID\0cGRID\0cVOXEL\0cLEAF\0cVERT\0"))
       {
         r.kind = RepresentationKind(kind);
         changes = true;
       }
-      if (r.isCompressed())
+      if (r.hasFrames())
       {
         ImGui::SameLine();
         if (ImGui::Combo("frame level", &frame, "auto\0" "0\0" "1\0" "2\0" "3\0" "4\0" "5\0" "6\0" "7\0" "8\0"))

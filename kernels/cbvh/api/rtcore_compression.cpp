@@ -35,11 +35,22 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid frameLevel " + std::to_string(args->frameLevel) + ": expected 0 to 8, AUTO or INHERIT");
   if (!std::isfinite(args->maxError))
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxError " + std::to_string(args->maxError) + ": expected a distance, or a negative number to inherit");
+  if (!std::isfinite(args->maxPixelError) || args->maxPixelError < 0.0f)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxPixelError " + std::to_string(args->maxPixelError) + ": expected a number of pixels, or 0 for no bound");
+  if (args->maxPixelError > 0.0f) {
+    if (!std::isfinite(args->pixelSize) || args->pixelSize <= 0.0f)
+      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid pixelSize " + std::to_string(args->pixelSize) + ": expected the width of a pixel at distance 1");
+    for (float x : args->cameraPosition)
+      if (!std::isfinite(x)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid cameraPosition " + std::to_string(x) + ": expected a position in the world");
+  }
 
   CompressionSettings& settings = ((SubdivMesh*)geometry)->compression;
   settings.compression = args->compression;
   settings.frameLevel = args->frameLevel;
   settings.maxError = args->maxError;
+  settings.maxPixelError = args->maxPixelError;
+  memcpy(settings.cameraPosition,args->cameraPosition,sizeof(settings.cameraPosition));
+  settings.pixelSize = args->pixelSize;
   geometry->Geometry::update();
   RTC_CATCH_END2(geometry);
 }

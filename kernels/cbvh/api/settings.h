@@ -20,6 +20,7 @@ namespace embree
     RTCCompression compression = RTC_COMPRESSION_INHERIT;
     int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
     float maxError = -1.0f; //!< world units, 0 for no bound, negative to inherit
+    float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< only a geometry's
 
     static const int defaultFrameLevel = 2; //!< of a geometry for which nobody gave one, see CompressionPlan
 

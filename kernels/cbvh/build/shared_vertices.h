@@ -292,15 +292,37 @@ namespace embree
             }
           });
         /* quads may be much longer than wide: the shorter side counts */
-        double edge = 0, maxCoordinate = 0;
-        for (int d=0; d<2; d++)
+        double edge = 0, lower[3], upper[3], maxCoordinate = 0;
+        for (int k=0; k<3; k++)
         {
+          lower[k] = min(min(samples[0].lower[k],samples[1].lower[k]),min(coarse[0].lower[k],coarse[1].lower[k]));
+          upper[k] = max(max(samples[0].upper[k],samples[1].upper[k]),max(coarse[0].upper[k],coarse[1].upper[k]));
+          if (lower[k] <= upper[k]) maxCoordinate = max(maxCoordinate,max(std::fabs(lower[k]),std::fabs(upper[k])));
+        }
+        for (int d=0; d<2; d++) {
           const double median = (samples[d].empty() ? coarse[d] : samples[d]).median();
           if (median > 0) edge = edge > 0 ? min(edge,median) : median;
-          maxCoordinate = max(maxCoordinate,samples[d].maxCoordinate,coarse[d].maxCoordinate);
         }
-        const double spacing = plan.settings.maxError > 0 ? double(plan.settings.maxError) : edge*cbvh::spacingOfEdge;
-        exponents[f] = cbvh::latticeExponent(spacing,maxCoordinate);
+        exponents[f] = cbvh::latticeExponent(spacing(edge,lower,upper),maxCoordinate);
+      }
+
+      /*! by what was asked for, or by the median edge of quads */
+      double spacing (double edge, const double lower[3], const double upper[3]) const
+      {
+        const CompressionSettings& settings = plan.settings;
+        double spacing = settings.maxError > 0 ? double(settings.maxError) : INFINITY;
+        if (settings.maxPixelError > 0)
+        {
+          double distance2 = 0;
+          for (int k=0; k<3; k++)
+          {
+            const double grow = 0.25*(upper[k]-lower[k]), c = settings.cameraPosition[k];
+            const double d = max(max(lower[k]-grow-c,c-upper[k]-grow),0.0);
+            distance2 += d*d;
+          }
+          spacing = min(spacing,double(settings.maxPixelError)*settings.pixelSize*std::sqrt(distance2));
+        }
+        return spacing < INFINITY ? spacing : edge*cbvh::spacingOfEdge;
       }
 
       void evaluateLine (const SubdivPatch1Base& base, PatchGrid& grid, const unsigned quads[2], bool alongU, unsigned at) const

@@ -47,7 +47,8 @@ namespace embree
         const bool packed = allFinite && locate(spacing) && pack(header,block,statistics);
         if (!packed) packRaw(header,spacing,block);
         statistics.raw = !packed;
-        return size_t(end-block+3) & ~size_t(3);
+        while (size_t(end-block) % 4 != 0) *end++ = 0;
+        return size_t(end-block);
       }
 
     private:

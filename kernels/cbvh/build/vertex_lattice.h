@@ -57,7 +57,7 @@ namespace embree
       return std::min(spacing > 0 ? std::max(resolution,std::ilogb(spacing)) : resolution,maxLatticeExponent);
     }
 
-    /*! median of the edges along lines of vertices, and their largest coordinate */
+    /*! median of the edges along lines of vertices, and their bounds */
     class EdgeSample
     {
     public:
@@ -67,7 +67,10 @@ namespace embree
         const double l = length(d);
         if (l > 0 && std::isfinite(l)) lengths.push_back(l); // stitched vertices coincide
         for (int k=0; k<3; k++)
-          if (std::isfinite(a[k])) maxCoordinate = std::max(maxCoordinate,std::fabs(double(a[k])));
+          if (std::isfinite(a[k])) {
+            lower[k] = std::min(lower[k],double(a[k]));
+            upper[k] = std::max(upper[k],double(a[k]));
+          }
       }
 
       bool empty() const { return lengths.empty(); }
@@ -79,7 +82,7 @@ namespace embree
         return lengths[lengths.size()/2];
       }
 
-      double maxCoordinate = 0;
+      double lower[3] = { INFINITY,INFINITY,INFINITY }, upper[3] = { -INFINITY,-INFINITY,-INFINITY }; //!< of the vertices
 
     private:
       std::vector<double> lengths;

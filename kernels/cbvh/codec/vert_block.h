@@ -87,14 +87,14 @@ struct VertLayout
 
 CBVH_FUNCTION VertLayout vertLayout (uint32_t place)
 {
-  VertLayout layout;
-  layout.groupsX = groupsOf(vertQuadsX(place));
-  layout.groupsY = groupsOf(vertQuadsY(place));
-  layout.groups = layout.groupsX*layout.groupsY;
-  layout.boxes = vertHeaderBytes;
-  layout.words = layout.boxes + ((boxPlanes*layout.groups + 3u) & ~3u);
-  layout.cell = layout.words + 4u*layout.groups;
-  return layout;
+  VertLayout offsets;
+  offsets.groupsX = groupsOf(vertQuadsX(place));
+  offsets.groupsY = groupsOf(vertQuadsY(place));
+  offsets.groups = offsets.groupsX*offsets.groupsY;
+  offsets.boxes = vertHeaderBytes;
+  offsets.words = offsets.boxes + ((boxPlanes*offsets.groups + 3u) & ~3u);
+  offsets.cell = offsets.words + 4u*offsets.groups;
+  return offsets;
 }
 
 /*! Where Embree's stitching puts vertex x of an edge of the grid whose own rate is lower. */
