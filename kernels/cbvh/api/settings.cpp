@@ -97,7 +97,8 @@ namespace embree
       const std::string value = equals == std::string::npos ? "" : item.substr(equals+1);
       if (equals == std::string::npos) {
         if (key == "none") compression = RTC_COMPRESSION_NONE;
-        else if (!parseKind(key,compression)) invalid("EMBREE_CBVH",item,"expected none, " + kindKeys(""));
+        else if (key == "1") compression = bestCompression;
+        else if (!parseKind(key,compression)) invalid("EMBREE_CBVH",item,"expected 1, none, " + kindKeys(""));
       }
       else if (key == "level" || key == "frame_level") setFrameLevel("EMBREE_CBVH " + key,value);
       else if (key == "max_error") setMaxError("EMBREE_CBVH max_error",value);

@@ -28,6 +28,9 @@ namespace embree
      *  other key. Throws rtcore_error naming key and value. */
     bool parse (const Token& key, TokenStream& stream);
 
+    /*! what EMBREE_CBVH=1 stands for */
+    static const RTCCompression bestCompression = RTC_COMPRESSION_VERT;
+
     /*! Takes EMBREE_CBVH, for example "leaf,level=2". Throws rtcore_error. */
     void parseEnvironment ();
 
