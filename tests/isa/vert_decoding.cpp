@@ -54,11 +54,21 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
     const VertHeader* block = (const VertHeader*)bytes;
     const auto expected = std::make_unique<ScalarVertBlock>(block);
     const VertLayout layout = vertLayout(place);
-    VertGroups groups(block, layout);
+    const VertGroups groups(block);
+    GroupBoxes boxes;
+    groups.boxes(boxes);
+    uint32_t lanes = 0;
     for (uint32_t n = layout.groups; n > 0; n--) { // in any order
-      const uint32_t g = (n*7 + 3) % layout.groups;
+      const uint32_t g = (n*7 + 3) % layout.groups, lane = g % layout.groupsX + 4*(g/layout.groupsX);
+      lanes |= 1u << lane;
+      float lower[3], upper[3];
+      expected->groupBox(g, lower, upper);
+      for (int k = 0; k < 3; k++) {
+        ASSERT_EQ(boxes.lower[k][lane], lower[k]);
+        ASSERT_EQ(boxes.upper[k][lane], upper[k]);
+      }
       CellVertices cell;
-      groups.decode(g, cell);
+      groups.decode(lane, cell);
       for (int v = 0; v < cellVertices; v++) {
         const uint32_t x = std::min(groupQuads*(g % layout.groupsX) + v % 5, quadsX), y = std::min(groupQuads*(g / layout.groupsX) + v / 5, quadsY);
         for (int k = 0; k < 3; k++) {

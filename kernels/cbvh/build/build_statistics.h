@@ -49,7 +49,7 @@ namespace embree
       {
         const VertLayout layout = vertLayout(place);
         const size_t stride = (bytes + blockAlignment-1) & ~size_t(blockAlignment-1);
-        const size_t nodesEnd = block.raw ? layout.words : layout.cell;
+        const size_t nodesEnd = block.raw ? vertHeaderBytes : layout.cell;
         sums.frameBytes += vertHeaderBytes;
         sums.nodeBytes += nodesEnd - vertHeaderBytes;
         sums.leafBytes += stride - nodesEnd;

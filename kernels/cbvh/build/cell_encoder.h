@@ -34,7 +34,7 @@ namespace embree
           if (bits[i] > maxResidualBits) return false;
         if (sum > maxCellBits) return false;
         word = uint32_t(bits[0]) | uint32_t(bits[1]) << 4 | uint32_t(bits[2]) << 8 | uint32_t(main) << 12
-             | (uint32_t(slopes[1]) & 31u) << 14 | (uint32_t(slopes[2]) & 31u) << 19 | uint32_t((cellFields*sum+7)/8) << 24;
+             | (uint32_t(slopes[1]) & 31u) << 14 | (uint32_t(slopes[2]) & 31u) << 19;
         return true;
       }
 

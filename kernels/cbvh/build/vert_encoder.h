@@ -28,7 +28,7 @@ namespace embree
       static const uint32_t maxSide = (1u << maxVertHeight) + 1u;
 
       /*! room for any block */
-      static const size_t maxBytes = vertHeaderBytes + 4*((boxPlanes*maxVertGroups+3)/4) + sizeof(float)*3*maxSide*maxSide + 64;
+      static const size_t maxBytes = vertHeaderBytes + sizeof(float)*(3*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
 
       float vertices[maxSide*maxSide][3]; //!< row by row, (quadsX+1) (quadsY+1) of them
       float lower[3], upper[3];           //!< of the finite ones, by encode
@@ -105,13 +105,6 @@ namespace embree
       {
         header.spacing = spacing;
         for (int k=0; k<3; k++) header.origin[k] = lower[k];
-        for (int k=0; k<3; k++)
-        {
-          const int extent = int((double(upper[k])-double(lower[k]))/spacing);
-          uint32_t shift = 0;
-          while (stepsUp(extent,shift) > 255) shift++;
-          header.boxShifts |= shift << (8*k);
-        }
         gather(0,0,groupQuads);
         if (!cell.encode(quads,groupQuads)) return false;
         header.word = cell.word;
@@ -120,68 +113,67 @@ namespace embree
           for (int k=0; k<3; k++)
             header.corners[cornerPair(c,k)] |= uint32_t(cell.vertices[k][(c & 1)*4 + (c >> 1)*20]) << (16*((3*c+k) & 1));
 
-        uint32_t* words = (uint32_t*)(block+layout.words);
+        int margins[2][3][maxVertGroups];
         for (uint32_t g=0; g<layout.groups; g++)
         {
           const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
           gather(groupQuads*gx,groupQuads*gy,1);
           const uint32_t sides[2] = { quadsOfGroup(quads[0],gx), quadsOfGroup(quads[1],gy) };
           if (!cell.encode(sides,1)) return false;
-          words[g] = cell.word;
+          const uint16_t low = uint16_t(cell.word);
+          memcpy(block+layout.words+2*g,&low,sizeof(low));
+          block[layout.wordsHigh+g] = uint8_t(cell.word >> 16);
           end = cell.write(end);
           for (int k=0; k<3; k++)
           {
             const int* v = cell.vertices[k];
             int lo = v[0], hi = v[0];
             for (int i=1; i<cellVertices; i++) { lo = std::min(lo,v[i]); hi = std::max(hi,v[i]); }
-            const uint32_t shift = boxShift(header.boxShifts,k);
-            block[layout.boxes + k*layout.groups + g] = uint8_t(lo >> shift);
-            block[layout.boxes + (3+k)*layout.groups + g] = uint8_t(stepsUp(hi,shift));
+            margins[0][k][g] = std::min(std::min(v[0],v[4]),std::min(v[20],v[24])) - lo;
+            margins[1][k][g] = hi - std::max(std::max(v[0],v[4]),std::max(v[20],v[24]));
           }
         }
+        for (int k=0; k<3; k++) writeMargins(header,block+layout.margins+k*layout.groups,k,margins[0][k],margins[1][k]);
         statistics.fieldBytes += uint32_t(end - (block+layout.cell));
         return true;
       }
 
+      /*! in steps of the least power of two that does */
+      void writeMargins (VertHeader& header, uint8_t* out, int axis, const int* lowerMargins, const int* upperMargins) const
+      {
+        int largest = 0;
+        for (uint32_t g=0; g<layout.groups; g++) largest = std::max(largest,std::max(lowerMargins[g],upperMargins[g]));
+        uint32_t shift = 0;
+        while (stepsUp(largest,shift) > int(maxMargin)) shift++;
+        header.marginShifts |= shift << (8*axis);
+        for (uint32_t g=0; g<layout.groups; g++)
+          out[g] = uint8_t(stepsUp(lowerMargins[g],shift) | stepsUp(upperMargins[g],shift) << 4);
+      }
+
       static int stepsUp (int x, uint32_t shift) { return (x + (1 << shift) - 1) >> shift; }
 
-      /*! Vertices as floats. Planes of boxes are not on the lattice then: each is moved out
-       *  until the float that traversal computes contains. */
       void packRaw (VertHeader& header, float spacing, uint8_t* block)
       {
-        memset(block+sizeof(header),0,layout.words-sizeof(header));
-        memset(header.corners,0,sizeof(header.corners));
+        header.spacing = spacing;
         header.word = 0;
-        header.boxShifts = 1u << 24;
-        double extent = 0;
-        for (int k=0; k<3; k++) extent = std::max(extent,double(upper[k])-double(lower[k]));
-        header.spacing = std::max(spacing,std::ldexp(1.0f,std::max(-120,std::ilogb(std::max(extent,1e-36))-6))); // 128 steps at most
-        for (int k=0; k<3; k++)
-        {
-          float origin = lower[k];
-          header.origin[k] = origin;
-          for (uint32_t g=0; g<layout.groups; g++)
-          {
-            float lo = INFINITY, hi = -INFINITY;
-            extendByGroup(g,k,lo,hi);
-            uint32_t q0 = 255, q1 = 0; // empty
-            if (lo <= hi)
-            {
-              const double step = header.spacing;
-              q0 = uint32_t((double(lo)-origin)/step);
-              q1 = uint32_t(std::min(254.0,(double(hi)-origin)/step)) + 1;
-              while (q0 > 0 && origin + float(q0)*header.spacing > lo) q0--;
-              while (q1 < 255 && origin + float(q1)*header.spacing < hi) q1++;
-            }
-            block[layout.boxes + k*layout.groups + g] = uint8_t(q0);
-            block[layout.boxes + (3+k)*layout.groups + g] = uint8_t(q1);
-          }
-        }
-        float (*out)[3] = (float(*)[3])(block+layout.words);
+        memset(header.corners,0,sizeof(header.corners));
+        header.marginShifts = 1u << 24;
+        float (*out)[3] = (float(*)[3])(block+layout.vertices);
         for (uint32_t i=0; i<width*(quads[1]+1); i++)
           for (int k=0; k<3; k++)
             out[i][k] = isFinite(vertices[i]) ? vertices[i][k] : NAN; // a triangle with NaN is never hit, one with infinity might
-        end = (uint8_t*)(out + width*(quads[1]+1));
+        float* boxes = (float*)(block+layout.boxes);
+        for (int k=0; k<3; k++)
+        {
+          header.origin[k] = lower[k];
+          for (uint32_t g=0; g<layout.groups; g++) {
+            float lo = INFINITY, hi = -INFINITY; // what a group without a finite vertex keeps
+            extendByGroup(g,k,lo,hi);
+            boxes[k*layout.groups+g] = lo;
+            boxes[(3+k)*layout.groups+g] = hi;
+          }
+        }
+        end = block + layout.rawBytes;
       }
 
       void extendByGroup (uint32_t g, int axis, float& lo, float& hi) const

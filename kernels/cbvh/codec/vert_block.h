@@ -4,15 +4,16 @@
 /* A block of cVERT: up to 16 x 16 quads whose vertices lie on a lattice of the world, in up to
  * 4 x 4 groups of 4 x 4 quads. It is
  *
- *   header | boxes of groups | words of groups | fields of the first cell | fields of groups
+ *   header | margins of groups | words of groups | fields of the first cell | fields of groups
  *
  * The lattice is the multiples of the spacing, a power of two, on all three axes. Vertices are
  * stored relative to the block's lowest lattice point and are exact floats in the world: a
  * vertex that blocks share is the same three floats in each, so that surfaces are closed as
- * the triangles are. There is no frame: boxes are aligned to the world's axes, and of 8 bits
- * they have 1.03 times the area of exact ones, less than boxes along the surface would save.
+ * the triangles are. There is no frame. A group's box is that of its four corners, which the first
+ * cell has, grown by margins of 4 bits a side, and is aligned to the world's axes: boxes along the
+ * surface would have less area by less than they take.
  *
- * A raw block stores its vertices as floats in place of words and fields: where one of them is
+ * A raw block stores its vertices and boxes as floats in place of all that: where one of them is
  * not finite, or too far from the others for the lattice's integers.
  *
  * Only layout lives here; vertex_cell.h gives words and fields their meaning. */
@@ -28,7 +29,8 @@ CBVH_CONSTANT uint32_t groupQuads = 4u;         //!< along a side of a group
 CBVH_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^this quads along a side
 CBVH_CONSTANT uint32_t maxVertGroups = 16u;
 CBVH_CONSTANT uint32_t vertHeaderBytes = 64u;
-CBVH_CONSTANT uint32_t boxPlanes = 6u;          //!< x, y, z lower, then x, y, z upper
+CBVH_CONSTANT uint32_t maxMargin = 15u;         //!< in steps
+CBVH_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: x, y, z lower, then x, y, z upper
 
 struct VertHeader
 {
@@ -39,7 +41,7 @@ struct VertHeader
   uint32_t place;         //!< size, position and sub-patch: see the accessors
   uint32_t rates;         //!< of the patch's four edges, less 1, 8 bits each
   uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 16 bits each: x, y, z of 00 first
-  uint32_t boxShifts;     //!< bits 0..23: a step of a box is spacing*2^shift, 8 bits an axis; bit 24: raw
+  uint32_t marginShifts;  //!< bits 0..23: a step of margins is 2^shift, 8 bits an axis; bit 24: raw
   uint32_t word;          //!< of the first cell
 };
 
@@ -68,21 +70,30 @@ CBVH_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
   return rest < groupQuads ? rest : groupQuads;
 }
 
-CBVH_FUNCTION uint32_t boxShift (uint32_t boxShifts, int axis) { return (boxShifts >> (8*axis)) & 255u; }
-CBVH_FUNCTION bool isRaw (uint32_t boxShifts) { return ((boxShifts >> 24) & 1u) != 0u; }
+CBVH_FUNCTION uint32_t marginShift (uint32_t marginShifts, int axis) { return (marginShifts >> (8*axis)) & 255u; }
+CBVH_FUNCTION bool isRaw (uint32_t marginShifts) { return ((marginShifts >> 24) & 1u) != 0u; }
+
+/*! margins of a group on an axis, in coordinates, from their byte */
+CBVH_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }
+CBVH_FUNCTION int upperMargin (uint32_t margins, uint32_t shift) { return int((margins >> 4) << shift); }
 
 /*! Corner c (column + 2 row) of the block: its coordinate along an axis. pair: the word of
  *  corners that has it, cornerPair(c,axis). */
 CBVH_FUNCTION int cornerPair (int c, int axis) { return (3*c + axis) >> 1; }
 CBVH_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) { return int((pair >> (16*((3*c + axis) & 1))) & 65535u); }
 
-/*! offsets in bytes from the block's start */
+/*! offsets in bytes from the block's start; group g is row by row */
 struct VertLayout
 {
   uint32_t groupsX, groupsY, groups;
-  uint32_t boxes;     //!< plane by plane, a byte a group
-  uint32_t words;     //!< 4 bytes a group; of a raw block, its vertices: x, y, z of each, row by row
+  uint32_t margins;   //!< axis by axis, a byte a group: lower, then upper bits
+  uint32_t words;     //!< lower 16 bits of each group's word
+  uint32_t wordsHigh; //!< upper 8 bits
   uint32_t cell;      //!< fields of the first cell
+  /* of a raw block */
+  uint32_t vertices;  //!< x, y, z of each, row by row
+  uint32_t boxes;     //!< plane by plane, a float a group
+  uint32_t rawBytes;
 };
 
 CBVH_FUNCTION VertLayout vertLayout (uint32_t place)
@@ -91,9 +102,13 @@ CBVH_FUNCTION VertLayout vertLayout (uint32_t place)
   offsets.groupsX = groupsOf(vertQuadsX(place));
   offsets.groupsY = groupsOf(vertQuadsY(place));
   offsets.groups = offsets.groupsX*offsets.groupsY;
-  offsets.boxes = vertHeaderBytes;
-  offsets.words = offsets.boxes + ((boxPlanes*offsets.groups + 3u) & ~3u);
-  offsets.cell = offsets.words + 4u*offsets.groups;
+  offsets.margins = vertHeaderBytes;
+  offsets.words = offsets.margins + ((3u*offsets.groups + 1u) & ~1u);
+  offsets.wordsHigh = offsets.words + 2u*offsets.groups;
+  offsets.cell = offsets.wordsHigh + offsets.groups;
+  offsets.vertices = vertHeaderBytes;
+  offsets.boxes = offsets.vertices + 12u*(vertQuadsX(place)+1u)*(vertQuadsY(place)+1u);
+  offsets.rawBytes = offsets.boxes + 4u*boxPlanes*offsets.groups;
   return offsets;
 }
 

@@ -22,7 +22,6 @@
  *   bits  0..3, 4..7, 8..11   bits of a residual along the main axis and the next two
  *   bits 12..13               main axis
  *   bits 14..18, 19..23       slopes of the next two axes, signed, in 1/16
- *   bits 24..31               bytes of its fields
  *
  * A field holds the three residuals, the main one lowest, each in two's complement. Field f
  * starts at bit f times the sum of the three numbers, which is at most 32. */
@@ -62,7 +61,8 @@ CBVH_FUNCTION int cellSlope (uint32_t word, int i)
   return slope < 16 ? slope : slope-32;
 }
 
-CBVH_FUNCTION uint32_t cellBytes (uint32_t word) { return word >> 24; }
+/*! of all fields */
+CBVH_FUNCTION uint32_t cellBytes (uint32_t word) { return (uint32_t(cellFields*cellFieldBits(word)) + 7u)/8u; }
 
 /*! field of vertex i, j; -1 for a corner */
 CBVH_FUNCTION int cellField (int i, int j)

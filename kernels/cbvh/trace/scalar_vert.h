@@ -23,8 +23,8 @@ namespace embree
 
       explicit ScalarVertBlock(const VertHeader* block) : quadsX(vertQuadsX(block->place)), quadsY(vertQuadsY(block->place)), block(block), layout(vertLayout(block->place))
       {
-        if (isRaw(block->boxShifts)) { memcpy(vertices,bytes(layout.words),sizeof(vertices[0])*(quadsX+1)*(quadsY+1)); return; }
-        int corners[3][4], first[3][cellVertices];
+        if (isRaw(block->marginShifts)) { memcpy(vertices,bytes(layout.vertices),sizeof(vertices[0])*(quadsX+1)*(quadsY+1)); return; }
+        int corners[3][4];
         for (int k=0; k<3; k++)
           for (int c=0; c<4; c++)
             corners[k][c] = cornerCoordinate(block->corners[cornerPair(c,k)],c,k);
@@ -51,10 +51,23 @@ namespace embree
       /*! box of a group in the world: lower, upper */
       void groupBox(uint32_t g, float lower[3], float upper[3]) const
       {
-        for (int k=0; k<3; k++) {
-          const float step = block->spacing*float(1u << boxShift(block->boxShifts,k));
-          lower[k] = block->origin[k] + float(bytes(layout.boxes)[k*layout.groups+g])*step;
-          upper[k] = block->origin[k] + float(bytes(layout.boxes)[(3+k)*layout.groups+g])*step;
+        const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
+        for (int k=0; k<3; k++)
+        {
+          if (isRaw(block->marginShifts)) {
+            memcpy(lower+k,bytes(layout.boxes) + 4*(k*layout.groups+g),sizeof(float));
+            memcpy(upper+k,bytes(layout.boxes) + 4*((3+k)*layout.groups+g),sizeof(float));
+            continue;
+          }
+          const uint32_t margins = bytes(layout.margins)[k*layout.groups+g], shift = marginShift(block->marginShifts,k);
+          int lo = first[k][5*gy+gx], hi = lo;
+          for (uint32_t c=1; c<4; c++) {
+            const int v = first[k][5*(gy+(c >> 1)) + gx+(c & 1)];
+            lo = v < lo ? v : lo;
+            hi = v > hi ? v : hi;
+          }
+          lower[k] = block->origin[k] + float(lo-lowerMargin(margins,shift))*block->spacing;
+          upper[k] = block->origin[k] + float(hi+upperMargin(margins,shift))*block->spacing;
         }
       }
 
@@ -67,9 +80,9 @@ namespace embree
 
       uint32_t wordOf(uint32_t g) const
       {
-        uint32_t word;
-        memcpy(&word,bytes(layout.words + 4*g),sizeof(word));
-        return word;
+        uint16_t low;
+        memcpy(&low,bytes(layout.words + 2*g),sizeof(low));
+        return uint32_t(low) | uint32_t(*bytes(layout.wordsHigh + g)) << 16;
       }
 
       /*! corners, out: by axis */
@@ -98,6 +111,7 @@ namespace embree
 
       const VertHeader* block;
       VertLayout layout;
+      int first[3][cellVertices];         //!< corners of groups
     };
   }}
 }

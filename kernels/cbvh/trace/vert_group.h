@@ -106,26 +106,87 @@ namespace embree
         }
       }
 
-      /*! A block that a ray looks into: decodes groups, and before the first of them the block's
-       *  own cell. */
+      /*! four corners of 4 x 4 cells of vertices, in vectors of cells */
+      struct CellCornersV
+      {
+        static const int vectors = 16/vertWidth;
+        vfloatV at[vectors][4];    //!< 00, 10, 01, 11
+
+        __forceinline CellCornersV (const float* p)
+        {
+          static const int offsets[4] = { 0,1,5,6 };
+#if defined(__AVX512F__)
+          const __m512i base = _mm512_setr_epi32(0,1,2,3, 5,6,7,8, 10,11,12,13, 15,16,17,18);
+          const __m512 a = _mm512_load_ps(p), b = _mm512_load_ps(p+16);
+          for (int c=0; c<4; c++)
+            at[0][c] = _mm512_permutex2var_ps(a,_mm512_add_epi32(base,_mm512_set1_epi32(offsets[c])),b);
+#elif defined(__AVX__)
+          for (int j=0; j<vectors; j++)
+            for (int c=0; c<4; c++)
+              at[j][c] = vfloat8(vfloat4::loadu(p+10*j+offsets[c]),vfloat4::loadu(p+10*j+5+offsets[c]));
+#else
+          for (int j=0; j<vectors; j++)
+            for (int c=0; c<4; c++)
+              at[j][c] = vfloat4::loadu(p+5*j+offsets[c]);
+#endif
+        }
+
+        __forceinline vfloatV lower (int j) const { return min(min(at[j][0],at[j][1]),min(at[j][2],at[j][3])); }
+        __forceinline vfloatV upper (int j) const { return max(max(at[j][0],at[j][1]),max(at[j][2],at[j][3])); }
+      };
+
+      /*! Boxes of groups in the world, group (x,y) in lane x + 4 y. Lanes of no group are not
+       *  anything. */
+      struct alignas(64) GroupBoxes
+      {
+        float lower[3][16], upper[3][16];
+        float extent[3]; //!< of the block from its origin, at least
+      };
+
+      /*! A block that a ray looks into. */
       class VertGroups
       {
       public:
-        __forceinline VertGroups (const VertHeader* block, const VertLayout& layout)
-          : block(block), layout(layout), quadsX(vertQuadsX(block->place)), quadsY(vertQuadsY(block->place)), hasCorners(false) {}
-
-        /*! vertices of a group in the world */
-        __forceinline void decode (uint32_t g, CellVertices& out)
+        __forceinline VertGroups (const VertHeader* block)
+          : block(block), layout(vertLayout(block->place)), quadsX(vertQuadsX(block->place)), quadsY(vertQuadsY(block->place))
         {
-          const uint32_t gx = layout.groupsX == 4 ? g & 3 : g % layout.groupsX, gy = layout.groupsX == 4 ? g >> 2 : g / layout.groupsX;
-          if (unlikely(isRaw(block->boxShifts))) { copy(gx,gy,out); return; }
-          const uint32_t* words = (const uint32_t*)((const char*)block + layout.words);
-          if (!hasCorners) decodeCorners();
+          if (likely(!isRaw(block->marginShifts))) decodeCorners();
+        }
+
+        /*! bits of lanes that have a group */
+        __forceinline uint32_t lanes () const {
+          return (((1u << layout.groupsX)-1) * 0x1111u) & uint32_t((1u << (4*layout.groupsY))-1);
+        }
+
+        __forceinline void boxes (GroupBoxes& out) const
+        {
+          if (unlikely(isRaw(block->marginShifts))) { copyBoxes(out); return; }
+          for (int k=0; k<3; k++)
+          {
+            alignas(16) uint8_t expanded[16];
+            const uint8_t* margins = expandRows((const uint8_t*)block + layout.margins + k*layout.groups,expanded);
+            const CellCornersV corners(first.at[k]);
+            out.extent[k] = float(maxExtent)*block->spacing;
+            const vfloatV spacing(block->spacing), origin(block->origin[k]), step(float(1u << marginShift(block->marginShifts,k)));
+            for (int j=0; j<CellCornersV::vectors; j++) {
+              const vintV m = loadBytes(margins+vertWidth*j);
+              const vfloatV lo = nmadd(vfloatV(m & vintV(15)),step,corners.lower(j)), hi = madd(vfloatV(m >> 4),step,corners.upper(j));
+              vfloatV::store(out.lower[k]+vertWidth*j,madd(lo,spacing,origin));
+              vfloatV::store(out.upper[k]+vertWidth*j,madd(hi,spacing,origin));
+            }
+          }
+        }
+
+        /*! vertices of the group in a lane, in the world */
+        __forceinline void decode (uint32_t lane, CellVertices& out) const
+        {
+          const uint32_t gx = lane & 3, gy = lane >> 2, g = gy*layout.groupsX + gx;
+          if (unlikely(isRaw(block->marginShifts))) { copy(gx,gy,out); return; }
           CellCorners corners;
           for (int k=0; k<3; k++)
             for (uint32_t c=0; c<4; c++)
               corners.at[k][c] = first.at[k][5*(gy+(c >> 1)) + gx+(c & 1)];
-          decodeCell(words[g],groupData(words,g),corners,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy),out);
+          decodeCell(wordOf(g),groupData(g),corners,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy),out);
           for (int k=0; k<3; k++)
             for (int c=0; c<cellVectors; c++) {
               float* p = out.at[k]+vertWidth*c;
@@ -134,32 +195,68 @@ namespace embree
         }
 
       private:
+        __forceinline const uint8_t* bytes (uint32_t offset) const { return (const uint8_t*)block + offset; }
+
         __forceinline void decodeCorners ()
         {
-          hasCorners = true;
           CellCorners corners;
           for (int k=0; k<3; k++)
             for (int c=0; c<4; c++)
               corners.at[k][c] = float(cornerCoordinate(block->corners[cornerPair(c,k)],c,k));
-          decodeCell(block->word,(const uint8_t*)block + layout.cell,corners,false,quadsX,quadsY,first);
+          decodeCell(block->word,bytes(layout.cell),corners,false,quadsX,quadsY,first);
+        }
+
+        /*! a byte a group to a byte a lane; reads up to 16 bytes, which a block has there */
+        __forceinline const uint8_t* expandRows (const uint8_t* rows, uint8_t* out) const
+        {
+          if (likely(layout.groupsX == 4)) return rows;
+          for (int i=0; i<16; i++) out[i] = 0;
+          for (uint32_t y=0; y<layout.groupsY; y++)
+            for (uint32_t x=0; x<layout.groupsX; x++) out[4*y+x] = rows[y*layout.groupsX+x];
+          return out;
+        }
+
+        static __forceinline vintV loadBytes (const uint8_t* p)
+        {
+#if defined(__AVX512F__)
+          return vintV(_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i*)p)));
+#else
+          return vintV::load((const unsigned char*)p);
+#endif
+        }
+
+        __forceinline uint32_t wordOf (uint32_t g) const
+        {
+          uint16_t low;
+          memcpy(&low,bytes(layout.words+2*g),sizeof(low));
+          return uint32_t(low) | uint32_t(*bytes(layout.wordsHigh+g)) << 16;
         }
 
         /*! fields of a group come behind those of the groups before it */
-        __forceinline const uint8_t* groupData (const uint32_t* words, uint32_t g) const
+        __forceinline const uint8_t* groupData (uint32_t g) const
         {
           uint32_t offset = layout.cell + cellBytes(block->word);
 #if defined(__AVX512F__)
-          const __m512i w = _mm512_maskz_loadu_epi32(__mmask16((1u << g)-1),words);
-          offset += uint32_t(_mm512_reduce_add_epi32(_mm512_srli_epi32(w,24)));
+          const __m256i w = _mm256_maskz_loadu_epi16(__mmask16((1u << g)-1),bytes(layout.words));
+          const __m256i nibble = _mm256_set1_epi16(15);
+          const __m256i bits = _mm256_add_epi16(_mm256_and_si256(w,nibble),
+            _mm256_add_epi16(_mm256_and_si256(_mm256_srli_epi16(w,4),nibble),_mm256_and_si256(_mm256_srli_epi16(w,8),nibble)));
+          const __m256i size = _mm256_srli_epi16(_mm256_add_epi16(_mm256_mullo_epi16(bits,_mm256_set1_epi16(cellFields)),_mm256_set1_epi16(7)),3);
+          const __m256i pairs = _mm256_madd_epi16(size,_mm256_set1_epi16(1));
+          offset += uint32_t(reduce_add(vint8(pairs)));
 #else
-          for (uint32_t i=0; i<g; i++) offset += cellBytes(words[i]);
+          for (uint32_t i=0; i<g; i++) {
+            uint16_t low;
+            memcpy(&low,bytes(layout.words+2*i),sizeof(low));
+            offset += cellBytes(low);
+          }
 #endif
-          return (const uint8_t*)block + offset;
+          return bytes(offset);
         }
 
         void copy (uint32_t gx, uint32_t gy, CellVertices& out) const
         {
-          const float (*v)[3] = (const float (*)[3])((const char*)block + layout.words);
+          const float (*v)[3] = (const float (*)[3])bytes(layout.vertices);
           for (uint32_t n=0; n<uint32_t(VertTables::lanes); n++)
           {
             const uint32_t l = n < uint32_t(cellVertices) ? n : 0;
@@ -168,11 +265,26 @@ namespace embree
           }
         }
 
+        void copyBoxes (GroupBoxes& out) const
+        {
+          const float* planes = (const float*)bytes(layout.boxes);
+          for (int k=0; k<3; k++)
+          {
+            float highest = block->origin[k];
+            for (uint32_t l=0; l<16; l++) {
+              const uint32_t g = min(l >> 2,layout.groupsY-1)*layout.groupsX + min(l & 3,layout.groupsX-1);
+              out.lower[k][l] = planes[k*layout.groups+g];
+              out.upper[k][l] = planes[(3+k)*layout.groups+g];
+              highest = max(highest,out.upper[k][l]); // an empty group has none
+            }
+            out.extent[k] = highest - block->origin[k];
+          }
+        }
+
         const VertHeader* block;
-        const VertLayout& layout;
-        uint32_t quadsX, quadsY;
-        bool hasCorners;
-        CellVertices first;   //!< corners of groups
+        const VertLayout layout;
+        const uint32_t quadsX, quadsY;
+        CellVertices first;   //!< corners of groups, in coordinates
       };
     }
   }

@@ -29,7 +29,7 @@ namespace embree
 
       private:
         __forceinline VertIntersector1 (RayType& ray, IntersectContext* context, const VertRay& pre, const VertHeader* block)
-          : ray(ray), context(context), pre(pre), block(block), layout(vertLayout(block->place)), groups(block,layout) {}
+          : ray(ray), context(context), pre(pre), block(block), groups(block) {}
 
         __forceinline bool run ()
         {
@@ -56,51 +56,36 @@ namespace embree
          *  by three, each of the two. */
         static constexpr float slackUlps = 8.0f;
 
-        /*! groups whose boxes the ray meets; sets enter */
+        /*! lanes of groups whose boxes the ray meets; sets enter */
         __forceinline uint32_t meetBoxes ()
         {
-          const uint8_t* boxes = (const uint8_t*)block + layout.boxes;
-          const uint8_t* nearPlanes[3];
-          const uint8_t* farPlanes[3];
-          float step[3], nearOrigin[3], farOrigin[3];
+          GroupBoxes boxes;
+          groups.boxes(boxes);
+          const float* nearPlanes[3];
+          const float* farPlanes[3];
+          float slack[3];
           for (int k=0; k<3; k++)
           {
             const bool down = pre.rcp[k] < 0.0f;
-            nearPlanes[k] = boxes + (down ? k+3 : k)*layout.groups;
-            farPlanes[k]  = boxes + (down ? k : k+3)*layout.groups;
-            step[k] = block->spacing*float(1u << boxShift(block->boxShifts,k) % 24u);
-            const float distance = std::fabs(block->origin[k]-pre.org[k]) + 255.0f*step[k];
-            const float slack = slackUlps*floatUlp*distance;
-            nearOrigin[k] = down ? slack : -slack;
-            farOrigin[k] = -nearOrigin[k];
+            nearPlanes[k] = down ? boxes.upper[k] : boxes.lower[k];
+            farPlanes[k]  = down ? boxes.lower[k] : boxes.upper[k];
+            const float distance = std::fabs(block->origin[k]-pre.org[k]) + boxes.extent[k];
+            slack[k] = slackUlps*floatUlp*(down ? distance : -distance);
           }
           uint32_t open = 0;
-          for (uint32_t n=0; n<layout.groups; n+=vertWidth)
+          for (uint32_t n=0; n<16; n+=vertWidth)
           {
             vfloatV tNear(ray.tnear()), tFar(ray.tfar);
             for (int k=0; k<3; k++)
             {
-              const vfloatV scale(step[k]), origin(block->origin[k]), org(pre.org[k]), rcp(pre.rcp[k]);
-              const vfloatV nearPlane = madd(loadBytes(nearPlanes[k]+n),scale,origin), farPlane = madd(loadBytes(farPlanes[k]+n),scale,origin);
-              tNear = max(tNear,(nearPlane - org + vfloatV(nearOrigin[k]))*rcp);
-              tFar  = min(tFar ,(farPlane  - org + vfloatV(farOrigin[k]))*rcp);
+              const vfloatV org(pre.org[k]), rcp(pre.rcp[k]);
+              tNear = max(tNear,((vfloatV::load(nearPlanes[k]+n) - org) + vfloatV(slack[k]))*rcp);
+              tFar  = min(tFar ,((vfloatV::load(farPlanes[k]+n)  - org) - vfloatV(slack[k]))*rcp);
             }
             vfloatV::store(enter+n,tNear);
             open |= uint32_t(movemask(tNear <= tFar)) << n;
           }
-          return open & uint32_t((uint64_t(1) << layout.groups) - 1);
-        }
-
-        /*! reads up to 16 bytes, which a block has behind its boxes */
-        static __forceinline vfloatV loadBytes (const uint8_t* p)
-        {
-#if defined(__AVX512F__)
-          return vfloatV(vintV(_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i*)p))));
-#elif defined(__AVX__)
-          return vfloatV(vint8::load((const unsigned char*)p));
-#else
-          return vfloat4::load((const unsigned char*)p);
-#endif
+          return open & groups.lanes();
         }
 
         /*! takes the group out that begins first */
@@ -144,7 +129,7 @@ namespace embree
           SurfaceHit hit;
           hit.t = t;
           hit.Ng = Vec3fa(float(at.normal[0]),float(at.normal[1]),float(at.normal[2]));
-          const uint32_t x = vertX(block->place) + groupQuads*(g % layout.groupsX) + (quad & 3), y = vertY(block->place) + groupQuads*(g / layout.groupsX) + (quad >> 2);
+          const uint32_t x = vertX(block->place) + groupQuads*(g & 3) + (quad & 3), y = vertY(block->place) + groupQuads*(g >> 2) + (quad >> 2);
           setParameters(x,y,triangle,hits.u[triangle][quad],hits.v[triangle][quad],hit);
           return report(ray,context,block->geomID,block->primID,hit);
         }
@@ -175,9 +160,8 @@ namespace embree
         IntersectContext* context;
         const VertRay& pre;
         const VertHeader* block;
-        const VertLayout layout;
-        VertGroups groups;
-        alignas(64) float enter[16]; //!< where the ray enters the box of each group
+        const VertGroups groups;
+        alignas(64) float enter[16]; //!< where the ray enters the box of the group in each lane
       };
     }
   }

@@ -66,32 +66,6 @@ namespace embree
         }
       };
 
-      /*! four corners of all quads, in vectors of them */
-      struct GroupCorners
-      {
-        static const int vectors = 16/vertWidth;
-        vfloatV at[vectors][4];    //!< 00, 10, 01, 11
-
-        __forceinline GroupCorners (const float* p)
-        {
-          static const int offsets[4] = { 0,1,5,6 };
-#if defined(__AVX512F__)
-          const __m512i base = _mm512_setr_epi32(0,1,2,3, 5,6,7,8, 10,11,12,13, 15,16,17,18);
-          const __m512 a = _mm512_load_ps(p), b = _mm512_load_ps(p+16);
-          for (int c=0; c<4; c++)
-            at[0][c] = _mm512_permutex2var_ps(a,_mm512_add_epi32(base,_mm512_set1_epi32(offsets[c])),b);
-#elif defined(__AVX__)
-          for (int j=0; j<vectors; j++)
-            for (int c=0; c<4; c++)
-              at[j][c] = vfloat8(vfloat4::loadu(p+10*j+offsets[c]),vfloat4::loadu(p+10*j+5+offsets[c]));
-#else
-          for (int j=0; j<vectors; j++)
-            for (int c=0; c<4; c++)
-              at[j][c] = vfloat4::loadu(p+5*j+offsets[c]);
-#endif
-        }
-      };
-
       /*! side of the ray on which an edge lies */
       __forceinline vfloatV edgeSide (const vfloatV& ax, const vfloatV& ay, const vfloatV& bx, const vfloatV& by) {
         return product(ax,by) - product(ay,bx);
@@ -116,9 +90,9 @@ namespace embree
             vfloatV::store(sheared.at[1]+n,nmadd(vfloatV(ray.sy),z,y));
             vfloatV::store(sheared.at[2]+n,vfloatV(ray.sz)*z);
           }
-          const GroupCorners X(sheared.at[0]), Y(sheared.at[1]), Z(sheared.at[2]);
+          const CellCornersV X(sheared.at[0]), Y(sheared.at[1]), Z(sheared.at[2]);
           hits.mask = 0;
-          for (int j=0; j<GroupCorners::vectors; j++)
+          for (int j=0; j<CellCornersV::vectors; j++)
           {
             const vfloatV* x = X.at[j];
             const vfloatV* y = Y.at[j];
@@ -147,12 +121,12 @@ namespace embree
                                        const vfloatV& z0, const vfloatV& z1, const vfloatV& z2, float tfar, GroupHits& hits) const
         {
           const vfloatV sum = w0 + w1 + w2;
-          const vfloatV t = (w0*z0 + w1*z1 + w2*z2)/sum;
+          const vfloatV b1 = w1/sum, b2 = w2/sum;
+          const vfloatV t = madd(b1,z1-z0,madd(b2,z2-z0,z0));
           const vfloatV doubt = abs(t)*vfloatV(1.0f/256.0f);
           const size_t mask = movemask(inside & (sum != vfloatV(zero)) & (t+doubt >= vfloatV(tnear)) & (t-doubt <= vfloatV(tfar)));
           if (mask == 0) return 0;
           const int n = vertWidth*j;
-          const vfloatV b1 = w1/sum, b2 = w2/sum;
           vfloatV::store(hits.u[triangle]+n,triangle ? b1+b2 : b1);
           vfloatV::store(hits.v[triangle]+n,triangle ? vfloatV(1.0f)-b1 : b2);
           return spread(uint32_t(mask) << n) << triangle;
