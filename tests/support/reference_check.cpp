@@ -170,6 +170,33 @@ struct UncertainRay
   }
 };
 
+// Distance of a point from a triangle, which may be a line.
+double distanceTo(const VertTriangle& triangle, const double point[3])
+{
+  double e[3][3], q[3][3], n[3], least = infinity;
+  for (int i = 0; i < 3; i++) {
+    for (int k = 0; k < 3; k++) {
+      e[i][k] = double(triangle.vertices[(i+1) % 3][k]) - triangle.vertices[i][k];
+      q[i][k] = point[k] - triangle.vertices[i][k];
+    }
+    const double along = std::min(1.0, std::max(0.0, dot(q[i], e[i])/std::max(dot(e[i], e[i]), 1e-300)));
+    double off[3];
+    for (int k = 0; k < 3; k++) off[k] = q[i][k] - along*e[i][k];
+    least = std::min(least, std::sqrt(dot(off, off)));
+  }
+  const auto cross = [](const double a[3], const double b[3], double out[3]) {
+    for (int k = 0; k < 3; k++) out[k] = a[(k+1)%3]*b[(k+2)%3] - a[(k+2)%3]*b[(k+1)%3];
+  };
+  cross(e[0], e[1], n);
+  bool above = dot(n, n) > 0;
+  for (int i = 0; i < 3; i++) {
+    double side[3];
+    cross(e[i], q[i], side);
+    above &= dot(side, n) >= 0;
+  }
+  return above ? std::fabs(dot(q[0], n))/std::sqrt(dot(n, n)) : least;
+}
+
 // Whether a ray lies in the plane of a triangle: its test divides by this cosine.
 bool grazes(const RTCRay& r, const double n[3])
 {
@@ -224,7 +251,7 @@ void ReferenceCheck::compareTriangles(const RTCRayHit& ray, RayKind kind, const 
   nearest.t = infinity;
   bool same = false, near = false;
   for (const VertTriangle& triangle : triangles) {
-    if (!meet(ray.ray, triangle, hit)) continue;
+    if (!meet(ray.ray, triangle, hit)) continue; // a line, below, or in the ray's direction
     // what its vertices, less the origin and sheared, are rounded by, and what that does to the test
     double reach = 0, e[2][3], n[3];
     for (const auto& v : triangle.vertices)
@@ -241,6 +268,14 @@ void ReferenceCheck::compareTriangles(const RTCRayHit& ray, RayKind kind, const 
     const bool inRange = hit.t >= ray.ray.tnear && hit.t <= ray.ray.tfar;
     if (inRange && inside(hit) >= 0 && hit.t < nearest.t) { nearest = hit; same = std::fabs(hit.t - t) <= ofT + 4*ulp*std::fabs(hit.t); }
     near |= inside(hit) >= -ofWeights && (!isHit(found) ? inside(hit) <= ofWeights || hit.t <= ray.ray.tnear + ofT || hit.t >= ray.ray.tfar - ofT : std::fabs(hit.t - t) <= ofT + 4*ulp*std::fabs(hit.t));
+  }
+  // a line, or a triangle seen from its edge, is hit by rays that pass it by no more than rounding
+  for (size_t i = 0; i < triangles.size() && isHit(found) && !same && !near; i++) {
+    double p[3], reach = 0;
+    for (int k = 0; k < 3; k++) p[k] = org[k] + t*d[k];
+    for (const auto& v : triangles[i].vertices)
+      for (int k = 0; k < 3; k++) reach = std::max(reach, std::fabs(double(v[k]) - org[k]));
+    near |= distanceTo(triangles[i], p) <= 16*ulp*reach;
   }
   same |= nearest.triangle == nullptr && !isHit(found);
   sameT += same;

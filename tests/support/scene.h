@@ -160,6 +160,7 @@ struct Displacement
   float amplitude = 0.05f, frequency = 7;
   float scale = 1;
   Vec offset = {0, 0, 0};
+  float lattice = 0; // if not 0, positions are multiples of it
   std::function<bool(unsigned primID, float u, float v)> poison; // vertices that become NaN or infinite
 
   static void apply(const RTCDisplacementFunctionNArguments* args)
@@ -171,6 +172,8 @@ struct Displacement
       for (int k = 0; k < 3; k++) p[k] = (double(*P[k]) - d.offset[k])/d.scale*d.frequency;
       const double f[3] = {std::sin(p[0] + 2*p[1])*std::cos(p[2]), std::sin(p[1] - p[2]), std::cos(p[2] + p[0])*std::sin(p[1])};
       for (int k = 0; k < 3; k++) *P[k] = float(*P[k] + double(d.scale)*d.amplitude*f[k]);
+      if (d.lattice > 0)
+        for (int k = 0; k < 3; k++) *P[k] = std::nearbyint(*P[k]/d.lattice)*d.lattice;
       if (d.poison && d.poison(args->primID, args->u[i], args->v[i]))
         *P[i % 3] = i % 2 ? std::numeric_limits<float>::quiet_NaN() : std::numeric_limits<float>::infinity();
     }

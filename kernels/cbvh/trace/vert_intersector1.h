@@ -107,7 +107,8 @@ namespace embree
           uint32_t open = 0;
           for (uint32_t rest=hits.mask; rest; rest&=rest-1) {
             const uint32_t h = uint32_t(bsf(rest));
-            if (VertTriangle(vertices,h).meet(ray,t[h])) open |= 1u << h;
+            const VertTriangle triangle(vertices,h);
+            if (triangle.contains(pre) && triangle.meet(ray,pre.kz,t[h])) open |= 1u << h;
           }
           while (open)
           {
@@ -128,7 +129,7 @@ namespace embree
           const VertTriangle at(vertices,h);
           SurfaceHit hit;
           hit.t = t;
-          hit.Ng = Vec3fa(float(at.normal[0]),float(at.normal[1]),float(at.normal[2]));
+          hit.Ng = at.Ng(ray);
           const uint32_t x = vertX(block->place) + groupQuads*(g & 3) + (quad & 3), y = vertY(block->place) + groupQuads*(g >> 2) + (quad >> 2);
           setParameters(x,y,triangle,hits.u[triangle][quad],hits.v[triangle][quad],hit);
           return report(ray,context,block->geomID,block->primID,hit);

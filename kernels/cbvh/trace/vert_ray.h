@@ -10,7 +10,8 @@
  * goes through a triangle if the origin is on the same side of all three edges. A side is
  * the sign of ax by - ay bx, which for an edge seen from its other triangle is the exact
  * negative, as products of floats commute. Rounding is monotonic, so that sign may be lost,
- * to 0, but is never the wrong one; 0 counts for both triangles. A vertex is sheared to the
+ * to 0, but is never the wrong one; 0 counts for both triangles, and is told exactly for the few
+ * that are left (VertTriangle::contains). A vertex is sheared to the
  * same numbers wherever it is used. So every origin that the sheared surface covers is in
  * one of its triangles: no ray slips through an edge or past a vertex.
  *

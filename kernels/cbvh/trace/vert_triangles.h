@@ -29,40 +29,98 @@ namespace embree
         alignas(64) float u[2][16], v[2][16]; //!< [triangle][quad]: position in the quad
       };
 
-      /*! A triangle of a group in double, where differences and products of its vertices are
-       *  exact: weights of a needle are off by more than its plane is. */
+      /*! A triangle of a group in double, where differences of its vertices are exact: weights of a
+       *  needle are off by more than its plane is. */
       struct VertTriangle
       {
-        double normal[3];
-        float corner[3];
+        /*! below this the ray lies in the plane, as far as vertices of 24 bits can tell */
+        static constexpr double minCosine = 1e-6;
+
+        double normal[3];      //!< 0 of a line
+        float vertices[3][3];  //!< by axis
 
         /*! h: a bit of GroupHits */
-        __forceinline VertTriangle (const CellVertices& vertices, uint32_t h)
+        __forceinline VertTriangle (const CellVertices& cell, uint32_t h)
         {
           const uint32_t v = 5*(h >> 3) + ((h >> 1) & 3), a = h & 1 ? v+5 : v, b = v+1, c = h & 1 ? v+6 : v+5;
           double e[3], f[3];
           for (int k=0; k<3; k++) {
-            corner[k] = vertices.at[k][a];
-            e[k] = double(vertices.at[k][b]) - double(corner[k]);
-            f[k] = double(vertices.at[k][c]) - double(corner[k]);
+            vertices[k][0] = cell.at[k][a]; vertices[k][1] = cell.at[k][b]; vertices[k][2] = cell.at[k][c];
+            e[k] = double(vertices[k][1]) - double(vertices[k][0]);
+            f[k] = double(vertices[k][2]) - double(vertices[k][0]);
           }
           normal[0] = e[1]*f[2] - e[2]*f[1];
           normal[1] = e[2]*f[0] - e[0]*f[2];
           normal[2] = e[0]*f[1] - e[1]*f[0];
         }
 
-        /*! where the ray meets its plane; false beyond tnear and tfar, and for a triangle without
-         *  an area */
-        __forceinline bool meet (const Ray& ray, float& t) const
+        /*! Whether the sheared triangle has the ray in it. Sides that rounded to 0 count for both of
+         *  their triangles, and slivers have no others: here their signs are exact, as products of
+         *  floats are in double. */
+        __forceinline bool contains (const VertRay& ray) const
         {
-          double height = 0, speed = 0;
+          auto relative = [&](int k) { return vfloat4(vertices[k][0],vertices[k][1],vertices[k][2],vertices[k][2]) - vfloat4(ray.org[k]); };
+          const vfloat4 z = relative(ray.kz);
+          const vfloat4 x = nmadd(vfloat4(ray.sx),z,relative(ray.kx)), y = nmadd(vfloat4(ray.sy),z,relative(ray.ky));
+          double side[3];
+          bool around = false;
+          for (int i=0; i<3; i++) {
+            const int a = (i+1)%3, b = (i+2)%3;
+            side[i] = double(x[a])*double(y[b]) - double(y[a])*double(x[b]);
+            around |= double(x[a])*double(x[b]) + double(y[a])*double(y[b]) <= 0.0;
+          }
+          const double least = min(side[0],min(side[1],side[2])), greatest = max(side[0],max(side[1],side[2]));
+          if (unlikely(least == 0.0 && greatest == 0.0)) return around; // on a line through the ray
+          return least >= 0.0 || greatest <= 0.0;
+        }
+
+        /*! Where a ray that goes through it meets its plane; false beyond tnear and tfar. A plane that
+         *  the ray lies in, but for rounding, says nothing, nor does a line: the ray may be inside by
+         *  the rounding of vertices alone, and if it were let through, it would leak. */
+        __forceinline bool meet (const Ray& ray, int kz, float& t) const
+        {
+          double height = 0, speed = 0, size = 0;
           for (int k=0; k<3; k++) {
-            height += normal[k]*(double(corner[k]) - double(ray.org[k]));
+            size += std::fabs(normal[k]*double(ray.dir[k]));
+            height += normal[k]*(double(vertices[k][0]) - double(ray.org[k]));
             speed += normal[k]*double(ray.dir[k]);
           }
-          const double exact = height/speed;
+          double z[3];
+          for (int i=0; i<3; i++) z[i] = (double(vertices[kz][i]) - double(ray.org[kz]))/double(ray.dir[kz]);
+          const double nearest = min(z[0],min(z[1],z[2])), farthest = max(z[0],max(z[1],z[2]));
+          double exact = height/speed;
+          if (unlikely(!(std::fabs(speed) > minCosine*size))) exact = alongLongestEdge(ray);
+          exact = min(max(exact,nearest),farthest);
           t = float(exact);
-          return exact >= double(ray.tnear()) && exact <= double(ray.tfar); // not for 0/0
+          return exact >= double(ray.tnear()) && exact <= double(ray.tfar);
+        }
+
+        /*! where the ray is nearest to the longest edge */
+        double alongLongestEdge (const Ray& ray) const
+        {
+          double best = -1.0, t = 0.0;
+          for (int i=0, j=1; i<3; i++, j=(i+1)%3)
+          {
+            double ee = 0, dd = 0, de = 0, dw = 0, ew = 0;
+            for (int k=0; k<3; k++)
+            {
+              const double e = double(vertices[k][j]) - double(vertices[k][i]), w = double(vertices[k][i]) - double(ray.org[k]), d = double(ray.dir[k]);
+              ee += e*e; dd += d*d; de += d*e; dw += d*w; ew += e*w;
+            }
+            if (ee <= best) continue;
+            best = ee;
+            const double det = dd*ee - de*de;
+            const double s = det > 0 ? min(max((de*dw - dd*ew)/det,0.0),1.0) : 0.0; // along the edge
+            t = (dw + s*de)/dd;
+          }
+          return t;
+        }
+
+        /*! of a line, whichever way the ray comes from */
+        __forceinline Vec3fa Ng (const Ray& ray) const
+        {
+          const float x = float(normal[0]), y = float(normal[1]), z = float(normal[2]);
+          return likely(x != 0.0f || y != 0.0f || z != 0.0f) ? Vec3fa(x,y,z) : -Vec3fa(ray.dir);
         }
       };
 
