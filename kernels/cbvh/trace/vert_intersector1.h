@@ -140,6 +140,8 @@ namespace embree
         __forceinline void setParameters (uint32_t x, uint32_t y, uint32_t triangle, float a, float b, SurfaceHit& hit) const
         {
           const uint32_t quadsX = patchQuadsX(block->rates), quadsY = patchQuadsY(block->rates);
+          a = a >= 0.0f ? min(a,1.0f) : 0.0f; // also where it is not a number
+          b = b >= 0.0f ? min(b,1.0f) : 0.0f;
           float u = (float(x)+a)/float(quadsX), v = (float(y)+b)/float(quadsY);
           const bool stitched = vertRate(block->rates,0) != vertRate(block->rates,2) || vertRate(block->rates,1) != vertRate(block->rates,3);
           if (unlikely(stitched && (x == 0 || y == 0 || x+1 == quadsX || y+1 == quadsY)))

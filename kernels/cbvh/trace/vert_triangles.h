@@ -69,6 +69,7 @@ namespace embree
             side[i] = double(x[a])*double(y[b]) - double(y[a])*double(x[b]);
             around |= double(x[a])*double(x[b]) + double(y[a])*double(y[b]) <= 0.0;
           }
+          if (unlikely(!(std::fabs(side[0]+side[1]+side[2]) < double(inf)))) return false; // of a vertex that is not finite
           const double least = min(side[0],min(side[1],side[2])), greatest = max(side[0],max(side[1],side[2]));
           if (unlikely(least == 0.0 && greatest == 0.0)) return around; // on a line through the ray
           return least >= 0.0 || greatest <= 0.0;
@@ -174,7 +175,8 @@ namespace embree
           return (min(a,min(b,c)) >= vfloatV(zero)) | (max(a,max(b,c)) <= vfloatV(zero));
         }
 
-        /*! Positions; returns bits of hits. Triangles without an area have a sum of 0. */
+        /*! Positions; returns bits of hits. What is not a number, where all sides rounded to 0, is left
+         *  to VertTriangle. */
         __forceinline uint32_t finish (int triangle, int j, const vboolV& inside, const vfloatV& w0, const vfloatV& w1, const vfloatV& w2,
                                        const vfloatV& z0, const vfloatV& z1, const vfloatV& z2, float tfar, GroupHits& hits) const
         {
@@ -182,7 +184,7 @@ namespace embree
           const vfloatV b1 = w1/sum, b2 = w2/sum;
           const vfloatV t = madd(b1,z1-z0,madd(b2,z2-z0,z0));
           const vfloatV doubt = abs(t)*vfloatV(1.0f/256.0f);
-          const size_t mask = movemask(inside & (sum != vfloatV(zero)) & (t+doubt >= vfloatV(tnear)) & (t-doubt <= vfloatV(tfar)));
+          const size_t mask = movemask(andn(inside,(t+doubt < vfloatV(tnear)) | (t-doubt > vfloatV(tfar))));
           if (mask == 0) return 0;
           const int n = vertWidth*j;
           vfloatV::store(hits.u[triangle]+n,triangle ? b1+b2 : b1);
