@@ -28,6 +28,7 @@ std::string representationOf(RTCScene scene)
 {
   const RTCCompressionStatistics s = statisticsOf(scene);
   if (s.numBlocks == 0) return "none";
+  if (s.maxVertexSpacing > 0) return "vert";
   // leaves take nothing, 2 bytes a quad (at least 8), or 12 a vertex; and up to 12 to align the next block
   const size_t leaves = s.leafBytes/s.numBlocks, quads = s.numQuads/s.numBlocks;
   std::string name = leaves < 16 ? "voxel" : leaves <= std::max<size_t>(2*quads, 8) + 12 ? "leaf" : "grid";
@@ -125,6 +126,14 @@ TEST(Settings, GeometryGoesBeforeDeviceGoesBeforeEnvironment)
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "leaf 5");
 }
 
+TEST(Settings, OneIsTheBestKind)
+{
+  EXPECT_EQ(representation("subdiv_accel=cbvh.vert"), "vert");
+  Environment environment("1");
+  EXPECT_EQ(representation(""), "vert");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.voxel,cbvh_frame_level=3"), "voxel 3");
+}
+
 // As a program that speaks German sets it, but for a locale that may not be there.
 TEST(Settings, NumbersHaveAPointInEveryLocale)
 {
@@ -206,6 +215,25 @@ TEST(SetGeometryCompression, RefusesBadArgumentsByNameAndValueAndKeepsTheSetting
   for (float value : {INFINITY, -INFINITY, NAN}) {
     const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF, 2, value);
     expectError(&args, "maxError", std::isnan(value) ? "nan" : "inf");
+  }
+
+  for (float value : {-1.0f, INFINITY, NAN}) {
+    RTCCompressionArguments args = arguments(RTC_COMPRESSION_VERT);
+    args.maxPixelError = value;
+    args.pixelSize = 1;
+    expectError(&args, "maxPixelError", std::isnan(value) ? "nan" : std::isinf(value) ? "inf" : "-1");
+  }
+  for (float value : {0.0f, -2.0f, INFINITY}) {
+    RTCCompressionArguments args = arguments(RTC_COMPRESSION_VERT);
+    args.maxPixelError = 1;
+    args.pixelSize = value;
+    expectError(&args, "pixelSize", std::isinf(value) ? "inf" : value < 0 ? "-2" : "0");
+  }
+  {
+    RTCCompressionArguments args = arguments(RTC_COMPRESSION_VERT);
+    args.maxPixelError = args.pixelSize = 1;
+    args.cameraPosition[1] = NAN;
+    expectError(&args, "cameraPosition", "nan");
   }
 
   rtcGetDeviceError(nullptr);

@@ -9,6 +9,8 @@
 #include "support/vertex_recorder.h"
 
 #include <cmath>
+#include <map>
+#include <tuple>
 
 namespace cbvh::test {
 namespace {
@@ -104,6 +106,31 @@ TEST(VertSurfaces, SidesThatDisagreeOnTheRateOfAnEdgeShareIt)
   }
 }
 
+// Three walls on one edge: each wall's border is the others', so all edges are of two or more.
+TEST(VertSurfaces, FacesOnANonManifoldEdgeShareIt)
+{
+  Device device;
+  Cage cage;
+  cage.positions = {{0,0,0}, {0,0,1}, {1,0,0}, {1,0,1}, {-1,0.3f,0}, {-1,0.3f,1}, {0.1f,1,0}, {0.1f,1,1}};
+  cage.addFace({0, 2, 3, 1});
+  cage.addFace({0, 4, 5, 1});
+  cage.addFace({0, 6, 7, 1});
+  for (const std::vector<float>& rates : {std::vector<float>(12, 16.0f), std::vector<float>{16,16,16,4, 8,8,8,8, 16,16,16,16}}) {
+    AlongNormals displacement;
+    SurfaceSettings settings = vert();
+    settings.edgeRates = rates;
+    Scene scene(device);
+    commitAlongNormals(device, scene, cage, settings, displacement);
+    // the shared polyline is that of the lowest rate: each of its edges three times
+    std::map<std::pair<std::array<float, 3>, std::array<float, 3>>, int> uses;
+    for (const VertTriangle& t : vertTriangles(scene))
+      for (int i = 0; t.hasArea() && i < 3; i++) uses[std::minmax(t.vertices[i], t.vertices[(i+1) % 3])]++;
+    size_t threefold = 0;
+    for (const auto& edge : uses) threefold += edge.second == 3;
+    EXPECT_EQ(threefold, size_t(*std::min_element(rates.begin(), rates.end())));
+  }
+}
+
 // GRID tears here, by hundreds of ulps or by a part of the object.
 TEST(VertSurfaces, ExtraordinaryVerticesAlongNormalsAndSeamsAreClosed)
 {
@@ -120,6 +147,109 @@ TEST(VertSurfaces, ExtraordinaryVerticesAlongNormalsAndSeamsAreClosed)
       EXPECT_GT(stats.maxBorderGap, jump);
       EXPECT_LE(stats.maxVertexDeviation, 0.8661f*stats.maxVertexSpacing);
     }
+}
+
+// --- the promise -----------------------------------------------------------------------
+
+// Vertices by face and parameters, in 2^-16.
+typedef std::tuple<unsigned, long, long> VertexKey;
+VertexKey keyOf(unsigned primID, double u, double v) { return {primID, std::lround(u*65536), std::lround(v*65536)}; }
+
+struct EveryVertex : public VertexRecorder
+{
+  std::map<VertexKey, Vec> vertices;
+
+  void record(const RTCDisplacementFunctionNArguments& args) override
+  {
+    for (unsigned i = 0; i < args.N; i++) vertices[keyOf(args.primID, args.u[i], args.v[i])] = {args.P_x[i], args.P_y[i], args.P_z[i]};
+  }
+};
+
+// The largest distance of a stored vertex from GRID's.
+double largestDeviation(RTCScene scene, const EveryVertex& grid)
+{
+  double largest = 0;
+  size_t compared = 0;
+  for (const VertTriangle& t : vertTriangles(scene))
+    for (int c = 0; c < 3; c++) {
+      const auto found = grid.vertices.find(keyOf(t.primID, t.u[c], t.v[c]));
+      EXPECT_NE(found, grid.vertices.end()) << "GRID has no vertex at " << t.u[c] << ", " << t.v[c] << " of face " << t.primID;
+      if (found == grid.vertices.end()) return INFINITY;
+      double d2 = 0;
+      for (int k = 0; k < 3; k++) d2 += std::pow(double(t.vertices[c][k]) - found->second[k], 2);
+      largest = std::max(largest, std::sqrt(d2));
+      compared++;
+    }
+  EXPECT_GT(compared, 0u);
+  return largest;
+}
+
+TEST(VertSurfaces, NoVertexIsFartherFromGridsThanPromised)
+{
+  Device device;
+  const double halfDiagonal = std::sqrt(3)/2;
+  for (const auto& cage : closedCages)
+    for (float maxError : {0.0f, 0.05f, 0.001f, 3e-5f}) {
+      SCOPED_TRACE(testing::Message() << cage.name << ", bound " << maxError);
+      EveryVertex grid;
+      SurfaceSettings settings;
+      settings.rate = 16;
+      settings.compression = RTC_COMPRESSION_NONE;
+      Scene reference(device);
+      grid.build(device, reference, cage.cage, settings);
+      settings.displacement = &grid;
+      settings.compression = RTC_COMPRESSION_VERT;
+      settings.maxError = maxError;
+      const SurfaceScene scene(device, cage.cage, settings);
+      const RTCCompressionStatistics stats = statisticsOf(scene);
+      if (maxError > 0) {
+        EXPECT_LE(stats.maxVertexSpacing, maxError);
+        EXPECT_GT(stats.maxVertexSpacing, 0.5f*maxError);
+      }
+      EXPECT_GT(stats.maxVertexDeviation, 0);
+      EXPECT_LE(stats.maxVertexDeviation, halfDiagonal*stats.maxVertexSpacing);
+      // faces evaluate what they share some ulps apart
+      const double largest = largestDeviation(scene, grid);
+      EXPECT_LE(largest, stats.maxVertexDeviation + stats.maxBorderGap + 1e-6);
+      EXPECT_LE(stats.maxBorderGap, 1e-5f);
+      EXPECT_LE(largest, halfDiagonal*stats.maxVertexSpacing + 1e-5);
+      EXPECT_EQ(stats.numRawBlocks, 0u);
+    }
+}
+
+TEST(VertSurfaces, SpacingIsAtMostTheBoundInPixelsOfACamera)
+{
+  Device device;
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.rate = 16;
+  settings.compression = RTC_COMPRESSION_VERT;
+  RTCGeometry geometry = newSurface(device, sheetCage(8), settings);
+  RTCCompressionArguments args;
+  rtcInitCompressionArguments(&args);
+  args.compression = RTC_COMPRESSION_VERT;
+  args.maxPixelError = 0.5f;
+  args.pixelSize = 0.002f;
+  args.cameraPosition[0] = -2;
+  args.cameraPosition[2] = 0.3f;
+  rtcSetGeometryCompression(geometry, &args);
+  rtcCommitGeometry(geometry);
+  Scene scene(device);
+  attach(scene, geometry);
+  rtcCommitScene(scene);
+  ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  float finest = INFINITY, coarsest = 0;
+  for (const embree::cbvh::VertHeader* block : sceneVertBlocks(scene)) {
+    const embree::cbvh::ScalarVertBlock decoded(block);
+    double nearest = INFINITY;
+    for (uint32_t i = 0; i < (decoded.quadsX + 1)*(decoded.quadsY + 1); i++)
+      nearest = std::min(nearest, std::hypot(decoded.vertices[i][0] + 2, decoded.vertices[i][1], decoded.vertices[i][2] - 0.3));
+    EXPECT_LE(block->spacing, 0.5*0.002*nearest);
+    finest = std::min(finest, block->spacing);
+    coarsest = std::max(coarsest, block->spacing);
+  }
+  EXPECT_LT(finest, coarsest);
 }
 
 // --- rays ----------------------------------------------------------------------------

@@ -150,6 +150,10 @@ namespace embree
         __forceinline VertGroups (const VertHeader* block)
           : block(block), layout(vertLayout(block->place)), quadsX(vertQuadsX(block->place)), quadsY(vertQuadsY(block->place))
         {
+          /* margins, words and the first cell, while the header is waited for */
+          prefetchL1((const char*)block + 64);
+          prefetchL1((const char*)block + 128);
+          prefetchL1((const char*)block + 192);
           if (likely(!isRaw(block->marginShifts))) decodeCorners();
         }
 
