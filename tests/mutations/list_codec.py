@@ -325,10 +325,26 @@ CROSSING = (
     edit(
         "crossing: no vertex of the parabola",
         "crossing.h",
-        "bool hasVertex = vertex > k0 && vertex < k1;",
+        "bool hasVertex = isBent && vertex > k0 && vertex < k1;",
         "bool hasVertex = false;",
         "lips of saddles miss what dips into them",
         "crossing",
+    ),
+    edit(
+        "crossing: vertex of a line",
+        "crossing.h",
+        "/(isBent ? f.saddle : Real(1));",
+        "/f.saddle;",
+        "by 0 is divided, where a GPU may give any number",
+        "crossing Crossing.NothingIsDivided*",
+    ),
+    edit(
+        "crossing: root of a parabola that begins at its vertex",
+        "crossing.h",
+        "  if (q == Real(0)) return Real(0); // b and d are 0, so f0 is\n",
+        "",
+        "by 0 is divided, where a GPU may give any number",
+        "crossing Crossing.NothingIsDivided*",
     ),
     edit(
         "crossing: slope of the other axis",
