@@ -253,7 +253,31 @@ NODES_AND_LEAVES = (
         "group.border[0][1] = x+2 == side-1;",
         "group.border[0][1] = x+2 == side;",
         "gaps between blocks along u",
-        "watertight *RaysFromInsideHit/cLEAF",
+        "leaf_codec LeafCodec.BlocksAreAbove*",
+    ),
+    edit(
+        "leaf encoder: last row is not on the border",
+        "leaf_encoder.h",
+        "group.border[1][1] = y+2 == side-1;",
+        "group.border[1][1] = y+2 == side;",
+        "gaps between blocks along v",
+        "leaf_codec LeafCodec.BlocksAreAbove*",
+    ),
+    edit(
+        "leaf encoder: first column is not on the border",
+        "leaf_encoder.h",
+        "group.border[0][0] = x == 0;",
+        "group.border[0][0] = x == 1;",
+        "gaps between blocks along u",
+        "leaf_codec LeafCodec.BlocksAreAbove*",
+    ),
+    edit(
+        "leaf encoder: first row is not on the border",
+        "leaf_encoder.h",
+        "group.border[1][0] = y == 0;",
+        "group.border[1][0] = y == 1;",
+        "gaps between blocks along v",
+        "leaf_codec LeafCodec.BlocksAreAbove*",
     ),
     edit(
         "geometry: holes count as quads",
@@ -269,7 +293,7 @@ NODES_AND_LEAVES = (
         "(v/3)*quad[2][k]) + (v%3)*((2-v/3)*quad[1][k]",
         "(v/3)*quad[1][k]) + (v%3)*((2-v/3)*quad[2][k]",
         "blocks of one quad are mirrored",
-        "surface_levels SurfaceLevels.EveryLevel*",
+        "surface_levels SurfaceLevels.QuadsThatAreBlocks*",
     ),
     edit(
         "geometry: small quads do not count",
@@ -284,8 +308,8 @@ NODES_AND_LEAVES = (
         "block_geometry.h",
         "return frame.degenerate || 2*small > valid;",
         "return 2*small > valid;",
-        "blocks on a line get leaves wider than their quads",
-        "hard_cases *HardBlocks.LinesAndPoints/cLEAF*",
+        "needles get leaves wider than their quads",
+        "hard_cases *HardBlocks.NeedlesBeyond*/cLEAF*",
     ),
     edit(
         "grid encoder: infinity is a vertex",
@@ -293,7 +317,7 @@ NODES_AND_LEAVES = (
         "geometry.isFinite(i) ? geometry.vertices[i][k] : NAN;",
         "geometry.vertices[i][k];",
         "triangles reach to infinity where a quad is left out",
-        "invalid_vertices *LeaveOutTheirQuads*/cGRID",
+        "block_format BlockFormat.VerticesOfCGrid*",
     ),
 )
 
@@ -369,7 +393,7 @@ PATCHES = (
         "max(max(rate[0],rate[1]),max(rate[2],rate[3]))",
         "max(max(rate[0],rate[1]),rate[2])",
         "blocks larger than the frame level says, or none",
-        "resampled_faces",
+        "resampled_faces *EachOfTheFourEdges*",
     ),
     edit(
         "patch: refused blocks of stitched patches to GRID",
