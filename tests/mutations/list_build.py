@@ -119,7 +119,7 @@ BOUNDS = (
         "return double(f) <= x ? f : std::nextafter(f,-std::numeric_limits<float>::infinity());",
         "return f;",
         "hits half an ulp outside of the bounds",
-        "scene_bounds",
+        "scene_bounds *HoldTheVertices*",
     ),
     edit(
         "bounds: cells without what neighbours round",
@@ -336,15 +336,25 @@ PATCHES = (
         "spreadBorder(p+quadsX,row,-1,quadsY,unsigned(rate[1]));",
         "spreadBorder(p+quadsX,row,-1,quadsY,unsigned(rate[3]));",
         "the side at u = 1 has the vertices of that at u = 0",
-        "mixed_rates *NeighboursMeet*/cLEAF",
+        "mixed_rates BordersOfMixedRates.*",
+    ),
+    edit(
+        "border: the other of two vertices that are as near",
+        "patch_grid.h",
+        "(2*k*fine + coarse-1)/(2*coarse)",
+        "(2*k*fine + coarse)/(2*coarse)",
+        "halves round up",
+        "mixed_rates",
+        harmless="the two differ only where k fine/coarse is a half more than a number x. Embree's stitch() gives k to the vertices y with "
+        "k fine/coarse <= y + 1/2 < (k+1) fine/coarse, so to x and, as fine/coarse is more than 1, to x + 1",
     ),
     edit(
         "border: vertices one too far",
         "patch_grid.h",
         "(2*k*fine + coarse-1)/(2*coarse)",
-        "(2*k*fine + coarse)/(2*coarse)",
-        "halves round up: borders miss the vertices that stitching left",
-        "mixed_rates *NeighboursMeet*/cLEAF",
+        "(2*k*fine + 2*coarse-1)/(2*coarse)",
+        "borders miss the vertices that stitching left",
+        "mixed_rates BordersOfMixedRates.*",
     ),
     edit(
         "border: no overlap",
