@@ -4,12 +4,13 @@
 /* Layout of blocks: sizes and offsets as FORMAT.md states them, and the blocks that
  * it shows byte by byte. The tables there are read, so the two cannot drift. */
 
-#include "kernels/cbvh/build/block_encoder.h"
+#include "support/encoded_block.h"
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <cstdio>
+#include <cstring>
+#include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -90,6 +91,28 @@ TEST(BlockFormat, MortonOrderIsAOneToOneMapWithXInTheEvenBits)
     }
 }
 
+// A triangle with a vertex at infinity might be hit, and one with NaN is not.
+TEST(BlockFormat, VerticesOfCGridAreKeptToTheBitAndNaNWhereTheyAreNotFinite)
+{
+  const uint32_t height = 2, width = (1u << height) + 1, count = width*width;
+  const float infinity = std::numeric_limits<float>::infinity(), corners[4][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {4, 4, 0}};
+  std::vector<float> vertices;
+  for (uint32_t i = 0; i < count; i++) vertices.insert(vertices.end(), {float(i % width), float(i / width), 0.1f*float(i*i % 7)});
+  const struct { uint32_t vertex, axis; float value; } bad[] = {{3, 0, infinity}, {7, 1, -infinity}, {12, 2, infinity}, {24, 2, std::nanf("")}};
+  for (const auto& b : bad) vertices[3*b.vertex + b.axis] = b.value;
+  const EncodedBlock encoded(Kind::GRID, height, vertices, corners);
+  ASSERT_TRUE(encoded);
+  std::vector<float> stored(3*count);
+  std::memcpy(stored.data(), encoded.get()->leaves(), stored.size()*sizeof(float));
+  for (uint32_t i = 0; i < count; i++) {
+    const bool isBad = std::any_of(std::begin(bad), std::end(bad), [&](const auto& b) { return b.vertex == i; });
+    for (uint32_t k = 0; k < 3; k++) {
+      if (isBad) { EXPECT_TRUE(std::isnan(stored[k*count + i])) << "vertex " << i << ", axis " << k << ": " << stored[k*count + i]; }
+      else { EXPECT_EQ(stored[k*count + i], vertices[3*i + k]) << "vertex " << i << ", axis " << k; }
+    }
+  }
+}
+
 // The lines of a section of FORMAT.md, up to the next heading.
 std::vector<std::string> section(const std::string& heading)
 {
@@ -161,18 +184,13 @@ void expectAnnotated(const std::string& heading, uint32_t height, const std::vec
   std::vector<float> vertices;
   for (uint32_t v = 0; v < z.size(); v++) vertices.insert(vertices.end(), {float(v % width), float(v / width), z[v]});
   const float n = float(quads), corners[4][3] = {{0,0,0}, {n,0,0}, {0,n,0}, {n,n,0}};
-  const uint32_t bytes = blockLayout(kindLeaf, height).bytes;
-  std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2), memory(bytes/sizeof(Double3) + 2);
-  auto align = [](void* p) { return (void*)((uintptr_t(p) + 15) & ~uintptr_t(15)); };
-  BlockEncoder encoder(Kind::LEAF, height, (const float(*)[3])vertices.data(), align(scratch.data()));
-  ASSERT_TRUE(encoder.fit(corners));
-  Block* block = (Block*)align(memory.data());
-  BlockStatistics stats;
-  encoder.encode(block, 1, 0, stats);
+  EncodedBlock encoded(Kind::LEAF, height, vertices, corners, 1, 0);
+  ASSERT_TRUE(encoded);
+  Block* block = encoded.get();
   block->geomID = 3;
   block->primID = 5;
   block->tiling = blockTiling(2, 1, 0, 0);
-  const std::vector<uint8_t> written((const uint8_t*)block, (const uint8_t*)block + bytes);
+  const std::vector<uint8_t> written((const uint8_t*)block, (const uint8_t*)block + blockLayout(kindLeaf, height).bytes);
   EXPECT_EQ(wordsOf(written), wordsOf(annotatedBytes(heading)));
 }
 

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cfenv>
 #include <cmath>
 #include <vector>
 
@@ -210,6 +211,25 @@ TEST(Crossing, LipsAreMetAtTheFirstOfEntryExitAndVertexThatIsWithinReach)
   EXPECT_EQ(place(0.2, -0.5, 0.2), 0.5); // none of them, but it passes through
   EXPECT_EQ(place(0.2, 0.05, 0.2), -1);
   EXPECT_EQ(place(-0.2, -0.15, -0.2), -1);
+}
+
+// What a GPU gives for one by 0 is its own affair.
+TEST(Crossing, NothingIsDividedByZero)
+{
+  Random random(50);
+  std::vector<LipCase> cases(20000);
+  for (LipCase& lip : cases) {
+    lip = randomLip(random);
+    lip.f = randomParabola(random);
+    if (random.chance(0.3)) lip.f.saddle = 0;
+    if (random.chance(0.3)) lip.f.f0 = 0;
+    if (random.chance(0.3)) lip.f.f1 = random.chance(0.5) ? -lip.f.saddle : lip.f.f0; // no linear part, or no slope
+  }
+  volatile double sum = 0; // of something that they give
+  std::feclearexcept(FE_ALL_EXCEPT);
+  for (const LipCase& lip : cases) sum = sum + parabolaRoot(lip.f) + lip.meet().k;
+  EXPECT_EQ(std::fetestexcept(FE_DIVBYZERO | FE_INVALID), 0);
+  EXPECT_TRUE(std::isfinite(sum));
 }
 
 // --- patches -------------------------------------------------------------------------------

@@ -6,8 +6,13 @@
  * before would mean something else. */
 
 #include "kernels/cbvh/codec/leaf.h"
+#include "kernels/cbvh/codec/local_ray.h"
+#include "support/random.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace cbvh::test {
 namespace {
@@ -76,6 +81,27 @@ TEST(FormatTables, HeightsAndThicknessOfLooseLeaves)
     }
   EXPECT_TRUE(decodeLeaf(0, Heights{0x7FFF, 1u << 31}, 0, rootBox()).solid);
   EXPECT_TRUE(decodeLeaf(0, Heights{0x7FFE, 1u << 31}, 0, rootBox()).empty);
+}
+
+TEST(FormatTables, EpsilonOfRays)
+{
+  Random random(17);
+  const double ulp = 0x1p-23;
+  for (int i = 0; i < 1000; i++) {
+    BlockHeader block = {};
+    double stretch[4] = {};
+    for (auto& column : block.columns)
+      for (int k = 0; k < 4; k++) {
+        column[k] = float(random.normal());
+        stretch[k] += std::fabs(column[k]);
+      }
+    const double distance = random.chance(0.2) ? 0 : random.magnitude(1e-3, 1e3);
+    const double reach = distance + 0.75/std::min({stretch[0], stretch[1], stretch[2]});
+    for (int k = 0; k < 3; k++) {
+      const double expected = 4*ulp*reach*(stretch[k] + stretch[3]) + 8*ulp;
+      ASSERT_NEAR(rayEpsilon(block, distance, k), expected, 1e-12*expected) << "axis " << k << ", distance " << distance;
+    }
+  }
 }
 
 } // namespace

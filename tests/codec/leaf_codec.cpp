@@ -3,9 +3,9 @@
 
 /* Leaves of cLEAF: what is stored bounds the quads' edges, and says so when it cannot. */
 
-#include "kernels/cbvh/build/block_encoder.h"
 #include "kernels/cbvh/codec/crossing.h"
 #include "kernels/cbvh/codec/tree.h"
+#include "support/encoded_block.h"
 #include "support/random.h"
 
 #include <algorithm>
@@ -81,11 +81,50 @@ bool surfaceAbove(const LeafPatch& leaf, const double p[3], double& distance, do
   return true;
 }
 
+// The four leaves of a group.
+struct GroupLeaves
+{
+  LeafPatch leaf[4];
+  bool isLattice;
+
+  GroupLeaves(uint32_t word, Heights heights, const NodeBox& parent) : isLattice(!isLoose(heights))
+  {
+    for (int c = 0; c < 4; c++) leaf[c] = decodeLeaf(word, heights, c, parent);
+  }
+};
+
+// Edge of a quad of a group: its lower or upper side along an axis.
+struct EdgeOfGroup
+{
+  int quad, axis, upper;
+  bool onBorder;
+};
+std::ostream& operator<<(std::ostream& out, const EdgeOfGroup& e) { return out << "quad " << e.quad << ", " << (e.upper ? "upper" : "lower") << " side along axis " << e.axis; }
+
+// A point of an edge is in a leaf of the group (its own, if they are loose) within half a
+// thickness of the surface. On the border of a block it is not above that, and within the
+// border's width.
+void expectBounded(const GroupLeaves& leaves, const EdgeOfGroup& edge, const double p[3], float borderWidth)
+{
+  bool found = false;
+  for (int c = 0; c < 4; c++) {
+    if (!leaves.isLattice && c != edge.quad) continue;
+    double distance, position[2];
+    if (!surfaceAbove(leaves.leaf[c], p, distance, position)) continue;
+    found = true;
+    if (leaves.leaf[c].solid) continue;
+    ASSERT_LE(std::fabs(distance), 0.5*leaves.leaf[c].thickness + tolerance) << edge;
+    if (!edge.onBorder) continue;
+    ASSERT_GE(distance, -tolerance) << edge << " is above the surface";
+    ASSERT_EQ(childColumn(c, edge.axis), edge.upper) << edge << " is in a leaf that is not on the border";
+    ASSERT_LE(edge.upper ? 1 - position[edge.axis] : position[edge.axis], borderWidth) << edge;
+  }
+  ASSERT_TRUE(found) << edge << " is in no leaf";
+}
+
 struct GroupCounts { unsigned lattices[SHAPES] = {}, loose[SHAPES] = {}, solid[SHAPES] = {}; };
 
-// Every edge of every quad is in a leaf of the group (its own, if they are loose) within
-// half a thickness of the surface; on the border it is not above it, and within the
-// border's width. So is every edge that is off by no more than the rounding.
+// Every edge of every quad is bounded, and so is every edge that is off by no more than the rounding.
 void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCounts& counts)
 {
   Random random(seed);
@@ -97,38 +136,25 @@ void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCo
       makeGroup(random, Shape(shape), parent, group, rounding);
       const EncodedGroup encoded = encodeGroup(parent, group);
       const float width = borderWidthOf(LeafEncoder::encodeBorderWidth(encoded.borderWidth));
-      const bool isLattice = !isLoose(encoded.heights);
-      (isLattice ? counts.lattices : counts.loose)[shape]++;
-      LeafPatch leaves[4];
-      for (int c = 0; c < 4; c++) {
-        leaves[c] = decodeLeaf(encoded.word, encoded.heights, c, parent);
-        ASSERT_FALSE(leaves[c].empty);
-        counts.solid[shape] += leaves[c].solid;
+      const GroupLeaves leaves(encoded.word, encoded.heights, parent);
+      (leaves.isLattice ? counts.lattices : counts.loose)[shape]++;
+      for (const LeafPatch& leaf : leaves.leaf) {
+        ASSERT_FALSE(leaf.empty);
+        counts.solid[shape] += leaf.solid;
       }
       for (int quad = 0; quad < 4; quad++)
-        for (int edge = 0; edge < 4; edge++)
+        for (int side = 0; side < 4; side++) {
+          const int axis = side/2, upper = side % 2;
+          const EdgeOfGroup edge = {quad, axis, upper, childColumn(quad, axis) == upper && group.border[axis][upper]};
+          const double* a = group.vertexOf(quad, axis == 0 ? upper : 2*upper);
+          const double* b = group.vertexOf(quad, axis == 0 ? upper + 2 : 2*upper + 1);
           for (int step = 0; step <= 8; step++) {
-            const int axis = edge/2, upper = edge % 2; // the side of the quad
-            const double* a = group.vertexOf(quad, axis == 0 ? upper : 2*upper);
-            const double* b = group.vertexOf(quad, axis == 0 ? upper + 2 : 2*upper + 1);
             double p[3];
             for (int k = 0; k < 3; k++) p[k] = a[k] + step*(b[k] - a[k])/8 + (rounding ? (random.chance(0.5) ? 1 : -1)*group.rounding[k] : 0);
-            const bool onBorder = childColumn(quad, axis) == upper && group.border[axis][upper];
-            bool found = false;
-            for (int c = 0; c < 4; c++) {
-              if (!isLattice && c != quad) continue;
-              double distance, position[2];
-              if (!surfaceAbove(leaves[c], p, distance, position)) continue;
-              found = true;
-              if (leaves[c].solid) continue;
-              ASSERT_LE(std::fabs(distance), 0.5*leaves[c].thickness + tolerance) << "quad " << quad << ", edge " << edge;
-              if (!onBorder) continue;
-              ASSERT_GE(distance, -tolerance) << "quad " << quad << ", edge " << edge;
-              ASSERT_EQ(childColumn(c, axis), upper) << "the leaf that has the edge is not on the border";
-              ASSERT_LE(upper ? 1 - position[axis] : position[axis], width) << "quad " << quad << ", edge " << edge;
-            }
-            ASSERT_TRUE(found) << "quad " << quad << ", edge " << edge << " is in no leaf";
+            expectBounded(leaves, edge, p, width);
           }
+        }
+      if (testing::Test::HasFatalFailure()) return;
     }
 }
 
@@ -150,6 +176,101 @@ TEST(LeafCodec, LeavesBoundEdgesWhereNeighboursHaveThem)
   expectEdgesBounded(16, 2000, 5e-4, counts);
   for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH}) EXPECT_GT(counts.lattices[shape], 1000u) << "shape " << shape;
 }
+
+// --- whole blocks --------------------------------------------------------------------------
+
+// Displaced vertices over a quad, row by row.
+std::vector<float> displacedQuad(Random& random, uint32_t height, const float corners[4][3], Shape shape)
+{
+  const uint32_t n = 1u << height;
+  const double phase = 6*random.uniform();
+  std::vector<float> vertices;
+  for (uint32_t y = 0; y <= n; y++)
+    for (uint32_t x = 0; x <= n; x++) {
+      const double u = double(x)/n, v = double(y)/n;
+      double p[3];
+      for (int k = 0; k < 3; k++) p[k] = (1 - v)*((1 - u)*corners[0][k] + u*corners[1][k]) + v*((1 - u)*corners[2][k] + u*corners[3][k]);
+      if (shape == WAVY) p[2] += 0.1*std::sin(7*u + 3*v + phase);
+      if (shape == ROUGH) p[2] += 0.5/n*random.uniform(-1, 1);
+      if (shape == ANYWHERE) for (double& c : p) c += 0.7/n*random.uniform(-1, 1);
+      vertices.insert(vertices.end(), {float(p[0]), float(p[1]), float(p[2])});
+    }
+  return vertices;
+}
+
+NodeBox decodedBox(const Block* block, uint32_t level, uint32_t m)
+{
+  NodeBox box = rootBox();
+  for (uint32_t l = 0; l < level; l++) box = childBox(block, l, m >> 2*(level - l), (m >> 2*(level - l - 1)) & 3, box);
+  return box;
+}
+
+// One of the four sides of a block, vertex by vertex, in its frame.
+struct Side
+{
+  int axis, upper;
+  std::vector<Double3> vertices;
+
+  Side(const Frame& frame, uint32_t quads, const std::vector<float>& surface, int axis, int upper) : axis(axis), upper(upper)
+  {
+    for (uint32_t i = 0; i <= quads; i++) {
+      const uint32_t across = upper ? quads : 0, x = axis == 0 ? across : i, y = axis == 0 ? i : across;
+      double p[3];
+      frame.transform(&surface[3*(y*(quads + 1) + x)], p);
+      vertices.push_back({p[0], p[1], p[2]});
+    }
+  }
+
+  // The point this many vertices along.
+  Double3 at(double t) const
+  {
+    const size_t i = std::min(size_t(t), vertices.size() - 2);
+    return vertices[i] + (t - double(i))*(vertices[i + 1] - vertices[i]);
+  }
+
+  // Morton index of a cell that has it.
+  uint32_t cell(uint32_t i, uint32_t cells) const { return axis == 0 ? morton(upper ? cells - 1 : 0, i) : morton(i, upper ? cells - 1 : 0); }
+};
+
+// Between blocks a ray is stopped by their surfaces' being above the edge that they share, by half
+// a thickness at most and within the width that lips are looked for in: on each of the four sides.
+TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllFourSides)
+{
+  Random random(18);
+  const float square[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, trapezoid[4][3] = {{0, 0, 0}, {1, 0, 0}, {0.3f, 1, 0}, {0.7f, 1, 0}};
+  unsigned lattices[4] = {}, loose[4] = {};
+  for (uint32_t height = 0; height <= 4; height++)
+    for (const auto* corners : {square, trapezoid})
+      for (Shape shape : {WAVY, ROUGH, ANYWHERE})
+        for (int repeat = 0; repeat < 20; repeat++) {
+          SCOPED_TRACE(testing::Message() << "height " << height << ", " << (corners == square ? "square" : "trapezoid") << ", shape " << shape << ", block " << repeat);
+          const std::vector<float> vertices = displacedQuad(random, height, corners, shape);
+          const EncodedBlock encoded(Kind::LEAF, height, vertices, corners);
+          ASSERT_TRUE(encoded);
+          const Block* block = encoded.get();
+          const uint32_t quads = 1u << height, levels = block->layout().nodeLevels, cells = block->layout().leaves;
+          for (int s = 0; s < 4; s++) {
+            const Side side(encoded.frame(), quads, vertices, s/2, s % 2);
+            for (uint32_t i = 0; i < cells; i++) {
+              const uint32_t m = side.cell(i, cells);
+              const GroupLeaves leaves(block->nodes()[nodesOfLevels(levels - 1) + m/4], heightsOf(block, m/4), decodedBox(block, levels - 1, m/4));
+              (leaves.isLattice ? lattices : loose)[s]++;
+              for (int step = 0; step <= 8; step++) {
+                const Double3 p = side.at((i + step/8.0)*quads/cells);
+                const double local[3] = {p.x, p.y, p.z};
+                expectBounded(leaves, {int(m % 4), side.axis, side.upper, true}, local, borderWidthOf(block->info));
+              }
+            }
+          }
+          if (HasFatalFailure()) return;
+        }
+  for (int s = 0; s < 4; s++) {
+    EXPECT_GT(lattices[s], 2000u);
+    EXPECT_GT(loose[s], 500u);
+  }
+}
+
+// --- lattices ------------------------------------------------------------------------------
 
 // The encoder moves heights until no vertex is off by more than 1/16 of a bin, then rounds
 // each by half a bin at most, and a patch weighs its four by weights that sum up to 1.
@@ -236,27 +357,22 @@ TEST(LeafCodec, QuadsWithAVertexThatIsNotFiniteAreEmptyAndNoOthers)
         std::copy_n(&vertices[3*((c >> 1)*n*width + (c & 1)*n)], 3, corners[c]);
       for (int i = 0; i < repeat % 5; i++) vertices[random.below(3*width*width)] = bad[random.below(3)];
 
-      std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2), memory(blockLayout(uint32_t(Kind::LEAF), height).bytes/sizeof(Double3) + 2);
-      auto align = [](void* p) { return (void*)((uintptr_t(p) + 15) & ~uintptr_t(15)); };
-      BlockEncoder encoder(Kind::LEAF, height, (const float(*)[3])vertices.data(), align(scratch.data()));
+      const EncodedBlock encoded(Kind::LEAF, height, vertices, corners);
       auto isBad = [&](uint32_t x, uint32_t y) {
         for (uint32_t c = 0; c < 4; c++)
           for (int k = 0; k < 3; k++)
             if (!std::isfinite(vertices[3*((y + (c >> 1))*width + x + (c & 1)) + k])) return true;
         return false;
       };
-      if (!encoder.fit(corners)) continue; // all are bad
-      Block* block = (Block*)align(memory.data());
-      BlockStatistics stats;
-      encoder.encode(block, 0, 0, stats);
+      if (!encoded) continue; // all are bad
       uint32_t count = 0;
       for (uint32_t m = 0; m < n*n; m++) {
         const bool expected = isBad(mortonX(m), mortonY(m));
         count += expected;
-        const Heights heights = heightsOf(block, m/4);
+        const Heights heights = heightsOf(encoded.get(), m/4);
         ASSERT_EQ(isLoose(heights) && looseLeaf(heights, int(m%4)) == emptyLeaf, expected) << "height " << height << ", quad " << m;
       }
-      EXPECT_EQ(stats.invalidQuads, count);
+      EXPECT_EQ(encoded.statistics.invalidQuads, count);
     }
 }
 
@@ -301,17 +417,13 @@ TEST(LeafCodec, ThicknessIsThatOfTheWorld)
           vertices.push_back((1-v)*((1-u)*corners[0][k] + u*corners[1][k]) + v*((1-u)*corners[2][k] + u*corners[3][k]));
         vertices.push_back(slope*vertices[vertices.size() - 2] + 0.02f*std::sin(9*u + 5*v));
       }
-    std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2), memory(blockLayout(kindLeaf, height).bytes/sizeof(Double3) + 2);
-    auto align = [](void* p) { return (void*)((uintptr_t(p) + 15) & ~uintptr_t(15)); };
-    BlockEncoder encoder(Kind::LEAF, height, (const float(*)[3])vertices.data(), align(scratch.data()));
-    ASSERT_TRUE(encoder.fit(corners));
-    Block* block = (Block*)align(memory.data());
-    BlockStatistics stats;
-    encoder.encode(block, 0, 0, stats);
-    ASSERT_FALSE(stats.affine);
-    ASSERT_EQ(stats.solidLeaves, 0u);
+    const EncodedBlock encoded(Kind::LEAF, height, vertices, corners);
+    ASSERT_TRUE(encoded);
+    const Block* block = encoded.get();
+    ASSERT_FALSE(encoded.statistics.affine);
+    ASSERT_EQ(encoded.statistics.solidLeaves, 0u);
     const double expected = largestThickness(block, InverseFrame(frameMap(block)), 0, 0, rootBox());
-    EXPECT_NEAR(stats.maxThickness, expected, 1e-3*expected) << "slope " << slope;
+    EXPECT_NEAR(encoded.statistics.maxThickness, expected, 1e-3*expected) << "slope " << slope;
     compared++;
   }
   EXPECT_EQ(compared, 3u);

@@ -121,6 +121,20 @@ TEST_P(HardBlocks, LinesAndPoints)
   expectGridsHits(random, sheets);
 }
 
+TEST_P(HardBlocks, NeedlesBeyondAllFrames)
+{
+  property("needles 2^-16 to 2^-20 as wide as long, whose leaves would be wider than their quads, are left to GRID and have its hits");
+  Random random(36);
+  std::vector<Sheet> sheets;
+  for (float width : {0x1p-16f, 0x1p-18f, 0x1p-20f})
+    for (int axis : {0, 1}) {
+      sheets.push_back(randomSheet(random, Shape::Flat, 3, atOrigin));
+      for (std::vector<Vec>* points : {&sheets.back().vertices, &sheets.back().cage.positions})
+        for (Vec& p : *points) p[axis] *= width;
+    }
+  expectGridsHits(random, sheets);
+}
+
 TEST_P(HardBlocks, Outliers)
 {
   property("blocks with a vertex 1e6 to 1e12 block widths away, whose leaves would be wider than their quads, are left to GRID and have its hits");

@@ -13,6 +13,10 @@
 #include <memory>
 #include <vector>
 
+// for isa_check.cpp
+extern const char* const programIsa;
+const char* const programIsa = TEST_ISA;
+
 namespace cbvh::test {
 namespace {
 

@@ -512,23 +512,27 @@ struct Progress
 
 TEST(Progress, RisesToOne)
 {
-  Device device("threads=1"); // one thread: calls come in order
-  Displacement displacement;
-  SurfaceSettings settings;
-  settings.displacement = &displacement;
-  settings.compression = RTC_COMPRESSION_LEAF;
-  settings.rate = 64;
-  Scene scene(device);
-  addSurface(device, scene, sheetCage(12), settings);
-  Progress progress;
-  rtcSetSceneProgressMonitorFunction(scene, Progress::monitor, &progress);
-  rtcCommitScene(scene);
-  ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-  ASSERT_GT(progress.fractions.size(), 5u);
-  EXPECT_TRUE(std::is_sorted(progress.fractions.begin(), progress.fractions.end()));
-  EXPECT_LT(progress.fractions.front(), 0.3);
-  EXPECT_GT(progress.fractions.back(), 0.9);
-  EXPECT_LE(progress.fractions.back(), 1.001);
+  // a task of eight faces reports when it ends, or after every 2^15 quads: here after each face
+  for (const auto& tasks : {std::make_pair(64.0f, sheetCage(12)), std::make_pair(256.0f, sheetCage(3))}) {
+    SCOPED_TRACE(testing::Message() << "rate " << tasks.first);
+    Device device("threads=1"); // one thread: calls come in order
+    Displacement displacement;
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.compression = RTC_COMPRESSION_LEAF;
+    settings.rate = tasks.first;
+    Scene scene(device);
+    addSurface(device, scene, tasks.second, settings);
+    Progress progress;
+    rtcSetSceneProgressMonitorFunction(scene, Progress::monitor, &progress);
+    rtcCommitScene(scene);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    ASSERT_GT(progress.fractions.size(), 5u);
+    EXPECT_TRUE(std::is_sorted(progress.fractions.begin(), progress.fractions.end()));
+    EXPECT_LT(progress.fractions.front(), 0.3);
+    EXPECT_GT(progress.fractions.back(), 0.9);
+    EXPECT_LE(progress.fractions.back(), 1.001);
+  }
 }
 
 TEST(Progress, CancellingLeavesASceneThatCanBeCommittedAgain)

@@ -5,10 +5,13 @@
  * every border and between them hit, in every representation. */
 
 #include "support/edge_rates.h"
+#include "support/scene_blocks.h"
 #include "support/vertex_recorder.h"
 
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <map>
 #include <tuple>
 #include <utility>
 
@@ -81,6 +84,117 @@ struct BorderRecorder : public VertexRecorder
     return out;
   }
 };
+
+// Vertices of the patch of a face, as cGRID has them.
+struct PatchVertices
+{
+  unsigned quadsX = 0, quadsY = 0;
+  std::map<std::pair<unsigned, unsigned>, Vec> vertices; // column, row
+
+  PatchVertices(const std::vector<const embree::cbvh::Block*>& blocks, unsigned face)
+  {
+    for (const embree::cbvh::Block* block : blocks) {
+      if (block->primID != face) continue;
+      EXPECT_EQ(block->kind(), embree::cbvh::Kind::GRID);
+      quadsX = block->quadsX();
+      quadsY = block->quadsY();
+      const unsigned size = 1u << block->height(), width = size + 1;
+      const float* p = (const float*)block->leaves();
+      for (unsigned i = 0; i < width*width; i++) {
+        const unsigned x = embree::cbvh::blockXOf(block->info)*size + i % width, y = embree::cbvh::blockYOf(block->info)*size + i/width;
+        vertices[{x, y}] = {p[i], p[width*width + i], p[2*width*width + i]};
+      }
+    }
+  }
+
+  // Sides in the order of the edges of a face.
+  unsigned quadsOf(unsigned side) const { return side % 2 ? quadsY : quadsX; }
+  const Vec& onSide(unsigned side, unsigned i, unsigned inward = 0) const
+  {
+    switch (side) {
+    case 0: return vertices.at({i, inward});
+    case 1: return vertices.at({quadsX - inward, i});
+    case 2: return vertices.at({i, quadsY - inward});
+    default: return vertices.at({inward, i});
+    }
+  }
+};
+
+// Whether two evaluations of a vertex are the same, but for what they round.
+bool isSameVertex(const Vec& a, const Vec& b)
+{
+  bool same = true;
+  for (int k = 0; k < 3; k++) same &= std::fabs(a[k] - b[k]) <= 8*std::numeric_limits<float>::epsilon();
+  return same;
+}
+
+/* A border whose edge has a rate below the patch's, FORMAT.md's "Edges of a lower rate": its own
+ * vertices, each the nearest of the patch; those between on the straight line, evenly, but for 2^-20
+ * outward. */
+void expectPolyline(const PatchVertices& patch, unsigned side, const std::vector<Vec>& own)
+{
+  const unsigned fine = patch.quadsOf(side), coarse = unsigned(own.size()) - 1;
+  std::vector<unsigned> at; // of own vertices among the patch's
+  for (unsigned k = 0; k <= coarse; k++) {
+    const unsigned below = (2*k*fine + coarse - 1)/(2*coarse), above = (2*k*fine + coarse)/(2*coarse); // two are as near at a tie
+    const bool isBelow = isSameVertex(patch.onSide(side, below), own[k]);
+    ASSERT_TRUE(isBelow || isSameVertex(patch.onSide(side, above), own[k])) << "vertex " << k << " of " << coarse << " is none of the patch's";
+    at.push_back(isBelow ? below : above);
+  }
+  for (unsigned k = 0; k < coarse; k++)
+    for (unsigned i = at[k] + 1; i < at[k + 1]; i++) {
+      const double t = double(i - at[k])/(at[k + 1] - at[k]);
+      const Vec &p = patch.onSide(side, i), &inner = patch.onSide(side, i, 1);
+      double off = 0, size = 0, outward = 0;
+      for (int j = 0; j < 3; j++) {
+        const double line = own[k][j] + t*(double(own[k + 1][j]) - own[k][j]);
+        off = std::max(off, std::fabs(p[j] - line));
+        size = std::max(size, std::fabs(line));
+        outward += (p[j] - line)*(line - inner[j]);
+      }
+      ASSERT_LE(off, size*0x1p-20 + 8*std::numeric_limits<float>::epsilon()) << "vertex " << i << " of " << fine;
+      ASSERT_GE(outward, -8*std::numeric_limits<float>::epsilon()) << "vertex " << i << " of " << fine;
+    }
+}
+
+TEST(BordersOfMixedRates, AreThePolylinesOfTheirEdges)
+{
+  Device device;
+  const Cage cage = cubeCage();
+  unsigned lower = 0;
+  for (unsigned seed = 64; seed < 72; seed++) {
+    Random random(seed);
+    BorderRecorder recorder(cage);
+    SurfaceSettings settings;
+    settings.edgeRates = drawRates(cage, random, [](Random& r) { return float(1 + r.below(r.chance(0.5) ? 8 : 40)); });
+    settings.compression = RTC_COMPRESSION_NONE;
+    Scene grid(device);
+    recorder.build(device, grid, cage, settings);
+    settings.displacement = &recorder;
+    settings.compression = RTC_COMPRESSION_GRID;
+    const SurfaceScene scene(device, cage, settings);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    const std::vector<const embree::cbvh::Block*> blocks = sceneBlocks(scene);
+    for (unsigned face = 0; face < 6; face++) {
+      const PatchVertices patch(blocks, face);
+      for (unsigned side = 0; side < 4; side++) {
+        const unsigned rate = unsigned(settings.edgeRates[4*face + side]);
+        SCOPED_TRACE(testing::Message() << "seed " << seed << ", face " << face << ", side " << side << ", rate " << rate << " of " << patch.quadsOf(side));
+        std::vector<Vec> own;
+        for (unsigned k = 0; k <= rate; k++) {
+          const auto& border = recorder.borders.at(BorderRecorder::Side(face, 0, side));
+          const auto vertex = border.lower_bound(float(k)/float(rate) - 1e-5f);
+          ASSERT_TRUE(vertex != border.end() && std::fabs(vertex->first - float(k)/float(rate)) < 1e-5f);
+          own.push_back(vertex->second);
+        }
+        expectPolyline(patch, side, own);
+        if (HasFatalFailure()) return;
+        lower += rate < patch.quadsOf(side);
+      }
+    }
+  }
+  EXPECT_GT(lower, 100u);
+}
 
 class MixedRates : public testing::TestWithParam<RTCCompression> {};
 INSTANTIATE_TEST_SUITE_P(Compression, MixedRates,

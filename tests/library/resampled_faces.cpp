@@ -177,6 +177,32 @@ struct Memory
   static bool monitor(void* self, ssize_t bytes, bool) { ((Memory*)self)->live += bytes; return true; }
 };
 
+// The level of a face is that of its highest rate, whichever edge has it.
+TEST_P(ResampledFaces, EachOfTheFourEdgesDecidesTheBlocks)
+{
+  Device device;
+  for (float rate : {16.0f, 64.0f, 300.0f})
+    for (int frameLevel : {0, 1, RTC_COMPRESSION_FRAME_LEVEL_INHERIT, RTC_COMPRESSION_FRAME_LEVEL_AUTO}) {
+      RTCCompressionStatistics stats[4];
+      for (unsigned edge = 0; edge < 4; edge++) {
+        SCOPED_TRACE(testing::Message() << "rate " << rate << " of edge " << edge << ", frame level " << frameLevel);
+        SurfaceSettings settings;
+        settings.compression = GetParam();
+        settings.frameLevel = frameLevel;
+        settings.edgeRates.assign(4, 4.0f);
+        settings.edgeRates[edge] = rate;
+        const SurfaceScene scene(device, quadCage(), settings);
+        ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+        const RTCCompressionStatistics& s = stats[edge] = statisticsOf(scene);
+        EXPECT_EQ(s.numGridQuads > 0, rate > 256) << "faces of rates above 256 are GRID's";
+        EXPECT_EQ(s.numQuads > 0, rate <= 256);
+        EXPECT_EQ(s.numBlocks, stats[0].numBlocks);
+        EXPECT_EQ(s.numQuads, stats[0].numQuads);
+        EXPECT_EQ(s.numGridQuads, stats[0].numGridQuads);
+      }
+    }
+}
+
 // Small faces: level 6 has 8.6 times less in cLEAF, here most have a fraction of its quads.
 TEST_P(AnyRates, MemoryIsAFractionOfGrids)
 {

@@ -438,6 +438,51 @@ TEST_P(SceneFeatures, PacketsEqualSingleRays)
   comparePackets<16, RTCRayHit16>(scene, rays, rtcIntersect16, [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); });
 }
 
+// As a stream has them where it does not fill its last packet, and as an application may.
+template<unsigned N, typename Packet>
+void expectLeftAlone(RTCScene scene, const RTCRayHit& active, void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*),
+                     const std::function<void(const int*, RTCIntersectContext*, Packet*)>& any)
+{
+  const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN(), t = intersect(scene, active).ray.tfar;
+  const float ranges[4][2] = {{std::nextafter(t, inf), t}, {inf, -inf}, {nan, inf}, {0, nan}}; // tnear, tfar
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  alignas(64) int valid[N];
+  alignas(64) Packet packet;
+  for (bool isAny : {false, true}) {
+    float* lanes = (float*)&packet;
+    std::fill_n(valid, N, -1);
+    for (unsigned k = 0; k < N; k++) {
+      RTCRayHit ray = active;
+      ray.ray.tnear = ranges[k % 4][0];
+      ray.ray.tfar = ranges[k % 4][1];
+      for (unsigned w = 0; w < sizeof(Packet)/4/N; w++) std::memcpy(&lanes[w*N + k], (const float*)&ray + w, 4);
+    }
+    const Packet before = packet;
+    if (isAny) any(valid, &context, &packet);
+    else closest(valid, scene, &context, &packet);
+    ASSERT_EQ(std::memcmp(&before, &packet, sizeof(packet)), 0) << (isAny ? "any" : "closest") << " hit, packets of " << N;
+  }
+}
+
+TEST_P(SceneFeatures, PacketsLeaveRaysAloneThatHaveNoLength)
+{
+  Scene scene(device);
+  addSurface(device, scene, cubeCage(), settings());
+  rtcCommitScene(scene);
+  Random random(71);
+  unsigned rays = 0;
+  for (const RTCRayHit& ray : raysAt(random, 300)) {
+    if (!isHit(intersect(scene, ray))) continue;
+    rays++;
+    expectLeftAlone<4, RTCRayHit4>(scene, ray, rtcIntersect4, [&](const int* v, RTCIntersectContext* c, RTCRayHit4* p) { rtcOccluded4(v, scene, c, &p->ray); });
+    expectLeftAlone<8, RTCRayHit8>(scene, ray, rtcIntersect8, [&](const int* v, RTCIntersectContext* c, RTCRayHit8* p) { rtcOccluded8(v, scene, c, &p->ray); });
+    expectLeftAlone<16, RTCRayHit16>(scene, ray, rtcIntersect16, [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); });
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(rays, 100u);
+}
+
 TEST_P(SceneFeatures, StreamsEqualSingleRays)
 {
   Scene scene(device);

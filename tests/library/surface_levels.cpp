@@ -64,5 +64,30 @@ TEST(SurfaceLevels, FrameLevelsPastTheLevelAreClamped)
   }
 }
 
+// Which corner is which, in blocks of one quad: cLEAF cuts it into four leaves. The middle planes
+// of those are on a lattice of 1/64, so parameters are off by half of that at most.
+TEST(SurfaceLevels, QuadsThatAreBlocksHaveTheParametersOfTheirFace)
+{
+  Device device;
+  for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF})
+    for (unsigned level : {0, 2}) {
+      SCOPED_TRACE(testing::Message() << "compression " << compression << ", level " << level);
+      Random random(43);
+      SurfaceSettings settings;
+      settings.rate = float(1u << level);
+      settings.compression = compression;
+      settings.frameLevel = int(level);
+      const SurfaceScene scene(device, quadCage(), settings);
+      EXPECT_EQ(statisticsOf(scene).numBlocks, size_t(1) << (2*level));
+      for (int i = 0; i < 500; i++) {
+        const float x = float(random.uniform(0.01, 0.99)), y = float(random.uniform(0.01, 0.99));
+        const RTCRayHit hit = intersect(scene, makeRay({x, y, 1}, {0, 0, -1}));
+        ASSERT_TRUE(isHit(hit)) << x << ", " << y;
+        ASSERT_NEAR(hit.hit.u, x, 0.01f/settings.rate);
+        ASSERT_NEAR(hit.hit.v, y, 0.01f/settings.rate);
+      }
+    }
+}
+
 } // namespace
 } // namespace cbvh::test

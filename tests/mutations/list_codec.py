@@ -245,7 +245,8 @@ RAYS = (
         "distanceUlps = 4.0f;",
         "distanceUlps = 0.25f;",
         "rays from far away slip between blocks",
-        "hard_cases *HardRays.FromFarAway/cVOXEL*",
+        "simd_tracing_avx2 SimdTracing.Segments*",
+        "format_tables FormatTables.Epsilon*",
     ),
     edit(
         "ray: no rounding of the frame's own",
@@ -253,7 +254,7 @@ RAYS = (
         "unitUlps = 8.0f;",
         "unitUlps = 0.0f;",
         "rays from nearby slip between blocks",
-        "watertight *RaysFromInsideHit/cLEAF",
+        "format_tables FormatTables.Epsilon*",
     ),
     edit(
         "ray: no rounding of the block's own size",
@@ -261,7 +262,8 @@ RAYS = (
         "reachOfBox = 0.75f;",
         "reachOfBox = 0.0f;",
         "rays that start in a large block slip through its border",
-        "watertight *RaysFromInsideHit/cLEAF",
+        "simd_tracing_avx2 SimdTracing.Segments*",
+        "format_tables FormatTables.Epsilon*",
     ),
     edit(
         "ray: share of the other end",
@@ -277,7 +279,7 @@ RAYS = (
         "else if (o < Real(0)) range.upper = Real(-beyondAll);",
         "else if (o > Real(0)) range.upper = Real(-beyondAll);",
         "the scalar path misses rays along an axis",
-        "hard_cases *HardRays.AlongAxes/cLEAF*",
+        "crossing",
     ),
 )
 
@@ -325,10 +327,26 @@ CROSSING = (
     edit(
         "crossing: no vertex of the parabola",
         "crossing.h",
-        "bool hasVertex = vertex > k0 && vertex < k1;",
+        "bool hasVertex = isBent && vertex > k0 && vertex < k1;",
         "bool hasVertex = false;",
         "lips of saddles miss what dips into them",
         "crossing",
+    ),
+    edit(
+        "crossing: vertex of a line",
+        "crossing.h",
+        "/(isBent ? f.saddle : Real(1));",
+        "/f.saddle;",
+        "by 0 is divided, where a GPU may give any number",
+        "crossing Crossing.NothingIsDivided*",
+    ),
+    edit(
+        "crossing: root of a parabola that begins at its vertex",
+        "crossing.h",
+        "  if (q == Real(0)) return Real(0); // b and d are 0, so f0 is\n",
+        "",
+        "by 0 is divided, where a GPU may give any number",
+        "crossing Crossing.NothingIsDivided*",
     ),
     edit(
         "crossing: slope of the other axis",

@@ -157,7 +157,7 @@ MIRRORING = (
         "const vfloat4 n = m0 + ray.epsilon, f = m0 - ray.epsilon;",
         "const vfloat4 n = m0 + ray.epsilon, f = m0;",
         "rays slip out between blocks",
-        "hard_cases *HardRays.FromFarAway/cVOXEL*",
+        "simd_tracing_avx2 SimdTracing.Boxes*",
     ),
     edit(
         "mirrored: widened the wrong way",
@@ -174,7 +174,7 @@ MIRRORING = (
         "< max(max(x0,y0),0.0f)) != (flip[2] != 0);",
         "< max(max(x0,y0),0.0f));",
         "sides of boxes that are passed, for rays that descend",
-        "surface_levels SurfaceLevels.EveryLevel*",
+        "simd_tracing_avx2 SimdTracing.Boxes*",
     ),
     edit(
         "mirrored: passed behind the end",
@@ -182,7 +182,7 @@ MIRRORING = (
         "max(nxy,vfloat4(zero)) <= min(fxy,vfloat4(sBest))) & ~masks.hit;",
         "nxy <= min(fxy,vfloat4(sBest))) & ~masks.hit;",
         "boxes behind the ray's start count as passed",
-        "sheet_crossings *NoRayGetsThrough*/cLEAF",
+        "simd_tracing_avx2 SimdTracing.Boxes*",
     ),
     edit(
         "visitor: child is not mirrored",
@@ -289,7 +289,7 @@ CROSSING = (
         "madd(vfloat4(0.25f),abs(saddle),reach)",
         "reach",
         "lips of bent patches are not looked for",
-        "sheet_crossings *NoRayGetsThrough*/cLEAF",
+        "simd_tracing_avx2 SimdTracing.Leaves*",
     ),
     edit(
         "crossing4: near within the whole thickness",
@@ -297,7 +297,7 @@ CROSSING = (
         "nearEntry = movemask(abs(f0) <= reach);",
         "nearEntry = movemask(abs(f0) <= vfloat4(0.0f));",
         "rays that start on the surface hit its steps",
-        "secondary_rays SecondaryRays.*",
+        "simd_tracing_avx2 SimdTracing.Leaves*",
     ),
 )
 
@@ -316,7 +316,7 @@ WALK = (
         "epsilon = epsilon/vfloat4(min(w0,w1));",
         "epsilon = epsilon*vfloat4(min(w0,w1));",
         "rays slip between blocks where W is small",
-        "hard_cases *HardBlocks.Trapezoids/cVOXEL*",
+        "simd_tracing_avx2 SimdTracing.Segments*",
     ),
     edit(
         "local ray: no end inside",
@@ -349,7 +349,7 @@ WALK = (
         "unsigned(order.toOrder(masks.passed)), 4*m, order };",
         "unsigned(masks.passed), 4*m, order };",
         "the wrong box counts as passed where children overlap",
-        "sheet_crossings *NoRayGetsThrough*/cLEAF",
+        "simd_tracing_avx2 SimdTracing.HitsOfPatches*",
     ),
     edit(
         "walk: order forgets the passed",
@@ -357,7 +357,7 @@ WALK = (
         "const ChildOrder order(c,masks.hit | masks.passed);",
         "const ChildOrder order(c,masks.hit);",
         "boxes that are passed come in the wrong order",
-        "sheet_crossings *NoRayGetsThrough*/cLEAF",
+        "simd_tracing_avx2 SimdTracing.HitsOfPatches*",
     ),
     edit(
         "voxel: hit from inside",
@@ -373,7 +373,7 @@ WALK = (
         "            valid &= s <= vfloat4(this->sBest);\n",
         "            valid &= s < vfloat4(0.0f);\n",
         "a filter that rejects the first box sees no other",
-        "scene_features *TheNearestAcceptedHitIsFound*",
+        "simd_tracing_avx2 SimdTracing.TheNearestBox*",
     ),
     edit(
         "grid: second row of quads",
@@ -405,7 +405,7 @@ WALK = (
         "if (state.pending) exit = exitOf(x,m,i);",
         "if (!state.pending) exit = exitOf(x,m,i);",
         "hits at the end of a surface lie at another leaf",
-        "hard_cases *HardBlocks.Noise/cLEAF*",
+        "simd_tracing_avx2 SimdTracing.HitsOfPatches*",
     ),
     edit(
         "packets: inactive rays are traced",
@@ -413,7 +413,7 @@ WALK = (
         "          RayHit ray;\n          rays.get(k,ray);\n          if (!(ray.tnear() <= ray.tfar)) continue; // inactive, as in Embree's packet traversal\n",
         "          RayHit ray;\n          rays.get(k,ray);\n",
         "rays with tnear behind tfar hit",
-        "scene_features *PacketsEqualSingleRays*",
+        "scene_features *PacketsLeaveRaysAlone*",
     ),
     edit(
         "packets: any hit is not stored",

@@ -97,7 +97,7 @@ def room_of(unit):
 
 def has_unit(room, unit):
     if room == "isa":
-        return unit.startswith("simd_decoding_")
+        return unit.startswith(("simd_decoding_", "simd_tracing_"))
     return unit == room or (ROOT / "tests" / room / f"{unit}.cpp").exists()
 
 

@@ -13,9 +13,8 @@ endif()
 
 # function: upstream calls the intersectors of all accelerators through pointers of one
 # type, to which DEFINE_INTERSECTOR1 and its like cast them (kernels/common/accel.h).
-# enum: a program may hand over any number, and tests do.
 # vptr: tests that look into the library's classes lack their type information, it is hidden.
-add_compile_options(-fsanitize=${CBVH_SANITIZE} -fno-sanitize=function,enum,vptr -fno-sanitize-recover=all -fno-omit-frame-pointer)
+add_compile_options(-fsanitize=${CBVH_SANITIZE} -fno-sanitize=function,vptr -fno-sanitize-recover=all -fno-omit-frame-pointer)
 # The program brings the runtime; the library, which upstream links with --no-undefined, has none.
 add_link_options(-fsanitize=${CBVH_SANITIZE} -Wl,-z,undefs)
 

@@ -33,10 +33,11 @@ CBVH_REAL CBVH_FUNCTION Real parabolaRoot (CBVH_OF(Parabola) f)
   Real b = f.f1-f.f0+f.saddle;
   Real d = squareRoot(greater(b*b + Real(4)*f.saddle*f.f0,Real(0)));
   Real q = Real(0.5f)*(b + (b < Real(0) ? -d : d));
-  Real k = -f.f0/q;
-  if (k >= Real(0) && k <= Real(1)) return k;
+  if (q == Real(0)) return Real(0); // b and d are 0, so f0 is
+  Real k = -f.f0/q, kept = k > Real(0) ? lesser(k,Real(1)) : Real(0); // a number, whatever k is
+  if (k == kept || f.saddle == Real(0)) return kept;
   /* either may be rounded out of the range that it is in */
-  Real other = q/f.saddle, kept = clampToUnit(k), otherKept = clampToUnit(other);
+  Real other = q/f.saddle, otherKept = clampToUnit(other);
   return magnitude(k-kept) <= magnitude(other-otherKept) ? kept : otherKept;
 }
 
@@ -69,8 +70,9 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(LipMeeting) meetLip (CBVH_OF(Parabola) f, Real p
   }
   else if (p1 > lip.width) k1 = (lip.width-p0)/(p1-p0);
 
-  Real vertex = Real(0.5f) + Real(0.5f)*(f.f1-f.f0)/f.saddle;
-  bool hasVertex = vertex > k0 && vertex < k1;
+  bool isBent = f.saddle != Real(0);
+  Real vertex = Real(0.5f) + Real(0.5f)*(f.f1-f.f0)/(isBent ? f.saddle : Real(1));
+  bool hasVertex = isBent && vertex > k0 && vertex < k1;
   Real lowest = Real(beyondAll), highest = Real(-beyondAll);
   Real bottom = -(lip.reach+lip.epsilon);
   bool inside = false;

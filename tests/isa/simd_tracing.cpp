@@ -1,0 +1,534 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Rays through blocks of random words, traced by the kernels' intersectors and by the scalar
+ * one. Compiled once for every ISA, outside of the library.
+ *
+ * Children of random words overlap, leaves have steps between them, and rays pass over boxes:
+ * all that the hit rule and the walk's order are for comes up more often than in blocks that an
+ * encoder made. */
+
+#include "kernels/common/scene.h"
+#include "kernels/cbvh/trace/block_intersector1.h"
+#include "kernels/cbvh/trace/scalar_intersector.h"
+#include "support/encoded_block.h"
+#include "support/random.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <tuple>
+#include <vector>
+
+// for isa_check.cpp
+extern const char* const programIsa;
+const char* const programIsa = TEST_ISA;
+
+// --- a ray whose hits go here and not to Embree's epilogues ---------------------------------
+
+namespace cbvh::test {
+
+struct RecordingRay : public embree::Ray
+{
+  using embree::Ray::Ray;
+
+  float from = -1; // hits before are rejected, as a filter may
+  bool found = false;
+  float u = 0, v = 0;
+  float Ng[3] = {0, 0, 0};
+};
+
+struct AnyHitRay : public embree::Ray
+{
+  using embree::Ray::Ray;
+
+  bool found = false;
+};
+
+// What a visitor reports: its block, and the hit as the last.
+template<typename... Reported>
+bool report(RecordingRay& ray, embree::IntersectContext*, Reported&&... reported)
+{
+  const embree::isa::cbvh::SurfaceHit& hit = std::get<sizeof...(Reported) - 1>(std::tie(reported...));
+  if (hit.t < ray.from) return false;
+  ray.found = true;
+  ray.tfar = hit.t;
+  ray.u = hit.u;
+  ray.v = hit.v;
+  for (int k = 0; k < 3; k++) ray.Ng[k] = hit.Ng[k];
+  return true;
+}
+
+template<typename... Reported>
+bool report(AnyHitRay& ray, embree::IntersectContext*, Reported&&...) { return ray.found = true; }
+
+} // namespace cbvh::test
+
+namespace embree { namespace isa { namespace cbvh {
+template<> struct IsAnyHit< ::cbvh::test::RecordingRay> { static const bool value = false; };
+template<> struct IsAnyHit< ::cbvh::test::AnyHitRay> { static const bool value = true; };
+}}}
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+namespace simd = embree::isa::cbvh;
+typedef ScalarIntersector<double> Scalar;
+
+// --- blocks ---------------------------------------------------------------------------------
+
+enum Outline { SQUARE, TRAPEZOID, SKEWED, NEEDLE, OUTLINES };
+
+// Corners of a quad somewhere in the world, turned anyhow: (0,0), (1,0), (0,1), (1,1).
+struct Quad
+{
+  float corners[4][3];
+  double size;
+
+  Quad(Random& random, Outline outline)
+  {
+    size = random.magnitude(1e-3, 1e3);
+    double axis[3][3]; // orthogonal
+    auto unit = [&](double a[3]) {
+      const double length = std::sqrt(a[0]*a[0] + a[1]*a[1] + a[2]*a[2]);
+      for (int k = 0; k < 3; k++) a[k] /= length;
+    };
+    for (int i = 0; i < 2; i++) for (double& a : axis[i]) a = random.normal();
+    unit(axis[0]);
+    auto cross = [&](const double a[3], const double b[3], double c[3]) { for (int k = 0; k < 3; k++) c[k] = a[(k + 1) % 3]*b[(k + 2) % 3] - a[(k + 2) % 3]*b[(k + 1) % 3]; };
+    cross(axis[0], axis[1], axis[2]);
+    unit(axis[2]);
+    cross(axis[2], axis[0], axis[1]);
+    const double away = random.chance(0.5) ? 0 : size*random.magnitude(1, 1e3), centre[3] = {away*random.normal(), away*random.normal(), away*random.normal()};
+    double plane[4][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+    if (outline == TRAPEZOID) { plane[2][0] = 0.3; plane[3][0] = 0.7; }
+    if (outline == SKEWED) { plane[2][0] += 2; plane[3][0] += 2; }
+    for (int c = 0; c < 4; c++) {
+      if (outline == NEEDLE) plane[c][1] *= 0x1p-9;
+      const double z = outline == NEEDLE ? 0 : 0.1*random.normal();
+      for (int k = 0; k < 3; k++) corners[c][k] = float(centre[k] + size*(plane[c][0]*axis[0][k] + plane[c][1]*axis[1][k] + z*axis[2][k]));
+    }
+  }
+};
+
+uint64_t randomHeights(Random& random)
+{
+  if (random.chance(0.5)) {
+    uint64_t heights = 0;
+    for (int child = 0; child < 4; child++) {
+      const uint32_t any = random.below(0x7FFE), leaf = random.chance(0.1) ? solidLeaf : random.chance(0.1) ? emptyLeaf : any;
+      heights |= uint64_t(leaf) << (looseBits*child);
+    }
+    return heights | uint64_t(random.below(8)) << looseThicknessShift | uint64_t(1) << 63;
+  }
+  int heights[9];
+  for (int& h : heights) h = int(random.below(latticeBins));
+  heights[4] = latticeBins/2; // all patches are in the box somewhere, as encoders have them
+  const Heights bits = packLattice(heights);
+  return uint64_t(bits.high) << 32 | bits.low;
+}
+
+// Planes of a lattice ascend, as encoders have them.
+uint32_t randomLatticeWord(Random& random)
+{
+  uint32_t word = random.below(4) << latticeThicknessShift;
+  for (int axis = 0; axis < 2; axis++) word |= (random.below(16) | random.below(16) << 5 | random.below(32) << 10) << latticeShift(axis);
+  return word;
+}
+
+// A frame that fits a quad, and words and heights of any bits.
+class RandomBlock
+{
+public:
+  RandomBlock(Random& random, Kind kind, uint32_t height, const Quad& quad) : memory(blockLayout(uint32_t(kind), height).bytes/16 + 1)
+  {
+    const std::vector<float> vertices(&quad.corners[0][0], &quad.corners[0][0] + 12);
+    const EncodedBlock frame(Kind::VOXEL, 0, vertices, quad.corners);
+    EXPECT_TRUE(frame);
+    Block* block = (Block*)memory.data();
+    (BlockHeader&)*block = *frame.get();
+    const uint32_t blocks = 1 + random.below(4);
+    block->info = blockInfo(uint32_t(kind), height, random.below(blocks), random.below(blocks));
+    block->tiling = blockTiling(blocks - 1, blocks - 1, 0, 0);
+    const BlockLayout layout = block->layout();
+    for (uint32_t i = 0; i < layout.nodes; i++) block->nodes()[i] = random.bits();
+    if (kind != Kind::LEAF) return;
+    block->info |= random.below(4) << 28;
+    for (uint32_t i = 0; i < layout.leaves*layout.leaves/4; i++) {
+      const uint64_t heights = randomHeights(random);
+      std::memcpy(block->leaves() + 8*i, &heights, 8);
+      if (!(heights >> 63)) block->nodes()[nodesOfLevels(layout.nodeLevels - 1) + i] = randomLatticeWord(random);
+    }
+  }
+
+  const Block* get() const { return (const Block*)memory.data(); }
+
+private:
+  struct alignas(16) Unit { char bytes[16]; };
+  std::vector<Unit> memory;
+};
+
+// --- rays -----------------------------------------------------------------------------------
+
+struct TestRay { float org[3], dir[3], tnear, tfar; };
+
+// Of any direction and length, through a place in the block's box; a part of them starts or ends there.
+TestRay randomRay(Random& random, const Block* block)
+{
+  const InverseFrame inverse(frameMap(block));
+  const Double3 a = inverse({random.uniform(), random.uniform(), random.uniform()}), b = inverse({random.uniform(), random.uniform(), random.uniform()});
+  const Double3 d = b - a;
+  const double before = random.chance(0.3) ? 0 : random.magnitude(0.5, 30), scale = random.magnitude(1e-9, 1e9);
+  TestRay ray;
+  for (int k = 0; k < 3; k++) {
+    const double dk = k == 0 ? d.x : k == 1 ? d.y : d.z, ak = k == 0 ? a.x : k == 1 ? a.y : a.z;
+    ray.org[k] = float(block->centre[k] + ak - before*dk);
+    ray.dir[k] = float(scale*dk);
+  }
+  ray.tnear = random.chance(0.3) ? float(random.uniform(0, before + 0.5)/scale) : 0;
+  ray.tfar = random.chance(0.3) ? float((before + random.uniform(0, 1.5))/scale) : INFINITY;
+  if (ray.tfar < ray.tnear) std::swap(ray.tnear, ray.tfar);
+  return ray;
+}
+
+Scalar::Ray exact(const TestRay& ray)
+{
+  Scalar::Ray r;
+  std::copy_n(ray.org, 3, r.org);
+  std::copy_n(ray.dir, 3, r.dir);
+  r.tnear = ray.tnear;
+  r.tfar = ray.tfar;
+  return r;
+}
+
+template<typename RayType>
+RayType makeRay(const TestRay& ray)
+{
+  return RayType(embree::Vec3fa(ray.org[0], ray.org[1], ray.org[2]), embree::Vec3fa(ray.dir[0], ray.dir[1], ray.dir[2]), ray.tnear, ray.tfar);
+}
+
+template<typename RayType>
+void traceSimd(const Block* block, RayType& ray)
+{
+  const simd::RayPrecalculations pre(ray);
+  if (block->kind() == Kind::LEAF) simd::BlockIntersector1<simd::LeafVisitor1>::intersect(ray, nullptr, pre, block);
+  else simd::BlockIntersector1<simd::VoxelVisitor1>::intersect(ray, nullptr, pre, block);
+}
+
+// --- the same hits ----------------------------------------------------------------------------
+
+// several times what floats lose of a ray that begins up to thirty sizes of a block away, which
+// is a thousand from the origin
+constexpr double step = 3e-5;
+
+// What the scalar intersector says of a ray and of those beside it: one hit, or a miss, for all.
+struct Answer
+{
+  bool stable = true, found;
+  double lower[6], upper[6]; // of t, in units of the ray's way through the block, u, v, and the unit normal
+  double unit;               // of t
+
+  // from: hits before that t are none
+  Answer(Random& random, const Block* block, const TestRay& ray, double size, double from = -1)
+  {
+    double distance = 0, length = 0;
+    for (int k = 0; k < 3; k++) {
+      length += double(ray.dir[k])*ray.dir[k];
+      distance += (double(ray.org[k]) - block->centre[k])*(double(ray.org[k]) - block->centre[k]);
+    }
+    length = std::sqrt(length);
+    distance = std::sqrt(distance) + size;
+    unit = size/length;
+    uint32_t leaf = 0;
+    for (int i = 0; i < 24; i++) {
+      Scalar::Ray r = exact(ray);
+      if (i > 2)
+        for (int k = 0; k < 3; k++) {
+          r.org[k] += step*size*random.uniform(-1, 1);
+          r.dir[k] += step*size/distance*length*random.uniform(-1, 1);
+        }
+      std::vector<Scalar::Hit> all;
+      Scalar(block, i < 3 ? i : 1).intersect(r, &all);
+      Scalar::Hit hit;
+      for (const Scalar::Hit& h : all)
+        if (h.t >= from && h.t < hit.t) hit = h;
+      for (const Scalar::Hit& h : all) // leaves that overlap, and may be entered at once
+        stable &= h.t < from || h.leaf == hit.leaf || h.t > hit.t + 1e-3*unit;
+      if (i == 0) { found = hit.found; leaf = hit.leaf; }
+      stable &= hit.found == found && (!found || hit.leaf == leaf);
+      if (!stable || !found) continue;
+      const double n = std::sqrt(hit.Ng[0]*hit.Ng[0] + hit.Ng[1]*hit.Ng[1] + hit.Ng[2]*hit.Ng[2]);
+      const double value[6] = {hit.t/unit, hit.u, hit.v, hit.Ng[0]/n, hit.Ng[1]/n, hit.Ng[2]/n};
+      for (int k = 0; k < 6; k++) {
+        lower[k] = i == 0 ? value[k] : std::min(lower[k], value[k]);
+        upper[k] = i == 0 ? value[k] : std::max(upper[k], value[k]);
+      }
+    }
+    for (int k = 0; stable && found && k < 6; k++) stable &= upper[k] - lower[k] < 0.05;
+  }
+
+  void expect(const RecordingRay& ray) const
+  {
+    ASSERT_EQ(ray.found, found);
+    if (!found) return;
+    const double value[6] = {ray.tfar/unit, ray.u, ray.v, ray.Ng[0], ray.Ng[1], ray.Ng[2]};
+    for (int k = 0; k < 6; k++) {
+      const double slack = 1e-4 + 0.5*(upper[k] - lower[k]);
+      ASSERT_GE(value[k], lower[k] - slack) << "value " << k;
+      ASSERT_LE(value[k], upper[k] + slack) << "value " << k;
+    }
+  }
+};
+
+// Calls closure(block, size, ray) for many of them.
+template<typename Closure>
+void forRandomRays(Random& random, Kind kind, const Closure& closure)
+{
+  for (int i = 0; i < 600; i++) {
+    const Quad quad(random, Outline(random.below(NEEDLE)));
+    const RandomBlock block(random, kind, random.below(5), quad);
+    for (int j = 0; j < 12; j++) {
+      SCOPED_TRACE(testing::Message() << "block " << i << ", ray " << j << ", height " << block.get()->height());
+      closure(block.get(), quad.size, randomRay(random, block.get()));
+      if (testing::Test::HasFatalFailure()) return;
+    }
+  }
+}
+
+// Rays whose answer does not hang on rounding.
+void compareHits(Kind kind, uint32_t seed)
+{
+  Random random(seed);
+  unsigned rays = 0, stable = 0, hits = 0;
+  forRandomRays(random, kind, [&](const Block* block, double size, const TestRay& r) {
+    const Answer answer(random, block, r, size);
+    rays++;
+    if (!answer.stable) return;
+    stable++;
+    hits += answer.found;
+    RecordingRay closest = makeRay<RecordingRay>(r);
+    traceSimd(block, closest);
+    answer.expect(closest);
+    AnyHitRay any = makeRay<AnyHitRay>(r);
+    traceSimd(block, any);
+    ASSERT_EQ(any.found, answer.found);
+  });
+  std::printf("%u rays, %u stable, %u of them hits\n", rays, stable, hits);
+  EXPECT_GT(stable, rays/2);
+  EXPECT_GT(hits, stable/4);
+  EXPECT_GT(stable - hits, stable/50);
+}
+
+TEST(SimdTracing, HitsOfPatchesAreThoseOfScalarCode) { compareHits(Kind::LEAF, 95); }
+TEST(SimdTracing, HitsOfBoxesAreThoseOfScalarCode)   { compareHits(Kind::VOXEL, 96); }
+
+// Of cVOXEL, where what was hit before changes nothing.
+TEST(SimdTracing, TheNearestBoxThatIsNotRejectedIsHit)
+{
+  Random random(98);
+  unsigned compared = 0;
+  forRandomRays(random, Kind::VOXEL, [&](const Block* block, double size, const TestRay& r) {
+    std::vector<Scalar::Hit> all;
+    Scalar(block, 0).intersect(exact(r), &all);
+    if (all.size() < 2) return;
+    RecordingRay ray = makeRay<RecordingRay>(r);
+    const Answer nearest(random, block, r, size);
+    ray.from = float(all[random.below(uint32_t(all.size()))].t + 1e-3*nearest.unit);
+    const Answer answer(random, block, r, size, ray.from);
+    if (!answer.stable) return;
+    compared++;
+    traceSimd(block, ray);
+    answer.expect(ray);
+  });
+  std::printf("%u rays\n", compared);
+  EXPECT_GT(compared, 1000u);
+}
+
+// --- the ray in the frame ---------------------------------------------------------------------
+
+// How far a place in the frame is from the exact line, at its nearest, in epsilons of the axes.
+double epsilonsOff(const Double3& a, const Double3& b, const double p[3], const double epsilon[3])
+{
+  const double from[3] = {a.x, a.y, a.z}, to[3] = {b.x, b.y, b.z};
+  auto off = [&](double s) {
+    double most = 0;
+    for (int k = 0; k < 3; k++) most = std::max(most, std::fabs(p[k] - from[k] - s*(to[k] - from[k]))/epsilon[k]);
+    return most;
+  };
+  double lower = -0.5, upper = 1.5; // convex in s
+  for (int i = 0; i < 80; i++) {
+    const double third = (upper - lower)/3;
+    if (off(lower + third) < off(upper - third)) upper -= third;
+    else lower += third;
+  }
+  return off(0.5*(lower + upper));
+}
+
+// What makes neighbouring blocks close: each sees a ray that is off by less than its epsilon.
+TEST(SimdTracing, SegmentsAreWithinTheirEpsilonOfTheRay)
+{
+  Random random(97);
+  double most[OUTLINES] = {};
+  for (int outline = 0; outline < OUTLINES; outline++)
+    for (int i = 0; i < 3000; i++) {
+      const Quad quad(random, Outline(outline));
+      const RandomBlock memory(random, Kind::VOXEL, 0, quad);
+      const Block* block = memory.get();
+      const TestRay r = randomRay(random, block);
+      const embree::Ray ray = makeRay<embree::Ray>(r);
+      const simd::RayPrecalculations pre(ray);
+      simd::LocalRay local;
+      if (!local.init(pre, block, ray.tfar)) continue;
+      const Segment<double> segment = enterBlock(*block, exact(r), 1.0);
+      if (!segment.valid) continue;
+      const Double3 a = {segment.P0[0], segment.P0[1], segment.P0[2]}, b = {segment.P1[0], segment.P1[1], segment.P1[2]};
+      double size = 0;
+      for (int k = 0; k < 3; k++) size = std::max(size, std::fabs(segment.P1[k] - segment.P0[k]));
+      if (size < 0.05) continue; // touches a corner of the box
+      for (float s : {0.0f, 0.5f, 1.0f}) {
+        double p[3], epsilon[3];
+        for (int k = 0; k < 3; k++) {
+          p[k] = double(local.P0[k]) + s*(double(local.P1[k]) - double(local.P0[k]));
+          epsilon[k] = local.epsilon[k];
+          ASSERT_NEAR(epsilon[k], segment.epsilon[k], 1e-3*segment.epsilon[k]);
+        }
+        most[outline] = std::max(most[outline], epsilonsOff(a, b, p, epsilon));
+      }
+    }
+  std::printf("in epsilons, at most: square %g, trapezoid %g, skewed %g, needle %g\n", most[SQUARE], most[TRAPEZOID], most[SKEWED], most[NEEDLE]);
+  for (double m : most) EXPECT_LT(m, 1);
+}
+
+// --- boxes and leaves, by themselves --------------------------------------------------------
+
+// A segment in both worlds: any way through the box of a block, widened by any epsilon.
+struct BothSegments
+{
+  simd::LocalRay local;
+  Segment<double> scalar;
+
+  explicit BothSegments(Random& random)
+  {
+    for (int k = 0; k < 3; k++) {
+      const float p0 = float(random.uniform()), p1 = float(random.uniform()), epsilon = float(random.magnitude(1e-3, 3e-2));
+      local.P0[k] = p0; local.P1[k] = p1; local.epsilon[k] = epsilon;
+      scalar.P0[k] = p0; scalar.P1[k] = p1; scalar.epsilon[k] = epsilon;
+    }
+    local.P0[3] = local.P1[3] = local.epsilon[3] = 0;
+    scalar.startClipped = local.startClipped = random.chance(0.5);
+    scalar.endClipped = local.endClipped = random.chance(0.5);
+    scalar.t0 = scalar.w0 = local.t0 = local.w0 = scalar.w1 = local.w1 = 1;
+    scalar.t1 = local.t1 = 2;
+    scalar.valid = true;
+  }
+
+  // One that is off by more than floats lose.
+  Segment<double> moved(Random& random) const
+  {
+    Segment<double> segment = scalar;
+    for (int k = 0; k < 3; k++) {
+      segment.P0[k] += 1e-5*random.uniform(-1, 1);
+      segment.P1[k] += 1e-5*random.uniform(-1, 1);
+      segment.epsilon[k] += 1e-5*random.uniform(-1, 1);
+    }
+    return segment;
+  }
+};
+
+enum Encounter { MISSES, MEETS, PASSES_ABOVE, PASSES_BELOW, ENCOUNTERS };
+
+// FORMAT.md, "Walk".
+Encounter encounter(const Segment<double>& segment, const NodeBox& box)
+{
+  if (isOnSegment(rangeInBox(segment, box, 3))) return MEETS;
+  const Range<double> range = rangeInBox(segment, box, 2);
+  if (!isOnSegment(range)) return MISSES;
+  const double middle = 0.5*(std::max(range.lower, 0.0) + std::min(range.upper, 1.0));
+  return segmentAt(segment, 2, middle) > box.lower[2] + 0.5*box.extent[2] ? PASSES_ABOVE : PASSES_BELOW;
+}
+
+TEST(SimdTracing, BoxesAreMetAndPassedAsByScalarCode)
+{
+  Random random(99);
+  unsigned counts[ENCOUNTERS] = {}, unstable = 0;
+  for (int i = 0; i < 20000; i++) {
+    const BothSegments segments(random);
+    const simd::MirroredRay ray(segments.local);
+    const uint32_t word = random.bits();
+    simd::ChildBoxes boxes;
+    ray.decode(word, simd::ParentBox::root(), boxes);
+    const simd::HitMasks masks = ray.intersect(boxes, 1.0f);
+    for (size_t lane = 0; lane < 4; lane++) {
+      const NodeBox box = decodeChild(word, int(lane) ^ ray.flipXY(), rootBox());
+      const Encounter expected = encounter(segments.scalar, box);
+      bool stable = true;
+      for (int m = 0; m < 8; m++) stable &= encounter(segments.moved(random), box) == expected;
+      if (!stable) { unstable++; continue; }
+      counts[expected]++;
+      SCOPED_TRACE(testing::Message() << "segment " << i << ", lane " << lane);
+      ASSERT_EQ((masks.hit >> lane) & 1, size_t(expected == MEETS));
+      ASSERT_EQ((masks.passed >> lane) & 1, size_t(expected == PASSES_ABOVE || expected == PASSES_BELOW));
+      if ((masks.passed >> lane) & 1) { ASSERT_EQ(ray.isAbove(boxes, lane), expected == PASSES_ABOVE); }
+    }
+  }
+  for (unsigned count : counts) EXPECT_GT(count, 1000u);
+  EXPECT_LT(unstable, 1000u);
+}
+
+// All that hit_rule.h decides by.
+bool sameEvent(const LeafEvent& a, const LeafEvent& b)
+{
+  return a.enter == b.enter && a.leave == b.leave && a.changes == b.changes && a.nearEntry == b.nearEntry && a.near == b.near &&
+    a.started == b.started && a.ended == b.ended && a.solid == b.solid && a.empty == b.empty;
+}
+
+std::string textOf(const LeafEvent& e)
+{
+  const bool flags[7] = {e.changes, e.nearEntry, e.near, e.started, e.ended, e.solid, e.empty};
+  std::string text = std::string("enter ") + (e.enter == sideAbove ? "above" : "below") + ", leave " + (e.leave == sideAbove ? "above" : "below");
+  const char* const names[7] = {"changes", "nearEntry", "near", "started", "ended", "solid", "empty"};
+  for (int i = 0; i < 7; i++) if (flags[i]) text += std::string(", ") + names[i];
+  return text;
+}
+
+TEST(SimdTracing, LeavesAreCrossedAsByScalarCode)
+{
+  Random random(100);
+  unsigned compared = 0, unstable = 0, counts[2][7] = {};
+  for (int i = 0; i < 20000; i++) {
+    const BothSegments segments(random);
+    const simd::MirroredRay ray(segments.local);
+    const uint64_t bits = randomHeights(random);
+    const Heights heights = {uint32_t(bits), uint32_t(bits >> 32)};
+    const uint32_t word = isLoose(heights) ? random.bits() : randomLatticeWord(random);
+    simd::ChildBoxes boxes;
+    simd::GroupPatches patches;
+    patches.decode(word, bits, simd::ParentBox::root(), ray, boxes);
+    const simd::HitMasks masks = ray.intersect(boxes, 1.0f);
+    const simd::PatchCrossing4 x(segments.local, ray, boxes, patches);
+    for (size_t lane = 0; lane < 4; lane++) {
+      const LeafPatch leaf = decodeLeaf(word, heights, int(lane) ^ ray.flipXY(), rootBox());
+      if (leaf.solid || leaf.empty || !((masks.hit >> lane) & 1)) continue;
+      const LeafEvent expected = crossPatch(segments.scalar, leaf).event;
+      bool stable = encounter(segments.scalar, leaf.box) == MEETS;
+      for (int m = 0; m < 8; m++) {
+        const Segment<double> moved = segments.moved(random);
+        stable = stable && encounter(moved, leaf.box) == MEETS && sameEvent(crossPatch(moved, leaf).event, expected);
+      }
+      if (!stable) { unstable++; continue; }
+      compared++;
+      ASSERT_TRUE(sameEvent(x.event(lane), expected)) << "segment " << i << ", lane " << lane << ": " << textOf(x.event(lane)) << "; expected " << textOf(expected);
+      const bool flags[7] = {expected.enter == sideAbove, expected.leave == sideAbove, expected.changes, expected.nearEntry, expected.near, expected.started, expected.ended};
+      for (int f = 0; f < 7; f++) counts[flags[f]][f]++;
+    }
+  }
+  std::printf("%u leaves, %u unstable\n", compared, unstable);
+  EXPECT_LT(unstable, compared/20);
+  for (const auto& of : counts)
+    for (unsigned count : of) EXPECT_GT(count, 500u);
+}
+
+} // namespace
+} // namespace cbvh::test
