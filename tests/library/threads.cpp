@@ -13,9 +13,10 @@ namespace cbvh::test {
 namespace {
 
 constexpr unsigned threadCount = 4;
+constexpr unsigned surfaceCount = 5; // one of each representation
 
 // One surface of each representation, side by side.
-void addSurfaces(RTCDevice device, RTCScene scene, Displacement displacements[4])
+void addSurfaces(RTCDevice device, RTCScene scene, Displacement displacements[surfaceCount])
 {
   int i = 0;
   for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
@@ -28,7 +29,7 @@ void addSurfaces(RTCDevice device, RTCScene scene, Displacement displacements[4]
   }
 }
 
-// A quarter of the rays at each surface, from around all of them.
+// As many rays at each surface, from around all of them.
 std::vector<RTCRayHit> makeRays()
 {
   Random random(83);
@@ -39,9 +40,9 @@ std::vector<RTCRayHit> makeRays()
       org[k] = float(random.uniform(-4, 4));
       dir[k] = float(random.uniform(-0.7, 0.7)) - org[k];
     }
-    const float offset = float(random.uniform(0, 9));
+    const float offset = float(random.uniform(0, 3*(surfaceCount - 1)));
     org[0] += offset;
-    dir[0] += 3.0f*float(i % 4) - offset;
+    dir[0] += 3.0f*float(i % surfaceCount) - offset;
     rays.push_back(makeRay(org, dir));
   }
   return rays;
@@ -50,7 +51,7 @@ std::vector<RTCRayHit> makeRays()
 struct Answers
 {
   std::vector<char> bytes;    // hits and occlusion of all rays
-  unsigned hits[4] = {};      // rays that meet each of the surfaces first
+  unsigned hits[surfaceCount] = {};      // rays that meet each of the surfaces first
   unsigned occludedRays = 0;
 };
 
@@ -62,7 +63,7 @@ Answers trace(RTCScene scene, const std::vector<RTCRayHit>& rays)
     const bool isOccluded = occluded(scene, ray);
     answers.bytes.insert(answers.bytes.end(), (const char*)&hit, (const char*)(&hit + 1));
     answers.bytes.push_back(isOccluded);
-    if (isHit(hit) && hit.hit.geomID < 4) answers.hits[hit.hit.geomID]++;
+    if (isHit(hit) && hit.hit.geomID < surfaceCount) answers.hits[hit.hit.geomID]++;
     answers.occludedRays += isOccluded;
   }
   return answers;
@@ -73,7 +74,7 @@ Answers trace(RTCScene scene, const std::vector<RTCRayHit>& rays)
 void expectThatRaysMeetEverySurface(const Answers& answers, size_t rays)
 {
   unsigned sum = 0;
-  for (int i = 0; i < 4; i++) {
+  for (unsigned i = 0; i < surfaceCount; i++) {
     EXPECT_GE(answers.hits[i], rays/8) << "surface " << i;
     sum += answers.hits[i];
   }
@@ -91,7 +92,7 @@ void inThreads(const Work& work)
 TEST(Threads, TraceOneSceneAlike)
 {
   Device device;
-  Displacement displacements[4];
+  Displacement displacements[surfaceCount];
   Scene scene(device);
   addSurfaces(device, scene, displacements);
   rtcCommitScene(scene);
@@ -109,7 +110,7 @@ TEST(Threads, CommitScenesOfOneDeviceAtOnce)
   const std::vector<RTCRayHit> rays = makeRays();
   Answers answers[threadCount];
   inThreads([&](unsigned i) {
-    Displacement displacements[4];
+    Displacement displacements[surfaceCount];
     Scene scene(device);
     addSurfaces(device, scene, displacements);
     rtcCommitScene(scene);

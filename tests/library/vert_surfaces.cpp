@@ -213,7 +213,8 @@ TEST(VertSurfaces, NoVertexIsFartherFromGridsThanPromised)
       EXPECT_LE(largest, stats.maxVertexDeviation + stats.maxBorderGap + 1e-6);
       EXPECT_LE(stats.maxBorderGap, 1e-5f);
       EXPECT_LE(largest, halfDiagonal*stats.maxVertexSpacing + 1e-5);
-      EXPECT_EQ(stats.numRawBlocks, 0u);
+      // a block is as wide as its face, which is more than 16384 of the finest steps
+      EXPECT_EQ(stats.numRawBlocks > 0, maxError == 3e-5f);
     }
 }
 

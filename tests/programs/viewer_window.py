@@ -208,7 +208,7 @@ def run(session, folder):
     session.ends(0)
     with open(os.path.join(folder, "log")) as log:
         text = log.read()
-    if "cLEAF^2: build: stopped" not in text:
+    if "cVERT: build: stopped" not in text:
         raise SystemExit(f"FAILED: the build was not stopped: {text}")
 
 
