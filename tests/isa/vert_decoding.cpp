@@ -59,8 +59,15 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
     const auto expected = std::make_unique<ScalarVertBlock>(block);
     const VertLayout layout = vertLayout(place);
     const VertGroups groups(block);
-    GroupBoxes boxes;
-    groups.boxes(boxes);
+    float boxes[2][3][16];
+    for (int k = 0; k < 3; k++) {
+      GroupPlanes planes;
+      groups.planes(k, planes);
+      for (int lane = 0; lane < 16; lane++) {
+        boxes[0][k][lane] = planes.lower[lane/vertWidth][lane % vertWidth];
+        boxes[1][k][lane] = planes.upper[lane/vertWidth][lane % vertWidth];
+      }
+    }
     uint32_t lanes = 0;
     for (uint32_t n = layout.groups; n > 0; n--) { // in any order
       const uint32_t g = (n*7 + 3) % layout.groups, lane = g % layout.groupsX + 4*(g/layout.groupsX);
@@ -68,8 +75,8 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
       float lower[3], upper[3];
       expected->groupBox(g, lower, upper);
       for (int k = 0; k < 3; k++) {
-        ASSERT_EQ(boxes.lower[k][lane], lower[k]);
-        ASSERT_EQ(boxes.upper[k][lane], upper[k]);
+        ASSERT_EQ(boxes[0][k][lane], lower[k]);
+        ASSERT_EQ(boxes[1][k][lane], upper[k]);
       }
       CellVertices cell;
       groups.decode(lane, cell);

@@ -32,8 +32,17 @@ namespace embree
       /*! vectors that have the vertices of a cell */
       static const int cellVectors = (cellVertices+vertWidth-1)/vertWidth;
 
-      /*! corners of a cell, by axis: 00, 10, 01, 11; floats that are integers */
-      struct CellCorners { float at[3][4]; };
+      /*! Corners of a cell, floats that are integers: 00, 10, 01, 11, each of three axes. The first
+       *  is at a, the others are right, up, and both apart. */
+      struct CellCorners
+      {
+        const float* a[3];  //!< by axis
+        int right, up;
+
+        __forceinline vfloatV at (int axis, int corner) const {
+          return vfloatV(a[axis][(corner & 1 ? right : 0) + (corner & 2 ? up : 0)]);
+        }
+      };
 
       /*! vertices of a cell by axis, in a lane each */
       struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
@@ -95,9 +104,9 @@ namespace embree
           const vintV field = fields.lanes[c] & vintV::load(vertTables.hasField+vertWidth*c);
           const vfloatV half(0.5f);
           auto decode = [&](int axis, const vfloatV& residual) {
-            const float* k = corners.at[axis];
-            const vfloatV p = madd(vfloatV(k[3]-k[1]-k[2]+k[0]),xy,madd(vfloatV(k[2]-k[0]),y,madd(vfloatV(k[1]-k[0]),x,half)));
-            vfloatV::store(out.at[axis]+vertWidth*c,vfloatV(k[0]) + floor(p) + residual);
+            const vfloatV k = corners.at(axis,0), dx = corners.at(axis,1) - k, dy = corners.at(axis,2) - k;
+            const vfloatV dxy = corners.at(axis,3) - k - dx - dy;
+            vfloatV::store(out.at[axis]+vertWidth*c,k + floor(madd(dxy,xy,madd(dy,y,madd(dx,x,half)))) + residual);
           };
           const vfloatV main = residualOf(field,0,bits0);
           decode(axis0,main);
@@ -135,12 +144,12 @@ namespace embree
         __forceinline vfloatV upper (int j) const { return max(max(at[j][0],at[j][1]),max(at[j][2],at[j][3])); }
       };
 
-      /*! Boxes of groups in the world, group (x,y) in lane x + 4 y. Lanes of no group are not
-       *  anything. */
-      struct alignas(64) GroupBoxes
+      /*! Planes of groups' boxes on one axis, in the world; group (x,y) in lane x + 4 y. Lanes of no
+       *  group are not anything. */
+      struct GroupPlanes
       {
-        float lower[3][16], upper[3][16];
-        float extent[3]; //!< of the block from its origin, at least
+        vfloatV lower[CellCornersV::vectors], upper[CellCornersV::vectors];
+        float extent; //!< of the block from its origin, at least
       };
 
       /*! A block that a ray looks into. */
@@ -162,22 +171,18 @@ namespace embree
           return (((1u << layout.groupsX)-1) * 0x1111u) & uint32_t((1u << (4*layout.groupsY))-1);
         }
 
-        __forceinline void boxes (GroupBoxes& out) const
+        __forceinline void planes (int k, GroupPlanes& out) const
         {
-          if (unlikely(isRaw(block->marginShifts))) { copyBoxes(out); return; }
-          for (int k=0; k<3; k++)
-          {
-            alignas(16) uint8_t expanded[16];
-            const uint8_t* margins = expandRows((const uint8_t*)block + layout.margins + k*layout.groups,expanded);
-            const CellCornersV corners(first.at[k]);
-            out.extent[k] = float(maxExtent)*block->spacing;
-            const vfloatV spacing(block->spacing), origin(block->origin[k]), step(float(1u << marginShift(block->marginShifts,k)));
-            for (int j=0; j<CellCornersV::vectors; j++) {
-              const vintV m = loadBytes(margins+vertWidth*j);
-              const vfloatV lo = nmadd(vfloatV(m & vintV(15)),step,corners.lower(j)), hi = madd(vfloatV(m >> 4),step,corners.upper(j));
-              vfloatV::store(out.lower[k]+vertWidth*j,madd(lo,spacing,origin));
-              vfloatV::store(out.upper[k]+vertWidth*j,madd(hi,spacing,origin));
-            }
+          if (unlikely(isRaw(block->marginShifts))) { copyPlanes(k,out); return; }
+          alignas(16) uint8_t expanded[16];
+          const uint8_t* margins = expandRows((const uint8_t*)block + layout.margins + k*layout.groups,expanded);
+          const CellCornersV corners(first.at[k]);
+          const vfloatV spacing(block->spacing), origin(block->origin[k]), step(float(1u << marginShift(block->marginShifts,k)));
+          out.extent = float(maxExtent)*block->spacing;
+          for (int j=0; j<CellCornersV::vectors; j++) {
+            const vintV m = loadBytes(margins+vertWidth*j);
+            out.lower[j] = madd(nmadd(vfloatV(m & vintV(15)),step,corners.lower(j)),spacing,origin);
+            out.upper[j] = madd(madd(vfloatV(m >> 4),step,corners.upper(j)),spacing,origin);
           }
         }
 
@@ -186,10 +191,8 @@ namespace embree
         {
           const uint32_t gx = lane & 3, gy = lane >> 2, g = gy*layout.groupsX + gx;
           if (unlikely(isRaw(block->marginShifts))) { copy(gx,gy,out); return; }
-          CellCorners corners;
-          for (int k=0; k<3; k++)
-            for (uint32_t c=0; c<4; c++)
-              corners.at[k][c] = first.at[k][5*(gy+(c >> 1)) + gx+(c & 1)];
+          const uint32_t v = 5*gy + gx;
+          const CellCorners corners = { { first.at[0]+v,first.at[1]+v,first.at[2]+v },1,5 };
           decodeCell(wordOf(g),groupData(g),corners,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy),out);
           for (int k=0; k<3; k++)
             for (int c=0; c<cellVectors; c++) {
@@ -203,10 +206,16 @@ namespace embree
 
         __forceinline void decodeCorners ()
         {
-          CellCorners corners;
-          for (int k=0; k<3; k++)
-            for (int c=0; c<4; c++)
-              corners.at[k][c] = float(cornerCoordinate(block->corners[cornerPair(c,k)],c,k));
+          alignas(16) float at[4][3];
+#if defined(__SSE4_1__)
+          for (int i=0; i<3; i++)
+            vfloat4::store(&at[0][0]+4*i,vfloat4(vint4(_mm_cvtepu16_epi32(_mm_loadl_epi64((const __m128i*)(block->corners+2*i))))));
+#else
+          for (int c=0; c<4; c++)
+            for (int k=0; k<3; k++)
+              at[c][k] = float(cornerCoordinate(block->corners[cornerPair(c,k)],c,k));
+#endif
+          const CellCorners corners = { { &at[0][0],&at[0][1],&at[0][2] },3,6 };
           decodeCell(block->word,bytes(layout.cell),corners,false,quadsX,quadsY,first);
         }
 
@@ -269,20 +278,19 @@ namespace embree
           }
         }
 
-        void copyBoxes (GroupBoxes& out) const
+        void copyPlanes (int k, GroupPlanes& out) const
         {
           const float* planes = (const float*)bytes(layout.boxes);
-          for (int k=0; k<3; k++)
-          {
-            float highest = block->origin[k];
-            for (uint32_t l=0; l<16; l++) {
-              const uint32_t g = min(l >> 2,layout.groupsY-1)*layout.groupsX + min(l & 3,layout.groupsX-1);
-              out.lower[k][l] = planes[k*layout.groups+g];
-              out.upper[k][l] = planes[(3+k)*layout.groups+g];
-              highest = max(highest,out.upper[k][l]); // an empty group has none
-            }
-            out.extent[k] = highest - block->origin[k];
+          alignas(64) float lower[16], upper[16];
+          float highest = block->origin[k];
+          for (uint32_t l=0; l<16; l++) {
+            const uint32_t g = min(l >> 2,layout.groupsY-1)*layout.groupsX + min(l & 3,layout.groupsX-1);
+            lower[l] = planes[k*layout.groups+g];
+            upper[l] = planes[(3+k)*layout.groups+g];
+            highest = max(highest,upper[l]); // an empty group has none
           }
+          for (int j=0; j<CellCornersV::vectors; j++) { out.lower[j] = vfloatV::load(lower+vertWidth*j); out.upper[j] = vfloatV::load(upper+vertWidth*j); }
+          out.extent = highest - block->origin[k];
         }
 
         const VertHeader* block;

@@ -59,31 +59,24 @@ namespace embree
         /*! lanes of groups whose boxes the ray meets; sets enter */
         __forceinline uint32_t meetBoxes ()
         {
-          GroupBoxes boxes;
-          groups.boxes(boxes);
-          const float* nearPlanes[3];
-          const float* farPlanes[3];
-          float slack[3];
+          vfloatV tNear[CellCornersV::vectors], tFar[CellCornersV::vectors];
+          for (int j=0; j<CellCornersV::vectors; j++) { tNear[j] = vfloatV(ray.tnear()); tFar[j] = vfloatV(ray.tfar); }
           for (int k=0; k<3; k++)
           {
-            const bool down = pre.rcp[k] < 0.0f;
-            nearPlanes[k] = down ? boxes.upper[k] : boxes.lower[k];
-            farPlanes[k]  = down ? boxes.lower[k] : boxes.upper[k];
-            const float distance = std::fabs(block->origin[k]-pre.org[k]) + boxes.extent[k];
-            slack[k] = slackUlps*floatUlp*(down ? distance : -distance);
+            GroupPlanes planes;
+            groups.planes(k,planes);
+            const vfloatV org(pre.org[k]), rcp(pre.rcp[k]);
+            const vfloatV slack(slackUlps*floatUlp*(std::fabs(block->origin[k]-pre.org[k]) + planes.extent));
+            for (int j=0; j<CellCornersV::vectors; j++) {
+              const vfloatV a = ((planes.lower[j] - org) - slack)*rcp, b = ((planes.upper[j] - org) + slack)*rcp;
+              tNear[j] = max(tNear[j],min(a,b));
+              tFar[j] = min(tFar[j],max(a,b));
+            }
           }
           uint32_t open = 0;
-          for (uint32_t n=0; n<16; n+=vertWidth)
-          {
-            vfloatV tNear(ray.tnear()), tFar(ray.tfar);
-            for (int k=0; k<3; k++)
-            {
-              const vfloatV org(pre.org[k]), rcp(pre.rcp[k]);
-              tNear = max(tNear,((vfloatV::load(nearPlanes[k]+n) - org) + vfloatV(slack[k]))*rcp);
-              tFar  = min(tFar ,((vfloatV::load(farPlanes[k]+n)  - org) - vfloatV(slack[k]))*rcp);
-            }
-            vfloatV::store(enter+n,tNear);
-            open |= uint32_t(movemask(tNear <= tFar)) << n;
+          for (int j=0; j<CellCornersV::vectors; j++) {
+            vfloatV::store(enter+vertWidth*j,tNear[j]);
+            open |= uint32_t(movemask(tNear[j] <= tFar[j])) << (vertWidth*j);
           }
           return open & groups.lanes();
         }
