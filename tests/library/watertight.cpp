@@ -12,6 +12,7 @@
 
 #include "basics/parallel.h"
 #include "measure/leak_rays.h"
+#include "support/vert_triangles.h"
 #include "support/vertex_recorder.h"
 
 #include <gtest/gtest.h>
@@ -127,6 +128,11 @@ TEST_P(Watertight, RaysFromInsideHit)
     recorder.build(device, grid, c.cage, settings);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 
+    if (c.coarse && GetParam() == RTC_COMPRESSION_VERT) {
+      // GRID is torn by most of a quad here, and cannot say what is inside
+      EXPECT_EQ(countOpenEdges(vertTriangles(scene)), 0u);
+      continue;
+    }
     LeakSettings leakSettings;
     leakSettings.rays = raysOfCase;
     const RTCCompressionStatistics stats = statisticsOf(scene);
