@@ -56,7 +56,7 @@ struct RTCCompressionArguments
    * of its own; with other edge rates, blocks of that size for the highest, or smaller. 0 to 8;
    * clamped to L. AUTO takes the coarsest frames that meet maxError, or, without maxError,
    * blocks of 16 x 16 quads. INHERIT takes the device's setting; where nobody gives one, that
-   * is 2, or less for blocks of 8 x 8 quads. */
+   * is 2, or less for blocks of 8 x 8 quads. Without meaning for VERT, which has no frames. */
   int frameLevel;
 
   /* In world units, 0 for none, negative to inherit the device's setting.

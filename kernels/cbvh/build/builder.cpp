@@ -209,6 +209,9 @@ namespace embree
         if (total.refusedQuads)
           std::cout << "compression: geometry " << plan.geomID << ": " << total.refusedQuads
                     << " quads of blocks that have no good frame (lines, outliers) keep full precision" << std::endl;
+        if (total.sums.numRawBlocks)
+          std::cout << "compression: geometry " << plan.geomID << ": " << total.sums.numRawBlocks
+                    << " blocks of cVERT keep floats (a vertex that is not finite, a spacing too fine for their width, or a neighbour that GRID traces)" << std::endl;
         if (total.quadsForHoles)
           std::cout << "compression: geometry " << plan.geomID << ": " << total.quadsForHoles
                     << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;
