@@ -63,7 +63,7 @@ struct RTCCompressionArguments
    *
    * RTC_COMPRESSION_VERT: spacing of the lattice that vertices are moved to, at most. None of them
    * is moved by more than 0.866 of it (half a diagonal of the lattice's cubes). With 0 it is 1/32 of
-   * the median edge of each face's quads. Spacings are powers of two, and not below what floats at
+   * the median edge of each face's quads, or less. Spacings are powers of 2, not below what floats at
    * the face resolve.
    *
    * RTC_COMPRESSION_VOXEL and LEAF: upper bound of a leaf's thickness. Honoured when frameLevel is

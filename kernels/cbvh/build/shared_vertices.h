@@ -273,9 +273,11 @@ namespace embree
       {
         if (!takesPart(f)) return;
         cbvh::EdgeSample samples[2], coarse[2]; // along u, v; coarse: of borders with a lower rate
+        unsigned fewest[2] = { ~0u,~0u };        // quads
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
             const SubdivPatch1Base base = patch.make(mesh,plan.geomID,f);
             const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
+            for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]);
             for (unsigned s=0; s<4; s++)
             {
               const bool alongU = s % 2 == 0;
@@ -292,7 +294,7 @@ namespace embree
             }
           });
         /* quads may be much longer than wide: the shorter side counts */
-        double edge = 0, lower[3], upper[3], maxCoordinate = 0;
+        double spacing = 0, lower[3], upper[3], maxCoordinate = 0;
         for (int k=0; k<3; k++)
         {
           lower[k] = min(min(samples[0].lower[k],samples[1].lower[k]),min(coarse[0].lower[k],coarse[1].lower[k]));
@@ -301,13 +303,14 @@ namespace embree
         }
         for (int d=0; d<2; d++) {
           const double median = (samples[d].empty() ? coarse[d] : samples[d]).median();
-          if (median > 0) edge = edge > 0 ? min(edge,median) : median;
+          const double wanted = cbvh::defaultSpacing(median,fewest[d]);
+          if (wanted > 0) spacing = spacing > 0 ? min(spacing,wanted) : wanted;
         }
-        exponents[f] = cbvh::latticeExponent(spacing(edge,lower,upper),maxCoordinate);
+        exponents[f] = cbvh::latticeExponent(spacingAskedFor(lower,upper,spacing),maxCoordinate);
       }
 
-      /*! by what was asked for, or by the median edge of quads */
-      double spacing (double edge, const double lower[3], const double upper[3]) const
+      /*! the default where nothing was asked for */
+      double spacingAskedFor (const double lower[3], const double upper[3], double byDefault) const
       {
         const CompressionSettings& settings = plan.settings;
         double spacing = settings.maxError > 0 ? double(settings.maxError) : INFINITY;
@@ -322,7 +325,7 @@ namespace embree
           }
           spacing = min(spacing,double(settings.maxPixelError)*settings.pixelSize*std::sqrt(distance2));
         }
-        return spacing < INFINITY ? spacing : edge*cbvh::spacingOfEdge;
+        return spacing < INFINITY ? spacing : byDefault;
       }
 
       void evaluateLine (const SubdivPatch1Base& base, PatchGrid& grid, const unsigned quads[2], bool alongU, unsigned at) const

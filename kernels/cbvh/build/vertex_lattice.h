@@ -23,6 +23,15 @@ namespace embree
      *  shorter, or less */
     static constexpr double spacingOfEdge = 1.0/32;
 
+    /*! A face of fewer quads than this gets a spacing that much finer: it is as large in a picture, and
+     *  its headers outweigh its bits. */
+    static constexpr unsigned fullQuads = 16;
+
+    /*! median: of edges along u or v, of that many quads */
+    inline double defaultSpacing(double median, unsigned quads) {
+      return median*spacingOfEdge*(quads < fullQuads ? double(quads)/fullQuads : 1.0);
+    }
+
     /*! Coordinates of a face take at most this many bits, one less than floats have: sums with
      *  a block's origin stay exact. */
     static constexpr int maxCoordinateBits = 23;
