@@ -292,7 +292,11 @@ TEST_P(MixedRates, CompressedFacesMeetThoseThatGridTraces)
   EXPECT_GT(stats.numQuads, 0u);
   EXPECT_GT(stats.numGridQuads, 0u);
   const std::vector<RTCRayHit> rays = raysTowards(recorder.targets(random, 3), random);
-  EXPECT_LE(countMisses(scene, rays), countMisses(grid, rays)) << "of " << rays.size();
+  // On the border of GRID's faces cVERT's test of triangles meets Embree's, which rounds edges another
+  // way: there rays pass as they do between GRID's own, equal but for chance.
+  const unsigned ofGrid = countMisses(grid, rays);
+  const double chance = GetParam() == RTC_COMPRESSION_VERT ? std::sqrt(double(ofGrid)) : 0;
+  EXPECT_LE(countMisses(scene, rays), ofGrid + chance) << "of " << rays.size();
 }
 
 } // namespace
