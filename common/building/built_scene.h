@@ -39,10 +39,10 @@ struct BuildReport
   RTCCompressionStatistics compression{}; // all zero for NAIVE and GRID
 
   /* How far the surface may be from the mesh that it stands for: the thickness of its leaves, or the way
-   * that its vertices were moved. */
+   * that its vertices were moved, and, where faces tear the mesh, that one face's were to another's. */
   float distanceFromMesh() const
   {
-    return std::max(compression.maxLeafThickness, compression.maxVertexDeviation);
+    return std::max(compression.maxLeafThickness, compression.maxVertexDeviation + compression.maxBorderGap);
   }
 
   double bytesPerQuad() const { return quads ? double(liveBytes) / double(quads) : 0.0; }
