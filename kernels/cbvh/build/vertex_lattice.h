@@ -75,11 +75,12 @@ namespace embree
         const Double3 d = { double(b[0])-a[0], double(b[1])-a[1], double(b[2])-a[2] };
         const double l = length(d);
         if (l > 0 && std::isfinite(l)) lengths.push_back(l); // stitched vertices coincide
-        for (int k=0; k<3; k++)
-          if (std::isfinite(a[k])) {
-            lower[k] = std::min(lower[k],double(a[k]));
-            upper[k] = std::max(upper[k],double(a[k]));
-          }
+        for (const float* p : { a,b })
+          for (int k=0; k<3; k++)
+            if (std::isfinite(p[k])) {
+              lower[k] = std::min(lower[k],double(p[k]));
+              upper[k] = std::max(upper[k],double(p[k]));
+            }
       }
 
       bool empty() const { return lengths.empty(); }
