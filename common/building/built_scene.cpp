@@ -28,6 +28,20 @@ std::string deviceConfig(const Representation& representation, const BuildSettin
   return config;
 }
 
+RTCCompressionArguments compressionArguments(const PixelBound& bound)
+{
+  RTCCompressionArguments args;
+  rtcInitCompressionArguments(&args);
+  if (bound.pixels > 0.0f)
+  {
+    args.maxPixelError = bound.pixels;
+    args.pixelSize = bound.footprint;
+    const float eye[3] = {bound.eye.x, bound.eye.y, bound.eye.z};
+    std::copy(eye, eye + 3, args.cameraPosition);
+  }
+  return args;
+}
+
 bool onProgress(void* phase, double fraction)
 {
   static_cast<Phase*>(phase)->update(fraction);
@@ -46,7 +60,7 @@ void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name)
 /* contexts: as many as copies, whose capture is set already or is none; outlive the
  * scene. */
 void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, int level,
-                  std::vector<DisplacementContext>& contexts)
+                  std::vector<DisplacementContext>& contexts, const RTCCompressionArguments* compression = nullptr)
 {
   contexts.resize(model.copies.size());
   const SharedTopology topology(device, model.cage);
@@ -54,7 +68,7 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, int 
   {
     contexts[i].displacement = model.displacement.get();
     contexts[i].level = level;
-    rtcAttachGeometry(scene, topology.makeGeometry(model.copies[i], contexts[i]).get());
+    rtcAttachGeometry(scene, topology.makeGeometry(model.copies[i], contexts[i], compression).get());
     throwIfCancelled();
   }
 }
@@ -107,7 +121,8 @@ void BuiltScene::commit(const char* doing)
 void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& settings)
 {
   const auto start = std::chrono::steady_clock::now();
-  attachCopies(*device, scene.get(), model, settings.level, contexts);
+  const RTCCompressionArguments arguments = compressionArguments(settings.pixelBound);
+  attachCopies(*device, scene.get(), model, settings.level, contexts, what.isCompressed() ? &arguments : nullptr);
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");
   if (what.isCompressed())

@@ -19,11 +19,20 @@
 
 namespace cbvh {
 
+/* A bound on what cVERT moves vertices by, in pixels of a camera. */
+struct PixelBound
+{
+  float pixels = 0;     // 0 for none
+  Vec3f eye;
+  float footprint = 0;  // width of a pixel at a distance of 1
+};
+
 struct BuildSettings
 {
   int level = 6;
   int threads = 0;     // of Embree's build, 0 for all
   float maxError = 0;  // bound on cVERT's spacing, and on the thickness of leaves where frame levels are automatic, 0 for none
+  PixelBound pixelBound;
   std::string isa;     // Embree's name of the widest instruction set to use, empty for the host's best
 };
 

@@ -91,7 +91,8 @@ SharedTopology::SharedTopology(EmbreeDevice& device, const Cage& cage) : device(
   add(RTC_BUFFER_TYPE_HOLE, RTC_FORMAT_UINT, cage.holes);
 }
 
-GeometryHandle SharedTopology::makeGeometry(const Placement& placement, DisplacementContext& context) const
+GeometryHandle SharedTopology::makeGeometry(const Placement& placement, DisplacementContext& context,
+                                            const RTCCompressionArguments* compression) const
 {
   GeometryHandle handle(rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SUBDIVISION));
   device.check("making a geometry");
@@ -112,6 +113,8 @@ GeometryHandle SharedTopology::makeGeometry(const Placement& placement, Displace
   rtcSetGeometryTessellationRate(geometry, float(1 << context.level));
   rtcSetGeometryUserData(geometry, &context);
   rtcSetGeometryDisplacementFunction(geometry, displace);
+  if (compression)
+    rtcSetGeometryCompression(geometry, compression);
   rtcCommitGeometry(geometry);
   device.check("committing the subdivision geometry");
   return handle;

@@ -8,6 +8,8 @@
 #include "building/embree_device.h"
 #include "surface/model.h"
 
+#include <embree3/rtcore_compression.h>
+
 #include <vector>
 
 namespace cbvh {
@@ -41,9 +43,11 @@ public:
 
   /* Makes a geometry at a place, committed, not yet attached to a scene.
    *
-   * context: displacement, level (the edge rate is 2^level) and capture.
+   * context: displacement, level (the edge rate is 2^level) and capture;
+   * compression: read during the call, null for the device's settings.
    * Errors: throws Error. */
-  GeometryHandle makeGeometry(const Placement& placement, DisplacementContext& context) const;
+  GeometryHandle makeGeometry(const Placement& placement, DisplacementContext& context,
+                              const RTCCompressionArguments* compression = nullptr) const;
 
 private:
   struct Buffer

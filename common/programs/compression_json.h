@@ -20,7 +20,8 @@ inline nlohmann::json compressionJson(const RTCCompressionStatistics& s)
           {"invalid_quads", s.numInvalidQuads}, {"affine_blocks", s.numAffineBlocks},
           {"solid_leaves", s.numSolidLeaves},   {"max_leaf_thickness", s.maxLeafThickness},
           {"raw_blocks", s.numRawBlocks},       {"max_vertex_spacing", s.maxVertexSpacing},
-          {"max_border_gap", s.maxBorderGap},   {"max_vertex_deviation", s.maxVertexDeviation}};
+          {"max_border_gap", s.maxBorderGap},   {"max_vertex_deviation", s.maxVertexDeviation},
+          {"exact_quads", s.numExactQuads},     {"flipped_quads", s.numFlippedQuads}};
 }
 
 } // namespace cbvh

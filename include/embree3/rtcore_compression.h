@@ -77,6 +77,11 @@ struct RTCCompressionArguments
   float maxPixelError;
   float cameraPosition[3];  /* world, finite where maxPixelError is not 0 */
   float pixelSize;          /* width of a pixel at distance 1, more than 0 where maxPixelError is not 0 */
+
+  /* RTC_COMPRESSION_LEAF: 1 stores faces that a leaf's form cannot hold (open borders and creases that
+   * curve, walls, folds) as RTC_COMPRESSION_VERT does, 0 stores all faces as cLEAF; negative inherits
+   * the device's setting, which is 1 where nobody gives one. */
+  int exactFaces;
 };
 
 /* Sets every argument to inherit the setting of the device. */
@@ -88,6 +93,7 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
   args->maxPixelError = 0.0f;
   args->cameraPosition[0] = args->cameraPosition[1] = args->cameraPosition[2] = 0.0f;
   args->pixelSize = 0.0f;
+  args->exactFaces = -1;
 }
 
 /* Chooses the representation of a subdivision geometry. Takes effect when the
@@ -98,7 +104,7 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, an unknown compression, a frame
  * level outside -2..8, a maxError that is not finite, a maxPixelError that is negative or not
- * finite, or a camera without which it means nothing;
+ * finite, a camera without which it means nothing, or an exactFaces above 1;
  * RTC_ERROR_INVALID_OPERATION for a geometry of another type. The geometry keeps
  * its setting then. Thread safety: as rtcSetGeometryTessellationRate. */
 RTC_API void rtcSetGeometryCompression(RTCGeometry geometry, const struct RTCCompressionArguments* args);
@@ -121,9 +127,12 @@ struct RTCCompressionStatistics
   size_t numRawBlocks;          // cVERT: blocks that hold floats, for a vertex that is not finite or outliers
   float  maxVertexSpacing;      // cVERT, world units: largest spacing of a lattice
   float  maxVertexDeviation;    // cVERT, world units: largest distance of a vertex from the one that its face evaluated,
-                                // or, on the border of faces, the face that owns it
-  float  maxBorderGap;          // cVERT, world units: largest distance between what two faces evaluate for a vertex
+                                // or, on the border of faces, the face that owns it; of cLEAF those on borders
+  float  maxBorderGap;          // cVERT, cLEAF, world units: largest distance between what two faces evaluate for a vertex
                                 // that they share; it is closed
+  size_t numExactQuads;         // cLEAF: quads of faces that are stored as cVERT, see RTCCompressionArguments::exactFaces
+  size_t numFlippedQuads;       // quads whose normal, as it is traced, is turned by more than 90 degrees from that of
+                                // their vertices
 };
 
 /* Reports what the last commit of a scene compressed. All zero when the scene

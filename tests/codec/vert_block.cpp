@@ -83,7 +83,7 @@ TEST(VertBlock, VerticesAreTheSameFloats)
     for (size_t v = 0; v < sheet.vertices.size(); v++)
       for (int k = 0; k < 3; k++)
         ASSERT_TRUE(sameFloat(decoded->vertices[v][k], sheet.vertices[v][k])) << "sheet " << i << ", vertex " << v << ", axis " << k;
-    ASSERT_EQ(encoded.statistics.raw, isRaw(encoded.block()->marginShifts));
+    ASSERT_EQ(encoded.statistics.raw, isRaw(encoded.block()->boxForm));
     (encoded.statistics.raw ? raw : packed)++;
     if (!encoded.statistics.raw) {
       ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "bytes that nobody reads";
@@ -135,7 +135,7 @@ TEST(VertBlock, BoxesContainTheirGroups)
             least = std::min(least, v); greatest = std::max(greatest, v);
           }
         if (hole) continue;
-        const float step = encoded.block()->spacing*float(1u << marginShift(encoded.block()->marginShifts, k));
+        const float step = vertSpacing(encoded.block()->word)*float(1u << marginShift(encoded.block()->boxForm, k));
         planes += 2;
         loose += (least - lower[k] >= step) + (upper[k] - greatest >= step);
       }

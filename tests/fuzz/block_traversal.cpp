@@ -15,14 +15,10 @@
  *
  * --seeds=DIRECTORY writes blocks of the encoder, with rays, for a corpus to start from. */
 
-#include "kernels/common/scene.h"
+#include "fuzz_support.h"
 #include "kernels/cbvh/build/block_encoder.h"
 #include "kernels/cbvh/trace/kind_visitors1.h"
-#include <embree3/rtcore.h>
 
-#include <cstdio>
-#include <cstdlib>
-#include <string>
 #include <vector>
 
 namespace cbvh::test {
@@ -36,32 +32,6 @@ using embree::isa::cbvh::GridVisitor1;
 using embree::isa::cbvh::LeafVisitor1;
 using embree::isa::cbvh::RayPrecalculations;
 using embree::isa::cbvh::VoxelVisitor1;
-
-#define REQUIRE(condition) \
-  do { if (!(condition)) { std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); std::abort(); } } while (false)
-
-// In front of the block.
-struct RayBytes
-{
-  float org[3], tnear;
-  float dir[3], tfar;
-};
-
-// Geometry 0 of a scene, for the epilogues to look up its mask and filters.
-struct World
-{
-  RTCScene scene;
-  World()
-  {
-    RTCDevice device = rtcNewDevice("threads=1");
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
-    scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcReleaseDevice(device);
-  }
-};
 
 // RAY: within Embree's limits, and not so far from the block, in sizes of it, that floats
 // overflow in its frame.
@@ -138,7 +108,7 @@ template<template<typename> class Leaf>
 void trace(RTCScene scene, const RayBytes& bytes, const Block* block)
 {
   const bool sound = isSound(bytes, block) && isSound(block);
-  const Ray ray(Vec3fa(bytes.org[0], bytes.org[1], bytes.org[2]), Vec3fa(bytes.dir[0], bytes.dir[1], bytes.dir[2]), bytes.tnear, bytes.tfar);
+  const Ray ray = bytes.ray();
   bool found[2];
   for (bool accepts : {true, false}) {
     Trace closest(block, bytes, sound, accepts);
@@ -201,9 +171,7 @@ void writeSeeds(const std::string& directory)
         block->tiling = blockTiling(3, 3, 0, 0);
         for (const RayBytes& ray : rays) {
           const std::string name = directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - rays);
-          FILE* file = std::fopen(name.c_str(), "wb");
-          REQUIRE(file && std::fwrite(&ray, sizeof(ray), 1, file) == 1 && std::fwrite(block, block->layout().bytes, 1, file) == 1);
-          std::fclose(file);
+          writeSeed(name, ray, block, block->layout().bytes);
         }
       }
 }
@@ -238,18 +206,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   const uint32_t bytes = header.layout().bytes;
   if (size < bytes) return 0;
 
-  // exactly the bytes of the block, so that any access beyond them is seen
-  void* memory = nullptr;
-  REQUIRE(posix_memalign(&memory, blockAlignment, bytes) == 0);
-  Block* block = (Block*)memory;
-  memcpy(block, data, bytes);
+  const ExactMemory memory(data, bytes, blockAlignment);
+  Block* block = (Block*)memory.get();
   memcpy(block, &header, sizeof(header));
   switch (kind) {
   case Kind::LEAF: trace<LeafVisitor1>(world.scene, ray, block); break;
   case Kind::VOXEL: trace<VoxelVisitor1>(world.scene, ray, block); break;
   case Kind::GRID: trace<GridVisitor1>(world.scene, ray, block); break;
-  case Kind::VERT: break; // has blocks of its own
+  case Kind::VERT: break; // vert_traversal.cpp
   }
-  free(memory);
   return 0;
 }

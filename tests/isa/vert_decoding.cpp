@@ -46,7 +46,7 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
   auto encoder = std::make_unique<VertEncoder>();
   std::vector<uint8_t> memory(VertEncoder::maxBytes + 32);
   uint8_t* bytes = (uint8_t*)((uintptr_t(memory.data()) + 15) & ~uintptr_t(15));
-  unsigned raw = 0, packed = 0;
+  unsigned raw = 0, packed = 0, sheared = 0;
   for (int i = 0; i < 3000; i++) {
     const uint32_t quadsX = 1 + random.below(16), quadsY = 1 + random.below(16);
     const uint32_t place = vertPlace(quadsX, quadsY, 0, 0, 0, 0);
@@ -58,11 +58,13 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
     const VertHeader* block = (const VertHeader*)bytes;
     const auto expected = std::make_unique<ScalarVertBlock>(block);
     const VertLayout layout = vertLayout(place);
-    const VertGroups groups(block);
+    VertGroups groups(block);
+    if (!statistics.raw) groups.decodeCorners();
     float boxes[2][3][16];
     for (int k = 0; k < 3; k++) {
       GroupPlanes planes;
-      groups.planes(k, planes);
+      if (!statistics.raw && k == shearedAxis(block->boxForm)) { groups.shearedPlanes(planes); sheared += shearSlope(block->boxForm, 1) != 0; }
+      else groups.planes(k, planes);
       for (int lane = 0; lane < 16; lane++) {
         boxes[0][k][lane] = planes.lower[lane/vertWidth][lane % vertWidth];
         boxes[1][k][lane] = planes.upper[lane/vertWidth][lane % vertWidth];
@@ -92,6 +94,7 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
   }
   EXPECT_GT(raw, 100u);
   EXPECT_GT(packed, 2000u);
+  EXPECT_GT(sheared, 500u);
 }
 
 } // namespace

@@ -36,9 +36,10 @@ import list_api  # noqa: E402
 import list_build  # noqa: E402
 import list_codec  # noqa: E402
 import list_trace  # noqa: E402
+import list_vert  # noqa: E402
 from mutation import PLANNED  # noqa: E402
 
-MUTATIONS = list_codec.MUTATIONS + list_build.MUTATIONS + list_trace.MUTATIONS + list_api.MUTATIONS
+MUTATIONS = list_codec.MUTATIONS + list_build.MUTATIONS + list_vert.MUTATIONS + list_trace.MUTATIONS + list_api.MUTATIONS
 
 # rooms of tests; programs of the first two do not link the library: cheap to build, so first
 HEADER_ONLY = ("codec", "isa")

@@ -208,6 +208,7 @@ struct SurfaceSettings
   RTCCompression compression = RTC_COMPRESSION_INHERIT;
   int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
   float maxError = 0;                   // of automatic frame levels, 0: the device's
+  bool exactFaces = false;              // of cLEAF, which these tests are about
   unsigned timeSteps = 1;
   unsigned mask = ~0u;
 };
@@ -245,6 +246,7 @@ inline RTCGeometry newSurface(RTCDevice device, const Cage& cage, const SurfaceS
     args.compression = settings.compression;
     args.frameLevel = settings.frameLevel;
     if (settings.maxError > 0) args.maxError = settings.maxError;
+    args.exactFaces = settings.exactFaces;
     rtcSetGeometryCompression(geometry, &args);
   }
   rtcCommitGeometry(geometry);

@@ -84,7 +84,7 @@ class Run
 {
 public:
   explicit Run(const Options& options)
-    : options(options), threads(threadCount(options.build.threads)), model(loadModel(options))
+    : options(options), build(options.build), threads(threadCount(options.build.threads)), model(loadModel(options))
   {
     checkMemory(options, model);
   }
@@ -120,6 +120,7 @@ private:
   {
     const Camera camera = chooseCamera(options.view, model, grid, options.size, threads);
     footprint = camera.footprint();
+    build.pixelBound = {options.maxPixelError, camera.eye(), footprint};
     primary = primaryRays(camera);
     gridHits = traced(grid);
     BounceSettings bounce;
@@ -172,7 +173,7 @@ private:
   /* Builds a representation for as long as it takes. */
   Result compared(const Representation& representation, const BuiltScene& grid)
   {
-    const BuiltScene scene(model, representation, options.build);
+    const BuiltScene scene(model, representation, build);
     const std::vector<SurfaceHit> hits = traced(scene);
     Result result = resultOf(scene, hits);
     writePictures(scene, hits);
@@ -242,6 +243,7 @@ private:
   }
 
   const Options& options;
+  BuildSettings build;
   unsigned threads;
   Model model;
   float footprint = 0;

@@ -29,6 +29,9 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
     ->type_name("L")->capture_default_str();
   app.add_option("--frame-level", words.frameLevel, "level at which local frames start: 0 to 8, or auto")
     ->type_name("N")->capture_default_str();
+  app.add_option("--max-pixel-error", o.maxPixelError,
+                 "spacing of cVERT's vertices in pixels of the view, at most; 0 for 1/32 of a quad's edge")
+    ->type_name("P")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
   app.add_option("--output", o.output, "folder for the pictures, made if need be")
@@ -65,6 +68,7 @@ void read(const Words& words, Options& o)
   if (o.repeat < 1)
     throw Error("--repeat must be at least 1");
   requireNotNegative("--ray-offset", o.rayOffset);
+  requireNotNegative("--max-pixel-error", o.maxPixelError);
   o.scene.mapFolder = o.output;
   o.scene.threads = o.build.threads;
   o.speed = !words.noSpeed;

@@ -28,6 +28,7 @@ struct Options
   size_t rays = 500000;          // at most, a set, for speed
   int repeat = 5;
   bool speed = true;
+  float maxPixelError = 0;       // bound on the spacing of cVERT, in pixels of the view, 0 for none
   float rayOffset = 1e-4f;       // of bounced rays, in bounding-box diagonals
   unsigned ambientRays = 0;      // a pixel, for pictures of ambient occlusion; 0: none
   size_t trueHits = 20000;       // at most, that are compared with the true surface

@@ -44,6 +44,9 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
       if (!std::isfinite(x)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid cameraPosition " + std::to_string(x) + ": expected a position in the world");
   }
 
+  if (args->exactFaces > 1)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid exactFaces " + std::to_string(args->exactFaces) + ": expected 0, 1, or a negative number to inherit");
+
   CompressionSettings& settings = ((SubdivMesh*)geometry)->compression;
   settings.compression = args->compression;
   settings.frameLevel = args->frameLevel;
@@ -51,6 +54,7 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
   settings.maxPixelError = args->maxPixelError;
   memcpy(settings.cameraPosition,args->cameraPosition,sizeof(settings.cameraPosition));
   settings.pixelSize = args->pixelSize;
+  settings.exactFaces = args->exactFaces;
   geometry->Geometry::update();
   RTC_CATCH_END2(geometry);
 }

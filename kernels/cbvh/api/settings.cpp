@@ -60,6 +60,12 @@ namespace embree
     maxError = e;
   }
 
+  void CompressionSettings::setExactFaces (const std::string& name, const std::string& value)
+  {
+    if (value != "0" && value != "1") invalid(name,value,"expected 0 or 1");
+    exactFaces = value == "1";
+  }
+
   /*! text of a value, whatever type the tokenizer gave it */
   static std::string valueText (const Token& token)
   {
@@ -73,11 +79,13 @@ namespace embree
   {
     const bool isFrameLevel = key == Token::Id("cbvh_frame_level");
     const bool isMaxError   = key == Token::Id("cbvh_max_error");
-    if (!isFrameLevel && !isMaxError) return false;
+    const bool isExactFaces = key == Token::Id("cbvh_exact_faces");
+    if (!isFrameLevel && !isMaxError && !isExactFaces) return false;
     std::string value;
     if (stream.trySymbol("=")) value = valueText(stream.get());
-    if (isFrameLevel) setFrameLevel("cbvh_frame_level",value);
-    else              setMaxError  ("cbvh_max_error",value);
+    if (isFrameLevel)    setFrameLevel("cbvh_frame_level",value);
+    else if (isMaxError) setMaxError("cbvh_max_error",value);
+    else                 setExactFaces("cbvh_exact_faces",value);
     return true;
   }
 
@@ -102,7 +110,8 @@ namespace embree
       }
       else if (key == "level" || key == "frame_level") setFrameLevel("EMBREE_CBVH " + key,value);
       else if (key == "max_error") setMaxError("EMBREE_CBVH max_error",value);
-      else invalid("EMBREE_CBVH",item,"expected level or max_error");
+      else if (key == "exact_faces") setExactFaces("EMBREE_CBVH exact_faces",value);
+      else invalid("EMBREE_CBVH",item,"expected level, max_error or exact_faces");
     }
   }
 
@@ -122,6 +131,8 @@ namespace embree
     if (r.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_INHERIT) r.frameLevel = device.frameLevel;
     if (r.maxError < 0.0f) r.maxError = device.maxError;
     if (r.maxError < 0.0f) r.maxError = 0.0f;
+    if (r.exactFaces < 0) r.exactFaces = device.exactFaces;
+    if (r.exactFaces < 0) r.exactFaces = 1;
     return r;
   }
 }

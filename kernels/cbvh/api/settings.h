@@ -21,10 +21,11 @@ namespace embree
     int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
     float maxError = -1.0f; //!< world units, 0 for no bound, negative to inherit
     float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< only a geometry's
+    int exactFaces = -1;    //!< 0 or 1, negative to inherit
 
     static const int defaultFrameLevel = 2; //!< of a geometry for which nobody gave one, see CompressionPlan
 
-    /*! Takes cbvh_frame_level and cbvh_max_error out of a device string; false for any
+    /*! Takes cbvh_frame_level, cbvh_max_error and cbvh_exact_faces out of a device string; false for any
      *  other key. Throws rtcore_error naming key and value. */
     bool parse (const Token& key, TokenStream& stream);
 
@@ -44,5 +45,6 @@ namespace embree
   private:
     void setFrameLevel (const std::string& name, const std::string& value);
     void setMaxError (const std::string& name, const std::string& value);
+    void setExactFaces (const std::string& name, const std::string& value);
   };
 }

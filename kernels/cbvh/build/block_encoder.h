@@ -38,8 +38,10 @@ namespace embree
 
       /*! Writes frame, info, nodes and leaves; IDs and face parameters are the caller's.
        *  block:  BlockLayout(kind,height).bytes of room, 16-byte aligned;
-       *  x, y:   position in the patch, in blocks. */
-      void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& statistics)
+       *  x, y:   position in the patch, in blocks;
+       *  sharpSides: bits of the block's sides where the surface ends or bends, see sharpSidesOf();
+       *              only for statistics. */
+      void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& statistics, uint32_t sharpSides = 0)
       {
         block->info = blockInfo(uint32_t(kind),geometry.height,x,y);
         memcpy(block->centre,geometry.frame.centre,sizeof(block->centre));
@@ -50,7 +52,7 @@ namespace embree
         switch (kind) {
         case Kind::GRID : encodeWith(GridEncoder (geometry,block,statistics),block); break;
         case Kind::VOXEL: encodeWith(VoxelEncoder(geometry,block,statistics),block); break;
-        case Kind::LEAF : encodeWith(LeafEncoder (geometry,block,statistics),block); break;
+        case Kind::LEAF : encodeWith(LeafEncoder (geometry,block,sharpSides,statistics),block); break;
         case Kind::VERT : break; // has no frame: vert_encoder.h
         }
       }

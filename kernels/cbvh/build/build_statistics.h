@@ -41,6 +41,7 @@ namespace embree
         sums.numInvalidQuads += block.invalidQuads;
         sums.numAffineBlocks += block.affine;
         sums.numSolidLeaves += block.solidLeaves;
+        sums.numFlippedQuads += block.fit.flippedQuads;
         if (block.maxThickness > sums.maxLeafThickness) sums.maxLeafThickness = block.maxThickness;
       }
 
@@ -84,6 +85,8 @@ namespace embree
         sums.numAffineBlocks += other.sums.numAffineBlocks;
         sums.numSolidLeaves += other.sums.numSolidLeaves;
         sums.numRawBlocks += other.sums.numRawBlocks;
+        sums.numExactQuads += other.sums.numExactQuads;
+        sums.numFlippedQuads += other.sums.numFlippedQuads;
         sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,other.sums.maxVertexSpacing);
         deviation2 = std::max(deviation2,other.deviation2);
         gap2 = std::max(gap2,other.gap2);

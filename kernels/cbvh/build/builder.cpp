@@ -67,7 +67,7 @@ namespace embree
         prims.resize(numPrims);
         bvh->alloc.init_estimate(estimateBytes(numPrims));
         cbvh::BuildStatistics all;
-        for (const auto& table : tables)
+        for (auto& table : tables)
           buildFaces(*table,all);
         report->statistics = all.sums;
 
@@ -93,6 +93,7 @@ namespace embree
       struct FaceTable
       {
         CompressionPlan plan;
+        std::unique_ptr<SharedVertices> shared; //!< while it is needed
         mvector<size_t> offset;
         mvector<unsigned char> frameLevel; //!< empty unless the plan bounds errors
 
@@ -101,6 +102,7 @@ namespace embree
 
         void count (Scene* scene)
         {
+          if (plan.boundsError()) shareBorders(scene);
           parallel_for(size_t(0),offset.size(),facesPerTask,[&](const range<size_t>& faces) {
               std::unique_ptr<PatchBuilder> trial;
               size_t quads = 0;
@@ -109,20 +111,33 @@ namespace embree
                 offset[f] = 0;
                 if (!plan.mesh->valid(f)) continue;
                 if (plan.boundsError()) {
-                  if (!trial) trial.reset(new PatchBuilder(plan,scene,Allocator(nullptr)));
+                  if (!trial) trial.reset(new PatchBuilder(plan,shared.get(),scene,Allocator(nullptr)));
                   frameLevel[f] = boundedFrameLevel(f,*trial,quads);
                   if (quads >= progressQuads) { scene->progressMonitor(0.0); quads = 0; }
                 }
                 forEachPatch(plan.mesh,f,[&](const PatchOfFace& patch) {
                     const PatchTiling tiling = tilingOf(f,patch.rate);
-                    offset[f] += tiling.size() ? tiling.size() : PatchBuilder::numGrids(SubdivPatch1Base::computeGridSize(patch.rate));
+                    offset[f] += tiling.size() ? room(patch.rate,tiling)
+                                               : PatchBuilder::numGrids(SubdivPatch1Base::computeGridSize(patch.rate));
                   });
               }
             });
         }
 
+        void shareBorders (Scene* scene)
+        {
+          if (shared || !plan.sharesBorders()) return;
+          shared.reset(new SharedVertices(scene,plan));
+          shared->build(facesPerTask);
+        }
+
         PatchTiling tilingOf (size_t f, const float rate[4]) const {
           return plan.tiling(rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(plan.level(rate)));
+        }
+
+        /*! primitives of a patch at most, which may turn out to be stored exactly */
+        size_t room (const float rate[4], const PatchTiling& tiling) const {
+          return plan.hasExactFaces() ? max(tiling.size(),plan.exactTiling(rate).size()) : tiling.size();
         }
 
         /*! counts become offsets; returns where they end */
@@ -143,25 +158,22 @@ namespace embree
           forEachPatch(plan.mesh,f,[&](const PatchOfFace& patch) {
               const PatchTiling tiling = plan.tiling(patch.rate,0);
               if (tiling.size() == 0) return;
-              n = max(n,trial.boundedFrameLevel(patch.make(plan.mesh,plan.geomID,f)));
+              n = max(n,trial.boundedFrameLevel(f,patch));
               quads += size_t(tiling.quadsX())*size_t(tiling.quadsY());
             });
           return (unsigned char)n;
         }
       };
 
-      void buildFaces (const FaceTable& table, cbvh::BuildStatistics& all)
+      void buildFaces (FaceTable& table, cbvh::BuildStatistics& all)
       {
         const CompressionPlan& plan = table.plan;
-        std::unique_ptr<SharedVertices> shared;
-        if (plan.compresses() && plan.kind() == cbvh::Kind::VERT) {
-          shared.reset(new SharedVertices(scene,plan));
-          shared->build(facesPerTask);
-        }
+        table.shareBorders(scene);
+        const SharedVertices* shared = table.shared.get();
         cbvh::BuildStatistics total;
         MutexSys mutex;
         parallel_for(size_t(0),table.offset.size(),facesPerTask,[&](const range<size_t>& faces) {
-            PatchBuilder builder(plan,scene,bvh->alloc.getCachedAllocator());
+            PatchBuilder builder(plan,shared,scene,bvh->alloc.getCachedAllocator());
             std::unique_ptr<VertPatchBuilder> vertBuilder;
             if (shared) vertBuilder.reset(new VertPatchBuilder(plan,*shared,scene,bvh->alloc.getCachedAllocator()));
             auto invalidQuads = [&]() { return builder.statistics.sums.numInvalidQuads + (vertBuilder ? vertBuilder->statistics.sums.numInvalidQuads : 0); };
@@ -173,9 +185,13 @@ namespace embree
               if (plan.mesh->valid(f))
                 forEachPatch(plan.mesh,f,[&](const PatchOfFace& patch) {
                     const PatchTiling tiling = table.tilingOf(f,patch.rate);
-                    if (tiling.size() == 0) out += builder.buildGrids(patch.make(plan.mesh,plan.geomID,f),out);
-                    else if (vertBuilder)   out += vertBuilder->buildBlocks(f,patch,tiling,out);
-                    else                    out += builder.buildBlocks(patch.make(plan.mesh,plan.geomID,f),tiling,out);
+                    if (tiling.size() == 0) { out += builder.buildGrids(patch.make(plan.mesh,plan.geomID,f),out); }
+                    else {
+                      PrimRef* const begin = out;
+                      if (plan.kind() != cbvh::Kind::VERT) out += builder.buildBlocks(f,patch,tiling,out);
+                      if (out == begin) out += vertBuilder->buildBlocks(f,patch,plan.exactTiling(patch.rate),out);
+                      while (out < begin+table.room(patch.rate,tiling)) *out++ = PatchBuilder::dropped();
+                    }
                     const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
                     quads += size_t(size.x-1)*size_t(size.y-1);
                   });
@@ -196,6 +212,7 @@ namespace embree
         if (total.invalidFaces && scene->isGeometryModified(plan.geomID))
           report->errors.push_back(describeInvalid(plan,total));
         all.merge(total);
+        table.shared.reset();
       }
 
       /*! says at verbosity 1 what of a compressed geometry GRID traces */
@@ -209,6 +226,9 @@ namespace embree
         if (total.refusedQuads)
           std::cout << "compression: geometry " << plan.geomID << ": " << total.refusedQuads
                     << " quads of blocks that have no good frame (lines, outliers) keep full precision" << std::endl;
+        if (total.sums.numExactQuads)
+          std::cout << "compression: geometry " << plan.geomID << ": " << total.sums.numExactQuads
+                    << " quads of faces that leaves hold badly (borders, creases, walls, folds) are stored as cVERT" << std::endl;
         if (total.sums.numRawBlocks)
           std::cout << "compression: geometry " << plan.geomID << ": " << total.sums.numRawBlocks
                     << " blocks of cVERT keep floats (a vertex that is not finite, a spacing too fine for their width, or a neighbour that GRID traces)" << std::endl;

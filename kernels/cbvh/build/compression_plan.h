@@ -49,6 +49,12 @@ namespace embree
       /*! only if compresses() */
       cbvh::Kind kind () const { return blockKind; }
 
+      /*! whether patches that frames hold badly are stored as cVERT */
+      bool hasExactFaces () const { return compresses() && kind() == cbvh::Kind::LEAF && settings.exactFaces != 0; }
+
+      /*! whether faces take the vertices of their borders from the face that owns them */
+      bool sharesBorders () const { return compresses() && (kind() == cbvh::Kind::VERT || hasExactFaces()); }
+
       bool compresses () const { return isCompressed; }
 
       /*! whether frame levels follow from the geometry itself */
@@ -86,18 +92,25 @@ namespace embree
         const unsigned level = this->level(rate);
         PatchTiling best;
         if (level > cbvh::maxLevel) return best;
+        if (kind() == cbvh::Kind::VERT) return exactTiling(rate);
         const Vec2i quads = SubdivPatch1Base::computeGridSize(rate) - Vec2i(1);
-        if (kind() == cbvh::Kind::VERT) { // has no frames: blocks are as large as can be
-          best = tilingOf(quads,min(level,unsigned(cbvh::maxVertHeight)));
-          best.quads = quads;
-          return best;
-        }
         for (unsigned height=0; height <= level-min(frameLevel,level); height++)
         {
           const PatchTiling t = tilingOf(quads,height);
           if (best.size() == 0 || bytes(t) <= bytes(best)) best = t;
         }
         return best;
+      }
+
+      /*! Tiling of a patch in cVERT: as it has no frames, blocks are as large as can be. */
+      PatchTiling exactTiling (const float rate[4]) const
+      {
+        const unsigned level = this->level(rate);
+        if (level > cbvh::maxLevel) return PatchTiling();
+        const Vec2i quads = SubdivPatch1Base::computeGridSize(rate) - Vec2i(1);
+        PatchTiling tiling = tilingOf(quads,min(level,unsigned(cbvh::maxVertHeight)));
+        tiling.quads = quads;
+        return tiling;
       }
 
     private:

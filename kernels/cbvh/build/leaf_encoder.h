@@ -16,17 +16,23 @@ namespace embree
     class LeafEncoder
     {
     public:
-      LeafEncoder(const BlockGeometry& geometry, Block* block, BlockStatistics& statistics)
-        : geometry(geometry), block(block), groups((Heights*)block->leaves()), statistics(statistics) {}
+      /*! sharpSides: of the block, see sharpSidesOf() */
+      LeafEncoder(const BlockGeometry& geometry, Block* block, uint32_t sharpSides, BlockStatistics& statistics)
+        : geometry(geometry), block(block), groups((Heights*)block->leaves()), sharpSides(sharpSides), statistics(statistics) {}
 
       /*! writes the heights of group m, in this box, and returns its word */
       uint32_t group(uint32_t m, const NodeBox& box)
       {
-        const EncodedGroup encoded = encodeGroup(box,quadsOf(m));
+        const QuadGroup quads = quadsOf(m);
+        const EncodedGroup encoded = encodeGroup(box,quads);
         groups[m] = encoded.heights;
         borderWidth = std::max(borderWidth,encoded.borderWidth);
-        for (int c=0; c<4; c++)
-          addLeaf(decodeLeaf(encoded.word,encoded.heights,c,box));
+        for (int c=0; c<4; c++) {
+          const LeafPatch leaf = decodeLeaf(encoded.word,encoded.heights,c,box);
+          if (leaf.empty) continue;
+          addLeaf(leaf,4*m+c,isLoose(encoded.heights));
+          addSharpEdges(quads,c,leaf.box);
+        }
         return encoded.word;
       }
 
@@ -58,19 +64,43 @@ namespace embree
         return group;
       }
 
-      void addLeaf(const LeafPatch& leaf)
+      void addLeaf(const LeafPatch& leaf, uint32_t cell, bool loose)
       {
-        if (leaf.empty) return;
+        double slope[2] = { 0,0 };
         statistics.solidLeaves += leaf.solid;
-        if (leaf.solid) { statistics.addBoxThickness(geometry,leaf.box); return; }
-        const double slope[2] = { 0.5*(leaf.z[1]+leaf.z[3]-leaf.z[0]-leaf.z[2])/leaf.box.extent[0],
-                                  0.5*(leaf.z[2]+leaf.z[3]-leaf.z[0]-leaf.z[1])/leaf.box.extent[1] };
-        statistics.addThickness(geometry,leaf.box,slope,leaf.thickness);
+        if (!leaf.solid) {
+          slope[0] = 0.5*(leaf.z[1]+leaf.z[3]-leaf.z[0]-leaf.z[2])/leaf.box.extent[0];
+          slope[1] = 0.5*(leaf.z[2]+leaf.z[3]-leaf.z[0]-leaf.z[1])/leaf.box.extent[1];
+        }
+        const float thickness = statistics.addThickness(geometry,leaf.box,slope,leaf.solid ? leaf.box.extent[2] : leaf.thickness);
+        if (geometry.cellLevels == geometry.height)
+          statistics.fit.addQuad(geometry,mortonX(cell),mortonY(cell),leaf.box,slope,loose,thickness);
+        else if (cell == 0) // one of four parts of the only quad
+          statistics.fit.addQuad(geometry,0,0,leaf.box,slope,loose,thickness);
+      }
+
+      /*! how far a leaf goes on beyond the edges of its quad on sharp sides of the block */
+      void addSharpEdges(const QuadGroup& group, int quad, const NodeBox& box)
+      {
+        static const uint32_t sides[2][2] = { { 3,1 },{ 0,2 } }; // [axis][upper]
+        for (int axis=0; axis<2; axis++)
+        {
+          const int upper = childColumn(quad,axis);
+          if (!group.border[axis][upper] || !(sharpSides >> sides[axis][upper] & 1)) continue;
+          double overhang = 0;
+          for (int c=0; c<4; c++) {
+            if (childColumn(c,axis) != upper) continue;
+            const double u = (group.vertexOf(quad,c)[axis]-box.lower[axis])/box.extent[axis];
+            overhang = std::max(overhang,upper ? 1-u : u);
+          }
+          statistics.fit.addEdge(overhang);
+        }
       }
 
       const BlockGeometry& geometry;
       Block* block;
       Heights* groups;
+      uint32_t sharpSides;
       BlockStatistics& statistics;
       double borderWidth = 0;  //!< the largest of all groups
     };

@@ -5,7 +5,7 @@
 
 /* What the encoders tell of a block, first of all how thick its leaves are in the world. */
 
-#include "block_geometry.h"
+#include "leaf_fit.h"
 
 namespace embree
 {
@@ -17,12 +17,13 @@ namespace embree
       uint32_t solidLeaves = 0;
       bool affine = false;
       float maxThickness = 0;      //!< world units
+      LeafFit fit;
 
       /*! World distance between the planes z = slope (x,y) through the middle of a box and the
        *  same moved up by thickness. A plane a.(x,y,z) = k of the frame is the plane
        *  (a_x Rx + a_y Ry + a_z Rz - k Rw).p = const of the world, R the rows of the
-       *  map; its normal's length over W is the frame's distance a unit of the world. */
-      void addThickness(const BlockGeometry& geometry, const NodeBox& box, const double slope[2], double thickness)
+       *  map; its normal's length over W is the frame's distance a unit of the world. Returns it. */
+      float addThickness(const BlockGeometry& geometry, const NodeBox& box, const double slope[2], double thickness)
       {
         const double c[3] = { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
         const double k = c[2] - slope[0]*c[0] - slope[1]*c[1];
@@ -34,6 +35,7 @@ namespace embree
         }
         const float t = float(thickness/(geometry.inverse.rcpW({ c[0],c[1],c[2] })*std::sqrt(n2)));
         if (t > maxThickness) maxThickness = t;
+        return t;
       }
 
       /*! a leaf whose box is the surface */

@@ -49,6 +49,17 @@ namespace embree
         spreadBorders(patch.level,displaced());
       }
 
+      /*! Spreads vertices of lower edges, which are stitched: of those rates, not above the patch's own. */
+      void spreadBorders (const float rate[4], float (*p)[3]) const
+      {
+        const unsigned quadsX = unsigned(width)-1, quadsY = unsigned(height)-1;
+        const ssize_t row = ssize_t(width);
+        spreadBorder(p,1,row,quadsX,unsigned(rate[0]));
+        spreadBorder(p+quadsX,row,-1,quadsY,unsigned(rate[1]));
+        spreadBorder(p+quadsY*row,1,-row,quadsX,unsigned(rate[2]));
+        spreadBorder(p,row,1,quadsY,unsigned(rate[3]));
+      }
+
       /*! evaluates a part of that, with lower edges stitched as Embree does it */
       void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY, const Part& part)
       {
@@ -167,16 +178,6 @@ namespace embree
         args.P_z = P[2];
         args.N = unsigned(count);
         mesh->displFunc(&args);
-      }
-
-      void spreadBorders (const float rate[4], float (*p)[3]) const
-      {
-        const unsigned quadsX = unsigned(width)-1, quadsY = unsigned(height)-1;
-        const ssize_t row = ssize_t(width);
-        spreadBorder(p,1,row,quadsX,unsigned(rate[0]));
-        spreadBorder(p+quadsX,row,-1,quadsY,unsigned(rate[1]));
-        spreadBorder(p+quadsY*row,1,-row,quadsX,unsigned(rate[2]));
-        spreadBorder(p,row,1,quadsY,unsigned(rate[3]));
       }
 
       /*! border: fine+1 vertices, along apart, stitched to the vertices of a lower rate;

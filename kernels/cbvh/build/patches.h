@@ -38,5 +38,30 @@ namespace embree
           closure(patch);
         });
     }
+
+    /*! Half-edge of the cage that side s of a patch lies on, in the order of PatchOfFace::rate;
+     *  null for a spoke of an n-gon. */
+    inline const HalfEdge* edgeOfSide(const SubdivMesh* mesh, size_t face, int subPatch, int s)
+    {
+      const HalfEdge* h = mesh->getHalfEdge(0,face);
+      const unsigned n = h->numEdges();
+      if (n == 4) return h+s;
+      return s == 0 ? h+subPatch : s == 3 ? h+(subPatch+n-1)%n : nullptr;
+    }
+
+    /*! Bits of the sides of a patch where the surface ends, is creased, or, for few quads, bends by as
+     *  much as at a crease. */
+    inline uint32_t sharpSidesOf(const SubdivMesh* mesh, size_t face, const PatchOfFace& patch)
+    {
+      const float smooth = 16.0f; // quads along a side
+      uint32_t sharp = 0;
+      for (int s=0; s<4; s++)
+      {
+        const HalfEdge* h = edgeOfSide(mesh,face,patch.subPatch,s);
+        const bool isSharp = patch.rate[s] < smooth || (h && (!h->hasOpposite() || h->edge_crease_weight > 0.0f));
+        sharp |= uint32_t(isSharp) << s;
+      }
+      return sharp;
+    }
   }
 }

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* What the faces of a geometry share in cVERT: the vertices on their borders. Faces evaluate
+/* What the faces of a geometry share in cVERT, and where some of them are stored so: the vertices on
+ * their borders. Faces evaluate
  * the same vertex some ulps apart, far apart where their normals differ or a height map
  * jumps, and each has a lattice of its own. So one face owns each edge of the cage and each
  * corner: its vertices are those of all, on the coarsest lattice of those that have them.
@@ -67,6 +68,7 @@ namespace embree
         edges.resize(mesh->topology[0].halfEdges.size());
         exponents.resize(mesh->size());
         forFaces(facesPerTask,[&](size_t f, PatchGrid&) { findRates(f); });
+        findDiagonal(facesPerTask);
         forFaces(facesPerTask,[&](size_t f, PatchGrid&) { findOwners(f); });
         joinNonManifold();
         placePoints();
@@ -80,16 +82,13 @@ namespace embree
       /*! vertices along a side of a patch; sides are in the order of PatchOfFace::rate */
       SideVertices side (size_t face, int subPatch, int s) const
       {
-        const HalfEdge* h = mesh->getHalfEdge(0,face);
-        const unsigned n = h->numEdges();
-        if (n == 4) return edgeOf(h+s);
-        const HalfEdge* own = h+subPatch;
-        const HalfEdge* previous = h+(subPatch+n-1)%n;
+        const HalfEdge* edge = edgeOfSide(mesh,face,subPatch,s);
+        if (isQuad(mesh->getHalfEdge(0,face))) return edgeOf(edge);
         switch (s) {
-        case 0 : return half(edgeOf(own),0);
-        case 1 : return spoke(face,own,false);
-        case 2 : return spoke(face,previous,true);
-        default: return half(edgeOf(previous),1);
+        case 0 : return half(edgeOf(edge),0);
+        case 1 : return spoke(face,edgeOfSide(mesh,face,subPatch,0),false);
+        case 2 : return spoke(face,edgeOfSide(mesh,face,subPatch,3),true);
+        default: return half(edgeOf(edge),1);
         }
       }
 
@@ -143,6 +142,21 @@ namespace embree
               else if (s == 0) at(h+patch.subPatch).ownRate = 2*unsigned(patch.rate[s]);
           });
         for (unsigned i=0; i<n; i++) at(h+i).isGrids = isGrids;
+      }
+
+      /*! of the bounds of the cage's faces */
+      void findDiagonal (size_t facesPerTask)
+      {
+        const BBox3fa bounds = parallel_reduce(size_t(0),edges.size(),facesPerTask,BBox3fa(empty),[&](const range<size_t>& r) {
+            BBox3fa b(empty);
+            for (size_t i=r.begin(); i!=r.end(); i++) {
+              if (edges[i].ownRate == noRate) continue;
+              const Vec3fa p = mesh->getVertexBuffer(0)[first[i].getStartVertexIndex()];
+              if (cbvh::isFinite(&p.x)) b.extend(p);
+            }
+            return b;
+          },[](const BBox3fa& a, const BBox3fa& b) { return merge(a,b); });
+        diagonal = bounds.empty() ? 0.0 : length(bounds.size());
       }
 
       void findOwners (size_t f)
@@ -303,7 +317,7 @@ namespace embree
         }
         for (int d=0; d<2; d++) {
           const double median = (samples[d].empty() ? coarse[d] : samples[d]).median();
-          const double wanted = cbvh::defaultSpacing(median,fewest[d]);
+          const double wanted = cbvh::defaultSpacing(median,fewest[d],diagonal);
           if (wanted > 0) spacing = spacing > 0 ? min(spacing,wanted) : wanted;
         }
         exponents[f] = cbvh::latticeExponent(spacingAskedFor(lower,upper,spacing),maxCoordinate);
@@ -325,6 +339,7 @@ namespace embree
           }
           spacing = min(spacing,double(settings.maxPixelError)*settings.pixelSize*std::sqrt(distance2));
         }
+        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,byDefault); // a bound of leaves
         return spacing < INFINITY ? spacing : byDefault;
       }
 
@@ -457,6 +472,7 @@ namespace embree
       Scene* scene;
       SubdivMesh* mesh;
       const HalfEdge* first;
+      double diagonal = 0;      //!< of the cage's bounds
       mvector<int> exponents;   //!< by face
       mvector<Edge> edges;      //!< by half-edge
       mvector<float> points;

@@ -103,17 +103,19 @@ namespace embree
 
       bool pack (VertHeader& header, uint8_t* block, VertStatistics& statistics)
       {
-        header.spacing = spacing;
         for (int k=0; k<3; k++) header.origin[k] = lower[k];
         gather(0,0,groupQuads);
         if (!cell.encode(quads,groupQuads)) return false;
-        header.word = cell.word;
+        header.word = cell.word | exponentBits(spacing);
         end = cell.write(block+layout.cell);
         for (int c=0; c<4; c++)
           for (int k=0; k<3; k++)
             header.corners[cornerPair(c,k)] |= uint32_t(cell.vertices[k][(c & 1)*4 + (c >> 1)*20]) << (16*((3*c+k) & 1));
 
         int margins[2][3][maxVertGroups];
+        const Shear shear = chooseShear();
+        header.boxForm = shear.axis << 12 | (uint32_t(shear.slopes[0]) & 31u) << 14 | (uint32_t(shear.slopes[1]) & 31u) << 19;
+        writeReach(header,shear);
         for (uint32_t g=0; g<layout.groups; g++)
         {
           const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
@@ -126,16 +128,105 @@ namespace embree
           end = cell.write(end);
           for (int k=0; k<3; k++)
           {
-            const int* v = cell.vertices[k];
+            int sheared[cellVertices]; // in 1/16
+            for (int i=0; i<cellVertices; i++) sheared[i] = uint32_t(k) == shear.axis ? shear.of(cell.vertices[0][i],cell.vertices[1][i],cell.vertices[2][i]) : 16*cell.vertices[k][i];
+            const int* v = sheared;
             int lo = v[0], hi = v[0];
             for (int i=1; i<cellVertices; i++) { lo = std::min(lo,v[i]); hi = std::max(hi,v[i]); }
-            margins[0][k][g] = std::min(std::min(v[0],v[4]),std::min(v[20],v[24])) - lo;
-            margins[1][k][g] = hi - std::max(std::max(v[0],v[4]),std::max(v[20],v[24]));
+            margins[0][k][g] = stepsUp(std::min(std::min(v[0],v[4]),std::min(v[20],v[24])) - lo,4);
+            margins[1][k][g] = stepsUp(hi - std::max(std::max(v[0],v[4]),std::max(v[20],v[24])),4);
           }
         }
         for (int k=0; k<3; k++) writeMargins(header,block+layout.margins+k*layout.groups,k,margins[0][k],margins[1][k]);
         statistics.fieldBytes += uint32_t(end - (block+layout.cell));
         return true;
+      }
+
+      /*! the sheared coordinate of boxes */
+      struct Shear
+      {
+        uint32_t axis = 0;
+        int slopes[2] = { 0,0 };  //!< of the next axes, in 1/16
+
+        /*! in 1/16 */
+        int of (int x, int y, int z) const
+        {
+          const int c[3] = { x,y,z };
+          return 16*c[axis] + slopes[0]*c[(axis+1)%3] + slopes[1]*c[(axis+2)%3];
+        }
+      };
+
+      /*! along the mean normal of the quads, where groups are flatter then */
+      Shear chooseShear () const
+      {
+        double n[3] = { 0,0,0 };
+        for (uint32_t y=0; y<quads[1]; y++)
+          for (uint32_t x=0; x<quads[0]; x++)
+          {
+            const uint32_t v = y*width+x;
+            double a[3], b[3];
+            for (int k=0; k<3; k++) {
+              a[k] = double(coordinates[k][v+width+1]-coordinates[k][v]);
+              b[k] = double(coordinates[k][v+width]-coordinates[k][v+1]);
+            }
+            for (int k=0; k<3; k++) n[k] += a[(k+1)%3]*b[(k+2)%3] - a[(k+2)%3]*b[(k+1)%3];
+          }
+        Shear straight, shear;
+        const double x = std::fabs(n[0]), y = std::fabs(n[1]), z = std::fabs(n[2]);
+        straight.axis = shear.axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+        if (!(std::fabs(n[shear.axis]) > 0)) return straight;
+        for (uint32_t i=0; i<2; i++) {
+          const double slope = std::floor(16*n[(shear.axis+1+i)%3]/n[shear.axis] + 0.5);
+          shear.slopes[i] = int(std::min(std::max(slope,-15.0),15.0));
+        }
+        return thickness(shear) < thickness(straight) ? shear : straight;
+      }
+
+      /*! see reachStep: in the least power of two that does */
+      void writeReach (VertHeader& header, const Shear& shear) const
+      {
+        int bounds[4] = { 0,0,0x7FFFFFFF,-0x7FFFFFFF }; // the last two in 1/16
+        for (uint32_t v=0; v<width*(quads[1]+1); v++)
+        {
+          for (uint32_t i=0; i<2; i++) bounds[i] = std::max(bounds[i],coordinates[(shear.axis+1+i)%3][v]);
+          const int h = shear.of(coordinates[0][v],coordinates[1][v],coordinates[2][v]);
+          bounds[2] = std::min(bounds[2],h);
+          bounds[3] = std::max(bounds[3],h);
+        }
+        bounds[2] = bounds[2] >> 4; // down
+        bounds[3] = stepsUp(bounds[3],4);
+        uint32_t shift = 0;
+        while (stepsUp(bounds[0],shift) > 255 || stepsUp(bounds[1],shift) > 255 || (bounds[2] >> shift) < -128 || stepsUp(bounds[3],shift) > 127) shift++;
+        header.boxForm |= shift << 25;
+        header.reach = uint32_t(stepsUp(bounds[0],shift)) | uint32_t(stepsUp(bounds[1],shift)) << 8
+                     | (uint32_t(bounds[2] >> shift) & 255u) << 16 | (uint32_t(stepsUp(bounds[3],shift)) & 255u) << 24;
+      }
+
+      static uint32_t exponentBits (float spacing)
+      {
+        uint32_t bits;
+        memcpy(&bits,&spacing,sizeof(bits));
+        return (bits >> 23) << 24;
+      }
+
+      /*! sum over groups of their heights, in 1/16 */
+      double thickness (const Shear& shear) const
+      {
+        double sum = 0;
+        for (uint32_t gy=0; gy<quads[1]; gy+=groupQuads)
+          for (uint32_t gx=0; gx<quads[0]; gx+=groupQuads)
+          {
+            int lo = 0x7FFFFFFF, hi = -lo;
+            for (uint32_t y=gy; y<=std::min(gy+groupQuads,quads[1]); y++)
+              for (uint32_t x=gx; x<=std::min(gx+groupQuads,quads[0]); x++) {
+                const uint32_t v = y*width+x;
+                const int h = shear.of(coordinates[0][v],coordinates[1][v],coordinates[2][v]);
+                lo = std::min(lo,h);
+                hi = std::max(hi,h);
+              }
+            sum += double(hi-lo);
+          }
+        return sum;
       }
 
       /*! in steps of the least power of two that does */
@@ -145,7 +236,7 @@ namespace embree
         for (uint32_t g=0; g<layout.groups; g++) largest = std::max(largest,std::max(lowerMargins[g],upperMargins[g]));
         uint32_t shift = 0;
         while (stepsUp(largest,shift) > int(maxMargin)) shift++;
-        header.marginShifts |= shift << (8*axis);
+        header.boxForm |= shift << (4*axis);
         for (uint32_t g=0; g<layout.groups; g++)
           out[g] = uint8_t(stepsUp(lowerMargins[g],shift) | stepsUp(upperMargins[g],shift) << 4);
       }
@@ -154,10 +245,10 @@ namespace embree
 
       void packRaw (VertHeader& header, float spacing, uint8_t* block)
       {
-        header.spacing = spacing;
-        header.word = 0;
+        header.reach = 0;
+        header.word = exponentBits(spacing);
         memset(header.corners,0,sizeof(header.corners));
-        header.marginShifts = 1u << 24;
+        header.boxForm = 1u << 24;
         float (*out)[3] = (float(*)[3])(block+layout.vertices);
         for (uint32_t i=0; i<width*(quads[1]+1); i++)
           for (int k=0; k<3; k++)

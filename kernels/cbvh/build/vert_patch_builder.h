@@ -10,7 +10,7 @@
 #include "../../bvh/bvh.h"
 #include "../codec/primitive_type.h"
 #include "build_statistics.h"
-#include "shared_vertices.h"
+#include "shared_border.h"
 #include "vert_encoder.h"
 
 namespace embree
@@ -60,6 +60,7 @@ namespace embree
           header->primID = unsigned(face);
           header->rates = edgeRates;
           statistics.addVertBlock(place,n,lattice.spacing,block);
+          if (plan.kind() != cbvh::Kind::VERT) statistics.sums.numExactQuads += size_t(quads[0])*quads[1];
           out[i] = PrimRef(bounds(),size_t(1));
           used += (n + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
         }
@@ -99,34 +100,42 @@ namespace embree
       void snapVertices (size_t face, const PatchOfFace& patch, const PatchTiling& tiling, const cbvh::WorldLattice& lattice)
       {
         float (*p)[3] = grid.displaced();
-        const size_t count = grid.width*grid.height;
-        memcpy(grid.undisplaced(),p,count*sizeof(*p)); // as the face evaluates them: for the statistics
+        memcpy(grid.undisplaced(),p,grid.width*grid.height*sizeof(*p)); // as the face evaluates them
         const float (*own)[3] = grid.undisplaced();
-        for (size_t i=0; i<count; i++)
-          for (int k=0; k<3; k++) p[i][k] = lattice.snap(p[i][k]);
-
-        const unsigned quadsX = tiling.quadsX(), quadsY = tiling.quadsY();
-        for (int s=0; s<4; s++)
-        {
-          const SideVertices side = shared.side(face,patch.subPatch,s);
-          const unsigned fine = s % 2 == 0 ? quadsX : quadsY;
-          for (unsigned i=0; i<=fine; i++)
-          {
-            const unsigned c = i == fine ? side.rate : cbvh::stitchedVertex(i,fine,side.rate);
-            const SideVertices::Vertex v = side[s < 2 ? c : side.rate-c];
-            const size_t x = s == 1 ? quadsX : s == 3 ? 0 : i, y = s == 0 ? 0 : s == 2 ? quadsY : i;
-            const cbvh::WorldLattice common(v.exponent);
-            float* out = p[y*grid.width+x];
-            /* a vertex that is not finite leaves out the quads of its own face, not those of others */
-            const float* mine = own[y*grid.width+x];
-            const float* position = cbvh::isFinite(v.position) && cbvh::isFinite(mine) ? v.position : mine;
-            for (int k=0; k<3; k++) out[k] = common.snap(position[k]);
-            statistics.addBorderVertex(mine,position,out);
-          }
-        }
         for (size_t y=1; y<grid.height-1; y++)
           for (size_t x=1; x<grid.width-1; x++)
-            statistics.addVertex(own[y*grid.width+x],p[y*grid.width+x]);
+          {
+            const size_t i = y*grid.width + x;
+            for (int k=0; k<3; k++) p[i][k] = lattice.snap(own[i][k]);
+            statistics.addVertex(own[i],p[i]);
+          }
+        float rate[4];
+        shareBorder(shared,face,patch,tiling.quadsX(),tiling.quadsY(),own,p,rate,[&](const float mine[3], const float position[3], const float stored[3]) {
+            statistics.addBorderVertex(mine,position,stored);
+          });
+        statistics.sums.numFlippedQuads += countFlipped(own,p);
+      }
+
+      /*! quads with a triangle that the lattice turned by more than 90 degrees */
+      size_t countFlipped (const float (*own)[3], const float (*stored)[3]) const
+      {
+        size_t n = 0;
+        for (size_t y=0; y+1<grid.height; y++)
+          for (size_t x=0; x+1<grid.width; x++)
+          {
+            const size_t a = y*grid.width + x, b = a+1, c = a+grid.width, d = c+1;
+            n += isFlipped(own,stored,a,b,c) || isFlipped(own,stored,b,d,c);
+          }
+        return n;
+      }
+
+      static bool isFlipped (const float (*own)[3], const float (*stored)[3], size_t a, size_t b, size_t c)
+      {
+        auto normal = [&](const float (*p)[3]) {
+          auto edge = [&](size_t i) { return Vec3fa(p[i][0],p[i][1],p[i][2]) - Vec3fa(p[a][0],p[a][1],p[a][2]); };
+          return cross(edge(b),edge(c));
+        };
+        return dot(normal(own),normal(stored)) < 0.0f;
       }
 
       void gather (unsigned x, unsigned y, const unsigned quads[2])

@@ -21,15 +21,25 @@ namespace embree
   {
     /*! default spacing: this part of the median edge of a face's quads along u or v, whichever is
      *  shorter, or less */
-    static constexpr double spacingOfEdge = 1.0/32;
+    static constexpr double spacingOfEdge = 1.0/36;
 
     /*! A face of fewer quads than this gets a spacing that much finer: it is as large in a picture, and
      *  its headers outweigh its bits. */
     static constexpr unsigned fullQuads = 16;
 
-    /*! median: of edges along u or v, of that many quads */
-    inline double defaultSpacing(double median, unsigned quads) {
-      return median*spacingOfEdge*(quads < fullQuads ? double(quads)/fullQuads : 1.0);
+    /*! Nor is the default more than this part of the diagonal of the geometry, which a picture of all of it
+     *  does not show: objects of few quads have large ones, and bytes to spare. */
+    static constexpr double spacingOfDiagonal = 1.0/32768;
+
+    /*! But for the diagonal alone it is not less than this part of that edge: blocks have to be no wider
+     *  than maxExtent. */
+    static constexpr double finestOfEdge = 1.0/128;
+
+    /*! median: of edges along u or v, of that many quads; diagonal: of the geometry's bounds */
+    inline double defaultSpacing(double median, unsigned quads, double diagonal)
+    {
+      const double edge = median*(quads < fullQuads ? double(quads)/fullQuads : 1.0);
+      return std::min(edge*spacingOfEdge,std::max(diagonal*spacingOfDiagonal,edge*finestOfEdge));
     }
 
     /*! Coordinates of a face take at most this many bits, one less than floats have: sums with

@@ -19,7 +19,9 @@ namespace embree
       uint32_t group(uint32_t, const NodeBox&) { return 0; }
 
       void leaf(uint32_t m, const NodeBox& box) {
-        if (!geometry.boxOf(geometry.cellLevels,m).empty()) statistics.addBoxThickness(geometry,box);
+        if (geometry.boxOf(geometry.cellLevels,m).empty()) return;
+        statistics.addBoxThickness(geometry,box);
+        statistics.fit.addFlatQuad(geometry,mortonX(m),mortonY(m),box);
       }
 
       void finish() {}

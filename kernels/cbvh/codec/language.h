@@ -33,6 +33,7 @@
 #include "isa_namespace.h"
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #define CBVH_BEGIN namespace embree { namespace cbvh { inline namespace CBVH_ISA {
 #define CBVH_END }}}
@@ -53,8 +54,10 @@ CBVH_REAL CBVH_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
 CBVH_REAL CBVH_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
 #ifdef VULKAN
 float squareRoot (float a) { return sqrt(a); }
+float floatOfBits (uint bits) { return uintBitsToFloat(bits); }
 #else
 CBVH_REAL inline Real squareRoot (Real a) { return std::sqrt(a); }
+inline float floatOfBits (uint32_t bits) { float f; std::memcpy(&f,&bits,sizeof(f)); return f; }
 #endif
 
 /*! relative spacing of floats */

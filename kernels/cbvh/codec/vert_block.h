@@ -10,8 +10,8 @@
  * stored relative to the block's lowest lattice point and are exact floats in the world: a
  * vertex that blocks share is the same three floats in each, so that surfaces are closed as
  * the triangles are. There is no frame. A group's box is that of its four corners, which the first
- * cell has, grown by margins of 4 bits a side, and is aligned to the world's axes: boxes along the
- * surface would have less area by less than they take.
+ * cell has, grown by margins of 4 bits a side. It lies between planes of two of the world's axes and those of a third that is sheared along the block: a sheet
+ * that is inclined has flat boxes, without a frame.
  *
  * A raw block stores its vertices and boxes as floats in place of all that: where one of them is
  * not finite, or too far from the others for the lattice's integers.
@@ -35,14 +35,14 @@ CBVH_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: x, y, z low
 struct VertHeader
 {
   float origin[3];        //!< world position of the block's lowest lattice point
-  float spacing;          //!< of the lattice
+  uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
   uint32_t geomID;
   uint32_t primID;
   uint32_t place;         //!< size, position and sub-patch: see the accessors
   uint32_t rates;         //!< of the patch's four edges, less 1, 8 bits each
   uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 16 bits each: x, y, z of 00 first
-  uint32_t marginShifts;  //!< bits 0..23: a step of margins is 2^shift, 8 bits an axis; bit 24: raw
-  uint32_t word;          //!< of the first cell
+  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..23: shear of boxes, 25..28: shift of reach, see below; 24: raw
+  uint32_t word;          //!< of the first cell; bits 24..31: exponent of the lattice's spacing
 };
 
 CBVH_FUNCTION uint32_t vertPlace (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y, uint32_t cornerU, uint32_t cornerV) {
@@ -70,8 +70,35 @@ CBVH_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
   return rest < groupQuads ? rest : groupQuads;
 }
 
-CBVH_FUNCTION uint32_t marginShift (uint32_t marginShifts, int axis) { return (marginShifts >> (8*axis)) & 255u; }
-CBVH_FUNCTION bool isRaw (uint32_t marginShifts) { return ((marginShifts >> 24) & 1u) != 0u; }
+/* Boxes have planes on two axes of the world, and on a third, m, of the sheared coordinate
+ *
+ *   h = c[m] + (s1 c[m+1] + s2 c[m+2])/16,    axes counted round,
+ *
+ * which is the same all over a plane of the block's slope. Shifts, axis and slopes are where a
+ * cell's word has bits, main axis and slopes; slopes of 0 make boxes of the world's axes. */
+
+/*! a step of margins on an axis is 2^this */
+CBVH_FUNCTION uint32_t marginShift (uint32_t boxForm, int axis) { return (boxForm >> (4*axis)) & 15u; }
+
+CBVH_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); }
+
+/*! in 1/16, of the next axis (i = 1) and the one after it (i = 2) */
+CBVH_FUNCTION int shearSlope (uint32_t boxForm, int i) { return cellSlope(boxForm,i); }
+
+/*! Bounds of the block, in coordinates, are steps of this: bits 0..7 and 8..15 of its reach are those
+ *  on the axes m+1 and m+2, where it begins at 0; 16..23 and 24..31, signed, the sheared coordinates
+ *  that it lies between. */
+CBVH_FUNCTION uint32_t reachStep (uint32_t boxForm) { return 1u << ((boxForm >> 25) & 15u); }
+CBVH_FUNCTION int reachOf (uint32_t reach, int i)
+{
+  int bits = int((reach >> (8*i)) & 255u);
+  return i >= 2 && bits >= 128 ? bits-256 : bits;
+}
+
+/*! spacing of the lattice: a power of two, whose exponent the word of the first cell has as a float has it */
+CBVH_FUNCTION float vertSpacing (uint32_t word) { return floatOfBits((word >> 24) << 23); }
+
+CBVH_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
 
 /*! margins of a group on an axis, in coordinates, from their byte */
 CBVH_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }

@@ -19,7 +19,7 @@ namespace embree
       struct Precalculations : public SubdivPatch1Intersector1::Precalculations
       {
         __forceinline Precalculations (const Ray& ray, const void* ptr)
-          : SubdivPatch1Intersector1::Precalculations(ray,ptr), block(ray) {}
+          : SubdivPatch1Intersector1::Precalculations(ray,ptr) {}
 
         cbvh::RayPrecalculations block;
         cbvh::VertRay vert;

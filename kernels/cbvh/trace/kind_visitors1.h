@@ -17,11 +17,12 @@ namespace embree
     {
       /*! false for a primitive that is not a block; else found is what the intersector returns */
       template<typename RayType>
-      __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, const RayPrecalculations& pre, VertRay& vertRay, const void* prim, bool& found)
+      __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, RayPrecalculations& pre, VertRay& vertRay, const void* prim, bool& found)
       {
         const Block* block = (const Block*)prim;
+        if (type == blockType(kindVert)) { found = VertIntersector1<RayType>::intersect(ray,context,vertRay,(const VertHeader*)prim); return true; }
+        pre.set(ray);
         switch (type) {
-        case blockType(kindVert ): found = VertIntersector1<RayType>::intersect(ray,context,vertRay,(const VertHeader*)prim); return true;
         case blockType(kindLeaf ): found = BlockIntersector1<LeafVisitor1 >::intersect(ray,context,pre,block); return true;
         case blockType(kindVoxel): found = BlockIntersector1<VoxelVisitor1>::intersect(ray,context,pre,block); return true;
         case blockType(kindGrid ): found = BlockIntersector1<GridVisitor1 >::intersect(ray,context,pre,block); return true;

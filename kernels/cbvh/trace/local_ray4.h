@@ -27,8 +27,16 @@ namespace embree
         float rcpDir2;  //!< 1/dot(dir,dir)
         float scaledTnear; //!< tnear in t'
 
-        __forceinline RayPrecalculations (const Ray& ray)
+        bool isSet;
+
+        /*! set by the first block: many rays meet none */
+        __forceinline RayPrecalculations () : isSet(false) {}
+        __forceinline explicit RayPrecalculations (const Ray& ray) : isSet(false) { set(ray); }
+
+        __forceinline void set (const Ray& ray)
         {
+          if (likely(isSet)) return;
+          isSet = true;
           const Vec3fa d = ray.dir;
           rcpScale = reduce_max(abs(d));
           scale = 1.0f/rcpScale;

@@ -23,7 +23,7 @@ namespace embree
 
       explicit ScalarVertBlock(const VertHeader* block) : quadsX(vertQuadsX(block->place)), quadsY(vertQuadsY(block->place)), block(block), layout(vertLayout(block->place))
       {
-        if (isRaw(block->marginShifts)) { memcpy(vertices,bytes(layout.vertices),sizeof(vertices[0])*(quadsX+1)*(quadsY+1)); return; }
+        if (isRaw(block->boxForm)) { memcpy(vertices,bytes(layout.vertices),sizeof(vertices[0])*(quadsX+1)*(quadsY+1)); return; }
         int corners[3][4];
         for (int k=0; k<3; k++)
           for (int c=0; c<4; c++)
@@ -43,31 +43,35 @@ namespace embree
           for (uint32_t j=0; j<=quadsOfGroup(quadsY,gy); j++)
             for (uint32_t i=0; i<=quadsOfGroup(quadsX,gx); i++)
               for (int k=0; k<3; k++)
-                vertices[(groupQuads*gy+j)*(quadsX+1) + groupQuads*gx+i][k] = block->origin[k] + float(group[k][5*j+i])*block->spacing;
+                vertices[(groupQuads*gy+j)*(quadsX+1) + groupQuads*gx+i][k] = block->origin[k] + float(group[k][5*j+i])*vertSpacing(block->word);
         }
         end = data;
       }
 
-      /*! box of a group in the world: lower, upper */
+      /*! Box of a group in the world: lower, upper; on the sheared axis between sheared coordinates times
+       *  the spacing, without the origin. */
       void groupBox(uint32_t g, float lower[3], float upper[3]) const
       {
         const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
         for (int k=0; k<3; k++)
         {
-          if (isRaw(block->marginShifts)) {
+          if (isRaw(block->boxForm)) {
             memcpy(lower+k,bytes(layout.boxes) + 4*(k*layout.groups+g),sizeof(float));
             memcpy(upper+k,bytes(layout.boxes) + 4*((3+k)*layout.groups+g),sizeof(float));
             continue;
           }
-          const uint32_t margins = bytes(layout.margins)[k*layout.groups+g], shift = marginShift(block->marginShifts,k);
-          int lo = first[k][5*gy+gx], hi = lo;
-          for (uint32_t c=1; c<4; c++) {
-            const int v = first[k][5*(gy+(c >> 1)) + gx+(c & 1)];
-            lo = v < lo ? v : lo;
-            hi = v > hi ? v : hi;
+          const uint32_t margins = bytes(layout.margins)[k*layout.groups+g], shift = marginShift(block->boxForm,k);
+          const bool isSheared = k == shearedAxis(block->boxForm);
+          int lo = 0, hi = 0; // in 1/16
+          for (uint32_t c=0; c<4; c++) {
+            const uint32_t corner = 5*(gy+(c >> 1)) + gx+(c & 1);
+            const int v = isSheared ? sheared(corner) : 16*first[k][corner];
+            lo = c == 0 || v < lo ? v : lo;
+            hi = c == 0 || v > hi ? v : hi;
           }
-          lower[k] = block->origin[k] + float(lo-lowerMargin(margins,shift))*block->spacing;
-          upper[k] = block->origin[k] + float(hi+upperMargin(margins,shift))*block->spacing;
+          const float origin = isSheared ? 0.0f : block->origin[k];
+          lower[k] = origin + float(lo-16*lowerMargin(margins,shift))*(1.0f/16.0f)*vertSpacing(block->word);
+          upper[k] = origin + float(hi+16*upperMargin(margins,shift))*(1.0f/16.0f)*vertSpacing(block->word);
         }
       }
 
@@ -77,6 +81,13 @@ namespace embree
 
     private:
       const uint8_t* bytes(uint32_t offset) const { return (const uint8_t*)block + offset; }
+
+      /*! of a corner of groups, in 1/16 */
+      int sheared(uint32_t corner) const
+      {
+        const int m = shearedAxis(block->boxForm);
+        return 16*first[m][corner] + shearSlope(block->boxForm,1)*first[(m+1)%3][corner] + shearSlope(block->boxForm,2)*first[(m+2)%3][corner];
+      }
 
       uint32_t wordOf(uint32_t g) const
       {

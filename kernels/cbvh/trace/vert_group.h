@@ -144,8 +144,8 @@ namespace embree
         __forceinline vfloatV upper (int j) const { return max(max(at[j][0],at[j][1]),max(at[j][2],at[j][3])); }
       };
 
-      /*! Planes of groups' boxes on one axis, in the world; group (x,y) in lane x + 4 y. Lanes of no
-       *  group are not anything. */
+      /*! Planes of groups' boxes on one axis, in the world, or, of the sheared one, from the block's origin;
+       *  group (x,y) in lane x + 4 y. Lanes of no group are not anything. */
       struct GroupPlanes
       {
         vfloatV lower[CellCornersV::vectors], upper[CellCornersV::vectors];
@@ -157,53 +157,15 @@ namespace embree
       {
       public:
         __forceinline VertGroups (const VertHeader* block)
-          : block(block), layout(vertLayout(block->place)), quadsX(vertQuadsX(block->place)), quadsY(vertQuadsY(block->place))
+          : block(block), layout(vertLayout(block->place)), quadsX(vertQuadsX(block->place)), quadsY(vertQuadsY(block->place)),
+            spacing(vertSpacing(block->word)), extent(float(maxExtent)*spacing)
         {
-          /* margins, words and the first cell, while the header is waited for */
-          prefetchL1((const char*)block + 64);
-          prefetchL1((const char*)block + 128);
-          prefetchL1((const char*)block + 192);
-          if (likely(!isRaw(block->marginShifts))) decodeCorners();
+          /* The block at once, as long as most are: where its groups' fields lie is known late, and memory
+           *  that is waited for then is not hidden by anything. */
+          for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
         }
 
-        /*! bits of lanes that have a group */
-        __forceinline uint32_t lanes () const {
-          return (((1u << layout.groupsX)-1) * 0x1111u) & uint32_t((1u << (4*layout.groupsY))-1);
-        }
-
-        __forceinline void planes (int k, GroupPlanes& out) const
-        {
-          if (unlikely(isRaw(block->marginShifts))) { copyPlanes(k,out); return; }
-          alignas(16) uint8_t expanded[16];
-          const uint8_t* margins = expandRows((const uint8_t*)block + layout.margins + k*layout.groups,expanded);
-          const CellCornersV corners(first.at[k]);
-          const vfloatV spacing(block->spacing), origin(block->origin[k]), step(float(1u << marginShift(block->marginShifts,k)));
-          out.extent = float(maxExtent)*block->spacing;
-          for (int j=0; j<CellCornersV::vectors; j++) {
-            const vintV m = loadBytes(margins+vertWidth*j);
-            out.lower[j] = madd(nmadd(vfloatV(m & vintV(15)),step,corners.lower(j)),spacing,origin);
-            out.upper[j] = madd(madd(vfloatV(m >> 4),step,corners.upper(j)),spacing,origin);
-          }
-        }
-
-        /*! vertices of the group in a lane, in the world */
-        __forceinline void decode (uint32_t lane, CellVertices& out) const
-        {
-          const uint32_t gx = lane & 3, gy = lane >> 2, g = gy*layout.groupsX + gx;
-          if (unlikely(isRaw(block->marginShifts))) { copy(gx,gy,out); return; }
-          const uint32_t v = 5*gy + gx;
-          const CellCorners corners = { { first.at[0]+v,first.at[1]+v,first.at[2]+v },1,5 };
-          decodeCell(wordOf(g),groupData(g),corners,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy),out);
-          for (int k=0; k<3; k++)
-            for (int c=0; c<cellVectors; c++) {
-              float* p = out.at[k]+vertWidth*c;
-              vfloatV::store(p,madd(vfloatV::load(p),vfloatV(block->spacing),vfloatV(block->origin[k])));
-            }
-        }
-
-      private:
-        __forceinline const uint8_t* bytes (uint32_t offset) const { return (const uint8_t*)block + offset; }
-
+        /*! comes before all that is below, of a block that is not raw */
         __forceinline void decodeCorners ()
         {
           alignas(16) float at[4][3];
@@ -218,6 +180,65 @@ namespace embree
           const CellCorners corners = { { &at[0][0],&at[0][1],&at[0][2] },3,6 };
           decodeCell(block->word,bytes(layout.cell),corners,false,quadsX,quadsY,first);
         }
+
+        /*! bits of lanes that have a group */
+        __forceinline uint32_t lanes () const {
+          return (((1u << layout.groupsX)-1) * 0x1111u) & uint32_t((1u << (4*layout.groupsY))-1);
+        }
+
+        __forceinline void planes (int k, GroupPlanes& out) const
+        {
+          if (unlikely(isRaw(block->boxForm))) { copyPlanes(k,out); return; }
+          planes(k,CellCornersV(first.at[k]),block->origin[k],out);
+        }
+
+        __forceinline void shearedPlanes (GroupPlanes& out) const
+        {
+          const int m = shearedAxis(block->boxForm);
+          const vfloatV s1(float(shearSlope(block->boxForm,1))*(1.0f/16.0f)), s2(float(shearSlope(block->boxForm,2))*(1.0f/16.0f));
+          alignas(64) float sheared[VertTables::lanes];
+          for (int c=0; c<cellVectors; c++) {
+            const int n = vertWidth*c;
+            vfloatV::store(sheared+n,madd(s2,vfloatV::load(first.at[(m+2)%3]+n),madd(s1,vfloatV::load(first.at[(m+1)%3]+n),vfloatV::load(first.at[m]+n))));
+          }
+          planes(m,CellCornersV(sheared),0.0f,out);
+        }
+
+        __forceinline bool isRawBlock () const { return isRaw(block->boxForm); }
+
+      private:
+        /*! corners: of groups, in coordinates */
+        __forceinline void planes (int k, const CellCornersV& corners, float from, GroupPlanes& out) const
+        {
+          alignas(16) uint8_t expanded[16];
+          const uint8_t* margins = expandRows((const uint8_t*)block + layout.margins + k*layout.groups,expanded);
+          const vfloatV spacing(this->spacing), origin(from), step(float(1u << marginShift(block->boxForm,k)));
+          out.extent = extent;
+          for (int j=0; j<CellCornersV::vectors; j++) {
+            const vintV m = loadBytes(margins+vertWidth*j);
+            out.lower[j] = madd(nmadd(vfloatV(m & vintV(15)),step,corners.lower(j)),spacing,origin);
+            out.upper[j] = madd(madd(vfloatV(m >> 4),step,corners.upper(j)),spacing,origin);
+          }
+        }
+
+      public:
+        /*! vertices of the group in a lane, in the world */
+        __forceinline void decode (uint32_t lane, CellVertices& out) const
+        {
+          const uint32_t gx = lane & 3, gy = lane >> 2, g = gy*layout.groupsX + gx;
+          if (unlikely(isRaw(block->boxForm))) { copy(gx,gy,out); return; }
+          const uint32_t v = 5*gy + gx;
+          const CellCorners corners = { { first.at[0]+v,first.at[1]+v,first.at[2]+v },1,5 };
+          decodeCell(wordOf(g),groupData(g),corners,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy),out);
+          for (int k=0; k<3; k++)
+            for (int c=0; c<cellVectors; c++) {
+              float* p = out.at[k]+vertWidth*c;
+              vfloatV::store(p,madd(vfloatV::load(p),vfloatV(spacing),vfloatV(block->origin[k])));
+            }
+        }
+
+      private:
+        __forceinline const uint8_t* bytes (uint32_t offset) const { return (const uint8_t*)block + offset; }
 
         /*! a byte a group to a byte a lane; reads up to 16 bytes, which a block has there */
         __forceinline const uint8_t* expandRows (const uint8_t* rows, uint8_t* out) const
@@ -296,6 +317,10 @@ namespace embree
         const VertHeader* block;
         const VertLayout layout;
         const uint32_t quadsX, quadsY;
+      public:
+        const float spacing;
+        const float extent;   //!< of the block from its origin, at least; not of a raw one
+      private:
         CellVertices first;   //!< corners of groups, in coordinates
       };
     }

@@ -33,6 +33,10 @@ namespace embree
 
         __forceinline bool run ()
         {
+          if (likely(!groups.isRawBlock())) {
+            if (!meetsBlock()) return false;
+            groups.decodeCorners();
+          }
           uint32_t open = meetBoxes();
           bool found = false;
           while (open)
@@ -56,22 +60,83 @@ namespace embree
          *  by three, each of the two. */
         static constexpr float slackUlps = 8.0f;
 
+        /*! the same of the sheared axis, where the ray's start and its direction are sums of three */
+        static constexpr float shearedSlackUlps = 16.0f;
+
+        /*! The ray along a block's sheared coordinate, from the block's origin. */
+        struct ShearedRay
+        {
+          float org, rcp, error;
+
+          __forceinline void set (const VertRay& ray, const VertHeader* block, int m, float extent)
+          {
+            float dir = 0.0f, sum = 0.0f;
+            org = 0.0f;
+            for (int i=2; i>=0; i--)
+            {
+              const int k = m+i < 3 ? m+i : m+i-3;
+              const float slope = i == 0 ? 1.0f : float(shearSlope(block->boxForm,i))*(1.0f/16.0f);
+              const float distance = ray.org[k]-block->origin[k];
+              org += slope*distance;
+              dir += slope*ray.dir[k];
+              sum += std::fabs(slope)*(std::fabs(distance) + extent);
+            }
+            rcp = VertRay::reciprocal(dir,ray.dir[ray.kz]);
+            error = shearedSlackUlps*floatUlp*sum;
+          }
+        };
+
+        __forceinline float slackOf (int k, float extent) const {
+          return slackUlps*floatUlp*(std::fabs(block->origin[k]-pre.org[k]) + extent);
+        }
+
+        /*! Whether the ray meets the bounds of the block, which is not raw: most that do not meet a
+         *  group do not, and nothing is decoded for them. Sets sheared. */
+        __forceinline bool meetsBlock ()
+        {
+          const int m = shearedAxis(block->boxForm);
+          sheared.set(pre,block,m,groups.extent);
+          const float step = float(reachStep(block->boxForm))*groups.spacing;
+          float tNear = ray.tnear(), tFar = ray.tfar;
+          auto clip = [&](float lower, float upper, float rcp) {
+            const float a = lower*rcp, b = upper*rcp;
+            tNear = max(tNear,min(a,b));
+            tFar = min(tFar,max(a,b));
+          };
+          for (int i=0; i<2; i++)
+          {
+            const int k = m+1+i < 3 ? m+1+i : m+1+i-3;
+            const float from = block->origin[k]-pre.org[k], slack = slackOf(k,groups.extent);
+            clip(from-slack,(from + float(reachOf(block->reach,i))*step)+slack,pre.rcp[k]);
+          }
+          clip((float(reachOf(block->reach,2))*step-sheared.org)-sheared.error,(float(reachOf(block->reach,3))*step-sheared.org)+sheared.error,sheared.rcp);
+          return tNear <= tFar;
+        }
+
         /*! lanes of groups whose boxes the ray meets; sets enter */
         __forceinline uint32_t meetBoxes ()
         {
           vfloatV tNear[CellCornersV::vectors], tFar[CellCornersV::vectors];
           for (int j=0; j<CellCornersV::vectors; j++) { tNear[j] = vfloatV(ray.tnear()); tFar[j] = vfloatV(ray.tfar); }
-          for (int k=0; k<3; k++)
-          {
-            GroupPlanes planes;
-            groups.planes(k,planes);
-            const vfloatV org(pre.org[k]), rcp(pre.rcp[k]);
-            const vfloatV slack(slackUlps*floatUlp*(std::fabs(block->origin[k]-pre.org[k]) + planes.extent));
+          auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float error) {
+            const vfloatV org(from), rcp(reciprocal), slack(error);
             for (int j=0; j<CellCornersV::vectors; j++) {
               const vfloatV a = ((planes.lower[j] - org) - slack)*rcp, b = ((planes.upper[j] - org) + slack)*rcp;
               tNear[j] = max(tNear[j],min(a,b));
               tFar[j] = min(tFar[j],max(a,b));
             }
+          };
+          const int m = groups.isRawBlock() ? 3 : shearedAxis(block->boxForm);
+          GroupPlanes planes;
+          for (int k=0; k<3; k++)
+          {
+            if (k == m) continue;
+            groups.planes(k,planes);
+            clip(planes,pre.org[k],pre.rcp[k],slackOf(k,planes.extent));
+          }
+          if (likely(m < 3)) {
+            groups.shearedPlanes(planes);
+            clip(planes,sheared.org,sheared.rcp,sheared.error);
           }
           uint32_t open = 0;
           for (int j=0; j<CellCornersV::vectors; j++) {
@@ -96,12 +161,23 @@ namespace embree
         /*! Reports hits, nearest first; true if one was accepted. */
         __forceinline bool reportHits (uint32_t g, const CellVertices& vertices, const GroupHits& hits)
         {
+          if (likely((hits.mask & (hits.mask-1)) == 0))
+          {
+            const uint32_t h = uint32_t(bsf(hits.mask));
+            const VertTriangle triangle(vertices,h);
+            float t;
+            return isMet(triangle,h,hits,t) && reportHit(g,triangle,h,t,hits);
+          }
+          return reportNearest(g,vertices,hits);
+        }
+
+        bool reportNearest (uint32_t g, const CellVertices& vertices, const GroupHits& hits)
+        {
           float t[32];
           uint32_t open = 0;
           for (uint32_t rest=hits.mask; rest; rest&=rest-1) {
             const uint32_t h = uint32_t(bsf(rest));
-            const VertTriangle triangle(vertices,h);
-            if (triangle.contains(pre) && triangle.meet(ray,pre.kz,t[h])) open |= 1u << h;
+            if (isMet(VertTriangle(vertices,h),h,hits,t[h])) open |= 1u << h;
           }
           while (open)
           {
@@ -111,15 +187,19 @@ namespace embree
               if (t[h] < t[best]) best = h;
             }
             open &= ~(1u << best);
-            if (reportHit(g,vertices,best,t[best],hits)) return true;
+            if (reportHit(g,VertTriangle(vertices,best),best,t[best],hits)) return true;
           }
           return false;
         }
 
-        __forceinline bool reportHit (uint32_t g, const CellVertices& vertices, uint32_t h, float t, const GroupHits& hits)
+        /*! sides that are not 0 have their exact sign already */
+        __forceinline bool isMet (const VertTriangle& triangle, uint32_t h, const GroupHits& hits, float& t) const {
+          return (likely((hits.certain >> h) & 1) || triangle.contains(pre)) && triangle.meet(ray,pre.kz,t);
+        }
+
+        __forceinline bool reportHit (uint32_t g, const VertTriangle& at, uint32_t h, float t, const GroupHits& hits)
         {
           const uint32_t quad = h >> 1, triangle = h & 1;
-          const VertTriangle at(vertices,h);
           SurfaceHit hit;
           hit.t = t;
           hit.Ng = at.Ng(ray);
@@ -156,7 +236,8 @@ namespace embree
         IntersectContext* context;
         const VertRay& pre;
         const VertHeader* block;
-        const VertGroups groups;
+        VertGroups groups;
+        ShearedRay sheared;
         alignas(64) float enter[16]; //!< where the ray enters the box of the group in each lane
       };
     }

@@ -43,7 +43,7 @@ namespace embree
         bool isSet;
         int kx, ky, kz;        //!< axes; kz that of the largest component
         float sx, sy, sz;      //!< shear
-        float org[3], rcp[3];
+        float org[3], dir[3], rcp[3];
 
         __forceinline VertRay () : isSet(false) {}
 
@@ -61,8 +61,16 @@ namespace embree
           sy = dir[ky]*sz;
           for (int k=0; k<3; k++) {
             org[k] = ray.org[k];
-            rcp[k] = 1.0f/(std::fabs(dir[k]) < 1e-18f*a[kz] ? std::copysign(1e-18f*a[kz],dir[k]) : dir[k]);
+            this->dir[k] = dir[k];
+            rcp[k] = reciprocal(dir[k],dir[kz]);
           }
+        }
+
+        /*! of a component of the direction, whose largest is given; finite */
+        static __forceinline float reciprocal (float d, float largest)
+        {
+          const float least = 1e-18f*std::fabs(largest);
+          return 1.0f/(std::fabs(d) < least ? std::copysign(least,d) : d);
         }
       };
     }

@@ -26,6 +26,7 @@ namespace embree
       struct GroupHits
       {
         uint32_t mask;
+        uint32_t certain;  //!< those whose sides did not round to 0
         alignas(64) float u[2][16], v[2][16]; //!< [triangle][quad]: position in the quad
       };
 
@@ -150,7 +151,7 @@ namespace embree
             vfloatV::store(sheared.at[2]+n,vfloatV(ray.sz)*z);
           }
           const CellCornersV X(sheared.at[0]), Y(sheared.at[1]), Z(sheared.at[2]);
-          hits.mask = 0;
+          hits.mask = hits.certain = 0;
           for (int j=0; j<CellCornersV::vectors; j++)
           {
             const vfloatV* x = X.at[j];
@@ -171,6 +172,10 @@ namespace embree
         }
 
       private:
+        static __forceinline vboolV isWithin (const vfloatV& a, const vfloatV& b, const vfloatV& c) {
+          return (min(a,min(b,c)) > vfloatV(zero)) | (max(a,max(b,c)) < vfloatV(zero));
+        }
+
         static __forceinline vboolV isInside (const vfloatV& a, const vfloatV& b, const vfloatV& c) {
           return (min(a,min(b,c)) >= vfloatV(zero)) | (max(a,max(b,c)) <= vfloatV(zero));
         }
@@ -189,6 +194,7 @@ namespace embree
           const int n = vertWidth*j;
           vfloatV::store(hits.u[triangle]+n,triangle ? b1+b2 : b1);
           vfloatV::store(hits.v[triangle]+n,triangle ? vfloatV(1.0f)-b1 : b2);
+          hits.certain |= spread(uint32_t(movemask(isWithin(w0,w1,w2))) << n) << triangle;
           return spread(uint32_t(mask) << n) << triangle;
         }
 

@@ -1,0 +1,71 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+// What the fuzz targets share: a ray in front of the block's bytes, and a scene whose one geometry
+// the blocks belong to.
+
+#include "kernels/common/scene.h"
+#include <embree3/rtcore.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#define REQUIRE(condition) \
+  do { if (!(condition)) { std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); std::abort(); } } while (false)
+
+namespace cbvh::test {
+
+struct RayBytes
+{
+  float org[3], tnear;
+  float dir[3], tfar;
+
+  embree::Ray ray() const { return embree::Ray(embree::Vec3fa(org[0], org[1], org[2]), embree::Vec3fa(dir[0], dir[1], dir[2]), tnear, tfar); }
+};
+
+// Geometry 0 of a scene, for the epilogues to look up its mask and filters.
+struct World
+{
+  RTCScene scene;
+  World()
+  {
+    RTCDevice device = rtcNewDevice("threads=1");
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
+    scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcReleaseDevice(device);
+  }
+};
+
+// A file of a corpus.
+inline void writeSeed(const std::string& path, const RayBytes& ray, const void* block, size_t bytes)
+{
+  FILE* file = std::fopen(path.c_str(), "wb");
+  REQUIRE(file && std::fwrite(&ray, sizeof(ray), 1, file) == 1 && std::fwrite(block, bytes, 1, file) == 1);
+  std::fclose(file);
+}
+
+// Memory of exactly that many bytes, so that any access beyond them is seen.
+class ExactMemory
+{
+public:
+  ExactMemory(const void* source, size_t bytes, size_t alignment)
+  {
+    REQUIRE(posix_memalign(&memory, alignment, bytes) == 0);
+    std::memcpy(memory, source, bytes);
+  }
+  ExactMemory(const ExactMemory&) = delete;
+  ~ExactMemory() { std::free(memory); }
+  void* get() const { return memory; }
+
+private:
+  void* memory = nullptr;
+};
+
+} // namespace cbvh::test

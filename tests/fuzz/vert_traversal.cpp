@@ -1,0 +1,176 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* libFuzzer target: random bytes as a ray and a block of cVERT, traced for closest hit and any hit.
+ *
+ * What the traversal relies on, and what is made true of the bytes here: there are as many bytes
+ * as place, words and the raw bit say, and those that decoders may read behind them. All else,
+ * lattice, corners, margins, words, fields, vertices and ray, may be anything: no access outside,
+ * no undefined behaviour, an end. Each hit that a filter sees has, for any block,
+ *   - a distance between tnear and tfar, each accepted one no farther than the one before,
+ *   - parameters of the block's quads;
+ * and closest hit and any hit agree on whether there is one.
+ *
+ * --seeds=DIRECTORY writes blocks of the encoder, with rays, for a corpus to start from. */
+
+#include "fuzz_support.h"
+#include "kernels/cbvh/build/vert_encoder.h"
+#include "kernels/cbvh/trace/kind_visitors1.h"
+
+#include <memory>
+#include <vector>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree;
+using namespace embree::isa;
+using namespace embree::cbvh;
+using embree::isa::cbvh::VertIntersector1;
+using embree::isa::cbvh::VertRay;
+
+constexpr size_t alignment = 16;
+constexpr size_t readBehind = 16; // as VertPatchBuilder has it
+
+// bytes of the block, or 0 where there are fewer
+size_t blockBytes(const uint8_t* data, size_t size)
+{
+  VertHeader header;
+  memcpy(&header, data, sizeof(header));
+  const VertLayout layout = vertLayout(header.place);
+  if (isRaw(header.boxForm)) return layout.rawBytes <= size ? layout.rawBytes : 0;
+  size_t bytes = layout.cell + cellBytes(header.word);
+  if (bytes > size) return 0;
+  for (uint32_t g = 0; g < layout.groups; g++) {
+    uint16_t low;
+    memcpy(&low, data + layout.words + 2*g, sizeof(low));
+    bytes += cellBytes(low);
+  }
+  return bytes <= size ? bytes : 0;
+}
+
+// Embree gives rays of other kinds no hits, or any.
+bool isSound(const RayBytes& ray)
+{
+  double length = 0;
+  for (float d : ray.dir) length = std::fmax(length, std::fabs(d));
+  return isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 && ray.tnear <= maxCoordinate && ray.tfar >= ray.tnear;
+}
+
+// Context whose filter sees every candidate.
+struct Trace : RTCIntersectContext
+{
+  const VertHeader* block;
+  bool sound, accepts;
+  size_t hits = 0;
+  float tnear, tfar;
+
+  Trace(const VertHeader* block, const RayBytes& ray, bool sound, bool accepts) : block(block), sound(sound), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
+  {
+    rtcInitIntersectContext(this);
+    filter = [](const RTCFilterFunctionNArguments* args) { ((Trace*)args->context)->see(args); };
+  }
+
+  void see(const RTCFilterFunctionNArguments* args)
+  {
+    // a group's triangles once each, also those that have no area in blocks of the encoder
+    REQUIRE(++hits <= 32*vertLayout(block->place).groups);
+    const float t = ((const RTCRay*)args->ray)->tfar;
+    const RTCHit& hit = *(const RTCHit*)args->hit;
+    const float u = 0.5f*float(vertCornerU(block->place)), v = 0.5f*float(vertCornerV(block->place));
+    REQUIRE(hit.u >= u && hit.v >= v && std::isfinite(hit.u) && std::isfinite(hit.v));
+    if (sound) REQUIRE(t >= tnear && t <= tfar);
+    if (accepts) tfar = t;
+    else args->valid[0] = 0;
+  }
+};
+
+void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
+{
+  const bool sound = isSound(bytes);
+  const Ray ray = bytes.ray();
+  bool found[2];
+  for (bool accepts : {true, false}) {
+    Trace closest(block, bytes, sound, accepts);
+    RayHit hit(ray);
+    hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    IntersectContext context((Scene*)scene, &closest);
+    VertRay pre;
+    VertIntersector1<RayHit>::intersect(hit, &context, pre, block);
+    REQUIRE((hit.geomID == 0) == (accepts && closest.hits));
+    if (sound) REQUIRE(hit.tfar == (accepts ? closest.tfar : bytes.tfar));
+
+    Trace any(block, bytes, sound, accepts);
+    Ray occluded(ray);
+    context.user = &any;
+    VertRay anyPre;
+    const bool isOccluded = VertIntersector1<Ray>::intersect(occluded, &context, anyPre, block);
+    REQUIRE(isOccluded == (accepts && any.hits));
+    REQUIRE((closest.hits != 0) == (any.hits != 0));
+    found[accepts] = any.hits;
+  }
+  REQUIRE(found[true] == found[false]);
+}
+
+enum Surface { WAVES, SPIKES, FLAT, HOLES, SURFACES };
+
+void writeSeeds(const std::string& directory)
+{
+  const RayBytes rays[] = {
+    {{0.4f, 0.6f, 3}, 0, {0.01f, -0.02f, -1}, INFINITY}, {{-2, 0.5f, 0.1f}, 0, {1, 0.05f, 0.01f}, INFINITY},
+    {{0.3f, 0.2f, 0.1f}, 0.001f, {0.5f, 0.7f, 0.1f}, 5}, {{0.5f, 3, -0.2f}, 0, {0, -1, 0}, 1e6f}};
+  const float spacing = 1.0f/4096;
+  auto encoder = std::make_unique<VertEncoder>();
+  std::vector<Vec3fa> memory(VertEncoder::maxBytes/sizeof(Vec3fa) + 2);
+  for (uint32_t quadsX : {1, 4, 7, 16})
+    for (uint32_t quadsY : {1, 5, 16})
+      for (int surface = 0; surface < SURFACES; surface++) {
+        for (uint32_t j = 0, i = 0; j <= quadsY; i == quadsX ? (j++, i = 0) : i++) {
+          const float x = float(i)/float(quadsX), y = float(j)/float(quadsY);
+          float z = surface == FLAT ? 0.25f*x : 0.1f*std::sin(5*x + 3*y);
+          if (surface == SPIKES && (5*i + 3*j) % 7 == 0) z += 0.5f;
+          const float p[3] = {x + 0.1f*x*y, y, z};
+          for (int k = 0; k < 3; k++) encoder->vertices[j*(quadsX + 1) + i][k] = std::round(p[k]/spacing)*spacing;
+          if (surface == HOLES && (i + 2*j) % 5 == 1) encoder->vertices[j*(quadsX + 1) + i][2] = NAN;
+        }
+        VertStatistics statistics;
+        const size_t bytes = encoder->encode(vertPlace(quadsX, quadsY, 0, 0, 1, 0), spacing, (uint8_t*)memory.data(), statistics);
+        if (bytes == 0) continue;
+        VertHeader* block = (VertHeader*)memory.data();
+        block->geomID = block->primID = 0;
+        block->rates = (quadsX - 1) | (quadsY - 1) << 8 | (quadsX/2) << 16 | (quadsY - 1) << 24;
+        for (const RayBytes& ray : rays)
+          writeSeed(directory + "/" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - rays), ray, block, bytes);
+      }
+}
+
+} // namespace
+} // namespace cbvh::test
+
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)
+{
+  const std::string option = "--seeds=";
+  for (int i = 1; i < *argc; i++)
+    if (option.compare(0, option.size(), (*argv)[i], option.size()) == 0) ::cbvh::test::writeSeeds((*argv)[i] + option.size());
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+  using namespace ::cbvh::test;
+  static const World world;
+  RayBytes ray;
+  if (size < sizeof(ray) + sizeof(VertHeader)) return 0;
+  memcpy(&ray, data, sizeof(ray));
+  data += sizeof(ray);
+  size -= sizeof(ray);
+  const size_t bytes = blockBytes(data, size);
+  if (bytes == 0) return 0;
+  std::vector<uint8_t> padded(data, data + bytes);
+  padded.resize(bytes + readBehind);
+  const ExactMemory memory(padded.data(), padded.size(), alignment);
+  VertHeader* block = (VertHeader*)memory.get();
+  block->geomID = 0;
+  trace(world.scene, ray, block);
+  return 0;
+}

@@ -1,0 +1,231 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Faces of cLEAF that leaves hold badly are stored as cVERT: which ones, what that mends, and
+ * that nothing opens between the two. */
+
+#include "support/edge_rates.h"
+#include "support/scene_blocks.h"
+#include "support/vert_triangles.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+namespace cbvh::test {
+namespace {
+
+SurfaceSettings leaf(float rate, bool exactFaces)
+{
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.exactFaces = exactFaces;
+  settings.rate = rate;
+  return settings;
+}
+
+// Rays at a surface around the origin.
+struct Hits
+{
+  unsigned grid = 0, wrong = 0, flipped = 0; // wrong: hit or miss otherwise than GRID's
+
+  Hits(RTCScene gridScene, RTCScene scene, unsigned count)
+  {
+    Random random(31);
+    for (const RTCRayHit& ray : raysAt(random, count)) {
+      const RTCRayHit g = intersect(gridScene, ray), s = intersect(scene, ray);
+      grid += isHit(g);
+      wrong += isHit(g) != isHit(s);
+      const float size = std::fabs(g.ray.tfar)*1e-2f;
+      if (isHit(g) && isHit(s) && std::fabs(g.ray.tfar - s.ray.tfar) < size)
+        flipped += g.hit.Ng_x*s.hit.Ng_x + g.hit.Ng_y*s.hit.Ng_y + g.hit.Ng_z*s.hit.Ng_z < 0;
+    }
+  }
+};
+
+Cage openSheet()
+{
+  Cage cage;
+  // one face alone is a disc: its smooth boundary is one curve
+  cage.positions = {{-1.5f, -1.5f, 0}, {1.5f, -1.5f, 0}, {1.5f, 1.5f, 0.3f}, {-1.5f, 1.5f, 0}};
+  cage.addFace({0, 1, 2, 3});
+  return cage;
+}
+
+TEST(ExactFaces, CurvedBordersAreGridsOwn)
+{
+  Device device;
+  for (float rate : {4.0f, 16.0f, 64.0f}) {
+    SCOPED_TRACE(rate);
+    const Twins leaves(device, openSheet(), leaf(rate, false)), mixed(device, openSheet(), leaf(rate, true));
+    EXPECT_EQ(statisticsOf(leaves.scene).numExactQuads, 0u);
+    EXPECT_EQ(statisticsOf(mixed.scene).numExactQuads, size_t(rate*rate));
+    const Hits before(leaves.grid, leaves.scene, 40000), after(mixed.grid, mixed.scene, 40000);
+    ASSERT_GT(after.grid, 10000u);
+    EXPECT_LE(after.wrong, after.grid/1000 + 2);
+    EXPECT_GT(before.wrong, 2*after.wrong);
+  }
+}
+
+TEST(ExactFaces, WallsFaceTheRightWay)
+{
+  // a cliff: seen along the sheet's normal half of the quads stand on end
+  struct Cliff : public Displacement
+  {
+    static void apply(const RTCDisplacementFunctionNArguments* args)
+    {
+      for (unsigned i = 0; i < args->N; i++) {
+        const float x = args->P_x[i];
+        args->P_z[i] += 0.8f*std::tanh(30*std::sin(6*x));
+        args->P_x[i] += 0.06f*std::sin(12*x); // leans over
+      }
+    }
+  } cliff;
+  Device device;
+  const auto build = [&](RTCScene scene, SurfaceSettings settings) {
+    RTCGeometry geometry = newSurface(device, sheetCage(2), settings);
+    rtcSetGeometryDisplacementFunction(geometry, Cliff::apply);
+    rtcCommitGeometry(geometry);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+  };
+  Scene grid(device), leaves(device), mixed(device);
+  SurfaceSettings none = leaf(32, false);
+  none.compression = RTC_COMPRESSION_NONE;
+  build(grid, none);
+  build(leaves, leaf(32, false));
+  build(mixed, leaf(32, true));
+  const RTCCompressionStatistics before = statisticsOf(leaves), after = statisticsOf(mixed);
+  EXPECT_GT(before.numFlippedQuads, 10u);
+  EXPECT_LT(after.numFlippedQuads, before.numFlippedQuads/10);
+  EXPECT_GT(after.numExactQuads, 0u);
+  const Hits leafHits(grid, leaves, 40000), mixedHits(grid, mixed, 40000);
+  EXPECT_GT(leafHits.flipped, 10*mixedHits.flipped + 10);
+}
+
+TEST(ExactFaces, SmoothFacesStayLeaves)
+{
+  Device device;
+  Displacement displacement;
+  displacement.amplitude = 0.01f;
+  SurfaceSettings settings = leaf(64, true);
+  settings.displacement = &displacement;
+  const SurfaceScene scene(device, cubeCage(), settings);
+  EXPECT_EQ(statisticsOf(scene).numExactQuads, 0u);
+}
+
+// Displaced so that some faces are folded and others smooth.
+struct PartlyRough : public Displacement
+{
+  static void apply(const RTCDisplacementFunctionNArguments* args)
+  {
+    for (unsigned i = 0; i < args->N; i++) {
+      const float x = args->P_x[i], y = args->P_y[i], z = args->P_z[i];
+      const float rough = x > 0.1f ? std::min(1.0f, 4*(x - 0.1f)) : 0;
+      args->P_x[i] += 0.05f*std::sin(5*y)*std::cos(3*z) + 0.12f*rough*std::sin(31*y + 17*z);
+      args->P_y[i] += 0.12f*rough*std::sin(29*z + 13*x);
+      args->P_z[i] += 0.12f*rough*std::sin(37*x + 11*y);
+    }
+  }
+};
+
+// Blocks of both forms in one scene, and no ray passes where they meet: from inside of a closed surface,
+// aimed at the vertices that exact faces store on their borders, and at random.
+TEST(ExactFaces, NothingOpensBetweenBothForms)
+{
+  Device device;
+  for (const auto& cage : closedCages)
+    for (bool mixedRates : {false, true}) {
+      SCOPED_TRACE(testing::Message() << cage.name << (mixedRates ? ", mixed rates" : ""));
+      SurfaceSettings settings = leaf(32, true);
+      if (mixedRates) {
+        Random random(7);
+        settings.edgeRates = drawRates(cage.cage, random, rateSets[1].draw);
+      }
+      const auto build = [&](RTCScene scene) {
+        RTCGeometry geometry = newSurface(device, cage.cage, settings);
+        rtcSetGeometryDisplacementFunction(geometry, PartlyRough::apply);
+        rtcCommitGeometry(geometry);
+        attach(scene, geometry);
+        rtcCommitScene(scene);
+      };
+      Scene scene(device), grid(device);
+      build(scene);
+      settings.compression = RTC_COMPRESSION_NONE;
+      build(grid);
+      const RTCCompressionStatistics stats = statisticsOf(scene);
+      EXPECT_GT(stats.numExactQuads, 0u);
+      if (!mixedRates) {
+        EXPECT_LT(stats.numExactQuads, stats.numQuads);
+      }
+      std::vector<Vec> targets;
+      for (const VertTriangle& t : vertTriangles(scene))
+        targets.push_back(t.vertices[0]);
+      ASSERT_FALSE(targets.empty());
+      Random random(17);
+      unsigned missed = 0, missedAny = 0, missedInGrid = 0;
+      const unsigned count = 60000;
+      for (unsigned i = 0; i < count; i++) {
+        // the origin is deep inside of all these cages
+        const Vec o = {float(random.uniform(-0.02, 0.02)), float(random.uniform(-0.02, 0.02)), float(random.uniform(-0.02, 0.02))};
+        Vec d;
+        if (i % 4) {
+          const Vec& target = targets[random.below(unsigned(targets.size()))];
+          for (int k = 0; k < 3; k++) d[k] = target[k] - o[k];
+        }
+        else
+          for (int k = 0; k < 3; k++) d[k] = float(random.normal());
+        const RTCRayHit ray = makeRay(o, d);
+        missed += !isHit(intersect(scene, ray));
+        missedAny += !occluded(scene, ray);
+        missedInGrid += i % 4 == 0 && !isHit(intersect(grid, ray));
+      }
+      EXPECT_EQ(missed, 0u);
+      EXPECT_EQ(missedAny, 0u);
+      EXPECT_EQ(missedInGrid, 0u) << "the surface is not closed";
+    }
+}
+
+size_t exactQuads(const std::string& config)
+{
+  Device device(config);
+  if (!device) return ~size_t(0);
+  SurfaceSettings settings;
+  settings.rate = 16;
+  const SurfaceScene scene(device, openSheet(), settings);
+  return statisticsOf(scene).numExactQuads;
+}
+
+TEST(ExactFaces, GeometryGoesBeforeDeviceGoesBeforeEnvironment)
+{
+  EXPECT_EQ(exactQuads("subdiv_accel=cbvh.leaf"), 256u);
+  EXPECT_EQ(exactQuads("subdiv_accel=cbvh.leaf,cbvh_exact_faces=0"), 0u);
+  EXPECT_EQ(exactQuads("subdiv_accel=cbvh.leaf,cbvh_exact_faces=1"), 256u);
+  EXPECT_EQ(exactQuads("subdiv_accel=cbvh.voxel,cbvh_exact_faces=1"), 0u);
+  setenv("EMBREE_CBVH", "leaf,exact_faces=0", 1);
+  EXPECT_EQ(exactQuads(""), 0u);
+  EXPECT_EQ(exactQuads("cbvh_exact_faces=1"), 256u);
+  unsetenv("EMBREE_CBVH");
+  Device device("subdiv_accel=cbvh.leaf,cbvh_exact_faces=0");
+  const SurfaceScene scene(device, openSheet(), leaf(16, true));
+  EXPECT_EQ(statisticsOf(scene).numExactQuads, 256u);
+}
+
+TEST(ExactFaces, OtherValuesAreErrors)
+{
+  for (const char* config : {"cbvh_exact_faces=2", "cbvh_exact_faces=yes", "cbvh_exact_faces"})
+    EXPECT_EQ(exactQuads(config), ~size_t(0)) << config;
+  Device device;
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
+  RTCCompressionArguments args;
+  rtcInitCompressionArguments(&args);
+  args.exactFaces = 2;
+  rtcSetGeometryCompression(geometry, &args);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(device.message.find("exactFaces 2"), std::string::npos) << device.message;
+  rtcReleaseGeometry(geometry);
+}
+
+} // namespace
+} // namespace cbvh::test
