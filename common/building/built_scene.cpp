@@ -28,10 +28,13 @@ std::string deviceConfig(const Representation& representation, const BuildSettin
   return config;
 }
 
-RTCCompressionArguments compressionArguments(const PixelBound& bound)
+RTCCompressionArguments compressionArguments(const BuildSettings& settings)
 {
+  const PixelBound& bound = settings.pixelBound;
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
+  if (!settings.exactFaces)
+    args.exactFaces = 0;
   if (bound.pixels > 0.0f)
   {
     args.maxPixelError = bound.pixels;
@@ -101,6 +104,8 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
 {
   device = std::make_unique<EmbreeDevice>(deviceConfig(representation, settings));
   scene.reset(rtcNewScene(device->handle()));
+  if (settings.filters)
+    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   device->check("making a scene");
   if (representation.kind == RepresentationKind::Naive)
     buildTriangles(model, settings);
@@ -121,7 +126,7 @@ void BuiltScene::commit(const char* doing)
 void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& settings)
 {
   const auto start = std::chrono::steady_clock::now();
-  const RTCCompressionArguments arguments = compressionArguments(settings.pixelBound);
+  const RTCCompressionArguments arguments = compressionArguments(settings);
   attachCopies(*device, scene.get(), model, settings.level, contexts, what.isCompressed() ? &arguments : nullptr);
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");

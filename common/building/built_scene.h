@@ -33,6 +33,8 @@ struct BuildSettings
   int threads = 0;     // of Embree's build, 0 for all
   float maxError = 0;  // bound on cVERT's spacing, and on the thickness of leaves where frame levels are automatic, 0 for none
   PixelBound pixelBound;
+  bool filters = false;    // of contexts are called
+  bool exactFaces = true;  // cLEAF stores faces exactly that leaves hold badly, unless EMBREE_CBVH says otherwise
   std::string isa;     // Embree's name of the widest instruction set to use, empty for the host's best
 };
 

@@ -62,7 +62,7 @@ struct RTCCompressionArguments
   /* In world units, 0 for none, negative to inherit the device's setting.
    *
    * RTC_COMPRESSION_VERT: spacing of the lattice that vertices are moved to, at most. None of them
-   * is moved by more than 0.866 of it (half a diagonal of the lattice's cubes). With 0 it is 1/32 of
+   * is moved by more than 0.866 of it (half a diagonal of the lattice's cubes). With 0 it is 1/36 of
    * the median edge of each face's quads, or less. Spacings are powers of 2, not below what floats at
    * the face resolve.
    *

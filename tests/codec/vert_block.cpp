@@ -65,15 +65,23 @@ struct Sheet
   }
 };
 
+// From the block's origin, exactly.
+float shearedCoordinate(const VertHeader* block, const float* p)
+{
+  const int m = shearedAxis(block->boxForm), a = (m + 1) % 3, b = (m + 2) % 3;
+  return float(double(p[m]) - block->origin[m] + shearSlope(block->boxForm, 1)/16.0*(double(p[a]) - block->origin[a])
+             + shearSlope(block->boxForm, 2)/16.0*(double(p[b]) - block->origin[b]));
+}
+
 bool sameFloat(float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0); }
 
 TEST(VertBlock, VerticesAreTheSameFloats)
 {
   Random random(seed);
   auto encoder = std::make_unique<VertEncoder>();
-  size_t packed = 0, raw = 0;
+  size_t packed = 0, raw = 0, byAxis = 0;
   for (int i = 0; i < 4000; i++) {
-    const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16), std::vector<double>{0, 0.05, 0.5, 5}[i % 4]);
+    const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16), std::vector<double>{0, 0.05, 0.5, 5, 40}[i % 5]);
     sheet.fill(*encoder);
     const Encoded encoded(*encoder, vertPlace(sheet.quadsX, sheet.quadsY, 16, 32, 1, 5), sheet.spacing);
     ASSERT_GT(encoded.size, sizeof(VertHeader));
@@ -85,12 +93,14 @@ TEST(VertBlock, VerticesAreTheSameFloats)
         ASSERT_TRUE(sameFloat(decoded->vertices[v][k], sheet.vertices[v][k])) << "sheet " << i << ", vertex " << v << ", axis " << k;
     ASSERT_EQ(encoded.statistics.raw, isRaw(encoded.block()->boxForm));
     (encoded.statistics.raw ? raw : packed)++;
+    byAxis += !encoded.statistics.raw && isByAxis(encoded.block()->word);
     if (!encoded.statistics.raw) {
       ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "bytes that nobody reads";
     }
   }
   EXPECT_GT(packed, 3000u);
   EXPECT_GT(packed + raw, 3999u);
+  EXPECT_GT(byAxis, 300u);
 }
 
 TEST(VertBlock, AFlatPartTakesNoFields)
@@ -110,7 +120,7 @@ TEST(VertBlock, BoxesContainTheirGroups)
 {
   Random random(seed + 1);
   auto encoder = std::make_unique<VertEncoder>();
-  size_t loose = 0, planes = 0;
+  size_t loose = 0, planes = 0, sheared = 0;
   for (int i = 0; i < 2000; i++) {
     const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16), 0.5);
     sheet.fill(*encoder);
@@ -125,11 +135,13 @@ TEST(VertBlock, BoxesContainTheirGroups)
       decoded->groupBox(g, lower, upper);
       const uint32_t x0 = groupQuads*(g % layout.groupsX), y0 = groupQuads*(g/layout.groupsX);
       for (int k = 0; k < 3; k++) {
+        const bool isSheared = !encoded.statistics.raw && k == shearedAxis(encoded.block()->boxForm);
+        if (isSheared) sheared += shearSlope(encoded.block()->boxForm, 1) != 0;
         float least = INFINITY, greatest = -INFINITY;
         for (uint32_t y = y0; y <= std::min(y0 + groupQuads, sheet.quadsY); y++)
           for (uint32_t x = x0; x <= std::min(x0 + groupQuads, sheet.quadsX); x++) {
             if (hole && x + y == 0) continue;
-            const float v = decoded->vertex(x, y)[k];
+            const float v = isSheared ? shearedCoordinate(encoded.block(), decoded->vertex(x, y)) : decoded->vertex(x, y)[k];
             ASSERT_LE(lower[k], v) << "sheet " << i << ", group " << g;
             ASSERT_GE(upper[k], v) << "sheet " << i << ", group " << g;
             least = std::min(least, v); greatest = std::max(greatest, v);
@@ -137,11 +149,48 @@ TEST(VertBlock, BoxesContainTheirGroups)
         if (hole) continue;
         const float step = vertSpacing(encoded.block()->word)*float(1u << marginShift(encoded.block()->boxForm, k));
         planes += 2;
-        loose += (least - lower[k] >= step) + (upper[k] - greatest >= step);
+        // margins are whole coordinates, sheared ones sixteenths
+        const float most = isSheared ? step + vertSpacing(encoded.block()->word) : step;
+        loose += (least - lower[k] >= most) + (upper[k] - greatest >= most);
       }
     }
   }
   EXPECT_EQ(loose, 0u) << "of " << planes << " planes are more than a step off";
+  EXPECT_GT(sheared, 1000u);
+}
+
+TEST(VertBlock, ReachContainsTheBlock)
+{
+  Random random(seed + 3);
+  auto encoder = std::make_unique<VertEncoder>();
+  size_t blocks = 0, loose = 0;
+  for (int i = 0; i < 2000; i++) {
+    const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16), std::vector<double>{0, 0.05, 0.5, 5}[i % 4]);
+    sheet.fill(*encoder);
+    const Encoded encoded(*encoder, vertPlace(sheet.quadsX, sheet.quadsY, 0, 0, 0, 0), sheet.spacing);
+    if (encoded.statistics.raw) continue;
+    blocks++;
+    const VertHeader* block = encoded.block();
+    const auto decoded = std::make_unique<ScalarVertBlock>(block);
+    const float step = float(reachStep(block->boxForm))*vertSpacing(block->word);
+    const int m = shearedAxis(block->boxForm);
+    float least[3] = {INFINITY, INFINITY, INFINITY}, greatest[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (uint32_t v = 0; v < (sheet.quadsX + 1)*(sheet.quadsY + 1); v++) {
+      const float* p = decoded->vertices[v];
+      const float x[3] = {p[(m + 1) % 3] - block->origin[(m + 1) % 3], p[(m + 2) % 3] - block->origin[(m + 2) % 3], shearedCoordinate(block, p)};
+      for (int k = 0; k < 3; k++) { least[k] = std::min(least[k], x[k]); greatest[k] = std::max(greatest[k], x[k]); }
+    }
+    ASSERT_EQ(least[0], 0);
+    ASSERT_EQ(least[1], 0);
+    for (int k = 0; k < 3; k++) {
+      const float upper = float(reachOf(block->reach, k < 2 ? k : 3))*step, lower = k < 2 ? 0 : float(reachOf(block->reach, 2))*step;
+      ASSERT_LE(lower, least[k]);
+      ASSERT_GE(upper, greatest[k]);
+      loose += upper - greatest[k] > 1.0625f*step || least[k] - lower > 1.0625f*step; // sheared coordinates are sixteenths
+    }
+  }
+  EXPECT_GT(blocks, 1000u);
+  EXPECT_EQ(loose, 0u);
 }
 
 TEST(VertBlock, VerticesThatAreNotFiniteAreRawAndNaN)

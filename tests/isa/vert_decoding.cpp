@@ -46,7 +46,7 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
   auto encoder = std::make_unique<VertEncoder>();
   std::vector<uint8_t> memory(VertEncoder::maxBytes + 32);
   uint8_t* bytes = (uint8_t*)((uintptr_t(memory.data()) + 15) & ~uintptr_t(15));
-  unsigned raw = 0, packed = 0, sheared = 0;
+  unsigned raw = 0, packed = 0, sheared = 0, byAxis = 0;
   for (int i = 0; i < 3000; i++) {
     const uint32_t quadsX = 1 + random.below(16), quadsY = 1 + random.below(16);
     const uint32_t place = vertPlace(quadsX, quadsY, 0, 0, 0, 0);
@@ -56,6 +56,7 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
     ASSERT_GT(encoder->encode(place, spacing, bytes, statistics), 0u);
     (statistics.raw ? raw : packed)++;
     const VertHeader* block = (const VertHeader*)bytes;
+    byAxis += !statistics.raw && isByAxis(block->word);
     const auto expected = std::make_unique<ScalarVertBlock>(block);
     const VertLayout layout = vertLayout(place);
     VertGroups groups(block);
@@ -95,6 +96,7 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
   EXPECT_GT(raw, 100u);
   EXPECT_GT(packed, 2000u);
   EXPECT_GT(sheared, 500u);
+  EXPECT_GT(byAxis, 100u);
 }
 
 } // namespace

@@ -50,6 +50,7 @@ struct Fixture
   {
     BuildSettings settings;
     settings.level = level;
+    settings.exactFaces = false; // these tests are about leaves
     return std::make_unique<BuiltScene>(model, parseRepresentations(representation, 2).front(), settings);
   }
 

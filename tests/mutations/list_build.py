@@ -440,8 +440,8 @@ PATCHES = (
     edit(
         "patch: dropped blocks are not counted",
         "patch_builder.h",
-        "statistics.sums.numInvalidQuads += size_t(1) << (2*e.height);",
-        "statistics.sums.numInvalidQuads += size_t(1) << e.height;",
+        "ofPatch.sums.numInvalidQuads += size_t(1) << (2*e.height);",
+        "ofPatch.sums.numInvalidQuads += size_t(1) << e.height;",
         "statistics and messages know of fewer quads than are left out",
         "invalid_vertices *FacesBesideBadOnes*",
     ),
@@ -475,8 +475,8 @@ BUILDER = (
     edit(
         "builder: error bound of the last sub-patch",
         "builder.cpp",
-        "n = max(n,trial.boundedFrameLevel(patch.make(plan.mesh,plan.geomID,f)));",
-        "n = trial.boundedFrameLevel(patch.make(plan.mesh,plan.geomID,f));",
+        "n = max(n,trial.boundedFrameLevel(f,patch));",
+        "n = trial.boundedFrameLevel(f,patch);",
         "leaves of n-gons are thicker than the bound",
         "compression_statistics CompressionStatistics.KeepTheErrorBound*",
     ),
@@ -492,8 +492,8 @@ BUILDER = (
     edit(
         "builder: room for one block a patch",
         "builder.cpp",
-        "offset[f] += tiling.size() ? tiling.size() : PatchBuilder::numGrids(",
-        "offset[f] = tiling.size() ? tiling.size() : PatchBuilder::numGrids(",
+        "offset[f] += tiling.size() ? room(patch.rate,tiling)",
+        "offset[f] = tiling.size() ? room(patch.rate,tiling)",
         "sub-patches of n-gons overwrite each other",
         "watertight *RaysFromInsideHit/cLEAF",
     ),
@@ -596,8 +596,8 @@ BUILDER = (
     edit(
         "statistics: thickness up, not across",
         "leaf_encoder.h",
-        "statistics.addThickness(geometry,leaf.box,slope,leaf.thickness);",
-        "const double up[2] = { slope[0]*0,slope[1]*0 }; statistics.addThickness(geometry,leaf.box,up,leaf.thickness);",
+        "statistics.addThickness(geometry,leaf.box,slope,leaf.solid",
+        "statistics.addThickness(geometry,leaf.box,std::initializer_list<double>({ 0,0 }).begin(),leaf.solid",
         "thickness of steep leaves counts as more than it is",
         "leaf_codec LeafCodec.ThicknessIsThatOfTheWorld",
     ),

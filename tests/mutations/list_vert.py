@@ -32,7 +32,7 @@ CELLS = (
         "return (slope*main + 8) >> 4; }",
         "return (slope*main) >> 4; }",
         "the floats of the traversal round to the nearest",
-        "vert_decoding VertDecoding.GroupsEqualTheScalarDecoder",
+        "vert_decoding_avx2 VertDecoding.GroupsEqualTheScalarDecoder",
     ),
     codec(
         "cell: predictions round down",
@@ -40,7 +40,7 @@ CELLS = (
         "return c00 + ((sum + 128) >> 8);",
         "return c00 + (sum >> 8);",
         "the floats of the traversal round to the nearest",
-        "vert_decoding VertDecoding.GroupsEqualTheScalarDecoder",
+        "vert_decoding_avx2 VertDecoding.GroupsEqualTheScalarDecoder",
     ),
     codec(
         "cell: predictions without the twist",
@@ -109,11 +109,11 @@ ENCODER = (
         "the second component is off by the slope",
         "vert_block VertBlock.VerticesAreTheSameFloats",
     ),
-    build(
-        "cells: sums of bits are not bounded",
-        "cell_encoder.h",
-        "if (sum > maxCellBits) return false;",
-        "",
+    codec(
+        "cells: fields of any number of bits",
+        "vertex_cell.h",
+        "return cellFieldBits(word) > maxFieldBits; }",
+        "return cellFieldBits(word) > 64; }",
         "a field of more than 32 bits",
         "vert_block VertBlock.VerticesAreTheSameFloats",
     ),
@@ -332,7 +332,7 @@ TRIANGLES = (
         "uint32_t offset = layout.cell + cellBytes(block->word);",
         "uint32_t offset = layout.cell;",
         "fields of the first cell are read as a group's",
-        "vert_decoding VertDecoding.GroupsEqualTheScalarDecoder",
+        "vert_decoding_avx2 VertDecoding.GroupsEqualTheScalarDecoder",
     ),
     trace(
         "groups: lanes of no group",
@@ -348,7 +348,7 @@ TRIANGLES = (
         "nmadd(vfloatV(m & vintV(15)),step,corners.lower(j))",
         "nmadd(vfloatV(m >> 4),step,corners.lower(j))",
         "boxes that do not contain their groups",
-        "vert_decoding VertDecoding.GroupsEqualTheScalarDecoder",
+        "vert_decoding_avx2 VertDecoding.GroupsEqualTheScalarDecoder",
     ),
     trace(
         "boxes: no slack",

@@ -98,7 +98,7 @@ def room_of(unit):
 
 def has_unit(room, unit):
     if room == "isa":
-        return unit.startswith(("simd_decoding_", "simd_tracing_"))
+        return unit.startswith(("simd_decoding_", "simd_tracing_", "vert_decoding_"))
     return unit == room or (ROOT / "tests" / room / f"{unit}.cpp").exists()
 
 

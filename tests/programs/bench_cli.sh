@@ -110,7 +110,7 @@ PYTHON
 
 # Leaks and shadows of a closed surface, moved away.
 "$program" --scene cube --level 3 --representation cgrid,cleaf^auto --max-error 0.01 --position 1000,0,-50 --repeat 0 \
-  --size 40x32 --check leaks,offsets --check-rays 20000 --json "$folder/checks.json" >"$folder/stdout" 2>"$folder/stderr" ||
+  --size 40x32 --check leaks,offsets,crossings --check-rays 20000 --json "$folder/checks.json" >"$folder/stdout" 2>"$folder/stderr" ||
   complain "checks: $(cat "$folder/stderr")"
 grep -q "leaks of" "$folder/stdout" || complain "no word on leaks"
 /usr/bin/python3 -B -c '
@@ -123,7 +123,9 @@ for r in (cgrid, cleaf):
     assert 10000 < leaks["aimed_rays"] < leaks["rays"] <= 20000, leaks
     assert len(shadows) > 10 and all(s["rays"] > s["occluded"] for s in shadows)
 assert cleaf["leaks"]["missed"] == {"closest": 0, "any": 0, "through": 0}, cleaf["leaks"]
-assert all(s["errors"] == {"false_occlusions": 0, "false_passes": 0} for s in cgrid["shadows"])' "$folder/checks.json" ||
+assert all(s["errors"] == {"false_occlusions": 0, "false_passes": 0} for s in cgrid["shadows"])
+crossed = cgrid["crossings"][0]
+assert crossed["rays"] == 40*32 and crossed["crossings"] > 100 and crossed["other_parity"] <= 2, crossed' "$folder/checks.json" ||
   complain "leaks or shadows are not right: $(cat "$folder/checks.json")"
 
 # The scene's own options: two copies have twice the faces, and a name of their own.

@@ -81,7 +81,7 @@ public:
       result.views.push_back(errorsInView(errors, view, scene, hits));
       pictures.write(view, result.variant, hits, result.views.back());
       if (checked)
-        addShadows(view, scene, hits, result.checks);
+        addChecksOfView(view, scene, hits, result.checks);
     }
     if (checked)
     {
@@ -91,12 +91,14 @@ public:
   }
 
 private:
-  void addShadows(const View& view, const BuiltScene& scene, const std::vector<SurfaceHit>& hits,
-                  CheckResult& checks) const
+  void addChecksOfView(const View& view, const BuiltScene& scene, const std::vector<SurfaceHit>& hits,
+                       CheckResult& checks) const
   {
     const CheckedView checkedView{view.name, view.primary, view.gridHits, view.camera.footprint()};
     for (ShadowCheck& check : robustness.shadows(grid, scene, checkedView, hits))
       checks.shadows.push_back(std::move(check));
+    for (CrossingCheck& check : robustness.crossings(scene.representation(), checkedView))
+      checks.crossings.push_back(std::move(check));
   }
 
   const BuiltScene& grid;

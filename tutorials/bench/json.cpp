@@ -49,6 +49,16 @@ json sheetsJson(const SheetCrossings& c)
           {"missed_by_grid", c.ofGrid}, {"examples", c.examples}};
 }
 
+json crossingsJson(const CrossingCheck& c)
+{
+  return {{"view", c.view},
+          {"rays", c.found.rays},
+          {"crossings", c.found.ofScene},
+          {"grid_crossings", c.found.ofGrid},
+          {"other_number", c.found.otherNumber},
+          {"other_parity", c.found.otherParity}};
+}
+
 json shadowJson(const ShadowErrors& e)
 {
   return {{"false_occlusions", e.falseOcclusions}, {"false_passes", e.falsePasses}};
@@ -150,6 +160,8 @@ json resultJson(const VariantResult& r)
     j["leaks"] = leaksJson(*r.checks.leaks);
   if (r.checks.sheets)
     j["sheets"] = sheetsJson(*r.checks.sheets);
+  for (const CrossingCheck& c : r.checks.crossings)
+    j["crossings"].push_back(crossingsJson(c));
   for (const ShadowCheck& c : r.checks.shadows)
     j["shadows"].push_back(shadowsJson(c));
   return j;

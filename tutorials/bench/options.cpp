@@ -188,7 +188,7 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, Words& words)
 {
   app.add_option("--check", words.checks,
                  "leaks (rays out of closed surfaces), sheets (rays through random sheets), "
-                 "shadows (secondary rays from own hits against GRID's),\n"
+                 "crossings (that a filter sees which rejects all), shadows (secondary rays from own hits against GRID's),\n"
                  "offsets (shadows at many offsets)")
     ->type_name("LIST");
   app.add_option("--check-rays", o.checks.rays, "rays that look for leaks or cross sheets, a representation")

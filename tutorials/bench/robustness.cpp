@@ -34,17 +34,19 @@ void Checks::add(const std::string& name)
     leaks = true;
   else if (name == "sheets")
     sheets = true;
+  else if (name == "crossings")
+    crossings = true;
   else if (name == "shadows")
     shadows = true;
   else if (name == "offsets")
     offsets = true;
   else
-    throw Error("unknown --check '" + name + "', known are leaks, sheets, shadows and offsets");
+    throw Error("unknown --check '" + name + "', known are leaks, sheets, crossings, shadows and offsets");
 }
 
 Robustness::Robustness(const Model& model, const BuildSettings& settings, const std::vector<int>& frameLevels,
                        const Checks& checks, uint32_t seed)
-  : checks(checks), seed(seed), level(settings.level), threads(threadCount(settings.threads))
+  : model(model), settings(settings), checks(checks), seed(seed), level(settings.level), threads(threadCount(settings.threads))
 {
   if (!checks.any())
     return;
@@ -89,6 +91,16 @@ std::optional<SheetCrossings> Robustness::sheets(const BuiltScene& scene) const
   settings.seed = seed;
   const EmbreeDevice device("");
   return crossSheets(device.handle(), scene.representation().compression(), settings, threads);
+}
+
+std::vector<CrossingCheck> Robustness::crossings(const Representation& representation, const CheckedView& view) const
+{
+  if (!checks.crossings)
+    return {};
+  BuildSettings filtered = settings;
+  filtered.filters = true;
+  const BuiltScene grid(model, {RepresentationKind::Grid}, filtered), scene(model, representation, filtered);
+  return {{view.name, countCrossings(grid, scene, view.primary, threads)}};
 }
 
 std::vector<ShadowCheck> Robustness::shadows(const BuiltScene& grid, const BuiltScene& scene, const CheckedView& view,

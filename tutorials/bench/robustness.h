@@ -7,6 +7,7 @@
  * secondary rays that see another thing than GRID's. */
 
 #include "building/built_scene.h"
+#include "measure/crossings.h"
 #include "measure/leak_rays.h"
 #include "measure/self_shadow.h"
 #include "measure/sheet_crossings.h"
@@ -22,11 +23,12 @@ struct Checks
 {
   bool leaks = false;
   bool sheets = false;
+  bool crossings = false;    // that a filter sees which rejects all
   bool shadows = false;      // at Embree's offset, a fraction of the scene, and half a quad
   bool offsets = false;      // at many offsets
   size_t rays = 1000000;     // for leaks and for sheets, a representation
 
-  bool any() const { return leaks || sheets || shadows || offsets; }
+  bool any() const { return leaks || sheets || crossings || shadows || offsets; }
 
   /* By its name, as above. Throws Error. */
   void add(const std::string& name);
@@ -41,10 +43,17 @@ struct ShadowCheck
   ShadowComparison found;
 };
 
+struct CrossingCheck
+{
+  std::string view;
+  CrossingCounts found;
+};
+
 struct CheckResult
 {
   std::optional<LeakCounts> leaks;
   std::optional<SheetCrossings> sheets;
+  std::vector<CrossingCheck> crossings;
   std::vector<ShadowCheck> shadows;
 };
 
@@ -61,7 +70,7 @@ struct CheckedView
 class Robustness
 {
 public:
-  /* frameLevels: of the representations. Throws Error, Cancelled. */
+  /* frameLevels: of the representations; the model outlives this. Throws Error, Cancelled. */
   Robustness(const Model& model, const BuildSettings& settings, const std::vector<int>& frameLevels,
              const Checks& checks, uint32_t seed);
 
@@ -74,11 +83,16 @@ public:
   std::vector<ShadowCheck> shadows(const BuiltScene& grid, const BuiltScene& scene, const CheckedView& view,
                                    const std::vector<SurfaceHit>& hits) const;
 
+  /* Of the view's primary rays; builds the representation and GRID once more, with filters. */
+  std::vector<CrossingCheck> crossings(const Representation& representation, const CheckedView& view) const;
+
   float quadWidth() const { return meanQuadWidth; }
 
 private:
   int blockLevel(int frameLevel) const;
 
+  const Model& model;
+  BuildSettings settings;
   Checks checks;
   uint32_t seed;
   int level;

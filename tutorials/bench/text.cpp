@@ -40,6 +40,13 @@ std::string checkLines(const CheckResult& checks)
     for (const std::string& example : c.examples)
       out += "      " + example + "\n";
   }
+  for (const CrossingCheck& c : checks.crossings)
+  {
+    std::snprintf(line, sizeof(line),
+                  "    %s crossings of %zu rays: %zu (GRID %zu), another number %zu, another parity %zu\n", c.view.c_str(),
+                  c.found.rays, c.found.ofScene, c.found.ofGrid, c.found.otherNumber, c.found.otherParity);
+    out += line;
+  }
   for (const ShadowCheck& c : checks.shadows)
   {
     const auto share = [](size_t n, size_t rays) { return rays ? 1000.0 * double(n) / double(rays) : 0.0; };

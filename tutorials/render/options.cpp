@@ -30,7 +30,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--frame-level", words.frameLevel, "level at which local frames start: 0 to 8, or auto")
     ->type_name("N")->capture_default_str();
   app.add_option("--max-pixel-error", o.maxPixelError,
-                 "spacing of cVERT's vertices in pixels of the view, at most; 0 for 1/32 of a quad's edge")
+                 "spacing of cVERT's vertices in pixels of the view, at most; 0 for 1/36 of a quad's edge")
     ->type_name("P")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();

@@ -20,8 +20,8 @@ namespace embree
     public:
       int vertices[3][cellVertices]; //!< coordinates by axis, row by row; less than maxExtent, not negative
 
-      /*! quads: along u and v; step: of them from one vertex to the next. False where residuals
-       *  take more bits than a cell has. */
+      /*! quads: along u and v; step: of them from one vertex to the next. False where a residual
+       *  takes more bits than a cell has. */
       bool encode (const uint32_t quads[2], uint32_t step)
       {
         predict(quads,step);
@@ -29,10 +29,8 @@ namespace embree
         int bits[3] = { bitsOf(residuals[main]),0,0 };
         int slopes[3] = { 0,0,0 };
         for (int i=1; i<3; i++) slopes[i] = removeSlope(residuals[main],residuals[(main+i)%3],bits[i]);
-        const int sum = bits[0]+bits[1]+bits[2];
         for (int i=0; i<3; i++)
           if (bits[i] > maxResidualBits) return false;
-        if (sum > maxCellBits) return false;
         word = uint32_t(bits[0]) | uint32_t(bits[1]) << 4 | uint32_t(bits[2]) << 8 | uint32_t(main) << 12
              | (uint32_t(slopes[1]) & 31u) << 14 | (uint32_t(slopes[2]) & 31u) << 19;
         return true;
@@ -46,22 +44,43 @@ namespace embree
         const int main = cellMainAxis(word), sum = cellFieldBits(word);
         const int bits[3] = { cellBits(word,0),cellBits(word,1),cellBits(word,2) };
         const int* component[3] = { residuals[main],residuals[cellAxis(word,1)],residuals[cellAxis(word,2)] };
-        uint64_t pending = 0;
-        int count = 0;
-        for (int v=0; v<cellVertices; v++)
-        {
-          if (isCorner(v)) continue;
-          uint64_t field = 0;
-          for (int i=0, shift=0; i<3; shift+=bits[i++])
-            field |= uint64_t(uint32_t(component[i][v]) & ((1u << bits[i])-1u)) << shift;
-          pending |= field << count; // at most 7 + 32 bits
-          for (count += sum; count >= 8; count -= 8) { *out++ = uint8_t(pending); pending >>= 8; }
+        BitWriter writer = { out };
+        auto residual = [&](int i, int v) { return uint32_t(component[i][v]) & ((1u << bits[i])-1u); };
+        if (isByAxis(word)) {
+          for (int i=0; i<3; i++)
+            for (int v=0; v<cellVertices; v++)
+              if (!isCorner(v)) writer.put(residual(i,v),bits[i]);
         }
-        if (count > 0) *out++ = uint8_t(pending);
-        return out;
+        else {
+          for (int v=0; v<cellVertices; v++)
+            if (!isCorner(v))
+              writer.put(residual(0,v) | residual(1,v) << bits[0] | uint32_t(uint64_t(residual(2,v)) << (bits[0]+bits[1])),sum);
+        }
+        return writer.end();
       }
 
     private:
+      struct BitWriter
+      {
+        uint8_t* out;
+        uint64_t pending = 0;
+        int count = 0;
+
+        BitWriter (uint8_t* out) : out(out) {}
+
+        void put (uint32_t field, int bits)
+        {
+          pending |= uint64_t(field) << count; // at most 7 + 32 bits
+          for (count += bits; count >= 8; count -= 8) { *out++ = uint8_t(pending); pending >>= 8; }
+        }
+
+        uint8_t* end ()
+        {
+          if (count > 0) *out++ = uint8_t(pending);
+          return out;
+        }
+      };
+
       static bool isCorner (int v) { return v == 0 || v == 4 || v == 20 || v == 24; }
 
       void predict (const uint32_t quads[2], uint32_t step)

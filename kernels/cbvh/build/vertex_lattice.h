@@ -31,15 +31,15 @@ namespace embree
      *  does not show: objects of few quads have large ones, and bytes to spare. */
     static constexpr double spacingOfDiagonal = 1.0/32768;
 
-    /*! But for the diagonal alone it is not less than this part of that edge: blocks have to be no wider
-     *  than maxExtent. */
-    static constexpr double finestOfEdge = 1.0/128;
+    /*! But for the diagonal alone it is not less than this part of that edge: residuals have to fit into
+     *  a cell's fields. */
+    static constexpr double finestOfEdge = 1.0/96;
 
     /*! median: of edges along u or v, of that many quads; diagonal: of the geometry's bounds */
     inline double defaultSpacing(double median, unsigned quads, double diagonal)
     {
-      const double edge = median*(quads < fullQuads ? double(quads)/fullQuads : 1.0);
-      return std::min(edge*spacingOfEdge,std::max(diagonal*spacingOfDiagonal,edge*finestOfEdge));
+      if (quads < fullQuads) return median*spacingOfEdge*quads/fullQuads;
+      return std::min(median*spacingOfEdge,std::max(diagonal*spacingOfDiagonal,median*finestOfEdge));
     }
 
     /*! Coordinates of a face take at most this many bits, one less than floats have: sums with

@@ -24,7 +24,8 @@
  *   bits 14..18, 19..23       slopes of the next two axes, signed, in 1/16
  *
  * A field holds the three residuals, the main one lowest, each in two's complement. Field f
- * starts at bit f times the sum of the three numbers, which is at most 32. */
+ * starts at bit f times the sum of the three numbers. Where that is more than 32 the residuals
+ * of all fields along the main axis come first, then those along the next, then the last. */
 
 #ifndef CBVH_VERTEX_CELL_H
 #define CBVH_VERTEX_CELL_H
@@ -35,7 +36,7 @@ CBVH_BEGIN
 
 CBVH_CONSTANT int cellVertices = 25; //!< row by row
 CBVH_CONSTANT int cellFields = 21;   //!< all but the corners
-CBVH_CONSTANT int maxCellBits = 32;  //!< of a field
+CBVH_CONSTANT int maxFieldBits = 32; //!< of a field that holds all three residuals
 CBVH_CONSTANT int maxResidualBits = 15;
 CBVH_CONSTANT int maxSlope = 15;
 
@@ -79,6 +80,9 @@ CBVH_FUNCTION int cellWeight (int i, int step, int quads)
   if (x > quads) x = quads;
   return (32*x + quads)/(2*quads);
 }
+
+/*! whether residuals come axis by axis */
+CBVH_FUNCTION bool isByAxis (uint32_t word) { return cellFieldBits(word) > maxFieldBits; }
 
 /*! component of a residual before slopes: `bits` of a field from bit `shift` on */
 CBVH_FUNCTION int cellResidual (uint32_t field, int shift, int bits)

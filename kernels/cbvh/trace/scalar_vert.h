@@ -106,11 +106,12 @@ namespace embree
             int residual[3] = { 0,0,0 };
             const int f = cellField(i,j);
             if (f >= 0) {
-              uint32_t field = 0;
-              for (int b=0; b<sum; b++) field |= uint32_t((data[(f*sum+b) >> 3] >> ((f*sum+b) & 7)) & 1) << b;
-              residual[0] = cellResidual(field,0,bits[0]);
-              residual[1] = cellResidual(field,bits[0],bits[1]) + slopeResidual(cellSlope(word,1),residual[0]);
-              residual[2] = cellResidual(field,bits[0]+bits[1],bits[2]) + slopeResidual(cellSlope(word,2),residual[0]);
+              for (int c=0, before=0; c<3; before+=bits[c++]) {
+                const int begin = isByAxis(word) ? cellFields*before + f*bits[c] : f*sum + before;
+                uint32_t field = 0;
+                for (int b=0; b<bits[c]; b++) field |= uint32_t((data[(begin+b) >> 3] >> ((begin+b) & 7)) & 1) << b;
+                residual[c] = cellResidual(field,0,bits[c]) + (c == 0 ? 0 : slopeResidual(cellSlope(word,c),residual[0]));
+              }
             }
             for (int c=0; c<3; c++) {
               const int axis = cellAxis(word,c);

@@ -52,17 +52,17 @@ namespace embree
       {
         vintV lanes[cellVectors];
 
-        /*! reads up to 8 bytes behind the last field */
-        __forceinline CellFields (const uint8_t* data, int bits)
+        /*! start: of the first, in bits; reads up to 8 bytes behind the last field */
+        __forceinline CellFields (const uint8_t* data, int bits, int start = 0)
         {
 #if defined(__AVX512F__)
-          const int words = (cellFields*bits+31) >> 5; // at most 21
+          const int words = (start+cellFields*bits+31) >> 5; // at most 30
           const __mmask16 low = words < 16 ? __mmask16((1u << words)-1) : __mmask16(0xFFFF);
           const __mmask16 high = words < 16 ? __mmask16(0) : __mmask16((1u << (words-16))-1);
           const __m512i a = _mm512_maskz_loadu_epi32(low,data), b = _mm512_maskz_loadu_epi32(high,data+64);
           for (int c=0; c<cellVectors; c++)
           {
-            const __m512i bit = _mm512_mullo_epi32(_mm512_load_si512((const void*)(vertTables.field+16*c)),_mm512_set1_epi32(bits));
+            const __m512i bit = _mm512_add_epi32(_mm512_mullo_epi32(_mm512_load_si512((const void*)(vertTables.field+16*c)),_mm512_set1_epi32(bits)),_mm512_set1_epi32(start));
             const __m512i word = _mm512_srli_epi32(bit,5), shift = _mm512_and_si512(bit,_mm512_set1_epi32(31));
             const __m512i first = _mm512_permutex2var_epi32(a,word,b);
             const __m512i second = _mm512_permutex2var_epi32(a,_mm512_add_epi32(word,_mm512_set1_epi32(1)),b);
@@ -73,7 +73,7 @@ namespace embree
           alignas(64) uint32_t fields[VertTables::lanes];
           fields[0] = fields[4] = fields[20] = fields[24] = 0;
           for (int l=cellVertices; l<VertTables::lanes; l++) fields[l] = 0;
-          for (int f=0, bit=0; f<cellFields; f++, bit+=bits) {
+          for (int f=0, bit=start; f<cellFields; f++, bit+=bits) {
             uint64_t word;
             memcpy(&word,data + (bit >> 3),sizeof(word));
             fields[vertTables.laneOfField[f]] = uint32_t(word >> (bit & 7));
@@ -88,6 +88,34 @@ namespace embree
         return vfloatV((fields << (bits == 0 ? 32 : 32-bits-shift)) >> (32-bits));
       }
 
+      /*! prediction of a coordinate */
+      __forceinline vfloatV predict (const CellCorners& corners, int axis, const vfloatV& x, const vfloatV& y, const vfloatV& xy)
+      {
+        const vfloatV k = corners.at(axis,0), dx = corners.at(axis,1) - k, dy = corners.at(axis,2) - k;
+        const vfloatV dxy = corners.at(axis,3) - k - dx - dy;
+        return k + floor(madd(dxy,xy,madd(dy,y,madd(dx,x,vfloatV(0.5f)))));
+      }
+
+      /*! Decodes a cell whose residuals come axis by axis: those of rough blocks on fine lattices. */
+      inline void decodeByAxis (uint32_t word, const uint8_t* data, const CellCorners& corners, const float* weightX, const float* weightY, CellVertices& out)
+      {
+        vfloatV main[cellVectors];
+        for (int i=0, start=0; i<3; start+=cellFields*cellBits(word,i++))
+        {
+          const int bits = cellBits(word,i), axis = cellAxis(word,i);
+          const float slope = i == 0 ? 0.0f : float(cellSlope(word,i))*(1.0f/16.0f);
+          const CellFields fields(data,bits,start);
+          for (int c=0; c<cellVectors; c++)
+          {
+            const vfloatV x = vfloatV::load(weightX+vertWidth*c), y = vfloatV::load(weightY+vertWidth*c);
+            vfloatV residual = residualOf(fields.lanes[c] & vintV::load(vertTables.hasField+vertWidth*c),0,bits);
+            if (i == 0) main[c] = residual;
+            else residual = residual + floor(madd(vfloatV(slope),main[c],vfloatV(0.5f)));
+            vfloatV::store(out.at[axis]+vertWidth*c,predict(corners,axis,x,y,x*y) + residual);
+          }
+        }
+      }
+
       /*! Decodes a cell to coordinates of the block. ofQuads: a group's, else the first cell's;
        *  quads: along its sides. */
       __forceinline void decodeCell (uint32_t word, const uint8_t* data, const CellCorners& corners, bool ofQuads, uint32_t quadsX, uint32_t quadsY, CellVertices& out)
@@ -97,6 +125,10 @@ namespace embree
         const float slope1 = float(cellSlope(word,1))*(1.0f/16.0f), slope2 = float(cellSlope(word,2))*(1.0f/16.0f);
         const float* weightX = vertTables.weightX[ofQuads][quadsX-1];
         const float* weightY = vertTables.weightY[ofQuads][quadsY-1];
+        if (unlikely(isByAxis(word))) {
+          decodeByAxis(word,data,corners,weightX,weightY,out);
+          return;
+        }
         const CellFields fields(data,bits);
         for (int c=0; c<cellVectors; c++)
         {
@@ -104,9 +136,7 @@ namespace embree
           const vintV field = fields.lanes[c] & vintV::load(vertTables.hasField+vertWidth*c);
           const vfloatV half(0.5f);
           auto decode = [&](int axis, const vfloatV& residual) {
-            const vfloatV k = corners.at(axis,0), dx = corners.at(axis,1) - k, dy = corners.at(axis,2) - k;
-            const vfloatV dxy = corners.at(axis,3) - k - dx - dy;
-            vfloatV::store(out.at[axis]+vertWidth*c,k + floor(madd(dxy,xy,madd(dy,y,madd(dx,x,half)))) + residual);
+            vfloatV::store(out.at[axis]+vertWidth*c,predict(corners,axis,x,y,xy) + residual);
           };
           const vfloatV main = residualOf(field,0,bits0);
           decode(axis0,main);
@@ -210,7 +240,7 @@ namespace embree
         /*! corners: of groups, in coordinates */
         __forceinline void planes (int k, const CellCornersV& corners, float from, GroupPlanes& out) const
         {
-          alignas(16) uint8_t expanded[16];
+          alignas(16) uint8_t expanded[24]; // 8 are read at a time
           const uint8_t* margins = expandRows((const uint8_t*)block + layout.margins + k*layout.groups,expanded);
           const vfloatV spacing(this->spacing), origin(from), step(float(1u << marginShift(block->boxForm,k)));
           out.extent = extent;
@@ -244,7 +274,7 @@ namespace embree
         __forceinline const uint8_t* expandRows (const uint8_t* rows, uint8_t* out) const
         {
           if (likely(layout.groupsX == 4)) return rows;
-          for (int i=0; i<16; i++) out[i] = 0;
+          for (int i=0; i<24; i++) out[i] = 0;
           for (uint32_t y=0; y<layout.groupsY; y++)
             for (uint32_t x=0; x<layout.groupsX; x++) out[4*y+x] = rows[y*layout.groupsX+x];
           return out;
