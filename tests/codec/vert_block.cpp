@@ -54,7 +54,10 @@ struct Sheet
       for (uint32_t x = 0; x <= quadsX; x++) {
         const double h = roughness*random.normal() + 0.02*(double(x)*x - double(y)*x);
         std::array<float, 3> v;
-        for (int k = 0; k < 3; k++) v[k] = float((origin[k] + std::floor(x*axis[0][k] + y*axis[1][k] + h*axis[2][k]))*spacing);
+        // 40 is not along a normal any more: residuals of all axes are large
+        const double sideways = roughness == 40 ? 1000 : 0;
+        for (int k = 0; k < 3; k++)
+          v[k] = float((origin[k] + std::floor(x*axis[0][k] + y*axis[1][k] + (sideways > 0 ? sideways*random.normal() : h*axis[2][k])))*spacing);
         vertices.push_back(v);
       }
   }
