@@ -18,8 +18,8 @@
  * geometry that changed since the last commit; the message names the geometry and the
  * first face. cVOXEL cannot leave a quad out: it stores patches with holes as cLEAF.
  *
- * cVERT closes surfaces also where faces of one geometry evaluate the vertices that they share
- * apart: all take those of the face that owns the edge or corner.
+ * cVERT, and cLEAF unless exactFaces is 0, close surfaces also where faces of one geometry evaluate
+ * the vertices that they share apart: all take those of the face that owns the edge or corner.
  *
  * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression
  * Scheme for Ray Tracing Subdivision Surfaces with Displacement", 2018. */

@@ -96,6 +96,11 @@ void addMemory(Table& table)
       return r.representation.isCompressed() ? number(double(r.build.compression.*field) / double(r.build.quads), 2)
                                              : std::string("-");
     });
+  table.row("quads of cLEAF stored as cVERT, %", [](const Result& r) {
+    return r.representation.kind == RepresentationKind::CLeaf
+             ? number(100.0 * double(r.build.compression.numExactQuads) / double(r.build.quads), 1)
+             : std::string("-");
+  });
   table.row("memory, MiB", [](const Result& r) { return number(double(r.build.liveBytes) / (1 << 20), 1); });
   table.row("peak of the build, MiB", [](const Result& r) { return number(double(r.build.peakBytes) / (1 << 20), 1); });
   table.row("build, s", [](const Result& r) { return number(r.build.seconds, 2); });
