@@ -193,6 +193,7 @@ class Runner:
         # the record names no folder of this machine.
         pictures = self.folder / "pictures" / job.name
         command += ["--pictures", os.path.relpath(pictures), "--json", os.path.relpath(out)]
+        command += ["--leaves-only"]  # the paper's cLEAF
         command += ["--maps", os.path.relpath(self.folder / "maps")]  # one skin of trex for all jobs
         last = []
         with open(self.folder / f"{job.name}.log", "a", encoding="utf-8") as log:

@@ -8,6 +8,7 @@
 #include "kernels/cbvh/build/vert_encoder.h"
 #include "kernels/cbvh/trace/scalar_vert.h"
 #include "kernels/cbvh/trace/vert_group.h"
+#include "kernels/cbvh/trace/vert_triangles.h"
 #include "support/random.h"
 
 #include <memory>
@@ -97,6 +98,54 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
   EXPECT_GT(packed, 2000u);
   EXPECT_GT(sheared, 500u);
   EXPECT_GT(byAxis, 100u);
+}
+
+// Of a group whose vertices are on few lattice points, so that many are equal, on lines and in planes with the
+// ray: what has the ray in it by exact signs is found, though sides round to 0.
+TEST(VertTriangles, WhatHasTheRayInItIsFound)
+{
+  using namespace embree::isa::cbvh;
+  using embree::Vec3fa;
+  Random random(96);
+  size_t found = 0, onLines = 0, bad = 0;
+  for (int i = 0; i < 20000; i++) {
+    CellVertices cell;
+    const unsigned width = 2 + random.below(30);
+    for (int k = 0; k < 3; k++)
+      for (int v = 0; v < VertTables::lanes; v++)
+        cell.at[k][v] = float(random.below(width))/128 + (k == 2 ? 1 : 0);
+    const bool hole = i % 7 == 0;
+    if (hole) cell.at[i % 3][random.below(cellVertices)] = NAN;
+    // at a vertex, or at the middle of two
+    const unsigned a = random.below(cellVertices), b = random.below(cellVertices);
+    float org[3], dir[3];
+    for (int k = 0; k < 3; k++) {
+      org[k] = float(random.below(64))/64 - (k == 2 ? 4 : 0);
+      dir[k] = 0.5f*(cell.at[k][a] + cell.at[k][b]) - org[k];
+    }
+    if (!(std::fabs(dir[0]) + std::fabs(dir[1]) + std::fabs(dir[2]) > 0)) continue;
+    const embree::Ray ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY);
+    VertRay pre;
+    pre.set(ray);
+    GroupHits hits;
+    GroupTriangles(pre, 0).intersect(cell, INFINITY, hits);
+    for (uint32_t h = 0; h < 32; h++) {
+      const VertTriangle triangle(cell, h);
+      float t;
+      const bool isMet = triangle.contains(pre) && triangle.meet(ray, pre.kz, t);
+      if (!isMet) {
+        ASSERT_FALSE(hits.certain >> h & 1) << "case " << i << ", triangle " << h;
+        bad++;
+        continue;
+      }
+      ASSERT_TRUE(hits.mask >> h & 1) << "case " << i << ", triangle " << h << ", at " << t;
+      found++;
+      onLines += !(hits.certain >> h & 1);
+    }
+  }
+  EXPECT_GT(found, 20000u);
+  EXPECT_GT(onLines, 300u);
+  EXPECT_GT(bad, 1000u);
 }
 
 } // namespace

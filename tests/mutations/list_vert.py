@@ -399,6 +399,14 @@ TRIANGLES = (
         "watertight *RaysFromInsideHit/cVERT",
     ),
     trace(
+        "triangles: what is not a number is too far",
+        "vert_triangles.h",
+        "(vfloatV(tfar) < t-doubt)",
+        "(t-doubt > vfloatV(tfar))",
+        "slivers whose sides round to 0 leak",
+        "vert_decoding_avx2 VertTriangles.WhatHasTheRay*",
+    ),
+    trace(
         "triangles: normals inwards",
         "vert_triangles.h",
         "Vec3fa(x,y,z) : -Vec3fa(ray.dir);",

@@ -36,6 +36,7 @@ BuildSettings buildSettings(const GroupSettings& settings)
   BuildSettings build;
   build.level = settings.level;
   build.threads = settings.options.buildThreads;
+  build.exactFaces = !settings.options.leavesOnly;
   build.maxError = settings.options.maxError * settings.model.cage.bounds().diagonal();
   return build;
 }

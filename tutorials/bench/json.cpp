@@ -201,6 +201,7 @@ json settingsJson(const BenchOptions& options)
           {"check_rays", options.checks.rays},
           {"position", {options.position.x, options.position.y, options.position.z}},
           {"max_error_diagonals", options.maxError},
+          {"leaves_only", options.leavesOnly},
           {"reference_level", options.referenceLevel >= 0 ? json(options.referenceLevel) : json()}};
 }
 

@@ -196,6 +196,7 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, Words& words)
   app.add_option("--position", words.position, "moves models there: x,y,z")->type_name("P");
   app.add_option("--max-error", o.maxError, "bound on the thickness of leaves where the frame level is auto, and on cVERT's spacing, in\n"
                  "bounding-box diagonals of the cage")->type_name("E");
+  app.add_flag("--leaves-only", o.leavesOnly, "cLEAF has leaves for all faces, and stores none as cVERT, as in the paper");
   app.add_option("--reference-level", o.referenceLevel,
                  "measure errors against GRID at this level, too, which also fixes the view for all levels")
     ->type_name("L");

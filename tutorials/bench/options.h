@@ -46,6 +46,7 @@ struct BenchOptions
   Checks checks;
   Vec3f position;            // that models are moved to
   float maxError = 0.0f;     // of leaves, in bounding-box diagonals; 0: no bound
+  bool leavesOnly = false;   // cLEAF stores no faces as cVERT
   std::string pictures;      // folder, empty for none
   std::vector<int> pictureLevels; // levels that get pictures; empty: all
   std::string json;          // file, empty for none

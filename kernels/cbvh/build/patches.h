@@ -53,7 +53,7 @@ namespace embree
      *  much as at a crease. */
     inline uint32_t sharpSidesOf(const SubdivMesh* mesh, size_t face, const PatchOfFace& patch)
     {
-      const float smooth = 16.0f; // quads along a side
+      const float smooth = 32.0f; // quads along a side
       uint32_t sharp = 0;
       for (int s=0; s<4; s++)
       {

@@ -172,8 +172,9 @@ namespace embree
         }
 
       private:
+        /*! of numbers */
         static __forceinline vboolV isWithin (const vfloatV& a, const vfloatV& b, const vfloatV& c) {
-          return (min(a,min(b,c)) > vfloatV(zero)) | (max(a,max(b,c)) < vfloatV(zero));
+          return (vfloatV(zero) < min(a,min(b,c))) | (max(a,max(b,c)) < vfloatV(zero));
         }
 
         static __forceinline vboolV isInside (const vfloatV& a, const vfloatV& b, const vfloatV& c) {
@@ -189,12 +190,13 @@ namespace embree
           const vfloatV b1 = w1/sum, b2 = w2/sum;
           const vfloatV t = madd(b1,z1-z0,madd(b2,z2-z0,z0));
           const vfloatV doubt = abs(t)*vfloatV(1.0f/256.0f);
-          const size_t mask = movemask(andn(inside,(t+doubt < vfloatV(tnear)) | (t-doubt > vfloatV(tfar))));
+          /* by "less" alone, which is false of what is not a number: Embree's "greater" is true of it */
+          const size_t mask = movemask(andn(inside,(t+doubt < vfloatV(tnear)) | (vfloatV(tfar) < t-doubt)));
           if (mask == 0) return 0;
           const int n = vertWidth*j;
           vfloatV::store(hits.u[triangle]+n,triangle ? b1+b2 : b1);
           vfloatV::store(hits.v[triangle]+n,triangle ? vfloatV(1.0f)-b1 : b2);
-          hits.certain |= spread(uint32_t(movemask(isWithin(w0,w1,w2))) << n) << triangle;
+          hits.certain |= spread(uint32_t(movemask(isWithin(w0,w1,w2) & (abs(sum) < vfloatV(inf)))) << n) << triangle;
           return spread(uint32_t(mask) << n) << triangle;
         }
 
