@@ -150,9 +150,6 @@ std::vector<float> sheet(Surface surface, uint32_t n)
 
 void writeSeeds(const std::string& directory)
 {
-  const RayBytes rays[] = {
-    {{0.4f, 0.6f, 3}, 0, {0.01f, -0.02f, -1}, INFINITY}, {{-2, 0.5f, 0.1f}, 0, {1, 0.05f, 0.01f}, INFINITY},
-    {{0.3f, 0.2f, 0.1f}, 0.001f, {0.5f, 0.7f, 0.1f}, 5}, {{0.5f, 3, -0.2f}, 0, {0, -1, 0}, 1e6f}};
   for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
     for (uint32_t height = 0; height <= 4; height++)
       for (int surface = 0; surface < SURFACES; surface++) {
@@ -169,8 +166,8 @@ void writeSeeds(const std::string& directory)
         encoder.encode(block, 1, 0, statistics);
         block->geomID = block->primID = 0;
         block->tiling = blockTiling(3, 3, 0, 0);
-        for (const RayBytes& ray : rays) {
-          const std::string name = directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - rays);
+        for (const RayBytes& ray : seedRays) {
+          const std::string name = directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - seedRays);
           writeSeed(name, ray, block, block->layout().bytes);
         }
       }
@@ -181,10 +178,7 @@ void writeSeeds(const std::string& directory)
 
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)
 {
-  const std::string option = "--seeds=";
-  for (int i = 1; i < *argc; i++)
-    if (option.compare(0, option.size(), (*argv)[i], option.size()) == 0) ::cbvh::test::writeSeeds((*argv)[i] + option.size());
-  return 0;
+  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds);
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)

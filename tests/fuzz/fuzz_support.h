@@ -43,6 +43,21 @@ struct World
   }
 };
 
+// From above, along the surface, from inside and beside a block over the unit square.
+const RayBytes seedRays[] = {
+  {{0.4f, 0.6f, 3}, 0, {0.01f, -0.02f, -1}, INFINITY}, {{-2, 0.5f, 0.1f}, 0, {1, 0.05f, 0.01f}, INFINITY},
+  {{0.3f, 0.2f, 0.1f}, 0.001f, {0.5f, 0.7f, 0.1f}, 5}, {{0.5f, 3, -0.2f}, 0, {0, -1, 0}, 1e6f}};
+
+// Calls writeSeeds(folder) for --seeds=FOLDER.
+template<typename WriteSeeds>
+int readArguments(int argc, char** argv, const WriteSeeds& writeSeeds)
+{
+  const std::string option = "--seeds=";
+  for (int i = 1; i < argc; i++)
+    if (option.compare(0, option.size(), argv[i], option.size()) == 0) writeSeeds(argv[i] + option.size());
+  return 0;
+}
+
 // A file of a corpus.
 inline void writeSeed(const std::string& path, const RayBytes& ray, const void* block, size_t bytes)
 {

@@ -116,9 +116,6 @@ enum Surface { WAVES, SPIKES, FLAT, HOLES, SURFACES };
 
 void writeSeeds(const std::string& directory)
 {
-  const RayBytes rays[] = {
-    {{0.4f, 0.6f, 3}, 0, {0.01f, -0.02f, -1}, INFINITY}, {{-2, 0.5f, 0.1f}, 0, {1, 0.05f, 0.01f}, INFINITY},
-    {{0.3f, 0.2f, 0.1f}, 0.001f, {0.5f, 0.7f, 0.1f}, 5}, {{0.5f, 3, -0.2f}, 0, {0, -1, 0}, 1e6f}};
   const float spacing = 1.0f/4096;
   auto encoder = std::make_unique<VertEncoder>();
   std::vector<Vec3fa> memory(VertEncoder::maxBytes/sizeof(Vec3fa) + 2);
@@ -139,8 +136,8 @@ void writeSeeds(const std::string& directory)
         VertHeader* block = (VertHeader*)memory.data();
         block->geomID = block->primID = 0;
         block->rates = (quadsX - 1) | (quadsY - 1) << 8 | (quadsX/2) << 16 | (quadsY - 1) << 24;
-        for (const RayBytes& ray : rays)
-          writeSeed(directory + "/" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - rays), ray, block, bytes);
+        for (const RayBytes& ray : seedRays)
+          writeSeed(directory + "/" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - seedRays), ray, block, bytes);
       }
 }
 
@@ -149,10 +146,7 @@ void writeSeeds(const std::string& directory)
 
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)
 {
-  const std::string option = "--seeds=";
-  for (int i = 1; i < *argc; i++)
-    if (option.compare(0, option.size(), (*argv)[i], option.size()) == 0) ::cbvh::test::writeSeeds((*argv)[i] + option.size());
-  return 0;
+  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds);
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)

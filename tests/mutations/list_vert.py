@@ -391,12 +391,12 @@ TRIANGLES = (
         "vert_surfaces *HitTheDecodedTriangles*",
     ),
     trace(
-        "triangles: of a line let the ray pass",
+        "triangles: of a line are hit",
         "vert_triangles.h",
-        "return around; // on a line through the ray",
-        "return false; // on a line through the ray",
-        "slivers leak",
-        "watertight *RaysFromInsideHit/cVERT",
+        "return least >= 0.0 ? greatest > 0.0 : greatest <= 0.0;",
+        "return least >= 0.0 || greatest <= 0.0;",
+        "a sheet is hit from the side",
+        "hard_cases *HardBlocks.Flat/cVERT*",
     ),
     trace(
         "triangles: what is not a number is too far",

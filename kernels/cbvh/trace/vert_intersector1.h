@@ -213,8 +213,8 @@ namespace embree
         __forceinline void setParameters (uint32_t x, uint32_t y, uint32_t triangle, float a, float b, SurfaceHit& hit) const
         {
           const uint32_t quadsX = patchQuadsX(block->rates), quadsY = patchQuadsY(block->rates);
-          a = a >= 0.0f ? min(a,1.0f) : 0.0f; // also where it is not a number
-          b = b >= 0.0f ? min(b,1.0f) : 0.0f;
+          a = inUnit(a);
+          b = inUnit(b);
           float u = (float(x)+a)/float(quadsX), v = (float(y)+b)/float(quadsY);
           const bool stitched = vertRate(block->rates,0) != vertRate(block->rates,2) || vertRate(block->rates,1) != vertRate(block->rates,3);
           if (unlikely(stitched && (x == 0 || y == 0 || x+1 == quadsX || y+1 == quadsY)))
@@ -228,9 +228,12 @@ namespace embree
               v += w[c]*vertParameter<float>(j,quadsY,i == 0 ? vertRate(block->rates,3) : i == quadsX ? vertRate(block->rates,1) : quadsY);
             }
           }
-          hit.u = 0.5f*float(vertCornerU(block->place)) + u;
-          hit.v = 0.5f*float(vertCornerV(block->place)) + v;
+          hit.u = 0.5f*float(vertCornerU(block->place)) + max(u,0.0f);
+          hit.v = 0.5f*float(vertCornerV(block->place)) + max(v,0.0f);
         }
+
+        /*! what is not a number, of slivers, becomes the middle of the diagonal: both triangles have it */
+        static __forceinline float inUnit (float x) { return x >= 0.0f ? min(x,1.0f) : x < 0.0f ? 0.0f : 0.5f; }
 
         RayType& ray;
         IntersectContext* context;

@@ -57,23 +57,20 @@ namespace embree
 
         /*! Whether the sheared triangle has the ray in it. Sides that rounded to 0 count for both of
          *  their triangles, and slivers have no others: here their signs are exact, as products of
-         *  floats are in double. */
+         *  floats are in double. A triangle that is a line there covers nothing that others do not. */
         __forceinline bool contains (const VertRay& ray) const
         {
           auto relative = [&](int k) { return vfloat4(vertices[k][0],vertices[k][1],vertices[k][2],vertices[k][2]) - vfloat4(ray.org[k]); };
           const vfloat4 z = relative(ray.kz);
           const vfloat4 x = nmadd(vfloat4(ray.sx),z,relative(ray.kx)), y = nmadd(vfloat4(ray.sy),z,relative(ray.ky));
           double side[3];
-          bool around = false;
           for (int i=0; i<3; i++) {
             const int a = (i+1)%3, b = (i+2)%3;
             side[i] = double(x[a])*double(y[b]) - double(y[a])*double(x[b]);
-            around |= double(x[a])*double(x[b]) + double(y[a])*double(y[b]) <= 0.0;
           }
           if (unlikely(!(std::fabs(side[0]+side[1]+side[2]) < double(inf)))) return false; // of a vertex that is not finite
           const double least = min(side[0],min(side[1],side[2])), greatest = max(side[0],max(side[1],side[2]));
-          if (unlikely(least == 0.0 && greatest == 0.0)) return around; // on a line through the ray
-          return least >= 0.0 || greatest <= 0.0;
+          return least >= 0.0 ? greatest > 0.0 : greatest <= 0.0;
         }
 
         /*! Where a ray that goes through it meets its plane; false beyond tnear and tfar. A plane that
