@@ -229,6 +229,20 @@ TEST(VertBlock, WhatIsOffTheLatticeIsRaw)
 }
 
 // Rows "| offset | `bytes` | meaning |" of FORMAT_VERT.md's last section.
+TEST(VertBlock, BlocksOf2To14StepsAreRaw)
+{
+  auto encoder = std::make_unique<VertEncoder>();
+  for (int width : {16383, 16384}) {
+    for (int v = 0; v < 4; v++) {
+      encoder->vertices[v][0] = v & 1 ? float(width) : 0;
+      encoder->vertices[v][1] = v & 2 ? 8.0f : 0;
+      encoder->vertices[v][2] = 0;
+    }
+    const Encoded encoded(*encoder, vertPlace(1, 1, 0, 0, 0, 0), 1);
+    EXPECT_EQ(encoded.statistics.raw, width == 16384) << width;
+  }
+}
+
 TEST(VertBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
 {
   std::ifstream file(FORMAT_VERT_MD);

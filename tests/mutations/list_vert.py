@@ -118,14 +118,6 @@ ENCODER = (
         "vert_block VertBlock.VerticesAreTheSameFloats",
     ),
     build(
-        "cells: slopes that save nothing",
-        "cell_encoder.h",
-        "if (restBits >= bits) return 0;",
-        "if (restBits > bits+2) return 0;",
-        "fields grow",
-        "vert_block VertBlock.TheAnnotatedBlock*",
-    ),
-    build(
         "blocks: off the lattice is rounded",
         "vert_encoder.h",
         "if (double(coordinates[k][i]) != q) return false; // not on this lattice",
@@ -139,7 +131,7 @@ ENCODER = (
         "if (!((double(upper[k])-double(lower[k])) < double(maxExtent)*spacing)) return false;",
         "",
         "coordinates of more bits than corners have",
-        "vert_block VertBlock.*",
+        "vert_block VertBlock.BlocksOf2To14Steps*",
     ),
     build(
         "blocks: margins round down",
