@@ -6,6 +6,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/settings.cpp
   cbvh/api/factory.cpp
   cbvh/api/rtcore_compression.cpp
+  cbvh/flat/flat_scene.cpp
   cbvh/build/builder.cpp
   cbvh/trace/node_tables.cpp
   cbvh/trace/vert_tables.cpp

@@ -53,7 +53,7 @@ void makeChildren(Random& random, Shape shape, const NodeBox& parent, const Exac
       if (shape == TOUCHING) { // exactly on planes that some code decodes to
         const uint32_t pair = random.below(32);
         const int column = childColumn(c, axis == 2 ? 0 : axis);
-        const Interval z = zIntervals[random.below(8)];
+        const Interval z = zInterval(random.below(8));
         lower = parent.lower[axis] + (axis == 2 ? z.lower : lowerPlane(pair, column))*parent.extent[axis];
         upper = parent.lower[axis] + (axis == 2 ? z.upper : upperPlane(pair, column))*parent.extent[axis];
         if (lower > upper) std::swap(lower, upper);
@@ -197,11 +197,13 @@ TEST(NodeCodec, EveryPlaneIsTheTightestThatKeepsTheSlack)
         }
       }
     for (int c = 0; c < 4; c++) {
-      const Interval z = zIntervals[zCode(word, c)];
-      for (const Interval& other : zIntervals)
+      const Interval z = zInterval(zCode(word, c));
+      for (uint32_t code = 0; code < 8; code++) {
+        const Interval other = zInterval(code);
         if (other.lower <= children[c].lower[2] - containmentSlack && other.upper >= children[c].upper[2] + containmentSlack) {
           ASSERT_LE(z.upper - z.lower, other.upper - other.lower);
         }
+      }
     }
   }
   for (unsigned n : taken) EXPECT_GT(n, 20u);

@@ -38,8 +38,8 @@ inline NodeBox decode(Form form, uint32_t node, int child, const NodeBox& parent
       lower = lowerPlane((node >> lowerShift(axis)) & planePairMask, childColumn(child, axis));
       upper = upperPlane((node >> upperShift(axis)) & planePairMask, childColumn(child, axis));
     } else {
-      lower = zIntervals[zCode(node, child)].lower;
-      upper = zIntervals[zCode(node, child)].upper;
+      lower = zInterval(zCode(node, child)).lower;
+      upper = zInterval(zCode(node, child)).upper;
     }
     if (form.mirrored) {
       std::swap(lower, upper);

@@ -205,7 +205,7 @@ namespace embree
           range.extend(GroupLine(axis,line).distance(lattice.surface,group));
       const double deviation = range.largest();
       uint32_t code = 0;
-      while (code < 4 && !(0.5*latticeThickness[code]*lattice.bins.size >= deviation+slack)) code++;
+      while (code < 4 && !(0.5*latticeThickness(uint32_t(code))*lattice.bins.size >= deviation+slack)) code++;
       return code;
     }
 

@@ -77,7 +77,7 @@ namespace embree
       }
       if (leaf == solidLeaf || leaf == emptyLeaf) return solidLeaf;
       const double deviation = std::max(-lowest,highest);
-      while (thickness < 8 && !(0.5*looseThickness[thickness]*bins.size >= deviation+slack)) thickness++;
+      while (thickness < 8 && !(0.5*looseThickness(uint32_t(thickness))*bins.size >= deviation+slack)) thickness++;
       if (thickness < 8) return leaf;
       thickness = 0;
       return solidLeaf;

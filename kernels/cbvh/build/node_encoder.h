@@ -40,9 +40,9 @@ namespace embree
     {
       uint32_t o = 0, i = 7;
       for (uint32_t q=1; q<4; q++)
-        if (parent.lower[axis] + outerOffsets[q]*parent.extent[axis] <= outer - containmentSlack) o = q;
+        if (parent.lower[axis] + outerOffset(q)*parent.extent[axis] <= outer - containmentSlack) o = q;
       for (int q=6; q>=0; q--)
-        if (parent.lower[axis] + (1.0f-innerPositions[q])*parent.extent[axis] <= inner - containmentSlack) i = uint32_t(q);
+        if (parent.lower[axis] + (1.0f-innerPosition(uint32_t(q)))*parent.extent[axis] <= inner - containmentSlack) i = uint32_t(q);
       return o | (i << 2);
     }
 
@@ -51,9 +51,9 @@ namespace embree
     {
       uint32_t o = 0, i = 7;
       for (uint32_t q=1; q<4; q++)
-        if (parent.lower[axis] + (1.0f-outerOffsets[q])*parent.extent[axis] >= outer + containmentSlack) o = q;
+        if (parent.lower[axis] + (1.0f-outerOffset(q))*parent.extent[axis] >= outer + containmentSlack) o = q;
       for (int q=6; q>=0; q--)
-        if (parent.lower[axis] + innerPositions[q]*parent.extent[axis] >= inner + containmentSlack) i = uint32_t(q);
+        if (parent.lower[axis] + innerPosition(uint32_t(q))*parent.extent[axis] >= inner + containmentSlack) i = uint32_t(q);
       return o | (i << 2);
     }
 
@@ -61,11 +61,13 @@ namespace embree
     inline uint32_t encodeInterval(const NodeBox& parent, const ExactBox& child)
     {
       uint32_t best = 0;
+      float smallest = 1.0f;
       for (uint32_t q=1; q<8; q++) {
+        const Interval z = zInterval(q);
         const bool contains =
-          parent.lower[2] + zIntervals[q].lower*parent.extent[2] <= child.lower[2] - containmentSlack &&
-          parent.lower[2] + zIntervals[q].upper*parent.extent[2] >= child.upper[2] + containmentSlack;
-        if (contains && zIntervals[q].upper-zIntervals[q].lower < zIntervals[best].upper-zIntervals[best].lower) best = q;
+          parent.lower[2] + z.lower*parent.extent[2] <= child.lower[2] - containmentSlack &&
+          parent.lower[2] + z.upper*parent.extent[2] >= child.upper[2] + containmentSlack;
+        if (contains && z.upper-z.lower < smallest) { best = q; smallest = z.upper-z.lower; }
       }
       return best;
     }

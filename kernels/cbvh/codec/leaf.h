@@ -76,7 +76,7 @@ CBVH_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*
 
 /*! thickness in bins: heights are rounded by up to half a bin either way, the rest is how
  *  far edges are from straight over the lattice */
-CBVH_CONSTANT float latticeThickness[4] = { 1.0f, 2.0f, 5.0f, 16.0f };
+CBVH_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); } //!< 1, 2, 5 or 16
 
 /*! plane 0, 1 or 2 of a lattice along an axis */
 CBVH_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox parent)
@@ -99,7 +99,8 @@ CBVH_CONSTANT uint32_t emptyLeaf = 0x7FFEu;
 CBVH_CONSTANT int looseBins = 32;
 CBVH_CONSTANT float looseRange = 2.0f; //!< of the bins, in heights of the leaf's box
 CBVH_CONSTANT int looseThicknessShift = 60;
-CBVH_CONSTANT float looseThickness[8] = { 1.0f, 1.5f, 2.0f, 3.0f, 4.0f, 6.0f, 8.0f, 12.0f };
+/*! in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12 */
+CBVH_FUNCTION float looseThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
 
 CBVH_FUNCTION uint32_t looseLeaf (Heights heights, int child)
 {
@@ -111,7 +112,7 @@ CBVH_FUNCTION uint32_t looseLeaf (Heights heights, int child)
 }
 
 CBVH_FUNCTION int looseHeight (uint32_t leaf, int corner) { return int((leaf >> (5*corner)) & 31u); }
-CBVH_FUNCTION float looseThicknessOf (Heights heights) { return looseThickness[(heights.high >> (looseThicknessShift-32)) & 7u]; }
+CBVH_FUNCTION float looseThicknessOf (Heights heights) { return looseThickness((heights.high >> (looseThicknessShift-32)) & 7u); }
 
 /* --- surfaces ------------------------------------------------------------------------ */
 
@@ -163,7 +164,7 @@ CBVH_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int c
     leaf.box.extent[axis] = latticePlane(word,axis,column+1,parent)-leaf.box.lower[axis];
   }
   HeightBins bins = heightBins(parent,latticeRange,latticeBins);
-  leaf.thickness = latticeThickness[word >> latticeThicknessShift]*bins.size;
+  leaf.thickness = latticeThickness(word >> latticeThicknessShift)*bins.size;
   float lowest = 1e30f, highest = -1e30f;
   for (int c=0; c<4; c++) {
     int vertex = childColumn(child,0)+(c&1) + 3*(childColumn(child,1)+(c>>1));

@@ -48,25 +48,34 @@ CBVH_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + b
 /*! distance that decoded planes keep from the geometry, see above */
 CBVH_CONSTANT float containmentSlack = 1.0f/1048576.0f;
 
-/*! Outer planes: distance from the parent's plane, in parent extents. They only win back
- *  what the parent's own rounding lost, hence small steps. */
-CBVH_CONSTANT float outerOffsets[4] = { 0.0f, 6.0f/256.0f, 16.0f/256.0f, 36.0f/256.0f };
+/* Books are numbers of 8 bits packed into words: a GPU would read a table from memory. */
 
-/*! Inner planes: position of column 0's upper plane; column 1's lower plane mirrors it.
- *  Fine around the middle, where patch-aligned frames put it, and 1 for surfaces that fold
- *  over their neighbour. */
-CBVH_CONSTANT float innerPositions[8] = {
-  116.0f/256.0f, 125.0f/256.0f, 130.0f/256.0f, 136.0f/256.0f, 144.0f/256.0f, 160.0f/256.0f, 192.0f/256.0f, 1.0f
-};
+/*! number i of eight, four in each word */
+CBVH_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) { return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u; }
+
+/*! Outer planes: distance from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. They only win back
+ *  what the parent's own rounding lost, hence small steps. */
+CBVH_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
+
+/*! Inner planes: position of column 0's upper plane; column 1's lower plane mirrors it: 116, 125, 130, 136, 144,
+ *  160, 192 or 256 of 256 (packed less 1). Fine around the middle, where patch-aligned frames put it, and 1 for
+ *  surfaces that fold over their neighbour. */
+CBVH_FUNCTION float innerPosition (uint32_t code) { return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f); }
 
 /*! z intervals in parent extents; the first one always contains. The others make the mean
  *  logarithm of a child's height smallest over blocks of real and of analytic
- *  displacements: 8% less a level than halves and quarters. */
+ *  displacements: 8% less a level than halves and quarters. In 1/32:
+ *
+ *    lower  0  7  2 16 11  7 14  0
+ *    upper 32 26 20 32 23 19 28 15 */
 struct Interval { float lower, upper; };
-CBVH_CONSTANT Interval zIntervals[8] = {
-  { 0.0f, 1.0f },         { 0.21875f, 0.8125f },  { 0.0625f, 0.625f }, { 0.5f, 1.0f },
-  { 0.34375f, 0.71875f }, { 0.21875f, 0.59375f }, { 0.4375f, 0.875f }, { 0.0f, 0.46875f }
-};
+CBVH_FUNCTION Interval zInterval (uint32_t code)
+{
+  Interval z;
+  z.lower = float(packedByte(0x10020700u,0x000E070Bu,code))*(1.0f/32.0f);
+  z.upper = float(packedByte(0x20141A20u,0x0F1C1317u,code))*(1.0f/32.0f);
+  return z;
+}
 
 /* Bits of a word. A plane pair is 5 bits: 2 for the outer plane, then 3 for the inner one.
  *
@@ -85,10 +94,10 @@ CBVH_FUNCTION int upperShift (int axis) { return axis*2*planePairBits + planePai
 
 /*! lower (upper) plane of a column, in parent extents, from the 5 bits of its pair */
 CBVH_FUNCTION float lowerPlane (uint32_t pair, int column) {
-  return column == 0 ? outerOffsets[pair & 3u] : 1.0f - innerPositions[(pair >> 2) & 7u];
+  return column == 0 ? outerOffset(pair & 3u) : 1.0f - innerPosition((pair >> 2) & 7u);
 }
 CBVH_FUNCTION float upperPlane (uint32_t pair, int column) {
-  return column == 1 ? 1.0f - outerOffsets[pair & 3u] : innerPositions[(pair >> 2) & 7u];
+  return column == 1 ? 1.0f - outerOffset(pair & 3u) : innerPosition((pair >> 2) & 7u);
 }
 
 CBVH_FUNCTION uint32_t zCode (uint32_t word, int child) { return (word >> (zShift + zBits*child)) & 7u; }
@@ -105,9 +114,9 @@ CBVH_FUNCTION NodeBox decodeChild (uint32_t word, int child, NodeBox parent)
     box.lower[axis] = lower;
     box.extent[axis] = upper - lower;
   }
-  uint32_t z = zCode(word,child);
-  float lower = parent.lower[2] + zIntervals[z].lower*parent.extent[2];
-  float upper = parent.lower[2] + zIntervals[z].upper*parent.extent[2];
+  Interval z = zInterval(zCode(word,child));
+  float lower = parent.lower[2] + z.lower*parent.extent[2];
+  float upper = parent.lower[2] + z.upper*parent.extent[2];
   box.lower[2] = lower;
   box.extent[2] = upper - lower;
   return box;

@@ -74,7 +74,7 @@ namespace embree
           latticeCorners(bits,ray.flipXY(),corner);
           setHeights(corner[0],corner[1],corner[2],corner[3]);
           setBins(latticeRange,latticeBins,ray,parent.lower[2],parent.extent[2]);
-          reach = vfloat4(0.5f*latticeThickness[word >> latticeThicknessShift])*abs(bin);
+          reach = vfloat4(0.5f*latticeThickness(word >> latticeThicknessShift))*abs(bin);
           const vfloat4 lowest  = madd(bin,min(min(corner[0],corner[1]),min(corner[2],corner[3]))+vfloat4(0.5f),base);
           const vfloat4 highest = madd(bin,max(max(corner[0],corner[1]),max(corner[2],corner[3]))+vfloat4(0.5f),base);
           c.lower[2] = max(min(lowest,highest)-reach,parent.lower[2]);
@@ -117,7 +117,7 @@ namespace embree
           corner[3] = corner[1]+corner[2]-corner[0];
           setHeights(corner[flip],corner[flip^1],corner[flip^2],corner[flip^3]);
           setBins(looseRange,looseBins,ray,c.lower[2],c.extent[2]);
-          reach = vfloat4(0.5f*looseThickness[(bits >> looseThicknessShift) & 7])*abs(bin);
+          reach = vfloat4(0.5f*looseThickness(uint32_t(bits >> looseThicknessShift) & 7u))*abs(bin);
         }
       };
     }

@@ -29,7 +29,7 @@ namespace embree
           for (uint32_t pair=0; pair<64; pair++)
             for (int lane=0; lane<2; lane++)
             {
-              const Interval z = zIntervals[(pair >> (zBits*(lane ^ flipX))) & 7];
+              const Interval z = zInterval((pair >> (zBits*(lane ^ flipX))) & 7);
               zPair[flipX][flipZ][pair][lane  ] = flipZ ? 1.0f - z.upper : z.lower;
               zPair[flipX][flipZ][pair][lane+2] = flipZ ? 1.0f - z.lower : z.upper;
             }

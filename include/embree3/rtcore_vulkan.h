@@ -1,0 +1,155 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Tracing rays against a committed scene on a Vulkan device. Library: libembree3_vulkan.so.
+ *
+ * There are three ways to use a scene, in this order of worth:
+ *
+ * - in a shader of your own: `#include "embree3/cbvh/cbvh.glsl"` and call cbvhIntersect(scene, ray, hit)
+ *   and cbvhOccluded(scene, ray) with the address of rtcGetVulkanSceneAddress;
+ * - on a device of your own: rtcRecordVulkanIntersect and rtcRecordVulkanOccluded record the trace of
+ *   a buffer of rays into a command buffer;
+ * - from the host: rtcStartVulkanIntersect and rtcStartVulkanOccluded take arrays of rays.
+ *
+ * A device needs Vulkan 1.2 with the features bufferDeviceAddress and scalarBlockLayout, and
+ * shaderFloat64 for scenes that have blocks of cVERT (RTC_COMPRESSION_VERT, and faces that
+ * RTC_COMPRESSION_LEAF stores exactly).
+ *
+ * Errors: as everywhere in Embree a function that fails returns NULL or 0, the error is read with
+ * rtcGetDeviceError of the RTCDevice, and its message goes to the function that
+ * rtcSetDeviceErrorFunction sets. A limit that is met is named with its value.
+ *
+ * Thread safety: functions of different objects may be called at the same time. The queue of a
+ * device is used by rtcNewVulkanScene and rtcStart..., one call at a time: who brings a queue of
+ * their own does not use it in the meantime. */
+
+#include "rtcore.h"
+#include <vulkan/vulkan_core.h>
+
+RTC_NAMESPACE_BEGIN
+
+/* --- devices --------------------------------------------------------------------------- */
+
+typedef struct RTCVulkanDeviceTy* RTCVulkanDevice;
+
+/* What there is to open. */
+struct RTCVulkanDeviceInfo
+{
+  char name[256];           /* as Vulkan has it: "llvmpipe (LLVM 15.0.6, 256 bits)" */
+  char driver[256];         /* name and version of the driver */
+  char unsupported[256];    /* what it lacks, in words; empty if it can be opened */
+  unsigned int isDiscrete;  /* has memory of its own */
+  unsigned int hasFloat64;
+  size_t memoryBytes;       /* of the largest heap of its own memory */
+};
+
+/* Lists the Vulkan devices of the machine, in the order of Vulkan's loader. device: gets errors, may be
+ * NULL. infos: room for `capacity` of them, or NULL. Returns how many there are, 0 also if there is
+ * no loader. */
+RTC_API unsigned int rtcGetVulkanDevices (RTCDevice device, struct RTCVulkanDeviceInfo* infos, unsigned int capacity);
+
+/* Opens a device. which: an index of rtcGetVulkanDevices ("0"), or a part of a name ("llvmpipe", "nvidia";
+ * case does not matter), or NULL or "" for the first that can be opened, discrete ones first. Errors: no loader, no
+ * device, none of that name, one that lacks a feature. */
+RTC_API RTCVulkanDevice rtcNewVulkanDevice (RTCDevice device, const char* which);
+
+/* A device of the application's. All handles are its own and outlive the RTCVulkanDevice. */
+struct RTCVulkanHandles
+{
+  PFN_vkGetInstanceProcAddr getInstanceProcAddr;
+  VkInstance instance;              /* of an application of Vulkan 1.2 or later */
+  VkPhysicalDevice physicalDevice;
+  VkDevice device;                  /* with bufferDeviceAddress and scalarBlockLayout enabled */
+  VkQueue queue;                    /* that can compute */
+  uint32_t queueFamily;
+  unsigned int hasFloat64;          /* shaderFloat64 is enabled */
+  unsigned int hasHostImport;       /* VK_EXT_external_memory_host is enabled */
+};
+
+RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles (RTCDevice device, const struct RTCVulkanHandles* handles);
+
+RTC_API void rtcRetainVulkanDevice (RTCVulkanDevice device);
+RTC_API void rtcReleaseVulkanDevice (RTCVulkanDevice device);
+
+/* The device that was opened, or given. */
+RTC_API void rtcGetVulkanDeviceInfo (RTCVulkanDevice device, struct RTCVulkanDeviceInfo* info);
+RTC_API void rtcGetVulkanDeviceHandles (RTCVulkanDevice device, struct RTCVulkanHandles* handles);
+
+/* --- scenes ---------------------------------------------------------------------------- */
+
+typedef struct RTCVulkanSceneTy* RTCVulkanScene;
+
+enum RTCVulkanMemory
+{
+  RTC_VULKAN_MEMORY_AUTO = 0,   /* import where the device's memory is the host's, else copy */
+  RTC_VULKAN_MEMORY_COPY = 1,   /* to memory of the device */
+  RTC_VULKAN_MEMORY_IMPORT = 2  /* blocks stay in the host's memory: needs VK_EXT_external_memory_host */
+};
+
+struct RTCVulkanSceneArguments
+{
+  enum RTCVulkanMemory memory;
+};
+
+/* Puts a committed scene on a device, with the scenes that it instances. It does not change when the scene is
+ * committed again: make a new one then. With imported memory the RTCScene has to stay as it is for as long
+ * as this one lives; it is retained.
+ *
+ * Taken are subdivision surfaces (GRID and every compression), triangle meshes and instances, without motion
+ * blur and filters of geometries. Anything else that is enabled is an error that names the geometry.
+ * args: NULL for defaults. */
+RTC_API RTCVulkanScene rtcNewVulkanScene (RTCVulkanDevice device, RTCScene scene, const struct RTCVulkanSceneArguments* args);
+
+RTC_API void rtcRetainVulkanScene (RTCVulkanScene scene);
+RTC_API void rtcReleaseVulkanScene (RTCVulkanScene scene);
+
+/* For shaders: what cbvhIntersect takes, as two words, the lower first. */
+RTC_API VkDeviceAddress rtcGetVulkanSceneAddress (RTCVulkanScene scene);
+
+/* Kinds of leaves that the scene has: what a shader may define as CBVH_KINDS, so that it is compiled for no other. */
+RTC_API unsigned int rtcGetVulkanSceneKinds (RTCVulkanScene scene);
+
+struct RTCVulkanSceneStatistics
+{
+  size_t deviceBytes;       /* of the device's memory, everything included */
+  size_t importedBytes;     /* of the host's memory, used in place */
+  size_t topLevelBytes;     /* of the tree above blocks */
+  size_t numNodes, numBlocks, numGeometries, numInstances;
+  unsigned int stackSize;   /* entries that a ray may need: what a shader defines as CBVH_STACK, at least */
+};
+
+RTC_API void rtcGetVulkanSceneStatistics (RTCVulkanScene scene, struct RTCVulkanSceneStatistics* statistics);
+
+/* --- tracing --------------------------------------------------------------------------- */
+
+/* Records the trace of `count` rays at a device address, which is a multiple of 16. Intersect: RTCRayHit, of which
+ * geomID and instID are RTC_INVALID_GEOMETRY_ID before; those of rays that hit nothing are left as they are.
+ * Occluded: RTCRay, of which tfar becomes -inf if something is hit. Barriers before and after
+ * are the caller's: the trace reads and writes the buffer in VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT. It binds a
+ * compute pipeline and sets push constants. Returns false if it fails, true else. */
+RTC_API bool rtcRecordVulkanIntersect (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count);
+RTC_API bool rtcRecordVulkanOccluded (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count);
+
+typedef struct RTCVulkanTraceTy* RTCVulkanTrace;
+
+struct RTCVulkanTimes
+{
+  double seconds;          /* of tracing on the device, without copies; 0 if the device has no clock */
+  double copySeconds;      /* of copies of rays and hits on the device */
+};
+
+/* Starts to trace `count` rays of an array, which is read at once. rays: as above. Needs to be ended by
+ * rtcWaitVulkanTrace. */
+RTC_API RTCVulkanTrace rtcStartVulkanIntersect (RTCVulkanScene scene, const struct RTCRayHit* rays, size_t count);
+RTC_API RTCVulkanTrace rtcStartVulkanOccluded (RTCVulkanScene scene, const struct RTCRay* rays, size_t count);
+
+/* Whether a trace has ended: rtcWaitVulkanTrace does not wait. */
+RTC_API bool rtcIsVulkanTraceDone (RTCVulkanTrace trace);
+
+/* Waits for a trace, writes its rays, of the type that it was started with, and releases it. rays, times: may be
+ * NULL. Returns false if it failed, as when the device was lost; rays are then left as they are. */
+RTC_API bool rtcWaitVulkanTrace (RTCVulkanTrace trace, void* rays, struct RTCVulkanTimes* times);
+
+RTC_NAMESPACE_END

@@ -1,0 +1,255 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "device.h"
+
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <unistd.h>
+#include <sys/stat.h>
+
+namespace embree { namespace vulkan {
+namespace {
+
+/* SPIR-V of trace.comp, as glslc writes it. Devices without 64-bit floats have no use for cVERT's. */
+const uint32_t closestHit[] =
+#include "trace_closest.inc"
+;
+const uint32_t anyHit[] =
+#include "trace_any.inc"
+;
+const uint32_t closestHitFloat32[] =
+#include "trace_closest_float32.inc"
+;
+const uint32_t anyHitFloat32[] =
+#include "trace_any_float32.inc"
+;
+
+struct Code
+{
+  const uint32_t* words;
+  size_t bytes;
+};
+
+Code codeOf(Query query, bool hasFloat64)
+{
+  if (hasFloat64) return query == CLOSEST_HIT ? Code{closestHit, sizeof(closestHit)} : Code{anyHit, sizeof(anyHit)};
+  return query == CLOSEST_HIT ? Code{closestHitFloat32, sizeof(closestHitFloat32)} : Code{anyHitFloat32, sizeof(anyHitFloat32)};
+}
+
+} // namespace
+
+Device::Device(RTCDevice embree, const char* which) : embree(embree), handles(), machine(new Machine)
+{
+  handles.getInstanceProcAddr = machine->getInstanceProcAddr;
+  handles.instance = machine->instance;
+  handles.physicalDevice = chooseDevice(*machine, which ? which : "");
+  instanceFunctions = machine->vk;
+  capabilities = capabilitiesOf(instanceFunctions, handles.physicalDevice);
+  handles.device = createDevice(instanceFunctions, handles.physicalDevice, capabilities);
+  handles.queueFamily = capabilities.computeFamily;
+  handles.hasFloat64 = capabilities.info.hasFloat64;
+  handles.hasHostImport = capabilities.hasHostImport;
+  try {
+    vk = DeviceFunctions(instanceFunctions.GetDeviceProcAddr, handles.device, handles.hasHostImport);
+    vk.GetDeviceQueue(handles.device, handles.queueFamily, 0, &handles.queue);
+    open();
+  } catch (...) {
+    destroy();
+    throw;
+  }
+}
+
+Device::Device(RTCDevice embree, const RTCVulkanHandles& given) : embree(embree), handles(given)
+{
+  instanceFunctions = InstanceFunctions(handles.getInstanceProcAddr, handles.instance);
+  capabilities = capabilitiesOf(instanceFunctions, handles.physicalDevice);
+  if (capabilities.info.unsupported[0])
+    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("the Vulkan device ") + capabilities.info.name + " cannot be used: " + capabilities.info.unsupported);
+  uint32_t count = 0;
+  instanceFunctions.GetPhysicalDeviceQueueFamilyProperties(handles.physicalDevice, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  instanceFunctions.GetPhysicalDeviceQueueFamilyProperties(handles.physicalDevice, &count, families.data());
+  if (handles.queueFamily >= count || !(families[handles.queueFamily].queueFlags & VK_QUEUE_COMPUTE_BIT))
+    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid queueFamily " + std::to_string(handles.queueFamily) + ": it cannot compute, or is none of the device's " + std::to_string(count));
+  capabilities.timestampBits = families[handles.queueFamily].timestampValidBits;
+  vk = DeviceFunctions(instanceFunctions.GetDeviceProcAddr, handles.device, handles.hasHostImport);
+  try {
+    open();
+  } catch (...) {
+    destroy();
+    throw;
+  }
+}
+
+void Device::open()
+{
+  VkCommandPoolCreateInfo poolInfo = {VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  poolInfo.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
+  poolInfo.queueFamilyIndex = handles.queueFamily;
+  check(vk.CreateCommandPool(handles.device, &poolInfo, nullptr, &pool), "creating a command pool");
+  VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(TraceArguments)};
+  VkPipelineLayoutCreateInfo layoutInfo = {VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  layoutInfo.pushConstantRangeCount = 1;
+  layoutInfo.pPushConstantRanges = &range;
+  check(vk.CreatePipelineLayout(handles.device, &layoutInfo, nullptr, &layout), "creating a pipeline layout");
+  readCache();
+  if (embree) rtcRetainDevice(embree);
+}
+
+Device::~Device()
+{
+  writeCache();
+  destroy();
+  if (embree) rtcReleaseDevice(embree);
+}
+
+void Device::destroy()
+{
+  if (vk.DestroyDevice)
+  {
+    for (const auto& entry : pipelines) vk.DestroyPipeline(handles.device, entry.second, nullptr);
+    if (cache) vk.DestroyPipelineCache(handles.device, cache, nullptr);
+    if (layout) vk.DestroyPipelineLayout(handles.device, layout, nullptr);
+    if (pool) vk.DestroyCommandPool(handles.device, pool, nullptr);
+  }
+  if (machine && handles.device) {
+    const auto destroyDevice = PFN_vkDestroyDevice(instanceFunctions.GetDeviceProcAddr(handles.device, "vkDestroyDevice"));
+    destroyDevice(handles.device, nullptr);
+  }
+}
+
+/* --- commands --------------------------------------------------------------------------- */
+
+Device::Submission Device::submit(const std::function<void(VkCommandBuffer)>& record)
+{
+  std::lock_guard<std::mutex> lock(mutex);
+  Submission out;
+  VkCommandBufferAllocateInfo allocate = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  allocate.commandPool = pool;
+  allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  allocate.commandBufferCount = 1;
+  check(vk.AllocateCommandBuffers(handles.device, &allocate, &out.commands), "allocating a command buffer");
+  try {
+    VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    check(vk.BeginCommandBuffer(out.commands, &begin), "recording commands");
+    record(out.commands);
+    check(vk.EndCommandBuffer(out.commands), "recording commands");
+    VkFenceCreateInfo fence = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    check(vk.CreateFence(handles.device, &fence, nullptr, &out.fence), "creating a fence");
+    VkSubmitInfo info = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
+    info.commandBufferCount = 1;
+    info.pCommandBuffers = &out.commands;
+    check(vk.QueueSubmit(handles.queue, 1, &info, out.fence), "submitting commands");
+  } catch (...) {
+    if (out.fence) vk.DestroyFence(handles.device, out.fence, nullptr);
+    vk.FreeCommandBuffers(handles.device, pool, 1, &out.commands);
+    throw;
+  }
+  return out;
+}
+
+void Device::wait(const Submission& submission) const
+{
+  check(vk.WaitForFences(handles.device, 1, &submission.fence, VK_TRUE, UINT64_MAX), "waiting for the device");
+}
+
+bool Device::isDone(const Submission& submission) const { return vk.GetFenceStatus(handles.device, submission.fence) != VK_NOT_READY; }
+
+void Device::recycle(const Submission& submission)
+{
+  std::lock_guard<std::mutex> lock(mutex);
+  vk.DestroyFence(handles.device, submission.fence, nullptr);
+  vk.FreeCommandBuffers(handles.device, pool, 1, &submission.commands);
+}
+
+void Device::run(const std::function<void(VkCommandBuffer)>& record)
+{
+  const Submission submission = submit(record);
+  try {
+    wait(submission);
+  } catch (...) {
+    recycle(submission);
+    throw;
+  }
+  recycle(submission);
+}
+
+/* --- pipelines -------------------------------------------------------------------------- */
+
+VkPipeline Device::pipeline(Query query, uint32_t kinds, uint32_t stackSize)
+{
+  std::lock_guard<std::mutex> lock(mutex);
+  VkPipeline& found = pipelines[std::make_tuple(query, kinds, stackSize)];
+  if (found) return found;
+
+  const Code code = codeOf(query, handles.hasFloat64);
+  VkShaderModuleCreateInfo moduleInfo = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  moduleInfo.codeSize = code.bytes;
+  moduleInfo.pCode = code.words;
+  VkShaderModule module;
+  check(vk.CreateShaderModule(handles.device, &moduleInfo, nullptr, &module), "creating a shader");
+  const uint32_t constants[2] = {kinds, stackSize};
+  const VkSpecializationMapEntry entries[2] = {{0, 0, sizeof(uint32_t)}, {1, sizeof(uint32_t), sizeof(uint32_t)}};
+  const VkSpecializationInfo special = {2, entries, sizeof(constants), constants};
+  VkComputePipelineCreateInfo info = {VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+  info.stage.module = module;
+  info.stage.pName = "main";
+  info.stage.pSpecializationInfo = &special;
+  info.layout = layout;
+  const VkResult result = vk.CreateComputePipelines(handles.device, cache, 1, &info, nullptr, &found);
+  vk.DestroyShaderModule(handles.device, module, nullptr);
+  check(result, "compiling a shader");
+  return found;
+}
+
+/* Compiled shaders are kept from run to run in the user's cache folder; that they are there is never needed. */
+std::string Device::cachePath() const
+{
+  const char* folder = std::getenv("XDG_CACHE_HOME");
+  const char* home = std::getenv("HOME");
+  if ((!folder || !*folder) && (!home || !*home)) return "";
+  std::string path = folder && *folder ? std::string(folder) : std::string(home) + "/.cache";
+  path += "/embree-cbvh";
+  char id[2*VK_UUID_SIZE + 1] = "";
+  for (size_t i = 0; i < VK_UUID_SIZE; i++) std::snprintf(id + 2*i, 3, "%02x", capabilities.cacheID[i]);
+  return path + "/vulkan-" + id;
+}
+
+void Device::readCache()
+{
+  std::vector<char> data;
+  const std::string path = cachePath();
+  if (!path.empty()) {
+    std::ifstream file(path, std::ios::binary);
+    data.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  }
+  VkPipelineCacheCreateInfo info = {VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+  info.initialDataSize = data.size();
+  info.pInitialData = data.data();
+  check(vk.CreatePipelineCache(handles.device, &info, nullptr, &cache), "creating a pipeline cache");
+  cacheBytes = data.size();
+}
+
+void Device::writeCache() const
+{
+  const std::string path = cachePath();
+  size_t bytes = 0;
+  if (path.empty() || vk.GetPipelineCacheData(handles.device, cache, &bytes, nullptr) != VK_SUCCESS || bytes <= cacheBytes) return;
+  std::vector<char> data(bytes);
+  if (vk.GetPipelineCacheData(handles.device, cache, &bytes, data.data()) != VK_SUCCESS) return;
+  const std::string folder = path.substr(0, path.rfind('/'));
+  mkdir(folder.substr(0, folder.rfind('/')).c_str(), 0755);
+  mkdir(folder.c_str(), 0755);
+  /* whole, or not at all */
+  const std::string part = path + "." + std::to_string(getpid());
+  { std::ofstream file(part, std::ios::binary); file.write(data.data(), std::streamsize(bytes)); file.close(); if (!file) { std::remove(part.c_str()); return; } }
+  if (std::rename(part.c_str(), path.c_str()) != 0) std::remove(part.c_str());
+}
+
+}} // namespace embree::vulkan

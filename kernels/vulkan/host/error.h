@@ -1,0 +1,22 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Errors are thrown inside, and handed to the RTCDevice at the C boundary. */
+
+#include <embree3/rtcore.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace embree { namespace vulkan {
+
+class VulkanError : public std::runtime_error
+{
+public:
+  VulkanError(RTCError code, const std::string& message) : std::runtime_error(message), code(code) {}
+  const RTCError code;
+};
+
+}} // namespace embree::vulkan

@@ -1,0 +1,75 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The functions of Vulkan that are called, of one instance and one device: an application may
+ * have several of each, and a loader of its own, so there is no table for the process. */
+
+#include "error.h"
+
+#include <vulkan/vulkan_core.h>
+
+namespace embree { namespace vulkan {
+
+#define CBVH_INSTANCE_FUNCTIONS(F) \
+  F(DestroyInstance) F(EnumeratePhysicalDevices) F(GetPhysicalDeviceProperties) F(GetPhysicalDeviceProperties2) \
+  F(GetPhysicalDeviceFeatures2) F(GetPhysicalDeviceMemoryProperties) F(GetPhysicalDeviceQueueFamilyProperties) \
+  F(EnumerateDeviceExtensionProperties) F(CreateDevice) F(GetDeviceProcAddr)
+
+#define CBVH_DEVICE_FUNCTIONS(F) \
+  F(DestroyDevice) F(GetDeviceQueue) F(DeviceWaitIdle) F(QueueSubmit) \
+  F(CreateBuffer) F(DestroyBuffer) F(GetBufferMemoryRequirements) F(BindBufferMemory) F(GetBufferDeviceAddress) \
+  F(AllocateMemory) F(FreeMemory) F(MapMemory) F(UnmapMemory) F(FlushMappedMemoryRanges) F(InvalidateMappedMemoryRanges) \
+  F(CreateShaderModule) F(DestroyShaderModule) F(CreatePipelineLayout) F(DestroyPipelineLayout) \
+  F(CreateComputePipelines) F(DestroyPipeline) F(CreatePipelineCache) F(DestroyPipelineCache) F(GetPipelineCacheData) \
+  F(CreateCommandPool) F(DestroyCommandPool) F(AllocateCommandBuffers) F(FreeCommandBuffers) F(BeginCommandBuffer) F(EndCommandBuffer) \
+  F(CmdBindPipeline) F(CmdPushConstants) F(CmdDispatch) F(CmdPipelineBarrier) F(CmdCopyBuffer) F(CmdWriteTimestamp) F(CmdResetQueryPool) \
+  F(CreateQueryPool) F(DestroyQueryPool) F(GetQueryPoolResults) F(CreateFence) F(DestroyFence) F(WaitForFences) F(GetFenceStatus)
+
+#define CBVH_DECLARE(NAME) PFN_vk##NAME NAME = nullptr;
+
+struct InstanceFunctions
+{
+  CBVH_INSTANCE_FUNCTIONS(CBVH_DECLARE)
+
+  InstanceFunctions() = default;
+
+  /* Throws VulkanError that names a function which the loader does not have. */
+  InstanceFunctions(PFN_vkGetInstanceProcAddr getInstanceProcAddr, VkInstance instance)
+  {
+#define CBVH_LOAD(NAME) NAME = PFN_vk##NAME(getInstanceProcAddr(instance, "vk" #NAME)); check(PFN_vkVoidFunction(NAME), "vk" #NAME);
+    CBVH_INSTANCE_FUNCTIONS(CBVH_LOAD)
+#undef CBVH_LOAD
+  }
+
+  static void check(PFN_vkVoidFunction function, const char* name)
+  {
+    if (!function) throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("Vulkan's loader or driver has no ") + name + ": Vulkan 1.2 is needed");
+  }
+};
+
+struct DeviceFunctions
+{
+  CBVH_DEVICE_FUNCTIONS(CBVH_DECLARE)
+  PFN_vkGetMemoryHostPointerPropertiesEXT GetMemoryHostPointerPropertiesEXT = nullptr; // where the extension is enabled
+
+  DeviceFunctions() = default;
+
+  DeviceFunctions(PFN_vkGetDeviceProcAddr getDeviceProcAddr, VkDevice device, bool hasHostImport)
+  {
+#define CBVH_LOAD(NAME) NAME = PFN_vk##NAME(getDeviceProcAddr(device, "vk" #NAME)); InstanceFunctions::check(PFN_vkVoidFunction(NAME), "vk" #NAME);
+    CBVH_DEVICE_FUNCTIONS(CBVH_LOAD)
+#undef CBVH_LOAD
+    if (!hasHostImport) return;
+    GetMemoryHostPointerPropertiesEXT = PFN_vkGetMemoryHostPointerPropertiesEXT(getDeviceProcAddr(device, "vkGetMemoryHostPointerPropertiesEXT"));
+    InstanceFunctions::check(PFN_vkVoidFunction(GetMemoryHostPointerPropertiesEXT), "vkGetMemoryHostPointerPropertiesEXT, whose extension is said to be enabled");
+  }
+};
+
+#undef CBVH_DECLARE
+
+/* Throws VulkanError with what failed and Vulkan's name of why. */
+void check(VkResult result, const std::string& doing);
+
+}} // namespace embree::vulkan

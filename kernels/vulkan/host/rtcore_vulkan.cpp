@@ -1,0 +1,199 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#define RTC_EXPORT_API
+
+#include "trace.h"
+
+#include <new>
+
+using namespace embree::vulkan;
+
+namespace {
+
+/* Runs what may throw; false, and the error set at the device, if it did. An error without a message was set already. */
+template<typename Closure>
+bool guarded(RTCDevice device, const Closure& closure)
+{
+  try {
+    closure();
+    return true;
+  } catch (const VulkanError& error) {
+    if (error.code != RTC_ERROR_NONE) rtcRaiseDeviceError(device, error.code, error.what());
+  } catch (const std::bad_alloc&) {
+    rtcRaiseDeviceError(device, RTC_ERROR_OUT_OF_MEMORY, "out of memory");
+  } catch (const std::exception& error) {
+    rtcRaiseDeviceError(device, RTC_ERROR_UNKNOWN, error.what());
+  }
+  return false;
+}
+
+void require(const void* argument, const char* name)
+{
+  if (!argument) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string(name) + " is NULL");
+}
+
+Device* deviceOf(RTCVulkanDevice device) { return reinterpret_cast<Device*>(device); }
+Scene* sceneOf(RTCVulkanScene scene) { return reinterpret_cast<Scene*>(scene); }
+Trace* traceOf(RTCVulkanTrace trace) { return reinterpret_cast<Trace*>(trace); }
+
+RTCDevice embreeOf(RTCVulkanDevice device) { return device ? deviceOf(device)->embree : nullptr; }
+RTCDevice embreeOf(RTCVulkanScene scene) { return scene ? sceneOf(scene)->device.embree : nullptr; }
+
+bool record(RTCVulkanScene hscene, Query query, VkCommandBuffer commands, VkDeviceAddress rays, size_t count)
+{
+  return guarded(embreeOf(hscene), [&]() {
+    require(hscene, "scene");
+    require(commands, "commands");
+    if (rays % 16) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid rays " + std::to_string(rays) + ": expected an address that is a multiple of 16");
+    Scene& scene = *sceneOf(hscene);
+    scene.record(query, scene.device.pipeline(query, scene.kinds, scene.statistics.stackSize), commands, rays, count);
+  });
+}
+
+RTCVulkanTrace start(RTCVulkanScene scene, Query query, const void* rays, size_t count)
+{
+  Trace* trace = nullptr;
+  guarded(embreeOf(scene), [&]() {
+    require(scene, "scene");
+    if (count) require(rays, "rays");
+    trace = new Trace(*sceneOf(scene), query, rays, count);
+  });
+  return reinterpret_cast<RTCVulkanTrace>(trace);
+}
+
+} // namespace
+
+RTC_NAMESPACE_BEGIN
+
+/* --- devices ---------------------------------------------------------------------------- */
+
+RTC_API unsigned int rtcGetVulkanDevices(RTCDevice device, RTCVulkanDeviceInfo* infos, unsigned int capacity)
+{
+  unsigned int count = 0;
+  guarded(device, [&]() {
+    const Machine machine;
+    for (VkPhysicalDevice physical : machine.devices()) {
+      if (infos && count < capacity) infos[count] = capabilitiesOf(machine.vk, physical).info;
+      count++;
+    }
+  });
+  return count;
+}
+
+RTC_API RTCVulkanDevice rtcNewVulkanDevice(RTCDevice embree, const char* which)
+{
+  Device* device = nullptr;
+  guarded(embree, [&]() { device = new Device(embree, which); });
+  return reinterpret_cast<RTCVulkanDevice>(device);
+}
+
+RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles(RTCDevice embree, const RTCVulkanHandles* handles)
+{
+  Device* device = nullptr;
+  guarded(embree, [&]() {
+    require(handles, "handles");
+    require((const void*)handles->getInstanceProcAddr, "getInstanceProcAddr");
+    require(handles->instance, "instance");
+    require(handles->physicalDevice, "physicalDevice");
+    require(handles->device, "device");
+    require(handles->queue, "queue");
+    device = new Device(embree, *handles);
+  });
+  return reinterpret_cast<RTCVulkanDevice>(device);
+}
+
+RTC_API void rtcRetainVulkanDevice(RTCVulkanDevice device)
+{
+  guarded(embreeOf(device), [&]() { require(device, "device"); deviceOf(device)->retain(); });
+}
+
+RTC_API void rtcReleaseVulkanDevice(RTCVulkanDevice device)
+{
+  guarded(nullptr, [&]() { require(device, "device"); deviceOf(device)->release(); });
+}
+
+RTC_API void rtcGetVulkanDeviceInfo(RTCVulkanDevice device, RTCVulkanDeviceInfo* info)
+{
+  guarded(embreeOf(device), [&]() { require(device, "device"); require(info, "info"); *info = deviceOf(device)->capabilities.info; });
+}
+
+RTC_API void rtcGetVulkanDeviceHandles(RTCVulkanDevice device, RTCVulkanHandles* handles)
+{
+  guarded(embreeOf(device), [&]() { require(device, "device"); require(handles, "handles"); *handles = deviceOf(device)->handles; });
+}
+
+/* --- scenes ----------------------------------------------------------------------------- */
+
+RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from, const RTCVulkanSceneArguments* args)
+{
+  Scene* scene = nullptr;
+  guarded(embreeOf(device), [&]() {
+    require(device, "device");
+    require(from, "scene");
+    const RTCVulkanMemory memory = args ? args->memory : RTC_VULKAN_MEMORY_AUTO;
+    if (memory < RTC_VULKAN_MEMORY_AUTO || memory > RTC_VULKAN_MEMORY_IMPORT) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid memory " + std::to_string(int(memory)) + ": expected AUTO, COPY or IMPORT");
+    scene = new Scene(*deviceOf(device), from, memory);
+  });
+  return reinterpret_cast<RTCVulkanScene>(scene);
+}
+
+RTC_API void rtcRetainVulkanScene(RTCVulkanScene scene)
+{
+  guarded(embreeOf(scene), [&]() { require(scene, "scene"); sceneOf(scene)->retain(); });
+}
+
+RTC_API void rtcReleaseVulkanScene(RTCVulkanScene scene)
+{
+  guarded(nullptr, [&]() { require(scene, "scene"); sceneOf(scene)->release(); });
+}
+
+RTC_API VkDeviceAddress rtcGetVulkanSceneAddress(RTCVulkanScene scene)
+{
+  VkDeviceAddress address = 0;
+  guarded(embreeOf(scene), [&]() { require(scene, "scene"); address = sceneOf(scene)->address; });
+  return address;
+}
+
+RTC_API unsigned int rtcGetVulkanSceneKinds(RTCVulkanScene scene)
+{
+  unsigned int kinds = 0;
+  guarded(embreeOf(scene), [&]() { require(scene, "scene"); kinds = sceneOf(scene)->kinds; });
+  return kinds;
+}
+
+RTC_API void rtcGetVulkanSceneStatistics(RTCVulkanScene scene, RTCVulkanSceneStatistics* statistics)
+{
+  guarded(embreeOf(scene), [&]() { require(scene, "scene"); require(statistics, "statistics"); *statistics = sceneOf(scene)->statistics; });
+}
+
+/* --- tracing ---------------------------------------------------------------------------- */
+
+RTC_API bool rtcRecordVulkanIntersect(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count) {
+  return record(scene, CLOSEST_HIT, commands, rays, count);
+}
+
+RTC_API bool rtcRecordVulkanOccluded(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count) {
+  return record(scene, ANY_HIT, commands, rays, count);
+}
+
+RTC_API RTCVulkanTrace rtcStartVulkanIntersect(RTCVulkanScene scene, const RTCRayHit* rays, size_t count) { return start(scene, CLOSEST_HIT, rays, count); }
+RTC_API RTCVulkanTrace rtcStartVulkanOccluded(RTCVulkanScene scene, const RTCRay* rays, size_t count) { return start(scene, ANY_HIT, rays, count); }
+
+RTC_API bool rtcIsVulkanTraceDone(RTCVulkanTrace trace)
+{
+  bool done = false;
+  guarded(trace ? traceOf(trace)->device.embree : nullptr, [&]() { require(trace, "trace"); done = traceOf(trace)->isDone(); });
+  return done;
+}
+
+RTC_API bool rtcWaitVulkanTrace(RTCVulkanTrace htrace, void* rays, RTCVulkanTimes* times)
+{
+  return guarded(htrace ? traceOf(htrace)->device.embree : nullptr, [&]() {
+    require(htrace, "trace");
+    const std::unique_ptr<Trace> trace(traceOf(htrace));
+    trace->finish(rays, times);
+  });
+}
+
+RTC_NAMESPACE_END

@@ -1,0 +1,447 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+namespace embree { namespace vulkan {
+
+using namespace cbvh;
+
+namespace {
+
+struct FlatRelease { void operator()(const FlatScene* flat) const { rtcReleaseFlatScene(flat); } };
+
+/* The instanced scenes come behind the one that instances them. */
+struct Part
+{
+  RTCScene scene;
+  std::unique_ptr<const FlatScene, FlatRelease> flat;
+  uint32_t firstGeometry = 0;
+  Subtree tree;
+};
+
+std::string nameOf(const Part& part, const Part& top, size_t geomID)
+{
+  return "geometry " + std::to_string(geomID) + (&part == &top ? "" : " of an instanced scene");
+}
+
+/* as Embree: farther out boxes have no area in floats */
+bool isUsable(const float* p)
+{
+  for (int k = 0; k < 3; k++)
+    if (!(std::fabs(p[k]) < 1.844e18f)) return false;
+  return true;
+}
+
+Bounds transformed(const FlatGeometry& instance)
+{
+  Bounds out = Bounds::empty();
+  const float* m = instance.localToWorld;
+  for (int corner = 0; corner < 8; corner++) {
+    float p[3];
+    for (int k = 0; k < 3; k++) {
+      p[k] = m[9 + k];
+      for (int axis = 0; axis < 3; axis++) p[k] += m[3*axis + k]*((corner >> axis) & 1 ? instance.upper[axis] : instance.lower[axis]);
+    }
+    out.extend(p);
+  }
+  /* what rounding may lose there and back, by far */
+  for (int k = 0; k < 3; k++) {
+    const float slack = 1e-5f*std::max({std::fabs(out.lower[k]), std::fabs(out.upper[k]), out.upper[k] - out.lower[k]});
+    out.lower[k] -= slack;
+    out.upper[k] += slack;
+  }
+  return out;
+}
+
+constexpr size_t pageBytes = size_t(pageUnit) << pageShift;
+constexpr size_t readBehind = 16;   // blocks are read in words
+
+} // namespace
+
+/* Everything that is made once. */
+class SceneUpload
+{
+public:
+  SceneUpload(Scene& out, RTCScene scene, RTCVulkanMemory memory)
+    : out(out), device(out.device), memory(memory), uploader(device)
+  {
+    addPart(scene);
+    for (size_t i = 0; i < parts.size(); i++) addInstancedScenes(i);
+    checkGeometries();
+    placeBlocks();
+    for (Part& part : parts) buildTree(part);
+    write();
+  }
+
+private:
+  void addPart(RTCScene scene)
+  {
+    if (partOf.count(scene)) return;
+    Part part;
+    part.scene = scene;
+    part.flat.reset(rtcFlattenScene(scene, flatSceneVersion));
+    if (!part.flat) throw VulkanError(RTC_ERROR_NONE, "");   // the device knows already
+    part.firstGeometry = numGeometries;
+    numGeometries += uint32_t(part.flat->numGeometries);
+    partOf[scene] = parts.size();
+    parts.push_back(std::move(part));
+  }
+
+  void addInstancedScenes(size_t p)
+  {
+    for (size_t i = 0; i < parts[p].flat->numGeometries; i++)
+    {
+      const FlatGeometry& geometry = parts[p].flat->geometries[i];
+      if (geometry.type != FLAT_INSTANCE) continue;
+      if (p != 0) throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(parts[p], parts[0], i) + " is an instance: scenes with instances cannot be instanced, RTC_MAX_INSTANCE_LEVEL_COUNT is 1");
+      if (!geometry.instanced) throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(parts[p], parts[0], i) + " instances no scene");
+      addPart(geometry.instanced);
+    }
+  }
+
+  void checkGeometries() const
+  {
+    for (const Part& part : parts)
+      for (size_t i = 0; i < part.flat->numGeometries; i++)
+      {
+        const FlatGeometry& geometry = part.flat->geometries[i];
+        if (geometry.type == FLAT_NONE) continue;
+        const std::string name = nameOf(part, parts[0], i);
+        if (geometry.type == FLAT_OTHER) throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " is " + geometry.typeName + ", which is not traced on Vulkan devices");
+        if (geometry.timeSteps != 1) throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " has motion blur (" + std::to_string(geometry.timeSteps) + " time steps), which is not traced on Vulkan devices");
+        if (geometry.hasFilter) throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " has a filter function, which a Vulkan device cannot call");
+        if (geometry.type == FLAT_TRIANGLES && (geometry.vertexStride % 4 || geometry.indexStride % 4 || size_t(geometry.vertices) % 4 || size_t(geometry.indices) % 4))
+          throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " has vertices or indices that are not aligned to 4 bytes");
+      }
+  }
+
+  /* --- blocks --- */
+
+  void placeBlocks()
+  {
+    for (const Part& part : parts) placesOf.emplace_back(part.flat->numBlocks);
+    bool import = memory == RTC_VULKAN_MEMORY_IMPORT || (memory == RTC_VULKAN_MEMORY_AUTO && !device.capabilities.info.isDiscrete && device.handles.hasHostImport);
+    if (import && !device.handles.hasHostImport)
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("memory cannot be imported: the Vulkan device ") + device.capabilities.info.name + " has no VK_EXT_external_memory_host, or it is not enabled");
+    if (import) importBlocks();
+    else copyBlocks();
+  }
+
+  void addPages(std::unique_ptr<Buffer> buffer)
+  {
+    for (size_t offset = 0; offset < buffer->bytes; offset += pageBytes) pageAddresses.push_back(buffer->address + offset);
+    if (pageAddresses.size() > maxPages)
+      throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, "the scene's blocks take more than " + std::to_string(maxPages) + " pages of " + std::to_string(pageBytes)
+                        + " bytes, which is as far as references reach");
+    out.pages.push_back(std::move(buffer));
+  }
+
+  static uint32_t placeOf(size_t page, size_t offset) { return uint32_t((page << pageShift) + offset/pageUnit); }
+
+  void importBlocks()
+  {
+    struct Range { size_t begin, end; };
+    std::vector<Range> ranges;
+    const size_t alignment = device.capabilities.importAlignment;
+    for (const Part& part : parts)
+      for (size_t i = 0; i < part.flat->numBlocks; i++) {
+        const size_t begin = size_t(part.flat->blocks[i].data);
+        ranges.push_back({begin & ~(alignment - 1), (begin + part.flat->blocks[i].bytes + alignment - 1) & ~(alignment - 1)});
+      }
+    std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });
+    const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~(alignment - 1);
+    std::vector<Range> joined;
+    for (const Range& range : ranges) {
+      if (!joined.empty() && range.begin <= joined.back().end && range.end - joined.back().begin <= longest) joined.back().end = std::max(joined.back().end, range.end);
+      else joined.push_back(range);
+    }
+    std::vector<size_t> firstPage;
+    for (const Range& range : joined) {
+      firstPage.push_back(pageAddresses.size());
+      addPages(std::unique_ptr<Buffer>(new Buffer(device, (void*)range.begin, range.end - range.begin)));
+      out.statistics.importedBytes += range.end - range.begin;
+    }
+    for (size_t p = 0; p < parts.size(); p++)
+      for (size_t i = 0; i < parts[p].flat->numBlocks; i++) {
+        const size_t begin = size_t(parts[p].flat->blocks[i].data);
+        const size_t r = size_t(std::upper_bound(joined.begin(), joined.end(), begin, [](size_t at, const Range& range) { return at < range.begin; }) - joined.begin()) - 1;
+        placesOf[p][i] = placeOf(firstPage[r], begin - joined[r].begin);
+      }
+  }
+
+  /* what of a block is copied: of grids not their own trees, which are in the scene's */
+  struct Source { const char* header; size_t headerBytes; const char* data; size_t dataBytes; };
+
+  Source sourceOf(const Part& part, size_t i, uint32_t (&header)[gridDataWord]) const
+  {
+    const FlatBlock& block = part.flat->blocks[i];
+    const char* data = (const char*)block.data;
+    if (!isGrid[&part - parts.data()][i]) return {nullptr, 0, data, block.bytes};
+    std::memcpy(header, data, sizeof(header));
+    const size_t skip = sizeof(header) + header[gridOffsetWord];
+    header[gridOffsetWord] = 0;
+    return {(const char*)header, sizeof(header), data + skip, block.bytes - skip};
+  }
+
+  void findGrids()
+  {
+    for (const Part& part : parts) {
+      isGrid.emplace_back(part.flat->numBlocks, false);
+      for (size_t i = 0; i < part.flat->numCells; i++) isGrid.back()[part.flat->cells[i].block] = true;
+    }
+  }
+
+  void copyBlocks()
+  {
+    findGrids();
+    /* buffers as large as the device allows, and as the rest needs */
+    size_t rest = 0;
+    uint32_t header[gridDataWord];
+    auto bytesOf = [&](const Part& part, size_t i) {
+      const Source source = sourceOf(part, i, header);
+      return (source.headerBytes + source.dataBytes + pageUnit - 1) & ~size_t(pageUnit - 1);
+    };
+    for (const Part& part : parts)
+      for (size_t i = 0; i < part.flat->numBlocks; i++) rest += bytesOf(part, i);
+    const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~(pageBytes - 1);
+    Slice slice;
+    size_t used = 0, end = 0, firstPage = 0;
+    for (size_t p = 0; p < parts.size(); p++)
+      for (size_t i = 0; i < parts[p].flat->numBlocks; i++)
+      {
+        const size_t bytes = bytesOf(parts[p], i);
+        if (used + bytes > end) {
+          const size_t size = std::max(std::min(rest, longest - readBehind), bytes);
+          firstPage = pageAddresses.size();
+          addPages(std::unique_ptr<Buffer>(new Buffer(device, size + readBehind, Buffer::OnDevice, "blocks")));
+          slice = {out.pages.back().get(), 0};
+          used = 0;
+          end = size;
+        }
+        const Source source = sourceOf(parts[p], i, header);
+        if (source.headerBytes) uploader.write(slice, used, source.header, source.headerBytes);
+        uploader.write(slice, used + source.headerBytes, source.data, source.dataBytes);
+        placesOf[p][i] = placeOf(firstPage, used);
+        used += bytes;
+        rest -= bytes;
+      }
+  }
+
+  /* --- trees --- */
+
+  void buildTree(Part& part)
+  {
+    const size_t p = size_t(&part - parts.data());
+    const FlatScene& flat = *part.flat;
+    std::vector<Item> triangles, instances;
+    for (size_t i = 0; i < flat.numGeometries; i++) {
+      const FlatGeometry& geometry = flat.geometries[i];
+      if (geometry.type == FLAT_TRIANGLES) addTriangles(geometry, uint32_t(i), triangles);
+      if (geometry.type != FLAT_INSTANCE || !(geometry.lower[0] <= geometry.upper[0])) continue;
+      out.statistics.numInstances++;
+      instances.push_back({transformed(geometry), uint32_t(i), RTC_INVALID_GEOMETRY_ID});
+    }
+    const RTCDevice embree = rtcGetSceneDevice(part.scene);
+    part.tree = tree.join({copySurfaces(flat, p), tree.buildTriangles(embree, triangles), tree.buildInstances(embree, instances)});
+    rtcReleaseDevice(embree);
+  }
+
+  static void addTriangles(const FlatGeometry& geometry, uint32_t geomID, std::vector<Item>& items)
+  {
+    for (size_t i = 0; i < geometry.numTriangles; i++)
+    {
+      uint32_t corners[3];
+      std::memcpy(corners, geometry.indices + i*geometry.indexStride, sizeof(corners));
+      Item item = {Bounds::empty(), geomID, uint32_t(i)};
+      bool valid = true;
+      for (int c = 0; c < 3 && valid; c++) {
+        valid = corners[c] < geometry.numVertices;
+        if (!valid) break;
+        float p[3];
+        std::memcpy(p, geometry.vertices + corners[c]*geometry.vertexStride, sizeof(p));
+        valid = isUsable(p);
+        item.bounds.extend(p);
+      }
+      if (valid) items.push_back(item);   // as Embree leaves out the others
+    }
+  }
+
+  /* References get the scene's own numbers. */
+  Subtree copySurfaces(const FlatScene& flat, size_t p)
+  {
+    Subtree subtree;
+    if (flat.root == emptyReference) return subtree;
+    const size_t firstNode = tree.nodes.size();
+    firstCell.resize(parts.size(), 0);
+    firstCell[p] = uint32_t(cells.size());
+    if (firstNode + flat.numNodes > size_t(referenceMask) + 1 || cells.size() + flat.numCells > size_t(referenceMask) + 1)
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has more nodes, or leaves of grids, than references count, " + std::to_string(referenceMask));
+    auto renumbered = [&](uint32_t reference) {
+      if (reference == emptyReference) return reference;
+      const uint32_t type = referenceType(reference), index = referenceIndex(reference);
+      if (type == nodeReference) return makeReference(type, uint32_t(firstNode) + index);
+      if (type == cellReference) return makeReference(type, firstCell[p] + index);
+      out.kinds |= 1u << type;
+      return makeReference(type, placesOf[p][index]);
+    };
+    for (size_t i = 0; i < flat.numNodes; i++) {
+      FlatNode node = flat.nodes[i];
+      for (uint32_t& child : node.children) child = renumbered(child);
+      tree.nodes.push_back(node);
+    }
+    for (size_t i = 0; i < flat.numCells; i++) cells.push_back({placesOf[p][flat.cells[i].block], flat.cells[i].vertex});
+    if (flat.numCells) out.kinds |= 1u << cellReference;
+    out.statistics.numBlocks += flat.numBlocks;
+    subtree.root = renumbered(flat.root);
+    std::copy(flat.lower, flat.lower + 3, subtree.bounds.lower);
+    std::copy(flat.upper, flat.upper + 3, subtree.bounds.upper);
+    subtree.depth = flat.depth;
+    return subtree;
+  }
+
+  /* --- writing --- */
+
+  /* Cells come first in their list, then triangles: references of runs count from there. */
+  void moveRuns()
+  {
+    if (tree.triangles.empty()) return;
+    out.kinds |= 1u << triangleReference;
+    const uint32_t first = uint32_t(cells.size());
+    if (first + tree.triangles.size() > (referenceMask >> triangleRunBits))
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has more triangles and leaves of grids than references count, " + std::to_string(referenceMask >> triangleRunBits));
+    auto moved = [&](uint32_t reference) {
+      if (reference == emptyReference || referenceType(reference) != triangleReference) return reference;
+      const uint32_t index = referenceIndex(reference);
+      return makeReference(triangleReference, triangleRun(first + firstOfRun(index), countOfRun(index)));
+    };
+    for (FlatNode& node : tree.nodes)
+      for (uint32_t& child : node.children) child = moved(child);
+    for (Part& part : parts) part.tree.root = moved(part.tree.root);
+    for (const auto& triangle : tree.triangles) cells.push_back(triangle);
+  }
+
+  template<typename T>
+  Slice writeArray(const T* data, size_t count, const char* what)
+  {
+    const Slice slice = out.arena.take(std::max(count, size_t(1))*sizeof(T), what);
+    if (count) uploader.write(slice, 0, data, count*sizeof(T));
+    return slice;
+  }
+
+  GeometryData describe(const Part& part, const FlatGeometry& geometry)
+  {
+    GeometryData data = GeometryData();
+    data.mask = geometry.type == FLAT_NONE ? 0 : geometry.mask;
+    data.isRobust = part.flat->isRobust;
+    if (geometry.type == FLAT_TRIANGLES && geometry.numTriangles)
+    {
+      /* up to the last component that is read: what is behind may not be there */
+      const size_t vertices = geometry.numVertices ? (geometry.numVertices - 1)*geometry.vertexStride + 12 : 0;
+      const size_t indices = (geometry.numTriangles - 1)*geometry.indexStride + 12;
+      data.vertices = writeArray(geometry.vertices, vertices, "vertices of a triangle mesh").address();
+      data.indices = writeArray(geometry.indices, indices, "indices of a triangle mesh").address();
+      data.vertexStride = uint32_t(geometry.vertexStride/4);
+      data.indexStride = uint32_t(geometry.indexStride/4);
+    }
+    if (geometry.type == FLAT_INSTANCE) {
+      const Part& instanced = parts[partOf.at(geometry.instanced)];
+      std::copy(geometry.worldToLocal, geometry.worldToLocal + 12, data.worldToLocal);
+      data.root = instanced.tree.root;
+      data.firstGeometry = instanced.firstGeometry;
+      out.kinds |= 1u << instanceReference;
+    }
+    return data;
+  }
+
+  void write()
+  {
+    moveRuns();
+    std::vector<GeometryData> geometries;
+    uint32_t below = 0;
+    for (size_t p = 0; p < parts.size(); p++) {
+      for (size_t i = 0; i < parts[p].flat->numGeometries; i++) geometries.push_back(describe(parts[p], parts[p].flat->geometries[i]));
+      if (p > 0) below = std::max(below, parts[p].tree.depth);
+    }
+    /* of each node on the way three children wait, at most */
+    const uint32_t depth = parts[0].tree.depth + below;
+    out.statistics.stackSize = (3*depth + 2 + 31) & ~31u;
+
+    const FlatNode noNode = FlatNode();
+    static_assert(sizeof(FlatNode) == nodeBytes, "layout of a node");
+    SceneData data = SceneData();
+    data.nodes = writeArray(tree.nodes.empty() ? &noNode : tree.nodes.data(), std::max(tree.nodes.size(), size_t(1)), "nodes").address();
+    data.pages = writeArray(pageAddresses.data(), pageAddresses.size(), "addresses of pages").address();
+    data.cells = writeArray(cells.data(), cells.size(), "leaves").address();
+    data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
+    data.root = parts[0].tree.root;
+    data.kinds = out.kinds;
+    data.numGeometries = uint32_t(parts[0].flat->numGeometries);
+    data.isRobust = parts[0].flat->isRobust;
+    if ((out.kinds & (1u << (firstBlockReference + kindVert))) && !device.handles.hasFloat64)
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the scene has blocks of cVERT, and the Vulkan device ") + device.capabilities.info.name + " has no shaderFloat64, or it is not enabled");
+    out.address = writeArray(&data, 1, "a scene").address();
+    uploader.flush();
+
+    RTCVulkanSceneStatistics& statistics = out.statistics;
+    statistics.numNodes = tree.nodes.size();
+    statistics.numGeometries = numGeometries;
+    statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + cells.size()*sizeof(cells[0]);
+    statistics.deviceBytes = out.arena.bytes();
+    if (statistics.importedBytes == 0)
+      for (const auto& buffer : out.pages) statistics.deviceBytes += buffer->bytes;
+    if (statistics.importedBytes) {
+      out.source = parts[0].scene;
+      rtcRetainScene(out.source);
+    }
+  }
+
+  Scene& out;
+  Device& device;
+  const RTCVulkanMemory memory;
+  Uploader uploader;
+  std::vector<Part> parts;
+  std::map<RTCScene, size_t> partOf;
+  uint32_t numGeometries = 0;
+  std::vector<std::vector<uint32_t>> placesOf;   // of blocks, by part
+  std::vector<std::vector<bool>> isGrid;
+  std::vector<VkDeviceAddress> pageAddresses;
+  Tree tree;
+  std::vector<std::array<uint32_t, 2>> cells;
+  std::vector<uint32_t> firstCell;
+};
+
+Scene::Scene(Device& device, RTCScene scene, RTCVulkanMemory memory) : device(device), held(device), arena(device)
+{
+  SceneUpload(*this, scene, memory);
+}
+
+Scene::~Scene()
+{
+  pages.clear();
+  if (source) rtcReleaseScene(source);
+}
+
+void Scene::record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count) const
+{
+  const DeviceFunctions& vk = device.vk;
+  vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+  const size_t group = 64;   // local_size_x of trace.comp
+  /* indices of words of rays have 32 bits */
+  const size_t most = std::min(size_t(device.capabilities.properties.limits.maxComputeWorkGroupCount[0])*group, size_t(1) << 26);
+  const size_t rayBytes = query == CLOSEST_HIT ? sizeof(RTCRayHit) : sizeof(RTCRay);
+  for (size_t first = 0; first < count; first += most)
+  {
+    const size_t n = std::min(count - first, most);
+    const TraceArguments arguments = {address, rays + first*rayBytes, 0, uint32_t(n)};
+    vk.CmdPushConstants(commands, device.pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(arguments), &arguments);
+    vk.CmdDispatch(commands, uint32_t((n + group - 1)/group), 1, 1);
+  }
+}
+
+}} // namespace embree::vulkan

@@ -1,0 +1,38 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A committed scene on a device. */
+
+#include "memory.h"
+#include "tree.h"
+#include "../scene_layout.h"
+
+namespace embree { namespace vulkan {
+
+class Scene : public Shared
+{
+public:
+  /* Throws VulkanError that names the geometry, or the limit. */
+  Scene(Device& device, RTCScene scene, RTCVulkanMemory memory);
+
+  Device& device;
+  const Held<Device> held;   // goes last
+  VkDeviceAddress address = 0;
+  uint32_t kinds = 0;
+  RTCVulkanSceneStatistics statistics{};
+
+  /* Records the trace of rays at an address. */
+  void record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count) const;
+
+private:
+  ~Scene() override;
+
+  friend class SceneUpload;
+  RTCScene source = nullptr;   // retained where its memory is used
+  Arena arena;
+  std::vector<std::unique_ptr<Buffer>> pages;   // of blocks
+};
+
+}} // namespace embree::vulkan

@@ -1,0 +1,96 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "trace.h"
+
+#include <cstring>
+
+namespace embree { namespace vulkan {
+namespace {
+
+constexpr uint32_t numStamps = 4;   // before copies, before and behind the trace, behind copies
+
+void barrier(const DeviceFunctions& vk, VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to, VkAccessFlags read)
+{
+  VkMemoryBarrier info = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+  info.srcAccessMask = written;
+  info.dstAccessMask = read;
+  vk.CmdPipelineBarrier(commands, from, to, 0, 1, &info, 0, nullptr, 0, nullptr);
+}
+
+} // namespace
+
+Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
+  : device(scene.device), held(scene), scene(scene), query(query), count(count),
+    bytes(count*(query == CLOSEST_HIT ? sizeof(RTCRayHit) : sizeof(RTCRay)))
+{
+  onDevice.reset(new Buffer(device, bytes, Buffer::OnDevice, "rays"));
+  if (!onDevice->mapped) staging.reset(new Buffer(device, bytes, Buffer::Staging, "rays"));
+  std::memcpy(staging ? staging->mapped : onDevice->mapped, rays, bytes);
+  try {
+    if (device.capabilities.timestampBits) {
+      VkQueryPoolCreateInfo info = {VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+      info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+      info.queryCount = numStamps;
+      check(device.vk.CreateQueryPool(device.handles.device, &info, nullptr, &clock), "creating a clock");
+    }
+    VkPipeline pipeline = device.pipeline(query, scene.kinds, scene.statistics.stackSize);
+    submission = device.submit([&](VkCommandBuffer commands) { record(commands, pipeline); });
+  } catch (...) {
+    if (clock) device.vk.DestroyQueryPool(device.handles.device, clock, nullptr);
+    throw;
+  }
+}
+
+void Trace::record(VkCommandBuffer commands, VkPipeline pipeline)
+{
+  const DeviceFunctions& vk = device.vk;
+  auto stamp = [&](uint32_t i, VkPipelineStageFlagBits stage) { if (clock) vk.CmdWriteTimestamp(commands, stage, clock, i); };
+  if (clock) vk.CmdResetQueryPool(commands, clock, 0, numStamps);
+  stamp(0, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
+  const VkBufferCopy all = {0, 0, bytes};
+  if (staging) {
+    vk.CmdCopyBuffer(commands, staging->handle, onDevice->handle, 1, &all);
+    barrier(vk, commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+  }
+  stamp(1, staging ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
+  scene.record(query, pipeline, commands, onDevice->address, count);
+  stamp(2, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
+  if (staging) {
+    barrier(vk, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT);
+    vk.CmdCopyBuffer(commands, onDevice->handle, staging->handle, 1, &all);
+  }
+  stamp(3, staging ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
+  barrier(vk, commands, staging ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+          staging ? VK_ACCESS_TRANSFER_WRITE_BIT : VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
+}
+
+RTCVulkanTimes Trace::readTimes() const
+{
+  RTCVulkanTimes times = {0, 0};
+  uint64_t stamps[numStamps];
+  if (!clock || device.vk.GetQueryPoolResults(device.handles.device, clock, 0, numStamps, sizeof(stamps), stamps, sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) != VK_SUCCESS) return times;
+  const uint32_t bits = device.capabilities.timestampBits;
+  const uint64_t mask = bits >= 64 ? ~uint64_t(0) : (uint64_t(1) << bits) - 1;
+  const double tick = 1e-9*double(device.capabilities.properties.limits.timestampPeriod);
+  auto seconds = [&](int from, int to) { return tick*double((stamps[to] - stamps[from]) & mask); };
+  times.seconds = seconds(1, 2);
+  times.copySeconds = seconds(0, 1) + seconds(2, 3);
+  return times;
+}
+
+void Trace::finish(void* rays, RTCVulkanTimes* times)
+{
+  device.wait(submission);
+  if (rays) std::memcpy(rays, staging ? staging->mapped : onDevice->mapped, bytes);
+  if (times) *times = readTimes();
+}
+
+Trace::~Trace()
+{
+  device.vk.WaitForFences(device.handles.device, 1, &submission.fence, VK_TRUE, UINT64_MAX);
+  device.recycle(submission);
+  if (clock) device.vk.DestroyQueryPool(device.handles.device, clock, nullptr);
+}
+
+}} // namespace embree::vulkan

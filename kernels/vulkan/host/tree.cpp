@@ -1,0 +1,192 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "tree.h"
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <new>
+
+namespace embree { namespace vulkan {
+
+Bounds Bounds::empty()
+{
+  const float inf = std::numeric_limits<float>::infinity();
+  return {{inf, inf, inf}, {-inf, -inf, -inf}};
+}
+
+void Bounds::extend(const float* p)
+{
+  for (int k = 0; k < 3; k++) {
+    lower[k] = std::min(lower[k], p[k]);
+    upper[k] = std::max(upper[k], p[k]);
+  }
+}
+
+void Bounds::extend(const Bounds& other)
+{
+  if (other.isEmpty()) return;
+  extend(other.lower);
+  extend(other.upper);
+}
+
+uint32_t Tree::addNode()
+{
+  if (nodes.size() > cbvh::referenceMask)
+    throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has more nodes than a reference counts, " + std::to_string(cbvh::referenceMask));
+  nodes.emplace_back();
+  FlatNode& node = nodes.back();
+  for (int i = 0; i < 4; i++) {
+    node.children[i] = cbvh::emptyReference;
+    for (int k = 0; k < 3; k++) node.lower[k][i] = node.upper[k][i] = std::numeric_limits<float>::infinity();
+  }
+  return uint32_t(nodes.size() - 1);
+}
+
+namespace {
+
+void setChild(FlatNode& node, int i, uint32_t child, const Bounds& bounds)
+{
+  node.children[i] = child;
+  for (int k = 0; k < 3; k++) {
+    node.lower[k][i] = bounds.lower[k];
+    node.upper[k][i] = bounds.upper[k];
+  }
+}
+
+/* What rtcBuildBVH makes: a leaf has items, a node children. */
+struct BuildNode
+{
+  bool isLeaf;
+  unsigned count = 0;
+  RTCBounds bounds[4];
+  BuildNode* children[4];
+  std::array<uint32_t, 2> items[4];
+};
+
+void* createNode(RTCThreadLocalAllocator allocator, unsigned, void*)
+{
+  BuildNode* node = new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16)) BuildNode;
+  node->isLeaf = false;
+  return node;
+}
+
+void setChildren(void* pointer, void** children, unsigned count, void*)
+{
+  BuildNode* node = static_cast<BuildNode*>(pointer);
+  node->count = count;
+  for (unsigned i = 0; i < count; i++) node->children[i] = static_cast<BuildNode*>(children[i]);
+}
+
+void setBounds(void* pointer, const RTCBounds** bounds, unsigned count, void*)
+{
+  for (unsigned i = 0; i < count; i++) static_cast<BuildNode*>(pointer)->bounds[i] = *bounds[i];
+}
+
+void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* items, size_t count, void*)
+{
+  BuildNode* leaf = new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16)) BuildNode;
+  leaf->isLeaf = true;
+  leaf->count = unsigned(count);
+  for (size_t i = 0; i < count; i++) leaf->items[i] = {items[i].geomID, items[i].primID};
+  return leaf;
+}
+
+struct BVHRelease { void operator()(RTCBVHTy* bvh) const { rtcReleaseBVH(bvh); } };
+
+/* Copies a tree that was built. */
+class Flattening
+{
+public:
+  explicit Flattening(Tree& tree) : tree(tree) {}
+
+  uint32_t depth = 0;
+
+  uint32_t reference(const BuildNode* from, uint32_t above)
+  {
+    if (from->isLeaf) return leaf(from);
+    depth = std::max(depth, above + 1);
+    const uint32_t n = tree.addNode();
+    for (unsigned i = 0; i < from->count; i++) {
+      const uint32_t child = reference(from->children[i], above + 1);
+      const RTCBounds& b = from->bounds[i];
+      setChild(tree.nodes[n], int(i), child, {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}});
+    }
+    return cbvh::makeReference(cbvh::nodeReference, n);
+  }
+
+private:
+  /* an instance has no primitive */
+  uint32_t leaf(const BuildNode* from)
+  {
+    if (from->items[0][1] == RTC_INVALID_GEOMETRY_ID) return cbvh::makeReference(cbvh::instanceReference, from->items[0][0]);
+    const uint32_t most = cbvh::referenceMask >> cbvh::triangleRunBits;
+    if (tree.triangles.size() + from->count > most)
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has more triangles than references count, " + std::to_string(most));
+    const uint32_t first = uint32_t(tree.triangles.size());
+    for (unsigned i = 0; i < from->count; i++) tree.triangles.push_back(from->items[i]);
+    return cbvh::makeReference(cbvh::triangleReference, cbvh::triangleRun(first, from->count));
+  }
+
+  Tree& tree;
+};
+
+} // namespace
+
+Subtree Tree::build(RTCDevice device, std::vector<Item>& items, unsigned maxLeaf)
+{
+  Subtree out;
+  if (items.empty()) return out;
+  std::vector<RTCBuildPrimitive> primitives(items.size());
+  for (size_t i = 0; i < items.size(); i++) {
+    const Item& item = items[i];
+    out.bounds.extend(item.bounds);
+    primitives[i] = {item.bounds.lower[0], item.bounds.lower[1], item.bounds.lower[2], item.geomID,
+                     item.bounds.upper[0], item.bounds.upper[1], item.bounds.upper[2], item.primID};
+  }
+  std::vector<Item>().swap(items);
+  std::unique_ptr<RTCBVHTy, BVHRelease> bvh(rtcNewBVH(device));
+  RTCBuildArguments args = rtcDefaultBuildArguments();
+  args.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
+  args.maxBranchingFactor = 4;
+  args.minLeafSize = 1;
+  args.maxLeafSize = maxLeaf;
+  args.bvh = bvh.get();
+  args.primitives = primitives.data();
+  args.primitiveCount = args.primitiveArrayCapacity = primitives.size();
+  args.createNode = createNode;
+  args.setNodeChildren = setChildren;
+  args.setNodeBounds = setBounds;
+  args.createLeaf = createLeaf;
+  const BuildNode* root = bvh ? static_cast<const BuildNode*>(rtcBuildBVH(&args)) : nullptr;
+  if (!root) throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, "no tree could be built over " + std::to_string(primitives.size()) + " triangles or instances");
+  std::vector<RTCBuildPrimitive>().swap(primitives);
+  Flattening flattening(*this);
+  out.root = flattening.reference(root, 0);
+  out.depth = flattening.depth;
+  return out;
+}
+
+Subtree Tree::buildTriangles(RTCDevice device, std::vector<Item>& items) { return build(device, items, cbvh::maxTriangleRun); }
+Subtree Tree::buildInstances(RTCDevice device, std::vector<Item>& items) { return build(device, items, 1); }
+
+Subtree Tree::join(const std::vector<Subtree>& subtrees)
+{
+  std::vector<Subtree> some;
+  for (const Subtree& subtree : subtrees)
+    if (subtree.root != cbvh::emptyReference) some.push_back(subtree);
+  if (some.empty()) return Subtree();
+  if (some.size() == 1) return some[0];
+  Subtree out;
+  const uint32_t n = addNode();
+  out.root = cbvh::makeReference(cbvh::nodeReference, n);
+  for (size_t i = 0; i < some.size(); i++) {
+    setChild(nodes[n], int(i), some[i].root, some[i].bounds);
+    out.bounds.extend(some[i].bounds);
+    out.depth = std::max(out.depth, some[i].depth + 1);
+  }
+  return out;
+}
+
+}} // namespace embree::vulkan

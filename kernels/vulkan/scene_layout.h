@@ -1,0 +1,64 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A scene in the memory of a Vulkan device, as C++ writes and GLSL reads it. Everything is found
+ * from the address of a SceneData. Blocks lie in pages, byte for byte as kernels/cbvh builds them. */
+
+#ifndef CBVH_SCENE_LAYOUT_H
+#define CBVH_SCENE_LAYOUT_H
+
+#include "../cbvh/flat/reference.h"
+
+#ifdef VULKAN
+#define CBVH_ADDRESS uvec2
+#else
+#define CBVH_ADDRESS uint64_t
+#endif
+
+CBVH_BEGIN
+
+/* The index of a reference to a block is its place in units of 16 bytes: a page, and an offset in
+ * it. Pages are parts of buffers, so that a block may reach into the next page of its buffer. */
+CBVH_CONSTANT uint32_t pageShift = 16u;
+CBVH_CONSTANT uint32_t pageMask = 0xFFFFu;
+CBVH_CONSTANT uint32_t pageUnit = 16u;   //!< bytes
+CBVH_CONSTANT uint32_t maxPages = 8192u; //!< referenceMask/pageMask, rounded up
+
+/*! bytes of a node: four lower and four upper planes an axis, four references */
+CBVH_CONSTANT uint32_t nodeBytes = 112u;
+
+struct SceneData
+{
+  CBVH_ADDRESS nodes;
+  CBVH_ADDRESS pages;        //!< addresses of pages
+  CBVH_ADDRESS cells;        //!< two words each: of GRID the place of a grid and a vertex, of triangles geomID and primID
+  CBVH_ADDRESS geometries;   //!< GeometryData
+  uint32_t root;             //!< reference
+  uint32_t kinds;            //!< bit t: there are references of type t
+  uint32_t numGeometries;
+  uint32_t isRobust;         //!< of the scene itself
+};
+
+/*! of a triangle mesh or an instance; of subdivision surfaces only the mask */
+struct GeometryData
+{
+  CBVH_ADDRESS vertices, indices;
+  uint32_t vertexStride, indexStride;  //!< words
+  uint32_t mask;
+  uint32_t isRobust;         //!< the test of triangles is Embree's robust one
+  /* of an instance */
+  float worldToLocal[12];    //!< column by column
+  uint32_t root;             //!< of the instanced scene
+  uint32_t firstGeometry;    //!< the instanced scene's geometry 0
+  uint32_t padding[2];
+};
+CBVH_CONSTANT uint32_t geometryBytes = 96u;
+
+CBVH_END
+
+#ifndef VULKAN
+static_assert(sizeof(embree::cbvh::SceneData) == 48, "layout of a scene");
+static_assert(sizeof(embree::cbvh::GeometryData) == embree::cbvh::geometryBytes, "layout of a geometry");
+#endif
+
+#endif

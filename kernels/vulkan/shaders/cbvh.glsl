@@ -1,0 +1,151 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Tracing rays in a shader. A scene is the address that rtcGetVulkanSceneAddress returns, as two
+ * words; nothing has to be bound. Of the device's features the shader needs bufferDeviceAddress,
+ * scalarBlockLayout and, for cVERT, shaderFloat64.
+ *
+ *   #define CBVH_KINDS ...        optional: kinds of leaves that scenes have, as rtcGetVulkanSceneKinds tells;
+ *                                 a constant or a specialization constant. What is not named is not compiled.
+ *   #define CBVH_FLOAT64          where shaderFloat64 is there
+ *   #include "cbvh.glsl"
+ *
+ *   CbvhHit hit;
+ *   if (cbvhIntersect(scene, ray, hit)) ...
+ *   if (cbvhOccluded(scene, ray)) ...
+ */
+
+#ifndef CBVH_GLSL
+#define CBVH_GLSL
+
+#include "framed_block.glsl"
+#include "meshes.glsl"
+#ifdef CBVH_FLOAT64
+#include "vert_block.glsl"
+#endif
+
+#ifndef CBVH_KINDS
+#define CBVH_KINDS 0xFFu
+#endif
+
+#ifndef CBVH_STACK
+#define CBVH_STACK 96
+#endif
+
+bool cbvhHasKind (uint type) { return (uint(CBVH_KINDS) & (1u << type)) != 0u; }
+
+/* whether a scene has blocks of a kind and of no other with a frame */
+bool cbvhHasOnly (uint kind)
+{
+  uint framed = 7u << firstBlockReference;
+  return (uint(CBVH_KINDS) & framed) == (1u << (firstBlockReference + kind));
+}
+
+/* Children that the ray meets, nearest first: keys whose upper bits are the distance, and whose lower two are
+ * the child; those that it does not meet come last. */
+uvec4 cbvhSortChildren (CbvhNode node, CbvhTravel ray, float tfar)
+{
+  vec4 enter = vec4(ray.tnear), leave = vec4(tfar);
+  for (int k = 0; k < 3; k++) {
+    vec4 a = (node.lower[k] - ray.org[k])*ray.rcp[k], b = (node.upper[k] - ray.org[k])*ray.rcp[k];
+    enter = max(enter, min(a, b));
+    leave = min(leave, max(a, b));
+  }
+  /* as Embree's robust traversal: what is lost to rounding */
+  bvec4 isMet = lessThanEqual(enter*(1.0 - 3.0*floatUlp), leave*(1.0 + 3.0*floatUlp));
+  uvec4 keys = mix(uvec4(0xFFFFFFFFu), (floatBitsToUint(enter) & ~uvec4(3u)) | uvec4(0u, 1u, 2u, 3u), isMet);
+  keys = uvec4(min(keys.xz, keys.yw), max(keys.xz, keys.yw)); // x,y: lesser of each pair; z,w: greater
+  keys = uvec4(min(keys.x, keys.y), max(keys.x, keys.y), min(keys.z, keys.w), max(keys.z, keys.w));
+  return uvec4(keys.x, min(keys.y, keys.z), max(keys.y, keys.z), keys.w);
+}
+
+/* A leaf of the tree that is no instance; true if something nearer is hit. */
+bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit)
+{
+  uint type = referenceType(reference), index = referenceIndex(reference);
+  if (cbvhHasKind(cellReference) && type == cellReference) return cbvhTraceCell(scene, ray, index, anyHit, hit);
+  if (cbvhHasKind(triangleReference) && type == triangleReference) return cbvhTraceRun(scene, ray, index, anyHit, hit);
+#ifdef CBVH_FLOAT64
+  if (cbvhHasKind(firstBlockReference + kindVert) && type == firstBlockReference + kindVert) return cbvhTraceVert(scene, cbvhPointer(scene, index), ray, anyHit, hit);
+#endif
+  if (!cbvhHasKind(firstBlockReference + kindGrid) && !cbvhHasKind(firstBlockReference + kindVoxel) && !cbvhHasKind(firstBlockReference + kindLeaf)) return false;
+  uint kind = cbvhHasOnly(kindLeaf) ? kindLeaf : cbvhHasOnly(kindVoxel) ? kindVoxel : cbvhHasOnly(kindGrid) ? kindGrid : type - firstBlockReference;
+  return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit);
+}
+
+bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHit hit)
+{
+  hit.t = worldRay.tfar;
+  hit.u = hit.v = 0.0;
+  hit.Ng = vec3(0.0);
+  hit.primID = hit.geomID = hit.instID = CBVH_NONE;
+  if (!(worldRay.tnear <= worldRay.tfar) || !(worldRay.tfar >= 0.0)) return false;
+
+  SceneData scene = CbvhSceneAt(address).scene;
+  CbvhNodes nodes = CbvhNodes(scene.nodes);
+  CbvhTravel ray = cbvhTravel(worldRay);
+  bool found = false;
+
+  uint stack[CBVH_STACK];
+  int top = 0, instanceTop = -1; // the stack's height where an instance was entered
+  uint current = scene.root;
+
+  while (true)
+  {
+    /* down to a leaf */
+    while (current != emptyReference && referenceType(current) == nodeReference)
+    {
+      CbvhNode node = nodes.at[current];
+      uvec4 keys = cbvhSortChildren(node, ray, hit.t);
+      current = emptyReference;
+      if (keys.w != 0xFFFFFFFFu) stack[top++] = node.children[keys.w & 3u];
+      if (keys.z != 0xFFFFFFFFu) stack[top++] = node.children[keys.z & 3u];
+      if (keys.y != 0xFFFFFFFFu) stack[top++] = node.children[keys.y & 3u];
+      if (keys.x != 0xFFFFFFFFu) current = node.children[keys.x & 3u];
+    }
+
+    if (current != emptyReference)
+    {
+      if (cbvhHasKind(instanceReference) && referenceType(current) == instanceReference)
+      {
+        uint geomID = referenceIndex(current);
+        GeometryData instance = CbvhGeometries(scene.geometries).at[geomID];
+        if ((instance.mask & worldRay.mask) != 0u)
+        {
+          CbvhRay local = worldRay;
+          float m[12] = instance.worldToLocal;
+          vec3 x = vec3(m[0], m[1], m[2]), y = vec3(m[3], m[4], m[5]), z = vec3(m[6], m[7], m[8]);
+          local.origin = x*worldRay.origin.x + (y*worldRay.origin.y + (z*worldRay.origin.z + vec3(m[9], m[10], m[11])));
+          local.direction = x*worldRay.direction.x + (y*worldRay.direction.y + z*worldRay.direction.z);
+          ray = cbvhTravel(local);
+          ray.instID = geomID;
+          ray.firstGeometry = instance.firstGeometry;
+          instanceTop = top;
+          current = instance.root;
+          continue;
+        }
+      }
+      else if (cbvhTraceLeaf(scene, ray, current, anyHit, hit)) {
+        found = true;
+        if (anyHit) return true;
+      }
+    }
+
+    if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhTravel(worldRay); instanceTop = -1; }
+    if (top == 0) return found;
+    current = stack[--top];
+  }
+  return found;
+}
+
+/* Closest hit. False if there is none; hit.t is then the ray's tfar, and its IDs are CBVH_NONE. */
+bool cbvhIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhTrace(scene, ray, false, hit); }
+
+/* Whether the ray hits anything. */
+bool cbvhOccluded (uvec2 scene, CbvhRay ray)
+{
+  CbvhHit hit;
+  return cbvhTrace(scene, ray, true, hit);
+}
+
+#endif

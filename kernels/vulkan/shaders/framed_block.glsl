@@ -1,0 +1,397 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A ray through a block of cGRID, cVOXEL or cLEAF: kernels/cbvh/codec says what the bytes are and
+ * where a ray hits, this is the walk.
+ *
+ * The walk keeps 4 bits a level of children that are still to come, and as many of those that the
+ * ray passes over or under. Boxes are not kept: on the way up a node's box is decoded again, from
+ * the root along the path, which costs less than memory for boxes of every level.
+ *
+ * Children come in the order along the ray: with x and y mirrored so that it ascends, 0, then 1 and
+ * 2 (the one entered first), then 3. Bits are in that order: bit i is child i ^ flip. */
+
+#ifndef CBVH_FRAMED_BLOCK_GLSL
+#define CBVH_FRAMED_BLOCK_GLSL
+
+#include "triangle.glsl"
+#include "../../cbvh/codec/tree.h"
+#include "../../cbvh/codec/crossing.h"
+#include "../../cbvh/codec/normal.h"
+
+/* The ray in the frame of a block. */
+struct CbvhLocalRay
+{
+  Segment segment;
+  vec3 lower, upper;  // start, less and plus epsilon
+  vec3 rcp;
+  uint flip;          // bits of x and y
+  float scale;        // world parameters along a direction whose largest component is 1, to those of the ray
+};
+
+struct CbvhSlabs
+{
+  vec4 enter, leave;      // of the boxes of children 0 to 3
+  vec4 enterXY, leaveXY;  // of their columns
+  vec4 leaveZ;
+};
+
+/* where the ray passes the planes of a slab */
+vec2 cbvhPlanes (CbvhLocalRay ray, int axis, float lower, float upper)
+{
+  float a = (lower - ray.upper[axis])*ray.rcp[axis], b = (upper - ray.lower[axis])*ray.rcp[axis];
+  return vec2(min(a, b), max(a, b));
+}
+
+CbvhSlabs cbvhJoin (vec2 x0, vec2 x1, vec2 y0, vec2 y1, vec4 enterZ, vec4 leaveZ)
+{
+  CbvhSlabs slabs;
+  slabs.enterXY = max(vec4(x0.x, x1.x, x0.x, x1.x), vec4(y0.x, y0.x, y1.x, y1.x));
+  slabs.leaveXY = min(vec4(x0.y, x1.y, x0.y, x1.y), vec4(y0.y, y0.y, y1.y, y1.y));
+  slabs.enter = max(slabs.enterXY, enterZ);
+  slabs.leave = min(slabs.leaveXY, leaveZ);
+  slabs.leaveZ = leaveZ;
+  return slabs;
+}
+
+/* The four children of a node. */
+CbvhSlabs cbvhNodeSlabs (CbvhLocalRay ray, uint word, NodeBox box)
+{
+  vec2 xy[4];
+  for (int axis = 0; axis < 2; axis++)
+    for (int column = 0; column < 2; column++) {
+      float lower = box.lower[axis] + lowerPlane((word >> lowerShift(axis)) & planePairMask, column)*box.extent[axis];
+      float upper = box.lower[axis] + upperPlane((word >> upperShift(axis)) & planePairMask, column)*box.extent[axis];
+      xy[2*axis + column] = cbvhPlanes(ray, axis, lower, upper);
+    }
+  vec4 enterZ, leaveZ;
+  for (int c = 0; c < 4; c++) {
+    Interval z = zInterval(zCode(word, c));
+    vec2 p = cbvhPlanes(ray, 2, box.lower[2] + z.lower*box.extent[2], box.lower[2] + z.upper*box.extent[2]);
+    enterZ[c] = p.x;
+    leaveZ[c] = p.y;
+  }
+  return cbvhJoin(xy[0], xy[1], xy[2], xy[3], enterZ, leaveZ);
+}
+
+/* The four leaves of a group. */
+CbvhSlabs cbvhGroupSlabs (CbvhLocalRay ray, uint word, Heights heights, NodeBox box)
+{
+  if (isLoose(heights)) return cbvhNodeSlabs(ray, word, box);
+  vec2 xy[4];
+  for (int axis = 0; axis < 2; axis++) {
+    float p0 = latticePlane(word, axis, 0, box), p1 = latticePlane(word, axis, 1, box), p2 = latticePlane(word, axis, 2, box);
+    xy[2*axis] = cbvhPlanes(ray, axis, p0, p1);
+    xy[2*axis + 1] = cbvhPlanes(ray, axis, p1, p2);
+  }
+  vec4 enterZ, leaveZ;
+  for (int c = 0; c < 4; c++) {
+    NodeBox leaf = decodeLatticeLeaf(word, heights, c, box).box;
+    vec2 p = cbvhPlanes(ray, 2, leaf.lower[2], upperOf(leaf, 2));
+    enterZ[c] = p.x;
+    leaveZ[c] = p.y;
+  }
+  return cbvhJoin(xy[0], xy[1], xy[2], xy[3], enterZ, leaveZ);
+}
+
+uint cbvhMask (bvec4 b) { return (b.x ? 1u : 0u) | (b.y ? 2u : 0u) | (b.z ? 4u : 0u) | (b.w ? 8u : 0u); }
+
+/* A mask of children with its bits in the order of the ray, and back: child i in place i ^ flip. */
+uint cbvhToOrder (uint mask, uint flip)
+{
+  if ((flip & 1u) != 0u) mask = ((mask & 5u) << 1) | ((mask >> 1) & 5u);
+  if ((flip & 2u) != 0u) mask = ((mask & 3u) << 2) | (mask >> 2);
+  return mask;
+}
+
+BlockHeader cbvhReadHeader (CbvhPointer block)
+{
+  BlockHeader header;
+  vec4 q0 = uintBitsToFloat(cbvhQuadword(block, 0u));
+  for (int i = 0; i < 3; i++) {
+    vec4 column = uintBitsToFloat(cbvhQuadword(block, 1u + uint(i)));
+    header.centre[i] = q0[i];
+    for (int k = 0; k < 4; k++) header.columns[i][k] = column[k];
+  }
+  header.geomID = floatBitsToUint(q0.w);
+  header.primID = cbvhWord(block, 16u);
+  header.info = cbvhWord(block, 17u);
+  header.tiling = cbvhWord(block, 18u);
+  return header;
+}
+
+const uint CBVH_FIRST_NODE = blockHeaderBytes/4u;
+
+uint cbvhNodeWord (CbvhPointer block, uint level, uint m) { return cbvhWord(block, CBVH_FIRST_NODE + nodesOfLevels(level) + m); }
+
+/* Decoded box of node m of a level, from the root along the path to it. */
+NodeBox cbvhBoxOfNode (CbvhPointer block, uint level, uint m)
+{
+  NodeBox box = rootBox();
+  for (uint above = 0u; above < level; above++) {
+    uint shift = 2u*(level - above);
+    box = decodeChild(cbvhNodeWord(block, above, m >> shift), int((m >> (shift - 2u)) & 3u), box);
+  }
+  return box;
+}
+
+/* A hit on the surface of a leaf, in the frame. */
+struct CbvhLeafHit
+{
+  float s;
+  uint leaf;
+  float u, v;           // position in the leaf
+  float slopeX, slopeY;
+  uint from;            // side, hit_rule.h
+};
+
+void cbvhReport (BlockHeader header, CbvhTravel ray, CbvhLocalRay local, uint numLeaves, CbvhLeafHit at, inout CbvhHit hit)
+{
+  uint height = heightOf(header.info);
+  float size = float(1u << height)/float(numLeaves); // of a leaf, in quads
+  float u = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), height, size*(float(mortonX(at.leaf)) + at.u));
+  float v = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height, size*(float(mortonY(at.leaf)) + at.v));
+  float t = min(max(worldT(local.segment, at.s)*local.scale, ray.tnear), hit.t);
+  Vector p;
+  for (int k = 0; k < 3; k++) p.x[k] = segmentAt(local.segment, k, at.s);
+  Vector n = worldNormal(header, p, at.slopeX, at.slopeY);
+  vec3 Ng = vec3(n.x[0], n.x[1], n.x[2]);
+  Ng *= 1.0/max(max(abs(Ng.x), max(abs(Ng.y), abs(Ng.z))), 1e-37);
+  float length2 = dot(Ng, Ng);
+  if (length2 > 0.0) Ng *= inversesqrt(length2);
+  vec3 dir = ray.dir*local.scale;
+  float along = dot(Ng, dir), dir2 = dot(dir, dir);
+  if (isTurned(along, 1.0, dir2, at.from)) Ng -= 2.0*along/dir2*dir;
+  cbvhSetHit(hit, ray, t, u, v, Ng, header.primID, header.geomID);
+}
+
+LeafPatch cbvhSolidLeaf (NodeBox box)
+{
+  LeafPatch leaf;
+  leaf.box = box;
+  for (int c = 0; c < 4; c++) leaf.z[c] = 0.0;
+  leaf.thickness = 0.0;
+  leaf.solid = true;
+  leaf.empty = false;
+  return leaf;
+}
+
+CbvhLeafHit cbvhHitOnPatch (CbvhLocalRay local, LeafPatch patch_, uint leaf, float s, uint from)
+{
+  float u = positionInBox(local.segment, patch_.box, 0, s), v = positionInBox(local.segment, patch_.box, 1, s);
+  return CbvhLeafHit(s, leaf, u, v, patchSlope(patch_, 0, v), patchSlope(patch_, 1, u), from);
+}
+
+/* The quads of a leaf of cGRID; true if a triangle is hit. */
+bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint numLeaves, CbvhTravel ray, uint leaf, const bool anyHit, inout CbvhHit hit)
+{
+  uint height = heightOf(header.info), width = (1u << height) + 1u, plane = width*width, first = leafOffset/4u;
+  uint side = (1u << height)/numLeaves, quads = side*side;
+  uint x0 = side*mortonX(leaf), y0 = side*mortonY(leaf);
+  bool found = false;
+  for (uint triangle = 0u; triangle < 2u*quads; triangle++)
+  {
+    uint q = triangle >> 1, x = x0 + q%side, y = y0 + q/side, i = y*width + x;
+    bool second = (triangle & 1u) != 0u;
+    uvec3 corners = second ? uvec3(i + width, i + 1u, i + width + 1u) : uvec3(i, i + 1u, i + width);
+    vec3 vertices[3];
+    for (int k = 0; k < 3; k++)
+      vertices[k] = vec3(cbvhFloat(block, first + corners[k]), cbvhFloat(block, first + plane + corners[k]), cbvhFloat(block, first + 2u*plane + corners[k]));
+    CbvhTriangleHit at;
+    if (!cbvhPluecker(ray, hit.t, vertices[0], vertices[1], vertices[2], at)) continue;
+    found = true;
+    float w = 1.0 - at.u - at.v, X = float(x), Y = float(y);
+    float px = second ? w*X + at.u*(X + 1.0) + at.v*(X + 1.0) : w*X + at.u*(X + 1.0) + at.v*X;
+    float py = second ? w*(Y + 1.0) + at.u*Y + at.v*(Y + 1.0) : w*Y + at.u*Y + at.v*(Y + 1.0);
+    cbvhSetHit(hit, ray, at.t, faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), height, px),
+               faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height, py), at.Ng, header.primID, header.geomID);
+    if (anyHit) return true;
+  }
+  return found;
+}
+
+/* kind: of the block, known when the shader is compiled where a scene has one kind only. True if
+ * something is hit nearer than hit.t, which is lowered; with anyHit whatever comes first. */
+bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel ray, const bool anyHit, inout CbvhHit hit)
+{
+  BlockHeader header = cbvhReadHeader(block);
+  if (!cbvhIsSeen(scene, ray, header.geomID)) return false;
+
+  CbvhLocalRay local;
+  vec3 size = abs(ray.dir);
+  float rcpScale = max(size.x, max(size.y, size.z));
+  local.scale = 1.0/rcpScale;
+  WorldRay world;
+  for (int k = 0; k < 3; k++) { world.org[k] = ray.org[k]; world.dir[k] = ray.dir[k]*local.scale; }
+  world.tnear = ray.tnear*rcpScale;
+  world.tfar = hit.t*rcpScale;
+  local.segment = enterBlock(header, world, 1.0);
+  if (!local.segment.valid) return false;
+
+  vec3 D;
+  local.flip = 0u;
+  for (int k = 0; k < 3; k++) {
+    float d = local.segment.P1[k] - local.segment.P0[k];
+    D[k] = d;
+    local.lower[k] = local.segment.P0[k] - local.segment.epsilon[k];
+    local.upper[k] = local.segment.P0[k] + local.segment.epsilon[k];
+    local.rcp[k] = d < 0.0 ? 1.0/min(d, -1e-18) : 1.0/max(d, 1e-18);
+  }
+  local.flip = (D.x < 0.0 ? 1u : 0u) | (D.y < 0.0 ? 2u : 0u);
+  bool isDown = D.z < 0.0;
+
+  BlockLayout layout_ = blockLayout(kind, heightOf(header.info));
+  uint nodeLevels = layout_.nodeLevels;
+  WalkState state = startOfWalk();
+  CbvhLeafHit exit_ = CbvhLeafHit(0.0, 0u, 0.0, 0.0, 0.0, 0.0, sideUnknown);
+  float best = 1.0;       // s of the nearest hit
+  bool found = false;
+
+  uint depth = 0u, m = 0u, hits = 0u, passed = 0u;
+  NodeBox box = rootBox();
+  bool isBoxKnown = true, isOpen = false;
+
+  if (nodeLevels == 0u) // the block is one leaf, of cGRID or cVOXEL
+  {
+    if (!isOnSegment(rangeInBox(local.segment, box, 3))) return false;
+    if (kind == kindGrid) return cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leaves, ray, 0u, anyHit, hit);
+    if (kind == kindVoxel) {
+      Range range = rangeInBox(local.segment, box, 3);
+      if (local.segment.startClipped && range.lower < 0.0) return false;
+      cbvhReport(header, ray, local, 1u, cbvhHitOnPatch(local, cbvhSolidLeaf(box), 0u, max(range.lower, 0.0), sideUnknown), hit);
+      return true;
+    }
+    return false;
+  }
+
+  while (true)
+  {
+    if (!isBoxKnown) { box = cbvhBoxOfNode(block, depth, m); isBoxKnown = true; }
+    uint shift = 4u*depth;
+    bool isLast = depth + 1u == nodeLevels, isGroup = isLast && kind == kindLeaf;
+    uint word = cbvhNodeWord(block, depth, m);
+    Heights heights;
+    heights.low = heights.high = 0u;
+    if (isGroup) { heights.low = cbvhWord(block, layout_.leafOffset/4u + 2u*m); heights.high = cbvhWord(block, layout_.leafOffset/4u + 2u*m + 1u); }
+    CbvhSlabs slabs;
+    if (isGroup) slabs = cbvhGroupSlabs(local, word, heights, box);
+    else slabs = cbvhNodeSlabs(local, word, box);
+
+    if (!isOpen) {
+      isOpen = true;
+      uint met = cbvhMask(lessThanEqual(max(slabs.enter, vec4(0.0)), min(slabs.leave, vec4(best))));
+      uint shared_ = cbvhMask(lessThanEqual(max(slabs.enterXY, vec4(0.0)), min(slabs.leaveXY, vec4(best)))) & ~met;
+      hits |= cbvhToOrder(met, local.flip) << shift;
+      if (kind == kindLeaf) passed |= cbvhToOrder(shared_, local.flip) << shift;
+    }
+
+    bool descends = false;
+    while (true)
+    {
+      uint isHit = (hits >> shift) & 15u, isPassed = (passed >> shift) & 15u;
+      uint events = kind == kindLeaf && wantsPassed(state) ? isHit | isPassed : isHit;
+      if (events == 0u) break;
+      uint i = uint(findLSB(events));
+      uint before = (2u << i) - 1u;
+      if (i == 1u && ((isHit | isPassed) & 4u) != 0u && slabs.enter[int(2u ^ local.flip)] < slabs.enter[int(1u ^ local.flip)]) {
+        /* the second of the two is entered first */
+        if ((events & 4u) != 0u) { i = 2u; before = 5u; }
+        else before = 7u;
+      }
+      else if (i == 2u && ((isHit | isPassed) & 2u) != 0u && slabs.enter[int(2u ^ local.flip)] < slabs.enter[int(1u ^ local.flip)]) before = 5u;
+      hits &= ~(before << shift);
+      passed &= ~(before << shift);
+
+      int child = int(i ^ local.flip);
+      if ((isHit & (1u << i)) == 0u)
+      {
+        bool above = (slabs.leaveZ[child] < max(slabs.enterXY[child], 0.0)) != isDown;
+        Verdict v = passBox(state, above);
+        state = v.next;
+        if (v.hit == hitNone) continue;
+        exit_.from = v.from;
+        cbvhReport(header, ray, local, layout_.leaves, exit_, hit);
+        found = true;
+        if (anyHit) return true;
+        best = exit_.s;
+        state = afterHit(state);
+        continue;
+      }
+      if (slabs.enter[child] > best) continue;
+      if (!isLast)
+      {
+        box = decodeChild(word, child, box);
+        m = 4u*m + uint(child);
+        depth++;
+        isOpen = false;
+        descends = true;
+        break;
+      }
+
+      uint leaf = 4u*m + uint(child);
+      if (kind == kindGrid)
+      {
+        if (!cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leaves, ray, leaf, anyHit, hit)) continue;
+        found = true;
+        if (anyHit) return true;
+        Segment s = local.segment;
+        best = s.t1 > s.t0 ? localShare(s.w0, s.w1, (hit.t*rcpScale - s.t0)/(s.t1 - s.t0)) + 1e-5 : 1.0;
+      }
+      else if (kind == kindVoxel)
+      {
+        if (local.segment.startClipped && slabs.enter[child] < 0.0) continue;
+        cbvhReport(header, ray, local, layout_.leaves,
+                   cbvhHitOnPatch(local, cbvhSolidLeaf(decodeChild(word, child, box)), leaf, max(slabs.enter[child], 0.0), sideUnknown), hit);
+        found = true;
+        if (anyHit) return true;
+        best = min(best, max(slabs.enter[child], 0.0));
+      }
+      else
+      {
+        LeafPatch patch_ = decodeLeaf(word, heights, child, box);
+        Crossing x = crossPatch(local.segment, patch_);
+        Verdict v = crossLeaf(state, x.event);
+        bool isMet = v.hit != hitNone;
+        float s = x.s0;
+        if (v.hit == hitRoot) s = x.s0 + parabolaRoot(x.f)*(x.s1 - x.s0);
+        if (v.hit == hitLip) {
+          Lip lip = Lip(borderWidthOf(header.info), 0.5*patch_.thickness, local.segment.epsilon[2]);
+          LipMeeting at = meetLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), layout_.leaves - 1u, lip);
+          isMet = at.met;
+          s = x.s0 + at.k*(x.s1 - x.s0);
+        }
+        if (isMet && !(state.found && !(s < best))) {
+          cbvhReport(header, ray, local, layout_.leaves, cbvhHitOnPatch(local, patch_, leaf, s, v.from), hit);
+          found = true;
+          if (anyHit) return true;
+          best = s;
+          state = afterHit(state);
+          continue;
+        }
+        state = v.next;
+        if (state.pending) exit_ = cbvhHitOnPatch(local, patch_, leaf, x.s1, sideUnknown);
+      }
+    }
+    if (descends) continue;
+
+    /* up, to the next level that has something to come */
+    if (isLast) { hits &= ~(15u << shift); passed &= ~(15u << shift); }
+    bool isDone = true;
+    while (depth > 0u)
+    {
+      depth--;
+      m >>= 2;
+      uint rest = (hits >> (4u*depth)) & 15u;
+      if (kind == kindLeaf && wantsPassed(state)) rest |= (passed >> (4u*depth)) & 15u;
+      if (rest != 0u) { isDone = false; break; }
+      hits &= ~(15u << (4u*depth));
+      passed &= ~(15u << (4u*depth));
+    }
+    if (isDone) return found;
+    isBoxKnown = false;
+    isOpen = true;
+  }
+  return found;
+}
+
+#endif

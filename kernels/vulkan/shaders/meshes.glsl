@@ -1,0 +1,80 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Leaves in full precision: runs of triangles of NAIVE, cells of 2 x 2 quads of GRID. */
+
+#ifndef CBVH_MESHES_GLSL
+#define CBVH_MESHES_GLSL
+
+#include "triangle.glsl"
+
+vec3 cbvhMeshVertex (GeometryData geometry, uint i)
+{
+  CbvhWords words = CbvhWords(geometry.vertices);
+  uint first = i*geometry.vertexStride;
+  return uintBitsToFloat(uvec3(words.at[first], words.at[first + 1u], words.at[first + 2u]));
+}
+
+/* True if a triangle of the run is hit; with anyHit the first one that is. */
+bool cbvhTraceRun (SceneData scene, CbvhTravel ray, uint index, const bool anyHit, inout CbvhHit hit)
+{
+  bool found = false;
+  uint first = firstOfRun(index), end = first + countOfRun(index);
+  for (uint i = first; i < end; i++)
+  {
+    uvec2 id = CbvhPairs(scene.cells).at[i];
+    GeometryData geometry = CbvhGeometries(scene.geometries).at[ray.firstGeometry + id.x];
+    if ((geometry.mask & ray.mask) == 0u) continue;
+    CbvhWords indices = CbvhWords(geometry.indices);
+    uint k = id.y*geometry.indexStride;
+    vec3 a = cbvhMeshVertex(geometry, indices.at[k]), b = cbvhMeshVertex(geometry, indices.at[k + 1u]), c = cbvhMeshVertex(geometry, indices.at[k + 2u]);
+    CbvhTriangleHit at;
+    bool met = geometry.isRobust != 0u ? cbvhPluecker(ray, hit.t, a, b, c, at) : cbvhMoellerTrumbore(ray, hit.t, a, b, c, at);
+    if (!met) continue;
+    found = true;
+    cbvhSetHit(hit, ray, at.t, at.u, at.v, at.Ng, id.y, id.x);
+    if (anyHit) return true;
+  }
+  return found;
+}
+
+vec3 cbvhGridVertex (CbvhPointer grid, uint first, uint plane, uint i)
+{
+  return vec3(cbvhFloat(grid, first + i), cbvhFloat(grid, first + plane + i), cbvhFloat(grid, first + 2u*plane + i));
+}
+
+/* 16 bits each, of which 1 is an eighth */
+vec2 cbvhGridParameters (CbvhPointer grid, uint first, uint plane, uint i)
+{
+  uint uv = cbvhWord(grid, first + 3u*plane + i);
+  return vec2(float(uv & 0xFFFFu), float(uv >> 16))*(8.0/65536.0);
+}
+
+bool cbvhTraceCell (SceneData scene, CbvhTravel ray, uint index, const bool anyHit, inout CbvhHit hit)
+{
+  uvec2 cell = CbvhPairs(scene.cells).at[index];
+  CbvhPointer grid = cbvhPointer(scene, cell.x);
+  uint geomID = cbvhWord(grid, gridGeometryWord);
+  if (!cbvhIsSeen(scene, ray, geomID)) return false;
+  uint width = cbvhWord(grid, gridWidthWord), plane = cbvhWord(grid, gridPlaneWord);
+  uint first = gridDataWord + cbvhWord(grid, gridOffsetWord)/4u;
+  uint quadsX = width > 2u ? 2u : 1u, quads = quadsX*(cbvhWord(grid, gridHeightWord) > 2u ? 2u : 1u);
+  bool found = false;
+  for (uint triangle = 0u; triangle < 2u*quads; triangle++)
+  {
+    uint q = triangle >> 1, i = cell.y + (q/quadsX)*width + q%quadsX;
+    bool second = (triangle & 1u) != 0u;
+    uvec3 corners = second ? uvec3(i + width, i + 1u, i + width + 1u) : uvec3(i, i + 1u, i + width);
+    CbvhTriangleHit at;
+    if (!cbvhPluecker(ray, hit.t, cbvhGridVertex(grid, first, plane, corners.x), cbvhGridVertex(grid, first, plane, corners.y),
+                      cbvhGridVertex(grid, first, plane, corners.z), at)) continue;
+    found = true;
+    vec2 uv = at.u*cbvhGridParameters(grid, first, plane, corners.y) + at.v*cbvhGridParameters(grid, first, plane, corners.z)
+            + (1.0 - at.u - at.v)*cbvhGridParameters(grid, first, plane, corners.x);
+    cbvhSetHit(hit, ray, at.t, uv.x, uv.y, at.Ng, cbvhWord(grid, gridPrimitiveWord), geomID);
+    if (anyHit) return true;
+  }
+  return found;
+}
+
+#endif

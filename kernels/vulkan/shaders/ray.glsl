@@ -1,0 +1,80 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Rays and hits of the shader interface, and what kernels know of a ray. */
+
+#ifndef CBVH_RAY_GLSL
+#define CBVH_RAY_GLSL
+
+#include "memory.glsl"
+#include "../../cbvh/codec/local_ray.h"
+
+/* As RTCRay: tnear and tfar in units of the direction, which need not be of length 1; a ray whose
+ * tnear is not at most tfar hits nothing. mask: geometries whose mask shares a bit are seen. */
+struct CbvhRay
+{
+  vec3 origin;
+  float tnear;
+  vec3 direction;
+  float tfar;
+  uint mask;
+};
+
+/* As RTCHit. In an instance Ng is in the space of the instanced scene. */
+struct CbvhHit
+{
+  float t;
+  float u, v;
+  vec3 Ng;
+  uint primID, geomID, instID; // CBVH_NONE for none
+};
+
+const uint CBVH_NONE = 0xFFFFFFFFu;
+
+/* A ray in the scene or the instance that is traversed. */
+struct CbvhTravel
+{
+  vec3 org, dir;
+  vec3 rcp;       // finite
+  float tnear;    // not negative
+  uint mask;
+  uint instID;
+  uint firstGeometry;
+};
+
+/* Reciprocal of a component of a direction: finite, and of the sign of its zero. */
+float cbvhReciprocal (float d, float least)
+{
+  return 1.0/(abs(d) < least ? (floatBitsToUint(d) >> 31 != 0u ? -least : least) : d);
+}
+
+CbvhTravel cbvhTravel (CbvhRay ray)
+{
+  CbvhTravel travel;
+  travel.org = ray.origin;
+  travel.dir = ray.direction;
+  for (int k = 0; k < 3; k++) travel.rcp[k] = cbvhReciprocal(ray.direction[k], 1e-18); // as Embree's rcp_safe
+  travel.tnear = max(ray.tnear, 0.0);
+  travel.mask = ray.mask;
+  travel.instID = CBVH_NONE;
+  travel.firstGeometry = 0u;
+  return travel;
+}
+
+bool cbvhIsSeen (SceneData scene, CbvhTravel ray, uint geomID)
+{
+  return (CbvhGeometries(scene.geometries).at[ray.firstGeometry + geomID].mask & ray.mask) != 0u;
+}
+
+void cbvhSetHit (inout CbvhHit hit, CbvhTravel ray, float t, float u, float v, vec3 Ng, uint primID, uint geomID)
+{
+  hit.t = t;
+  hit.u = u;
+  hit.v = v;
+  hit.Ng = Ng;
+  hit.primID = primID;
+  hit.geomID = geomID;
+  hit.instID = ray.instID;
+}
+
+#endif

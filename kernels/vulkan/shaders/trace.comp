@@ -1,0 +1,57 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Rays of a buffer: RTCRayHit in and out, or RTCRay with CBVH_ANY_HIT. */
+
+#version 460
+
+layout(constant_id = 0) const uint kinds = 0xFFu;
+layout(constant_id = 1) const uint stackSize = 96u;
+#define CBVH_KINDS kinds
+#define CBVH_STACK stackSize
+#include "cbvh.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant, scalar) uniform Arguments
+{
+  uvec2 scene;
+  uvec2 rays;
+  uint first, count;
+} arguments;
+
+/* in words */
+#ifdef CBVH_ANY_HIT
+const uint stride = 12u;
+#else
+const uint stride = 20u;
+#endif
+const uint tfarWord = 8u, maskWord = 9u, hitWord = 12u;
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer RaysIn { vec4 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Rays { uint at[]; };
+
+void main ()
+{
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= arguments.count) return;
+  uint word = stride*(arguments.first + i);
+  vec4 a = RaysIn(arguments.rays).at[word >> 2], b = RaysIn(arguments.rays).at[(word >> 2) + 1u], c = RaysIn(arguments.rays).at[(word >> 2) + 2u];
+  CbvhRay ray = CbvhRay(a.xyz, a.w, b.xyz, c.x, floatBitsToUint(c.y));
+  Rays rays = Rays(arguments.rays);
+#ifdef CBVH_ANY_HIT
+  if (cbvhOccluded(arguments.scene, ray)) rays.at[word + tfarWord] = floatBitsToUint(-1.0/0.0);
+#else
+  CbvhHit hit;
+  if (!cbvhIntersect(arguments.scene, ray, hit)) return;
+  rays.at[word + tfarWord] = floatBitsToUint(hit.t);
+  rays.at[word + hitWord] = floatBitsToUint(hit.Ng.x);
+  rays.at[word + hitWord + 1u] = floatBitsToUint(hit.Ng.y);
+  rays.at[word + hitWord + 2u] = floatBitsToUint(hit.Ng.z);
+  rays.at[word + hitWord + 3u] = floatBitsToUint(hit.u);
+  rays.at[word + hitWord + 4u] = floatBitsToUint(hit.v);
+  rays.at[word + hitWord + 5u] = hit.primID;
+  rays.at[word + hitWord + 6u] = hit.geomID;
+  rays.at[word + hitWord + 7u] = hit.instID;
+#endif
+}

@@ -1,0 +1,57 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Embree's tests of a triangle, in its order of operations: Pluecker for grids and robust scenes,
+ * Moeller and Trumbore for others. */
+
+#ifndef CBVH_TRIANGLE_GLSL
+#define CBVH_TRIANGLE_GLSL
+
+#include "ray.glsl"
+
+struct CbvhTriangleHit
+{
+  float t;
+  float u, v;   // weights of the second and the third vertex
+  vec3 Ng;
+};
+
+/* Normal from the pair of edges that loses less. */
+vec3 cbvhStableNormal (vec3 a, vec3 b, vec3 c)
+{
+  vec3 ab = a.zxy*b.yzx, bc = b.zxy*c.yzx;
+  vec3 crossAB = a.yzx*b.zxy - ab, crossBC = b.yzx*c.zxy - bc;
+  return mix(crossBC, crossAB, lessThan(abs(ab), abs(bc)));
+}
+
+bool cbvhPluecker (CbvhTravel ray, float tfar, vec3 a, vec3 b, vec3 c, out CbvhTriangleHit hit)
+{
+  vec3 v0 = a - ray.org, v1 = b - ray.org, v2 = c - ray.org;
+  vec3 e0 = v2 - v0, e1 = v0 - v1, e2 = v1 - v2;
+  float U = dot(cross(e0, v2 + v0), ray.dir);
+  float V = dot(cross(e1, v0 + v1), ray.dir);
+  float W = dot(cross(e2, v1 + v2), ray.dir);
+  float UVW = U + V + W, eps = floatUlp*abs(UVW);
+  if (!(min(U, min(V, W)) >= -eps || max(U, max(V, W)) <= eps)) return false;
+  vec3 Ng = cbvhStableNormal(e0, e1, e2);
+  float den = 2.0*dot(Ng, ray.dir), t = 2.0*dot(v0, Ng)/den;
+  if (!(ray.tnear <= t && t <= tfar) || den == 0.0) return false;
+  float rcpUVW = abs(UVW) < 1e-18 ? 0.0 : 1.0/UVW;
+  hit = CbvhTriangleHit(t, min(U*rcpUVW, 1.0), min(V*rcpUVW, 1.0), Ng);
+  return true;
+}
+
+bool cbvhMoellerTrumbore (CbvhTravel ray, float tfar, vec3 a, vec3 b, vec3 c, out CbvhTriangleHit hit)
+{
+  vec3 e1 = a - b, e2 = c - a, Ng = cross(e2, e1), C = a - ray.org, R = cross(C, ray.dir);
+  float den = dot(Ng, ray.dir), absDen = abs(den), sgn = den < 0.0 ? -1.0 : 1.0;
+  float U = dot(R, e2)*sgn, V = dot(R, e1)*sgn;
+  if (!(den != 0.0 && U >= 0.0 && V >= 0.0 && U + V <= absDen)) return false;
+  float T = dot(Ng, C)*sgn;
+  if (!(absDen*ray.tnear < T && T <= absDen*tfar)) return false;
+  float rcp = 1.0/absDen;
+  hit = CbvhTriangleHit(T*rcp, U*rcp, V*rcp, Ng);
+  return true;
+}
+
+#endif
