@@ -41,8 +41,8 @@ bool cbvhHasOnly (uint kind)
   return (uint(CBVH_KINDS) & framed) == (1u << (firstBlockReference + kind));
 }
 
-/* Children that the ray meets, nearest first: keys whose upper bits are the distance, and whose lower two are
- * the child; those that it does not meet come last. */
+/* Children that the ray meets, nearest first: keys whose upper bits are the distance, and whose lower two say
+ * the child, cbvhChildOfKey; those that it does not meet come last. Of two as near Embree takes the later one. */
 uvec4 cbvhSortChildren (CbvhNode node, CbvhTravel ray, float tfar)
 {
   vec4 enter = vec4(ray.tnear), leave = vec4(tfar);
@@ -53,11 +53,13 @@ uvec4 cbvhSortChildren (CbvhNode node, CbvhTravel ray, float tfar)
   }
   /* as Embree's robust traversal: what is lost to rounding */
   bvec4 isMet = lessThanEqual(enter*(1.0 - 3.0*floatUlp), leave*(1.0 + 3.0*floatUlp));
-  uvec4 keys = mix(uvec4(0xFFFFFFFFu), (floatBitsToUint(enter) & ~uvec4(3u)) | uvec4(0u, 1u, 2u, 3u), isMet);
+  uvec4 keys = mix(uvec4(0xFFFFFFFFu), (floatBitsToUint(enter) & ~uvec4(3u)) | uvec4(3u, 2u, 1u, 0u), isMet);
   keys = uvec4(min(keys.xz, keys.yw), max(keys.xz, keys.yw)); // x,y: lesser of each pair; z,w: greater
   keys = uvec4(min(keys.x, keys.y), max(keys.x, keys.y), min(keys.z, keys.w), max(keys.z, keys.w));
   return uvec4(keys.x, min(keys.y, keys.z), max(keys.y, keys.z), keys.w);
 }
+
+uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
 
 /* A leaf of the tree that is no instance; true if something nearer is hit. */
 bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit)
@@ -86,7 +88,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   CbvhTravel ray = cbvhTravel(worldRay);
   bool found = false;
 
-  uint stack[CBVH_STACK];
+  uvec2 stack[CBVH_STACK];       // references, and where the ray enters their boxes
   int top = 0, instanceTop = -1; // the stack's height where an instance was entered
   uint current = scene.root;
 
@@ -98,10 +100,10 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
       CbvhNode node = nodes.at[current];
       uvec4 keys = cbvhSortChildren(node, ray, hit.t);
       current = emptyReference;
-      if (keys.w != 0xFFFFFFFFu) stack[top++] = node.children[keys.w & 3u];
-      if (keys.z != 0xFFFFFFFFu) stack[top++] = node.children[keys.z & 3u];
-      if (keys.y != 0xFFFFFFFFu) stack[top++] = node.children[keys.y & 3u];
-      if (keys.x != 0xFFFFFFFFu) current = node.children[keys.x & 3u];
+      if (keys.w != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.w)], keys.w);
+      if (keys.z != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.z)], keys.z);
+      if (keys.y != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.y)], keys.y);
+      if (keys.x != 0xFFFFFFFFu) current = node.children[cbvhChildOfKey(keys.x)];
     }
 
     if (current != emptyReference)
@@ -131,9 +133,13 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
       }
     }
 
-    if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhTravel(worldRay); instanceTop = -1; }
-    if (top == 0) return found;
-    current = stack[--top];
+    /* back to what waits and is not behind a hit */
+    do {
+      if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhTravel(worldRay); instanceTop = -1; }
+      if (top == 0) return found;
+      top--;
+    } while (stack[top].y > (floatBitsToUint(hit.t) | 3u));
+    current = stack[top].x;
   }
   return found;
 }

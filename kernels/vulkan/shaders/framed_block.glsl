@@ -375,17 +375,17 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
     if (descends) continue;
 
     /* up, to the next level that has something to come */
-    if (isLast) { hits &= ~(15u << shift); passed &= ~(15u << shift); }
     bool isDone = true;
-    while (depth > 0u)
+    while (true)
     {
+      hits &= ~(15u << (4u*depth));
+      passed &= ~(15u << (4u*depth));
+      if (depth == 0u) break;
       depth--;
       m >>= 2;
       uint rest = (hits >> (4u*depth)) & 15u;
       if (kind == kindLeaf && wantsPassed(state)) rest |= (passed >> (4u*depth)) & 15u;
       if (rest != 0u) { isDone = false; break; }
-      hits &= ~(15u << (4u*depth));
-      passed &= ~(15u << (4u*depth));
     }
     if (isDone) return found;
     isBoxKnown = false;
