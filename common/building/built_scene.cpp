@@ -96,6 +96,7 @@ void validateBuild(const BuildSettings& settings)
     throw Error("--threads must not be negative");
   if (!std::set<std::string>{"", "sse2", "sse4.2", "avx", "avx2", "avx512"}.count(settings.isa))
     throw Error("unknown --isa '" + settings.isa + "', known are sse2, sse4.2, avx, avx2 and avx512");
+  validateTraceDevice(settings.device);
 }
 
 BuiltScene::BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings)
@@ -112,6 +113,14 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
   else
     buildSubdivision(model, settings);
   built.quads = patches.numQuads();
+  embreeTracer = std::make_unique<EmbreeTracer>(scene.get());
+  if (settings.device != "cpu")
+  {
+    Phase phase(what.label() + ": to the device");
+    vulkanTracer = VulkanTracer::create(settings.device, scene.get());
+    device->check("putting a scene on a Vulkan device");
+    built.onDevice = vulkanTracer->report();
+  }
 }
 
 void BuiltScene::commit(const char* doing)

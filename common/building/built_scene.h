@@ -9,12 +9,14 @@
 #include "building/representation.h"
 #include "building/subdivision_geometry.h"
 #include "building/surface_hit.h"
+#include "building/vulkan_tracer.h"
 #include "surface/model.h"
 
 #include <embree3/rtcore_compression.h>
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace cbvh {
@@ -36,9 +38,10 @@ struct BuildSettings
   bool filters = false;    // of contexts are called
   bool exactFaces = true;  // cLEAF stores faces exactly that leaves hold badly, unless EMBREE_CBVH says otherwise
   std::string isa;     // Embree's name of the widest instruction set to use, empty for the host's best
+  std::string device = "cpu"; // that traces: "cpu", "vulkan" or "vulkan:NAME"
 };
 
-/* Throws Error that names the option, --level, --threads or --isa, and its value. */
+/* Throws Error that names the option, --level, --threads, --isa or --device, and its value. */
 void validateBuild(const BuildSettings& settings);
 
 struct BuildReport
@@ -48,6 +51,7 @@ struct BuildReport
   size_t peakBytes = 0;  // most held at any time of the commit
   size_t quads = 0;
   RTCCompressionStatistics compression{}; // all zero for NAIVE and GRID
+  std::optional<VulkanSceneReport> onDevice; // where a Vulkan device traces
 
   /* How far the surface may be from the mesh that it stands for: the thickness of its leaves, or the way
    * that its vertices were moved, and, where faces tear the mesh, that one face's were to another's. */
@@ -67,6 +71,11 @@ public:
   BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings);
 
   RTCScene handle() const { return scene.get(); }
+
+  /* What traces the scene, and, if a Vulkan device does, the same, else NULL. */
+  const SceneTracer& tracer() const { return vulkanTracer ? static_cast<const SceneTracer&>(*vulkanTracer) : *embreeTracer; }
+  const VulkanTracer* vulkan() const { return vulkanTracer.get(); }
+
   const Representation& representation() const { return what; }
   const BuildReport& report() const { return built; }
   const PatchLayout& layout() const { return patches; }
@@ -87,6 +96,8 @@ private:
   std::vector<DisplacementContext> contexts; // one a copy
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device
+  std::unique_ptr<EmbreeTracer> embreeTracer;
+  std::unique_ptr<VulkanTracer> vulkanTracer; // released before its scene
   BuildReport built;
 };
 

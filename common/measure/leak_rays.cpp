@@ -36,16 +36,20 @@ struct Found
   bool hit() const { return t < INFINITY; }
 };
 
-Found closest(RTCScene scene, RTCIntersectContext& context, const Ray& ray)
+Found foundBy(const RTCRayHit& out, const Ray& ray)
 {
-  RTCRayHit out;
-  load(ray, out.ray);
-  out.hit.geomID = out.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene, &context, &out);
   if (out.hit.geomID == RTC_INVALID_GEOMETRY_ID)
     return {};
   const Vec3f normal = normalize(Vec3f{out.hit.Ng_x, out.hit.Ng_y, out.hit.Ng_z});
   return {out.ray.tfar, dot(normal, ray.direction), normal};
+}
+
+Found closest(RTCScene scene, RTCIntersectContext& context, const Ray& ray)
+{
+  RTCRayHit out;
+  load(ray, out);
+  rtcIntersect1(scene, &context, &out);
+  return foundBy(out, ray);
 }
 
 bool any(RTCScene scene, RTCIntersectContext& context, const Ray& ray)
@@ -76,7 +80,7 @@ float nudged(float x, std::mt19937& random)
 class Tracer
 {
 public:
-  Tracer(RTCScene grid, RTCScene scene, const AimPoints& points, const LeakSettings& settings, uint32_t seed)
+  Tracer(RTCScene grid, const SceneTracer& scene, const AimPoints& points, const LeakSettings& settings, uint32_t seed)
     : grid(grid), scene(scene), points(points), settings(settings), random(seed)
   {
     rtcInitIntersectContext(&context);
@@ -88,8 +92,9 @@ public:
     {
       Place place;
       if (findPlace(points[i % numMeetings], i / numMeetings % 2, place))
-        traceFrom(place);
+        drawFrom(place);
     }
+    trace();
     return counts;
   }
 
@@ -149,31 +154,50 @@ private:
     return true;
   }
 
-  void traceFrom(const Place& place)
+  void drawFrom(const Place& place)
   {
     const auto towards = [&](Vec3f target) { return target - place.origin; };
     const AimPoint& a = place.target;
     Vec3f d = towards(a.position);
-    trace(place, d, true);
-    trace(place, {nudged(d.x, random), nudged(d.y, random), nudged(d.z, random)}, true);
+    draw(place, d, true);
+    draw(place, {nudged(d.x, random), nudged(d.y, random), nudged(d.z, random)}, true);
     for (int i = 0; i < 3; i++)
-      trace(place, towards(lerp(a.position, a.neighbour, uniform(random))), true);
-    trace(place, normalize(d), true);
-    trace(place, anyDirection(random), false);
+      draw(place, towards(lerp(a.position, a.neighbour, uniform(random))), true);
+    draw(place, normalize(d), true);
+    draw(place, anyDirection(random), false);
     const float side = random() & 1 ? 1.0f : -1.0f;
     const size_t axis = below(3, random);
-    trace(place, {axis == 0 ? side : 0.0f, axis == 1 ? side : 0.0f, axis == 2 ? side : 0.0f}, false);
+    draw(place, {axis == 0 ? side : 0.0f, axis == 1 ? side : 0.0f, axis == 2 ? side : 0.0f}, false);
   }
 
-  void trace(const Place& place, Vec3f direction, bool aimed)
+  void draw(const Place& place, Vec3f direction, bool aimed)
   {
-    const Ray ray = rayFrom(place.origin, direction);
-    const Found inGrid = closest(grid, context, ray), inScene = closest(scene, context, ray);
-    const bool anyInGrid = any(grid, context, ray), anyInScene = any(scene, context, ray);
+    drawn.push_back({rayFrom(place.origin, direction), aimed});
+  }
+
+  /* All rays at once, as a device likes it. */
+  void trace()
+  {
+    std::vector<RTCRayHit> closestHits(drawn.size());
+    std::vector<RTCRay> anyHits(drawn.size());
+    for (size_t i = 0; i < drawn.size(); i++)
+    {
+      load(drawn[i].ray, closestHits[i]);
+      load(drawn[i].ray, anyHits[i]);
+    }
+    scene.intersect(closestHits.data(), drawn.size());
+    scene.occluded(anyHits.data(), drawn.size());
+    for (size_t i = 0; i < drawn.size(); i++)
+      judge(drawn[i].ray, drawn[i].aimed, foundBy(closestHits[i], drawn[i].ray), anyHits[i].tfar < 0.0f);
+  }
+
+  void judge(const Ray& ray, bool aimed, const Found& inScene, bool anyInScene)
+  {
+    const Found inGrid = closest(grid, context, ray);
     const Leaks ofScene = leaks(inScene, anyInScene, inGrid, ray);
     counts.rays++;
     counts.aimed += aimed;
-    counts.ofGrid += leaks(inGrid, anyInGrid, inScene, ray);
+    counts.ofGrid += leaks(inGrid, any(grid, context, ray), inScene, ray);
     counts.ofScene += ofScene;
     if (!aimed)
       counts.random += ofScene;
@@ -202,7 +226,15 @@ private:
     return isOutside(p) && isClear(p, {first.normal, found.normal});
   }
 
-  RTCScene grid, scene;
+  struct Drawn
+  {
+    Ray ray;
+    bool aimed;
+  };
+
+  RTCScene grid;
+  const SceneTracer& scene;
+  std::vector<Drawn> drawn;
   const AimPoints& points;
   const LeakSettings& settings;
   std::mt19937 random;
@@ -220,7 +252,7 @@ Leaks& Leaks::operator+=(const Leaks& other)
   return *this;
 }
 
-LeakCounts countLeaks(RTCScene grid, RTCScene scene, const AimPoints& points, const LeakSettings& settings,
+LeakCounts countLeaks(RTCScene grid, const SceneTracer& scene, const AimPoints& points, const LeakSettings& settings,
                       unsigned threads)
 {
   LeakCounts sum;

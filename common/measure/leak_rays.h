@@ -6,6 +6,7 @@
 /* Rays from inside of a closed surface, each of which has to hit it. Most aim where a
  * ray could slip through, straight on or so that they graze the surface there. */
 
+#include "building/scene_tracer.h"
 #include "measure/aim_points.h"
 #include "tracing/ray.h"
 
@@ -46,7 +47,7 @@ struct LeakCounts
 
 /* grid: the same surface, by GRID. points: on it. No rays where no inside is found, as of
  * an open surface. Throws Cancelled. */
-LeakCounts countLeaks(RTCScene grid, RTCScene scene, const AimPoints& points, const LeakSettings& settings,
+LeakCounts countLeaks(RTCScene grid, const SceneTracer& scene, const AimPoints& points, const LeakSettings& settings,
                       unsigned threads);
 
 } // namespace cbvh

@@ -33,13 +33,21 @@ bool hasNormal(const SurfaceHit& hit)
   return hit.hit() && length(hit.normal) > 0.0f;
 }
 
-bool isOccluded(RTCScene scene, RTCIntersectContext& context, const Ray& ray)
+/* Rays that are traced at once, as a device likes it. */
+class ShadowRays
 {
-  RTCRay out;
-  load(ray, out);
-  rtcOccluded1(scene, &context, &out);
-  return out.tfar < 0.0f;
-}
+public:
+  void add(const Ray& ray)
+  {
+    rays.emplace_back();
+    load(ray, rays.back());
+  }
+  void trace(const SceneTracer& scene) { scene.occluded(rays.data(), rays.size()); }
+  bool isOccluded(size_t i) const { return rays[i].tfar < 0.0f; }
+
+private:
+  std::vector<RTCRay> rays;
+};
 
 void count(ShadowErrors& errors, bool truth, bool found)
 {
@@ -93,17 +101,16 @@ Ray secondaryRay(const Ray& primary, const SurfaceHit& hit, Vec3f direction, con
   return ray;
 }
 
-/* Compares a pixel's secondary rays. */
+/* Compares the secondary rays of pixels. */
 class PixelComparer
 {
 public:
   PixelComparer(const SeenScene& grid, const SeenScene& seen, const PictureRays& primary, const ShadowSettings& settings)
     : grid(grid), seen(seen), primary(primary), settings(settings)
   {
-    rtcInitIntersectContext(&context);
   }
 
-  void compare(size_t pixel, std::mt19937& random)
+  void add(size_t pixel, std::mt19937& random)
   {
     const Ray& ray = primary.rays[pixel];
     const SurfaceHit &gridHit = grid.hits[pixel], &hit = seen.hits[pixel];
@@ -118,34 +125,52 @@ public:
     for (unsigned k = 0; k < settings.raysPerHit; k++)
     {
       const Vec3f direction = cosineDirection(n, random);
-      const Ray own = secondaryRay(ray, hit, direction, settings, primary.footprint);
-      const bool truth =
-        isOccluded(grid.scene, context, secondaryRay(ray, gridHit, direction, settings, primary.footprint));
-      const bool found = isOccluded(seen.scene, context, own);
-      sum.rays++;
-      sum.occluded += truth;
-      count(sum.all, truth, found);
-      count(sum.control, truth, isOccluded(grid.scene, context, own));
-      if (same)
-      {
-        sum.raysOfSame++;
-        count(sum.ofSame, truth, found);
-      }
-      if (turned)
-      {
-        sum.raysOfTurned++;
-        count(sum.ofTurned, truth, found);
-      }
+      const Ray ownRay = secondaryRay(ray, hit, direction, settings, primary.footprint);
+      truth.add(secondaryRay(ray, gridHit, direction, settings, primary.footprint));
+      own.add(ownRay);
+      control.add(ownRay);
+      kinds.push_back({same, turned});
     }
   }
 
-  ShadowComparison sum; // of the pixels so far
+  ShadowComparison compare()
+  {
+    truth.trace(grid.scene);
+    control.trace(grid.scene);
+    own.trace(seen.scene);
+    ShadowComparison sum;
+    for (size_t i = 0; i < kinds.size(); i++)
+    {
+      const bool isShadow = truth.isOccluded(i), found = own.isOccluded(i);
+      sum.rays++;
+      sum.occluded += isShadow;
+      count(sum.all, isShadow, found);
+      count(sum.control, isShadow, control.isOccluded(i));
+      if (kinds[i].same)
+      {
+        sum.raysOfSame++;
+        count(sum.ofSame, isShadow, found);
+      }
+      if (kinds[i].turned)
+      {
+        sum.raysOfTurned++;
+        count(sum.ofTurned, isShadow, found);
+      }
+    }
+    return sum;
+  }
 
 private:
+  struct Kind
+  {
+    bool same, turned;
+  };
+
   const SeenScene &grid, &seen;
   const PictureRays& primary;
   const ShadowSettings& settings;
-  RTCIntersectContext context;
+  ShadowRays truth, own, control;
+  std::vector<Kind> kinds; // of a ray each
 };
 
 } // namespace
@@ -160,9 +185,10 @@ ShadowComparison compareShadows(const SeenScene& grid, const SeenScene& seen, co
     std::mt19937 random = randomOfChunk(settings, begin);
     PixelComparer comparer(grid, seen, primary, settings);
     for (size_t i = begin; i < end; i++)
-      comparer.compare(i, random);
+      comparer.add(i, random);
+    const ShadowComparison ofChunk = comparer.compare();
     const std::lock_guard<std::mutex> lock(mutex);
-    sum += comparer.sum;
+    sum += ofChunk;
   });
   return sum;
 }
@@ -174,8 +200,8 @@ std::vector<float> ambientOcclusion(const SeenScene& seen, const PictureRays& pr
   parallelFor(light.size(), chunk, threads, [&](size_t begin, size_t end) {
     const FastDenormals denormals;
     std::mt19937 random = randomOfChunk(settings, begin);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    ShadowRays rays;
+    std::vector<size_t> pixels;
     for (size_t i = begin; i < end; i++)
     {
       const Ray& ray = primary.rays[i];
@@ -186,11 +212,17 @@ std::vector<float> ambientOcclusion(const SeenScene& seen, const PictureRays& pr
         continue;
       }
       const Vec3f n = facing(ray, hit);
+      for (unsigned k = 0; k < settings.raysPerHit; k++)
+        rays.add(secondaryRay(ray, hit, cosineDirection(n, random), settings, primary.footprint));
+      pixels.push_back(i);
+    }
+    rays.trace(seen.scene);
+    for (size_t i = 0; i < pixels.size(); i++)
+    {
       unsigned free = 0;
       for (unsigned k = 0; k < settings.raysPerHit; k++)
-        free += !isOccluded(seen.scene, context,
-                            secondaryRay(ray, hit, cosineDirection(n, random), settings, primary.footprint));
-      light[i] = float(free) / float(settings.raysPerHit);
+        free += !rays.isOccluded(i * settings.raysPerHit + k);
+      light[pixels[i]] = float(free) / float(settings.raysPerHit);
     }
   });
   return light;

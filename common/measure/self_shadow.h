@@ -6,6 +6,7 @@
 /* Whether secondary rays that leave a representation's own hits see what GRID's see
  * from GRID's hits: neither a surface that shadows itself nor light that comes through. */
 
+#include "building/scene_tracer.h"
 #include "building/surface_hit.h"
 #include "tracing/ray.h"
 
@@ -37,7 +38,7 @@ struct PictureRays
 /* A scene and its hits of them. */
 struct SeenScene
 {
-  RTCScene scene;
+  const SceneTracer& scene;
   const std::vector<SurfaceHit>& hits;
 };
 

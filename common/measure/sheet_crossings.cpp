@@ -3,12 +3,14 @@
 
 #include "measure/sheet_crossings.h"
 #include "basics/parallel.h"
+#include "building/vulkan_tracer.h"
+#include "tracing/ray_conversion.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <map>
+#include <memory>
 #include <random>
 
 namespace cbvh {
@@ -84,35 +86,7 @@ void displace(const RTCDisplacementFunctionNArguments* args)
   }
 }
 
-RTCRayHit makeRay(const Ray& ray)
-{
-  RTCRayHit r;
-  std::memset(&r, 0, sizeof(r));
-  r.ray.org_x = ray.origin.x; r.ray.org_y = ray.origin.y; r.ray.org_z = ray.origin.z;
-  r.ray.dir_x = ray.direction.x; r.ray.dir_y = ray.direction.y; r.ray.dir_z = ray.direction.z;
-  r.ray.tfar = INFINITY;
-  r.ray.mask = ~0u;
-  r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  return r;
-}
-
-bool hits(RTCScene scene, const Ray& ray)
-{
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRayHit r = makeRay(ray);
-  rtcIntersect1(scene, &context, &r);
-  return r.hit.geomID != RTC_INVALID_GEOMETRY_ID;
-}
-
-bool isOccluded(RTCScene scene, const Ray& ray)
-{
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRay r = makeRay(ray).ray;
-  rtcOccluded1(scene, &context, &r);
-  return r.tfar < 0;
-}
+bool isHit(const RTCRayHit& ray) { return ray.hit.geomID != RTC_INVALID_GEOMETRY_ID; }
 
 /* From above all that can be hit to below it, or the other way, over the sheet. */
 Ray drawRay(Draws& draws, const RTCBounds& bounds)
@@ -226,17 +200,32 @@ SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const S
     rtcGetSceneBounds(scene, &own);
     bounds.lower_z = std::min(bounds.lower_z, own.lower_z);
     bounds.upper_z = std::max(bounds.upper_z, own.upper_z);
+    const std::unique_ptr<SceneTracer> tracer = makeTracer(settings.device, scene);
     const uint64_t seed = (uint64_t(settings.seed) << 40) + (uint64_t(all.sheets) << 20);
     parallelFor(rays, raysOfChunk, threads, [&](size_t begin, size_t end) {
       Draws rayDraws(seed + begin);
-      SheetCrossings found;
-      for (size_t i = begin; i < end; i++)
+      std::vector<Ray> drawn;
+      std::vector<RTCRayHit> closestHits(end - begin);
+      std::vector<RTCRay> anyHits(end - begin);
+      for (size_t i = 0; i < end - begin; i++)
       {
-        const Ray ray = drawRay(rayDraws, bounds);
-        const bool closest = hits(scene, ray), any = isOccluded(scene, ray);
+        drawn.push_back(drawRay(rayDraws, bounds));
+        load(drawn[i], closestHits[i]);
+        load(drawn[i], anyHits[i]);
+      }
+      tracer->intersect(closestHits.data(), drawn.size());
+      tracer->occluded(anyHits.data(), drawn.size());
+      SheetCrossings found;
+      for (size_t i = 0; i < drawn.size(); i++)
+      {
+        const Ray& ray = drawn[i];
+        const bool closest = isHit(closestHits[i]), any = anyHits[i].tfar < 0;
         if (closest && any)
           continue;
-        if (!hits(grid, ray)) { found.ofGrid++; continue; }
+        RTCRayHit inGrid;
+        load(ray, inGrid);
+        EmbreeTracer(grid).intersect(&inGrid, 1);
+        if (!isHit(inGrid)) { found.ofGrid++; continue; }
         found.closest += !closest;
         found.any += !any;
         found.examples.push_back(describe(sheet, ray, closest, any));

@@ -28,6 +28,7 @@ struct SheetSettings
   size_t rays = 1000000;
   size_t raysASheet = 20000;
   uint32_t seed = 1;
+  std::string device = "cpu"; // that traces, see makeTracer
 };
 
 /* A sheet of 4 x 4 flat faces over [-1,1]^2, displaced by waves of about a tenth of a wave a
@@ -59,7 +60,7 @@ struct SheetCrossings
 /* Commits a sheet on its own; the sheet outlives the scene, which the caller releases. */
 RTCScene commitSheet(RTCDevice device, const DisplacedSheet& sheet, RTCCompression compression);
 
-/* Throws Cancelled. */
+/* Throws Cancelled; Error of a Vulkan device. */
 SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const SheetSettings& settings, unsigned threads);
 
 } // namespace cbvh

@@ -47,6 +47,14 @@ inline void load(const Ray& ray, RTCRay& out)
   out.flags = 0;
 }
 
+/* With no hit. */
+inline void load(const Ray& ray, RTCRayHit& out)
+{
+  load(ray, out.ray);
+  out.hit.Ng_x = out.hit.Ng_y = out.hit.Ng_z = out.hit.u = out.hit.v = 0.0f;
+  out.hit.primID = out.hit.geomID = out.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+}
+
 /* Lane i of a packet. */
 template<typename RTCRayN>
 inline void load(const Ray& ray, RTCRayN& out, size_t i)

@@ -8,21 +8,8 @@
 namespace cbvh {
 namespace {
 
-inline void closest(const BuiltScene& scene, RTCIntersectContext& context, const Ray& ray, RTCRayHit& out)
-{
-  load(ray, out.ray);
-  out.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  out.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene.handle(), &context, &out);
-}
-
-inline bool any(const BuiltScene& scene, RTCIntersectContext& context, const Ray& ray)
-{
-  RTCRay out;
-  load(ray, out);
-  rtcOccluded1(scene.handle(), &context, &out);
-  return out.tfar < 0.0f;
-}
+/* Rays of a call; a Vulkan device has threads of its own. */
+constexpr size_t vulkanChunk = size_t(1) << 20;
 
 constexpr size_t chunk = 4096;
 
@@ -31,20 +18,18 @@ constexpr size_t chunk = 4096;
 void traceClosest(const BuiltScene& scene, size_t n, const Ray* rays, SurfaceHit* hits)
 {
   const FastDenormals denormals;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  std::vector<RTCRayHit> batch(n);
   for (size_t i = 0; i < n; i++)
-  {
-    RTCRayHit ray;
-    closest(scene, context, rays[i], ray);
-    hits[i] = scene.surfaceHit(ray);
-  }
+    load(rays[i], batch[i]);
+  scene.tracer().intersect(batch.data(), n);
+  for (size_t i = 0; i < n; i++)
+    hits[i] = scene.surfaceHit(batch[i]);
 }
 
 std::vector<SurfaceHit> traceClosest(const BuiltScene& scene, const std::vector<Ray>& rays, unsigned threads)
 {
   std::vector<SurfaceHit> hits(rays.size());
-  parallelFor(rays.size(), chunk, threads,
+  parallelFor(rays.size(), scene.vulkan() ? vulkanChunk : chunk, threads,
               [&](size_t begin, size_t end) { traceClosest(scene, end - begin, &rays[begin], &hits[begin]); });
   return hits;
 }
@@ -53,13 +38,15 @@ size_t countAnyHitDisagreements(const BuiltScene& scene, const std::vector<Ray>&
                                 const std::vector<SurfaceHit>& hits, unsigned threads)
 {
   std::atomic<size_t> count{0};
-  parallelFor(rays.size(), chunk, threads, [&](size_t begin, size_t end) {
+  parallelFor(rays.size(), scene.vulkan() ? vulkanChunk : chunk, threads, [&](size_t begin, size_t end) {
     const FastDenormals denormals;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    std::vector<RTCRay> batch(end - begin);
+    for (size_t i = begin; i < end; i++)
+      load(rays[i], batch[i - begin]);
+    scene.tracer().occluded(batch.data(), batch.size());
     size_t local = 0;
     for (size_t i = begin; i < end; i++)
-      local += any(scene, context, rays[i]) != hits[i].hit();
+      local += (batch[i - begin].tfar < 0.0f) != hits[i].hit();
     count += local;
   });
   return count;

@@ -218,8 +218,41 @@ TraceMode parseTraceMode(const std::string& name)
   throw Error("unknown mode '" + name + "', known are single, packet4, packet8, packet16 and stream");
 }
 
+namespace {
+
+template<typename RayType, typename Trace, typename IsHit>
+TraceTiming timeOnDevice(const std::vector<Ray>& rays, unsigned passes, const Trace& trace, const IsHit& isHit)
+{
+  TraceTiming timing;
+  std::vector<RayType> batch(rays.size());
+  for (unsigned pass = 0; pass < passes; pass++)
+  {
+    for (size_t i = 0; i < rays.size(); i++)
+      load(rays[i], batch[i]);
+    timing.seconds += trace(batch.data(), batch.size()) / double(passes);
+    throwIfCancelled();
+  }
+  timing.hits = size_t(std::count_if(batch.begin(), batch.end(), isHit));
+  return timing;
+}
+
+TraceTiming timeOnDevice(const VulkanTracer& tracer, const std::vector<Ray>& rays, const TraceSettings& settings)
+{
+  if (settings.query == Closest)
+    return timeOnDevice<RTCRayHit>(
+      rays, settings.passes, [&](RTCRayHit* batch, size_t n) { return tracer.timeIntersect(batch, n); },
+      [](const RTCRayHit& ray) { return ray.hit.geomID != RTC_INVALID_GEOMETRY_ID; });
+  return timeOnDevice<RTCRay>(
+    rays, settings.passes, [&](RTCRay* batch, size_t n) { return tracer.timeOccluded(batch, n); },
+    [](const RTCRay& ray) { return ray.tfar < 0.0f; });
+}
+
+} // namespace
+
 TraceTiming timeTrace(const BuiltScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings)
 {
+  if (scene.vulkan())
+    return timeOnDevice(*scene.vulkan(), rays, settings);
   constexpr size_t chunk = 4096; // whole packets and streams, and 64 tiles of 8 x 8
   static_assert(chunk % streamSize == 0, "only the last call of a set is not full");
   const Kernel kernel = kernelOf(settings.mode, settings.query);

@@ -42,12 +42,12 @@ struct TraceTiming
 {
   /* Of one pass, filling Embree's ray structures included, starting threads not. One
    * thread is timed by its processor time, which other programs disturb less, several
-   * by the wall clock. */
+   * by the wall clock. Of a Vulkan device: by its own clock, copies left out. */
   double seconds = 0;
   size_t hits = 0; // rays that hit something
 };
 
-/* Traces all rays. Throws Cancelled. */
+/* Traces all rays; mode, coherence and threads are without meaning for a Vulkan device. Throws Cancelled. */
 TraceTiming timeTrace(const BuiltScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
 
 } // namespace cbvh

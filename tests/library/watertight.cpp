@@ -141,7 +141,7 @@ TEST_P(Watertight, RaysFromInsideHit)
     leakSettings.seed = seed;
     const AimPoints points = recorder.taken();
     ASSERT_FALSE(points[AtCageVertex].empty());
-    const LeakCounts counts = countLeaks(grid, scene, points, leakSettings, threadCount(0));
+    const LeakCounts counts = countLeaks(grid, EmbreeTracer(scene), points, leakSettings, threadCount(0));
     rays += counts.rays;
     EXPECT_GT(counts.aimed, raysOfCase/4);
     EXPECT_EQ(counts.ofScene.any, counts.ofScene.closest);

@@ -37,6 +37,7 @@ BuildSettings buildSettings(const GroupSettings& settings)
   build.level = settings.level;
   build.threads = settings.options.buildThreads;
   build.exactFaces = !settings.options.leavesOnly;
+  build.device = settings.options.device;
   build.maxError = settings.options.maxError * settings.model.cage.bounds().diagonal();
   return build;
 }

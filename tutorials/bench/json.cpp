@@ -150,6 +150,11 @@ json resultJson(const VariantResult& r)
   j["batch"] = r.batch;
   j["build_seconds"] = r.build.seconds;
   j["memory"] = memoryJson(r);
+  if (r.build.onDevice)
+    j["on_device"] = {{"device", r.build.onDevice->device},
+                      {"upload_seconds", r.build.onDevice->uploadSeconds},
+                      {"device_bytes", r.build.onDevice->deviceBytes},
+                      {"imported_bytes", r.build.onDevice->importedBytes}};
   j["views"] = json::array();
   for (const ViewResult& v : r.views)
     j["views"].push_back(viewJson(v));
@@ -197,6 +202,7 @@ json settingsJson(const BenchOptions& options)
           {"true_surface_hits", options.trueHits},
           {"seed", options.seed},
           {"build_threads", options.buildThreads},
+          {"device", options.device},
           {"stream_size", streamSize},
           {"check_rays", options.checks.rays},
           {"position", {options.position.x, options.position.y, options.position.z}},

@@ -138,7 +138,7 @@ struct Words
 {
   SceneSettings settings; // of all scenes
   std::string scenes, levels = "6", representations = "naive,grid,cgrid,cvoxel,cleaf,cvert", frameLevels = "2";
-  std::string isas = "best", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
+  std::string isas = "best", device = "cpu", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
   std::string size = "768x768", pictureLevels, checks, position;
   std::vector<std::string> views;
   bool about = false;
@@ -161,6 +161,8 @@ void declareLists(CLI::App& app, Words& words)
     ->type_name("LIST")->capture_default_str();
   app.add_option("--isa", words.isas, "widest instruction sets: best, sse2, sse4.2, avx, avx2, avx512")
     ->type_name("LIST")->capture_default_str();
+  app.add_option("--device", words.device, "what traces: cpu, vulkan, or vulkan: and an index or a part of a name")
+    ->type_name("DEVICE")->capture_default_str();
   app.add_option("--threads", words.threads, "numbers of threads that trace, 0 for all")
     ->type_name("LIST")->capture_default_str();
   app.add_option("--set", words.sets, "ray sets: coherent, incoherent")->type_name("LIST")->capture_default_str();
@@ -259,6 +261,11 @@ void readCombinations(const Words& words, const Machine& machine, BenchOptions& 
     o.isas.push_back(word == "best" ? bestIsa(machine) : word);
     requireIsa(machine, o.isas.back());
   }
+  validateTraceDevice(o.device = words.device);
+  if (o.device != "cpu" && (words.threads != "1" || words.modes != "single"))
+    throw Error("--threads and --mode are of the processor: with --device " + o.device + " leave them out");
+  if (o.device != "cpu" && o.checks.crossings)
+    throw Error("--check crossings calls a filter, which --device " + o.device + " cannot");
   for (int n : parseIntegers("--threads", words.threads, mostThreads))
     o.threads.push_back(threadCount(n));
   for (const std::string& word : split("--set", words.sets))

@@ -31,6 +31,7 @@ struct BenchOptions
   std::vector<int> levels;
   std::vector<Representation> representations; // GRID among them or not: it is always built
   std::vector<std::string> isas;
+  std::string device = "cpu";                  // that traces: "cpu", "vulkan" or "vulkan:NAME"
   std::vector<unsigned> threads;               // that trace
   std::vector<RaySet> sets;
   std::vector<Query> queries;

@@ -79,7 +79,7 @@ std::optional<LeakCounts> Robustness::leaks(const BuiltScene& grid, const BuiltS
   /* A GRID that nobody asked for has no blocks: any points are as good. */
   const auto own = points.find(blockLevel(scene.representation().frameLevel));
   const AimPoints& aims = (own != points.end() ? own : points.begin())->second;
-  return countLeaks(grid.handle(), scene.handle(), aims, settings, threads);
+  return countLeaks(grid.handle(), scene.tracer(), aims, settings, threads);
 }
 
 std::optional<SheetCrossings> Robustness::sheets(const BuiltScene& scene) const
@@ -89,6 +89,7 @@ std::optional<SheetCrossings> Robustness::sheets(const BuiltScene& scene) const
   SheetSettings settings;
   settings.rays = checks.rays;
   settings.seed = seed;
+  settings.device = this->settings.device;
   const EmbreeDevice device("");
   return crossSheets(device.handle(), scene.representation().compression(), settings, threads);
 }
@@ -99,6 +100,7 @@ std::vector<CrossingCheck> Robustness::crossings(const Representation& represent
     return {};
   BuildSettings filtered = settings;
   filtered.filters = true;
+  filtered.device = "cpu"; // which alone calls filters
   const BuiltScene grid(model, {RepresentationKind::Grid}, filtered), scene(model, representation, filtered);
   return {{view.name, countCrossings(grid, scene, view.primary, threads)}};
 }
@@ -134,7 +136,7 @@ std::vector<ShadowCheck> Robustness::shadows(const BuiltScene& grid, const Built
       settings.length = length;
       settings.seed = seed;
       all.push_back({view.name, o.name, o.offset, length,
-                     compareShadows({grid.handle(), view.gridHits}, {scene.handle(), hits},
+                     compareShadows({grid.tracer(), view.gridHits}, {scene.tracer(), hits},
                                     {view.primary, view.footprint}, settings, threads)});
     }
   return all;

@@ -87,6 +87,8 @@ std::string resultLines(const VariantResult& r)
   out += head;
   for (const ViewResult& v : r.views)
     out += ", " + v.view + " RMSE " + number("%.4f px", v.errors.rmse);
+  if (r.build.onDevice)
+    out += ", on " + r.build.onDevice->device;
   out += "\n" + checkLines(r.checks);
   for (const Speed& s : r.speeds)
     out += speedLine(s);
@@ -104,9 +106,9 @@ std::string formatHead(const BenchOptions& options, const Machine& m)
     threads += (threads.empty() ? "" : ", ") + std::to_string(n);
   char text[512];
   std::snprintf(text, sizeof(text),
-                "commit %s, %s build by %s\n%s, %u hardware threads, load %.1f; isa %s; tracing on %s thread%s\n",
+                "commit %s, %s build by %s\n%s, %u hardware threads, load %.1f; isa %s; tracing on %s\n",
                 m.commit.c_str(), m.buildType.c_str(), m.compiler.c_str(), m.cpu.c_str(), m.threads, m.load,
-                isas.c_str(), threads.c_str(), threads == "1" ? "" : "s");
+                isas.c_str(), options.device != "cpu" ? options.device.c_str() : (threads + (threads == "1" ? " thread" : " threads")).c_str());
   return text;
 }
 

@@ -239,7 +239,7 @@ private:
     ShadowSettings settings;
     settings.offset.length = options.rayOffset * scene.bounds().diagonal();
     settings.raysPerHit = options.ambientRays;
-    return ambientOcclusion({scene.handle(), hits}, {primary, footprint}, settings, threads);
+    return ambientOcclusion({scene.tracer(), hits}, {primary, footprint}, settings, threads);
   }
 
   const Options& options;

@@ -186,6 +186,10 @@ json resultJson(const Result& r, bool speed)
   j["live_bytes"] = r.build.liveBytes;
   j["peak_bytes"] = r.build.peakBytes;
   j["build_seconds"] = r.build.seconds;
+  if (r.build.onDevice)
+    j["on_device"] = {{"upload_seconds", r.build.onDevice->uploadSeconds},
+                      {"device_bytes", r.build.onDevice->deviceBytes},
+                      {"imported_bytes", r.build.onDevice->importedBytes}};
   if (r.representation.isCompressed())
     j["compression"] = compressionJson(r.build.compression);
   for (RaySet set : {Coherent, Incoherent})
@@ -204,16 +208,26 @@ json resultJson(const Result& r, bool speed)
   return j;
 }
 
+const VulkanSceneReport* onDevice(const Comparison& c)
+{
+  return !c.results.empty() && c.results[0].build.onDevice ? &*c.results[0].build.onDevice : nullptr;
+}
+
+std::string tracedBy(const Comparison& c)
+{
+  return onDevice(c) ? onDevice(c)->device : "one thread, single rays";
+}
+
 } // namespace
 
 std::string formatTable(const Comparison& c)
 {
-  char head[512];
+  char head[1024];
   std::snprintf(head, sizeof(head),
                 "%s: %zu faces, level %d, %.2f million quads; %d x %d pixels from %s, %zu hit\n"
-                "speed: one thread, single rays, %zu coherent and %zu incoherent; mesh: %s; true surface: %zu hits; %s%s\n\n",
+                "speed: %s, %zu coherent and %zu incoherent; mesh: %s; true surface: %zu hits; %s%s\n\n",
                 c.model.c_str(), c.faces, c.build.level, c.results.empty() ? 0.0 : double(c.results[0].build.quads) * 1e-6,
-                c.size.width, c.size.height, c.camera.c_str(), c.primaryHits, c.rays[Coherent], c.rays[Incoherent],
+                c.size.width, c.size.height, c.camera.c_str(), c.primaryHits, tracedBy(c).c_str(), c.rays[Coherent], c.rays[Incoherent],
                 c.reference.c_str(), c.trueHits, "isa ", c.build.isa.empty() ? "best of the host" : c.build.isa.c_str());
   Table table(c.results);
   addMemory(table);
@@ -234,6 +248,9 @@ std::string formatJson(const Comparison& c)
   out["model"] = c.model;
   out["faces"] = c.faces;
   out["level"] = c.build.level;
+  out["device"] = c.build.device;
+  if (onDevice(c))
+    out["device_name"] = onDevice(c)->device;
   out["isa"] = c.build.isa.empty() ? "best" : c.build.isa;
   out["width"] = c.size.width;
   out["height"] = c.size.height;

@@ -1,0 +1,130 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "building/vulkan_tracer.h"
+#include "basics/error.h"
+#include "building/embree_device.h"
+
+#ifdef CBVH_VULKAN
+#include <embree3/rtcore_vulkan.h>
+#endif
+
+#include <chrono>
+#include <map>
+
+namespace cbvh {
+
+void validateTraceDevice(const std::string& name)
+{
+  if (name == "cpu")
+    return;
+  if (name != "vulkan" && name.rfind("vulkan:", 0) != 0)
+    throw Error("unknown --device '" + name + "', known are cpu, vulkan, and vulkan: with an index or a part of a name");
+#ifndef CBVH_VULKAN
+  throw Error("--device " + name + ": this build is without Vulkan, which needs its headers and glslc");
+#endif
+}
+
+std::unique_ptr<SceneTracer> makeTracer(const std::string& device, RTCScene scene)
+{
+  if (device == "cpu")
+    return std::make_unique<EmbreeTracer>(scene);
+  return VulkanTracer::create(device, scene);
+}
+
+#ifdef CBVH_VULKAN
+
+namespace {
+
+/* An open device, and the Embree device that its errors go to. */
+struct OpenDevice
+{
+  explicit OpenDevice(const std::string& which) : errors("")
+  {
+    device = rtcNewVulkanDevice(errors.handle(), which.c_str());
+    errors.check("opening a Vulkan device");
+  }
+  ~OpenDevice() { rtcReleaseVulkanDevice(device); }
+  OpenDevice(const OpenDevice&) = delete;
+  OpenDevice& operator=(const OpenDevice&) = delete;
+
+  EmbreeDevice errors;
+  RTCVulkanDevice device;
+};
+
+std::shared_ptr<OpenDevice> openDevice(const std::string& name)
+{
+  static std::mutex mutex;
+  static std::map<std::string, std::weak_ptr<OpenDevice>> devices;
+  const std::string which = name == "vulkan" ? "" : name.substr(std::string("vulkan:").size());
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::shared_ptr<OpenDevice> device = devices[which].lock();
+  if (!device)
+    devices[which] = device = std::make_shared<OpenDevice>(which);
+  return device;
+}
+
+class Tracer : public VulkanTracer
+{
+public:
+  Tracer(const std::string& name, RTCScene from) : device(openDevice(name))
+  {
+    const auto start = std::chrono::steady_clock::now();
+    scene = rtcNewVulkanScene(device->device, from, nullptr);
+    device->errors.check("putting a scene on a Vulkan device");
+    if (!scene)
+      throw Error("putting a scene on a Vulkan device failed");
+    RTCVulkanSceneStatistics statistics;
+    rtcGetVulkanSceneStatistics(scene, &statistics);
+    RTCVulkanDeviceInfo info;
+    rtcGetVulkanDeviceInfo(device->device, &info);
+    said.device = std::string(info.name) + ", " + info.driver;
+    said.uploadSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    said.deviceBytes = statistics.deviceBytes;
+    said.importedBytes = statistics.importedBytes;
+  }
+  ~Tracer() override { rtcReleaseVulkanScene(scene); }
+
+  void intersect(RTCRayHit* rays, size_t n) const override { timeIntersect(rays, n); }
+  void occluded(RTCRay* rays, size_t n) const override { timeOccluded(rays, n); }
+
+  double timeIntersect(RTCRayHit* rays, size_t n) const override { return finish(rtcStartVulkanIntersect(scene, rays, n), rays); }
+  double timeOccluded(RTCRay* rays, size_t n) const override { return finish(rtcStartVulkanOccluded(scene, rays, n), rays); }
+
+  const VulkanSceneReport& report() const override { return said; }
+
+private:
+  double finish(RTCVulkanTrace trace, void* rays) const
+  {
+    RTCVulkanTimes times = {};
+    if (!trace || !rtcWaitVulkanTrace(trace, rays, &times))
+    {
+      device->errors.check("tracing on a Vulkan device");
+      throw Error("tracing on a Vulkan device failed");
+    }
+    return times.seconds;
+  }
+
+  std::shared_ptr<OpenDevice> device;
+  RTCVulkanScene scene = nullptr;
+  VulkanSceneReport said;
+};
+
+} // namespace
+
+std::unique_ptr<VulkanTracer> VulkanTracer::create(const std::string& name, RTCScene scene)
+{
+  return std::make_unique<Tracer>(name, scene);
+}
+
+#else
+
+std::unique_ptr<VulkanTracer> VulkanTracer::create(const std::string& name, RTCScene)
+{
+  validateTraceDevice(name);
+  return nullptr;
+}
+
+#endif
+
+} // namespace cbvh

@@ -1,0 +1,50 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* What lets random_numbers.h, lights.h and path.h compile as C++ and as GLSL, so that the path tracer is
+ * written once and the picture of one device is the reference of the other's.
+ *
+ * Shared code is free functions on plain values: no references, no member functions, and no
+ * braces around values. */
+
+#ifndef PATH_LANGUAGE_H
+#define PATH_LANGUAGE_H
+
+#ifdef VULKAN // as glslc defines it
+
+#define PATH_BEGIN
+#define PATH_END
+#define PATH_FUNCTION
+#define PATH_CONSTANT const
+#define uint32_t uint
+#define TracedScene uvec2 // an address, as cbvhIntersect takes it
+
+vec3 vector (float x, float y, float z) { return vec3(x,y,z); }
+
+#else
+
+#include "basics/vec.h"
+#include <embree3/rtcore.h>
+#include <cmath>
+#include <cstdint>
+
+#define PATH_BEGIN namespace cbvh { namespace path {
+#define PATH_END }}
+#define PATH_FUNCTION inline
+#define PATH_CONSTANT static constexpr
+
+namespace cbvh { namespace path {
+
+using vec3 = Vec3f;
+using TracedScene = RTCScene;
+using std::abs;
+using std::max;
+using std::sqrt;
+
+inline vec3 vector (float x, float y, float z) { return {x,y,z}; }
+
+}}
+
+#endif
+
+#endif

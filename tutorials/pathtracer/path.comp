@@ -1,0 +1,47 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* One path a pixel: adds its light to the pixel's sum. */
+
+#version 460
+
+layout(constant_id = 0) const uint kinds = 0xFFu;
+layout(constant_id = 1) const uint stackSize = 96u;
+#define CBVH_KINDS kinds
+#define CBVH_STACK stackSize
+#include "cbvh.glsl"
+#include "path.h"
+
+layout(local_size_x = 8, local_size_y = 8) in; // neighbours' first rays go the same way
+
+layout(push_constant, scalar) uniform Arguments { PathArguments arguments; };
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Sums { vec3 at[]; };
+
+CbvhRay rayOf (vec3 origin, float tnear, vec3 direction)
+{
+  return CbvhRay(origin, tnear, direction, 1.0/0.0, 0xFFFFFFFFu);
+}
+
+ClosestHit closestHit (uvec2 scene, vec3 origin, float tnear, vec3 direction)
+{
+  CbvhHit hit;
+  bool exists = cbvhIntersect(scene, rayOf(origin, tnear, direction), hit);
+  return ClosestHit(exists, hit.t, hit.Ng);
+}
+
+bool isOccluded (uvec2 scene, vec3 origin, float tnear, vec3 direction)
+{
+  return cbvhOccluded(scene, rayOf(origin, tnear, direction));
+}
+
+void main ()
+{
+  uint x = gl_GlobalInvocationID.x, y = gl_GlobalInvocationID.y;
+  PathView view = arguments.view;
+  if (x >= view.width || y >= view.height) return;
+  vec3 light = lightOfPath(arguments.scene, view, x, y, arguments.sampleIndex);
+  Sums sums = Sums(arguments.sums);
+  uint pixel = y*view.width + x;
+  sums.at[pixel] = arguments.sampleIndex == 0u ? light : sums.at[pixel] + light;
+}

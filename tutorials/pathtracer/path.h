@@ -1,0 +1,101 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Light along the paths of a pixel. A path starts at the eye and goes on from a hit in a random direction, more
+ * often the more a diffuse surface reflects of it, which is what the hit sees of the sky and of other surfaces. The
+ * sun is too small to be found so: from every hit a shadow ray goes to a point of it. */
+
+#ifndef PATH_H
+#define PATH_H
+
+#include "lights.h"
+
+PATH_BEGIN
+
+/* What a picture shows. */
+struct PathView
+{
+  vec3 eye;
+  vec3 corner;      // from the eye to the upper left corner of the picture, which has a distance of 1
+  vec3 right, down; // from pixel to pixel
+  vec3 up;          // of the sky, of length 1
+  vec3 sun;         // towards its middle, of length 1
+  uint32_t width, height;
+  uint32_t bounces; // hits of a path behind its first
+};
+
+/* What the shader is called with. Addresses are two words to it. */
+struct PathArguments
+{
+#ifdef VULKAN
+  uvec2 scene, sums;
+#else
+  uint64_t scene, sums;
+#endif
+  PathView view;
+  uint32_t sampleIndex;
+};
+
+#ifndef VULKAN
+static_assert(sizeof(PathArguments) == 104, "layout of push constants, which have 128 bytes everywhere");
+#endif
+
+struct ClosestHit
+{
+  bool exists;
+  float t;
+  vec3 Ng;
+};
+
+/* Each device has its own. direction: of length 1, so that t is a distance. */
+ClosestHit closestHit (TracedScene scene, vec3 origin, float tnear, vec3 direction);
+bool isOccluded (TracedScene scene, vec3 origin, float tnear, vec3 direction);
+
+/* Where rays that leave a hit begin, as in Embree's own path tracer: behind all that rounding did to the hit. */
+PATH_FUNCTION float nearEnd (vec3 p, float t)
+{
+  return 32.0f*1.1920929e-7f*max(max(abs(p.x),abs(p.y)),max(abs(p.z),t));
+}
+
+/* Normal on the side that a ray comes from; against the ray where a hit has none. */
+PATH_FUNCTION vec3 facingNormal (vec3 Ng, vec3 direction)
+{
+  float square = dot(Ng,Ng);
+  if (!(square > 0.0f)) return vector(0.0f,0.0f,0.0f) - direction;
+  return Ng*((dot(Ng,direction) > 0.0f ? -1.0f : 1.0f)/sqrt(square));
+}
+
+/* Light that one path brings to a pixel. */
+PATH_FUNCTION vec3 lightOfPath (TracedScene scene, PathView view, uint32_t x, uint32_t y, uint32_t sampleIndex)
+{
+  uint32_t pixel = y*view.width + x, dimension = 0u;
+  float pixelX = float(x) + randomNumber(pixel,sampleIndex,dimension++);
+  float pixelY = float(y) + randomNumber(pixel,sampleIndex,dimension++);
+  vec3 origin = view.eye;
+  vec3 direction = unitVector(view.corner + pixelX*view.right + pixelY*view.down);
+  float tnear = 0.0f;
+  vec3 light = vector(0.0f,0.0f,0.0f), weight = vector(1.0f,1.0f,1.0f);
+  for (uint32_t hits = 0u; ; hits++)
+  {
+    ClosestHit hit = closestHit(scene,origin,tnear,direction);
+    if (!hit.exists) return light + weight*skyColor(direction,view.up);
+    if (hits > view.bounces) return light;
+    vec3 n = facingNormal(hit.Ng,direction);
+    origin = origin + hit.t*direction;
+    tnear = nearEnd(origin,hit.t);
+    weight = weight*albedo();
+
+    float u = randomNumber(pixel,sampleIndex,dimension++), v = randomNumber(pixel,sampleIndex,dimension++);
+    vec3 toSun = directionToSun(view.sun,u,v);
+    float cosine = dot(n,toSun);
+    if (cosine > 0.0f && !isOccluded(scene,origin,tnear,toSun)) light = light + cosine*(weight*sunColor());
+
+    u = randomNumber(pixel,sampleIndex,dimension++);
+    v = randomNumber(pixel,sampleIndex,dimension++);
+    direction = turned(pointOfHemisphere(u,v),n);
+  }
+}
+
+PATH_END
+
+#endif
