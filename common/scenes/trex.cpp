@@ -43,9 +43,10 @@ Model makeTrex(const TrexSettings& settings)
   if (faces)
   {
     const FaceAtlas atlas = FaceAtlas::forFaces(trex.cage.numFaces(), tileTexels);
+    HeightMap map = cached ? HeightMap::read(path) : bakeTiles(trex.cage, atlas, bake);
     if (!cached)
-      bakeTiles(trex.cage, atlas, bake).write(path, made);
-    model.displacement = displaceByAtlas(trex.cage, atlas, HeightMap::read(path), scale);
+      map.write(path, made);
+    model.displacement = displaceByAtlas(trex.cage, atlas, std::move(map), scale);
   }
   else
   {

@@ -227,21 +227,46 @@ void ReferenceCheck::trace(Random& random, const Sheet& sheet, const std::vector
   const std::vector<const Block*> blocks = sceneBlocks(scene);
   const std::vector<VertTriangle> triangles = vertTriangles(scene);
   sheetsOfGrid += blocks.empty() && triangles.empty();
+  std::vector<Answer> answers;
+  std::vector<RTCRayHit> closest;
+  std::vector<RTCRay> any;
   for (RayKind kind : kinds)
     for (unsigned i = 0; i < raysOfAKind; i++) {
       const RTCRayHit ray = randomRay(random, kind, sheet, unitLength ? 1 : random.magnitude(1e-15, 1e18));
-      if (!triangles.empty()) compareTriangles(ray, kind, sheet, triangles, scene);
-      else if (!blocks.empty()) compare(ray, kind, sheet, blocks[0], scene, grid);
-      else if (!sameHit(intersect(scene, ray), intersect(grid, ray)) || occluded(scene, ray) != occluded(grid, ray)) {
-        failures++;
-        ADD_FAILURE() << "left to GRID, but not its hit: " << nameOf(sheet.shape) << ", ray " << nameOf(kind);
-      }
+      answers.push_back({ray, ray, ray, false, false, kind});
+      closest.push_back(ray);
+      any.push_back(ray.ray);
     }
+  std::vector<RTCRayHit> closestInGrid = closest;
+  std::vector<RTCRay> anyInGrid = any;
+  traceRays(scene, closest, any);
+  traceRays(grid, closestInGrid, anyInGrid);
+  for (size_t i = 0; i < answers.size(); i++) {
+    Answer& answer = answers[i];
+    answer.found = closest[i];
+    answer.isOccluded = any[i].tfar < 0;
+    answer.ofGrid = closestInGrid[i];
+    answer.isOccludedInGrid = anyInGrid[i].tfar < 0;
+    if (!triangles.empty()) compareTriangles(answer, sheet, triangles);
+    else if (!blocks.empty()) compare(answer, sheet, blocks[0]);
+    else if (!sameHit(answer.found, answer.ofGrid) || answer.isOccluded != answer.isOccludedInGrid) {
+      failures++;
+      ADD_FAILURE() << "left to GRID, but not its hit: " << nameOf(sheet.shape) << ", ray " << nameOf(answer.kind);
+    }
+  }
 }
 
-void ReferenceCheck::compareTriangles(const RTCRayHit& ray, RayKind kind, const Sheet& sheet, const std::vector<VertTriangle>& triangles, RTCScene scene)
+void ReferenceCheck::traceByEmbree(RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any)
 {
-  const RTCRayHit found = intersect(scene, ray);
+  for (RTCRayHit& ray : closest) ray = intersect(scene, ray);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  for (RTCRay& ray : any) rtcOccluded1(scene, &context, &ray);
+}
+
+void ReferenceCheck::compareTriangles(const Answer& answer, const Sheet& sheet, const std::vector<VertTriangle>& triangles)
+{
+  const RTCRayHit &ray = answer.ray, &found = answer.found;
   const double t = isHit(found) ? double(found.ray.tfar) : infinity;
   const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z}, length = std::sqrt(dot(d, d));
   const float org[3] = {ray.ray.org_x, ray.ray.org_y, ray.ray.org_z};
@@ -279,9 +304,9 @@ void ReferenceCheck::compareTriangles(const RTCRayHit& ray, RayKind kind, const 
   }
   same |= nearest.triangle == nullptr && !isHit(found);
   sameT += same;
-  if (occluded(scene, ray) != isHit(found) || (!same && !near)) {
+  if (answer.isOccluded != isHit(found) || (!same && !near)) {
     if (failures++ < 12)
-      ADD_FAILURE() << "no triangle says so: " << sheet.quads << " quads, " << nameOf(sheet.shape) << ", scale " << sheet.scale << ", ray " << nameOf(kind) << ", t " << t
+      ADD_FAILURE() << "no triangle says so: " << sheet.quads << " quads, " << nameOf(sheet.shape) << ", scale " << sheet.scale << ", ray " << nameOf(answer.kind) << ", t " << t
                     << ", reference " << nearest.t << ", weights " << nearest.weight[0] << " " << nearest.weight[1] << " " << nearest.weight[2];
   }
   else if (same) equal++;
@@ -289,9 +314,9 @@ void ReferenceCheck::compareTriangles(const RTCRayHit& ray, RayKind kind, const 
   else betweenLeaves++;
 }
 
-void ReferenceCheck::compare(const RTCRayHit& ray, RayKind kind, const Sheet& sheet, const Block* block, RTCScene scene, RTCScene grid)
+void ReferenceCheck::compare(const Answer& answer, const Sheet& sheet, const Block* block)
 {
-  const RTCRayHit found = intersect(scene, ray);
+  const RTCRayHit &ray = answer.ray, &found = answer.found;
   const double t = isHit(found) ? double(found.ray.tfar) : infinity;
   const UncertainRay uncertain(block, ray.ray);
   const ReferenceHit exact = uncertain.exactHit();
@@ -301,9 +326,9 @@ void ReferenceCheck::compare(const RTCRayHit& ray, RayKind kind, const Sheet& sh
   auto fail = [&](const testing::Message& what) {
     if (failures++ < 12)
       ADD_FAILURE() << what << ": " << sheet.quads << " quads, " << nameOf(sheet.shape) << ", scale " << sheet.scale << " at " << block->centre[0]
-        << ", ray " << nameOf(kind) << ", t " << t << ", reference " << exact.t << ", rounding " << rounding;
+        << ", ray " << nameOf(answer.kind) << ", t " << t << ", reference " << exact.t << ", rounding " << rounding;
   };
-  if (occluded(scene, ray) != isHit(found)) fail(testing::Message() << "any hit differs");
+  if (answer.isOccluded != isHit(found)) fail(testing::Message() << "any hit differs");
 
   const double u = found.hit.u, v = found.hit.v, n[3] = {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}, n2 = dot(n, n);
   if (isHit(found)) {
@@ -331,7 +356,7 @@ void ReferenceCheck::compare(const RTCRayHit& ray, RayKind kind, const Sheet& sh
     // Embree's triangle test is less exact than a block's bounds are, at edges and for rays in the
     // plane of a triangle. cGRID has to find what GRID does; there the compiler may fuse one of two
     // copies of the same test another way.
-    if (sameHit(found, intersect(grid, ray))) { hitsOfGrid++; return; }
+    if (sameHit(found, answer.ofGrid)) { hitsOfGrid++; return; }
     if ((isHit(found) && (grazes(ray.ray, n) || nearEdge(u*quads, v*quads))) || (exact.found && grazes(ray.ray, exact.Ng))) { strayed++; return; }
   }
 

@@ -30,7 +30,14 @@ namespace cbvh::test {
 class ReferenceCheck
 {
 public:
-  ReferenceCheck(RTCDevice device, RTCCompression compression) : device(device), compression(compression) {}
+  // Closest hits of rays, and with their RTCRay alone whether they hit anything.
+  using Trace = std::function<void(RTCScene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any)>;
+
+  // traceRays: what has to equal the reference, Embree's single rays by default.
+  ReferenceCheck(RTCDevice device, RTCCompression compression, Trace traceRays = traceByEmbree)
+    : device(device), compression(compression), traceRays(std::move(traceRays)) {}
+
+  static void traceByEmbree(RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any);
 
   // Random rays of the kinds at a sheet, with directions of length 1 or of every length
   // that Embree allows. A sheet that is not compressed has to have GRID's hits.
@@ -43,12 +50,20 @@ public:
   unsigned sheetsOfGrid = 0; // not compressed
 
 private:
-  void compare(const RTCRayHit& ray, RayKind kind, const Sheet& sheet, const embree::cbvh::Block* block, RTCScene scene, RTCScene grid);
+  // A ray, and what was found for it.
+  struct Answer
+  {
+    RTCRayHit ray, found, ofGrid;
+    bool isOccluded, isOccludedInGrid;
+    RayKind kind;
+  };
 
-  void compareTriangles(const RTCRayHit& ray, RayKind kind, const Sheet& sheet, const std::vector<VertTriangle>& triangles, RTCScene scene);
+  void compare(const Answer& answer, const Sheet& sheet, const embree::cbvh::Block* block);
+  void compareTriangles(const Answer& answer, const Sheet& sheet, const std::vector<VertTriangle>& triangles);
 
   RTCDevice device;
   RTCCompression compression;
+  Trace traceRays;
   unsigned rays = 0, hits = 0, equal = 0, failures = 0;
   unsigned sameT = 0;                                       // and hit or miss
   unsigned atBorder = 0, betweenLeaves = 0, alongLeaf = 0; // explained by rounding

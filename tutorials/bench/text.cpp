@@ -62,16 +62,18 @@ std::string checkLines(const CheckResult& checks)
   return out;
 }
 
-std::string speedLine(const Speed& s)
+std::string speedLine(const Speed& s, bool onDevice)
 {
   std::vector<double> mrays;
   for (double seconds : s.seconds)
     mrays.push_back(s.mrays(seconds));
   const double toGrid = median(s.toGrid);
+  char mode[32] = "";
+  if (!onDevice)
+    std::snprintf(mode, sizeof(mode), " %-8s %2u thr", traceModeName(s.trace.mode), s.trace.threads);
   char line[160];
-  std::snprintf(line, sizeof(line), "%-10s %-7s %-8s %2u thr %8.3f Mrays/s, %5.2f of GRID, spread %4.1f%%\n",
-                raySetName(s.set), queryName(s.trace.query), traceModeName(s.trace.mode), s.trace.threads,
-                median(mrays), toGrid, 100.0 * interquartileRange(s.toGrid) / toGrid);
+  std::snprintf(line, sizeof(line), "%-10s %-7s%s %8.3f Mrays/s, %5.2f of GRID, spread %4.1f%%\n",
+                raySetName(s.set), queryName(s.trace.query), mode, median(mrays), toGrid, 100.0 * interquartileRange(s.toGrid) / toGrid);
   return "    " + s.view + " " + line;
 }
 
@@ -91,7 +93,7 @@ std::string resultLines(const VariantResult& r)
     out += ", on " + r.build.onDevice->device;
   out += "\n" + checkLines(r.checks);
   for (const Speed& s : r.speeds)
-    out += speedLine(s);
+    out += speedLine(s, r.build.onDevice.has_value());
   return out;
 }
 

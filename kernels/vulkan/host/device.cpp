@@ -3,10 +3,12 @@
 
 #include "device.h"
 
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <thread>
 #include <unistd.h>
 #include <sys/stat.h>
 
@@ -68,6 +70,12 @@ Device::Device(RTCDevice embree, const RTCVulkanHandles& given) : embree(embree)
   capabilities = capabilitiesOf(instanceFunctions, handles.physicalDevice);
   if (capabilities.info.unsupported[0])
     throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("the Vulkan device ") + capabilities.info.name + " cannot be used: " + capabilities.info.unsupported);
+  auto checkEnabled = [&](bool isEnabled, bool isThere, const char* name, const char* member) {
+    if (isEnabled && !isThere)
+      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("invalid ") + member + ": the Vulkan device " + capabilities.info.name + " has no " + name);
+  };
+  checkEnabled(handles.hasFloat64, capabilities.info.hasFloat64, "shaderFloat64", "hasFloat64");
+  checkEnabled(handles.hasHostImport, capabilities.hasHostImport, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME, "hasHostImport");
   uint32_t count = 0;
   instanceFunctions.GetPhysicalDeviceQueueFamilyProperties(handles.physicalDevice, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
@@ -101,7 +109,7 @@ void Device::open()
 
 Device::~Device()
 {
-  writeCache();
+  try { writeCache(); } catch (const std::exception&) {} // for want of memory: the next one will
   destroy();
   if (embree) rtcReleaseDevice(embree);
 }
@@ -110,14 +118,15 @@ void Device::destroy()
 {
   if (vk.DestroyDevice)
   {
-    for (const auto& entry : pipelines) vk.DestroyPipeline(handles.device, entry.second, nullptr);
+    for (const auto& entry : pipelines)
+      if (entry.second) vk.DestroyPipeline(handles.device, entry.second, nullptr);
     if (cache) vk.DestroyPipelineCache(handles.device, cache, nullptr);
     if (layout) vk.DestroyPipelineLayout(handles.device, layout, nullptr);
     if (pool) vk.DestroyCommandPool(handles.device, pool, nullptr);
   }
   if (machine && handles.device) {
     const auto destroyDevice = PFN_vkDestroyDevice(instanceFunctions.GetDeviceProcAddr(handles.device, "vkDestroyDevice"));
-    destroyDevice(handles.device, nullptr);
+    if (destroyDevice) destroyDevice(handles.device, nullptr);
   }
 }
 
@@ -159,8 +168,14 @@ void Device::wait(const Submission& submission) const
 
 bool Device::isDone(const Submission& submission) const { return vk.GetFenceStatus(handles.device, submission.fence) != VK_NOT_READY; }
 
+/* A wait can fail for want of the host's memory while the device goes on, and what it uses must not be freed then.
+ * Who has no memory for a second is believed to have lost the device. */
 void Device::recycle(const Submission& submission)
 {
+  auto hasEnded = [](VkResult result) { return result == VK_SUCCESS || result == VK_ERROR_DEVICE_LOST; };
+  for (int attempts = 100; attempts > 0 && !hasEnded(vk.GetFenceStatus(handles.device, submission.fence)); attempts--)
+    if (!hasEnded(vk.WaitForFences(handles.device, 1, &submission.fence, VK_TRUE, UINT64_MAX)))
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
   std::lock_guard<std::mutex> lock(mutex);
   vk.DestroyFence(handles.device, submission.fence, nullptr);
   vk.FreeCommandBuffers(handles.device, pool, 1, &submission.commands);
@@ -183,7 +198,7 @@ void Device::run(const std::function<void(VkCommandBuffer)>& record)
 VkPipeline Device::pipeline(Query query, uint32_t kinds, uint32_t stackSize)
 {
   std::lock_guard<std::mutex> lock(mutex);
-  VkPipeline& found = pipelines[std::make_tuple(query, kinds, stackSize)];
+  VkPipeline& found = pipelines[std::make_tuple(query, kinds, stackSize)]; // none until it could be made
   if (found) return found;
 
   const Code code = codeOf(query, handles.hasFloat64);
@@ -202,9 +217,11 @@ VkPipeline Device::pipeline(Query query, uint32_t kinds, uint32_t stackSize)
   info.stage.pName = "main";
   info.stage.pSpecializationInfo = &special;
   info.layout = layout;
-  const VkResult result = vk.CreateComputePipelines(handles.device, cache, 1, &info, nullptr, &found);
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  const VkResult result = vk.CreateComputePipelines(handles.device, cache, 1, &info, nullptr, &pipeline);
   vk.DestroyShaderModule(handles.device, module, nullptr);
   check(result, "compiling a shader");
+  found = pipeline;
   return found;
 }
 
@@ -221,13 +238,23 @@ std::string Device::cachePath() const
   return path + "/vulkan-" + id;
 }
 
+/* FNV-1a. A file that is cut or damaged is nothing to hand to a driver. */
+uint64_t Device::checksum(const std::vector<char>& data)
+{
+  uint64_t sum = 0xcbf29ce484222325;
+  for (char c : data) sum = (sum ^ (unsigned char)c)*0x100000001b3;
+  return sum;
+}
+
 void Device::readCache()
 {
   std::vector<char> data;
   const std::string path = cachePath();
   if (!path.empty()) {
     std::ifstream file(path, std::ios::binary);
-    data.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+    uint64_t sum = 0;
+    if (file.read(reinterpret_cast<char*>(&sum), sizeof(sum))) data.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+    if (checksum(data) != sum) data.clear();
   }
   VkPipelineCacheCreateInfo info = {VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
   info.initialDataSize = data.size();
@@ -243,13 +270,19 @@ void Device::writeCache() const
   if (path.empty() || vk.GetPipelineCacheData(handles.device, cache, &bytes, nullptr) != VK_SUCCESS || bytes <= cacheBytes) return;
   std::vector<char> data(bytes);
   if (vk.GetPipelineCacheData(handles.device, cache, &bytes, data.data()) != VK_SUCCESS) return;
+  data.resize(bytes);
   const std::string folder = path.substr(0, path.rfind('/'));
   mkdir(folder.substr(0, folder.rfind('/')).c_str(), 0755);
   mkdir(folder.c_str(), 0755);
-  /* whole, or not at all */
-  const std::string part = path + "." + std::to_string(getpid());
-  { std::ofstream file(part, std::ios::binary); file.write(data.data(), std::streamsize(bytes)); file.close(); if (!file) { std::remove(part.c_str()); return; } }
-  if (std::rename(part.c_str(), path.c_str()) != 0) std::remove(part.c_str());
+  /* whole, or not at all; other devices and processes write theirs at the same time */
+  static std::atomic<unsigned> count{0};
+  const std::string part = path + "." + std::to_string(getpid()) + "." + std::to_string(count++);
+  const uint64_t sum = checksum(data);
+  std::ofstream file(part, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(&sum), sizeof(sum));
+  file.write(data.data(), std::streamsize(bytes));
+  file.close();
+  if (!file || std::rename(part.c_str(), path.c_str()) != 0) std::remove(part.c_str());
 }
 
 }} // namespace embree::vulkan

@@ -63,7 +63,7 @@ public:
   Submission submit(const std::function<void(VkCommandBuffer)>& record);
   void wait(const Submission& submission) const;
   bool isDone(const Submission& submission) const;
-  void recycle(const Submission& submission); // once it is done, or the device is lost
+  void recycle(const Submission& submission); // once it is done, or the device is lost: waits for that
 
   /* Pipeline for scenes of these kinds of leaves and a stack of so many entries; made when it is first asked for. */
   VkPipeline pipeline(Query query, uint32_t kinds, uint32_t stackSize);
@@ -82,6 +82,7 @@ private:
   void writeCache() const;
   void destroy();
   std::string cachePath() const;
+  static uint64_t checksum(const std::vector<char>& data);
 
   std::unique_ptr<Machine> machine;  // of a device that was opened here
   std::mutex mutex;                  // of the queue, the command pool and the pipelines

@@ -29,15 +29,20 @@ constexpr VkBufferUsageFlags transfer = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BU
 
 std::string sizeText(size_t bytes) { return std::to_string(bytes) + " bytes"; }
 
+void checkLimit(const Device& device, size_t bytes, const char* what)
+{
+  if (bytes > device.capabilities.maxAllocation)
+    throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, std::string("Vulkan: ") + what + " need " + sizeText(bytes) + ", and the device's maxMemoryAllocationSize is "
+                      + sizeText(device.capabilities.maxAllocation));
+}
+
 } // namespace
 
 Buffer::Buffer(Device& device, size_t bytes, Kind kind, const char* what) : bytes(std::max(bytes, size_t(16))), device(device)
 {
-  if (this->bytes > device.capabilities.maxAllocation)
-    throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, std::string("Vulkan: ") + what + " need " + sizeText(this->bytes) + ", and the device's maxMemoryAllocationSize is "
-                      + sizeText(device.capabilities.maxAllocation));
+  checkLimit(device, this->bytes, what);
   try {
-    create(nullptr);
+    create(nullptr, what);
     VkMemoryRequirements requirements;
     device.vk.GetBufferMemoryRequirements(device.handles.device, handle, &requirements);
     const VkMemoryPropertyFlags host = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
@@ -51,7 +56,7 @@ Buffer::Buffer(Device& device, size_t bytes, Kind kind, const char* what) : byte
     const VkMemoryPropertyFlags flags = device.capabilities.memory.memoryTypes[type].propertyFlags;
     if ((flags & host) == host) {
       void* data = nullptr;
-      check(device.vk.MapMemory(device.handles.device, memory, 0, VK_WHOLE_SIZE, 0, &data), "mapping memory");
+      check(device.vk.MapMemory(device.handles.device, memory, 0, VK_WHOLE_SIZE, 0, &data), "mapping " + sizeText(info.allocationSize) + " for " + what);
       mapped = static_cast<char*>(data);
     }
   } catch (...) {
@@ -63,12 +68,13 @@ Buffer::Buffer(Device& device, size_t bytes, Kind kind, const char* what) : byte
 Buffer::Buffer(Device& device, void* begin, size_t bytes) : bytes(bytes), device(device)
 {
   const char* what = "blocks in the host's memory";
+  checkLimit(device, bytes, what);
   try {
     VkExternalMemoryBufferCreateInfo external = {VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO};
     external.handleTypes = VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT;
-    create(&external);
+    create(&external, what);
     VkMemoryHostPointerPropertiesEXT pointer = {VK_STRUCTURE_TYPE_MEMORY_HOST_POINTER_PROPERTIES_EXT};
-    check(device.vk.GetMemoryHostPointerPropertiesEXT(device.handles.device, VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT, begin, &pointer), "importing memory of the host");
+    check(device.vk.GetMemoryHostPointerPropertiesEXT(device.handles.device, VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT, begin, &pointer), "importing " + sizeText(bytes) + " of the host's memory");
     VkMemoryRequirements requirements;
     device.vk.GetBufferMemoryRequirements(device.handles.device, handle, &requirements);
     VkImportMemoryHostPointerInfoEXT import = {VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT};
@@ -85,13 +91,13 @@ Buffer::Buffer(Device& device, void* begin, size_t bytes) : bytes(bytes), device
   }
 }
 
-void Buffer::create(const void* next)
+void Buffer::create(const void* next, const char* what)
 {
   VkBufferCreateInfo info = {VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.pNext = next;
   info.size = bytes;
   info.usage = next ? usage : usage | transfer;
-  check(device.vk.CreateBuffer(device.handles.device, &info, nullptr, &handle), "creating a buffer of " + sizeText(bytes));
+  check(device.vk.CreateBuffer(device.handles.device, &info, nullptr, &handle), "creating a buffer of " + sizeText(bytes) + " for " + what);
 }
 
 void Buffer::allocate(VkMemoryAllocateInfo info, const char* what)
@@ -101,7 +107,7 @@ void Buffer::allocate(VkMemoryAllocateInfo info, const char* what)
   flags.pNext = info.pNext;
   info.pNext = &flags;
   check(device.vk.AllocateMemory(device.handles.device, &info, nullptr, &memory), "allocating " + sizeText(info.allocationSize) + " for " + what);
-  check(device.vk.BindBufferMemory(device.handles.device, handle, memory, 0), "binding memory");
+  check(device.vk.BindBufferMemory(device.handles.device, handle, memory, 0), "binding " + sizeText(info.allocationSize) + " for " + what);
   VkBufferDeviceAddressInfo address = {VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
   address.buffer = handle;
   this->address = device.vk.GetBufferDeviceAddress(device.handles.device, &address);
@@ -123,7 +129,7 @@ void Uploader::write(const Slice& to, size_t offset, const void* data, size_t by
     std::memcpy(to.buffer->mapped + to.offset + offset, data, bytes);
     return;
   }
-  const size_t size = size_t(32) << 20;
+  const size_t size = std::min(size_t(32) << 20, device.capabilities.maxAllocation);
   if (!staging) staging.reset(new Buffer(device, size, Buffer::Staging, "copies to the device"));
   for (size_t done = 0; done < bytes;)
   {
@@ -157,17 +163,21 @@ void Uploader::flush()
 
 /* --- arenas ------------------------------------------------------------------------------ */
 
+Buffer& Arena::add(size_t bytes, const char* what)
+{
+  std::unique_ptr<Buffer> buffer(new Buffer(device, bytes, Buffer::OnDevice, what));
+  buffers.push_back(std::move(buffer));
+  return *buffers.back();
+}
+
 Slice Arena::take(size_t bytes, const char* what)
 {
-  const size_t size = size_t(16) << 20; // of a buffer that is shared
+  const size_t size = std::min(size_t(16) << 20, device.capabilities.maxAllocation); // of a buffer that is shared
   bytes = (bytes + 15) & ~size_t(15);
-  if (bytes > size/4) {
-    buffers.emplace_back(new Buffer(device, bytes, Buffer::OnDevice, what));
-    return {buffers.back().get(), 0};
-  }
+  if (bytes > size/4) return {&add(bytes, what), 0};
   if (shared == ~size_t(0) || used + bytes > buffers[shared]->bytes) {
     /* a small scene gets a small buffer */
-    buffers.emplace_back(new Buffer(device, shared == ~size_t(0) ? std::max(bytes, size_t(1) << 16) : size, Buffer::OnDevice, what));
+    add(shared == ~size_t(0) ? std::max(bytes, std::min(size_t(1) << 16, size)) : size, what);
     shared = buffers.size() - 1;
     used = 0;
   }

@@ -38,7 +38,7 @@ public:
   char* mapped = nullptr;   // NULL if the host does not see it
 
 private:
-  void create(const void* next);
+  void create(const void* next, const char* what);
   void allocate(VkMemoryAllocateInfo info, const char* what);
   void destroy();
 
@@ -67,7 +67,7 @@ public:
 private:
   Device& device;
   std::unique_ptr<Buffer> staging;
-  size_t used = 0;
+  size_t used = 0;   // of it
   struct Copy { VkBuffer to; VkBufferCopy region; };
   std::vector<Copy> copies;
 };
@@ -84,6 +84,8 @@ public:
   size_t bytes() const;
 
 private:
+  Buffer& add(size_t bytes, const char* what);
+
   Device& device;
   std::vector<std::unique_ptr<Buffer>> buffers;
   size_t used = 0;   // of the last shared one

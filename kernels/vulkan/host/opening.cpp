@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 namespace embree { namespace vulkan {
@@ -26,6 +27,9 @@ const char* nameOf(VkResult result)
   case VK_ERROR_INCOMPATIBLE_DRIVER: return "VK_ERROR_INCOMPATIBLE_DRIVER";
   case VK_ERROR_TOO_MANY_OBJECTS: return "VK_ERROR_TOO_MANY_OBJECTS";
   case VK_ERROR_INVALID_EXTERNAL_HANDLE: return "VK_ERROR_INVALID_EXTERNAL_HANDLE";
+  case VK_ERROR_OUT_OF_POOL_MEMORY: return "VK_ERROR_OUT_OF_POOL_MEMORY";
+  case VK_ERROR_FRAGMENTED_POOL: return "VK_ERROR_FRAGMENTED_POOL";
+  case VK_ERROR_FRAGMENTATION: return "VK_ERROR_FRAGMENTATION";
   default: return nullptr;
   }
 }
@@ -47,12 +51,26 @@ std::string versionText(uint32_t version)
   return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." + std::to_string(VK_API_VERSION_PATCH(version));
 }
 
+bool isMemory(VkResult result)
+{
+  switch (result) {
+  case VK_ERROR_OUT_OF_HOST_MEMORY:
+  case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+  case VK_ERROR_TOO_MANY_OBJECTS:
+  case VK_ERROR_MEMORY_MAP_FAILED:
+  case VK_ERROR_OUT_OF_POOL_MEMORY:
+  case VK_ERROR_FRAGMENTED_POOL:
+  case VK_ERROR_FRAGMENTATION: return true;
+  default: return false;
+  }
+}
+
 bool hasExtension(const InstanceFunctions& vk, VkPhysicalDevice device, const char* name)
 {
   uint32_t count = 0;
-  if (vk.EnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr) != VK_SUCCESS) return false;
+  check(vk.EnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "listing extensions");
   std::vector<VkExtensionProperties> extensions(count);
-  if (vk.EnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()) < VK_SUCCESS) return false;
+  check(vk.EnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()), "listing extensions");
   return std::any_of(extensions.begin(), extensions.begin() + count, [&](const VkExtensionProperties& e) { return !std::strcmp(e.extensionName, name); });
 }
 
@@ -62,8 +80,7 @@ void check(VkResult result, const std::string& doing)
 {
   if (result >= VK_SUCCESS) return;
   const char* name = nameOf(result);
-  const bool isMemory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_TOO_MANY_OBJECTS;
-  throw VulkanError(isMemory ? RTC_ERROR_OUT_OF_MEMORY : RTC_ERROR_UNKNOWN,
+  throw VulkanError(isMemory(result) ? RTC_ERROR_OUT_OF_MEMORY : RTC_ERROR_UNKNOWN,
                     "Vulkan: " + doing + " failed: " + (name ? name : "VkResult " + std::to_string(result))
                     + (result == VK_ERROR_DEVICE_LOST ? "; the device is lost, release it and what was made with it" : ""));
 }
@@ -72,7 +89,13 @@ void check(VkResult result, const std::string& doing)
 
 Machine::Machine()
 {
-  loader = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  const char* named = secure_getenv("EMBREE_VULKAN_LOADER");
+  if (named && !*named) named = nullptr;
+  loader = dlopen(named ? named : "libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  if (!loader && named) {
+    const char* reason = dlerror();
+    throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU, std::string("the loader of Vulkan that EMBREE_VULKAN_LOADER names, '") + named + "', cannot be loaded: " + (reason ? reason : "no reason is known"));
+  }
   if (!loader) throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU, "Vulkan's loader, libvulkan.so.1, is not installed (Debian: libvulkan1, and mesa-vulkan-drivers or the vendor's driver)");
   try {
     getInstanceProcAddr = PFN_vkGetInstanceProcAddr(dlsym(loader, "vkGetInstanceProcAddr"));
@@ -90,6 +113,7 @@ Machine::Machine()
     check(result, "creating an instance");
     vk = InstanceFunctions(getInstanceProcAddr, instance);
   } catch (...) {
+    if (const auto destroy = instance ? PFN_vkDestroyInstance(getInstanceProcAddr(instance, "vkDestroyInstance")) : nullptr) destroy(instance, nullptr);
     dlclose(loader);
     throw;
   }

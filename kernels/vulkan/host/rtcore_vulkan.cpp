@@ -45,6 +45,7 @@ bool record(RTCVulkanScene hscene, Query query, VkCommandBuffer commands, VkDevi
   return guarded(embreeOf(hscene), [&]() {
     require(hscene, "scene");
     require(commands, "commands");
+    if (count && !rays) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "the address of rays is 0");
     if (rays % 16) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid rays " + std::to_string(rays) + ": expected an address that is a multiple of 16");
     Scene& scene = *sceneOf(hscene);
     scene.record(query, scene.device.pipeline(query, scene.kinds, scene.statistics.stackSize), commands, rays, count);
@@ -189,11 +190,16 @@ RTC_API bool rtcIsVulkanTraceDone(RTCVulkanTrace trace)
 
 RTC_API bool rtcWaitVulkanTrace(RTCVulkanTrace htrace, void* rays, RTCVulkanTimes* times)
 {
-  return guarded(htrace ? traceOf(htrace)->device.embree : nullptr, [&]() {
+  /* the trace may be the last that keeps the RTCDevice, which is told of the error */
+  const RTCDevice embree = htrace ? traceOf(htrace)->device.embree : nullptr;
+  if (embree) rtcRetainDevice(embree);
+  const bool done = guarded(embree, [&]() {
     require(htrace, "trace");
     const std::unique_ptr<Trace> trace(traceOf(htrace));
     trace->finish(rays, times);
   });
+  if (embree) rtcReleaseDevice(embree);
+  return done;
 }
 
 RTC_NAMESPACE_END

@@ -15,6 +15,8 @@ using namespace cbvh;
 namespace {
 
 struct FlatRelease { void operator()(const FlatScene* flat) const { rtcReleaseFlatScene(flat); } };
+struct DeviceRelease { void operator()(RTCDevice device) const { rtcReleaseDevice(device); } };
+using HeldRTCDevice = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 
 /* The instanced scenes come behind the one that instances them. */
 struct Part
@@ -86,7 +88,11 @@ private:
     Part part;
     part.scene = scene;
     part.flat.reset(rtcFlattenScene(scene, flatSceneVersion));
-    if (!part.flat) throw VulkanError(RTC_ERROR_NONE, "");   // the device knows already
+    if (!part.flat) {
+      /* the scene's RTCDevice knows why */
+      const bool isSame = HeldRTCDevice(rtcGetSceneDevice(scene)).get() == device.embree;
+      throw VulkanError(isSame ? RTC_ERROR_NONE : RTC_ERROR_INVALID_OPERATION, "the scene cannot be read: its RTCDevice, which is another than the Vulkan device's, has been told why");
+    }
     part.firstGeometry = numGeometries;
     numGeometries += uint32_t(part.flat->numGeometries);
     partOf[scene] = parts.size();
@@ -247,9 +253,8 @@ private:
       out.statistics.numInstances++;
       instances.push_back({transformed(geometry), uint32_t(i), RTC_INVALID_GEOMETRY_ID});
     }
-    const RTCDevice embree = rtcGetSceneDevice(part.scene);
-    part.tree = tree.join({copySurfaces(flat, p), tree.buildTriangles(embree, triangles), tree.buildInstances(embree, instances)});
-    rtcReleaseDevice(embree);
+    const HeldRTCDevice embree(rtcGetSceneDevice(part.scene));
+    part.tree = tree.join({copySurfaces(flat, p), tree.buildTriangles(embree.get(), triangles), tree.buildInstances(embree.get(), instances)});
   }
 
   static void addTriangles(const FlatGeometry& geometry, uint32_t geomID, std::vector<Item>& items)

@@ -3,6 +3,7 @@
 
 #include "trace.h"
 
+#include <cstdint>
 #include <cstring>
 
 namespace embree { namespace vulkan {
@@ -18,15 +19,22 @@ void barrier(const DeviceFunctions& vk, VkCommandBuffer commands, VkPipelineStag
   vk.CmdPipelineBarrier(commands, from, to, 0, 1, &info, 0, nullptr, 0, nullptr);
 }
 
+size_t bytesOf(Query query, size_t count)
+{
+  const size_t ray = query == CLOSEST_HIT ? sizeof(RTCRayHit) : sizeof(RTCRay);
+  if (count > SIZE_MAX/ray) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid count " + std::to_string(count) + ": no memory has so many rays");
+  return count*ray;
+}
+
 } // namespace
 
 Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
   : device(scene.device), held(scene), scene(scene), query(query), count(count),
-    bytes(count*(query == CLOSEST_HIT ? sizeof(RTCRayHit) : sizeof(RTCRay)))
+    bytes(bytesOf(query, count))
 {
   onDevice.reset(new Buffer(device, bytes, Buffer::OnDevice, "rays"));
   if (!onDevice->mapped) staging.reset(new Buffer(device, bytes, Buffer::Staging, "rays"));
-  std::memcpy(staging ? staging->mapped : onDevice->mapped, rays, bytes);
+  if (bytes) std::memcpy(staging ? staging->mapped : onDevice->mapped, rays, bytes);
   try {
     if (device.capabilities.timestampBits) {
       VkQueryPoolCreateInfo info = {VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
@@ -82,13 +90,12 @@ RTCVulkanTimes Trace::readTimes() const
 void Trace::finish(void* rays, RTCVulkanTimes* times)
 {
   device.wait(submission);
-  if (rays) std::memcpy(rays, staging ? staging->mapped : onDevice->mapped, bytes);
+  if (rays && bytes) std::memcpy(rays, staging ? staging->mapped : onDevice->mapped, bytes);
   if (times) *times = readTimes();
 }
 
 Trace::~Trace()
 {
-  device.vk.WaitForFences(device.handles.device, 1, &submission.fence, VK_TRUE, UINT64_MAX);
   device.recycle(submission);
   if (clock) device.vk.DestroyQueryPool(device.handles.device, clock, nullptr);
 }

@@ -55,7 +55,7 @@ void setChild(FlatNode& node, int i, uint32_t child, const Bounds& bounds)
   }
 }
 
-/* What rtcBuildBVH makes: a leaf has items, a node children. */
+/* What rtcBuildBVH makes: a leaf has items, a node children. Where Embree had no memory for one it is NULL. */
 struct BuildNode
 {
   bool isLeaf;
@@ -67,7 +67,9 @@ struct BuildNode
 
 void* createNode(RTCThreadLocalAllocator allocator, unsigned, void*)
 {
-  BuildNode* node = new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16)) BuildNode;
+  void* memory = rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16);
+  if (!memory) return nullptr;
+  BuildNode* node = new (memory) BuildNode;
   node->isLeaf = false;
   return node;
 }
@@ -75,18 +77,22 @@ void* createNode(RTCThreadLocalAllocator allocator, unsigned, void*)
 void setChildren(void* pointer, void** children, unsigned count, void*)
 {
   BuildNode* node = static_cast<BuildNode*>(pointer);
+  if (!node) return;
   node->count = count;
   for (unsigned i = 0; i < count; i++) node->children[i] = static_cast<BuildNode*>(children[i]);
 }
 
 void setBounds(void* pointer, const RTCBounds** bounds, unsigned count, void*)
 {
+  if (!pointer) return;
   for (unsigned i = 0; i < count; i++) static_cast<BuildNode*>(pointer)->bounds[i] = *bounds[i];
 }
 
 void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* items, size_t count, void*)
 {
-  BuildNode* leaf = new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16)) BuildNode;
+  void* memory = rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16);
+  if (!memory) return nullptr;
+  BuildNode* leaf = new (memory) BuildNode;
   leaf->isLeaf = true;
   leaf->count = unsigned(count);
   for (size_t i = 0; i < count; i++) leaf->items[i] = {items[i].geomID, items[i].primID};
@@ -105,6 +111,7 @@ public:
 
   uint32_t reference(const BuildNode* from, uint32_t above)
   {
+    if (!from) throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, "Embree has no memory for a tree over triangles or instances");
     if (from->isLeaf) return leaf(from);
     depth = std::max(depth, above + 1);
     const uint32_t n = tree.addNode();
@@ -160,7 +167,6 @@ Subtree Tree::build(RTCDevice device, std::vector<Item>& items, unsigned maxLeaf
   args.setNodeBounds = setBounds;
   args.createLeaf = createLeaf;
   const BuildNode* root = bvh ? static_cast<const BuildNode*>(rtcBuildBVH(&args)) : nullptr;
-  if (!root) throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, "no tree could be built over " + std::to_string(primitives.size()) + " triangles or instances");
   std::vector<RTCBuildPrimitive>().swap(primitives);
   Flattening flattening(*this);
   out.root = flattening.reference(root, 0);

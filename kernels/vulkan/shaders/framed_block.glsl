@@ -339,12 +339,21 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
       }
       else if (kind == kindVoxel)
       {
-        if (local.segment.startClipped && slabs.enter[child] < 0.0) continue;
+        /* the nearest of the four, the first along the ray of those as near */
+        float nearest = beyondAll;
+        for (uint k = 0u; k < 4u; k++) {
+          int other = int(k ^ local.flip);
+          bool isInside = local.segment.startClipped && slabs.enter[other] < 0.0;
+          float s = max(slabs.enter[other], 0.0);
+          if ((isHit & (1u << k)) != 0u && !isInside && s < nearest) { nearest = s; child = other; }
+        }
+        hits &= ~(15u << shift);
+        if (!(nearest <= best)) continue;
         cbvhReport(header, ray, local, layout_.leaves,
-                   cbvhHitOnPatch(local, cbvhSolidLeaf(decodeChild(word, child, box)), leaf, max(slabs.enter[child], 0.0), sideUnknown), hit);
+                   cbvhHitOnPatch(local, cbvhSolidLeaf(decodeChild(word, child, box)), 4u*m + uint(child), nearest, sideUnknown), hit);
         found = true;
         if (anyHit) return true;
-        best = min(best, max(slabs.enter[child], 0.0));
+        best = nearest;
       }
       else
       {

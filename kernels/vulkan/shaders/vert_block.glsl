@@ -98,12 +98,25 @@ int cbvhWeight (int i, int step_, int quads) { return quads == 4*step_ ? 4*i : c
 
 int cbvhResidual (CbvhPointer at, uint bit, int bits) { return bits == 0 ? 0 : cellResidual(cbvhBits(at, bit), 0, bits); }
 
-/* coordinates of vertex i, j */
-ivec3 cbvhCellVertex (CbvhPointer at, CbvhCell cell, int i, int j)
+/* Predictions of a row: (start + weight*slope) >> 8, which is cellPrediction of vertex_cell.h. */
+struct CbvhRow
 {
-  int weightX = cbvhWeight(i, cell.step, cell.quadsX), weightY = cbvhWeight(j, cell.step, cell.quadsY);
-  ivec3 vertex;
-  for (int k = 0; k < 3; k++) vertex[k] = cellPrediction(cell.c00[k], cell.c10[k], cell.c01[k], cell.c11[k], weightX, weightY);
+  ivec3 start, slope;
+};
+
+CbvhRow cbvhRow (CbvhCell cell, int j)
+{
+  int weightY = cbvhWeight(j, cell.step, cell.quadsY);
+  CbvhRow row;
+  row.start = 256*cell.c00 + 16*weightY*(cell.c01 - cell.c00) + 128;
+  row.slope = 16*(cell.c10 - cell.c00) + weightY*(cell.c11 - cell.c10 - cell.c01 + cell.c00);
+  return row;
+}
+
+/* coordinates of vertex i, j */
+ivec3 cbvhRowVertex (CbvhPointer at, CbvhCell cell, CbvhRow row, int i, int j)
+{
+  ivec3 vertex = (row.start + cbvhWeight(i, cell.step, cell.quadsX)*row.slope) >> 8;
   int field = cellField(i, j);
   if (field < 0) return vertex;
 
@@ -127,6 +140,8 @@ ivec3 cbvhCellVertex (CbvhPointer at, CbvhCell cell, int i, int j)
   int axis = cellMainAxis(word);
   return vertex + (axis == 0 ? ivec3(r0, r1, r2) : axis == 1 ? ivec3(r2, r0, r1) : ivec3(r1, r2, r0));
 }
+
+ivec3 cbvhCellVertex (CbvhPointer at, CbvhCell cell, int i, int j) { return cbvhRowVertex(at, cell, cbvhRow(cell, j), i, j); }
 
 ivec3 cbvhCorner (CbvhVertBlock block, int c)
 {
@@ -175,14 +190,18 @@ CbvhCell cbvhGroupCell (CbvhVertBlock block, CbvhCell first, uint gx, uint gy)
 }
 
 /* vertex i, j of group gx, gy in the world */
-vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, uint gx, uint gy, int i, int j)
+vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, CbvhRow row, uint gx, uint gy, int i, int j)
 {
   if (isRaw(block.boxForm)) {
     uint x = min(groupQuads*gx + uint(i), block.quadsX), y = min(groupQuads*gy + uint(j), block.quadsY);
     uint first = block.offsets.vertices/4u + 3u*(y*(block.quadsX + 1u) + x);
     return vec3(cbvhFloat(block.at, first), cbvhFloat(block.at, first + 1u), cbvhFloat(block.at, first + 2u));
   }
-  return block.origin + vec3(cbvhCellVertex(block.at, cell, i, j))*block.spacing;
+  return block.origin + vec3(cbvhRowVertex(block.at, cell, row, i, j))*block.spacing;
+}
+
+vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, uint gx, uint gy, int i, int j) {
+  return cbvhGroupVertex(block, cell, cbvhRow(cell, j), gx, gy, i, j);
 }
 
 /* --- boxes ----------------------------------------------------------------------------- */
@@ -305,11 +324,19 @@ uint cbvhTriangles (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShea
   uint mask = 0u;
   int quadsX = int(quadsOfGroup(block.quadsX, gx)), quadsY = int(quadsOfGroup(block.quadsY, gy));
   vec2 below[5];
-  [[unroll]] for (int i = 0; i < 5; i++) below[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, gx, gy, i, 0));
+  CbvhRow first = cbvhRow(cell, 0);
+  [[unroll]] for (int i = 0; i < 5; i++) below[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, first, gx, gy, i, 0));
   [[dont_unroll]] for (int j = 0; j < quadsY; j++)
   {
     vec2 row[5];
-    [[unroll]] for (int i = 0; i < 5; i++) row[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, gx, gy, i, j + 1));
+    CbvhRow above = cbvhRow(cell, j + 1);
+    [[unroll]] for (int i = 0; i < 5; i++) row[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, above, gx, gy, i, j + 1));
+    vec2 lower = min(below[0], row[0]), upper = max(below[0], row[0]);
+    [[unroll]] for (int i = 1; i < 5; i++) {
+      lower = min(lower, min(below[i], row[i]));
+      upper = max(upper, max(below[i], row[i]));
+    }
+    if (all(lessThanEqual(lower, vec2(0.0))) && all(greaterThanEqual(upper, vec2(0.0))))
     [[unroll]] for (int i = 0; i < 4; i++) {
       float diag = cbvhSide(below[i + 1], row[i]), left = cbvhSide(row[i], below[i]), bottom = cbvhSide(below[i], below[i + 1]);
       float right = cbvhSide(below[i + 1], row[i + 1]), top = cbvhSide(row[i + 1], row[i]);
@@ -481,11 +508,13 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
   else
   {
     vec3 below[5];
-    [[unroll]] for (int i = 0; i < 5; i++) below[i] = vec3(cbvhCellVertex(at, first, i, 0));
+    CbvhRow firstRow = cbvhRow(first, 0);
+    [[unroll]] for (int i = 0; i < 5; i++) below[i] = vec3(cbvhRowVertex(at, first, firstRow, i, 0));
     [[dont_unroll]] for (uint gy = 0u; gy < block.offsets.groupsY; gy++)
     {
       vec3 row[5];
-      [[unroll]] for (int i = 0; i < 5; i++) row[i] = vec3(cbvhCellVertex(at, first, i, int(gy) + 1));
+      CbvhRow above = cbvhRow(first, int(gy) + 1);
+      [[unroll]] for (int i = 0; i < 5; i++) row[i] = vec3(cbvhRowVertex(at, first, above, i, int(gy) + 1));
       [[unroll]] for (int i = 0; i < 4; i++)
         if (uint(i) < block.offsets.groupsX &&
             cbvhMeetsGroup(block, ray, vert, sheared, extent, hit.t, gy*block.offsets.groupsX + uint(i), below[i], below[i + 1], row[i], row[i + 1]))

@@ -1,0 +1,36 @@
+#!/bin/sh
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# gpu_bundle.sh [FOLDER]
+#
+# Collects what measuring on a Vulkan device takes into FOLDER (build/gpu_bundle by default), for a
+# machine that has a driver and nothing else: the benchmark without images, the libraries that it
+# needs but libc, and gpu_measure.sh. Copy the folder there, and run
+#
+#   FOLDER/gpu_measure.sh RESULTS
+set -eu
+cd "$(dirname -- "$0")/.."
+folder=${1:-build/gpu_bundle}
+
+[ -e build/release/build.ninja ] || cmake --preset release
+cmake --build build/release --target cbvh_bench_bare
+
+program=build/release/tutorials/bench/cbvh_bench_bare
+rm -rf "$folder"
+mkdir -p "$folder/bin" "$folder/lib" "$folder/loader"
+cp "$program" "$folder/bin/"
+cp scripts/gpu_measure.sh "$folder/"
+
+# All libraries but those of the C library, which belong to the kernel and the driver there.
+ldd "$program" | awk '$2 == "=>" && $3 ~ "^/" { print $1, $3 }' | while read -r name path; do
+  case $name in libc.so.* | libm.so.* | libpthread.so.* | libdl.so.* | librt.so.*) continue ;; esac
+  cp -L "$path" "$folder/lib/$name"
+done
+
+# Vulkan's loader, for a machine without one.
+loader=$(ldconfig -p | awk '$1 == "libvulkan.so.1" { print $NF; exit }')
+[ -n "$loader" ] && cp -L "$loader" "$folder/loader/libvulkan.so.1"
+
+strip --strip-unneeded "$folder"/bin/* "$folder"/lib/*
+du -sh "$folder"

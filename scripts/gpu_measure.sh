@@ -1,0 +1,71 @@
+#!/bin/sh
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# gpu_measure.sh RESULTS [DEVICE] [MINUTES]
+#
+# Measures every representation on a Vulkan device, within MINUTES (20 by default), and writes JSON
+# files that scripts/report.py reads into the folder RESULTS. Runs out of the folder that
+# gpu_bundle.sh made: nothing else has to be installed but a driver. DEVICE: a part of its name, or
+# its index; the first discrete one by default. What matters most comes first, and a run that would
+# begin too late is left out, with a line that says so.
+set -eu
+here=$(cd "$(dirname -- "$0")" && pwd)
+results=${1:?usage: gpu_measure.sh RESULTS [DEVICE] [MINUTES]}
+device=vulkan${2:+:$2}
+minutes=${3:-20}
+mkdir -p "$results"
+results=$(cd "$results" && pwd)
+begin=$(date +%s)
+end=$((begin + 60*minutes))
+
+export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
+if ! ldconfig -p 2> /dev/null | grep -q 'libvulkan\.so\.1'; then
+  export LD_LIBRARY_PATH="$LD_LIBRARY_PATH:$here/loader"
+fi
+
+# Vulkan's loader finds drivers by their description, which containers often lack.
+if [ -z "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ]; then
+  found=$(ls /etc/vulkan/icd.d/*.json /usr/share/vulkan/icd.d/*.json 2> /dev/null | head -1 || true)
+  if [ -z "$found" ]; then
+    found=$(ls /usr/local/*/share/vulkan/icd.d/*.json 2> /dev/null | head -1 || true)
+    if [ -z "$found" ] && ldconfig -p 2> /dev/null | grep -q 'libGLX_nvidia\.so\.0'; then
+      found="$results/nvidia_icd.json"
+      printf '{"file_format_version": "1.0.0", "ICD": {"library_path": "libGLX_nvidia.so.0", "api_version": "1.3.0"}}\n' > "$found"
+    fi
+    [ -n "$found" ] && export VK_DRIVER_FILES="$found" VK_ICD_FILENAMES="$found"
+  fi
+fi
+
+# measure NAME SECONDS ARGUMENTS...: one run of the benchmark, at most that long.
+measure() {
+  name=$1
+  seconds=$2
+  shift 2
+  left=$((end - $(date +%s)))
+  if [ "$left" -lt 30 ]; then echo "$name: left out, the time is over"; return; fi
+  [ "$seconds" -gt "$left" ] && seconds=$left
+  started=$(date +%s)
+  if timeout "$seconds" "$here/bin/cbvh_bench_bare" --device "$device" --true-surface 0 --leaves-only --rays 0 --size 1024x1024 \
+    "$@" --json "$results/$name.json" > "$results/$name.txt" 2> "$results/$name.log"; then
+    echo "$name: $(($(date +%s) - started)) s"
+  else
+    echo "$name: exit status $? after $(($(date +%s) - started)) s; $(tail -1 "$results/$name.log")"
+  fi
+  grep 'Mrays/s' "$results/$name.txt" | head -40 || true
+}
+
+all=naive,grid,cgrid,cvoxel,cleaf,cvert
+common="--set coherent,incoherent --query closest,any --repeat 5"
+
+measure trex_6 400 --scene trex --level 6 --representation $all $common
+measure trex_4_5 200 --scene trex --level 4,5 --representation $all $common
+measure others_6 300 --scene frog,cube,knee --level 6 --representation $all $common
+measure trex_7 400 --scene trex --level 7 --representation grid,cgrid,cvoxel,cleaf,cvert $common
+measure close_6 200 --scene trex,frog --view close --level 6 --representation grid,cleaf,cvert $common
+measure others_4_5_7 200 --scene frog,cube,knee --level 4,5,7 --representation grid,cleaf,cvert $common
+measure leaks 200 --scene cube --level 5 --representation cvoxel,cleaf,cvert --check leaks,sheets,shadows --check-rays 10000000 --repeat 0
+for count in 8 24 64; do
+  measure "herd_$count" 300 --scene herd --count $count --level 6 --representation cleaf,cvert --set coherent,incoherent --repeat 3
+done
+echo "all: $(($(date +%s) - begin)) s"

@@ -1,0 +1,281 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* The same rays have the same hits on the device as on the processor: every representation on
+ * cages of every sort, and what surrounds surfaces in a scene. */
+
+#include "vulkan_tracer.h"
+
+#include <algorithm>
+
+namespace cbvh::test {
+namespace {
+
+const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
+
+// What was compared, and what was not the same.
+struct Agreement
+{
+  size_t rays = 0, hits = 0;
+  size_t otherHit = 0;    // a hit for a miss, or the other way round
+  size_t otherPlace = 0;  // other IDs, or farther apart than a hundredth of what a quad of 1/64 is wide
+  size_t otherAny = 0;    // any hit is not what closest hit is
+
+  // One ray in 10^5, as where a ray grazes an edge; rays of tests are fewer.
+  void expect() const
+  {
+    EXPECT_GT(hits, rays/10) << "the rays miss";
+    EXPECT_LE(otherHit, rays/100000 + 1);
+    EXPECT_LE(otherPlace, hits/10000 + 2);
+    EXPECT_EQ(otherAny, 0u);
+  }
+};
+
+class VulkanHits : public VulkanTest
+{
+protected:
+  Displacement displacement;
+  Random random{71};
+
+  SurfaceSettings settings(RTCCompression compression, float rate = 16)
+  {
+    SurfaceSettings s;
+    s.displacement = &displacement;
+    s.compression = compression;
+    s.frameLevel = 1;
+    s.rate = rate;
+    return s;
+  }
+
+  void compare(RTCScene scene, const std::vector<RTCRayHit>& rays, Agreement& sum, RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO)
+  {
+    ASSERT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
+    const VulkanScene onDevice = newVulkanScene(device, scene, memory);
+    ASSERT_NE(onDevice, nullptr) << embree.message;
+    std::vector<RTCRayHit> found = rays;
+    std::vector<RTCRay> any;
+    for (const RTCRayHit& ray : rays) any.push_back(ray.ray);
+    intersectOnDevice(onDevice, found);
+    occludedOnDevice(onDevice, any);
+    for (size_t i = 0; i < rays.size(); i++) {
+      const RTCRayHit truth = intersect(scene, rays[i]);
+      const RTCHit &a = truth.hit, &b = found[i].hit;
+      sum.rays++;
+      sum.hits += isHit(truth);
+      sum.otherAny += (any[i].tfar < 0) != isHit(found[i]);
+      if (isHit(truth) != isHit(found[i])) { sum.otherHit++; continue; }
+      if (!isHit(truth)) continue;
+      const double n = std::sqrt(double(a.Ng_x)*a.Ng_x + double(a.Ng_y)*a.Ng_y + double(a.Ng_z)*a.Ng_z);
+      const double dn = std::max({std::fabs(a.Ng_x - b.Ng_x), std::fabs(a.Ng_y - b.Ng_y), std::fabs(a.Ng_z - b.Ng_z)});
+      const double dt = std::fabs(double(truth.ray.tfar) - found[i].ray.tfar);
+      sum.otherPlace += a.geomID != b.geomID || a.primID != b.primID || a.instID[0] != b.instID[0] || dt > 1e-5*truth.ray.tfar
+        || std::max(std::fabs(a.u - b.u), std::fabs(a.v - b.v)) > 1e-3 || dn > 1e-2*n;
+    }
+  }
+};
+
+struct NamedCage
+{
+  const char* name;
+  Cage cage;
+};
+
+std::vector<NamedCage> cagesOfEverySort()
+{
+  Cage creased = cubeCage();
+  creased.creases = {{0,1}, {1,3}, {3,2}, {2,0}};
+  creased.creaseWeights = {INFINITY, 2.5f, 0.7f, INFINITY};
+  Cage withHole = sheetCage(4);
+  withHole.holes = {5};
+  return {{"cube", cubeCage()}, {"creases", creased}, {"hole and borders", withHole}, {"triangles", prismCage(3)},
+    {"pentagons", prismCage(5)}, {"heptagons", prismCage(7)}, {"valence 9", trapezohedronCage(9)}};
+}
+
+TEST_F(VulkanHits, OfCagesOfEverySortAreTheProcessors)
+{
+  for (RTCCompression kind : allKinds) {
+    Agreement sum;
+    for (const NamedCage& c : cagesOfEverySort())
+      for (float rate : {1.f, 2.f, 5.f, 16.f, 64.f}) {
+        SCOPED_TRACE(testing::Message() << kindName(kind) << ", " << c.name << ", rate " << rate);
+        const SurfaceScene scene(embree, c.cage, settings(kind, rate));
+        compare(scene, raysAt(random, 2000), sum, rate == 5 ? RTC_VULKAN_MEMORY_COPY : RTC_VULKAN_MEMORY_AUTO);
+      }
+    SCOPED_TRACE(kindName(kind));
+    sum.expect();
+  }
+}
+
+TEST_F(VulkanHits, OfEdgesOfDifferentRatesAreTheProcessors)
+{
+  for (RTCCompression kind : allKinds) {
+    Agreement sum;
+    for (int i = 0; i < 8; i++) {
+      SurfaceSettings s = settings(kind);
+      const Cage cage = cubeCage();
+      /* the same on both sides of an edge, whose sum of vertices no other edge has that is as long */
+      for (size_t f = 0, k = 0; f < cage.faces.size(); k += cage.faces[f++])
+        for (unsigned e = 0; e < cage.faces[f]; e++) {
+          const unsigned a = cage.indices[k + e], b = cage.indices[k + (e + 1) % cage.faces[f]];
+          s.edgeRates.push_back(float(1 + (a*7 + b*7 + a*b*3 + unsigned(i)*5) % 23));
+        }
+      const SurfaceScene scene(embree, cage, s);
+      compare(scene, raysAt(random, 3000), sum);
+    }
+    SCOPED_TRACE(kindName(kind));
+    sum.expect();
+  }
+}
+
+// Vertices that are not finite: the quads around them are left out. A fallen-back block is GRID's.
+TEST_F(VulkanHits, OfSurfacesWithHolesOfNaNAreTheProcessors)
+{
+  displacement.poison = [](unsigned primID, float u, float v) { return primID % 2 == 0 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f; };
+  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+    Agreement sum;
+    const SurfaceScene scene(embree, cubeCage(), settings(kind, 32));
+    EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT); // which says so
+    compare(scene, raysAt(random, 20000), sum);
+    SCOPED_TRACE(kindName(kind));
+    sum.expect();
+  }
+}
+
+TEST_F(VulkanHits, OfFlatLinesThatAreLeftToGridAreTheProcessors)
+{
+  Cage cage = quadCage();
+  for (Vec& p : cage.positions) p[1] = p[2] = 0;
+  cage.addFace({0, 1, 2, 3});
+  cage.positions.insert(cage.positions.end(), {{-1,-1,-1}, {1,-1,-1}, {1,1,-0.8f}, {-1,1,-1}});
+  cage.addFace({4, 5, 6, 7});
+  Agreement sum;
+  SurfaceSettings s = settings(RTC_COMPRESSION_LEAF);
+  s.displacement = nullptr;
+  const SurfaceScene scene(embree, cage, s);
+  compare(scene, raysAt(random, 5000), sum);
+  sum.expect();
+}
+
+// --- what surrounds surfaces ------------------------------------------------------------------
+
+void addTriangles(RTCDevice device, RTCScene scene, Random& random, unsigned count, unsigned mask = ~0u)
+{
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  std::vector<Vec> vertices;
+  std::vector<std::array<unsigned, 3>> triangles;
+  for (unsigned i = 0; i < count; i++) {
+    Vec centre;
+    for (float& x : centre) x = float(random.uniform(-1.5, 1.5));
+    for (unsigned k = 0; k < 3; k++) {
+      Vec p = centre;
+      for (float& x : p) x += float(random.uniform(-0.3, 0.3));
+      vertices.push_back(p);
+    }
+    triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+  }
+  vertices.push_back({NAN, 0, 0});
+  triangles.push_back({0, 1, unsigned(vertices.size() - 1)}); // left out
+  triangles.push_back({0, 1, 1u << 30});
+  setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices);
+  setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles);
+  rtcSetGeometryMask(geometry, mask);
+  rtcCommitGeometry(geometry);
+  attach(scene, geometry);
+}
+
+TEST_F(VulkanHits, OfTrianglesAreTheProcessorsRobustOrNot)
+{
+  for (RTCSceneFlags flags : {RTC_SCENE_FLAG_NONE, RTC_SCENE_FLAG_ROBUST}) {
+    Agreement sum;
+    Scene scene(embree, flags);
+    addTriangles(embree, scene, random, 1);
+    addTriangles(embree, scene, random, 500);
+    rtcCommitScene(scene);
+    compare(scene, raysAt(random, 20000), sum);
+    sum.expect();
+  }
+}
+
+TEST_F(VulkanHits, OfScenesOfEverythingAreTheProcessors)
+{
+  Scene scene(embree);
+  Displacement displacements[5];
+  std::vector<RTCGeometry> surfaces;
+  for (unsigned i = 0; i < 5; i++) {
+    displacements[i].offset = {0.8f*float(i) - 1.6f, 0.3f*float(i % 2), 0.2f*float(i % 3)};
+    displacements[i].scale = 0.5f;
+    SurfaceSettings s = settings(allKinds[i]);
+    s.displacement = &displacements[i];
+    s.mask = 1u << i;
+    addSurface(embree, scene, i % 2 ? cubeCage() : prismCage(5), s);
+  }
+  addTriangles(embree, scene, random, 30, 1u << 5);
+  rtcDetachGeometry(scene, 2);
+  rtcDisableGeometry(rtcGetGeometry(scene, 1));
+  rtcCommitScene(scene);
+  Agreement sum;
+  std::vector<RTCRayHit> rays = raysAt(random, 30000, 0.9f);
+  for (RTCRayHit& ray : rays) ray.ray.mask = unsigned(random.below(64));
+  compare(scene, rays, sum);
+  sum.expect();
+}
+
+void copyTo(float out[12], const double columns[3][3], const Vec& origin)
+{
+  for (int c = 0; c < 3; c++)
+    for (int r = 0; r < 3; r++) out[3*c + r] = float(columns[c][r]);
+  for (int r = 0; r < 3; r++) out[9 + r] = origin[r];
+}
+
+TEST_F(VulkanHits, OfInstancesAreTheProcessors)
+{
+  Scene leaves(embree), triangles(embree), scene(embree);
+  addSurface(embree, leaves, cubeCage(), settings(RTC_COMPRESSION_LEAF));
+  addSurface(embree, leaves, sheetCage(3), settings(RTC_COMPRESSION_VERT));
+  rtcCommitScene(leaves);
+  addTriangles(embree, triangles, random, 50);
+  rtcCommitScene(triangles);
+  addTriangles(embree, scene, random, 5);
+  for (unsigned i = 0; i < 60; i++) {
+    RTCGeometry instance = rtcNewGeometry(embree, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, i % 3 ? leaves : triangles);
+    double m[3][3];
+    for (auto& column : m)
+      for (double& x : column) x = 0.25*random.normal();
+    float transform[12];
+    copyTo(transform, m, {float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2))});
+    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
+    rtcSetGeometryMask(instance, 1u << (i % 4));
+    rtcCommitGeometry(instance);
+    attach(scene, instance);
+  }
+  rtcCommitScene(scene);
+  for (RTCVulkanMemory memory : {RTC_VULKAN_MEMORY_COPY, RTC_VULKAN_MEMORY_AUTO}) {
+    Agreement sum;
+    std::vector<RTCRayHit> rays = raysAt(random, 30000, 0.8f);
+    for (size_t i = 0; i < rays.size(); i += 2) rays[i].ray.mask = unsigned(random.below(16));
+    compare(scene, rays, sum, memory);
+    sum.expect();
+  }
+}
+
+TEST_F(VulkanHits, AreBetweenTnearAndTfar)
+{
+  for (RTCCompression kind : allKinds) {
+    const SurfaceScene scene(embree, cubeCage(), settings(kind));
+    std::vector<RTCRayHit> rays = raysAt(random, 20000);
+    for (RTCRayHit& ray : rays) { // directions are about 4 long
+      ray.ray.tnear = float(random.uniform(0.5, 1.3));
+      ray.ray.tfar = ray.ray.tnear + float(random.uniform(0, 0.5));
+    }
+    Agreement sum;
+    compare(scene, rays, sum);
+    EXPECT_GT(sum.hits, 2000u);
+    EXPECT_LE(sum.otherHit, 1u) << kindName(kind);
+    EXPECT_LE(sum.otherPlace, 2u) << kindName(kind);
+    EXPECT_EQ(sum.otherAny, 0u) << kindName(kind);
+  }
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,44 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Blocks of every hard shape, size and place are traced on the device as the scalar reference
+ * traces them, by the same judge as every ISA of the processor (support/reference_check.h). */
+
+#include "support/reference_check.h"
+#include "vulkan_tracer.h"
+
+namespace cbvh::test {
+namespace {
+
+class VulkanReference : public VulkanTest
+{
+protected:
+  void expectReferences(RTCCompression compression)
+  {
+    ReferenceCheck check(embree, compression, [&](RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any) {
+      const VulkanScene onDevice = newVulkanScene(device, scene, ++scenes % 2 ? RTC_VULKAN_MEMORY_COPY : RTC_VULKAN_MEMORY_AUTO);
+      intersectOnDevice(onDevice, closest);
+      occludedOnDevice(onDevice, any);
+    });
+    Random random(61);
+    const std::vector<Placement> placements = {{1, {0, 0, 0}}, {1e-6, {0, 0, 0}}, {1e6, {0, 0, 0}}, {1, {1000, -2000, 500}}};
+    for (unsigned height : {0, 1, 2, 3, 5})
+      for (const Placement& at : placements)
+        for (Shape shape : allShapes) {
+          check.trace(random, randomSheet(random, shape, height, at), allRays, 8, scenes % 3 != 0);
+          if (HasFatalFailure()) return;
+        }
+    check.conclude(0.7);
+  }
+
+private:
+  unsigned scenes = 0;
+};
+
+TEST_F(VulkanReference, OfGrids) { expectReferences(RTC_COMPRESSION_GRID); }
+TEST_F(VulkanReference, OfVoxels) { expectReferences(RTC_COMPRESSION_VOXEL); }
+TEST_F(VulkanReference, OfLeaves) { expectReferences(RTC_COMPRESSION_LEAF); }
+TEST_F(VulkanReference, OfVertices) { expectReferences(RTC_COMPRESSION_VERT); }
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,26 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Rays of tests on a Vulkan device. */
+
+#include "validated_device.h"
+
+#include <stdexcept>
+
+namespace cbvh::test {
+
+inline void intersectOnDevice(const VulkanScene& scene, std::vector<RTCRayHit>& rays)
+{
+  RTCVulkanTrace trace = rtcStartVulkanIntersect(scene.get(), rays.data(), rays.size());
+  if (!trace || !rtcWaitVulkanTrace(trace, rays.data(), nullptr)) throw std::runtime_error("tracing on the Vulkan device failed");
+}
+
+inline void occludedOnDevice(const VulkanScene& scene, std::vector<RTCRay>& rays)
+{
+  RTCVulkanTrace trace = rtcStartVulkanOccluded(scene.get(), rays.data(), rays.size());
+  if (!trace || !rtcWaitVulkanTrace(trace, rays.data(), nullptr)) throw std::runtime_error("tracing on the Vulkan device failed");
+}
+
+} // namespace cbvh::test

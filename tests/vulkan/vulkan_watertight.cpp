@@ -1,0 +1,119 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* No ray slips through on the device either: rays through random sheets, and rays out of closed
+ * surfaces that aim at what they share; and rays that leave the surface do not meet it again where
+ * the processor's do not. */
+
+#include "basics/parallel.h"
+#include "measure/leak_rays.h"
+#include "measure/sheet_crossings.h"
+#include "programs/view_options.h"
+#include "measure/self_shadow.h"
+#include "scenes/catalogue.h"
+#include "tracing/camera.h"
+#include "tracing/ray_sets.h"
+#include "tracing/trace_hits.h"
+#include "validated_device.h"
+
+namespace cbvh::test {
+namespace {
+
+class VulkanWatertight : public testing::TestWithParam<RTCCompression>
+{
+protected:
+  void SetUp() override { if (!ValidatedDevice::missing().empty()) GTEST_SKIP() << ValidatedDevice::missing(); }
+};
+
+std::string nameOf(const testing::TestParamInfo<RTCCompression>& info) { return kindName(info.param); }
+INSTANTIATE_TEST_SUITE_P(Compression, VulkanWatertight, testing::Values(RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
+
+TEST_P(VulkanWatertight, RaysThroughRandomSheetsHit)
+{
+  Device device;
+  SheetSettings settings;
+  settings.rays = 200000;
+  settings.raysASheet = 5000;
+  settings.seed = 81;
+  settings.device = "vulkan";
+  const cbvh::SheetCrossings found = crossSheets(device, GetParam(), settings, 1);
+  EXPECT_GT(found.rays, found.ofGrid*100);
+  EXPECT_EQ(found.closest, 0u);
+  EXPECT_EQ(found.any, 0u);
+  for (const std::string& example : found.examples) ADD_FAILURE() << example;
+}
+
+// A closed scene by GRID, and by a representation on the device.
+struct ClosedScene
+{
+  static constexpr int level = 5, frameLevel = 2;
+
+  Model model = load();
+  BuiltScene grid{model, {RepresentationKind::Grid}, settings("cpu")};
+  BuiltScene scene;
+
+  explicit ClosedScene(RTCCompression compression) : scene(model, representation(compression), settings("vulkan")) {}
+
+  static Model load()
+  {
+    SceneSettings settings;
+    settings.scene = "cube";
+    std::string warning;
+    return loadScene(settings, warning);
+  }
+  static Representation representation(RTCCompression compression)
+  {
+    for (const Representation& r : parseRepresentations("cvoxel,cleaf,cvert", frameLevel))
+      if (r.compression() == compression) return r;
+    throw std::logic_error("no such representation");
+  }
+  static BuildSettings settings(const std::string& device)
+  {
+    BuildSettings build;
+    build.level = level;
+    build.exactFaces = false; // leaves are tested as leaves
+    build.device = device;
+    return build;
+  }
+};
+
+TEST_P(VulkanWatertight, RaysOutOfAClosedSurfaceHit)
+{
+  const ClosedScene closed(GetParam());
+  const PatchLayout layout = closed.model.layout(ClosedScene::level);
+  const AimPoints points = pickAimPoints({layout, ClosedScene::level, ClosedScene::frameLevel}, tessellate(closed.model, ClosedScene::settings("cpu")), 10000, 83);
+  LeakSettings settings;
+  settings.rays = 200000;
+  settings.thickness = closed.scene.report().distanceFromMesh();
+  const LeakCounts counts = countLeaks(closed.grid.handle(), closed.scene.tracer(), points, settings, 1);
+  EXPECT_GT(counts.aimed, settings.rays/2);
+  EXPECT_EQ(counts.ofScene.closest, 0u);
+  EXPECT_EQ(counts.ofScene.any, 0u);
+  EXPECT_EQ(counts.ofScene.through, 0u);
+}
+
+// As many of them are wrong as of the processor's own: 1 in 1000 of all may differ by rounding.
+TEST_P(VulkanWatertight, SecondaryRaysSeeWhatTheProcessorsSee)
+{
+  const ClosedScene closed(GetParam());
+  const Box3f box = closed.grid.bounds();
+  const Vec3f eye = box.upper + 1.5f*(box.upper - box.lower);
+  const Camera camera(eye, 0.5f*(box.lower + box.upper), {0, 1, 0}, 30, ImageSize{256, 256});
+  const std::vector<Ray> primary = primaryRays(camera);
+  const std::vector<SurfaceHit> gridHits = traceClosest(closed.grid, primary, 1), hits = traceClosest(closed.scene, primary, 1);
+  ShadowSettings shadows;
+  shadows.offset = RayOffset::ofEmbree();
+  shadows.raysPerHit = 2;
+  const auto compare = [&](const SceneTracer& tracer) {
+    return compareShadows({closed.grid.tracer(), gridHits}, {tracer, hits}, {primary, camera.footprint()}, shadows, 1);
+  };
+  const ShadowComparison onDevice = compare(closed.scene.tracer()), onProcessor = compare(EmbreeTracer(closed.scene.handle()));
+  EXPECT_GT(onDevice.rays, 20000u);
+  EXPECT_EQ(onDevice.rays, onProcessor.rays);
+  const size_t slack = onDevice.rays/1000;
+  EXPECT_LE(onDevice.all.falseOcclusions, onProcessor.all.falseOcclusions + slack);
+  EXPECT_LE(onDevice.all.falsePasses, onProcessor.all.falsePasses + slack);
+}
+
+} // namespace
+} // namespace cbvh::test
