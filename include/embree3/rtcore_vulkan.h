@@ -7,7 +7,7 @@
  *
  * There are three ways to use a scene, in this order of worth:
  *
- * - in a shader of your own: `#include "embree3/cbvh/cbvh.glsl"` and call cbvhIntersect(scene, ray, hit)
+ * - in a shader of your own: `#include <embree3/cbvh.glsl>` and call cbvhIntersect(scene, ray, hit)
  *   and cbvhOccluded(scene, ray) with the address of rtcGetVulkanSceneAddress;
  * - on a device of your own: rtcRecordVulkanIntersect and rtcRecordVulkanOccluded record the trace of
  *   a buffer of rays into a command buffer;
@@ -16,6 +16,9 @@
  * A device needs Vulkan 1.2 with the features bufferDeviceAddress and scalarBlockLayout, and
  * shaderFloat64 for scenes that have blocks of cVERT (RTC_COMPRESSION_VERT, and faces that
  * RTC_COMPRESSION_LEAF stores exactly).
+ *
+ * rtcGetVulkanDevices and rtcNewVulkanDevice load libvulkan.so.1, or the loader of Vulkan that the environment
+ * variable EMBREE_VULKAN_LOADER names.
  *
  * Errors: as everywhere in Embree a function that fails returns NULL or 0, the error is read with
  * rtcGetDeviceError of the RTCDevice, and its message goes to the function that

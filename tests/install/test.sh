@@ -16,6 +16,13 @@ trap 'rm -rf "$work"' EXIT
 for header in rtcore.h rtcore_compression.h; do
   [ -f "$work/prefix/include/embree3/$header" ]
 done
+if [ -e "$build/kernels/vulkan/libembree3_vulkan.so.3" ]; then
+  [ -e "$work"/prefix/lib/libembree3_vulkan.so.3 ]
+  [ -f "$work/prefix/include/embree3/rtcore_vulkan.h" ]
+  [ -f "$work/prefix/include/embree3/cbvh.glsl" ]
+  # it finds the library beside it
+  ldd "$work/prefix/lib/libembree3_vulkan.so.3" | grep -q "libembree3.so.3 => $work/prefix/lib/"
+fi
 # A link back into the source tree would break elsewhere.
 for link in $(find "$work/prefix" -type l); do
   case $(readlink "$link") in

@@ -1,15 +1,18 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Tracing rays in a shader. A scene is the address that rtcGetVulkanSceneAddress returns, as two
+/* Tracing rays in a shader, installed as embree3/cbvh.glsl. A scene is the address that rtcGetVulkanSceneAddress returns, as two
  * words; nothing has to be bound. Of the device's features the shader needs bufferDeviceAddress,
  * scalarBlockLayout and, for cVERT, shaderFloat64.
  *
  *   #define CBVH_KINDS ...        optional: kinds of leaves that scenes have, as rtcGetVulkanSceneKinds tells;
  *                                 a constant or a specialization constant. What is not named is not compiled.
+ *   #define CBVH_STACK ...        optional: entries of a ray's stack, as many as stackSize of
+ *                                 rtcGetVulkanSceneStatistics says
  *   #define CBVH_FLOAT64          where shaderFloat64 is there
- *   #include "cbvh.glsl"
+ *   #include <embree3/cbvh.glsl>
  *
+ *   CbvhRay ray = CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu); // the last is the mask
  *   CbvhHit hit;
  *   if (cbvhIntersect(scene, ray, hit)) ...
  *   if (cbvhOccluded(scene, ray)) ...
