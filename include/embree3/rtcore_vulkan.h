@@ -20,13 +20,16 @@
  * rtcGetVulkanDevices and rtcNewVulkanDevice load libvulkan.so.1, or the loader of Vulkan that the environment
  * variable EMBREE_VULKAN_LOADER names.
  *
+ * This header includes Vulkan's. Who loads functions of Vulkan themselves, by volk for one, defines
+ * VK_NO_PROTOTYPES before, as always.
+ *
  * Errors: as everywhere in Embree a function that fails returns NULL or 0, the error is read with
  * rtcGetDeviceError of the RTCDevice, and its message goes to the function that
  * rtcSetDeviceErrorFunction sets. A limit that is met is named with its value.
  *
  * Thread safety: functions of different objects may be called at the same time. The queue of a
- * device is used by rtcNewVulkanScene and rtcStart..., one call at a time: who brings a queue of
- * their own does not use it in the meantime. */
+ * device is used by rtcNewVulkanScene and rtcStart..., one call at a time: who uses it besides, their own or that
+ * of rtcGetVulkanDeviceHandles, does not use it in the meantime. */
 
 #include "rtcore.h"
 #include <vulkan/vulkan_core.h>
@@ -58,7 +61,8 @@ RTC_API unsigned int rtcGetVulkanDevices (RTCDevice device, struct RTCVulkanDevi
  * device, none of that name, one that lacks a feature. */
 RTC_API RTCVulkanDevice rtcNewVulkanDevice (RTCDevice device, const char* which);
 
-/* A device of the application's. All handles are its own and outlive the RTCVulkanDevice. */
+/* A device of the application's: for instance one with extensions, as for a window, that rtcNewVulkanDevice
+ * does not enable. All handles are its own and outlive the RTCVulkanDevice. */
 struct RTCVulkanHandles
 {
   PFN_vkGetInstanceProcAddr getInstanceProcAddr;
@@ -135,12 +139,26 @@ RTC_API void rtcGetVulkanSceneStatistics (RTCVulkanScene scene, struct RTCVulkan
 RTC_API bool rtcRecordVulkanIntersect (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count);
 RTC_API bool rtcRecordVulkanOccluded (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count);
 
+/* Incoherent rays are faster where neighbours in the buffer start near each other and go the same way. These record a
+ * sort of the indices of rays, by origin and direction, and traces in that order; rays stay where they are. Worth it
+ * for rays of several bounces, not for rays of a camera.
+ * rays: at a multiple of 16, `stride` bytes apart, each begins as an RTCRay does. order: memory of the device for
+ * rtcGetVulkanRayOrderBytes(count) bytes, at a multiple of 16. Behind the sort there is a barrier to compute shaders. */
+RTC_API size_t rtcGetVulkanRayOrderBytes (size_t count);
+RTC_API bool rtcRecordVulkanRayOrder (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t stride, size_t count, VkDeviceAddress order);
+RTC_API bool rtcRecordVulkanIntersectInOrder (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order);
+RTC_API bool rtcRecordVulkanOccludedInOrder (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order);
+
+/* Whether rays of the host, below, are sorted first. They are not by default. */
+RTC_API void rtcSetVulkanSceneRaySort (RTCVulkanScene scene, bool enabled);
+
 typedef struct RTCVulkanTraceTy* RTCVulkanTrace;
 
 struct RTCVulkanTimes
 {
   double seconds;          /* of tracing on the device, without copies; 0 if the device has no clock */
   double copySeconds;      /* of copies of rays and hits on the device */
+  double sortSeconds;      /* of rtcSetVulkanSceneRaySort */
 };
 
 /* Starts to trace `count` rays of an array, which is read at once. rays: as above. Needs to be ended by

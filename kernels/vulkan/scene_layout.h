@@ -37,6 +37,7 @@ struct SceneData
   uint32_t kinds;            //!< bit t: there are references of type t
   uint32_t numGeometries;
   uint32_t isRobust;         //!< of the scene itself
+  float lower[3], upper[3];  //!< bounds of all that is traced
 };
 
 /*! of a triangle mesh or an instance; of subdivision surfaces only the mask */
@@ -57,7 +58,7 @@ CBVH_CONSTANT uint32_t geometryBytes = 96u;
 CBVH_END
 
 #ifndef VULKAN
-static_assert(sizeof(embree::cbvh::SceneData) == 48, "layout of a scene");
+static_assert(sizeof(embree::cbvh::SceneData) == 72, "layout of a scene");
 static_assert(sizeof(embree::cbvh::GeometryData) == embree::cbvh::geometryBytes, "layout of a geometry");
 #endif
 

@@ -277,5 +277,28 @@ TEST_F(VulkanHits, AreBetweenTnearAndTfar)
   }
 }
 
+// A number of them that is no multiple of anything.
+TEST_F(VulkanHits, OfRaysThatAreSortedAreTheSame)
+{
+  const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_LEAF));
+  const VulkanScene onDevice = newVulkanScene(device, scene);
+  ASSERT_NE(onDevice, nullptr) << embree.message;
+  for (unsigned count : {1u, 2u, 4097u, 20011u}) {
+    const std::vector<RTCRayHit> rays = raysAt(random, count);
+    std::vector<RTCRayHit> plain = rays, sorted = rays;
+    std::vector<RTCRay> plainAny, sortedAny;
+    for (const RTCRayHit& ray : rays) plainAny.push_back(ray.ray);
+    sortedAny = plainAny;
+    rtcSetVulkanSceneRaySort(onDevice.get(), false);
+    intersectOnDevice(onDevice, plain);
+    occludedOnDevice(onDevice, plainAny);
+    rtcSetVulkanSceneRaySort(onDevice.get(), true);
+    intersectOnDevice(onDevice, sorted);
+    occludedOnDevice(onDevice, sortedAny);
+    EXPECT_EQ(std::memcmp(plain.data(), sorted.data(), sizeof(RTCRayHit)*count), 0) << count;
+    EXPECT_EQ(std::memcmp(plainAny.data(), sortedAny.data(), sizeof(RTCRay)*count), 0) << count;
+  }
+}
+
 } // namespace
 } // namespace cbvh::test

@@ -26,6 +26,7 @@ vec3 vector (float x, float y, float z) { return vec3(x,y,z); }
 #include "basics/vec.h"
 #include <embree3/rtcore.h>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #define PATH_BEGIN namespace cbvh { namespace path {

@@ -10,11 +10,11 @@
 
 PATH_BEGIN
 
-PATH_FUNCTION vec3 albedo () { return vector(0.62f,0.50f,0.37f); }
+PATH_FUNCTION vec3 albedo () { return vector(0.58f,0.47f,0.34f); }
 
 /* What a white surface that faces the sun reflects of it: its irradiance over pi. The sun is behind whoever looks,
  * and is no part of what is seen of the sky. */
-PATH_FUNCTION vec3 sunColor () { return vector(0.95f,0.88f,0.74f); }
+PATH_FUNCTION vec3 sunColor () { return vector(1.25f,1.14f,0.95f); }
 
 /* Tangent of half the angle at which the sun is seen: four times the real one's, for shadows that show it. */
 PATH_CONSTANT float sunRadius = 0.0186f;
@@ -30,7 +30,7 @@ PATH_FUNCTION vec3 directionToSun (vec3 sun, float u, float v)
 PATH_FUNCTION vec3 skyColor (vec3 direction, vec3 up)
 {
   float height = 0.5f + 0.5f*dot(direction,up);
-  return (1.0f - height)*vector(0.55f,0.52f,0.50f) + height*vector(0.36f,0.52f,0.78f);
+  return (1.0f - height)*vector(0.42f,0.41f,0.41f) + height*vector(0.24f,0.38f,0.62f);
 }
 
 PATH_END

@@ -9,7 +9,7 @@ layout(constant_id = 0) const uint kinds = 0xFFu;
 layout(constant_id = 1) const uint stackSize = 96u;
 #define CBVH_KINDS kinds
 #define CBVH_STACK stackSize
-#include "cbvh.glsl"
+#include <embree3/cbvh.glsl>
 #include "path.h"
 
 layout(local_size_x = 8, local_size_y = 8) in; // neighbours' first rays go the same way
@@ -37,7 +37,7 @@ bool isOccluded (uvec2 scene, vec3 origin, float tnear, vec3 direction)
 
 void main ()
 {
-  uint x = gl_GlobalInvocationID.x, y = gl_GlobalInvocationID.y;
+  uint x = gl_GlobalInvocationID.x, y = arguments.firstRow + gl_GlobalInvocationID.y;
   PathView view = arguments.view;
   if (x >= view.width || y >= view.height) return;
   vec3 light = lightOfPath(arguments.scene, view, x, y, arguments.sampleIndex);

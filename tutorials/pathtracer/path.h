@@ -34,10 +34,12 @@ struct PathArguments
 #endif
   PathView view;
   uint32_t sampleIndex;
+  uint32_t firstRow; // of the picture
 };
 
 #ifndef VULKAN
-static_assert(sizeof(PathArguments) == 104, "layout of push constants, which have 128 bytes everywhere");
+/* Every device has 128 bytes of push constants. Those of the shader end with the last member, these with a multiple of 8. */
+static_assert(offsetof(PathArguments,firstRow) == 104 && sizeof(PathArguments) == 112, "layout of push constants");
 #endif
 
 struct ClosestHit

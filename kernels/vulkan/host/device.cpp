@@ -4,6 +4,7 @@
 #include "device.h"
 
 #include <chrono>
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -27,6 +28,19 @@ const uint32_t closestHitFloat32[] =
 ;
 const uint32_t anyHitFloat32[] =
 #include "trace_any_float32.inc"
+;
+
+const uint32_t orderKeys[] =
+#include "ray_order_0.inc"
+;
+const uint32_t orderCounts[] =
+#include "ray_order_1.inc"
+;
+const uint32_t orderSums[] =
+#include "ray_order_2.inc"
+;
+const uint32_t orderScatter[] =
+#include "ray_order_3.inc"
 ;
 
 struct Code
@@ -98,7 +112,7 @@ void Device::open()
   poolInfo.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
   poolInfo.queueFamilyIndex = handles.queueFamily;
   check(vk.CreateCommandPool(handles.device, &poolInfo, nullptr, &pool), "creating a command pool");
-  VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(TraceArguments)};
+  VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0, uint32_t(std::max(sizeof(TraceArguments), sizeof(OrderArguments)))};
   VkPipelineLayoutCreateInfo layoutInfo = {VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   layoutInfo.pushConstantRangeCount = 1;
   layoutInfo.pPushConstantRanges = &range;
@@ -118,6 +132,8 @@ void Device::destroy()
 {
   if (vk.DestroyDevice)
   {
+    for (VkPipeline pipeline : orderPipelines)
+      if (pipeline) vk.DestroyPipeline(handles.device, pipeline, nullptr);
     for (const auto& entry : pipelines)
       if (entry.second) vk.DestroyPipeline(handles.device, entry.second, nullptr);
     if (cache) vk.DestroyPipelineCache(handles.device, cache, nullptr);
@@ -202,27 +218,41 @@ VkPipeline Device::pipeline(Query query, uint32_t kinds, uint32_t stackSize)
   if (found) return found;
 
   const Code code = codeOf(query, handles.hasFloat64);
-  VkShaderModuleCreateInfo moduleInfo = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  moduleInfo.codeSize = code.bytes;
-  moduleInfo.pCode = code.words;
-  VkShaderModule module;
-  check(vk.CreateShaderModule(handles.device, &moduleInfo, nullptr, &module), "creating a shader");
   const uint32_t constants[2] = {kinds, stackSize};
   const VkSpecializationMapEntry entries[2] = {{0, 0, sizeof(uint32_t)}, {1, sizeof(uint32_t), sizeof(uint32_t)}};
   const VkSpecializationInfo special = {2, entries, sizeof(constants), constants};
+  found = compile(code.words, code.bytes, &special);
+  return found;
+}
+
+const VkPipeline* Device::makeOrderPipelines()
+{
+  std::lock_guard<std::mutex> lock(mutex);
+  const Code codes[4] = {{orderKeys, sizeof(orderKeys)}, {orderCounts, sizeof(orderCounts)}, {orderSums, sizeof(orderSums)}, {orderScatter, sizeof(orderScatter)}};
+  for (int stage = 0; stage < 4; stage++)
+    if (!orderPipelines[stage]) orderPipelines[stage] = compile(codes[stage].words, codes[stage].bytes, nullptr);
+  return orderPipelines;
+}
+
+VkPipeline Device::compile(const uint32_t* words, size_t bytes, const VkSpecializationInfo* special)
+{
+  VkShaderModuleCreateInfo moduleInfo = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  moduleInfo.codeSize = bytes;
+  moduleInfo.pCode = words;
+  VkShaderModule module;
+  check(vk.CreateShaderModule(handles.device, &moduleInfo, nullptr, &module), "creating a shader");
   VkComputePipelineCreateInfo info = {VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
   info.stage.module = module;
   info.stage.pName = "main";
-  info.stage.pSpecializationInfo = &special;
+  info.stage.pSpecializationInfo = special;
   info.layout = layout;
   VkPipeline pipeline = VK_NULL_HANDLE;
   const VkResult result = vk.CreateComputePipelines(handles.device, cache, 1, &info, nullptr, &pipeline);
   vk.DestroyShaderModule(handles.device, module, nullptr);
   check(result, "compiling a shader");
-  found = pipeline;
-  return found;
+  return pipeline;
 }
 
 /* Compiled shaders are kept from run to run in the user's cache folder; that they are there is never needed. */

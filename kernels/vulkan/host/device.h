@@ -69,6 +69,9 @@ public:
   VkPipeline pipeline(Query query, uint32_t kinds, uint32_t stackSize);
   VkPipelineLayout pipelineLayout() const { return layout; }
 
+  /* Pipelines of the stages of ray_order.comp, made when they are first asked for. */
+  const VkPipeline* makeOrderPipelines();
+
   const RTCDevice embree;         // gets errors; retained
   RTCVulkanHandles handles;
   Capabilities capabilities;
@@ -90,14 +93,24 @@ private:
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipelineCache cache = VK_NULL_HANDLE;
   size_t cacheBytes = 0;             // when it was read
+  VkPipeline compile(const uint32_t* words, size_t bytes, const VkSpecializationInfo* special);
+
   std::map<std::tuple<Query, uint32_t, uint32_t>, VkPipeline> pipelines;
+  VkPipeline orderPipelines[4] = {};
 };
 
-/* Push constants of trace.comp. */
+/* Push constants of trace.comp. order: 0 for rays as they come. */
 struct TraceArguments
 {
-  VkDeviceAddress scene, rays;
+  VkDeviceAddress scene, rays, order;
   uint32_t first, count;
+};
+
+/* Push constants of ray_order.comp. */
+struct OrderArguments
+{
+  VkDeviceAddress rays, from, to, counts, scene;
+  uint32_t count, rayWords, shift;
 };
 
 }} // namespace embree::vulkan

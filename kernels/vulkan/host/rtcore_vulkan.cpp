@@ -3,6 +3,7 @@
 
 #define RTC_EXPORT_API
 
+#include "ray_order.h"
 #include "trace.h"
 
 #include <new>
@@ -40,15 +41,22 @@ Trace* traceOf(RTCVulkanTrace trace) { return reinterpret_cast<Trace*>(trace); }
 RTCDevice embreeOf(RTCVulkanDevice device) { return device ? deviceOf(device)->embree : nullptr; }
 RTCDevice embreeOf(RTCVulkanScene scene) { return scene ? sceneOf(scene)->device.embree : nullptr; }
 
-bool record(RTCVulkanScene hscene, Query query, VkCommandBuffer commands, VkDeviceAddress rays, size_t count)
+void requireAligned(VkDeviceAddress address, const char* name)
+{
+  if (address % 16) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("invalid ") + name + " " + std::to_string(address) + ": expected an address that is a multiple of 16");
+}
+
+bool record(RTCVulkanScene hscene, Query query, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order = 0)
 {
   return guarded(embreeOf(hscene), [&]() {
     require(hscene, "scene");
     require(commands, "commands");
     if (count && !rays) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "the address of rays is 0");
-    if (rays % 16) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid rays " + std::to_string(rays) + ": expected an address that is a multiple of 16");
+    requireAligned(rays, "rays");
+    requireAligned(order, "order");
+    if (order) rayOrderBytes(count);
     Scene& scene = *sceneOf(hscene);
-    scene.record(query, scene.device.pipeline(query, scene.kinds, scene.statistics.stackSize), commands, rays, count);
+    scene.record(query, scene.device.pipeline(query, scene.kinds, scene.statistics.stackSize), commands, rays, count, order);
   });
 }
 
@@ -176,6 +184,41 @@ RTC_API bool rtcRecordVulkanIntersect(RTCVulkanScene scene, VkCommandBuffer comm
 
 RTC_API bool rtcRecordVulkanOccluded(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count) {
   return record(scene, ANY_HIT, commands, rays, count);
+}
+
+RTC_API size_t rtcGetVulkanRayOrderBytes(size_t count)
+{
+  size_t bytes = 0;
+  guarded(nullptr, [&]() { bytes = rayOrderBytes(count); });
+  return bytes;
+}
+
+RTC_API bool rtcRecordVulkanRayOrder(RTCVulkanScene hscene, VkCommandBuffer commands, VkDeviceAddress rays, size_t stride, size_t count, VkDeviceAddress order)
+{
+  return guarded(embreeOf(hscene), [&]() {
+    require(hscene, "scene");
+    require(commands, "commands");
+    requireAligned(rays, "rays");
+    requireAligned(order, "order");
+    if (count && (!rays || !order)) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "the address of rays or of order is 0");
+    if (stride % 4 || stride < 28) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid stride " + std::to_string(stride) + ": expected a multiple of 4 that holds origin and direction");
+    rayOrderBytes(count);
+    const Scene& scene = *sceneOf(hscene);
+    if (count) recordRayOrder(scene, sceneOf(hscene)->device.makeOrderPipelines(), commands, {rays, stride, count, order});
+  });
+}
+
+RTC_API bool rtcRecordVulkanIntersectInOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order) {
+  return record(scene, CLOSEST_HIT, commands, rays, count, order);
+}
+
+RTC_API bool rtcRecordVulkanOccludedInOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order) {
+  return record(scene, ANY_HIT, commands, rays, count, order);
+}
+
+RTC_API void rtcSetVulkanSceneRaySort(RTCVulkanScene scene, bool enabled)
+{
+  guarded(embreeOf(scene), [&]() { require(scene, "scene"); sceneOf(scene)->sortsRays = enabled; });
 }
 
 RTC_API RTCVulkanTrace rtcStartVulkanIntersect(RTCVulkanScene scene, const RTCRayHit* rays, size_t count) { return start(scene, CLOSEST_HIT, rays, count); }

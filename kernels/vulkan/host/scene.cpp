@@ -385,6 +385,8 @@ private:
     data.cells = writeArray(cells.data(), cells.size(), "leaves").address();
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
     data.root = parts[0].tree.root;
+    std::copy(parts[0].tree.bounds.lower, parts[0].tree.bounds.lower + 3, data.lower);
+    std::copy(parts[0].tree.bounds.upper, parts[0].tree.bounds.upper + 3, data.upper);
     data.kinds = out.kinds;
     data.numGeometries = uint32_t(parts[0].flat->numGeometries);
     data.isRobust = parts[0].flat->isRobust;
@@ -432,7 +434,7 @@ Scene::~Scene()
   if (source) rtcReleaseScene(source);
 }
 
-void Scene::record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count) const
+void Scene::record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order) const
 {
   const DeviceFunctions& vk = device.vk;
   vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
@@ -443,7 +445,8 @@ void Scene::record(Query query, VkPipeline pipeline, VkCommandBuffer commands, V
   for (size_t first = 0; first < count; first += most)
   {
     const size_t n = std::min(count - first, most);
-    const TraceArguments arguments = {address, rays + first*rayBytes, 0, uint32_t(n)};
+    const TraceArguments arguments = order ? TraceArguments{address, rays, order, uint32_t(first), uint32_t(n)}
+                                           : TraceArguments{address, rays + first*rayBytes, 0, 0, uint32_t(n)};
     vk.CmdPushConstants(commands, device.pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(arguments), &arguments);
     vk.CmdDispatch(commands, uint32_t((n + group - 1)/group), 1, 1);
   }

@@ -23,8 +23,11 @@ public:
   uint32_t kinds = 0;
   RTCVulkanSceneStatistics statistics{};
 
-  /* Records the trace of rays at an address. */
-  void record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count) const;
+  /* Records the trace of rays at an address. order: of recordRayOrder, or 0. */
+  void record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order = 0) const;
+
+  std::atomic<bool> sortsRays{false};   // of the host
+
 
 private:
   ~Scene() override;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "trace.h"
+#include "ray_order.h"
 
 #include <cstdint>
 #include <cstring>
@@ -9,7 +10,7 @@
 namespace embree { namespace vulkan {
 namespace {
 
-constexpr uint32_t numStamps = 4;   // before copies, before and behind the trace, behind copies
+constexpr uint32_t numStamps = 5;   // before copies, before sorting, before and behind the trace, behind copies
 
 void barrier(const DeviceFunctions& vk, VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to, VkAccessFlags read)
 {
@@ -34,6 +35,7 @@ Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
 {
   onDevice.reset(new Buffer(device, bytes, Buffer::OnDevice, "rays"));
   if (!onDevice->mapped) staging.reset(new Buffer(device, bytes, Buffer::Staging, "rays"));
+  if (scene.sortsRays && count > 1) order.reset(new Buffer(device, rayOrderBytes(count), Buffer::OnDevice, "the order of rays"));
   if (bytes) std::memcpy(staging ? staging->mapped : onDevice->mapped, rays, bytes);
   try {
     if (device.capabilities.timestampBits) {
@@ -42,15 +44,17 @@ Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
       info.queryCount = numStamps;
       check(device.vk.CreateQueryPool(device.handles.device, &info, nullptr, &clock), "creating a clock");
     }
-    VkPipeline pipeline = device.pipeline(query, scene.kinds, scene.statistics.stackSize);
-    submission = device.submit([&](VkCommandBuffer commands) { record(commands, pipeline); });
+    /* before the submission, which holds the device's lock */
+    const VkPipeline pipeline = device.pipeline(query, scene.kinds, scene.statistics.stackSize);
+    const VkPipeline* sorting = order ? device.makeOrderPipelines() : nullptr;
+    submission = device.submit([&](VkCommandBuffer commands) { record(commands, pipeline, sorting); });
   } catch (...) {
     if (clock) device.vk.DestroyQueryPool(device.handles.device, clock, nullptr);
     throw;
   }
 }
 
-void Trace::record(VkCommandBuffer commands, VkPipeline pipeline)
+void Trace::record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeline* sorting)
 {
   const DeviceFunctions& vk = device.vk;
   auto stamp = [&](uint32_t i, VkPipelineStageFlagBits stage) { if (clock) vk.CmdWriteTimestamp(commands, stage, clock, i); };
@@ -62,28 +66,31 @@ void Trace::record(VkCommandBuffer commands, VkPipeline pipeline)
     barrier(vk, commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
   }
   stamp(1, staging ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
-  scene.record(query, pipeline, commands, onDevice->address, count);
+  if (order) recordRayOrder(scene, sorting, commands, {onDevice->address, bytes/count, count, order->address});
   stamp(2, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
+  scene.record(query, pipeline, commands, onDevice->address, count, order ? order->address : 0);
+  stamp(3, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
   if (staging) {
     barrier(vk, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT);
     vk.CmdCopyBuffer(commands, onDevice->handle, staging->handle, 1, &all);
   }
-  stamp(3, staging ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
+  stamp(4, staging ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
   barrier(vk, commands, staging ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
           staging ? VK_ACCESS_TRANSFER_WRITE_BIT : VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
 }
 
 RTCVulkanTimes Trace::readTimes() const
 {
-  RTCVulkanTimes times = {0, 0};
+  RTCVulkanTimes times = {0, 0, 0};
   uint64_t stamps[numStamps];
   if (!clock || device.vk.GetQueryPoolResults(device.handles.device, clock, 0, numStamps, sizeof(stamps), stamps, sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) != VK_SUCCESS) return times;
   const uint32_t bits = device.capabilities.timestampBits;
   const uint64_t mask = bits >= 64 ? ~uint64_t(0) : (uint64_t(1) << bits) - 1;
   const double tick = 1e-9*double(device.capabilities.properties.limits.timestampPeriod);
   auto seconds = [&](int from, int to) { return tick*double((stamps[to] - stamps[from]) & mask); };
-  times.seconds = seconds(1, 2);
-  times.copySeconds = seconds(0, 1) + seconds(2, 3);
+  times.seconds = seconds(2, 3);
+  times.sortSeconds = seconds(1, 2);
+  times.copySeconds = seconds(0, 1) + seconds(3, 4);
   return times;
 }
 

@@ -26,7 +26,7 @@ public:
   Device& device;
 
 private:
-  void record(VkCommandBuffer commands, VkPipeline pipeline);
+  void record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeline* sorting);
   RTCVulkanTimes readTimes() const;
 
   const Held<Scene> held;
@@ -34,6 +34,7 @@ private:
   const Query query;
   const size_t count, bytes;
   std::unique_ptr<Buffer> staging, onDevice;   // staging: unless the host sees the device's
+  std::unique_ptr<Buffer> order;               // of rays that are sorted
   VkQueryPool clock = VK_NULL_HANDLE;
   Device::Submission submission;
 };

@@ -16,6 +16,9 @@
  *   CbvhHit hit;
  *   if (cbvhIntersect(scene, ray, hit)) ...
  *   if (cbvhOccluded(scene, ray)) ...
+ *
+ * The traversal is compiled into each place that calls it: a loop around one call compiles sooner than
+ * several calls.
  */
 
 #ifndef CBVH_GLSL

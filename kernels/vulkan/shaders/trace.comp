@@ -17,6 +17,7 @@ layout(push_constant, scalar) uniform Arguments
 {
   uvec2 scene;
   uvec2 rays;
+  uvec2 order;     // pairs whose second word is the index of a ray, or 0: rays come as they are
   uint first, count;
 } arguments;
 
@@ -35,7 +36,9 @@ void main ()
 {
   uint i = gl_GlobalInvocationID.x;
   if (i >= arguments.count) return;
-  uint word = stride*(arguments.first + i);
+  i += arguments.first;
+  if (arguments.order != uvec2(0u)) i = CbvhPairs(arguments.order).at[i].y;
+  uint word = stride*i;
   vec4 a = RaysIn(arguments.rays).at[word >> 2], b = RaysIn(arguments.rays).at[(word >> 2) + 1u], c = RaysIn(arguments.rays).at[(word >> 2) + 2u];
   CbvhRay ray = CbvhRay(a.xyz, a.w, b.xyz, c.x, floatBitsToUint(c.y));
   Rays rays = Rays(arguments.rays);

@@ -1,0 +1,54 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "ray_order.h"
+#include "../ray_order.h"
+
+namespace embree { namespace vulkan {
+
+using namespace cbvh;
+
+namespace {
+
+constexpr size_t mostRays = size_t(1) << 27;   // whose words a 32-bit index reaches
+
+size_t tilesOf(size_t count) { return (count + orderTile - 1)/orderTile; }
+size_t pairBytes(size_t count) { return (8*count + 15) & ~size_t(15); }
+
+} // namespace
+
+size_t rayOrderBytes(size_t count)
+{
+  if (count > mostRays)
+    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid count " + std::to_string(count) + ": at most " + std::to_string(mostRays) + " rays are ordered at once");
+  return 2*pairBytes(count) + ((4*orderDigits*tilesOf(count) + 15) & ~size_t(15));
+}
+
+void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBuffer commands, const RaysToOrder& rays)
+{
+  const Device& device = scene.device;
+  const DeviceFunctions& vk = device.vk;
+  const uint32_t tiles = uint32_t(tilesOf(rays.count));
+  const VkDeviceAddress pairs[2] = {rays.scratch, rays.scratch + pairBytes(rays.count)}, counts = rays.scratch + 2*pairBytes(rays.count);
+  auto stage = [&](int which, const OrderArguments& arguments, uint32_t groups) {
+    vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines[which]);
+    vk.CmdPushConstants(commands, device.pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(arguments), &arguments);
+    vk.CmdDispatch(commands, groups, 1, 1);
+    VkMemoryBarrier barrier = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+    barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
+    barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
+    vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+  };
+  const uint32_t count = uint32_t(rays.count), rayWords = uint32_t(rays.rayBytes/4);
+  stage(0, {rays.rays, 0, pairs[0], counts, scene.address, count, rayWords, 0}, uint32_t((rays.count + orderThreads - 1)/orderThreads));
+  for (uint32_t pass = 0; pass < orderPasses; pass++) {
+    const VkDeviceAddress from = pairs[pass % 2], to = pairs[1 - pass % 2];
+    const uint32_t shift = orderDigitBits*pass;
+    stage(1, {0, from, to, counts, 0, count, 0, shift}, tiles);
+    stage(2, {0, from, to, counts, 0, tiles, 0, shift}, 1);
+    stage(3, {0, from, to, counts, 0, count, 0, shift}, tiles);
+  }
+  static_assert(orderPasses % 2 == 0, "the order ends at the begin of scratch");
+}
+
+}} // namespace embree::vulkan

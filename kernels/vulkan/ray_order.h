@@ -1,0 +1,22 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Sizes of the sort of rays, shaders/ray_order.comp. */
+
+#ifndef CBVH_RAY_ORDER_H
+#define CBVH_RAY_ORDER_H
+
+#include "../cbvh/codec/language.h"
+
+CBVH_BEGIN
+
+CBVH_CONSTANT uint32_t orderThreads = 256u;                   //!< of a workgroup
+CBVH_CONSTANT uint32_t orderKeys = 16u;                       //!< of a thread
+CBVH_CONSTANT uint32_t orderTile = orderThreads*orderKeys;    //!< of a workgroup
+CBVH_CONSTANT uint32_t orderDigitBits = 4u;
+CBVH_CONSTANT uint32_t orderDigits = 16u;
+CBVH_CONSTANT uint32_t orderPasses = 8u;                      //!< keys have 30 bits; an even number ends where it began
+
+CBVH_END
+
+#endif

@@ -1,0 +1,150 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* An order of rays in which neighbours see the same of a scene: by place of the origin and then by
+ * direction. Rays stay where they are, only their indices are sorted: a radix sort of 4 bits at a
+ * time, stable, in three stages.
+ *
+ *   STAGE 0: keys and indices of rays
+ *   STAGE 1: how many keys of a tile have each digit
+ *   STAGE 2: sums of those in front, one workgroup
+ *   STAGE 3: keys and indices to their places
+ */
+
+#version 460
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_EXT_scalar_block_layout : require
+
+#include "../ray_order.h"
+#include "../scene_layout.h"
+
+layout(local_size_x = 256) in; // orderThreads
+
+layout(push_constant, scalar) uniform Arguments
+{
+  uvec2 rays;       // STAGE 0: rays; else keys and indices, pairs
+  uvec2 from, to;   // keys and indices, pairs
+  uvec2 counts;
+  uvec2 scene;
+  uint count, rayWords, shift;
+} arguments;
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Pairs { uvec2 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Floats { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SceneAt { SceneData scene; };
+
+/* --- keys ------------------------------------------------------------------------------ */
+
+uint spreadThree (uint x)
+{
+  x = (x | (x << 16)) & 0x030000FFu;
+  x = (x | (x << 8)) & 0x0300F00Fu;
+  x = (x | (x << 4)) & 0x030C30C3u;
+  return (x | (x << 2)) & 0x09249249u;
+}
+
+/* 6 bits an axis of the origin in Morton order, the octant of the direction, 3 more bits an axis. */
+uint keyOfRay (vec3 origin, vec3 direction, vec3 lower, vec3 upper)
+{
+  uvec3 cell = uvec3(clamp((origin - lower)/max(upper - lower, vec3(1e-30)), 0.0, 1.0)*511.0);
+  uint place = spreadThree(cell.x) | (spreadThree(cell.y) << 1) | (spreadThree(cell.z) << 2);
+  uint octant = (direction.x < 0.0 ? 1u : 0u) | (direction.y < 0.0 ? 2u : 0u) | (direction.z < 0.0 ? 4u : 0u);
+  return ((place >> 9) << 12) | (octant << 9) | (place & 511u);
+}
+
+void makeKeys ()
+{
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= arguments.count) return;
+  Floats ray = Floats(arguments.rays);
+  uint first = i*arguments.rayWords;
+  SceneData scene = SceneAt(arguments.scene).scene;
+  vec3 origin = vec3(ray.at[first], ray.at[first + 1u], ray.at[first + 2u]), direction = vec3(ray.at[first + 4u], ray.at[first + 5u], ray.at[first + 6u]);
+  vec3 lower = vec3(scene.lower[0], scene.lower[1], scene.lower[2]), upper = vec3(scene.upper[0], scene.upper[1], scene.upper[2]);
+  Pairs(arguments.to).at[i] = uvec2(keyOfRay(origin, direction, lower, upper), i);
+}
+
+/* --- digits ---------------------------------------------------------------------------- */
+
+/* [digit][thread]: how many of a thread's keys have the digit, then how many in front of it do */
+shared uint sums[orderDigits*orderThreads];
+
+uint digitOf (uint key) { return (key >> arguments.shift) & (orderDigits - 1u); }
+
+/* Counts the keys of this tile; returns this thread's sum over digit gl_LocalInvocationID.x, if there is one. */
+void countTile ()
+{
+  uint thread = gl_LocalInvocationID.x, first = gl_WorkGroupID.x*orderTile + thread*orderKeys;
+  for (uint digit = 0u; digit < orderDigits; digit++) sums[digit*orderThreads + thread] = 0u;
+  for (uint k = 0u; k < orderKeys; k++)
+    if (first + k < arguments.count) sums[digitOf(Pairs(arguments.from).at[first + k].x)*orderThreads + thread]++;
+  barrier();
+}
+
+/* Sums in front of each thread, in place; a digit each for the first threads. */
+uint sumThreads ()
+{
+  uint thread = gl_LocalInvocationID.x, sum = 0u;
+  if (thread < orderDigits)
+    for (uint k = 0u; k < orderThreads; k++) {
+      uint n = sums[thread*orderThreads + k];
+      sums[thread*orderThreads + k] = sum;
+      sum += n;
+    }
+  barrier();
+  return sum;
+}
+
+void countDigits ()
+{
+  countTile();
+  uint all = sumThreads();
+  if (gl_LocalInvocationID.x < orderDigits) Words(arguments.counts).at[gl_LocalInvocationID.x*gl_NumWorkGroups.x + gl_WorkGroupID.x] = all;
+}
+
+/* Counts of all tiles, digit by digit, become sums of those in front; count: of tiles. */
+shared uint partial[orderThreads];
+void sumDigits ()
+{
+  uint n = orderDigits*arguments.count, each = (n + orderThreads - 1u)/orderThreads;
+  uint thread = gl_LocalInvocationID.x, begin = min(thread*each, n), end = min(begin + each, n), sum = 0u;
+  for (uint i = begin; i < end; i++) sum += Words(arguments.counts).at[i];
+  partial[thread] = sum;
+  barrier();
+  uint before = 0u;
+  for (uint k = 0u; k < thread; k++) before += partial[k];
+  for (uint i = begin; i < end; i++) {
+    uint own = Words(arguments.counts).at[i];
+    Words(arguments.counts).at[i] = before;
+    before += own;
+  }
+}
+
+void scatter ()
+{
+  countTile();
+  sumThreads();
+  uint thread = gl_LocalInvocationID.x, first = gl_WorkGroupID.x*orderTile + thread*orderKeys;
+  for (uint k = 0u; k < orderKeys; k++)
+    if (first + k < arguments.count) {
+      uvec2 pair = Pairs(arguments.from).at[first + k];
+      uint digit = digitOf(pair.x);
+      uint place = Words(arguments.counts).at[digit*gl_NumWorkGroups.x + gl_WorkGroupID.x] + sums[digit*orderThreads + thread]++;
+      Pairs(arguments.to).at[place] = pair;
+    }
+}
+
+void main ()
+{
+#if STAGE == 0
+  makeKeys();
+#elif STAGE == 1
+  countDigits();
+#elif STAGE == 2
+  sumDigits();
+#else
+  scatter();
+#endif
+}

@@ -1,0 +1,70 @@
+#!/bin/bash
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+# cbvh_pathtracer from the outside: what it writes, and one clear line with an exit status
+# that is not 0, and nothing written, for bad input.
+#
+# usage: pathtracer_cli.sh PATH/TO/cbvh_pathtracer
+
+set -u
+program=$1
+. "$(dirname -- "$0")/cli.sh"
+unset DISPLAY WAYLAND_DISPLAY
+
+# refuses PATTERN ARGUMENT...
+refuses() {
+  local pattern=$1
+  shift
+  [[ "$*" == *--output* || "$*" == *--window* ]] || set -- "$@" --output "$folder/out.png"
+  expect_refusal "$pattern" "$@"
+  [ ! -e "$folder/out.png" ] || complain "a file was written: $*"
+}
+
+refuses "unknown --scene 'teapot'" --scene teapot
+refuses "either --scene" --level 2
+refuses "unknown representation 'mesh'" --scene cube --representation mesh
+refuses "names more than one" --scene cube --representation grid,cleaf
+refuses "level 9 is out of range" --scene cube --level 9
+refuses "size '16'" --scene cube --size 16
+refuses "view 'side'" --scene cube --view side
+refuses "samples" --scene cube --samples 0
+refuses "bounces" --scene cube --bounces -1
+refuses "unknown --isa 'mmx'" --scene cube --isa mmx
+refuses "colour" --scene cube --colour red
+refuses "out.jpeg' ends neither" --scene cube --output "$folder/out.jpeg"
+refuses "there is no folder $folder/missing" --scene cube --output "$folder/missing/out.png"
+refuses "[Vv]ulkan" --scene cube --level 2 --device "no such device"
+refuses "^cbvh_pathtracer: .*window" --scene cube --window
+
+# On the processor, which every machine has.
+for output in picture.exr picture.png; do
+  "$program" --scene cube --level 2 --size 65x47 --samples 2 --bounces 1 --device cpu --output "$folder/$output" \
+    >"$folder/stdout" 2>"$folder/stderr" || complain "$output: $(cat "$folder/stderr")"
+  [ -s "$folder/$output" ] || complain "no $output"
+done
+grep -q "2 samples of 65 x 47 pixels" "$folder/stdout" || complain "says '$(cat "$folder/stdout")'"
+[ -z "$(find "$folder" -name '.tmp-*')" ] || complain "temporary files are left"
+
+# One thread or two: the same picture.
+for threads in 1 2; do
+  "$program" --scene cube --level 3 --size 64x64 --samples 2 --device cpu --threads $threads --output "$folder/threads$threads.png" >/dev/null 2>&1
+done
+cmp "$folder/threads1.png" "$folder/threads2.png" || complain "threads change the picture"
+
+# Ctrl-C in the middle: status 130, no file.
+"$program" --scene cube --level 2 --samples 1000000 --device cpu --output "$folder/out.png" >/dev/null 2>"$folder/stderr" &
+process=$!
+for _ in $(seq 600); do # until the scene is built
+  grep -q "cLEAF^2: build" "$folder/stderr" && break
+  sleep 0.05
+done
+kill -INT $process
+wait $process
+status=$?
+[ $status = 130 ] || complain "exit status $status after Ctrl-C: $(cat "$folder/stderr")"
+grep -q "^cbvh_pathtracer: cancelled" "$folder/stderr" || complain "no word on the cancellation"
+[ ! -e "$folder/out.png" ] || complain "a file is left after Ctrl-C"
+
+[ $failures = 0 ] && echo "all well"
+exit $((failures != 0))

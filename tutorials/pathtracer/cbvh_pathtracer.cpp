@@ -1,0 +1,122 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Renders a displaced subdivision surface by path tracing on a Vulkan device. See --help. */
+
+#include "options.h"
+#include "path_tracer.h"
+#include "picture_file.h"
+#include "window.h"
+#include "basics/error.h"
+#include "basics/parallel.h"
+#include "basics/progress.h"
+#include "programs/view_options.h"
+
+#include <chrono>
+#include <cstdio>
+#include <new>
+
+namespace cbvh {
+namespace {
+
+Model loadModel(const PathTracerOptions& options)
+{
+  std::string warning;
+  Model model = loadScene(options.scene, warning);
+  if (!warning.empty())
+    std::fprintf(stderr, "cbvh_pathtracer: warning: %s\n", warning.c_str());
+  return model;
+}
+
+/* The views are fitted to GRID. A coarse one is quick to build and does. */
+Camera findCamera(const PathTracerOptions& options, const Model& model)
+{
+  constexpr int coarse = 3;
+  BuildSettings settings = options.build;
+  settings.level = std::min(settings.level, coarse);
+  const BuiltScene grid(model, {RepresentationKind::Grid}, settings);
+  return chooseCamera(options.view, model, grid, options.size, threadCount(options.build.threads));
+}
+
+std::unique_ptr<PathTracer> makePathTracer(const PathTracerOptions& options, const BuiltScene& scene, const PathView& view)
+{
+  if (options.onCpu())
+    return makeCpuPathTracer(scene.handle(), view, threadCount(options.build.threads));
+  Phase phase("scene and shader to the device");
+  return makeVulkanPathTracer(scene.handle(), view, options.device);
+}
+
+double secondsNow()
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/* The first sample has a time of its own: drivers compile what is left to compile when a shader first runs. */
+void traceSamples(PathTracer& tracer, const PathTracerOptions& options)
+{
+  Phase phase("picture");
+  const double start = secondsNow();
+  double first = 0;
+  while (tracer.samples() < options.samples)
+  {
+    throwIfCancelled();
+    tracer.addSample();
+    if (tracer.samples() == 1)
+      first = secondsNow() - start;
+    phase.update(double(tracer.samples()) / double(options.samples));
+  }
+  const double others = secondsNow() - start - first;
+  std::printf("%s\n%u samples of %d x %d pixels: the first in %.2f s", tracer.deviceName().c_str(), options.samples,
+              options.size.width, options.size.height, first);
+  if (options.samples > 1)
+    std::printf(", the others in %.2f s, %.3f million paths a second", others,
+                1e-6 * double(options.samples - 1) * options.size.width * options.size.height / others);
+  std::printf("\n");
+}
+
+int run(int argc, char** argv)
+{
+  const std::optional<PathTracerOptions> options = parsePathTracerOptions(argc, argv);
+  if (!options)
+    return 0;
+  if (options->window)
+    requireWindows();
+  installCancelHandler();
+  const Model model = loadModel(*options);
+  const Camera camera = findCamera(*options, model);
+  const BuiltScene scene(model, options->representation, options->build);
+  const std::unique_ptr<PathTracer> tracer =
+    makePathTracer(*options, scene, makePathView(camera, model.view.up, options->bounces));
+  if (options->window)
+    showWindow(*tracer, options->size, options->samples);
+  else
+    traceSamples(*tracer, *options);
+  if (!options->output.empty() && tracer->samples() > 0)
+    writePicture(options->output, options->size, tracer->picture());
+  return 0;
+}
+
+} // namespace
+} // namespace cbvh
+
+int main(int argc, char** argv)
+{
+  try
+  {
+    return cbvh::run(argc, argv);
+  }
+  catch (const cbvh::Cancelled&)
+  {
+    std::fprintf(stderr, "cbvh_pathtracer: cancelled\n");
+    return 130;
+  }
+  catch (const std::bad_alloc&)
+  {
+    std::fprintf(stderr, "cbvh_pathtracer: out of memory\n");
+  }
+  catch (const std::exception& e)
+  {
+    std::fprintf(stderr, "cbvh_pathtracer: %s\n", e.what());
+  }
+  return 1;
+}

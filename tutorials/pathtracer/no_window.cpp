@@ -1,0 +1,19 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "window.h"
+#include "basics/error.h"
+
+namespace cbvh {
+
+void requireWindows()
+{
+  throw Error("--window: this build has no windows, which need GLFW and OpenGL; --output needs none");
+}
+
+void showWindow(PathTracer&, ImageSize, unsigned)
+{
+  requireWindows();
+}
+
+} // namespace cbvh

@@ -1,0 +1,75 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "options.h"
+#include "picture_file.h"
+#include "programs/command_line.h"
+#include "programs/view_options.h"
+
+namespace cbvh {
+namespace {
+
+/* The library's name of a device: other programs write "vulkan:" before it, and "vulkan" for the first. */
+std::string libraryName(const std::string& device)
+{
+  const std::string prefix = "vulkan:";
+  if (device == "vulkan")
+    return "";
+  return device.compare(0, prefix.size(), prefix) == 0 ? device.substr(prefix.size()) : device;
+}
+
+} // namespace
+
+std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
+{
+  PathTracerOptions o;
+  std::string representation = "cleaf", frameLevel = "2", size = "512x512", device = "vulkan";
+
+  CLI::App app("Renders a displaced subdivision surface by path tracing, all of it in a shader on a Vulkan device, or\n"
+               "with the same random numbers on the processor: into a file, or in a window, sample by sample.",
+               "cbvh_pathtracer");
+  app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
+  addSceneOptions(app, o.scene);
+  app.add_option("--maps", o.scene.mapFolder, "folder for the height maps of generated scenes")->type_name("DIR")->capture_default_str();
+  app.add_option("--representation", representation,
+                 "naive, grid, cgrid, cvoxel, cleaf or cvert, a frame level of its own after ^ or :")
+    ->type_name("NAME")->capture_default_str();
+  app.add_option("--level", o.build.level, "subdivision level, 0 to 8: 2^L x 2^L quads a face")
+    ->type_name("L")->capture_default_str();
+  app.add_option("--frame-level", frameLevel, "level at which local frames start: 0 to 8, or auto")
+    ->type_name("N")->capture_default_str();
+  app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
+  app.add_option("--size", size, "picture size")->type_name("WxH")->capture_default_str();
+  app.add_option("--samples", o.samples, "paths a pixel")->type_name("N")->check(CLI::Range(1, 1 << 24))->capture_default_str();
+  app.add_option("--bounces", o.bounces, "hits of a path behind its first")
+    ->type_name("N")->check(CLI::Range(0, 64))->capture_default_str();
+  app.add_option("--device", device, "vulkan for the first device, a device's index, a part of its name, or cpu")
+    ->type_name("NAME")->capture_default_str();
+  app.add_flag("--window", o.window, "show the picture while it is made");
+  app.add_option("--output", o.output, "write the picture there: linear as .exr, sRGB as .png; "
+                                       "cbvh_pathtracer.png unless there is a window")->type_name("FILE");
+  app.add_option("--threads", o.build.threads, "threads for building and for --device cpu, 0 for all")
+    ->type_name("N")->capture_default_str();
+  app.add_option("--isa", o.build.isa, "widest instruction set: sse2, sse4.2, avx, avx2 or avx512")->type_name("ISA");
+  if (!parseCommandLine(app, argc, argv))
+    return std::nullopt;
+
+  validateScene(o.scene);
+  validateBuild(o.build);
+  o.scene.threads = o.build.threads;
+  o.size = parseImageSize(size);
+  o.device = libraryName(device);
+  const std::vector<Representation> representations = parseRepresentationOptions(representation, frameLevel);
+  if (representations.size() != 1)
+    throw Error("--representation '" + representation + "' names more than one");
+  o.representation = representations[0];
+  if (o.view != "full" && o.view != "close")
+    parseView(o.view, {0, 1, 0}, o.size);
+  if (o.output.empty() && !o.window)
+    o.output = "cbvh_pathtracer.png";
+  if (!o.output.empty())
+    validatePicturePath(o.output);
+  return o;
+}
+
+} // namespace cbvh

@@ -1,0 +1,78 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "picture_file.h"
+#include "basics/error.h"
+#include "basics/file_output.h"
+#include "pictures/image_output.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+
+#include <filesystem>
+
+namespace cbvh {
+namespace {
+
+bool isExr(const std::string& path)
+{
+  return std::filesystem::path(path).extension() == ".exr";
+}
+
+void writeExr(const std::string& path, ImageSize size, const std::vector<Vec3f>& pixels)
+{
+  static const char* const names[3] = {"R", "G", "B"};
+  PendingFile file(path);
+  try
+  {
+    Imf::Header header(size.width, size.height);
+    Imf::FrameBuffer frame;
+    std::vector<Vec3f> copy = pixels; // OpenEXR's slices are not const
+    for (size_t i = 0; i < 3; i++)
+    {
+      header.channels().insert(names[i], Imf::Channel(Imf::FLOAT));
+      frame.insert(names[i], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(copy.data()) + i * sizeof(float), sizeof(Vec3f),
+                                        sizeof(Vec3f) * size_t(size.width)));
+    }
+    Imf::OutputFile output(file.temporary().c_str(), header);
+    output.setFrameBuffer(frame);
+    output.writePixels(size.height);
+  }
+  catch (const std::exception& e)
+  {
+    throw Error(path + ": cannot be written: " + e.what());
+  }
+  file.commit();
+}
+
+} // namespace
+
+void validatePicturePath(const std::string& path)
+{
+  if (!isExr(path) && std::filesystem::path(path).extension() != ".png")
+    throw Error("--output '" + path + "' ends neither in .exr nor in .png");
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  std::error_code ignored;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
+    throw Error("--output '" + path + "': there is no folder " + folder.string());
+}
+
+Image toImage(ImageSize size, const std::vector<Vec3f>& pixels)
+{
+  Image image(size);
+  for (size_t i = 0; i < pixels.size(); i++)
+    image.set(i, pixels[i]);
+  return image;
+}
+
+void writePicture(const std::string& path, ImageSize size, const std::vector<Vec3f>& pixels)
+{
+  if (isExr(path))
+    writeExr(path, size, pixels);
+  else
+    writePng(path, toImage(size, pixels));
+}
+
+} // namespace cbvh
