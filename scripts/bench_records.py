@@ -32,6 +32,9 @@ def read(path):
             for result in group["results"]:
                 if "skipped" not in result:
                     result["memory"]["live_bytes"], result["views"], result["speed"]
+                if "on_device" in result:
+                    for key in ("device", "device_bytes", "imported_bytes", "upload_seconds"):
+                        result["on_device"][key]
     except (KeyError, TypeError) as error:
         raise Damaged(f"incomplete, lacks {error}") from error
     return record

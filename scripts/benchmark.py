@@ -6,12 +6,15 @@
 
     scripts/benchmark.py quick        at most 5 minutes on two cores
     scripts/benchmark.py paper        everything that the paper shows
-    scripts/benchmark.py full         that, and packets, threads, instruction sets, large scenes
+    scripts/benchmark.py full         that, and packets, threads, instruction sets, large scenes, and gpu-quick
+    scripts/benchmark.py gpu          speed and memory on a Vulkan device, and the same on one thread
+    scripts/benchmark.py gpu-quick    less of that, for any device, llvmpipe among them
 
 Each scene is a record of its own under output/benchmark/SET, written anew after each
 level. A run that was stopped goes on where it was when the same command is given
 again; a record that is damaged, or of another build, is measured again.
-scripts/report.py makes a page of the records.
+scripts/report.py makes a page of the records. Where there is no Vulkan device, what needs one is
+left out with a line.
 """
 
 import argparse
@@ -22,6 +25,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from pathlib import Path
@@ -43,15 +47,18 @@ def read_arguments():
         formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog=__doc__.split("\n", 2)[2],
     )
-    parser.add_argument("set", nargs="?", default="quick", metavar="SET", help="quick, full or paper (default: quick)")
+    names = f"{', '.join(sets.NAMES[:-1])} or {sets.NAMES[-1]}"
+    parser.add_argument("set", nargs="?", default="quick", metavar="SET", help=f"{names} (default: quick)")
     parser.add_argument("--scene", action="append", metavar="NAME", help="only what shows this scene; may be repeated")
     parser.add_argument("--cage", metavar="FILE", help="measure this OBJ instead of the set's scenes")
     parser.add_argument("--height", metavar="FILE", help="height map of the cage")
     parser.add_argument("--amplitude", metavar="A", help="displacement of the cage, in diagonals of its bounding box")
     parser.add_argument("--output", metavar="DIR", help="folder of the records (default: output/benchmark/SET, or the name of the cage)")
     parser.add_argument("--bench", metavar="FILE", help="program (default: build/release/tutorials/bench/cbvh_bench)")
+    parser.add_argument("--device", metavar="NAME", help="Vulkan device of the sets for one: its index or a part of its name")
     parser.add_argument("--fresh", action="store_true", help="measure again what has been measured")
     parser.add_argument("--list", action="store_true", help="say what the set measures, and end")
+    parser.add_argument("--print-commands", action="store_true", help="print the command line of each job, and end")
     return parser.parse_args()
 
 
@@ -95,7 +102,59 @@ def choose_jobs(options, build):
     for job in jobs:
         if base_name(job.scene) not in build["scenes"]:
             print(f"left out: {job.name} ({job.figures}), as this build has no scene '{base_name(job.scene)}'")
-    return [job for job in jobs if base_name(job.scene) in build["scenes"]]
+    jobs = [job for job in jobs if base_name(job.scene) in build["scenes"]]
+    if options.device:
+        if not any(job.needs_vulkan for job in jobs):
+            raise Failure(f"--device: nothing of the set '{options.set}' needs a Vulkan device")
+        for job in jobs:
+            job.options = job.options.replace("--device vulkan", "--device " + shlex.quote("vulkan:" + options.device))
+    return jobs
+
+
+def probe(bench, representation, which):
+    """Opens a Vulkan device, and traces a representation. Returns its name and "", or "" and why that does not go."""
+    with tempfile.TemporaryDirectory() as folder:
+        record = Path(folder) / "probe.json"
+        words = ["--scene", "cube", "--level", "1", "--representation", representation, "--device", which]
+        words += ["--repeat", "0", "--size", "16x16", "--true-surface", "0", "--maps", folder, "--json", str(record)]
+        try:
+            done = subprocess.run([bench, *words], capture_output=True, text=True, timeout=300)
+        except subprocess.TimeoutExpired:
+            return "", "it did not answer in five minutes"
+        if done.returncode:
+            lines = done.stderr.strip().split("\n")
+            return "", lines[-1].removeprefix("cbvh_bench: ") or f"the program ended with status {done.returncode}"
+        return records.read(record)["groups"][0]["results"][0]["on_device"]["device"], ""
+
+
+def on_this_machine(jobs, bench, named):
+    """The jobs that the Vulkan device takes, and its name. named: by the user, and so has to be there."""
+    wanted = [job.name for job in jobs if job.needs_vulkan]
+    if not wanted:
+        return jobs, ""
+    which = "vulkan" + (f":{named}" if named else "")
+    device, problem = probe(bench, "cvert", which)
+    if "shaderFloat64" in problem:
+        print(f"left out: cVERT on the Vulkan device: {problem}")
+        device, problem = probe(bench, "grid", which)
+        for job in jobs:
+            if job.needs_vulkan:
+                job.options = job.options.replace(",cvert", "")
+    if device:
+        return jobs, device
+    if named:
+        raise Failure(f"--device {named}: {problem}")
+    print(f"left out: {', '.join(wanted)}, as there is no Vulkan device: {problem}")
+    return [job for job in jobs if not job.needs_vulkan], ""
+
+
+def measured_less(path, levels):
+    """Levels that a process which gave up has not written."""
+    try:
+        written = [group["level"] for group in records.read(path)["groups"]]
+    except records.Damaged:
+        written = []
+    return [level for level in levels if level not in written]
 
 
 class Progress:
@@ -148,7 +207,13 @@ def level_text(levels):
     return "-".join(str(level) for level in levels)
 
 
-def finished_levels(job, folder, build, progress, fresh):
+def devices_of(record):
+    """Names of the Vulkan devices that a record is of."""
+    results = [result for group in record["groups"] for result in group["results"]]
+    return {result["on_device"]["device"] for result in results if "on_device" in result}
+
+
+def finished_levels(job, folder, build, device, progress, fresh):
     """Levels of a job that are on disk, whole, and measured in the same way."""
     done = set()
     for path in sorted(folder.glob(f"{job.name}_L*.json")):
@@ -165,12 +230,31 @@ def finished_levels(job, folder, build, progress, fresh):
             progress.say(f"{path.name}: of commit {record['run']['commit']} or other settings; measured again")
             path.unlink()
             continue
+        if devices_of(record) - {device}:
+            progress.say(f"{path.name}: of the device {', '.join(sorted(devices_of(record)))}; measured again")
+            path.unlink()
+            continue
         done.update(group["level"] for group in record["groups"])
     return done
 
 
 def asks_the_same(job, command):
     return all(word in command for word in job.arguments) and (not job.scene or f"--scene {job.scene} " in command)
+
+
+def record_of(job, levels, folder):
+    return folder / f"{job.name}_L{level_text(levels)}.json"
+
+
+def command_of(bench, job, levels, folder):
+    """Paths are relative, so that the record names no folder of this machine."""
+    command = [str(bench)] + (["--scene", job.scene] if job.scene else [])
+    command += ["--level", ",".join(map(str, levels))] + job.arguments
+    if job.pictures:  # in a folder of its own: jobs may show the same scene and view in other sizes
+        command += ["--pictures", os.path.relpath(folder / "pictures" / job.name)]
+    command += ["--json", os.path.relpath(record_of(job, levels, folder))]
+    command += ["--leaves-only"]  # the paper's cLEAF
+    return command + ["--maps", os.path.relpath(folder / "maps")]  # one skin of trex for all jobs
 
 
 class Runner:
@@ -186,15 +270,7 @@ class Runner:
 
     def measure(self, job, levels):
         """Runs one process. Returns the exit status and the last line of its complaint."""
-        out = self.folder / f"{job.name}_L{level_text(levels)}.json"
-        command = [str(self.bench)] + (["--scene", job.scene] if job.scene else [])
-        command += ["--level", ",".join(map(str, levels))] + job.arguments
-        # Of its own: jobs may show the same scene and view in other sizes. Relative, so that
-        # the record names no folder of this machine.
-        pictures = self.folder / "pictures" / job.name
-        command += ["--pictures", os.path.relpath(pictures), "--json", os.path.relpath(out)]
-        command += ["--leaves-only"]  # the paper's cLEAF
-        command += ["--maps", os.path.relpath(self.folder / "maps")]  # one skin of trex for all jobs
+        command = command_of(self.bench, job, levels, self.folder)
         last = []
         with open(self.folder / f"{job.name}.log", "a", encoding="utf-8") as log:
             # In a group of its own: Ctrl-C reaches it through us, once.
@@ -226,12 +302,19 @@ def run(options):
     if options.list:
         for job in jobs:
             print(
-                f"{job.name:14s} {job.figures:34s} {job.scene or options.cage}, levels {level_text(job.levels)}, "
+                f"{job.name:18s} {job.figures:34s} {job.scene or options.cage}, levels {level_text(job.levels)}, "
                 f"about {job.seconds} s"
             )
         return 0
     where = options.output or f"output/benchmark/{Path(options.cage).stem if options.cage else options.set}"
     folder = Path(where) if options.output else ROOT / where
+    if options.print_commands:
+        for job in jobs:
+            print(shlex.join(command_of(bench, job, job.levels, folder)))
+        return 0
+    jobs, device = on_this_machine(jobs, bench, options.device)
+    if not jobs:
+        return 0
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -240,7 +323,7 @@ def run(options):
     progress = Progress({})
     todo = []
     for job in jobs:
-        done = finished_levels(job, folder, build, progress, options.fresh)
+        done = finished_levels(job, folder, build, device, progress, options.fresh)
         levels = [level for level in job.levels if level not in done]
         if levels:
             weight = sum(2.5**level for level in levels) / sum(2.5**level for level in job.levels)
@@ -249,7 +332,7 @@ def run(options):
     progress = Progress({job.name: seconds for job, _, seconds in todo})
     print(
         f"{options.set}: {len(jobs)} jobs, {kept} of them measured before; about {clock(progress.total)} on two cores; "
-        f"{build['hardware_threads']} threads, commit {build['commit']}",
+        f"{build['hardware_threads']} threads, commit {build['commit']}" + (f"; Vulkan device {device}" if device else ""),
         flush=True,
     )
 
@@ -266,12 +349,13 @@ def run(options):
             progress.say("stopped; what is measured is kept, and the same command goes on from there")
             return 130
         if status == 0:
-            progress.say(f"  {job.name:14s} {job.figures:34s} {clock(took)}")
-        elif job.heavy and "not enough memory" in complaint:
-            progress.say(f"  {job.name:14s} left out: {complaint.split(': ', 1)[-1]}")
+            progress.say(f"  {job.name:18s} {job.figures:34s} {clock(took)}")
+        elif job.heavy and ("not enough memory" in complaint or "out of memory" in complaint):
+            missing = measured_less(record_of(job, levels, folder), levels)
+            progress.say(f"  {job.name:18s} level {level_text(missing)} left out: {complaint.split(': ', 1)[-1]}")
         else:
             failed += 1
-            progress.say(f"  {job.name:14s} failed with status {status}: {complaint}")
+            progress.say(f"  {job.name:18s} failed with status {status}: {complaint}")
     print(f"records in {where}; a page of them: scripts/report.py {where}")
     return 1 if failed else 0
 

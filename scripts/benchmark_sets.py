@@ -18,10 +18,17 @@ class Job:
     options: str
     seconds: float  # on two cores, for the first estimate of the time left
     heavy: bool = False  # may not fit into memory: then left out, not failed
+    pictures: bool = True
 
     @property
     def arguments(self):
         return shlex.split(self.options)
+
+    @property
+    def needs_vulkan(self):
+        """Also the processor's half of a pair, which is there for the ratio alone. scripts/report.py knows both by
+        this, too: what begins so is of its section on the GPU, and of no other."""
+        return self.name.startswith("gpu_")
 
 
 MAIN = "naive,grid,cgrid^2,cvoxel^2,cvoxel^3,cvoxel^4,cleaf^2,cleaf^3,cvert"
@@ -68,6 +75,39 @@ def sheets(rays, seconds):
     return [Job("checks_sheets", "rays through random sheets", "knee", [3],
                 "--representation grid,cgrid^1,cvoxel^1,cleaf^1,cvert --view full --size 64x64 --repeat 0 --true-surface 0 "
                 f"--check sheets --check-rays {rays}", seconds)]
+
+
+def gpu_pair(name, scene, levels, representations, device_rays, cpu_rays, seconds, heavy=False):
+    """The same scenes and views on a Vulkan device, and on one thread of the processor. seconds: of both."""
+    options = f"--representation {representations} --view full --query closest,any --true-surface 0"
+    return [Job(f"gpu_{name}", "speed and memory on a GPU", scene, levels, f"{options} --device vulkan {device_rays}",
+                seconds[0], heavy, pictures=False),
+            Job(f"gpu_{name}_cpu", "the same on the processor", scene, levels, f"{options} {cpu_rays}",
+                seconds[1], heavy, pictures=False)]
+
+
+GPU = "grid,cgrid^2,cvoxel^2,cvoxel^3,cleaf^2,cleaf^3,cvert"
+
+
+def gpu():
+    """For a device in hardware: a ray for each pixel, and a bounce for each hit, as it wants many at once. llvmpipe takes
+    half an hour a scene and more. NAIVE of trex is of its own, as what does not fit into the device's memory ends its
+    job."""
+    rays = ("--size 1024x1024 --rays 0 --repeat 5", "--size 1024x1024 --rays 200000 --repeat 5")
+    every = [4, 5, 6, 7]
+    pairs = [gpu_pair(scene, scene, every, f"naive,{GPU}", *rays, seconds, heavy=True)
+             for scene, seconds in (("cube", (60, 100)), ("knee", (60, 120)), ("frog", (120, 240)))]
+    pairs += [gpu_pair("trex", "trex", every, GPU, *rays, (600, 600), heavy=True),
+              gpu_pair("trex_naive", "trex", every, "naive", *rays, (700, 700), heavy=True)]
+    return [job for pair in pairs for job in pair]
+
+
+def gpu_quick():
+    """For any device, llvmpipe among them, whose time the estimates are of."""
+    rays = ("--size 256x256 --rays 0 --repeat 5",) * 2
+    pairs = [gpu_pair(scene, scene, [4, 5], "naive,grid,cgrid^2,cvoxel^2,cleaf^2,cvert", *rays, seconds, heavy=True)
+             for scene, seconds in (("trex", (130, 40)), ("frog", (90, 20)), ("cube", (50, 12)), ("knee", (50, 12)))]
+    return [job for pair in pairs for job in pair]
 
 
 def quick():
@@ -117,7 +157,7 @@ def full(isas):
     if len(isas) > 1:
         jobs.append(Job("isas", "instruction sets", "trex", [5],
                         f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf^2,cvert --isa {','.join(isas)} --view full {measure}", 180))
-    return jobs
+    return jobs + gpu_quick()
 
 
 def own_cage(name, options, short):
@@ -126,8 +166,8 @@ def own_cage(name, options, short):
     return Job(name, "your cage", "", levels, f"--representation {FINE_FRAMES},naive --view full,close {options}", 60)
 
 
-NAMES = ("quick", "full", "paper")
+NAMES = ("quick", "full", "paper", "gpu", "gpu-quick")
 
 
 def jobs_of(name, isas):
-    return {"quick": quick, "paper": paper, "full": lambda: full(isas)}[name]()
+    return {"quick": quick, "paper": paper, "full": lambda: full(isas), "gpu": gpu, "gpu-quick": gpu_quick}[name]()

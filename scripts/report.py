@@ -7,6 +7,7 @@
     scripts/report.py                              output/benchmark/quick to report.html and tables.md in it
     scripts/report.py DIR --output FILE            another folder of records, another page
     scripts/report.py DIR --against OTHER_DIR      says, too, how far two runs are apart
+    scripts/report.py DIR --gpu FILE_OR_DIR        and speed and memory on a GPU, measured here or elsewhere
 """
 
 import argparse
@@ -20,6 +21,7 @@ import report_bins  # noqa: E402
 import report_data as d  # noqa: E402
 import report_errors  # noqa: E402
 import report_figures as f  # noqa: E402
+import report_gpu as gpu  # noqa: E402
 import report_hard_cases as hard_cases  # noqa: E402
 import report_page as p  # noqa: E402
 import report_sections as sections  # noqa: E402
@@ -31,20 +33,13 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def noise_text(data, against):
-    found = d.noise(data)
+    found = d.noise(data.rows)
     if not found:
-        return "<p>No speeds were measured.</p>"
-    beyond = found["beyond"] / found["count"]
-    if beyond < 0.1:
-        judged = "a quiet run"
-    elif found["median"] < 0.05:
-        judged = "some noise, ratios are good to a few percent"
-    else:
-        judged = "a noisy run, take speeds as rough"
+        return f"<p>No speeds were measured{' but those of the section on GPUs' if data.gpu else ''}.</p>"
     text = (
         "<p><b>Noise.</b> The middle half of the ratios to GRID of a combination spreads by "
         f"{100 * found['median']:.1f}% (median of {found['count']} combinations; the worst {100 * found['max']:.0f}%, "
-        f"{found['beyond']} beyond 5%): {judged}. By that, a median is good to {100 * found['unsure']:.1f}%, 95 of 100 "
+        f"{found['beyond']} beyond 5%): {d.judged(found)}. By that, a median is good to {100 * found['unsure']:.1f}%, 95 of 100 "
         f"to {100 * found['unsure_95']:.1f}%, and ratios that are closer do not differ. One thread is timed by its "
         "processor time, so other programs cost caches and clock, not turns: that hits GRID, which has more to cache, "
         "harder, and may differ from run to run. How far a second run is apart, <code>--against</code> says. The spread "
@@ -105,6 +100,7 @@ def make_page(data, against, source):
         "pictures": ("12 to 15, 18", sections.figures_12_to_18(data)),
         "figure16": ("16", sections.figure_16(data)),
         "figure17": ("17", sections.figure_17(data)),
+        "gpu": ("GPU", gpu.section(data)),
         "tradeoffs": ("Speed, memory and error", sections.tradeoffs(data)),
         "errors": ("Errors", report_errors.errors(data)),
         "bins": ("4 bits", report_bins.section(data)),
@@ -157,6 +153,8 @@ def make_tables(data):
     lines += ["| relation | paper | ours | |", "|:--|:--|:--|:--|"]
     for r in relations(data):
         lines.append(f"| {r.claim} | {r.paper} | {r.ours} | {verdict(r)}{': ' + r.reason if r.reason else ''} |")
+    on_gpu = gpu.markdown(data)
+    lines += ["", *on_gpu[:-1]] if on_gpu else []
     return "\n".join(lines) + "\n"
 
 
@@ -170,11 +168,19 @@ def write(path, text):
         raise SystemExit(f"report.py: {path}: cannot be written: {error.strerror}") from error
 
 
-def read(folder):
+def read(folder, gpu_paths=()):
+    """gpu_paths: records and folders of them, for the section on GPUs alone."""
     if not Path(folder).is_dir():
         raise SystemExit(f"report.py: {folder}: no such folder; scripts/benchmark.py makes it")
     data = d.Data(folder)
-    if not data.rows and not data.problems:
+    for path in gpu_paths:
+        if not Path(path).exists():
+            raise SystemExit(f"report.py: {path}: no such file or folder; scripts/benchmark.py gpu-quick makes one")
+        before = len(data.gpu) + len(data.problems)
+        data.add_gpu(path)
+        if len(data.gpu) + len(data.problems) == before:
+            data.problems.append(f"{Path(path).name}: nothing in it was measured on a Vulkan device")
+    if not data.rows and not data.gpu and not data.problems:
         raise SystemExit(f"report.py: {folder}: no measurements in it; scripts/benchmark.py makes them")
     for problem in data.problems:
         print(f"report.py: warning: {problem}; left out", file=sys.stderr)
@@ -189,8 +195,12 @@ def main():
     parser.add_argument("--output", metavar="FILE", help="the page (default: report.html in DIR)")
     parser.add_argument("--tables", metavar="FILE", help="tables in Markdown (default: tables.md beside the page)")
     parser.add_argument("--against", metavar="DIR", help="records of another run on the same machine")
+    parser.add_argument(
+        "--gpu", action="append", default=[], metavar="PATH",
+        help="record of a Vulkan device, or a folder of them; may be repeated",
+    )
     options = parser.parse_args()
-    data = read(options.folder)
+    data = read(options.folder, options.gpu)
     against = read(options.against) if options.against else None
     output = Path(options.output) if options.output else Path(options.folder) / "report.html"
     markdown = Path(options.tables) if options.tables else output.with_name("tables.md")

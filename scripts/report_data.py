@@ -13,6 +13,12 @@ KINDS = ("NAIVE", "GRID", "cGRID", "cVOXEL", "cLEAF", "cVERT")
 ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")
 
 
+def device_of(record, result):
+    """Name of the Vulkan device that a result is of; empty: of the processor."""
+    asked = record["run"].get("settings", {}).get("device", "cpu")
+    return result.get("on_device", {}).get("device") or ("" if asked == "cpu" else asked)
+
+
 class Row:
     """One representation of one scene at one level on one instruction set."""
 
@@ -25,12 +31,23 @@ class Row:
         self.build_seconds = result["build_seconds"]
         self.memory = result["memory"]
         self.speeds = result["speed"]
+        self.on_device = result.get("on_device")
+        self.device = device_of(record, result)
         self.leaks, self.sheets, self.shadows = result.get("leaks"), result.get("sheets"), result.get("shadows", [])
         self.views = {view["view"]: view for view in result["views"]}
 
     @property
     def bytes(self):
         return self.memory["live_bytes"]
+
+    @property
+    def held_bytes(self):
+        """What a Vulkan device holds, and what it uses in the host's memory."""
+        return self.on_device["device_bytes"] + self.on_device["imported_bytes"]
+
+    @property
+    def held_per_quad(self):
+        return self.held_bytes / self.quads
 
     def errors(self, view, to_reference=False):
         """Errors of primary rays, or None."""
@@ -56,34 +73,66 @@ class Row:
         return re.sub(r" --(json|pictures|maps) ('[^']*'|\S+)", "", self.run["command"])
 
 
+def job_of(path):
+    return path.stem.rsplit("_L", 1)[0]
+
+
 class Data:
+    """rows are of the processor. What a Vulkan device measured is in gpu alone, so that no other section can show it; so
+    is, in beside_gpu, what the processor measured for comparison with it."""
+
     def __init__(self, folder):
         self.folder = Path(folder)
         self.rows, self.runs, self.problems, self.skipped = [], [], [], []
+        self.gpu, self.beside_gpu, self.gpu_skipped = [], [], []
         self.checked = []  # rows with leaks, sheets or shadows
         for path in sorted(self.folder.glob("*.json")):
-            try:
-                record = records.read(path)
-            except records.Damaged as error:
-                self.problems.append(f"{path.name}: {error}")
-                continue
-            self.runs.append(record["run"])
-            job = path.stem.rsplit("_L", 1)[0]
-            for group in record["groups"]:
-                for result in group["results"]:
-                    if "skipped" in result:
-                        self.skipped.append(
-                            f"{group['scene']}, level {group['level']}, {result['representation']}: "
-                            f"{result['skipped']}"
-                        )
-                    else:
-                        row = Row(record, job, self.folder, group, result)
-                        if row.leaks or row.sheets or row.shadows:
-                            self.checked.append(row)
-                        if row.speeds or not job.startswith("checks_"):
-                            self.rows.append(row)
+            record = self.read(path)
+            if record:
+                self.runs.append(record["run"])
+                self.take(record, path, job_of(path).startswith("gpu_"))
         widest = [isa for isa in ISAS if any(row.isa == isa for row in self.rows)]
         self.isa = widest[-1] if widest else ""
+
+    def add_gpu(self, path):
+        """A record, or a folder of them, of which the section on the GPU is made and no other. They may be of another
+        machine."""
+        path = Path(path)
+        for file in sorted(path.glob("*.json")) if path.is_dir() else [path]:
+            record = self.read(file)
+            if record:
+                self.take(record, file, True)
+
+    def read(self, path):
+        """A record, or None, and a line about it."""
+        try:
+            return records.read(path)
+        except records.Damaged as error:
+            self.problems.append(f"{path.name}: {error}")
+            return None
+
+    def take(self, record, path, for_gpu):
+        """for_gpu: what is of the processor is there to be compared with a device."""
+        job = job_of(path)
+        for group in record["groups"]:
+            for result in group["results"]:
+                device = device_of(record, result)
+                if "skipped" in result:
+                    (self.gpu_skipped if device or for_gpu else self.skipped).append(
+                        f"{group['scene']}, level {group['level']}, {result['representation']}"
+                        f"{', ' + device if device else ''}: {result['skipped']}"
+                    )
+                    continue
+                row = Row(record, job, path.parent, group, result)
+                if device:
+                    self.gpu.append(row)
+                elif for_gpu:
+                    self.beside_gpu.append(row)
+                else:
+                    if row.leaks or row.sheets or row.shadows:
+                        self.checked.append(row)
+                    if row.speeds or not job.startswith("checks_"):
+                        self.rows.append(row)
 
     def scenes(self):
         return sorted({row.scene for row in self.rows})
@@ -138,10 +187,10 @@ def uncertainty(speed):
     return 2 * 1.25 * speed["relative_to_grid"]["spread"] / 1.35 / math.sqrt(len(speed["seconds"]))
 
 
-def noise(data):
+def noise(rows):
     """Of the ratios to GRID, of all measurements but GRID's: their spread (middle half over median) and how sure their
-    medians are. None without measurements."""
-    speeds = [s for row in data.rows if row.kind != "GRID" for s in row.speeds]
+    medians are. None without measurements; a device without a clock has none."""
+    speeds = [s for row in rows if row.kind != "GRID" for s in row.speeds if s["relative_to_grid"]["spread"] is not None]
     if not speeds:
         return None
     spreads = [s["relative_to_grid"]["spread"] for s in speeds]
@@ -154,6 +203,15 @@ def noise(data):
         "unsure": median(unsure),
         "unsure_95": percentile(unsure, 0.95),
     }
+
+
+def judged(found):
+    """What noise found, in words."""
+    if found["beyond"] < 0.1 * found["count"]:
+        return "a quiet run"
+    if found["median"] < 0.05:
+        return "some noise, ratios are good to a few percent"
+    return "a noisy run, take speeds as rough"
 
 
 def compare_runs(data, other):

@@ -18,6 +18,7 @@ main { max-width: 76rem; margin: 0 auto; padding: 1.5rem 1rem 4rem; }
 h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .4rem; }
 h2 { font-size: 1.25rem; margin: 2.6rem 0 .4rem; padding-top: .8rem; border-top: 1px solid var(--line); }
 h3 { font-size: 1rem; margin: 1.2rem 0 .3rem; }
+h4 { font-size: .92rem; margin: 1rem 0 -.4rem; }
 p { margin: .4rem 0 .8rem; max-width: 52rem; }
 .soft, figcaption, .command, .reason { color: var(--soft); font-size: .87rem; }
 nav { display: flex; flex-wrap: wrap; gap: .3rem .9rem; margin: .8rem 0 0; font-size: .92rem; }
@@ -37,7 +38,9 @@ table { border-collapse: collapse; width: 100%; font-size: .9rem; font-variant-n
 th, td { padding: .35rem .6rem; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
 tr:last-child td { border-bottom: 0; }
 th { background: var(--panel); font-weight: 600; }
+th.group { text-align: center; border-left: 1px solid var(--line); } th.group:empty { border-left: 0; }
 th:first-child, td:first-child, td.text, th.text { text-align: left; }
+.grouped { font-size: .85rem; } .grouped th, .grouped td { padding: .3rem .35rem; } .grouped .heads { display: none; }
 td.wrap { white-space: normal; min-width: 13rem; }
 .yes { color: var(--good); font-weight: 600; } .no { color: var(--bad); font-weight: 600; } .none { color: var(--soft); }
 .missing { background: var(--panel); border: 1px dashed var(--line); border-radius: 8px; padding: .8rem 1rem; color: var(--soft); }
@@ -53,7 +56,13 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
   .stack thead { display: none; } .stack tr { display: block; padding: .5rem .6rem; border-bottom: 1px solid var(--line); }
   .stack td { display: flex; justify-content: space-between; gap: 1rem; border: 0; padding: .1rem 0; white-space: normal; text-align: right; }
   .stack td:first-child { text-align: left; font-weight: 600; }
-  .stack td[data-name]::before { content: attr(data-name); color: var(--soft); font-weight: 400; text-align: left; } }
+  .stack td[data-name]::before { content: attr(data-name); color: var(--soft); font-weight: 400; text-align: left; }
+  .grouped, .grouped tbody { display: block; } .grouped thead { display: none; }
+  .grouped tr { display: grid; grid-template-columns: minmax(0, 1fr) repeat(var(--columns), minmax(2.4rem, max-content));
+                gap: .1rem .5rem; padding: .5rem .6rem; border-bottom: 1px solid var(--line); }
+  .grouped td, .grouped .heads { display: contents; } .grouped td:first-child > span:first-child { font-weight: 600; }
+  .grouped .heads span { text-align: right; color: var(--soft); }
+  .grouped td[data-name]::before { content: attr(data-name); grid-column-start: 1; color: var(--soft); text-align: left; } }
 """
 
 
@@ -109,6 +118,22 @@ def table(heads, rows, text_columns=(0,), stack=False, wrap=False):
         out.append("<tr>" + "".join(cells) + "</tr>")
     out.append("</tbody></table></div>")
     return "".join(out)
+
+
+def grouped_table(groups, heads, rows):
+    """Columns in groups that have the same heads; a group is a line on phones. groups: their names. heads: of the columns
+    of each. rows: the name of a row and its cells, group by group, as HTML."""
+    out = [f'<div class="table"><table class="grouped" style="--columns: {len(heads)}"><thead><tr><th></th>']
+    out += [f'<th class="group" colspan="{len(heads)}">{escape(group)}</th>' for group in groups]
+    out += ["</tr><tr><th></th>"] + [f"<th>{head}</th>" for head in heads] * len(groups) + ["</tr></thead><tbody>"]
+    on_phones = '<span class="heads">' + "".join(f"<span>{head}</span>" for head in heads) + "</span>"
+    for name, cells in rows:
+        out.append(f"<tr><td><span>{name}</span>{on_phones}</td>")
+        for i, cell in enumerate(cells):
+            group = f' data-name="{escape(groups[i // len(heads)])}"' if i % len(heads) == 0 else ""
+            out.append(f"<td{group}><span>{cell}</span></td>")
+        out.append("</tr>")
+    return "".join(out) + "</tbody></table></div>"
 
 
 def section(name, title, *parts):

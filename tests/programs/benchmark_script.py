@@ -9,6 +9,7 @@ usage: benchmark_script.py PATH/TO/cbvh_bench
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -30,8 +31,22 @@ if words == ["--about"]:
                       "hardware_threads": 2}))
     sys.exit(0)
 value = lambda name: words[words.index(name) + 1]
+device = value("--device") if "--device" in words else ""
 with open(folder + "/calls", "a") as calls:
-    calls.write(value("--scene") + " " + value("--level") + "\\n")
+    calls.write(value("--scene") + " " + value("--level") + (" " + device if device else "") + "\\n")
+if device and mode == "no device":
+    print("cbvh_bench: Vulkan has no driver", file=sys.stderr)
+    sys.exit(1)
+if device and mode == "no float64" and "cvert" in value("--representation"):
+    print("cbvh_bench: the device has no shaderFloat64", file=sys.stderr)
+    sys.exit(1)
+if device and mode == "small" and value("--level") != "1":
+    print("cbvh_bench: Embree, putting a scene on a Vulkan device: out of memory: nodes", file=sys.stderr)
+    sys.exit(1)
+results = []
+if device:
+    results = [{"representation": "GRID", "memory": {"live_bytes": 1}, "views": [], "speed": [], "on_device": {
+        "device": open(folder + "/device").read(), "device_bytes": 1, "imported_bytes": 0, "upload_seconds": 0}}]
 if mode == "fail":
     print("  cube: 0.1 s", file=sys.stderr)
     print("cbvh_bench: out of memory", file=sys.stderr)
@@ -42,7 +57,7 @@ signal.signal(signal.SIGINT, lambda *_: sys.exit(130))
 for level in levels:
     if mode == "slow" and level > levels[0]:
         time.sleep(60)
-    groups.append({"scene": value("--scene"), "level": level, "quads": 1, "results": []})
+    groups.append({"scene": value("--scene"), "level": level, "quads": 1, "results": results})
     record = {"format": "cbvh-bench", "version": 2, "complete": level == levels[-1], "groups": groups,
               "run": {"commit": open(folder + "/commit").read(), "command": "cbvh_bench " + " ".join(words)}}
     with open(value("--json"), "w") as file:
@@ -61,6 +76,7 @@ class Benchmark(unittest.TestCase):
         self.output = self.folder / "out"
         self.set_mode("quick")
         (self.folder / "commit").write_text("abc")
+        (self.folder / "device").write_text("Device One, driver 1")
 
     def set_mode(self, mode):
         (self.folder / "mode").write_text(mode)
@@ -156,6 +172,73 @@ class Benchmark(unittest.TestCase):
         self.assertIn("no scene 'frog'", done.stdout)
         self.assertIn("trex", done.stdout)
 
+    def test_a_gpu_is_measured_beside_the_processor(self):
+        done = self.run_script("gpu-quick", "--scene", "cube")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("Vulkan device Device One, driver 1", done.stdout)
+        self.assertEqual(self.calls(), ["cube 1 vulkan", "cube 4,5 vulkan", "cube 4,5"], "a probe, a device, a thread")
+        self.run_script("gpu-quick", "--scene", "cube")
+        self.assertEqual(self.calls(), ["cube 1 vulkan"], "all is there")
+        named = self.run_script("gpu-quick", "--scene", "cube", "--device", "one 1", "--fresh")
+        self.assertEqual(named.returncode, 0, named.stdout + named.stderr)
+        self.assertEqual(self.calls(), ["cube 1 vulkan:one 1", "cube 4,5 vulkan:one 1", "cube 4,5"])
+
+    def test_records_of_another_gpu_are_measured_again(self):
+        self.run_script("gpu-quick", "--scene", "cube")
+        self.calls()
+        (self.folder / "device").write_text("Device Two, driver 1")
+        again = self.run_script("gpu-quick", "--scene", "cube")
+        self.assertIn("gpu_cube_L4-5.json: of the device Device One, driver 1; measured again", again.stdout)
+        self.assertEqual(self.calls(), ["cube 1 vulkan", "cube 4,5 vulkan"])
+
+    def test_without_a_gpu_its_jobs_are_left_out_with_a_line_and_the_others_go_on(self):
+        self.set_mode("no device")
+        done = self.run_script("gpu-quick", "--scene", "cube")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(done.stdout.count("\n"), 1)
+        self.assertIn("gpu_cube, gpu_cube_cpu, as there is no Vulkan device: Vulkan has no driver", done.stdout)
+        self.assertEqual(self.calls(), ["cube 1 vulkan"])
+        self.assertFalse(self.output.exists())
+        done = self.run_script("full", "--scene", "cube")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("no Vulkan device", done.stdout)
+        calls = self.calls()
+        self.assertEqual([call for call in calls if "vulkan" in call], ["cube 1 vulkan"])
+        self.assertIn("cube:0.45 6", calls)
+        named = self.run_script("gpu", "--device", "nvidia")
+        self.assertEqual((named.returncode, named.stderr), (1, "benchmark.py: --device nvidia: Vulkan has no driver\n"))
+        other = self.run_script("quick", "--device", "nvidia")
+        self.assertEqual((other.returncode, other.stderr.count("\n")), (1, 1))
+
+    def test_a_gpu_without_doubles_is_measured_without_cvert(self):
+        self.set_mode("no float64")
+        done = self.run_script("gpu-quick", "--scene", "cube")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("left out: cVERT", done.stdout)
+        command = json.loads((self.output / "gpu_cube_L4-5.json").read_text())["run"]["command"]
+        self.assertNotIn("cvert", command)
+
+    def test_what_does_not_fit_on_a_gpu_is_left_out(self):
+        self.set_mode("small")
+        done = self.run_script("gpu-quick", "--scene", "cube")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertRegex(done.stdout, r"gpu_cube +level 4-5 left out: .*out of memory: nodes")
+
+    def test_commands_are_printed_and_not_run(self):
+        done = self.run_script("gpu", "--scene", "trex", "--print-commands")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.calls(), [])
+        self.assertFalse(self.output.exists())
+        lines = [shlex.split(line) for line in done.stdout.strip().split("\n") if not line.startswith("left out")]
+        self.assertEqual(len(lines), 4)
+        for words in lines:
+            self.assertEqual(words[0], str(self.bench))
+            self.assertIn("4,5,6,7", words)
+            self.assertIn("--leaves-only", words)
+            self.assertNotIn("--pictures", words)
+        self.assertEqual(["--device" in words for words in lines], [True, False, True, False])
+        self.assertEqual(len({words[words.index("--json") + 1] for words in lines}), 4)
+
     @unittest.skipUnless(BENCH, "needs cbvh_bench")
     def test_the_program_and_the_sets_agree(self):
         """Every job's arguments are understood: the program is stopped by a wrong option only after parsing them."""
@@ -187,6 +270,8 @@ class Benchmark(unittest.TestCase):
                     text=True,
                     timeout=60,
                 )
+                if "without Vulkan" in done.stderr and job.needs_vulkan:
+                    continue
                 self.assertEqual(done.stderr, "cbvh_bench: --build-threads must not be negative\n", (name, job.name))
 
 

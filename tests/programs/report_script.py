@@ -7,6 +7,7 @@ usage: report_script.py PATH/TO/cbvh_bench
 """
 
 import json
+import random
 import re
 import shutil
 import subprocess
@@ -21,6 +22,8 @@ BENCH = sys.argv.pop(1)
 sys.path.insert(0, str(SCRIPT.parent))
 import report_data  # noqa: E402
 import report_figures  # noqa: E402
+import report_gpu  # noqa: E402
+import report_gpu_chart  # noqa: E402
 import report_hard_cases  # noqa: E402
 import report_sections  # noqa: E402
 from report_relations import relations  # noqa: E402
@@ -32,6 +35,7 @@ SECTIONS = (
     "pictures",
     "figure16",
     "figure17",
+    "gpu",
     "tradeoffs",
     "errors",
     "bins",
@@ -41,6 +45,51 @@ SECTIONS = (
     "hard",
     "all",
 )
+
+
+RAYS = [(ray_set, query) for ray_set in ("coherent", "incoherent") for query in ("closest", "any")]
+GPU = "Device One, driver 1"
+
+
+def gpu_record(record, mrays, device=GPU, bytes_a_quad=30000):
+    """A record as if a device had measured it: mrays is the speed of each representation, bytes_a_quad what cVOXEL holds,
+    a third of it on the device. Without a device, of the processor."""
+    record = json.loads(json.dumps(record))
+    if device:
+        record["run"]["settings"]["device"] = "vulkan"
+    for group in record["groups"]:
+        for result in group["results"]:
+            third = bytes_a_quad // 3 * TIMES[result["kind"]] * group["quads"]
+            held = {"device_bytes": third, "imported_bytes": 2 * third}
+            if device:
+                result["on_device"] = {"device": device, "upload_seconds": 0.1, **held}
+            result["memory"]["live_bytes"] *= 3  # other sections would show it
+            template = result["speed"][0]
+            result["speed"] = []
+            for ray_set, query in RAYS:
+                summary = {"min": mrays[result["kind"]], "max": mrays[result["kind"]], "spread": 0.0}
+                ratio = mrays[result["kind"]] / mrays["GRID"]
+                result["speed"].append(
+                    {
+                        **template,
+                        "set": ray_set,
+                        "query": query,
+                        "mrays_per_second": {"median": mrays[result["kind"]], **summary},
+                        "relative_to_grid": {"median": ratio, "min": ratio, "max": ratio, "spread": 0.0},
+                    }
+                )
+    return record
+
+
+TIMES = {"NAIVE": 16, "GRID": 4, "cGRID": 3, "cVOXEL": 1, "cLEAF": 2}
+ON_GPU = {"NAIVE": 400.0, "GRID": 200.0, "cGRID": 100.0, "cVOXEL": 800.0, "cLEAF": 500.0}
+ON_PROCESSOR = {kind: 2.0 for kind in ON_GPU}
+
+
+def sections_of(html):
+    """The HTML of each section by its name."""
+    parts = html.split('<section><h2 id="')[1:]
+    return {part[: part.index('"')]: part[: part.index("</section>")] for part in parts}
 
 
 class Page(HTMLParser):
@@ -157,7 +206,7 @@ class Report(unittest.TestCase):
         apart = report_data.compare_runs(data, report_data.Data(self.records))
         self.assertGreater(apart["count"], 10)
         self.assertEqual((apart["max"], apart["beyond"]), (0, 0))
-        self.assertIsNotNone(report_data.noise(data))
+        self.assertIsNotNone(report_data.noise(data.rows))
 
     def test_errors_against_a_finer_mesh_come_from_the_job_that_has_them(self):
         folder = Path(self.temporary.name) / "finer"
@@ -215,6 +264,151 @@ class Report(unittest.TestCase):
         self.assertIn("rays &gt; boxes", html)
         self.assertIn("1 of 3 tests pass, 1 fail, 1 were skipped", html)
         self.assertIn("No data", report_hard_cases.section(folder / "none"))
+
+    def gpu_folder(self, name, files):
+        """Records of the processor, and others. files: name and record."""
+        folder = Path(self.temporary.name) / name
+        shutil.copytree(self.records, folder)
+        for file, record in files.items():
+            (folder / file).write_text(json.dumps(record))
+        return folder
+
+    def record(self):
+        return json.loads((self.records / "cube_L2-6.json").read_text())
+
+    def test_what_a_gpu_measured_is_in_its_section_alone(self):
+        of_gpu, beside = gpu_record(self.record(), ON_GPU), gpu_record(self.record(), ON_PROCESSOR, None)
+        bare = gpu_record(self.record(), ON_GPU)
+        for result in bare["groups"][0]["results"]:
+            del result["on_device"]  # the run's settings say it alone
+        files = {"other_L2-6.json": of_gpu, "gpu_cube_cpu_L2-6.json": beside, "bare_L2-6.json": bare}
+        pages, tables = [], []
+        for folder in (self.gpu_folder("without", {}), self.gpu_folder("with", files)):
+            done = self.run_script(folder)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            pages.append(sections_of((folder / "report.html").read_text()))
+            tables.append((folder / "tables.md").read_text())
+        self.assertEqual(list(pages[0]), list(SECTIONS))
+        self.assertEqual([name for name in SECTIONS if pages[0][name] != pages[1][name]], ["gpu"])
+        self.assertIn("No data", pages[0]["gpu"])
+        self.assertIn(GPU, pages[1]["gpu"])
+        self.assertIn("Made by", pages[1]["gpu"])
+        self.assertGreaterEqual(pages[1]["gpu"].count("<img"), 3)
+        self.assertTrue(tables[1].startswith(tables[0]))
+        self.assertIn(GPU, tables[1])
+
+    def test_ratios_of_a_gpu_are_to_grid_naive_and_the_processor_of_the_same_picture(self):
+        folder = Path(self.temporary.name) / "ratios"
+        folder.mkdir()
+        (folder / "gpu_cube_L2-6.json").write_text(json.dumps(gpu_record(self.record(), ON_GPU)))
+        beside = gpu_record(self.record(), ON_PROCESSOR, None)
+        changes = (
+            (lambda run: None, 250.0),
+            (lambda run: run["settings"].update(width=99), None),
+            (lambda run: run.update(cpu="another"), None),
+        )
+        for change, ratio in changes:
+            other = json.loads(json.dumps(beside))
+            change(other["run"])
+            (folder / "gpu_cube_cpu_L2-6.json").write_text(json.dumps(other))
+            (device,) = report_gpu.devices(report_data.Data(folder))
+            (shown,) = [shown for shown in device.shown if shown.view == "full"]
+            self.assertEqual((shown.scene, shown.main_size()[0]), ("cube", 6))
+            rows, rays = shown.rows[shown.main_size()], report_gpu.RAYS[3]
+            row = rows["cLEAF^2"]
+            self.assertEqual(report_gpu.speed(row, "full", rays), 500)
+            self.assertEqual(report_gpu.to_grid(row, "full", rays), 2.5)
+            self.assertEqual(report_gpu.to_naive(row, rows["NAIVE"], "full", rays), 1.25)
+            self.assertEqual(report_gpu.to_processor(row, device.beside(row), "full", rays), ratio)
+            self.assertEqual(row.held_per_quad, 60000)
+            words = report_gpu.in_words(device, shown)
+            self.assertIn("cVOXEL<sup>3</sup> are the smallest with 30000 bytes a quad, 25% of GRID's 120000, at 4.00", words)
+            self.assertIn("the fastest is with coherent rays cVOXEL<sup>2</sup> (4.00 times GRID)", words)
+            self.assertEqual("the device has 50.0 to 400 times the speed of one thread" in words, ratio is not None)
+
+    def test_memory_of_buffers_that_are_not_full_is_no_representation_s(self):
+        folder = Path(self.temporary.name) / "small"
+        folder.mkdir()
+        (folder / "small.json").write_text(json.dumps(gpu_record(self.record(), ON_GPU, bytes_a_quad=60)))
+        data = report_data.Data(folder)
+        html = report_gpu.section(data)
+        self.assertIn("does not tell representations apart", html)
+        self.assertNotIn("smallest", html)
+        self.assertNotIn("<img", html)
+
+    def test_records_of_a_gpu_elsewhere_are_added(self):
+        elsewhere = Path(self.temporary.name) / "elsewhere"
+        elsewhere.mkdir()
+        record = gpu_record(self.record(), ON_GPU)
+        record["run"].update(cpu="Processor elsewhere", commit="c0ffee")
+        (elsewhere / "trex_6.json").write_text(json.dumps(record))
+        output = Path(self.temporary.name) / "elsewhere.html"
+        before = self.run_script(self.records, "--output", output)
+        self.assertEqual(before.returncode, 0, before.stderr)
+        plain = output.read_text()
+        for path in (elsewhere, elsewhere / "trex_6.json"):
+            done = self.run_script(self.records, "--output", output, "--gpu", path)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            html = output.read_text()
+            page = Page(html)
+            self.assertEqual(page.open, [])
+            self.assertIn(GPU, html)
+            self.assertIn("Processor elsewhere", sections_of(html)["gpu"])
+            self.assertEqual(html.split("<nav>")[0], plain.split("<nav>")[0], "of this machine")
+        none = self.run_script(self.records, "--output", output, "--gpu", elsewhere / "none.json")
+        self.assertEqual((none.returncode, none.stderr.count("\n")), (1, 1))
+        self.assertIn("no such file or folder", none.stderr)
+        other = self.run_script(self.records, "--output", output, "--gpu", self.records)
+        self.assertEqual(other.returncode, 0)
+        self.assertEqual(other.stderr, "report.py: warning: records: nothing in it was measured on a Vulkan device; left out\n")
+        (elsewhere / "short.json").write_text("{")
+        damaged = self.run_script(self.records, "--output", output, "--gpu", elsewhere)
+        self.assertEqual((damaged.returncode, damaged.stderr.count("\n")), (0, 1))
+        self.assertIn("short.json: truncated or no JSON", damaged.stderr)
+
+    def test_scenes_of_one_name_and_several_sizes_stay_apart(self):
+        folder = Path(self.temporary.name) / "herds"
+        folder.mkdir()
+        for count in (8, 64):
+            record = gpu_record(self.record(), ON_GPU)
+            for group in record["groups"]:
+                group.update(scene="herd", quads=group["quads"] * count)
+            (folder / f"herd_{count}.json").write_text(json.dumps(record))
+        (device,) = report_gpu.devices(report_data.Data(folder))
+        shown = device.shown[0]
+        self.assertEqual([level for level, _ in shown.sizes()], [2, 2, 6, 6])
+        self.assertIn("million quads", shown.size_name(shown.sizes()[3]))
+        Page(report_gpu.section(report_data.Data(folder)))
+
+    def test_a_real_device_is_reported(self):
+        folder = Path(self.temporary.name) / "real"
+        words = ["--scene", "cube", "--level", "2", "--representation", "grid,cvoxel", "--device", "vulkan", "--size", "32x32"]
+        words += ["--query", "closest,any", "--rays", "0", "--repeat", "2", "--true-surface", "0", "--check", "leaks"]
+        words += ["--check-rays", "1000", "--json", folder / "gpu_cube_L2.json"]
+        done = subprocess.run([BENCH, *words], capture_output=True, text=True)
+        if done.returncode:
+            self.skipTest(done.stderr.strip().split("\n")[-1])
+        device = json.loads((folder / "gpu_cube_L2.json").read_text())["groups"][0]["results"][0]["on_device"]["device"]
+        done = self.run_script(folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        html = sections_of((folder / "report.html").read_text())["gpu"]
+        self.assertIn(device, html)
+        self.assertIn("Leaks, sheets and shadows on the device", html)
+        self.assertIn("cube, level 2, speed, and how many times that of GRID", html)
+
+    def test_labels_of_a_chart_cover_nothing(self):
+        random.seed(7)
+        bounds = (0, 0, 200, 150)
+        marks = [(random.uniform(0, 200), random.uniform(0, 150), random.uniform(4, 9), "7") for _ in range(60)]
+        marks += [(100, 75, 6, "12")] * 2
+        places = report_gpu_chart.place_labels(marks, bounds)
+        self.assertGreater(len(places), 40)
+        boxes = [report_gpu_chart.box(x, y, size, size) for x, y, size, _ in marks]
+        for i, (x, y) in places.items():
+            here = report_gpu_chart.box(x, y, report_gpu_chart.DIGIT[0] * len(marks[i][3]), report_gpu_chart.DIGIT[1])
+            self.assertFalse(any(report_gpu_chart.overlap(here, other) for other in boxes), i)
+            self.assertTrue(bounds[0] <= here[0] and bounds[1] <= here[1] and here[2] <= bounds[2] and here[3] <= bounds[3])
+            boxes.append(here)
 
     def test_the_front_keeps_what_nothing_beats(self):
         points = [(1, 5), (2, 4), (2, 6), (3, 7), (0.5, 1)]
