@@ -24,7 +24,7 @@ RAYS = (
 )
 DRAWN = (RAYS[0], RAYS[1], RAYS[3])
 # bytes of a buffer that many things share, and that may be almost empty: Arena in kernels/vulkan/host/memory.cpp
-SHARED_BUFFER = 16 * 2**20
+SHARED_BUFFER = 2**20
 SAME_PICTURE = ("width", "height", "leaves_only", "max_error_diagonals", "position")
 
 MISSING = "speeds on a Vulkan device: scripts/benchmark.py gpu-quick, and scripts/report.py --gpu with its folder"

@@ -82,7 +82,7 @@ json shadowsJson(const ShadowCheck& c)
           {"control_errors", shadowJson(c.found.control)}};
 }
 
-json speedJson(const Speed& s)
+json speedJson(const Speed& s, bool onDevice)
 {
   std::vector<double> mrays;
   for (double seconds : s.seconds)
@@ -92,7 +92,7 @@ json speedJson(const Speed& s)
           {"query", queryName(s.trace.query)},
           {"mode", traceModeName(s.trace.mode)},
           {"threads", s.trace.threads},
-          {"clock", s.trace.threads > 1 ? "wall" : "processor time of the thread"},
+          {"clock", onDevice ? "the device's" : s.trace.threads > 1 ? "wall" : "processor time of the thread"},
           {"passes", s.trace.passes},
           {"rays", s.rays},
           {"hits", s.hits},
@@ -160,7 +160,7 @@ json resultJson(const VariantResult& r)
     j["views"].push_back(viewJson(v));
   j["speed"] = json::array();
   for (const Speed& s : r.speeds)
-    j["speed"].push_back(speedJson(s));
+    j["speed"].push_back(speedJson(s, r.build.onDevice.has_value()));
   if (r.checks.leaks)
     j["leaks"] = leaksJson(*r.checks.leaks);
   if (r.checks.sheets)

@@ -172,12 +172,13 @@ Buffer& Arena::add(size_t bytes, const char* what)
 
 Slice Arena::take(size_t bytes, const char* what)
 {
-  const size_t size = std::min(size_t(16) << 20, device.capabilities.maxAllocation); // of a buffer that is shared
+  const size_t largest = std::min(size_t(16) << 20, device.capabilities.maxAllocation); // of buffers that are shared
   bytes = (bytes + 15) & ~size_t(15);
-  if (bytes > size/4) return {&add(bytes, what), 0};
+  if (bytes > largest/64) return {&add(bytes, what), 0};
   if (shared == ~size_t(0) || used + bytes > buffers[shared]->bytes) {
-    /* a small scene gets a small buffer */
-    add(shared == ~size_t(0) ? std::max(bytes, std::min(size_t(1) << 16, size)) : size, what);
+    /* each twice as large as the last: a small scene gets a small buffer, a large one few */
+    const size_t size = shared == ~size_t(0) ? size_t(1) << 14 : 2*buffers[shared]->bytes;
+    add(std::max(bytes, std::min(size, largest)), what);
     shared = buffers.size() - 1;
     used = 0;
   }

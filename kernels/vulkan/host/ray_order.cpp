@@ -28,6 +28,13 @@ void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBu
 {
   const Device& device = scene.device;
   const DeviceFunctions& vk = device.vk;
+  const size_t groups = (rays.count + orderThreads - 1)/orderThreads, mostGroups = device.capabilities.properties.limits.maxComputeWorkGroupCount[0];
+  if (groups > mostGroups)
+    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid count " + std::to_string(rays.count) + ": at most " + std::to_string(mostGroups*orderThreads)
+                      + " rays are ordered at once, the device's maxComputeWorkGroupCount is " + std::to_string(mostGroups));
+  const size_t words = rays.rayBytes/4;
+  if (words > (size_t(1) << 32)/rays.count)
+    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid stride " + std::to_string(rays.rayBytes) + " of " + std::to_string(rays.count) + " rays: they reach over 2^32 words");
   const uint32_t tiles = uint32_t(tilesOf(rays.count));
   const VkDeviceAddress pairs[2] = {rays.scratch, rays.scratch + pairBytes(rays.count)}, counts = rays.scratch + 2*pairBytes(rays.count);
   auto stage = [&](int which, const OrderArguments& arguments, uint32_t groups) {
@@ -39,8 +46,8 @@ void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBu
     barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
     vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
   };
-  const uint32_t count = uint32_t(rays.count), rayWords = uint32_t(rays.rayBytes/4);
-  stage(0, {rays.rays, 0, pairs[0], counts, scene.address, count, rayWords, 0}, uint32_t((rays.count + orderThreads - 1)/orderThreads));
+  const uint32_t count = uint32_t(rays.count);
+  stage(0, {rays.rays, 0, pairs[0], counts, scene.address, count, uint32_t(words), 0}, uint32_t(groups));
   for (uint32_t pass = 0; pass < orderPasses; pass++) {
     const VkDeviceAddress from = pairs[pass % 2], to = pairs[1 - pass % 2];
     const uint32_t shift = orderDigitBits*pass;

@@ -21,7 +21,8 @@ struct RaysToOrder
   VkDeviceAddress scratch;
 };
 
-/* Records the sort. pipelines: of Device::makeOrderPipelines. The order is then at the begin of scratch, a barrier behind its last write included. */
+/* Records the sort. pipelines: of Device::makeOrderPipelines. The order is then at the begin of scratch, a barrier behind its
+ * last write included. Throws VulkanError, before anything is recorded, for more rays than the device orders at once. */
 void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBuffer commands, const RaysToOrder& rays);
 
 }} // namespace embree::vulkan
