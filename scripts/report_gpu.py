@@ -31,7 +31,7 @@ MISSING = "speeds on a Vulkan device: scripts/benchmark.py gpu-quick, and script
 TEXT = (
     "<p>The same blocks, byte for byte, traced on a Vulkan device: figure 16 (speed, its upper row) against figure 17 "
     "(memory), a mark with its number for each level. Rays are those of figure 16, all of a picture in one call, timed by "
-    "the device's own clock. Memory is what the device holds, in buffers of 64 KiB, 16 MiB and more, which is most of it "
+    "the device's own clock. Memory is what the device holds, in buffers of 16 KiB to 16 MiB and more, which is most of it "
     "where a scene is small, and then no chart is drawn; and what it <i>imports</i>, blocks in the host's memory that it "
     "uses in place, as it does where both are the same. Beside each speed stands how many times that of GRID and of NAIVE "
     "on the device it is, and that of one thread of the same machine (CPU), where these were measured. A device in "

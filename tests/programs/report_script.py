@@ -329,7 +329,7 @@ class Report(unittest.TestCase):
     def test_memory_of_buffers_that_are_not_full_is_no_representation_s(self):
         folder = Path(self.temporary.name) / "small"
         folder.mkdir()
-        (folder / "small.json").write_text(json.dumps(gpu_record(self.record(), ON_GPU, bytes_a_quad=60)))
+        (folder / "small.json").write_text(json.dumps(gpu_record(self.record(), ON_GPU, bytes_a_quad=3)))
         data = report_data.Data(folder)
         html = report_gpu.section(data)
         self.assertIn("does not tell representations apart", html)

@@ -62,7 +62,7 @@ Bounds transformed(const FlatGeometry& instance)
 }
 
 constexpr size_t pageBytes = size_t(pageUnit) << pageShift;
-constexpr size_t readBehind = 16;   // blocks are read in words
+constexpr size_t readBehind = 16;   // the bits of cVERT's blocks are read in words; kernels/cbvh has memory there
 
 } // namespace
 
@@ -150,16 +150,30 @@ private:
 
   static uint32_t placeOf(size_t page, size_t offset) { return uint32_t((page << pageShift) + offset/pageUnit); }
 
+  static std::vector<bool> blocksOfBits(const FlatScene& flat)
+  {
+    std::vector<bool> out(flat.numBlocks, false);
+    auto see = [&](uint32_t reference) {
+      if (reference != emptyReference && referenceType(reference) == firstBlockReference + kindVert) out[referenceIndex(reference)] = true;
+    };
+    see(flat.root);
+    for (size_t i = 0; i < flat.numNodes; i++)
+      for (uint32_t child : flat.nodes[i].children) see(child);
+    return out;
+  }
+
   void importBlocks()
   {
     struct Range { size_t begin, end; };
     std::vector<Range> ranges;
     const size_t alignment = device.capabilities.importAlignment;
-    for (const Part& part : parts)
+    for (const Part& part : parts) {
+      const std::vector<bool> hasBits = blocksOfBits(*part.flat);
       for (size_t i = 0; i < part.flat->numBlocks; i++) {
-        const size_t begin = size_t(part.flat->blocks[i].data);
-        ranges.push_back({begin & ~(alignment - 1), (begin + part.flat->blocks[i].bytes + alignment - 1) & ~(alignment - 1)});
+        const size_t begin = size_t(part.flat->blocks[i].data), end = begin + part.flat->blocks[i].bytes + (hasBits[i] ? readBehind : 0);
+        ranges.push_back({begin & ~(alignment - 1), (end + alignment - 1) & ~(alignment - 1)});
       }
+    }
     std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });
     const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~(alignment - 1);
     std::vector<Range> joined;

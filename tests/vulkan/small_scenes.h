@@ -1,0 +1,116 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Scenes that are quickly built, and rays at them. */
+
+#include "validated_device.h"
+
+namespace cbvh::test {
+
+// A triangle at a height, over a part of [-1,1]^2; committed, not attached.
+inline RTCGeometry newTriangle(RTCDevice device, float z, unsigned timeSteps = 1)
+{
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetGeometryTimeStepCount(geometry, timeSteps);
+  for (unsigned t = 0; t < timeSteps; t++)
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, std::vector<Vec>{{-1, -1, z}, {1, -1, z}, {-1, 1, z}});
+  setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, std::vector<std::array<unsigned, 3>>{{0, 1, 2}});
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+// Committed, not attached.
+inline RTCGeometry newInstance(RTCDevice device, RTCScene scene, float z, unsigned timeSteps = 1)
+{
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(geometry, scene);
+  rtcSetGeometryTimeStepCount(geometry, timeSteps);
+  const float transform[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,z};
+  for (unsigned t = 0; t < timeSteps; t++) rtcSetGeometryTransform(geometry, t, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+// Surfaces without displacement: four faces over [-1,1]^2.
+inline SurfaceSettings smallSurface(RTCCompression compression)
+{
+  SurfaceSettings settings;
+  settings.rate = 8;
+  settings.compression = compression;
+  settings.frameLevel = 1;
+  return settings;
+}
+
+// Geometry 0 is a compressed surface around z = 0, geometry 1 a triangle at z = 1 over a half of it.
+class SmallScene : public Scene
+{
+public:
+  explicit SmallScene(RTCDevice device, RTCCompression compression = RTC_COMPRESSION_LEAF) : Scene(device)
+  {
+    addSurface(device, *this, sheetCage(2), smallSurface(compression));
+    attach(*this, newTriangle(device, 1));
+    rtcCommitScene(*this);
+  }
+};
+
+// Rays from above: at the triangle, at the surface, past both.
+inline std::vector<RTCRayHit> raysFromAbove()
+{
+  std::vector<RTCRayHit> rays;
+  for (const Vec& org : {Vec{-0.5f, -0.4f, 5}, Vec{0.4f, 0.5f, 5}, Vec{7, 7, 5}, Vec{-0.6f, 0.2f, 5}, Vec{0.3f, 0.7f, 0.5f}})
+    rays.push_back(makeRay(org, {0.01f, 0.02f, -1}));
+  return rays;
+}
+
+inline std::vector<RTCRay> withoutHits(const std::vector<RTCRayHit>& rays)
+{
+  std::vector<RTCRay> out;
+  for (const RTCRayHit& ray : rays) out.push_back(ray.ray);
+  return out;
+}
+
+// To the last bit.
+template<typename Ray>
+bool areSame(const std::vector<Ray>& a, const std::vector<Ray>& b)
+{
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size()*sizeof(Ray)) == 0);
+}
+
+// Traces rays, which become their hits. False, and the rays as they were, if it fails.
+inline bool trace(RTCVulkanScene scene, std::vector<RTCRayHit>& rays, RTCVulkanTimes* times = nullptr)
+{
+  const RTCVulkanTrace trace = rtcStartVulkanIntersect(scene, rays.data(), rays.size());
+  return trace && rtcWaitVulkanTrace(trace, rays.data(), times);
+}
+inline bool trace(RTCVulkanScene scene, std::vector<RTCRay>& rays, RTCVulkanTimes* times = nullptr)
+{
+  const RTCVulkanTrace trace = rtcStartVulkanOccluded(scene, rays.data(), rays.size());
+  return trace && rtcWaitVulkanTrace(trace, rays.data(), times);
+}
+
+inline std::vector<RTCRayHit> traceAll(RTCVulkanScene scene, std::vector<RTCRayHit> rays)
+{
+  EXPECT_TRUE(trace(scene, rays));
+  return rays;
+}
+
+// What a Vulkan device found is what the CPU finds.
+inline void expectAsOnTheCPU(RTCScene scene, const std::vector<RTCRayHit>& rays, const std::vector<RTCRayHit>& traced)
+{
+  for (size_t i = 0; i < rays.size(); i++) {
+    SCOPED_TRACE(testing::Message() << "ray " << i);
+    const RTCRayHit expected = intersect(scene, rays[i]);
+    EXPECT_EQ(expected.hit.geomID, traced[i].hit.geomID);
+    EXPECT_EQ(expected.hit.instID[0], traced[i].hit.instID[0]);
+    if (isHit(expected)) {
+      EXPECT_EQ(expected.hit.primID, traced[i].hit.primID);
+      EXPECT_NEAR(expected.ray.tfar, traced[i].ray.tfar, 1e-4f);
+    } else {
+      EXPECT_EQ(expected.ray.tfar, traced[i].ray.tfar);
+    }
+  }
+}
+
+} // namespace cbvh::test

@@ -1,0 +1,346 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A device that fails: every call of every function of Vulkan that can, in turn. The caller gets
+ * an error that says what failed, nothing is left behind, and what there was before goes on. */
+
+#include "faults_fixture.h"
+
+#include "kernels/cbvh/flat/flat_scene.h"
+
+#include <vulkan/vulkan.h>
+
+
+namespace cbvh::test {
+namespace {
+
+// --- every call fails in turn ------------------------------------------------------------------
+
+TEST_F(VulkanFaults, OpeningADeviceLeavesNothingBehind)
+{
+  device.reset();
+  expectAll(failEverything([&] { return bool(open(vulkan->handles)); }), {"CreateCommandPool", "CreatePipelineLayout", "CreatePipelineCache", "GetPipelineCacheData"});
+}
+
+class VulkanUploadFaults : public VulkanFaults, public testing::WithParamInterface<bool> {};
+
+INSTANTIATE_TEST_SUITE_P(Memory, VulkanUploadFaults, testing::Values(false, true),
+                         [](const testing::TestParamInfo<bool>& info) { return info.param ? "OfADiscreteDevice" : "OfTheHost"; });
+
+TEST_P(VulkanUploadFaults, UploadingASceneLeavesNothingBehind)
+{
+  faults->isDiscrete = GetParam();
+  reopen();
+  Scene scene(embree);
+  SmallScene instanced(embree);
+  attach(scene, newInstance(embree, instanced, 0));
+  attach(scene, newTriangle(embree, 2));
+  rtcCommitScene(scene);
+  std::vector<RTCVulkanMemory> memories = {RTC_VULKAN_MEMORY_COPY};
+  if (vulkan->handles.hasHostImport) memories.push_back(RTC_VULKAN_MEMORY_IMPORT);
+  for (RTCVulkanMemory memory : memories) {
+    SCOPED_TRACE(testing::Message() << "memory " << int(memory));
+    const std::vector<std::string> called = failEverything([&] {
+      const VulkanScene uploaded = newVulkanScene(device, scene, memory);
+      EXPECT_TRUE(isHit(intersect(scene, raysFromAbove()[0]))) << "the CPU goes on";
+      return uploaded != nullptr;
+    });
+    expectAll(called, {"AllocateMemory", "CreateBuffer", "BindBufferMemory", "MapMemory"});
+    if (memory == RTC_VULKAN_MEMORY_IMPORT) expectAll(called, {"GetMemoryHostPointerPropertiesEXT"});
+    if (GetParam()) expectAll(called, {"AllocateCommandBuffers", "BeginCommandBuffer", "EndCommandBuffer", "CreateFence", "QueueSubmit", "WaitForFences"});
+  }
+}
+
+// Traces rays of a scene; they are as they were if it fails.
+template<typename Ray>
+std::function<bool()> tracing(const VulkanScene& scene, const std::vector<Ray>& rays, const std::vector<Ray>& expected)
+{
+  return [&] {
+    std::vector<Ray> traced = rays;
+    RTCVulkanTimes times = {-1, -1, -1};
+    const bool done = trace(scene.get(), traced, &times);
+    EXPECT_TRUE(areSame(traced, done ? expected : rays));
+    EXPECT_EQ(times.seconds >= 0, done);
+    return done;
+  };
+}
+
+class VulkanTraceFaults : public VulkanUploadFaults {};
+
+INSTANTIATE_TEST_SUITE_P(Memory, VulkanTraceFaults, testing::Values(false, true),
+                         [](const testing::TestParamInfo<bool>& info) { return info.param ? "OfADiscreteDevice" : "OfTheHost"; });
+
+TEST_P(VulkanTraceFaults, TracingLeavesNothingBehindAndRaysAsTheyWere)
+{
+  faults->isDiscrete = GetParam();
+  reopen();
+  SmallScene scene(embree);
+  const VulkanScene uploaded = newVulkanScene(device, scene);
+  ASSERT_TRUE(uploaded) << embree.message;
+
+  const std::vector<RTCRayHit> rays = raysFromAbove();
+  std::vector<RTCRayHit> hits = rays;
+  std::vector<RTCRay> shadowRays = withoutHits(rays), occluded = shadowRays;
+  ASSERT_TRUE(trace(uploaded.get(), hits) && trace(uploaded.get(), occluded)) << embree.message;
+  expectAsOnTheCPU(scene, rays, hits);
+
+  const char* const functions[] = {"AllocateMemory", "CreateBuffer", "BindBufferMemory", "MapMemory", "AllocateCommandBuffers", "BeginCommandBuffer",
+                                   "EndCommandBuffer", "CreateFence", "CreateQueryPool", "QueueSubmit", "WaitForFences", "GetQueryPoolResults"};
+  const std::vector<std::string> expected(std::begin(functions), std::end(functions));
+  expectAll(failEverything(tracing(uploaded, rays, hits)), expected);
+  expectAll(failEverything(tracing(uploaded, shadowRays, occluded)), expected);
+  rtcSetVulkanSceneRaySort(uploaded.get(), true);
+  std::vector<RTCRayHit> sorted = rays;
+  ASSERT_TRUE(trace(uploaded.get(), sorted)) << embree.message;
+  EXPECT_TRUE(areSame(sorted, hits));
+  expectAll(failEverything(tracing(uploaded, rays, hits)), expected);
+}
+
+// Each of them: of the trace, and of the sort of rays before it.
+TEST_F(VulkanFaults, AShaderThatCannotBeMadeIsMadeAtTheNextTrace)
+{
+  SmallScene scene(embree, RTC_COMPRESSION_VOXEL);
+  const std::vector<RTCRayHit> rays = raysFromAbove();
+  for (const char* function : {"CreateShaderModule", "CreateComputePipelines"}) {
+    SCOPED_TRACE(function);
+    const VulkanScene uploaded = newVulkanScene(device, scene);
+    ASSERT_TRUE(uploaded) << embree.message;
+    rtcSetVulkanSceneRaySort(uploaded.get(), true);
+    const Fault fault = faultOf(function);
+    const std::map<std::string, size_t> before = faults->live();
+    std::vector<RTCRayHit> traced = rays;
+    size_t made = 0;
+    // one more is made each time, and then the next one fails
+    for (bool done = false; !done && made < 100; made += !done) {
+      for (unsigned n : {1, 1, 2}) {
+        faults->fail(function, n, fault.result);
+        done = trace(uploaded.get(), traced);
+        if (done) break;
+        EXPECT_TRUE(faults->hasFailed());
+        EXPECT_EQ(embree.takeError(), fault.error) << embree.message;
+        EXPECT_TRUE(has(embree.message, fault.name) && has(embree.message, "shader")) << embree.message;
+        EXPECT_TRUE(areSame(traced, rays));
+        std::map<std::string, size_t> expected = before;
+        if (made + n > 1) expected["pipeline"] = made + n - 1;
+        EXPECT_EQ(faults->live(), expected);
+      }
+    }
+    EXPECT_EQ(made, 4u) << "and the fifth was the last";
+    expectAsOnTheCPU(scene, rays, traced);
+    reopen();
+  }
+}
+
+// --- memory --------------------------------------------------------------------------------------
+
+// What an error says: sizes are those of the call, names are from the scene.
+TEST_F(VulkanFaults, AnAllocationThatFailsIsNamed)
+{
+  SmallScene scene(embree);
+  std::vector<std::string> messages;
+  auto collect = [&](const std::function<bool()>& step) {
+    for (unsigned n = 1;; n++) {
+      faults->fail("AllocateMemory", n, VK_ERROR_OUT_OF_DEVICE_MEMORY);
+      const bool done = step();
+      faults->failNothing();
+      if (done) return;
+      EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
+      messages.push_back(embree.message);
+    }
+  };
+  collect([&] { return newVulkanScene(device, scene, RTC_VULKAN_MEMORY_COPY) != nullptr; });
+  if (vulkan->handles.hasHostImport) collect([&] { return newVulkanScene(device, scene, RTC_VULKAN_MEMORY_IMPORT) != nullptr; });
+  const VulkanScene uploaded = newVulkanScene(device, scene);
+  const std::vector<RTCRayHit> rays = raysFromAbove();
+  collect([&] { std::vector<RTCRayHit> traced = rays; return trace(uploaded.get(), traced); });
+  for (const char* what : {"blocks", "rays"})
+    EXPECT_TRUE(std::any_of(messages.begin(), messages.end(), [&](const std::string& message) { return has(message, std::string(" bytes for ") + what); })) << what;
+}
+
+TEST_F(VulkanFaults, ALimitOnAllocationsIsNamedWithItsValue)
+{
+  size_t limit = 100000;
+  faults->onProperties2 = [&](VkPhysicalDeviceProperties2& properties) {
+    for (VkBaseOutStructure* p = (VkBaseOutStructure*)&properties; p; p = p->pNext)
+      if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES) ((VkPhysicalDeviceMaintenance3Properties*)p)->maxMemoryAllocationSize = limit;
+  };
+  reopen();
+  {
+    SmallScene scene(embree);
+    const VulkanScene uploaded = newVulkanScene(device, scene, RTC_VULKAN_MEMORY_COPY);
+    ASSERT_TRUE(uploaded) << embree.message;
+    std::vector<RTCRayHit> rays(limit/sizeof(RTCRayHit) + 1, raysFromAbove()[0]);
+    EXPECT_FALSE(trace(uploaded.get(), rays));
+    EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
+    EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 100000 bytes") && has(embree.message, "rays need " + std::to_string(rays.size()*sizeof(RTCRayHit)) + " bytes")) << embree.message;
+    rays.pop_back();
+    EXPECT_TRUE(trace(uploaded.get(), rays)) << embree.message;
+  }
+
+  limit = 1000;
+  reopen();
+  SmallScene scene(embree);
+  EXPECT_FALSE(newVulkanScene(device, scene, RTC_VULKAN_MEMORY_COPY));
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
+  EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 1000 bytes") && has(embree.message, "blocks need ")) << embree.message;
+}
+
+// Blocks lie in as many buffers as the limit asks for, and are found.
+TEST_F(VulkanFaults, BlocksAreInSeveralBuffersWhereTheLimitIsLow)
+{
+  SurfaceSettings settings = smallSurface(RTC_COMPRESSION_GRID);
+  settings.rate = 64;
+  settings.frameLevel = 2;
+  SurfaceScene scene(embree, sheetCage(8), settings);
+  std::vector<RTCRayHit> rays;
+  Random random(211);
+  for (int i = 0; i < 200; i++) rays.push_back(makeRay({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 3}, {0.01f, 0.02f, -1}));
+  faults->onProperties2 = [&](VkPhysicalDeviceProperties2& properties) {
+    for (VkBaseOutStructure* p = (VkBaseOutStructure*)&properties; p; p = p->pNext)
+      if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES) ((VkPhysicalDeviceMaintenance3Properties*)p)->maxMemoryAllocationSize = 1 << 20;
+  };
+  for (const bool isDiscrete : {false, true})
+    for (RTCVulkanMemory memory : {RTC_VULKAN_MEMORY_COPY, RTC_VULKAN_MEMORY_IMPORT}) {
+      if (memory == RTC_VULKAN_MEMORY_IMPORT && !vulkan->handles.hasHostImport) continue;
+      SCOPED_TRACE(testing::Message() << "memory " << int(memory) << ", discrete " << isDiscrete);
+      faults->isDiscrete = isDiscrete;
+      reopen();
+      const size_t before = faults->live()["buffer"];
+      const VulkanScene uploaded = newVulkanScene(device, scene, memory);
+      ASSERT_TRUE(uploaded) << embree.message;
+      EXPECT_GE(faults->live()["buffer"], before + 4) << "3 MB of blocks, in pieces of 1 MiB, and what describes them";
+      const std::vector<RTCRayHit> traced = traceAll(uploaded.get(), rays);
+      expectAsOnTheCPU(scene, rays, traced);
+    }
+}
+
+// Bits of cVERT are read in words, which may reach over the last byte of a block: kernels/cbvh has memory there, and
+// the next page is imported, too, where it is on that. Scenes of all sizes, so that some blocks end at the end of a page.
+TEST_F(VulkanFaults, WhatLiesBehindABlockOfBitsIsImportedWithIt)
+{
+  if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "memory cannot be imported";
+  struct Range { const char* begin; size_t bytes; };
+  std::vector<Range> ranges;
+  faults->onAllocation = [&](const VkMemoryAllocateInfo& info) {
+    for (const VkBaseInStructure* p = (const VkBaseInStructure*)&info; p; p = p->pNext)
+      if (p->sType == VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT)
+        ranges.push_back({(const char*)((const VkImportMemoryHostPointerInfoEXT*)p)->pHostPointer, size_t(info.allocationSize)});
+  };
+  const size_t readBehind = 16;
+  size_t overEndOfPage = 0;
+  Random random(241);
+  for (int i = 0; i < 1000; i++) {
+    SurfaceSettings settings = smallSurface(RTC_COMPRESSION_VERT);
+    Displacement displacement;
+    displacement.amplitude = float(random.uniform(0, 0.1));
+    settings.displacement = &displacement;
+    settings.rate = float(1 + random.below(12));
+    SurfaceScene scene(embree, sheetCage(1 + unsigned(random.below(6))), settings);
+    ranges.clear();
+    ASSERT_TRUE(newVulkanScene(device, scene, RTC_VULKAN_MEMORY_IMPORT)) << embree.message;
+    const embree::cbvh::FlatScene* flat = rtcFlattenScene(scene, embree::cbvh::flatSceneVersion);
+    ASSERT_TRUE(flat) << embree.message;
+    for (size_t b = 0; b < flat->numBlocks; b++) {
+      const char* begin = (const char*)flat->blocks[b].data;
+      const char* end = begin + flat->blocks[b].bytes;
+      EXPECT_TRUE(std::any_of(ranges.begin(), ranges.end(), [&](const Range& r) { return begin >= r.begin && end + readBehind <= r.begin + r.bytes; })) << "scene " << i << ", block " << b;
+      overEndOfPage += (size_t(end) - 1)/4096 != (size_t(end) + readBehind - 1)/4096;
+    }
+    rtcReleaseFlatScene(flat);
+  }
+  EXPECT_GT(overEndOfPage, 0u);
+}
+
+// --- devices that are lost ---------------------------------------------------------------------
+
+TEST_F(VulkanFaults, ADeviceThatIsLostWhenATraceStartsIsAnError)
+{
+  SmallScene scene(embree);
+  VulkanScene uploaded = newVulkanScene(device, scene);
+  ASSERT_TRUE(uploaded) << embree.message;
+  std::vector<RTCRayHit> rays = raysFromAbove();
+  faults->fail("QueueSubmit", 1, VK_ERROR_DEVICE_LOST, Faults::INSTEAD, true);
+  EXPECT_EQ(rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size()), nullptr);
+  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+  EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost")) << embree.message;
+  EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU goes on";
+}
+
+TEST_F(VulkanFaults, ADeviceThatIsLostDuringATraceLeavesRaysAsTheyWere)
+{
+  SmallScene scene(embree);
+  VulkanScene uploaded = newVulkanScene(device, scene);
+  ASSERT_TRUE(uploaded) << embree.message;
+  const std::vector<RTCRayHit> rays = raysFromAbove();
+  std::vector<RTCRayHit> traced = rays;
+  std::vector<RTCRay> occluded = withoutHits(rays);
+  const RTCVulkanTrace one = rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size());
+  const RTCVulkanTrace other = rtcStartVulkanOccluded(uploaded.get(), occluded.data(), occluded.size());
+  ASSERT_TRUE(one && other) << embree.message;
+  faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::BEHIND, true);
+  RTCVulkanTimes times = {-1, -1, -1};
+  EXPECT_FALSE(rtcWaitVulkanTrace(one, traced.data(), &times));
+  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+  EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost")) << embree.message;
+  EXPECT_TRUE(areSame(traced, rays));
+  EXPECT_EQ(times.seconds, -1);
+  EXPECT_FALSE(rtcWaitVulkanTrace(other, occluded.data(), nullptr));
+  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+  EXPECT_TRUE(areSame(occluded, withoutHits(rays)));
+  EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU goes on";
+  faults->fail("GetPipelineCacheData", 1, VK_ERROR_DEVICE_LOST, Faults::INSTEAD, true);
+}
+
+TEST_F(VulkanFaults, ATraceOfALostDeviceIsDone)
+{
+  SmallScene scene(embree);
+  VulkanScene uploaded = newVulkanScene(device, scene);
+  std::vector<RTCRayHit> rays = raysFromAbove();
+  const RTCVulkanTrace trace = rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size());
+  ASSERT_TRUE(trace) << embree.message;
+  faults->fail("GetFenceStatus", 1, VK_ERROR_DEVICE_LOST, Faults::INSTEAD, true);
+  EXPECT_TRUE(rtcIsVulkanTraceDone(trace));
+  faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::BEHIND, true);
+  EXPECT_FALSE(rtcWaitVulkanTrace(trace, rays.data(), nullptr));
+  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+}
+
+TEST_F(VulkanFaults, ADeviceThatIsLostDuringAnUploadIsAnError)
+{
+  faults->isDiscrete = true;
+  reopen();
+  SmallScene scene(embree);
+  for (const auto& [function, when] : {std::make_pair("QueueSubmit", Faults::INSTEAD), std::make_pair("WaitForFences", Faults::BEHIND)}) {
+    faults->fail(function, 1, VK_ERROR_DEVICE_LOST, when, true);
+    EXPECT_FALSE(newVulkanScene(device, scene));
+    EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+    EXPECT_TRUE(has(embree.message, "the device is lost")) << embree.message;
+  }
+}
+
+// The trace is the last that holds everything, the RTCDevice that is told of the error included.
+TEST_F(VulkanFaults, AnErrorOfATraceThatOutlivesEverythingIsTold)
+{
+  std::string message;
+  {
+    const RTCDevice other = rtcNewDevice(nullptr);
+    rtcSetDeviceErrorFunction(other, [](void* to, RTCError, const char* text) { *(std::string*)to = text; }, &message);
+    RTCVulkanTrace trace;
+    std::vector<RTCRayHit> rays = raysFromAbove();
+    {
+      const VulkanDevice mine(rtcNewVulkanDeviceFromHandles(other, &vulkan->handles));
+      const SmallScene scene(other);
+      const VulkanScene uploaded = newVulkanScene(mine, scene);
+      ASSERT_TRUE(uploaded) << message;
+      trace = rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size());
+      ASSERT_TRUE(trace) << message;
+    }
+    rtcReleaseDevice(other);
+    faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::BEHIND, true);
+    EXPECT_FALSE(rtcWaitVulkanTrace(trace, rays.data(), nullptr));
+  }
+  EXPECT_TRUE(has(message, "the device is lost")) << message;
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,285 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Opening devices: those that lack something, the loader and the drivers of the machine, and the file
+ * of compiled shaders. */
+
+#include "faults_fixture.h"
+
+#include <vulkan/vulkan.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <unistd.h>
+
+namespace cbvh::test {
+namespace {
+
+using VulkanOpening = VulkanFaults;
+
+// --- devices that lack something ---------------------------------------------------------------
+
+TEST_F(VulkanOpening, AnOldDriverIsRefused)
+{
+  faults->onProperties = [](VkPhysicalDeviceProperties& properties) { properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 1, 42); };
+  EXPECT_FALSE(open(vulkan->handles));
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_TRUE(has(embree.message, "Vulkan 1.1.42, 1.2 is needed") && has(embree.message, vulkan->name)) << embree.message;
+}
+
+TEST_F(VulkanOpening, AFeatureThatIsMissingIsNamed)
+{
+  const struct { const char* name; void (*remove)(VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features&); } features[] = {
+    {"bufferDeviceAddress", [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.bufferDeviceAddress = VK_FALSE; }},
+    {"scalarBlockLayout", [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.scalarBlockLayout = VK_FALSE; }},
+    {"shaderFloat64", [](VkPhysicalDeviceFeatures2& f, VkPhysicalDeviceVulkan12Features&) { f.features.shaderFloat64 = VK_FALSE; }}};
+  for (const auto& feature : features) {
+    faults->onFeatures = [&](VkPhysicalDeviceFeatures2& f) {
+      for (VkBaseOutStructure* p = (VkBaseOutStructure*)&f; p; p = p->pNext)
+        if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES) feature.remove(f, *(VkPhysicalDeviceVulkan12Features*)p);
+    };
+    EXPECT_FALSE(open(vulkan->handles)) << feature.name;
+    EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(has(embree.message, feature.name) && has(embree.message, vulkan->name)) << embree.message;
+  }
+  faults->onFeatures = nullptr;
+
+  RTCVulkanHandles handles = vulkan->handles;
+  handles.hasHostImport = 1;
+  faults->onExtensions = [](std::vector<VkExtensionProperties>& extensions) { extensions.clear(); };
+  EXPECT_FALSE(open(handles));
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_TRUE(has(embree.message, "VK_EXT_external_memory_host")) << embree.message;
+}
+
+// What is not enabled is not used.
+TEST_F(VulkanOpening, ADeviceWithoutWhatSomeScenesNeedTakesTheOthers)
+{
+  device.reset();
+  faults.reset();
+  vulkan.reset();
+  DeviceOptions options;
+  options.hasFloat64 = options.hasHostImport = false;
+  vulkan = std::make_unique<ValidatedDevice>(options);
+  device = open(vulkan->handles);
+  ASSERT_TRUE(device) << embree.message;
+  const SmallScene leaf(embree), vert(embree, RTC_COMPRESSION_VERT);
+  EXPECT_FALSE(newVulkanScene(device, vert));
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_OPERATION);
+  EXPECT_TRUE(has(embree.message, "shaderFloat64")) << embree.message;
+  EXPECT_FALSE(newVulkanScene(device, leaf, RTC_VULKAN_MEMORY_IMPORT));
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_OPERATION);
+  EXPECT_TRUE(has(embree.message, "VK_EXT_external_memory_host")) << embree.message;
+  const VulkanScene uploaded = newVulkanScene(device, leaf);
+  ASSERT_TRUE(uploaded) << embree.message;
+  const std::vector<RTCRayHit> rays = raysFromAbove();
+  expectAsOnTheCPU(leaf, rays, traceAll(uploaded.get(), rays));
+}
+
+// --- the library's own loading of Vulkan ---------------------------------------------------------
+
+// rtcNewVulkanDevice and rtcGetVulkanDevices, behind Faults.
+class VulkanLoader : public VulkanFaults
+{
+protected:
+  void SetUp() override
+  {
+    useCacheFolderOfTests();
+    if (const std::string reason = ValidatedDevice::missing(); !reason.empty()) GTEST_SKIP() << reason;
+    setenv("EMBREE_VULKAN_LOADER", TEST_LOADER, 1);
+    faults = std::make_unique<Faults>(vkGetInstanceProcAddr);
+    faults->onInstanceInfo = [&](const VkInstanceCreateInfo& info) { return validation.extended(info); };
+    faults->onInstance = [&](VkInstance instance) { validation.attach(vkGetInstanceProcAddr, instance); };
+    faults->onInstanceEnd = [&](VkInstance) { validation.detach(); };
+  }
+
+  void TearDown() override
+  {
+    VulkanFaults::TearDown();
+    unsetenv("EMBREE_VULKAN_LOADER");
+    for (const std::string& message : validation.messages.take()) ADD_FAILURE() << message;
+  }
+
+  VulkanDevice openOwn(const char* which = nullptr) { return VulkanDevice(rtcNewVulkanDevice(embree, which)); }
+
+  Validation validation;
+};
+
+TEST_F(VulkanLoader, ADeviceOfTheLibrarysOwnTracesUnderValidation)
+{
+  device = openOwn();
+  ASSERT_TRUE(device) << embree.message;
+  EXPECT_EQ(faults->live()["instance"], 1u);
+  EXPECT_EQ(faults->live()["device"], 1u);
+  SmallScene scene(embree, RTC_COMPRESSION_VERT);
+  const VulkanScene uploaded = newVulkanScene(device, scene);
+  ASSERT_TRUE(uploaded) << embree.message;
+  const std::vector<RTCRayHit> rays = raysFromAbove();
+  expectAsOnTheCPU(scene, rays, traceAll(uploaded.get(), rays));
+}
+
+TEST_F(VulkanLoader, OpeningLeavesNothingBehind)
+{
+  expectAll(failEverything([&] { return bool(openOwn()); }), {"CreateInstance", "EnumeratePhysicalDevices", "EnumerateDeviceExtensionProperties", "CreateDevice", "CreateCommandPool"});
+}
+
+TEST_F(VulkanLoader, AFunctionThatIsMissingIsNamed)
+{
+  for (const char* name : {"CreateInstance", "EnumeratePhysicalDevices", "GetPhysicalDeviceProperties2", "GetPhysicalDeviceFeatures2", "CreateDevice",
+                           "GetDeviceProcAddr", "GetBufferDeviceAddress", "GetMemoryHostPointerPropertiesEXT", "QueueSubmit"}) {
+    SCOPED_TRACE(name);
+    faults->hide(name);
+    EXPECT_FALSE(openOwn());
+    EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+    EXPECT_TRUE(has(embree.message, std::string("vk") + name)) << embree.message;
+    faults->show(name);
+    EXPECT_EQ(faults->live(), (std::map<std::string, size_t>()));
+  }
+  EXPECT_TRUE(openOwn()) << embree.message;
+}
+
+TEST_F(VulkanLoader, ListingDevicesLeavesNothingBehind)
+{
+  EXPECT_GE(rtcGetVulkanDevices(embree, nullptr, 0), 1u);
+  EXPECT_TRUE(faults->live().empty());
+  faults->fail("EnumeratePhysicalDevices", 1, VK_ERROR_OUT_OF_HOST_MEMORY);
+  EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
+  EXPECT_TRUE(faults->live().empty());
+}
+
+TEST_F(VulkanLoader, AMachineWithoutADeviceIsAnError)
+{
+  faults->onDevices = [](std::vector<VkPhysicalDevice>& devices) { devices.clear(); };
+  EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << "there are none: that is an answer";
+  EXPECT_FALSE(openOwn());
+  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+  EXPECT_TRUE(has(embree.message, "finds no device")) << embree.message;
+}
+
+TEST_F(VulkanLoader, ADeviceThatCannotBeUsedIsListedWithTheReasonAndNotChosen)
+{
+  faults->onProperties = [](VkPhysicalDeviceProperties& properties) { properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 0, 3); };
+  std::vector<RTCVulkanDeviceInfo> infos(rtcGetVulkanDevices(embree, nullptr, 0));
+  ASSERT_EQ(rtcGetVulkanDevices(embree, infos.data(), unsigned(infos.size())), infos.size());
+  for (const RTCVulkanDeviceInfo& info : infos) EXPECT_TRUE(has(info.unsupported, "1.2 is needed")) << info.name;
+  for (const std::string& which : {std::string(), std::string("0"), std::string(infos[0].name)}) {
+    EXPECT_FALSE(openOwn(which.c_str()));
+    EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+    EXPECT_TRUE(has(embree.message, infos[0].name) && has(embree.message, "1.2 is needed")) << embree.message;
+  }
+}
+
+// Two devices: the second is discrete.
+TEST_F(VulkanLoader, DiscreteDevicesAreChosenFirst)
+{
+  int calls = 0;
+  faults->onDevices = [](std::vector<VkPhysicalDevice>& devices) { devices.push_back(devices[0]); };
+  faults->onProperties = [&](VkPhysicalDeviceProperties& properties) {
+    if (calls++ % 2) { properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU; std::snprintf(properties.deviceName, sizeof(properties.deviceName), "Discrete"); }
+  };
+  RTCVulkanDeviceInfo infos[2];
+  if (rtcGetVulkanDevices(embree, infos, 2) != 2) GTEST_SKIP() << "there are more devices";
+  EXPECT_FALSE(infos[0].isDiscrete);
+  EXPECT_TRUE(infos[1].isDiscrete);
+  // the third and fifth call are of the device that is opened
+  for (const char* which : {"", "discrete", "1"}) {
+    calls = 0;
+    faults->onProperties = [&](VkPhysicalDeviceProperties& properties) {
+      if (calls++) { properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU; std::snprintf(properties.deviceName, sizeof(properties.deviceName), "Discrete"); }
+    };
+    const VulkanDevice opened = openOwn(which);
+    ASSERT_TRUE(opened) << embree.message;
+    RTCVulkanDeviceInfo info;
+    rtcGetVulkanDeviceInfo(opened.get(), &info);
+    EXPECT_STREQ(info.name, "Discrete");
+    EXPECT_TRUE(info.isDiscrete);
+  }
+}
+
+TEST_F(VulkanLoader, ALoaderThatIsNotThereIsNamed)
+{
+  setenv("EMBREE_VULKAN_LOADER", "/nowhere/libvulkan.so.1", 1);
+  EXPECT_FALSE(openOwn());
+  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+  EXPECT_TRUE(has(embree.message, "/nowhere/libvulkan.so.1") && has(embree.message, "EMBREE_VULKAN_LOADER")) << embree.message;
+  EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
+  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+  // one without vkGetInstanceProcAddr
+  setenv("EMBREE_VULKAN_LOADER", "libm.so.6", 1);
+  EXPECT_FALSE(openOwn());
+  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+  EXPECT_TRUE(has(embree.message, "vkGetInstanceProcAddr")) << embree.message;
+  setenv("EMBREE_VULKAN_LOADER", "", 1);
+  EXPECT_TRUE(openOwn()) << "an empty name is none: " << embree.message;
+}
+
+TEST_F(VulkanLoader, AMachineWithoutADriverIsAnError)
+{
+  for (const char* variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) setenv(variable, "/nowhere/none.json", 1);
+  EXPECT_FALSE(openOwn());
+  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+  EXPECT_TRUE(has(embree.message, "no driver")) << embree.message;
+  EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
+  EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
+  for (const char* variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) unsetenv(variable);
+  EXPECT_TRUE(openOwn()) << "and then there is one again: " << embree.message;
+}
+
+// --- compiled shaders ---------------------------------------------------------------------------
+
+// One that is damaged, or no file at all, is as none. That nothing can be written is no error.
+TEST_F(VulkanOpening, CompiledShadersAreKeptInAFileThatIsReadIfItIsWhole)
+{
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(testing::TempDir())/("vulkan_faults_cache." + std::to_string(getpid()));
+  fs::remove_all(folder);
+  setenv("XDG_CACHE_HOME", folder.c_str(), 1);
+  reopen();
+  EXPECT_EQ(faults->lastCache(), 0u);
+  reopen(); // the one before has written it
+  const std::vector<fs::path> files(fs::directory_iterator(folder/"embree-cbvh"), fs::directory_iterator());
+  ASSERT_EQ(files.size(), 1u) << "one a driver, and nothing else is left";
+  const size_t whole = faults->lastCache();
+  ASSERT_GT(whole, 0u);
+  EXPECT_LT(whole, fs::file_size(files[0])) << "with a checksum";
+
+  const auto damage = [&](const std::function<void(const fs::path&)>& how) {
+    fs::copy_file(files[0], folder/"copy", fs::copy_options::overwrite_existing);
+    how(files[0]);
+    device.reset();
+    how(files[0]); // and what it has written
+    device = open(vulkan->handles);
+    EXPECT_TRUE(device) << embree.message;
+    const size_t read = faults->lastCache();
+    fs::remove_all(files[0]);
+    fs::copy_file(folder/"copy", files[0]);
+    return read;
+  };
+  EXPECT_EQ(damage([](const fs::path&) {}), whole);
+  EXPECT_EQ(damage([](const fs::path& file) { fs::resize_file(file, 0); }), 0u);
+  EXPECT_EQ(damage([](const fs::path& file) { fs::resize_file(file, 5); }), 0u);
+  EXPECT_EQ(damage([&](const fs::path& file) { fs::resize_file(file, whole); }), 0u);
+  EXPECT_EQ(damage([&](const fs::path& file) { fs::resize_file(file, whole + 100); }), 0u);
+  EXPECT_EQ(damage([](const fs::path& file) { std::fstream f(file, std::ios::in | std::ios::out | std::ios::binary); f.seekp(20); f.put(char(0x5A)); }), 0u);
+  EXPECT_EQ(damage([](const fs::path& file) { fs::remove_all(file); fs::create_directories(file/"folder"); }), 0u);
+
+  device.reset();
+  fs::remove_all(folder);
+  for (const char* nowhere : {"/dev/null", "/proc/nowhere", ""}) {
+    setenv("XDG_CACHE_HOME", nowhere, 1);
+    const std::string home = getenv("HOME") ? getenv("HOME") : "";
+    unsetenv("HOME");
+    const VulkanDevice opened = open(vulkan->handles);
+    EXPECT_TRUE(opened) << embree.message;
+    EXPECT_EQ(faults->lastCache(), 0u);
+    if (!home.empty()) setenv("HOME", home.c_str(), 1);
+  }
+  useCacheFolderOfTests();
+  reopen();
+}
+
+} // namespace
+} // namespace cbvh::test
