@@ -6,6 +6,7 @@
 #include "ray_order.h"
 #include "trace.h"
 
+#include <cstring>
 #include <new>
 
 using namespace embree::vulkan;
@@ -140,9 +141,10 @@ RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from, 
   guarded(embreeOf(device), [&]() {
     require(device, "device");
     require(from, "scene");
-    const RTCVulkanMemory memory = args ? args->memory : RTC_VULKAN_MEMORY_AUTO;
-    if (memory < RTC_VULKAN_MEMORY_AUTO || memory > RTC_VULKAN_MEMORY_IMPORT) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid memory " + std::to_string(int(memory)) + ": expected AUTO, COPY or IMPORT");
-    scene = new Scene(*deviceOf(device), from, memory);
+    int memory = RTC_VULKAN_MEMORY_AUTO;   // an enumeration may not hold what the application may have written
+    if (args) std::memcpy(&memory, &args->memory, sizeof(memory));
+    if (memory < RTC_VULKAN_MEMORY_AUTO || memory > RTC_VULKAN_MEMORY_IMPORT) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid memory " + std::to_string(memory) + ": expected AUTO, COPY or IMPORT");
+    scene = new Scene(*deviceOf(device), from, RTCVulkanMemory(memory));
   });
   return reinterpret_cast<RTCVulkanScene>(scene);
 }
