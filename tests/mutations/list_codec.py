@@ -95,8 +95,8 @@ NODES = (
     edit(
         "node: a step less of outer planes",
         "node.h",
-        "16.0f/256.0f, 36.0f/256.0f",
-        "16.0f/256.0f, 32.0f/256.0f",
+        "float((0x24100600u >> (8u*code)) & 255u)",
+        "float((0x20100600u >> (8u*code)) & 255u)",
         "words mean something else than FORMAT.md says",
         "format_tables FormatTables.PlanesOfNodes",
     ),
@@ -111,8 +111,8 @@ NODES = (
     edit(
         "node: inner plane from two bits",
         "node.h",
-        "return column == 0 ? outerOffsets[pair & 3u] : 1.0f - innerPositions[(pair >> 2) & 7u];",
-        "return column == 0 ? outerOffsets[pair & 3u] : 1.0f - innerPositions[(pair >> 2) & 3u];",
+        "return column == 0 ? outerOffset(pair & 3u) : 1.0f - innerPosition((pair >> 2) & 7u);",
+        "return column == 0 ? outerOffset(pair & 3u) : 1.0f - innerPosition((pair >> 2) & 3u);",
         "half of the inner planes decode as others",
         "node_codec NodeCodec.Decoded*",
     ),
@@ -178,8 +178,8 @@ LEAVES = (
     edit(
         "lattice: a smaller third thickness",
         "leaf.h",
-        "latticeThickness[4] = { 1.0f, 2.0f, 5.0f, 16.0f };",
-        "latticeThickness[4] = { 1.0f, 2.0f, 4.0f, 16.0f };",
+        "float((0x10050201u >> (8u*code)) & 255u)",
+        "float((0x10040201u >> (8u*code)) & 255u)",
         "words mean something else than FORMAT.md says",
         "format_tables FormatTables.*OfLattices",
     ),
@@ -213,8 +213,8 @@ LEAVES = (
     edit(
         "loose: thickness from two bits",
         "leaf.h",
-        "looseThickness[(heights.high >> (looseThicknessShift-32)) & 7u]",
-        "looseThickness[(heights.high >> (looseThicknessShift-32)) & 3u]",
+        "looseThickness((heights.high >> (looseThicknessShift-32)) & 7u)",
+        "looseThickness((heights.high >> (looseThicknessShift-32)) & 3u)",
         "thick leaves count as thin",
         "leaf_codec LeafCodec.LeavesBound*",
         "simd_decoding_avx2 SimdDecoding.Groups*",

@@ -27,8 +27,8 @@ TABLES = (
     edit(
         "tables: z of the sibling",
         "node_tables.cpp",
-        "zIntervals[(pair >> (zBits*(lane ^ flipX))) & 7]",
-        "zIntervals[(pair >> (zBits*lane)) & 7]",
+        "zInterval((pair >> (zBits*(lane ^ flipX))) & 7)",
+        "zInterval((pair >> (zBits*lane)) & 7)",
         "z of siblings swapped for rays that descend in x",
         "node_codec NodeTables.Equal*AllCodes*",
     ),
