@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Whatever shaders read and write lies in a buffer, by the validation layer's own instrumentation of
- * them. It makes them many times as large: lavapipe compiles those of cVERT for more than ten minutes, which is too
+ * them. It makes them many times as large: lavapipe compiles those of cVERT for four minutes, which is too
  * long for a test, and the others in seconds. */
 
 #include "recorded_trace.h"

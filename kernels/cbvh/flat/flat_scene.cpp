@@ -195,10 +195,16 @@ namespace embree
         flat->version = flatSceneVersion;
         flat->root = emptyReference;
         flat->isRobust = scene->isRobustAccel();
+        bool hasMotion = false;
         for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i)));
+
+        /* what uses this names the geometry */
+        for (const FlatGeometry& geometry : flat->ownGeometries)
+          hasMotion |= geometry.type == FLAT_SUBDIVISION && geometry.timeSteps != 1;
 
         for (Accel* accel : scene->accels)
         {
+          if (hasMotion) break;
           const AccelData* data = (const AccelData*)accel->intersectors.ptr;
           if (!data || data->type != AccelData::TY_BVH4 || ((const BVH4*)data)->primTy != &SubdivPatch1::type) continue;
           const BVH4* bvh = (const BVH4*)data;

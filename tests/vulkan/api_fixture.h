@@ -1,0 +1,31 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The fixture of tests of what a program gets told. */
+
+#include "small_scenes.h"
+
+namespace cbvh::test {
+
+class VulkanAPI : public VulkanTest
+{
+protected:
+  void expectMessage(const std::vector<std::string>& parts)
+  {
+    for (const std::string& part : parts) EXPECT_TRUE(has(embree.message, part)) << "'" << embree.message << "' has no '" << part << "'";
+  }
+
+  void expectError(RTCError code, const std::vector<std::string>& parts)
+  {
+    EXPECT_EQ(embree.takeError(), code) << embree.message;
+    expectMessage(parts);
+  }
+
+  void expectNoError() { EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message; }
+
+  VulkanScene upload(RTCScene scene, RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO) { return newVulkanScene(device, scene, memory); }
+};
+
+} // namespace cbvh::test

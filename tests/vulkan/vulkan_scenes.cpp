@@ -1,0 +1,245 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Which scenes go to a Vulkan device, which do not and why, and where they are then. */
+
+#include "api_fixture.h"
+
+#include <functional>
+#include <limits>
+
+namespace cbvh::test {
+namespace {
+
+using VulkanScenes = VulkanAPI;
+
+// --- scenes that are not taken ---------------------------------------------------------------------
+
+TEST_F(VulkanScenes, ScenesThatAreNotCommittedAreErrors)
+{
+  Scene scene(embree);
+  attach(scene, newTriangle(embree, 0));
+  EXPECT_FALSE(upload(scene));
+  expectError(RTC_ERROR_INVALID_OPERATION, {"not committed"});
+  rtcCommitScene(scene);
+  EXPECT_TRUE(upload(scene)) << embree.message;
+  attach(scene, newTriangle(embree, 1));
+  EXPECT_FALSE(upload(scene));
+  expectError(RTC_ERROR_INVALID_OPERATION, {"not committed"});
+}
+
+// The scene's own RTCDevice may be another: both are told.
+TEST_F(VulkanScenes, AnErrorOfASceneOfAnotherDeviceIsToldToTheVulkanDevicesToo)
+{
+  Device other;
+  Scene scene(other);
+  attach(scene, newTriangle(other, 1));
+  EXPECT_FALSE(upload(scene));
+  expectError(RTC_ERROR_INVALID_OPERATION, {"scene"});
+  EXPECT_EQ(other.takeError(), RTC_ERROR_INVALID_OPERATION);
+  EXPECT_TRUE(has(other.message, "not committed")) << other.message;
+  rtcCommitScene(scene);
+  const VulkanScene uploaded = upload(scene);
+  ASSERT_TRUE(uploaded) << embree.message;
+  const std::vector<RTCRayHit> rays = raysFromAbove();
+  expectAsOnTheCPU(scene, rays, traceAll(uploaded.get(), rays));
+}
+
+struct RefusedGeometry
+{
+  const char* name;
+  std::vector<std::string> message;
+  std::function<RTCGeometry(RTCDevice)> make;  // committed; NULL if this build has none
+};
+
+template<typename Fill>
+RTCGeometry newGeometry(RTCDevice device, RTCGeometryType type, const Fill& fill)
+{
+  RTCGeometry geometry = rtcNewGeometry(device, type);
+  if (!geometry) return nullptr;
+  fill(geometry);
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+const std::vector<Vec> square = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+
+std::vector<RefusedGeometry> refusedGeometries()
+{
+  return {
+    {"quad mesh", {"is a quad mesh"}, [](RTCDevice device) { return newGeometry(device, RTC_GEOMETRY_TYPE_QUAD, [](RTCGeometry g) {
+      setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, square);
+      setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, std::vector<std::array<unsigned, 4>>{{0, 1, 2, 3}});
+    }); }},
+    {"grid mesh", {"is a grid mesh"}, [](RTCDevice device) { return newGeometry(device, RTC_GEOMETRY_TYPE_GRID, [](RTCGeometry g) {
+      setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, std::vector<Vec>{square[0], square[1], square[3], square[2]});
+      setBuffer(g, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, std::vector<RTCGrid>{{0, 2, 2, 2}});
+    }); }},
+    {"user geometry", {"is user geometry"}, [](RTCDevice device) { return newGeometry(device, RTC_GEOMETRY_TYPE_USER, [](RTCGeometry g) {
+      rtcSetGeometryUserPrimitiveCount(g, 1);
+      rtcSetGeometryBoundsFunction(g, [](const RTCBoundsFunctionArguments* args) { *args->bounds_o = {-1, -1, -1, 0, 1, 1, 1, 0}; }, nullptr);
+      rtcSetGeometryIntersectFunction(g, [](const RTCIntersectFunctionNArguments*) {});
+      rtcSetGeometryOccludedFunction(g, [](const RTCOccludedFunctionNArguments*) {});
+    }); }},
+    {"curve", {"is of curves or points"}, [](RTCDevice device) -> RTCGeometry {
+      if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED)) return nullptr;
+      return newGeometry(device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE, [](RTCGeometry g) {
+        setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, std::vector<std::array<float, 4>>{{-1, 0, 0, 0.1f}, {1, 0, 0, 0.1f}});
+        setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, std::vector<unsigned>{0});
+      });
+    }},
+    {"points", {"is of curves or points"}, [](RTCDevice device) -> RTCGeometry {
+      if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED)) return nullptr;
+      return newGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT, [](RTCGeometry g) {
+        setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, std::vector<std::array<float, 4>>{{0, 0, 0, 0.1f}});
+      });
+    }},
+    {"triangle mesh with motion blur", {"motion blur", "2 time steps"}, [](RTCDevice device) { return newTriangle(device, 0, 2); }},
+    {"surface with motion blur", {"motion blur"}, [](RTCDevice device) {
+      SurfaceSettings settings = smallSurface(RTC_COMPRESSION_NONE);
+      settings.timeSteps = 2;
+      return newSurface(device, sheetCage(1), settings);
+    }},
+    {"triangle mesh with an intersection filter", {"filter function"}, [](RTCDevice device) {
+      const RTCGeometry g = newTriangle(device, 0);
+      rtcSetGeometryIntersectFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
+      rtcCommitGeometry(g);
+      return g;
+    }},
+    {"surface with an occlusion filter", {"filter function"}, [](RTCDevice device) {
+      const RTCGeometry g = newSurface(device, sheetCage(1), smallSurface(RTC_COMPRESSION_LEAF));
+      rtcSetGeometryOccludedFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
+      rtcCommitGeometry(g);
+      return g;
+    }}};
+}
+
+TEST_F(VulkanScenes, GeometriesThatAreNotTakenAreNamedUnlessTheyAreDisabled)
+{
+  for (const RefusedGeometry& refused : refusedGeometries())
+  {
+    SCOPED_TRACE(refused.name);
+    const RTCGeometry geometry = refused.make(embree);
+    if (!geometry) { expectNoError(); continue; }
+    Scene scene(embree);
+    rtcAttachGeometryByID(scene, geometry, 3);   // and there are IDs without a geometry before it
+    attach(scene, newTriangle(embree, 1));
+    rtcCommitScene(scene);
+    expectNoError();
+    EXPECT_FALSE(upload(scene));
+    expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 3 "});
+    expectMessage(refused.message);
+
+    Scene above(embree);
+    attach(above, newTriangle(embree, 2));
+    attach(above, newInstance(embree, scene, 0));
+    rtcCommitScene(above);
+    EXPECT_FALSE(upload(above));
+    expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 3 of an instanced scene"});
+    expectMessage(refused.message);
+
+    rtcDisableGeometry(geometry);
+    rtcCommitScene(scene);
+    rtcCommitGeometry(rtcGetGeometry(above, 1));
+    rtcCommitScene(above);
+    for (RTCScene each : {RTCScene(scene), RTCScene(above)}) {
+      const VulkanScene uploaded = upload(each);
+      ASSERT_TRUE(uploaded) << embree.message;
+    }
+    rtcReleaseGeometry(geometry);
+  }
+}
+
+TEST_F(VulkanScenes, InstancesThatAreNotTakenAreNamed)
+{
+  Scene triangle(embree), instance(embree), above(embree), moving(embree);
+  attach(triangle, newTriangle(embree, 0));
+  rtcCommitScene(triangle);
+  attach(instance, newTriangle(embree, 1));
+  attach(instance, newInstance(embree, triangle, 0));
+  rtcCommitScene(instance);
+  EXPECT_TRUE(upload(instance)) << embree.message;
+  attach(above, newInstance(embree, instance, 0));
+  rtcCommitScene(above);
+  EXPECT_FALSE(upload(above));
+  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 of an instanced scene", "is an instance", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
+  attach(moving, newTriangle(embree, 1));
+  attach(moving, newInstance(embree, triangle, 0, 2));
+  rtcCommitScene(moving);
+  EXPECT_FALSE(upload(moving));
+  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 ", "motion blur", "2 time steps"});
+  rtcDisableGeometry(rtcGetGeometry(moving, 1));
+  rtcCommitScene(moving);
+  EXPECT_TRUE(upload(moving)) << embree.message;
+}
+
+// An RTCDevice that runs out of memory during an upload leaves nothing of it behind.
+TEST_F(VulkanScenes, AnUploadThatEmbreeHasNoMemoryForIsAnError)
+{
+  struct Limit
+  {
+    ssize_t live = 0, most = std::numeric_limits<ssize_t>::max();
+    static bool monitor(void* self, ssize_t bytes, bool)
+    {
+      Limit& limit = *(Limit*)self;
+      if (bytes > 0 && limit.live + bytes > limit.most) return false;
+      limit.live += bytes;
+      return true;
+    }
+  } limit;
+  Device other("threads=1");
+  rtcSetDeviceMemoryMonitorFunction(other, Limit::monitor, &limit);
+  {
+    Scene scene(other);
+    attach(scene, newTriangle(other, 0));
+    rtcCommitScene(scene);
+    limit.most = limit.live;
+    const VulkanDevice mine(rtcNewVulkanDeviceFromHandles(other, &vulkan->handles));
+    EXPECT_FALSE(newVulkanScene(mine, scene));
+    EXPECT_EQ(other.takeError(), RTC_ERROR_OUT_OF_MEMORY) << other.message;
+    limit.most = std::numeric_limits<ssize_t>::max();
+    EXPECT_TRUE(newVulkanScene(mine, scene)) << other.message;
+  }
+}
+
+// --- scenes that are taken -----------------------------------------------------------------------
+
+TEST_F(VulkanScenes, StatisticsSayWhereMemoryIs)
+{
+  Scene scene(embree);
+  const SmallScene instanced(embree);
+  attach(scene, newInstance(embree, instanced, 0));
+  attach(scene, newInstance(embree, instanced, 1));
+  attach(scene, newTriangle(embree, 3));
+  rtcCommitScene(scene);
+  RTCVulkanSceneStatistics copied, imported;
+  const VulkanScene copy = upload(scene, RTC_VULKAN_MEMORY_COPY);
+  ASSERT_TRUE(copy) << embree.message;
+  rtcGetVulkanSceneStatistics(copy.get(), &copied);
+  EXPECT_EQ(copied.importedBytes, 0u);
+  EXPECT_EQ(copied.numInstances, 2u);
+  EXPECT_EQ(copied.numGeometries, 5u) << "three, and two of the instanced scene, which is there once";
+  EXPECT_EQ(copied.numBlocks, 4u*4);
+  EXPECT_GT(copied.numNodes, 0u);
+  EXPECT_GT(copied.topLevelBytes, 0u);
+  EXPECT_GE(copied.deviceBytes, copied.topLevelBytes + statisticsOf(instanced).frameBytes + statisticsOf(instanced).nodeBytes + statisticsOf(instanced).leafBytes);
+  EXPECT_EQ(copied.stackSize % 32, 0u);
+  EXPECT_NE(rtcGetVulkanSceneAddress(copy.get()), 0u);
+  EXPECT_EQ(rtcGetVulkanSceneAddress(copy.get()) % 16, 0u);
+  EXPECT_NE(rtcGetVulkanSceneKinds(copy.get()), 0u);
+  if (!vulkan->handles.hasHostImport) return;
+  const VulkanScene import = upload(scene, RTC_VULKAN_MEMORY_IMPORT), again = upload(scene, RTC_VULKAN_MEMORY_IMPORT);
+  ASSERT_TRUE(import && again) << embree.message;
+  rtcGetVulkanSceneStatistics(import.get(), &imported);
+  EXPECT_GT(imported.importedBytes, 0u);
+  EXPECT_LT(imported.deviceBytes, copied.deviceBytes);
+  EXPECT_EQ(imported.numBlocks, copied.numBlocks);
+  const std::vector<RTCRayHit> rays = raysFromAbove();
+  const std::vector<RTCRayHit> traced = traceAll(copy.get(), rays);
+  expectAsOnTheCPU(scene, rays, traced);
+  EXPECT_TRUE(areSame(traceAll(import.get(), rays), traced));
+  EXPECT_TRUE(areSame(traceAll(again.get(), rays), traced));
+}
+
+} // namespace
+} // namespace cbvh::test
