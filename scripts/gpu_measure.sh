@@ -46,7 +46,7 @@ measure() {
   if [ "$left" -lt 30 ]; then echo "$name: left out, the time is over"; return; fi
   [ "$seconds" -gt "$left" ] && seconds=$left
   started=$(date +%s)
-  if timeout "$seconds" "$here/bin/cbvh_bench_bare" --device "$device" --true-surface 0 --leaves-only --rays 0 --size 1024x1024 \
+  if timeout -k 10 "$seconds" "$here/bin/cbvh_bench_bare" --device "$device" --true-surface 0 --leaves-only --rays 0 --size 1024x1024 \
     "$@" --json "$results/$name.json" > "$results/$name.txt" 2> "$results/$name.log"; then
     echo "$name: $(($(date +%s) - started)) s"
   else
