@@ -21,7 +21,7 @@ void validateTraceDevice(const std::string& name)
   if (name != "vulkan" && name.rfind("vulkan:", 0) != 0)
     throw Error("unknown --device '" + name + "', known are cpu, vulkan, and vulkan: with an index or a part of a name");
 #ifndef CBVH_VULKAN
-  throw Error("--device " + name + ": this build is without Vulkan, which needs its headers and glslc");
+  throw Error("--device " + name + ": this build is without Vulkan, which needs its headers, glslc and Python");
 #endif
 }
 

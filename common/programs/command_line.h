@@ -53,6 +53,13 @@ inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
   app.add_option("--count", settings.count, "herd: number of copies")->type_name("N");
 }
 
+/* What traces, see validateTraceDevice. */
+inline void addDeviceOption(CLI::App& app, std::string& device)
+{
+  app.add_option("--device", device, "what traces: cpu, vulkan, or vulkan: and an index or a part of a name")
+    ->type_name("DEVICE")->capture_default_str();
+}
+
 /* Throws Error that names the option, also for a value that is not finite. */
 inline void requireNotNegative(const std::string& option, float value)
 {

@@ -34,10 +34,8 @@ struct SceneData
   CBVH_ADDRESS cells;        //!< two words each: of GRID the place of a grid and a vertex, of triangles geomID and primID
   CBVH_ADDRESS geometries;   //!< GeometryData
   uint32_t root;             //!< reference
-  uint32_t kinds;            //!< bit t: there are references of type t
-  uint32_t numGeometries;
-  uint32_t isRobust;         //!< of the scene itself
   float lower[3], upper[3];  //!< bounds of all that is traced
+  uint32_t padding;
 };
 
 /*! of a triangle mesh or an instance; of subdivision surfaces only the mask */
@@ -58,7 +56,7 @@ CBVH_CONSTANT uint32_t geometryBytes = 96u;
 CBVH_END
 
 #ifndef VULKAN
-static_assert(sizeof(embree::cbvh::SceneData) == 72, "layout of a scene");
+static_assert(sizeof(embree::cbvh::SceneData) == 64, "layout of a scene");
 static_assert(sizeof(embree::cbvh::GeometryData) == embree::cbvh::geometryBytes, "layout of a geometry");
 #endif
 

@@ -56,8 +56,7 @@ void declareMeasurement(CLI::App& app, Options& o, Words& words)
     ->type_name("N")->capture_default_str();
   app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")
     ->type_name("N")->capture_default_str();
-  app.add_option("--device", o.build.device, "what traces: cpu, vulkan, or vulkan: and an index or a part of a name")
-    ->type_name("DEVICE")->capture_default_str();
+  addDeviceOption(app, o.build.device);
   app.add_option("--isa", o.build.isa, "widest instruction set: sse2, sse4.2, avx, avx2 or avx512")->type_name("ISA");
   app.add_option("--json", o.json, "write the numbers there, too")->type_name("FILE");
   app.add_flag("--no-speed", words.noSpeed, "leave the speed measurements out");

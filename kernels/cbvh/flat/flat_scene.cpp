@@ -109,11 +109,11 @@ namespace embree
           if (type == GRID_SOA_ROOT) {
             const GridSOA* root = (const GridSOA*)data;
             if (root->time_steps != 1) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"a subdivision surface has motion blur");
-            out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset });
+            out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,cellReference });
             return reference(root->root(),root,index(out.ownBlocks.size()-1),above);
           }
           const uint32_t kind = uint32_t(type) - FIRST_BLOCK;
-          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(kind,data) });
+          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(kind,data),firstBlockReference + kind });
           return makeReference(firstBlockReference + kind,index(out.ownBlocks.size()-1));
         }
 

@@ -34,6 +34,7 @@ namespace embree
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
+      uint32_t type;     //!< reference.h: firstBlockReference and the kind, or cellReference for a grid
     };
 
     /*! 2 x 2 quads of a grid */

@@ -14,7 +14,7 @@
 
 namespace embree { namespace vulkan {
 
-enum Query { CLOSEST_HIT, ANY_HIT, NUM_QUERIES };
+enum Query { CLOSEST_HIT, ANY_HIT };
 
 /* Counts its users; made with one. */
 class Shared
@@ -84,6 +84,7 @@ private:
   void readCache();
   void writeCache() const;
   void destroy();
+  VkPipeline compile(const uint32_t* words, size_t bytes, const VkSpecializationInfo* special);
   std::string cachePath() const;
   static uint64_t checksum(const std::vector<char>& data);
 
@@ -93,8 +94,6 @@ private:
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipelineCache cache = VK_NULL_HANDLE;
   size_t cacheBytes = 0;             // when it was read
-  VkPipeline compile(const uint32_t* words, size_t bytes, const VkSpecializationInfo* special);
-
   std::map<std::tuple<Query, uint32_t, uint32_t>, VkPipeline> pipelines;
   VkPipeline orderPipelines[4] = {};
 };

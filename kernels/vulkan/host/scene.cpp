@@ -150,30 +150,17 @@ private:
 
   static uint32_t placeOf(size_t page, size_t offset) { return uint32_t((page << pageShift) + offset/pageUnit); }
 
-  static std::vector<bool> blocksOfBits(const FlatScene& flat)
-  {
-    std::vector<bool> out(flat.numBlocks, false);
-    auto see = [&](uint32_t reference) {
-      if (reference != emptyReference && referenceType(reference) == firstBlockReference + kindVert) out[referenceIndex(reference)] = true;
-    };
-    see(flat.root);
-    for (size_t i = 0; i < flat.numNodes; i++)
-      for (uint32_t child : flat.nodes[i].children) see(child);
-    return out;
-  }
-
   void importBlocks()
   {
     struct Range { size_t begin, end; };
     std::vector<Range> ranges;
     const size_t alignment = device.capabilities.importAlignment;
-    for (const Part& part : parts) {
-      const std::vector<bool> hasBits = blocksOfBits(*part.flat);
+    for (const Part& part : parts)
       for (size_t i = 0; i < part.flat->numBlocks; i++) {
-        const size_t begin = size_t(part.flat->blocks[i].data), end = begin + part.flat->blocks[i].bytes + (hasBits[i] ? readBehind : 0);
+        const FlatBlock& block = part.flat->blocks[i];
+        const size_t begin = size_t(block.data), end = begin + block.bytes + (block.type == firstBlockReference + kindVert ? readBehind : 0);
         ranges.push_back({begin & ~(alignment - 1), (end + alignment - 1) & ~(alignment - 1)});
       }
-    }
     std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });
     const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~(alignment - 1);
     std::vector<Range> joined;
@@ -198,44 +185,35 @@ private:
   /* what of a block is copied: of grids not their own trees, which are in the scene's */
   struct Source { const char* header; size_t headerBytes; const char* data; size_t dataBytes; };
 
-  Source sourceOf(const Part& part, size_t i, uint32_t (&header)[gridDataWord]) const
+  static Source sourceOf(const FlatBlock& block, uint32_t (&header)[gridDataWord])
   {
-    const FlatBlock& block = part.flat->blocks[i];
     const char* data = (const char*)block.data;
-    if (!isGrid[&part - parts.data()][i]) return {nullptr, 0, data, block.bytes};
+    if (block.type != cellReference) return {nullptr, 0, data, block.bytes};
     std::memcpy(header, data, sizeof(header));
     const size_t skip = sizeof(header) + header[gridOffsetWord];
     header[gridOffsetWord] = 0;
     return {(const char*)header, sizeof(header), data + skip, block.bytes - skip};
   }
 
-  void findGrids()
-  {
-    for (const Part& part : parts) {
-      isGrid.emplace_back(part.flat->numBlocks, false);
-      for (size_t i = 0; i < part.flat->numCells; i++) isGrid.back()[part.flat->cells[i].block] = true;
-    }
-  }
-
   void copyBlocks()
   {
-    findGrids();
     /* buffers as large as the device allows, and as the rest needs */
     size_t rest = 0;
     uint32_t header[gridDataWord];
-    auto bytesOf = [&](const Part& part, size_t i) {
-      const Source source = sourceOf(part, i, header);
+    auto bytesOf = [&](const FlatBlock& block) {
+      const Source source = sourceOf(block, header);
       return (source.headerBytes + source.dataBytes + pageUnit - 1) & ~size_t(pageUnit - 1);
     };
     for (const Part& part : parts)
-      for (size_t i = 0; i < part.flat->numBlocks; i++) rest += bytesOf(part, i);
+      for (size_t i = 0; i < part.flat->numBlocks; i++) rest += bytesOf(part.flat->blocks[i]);
     const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~(pageBytes - 1);
     Slice slice;
     size_t used = 0, end = 0, firstPage = 0;
     for (size_t p = 0; p < parts.size(); p++)
       for (size_t i = 0; i < parts[p].flat->numBlocks; i++)
       {
-        const size_t bytes = bytesOf(parts[p], i);
+        const FlatBlock& block = parts[p].flat->blocks[i];
+        const size_t bytes = bytesOf(block);
         if (used + bytes > end) {
           const size_t size = std::max(std::min(rest, longest - readBehind), bytes);
           firstPage = pageAddresses.size();
@@ -244,7 +222,7 @@ private:
           used = 0;
           end = size;
         }
-        const Source source = sourceOf(parts[p], i, header);
+        const Source source = sourceOf(block, header);
         if (source.headerBytes) uploader.write(slice, used, source.header, source.headerBytes);
         uploader.write(slice, used + source.headerBytes, source.data, source.dataBytes);
         placesOf[p][i] = placeOf(firstPage, used);
@@ -401,9 +379,6 @@ private:
     data.root = parts[0].tree.root;
     std::copy(parts[0].tree.bounds.lower, parts[0].tree.bounds.lower + 3, data.lower);
     std::copy(parts[0].tree.bounds.upper, parts[0].tree.bounds.upper + 3, data.upper);
-    data.kinds = out.kinds;
-    data.numGeometries = uint32_t(parts[0].flat->numGeometries);
-    data.isRobust = parts[0].flat->isRobust;
     if ((out.kinds & (1u << (firstBlockReference + kindVert))) && !device.handles.hasFloat64)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the scene has blocks of cVERT, and the Vulkan device ") + device.capabilities.info.name + " has no shaderFloat64, or it is not enabled");
     out.address = writeArray(&data, 1, "a scene").address();
@@ -430,7 +405,6 @@ private:
   std::map<RTCScene, size_t> partOf;
   uint32_t numGeometries = 0;
   std::vector<std::vector<uint32_t>> placesOf;   // of blocks, by part
-  std::vector<std::vector<bool>> isGrid;
   std::vector<VkDeviceAddress> pageAddresses;
   Tree tree;
   std::vector<std::array<uint32_t, 2>> cells;

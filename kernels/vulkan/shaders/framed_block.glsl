@@ -193,12 +193,10 @@ bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint 
   {
     uint q = triangle >> 1, x = x0 + q%side, y = y0 + q/side, i = y*width + x;
     bool second = (triangle & 1u) != 0u;
-    uvec3 corners = second ? uvec3(i + width, i + 1u, i + width + 1u) : uvec3(i, i + 1u, i + width);
-    vec3 vertices[3];
-    for (int k = 0; k < 3; k++)
-      vertices[k] = vec3(cbvhFloat(block, first + corners[k]), cbvhFloat(block, first + plane + corners[k]), cbvhFloat(block, first + 2u*plane + corners[k]));
+    uvec3 corners = cbvhQuadTriangle(i, width, second);
     CbvhTriangleHit at;
-    if (!cbvhPluecker(ray, hit.t, vertices[0], vertices[1], vertices[2], at)) continue;
+    if (!cbvhPluecker(ray, hit.t, cbvhGridVertex(block, first, plane, corners.x), cbvhGridVertex(block, first, plane, corners.y),
+                      cbvhGridVertex(block, first, plane, corners.z), at)) continue;
     found = true;
     float w = 1.0 - at.u - at.v, X = float(x), Y = float(y);
     float px = second ? w*X + at.u*(X + 1.0) + at.v*(X + 1.0) : w*X + at.u*(X + 1.0) + at.v*X;

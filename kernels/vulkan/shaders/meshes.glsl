@@ -38,11 +38,6 @@ bool cbvhTraceRun (SceneData scene, CbvhTravel ray, uint index, const bool anyHi
   return found;
 }
 
-vec3 cbvhGridVertex (CbvhPointer grid, uint first, uint plane, uint i)
-{
-  return vec3(cbvhFloat(grid, first + i), cbvhFloat(grid, first + plane + i), cbvhFloat(grid, first + 2u*plane + i));
-}
-
 /* 16 bits each, of which 1 is an eighth */
 vec2 cbvhGridParameters (CbvhPointer grid, uint first, uint plane, uint i)
 {
@@ -63,8 +58,7 @@ bool cbvhTraceCell (SceneData scene, CbvhTravel ray, uint index, const bool anyH
   for (uint triangle = 0u; triangle < 2u*quads; triangle++)
   {
     uint q = triangle >> 1, i = cell.y + (q/quadsX)*width + q%quadsX;
-    bool second = (triangle & 1u) != 0u;
-    uvec3 corners = second ? uvec3(i + width, i + 1u, i + width + 1u) : uvec3(i, i + 1u, i + width);
+    uvec3 corners = cbvhQuadTriangle(i, width, (triangle & 1u) != 0u);
     CbvhTriangleHit at;
     if (!cbvhPluecker(ray, hit.t, cbvhGridVertex(grid, first, plane, corners.x), cbvhGridVertex(grid, first, plane, corners.y),
                       cbvhGridVertex(grid, first, plane, corners.z), at)) continue;

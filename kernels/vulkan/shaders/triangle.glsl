@@ -9,6 +9,18 @@
 
 #include "ray.glsl"
 
+/* A vertex of a grid whose coordinates lie in planes, of `plane` words each from word `first` on. */
+vec3 cbvhGridVertex (CbvhPointer block, uint first, uint plane, uint i)
+{
+  return vec3(cbvhFloat(block, first + i), cbvhFloat(block, first + plane + i), cbvhFloat(block, first + 2u*plane + i));
+}
+
+/* Vertices of one of the two triangles of a quad, whose vertex 00 is i: 00, 10, 01 and 01, 10, 11. */
+uvec3 cbvhQuadTriangle (uint i, uint width, bool second)
+{
+  return second ? uvec3(i + width, i + 1u, i + width + 1u) : uvec3(i, i + 1u, i + width);
+}
+
 struct CbvhTriangleHit
 {
   float t;
