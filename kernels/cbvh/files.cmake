@@ -10,11 +10,13 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/build/builder.cpp
   cbvh/trace/node_tables.cpp
   cbvh/trace/vert_tables.cpp
-  cbvh/trace/intersector1.cpp)
+  cbvh/trace/vert_cache.cpp
+  cbvh/trace/intersector1.cpp
+  cbvh/trace/intersectorK.cpp)
 
 # Files of one ISA, appended to the list that `target` names.
 macro(cbvh_files target isa)
-  list(APPEND ${target} cbvh/trace/intersector1.cpp)
+  list(APPEND ${target} cbvh/trace/intersector1.cpp cbvh/trace/intersectorK.cpp)
   # As upstream's subdivision builder, which is chosen among the lowest ISA and AVX.
   if(${isa} EQUAL ${AVX})
     list(APPEND ${target} cbvh/build/builder.cpp)

@@ -60,18 +60,14 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
     byAxis += !statistics.raw && isByAxis(block->word);
     const auto expected = std::make_unique<ScalarVertBlock>(block);
     const VertLayout layout = vertLayout(place);
-    VertGroups groups(block);
-    if (!statistics.raw) groups.decodeCorners();
-    float boxes[2][3][16];
-    for (int k = 0; k < 3; k++) {
-      GroupPlanes planes;
-      if (!statistics.raw && k == shearedAxis(block->boxForm)) { groups.shearedPlanes(planes); sheared += shearSlope(block->boxForm, 1) != 0; }
-      else groups.planes(k, planes);
-      for (int lane = 0; lane < 16; lane++) {
-        boxes[0][k][lane] = planes.lower[lane/vertWidth][lane % vertWidth];
-        boxes[1][k][lane] = planes.upper[lane/vertWidth][lane % vertWidth];
-      }
+    const VertDecoder decoder(block);
+    CellVertices corners;
+    GroupPlanes planes[3];
+    if (!statistics.raw) {
+      decoder.corners(corners);
+      sheared += shearSlope(block->boxForm, 1) != 0;
     }
+    decoder.planes(corners, planes);
     uint32_t lanes = 0;
     for (uint32_t n = layout.groups; n > 0; n--) { // in any order
       const uint32_t g = (n*7 + 3) % layout.groups, lane = g % layout.groupsX + 4*(g/layout.groupsX);
@@ -79,19 +75,20 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
       float lower[3], upper[3];
       expected->groupBox(g, lower, upper);
       for (int k = 0; k < 3; k++) {
-        ASSERT_EQ(boxes[0][k][lane], lower[k]);
-        ASSERT_EQ(boxes[1][k][lane], upper[k]);
+        ASSERT_EQ(planes[k].lower[lane], lower[k]);
+        ASSERT_EQ(planes[k].upper[lane], upper[k]);
       }
-      CellVertices cell;
-      groups.decode(lane, cell);
-      for (int v = 0; v < cellVertices; v++) {
-        const uint32_t x = std::min(groupQuads*(g % layout.groupsX) + v % 5, quadsX), y = std::min(groupQuads*(g / layout.groupsX) + v / 5, quadsY);
-        for (int k = 0; k < 3; k++) {
-          const float a = cell.at[k][v], b = expected->vertex(x, y)[k];
-          ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << a << " for " << b << ": block " << i << " of " << quadsX << " x " << quadsY
-            << (statistics.raw ? ", raw" : "") << ", group " << g << ", vertex " << v << ", axis " << k;
+      QuadCorners quads;
+      decoder.quads(corners, lane, quads);
+      for (uint32_t q = 0; q < 16; q++)
+        for (uint32_t c = 0; c < 4; c++) {
+          const uint32_t x = std::min(groupQuads*(g % layout.groupsX) + q % 4 + c % 2, quadsX), y = std::min(groupQuads*(g / layout.groupsX) + q / 4 + c / 2, quadsY);
+          for (int k = 0; k < 3; k++) {
+            const float a = quads.at[c][k][q], b = expected->vertex(x, y)[k];
+            ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << a << " for " << b << ": block " << i << " of " << quadsX << " x " << quadsY
+              << (statistics.raw ? ", raw" : "") << ", group " << g << ", quad " << q << ", corner " << c << ", axis " << k;
+          }
         }
-      }
     }
   }
   EXPECT_GT(raw, 100u);
@@ -132,20 +129,21 @@ TEST(VertTriangles, WhatHasTheRayInItIsFound)
     const embree::Ray ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY);
     VertRay pre;
     pre.set(ray);
-    GroupHits hits;
-    GroupTriangles(pre, 0).intersect(cell, INFINITY, hits);
+    QuadCorners quads;
+    for (int k = 0; k < 3; k++) CellCornersV(cell.at[k]).store(quads, k);
+    const GroupTriangles triangles(pre, quads);
     for (uint32_t h = 0; h < 32; h++) {
-      const VertTriangle triangle(cell, h);
+      const VertTriangle triangle(quads, h);
       float t;
       const bool isMet = triangle.contains(pre) && triangle.meet(ray, pre.kz, t);
       if (!isMet) {
-        ASSERT_FALSE(hits.certain >> h & 1) << "case " << i << ", triangle " << h;
+        ASSERT_FALSE((triangles.mask >> h & 1) && triangle.position(pre, h).isCertain) << "case " << i << ", triangle " << h;
         bad++;
         continue;
       }
-      ASSERT_TRUE(hits.mask >> h & 1) << "case " << i << ", triangle " << h << ", at " << t;
+      ASSERT_TRUE(triangles.mask >> h & 1) << "case " << i << ", triangle " << h << ", at " << t;
       found++;
-      onLines += !(hits.certain >> h & 1);
+      onLines += !triangle.position(pre, h).isCertain;
     }
   }
   EXPECT_GT(found, 20000u);

@@ -351,6 +351,39 @@ TEST_P(SceneFeatures, TheContextFilterIsCalled)
   EXPECT_FALSE(context.seen.empty());
 }
 
+// What a thread keeps of blocks is overwritten meanwhile: rays go on as if nothing had happened.
+TEST_P(SceneFeatures, AFilterMayTraceRays)
+{
+  Scene scene(device);
+  SurfaceSettings of = settings();
+  of.rate = 64;
+  addFiltered(device, scene, of);
+  Random random(73);
+  const std::vector<RTCRayHit> others = raysAt(random, 600);
+  unsigned seen = 0;
+  for (const RTCRayHit& ray : raysAt(random, 60)) {
+    for (bool accepts : {false, true}) {
+      auto answer = [&](const SeenHit& s) { return accepts && s.primID % 2 == 0; };
+      const Filtered expected = traceFiltered(scene, ray, answer);
+      const Filtered found = traceFiltered(scene, ray, [&](const SeenHit& s) {
+        for (const RTCRayHit& other : others) traceFiltered(scene, other, [](const SeenHit&) { return true; });
+        return answer(s);
+      });
+      ASSERT_EQ(found.seen.size(), expected.seen.size());
+      ASSERT_EQ(found.seenByAnyHit.size(), expected.seenByAnyHit.size());
+      for (size_t i = 0; i < found.seen.size(); i++) {
+        ASSERT_EQ(found.seen[i].t, expected.seen[i].t);
+        ASSERT_EQ(found.seen[i].primID, expected.seen[i].primID);
+        ASSERT_EQ(found.seen[i].u, expected.seen[i].u);
+      }
+      ASSERT_EQ(found.hit.ray.tfar, expected.hit.ray.tfar);
+      ASSERT_EQ(found.occluded, expected.occluded);
+      seen += unsigned(found.seen.size());
+    }
+  }
+  EXPECT_GT(seen, 100u);
+}
+
 TEST(Filters, OfCGridSeeWhatThoseOfGridSee)
 {
   Device device;
@@ -394,10 +427,12 @@ void expectSame(const RTCRayHit& expected, const RTCRayHit& found)
 // Packets are arrays of N where single rays have one word; every fifth lane is off.
 template<unsigned N, typename Packet>
 void comparePackets(RTCScene scene, const std::vector<RTCRayHit>& rays,
-                    void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*), const std::function<void(const int*, RTCIntersectContext*, Packet*)>& any)
+                    void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*), const std::function<void(const int*, RTCIntersectContext*, Packet*)>& any,
+                    RTCIntersectContextFlags flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT)
 {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
+  context.flags = flags;
   constexpr unsigned words = sizeof(RTCRayHit)/4;
   for (size_t first = 0; first + N <= rays.size(); first += N) {
     alignas(64) Packet packet;
@@ -426,16 +461,74 @@ void comparePackets(RTCScene scene, const std::vector<RTCRayHit>& rays,
   }
 }
 
+void compareAllPackets(RTCScene scene, const std::vector<RTCRayHit>& rays)
+{
+  for (RTCIntersectContextFlags flags : {RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, RTC_INTERSECT_CONTEXT_FLAG_COHERENT}) {
+    comparePackets<4, RTCRayHit4>(scene, rays, rtcIntersect4, [&](const int* v, RTCIntersectContext* c, RTCRayHit4* p) { rtcOccluded4(v, scene, c, &p->ray); }, flags);
+    comparePackets<8, RTCRayHit8>(scene, rays, rtcIntersect8, [&](const int* v, RTCIntersectContext* c, RTCRayHit8* p) { rtcOccluded8(v, scene, c, &p->ray); }, flags);
+    comparePackets<16, RTCRayHit16>(scene, rays, rtcIntersect16, [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); }, flags);
+  }
+}
+
+// A picture's rays in order, seen closely so that many meet the same block; some look back, from the other
+// side; some begin behind the surface, end before it, have no range, or see no geometry.
+std::vector<RTCRayHit> pictureRays(Random& random, unsigned side)
+{
+  std::vector<RTCRayHit> rays;
+  for (unsigned i = 0; i < side*side; i++) {
+    const float x = 0.8f*float(i % side)/float(side) - 0.4f, y = 0.8f*float(i / side)/float(side) - 0.4f;
+    const bool looksBack = random.chance(0.1);
+    RTCRayHit ray = looksBack ? makeRay({x, y, -4}, {0.1f*x, 0.1f*y, 1}) : makeRay({0.1f, 0.2f, 4}, {x, y, -4});
+    if (random.chance(0.05)) ray.ray.tnear = 1;
+    if (random.chance(0.05)) ray.ray.tfar = 0.5f;
+    if (random.chance(0.05)) std::swap(ray.ray.tnear, ray.ray.tfar);
+    if (random.chance(0.05)) ray.ray.mask = 4;
+    rays.push_back(ray);
+  }
+  return rays;
+}
+
 TEST_P(SceneFeatures, PacketsEqualSingleRays)
 {
-  Scene scene(device);
-  addSurface(device, scene, cubeCage(), settings());
-  rtcCommitScene(scene);
-  Random random(69);
-  const std::vector<RTCRayHit> rays = raysAt(random, 1600);
-  comparePackets<4, RTCRayHit4>(scene, rays, rtcIntersect4, [&](const int* v, RTCIntersectContext* c, RTCRayHit4* p) { rtcOccluded4(v, scene, c, &p->ray); });
-  comparePackets<8, RTCRayHit8>(scene, rays, rtcIntersect8, [&](const int* v, RTCIntersectContext* c, RTCRayHit8* p) { rtcOccluded8(v, scene, c, &p->ray); });
-  comparePackets<16, RTCRayHit16>(scene, rays, rtcIntersect16, [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); });
+  for (float rate : {3.0f, 16.0f, 40.0f}) {
+    Scene scene(device);
+    SurfaceSettings of = settings();
+    of.rate = rate;
+    const unsigned id = addSurface(device, scene, cubeCage(), of);
+    rtcSetGeometryMask(rtcGetGeometry(scene, id), 3);
+    rtcCommitGeometry(rtcGetGeometry(scene, id));
+    rtcCommitScene(scene);
+    Random random(69);
+    compareAllPackets(scene, raysAt(random, 1600));
+    if (HasFatalFailure()) return;
+    compareAllPackets(scene, pictureRays(random, 64));
+    if (HasFatalFailure()) return;
+  }
+}
+
+// Packets have a traversal of their own where all is cVERT: it must not outlive that.
+TEST(Packets, FollowTheKindOfWhatTheyTrace)
+{
+  Device device;
+  Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  addSurface(device, scene, cubeCage(), settings);
+  RTCGeometry geometry = rtcGetGeometry(scene, 0);
+  Random random(72);
+  const std::vector<RTCRayHit> rays = pictureRays(random, 32);
+  for (RTCCompression kind : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_VERT}) {
+    RTCCompressionArguments args;
+    rtcInitCompressionArguments(&args);
+    args.compression = kind;
+    rtcSetGeometryCompression(geometry, &args);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    if (kind != RTC_COMPRESSION_NONE) compareAllPackets(scene, rays); // GRID's are not those of single rays to the bit
+    ASSERT_FALSE(HasFatalFailure()) << kindName(kind);
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
 // As a stream has them where it does not fill its last packet, and as an application may.

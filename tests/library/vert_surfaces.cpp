@@ -318,5 +318,34 @@ TEST_P(VertRays, HitTheDecodedTriangles)
     }
 }
 
+// A scene that is built again has other blocks where those were that its threads have decoded.
+TEST(VertCache, IsForgottenWhenASceneIsBuiltAgain)
+{
+  Device device;
+  Displacement displacement;
+  SurfaceSettings settings = vert(32);
+  settings.displacement = &displacement;
+  Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+  addSurface(device, scene, cubeCage(), settings);
+  RTCGeometry geometry = rtcGetGeometry(scene, 0);
+  Random random(84);
+  const std::vector<RTCRayHit> rays = raysAt(random, 1000);
+  for (int build = 0; build < 6; build++) {
+    displacement.amplitude = build % 2 ? 0.1f : 0.05f;
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    std::vector<RTCRayHit> found;
+    for (const RTCRayHit& ray : rays) found.push_back(intersect(scene, ray));
+    const SurfaceScene fresh(device, cubeCage(), settings);
+    for (size_t i = 0; i < rays.size(); i++) {
+      const RTCRayHit expected = intersect(fresh, rays[i]);
+      ASSERT_EQ(isHit(found[i]), isHit(expected)) << "build " << build;
+      ASSERT_EQ(found[i].ray.tfar, expected.ray.tfar) << "build " << build;
+    }
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
 } // namespace
 } // namespace cbvh::test

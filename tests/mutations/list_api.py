@@ -123,10 +123,18 @@ MUTATIONS = (
     edit(
         "factory: compression is never outdated",
         "factory.cpp",
-        "return compressed != hasCompressedGeometry(scene);",
-        "return compressed && !hasCompressedGeometry(scene);",
+        "    return hasCompressedGeometry(scene);\n  }\n\n  /*! says at verbosity 1",
+        "    return false;\n  }\n\n  /*! says at verbosity 1",
         "dynamic scenes that switch compression on stay as they are",
         "compression_api Dynamic.SettingsTakeEffect*",
+    ),
+    edit(
+        "factory: packets of cVERT stay when the kind changes",
+        "factory.cpp",
+        " || compressed->hasOnlyVert != hasOnlyVert(scene);",
+        ";",
+        "blocks of other kinds are read as cVERT's",
+        "scene_features Packets.FollowTheKind*",
     ),
     edit(
         "factory: a scene without faces is outdated",

@@ -409,7 +409,7 @@ WALK = (
     ),
     edit(
         "packets: inactive rays are traced",
-        "intersector1.cpp",
+        "intersectorK.cpp",
         "          RayHit ray;\n          rays.get(k,ray);\n          if (!(ray.tnear() <= ray.tfar)) continue; // inactive, as in Embree's packet traversal\n",
         "          RayHit ray;\n          rays.get(k,ray);\n",
         "rays with tnear behind tfar hit",
@@ -417,7 +417,7 @@ WALK = (
     ),
     edit(
         "packets: any hit is not stored",
-        "intersector1.cpp",
+        "intersectorK.cpp",
         "          rays.tfar[k] = ray.tfar;\n",
         "          rays.tfar[0] = ray.tfar;\n",
         "shadow packets know of their first ray only",

@@ -319,6 +319,46 @@ EXACT_FACES = (
 
 TRIANGLES = (
     trace(
+        "fields: windows half a field off",
+        "vert_tables.cpp",
+        "w.factor[l] = 1 << (7-bit % 8);",
+        "w.factor[l] = 1 << (6-bit % 7);",
+        "fields are read from other bits",
+        "vert_decoding_avx2 VertDecoding.GroupsEqualTheScalarDecoder",
+    ),
+    trace(
+        "fields: of many bits without their fifth byte",
+        "vert_group.h",
+        "bits <= VertTables::maxBitsOfFour",
+        "bits <= VertTables::maxWindowBits",
+        "the upper bits of rough cells are lost",
+        "vert_decoding_avx2 VertDecoding.GroupsEqualTheScalarDecoder",
+    ),
+    trace(
+        "cache: a block's groups are all one",
+        "vert_intersector1.h",
+        "if (at.block != block || at.lane != lane)",
+        "if (at.block != block)",
+        "rays see the vertices of another group",
+        "vert_surfaces *HitTheDecodedTriangles*",
+    ),
+    build(
+        "cache: outlives a build",
+        "builder.cpp",
+        "cbvh::VertCache::outdate();",
+        "",
+        "rays see blocks that were where others are now",
+        "vert_surfaces VertCache.*",
+    ),
+    trace(
+        "packets: rays without a range are traced for any hit",
+        "intersectorK.cpp",
+        "movemask(valid & (rays.tnear() <= rays.tfar))",
+        "movemask(valid)",
+        "inactive rays are occluded",
+        "scene_features *PacketsLeaveRaysAlone*/cVERT",
+    ),
+    trace(
         "groups: data from the next group on",
         "vert_group.h",
         "uint32_t offset = layout.cell + cellBytes(block->word);",
@@ -328,8 +368,8 @@ TRIANGLES = (
     ),
     trace(
         "groups: lanes of no group",
-        "vert_group.h",
-        "return (((1u << layout.groupsX)-1) * 0x1111u) & uint32_t((1u << (4*layout.groupsY))-1);",
+        "vert_intersector1.h",
+        "return (((1u << groupsOf(vertQuadsX(block->place)))-1) * 0x1111u) & uint32_t((1u << (4*groupsOf(vertQuadsY(block->place))))-1);",
         "return 0xFFFFu;",
         "what comes behind a small block is decoded",
         "vert_surfaces *HitTheDecodedTriangles*",
@@ -391,14 +431,6 @@ TRIANGLES = (
         "hard_cases *HardBlocks.Flat/cVERT*",
     ),
     trace(
-        "triangles: what is not a number is too far",
-        "vert_triangles.h",
-        "(vfloatV(tfar) < t-doubt)",
-        "(t-doubt > vfloatV(tfar))",
-        "slivers whose sides round to 0 leak",
-        "vert_decoding_avx2 VertTriangles.WhatHasTheRay*",
-    ),
-    trace(
         "triangles: normals inwards",
         "vert_triangles.h",
         "Vec3fa(x,y,z) : -Vec3fa(ray.dir);",
@@ -409,8 +441,8 @@ TRIANGLES = (
     trace(
         "triangles: v of the first",
         "vert_triangles.h",
-        "vfloatV::store(hits.v[triangle]+n,triangle ? vfloatV(1.0f)-b1 : b2);",
-        "vfloatV::store(hits.v[triangle]+n,triangle ? b1 : b2);",
+        "p.v = h & 1 ? 1.0f-b1 : b2;",
+        "p.v = h & 1 ? b1 : b2;",
         "v runs the wrong way on second triangles",
         "vert_surfaces *HitTheDecodedTriangles*",
     ),

@@ -19,7 +19,7 @@ namespace embree
       template<template<typename> class Visitor>
       struct BlockIntersector1
       {
-        /*! any hit: true if occluded; closest hit: what it returns has no meaning */
+        /*! whether a hit was accepted; any hit ends with it */
         template<typename RayType>
         static __forceinline bool intersect (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block)
         {
@@ -27,7 +27,8 @@ namespace embree
           if (!local.init(pre,block,ray.tfar)) return false;
           const MirroredRay mirrored(local);
           Visitor<RayType> visitor(ray,context,pre,block,local,mirrored);
-          return BlockWalk1<Visitor<RayType>>(mirrored,block->nodes(),block->layout().nodeLevels,visitor).run();
+          BlockWalk1<Visitor<RayType>>(mirrored,block->nodes(),block->layout().nodeLevels,visitor).run();
+          return visitor.isHit;
         }
       };
     }

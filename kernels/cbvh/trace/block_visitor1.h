@@ -57,10 +57,11 @@ namespace embree
         const char* data;   //!< what follows the words
         uint32_t numLeaves; //!< along a side
         float sBest;
+        bool isHit;         //!< a hit was accepted
 
         __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block,
                                      const LocalRay& local, const MirroredRay& mirrored)
-          : ray(ray), context(context), pre(pre), block(block), local(local), mirrored(mirrored), sBest(1.0f)
+          : ray(ray), context(context), pre(pre), block(block), local(local), mirrored(mirrored), sBest(1.0f), isHit(false)
         {
           const BlockLayout layout = block->layout();
           data = (const char*)block + layout.leafOffset;
@@ -94,7 +95,7 @@ namespace embree
           if (isTurned(along,1.0f,1.0f/pre.rcpDir2,at.from)) hit.Ng = hit.Ng - (2.0f*along*pre.rcpDir2)*pre.dir;
           if (!report(ray,context,block->geomID,block->primID,hit)) return false;
           sBest = at.s;
-          return true;
+          return isHit = true;
         }
 
       private:

@@ -88,10 +88,11 @@ namespace embree
             found = quads<GridSOA::Gather3x3>(width,x,y,lines);
 #else
             found = quads<GridSOA::Gather2x3>(width,x,y,lines);
-            if (IsAnyHit<RayType>::value && found) return true;
+            if (IsAnyHit<RayType>::value && found) return this->isHit = true;
             if (lines > 2) found |= quads<GridSOA::Gather2x3>(width,x,y+1,lines);
 #endif
             if (!found) continue;
+            this->isHit = true;
             if (IsAnyHit<RayType>::value) return true;
             this->sBest = this->local.localS(this->pre,this->ray.tfar) + 1e-5f;
           }

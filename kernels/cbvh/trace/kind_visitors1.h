@@ -15,7 +15,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! false for a primitive that is not a block; else found is what the intersector returns */
+      /*! false for a primitive that is not a block; else found: whether a hit was accepted */
       template<typename RayType>
       __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, RayPrecalculations& pre, VertRay& vertRay, const void* prim, bool& found)
       {

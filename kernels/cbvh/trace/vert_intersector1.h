@@ -20,7 +20,7 @@ namespace embree
       class VertIntersector1
       {
       public:
-        /*! any hit: true if occluded; closest hit: what it returns has no meaning */
+        /*! whether a hit was accepted; any hit ends with it */
         static __forceinline bool intersect (RayType& ray, IntersectContext* context, VertRay& pre, const VertHeader* block)
         {
           pre.set(ray);
@@ -29,30 +29,63 @@ namespace embree
 
       private:
         __forceinline VertIntersector1 (RayType& ray, IntersectContext* context, const VertRay& pre, const VertHeader* block)
-          : ray(ray), context(context), pre(pre), block(block), groups(block) {}
+          : ray(ray), context(context), pre(pre), block(block) {}
 
         __forceinline bool run ()
         {
-          if (likely(!groups.isRawBlock())) {
-            if (!meetsBlock()) return false;
-            groups.decodeCorners();
+          VertCache& cache = VertCache::ofThread();
+          VertCache::Block& boxes = cache.place(block);
+          const bool isPacked = likely(!isRaw(block->boxForm));
+          if (isPacked) sheared.set(pre,block);
+          if (boxes.block != block) {
+            if (isPacked && !meetsBlock()) return false;
+            decode(boxes);
           }
-          uint32_t open = meetBoxes();
+          uint32_t open = meetBoxes(boxes);
           bool found = false;
           while (open)
           {
             const uint32_t g = nextGroup(open);
             if (enter[g] > ray.tfar) continue;
-            CellVertices vertices;
-            groups.decode(g,vertices);
-            GroupHits hits;
-            if (!GroupTriangles(pre,ray.tnear()).intersect(vertices,ray.tfar,hits)) continue;
-            if (reportHits(g,vertices,hits)) {
+            const GroupTriangles triangles(pre,quadsOf(cache,g));
+            if (triangles.mask == 0) continue;
+            if (reportHits(cache,g,triangles)) {
               if (IsAnyHit<RayType>::value) return true;
               found = true;
             }
           }
           return found;
+        }
+
+        /* What the cache refers to lasts until a hit is reported: a filter may trace rays. */
+
+        /*! corners and boxes of groups */
+        __noinline void decode (VertCache::Block& at) const
+        {
+          /* The block at once, as long as most are: where its groups' fields lie is known late, and memory
+           * that is waited for then is not hidden by anything. */
+          for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
+          at.block = block;
+          const VertDecoder decoder(block);
+          if (likely(!isRaw(block->boxForm))) decoder.corners(at.corners);
+          decoder.planes(at.corners,at.planes);
+        }
+
+        /*! of the group in a lane */
+        __forceinline const QuadCorners& quadsOf (VertCache& cache, uint32_t lane) const
+        {
+          VertCache::Group& at = cache.place(block,lane);
+          if (at.block != block || at.lane != lane) decode(cache,lane,at);
+          return at.quads;
+        }
+
+        __noinline void decode (VertCache& cache, uint32_t lane, VertCache::Group& at) const
+        {
+          VertCache::Block& boxes = cache.place(block);
+          if (unlikely(boxes.block != block)) decode(boxes);
+          at.block = block;
+          at.lane = lane;
+          VertDecoder(block).quads(boxes.corners,lane,at.quads);
         }
 
         /*! ulps that the sheared vertices, the boxes and the ray's distances to them may be off
@@ -68,8 +101,10 @@ namespace embree
         {
           float org, rcp, error;
 
-          __forceinline void set (const VertRay& ray, const VertHeader* block, int m, float extent)
+          __forceinline void set (const VertRay& ray, const VertHeader* block)
           {
+            const int m = shearedAxis(block->boxForm);
+            const float extent = extentOf(block);
             float dir = 0.0f, sum = 0.0f;
             org = 0.0f;
             for (int i=2; i>=0; i--)
@@ -86,17 +121,19 @@ namespace embree
           }
         };
 
+        /*! of a packed block from its origin, at least */
+        static __forceinline float extentOf (const VertHeader* block) { return float(maxExtent)*vertSpacing(block->word); }
+
         __forceinline float slackOf (int k, float extent) const {
           return slackUlps*floatUlp*(std::fabs(block->origin[k]-pre.org[k]) + extent);
         }
 
         /*! Whether the ray meets the bounds of the block, which is not raw: most that do not meet a
-         *  group do not, and nothing is decoded for them. Sets sheared. */
+         *  group do not, and nothing is decoded for them. */
         __forceinline bool meetsBlock ()
         {
           const int m = shearedAxis(block->boxForm);
-          sheared.set(pre,block,m,groups.extent);
-          const float step = float(reachStep(block->boxForm))*groups.spacing;
+          const float step = float(reachStep(block->boxForm))*vertSpacing(block->word), extent = extentOf(block);
           float tNear = ray.tnear(), tFar = ray.tfar;
           auto clip = [&](float lower, float upper, float rcp) {
             const float a = lower*rcp, b = upper*rcp;
@@ -106,7 +143,7 @@ namespace embree
           for (int i=0; i<2; i++)
           {
             const int k = m+1+i < 3 ? m+1+i : m+1+i-3;
-            const float from = block->origin[k]-pre.org[k], slack = slackOf(k,groups.extent);
+            const float from = block->origin[k]-pre.org[k], slack = slackOf(k,extent);
             clip(from-slack,(from + float(reachOf(block->reach,i))*step)+slack,pre.rcp[k]);
           }
           clip((float(reachOf(block->reach,2))*step-sheared.org)-sheared.error,(float(reachOf(block->reach,3))*step-sheared.org)+sheared.error,sheared.rcp);
@@ -114,36 +151,35 @@ namespace embree
         }
 
         /*! lanes of groups whose boxes the ray meets; sets enter */
-        __forceinline uint32_t meetBoxes ()
+        __forceinline uint32_t meetBoxes (const VertCache::Block& boxes)
         {
-          vfloatV tNear[CellCornersV::vectors], tFar[CellCornersV::vectors];
-          for (int j=0; j<CellCornersV::vectors; j++) { tNear[j] = vfloatV(ray.tnear()); tFar[j] = vfloatV(ray.tfar); }
+          const int vectors = CellCornersV::vectors;
+          vfloatV tNear[vectors], tFar[vectors];
+          for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(ray.tnear()); tFar[j] = vfloatV(ray.tfar); }
           auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float error) {
-            const vfloatV org(from), rcp(reciprocal), slack(error);
-            for (int j=0; j<CellCornersV::vectors; j++) {
-              const vfloatV a = ((planes.lower[j] - org) - slack)*rcp, b = ((planes.upper[j] - org) + slack)*rcp;
-              tNear[j] = max(tNear[j],min(a,b));
-              tFar[j] = min(tFar[j],max(a,b));
+            const float* near = reciprocal < 0.0f ? planes.upper : planes.lower;
+            const float* far  = reciprocal < 0.0f ? planes.lower : planes.upper;
+            const vfloatV org(from), rcp(reciprocal), slack(error*std::fabs(reciprocal));
+            for (int j=0; j<vectors; j++) {
+              tNear[j] = max(tNear[j],msub(vfloatV::load(near+vertWidth*j) - org,rcp,slack));
+              tFar [j] = min(tFar [j],madd(vfloatV::load(far +vertWidth*j) - org,rcp,slack));
             }
           };
-          const int m = groups.isRawBlock() ? 3 : shearedAxis(block->boxForm);
-          GroupPlanes planes;
+          const int m = isRaw(block->boxForm) ? 3 : shearedAxis(block->boxForm);
           for (int k=0; k<3; k++)
-          {
-            if (k == m) continue;
-            groups.planes(k,planes);
-            clip(planes,pre.org[k],pre.rcp[k],slackOf(k,planes.extent));
-          }
-          if (likely(m < 3)) {
-            groups.shearedPlanes(planes);
-            clip(planes,sheared.org,sheared.rcp,sheared.error);
-          }
+            if (k != m) clip(boxes.planes[k],pre.org[k],pre.rcp[k],slackOf(k,boxes.planes[k].extent));
+          if (likely(m < 3)) clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error);
           uint32_t open = 0;
-          for (int j=0; j<CellCornersV::vectors; j++) {
+          for (int j=0; j<vectors; j++) {
             vfloatV::store(enter+vertWidth*j,tNear[j]);
             open |= uint32_t(movemask(tNear[j] <= tFar[j])) << (vertWidth*j);
           }
-          return open & groups.lanes();
+          return open & lanes();
+        }
+
+        /*! bits of lanes that have a group */
+        __forceinline uint32_t lanes () const {
+          return (((1u << groupsOf(vertQuadsX(block->place)))-1) * 0x1111u) & uint32_t((1u << (4*groupsOf(vertQuadsY(block->place))))-1);
         }
 
         /*! takes the group out that begins first */
@@ -159,25 +195,27 @@ namespace embree
         }
 
         /*! Reports hits, nearest first; true if one was accepted. */
-        __forceinline bool reportHits (uint32_t g, const CellVertices& vertices, const GroupHits& hits)
+        __forceinline bool reportHits (VertCache& cache, uint32_t g, const GroupTriangles& triangles)
         {
-          if (likely((hits.mask & (hits.mask-1)) == 0))
+          if (likely((triangles.mask & (triangles.mask-1)) == 0))
           {
-            const uint32_t h = uint32_t(bsf(hits.mask));
-            const VertTriangle triangle(vertices,h);
+            const uint32_t h = uint32_t(bsf(triangles.mask));
+            const VertTriangle triangle(quadsOf(cache,g),h);
+            const VertTriangle::Position position = triangle.position(pre,h);
             float t;
-            return isMet(triangle,h,hits,t) && reportHit(g,triangle,h,t,hits);
+            return isMet(triangle,position,t) && reportHit(g,triangle,h,t,position);
           }
-          return reportNearest(g,vertices,hits);
+          return reportNearest(cache,g,triangles);
         }
 
-        bool reportNearest (uint32_t g, const CellVertices& vertices, const GroupHits& hits)
+        bool reportNearest (VertCache& cache, uint32_t g, const GroupTriangles& triangles)
         {
           float t[32];
           uint32_t open = 0;
-          for (uint32_t rest=hits.mask; rest; rest&=rest-1) {
+          for (uint32_t rest=triangles.mask; rest; rest&=rest-1) {
             const uint32_t h = uint32_t(bsf(rest));
-            if (isMet(VertTriangle(vertices,h),h,hits,t[h])) open |= 1u << h;
+            const VertTriangle triangle(quadsOf(cache,g),h);
+            if (isMet(triangle,triangle.position(pre,h),t[h])) open |= 1u << h;
           }
           while (open)
           {
@@ -187,24 +225,25 @@ namespace embree
               if (t[h] < t[best]) best = h;
             }
             open &= ~(1u << best);
-            if (reportHit(g,VertTriangle(vertices,best),best,t[best],hits)) return true;
+            const VertTriangle triangle(quadsOf(cache,g),best);
+            if (reportHit(g,triangle,best,t[best],triangle.position(pre,best))) return true;
           }
           return false;
         }
 
         /*! sides that are not 0 have their exact sign already */
-        __forceinline bool isMet (const VertTriangle& triangle, uint32_t h, const GroupHits& hits, float& t) const {
-          return (likely((hits.certain >> h) & 1) || triangle.contains(pre)) && triangle.meet(ray,pre.kz,t);
+        __forceinline bool isMet (const VertTriangle& triangle, const VertTriangle::Position& position, float& t) const {
+          return (likely(position.isCertain) || triangle.contains(pre)) && triangle.meet(ray,pre.kz,t);
         }
 
-        __forceinline bool reportHit (uint32_t g, const VertTriangle& at, uint32_t h, float t, const GroupHits& hits)
+        __forceinline bool reportHit (uint32_t g, const VertTriangle& at, uint32_t h, float t, const VertTriangle::Position& position)
         {
-          const uint32_t quad = h >> 1, triangle = h & 1;
+          const uint32_t quad = h >> 1;
           SurfaceHit hit;
           hit.t = t;
           hit.Ng = at.Ng(ray);
           const uint32_t x = vertX(block->place) + groupQuads*(g & 3) + (quad & 3), y = vertY(block->place) + groupQuads*(g >> 2) + (quad >> 2);
-          setParameters(x,y,triangle,hits.u[triangle][quad],hits.v[triangle][quad],hit);
+          setParameters(x,y,h & 1,position.u,position.v,hit);
           return report(ray,context,block->geomID,block->primID,hit);
         }
 
@@ -239,7 +278,6 @@ namespace embree
         IntersectContext* context;
         const VertRay& pre;
         const VertHeader* block;
-        VertGroups groups;
         ShearedRay sheared;
         alignas(64) float enter[16]; //!< where the ray enters the box of the group in each lane
       };

@@ -25,7 +25,17 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! a product that the compiler does not fuse with a sum; of vectors */
+      /*! a product that the compiler does not fuse with a sum */
+      __forceinline float product (float a, float b)
+      {
+        float p = a*b;
+#if defined(__GNUC__) && defined(__SSE2__)
+        asm("" : "+x"(p));
+#endif
+        return p;
+      }
+
+      /*! the same of vectors */
       template<typename Vector>
       __forceinline Vector product (const Vector& a, const Vector& b)
       {

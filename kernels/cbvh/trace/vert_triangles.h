@@ -21,14 +21,11 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Triangles of a group that a ray's line goes through: bit 2q + 0 or 1 of quad q. Where on
-       *  the ray they are is known roughly, see VertTriangle. */
-      struct GroupHits
-      {
-        uint32_t mask;
-        uint32_t certain;  //!< those whose sides did not round to 0
-        alignas(64) float u[2][16], v[2][16]; //!< [triangle][quad]: position in the quad
-      };
+      /*! side of the ray on which an edge lies */
+      template<typename Number>
+      __forceinline Number edgeSide (const Number& ax, const Number& ay, const Number& bx, const Number& by) {
+        return product(ax,by) - product(ay,bx);
+      }
 
       /*! A triangle of a group in double, where differences of its vertices are exact: weights of a
        *  needle are off by more than its plane is. */
@@ -40,13 +37,13 @@ namespace embree
         double normal[3];      //!< 0 of a line
         float vertices[3][3];  //!< by axis
 
-        /*! h: a bit of GroupHits */
-        __forceinline VertTriangle (const CellVertices& cell, uint32_t h)
+        /*! h: a bit of GroupTriangles */
+        __forceinline VertTriangle (const QuadCorners& quads, uint32_t h)
         {
-          const uint32_t v = 5*(h >> 3) + ((h >> 1) & 3), a = h & 1 ? v+5 : v, b = v+1, c = h & 1 ? v+6 : v+5;
+          const uint32_t q = h >> 1, a = h & 1 ? 2 : 0, b = 1, c = h & 1 ? 3 : 2;
           double e[3], f[3];
           for (int k=0; k<3; k++) {
-            vertices[k][0] = cell.at[k][a]; vertices[k][1] = cell.at[k][b]; vertices[k][2] = cell.at[k][c];
+            vertices[k][0] = quads.at[a][k][q]; vertices[k][1] = quads.at[b][k][q]; vertices[k][2] = quads.at[c][k][q];
             e[k] = double(vertices[k][1]) - double(vertices[k][0]);
             f[k] = double(vertices[k][2]) - double(vertices[k][0]);
           }
@@ -55,18 +52,35 @@ namespace embree
           normal[2] = e[0]*f[1] - e[1]*f[0];
         }
 
+        /*! where the ray is in the triangle */
+        struct Position
+        {
+          float u, v;     //!< in the quad; not numbers where all sides rounded to 0
+          bool isCertain; //!< no side rounded to 0: the signs are exact
+        };
+
+        __forceinline Position position (const VertRay& ray, uint32_t h) const
+        {
+          const Sheared s(*this,ray);
+          const float w0 = edgeSide(s.x[1],s.y[1],s.x[2],s.y[2]), w1 = edgeSide(s.x[2],s.y[2],s.x[0],s.y[0]), w2 = edgeSide(s.x[0],s.y[0],s.x[1],s.y[1]);
+          const float sum = w0 + w1 + w2, b1 = w1/sum, b2 = w2/sum;
+          Position p;
+          p.u = h & 1 ? b1+b2 : b1;
+          p.v = h & 1 ? 1.0f-b1 : b2;
+          p.isCertain = (0.0f < min(w0,min(w1,w2)) || max(w0,max(w1,w2)) < 0.0f) && std::fabs(sum) < float(inf);
+          return p;
+        }
+
         /*! Whether the sheared triangle has the ray in it. Sides that rounded to 0 count for both of
          *  their triangles, and slivers have no others: here their signs are exact, as products of
          *  floats are in double. A triangle that is a line there covers nothing that others do not. */
         __forceinline bool contains (const VertRay& ray) const
         {
-          auto relative = [&](int k) { return vfloat4(vertices[k][0],vertices[k][1],vertices[k][2],vertices[k][2]) - vfloat4(ray.org[k]); };
-          const vfloat4 z = relative(ray.kz);
-          const vfloat4 x = nmadd(vfloat4(ray.sx),z,relative(ray.kx)), y = nmadd(vfloat4(ray.sy),z,relative(ray.ky));
+          const Sheared s(*this,ray);
           double side[3];
           for (int i=0; i<3; i++) {
             const int a = (i+1)%3, b = (i+2)%3;
-            side[i] = double(x[a])*double(y[b]) - double(y[a])*double(x[b]);
+            side[i] = double(s.x[a])*double(s.y[b]) - double(s.y[a])*double(s.x[b]);
           }
           if (unlikely(!(std::fabs(side[0]+side[1]+side[2]) < double(inf)))) return false; // of a vertex that is not finite
           const double least = min(side[0],min(side[1],side[2])), greatest = max(side[0],max(side[1],side[2]));
@@ -121,39 +135,40 @@ namespace embree
           const float x = float(normal[0]), y = float(normal[1]), z = float(normal[2]);
           return likely(x != 0.0f || y != 0.0f || z != 0.0f) ? Vec3fa(x,y,z) : -Vec3fa(ray.dir);
         }
+
+      private:
+        /*! its vertices, sheared as GroupTriangles does */
+        struct Sheared
+        {
+          alignas(16) float x[4], y[4];
+
+          __forceinline Sheared (const VertTriangle& t, const VertRay& ray)
+          {
+            auto relative = [&](int k) { return vfloat4(t.vertices[k][0],t.vertices[k][1],t.vertices[k][2],t.vertices[k][2]) - vfloat4(ray.org[k]); };
+            const vfloat4 z = relative(ray.kz);
+            vfloat4::store(x,nmadd(vfloat4(ray.sx),z,relative(ray.kx)));
+            vfloat4::store(y,nmadd(vfloat4(ray.sy),z,relative(ray.ky)));
+          }
+        };
       };
 
-      /*! side of the ray on which an edge lies */
-      __forceinline vfloatV edgeSide (const vfloatV& ax, const vfloatV& ay, const vfloatV& bx, const vfloatV& by) {
-        return product(ax,by) - product(ay,bx);
-      }
-
+      /*! The triangles of a group that a ray's line goes through. */
       class GroupTriangles
       {
       public:
-        __forceinline GroupTriangles (const VertRay& ray, float tnear) : ray(ray), tnear(tnear) {}
+        uint32_t mask; //!< bit 2q + 0 or 1 of quad q
 
-        /*! false if no triangle is met up to tfar */
-        __forceinline bool intersect (const CellVertices& vertices, float tfar, GroupHits& hits) const
+        __forceinline GroupTriangles (const VertRay& ray, const QuadCorners& quads) : mask(0)
         {
-          CellVertices sheared;
-          for (int c=0; c<cellVectors; c++)
+          for (int n=0; n<16; n+=vertWidth)
           {
-            const int n = vertWidth*c;
-            const vfloatV x = vfloatV::load(vertices.at[ray.kx]+n) - vfloatV(ray.org[ray.kx]);
-            const vfloatV y = vfloatV::load(vertices.at[ray.ky]+n) - vfloatV(ray.org[ray.ky]);
-            const vfloatV z = vfloatV::load(vertices.at[ray.kz]+n) - vfloatV(ray.org[ray.kz]);
-            vfloatV::store(sheared.at[0]+n,nmadd(vfloatV(ray.sx),z,x));
-            vfloatV::store(sheared.at[1]+n,nmadd(vfloatV(ray.sy),z,y));
-            vfloatV::store(sheared.at[2]+n,vfloatV(ray.sz)*z);
-          }
-          const CellCornersV X(sheared.at[0]), Y(sheared.at[1]), Z(sheared.at[2]);
-          hits.mask = hits.certain = 0;
-          for (int j=0; j<CellCornersV::vectors; j++)
-          {
-            const vfloatV* x = X.at[j];
-            const vfloatV* y = Y.at[j];
-            const vfloatV* z = Z.at[j];
+            vfloatV x[4], y[4];
+            for (int c=0; c<4; c++) {
+              const float (*at)[16] = quads.at[c];
+              const vfloatV z = vfloatV::load(at[ray.kz]+n) - vfloatV(ray.org[ray.kz]);
+              x[c] = nmadd(vfloatV(ray.sx),z,vfloatV::load(at[ray.kx]+n) - vfloatV(ray.org[ray.kx]));
+              y[c] = nmadd(vfloatV(ray.sy),z,vfloatV::load(at[ray.ky]+n) - vfloatV(ray.org[ray.ky]));
+            }
             const vfloatV diag   = edgeSide(x[1],y[1],x[2],y[2]);
             const vfloatV left   = edgeSide(x[2],y[2],x[0],y[0]);
             const vfloatV bottom = edgeSide(x[0],y[0],x[1],y[1]);
@@ -161,40 +176,13 @@ namespace embree
             const vfloatV top    = edgeSide(x[3],y[3],x[2],y[2]);
             const vboolV first = isInside(diag,left,bottom), second = isInside(right,top,-diag);
             if (likely(none(first | second))) continue;
-            /* weights: of 00, 10, 01; of 01, 10, 11 */
-            hits.mask |= finish(0,j,first ,diag ,left,bottom,z[0],z[1],z[2],tfar,hits);
-            hits.mask |= finish(1,j,second,right,top ,-diag ,z[2],z[1],z[3],tfar,hits);
+            mask |= spread(uint32_t(movemask(first)) << n) | (spread(uint32_t(movemask(second)) << n) << 1);
           }
-          return hits.mask != 0;
         }
 
       private:
-        /*! of numbers */
-        static __forceinline vboolV isWithin (const vfloatV& a, const vfloatV& b, const vfloatV& c) {
-          return (vfloatV(zero) < min(a,min(b,c))) | (max(a,max(b,c)) < vfloatV(zero));
-        }
-
         static __forceinline vboolV isInside (const vfloatV& a, const vfloatV& b, const vfloatV& c) {
           return (min(a,min(b,c)) >= vfloatV(zero)) | (max(a,max(b,c)) <= vfloatV(zero));
-        }
-
-        /*! Positions; returns bits of hits. What is not a number, where all sides rounded to 0, is left
-         *  to VertTriangle. */
-        __forceinline uint32_t finish (int triangle, int j, const vboolV& inside, const vfloatV& w0, const vfloatV& w1, const vfloatV& w2,
-                                       const vfloatV& z0, const vfloatV& z1, const vfloatV& z2, float tfar, GroupHits& hits) const
-        {
-          const vfloatV sum = w0 + w1 + w2;
-          const vfloatV b1 = w1/sum, b2 = w2/sum;
-          const vfloatV t = madd(b1,z1-z0,madd(b2,z2-z0,z0));
-          const vfloatV doubt = abs(t)*vfloatV(1.0f/256.0f);
-          /* by "less" alone, which is false of what is not a number: Embree's "greater" is true of it */
-          const size_t mask = movemask(andn(inside,(t+doubt < vfloatV(tnear)) | (vfloatV(tfar) < t-doubt)));
-          if (mask == 0) return 0;
-          const int n = vertWidth*j;
-          vfloatV::store(hits.u[triangle]+n,triangle ? b1+b2 : b1);
-          vfloatV::store(hits.v[triangle]+n,triangle ? vfloatV(1.0f)-b1 : b2);
-          hits.certain |= spread(uint32_t(movemask(isWithin(w0,w1,w2) & (abs(sum) < vfloatV(inf)))) << n) << triangle;
-          return spread(uint32_t(mask) << n) << triangle;
         }
 
         /*! bits of quads to every second bit */
@@ -205,9 +193,6 @@ namespace embree
           x = (x | (x << 2)) & 0x33333333u;
           return (x | (x << 1)) & 0x55555555u;
         }
-
-        const VertRay& ray;
-        float tnear;
       };
     }
   }
