@@ -52,5 +52,33 @@ TEST(Batches, NoBatchIsLargerThanWhatIsFree)
   EXPECT_EQ(plan.rest.size(), 3u);
 }
 
+TEST(Batches, LibrariesAreComparedInOneBatch)
+{
+  const size_t available = 2 * bytes(RepresentationKind::Grid) + 3 * bytes(RepresentationKind::CLeaf);
+  const Batches plan = planBatches(parseRepresentations("naive,cleaf^1,cleaf^2", 2), {"avx2"}, quads, available, {true, true});
+  EXPECT_EQ(plan.baselines.size(), 2u) << "GRID, one a library";
+  ASSERT_EQ(plan.rest.size(), 2u);
+  for (const auto& batch : plan.rest)
+  {
+    ASSERT_EQ(batch.size(), 2u);
+    EXPECT_TRUE(sameButLibrary(batch[0], batch[1]));
+    EXPECT_EQ(batch[0].library, 0u);
+    EXPECT_EQ(batch[1].library, 1u);
+  }
+  ASSERT_EQ(plan.tooLarge.size(), 2u) << "NAIVE, by both";
+  EXPECT_EQ(neededBytes(plan, plan.tooLarge[0], quads), 2 * bytes(RepresentationKind::Grid) + 2 * bytes(RepresentationKind::Naive));
+}
+
+TEST(Batches, StockEmbreeHasNoCompressedRepresentations)
+{
+  const Batches plan = planBatches(parseRepresentations("naive,cvert", 2), {"avx2"}, quads, SIZE_MAX, {false, true});
+  ASSERT_EQ(plan.rest.size(), 1u);
+  ASSERT_EQ(plan.rest[0].size(), 3u);
+  EXPECT_EQ(plan.rest[0][2].representation.kind, RepresentationKind::CVert);
+  EXPECT_EQ(plan.rest[0][2].library, 1u);
+  ASSERT_EQ(plan.unknown.size(), 1u);
+  EXPECT_EQ(plan.unknown[0].library, 0u);
+}
+
 } // namespace
 } // namespace cbvh::test

@@ -5,10 +5,11 @@
 # cbvh_bench from the outside: one clear line and a status that is not 0 for bad names,
 # and a record that holds everything it takes to measure again.
 #
-# usage: bench_cli.sh PATH/TO/cbvh_bench
+# usage: bench_cli.sh PATH/TO/cbvh_bench PATH/TO/libembree3.so.3
 
 set -u
 program=$1
+library=$2
 . "$(dirname -- "$0")/cli.sh"
 
 # refuses PATTERN ARGUMENT...: status not 0 nor a signal's, one line on stderr that
@@ -127,6 +128,70 @@ assert all(s["errors"] == {"false_occlusions": 0, "false_passes": 0} for s in cg
 crossed = cgrid["crossings"][0]
 assert crossed["rays"] == 40*32 and crossed["crossings"] > 100 and crossed["other_parity"] <= 2, crossed' "$folder/checks.json" ||
   complain "leaks or shadows are not right: $(cat "$folder/checks.json")"
+
+# Libraries. Each function of Embree's is called through a slot of the program's own.
+unslotted=$(nm -D --undefined-only "$program" | grep -o ' U rtc.*' | grep -v Vulkan)
+[ -z "$unslotted" ] || complain "not in tutorials/bench/embree_calls.cpp:$unslotted"
+mkdir "$folder/a" "$folder/b" "$folder/empty"
+cp "$library" "$folder/a/libembree3.so.3"
+cp "$library" "$folder/b/libembree3.so.3"
+refuses "missing.so: cannot open" --scene cube --library "$folder/a,$folder/missing.so"
+refuses "quad.obj: \(invalid ELF header\|file too short\)" --scene cube --library "$folder/quad.obj"
+refuses "is no Embree: it has no rtcNewDevice" --scene cube --library "$(ldd "$library" | awk '$1 ~ "^libtbb.so" { print $3 }')"
+refuses "the folder has no libembree3.so.3" --scene cube --library "$folder/empty"
+refuses "are the same file" --scene cube --library "$folder/a,$folder/a/libembree3.so.3"
+refuses "library is of the processor" --scene cube --library "$folder/a" --device vulkan
+
+# A library and its copy: the same hits, at about the same speed.
+"$program" --scene cube --level 4 --library "$folder/a,$folder/b/libembree3.so.3" --representation grid,cleaf,cvert \
+  --query closest,any --mode single,packet4,stream --rays 2000 --repeat 3 --size 64x64 --true-surface 0 \
+  --json "$folder/copies.json" >"$folder/stdout" 2>"$folder/stderr" || complain "copies: $(cat "$folder/stderr")"
+grep -q "library B ($folder/b/libembree3.so.3), Embree 3.13" "$folder/stdout" || complain "no word on library B"
+grep -q "rays are A's to the bit" "$folder/stdout" || complain "no word on the hits: $(cat "$folder/stdout")"
+grep -q "Mrays/s.* of GRID, spread .* of A, spread" "$folder/stdout" || complain "no word on the ratio of the libraries"
+/usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "the record of two libraries is not right"
+import json, sys
+record = json.load(open(sys.argv[1] + "/copies.json"))
+a, b = record["run"]["libraries"]
+assert (a["name"], b["name"]) == ("A", "B") and a["isas"] == b["isas"] != [] and a["compresses"], (a, b)
+assert a["path"] == sys.argv[1] + "/a/libembree3.so.3", a
+results = record["groups"][0]["results"]
+rows = [(r["representation"], r["library"]) for r in results]
+assert rows == [(name, library) for name in ("GRID", "cLEAF^2", "cVERT") for library in "AB"], rows
+for r in results:
+    assert len(r["speed"]) == 2 * 2 * 3
+    for s in r["speed"]:
+        assert ("relative_to_first_library" in s) == (r["library"] == "B"), s
+    if r["library"] == "A":
+        assert "hits_beside_first_library" not in r
+        continue
+    assert len(r["hits_beside_first_library"]) == 2 * 2 * 3
+    for h in r["hits_beside_first_library"]:
+        assert h["rays"] > 0 and h["other_rays"] == 0, h
+    ratios = sorted(s["relative_to_first_library"]["median"] for s in r["speed"])
+    assert 0.5 < ratios[len(ratios) // 2] < 2, ratios
+PYTHON
+
+# One without compression, as stock Embree is, and one without an entrance: names in files of
+# their own, where nothing finds the old ones.
+sed 's/rtcSetGeometryCompression/rtcNotGeometryCompression/' "$library" >"$folder/a/libembree3.so.3"
+"$program" --scene cube --level 3 --library "$folder/a,$folder/b" --representation naive,cvert --rays 500 --repeat 1 \
+  --size 32x32 --true-surface 0 --json "$folder/stock.json" >"$folder/stdout" 2>"$folder/stderr" ||
+  complain "a library without compression: $(cat "$folder/stderr")"
+grep -q "cVERT is not known to library A ($folder/a/libembree3.so.3)" "$folder/stderr" || complain "no word on what is left out"
+/usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "the record of a library without compression is not right"
+import json, sys
+results = json.load(open(sys.argv[1] + "/stock.json"))["groups"][0]["results"]
+measured = [(r["representation"], r["library"]) for r in results if "skipped" not in r]
+assert measured == [("GRID", "A"), ("GRID", "B"), ("NAIVE", "A"), ("NAIVE", "B"), ("cVERT", "B")], measured
+assert [(r["representation"], r["library"]) for r in results if "skipped" in r] == [("cVERT", "A")]
+for r in results:
+    ratios = ["relative_to_first_library" in s for s in r.get("speed", [])]
+    assert all(x == (r["library"] == "B" and r["representation"] != "cVERT") for x in ratios), r["representation"]
+PYTHON
+sed 's/rtcOccluded8/rtcOccludedX/' "$library" >"$folder/a/libembree3.so.3"
+refuses "library A ($folder/a/libembree3.so.3) has no rtcOccluded8" --scene cube --level 2 --library "$folder/a" \
+  --representation grid --query any --mode packet8 --repeat 1 --size 32x32
 
 # The scene's own options: two copies have twice the faces, and a name of their own.
 "$program" --scene herd --count 2 --mapping atlas --level 0 --representation grid --repeat 0 --size 16x16 \

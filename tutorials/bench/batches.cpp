@@ -4,16 +4,23 @@
 #include "batches.h"
 #include "building/memory.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace cbvh {
 
+bool sameButLibrary(const Variant& a, const Variant& b)
+{
+  return a.representation.label() == b.representation.label() && a.isa == b.isa;
+}
+
 Batches planBatches(const std::vector<Representation>& representations, const std::vector<std::string>& isas,
-                    size_t quads, size_t available)
+                    size_t quads, size_t available, const std::vector<bool>& compresses)
 {
   Batches plan;
   for (const std::string& isa : isas)
-    plan.baselines.push_back({{RepresentationKind::Grid}, isa});
+    for (size_t library = 0; library < compresses.size(); library++)
+      plan.baselines.push_back({{RepresentationKind::Grid}, isa, library});
   const size_t base = baselineBytes(plan, quads);
   plan.rest.emplace_back();
   size_t used = base;
@@ -22,11 +29,13 @@ Batches planBatches(const std::vector<Representation>& representations, const st
     {
       if (r.kind == RepresentationKind::Grid)
         continue;
-      const Variant variant{r, isa};
-      const size_t bytes = estimatedPeakBytes(r.kind, quads);
+      std::vector<Variant> together;
+      for (size_t library = 0; library < compresses.size(); library++)
+        (compresses[library] || !r.isCompressed() ? together : plan.unknown).push_back({r, isa, library});
+      const size_t bytes = together.size() * estimatedPeakBytes(r.kind, quads);
       if (base + bytes > available)
       {
-        plan.tooLarge.push_back(variant);
+        plan.tooLarge.insert(plan.tooLarge.end(), together.begin(), together.end());
         continue;
       }
       if (used + bytes > available)
@@ -34,7 +43,7 @@ Batches planBatches(const std::vector<Representation>& representations, const st
         plan.rest.emplace_back();
         used = base;
       }
-      plan.rest.back().push_back(variant);
+      plan.rest.back().insert(plan.rest.back().end(), together.begin(), together.end());
       used += bytes;
     }
   return plan;
@@ -45,9 +54,11 @@ size_t baselineBytes(const Batches& batches, size_t quads)
   return batches.baselines.size() * estimatedPeakBytes(RepresentationKind::Grid, quads);
 }
 
-size_t neededBytes(const Batches& batches, const Variant& variant, size_t quads)
+size_t neededBytes(const Batches& batches, const Variant& tooLarge, size_t quads)
 {
-  return baselineBytes(batches, quads) + estimatedPeakBytes(variant.representation.kind, quads);
+  const auto together = std::count_if(batches.tooLarge.begin(), batches.tooLarge.end(),
+                                      [&](const Variant& v) { return sameButLibrary(v, tooLarge); });
+  return baselineBytes(batches, quads) + size_t(together) * estimatedPeakBytes(tooLarge.representation.kind, quads);
 }
 
 std::string sizeMessage(const std::string& what, size_t quads, size_t needed, size_t available)

@@ -58,6 +58,7 @@ void runBenchmark(const BenchOptions& options, const std::function<void(const Gr
     temporary = std::make_unique<TemporaryFolder>();
   for (const BenchScene& bench : options.scenes)
   {
+    options.libraries.front().use();
     const Model model = loadModel(options, bench, temporary ? temporary->path.string() : options.maps);
     const std::vector<ReferenceView> reference = traceReference(options, model);
     std::optional<TrueSurface> surface;

@@ -47,18 +47,35 @@ size_t leafBytes(const BuiltScene& scene)
 
 } // namespace
 
-BuiltVariant buildVariant(const Model& model, const Variant& variant, BuildSettings settings, Group& group)
+BuiltVariant::BuiltVariant(const Model& model, const Variant& variant, BuildSettings settings, const Library& library,
+                           Group& group)
+  : scene(nullptr, Removal{&library})
 {
   settings.isa = variant.isa;
-  BuiltVariant built{std::make_unique<BuiltScene>(model, variant.representation, settings)};
+  library.use();
+  scene.reset(new BuiltScene(model, variant.representation, settings));
   VariantResult result;
   result.variant = variant;
-  result.build = built.scene->report();
-  result.leafBytes = leafBytes(*built.scene);
+  result.library = library.name();
+  result.build = scene->report();
+  result.leafBytes = leafBytes(*scene);
   result.innerBytes = result.build.liveBytes - std::min(result.build.liveBytes, result.leafBytes);
   group.results.push_back(std::move(result));
-  built.result = &group.results.back();
-  return built;
+  found = &group.results.back();
+}
+
+void BuiltVariant::Removal::operator()(BuiltScene* scene) const
+{
+  library->use();
+  delete scene;
+}
+
+std::optional<size_t> sameOfFirstLibrary(const std::vector<BuiltVariant>& batch, size_t i)
+{
+  for (size_t first = 0; first < batch.size(); first++)
+    if (first != i && batch[first].variant().library == 0 && sameButLibrary(batch[first].variant(), batch[i].variant()))
+      return first;
+  return std::nullopt;
 }
 
 } // namespace cbvh

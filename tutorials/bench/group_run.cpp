@@ -1,13 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* GRID of each ISA stands in memory all the time, the other variants as many as fit. What a
- * variant is like, errors, pictures and checks, is found right after its build, when nothing
- * is measured: only the speed takes turns. */
+/* GRID of each ISA and library stands in memory all the time, the other variants as many as
+ * fit. What a variant is like, errors, pictures and checks, is found right after its build,
+ * when nothing is measured: only the speed takes turns. */
 
 #include "group_run.h"
 
 #include "built_variant.h"
+#include "hit_agreement.h"
 #include "speed.h"
 #include "view_errors.h"
 #include "view_pictures.h"
@@ -16,6 +17,7 @@
 #include "building/memory.h"
 #include "tracing/trace_hits.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace cbvh {
@@ -42,6 +44,14 @@ BuildSettings buildSettings(const GroupSettings& settings)
   return build;
 }
 
+std::vector<bool> compresses(const std::vector<Library>& libraries)
+{
+  std::vector<bool> all;
+  for (const Library& library : libraries)
+    all.push_back(library.compresses());
+  return all;
+}
+
 std::vector<int> frameLevels(const std::vector<Representation>& representations)
 {
   std::vector<int> levels;
@@ -54,10 +64,10 @@ std::vector<int> frameLevels(const std::vector<Representation>& representations)
 class Comparisons
 {
 public:
-  /* grid: the first baseline; it and the settings outlive this. Describes grid and views in
-   * the group. */
+  /* grid: the first baseline. The settings outlive this. Describes grid and views in the
+   * group. */
   Comparisons(const GroupSettings& settings, const BuildSettings& build, const BuiltScene& grid, Group& group)
-    : grid(grid), errors{settings.model, settings.surface, settings.level, threadCount(build.threads)},
+    : errors{settings.model, settings.surface, settings.level, threadCount(build.threads)},
       all(makeViews(settings.options, settings.model, grid, settings.reference)),
       pictures(settings.options, settings.scene, settings.model, settings.level),
       robustness(settings.model, build, frameLevels(settings.options.representations), settings.options.checks,
@@ -71,11 +81,11 @@ public:
 
   const std::vector<View>& views() const { return all; }
 
-  /* Errors, pictures and checks of a variant. */
-  void add(const BuiltVariant& built) const
+  /* Errors, pictures and checks of a variant. grid: of the same library. */
+  void add(const BuiltVariant& built, const BuiltScene& grid) const
   {
-    const BuiltScene& scene = *built.scene;
-    VariantResult& result = *built.result;
+    const BuiltScene& scene = built.use();
+    VariantResult& result = built.result();
     const bool checked = &scene != &grid;
     for (const View& view : all)
     {
@@ -83,7 +93,7 @@ public:
       result.views.push_back(errorsInView(errors, view, scene, hits));
       pictures.write(view, result.variant, hits, result.views.back());
       if (checked)
-        addChecksOfView(view, scene, hits, result.checks);
+        addChecksOfView(view, grid, scene, hits, result.checks);
     }
     if (checked)
     {
@@ -93,8 +103,8 @@ public:
   }
 
 private:
-  void addChecksOfView(const View& view, const BuiltScene& scene, const std::vector<SurfaceHit>& hits,
-                       CheckResult& checks) const
+  void addChecksOfView(const View& view, const BuiltScene& grid, const BuiltScene& scene,
+                       const std::vector<SurfaceHit>& hits, CheckResult& checks) const
   {
     const CheckedView checkedView{view.name, view.primary, view.gridHits, view.camera.footprint()};
     for (ShadowCheck& check : robustness.shadows(grid, scene, checkedView, hits))
@@ -103,7 +113,6 @@ private:
       checks.crossings.push_back(std::move(check));
   }
 
-  const BuiltScene& grid;
   ErrorSettings errors;
   std::vector<View> all;
   ViewPictures pictures;
@@ -116,7 +125,8 @@ public:
   explicit GroupRun(const GroupSettings& settings)
     : settings(settings), build(buildSettings(settings)), group(newGroup(settings)),
       available(availableMemory() / 10 * 9), // the rest for rays and hits
-      plan(planBatches(settings.options.representations, settings.options.isas, group.quads, available))
+      plan(planBatches(settings.options.representations, settings.options.isas, group.quads, available,
+                       compresses(settings.options.libraries)))
   {
     const size_t needed = baselineBytes(plan, group.quads);
     if (needed > available)
@@ -131,34 +141,44 @@ public:
     {
       for (const Variant& variant : plan.rest[i])
         add(variant, int(i));
+      if (settings.options.libraries.size() > 1)
+        compareLibraries(settings.options, comparisons->views(), built, title() + ": hits of the libraries");
       if (settings.options.repeat > 0)
         measureSpeed(settings.options, comparisons->views(), built,
                      title() + ": speed, batch " + std::to_string(i + 1) + " of " + std::to_string(plan.rest.size()));
-      built.resize(plan.baselines.size());
+      built.erase(built.begin() + ptrdiff_t(plan.baselines.size()), built.end());
     }
     for (const Variant& variant : plan.tooLarge)
-      skip(variant);
+      skip(variant, sizeMessage(variant.representation.label(), group.quads, neededBytes(plan, variant, group.quads),
+                                available));
+    for (const Variant& variant : plan.unknown)
+      skip(variant, variant.representation.label() + " is not known to " + libraryOf(variant).description());
     return std::move(group);
   }
 
 private:
   void add(const Variant& variant, int batch)
   {
-    built.push_back(buildVariant(settings.model, variant, build, group));
-    built.back().result->batch = batch;
+    built.emplace_back(settings.model, variant, build, libraryOf(variant), group);
+    built.back().result().batch = batch;
     if (!comparisons)
-      comparisons = std::make_unique<Comparisons>(settings, build, *built[0].scene, group);
+      comparisons = std::make_unique<Comparisons>(settings, build, built[0].use(), group);
     Phase phase(title() + ", " + variant.representation.label() +
-                (settings.options.isas.size() > 1 ? " " + variant.isa : "") + ": hits");
-    comparisons->add(built.back());
+                (settings.options.isas.size() > 1 ? " " + variant.isa : "") +
+                (settings.options.libraries.size() > 1 ? " " + libraryOf(variant).name() : "") + ": hits");
+    const auto grid = std::find_if(built.begin(), built.end(),
+                                   [&](const BuiltVariant& b) { return b.variant().library == variant.library; });
+    comparisons->add(built.back(), grid->use());
   }
 
-  void skip(const Variant& variant)
+  const Library& libraryOf(const Variant& variant) const { return settings.options.libraries[variant.library]; }
+
+  void skip(const Variant& variant, const std::string& why)
   {
     VariantResult result;
     result.variant = variant;
-    result.skipped = sizeMessage(variant.representation.label(), group.quads,
-                                 neededBytes(plan, variant, group.quads), available);
+    result.library = libraryOf(variant).name();
+    result.skipped = why;
     std::fprintf(stderr, "  %s: %s\n", title().c_str(), result.skipped.c_str());
     group.results.push_back(std::move(result));
   }

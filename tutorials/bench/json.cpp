@@ -87,18 +87,44 @@ json speedJson(const Speed& s, bool onDevice)
   std::vector<double> mrays;
   for (double seconds : s.seconds)
     mrays.push_back(s.mrays(seconds));
-  return {{"view", s.view},
-          {"set", raySetName(s.set)},
-          {"query", queryName(s.trace.query)},
-          {"mode", traceModeName(s.trace.mode)},
-          {"threads", s.trace.threads},
-          {"clock", onDevice ? "the device's" : s.trace.threads > 1 ? "wall" : "processor time of the thread"},
-          {"passes", s.trace.passes},
-          {"rays", s.rays},
-          {"hits", s.hits},
-          {"seconds", s.seconds},
-          {"mrays_per_second", summary(mrays)},
-          {"relative_to_grid", summary(s.toGrid)}};
+  json j = {{"view", s.view},
+            {"set", raySetName(s.set)},
+            {"query", queryName(s.trace.query)},
+            {"mode", traceModeName(s.trace.mode)},
+            {"threads", s.trace.threads},
+            {"clock", onDevice ? "the device's" : s.trace.threads > 1 ? "wall" : "processor time of the thread"},
+            {"passes", s.trace.passes},
+            {"rays", s.rays},
+            {"hits", s.hits},
+            {"seconds", s.seconds},
+            {"mrays_per_second", summary(mrays)},
+            {"relative_to_grid", summary(s.toGrid)}};
+  if (!s.toFirst.empty())
+    j["relative_to_first_library"] = summary(s.toFirst);
+  return j;
+}
+
+json agreementJson(const HitAgreement& a)
+{
+  return {{"view", a.view},
+          {"set", raySetName(a.set)},
+          {"query", queryName(a.trace.query)},
+          {"mode", traceModeName(a.trace.mode)},
+          {"rays", a.found.rays},
+          {"other_rays", a.found.all()},
+          {"other_hit_or_miss", a.found.hits},
+          {"other_ids", a.found.ids},
+          {"other_distance", a.found.distances},
+          {"other_uv_or_normal", a.found.surfaces}};
+}
+
+json libraryJson(const Library& library)
+{
+  return {{"name", library.name()},
+          {"path", library.path()},
+          {"version", library.version()},
+          {"isas", library.isas()},
+          {"compresses", library.compresses()}};
 }
 
 json memoryJson(const VariantResult& r)
@@ -140,6 +166,8 @@ json resultJson(const VariantResult& r)
   const Representation& what = r.variant.representation;
   const std::string label = what.label();
   json j = {{"representation", label}, {"kind", label.substr(0, label.find('^'))}, {"isa", r.variant.isa}};
+  if (!r.library.empty())
+    j["library"] = r.library;
   if (what.hasFrames())
     j["frame_level"] = what.frameLevel == autoFrameLevel ? json("auto") : json(what.frameLevel);
   if (!r.skipped.empty())
@@ -158,6 +186,8 @@ json resultJson(const VariantResult& r)
   j["views"] = json::array();
   for (const ViewResult& v : r.views)
     j["views"].push_back(viewJson(v));
+  for (const HitAgreement& a : r.agreements)
+    j["hits_beside_first_library"].push_back(agreementJson(a));
   j["speed"] = json::array();
   for (const Speed& s : r.speeds)
     j["speed"].push_back(speedJson(s, r.build.onDevice.has_value()));
@@ -214,19 +244,23 @@ json settingsJson(const BenchOptions& options)
 /* Who measured, where and how. */
 json runJson(const BenchOptions& options, const Machine& m)
 {
-  return {{"command", options.command},
-          {"date", m.date},
-          {"commit", m.commit},
-          {"compiler", m.compiler},
-          {"flags", m.flags},
-          {"build_type", m.buildType},
-          {"library_isas", m.isas},
-          {"cpu", m.cpu},
-          {"hardware_threads", m.threads},
-          {"memory_bytes", m.memoryBytes},
-          {"load_before", m.load},
-          {"system", m.system},
-          {"settings", settingsJson(options)}};
+  json run = {{"command", options.command},
+              {"date", m.date},
+              {"commit", m.commit},
+              {"compiler", m.compiler},
+              {"flags", m.flags},
+              {"build_type", m.buildType},
+              {"library_isas", m.isas},
+              {"cpu", m.cpu},
+              {"hardware_threads", m.threads},
+              {"memory_bytes", m.memoryBytes},
+              {"load_before", m.load},
+              {"system", m.system},
+              {"settings", settingsJson(options)}};
+  for (const Library& library : options.libraries)
+    if (!library.name().empty())
+      run["libraries"].push_back(libraryJson(library));
+  return run;
 }
 
 } // namespace

@@ -85,7 +85,9 @@ std::vector<std::string> usableIsas(const Machine& machine)
 std::string bestIsa(const Machine& machine)
 {
   const std::vector<std::string> usable = usableIsas(machine);
-  return usable.empty() ? "" : usable.back();
+  if (usable.empty())
+    throw Error("--isa best: this processor has none that the library, or all of --library, were built for");
+  return usable.back();
 }
 
 void requireIsa(const Machine& machine, const std::string& isa)
@@ -94,7 +96,7 @@ void requireIsa(const Machine& machine, const std::string& isa)
   if (std::find(known.begin(), known.end(), isa) == known.end())
     throw Error("unknown --isa '" + isa + "', known are sse2, sse4.2, avx, avx2 and avx512");
   if (std::find(machine.isas.begin(), machine.isas.end(), isa) == machine.isas.end())
-    throw Error("--isa '" + isa + "': the library was not built for it");
+    throw Error("--isa '" + isa + "': the library, or one of --library, was not built for it");
   if (!processorHas(isa))
     throw Error("--isa '" + isa + "': this processor does not have it");
 }

@@ -29,7 +29,8 @@ Machine describeMachine();
 /* What both library and processor have, narrowest first. */
 std::vector<std::string> usableIsas(const Machine& machine);
 
-/* The instruction set that Embree picks when told nothing, the widest of them. */
+/* The instruction set that Embree picks when told nothing, the widest of them. Throws Error
+ * if there is none. */
 std::string bestIsa(const Machine& machine);
 
 /* Throws Error for a name that is unknown, or that the library or the processor

@@ -137,7 +137,7 @@ RaySet parseRaySet(const std::string& word)
 struct Words
 {
   SceneSettings settings; // of all scenes
-  std::string scenes, levels = "6", representations = "naive,grid,cgrid,cvoxel,cleaf,cvert", frameLevels = "2";
+  std::string scenes, libraries, levels = "6", representations = "naive,grid,cgrid,cvoxel,cleaf,cvert", frameLevels = "2";
   std::string isas = "best", device = "cpu", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
   std::string size = "768x768", pictureLevels, checks, position;
   std::vector<std::string> views;
@@ -159,10 +159,13 @@ void declareLists(CLI::App& app, Words& words)
     ->type_name("LIST")->capture_default_str();
   app.add_option("--frame-level", words.frameLevels, "levels at which local frames start: 0 to 8, or auto")
     ->type_name("LIST")->capture_default_str();
+  app.add_option("--library", words.libraries,
+                 "builds of libembree3.so.3, or folders that have one, in place of the program's own: speeds are relative to\n"
+                 "the first, too, and hits are compared with its")
+    ->type_name("LIST");
   app.add_option("--isa", words.isas, "widest instruction sets: best, sse2, sse4.2, avx, avx2, avx512")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--device", words.device, "what traces: cpu, vulkan, or vulkan: and an index or a part of a name")
-    ->type_name("DEVICE")->capture_default_str();
+  addDeviceOption(app, words.device);
   app.add_option("--threads", words.threads, "numbers of threads that trace, 0 for all")
     ->type_name("LIST")->capture_default_str();
   app.add_option("--set", words.sets, "ray sets: coherent, incoherent")->type_name("LIST")->capture_default_str();
@@ -252,16 +255,29 @@ void readSurfaces(const Words& words, BenchOptions& o)
   o.representations = parseAll(words.representations, words.frameLevels);
 }
 
+/* What traces. */
+void readLibraries(const Words& words, BenchOptions& o)
+{
+  if (!words.libraries.empty() && words.device != "cpu")
+    throw Error("--library is of the processor: with --device " + words.device + " leave it out");
+  validateTraceDevice(o.device = words.device);
+  if (words.libraries.empty())
+    o.libraries.emplace_back();
+  else
+    o.libraries = openLibraries(split("--library", words.libraries));
+}
+
 /* How it is measured. */
-void readCombinations(const Words& words, const Machine& machine, BenchOptions& o)
+void readCombinations(const Words& words, Machine machine, BenchOptions& o)
 {
   constexpr int mostThreads = 1024; // more is a slip of the keyboard
+  if (!words.libraries.empty()) // not those of this program's own
+    machine.isas = commonIsas(o.libraries);
   for (const std::string& word : split("--isa", words.isas))
   {
     o.isas.push_back(word == "best" ? bestIsa(machine) : word);
     requireIsa(machine, o.isas.back());
   }
-  validateTraceDevice(o.device = words.device);
   if (o.device != "cpu" && (words.threads != "1" || words.modes != "single"))
     throw Error("--threads and --mode are of the processor: with --device " + o.device + " leave them out");
   if (o.device != "cpu" && o.checks.crossings)
@@ -309,6 +325,7 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
     return std::nullopt;
   }
   readSurfaces(words, o);
+  readLibraries(words, o);
   readCombinations(words, machine, o);
   validateNumbers(o);
   o.command = commandLine(argc, argv);

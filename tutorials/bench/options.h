@@ -5,6 +5,7 @@
 
 /* Command line of cbvh_bench: lists, whose combinations are measured. */
 
+#include "library.h"
 #include "machine.h"
 #include "robustness.h"
 #include "building/representation.h"
@@ -30,6 +31,7 @@ struct BenchOptions
   std::vector<std::string> views;
   std::vector<int> levels;
   std::vector<Representation> representations; // GRID among them or not: it is always built
+  std::vector<Library> libraries;              // at least one; of several all have names
   std::vector<std::string> isas;
   std::string device = "cpu";                  // that traces: "cpu", "vulkan" or "vulkan:NAME"
   std::vector<unsigned> threads;               // that trace

@@ -11,6 +11,7 @@
 #include "measure/height_bins.h"
 #include "measure/hit_metrics.h"
 #include "measure/true_errors.h"
+#include "tracing/kept_hits.h"
 #include "tracing/trace_timing.h"
 
 #include <deque>
@@ -28,9 +29,20 @@ struct Speed
   TraceSettings trace;
   size_t rays = 0, hits = 0;
   std::vector<double> seconds; // one a round
-  std::vector<double> toGrid;  // speed over that of GRID on the same ISA in the same round
+  std::vector<double> toGrid;  // speed over that of GRID on the same ISA by the same library in the same round
+  std::vector<double> toFirst; // over that of the first library, if that has the same; of another library only
 
   double mrays(double s) const { return double(rays) * 1e-6 / s; }
+};
+
+/* Of a variant in a view, a ray set, a query and a mode: whether it hits what the first library
+ * hits. */
+struct HitAgreement
+{
+  std::string view;
+  RaySet set = Coherent;
+  TraceSettings trace;
+  HitDifferences found;
 };
 
 /* Of a variant in a view. */
@@ -46,15 +58,17 @@ struct ViewResult
   std::string picture, errorMap;            // file names
 };
 
-/* Of a representation on an instruction set. */
+/* Of a representation on an instruction set, by a library. */
 struct VariantResult
 {
   Variant variant;
+  std::string library;              // its name; empty where only the program's own is measured
   std::string skipped;              // why it was not measured, empty otherwise
   int batch = 0;                    // variants of a batch are measured in turns
   BuildReport build;
   size_t leafBytes = 0, innerBytes = 0;
   std::vector<ViewResult> views;
+  std::vector<HitAgreement> agreements; // of another library than the first that has the same
   std::vector<Speed> speeds;
   CheckResult checks;
 };

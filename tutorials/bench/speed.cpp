@@ -50,11 +50,11 @@ size_t inTurn(size_t k, int round, size_t n)
   return round % 2 ? n - 1 - turn : turn;
 }
 
-/* Baselines come first, one of each ISA. */
-size_t gridOf(const std::vector<BuiltVariant>& batch, const std::string& isa)
+/* Baselines come first, one of each ISA and library. */
+size_t gridOf(const std::vector<BuiltVariant>& batch, const Variant& variant)
 {
   size_t grid = 0;
-  while (batch[grid].result->variant.isa != isa)
+  while (batch[grid].variant().isa != variant.isa || batch[grid].variant().library != variant.library)
     grid++;
   return grid;
 }
@@ -76,14 +76,16 @@ void note(const std::vector<BuiltVariant>& batch, size_t index, const Combinatio
 {
   for (size_t i = 0; i < batch.size(); i++)
   {
-    VariantResult& result = *batch[i].result;
+    VariantResult& result = batch[i].result();
     if (result.speeds.size() <= index)
       result.speeds.push_back(recordOf(combination));
-    const double gridSeconds = timings[gridOf(batch, result.variant.isa)].seconds;
+    const double gridSeconds = timings[gridOf(batch, result.variant)].seconds;
     Speed& speed = result.speeds[index];
     speed.hits = timings[i].hits;
     speed.seconds.push_back(timings[i].seconds);
     speed.toGrid.push_back(gridSeconds / timings[i].seconds);
+    if (const std::optional<size_t> first = sameOfFirstLibrary(batch, i))
+      speed.toFirst.push_back(timings[*first].seconds / timings[i].seconds);
   }
 }
 
@@ -104,7 +106,7 @@ void measureSpeed(const BenchOptions& options, const std::vector<View>& views, c
       for (size_t k = 0; k < batch.size(); k++)
       {
         const size_t i = inTurn(k, round, batch.size());
-        timings[i] = timeTrace(*batch[i].scene, combination.rays(), combination.trace);
+        timings[i] = timeTrace(batch[i].use(), combination.rays(), combination.trace);
         phase.update(double(++taken) / double(samples));
       }
       if (round < 0)

@@ -6,7 +6,8 @@
 /* The speed of variants that are in memory together, measured in turns: each round
  * measures every variant once in every combination of view, ray set, query, mode and
  * threads. Variants follow one another directly, each round in another order, so a machine
- * that gets slower for a while slows all of them, and a ratio to GRID is that of one round. */
+ * that gets slower for a while slows all of them, and a ratio to GRID, or to another library,
+ * is that of one round. */
 
 #include "built_variant.h"
 #include "options.h"
@@ -19,7 +20,7 @@ namespace cbvh {
 
 /* Adds a record for each combination to every variant's result, in the same order.
  *
- * views: that traced the variants. batch: GRID of each ISA first. title: of the phase.
+ * views: that traced the variants. batch: GRID of each ISA and library first. title: of the phase.
  * Throws Cancelled. */
 void measureSpeed(const BenchOptions& options, const std::vector<View>& views, const std::vector<BuiltVariant>& batch,
                   const std::string& title);

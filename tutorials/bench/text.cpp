@@ -62,6 +62,28 @@ std::string checkLines(const CheckResult& checks)
   return out;
 }
 
+/* One line when all is the same. */
+std::string agreementLines(const std::vector<HitAgreement>& agreements)
+{
+  size_t rays = 0, differ = 0;
+  std::string out;
+  for (const HitAgreement& a : agreements)
+  {
+    rays += a.found.rays;
+    differ += a.found.all();
+    if (!a.found.all())
+      continue;
+    char line[240];
+    std::snprintf(line, sizeof(line),
+                  " %s %s %s: %zu of %zu rays hit otherwise than A's: %zu hit or miss, %zu IDs, %zu distances, "
+                  "%zu u, v or normals\n",
+                  raySetName(a.set), queryName(a.trace.query), traceModeName(a.trace.mode), a.found.all(), a.found.rays,
+                  a.found.hits, a.found.ids, a.found.distances, a.found.surfaces);
+    out += "    " + a.view + line;
+  }
+  return rays && !differ ? "    hits of " + std::to_string(rays) + " rays are A's to the bit\n" : out;
+}
+
 std::string speedLine(const Speed& s, bool onDevice)
 {
   std::vector<double> mrays;
@@ -72,9 +94,13 @@ std::string speedLine(const Speed& s, bool onDevice)
   if (!onDevice)
     std::snprintf(mode, sizeof(mode), " %-8s %2u thr", traceModeName(s.trace.mode), s.trace.threads);
   char line[160];
-  std::snprintf(line, sizeof(line), "%-10s %-7s%s %8.3f Mrays/s, %5.2f of GRID, spread %4.1f%%\n",
+  std::snprintf(line, sizeof(line), "%-10s %-7s%s %8.3f Mrays/s, %5.2f of GRID, spread %4.1f%%",
                 raySetName(s.set), queryName(s.trace.query), mode, median(mrays), toGrid, 100.0 * interquartileRange(s.toGrid) / toGrid);
-  return "    " + s.view + " " + line;
+  std::string out = "    " + s.view + " " + line;
+  if (!s.toFirst.empty())
+    out += number(", %.3f of A", median(s.toFirst)) +
+           number(", spread %4.1f%%", 100.0 * interquartileRange(s.toFirst) / median(s.toFirst));
+  return out + "\n";
 }
 
 std::string resultLines(const VariantResult& r)
@@ -82,6 +108,8 @@ std::string resultLines(const VariantResult& r)
   char head[160];
   std::snprintf(head, sizeof(head), "  %-10s %-7s", r.variant.representation.label().c_str(), r.variant.isa.c_str());
   std::string out = head;
+  if (!r.library.empty())
+    out += r.library + " ";
   if (!r.skipped.empty())
     return out + r.skipped + "\n";
   std::snprintf(head, sizeof(head), "%9.1f MiB %7.2f B/quad, build %6.2f s", double(r.build.liveBytes) / (1 << 20),
@@ -91,7 +119,7 @@ std::string resultLines(const VariantResult& r)
     out += ", " + v.view + " RMSE " + number("%.4f px", v.errors.rmse);
   if (r.build.onDevice)
     out += ", on " + r.build.onDevice->device;
-  out += "\n" + checkLines(r.checks);
+  out += "\n" + checkLines(r.checks) + agreementLines(r.agreements);
   for (const Speed& s : r.speeds)
     out += speedLine(s, r.build.onDevice.has_value());
   return out;
@@ -111,7 +139,12 @@ std::string formatHead(const BenchOptions& options, const Machine& m)
                 "commit %s, %s build by %s\n%s, %u hardware threads, load %.1f; isa %s; tracing on %s\n",
                 m.commit.c_str(), m.buildType.c_str(), m.compiler.c_str(), m.cpu.c_str(), m.threads, m.load,
                 isas.c_str(), options.device != "cpu" ? options.device.c_str() : (threads + (threads == "1" ? " thread" : " threads")).c_str());
-  return text;
+  std::string out = text;
+  for (const Library& library : options.libraries)
+    if (!library.name().empty())
+      out += library.description() + ", Embree " + library.version() +
+             (library.compresses() ? "\n" : " without compressed representations\n");
+  return out;
 }
 
 std::string formatTable(const Group& g)

@@ -40,7 +40,8 @@ bool ViewPictures::wanted() const
 std::string ViewPictures::stem(const View& view, const Variant& variant) const
 {
   std::string stem = scene + "_L" + std::to_string(level) + "_" + view.fileName + "_" +
-                     variant.representation.fileStem() + (options.isas.size() > 1 ? "_" + variant.isa : "");
+                     variant.representation.fileStem() + (options.isas.size() > 1 ? "_" + variant.isa : "") +
+                     (options.libraries.size() > 1 ? "_" + options.libraries[variant.library].name() : "");
   std::replace(stem.begin(), stem.end(), ':', '_'); // of an amplitude, "cube:0.45": not in all file systems
   return stem;
 }

@@ -1,0 +1,81 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "tracing/kept_hits.h"
+#include "basics/parallel.h"
+#include "tracing/trace_kernels.h"
+
+#include <cmath>
+
+namespace cbvh {
+namespace {
+
+/* The sink that keeps hits. Embree leaves misses with whatever they came with. */
+struct HitStore
+{
+  KeptHit* hits;
+
+  void closest(size_t i, const RTCRayHit& ray)
+  {
+    if (ray.hit.geomID != RTC_INVALID_GEOMETRY_ID)
+      hits[i] = {true, ray.hit.geomID, ray.hit.primID, ray.hit.instID[0], ray.ray.tfar, ray.hit.u, ray.hit.v,
+                 {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z}};
+  }
+  template<typename Packet>
+  void closest(size_t i, const Packet& packet, size_t k)
+  {
+    const auto& hit = packet.hit;
+    if (hit.geomID[k] != RTC_INVALID_GEOMETRY_ID)
+      hits[i] = {true, hit.geomID[k], hit.primID[k], hit.instID[0][k], packet.ray.tfar[k], hit.u[k], hit.v[k],
+                 {hit.Ng_x[k], hit.Ng_y[k], hit.Ng_z[k]}};
+  }
+  void any(size_t i, float tfar) { hits[i].hit = tfar < 0.0f; }
+};
+
+bool same(float a, float b)
+{
+  return a == b || (std::isnan(a) && std::isnan(b));
+}
+
+bool sameIds(const KeptHit& a, const KeptHit& b)
+{
+  return a.geometry == b.geometry && a.primitive == b.primitive && a.instance == b.instance;
+}
+
+bool sameSurface(const KeptHit& a, const KeptHit& b)
+{
+  return same(a.u, b.u) && same(a.v, b.v) && same(a.normal.x, b.normal.x) && same(a.normal.y, b.normal.y) &&
+         same(a.normal.z, b.normal.z);
+}
+
+} // namespace
+
+std::vector<KeptHit> keepHits(const BuiltScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings)
+{
+  std::vector<KeptHit> hits(rays.size());
+  const Kernel<HitStore> kernel = kernelOf<HitStore>(settings.mode, settings.query);
+  parallelFor(rays.size(), traceChunk, settings.threads, [&](size_t begin, size_t end) {
+    const FastDenormals denormals;
+    RTCIntersectContext context = traceContext(settings.coherent);
+    kernel(scene.handle(), context, &rays[begin], end - begin, {&hits[begin]});
+  });
+  return hits;
+}
+
+HitDifferences compareKept(const std::vector<KeptHit>& a, const std::vector<KeptHit>& b)
+{
+  HitDifferences found;
+  found.rays = a.size();
+  for (size_t i = 0; i < a.size(); i++)
+    if (a[i].hit != b[i].hit)
+      found.hits++;
+    else if (!sameIds(a[i], b[i]))
+      found.ids++;
+    else if (!same(a[i].t, b[i].t))
+      found.distances++;
+    else if (!sameSurface(a[i], b[i]))
+      found.surfaces++;
+  return found;
+}
+
+} // namespace cbvh

@@ -1,0 +1,93 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A function that is missing here would be that of the program's own library, whichever is in
+ * use: tests/programs/bench_cli.sh looks for such. */
+
+#include "embree_calls.h"
+#include "basics/error.h"
+
+#include <cstddef>
+#include <dlfcn.h>
+#include <iterator>
+#include <utility>
+
+#if !defined(__x86_64__)
+#error "a jump through a slot is written for x86-64 only"
+#endif
+
+#define CBVH_EMBREE_FUNCTIONS(EACH) \
+  EACH(rtcNewDevice) EACH(rtcReleaseDevice) EACH(rtcGetDeviceError) EACH(rtcGetDeviceProperty) \
+  EACH(rtcSetDeviceErrorFunction) EACH(rtcSetDeviceMemoryMonitorFunction) \
+  EACH(rtcNewBuffer) EACH(rtcReleaseBuffer) EACH(rtcGetBufferData) \
+  EACH(rtcNewGeometry) EACH(rtcReleaseGeometry) EACH(rtcCommitGeometry) \
+  EACH(rtcSetGeometryBuffer) EACH(rtcSetNewGeometryBuffer) EACH(rtcSetGeometryUserData) \
+  EACH(rtcSetGeometrySubdivisionMode) EACH(rtcSetGeometryTessellationRate) \
+  EACH(rtcSetGeometryDisplacementFunction) EACH(rtcSetGeometryCompression) EACH(rtcInterpolateN) \
+  EACH(rtcNewScene) EACH(rtcReleaseScene) EACH(rtcAttachGeometry) EACH(rtcCommitScene) \
+  EACH(rtcSetSceneFlags) EACH(rtcSetSceneProgressMonitorFunction) \
+  EACH(rtcGetSceneBounds) EACH(rtcGetSceneCompressionStatistics) \
+  EACH(rtcIntersect1) EACH(rtcIntersect4) EACH(rtcIntersect8) EACH(rtcIntersect16) EACH(rtcIntersect1M) \
+  EACH(rtcOccluded1) EACH(rtcOccluded4) EACH(rtcOccluded8) EACH(rtcOccluded16) EACH(rtcOccluded1M)
+
+/* A slot, and the function that jumps there, whatever its arguments are. */
+#define CBVH_FUNCTION(name)                     \
+  extern "C" void* cbvh_slot_##name;            \
+  void* cbvh_slot_##name = nullptr;             \
+  asm(".pushsection .text\n"                    \
+      ".balign 16\n"                            \
+      ".globl " #name "\n"                      \
+      ".type " #name ", @function\n"            \
+      #name ": jmp *cbvh_slot_" #name "(%rip)\n" \
+      ".size " #name ", . - " #name "\n"        \
+      ".popsection\n");
+CBVH_EMBREE_FUNCTIONS(CBVH_FUNCTION)
+
+namespace cbvh {
+namespace {
+
+struct Slot
+{
+  const char* name;
+  void** function;
+};
+
+#define CBVH_SLOT(name) {#name, &cbvh_slot_##name},
+constexpr Slot slots[] = {CBVH_EMBREE_FUNCTIONS(CBVH_SLOT)};
+
+std::string inUse; // the library
+
+/* In place of a function that the library does not have. */
+template<size_t slot>
+[[noreturn]] void refuse()
+{
+  throw Error(inUse + " has no " + slots[slot].name);
+}
+
+template<size_t... i>
+void fill(const EmbreeFunctions& functions, std::index_sequence<i...>)
+{
+  const auto valueOf = [&](size_t slot, void (*otherwise)()) {
+    void* const function = functions.at(slots[slot].name);
+    return function ? function : reinterpret_cast<void*>(otherwise);
+  };
+  ((*slots[i].function = valueOf(i, refuse<i>)), ...);
+}
+
+} // namespace
+
+EmbreeFunctions embreeFunctionsOf(void* opened)
+{
+  EmbreeFunctions functions;
+  for (const Slot& slot : slots)
+    functions[slot.name] = dlsym(opened, slot.name);
+  return functions;
+}
+
+void useEmbreeFunctions(const EmbreeFunctions& functions, const std::string& library)
+{
+  inUse = library;
+  fill(functions, std::make_index_sequence<std::size(slots)>());
+}
+
+} // namespace cbvh
