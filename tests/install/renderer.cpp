@@ -40,5 +40,6 @@ int main()
   Dl_info info;
   dladdr((void*)&rtcNewDevice, &info);
   std::printf("%s\n", info.dli_fname);
-  return ray.hit.geomID == 0 && ray.ray.tfar == 1 ? 0 : 1;
+  // Embree divides by the processor's own approximation: an ulp or two are the machine's
+  return ray.hit.geomID == 0 && std::fabs(ray.ray.tfar - 1) < 1e-6f ? 0 : 1;
 }
