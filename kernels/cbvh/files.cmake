@@ -10,7 +10,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/build/builder.cpp
   cbvh/trace/node_tables.cpp
   cbvh/trace/vert_tables.cpp
-  cbvh/trace/vert_cache.cpp
+  cbvh/trace/thread_cache.cpp
   cbvh/trace/intersector1.cpp
   cbvh/trace/intersectorK.cpp)
 

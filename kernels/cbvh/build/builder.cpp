@@ -13,7 +13,7 @@
 #include "patch_builder.h"
 #include "vert_patch_builder.h"
 #include "build_report.h"
-#include "../trace/vert_cache.h"
+#include "../trace/thread_cache.h"
 
 namespace embree
 {
@@ -51,7 +51,7 @@ namespace embree
         prims.clear();
         if (scene->getNumPrimitives(SubdivMesh::geom_type,false) == 0) { setEmpty(); return; }
         const double t0 = bvh->preBuild(TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
-        cbvh::VertCache::outdate();
+        cbvh::outdateThreadCaches();
 
         /* count, then build: every face knows where its primitives go */
         std::vector<std::unique_ptr<FaceTable>> tables;

@@ -25,9 +25,11 @@ namespace embree
         {
           LocalRay local;
           if (!local.init(pre,block,ray.tfar)) return false;
-          const MirroredRay mirrored(local);
-          Visitor<RayType> visitor(ray,context,pre,block,local,mirrored);
-          BlockWalk1<Visitor<RayType>>(mirrored,block->nodes(),block->layout().nodeLevels,visitor).run();
+          const FrameRay frameRay(local);
+          const BlockLayout layout = block->layout();
+          BlockTiles tiles(block,layout);
+          Visitor<RayType> visitor(ray,context,pre,block,layout,local,frameRay,tiles);
+          BlockWalk1<Visitor<RayType>>(frameRay,tiles,visitor).run();
           return visitor.isHit;
         }
       };

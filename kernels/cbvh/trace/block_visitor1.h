@@ -35,14 +35,14 @@ namespace embree
       template<> struct IsAnyHit<Ray>    { static const bool value = true; };
       template<> struct IsAnyHit<RayHit> { static const bool value = false; };
 
-      /*! a hit in a leaf, mirrored */
+      /*! a hit in a leaf */
       struct LeafHit
       {
         float s;
         uint32_t leaf;
         float u, v;            //!< position in the leaf
         float slopeX, slopeY;  //!< of the surface there
-        uint32_t from;         //!< side that the ray comes from, in the frame, as far as it is known
+        uint32_t from;         //!< side that the ray comes from, as far as it is known
       };
 
       template<typename RayType>
@@ -52,45 +52,35 @@ namespace embree
         IntersectContext* context;
         const RayPrecalculations& pre;
         const Block* block;
+        const BlockLayout& layout;
         const LocalRay& local;
-        const MirroredRay& mirrored;
-        const char* data;   //!< what follows the words
-        uint32_t numLeaves; //!< along a side
+        const FrameRay& frameRay;
+        BlockTiles& tiles;
         float sBest;
         bool isHit;         //!< a hit was accepted
 
-        __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block,
-                                     const LocalRay& local, const MirroredRay& mirrored)
-          : ray(ray), context(context), pre(pre), block(block), local(local), mirrored(mirrored), sBest(1.0f), isHit(false)
-        {
-          const BlockLayout layout = block->layout();
-          data = (const char*)block + layout.leafOffset;
-          numLeaves = layout.leaves;
-        }
+        __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block, const BlockLayout& layout,
+                                     const LocalRay& local, const FrameRay& frameRay, BlockTiles& tiles)
+          : ray(ray), context(context), pre(pre), block(block), layout(layout), local(local), frameRay(frameRay), tiles(tiles), sBest(1.0f), isHit(false) {}
 
         __forceinline bool wantsPassed () const { return false; }
         __forceinline bool passedAbove (bool) { return false; }
 
-        __forceinline void decode (uint32_t word, uint32_t, const ParentBox& parent, ChildBoxes& c) const {
-          mirrored.decode(word,parent,c);
-        }
+        __forceinline NodeEntries::Tile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
-        /*! index of a lane's child */
-        __forceinline uint32_t child (uint32_t m, size_t lane) const { return 4*m + (uint32_t(lane) ^ uint32_t(mirrored.flipXY())); }
+        /*! whether the segment begins (ends) in the box of a leaf, at tnear (tfar) */
+        __forceinline bool startsInside (const BoxRanges<16>& ranges, uint32_t leaf) const { return local.startClipped && ranges.sNear[leaf] < 0.0f; }
+        __forceinline bool endsInside (const BoxRanges<16>& ranges, uint32_t leaf) const { return local.endClipped && ranges.sFar[leaf] > 1.0f; }
 
         /*! Reports a hit; true if it was accepted. */
         __forceinline bool reportHit (const LeafHit& at)
         {
-          const bool flipX = mirrored.flip[0], flipY = mirrored.flip[1], flipZ = mirrored.flip[2];
-          const float u = flipX ? 1.0f-at.u : at.u, slopeX = flipX != flipZ ? -at.slopeX : at.slopeX;
-          const float v = flipY ? 1.0f-at.v : at.v, slopeY = flipY != flipZ ? -at.slopeY : at.slopeY;
-
-          const float leafSize = float(1u << block->height())/float(numLeaves); // in quads
+          const float leafSize = float(1u << block->height())/float(layout.leaves); // in quads
           SurfaceHit hit;
-          hit.u = block->faceU(leafSize*(float(mortonX(at.leaf)) + u));
-          hit.v = block->faceV(leafSize*(float(mortonY(at.leaf)) + v));
+          hit.u = block->faceU(leafSize*(float(mortonX(at.leaf)) + at.u));
+          hit.v = block->faceV(leafSize*(float(mortonY(at.leaf)) + at.v));
           hit.t = min(max(local.worldT(pre,at.s),ray.tnear()),ray.tfar);
-          hit.Ng = unitNormal(local.P0 + at.s*(local.P1-local.P0),slopeX,slopeY);
+          hit.Ng = unitNormal(local.P0 + at.s*(local.P1-local.P0),at.slopeX,at.slopeY);
           const float along = dot(hit.Ng,pre.dir);
           if (isTurned(along,1.0f,1.0f/pre.rcpDir2,at.from)) hit.Ng = hit.Ng - (2.0f*along*pre.rcpDir2)*pre.dir;
           if (!report(ray,context,block->geomID,block->primID,hit)) return false;
@@ -112,19 +102,6 @@ namespace embree
           return normalize_safe(n*(1.0f/max(reduce_max(abs(n)),1e-37f)));
         }
       };
-
-      /*! lanes whose segment begins or ends inside the leaf's box, at tnear or tfar */
-      __forceinline vboolf4 startsInside (const LocalRay& local, const ChildBoxes& c) {
-        return vboolf4(local.startClipped) & (c.sNear < vfloat4(zero));
-      }
-
-      __forceinline vboolf4 endsInside (const LocalRay& local, const ChildBoxes& c) {
-        return vboolf4(local.endClipped) & (c.sFar > vfloat4(1.0f));
-      }
-
-      __forceinline vboolf4 laneMask (size_t mask) {
-        return (vint4(int(mask)) & vint4(1,2,4,8)) != vint4(zero);
-      }
     }
   }
 }

@@ -64,7 +64,7 @@ namespace embree
         {
           typedef typename Loader::vfloat vfloat;
           const size_t plane = width*width;
-          const float* p = (const float*)this->data + y*width + x;
+          const float* p = (const float*)this->block->leaves() + y*width + x;
           Vec3<vfloat> v0, v1, v2;
           Loader::gather(p,p+plane,p+2*plane,width,lines,v0,v1,v2);
           const MapUV<Loader> mapUV(this->block,float(x),float(y));
@@ -72,31 +72,24 @@ namespace embree
           return intersector.intersect(this->ray,v0,v1,v2,mapUV,epilog<Loader::M>(this->ray,this->context,this->block));
         }
 
-        __forceinline bool leaves (const ChildBoxes& c, const HitMasks& masks, const ChildOrder&, uint32_t m)
+        __forceinline bool leaf (uint32_t m, uint32_t child, const BoxRanges<16>&)
         {
-          size_t hit = masks.hit;
           const size_t width = (size_t(1) << this->block->height()) + 1;
           const size_t lines = min(width,size_t(3));
-          while (hit)
-          {
-            const size_t lane = bscf(hit);
-            if (c.sNear[lane] > this->sBest) continue;
-            const uint32_t g = this->child(m,lane);
-            const size_t x = 2*mortonX(g), y = 2*mortonY(g);
-            bool found;
+          const uint32_t g = 16*m + child;
+          const size_t x = 2*mortonX(g), y = 2*mortonY(g);
+          bool found;
 #if defined(__AVX__)
-            found = quads<GridSOA::Gather3x3>(width,x,y,lines);
+          found = quads<GridSOA::Gather3x3>(width,x,y,lines);
 #else
-            found = quads<GridSOA::Gather2x3>(width,x,y,lines);
-            if (IsAnyHit<RayType>::value && found) return this->isHit = true;
-            if (lines > 2) found |= quads<GridSOA::Gather2x3>(width,x,y+1,lines);
+          found = quads<GridSOA::Gather2x3>(width,x,y,lines);
+          if (IsAnyHit<RayType>::value && found) return this->isHit = true;
+          if (lines > 2) found |= quads<GridSOA::Gather2x3>(width,x,y+1,lines);
 #endif
-            if (!found) continue;
-            this->isHit = true;
-            if (IsAnyHit<RayType>::value) return true;
-            this->sBest = this->local.localS(this->pre,this->ray.tfar) + 1e-5f;
-          }
-          return false;
+          if (!found) return false;
+          this->isHit = true;
+          this->sBest = this->local.localS(this->pre,this->ray.tfar) + 1e-5f;
+          return IsAnyHit<RayType>::value;
         }
       };
     }

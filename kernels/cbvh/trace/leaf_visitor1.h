@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Leaves of cLEAF. patch_crossing4.h measures how the ray crosses them, codec/hit_rule.h
+/* Leaves of cLEAF. leaf_crossing1.h measures how the ray crosses them, codec/hit_rule.h
  * decides where it hits, and this reports it. */
 
-#include "patch_crossing4.h"
+#include "leaf_crossing1.h"
 
 namespace embree
 {
@@ -21,14 +21,8 @@ namespace embree
 
         WalkState state = startOfWalk();
         LeafHit exit;         //!< where the ray left the last leaf, if the state is pending
-        GroupPatches patch;
 
-        __forceinline void decode (uint32_t word, uint32_t m, const ParentBox& parent, ChildBoxes& c)
-        {
-          uint64_t bits;
-          memcpy(&bits,this->data + 8*size_t(m),8);
-          patch.decode(word,bits,parent,this->mirrored,c);
-        }
+        __forceinline NodeEntries::LeafTile& leafTile (uint32_t m) { return this->tiles.leafTile(m); }
 
         __forceinline bool wantsPassed () const { return cbvh::wantsPassed(state); }
 
@@ -41,27 +35,18 @@ namespace embree
           return accept(this->reportHit(exit));
         }
 
-        __forceinline bool leaves (const ChildBoxes& c, const HitMasks& masks, const ChildOrder& order, uint32_t m)
+        __forceinline bool leaf (uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
         {
-          const MirroredRay& ray = this->mirrored;
-          const PatchCrossing4 x(this->local,ray,c,patch);
-          size_t events = order.toOrder(masks.hit | masks.passed);
-          while (events)
-          {
-            const size_t i = order.lane(bscf(events));
-            if (!((masks.hit >> i) & 1)) {
-              if (wantsPassed() && passedAbove(ray.isAbove(c,i))) return true;
-              continue;
-            }
-            const Verdict v = crossLeaf(state,x.event(i));
-            float s;
-            if (isMet(v.hit,x,i,m,s) && !(state.found && !(s < this->sBest))) {
-              if (accept(this->reportHit(hitAt(c,m,i,s,v.from)))) return true;
-              if (state.found) continue;
-            }
-            state = v.next;
-            if (state.pending) exit = exitOf(x,m,i);
+          const NodeEntries::LeafTile& tile = decoded(m,child);
+          const Crossing<float> x = crossDecodedLeaf(this->frameRay,tile,child,ranges,this->startsInside(ranges,child),this->endsInside(ranges,child));
+          const Verdict v = crossLeaf(state,x.event);
+          float s;
+          if (isMet(v.hit,x,tile.surfaces.reach[child],16*m+child,s) && !(state.found && !(s < this->sBest))) {
+            if (accept(this->reportHit(leafHit(m,child,s,v.from)))) return true;
+            if (state.found) return false;
           }
+          state = v.next;
+          if (state.pending) exit = leafHit(m,child,x.s1,sideUnknown);
           return false;
         }
 
@@ -74,47 +59,42 @@ namespace embree
         }
 
         /*! whether the ray meets what the verdict says, and where */
-        __forceinline bool isMet (uint32_t hit, const PatchCrossing4& x, size_t i, uint32_t m, float& s) const
+        __forceinline bool isMet (uint32_t hit, const Crossing<float>& x, float reach, uint32_t number, float& s) const
         {
           if (hit == hitNone) return false;
-          if (hit == hitLip) return meetsLips(x,i,m,s);
-          s = hit == hitRoot ? x.root(i) : x.s0[i];
+          if (unlikely(hit == hitLip)) return meetsLips(x,reach,number,s);
+          s = hit == hitRoot ? between(x,parabolaRoot(x.f)) : x.s0;
           return true;
         }
 
-        __forceinline bool meetsLips (const PatchCrossing4& x, size_t i, uint32_t m, float& s) const
+        __noinline bool meetsLips (const Crossing<float>& x, float reach, uint32_t number, float& s) const
         {
-          const uint32_t leaf = this->child(m,i), last = this->numLeaves-1;
-          const uint32_t cell[2] = { mortonX(leaf), mortonY(leaf) };
-          const float p0[2] = { x.u0[i], x.v0[i] }, p1[2] = { x.u1[i], x.v1[i] };
-          const Lip<float> lip = { borderWidthOf(this->block->info),patch.reach[i],this->mirrored.epsilonZ };
-          const float sign = this->mirrored.flip[2] ? -1.0f : 1.0f;
-          const Parabola<float> f = { sign*x.f0[i], sign*x.f1[i], sign*x.saddle[i] }; // lips are below in the frame
-          for (int axis=0; axis<2; axis++)
-            for (int upper=0; upper<2; upper++)
-            {
-              if (cell[axis] != (upper ? last : 0)) continue;
-              const bool far = upper != this->mirrored.flip[axis];
-              const LipMeeting<float> at = meetLip(f,far ? 1.0f-p0[axis] : p0[axis],far ? 1.0f-p1[axis] : p1[axis],lip);
-              if (!at.met) continue;
-              s = x.s0[i] + at.k*(x.s1[i]-x.s0[i]);
-              return true;
-            }
-          return false;
+          const Lip<float> lip = { borderWidthOf(this->block->info),reach,this->frameRay.epsilonZ };
+          const LipMeeting<float> at = meetLipsOfLeaf(x,mortonX(number),mortonY(number),this->layout.leaves-1,lip);
+          s = between(x,at.k);
+          return at.met;
         }
 
-        __forceinline LeafHit hitAt (const ChildBoxes& c, uint32_t m, size_t i, float s, uint32_t from) const
+        /*! s of a place from entry to exit */
+        static __forceinline float between (const Crossing<float>& x, float k) { return x.s0 + k*(x.s1-x.s0); }
+
+        /*! a leaf's tile, whatever has been traced since the leaf was met */
+        __forceinline const NodeEntries::LeafTile& decoded (uint32_t m, uint32_t child)
         {
-          const MirroredRay& ray = this->mirrored;
-          const float u = clamp((ray.P[0][0]+s*ray.D[0][0]-c.lower[0][i])*patch.rcpX[i],0.0f,1.0f);
-          const float v = clamp((ray.P[1][0]+s*ray.D[1][0]-c.lower[1][i])*patch.rcpY[i],0.0f,1.0f);
-          return LeafHit{ s,this->child(m,i),u,v,patch.slopeX(i,v),patch.slopeY(i,u),from };
+          NodeEntries::LeafTile& tile = leafTile(m);
+          this->tiles.need(tile,1u << (child >> 2));
+          return tile;
         }
 
-        __forceinline LeafHit exitOf (const PatchCrossing4& x, uint32_t m, size_t i) const
+        /*! a hit at s in a leaf */
+        __forceinline LeafHit leafHit (uint32_t m, uint32_t child, float s, uint32_t from)
         {
-          const float u = x.u1[i], v = x.v1[i];
-          return LeafHit{ x.s1[i],this->child(m,i),u,v,patch.slopeX(i,v),patch.slopeY(i,u),sideUnknown };
+          const LeafSurfaces& surfaces = decoded(m,child).surfaces;
+          const vfloat4 place = positionInLeaf(this->frameRay,surfaces,child,vfloat4(s));
+          const float* h = surfaces.height[child];
+          const float u = place[0], v = place[1];
+          const bool flat = (surfaces.solid >> child) & 1u;
+          return LeafHit{ s,16*m+child,u,v,flat ? 0.0f : (h[1]+v*h[3])*surfaces.place[child][2],flat ? 0.0f : (h[2]+u*h[3])*surfaces.place[child][3],from };
         }
       };
     }

@@ -16,33 +16,41 @@ namespace embree
     NodeTables::NodeTables ()
     {
       for (int axis=0; axis<2; axis++)
-        for (int flip=0; flip<2; flip++)
-          for (uint32_t pair=0; pair<32; pair++)
-            for (int lane=0; lane<4; lane++)
-            {
-              const int column = childColumn(lane,axis) ^ flip;
-              nearPlane[axis][flip][pair][lane] = flip ? 1.0f - upperPlane(pair,column) : lowerPlane(pair,column);
-              farPlane [axis][flip][pair][lane] = flip ? 1.0f - lowerPlane(pair,column) : upperPlane(pair,column);
-            }
-      for (int flipX=0; flipX<2; flipX++)
-        for (int flipZ=0; flipZ<2; flipZ++)
-          for (uint32_t pair=0; pair<64; pair++)
-            for (int lane=0; lane<2; lane++)
-            {
-              const Interval z = zInterval((pair >> (zBits*(lane ^ flipX))) & 7);
-              zPair[flipX][flipZ][pair][lane  ] = flipZ ? 1.0f - z.upper : z.lower;
-              zPair[flipX][flipZ][pair][lane+2] = flipZ ? 1.0f - z.lower : z.upper;
-            }
+        for (uint32_t pair=0; pair<32; pair++)
+          for (int child=0; child<4; child++) {
+            lowerPlane[axis][pair][child] = cbvh::lowerPlane(pair,childColumn(child,axis));
+            upperPlane[axis][pair][child] = cbvh::upperPlane(pair,childColumn(child,axis));
+          }
+      for (uint32_t pair=0; pair<64; pair++)
+        for (int child=0; child<2; child++) {
+          const Interval z = zInterval((pair >> (zBits*child)) & 7);
+          zPair[pair][child  ] = z.lower;
+          zPair[pair][child+2] = z.upper;
+        }
       for (uint32_t code=0; code<32; code++)
         latticeOuter[code] = cbvh::latticeOuter(code);
-      for (int flip=0; flip<4; flip++)
-        for (int corner=0; corner<4; corner++)
-          for (int byte=0; byte<16; byte++)
-          {
-            const int child = (byte/4) ^ flip, c = corner ^ flip;
-            const int vertex = childColumn(child,0)+childColumn(c,0) + 3*(childColumn(child,1)+childColumn(c,1));
-            latticeCorner[flip][corner][byte] = uint8_t(byte % 4 ? 0x80 : vertex == 4 ? 8 : latticeByte(vertex));
+      for (int corner=0; corner<4; corner++)
+        for (int byte=0; byte<16; byte++)
+        {
+          const int child = byte/4;
+          const int vertex = childColumn(child,0)+childColumn(corner,0) + 3*(childColumn(child,1)+childColumn(corner,1));
+          latticeCorner[corner][byte] = uint8_t(byte % 4 ? 0x80 : vertex == 4 ? 8 : latticeByte(vertex));
+        }
+      for (int order=0; order<8; order++)
+        for (int mask=0; mask<16; mask++)
+        {
+          maskInOrder[order][mask] = 0;
+          for (int place=0; place<4; place++) {
+            const bool isAlternative = place == 1 || place == 2;
+            const int child = (order & 4 && isAlternative ? 3-place : place) ^ (order & 3);
+            maskInOrder[order][mask] |= uint8_t(((mask >> child) & 1) << place);
           }
+        }
+      for (int mask=0; mask<16; mask++)
+      {
+        firstOfFour[mask] = uint16_t((mask & 1) | (mask & 2) << 3 | (mask & 4) << 6 | (mask & 8) << 9);
+        allOfFour[mask] = uint16_t(15*firstOfFour[mask]);
+      }
     }
   }
 }

@@ -3,15 +3,8 @@
 
 #pragma once
 
-/* Node planes of codec/node.h, expanded for the 4 children at once: one load
- * from a small table a plane pair instead of shifts, conversions and selects, the
- * same on every ISA.
- *
- * Traversal mirrors each axis along which the ray descends (x -> 1-x), so that
- * every ray ascends on every axis: the near plane is always the lower one and
- * children come front to back in lane order. Lane l holds child l ^ flip, where
- * bit 0 (1) of flip mirrors x (y). The tables exist for both orientations; a ray
- * picks its pointers and shifts once a block. */
+/* Node planes of codec/node.h, expanded for the 4 children at once: one load from a small table a
+ * plane pair instead of shifts, conversions and selects, the same on every ISA. */
 
 #include <cstdint>
 
@@ -21,21 +14,26 @@ namespace embree
   {
     struct alignas(64) NodeTables
     {
-      /*! [axis][mirrored][5 bits of the pair][lane]: planes in parent extents */
-      float nearPlane[2][2][32][4];
-      float farPlane [2][2][32][4];
+      /*! [axis][5 bits of the pair][child]: planes in parent extents */
+      float lowerPlane[2][32][4];
+      float upperPlane[2][32][4];
 
-      /*! [x mirrored][z mirrored][6 bits of a row's two children]: lower planes of the
-       *  row's two lanes, then their upper planes */
-      float zPair[2][2][64][4];
+      /*! [6 bits of a row's two children]: their lower planes, then their upper planes */
+      float zPair[64][4];
 
       /*! outer planes of cLEAF's lattices, codec/leaf.h */
       float latticeOuter[32];
 
-      /*! [mirrored x + 2 mirrored y][corner]: for each lane the byte of the corner's height among
-       *  the nine of a lattice, the middle one last; the other bytes of the lane are 0x80, so
-       *  that a byte shuffle makes integers */
-      alignas(16) uint8_t latticeCorner[4][4][16];
+      /*! [corner]: for each leaf the byte of the corner's height among the nine of a lattice, the
+       *  middle one last; the other bytes of the lane are 0x80, so that a byte shuffle makes integers */
+      alignas(16) uint8_t latticeCorner[4][16];
+
+      /*! Orders of children along a ray, as ChildOrder numbers them (tile_order.h): masks of children as masks
+       *  of places. */
+      uint8_t maskInOrder[8][16];
+
+      /*! masks of four, as the lowest bits of four bits each, and as all of them */
+      uint16_t firstOfFour[16], allOfFour[16];
 
       NodeTables ();
     };

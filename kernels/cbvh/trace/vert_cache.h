@@ -3,17 +3,10 @@
 
 #pragma once
 
-/* What a thread has decoded of blocks of cVERT lately. Rays that follow each other, of a picture or a
- * packet, mostly meet the blocks and the groups that the last ones met; decoding them is two thirds of
- * what a ray costs.
- *
- * Entries are found by the address of a block, in one place each. A block that is built may come to lie
- * where another was: a build makes all that threads keep outdated before it begins. */
+/* What threads keep of blocks of cVERT, thread_cache.h: 245 KiB each. */
 
+#include "thread_cache.h"
 #include "vert_tables.h"
-#include "../../../common/sys/platform.h"
-#include <atomic>
-#include <cstddef>
 
 namespace embree
 {
@@ -33,7 +26,7 @@ namespace embree
       float extent; //!< of the block from its origin, at least
     };
 
-    class VertCache
+    class VertEntries
     {
     public:
       struct Block
@@ -50,34 +43,24 @@ namespace embree
         QuadCorners quads;     //!< in the world
       };
 
-      /*! the calling thread's, without what is outdated */
-      static __forceinline VertCache& ofThread ()
-      {
-        VertCache* cache = current;
-        const unsigned now = generation.load(std::memory_order_relaxed);
-        return cache != nullptr && cache->made == now ? *cache : renew(now);
-      }
-
-      /*! comes before blocks are built */
-      static __forceinline void outdate () { generation.fetch_add(1); }
-
       /*! The place of a block (of a group): what is there is the caller's if `block` (and lane) say so, else
        *  it is to be filled, and named. */
-      __forceinline Block& place (const void* block) { return blocks[hash(block) % numBlocks]; }
-      __forceinline Group& place (const void* block, uint32_t lane) { return groups[(hash(block)*5 + lane) % numGroups]; }
+      __forceinline Block& place (const void* block) { return blocks[hashOfBlock(block) % numBlocks]; }
+      __forceinline Group& place (const void* block, uint32_t lane) { return groups[(hashOfBlock(block)*5 + lane) % numGroups]; }
+
+      void clear ()
+      {
+        for (Block& block : blocks) block.block = nullptr;
+        for (Group& group : groups) group.block = nullptr;
+      }
 
     private:
       static const size_t numBlocks = 32, numGroups = 256;
 
-      static __forceinline size_t hash (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
-      static VertCache& renew (unsigned now);
-
       Block blocks[numBlocks];
       Group groups[numGroups];
-      unsigned made; //!< generation
-
-      static std::atomic<unsigned> generation;
-      static __thread VertCache* current __attribute__((tls_model("initial-exec")));
     };
+
+    typedef ThreadCache<VertEntries> VertCache;
   }
 }

@@ -7,6 +7,7 @@
  * every number here exactly, so this equals the codec's integers, fused or not. */
 
 #include "vert_cache.h"
+#include "wide_vector.h"
 #include "../codec/vert_block.h"
 #include "../../common/ray.h"
 
@@ -18,21 +19,10 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-#if defined(__AVX512F__)
-      static const int vertWidth = 16;
-#elif defined(__AVX__)
-      static const int vertWidth = 8;
-#else
-      static const int vertWidth = 4;
-#endif
-      typedef vfloat<vertWidth> vfloatV;
-      typedef vint<vertWidth> vintV;
-      typedef vboolf<vertWidth> vboolV;
-
       /*! Vectors that have the vertices of a cell, and those of them that have fields: the last vertex, which
        *  is a corner, may have one of its own. */
-      static const int cellVectors = (cellVertices+vertWidth-1)/vertWidth;
-      static const int fieldVectors = (cellVertices-1+vertWidth-1)/vertWidth;
+      static const int cellVectors = (cellVertices+vectorWidth-1)/vectorWidth;
+      static const int fieldVectors = (cellVertices-1+vectorWidth-1)/vectorWidth;
 
       /*! Corners of a cell, floats that are integers: 00, 10, 01, 11, each of three axes. The first
        *  is at a, the others are right, up, and both apart. */
@@ -91,7 +81,7 @@ namespace embree
             memcpy(&word,data + (bit >> 3),sizeof(word));
             fields[vertTables.laneOfField[f]] = uint32_t(word >> (bit & 7));
           }
-          for (int c=0; c<fieldVectors; c++) lanes[c] = vintV::load((int*)fields + vertWidth*c);
+          for (int c=0; c<fieldVectors; c++) lanes[c] = vintV::load((int*)fields + vectorWidth*c);
 #endif
         }
 
@@ -170,7 +160,7 @@ namespace embree
       __forceinline void putLast (const CellCorners& corners, const Out& out)
       {
         if (fieldVectors == cellVectors) return;
-        for (int axis=0; axis<3; axis++) out.put(axis,vertWidth*fieldVectors,corners.at(axis,3));
+        for (int axis=0; axis<3; axis++) out.put(axis,vectorWidth*fieldVectors,corners.at(axis,3));
       }
 
       /*! Decodes a cell whose residuals come axis by axis: those of rough blocks on fine lattices. */
@@ -186,11 +176,11 @@ namespace embree
           const CellPrediction prediction(corners,axis);
           for (int c=0; c<fieldVectors; c++)
           {
-            const vfloatV x = vfloatV::load(weightX+vertWidth*c), y = vfloatV::load(weightY+vertWidth*c);
+            const vfloatV x = vfloatV::load(weightX+vectorWidth*c), y = vfloatV::load(weightY+vectorWidth*c);
             vfloatV residual = residualOf(fields.lanes[c],0,bits);
             if (i == 0) main[c] = residual;
             else residual = residual + floor(madd(vfloatV(slope),main[c],vfloatV(0.5f)));
-            out.put(axis,vertWidth*c,prediction.at(x,y,x*y) + residual);
+            out.put(axis,vectorWidth*c,prediction.at(x,y,x*y) + residual);
           }
         }
         putLast(corners,out);
@@ -209,8 +199,8 @@ namespace embree
         const CellFields fields(data,cellFieldBits(word));
         vfloatV x[fieldVectors], y[fieldVectors], xy[fieldVectors], main[fieldVectors];
         for (int c=0; c<fieldVectors; c++) {
-          x[c] = vfloatV::load(weightX+vertWidth*c);
-          y[c] = vfloatV::load(weightY+vertWidth*c);
+          x[c] = vfloatV::load(weightX+vectorWidth*c);
+          y[c] = vfloatV::load(weightY+vectorWidth*c);
           xy[c] = x[c]*y[c];
         }
         for (int i=0, shift=0; i<3; shift+=cellBits(word,i++))
@@ -223,7 +213,7 @@ namespace embree
             vfloatV residual = residualOf(fields.lanes[c],shift,bits);
             if (i == 0) main[c] = residual;
             else residual = residual + floor(madd(slope,main[c],vfloatV(0.5f)));
-            out.put(axis,vertWidth*c,prediction.at(x[c],y[c],xy[c]) + residual);
+            out.put(axis,vectorWidth*c,prediction.at(x[c],y[c],xy[c]) + residual);
           }
         }
         putLast(corners,out);
@@ -232,7 +222,7 @@ namespace embree
       /*! four corners of 4 x 4 cells of vertices, in vectors of cells */
       struct CellCornersV
       {
-        static const int vectors = 16/vertWidth;
+        static const int vectors = 16/vectorWidth;
         vfloatV at[vectors][4];    //!< 00, 10, 01, 11
 
         __forceinline CellCornersV (const float* p)
@@ -257,7 +247,7 @@ namespace embree
         /*! to corner, vector and quad */
         __forceinline void store (QuadCorners& out, int axis) const {
           for (int c=0; c<4; c++)
-            for (int j=0; j<vectors; j++) vfloatV::store(out.at[c][axis]+vertWidth*j,at[j][c]);
+            for (int j=0; j<vectors; j++) vfloatV::store(out.at[c][axis]+vectorWidth*j,at[j][c]);
         }
 
         __forceinline vfloatV lower (int j) const { return min(min(at[j][0],at[j][1]),min(at[j][2],at[j][3])); }
@@ -302,7 +292,7 @@ namespace embree
           const vfloatV s1(float(shearSlope(block->boxForm,1))*(1.0f/16.0f)), s2(float(shearSlope(block->boxForm,2))*(1.0f/16.0f));
           alignas(64) float sheared[VertTables::lanes];
           for (int c=0; c<cellVectors; c++) {
-            const int n = vertWidth*c;
+            const int n = vectorWidth*c;
             vfloatV::store(sheared+n,madd(s2,vfloatV::load(corners.at[(m+2)%3]+n),madd(s1,vfloatV::load(corners.at[(m+1)%3]+n),vfloatV::load(corners.at[m]+n))));
           }
           planes(m,CellCornersV(sheared),0.0f,out[m]);
@@ -316,9 +306,9 @@ namespace embree
           const vfloatV spacing(this->spacing), origin(from), step(float(1u << marginShift(block->boxForm,k)));
           out.extent = extent;
           for (int j=0; j<CellCornersV::vectors; j++) {
-            const vintV m = loadBytes(margins+vertWidth*j);
-            vfloatV::store(out.lower+vertWidth*j,madd(nmadd(vfloatV(m & vintV(15)),step,corners.lower(j)),spacing,origin));
-            vfloatV::store(out.upper+vertWidth*j,madd(madd(vfloatV(m >> 4),step,corners.upper(j)),spacing,origin));
+            const vintV m = loadBytes(margins+vectorWidth*j);
+            vfloatV::store(out.lower+vectorWidth*j,madd(nmadd(vfloatV(m & vintV(15)),step,corners.lower(j)),spacing,origin));
+            vfloatV::store(out.upper+vectorWidth*j,madd(madd(vfloatV(m >> 4),step,corners.upper(j)),spacing,origin));
           }
         }
 

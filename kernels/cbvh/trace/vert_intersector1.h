@@ -161,8 +161,8 @@ namespace embree
             const float* far  = reciprocal < 0.0f ? planes.lower : planes.upper;
             const vfloatV org(from), rcp(reciprocal), slack(error*std::fabs(reciprocal));
             for (int j=0; j<vectors; j++) {
-              tNear[j] = max(tNear[j],msub(vfloatV::load(near+vertWidth*j) - org,rcp,slack));
-              tFar [j] = min(tFar [j],madd(vfloatV::load(far +vertWidth*j) - org,rcp,slack));
+              tNear[j] = max(tNear[j],msub(vfloatV::load(near+vectorWidth*j) - org,rcp,slack));
+              tFar [j] = min(tFar [j],madd(vfloatV::load(far +vectorWidth*j) - org,rcp,slack));
             }
           };
           const int m = isRaw(block->boxForm) ? 3 : shearedAxis(block->boxForm);
@@ -171,8 +171,8 @@ namespace embree
           if (likely(m < 3)) clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error);
           uint32_t open = 0;
           for (int j=0; j<vectors; j++) {
-            vfloatV::store(enter+vertWidth*j,tNear[j]);
-            open |= uint32_t(movemask(tNear[j] <= tFar[j])) << (vertWidth*j);
+            vfloatV::store(enter+vectorWidth*j,tNear[j]);
+            open |= uint32_t(movemask(tNear[j] <= tFar[j])) << (vectorWidth*j);
           }
           return open & lanes();
         }

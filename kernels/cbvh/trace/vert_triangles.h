@@ -160,7 +160,7 @@ namespace embree
 
         __forceinline GroupTriangles (const VertRay& ray, const QuadCorners& quads) : mask(0)
         {
-          for (int n=0; n<16; n+=vertWidth)
+          for (int n=0; n<16; n+=vectorWidth)
           {
             vfloatV x[4], y[4];
             for (int c=0; c<4; c++) {

@@ -20,23 +20,23 @@ namespace embree
       {
         using BlockVisitor1<RayType>::BlockVisitor1;
 
-        __forceinline bool leaves (const ChildBoxes& c, const HitMasks& masks, const ChildOrder&, uint32_t m)
+        __forceinline bool leaf (uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
         {
-          const MirroredRay& ray = this->mirrored;
-          vboolf4 valid = laneMask(masks.hit) & !startsInside(this->local,c);
-          if (none(valid)) return false;
-          const vfloat4 s = max(c.sNear,vfloat4(zero));
-          const vfloat4 u = clamp((madd(s,ray.D[0],ray.P[0])-c.lower[0])/c.extent[0],vfloat4(zero),vfloat4(one));
-          const vfloat4 v = clamp((madd(s,ray.D[1],ray.P[1])-c.lower[1])/c.extent[1],vfloat4(zero),vfloat4(one));
-          while (any(valid))
-          {
-            const size_t i = select_min(valid,s);
-            if (this->reportHit(LeafHit{s[i],this->child(m,i),u[i],v[i],0.0f,0.0f,sideUnknown}))
-              return IsAnyHit<RayType>::value;
-            clear(valid,i);
-            valid &= s <= vfloat4(this->sBest);
-          }
-          return false;
+          if (this->startsInside(ranges,child)) return false;
+          const float s = max(ranges.sNear[child],0.0f);
+          if (s > this->sBest) return false;
+          NodeEntries::Tile& tile = this->leafTile(m);
+          this->tiles.need(tile,1u << (child >> 2));
+          const float u = position(tile.grandchildren,0,child,s), v = position(tile.grandchildren,1,child,s);
+          return this->reportHit(LeafHit{ s,16*m+child,u,v,0.0f,0.0f,sideUnknown }) && IsAnyHit<RayType>::value;
+        }
+
+      private:
+        /*! in a leaf's box */
+        __forceinline float position (const NodePlanes<16>& boxes, int axis, uint32_t leaf, float s) const
+        {
+          const float lower = boxes.at[axis][0][leaf], upper = boxes.at[axis][1][leaf];
+          return clamp((this->frameRay.P[axis] + s*this->frameRay.D[axis] - lower)/(upper-lower),0.0f,1.0f);
         }
       };
     }

@@ -1,0 +1,94 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The segment of a ray in the frame of a block, ready for tests of boxes: which planes are near and
+ * which are far, and bounds that are wider by its epsilon. */
+
+#include "local_ray4.h"
+#include "node_cache.h"
+#include "wide_vector.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      struct FrameRay
+      {
+        vfloat4 P, D;           //!< start and direction: x, y, z
+        float Pnear[3], Pfar[3]; //!< start, moved by the ray's epsilon so that bounds are wider
+        float rcpD[3];
+        float epsilonZ;
+        uint32_t flip;          //!< axes along which the ray descends, a bit each
+
+        __forceinline FrameRay (const LocalRay& ray)
+        {
+          P = ray.P0;
+          D = ray.P1 - ray.P0;
+          const vboolf4 down = D < vfloat4(zero);
+          const vfloat4 outwards = select(down,-ray.epsilon,ray.epsilon);
+          const vfloat4 n = P + outwards, f = P - outwards;
+          const vfloat4 away = vfloat4(1.0f)/max(abs(D),vfloat4(1e-18f));
+          const vfloat4 r = select(down,-away,away);
+          for (int k=0; k<3; k++) { Pnear[k] = n[k]; Pfar[k] = f[k]; rcpD[k] = r[k]; }
+          epsilonZ = ray.epsilon[2];
+          flip = uint32_t(movemask(down)) & 7u;
+        }
+
+        /*! the first child along the ray */
+        __forceinline uint32_t flipXY () const { return flip & 3u; }
+        __forceinline bool descends () const { return (flip & 4u) != 0u; }
+
+        /*! 1 if the near planes of an axis are the upper ones */
+        __forceinline uint32_t nearSide (int axis) const { return (flip >> axis) & 1u; }
+
+        /*! where the ray's line meets the near (far) planes of a box on an axis, widened */
+        template<int N>
+        __forceinline float enter (const NodePlanes<N>& c, int axis, uint32_t i) const { return (c.at[axis][nearSide(axis)][i] - Pnear[axis])*rcpD[axis]; }
+        template<int N>
+        __forceinline float leave (const NodePlanes<N>& c, int axis, uint32_t i) const { return (c.at[axis][nearSide(axis)^1u][i] - Pfar[axis])*rcpD[axis]; }
+
+        /*! whether the ray goes over a box that it shares x and y with but does not meet */
+        template<int N>
+        __forceinline bool isAbove (const NodePlanes<N>& c, uint32_t i) const
+        {
+          const float nxy = max(enter(c,0,i),enter(c,1,i));
+          return (leave(c,2,i) < max(nxy,0.0f)) != descends();
+        }
+      };
+
+      /*! where the ray's line enters and leaves boxes; either may lie beyond the segment */
+      template<int N>
+      struct alignas(64) BoxRanges { float sNear[N], sFar[N]; };
+
+      struct BoxMasks
+      {
+        uint32_t hit;    //!< boxes that the segment meets
+        uint32_t passed; //!< boxes that it only shares x and y with
+      };
+
+      /*! tests N boxes against the segment up to sBest, in vectors */
+      template<typename vfloatW, int N>
+      __forceinline BoxMasks meetBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest, BoxRanges<N>& ranges)
+      {
+        auto enter = [&](int axis, int i) { return (vfloatW::load(c.at[axis][ray.nearSide(axis)]+i) - vfloatW(ray.Pnear[axis]))*vfloatW(ray.rcpD[axis]); };
+        auto leave = [&](int axis, int i) { return (vfloatW::load(c.at[axis][ray.nearSide(axis)^1u]+i) - vfloatW(ray.Pfar[axis]))*vfloatW(ray.rcpD[axis]); };
+        BoxMasks masks = { 0u,0u };
+        for (int i=0; i<N; i+=int(vfloatW::size))
+        {
+          const vfloatW nxy = max(enter(0,i),enter(1,i)), fxy = min(leave(0,i),leave(1,i));
+          const vfloatW sNear = max(nxy,enter(2,i)), sFar = min(fxy,leave(2,i));
+          vfloatW::store(ranges.sNear+i,sNear);
+          vfloatW::store(ranges.sFar+i,sFar);
+          masks.hit |= uint32_t(movemask(max(sNear,vfloatW(zero)) <= min(sFar,vfloatW(sBest)))) << i;
+          masks.passed |= uint32_t(movemask(max(nxy,vfloatW(zero)) <= min(fxy,vfloatW(sBest)))) << i;
+        }
+        masks.passed &= ~masks.hit;
+        return masks;
+      }
+    }
+  }
+}
