@@ -52,6 +52,11 @@ namespace embree
           return at;
         }
 
+        /*! whether a tile is that of node m of a level, and has a grandchild */
+        __forceinline bool has (const Tile& at, int level, uint32_t m, uint32_t child) const {
+          return at.block == block && at.number == numberOf(level,m) && (at.decoded >> (child >> 2)) & 1u;
+        }
+
         /*! decodes the children of what a mask of children has, where they are not */
         __forceinline void need (Tile& at, uint32_t mask)
         {

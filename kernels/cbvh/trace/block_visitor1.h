@@ -63,10 +63,11 @@ namespace embree
                                      const LocalRay& local, const FrameRay& frameRay, BlockTiles& tiles)
           : ray(ray), context(context), pre(pre), block(block), layout(layout), local(local), frameRay(frameRay), tiles(tiles), sBest(1.0f), isHit(false) {}
 
-        __forceinline bool wantsPassed () const { return false; }
+        /* what BlockWalk1 asks for; only cLEAF has more */
+        typedef NodeEntries::Tile LeafTile;
+        static const uint32_t passedMask = 0u;
         __forceinline bool passedAbove (bool) { return false; }
-
-        __forceinline NodeEntries::Tile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
+        __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
         /*! whether the segment begins (ends) in the box of a leaf, at tnear (tfar) */
         __forceinline bool startsInside (const BoxRanges<16>& ranges, uint32_t leaf) const { return local.startClipped && ranges.sNear[leaf] < 0.0f; }

@@ -11,11 +11,12 @@
  *
  *    Tile& leafTile (uint32_t m)
  *      the tile of the last level whose grandchildren are leaves 16 m to 16 m + 15.
- *    bool leaf (uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
+ *    bool leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
  *      leaf 16 m + child, whose box the ray meets. True ends the walk.
  *    bool passedAbove (bool above)
- *      only if wantsPassed(): the ray went over (under) a whole subtree.
- *    bool wantsPassed ()
+ *      the ray went over (under) a whole subtree. True ends the walk.
+ *    uint32_t passedMask
+ *      all bits if that is wanted, else 0; may be changed.
  *    float sBest
  *      nodes that begin behind it are skipped; may be lowered.
  *
@@ -32,32 +33,34 @@ namespace embree
       template<typename Visitor>
       class BlockWalk1
       {
+        typedef typename Visitor::LeafTile LeafTile;
+
         const FrameRay& ray;
         BlockTiles& tiles;
         Visitor& visitor;
+        const int first, last; //!< levels of tiles
 
         struct Level
         {
-          TileHits hits; //!< that are still to come
-          uint32_t m;    //!< the tile's node
+          TileHits hits;  //!< that are still to come
+          uint32_t m;     //!< the tile's node
+          NodeEntries::Tile* tile;
         };
         Level levels[maxLevel/2+1];
 
       public:
         __forceinline BlockWalk1 (const FrameRay& ray, BlockTiles& tiles, Visitor& visitor)
-          : ray(ray), tiles(tiles), visitor(visitor) {}
+          : ray(ray), tiles(tiles), visitor(visitor), first(tiles.firstLevel()), last(tiles.lastLevel()) {}
 
         /*! what the visitor's calls return: true if one of them ended the walk */
         __forceinline bool run ()
         {
-          const int first = tiles.firstLevel(), last = tiles.lastLevel();
           Level* l = levels;
           int level = first;
-          l->m = 0;
-          open(*l,level == last,level);
+          open(*l,level,0);
           while (true)
           {
-            const uint32_t events = l->hits.events(visitor.wantsPassed());
+            const uint32_t events = l->hits.events(visitor.passedMask);
             if (events == 0) {
               if (level == first) return false;
               level -= 2;
@@ -66,49 +69,64 @@ namespace embree
             }
             const uint32_t place = uint32_t(bsf(events)), child = l->hits.grandchild(place);
             if (unlikely(!l->hits.take(place))) {
-              if (visitor.passedAbove(isAbove(*l,level == last,level,place,child))) return true;
+              if (visitor.passedAbove(isAbove(*l,level,place,child))) return true;
               continue;
             }
             if (unlikely(l->hits.ranges.sNear[child] > visitor.sBest)) continue;
             if (level == last) {
-              if (visitor.leaf(l->m,child,l->hits.ranges)) return true;
+              if (visitor.leaf((const LeafTile&)tileOf(*l,level,child),l->m,child,l->hits.ranges)) return true;
               continue;
             }
             level += 2;
-            l[1].m = 16*l->m + child;
+            open(l[1],level,16*l->m + child);
             l++;
-            open(*l,level == last,level);
           }
         }
 
       private:
-        __forceinline void open (Level& l, bool isLast, int level)
+        __forceinline void open (Level& l, int level, uint32_t m)
         {
-          if (isLast) meet(visitor.leafTile(l.m),l.hits);
-          else meet(tiles.tile(level,l.m),l.hits);
+          l.m = m;
+          if (level == last) meet(visitor.leafTile(m),l);
+          else meet(tiles.tile(level,m),l);
         }
 
         template<typename Tile>
-        __forceinline void meet (Tile& tile, TileHits& hits)
+        __forceinline void meet (Tile& tile, Level& l)
         {
           const TileHits::Children children(ray,tile,visitor.sBest);
           tiles.need(tile,children.masks.hit);
-          hits.set(ray,tile,children,visitor.sBest);
+          l.hits.set(ray,tile,children,visitor.sBest);
+          l.tile = &tile;
+        }
+
+        /*! the tile of a level, with a grandchild: what is traced or decoded meanwhile may have put another in its place */
+        __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
+        {
+          if (unlikely(!tiles.has(*l.tile,level,l.m,child))) again(l,level,child);
+          return *l.tile;
+        }
+
+        __noinline void again (Level& l, int level, uint32_t child)
+        {
+          const uint32_t mask = 1u << (child >> 2);
+          if (level == last) {
+            LeafTile& tile = visitor.leafTile(l.m);
+            tiles.need(tile,mask);
+            l.tile = &tile;
+          }
+          else {
+            NodeEntries::Tile& tile = tiles.tile(level,l.m);
+            tiles.need(tile,mask);
+            l.tile = &tile;
+          }
         }
 
         /*! of a place that is passed */
-        __noinline bool isAbove (const Level& l, bool isLast, int level, uint32_t place, uint32_t child)
+        __forceinline bool isAbove (Level& l, int level, uint32_t place, uint32_t child)
         {
-          if (isLast) return isAbove(visitor.leafTile(l.m),l.hits,place,child);
-          return isAbove(tiles.tile(level,l.m),l.hits,place,child);
-        }
-
-        template<typename Tile>
-        __forceinline bool isAbove (Tile& tile, const TileHits& hits, uint32_t place, uint32_t child)
-        {
-          if (hits.isChild(place)) return ray.isAbove(tile.children,child >> 2);
-          tiles.need(tile,1u << (child >> 2));
-          return ray.isAbove(tile.grandchildren,child);
+          const NodeEntries::Tile& tile = tileOf(l,level,child);
+          return l.hits.isChild(place) ? ray.isAbove(tile.children,child >> 2) : ray.isAbove(tile.grandchildren,child);
         }
       };
     }

@@ -18,11 +18,11 @@ namespace embree
     {
       struct FrameRay
       {
-        vfloat4 P, D;           //!< start and direction: x, y, z
+        vfloat4 P, D;            //!< start and direction: x, y, z
         float Pnear[3], Pfar[3]; //!< start, moved by the ray's epsilon so that bounds are wider
         float rcpD[3];
         float epsilonZ;
-        uint32_t flip;          //!< axes along which the ray descends, a bit each
+        uint32_t flip;           //!< axes along which the ray descends, a bit each
 
         __forceinline FrameRay (const LocalRay& ray)
         {

@@ -72,7 +72,7 @@ namespace embree
           return intersector.intersect(this->ray,v0,v1,v2,mapUV,epilog<Loader::M>(this->ray,this->context,this->block));
         }
 
-        __forceinline bool leaf (uint32_t m, uint32_t child, const BoxRanges<16>&)
+        __forceinline bool leaf (const NodeEntries::Tile&, uint32_t m, uint32_t child, const BoxRanges<16>&)
         {
           const size_t width = (size_t(1) << this->block->height()) + 1;
           const size_t lines = min(width,size_t(3));

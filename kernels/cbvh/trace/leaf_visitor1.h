@@ -19,42 +19,58 @@ namespace embree
       {
         using BlockVisitor1<RayType>::BlockVisitor1;
 
+        typedef NodeEntries::LeafTile LeafTile;
+
         WalkState state = startOfWalk();
-        LeafHit exit;         //!< where the ray left the last leaf, if the state is pending
+        uint32_t passedMask = ~0u;
 
-        __forceinline NodeEntries::LeafTile& leafTile (uint32_t m) { return this->tiles.leafTile(m); }
+        __forceinline LeafTile& leafTile (uint32_t m) { return this->tiles.leafTile(m); }
 
-        __forceinline bool wantsPassed () const { return cbvh::wantsPassed(state); }
-
-        __forceinline bool passedAbove (bool above)
+        bool passedAbove (bool above)
         {
           const Verdict v = passBox(state,above);
-          state = v.next;
-          if (v.hit == hitNone) return false;
-          exit.from = v.from;
-          return accept(this->reportHit(exit));
+          setState(v.next);
+          return v.hit != hitNone && reportExit(v.from);
         }
 
-        __forceinline bool leaf (uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
+        __forceinline bool leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
         {
-          const NodeEntries::LeafTile& tile = decoded(m,child);
           const Crossing<float> x = crossDecodedLeaf(this->frameRay,tile,child,ranges,this->startsInside(ranges,child),this->endsInside(ranges,child));
           const Verdict v = crossLeaf(state,x.event);
           float s;
           if (isMet(v.hit,x,tile.surfaces.reach[child],16*m+child,s) && !(state.found && !(s < this->sBest))) {
-            if (accept(this->reportHit(leafHit(m,child,s,v.from)))) return true;
+            if (accept(this->reportHit(leafHit(tile.surfaces,m,child,s,v.from)))) return true;
             if (state.found) return false;
           }
-          state = v.next;
-          if (state.pending) exit = leafHit(m,child,x.s1,sideUnknown);
+          setState(v.next);
+          exitM = m;
+          exitChild = child;
+          exitS = x.s1;
           return false;
         }
 
       private:
+        /* where the ray left the last leaf */
+        uint32_t exitM, exitChild;
+        float exitS;
+
+        __noinline bool reportExit (uint32_t from)
+        {
+          LeafTile& tile = leafTile(exitM);
+          this->tiles.need(tile,1u << (exitChild >> 2));
+          return accept(this->reportHit(leafHit(tile.surfaces,exitM,exitChild,exitS,from)));
+        }
+
+        __forceinline void setState (const WalkState& next)
+        {
+          state = next;
+          passedMask = wantsPassed(state) ? ~0u : 0u;
+        }
+
         /*! after a hit was reported; true when the walk may end */
         __forceinline bool accept (bool accepted)
         {
-          if (accepted) state = afterHit(state);
+          if (accepted) setState(afterHit(state));
           return accepted && IsAnyHit<RayType>::value;
         }
 
@@ -78,18 +94,9 @@ namespace embree
         /*! s of a place from entry to exit */
         static __forceinline float between (const Crossing<float>& x, float k) { return x.s0 + k*(x.s1-x.s0); }
 
-        /*! a leaf's tile, whatever has been traced since the leaf was met */
-        __forceinline const NodeEntries::LeafTile& decoded (uint32_t m, uint32_t child)
-        {
-          NodeEntries::LeafTile& tile = leafTile(m);
-          this->tiles.need(tile,1u << (child >> 2));
-          return tile;
-        }
-
         /*! a hit at s in a leaf */
-        __forceinline LeafHit leafHit (uint32_t m, uint32_t child, float s, uint32_t from)
+        __forceinline LeafHit leafHit (const LeafSurfaces& surfaces, uint32_t m, uint32_t child, float s, uint32_t from) const
         {
-          const LeafSurfaces& surfaces = decoded(m,child).surfaces;
           const vfloat4 place = positionInLeaf(this->frameRay,surfaces,child,vfloat4(s));
           const float* h = surfaces.height[child];
           const float u = place[0], v = place[1];

@@ -24,8 +24,8 @@ namespace embree
       public:
         __forceinline TileHits () {}
 
-        /*! places that the ray comes to, with or without boxes that it passes */
-        __forceinline uint32_t events (bool withPassed) const { return withPassed ? hit | passed : hit; }
+        /*! places that the ray comes to; passedMask: 0 without those that it passes, else all bits */
+        __forceinline uint32_t events (uint32_t passedMask) const { return hit | (passed & passedMask); }
 
         /*! takes a place out, with what comes before; whether it is a hit */
         __forceinline bool take (uint32_t place)

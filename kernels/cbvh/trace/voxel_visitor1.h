@@ -20,13 +20,11 @@ namespace embree
       {
         using BlockVisitor1<RayType>::BlockVisitor1;
 
-        __forceinline bool leaf (uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
+        __forceinline bool leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
         {
           if (this->startsInside(ranges,child)) return false;
           const float s = max(ranges.sNear[child],0.0f);
           if (s > this->sBest) return false;
-          NodeEntries::Tile& tile = this->leafTile(m);
-          this->tiles.need(tile,1u << (child >> 2));
           const float u = position(tile.grandchildren,0,child,s), v = position(tile.grandchildren,1,child,s);
           return this->reportHit(LeafHit{ s,16*m+child,u,v,0.0f,0.0f,sideUnknown }) && IsAnyHit<RayType>::value;
         }
