@@ -52,9 +52,9 @@ namespace embree
           return at;
         }
 
-        /*! whether a tile is that of node m of a level, and has a grandchild */
-        __forceinline bool has (const Tile& at, int level, uint32_t m, uint32_t child) const {
-          return at.block == block && at.number == numberOf(level,m) && (at.decoded >> (child >> 2)) & 1u;
+        /*! whether a tile is still that of the block with a number, and has a grandchild */
+        __forceinline bool has (const Tile& at, uint32_t number, uint32_t child) const {
+          return at.block == block && at.number == number && (at.decoded >> (child >> 2)) & 1u;
         }
 
         /*! decodes the children of what a mask of children has, where they are not */

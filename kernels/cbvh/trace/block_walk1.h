@@ -44,6 +44,7 @@ namespace embree
         {
           TileHits hits;  //!< that are still to come
           uint32_t m;     //!< the tile's node
+          uint32_t number; //!< the tile's
           NodeEntries::Tile* tile;
         };
         Level levels[maxLevel/2+1];
@@ -98,12 +99,13 @@ namespace embree
           tiles.need(tile,children.masks.hit);
           l.hits.set(ray,tile,children,visitor.sBest);
           l.tile = &tile;
+          l.number = tile.number;
         }
 
         /*! the tile of a level, with a grandchild: what is traced or decoded meanwhile may have put another in its place */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
         {
-          if (unlikely(!tiles.has(*l.tile,level,l.m,child))) again(l,level,child);
+          if (unlikely(!tiles.has(*l.tile,l.number,child))) again(l,level,child);
           return *l.tile;
         }
 

@@ -74,13 +74,21 @@ namespace embree
       template<typename vfloatW, int N>
       __forceinline BoxMasks meetBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest, BoxRanges<N>& ranges)
       {
-        auto enter = [&](int axis, int i) { return (vfloatW::load(c.at[axis][ray.nearSide(axis)]+i) - vfloatW(ray.Pnear[axis]))*vfloatW(ray.rcpD[axis]); };
-        auto leave = [&](int axis, int i) { return (vfloatW::load(c.at[axis][ray.nearSide(axis)^1u]+i) - vfloatW(ray.Pfar[axis]))*vfloatW(ray.rcpD[axis]); };
+        /* in variables, as what is stored may be the ray for all that the compiler knows */
+        const float* nearPlanes[3]; const float* farPlanes[3];
+        vfloatW Pnear[3], Pfar[3], rcpD[3];
+        for (int k=0; k<3; k++) {
+          nearPlanes[k] = c.at[k][ray.nearSide(k)];
+          farPlanes[k] = c.at[k][ray.nearSide(k)^1u];
+          Pnear[k] = vfloatW(ray.Pnear[k]); Pfar[k] = vfloatW(ray.Pfar[k]); rcpD[k] = vfloatW(ray.rcpD[k]);
+        }
         BoxMasks masks = { 0u,0u };
         for (int i=0; i<N; i+=int(vfloatW::size))
         {
-          const vfloatW nxy = max(enter(0,i),enter(1,i)), fxy = min(leave(0,i),leave(1,i));
-          const vfloatW sNear = max(nxy,enter(2,i)), sFar = min(fxy,leave(2,i));
+          auto enter = [&](int k) { return (vfloatW::load(nearPlanes[k]+i)-Pnear[k])*rcpD[k]; };
+          auto leave = [&](int k) { return (vfloatW::load(farPlanes[k]+i)-Pfar[k])*rcpD[k]; };
+          const vfloatW nxy = max(enter(0),enter(1)), fxy = min(leave(0),leave(1));
+          const vfloatW sNear = max(nxy,enter(2)), sFar = min(fxy,leave(2));
           vfloatW::store(ranges.sNear+i,sNear);
           vfloatW::store(ranges.sFar+i,sFar);
           masks.hit |= uint32_t(movemask(max(sNear,vfloatW(zero)) <= min(sFar,vfloatW(sBest)))) << i;

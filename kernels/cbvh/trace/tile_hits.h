@@ -62,8 +62,9 @@ namespace embree
 
         __forceinline void set (const FrameRay& ray, const NodeEntries::Tile& tile, const Children& children, float sBest)
         {
-          const BoxMasks all = meetBoxes<vfloatV>(ray,tile.grandchildren,sBest,ranges);
           const uint32_t open = nodeTables.allOfFour[children.masks.hit];
+          BoxMasks all = { 0u,0u };
+          if (likely(open != 0u)) all = meetBoxes<vfloatV>(ray,tile.grandchildren,sBest,ranges);
           const uint32_t first = ray.flipXY();
           flip = first | first << 2;
           swaps = 0u;
