@@ -78,6 +78,7 @@ namespace embree
 
         __noinline void decodeChildren (Tile& at, int level, uint32_t m)
         {
+          if (level == firstLevel()) prefetchWords();
           if (level < 0) setRootAlone(at.children);
           else {
             const NodeBox box = boxOf(level,m); // may fill the same place
@@ -86,6 +87,14 @@ namespace embree
           at.block = block;
           at.number = numberOf(level,m);
           at.decoded = 0;
+        }
+
+        /*! Words and heights of a block that was not met lately: which of them are needed is known one after the
+         *  other, and memory that is waited for then is not hidden by anything. */
+        __forceinline void prefetchWords () const
+        {
+          const size_t bytes = min(size_t(heights-(const char*)block)*3,size_t(1024));
+          for (size_t line=64; line<bytes; line+=64) prefetchL1((const char*)block + line);
         }
 
         /*! the first of four boxes is the root's, and nothing meets the others */
