@@ -259,19 +259,16 @@ TEST(NodeCodec, EveryFieldReachesOnlyItsOwnPlanes)
 
 // --- the tables of the traversal ---------------------------------------------------------
 
-// Planes of a lane's child in the parent's extents, in mirrored coordinates, as the tables have them.
-void lookUp(const NodeTables& tables, uint32_t node, const int flip[3], int lane, float lower[3], float upper[3])
+// Planes of a child in the parent's extents, as the tables have them.
+void lookUp(const NodeTables& tables, uint32_t node, int child, float lower[3], float upper[3])
 {
   for (int axis = 0; axis < 2; axis++) {
-    const int nearShift = flip[axis] ? upperShift(axis) : lowerShift(axis);
-    const int farShift = flip[axis] ? lowerShift(axis) : upperShift(axis);
-    lower[axis] = tables.nearPlane[axis][flip[axis]][(node >> nearShift) & planePairMask][lane];
-    upper[axis] = tables.farPlane[axis][flip[axis]][(node >> farShift) & planePairMask][lane];
+    lower[axis] = tables.lowerPlane[axis][(node >> lowerShift(axis)) & planePairMask][child];
+    upper[axis] = tables.upperPlane[axis][(node >> upperShift(axis)) & planePairMask][child];
   }
-  const int row = (lane >> 1) ^ flip[1];
-  const float* z = tables.zPair[flip[0]][flip[2]][(node >> (zShift + 2*zBits*row)) & 63];
-  lower[2] = z[lane & 1];
-  upper[2] = z[2 + (lane & 1)];
+  const float* z = tables.zPair[(node >> (zShift + 2*zBits*(child >> 1))) & 63];
+  lower[2] = z[child & 1];
+  upper[2] = z[2 + (child & 1)];
 }
 
 struct Bounds { double lower[3], upper[3]; };
@@ -286,22 +283,22 @@ Bounds boundsOf(const NodeBox& box)
   return bounds;
 }
 
-// A lane's child by the tables, without mirroring, in double.
-Bounds childByTables(const NodeTables& tables, uint32_t node, const int flip[3], int lane, const Bounds& parent)
+// A child by the tables, in double.
+Bounds childByTables(const NodeTables& tables, uint32_t node, int c, const Bounds& parent)
 {
   float lower[3], upper[3];
-  lookUp(tables, node, flip, lane, lower, upper);
+  lookUp(tables, node, c, lower, upper);
   Bounds child;
   for (int axis = 0; axis < 3; axis++) {
     const double extent = parent.upper[axis] - parent.lower[axis];
-    child.lower[axis] = parent.lower[axis] + (flip[axis] ? 1.0 - upper[axis] : double(lower[axis]))*extent;
-    child.upper[axis] = parent.lower[axis] + (flip[axis] ? 1.0 - lower[axis] : double(upper[axis]))*extent;
+    child.lower[axis] = parent.lower[axis] + double(lower[axis])*extent;
+    child.upper[axis] = parent.lower[axis] + double(upper[axis])*extent;
   }
   return child;
 }
 
 // All planes are multiples of 1/256, so at the root both sides are exact.
-TEST(NodeTables, EqualTheScalarDecoderForAllCodesAndFlips)
+TEST(NodeTables, EqualTheScalarDecoderForAllCodes)
 {
   static const NodeTables tables;
   Random random(4);
@@ -312,17 +309,39 @@ TEST(NodeTables, EqualTheScalarDecoderForAllCodesAndFlips)
   for (int i = 0; i < 4096; i++) nodes.push_back(random.bits());
 
   for (uint32_t node : nodes)
-    for (int flips = 0; flips < 8; flips++) {
-      const int flip[3] = {flips & 1, (flips >> 1) & 1, flips >> 2};
-      for (int lane = 0; lane < 4; lane++) {
-        const NodeBox box = decodeChild(node, lane ^ (flips & 3), rootBox());
-        float lower[3], upper[3];
-        lookUp(tables, node, flip, lane, lower, upper);
-        for (int axis = 0; axis < 3; axis++) {
-          ASSERT_EQ(lower[axis], flip[axis] ? 1 - upperOf(box, axis) : box.lower[axis]) << std::hex << node << " flips " << flips << " lane " << lane;
-          ASSERT_EQ(upper[axis], flip[axis] ? 1 - box.lower[axis] : upperOf(box, axis)) << std::hex << node << " flips " << flips << " lane " << lane;
-        }
+    for (int child = 0; child < 4; child++) {
+      const NodeBox box = decodeChild(node, child, rootBox());
+      float lower[3], upper[3];
+      lookUp(tables, node, child, lower, upper);
+      for (int axis = 0; axis < 3; axis++) {
+        ASSERT_EQ(lower[axis], box.lower[axis]) << std::hex << node << " child " << child;
+        ASSERT_EQ(upper[axis], upperOf(box, axis)) << std::hex << node << " child " << child;
       }
+    }
+}
+
+// Masks of places: place p of an order is child p, with the alternatives 1 and 2 swapped where the order is
+// above 3, and then with the bits of the order's lowest two flipped.
+TEST(NodeTables, MasksInOrderHaveEachChildAtItsPlace)
+{
+  static const NodeTables tables;
+  static const int swapped[4] = {0, 2, 1, 3};
+  for (int order = 0; order < 8; order++)
+    for (int mask = 0; mask < 16; mask++)
+      for (int place = 0; place < 4; place++) {
+        const int child = (order < 4 ? place : swapped[place]) ^ (order & 3);
+        ASSERT_EQ((tables.maskInOrder[order][mask] >> place) & 1, (mask >> child) & 1) << order << " " << mask << " " << place;
+      }
+}
+
+TEST(NodeTables, MasksOfFourBecomeMasksOfSixteen)
+{
+  static const NodeTables tables;
+  for (int mask = 0; mask < 16; mask++)
+    for (int bit = 0; bit < 16; bit++) {
+      const int isSet = (mask >> bit/4) & 1;
+      ASSERT_EQ((tables.firstOfFour[mask] >> bit) & 1, bit % 4 == 0 ? isSet : 0) << mask << " " << bit;
+      ASSERT_EQ((tables.allOfFour[mask] >> bit) & 1, isSet) << mask << " " << bit;
     }
 }
 
@@ -335,7 +354,6 @@ TEST(NodeTables, EqualTheScalarDecoderDownPathsThroughAllLevels)
   static const NodeTables tables;
   Random random(5);
   for (int path = 0; path < 4000; path++) {
-    const int flips = path % 8, flip[3] = {flips & 1, (flips >> 1) & 1, flips >> 2};
     NodeBox parent = rootBox();
     Bounds exactParent = boundsOf(parent);
     for (int level = 1; level <= levels; level++) {
@@ -343,15 +361,15 @@ TEST(NodeTables, EqualTheScalarDecoderDownPathsThroughAllLevels)
       const int next = int(random.below(4));
       NodeBox nextBox = parent;
       Bounds nextExact = exactParent;
-      for (int lane = 0; lane < 4; lane++) {
-        const NodeBox box = decodeChild(node, lane ^ (flips & 3), parent);
-        const Bounds decoded = boundsOf(box), exact = childByTables(tables, node, flip, lane, exactParent);
+      for (int child = 0; child < 4; child++) {
+        const NodeBox box = decodeChild(node, child, parent);
+        const Bounds decoded = boundsOf(box), exact = childByTables(tables, node, child, exactParent);
         const double error = level <= 3 ? 0 : level*stepError;
         for (int axis = 0; axis < 3; axis++) {
-          ASSERT_NEAR(decoded.lower[axis], exact.lower[axis], error) << std::hex << node << std::dec << " flips " << flips << " lane " << lane << " level " << level << " axis " << axis;
-          ASSERT_NEAR(decoded.upper[axis], exact.upper[axis], error) << std::hex << node << std::dec << " flips " << flips << " lane " << lane << " level " << level << " axis " << axis;
+          ASSERT_NEAR(decoded.lower[axis], exact.lower[axis], error) << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
+          ASSERT_NEAR(decoded.upper[axis], exact.upper[axis], error) << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
         }
-        if (lane == next) { nextBox = box; nextExact = exact; }
+        if (child == next) { nextBox = box; nextExact = exact; }
       }
       parent = nextBox;
       exactParent = nextExact;

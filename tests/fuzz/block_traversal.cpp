@@ -203,6 +203,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   const ExactMemory memory(data, bytes, blockAlignment);
   Block* block = (Block*)memory.get();
   memcpy(block, &header, sizeof(header));
+  outdateThreadCaches(); // the next block may lie where this one does
   switch (kind) {
   case Kind::LEAF: trace<LeafVisitor1>(world.scene, ray, block); break;
   case Kind::VOXEL: trace<VoxelVisitor1>(world.scene, ray, block); break;

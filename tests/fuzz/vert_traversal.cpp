@@ -89,7 +89,7 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
 {
   const bool sound = isSound(bytes);
   const Ray ray = bytes.ray();
-  VertCache::outdate();
+  outdateThreadCaches();
   bool found[2];
   for (bool accepts : {true, false}) {
     Trace closest(block, bytes, sound, accepts);

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The traversal's decoders of nodes and of cLEAF's groups, lane for lane against the scalar
- * ones, codec/node.h and codec/leaf.h: random words, random parents, all mirrorings. Compiled
- * once for every ISA, outside of the library.
+/* The traversal's decoders of nodes and of cLEAF's groups, child for child against the scalar
+ * ones, codec/node.h and codec/leaf.h: random words, random parents. Compiled once for every ISA,
+ * outside of the library.
  *
  * Where all planes of a parent are multiples of 2^-12 nothing rounds: planes of nodes are
  * multiples of 1/256 of their parent's extent and those of lattices of 1/1024, heights are
@@ -12,8 +12,10 @@
  * 2^-22 below 2, which a float holds. There the two must be equal to the last bit, fused or
  * not. Anywhere else they may round another way, by no more than maxRounding. */
 
-#include "kernels/cbvh/trace/group_patches4.h"
+#include "kernels/cbvh/trace/node_decoder4.h"
 #include "support/random.h"
+
+#include <cstring>
 
 // for isa_check.cpp
 extern const char* const programIsa;
@@ -26,96 +28,87 @@ using namespace embree::cbvh;
 
 // --- the kernels' decoders -----------------------------------------------------------
 
-// What they say of four lanes, in mirrored coordinates.
+// What they say of four children.
 struct Lanes
 {
-  float lower[3][4], extent[3][4];
-  float z[4][4]; // at corners column + 2 row of the boxes, then lanes
+  float lower[3][4], upper[3][4];
+  float z[4][4]; // at corners column + 2 row of the boxes, then children
   float thickness[4];
   size_t solid, empty;
 };
 
-// The one place that names their classes. flips: of x, y and z, bits 0 to 2; parent: mirrored;
-// groups: the heights of several groups, as a block stores them, or nullptr for a node, which
-// has no more than boxes.
-Lanes decodeLanes(int flips, uint32_t word, const uint64_t* groups, uint32_t group, const NodeBox& parent)
+// The one place that names their classes. heights: of a group, or nullptr for a node, which has no more
+// than boxes. first: where they are put among sixteen; the others stay as they are.
+Lanes decodeLanes(uint32_t word, const uint64_t* heights, const NodeBox& parent, uint32_t first)
 {
   using namespace embree;
   using namespace embree::isa::cbvh;
-  LocalRay local;
-  local.P0 = vfloat4(flips & 1 ? 1.0f : 0.0f, flips & 2 ? 1.0f : 0.0f, flips & 4 ? 1.0f : 0.0f, 0.0f);
-  local.P1 = vfloat4(1.0f) - local.P0;
-  local.epsilon = vfloat4(0.0f);
-  const MirroredRay ray(local);
-  ParentBox box;
-  for (int axis = 0; axis < 3; axis++) { box.lower[axis] = vfloat4(parent.lower[axis]); box.extent[axis] = vfloat4(parent.extent[axis]); }
-  ChildBoxes boxes;
+  NodePlanes<16> boxes;
+  LeafSurfaces surfaces;
+  std::memset(&boxes, 0x7F, sizeof(boxes));
+  std::memset(&surfaces, 0x7F, sizeof(surfaces));
+  const uint32_t untouched = surfaces.solid;
+  if (heights) GroupDecoder4(boxes, surfaces, first).decode(word, *heights, parent);
+  else decodeNode(word, parent, boxes, first);
   Lanes lanes = {};
-  if (groups) {
-    GroupPatches patches;
-    patches.decode(word, groups[group], box, ray, boxes);
-    for (int c = 0; c < 4; c++) vfloat4::storeu(lanes.z[c], patches.z(vfloat4(float(c & 1)), vfloat4(float(c >> 1))));
-    vfloat4::storeu(lanes.thickness, patches.reach + patches.reach);
-    lanes.solid = patches.solid;
-    lanes.empty = patches.empty;
-  } else {
-    ray.decode(word, box, boxes);
+  for (uint32_t i = 0; i < 16; i++) {
+    float other;
+    std::memset(&other, 0x7F, sizeof(other));
+    const bool isOther = i - first >= 4;
+    EXPECT_EQ(std::memcmp(&boxes.at[0][0][i], &other, 4) == 0, isOther) << i;
+    if (!isOther) {
+      const uint32_t c = i - first;
+      for (int axis = 0; axis < 3; axis++) {
+        lanes.lower[axis][c] = boxes.at[axis][0][i];
+        lanes.upper[axis][c] = boxes.at[axis][1][i];
+      }
+      if (!heights) continue;
+      const float* h = surfaces.height[i];
+      for (int corner = 0; corner < 4; corner++) lanes.z[corner][c] = h[0] + float(corner & 1)*h[1] + float(corner >> 1)*(h[2] + float(corner & 1)*h[3]);
+      lanes.thickness[c] = 2*surfaces.reach[i];
+    }
+    else if (heights) {
+      EXPECT_EQ((surfaces.solid >> i) & 1, (untouched >> i) & 1) << i;
+      EXPECT_EQ((surfaces.empty >> i) & 1, (untouched >> i) & 1) << i;
+    }
   }
-  for (int axis = 0; axis < 3; axis++) {
-    vfloat4::storeu(lanes.lower[axis], boxes.lower[axis]);
-    vfloat4::storeu(lanes.extent[axis], boxes.extent[axis]);
-  }
+  lanes.solid = heights ? (surfaces.solid >> first) & 15 : 0;
+  lanes.empty = heights ? (surfaces.empty >> first) & 15 : 0;
   return lanes;
 }
 
 // --- comparison ----------------------------------------------------------------------
 
 /* Roundings that may differ, each of half an ulp of a number below 2, 2^-24, at most. A plane
- * of a box: the mirrored parent's lower plane, and on either side the product, the sum and the
- * extent, 7. A height: besides, on either side, the bins' origin, their size times up to 128
+ * of a box: on either side the product, the sum and the extent, 6. A height: besides, on either side, the bins' origin, their size times up to 128
  * of them, which is a relative error of a number below 2, their thickness, and, in a loose leaf,
  * three of these at the fourth corner: less than 32. */
 constexpr double maxRounding = 32*0x1p-24;
 
 struct Comparison
 {
-  int flips;
   double tolerance;
 
-  // Upper and lower swap where an axis is mirrored. A lattice that some random word puts above
-  // or below its parent's box, as no encoder does, has a box of no height, on either side of
-  // the parent: which depends on the mirroring.
+  // A lattice that some random word puts above or below its parent's box, as no encoder does, has a box of
+  // no height, on either side of the parent.
   void expectBox(const NodeBox& box, const Lanes& lanes, int lane) const
   {
     for (int axis = 0; axis < 3; axis++) {
-      if (axis == 2 && box.extent[2] == 0) { ASSERT_NEAR(lanes.extent[2][lane], 0, tolerance); continue; }
-      const bool flip = (flips >> axis) & 1;
-      const double lower = box.lower[axis], upper = lower + double(box.extent[axis]);
-      const double decodedLower = lanes.lower[axis][lane], decodedUpper = decodedLower + double(lanes.extent[axis][lane]);
-      ASSERT_NEAR(decodedLower, flip ? 1 - upper : lower, tolerance) << "axis " << axis;
-      ASSERT_NEAR(decodedUpper, flip ? 1 - lower : upper, tolerance) << "axis " << axis;
+      const double lower = lanes.lower[axis][lane], upper = lanes.upper[axis][lane];
+      if (axis == 2 && box.extent[2] == 0) { ASSERT_NEAR(upper, lower, tolerance); continue; }
+      ASSERT_NEAR(lower, box.lower[axis], tolerance) << "axis " << axis;
+      ASSERT_NEAR(upper, box.lower[axis] + double(box.extent[axis]), tolerance) << "axis " << axis;
     }
   }
 
   void expectPatch(const LeafPatch& leaf, const Lanes& lanes, int lane) const
   {
-    for (int c = 0; c < 4; c++) {
-      const double z = leaf.z[c ^ (flips & 3)];
-      ASSERT_NEAR(lanes.z[c][lane], flips & 4 ? 1 - z : z, tolerance) << "corner " << c;
-    }
+    for (int c = 0; c < 4; c++) ASSERT_NEAR(lanes.z[c][lane], leaf.z[c], tolerance) << "corner " << c;
     ASSERT_NEAR(lanes.thickness[lane], leaf.thickness, tolerance);
     ASSERT_EQ((lanes.solid >> lane) & 1, size_t(leaf.solid));
     ASSERT_EQ((lanes.empty >> lane) & 1, size_t(leaf.empty));
   }
 };
-
-NodeBox mirror(const NodeBox& box, int flips)
-{
-  NodeBox mirrored = box;
-  for (int axis = 0; axis < 3; axis++)
-    if ((flips >> axis) & 1) mirrored.lower[axis] = float(1 - (double(box.lower[axis]) + double(box.extent[axis])));
-  return mirrored;
-}
 
 // With planes at multiples of 2^-12.
 NodeBox coarseBox(Random& random)
@@ -155,16 +148,14 @@ template<typename MakeBox>
 void compareNodes(uint32_t seed, const MakeBox& makeBox, double tolerance)
 {
   Random random(seed);
-  for (int i = 0; i < 4000; i++) {
+  for (int i = 0; i < 16000; i++) {
     const NodeBox parent = makeBox(random);
     const uint32_t word = random.bits();
-    for (int flips = 0; flips < 8; flips++) {
-      const Lanes lanes = decodeLanes(flips, word, nullptr, 0, mirror(parent, flips));
-      for (int lane = 0; lane < 4; lane++) {
-        SCOPED_TRACE(testing::Message() << "node " << i << ", flips " << flips << ", lane " << lane);
-        Comparison{flips, tolerance}.expectBox(decodeChild(word, lane ^ (flips & 3), parent), lanes, lane);
-        if (testing::Test::HasFatalFailure()) return;
-      }
+    const Lanes lanes = decodeLanes(word, nullptr, parent, 4*random.below(4));
+    for (int lane = 0; lane < 4; lane++) {
+      SCOPED_TRACE(testing::Message() << "node " << i << ", lane " << lane);
+      Comparison{tolerance}.expectBox(decodeChild(word, lane, parent), lanes, lane);
+      if (testing::Test::HasFailure()) return;
     }
   }
 }
@@ -174,24 +165,21 @@ void compareGroups(uint32_t seed, const MakeBox& makeBox, double tolerance)
 {
   Random random(seed);
   unsigned lattices = 0, loose = 0, solid = 0, empty = 0;
-  for (int i = 0; i < 4000; i++) {
+  for (int i = 0; i < 16000; i++) {
     const NodeBox parent = makeBox(random);
     const uint32_t word = random.bits();
-    uint64_t groups[3];
-    for (uint64_t& heights : groups) heights = randomHeights(random);
-    const uint32_t group = random.below(3);
-    (isLoose(heightsOf(groups[group])) ? loose : lattices)++;
-    for (int flips = 0; flips < 8; flips++) {
-      const Lanes lanes = decodeLanes(flips, word, groups, group, mirror(parent, flips));
-      for (int lane = 0; lane < 4; lane++) {
-        SCOPED_TRACE(testing::Message() << "group " << i << (isLoose(heightsOf(groups[group])) ? ", loose" : ", lattice") << ", flips " << flips << ", lane " << lane);
-        const LeafPatch leaf = decodeLeaf(word, heightsOf(groups[group]), lane ^ (flips & 3), parent);
-        solid += leaf.solid;
-        empty += leaf.empty;
-        Comparison{flips, tolerance}.expectBox(leaf.box, lanes, lane);
-        Comparison{flips, tolerance}.expectPatch(leaf, lanes, lane);
-        if (testing::Test::HasFatalFailure()) return;
-      }
+    const uint64_t bits = randomHeights(random);
+    const Heights heights = heightsOf(bits);
+    (isLoose(heights) ? loose : lattices)++;
+    const Lanes lanes = decodeLanes(word, &bits, parent, 4*random.below(4));
+    for (int lane = 0; lane < 4; lane++) {
+      SCOPED_TRACE(testing::Message() << "group " << i << (isLoose(heights) ? ", loose" : ", lattice") << ", lane " << lane);
+      const LeafPatch leaf = decodeLeaf(word, heights, lane, parent);
+      solid += leaf.solid;
+      empty += leaf.empty;
+      Comparison{tolerance}.expectBox(leaf.box, lanes, lane);
+      Comparison{tolerance}.expectPatch(leaf, lanes, lane);
+      if (testing::Test::HasFailure()) return;
     }
   }
   for (unsigned count : {lattices, loose, solid, empty}) EXPECT_GT(count, 1000u);

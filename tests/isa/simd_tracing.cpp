@@ -212,6 +212,7 @@ RayType makeRay(const TestRay& ray)
 template<typename RayType>
 void traceSimd(const Block* block, RayType& ray)
 {
+  outdateThreadCaches(); // blocks come and go at the same addresses
   const simd::RayPrecalculations pre(ray);
   if (block->kind() == Kind::LEAF) simd::BlockIntersector1<simd::LeafVisitor1>::intersect(ray, nullptr, pre, block);
   else simd::BlockIntersector1<simd::VoxelVisitor1>::intersect(ray, nullptr, pre, block);
@@ -455,22 +456,23 @@ TEST(SimdTracing, BoxesAreMetAndPassedAsByScalarCode)
   unsigned counts[ENCOUNTERS] = {}, unstable = 0;
   for (int i = 0; i < 20000; i++) {
     const BothSegments segments(random);
-    const simd::MirroredRay ray(segments.local);
+    const simd::FrameRay ray(segments.local);
     const uint32_t word = random.bits();
-    simd::ChildBoxes boxes;
-    ray.decode(word, simd::ParentBox::root(), boxes);
-    const simd::HitMasks masks = ray.intersect(boxes, 1.0f);
-    for (size_t lane = 0; lane < 4; lane++) {
-      const NodeBox box = decodeChild(word, int(lane) ^ ray.flipXY(), rootBox());
+    NodePlanes<4> boxes;
+    simd::decodeNode(word, rootBox(), boxes, 0);
+    simd::BoxRanges<4> ranges;
+    const simd::BoxMasks masks = simd::meetBoxes<embree::vfloat4>(ray, boxes, 1.0f, ranges);
+    for (uint32_t child = 0; child < 4; child++) {
+      const NodeBox box = decodeChild(word, int(child), rootBox());
       const Encounter expected = encounter(segments.scalar, box);
       bool stable = true;
       for (int m = 0; m < 8; m++) stable &= encounter(segments.moved(random), box) == expected;
       if (!stable) { unstable++; continue; }
       counts[expected]++;
-      SCOPED_TRACE(testing::Message() << "segment " << i << ", lane " << lane);
-      ASSERT_EQ((masks.hit >> lane) & 1, size_t(expected == MEETS));
-      ASSERT_EQ((masks.passed >> lane) & 1, size_t(expected == PASSES_ABOVE || expected == PASSES_BELOW));
-      if ((masks.passed >> lane) & 1) { ASSERT_EQ(ray.isAbove(boxes, lane), expected == PASSES_ABOVE); }
+      SCOPED_TRACE(testing::Message() << "segment " << i << ", child " << child);
+      ASSERT_EQ((masks.hit >> child) & 1, uint32_t(expected == MEETS));
+      ASSERT_EQ((masks.passed >> child) & 1, uint32_t(expected == PASSES_ABOVE || expected == PASSES_BELOW));
+      if ((masks.passed >> child) & 1) { ASSERT_EQ(ray.isAbove(boxes, child), expected == PASSES_ABOVE); }
     }
   }
   for (unsigned count : counts) EXPECT_GT(count, 1000u);
@@ -499,18 +501,20 @@ TEST(SimdTracing, LeavesAreCrossedAsByScalarCode)
   unsigned compared = 0, unstable = 0, counts[2][7] = {};
   for (int i = 0; i < 20000; i++) {
     const BothSegments segments(random);
-    const simd::MirroredRay ray(segments.local);
+    const simd::FrameRay ray(segments.local);
     const uint64_t bits = randomHeights(random);
     const Heights heights = {uint32_t(bits), uint32_t(bits >> 32)};
     const uint32_t word = isLoose(heights) ? random.bits() : randomLatticeWord(random);
-    simd::ChildBoxes boxes;
-    simd::GroupPatches patches;
-    patches.decode(word, bits, simd::ParentBox::root(), ray, boxes);
-    const simd::HitMasks masks = ray.intersect(boxes, 1.0f);
-    const simd::PatchCrossing4 x(segments.local, ray, boxes, patches);
-    for (size_t lane = 0; lane < 4; lane++) {
-      const LeafPatch leaf = decodeLeaf(word, heights, int(lane) ^ ray.flipXY(), rootBox());
-      if (leaf.solid || leaf.empty || !((masks.hit >> lane) & 1)) continue;
+    NodeEntries::LeafTile tile;
+    for (uint32_t c = 0; c < 4; c++) simd::GroupDecoder4(tile.grandchildren, tile.surfaces, 4*c).decode(word, bits, rootBox()); // the same four times
+    simd::BoxRanges<16> ranges;
+    const simd::BoxMasks masks = simd::meetBoxes<simd::vfloatV>(ray, tile.grandchildren, 1.0f, ranges);
+    const uint32_t first = 4*random.below(4);
+    for (uint32_t lane = 0; lane < 4; lane++) {
+      const uint32_t child = first + lane;
+      ASSERT_EQ((masks.hit >> child) & 1, (masks.hit >> lane) & 1);
+      const LeafPatch leaf = decodeLeaf(word, heights, int(lane), rootBox());
+      if (leaf.solid || leaf.empty || !((masks.hit >> child) & 1)) continue;
       const LeafEvent expected = crossPatch(segments.scalar, leaf).event;
       bool stable = encounter(segments.scalar, leaf.box) == MEETS;
       for (int m = 0; m < 8; m++) {
@@ -519,7 +523,9 @@ TEST(SimdTracing, LeavesAreCrossedAsByScalarCode)
       }
       if (!stable) { unstable++; continue; }
       compared++;
-      ASSERT_TRUE(sameEvent(x.event(lane), expected)) << "segment " << i << ", lane " << lane << ": " << textOf(x.event(lane)) << "; expected " << textOf(expected);
+      const bool started = segments.local.startClipped && ranges.sNear[child] < 0, ended = segments.local.endClipped && ranges.sFar[child] > 1;
+      const LeafEvent event = simd::crossDecodedLeaf(ray, tile, child, ranges, started, ended).event;
+      ASSERT_TRUE(sameEvent(event, expected)) << "segment " << i << ", lane " << lane << ": " << textOf(event) << "; expected " << textOf(expected);
       const bool flags[7] = {expected.enter == sideAbove, expected.leave == sideAbove, expected.changes, expected.nearEntry, expected.near, expected.started, expected.ended};
       for (int f = 0; f < 7; f++) counts[flags[f]][f]++;
     }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What threads keep of blocks with frames, thread_cache.h: 400 KiB each, as far as they are used.
+/* What threads keep of blocks with frames, thread_cache.h: 170 KiB each.
  *
  * A tile is a node with the two levels below it: its four children, and their sixteen children, which
  * traversal tests at once. The children of a child are decoded when a ray first meets that child. */
@@ -58,7 +58,7 @@ namespace embree
       }
 
     private:
-      static const size_t numTiles = 256, numLeafTiles = 256;
+      static const size_t numTiles = 64, numLeafTiles = 128;
 
       static __forceinline size_t place (const void* block, uint32_t number) { return hashOfBlock(block)*5 + number; }
 

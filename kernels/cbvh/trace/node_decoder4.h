@@ -9,6 +9,7 @@
 #include "node_cache.h"
 #include "node_tables.h"
 #include "../codec/leaf.h"
+#include "../../common/isa.h"
 #include "../../../common/simd/simd.h"
 
 namespace embree
