@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "building/embree_device.h"
+#include "building/loaded_library.h"
 #include "basics/error.h"
 
 namespace cbvh {
@@ -28,8 +29,12 @@ const char* errorName(RTCError code)
   }
 }
 
-EmbreeDevice::EmbreeDevice(const std::string& config) : device(rtcNewDevice(config.c_str()))
+EmbreeDevice::EmbreeDevice(const std::string& config)
 {
+  /* Embree itself takes any name, and refuses it when a scene is committed. */
+  if (config.find("subdiv_accel=cbvh") != std::string::npos)
+    requireCompression();
+  device = rtcNewDevice(config.c_str());
   if (!device)
     throw Error("Embree refuses the configuration \"" + config + "\": " + errorName(rtcGetDeviceError(nullptr)));
   rtcSetDeviceErrorFunction(device, onError, this);

@@ -36,7 +36,8 @@ private:
 class EmbreeDevice
 {
 public:
-  /* config: Embree's configuration string. Throws Error when Embree refuses it. */
+  /* config: Embree's configuration string. Throws Error when Embree refuses it, or
+   * asks for compression where the loaded library is Embree's own. */
   explicit EmbreeDevice(const std::string& config);
   ~EmbreeDevice();
   EmbreeDevice(const EmbreeDevice&) = delete;

@@ -6,10 +6,12 @@
 /* What the programs' option parsers share. */
 
 #include "basics/error.h"
+#include "building/loaded_library.h"
 #include "building/representation.h"
 #include "scenes/catalogue.h"
 
 #include <CLI/CLI.hpp>
+#include <embree3/rtcore_compression.h>
 
 #include <cmath>
 #include <cstdio>
@@ -18,12 +20,19 @@
 
 namespace cbvh {
 
-/* False after --help, which has been printed then. Throws Error for what CLI11 refuses. */
+/* False after --help and --version, which have been printed then. Throws Error for what CLI11 refuses. */
 inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
 {
+  app.set_version_flag("--version", RTC_COMPRESSION_VERSION_STRING, "print our version, and the library in use, and exit");
   try
   {
     app.parse(argc, argv);
+  }
+  catch (const CLI::CallForVersion&)
+  {
+    std::printf("%s %s\nlibrary: %s\n", app.get_name().c_str(), RTC_COMPRESSION_VERSION_STRING,
+                loadedLibrary().description().c_str());
+    return false;
   }
   catch (const CLI::CallForHelp&)
   {
@@ -67,17 +76,23 @@ inline void requireNotNegative(const std::string& option, float value)
     throw Error(option + " must be finite and not negative");
 }
 
-/* Values of --representation and --frame-level. Throws Error that names the options. */
+/* Values of --representation and --frame-level. Throws Error that names the options, or, before any work is
+ * done, the library that is loaded where it cannot compress. */
 inline std::vector<Representation> parseRepresentationOptions(const std::string& list, const std::string& frameLevel)
 {
+  std::vector<Representation> representations;
   try
   {
-    return parseRepresentations(list, parseFrameLevel(frameLevel));
+    representations = parseRepresentations(list, parseFrameLevel(frameLevel));
   }
   catch (const Error& e)
   {
     throw Error(std::string("--representation or --frame-level: ") + e.what());
   }
+  for (const Representation& representation : representations)
+    if (representation.isCompressed())
+      requireCompression();
+  return representations;
 }
 
 } // namespace cbvh

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Displacement: how far a point of the limit surface moves along its normal, a pure
- * function of face, (u,v) and subdivision level, so every representation sees the
+ * function of face, (u,v) and tessellation level, so every representation sees the
  * very same surface. Maps are filtered to the spacing of the level's vertices.
  *
  * Texture coordinates are interpolated bilinearly over a face (over the corner

@@ -10,7 +10,8 @@
  * straight from the compressed form. Which representation a geometry gets is
  * decided by, in this order: rtcSetGeometryCompression, the device string
  * ("subdiv_accel=cbvh.leaf,cbvh_frame_level=2"), the environment variable
- * EMBREE_CBVH ("leaf,level=2"), Embree's own default (vertex grids).
+ * EMBREE_CBVH ("leaf,frame_level=2"; "1" takes the best, which is cVERT), Embree's
+ * own default (vertex grids).
  *
  * Quads with a vertex that is not finite, as a displacement function may return it,
  * are left out of a compressed geometry. The commit succeeds with all others, and
@@ -24,10 +25,30 @@
  * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression
  * Scheme for Ray Tracing Subdivision Surfaces with Displacement", 2018. */
 
+#include "rtcore_compression_version.h"
 #include "rtcore_geometry.h"
 #include "rtcore_scene.h"
 
 RTC_NAMESPACE_BEGIN
+
+/* What rtcGetDeviceCompressionProperty tells. */
+enum RTCCompressionProperty
+{
+  RTC_COMPRESSION_PROPERTY_VERSION       = 0, // as RTC_COMPRESSION_VERSION: 10203 is 1.2.3
+  RTC_COMPRESSION_PROPERTY_VERSION_MAJOR = 1,
+  RTC_COMPRESSION_PROPERTY_VERSION_MINOR = 2,
+  RTC_COMPRESSION_PROPERTY_VERSION_PATCH = 3
+};
+
+/* Tells what the library that made a device is. Embree itself lacks the function: a program that
+ * runs on either asks dlsym for its address.
+ *
+ * device: not NULL.
+ * prop:   what is asked for.
+ *
+ * Returns the value, and 0 with RTC_ERROR_INVALID_ARGUMENT for NULL or an unknown property. Thread
+ * safety: as rtcGetDeviceProperty. */
+RTC_API ssize_t rtcGetDeviceCompressionProperty(RTCDevice device, enum RTCCompressionProperty prop);
 
 /* Representation of a subdivision geometry. */
 enum RTCCompression

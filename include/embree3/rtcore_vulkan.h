@@ -75,12 +75,14 @@ struct RTCVulkanHandles
   unsigned int hasHostImport;       /* VK_EXT_external_memory_host is enabled */
 };
 
+/* Takes a device of the application's. handles: read during the call. Errors: handles that are missing. */
 RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles (RTCDevice device, const struct RTCVulkanHandles* handles);
 
+/* Add a reference to a device, or take one away: without any, it is closed. Its scenes keep one. */
 RTC_API void rtcRetainVulkanDevice (RTCVulkanDevice device);
 RTC_API void rtcReleaseVulkanDevice (RTCVulkanDevice device);
 
-/* The device that was opened, or given. */
+/* Tell the device that was opened, or given: what it is, and its handles. */
 RTC_API void rtcGetVulkanDeviceInfo (RTCVulkanDevice device, struct RTCVulkanDeviceInfo* info);
 RTC_API void rtcGetVulkanDeviceHandles (RTCVulkanDevice device, struct RTCVulkanHandles* handles);
 
@@ -109,13 +111,14 @@ struct RTCVulkanSceneArguments
  * args: NULL for defaults. */
 RTC_API RTCVulkanScene rtcNewVulkanScene (RTCVulkanDevice device, RTCScene scene, const struct RTCVulkanSceneArguments* args);
 
+/* Add a reference to a scene, or take one away: without any, its memory on the device is freed. */
 RTC_API void rtcRetainVulkanScene (RTCVulkanScene scene);
 RTC_API void rtcReleaseVulkanScene (RTCVulkanScene scene);
 
-/* For shaders: what cbvhIntersect takes, as two words, the lower first. */
+/* Gives shaders the scene: what cbvhIntersect takes, as two words, the lower first. */
 RTC_API VkDeviceAddress rtcGetVulkanSceneAddress (RTCVulkanScene scene);
 
-/* Kinds of leaves that the scene has: what a shader may define as CBVH_KINDS, so that it is compiled for no other. */
+/* Lists the kinds of leaves that the scene has: what a shader may define as CBVH_KINDS, so that it is compiled for no other. */
 RTC_API unsigned int rtcGetVulkanSceneKinds (RTCVulkanScene scene);
 
 struct RTCVulkanSceneStatistics
@@ -127,6 +130,7 @@ struct RTCVulkanSceneStatistics
   unsigned int stackSize;   /* entries that a ray may need: what a shader defines as CBVH_STACK, at least */
 };
 
+/* Reports what a scene takes on its device. statistics: written during the call. */
 RTC_API void rtcGetVulkanSceneStatistics (RTCVulkanScene scene, struct RTCVulkanSceneStatistics* statistics);
 
 /* --- tracing --------------------------------------------------------------------------- */
@@ -139,8 +143,8 @@ RTC_API void rtcGetVulkanSceneStatistics (RTCVulkanScene scene, struct RTCVulkan
 RTC_API bool rtcRecordVulkanIntersect (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count);
 RTC_API bool rtcRecordVulkanOccluded (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count);
 
-/* Incoherent rays are faster where neighbours in the buffer start near each other and go the same way. These record a
- * sort of the indices of rays, by origin and direction, and traces in that order; rays stay where they are. Worth it
+/* Record a sort of the indices of rays, by origin and direction, and traces in that order; rays stay where they are.
+ * Incoherent rays are faster where neighbours in the buffer start near each other and go the same way. Worth it
  * for rays of several bounces, not for rays of a camera.
  * rays: at a multiple of 16, `stride` bytes apart, each begins as an RTCRay does. order: memory of the device for
  * rtcGetVulkanRayOrderBytes(count) bytes, at a multiple of 16. Behind the sort there is a barrier to compute shaders. */
@@ -149,7 +153,7 @@ RTC_API bool rtcRecordVulkanRayOrder (RTCVulkanScene scene, VkCommandBuffer comm
 RTC_API bool rtcRecordVulkanIntersectInOrder (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order);
 RTC_API bool rtcRecordVulkanOccludedInOrder (RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order);
 
-/* Whether rays of the host, below, are sorted first. They are not by default. */
+/* Says whether rays of the host, below, are sorted first. They are not by default. */
 RTC_API void rtcSetVulkanSceneRaySort (RTCVulkanScene scene, bool enabled);
 
 typedef struct RTCVulkanTraceTy* RTCVulkanTrace;
@@ -166,7 +170,7 @@ struct RTCVulkanTimes
 RTC_API RTCVulkanTrace rtcStartVulkanIntersect (RTCVulkanScene scene, const struct RTCRayHit* rays, size_t count);
 RTC_API RTCVulkanTrace rtcStartVulkanOccluded (RTCVulkanScene scene, const struct RTCRay* rays, size_t count);
 
-/* Whether a trace has ended: rtcWaitVulkanTrace does not wait. */
+/* Tells whether a trace has ended: rtcWaitVulkanTrace does not wait. */
 RTC_API bool rtcIsVulkanTraceDone (RTCVulkanTrace trace);
 
 /* Waits for a trace, writes its rays, of the type that it was started with, and releases it. rays, times: may be

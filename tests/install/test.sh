@@ -2,18 +2,23 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# What `cmake --install` lays down serves a program that says find_package(embree 3).
+# What `cmake --install` lays down serves a program that says find_package(embree 3), one that asks
+# pkg-config, and our own programs, from wherever it is moved to.
 #
-#   test.sh CMAKE BUILD-DIRECTORY
+#   test.sh CMAKE BUILD-DIRECTORY DIRECTORY-OF-STOCK-LIBRARY
 set -eu
-cmake=$1 build=$2
+cmake=$1 build=$2 stock=$3
+version=$(sed -n 's/^CMAKE_PROJECT_VERSION:[^=]*=//p' "$build/CMakeCache.txt")
+fail() { echo "FAILED: $*" >&2; exit 1; }
 here=$(cd -- "$(dirname -- "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-"$cmake" --install "$build" --prefix "$work/prefix" > "$work/log" || { cat "$work/log"; exit 1; }
+"$cmake" --install "$build" --prefix "$work/first" > "$work/log" || { cat "$work/log"; exit 1; }
+mv "$work/first" "$work/prefix"
+unset LD_LIBRARY_PATH EMBREE_CBVH
 [ -e "$work"/prefix/lib/libembree3.so.3 ]
-for header in rtcore.h rtcore_compression.h; do
+for header in rtcore.h rtcore_compression.h rtcore_compression_version.h; do
   [ -f "$work/prefix/include/embree3/$header" ]
 done
 if [ -e "$build/kernels/vulkan/libembree3_vulkan.so.3" ]; then
@@ -31,10 +36,49 @@ for link in $(find "$work/prefix" -type l); do
 done
 
 cp "$here/CMakeLists.txt" "$here/renderer.cpp" "$work/"
-"$cmake" -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" > "$work/log" || { cat "$work/log"; exit 1; }
+"$cmake" -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" > "$work/log.configure" ||
+  { cat "$work/log.configure"; exit 1; }
 "$cmake" --build "$work/build" > "$work/log" || { cat "$work/log"; exit 1; }
-library=$(env -u LD_LIBRARY_PATH "$work/build/renderer")
+grep -q "Embree 3.13.5, of Embree CBVH $version\$" "$work/log.configure" ||
+  { cat "$work/log.configure"; fail "find_package does not tell version $version of ours"; }
+library=$("$work/build/renderer")
 case $library in
   "$work"/prefix/*) echo "runs on the installed library" ;;
   *) echo "runs on $library" >&2; exit 1 ;;
 esac
+
+# --- pkg-config -----------------------------------------------------------------------------------
+
+export PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig"
+[ "$(pkg-config --modversion embree3)" = 3.13.5 ] || fail "pkg-config tells another version of Embree"
+[ "$(pkg-config --variable=cbvh_version embree3)" = "$version" ] || fail "pkg-config tells another version of ours"
+# shellcheck disable=SC2046
+c++ "$here/renderer.cpp" -o "$work/renderer" $(pkg-config --cflags --libs embree3) -ldl
+library=$(LD_LIBRARY_PATH=$work/prefix/lib "$work/renderer")
+case $library in "$work"/prefix/*) ;; *) fail "what pkg-config gives runs on $library" ;; esac
+
+# --- manual pages: one for each function of our headers ---------------------------------------------
+
+for function in $(sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' "$work/prefix/include/embree3/rtcore_compression.h"); do
+  page=$work/prefix/share/man/man3/$function.3embree3
+  [ -s "$page" ] || fail "$function has no manual page"
+  grep -q "$function" "$page" || fail "$page does not name it"
+done
+[ -e "$work/prefix/share/man/man3/rtcNewDevice.3embree3" ] || fail "Embree's own manual pages are missing"
+
+# --- our programs run on the library beside them, and say so where it is another ------------------
+
+for program in "$work"/prefix/bin/cbvh_*; do
+  "$program" --version > "$work/said" || fail "$program --version"
+  [ "$(head -n 1 "$work/said")" = "${program##*/} $version" ] || { cat "$work/said"; fail "$program --version"; }
+  grep -q "^library: Embree CBVH $version on Embree 3.13.5, $work/prefix/" "$work/said" ||
+    { cat "$work/said"; fail "$program runs on another library"; }
+done
+if [ -x "$work/prefix/bin/cbvh_render" ]; then
+  render() { "$work/prefix/bin/cbvh_render" --scene cube --level 2 --size 16x16 --no-speed --output "$work/pictures" "$@"; }
+  render --representation cvert > "$work/said" 2>&1 || { cat "$work/said"; fail "cbvh_render does not run"; }
+  ! LD_LIBRARY_PATH=$stock render --representation cvert > "$work/said" 2>&1 || fail "cbvh_render compresses with Embree's library"
+  grep -q "cannot compress: it is Embree 3.13.5, without compression, $stock/libembree3.so.3.*LD_LIBRARY_PATH" "$work/said" ||
+    { cat "$work/said"; fail "the message about Embree's library"; }
+  tail -n 1 "$work/said"
+fi

@@ -102,8 +102,9 @@ TEST(Settings, FrameLevelThatNobodyGivesKeepsBlocksOf8x8Quads)
 TEST(Settings, EnvironmentChoosesForProgramsThatDoNot)
 {
   const std::pair<const char*, const char*> cases[] = {
-    {"leaf", "leaf 2"}, {"voxel,level=1", "voxel 1"}, {"grid,frame_level=3", "grid 3"}, {" leaf , level=auto ", "leaf 1"},
-    {"leaf,level=auto,max_error=1e-30", "leaf 5"}, {"none", "none"}, {"", "none"}, {"level=1", "none"}};
+    {"leaf", "leaf 2"}, {"voxel,frame_level=1", "voxel 1"}, {" leaf , frame_level=auto ", "leaf 1"},
+    {"leaf,frame_level=auto,max_error=1e-30", "leaf 5"}, {"none", "none"}, {"0", "none"}, {"", "none"}, {"frame_level=1", "none"},
+    {"grid,level=3", "grid 3"}}; // as frame_level was called
   for (const auto& c : cases) {
     Environment environment(c.first);
     EXPECT_EQ(representation(""), c.second) << c.first;
@@ -112,7 +113,7 @@ TEST(Settings, EnvironmentChoosesForProgramsThatDoNot)
 
 TEST(Settings, GeometryGoesBeforeDeviceGoesBeforeEnvironment)
 {
-  Environment environment("leaf,level=1");
+  Environment environment("leaf,frame_level=1");
   EXPECT_EQ(representation(""), "leaf 1");
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel"), "voxel 1");
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel,cbvh_frame_level=3"), "voxel 3");
@@ -130,10 +131,49 @@ TEST(Settings, GeometryGoesBeforeDeviceGoesBeforeEnvironment)
 
 TEST(Settings, OneIsTheBestKind)
 {
-  EXPECT_EQ(representation("subdiv_accel=cbvh.vert"), "vert");
+  EXPECT_EQ(representation("subdiv_accel=cbvh"), "vert");
   Environment environment("1");
   EXPECT_EQ(representation(""), "vert");
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel,cbvh_frame_level=3"), "voxel 3");
+}
+
+TEST(Version, LibraryAndHeadersAgree)
+{
+  Device device("");
+  EXPECT_EQ(rtcGetDeviceCompressionProperty(device, RTC_COMPRESSION_PROPERTY_VERSION), RTC_COMPRESSION_VERSION);
+  const ssize_t major = rtcGetDeviceCompressionProperty(device, RTC_COMPRESSION_PROPERTY_VERSION_MAJOR);
+  const ssize_t minor = rtcGetDeviceCompressionProperty(device, RTC_COMPRESSION_PROPERTY_VERSION_MINOR);
+  const ssize_t patch = rtcGetDeviceCompressionProperty(device, RTC_COMPRESSION_PROPERTY_VERSION_PATCH);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  EXPECT_EQ(std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch), RTC_COMPRESSION_VERSION_STRING);
+  EXPECT_EQ(major*10000 + minor*100 + patch, RTC_COMPRESSION_VERSION);
+
+  EXPECT_EQ(rtcGetDeviceCompressionProperty(device, RTCCompressionProperty(4)), 0);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(device.message.find("property of compression 4"), std::string::npos) << device.message;
+  EXPECT_EQ(rtcGetDeviceCompressionProperty(nullptr, RTC_COMPRESSION_PROPERTY_VERSION), 0);
+  EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
+}
+
+// With the kind that the device string, or else the environment, chose.
+TEST(Version, StandsAboveTheBannerOfVerboseDevicesOnly)
+{
+  const auto said = [](const std::string& config) {
+    testing::internal::CaptureStdout();
+    { Device device(config); }
+    return testing::internal::GetCapturedStdout();
+  };
+  const std::string name = "Embree CBVH " RTC_COMPRESSION_VERSION_STRING "\n";
+  EXPECT_EQ(said(""), "");
+  Environment environment("leaf");
+  for (const auto& c : {std::make_pair("verbose=1", "cLEAF"), std::make_pair("verbose=1,subdiv_accel=cbvh.vert", "cVERT"),
+                        std::make_pair("verbose=1,subdiv_accel=bvh4.grid.eager", "GRID")}) {
+    const std::string text = said(c.first);
+    const size_t ours = text.find(name), kind = text.find(std::string("Subdivision surfaces: ") + c.second), banner = text.find("Embree Ray Tracing Kernels");
+    EXPECT_LT(ours, kind) << text;
+    EXPECT_LT(kind, banner) << text;
+    EXPECT_NE(banner, std::string::npos) << text;
+  }
 }
 
 // As a program that speaks German sets it, but for a locale that may not be there.
@@ -143,7 +183,7 @@ TEST(Settings, NumbersHaveAPointInEveryLocale)
   const std::locale before = std::locale::global(std::locale(std::locale(), new Comma));
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=1000.5"), "leaf 0");
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=0.0000001"), "leaf 5");
-  Environment environment("leaf,level=auto,max_error=0.0000001");
+  Environment environment("leaf,frame_level=auto,max_error=0.0000001");
   EXPECT_EQ(representation(""), "leaf 5");
   std::locale::global(before);
 }
@@ -166,6 +206,7 @@ TEST(Settings, DeviceStringsWithUnknownValuesAreRefusedByNameAndValue)
 {
   expectNoDevice("subdiv_accel=cbvh.foo", "subdiv_accel", "cbvh.foo");
   expectNoDevice("subdiv_accel=cbvh.", "subdiv_accel", "cbvh.");
+  expectNoDevice("subdiv_accel=cbvhvert", "subdiv_accel", "cbvhvert");
   expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_frame_level=9", "cbvh_frame_level", "9");
   expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_frame_level=-1", "cbvh_frame_level", "-1");
   expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_frame_level=x", "cbvh_frame_level", "x");
@@ -178,7 +219,8 @@ TEST(Settings, DeviceStringsWithUnknownValuesAreRefusedByNameAndValue)
 TEST(Settings, EnvironmentsWithUnknownValuesAreRefusedByNameAndValue)
 {
   const std::pair<const char*, const char*> cases[] = {
-    {"foo", "foo"}, {"leaf,level=9", "9"}, {"leaf,level=-1", "-1"}, {"leaf,level=", ""}, {"leaf,level=2x", "2x"},
+    {"foo", "foo"}, {"leaf,frame_level=9", "9"}, {"leaf,frame_level=-1", "-1"}, {"leaf,frame_level=", ""},
+    {"leaf,frame_level=2x", "2x"}, {"leaf,level=9", "9"}, {"2", "2"},
     {"leaf,max_error=-1", "-1"}, {"leaf,max_error=nan", "nan"}, {"leaf,colour=2", "colour=2"}, {"cbvh.leaf", "cbvh.leaf"}};
   for (const auto& c : cases) {
     Environment environment(c.first);

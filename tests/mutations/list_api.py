@@ -35,8 +35,8 @@ MUTATIONS = (
     edit(
         "settings: environment before upstream's accelerators",
         "settings.cpp",
-        "{ compression = RTC_COMPRESSION_NONE; return; }",
-        "return;",
+        "    else if (subdivAccel != \"default\")\n      compression = RTC_COMPRESSION_NONE;\n",
+        "",
         "subdiv_accel=bvh4.grid.eager is compressed where the environment says so",
         "compression_api Settings.GeometryGoesBefore*",
     ),
@@ -45,8 +45,16 @@ MUTATIONS = (
         "settings.cpp",
         "if (value.empty() || *end != 0 || n < 0 ||",
         "if (value.empty() || n < 0 ||",
-        "level=2x is taken",
+        "frame_level=2x is taken",
         "compression_api Settings.*AreRefused*",
+    ),
+    edit(
+        "settings: the old name of a frame level",
+        "settings.cpp",
+        'key == "frame_level" || key == "level"',
+        'key == "frame_level"',
+        "EMBREE_CBVH=leaf,level=2 is refused",
+        "compression_api Settings.EnvironmentChooses*",
     ),
     edit(
         "settings: numbers of the locale",

@@ -9,6 +9,7 @@
 #include "library.h"
 #include "basics/error.h"
 #include "building/embree_device.h"
+#include "building/loaded_library.h"
 
 #include <algorithm>
 #include <cctype>
@@ -74,6 +75,7 @@ std::vector<std::string> targetsIn(const std::string& said)
 Library::Library()
 {
   open(libraryFile);
+  file = loadedLibrary().path; // the one that was found
 }
 
 Library::Library(const std::string& name, const std::string& path) : label(name)

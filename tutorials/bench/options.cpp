@@ -153,11 +153,11 @@ void declareLists(CLI::App& app, Words& words)
   addSceneOptions(app, words.settings);
   app.add_option("--view", words.views, "full, close, or ex,ey,ez,lx,ly,lz,fov; may be given several times")
     ->type_name("LIST")->default_str("full");
-  app.add_option("--level", words.levels, "subdivision levels, 0 to 8")->type_name("LIST")->capture_default_str();
+  app.add_option("--level", words.levels, "tessellation levels, 0 to 8")->type_name("LIST")->capture_default_str();
   app.add_option("--representation", words.representations,
                  "of naive, grid, cgrid, cvoxel, cleaf, cvert; a frame level of its own after ^ or :")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--frame-level", words.frameLevels, "levels at which local frames start: 0 to 8, or auto")
+  app.add_option("--frame-level", words.frameLevels, "frame levels, at which local frames start: 0 to 8, or auto")
     ->type_name("LIST")->capture_default_str();
   app.add_option("--library", words.libraries,
                  "builds of libembree3.so.3, or folders that have one, in place of the program's own: speeds are relative to\n"

@@ -34,9 +34,9 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   app.add_option("--representation", representation,
                  "naive, grid, cgrid, cvoxel, cleaf or cvert, a frame level of its own after ^ or :")
     ->type_name("NAME")->capture_default_str();
-  app.add_option("--level", o.build.level, "subdivision level, 0 to 8: 2^L x 2^L quads a face")
+  app.add_option("--level", o.build.level, "tessellation level, 0 to 8: 2^L x 2^L quads a face")
     ->type_name("L")->capture_default_str();
-  app.add_option("--frame-level", frameLevel, "level at which local frames start: 0 to 8, or auto")
+  app.add_option("--frame-level", frameLevel, "frame level, at which local frames start: 0 to 8, or auto")
     ->type_name("N")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", size, "picture size")->type_name("WxH")->capture_default_str();

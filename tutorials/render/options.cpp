@@ -25,9 +25,9 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--representation", words.representations,
                  "comma list of naive, grid, cgrid, cvoxel, cleaf, cvert; a frame level of its own after ^ or :")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--level", o.build.level, "subdivision level, 0 to 8: 2^L x 2^L quads a face")
+  app.add_option("--level", o.build.level, "tessellation level, 0 to 8: 2^L x 2^L quads a face")
     ->type_name("L")->capture_default_str();
-  app.add_option("--frame-level", words.frameLevel, "level at which local frames start: 0 to 8, or auto")
+  app.add_option("--frame-level", words.frameLevel, "frame level, at which local frames start: 0 to 8, or auto")
     ->type_name("N")->capture_default_str();
   app.add_option("--max-pixel-error", o.maxPixelError,
                  "spacing of cVERT's vertices in pixels of the view, at most; 0 for 1/36 of a quad's edge")

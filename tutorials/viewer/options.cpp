@@ -36,9 +36,9 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
                  "naive, grid, cgrid, cvoxel, cleaf or cvert, a frame level of its own after ^ or :; "
                  "two of them, with a comma between, for a split screen")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--level", o.build.level, "subdivision level, 0 to 8: 2^L x 2^L quads a face")
+  app.add_option("--level", o.build.level, "tessellation level, 0 to 8: 2^L x 2^L quads a face")
     ->type_name("L")->capture_default_str();
-  app.add_option("--frame-level", frameLevel, "level at which local frames start: 0 to 8, or auto")
+  app.add_option("--frame-level", frameLevel, "frame level, at which local frames start: 0 to 8, or auto")
     ->type_name("N")->capture_default_str();
   app.add_option("--mode", mode, "what is shown: " + listOfModes())->type_name("MODE")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();

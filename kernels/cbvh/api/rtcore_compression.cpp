@@ -16,6 +16,24 @@ using namespace embree;
 
 RTC_NAMESPACE_BEGIN;
 
+RTC_API ssize_t rtcGetDeviceCompressionProperty (RTCDevice hdevice, enum RTCCompressionProperty prop)
+{
+  Device* device = (Device*) hdevice;
+  RTC_CATCH_BEGIN;
+  if (hdevice == nullptr)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"device is NULL");
+  switch (prop)
+  {
+  case RTC_COMPRESSION_PROPERTY_VERSION:       return RTC_COMPRESSION_VERSION;
+  case RTC_COMPRESSION_PROPERTY_VERSION_MAJOR: return RTC_COMPRESSION_VERSION_MAJOR;
+  case RTC_COMPRESSION_PROPERTY_VERSION_MINOR: return RTC_COMPRESSION_VERSION_MINOR;
+  case RTC_COMPRESSION_PROPERTY_VERSION_PATCH: return RTC_COMPRESSION_VERSION_PATCH;
+  }
+  throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown property of compression " + std::to_string(int(prop)));
+  RTC_CATCH_END(device);
+  return 0;
+}
+
 RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCCompressionArguments* args)
 {
   Geometry* geometry = (Geometry*) hgeometry;

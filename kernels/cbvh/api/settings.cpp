@@ -104,23 +104,38 @@ namespace embree
       const std::string key = item.substr(0,equals);
       const std::string value = equals == std::string::npos ? "" : item.substr(equals+1);
       if (equals == std::string::npos) {
-        if (key == "none") compression = RTC_COMPRESSION_NONE;
+        if (key == "none" || key == "0") compression = RTC_COMPRESSION_NONE;
         else if (key == "1") compression = bestCompression;
-        else if (!parseKind(key,compression)) invalid("EMBREE_CBVH",item,"expected 1, none, " + kindKeys(""));
+        else if (!parseKind(key,compression)) invalid("EMBREE_CBVH",item,"expected 1, 0, none, " + kindKeys(""));
       }
-      else if (key == "level" || key == "frame_level") setFrameLevel("EMBREE_CBVH " + key,value);
+      else if (key == "frame_level" || key == "level") setFrameLevel("EMBREE_CBVH " + key,value);
       else if (key == "max_error") setMaxError("EMBREE_CBVH max_error",value);
       else if (key == "exact_faces") setExactFaces("EMBREE_CBVH exact_faces",value);
-      else invalid("EMBREE_CBVH",item,"expected level, max_error or exact_faces");
+      else invalid("EMBREE_CBVH",item,"expected frame_level, max_error or exact_faces");
     }
   }
 
-  void CompressionSettings::verify (const std::string& subdivAccel)
+  static const char* nameOf (RTCCompression compression)
   {
-    if (subdivAccel == "default") return;
-    if (subdivAccel.compare(0,5,"cbvh.") != 0) { compression = RTC_COMPRESSION_NONE; return; }
-    if (!parseKind(subdivAccel.substr(5),compression))
-      invalid("subdiv_accel",subdivAccel,"expected " + kindKeys("cbvh."));
+    for (const cbvh::KindDescription& kind : cbvh::kindDescriptions)
+      if (kind.compression == compression) return kind.name;
+    return "GRID, Embree's own";
+  }
+
+  void CompressionSettings::verify (const std::string& subdivAccel, bool verbose)
+  {
+    if (subdivAccel == "cbvh")
+      compression = bestCompression;
+    else if (subdivAccel.compare(0,4,"cbvh") == 0) {
+      if (subdivAccel.compare(0,5,"cbvh.") != 0 || !parseKind(subdivAccel.substr(5),compression))
+        invalid("subdiv_accel",subdivAccel,"expected cbvh, " + kindKeys("cbvh."));
+    }
+    else if (subdivAccel != "default")
+      compression = RTC_COMPRESSION_NONE;
+
+    if (verbose)
+      std::cout << std::endl << "Embree CBVH " << RTC_COMPRESSION_VERSION_STRING << std::endl
+                << "  Subdivision surfaces: " << nameOf(compression) << ", where a geometry does not say otherwise" << std::endl;
   }
 
   CompressionSettings CompressionSettings::resolve (const CompressionSettings& device) const

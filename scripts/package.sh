@@ -1,0 +1,21 @@
+#!/bin/sh
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Makes Debian packages in build/package/packages: libembree3-cbvh, libembree-cbvh-dev and
+# embree-cbvh-tools, in place of Debian's libembree3-3, libembree-dev and embree-tools.
+#
+#   scripts/package.sh && apt install ./build/package/packages/*.deb
+
+. "$(dirname -- "$0")/lib.sh"
+
+configure_package() {
+  cmake --preset package ${EMBREE_UPSTREAM_ARCHIVE:+"-DEMBREE_UPSTREAM_ARCHIVE=$EMBREE_UPSTREAM_ARCHIVE"}
+}
+
+phase "packages" install_packages
+phase "configure, get upstream" configure_package
+phase "build" cmake --build --preset package -j "$jobs"
+phase "package" cmake --build --preset package --target package
+
+ls -l build/package/packages/*.deb

@@ -1,0 +1,62 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+# Debian packages that take the place of Debian's own, for scripts/package.sh:
+#
+#   libembree3-cbvh    of libembree3-3     component lib
+#   libembree-cbvh-dev of libembree-dev    component devel
+#   embree-cbvh-tools  of embree-tools     component examples, with CBVH_EMBREE_TOOLS
+#
+# Names of their own keep Debian's updates from replacing them. Each provides the package that it
+# replaces in Embree's version, so that what depends on that stays installed, and conflicts with it.
+
+include("${CMAKE_SOURCE_DIR}/kernels/upstream/pin.cmake")
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL lib devel examples)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_PACKAGE_NAME embree-cbvh)
+set(CPACK_PACKAGE_VERSION "${PROJECT_VERSION}")
+set(CPACK_PACKAGE_VENDOR "The Embree CBVH authors")
+set(CPACK_PACKAGE_CONTACT "The Embree CBVH authors")
+set(CPACK_PACKAGING_INSTALL_PREFIX "${CMAKE_INSTALL_PREFIX}")
+set(CPACK_PACKAGE_DIRECTORY "${CMAKE_BINARY_DIR}/packages")
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+# They need one another's library, not the one that this machine has.
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "$<TARGET_FILE_DIR:embree>" "${CMAKE_BINARY_DIR}/kernels/vulkan")
+
+set(about "Embree CBVH is Embree ${EMBREE_UPSTREAM_VERSION} whose subdivision surfaces with displacement
+ can stay compressed in memory and are ray traced from there.")
+
+# cbvh_package(COMPONENT NAME REPLACED SECTION SUMMARY)
+macro(cbvh_package component name replaced section summary)
+  string(TOUPPER ${component} key)
+  set(CPACK_DEBIAN_${key}_PACKAGE_NAME ${name})
+  set(CPACK_DEBIAN_${key}_PACKAGE_SECTION ${section})
+  set(CPACK_DEBIAN_${key}_PACKAGE_PROVIDES "${replaced} (= ${EMBREE_UPSTREAM_VERSION})")
+  set(CPACK_DEBIAN_${key}_PACKAGE_CONFLICTS ${replaced})
+  set(CPACK_DEBIAN_${key}_PACKAGE_REPLACES ${replaced})
+  set(CPACK_COMPONENT_${key}_DESCRIPTION "${summary}\n${about}")
+  install(FILES "${CMAKE_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${name}" RENAME copyright
+    COMPONENT ${component})
+endmacro()
+
+cbvh_package(lib libembree3-cbvh libembree3-3 libs "Ray tracing kernels with compressed subdivision surfaces")
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_LIB_PACKAGE_RECOMMENDS libvulkan1)
+
+cbvh_package(devel libembree-cbvh-dev libembree-dev libdevel "Embree CBVH: headers, manual pages, CMake and pkg-config")
+set(CPACK_DEBIAN_DEVEL_PACKAGE_DEPENDS "libembree3-cbvh (= ${PROJECT_VERSION}), libtbb-dev")
+set(CPACK_DEBIAN_DEVEL_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_DEVEL_PACKAGE_SUGGESTS "libvulkan-dev, glslc") # rtcore_vulkan.h, cbvh.glsl
+
+cbvh_package(examples embree-cbvh-tools embree-tools graphics "Embree CBVH: its programs and Embree's")
+set(CPACK_DEBIAN_EXAMPLES_PACKAGE_DEPENDS "libembree3-cbvh (= ${PROJECT_VERSION})")
+
+include(CPack)

@@ -1,0 +1,48 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+# What an installation has of ours besides libraries, headers and programs: manual pages, pkg-config
+# files, and our version in Embree's own CMake package. Components are upstream's: lib, devel, examples.
+
+include(GNUInstallDirs)
+get_target_property(CBVH_EMBREE_VERSION embree VERSION)
+
+# --- CMake package: upstream writes the file anew with every configure ------------------------
+
+file(APPEND "${CMAKE_BINARY_DIR}/embree/embree-config-install.cmake" "
+# The library compresses subdivision surfaces, see <embree3/rtcore_compression.h>.
+SET(EMBREE_CBVH_VERSION ${PROJECT_VERSION})
+")
+
+# --- pkg-config ---------------------------------------------------------------------------------
+
+file(RELATIVE_PATH CBVH_PREFIX_FROM_PKGCONFIG "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+string(REGEX REPLACE "/$" "" CBVH_PREFIX_FROM_PKGCONFIG "${CBVH_PREFIX_FROM_PKGCONFIG}")
+set(files embree3.pc)
+if(TARGET embree_vulkan)
+  list(APPEND files embree3-vulkan.pc)
+endif()
+foreach(file IN LISTS files)
+  configure_file("${CMAKE_CURRENT_LIST_DIR}/${file}.in" "${CMAKE_BINARY_DIR}/pkgconfig/${file}" @ONLY)
+  install(FILES "${CMAKE_BINARY_DIR}/pkgconfig/${file}" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT devel)
+endforeach()
+
+# --- manual pages: upstream installs its own beside them --------------------------------------
+
+find_package(Python3 QUIET COMPONENTS Interpreter)
+if(Python3_Interpreter_FOUND)
+  set(headers "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_compression.h")
+  if(TARGET embree_vulkan)
+    list(APPEND headers "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_vulkan.h")
+  endif()
+  set(man "${CMAKE_BINARY_DIR}/man/man3")
+  set(script "${CMAKE_CURRENT_LIST_DIR}/man_pages.py")
+  add_custom_command(OUTPUT "${man}/rtcSetGeometryCompression.3embree3"
+    COMMAND "${CMAKE_COMMAND}" -E rm -rf "${man}"
+    COMMAND "${Python3_EXECUTABLE}" -B "${script}" "${PROJECT_VERSION}" "${man}" ${headers}
+    DEPENDS "${script}" ${headers} VERBATIM)
+  add_custom_target(cbvh_man_pages ALL DEPENDS "${man}/rtcSetGeometryCompression.3embree3")
+  install(DIRECTORY "${man}" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT devel)
+endif()
+
+install(FILES "${CMAKE_SOURCE_DIR}/CHANGELOG.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT lib)

@@ -1,0 +1,105 @@
+#!/bin/sh
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Our Debian packages in roots of their own, which needs root, debootstrap, the machine's package
+# registry and 4 GB:
+#
+#   - a bare Debian takes them, by apt, and our programs run;
+#   - a Debian that has Debian's Embree, and Blender, Open3D and Embree's tutorials on it, takes them
+#     in its place, keeps those, and they compute the same to the byte.
+#
+#   packages.sh DIRECTORY-OF-PACKAGES DIRECTORY-FOR-ROOTS
+set -eu
+packages=$(cd "$1" && pwd) roots=$2
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
+fail() { echo "FAILED: $*" >&2; exit 1; }
+
+mkdir -p "$roots"
+roots=$(cd "$roots" && pwd)
+release() { for root in bare clients; do umount "$roots/$root/proc" "$roots/$root/dev" 2>/dev/null || true; done; }
+trap release EXIT
+
+# make ROOT: as debootstrap leaves it, from the mirror that this machine is set up to use
+make() {
+  root=$roots/$1
+  if [ ! -d "$roots/base" ]; then
+    mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Origin: Debian' 'Component: main' | sort -u | head -n 1)
+    debootstrap --variant=minbase bookworm "$roots/base.part" "$mirror" > "$roots/log" || { tail "$roots/log"; fail "debootstrap"; }
+    mv "$roots/base.part" "$roots/base"
+  fi
+  rm -rf --one-file-system "$root"
+  cp -a "$roots/base" "$root"
+  cp /etc/resolv.conf "$root/etc/"
+  mkdir -p "$root/root/packages" "$root/root/clients"
+  cp "$packages"/*.deb "$root/root/packages/"
+  cp "$here"/clients/* "$root/root/clients/"
+  mount --bind /proc "$root/proc"
+  mount --bind /dev "$root/dev"
+  apt_get update
+}
+inside() { chroot "$root" env HOME=/root "$@"; }
+apt_get() { inside apt-get -q -y --no-install-recommends "$@" > "$roots/log" 2>&1 || { tail -n 30 "$roots/log"; fail "apt-get $*"; }; }
+ours() { apt_get install "$@"; apt_get check; }
+all() { (cd "$packages" && for package in *.deb; do echo "/root/packages/$package"; done); }
+status() { inside dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null || true; }
+
+# --- a bare system ---------------------------------------------------------------------------------
+
+make bare
+# shellcheck disable=SC2046
+ours $(all)
+inside cbvh_render --version
+inside cbvh_render --scene cube --level 3 --size 32x32 --no-speed --representation cvert --output /root/pictures > "$roots/log" 2>&1 ||
+  { cat "$roots/log"; fail "cbvh_render does not run"; }
+apt_get remove libembree3-cbvh
+[ ! -e "$root/usr/lib/x86_64-linux-gnu/libembree3.so.3" ] || fail "removed, but the library is still there"
+echo "a bare system takes the packages, and removes them"
+
+# --- a system with Debian's packages ---------------------------------------------------------------
+
+# run FOLDER: what each client computes
+run() {
+  inside mkdir -p "/root/$1"
+  for program in triangle_geometry subdivision_geometry displacement_geometry instanced_geometry curve_geometry \
+                 grid_geometry point_geometry interpolation user_geometry intersection_filter hair_geometry \
+                 lazy_geometry motion_blur_geometry; do
+    inside "$program" --size 160 120 -o "/root/$1/$program.ppm" > "$roots/log" 2>&1 || { cat "$roots/log"; fail "$program"; }
+  done
+  for program in viewer pathtracer; do
+    inside "$program" -c /usr/share/doc/embree3/models/cornell_box.ecs --size 80 60 -o "/root/$1/$program.ppm" > "$roots/log" 2>&1 ||
+      { cat "$roots/log"; fail "$program"; }
+  done
+  inside python3 /root/clients/open3d_queries.py "/root/$1/open3d" || fail "Open3D"
+  inside blender -b --python-exit-code 1 --python /root/clients/blender.py -- "/root/$1/blender.bmp" > "$roots/log" 2>&1 ||
+    { cat "$roots/log"; fail "Blender"; }
+}
+
+# compare FOLDER OTHER
+compare() {
+  for file in "$root/root/$1"/*; do
+    cmp "$file" "$root/root/$2/${file##*/}" || fail "${file##*/} is another"
+  done
+  echo "$(find "$root/root/$1" -type f | wc -l) files are the same to the byte: $3"
+}
+
+make clients
+apt_get install embree-tools libembree-dev blender python3-open3d
+run stock
+ours "$(all | grep /libembree3-cbvh_)" "$(all | grep /libembree-cbvh-dev_)"
+for package in libembree3-3 libembree-dev; do
+  [ "$(status $package)" != installed ] || fail "$package is still installed"
+done
+run library
+compare stock library "Debian's programs on our library"
+# shellcheck disable=SC2046
+ours $(all)
+for package in embree-tools libembree3-3; do
+  [ "$(status $package)" != installed ] || fail "$package is still installed"
+done
+for package in blender python3-open3d; do
+  [ "$(status $package)" = installed ] || fail "$package was removed"
+done
+run tools
+compare stock tools "with our programs in place of embree-tools"
