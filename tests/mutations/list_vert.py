@@ -345,7 +345,7 @@ TRIANGLES = (
     build(
         "cache: outlives a build",
         "builder.cpp",
-        "cbvh::VertCache::outdate();",
+        "cbvh::outdateThreadCaches();",
         "",
         "rays see blocks that were where others are now",
         "vert_surfaces VertCache.*",

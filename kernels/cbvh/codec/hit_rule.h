@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Where a ray hits the surface of a cLEAF block: the decision alone. How a ray crosses a
- * leaf is measured elsewhere (crossing.h; four leaves at once: trace/patch_crossing4.h), and what becomes
+ * leaf is measured elsewhere (crossing.h; of decoded leaves: trace/leaf_crossing1.h), and what becomes
  * of a hit, too. FORMAT.md has the rule as tables, which a test compares with this code.
  *
  * Along a ray
