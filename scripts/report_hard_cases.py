@@ -70,6 +70,6 @@ def section(folder):
         f"{results.count('failed')} fail, {results.count('skipped')} were skipped, as this machine lacks the "
         "instruction set. The number says on how many a case holds.</p>"
     )
-    rows = [[escape(c.name), escape(c.sentence), *(cell(c, kind) for kind in KINDS)] for c in cases]
+    rows = [[escape(c.name).replace(".", ".<wbr>"), escape(c.sentence), *(cell(c, kind) for kind in KINDS)] for c in cases]
     heads = ["case", "property", *(p.label(kind) for kind in KINDS)]
-    return p.section("hard", title, text, p.table(heads, rows, text_columns=(0, 1), stack=True), p.command(MADE_BY))
+    return p.section("hard", title, text, p.table(heads, rows, text_columns=(0, 1)), commands=[MADE_BY])

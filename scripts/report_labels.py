@@ -1,0 +1,66 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Labels of the marks in a chart, placed so that they cover neither marks nor each other."""
+
+LABEL_SIZE = 8.5  # points
+DIGIT = (0.62 * LABEL_SIZE, 0.95 * LABEL_SIZE)  # width and height of one, a little more than the font's
+
+
+def mark_size(level):
+    """In points: the larger a mark, the higher its level."""
+    return 3.2 + 1.0 * max(0, level - 3)
+
+
+def overlap(a, b):
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+
+def box(x, y, width, height):
+    """Around a centre: left, bottom, right, top."""
+    return (x - width / 2, y - height / 2, x + width / 2, y + height / 2)
+
+
+def shown(text):
+    """A label without the signs that raise a part of it."""
+    return text.replace("$^{", "").replace("}$", "")
+
+
+def place_labels(points, bounds):
+    """Where labels go so that none covers a mark, another label or the edge; those that find no place are left out.
+    points: (x, y, size of the mark, text), and no label where the text is empty; bounds: as box; all in points of the
+    page. Returns {index: (x, y) of a centre}."""
+    taken = [box(x, y, size, size) for x, y, size, _ in points]
+    places = {}
+    for i, (x, y, size, text) in enumerate(points):
+        width, height = DIGIT[0] * len(shown(text)), DIGIT[1]
+        for right, up in ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1)) if text else ():
+            centre = (x + right * (size + width + 1) / 2, y + up * (size + height + 1) / 2)
+            here = box(*centre, width, height)
+            inside = bounds[0] <= here[0] and bounds[1] <= here[1] and here[2] <= bounds[2] and here[3] <= bounds[3]
+            if inside and not any(overlap(here, other) for other in taken):
+                taken.append(here)
+                places[i] = centre
+                break
+    return places
+
+
+def write_labels(axes, marks, ink):
+    """marks: (x, y, level, text) in the units of the axes, which have all else that they will have."""
+    axes.figure.draw_without_rendering()  # so that the axes have their place
+    points_of_pixel = 72.0 / axes.figure.dpi
+    at = axes.transData.transform([mark[:2] for mark in marks]) * points_of_pixel
+    bounds = tuple(v * points_of_pixel for v in axes.get_window_extent().extents)
+    points = [(x, y, mark_size(level), text) for (x, y), (_, _, level, text) in zip(at, marks)]
+    for i, (x, y) in place_labels(points, bounds).items():
+        text = axes.annotate(
+            points[i][3],
+            marks[i][:2],
+            xytext=(x - at[i][0], y - at[i][1]),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=LABEL_SIZE,
+            color=ink,
+        )
+        text.set_in_layout(False)

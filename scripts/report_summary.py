@@ -1,0 +1,123 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""The first screen of the report: what compression saves and costs, in a sentence each for memory, speed and error."""
+
+from dataclasses import dataclass
+from html import escape
+
+import report_figures as f
+import report_page as p
+import report_summary_chart as picture
+from report_data import Row
+
+FIRST = ("cVERT", "cLEAF^2", "cLEAF^3", "cVOXEL^3", "cVOXEL^2", "cGRID^2")  # the first that was measured is spoken of
+
+
+@dataclass
+class Headline:
+    """A representation beside GRID: the same scene, level and instruction set."""
+
+    row: Row
+    grid: Row
+
+    @property
+    def smaller(self):
+        return self.grid.bytes / self.row.bytes
+
+    def times_grid(self, ray_set):
+        speed = self.row.speed("full", ray_set)
+        return speed["relative_to_grid"]["median"] if speed else None
+
+
+def headline(data, level=None):
+    """Of the main scene, at level 6 or the finest below it, or else the finest. None where nothing was compressed."""
+    main = data.main_scene()
+    levels = [level] if level is not None else sorted(data.levels(main), key=lambda level: (level > 6, -level))
+    for level in levels:
+        grid = data.pick(main, level, "GRID")
+        for label in FIRST if grid else ():
+            row = data.pick(main, level, label)
+            if row:
+                return Headline(row, grid)
+    return None
+
+
+def times(value):
+    return f"{value:.1f}" if value >= 1.95 else f"{value:.2f}"
+
+
+def memory(found):
+    """The figure, and the sentence."""
+    row, grid = found.row, found.grid
+    figure = f"{times(found.smaller)} times smaller"
+    return figure, (
+        f"{row.label} keeps {row.scene} at level {row.level}, {row.quads / 1e6:.3g} million quads, in "
+        f"{f.mebibytes(row.bytes)} or {row.memory['bytes_per_quad']:.2f} bytes a quad, and Embree's own GRID takes "
+        f"{f.mebibytes(grid.bytes)} or {grid.memory['bytes_per_quad']:.2f}."
+    )
+
+
+def speed(found):
+    """None where no speed was measured."""
+    known = [(name, found.times_grid(name), found.row.speed("full", name)) for name in ("coherent", "incoherent")]
+    known = [(name, ratio, s["mrays_per_second"]["median"]) for name, ratio, s in known if s]
+    if not known:
+        return None
+    figure = " and ".join(times(ratio) for _, ratio, _ in known) + " times GRID's speed"
+    rays = " and ".join(f"{mrays:.3g} million {name}" for name, _, mrays in known)
+    return figure, f"One thread traces {rays} rays a second, {' and '.join(times(r) for _, r, _ in known)} times as many as in GRID."
+
+
+def error(found):
+    """None where no error was measured in the full view."""
+    errors = found.row.errors("full")
+    if not errors:
+        return None
+    figure = f"{errors['rmse_of_others_pixels']:.2g} pixels of error"
+    text = f"That is the RMSE of {found.row.label}'s hits against GRID's, without {errors['beyond_5_pixels']} "
+    text += f"of {errors['rays']:,} rays that are off by more than 5 pixels"
+    ours, theirs = (row.views.get("full", {}).get("errors_to_true_surface") for row in (found.row, found.grid))
+    if ours and theirs:
+        text += f"; from the true surface it is {ours['rmse_pixels']:.2g}, and GRID's own is {theirs['rmse_pixels']:.2g}"
+    return figure, text + "."
+
+
+def statements(found):
+    return {
+        "memory": memory(found),
+        "speed": speed(found) or ("No speed", "Speeds were not measured in the full view."),
+        "error": error(found) or ("No error", "Errors were not measured in the full view."),
+    }
+
+
+def other_levels(data, found):
+    """How many times smaller at the others, from the finest; empty without others."""
+    others = [headline(data, level) for level in reversed(data.levels(found.row.scene)) if level != found.row.level]
+    others = [o for o in others if o and o.row.label == found.row.label]
+    return ", ".join(f"{times(o.smaller)} at level {o.row.level}" for o in others)
+
+
+def caption(data, found):
+    more = other_levels(data, found)
+    return (
+        f"<b>{escape(found.row.scene)}, level {found.row.level}</b>, full view, single rays, one thread of "
+        f"{escape(found.row.run['cpu'])} ({escape(data.isa)}). {p.label(found.row.label)} is {times(found.smaller)} times "
+        f"smaller than GRID{', ' + more if more else ''}. Errors are against GRID's hits."
+    )
+
+
+def first_screen(data):
+    """HTML: three sentences and a picture."""
+    found = headline(data)
+    if not found:
+        return p.missing("a compressed representation beside GRID, on a processor")
+    cells = "".join(
+        f'<p><b class="figure">{escape(figure)}</b> {p.raised(text)}</p>' for figure, text in statements(found).values()
+    )
+    rows = [row for row in data.of_scene(found.row.scene) if row.level == found.row.level and row.kind != "NAIVE"]
+    rows.sort(key=lambda row: f.sort_key(row.label))
+    wide, narrow = picture.charts(rows)
+    text = "Bytes a quad, speed relative to GRID and error of each representation"
+    figure = p.chart(wide, text, narrow, caption(data, found))
+    return f'<div class="results">{cells}</div><div class="charts one">{figure}</div>'
