@@ -49,6 +49,13 @@ class Row:
     def held_per_quad(self):
         return self.held_bytes / self.quads
 
+    @property
+    def weight(self):
+        """Of several that measured the same the one with the largest is shown: more rounds, errors against the true
+        surface, the latest."""
+        settings = self.run["settings"]
+        return settings["repeat"], settings.get("true_surface_hits", 0), self.run["date"]
+
     def errors(self, view, to_reference=False):
         """Errors of primary rays, or None."""
         found = self.views.get(view, {})
@@ -156,7 +163,7 @@ class Data:
             and (view is None or view in row.views)
             and (job is None or row.job == job)
         ]
-        return max(found, key=lambda row: (row.run["settings"]["repeat"], row.run["date"]), default=None)
+        return max(found, key=lambda row: row.weight, default=None)
 
     def of_scene(self, scene, job=None):
         """Rows of a scene, one a level and representation."""

@@ -22,7 +22,8 @@ TEXT = (
     "degrees from the mesh's. A ray that passes a silhouette in "
     "one of both hits another sheet, far from the mesh's hit but near to the true surface: such rays are in the RMSE "
     "against the mesh alone. The column <i>rules</i> says what rules the error against the true surface: where GRID's own is "
-    "half of its square and more, a finer level helps more than a better representation.</p>"
+    "half of its square and more, a finer level helps more than a better representation. In the charts, marks at the "
+    "bottom are errors below a thousandth of a pixel.</p>"
 )
 
 
@@ -82,17 +83,22 @@ def tables(data, rows):
     )
 
 
-def error_pairs(title, bars):
-    """Bars of errors in pixels. bars: (label, against the mesh or None, against the true surface)."""
+def error_pairs(title, pairs):
+    """Errors in pixels as marks. pairs: (label, against the mesh or None, against the true surface)."""
 
-    def draw(axes, _):
-        series = (("against the mesh", 1, -0.2, "#0072B2"), ("against the true surface", 2, 0.2, "#E69F00"))
-        for name, column, shift, colour in series:
-            here = [(i + shift, max(bar[column], f.EXACT)) for i, bar in enumerate(bars) if bar[column] is not None]
-            axes.bar([x for x, _ in here], [y for _, y in here], 0.38, color=colour, label=name)
+    def draw(axes, theme):
+        shown = [value for pair in pairs for value in pair[1:] if value is not None and value >= f.EXACT]
+        low, high = min(shown, default=f.EXACT) / 2, max(shown, default=2 * f.EXACT) * 1.5
+        series = (("against the mesh", 1, -0.15, "#0072B2", "o"), ("against the true surface", 2, 0.15, "#E69F00", "D"))
+        for name, column, shift, colour, mark in series:
+            here = [(i + shift, pair[column]) for i, pair in enumerate(pairs) if pair[column] is not None]
+            xs, ys = [x for x, _ in here], [y if y >= f.EXACT else low for _, y in here]
+            axes.vlines(xs, low, ys, color=theme["grid"], linewidth=2)
+            axes.plot(xs, ys, mark, color=colour, markersize=5.5, label=name, clip_on=False, zorder=3)
         axes.set_yscale("log")
+        axes.set_ylim(low, high)
         f.log_axis(axes.yaxis)
-        f.names_below(axes, [bar[0] for bar in bars])
+        f.names_below(axes, [pair[0] for pair in pairs])
         axes.set_ylabel("RMSE along the ray, pixels")
         axes.set_title(title)
         f.legend(axes, 2)
@@ -109,7 +115,7 @@ def charts(data, rows):
         here.sort(key=lambda row: f.sort_key(row.label))
         if len(here) < 2:
             continue
-        bars = [
+        pairs = [
             (
                 row.label,
                 None if row.kind == "GRID" else row.errors("full")["rmse_of_others_pixels"],
@@ -118,7 +124,7 @@ def charts(data, rows):
             for row in here
         ]
         parts.append(
-            p.chart(error_pairs(f"{scene}, level {level}", bars), f"Errors against mesh and true surface, {scene}")
+            p.chart(error_pairs(f"{scene}, level {level}", pairs), f"Errors against mesh and true surface, {scene}")
         )
     return p.charts(parts) if parts else ""
 

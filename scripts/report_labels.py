@@ -6,6 +6,9 @@
 LABEL_SIZE = 8.5  # points
 DIGIT = (0.62 * LABEL_SIZE, 0.95 * LABEL_SIZE)  # width and height of one, a little more than the font's
 
+SIDES = ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1))
+DIRECTIONS = [(right, up, away) for away in (1, 6, 12) for right, up in SIDES]  # the nearest are tried first
+
 
 def mark_size(level):
     """In points: the larger a mark, the higher its level."""
@@ -26,16 +29,22 @@ def shown(text):
     return text.replace("$^{", "").replace("}$", "")
 
 
-def place_labels(points, bounds):
-    """Where labels go so that none covers a mark, another label or the edge; those that find no place are left out.
-    points: (x, y, size of the mark, text), and no label where the text is empty; bounds: as box; all in points of the
-    page. Returns {index: (x, y) of a centre}."""
-    taken = [box(x, y, size, size) for x, y, size, _ in points]
+def corners(line):
+    """The boxes of a line's pieces, which run along the axes."""
+    pairs = zip(line, line[1:])
+    return [(min(a[0], b[0]), min(a[1], b[1]), max(a[0], b[0]), max(a[1], b[1])) for a, b in pairs]
+
+
+def place_labels(points, bounds, others=()):
+    """Where labels go so that none covers a mark, another label, one of the others or the edge; those that find no place
+    are left out. points: (x, y, size of the mark, text), and no label where the text is empty; bounds: as box, and so
+    are the others; all in points of the page. Returns {index: (x, y) of a centre}."""
+    taken = [box(x, y, size, size) for x, y, size, _ in points] + list(others)
     places = {}
     for i, (x, y, size, text) in enumerate(points):
         width, height = DIGIT[0] * len(shown(text)), DIGIT[1]
-        for right, up in ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1)) if text else ():
-            centre = (x + right * (size + width + 1) / 2, y + up * (size + height + 1) / 2)
+        for right, up, away in DIRECTIONS if text else ():
+            centre = (x + right * (size + width + away) / 2, y + up * (size + height + away) / 2)
             here = box(*centre, width, height)
             inside = bounds[0] <= here[0] and bounds[1] <= here[1] and here[2] <= bounds[2] and here[3] <= bounds[3]
             if inside and not any(overlap(here, other) for other in taken):
@@ -45,14 +54,16 @@ def place_labels(points, bounds):
     return places
 
 
-def write_labels(axes, marks, ink):
-    """marks: (x, y, level, text) in the units of the axes, which have all else that they will have."""
+def write_labels(axes, marks, ink, line=()):
+    """marks: (x, y, level, text) in the units of the axes, which have all else that they will have. line: corners of one
+    that labels must not cover, whose pieces run along the axes."""
     axes.figure.draw_without_rendering()  # so that the axes have their place
     points_of_pixel = 72.0 / axes.figure.dpi
     at = axes.transData.transform([mark[:2] for mark in marks]) * points_of_pixel
     bounds = tuple(v * points_of_pixel for v in axes.get_window_extent().extents)
     points = [(x, y, mark_size(level), text) for (x, y), (_, _, level, text) in zip(at, marks)]
-    for i, (x, y) in place_labels(points, bounds).items():
+    others = corners(axes.transData.transform(line) * points_of_pixel) if len(line) else ()
+    for i, (x, y) in place_labels(points, bounds, others).items():
         text = axes.annotate(
             points[i][3],
             marks[i][:2],

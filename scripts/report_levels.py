@@ -8,8 +8,6 @@ from html import escape
 import report_figures as f
 import report_page as p
 
-HEADS = ("bytes a quad", "coherent", "incoherent")
-RAY_SETS = ("coherent", "incoherent")
 TEXT = (
     "<p>Level L divides a face into 4<sup>L</sup> quads, frame level n divides it into 4<sup>n</sup> blocks with a frame "
     "each: finer frames are tighter and weigh more. Speeds are of single rays, closest hit, one thread, full view, as "
@@ -17,20 +15,23 @@ TEXT = (
 )
 
 
-def speed(row, ray_set):
-    """Millions of rays a second of GRID, of the others how many times GRID's. None where not measured."""
-    found = row.speed("full", ray_set)
-    if not found:
-        return None
-    return found["mrays_per_second" if row.kind == "GRID" else "relative_to_grid"]["median"]
+def bytes_text(row):
+    return f"{row.memory['bytes_per_quad']:.2f}"
 
 
-def cells(row):
-    """As text, in the order of HEADS."""
-    if not row:
-        return ["-"] * len(HEADS)
-    speeds = [speed(row, ray_set) for ray_set in RAY_SETS]
-    return [f"{row.memory['bytes_per_quad']:.2f}"] + ["-" if s is None else f"{s:.2f}" for s in speeds]
+def speed_text(ray_set):
+    def text(row):
+        found = row.speed("full", ray_set)
+        return f"{found['mrays_per_second' if row.kind == 'GRID' else 'relative_to_grid']['median']:.2f}" if found else "-"
+
+    return text
+
+
+TABLES = {
+    "bytes a quad": bytes_text,
+    "coherent rays": speed_text("coherent"),
+    "incoherent rays": speed_text("incoherent"),
+}
 
 
 def has_frames(data, scene):
@@ -39,12 +40,13 @@ def has_frames(data, scene):
     return len(kinds) > len(set(kinds))
 
 
-def of_scene(data, scene):
-    """Levels, and (representation, cells of each level)."""
+def table(data, scene, text):
+    """Heads, and a row a representation. text: of a measurement."""
     levels = data.levels(scene)
     labels = sorted({row.label for row in data.of_scene(scene)}, key=f.sort_key)
-    return levels, [
-        (label, [cell for level in levels for cell in cells(data.pick(scene, level, label, "full"))]) for label in labels
+    rows = [[data.pick(scene, level, label, "full") for level in levels] for label in labels]
+    return [f"level {level}" for level in levels], [
+        [label, *(text(row) if row else "-" for row in found)] for label, found in zip(labels, rows)
     ]
 
 
@@ -58,9 +60,11 @@ def scenes(data):
 def section(data):
     body = ""
     for scene in scenes(data):
-        levels, table = of_scene(data, scene)
-        rows = [(p.label(label), row) for label, row in table]
-        body += f"<h3>{escape(scene)}</h3>" + p.grouped_table([f"level {level}" for level in levels], HEADS, rows)
+        body += f'<h3>{escape(scene)}</h3><div class="tables">'
+        for title, text in TABLES.items():
+            heads, rows = table(data, scene, text)
+            body += p.table([title, *heads], [[p.label(label), *cells] for label, *cells in rows])
+        body += "</div>"
     return p.section(
         "levels",
         "Levels and frame levels",

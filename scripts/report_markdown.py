@@ -118,8 +118,9 @@ def grouped(groups, heads, rows):
 def levels_part(data):
     lines = []
     for scene in report_levels.scenes(data):
-        levels, rows = report_levels.of_scene(data, scene)
-        lines += [f"### {scene}", "", *grouped([f"level {level}" for level in levels], report_levels.HEADS, rows)]
+        for title, text in report_levels.TABLES.items():
+            heads, rows = report_levels.table(data, scene, text)
+            lines += [f"### {scene}: {title}", "", *table(["", *heads], rows)]
     note = "Speeds are how many times GRID's of the same level they are; those of GRID are millions of rays a second."
     return ["## Levels and frame levels", "", note, "", *lines] if lines else []
 

@@ -19,6 +19,7 @@ h2 { font-size: 1.25rem; margin: 2.6rem 0 .4rem; padding-top: .8rem; border-top:
 h3 { font-size: 1rem; margin: 1.2rem 0 .3rem; }
 h4 { font-size: .92rem; margin: 1rem 0 -.4rem; }
 p { margin: .4rem 0 .8rem; max-width: 52rem; }
+sup { font-size: .72em; line-height: 0; }
 .soft, figcaption, .reason { color: var(--soft); font-size: .87rem; }
 a { color: var(--accent); }
 .results { display: grid; gap: .8rem; margin: 1rem 0; max-width: 84rem; }
@@ -39,6 +40,7 @@ figcaption b { color: var(--ink); }
 .reason { display: block; margin: .3rem 0 0; }
 code { font: .82rem/1.5 ui-monospace, "DejaVu Sans Mono", monospace; overflow-wrap: anywhere; }
 .table { overflow-x: auto; margin: .8rem 0; border: 1px solid var(--line); border-radius: 8px; width: fit-content; max-width: 100%; }
+.tables { display: flex; flex-wrap: wrap; gap: 0 1rem; }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .35rem .6rem; text-align: right; border-bottom: 1px solid var(--line); }
 td { white-space: nowrap; }
@@ -47,7 +49,7 @@ tr:last-child td { border-bottom: 0; }
 td.text { white-space: normal; overflow-wrap: break-word; }
 td:first-child, td.text, th:first-child, th.text { text-align: left; }
 th.group { text-align: center; border-left: 1px solid var(--line); } th.group:empty { border-left: 0; }
-.grouped { font-size: .85rem; } .grouped th, .grouped td { padding: .3rem .35rem; } .grouped .heads { display: none; }
+.grouped { font-size: .85rem; } .grouped th, .grouped td { padding: .3rem .25rem; } .grouped .heads { display: none; }
 .yes { color: var(--good); font-weight: 600; } .no { color: var(--bad); font-weight: 600; } .none { color: var(--soft); }
 .missing { background: var(--panel); border: 1px dashed var(--line); border-radius: 8px; padding: .8rem 1rem; color: var(--soft); }
 .entry { white-space: nowrap; margin-right: .7em; }
@@ -59,7 +61,7 @@ details.made code { display: block; margin: .3rem 0; color: var(--soft); }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .15rem 1rem; font-size: .92rem; margin: .8rem 0; }
 dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
 @media (min-width: 44rem) { .results { grid-template-columns: repeat(3, minmax(0, 1fr)); } }
-@media (min-width: 75rem) {
+@media (min-width: 82rem) {
   main { display: grid; grid-template: "contents head" auto "contents body" 1fr / 12.5rem minmax(0, 1fr); column-gap: 2.2rem; }
   header { grid-area: head; } .body { grid-area: body; }
   nav { grid-area: contents; position: sticky; top: 0; align-self: start; max-height: 100vh; overflow-y: auto; margin: 0;
@@ -100,5 +102,5 @@ def narrow(width, *rules):
 STYLE = (
     BASE
     + narrow("34rem", STACKED.replace("WHICH", ".plain"))
-    + narrow("60rem", STACKED.replace("WHICH", ".many"), GROUPS_STACKED)
+    + narrow("64rem", STACKED.replace("WHICH", ".many"), GROUPS_STACKED)
 )

@@ -47,6 +47,10 @@ def times(value):
     return f"{value:.1f}" if value >= 1.95 else f"{value:.2f}"
 
 
+def two_digits(value):
+    return f"{value:#.2g}".removesuffix(".")
+
+
 def memory(found):
     """The figure, and the sentence."""
     row, grid = found.row, found.grid
@@ -60,13 +64,17 @@ def memory(found):
 
 def speed(found):
     """None where no speed was measured."""
-    known = [(name, found.times_grid(name), found.row.speed("full", name)) for name in ("coherent", "incoherent")]
-    known = [(name, ratio, s["mrays_per_second"]["median"]) for name, ratio, s in known if s]
+    known = []
+    for name in ("coherent", "incoherent"):
+        speeds = [row.speed("full", name) for row in (found.row, found.grid)]
+        if all(speeds):
+            known.append((name, found.times_grid(name), *(s["mrays_per_second"]["median"] for s in speeds)))
     if not known:
         return None
-    figure = " and ".join(times(ratio) for _, ratio, _ in known) + " times GRID's speed"
-    rays = " and ".join(f"{mrays:.3g} million {name}" for name, _, mrays in known)
-    return figure, f"One thread traces {rays} rays a second, {' and '.join(times(r) for _, r, _ in known)} times as many as in GRID."
+    figure = " and ".join(times(ratio) for _, ratio, _, _ in known) + " times GRID's speed"
+    rays = " and ".join(f"{mrays:.3g} million {name} rays" for name, _, mrays, _ in known)
+    of_grid = " and ".join(f"{mrays:.3g}" for *_, mrays in known)
+    return figure, f"One thread traces {rays} a second in {found.row.label}, and {of_grid} million in GRID."
 
 
 def error(found):
@@ -74,12 +82,13 @@ def error(found):
     errors = found.row.errors("full")
     if not errors:
         return None
-    figure = f"{errors['rmse_of_others_pixels']:.2g} pixels of error"
-    text = f"That is the RMSE of {found.row.label}'s hits against GRID's, without {errors['beyond_5_pixels']} "
-    text += f"of {errors['rays']:,} rays that are off by more than 5 pixels"
+    figure = f"{two_digits(errors['rmse_of_others_pixels'])} pixels of error"
+    beyond = f"{errors['beyond_5_pixels'] or 'none'} of {errors['rays']:,} rays"
+    text = f"That is the RMSE of {found.row.label}'s hits within 5 pixels of GRID's, and {beyond} hit farther away"
     ours, theirs = (row.views.get("full", {}).get("errors_to_true_surface") for row in (found.row, found.grid))
     if ours and theirs:
-        text += f"; from the true surface it is {ours['rmse_pixels']:.2g}, and GRID's own is {theirs['rmse_pixels']:.2g}"
+        both = [two_digits(errors["rmse_pixels"]) for errors in (ours, theirs)]
+        text += f"; from the true surface it is {both[0]}, and GRID's own is {both[1]}"
     return figure, text + "."
 
 
@@ -103,7 +112,7 @@ def caption(data, found):
     return (
         f"<b>{escape(found.row.scene)}, level {found.row.level}</b>, full view, single rays, one thread of "
         f"{escape(found.row.run['cpu'])} ({escape(data.isa)}). {p.label(found.row.label)} is {times(found.smaller)} times "
-        f"smaller than GRID{', ' + more if more else ''}. Errors are against GRID's hits."
+        f"smaller than GRID{', ' + more if more else ''}. Errors are against GRID's hits, and none is less than {f.EXACT:g} pixels."
     )
 
 

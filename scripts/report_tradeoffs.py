@@ -60,6 +60,14 @@ def pareto(points, lower_is_better):
     return front
 
 
+def steps(front, right):
+    """Corners of the line through a front, each value kept up to the next error, the last up to the right."""
+    line = [front[0]]
+    for error, value in front[1:]:
+        line += [(error, line[-1][1]), (error, value)]
+    return line + [(right, line[-1][1])]
+
+
 def chart(title, unit, points, lower_is_better):
     """points: (row, error in pixels, value)."""
 
@@ -68,10 +76,8 @@ def chart(title, unit, points, lower_is_better):
         placed = [(row, error if error >= f.EXACT else edge, value) for row, error, value in points]
         front = pareto([(error, value) for _, error, value in placed], lower_is_better)
         right = 1.6 * max(error for _, error, _ in placed)
-        xs, ys = [p[0] for p in front] + [right], [p[1] for p in front] + [front[-1][1]]
-        axes.plot(
-            xs, ys, "-", color=theme["ink"], linewidth=1, alpha=0.6, label="Pareto front", drawstyle="steps-post"
-        )
+        line = steps(front, right)
+        axes.plot(*zip(*line), "-", color=theme["ink"], linewidth=1, alpha=0.6, label="Pareto front")
         seen, marks = set(), []
         for row, error, value in sorted(placed, key=lambda point: f.kind_order(point[0].kind)):
             axes.plot(
@@ -102,7 +108,7 @@ def chart(title, unit, points, lower_is_better):
         axes.set_ylabel(unit)
         axes.set_title(title)
         f.legend(axes, 4)
-        labels.write_labels(axes, marks, theme["ink"])
+        labels.write_labels(axes, marks, theme["ink"], line)
 
     return f.themed(draw, height=3.9)
 
