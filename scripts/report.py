@@ -82,6 +82,7 @@ def write(path, text):
         temporary.write_text(text, encoding="utf-8")
         temporary.replace(path)
     except OSError as error:
+        temporary.unlink(missing_ok=True)
         raise SystemExit(f"report.py: {path}: cannot be written: {error.strerror}") from error
 
 

@@ -19,9 +19,17 @@ COMPARED = (
     ("errors", "bins_of_4_bits", "rmse_of_others_pixels"),
 )
 
-BINS_HEADS = ("", "view", "bins: median", "bins: 90%", "4 bits: median", "RMSE away", "RMSE")
+BINS_HEADS = ("", "view", "bins: median", "bins: 90%", "4 bits: median", "4 bits: RMSE away", "4 bits: RMSE")
 OURS_HEADS = (
-    "", "view", "cLEAF: median", "RMSE away", "RMSE", "ratio: median", "RMSE away", f"up to {TARGET}", "RMSE",
+    "",
+    "view",
+    "cLEAF: median",
+    "cLEAF: RMSE away",
+    "cLEAF: RMSE",
+    "ratio: median",
+    "ratio: RMSE away",
+    f"up to {TARGET}",
+    "ratio: RMSE",
 )
 
 TEXT = (

@@ -10,7 +10,17 @@ import report_page as p
 
 MESH_HEADS = ("", "level", "view", "RMSE", "median", "bias", "normal", "flipped", "(u,v)")
 TRUE_HEADS = (
-    "", "level", "view", "along the ray: RMSE", "bias", "distance: RMSE", "median", "p99", "normal", "(u,v)", "rules",
+    "",
+    "level",
+    "view",
+    "RMSE along the ray",
+    "bias along the ray",
+    "distance: RMSE",
+    "distance: median",
+    "distance: p99",
+    "normal",
+    "(u,v)",
+    "rules",
 )
 
 TEXT = (
@@ -141,10 +151,12 @@ def errors(data):
     if not rows:
         body = p.missing("errors against the true surface: cbvh_bench --true-surface N")
     else:
-        fine = [row for row in rows if row.level == finest(data, row.scene)]
+        scenes = {row.scene for row in rows}
+        scene = data.main_scene() if data.main_scene() in scenes else min(scenes)
+        fine = [row for row in rows if (row.scene, row.level) == (scene, finest(data, scene))]
         rest = [row for row in rows if row not in fine]
         body = charts(data, rows) + tables(data, fine)
-        body += p.folded("The other levels", tables(data, rest)) if rest else ""
+        body += p.folded("The other scenes and levels", tables(data, rest)) if rest else ""
     return p.section(
         "errors", "Error of compression, and with tessellation", TEXT, body, commands=[row.command for row in rows]
     )

@@ -30,36 +30,37 @@ EXACT = 1e-3  # pixels: smaller errors are rounding, and are drawn at the left e
 
 
 def themed(draw, width=4.6, height=3.5, rows=1, columns=1):
-    """Calls draw(axes, theme) for each theme, with an array of axes where rows or columns are given. Returns {theme: SVG
-    text}."""
-    pictures = {}
-    for name, theme in THEMES.items():
-        style = {
-            "font.size": 10,
-            "text.color": theme["ink"],
-            "axes.labelcolor": theme["ink"],
-            "axes.edgecolor": theme["grid"],
-            "xtick.color": theme["ink"],
-            "ytick.color": theme["ink"],
-            "grid.color": theme["grid"],
-            "axes.grid": True,
-            "axes.axisbelow": True,
-            "axes.spines.top": False,
-            "axes.spines.right": False,
-            "legend.frameon": False,
-            "legend.fontsize": 8.5,
-            "axes.titlesize": 11,
-            "svg.hashsalt": "cbvh",
-            "font.family": "DejaVu Sans",
-        }
-        with plt.rc_context(style):
-            figure, axes = plt.subplots(rows, columns, figsize=(width, height), layout="constrained")
-            figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06)
-            draw(axes, theme)
-            out = io.BytesIO()
-            figure.savefig(out, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
-            plt.close(figure)
-        pictures[name] = out.getvalue()
+    """Calls draw(axes, theme), with an array of axes where rows or columns are given. Returns {theme: SVG}: the dark
+    picture is the light one with other ink, as all else is drawn in colours that suit both."""
+    theme = THEMES["light"]
+    style = {
+        "font.size": 10,
+        "text.color": theme["ink"],
+        "axes.labelcolor": theme["ink"],
+        "axes.edgecolor": theme["grid"],
+        "xtick.color": theme["ink"],
+        "ytick.color": theme["ink"],
+        "grid.color": theme["grid"],
+        "axes.grid": True,
+        "axes.axisbelow": True,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "legend.frameon": False,
+        "legend.fontsize": 8.5,
+        "axes.titlesize": 11,
+        "svg.hashsalt": "cbvh",
+        "font.family": "DejaVu Sans",
+    }
+    with plt.rc_context(style):
+        figure, axes = plt.subplots(rows, columns, figsize=(width, height), layout="constrained")
+        figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06)
+        draw(axes, theme)
+        out = io.BytesIO()
+        figure.savefig(out, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
+        plt.close(figure)
+    pictures = {"light": out.getvalue(), "dark": out.getvalue()}
+    for name, colour in THEMES["dark"].items():
+        pictures["dark"] = pictures["dark"].replace(theme[name].encode(), colour.encode())
     return pictures
 
 

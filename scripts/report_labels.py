@@ -57,7 +57,8 @@ def place_labels(points, bounds, others=()):
 def write_labels(axes, marks, ink, line=()):
     """marks: (x, y, level, text) in the units of the axes, which have all else that they will have. line: corners of one
     that labels must not cover, whose pieces run along the axes."""
-    axes.figure.draw_without_rendering()  # so that the axes have their place
+    axes.figure.draw_without_rendering()  # so that the axes have their place, which they keep
+    axes.figure.set_layout_engine("none")
     points_of_pixel = 72.0 / axes.figure.dpi
     at = axes.transData.transform([mark[:2] for mark in marks]) * points_of_pixel
     bounds = tuple(v * points_of_pixel for v in axes.get_window_extent().extents)

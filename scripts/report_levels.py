@@ -28,9 +28,9 @@ def speed_text(ray_set):
 
 
 TABLES = {
-    "bytes a quad": bytes_text,
-    "coherent rays": speed_text("coherent"),
-    "incoherent rays": speed_text("incoherent"),
+    "Bytes a quad": bytes_text,
+    "Speed, coherent rays": speed_text("coherent"),
+    "Speed, incoherent rays": speed_text("incoherent"),
 }
 
 
@@ -63,12 +63,13 @@ def section(data):
         body += f'<h3>{escape(scene)}</h3><div class="tables">'
         for title, text in TABLES.items():
             heads, rows = table(data, scene, text)
-            body += p.table([title, *heads], [[p.label(label), *cells] for label, *cells in rows])
+            rows = [[p.label(label), *cells] for label, *cells in rows]
+            body += f"<div><h4>{title}</h4>" + p.table(["", *heads], rows, compact=True) + "</div>"
         body += "</div>"
     return p.section(
         "levels",
         "Levels and frame levels",
         TEXT,
-        body or p.missing("several levels or frame levels: scripts/benchmark.py full --job frames_trex"),
+        body or p.missing("several levels or frame levels: scripts/benchmark.py full --job 'frames_*'"),
         commands=[row.command for scene in scenes(data) for row in data.of_scene(scene)],
     )

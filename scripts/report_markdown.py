@@ -120,7 +120,7 @@ def levels_part(data):
     for scene in report_levels.scenes(data):
         for title, text in report_levels.TABLES.items():
             heads, rows = report_levels.table(data, scene, text)
-            lines += [f"### {scene}: {title}", "", *table(["", *heads], rows)]
+            lines += [f"### {scene}: {title[0].lower() + title[1:]}", "", *table(["", *heads], rows)]
     note = "Speeds are how many times GRID's of the same level they are; those of GRID are millions of rays a second."
     return ["## Levels and frame levels", "", note, "", *lines] if lines else []
 

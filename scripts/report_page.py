@@ -63,10 +63,12 @@ def raised(text):
     return re.sub(r"\^(\w+)", r"<sup>\1</sup>", escape(text))
 
 
-def table(heads, rows, text_columns=(0,)):
-    """heads and rows: HTML. text_columns: of words, aligned left, which may take several lines."""
+def table(heads, rows, text_columns=(0,), compact=False):
+    """heads and rows: HTML. text_columns: of words, aligned left, which may take several lines. compact: its columns are
+    few and narrow enough for a phone."""
     kinds = ["text" if i in text_columns else "" for i in range(len(heads))]
-    out = [f'<div class="table"><table class="plain{" many" if len(heads) >= MANY else ""}"><thead><tr>']
+    shape = "compact" if compact else "plain many" if len(heads) >= MANY else "plain"
+    out = [f'<div class="table"><table class="{shape}"><thead><tr>']
     out += [f'<th class="{kind}">{head}</th>' for kind, head in zip(kinds, heads)]
     out.append("</tr></thead><tbody>")
     for row in rows:

@@ -28,7 +28,7 @@ def leaks_table(rows):
             + [str(found[key]) for key in ("closest", "any", "through")]
             + [str(grid[key]) for key in ("closest", "any", "through")]
         )
-    return p.table(["", "rays", "closest", "any hit", "through", "GRID: closest", "any hit", "through"], table)
+    return p.table(["", "rays", "closest", "any hit", "through", "GRID: closest", "GRID: any hit", "GRID: through"], table)
 
 
 def sheets_table(rows):

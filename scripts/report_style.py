@@ -29,7 +29,7 @@ nav { font-size: .92rem; margin: 1.2rem 0 0; }
 nav b { display: block; margin: .7rem 0 .1rem; color: var(--soft); font-weight: 600; }
 nav div { display: flex; flex-wrap: wrap; gap: .2rem .9rem; }
 .charts, .pictures { display: grid; gap: 1rem; margin: .8rem 0; }
-.charts { grid-template-columns: repeat(auto-fit, minmax(min(100%, 21rem), 1fr)); }
+.charts { grid-template-columns: repeat(auto-fit, minmax(min(100%, 21rem), 1fr)); align-items: start; }
 .charts.one { grid-template-columns: minmax(0, 84rem); }
 .pictures { grid-template-columns: repeat(auto-fit, minmax(min(100%, 15rem), 1fr)); }
 .pictures.three { grid-template-columns: repeat(3, minmax(0, 1fr)); }
@@ -50,6 +50,7 @@ td.text { white-space: normal; overflow-wrap: break-word; }
 td:first-child, td.text, th:first-child, th.text { text-align: left; }
 th.group { text-align: center; border-left: 1px solid var(--line); } th.group:empty { border-left: 0; }
 .grouped { font-size: .85rem; } .grouped th, .grouped td { padding: .3rem .25rem; } .grouped .heads { display: none; }
+.compact { font-size: .87rem; } .compact th, .compact td { padding: .3rem .3rem; }
 .yes { color: var(--good); font-weight: 600; } .no { color: var(--bad); font-weight: 600; } .none { color: var(--soft); }
 .missing { background: var(--panel); border: 1px dashed var(--line); border-radius: 8px; padding: .8rem 1rem; color: var(--soft); }
 .entry { white-space: nowrap; margin-right: .7em; }

@@ -12,6 +12,7 @@ import report_summary_chart as picture
 from report_data import Row
 
 FIRST = ("cVERT", "cLEAF^2", "cLEAF^3", "cVOXEL^3", "cVOXEL^2", "cGRID^2")  # the first that was measured is spoken of
+SHOWN = ("GRID", "cGRID^2", "cVOXEL^2", "cVOXEL^3", "cLEAF^2", "cLEAF^3", "cVERT")
 
 
 @dataclass
@@ -124,8 +125,7 @@ def first_screen(data):
     cells = "".join(
         f'<p><b class="figure">{escape(figure)}</b> {p.raised(text)}</p>' for figure, text in statements(found).values()
     )
-    rows = [row for row in data.of_scene(found.row.scene) if row.level == found.row.level and row.kind != "NAIVE"]
-    rows.sort(key=lambda row: f.sort_key(row.label))
+    rows = [row for row in (data.pick(found.row.scene, found.row.level, label) for label in SHOWN) if row]
     wide, narrow = picture.charts(rows)
     text = "Bytes a quad, speed relative to GRID and error of each representation"
     figure = p.chart(wide, text, narrow, caption(data, found))
