@@ -346,11 +346,13 @@ def run(options):
         if runner.stopped:
             progress.say("stopped; what is measured is kept, and the same command goes on from there")
             return 130
-        if status == 0:
+        too_large = job.heavy and ("not enough memory" in complaint or "out of memory" in complaint)
+        if status == 0 or too_large:
             for path in folder.glob(f"{job.name}_L*.json.old"):
                 path.unlink()
+        if status == 0:
             progress.say(f"  {job.name:18s} {job.figures:34s} {clock(took)}")
-        elif job.heavy and ("not enough memory" in complaint or "out of memory" in complaint):
+        elif too_large:
             missing = measured_less(record_of(job, levels, folder), levels)
             progress.say(f"  {job.name:18s} level {level_text(missing)} left out: {complaint.split(': ', 1)[-1]}")
         else:

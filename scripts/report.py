@@ -8,6 +8,7 @@
     scripts/report.py DIR --output FILE            another folder of records, another page
     scripts/report.py DIR --against OTHER_DIR      says, too, how far two runs are apart
     scripts/report.py DIR --gpu FILE_OR_DIR        and speed and memory on a GPU, measured here or elsewhere
+    scripts/report.py DIR --beside OTHER_DIR       and speed on another machine or instruction set
     scripts/report.py DIR --tables FILE            the tables go there: tutorials/bench/RESULTS.md is made so
 """
 
@@ -86,8 +87,9 @@ def write(path, text):
         raise SystemExit(f"report.py: {path}: cannot be written: {error.strerror}") from error
 
 
-def read(folder, gpu_paths=()):
-    """gpu_paths: records and folders of them, for the section on GPUs alone."""
+def read(folder, gpu_paths=(), beside=()):
+    """gpu_paths: records and folders of them, for the section on GPUs alone; beside: folders, for that on instruction
+    sets alone."""
     if not Path(folder).is_dir():
         raise SystemExit(f"report.py: {folder}: no such folder; scripts/benchmark.py makes it")
     data = d.Data(folder)
@@ -98,6 +100,13 @@ def read(folder, gpu_paths=()):
         data.add_gpu(path)
         if len(data.gpu) + len(data.problems) == before:
             data.problems.append(f"{Path(path).name}: nothing in it was measured on a Vulkan device")
+    for other in beside:
+        if not Path(other).is_dir():
+            raise SystemExit(f"report.py: {other}: no such folder")
+        before = len(data.elsewhere) + len(data.problems)
+        data.add_elsewhere(other)
+        if len(data.elsewhere) + len(data.problems) == before:
+            data.problems.append(f"{Path(other).name}: nothing in it was measured on a processor")
     if not data.rows and not data.gpu and not data.problems:
         raise SystemExit(f"report.py: {folder}: no measurements in it; scripts/benchmark.py makes them")
     for problem in data.problems:
@@ -117,8 +126,12 @@ def main():
         "--gpu", action="append", default=[], metavar="PATH",
         help="record of a Vulkan device, or a folder of them; may be repeated",
     )
+    parser.add_argument(
+        "--beside", action="append", default=[], metavar="DIR",
+        help="records of another machine or instruction set, for their section; may be repeated",
+    )
     options = parser.parse_args()
-    data = read(options.folder, options.gpu)
+    data = read(options.folder, options.gpu, options.beside)
     against = read(options.against) if options.against else None
     output = Path(options.output) if options.output else Path(options.folder) / "report.html"
     tables_file = Path(options.tables) if options.tables else output.with_name("tables.md")

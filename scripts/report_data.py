@@ -92,6 +92,7 @@ class Data:
         self.folder = Path(folder)
         self.rows, self.runs, self.problems, self.skipped = [], [], [], []
         self.gpu, self.beside_gpu, self.gpu_skipped = [], [], []
+        self.elsewhere = []  # rows of other machines or instruction sets, for the section on these alone
         self.checked = []  # rows with leaks, sheets or shadows
         for path in sorted(self.folder.glob("*.json")):
             record = self.read(path)
@@ -109,6 +110,12 @@ class Data:
             record = self.read(file)
             if record:
                 self.take(record, file, True)
+
+    def add_elsewhere(self, folder):
+        """Records of another machine, which the section on instruction sets shows beside this one's."""
+        other = Data(folder)
+        self.elsewhere += other.rows
+        self.problems += other.problems
 
     def read(self, path):
         """A record, or None, and a line about it."""

@@ -128,6 +128,13 @@ def names_below(axes, labels):
     axes.grid(axis="x", visible=False)
 
 
+def names_beside(axes, labels):
+    """Of horizontal bars, the first at the top."""
+    axes.set_yticks(range(len(labels)), [math_label(label) for label in labels])
+    axes.set_ylim(len(labels) - 0.4, -0.6)
+    axes.grid(axis="y", visible=False)
+
+
 def bars_by_level(title, unit, labels, levels, value):
     """Grouped bars. value(label, level): (middle, low, high) or None."""
 

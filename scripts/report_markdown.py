@@ -53,12 +53,12 @@ def run(data):
     if found:
         lines.append(f"Noise: a median of ratios to GRID is good to {100 * found['unsure']:.1f}%, 95 of 100 to "
                      f"{100 * found['unsure_95']:.1f}%.")  # fmt: skip
-    lines += [
-        f"Where nothing else is said, the instruction set is {data.isa}, rays are single ones of one thread, the query is "
-        "the closest hit and the view is the full one. Errors are in pixels.",
-        "",
-    ]
-    return lines
+    if data.rows:
+        lines.append(
+            f"Where nothing else is said, the instruction set is {data.isa}, rays are single ones of one thread, the query "
+            "is the closest hit and the view is the full one. Errors are in pixels."
+        )
+    return lines + [""]
 
 
 def memory_and_speed(data, scene, rows):
@@ -131,7 +131,8 @@ def isas_part(data):
         for ray_set in report_isas.RAY_SETS:
             names, rows = report_isas.table(isas, ray_set)
             lines += [f"### {scene}, level {level}, {ray_set}", "", *grouped(names, report_isas.HEADS, rows)]
-    return ["## Instruction sets", "", *lines] if lines else []
+    where = [f"- {line}" for line in report_isas.machines(data)] + [""] if data.elsewhere else []
+    return ["## Instruction sets", "", *where, *lines] if lines else []
 
 
 def relations_part(data):

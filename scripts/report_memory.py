@@ -40,10 +40,8 @@ def stack(axes, rows, value, text, theme):
             axes.barh(i, length, 0.7, left=begin, color=COLOURS[name], label=name if i == 0 else None)
             begin += length
         axes.text(begin + 0.01 * widest, i, text(row), va="center", fontsize=8.5, color=theme["ink"])
-    axes.set_yticks(range(len(rows)), [f.math_label(row.label) for row in rows])
-    axes.set_ylim(len(rows) - 0.4, -0.6)
+    f.names_beside(axes, [row.label for row in rows])
     axes.set_xlim(0, 1.3 * widest)
-    axes.grid(axis="y", visible=False)
 
 
 def chart(title, rows, grid_bytes):

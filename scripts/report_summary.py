@@ -49,14 +49,18 @@ def times(value):
 
 
 def two_digits(value):
-    return f"{value:#.2g}".removesuffix(".")
+    """Of an error in pixels."""
+    return f"less than {f.EXACT:g}" if value < f.EXACT / 10 else f"{value:#.2g}".removesuffix(".")
+
+
+def smaller_in_words(found):
+    return f"{times(found.smaller)} times smaller" if found.smaller >= 1 else f"{times(1 / found.smaller)} times larger"
 
 
 def memory(found):
     """The figure, and the sentence."""
     row, grid = found.row, found.grid
-    figure = f"{times(found.smaller)} times smaller"
-    return figure, (
+    return smaller_in_words(found), (
         f"{row.label} keeps {row.scene} at level {row.level}, {row.quads / 1e6:.3g} million quads, in "
         f"{f.mebibytes(row.bytes)} or {row.memory['bytes_per_quad']:.2f} bytes a quad, and Embree's own GRID takes "
         f"{f.mebibytes(grid.bytes)} or {grid.memory['bytes_per_quad']:.2f}."
@@ -112,8 +116,9 @@ def caption(data, found):
     more = other_levels(data, found)
     return (
         f"<b>{escape(found.row.scene)}, level {found.row.level}</b>, full view, single rays, one thread of "
-        f"{escape(found.row.run['cpu'])} ({escape(data.isa)}). {p.label(found.row.label)} is {times(found.smaller)} times "
-        f"smaller than GRID{', ' + more if more else ''}. Errors are against GRID's hits, and none is less than {f.EXACT:g} pixels."
+        f"{escape(found.row.run['cpu'])} ({escape(data.isa)}). {p.label(found.row.label)} is "
+        f"{smaller_in_words(found)} than GRID{', ' + more if more else ''}. Errors are against GRID's hits; “none” is less "
+        f"than {f.EXACT:g} pixels."
     )
 
 
@@ -121,7 +126,8 @@ def first_screen(data):
     """HTML: three sentences and a picture."""
     found = headline(data)
     if not found:
-        return p.missing("a compressed representation beside GRID, on a processor")
+        on_gpu = '<p>What was measured on a GPU is in <a href="#gpu">its section</a>.</p>' if data.gpu else ""
+        return p.missing("a compressed representation beside GRID, on a processor") + on_gpu
     cells = "".join(
         f'<p><b class="figure">{escape(figure)}</b> {p.raised(text)}</p>' for figure, text in statements(found).values()
     )

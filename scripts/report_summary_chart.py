@@ -28,7 +28,7 @@ def draw_speed(axes, rows, theme):
                 ratio = speed["relative_to_grid"]["median"]
                 axes.barh(i + shift, ratio, 0.36, color=colour)
                 axes.text(ratio, i + shift, f" {ratio:.2f}", va="center", fontsize=8, color=theme["ink"])
-    names(axes, rows)
+    f.names_beside(axes, [row.label for row in rows])
     axes.set_xlim(0, 1.25 * max(axes.get_xlim()[1], 1.0))
     axes.axvline(1.0, color=theme["ink"], linewidth=0.8, linestyle=":")
     axes.set_title("Speed, times GRID's")
@@ -37,28 +37,21 @@ def draw_speed(axes, rows, theme):
 
 
 def draw_error(axes, rows, theme):
-    known = [(i, row.errors("full")["rmse_of_others_pixels"]) for i, row in enumerate(rows) if row.errors("full")]
-    known = [(i, error) for i, error in known if error >= f.EXACT]
-    names(axes, rows)
+    errors = {i: row.errors("full")["rmse_of_others_pixels"] for i, row in enumerate(rows) if row.errors("full")}
+    seen = [error for error in errors.values() if error >= f.EXACT]
+    f.names_beside(axes, [row.label for row in rows])
     axes.set_title("Error, pixels (RMSE)")
-    if not known:
-        return
-    low, high = min(error for _, error in known) / 3, max(error for _, error in known)
+    low, high = min(seen, default=f.EXACT) / 3, max(seen, default=f.EXACT)
     axes.set_xscale("log")
     axes.set_xlim(low, 6 * high)
     f.log_axis(axes.xaxis)
-    for i in range(len(rows)):
-        error = dict(known).get(i)
-        axes.plot([low, error or low], [i, i], color=theme["grid"], linewidth=2)
-        axes.text((error or low) * 1.25, i, f"{error:.2g}" if error else "none", va="center", fontsize=8.5, color=theme["ink"])
-        if error:
-            axes.plot(error, i, "o", color="#D55E00", markersize=7)
-
-
-def names(axes, rows):
-    axes.set_yticks(range(len(rows)), [f.math_label(row.label) for row in rows])
-    axes.set_ylim(len(rows) - 0.4, -0.6)
-    axes.grid(axis="y", visible=False)
+    for i, error in errors.items():
+        exact = error < f.EXACT
+        end = low if exact else error
+        axes.plot([low, end], [i, i], color=theme["grid"], linewidth=2)
+        axes.plot([] if exact else end, [] if exact else i, "o", color="#D55E00", markersize=7)
+        text = "none" if exact else f"{error:.2g}"
+        axes.text(1.25 * end, i, text, va="center", fontsize=8.5, color=theme["ink"])
 
 
 def charts(rows):

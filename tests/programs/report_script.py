@@ -255,6 +255,32 @@ class Report(unittest.TestCase):
             self.assertTrue(3 <= len(ticks) <= 7, (low, high, ticks))
             self.assertTrue(all(0.999 * low <= tick <= 1.001 * high for tick in ticks))
 
+    def test_instruction_sets_of_another_machine_stand_beside_this_one_s(self):
+        folder = Path(self.temporary.name) / "another"
+        folder.mkdir()
+        record = self.record()
+        record["run"].update(cpu="Processor elsewhere", commit="c0ffee")
+        for group in record["groups"]:
+            for result in group["results"]:
+                result["isa"] = "avx512"
+        (folder / "cube_L2-6.json").write_text(json.dumps(record))
+        data = report_data.Data(self.records)
+        before = data.isa, len(data.rows)
+        self.assertEqual(report_isas.compared(data), {})
+        data.add_elsewhere(folder)
+        self.assertEqual((data.isa, len(data.rows)), before, "no other section shows it")
+        names, rows = report_isas.table(report_isas.compared(data)["cube", 6], "coherent")
+        self.assertEqual(len(names), 2)
+        self.assertEqual(names[-1], "avx512, Processor elsewhere")
+        self.assertEqual(len(rows[0][1]), 2 * len(report_isas.HEADS))
+        output = Path(self.temporary.name) / "beside.html"
+        done = self.run_script(self.records, "--output", output, "--beside", folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("Processor elsewhere", sections_of(output.read_text())["isas"])
+        self.assertIn("Processor elsewhere", output.with_name("tables.md").read_text())
+        none = self.run_script(self.records, "--output", output, "--beside", folder / "none")
+        self.assertEqual((none.returncode, none.stderr.count("\n")), (1, 1))
+
     def test_the_tables_in_markdown_have_what_was_measured(self):
         folder = self.gpu_folder("markdown", {})
         record = self.record()
