@@ -15,7 +15,6 @@
 import argparse
 import os
 import sys
-from html import escape
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))

@@ -9,7 +9,7 @@ from html import escape
 
 from report_style import STYLE
 
-MANY = 7  # columns of a table that narrow windows, too, show as blocks
+MANY = 6  # columns of a table that narrow windows, too, show as blocks
 
 
 def data_url(kind, content):

@@ -70,6 +70,7 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
   nav div { display: block; } nav div a { display: block; padding: .1rem 0; } }
 @media (max-width: 34rem) {
   body { font-size: 15px; } h1 { font-size: 1.35rem; } main { padding: 1rem .7rem 3rem; }
+  .compact { font-size: .8rem; } .compact th, .compact td { padding: .25rem .2rem; }
   .pictures.three { grid-template-columns: minmax(0, 1fr); } figure { padding: .4rem; }
   dl { display: block; } dd { margin: 0 0 .5rem; } }
 """

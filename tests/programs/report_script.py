@@ -104,7 +104,7 @@ def sections_of(html):
 class Page(HTMLParser):
     """Checks that tags nest, and collects what refers to something."""
 
-    VOID = {"meta", "img", "source", "br"}
+    VOID = {"meta", "img", "source", "br", "wbr"}
 
     def __init__(self, text):
         super().__init__()
