@@ -51,10 +51,10 @@ class Row:
 
     @property
     def weight(self):
-        """Of several that measured the same the one with the largest is shown: more rounds, errors against the true
-        surface, the latest."""
+        """Of several that measured the same the one with the largest is shown: more rounds, more views, errors against
+        the true surface, the latest."""
         settings = self.run["settings"]
-        return settings["repeat"], settings.get("true_surface_hits", 0), self.run["date"]
+        return settings["repeat"], len(self.views), settings.get("true_surface_hits", 0), self.run["date"]
 
     def errors(self, view, to_reference=False):
         """Errors of primary rays, or None."""

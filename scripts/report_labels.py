@@ -5,7 +5,7 @@
 
 LABEL_SIZE = 8.5  # points
 DIGIT = (0.62 * LABEL_SIZE, 0.95 * LABEL_SIZE)  # width and height of one, a little more than the font's
-
+RAISED = 1.3  # times as high is a label with a raised part
 SIDES = ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1))
 DIRECTIONS = [(right, up, away) for away in (1, 6, 12) for right, up in SIDES]  # the nearest are tried first
 
@@ -42,7 +42,7 @@ def place_labels(points, bounds, others=()):
     taken = [box(x, y, size, size) for x, y, size, _ in points] + list(others)
     places = {}
     for i, (x, y, size, text) in enumerate(points):
-        width, height = DIGIT[0] * len(shown(text)), DIGIT[1]
+        width, height = DIGIT[0] * len(shown(text)), DIGIT[1] * (1 if shown(text) == text else RAISED)
         for right, up, away in DIRECTIONS if text else ():
             centre = (x + right * (size + width + away) / 2, y + up * (size + height + away) / 2)
             here = box(*centre, width, height)
