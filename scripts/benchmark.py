@@ -11,17 +11,18 @@
     scripts/benchmark.py gpu-quick    less of that, for any device, llvmpipe among them
 
 Each scene is a record of its own under output/benchmark/SET, written anew after each
-level. A run that was stopped goes on where it was when the same command is given
-again; a record that is damaged, or of another build, is measured again.
+level. A run that was stopped, or that found the disk full, goes on where it was when the
+same command is given again; a record that is damaged, or of another build, is measured
+again, and kept as *.json.old until that is done.
 scripts/report.py makes a page of the records. Where there is no Vulkan device, what needs one is
 left out with a line.
 """
 
 import argparse
+import fnmatch
 import json
 import os
 import shlex
-import shutil
 import signal
 import subprocess
 import sys
@@ -31,8 +32,10 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-import benchmark_sets as sets  # noqa: E402
+import bench_disk as disk  # noqa: E402
 import bench_records as records  # noqa: E402
+import benchmark_sets as sets  # noqa: E402
+from bench_progress import Progress, clock  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -50,6 +53,7 @@ def read_arguments():
     names = f"{', '.join(sets.NAMES[:-1])} or {sets.NAMES[-1]}"
     parser.add_argument("set", nargs="?", default="quick", metavar="SET", help=f"{names} (default: quick)")
     parser.add_argument("--scene", action="append", metavar="NAME", help="only what shows this scene; may be repeated")
+    parser.add_argument("--job", action="append", metavar="NAME", help="only this job, as --list names it, or a pattern such as 'frames_*'; may be repeated")
     parser.add_argument("--cage", metavar="FILE", help="measure this OBJ instead of the set's scenes")
     parser.add_argument("--height", metavar="FILE", help="height map of the cage")
     parser.add_argument("--amplitude", metavar="A", help="displacement of the cage, in diagonals of its bounding box")
@@ -77,6 +81,11 @@ def base_name(scene):
     return scene.split(":")[0]
 
 
+def fits(job, name):
+    """Whether a job has this name, or a pattern's: frames_*."""
+    return fnmatch.fnmatchcase(job.name, name)
+
+
 def choose_jobs(options, build):
     """The jobs of the command line; what this build cannot show is left out with a line."""
     if options.set not in sets.NAMES:
@@ -97,8 +106,13 @@ def choose_jobs(options, build):
             raise Failure(f"unknown scene '{name}', known are {', '.join(build['scenes'])}")
         if not any(base_name(job.scene) == name for job in jobs):
             raise Failure(f"scene '{name}' is not in the set '{options.set}'")
+    for name in options.job or []:
+        if not any(fits(job, name) for job in jobs):
+            raise Failure(f"job '{name}' is not in the set '{options.set}', which has {', '.join(job.name for job in jobs)}")
     if options.scene:
         jobs = [job for job in jobs if base_name(job.scene) in options.scene]
+    if options.job:
+        jobs = [job for job in jobs if any(fits(job, name) for name in options.job)]
     for job in jobs:
         if base_name(job.scene) not in build["scenes"]:
             print(f"left out: {job.name} ({job.figures}), as this build has no scene '{base_name(job.scene)}'")
@@ -157,52 +171,6 @@ def measured_less(path, levels):
     return [level for level in levels if level not in written]
 
 
-class Progress:
-    """A bar with the time left on a terminal, else a line a job."""
-
-    def __init__(self, expected):
-        self.left = dict(expected)  # job: seconds by the plan
-        self.total = sum(expected.values())
-        self.planned = self.spent = 0.0  # of finished jobs
-        self.terminal = sys.stdout.isatty()
-        self.current, self.begin, self.doing = None, 0.0, ""
-
-    def start(self, job):
-        self.current, self.begin, self.doing = job, time.monotonic(), ""
-
-    def finish(self):
-        self.planned += self.left[self.current]
-        self.spent += time.monotonic() - self.begin
-        del self.left[self.current]
-        self.current = None
-
-    def pace(self):
-        """How much slower than planned this machine is."""
-        known = self.planned + 10
-        return (self.spent + 10) / known
-
-    def draw(self):
-        if not self.terminal or self.current is None:
-            return
-        pace, elapsed = self.pace(), time.monotonic() - self.begin
-        plan = self.left[self.current] * pace
-        inside = min(elapsed, 0.97 * plan)
-        left = sum(self.left.values()) * pace - inside
-        done = (self.planned + inside / pace) / max(self.total, 1e-9)
-        width = 28
-        filled = int(width * min(done, 1.0))
-        bar = "#" * filled + "." * (width - filled)
-        text = f"[{bar}] {100 * done:3.0f}%  {clock(left)} left  {self.current}: {self.doing}"
-        print("\r\033[K" + text[: shutil.get_terminal_size().columns - 1], end="", flush=True)
-
-    def say(self, text):
-        print(("\r\033[K" if self.terminal else "") + text, flush=True)
-
-
-def clock(seconds):
-    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
-
-
 def level_text(levels):
     return "-".join(str(level) for level in levels)
 
@@ -213,28 +181,34 @@ def devices_of(record):
     return {result["on_device"]["device"] for result in results if "on_device" in result}
 
 
+def old(path):
+    """Where a record waits until the one that takes its place is there."""
+    return path.with_name(path.name + ".old")
+
+
+def why_again(record, job, build, device):
+    """Why a record does not count, or nothing."""
+    if record["run"]["commit"] != build["commit"] or not asks_the_same(job, record["run"]["command"]):
+        return f"of commit {record['run']['commit']} or other settings"
+    others = devices_of(record) - {device}
+    return f"of the device {', '.join(sorted(others))}" if others else ""
+
+
 def finished_levels(job, folder, build, device, progress, fresh):
     """Levels of a job that are on disk, whole, and measured in the same way."""
     done = set()
     for path in sorted(folder.glob(f"{job.name}_L*.json")):
-        if fresh:
-            path.unlink()
-            continue
         try:
             record = records.read(path)
+            problem = why_again(record, job, build, device)
         except records.Damaged as error:
-            progress.say(f"{path.name}: {error}; measured again")
-            path.unlink()
-            continue
-        if record["run"]["commit"] != build["commit"] or not asks_the_same(job, record["run"]["command"]):
-            progress.say(f"{path.name}: of commit {record['run']['commit']} or other settings; measured again")
-            path.unlink()
-            continue
-        if devices_of(record) - {device}:
-            progress.say(f"{path.name}: of the device {', '.join(sorted(devices_of(record)))}; measured again")
-            path.unlink()
-            continue
-        done.update(group["level"] for group in record["groups"])
+            problem = str(error)
+        if problem or fresh:
+            path.replace(old(path))
+            if problem and not fresh:
+                progress.say(f"{path.name}: {problem}; measured again")
+        else:
+            done.update(group["level"] for group in record["groups"])
     return done
 
 
@@ -262,6 +236,7 @@ class Runner:
         self.bench, self.folder, self.progress = bench, folder, progress
         self.process = None
         self.stopped = False
+        self.no_room = ""  # in words
 
     def stop(self, *_):
         self.stopped = True
@@ -270,9 +245,13 @@ class Runner:
 
     def measure(self, job, levels):
         """Runs one process. Returns the exit status and the last line of its complaint."""
+        self.no_room = disk.full(self.folder)
+        if self.no_room:
+            return 1, self.no_room
         command = command_of(self.bench, job, levels, self.folder)
         last = []
-        with open(self.folder / f"{job.name}.log", "a", encoding="utf-8") as log:
+        # Without a buffer, which could not be written at the end, either.
+        with open(self.folder / f"{job.name}.log", "ab", buffering=0) as log:
             # In a group of its own: Ctrl-C reaches it through us, once.
             self.process = subprocess.Popen(
                 command, stdout=log, stderr=subprocess.PIPE, text=True, start_new_session=True
@@ -283,13 +262,26 @@ class Runner:
                 self.stop()
             while self.process.poll() is None:
                 self.progress.draw()
+                self.look_for_room()
                 time.sleep(0.2)
             watcher.join()
+        if self.process.returncode and not self.stopped:
+            self.no_room = self.no_room or disk.full(self.folder)
         return self.process.returncode, last[-1].strip() if last else ""
+
+    def look_for_room(self):
+        """Ends the process before it has a level that it cannot write."""
+        if not self.no_room:
+            self.no_room = disk.nearly_full(self.folder)
+            if self.no_room:
+                self.process.send_signal(signal.SIGINT)
 
     def watch(self, stream, log, last):
         for line in stream:
-            log.write(line)
+            try:
+                log.write(line.encode())
+            except OSError:
+                pass  # the disk is full: the process goes on as long as it can write what it measured
             last.append(line)
             if line.startswith("  "):
                 self.progress.doing = line.strip().rsplit(":", 1)[0]
@@ -345,12 +337,22 @@ def run(options):
         status, complaint = runner.measure(job, levels)
         took = time.monotonic() - progress.begin
         progress.finish()
+        if runner.no_room:
+            progress.clear()
+            raise Failure(
+                f"{where}: no room for results: {runner.no_room}; what is measured is kept, and the same command goes on "
+                "from there"
+            )
         if runner.stopped:
             progress.say("stopped; what is measured is kept, and the same command goes on from there")
             return 130
+        too_large = job.heavy and ("not enough memory" in complaint or "out of memory" in complaint)
+        if status == 0 or too_large:
+            for path in folder.glob(f"{job.name}_L*.json.old"):
+                path.unlink()
         if status == 0:
             progress.say(f"  {job.name:18s} {job.figures:34s} {clock(took)}")
-        elif job.heavy and ("not enough memory" in complaint or "out of memory" in complaint):
+        elif too_large:
             missing = measured_less(record_of(job, levels, folder), levels)
             progress.say(f"  {job.name:18s} level {level_text(missing)} left out: {complaint.split(': ', 1)[-1]}")
         else:
@@ -365,7 +367,9 @@ def main():
         return run(read_arguments())
     except Failure as error:
         print(f"benchmark.py: {error}", file=sys.stderr)
-        return 1
+    except OSError as error:
+        print(f"benchmark.py: {error.filename or 'its output'}: {error.strerror}", file=sys.stderr)
+    return 1
 
 
 if __name__ == "__main__":

@@ -154,10 +154,19 @@ def full(isas):
             f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf^2,cvert --view full --mode single,stream --threads 1,0 {measure}", 60),
         Job("herd", "growth", "herd", [4, 5], f"--representation grid,cvoxel^2,cleaf^2,cvert --view full {measure}", 120, heavy=True),
     ]
+    jobs += frames("--size 1024x1024 --rays 100000 --repeat 5")
     if len(isas) > 1:
         jobs.append(Job("isas", "instruction sets", "trex", [5],
                         f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf^2,cvert --isa {','.join(isas)} --view full {measure}", 180))
     return jobs + gpu_quick()
+
+
+def frames(measure):
+    """Bytes and speed over levels and frame levels. What memory has no room for is left out: level 8 of trex takes 16 GiB
+    in GRID alone."""
+    options = "--representation grid,cgrid,cvoxel,cleaf,cvert --frame-level 1,2,3,4 --view full --true-surface 0 " + measure
+    return [Job(f"frames_{scene}", "levels and frame levels", scene, [4, 5, 6, 7, 8], options, seconds, heavy=True, pictures=False)
+            for scene, seconds in (("cube", 90), ("trex", 900))]
 
 
 def own_cage(name, options, short):

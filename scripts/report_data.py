@@ -49,6 +49,13 @@ class Row:
     def held_per_quad(self):
         return self.held_bytes / self.quads
 
+    @property
+    def weight(self):
+        """Of several that measured the same the one with the largest is shown: more rounds, more views, errors against
+        the true surface, the latest."""
+        settings = self.run["settings"]
+        return settings["repeat"], len(self.views), settings.get("true_surface_hits", 0), self.run["date"]
+
     def errors(self, view, to_reference=False):
         """Errors of primary rays, or None."""
         found = self.views.get(view, {})
@@ -85,6 +92,7 @@ class Data:
         self.folder = Path(folder)
         self.rows, self.runs, self.problems, self.skipped = [], [], [], []
         self.gpu, self.beside_gpu, self.gpu_skipped = [], [], []
+        self.elsewhere = []  # rows of other machines or instruction sets, for the section on these alone
         self.checked = []  # rows with leaks, sheets or shadows
         for path in sorted(self.folder.glob("*.json")):
             record = self.read(path)
@@ -102,6 +110,12 @@ class Data:
             record = self.read(file)
             if record:
                 self.take(record, file, True)
+
+    def add_elsewhere(self, folder):
+        """Records of another machine, which the section on instruction sets shows beside this one's."""
+        other = Data(folder)
+        self.elsewhere += other.rows
+        self.problems += other.problems
 
     def read(self, path):
         """A record, or None, and a line about it."""
@@ -156,7 +170,7 @@ class Data:
             and (view is None or view in row.views)
             and (job is None or row.job == job)
         ]
-        return max(found, key=lambda row: (row.run["settings"]["repeat"], row.run["date"]), default=None)
+        return max(found, key=lambda row: row.weight, default=None)
 
     def of_scene(self, scene, job=None):
         """Rows of a scene, one a level and representation."""

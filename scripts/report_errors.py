@@ -8,21 +8,16 @@ from html import escape
 import report_figures as f
 import report_page as p
 
-HEADS = (
+MESH_HEADS = ("", "level", "view", "RMSE", "median", "bias", "normal", "flipped", "(u,v)")
+TRUE_HEADS = (
     "",
     "level",
     "view",
-    "<b>mesh</b>: RMSE",
-    "median",
-    "bias",
-    "normal",
-    "flipped",
-    "(u,v)",
-    "<b>true</b>: RMSE",
-    "bias",
+    "RMSE along the ray",
+    "bias along the ray",
     "distance: RMSE",
-    "median",
-    "p99",
+    "distance: median",
+    "distance: p99",
     "normal",
     "(u,v)",
     "rules",
@@ -36,8 +31,9 @@ TEXT = (
     "true surface; normal and (u,v) are medians in degrees and in quads of the level; flipped counts normals that are more than 90 "
     "degrees from the mesh's. A ray that passes a silhouette in "
     "one of both hits another sheet, far from the mesh's hit but near to the true surface: such rays are in the RMSE "
-    "against the mesh alone. The last column says what rules the error against the true surface: where GRID's own is "
-    "half of its square and more, a finer level helps more than a better representation.</p>"
+    "against the mesh alone. The column <i>rules</i> says what rules the error against the true surface: where GRID's own is "
+    "half of its square and more, a finer level helps more than a better representation. In the charts, marks at the "
+    "bottom are errors below a thousandth of a pixel.</p>"
 )
 
 
@@ -61,38 +57,61 @@ def pixels(value):
     return f"{value:.4f}" if value < 1 else f.error_text(value)
 
 
-def cells(data, row, view):
-    mesh, true, grid = row.errors(view), true_errors(row, view), of_grid(data, row, view)
-    out = [f"{escape(row.scene)} {p.label(row.label)}", str(row.level), escape(view)]
-    if row.kind == "GRID":
-        out += ["-"] * 6
-    else:
-        out += [pixels(mesh["rmse_of_others_pixels"]), pixels(mesh["median_pixels"]), f"{mesh['bias_pixels']:+.4f}"]
-        out += [f"{mesh['normal_median_degrees']:.2f}", str(mesh.get("flipped_normals", "-")), pixels(mesh["uv_median_cells"])]
-    out += [pixels(true["rmse_along_ray_pixels"]), f"{true['bias_pixels']:+.4f}"]
+def names(row, view):
+    return [f"{escape(row.scene)} {p.label(row.label)}", str(row.level), escape(view)]
+
+
+def mesh_cells(row, view):
+    mesh = row.errors(view)
+    return names(row, view) + [
+        pixels(mesh["rmse_of_others_pixels"]),
+        pixels(mesh["median_pixels"]),
+        f.signed(mesh["bias_pixels"]),
+        f"{mesh['normal_median_degrees']:.2f}",
+        str(mesh.get("flipped_normals", "-")),
+        pixels(mesh["uv_median_cells"]),
+    ]
+
+
+def true_cells(data, row, view):
+    true, grid = true_errors(row, view), of_grid(data, row, view)
+    out = names(row, view) + [pixels(true["rmse_along_ray_pixels"]), f.signed(true["bias_pixels"])]
     out += [pixels(true[key]) for key in ("rmse_pixels", "median_pixels", "p99_pixels")]
     out += [f"{true['normal_median_degrees']:.2f}", pixels(true["uv_median_cells"])]
-    rules = ruling(true["rmse_along_ray_pixels"], grid["rmse_along_ray_pixels"]) if grid else "-"
-    return out + ["-" if row.kind == "GRID" else rules]
+    known = grid and row.kind != "GRID"
+    return out + [ruling(true["rmse_along_ray_pixels"], grid["rmse_along_ray_pixels"]) if known else "-"]
 
 
-def error_pairs(title, bars):
-    """Bars of errors in pixels. bars: (label, against the mesh or None, against the true surface)."""
+def tables(data, rows):
+    """Against the mesh, and against the true surface."""
+    shown = [(row, view) for row in rows for view in row.views if true_errors(row, view)]
+    mesh = [mesh_cells(row, view) for row, view in shown if row.kind != "GRID"]
+    return (
+        ("<h4>Against the mesh</h4>" + p.table(MESH_HEADS, mesh) if mesh else "")
+        + "<h4>Against the true surface</h4>"
+        + p.table(TRUE_HEADS, [true_cells(data, row, view) for row, view in shown])
+    )
 
-    def draw(axes, _):
-        series = (("against the mesh", 1, -0.2, "#0072B2"), ("against the true surface", 2, 0.2, "#E69F00"))
-        for name, column, shift, colour in series:
-            here = [(i + shift, max(bar[column], f.EXACT)) for i, bar in enumerate(bars) if bar[column] is not None]
-            axes.bar([x for x, _ in here], [y for _, y in here], 0.38, color=colour, label=name)
+
+def error_pairs(title, pairs):
+    """Errors in pixels as marks. pairs: (label, against the mesh or None, against the true surface)."""
+
+    def draw(axes, theme):
+        shown = [value for pair in pairs for value in pair[1:] if value is not None and value >= f.EXACT]
+        low, high = min(shown, default=f.EXACT) / 2, max(shown, default=2 * f.EXACT) * 1.5
+        series = (("against the mesh", 1, -0.15, "#0072B2", "o"), ("against the true surface", 2, 0.15, "#E69F00", "D"))
+        for name, column, shift, colour, mark in series:
+            here = [(i + shift, pair[column]) for i, pair in enumerate(pairs) if pair[column] is not None]
+            xs, ys = [x for x, _ in here], [y if y >= f.EXACT else low for _, y in here]
+            axes.vlines(xs, low, ys, color=theme["grid"], linewidth=2)
+            axes.plot(xs, ys, mark, color=colour, markersize=5.5, label=name, clip_on=False, zorder=3)
         axes.set_yscale("log")
+        axes.set_ylim(low, high)
         f.log_axis(axes.yaxis)
-        axes.set_xticks(
-            range(len(bars)), [f.math_label(bar[0]) for bar in bars], rotation=40, ha="right", rotation_mode="anchor"
-        )
-        axes.grid(axis="x", visible=False)
+        f.names_below(axes, [pair[0] for pair in pairs])
         axes.set_ylabel("RMSE along the ray, pixels")
         axes.set_title(title)
-        axes.legend(ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.26), columnspacing=1.0, handlelength=1.2)
+        f.legend(axes, 2)
 
     return f.themed(draw)
 
@@ -106,7 +125,7 @@ def charts(data, rows):
         here.sort(key=lambda row: f.sort_key(row.label))
         if len(here) < 2:
             continue
-        bars = [
+        pairs = [
             (
                 row.label,
                 None if row.kind == "GRID" else row.errors("full")["rmse_of_others_pixels"],
@@ -115,9 +134,9 @@ def charts(data, rows):
             for row in here
         ]
         parts.append(
-            p.chart(error_pairs(f"{scene}, level {level}", bars), f"Errors against mesh and true surface, {scene}")
+            p.chart(error_pairs(f"{scene}, level {level}", pairs), f"Errors against mesh and true surface, {scene}")
         )
-    return f'<div class="charts">{"".join(parts)}</div>' if parts else ""
+    return p.charts(parts) if parts else ""
 
 
 def finest(data, scene):
@@ -132,17 +151,12 @@ def errors(data):
     if not rows:
         body = p.missing("errors against the true surface: cbvh_bench --true-surface N")
     else:
-
-        def table(chosen):
-            return p.table(
-                HEADS, [cells(data, row, view) for row in chosen for view in row.views if true_errors(row, view)]
-            )
-
-        fine = [row for row in rows if row.level == finest(data, row.scene)]
+        scenes = {row.scene for row in rows}
+        scene = data.main_scene() if data.main_scene() in scenes else min(scenes)
+        fine = [row for row in rows if (row.scene, row.level) == (scene, finest(data, scene))]
         rest = [row for row in rows if row not in fine]
-        body = charts(data, rows) + table(fine)
-        if rest:
-            body += f"<details><summary>The other levels</summary>{table(rest)}</details>"
+        body = charts(data, rows) + tables(data, fine)
+        body += p.folded("The other scenes and levels", tables(data, rest)) if rest else ""
     return p.section(
-        "errors", "Error of compression, and with tessellation", TEXT, body, p.command(*(row.command for row in rows))
+        "errors", "Error of compression, and with tessellation", TEXT, body, commands=[row.command for row in rows]
     )

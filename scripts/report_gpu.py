@@ -241,7 +241,7 @@ def charts(shown):
         if lines:
             title = f"{shown.title}, {rays[2]}"
             parts.append(p.chart(gpu_chart.speed_against_memory(title, lines), f"Speed against memory on a GPU, {title}"))
-    return f'<div class="charts">{"".join(parts)}</div>' if parts else ""
+    return p.charts(parts) if parts else ""
 
 
 def speed_table(device, shown, size):
@@ -312,17 +312,13 @@ def build_cells(row, view):
     return [digits(row.memory["bytes_per_quad"]), *seconds, f.error_text(errors["rmse_pixels"]) if errors else "-"]
 
 
-def folded(title, body):
-    return f"<details><summary>{escape(title)}</summary>{body}</details>" if body else ""
-
-
 def device_checks(device):
     """Leaks and the like, if they were looked for on the device."""
     body = ""
     for what, table in (("leaks", checks.leaks_table), ("sheets", checks.sheets_table), ("shadows", checks.shadows_table)):
         rows = sorted((row for row in device.rows if getattr(row, what)), key=checks.order)
         body += f"<h4>{what.capitalize()}</h4>" + table(rows) if rows else ""
-    return folded("Leaks, sheets and shadows on the device, as in their section", body)
+    return p.folded("Leaks, sheets and shadows on the device, as in their section", body)
 
 
 def facts(device):
@@ -343,11 +339,11 @@ def device_part(device):
     levels = "".join(speed_table(device, main, size) for size in main.sizes() if size != main.main_size())
     out = title + in_words(device, main) + noise_in_words(device.rows) + charts(main)
     out += speed_table(device, main, main.main_size()) + memory_table(main)
-    out += folded(f"{main.title}, the other levels, and builds", levels + builds(main))
+    out += p.folded(f"{main.title}, the other levels, and builds", levels + builds(main))
     for shown in others:
         tables = "".join(speed_table(device, shown, size) for size in reversed(shown.sizes()))
         tables += memory_table(shown) + builds(shown)
-        out += folded(shown.title, in_words(device, shown) + charts(shown) + tables)
+        out += p.folded(shown.title, in_words(device, shown) + charts(shown) + tables)
     return out + device_checks(device)
 
 
@@ -356,9 +352,13 @@ def section(data):
     if not found:
         return p.section("gpu", "GPU: speed against memory", p.missing(MISSING))
     skipped = "".join(f'<p class="missing">{escape(line)}</p>' for line in data.gpu_skipped)
-    commands = [row.command for row in data.gpu + data.beside_gpu]
     return p.section(
-        "gpu", "GPU: speed against memory", TEXT, *(device_part(device) for device in found), skipped, p.command(*commands)
+        "gpu",
+        "GPU: speed against memory",
+        TEXT,
+        *(device_part(device) for device in found),
+        skipped,
+        commands=[row.command for row in data.gpu + data.beside_gpu],
     )
 
 

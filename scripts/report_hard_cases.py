@@ -7,6 +7,7 @@ scripts/test.sh leaves one XML file of GoogleTest a case, representation and
 instruction set; the sentence is the test's own.
 """
 
+import re
 import xml.etree.ElementTree as xml
 from dataclasses import dataclass, field
 from html import escape
@@ -57,6 +58,11 @@ def cell(case, kind):
     return '<span class="none">not run</span>'
 
 
+def breakable(name):
+    """A test's name, which may go on in the next line before each of its words."""
+    return re.sub(r"(?<=[a-z0-9.])(?=[A-Z])", "<wbr>", escape(name))
+
+
 def section(folder):
     title = "Hard cases"
     cases = read(folder)
@@ -70,6 +76,6 @@ def section(folder):
         f"{results.count('failed')} fail, {results.count('skipped')} were skipped, as this machine lacks the "
         "instruction set. The number says on how many a case holds.</p>"
     )
-    rows = [[escape(c.name), escape(c.sentence), *(cell(c, kind) for kind in KINDS)] for c in cases]
+    rows = [[breakable(c.name), escape(c.sentence), *(cell(c, kind) for kind in KINDS)] for c in cases]
     heads = ["case", "property", *(p.label(kind) for kind in KINDS)]
-    return p.section("hard", title, text, p.table(heads, rows, text_columns=(0, 1), stack=True), p.command(MADE_BY))
+    return p.section("hard", title, text, p.table(heads, rows, text_columns=(0, 1)), commands=[MADE_BY])

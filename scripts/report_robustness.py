@@ -28,7 +28,7 @@ def leaks_table(rows):
             + [str(found[key]) for key in ("closest", "any", "through")]
             + [str(grid[key]) for key in ("closest", "any", "through")]
         )
-    return p.table(["", "rays", "closest", "any hit", "through", "GRID: closest", "any hit", "through"], table)
+    return p.table(["", "rays", "closest", "any hit", "through", "GRID: closest", "GRID: any hit", "GRID: through"], table)
 
 
 def sheets_table(rows):
@@ -65,7 +65,6 @@ def shadows_table(rows):
 def robustness(data):
     rows = sorted(data.checked, key=order)
     leaks, sheets, shadows = ([row for row in rows if getattr(row, what)] for what in ("leaks", "sheets", "shadows"))
-    commands = dict.fromkeys(row.command for row in rows)
     return p.section(
         "robustness",
         "Leaks and self-shadowing",
@@ -85,5 +84,5 @@ def robustness(data):
         "ones that starts at a normal which is seen from behind. <i>Control</i>: GRID's rays from the "
         "representation's hits. <i>Short</i> rays end after a tenth of the diagonal.</p>",
         shadows_table(shadows) if shadows else p.missing("shadows: jobs of scripts/benchmark.py whose names begin with checks"),
-        p.command(*commands) if commands else "",
+        commands=[row.command for row in rows],
     )

@@ -3,7 +3,6 @@
 
 """The sections of the report that are tables."""
 
-import re
 from html import escape
 
 import report_figures as f
@@ -39,7 +38,7 @@ def entrances(data):
                 + cells
             )
     body = (
-        p.table(heads, table, (0, 1, 2), stack=True)
+        p.table(heads, table, (0, 1, 2))
         if table
         else p.missing("packets and streams: the job 'entrances' of scripts/benchmark.py")
     )
@@ -49,7 +48,7 @@ def entrances(data):
         "<p>Million rays a second through each entrance of the API, and, in "
         "brackets, relative to GRID through the same.</p>",
         body,
-        p.command(*(row.command for row in rows)),
+        commands=[row.command for row in rows],
     )
 
 
@@ -62,73 +61,62 @@ def verdict(holds):
 
 
 def reason(relation):
-    return f'<span class="reason">{raised(relation.reason)}</span>' if relation.reason else ""
-
-
-def raised(text):
-    """Frame levels raised: cLEAF^2."""
-    return re.sub(r"\^(\w+)", r"<sup>\1</sup>", escape(text))
+    return f'<span class="reason">{p.raised(relation.reason)}</span>' if relation.reason else ""
 
 
 def relation_section(table):
-    rows = [[raised(r.claim), escape(r.paper), escape(r.ours), verdict(r.holds) + reason(r)] for r in table]
+    rows = [[p.raised(r.claim), escape(r.paper), escape(r.ours), verdict(r.holds) + reason(r)] for r in table]
     return p.section(
         "relations",
         "The paper's relations",
         "<p>Parts of GRID and speeds hold when ours are at least as good as "
         "the paper's; comparisons hold when ours go the same way.</p>",
-        p.table(["relation", "paper", "ours", ""], rows, (0, 1, 2, 3), stack=True, wrap=True),
-        p.command(*(r.row.command for r in table if r.row)),
+        p.table(["relation", "paper", "ours", "verdict"], rows, (0, 1, 2, 3)),
+        commands=[r.row.command for r in table if r.row],
     )
 
 
-def details(data):
-    heads = [
-        "",
-        "isa",
-        "level",
-        "quads",
-        "MiB",
-        "bytes a quad",
-        "peak MiB",
-        "build s",
-        "view",
-        "RMSE",
-        "median",
-        "p99",
-        "max",
-        "bias",
-        "false hits",
-        "misses",
-        "bounces wrong",
+def in_order(data):
+    return sorted(data.rows, key=lambda r: (r.scene, r.level, f.sort_key(r.label), r.isa, r.job))
+
+
+def builds(data):
+    heads = ["", "instruction set", "level", "quads", "MiB", "bytes a quad", "peak, MiB", "build, s"]
+    rows = [
+        [
+            f"{escape(row.scene)} {p.label(row.label)}",
+            row.isa,
+            str(row.level),
+            str(row.quads),
+            f"{row.bytes / 2**20:.2f}",
+            f"{row.memory['bytes_per_quad']:.2f}",
+            f"{row.memory['peak_bytes'] / 2**20:.2f}",
+            f"{row.build_seconds:.3f}",
+        ]
+        for row in in_order(data)
     ]
+    return rows_of_all("Memory and build", heads, rows)
+
+
+def errors(data):
+    heads = ["", "instruction set", "level", "view", "RMSE", "median", "p99", "max", "bias", "false hits", "misses"]
     rows = []
-    for row in sorted(data.rows, key=lambda r: (r.scene, r.level, f.sort_key(r.label), r.isa, r.job)):
+    for row in in_order(data):
         for view, found in row.views.items():
             e, b = found["errors"], found["bounced"]
             wrong = 100 * (b["false_hits"] + b["misses"]) / max(1, b["rays"])
             rows.append(
-                [
-                    f"{escape(row.scene)} {p.label(row.label)}",
-                    row.isa,
-                    str(row.level),
-                    str(row.quads),
-                    f"{row.bytes / 2**20:.2f}",
-                    f"{row.memory['bytes_per_quad']:.2f}",
-                    f"{row.memory['peak_bytes'] / 2**20:.2f}",
-                    f"{row.build_seconds:.3f}",
-                    escape(view),
-                ]
+                [f"{escape(row.scene)} {p.label(row.label)}", row.isa, str(row.level), escape(view)]
                 + [f.error_text(e[key]) for key in ("rmse_pixels", "median_pixels", "p99_pixels", "max_pixels")]
-                + [f"{e['bias_pixels']:+.4f}", str(e["false_hits"]), str(e["misses"]), f"{wrong:.2f}%"]
+                + [f.signed(e["bias_pixels"]), str(e["false_hits"]), str(e["misses"]), f"{wrong:.2f}%"]
             )
-    return rows_of_all("Memory, build and error", heads, rows)
+    return rows_of_all("Error", [*heads, "bounces wrong"], rows)
 
 
 def speeds(data):
-    heads = ["", "isa", "level", "view", "rays", "query", "entrance", "threads", "Mrays/s", "of GRID", "spread", "rounds"]
+    heads = ["", "instruction set", "level", "view", "rays", "query", "entrance", "threads", "Mrays/s"]
     rows = []
-    for row in sorted(data.rows, key=lambda r: (r.scene, r.level, f.sort_key(r.label), r.isa, r.job)):
+    for row in in_order(data):
         for s in row.speeds:
             ratio = s["relative_to_grid"]
             rows.append(
@@ -137,13 +125,13 @@ def speeds(data):
                 + [str(s["threads"]), f"{s['mrays_per_second']['median']:.3f}"]
                 + [f"{100 * ratio['median']:.1f}%", f"{100 * ratio['spread']:.1f}%", str(len(s["seconds"]))]
             )
-    return rows_of_all("Speed, and how far its ratios to GRID spread", heads, rows)
+    return rows_of_all("Speed, and how far its ratios to GRID spread", [*heads, "of GRID", "spread", "rounds"], rows)
 
 
 def rows_of_all(title, heads, rows):
     body = p.table(heads, rows) if rows else p.missing("no record could be read")
-    return f"<details><summary>{title}, every combination</summary>{body}</details>"
+    return p.folded(f"{title}, every combination", body)
 
 
 def all_measurements(data):
-    return p.section("all", "All measurements", details(data), speeds(data))
+    return p.section("all", "All measurements", builds(data), errors(data), speeds(data))

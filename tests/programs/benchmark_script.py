@@ -22,7 +22,7 @@ SCRIPT = Path(__file__).resolve().parents[2] / "scripts/benchmark.py"
 BENCH = sys.argv.pop(1) if len(sys.argv) > 1 else ""
 
 STAND_IN = """#!/usr/bin/python3
-import json, os, signal, sys, time
+import json, os, resource, signal, sys, time
 folder = os.path.dirname(os.path.abspath(__file__))
 mode = open(folder + "/mode").read()
 words = sys.argv[1:]
@@ -57,6 +57,11 @@ signal.signal(signal.SIGINT, lambda *_: sys.exit(130))
 for level in levels:
     if mode == "slow" and level > levels[0]:
         time.sleep(60)
+    if mode == "disk" and level > levels[0]:  # as if the disk were full now, for the script as well
+        for process in (os.getppid(), os.getpid()):
+            resource.prlimit(process, resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
+        print("  cube: 0.1 s\\ncbvh_bench: " + value("--json") + ": cannot be written", file=sys.stderr)
+        sys.exit(1)
     groups.append({"scene": value("--scene"), "level": level, "quads": 1, "results": results})
     record = {"format": "cbvh-bench", "version": 2, "complete": level == levels[-1], "groups": groups,
               "run": {"commit": open(folder + "/commit").read(), "command": "cbvh_bench " + " ".join(words)}}
@@ -135,6 +140,46 @@ class Benchmark(unittest.TestCase):
         self.assertEqual(lines, ["cube_fivefold_L6.json: truncated or no JSON; measured again"])
         self.assertEqual(self.calls(), ["cube:0.45 6"])
         json.loads(record.read_text())
+
+    def test_a_full_disk_gets_one_line_and_loses_nothing(self):
+        self.set_mode("disk")
+        full = self.run_script("quick", "--scene", "cube")
+        self.assertEqual(full.returncode, 1)
+        self.assertEqual(full.stderr.count("\n"), 1, full.stderr)
+        self.assertIn(f"{self.output}: no room for results: File too large; what is measured is kept", full.stderr)
+        self.assertEqual(self.calls(), ["cube 4,5,6,7,8"], "and the next job is not begun")
+        record = json.loads((self.output / "cube_L4-5-6-7-8.json").read_text())
+        self.assertEqual([group["level"] for group in record["groups"]], [4])
+        self.assertFalse((self.output / ".room").exists())
+        self.set_mode("quick")
+        self.assertEqual(self.run_script("quick", "--scene", "cube").returncode, 0)
+        self.assertEqual(self.calls(), ["cube 5,6,7,8", "cube:0.45 6"])
+
+    def test_a_log_that_cannot_be_written_stops_nothing(self):
+        self.output.mkdir()
+        (self.output / "cube.log").symlink_to("/dev/full")
+        done = self.run_script("quick", "--scene", "cube")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(len(self.calls()), 2)
+
+    def test_a_record_is_kept_until_another_takes_its_place(self):
+        self.run_script("quick", "--scene", "cube")
+        before = (self.output / "cube_fivefold_L6.json").read_text()
+        self.set_mode("fail")
+        self.assertEqual(self.run_script("quick", "--scene", "cube", "--fresh").returncode, 1)
+        self.assertFalse((self.output / "cube_fivefold_L6.json").exists())
+        self.assertEqual((self.output / "cube_fivefold_L6.json.old").read_text(), before)
+        self.set_mode("quick")
+        self.assertEqual(self.run_script("quick", "--scene", "cube").returncode, 0)
+        self.assertEqual(list(self.output.glob("*.old")), [])
+
+    def test_jobs_are_chosen_by_name(self):
+        done = self.run_script("full", "--job", "frames_*", "--job", "cube_fivefold")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(self.calls(), ["cube:0.45 6", "cube 4,5,6,7,8", "trex 4,5,6,7,8"])
+        other = self.run_script("quick", "--job", "frames_*")
+        self.assertEqual((other.returncode, other.stderr.count("\n")), (1, 1))
+        self.assertIn("job 'frames_*' is not in the set 'quick'", other.stderr)
 
     def test_records_of_another_commit_are_measured_again(self):
         self.run_script("quick", "--scene", "cube")

@@ -23,28 +23,37 @@ sys.path.insert(0, str(SCRIPT.parent))
 import report_data  # noqa: E402
 import report_figures  # noqa: E402
 import report_gpu  # noqa: E402
-import report_gpu_chart  # noqa: E402
 import report_hard_cases  # noqa: E402
-import report_sections  # noqa: E402
+import report_isas  # noqa: E402
+import report_labels  # noqa: E402
+import report_levels  # noqa: E402
+import report_markdown  # noqa: E402
+import report_memory  # noqa: E402
+import report_summary  # noqa: E402
+import report_tradeoffs  # noqa: E402
 from report_relations import relations  # noqa: E402
 
 SECTIONS = (
+    "tradeoffs",
+    "levels",
+    "isas",
+    "gpu",
+    "errors",
     "relations",
     "figure10",
     "figure11",
     "pictures",
     "figure16",
     "figure17",
-    "gpu",
-    "tradeoffs",
-    "errors",
     "bins",
     "growth",
     "entrances",
     "robustness",
     "hard",
     "all",
+    "run",
 )
+MOST_COLUMNS = 12  # that a window of 1024 pixels has room for
 
 
 RAYS = [(ray_set, query) for ray_set in ("coherent", "incoherent") for query in ("closest", "any")]
@@ -95,10 +104,12 @@ def sections_of(html):
 class Page(HTMLParser):
     """Checks that tags nest, and collects what refers to something."""
 
-    VOID = {"meta", "img", "source", "br"}
+    VOID = {"meta", "img", "source", "br", "wbr"}
 
     def __init__(self, text):
         super().__init__()
+        self.tables, self.unnamed = [], 0  # columns of each table that stacks; its cells that no name would stand beside
+        self.stacks = False
         self.open, self.ids, self.references, self.alternatives = [], [], [], 0
         self.feed(text)
 
@@ -106,6 +117,16 @@ class Page(HTMLParser):
         found = dict(attributes)
         self.ids += [found["id"]] if "id" in found else []
         self.references += [found[name] for name in ("src", "srcset", "href") if name in found]
+        if tag == "table":
+            self.stacks = "plain" in found["class"]
+            self.tables += [0] if self.stacks else []
+        if self.stacks and tag == "th":
+            self.tables[-1] += 1
+        if tag == "tr":
+            self.cells = 0
+        if tag == "td":
+            self.unnamed += self.stacks and self.cells > 0 and not found.get("data-name")
+            self.cells += 1
         self.alternatives += tag == "img" and bool(found.get("alt"))
         if tag not in self.VOID:
             self.open.append(tag)
@@ -184,13 +205,110 @@ class Report(unittest.TestCase):
         self.assertIn("No data", html, "no trex, no frog: the page says so")
         self.assertIn("cbvh_bench --scene cube --level 2,6", html)
         self.assertNotIn(str(folder), html)
-        for section in SECTIONS[:-1]:
-            begin = html.index(f'id="{section}"')
-            body = html[begin : html.find("</section>", begin)]
-            self.assertTrue("Made by" in body or "No data" in body, section)
+        bodies = sections_of(html)
+        for section in SECTIONS[:-2]:
+            self.assertTrue("Made by" in bodies[section] or "No data" in bodies[section], section)
+            self.assertLessEqual(bodies[section].count("Made by"), 1, section)
+        self.assertIn("Noise.", bodies["run"])
+        self.assertNotIn("-0.0000", html)
+        self.assertGreater(len(page.tables), 10)
+        self.assertLessEqual(max(page.tables), MOST_COLUMNS)
+        self.assertEqual(page.unnamed, 0)
         tables = (folder / "tables.md").read_text()
         self.assertIn("| GRID |", tables)
-        self.assertIn("| relation | paper | ours | |", tables)
+        self.assertIn("| relation | paper | ours | verdict |", tables)
+
+    def test_the_first_screen_is_the_result(self):
+        done = self.run_script(self.records, "--output", Path(self.temporary.name) / "first.html")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        first = (Path(self.temporary.name) / "first.html").read_text().split("<nav")[0]
+        self.assertLess(first.count("<img"), 2)
+        results = {r["representation"]: r for r in self.record()["groups"][1]["results"]}
+        ours, grid = results["cLEAF^2"], results["GRID"]
+        smaller = grid["memory"]["live_bytes"] / ours["memory"]["live_bytes"]
+        self.assertIn(f"{report_summary.times(smaller)} times smaller", first)
+        self.assertIn(f"{ours['memory']['bytes_per_quad']:.2f} bytes a quad", first)
+        for ray_set in ("coherent", "incoherent"):
+            (speed,) = [s for s in ours["speed"] if (s["view"], s["set"]) == ("full", ray_set)]
+            self.assertIn(report_summary.times(speed["relative_to_grid"]["median"]), first)
+        error = next(view for view in ours["views"] if view["view"] == "full")["errors"]["rmse_of_others_pixels"]
+        self.assertIn(f"{report_summary.two_digits(error)} pixels of error", first)
+
+    def test_dark_pictures_have_other_ink(self):
+        pictures = report_figures.themed(lambda axes, theme: axes.set_title("x"))
+        for here, other in (("light", "dark"), ("dark", "light")):
+            for colour in report_figures.THEMES[here].values():
+                self.assertIn(colour.encode(), pictures[here])
+                self.assertNotIn(colour.encode(), pictures[other])
+
+    def test_bytes_are_in_parts_that_add_up(self):
+        for row in report_data.Data(self.records).rows:
+            parts = report_memory.parts(row)
+            self.assertEqual(sum(parts.values()), row.bytes, row.label)
+            self.assertGreaterEqual(min(parts.values()), 0, row.label)
+
+    def test_numbers_and_axes_are_readable(self):
+        self.assertEqual(report_figures.signed(-0.00001), "0.0000")
+        self.assertEqual(report_figures.signed(-0.0002), "-0.0002")
+        for low, high in ((0.9, 1.2), (3, 40), (0.5, 9), (1e-3, 1e4), (2e-5, 3e-5), (1, 1e12)):
+            ticks = report_figures.LogLabels().tick_values(low, high)
+            self.assertTrue(3 <= len(ticks) <= 7, (low, high, ticks))
+            self.assertTrue(all(0.999 * low <= tick <= 1.001 * high for tick in ticks))
+
+    def test_instruction_sets_of_another_machine_stand_beside_this_one_s(self):
+        folder = Path(self.temporary.name) / "another"
+        folder.mkdir()
+        record = self.record()
+        record["run"].update(cpu="Processor elsewhere", commit="c0ffee")
+        for group in record["groups"]:
+            for result in group["results"]:
+                result["isa"] = "avx512"
+        (folder / "cube_L2-6.json").write_text(json.dumps(record))
+        data = report_data.Data(self.records)
+        before = data.isa, len(data.rows)
+        self.assertEqual(report_isas.compared(data), {})
+        data.add_elsewhere(folder)
+        self.assertEqual((data.isa, len(data.rows)), before, "no other section shows it")
+        names, rows = report_isas.table(report_isas.compared(data)["cube", 6], "coherent")
+        self.assertEqual(len(names), 2)
+        self.assertEqual(names[-1], "avx512, Processor elsewhere")
+        self.assertEqual(len(rows[0][1]), 2 * len(report_isas.HEADS))
+        output = Path(self.temporary.name) / "beside.html"
+        done = self.run_script(self.records, "--output", output, "--beside", folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("Processor elsewhere", sections_of(output.read_text())["isas"])
+        self.assertIn("Processor elsewhere", output.with_name("tables.md").read_text())
+        none = self.run_script(self.records, "--output", output, "--beside", folder / "none")
+        self.assertEqual((none.returncode, none.stderr.count("\n")), (1, 1))
+
+    def test_the_tables_in_markdown_have_what_was_measured(self):
+        folder = self.gpu_folder("markdown", {})
+        record = self.record()
+        for group in record["groups"]:
+            results = group["results"]
+            group["results"] = [{**r, "isa": isa} for isa in ("sse4.2", "avx", results[0]["isa"]) for r in results]
+        (folder / "isas_L2-6.json").write_text(json.dumps(record))
+        data = report_data.Data(folder)
+        text = report_markdown.results(data)
+        heads = [line for line in text.split("\n") if line.startswith("#")]
+        for head in ("## cube", "### cube: error", "### cube, level 6, incoherent", "### cube: bytes a quad"):
+            self.assertIn(head, heads)
+        width = 0
+        for line in text.split("\n"):
+            if line.startswith("|"):
+                width = width or line.count("|")
+                self.assertEqual(line.count("|"), width, line)
+            else:
+                width = 0
+        (isas,) = [isas for (_, level), isas in report_isas.compared(data).items() if level == 6]
+        self.assertLessEqual({"sse4.2", "avx"}, {isa for isa, _ in isas})
+        names, rows = report_isas.table(isas, "coherent")
+        self.assertEqual({len(cells) for _, cells in rows}, {len(names) * len(report_isas.HEADS)})
+        heads, rows = report_levels.table(data, "cube", report_levels.bytes_text)
+        self.assertEqual(heads, ["level 2", "level 6"])
+        self.assertIn("cVOXEL^3", [row[0] for row in rows])
+        six = next(row for row in data.rows if (row.label, row.level) == ("cLEAF^3", 6))
+        self.assertIn(["cLEAF^3", f"{six.memory['bytes_per_quad']:.2f}"], [[row[0], row[2]] for row in rows])
 
     def test_bad_folders_get_one_line(self):
         empty = Path(self.temporary.name) / "empty"
@@ -211,8 +329,8 @@ class Report(unittest.TestCase):
     def test_errors_against_a_finer_mesh_come_from_the_job_that_has_them(self):
         folder = Path(self.temporary.name) / "finer"
         shutil.copytree(self.records, folder)
-        value = report_sections.speed_value("coherent")
-        points, finer = report_sections.scatter_points(report_data.Data(folder), "cube", "full", value)
+        value = report_tradeoffs.speed_value("coherent")
+        points, finer = report_tradeoffs.points_of(report_data.Data(folder), "cube", "full", value)
         self.assertFalse(finer)
         self.assertEqual({row.level for row, _, _ in points}, {6})
         record = json.loads((folder / "cube_L2-6.json").read_text())
@@ -221,7 +339,7 @@ class Report(unittest.TestCase):
                 for view in result["views"]:
                     view["errors_to_reference_level"] = view["errors"]
         (folder / "levels_L2-6.json").write_text(json.dumps(record))
-        points, finer = report_sections.scatter_points(report_data.Data(folder), "cube", "full", value)
+        points, finer = report_tradeoffs.points_of(report_data.Data(folder), "cube", "full", value)
         self.assertTrue(finer)
         self.assertEqual({(row.level, row.job) for row, _, _ in points}, {(2, "levels"), (6, "levels")})
 
@@ -289,12 +407,15 @@ class Report(unittest.TestCase):
             pages.append(sections_of((folder / "report.html").read_text()))
             tables.append((folder / "tables.md").read_text())
         self.assertEqual(list(pages[0]), list(SECTIONS))
-        self.assertEqual([name for name in SECTIONS if pages[0][name] != pages[1][name]], ["gpu"])
+        self.assertEqual([name for name in SECTIONS if pages[0][name] != pages[1][name]], ["gpu", "run"])
+        self.assertIn("1 in <code>", pages[0]["run"])
+        self.assertIn("4 in <code>", pages[1]["run"])
         self.assertIn("No data", pages[0]["gpu"])
         self.assertIn(GPU, pages[1]["gpu"])
         self.assertIn("Made by", pages[1]["gpu"])
         self.assertGreaterEqual(pages[1]["gpu"].count("<img"), 3)
-        self.assertTrue(tables[1].startswith(tables[0]))
+        without = tables[1].split("## GPU")[0]
+        self.assertTrue(tables[0].startswith(without))
         self.assertIn(GPU, tables[1])
 
     def test_ratios_of_a_gpu_are_to_grid_naive_and_the_processor_of_the_same_picture(self):
@@ -354,7 +475,7 @@ class Report(unittest.TestCase):
             self.assertEqual(page.open, [])
             self.assertIn(GPU, html)
             self.assertIn("Processor elsewhere", sections_of(html)["gpu"])
-            self.assertEqual(html.split("<nav>")[0], plain.split("<nav>")[0], "of this machine")
+            self.assertEqual(html.split("<nav")[0], plain.split("<nav")[0], "of this machine")
         none = self.run_script(self.records, "--output", output, "--gpu", elsewhere / "none.json")
         self.assertEqual((none.returncode, none.stderr.count("\n")), (1, 1))
         self.assertIn("no such file or folder", none.stderr)
@@ -401,19 +522,21 @@ class Report(unittest.TestCase):
         bounds = (0, 0, 200, 150)
         marks = [(random.uniform(0, 200), random.uniform(0, 150), random.uniform(4, 9), "7") for _ in range(60)]
         marks += [(100, 75, 6, "12")] * 2
-        places = report_gpu_chart.place_labels(marks, bounds)
+        line = report_labels.corners([(0, 20), (90, 20), (90, 120), (200, 120)])
+        places = report_labels.place_labels(marks + [(10, 10, 5, "")], bounds, line)
         self.assertGreater(len(places), 40)
-        boxes = [report_gpu_chart.box(x, y, size, size) for x, y, size, _ in marks]
+        self.assertNotIn(len(marks), places)
+        boxes = [report_labels.box(x, y, size, size) for x, y, size, _ in marks] + line
         for i, (x, y) in places.items():
-            here = report_gpu_chart.box(x, y, report_gpu_chart.DIGIT[0] * len(marks[i][3]), report_gpu_chart.DIGIT[1])
-            self.assertFalse(any(report_gpu_chart.overlap(here, other) for other in boxes), i)
+            here = report_labels.box(x, y, report_labels.DIGIT[0] * len(marks[i][3]), report_labels.DIGIT[1])
+            self.assertFalse(any(report_labels.overlap(here, other) for other in boxes), i)
             self.assertTrue(bounds[0] <= here[0] and bounds[1] <= here[1] and here[2] <= bounds[2] and here[3] <= bounds[3])
             boxes.append(here)
 
     def test_the_front_keeps_what_nothing_beats(self):
         points = [(1, 5), (2, 4), (2, 6), (3, 7), (0.5, 1)]
-        self.assertEqual(report_figures.pareto(points, False), [(0.5, 1), (1, 5), (2, 6), (3, 7)])
-        self.assertEqual(report_figures.pareto(points, True), [(0.5, 1)])
+        self.assertEqual(report_tradeoffs.pareto(points, False), [(0.5, 1), (1, 5), (2, 6), (3, 7)])
+        self.assertEqual(report_tradeoffs.pareto(points, True), [(0.5, 1)])
 
 
 if __name__ == "__main__":

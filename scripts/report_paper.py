@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The sections of the report that show pictures and charts, a function each: from measurements to HTML."""
+"""The paper's figures 10 to 16 and 18, a function each: from measurements to HTML. Figure 17 is in report_memory.py."""
 
 from html import escape
 
@@ -39,7 +39,7 @@ def error_lines(errors):
 
 
 def error_images(data, wanted):
-    """wanted: (scene, level, representation, view)."""
+    """wanted: (scene, level, representation, view). HTML, and the commands that made it."""
     parts, commands, absent = [], [], []
     for scene, level, name, view in wanted:
         row = data.pick(scene, level, name, view)
@@ -53,17 +53,17 @@ def error_images(data, wanted):
     body = f'<div class="pictures three">{"".join(parts)}</div>' if parts else ""
     if absent:
         body += p.missing(("; ".join(absent)) + "; scripts/benchmark.py measures it where the memory is there for it")
-    return body + p.command(*commands)
+    return body, commands
 
 
 def picture_row(data, scene, level, names, view):
-    """Shaded pictures side by side with memory and error."""
+    """Shaded pictures side by side with memory and error: HTML, and the commands that made it."""
     parts, commands = [], []
     grid = data.pick(scene, level, "GRID", view)
     if not any(data.pick(scene, level, name, view) for name in names):
         return p.missing(
             f"{scene} at level {level}, {view} view: run scripts/benchmark.py on a build that has this scene"
-        )
+        ), []
     for name in names:
         row = data.pick(scene, level, name, view)
         path = row.image(view, "picture") if row else None
@@ -77,22 +77,20 @@ def picture_row(data, scene, level, names, view):
             caption += "<br>" + error_lines(row.errors(view))
         parts.append(p.image(f.picture(path, 84), caption, f"{scene} in {name}, {view} view"))
         commands.append(row.command)
-    return f'<div class="pictures">{"".join(parts)}</div>' + p.command(*commands)
-
-
-def commands_of(rows):
-    return p.command(*(row.command for row in rows))
+    return f'<div class="pictures">{"".join(parts)}</div>', commands
 
 
 def figure_10(data):
     wanted = [("cube", 6, f"{kind}^{n}", "full") for kind in ("cVOXEL", "cLEAF") for n in (2, 3, 4)]
+    images, commands = error_images(data, wanted)
     return p.section(
         "figure10",
         "Figure 10: error over frame levels, cube",
         "<p>Distance between hit points and those of GRID at the same level, level 6, in pixel footprints; local "
         "frames start at level 2, 3 and 4.</p>",
         f'<p class="soft">{HEAT_KEY}</p>',
-        error_images(data, wanted),
+        images,
+        commands=commands,
     )
 
 
@@ -100,18 +98,20 @@ def figure_11(data):
     main = data.main_scene()
     fine = max([level for level in data.levels(main) if data.pick(main, level, "cVOXEL^4", "close")] or [8])
     wanted = [(main, 6, "cVOXEL^3", "close"), (main, 6, "cLEAF^2", "close"), (main, fine, "cVOXEL^4", "close")]
+    images, commands = error_images(data, wanted)
     return p.section(
         "figure11",
         f"Figure 11: error close up, {main}",
         "<p>The paper's third picture is cVOXEL<sup>4</sup> at level 8, against a mesh of that level; here it is at "
         f"the finest level that was measured, {fine}.</p>",
         f'<p class="soft">{HEAT_KEY}</p>',
-        error_images(data, wanted),
+        images,
+        commands=commands,
     )
 
 
 def figures_12_to_18(data):
-    main = data.main_scene()
+    main, commands = data.main_scene(), []
     parts = [
         "<p>Memory is what the device holds after the commit, everything included. Magenta are hits whose normal faces "
         "away from the viewer.</p>"
@@ -124,8 +124,10 @@ def figures_12_to_18(data):
         ("15", "knee", ("GRID", "cVOXEL^3", "cLEAF^2"), "close"),
         ("18, five-fold displacement", "cube:0.45", ("GRID", "cVOXEL^3", "cLEAF^3"), "full"),
     ):
-        parts += [f"<h3>Figure {escape(number)}: {escape(scene)}</h3>", picture_row(data, scene, 6, names, view)]
-    return p.section("pictures", "Figures 12 to 15 and 18: side by side", *parts)
+        row, made_by = picture_row(data, scene, 6, names, view)
+        parts += [f"<h3>Figure {escape(number)}: {escape(scene)}</h3>", row]
+        commands += made_by
+    return p.section("pictures", "Figures 12 to 15 and 18: side by side", *parts, commands=commands)
 
 
 def figure_16(data):
@@ -151,7 +153,7 @@ def figure_16(data):
     if not charts:
         body = p.missing(f"speeds of {main} at levels 4 to 6")
     else:
-        body = f'<div class="charts">{"".join(charts)}</div>'
+        body = p.charts(charts)
     heads = ["relative to GRID", "min", "mean", "max", "paper: min", "paper: mean", "paper: max"]
     paper = {"cGRID": (65, 84, 99), "cVOXEL": (73, 86, 105), "cLEAF": (69, 80, 92)}
     table = []
@@ -172,123 +174,6 @@ def figure_16(data):
         "with a cosine distribution (incoherent); closest hit, one ray a call. Bars are medians, whiskers "
         "the slowest and the fastest round. The paper's figures are of a Core i7-6700.</p>",
         body,
-        p.table(heads, table, stack=True) if table else "",
-        commands_of([row for row in rows if row.speeds]),
+        p.table(heads, table) if table else "",
+        commands=[row.command for row in rows if row.speeds],
     )
-
-
-def figure_17(data):
-    main = data.main_scene()
-    charts, rows = [], []
-    for level in (4, 5, 6):
-        here = [row for row in (data.pick(main, level, name) for name in BARS) if row]
-        grid = data.pick(main, level, "GRID")
-        if here:
-            charts.append(p.chart(f.memory_bars(level, here, grid.bytes if grid else 0), f"Memory at level {level}"))
-        rows += here
-    body = f'<div class="charts">{"".join(charts)}</div>' if charts else p.missing(f"memory of {main} at levels 4 to 6")
-    skipped = "".join(f'<p class="missing">{escape(text)}</p>' for text in data.skipped)
-    return p.section(
-        "figure17",
-        "Figure 17: memory",
-        f"<p>{escape(main)}; strong colour: inner nodes, frames and everything "
-        "else; pale: leaves. Percentages are of GRID. Leaves of NAIVE and GRID are computed from their layout, the "
-        "others are counted.</p>",
-        body,
-        skipped,
-        commands_of(rows),
-    )
-
-
-def scatter_points(data, scene, view, value):
-    """(row, error, value) of a scene; and whether errors are against a finer mesh, as they are when all measurements of
-    the scene, or of one job on it, have them."""
-
-    def rows_of(job):
-        return [row for row in data.of_scene(scene, job) if row.kind != "NAIVE" and view in row.views]
-
-    rows, to_reference = rows_of(None), False
-    for job in [None] + sorted({row.job for row in data.rows if row.scene == scene}):
-        found = rows_of(job)
-        if found and all(row.errors(view, True) for row in found):
-            rows, to_reference = found, True
-            break
-    if rows and not to_reference:  # levels cannot be compared: the one that was measured most, the highest of those
-        levels = [row.level for row in rows]
-        most = max(levels, key=lambda level: (levels.count(level), level))
-        rows = [row for row in rows if row.level == most]
-    points = []
-    for row in rows:
-        errors, y = row.errors(view, to_reference), value(row, view)
-        if errors and y:
-            points.append((row, errors["rmse_of_others_pixels"], y))
-    return points, to_reference
-
-
-def speed_value(ray_set):
-    def value(row, view):
-        speed = row.speed(view, ray_set)
-        return speed["mrays_per_second"]["median"] if speed else None
-
-    return value
-
-
-def tradeoffs(data):
-    parts, rows = [], []
-    for scene in data.scenes():
-        if len({(row.level, row.label) for row in data.of_scene(scene)}) < 4:
-            continue
-        for title, unit, value, low in (
-            ("coherent", "Mrays/s", speed_value("coherent"), False),
-            ("incoherent", "Mrays/s", speed_value("incoherent"), False),
-            ("memory", "MiB", lambda row, view: row.bytes / 2**20, True),
-        ):
-            points, to_reference = scatter_points(data, scene, "full", value)
-            if len(points) > 1:
-                settings = points[0][0].run["settings"]
-                against = f"GRID at level {settings['reference_level']}" if to_reference else "GRID of the same level"
-                parts.append(
-                    p.chart(
-                        f.scatter(f"{scene}, {title}: error against\n{against}", unit, points, low),
-                        f"{title} against error, {scene}",
-                    )
-                )
-                rows += [point[0] for point in points]
-    body = f'<div class="charts">{"".join(parts)}</div>' if parts else p.missing("several representations of one scene")
-    return p.section(
-        "tradeoffs",
-        "Speed against error, memory against error",
-        "<p>Every representation, level and frame level is a point, larger for higher levels; those on the "
-        "Pareto front are labelled with level and, raised, frame level. The error is the RMSE of hits within 5 "
-        "pixels: a few rays beyond hit another sheet of the surface, behind a silhouette, and would drown the "
-        "others; they are counted under all measurements. Where a scene was measured against a finer reference, the error is that of "
-        "tessellation and compression together, and levels can be compared; otherwise it is that of compression "
-        "alone, of one level, and GRID has none.</p>",
-        body,
-        commands_of(rows),
-    )
-
-
-def growth(data):
-    names = ("NAIVE", "GRID", "cGRID^2", "cVOXEL^2", "cLEAF^2", "cVERT")
-    charts, used = [], []
-    for title, unit, value, log_value in (
-        ("Memory", "MiB", lambda row: row.bytes / 2**20, True),
-        ("Build", "seconds, all threads", lambda row: row.build_seconds, True),
-        ("Speed, incoherent", "Mrays/s", lambda row: speed_value("incoherent")(row, "full"), False),
-    ):
-        lines = {}
-        for scene in data.scenes():
-            if len(data.levels(scene)) < 2:
-                continue
-            for name in names:
-                rows = [
-                    row for row in (data.pick(scene, level, name) for level in data.levels(scene)) if row and value(row)
-                ]
-                if len(rows) > 1:
-                    lines[(name, scene)] = [(row.quads, value(row)) for row in rows]
-                    used += rows
-        if lines:
-            charts.append(p.chart(f.growth(title, unit, lines, log_value), f"{title} over the number of quads"))
-    body = f'<div class="charts">{"".join(charts)}</div>' if charts else p.missing("one scene at several levels")
-    return p.section("growth", "Growth over the number of quads", body, commands_of(used))

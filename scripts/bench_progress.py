@@ -1,0 +1,58 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""How far a run of jobs is, and how long the rest will take."""
+
+import shutil
+import sys
+import time
+
+
+class Progress:
+    """A bar with the time left on a terminal, else a line a job."""
+
+    def __init__(self, expected):
+        self.left = dict(expected)  # job: seconds by the plan
+        self.total = sum(expected.values())
+        self.planned = self.spent = 0.0  # of finished jobs
+        self.terminal = sys.stdout.isatty()
+        self.current, self.begin, self.doing = None, 0.0, ""
+
+    def start(self, job):
+        self.current, self.begin, self.doing = job, time.monotonic(), ""
+
+    def finish(self):
+        self.planned += self.left[self.current]
+        self.spent += time.monotonic() - self.begin
+        del self.left[self.current]
+        self.current = None
+
+    def pace(self):
+        """How much slower than planned this machine is."""
+        known = self.planned + 10
+        return (self.spent + 10) / known
+
+    def draw(self):
+        if not self.terminal or self.current is None:
+            return
+        pace, elapsed = self.pace(), time.monotonic() - self.begin
+        plan = self.left[self.current] * pace
+        inside = min(elapsed, 0.97 * plan)
+        left = sum(self.left.values()) * pace - inside
+        done = (self.planned + inside / pace) / max(self.total, 1e-9)
+        width = 28
+        filled = int(width * min(done, 1.0))
+        bar = "#" * filled + "." * (width - filled)
+        text = f"[{bar}] {100 * done:3.0f}%  {clock(left)} left  {self.current}: {self.doing}"
+        print("\r\033[K" + text[: shutil.get_terminal_size().columns - 1], end="", flush=True)
+
+    def clear(self):
+        print("\r\033[K" if self.terminal else "", end="", flush=True)
+
+    def say(self, text):
+        self.clear()
+        print(text, flush=True)
+
+
+def clock(seconds):
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
