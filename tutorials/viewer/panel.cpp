@@ -122,7 +122,7 @@ void Panel::drawReports()
                 panes[i].scene->representation().label().c_str(), viewer.shownLevel());
     ImGui::Text("%.2f bytes a quad, %.3f M quads", b.bytesPerQuad(), double(b.quads) * 1e-6);
     ImGui::Text("%.2f MiB, built in %.2f s", double(b.liveBytes) / (1 << 20), b.seconds);
-    ImGui::Text("%.2f Mrays/s on %u threads", reports[i].mrays(), threads);
+    ImGui::Text("%.2f Mrays/s on %u thread%s", reports[i].mrays(), threads, threads == 1 ? "" : "s");
     if (panes[i].reference && viewer.shownMode() == PictureMode::Error)
       ImGui::Text("RMSE %.3f pixels, %zu false, %zu missed", reports[i].rmse, reports[i].falseHits, reports[i].misses);
   }

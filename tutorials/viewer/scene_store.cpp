@@ -36,16 +36,8 @@ SceneStore::SceneStore(const Model& model, const BuildSettings& settings, Worker
 
 SceneStore::~SceneStore()
 {
-  if (!underWay)
-    return;
-  worker.cancel();
-  try
-  {
-    worker.take();
-  }
-  catch (const std::exception&) // that it was cancelled
-  {
-  }
+  if (underWay)
+    worker.stop();
 }
 
 bool SceneStore::isRequested(const SceneKey& key) const

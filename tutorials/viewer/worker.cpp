@@ -6,15 +6,13 @@
 #include "basics/progress.h"
 
 #include <chrono>
+#include <cstdio>
 
 namespace cbvh {
 
 Worker::~Worker()
 {
-  cancel();
-  if (busy())
-    wait();
-  clearCancel();
+  stop();
   if (listening)
     setPhaseListener({});
 }
@@ -52,9 +50,36 @@ void Worker::take()
   cancelled = false;
   clearCancel();
   std::future<void> done = std::move(task);
+  try
+  {
+    done.get();
+  }
+  catch (const Cancelled&)
+  {
+    std::fprintf(stderr, "  %s: stopped\n", name.c_str());
+    throw;
+  }
+  catch (...)
+  {
+    if (!stopped)
+      throw;
+  }
   if (stopped)
     throw Cancelled(); // whatever came of it, nobody waits for it
-  done.get();
+}
+
+void Worker::stop()
+{
+  if (!busy())
+    return;
+  cancel();
+  try
+  {
+    take();
+  }
+  catch (const Cancelled&)
+  {
+  }
 }
 
 void Worker::hear(const std::string& now, double done)

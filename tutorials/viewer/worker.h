@@ -43,6 +43,9 @@ public:
   /* Waits for the work, and throws what it threw. */
   void take();
 
+  /* Cancels the work, if there is any, and waits until it has ended. */
+  void stop();
+
   struct Progress
   {
     std::string work;
