@@ -56,7 +56,8 @@ void Worker::take()
   }
   catch (const Cancelled&)
   {
-    std::fprintf(stderr, "  %s: stopped\n", name.c_str());
+    if (listening) // else the phase has said so
+      std::fprintf(stderr, "  %s: stopped\n", name.c_str());
     throw;
   }
   catch (...)

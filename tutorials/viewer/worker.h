@@ -25,7 +25,8 @@ public:
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /* From now on, phases are told of by progress() and not on stderr. */
+  /* From now on, phases are told of by progress() and not on stderr, which only hears of
+   * work that was stopped. */
   void listen();
 
   /* name: of the work, for progress(). Called while nothing is under way. */
