@@ -3,7 +3,6 @@
 
 #include "basics/cache_folder.h"
 #include "basics/error.h"
-#include "basics/file_output.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -21,12 +20,10 @@ std::string userCacheFolder()
   {
     const std::filesystem::path home = variable("HOME");
     if (!home.is_absolute())
-      throw Error("there is no cache directory for height maps: set HOME or XDG_CACHE_HOME, or give --maps DIR");
+      throw Error("there is no cache directory: set HOME or XDG_CACHE_HOME, or give --maps DIR");
     caches = home / ".cache";
   }
-  const std::string folder = (caches / "embree-cbvh").string();
-  prepareOutputFolder(folder);
-  return folder;
+  return (caches / "embree-cbvh").string();
 }
 
 } // namespace cbvh

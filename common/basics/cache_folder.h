@@ -9,9 +9,9 @@
 
 namespace cbvh {
 
-/* $XDG_CACHE_HOME/embree-cbvh or ~/.cache/embree-cbvh, made if it is not there. As the
+/* $XDG_CACHE_HOME/embree-cbvh or ~/.cache/embree-cbvh, whether it is there or not. As the
  * XDG base directory specification says, a relative $XDG_CACHE_HOME does not count.
- * Throws Error, also where files cannot be made in it. */
+ * Throws Error when neither variable is set. */
 std::string userCacheFolder();
 
 } // namespace cbvh
