@@ -24,9 +24,8 @@ struct LoadedModel
   std::unique_ptr<BuiltScene> preview; // GRID at a low level, always on the CPU
 };
 
-/* Reads or makes the model and fits the view of the options to it. Takes its time; may
- * be called in the background. model.preview refers to model.model, so what is returned
- * is not copied. Throws Error, Cancelled. */
+/* Reads or makes the model and fits the view of the options to it: long work, for the
+ * background. The preview refers to the model beside it. Throws Error, Cancelled. */
 std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const ViewerOptions& options);
 
 struct Document
