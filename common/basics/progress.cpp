@@ -13,11 +13,13 @@
 namespace cbvh {
 namespace {
 
-volatile std::sig_atomic_t cancelFlag = 0;
+volatile std::sig_atomic_t signalFlag = 0;
+std::atomic<bool> requestFlag{false};
+PhaseListener phaseListener;
 
 void onSignal(int signal)
 {
-  cancelFlag = 1;
+  signalFlag = 1;
   std::signal(signal, SIG_DFL);
 }
 
@@ -29,14 +31,24 @@ void installCancelHandler()
   std::signal(SIGTERM, onSignal);
 }
 
+bool interrupted()
+{
+  return signalFlag != 0;
+}
+
 void requestCancel()
 {
-  cancelFlag = 1;
+  requestFlag = true;
+}
+
+void clearCancel()
+{
+  requestFlag = false;
 }
 
 bool cancelRequested()
 {
-  return cancelFlag != 0;
+  return interrupted() || requestFlag;
 }
 
 void throwIfCancelled()
@@ -45,12 +57,16 @@ void throwIfCancelled()
     throw Cancelled();
 }
 
+void setPhaseListener(PhaseListener listener)
+{
+  phaseListener = std::move(listener);
+}
+
 Phase::Phase(const std::string& name)
   : name(name), start(std::chrono::steady_clock::now()), terminal(isatty(STDERR_FILENO))
 {
   throwIfCancelled();
-  if (terminal)
-    print(false);
+  print(false);
 }
 
 Phase::~Phase()
@@ -65,8 +81,7 @@ void Phase::update(double fraction)
   if (now <= percent)
     return;
   percent = now;
-  if (terminal)
-    print(false);
+  print(false);
 }
 
 double Phase::seconds() const
@@ -76,10 +91,19 @@ double Phase::seconds() const
 
 void Phase::print(bool final)
 {
+  const bool stopped = final && (cancelRequested() || std::uncaught_exceptions());
+  if (phaseListener)
+  {
+    if (!stopped)
+      phaseListener(name, final ? 1.0 : 0.01 * percent);
+    return;
+  }
+  if (!final && !terminal)
+    return;
   const char* back = terminal ? "\r\033[K" : "";
   if (!final)
     std::fprintf(stderr, "%s  %s %d%%", back, name.c_str(), percent);
-  else if (cancelRequested() || std::uncaught_exceptions())
+  else if (stopped)
     std::fprintf(stderr, "%s  %s: stopped after %.1f s\n", back, name.c_str(), seconds());
   else
     std::fprintf(stderr, "%s  %s: %.1f s\n", back, name.c_str(), seconds());

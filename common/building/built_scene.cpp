@@ -51,12 +51,20 @@ bool onProgress(void* phase, double fraction)
   return !cancelRequested();
 }
 
-void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name)
+/* contexts: of the scene's subdivision geometries, if Embree tessellates before its monitor
+ * hears anything. */
+void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name, size_t quads,
+                 std::vector<DisplacementContext>& contexts)
 {
   Phase phase(name);
+  TessellationProgress tessellation(phase, quads);
+  for (DisplacementContext& context : contexts)
+    context.progress = &tessellation;
   rtcSetSceneProgressMonitorFunction(scene, onProgress, &phase);
   rtcCommitScene(scene);
   rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+  for (DisplacementContext& context : contexts)
+    context.progress = nullptr;
   device.check("committing the scene");
 }
 
@@ -83,7 +91,7 @@ void captureVertices(const Model& model, const BuildSettings& settings, std::vec
   EmbreeDevice device(deviceConfig({RepresentationKind::Grid}, settings));
   const SceneHandle scene(rtcNewScene(device.handle()));
   attachCopies(device, scene.get(), model, settings.level, captures);
-  commitScene(device, scene.get(), phase);
+  commitScene(device, scene.get(), phase, model.layout(settings.level).numQuads(), captures);
 }
 
 } // namespace
@@ -126,7 +134,8 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
 void BuiltScene::commit(const char* doing)
 {
   const auto start = std::chrono::steady_clock::now();
-  commitScene(*device, scene.get(), what.label() + ": " + doing);
+  std::vector<DisplacementContext> none; // whose tessellation nobody waits for
+  commitScene(*device, scene.get(), what.label() + ": " + doing, patches.numQuads(), what.isCompressed() ? none : contexts);
   built.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   built.liveBytes = device->memory().live();
   built.peakBytes = device->memory().peak();

@@ -40,6 +40,8 @@ void displace(const RTCDisplacementFunctionNArguments* args)
       args->P_z[begin + i] += offsets[i] * args->Ng_z[begin + i];
     }
   }
+  if (context.progress)
+    context.progress->add(args->N);
   if (!context.captured)
     return;
   for (size_t i = 0; i < args->N; i++)
@@ -68,6 +70,16 @@ RTCSubdivisionMode subdivisionMode(BoundaryRule rule)
 }
 
 } // namespace
+
+/* Points come a grid of 8 x 8 quads at a time, millions of them a second: few take the lock. */
+void TessellationProgress::add(size_t points)
+{
+  constexpr double pointsOfQuad = 1.3; // 9 x 9 points, rounded up
+  constexpr size_t interval = 1 << 14;
+  const size_t before = done.fetch_add(points);
+  if (before / interval != (before + points) / interval)
+    phase.update(double(before + points) / (pointsOfQuad * double(quads)));
+}
 
 template<typename T>
 void SharedTopology::add(RTCBufferType type, RTCFormat format, const std::vector<T>& data)

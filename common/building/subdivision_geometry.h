@@ -5,14 +5,32 @@
 
 /* Cages as Embree subdivision geometries at a uniform edge rate. */
 
+#include "basics/progress.h"
 #include "building/embree_device.h"
 #include "surface/model.h"
 
 #include <embree3/rtcore_compression.h>
 
+#include <atomic>
 #include <vector>
 
 namespace cbvh {
+
+/* Shows how far the tessellation of a scene is. Builders of stock Embree tessellate before
+ * their progress monitors hear anything. */
+class TessellationProgress
+{
+public:
+  TessellationProgress(Phase& phase, size_t quads) : phase(phase), quads(quads) {}
+
+  /* points: that were displaced since the last call. Called by any thread. */
+  void add(size_t points);
+
+private:
+  Phase& phase;
+  const size_t quads;
+  std::atomic<size_t> done{0};
+};
 
 /* What the displacement function of a geometry needs; outlives the geometry. */
 struct DisplacementContext
@@ -25,6 +43,8 @@ struct DisplacementContext
    * of the layout: the tessellation that GRID stores, to the bit. */
   const PatchLayout* layout = nullptr;
   float* captured = nullptr; // 3 floats a vertex
+
+  TessellationProgress* progress = nullptr; // if set, hears of what is displaced
 };
 
 struct BufferRelease

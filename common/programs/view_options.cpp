@@ -87,6 +87,17 @@ Camera parseView(const std::string& text, Vec3f up, ImageSize size)
   return Camera({x[0], x[1], x[2]}, {x[3], x[4], x[5]}, up, x[6], size);
 }
 
+Camera fitCamera(const Model& model, const Box3f& surface, const ViewHints& hints, float fov, ImageSize size)
+{
+  const std::vector<Vec3f> positions = model.positions();
+  Box3f cage;
+  for (const Vec3f& p : positions)
+    cage.extend(p);
+  const Vec3f below = cage.lower - surface.lower, above = surface.upper - cage.upper;
+  const float beyond = std::max({0.0f, below.x, below.y, below.z, above.x, above.y, above.z});
+  return Camera::fit(positions, beyond, hints, fov, size);
+}
+
 Camera chooseCamera(const std::string& view, const Model& model, const BuiltScene& grid, ImageSize size,
                     unsigned threads)
 {
@@ -94,14 +105,7 @@ Camera chooseCamera(const std::string& view, const Model& model, const BuiltScen
     throw Error(model.name + ": Embree makes no surface of this cage");
   if (view != "full" && view != "close")
     return parseView(view, model.view.up, size);
-  const std::vector<Vec3f> positions = model.positions();
-  Box3f cage;
-  for (const Vec3f& p : positions)
-    cage.extend(p);
-  const Box3f surface = grid.bounds();
-  const Vec3f below = cage.lower - surface.lower, above = surface.upper - cage.upper;
-  const float beyond = std::max({0.0f, below.x, below.y, below.z, above.x, above.y, above.z});
-  const Camera full = Camera::fit(positions, beyond, model.view, fieldOfView, size);
+  const Camera full = fitCamera(model, grid.bounds(), model.view, fieldOfView, size);
   return view == "full" ? full : closeCamera(full, grid, model.view, threads);
 }
 

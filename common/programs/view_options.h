@@ -21,6 +21,10 @@ Vec3f parsePosition(const std::string& text);
 /* Reads "ex,ey,ez,lx,ly,lz,fov". Throws Error. */
 Camera parseView(const std::string& text, Vec3f up, ImageSize size);
 
+/* Camera that shows the whole model along a direction, with a narrow rim.
+ * surface: bounds of the model, displaced. fov: vertical, in degrees. */
+Camera fitCamera(const Model& model, const Box3f& surface, const ViewHints& hints, float fov, ImageSize size);
+
 /* Camera of a view: "full" shows the whole model, "close" stands before the point of
  * it that the model's hints name, anything else goes to parseView.
  * grid: the model as GRID, whose surface both are fitted to. threads: to trace it.

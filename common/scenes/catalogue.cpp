@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "scenes/catalogue.h"
+#include "basics/cache_folder.h"
 #include "basics/error.h"
 #include "scenes/cube.h"
 #include "scenes/frog.h"
@@ -40,7 +41,7 @@ TrexSettings trexSettings(const SceneSettings& s)
 {
   TrexSettings trex;
   trex.amplitude = s.amplitude.value_or(trex.amplitude) * (s.rough ? trexRoughFactor : 1.0f);
-  trex.mapFolder = s.mapFolder;
+  trex.mapFolder = s.mapFolder.empty() ? userCacheFolder() : s.mapFolder;
   trex.mapping = s.mapping == "atlas" ? TrexMapping::Atlas : TrexMapping::Faces;
   trex.threads = s.threads;
   return trex;

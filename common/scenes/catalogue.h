@@ -22,7 +22,7 @@ struct SceneSettings
   bool rough = false;             // trex and herd: five times the amplitude
   std::string mapping;            // trex and herd: "faces", the default, or "atlas"
   std::optional<int> count;       // herd: of copies
-  std::string mapFolder = ".";    // where generated height maps are kept
+  std::string mapFolder;          // where generated height maps are kept, empty: the user's cache
   int threads = 0;                // for generating them, 0 for all
 };
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "scenes/trex.h"
+#include "basics/file_output.h"
 #include "basics/parallel.h"
 #include "scenes/baked_heights.h"
 #include "scenes/trex_cage.h"
@@ -40,6 +41,8 @@ Model makeTrex(const TrexSettings& settings)
   model.name = "trex";
   const float scale = settings.amplitude * trex.cage.bounds().diagonal();
   const bool cached = HeightMap::recipeOf(path) == made;
+  if (!cached)
+    prepareOutputFolder(settings.mapFolder.empty() ? "." : settings.mapFolder); // rather now than after the work
   if (faces)
   {
     const FaceAtlas atlas = FaceAtlas::forFaces(trex.cage.numFaces(), tileTexels);

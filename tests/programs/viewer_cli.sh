@@ -11,6 +11,7 @@ set -u
 program=$1
 . "$(dirname -- "$0")/cli.sh"
 unset DISPLAY WAYLAND_DISPLAY
+export XDG_CACHE_HOME=$folder/cache
 
 # refuses PATTERN ARGUMENT...
 refuses() {
@@ -25,6 +26,11 @@ refuses() {
 refuses "unknown --scene 'teapot'" --scene teapot
 refuses "either --scene" --level 2
 refuses "cannot be opened" --cage "$folder/missing.obj"
+refuses "$folder/missing.obj: cannot be opened" "$folder/missing.obj"
+refuses "one cage can be opened" "$folder/quad.obj" "$folder/other.obj"
+refuses "needs a cage" "$folder/heights.png"
+refuses "there is a --scene or a --cage already" --scene cube "$folder/quad.obj"
+refuses "there is a --height already" "$folder/quad.obj" "$folder/heights.png" --height "$folder/heights.png"
 refuses "unknown representation 'mesh'" --scene cube --representation mesh
 refuses "names more than two" --scene cube --representation grid,cleaf,cvoxel
 refuses "count 0 is out of range" --scene herd --count 0
@@ -54,6 +60,17 @@ for mode in shading normals error cells blocks; do
       complain "$mode, $representation: no picture of 65 x 47"
   done
 done
+# Maps that are made go to the user's cache, and nothing to the working directory.
+mkdir "$folder/work"
+(cd "$folder/work" && "$program" --scene trex --mapping atlas --level 0 --size 64x64 --screenshot "$folder/trex.ppm" 2>"$folder/stderr") ||
+  complain "trex: $(cat "$folder/stderr")"
+[ -s "$folder/cache/embree-cbvh/trex_height_atlas.exr" ] || complain "no map in the user's cache: $(ls -R "$folder/cache")"
+[ -z "$(ls -A "$folder/work")" ] || complain "left in the working directory: $(ls -A "$folder/work")"
+"$program" --scene trex --mapping atlas --level 0 --size 64x64 --screenshot "$folder/again.ppm" 2>"$folder/stderr"
+cmp "$folder/trex.ppm" "$folder/again.ppm" || complain "another picture with the map from the cache"
+grep -q "trex: skin" "$folder/stderr" && complain "the map in the cache is not used"
+XDG_CACHE_HOME=/dev/null refuses "/dev/null/embree-cbvh" --scene trex --level 0
+
 # GRID has no error against itself: white and the blue of 0 pixels.
 colors=$(tail -c $((65 * 47 * 3)) "$folder/error-grid.ppm" | od -An -v -tu1 -w3 | sort -u | wc -l)
 [ "$colors" = 2 ] || complain "$colors colours in the error of GRID"

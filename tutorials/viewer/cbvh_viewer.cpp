@@ -3,14 +3,13 @@
 
 /* Shows a displaced subdivision surface in any representation. See --help. */
 
-#include "options.h"
+#include "document.h"
 #include "view_state.h"
 #include "window.h"
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "basics/progress.h"
 #include "pictures/image_output.h"
-#include "programs/view_options.h"
 
 #include <cstdio>
 #include <new>
@@ -18,29 +17,21 @@
 namespace cbvh {
 namespace {
 
-/* Both views are fitted to GRID. A coarse one is quick to build and does. */
-Camera startCamera(const ViewerOptions& options, const Model& model)
+void writeScreenshot(const ViewerOptions& options)
 {
-  constexpr int coarse = 3;
-  BuildSettings settings = options.build;
-  settings.level = std::min(settings.level, coarse);
-  const BuiltScene grid(model, {RepresentationKind::Grid}, settings);
-  if (grid.report().quads == 0 || !isFinite(grid.bounds().lower) || !isFinite(grid.bounds().upper))
-    throw Error(model.name + ": Embree makes no surface of this cage");
-  return chooseCamera(options.view, model, grid, options.size, threadCount(options.build.threads));
-}
-
-void writeScreenshot(const ViewerOptions& options, const Model& model, SceneStore& store, const Camera& camera)
-{
+  Worker worker;
+  Document document(loadModel(options.scene, options), options.build, worker);
+  if (!document.loaded->warning.empty())
+    std::fprintf(stderr, "cbvh_viewer: %s\n", document.loaded->warning.c_str());
   const ViewState state{options.representations, options.build.level, options.mode};
-  store.request(state.scenes());
-  store.finish();
+  document.store.request(state.scenes());
+  document.store.finish();
   std::vector<PaneReport> reports;
   PictureSettings settings;
   settings.mode = options.mode;
-  settings.up = model.view.up;
+  settings.up = document.model().view.up;
   settings.threads = threadCount(options.build.threads);
-  writePng(options.screenshot, renderPicture(camera, findPanes(state, store), settings, reports));
+  writePng(options.screenshot, renderPicture(*document.loaded->start, findPanes(state, document.store), settings, reports));
 }
 
 int run(int argc, char** argv)
@@ -49,16 +40,10 @@ int run(int argc, char** argv)
   if (!options)
     return 0;
   installCancelHandler();
-  std::string warning;
-  const Model model = loadScene(options->scene, warning);
-  if (!warning.empty())
-    std::fprintf(stderr, "cbvh_viewer: warning: %s\n", warning.c_str());
-  const Camera camera = startCamera(*options, model);
-  SceneStore store(model, options->build);
   if (options->screenshot.empty())
-    showWindow(*options, model, store, camera);
+    showWindow(*options);
   else
-    writeScreenshot(*options, model, store, camera);
+    writeScreenshot(*options);
   return 0;
 }
 

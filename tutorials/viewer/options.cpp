@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "options.h"
+#include "opened_files.h"
 #include "basics/error.h"
 #include "programs/command_line.h"
 #include "programs/view_options.h"
 
-#include <cstdio>
+#include <fstream>
 
 namespace cbvh {
 namespace {
@@ -19,19 +20,44 @@ std::string listOfModes()
   return list;
 }
 
+/* Files without an option before them. */
+void addFiles(const std::vector<std::string>& files, SceneSettings& scene)
+{
+  SceneSettings named;
+  named.cagePath = scene.cagePath; // a height map alone goes on it
+  if (!files.empty())
+    named = openFiles(files, named);
+  if (named.cagePath != scene.cagePath && !(scene.scene.empty() && scene.cagePath.empty()))
+    throw Error(named.cagePath + ": there is a --scene or a --cage already");
+  if (!named.heightPath.empty() && !scene.heightPath.empty())
+    throw Error(named.heightPath + ": there is a --height already");
+  scene.cagePath = named.cagePath;
+  if (!named.heightPath.empty())
+    scene.heightPath = named.heightPath;
+}
+
+/* A mistyped name is told of where it was typed, and not in a window. */
+void requireCage(const std::string& path)
+{
+  if (!path.empty() && !std::ifstream(path))
+    throw Error(path + ": cannot be opened");
+}
+
 } // namespace
 
 std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
 {
   ViewerOptions o;
+  std::vector<std::string> files;
   std::string representations = "cvert", frameLevel = "2", size = "1024x768", mode = "shading";
 
   CLI::App app("Shows a displaced subdivision surface in one representation, or in two side by side, in a window\n"
-               "that lists its keys, or in a picture with --screenshot.",
+               "that lists its keys and opens what is dropped on it, or in a picture with --screenshot.",
                "cbvh_viewer");
+  app.add_option("files", files, "a control cage (OBJ) and a height map, as with --cage and --height")->type_name("FILE");
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addSceneOptions(app, o.scene);
-  app.add_option("--maps", o.scene.mapFolder, "folder for the height maps of generated scenes")->type_name("DIR")->capture_default_str();
+  app.add_option("--maps", o.scene.mapFolder, "folder for the height maps of generated scenes, else the user's cache")->type_name("DIR");
   app.add_option("--representation", representations,
                  "naive, grid, cgrid, cvoxel, cleaf or cvert, a frame level of its own after ^ or :; "
                  "two of them, with a comma between, for a split screen")
@@ -52,7 +78,11 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
 
-  validateScene(o.scene);
+  addFiles(files, o.scene);
+  const bool empty = o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.heightPath.empty();
+  if (!empty || !o.screenshot.empty()) // a window may start empty
+    validateScene(o.scene);
+  requireCage(o.scene.cagePath);
   validateBuild(o.build);
   o.scene.threads = o.build.threads;
   o.size = parseImageSize(size);

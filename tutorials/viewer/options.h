@@ -16,7 +16,7 @@ namespace cbvh {
 
 struct ViewerOptions
 {
-  SceneSettings scene;
+  SceneSettings scene;                         // none named: the window starts empty
   std::vector<Representation> representations; // one, or two for a split screen
   BuildSettings build;
   PictureMode mode = PictureMode::Shading;

@@ -241,22 +241,28 @@ int effectiveFrameLevel(const Representation& representation, unsigned resolutio
   return std::min(representation.frameLevel, level);
 }
 
+int splitColumn(ImageSize size, float split)
+{
+  return std::clamp(int(split * float(size.width)), 0, size.width - 1);
+}
+
 Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings,
                     std::vector<PaneReport>& reports)
 {
   const ImageSize size = camera.size();
-  const auto border = [&](size_t pane) { return int(pane * size_t(size.width) / panes.size()); };
+  const int middle = panes.size() == 2 ? splitColumn(size, settings.split) : size.width;
+  const int borders[] = {0, middle, size.width};
   Image image(size);
   reports.clear();
   tbb::task_arena arena(int(settings.threads));
   for (size_t i = 0; i < panes.size(); i++)
     arena.execute([&] {
-      PaneRender render(camera, panes[i], settings, {border(i), border(i + 1), size.height});
+      PaneRender render(camera, panes[i], settings, {borders[i], borders[i + 1], size.height});
       reports.push_back(render.trace());
       render.paint(image);
     });
   if (panes.size() == 2)
-    drawLine(image, size, size.width / 2);
+    drawLine(image, size, middle);
   return image;
 }
 

@@ -51,14 +51,18 @@ struct PictureSettings
 {
   PictureMode mode = PictureMode::Shading;
   Vec3f up{0, 1, 0};
+  float split = 0.5f; // where the right pane starts, of the width
   unsigned threads = 1;
 };
+
+/* The column of a picture where its right pane starts, of two. */
+int splitColumn(ImageSize size, float split);
 
 /* Frame level that a patch of `resolution` quads a side has in a representation, as
  * the manual of rtcSetGeometryCompression says; 0 for NAIVE and GRID. */
 int effectiveFrameLevel(const Representation& representation, unsigned resolution);
 
-/* Renders. panes: 1, or 2 for the left and the right half, a white line between.
+/* Renders. panes: 1, or 2 for left and right, a white line between.
  * reports: one a pane, written. */
 Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings,
                     std::vector<PaneReport>& reports);

@@ -7,7 +7,6 @@
 #include "building/memory.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <new>
 
@@ -30,14 +29,15 @@ bool operator==(const SceneKey& a, const SceneKey& b)
          (!a.representation.isCompressed() || a.representation.frameLevel == b.representation.frameLevel);
 }
 
-SceneStore::SceneStore(const Model& model, const BuildSettings& settings) : model(model), settings(settings) {}
+SceneStore::SceneStore(const Model& model, const BuildSettings& settings, Worker& worker)
+  : model(model), settings(settings), worker(worker)
+{
+}
 
 SceneStore::~SceneStore()
 {
-  if (!build.valid())
-    return;
-  requestCancel();
-  build.wait();
+  if (underWay)
+    worker.stop();
 }
 
 bool SceneStore::isRequested(const SceneKey& key) const
@@ -59,6 +59,8 @@ void SceneStore::request(const std::vector<SceneKey>& keys)
   error.clear();
   /* Requested ones to the front, the others keep their order of age. */
   entries.sort([&](const Entry& a, const Entry& b) { return isRequested(a.key) && !isRequested(b.key); });
+  if (underWay && !isRequested(*underWay))
+    worker.cancel();
   start();
 }
 
@@ -79,7 +81,7 @@ void SceneStore::makeRoom(const SceneKey& key)
 
 void SceneStore::start()
 {
-  if (build.valid() || !error.empty())
+  if (worker.busy() || !error.empty())
     return;
   for (const SceneKey& key : requested)
   {
@@ -97,56 +99,56 @@ void SceneStore::start()
     underWay = key;
     BuildSettings own = settings;
     own.level = key.level;
-    build = std::async(std::launch::async, [this, key, own] {
-      return std::make_unique<BuiltScene>(model, key.representation, own);
+    worker.start("building " + name(key), [this, key, own] {
+      built = std::make_unique<BuiltScene>(model, key.representation, own);
     });
     return;
   }
 }
 
-bool SceneStore::poll()
+void SceneStore::poll()
 {
-  if (!build.valid() || build.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
-    return false;
+  if (underWay && worker.finished())
+    take();
+  start();
+}
+
+void SceneStore::take()
+{
+  const SceneKey key = *underWay;
+  underWay.reset();
   try
   {
-    entries.push_front({underWay, build.get()});
-    if (entries.front().scene->report().quads == 0)
-    {
-      entries.pop_front();
+    worker.take();
+    if (built->report().quads == 0)
       throw Error(model.name + ": Embree makes no surface of this cage");
-    }
+    entries.push_front({key, std::move(built)});
   }
   catch (const Cancelled&)
   {
-    throw;
+    if (interrupted())
+      throw;
   }
   catch (const std::bad_alloc&)
   {
-    error = name(underWay) + ": out of memory";
+    error = name(key) + ": out of memory";
   }
   catch (const std::exception& e)
   {
-    error = name(underWay) + ": " + e.what();
+    error = name(key) + ": " + e.what();
   }
-  start();
-  return true;
+  built.reset(); // if nobody wants it any more
 }
 
 void SceneStore::finish()
 {
-  while (build.valid())
+  while (underWay)
   {
-    build.wait();
+    worker.wait();
     poll();
   }
   if (!error.empty())
     throw Error(error);
-}
-
-std::string SceneStore::activity() const
-{
-  return build.valid() ? "building " + name(underWay) : "";
 }
 
 } // namespace cbvh

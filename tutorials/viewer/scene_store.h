@@ -3,18 +3,19 @@
 
 #pragma once
 
-/* The built scenes of a viewer. One is built at a time, on a thread of its own, so
- * that the window goes on; scenes looked at before stay while there is memory, so
- * that switching back and forth is instant.
+/* The built scenes of a viewer. One is built at a time, in the background, so that
+ * the window goes on; scenes looked at before stay while there is memory, so that
+ * switching back and forth is instant.
  *
  * Everything here is called from one thread; scenes that it hands out live until the
  * next call of request. */
 
 #include "building/built_scene.h"
+#include "worker.h"
 
-#include <future>
 #include <list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,29 +34,25 @@ inline bool operator!=(const SceneKey& a, const SceneKey& b) { return !(a == b);
 class SceneStore
 {
 public:
-  /* settings: its level is overruled by those of the keys. */
-  SceneStore(const Model& model, const BuildSettings& settings);
+  /* settings: its level is overruled by those of the keys. worker: builds; outlives
+   * the store. */
+  SceneStore(const Model& model, const BuildSettings& settings, Worker& worker);
 
-  /* At the end of the program: stops a build that is under way, by requestCancel. */
+  /* Stops a build that is under way. */
   ~SceneStore();
 
-  /* Keeps these scenes and builds what is missing of them, in this order. A build
-   * that nobody wants any more is finished first: Embree's cannot share a progress
-   * monitor. */
+  /* Keeps these scenes and builds what is missing of them, in this order. Stops a
+   * build that is not among them. */
   void request(const std::vector<SceneKey>& keys);
 
-  /* Takes over what has been built since and starts the next build. Whether a scene
-   * arrived or a build failed. */
-  bool poll();
+  /* Takes over what has been built since and starts the next build. */
+  void poll();
 
   /* Waits until everything requested is there. Throws Error, Cancelled. */
   void finish();
 
   /* Null if it is not built. */
   const BuiltScene* find(const SceneKey& key) const;
-
-  /* "building cLEAF^2, level 6", or empty. */
-  std::string activity() const;
 
   /* Why the last build failed; empty once another one is requested. */
   const std::string& failure() const { return error; }
@@ -69,14 +66,16 @@ private:
 
   bool isRequested(const SceneKey& key) const;
   void start();
+  void take();
   void makeRoom(const SceneKey& key);
 
   const Model& model;
   BuildSettings settings;
   std::list<Entry> entries; // requested last, first
   std::vector<SceneKey> requested;
-  std::future<std::unique_ptr<BuiltScene>> build;
-  SceneKey underWay;
+  Worker& worker;
+  std::optional<SceneKey> underWay;
+  std::unique_ptr<BuiltScene> built; // by the worker, for underWay
   std::string error;
 };
 

@@ -1,0 +1,267 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* What cbvh_viewer does without a window. */
+
+#include "basics/error.h"
+#include "basics/progress.h"
+#include "opened_files.h"
+#include "viewpoint.h"
+#include "worker.h"
+
+#include <chrono>
+#include <gtest/gtest.h>
+#include <stdexcept>
+#include <thread>
+
+namespace cbvh::test {
+namespace {
+
+/* --- the viewpoint ----------------------------------------------------------------------- */
+
+constexpr ImageSize size{640, 480};
+
+Viewpoint someViewpoint()
+{
+  return Viewpoint(Camera({3, 2, 5}, {0.5f, 0.25f, -1}, {0, 1, 0}, 40, size), {0, 1, 0});
+}
+
+/* A pixel to a point at a distance, and back. */
+Vec3f pointAt(const Camera& camera, float x, float y, float distance)
+{
+  return camera.eye() + distance * camera.direction(x, y);
+}
+
+Vec2f pixelOf(const Camera& camera, Vec3f point)
+{
+  const Vec3f forward = normalize(camera.lookAt() - camera.eye()), right = normalize(cross(forward, Vec3f{0, 1, 0}));
+  const Vec3f v = point - camera.eye();
+  const float scale = 1.0f / (dot(v, forward) * camera.footprint());
+  return {dot(v, right) * scale + 0.5f * float(size.width) - 0.5f,
+          dot(v, cross(forward, right)) * scale + 0.5f * float(size.height) - 0.5f};
+}
+
+void expectNear(Vec3f a, Vec3f b, float tolerance = 1e-4f)
+{
+  EXPECT_LT(length(a - b), tolerance) << a.x << " " << a.y << " " << a.z << " and " << b.x << " " << b.y << " " << b.z;
+}
+
+TEST(Viewpoint, PanKeepsThePointOfTheDepthUnderTheMouse)
+{
+  Viewpoint view = someViewpoint();
+  const Vec3f direction = view.direction();
+  const Vec3f point = pointAt(view.camera(size), 150, 300, 4.0f);
+  view.pan(70, -45, dot(point - view.position(), direction), size);
+  const Vec2f pixel = pixelOf(view.camera(size), point);
+  EXPECT_NEAR(pixel.x, 220, 0.01f);
+  EXPECT_NEAR(pixel.y, 255, 0.01f);
+  expectNear(view.direction(), direction);
+}
+
+TEST(Viewpoint, ZoomKeepsThePixelOfThePointAndScalesAllDistances)
+{
+  Viewpoint view = someViewpoint();
+  const Vec3f point = pointAt(view.camera(size), 500, 100, 6.0f);
+  const float before = view.distance(), toPoint = length(point - view.position());
+  view.zoom(point, 0.5f);
+  const Vec2f pixel = pixelOf(view.camera(size), point);
+  EXPECT_NEAR(pixel.x, 500, 0.01f);
+  EXPECT_NEAR(pixel.y, 100, 0.01f);
+  EXPECT_NEAR(view.distance(), 0.5f * before, 1e-4f);
+  EXPECT_NEAR(length(point - view.position()), 0.5f * toPoint, 1e-4f);
+}
+
+TEST(Viewpoint, ZoomEndsBeforeFloatsDo)
+{
+  for (const float factor : {0.5f, 2.0f})
+  {
+    Viewpoint view = someViewpoint();
+    for (int i = 0; i < 1000; i++)
+      view.zoom({0.5f, 0.25f, -1}, factor);
+    EXPECT_GT(view.distance(), 0.0f);
+    EXPECT_TRUE(isFinite(view.position()));
+    EXPECT_TRUE(isFinite(view.camera(size).direction(0, 0)));
+    view.zoom({0.5f, 0.25f, -1}, 1.0f / factor); // and there is a way back
+    EXPECT_NEAR(length(view.direction()), 1.0f, 1e-5f);
+  }
+}
+
+TEST(Viewpoint, OrbitStaysAtItsDistanceOfTheTargetAndOffThePoles)
+{
+  Viewpoint view = someViewpoint();
+  const Vec3f target = view.camera(size).lookAt();
+  const float distance = view.distance();
+  for (int i = 0; i < 100; i++)
+  {
+    view.orbit(0.3f, 0.4f);
+    expectNear(view.camera(size).lookAt(), target);
+    ASSERT_NEAR(view.distance(), distance, 1e-3f);
+  }
+  EXPECT_LT(view.direction().y, 1.0f);
+  EXPECT_GT(view.direction().y, 0.99f);
+}
+
+TEST(Viewpoint, LookTurnsOnTheSpot)
+{
+  Viewpoint view = someViewpoint();
+  const Vec3f direction = view.direction();
+  view.look(0.2f, 0.1f);
+  expectNear(view.position(), {3, 2, 5});
+  EXPECT_GT(dot(view.direction(), cross(direction, Vec3f{0, 1, 0})), 0.0f); // to the right
+  EXPECT_GT(view.direction().y, direction.y);
+}
+
+TEST(Viewpoint, LooksStraightUpAndDownWithoutHarm)
+{
+  Viewpoint view(Camera({0, 5, 0}, {0, 0, 0}, {0, 1, 0}, 40, size), {0, 1, 0});
+  view.pan(10, 10, 5, size);
+  view.move(1, 1);
+  view.orbit(0.1f, 0.1f);
+  EXPECT_TRUE(isFinite(view.position()) && isFinite(view.direction()));
+}
+
+/* --- files that are opened --------------------------------------------------------------- */
+
+TEST(OpenedFiles, ACageReplacesTheSceneAndItsMap)
+{
+  SceneSettings current;
+  current.scene = "trex";
+  current.rough = true;
+  current.amplitude = 0.1f;
+  current.threads = 3;
+  const SceneSettings opened = openFiles({"a/body.OBJ"}, current);
+  EXPECT_EQ(opened.scene, "");
+  EXPECT_EQ(opened.cagePath, "a/body.OBJ");
+  EXPECT_EQ(opened.heightPath, "");
+  EXPECT_FALSE(opened.rough);
+  EXPECT_FALSE(opened.amplitude);
+  EXPECT_EQ(opened.threads, 3);
+  validateScene(opened);
+}
+
+TEST(OpenedFiles, AMapGoesOnTheCageThatIsThere)
+{
+  SceneSettings current;
+  current.cagePath = "body.obj";
+  current.heightPath = "old.png";
+  current.amplitude = 0.02f;
+  const SceneSettings opened = openFiles({"new.exr"}, current);
+  EXPECT_EQ(opened.cagePath, "body.obj");
+  EXPECT_EQ(opened.heightPath, "new.exr");
+  EXPECT_EQ(opened.amplitude, 0.02f);
+}
+
+TEST(OpenedFiles, BothInAnyOrder)
+{
+  for (const auto& files : {std::vector<std::string>{"body.obj", "skin.tif"}, {"skin.tif", "body.obj"}})
+  {
+    const SceneSettings opened = openFiles(files, {});
+    EXPECT_EQ(opened.cagePath, "body.obj");
+    EXPECT_EQ(opened.heightPath, "skin.tif");
+    validateScene(opened);
+  }
+}
+
+TEST(OpenedFiles, RefusesWhatItCannotPutTogether)
+{
+  SceneSettings trex;
+  trex.scene = "trex";
+  EXPECT_THROW(openFiles({"skin.png"}, {}), Error);
+  EXPECT_THROW(openFiles({"skin.png"}, trex), Error);
+  EXPECT_THROW(openFiles({"a.obj", "b.obj"}, {}), Error);
+  EXPECT_THROW(openFiles({"a.obj", "b.png", "c.png"}, {}), Error);
+}
+
+/* --- the worker -------------------------------------------------------------------------- */
+
+void untilCancelled()
+{
+  for (;;)
+  {
+    throwIfCancelled();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+TEST(Worker, TellsThePhaseOfItsWork)
+{
+  Worker worker;
+  worker.listen();
+  EXPECT_FALSE(worker.progress());
+  std::atomic<int> step{0};
+  worker.start("loading", [&] {
+    const auto waitFor = [&](int n) {
+      while (step < n)
+        std::this_thread::yield();
+    };
+    {
+      Phase phase("skin");
+      phase.update(0.25);
+      step = 1;
+      waitFor(2);
+    }
+    step = 3;
+    waitFor(4);
+  });
+  const auto reached = [&](int n) {
+    while (step < n)
+      std::this_thread::yield();
+    return worker.progress().value();
+  };
+  const Worker::Progress within = reached(1);
+  step = 2;
+  const Worker::Progress after = reached(3);
+  step = 4;
+  worker.take();
+  EXPECT_EQ(within.work, "loading");
+  EXPECT_EQ(within.phase, "skin");
+  EXPECT_EQ(within.fraction, 0.25);
+  EXPECT_EQ(after.phase, "");
+  EXPECT_FALSE(worker.progress());
+}
+
+TEST(Worker, StopsAndGoesOn)
+{
+  Worker worker;
+  worker.start("endless", untilCancelled);
+  worker.cancel();
+  EXPECT_EQ(worker.progress()->work, "stopping: endless");
+  EXPECT_THROW(worker.take(), Cancelled);
+  EXPECT_FALSE(cancelRequested());
+  bool done = false;
+  worker.start("short", [&] {
+    throwIfCancelled();
+    done = true;
+  });
+  worker.take();
+  EXPECT_TRUE(done);
+}
+
+TEST(Worker, DropsWhatWasFinishedAlthoughCancelled)
+{
+  Worker worker;
+  worker.start("short", [] {});
+  worker.wait();
+  worker.cancel();
+  EXPECT_THROW(worker.take(), Cancelled);
+}
+
+TEST(Worker, HandsOverErrors)
+{
+  Worker worker;
+  worker.start("failing", [] { throw Error("no such file"); });
+  EXPECT_THROW(worker.take(), Error);
+  EXPECT_FALSE(worker.busy());
+}
+
+TEST(Worker, StopsWhenItGoes)
+{
+  {
+    Worker worker;
+    worker.start("endless", untilCancelled);
+  }
+  EXPECT_FALSE(cancelRequested());
+}
+
+} // namespace
+} // namespace cbvh::test

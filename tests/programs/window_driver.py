@@ -1,0 +1,172 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+"""cbvh_viewer on a display of its own, with keys, mouse and eyes.
+
+Xvfb keeps its screen in a file of the XWD format, which is read here."""
+
+import os
+import struct
+import subprocess
+import time
+
+SIZE = (480, 360)
+TIMEOUT = 60  # seconds, for anything to happen
+
+
+def read_ppm(path):
+    """(width, height, RGB bytes) of a binary PPM."""
+    with open(path, "rb") as file:
+        data = file.read()
+    fields, at = [], 0
+    while len(fields) < 4:
+        end = at
+        while not data[end : end + 1].isspace():
+            end += 1
+        fields.append(data[at:end])
+        at = end + 1
+    return int(fields[1]), int(fields[2]), data[at:]
+
+
+def read_screen(path, box):
+    """The same of a rectangle (x, y, width, height) of an XWD file with 32 bits a
+    pixel; nothing while it is not that."""
+    with open(path, "rb") as file:
+        data = file.read()
+    header = struct.unpack(">25I", data[:100])
+    big_endian, bits, stride = header[7], header[11], header[12]
+    if bits != 32:
+        raise SystemExit(f"FAILED: the screen has {bits} bits a pixel")
+    begin = header[0] + 12 * header[19]
+    red, green, blue = (1, 2, 3) if big_endian else (2, 1, 0)
+    x, y, width, height = box
+    rgb = bytearray()
+    for row in range(y, y + height):
+        line = data[begin + row * stride + 4 * x : begin + row * stride + 4 * (x + width)]
+        pixels = bytearray(3 * width)
+        pixels[0::3], pixels[1::3], pixels[2::3] = line[red::4], line[green::4], line[blue::4]
+        rgb += pixels
+    return width, height, bytes(rgb)
+
+
+def wait_for(what, condition):
+    """The first true value of condition()."""
+    end = time.monotonic() + TIMEOUT
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.1)
+    raise SystemExit(f"FAILED: {what}, after {TIMEOUT} s")
+
+
+class Session:
+    def __init__(self, program, folder):
+        self.program, self.folder = program, folder
+        read, write = os.pipe()
+        self.server = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-fbdir", folder, "-nolisten", "tcp"],
+            pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(write)
+        with os.fdopen(read) as file:
+            number = file.readline().strip()
+        if not number:
+            raise SystemExit("FAILED: Xvfb does not start")
+        self.environment = dict(os.environ, DISPLAY=":" + number, LIBGL_ALWAYS_SOFTWARE="1")
+        self.environment.pop("WAYLAND_DISPLAY", None)
+        self.environment["XDG_CACHE_HOME"] = os.path.join(folder, "cache")
+        self.viewer = None
+
+    def close(self):
+        for process in (self.viewer, self.server):
+            if process and process.poll() is None:
+                process.kill()
+                process.wait()
+
+    def xdotool(self, *arguments):
+        done = subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, stdout=subprocess.PIPE,
+                              stderr=subprocess.DEVNULL, text=True, check=False)
+        return done.stdout.strip()
+
+    def screenshot(self, name, *options, scene=("--scene", "cube")):
+        """What the program writes without a window."""
+        path = os.path.join(self.folder, name + ".ppm")
+        environment = {k: v for k, v in self.environment.items() if k != "DISPLAY"}
+        done = subprocess.run([self.program, *scene, "--size", "%dx%d" % SIZE, *options, "--screenshot", path],
+                              env=environment, cwd=self.folder, stderr=subprocess.PIPE, text=True, check=False)
+        if done.returncode:
+            raise SystemExit(f"FAILED: no screenshot of {name}: {done.stderr}")
+        return read_ppm(path)
+
+    def read(self, name):
+        with open(os.path.join(self.folder, name)) as file:
+            return file.read()
+
+    def start(self, *options, scene=("--scene", "cube")):
+        with open(os.path.join(self.folder, "log"), "w") as log, open(os.path.join(self.folder, "output"), "w") as output:
+            self.viewer = subprocess.Popen([self.program, *scene, "--size", "%dx%d" % SIZE, *options],
+                                           env=self.environment, cwd=self.folder, stdout=output, stderr=log)
+        def window():
+            if self.viewer.poll() is not None:
+                raise SystemExit(f"FAILED: the viewer ended with status {self.viewer.returncode}: {self.read('log')}")
+            return self.xdotool("search", "--onlyvisible", "--name", "cbvh_viewer").split("\n")[0]
+        self.window = wait_for("no window", window)
+        self.away()
+        def focused(): # there is no window manager to do it
+            self.xdotool("windowfocus", self.window)
+            return self.xdotool("getwindowfocus", "-f") == self.window
+        wait_for("the window does not take the focus", focused)
+
+    def key(self, *keys):
+        for key in keys:
+            self.xdotool("key", key)
+
+    def away(self):
+        """Puts the cursor, which is drawn into the screen, beside the window."""
+        self.xdotool("mousemove", 790, 590)
+
+    def mouse(self, *steps):
+        # With pauses: GLFW asks where the mouse is now, not where it was at the click.
+        for step in steps:
+            self.xdotool(*step)
+            time.sleep(0.2)
+
+    def drag(self, begin, end, button=1):
+        self.mouse(("mousemove", *begin), ("mousedown", button), ("mousemove", *end), ("mouseup", button))
+        self.away()
+
+    def title(self):
+        return self.xdotool("getwindowname", self.window)
+
+    def says(self, what):
+        """Waits for the title of the window to have something in it."""
+        wait_for(f"the title does not say '{what}'", lambda: what in self.title())
+        print(f"says {what}")
+
+    def camera(self):
+        """(eye, target), as the window prints them."""
+        before = self.read("output")
+        self.key("c")
+        line = wait_for("the camera is not printed", lambda: (lambda text: text != before and text.endswith("\n") and text)(self.read("output")))
+        numbers = [float(n) for n in line.split("\n")[-2].split()[1].split(",")]
+        return numbers[:3], numbers[3:6]
+
+    def screen(self):
+        lines = self.xdotool("getwindowgeometry", "--shell", self.window).split("\n")
+        g = {k: int(v) for k, v in (line.split("=") for line in lines if "=" in line) if k != "WINDOW"}
+        return read_screen(os.path.join(self.folder, "Xvfb_screen0"), (g["X"], g["Y"], g["WIDTH"], g["HEIGHT"]))
+
+    def shows(self, what, picture):
+        wait_for(f"the window does not show {what}", lambda: self.screen() == picture)
+        print(f"shows {what}")
+
+    def has_overlay(self, picture):
+        """Waits for a picture with something before it, but not in its last lines."""
+        def overlaid():
+            screen = self.screen()
+            return screen != picture and screen[2][-1000:] == picture[2][-1000:]
+        wait_for("there is no picture with an overlay", overlaid)
+
+    def ends(self, status):
+        wait_for("the viewer does not end", lambda: self.viewer.poll() is not None)
+        if self.viewer.returncode != status:
+            raise SystemExit(f"FAILED: the viewer ends with status {self.viewer.returncode}, not {status}")

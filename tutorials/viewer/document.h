@@ -1,0 +1,44 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What a viewer has opened: a model, the view that it starts with, a coarse scene to
+ * show at once, and the scenes that are built of it. */
+
+#include "options.h"
+#include "scene_store.h"
+
+#include <memory>
+#include <string>
+
+namespace cbvh {
+
+/* A model as read or made, ready to be shown. */
+struct LoadedModel
+{
+  SceneSettings source;
+  Model model;
+  std::string warning;                 // "warning: " and one line, or empty
+  std::optional<Camera> start;
+  std::unique_ptr<BuiltScene> preview; // GRID at a low level, always on the CPU
+};
+
+/* Reads or makes the model and fits the view of the options to it: long work, for the
+ * background. The preview refers to the model beside it. Throws Error, Cancelled. */
+std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const ViewerOptions& options);
+
+struct Document
+{
+  Document(std::unique_ptr<const LoadedModel> loaded, const BuildSettings& settings, Worker& worker)
+    : loaded(std::move(loaded)), store(this->loaded->model, settings, worker)
+  {
+  }
+
+  const Model& model() const { return loaded->model; }
+
+  const std::unique_ptr<const LoadedModel> loaded;
+  SceneStore store;
+};
+
+} // namespace cbvh

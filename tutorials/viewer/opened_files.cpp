@@ -1,0 +1,51 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "opened_files.h"
+#include "basics/error.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+namespace cbvh {
+namespace {
+
+bool isCage(const std::string& path)
+{
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return extension == ".obj";
+}
+
+} // namespace
+
+SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettings& current)
+{
+  std::string cage, height;
+  for (const std::string& path : paths)
+  {
+    std::string& place = isCage(path) ? cage : height;
+    if (!place.empty())
+      throw Error(place + " and " + path + ": only one " + (isCage(path) ? "cage" : "height map") + " can be opened at a time");
+    place = path;
+  }
+  SceneSettings opened = current;
+  if (!cage.empty())
+  {
+    opened.cagePath = cage;
+    opened.scene.clear();
+    opened.rough = false;
+    opened.mapping.clear();
+    opened.count.reset();
+    if (height.empty() || !current.scene.empty())
+      opened.amplitude.reset(); // of a map or a scene that is gone
+  }
+  else if (current.cagePath.empty())
+    throw Error(height + ": a height map needs a cage, open an OBJ first" +
+                (current.scene.empty() ? "" : "; " + current.scene + " brings its own heights"));
+  opened.heightPath = height;
+  return opened;
+}
+
+} // namespace cbvh

@@ -1,0 +1,23 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Files that are named on the command line or dropped on the window. */
+
+#include "scenes/catalogue.h"
+
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+/* What to load when files are opened: one cage (OBJ), one height map (any other file),
+ * or both in any order. A cage comes without the map that was there before; a map goes
+ * on the cage that is there.
+ *
+ * current: what is loaded, or nothing that has a name.
+ * Throws Error for more than one of either, and for a map without a cage. */
+SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettings& current);
+
+} // namespace cbvh

@@ -1,0 +1,196 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "panel.h"
+#include "measure/hit_metrics.h"
+#include "pictures/shading.h"
+
+#include "tutorials/common/imgui/imgui.h"
+
+#include <cstdio>
+
+namespace cbvh {
+namespace {
+
+const ImVec4 attention(1, 0.85f, 0.3f, 1);
+
+const char* const keyHelp = "1 to 6      NAIVE, GRID, cGRID, cVOXEL, cLEAF, cVERT; right half: Shift\n"
+                            "L, N        level, frame level up; down: Shift\n"
+                            "M           next mode; back: Shift\n"
+                            "X           split screen, whose line can be dragged\n"
+                            "drag        orbit; Shift: look around; Ctrl: distance\n"
+                            "middle drag pan\n"
+                            "wheel       zoom at the cursor\n"
+                            "right click orbit about that point\n"
+                            "arrows      orbit\n"
+                            "W A S D     walk, faster and slower: page up, page down\n"
+                            "F           fit all of it into the window\n"
+                            "R           where it started\n"
+                            "P           save the picture\n"
+                            "C           print the camera for --view\n"
+                            "B           render without pause\n"
+                            "Tab, H      fold this panel; hide it\n"
+                            "Q, Esc      quit; ask before that\n"
+                            "Drop a cage (OBJ), a height map or both here to open them.\n";
+
+constexpr ImGuiWindowFlags overlayFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize |
+                                          ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoNav;
+
+} // namespace
+
+void Panel::draw()
+{
+  if (!hidden)
+    drawPanel();
+  drawProgress();
+  drawQuestion();
+}
+
+void Panel::drawPanel()
+{
+  ImGui::SetNextWindowPos(ImVec2(8, 8), ImGuiCond_Once);
+  ImGui::SetNextWindowBgAlpha(0.7f);
+  if (changeFold)
+    ImGui::SetNextWindowCollapsed(!folded, ImGuiCond_Always);
+  changeFold = false;
+  folded = !ImGui::Begin("cbvh_viewer", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  if (!folded)
+  {
+    drawSettings();
+    drawReports();
+    if (!viewer.message().empty())
+    {
+      ImGui::Separator();
+      ImGui::PushTextWrapPos(ImGui::GetFontSize() * 24.0f);
+      ImGui::PushStyleColor(ImGuiCol_Text, attention);
+      ImGui::TextUnformatted(viewer.message().c_str());
+      ImGui::PopStyleColor();
+      ImGui::PopTextWrapPos();
+    }
+    if (ImGui::CollapsingHeader("keys and mouse"))
+      ImGui::TextUnformatted(keyHelp);
+  }
+  ImGui::End();
+}
+
+void Panel::drawSettings()
+{
+  ViewState state = viewer.state();
+  for (size_t i = 0; i < state.representations.size(); i++)
+  {
+    Representation& r = state.representations[i];
+    ImGui::PushID(int(i));
+    int kind = int(r.kind), frame = r.frameLevel + 1;
+    ImGui::PushItemWidth(90);
+    if (ImGui::Combo("##kind", &kind, "NAIVE\0GRID\0cGRID\0cVOXEL\0cLEAF\0cVERT\0"))
+      r.kind = RepresentationKind(kind);
+    if (r.hasFrames())
+    {
+      ImGui::SameLine();
+      if (ImGui::Combo("frame level", &frame, "auto\0" "0\0" "1\0" "2\0" "3\0" "4\0" "5\0" "6\0" "7\0" "8\0"))
+        r.frameLevel = frame - 1;
+    }
+    ImGui::PopItemWidth();
+    ImGui::PopID();
+  }
+  int mode = int(state.mode);
+  ImGui::SliderInt("level", &state.level, 0, maxLevel);
+  if (ImGui::Combo("mode", &mode, "shading\0normals\0error\0leaf cells\0blocks\0"))
+    state.mode = PictureMode(mode);
+  viewer.want(state);
+  bool split = viewer.isSplit();
+  if (ImGui::Checkbox("split screen", &split))
+    viewer.setSplit(split);
+  ImGui::SameLine();
+  ImGui::Checkbox("without pause", &viewer.continuous);
+}
+
+void Panel::drawReports()
+{
+  const std::vector<Pane> panes = viewer.panes();
+  const std::vector<PaneReport>& reports = viewer.reports();
+  if (viewer.isPreview())
+  {
+    ImGui::Separator();
+    ImGui::TextUnformatted("a preview of few quads");
+  }
+  for (size_t i = 0; i < panes.size() && i < reports.size(); i++)
+  {
+    const BuildReport& b = panes[i].scene->report();
+    ImGui::Separator();
+    ImGui::Text("%s%s, level %d", panes.size() < 2 ? "" : i ? "right: " : "left: ",
+                panes[i].scene->representation().label().c_str(), viewer.shownLevel());
+    ImGui::Text("%.2f bytes a quad, %.3f M quads", b.bytesPerQuad(), double(b.quads) * 1e-6);
+    ImGui::Text("%.2f MiB, built in %.2f s", double(b.liveBytes) / (1 << 20), b.seconds);
+    ImGui::Text("%.2f Mrays/s on %u thread%s", reports[i].mrays(), threads, threads == 1 ? "" : "s");
+    if (panes[i].reference && viewer.shownMode() == PictureMode::Error)
+      ImGui::Text("RMSE %.3f pixels, %zu false, %zu missed", reports[i].rmse, reports[i].falseHits, reports[i].misses);
+  }
+  if (viewer.shownMode() == PictureMode::Error && !panes.empty())
+    drawLegend();
+}
+
+void Panel::drawLegend()
+{
+  const std::pair<float, const char*> entries[] = {{0.0f, "0"}, {1.25f, "1.25"}, {2.5f, "2.5"}, {3.75f, "3.75"},
+                                                   {5.0f, "5 pixels"}, {falseHitError, "false"}, {missError, "missed"}};
+  Image color(ImageSize{1, 1}); // encodes
+  for (const auto& [error, text] : entries)
+  {
+    color.set(0, errorColor(error));
+    const ImVec4 rgb(float(color.rgb[0]) / 255.0f, float(color.rgb[1]) / 255.0f, float(color.rgb[2]) / 255.0f, 1);
+    ImGui::ColorButton(text, rgb, ImGuiColorEditFlags_NoTooltip, ImVec2(12, 12));
+    ImGui::SameLine();
+    ImGui::TextUnformatted(text);
+    ImGui::SameLine();
+  }
+  ImGui::NewLine();
+}
+
+/* At the lower border, so that it hides little, or in the middle while there is nothing else.
+ * It is there while the panel is hidden, too: nothing else tells that something goes on. */
+void Panel::drawProgress()
+{
+  const std::optional<Worker::Progress> progress = viewer.progress();
+  const bool empty = !viewer.opened();
+  if (!progress && !empty)
+    return;
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos(ImVec2(0.5f * display.x, empty ? 0.5f * display.y : display.y - 8), ImGuiCond_Always,
+                          ImVec2(0.5f, empty ? 0.5f : 1.0f));
+  ImGui::SetNextWindowBgAlpha(0.7f);
+  ImGui::Begin("progress", nullptr, overlayFlags);
+  if (progress)
+  {
+    char percent[160] = "";
+    if (!progress->phase.empty())
+      std::snprintf(percent, sizeof(percent), "%s %d%%", progress->phase.c_str(), int(100.0 * progress->fraction));
+    ImGui::TextUnformatted(progress->work.c_str());
+    ImGui::ProgressBar(progress->phase.empty() ? 0.0f : float(progress->fraction), ImVec2(240, 0), percent);
+    ImGui::SameLine();
+    if (ImGui::Button("stop"))
+      viewer.stop();
+  }
+  else
+    ImGui::TextUnformatted("Drop a cage (OBJ) here, and a height map if it has one.");
+  ImGui::End();
+}
+
+void Panel::drawQuestion()
+{
+  if (!asking)
+    return;
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos(ImVec2(0.5f * display.x, 0.5f * display.y), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+  ImGui::SetNextWindowFocus();
+  ImGui::Begin("question", nullptr, overlayFlags);
+  ImGui::TextUnformatted("Quit cbvh_viewer?");
+  if (ImGui::Button("Quit (Enter)"))
+    quit = true;
+  ImGui::SameLine();
+  if (ImGui::Button("Stay (Esc)"))
+    asking = false;
+  ImGui::End();
+}
+
+} // namespace cbvh

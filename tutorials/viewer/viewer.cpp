@@ -1,0 +1,335 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "viewer.h"
+#include "opened_files.h"
+#include "basics/error.h"
+#include "basics/parallel.h"
+#include "pictures/image_output.h"
+#include "programs/view_options.h"
+#include "tracing/trace_hits.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <new>
+
+namespace cbvh {
+namespace {
+
+std::string nameOf(const SceneSettings& source)
+{
+  return source.scene.empty() ? std::filesystem::path(source.cagePath).filename().string() : source.scene;
+}
+
+bool sameScenes(const std::vector<Pane>& a, const std::vector<Pane>& b)
+{
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Pane& x, const Pane& y) { return x.scene == y.scene && x.reference == y.reference; });
+}
+
+} // namespace
+
+Viewer::Viewer(const ViewerOptions& options) : options(options)
+{
+  worker.listen();
+  wanted.representations = options.representations;
+  wanted.level = options.build.level;
+  wanted.mode = options.mode;
+  shown = wanted;
+  if (!options.scene.scene.empty() || !options.scene.cagePath.empty())
+    open(options.scene);
+}
+
+/* --- files ------------------------------------------------------------------------------- */
+
+void Viewer::open(const SceneSettings& source)
+{
+  toLoad = source;
+  lastMessage.clear();
+  if (loading)
+    worker.cancel();
+  if (document)
+    document->store.request({});
+}
+
+void Viewer::openFiles(const std::vector<std::string>& paths)
+{
+  try
+  {
+    open(cbvh::openFiles(paths, toLoad ? *toLoad : document ? document->loaded->source : options.scene));
+  }
+  catch (const Error& e)
+  {
+    lastMessage = e.what();
+  }
+}
+
+void Viewer::load()
+{
+  loading = true;
+  const SceneSettings source = *toLoad;
+  toLoad.reset();
+  worker.start("loading " + nameOf(source), [this, source] { loaded = loadModel(source, options); });
+}
+
+void Viewer::takeLoaded()
+{
+  loading = false;
+  try
+  {
+    worker.take();
+    document = std::make_unique<Document>(std::move(loaded), options.build, worker);
+    viewpoint.emplace(*document->loaded->start, document->model().view.up);
+    stepLength = 0.02f * viewpoint->distance();
+    image.reset();
+    shown = wanted;
+    lastMessage = document->loaded->warning;
+  }
+  catch (const Cancelled&)
+  {
+    if (interrupted())
+      throw;
+  }
+  catch (const std::bad_alloc&)
+  {
+    lastMessage = "not enough memory to load that";
+  }
+  catch (const std::exception& e)
+  {
+    lastMessage = e.what();
+  }
+  if (!lastMessage.empty())
+    std::fprintf(stderr, "cbvh_viewer: %s\n", lastMessage.c_str());
+  if (document && !toLoad)
+    requestScenes();
+}
+
+/* --- every frame ------------------------------------------------------------------------- */
+
+void Viewer::update()
+{
+  if (loading && worker.finished())
+    takeLoaded();
+  if (document)
+    document->store.poll();
+  if (toLoad && !worker.busy())
+    load();
+  if (document && shown != wanted && (isPreview() || !findPanes(wanted, document->store).empty()))
+  {
+    shown = wanted;
+    requestScenes();
+    image.reset();
+  }
+}
+
+std::vector<Pane> Viewer::panes() const
+{
+  return document ? findPanes(shown, document->store) : std::vector<Pane>();
+}
+
+std::vector<Pane> Viewer::panesOrPreview() const
+{
+  const std::vector<Pane> found = panes();
+  if (!found.empty() || !document)
+    return found;
+  return {Pane{document->loaded->preview.get(), nullptr}};
+}
+
+bool Viewer::refresh(ImageSize now)
+{
+  size = now;
+  const std::vector<Pane> what = panesOrPreview();
+  if (what.empty())
+    return false;
+  const Camera camera = viewpoint->camera(size);
+  const std::string description = camera.description();
+  const bool same = image && image->size.width == size.width && image->size.height == size.height &&
+                    description == imageCamera && splitPosition == imageSplit && sameScenes(what, imagePanes);
+  if (same && !continuous)
+    return false;
+  PictureSettings settings;
+  settings.mode = shown.mode == PictureMode::Error && !what[0].reference ? PictureMode::Shading : shown.mode;
+  settings.up = document->model().view.up;
+  settings.split = splitPosition;
+  settings.threads = threadCount(options.build.threads);
+  image = renderPicture(camera, what, settings, paneReports);
+  imageCamera = description;
+  imageSplit = splitPosition;
+  imagePanes = what;
+  return true;
+}
+
+/* --- what is wanted ---------------------------------------------------------------------- */
+
+void Viewer::want(const ViewState& state)
+{
+  if (state == wanted)
+    return;
+  wanted = state;
+  lastMessage.clear();
+  requestScenes();
+}
+
+/* What is shown stays until what is wanted is there. */
+void Viewer::requestScenes()
+{
+  if (!document || toLoad || loading)
+    return; // asked for when that has ended
+  std::vector<SceneKey> keys = wanted.scenes();
+  if (!isPreview())
+    for (const SceneKey& key : shown.scenes())
+      keys.push_back(key);
+  document->store.request(keys);
+}
+
+void Viewer::setSplit(bool split)
+{
+  if (split == isSplit())
+    return;
+  ViewState state = wanted;
+  if (split)
+    state.representations.push_back(other);
+  else
+  {
+    other = state.representations[1];
+    state.representations.pop_back();
+  }
+  want(state);
+}
+
+void Viewer::moveSplit(float position)
+{
+  constexpr float rim = 0.02f; // it can be caught again
+  splitPosition = std::clamp(position, rim, 1.0f - rim);
+}
+
+void Viewer::stop()
+{
+  toLoad.reset();
+  if (loading)
+    worker.cancel();
+  else if (document)
+  {
+    wanted = shown;
+    document->store.request(isPreview() ? std::vector<SceneKey>() : shown.scenes());
+  }
+}
+
+std::string Viewer::message() const
+{
+  return document && !document->store.failure().empty() ? document->store.failure() : lastMessage;
+}
+
+void Viewer::savePicture()
+{
+  if (!image || shown != wanted || isPreview())
+    lastMessage = "not saved: the picture is not there yet";
+  else
+    try
+    {
+      writePng(options.picture, *image);
+      lastMessage = "saved " + options.picture;
+    }
+    catch (const Error& e)
+    {
+      lastMessage = e.what();
+    }
+  std::printf("%s\n", lastMessage.c_str());
+  std::fflush(stdout);
+}
+
+/* --- the camera -------------------------------------------------------------------------- */
+
+void Viewer::resetView()
+{
+  if (viewpoint)
+    viewpoint->set(*document->loaded->start);
+}
+
+void Viewer::fitView(ImageSize size)
+{
+  if (!viewpoint)
+    return;
+  ViewHints hints = document->model().view;
+  hints.direction = viewpoint->direction();
+  viewpoint->set(fitCamera(document->model(), document->loaded->preview->bounds(), hints, viewpoint->fov(), size));
+}
+
+std::string Viewer::viewDescription() const
+{
+  return viewpoint ? viewpoint->camera(size).description() : "";
+}
+
+void Viewer::orbit(float right, float upwards)
+{
+  if (viewpoint)
+    viewpoint->orbit(right, upwards);
+}
+
+void Viewer::look(float right, float upwards)
+{
+  if (viewpoint)
+    viewpoint->look(right, upwards);
+}
+
+void Viewer::walk(float right, float forward)
+{
+  if (viewpoint)
+    viewpoint->move(stepLength * right, stepLength * forward);
+}
+
+void Viewer::pan(Vec2f pixels, float depth)
+{
+  if (viewpoint)
+    viewpoint->pan(pixels.x, pixels.y, depth, size);
+}
+
+std::optional<Vec3f> Viewer::pointAt(Vec2f pixel) const
+{
+  const std::vector<Pane> all = panesOrPreview();
+  if (all.empty())
+    return std::nullopt;
+  const bool left = pixel.x < float(splitColumn(size, splitPosition));
+  Ray ray;
+  ray.origin = viewpoint->position();
+  ray.direction = viewpoint->camera(size).direction(pixel.x, pixel.y);
+  SurfaceHit hit;
+  traceClosest(*(left ? all.front() : all.back()).scene, 1, &ray, &hit);
+  if (!hit.hit())
+    return std::nullopt;
+  return ray.origin + hit.t * ray.direction;
+}
+
+/* In the plane of the target where nothing is seen. */
+Vec3f Viewer::pointOrTargetAt(Vec2f pixel) const
+{
+  if (const std::optional<Vec3f> point = pointAt(pixel))
+    return *point;
+  const Vec3f direction = viewpoint->camera(size).direction(pixel.x, pixel.y);
+  return viewpoint->position() + (viewpoint->distance() / dot(direction, viewpoint->direction())) * direction;
+}
+
+float Viewer::depthAt(Vec2f pixel) const
+{
+  return viewpoint ? dot(pointOrTargetAt(pixel) - viewpoint->position(), viewpoint->direction()) : 0.0f;
+}
+
+void Viewer::zoomAt(Vec2f pixel, float factor)
+{
+  if (viewpoint)
+    viewpoint->zoom(pointOrTargetAt(pixel), 1.0f / factor);
+}
+
+void Viewer::zoom(float factor)
+{
+  if (viewpoint)
+    viewpoint->zoom(viewpoint->position() + viewpoint->distance() * viewpoint->direction(), 1.0f / factor);
+}
+
+void Viewer::centreAt(Vec2f pixel)
+{
+  if (const std::optional<Vec3f> point = pointAt(pixel))
+    viewpoint->lookAt(*point);
+}
+
+} // namespace cbvh

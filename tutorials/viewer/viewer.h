@@ -1,0 +1,129 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What a viewer shows and what the user wants it to show, without the window around it.
+ * Whatever takes long goes on in the background; until it is there, what was shown stays.
+ *
+ * Pixels are those of the picture, from the upper left. */
+
+#include "document.h"
+#include "view_state.h"
+#include "viewpoint.h"
+#include "worker.h"
+
+namespace cbvh {
+
+class Viewer
+{
+public:
+  /* options: outlives the viewer. Opens their scene, if they name one. */
+  explicit Viewer(const ViewerOptions& options);
+
+  /* --- files --- */
+
+  /* Loads a scene in place of the one that is shown. */
+  void open(const SceneSettings& source);
+
+  /* The same for files, see openFiles in opened_files.h. */
+  void openFiles(const std::vector<std::string>& paths);
+
+  /* Null while there is none yet. */
+  const LoadedModel* opened() const { return document ? document->loaded.get() : nullptr; }
+
+  /* --- every frame --- */
+
+  /* Takes over what the background has finished, and starts what is to be done next.
+   * Throws Cancelled when a signal asked for the end. */
+  void update();
+
+  /* Renders if anything changed since the last call, and says so. */
+  bool refresh(ImageSize size);
+
+  /* As refresh left it; none while there is nothing to show. */
+  const std::optional<Image>& picture() const { return image; }
+
+  /* What is shown, one or two, and how it rendered; empty while nothing or a preview is. */
+  std::vector<Pane> panes() const;
+  const std::vector<PaneReport>& reports() const { return paneReports; }
+  bool isPreview() const { return document && panes().empty(); }
+
+  /* --- what is wanted --- */
+
+  const ViewState& state() const { return wanted; }
+  PictureMode shownMode() const { return shown.mode; }
+  int shownLevel() const { return shown.level; }
+  void want(const ViewState& state);
+  bool isSplit() const { return wanted.representations.size() == 2; }
+  void setSplit(bool split);
+
+  /* Where the right half starts, of the width. */
+  float split() const { return splitPosition; }
+  void moveSplit(float position);
+
+  /* What is under way, if anything is. */
+  std::optional<Worker::Progress> progress() const { return worker.progress(); }
+
+  /* Gives up what is under way. */
+  void stop();
+
+  /* Why there is not what was wanted, or what was done last; a line, or empty. */
+  std::string message() const;
+
+  /* Writes the picture that is shown. */
+  void savePicture();
+
+  bool continuous = false; // renders although nothing changed
+
+  /* --- the camera; nothing happens while there is no model --- */
+
+  void resetView();
+  void fitView(ImageSize size);
+  std::string viewDescription() const; // as --view takes it
+
+  void orbit(float right, float upwards);
+  void look(float right, float upwards);
+  void walk(float right, float forward); // steps, of which there are about 50 to what is looked at
+  void pan(Vec2f pixels, float depth);
+
+  /* Distance of what is seen there along the view, of the target where nothing is. */
+  float depthAt(Vec2f pixel) const;
+
+  /* Brings what is seen there `factor` times as near. */
+  void zoomAt(Vec2f pixel, float factor);
+  void zoom(float factor);
+
+  /* Turns to what is seen there, if anything is, and orbits about it. */
+  void centreAt(Vec2f pixel);
+
+private:
+  void load();
+  void takeLoaded();
+  void requestScenes();
+  std::vector<Pane> panesOrPreview() const;
+  std::optional<Vec3f> pointAt(Vec2f pixel) const;
+  Vec3f pointOrTargetAt(Vec2f pixel) const;
+
+  const ViewerOptions& options;
+  std::optional<SceneSettings> toLoad;
+  bool loading = false;
+  std::unique_ptr<const LoadedModel> loaded; // by the worker, which is gone before this is,
+  Worker worker;                             // and after the document, whose scenes it builds
+  std::unique_ptr<Document> document;
+
+  ViewState wanted, shown;
+  Representation other{RepresentationKind::Grid}; // of the right half while there is none
+  float splitPosition = 0.5f, stepLength = 1.0f;
+  std::optional<Viewpoint> viewpoint; // as soon as there is a model
+
+  ImageSize size{1, 1};
+  std::optional<Image> image;
+  std::string imageCamera; // what it was rendered with,
+  float imageSplit = 0.5f;
+  std::vector<Pane> imagePanes;
+  std::vector<PaneReport> paneReports;
+  std::string lastMessage;
+};
+
+} // namespace cbvh

@@ -1,0 +1,103 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "worker.h"
+#include "basics/error.h"
+#include "basics/progress.h"
+
+#include <chrono>
+#include <cstdio>
+
+namespace cbvh {
+
+Worker::~Worker()
+{
+  stop();
+  if (listening)
+    setPhaseListener({});
+}
+
+void Worker::listen()
+{
+  listening = true;
+  setPhaseListener([this](const std::string& phase, double fraction) { hear(phase, fraction); });
+}
+
+void Worker::start(const std::string& what, std::function<void()> work)
+{
+  name = what;
+  phase.clear();
+  task = std::async(std::launch::async, std::move(work));
+}
+
+void Worker::cancel()
+{
+  if (!busy())
+    return;
+  cancelled = true;
+  requestCancel();
+}
+
+bool Worker::finished() const
+{
+  return busy() && task.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+void Worker::take()
+{
+  task.wait();
+  const bool stopped = cancelled;
+  cancelled = false;
+  clearCancel();
+  std::future<void> done = std::move(task);
+  try
+  {
+    done.get();
+  }
+  catch (const Cancelled&)
+  {
+    if (listening) // else the phase has said so
+      std::fprintf(stderr, "  %s: stopped\n", name.c_str());
+    throw;
+  }
+  catch (...)
+  {
+    if (!stopped)
+      throw;
+  }
+  if (stopped)
+    throw Cancelled(); // whatever came of it, nobody waits for it
+}
+
+void Worker::stop()
+{
+  if (!busy())
+    return;
+  cancel();
+  try
+  {
+    take();
+  }
+  catch (const Cancelled&)
+  {
+  }
+}
+
+void Worker::hear(const std::string& now, double done)
+{
+  std::lock_guard<std::mutex> lock(mutex);
+  phase = done < 1.0 ? now : "";
+  fraction = done;
+}
+
+std::optional<Worker::Progress> Worker::progress() const
+{
+  if (!busy())
+    return std::nullopt;
+  if (cancelled)
+    return Progress{"stopping: " + name, "", 0};
+  std::lock_guard<std::mutex> lock(mutex);
+  return Progress{name, phase, fraction};
+}
+
+} // namespace cbvh
