@@ -4,6 +4,9 @@
 #include "basics/file_output.h"
 #include "basics/error.h"
 
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
@@ -60,6 +63,12 @@ void writeTextFile(const std::string& path, const std::string& text)
     throw Error(path + ": cannot be written");
   synchronise(file.temporary());
   file.commit();
+}
+
+void writeStandardOutput(const std::string& text)
+{
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw Error(std::string("standard output cannot be written: ") + std::strerror(errno));
 }
 
 void prepareOutputFolder(const std::string& path)

@@ -100,8 +100,8 @@ void validateBuild(const BuildSettings& settings)
 }
 
 BuiltScene::BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings)
-  : what(representation), patches(model.layout(settings.level)), facesOfCopy(model.cage.numFaces()),
-    quadsOfCopy(patches.numQuads() / model.copies.size())
+  : what(representation), name(settings.name.empty() ? what.label() : settings.name), patches(model.layout(settings.level)),
+    facesOfCopy(model.cage.numFaces()), quadsOfCopy(patches.numQuads() / model.copies.size())
 {
   device = std::make_unique<EmbreeDevice>(deviceConfig(representation, settings));
   scene.reset(rtcNewScene(device->handle()));
@@ -116,7 +116,7 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
   embreeTracer = std::make_unique<EmbreeTracer>(scene.get());
   if (settings.device != "cpu")
   {
-    Phase phase(what.label() + ": to the device");
+    Phase phase(name + ": to the device");
     vulkanTracer = VulkanTracer::create(settings.device, scene.get());
     device->check("putting a scene on a Vulkan device");
     built.onDevice = vulkanTracer->report();
@@ -126,7 +126,7 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
 void BuiltScene::commit(const char* doing)
 {
   const auto start = std::chrono::steady_clock::now();
-  commitScene(*device, scene.get(), what.label() + ": " + doing);
+  commitScene(*device, scene.get(), name + ": " + doing);
   built.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   built.liveBytes = device->memory().live();
   built.peakBytes = device->memory().peak();
@@ -174,7 +174,7 @@ void BuiltScene::buildTriangles(const Model& model, const BuildSettings& setting
                                                   3 * sizeof(float), layout.numVertices()));
     device->check("allocating the vertices of NAIVE");
   }
-  captureVertices(model, settings, captures, what.label() + ": tessellation");
+  captureVertices(model, settings, captures, name + ": tessellation");
   for (const GeometryHandle& copy : copies)
     fillTriangles(copy.get(), layout, settings);
 

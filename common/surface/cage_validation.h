@@ -8,12 +8,17 @@
 
 #include "surface/cage.h"
 
+#include <string>
+
 namespace cbvh {
 
-/* Throws Error, one line that starts with the cage's name, for: whatever
- * OpenSubdiv's topology validation reports, a face that names a vertex twice, an
- * edge of more than two faces or run through twice in the same direction, and what
- * is beyond Embree's limits (16 vertices a face, 64 faces around a vertex). */
-void validateCage(const Cage& cage);
+/* Faces beyond Embree's limits (16 vertices a face, 64 faces around a vertex) become holes.
+ *
+ * warnings: lines are added on such faces, and on edges at which the cage is not manifold:
+ * of more than two faces, or run through twice in the same direction. There Embree keeps the
+ * vertices where they are, or makes a hard crease.
+ * Errors: throws Error, one line that starts with the cage's name, for whatever OpenSubdiv's
+ * topology validation reports, and a face that names a vertex twice. */
+void validateCage(Cage& cage, std::string& warnings);
 
 } // namespace cbvh

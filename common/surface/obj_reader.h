@@ -18,14 +18,15 @@ namespace cbvh {
 
 /* Reads a cage.
  *
- * path: file to read.
+ * path: file to read. warnings: lines are added on rules of subdivision that Embree does not
+ * have, for which it takes its own: creasemethod and smoothtriangles.
  * Errors: throws Error, one line with path and line number, for a file that cannot
  * be read or has no faces, a face of fewer than 3 vertices, an index out of range,
  * a number that is none or not finite, an unknown statement, a malformed tag, and
  * texture coordinates on some corners but not on all. */
-Cage readObj(const std::string& path);
+Cage readObj(const std::string& path, std::string& warnings);
 
 /* The same from a stream; name stands for the path in messages. */
-Cage readObj(std::istream& stream, const std::string& name);
+Cage readObj(std::istream& stream, const std::string& name, std::string& warnings);
 
 } // namespace cbvh

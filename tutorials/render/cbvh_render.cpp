@@ -24,9 +24,9 @@ int main(int argc, char** argv)
     cbvh::installCancelHandler();
     cbvh::prepareOutputFolder(options->output);
     const cbvh::Comparison comparison = cbvh::runComparison(*options);
-    std::fputs(cbvh::formatTable(comparison).c_str(), stdout);
     if (!options->json.empty())
       cbvh::writeTextFile(options->json, cbvh::formatJson(comparison));
+    cbvh::writeStandardOutput(cbvh::formatTable(comparison, options->details));
     return 0;
   }
   catch (const cbvh::Cancelled&)
