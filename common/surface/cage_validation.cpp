@@ -3,6 +3,7 @@
 
 #include "surface/cage_validation.h"
 #include "basics/error.h"
+#include "surface/crease_rules.h"
 #include "surface/topology_refiner.h"
 
 #include <opensubdiv/far/error.h>
@@ -97,6 +98,17 @@ void warnOfEdges(const Cage& cage, const Far::TopologyLevel& level, std::string&
               ", or two that run through it the same way; Embree does not round such edges\n";
 }
 
+void warnOfCreases(const Cage& cage, std::string& warnings)
+{
+  const std::vector<unsigned> vertices = verticesOfOtherCreaseRules(cage);
+  if (!vertices.empty())
+    warnings += cage.name + ": creases meet at " + std::to_string(vertices.size()) +
+                (vertices.size() == 1 ? " vertex, " : " vertices, ") + std::to_string(vertices.front() + 1) +
+                (vertices.size() == 1 ? "" : " for one") +
+                ", where Embree has another rule for their sharpness than OpenSubdiv: near them the surface is another, " +
+                "and errors against the true surface contain that\n";
+}
+
 /* Makes holes of what is beyond Embree's limits. It would leave out such faces, and all that
  * share a vertex with a face of too many vertices. */
 void cutOut(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
@@ -139,6 +151,7 @@ void validateCage(Cage& cage, std::string& warnings)
   const std::unique_ptr<Far::TopologyRefiner> refiner = makeRefiner(cage);
   const Far::TopologyLevel level = refiner->GetLevel(0);
   warnOfEdges(cage, level, warnings);
+  warnOfCreases(cage, warnings);
   cutOut(cage, level, warnings);
 }
 

@@ -16,7 +16,8 @@ namespace cbvh {
  *
  * warnings: lines are added on such faces, and on edges at which the cage is not manifold:
  * of more than two faces, or run through twice in the same direction. There Embree keeps the
- * vertices where they are, or makes a hard crease.
+ * vertices where they are, or makes a hard crease. And on vertices where Embree has another
+ * rule for creases than OpenSubdiv.
  * Errors: throws Error, one line that starts with the cage's name, for whatever OpenSubdiv's
  * topology validation reports, and a face that names a vertex twice. */
 void validateCage(Cage& cage, std::string& warnings);

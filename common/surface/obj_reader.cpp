@@ -209,6 +209,17 @@ private:
     return tag.floats.size() == 1 ? tag.floats[0] : tag.floats[i];
   }
 
+  static std::string rule(const Tag& tag) { return tag.strings.empty() ? "" : tag.strings[0]; }
+
+  CreaseRule creaseRule(const Tag& tag) const
+  {
+    if (rule(tag) == "chaikin")
+      return CreaseRule::Chaikin;
+    if (rule(tag) != "normal" && rule(tag) != "uniform")
+      fail("tag 'creasemethod' needs normal or chaikin");
+    return CreaseRule::Uniform;
+  }
+
   void tag(const std::vector<std::string_view>& words)
   {
     const Tag tag = readTag(words);
@@ -237,11 +248,12 @@ private:
         fail("tag 'interpolateboundary' needs 0, 1 or 2");
       cage.boundary = BoundaryRule(ints[0]);
     }
-    else if (tag.name == "creasemethod" || tag.name == "smoothtriangles")
+    else if (tag.name == "creasemethod")
+      cage.creaseRule = creaseRule(tag);
+    else if (tag.name == "smoothtriangles")
     {
-      const std::string rule = tag.strings.empty() ? "" : tag.strings[0];
-      if (rule != "normal")
-        warnings += name + ":" + std::to_string(lineNumber) + ": tag '" + tag.name + " " + rule +
+      if (rule(tag) != "normal")
+        warnings += name + ":" + std::to_string(lineNumber) + ": tag 'smoothtriangles " + rule(tag) +
                     "' is not obeyed: Embree has the normal rule only\n";
     }
     else if (tag.name.substr(0, 11) != "facevarying") // how UVs are smoothed: ours are not
