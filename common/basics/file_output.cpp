@@ -3,6 +3,7 @@
 
 #include "basics/file_output.h"
 #include "basics/error.h"
+#include "basics/progress.h"
 
 #include <cerrno>
 #include <cstdio>
@@ -35,10 +36,12 @@ PendingFile::PendingFile(const std::string& path) : final(path)
   const fs::path p(path);
   temp = (p.parent_path() / (".tmp-" + std::to_string(getpid()) + "-" + p.stem().string() + p.extension().string()))
            .string();
+  setUnfinishedFile(temp);
 }
 
 PendingFile::~PendingFile()
 {
+  setUnfinishedFile("");
   std::error_code ignored;
   if (!done)
     fs::remove(temp, ignored);

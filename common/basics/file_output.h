@@ -10,6 +10,7 @@
 
 namespace cbvh {
 
+/* One at a time: that is what a cancelled program removes, see endSoonAfterCancel. */
 class PendingFile
 {
 public:

@@ -15,7 +15,6 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <sstream>
 #include <string>
 
 namespace cbvh {
@@ -78,14 +77,6 @@ inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
   app.add_option("--mapping", settings.mapping, "trex and herd: heights by faces, like Ptex, or by an atlas")
     ->type_name("faces|atlas");
   app.add_option("--count", settings.count, "herd: number of copies")->type_name("N");
-}
-
-/* Lines of loadScene's, on stderr, after the program's name. */
-inline void printWarnings(const char* program, const std::string& warnings)
-{
-  std::istringstream lines(warnings);
-  for (std::string line; std::getline(lines, line);)
-    std::fprintf(stderr, "%s: warning: %s\n", program, line.c_str());
 }
 
 } // namespace cbvh

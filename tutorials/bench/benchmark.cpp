@@ -5,7 +5,7 @@
 
 #include "group_run.h"
 #include "basics/file_output.h"
-#include "programs/surface_options.h"
+#include "programs/warnings.h"
 
 #include <filesystem>
 #include <memory>

@@ -22,6 +22,7 @@ int main(int argc, char** argv)
     if (!options)
       return 0;
     cbvh::installCancelHandler();
+    cbvh::endSoonAfterCancel("cbvh_render");
     cbvh::prepareOutputFolder(options->output);
     const cbvh::Comparison comparison = cbvh::runComparison(*options);
     if (!options->json.empty())

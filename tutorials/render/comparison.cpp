@@ -20,8 +20,8 @@
 #include "basics/parallel.h"
 #include "building/memory.h"
 #include "measure/self_shadow.h"
-#include "programs/surface_options.h"
 #include "programs/view_options.h"
+#include "programs/warnings.h"
 #include "tracing/trace_hits.h"
 
 #include <algorithm>
@@ -48,12 +48,14 @@ MemoryPlan planOf(const Options& options, const Model& model)
   return plan;
 }
 
-/* The same for every representation and alone: fitted to a coarse GRID, which is dropped. */
+/* The same for every representation and alone: fitted to a GRID, which is dropped, of as
+ * fine a level as is made in no time. */
 Camera cameraOf(const Options& options, const Model& model, unsigned threads)
 {
-  constexpr int coarseLevel = 4;
+  constexpr size_t mostQuads = 4000000;
   BuildSettings coarse = options.build;
-  coarse.level = std::min(coarse.level, coarseLevel);
+  while (coarse.level > 0 && model.layout(coarse.level).numQuads() > mostQuads)
+    coarse.level--;
   coarse.device = "cpu";
   coarse.name = "view";
   return chooseCamera(options.view, model, BuiltScene(model, {RepresentationKind::Grid}, coarse), options.size, threads);

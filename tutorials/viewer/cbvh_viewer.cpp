@@ -11,6 +11,7 @@
 #include "basics/progress.h"
 #include "pictures/image_output.h"
 #include "programs/view_options.h"
+#include "programs/warnings.h"
 
 #include <cstdio>
 #include <new>
@@ -49,10 +50,9 @@ int run(int argc, char** argv)
   if (!options)
     return 0;
   installCancelHandler();
-  std::string warning;
-  const Model model = loadScene(options->scene, warning);
-  if (!warning.empty())
-    std::fprintf(stderr, "cbvh_viewer: warning: %s\n", warning.c_str());
+  std::string warnings;
+  const Model model = loadScene(options->scene, warnings);
+  printWarnings("cbvh_viewer", warnings);
   const Camera camera = startCamera(*options, model);
   SceneStore store(model, options->build);
   if (options->screenshot.empty())
