@@ -82,31 +82,77 @@ std::unique_ptr<Far::TopologyRefiner> makeRefiner(const Cage& cage)
   return refiner;
 }
 
+std::string counted(size_t n, const char* one, const char* many)
+{
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
 void warnOfEdges(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
 {
-  size_t count = 0;
-  int first = -1;
+  std::vector<int> edges;
   for (int edge = 0; edge < level.GetNumEdges(); edge++)
     if (level.IsEdgeNonManifold(edge))
-      first = count++ == 0 ? edge : first;
-  if (count == 0)
+      edges.push_back(edge);
+  if (edges.empty())
     return;
-  const Far::ConstIndexArray v = level.GetEdgeVertices(first);
-  warnings += cage.name + ": not manifold at " + std::to_string(count) + (count == 1 ? " edge" : " edges") +
-              ": that from vertex " + std::to_string(v[0] + 1) + " to " + std::to_string(v[1] + 1) + " has " +
-              faces(size_t(level.GetEdgeFaces(first).size())) +
+  const Far::ConstIndexArray v = level.GetEdgeVertices(edges.front());
+  warnings += cage.name + ": not manifold at " + counted(edges.size(), "edge", "edges") + ": that from vertex " +
+              std::to_string(v[0] + 1) + " to " + std::to_string(v[1] + 1) + " has " +
+              faces(size_t(level.GetEdgeFaces(edges.front()).size())) +
               ", or two that run through it the same way; Embree does not round such edges\n";
+}
+
+/* Where no edge does already. */
+void warnOfVertices(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
+{
+  std::vector<int> vertices;
+  for (int vertex = 0; vertex < level.GetNumVertices(); vertex++)
+  {
+    const Far::ConstIndexArray edges = level.GetVertexEdges(vertex);
+    if (level.GetVertexFaces(vertex).size() > 0 && level.IsVertexNonManifold(vertex) &&
+        std::none_of(edges.begin(), edges.end(), [&](int edge) { return level.IsEdgeNonManifold(edge); }))
+      vertices.push_back(vertex);
+  }
+  if (!vertices.empty())
+    warnings += cage.name + ": not manifold at " + counted(vertices.size(), "vertex", "vertices") + ": vertex " +
+                std::to_string(vertices.front() + 1) +
+                " joins parts that share no edge; Embree rounds each of them, OpenSubdiv none\n";
 }
 
 void warnOfCreases(const Cage& cage, std::string& warnings)
 {
   const std::vector<unsigned> vertices = verticesOfOtherCreaseRules(cage);
   if (!vertices.empty())
-    warnings += cage.name + ": creases meet at " + std::to_string(vertices.size()) +
-                (vertices.size() == 1 ? " vertex, " : " vertices, ") + std::to_string(vertices.front() + 1) +
-                (vertices.size() == 1 ? "" : " for one") +
-                ", where Embree has another rule for their sharpness than OpenSubdiv: near them the surface is another, " +
+    warnings += cage.name + ": creases meet at " + counted(vertices.size(), "vertex", "vertices") + ", " +
+                std::to_string(vertices.front() + 1) + (vertices.size() == 1 ? "" : " for one") + ", where Embree has another rule for their sharpness than OpenSubdiv: near them the surface is another, " +
                 "and errors against the true surface contain that\n";
+}
+
+/* Faces at a vertex, in parts that hang together by edges of two faces, as Embree sees them. */
+std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int vertex)
+{
+  std::vector<std::vector<unsigned>> rings;
+  std::vector<int> waiting(level.GetVertexFaces(vertex).begin(), level.GetVertexFaces(vertex).end());
+  while (!waiting.empty())
+  {
+    std::vector<int> ring{waiting.back()};
+    waiting.pop_back();
+    for (size_t i = 0; i < ring.size(); i++)
+      for (int edge : level.GetVertexEdges(vertex))
+      {
+        const Far::ConstIndexArray sides = level.GetEdgeFaces(edge);
+        if (level.IsEdgeNonManifold(edge) || std::find(sides.begin(), sides.end(), ring[i]) == sides.end())
+          continue;
+        for (int face : sides)
+          if (const auto found = std::find(waiting.begin(), waiting.end(), face); found != waiting.end())
+          {
+            ring.push_back(face);
+            waiting.erase(found);
+          }
+      }
+    rings.emplace_back(ring.begin(), ring.end());
+  }
+  return rings;
 }
 
 /* Makes holes of what is beyond Embree's limits. It would leave out such faces, and all that
@@ -130,13 +176,17 @@ void cutOut(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
     }
   for (int vertex = 0; vertex < level.GetNumVertices(); vertex++)
   {
-    const Far::ConstIndexArray around = level.GetVertexFaces(vertex);
-    if (around.size() <= maxVertexFaces)
+    if (level.GetVertexFaces(vertex).size() <= maxVertexFaces)
       continue;
-    for (int face : around)
-      cut(size_t(face));
-    warnings += cage.name + ": vertex " + std::to_string(vertex + 1) + " has " + faces(size_t(around.size())) +
-                " around it, Embree takes at most " + std::to_string(maxVertexFaces) + ": they are left out\n";
+    for (const std::vector<unsigned>& ring : ringsAt(level, vertex))
+    {
+      if (ring.size() <= maxVertexFaces)
+        continue;
+      for (unsigned face : ring)
+        cut(face);
+      warnings += cage.name + ": vertex " + std::to_string(vertex + 1) + " has " + faces(ring.size()) +
+                  " around it, Embree takes at most " + std::to_string(maxVertexFaces) + ": they are left out\n";
+    }
   }
   if (cage.holes.size() == cage.numFaces())
     throw Error(cage.name + ": no face is left within Embree's limits, " + std::to_string(maxFaceVertices) +
@@ -151,6 +201,7 @@ void validateCage(Cage& cage, std::string& warnings)
   const std::unique_ptr<Far::TopologyRefiner> refiner = makeRefiner(cage);
   const Far::TopologyLevel level = refiner->GetLevel(0);
   warnOfEdges(cage, level, warnings);
+  warnOfVertices(cage, level, warnings);
   warnOfCreases(cage, warnings);
   cutOut(cage, level, warnings);
 }

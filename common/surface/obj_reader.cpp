@@ -252,7 +252,7 @@ private:
       cage.creaseRule = creaseRule(tag);
     else if (tag.name == "smoothtriangles")
     {
-      if (rule(tag) != "normal")
+      if (rule(tag) != "normal" && rule(tag) != "catmark")
         warnings += name + ":" + std::to_string(lineNumber) + ": tag 'smoothtriangles " + rule(tag) +
                     "' is not obeyed: Embree has the normal rule only\n";
     }

@@ -110,6 +110,23 @@ TEST(CageValidation, CutsOutFacesAroundAVertexOfTooMany)
   EXPECT_EQ(checked(withFaces(65, fan(64))).warnings, "");
 }
 
+TEST(CageValidation, CountsFacesAroundAVertexAsEmbreeDoes)
+{
+  std::vector<std::vector<unsigned>> fins; // 70 triangles on one edge: each is alone at its vertices
+  for (unsigned i = 0; i < 70; i++)
+    fins.push_back({0, 1, 2 + i});
+  const Checked result = checked(withFaces(72, fins));
+  EXPECT_TRUE(result.cage.holes.empty());
+  EXPECT_NE(result.warnings.find("has 70 faces"), std::string::npos) << result.warnings;
+}
+
+TEST(CageValidation, WarnsOfAVertexThatJoinsPartsWithoutAnEdge)
+{
+  const Checked result = checked(withFaces(5, {{0, 1, 2}, {0, 3, 4}}));
+  EXPECT_EQ(result.warnings, "test: not manifold at 1 vertex: vertex 1 joins parts that share no edge; Embree rounds each "
+                             "of them, OpenSubdiv none\n");
+}
+
 /* Four quads around vertex 4, with creases at it. */
 Cage creasedQuads(const std::vector<float>& sharpness)
 {
