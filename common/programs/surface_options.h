@@ -14,7 +14,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <string>
 
 namespace cbvh {
@@ -35,21 +34,27 @@ inline Vec2f parseRepeat(const std::string& text)
   return repeat;
 }
 
+/* For --help: as few digits as say it. */
+inline std::string shortNumber(float value)
+{
+  char text[32];
+  std::snprintf(text, sizeof(text), "%g", double(value));
+  return text;
+}
+
 /* The map of a cage, and how it is read. */
 inline void addMapOptions(CLI::App& app, SceneSettings& settings)
 {
   app.add_option("--height", settings.heightPath,
                  "height map of the cage, any image that OpenImageIO reads; skin.<UDIM>.png for a file a UDIM tile")
     ->type_name("FILE");
-  char amplitude[16];
-  std::snprintf(amplitude, sizeof(amplitude), "[%g]", double(defaultAmplitude));
   app.add_option("--amplitude", settings.amplitude,
-                 std::string("displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding "
-                             "box ") + amplitude)
+                 "displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding box [" +
+                   shortNumber(defaultAmplitude) + "]")
     ->type_name("A");
   app.add_option("--height-scale", settings.mapScale, "the same in the units of the cage, in place of --amplitude; 1 for vectors")
     ->type_name("S");
-  app.add_option("--mid-level", settings.midLevel, "height that moves nothing [0.5; 0 for vectors]")->type_name("H");
+  app.add_option("--mid-level", settings.midLevel, "height that moves nothing [" + shortNumber(neutralHeight) + "; 0 for vectors]")->type_name("H");
   app.add_option("--channel", settings.channel,
                  "channel of the map, by its name or its number from 0; the first of three for vectors [0]")
     ->type_name("C");
@@ -57,12 +62,14 @@ inline void addMapOptions(CLI::App& app, SceneSettings& settings)
        "--height-repeat", [&settings](const std::string& text) { settings.repeat = parseRepeat(text); },
        "copies of the map in a unit of texture coordinates, or on a face, also as columns x rows [1]")
     ->type_name("N|NxM");
-  app.add_option("--vectors", settings.mapValues,
-                 "the map has vectors: object, x y z of the cage; tangent, along the texture's u, the normal, and the texture's v")
-    ->type_name("object|tangent")
-    ->transform(CLI::CheckedTransformer(
-      std::map<std::string, MapValues>{{"object", MapValues::ObjectVectors}, {"tangent", MapValues::TangentVectors}},
-      CLI::ignore_case));
+  app.add_option_function<std::string>(
+       "--vectors",
+       [&settings](const std::string& axes) {
+         settings.mapValues = axes == "object" ? MapValues::ObjectVectors : MapValues::TangentVectors;
+       },
+       "the map has vectors: x y z of the cage, or along the texture's u, the normal, and the texture's v")
+    ->type_name("AXES")
+    ->check(CLI::IsMember({"object", "tangent"}));
 }
 
 /* What a model is made of, but for --scene and where its maps go. */
@@ -70,7 +77,7 @@ inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
 {
   app.add_option("--cage", settings.cagePath, "instead of a scene: control cage, OBJ with OpenSubdiv's t tags")
     ->type_name("FILE");
-  app.add_option("--up", settings.up, "axis of the cage that points upwards: x, y, z, -x, -y or -z [y]")
+  app.add_option("--up", settings.up, "axis of the cage that points upwards [y]")
     ->type_name("AXIS")->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}));
   addMapOptions(app, settings);
   app.add_flag("--rough", settings.rough, "trex and herd: five times the amplitude");

@@ -57,7 +57,7 @@ void Displacement::vectors(const SurfacePoints& points, const Vec3f* normals, Ve
 
 std::unique_ptr<Displacement> displaceByMap(const Cage& cage, const DisplacementMap& map, std::string& warnings)
 {
-  Phase phase("map of displacement");
+  Phase phase("displacement map");
   std::unique_ptr<PlacedMap> placed = PlacedMap::create(cage, map, warnings);
   if (map.values == MapValues::Heights)
     return std::make_unique<HeightDisplacement>(std::move(placed), map.scale, map.midLevel.value_or(neutralHeight));

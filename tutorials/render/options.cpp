@@ -39,7 +39,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--colors", words.colors,
                  "neutral: grey from both sides; sides: magenta where the normal points away from the camera, which is a "
                  "flipped normal, or the inside of the surface")
-    ->type_name("neutral|sides")->check(CLI::IsMember({"neutral", "sides"}))->capture_default_str();
+    ->type_name("COLORS")->check(CLI::IsMember({"neutral", "sides"}))->capture_default_str();
   app.add_option("--output", o.output, "folder for the pictures, made if need be")
     ->type_name("DIR")->capture_default_str();
 }

@@ -24,6 +24,13 @@ std::string scientific(double value)
   return text;
 }
 
+/* Of bytes, for tables: three decimals where one would be all zeros. */
+std::string mebibytes(size_t bytes)
+{
+  const double value = double(bytes) / (1 << 20);
+  return number(value, value < 1.0 ? 3 : 1);
+}
+
 class Table
 {
 public:
@@ -111,8 +118,8 @@ std::string speedCell(const Speed& speed)
 void addOverview(Table& table, const Comparison& c)
 {
   table.row("bytes a quad", [](const Result& r) { return number(r.build.bytesPerQuad(), 2); });
-  table.row("memory, MiB", [](const Result& r) { return number(double(r.build.liveBytes) / (1 << 20), 1); });
-  table.row("peak of the build, MiB", [](const Result& r) { return number(double(r.build.peakBytes) / (1 << 20), 1); });
+  table.row("memory, MiB", [](const Result& r) { return mebibytes(r.build.liveBytes); });
+  table.row("peak of the build, MiB", [](const Result& r) { return mebibytes(r.build.peakBytes); });
   table.row("build, s", [](const Result& r) { return number(r.build.seconds, 2); });
   if (c.speed)
     for (RaySet set : {Coherent, Incoherent})
@@ -155,8 +162,8 @@ void addMemory(Table& table)
              ? number(100.0 * double(r.build.compression.numExactQuads) / double(r.build.quads), 1)
              : none;
   });
-  table.row("memory, MiB", [](const Result& r) { return number(double(r.build.liveBytes) / (1 << 20), 1); });
-  table.row("peak of the build, MiB", [](const Result& r) { return number(double(r.build.peakBytes) / (1 << 20), 1); });
+  table.row("memory, MiB", [](const Result& r) { return mebibytes(r.build.liveBytes); });
+  table.row("peak of the build, MiB", [](const Result& r) { return mebibytes(r.build.peakBytes); });
   table.row("build, s", [](const Result& r) { return number(r.build.seconds, 2); });
 }
 
@@ -244,11 +251,11 @@ void addDetails(Table& table, const Comparison& c)
 
 std::string modelLine(const Comparison& c)
 {
-  char text[512];
-  std::snprintf(text, sizeof(text), "%s: %zu faces, level %d, %.2f million quads; %d x %d pixels from %s, %zu hit\n",
-                c.model.c_str(), c.faces, c.build.level, double(c.results[0].build.quads) * 1e-6, c.size.width,
-                c.size.height, c.camera.c_str(), c.primaryHits);
-  return text;
+  const size_t quads = c.results[0].build.quads;
+  return c.model + ": " + std::to_string(c.faces) + " faces, level " + std::to_string(c.build.level) + ", " +
+         (quads < 100000 ? std::to_string(quads) : number(double(quads) * 1e-6, 2) + " million") + " quads; " +
+         std::to_string(c.size.width) + " x " + std::to_string(c.size.height) + " pixels from " + c.camera + ", " +
+         std::to_string(c.primaryHits) + " hit\n";
 }
 
 std::string speedLine(const Comparison& c)
