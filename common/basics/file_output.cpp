@@ -3,7 +3,11 @@
 
 #include "basics/file_output.h"
 #include "basics/error.h"
+#include "basics/progress.h"
 
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
@@ -32,10 +36,12 @@ PendingFile::PendingFile(const std::string& path) : final(path)
   const fs::path p(path);
   temp = (p.parent_path() / (".tmp-" + std::to_string(getpid()) + "-" + p.stem().string() + p.extension().string()))
            .string();
+  setUnfinishedFile(temp);
 }
 
 PendingFile::~PendingFile()
 {
+  setUnfinishedFile("");
   std::error_code ignored;
   if (!done)
     fs::remove(temp, ignored);
@@ -60,6 +66,12 @@ void writeTextFile(const std::string& path, const std::string& text)
     throw Error(path + ": cannot be written");
   synchronise(file.temporary());
   file.commit();
+}
+
+void writeStandardOutput(const std::string& text)
+{
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw Error(std::string("standard output cannot be written: ") + std::strerror(errno));
 }
 
 void prepareOutputFolder(const std::string& path)

@@ -10,6 +10,7 @@
 
 namespace cbvh {
 
+/* One at a time: that is what a cancelled program removes, see endSoonAfterCancel. */
 class PendingFile
 {
 public:
@@ -34,6 +35,9 @@ private:
 
 /* Writes a text. Throws Error. */
 void writeTextFile(const std::string& path, const std::string& text);
+
+/* Writes a text to standard output, all of it. Throws Error, on a full disk for one. */
+void writeStandardOutput(const std::string& text);
 
 /* Makes a folder and its parents and sees that files can be made in it. Throws Error. */
 void prepareOutputFolder(const std::string& path);

@@ -5,9 +5,12 @@
 #include "basics/error.h"
 
 #include <algorithm>
+#include <climits>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <sys/time.h>
 #include <unistd.h>
 
 namespace cbvh {
@@ -17,10 +20,28 @@ volatile std::sig_atomic_t signalFlag = 0;
 std::atomic<bool> requestFlag{false};
 PhaseListener phaseListener;
 
+/* What the handlers read, which may allocate nothing. */
+char lastWords[64] = "";           // of endSoonAfterCancel, empty without it
+char unfinishedFile[PATH_MAX] = ""; // likewise
+
 void onSignal(int signal)
 {
   signalFlag = 1;
   std::signal(signal, SIG_DFL);
+  if (!lastWords[0])
+    return;
+  constexpr suseconds_t grace = 700000; // microseconds for phases to end by themselves
+  const itimerval timer{{0, 0}, {0, grace}};
+  setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
+void onGraceOver(int)
+{
+  constexpr int cancelledStatus = 130; // as a shell has it: 128 + SIGINT
+  if (unfinishedFile[0])
+    unlink(unfinishedFile);
+  (void)!write(STDERR_FILENO, lastWords, std::strlen(lastWords));
+  _exit(cancelledStatus);
 }
 
 } // namespace
@@ -34,6 +55,21 @@ void installCancelHandler()
 bool interrupted()
 {
   return signalFlag != 0;
+}
+
+void endSoonAfterCancel(const char* program)
+{
+  std::snprintf(lastWords, sizeof(lastWords), "\n%s: cancelled\n", program);
+  std::signal(SIGALRM, onGraceOver);
+}
+
+void setUnfinishedFile(const std::string& path)
+{
+  unfinishedFile[0] = 0; // while the rest changes
+  if (path.empty() || path.size() >= sizeof(unfinishedFile))
+    return;
+  std::memcpy(unfinishedFile + 1, path.c_str() + 1, path.size());
+  unfinishedFile[0] = path[0];
 }
 
 void requestCancel()

@@ -20,6 +20,15 @@ void installCancelHandler();
 /* Whether there was such a signal: the process is about to end. */
 bool interrupted();
 
+/* Has a signal also end the process, by _exit with status 130 and a line that starts with the
+ * program's name, if it is still there a little later: Embree looks at the flag only now and
+ * then, and large scenes take seconds to be freed. A PendingFile that is being written is
+ * removed. For programs that leave nothing else behind. Follows installCancelHandler. */
+void endSoonAfterCancel(const char* program);
+
+/* The file that endSoonAfterCancel removes, empty for none. */
+void setUnfinishedFile(const std::string& path);
+
 /* Stops what runs, as a signal does. */
 void requestCancel();
 

@@ -108,8 +108,8 @@ void validateBuild(const BuildSettings& settings)
 }
 
 BuiltScene::BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings)
-  : what(representation), patches(model.layout(settings.level)), facesOfCopy(model.cage.numFaces()),
-    quadsOfCopy(patches.numQuads() / model.copies.size())
+  : what(representation), name(settings.name.empty() ? what.label() : settings.name), patches(model.layout(settings.level)),
+    facesOfCopy(model.cage.numFaces()), quadsOfCopy(patches.numQuads() / model.copies.size())
 {
   device = std::make_unique<EmbreeDevice>(deviceConfig(representation, settings));
   scene.reset(rtcNewScene(device->handle()));
@@ -124,7 +124,7 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
   embreeTracer = std::make_unique<EmbreeTracer>(scene.get());
   if (settings.device != "cpu")
   {
-    Phase phase(what.label() + ": to the device");
+    Phase phase(name + ": to the device");
     vulkanTracer = VulkanTracer::create(settings.device, scene.get());
     device->check("putting a scene on a Vulkan device");
     built.onDevice = vulkanTracer->report();
@@ -135,7 +135,7 @@ void BuiltScene::commit(const char* doing)
 {
   const auto start = std::chrono::steady_clock::now();
   std::vector<DisplacementContext> none; // whose tessellation nobody waits for
-  commitScene(*device, scene.get(), what.label() + ": " + doing, patches.numQuads(), what.isCompressed() ? none : contexts);
+  commitScene(*device, scene.get(), name + ": " + doing, patches.numQuads(), what.isCompressed() ? none : contexts);
   built.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   built.liveBytes = device->memory().live();
   built.peakBytes = device->memory().peak();
@@ -183,7 +183,7 @@ void BuiltScene::buildTriangles(const Model& model, const BuildSettings& setting
                                                   3 * sizeof(float), layout.numVertices()));
     device->check("allocating the vertices of NAIVE");
   }
-  captureVertices(model, settings, captures, what.label() + ": tessellation");
+  captureVertices(model, settings, captures, name + ": tessellation");
   for (const GeometryHandle& copy : copies)
     fillTriangles(copy.get(), layout, settings);
 

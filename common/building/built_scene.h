@@ -39,6 +39,7 @@ struct BuildSettings
   bool exactFaces = true;  // cLEAF stores faces exactly that leaves hold badly, unless EMBREE_CBVH says otherwise
   std::string isa;     // Embree's name of the widest instruction set to use, empty for the host's best
   std::string device = "cpu"; // that traces: "cpu", "vulkan" or "vulkan:NAME"
+  std::string name;    // in lines of progress, empty for the representation's label
 };
 
 /* Throws Error that names the option, --level, --threads, --isa or --device, and its value. */
@@ -91,6 +92,7 @@ private:
   void commit(const char* doing);
 
   Representation what;
+  std::string name; // in lines of progress
   PatchLayout patches;
   size_t facesOfCopy, quadsOfCopy;
   std::vector<DisplacementContext> contexts; // one a copy

@@ -4,6 +4,7 @@
 #include "building/embree_device.h"
 #include "building/loaded_library.h"
 #include "basics/error.h"
+#include "basics/progress.h"
 
 namespace cbvh {
 
@@ -53,7 +54,7 @@ void EmbreeDevice::check(const char* doing)
     return;
   const RTCError code = errorCode;
   errorCode = RTC_ERROR_NONE;
-  if (code == RTC_ERROR_CANCELLED)
+  if (code == RTC_ERROR_CANCELLED || cancelRequested()) // displacement functions leave a build by Cancelled, an unknown error to Embree
     throw Cancelled();
   throw Error(std::string("Embree, ") + doing + ": " + errorName(code) +
               (errorMessage.empty() ? "" : ": " + errorMessage));

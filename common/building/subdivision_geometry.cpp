@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "building/subdivision_geometry.h"
+#include "basics/progress.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,27 +19,56 @@ float snap(float parameter)
   return std::nearbyint(parameter * 0x1p16f) * 0x1p-16f;
 }
 
+constexpr size_t batch = 256; // points that are displaced together
+
+/* Points from `begin` on; those of points.n. */
+void displaceAlongNormals(const RTCDisplacementFunctionNArguments* args, const DisplacementContext& context, size_t begin,
+                          const SurfacePoints& points)
+{
+  float offsets[batch];
+  context.displacement->offsets(points, offsets);
+  for (size_t i = 0; i < points.n; i++)
+  {
+    offsets[i] *= context.placement.scale;
+    args->P_x[begin + i] += offsets[i] * args->Ng_x[begin + i];
+    args->P_y[begin + i] += offsets[i] * args->Ng_y[begin + i];
+    args->P_z[begin + i] += offsets[i] * args->Ng_z[begin + i];
+  }
+}
+
+/* Likewise. */
+void displaceByVectors(const RTCDisplacementFunctionNArguments* args, const DisplacementContext& context, size_t begin,
+                       const SurfacePoints& points)
+{
+  const Placement& placement = context.placement;
+  Vec3f normals[batch], vectors[batch];
+  for (size_t i = 0; i < points.n; i++)
+    normals[i] = placement.normalToCage({args->Ng_x[begin + i], args->Ng_y[begin + i], args->Ng_z[begin + i]});
+  context.displacement->vectors(points, normals, vectors);
+  for (size_t i = 0; i < points.n; i++)
+  {
+    const Vec3f moved = placement.vectorFromCage(vectors[i]);
+    args->P_x[begin + i] += moved.x;
+    args->P_y[begin + i] += moved.y;
+    args->P_z[begin + i] += moved.z;
+  }
+}
+
 void displace(const RTCDisplacementFunctionNArguments* args)
 {
+  throwIfCancelled(); // Embree asks its progress monitor only now and then; see EmbreeDevice::check
   const DisplacementContext& context = *static_cast<const DisplacementContext*>(args->geometryUserPtr);
-  constexpr size_t batch = 256;
-  float offsets[batch], u[batch], v[batch];
-  for (size_t begin = 0; begin < args->N; begin += batch)
+  float u[batch], v[batch];
+  for (size_t begin = 0; context.displacement && begin < args->N; begin += batch)
   {
     const size_t n = std::min<size_t>(batch, args->N - begin);
     std::transform(args->u + begin, args->u + begin + n, u, snap);
     std::transform(args->v + begin, args->v + begin + n, v, snap);
-    if (context.displacement)
-      context.displacement->offsets({args->primID, context.level, n, u, v}, offsets);
+    const SurfacePoints points{args->primID, context.level, n, u, v};
+    if (context.displacement->isAlongNormals())
+      displaceAlongNormals(args, context, begin, points);
     else
-      std::fill(offsets, offsets + n, 0.0f);
-    for (size_t i = 0; i < n; i++)
-    {
-      offsets[i] *= context.scale;
-      args->P_x[begin + i] += offsets[i] * args->Ng_x[begin + i];
-      args->P_y[begin + i] += offsets[i] * args->Ng_y[begin + i];
-      args->P_z[begin + i] += offsets[i] * args->Ng_z[begin + i];
-    }
+      displaceByVectors(args, context, begin, points);
   }
   if (context.progress)
     context.progress->add(args->N);
@@ -120,7 +150,7 @@ GeometryHandle SharedTopology::makeGeometry(const Placement& placement, Displace
   rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.get(), 0, sizeof(Vec3f), n);
   for (const Buffer& b : buffers)
     rtcSetGeometryBuffer(geometry, b.type, 0, b.format, b.handle.get(), 0, b.stride, b.count);
-  context.scale = placement.scale;
+  context.placement = placement;
   rtcSetGeometrySubdivisionMode(geometry, 0, subdivisionMode(cage.boundary));
   rtcSetGeometryTessellationRate(geometry, float(1 << context.level));
   rtcSetGeometryUserData(geometry, &context);

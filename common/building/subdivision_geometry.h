@@ -37,7 +37,7 @@ struct DisplacementContext
 {
   const Displacement* displacement = nullptr;
   int level = 0;          // of the subdivision
-  float scale = 1.0f;     // of the copy, and so of its displacement
+  Placement placement;    // of the copy, and so of its displacement
 
   /* If set, every vertex that Embree tessellates is also written here, in the order
    * of the layout: the tessellation that GRID stores, to the bit. */

@@ -6,7 +6,7 @@
 
 namespace cbvh {
 
-HitShader::HitShader(Vec3f middle, Vec3f up) : up(up)
+HitShader::HitShader(Vec3f middle, Vec3f up, HitColors colors) : up(up), colors(colors)
 {
   const Vec3f side = normalize(cross(middle, up));
   key = normalize(-0.55f * middle + 0.75f * up + -0.65f * side);
@@ -15,11 +15,11 @@ HitShader::HitShader(Vec3f middle, Vec3f up) : up(up)
 
 Vec3f HitShader::color(const Ray& ray, const SurfaceHit& hit) const
 {
-  const Vec3f skin{0.56f, 0.46f, 0.33f}, backside{0.9f, 0.1f, 0.75f};
+  const Vec3f clay{0.47f, 0.46f, 0.45f}, backside{0.9f, 0.1f, 0.75f};
   Vec3f n = normalize(hit.normal);
   const bool away = dot(n, ray.direction) > 0.0f;
   if (away)
-    n = -n; // lit from its other side, but in another colour
+    n = -n;
   const Vec3f half = normalize(key - ray.direction);
   const float diffuse = std::max(0.0f, dot(n, key));
   const float soft = std::max(0.0f, dot(n, fill));
@@ -27,7 +27,7 @@ Vec3f HitShader::color(const Ray& ray, const SurfaceHit& hit) const
   const float shine = std::pow(std::max(0.0f, dot(n, half)), 40.0f) * diffuse;
   const Vec3f light = 1.15f * diffuse * Vec3f{1.0f, 0.94f, 0.84f} + 0.25f * soft * Vec3f{0.6f, 0.75f, 1.0f} +
                       0.16f * sky * Vec3f{0.8f, 0.9f, 1.0f};
-  return (away ? backside : skin) * light + 0.12f * shine * Vec3f{1, 1, 1};
+  return (away && colors == HitColors::Sides ? backside : clay) * light + 0.12f * shine * Vec3f{1, 1, 1};
 }
 
 Vec3f backgroundColor(float fraction)
@@ -35,13 +35,22 @@ Vec3f backgroundColor(float fraction)
   return lerp({0.86f, 0.89f, 0.93f}, {0.62f, 0.66f, 0.72f}, fraction);
 }
 
-Image shadeHits(ImageSize size, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, Vec3f up)
+Image shadeHits(ImageSize size, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, Vec3f up,
+                HitColors colors)
 {
-  const HitShader shader(rays[rays.size() / 2 + size_t(size.width) / 2].direction, up);
+  const HitShader shader(rays[rays.size() / 2 + size_t(size.width) / 2].direction, up, colors);
   Image image(size);
   for (size_t i = 0; i < hits.size(); i++)
     image.set(i, hits[i].hit() ? shader.color(rays[i], hits[i])
                                : backgroundColor(float(i / size_t(size.width)) / float(size.height)));
+  return image;
+}
+
+Image greyPicture(ImageSize size, const std::vector<float>& values)
+{
+  Image image(size);
+  for (size_t i = 0; i < values.size(); i++)
+    image.set(i, {values[i], values[i], values[i]});
   return image;
 }
 

@@ -13,27 +13,38 @@
 
 namespace cbvh {
 
-/* Two lights and the geometric normal as the representation reports it. Nothing is
- * turned towards the viewer: what faces away is tinted magenta, so that a wrong sign
- * shows. */
+/* What colour hits have. */
+enum class HitColors
+{
+  Neutral, // grey from both sides
+  Sides,   // magenta where the normal points away from the viewer: a wrong sign, or the inside of the surface
+};
+
+/* Two lights and the geometric normal as the representation reports it, turned towards
+ * the viewer where it points away. */
 class HitShader
 {
 public:
   /* middle: direction of the ray in the middle of the picture, of length 1. */
-  HitShader(Vec3f middle, Vec3f up);
+  HitShader(Vec3f middle, Vec3f up, HitColors colors = HitColors::Neutral);
 
   /* Colour of a hit, linear. */
   Vec3f color(const Ray& ray, const SurfaceHit& hit) const;
 
 private:
   Vec3f up, key, fill; // towards the lights
+  HitColors colors;
 };
 
 /* What a picture shows behind the surface. fraction: 0 at its top, 1 at its bottom. */
 Vec3f backgroundColor(float fraction);
 
 /* Shades every hit, before the background. */
-Image shadeHits(ImageSize size, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, Vec3f up);
+Image shadeHits(ImageSize size, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, Vec3f up,
+                HitColors colors = HitColors::Neutral);
+
+/* values: a pixel each, from 0, black, to 1, white. */
+Image greyPicture(ImageSize size, const std::vector<float>& values);
 
 /* Ambient occlusion of GRID, of another representation, and four times their difference,
  * side by side: grey for none, brighter where the representation lets more light in.

@@ -6,15 +6,15 @@
 /* What the programs' option parsers share. */
 
 #include "basics/error.h"
+#include "basics/file_output.h"
 #include "building/loaded_library.h"
 #include "building/representation.h"
-#include "scenes/catalogue.h"
+#include "programs/surface_options.h"
 
 #include <CLI/CLI.hpp>
 #include <embree3/rtcore_compression.h>
 
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -30,13 +30,12 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
   }
   catch (const CLI::CallForVersion&)
   {
-    std::printf("%s %s\nlibrary: %s\n", app.get_name().c_str(), RTC_COMPRESSION_VERSION_STRING,
-                loadedLibrary().description().c_str());
+    writeStandardOutput(app.get_name() + " " + RTC_COMPRESSION_VERSION_STRING + "\nlibrary: " + loadedLibrary().description() + "\n");
     return false;
   }
   catch (const CLI::CallForHelp&)
   {
-    std::fputs(app.help().c_str(), stdout);
+    writeStandardOutput(app.help());
     return false;
   }
   catch (const CLI::ParseError& e)
@@ -44,22 +43,6 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
     throw Error(e.what());
   }
   return true;
-}
-
-/* What a model is made of, but for --scene and where its maps go. */
-inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
-{
-  app.add_option("--cage", settings.cagePath, "instead of a scene: control cage, OBJ with OpenSubdiv's t tags")
-    ->type_name("FILE");
-  app.add_option("--height", settings.heightPath, "height map of the cage, any image that OpenImageIO reads")
-    ->type_name("FILE");
-  app.add_option("--amplitude", settings.amplitude,
-                 "displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding box")
-    ->type_name("A");
-  app.add_flag("--rough", settings.rough, "trex and herd: five times the amplitude");
-  app.add_option("--mapping", settings.mapping, "trex and herd: heights by faces, like Ptex, or by an atlas")
-    ->type_name("faces|atlas");
-  app.add_option("--count", settings.count, "herd: number of copies")->type_name("N");
 }
 
 /* What traces, see validateTraceDevice. */

@@ -13,6 +13,7 @@
 #include "surface/cage_validation.h"
 #include "surface/height_map.h"
 #include "surface/obj_reader.h"
+#include "surface/udim_tiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,19 +22,47 @@
 namespace cbvh {
 namespace {
 
-Model loadCage(const SceneSettings& settings, std::string& warning)
+/* Turns what is made for an upward y axis. up: as SceneSettings has it. */
+Vec3f turned(Vec3f v, const std::string& up)
 {
-  constexpr float defaultAmplitude = 0.006f;
+  if (up == "x")
+    return {v.y, -v.x, v.z};
+  if (up == "-x")
+    return {-v.y, v.x, v.z};
+  if (up == "-y")
+    return {-v.x, -v.y, v.z};
+  if (up == "z")
+    return {v.x, -v.z, v.y};
+  if (up == "-z")
+    return {v.x, v.z, -v.y};
+  return v;
+}
+
+DisplacementMap mapOf(const SceneSettings& settings, const Cage& cage)
+{
+  DisplacementMap map;
+  map.path = settings.heightPath;
+  map.values = settings.mapValues;
+  map.midLevel = settings.midLevel;
+  map.channel = settings.channel;
+  map.repeat = settings.repeat;
+  if (settings.mapScale)
+    map.scale = *settings.mapScale;
+  else if (settings.amplitude || map.values == MapValues::Heights)
+    map.scale = settings.amplitude.value_or(defaultAmplitude) * cage.bounds().diagonal();
+  return map;
+}
+
+Model loadCage(const SceneSettings& settings, std::string& warnings)
+{
   Model model;
-  model.cage = readObj(settings.cagePath);
+  model.cage = readObj(settings.cagePath, warnings);
   model.name = std::filesystem::path(settings.cagePath).stem().string();
-  if (settings.heightPath.empty())
-    return model;
-  const float scale = settings.amplitude.value_or(defaultAmplitude) * model.cage.bounds().diagonal();
-  if (model.cage.hasUVs())
-    model.displacement = displaceByUVs(model.cage, settings.heightPath, scale);
-  else
-    model.displacement = displaceByFace(model.cage, settings.heightPath, scale, warning);
+  model.view.direction = turned(model.view.direction, settings.up);
+  model.view.up = turned(model.view.up, settings.up);
+  validateCage(model.cage, warnings);
+  if (!settings.heightPath.empty())
+    model.displacement = displaceByMap(model.cage, mapOf(settings, model.cage), warnings);
   return model;
 }
 
@@ -61,6 +90,28 @@ const SceneEntry scenes[] = {
   {"scythe", [](const SceneSettings& s) { return makeScythe(s.amplitude.value_or(scytheAmplitude), s.threads); }},
   {"trex", [](const SceneSettings& s) { return makeTrex(trexSettings(s)); }},
 };
+
+/* How a map is read. */
+void validateMap(const SceneSettings& s)
+{
+  const std::pair<const char*, bool> given[] = {{"--amplitude", s.amplitude && !s.cagePath.empty()},
+                                                {"--height-scale", s.mapScale.has_value()},
+                                                {"--mid-level", s.midLevel.has_value()},
+                                                {"--channel", !s.channel.empty()},
+                                                {"--height-repeat", s.repeat.x != 1.0f || s.repeat.y != 1.0f},
+                                                {"--vectors", s.mapValues != MapValues::Heights}};
+  for (const auto& [option, isGiven] : given)
+    if (isGiven && s.heightPath.empty())
+      throw Error(std::string(option) + " needs a height map, give --height FILE");
+  if (s.amplitude && s.mapScale)
+    throw Error("--amplitude and --height-scale say the same in different units, give one");
+  if (s.mapScale && !std::isfinite(*s.mapScale))
+    throw Error("--height-scale must be finite");
+  if (s.midLevel && !std::isfinite(*s.midLevel))
+    throw Error("--mid-level must be finite");
+  if (isUdimPath(s.heightPath) && (s.repeat.x != 1.0f || s.repeat.y != 1.0f))
+    throw Error("--height-repeat does not go with <UDIM>, whose tiles are not repeated");
+}
 
 Model makeScene(const SceneSettings& s)
 {
@@ -111,17 +162,20 @@ void validateScene(const SceneSettings& s)
     throw Error("--count belongs to --scene herd");
   if (s.count && (*s.count < 1 || *s.count > herdMostCount))
     throw Error("--count " + std::to_string(*s.count) + " is out of range, 1 to " + std::to_string(herdMostCount));
-  if (s.amplitude && !s.cagePath.empty() && s.heightPath.empty())
-    throw Error("--amplitude needs a height map, give --height FILE");
+  if (!s.up.empty() && s.cagePath.empty())
+    throw Error("--up belongs to --cage");
   if (s.amplitude && !std::isfinite(*s.amplitude))
     throw Error("--amplitude must be finite");
+  validateMap(s);
 }
 
-Model loadScene(const SceneSettings& settings, std::string& warning)
+Model loadScene(const SceneSettings& settings, std::string& warnings)
 {
   validateScene(settings);
-  Model model = settings.scene.empty() ? loadCage(settings, warning) : makeScene(settings);
-  validateCage(model.cage);
+  if (settings.scene.empty())
+    return loadCage(settings, warnings);
+  Model model = makeScene(settings);
+  validateCage(model.cage, warnings);
   return model;
 }
 

@@ -17,7 +17,13 @@ struct SceneSettings
 {
   std::string scene;              // one of sceneNames(); empty: a cage
   std::string cagePath;           // OBJ
-  std::string heightPath;         // height map of the cage, empty: not displaced
+  std::string up;                 // axis of the cage that points upwards: "x", "y", "z", "-x" and so on; empty: y
+  std::string heightPath;         // map of the cage's displacement, empty: not displaced
+  MapValues mapValues = MapValues::Heights;
+  std::optional<float> midLevel;  // as DisplacementMap's, likewise the next two
+  std::string channel;
+  Vec2f repeat{1, 1};
+  std::optional<float> mapScale;  // world units that a difference of 1 moves by, in place of an amplitude
   std::optional<float> amplitude; // fraction of the cage's bounding-box diagonal, none: the scene's own
   bool rough = false;             // trex and herd: five times the amplitude
   std::string mapping;            // trex and herd: "faces", the default, or "atlas"
@@ -35,8 +41,11 @@ std::string listOfScenes();
  * Error that names the option. */
 void validateScene(const SceneSettings& settings);
 
-/* Makes or reads a model and validates its cage. warning: set to one line when
- * something about it should be known, untouched otherwise. Throws Error, Cancelled. */
-Model loadScene(const SceneSettings& settings, std::string& warning);
+/* Of height maps of cages, where none is given; vectors move by their own lengths. */
+constexpr float defaultAmplitude = 0.006f;
+
+/* Makes or reads a model and validates its cage. warnings: lines on what should be known
+ * about it are added. Throws Error, Cancelled. */
+Model loadScene(const SceneSettings& settings, std::string& warnings);
 
 } // namespace cbvh

@@ -57,7 +57,11 @@ Model makeTrex(const TrexSettings& settings)
       unfoldForCharts(trex.cage, chartTexels);
     else
       bakeCharts(trex.cage, chartTexels, bake).write(path, made);
-    model.displacement = displaceByUVs(trex.cage, path, scale);
+    DisplacementMap map;
+    map.path = path;
+    map.scale = scale;
+    std::string ignored; // warnings are for maps of others
+    model.displacement = displaceByMap(trex.cage, map, ignored);
   }
   model.cage = std::move(trex.cage);
   model.view.direction = {-0.62f, -0.12f, -0.8f};

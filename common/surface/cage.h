@@ -26,6 +26,13 @@ enum class BoundaryRule
   EdgeOnly = 2,      // smooth boundary curve
 };
 
+/* How the sharpness of creases goes down from step to step. */
+enum class CreaseRule
+{
+  Uniform, // by 1
+  Chaikin, // by 1, after creases that meet have come nearer to each other
+};
+
 struct Cage
 {
   std::string name;
@@ -44,6 +51,7 @@ struct Cage
   std::vector<float> cornerSharpness;
   std::vector<unsigned> holes;                            // faces without surface
   BoundaryRule boundary = BoundaryRule::EdgeOnly;         // OpenSubdiv's and Embree's default
+  CreaseRule creaseRule = CreaseRule::Uniform;            // OpenSubdiv's default; see crease_rules.h on Embree's
 
   size_t numFaces() const { return faceSizes.size(); }
   bool hasUVs() const { return !uvIndices.empty(); }

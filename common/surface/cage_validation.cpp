@@ -3,12 +3,15 @@
 
 #include "surface/cage_validation.h"
 #include "basics/error.h"
+#include "surface/crease_rules.h"
 #include "surface/topology_refiner.h"
 
 #include <opensubdiv/far/error.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace cbvh {
 namespace {
@@ -44,6 +47,11 @@ std::string oneLine(std::string text)
   return text;
 }
 
+std::string faces(size_t n)
+{
+  return std::to_string(n) + (n == 1 ? " face" : " faces");
+}
+
 /* What can be said without topology, in the words of the face. */
 void checkFaces(const Cage& cage)
 {
@@ -51,46 +59,151 @@ void checkFaces(const Cage& cage)
   for (size_t face = 0; face < cage.numFaces(); offset += cage.faceSizes[face++])
   {
     const unsigned size = cage.faceSizes[face];
-    if (size > maxFaceVertices)
-      throw Error(cage.name + ": face " + std::to_string(face + 1) + " has " + std::to_string(size) +
-                  " vertices, Embree takes at most " + std::to_string(maxFaceVertices));
-    for (unsigned i = 0; i < size; i++)
-      for (unsigned j = i + 1; j < size; j++)
-        if (cage.faceIndices[offset + i] == cage.faceIndices[offset + j])
-          throw Error(cage.name + ": face " + std::to_string(face + 1) + " names vertex " +
-                      std::to_string(cage.faceIndices[offset + i] + 1) + " twice");
+    std::vector<unsigned> vertices(cage.faceIndices.begin() + ptrdiff_t(offset),
+                                   cage.faceIndices.begin() + ptrdiff_t(offset + size));
+    std::sort(vertices.begin(), vertices.end());
+    const auto twice = std::adjacent_find(vertices.begin(), vertices.end());
+    if (twice != vertices.end())
+      throw Error(cage.name + ": face " + std::to_string(face + 1) + " names vertex " + std::to_string(*twice + 1) +
+                  " twice");
   }
 }
 
-} // namespace
-
-void validateCage(const Cage& cage)
+std::unique_ptr<Far::TopologyRefiner> makeRefiner(const Cage& cage)
 {
-  checkFaces(cage);
-
   lastReport.clear();
   Far::SetErrorCallback(keepReport);
   Far::SetWarningCallback(keepWarning);
-  const std::unique_ptr<Far::TopologyRefiner> refiner = makeTopologyRefiner(cage, true);
+  std::unique_ptr<Far::TopologyRefiner> refiner = makeTopologyRefiner(cage, true);
   Far::SetErrorCallback(nullptr);
   Far::SetWarningCallback(nullptr);
   if (!refiner || !lastReport.empty())
     throw Error(cage.name + ": OpenSubdiv: " + oneLine(lastReport.empty() ? "invalid topology" : lastReport));
+  return refiner;
+}
 
-  const Far::TopologyLevel level = refiner->GetLevel(0);
+std::string counted(size_t n, const char* one, const char* many)
+{
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+void warnOfEdges(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
+{
+  std::vector<int> edges;
   for (int edge = 0; edge < level.GetNumEdges(); edge++)
     if (level.IsEdgeNonManifold(edge))
+      edges.push_back(edge);
+  if (edges.empty())
+    return;
+  const Far::ConstIndexArray v = level.GetEdgeVertices(edges.front());
+  warnings += cage.name + ": not manifold at " + counted(edges.size(), "edge", "edges") + ": that from vertex " +
+              std::to_string(v[0] + 1) + " to " + std::to_string(v[1] + 1) + " has " +
+              faces(size_t(level.GetEdgeFaces(edges.front()).size())) +
+              ", or two that run through it the same way; Embree does not round such edges\n";
+}
+
+/* Where no edge does already. */
+void warnOfVertices(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
+{
+  std::vector<int> vertices;
+  for (int vertex = 0; vertex < level.GetNumVertices(); vertex++)
+  {
+    const Far::ConstIndexArray edges = level.GetVertexEdges(vertex);
+    if (level.GetVertexFaces(vertex).size() > 0 && level.IsVertexNonManifold(vertex) &&
+        std::none_of(edges.begin(), edges.end(), [&](int edge) { return level.IsEdgeNonManifold(edge); }))
+      vertices.push_back(vertex);
+  }
+  if (!vertices.empty())
+    warnings += cage.name + ": not manifold at " + counted(vertices.size(), "vertex", "vertices") + ": vertex " +
+                std::to_string(vertices.front() + 1) +
+                " joins parts that share no edge; Embree rounds each of them, OpenSubdiv none\n";
+}
+
+void warnOfCreases(const Cage& cage, std::string& warnings)
+{
+  const std::vector<unsigned> vertices = verticesOfOtherCreaseRules(cage);
+  if (!vertices.empty())
+    warnings += cage.name + ": creases meet at " + counted(vertices.size(), "vertex", "vertices") + ", " +
+                std::to_string(vertices.front() + 1) + (vertices.size() == 1 ? "" : " for one") + ", where Embree has another rule for their sharpness than OpenSubdiv: near them the surface is another, " +
+                "and errors against the true surface contain that\n";
+}
+
+/* Faces at a vertex, in parts that hang together by edges of two faces, as Embree sees them. */
+std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int vertex)
+{
+  std::vector<std::vector<unsigned>> rings;
+  std::vector<int> waiting(level.GetVertexFaces(vertex).begin(), level.GetVertexFaces(vertex).end());
+  while (!waiting.empty())
+  {
+    std::vector<int> ring{waiting.back()};
+    waiting.pop_back();
+    for (size_t i = 0; i < ring.size(); i++)
+      for (int edge : level.GetVertexEdges(vertex))
+      {
+        const Far::ConstIndexArray sides = level.GetEdgeFaces(edge);
+        if (level.IsEdgeNonManifold(edge) || std::find(sides.begin(), sides.end(), ring[i]) == sides.end())
+          continue;
+        for (int face : sides)
+          if (const auto found = std::find(waiting.begin(), waiting.end(), face); found != waiting.end())
+          {
+            ring.push_back(face);
+            waiting.erase(found);
+          }
+      }
+    rings.emplace_back(ring.begin(), ring.end());
+  }
+  return rings;
+}
+
+/* Makes holes of what is beyond Embree's limits. It would leave out such faces, and all that
+ * share a vertex with a face of too many vertices. */
+void cutOut(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
+{
+  std::vector<char> isHole(cage.numFaces(), 0);
+  for (unsigned face : cage.holes)
+    isHole[face] = 1;
+  const auto cut = [&](size_t face) {
+    if (!isHole[face])
+      cage.holes.push_back(unsigned(face));
+    isHole[face] = 1;
+  };
+  for (size_t face = 0; face < cage.numFaces(); face++)
+    if (cage.faceSizes[face] > maxFaceVertices && !isHole[face])
     {
-      const Far::ConstIndexArray v = level.GetEdgeVertices(edge);
-      throw Error(cage.name + ": not manifold: the edge from vertex " + std::to_string(v[0] + 1) + " to " +
-                  std::to_string(v[1] + 1) + " has " + std::to_string(level.GetEdgeFaces(edge).size()) +
-                  " faces, or two that run through it the same way");
+      cut(face);
+      warnings += cage.name + ": face " + std::to_string(face + 1) + " has " + std::to_string(cage.faceSizes[face]) +
+                  " vertices, Embree takes at most " + std::to_string(maxFaceVertices) + ": it is left out\n";
     }
   for (int vertex = 0; vertex < level.GetNumVertices(); vertex++)
-    if (level.GetVertexFaces(vertex).size() > maxVertexFaces)
-      throw Error(cage.name + ": vertex " + std::to_string(vertex + 1) + " has " +
-                  std::to_string(level.GetVertexFaces(vertex).size()) + " faces around it, Embree takes at most " +
-                  std::to_string(maxVertexFaces));
+  {
+    if (level.GetVertexFaces(vertex).size() <= maxVertexFaces)
+      continue;
+    for (const std::vector<unsigned>& ring : ringsAt(level, vertex))
+    {
+      if (ring.size() <= maxVertexFaces)
+        continue;
+      for (unsigned face : ring)
+        cut(face);
+      warnings += cage.name + ": vertex " + std::to_string(vertex + 1) + " has " + faces(ring.size()) +
+                  " around it, Embree takes at most " + std::to_string(maxVertexFaces) + ": they are left out\n";
+    }
+  }
+  if (cage.holes.size() == cage.numFaces())
+    throw Error(cage.name + ": no face is left within Embree's limits, " + std::to_string(maxFaceVertices) +
+                " vertices a face and " + std::to_string(maxVertexFaces) + " faces around a vertex");
+}
+
+} // namespace
+
+void validateCage(Cage& cage, std::string& warnings)
+{
+  checkFaces(cage);
+  const std::unique_ptr<Far::TopologyRefiner> refiner = makeRefiner(cage);
+  const Far::TopologyLevel level = refiner->GetLevel(0);
+  warnOfEdges(cage, level, warnings);
+  warnOfVertices(cage, level, warnings);
+  warnOfCreases(cage, warnings);
+  cutOut(cage, level, warnings);
 }
 
 } // namespace cbvh

@@ -3,21 +3,19 @@
 
 #pragma once
 
-/* Displacement: how far a point of the limit surface moves along its normal, a pure
- * function of face, (u,v) and tessellation level, so every representation sees the
- * very same surface. Maps are filtered to the spacing of the level's vertices.
+/* Displacement: where a point of the limit surface moves to, a pure function of face,
+ * (u,v), normal and tessellation level, so every representation sees the very same surface.
+ * Most displacements move points along their normals. Maps are filtered to the spacing of
+ * the level's vertices.
  *
- * Texture coordinates are interpolated bilinearly over a face (over the corner
- * quads of an n-gon), not subdivided: on an edge they depend on the edge alone.
- *
- * Closed surfaces stay closed. Where the sides of a border read different heights,
+ * Closed surfaces stay closed. Where the sides of a border read different values,
  * on a seam of an atlas or in maps of a face each, all of them take the mean. */
 
 #include "surface/cage.h"
-#include "surface/height_texture.h"
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace cbvh {
@@ -40,26 +38,60 @@ class Displacement
 public:
   virtual ~Displacement() = default;
 
+  /* Whether points move along their normals: then offsets() says how far, else vectors()
+   * where to. */
+  virtual bool isAlongNormals() const { return true; }
+
   /* Offsets along the limit normal in world units.
    *
    * offsets: points.n floats, written.
    * Thread safety: callable from any number of threads. */
   virtual void offsets(const SurfacePoints& points, float* offsets) const = 0;
+
+  /* The way that points move, in world units and the axes of the cage.
+   *
+   * normals: points.n of length 1. vectors: points.n, written.
+   * Thread safety: callable from any number of threads. */
+  virtual void vectors(const SurfacePoints& points, const Vec3f* normals, Vec3f* vectors) const;
 };
 
 /* scale * (height - neutral level) with the neutral level at 0.5. */
 constexpr float neutralHeight = 0.5f;
 
-/* Height map through the cage's own texture coordinates, which it must have; OBJ's:
- * (0,0) is the lower left corner of the image, (1,1) the upper right, repeated
- * outside. Throws Error, as HeightTexture does. */
-std::unique_ptr<Displacement> displaceByUVs(const Cage& cage, const std::string& path, float scale);
+/* What the values of a map are. */
+enum class MapValues
+{
+  Heights,        // along the normal
+  ObjectVectors,  // three channels: x, y and z of the cage
+  TangentVectors, // three channels: along the texture's first axis, the normal, and its second axis
+};
 
-/* In the (u,v) of each face, row 0 of the image at v = 0. A file with one image: all
- * of it on every face and on every corner quad of an n-gon. A file of several, Ptex
- * for one: an image a quad and n an n-gon, in order. Throws Error, also for a file
- * with too few images. warning: set when it uses one image whose borders differ. */
-std::unique_ptr<Displacement> displaceByFace(const Cage& cage, const std::string& path, float scale,
-                                             std::string& warning);
+/* A map in a file, and how it is read. */
+struct DisplacementMap
+{
+  std::string path;              // <UDIM> in it stands for the number of a tile of texture coordinates
+  float scale = 1.0f;            // world units that a difference of 1 moves by
+  MapValues values = MapValues::Heights;
+  std::optional<float> midLevel; // value that moves nothing; none: neutralHeight of heights, 0 of vectors
+  std::string channel;           // the first that counts, by name or number from 0; empty for the first of the file
+  Vec2f repeat{1, 1};            // copies of the map in a unit of texture coordinates, or on a face
+};
+
+/* Through the cage's own texture coordinates where it has some, else on its faces.
+ *
+ * By texture coordinates, as in OBJ: (0,0) is the lower left corner of the image, (1,1) the
+ * upper right, repeated outside; interpolated bilinearly over a face (over the corner quads
+ * of an n-gon), not subdivided: on an edge they depend on the edge alone. With <UDIM> in the
+ * path a face reads the tile that its middle lies on, 1001 + column + 10 row, and is not
+ * displaced where there is no such file.
+ *
+ * By faces, in (u,v) of each, row 0 of the image at v = 0. A file with one image: all of it
+ * on every face and on every corner quad of an n-gon. A file of several, Ptex for one: an
+ * image a quad and n an n-gon, in order.
+ *
+ * warnings: lines on what is likely not meant are added to it, each with its end.
+ * Errors: throws Error for a file that cannot be read or has too few images or channels, and
+ * for vectors in tangent space and <UDIM> without texture coordinates; Cancelled. */
+std::unique_ptr<Displacement> displaceByMap(const Cage& cage, const DisplacementMap& map, std::string& warnings);
 
 } // namespace cbvh

@@ -3,35 +3,50 @@
 
 #include "surface/face_borders.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <unordered_map>
 
 namespace cbvh {
 
 FaceBorders::FaceBorders(const Cage& cage)
-  : sizes(cage.faceSizes), vertexOf(cage.faceIndices), across(cage.faceIndices.size()), corners(cage.positions.size())
+  : sizes(cage.faceSizes), vertexOf(cage.faceIndices), sides(cage.faceIndices.size()), corners(cage.positions.size())
 {
   size_t offset = 0;
-  std::unordered_map<uint64_t, Side> edges;
+  std::unordered_map<uint64_t, unsigned> edges; // by their vertices, smaller first
   edges.reserve(cage.faceIndices.size());
-  auto key = [](unsigned a, unsigned b) { return uint64_t(a) << 32 | b; };
+  std::vector<size_t> sidesOfEdge;
   for (unsigned face = 0; face < sizes.size(); face++)
   {
     firstCorner.push_back(offset);
     for (unsigned i = 0; i < sizes[face]; i++)
     {
       const unsigned a = vertexOf[offset + i], b = vertexOf[offset + (i + 1) % sizes[face]];
-      corners[a].push_back({face, i});
-      edges[key(a, b)] = {face, i};
+      corners[a].push_back({face, i, a > b});
+      const auto [entry, isNew] = edges.try_emplace(uint64_t(std::min(a, b)) << 32 | std::max(a, b), unsigned(edges.size()));
+      if (isNew)
+        sidesOfEdge.push_back(0);
+      sidesOfEdge[entry->second]++;
+      edgeOf.push_back(entry->second);
     }
     offset += sizes[face];
   }
-  for (const auto& [edge, side] : edges)
-  {
-    const auto other = edges.find(key(unsigned(edge), unsigned(edge >> 32)));
-    if (other != edges.end())
-      across[firstCorner[side.face] + side.edge] = other->second;
-  }
+  firstSide.push_back(0);
+  for (size_t count : sidesOfEdge)
+    firstSide.push_back(firstSide.back() + count);
+  std::vector<size_t> next(firstSide.begin(), firstSide.end() - 1);
+  for (unsigned face = 0; face < sizes.size(); face++)
+    for (unsigned i = 0; i < sizes[face]; i++)
+      sides[next[edgeOf[corner(face, i)]]++] = {face, i, isReversed(face, i)};
+}
+
+FaceBorders::Side FaceBorders::opposite(unsigned face, unsigned edge) const
+{
+  const Sides all = along(face, edge);
+  if (all.size() != 2)
+    return {};
+  const Side& other = all.begin()->face == face && all.begin()->edge == edge ? *(all.end() - 1) : *all.begin();
+  return other.reversed == isReversed(face, edge) ? Side() : other;
 }
 
 /* On a quad edges 0 to 3 are v = 0, u = 1, v = 1, u = 0. A corner quad of an n-gon

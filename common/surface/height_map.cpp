@@ -19,15 +19,4 @@ float HeightMap::sampleTexels(float x, float y) const
   return top * (1.0f - fy) + bottom * fy;
 }
 
-bool HeightMap::hasConstantBorder() const
-{
-  for (int x = 0; x < w; x++)
-    if (at(x, 0) != at(0, 0) || at(x, h - 1) != at(0, 0))
-      return false;
-  for (int y = 0; y < h; y++)
-    if (at(0, y) != at(0, 0) || at(w - 1, y) != at(0, 0))
-      return false;
-  return true;
-}
-
 } // namespace cbvh

@@ -4,8 +4,8 @@
 #pragma once
 
 /* Height maps: one float a texel, read by OpenImageIO (float EXR, 16-bit PNG or
- * TIFF, anything else it knows; integers become 0..1). Row 0 is the top of the
- * image. */
+ * TIFF, anything else it knows; integers become 0..1; where there is alpha, colours are
+ * not multiplied by it). Row 0 is the top of the image. */
 
 #include <cstddef>
 #include <string>
@@ -24,14 +24,20 @@ public:
    * that are not finite. */
   static HeightMap read(const std::string& path);
 
-  /* What is in a file, all images of which were read and found well. Throws Error as
-   * read does. */
+  /* What is in a file, all images of which were read and found well. */
   struct FileInfo
   {
     unsigned images = 0;         // one a face in Ptex files; pages of a TIFF, parts of an EXR
+    int firstChannel = 0;        // of those asked for
+    int channels = 0;            // that the first image has
     bool constantBorder = false; // of the first
   };
-  static FileInfo inspect(const std::string& path);
+
+  /* channel: the first one that is looked at, by its name or its number from 0; empty for
+   * the first of the file. count: of channels from there on.
+   * Errors: throws Error as read does, and for channels that the file does not have;
+   * Cancelled. */
+  static FileInfo inspect(const std::string& path, const std::string& channel = "", int count = 1);
 
   /* Writes one float channel "Y", uncompressed, under a temporary name that is
    * renamed at the end. recipe: kept in the header, says how the map was made.
@@ -49,10 +55,6 @@ public:
   /* Bilinear, in texels: (0,0) is the centre of the first. Beyond the edge the
    * border is repeated. */
   float sampleTexels(float x, float y) const;
-
-  /* Whether the border texels all have the same height, so that copies of the map
-   * side by side do not tear. */
-  bool hasConstantBorder() const;
 
 private:
   int w = 0, h = 0;

@@ -4,9 +4,12 @@
 #include "surface/height_map.h"
 #include "basics/error.h"
 #include "basics/file_output.h"
+#include "basics/progress.h"
 
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <fcntl.h>
@@ -65,30 +68,87 @@ std::unique_ptr<OIIO::ImageInput> openImage(const std::string& path)
   const std::string formats = "," + std::string(OIIO::get_string_attribute("input_format_list")) + ",";
   if ((extension == ".ptx" || extension == ".ptex") && formats.find(",ptex,") == std::string::npos)
     throw Error(path + ": this OpenImageIO is built without its Ptex reader; a TIFF of one page a face serves as well");
-  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path);
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1); // else colours come multiplied by alpha
+  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path, &config);
   if (!input)
     throw unreadable(path, OIIO::geterror());
   return input;
 }
 
+/* Some channels of an image, texel by texel. */
+struct Texels
+{
+  int width, height, channels;
+  std::vector<float> values;
+
+  const float* at(int x, int y) const { return &values[(size_t(y) * size_t(width) + size_t(x)) * size_t(channels)]; }
+
+  /* Whether the border texels are all the same, so that copies of the map side by side do
+   * not tear. */
+  bool hasConstantBorder() const
+  {
+    const auto same = [&](int x, int y) { return std::equal(at(x, y), at(x, y) + channels, at(0, 0)); };
+    for (int x = 0; x < width; x++)
+      if (!same(x, 0) || !same(x, height - 1))
+        return false;
+    for (int y = 0; y < height; y++)
+      if (!same(0, y) || !same(width - 1, y))
+        return false;
+    return true;
+  }
+};
+
+bool isCancelled(void*, float)
+{
+  return cancelRequested();
+}
+
 /* The image that the input is at. */
-HeightMap readImage(OIIO::ImageInput& input, int image, const std::string& path)
+Texels readImage(OIIO::ImageInput& input, int image, int first, int count, const std::string& path)
 {
   const OIIO::ImageSpec& spec = input.spec();
   if (spec.width < 1 || spec.height < 1)
     throw unreadable(path, "it is empty");
-  HeightMap map(spec.width, spec.height);
-  if (!input.read_image(image, 0, 0, 1, OIIO::TypeDesc::FLOAT, &map.at(0, 0)))
-    throw unreadable(path, input.geterror());
+  Texels texels{spec.width, spec.height, count, {}};
+  texels.values.resize(size_t(spec.width) * size_t(spec.height) * size_t(count));
+  const bool read = input.read_image(image, 0, first, first + count, OIIO::TypeDesc::FLOAT, texels.values.data(),
+                                     OIIO::AutoStride, OIIO::AutoStride, OIIO::AutoStride, isCancelled);
+  throwIfCancelled();
   /* Some readers fill what a truncated file lacks and only leave a message. */
-  if (input.has_error())
+  if (!read || input.has_error())
     throw unreadable(path, input.geterror());
-  const size_t width = size_t(spec.width), texels = width * size_t(spec.height);
-  for (size_t i = 0; i < texels; i++)
-    if (!std::isfinite((&map.at(0, 0))[i]))
-      throw Error(path + ": the height at texel " + std::to_string(i % width) + "," + std::to_string(i / width) +
-                  (image ? " of image " + std::to_string(image) : "") + " is not finite");
-  return map;
+  const auto bad = std::find_if(texels.values.begin(), texels.values.end(), [](float x) { return !std::isfinite(x); });
+  if (bad == texels.values.end())
+    return texels;
+  const size_t texel = size_t(bad - texels.values.begin()) / size_t(count), width = size_t(spec.width);
+  throw Error(path + ": the " + (count == 1 ? "height" : "vector") + " at texel " + std::to_string(texel % width) + "," +
+              std::to_string(texel / width) + (image ? " of image " + std::to_string(image) : "") + " is not finite");
+}
+
+/* Of the image that the input is at. Throws Error unless `count` channels follow. */
+int findChannel(const OIIO::ImageSpec& spec, const std::string& channel, int count, const std::string& path)
+{
+  int first = 0;
+  if (!channel.empty())
+  {
+    const auto named = std::find(spec.channelnames.begin(), spec.channelnames.end(), channel);
+    const char* const end = channel.data() + channel.size();
+    if (named != spec.channelnames.end())
+      first = int(named - spec.channelnames.begin());
+    else if (const auto number = std::from_chars(channel.data(), end, first);
+             number.ec != std::errc() || number.ptr != end || first < 0)
+      first = spec.nchannels;
+  }
+  if (first + count <= spec.nchannels)
+    return first;
+  std::string names;
+  for (const std::string& name : spec.channelnames)
+    names += (names.empty() ? "" : ", ") + name;
+  if (count > 1)
+    throw Error(path + ": a map of vectors needs " + std::to_string(count) + " channels" +
+                (channel.empty() ? "" : " from '" + channel + "' on") + ", it has " + names);
+  throw Error(path + ": has no channel '" + channel + "', it has " + names);
 }
 
 } // namespace
@@ -96,19 +156,28 @@ HeightMap readImage(OIIO::ImageInput& input, int image, const std::string& path)
 HeightMap HeightMap::read(const std::string& path)
 {
   const QuietStderr quiet;
-  return readImage(*openImage(path), 0, path);
+  Texels texels = readImage(*openImage(path), 0, 0, 1, path);
+  HeightMap map;
+  map.w = texels.width;
+  map.h = texels.height;
+  map.texels = std::move(texels.values);
+  return map;
 }
 
-HeightMap::FileInfo HeightMap::inspect(const std::string& path)
+HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::string& channel, int count)
 {
   const QuietStderr quiet;
   const auto input = openImage(path);
   FileInfo info;
   while (input->seek_subimage(int(info.images), 0))
   {
-    const HeightMap map = readImage(*input, int(info.images), path);
-    if (info.images++ == 0)
-      info.constantBorder = map.hasConstantBorder();
+    const int first = findChannel(input->spec(), channel, count, path);
+    const Texels texels = readImage(*input, int(info.images), first, count, path);
+    if (info.images++ > 0)
+      continue;
+    info.firstChannel = first;
+    info.channels = input->spec().nchannels;
+    info.constantBorder = texels.hasConstantBorder();
   }
   return info;
 }

@@ -3,46 +3,84 @@
 
 #include "surface/height_texture.h"
 #include "basics/error.h"
+#include "basics/progress.h"
 #include "surface/height_map.h"
 
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/texture.h>
+
+#include <cmath>
 
 namespace cbvh {
 namespace {
 
 constexpr int tileSize = 64; // of files that have no tiles
 
+struct TextureImage
+{
+  OIIO::TextureSystem::TextureHandle* handle = nullptr;
+  int subimage = 0;
+};
+
 } // namespace
 
 struct HeightTexture::Implementation
 {
   OIIO::TextureSystem* system = nullptr;
-  OIIO::TextureSystem::TextureHandle* handle = nullptr;
+  std::vector<TextureImage> images;
   OIIO::TextureOpt options;
+  int channels = 1;     // that are read
+  int channelsOfFile = 1;
 
   ~Implementation()
   {
     if (system)
       OIIO::TextureSystem::destroy(system);
   }
+
+  void open(const std::string& path, unsigned subimages)
+  {
+    OIIO::TextureSystem::TextureHandle* handle = system->get_texture_handle(OIIO::ustring(path));
+    if (!handle || !system->good(handle))
+      throw Error(path + ": OpenImageIO makes no texture of it: " + system->geterror());
+    for (unsigned i = 0; i < subimages; i++)
+      images.push_back({handle, int(i)});
+  }
+
+  void lookUp(unsigned image, OIIO::TextureOpt opt, float s, float t, float widthS, float widthT, int count,
+              float* values) const
+  {
+    opt.subimage = images[image].subimage;
+    system->texture(images[image].handle, system->get_perthread_info(), opt, s, t, widthS, 0.0f, 0.0f, widthT, count,
+                    values);
+  }
 };
 
-HeightTexture::HeightTexture(const std::string& path, TextureWrap wrap)
+HeightTexture::HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap)
   : implementation(std::make_unique<Implementation>())
 {
-  const HeightMap::FileInfo info = HeightMap::inspect(path);
-  images = info.images;
-  constantBorder = info.constantBorder;
   /* A system of its own: its cache goes with it. Texels stay in the file's type, so mip
    * levels are rounded to it: with "forcefloat" 2.4.7 runs into an assertion of its own. */
   OIIO::TextureSystem* system = implementation->system = OIIO::TextureSystem::create(false);
-  system->attribute("automip", 1);     // mip levels of files that have none
+  system->attribute("automip", 1);           // mip levels of files that have none
   system->attribute("autotile", tileSize);   // and tiles
+  system->attribute("unassociatedalpha", 1); // colours are not multiplied by alpha
   system->attribute("max_memory_MB", 4096.0f);
-  implementation->handle = system->get_texture_handle(OIIO::ustring(path));
-  if (!implementation->handle || !system->good(implementation->handle))
-    throw Error(path + ": OpenImageIO makes no texture of it: " + system->geterror());
+  for (const std::string& path : paths)
+  {
+    const HeightMap::FileInfo info = HeightMap::inspect(path, channels.first, channels.count);
+    if (path == paths.front())
+    {
+      constantBorder = info.constantBorder;
+      implementation->channelsOfFile = info.channels;
+      implementation->options.firstchannel = info.firstChannel;
+    }
+    else if (info.firstChannel != implementation->options.firstchannel)
+      throw Error(path + ": has its channels in another order than " + paths.front());
+    implementation->open(path, paths.size() == 1 ? info.images : 1);
+  }
+  images = unsigned(implementation->images.size());
+  implementation->channels = channels.count;
   OIIO::TextureOpt& options = implementation->options;
   options.swrap = options.twrap =
     wrap == TextureWrap::Repeat ? OIIO::TextureOpt::WrapPeriodic : OIIO::TextureOpt::WrapClamp;
@@ -55,28 +93,51 @@ HeightTexture::HeightTexture(const std::string& path, TextureWrap wrap)
  * pays for reading the file. */
 void HeightTexture::fillCache() const
 {
+  float values[4];
   for (unsigned image = 0; image < images; image++)
   {
     int size[2] = {0, 0};
-    implementation->system->get_texture_info(implementation->handle, nullptr, int(image), OIIO::ustring("resolution"),
+    const TextureImage& file = implementation->images[image];
+    implementation->system->get_texture_info(file.handle, nullptr, file.subimage, OIIO::ustring("resolution"),
                                              OIIO::TypeDesc(OIIO::TypeDesc::INT, 2), size);
     for (int w = size[0], h = size[1]; w > 0 && h > 0; w /= 2, h /= 2)
       for (int y = 0; y < h; y += tileSize)
+      {
+        throwIfCancelled();
         for (int x = 0; x < w; x += tileSize)
-          sample(image, (float(x) + 0.5f) / float(w), (float(y) + 0.5f) / float(h), 1.0f / float(w), 1.0f / float(h));
+          sample(image, (float(x) + 0.5f) / float(w), (float(y) + 0.5f) / float(h), 1.0f / float(w), 1.0f / float(h),
+                 values);
+      }
   }
 }
 
 HeightTexture::~HeightTexture() = default;
 
-float HeightTexture::sample(unsigned image, float s, float t, float widthS, float widthT) const
+bool HeightTexture::looksLikeNormals() const
 {
-  OIIO::TextureOpt options = implementation->options; // the call writes into it
-  options.subimage = int(image);
-  float height = 0.0f;
-  implementation->system->texture(implementation->handle, implementation->system->get_perthread_info(), options, s, t,
-                                  widthS, 0.0f, 0.0f, widthT, 1, &height);
-  return height;
+  constexpr int places = 64;        // looked at along each axis
+  constexpr float tolerance = 0.1f; // of a length of 1, in 8 bits and filtered
+  if (implementation->channelsOfFile < 3)
+    return false;
+  OIIO::TextureOpt options = implementation->options;
+  options.firstchannel = 0;
+  int unit = 0, along = 0;
+  for (int y = 0; y < places; y++)
+    for (int x = 0; x < places; x++)
+    {
+      float c[3];
+      implementation->lookUp(0, options, (float(x) + 0.5f) / places, (float(y) + 0.5f) / places, 0.0f, 0.0f, 3, c);
+      const float n[3] = {2.0f * c[0] - 1.0f, 2.0f * c[1] - 1.0f, 2.0f * c[2] - 1.0f};
+      unit += std::abs(std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) - 1.0f) < tolerance;
+      along += n[2] > 0.5f;
+    }
+  constexpr int most = places * places * 9 / 10;
+  return unit > most && along > most;
+}
+
+void HeightTexture::sample(unsigned image, float s, float t, float widthS, float widthT, float* values) const
+{
+  implementation->lookUp(image, implementation->options, s, t, widthS, widthT, implementation->channels, values);
 }
 
 } // namespace cbvh

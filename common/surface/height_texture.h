@@ -3,46 +3,60 @@
 
 #pragma once
 
-/* Height maps through OpenImageIO's texture system: tiles as they are needed, a mip
- * level by the width asked for. */
+/* Maps of heights and of vectors through OpenImageIO's texture system: tiles as they are
+ * needed, a mip level by the width asked for. */
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace cbvh {
 
 enum class TextureWrap { Repeat, Clamp };
 
+/* What is read of files. */
+struct TextureChannels
+{
+  std::string first; // name, or number from 0; empty for the first of the file
+  int count = 1;     // 1 for heights, 3 for vectors
+};
+
 class HeightTexture
 {
 public:
-  /* Opens an image and reads all of it once to see that it can be read and is finite.
-   * Throws Error, one line that starts with the path. */
-  HeightTexture(const std::string& path, TextureWrap wrap);
+  /* Opens files and reads all of them once to see that they can be read and are finite.
+   * paths: one file, whose images are then those of the texture, or several of which the
+   * first image counts.
+   * Errors: throws Error, one line that starts with the path; Cancelled. */
+  HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap);
   ~HeightTexture();
   HeightTexture(const HeightTexture&) = delete;
   HeightTexture& operator=(const HeightTexture&) = delete;
 
-  /* Images in the file: 1, or one a face in a Ptex file and in a TIFF or EXR of parts. */
+  /* One a file, or one a face in a Ptex file and in a TIFF or EXR of parts. */
   unsigned numImages() const { return images; }
 
-  /* Whether the first image has one height all along its border. */
+  /* Whether the first image has one value all along its border. */
   bool hasConstantBorder() const { return constantBorder; }
 
-  /* First channel, trilinear between mip levels, bicubic where texels are wider than
-   * the width asked for. (0,0) is the upper left corner of the image, (1,1) the lower
-   * right. A pure function of its arguments.
+  /* Whether the colours of the first image are unit vectors, most of them along blue. */
+  bool looksLikeNormals() const;
+
+  /* Trilinear between mip levels, bicubic where texels are wider than the width asked for.
+   * (0,0) is the upper left corner of the image, (1,1) the lower right. A pure function of
+   * its arguments.
    * image: less than numImages(). widthS, widthT: of the filter, as a part of the map.
+   * values: as many as channels, written.
    * Thread safety: callable from any number of threads. */
-  float sample(unsigned image, float s, float t, float widthS, float widthT) const;
+  void sample(unsigned image, float s, float t, float widthS, float widthT, float* values) const;
 
 private:
   void fillCache() const;
 
   struct Implementation;
   std::unique_ptr<Implementation> implementation;
-  unsigned images;
-  bool constantBorder;
+  unsigned images = 0;
+  bool constantBorder = false;
 };
 
 } // namespace cbvh

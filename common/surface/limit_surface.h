@@ -10,8 +10,7 @@
  * Holes are cut out, as Embree does it: their borders are boundaries of the surface, to
  * OpenSubdiv they are faces that are not drawn. Elsewhere the surface is OpenSubdiv's,
  * and Embree's is known to differ from it
- *   - where unequal semi-sharp creases meet, or three and more that are not whole
- *     numbers, or a semi-sharp corner lies on a crease;
+ *   - where creases meet that are not equal, or not whole numbers: see crease_rules.h;
  *   - where creases or corners sharp by less than 1 touch n-gons;
  *   - on the corner faces of open surfaces under BoundaryRule::EdgeOnly.
  * There errors against the true surface contain that of Embree's rule. */

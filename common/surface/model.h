@@ -29,6 +29,14 @@ struct Placement
     return origin + scale * Vec3f{c * p.x + s * p.z, p.y, c * p.z - s * p.x};
   }
 
+  /* For displacements, which grow with the copy, and for normals, which keep their length. */
+  Vec3f vectorFromCage(Vec3f v) const { return Placement{{}, angle, scale}.apply(v); }
+  Vec3f normalToCage(Vec3f n) const
+  {
+    const float c = std::cos(angle), s = std::sin(angle);
+    return {c * n.x - s * n.z, n.y, s * n.x + c * n.z};
+  }
+
   /* The inverse, and for directions, which keep their length. */
   Vec3d pointToCage(Vec3d p) const { return directionToCage(p - toDouble(origin)) * (1.0 / scale); }
   Vec3d directionToCage(Vec3d d) const

@@ -7,6 +7,7 @@
 
 #include "surface/obj_reader.h"
 #include "basics/error.h"
+#include "basics/progress.h"
 
 #include <charconv>
 #include <cmath>
@@ -20,7 +21,10 @@ namespace {
 class Parser
 {
 public:
-  Parser(std::istream& stream, const std::string& name) : stream(stream), name(name) {}
+  Parser(std::istream& stream, const std::string& name, std::string& warnings)
+    : stream(stream), name(name), warnings(warnings)
+  {
+  }
 
   Cage run()
   {
@@ -28,7 +32,8 @@ public:
     std::string line;
     while (std::getline(stream, line))
     {
-      lineNumber++;
+      if (lineNumber++ % 4096 == 0)
+        throwIfCancelled();
       while (!line.empty() && line.back() == '\\') // continued on the next line
       {
         line.back() = ' ';
@@ -152,12 +157,13 @@ private:
       fail("some corners have texture coordinates and some have none");
   }
 
-  /* t NAME INTS/FLOATS/STRINGS and as many values; strings are not looked at. */
+  /* t NAME INTS/FLOATS/STRINGS and as many values. */
   struct Tag
   {
     std::string name;
     std::vector<unsigned> ints;
     std::vector<float> floats;
+    std::vector<std::string> strings;
   };
 
   Tag readTag(const std::vector<std::string_view>& words) const
@@ -191,6 +197,7 @@ private:
         fail("sharpness must not be negative");
       tag.floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // as OpenSubdiv: 10 is infinitely sharp
     }
+    tag.strings.assign(words.end() - ptrdiff_t(counts[2]), words.end());
     return tag;
   }
 
@@ -200,6 +207,17 @@ private:
     if (tag.floats.size() != 1 && tag.floats.size() != n)
       fail("tag '" + tag.name + "' needs one sharpness, or one each");
     return tag.floats.size() == 1 ? tag.floats[0] : tag.floats[i];
+  }
+
+  static std::string rule(const Tag& tag) { return tag.strings.empty() ? "" : tag.strings[0]; }
+
+  CreaseRule creaseRule(const Tag& tag) const
+  {
+    if (rule(tag) == "chaikin")
+      return CreaseRule::Chaikin;
+    if (rule(tag) != "normal" && rule(tag) != "uniform")
+      fail("tag 'creasemethod' needs normal or chaikin");
+    return CreaseRule::Uniform;
   }
 
   void tag(const std::vector<std::string_view>& words)
@@ -230,6 +248,14 @@ private:
         fail("tag 'interpolateboundary' needs 0, 1 or 2");
       cage.boundary = BoundaryRule(ints[0]);
     }
+    else if (tag.name == "creasemethod")
+      cage.creaseRule = creaseRule(tag);
+    else if (tag.name == "smoothtriangles")
+    {
+      if (rule(tag) != "normal" && rule(tag) != "catmark")
+        warnings += name + ":" + std::to_string(lineNumber) + ": tag 'smoothtriangles " + rule(tag) +
+                    "' is not obeyed: Embree has the normal rule only\n";
+    }
     else if (tag.name.substr(0, 11) != "facevarying") // how UVs are smoothed: ours are not
       fail("unknown tag '" + tag.name + "'");
   }
@@ -259,18 +285,19 @@ private:
 
   std::istream& stream;
   std::string name;
+  std::string& warnings;
   Cage cage;
   size_t lineNumber = 0;
 };
 
 } // namespace
 
-Cage readObj(std::istream& stream, const std::string& name)
+Cage readObj(std::istream& stream, const std::string& name, std::string& warnings)
 {
-  return Parser(stream, name).run();
+  return Parser(stream, name, warnings).run();
 }
 
-Cage readObj(const std::string& path)
+Cage readObj(const std::string& path, std::string& warnings)
 {
   std::ifstream stream(path);
   if (!stream)
@@ -278,7 +305,7 @@ Cage readObj(const std::string& path)
   stream.peek(); // a directory opens, and fails at the first read
   if (stream.bad())
     throw Error(path + ": cannot be read");
-  return readObj(stream, path);
+  return readObj(stream, path, warnings);
 }
 
 } // namespace cbvh

@@ -5,7 +5,7 @@
 
 /* Strict reader of control cages in Wavefront OBJ: v, vt, f with v, v/vt, v//vn
  * and v/vt/vn, negative (relative) indices, faces of any size, and OpenSubdiv's
- * `t` tags (crease, corner, hole, interpolateboundary). Normals, groups, objects,
+ * `t` tags (crease, corner, hole, interpolateboundary, creasemethod). Normals, groups, objects,
  * materials, smoothing groups and lines are skipped; anything else is an error,
  * for what is silently misread comes back as a wrong picture. */
 
@@ -18,14 +18,15 @@ namespace cbvh {
 
 /* Reads a cage.
  *
- * path: file to read.
+ * path: file to read. warnings: a line is added on the tag smoothtriangles, as Embree has no
+ * such rule.
  * Errors: throws Error, one line with path and line number, for a file that cannot
  * be read or has no faces, a face of fewer than 3 vertices, an index out of range,
  * a number that is none or not finite, an unknown statement, a malformed tag, and
  * texture coordinates on some corners but not on all. */
-Cage readObj(const std::string& path);
+Cage readObj(const std::string& path, std::string& warnings);
 
 /* The same from a stream; name stands for the path in messages. */
-Cage readObj(std::istream& stream, const std::string& name);
+Cage readObj(std::istream& stream, const std::string& name, std::string& warnings);
 
 } // namespace cbvh

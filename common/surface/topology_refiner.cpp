@@ -20,6 +20,8 @@ Sdc::Options schemeOptions(const Cage& cage)
                                       : cage.boundary == BoundaryRule::EdgeAndCorner
                                         ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
                                         : Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
+  if (cage.creaseRule == CreaseRule::Chaikin)
+    options.SetCreasingMethod(Sdc::Options::CREASE_CHAIKIN);
   return options;
 }
 

@@ -49,10 +49,18 @@ TrueSurface::TrueSurface(const Model& model)
 
 TruePoint TrueSurface::evaluate(const PatchPoint& p) const
 {
+  if (!displacement)
+  {
+    const LimitSample s = limit.evaluate(p);
+    return {p, s.p, s.du, s.dv};
+  }
+  return displacement->isAlongNormals() ? evaluateAlongNormal(p) : evaluateByVectors(p);
+}
+
+TruePoint TrueSurface::evaluateAlongNormal(const PatchPoint& p) const
+{
   const LimitSample s = limit.evaluate(p);
   TruePoint result{p, s.p, s.du, s.dv};
-  if (!displacement)
-    return result;
   const double u = inside(p.u), v = inside(p.v);
   const double u0 = inside(u - difference), u1 = inside(u + difference);
   const double v0 = inside(v - difference), v1 = inside(v + difference);
@@ -86,11 +94,41 @@ TruePoint TrueSurface::evaluate(const PatchPoint& p) const
   return result;
 }
 
+/* Derivatives of the surface are those of the limit and differences of the vectors. */
+TruePoint TrueSurface::evaluateByVectors(const PatchPoint& p) const
+{
+  const LimitSample s = limit.evaluate(p);
+  TruePoint result{p, s.p + vectorAt(p, s), s.du, s.dv};
+  const double u = inside(p.u), v = inside(p.v);
+  const double u0 = inside(u - difference), u1 = inside(u + difference);
+  const double v0 = inside(v - difference), v1 = inside(v + difference);
+  const auto at = [&](double x, double y) {
+    const PatchPoint q{p.face, p.subPatch, x, y};
+    return vectorAt(q, limit.evaluate(q));
+  };
+  result.du += (at(u1, v) - at(u0, v)) * (1.0 / (u1 - u0));
+  result.dv += (at(u, v1) - at(u, v0)) * (1.0 / (v1 - v0));
+  return result;
+}
+
+/* s: of p. */
+Vec3d TrueSurface::vectorAt(const PatchPoint& p, const LimitSample& s) const
+{
+  const FacePoint q = walk.toEmbree({p.face, p.subPatch, inside(p.u), inside(p.v)});
+  const Vec3d n = normalize(cross(s.du, s.dv));
+  const Vec3f normal{float(n.x), float(n.y), float(n.z)};
+  Vec3f vector;
+  displacement->vectors({q.face, finestLevel, 1, &q.u, &q.v}, &normal, &vector);
+  return toDouble(vector);
+}
+
 Vec3d TrueSurface::position(const PatchPoint& p) const
 {
   const LimitSample s = limit.evaluate(p);
   if (!displacement)
     return s.p;
+  if (!displacement->isAlongNormals())
+    return s.p + vectorAt(p, s);
   const FacePoint q = walk.toEmbree({p.face, p.subPatch, inside(p.u), inside(p.v)});
   float offset;
   displacement->offsets({q.face, finestLevel, 1, &q.u, &q.v}, &offset);

@@ -4,7 +4,7 @@
 #pragma once
 
 /* The surface that all representations approximate: OpenSubdiv's limit surface, moved
- * along its normal by the height map as it is. A tessellation of level L reads the map
+ * along its normal by the height map as it is, or by a map of vectors. A tessellation of level L reads the map
  * filtered to 2^-L; the true surface has no spacing, so it reads the finest heights,
  * and what the filter takes away counts as error of the tessellation.
  *
@@ -59,6 +59,9 @@ public:
 private:
   struct Window;
 
+  TruePoint evaluateAlongNormal(const PatchPoint& p) const;
+  TruePoint evaluateByVectors(const PatchPoint& p) const;
+  Vec3d vectorAt(const PatchPoint& p, const LimitSample& s) const;
   TruePoint descend(Vec3d x, const TruePoint& start, double cell) const;
   std::optional<Window> windowOfNearer(const TruePoint& p, double distance, double cell) const;
   std::vector<PatchPoint> dents(const Window& window, Vec3d x) const;

@@ -26,7 +26,8 @@ protected:
   {
     std::istringstream stream(cube + tags);
     model.name = "cube";
-    model.cage = readObj(stream, "cube.obj");
+    std::string warnings;
+    model.cage = readObj(stream, "cube.obj", warnings);
     BuildSettings settings;
     settings.level = 5;
     settings.threads = 1;

@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "surface/cage_validation.h"
+#include "surface/crease_rules.h"
 #include "basics/error.h"
 #include "scenes/cube.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace cbvh::test {
 namespace {
@@ -24,11 +27,12 @@ Cage withFaces(size_t vertices, const std::vector<std::vector<unsigned>>& faces)
   return cage;
 }
 
-std::string errorOf(const Cage& cage)
+std::string errorOf(Cage cage)
 {
   try
   {
-    validateCage(cage);
+    std::string warnings;
+    validateCage(cage, warnings);
   }
   catch (const Error& e)
   {
@@ -37,40 +41,125 @@ std::string errorOf(const Cage& cage)
   return "";
 }
 
+struct Checked
+{
+  Cage cage;
+  std::string warnings;
+};
+
+Checked checked(Cage cage)
+{
+  Checked result{std::move(cage), ""};
+  validateCage(result.cage, result.warnings);
+  return result;
+}
+
+/* A fan of triangles around vertex 0, closed. */
+std::vector<std::vector<unsigned>> fan(unsigned n)
+{
+  std::vector<std::vector<unsigned>> faces;
+  for (unsigned i = 0; i < n; i++)
+    faces.push_back({0, 1 + i, 1 + (i + 1) % n});
+  return faces;
+}
+
 TEST(CageValidation, AcceptsClosedAndOpenCages)
 {
-  EXPECT_EQ(errorOf(makeCube().cage), "");
-  EXPECT_EQ(errorOf(withFaces(4, {{0, 1, 2, 3}})), "");
-  EXPECT_EQ(errorOf(withFaces(5, {{0, 1, 2, 3}, {1, 0, 4}})), "");
+  EXPECT_EQ(checked(makeCube().cage).warnings, "");
+  EXPECT_EQ(checked(withFaces(4, {{0, 1, 2, 3}})).warnings, "");
+  EXPECT_EQ(checked(withFaces(5, {{0, 1, 2, 3}, {1, 0, 4}})).warnings, "");
 }
 
-TEST(CageValidation, NamesAnEdgeOfThreeFaces)
+TEST(CageValidation, WarnsOfAnEdgeOfThreeFaces)
 {
-  const std::string error = errorOf(withFaces(5, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}));
-  EXPECT_NE(error.find("not manifold: the edge from vertex 1 to 2"), std::string::npos) << error;
+  const Checked result = checked(withFaces(5, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}));
+  EXPECT_NE(result.warnings.find("not manifold at 1 edge: that from vertex 1 to 2 has 3 faces"), std::string::npos)
+    << result.warnings;
+  EXPECT_TRUE(result.cage.holes.empty());
 }
 
-TEST(CageValidation, NamesFacesThatDisagreeOnTheirSide)
+TEST(CageValidation, WarnsOfFacesThatDisagreeOnTheirSide)
 {
-  const std::string error = errorOf(withFaces(4, {{0, 1, 2}, {0, 1, 3}}));
-  EXPECT_NE(error.find("not manifold"), std::string::npos) << error;
+  const Checked result = checked(withFaces(4, {{0, 1, 2}, {0, 1, 3}}));
+  EXPECT_NE(result.warnings.find("not manifold"), std::string::npos) << result.warnings;
 }
 
-TEST(CageValidation, RefusesRepeatedVerticesAndLargeFaces)
+TEST(CageValidation, RefusesRepeatedVertices)
 {
   EXPECT_EQ(errorOf(withFaces(3, {{0, 1, 1}})), "test: face 1 names vertex 2 twice");
+}
+
+TEST(CageValidation, CutsOutLargeFaces)
+{
   std::vector<unsigned> ring(17);
   for (unsigned i = 0; i < 17; i++)
     ring[i] = i;
-  EXPECT_EQ(errorOf(withFaces(17, {ring})), "test: face 1 has 17 vertices, Embree takes at most 16");
+  const Checked result = checked(withFaces(18, {{1, 0, 17}, ring}));
+  EXPECT_EQ(result.cage.holes, (std::vector<unsigned>{1}));
+  EXPECT_EQ(result.warnings, "test: face 2 has 17 vertices, Embree takes at most 16: it is left out\n");
+  EXPECT_NE(errorOf(withFaces(17, {ring})).find("no face is left"), std::string::npos);
 }
 
-TEST(CageValidation, RefusesTooManyFacesAroundAVertex)
+TEST(CageValidation, CutsOutFacesAroundAVertexOfTooMany)
 {
-  std::vector<std::vector<unsigned>> fan;
-  for (unsigned i = 0; i < 65; i++)
-    fan.push_back({0, 1 + i, 1 + (i + 1) % 65});
-  EXPECT_EQ(errorOf(withFaces(66, fan)), "test: vertex 1 has 65 faces around it, Embree takes at most 64");
+  std::vector<std::vector<unsigned>> faces = fan(65);
+  faces.push_back({2, 1, 66});
+  const Checked result = checked(withFaces(67, faces));
+  EXPECT_EQ(result.cage.holes.size(), 65u);
+  EXPECT_EQ(result.warnings, "test: vertex 1 has 65 faces around it, Embree takes at most 64: they are left out\n");
+  EXPECT_EQ(checked(withFaces(65, fan(64))).warnings, "");
+}
+
+TEST(CageValidation, CountsFacesAroundAVertexAsEmbreeDoes)
+{
+  std::vector<std::vector<unsigned>> fins; // 70 triangles on one edge: each is alone at its vertices
+  for (unsigned i = 0; i < 70; i++)
+    fins.push_back({0, 1, 2 + i});
+  const Checked result = checked(withFaces(72, fins));
+  EXPECT_TRUE(result.cage.holes.empty());
+  EXPECT_NE(result.warnings.find("has 70 faces"), std::string::npos) << result.warnings;
+}
+
+TEST(CageValidation, WarnsOfAVertexThatJoinsPartsWithoutAnEdge)
+{
+  const Checked result = checked(withFaces(5, {{0, 1, 2}, {0, 3, 4}}));
+  EXPECT_EQ(result.warnings, "test: not manifold at 1 vertex: vertex 1 joins parts that share no edge; Embree rounds each "
+                             "of them, OpenSubdiv none\n");
+}
+
+/* Four quads around vertex 4, with creases at it. */
+Cage creasedQuads(const std::vector<float>& sharpness)
+{
+  Cage cage = withFaces(9, {{0, 1, 4, 3}, {1, 2, 5, 4}, {3, 4, 7, 6}, {4, 5, 8, 7}});
+  const std::pair<unsigned, unsigned> edges[] = {{1, 4}, {4, 7}, {3, 4}, {4, 5}};
+  for (size_t i = 0; i < sharpness.size(); i++)
+  {
+    cage.creaseEdges.push_back(edges[i]);
+    cage.creaseSharpness.push_back(sharpness[i]);
+  }
+  return cage;
+}
+
+TEST(CageValidation, WarnsWhereEmbreeHasAnotherRuleForCreases)
+{
+  const auto isNamed = [](const Cage& cage) {
+    const std::vector<unsigned> vertices = verticesOfOtherCreaseRules(cage);
+    return std::find(vertices.begin(), vertices.end(), 4u) != vertices.end();
+  };
+  EXPECT_FALSE(isNamed(creasedQuads({1.5f})));
+  EXPECT_FALSE(isNamed(creasedQuads({1.5f, 1.5f})));
+  EXPECT_TRUE(isNamed(creasedQuads({1.0f, 2.0f})));
+  EXPECT_FALSE(isNamed(creasedQuads({1.0f, 2.0f, 2.0f}))) << "whole numbers";
+  EXPECT_TRUE(isNamed(creasedQuads({0.1f, 5.0f, 5.0f})));
+  EXPECT_TRUE(isNamed(creasedQuads({1.0f, 2.0f, 3.0f}))) << "of which two are left";
+  EXPECT_NE(checked(creasedQuads({0.1f, 5.0f, 5.0f})).warnings.find("another rule"), std::string::npos);
+  Cage cornered = creasedQuads({2.0f, 2.0f});
+  cornered.cornerVertices = {4};
+  cornered.cornerSharpness = {1.0f};
+  EXPECT_TRUE(isNamed(cornered));
+  Cage chaikin = creasedQuads({1.0f, 2.0f});
+  chaikin.creaseRule = CreaseRule::Chaikin;
+  EXPECT_FALSE(isNamed(chaikin)) << "Embree's own rule";
 }
 
 } // namespace

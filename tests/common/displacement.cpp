@@ -39,6 +39,32 @@ HeightMap ramp(int size)
   return map;
 }
 
+/* Heights of a map, read as it is by default. */
+std::unique_ptr<Displacement> displaced(const Cage& cage, const std::string& path, float scale)
+{
+  DisplacementMap map;
+  map.path = path;
+  map.scale = scale;
+  std::string warnings;
+  return displaceByMap(cage, map, warnings);
+}
+
+std::string warningsOf(const Cage& cage, const std::string& path)
+{
+  DisplacementMap map;
+  map.path = path;
+  std::string warnings;
+  displaceByMap(cage, map, warnings);
+  return warnings;
+}
+
+Cage withoutUVs(Cage cage)
+{
+  cage.uvs.clear();
+  cage.uvIndices.clear();
+  return cage;
+}
+
 float offset(const Displacement& d, unsigned face, float u, float v, int level = finestLevel)
 {
   float result;
@@ -132,7 +158,7 @@ void expectClosed(const Cage& cage, const Displacement& d, int level)
 TEST_F(Displacing, FacesWithTheSameCoordinatesOnAnEdgeMeetExactly)
 {
   const Cage cage = twoQuads();
-  const auto d = displaceByUVs(cage, path(ramp(64)), 2.0f);
+  const auto d = displaced(cage, path(ramp(64)), 2.0f);
   for (int level : {3, 5, 8})
     for (int i = 0; i <= 256; i++) // right border of face 0, left border of face 1
       EXPECT_EQ(offset(*d, 0, 1.0f, float(i) / 256, level), offset(*d, 1, 0.0f, float(i) / 256, level)) << i;
@@ -148,7 +174,7 @@ TEST_F(Displacing, SeamsOfAnAtlasAreClosed)
       cage.uvIndices.push_back(unsigned(cage.uvs.size()));
       cage.uvs.push_back({0.1f * float(face) + 0.04f * std::cos(angle), 0.5f + 0.3f * std::sin(angle)});
     }
-  const auto d = displaceByUVs(cage, path(ramp(64)), 2.0f);
+  const auto d = displaced(cage, path(ramp(64)), 2.0f);
   for (int level : {1, 3, 6})
     expectClosed(cage, *d, level);
 }
@@ -156,14 +182,11 @@ TEST_F(Displacing, SeamsOfAnAtlasAreClosed)
 TEST_F(Displacing, OneMapOnEveryFaceIsClosed)
 {
   const Cage cage = mixedCage();
-  std::string warning;
-  const auto d = displaceByFace(cage, path(ramp(32)), 2.0f, warning);
-  EXPECT_NE(warning.find("not of one height"), std::string::npos);
+  const auto d = displaced(cage, path(ramp(32)), 2.0f);
+  EXPECT_NE(warningsOf(cage, path(ramp(32))).find("not of one height"), std::string::npos);
   for (int level : {1, 3, 6})
     expectClosed(cage, *d, level);
-  warning.clear();
-  displaceByFace(cage, path(flat(8, 0.25f)), 2.0f, warning);
-  EXPECT_EQ(warning, "");
+  EXPECT_EQ(warningsOf(cage, path(flat(8, 0.25f))), "");
 }
 
 TEST_F(Displacing, AnImageAFaceIsReadByItsFaceAndClosed)
@@ -172,15 +195,209 @@ TEST_F(Displacing, AnImageAFaceIsReadByItsFaceAndClosed)
   std::vector<HeightMap> maps; // 5 of the pentagon, 3 of the triangle
   for (int i = 0; i < 14; i++)
     maps.push_back(flat(8, float(i)));
-  std::string warning;
-  const auto d = displaceByFace(cage, pages(maps), 1.0f, warning);
-  EXPECT_EQ(warning, "");
+  EXPECT_EQ(warningsOf(cage, pages(maps)), "");
+  const auto d = displaced(cage, pages(maps), 1.0f);
   EXPECT_EQ(offset(*d, 0, 2.0f * 3 + 0.5f + 0.4f, 0.7f), 3.0f - neutralHeight) << "fourth corner of the pentagon";
   EXPECT_EQ(offset(*d, 2, 0.5f, 0.5f), 6.0f - neutralHeight);
   EXPECT_EQ(offset(*d, 7, 0.5f, 0.5f), 13.0f - neutralHeight);
   expectClosed(cage, *d, 4);
   maps.pop_back();
-  EXPECT_THROW(displaceByFace(cage, pages(maps), 1.0f, warning), Error);
+  EXPECT_THROW(displaced(cage, pages(maps), 1.0f), Error);
+}
+
+/* An image of some channels, the same in all texels. */
+std::string constantImage(const std::filesystem::path& file, const std::vector<float>& color, OIIO::TypeDesc type)
+{
+  const auto output = OIIO::ImageOutput::create(file.string());
+  OIIO::ImageSpec spec(8, 8, int(color.size()), type);
+  std::vector<float> texels;
+  for (int i = 0; i < 64; i++)
+    texels.insert(texels.end(), color.begin(), color.end());
+  spec.attribute("oiio:UnassociatedAlpha", 1); // as an artist has it: colours are not multiplied
+  EXPECT_TRUE(output->open(file.string(), spec) && output->write_image(OIIO::TypeDesc::FLOAT, texels.data()) &&
+              output->close());
+  return file.string();
+}
+
+/* The two quads, the right one a tile further. */
+Cage quadsOnTiles()
+{
+  Cage cage = twoQuads();
+  cage.uvs = {{0, 0}, {1, 0}, {2, 0}, {0, 1}, {1, 1}, {2, 1}};
+  return cage;
+}
+
+TEST_F(Displacing, UdimTilesAreReadByTheMiddleOfAFace)
+{
+  const Cage cage = quadsOnTiles();
+  path(flat(8, 0.75f), "skin.1001.exr");
+  path(flat(8, 1.5f), "skin.1002.exr");
+  const std::string skin = (folder / "skin.<UDIM>.exr").string();
+  EXPECT_EQ(warningsOf(cage, skin), "");
+  const auto d = displaced(cage, skin, 1.0f);
+  EXPECT_FLOAT_EQ(offset(*d, 0, 0.5f, 0.5f), 0.25f);
+  EXPECT_FLOAT_EQ(offset(*d, 0, 0.999f, 0.5f), 0.25f) << "up to the border of the tile";
+  EXPECT_FLOAT_EQ(offset(*d, 1, 0.5f, 0.5f), 1.0f);
+  for (int i = 0; i <= 16; i++) // on the border of both
+  {
+    EXPECT_FLOAT_EQ(offset(*d, 0, 1.0f, float(i) / 16), 0.625f) << i;
+    EXPECT_EQ(offset(*d, 0, 1.0f, float(i) / 16), offset(*d, 1, 0.0f, float(i) / 16)) << i;
+  }
+}
+
+TEST_F(Displacing, FacesWithoutAUdimTileStayAsTheyAre)
+{
+  path(flat(8, 0.75f), "skin.1001.exr");
+  const std::string skin = (folder / "skin.<UDIM>.exr").string();
+  EXPECT_NE(warningsOf(quadsOnTiles(), skin).find("there is no tile 1002, 1 face of two stay"), std::string::npos)
+    << warningsOf(quadsOnTiles(), skin);
+  EXPECT_FLOAT_EQ(offset(*displaced(quadsOnTiles(), skin, 1.0f), 1, 0.5f, 0.5f), 0.0f);
+  EXPECT_THROW(displaced(quadsOnTiles(), (folder / "hide.<UDIM>.exr").string(), 1.0f), Error);
+  EXPECT_THROW(displaced(withoutUVs(quadsOnTiles()), skin, 1.0f), Error);
+}
+
+TEST_F(Displacing, CoordinatesAndMapsThatAreLikelyNotMeantAreWarnedOf)
+{
+  const std::string map = path(flat(8, 0.75f));
+  EXPECT_NE(warningsOf(quadsOnTiles(), map).find("laid out in UDIM tiles, 1001 to 1002"), std::string::npos);
+  EXPECT_EQ(warningsOf(twoQuads(), map), "");
+  const std::string normals = constantImage(folder / "normals.png", {0.5f, 0.55f, 0.99f}, OIIO::TypeDesc::UINT8);
+  EXPECT_NE(warningsOf(twoQuads(), normals).find("looks like a normal map"), std::string::npos);
+  const std::string grey = constantImage(folder / "grey.png", {0.7f, 0.7f, 0.7f}, OIIO::TypeDesc::UINT8);
+  EXPECT_EQ(warningsOf(twoQuads(), grey), "");
+}
+
+TEST_F(Displacing, MidLevelAndChannelSayWhatIsRead)
+{
+  DisplacementMap map;
+  map.path = constantImage(folder / "color.exr", {0.1f, 0.2f, 0.4f}, OIIO::TypeDesc::FLOAT);
+  map.scale = 2.0f;
+  std::string warnings;
+  const auto here = [&] { return offset(*displaceByMap(twoQuads(), map, warnings), 0, 0.5f, 0.5f); };
+  EXPECT_FLOAT_EQ(here(), 2.0f * (0.1f - 0.5f));
+  map.midLevel = 0.0f;
+  for (const auto& [channel, value] : {std::pair<const char*, float>{"G", 0.2f}, {"B", 0.4f}, {"1", 0.2f}, {"0", 0.1f}})
+  {
+    map.channel = channel;
+    EXPECT_FLOAT_EQ(here(), 2.0f * value) << channel;
+  }
+  for (const char* channel : {"A", "3", "-1", "green"})
+  {
+    map.channel = channel;
+    EXPECT_THROW(here(), Error) << channel;
+  }
+}
+
+TEST_F(Displacing, AlphaIsNotMultipliedIn)
+{
+  const std::string map = constantImage(folder / "alpha.png", {0.8f, 0.8f, 0.8f, 0.25f}, OIIO::TypeDesc::UINT16);
+  EXPECT_NEAR(offset(*displaced(twoQuads(), map, 1.0f), 0, 0.5f, 0.5f), 0.8f - neutralHeight, 1e-4f);
+}
+
+TEST_F(Displacing, RepeatedMapsReturn)
+{
+  DisplacementMap map;
+  map.path = path(ramp(64));
+  std::string warnings;
+  const Cage cage = twoQuads(), bare = withoutUVs(cage);
+  const auto once = displaceByMap(bare, map, warnings);
+  map.repeat = {4, 2};
+  const auto often = displaceByMap(bare, map, warnings);
+  EXPECT_NEAR(offset(*often, 0, 0.1f, 0.2f), offset(*once, 0, 0.4f, 0.4f), 1e-5f);
+  EXPECT_NEAR(offset(*often, 0, 0.35f, 0.7f), offset(*often, 0, 0.1f, 0.2f), 1e-5f);
+  Cage scaled = cage;
+  for (Vec2f& uv : scaled.uvs)
+    uv = {4 * uv.x, 2 * uv.y};
+  const auto byCoordinates = displaceByMap(cage, map, warnings);
+  map.repeat = {1, 1};
+  EXPECT_EQ(offset(*byCoordinates, 0, 0.3f, 0.6f, 5), offset(*displaceByMap(scaled, map, warnings), 0, 0.3f, 0.6f, 5));
+}
+
+Vec3f vectorAt(const Displacement& d, unsigned face, float u, float v, Vec3f normal)
+{
+  Vec3f result;
+  d.vectors({face, finestLevel, 1, &u, &v}, &normal, &result);
+  return result;
+}
+
+void expectVector(Vec3f found, Vec3f expected)
+{
+  EXPECT_NEAR(length(found - expected), 0.0f, 1e-5f) << found.x << ", " << found.y << ", " << found.z;
+}
+
+TEST_F(Displacing, VectorsAreThoseOfTheCageOrOfItsTexture)
+{
+  DisplacementMap map;
+  map.path = constantImage(folder / "vectors.exr", {0.1f, 0.2f, -0.3f}, OIIO::TypeDesc::FLOAT);
+  map.scale = 2.0f;
+  map.values = MapValues::ObjectVectors;
+  std::string warnings;
+  Cage cage = twoQuads();
+  const Vec3f up{0, 0, 1};
+  const auto object = displaceByMap(cage, map, warnings);
+  EXPECT_FALSE(object->isAlongNormals());
+  expectVector(vectorAt(*object, 0, 0.4f, 0.7f, up), {0.2f, 0.4f, -0.6f});
+
+  map.values = MapValues::TangentVectors; // tangent, normal, second axis
+  cage.uvs = {{0, 0}, {0.5f, 0}, {1, 0}, {0, 1}, {0.5f, 1}, {1, 1}};
+  expectVector(vectorAt(*displaceByMap(cage, map, warnings), 0, 0.4f, 0.7f, up), {0.2f, -0.6f, 0.4f});
+  Cage turnedCage = cage; // texture coordinates a quarter further: u along y, v along -x
+  for (Vec2f& uv : turnedCage.uvs)
+    uv = {uv.y, 1 - uv.x};
+  expectVector(vectorAt(*displaceByMap(turnedCage, map, warnings), 1, 0.4f, 0.7f, up), {0.6f, 0.2f, 0.4f});
+  Cage mirrored = cage; // u along -x
+  for (Vec2f& uv : mirrored.uvs)
+    uv = {1 - uv.x, uv.y};
+  expectVector(vectorAt(*displaceByMap(mirrored, map, warnings), 0, 0.4f, 0.7f, up), {-0.2f, -0.6f, 0.4f});
+  EXPECT_THROW(displaceByMap(withoutUVs(cage), map, warnings), Error);
+  map.channel = "1";
+  EXPECT_THROW(displaceByMap(cage, map, warnings), Error) << "two channels are left";
+}
+
+TEST_F(Displacing, VectorsAreClosedOnSeams)
+{
+  Cage cage = mixedCage();
+  for (unsigned face = 0; face < cage.numFaces(); face++) // every face a square of its own, some mirrored
+    for (unsigned i = 0; i < cage.faceSizes[face]; i++)
+    {
+      const float angle = (face % 2 ? 6.2832f : -6.2832f) * float(i) / float(cage.faceSizes[face]);
+      cage.uvIndices.push_back(unsigned(cage.uvs.size()));
+      cage.uvs.push_back({0.1f * float(face) + 0.04f * std::cos(angle), 0.5f + 0.3f * std::sin(angle)});
+    }
+  DisplacementMap map;
+  map.path = constantImage(folder / "vectors.exr", {0.1f, 0.2f, -0.3f}, OIIO::TypeDesc::FLOAT);
+  map.values = MapValues::TangentVectors;
+  std::string warnings;
+  const auto d = displaceByMap(cage, map, warnings);
+  const FaceBorders borders(cage);
+  const Vec3f normal = normalize(Vec3f{0.3f, 0.5f, 0.8f});
+  for (unsigned face = 0; face < cage.numFaces(); face++)
+    for (unsigned edge = 0; edge < cage.faceSizes[face]; edge++)
+      for (float t : {0.0f, 0.25f, 0.5f, 1.0f})
+      {
+        const FaceBorders::Side other = borders.opposite(face, edge);
+        const FacePoint a = borders.point(face, edge, t), b = borders.point(other.face, other.edge, 1 - t);
+        const Vec3f x = vectorAt(*d, a.face, a.u, a.v, normal), y = vectorAt(*d, b.face, b.u, b.v, normal);
+        EXPECT_TRUE(x.x == y.x && x.y == y.y && x.z == y.z) << "face " << face << " edge " << edge << " at " << t;
+      }
+}
+
+/* Three quads on one edge, of which one runs through it the same way as another. */
+TEST_F(Displacing, EdgesOfThreeFacesAreClosed)
+{
+  Cage cage;
+  cage.name = "fin";
+  cage.positions = {{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}, {-1, 1, 0}, {-1, 0, 0}, {0, 1, 1}, {0, 0, 1}};
+  cage.faceSizes = {4, 4, 4};
+  cage.faceIndices = {0, 3, 2, 1, 0, 1, 4, 5, 0, 1, 6, 7};
+  const auto d = displaced(cage, path(ramp(32)), 2.0f);
+  for (int i = 0; i <= 8; i++)
+  {
+    const float t = float(i) / 8;
+    const float expected = offset(*d, 1, t, 0.0f, 3);
+    EXPECT_EQ(offset(*d, 2, t, 0.0f, 3), expected) << t;
+    EXPECT_EQ(offset(*d, 0, 0.0f, t, 3), expected) << t;
+  }
 }
 
 TEST_F(Displacing, MapsAreFilteredToTheSpacing)
@@ -191,9 +408,8 @@ TEST_F(Displacing, MapsAreFilteredToTheSpacing)
       checker.at(x, y) = float((x + y) & 1);
   Cage cage = twoQuads();
   cage.uvs = {{0, 0}, {0.5f, 0}, {1, 0}, {0, 1}, {0.5f, 1}, {1, 1}};
-  std::string warning;
   const std::string file = path(checker);
-  const auto byUVs = displaceByUVs(cage, file, 1.0f), byFace = displaceByFace(cage, file, 1.0f, warning);
+  const auto byUVs = displaced(cage, file, 1.0f), byFace = displaced(withoutUVs(cage), file, 1.0f);
   const float texel = 100.5f / 256.0f;
   for (const Displacement* d : {byUVs.get(), byFace.get()})
   {
@@ -206,7 +422,7 @@ TEST_F(Displacing, IsTheSameFromManyThreadsInAnyOrder)
 {
   const Cage cage = twoQuads();
   const std::string file = path(ramp(512));
-  const auto alone = displaceByUVs(cage, file, 1.0f), shared = displaceByUVs(cage, file, 1.0f);
+  const auto alone = displaced(cage, file, 1.0f), shared = displaced(cage, file, 1.0f);
   constexpr size_t n = 20000;
   std::vector<float> expected(n), got(n);
   const auto point = [](size_t i) { return Vec2f{float(i * 7919 % 4096) / 4096, float(i * 104729 % 4096) / 4096}; };
@@ -223,9 +439,8 @@ TEST_F(Displacing, NeutralHeightMovesNothing)
 {
   const std::string map = path(flat(4, neutralHeight));
   const Cage cage = twoQuads();
-  std::string warning;
-  EXPECT_EQ(offset(*displaceByUVs(cage, map, 3.0f), 1, 0.3f, 0.7f), 0.0f);
-  EXPECT_EQ(offset(*displaceByFace(cage, map, 3.0f, warning), 1, 0.3f, 0.7f), 0.0f);
+  EXPECT_EQ(offset(*displaced(cage, map, 3.0f), 1, 0.3f, 0.7f), 0.0f);
+  EXPECT_EQ(offset(*displaced(withoutUVs(cage), map, 3.0f), 1, 0.3f, 0.7f), 0.0f);
   EXPECT_EQ(offset(*displaceByAtlas(cage, FaceAtlas::forFaces(2, 2), flat(6, neutralHeight), 3.0f), 0, 0.3f, 0.7f), 0.0f);
 }
 
@@ -243,7 +458,7 @@ TEST_F(Displacing, PolygonsInterpolateOverTheirCornerQuads)
   for (int y = 0; y < 16; y++)
     for (int x = 0; x < 128; x++)
       map.at(x, y) = (float(x) + 0.5f) / 128.0f + neutralHeight;
-  const auto d = displaceByUVs(triangle, path(map), 1.0f);
+  const auto d = displaced(triangle, path(map), 1.0f);
   EXPECT_NEAR(offset(*d, 0, 0.5f, 0.5f), 0.2f, 1e-5f);  // corner 0
   EXPECT_NEAR(offset(*d, 0, 1.5f, 0.5f), 0.5f, 1e-5f);  // middle of its edge
   EXPECT_NEAR(offset(*d, 0, 2.5f, 0.5f), 0.8f, 1e-5f);  // corner 1

@@ -50,13 +50,15 @@ TEST(HeightMap, IsBilinearBetweenTexelCentres)
   EXPECT_EQ(map.sampleTexels(-5, 9), 10.0f) << "the border is repeated";
 }
 
-TEST(HeightMap, KnowsAConstantBorder)
+TEST_F(HeightMapFile, KnowsAConstantBorder)
 {
   HeightMap map(3, 3);
   map.at(1, 1) = 7.0f;
-  EXPECT_TRUE(map.hasConstantBorder());
+  map.write(path);
+  EXPECT_TRUE(HeightMap::inspect(path).constantBorder);
   map.at(2, 1) = 1.0f;
-  EXPECT_FALSE(map.hasConstantBorder());
+  map.write(path);
+  EXPECT_FALSE(HeightMap::inspect(path).constantBorder);
 }
 
 TEST_F(HeightMapFile, FloatExrKeepsEveryBit)

@@ -7,8 +7,10 @@
 #include "scenes/cube.h"
 #include "support/random_cages.h"
 #include "surface/limit_surface.h"
+#include "surface/topology_refiner.h"
 
 #include <gtest/gtest.h>
+#include <opensubdiv/far/primvarRefiner.h>
 
 namespace cbvh::test {
 namespace {
@@ -250,6 +252,106 @@ TEST(LimitSurface, EqualsEmbreesWithCreasesAndCorners)
       cornered.cornerSharpness = {sharpness, INFINITY};
       expectEmbrees(cornered, margin, random);
     }
+  }
+}
+
+/* OpenSubdiv's shapes catmark_cube_creases1 and 2: a cube of creases, of which the last one,
+ * from vertex 3 to 5, is another. */
+Cage creasedCube(float sharpness, float last)
+{
+  Cage cage;
+  cage.name = "creased cube";
+  const float a = 1.414214f;
+  cage.positions = {{0, -a, 1}, {a, 0, 1}, {-a, 0, 1}, {0, a, 1}, {-a, 0, -1}, {0, a, -1}, {0, -a, -1}, {a, 0, -1}};
+  cage.faceSizes.assign(6, 4);
+  cage.faceIndices = {0, 1, 3, 2, 2, 3, 5, 4, 4, 5, 7, 6, 6, 7, 1, 0, 1, 7, 5, 3, 6, 0, 2, 4};
+  cage.creaseEdges = {{0, 1}, {1, 3}, {3, 2}, {2, 0}, {4, 5}, {5, 7}, {7, 6}, {6, 4}, {0, 6}, {1, 7}, {2, 4}, {3, 5}};
+  cage.creaseSharpness.assign(12, sharpness);
+  cage.creaseSharpness.back() = last;
+  return cage;
+}
+
+constexpr unsigned fadingVertex = 3;             // of the creased cube
+constexpr PatchPoint fadingPoint{0, 0, 1, 1};    // there, in face 0
+
+/* The cage after one step of OpenSubdiv's subdivision, with the sharpness that is left. */
+Cage refined(const Cage& cage)
+{
+  namespace Far = OpenSubdiv::Far;
+  struct Point
+  {
+    Vec3f p;
+    void Clear() { p = {}; }
+    void AddWithWeight(const Point& q, float weight) { p += weight * q.p; }
+  };
+  const std::unique_ptr<Far::TopologyRefiner> refiner = makeTopologyRefiner(cage, true);
+  Far::TopologyRefiner::UniformOptions options(1);
+  options.fullTopologyInLastLevel = true;
+  refiner->RefineUniform(options);
+  const Far::TopologyLevel level = refiner->GetLevel(1);
+  std::vector<Point> from, to(size_t(level.GetNumVertices()));
+  for (const Vec3f& p : cage.positions)
+    from.push_back({p});
+  Far::PrimvarRefiner(*refiner).Interpolate(1, from, to);
+  Cage result;
+  result.name = cage.name + ", refined";
+  for (const Point& point : to)
+    result.positions.push_back(point.p);
+  for (int face = 0; face < level.GetNumFaces(); face++)
+  {
+    const Far::ConstIndexArray vertices = level.GetFaceVertices(face);
+    result.faceSizes.push_back(unsigned(vertices.size()));
+    result.faceIndices.insert(result.faceIndices.end(), vertices.begin(), vertices.end());
+  }
+  for (int edge = 0; edge < level.GetNumEdges(); edge++)
+    if (const float sharpness = level.GetEdgeSharpness(edge); sharpness > 0.0f)
+    {
+      const Far::ConstIndexArray vertices = level.GetEdgeVertices(edge);
+      result.creaseEdges.push_back({unsigned(vertices[0]), unsigned(vertices[1])});
+      result.creaseSharpness.push_back(sharpness >= 10.0f ? INFINITY : sharpness);
+    }
+  return result;
+}
+
+/* The first step at vertex 3 by hand: 0.1 of the corner, which stays, and 0.9 of the crease
+ * through it. 1.09601581 is also what Hbr has, in OpenSubdiv's regression baseline. */
+TEST(LimitSurface, AFadingCreaseIsBlendedAsInThePaper)
+{
+  const Cage cage = creasedCube(5.0f, 0.1f);
+  const float corner = cage.positions[fadingVertex].y, crease = 6.0f / 8.0f * corner;
+  const float expected = 0.1f * corner + 0.9f * crease;
+  EXPECT_NEAR(expected, 1.09601581f, 1e-6f);
+  const std::vector<Vec3f> after = refined(cage).positions;
+  const auto found = std::find_if(after.begin(), after.end(), [&](Vec3f p) {
+    return p.x == 0.0f && p.z == 1.0f && std::abs(p.y - expected) < 1e-6f;
+  });
+  EXPECT_NE(found, after.end());
+}
+
+TEST(LimitSurface, IsContinuousInTheSharpnessOfAThirdCreaseAndEmbreesIsNot)
+{
+  const auto reach = [](float last) { return LimitSurface(creasedCube(INFINITY, last)).evaluate(fadingPoint).p.y; };
+  EXPECT_NEAR(reach(0.001f), reach(0.0f), 0.001);
+  EXPECT_GT(reach(0.5f), reach(0.001f) + 0.1);
+
+  Random random(7);
+  expectEmbrees(creasedCube(INFINITY, 0.0f), 0x1p-8, random);
+  EXPECT_GT(deviationFromEmbree(creasedCube(INFINITY, 0.001f), 0x1p-8, random).position, 0.1);
+}
+
+/* Once the fading crease is gone, both have the same rules again, and so the surface that
+ * Embree makes of the refined cage is OpenSubdiv's of the cage itself. */
+TEST(LimitSurface, EqualsEmbreesAfterOneStepOfOpenSubdivs)
+{
+  Random random(8);
+  for (float sharpness : {5.0f, INFINITY})
+  {
+    const Cage cage = creasedCube(sharpness, 0.1f), child = refined(cage);
+    EXPECT_GT(deviationFromEmbree(cage, 0x1p-8, random).position, 0.1) << sharpness;
+    expectEmbrees(child, 0x1p-8, random);
+    const Vec3d whole = LimitSurface(cage).evaluate({0, 0, 0.75, 0.75}).p;
+    const Vec3d part = LimitSurface(child).evaluate({2, 0, 0.5, 0.5}).p; // of the quarter at the third corner
+    EXPECT_NEAR(length(whole - part), 0.0, 1e-6) << sharpness;
   }
 }
 

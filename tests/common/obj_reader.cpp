@@ -14,7 +14,8 @@ namespace {
 Cage read(const std::string& text)
 {
   std::istringstream stream(text);
-  return readObj(stream, "test.obj");
+  std::string warnings;
+  return readObj(stream, "test.obj", warnings);
 }
 
 const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -108,8 +109,20 @@ TEST(ObjReader, RefusesBadInputWithItsLine)
   };
   for (const auto& [text, message] : cases)
     EXPECT_EQ(errorOf(square + text), message) << text;
-  EXPECT_THROW(readObj("/nonexistent/cage.obj"), Error);
-  EXPECT_THROW(readObj("/"), Error);
+  std::string warnings;
+  EXPECT_THROW(readObj("/nonexistent/cage.obj", warnings), Error);
+  EXPECT_THROW(readObj("/", warnings), Error);
+}
+
+TEST(ObjReader, RulesOfSubdivisionAreReadOrWarnedOf)
+{
+  EXPECT_EQ(read(square + "f 1 2 3 4\n").creaseRule, CreaseRule::Uniform);
+  EXPECT_EQ(read(square + "f 1 2 3 4\nt creasemethod 0/0/1 chaikin\n").creaseRule, CreaseRule::Chaikin);
+  EXPECT_EQ(errorOf(square + "t creasemethod 0/0/1 blunt\n"), "test.obj:5: tag 'creasemethod' needs normal or chaikin");
+  std::istringstream stream(square + "f 1 2 3\nt smoothtriangles 0/0/1 smooth\n");
+  std::string warnings;
+  readObj(stream, "test.obj", warnings);
+  EXPECT_EQ(warnings, "test.obj:6: tag 'smoothtriangles smooth' is not obeyed: Embree has the normal rule only\n");
 }
 
 } // namespace

@@ -26,13 +26,14 @@ refuses() {
 sed 's/^f.*/f 1 2/' "$folder/quad.obj" >"$folder/two.obj"
 sed 's/^f.*/f 1 2 3 7/' "$folder/quad.obj" >"$folder/range.obj"
 sed 's/^f.*/f 1 2 3\nf 2 1 4\nf 1 2 4/' "$folder/quad.obj" >"$folder/edge.obj"
+{ for i in $(seq 17); do echo "v $i $((i * i)) 0"; done; echo "f $(seq -s ' ' 17)"; } >"$folder/ring.obj"
 : >"$folder/empty.obj"
 echo "no image" >"$folder/text.png"
 printf '\x76\x2f\x31\x01\x02\x00\x00\x00' >"$folder/short.exr"
 
 refuses "face needs at least three vertices" --cage "$folder/two.obj"
 refuses "index 7 is out of range" --cage "$folder/range.obj"
-refuses "not manifold" --cage "$folder/edge.obj"
+refuses "no face is left" --cage "$folder/ring.obj"
 refuses "no faces" --cage "$folder/empty.obj"
 refuses "cannot be opened" --cage "$folder/missing.obj"
 refuses "no such height map" --cage "$folder/quad.obj" --height "$folder/missing.exr"
@@ -63,35 +64,96 @@ refuses "colour" --scene cube --colour red
 refuses "level" --scene cube --level six
 refuses "cannot be made an output folder" --scene cube --output "$folder/text.png/out"
 
+refuses "height-repeat 'many'" --cage "$folder/quad.obj" --height "$folder/text.png" --height-repeat many
+refuses "mid-level needs a height map" --cage "$folder/quad.obj" --mid-level 0.2
+refuses "vectors" --cage "$folder/quad.obj" --height "$folder/text.png" --vectors world
+refuses "give one" --cage "$folder/quad.obj" --height "$folder/text.png" --amplitude 1 --height-scale 1
+refuses "does not go with <UDIM>" --cage "$folder/quad.obj" --height "$folder/skin.<UDIM>.png" --height-repeat 2
+refuses "wants tile 1001" --cage "$folder/quad.obj" --height "$folder/skin.<UDIM>.png"
+refuses "up" --cage "$folder/quad.obj" --up w
+refuses "up belongs to --cage" --scene cube --up z
+refuses "colors" --scene cube --colors magenta
+
 if [ "$(id -u)" != 0 ]; then
   mkdir -p "$folder/closed" && chmod a-w "$folder/closed"
   refuses "files cannot be written there" --scene cube --output "$folder/closed"
 fi
 
 # What a run leaves.
-out="$folder/good"
-"$program" --scene cube --level 3 --size 64x48 --rays 2000 --repeat 1 --output "$out" --json "$folder/numbers.json" \
-  --representation "$representations" --ambient 4 >"$folder/table" 2>"$folder/stderr" || complain "cube: $(cat "$folder/stderr")"
+# run NAME OPTION...: table in $folder/NAME, messages beside it, pictures in a folder of that name.
+run() {
+  local name=$1
+  shift
+  "$program" --level 3 --size 64x48 --rays 2000 --repeat 1 --output "$folder/$name.out" "$@" \
+    >"$folder/$name" 2>"$folder/$name.err" || complain "$name: $(cat "$folder/$name.err")"
+}
+expect_rows() {
+  local table=$1
+  shift
+  for row in "$@"; do
+    grep -q "^| $row" "$folder/$table" || complain "no row '$row' in $table: $(cat "$folder/$table")"
+  done
+}
+rows() { grep -c '^| [^ ]' "$folder/$1"; } # the head is not one: its first cell is empty
+
+out="$folder/good.out"
+run good --scene cube --json "$folder/numbers.json" --representation "$representations" --ambient 4
 for representation in ${representations//,/ }; do
   case $representation in c*) stem=${representation}2 ;; *) stem=$representation ;; esac
-  for file in "cube_$stem.png" "cube_$stem.exr"; do
+  for file in "cube_$stem.png" "cube_$stem.exr" "cube_${stem}_ambient.png"; do
     [ -s "$out/$file" ] || complain "no $file"
   done
   [ "$stem" = grid ] || [ -s "$out/cube_${stem}_error.png" ] || complain "no error map of $stem"
-  [ "$stem" = grid ] || [ -s "$out/cube_${stem}_ambient.png" ] || complain "no ambient occlusion of $stem"
 done
 [ -z "$(find "$out" -name '.tmp-*')" ] || complain "temporary files are left"
-for row in "bytes a quad" "peak of the build" "build, s" "coherent, closest hit" "incoherent, any hit" \
-  "error RMSE" "against the true surface" "false hits" "misses"; do
-  grep -q "$row" "$folder/table" || complain "no row '$row' in the table"
-done
-grep '^| any hit disagrees' "$folder/table" | grep -q '[1-9]' && complain "any hit and closest hit disagree"
+expect_rows good "bytes a quad" "peak of the build" "build, s" "coherent rays" "incoherent rays" "error against the mesh" \
+  "error against the true surface" "false hits + misses" "flipped normals"
+[ "$(rows good)" -le 10 ] || complain "$(rows good) rows"
+grep -q "^  $out/cube_{.*}.png: shaded" "$folder/good" || complain "not a word on where the pictures are"
 grep -q '"bytes_per_quad"' "$folder/numbers.json" || complain "no numbers in the JSON"
 if command -v iinfo >/dev/null; then
   for channel in P.X P.Y P.Z Z N.X N.Y N.Z u v primID; do
     iinfo -v "$out/cube_grid.exr" | grep "channel list" | grep -q "\b$channel\b" || complain "no channel $channel"
   done
 fi
+
+run details --scene cube --representation "$representations" --details
+expect_rows details "- leaves" "coherent, closest hit" "incoherent, any hit" "against the mesh: error RMSE" \
+  "against the true surface" "- false hits" "- misses" "- flipped normals"
+[ "$(rows details)" -gt 40 ] || complain "$(rows details) rows with --details"
+grep '^| any hit disagrees' "$folder/details" | grep -q '[1-9]' && complain "any hit and closest hit disagree"
+
+# One representation alone: the same picture, and nothing that GRID or a clock would have to be there for.
+run alone --scene cube --representation cleaf --no-speed
+cmp -s "$folder/alone.out/cube_cleaf2.png" "$out/cube_cleaf2.png" || complain "another picture without GRID"
+[ ! -e "$folder/alone.out/cube_cleaf2_error.png" ] || complain "an error map without a reference"
+grep -q "GRID: build" "$folder/alone.err" && complain "GRID was built: $(cat "$folder/alone.err")"
+grep -qi "speed\|GRID\|mesh" "$folder/alone" && complain "words on what was not measured: $(cat "$folder/alone")"
+expect_rows alone "error against the true surface" "flipped normals"
+
+# What faces away is magenta in a mode of its own.
+sed 's/^f.*/f 4\/4 3\/3 2\/2 1\/1/' "$folder/quad.obj" >"$folder/back.obj"
+for colors in neutral sides; do
+  for side in quad back; do
+    run "${side}_$colors" --cage "$folder/$side.obj" --representation grid --no-speed --colors $colors --view 0.5,0.5,3,0.5,0.5,0,35
+  done
+done
+picture() { cat "$folder/$1.out/"*.png; }
+[ "$(picture quad_neutral | cksum)" = "$(picture back_neutral | cksum)" ] || complain "sides look different by default"
+[ "$(picture quad_sides | cksum)" = "$(picture quad_neutral | cksum)" ] || complain "the outside is not neutral"
+[ "$(picture back_sides | cksum)" != "$(picture back_neutral | cksum)" ] || complain "--colors sides shows no inside"
+grep -q "magenta" "$folder/back_sides" || complain "no word on what magenta is"
+
+# Cages that Embree takes by rules of its own: a line, and a picture.
+run edge --cage "$folder/edge.obj" --representation cleaf --no-speed
+grep -q "cbvh_render: warning: .*not manifold" "$folder/edge.err" || complain "no word on an edge of three faces"
+
+# Standard output that cannot be written.
+for arguments in --help "--scene cube --level 1 --size 16x16 --no-speed --representation grid --output $folder/full"; do
+  # shellcheck disable=SC2086
+  "$program" $arguments >/dev/full 2>"$folder/stderr" && complain "status 0 on a full disk: $arguments"
+  grep -q "standard output cannot be written" "$folder/stderr" || complain "no word on a full disk: $arguments"
+done
 
 # Ctrl-C in the middle: status 130, and no half of a file.
 "$program" --scene trex --level 6 --output "$folder/cancelled" --representation grid >/dev/null 2>"$folder/stderr" &

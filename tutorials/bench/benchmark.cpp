@@ -5,8 +5,8 @@
 
 #include "group_run.h"
 #include "basics/file_output.h"
+#include "programs/warnings.h"
 
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <unistd.h>
@@ -40,12 +40,11 @@ Model loadModel(const BenchOptions& options, const BenchScene& bench, const std:
   SceneSettings settings = bench.settings;
   settings.mapFolder = mapFolder;
   settings.threads = options.buildThreads;
-  std::string warning;
-  Model model = loadScene(settings, warning);
+  std::string warnings;
+  Model model = loadScene(settings, warnings);
   for (Placement& copy : model.copies)
     copy.origin += options.position;
-  if (!warning.empty())
-    std::fprintf(stderr, "cbvh_bench: warning: %s\n", warning.c_str());
+  printWarnings("cbvh_bench", warnings);
   return model;
 }
 

@@ -28,17 +28,16 @@ void run(const cbvh::BenchOptions& options, const cbvh::Machine& machine)
   const std::filesystem::path folder = std::filesystem::path(options.json).parent_path();
   if (!folder.empty())
     cbvh::prepareOutputFolder(folder.string());
-  std::fputs(cbvh::formatHead(options, machine).c_str(), stdout);
+  cbvh::writeStandardOutput(cbvh::formatHead(options, machine));
 
   /* Written anew after each group: a run that is stopped keeps what it has. */
   std::vector<cbvh::Group> groups;
   const size_t wanted = options.scenes.size() * options.levels.size();
   cbvh::runBenchmark(options, [&](const cbvh::Group& group) {
     groups.push_back(group);
-    std::fputs(cbvh::formatTable(group).c_str(), stdout);
-    std::fflush(stdout);
     if (!options.json.empty())
       cbvh::writeTextFile(options.json, cbvh::formatJson(options, machine, groups, groups.size() == wanted));
+    cbvh::writeStandardOutput(cbvh::formatTable(group));
   });
 }
 

@@ -20,7 +20,7 @@ namespace {
 } // namespace
 
 HeightMap HeightMap::read(const std::string& path) { refuse(path); }
-HeightMap::FileInfo HeightMap::inspect(const std::string& path) { refuse(path); }
+HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::string&, int) { refuse(path); }
 
 /* Not kept for another run. */
 void HeightMap::write(const std::string&, const std::string&) const {}
@@ -29,9 +29,10 @@ std::string HeightMap::recipeOf(const std::string&) { return ""; }
 struct HeightTexture::Implementation
 {
 };
-HeightTexture::HeightTexture(const std::string& path, TextureWrap) { refuse(path); }
+HeightTexture::HeightTexture(const std::vector<std::string>& paths, const TextureChannels&, TextureWrap) { refuse(paths.front()); }
 HeightTexture::~HeightTexture() = default;
-float HeightTexture::sample(unsigned, float, float, float, float) const { return 0.0f; }
+bool HeightTexture::looksLikeNormals() const { return false; }
+void HeightTexture::sample(unsigned, float, float, float, float, float*) const {}
 
 void writePng(const std::string& path, const Image&) { refuse(path); }
 

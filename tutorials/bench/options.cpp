@@ -321,7 +321,7 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
     return std::nullopt;
   if (words.about)
   {
-    std::puts(formatAbout(machine).c_str());
+    writeStandardOutput(formatAbout(machine) + "\n");
     return std::nullopt;
   }
   readSurfaces(words, o);

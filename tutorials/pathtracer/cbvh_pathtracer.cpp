@@ -11,6 +11,7 @@
 #include "basics/parallel.h"
 #include "basics/progress.h"
 #include "programs/view_options.h"
+#include "programs/warnings.h"
 
 #include <chrono>
 #include <cstdio>
@@ -21,10 +22,9 @@ namespace {
 
 Model loadModel(const PathTracerOptions& options)
 {
-  std::string warning;
-  Model model = loadScene(options.scene, warning);
-  if (!warning.empty())
-    std::fprintf(stderr, "cbvh_pathtracer: warning: %s\n", warning.c_str());
+  std::string warnings;
+  Model model = loadScene(options.scene, warnings);
+  printWarnings("cbvh_pathtracer", warnings);
   return model;
 }
 

@@ -22,11 +22,12 @@ int main(int argc, char** argv)
     if (!options)
       return 0;
     cbvh::installCancelHandler();
+    cbvh::endSoonAfterCancel("cbvh_render");
     cbvh::prepareOutputFolder(options->output);
     const cbvh::Comparison comparison = cbvh::runComparison(*options);
-    std::fputs(cbvh::formatTable(comparison).c_str(), stdout);
     if (!options->json.empty())
       cbvh::writeTextFile(options->json, cbvh::formatJson(comparison));
+    cbvh::writeStandardOutput(cbvh::formatTable(comparison, options->details));
     return 0;
   }
   catch (const cbvh::Cancelled&)

@@ -1,15 +1,18 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* GRID is always built and stays: its hits make the rays, and every other representation
- * is timed in turns with it. Of the others one is in memory at a time.
+/* GRID goes first and stays, if it is asked for and fits: every other representation is
+ * timed in turns with it. Of the others one is in memory at a time. What is built first
+ * makes the rays.
  *
- * NAIVE, the largest, goes first: where it is there, the reference of all errors is what
+ * NAIVE, the largest, goes next: where both are there, the reference of all errors is what
  * NAIVE or GRID hits, whichever is nearer. Both have the same triangles, but tens of rays
  * in 100,000 slip between two of NAIVE's: Embree's test without RTC_SCENE_FLAG_ROBUST does
  * not close edges, that of GRID does. */
 
 #include "comparison.h"
+#include "memory_plan.h"
+#include "picture_files.h"
 #include "speed.h"
 
 #include "basics/error.h"
@@ -17,190 +20,155 @@
 #include "basics/parallel.h"
 #include "building/memory.h"
 #include "measure/self_shadow.h"
-#include "pictures/image_output.h"
-#include "pictures/shading.h"
 #include "programs/view_options.h"
+#include "programs/warnings.h"
 #include "tracing/trace_hits.h"
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 
 namespace cbvh {
 namespace {
 
 constexpr uint32_t sampleSeed = 1; // any: the same hits in every run
 
-std::string outputPath(const Options& options, const std::string& name)
-{
-  return (std::filesystem::path(options.output) / name).string();
-}
-
 Model loadModel(const Options& options)
 {
-  std::string warning;
-  Model model = loadScene(options.scene, warning);
-  if (!warning.empty())
-    std::fprintf(stderr, "cbvh_render: warning: %s\n", warning.c_str());
+  std::string warnings;
+  Model model = loadScene(options.scene, warnings);
+  printWarnings("cbvh_render", warnings);
   return model;
 }
 
-/* Which of the others to build, NAIVE first. GRID is not among them. */
-std::vector<Representation> buildOrder(const std::vector<Representation>& asked)
+MemoryPlan planOf(const Options& options, const Model& model)
 {
-  std::vector<Representation> order;
-  for (bool naive : {true, false})
-    for (const Representation& r : asked)
-      if ((r.kind == RepresentationKind::Naive) == naive && r.kind != RepresentationKind::Grid)
-        order.push_back(r);
-  return order;
+  MemoryPlan plan = planMemory(options.representations, model.layout(options.build.level).numQuads(), availableMemory());
+  for (const std::string& line : plan.leftOut)
+    std::fprintf(stderr, "cbvh_render: %s\n", line.c_str());
+  return plan;
 }
 
-void checkMemory(const Options& options, const Model& model)
+/* The same for every representation and alone: fitted to a GRID, which is dropped, of as
+ * fine a level as is made in no time. */
+Camera cameraOf(const Options& options, const Model& model, unsigned threads)
 {
-  const size_t quads = model.layout(options.build.level).numQuads();
-  const size_t available = availableMemory();
-  const size_t grid = estimatedPeakBytes(RepresentationKind::Grid, quads);
-  Representation largest{RepresentationKind::Grid};
-  size_t needed = grid;
-  for (const Representation& r : buildOrder(options.representations))
-    if (grid + estimatedPeakBytes(r.kind, quads) > needed)
-    {
-      largest = r;
-      needed = grid + estimatedPeakBytes(r.kind, quads);
-    }
-  if (needed <= available)
-    return;
-  char text[256];
-  std::snprintf(text, sizeof(text),
-                "not enough memory: %s on %.1f million quads, beside GRID, takes about %.1f GiB, and %.1f are free; "
-                "lower --level or leave it out of --representation",
-                largest.label().c_str(), double(quads) * 1e-6, double(needed) / (1 << 30),
-                double(available) / (1 << 30));
-  throw Error(text);
+  constexpr size_t mostQuads = 4000000;
+  BuildSettings coarse = options.build;
+  while (coarse.level > 0 && model.layout(coarse.level).numQuads() > mostQuads)
+    coarse.level--;
+  coarse.device = "cpu";
+  coarse.name = "view";
+  return chooseCamera(options.view, model, BuiltScene(model, {RepresentationKind::Grid}, coarse), options.size, threads);
+}
+
+bool isKind(const Result& result, RepresentationKind kind)
+{
+  return result.representation.kind == kind;
 }
 
 class Run
 {
 public:
   explicit Run(const Options& options)
-    : options(options), build(options.build), threads(threadCount(options.build.threads)), model(loadModel(options))
+    : options(options), threads(threadCount(options.build.threads)), model(loadModel(options)),
+      plan(planOf(options, model)), camera(cameraOf(options, model, threads)), primary(primaryRays(camera)),
+      build(options.build), files(options.output, model.name, options.size, options.colors)
   {
-    checkMemory(options, model);
+    build.pixelBound = {options.maxPixelError, camera.eye(), camera.footprint()};
+    if (options.trueHits)
+      surface.emplace(model);
   }
 
   Comparison run()
   {
-    const BuiltScene grid(model, {RepresentationKind::Grid}, options.build);
-    look(grid);
-    Result gridResult = resultOf(grid, gridHits);
-    if (askedForGrid())
-      writePictures(grid, gridHits);
-    const std::vector<Representation> order = buildOrder(options.representations);
-    for (const Representation& r : order)
-      comparison.results.push_back(compared(r, grid));
-    if (referenceHits != &gridHits)
-      gridResult.errors = compareHits(*referenceHits, gridHits, footprint, grid.layout());
-    if (options.speed && order.empty())
-      speed.measureGrid(grid);
-    speed.noteGrid(gridResult);
-    comparison.results = inOrderAskedFor(gridResult);
+    std::optional<BuiltScene> grid;
+    for (const Representation& r : plan.built)
+      if (r.kind == RepresentationKind::Grid)
+        examine(grid.emplace(model, r, build), nullptr);
+      else
+        examine(BuiltScene(model, r, build), grid ? &*grid : nullptr);
+    if (Result* result = find(RepresentationKind::Grid))
+      finishGrid(*grid, *result);
+    describe();
     return std::move(comparison);
   }
 
 private:
+  /* All that a representation is looked at for. grid: null without GRID, and for GRID itself. */
+  void examine(const BuiltScene& scene, const BuiltScene* grid)
+  {
+    const RepresentationKind kind = scene.representation().kind;
+    const std::vector<SurfaceHit> hits = traced(scene);
+    if (comparison.results.empty())
+      makeRays(scene, hits);
+    Result result;
+    result.representation = scene.representation();
+    result.build = scene.report();
+    countDisagreements(scene, hits, result);
+    compareToTruth(scene, hits, result);
+    if (kind == RepresentationKind::Grid || kind == RepresentationKind::Naive)
+      addToReference(hits, kind);
+    if (kind != RepresentationKind::Grid && !reference.empty() && !isReferenceItself(kind))
+      result.errors = compareHits(reference, hits, camera.footprint(), scene.layout());
+    writePictures(scene, hits, result.errors.has_value());
+    if (options.speed && kind != RepresentationKind::Grid)
+      speed.measure(scene, grid, result);
+    comparison.results.push_back(result);
+  }
+
   std::vector<SurfaceHit> traced(const BuiltScene& scene) const
   {
     Phase phase(scene.representation().label() + ": picture");
     return traceClosest(scene, primary, threads);
   }
 
-  /* All that comes from GRID alone: the view, its rays, and what they hit. */
-  void look(const BuiltScene& grid)
+  void makeRays(const BuiltScene& scene, const std::vector<SurfaceHit>& hits)
   {
-    const Camera camera = chooseCamera(options.view, model, grid, options.size, threads);
-    footprint = camera.footprint();
-    build.pixelBound = {options.maxPixelError, camera.eye(), footprint};
-    primary = primaryRays(camera);
-    gridHits = traced(grid);
     BounceSettings bounce;
     bounce.count = options.rays;
-    bounce.offset = options.rayOffset * grid.bounds().diagonal();
+    bounce.offset = options.rayOffset * scene.bounds().diagonal();
     sets[Coherent] = coherentRays(primary, options.size, options.rays);
-    sets[Incoherent] = bounceRays(primary, gridHits, bounce);
-    if (options.ambientRays)
-      gridAmbient = ambient(grid, gridHits);
-    describe(camera);
-    if (options.trueHits)
-      surface.emplace(model);
-    sample = sampleOfHits(gridHits, options.trueHits, sampleSeed);
-    comparison.trueHits = sample.size();
-  }
-
-  void describe(const Camera& camera)
-  {
-    comparison.model = model.name;
-    comparison.faces = model.numFaces();
-    comparison.vertices = model.numVertices();
-    comparison.build = options.build;
-    comparison.size = options.size;
-    comparison.camera = camera.description();
-    comparison.speed = options.speed;
-    comparison.reference = "GRID";
-    for (int set = 0; set < numRaySets; set++)
-      comparison.rays[set] = sets[set].size();
-    for (const SurfaceHit& hit : gridHits)
+    sets[Incoherent] = bounceRays(primary, hits, bounce);
+    sample = sampleOfHits(hits, options.trueHits, sampleSeed);
+    for (const SurfaceHit& hit : hits)
       comparison.primaryHits += hit.hit();
   }
 
-  bool askedForGrid() const
+  void addToReference(const std::vector<SurfaceHit>& hits, RepresentationKind kind)
   {
-    const auto isGrid = [](const Representation& r) { return r.kind == RepresentationKind::Grid; };
-    return std::any_of(options.representations.begin(), options.representations.end(), isGrid);
-  }
-
-  /* What a scene says by itself. */
-  Result resultOf(const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const
-  {
-    Result result;
-    result.representation = scene.representation();
-    result.build = scene.report();
-    countDisagreements(scene, hits, result);
-    compareToTruth(scene, hits, result);
-    return result;
-  }
-
-  /* Builds a representation for as long as it takes. */
-  Result compared(const Representation& representation, const BuiltScene& grid)
-  {
-    const BuiltScene scene(model, representation, build);
-    const std::vector<SurfaceHit> hits = traced(scene);
-    Result result = resultOf(scene, hits);
-    writePictures(scene, hits);
-    if (options.speed)
-      speed.measure(grid, scene, result);
-    if (representation.kind == RepresentationKind::Naive)
+    if (kind == RepresentationKind::Grid)
     {
-      nearest = nearerHits(gridHits, hits);
-      referenceHits = &nearest;
-      comparison.reference = "the triangles of NAIVE and GRID, whichever is nearer";
+      reference = gridHits = hits;
+      comparison.reference = "GRID";
+      return;
     }
-    result.errors = compareHits(*referenceHits, hits, footprint, scene.layout());
-    return result;
+    comparison.reference = reference.empty() ? "NAIVE" : "the triangles of NAIVE and GRID, whichever is nearer";
+    reference = reference.empty() ? hits : nearerHits(reference, hits);
   }
 
-  /* GRID, if only there to compare with, first. */
-  std::vector<Result> inOrderAskedFor(const Result& gridResult) const
+  bool isReferenceItself(RepresentationKind kind) const
   {
-    std::vector<Result> all = comparison.results, ordered;
-    all.push_back(gridResult);
-    if (!askedForGrid())
-      ordered.push_back(gridResult);
-    for (const Representation& r : options.representations)
-      for (const Result& result : all)
-        if (result.representation.label() == r.label())
-          ordered.push_back(result);
-    return ordered;
+    return kind == RepresentationKind::Naive && gridHits.empty();
+  }
+
+  /* What is known of GRID only when the others have been there. */
+  void finishGrid(const BuiltScene& grid, Result& result)
+  {
+    if (find(RepresentationKind::Naive))
+      result.errors = compareHits(reference, gridHits, camera.footprint(), grid.layout());
+    if (!options.speed)
+      return;
+    if (comparison.results.size() == 1)
+      speed.measure(grid, nullptr, result);
+    speed.noteGrid(result);
+  }
+
+  Result* find(RepresentationKind kind)
+  {
+    for (Result& result : comparison.results)
+      if (isKind(result, kind))
+        return &result;
+    return nullptr;
   }
 
   void countDisagreements(const BuiltScene& scene, const std::vector<SurfaceHit>& hits, Result& result) const
@@ -217,21 +185,22 @@ private:
       return;
     Phase phase(scene.representation().label() + ": distance to the true surface");
     result.trueErrors =
-      compareToTrueSurface({model, *surface, primary, sample, footprint}, hits, scene.layout(), threads);
+      compareToTrueSurface({model, *surface, primary, sample, camera.footprint()}, hits, scene.layout(), threads);
   }
 
-  void writePictures(const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const
+  void writePictures(const BuiltScene& scene, const std::vector<SurfaceHit>& hits, bool compared)
   {
-    Phase phase(scene.representation().label() + ": files");
-    const std::string stem = model.name + "_" + scene.representation().fileStem();
-    writePng(outputPath(options, stem + ".png"), shadeHits(options.size, primary, hits, model.view.up));
-    writeHitsExr(outputPath(options, stem + ".exr"), options.size, primary, hits);
-    if (scene.representation().kind != RepresentationKind::Grid)
-      writePng(outputPath(options, stem + "_error.png"),
-               errorHeatMap(options.size, pixelErrors(gridHits, hits, footprint)));
-    if (scene.representation().kind != RepresentationKind::Grid && options.ambientRays)
-      writePng(outputPath(options, stem + "_ambient.png"),
-               compareAmbient(options.size, gridAmbient, ambient(scene, hits)));
+    const Representation& r = scene.representation();
+    Phase phase(r.label() + ": files");
+    files.writeHits(r, primary, hits, model.view.up);
+    if (compared)
+      files.writeErrors(r, pixelErrors(reference, hits, camera.footprint()));
+    if (!options.ambientRays)
+      return;
+    const std::vector<float> light = ambient(scene, hits);
+    files.writeAmbient(r, gridAmbient, light);
+    if (r.kind == RepresentationKind::Grid)
+      gridAmbient = light;
   }
 
   std::vector<float> ambient(const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const
@@ -239,20 +208,47 @@ private:
     ShadowSettings settings;
     settings.offset.length = options.rayOffset * scene.bounds().diagonal();
     settings.raysPerHit = options.ambientRays;
-    return ambientOcclusion({scene.tracer(), hits}, {primary, footprint}, settings, threads);
+    return ambientOcclusion({scene.tracer(), hits}, {primary, camera.footprint()}, settings, threads);
+  }
+
+  void describe()
+  {
+    comparison.model = model.name;
+    comparison.faces = model.numFaces();
+    comparison.vertices = model.numVertices();
+    comparison.build = options.build;
+    comparison.size = options.size;
+    comparison.camera = camera.description();
+    comparison.speed = options.speed;
+    comparison.trueHits = sample.size();
+    comparison.pictures = files.legend(comparison.reference);
+    for (int set = 0; set < numRaySets; set++)
+      comparison.rays[set] = sets[set].size();
+    comparison.results = inOrderAskedFor();
+  }
+
+  std::vector<Result> inOrderAskedFor() const
+  {
+    std::vector<Result> ordered;
+    for (const Representation& r : options.representations)
+      for (const Result& result : comparison.results)
+        if (result.representation.label() == r.label())
+          ordered.push_back(result);
+    return ordered;
   }
 
   const Options& options;
-  BuildSettings build;
   unsigned threads;
   Model model;
-  float footprint = 0;
+  MemoryPlan plan;
+  Camera camera;
   std::vector<Ray> primary;
+  BuildSettings build;
+  PictureFiles files;
   RaySets sets;
   SpeedInTurns speed{sets, options.repeat};
-  std::vector<SurfaceHit> gridHits, nearest;
+  std::vector<SurfaceHit> reference, gridHits;
   std::vector<float> gridAmbient;
-  const std::vector<SurfaceHit>* referenceHits = &gridHits;
   std::optional<TrueSurface> surface;
   std::vector<size_t> sample; // of the primary rays, compared with the true surface
   Comparison comparison;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The run: builds one representation after the other beside GRID, traces the same
- * rays through both, and collects what the table says. */
+/* The run: builds one representation after the other, traces the same rays through each,
+ * and collects what the table says. */
 
 #include "options.h"
 #include "measure/hit_metrics.h"
@@ -19,15 +19,15 @@ namespace cbvh {
 
 struct Speed
 {
-  double mrays = 0;     // millions of rays a second, median
-  double toGrid = 1;    // speed over that of GRID measured in turns with it
+  double mrays = 0;             // millions of rays a second, median
+  std::optional<double> toGrid; // speed over that of GRID measured in turns with it, none without GRID
 };
 
 struct Result
 {
   Representation representation;
   BuildReport build;
-  std::optional<HitErrors> errors; // none for the reference itself
+  std::optional<HitErrors> errors; // none for the reference itself, nor without one
   std::optional<TrueErrors> trueErrors;
   size_t anyDisagreements[numRaySets] = {0, 0};
   Speed speed[numRaySets][numQueries];
@@ -43,9 +43,10 @@ struct Comparison
   size_t primaryHits = 0;
   size_t rays[numRaySets] = {0, 0};
   bool speed = true;
-  std::string reference;      // what the errors are measured against
+  std::string reference;      // what the errors are measured against, empty for no errors
   size_t trueHits = 0;        // compared with the true surface
-  std::vector<Result> results; // in the order asked for
+  std::string pictures;       // lines that say where the pictures are and what they show
+  std::vector<Result> results; // in the order asked for, without those that did not fit into memory
 };
 
 /* Runs everything and writes the pictures. Throws Error, Cancelled. */

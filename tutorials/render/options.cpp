@@ -13,6 +13,7 @@ namespace {
 struct Words
 {
   std::string representations = "naive,grid,cgrid,cvoxel,cleaf,cvert", frameLevel = "2", size = "1024x1024";
+  std::string colors = "neutral";
   bool noSpeed = false;
 };
 
@@ -23,7 +24,8 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addSceneOptions(app, o.scene);
   app.add_option("--representation", words.representations,
-                 "comma list of naive, grid, cgrid, cvoxel, cleaf, cvert; a frame level of its own after ^ or :")
+                 "comma list of naive, grid, cgrid, cvoxel, cleaf, cvert; a frame level of its own after ^ or :. Speeds are "
+                 "relative to grid, and errors measured against grid and naive, where those are among them")
     ->type_name("LIST")->capture_default_str();
   app.add_option("--level", o.build.level, "tessellation level, 0 to 8: 2^L x 2^L quads a face")
     ->type_name("L")->capture_default_str();
@@ -34,6 +36,10 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
     ->type_name("P")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
+  app.add_option("--colors", words.colors,
+                 "neutral: grey from both sides; sides: magenta where the normal points away from the camera, which is a "
+                 "flipped normal, or the inside of the surface")
+    ->type_name("COLORS")->check(CLI::IsMember({"neutral", "sides"}))->capture_default_str();
   app.add_option("--output", o.output, "folder for the pictures, made if need be")
     ->type_name("DIR")->capture_default_str();
 }
@@ -58,7 +64,8 @@ void declareMeasurement(CLI::App& app, Options& o, Words& words)
     ->type_name("N")->capture_default_str();
   addDeviceOption(app, o.build.device);
   app.add_option("--isa", o.build.isa, "widest instruction set: sse2, sse4.2, avx, avx2 or avx512")->type_name("ISA");
-  app.add_option("--json", o.json, "write the numbers there, too")->type_name("FILE");
+  app.add_flag("--details", o.details, "all rows of the table");
+  app.add_option("--json", o.json, "write all numbers there, too")->type_name("FILE");
   app.add_flag("--no-speed", words.noSpeed, "leave the speed measurements out");
 }
 
@@ -73,6 +80,7 @@ void read(const Words& words, Options& o)
   o.scene.mapFolder = o.output;
   o.scene.threads = o.build.threads;
   o.speed = !words.noSpeed;
+  o.colors = words.colors == "sides" ? HitColors::Sides : HitColors::Neutral;
   o.size = parseImageSize(words.size);
   o.representations = parseRepresentationOptions(words.representations, words.frameLevel);
   if (o.view != "full" && o.view != "close")
@@ -86,7 +94,7 @@ std::optional<Options> parseOptions(int argc, char** argv)
   Options o;
   Words words;
   CLI::App app("Builds a displaced subdivision surface in several representations, traces it, and compares them.\n"
-               "Writes for each a shaded picture, the hits as EXR, and the error against GRID as a heat map.",
+               "Writes for each a shaded picture and the hits as EXR, and beside GRID or NAIVE a map of the errors.",
                "cbvh_render");
   declarePictures(app, o, words);
   declareMeasurement(app, o, words);

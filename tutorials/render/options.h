@@ -7,6 +7,7 @@
 
 #include "building/built_scene.h"
 #include "building/representation.h"
+#include "pictures/shading.h"
 #include "scenes/catalogue.h"
 #include "tracing/camera.h"
 
@@ -24,6 +25,8 @@ struct Options
   std::string view = "full";     // full, close, or ex,ey,ez,lx,ly,lz,fov
   ImageSize size;
   std::string output = "cbvh_render_output";
+  HitColors colors = HitColors::Neutral;
+  bool details = false;          // all rows of the table
   std::string json;              // also write the numbers there
   size_t rays = 500000;          // at most, a set, for speed
   int repeat = 5;

@@ -2,18 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "report.h"
-#include "programs/compression_json.h"
-#include "programs/errors_json.h"
 
-#include <nlohmann/json.hpp>
-
+#include <algorithm>
 #include <cstdio>
 #include <functional>
 
 namespace cbvh {
 namespace {
-
-using nlohmann::json;
 
 std::string number(double value, int digits)
 {
@@ -27,6 +22,13 @@ std::string scientific(double value)
   char text[64];
   std::snprintf(text, sizeof(text), "%.3g", value);
   return text;
+}
+
+/* Of bytes, for tables: three decimals where one would be all zeros. */
+std::string mebibytes(size_t bytes)
+{
+  const double value = double(bytes) / (1 << 20);
+  return number(value, value < 1.0 ? 3 : 1);
 }
 
 class Table
@@ -74,13 +76,72 @@ private:
   std::vector<std::vector<std::string>> rows;
 };
 
-const Result* findNaive(const Comparison& c)
+/* A cell where there is nothing to say. */
+const std::string none = "-";
+
+bool contains(const Comparison& c, RepresentationKind kind)
 {
-  for (const Result& r : c.results)
-    if (r.representation.kind == RepresentationKind::Naive)
-      return &r;
-  return nullptr;
+  return std::any_of(c.results.begin(), c.results.end(), [&](const Result& r) { return r.representation.kind == kind; });
 }
+
+/* Whether any of the results has errors against a mesh. */
+bool hasMeshErrors(const Comparison& c)
+{
+  return std::any_of(c.results.begin(), c.results.end(), [](const Result& r) { return r.errors.has_value(); });
+}
+
+/* A row of one kind of errors, HitErrors or TrueErrors. */
+template<typename Errors>
+void errorRow(Table& table, const std::string& name, std::optional<Errors> Result::*errors,
+              const std::function<std::string(const Errors&)>& cell)
+{
+  table.row(name, [=](const Result& r) { return r.*errors ? cell(*(r.*errors)) : none; });
+}
+
+void meshRow(Table& table, const std::string& name, const std::function<std::string(const HitErrors&)>& cell)
+{
+  errorRow<HitErrors>(table, name, &Result::errors, cell);
+}
+
+void trueRow(Table& table, const std::string& name, const std::function<std::string(const TrueErrors&)>& cell)
+{
+  errorRow<TrueErrors>(table, name, &Result::trueErrors, cell);
+}
+
+/* --- what is said by default: about ten rows ------------------------------------------- */
+
+std::string speedCell(const Speed& speed)
+{
+  return number(speed.mrays, 3) + (speed.toGrid ? " (" + number(*speed.toGrid, 2) + ")" : "");
+}
+
+void addOverview(Table& table, const Comparison& c)
+{
+  table.row("bytes a quad", [](const Result& r) { return number(r.build.bytesPerQuad(), 2); });
+  table.row("memory, MiB", [](const Result& r) { return mebibytes(r.build.liveBytes); });
+  table.row("peak of the build, MiB", [](const Result& r) { return mebibytes(r.build.peakBytes); });
+  table.row("build, s", [](const Result& r) { return number(r.build.seconds, 2); });
+  if (c.speed)
+    for (RaySet set : {Coherent, Incoherent})
+      table.row(std::string(raySetName(set)) + " rays, millions/s" +
+                  (contains(c, RepresentationKind::Grid) ? " (of GRID)" : ""),
+                [=](const Result& r) { return speedCell(r.speed[set][Closest]); });
+  if (hasMeshErrors(c))
+  {
+    meshRow(table, "error against the mesh, pixels: RMSE", [](const HitErrors& e) { return number(e.rmse, 4); });
+    meshRow(table, "false hits + misses", [](const HitErrors& e) {
+      return std::to_string(e.falseHits) + " + " + std::to_string(e.misses);
+    });
+    meshRow(table, "flipped normals", [](const HitErrors& e) { return std::to_string(e.flipped); });
+  }
+  if (!c.trueHits)
+    return;
+  trueRow(table, "error against the true surface: RMSE", [](const TrueErrors& e) { return number(e.rmse, 4); });
+  if (!hasMeshErrors(c))
+    trueRow(table, "flipped normals", [](const TrueErrors& e) { return std::to_string(e.flipped); });
+}
+
+/* --- and with --details ------------------------------------------------------------------ */
 
 void addMemory(Table& table)
 {
@@ -94,31 +155,34 @@ void addMemory(Table& table)
   for (const auto& [name, field] : split)
     table.row(name, [field = field](const Result& r) {
       return r.representation.isCompressed() ? number(double(r.build.compression.*field) / double(r.build.quads), 2)
-                                             : std::string("-");
+                                             : none;
     });
   table.row("quads of cLEAF stored as cVERT, %", [](const Result& r) {
     return r.representation.kind == RepresentationKind::CLeaf
              ? number(100.0 * double(r.build.compression.numExactQuads) / double(r.build.quads), 1)
-             : std::string("-");
+             : none;
   });
-  table.row("memory, MiB", [](const Result& r) { return number(double(r.build.liveBytes) / (1 << 20), 1); });
-  table.row("peak of the build, MiB", [](const Result& r) { return number(double(r.build.peakBytes) / (1 << 20), 1); });
+  table.row("memory, MiB", [](const Result& r) { return mebibytes(r.build.liveBytes); });
+  table.row("peak of the build, MiB", [](const Result& r) { return mebibytes(r.build.peakBytes); });
   table.row("build, s", [](const Result& r) { return number(r.build.seconds, 2); });
 }
 
 void addSpeed(Table& table, const Comparison& c)
 {
-  const Result* naive = findNaive(c);
+  const auto naive = std::find_if(c.results.begin(), c.results.end(), [](const Result& r) {
+    return r.representation.kind == RepresentationKind::Naive;
+  });
   for (int set = 0; set < numRaySets; set++)
     for (int query = 0; query < numQueries; query++)
     {
       const std::string name = std::string(raySetName(RaySet(set))) + ", " + queryName(Query(query)) + " hit";
       table.row(name + ", Mrays/s", [=](const Result& r) { return number(r.speed[set][query].mrays, 3); });
-      table.row("- of GRID", [=](const Result& r) { return number(r.speed[set][query].toGrid, 2); });
-      if (naive)
-        table.row("- of NAIVE", [=](const Result& r) {
-          return number(r.speed[set][query].toGrid / naive->speed[set][query].toGrid, 2);
-        });
+      if (!contains(c, RepresentationKind::Grid))
+        continue;
+      const auto toGrid = [=](const Result& r) { return r.speed[set][query].toGrid.value_or(0.0); };
+      table.row("- of GRID", [=](const Result& r) { return number(toGrid(r), 2); });
+      if (naive != c.results.end())
+        table.row("- of NAIVE", [=](const Result& r) { return number(toGrid(r) / toGrid(*naive), 2); });
     }
 }
 
@@ -126,143 +190,102 @@ template<typename Errors>
 void addNormalsAndParameters(Table& table, std::optional<Errors> Result::*errors)
 {
   const auto row = [&](const std::string& name, double Errors::*value, int digits) {
-    table.row(name, [=](const Result& r) { return r.*errors ? number((*(r.*errors)).*value, digits) : std::string("-"); });
+    errorRow<Errors>(table, name, errors, [=](const Errors& e) { return number(e.*value, digits); });
+  };
+  const auto count = [&](const std::string& name, size_t Errors::*value) {
+    errorRow<Errors>(table, name, errors, [=](const Errors& e) { return std::to_string(e.*value); });
   };
   row("- normal, degrees, median", &Errors::normalMedian, 3);
   row("- - p99", &Errors::normalP99, 2);
-  table.row("- - beyond 90 degrees", [=](const Result& r) {
-    return r.*errors ? std::to_string((*(r.*errors)).flipped) : std::string("-");
-  });
+  count("- flipped normals (beyond 90 degrees)", &Errors::flipped);
   row("- (u,v), cells, median", &Errors::uvMedian, 4);
   row("- - p99", &Errors::uvP99, 3);
-  table.row("- - on another patch", [=](const Result& r) {
-    return r.*errors ? std::to_string((*(r.*errors)).otherPatch) : std::string("-");
-  });
+  count("- - on another patch", &Errors::otherPatch);
 }
 
 /* What compression costs. */
 void addMeshErrors(Table& table)
 {
-  const auto error = [&](const std::string& name, const std::function<std::string(const HitErrors&)>& cell) {
-    table.row(name, [=](const Result& r) { return r.errors ? cell(*r.errors) : std::string("-"); });
-  };
-  error("against the mesh: error RMSE, pixels", [](const HitErrors& e) { return number(e.rmse, 4); });
-  error("- median", [](const HitErrors& e) { return number(e.median, 4); });
-  error("- p99", [](const HitErrors& e) { return number(e.p99, 4); });
-  error("- max", [](const HitErrors& e) { return number(e.max, 2); });
-  error("- beyond 5 pixels", [](const HitErrors& e) { return std::to_string(e.farOff); });
-  error("- RMSE of the others", [](const HitErrors& e) { return number(e.rmseOfOthers, 4); });
-  error("- bias of the others", [](const HitErrors& e) { return number(e.bias, 4); });
-  error("- false hits", [](const HitErrors& e) { return std::to_string(e.falseHits); });
-  error("- misses", [](const HitErrors& e) { return std::to_string(e.misses); });
+  meshRow(table, "against the mesh: error RMSE, pixels", [](const HitErrors& e) { return number(e.rmse, 4); });
+  meshRow(table, "- median", [](const HitErrors& e) { return number(e.median, 4); });
+  meshRow(table, "- p99", [](const HitErrors& e) { return number(e.p99, 4); });
+  meshRow(table, "- max", [](const HitErrors& e) { return number(e.max, 2); });
+  meshRow(table, "- beyond 5 pixels", [](const HitErrors& e) { return std::to_string(e.farOff); });
+  meshRow(table, "- RMSE of the others", [](const HitErrors& e) { return number(e.rmseOfOthers, 4); });
+  meshRow(table, "- bias of the others", [](const HitErrors& e) { return number(e.bias, 4); });
+  meshRow(table, "- false hits", [](const HitErrors& e) { return std::to_string(e.falseHits); });
+  meshRow(table, "- misses", [](const HitErrors& e) { return std::to_string(e.misses); });
   addNormalsAndParameters(table, &Result::errors);
 }
 
 /* What tessellation and compression cost. */
 void addTrueErrors(Table& table)
 {
-  const auto error = [&](const std::string& name, const std::function<std::string(const TrueErrors&)>& cell) {
-    table.row(name, [=](const Result& r) { return r.trueErrors ? cell(*r.trueErrors) : std::string("-"); });
-  };
-  error("against the true surface: RMSE, pixels", [](const TrueErrors& e) { return number(e.rmse, 4); });
-  error("- median", [](const TrueErrors& e) { return number(e.median, 4); });
-  error("- p99", [](const TrueErrors& e) { return number(e.p99, 4); });
-  error("- max", [](const TrueErrors& e) { return number(e.max, 2); });
-  error("- RMSE, world units", [](const TrueErrors& e) { return scientific(e.rmseWorld); });
-  error("- median, world units", [](const TrueErrors& e) { return scientific(e.medianWorld); });
-  error("- not within 5 pixels along the ray", [](const TrueErrors& e) { return std::to_string(e.apart); });
-  error("- RMSE of the others along the ray", [](const TrueErrors& e) { return number(e.rmseAlong, 4); });
-  error("- bias of the others", [](const TrueErrors& e) { return number(e.bias, 4); });
+  trueRow(table, "against the true surface: RMSE, pixels", [](const TrueErrors& e) { return number(e.rmse, 4); });
+  trueRow(table, "- median", [](const TrueErrors& e) { return number(e.median, 4); });
+  trueRow(table, "- p99", [](const TrueErrors& e) { return number(e.p99, 4); });
+  trueRow(table, "- max", [](const TrueErrors& e) { return number(e.max, 2); });
+  trueRow(table, "- RMSE, world units", [](const TrueErrors& e) { return scientific(e.rmseWorld); });
+  trueRow(table, "- median, world units", [](const TrueErrors& e) { return scientific(e.medianWorld); });
+  trueRow(table, "- not within 5 pixels along the ray", [](const TrueErrors& e) { return std::to_string(e.apart); });
+  trueRow(table, "- RMSE of the others along the ray", [](const TrueErrors& e) { return number(e.rmseAlong, 4); });
+  trueRow(table, "- bias of the others", [](const TrueErrors& e) { return number(e.bias, 4); });
   addNormalsAndParameters(table, &Result::trueErrors);
 }
 
-/* speed: whether it was measured. */
-json resultJson(const Result& r, bool speed)
+void addDetails(Table& table, const Comparison& c)
 {
-  json j;
-  j["representation"] = r.representation.label();
-  j["quads"] = r.build.quads;
-  j["bytes_per_quad"] = r.build.bytesPerQuad();
-  j["live_bytes"] = r.build.liveBytes;
-  j["peak_bytes"] = r.build.peakBytes;
-  j["build_seconds"] = r.build.seconds;
-  if (r.build.onDevice)
-    j["on_device"] = {{"upload_seconds", r.build.onDevice->uploadSeconds},
-                      {"device_bytes", r.build.onDevice->deviceBytes},
-                      {"imported_bytes", r.build.onDevice->importedBytes}};
-  if (r.representation.isCompressed())
-    j["compression"] = compressionJson(r.build.compression);
-  for (RaySet set : {Coherent, Incoherent})
-  {
-    const char* const name = raySetName(set);
-    j["any_hit_disagreements"][name] = r.anyDisagreements[set];
-    for (Query query : {Closest, Any})
-      if (speed)
-        j["speed"][name][queryName(query)] = {{"mrays_per_second", r.speed[set][query].mrays},
-                                              {"relative_to_grid", r.speed[set][query].toGrid}};
-  }
-  if (r.errors)
-    j["errors"] = errorsJson(*r.errors);
-  if (r.trueErrors)
-    j["errors_to_true_surface"] = errorsJson(*r.trueErrors);
-  return j;
-}
-
-const VulkanSceneReport* onDevice(const Comparison& c)
-{
-  return !c.results.empty() && c.results[0].build.onDevice ? &*c.results[0].build.onDevice : nullptr;
-}
-
-std::string tracedBy(const Comparison& c)
-{
-  return onDevice(c) ? onDevice(c)->device : "one thread, single rays";
-}
-
-} // namespace
-
-std::string formatTable(const Comparison& c)
-{
-  char head[1024];
-  std::snprintf(head, sizeof(head),
-                "%s: %zu faces, level %d, %.2f million quads; %d x %d pixels from %s, %zu hit\n"
-                "speed: %s, %zu coherent and %zu incoherent; mesh: %s; true surface: %zu hits; %s%s\n\n",
-                c.model.c_str(), c.faces, c.build.level, c.results.empty() ? 0.0 : double(c.results[0].build.quads) * 1e-6,
-                c.size.width, c.size.height, c.camera.c_str(), c.primaryHits, tracedBy(c).c_str(), c.rays[Coherent], c.rays[Incoherent],
-                c.reference.c_str(), c.trueHits, "isa ", c.build.isa.empty() ? "best of the host" : c.build.isa.c_str());
-  Table table(c.results);
   addMemory(table);
   if (c.speed)
     addSpeed(table, c);
-  addMeshErrors(table);
+  if (hasMeshErrors(c))
+    addMeshErrors(table);
   if (c.trueHits)
     addTrueErrors(table);
   for (int set = 0; set < numRaySets; set++)
     table.row(std::string("any hit disagrees, ") + raySetName(RaySet(set)),
               [=](const Result& r) { return std::to_string(r.anyDisagreements[set]); });
-  return head + table.text();
 }
 
-std::string formatJson(const Comparison& c)
+/* --- what stands above ------------------------------------------------------------------- */
+
+std::string modelLine(const Comparison& c)
 {
-  json out;
-  out["model"] = c.model;
-  out["faces"] = c.faces;
-  out["level"] = c.build.level;
-  out["device"] = c.build.device;
-  if (onDevice(c))
-    out["device_name"] = onDevice(c)->device;
-  out["isa"] = c.build.isa.empty() ? "best" : c.build.isa;
-  out["width"] = c.size.width;
-  out["height"] = c.size.height;
-  out["camera"] = c.camera;
-  out["primary_hits"] = c.primaryHits;
-  out["coherent_rays"] = c.rays[Coherent];
-  out["incoherent_rays"] = c.rays[Incoherent];
-  out["error_reference"] = c.reference;
-  out["true_surface_hits"] = c.trueHits;
-  for (const Result& r : c.results)
-    out["results"].push_back(resultJson(r, c.speed));
-  return out.dump(2) + "\n";
+  const size_t quads = c.results[0].build.quads;
+  return c.model + ": " + std::to_string(c.faces) + " faces, level " + std::to_string(c.build.level) + ", " +
+         (quads < 100000 ? std::to_string(quads) : number(double(quads) * 1e-6, 2) + " million") + " quads; " +
+         std::to_string(c.size.width) + " x " + std::to_string(c.size.height) + " pixels from " + c.camera + ", " +
+         std::to_string(c.primaryHits) + " hit\n";
+}
+
+std::string speedLine(const Comparison& c)
+{
+  const auto& device = c.results[0].build.onDevice;
+  return "speed: " + (device ? device->device : "one thread, single rays") + ", " + std::to_string(c.rays[Coherent]) +
+         " coherent and " + std::to_string(c.rays[Incoherent]) + " incoherent; isa " +
+         (c.build.isa.empty() ? "best of the host" : c.build.isa) + "\n";
+}
+
+std::string errorLine(const Comparison& c)
+{
+  std::string line;
+  if (hasMeshErrors(c))
+    line += "mesh: " + c.reference + ", " + std::to_string(c.primaryHits) + " pixels";
+  if (c.trueHits)
+    line += std::string(line.empty() ? "" : "; ") + "true surface: " + std::to_string(c.trueHits) + " of the hits";
+  return line.empty() ? "" : "errors against " + line + "\n";
+}
+
+} // namespace
+
+std::string formatTable(const Comparison& c, bool details)
+{
+  Table table(c.results);
+  if (details)
+    addDetails(table, c);
+  else
+    addOverview(table, c);
+  return modelLine(c) + (c.speed ? speedLine(c) : "") + errorLine(c) + "\n" + table.text() + "\n" + c.pictures;
 }
 
 } // namespace cbvh

@@ -11,8 +11,9 @@
 
 namespace cbvh {
 
-/* A Markdown table, one column a representation, with a line about the run above. */
-std::string formatTable(const Comparison& comparison);
+/* A Markdown table of about ten rows, one column a representation, below what was run and
+ * above where the pictures are. details: all rows. */
+std::string formatTable(const Comparison& comparison, bool details);
 
 /* The same numbers, unrounded, with units in the names. */
 std::string formatJson(const Comparison& comparison);

@@ -8,44 +8,40 @@
 
 namespace cbvh {
 
-void SpeedInTurns::measure(const BuiltScene& grid, const BuiltScene& scene, Result& result)
+/* GRID goes first in every other round. */
+void SpeedInTurns::measure(const BuiltScene& scene, const BuiltScene* grid, Result& result)
 {
-  measureAll(grid, &scene, &result);
-}
-
-void SpeedInTurns::measureGrid(const BuiltScene& grid)
-{
-  measureAll(grid, nullptr, nullptr);
-}
-
-void SpeedInTurns::noteGrid(Result& result) const
-{
-  for (int set = 0; set < numRaySets; set++)
-    for (int query = 0; query < numQueries; query++)
-      if (!gridSeconds[set][query].empty())
-        result.speed[set][query].mrays = mrays(set, gridSeconds[set][query]);
-}
-
-/* GRID goes first in every other round. scene: null for GRID alone. */
-void SpeedInTurns::measureAll(const BuiltScene& grid, const BuiltScene* scene, Result* result)
-{
-  Phase phase((scene ? *scene : grid).representation().label() + ": speed");
+  Phase phase(scene.representation().label() + ": speed");
   for (int set = 0; set < numRaySets; set++)
     for (int query = 0; query < numQueries; query++)
     {
       std::vector<double> own, base;
       for (int i = 0; i < repeat; i++)
       {
-        if (scene && i % 2)
-          own.push_back(time(*scene, set, query));
-        base.push_back(time(grid, set, query));
-        if (scene && i % 2 == 0)
-          own.push_back(time(*scene, set, query));
+        if (i % 2)
+          own.push_back(time(scene, set, query));
+        if (grid)
+          base.push_back(time(*grid, set, query));
+        if (i % 2 == 0)
+          own.push_back(time(scene, set, query));
         phase.update(double((set * numQueries + query) * repeat + i + 1) / double(numRaySets * numQueries * repeat));
       }
+      Speed& speed = result.speed[set][query];
+      speed.mrays = mrays(set, own);
+      if (grid)
+        speed.toGrid = median(base) / median(own);
       gridSeconds[set][query].insert(gridSeconds[set][query].end(), base.begin(), base.end());
-      if (scene)
-        result->speed[set][query] = {mrays(set, own), median(base) / median(own)};
+    }
+}
+
+void SpeedInTurns::noteGrid(Result& result) const
+{
+  for (int set = 0; set < numRaySets; set++)
+    for (int query = 0; query < numQueries; query++)
+    {
+      result.speed[set][query].toGrid = 1.0;
+      if (!gridSeconds[set][query].empty())
+        result.speed[set][query].mrays = mrays(set, gridSeconds[set][query]);
     }
 }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Speed in turns with GRID, so that both see the same machine. */
+/* Speed, in turns with GRID where that is there, so that both see the same machine. */
 
 #include "comparison.h"
 #include "building/built_scene.h"
@@ -21,17 +21,13 @@ public:
    * median counts. */
   SpeedInTurns(const RaySets& sets, int repeat) : sets(sets), repeat(repeat) {}
 
-  /* Throws Cancelled, as the next. */
-  void measure(const BuiltScene& grid, const BuiltScene& scene, Result& result);
+  /* grid: measured in turns with the scene, null for the scene alone. Throws Cancelled. */
+  void measure(const BuiltScene& scene, const BuiltScene* grid, Result& result);
 
-  /* GRID alone, when there is no other. */
-  void measureGrid(const BuiltScene& grid);
-
-  /* GRID's own speed, over all turns so far; none without any. */
+  /* GRID's own speed, over all its turns so far; unchanged without any. */
   void noteGrid(Result& result) const;
 
 private:
-  void measureAll(const BuiltScene& grid, const BuiltScene* scene, Result* result);
   double time(const BuiltScene& scene, int set, int query) const;
   double mrays(int set, const std::vector<double>& seconds) const;
 

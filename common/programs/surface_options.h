@@ -1,0 +1,89 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What surfaces are made of, as all programs take it on their command lines: cages, maps,
+ * and what generated scenes have to choose. */
+
+#include "basics/error.h"
+#include "scenes/catalogue.h"
+
+#include <CLI/CLI.hpp>
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace cbvh {
+
+/* Reads "3" or "3x2". Throws Error. */
+inline Vec2f parseRepeat(const std::string& text)
+{
+  Vec2f repeat;
+  const char* const end = text.data() + text.size();
+  const auto x = std::from_chars(text.data(), end, repeat.x);
+  auto last = x;
+  repeat.y = repeat.x;
+  if (x.ec == std::errc() && x.ptr != end && *x.ptr == 'x')
+    last = std::from_chars(x.ptr + 1, end, repeat.y);
+  const auto isGood = [](float r) { return std::isfinite(r) && r > 0.0f; };
+  if (last.ec != std::errc() || last.ptr != end || !isGood(repeat.x) || !isGood(repeat.y))
+    throw Error("--height-repeat '" + text + "' is neither a positive number nor two of them, as in 3x2");
+  return repeat;
+}
+
+/* For --help: as few digits as say it. */
+inline std::string shortNumber(float value)
+{
+  char text[32];
+  std::snprintf(text, sizeof(text), "%g", double(value));
+  return text;
+}
+
+/* The map of a cage, and how it is read. */
+inline void addMapOptions(CLI::App& app, SceneSettings& settings)
+{
+  app.add_option("--height", settings.heightPath,
+                 "height map of the cage, any image that OpenImageIO reads; skin.<UDIM>.png for a file a UDIM tile")
+    ->type_name("FILE");
+  app.add_option("--amplitude", settings.amplitude,
+                 "displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding box [" +
+                   shortNumber(defaultAmplitude) + "]")
+    ->type_name("A");
+  app.add_option("--height-scale", settings.mapScale, "the same in the units of the cage, in place of --amplitude; 1 for vectors")
+    ->type_name("S");
+  app.add_option("--mid-level", settings.midLevel, "height that moves nothing [" + shortNumber(neutralHeight) + "; 0 for vectors]")->type_name("H");
+  app.add_option("--channel", settings.channel,
+                 "channel of the map, by its name or its number from 0; the first of three for vectors [0]")
+    ->type_name("C");
+  app.add_option_function<std::string>(
+       "--height-repeat", [&settings](const std::string& text) { settings.repeat = parseRepeat(text); },
+       "copies of the map in a unit of texture coordinates, or on a face, also as columns x rows [1]")
+    ->type_name("N|NxM");
+  app.add_option_function<std::string>(
+       "--vectors",
+       [&settings](const std::string& axes) {
+         settings.mapValues = axes == "object" ? MapValues::ObjectVectors : MapValues::TangentVectors;
+       },
+       "the map has vectors: x y z of the cage, or along the texture's u, the normal, and the texture's v")
+    ->type_name("AXES")
+    ->check(CLI::IsMember({"object", "tangent"}));
+}
+
+/* What a model is made of, but for --scene and where its maps go. */
+inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
+{
+  app.add_option("--cage", settings.cagePath, "instead of a scene: control cage, OBJ with OpenSubdiv's t tags")
+    ->type_name("FILE");
+  app.add_option("--up", settings.up, "axis of the cage that points upwards [y]")
+    ->type_name("AXIS")->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}));
+  addMapOptions(app, settings);
+  app.add_flag("--rough", settings.rough, "trex and herd: five times the amplitude");
+  app.add_option("--mapping", settings.mapping, "trex and herd: heights by faces, like Ptex, or by an atlas")
+    ->type_name("faces|atlas");
+  app.add_option("--count", settings.count, "herd: number of copies")->type_name("N");
+}
+
+} // namespace cbvh

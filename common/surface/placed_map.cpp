@@ -1,0 +1,203 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "surface/placed_map.h"
+#include "basics/error.h"
+#include "surface/udim_tiles.h"
+
+#include <cmath>
+#include <map>
+#include <tuple>
+
+namespace cbvh {
+namespace {
+
+float spacing(int level)
+{
+  return std::ldexp(1.0f, -level);
+}
+
+TextureChannels channelsOf(const DisplacementMap& map)
+{
+  return {map.channel, map.values == MapValues::Heights ? 1 : 3};
+}
+
+void warn(std::string& warnings, const std::string& line)
+{
+  warnings += line + "\n";
+}
+
+void warnOfNormals(const HeightTexture& texture, const DisplacementMap& map, std::string& warnings)
+{
+  if (map.values == MapValues::Heights && map.channel.empty() && texture.looksLikeNormals())
+    warn(warnings, map.path + " looks like a normal map, of which the first channel is read as heights: give a height map");
+}
+
+/* A texture coordinate and how fast it changes there, both a unit of (u,v). */
+struct Coordinate
+{
+  Vec2f uv, width;
+};
+
+Coordinate operator+(const Coordinate& a, const Coordinate& b) { return {a.uv + b.uv, a.width + b.width}; }
+Coordinate operator*(const Coordinate& a, float s) { return {a.uv * s, a.width * s}; }
+
+/* The width of the filter is interpolated from corners, where it is the mean over all
+ * faces that have the same coordinate at the same vertex: like the coordinates, it
+ * depends on an edge alone where both sides agree. */
+class MapByCoordinates : public PlacedMap
+{
+public:
+  MapByCoordinates(const Cage& cage, const DisplacementMap& map, std::string& warnings)
+    : PlacedMap(cage), tiles(UdimTiles::find(cage, map.path, warnings)),
+      texture(tiles.paths, channelsOf(map), tiles.isUdim() ? TextureWrap::Clamp : TextureWrap::Repeat),
+      corners(cage.faceIndices.size()), edgeDiffers(corners.size()), cornerDiffers(corners.size())
+  {
+    warnOfNormals(texture, map, warnings);
+    findCoordinates(cage, map.repeat);
+    findSeams(cage);
+  }
+
+  void sample(const FacePoint& p, int level, float* values) const override
+  {
+    const int image = tiles.imageOf(p.face);
+    if (image < 0)
+      return;
+    const Coordinate at = interpolate(&corners[faceBorders.corner(p.face, 0)], faceBorders.size(p.face), p);
+    const Vec2f uv = at.uv - tiles.originOf(p.face);
+    const float h = spacing(level);
+    texture.sample(unsigned(image), uv.x, 1.0f - uv.y, h * at.width.x, h * at.width.y, values);
+  }
+
+  bool isSeam(unsigned face, FaceBorders::Place at) const override
+  {
+    const unsigned edge = unsigned(at.edge);
+    if (at.t == 0.0f)
+      return cornerDiffers[faceBorders.corner(face, edge)];
+    if (at.t == 1.0f)
+      return cornerDiffers[faceBorders.corner(face, (edge + 1) % faceBorders.size(face))];
+    return edgeDiffers[faceBorders.corner(face, edge)];
+  }
+
+private:
+  void findCoordinates(const Cage& cage, Vec2f repeat)
+  {
+    struct Sum
+    {
+      Vec2f width;
+      float count = 0;
+    };
+    std::map<std::tuple<unsigned, float, float>, Sum> sums;
+    const auto uvAt = [&](size_t c) {
+      const Vec2f uv = cage.uvs[cage.uvIndices[c]];
+      return Vec2f{repeat.x * uv.x, repeat.y * uv.y};
+    };
+    const auto key = [&](size_t c) { return std::make_tuple(cage.faceIndices[c], uvAt(c).x, uvAt(c).y); };
+    for (unsigned face = 0; face < cage.numFaces(); face++)
+      for (unsigned i = 0, n = cage.faceSizes[face]; i < n; i++)
+      {
+        const size_t c = faceBorders.corner(face, i);
+        Sum& sum = sums[key(c)];
+        Vec2f width;
+        for (unsigned j : {i + 1, i + n - 1})
+        {
+          const Vec2f d = uvAt(faceBorders.corner(face, j % n)) - uvAt(c);
+          width = {std::max(width.x, std::abs(d.x)), std::max(width.y, std::abs(d.y))};
+        }
+        sum.width = sum.width + width;
+        sum.count++;
+      }
+    for (size_t c = 0; c < corners.size(); c++)
+    {
+      const Sum& sum = sums[key(c)];
+      corners[c] = {uvAt(c), sum.width * (1.0f / sum.count)};
+    }
+  }
+
+  /* Edges and corners where not all sides have the same coordinates on the same tile. */
+  void findSeams(const Cage& cage)
+  {
+    const auto same = [&](unsigned faceA, size_t a, unsigned faceB, size_t b) {
+      return corners[a].uv.x == corners[b].uv.x && corners[a].uv.y == corners[b].uv.y &&
+             tiles.imageOf(faceA) == tiles.imageOf(faceB);
+    };
+    for (unsigned face = 0; faceBorders.numFaces() > face; face++)
+      for (unsigned i = 0, n = faceBorders.size(face); i < n; i++)
+      {
+        const size_t c = faceBorders.corner(face, i);
+        for (const FaceBorders::Side& s : faceBorders.around(face, i))
+          cornerDiffers[c] |= !same(face, c, s.face, faceBorders.corner(s.face, s.edge));
+        for (const FaceBorders::Side& s : faceBorders.along(face, i))
+        {
+          size_t first = faceBorders.corner(s.face, s.edge);
+          size_t last = faceBorders.corner(s.face, (s.edge + 1) % faceBorders.size(s.face));
+          if (cage.faceIndices[first] != cage.faceIndices[c])
+            std::swap(first, last); // it runs the other way
+          edgeDiffers[c] |= !same(face, c, s.face, first) || !same(face, faceBorders.corner(face, (i + 1) % n), s.face, last);
+        }
+      }
+  }
+
+  UdimTiles tiles;
+  HeightTexture texture;
+  std::vector<Coordinate> corners; // of faces, in the cage's order
+  std::vector<char> edgeDiffers, cornerDiffers;
+};
+
+class MapByFaces : public PlacedMap
+{
+public:
+  MapByFaces(const Cage& cage, const DisplacementMap& map, std::string& warnings)
+    : PlacedMap(cage), texture({map.path}, channelsOf(map), isRepeated(map) ? TextureWrap::Repeat : TextureWrap::Clamp),
+      repeat(map.repeat)
+  {
+    warnOfNormals(texture, map, warnings);
+    unsigned images = 0;
+    for (unsigned size : cage.faceSizes)
+    {
+      firstImage.push_back(images);
+      images += size == 4 ? 1 : size;
+    }
+    if (texture.numImages() > 1 && texture.numImages() < images)
+      throw Error(map.path + ": has " + std::to_string(texture.numImages()) + " images, " + cage.name + " needs " +
+                  std::to_string(images) + ", one a quad and n an n-gon, or a single one for all");
+    if (texture.numImages() == 1 && !texture.hasConstantBorder())
+      warn(warnings, cage.name + " has no texture coordinates: each face gets the whole of " + map.path +
+                       ", and the mean of both sides on its borders, as the border of the map is not of one height");
+  }
+
+  void sample(const FacePoint& p, int level, float* values) const override
+  {
+    float u = p.u, v = p.v, h = spacing(level);
+    unsigned corner = 0;
+    if (faceBorders.size(p.face) != 4)
+    {
+      corner = std::min(decodeSubPatch(u, v), faceBorders.size(p.face) - 1);
+      h *= 2.0f; // half a face on each axis
+    }
+    texture.sample(texture.numImages() > 1 ? firstImage[p.face] + corner : 0, repeat.x * u, repeat.y * v, repeat.x * h,
+                   repeat.y * h, values);
+  }
+
+  bool isSeam(unsigned, FaceBorders::Place) const override { return true; }
+
+private:
+  static bool isRepeated(const DisplacementMap& map) { return map.repeat.x != 1.0f || map.repeat.y != 1.0f; }
+
+  HeightTexture texture;
+  Vec2f repeat;
+  std::vector<unsigned> firstImage;
+};
+
+} // namespace
+
+std::unique_ptr<PlacedMap> PlacedMap::create(const Cage& cage, const DisplacementMap& map, std::string& warnings)
+{
+  if (cage.hasUVs())
+    return std::make_unique<MapByCoordinates>(cage, map, warnings);
+  if (isUdimPath(map.path))
+    throw Error(cage.name + ": has no texture coordinates, which " + map.path + " needs");
+  return std::make_unique<MapByFaces>(cage, map, warnings);
+}
+
+} // namespace cbvh

@@ -1,0 +1,138 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "surface/udim_tiles.h"
+#include "basics/error.h"
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+namespace cbvh {
+namespace {
+
+constexpr const char* placeholder = "<UDIM>";
+constexpr int columns = 10;
+
+/* Where a face lies in texture coordinates. */
+struct FaceExtent
+{
+  Vec2f tile;           // that the middle lies on: column and row
+  bool isWithin = true; // all corners lie on that tile or its border
+};
+
+std::vector<FaceExtent> extentsOf(const Cage& cage)
+{
+  std::vector<FaceExtent> extents;
+  size_t corner = 0;
+  for (unsigned size : cage.faceSizes)
+  {
+    Vec2f sum, lower{INFINITY, INFINITY}, upper{-INFINITY, -INFINITY};
+    for (unsigned i = 0; i < size; i++)
+    {
+      const Vec2f uv = cage.uvs[cage.uvIndices[corner++]];
+      sum = sum + uv;
+      lower = {std::min(lower.x, uv.x), std::min(lower.y, uv.y)};
+      upper = {std::max(upper.x, uv.x), std::max(upper.y, uv.y)};
+    }
+    const Vec2f middle = sum * (1.0f / float(size));
+    constexpr float rim = 1e-4f; // of a tile: coordinates are rounded
+    FaceExtent extent;
+    extent.tile = {std::floor(middle.x), std::floor(middle.y)};
+    extent.isWithin = lower.x >= extent.tile.x - rim && lower.y >= extent.tile.y - rim &&
+                      upper.x <= extent.tile.x + 1.0f + rim && upper.y <= extent.tile.y + 1.0f + rim;
+    extents.push_back(extent);
+  }
+  return extents;
+}
+
+std::string pathOfTile(const std::string& path, int number)
+{
+  std::string result = path;
+  const size_t at = path.find(placeholder);
+  return result.replace(at, std::string(placeholder).size(), std::to_string(number));
+}
+
+/* 0 for what is no tile of UDIM. */
+int numberOf(Vec2f tile)
+{
+  constexpr float mostRows = 900; // numbers have four digits
+  if (!(tile.x >= 0.0f && tile.x < columns && tile.y >= 0.0f && tile.y < mostRows))
+    return 0;
+  return 1001 + int(tile.x) + columns * int(tile.y);
+}
+
+/* A cage that is laid out in tiles: each face on one, and several of them. */
+void warnOfTiles(const Cage& cage, const std::vector<FaceExtent>& extents, const std::string& path, std::string& warnings)
+{
+  int least = 0, most = 0;
+  for (const FaceExtent& e : extents)
+  {
+    const int number = numberOf(e.tile);
+    if (!e.isWithin || number == 0)
+      return;
+    least = least == 0 ? number : std::min(least, number);
+    most = std::max(most, number);
+  }
+  if (least != most)
+    warnings += cage.name + " is laid out in UDIM tiles, " + std::to_string(least) + " to " + std::to_string(most) +
+                ", and " + path + " is repeated on each of them: maps of a tile each are named with " + placeholder +
+                ", as in skin." + placeholder + ".png\n";
+}
+
+std::string faces(size_t n)
+{
+  return std::to_string(n) + (n == 1 ? " face" : " faces");
+}
+
+} // namespace
+
+bool isUdimPath(const std::string& path)
+{
+  return path.find(placeholder) != std::string::npos;
+}
+
+UdimTiles UdimTiles::find(const Cage& cage, const std::string& path, std::string& warnings)
+{
+  const std::vector<FaceExtent> extents = extentsOf(cage);
+  UdimTiles tiles;
+  if (!isUdimPath(path))
+  {
+    warnOfTiles(cage, extents, path, warnings);
+    tiles.paths = {path};
+    return tiles;
+  }
+  std::map<int, int> imageOfNumber; // -1: no file
+  std::map<int, size_t> missing;    // faces a number
+  size_t across = 0;
+  for (const FaceExtent& e : extents)
+  {
+    const int number = numberOf(e.tile);
+    const auto [entry, isNew] = imageOfNumber.try_emplace(number, -1);
+    std::error_code ignored;
+    if (isNew && number && std::filesystem::exists(pathOfTile(path, number), ignored))
+    {
+      entry->second = int(tiles.paths.size());
+      tiles.paths.push_back(pathOfTile(path, number));
+    }
+    if (entry->second < 0)
+      missing[number]++;
+    else
+      across += !e.isWithin;
+    tiles.images.push_back(entry->second);
+    tiles.origins.push_back(e.tile);
+  }
+  if (tiles.paths.empty())
+    throw Error(path + ": no such height map: " + cage.name + " wants tile " +
+                std::to_string(missing.rbegin()->first) + " of it, for one");
+  for (const auto& [number, count] : missing)
+    warnings += path + ": " +
+                (number ? "there is no tile " + std::to_string(number) : "texture coordinates lie outside of all tiles") +
+                ", " + faces(count) + " of " + cage.name + " stay as they are\n";
+  if (across)
+    warnings += cage.name + ": " + faces(across) + " reach over the border of a UDIM tile, and read all of it from that " +
+                "of their middle\n";
+  return tiles;
+}
+
+} // namespace cbvh

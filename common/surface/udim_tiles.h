@@ -1,0 +1,42 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* UDIM: a map of several files, one a unit square of texture coordinates. Tile
+ * 1001 + column + 10 row, ten columns. */
+
+#include "surface/cage.h"
+
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+/* Whether a path has <UDIM> in it. */
+bool isUdimPath(const std::string& path);
+
+struct UdimTiles
+{
+  std::vector<std::string> paths; // of the files that there are and faces lie on; the path itself without <UDIM>
+
+  /* Looks for the tiles on which faces have their middles.
+   * warnings: lines are added on tiles without a file, on faces that reach over the border
+   * of their tile, and where a cage that is laid out in tiles reads one map on all of them.
+   * Errors: throws Error when there is no file at all. */
+  static UdimTiles find(const Cage& cage, const std::string& path, std::string& warnings);
+
+  bool isUdim() const { return !images.empty(); }
+
+  /* Index into paths; -1 where there is no file. */
+  int imageOf(unsigned face) const { return isUdim() ? images[face] : 0; }
+
+  /* Of the face's tile, in texture coordinates. */
+  Vec2f originOf(unsigned face) const { return isUdim() ? origins[face] : Vec2f{0, 0}; }
+
+private:
+  std::vector<int> images;    // a face each, empty without <UDIM>
+  std::vector<Vec2f> origins; // likewise
+};
+
+} // namespace cbvh

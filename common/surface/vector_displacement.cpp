@@ -1,0 +1,127 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Tangents as MikkTSpace makes them: one at each corner of a face, the mean over all faces
+ * that have the same texture coordinate at the same vertex, interpolated over the face and
+ * made perpendicular to the normal. So on an edge they depend on the edge alone, where the
+ * derivatives of the limit surface in texture coordinates would differ from side to side. */
+
+#include "surface/vector_displacement.h"
+#include "basics/error.h"
+
+#include <map>
+#include <stdexcept>
+#include <tuple>
+
+namespace cbvh {
+namespace {
+
+/* The second axis of the texture lies to the left of the first one, seen from outside, or
+ * to the right, where the texture is mirrored. */
+struct Tangents
+{
+  std::vector<Vec3f> corners; // of faces, in the cage's order: along the first axis
+  std::vector<float> sides;   // of faces: 1 for left, -1 for right
+};
+
+Tangents findTangents(const Cage& cage, const FaceBorders& borders)
+{
+  Tangents tangents;
+  tangents.corners.resize(cage.faceIndices.size());
+  std::map<std::tuple<unsigned, float, float, float>, Vec3f> sums; // vertex, coordinate, side
+  const auto position = [&](size_t c) { return cage.positions[cage.faceIndices[c]]; };
+  const auto uv = [&](size_t c) { return cage.uvs[cage.uvIndices[c]]; };
+  const auto key = [&](unsigned face, size_t c) {
+    return std::make_tuple(cage.faceIndices[c], uv(c).x, uv(c).y, tangents.sides[face]);
+  };
+  for (unsigned face = 0; face < cage.numFaces(); face++)
+  {
+    const unsigned n = cage.faceSizes[face];
+    float area = 0; // twice that of the face in texture coordinates
+    for (unsigned i = 0; i < n; i++)
+    {
+      const Vec2f a = uv(borders.corner(face, i)), b = uv(borders.corner(face, (i + 1) % n));
+      area += a.x * b.y - b.x * a.y;
+    }
+    tangents.sides.push_back(area < 0.0f ? -1.0f : 1.0f);
+    for (unsigned i = 0; i < n; i++)
+    {
+      const size_t c = borders.corner(face, i), next = borders.corner(face, (i + 1) % n),
+                   last = borders.corner(face, (i + n - 1) % n);
+      const Vec3f e1 = position(next) - position(c), e2 = position(last) - position(c);
+      const Vec2f d1 = uv(next) - uv(c), d2 = uv(last) - uv(c);
+      Vec3f& sum = sums[key(face, c)];
+      sum += normalize(tangents.sides[face] * (d2.y * e1 - d1.y * e2));
+    }
+  }
+  for (unsigned face = 0; face < cage.numFaces(); face++)
+    for (unsigned i = 0; i < cage.faceSizes[face]; i++)
+    {
+      const size_t c = borders.corner(face, i);
+      tangents.corners[c] = normalize(sums[key(face, c)]);
+    }
+  return tangents;
+}
+
+class VectorDisplacement : public Displacement
+{
+public:
+  VectorDisplacement(const Cage& cage, std::unique_ptr<PlacedMap> placed, const DisplacementMap& description)
+    : map(std::move(placed)), scale(description.scale), midLevel(description.midLevel.value_or(0.0f))
+  {
+    if (description.values == MapValues::TangentVectors)
+      tangents = findTangents(cage, map->borders());
+  }
+
+  bool isAlongNormals() const override { return false; }
+
+  void offsets(const SurfacePoints&, float*) const override
+  {
+    throw std::logic_error("a displacement by vectors has no offsets along normals");
+  }
+
+  void vectors(const SurfacePoints& points, const Vec3f* normals, Vec3f* out) const override
+  {
+    const FaceBorders& borders = map->borders();
+    for (size_t i = 0; i < points.n; i++)
+    {
+      const FacePoint p{points.face, points.u[i], points.v[i]};
+      const auto vectorAt = [&](const FacePoint& q) { return vector(q, points.level, normals[i]); };
+      out[i] = vectorAt(p);
+      const FaceBorders::Place at = borders.place(p);
+      if (at.edge >= 0)
+        out[i] = borders.mean(p.face, at, out[i], vectorAt);
+    }
+  }
+
+private:
+  Vec3f vector(const FacePoint& p, int level, Vec3f normal) const
+  {
+    float v[3] = {midLevel, midLevel, midLevel};
+    map->sample(p, level, v);
+    for (float& x : v)
+      x = scale * (x - midLevel);
+    if (tangents.corners.empty())
+      return {v[0], v[1], v[2]};
+    const FaceBorders& borders = map->borders();
+    const Vec3f along = interpolate(&tangents.corners[borders.corner(p.face, 0)], borders.size(p.face), p);
+    const Vec3f tangent = normalize(along - dot(along, normal) * normal);
+    return v[0] * tangent + v[1] * normal + (tangents.sides[p.face] * v[2]) * cross(normal, tangent);
+  }
+
+  std::unique_ptr<PlacedMap> map;
+  float scale, midLevel;
+  Tangents tangents; // none for vectors in the axes of the cage
+};
+
+} // namespace
+
+std::unique_ptr<Displacement> displaceByVectors(const Cage& cage, std::unique_ptr<PlacedMap> map,
+                                                const DisplacementMap& description)
+{
+  if (description.values == MapValues::TangentVectors && !cage.hasUVs())
+    throw Error(cage.name + ": has no texture coordinates, whose axes vectors in tangent space are given in");
+  return std::make_unique<VectorDisplacement>(cage, std::move(map), description);
+}
+
+} // namespace cbvh

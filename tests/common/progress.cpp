@@ -1,0 +1,68 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "basics/progress.h"
+#include "basics/error.h"
+#include "basics/file_output.h"
+#include "basics/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <unistd.h>
+
+namespace cbvh::test {
+namespace {
+
+/* Handlers and flags are of the process: what sets them runs in one of its own. */
+
+void loopUntilCancelled()
+{
+  installCancelHandler();
+  std::atomic<size_t> calls{0};
+  try
+  {
+    parallelFor(SIZE_MAX, 1, 2, [&](size_t, size_t) {
+      if (calls++ == 1000)
+        std::raise(SIGINT);
+    });
+  }
+  catch (const Cancelled&)
+  {
+    std::fputs("stopped by itself", stderr);
+    std::_Exit(7);
+  }
+}
+
+TEST(CancelDeathTest, ASignalEndsLoops)
+{
+  EXPECT_EXIT(loopUntilCancelled(), testing::ExitedWithCode(7), "stopped by itself");
+}
+
+/* As code does that does not look at the flag. */
+void hang(const std::string& path)
+{
+  installCancelHandler();
+  endSoonAfterCancel("test");
+  PendingFile file(path);
+  std::ofstream(file.temporary()) << "half of a";
+  std::raise(SIGINT);
+  for (;;)
+    pause();
+}
+
+TEST(CancelDeathTest, WhatHangsIsEndedAndItsFileRemoved)
+{
+  const std::filesystem::path folder =
+    std::filesystem::temp_directory_path() / ("cbvh_progress_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  EXPECT_EXIT(hang((folder / "file.txt").string()), testing::ExitedWithCode(130), "test: cancelled");
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  std::filesystem::remove_all(folder);
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,66 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "memory_plan.h"
+#include "basics/error.h"
+#include "building/memory.h"
+
+#include <gtest/gtest.h>
+
+namespace cbvh::test {
+namespace {
+
+constexpr size_t quads = 1000000;
+
+std::string builtOf(const MemoryPlan& plan)
+{
+  std::string list;
+  for (const Representation& r : plan.built)
+    list += (list.empty() ? "" : ",") + r.fileStem();
+  return list;
+}
+
+MemoryPlan plan(const std::string& asked, size_t available)
+{
+  return planMemory(parseRepresentations(asked, 2), quads, available);
+}
+
+size_t peak(RepresentationKind kind)
+{
+  return estimatedPeakBytes(kind, quads);
+}
+
+TEST(MemoryPlan, AllThatFitsIsBuiltGridFirst)
+{
+  const MemoryPlan all = plan("cleaf,naive,grid,cvert", SIZE_MAX);
+  EXPECT_EQ(builtOf(all), "grid,naive,cleaf2,cvert");
+  EXPECT_TRUE(all.leftOut.empty());
+  EXPECT_EQ(builtOf(plan("cleaf", SIZE_MAX)), "cleaf2") << "nothing is built that was not asked for";
+}
+
+TEST(MemoryPlan, ReferencesAreLeftOutBeforeWhatIsCompressed)
+{
+  const size_t grid = peak(RepresentationKind::Grid), naive = peak(RepresentationKind::Naive),
+               leaf = peak(RepresentationKind::CLeaf);
+  EXPECT_EQ(builtOf(plan("naive,grid,cleaf", grid + naive)), "grid,naive,cleaf2");
+  EXPECT_EQ(builtOf(plan("naive,grid,cleaf", grid + naive - 1)), "grid,cleaf2") << "NAIVE is built beside GRID";
+  EXPECT_EQ(builtOf(plan("naive,grid,cleaf", grid + leaf)), "grid,cleaf2");
+  const MemoryPlan alone = plan("naive,grid,cleaf", grid + leaf - 1);
+  EXPECT_EQ(builtOf(alone), "cleaf2");
+  ASSERT_EQ(alone.leftOut.size(), 2u);
+  EXPECT_NE(alone.leftOut[0].find("GRID is left out: 1.0 million quads take about"), std::string::npos) << alone.leftOut[0];
+  EXPECT_NE(alone.leftOut[1].find("NAIVE is left out"), std::string::npos);
+}
+
+TEST(MemoryPlan, ACompressedOneThatDoesNotFitIsLeftOutToo)
+{
+  EXPECT_EQ(builtOf(plan("cgrid,cleaf", peak(RepresentationKind::CGrid) - 1)), "cleaf2");
+}
+
+TEST(MemoryPlan, NothingThatFitsIsAnError)
+{
+  EXPECT_THROW(plan("grid,cleaf", 1000), Error);
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,61 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "picture_files.h"
+#include "pictures/image_output.h"
+
+#include <filesystem>
+
+namespace cbvh {
+
+void PictureFiles::writeHits(const Representation& r, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits,
+                             Vec3f up)
+{
+  writePng(path(r, ".png"), shadeHits(size, rays, hits, up, colors));
+  writeHitsExr(path(r, ".exr"), size, rays, hits);
+  shaded.push_back(r.fileStem());
+}
+
+void PictureFiles::writeErrors(const Representation& r, const std::vector<float>& errors)
+{
+  writePng(path(r, "_error.png"), errorHeatMap(size, errors));
+  errorMaps.push_back(r.fileStem());
+}
+
+void PictureFiles::writeAmbient(const Representation& r, const std::vector<float>& grid, const std::vector<float>& light)
+{
+  writePng(path(r, "_ambient.png"), grid.empty() ? greyPicture(size, light) : compareAmbient(size, grid, light));
+  (grid.empty() ? ambient : ambientBesideGrid).push_back(r.fileStem());
+}
+
+std::string PictureFiles::path(const Representation& r, const std::string& ending) const
+{
+  return (std::filesystem::path(folder) / (model + "_" + r.fileStem() + ending)).string();
+}
+
+/* As a shell writes several: trex_{grid,cleaf2}.png. */
+std::string PictureFiles::names(const std::vector<std::string>& stems, const std::string& ending) const
+{
+  std::string list;
+  for (const std::string& stem : stems)
+    list += (list.empty() ? "" : ",") + stem;
+  return (std::filesystem::path(folder) / (model + "_" + (stems.size() > 1 ? "{" + list + "}" : list) + ending)).string();
+}
+
+std::string PictureFiles::legend(const std::string& reference) const
+{
+  const auto line = [&](const std::vector<std::string>& stems, const std::string& ending, const std::string& shows) {
+    return stems.empty() ? "" : "  " + names(stems, ending) + ": " + shows + "\n";
+  };
+  return "Pictures:\n" +
+         line(shaded, ".png",
+              colors == HitColors::Sides ? "shaded, magenta where the normal points away from the camera" : "shaded") +
+         line(shaded, ".exr", "position, distance, normal, u, v and primID of the hits") +
+         line(errorMaps, "_error.png",
+              "distance from " + reference +
+                ", from blue (none) to pink (5 pixels and more); black: a false hit, orange: a miss") +
+         line(ambient, "_ambient.png", "ambient occlusion") +
+         line(ambientBesideGrid, "_ambient.png", "ambient occlusion of GRID, of this one, and 4 times the difference");
+}
+
+} // namespace cbvh

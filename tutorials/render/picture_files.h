@@ -1,0 +1,49 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The files of a run: a shaded picture, the hits, and what is compared with a reference. */
+
+#include "building/representation.h"
+#include "building/surface_hit.h"
+#include "pictures/shading.h"
+#include "tracing/image_size.h"
+#include "tracing/ray.h"
+
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+class PictureFiles
+{
+public:
+  PictureFiles(std::string folder, std::string model, ImageSize size, HitColors colors)
+    : folder(std::move(folder)), model(std::move(model)), size(size), colors(colors)
+  {
+  }
+
+  /* hits: one a ray. The next three likewise; all throw Error with the path. */
+  void writeHits(const Representation& r, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, Vec3f up);
+
+  /* errors: as pixelErrors makes them. */
+  void writeErrors(const Representation& r, const std::vector<float>& errors);
+
+  /* grid: GRID's light, empty for none beside it. */
+  void writeAmbient(const Representation& r, const std::vector<float>& grid, const std::vector<float>& light);
+
+  /* A line on each kind of file that was written. reference: of the errors. */
+  std::string legend(const std::string& reference) const;
+
+private:
+  std::string path(const Representation& r, const std::string& ending) const;
+  std::string names(const std::vector<std::string>& stems, const std::string& ending) const;
+
+  std::string folder, model;
+  ImageSize size;
+  HitColors colors;
+  std::vector<std::string> shaded, errorMaps, ambient, ambientBesideGrid; // stems of representations
+};
+
+} // namespace cbvh
