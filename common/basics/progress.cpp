@@ -14,6 +14,7 @@ namespace cbvh {
 namespace {
 
 volatile std::sig_atomic_t cancelFlag = 0;
+PhaseListener phaseListener;
 
 void onSignal(int signal)
 {
@@ -34,6 +35,11 @@ void requestCancel()
   cancelFlag = 1;
 }
 
+void clearCancel()
+{
+  cancelFlag = 0;
+}
+
 bool cancelRequested()
 {
   return cancelFlag != 0;
@@ -45,12 +51,16 @@ void throwIfCancelled()
     throw Cancelled();
 }
 
+void setPhaseListener(PhaseListener listener)
+{
+  phaseListener = std::move(listener);
+}
+
 Phase::Phase(const std::string& name)
   : name(name), start(std::chrono::steady_clock::now()), terminal(isatty(STDERR_FILENO))
 {
   throwIfCancelled();
-  if (terminal)
-    print(false);
+  print(false);
 }
 
 Phase::~Phase()
@@ -65,8 +75,7 @@ void Phase::update(double fraction)
   if (now <= percent)
     return;
   percent = now;
-  if (terminal)
-    print(false);
+  print(false);
 }
 
 double Phase::seconds() const
@@ -76,10 +85,19 @@ double Phase::seconds() const
 
 void Phase::print(bool final)
 {
+  const bool stopped = final && (cancelRequested() || std::uncaught_exceptions());
+  if (phaseListener)
+  {
+    if (!stopped && !(final && percent == 100))
+      phaseListener(name, final ? 1.0 : percent / 100.0);
+    return;
+  }
+  if (!final && !terminal)
+    return;
   const char* back = terminal ? "\r\033[K" : "";
   if (!final)
     std::fprintf(stderr, "%s  %s %d%%", back, name.c_str(), percent);
-  else if (cancelRequested() || std::uncaught_exceptions())
+  else if (stopped)
     std::fprintf(stderr, "%s  %s: stopped after %.1f s\n", back, name.c_str(), seconds());
   else
     std::fprintf(stderr, "%s  %s: %.1f s\n", back, name.c_str(), seconds());

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <mutex>
 #include <string>
 
@@ -19,11 +20,21 @@ void installCancelHandler();
 /* Sets the flag: the process is about to end, and whatever runs may stop. */
 void requestCancel();
 
+/* Takes the flag back, for a program that goes on after what it stopped. */
+void clearCancel();
+
 /* Whether the flag is set. Safe in any thread. */
 bool cancelRequested();
 
 /* Throws Cancelled if the flag is set. */
 void throwIfCancelled();
+
+/* Hears of phases in place of stderr: the name, and how much of it is done, 0 at the start and 1 at the end of a
+ * phase that is not stopped. Called by any thread, by one at a time; throws nothing. */
+using PhaseListener = std::function<void(const std::string& name, double fraction)>;
+
+/* Empty: stderr again. Called while no phase runs. */
+void setPhaseListener(PhaseListener listener);
 
 /* One line a phase: its name, percents while it runs if stderr is a terminal, and
  * its time at the end. Only one phase runs at a time; update may come from any
