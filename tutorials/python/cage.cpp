@@ -125,13 +125,11 @@ auto array(std::vector<Element> Cage::*member)
   return [member](const py::object& self) { return view<T>(self.cast<const Cage&>().*member, self); };
 }
 
-constexpr const char* cageText = R"(
-Control cage of a Catmull-Clark subdivision surface, checked by OpenSubdiv.
+constexpr const char* cageText = R"(Control cage of a Catmull-Clark subdivision surface, checked by OpenSubdiv.
 
 Its arrays are read-only. Corners of faces are counterclockwise for who sees the front.)";
 
-constexpr const char* makeText = R"(
-Makes a cage of arrays.
+constexpr const char* makeText = R"(Makes a cage of arrays.
 
 vertices: (n, 3), finite, any unit.
 indices: (f, k) integers, the vertices of f faces of k corners; or, with face_sizes, (sum(face_sizes),), the vertices of
@@ -161,8 +159,7 @@ void defineCage(py::module_& module)
          py::arg("crease_sharpness") = py::none(), py::arg("corner_vertices") = none,
          py::arg("corner_sharpness") = py::none(), py::arg("holes") = none, py::arg("boundary") = "edge_only",
          py::arg("name") = "cage", makeText)
-    .def_static("load", &loadCage, py::arg("path"), R"(
-Reads a Wavefront OBJ file, with OpenSubdiv's `t` tags for creases, corners, holes and borders.
+    .def_static("load", &loadCage, py::arg("path"), R"(Reads a Wavefront OBJ file, with OpenSubdiv's `t` tags for creases, corners, holes and borders.
 
 Error is raised for a file that cannot be read, with the line that is at fault, and for a topology that Embree does not
 take.)")

@@ -51,9 +51,7 @@ py::tuple bounce(const Hits& hits, const py::object& origins, const py::object& 
                  uint32_t seed)
 {
   const Rays rays = readRays(origins, directions);
-  if (rays.rays.size() != hits.hits.size())
-    refuse("hits", "are of " + std::to_string(hits.hits.size()) + " rays, origins and directions of " +
-                     std::to_string(rays.rays.size()));
+  requireRays(hits, "hits", rays.rays.size(), "origins and directions");
   return arraysOf(bounceRays(rays.rays, hits.hits, {count, offset, seed}));
 }
 
@@ -63,8 +61,7 @@ void defineCamera(py::module_& module)
 {
   py::class_<Camera>(module, "Camera", "A pinhole camera with square pixels.")
     .def(py::init(&makeCamera), py::arg("eye"), py::arg("look_at"), py::arg("up") = py::make_tuple(0.0, 1.0, 0.0),
-         py::arg("fov") = 35.0f, py::arg("size") = std::pair<int, int>(1024, 1024), R"(
-eye, look_at: (3,) each, world units.
+         py::arg("fov") = 35.0f, py::arg("size") = std::pair<int, int>(1024, 1024), R"(eye, look_at: (3,) each, world units.
 up: (3,), what is up in the picture.
 fov: vertical field of view, degrees.
 size: width and height of the picture in pixels, 1 to 16384 each.)")
@@ -79,19 +76,16 @@ size: width and height of the picture in pixels, 1 to 16384 each.)")
 
   module.def("primary_rays", [](const Camera& c) {
       return arraysOf(primaryRays(c), {c.size().height, c.size().width});
-    }, py::arg("camera"), R"(
-One ray through the centre of each pixel: origins and directions, (height, width, 3) float32 each, row 0 the upper one.
+    }, py::arg("camera"), R"(One ray through the centre of each pixel: origins and directions, (height, width, 3) float32 each, row 0 the upper one.
 
 Directions are of length 1, so distances of hits are in world units.)");
   module.def("coherent_rays", [](const Camera& c, size_t count) {
       return arraysOf(coherentRays(primaryRays(c), c.size(), count));
-    }, py::arg("camera"), py::arg("count") = 0, R"(
-Primary rays in the order in which renderers trace them, tiles of 8 x 8 pixels: origins and directions, (n, 3) float32.
+    }, py::arg("camera"), py::arg("count") = 0, R"(Primary rays in the order in which renderers trace them, tiles of 8 x 8 pixels: origins and directions, (n, 3) float32.
 
 count: how many, as whole tiles spread evenly over the picture; 0 for all.)");
   module.def("bounce_rays", &bounce, py::arg("hits"), py::arg("origins"), py::arg("directions"), py::kw_only(),
-             py::arg("offset"), py::arg("count") = 0, py::arg("seed") = 1, R"(
-Incoherent rays: from each hit one with cosine distribution about the geometric normal on the side that is seen,
+             py::arg("offset"), py::arg("count") = 0, py::arg("seed") = 1, R"(Incoherent rays: from each hit one with cosine distribution about the geometric normal on the side that is seen,
 shuffled; origins and directions, (n, 3) float32 each.
 
 hits: of the rays origins and directions, which are as of Scene.intersect.

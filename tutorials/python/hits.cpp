@@ -72,7 +72,7 @@ std::string repr(const Hits& hits)
 
 std::shared_ptr<Hits> nearer(const Hits& a, const Hits& b)
 {
-  requireSameRays(b, a.hits.size());
+  requireRays(b, "b", a.hits.size(), "a");
   auto result = std::make_shared<Hits>(a);
   result->hits = nearerHits(a.hits, b.hits);
   return result;
@@ -119,17 +119,15 @@ Rays readRays(const py::object& origins, const py::object& directions)
   return readRays(origins, directions, py::float_(0.0), py::float_(INFINITY));
 }
 
-void requireSameRays(const Hits& reference, size_t n)
+void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others)
 {
-  if (reference.hits.size() != n)
-    refuse("reference", "has hits of " + std::to_string(reference.hits.size()) + " rays, the others are of " +
-                          std::to_string(n));
+  if (hits.hits.size() != rays)
+    refuse(argument, "are of " + std::to_string(hits.hits.size()) + " rays, " + others + " of " + std::to_string(rays));
 }
 
 void defineHits(py::module_& module)
 {
-  py::class_<Hits, std::shared_ptr<Hits>>(module, "Hits", R"(
-What rays hit, in arrays of the shape of the rays; (...) below.
+  py::class_<Hits, std::shared_ptr<Hits>>(module, "Hits", R"(What rays hit, in arrays of the shape of the rays; (...) below.
 
 They are read-only. Hits on the triangles of NAIVE are those on the surface that they stand for: primID, u and v have
 the same meaning in all representations, so hits can be compared.)")
@@ -137,8 +135,7 @@ the same meaning in all representations, so hits can be compared.)")
                            "(...) bool: whether the ray hits anything.")
     .def_property_readonly("t", [](const py::object& self) { return member(self, &SurfaceHit::t); },
                            "(...) float32: distance in lengths of the ray's direction; inf where nothing is hit.")
-    .def_property_readonly("u", [](const py::object& self) { return member(self, &SurfaceHit::u); }, R"(
-(...) float32: parameter of the face, from 0 to 1; 0 where nothing is hit.
+    .def_property_readonly("u", [](const py::object& self) { return member(self, &SurfaceHit::u); }, R"((...) float32: parameter of the face, from 0 to 1; 0 where nothing is hit.
 
 A face of n != 4 vertices is n patches, one a corner: that of corner i has u from 0.5 to 1.5 plus 2*(i % 4), and v from
 0.5 to 1.5 plus 2*(i // 4), as Embree reports them.)")
@@ -153,8 +150,7 @@ A face of n != 4 vertices is n patches, one a corner: that of corner i has u fro
     .def_property_readonly("shape", [](const Hits& h) { return tupleOf(h.shape); }, "Shape of the rays.")
     .def("__repr__", repr);
 
-  module.def("nearer_hits", nearer, py::arg("a"), py::arg("b"), R"(
-The nearer hit of each ray, as Hits.
+  module.def("nearer_hits", nearer, py::arg("a"), py::arg("b"), R"(The nearer hit of each ray, as Hits.
 
 Two tracings of one surface differ where one lets a ray slip between two triangles, as NAIVE does now and then, and
 then the nearer hit is right: nearer_hits(grid, naive) is the reference that cbvh_render measures errors against.)");

@@ -30,8 +30,8 @@ struct Hits
   size_t facesOfCopy = 0, faces = 0; // of the model
 };
 
-/* Refuses hits that differ in their number. */
-void requireSameRays(const Hits& reference, size_t n);
+/* Refuses hits of another number of rays than those of other arguments. */
+void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others);
 
 void defineHits(py::module_& module);
 

@@ -213,11 +213,9 @@ py::tuple tessellateModel(const Model& model, int level, int threads, const py::
   return py::make_tuple(vertices, quads);
 }
 
-constexpr const char* modelText = R"(
-A displaced subdivision surface: a cage, and heights along the normal of its limit surface.)";
+constexpr const char* modelText = R"(A displaced subdivision surface: a cage, and heights along the normal of its limit surface.)";
 
-constexpr const char* makeText = R"(
-Makes a model of a cage, displaced by a height map if there is one.
+constexpr const char* makeText = R"(Makes a model of a cage, displaced by a height map if there is one.
 
 height: path of an image that OpenImageIO reads, or an array (rows, columns) of finite numbers whose row 0 is the top of
   the image. Looked up by the cage's texture coordinates; a cage without them gets the whole map on every face.
@@ -226,8 +224,7 @@ amplitude: displacement from height 0 to height 1 as a fraction of the diagonal 
 
 Error is raised for a map that cannot be read.)";
 
-constexpr const char* sceneText = R"(
-Makes one of the generated scenes, see scene_names().
+constexpr const char* sceneText = R"(Makes one of the generated scenes, see scene_names().
 
 amplitude: as of a model, the scene's own if it is not given.
 rough: trex and herd, five times the amplitude.
@@ -237,8 +234,7 @@ map_folder: where the map of trex and herd is kept, 134 MB and made in seconds; 
 threads: for making the map, 0 for all.
 progress: called with the name of a phase and how much of it is done, 0 to 1.)";
 
-constexpr const char* tessellateText = R"(
-The mesh that GRID and NAIVE hold, to the bit: vertices (n, 3) float32 and quads (m, 4) uint32.
+constexpr const char* tessellateText = R"(The mesh that GRID and NAIVE hold, to the bit: vertices (n, 3) float32 and quads (m, 4) uint32.
 
 Every patch, which is a face or a corner of a face of n != 4 vertices, has vertices of its own, in rows along u. GRID
 and NAIVE split a quad a, b, c, d into the triangles a, b, d and d, b, c.

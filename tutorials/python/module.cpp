@@ -17,8 +17,7 @@
 namespace cbvh::python {
 namespace {
 
-constexpr const char* moduleText = R"(
-Displaced subdivision surfaces in the representations of Embree CBVH, built, traced and compared.
+constexpr const char* moduleText = R"(Displaced subdivision surfaces in the representations of Embree CBVH, built, traced and compared.
 
     import embree_cbvh as cbvh
 

@@ -207,7 +207,7 @@ void requirePositive(float footprint)
 
 py::array_t<float> pixelErrorsOf(const Hits& hits, const Hits& reference, float footprint)
 {
-  requireSameRays(reference, hits.hits.size());
+  requireRays(reference, "reference", hits.hits.size(), "hits");
   requirePositive(footprint);
   const std::vector<float> errors = pixelErrors(reference.hits, hits.hits, footprint);
   return arrayOf<float>(hits.shape, [&](size_t i) { return errors[i] < 0.0f ? NAN : errors[i]; });
@@ -217,7 +217,7 @@ py::object errorsOf(const Scene& scene, const Hits& hits, const Hits& reference,
 {
   requireHitsOf(scene, hits, "hits");
   requireHitsOf(scene, reference, "reference");
-  requireSameRays(reference, hits.hits.size());
+  requireRays(reference, "reference", hits.hits.size(), "hits");
   requirePositive(footprint);
   return objectOf(errorsJson(compareHits(reference.hits, hits.hits, footprint, scene.built.layout())));
 }
@@ -229,7 +229,7 @@ py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& 
   requirePositive(footprint);
   const unsigned n = threadsOf(threads);
   const Rays rays = readRays(origins, directions);
-  requireSameRays(hits, rays.rays.size());
+  requireRays(hits, "hits", rays.rays.size(), "origins and directions");
   return objectOf(errorsJson(interruptible(progress, [&] {
     const TrueSurface surface(*scene.model);
     const TrueView view{*scene.model, surface, rays.rays, sampleOfHits(hits.hits, count, seed), footprint};
@@ -239,8 +239,7 @@ py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& 
 
 /* --- docstrings ---------------------------------------------------------------- */
 
-constexpr const char* buildText = R"(
-Builds a model in one representation, as a Scene.
+constexpr const char* buildText = R"(Builds a model in one representation, as a Scene.
 
 model: a Model, or a Cage, which is not displaced.
 representation: "cvert", "cleaf", "cvoxel" and "cgrid", which are compressed, "grid", Embree's own, or "naive", its
@@ -260,8 +259,7 @@ Ctrl-C (KeyboardInterrupt) stops the build. Other threads of Python run meanwhil
 or to trace, they wait until it is their turn. Raises ValueError and TypeError for arguments, MemoryError for what does
 not fit, Error for what Embree refuses.)";
 
-constexpr const char* intersectText = R"(
-The closest hit of each ray, as Hits.
+constexpr const char* intersectText = R"(The closest hit of each ray, as Hits.
 
 origins: (..., 3), world units.
 directions: (..., 3), of any length; distances are multiples of it.
@@ -271,11 +269,9 @@ threads: 0 for all.
 Arguments are taken as float32 and broadcast by NumPy's rules: one origin and a picture of directions make a picture of
 hits. Ctrl-C stops it.)";
 
-constexpr const char* occludedText = R"(
-Whether each ray hits anything: (...) bool. Arguments as of intersect.)";
+constexpr const char* occludedText = R"(Whether each ray hits anything: (...) bool. Arguments as of intersect.)";
 
-constexpr const char* secondsText = R"(
-Seconds that tracing the rays once takes: of the processor for one thread, of the clock for several.
+constexpr const char* secondsText = R"(Seconds that tracing the rays once takes: of the processor for one thread, of the clock for several.
 
 Measured in C++, the filling of Embree's rays included. Measure representations in turns, and take medians.
 
@@ -286,19 +282,16 @@ coherent: what Embree is told about the rays.
 threads: 0 for all.
 passes: over the rays, for few of them; the time is that of one.)";
 
-constexpr const char* cameraText = R"(
-A Camera before the scene. view: "full" shows all of it, "close" a part. size: width and height in pixels.
+constexpr const char* cameraText = R"(A Camera before the scene. view: "full" shows all of it, "close" a part. size: width and height in pixels.
 
 Fitted to the surface as it is in this representation: take one camera for all that is compared.)";
 
-constexpr const char* statisticsText = R"(
-What the build made, a dict: representation, level, quads, bytes_per_quad, live_bytes (held after the build, with the
+constexpr const char* statisticsText = R"(What the build made, a dict: representation, level, quads, bytes_per_quad, live_bytes (held after the build, with the
 cage), peak_bytes (held while building), build_seconds, distance_from_mesh (world units: how far hits may be from the
 mesh of the level), and of what is compressed a dict of bytes and counts, compression. Names are those that
 `cbvh_render --json` writes.)";
 
-constexpr const char* errorsText = R"(
-How far hits are from a reference, a dict with the names of `cbvh_render --json`.
+constexpr const char* errorsText = R"(How far hits are from a reference, a dict with the names of `cbvh_render --json`.
 
 hits: of this scene. reference: of the same rays in another representation of the same model.
 footprint: width of a pixel at distance 1 (Camera.footprint), for directions of length 1.
@@ -307,8 +300,7 @@ Distances between hit points are in pixels: rmse_pixels, median_pixels, p99_pixe
 5, which are mostly on another sheet of the surface, rmse_of_others_pixels and bias_pixels (more than 0: behind). Rays
 where only one hits are counted: false_hits, misses. Normals in degrees, u and v in quads (cells).)";
 
-constexpr const char* trueErrorsText = R"(
-How far hits are from the true surface, which is OpenSubdiv's limit surface with the heights as they are in the map, a
+constexpr const char* trueErrorsText = R"(How far hits are from the true surface, which is OpenSubdiv's limit surface with the heights as they are in the map, a
 dict with the names of `cbvh_render --json`. The error of tessellation and that of compression together.
 
 hits: of this scene, of the rays origins and directions, of length 1.
@@ -317,8 +309,7 @@ count, seed: so many hits are drawn at random.
 threads: 0 for all.
 progress: called with the name of a phase and how much of it is done, 0 to 1.)";
 
-constexpr const char* pixelErrorsText = R"(
-Distance between the hit points of each ray in pixels: (...) float32, NaN where not both hit.
+constexpr const char* pixelErrorsText = R"(Distance between the hit points of each ray in pixels: (...) float32, NaN where not both hit.
 
 hits, reference: of the same rays, directions of length 1.
 footprint: width of a pixel at distance 1 (Camera.footprint).)";
