@@ -13,12 +13,13 @@
 namespace cbvh {
 namespace {
 
-volatile std::sig_atomic_t cancelFlag = 0;
+volatile std::sig_atomic_t signalFlag = 0;
+std::atomic<bool> requestFlag{false};
 PhaseListener phaseListener;
 
 void onSignal(int signal)
 {
-  cancelFlag = 1;
+  signalFlag = 1;
   std::signal(signal, SIG_DFL);
 }
 
@@ -30,19 +31,24 @@ void installCancelHandler()
   std::signal(SIGTERM, onSignal);
 }
 
+bool interrupted()
+{
+  return signalFlag != 0;
+}
+
 void requestCancel()
 {
-  cancelFlag = 1;
+  requestFlag = true;
 }
 
 void clearCancel()
 {
-  cancelFlag = 0;
+  requestFlag = false;
 }
 
 bool cancelRequested()
 {
-  return cancelFlag != 0;
+  return interrupted() || requestFlag;
 }
 
 void throwIfCancelled()
@@ -88,8 +94,8 @@ void Phase::print(bool final)
   const bool stopped = final && (cancelRequested() || std::uncaught_exceptions());
   if (phaseListener)
   {
-    if (!stopped && !(final && percent == 100))
-      phaseListener(name, final ? 1.0 : percent / 100.0);
+    if (!stopped)
+      phaseListener(name, final ? 1.0 : 0.01 * percent);
     return;
   }
   if (!final && !terminal)

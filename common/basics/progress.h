@@ -13,20 +13,23 @@
 
 namespace cbvh {
 
-/* Makes Ctrl-C (SIGINT) and SIGTERM set a flag instead of ending the process; the
+/* Makes Ctrl-C (SIGINT) and SIGTERM stop what runs instead of ending the process; the
  * second signal ends it. */
 void installCancelHandler();
 
-/* Sets the flag: the process is about to end, and whatever runs may stop. */
+/* Whether there was such a signal: the process is about to end. */
+bool interrupted();
+
+/* Stops what runs, as a signal does. */
 void requestCancel();
 
-/* Takes the flag back, for a program that goes on after what it stopped. */
+/* Takes that back, for a program that goes on after what it stopped; a signal stays. */
 void clearCancel();
 
-/* Whether the flag is set. Safe in any thread. */
+/* Whether what runs is to stop. Safe in any thread. */
 bool cancelRequested();
 
-/* Throws Cancelled if the flag is set. */
+/* Throws Cancelled if it is. */
 void throwIfCancelled();
 
 /* Hears of phases in place of stderr: the name, and how much of it is done, 0 at the start and 1 at the end of a

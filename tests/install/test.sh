@@ -23,17 +23,6 @@ if [ -e "$build/kernels/vulkan/libembree3_vulkan.so.3" ]; then
   # it finds the library beside it
   ldd "$work/prefix/lib/libembree3_vulkan.so.3" | grep -q "libembree3.so.3 => $work/prefix/lib/"
 fi
-module=$(find "$work/prefix" -name 'embree_cbvh*.so')
-if [ -e "$build"/tutorials/python/embree_cbvh*.so ]; then
-  # it finds the library of its own installation, from where it lies
-  python=$(sed -n 's/^_Python_EXECUTABLE:INTERNAL=//p' "$build/CMakeCache.txt")
-  env -u LD_LIBRARY_PATH PYTHONPATH="$(dirname "$module")" "$python" -B -c '
-import sys, embree_cbvh
-libraries = {line.split()[-1] for line in open("/proc/self/maps") if "libembree3.so" in line}
-assert embree_cbvh.__file__.startswith(sys.argv[1]), embree_cbvh.__file__
-assert len(libraries) == 1 and libraries.pop().startswith(sys.argv[1] + "/lib/"), libraries' "$work/prefix"
-  [ -f "$work/prefix/share/doc/embree-cbvh/examples/compare_representations.py" ]
-fi
 # A link back into the source tree would break elsewhere.
 for link in $(find "$work/prefix" -type l); do
   case $(readlink "$link") in

@@ -82,7 +82,7 @@ public:
 
   void wait(const py::object& progress)
   {
-    for (bool last = false; !last;)
+    for (bool ended = false; !ended;)
     {
       std::deque<News> told;
       {
@@ -90,7 +90,7 @@ public:
         std::unique_lock<std::mutex> lock(mutex);
         changed.wait_for(lock, patience, [&] { return done || !news.empty(); });
         told.swap(news);
-        last = done;
+        ended = done;
       }
       throwIfSignalled();
       if (!progress.is_none())
@@ -106,13 +106,16 @@ private:
   struct News
   {
     std::string name;
-    double fraction;
+    double fraction = 0;
   };
 
   void hear(const std::string& name, double fraction)
   {
     const std::lock_guard<std::mutex> lock(mutex);
-    news.push_back({name, fraction});
+    if (name == last.name && fraction == last.fraction)
+      return; // the end of a phase that was at its last percent
+    last = {name, fraction};
+    news.push_back(last);
     changed.notify_one();
   }
 
@@ -124,7 +127,8 @@ private:
 
   std::mutex mutex;
   std::condition_variable changed;
-  std::deque<News> news;
+  std::deque<News> news; // that the user has not been told
+  News last;
   bool done = false;
   std::exception_ptr failure;
   std::thread worker;
