@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "classes.h"
 #include "interruptible.h"
+#include "warning.h"
 
 #include "basics/error.h"
 #include "basics/file_output.h"
@@ -25,13 +26,6 @@ namespace cbvh::python {
 namespace {
 
 namespace fs = std::filesystem;
-
-/* A warning of Python's, unless it is empty. */
-void warn(const std::string& text)
-{
-  if (!text.empty() && PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1))
-    throw py::error_already_set(); // the user has made it an error
-}
 
 /* --- displacement -------------------------------------------------------------- */
 
