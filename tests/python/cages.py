@@ -1,0 +1,153 @@
+#!/usr/bin/env python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+"""Cages out of arrays are those of files, and what is wrong with an array is said by its name."""
+
+import inspect
+import os
+import tempfile
+import unittest
+
+import numpy as np
+
+import embree_cbvh as cbvh
+from sheets import sheet, sheet_arrays
+
+CUBE = """\
+v -1 -1 1
+v 1 -1 1
+v 1 1 1
+v -1 1 1
+v -1 -1 -1
+v 1 -1 -1
+v 1 1 -1
+v -1 1 -1
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+f 1/1 2/2 3/3 4/4
+f 6/1 5/2 8/3 7/4
+f 2/1 6/2 7/3 3/4
+f 5/1 1/2 4/3 8/4
+f 4/1 3/2 7/3 8/4
+f 5/1 6/2 2/3 1/4
+t crease 2/1/0 0 1 2.5
+t corner 1/1/0 6 3
+t interpolateboundary 1/0/0 1
+"""
+
+
+class Cages(unittest.TestCase):
+    def load(self, text):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "cube.obj")
+            with open(path, "w", encoding="ascii") as file:
+                file.write(text)
+            return cbvh.Cage.load(path)
+
+    def test_a_cage_of_a_files_arrays_is_that_of_the_file(self):
+        a = self.load(CUBE)
+        b = cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=a.uv_indices, crease_edges=a.crease_edges,
+                      crease_sharpness=a.crease_sharpness, corner_vertices=a.corner_vertices,
+                      corner_sharpness=a.corner_sharpness, holes=a.holes, boundary=a.boundary, name=a.name)
+        np.testing.assert_array_equal(a.crease_edges, [[0, 1]])
+        np.testing.assert_array_equal(a.crease_sharpness, [2.5])
+        np.testing.assert_array_equal(a.corner_vertices, [6])
+        self.assertEqual(a.boundary, "edge_and_corner")
+        for name in ("vertices", "indices", "face_sizes", "uvs", "uv_indices", "crease_edges", "crease_sharpness",
+                     "corner_vertices", "corner_sharpness", "holes", "boundary", "name", "bounds"):
+            np.testing.assert_array_equal(getattr(a, name), getattr(b, name), name)
+        of_a, of_b = (cbvh.Model(cage).tessellate(3)[0] for cage in (a, b))
+        np.testing.assert_array_equal(of_a, of_b)
+
+    def test_creases_shape_the_surface(self):
+        edges = [[0, 1], [1, 2], [2, 3], [3, 0]]
+        smooth, hard, soft = ({}, {"crease_edges": edges}, {"crease_edges": edges, "crease_sharpness": 0.5})
+        cube = self.load(CUBE)
+        tops = [cbvh.build(cbvh.Cage(cube.vertices, cube.indices, cube.face_sizes, **tags), "grid", 4).bounds[1, 2]
+                for tags in (smooth, soft, hard)]
+        self.assertLess(tops[0], tops[1])
+        self.assertLess(tops[1], tops[2])
+
+    def test_rows_of_faces_are_the_same_as_sizes(self):
+        vertices, faces = sheet_arrays()
+        a, b = cbvh.Cage(vertices, faces), cbvh.Cage(vertices, faces.ravel(), np.full(len(faces), 4))
+        np.testing.assert_array_equal(a.indices, b.indices)
+        np.testing.assert_array_equal(a.face_sizes, b.face_sizes)
+
+    def test_any_numbers_are_taken(self):
+        vertices, faces = sheet_arrays()
+        plain = cbvh.Cage(vertices, faces)
+        for v, f in ((vertices.astype(np.float32), faces.astype(np.int8)), (np.asfortranarray(vertices), faces.tolist()),
+                     (np.repeat(vertices, 2, 0)[::2], np.asfortranarray(faces.astype(np.uint64)))):
+            cage = cbvh.Cage(v, f)
+            np.testing.assert_array_equal(cage.vertices, plain.vertices)
+            np.testing.assert_array_equal(cage.indices, plain.indices)
+
+    def test_arrays_are_read_only_and_keep_what_they_show(self):
+        vertices = sheet().vertices  # the cage is gone
+        self.assertEqual(vertices.dtype, np.float32)
+        np.testing.assert_array_equal(vertices, sheet_arrays()[0].astype(np.float32))
+        with self.assertRaises(ValueError):
+            vertices[0] = 1
+
+    def test_what_does_not_fit_is_named(self):
+        vertices, faces = sheet_arrays(2)
+        flat = faces.ravel()
+        nan = vertices.copy()
+        nan[3, 1] = np.nan
+        for error, text, arguments, options in (
+                (ValueError, r"vertices: has shape \(9, 2\), not \(n, 3\)", (vertices[:, :2], faces), {}),
+                (ValueError, "vertices: row 3 is not finite", (nan, faces), {}),
+                (TypeError, "vertices: is an array of complex128", (vertices + 1j, faces), {}),
+                (TypeError, "vertices: is an array of <U1", ("x", faces), {}),
+                (TypeError, "vertices: is ", ([[1, 2], [3]], faces), {}),
+                (TypeError, "indices: is an array of float64, not of integers", (vertices, faces * 1.0), {}),
+                (ValueError, "indices: holds -1, which is not from 0 to 8", (vertices, faces - 1), {}),
+                (ValueError, "indices: holds 9, which is not from 0 to 8", (vertices, faces + 1), {}),
+                (ValueError, "indices: has shape", (vertices, flat), {}),
+                (ValueError, "indices: has shape", (vertices, []), {}),
+                (ValueError, "indices: has no faces", (vertices, [], []), {}),
+                (ValueError, "face_sizes: adds up to 15, indices are 16", (vertices, flat, [4, 4, 4, 3]), {}),
+                (ValueError, "face_sizes: face 1 has 2 vertices", (vertices, flat, [4, 2, 4, 6]), {}),
+                (ValueError, "uvs: are 4, not one a vertex", (vertices, faces), {"uvs": np.zeros((4, 2))}),
+                (ValueError, "uv_indices: needs uvs", (vertices, faces), {"uv_indices": flat}),
+                (ValueError, "uv_indices: are 4, indices are 16", (vertices, faces),
+                 {"uvs": np.zeros((4, 2)), "uv_indices": [0, 1, 2, 3]}),
+                (ValueError, r"crease_edges: has shape \(3,\), not \(n, 2\)", (vertices, faces), {"crease_edges": [0, 1, 2]}),
+                (ValueError, "crease_sharpness: are 2, needed are 1", (vertices, faces),
+                 {"crease_edges": [[0, 1]], "crease_sharpness": [1, 2]}),
+                (ValueError, "corner_sharpness: holds -1", (vertices, faces), {"corner_vertices": [0], "corner_sharpness": -1}),
+                (ValueError, "holes: holds 4, which is not from 0 to 3", (vertices, faces), {"holes": [4]}),
+                (ValueError, "boundary: is 'round', not 'none', 'edge_and_corner' or 'edge_only'", (vertices, faces),
+                 {"boundary": "round"}),
+                (cbvh.Error, "mine: face 1 names vertex 1 twice", (vertices, [[0, 0, 1, 2]]), {"name": "mine"}),
+                (cbvh.Error, "mine.*17 vertices", (np.eye(17, 3), [range(17)]), {"name": "mine"})):
+            with self.subTest(text), self.assertRaisesRegex(error, text):
+                cbvh.Cage(*arguments, **options)
+
+    def test_a_file_that_cannot_be_read_is_named(self):
+        with self.assertRaisesRegex(cbvh.Error, "/nowhere/body.obj"):
+            cbvh.Cage.load("/nowhere/body.obj")
+        with self.assertRaisesRegex(cbvh.Error, r"cube.obj:14: vertex index 55"):
+            self.load(CUBE.replace("f 6/1 5/2", "f 6/1 55/2"))
+        self.assertTrue(issubclass(cbvh.Error, ValueError))
+
+
+class Documentation(unittest.TestCase):
+    def test_all_that_is_public_has_a_docstring(self):
+        self.assertIn("cbvh.build", cbvh.__doc__)
+        for name, member in vars(cbvh).items():
+            if name.startswith("_"):
+                continue
+            self.assertTrue(inspect.getdoc(member), name)
+            for part, attribute in vars(member).items() if inspect.isclass(member) else ():
+                if not part.startswith("_"):
+                    text = inspect.getdoc(attribute) or ""
+                    lines = [line for line in text.splitlines() if line and not line.startswith(part + "(")]
+                    self.assertTrue(lines, f"{name}.{part}")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+"""Errors are what NumPy makes of the same hits."""
+
+import unittest
+
+import numpy as np
+
+import embree_cbvh as cbvh
+from sheets import sheet
+
+
+class Errors(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        model = cbvh.Model.scene("cube")
+        cls.grid, cls.voxel = cbvh.build(model, "grid", 5), cbvh.build(model, "cvoxel", 5)
+        cls.camera = cls.grid.camera("full", (160, 120))
+        cls.rays = cbvh.primary_rays(cls.camera)
+        cls.reference, cls.hits = cls.grid.intersect(*cls.rays), cls.voxel.intersect(*cls.rays)
+
+    def test_pixel_errors_are_distances_over_footprints(self):
+        errors = cbvh.pixel_errors(self.hits, self.reference, self.camera.footprint)
+        both = self.hits.hit & self.reference.hit
+        self.assertGreater(both.sum(), 100)
+        np.testing.assert_array_equal(np.isnan(errors), ~both)
+        t, at = self.hits.t[both], self.reference.t[both]
+        np.testing.assert_allclose(errors[both], abs(t - at) / (self.camera.footprint * at), rtol=1e-4)
+
+    def test_the_summary_sums_up(self):
+        pixels = cbvh.pixel_errors(self.hits, self.reference, self.camera.footprint)
+        pixels = pixels[~np.isnan(pixels)].astype(float)
+        errors = self.voxel.errors(self.hits, self.reference, self.camera.footprint)
+        self.assertAlmostEqual(errors["rmse_pixels"], np.sqrt(np.mean(pixels**2)), places=4)
+        self.assertAlmostEqual(errors["max_pixels"], pixels.max(), places=4)
+        self.assertEqual(errors["both_hit"], len(pixels))
+        self.assertEqual(errors["beyond_5_pixels"], (pixels > 5).sum())
+        self.assertEqual(errors["false_hits"], (self.hits.hit & ~self.reference.hit).sum())
+        self.assertEqual(errors["misses"], (self.reference.hit & ~self.hits.hit).sum())
+        self.assertGreater(errors["false_hits"], 0)
+        own = self.grid.errors(self.reference, self.reference, self.camera.footprint)
+        self.assertEqual(own["max_pixels"], 0)
+
+    def test_true_errors_fall_with_the_level(self):
+        model = self.grid.model
+        coarse, fine = (cbvh.build(model, "grid", level) for level in (3, 5))
+        medians = [scene.true_errors(scene.intersect(*self.rays), *self.rays, self.camera.footprint, count=500)
+                   for scene in (coarse, fine)]
+        self.assertEqual([m["hits"] for m in medians], [500, 500])
+        self.assertLess(medians[1]["median_pixels"], medians[0]["median_pixels"])
+
+    def test_what_does_not_fit_is_named(self):
+        other = cbvh.build(sheet(), "grid", 3)
+        footprint = self.camera.footprint
+        wrong = other.intersect(*self.rays)
+        few = self.grid.intersect(*(a[0] for a in self.rays))
+        for text, call in (
+                ("hits: are of a model of 25 faces, this one has 6", lambda: self.grid.errors(wrong, wrong, footprint)),
+                ("reference: are of a model of 25", lambda: self.grid.errors(self.hits, wrong, footprint)),
+                ("reference: are of 160 rays, hits of 19200",
+                 lambda: self.grid.errors(self.hits, few, footprint)),
+                ("reference: are of 160 rays", lambda: cbvh.pixel_errors(self.hits, few, footprint)),
+                ("footprint: is 0", lambda: cbvh.pixel_errors(self.hits, self.reference, 0)),
+                ("hits: are of 160 rays, origins and directions of 19200",
+                 lambda: self.grid.true_errors(few, *self.rays, footprint))):
+            with self.subTest(text), self.assertRaisesRegex(ValueError, text):
+                call()
+
+
+if __name__ == "__main__":
+    unittest.main()

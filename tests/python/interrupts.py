@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+"""Long calls say how far they are, let other threads run, and can be stopped."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+import numpy as np
+
+import embree_cbvh as cbvh
+from sheets import bumpy_model, rays_from_above
+
+LONG = {"representation": "cleaf", "level": 7}  # of the model below: seconds
+
+
+def long_model():
+    return bumpy_model(40)
+
+
+class Progress(unittest.TestCase):
+    def test_phases_start_at_0_rise_and_end_at_1(self):
+        told, threads = {}, set()
+
+        def progress(phase, fraction):
+            told.setdefault(phase, []).append(fraction)
+            threads.add(threading.get_ident())
+
+        cbvh.build(bumpy_model(), "naive", 5, progress=progress)
+        self.assertEqual(list(told), ["NAIVE: tessellation", "NAIVE: build"])
+        for fractions in told.values():
+            self.assertEqual((fractions[0], fractions[-1]), (0, 1))
+            self.assertEqual(fractions, sorted(set(fractions)))
+        self.assertEqual(threads, {threading.get_ident()})
+
+    def test_nothing_is_printed(self):
+        code = "import embree_cbvh as c; c.build(c.Model.scene('cube'), 'cvert', 4)"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        self.assertEqual((done.stdout, done.stderr), ("", ""))
+
+    def test_what_progress_raises_stops_the_build(self):
+        last = []
+
+        def progress(_, fraction):
+            last.append(fraction)
+            if fraction > 0:
+                raise LookupError("enough")
+
+        with self.assertRaisesRegex(LookupError, "enough"):
+            cbvh.build(long_model(), **LONG, progress=progress)
+        self.assertLess(last[-1], 1)
+        self.works()
+
+    def test_progress_cannot_build(self):
+        with self.assertRaisesRegex(RuntimeError, "progress cannot build or trace"):
+            cbvh.build(bumpy_model(), level=4, progress=lambda *_: cbvh.build(bumpy_model(), level=3))
+        self.works()
+
+    def works(self):
+        hits = cbvh.build(bumpy_model(), "cvert", 4).intersect(*rays_from_above())
+        self.assertTrue(hits.hit.all())
+
+
+class Interrupts(unittest.TestCase):
+    def interrupt(self, call):
+        """Calls call(started), and sends SIGINT a little after it has called started()."""
+        started = threading.Event()
+
+        def press():
+            started.wait()
+            time.sleep(0.05)
+            os.kill(os.getpid(), signal.SIGINT)
+
+        thread = threading.Thread(target=press)
+        thread.start()
+        with self.assertRaises(KeyboardInterrupt):
+            call(started.set)
+            time.sleep(10)  # a signal that comes too late must not end another test
+        thread.join()
+
+    def test_ctrl_c_stops_a_build(self):
+        model, last = long_model(), []
+
+        def progress(started):
+            def tell(_, fraction):
+                last.append(fraction)
+                started()
+            return tell
+
+        self.interrupt(lambda started: cbvh.build(model, **LONG, progress=progress(started)))
+        self.assertLess(last[-1], 1)
+        self.assertTrue(cbvh.build(bumpy_model(), "grid", 3).intersect(*rays_from_above()).hit.all())
+
+    def test_ctrl_c_stops_tracing(self):
+        scene = cbvh.build(bumpy_model(), "grid", 5)
+        rays = rays_from_above(256)
+        finished = []
+
+        def trace(started):
+            started()
+            scene.trace_seconds(*rays, passes=2000)
+            finished.append(True)
+
+        self.interrupt(trace)
+        self.assertEqual(finished, [])
+
+
+class Threads(unittest.TestCase):
+    def test_other_threads_run_during_a_build(self):
+        ticks, done = [], threading.Event()
+
+        def tick():
+            while not done.wait(0.005):
+                ticks.append(time.monotonic())
+
+        thread = threading.Thread(target=tick)
+        thread.start()
+        begin = time.monotonic()
+        cbvh.build(long_model(), "cvert", 6)
+        end = time.monotonic()
+        done.set()
+        thread.join()
+        middle = [t for t in ticks if begin + 0.25 * (end - begin) < t < end - 0.25 * (end - begin)]
+        self.assertGreater(len(middle), 0)
+
+    def test_builds_and_traces_of_several_threads_take_turns(self):
+        model, rays = bumpy_model(), rays_from_above()
+        expected = {name: cbvh.build(model, name, 5).intersect(*rays).t for name in ("grid", "cvert", "cleaf")}
+        found, phases = {}, {}
+
+        def work(name):
+            told = phases.setdefault(name, set())
+            for _ in range(3):
+                found[name] = cbvh.build(model, name, 5, progress=lambda phase, _: told.add(phase)).intersect(*rays).t
+
+        threads = [threading.Thread(target=work, args=(name,)) for name in expected]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for name, t in expected.items():
+            np.testing.assert_array_equal(found[name], t)
+        self.assertEqual(phases, {"grid": {"GRID: build"}, "cvert": {"cVERT: build"}, "cleaf": {"cLEAF^2: build"}})
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+"""Heights out of arrays and files move the surface as they should, and so does what is generated."""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+import warnings
+
+import numpy as np
+
+import embree_cbvh as cbvh
+from sheets import rays_from_above, sheet, sheet_arrays
+
+DIAGONAL = np.sqrt(2)  # of the sheet
+
+
+def depths(model):
+    origins, directions = rays_from_above()
+    hits = cbvh.build(model, "grid", 5).intersect(origins, directions)
+    assert hits.hit.all()
+    return hits.t
+
+
+class Heights(unittest.TestCase):
+    def test_the_sheet_itself_is_flat(self):
+        np.testing.assert_allclose(depths(cbvh.Model(sheet())), 1, atol=1e-6)
+
+    def test_one_height_moves_the_sheet_along_its_normal(self):
+        for height in (0.0, 0.5, 1.0):
+            model = cbvh.Model(sheet(), np.full((4, 4), height), amplitude=0.2)
+            np.testing.assert_allclose(depths(model), 1 - 0.2 * DIAGONAL * (height - 0.5), atol=1e-5)
+
+    def test_columns_run_along_u_and_rows_down_from_v_of_1(self):
+        x, y = np.moveaxis(rays_from_above()[0][..., :2], -1, 0)
+        texels = (np.arange(256) + 0.5) / 256
+        for heights, expected in ((np.tile(texels, (256, 1)), x), (np.tile(1 - texels[:, None], (1, 256)), y)):
+            t = depths(cbvh.Model(sheet(), heights, amplitude=0.2))
+            np.testing.assert_allclose(t, 1 - 0.2 * DIAGONAL * (expected - 0.5), atol=1e-3)
+
+    def test_a_file_is_the_same_as_its_array(self):
+        bytes_ = np.random.default_rng(1).integers(0, 256, (32, 48), np.uint8)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "height.pgm"
+            path.write_bytes(b"P5 48 32 255\n" + bytes_.tobytes())
+            of_file = depths(cbvh.Model(sheet(), path, amplitude=0.1))
+            of_text = depths(cbvh.Model(sheet(), str(path), amplitude=0.1))
+        of_array = depths(cbvh.Model(sheet(), bytes_ / 255.0, amplitude=0.1))
+        np.testing.assert_array_equal(of_file, of_text)
+        self.assertGreater(np.ptp(of_file), 0.02)
+        np.testing.assert_allclose(of_file, of_array, atol=0.1 * DIAGONAL / 255)
+
+    def test_an_array_leaves_no_file_behind(self):
+        with tempfile.TemporaryDirectory() as folder:
+            before = os.environ.get("TMPDIR")
+            os.environ["TMPDIR"] = folder
+            try:
+                model = cbvh.Model(sheet(), np.zeros((8, 8)))
+                self.assertEqual(len(os.listdir(folder)), 1)
+                scene = cbvh.build(model, "cvert", 3)
+                del model
+                self.assertEqual(len(os.listdir(folder)), 1)  # the scene's model may still read it
+                del scene
+                self.assertEqual(os.listdir(folder), [])
+            finally:
+                if before is None:
+                    del os.environ["TMPDIR"]
+                else:
+                    os.environ["TMPDIR"] = before
+
+    def test_a_cage_without_uvs_gets_the_map_on_each_face_and_a_warning(self):
+        cage = cbvh.Cage(*sheet_arrays(), name="plain")
+        with self.assertWarnsRegex(UserWarning, "^plain has no texture coordinates: each face gets the whole of height,"):
+            cbvh.Model(cage, np.arange(16.0).reshape(4, 4))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            cbvh.Model(cage, np.ones((4, 4)))  # its borders fit
+            with self.assertRaises(UserWarning):
+                cbvh.Model(cage, np.arange(16.0).reshape(4, 4))
+
+    def test_what_does_not_fit_is_named(self):
+        nan = np.zeros((4, 4))
+        nan[2, 1] = np.inf
+        for error, text, arguments in (
+                (ValueError, r"height: has shape \(4,\), not \(rows, columns\)", (np.zeros(4),)),
+                (ValueError, r"height: has shape \(0, 4\)", (np.zeros((0, 4)),)),
+                (ValueError, "height: row 2, column 1 is not finite", (nan,)),
+                (TypeError, "height: is an array of complex", (np.zeros((4, 4), complex),)),
+                (ValueError, "amplitude: needs a height", (None, 1.0)),
+                (ValueError, "amplitude: is not finite", (np.zeros((4, 4)), np.nan)),
+                (cbvh.Error, "/nowhere/skin.exr", ("/nowhere/skin.exr",))):
+            with self.subTest(text), self.assertRaisesRegex(error, text):
+                cbvh.Model(sheet(), *arguments)
+
+
+class Scenes(unittest.TestCase):
+    def test_scenes_are_made_by_name(self):
+        self.assertIn("trex", cbvh.scene_names())
+        cube = cbvh.Model.scene("cube")
+        self.assertEqual(cube.name, "cube")
+        self.assertTrue(cube.is_displaced)
+        self.assertEqual(len(cube.cage.face_sizes), 6)
+        flat, spiky = (cbvh.build(cbvh.Model.scene("cube", a), "grid", 4).bounds for a in (0.0, 0.2))
+        self.assertLess(flat[1, 0], spiky[1, 0])
+
+    def test_what_does_not_fit_is_named_as_in_python(self):
+        for text, name, options in (("unknown scene 'cow', known are cube", "cow", {}),
+                                    ("^rough belongs to scene trex", "cube", {"rough": True}),
+                                    ("^count belongs to scene herd", "cube", {"count": 3}),
+                                    ("^unknown mapping 'sphere'", "trex", {"mapping": "sphere"})):
+            with self.subTest(text), self.assertRaisesRegex(cbvh.Error, text):
+                cbvh.Model.scene(name, **options)
+
+    def test_a_map_that_is_being_made_can_be_stopped_and_leaves_nothing(self):
+        def enough(phase, _):
+            self.assertEqual(phase, "trex: skin")
+            raise LookupError
+
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaises(LookupError):
+                cbvh.Model.scene("trex", map_folder=folder, progress=enough)
+            self.assertEqual(os.listdir(folder), [])
+            code = ("import embree_cbvh as c\ndef stop(*_): raise LookupError\n"
+                    "try: c.Model.scene('trex', progress=stop)\nexcept LookupError: pass")
+            subprocess.run([sys.executable, "-c", code], cwd="/", env={**os.environ, "XDG_CACHE_HOME": folder}, check=True)
+            self.assertEqual(os.listdir(folder), ["embree-cbvh"])
+        with self.assertRaisesRegex(cbvh.Error, "/dev/null"):
+            cbvh.Model.scene("trex", map_folder="/dev/null/maps")
+
+
+class Meshes(unittest.TestCase):
+    def test_the_mesh_is_what_grid_holds(self):
+        model = cbvh.Model.scene("cube")
+        vertices, quads = model.tessellate(4)
+        self.assertEqual(quads.shape, (model.num_quads(4), 4))
+        self.assertEqual(vertices.shape, (6 * 17 * 17, 3))
+        bounds = cbvh.build(model, "grid", 4).bounds
+        np.testing.assert_allclose([vertices.min(0), vertices.max(0)], bounds, atol=1e-6)
+        # Counterclockwise for who sees the front: outward, at every corner of nearly every quad of a bumpy cube.
+        a, b, d = (vertices[quads[:, i]] for i in (0, 1, 3))
+        outward = np.einsum("ij,ij->i", np.cross(b - a, d - a), a) > 0
+        self.assertGreater(outward.mean(), 0.9)
+
+    def test_faces_of_three_and_five_vertices_are_patches_at_their_corners(self):
+        cage = cbvh.Cage([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0]], [0, 1, 2, 3, 1, 4, 2], [4, 3])
+        model = cbvh.Model(cage)
+        self.assertEqual(model.num_quads(3), 64 + 3 * 16)
+        vertices, quads = model.tessellate(3)
+        self.assertEqual(len(quads), 64 + 3 * 16)
+        self.assertEqual(len(vertices), 81 + 3 * 25)
+        self.assertEqual(quads.max(), len(vertices) - 1)
+        with self.assertRaisesRegex(cbvh.Error, "level 0 needs a cage of quads only"):
+            model.tessellate(0)
+        with self.assertRaisesRegex(cbvh.Error, "^level 9 is out of range"):
+            model.tessellate(9)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,247 @@
+#!/usr/bin/env python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes in every representation are hit where they should be, by rays in any array."""
+
+import unittest
+
+import numpy as np
+
+import embree_cbvh as cbvh
+from sheets import REPRESENTATIONS, bumpy_model, rays_from_above, sheet
+
+MISS = 2**32 - 1
+
+
+class Hits(unittest.TestCase):
+    def test_a_flat_sheet_is_hit_where_it_is(self):
+        origins, directions = rays_from_above()
+        column, row = (np.floor(origins[..., axis] * 5).astype(int) for axis in (0, 1))
+        for name in REPRESENTATIONS:
+            with self.subTest(name):
+                hits = cbvh.build(sheet(), name, 4).intersect(origins, directions)
+                self.assertTrue(hits.hit.all())
+                self.assertEqual(hits.t.dtype, np.float32)
+                np.testing.assert_allclose(hits.t, 1, atol=1e-5)
+                np.testing.assert_array_equal(hits.primID, 5 * row + column)
+                np.testing.assert_array_equal(hits.geomID, 0)
+                np.testing.assert_allclose(hits.u, origins[..., 0] * 5 - column, atol=2e-2)
+                np.testing.assert_allclose(hits.v, origins[..., 1] * 5 - row, atol=2e-2)
+                normals = hits.Ng / np.linalg.norm(hits.Ng, axis=-1, keepdims=True)
+                np.testing.assert_allclose(normals, np.broadcast_to([0, 0, 1], normals.shape), atol=1e-3)
+
+    def test_misses_say_so(self):
+        hits = cbvh.build(sheet(), "cvert", 4).intersect([[0.5, 0.5, 1], [5, 5, 1]], [0, 0, -1])
+        self.assertEqual(hits.hit.tolist(), [True, False])
+        self.assertEqual(hits.t.tolist()[1], np.inf)
+        self.assertEqual(hits.primID.tolist(), [12, MISS])
+        self.assertEqual(hits.geomID.tolist(), [0, MISS])
+        self.assertEqual(hits.Ng[1].tolist(), [0, 0, 0])
+
+    def test_hits_are_read_only_and_outlive_the_scene(self):
+        t = cbvh.build(sheet(), "cvert", 3).intersect(*rays_from_above()).t
+        np.testing.assert_allclose(t, 1, atol=1e-5)
+        with self.assertRaises(ValueError):
+            t[0, 0] = 0
+
+    def test_nearer_hits(self):
+        scene = cbvh.build(sheet(), "grid", 3)
+        near = scene.intersect([[0.5, 0.5, 1], [0.5, 0.5, 3], [5, 5, 1]], [0, 0, -1])
+        far = scene.intersect([[0.5, 0.5, 2], [0.5, 0.5, 2], [0.5, 0.5, 4]], [0, 0, -1])
+        np.testing.assert_allclose(cbvh.nearer_hits(near, far).t, [1, 2, 4], atol=1e-5)
+        with self.assertRaisesRegex(ValueError, "b: are of 1 rays, a of 3"):
+            cbvh.nearer_hits(near, scene.intersect([0.5, 0.5, 2], [0, 0, -1]))
+
+
+class Rays(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scene = cbvh.build(bumpy_model(), "cvert", 4)
+
+    def test_arrays_of_any_kind_are_the_same_rays(self):
+        origins, directions = rays_from_above()
+        expected = self.scene.intersect(origins, directions)
+        self.assertGreater(np.ptp(expected.t), 0.01)
+        for o, d in ((origins.astype(np.float64), directions), (np.asfortranarray(origins), np.asfortranarray(directions)),
+                     (np.repeat(origins, 2, 1)[:, ::2], directions.astype(np.int64)), (origins.tolist(), (0, 0, -1)),
+                     (origins, directions.astype(">f4"))):
+            hits = self.scene.intersect(o, d)
+            self.assertEqual(hits.shape, (24, 24))
+            np.testing.assert_array_equal(hits.t, expected.t)
+            np.testing.assert_array_equal(hits.primID, expected.primID)
+
+    def test_rays_are_broadcast(self):
+        origin, directions = np.array([0.5, 0.5, 1]), np.array([[0, 0, -1], [0.1, 0, -1], [0, 0.2, -1]])
+        one = self.scene.intersect(origin, directions)
+        each = [self.scene.intersect(origin, d) for d in directions]
+        self.assertEqual(one.shape, (3,))
+        self.assertEqual(each[0].shape, ())
+        np.testing.assert_array_equal(one.t, [hits.t for hits in each])
+        limits = self.scene.intersect(origin, [0, 0, -1], tfar=[[0.5], [2]], tnear=[0, 1.5, 0])
+        self.assertEqual(limits.shape, (2, 3))
+        np.testing.assert_array_equal(limits.hit, [[False, False, False], [True, False, True]])
+        self.assertEqual(self.scene.intersect(np.zeros((0, 3)), [0, 0, 1]).t.shape, (0,))
+
+    def test_rays_are_the_same_on_any_number_of_threads(self):
+        rays = rays_from_above(200, -0.5, 1.5)
+        one, all_ = (self.scene.intersect(*rays, threads=n) for n in (1, 0))
+        np.testing.assert_array_equal(one.t, all_.t)
+        np.testing.assert_array_equal(self.scene.occluded(*rays), one.hit)
+        self.assertEqual(self.scene.occluded(*rays).dtype, bool)
+        self.assertLess(one.hit.sum(), one.hit.size)
+
+    def test_any_hit_minds_the_ends_of_the_ray(self):
+        found = self.scene.occluded([0.5, 0.5, 1], [0, 0, -1], tnear=[0, 1.5], tfar=[0.5, np.inf])
+        self.assertEqual(found.tolist(), [False, False])
+        self.assertTrue(self.scene.occluded([0.5, 0.5, 1], [0, 0, -1])[()])
+
+    def test_what_does_not_fit_is_named(self):
+        scene = self.scene
+        for error, text, arguments in (
+                (ValueError, r"origins: has shape \(2,\), not \(..., 3\)", ([0, 0], [0, 0, 1])),
+                (ValueError, r"directions: has shape \(\), not \(..., 3\)", ([0, 0, 0], 1.0)),
+                (ValueError, r"origins of \(2,\) points, directions of \(3,\) vectors", (np.zeros((2, 3)), np.ones((3, 3)))),
+                (TypeError, "tfar: is an array of <U3", ([0, 0, 0], [0, 0, 1], 0, "far")),
+                (TypeError, "origins: is an array of object", (None, [0, 0, 1]))):
+            for query in (scene.intersect, scene.occluded):
+                with self.subTest(text), self.assertRaisesRegex(error, text):
+                    query(*arguments)
+        with self.assertRaisesRegex(ValueError, "threads: is -1"):
+            scene.intersect([0, 0, 0], [0, 0, 1], threads=-1)
+        with self.assertRaisesRegex(cbvh.Error, "packet5"):
+            scene.trace_seconds([0, 0, 0], [0, 0, 1], mode="packet5")
+
+    def test_every_entrance_of_embree_is_timed(self):
+        rays = rays_from_above(64)
+        for query in ("closest", "any"):
+            for mode in ("single", "packet4", "packet8", "packet16", "stream"):
+                self.assertGreater(self.scene.trace_seconds(*rays, query=query, mode=mode, passes=4), 0)
+
+
+class Building(unittest.TestCase):
+    def test_statistics_say_what_was_built(self):
+        model, kept = bumpy_model(), {}
+        for name in REPRESENTATIONS:
+            scene = cbvh.build(model, name, 5)
+            s = kept[name] = scene.statistics()
+            self.assertEqual(s["quads"], 25 * 32 * 32)
+            self.assertEqual(s["quads"], model.num_quads(5))
+            self.assertEqual(s["representation"], scene.representation)
+            self.assertAlmostEqual(s["bytes_per_quad"], s["live_bytes"] / s["quads"])
+            self.assertGreaterEqual(s["peak_bytes"], s["live_bytes"])
+            self.assertEqual("compression" in s, name not in ("naive", "grid"))
+            if "compression" in s:
+                c = s["compression"]
+                self.assertEqual(c["quads"] + c["grid_quads"], s["quads"])
+                self.assertLessEqual(c["node_bytes"] + c["leaf_bytes"] + c["frame_bytes"], s["live_bytes"])
+        self.assertLess(kept["cvert"]["live_bytes"], kept["cgrid"]["live_bytes"])
+        self.assertLess(kept["cgrid"]["live_bytes"], kept["grid"]["live_bytes"])
+        self.assertLess(kept["grid"]["live_bytes"], kept["naive"]["live_bytes"])
+
+    def test_a_cage_is_a_model_that_is_not_displaced(self):
+        scene = cbvh.build(sheet(), level=3)
+        self.assertFalse(scene.model.is_displaced)
+        self.assertEqual(scene.representation, "cVERT")
+        self.assertEqual(scene.level, 3)
+
+    def test_frame_levels_are_those_asked_for(self):
+        label = lambda *a, **o: cbvh.build(sheet(), *a, level=4, **o).representation
+        self.assertEqual(label("cleaf"), "cLEAF^2")
+        self.assertEqual(label("cleaf", frame_level=1), "cLEAF^1")
+        self.assertEqual(label("cVoxel^3", frame_level=1), "cVOXEL^3")
+        self.assertEqual(label("cgrid", frame_level="auto"), "cGRID^auto")
+        blocks = [cbvh.build(sheet(), "cvoxel", 4, frame_level=n).statistics()["compression"]["blocks"] for n in (0, 1, 2)]
+        self.assertEqual(blocks, [25, 100, 400])
+
+    def test_bounds_on_the_error_hold(self):
+        model = bumpy_model()
+        spacing = lambda **o: cbvh.build(model, "cvert", 4, **o).statistics()["compression"]["max_vertex_spacing"]
+        free, bound = spacing(), 1e-5
+        self.assertGreater(free, bound)
+        self.assertLessEqual(spacing(max_error=bound), bound)
+        camera = cbvh.build(model, "grid", 4).camera("full", (4000, 4000))
+        self.assertLess(spacing(max_pixel_error=0.001, camera=camera), free)
+
+    def test_what_does_not_fit_is_named(self):
+        for error, text, options in (
+                (cbvh.Error, "unknown representation 'cmesh', known are naive", {"representation": "cmesh"}),
+                (ValueError, "representation: 'grid,cvert' names several", {"representation": "grid,cvert"}),
+                (cbvh.Error, "^level 9 is out of range, 0 to 8", {"level": 9}),
+                (cbvh.Error, "^level -1 is out of range", {"level": -1}),
+                (cbvh.Error, "frame level '9' is neither auto nor 0 to 8", {"representation": "cleaf", "frame_level": 9}),
+                (ValueError, "max_error: is -1", {"max_error": -1}),
+                (ValueError, "max_pixel_error: needs a camera", {"max_pixel_error": 1}),
+                (cbvh.Error, "^threads must not be negative", {"threads": -1}),
+                (cbvh.Error, "^unknown isa 'neon'", {"isa": "neon"}),
+                (cbvh.Error, "device", {"device": "abacus"}),
+                (TypeError, "progress: is neither None nor callable", {"progress": 3})):
+            with self.subTest(text), self.assertRaisesRegex(error, text):
+                cbvh.build(sheet(), **options)
+        with self.assertRaises(TypeError):
+            cbvh.build("body.obj")
+
+    def test_what_does_not_fit_into_memory_is_refused_beforehand(self):
+        with self.assertRaisesRegex(MemoryError, "not enough memory: NAIVE on 5898.2 million quads takes about"):
+            cbvh.build(sheet(300), "naive", 8)
+
+
+class Cameras(unittest.TestCase):
+    def test_a_camera_looks_at_what_it_is_told(self):
+        camera = cbvh.Camera((0, 0, 2), (0, 0, 0), fov=90, size=(5, 3))
+        origins, directions = cbvh.primary_rays(camera)
+        self.assertEqual(directions.shape, (3, 5, 3))
+        np.testing.assert_array_equal(origins, np.broadcast_to([0, 0, 2], (3, 5, 3)))
+        np.testing.assert_allclose(directions[1, 2], [0, 0, -1], atol=1e-6)
+        np.testing.assert_allclose(np.linalg.norm(directions, axis=-1), 1, atol=1e-6)
+        self.assertGreater(directions[0, 2, 1], 0)  # row 0 is the upper one
+        self.assertAlmostEqual(camera.footprint, 2 / 3, places=6)
+
+    def test_coherent_rays_are_the_primary_ones_in_tiles(self):
+        camera = cbvh.Camera((0, 0, 2), (0, 0, 0), size=(24, 16))
+        _, pixels = cbvh.primary_rays(camera)
+        _, tiles = cbvh.coherent_rays(camera)
+        np.testing.assert_array_equal(tiles[:64].reshape(8, 8, 3), pixels[:8, :8])
+        np.testing.assert_array_equal(tiles[64:128].reshape(8, 8, 3), pixels[:8, 8:16])
+        self.assertEqual(len(cbvh.coherent_rays(camera, 100)[0]), 128)
+
+    def test_the_full_view_shows_all(self):
+        scene = cbvh.build(cbvh.Model.scene("cube"), "grid", 4)
+        camera = scene.camera("full", (64, 48))
+        hit = scene.intersect(*cbvh.primary_rays(camera)).hit
+        self.assertTrue(hit.any())
+        self.assertFalse(hit[0].any() or hit[-1].any() or hit[:, 0].any() or hit[:, -1].any())
+        self.assertGreater(scene.intersect(*cbvh.primary_rays(scene.camera("close", (64, 48)))).hit.mean(), hit.mean())
+
+    def test_bounced_rays_leave_the_surface(self):
+        scene = cbvh.build(sheet(), "grid", 4)
+        origins, directions = rays_from_above()
+        hits = scene.intersect(origins, directions)
+        o, d = cbvh.bounce_rays(hits, origins, directions, offset=0.01)
+        self.assertEqual(o.shape, (24 * 24, 3))
+        np.testing.assert_allclose(o[:, 2], 0.01, atol=1e-5)
+        self.assertGreaterEqual(d[:, 2].min(), 0)
+        self.assertAlmostEqual(d[:, 2].mean(), 2 / 3, delta=0.05)  # of a cosine distribution
+        again, other = (cbvh.bounce_rays(hits, origins, directions, offset=0.01, seed=s)[1] for s in (1, 2))
+        np.testing.assert_array_equal(d, again)
+        self.assertFalse(np.array_equal(d, other))
+        self.assertEqual(len(cbvh.bounce_rays(hits, origins, directions, offset=0, count=7)[0]), 7)
+
+    def test_what_does_not_fit_is_named(self):
+        for text, arguments in (("look_at: is where the eye is", ((0, 0, 0), (0, 0, 0))),
+                                (r"eye: has shape \(2,\)", ((0, 0), (0, 0, 1))),
+                                ("eye: is not finite", ((0, 0, np.nan), (0, 0, 1))),
+                                ("up: has no length", ((0, 0, 0), (0, 0, 1), (0, 0, 0))),
+                                ("fov: is 180", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 180)),
+                                (r"size: is \(0, 3\)", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 35, (0, 3)))):
+            with self.subTest(text), self.assertRaisesRegex(ValueError, text):
+                cbvh.Camera(*arguments)
+        scene = cbvh.build(sheet(), "grid", 3)
+        with self.assertRaisesRegex(ValueError, "view: is 'top', not 'full' or 'close'"):
+            scene.camera("top")
+        hits = scene.intersect([[0.5, 0.5, 1]], [0, 0, -1])
+        with self.assertRaisesRegex(ValueError, "hits: are of 1 rays, origins and directions of 576"):
+            cbvh.bounce_rays(hits, *rays_from_above(), offset=0)
+
+
+if __name__ == "__main__":
+    unittest.main()

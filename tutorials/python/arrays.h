@@ -1,0 +1,92 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* NumPy arrays into the vectors of common/ and out of them. What comes in may be anything that NumPy makes
+ * an array of numbers of; what does not fit is a TypeError or a ValueError that names the argument. */
+
+#include "basics/vec.h"
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <string>
+#include <vector>
+
+namespace cbvh::python {
+
+namespace py = pybind11;
+
+using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
+using Shape = std::vector<py::ssize_t>;
+
+/* "(4, 3)". */
+std::string textOf(const Shape& shape);
+Shape shapeOf(const py::array& array);
+
+[[noreturn]] void refuse(const std::string& argument, const std::string& why); // ValueError
+
+/* --- in ----------------------------------------------------------------------- */
+
+/* Real numbers of any shape. */
+Floats floats(const py::object& value, const std::string& argument);
+
+/* Of shape (n,), and of (n, 2) and (n, 3). finite: whether all must be. */
+std::vector<float> floatVector(const py::object& value, const std::string& argument);
+std::vector<Vec2f> vec2Vector(const py::object& value, const std::string& argument);
+std::vector<Vec3f> vec3Vector(const py::object& value, const std::string& argument);
+
+/* Of shape (3,), finite. */
+Vec3f vec3(const py::object& value, const std::string& argument);
+
+/* Integers from 0 to limit - 1; shape: set to that of the argument. */
+std::vector<unsigned> indices(const py::object& value, const std::string& argument, size_t limit, Shape& shape);
+
+/* The same of shape (n,), and of (n, 2). */
+std::vector<unsigned> indexVector(const py::object& value, const std::string& argument, size_t limit);
+std::vector<std::pair<unsigned, unsigned>> indexPairs(const py::object& value, const std::string& argument,
+                                                      size_t limit);
+
+/* One of some words. Returns its place among them. */
+size_t choice(const std::string& word, const std::string& argument, const std::vector<std::string>& words);
+
+/* --- out ---------------------------------------------------------------------- */
+
+/* What an object of Python holds, as a read-only array that keeps the object. */
+template<typename T>
+py::array view(const T* data, const Shape& shape, const Shape& strides, const py::handle& owner)
+{
+  py::array array(py::dtype::of<T>(), shape, strides, data, owner);
+  array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
+/* The same of a vector whose elements are made of T only: (n,), or (n, width). */
+template<typename T, typename Element>
+py::array view(const std::vector<Element>& elements, const py::handle& owner)
+{
+  static_assert(sizeof(Element) % sizeof(T) == 0);
+  const py::ssize_t n = py::ssize_t(elements.size()), width = sizeof(Element) / sizeof(T);
+  const T* const data = reinterpret_cast<const T*>(elements.data());
+  return width == 1 ? view(data, {n}, {sizeof(T)}, owner)
+                    : view(data, {n, width}, {py::ssize_t(sizeof(Element)), sizeof(T)}, owner);
+}
+
+/* A new array of this shape, of what function(i) says of element i. */
+template<typename T, typename Function>
+py::array_t<T> arrayOf(const Shape& shape, const Function& function)
+{
+  py::array_t<T> array(shape);
+  T* const data = array.mutable_data();
+  for (py::ssize_t i = 0; i < array.size(); i++)
+    data[i] = function(size_t(i));
+  return array;
+}
+
+/* A new array of shape (3,), and of (2, 3): lower and upper corner. */
+py::array_t<float> arrayOf(Vec3f v);
+py::array_t<float> arrayOf(const Box3f& box);
+
+} // namespace cbvh::python

@@ -1,0 +1,97 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "camera.h"
+#include "classes.h"
+#include "hits.h"
+
+#include "tracing/ray_sets.h"
+
+namespace cbvh::python {
+
+ImageSize imageSize(std::pair<int, int> size)
+{
+  constexpr int most = 16384; // as --size of the programs
+  if (size.first < 1 || size.second < 1 || size.first > most || size.second > most)
+    refuse("size", "is (" + std::to_string(size.first) + ", " + std::to_string(size.second) +
+                     "), not width and height from 1 to " + std::to_string(most));
+  return {size.first, size.second};
+}
+
+namespace {
+
+Camera makeCamera(const py::object& eye, const py::object& lookAt, const py::object& up, float fov,
+                  std::pair<int, int> size)
+{
+  const Vec3f from = vec3(eye, "eye"), to = vec3(lookAt, "look_at"), upwards = vec3(up, "up");
+  if (!(length(to - from) > 0.0f))
+    refuse("look_at", "is where the eye is");
+  if (!(length(upwards) > 0.0f))
+    refuse("up", "has no length");
+  if (!(fov > 0.0f && fov < 180.0f))
+    refuse("fov", "is " + std::to_string(fov) + ", not between 0 and 180 degrees");
+  return Camera(from, to, upwards, fov, imageSize(size));
+}
+
+/* (origins, directions), in the arguments' order of Scene.intersect. */
+py::tuple arraysOf(const std::vector<Ray>& rays, Shape shape)
+{
+  shape.push_back(3);
+  const auto origin = [&](size_t i) { return (&rays[i / 3].origin.x)[i % 3]; };
+  const auto direction = [&](size_t i) { return (&rays[i / 3].direction.x)[i % 3]; };
+  return py::make_tuple(arrayOf<float>(shape, origin), arrayOf<float>(shape, direction));
+}
+
+py::tuple arraysOf(const std::vector<Ray>& rays)
+{
+  return arraysOf(rays, {py::ssize_t(rays.size())});
+}
+
+py::tuple bounce(const Hits& hits, const py::object& origins, const py::object& directions, float offset, size_t count,
+                 uint32_t seed)
+{
+  const Rays rays = readRays(origins, directions);
+  requireRays(hits, "hits", rays.rays.size(), "origins and directions");
+  return arraysOf(bounceRays(rays.rays, hits.hits, {count, offset, seed}));
+}
+
+} // namespace
+
+void defineCamera(py::module_& module)
+{
+  py::class_<Camera>(module, "Camera", "A pinhole camera with square pixels.")
+    .def(py::init(&makeCamera), py::arg("eye"), py::arg("look_at"), py::arg("up") = py::make_tuple(0.0, 1.0, 0.0),
+         py::arg("fov") = 35.0f, py::arg("size") = std::pair<int, int>(1024, 1024), R"(eye, look_at: (3,) each, world units.
+up: (3,), what is up in the picture.
+fov: vertical field of view, degrees.
+size: width and height of the picture in pixels, 1 to 16384 each.)")
+    .def_property_readonly("eye", [](const Camera& c) { return arrayOf(c.eye()); }, "(3,) float32, world units.")
+    .def_property_readonly("look_at", [](const Camera& c) { return arrayOf(c.lookAt()); }, "(3,) float32, world units.")
+    .def_property_readonly("fov", &Camera::fov, "Vertical field of view, degrees.")
+    .def_property_readonly("size", [](const Camera& c) { return py::make_tuple(c.size().width, c.size().height); },
+                           "Width and height of the picture in pixels.")
+    .def_property_readonly("footprint", &Camera::footprint,
+                           "Width of a pixel at a distance of 1, which is what errors are measured in; that at distance t is t times this.")
+    .def("__repr__", [](const Camera& c) { return "<Camera " + c.description() + ">"; });
+
+  module.def("primary_rays", [](const Camera& c) {
+      return arraysOf(primaryRays(c), {c.size().height, c.size().width});
+    }, py::arg("camera"), R"(One ray through the centre of each pixel: origins and directions, (height, width, 3) float32 each, row 0 the upper one.
+
+Directions are of length 1, so distances of hits are in world units.)");
+  module.def("coherent_rays", [](const Camera& c, size_t count) {
+      return arraysOf(coherentRays(primaryRays(c), c.size(), count));
+    }, py::arg("camera"), py::arg("count") = 0, R"(Primary rays in the order in which renderers trace them, tiles of 8 x 8 pixels: origins and directions, (n, 3) float32.
+
+count: how many, as whole tiles spread evenly over the picture; 0 for all.)");
+  module.def("bounce_rays", &bounce, py::arg("hits"), py::arg("origins"), py::arg("directions"), py::kw_only(),
+             py::arg("offset"), py::arg("count") = 0, py::arg("seed") = 1, R"(Incoherent rays: from each hit one with cosine distribution about the geometric normal on the side that is seen,
+shuffled; origins and directions, (n, 3) float32 each.
+
+hits: of the rays origins and directions, which are as of Scene.intersect.
+offset: of origins from the surface along the normal, world units. cbvh_render takes 1e-4 of the scene's diagonal.
+count: at most that many, 0 for one a hit.
+seed: the same one gives the same rays.)");
+}
+
+} // namespace cbvh::python

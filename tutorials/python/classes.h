@@ -1,0 +1,19 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What each file adds to the module. Hits are in hits.h. */
+
+#include <pybind11/pybind11.h>
+
+namespace cbvh::python {
+
+namespace py = pybind11;
+
+void defineCage(py::module_& module);
+void defineModel(py::module_& module);   // after Cage
+void defineCamera(py::module_& module);  // after Hits
+void defineScene(py::module_& module);   // after Model, Camera and Hits
+
+} // namespace cbvh::python

@@ -1,0 +1,133 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+# %% [markdown]
+# # Speed against error
+#
+# How fast is a representation, and how far are its hits from the true surface? This builds one model at several
+# levels in several representations, traces the same rays through all of them, and plots one against the other.
+#
+# The cells are those of a notebook (Visual Studio Code, Spyder and Jupytext read them); as a program it writes the
+# pictures beside where it is started. The scene's height map, 134 MB, is made once and kept in your cache directory.
+
+# %%
+import statistics
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.ticker import LogLocator, NullFormatter
+
+import embree_cbvh as cbvh
+
+SCENE = "trex"
+LEVELS = (3, 4, 5)
+REPRESENTATIONS = ("grid", "cgrid", "cvoxel", "cleaf", "cvert")
+SIZE = (640, 480)
+ROUNDS = 5
+
+
+def show(phase, fraction):
+    print(f"\r{phase}: {fraction:.0%} ", end="" if fraction < 1 else "\n")
+
+
+# %% [markdown]
+# ## The model and its rays
+#
+# A model of your own is `cbvh.Model(cbvh.Cage.load("body.obj"), "skin.exr", amplitude=0.006)`, or a cage and a height
+# map out of arrays. All representations trace the same rays: those of a camera, in tiles as renderers trace them, and
+# those that bounce off what it sees.
+
+# %%
+model = cbvh.Model.scene(SCENE, progress=show)
+grid = cbvh.build(model, "grid", LEVELS[-1], progress=show)
+camera = grid.camera("full", SIZE)
+pixels = cbvh.primary_rays(camera)
+diagonal = np.linalg.norm(grid.bounds[1] - grid.bounds[0])
+rays = {
+    "coherent": cbvh.coherent_rays(camera),
+    "incoherent": cbvh.bounce_rays(grid.intersect(*pixels), *pixels, offset=1e-4 * diagonal),
+}
+del grid  # it is built again below
+
+# %% [markdown]
+# ## Building and measuring
+#
+# One level at a time is in memory. Representations are timed in turns on one core, and the median counts, so that
+# what else the machine does meets them all. Errors are distances from the displaced limit surface in pixels: those
+# of the tessellation, which GRID has too, and those of the compression together.
+
+# %%
+rows = []
+for level in LEVELS:
+    scenes = [cbvh.build(model, name, level, progress=show) for name in REPRESENTATIONS]
+    seconds = {(scene, kind): [] for scene in scenes for kind in rays}
+    for _ in range(ROUNDS):
+        for (scene, kind), measured in seconds.items():
+            measured.append(scene.trace_seconds(*rays[kind], coherent=kind == "coherent"))
+    for scene in scenes:
+        hits = scene.intersect(*pixels)
+        row = {
+            "representation": scene.representation,
+            "level": level,
+            "bytes": scene.statistics()["bytes_per_quad"],
+            "error": scene.true_errors(hits, *pixels, camera.footprint, count=2000)["median_pixels"],
+        }
+        for kind in rays:
+            row[kind] = len(rays[kind][0]) * 1e-6 / statistics.median(seconds[scene, kind])
+        rows.append(row)
+
+print(f"{'':10} {'level':>5} {'bytes/quad':>10} {'coherent':>9} {'incoherent':>10} {'median error':>12}")
+for row in rows:
+    print(f"{row['representation']:10} {row['level']:5} {row['bytes']:10.2f} {row['coherent']:9.2f} "
+          f"{row['incoherent']:10.2f} {row['error']:9.4f} px")
+
+# %% [markdown]
+# ## The plot
+#
+# A line for each representation, a point for each level, which is written at GRID's; the points are the larger the more
+# bytes a quad takes. Up and to the left is better.
+
+# %%
+figure, panels = plt.subplots(1, 2, figsize=(11, 4.6), sharex=True, constrained_layout=True)
+for panel, kind in zip(panels, rays):
+    for name in dict.fromkeys(row["representation"] for row in rows):
+        points = [row for row in rows if row["representation"] == name]
+        errors, speeds = [row["error"] for row in points], [row[kind] for row in points]
+        line, = panel.plot(errors, speeds, label=f"{name}, {points[-1]['bytes']:.1f} bytes a quad at level {LEVELS[-1]}")
+        panel.scatter(errors, speeds, s=[8 * row["bytes"] for row in points], color=line.get_color(), alpha=0.7)
+        for row in points if name == "GRID" else ():
+            panel.annotate(f"level {row['level']}", (row["error"], row[kind]), textcoords="offset points",
+                           xytext=(10, -12), fontsize=8, color=line.get_color())
+    panel.set_xscale("log")
+    panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    panel.xaxis.set_major_formatter("{x:g}")
+    panel.xaxis.set_minor_formatter(NullFormatter())
+    panel.margins(x=0.12, y=0.1)
+    panel.set_ylim(bottom=0)
+    panel.set_title(f"{kind} rays, {model.name}")
+    panel.set_xlabel("median distance from the true surface, pixels")
+    panel.grid(alpha=0.3)
+panels[0].set_ylabel("millions of rays a second, one core")
+panels[0].legend(loc="lower right", fontsize=8)
+figure.savefig("speed_against_error.png", dpi=120)
+
+# %% [markdown]
+# ## Where the errors are
+#
+# Hits are arrays of the picture's shape, so they can be shown as they are. Here against GRID at the same level, where
+# all that differs is due to the compression.
+
+# %%
+reference = scenes[REPRESENTATIONS.index("grid")].intersect(*pixels)
+shown = [scene for scene in scenes if scene.representation != "GRID"]
+figure, panels = plt.subplots(1, len(shown), figsize=(3.6 * len(shown), 2.8), constrained_layout=True)
+for panel, scene in zip(panels, shown):
+    hits = scene.intersect(*pixels)
+    errors = cbvh.pixel_errors(hits, reference, camera.footprint)
+    image = panel.imshow(np.maximum(errors, 1e-4), norm="log", vmin=1e-4, vmax=10)
+    summary = scene.errors(hits, reference, camera.footprint)
+    panel.set_title(f"{scene.representation}: RMSE {summary['rmse_pixels']:.2g} px", fontsize=10)
+    panel.set_axis_off()
+figure.colorbar(image, ax=panels, label="pixels")
+figure.savefig("errors.png", dpi=120)
+plt.show()

@@ -1,0 +1,159 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "hits.h"
+
+#include "measure/hit_metrics.h"
+
+#include <memory>
+
+namespace cbvh::python {
+namespace {
+
+/* Without the axis of x, y and z. */
+Shape shapeOfVectors(const Floats& array, const std::string& argument)
+{
+  Shape shape = shapeOf(array);
+  if (shape.empty() || shape.back() != 3)
+    refuse(argument, "has shape " + textOf(shape) + ", not (..., 3)");
+  shape.pop_back();
+  return shape;
+}
+
+py::tuple tupleOf(const Shape& shape)
+{
+  return py::tuple(py::cast(shape));
+}
+
+Floats broadcast(const Floats& array, const Shape& shape)
+{
+  return Floats(py::module_::import("numpy").attr("broadcast_to")(array, tupleOf(shape)));
+}
+
+/* A member of all hits. */
+template<typename T>
+py::array member(const py::object& self, T SurfaceHit::*member)
+{
+  const Hits& hits = self.cast<const Hits&>();
+  Shape strides(hits.shape.size());
+  py::ssize_t stride = sizeof(SurfaceHit);
+  for (size_t i = strides.size(); i-- > 0; stride *= hits.shape[i])
+    strides[i] = stride;
+  static const SurfaceHit none;
+  const SurfaceHit* const first = hits.hits.empty() ? &none : hits.hits.data();
+  if constexpr (std::is_same_v<T, Vec3f>)
+  {
+    Shape shape = hits.shape;
+    shape.push_back(3);
+    strides.push_back(sizeof(float));
+    return view(&(first->*member).x, shape, strides, self);
+  }
+  else
+    return view(&(first->*member), hits.shape, strides, self);
+}
+
+/* Of hits that miss, Embree's invalid ID. */
+template<typename Function>
+py::array_t<unsigned> ids(const Hits& hits, const Function& idOfFace)
+{
+  return arrayOf<unsigned>(hits.shape, [&](size_t i) {
+    return hits.hits[i].hit() ? unsigned(idOfFace(hits.hits[i].face)) : RTC_INVALID_GEOMETRY_ID;
+  });
+}
+
+std::string repr(const Hits& hits)
+{
+  size_t count = 0;
+  for (const SurfaceHit& hit : hits.hits)
+    count += hit.hit();
+  return "<Hits of shape " + textOf(hits.shape) + ", " + std::to_string(count) + " of " +
+         std::to_string(hits.hits.size()) + " rays hit>";
+}
+
+std::shared_ptr<Hits> nearer(const Hits& a, const Hits& b)
+{
+  requireRays(b, "b", a.hits.size(), "a");
+  auto result = std::make_shared<Hits>(a);
+  result->hits = nearerHits(a.hits, b.hits);
+  return result;
+}
+
+} // namespace
+
+Rays readRays(const py::object& origins, const py::object& directions, const py::object& tnear, const py::object& tfar)
+{
+  const Floats o = floats(origins, "origins"), d = floats(directions, "directions");
+  const Floats n = floats(tnear, "tnear"), f = floats(tfar, "tfar");
+  const Shape shapes[4] = {shapeOfVectors(o, "origins"), shapeOfVectors(d, "directions"), shapeOf(n), shapeOf(f)};
+  Rays result;
+  try
+  {
+    const py::object shape = py::module_::import("numpy").attr("broadcast_shapes")(
+      tupleOf(shapes[0]), tupleOf(shapes[1]), tupleOf(shapes[2]), tupleOf(shapes[3]));
+    for (const py::handle& n : shape)
+      result.shape.push_back(n.cast<py::ssize_t>());
+  }
+  catch (py::error_already_set& e)
+  {
+    if (!e.matches(PyExc_ValueError))
+      throw;
+    throw py::value_error("origins of " + textOf(shapes[0]) + " points, directions of " + textOf(shapes[1]) +
+                          " vectors, tnear of shape " + textOf(shapes[2]) + " and tfar of shape " + textOf(shapes[3]) +
+                          " cannot be broadcast to one shape");
+  }
+  Shape vectors = result.shape;
+  vectors.push_back(3);
+  const Floats os = broadcast(o, vectors), ds = broadcast(d, vectors);
+  const Floats ns = broadcast(n, result.shape), fs = broadcast(f, result.shape);
+  result.rays.resize(size_t(ns.size()));
+  for (size_t i = 0; i < result.rays.size(); i++)
+  {
+    const float *const p = os.data() + 3 * i, *const v = ds.data() + 3 * i;
+    result.rays[i] = {{p[0], p[1], p[2]}, ns.data()[i], {v[0], v[1], v[2]}, fs.data()[i]};
+  }
+  return result;
+}
+
+Rays readRays(const py::object& origins, const py::object& directions)
+{
+  return readRays(origins, directions, py::float_(0.0), py::float_(INFINITY));
+}
+
+void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others)
+{
+  if (hits.hits.size() != rays)
+    refuse(argument, "are of " + std::to_string(hits.hits.size()) + " rays, " + others + " of " + std::to_string(rays));
+}
+
+void defineHits(py::module_& module)
+{
+  py::class_<Hits, std::shared_ptr<Hits>>(module, "Hits", R"(What rays hit, in arrays of the shape of the rays; (...) below.
+
+They are read-only. Hits on the triangles of NAIVE are those on the surface that they stand for: primID, u and v have
+the same meaning in all representations, so hits can be compared.)")
+    .def_property_readonly("hit", [](const Hits& h) { return arrayOf<bool>(h.shape, [&](size_t i) { return h.hits[i].hit(); }); },
+                           "(...) bool: whether the ray hits anything.")
+    .def_property_readonly("t", [](const py::object& self) { return member(self, &SurfaceHit::t); },
+                           "(...) float32: distance in lengths of the ray's direction; inf where nothing is hit.")
+    .def_property_readonly("u", [](const py::object& self) { return member(self, &SurfaceHit::u); }, R"((...) float32: parameter of the face, from 0 to 1; 0 where nothing is hit.
+
+A face of n != 4 vertices is n patches, one a corner: that of corner i has u from 0.5 to 1.5 plus 2*(i % 4), and v from
+0.5 to 1.5 plus 2*(i // 4), as Embree reports them.)")
+    .def_property_readonly("v", [](const py::object& self) { return member(self, &SurfaceHit::v); },
+                           "(...) float32: the other parameter, see u.")
+    .def_property_readonly("Ng", [](const py::object& self) { return member(self, &SurfaceHit::normal); },
+                           "(..., 3) float32: geometric normal, dP/du x dP/dv, not normalised; 0 where nothing is hit.")
+    .def_property_readonly("primID", [](const Hits& h) { return ids(h, [&](unsigned f) { return f % h.facesOfCopy; }); },
+                           "(...) uint32: face of the cage, from 0; 2**32 - 1 where nothing is hit.")
+    .def_property_readonly("geomID", [](const Hits& h) { return ids(h, [&](unsigned f) { return f / h.facesOfCopy; }); },
+                           "(...) uint32: copy of the cage, 0 unless the model has several; 2**32 - 1 where nothing is hit.")
+    .def_property_readonly("shape", [](const Hits& h) { return tupleOf(h.shape); }, "Shape of the rays.")
+    .def("__repr__", repr);
+
+  module.def("nearer_hits", nearer, py::arg("a"), py::arg("b"), R"(The nearer hit of each ray, as Hits.
+
+Two tracings of one surface differ where one lets a ray slip between two triangles, as NAIVE does now and then, and
+then the nearer hit is right: nearer_hits(grid, naive) is the reference that cbvh_render measures errors against.)");
+}
+
+} // namespace cbvh::python

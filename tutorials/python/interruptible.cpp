@@ -1,0 +1,147 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "interruptible.h"
+#include "basics/progress.h"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace cbvh::python {
+namespace {
+
+/* How long signals may go unseen. */
+constexpr auto patience = std::chrono::milliseconds(50);
+
+std::timed_mutex turn;
+std::atomic<std::thread::id> whoseTurn;
+
+void throwIfSignalled()
+{
+  if (PyErr_CheckSignals())
+    throw py::error_already_set();
+}
+
+std::unique_lock<std::timed_mutex> takeTurn()
+{
+  if (whoseTurn == std::this_thread::get_id())
+    throw std::runtime_error("progress cannot build or trace while it is told of what is being built or traced");
+  std::unique_lock<std::timed_mutex> lock(turn, std::defer_lock);
+  for (;;)
+  {
+    {
+      const py::gil_scoped_release released;
+      if (lock.try_lock_for(patience))
+        break;
+    }
+    throwIfSignalled();
+  }
+  whoseTurn = std::this_thread::get_id();
+  return lock;
+}
+
+class Task
+{
+public:
+  explicit Task(const std::function<void()>& work)
+  {
+    setPhaseListener([this](const std::string& name, double fraction) { hear(name, fraction); });
+    worker = std::thread([this, work] {
+      try
+      {
+        work();
+      }
+      catch (...)
+      {
+        failure = std::current_exception();
+      }
+      const std::lock_guard<std::mutex> lock(mutex);
+      done = true;
+      changed.notify_one();
+    });
+  }
+
+  /* Stops what is not done. With the interpreter's lock. */
+  ~Task()
+  {
+    if (worker.joinable())
+    {
+      requestCancel();
+      join();
+    }
+    clearCancel();
+    setPhaseListener(nullptr);
+    whoseTurn = std::thread::id();
+  }
+
+  void wait(const py::object& progress)
+  {
+    for (bool ended = false; !ended;)
+    {
+      std::deque<News> told;
+      {
+        const py::gil_scoped_release released;
+        std::unique_lock<std::mutex> lock(mutex);
+        changed.wait_for(lock, patience, [&] { return done || !news.empty(); });
+        told.swap(news);
+        ended = done;
+      }
+      throwIfSignalled();
+      if (!progress.is_none())
+        for (const News& n : told)
+          progress(n.name, n.fraction);
+    }
+    join();
+    if (failure)
+      std::rethrow_exception(failure);
+  }
+
+private:
+  struct News
+  {
+    std::string name;
+    double fraction = 0;
+  };
+
+  void hear(const std::string& name, double fraction)
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (name == last.name && fraction == last.fraction)
+      return; // the end of a phase that was at its last percent
+    last = {name, fraction};
+    news.push_back(last);
+    changed.notify_one();
+  }
+
+  void join()
+  {
+    const py::gil_scoped_release released;
+    worker.join();
+  }
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<News> news; // that the user has not been told
+  News last;
+  bool done = false;
+  std::exception_ptr failure;
+  std::thread worker;
+};
+
+} // namespace
+
+void runInterruptible(const py::object& progress, const std::function<void()>& work)
+{
+  if (!progress.is_none() && !PyCallable_Check(progress.ptr()))
+    throw py::type_error("progress: is neither None nor callable");
+  const std::unique_lock<std::timed_mutex> mine = takeTurn();
+  Task(work).wait(progress);
+}
+
+} // namespace cbvh::python

@@ -1,0 +1,86 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* The module embree_cbvh: a thin binding of common/ for those who compare representations in notebooks. */
+
+#include "classes.h"
+#include "hits.h"
+
+#include "basics/error.h"
+
+#include <pybind11/pybind11.h>
+
+#include <exception>
+#include <regex>
+#include <string>
+
+namespace cbvh::python {
+namespace {
+
+constexpr const char* moduleText = R"(Displaced subdivision surfaces in the representations of Embree CBVH, built, traced and compared.
+
+    import embree_cbvh as cbvh
+
+    cage = cbvh.Cage.load("body.obj")
+    model = cbvh.Model(cage, "skin.exr", amplitude=0.006)   # or Model.scene("trex")
+    scene = cbvh.build(model, "cvert", level=6)
+    camera = scene.camera("full", (800, 600))
+    hits = scene.intersect(*cbvh.primary_rays(camera))      # hits.t, hits.Ng, ... of shape (600, 800)
+    scene.statistics()["bytes_per_quad"]
+
+Long calls let other threads of Python run, and Ctrl-C stops them.)";
+
+/* Messages of common/ name options of command lines, --frame-level; here they are frame_level. */
+std::string inPython(std::string message)
+{
+  static const std::regex option("--([a-z]+(-[a-z]+)*)");
+  std::string result;
+  for (std::smatch found; std::regex_search(message, found, option); message = found.suffix())
+  {
+    std::string name = found[1];
+    for (char& c : name)
+      c = c == '-' ? '_' : c;
+    result += found.prefix().str() + name;
+  }
+  return result + message;
+}
+
+PyObject* errorType = nullptr; // the module's, which keeps it
+
+void translate(std::exception_ptr thrown)
+{
+  try
+  {
+    if (thrown)
+      std::rethrow_exception(thrown);
+  }
+  catch (const Cancelled&)
+  {
+    PyErr_SetNone(PyExc_KeyboardInterrupt);
+  }
+  catch (const Error& e)
+  {
+    PyErr_SetString(errorType, inPython(e.what()).c_str());
+  }
+}
+
+} // namespace
+} // namespace cbvh::python
+
+PYBIND11_MODULE(embree_cbvh, module)
+{
+  using namespace cbvh::python;
+  module.doc() = moduleText;
+  errorType = PyErr_NewExceptionWithDoc("embree_cbvh.Error",
+                                        "What is refused beyond the form of arguments: files, cages, what Embree says.",
+                                        PyExc_ValueError, nullptr);
+  if (!errorType)
+    throw py::error_already_set();
+  module.attr("Error") = py::handle(errorType);
+  py::register_exception_translator(translate);
+  defineHits(module);
+  defineCage(module);
+  defineModel(module);
+  defineCamera(module);
+  defineScene(module);
+}

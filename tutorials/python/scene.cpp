@@ -1,0 +1,356 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "camera.h"
+#include "classes.h"
+#include "hits.h"
+#include "interruptible.h"
+#include "json_objects.h"
+
+#include "basics/parallel.h"
+#include "building/built_scene.h"
+#include "building/memory.h"
+#include "measure/hit_metrics.h"
+#include "measure/true_errors.h"
+#include "programs/compression_json.h"
+#include "programs/errors_json.h"
+#include "programs/view_options.h"
+#include "tracing/ray_conversion.h"
+#include "tracing/trace_hits.h"
+#include "tracing/trace_timing.h"
+
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <optional>
+
+namespace cbvh::python {
+namespace {
+
+struct Scene
+{
+  Scene(std::shared_ptr<const Model> model, const Representation& representation, const BuildSettings& settings)
+    : model(std::move(model)), level(settings.level), built(*this->model, representation, settings)
+  {
+  }
+
+  Hits hitsOf(Shape shape, std::vector<SurfaceHit> hits) const
+  {
+    return {std::move(shape), std::move(hits), model->cage.numFaces(), model->numFaces()};
+  }
+
+  std::shared_ptr<const Model> model; // outlives what is built
+  int level;
+  BuiltScene built;
+};
+
+void requireNotNegative(float value, const char* argument)
+{
+  if (!(value >= 0.0f) || !std::isfinite(value))
+    refuse(argument, "is " + std::to_string(value) + ", not finite and 0 or more");
+}
+
+unsigned threadsOf(int threads)
+{
+  if (threads < 0)
+    refuse("threads", "is " + std::to_string(threads) + ", not 0 or more");
+  return threadCount(threads);
+}
+
+/* --- building ------------------------------------------------------------------ */
+
+/* "cleaf", "cleaf^3", or "cleaf" and a frame level: a number, "auto", or None. */
+Representation readRepresentation(const std::string& name, const py::object& frameLevel)
+{
+  const std::vector<Representation> one = parseRepresentations(
+    name, frameLevel.is_none() ? Representation().frameLevel : parseFrameLevel(py::str(frameLevel)));
+  if (one.size() != 1)
+    refuse("representation", "'" + name + "' names several, build them one by one");
+  return one.front();
+}
+
+void requireMemory(const Model& model, const Representation& representation, int level)
+{
+  const size_t quads = model.layout(level).numQuads();
+  const size_t needed = estimatedPeakBytes(representation.kind, quads), available = availableMemory();
+  if (needed <= available)
+    return;
+  char text[200];
+  std::snprintf(text, sizeof(text), "not enough memory: %s on %.1f million quads takes about %.1f GiB, and %.1f are free",
+                representation.label().c_str(), double(quads) * 1e-6, double(needed) / (1 << 30),
+                double(available) / (1 << 30));
+  PyErr_SetString(PyExc_MemoryError, text);
+  throw py::error_already_set();
+}
+
+PixelBound readPixelBound(float pixels, const std::optional<Camera>& camera)
+{
+  requireNotNegative(pixels, "max_pixel_error");
+  if (pixels == 0.0f)
+    return {};
+  if (!camera)
+    refuse("max_pixel_error", "needs a camera");
+  return {pixels, camera->eye(), camera->footprint()};
+}
+
+std::shared_ptr<Scene> build(const std::shared_ptr<Model>& model, const std::string& name, int level,
+                             const py::object& frameLevel, float maxError, float maxPixelError,
+                             const std::optional<Camera>& camera, bool exactFaces, int threads, const std::string& isa,
+                             const std::string& device, const py::object& progress)
+{
+  const Representation representation = readRepresentation(name, frameLevel);
+  requireNotNegative(maxError, "max_error");
+  BuildSettings settings;
+  settings.level = level;
+  settings.threads = threads;
+  settings.maxError = maxError;
+  settings.pixelBound = readPixelBound(maxPixelError, camera);
+  settings.exactFaces = exactFaces;
+  settings.isa = isa;
+  settings.device = device;
+  validateBuild(settings);
+  requireMemory(*model, representation, level);
+  return interruptible(progress, [&] { return std::make_shared<Scene>(model, representation, settings); });
+}
+
+/* --- tracing ------------------------------------------------------------------- */
+
+Hits intersect(const Scene& scene, const py::object& origins, const py::object& directions, const py::object& tnear,
+               const py::object& tfar, int threads)
+{
+  const unsigned n = threadsOf(threads);
+  Rays rays = readRays(origins, directions, tnear, tfar);
+  return interruptible(py::none(), [&] {
+    return scene.hitsOf(std::move(rays.shape), traceClosest(scene.built, rays.rays, n));
+  });
+}
+
+std::vector<char> anyHits(const BuiltScene& scene, const std::vector<Ray>& rays, unsigned threads)
+{
+  constexpr size_t chunk = 4096;
+  std::vector<char> hit(rays.size());
+  parallelFor(rays.size(), chunk, threads, [&](size_t begin, size_t end) {
+    const FastDenormals denormals;
+    std::vector<RTCRay> batch(end - begin);
+    for (size_t i = begin; i < end; i++)
+      load(rays[i], batch[i - begin]);
+    scene.tracer().occluded(batch.data(), batch.size());
+    for (size_t i = begin; i < end; i++)
+      hit[i] = batch[i - begin].tfar < 0.0f;
+  });
+  return hit;
+}
+
+py::array_t<bool> occluded(const Scene& scene, const py::object& origins, const py::object& directions,
+                           const py::object& tnear, const py::object& tfar, int threads)
+{
+  const unsigned n = threadsOf(threads);
+  const Rays rays = readRays(origins, directions, tnear, tfar);
+  const std::vector<char> hit = interruptible(py::none(), [&] { return anyHits(scene.built, rays.rays, n); });
+  return arrayOf<bool>(rays.shape, [&](size_t i) { return hit[i] != 0; });
+}
+
+double traceSeconds(const Scene& scene, const py::object& origins, const py::object& directions,
+                    const std::string& query, const std::string& mode, bool coherent, int threads, unsigned passes)
+{
+  TraceSettings settings;
+  settings.query = parseQuery(query);
+  settings.mode = parseTraceMode(mode);
+  settings.coherent = coherent;
+  settings.threads = threadsOf(threads);
+  settings.passes = passes;
+  if (passes < 1)
+    refuse("passes", "is 0, not 1 or more");
+  const Rays rays = readRays(origins, directions);
+  return interruptible(py::none(), [&] { return timeTrace(scene.built, rays.rays, settings).seconds; });
+}
+
+Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int> size)
+{
+  choice(view, "view", {"full", "close"});
+  const ImageSize image = imageSize(size);
+  return interruptible(py::none(), [&] { return chooseCamera(view, *scene.model, scene.built, image, threadCount(0)); });
+}
+
+/* --- what it is ---------------------------------------------------------------- */
+
+py::object statistics(const Scene& scene)
+{
+  const BuildReport& report = scene.built.report();
+  nlohmann::ordered_json j{{"representation", scene.built.representation().label()},
+                           {"level", scene.level},
+                           {"quads", report.quads},
+                           {"bytes_per_quad", report.bytesPerQuad()},
+                           {"live_bytes", report.liveBytes},
+                           {"peak_bytes", report.peakBytes},
+                           {"build_seconds", report.seconds},
+                           {"distance_from_mesh", report.distanceFromMesh()}};
+  if (scene.built.representation().isCompressed())
+    j["compression"] = compressionJson(report.compression);
+  return objectOf(j);
+}
+
+/* --- errors -------------------------------------------------------------------- */
+
+void requireHitsOf(const Scene& scene, const Hits& hits, const char* argument)
+{
+  if (hits.faces != scene.model->numFaces())
+    refuse(argument, "are of a model of " + std::to_string(hits.faces) + " faces, this one has " +
+                       std::to_string(scene.model->numFaces()));
+}
+
+void requirePositive(float footprint)
+{
+  if (!(footprint > 0.0f) || !std::isfinite(footprint))
+    refuse("footprint", "is " + std::to_string(footprint) + ", not finite and more than 0");
+}
+
+py::array_t<float> pixelErrorsOf(const Hits& hits, const Hits& reference, float footprint)
+{
+  requireRays(reference, "reference", hits.hits.size(), "hits");
+  requirePositive(footprint);
+  const std::vector<float> errors = pixelErrors(reference.hits, hits.hits, footprint);
+  return arrayOf<float>(hits.shape, [&](size_t i) { return errors[i] < 0.0f ? NAN : errors[i]; });
+}
+
+py::object errorsOf(const Scene& scene, const Hits& hits, const Hits& reference, float footprint)
+{
+  requireHitsOf(scene, hits, "hits");
+  requireHitsOf(scene, reference, "reference");
+  requireRays(reference, "reference", hits.hits.size(), "hits");
+  requirePositive(footprint);
+  return objectOf(errorsJson(compareHits(reference.hits, hits.hits, footprint, scene.built.layout())));
+}
+
+py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& origins, const py::object& directions,
+                        float footprint, size_t count, uint32_t seed, int threads, const py::object& progress)
+{
+  requireHitsOf(scene, hits, "hits");
+  requirePositive(footprint);
+  const unsigned n = threadsOf(threads);
+  const Rays rays = readRays(origins, directions);
+  requireRays(hits, "hits", rays.rays.size(), "origins and directions");
+  return objectOf(errorsJson(interruptible(progress, [&] {
+    const TrueSurface surface(*scene.model);
+    const TrueView view{*scene.model, surface, rays.rays, sampleOfHits(hits.hits, count, seed), footprint};
+    return compareToTrueSurface(view, hits.hits, scene.built.layout(), n);
+  })));
+}
+
+/* --- docstrings ---------------------------------------------------------------- */
+
+constexpr const char* buildText = R"(Builds a model in one representation, as a Scene.
+
+model: a Model, or a Cage, which is not displaced.
+representation: "cvert", "cleaf", "cvoxel" and "cgrid", which are compressed, "grid", Embree's own, or "naive", its
+  triangles. A frame level of its own may follow: "cleaf^3".
+level: 0 to 8, 2**level x 2**level quads a face.
+frame_level: 0 to 8, or "auto": 4**frame_level frames a face of cgrid, cvoxel and cleaf, 2 if it is not given.
+max_error: world units, 0 for none: bound on the spacing of cvert's lattice, and on the thickness of leaves where
+  frame_level is "auto".
+max_pixel_error: bound on the spacing of cvert's lattice in pixels of camera, 0 for none.
+exact_faces: whether cleaf stores faces as cvert does that its leaves hold badly.
+threads: for building, 0 for all.
+isa: widest instruction set to use: "sse2", "sse4.2", "avx", "avx2" or "avx512"; the best there is by default.
+device: what traces: "cpu", "vulkan", or "vulkan:" and an index or a part of a device's name.
+progress: called with the name of a phase and how much of it is done, 0 to 1; what it raises stops the build.
+
+Ctrl-C (KeyboardInterrupt) stops the build. Other threads of Python run meanwhile; where they call this module to build
+or to trace, they wait until it is their turn. Raises ValueError and TypeError for arguments, MemoryError for what does
+not fit, Error for what Embree refuses.)";
+
+constexpr const char* intersectText = R"(The closest hit of each ray, as Hits.
+
+origins: (..., 3), world units.
+directions: (..., 3), of any length; distances are multiples of it.
+tnear, tfar: (...), the part of the ray that counts.
+threads: 0 for all.
+
+Arguments are taken as float32 and broadcast by NumPy's rules: one origin and a picture of directions make a picture of
+hits. Ctrl-C stops it.)";
+
+constexpr const char* occludedText = R"(Whether each ray hits anything: (...) bool. Arguments as of intersect.)";
+
+constexpr const char* secondsText = R"(Seconds that tracing the rays once takes: of the processor for one thread, of the clock for several.
+
+Measured in C++, the filling of Embree's rays included. Measure representations in turns, and take medians.
+
+origins, directions: as of intersect.
+query: "closest" or "any".
+mode: how many rays a call of Embree takes: "single", "packet4", "packet8", "packet16" or "stream".
+coherent: what Embree is told about the rays.
+threads: 0 for all.
+passes: over the rays, for few of them; the time is that of one.)";
+
+constexpr const char* cameraText = R"(A Camera before the scene. view: "full" shows all of it, "close" a part. size: width and height in pixels.
+
+Fitted to the surface as it is in this representation: take one camera for all that is compared.)";
+
+constexpr const char* statisticsText = R"(What the build made, a dict: representation, level, quads, bytes_per_quad, live_bytes (held after the build, with the
+cage), peak_bytes (held while building), build_seconds, distance_from_mesh (world units: how far hits may be from the
+mesh of the level), and of what is compressed a dict of bytes and counts, compression. Names are those that
+`cbvh_render --json` writes.)";
+
+constexpr const char* errorsText = R"(How far hits are from a reference, a dict with the names of `cbvh_render --json`.
+
+hits: of this scene. reference: of the same rays in another representation of the same model.
+footprint: width of a pixel at distance 1 (Camera.footprint), for directions of length 1.
+
+Distances between hit points are in pixels: rmse_pixels, median_pixels, p99_pixels, max_pixels, and without those beyond
+5, which are mostly on another sheet of the surface, rmse_of_others_pixels and bias_pixels (more than 0: behind). Rays
+where only one hits are counted: false_hits, misses. Normals in degrees, u and v in quads (cells).)";
+
+constexpr const char* trueErrorsText = R"(How far hits are from the true surface, which is OpenSubdiv's limit surface with the heights as they are in the map, a
+dict with the names of `cbvh_render --json`. The error of tessellation and that of compression together.
+
+hits: of this scene, of the rays origins and directions, of length 1.
+footprint: width of a pixel at distance 1 (Camera.footprint).
+count, seed: so many hits are drawn at random.
+threads: 0 for all.
+progress: called with the name of a phase and how much of it is done, 0 to 1.)";
+
+constexpr const char* pixelErrorsText = R"(Distance between the hit points of each ray in pixels: (...) float32, NaN where not both hit.
+
+hits, reference: of the same rays, directions of length 1.
+footprint: width of a pixel at distance 1 (Camera.footprint).)";
+
+} // namespace
+
+void defineScene(py::module_& module)
+{
+  using py::arg;
+  const py::float_ zero(0.0), infinity(INFINITY);
+  py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene", "A model built in one representation, see build().")
+    .def("intersect", &intersect, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
+         py::kw_only(), arg("threads") = 0, intersectText)
+    .def("occluded", &occluded, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
+         py::kw_only(), arg("threads") = 0, occludedText)
+    .def("trace_seconds", &traceSeconds, arg("origins"), arg("directions"), py::kw_only(), arg("query") = "closest",
+         arg("mode") = "single", arg("coherent") = false, arg("threads") = 1, arg("passes") = 1, secondsText)
+    .def("camera", &cameraOf, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
+    .def("statistics", &statistics, statisticsText)
+    .def("errors", &errorsOf, arg("hits"), arg("reference"), arg("footprint"), errorsText)
+    .def("true_errors", &trueErrorsOf, arg("hits"), arg("origins"), arg("directions"), arg("footprint"), py::kw_only(),
+         arg("count") = 2000, arg("seed") = 1, arg("threads") = 0, arg("progress") = py::none(), trueErrorsText)
+    .def_property_readonly("bounds", [](const Scene& s) { return arrayOf(s.built.bounds()); },
+                           "(2, 3) float32: lower and upper corner of the box of the surface, world units.")
+    .def_property_readonly("model", [](const Scene& s) { return std::const_pointer_cast<Model>(s.model); }, "The Model.")
+    .def_property_readonly("representation", [](const Scene& s) { return s.built.representation().label(); },
+                           "Label as in the paper: 'cLEAF^2'.")
+    .def_readonly("level", &Scene::level, "2**level x 2**level quads a face.")
+    .def("__repr__", [](const Scene& s) {
+      char text[160];
+      std::snprintf(text, sizeof(text), "<Scene '%s' in %s at level %d: %zu quads, %.2f bytes each>", s.model->name.c_str(),
+                    s.built.representation().label().c_str(), s.level, s.built.report().quads,
+                    s.built.report().bytesPerQuad());
+      return std::string(text);
+    });
+
+  module.def("build", &build, arg("model"), arg("representation") = "cvert", arg("level") = 6, py::kw_only(),
+             arg("frame_level") = py::none(), arg("max_error") = 0.0f, arg("max_pixel_error") = 0.0f,
+             arg("camera") = py::none(), arg("exact_faces") = true, arg("threads") = 0, arg("isa") = "",
+             arg("device") = "cpu", arg("progress") = py::none(), buildText);
+  module.def("pixel_errors", &pixelErrorsOf, arg("hits"), arg("reference"), arg("footprint"), pixelErrorsText);
+}
+
+} // namespace cbvh::python
