@@ -190,8 +190,13 @@ namespace embree
                     if (tiling.size() == 0) { out += builder.buildGrids(patch.make(plan.mesh,plan.geomID,f),out); }
                     else {
                       PrimRef* const begin = out;
-                      if (plan.kind() != cbvh::Kind::VERT) out += builder.buildBlocks(f,patch,tiling,out);
-                      if (out == begin) out += vertBuilder->buildBlocks(f,patch,plan.exactTiling(patch.rate),out);
+                      const PatchTiling exact = plan.exactTiling(patch.rate);
+                      const float (*evaluated)[3] = nullptr;
+                      if (plan.kind() != cbvh::Kind::VERT) {
+                        out += builder.buildBlocks(f,patch,tiling,out);
+                        evaluated = builder.evaluated(exact.quadsX(),exact.quadsY());
+                      }
+                      if (out == begin) out += vertBuilder->buildBlocks(f,patch,exact,evaluated,out);
                       while (out < begin+table.room(patch.rate,tiling)) *out++ = PatchBuilder::dropped();
                     }
                     const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);

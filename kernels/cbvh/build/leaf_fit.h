@@ -43,6 +43,9 @@ namespace embree
 
       bool isPoor() const { return poorQuads > maxPoorQuads*quads || poorEdges > maxPoorEdges*edges; }
 
+      /*! whether it will be, whatever comes, with so many quads and edges at most in the end */
+      bool willBePoor(size_t allQuads, size_t allEdges) const { return poorQuads > maxPoorQuads*double(allQuads) || poorEdges > maxPoorEdges*double(allEdges); }
+
       /*! A quad of cLEAF, (x,y) in its block, and its leaf. isRough: loose or solid; thickness: in the world. */
       void addQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box, const double slope[2], bool isRough, double thickness)
       {

@@ -85,18 +85,26 @@ namespace embree
         cbvh::BuildStatistics ofPatch;
         cbvh::WorldBounds hitBoundsOfPatch;
         fit = cbvh::LeafFit();
+        const size_t quads = size_t(tiling.quadsX())*size_t(tiling.quadsY());
+        const size_t edges = 4*(size_t(tiling.quadsX())+size_t(tiling.quadsY())); // two of each quad on the border, where it is cut into leaves
         for (size_t i=0; i<count; i++) {
           Encoding e(kind,tiling,unsigned(i));
           e.sharpSides = sharpSides & e.sidesOfPatch();
           out[i] = buildBlock(base,e,(cbvh::Block*)((char*)encoded.data()+i*stride),ofPatch,hitBoundsOfPatch);
-          if (shared && ofPatch.refusedQuads) return 0;
+          if (shared && (ofPatch.refusedQuads || fit.willBePoor(quads,edges))) return 0;
         }
         if (shared && fit.isPoor()) return 0;
-        if (kind != plan.kind()) statistics.quadsForHoles += size_t(tiling.quadsX())*size_t(tiling.quadsY());
+        if (kind != plan.kind()) statistics.quadsForHoles += quads;
         statistics.merge(ofPatch);
         hitBounds.extend(hitBoundsOfPatch);
         place(kind,count,stride,out);
         return count;
+      }
+
+      /*! The vertices of the last patch as its face evaluates them, if it was evaluated as so many quads; else null.
+       *  Of a builder that shares borders. */
+      const float (*evaluated (unsigned quadsX, unsigned quadsY) const)[3] {
+        return grid.width == quadsX+1 && grid.height == quadsY+1 ? (const float(*)[3])own.data() : nullptr;
       }
 
       /*! patch as stock Embree has it */

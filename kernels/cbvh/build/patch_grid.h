@@ -84,6 +84,15 @@ namespace embree
         interleave(displaced());
       }
 
+      /*! displaced vertices of quadsX x quadsY quads that were evaluated before; undisplaced ones are not known then */
+      void set (unsigned quadsX, unsigned quadsY, const float (*vertices)[3])
+      {
+        width = quadsX+1; height = quadsY+1;
+        count = width*height;
+        interleaved.resize(6*count);
+        memcpy(displaced(),vertices,count*sizeof(*vertices));
+      }
+
       /*! vertices row by row */
       float (*undisplaced ())[3] { return (float(*)[3])interleaved.data(); }
       float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }

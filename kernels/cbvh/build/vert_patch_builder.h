@@ -28,11 +28,13 @@ namespace embree
       VertPatchBuilder (const CompressionPlan& plan, const SharedVertices& shared, Scene* scene, const Allocator& alloc)
         : plan(plan), shared(shared), alloc(alloc), grid(scene->device), bytes(scene->device,0) {}
 
-      /*! As PatchBuilder::buildBlocks; one piece of memory a patch. */
-      size_t buildBlocks (size_t face, const PatchOfFace& patch, const PatchTiling& tiling, PrimRef* out)
+      /*! As PatchBuilder::buildBlocks; one piece of memory a patch.
+       *  evaluated: the patch's vertices, if they are known, or null */
+      size_t buildBlocks (size_t face, const PatchOfFace& patch, const PatchTiling& tiling, const float (*evaluated)[3], PrimRef* out)
       {
         const SubdivPatch1Base base = patch.make(plan.mesh,plan.geomID,face);
-        grid.evalPart(base,plan.mesh,tiling.quadsX(),tiling.quadsY(),{ 0,tiling.quadsX(),0,tiling.quadsY() });
+        if (evaluated) grid.set(tiling.quadsX(),tiling.quadsY(),evaluated);
+        else grid.evalPart(base,plan.mesh,tiling.quadsX(),tiling.quadsY(),{ 0,tiling.quadsX(),0,tiling.quadsY() });
         const cbvh::WorldLattice lattice(shared.exponent(face));
         snapVertices(face,patch,tiling,lattice);
 
