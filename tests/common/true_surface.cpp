@@ -59,6 +59,58 @@ TEST(TrueSurface, IsDisplacedAlongTheNormal)
   }
 }
 
+/* The same surface by vectors, and pushed aside. */
+class WavesByVectors : public Waves
+{
+public:
+  using Waves::Waves;
+  bool isAlongNormals() const override { return false; }
+  void vectors(const SurfacePoints& points, const Vec3f* normals, Vec3f* out) const override
+  {
+    std::vector<float> heights(points.n);
+    offsets(points, heights.data());
+    for (size_t i = 0; i < points.n; i++)
+      out[i] = heights[i] * normals[i] + Vec3f{2.0f * heights[i], 0, 0};
+  }
+};
+
+TEST(TrueSurface, IsDisplacedByVectors)
+{
+  Random random(10);
+  Model along = wavySheet(), aside = along;
+  aside.displacement = std::make_shared<WavesByVectors>(8, 0.2f);
+  const TrueSurface a(along), b(aside);
+  for (int i = 0; i < 100; i++)
+  {
+    const PatchPoint p{(2 + random.below(4)) * 8 + 2 + random.below(4), 0, random.uniform(), random.uniform()};
+    const TruePoint x = a.evaluate(p), y = b.evaluate(p);
+    const auto pushed = [](Vec3d v) { return v + Vec3d{2.0 * v.z, 0, 0}; };
+    EXPECT_NEAR(length(y.position - pushed(x.position)), 0, 1e-6);
+    EXPECT_NEAR(length(y.du - pushed(x.du)), 0, 1e-3);
+    EXPECT_NEAR(length(y.dv - pushed(x.dv)), 0, 1e-3);
+  }
+}
+
+/* What Embree tessellates lies on it, on copies that are turned and scaled, too. */
+TEST(TrueSurface, VectorsTurnAndGrowWithCopies)
+{
+  Model model = wavySheet();
+  model.displacement = std::make_shared<WavesByVectors>(8, 0.2f);
+  model.copies = {Placement(), Placement{{3, 1, 2}, 0.7f, 2.5f}};
+  BuildSettings settings;
+  settings.level = 2;
+  settings.threads = 1;
+  const std::vector<Vec3f> vertices = tessellate(model, settings);
+  const PatchLayout layout(model.cage, settings.level);
+  const Patch& patch = layout.patches()[27]; // inside of the sheet, whose corners have no tangents
+  const size_t n = vertices.size() / 2;
+  for (size_t i = patch.firstVertex; i < patch.firstVertex + 25; i++)
+    ASSERT_NEAR(length(vertices[n + i] - model.copies[1].apply(vertices[i])), 0, 1e-5) << i;
+  const TrueSurface surface(model);
+  const Vec3f vertex = vertices[patch.firstVertex + 2 * (patch.resolution + 1) + 1];
+  EXPECT_NEAR(length(toDouble(vertex) - surface.evaluate({patch.face, 0, 0.25, 0.5}).position), 0, 1e-5);
+}
+
 TEST(TrueSurface, APointOffAlongTheNormalIsFoundAtThatDistance)
 {
   Random random(9);

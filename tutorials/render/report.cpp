@@ -136,7 +136,7 @@ void addOverview(Table& table, const Comparison& c)
   }
   if (!c.trueHits)
     return;
-  trueRow(table, "error against the true surface: RMSE", [](const TrueErrors& e) { return number(e.rmse, 4); });
+  trueRow(table, "error against the true surface, pixels: RMSE", [](const TrueErrors& e) { return number(e.rmse, 4); });
   if (!hasMeshErrors(c))
     trueRow(table, "flipped normals", [](const TrueErrors& e) { return std::to_string(e.flipped); });
 }
