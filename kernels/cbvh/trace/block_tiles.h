@@ -87,6 +87,7 @@ namespace embree
           at.block = block;
           at.number = numberOf(level,m);
           at.decoded = 0;
+          at.present = level >= 0 ? 0xFFFFu : level == -1 ? 0xFu : 1u;
         }
 
         /*! Words and heights of a block that was not met lately: which of them are needed is known one after the
@@ -97,13 +98,13 @@ namespace embree
           for (size_t line=64; line<bytes; line+=64) prefetchL1((const char*)block + line);
         }
 
-        /*! the first of four boxes is the root's, and nothing meets the others */
+        /*! the first of four boxes is the root's; there are no others (present) */
         template<int N>
         static __forceinline void setRootAlone (NodePlanes<N>& out)
         {
           for (int axis=0; axis<3; axis++) {
-            vfloat4::store(out.at[axis][0],vfloat4(0.0f,inf,inf,inf));
-            vfloat4::store(out.at[axis][1],vfloat4(1.0f,neg_inf,neg_inf,neg_inf));
+            vfloat4::store(out.at[axis][0],vfloat4(zero));
+            vfloat4::store(out.at[axis][1],vfloat4(one));
           }
         }
 

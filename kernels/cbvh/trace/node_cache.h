@@ -38,6 +38,7 @@ namespace embree
         const void* block;            //!< whose it is
         uint32_t number;              //!< of the tile in the block
         uint32_t decoded;             //!< children whose children are decoded, as a mask
+        uint32_t present;             //!< grandchildren that there are, as a mask: all, but for tiles above the root
       };
 
       /*! grandchildren are leaves */

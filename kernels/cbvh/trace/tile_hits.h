@@ -57,12 +57,18 @@ namespace embree
           BoxMasks masks;
           BoxRanges<4> ranges;
 
-          __forceinline Children (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest) { masks = meetBoxes<vfloat4>(ray,tile.children,sBest,ranges); }
+          __forceinline Children (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
+          {
+            masks = meetBoxes<vfloat4>(ray,tile.children,sBest,ranges);
+            const uint32_t present = likely(tile.present == 0xFFFFu) ? 15u : 1u;
+            masks.hit &= present;
+            masks.passed &= present;
+          }
         };
 
         __forceinline void set (const FrameRay& ray, const NodeEntries::Tile& tile, const Children& children, float sBest)
         {
-          const uint32_t open = nodeTables.allOfFour[children.masks.hit];
+          const uint32_t open = nodeTables.allOfFour[children.masks.hit] & tile.present;
           BoxMasks all = { 0u,0u };
           if (likely(open != 0u)) all = meetBoxes<vfloatV>(ray,tile.grandchildren,sBest,ranges);
           const uint32_t first = ray.flipXY();

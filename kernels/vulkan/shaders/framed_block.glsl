@@ -337,21 +337,14 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
       }
       else if (kind == kindVoxel)
       {
-        /* the nearest of the four, the first along the ray of those as near */
-        float nearest = beyondAll;
-        for (uint k = 0u; k < 4u; k++) {
-          int other = int(k ^ local.flip);
-          bool isInside = local.segment.startClipped && slabs.enter[other] < 0.0;
-          float s = max(slabs.enter[other], 0.0);
-          if ((isHit & (1u << k)) != 0u && !isInside && s < nearest) { nearest = s; child = other; }
-        }
-        hits &= ~(15u << shift);
-        if (!(nearest <= best)) continue;
+        float s = max(slabs.enter[child], 0.0);
+        if (local.segment.startClipped && slabs.enter[child] < 0.0) continue;
+        if (found ? !(s < best) : !(s <= best)) continue; // of those as near, the first along the ray
         cbvhReport(header, ray, local, layout_.leaves,
-                   cbvhHitOnPatch(local, cbvhSolidLeaf(decodeChild(word, child, box)), 4u*m + uint(child), nearest, sideUnknown), hit);
+                   cbvhHitOnPatch(local, cbvhSolidLeaf(decodeChild(word, child, box)), leaf, s, sideUnknown), hit);
         found = true;
         if (anyHit) return true;
-        best = nearest;
+        best = s;
       }
       else
       {
