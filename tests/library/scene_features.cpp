@@ -506,7 +506,7 @@ TEST_P(SceneFeatures, PacketsEqualSingleRays)
   }
 }
 
-// Packets have a traversal of their own where all is cVERT: it must not outlive that.
+// What packets met before must not outlive a change of kind.
 TEST(Packets, FollowTheKindOfWhatTheyTrace)
 {
   Device device;

@@ -137,14 +137,6 @@ MUTATIONS = (
         "compression_api Dynamic.SettingsTakeEffect*",
     ),
     edit(
-        "factory: packets of cVERT stay when the kind changes",
-        "factory.cpp",
-        " || compressed->hasOnlyVert != hasOnlyVert(scene);",
-        ";",
-        "blocks of other kinds are read as cVERT's",
-        "scene_features Packets.FollowTheKind*",
-    ),
-    edit(
         "factory: a scene without faces is outdated",
         "factory.cpp",
         "    if (scene->getNumPrimitives(SubdivMesh::geom_type,false) == 0) return false;\n",

@@ -12,11 +12,8 @@ namespace embree
 {
   DECLARE_SYMBOL2(Accel::Intersector1,BVH4CompressedSubdivIntersector1);
   DECLARE_SYMBOL2(Accel::Intersector4,BVH4CompressedSubdivIntersector4);
-  DECLARE_SYMBOL2(Accel::Intersector4,BVH4VertIntersector4);
   DECLARE_SYMBOL2(Accel::Intersector8,BVH4CompressedSubdivIntersector8);
-  DECLARE_SYMBOL2(Accel::Intersector8,BVH4VertIntersector8);
   DECLARE_SYMBOL2(Accel::Intersector16,BVH4CompressedSubdivIntersector16);
-  DECLARE_SYMBOL2(Accel::Intersector16,BVH4VertIntersector16);
   DECLARE_SYMBOL2(Accel::IntersectorN,BVH4CompressedSubdivIntersectorN);
   DECLARE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA CompressionReport*);
 
@@ -26,11 +23,8 @@ namespace embree
     {
       DEFINE_SYMBOL2(Accel::Intersector1,BVH4CompressedSubdivIntersector1);
       DEFINE_SYMBOL2(Accel::Intersector4,BVH4CompressedSubdivIntersector4);
-      DEFINE_SYMBOL2(Accel::Intersector4,BVH4VertIntersector4);
       DEFINE_SYMBOL2(Accel::Intersector8,BVH4CompressedSubdivIntersector8);
-      DEFINE_SYMBOL2(Accel::Intersector8,BVH4VertIntersector8);
       DEFINE_SYMBOL2(Accel::Intersector16,BVH4CompressedSubdivIntersector16);
-      DEFINE_SYMBOL2(Accel::Intersector16,BVH4VertIntersector16);
       DEFINE_SYMBOL2(Accel::IntersectorN,BVH4CompressedSubdivIntersectorN);
       DEFINE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA CompressionReport*);
 
@@ -41,11 +35,8 @@ namespace embree
         SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector1);
 #if defined(EMBREE_RAY_PACKETS)
         SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector4);
-        SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4VertIntersector4);
         SELECT_SYMBOL_INIT_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector8);
-        SELECT_SYMBOL_INIT_AVX_AVX2_AVX512(features,BVH4VertIntersector8);
         SELECT_SYMBOL_INIT_AVX512(features,BVH4CompressedSubdivIntersector16);
-        SELECT_SYMBOL_INIT_AVX512(features,BVH4VertIntersector16);
         SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersectorN);
 #endif
       }
@@ -78,20 +69,11 @@ namespace embree
     return compressed;
   }
 
-  /*! whether what is compressed is of cVERT alone */
-  static bool hasOnlyVert (const Scene* scene)
-  {
-    bool only = true;
-    forEachCompressed(scene,[&](size_t, const CompressionSettings& settings, bool motion) { only &= motion || settings.compression == RTC_COMPRESSION_VERT; });
-    return only;
-  }
-
   bool isCompressionOutdated (Scene* scene)
   {
     if (scene->getNumPrimitives(SubdivMesh::geom_type,false) == 0) return false;
     for (Accel* accel : scene->accels)
-      if (const CompressedSubdivAccel* compressed = dynamic_cast<CompressedSubdivAccel*>(accel))
-        return !hasCompressedGeometry(scene) || compressed->hasOnlyVert != hasOnlyVert(scene);
+      if (dynamic_cast<CompressedSubdivAccel*>(accel)) return !hasCompressedGeometry(scene);
     return hasCompressedGeometry(scene);
   }
 
@@ -136,16 +118,15 @@ namespace embree
     CompressionReport* report = new CompressionReport;
     Builder* builder = symbols.BVH4CompressedSubdivBuilder(bvh,scene,report);
 
-    const bool ofVert = hasOnlyVert(scene);
     Accel::Intersectors intersectors;
     intersectors.ptr = bvh;
     intersectors.intersector1  = symbols.BVH4CompressedSubdivIntersector1();
 #if defined(EMBREE_RAY_PACKETS)
-    intersectors.intersector4  = ofVert ? symbols.BVH4VertIntersector4() : symbols.BVH4CompressedSubdivIntersector4();
-    intersectors.intersector8  = ofVert ? symbols.BVH4VertIntersector8() : symbols.BVH4CompressedSubdivIntersector8();
-    intersectors.intersector16 = ofVert ? symbols.BVH4VertIntersector16() : symbols.BVH4CompressedSubdivIntersector16();
+    intersectors.intersector4  = symbols.BVH4CompressedSubdivIntersector4();
+    intersectors.intersector8  = symbols.BVH4CompressedSubdivIntersector8();
+    intersectors.intersector16 = symbols.BVH4CompressedSubdivIntersector16();
     intersectors.intersectorN  = symbols.BVH4CompressedSubdivIntersectorN();
 #endif
-    return new CompressedSubdivAccel(bvh,builder,intersectors,report,ofVert);
+    return new CompressedSubdivAccel(bvh,builder,intersectors,report);
   }
 }

@@ -13,16 +13,14 @@ namespace embree
   /*! accelerator of a scene's subdivision surfaces where at least one is compressed */
   struct CompressedSubdivAccel : public AccelInstance
   {
-    CompressedSubdivAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report, bool hasOnlyVert)
-      : AccelInstance(accel,builder,intersectors), report(report), hasOnlyVert(hasOnlyVert) {}
+    CompressedSubdivAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report)
+      : AccelInstance(accel,builder,intersectors), report(report) {}
 
     std::unique_ptr<CompressionReport> report; //!< of the last build
-    const bool hasOnlyVert; //!< its intersectors of packets know no other kind
   };
 
   /*! Whether a scene that keeps its accelerators, as dynamic ones do, has to get new ones:
-   *  its surfaces were compressed and none asks for it any more, or the other way round, or were all
-   *  cVERT and are not. */
+   *  its surfaces were compressed and none asks for it any more, or the other way round. */
   bool isCompressionOutdated (Scene* scene);
 
   /*! Tells at verbosity 1 of surfaces that ask for compression but have motion blur. */

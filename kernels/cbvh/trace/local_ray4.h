@@ -7,6 +7,7 @@
  * one vector. */
 
 #include "../codec/local_ray.h"
+#include "product.h"
 #include "../../common/ray.h"
 
 namespace embree
@@ -43,10 +44,31 @@ namespace embree
           dir = d*scale;
           org = ray.org;
           rcpDir2 = 1.0f/dot(dir,dir);
-          scaledTnear = max(ray.tnear(),0.0f)*rcpScale;
+          scaledTnear = product(max(ray.tnear(),0.0f),rcpScale);
         }
       };
 
+      /*! how far a block's map stretches the world */
+      struct BlockStretch
+      {
+        vfloat4 withW; //!< of x, y and z, with that of W
+        float longest; //!< side of the box, about
+
+        __forceinline BlockStretch (const vfloat4& cx, const vfloat4& cy, const vfloat4& cz)
+        {
+          const vfloat4 stretch = abs(cx)+abs(cy)+abs(cz), size = vfloat4(1.0f)/stretch;
+          withW = stretch+shuffle<3>(stretch);
+          longest = max(max(size[0],size[1]),size[2]);
+        }
+      };
+
+      /*! s of a parameter of the scaled ray on a segment */
+      __forceinline float localParameter (float t0, float t1, float w0, float w1, float t) {
+        return t1 > t0 ? localShare(w0,w1,(t-t0)/(t1-t0)) : 1.0f;
+      }
+
+      /*! Products that are summed are fused, or not, by what is written here and not by the compiler, so that
+       *  packets have the same bits (frame_rays.h). */
       struct LocalRay
       {
         /*! lanes: x, y, z (lane 3 is W, undefined after division) */
@@ -67,16 +89,15 @@ namespace embree
 
           /* move to the point nearest to the centre */
           const float tref = -dot(o,pre.dir)*pre.rcpDir2;
-          const Vec3fa p = o + tref*pre.dir;
+          const Vec3fa p = madd(Vec3fa(tref),pre.dir,o);
           const vfloat4 O = madd(vfloat4(p.x),cx,madd(vfloat4(p.y),cy,madd(vfloat4(p.z),cz,vfloat4(0.5f,0.5f,0.5f,1.0f))));
           const vfloat4 D = madd(vfloat4(pre.dir.x),cx,madd(vfloat4(pre.dir.y),cy,vfloat4(pre.dir.z)*cz));
-          const vfloat4 stretch = abs(cx)+abs(cy)+abs(cz);
-          const vfloat4 size = vfloat4(1.0f)/stretch; // of the box
-          const float farthest = reduce_max(abs(o)) + reachOfBox*max(max(size[0],size[1]),size[2]);
-          epsilon = madd(vfloat4(distanceUlps*floatUlp*farthest),stretch+shuffle<3>(stretch),vfloat4(unitUlps*floatUlp));
+          const BlockStretch stretch(cx,cy,cz);
+          const float farthest = madd(reachOfBox,stretch.longest,reduce_max(abs(o)));
+          epsilon = madd(vfloat4(distanceUlps*floatUlp*farthest),stretch.withW,vfloat4(unitUlps*floatUlp));
 
           Clip clip(O,D,epsilon);
-          const float tauNear = pre.scaledTnear - tref, tauFar = tfar*pre.rcpScale - tref;
+          const float tauNear = pre.scaledTnear - tref, tauFar = msub(tfar,pre.rcpScale,tref);
           const float tau0 = max(clip.tauIn,tauNear), tau1 = min(clip.tauOut,tauFar);
           if (clip.outside || !(tau0 <= tau1)) return false;
           startClipped = tauNear > clip.tauIn;
@@ -90,15 +111,8 @@ namespace embree
           return w0 > 0.0f && w1 > 0.0f;
         }
 
-        /*! world parameter of s, between the segment's ends */
-        __forceinline float worldT (const RayPrecalculations& pre, float s) const {
-          return (t0 + worldShare(w0,w1,s)*(t1-t0))*pre.scale;
-        }
-
-        /*! s of a world parameter: the inverse */
-        __forceinline float localS (const RayPrecalculations& pre, float t) const {
-          return t1 > t0 ? localShare(w0,w1,(t*pre.rcpScale - t0)/(t1-t0)) : 1.0f;
-        }
+        /*! s of a world parameter */
+        __forceinline float localS (float rcpScale, float t) const { return localParameter(t0,t1,w0,w1,t*rcpScale); }
 
       private:
         /*! part of the line where X >= 0 and W-X >= 0, and so on: linear in the parameter */

@@ -17,6 +17,7 @@
  *
  * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
 
+#include "product.h"
 #include "../../common/ray.h"
 
 namespace embree
@@ -25,29 +26,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! a product that the compiler does not fuse with a sum */
-      __forceinline float product (float a, float b)
-      {
-        float p = a*b;
-#if defined(__GNUC__) && defined(__SSE2__)
-        asm("" : "+x"(p));
-#endif
-        return p;
-      }
-
-      /*! the same of vectors */
-      template<typename Vector>
-      __forceinline Vector product (const Vector& a, const Vector& b)
-      {
-        Vector p = a*b;
-#if defined(__GNUC__) && defined(__AVX512F__)
-        asm("" : "+v"(p.v));
-#elif defined(__GNUC__) && defined(__SSE2__)
-        asm("" : "+x"(p.v));
-#endif
-        return p;
-      }
-
       struct VertRay
       {
         bool isSet;

@@ -1,0 +1,168 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Walk of the rays of a packet through the quadtree of one block, together, each in the order of BlockWalk1.
+ *
+ * What is met and when follows from the signs of a ray along x and y, so rays of the same signs share a
+ * walk. Where boxes overlap, rays may want two children the other way round: then the first of the
+ * two is visited once for some rays and once, after the second, for the others.
+ *
+ * What a leaf is, and what rays do there, is the Visitor's: it has
+ *
+ *    Tile& leafTile (uint32_t m)
+ *      as of BlockWalk1.
+ *    void leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxMeeting<K>& box, const vbool<K>& lanes)
+ *      leaf 16 m + child, whose box the rays in some lanes meet.
+ *    void pass (const vbool<K>& above, const vbool<K>& lanes)
+ *      rays went over (under) a whole subtree.
+ *    vbool<K> wantsPassed ()
+ *      rays for which that matters.
+ *    vbool<K> open
+ *      rays that go on.
+ *    vfloat<K> sBest
+ *      nodes that begin behind it are skipped. */
+
+#include "block_tiles.h"
+#include "frame_rays.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      template<int K, typename Visitor>
+      class BlockWalkK
+      {
+        typedef typename Visitor::LeafTile LeafTile;
+        typedef NodeEntries::Tile Tile;
+
+        const FrameRays<K>& rays;
+        BlockTiles& tiles;
+        Visitor& visitor;
+        const int first, last; //!< levels of tiles
+        uint32_t flip;         //!< axes along which the rays descend, a bit each for x and y
+
+      public:
+        __forceinline BlockWalkK (const FrameRays<K>& rays, BlockTiles& tiles, Visitor& visitor)
+          : rays(rays), tiles(tiles), visitor(visitor), first(tiles.firstLevel()), last(tiles.lastLevel()) {}
+
+        __forceinline void run (const vbool<K>& lanes)
+        {
+          const uint32_t x = uint32_t(movemask(rays.down[0])), y = uint32_t(movemask(rays.down[1]));
+          for (uint32_t rest=uint32_t(movemask(lanes)); rest;)
+          {
+            const uint32_t k = uint32_t(bsf(rest));
+            flip = ((x >> k) & 1u) | ((y >> k) & 1u) << 1;
+            const uint32_t same = rest & (flip & 1u ? x : ~x) & (flip & 2u ? y : ~y);
+            rest &= ~same;
+            meetTile(first,0,toLanes(same));
+          }
+        }
+
+      private:
+        static __forceinline vbool<K> toLanes (uint32_t mask) { return vbool<K>(int(mask)); }
+
+        /*! four nodes and the rays that come to them, in the order of visits */
+        struct Visits
+        {
+          BoxMeeting<K> box[4];   //!< by node
+          vbool<K> lanes[5];
+          uint32_t node[5];
+          uint32_t number;
+
+          template<int N>
+          __forceinline Visits (const BlockWalkK& walk, const NodePlanes<N>& planes, uint32_t firstNode, uint32_t present, const vbool<K>& lanes) : number(0)
+          {
+            vbool<K> met[4];
+            for (uint32_t i=0; i<4; i++) {
+              if (likely(present == 15u) || (present >> i) & 1u) {
+                box[i].set(walk.rays,walk.flip,planes,firstNode+i);
+                met[i] = lanes & (Visitor::countsPassed ? box[i].shares(walk.visitor.sBest) : box[i].meets(walk.visitor.sBest));
+              }
+              else met[i] = vbool<K>(false);
+            }
+            const uint32_t a = walk.flip ^ 1u, b = walk.flip ^ 2u;
+            add(walk.flip,met[walk.flip]);
+            const vbool<K> swapped = met[a] & met[b] & (box[b].sNear < box[a].sNear);
+            if (likely(none(swapped))) {
+              add(a,met[a]);
+              add(b,met[b]);
+            }
+            else {
+              add(a,met[a] & !swapped);
+              add(b,met[b]);
+              add(a,swapped);
+            }
+            add(walk.flip ^ 3u,met[walk.flip ^ 3u]);
+          }
+
+          __forceinline void add (uint32_t i, const vbool<K>& who)
+          {
+            lanes[number] = who;
+            node[number] = i;
+            number += any(who);
+          }
+        };
+
+        /*! those that meet the box of a visit; those that pass it are told to the visitor */
+        __forceinline vbool<K> meet (const BoxMeeting<K>& box, const vbool<K>& lanes)
+        {
+          const vbool<K> active = lanes & visitor.open, hit = active & box.meets(visitor.sBest);
+          if (Visitor::countsPassed) {
+            const vbool<K> passed = andn(active,hit) & visitor.wantsPassed();
+            if (any(passed)) visitor.pass(box.isAbove(rays.down[2]),passed);
+          }
+          return hit;
+        }
+
+        void meetTile (int level, uint32_t m, const vbool<K>& lanes)
+        {
+          Tile& tile = tileOf(level,m);
+          const uint32_t number = tile.number, present = tile.present;
+          const Visits children(*this,tile.children,0,present == 0xFFFFu ? 15u : 1u,lanes);
+          for (uint32_t n=0; n<children.number; n++)
+          {
+            const uint32_t c = children.node[n];
+            const vbool<K> hit = meet(children.box[c],children.lanes[n]);
+            if (any(hit)) meetChildren(level,m,number,(present >> (4*c)) & 15u,c,hit);
+          }
+        }
+
+        /*! rays that meet child c of a tile */
+        void meetChildren (int level, uint32_t m, uint32_t number, uint32_t present, uint32_t c, const vbool<K>& lanes)
+        {
+          Tile* tile = &withChildren(level,m,c);
+          const Visits visits(*this,tile->grandchildren,4*c,present,lanes);
+          for (uint32_t n=0; n<visits.number; n++)
+          {
+            const uint32_t i = visits.node[n];
+            const vbool<K> hit = meet(visits.box[i],visits.lanes[n]);
+            if (none(hit)) continue;
+            if (level == last) {
+              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // a filter traced rays
+              visitor.leaf((const LeafTile&)*tile,m,4*c+i,visits.box[i],hit);
+            }
+            else meetTile(level+2,16*m+4*c+i,hit);
+          }
+        }
+
+        __forceinline Tile& tileOf (int level, uint32_t m) { return level == last ? (Tile&)visitor.leafTile(m) : tiles.tile(level,m); }
+
+        __forceinline Tile& withChildren (int level, uint32_t m, uint32_t c)
+        {
+          if (level == last) {
+            LeafTile& tile = visitor.leafTile(m);
+            tiles.need(tile,1u << c);
+            return tile;
+          }
+          Tile& tile = tiles.tile(level,m);
+          tiles.need(tile,1u << c);
+          return tile;
+        }
+      };
+    }
+  }
+}

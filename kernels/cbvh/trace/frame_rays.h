@@ -1,0 +1,151 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The rays of a packet in the frame of a block, a ray in a lane: local_ray4.h and frame_ray.h, to the same
+ * bits. Lanes that do not take part may hold anything. */
+
+#include "frame_ray.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! RayPrecalculations */
+      template<int K>
+      struct RaysPrecalculations
+      {
+        Vec3vf<K> org, dir;
+        vfloat<K> scale, rcpScale, rcpDir2, scaledTnear;
+        bool isSet;
+
+        __forceinline RaysPrecalculations () : isSet(false) {}
+
+        __forceinline void set (const RayK<K>& rays)
+        {
+          if (likely(isSet)) return;
+          isSet = true;
+          const Vec3vf<K> d = rays.dir;
+          rcpScale = max(max(abs(d.x),abs(d.y)),abs(d.z));
+          scale = vfloat<K>(1.0f)/rcpScale;
+          dir = Vec3vf<K>(d.x*scale,d.y*scale,d.z*scale);
+          org = rays.org;
+          rcpDir2 = vfloat<K>(1.0f)/dotOf(dir,dir);
+          scaledTnear = product(max(vfloat<K>(rays.tnear()),vfloat<K>(zero)),rcpScale);
+        }
+
+        /*! as of Vec3fa */
+        static __forceinline vfloat<K> dotOf (const Vec3vf<K>& a, const Vec3vf<K>& b) {
+          return (product(a.x,b.x) + product(a.y,b.y)) + product(a.z,b.z);
+        }
+      };
+
+      template<int K>
+      struct FrameRays
+      {
+        vfloat<K> P[3], D[3];                   //!< FrameRay
+        vfloat<K> Pnear[3], Pfar[3], rcpD[3];
+        vfloat<K> epsilonZ;
+        vbool<K> down[3];
+        vfloat<K> t0, t1, w0, w1;               //!< LocalRay
+        vbool<K> startClipped, endClipped;
+
+        /*! the lanes whose rays meet the block's box between tnear and tfar */
+        __forceinline vbool<K> init (const RaysPrecalculations<K>& pre, const Block* block, const vfloat<K>& tfar, const vbool<K>& valid)
+        {
+          const vfloat<K> o[3] = { pre.org.x-vfloat<K>(block->centre[0]), pre.org.y-vfloat<K>(block->centre[1]), pre.org.z-vfloat<K>(block->centre[2]) };
+          const vfloat<K> tref = -pre.dotOf(Vec3vf<K>(o[0],o[1],o[2]),pre.dir)*pre.rcpDir2;
+          const vfloat<K> p[3] = { madd(tref,pre.dir.x,o[0]), madd(tref,pre.dir.y,o[1]), madd(tref,pre.dir.z,o[2]) };
+          vfloat<K> O[4], dO[4];
+          for (int r=0; r<4; r++) {
+            const vfloat<K> cx(block->columns[0][r]), cy(block->columns[1][r]), cz(block->columns[2][r]);
+            O[r] = madd(p[0],cx,madd(p[1],cy,madd(p[2],cz,vfloat<K>(r < 3 ? 0.5f : 1.0f))));
+            dO[r] = madd(pre.dir.x,cx,madd(pre.dir.y,cy,product(pre.dir.z,cz)));
+          }
+
+          const BlockStretch stretch(vfloat4::load(block->columns[0]),vfloat4::load(block->columns[1]),vfloat4::load(block->columns[2]));
+          const vfloat<K> farthest = madd(vfloat<K>(reachOfBox),vfloat<K>(stretch.longest),max(max(abs(o[0]),abs(o[1])),abs(o[2])));
+          const vfloat<K> distance = vfloat<K>(distanceUlps*floatUlp)*farthest;
+          vfloat<K> epsilon[3];
+          for (int k=0; k<3; k++) epsilon[k] = madd(distance,vfloat<K>(stretch.withW[k]),vfloat<K>(unitUlps*floatUlp));
+
+          vfloat<K> tauIn(neg_inf), tauOut(pos_inf);
+          vbool<K> outside(false);
+          for (int k=0; k<3; k++) {
+            clip(O[k]+epsilon[k],dO[k],tauIn,tauOut,outside);
+            clip((O[3]-O[k])+epsilon[k],dO[3]-dO[k],tauIn,tauOut,outside);
+          }
+          const vfloat<K> tauNear = pre.scaledTnear - tref, tauFar = msub(tfar,pre.rcpScale,tref);
+          const vfloat<K> tau0 = max(tauIn,tauNear), tau1 = min(tauOut,tauFar);
+          const vbool<K> meets = valid & (tau0 <= tau1) & !outside;
+          if (none(meets)) return meets;
+          startClipped = tauNear > tauIn;
+          endClipped = tauFar < tauOut;
+          w0 = madd(tau0,dO[3],O[3]);
+          w1 = madd(tau1,dO[3],O[3]);
+          t0 = tref + tau0;
+          t1 = tref + tau1;
+          const vfloat<K> least = min(w0,w1);
+          for (int k=0; k<3; k++) setAxis(k,madd(tau0,dO[k],O[k])/w0,madd(tau1,dO[k],O[k])/w1,epsilon[k]/least);
+          return meets & (w0 > vfloat<K>(zero)) & (w1 > vfloat<K>(zero));
+        }
+
+        /*! s of a world parameter of ray k */
+        __forceinline float localS (size_t k, float rcpScale, float t) const { return localParameter(t0[k],t1[k],w0[k],w1[k],t*rcpScale); }
+
+      private:
+        /*! LocalRay::Clip: keeps the part where a + tau d >= 0 */
+        static __forceinline void clip (const vfloat<K>& a, const vfloat<K>& d, vfloat<K>& tauIn, vfloat<K>& tauOut, vbool<K>& outside)
+        {
+          const vfloat<K> r = -a/d;
+          tauIn = max(tauIn,select(d > vfloat<K>(zero),r,vfloat<K>(neg_inf)));
+          tauOut = min(tauOut,select(d < vfloat<K>(zero),r,vfloat<K>(pos_inf)));
+          outside |= (d == vfloat<K>(zero)) & (a < vfloat<K>(zero));
+        }
+
+        __forceinline void setAxis (int k, const vfloat<K>& from, const vfloat<K>& to, const vfloat<K>& epsilon)
+        {
+          P[k] = from;
+          D[k] = to - from;
+          down[k] = D[k] < vfloat<K>(zero);
+          const vfloat<K> outwards = select(down[k],-epsilon,epsilon);
+          Pnear[k] = from + outwards;
+          Pfar[k] = from - outwards;
+          const vfloat<K> away = vfloat<K>(1.0f)/max(abs(D[k]),vfloat<K>(1e-18f));
+          rcpD[k] = select(down[k],-away,away);
+          if (k == 2) epsilonZ = epsilon;
+        }
+      };
+
+      /*! how rays meet a box: where they enter and leave it on the axes of the face, on z, and altogether */
+      template<int K>
+      struct BoxMeeting
+      {
+        vfloat<K> enterXY, leaveXY, enterZ, leaveZ, sNear, sFar;
+
+        template<int N>
+        __forceinline void set (const FrameRays<K>& rays, uint32_t flipXY, const NodePlanes<N>& c, uint32_t i)
+        {
+          const uint32_t x = flipXY & 1u, y = flipXY >> 1;
+          const vfloat<K> lowest(c.at[2][0][i]), highest(c.at[2][1][i]);
+          enterXY = max((vfloat<K>(c.at[0][x][i])-rays.Pnear[0])*rays.rcpD[0],(vfloat<K>(c.at[1][y][i])-rays.Pnear[1])*rays.rcpD[1]);
+          leaveXY = min((vfloat<K>(c.at[0][x^1u][i])-rays.Pfar[0])*rays.rcpD[0],(vfloat<K>(c.at[1][y^1u][i])-rays.Pfar[1])*rays.rcpD[1]);
+          enterZ = (select(rays.down[2],highest,lowest)-rays.Pnear[2])*rays.rcpD[2];
+          leaveZ = (select(rays.down[2],lowest,highest)-rays.Pfar[2])*rays.rcpD[2];
+          sNear = max(enterXY,enterZ);
+          sFar = min(leaveXY,leaveZ);
+        }
+
+        /*! the segments up to sBest that meet it, and that share its x and y */
+        __forceinline vbool<K> meets (const vfloat<K>& sBest) const { return max(sNear,vfloat<K>(zero)) <= min(sFar,sBest); }
+        __forceinline vbool<K> shares (const vfloat<K>& sBest) const { return max(enterXY,vfloat<K>(zero)) <= min(leaveXY,sBest); }
+
+        /*! of those that share its x and y but do not meet it, those that go over it */
+        __forceinline vbool<K> isAbove (const vbool<K>& descends) const { return (leaveZ < max(enterXY,vfloat<K>(zero))) ^ descends; }
+      };
+    }
+  }
+}
