@@ -43,7 +43,8 @@ namespace embree
 
         __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block, const BlockLayout& layout,
                                      const LocalRay& local, const FrameRay& frameRay, BlockTiles& tiles)
-          : ray(ray), context(context), pre(pre), block(block), layout(layout), local(local), frameRay(frameRay), tiles(tiles), sBest(1.0f), isHit(false) {}
+          : ray(ray), context(context), pre(pre), block(block), layout(layout), local(local), frameRay(frameRay), tiles(tiles),
+            sBest(ray.tfar < pre.tfar ? min(local.behind(pre.rcpScale,ray.tfar),1.0f) : 1.0f), isHit(false) {}
 
         /* what BlockWalk1 asks for; only cLEAF has more */
         typedef NodeEntries::Tile LeafTile;
@@ -55,14 +56,20 @@ namespace embree
         __forceinline bool startsInside (const BoxRanges<16>& ranges, uint32_t leaf) const { return local.startClipped && ranges.sNear[leaf] < 0.0f; }
         __forceinline bool endsInside (const BoxRanges<16>& ranges, uint32_t leaf) const { return local.endClipped && ranges.sFar[leaf] > 1.0f; }
 
-        /*! Reports a hit; true if it was accepted. */
+        /*! Reports a hit. True if the walk goes on as after a hit: it was accepted, or lies behind the ray's hit in
+         *  another block, but would have been accepted, had this block been met before. */
         __forceinline bool reportHit (const LeafHit& at)
         {
-          const HitSegment segment = { frameRay.P,frameRay.D,local.t0,local.t1,local.w0,local.w1,pre.dir,pre.scale,pre.rcpDir2,ray.tnear(),ray.tfar };
-          SurfaceHit hit = HitFrame(block,layout).surfaceHit(segment,at);
-          if (!report(ray,context,block->geomID,block->primID,hit)) return false;
+          const HitSegment segment = { frameRay.P,frameRay.D,local.t0,local.t1,local.w0,local.w1,pre.dir,pre.scale,pre.rcpDir2,max(ray.tnear(),pre.enter),pre.tfar };
+          const float tWorld = segment.worldT(at.s), t = segment.inBounds(tWorld);
+          if (!pre.nearest.isBehind(t,tWorld,block,ray.tfar)) {
+            SurfaceHit hit = HitFrame(block,layout).surfaceHit(segment,at,t);
+            if (!report(ray,context,block->geomID,block->primID,hit)) return false;
+            pre.nearest.set(tWorld,block);
+            isHit = true;
+          }
           sBest = at.s;
-          return isHit = true;
+          return true;
         }
       };
     }

@@ -59,7 +59,11 @@ namespace embree
 
         __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RaysPrecalculations<K>& pre, const Block* block, const BlockLayout& layout,
                                      const FrameRays<K>& frameRays, BlockTiles& tiles, const vbool<K>& valid)
-          : rays(rays), context(context), pre(pre), block(block), layout(layout), frameRays(frameRays), tiles(tiles), sBest(1.0f), open(valid), isHit(false) {}
+          : rays(rays), context(context), pre(pre), block(block), layout(layout), frameRays(frameRays), tiles(tiles), sBest(1.0f), open(valid), isHit(false)
+        {
+          const vbool<K> nearer = valid & (rays.tfar < pre.tfar);
+          if (any(nearer)) sBest = select(nearer,min(frameRays.behind(pre.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
+        }
 
         /* what BlockWalkK asks for; only cLEAF has more */
         static const bool countsPassed = false;
@@ -71,35 +75,42 @@ namespace embree
         __forceinline vbool<K> startInside (const BoxMeeting<K>& box) const { return frameRays.startClipped & (box.sNear < vfloat<K>(zero)); }
         __forceinline vbool<K> endInside (const BoxMeeting<K>& box) const { return frameRays.endClipped & (box.sFar > vfloat<K>(1.0f)); }
 
-        /*! Reports hits of some lanes; those that were accepted. */
+        /*! Reports hits of some lanes; those whose walks go on as after a hit (reportHit of block_visitor1.h). */
         __forceinline vbool<K> reportHits (const vbool<K>& lanes, uint32_t leaf, const LeafHits<K>& hits)
         {
           const uint32_t above = uint32_t(movemask(hits.fromAbove)), below = uint32_t(movemask(hits.fromBelow));
-          uint32_t accepted = 0;
-          for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1) {
+          uint32_t accepted = 0, refused = 0;
+          for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
+          {
             const uint32_t k = uint32_t(bsf(rest));
-            if (reportHit(k,hits.at(k,leaf,above,below))) accepted |= 1u << k;
+            const HitSegment segment = segmentOf(k);
+            const float tWorld = segment.worldT(hits.s[k]), t = segment.inBounds(tWorld);
+            if (pre.nearest[k].isBehind(t,tWorld,block,rays.tfar[k])) continue;
+            SurfaceHit hit = HitFrame(block,layout).surfaceHit(segment,hits.at(k,leaf,above,below),t);
+            if (report(rays,k,context,block->geomID,block->primID,hit)) {
+              pre.nearest[k].set(tWorld,block);
+              accepted |= 1u << k;
+            }
+            else refused |= 1u << k;
           }
-          return accept(vbool<K>(int(accepted)),hits.s);
+          accept(vbool<K>(int(accepted)));
+          const vbool<K> counts = andn(lanes,vbool<K>(int(refused)));
+          sBest = select(counts,hits.s,sBest);
+          return counts;
         }
 
-        /*! those that were accepted, at s or before */
-        __forceinline vbool<K> accept (const vbool<K>& accepted, const vfloat<K>& s)
+        __forceinline void accept (const vbool<K>& accepted)
         {
-          sBest = select(accepted,s,sBest);
           isHit |= accepted;
           if (IsAnyHitK<Rays>::value) open = andn(open,accepted);
-          return accepted;
         }
 
       private:
-        __noinline bool reportHit (size_t k, const LeafHit& at)
+        __forceinline HitSegment segmentOf (size_t k) const
         {
           const FrameRays<K>& f = frameRays;
-          const HitSegment segment = { vfloat4(f.P[0][k],f.P[1][k],f.P[2][k],0.0f),vfloat4(f.D[0][k],f.D[1][k],f.D[2][k],0.0f),f.t0[k],f.t1[k],f.w0[k],f.w1[k],
-                                       Vec3fa(pre.dir.x[k],pre.dir.y[k],pre.dir.z[k]),pre.scale[k],pre.rcpDir2[k],rays.tnear()[k],rays.tfar[k] };
-          SurfaceHit hit = HitFrame(block,layout).surfaceHit(segment,at);
-          return report(rays,k,context,block->geomID,block->primID,hit);
+          return HitSegment{ vfloat4(f.P[0][k],f.P[1][k],f.P[2][k],0.0f),vfloat4(f.D[0][k],f.D[1][k],f.D[2][k],0.0f),f.t0[k],f.t1[k],f.w0[k],f.w1[k],
+                             Vec3fa(pre.dir.x[k],pre.dir.y[k],pre.dir.z[k]),pre.scale[k],pre.rcpDir2[k],max(rays.tnear()[k],pre.enter[k]),pre.tfar[k] };
         }
       };
     }

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Embree's BVH4 traversal of single rays over blocks and grids. A leaf of the top-level BVH says by its
- * type what it refers to. */
+/* BVH4 traversal of single rays over blocks and grids. A leaf of the top-level BVH says by its type what
+ * it refers to. */
 
-#include "../../bvh/bvh_intersector1.cpp"
+#include "top_level1.h"
 #include "kind_visitors1.h"
 
 namespace embree
@@ -20,7 +20,7 @@ namespace embree
       struct Precalculations : public SubdivPatch1Intersector1::Precalculations
       {
         __forceinline Precalculations (const Ray& ray, const void* ptr)
-          : SubdivPatch1Intersector1::Precalculations(ray,ptr) {}
+          : SubdivPatch1Intersector1::Precalculations(ray,ptr), block(ray.tfar) {}
 
         cbvh::RayPrecalculations block;
         cbvh::VertRay vert;
@@ -51,6 +51,36 @@ namespace embree
       }
     };
 
-    typedef BVHNIntersector1<4,BVH_AN1,true,CompressedSubdivIntersector1> CompressedSubdivTraversal1;
+    /*! any hit and point queries are Embree's */
+    struct CompressedSubdivTraversal1 : public BVHNIntersector1<4,BVH_AN1,true,CompressedSubdivIntersector1>
+    {
+      static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
+      {
+        const BVH4* bvh = (const BVH4*)This->ptr;
+        if (bvh->root == BVH4::emptyNode) return;
+#if defined(EMBREE_IGNORE_INVALID_RAYS)
+        if (!ray.valid()) return;
+#endif
+        Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::Precalculations(ray,bvh) };
+        cbvh::traverseClosestHit1(bvh->root,ray,leaves);
+      }
+
+    private:
+      struct Leaves
+      {
+        const Accel::Intersectors* This;
+        RayHit& ray;
+        IntersectContext* context;
+        CompressedSubdivIntersector1::Precalculations pre;
+
+        __forceinline void intersect (BVH4::NodeRef leaf, float enter, const TravRay<4,true>& tray, size_t& lazyNode)
+        {
+          size_t type;
+          const void* prim = leaf.leaf(type);
+          pre.block.enter = enter;
+          CompressedSubdivIntersector1::intersect(This,pre,ray,context,prim,type,tray,lazyNode);
+        }
+      };
+    };
   }
 }

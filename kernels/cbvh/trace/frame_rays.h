@@ -19,10 +19,11 @@ namespace embree
       struct RaysPrecalculations
       {
         Vec3vf<K> org, dir;
-        vfloat<K> scale, rcpScale, rcpDir2, scaledTnear;
+        vfloat<K> scale, rcpScale, rcpDir2, scaledTnear, tfar, enter;
+        mutable NearestHit nearest[K];
         bool isSet;
 
-        __forceinline RaysPrecalculations () : isSet(false) {}
+        __forceinline explicit RaysPrecalculations (const vfloat<K>& tfar) : tfar(tfar), enter(neg_inf), isSet(false) {}
 
         __forceinline void set (const RayK<K>& rays)
         {
@@ -53,8 +54,8 @@ namespace embree
         vfloat<K> t0, t1, w0, w1;               //!< LocalRay
         vbool<K> startClipped, endClipped;
 
-        /*! the lanes whose rays meet the block's box between tnear and tfar */
-        __forceinline vbool<K> init (const RaysPrecalculations<K>& pre, const Block* block, const vfloat<K>& tfar, const vbool<K>& valid)
+        /*! the lanes whose rays meet the block's box between tnear and their nearest hit so far */
+        __forceinline vbool<K> init (const RaysPrecalculations<K>& pre, const Block* block, const vfloat<K>& nearest, const vbool<K>& valid)
         {
           const vfloat<K> o[3] = { pre.org.x-vfloat<K>(block->centre[0]), pre.org.y-vfloat<K>(block->centre[1]), pre.org.z-vfloat<K>(block->centre[2]) };
           const vfloat<K> tref = -pre.dotOf(Vec3vf<K>(o[0],o[1],o[2]),pre.dir)*pre.rcpDir2;
@@ -78,9 +79,9 @@ namespace embree
             clip(O[k]+epsilon[k],dO[k],tauIn,tauOut,outside);
             clip((O[3]-O[k])+epsilon[k],dO[3]-dO[k],tauIn,tauOut,outside);
           }
-          const vfloat<K> tauNear = pre.scaledTnear - tref, tauFar = msub(tfar,pre.rcpScale,tref);
+          const vfloat<K> tauNear = pre.scaledTnear - tref, tauFar = msub(pre.tfar,pre.rcpScale,tref);
           const vfloat<K> tau0 = max(tauIn,tauNear), tau1 = min(tauOut,tauFar);
-          const vbool<K> meets = valid & (tau0 <= tau1) & !outside;
+          const vbool<K> meets = andn(valid & (tau0 <= min(tau1,msub(nearest,pre.rcpScale,tref))),outside);
           if (none(meets)) return meets;
           startClipped = tauNear > tauIn;
           endClipped = tauFar < tauOut;
@@ -93,8 +94,13 @@ namespace embree
           return meets & (w0 > vfloat<K>(zero)) & (w1 > vfloat<K>(zero));
         }
 
-        /*! s of a world parameter of ray k */
-        __forceinline float localS (size_t k, float rcpScale, float t) const { return localParameter(t0[k],t1[k],w0[k],w1[k],t*rcpScale); }
+        /*! s of world parameters, or a little behind */
+        __forceinline vfloat<K> behind (const vfloat<K>& rcpScale, const vfloat<K>& t) const
+        {
+          const vfloat<K> at = product(t,rcpScale), tau = (at - t0)/(t1-t0), tw = product(tau,w1);
+          return select(at < t1,tw/(product(w0,vfloat<K>(1.0f)-tau) + tw),vfloat<K>(1.0f)) + vfloat<K>(slackOfS);
+        }
+        __forceinline float behind (size_t k, float rcpScale, float t) const { return localParameter(t0[k],t1[k],w0[k],w1[k],t*rcpScale) + slackOfS; }
 
       private:
         /*! LocalRay::Clip: keeps the part where a + tau d >= 0 */

@@ -87,10 +87,6 @@ namespace embree
       __forceinline bool testGridLeaf (const Block* block, uint32_t leaf, bool endsWithHit, const Test& test) {
         return GridLeaf<Test>(block,leaf,test).run(endsWithHit);
       }
-
-      /*! What is accepted ends a ray in world units; in the frame, it ends this much behind it, as the other leaf's
-       *  box may begin there. */
-      static const float gridSlack = 1e-5f;
     }
   }
 }

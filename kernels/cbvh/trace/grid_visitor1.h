@@ -33,7 +33,7 @@ namespace embree
         {
           if (!testGridLeaf(this->block,16*m+child,IsAnyHit<RayType>::value,*this)) return false;
           this->isHit = true;
-          this->sBest = this->local.localS(this->pre.rcpScale,this->ray.tfar) + gridSlack;
+          this->sBest = this->local.behind(this->pre.rcpScale,this->ray.tfar);
           return IsAnyHit<RayType>::value;
         }
 

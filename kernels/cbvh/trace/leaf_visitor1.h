@@ -17,9 +17,11 @@ namespace embree
       template<typename RayType>
       struct LeafVisitor1 : public BlockVisitor1<RayType>
       {
-        using BlockVisitor1<RayType>::BlockVisitor1;
-
         typedef NodeEntries::LeafTile LeafTile;
+
+        /*! what the ray has hit in other blocks does not shorten the walk: what a ray passes behind it tells of hits before it */
+        template<typename... Args>
+        __forceinline LeafVisitor1 (Args&&... args) : BlockVisitor1<RayType>(args...) { this->sBest = 1.0f; }
 
         WalkState state = startOfWalk();
         uint32_t passedMask = ~0u;

@@ -99,7 +99,8 @@ namespace embree
         typedef NodeEntries::LeafTile LeafTile;
         static const bool countsPassed = true;
 
-        using BlockVisitorK<K,Rays>::BlockVisitorK;
+        template<typename... Args>
+        __forceinline LeafVisitorK (Args&&... args) : BlockVisitorK<K,Rays>(args...) { this->sBest = vfloat<K>(1.0f); } // as of one ray
 
         __forceinline LeafTile& leafTile (uint32_t m) { return this->tiles.leafTile(m); }
 

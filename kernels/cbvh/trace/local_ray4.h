@@ -7,6 +7,7 @@
  * one vector. */
 
 #include "../codec/local_ray.h"
+#include "nearest_hit.h"
 #include "product.h"
 #include "../../common/ray.h"
 
@@ -27,12 +28,15 @@ namespace embree
         float rcpScale;
         float rcpDir2;  //!< 1/dot(dir,dir)
         float scaledTnear; //!< tnear in t'
+        float tfar;        //!< where the ray ended before anything was hit
+        float enter;       //!< t where the ray enters the bounds of a block, or before
+        mutable NearestHit nearest;
 
         bool isSet;
 
         /*! set by the first block: many rays meet none */
-        __forceinline RayPrecalculations () : isSet(false) {}
-        __forceinline explicit RayPrecalculations (const Ray& ray) : isSet(false) { set(ray); }
+        __forceinline explicit RayPrecalculations (float tfar) : tfar(tfar), enter(neg_inf), isSet(false) {}
+        __forceinline explicit RayPrecalculations (const Ray& ray) : tfar(ray.tfar), enter(neg_inf), isSet(false) { set(ray); }
 
         __forceinline void set (const Ray& ray)
         {
@@ -62,10 +66,13 @@ namespace embree
         }
       };
 
-      /*! s of a parameter of the scaled ray on a segment */
+      /*! s of a parameter of the scaled ray on a segment, 1 at its end or beyond */
       __forceinline float localParameter (float t0, float t1, float w0, float w1, float t) {
-        return t1 > t0 ? localShare(w0,w1,(t-t0)/(t1-t0)) : 1.0f;
+        return t < t1 ? localShare(w0,w1,(t-t0)/(t1-t0)) : 1.0f;
       }
+
+      /*! what the s of a world parameter may be off */
+      static const float slackOfS = 1e-5f;
 
       /*! Products that are summed are fused, or not, by what is written here and not by the compiler, so that
        *  packets have the same bits (frame_rays.h). */
@@ -77,10 +84,11 @@ namespace embree
         float t0, t1;     //!< world parameter of the segment's ends, in t'
         float w0, w1;
         bool startClipped; //!< the segment starts at tnear, inside the box
-        bool endClipped;   //!< the segment ends at tfar, inside the box
+        bool endClipped;   //!< the segment ends at pre.tfar, inside the box
 
-        /*! false if the ray misses the block's box between tnear and tfar */
-        __forceinline bool init (const RayPrecalculations& pre, const Block* block, float tfar)
+        /*! False if the ray misses the block's box between tnear and nearest, where its hit so far is. That does not
+         *  bear on what it meets where, so that the order of blocks does not. */
+        __forceinline bool init (const RayPrecalculations& pre, const Block* block, float nearest)
         {
           const vfloat4 cx = vfloat4::load(block->columns[0]);
           const vfloat4 cy = vfloat4::load(block->columns[1]);
@@ -97,9 +105,9 @@ namespace embree
           epsilon = madd(vfloat4(distanceUlps*floatUlp*farthest),stretch.withW,vfloat4(unitUlps*floatUlp));
 
           Clip clip(O,D,epsilon);
-          const float tauNear = pre.scaledTnear - tref, tauFar = msub(tfar,pre.rcpScale,tref);
+          const float tauNear = pre.scaledTnear - tref, tauFar = msub(pre.tfar,pre.rcpScale,tref);
           const float tau0 = max(clip.tauIn,tauNear), tau1 = min(clip.tauOut,tauFar);
-          if (clip.outside || !(tau0 <= tau1)) return false;
+          if (clip.outside || !(tau0 <= min(tau1,msub(nearest,pre.rcpScale,tref)))) return false;
           startClipped = tauNear > clip.tauIn;
           endClipped = tauFar < clip.tauOut;
 
@@ -111,8 +119,8 @@ namespace embree
           return w0 > 0.0f && w1 > 0.0f;
         }
 
-        /*! s of a world parameter */
-        __forceinline float localS (float rcpScale, float t) const { return localParameter(t0,t1,w0,w1,t*rcpScale); }
+        /*! s of a world parameter, or a little behind */
+        __forceinline float behind (float rcpScale, float t) const { return localParameter(t0,t1,w0,w1,t*rcpScale) + slackOfS; }
 
       private:
         /*! part of the line where X >= 0 and W-X >= 0, and so on: linear in the parameter */

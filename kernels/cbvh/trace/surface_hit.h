@@ -40,7 +40,13 @@ namespace embree
         float t0, t1, w0, w1;       //!< LocalRay
         Vec3fa dir;                 //!< RayPrecalculations
         float scale, rcpDir2;
-        float tnear, tfar;
+        float enter, tfar;          //!< where the ray enters the block's bounds, and where it ended before anything was hit
+
+        /*! t of s */
+        __forceinline float worldT (float s) const { return madd(worldShare(w0,w1,s),t1-t0,t0)*scale; }
+
+        /*! what is reported */
+        __forceinline float inBounds (float t) const { return min(max(t,enter),tfar); }
       };
 
       class HitFrame
@@ -49,13 +55,12 @@ namespace embree
         __forceinline HitFrame (const Block* block, const BlockLayout& layout)
           : block(block), leafSize(float(1u << block->height())/float(layout.leaves)) {}
 
-        __forceinline SurfaceHit surfaceHit (const HitSegment& ray, const LeafHit& at) const
+        __forceinline SurfaceHit surfaceHit (const HitSegment& ray, const LeafHit& at, float t) const
         {
           SurfaceHit hit;
           hit.u = block->faceU(leafSize*(float(mortonX(at.leaf)) + at.u));
           hit.v = block->faceV(leafSize*(float(mortonY(at.leaf)) + at.v));
-          const float t = madd(worldShare(ray.w0,ray.w1,at.s),ray.t1-ray.t0,ray.t0)*ray.scale;
-          hit.t = min(max(t,ray.tnear),ray.tfar);
+          hit.t = t;
           hit.Ng = unitNormal(madd(vfloat4(at.s),ray.D,ray.P),at.slopeX,at.slopeY);
           const float along = dot(hit.Ng,ray.dir);
           if (isTurned(along,1.0f,1.0f/ray.rcpDir2,at.from)) hit.Ng = hit.Ng - (2.0f*along*ray.rcpDir2)*ray.dir;
