@@ -76,8 +76,8 @@ struct RTCCompressionArguments
    * at level L (2^L x 2^L quads) gets 4^n blocks of 2^(L-n) x 2^(L-n) quads, each in a frame
    * of its own; with other edge rates, blocks of that size for the highest, or smaller. 0 to 8;
    * clamped to L. AUTO takes the coarsest frames that meet maxError, or, without maxError,
-   * blocks of 16 x 16 quads. INHERIT takes the device's setting; where nobody gives one, that
-   * is 2, or less for blocks of 8 x 8 quads. Without meaning for VERT, which has no frames. */
+   * blocks of 16 x 16 quads, which cost least in bytes times time. INHERIT takes the device's
+   * setting, which is AUTO where nobody gives one. Without meaning for VERT, which has no frames. */
   int frameLevel;
 
   /* In world units, 0 for none, negative to inherit the device's setting.

@@ -81,9 +81,9 @@ TEST(Settings, DefaultIsStock)
 
 TEST(Settings, DeviceStringChoosesTheRepresentation)
 {
-  EXPECT_EQ(representation("subdiv_accel=cbvh.grid"), "grid 2");
-  EXPECT_EQ(representation("subdiv_accel=cbvh.voxel"), "voxel 2");
-  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf"), "leaf 2");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.grid"), "grid 1");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.voxel"), "voxel 1");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.leaf"), "leaf 1");
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=0"), "leaf 0");
   EXPECT_EQ(representation("cbvh_frame_level=3,subdiv_accel=cbvh.leaf"), "leaf 3");
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=auto"), "leaf 1");
@@ -91,9 +91,9 @@ TEST(Settings, DeviceStringChoosesTheRepresentation)
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=8"), "leaf 5");
 }
 
-TEST(Settings, FrameLevelThatNobodyGivesKeepsBlocksOf8x8Quads)
+TEST(Settings, FrameLevelThatNobodyGivesMakesBlocksOf16x16Quads)
 {
-  const char* const expected[] = {"leaf 0", "leaf 0", "leaf 0", "leaf 0", "leaf 1", "leaf 2", "leaf 2"};
+  const char* const expected[] = {"leaf 0", "leaf 0", "leaf 0", "leaf 0", "leaf 0", "leaf 1", "leaf 2"};
   for (unsigned level = 0; level <= 6; level++)
     EXPECT_EQ(representation("subdiv_accel=cbvh.leaf", nullptr, float(1u << level)), expected[level]) << level;
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=2", nullptr, 4), "leaf 2");
@@ -102,7 +102,7 @@ TEST(Settings, FrameLevelThatNobodyGivesKeepsBlocksOf8x8Quads)
 TEST(Settings, EnvironmentChoosesForProgramsThatDoNot)
 {
   const std::pair<const char*, const char*> cases[] = {
-    {"leaf", "leaf 2"}, {"voxel,frame_level=1", "voxel 1"}, {" leaf , frame_level=auto ", "leaf 1"},
+    {"leaf", "leaf 1"}, {"voxel,frame_level=1", "voxel 1"}, {" leaf , frame_level=auto ", "leaf 1"},
     {"leaf,frame_level=auto,max_error=1e-30", "leaf 5"}, {"none", "none"}, {"0", "none"}, {"", "none"}, {"frame_level=1", "none"},
     {"grid,level=3", "grid 3"}}; // as frame_level was called
   for (const auto& c : cases) {

@@ -88,7 +88,7 @@ namespace embree
         if (motion) std::cout << " asked for, but it has motion blur: traced by GRID";
         else if (settings.compression == RTC_COMPRESSION_VERT) {} // has no frames
         else if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cout << ", frame level auto";
-        else if (settings.frameLevel != RTC_COMPRESSION_FRAME_LEVEL_INHERIT) std::cout << ", frame level " << settings.frameLevel;
+        else std::cout << ", frame level " << settings.frameLevel;
         std::cout << std::endl;
       });
   }

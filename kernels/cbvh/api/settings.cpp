@@ -144,6 +144,7 @@ namespace embree
     if (r.compression == RTC_COMPRESSION_INHERIT) r.compression = device.compression;
     if (r.compression == RTC_COMPRESSION_INHERIT) r.compression = RTC_COMPRESSION_NONE;
     if (r.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_INHERIT) r.frameLevel = device.frameLevel;
+    if (r.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_INHERIT) r.frameLevel = RTC_COMPRESSION_FRAME_LEVEL_AUTO;
     if (r.maxError < 0.0f) r.maxError = device.maxError;
     if (r.maxError < 0.0f) r.maxError = 0.0f;
     if (r.exactFaces < 0) r.exactFaces = device.exactFaces;

@@ -23,8 +23,6 @@ namespace embree
     float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< only a geometry's
     int exactFaces = -1;    //!< 0 or 1, negative to inherit
 
-    static const int defaultFrameLevel = 2; //!< of a geometry for which nobody gave one, see CompressionPlan
-
     /*! Takes cbvh_frame_level, cbvh_max_error and cbvh_exact_faces out of a device string; false for any
      *  other key. Throws rtcore_error naming key and value. */
     bool parse (const Token& key, TokenStream& stream);
@@ -40,7 +38,7 @@ namespace embree
      *  Throws rtcore_error for an unknown "cbvh." kind. Where `verbose`, prints what we are, above Embree's banner. */
     void verify (const std::string& subdivAccel, bool verbose);
 
-    /*! what holds for a geometry with these settings on that device; only frameLevel may still inherit */
+    /*! what holds for a geometry with these settings on that device: nothing inherits any more */
     CompressionSettings resolve (const CompressionSettings& device) const;
 
   private:
