@@ -392,8 +392,8 @@ PATCHES = (
     edit(
         "tiling: frame level of small patches",
         "compression_plan.h",
-        "return level > 3 ? min(level-3,",
-        "return level > 2 ? min(level-2,",
+        "return level > 4 ? level-4 : 0;",
+        "return level > 3 ? level-3 : 0;",
         "frames outweigh what leaves save",
         "compression_api Settings.FrameLevelThatNobodyGives*",
     ),
