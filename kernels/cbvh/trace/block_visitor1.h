@@ -16,11 +16,21 @@ namespace embree
   {
     namespace cbvh
     {
+      typedef LeafHit<float,bool> LeafHit1;
+
+      /*! what Embree's single-hit epilogues expect */
+      struct SurfaceHit1
+      {
+        float u, v, t;
+        Vec3fa Ng;
+        __forceinline void finalize () {}
+      };
+
       /*! runs the epilogue of closest hit or of any hit */
-      __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit& hit) {
+      __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit1& hit) {
         return Intersect1Epilog1<true>(ray,context,geomID,primID)(hit);
       }
-      __forceinline bool report (Ray& ray, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit& hit) {
+      __forceinline bool report (Ray& ray, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit1& hit) {
         return Occluded1Epilog1<true>(ray,context,geomID,primID)(hit);
       }
       template<typename RayType> struct IsAnyHit;
@@ -58,12 +68,14 @@ namespace embree
 
         /*! Reports a hit. True if the walk goes on as after a hit: it was accepted, or lies behind the ray's hit in
          *  another block, but would have been accepted, had this block been met before. */
-        __forceinline bool reportHit (const LeafHit& at)
+        __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
-          const HitSegment segment = { frameRay.P,frameRay.D,local.t0,local.t1,local.w0,local.w1,pre.dir,pre.scale,pre.rcpDir2,max(ray.tnear(),pre.enter),pre.tfar };
+          const HitRay<float> segment = { { frameRay.P[0],frameRay.P[1],frameRay.P[2] },{ frameRay.D[0],frameRay.D[1],frameRay.D[2] },local.t0,local.t1,local.w0,local.w1,
+                                          { pre.dir.x,pre.dir.y,pre.dir.z },pre.scale,pre.rcpDir2,max(ray.tnear(),pre.enter),pre.tfar };
           const float tWorld = segment.worldT(at.s), t = segment.inBounds(tWorld);
           if (!pre.nearest.isBehind(t,tWorld,block,ray.tfar)) {
-            SurfaceHit hit = HitFrame(block,layout).surfaceHit(segment,at,t);
+            const SurfaceHit<float> found = HitFrame<float,bool>(block,layout).surfaceHit(segment,leaf,at,t);
+            SurfaceHit1 hit = { found.u,found.v,found.t,Vec3fa(found.Ng.x,found.Ng.y,found.Ng.z) };
             if (!report(ray,context,block->geomID,block->primID,hit)) return false;
             pre.nearest.set(tWorld,block);
             isHit = true;

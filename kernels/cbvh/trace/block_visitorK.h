@@ -16,30 +16,21 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! runs the epilogue of closest hit or of any hit for a ray of a packet */
-      template<int K>
-      __forceinline bool report (RayHitK<K>& rays, size_t k, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit& hit) {
-        return Intersect1KEpilog1<K,true>(rays,k,context,geomID,primID)(hit);
+      /*! runs the epilogue of closest hit or of any hit for rays of a packet; those that accepted it */
+      template<int K, typename Hit>
+      __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context, const Block* block, const Hit& hit) {
+        return IntersectKEpilogMU<1,K,true>(rays,context,block->geomID,block->primID)(lanes,hit);
       }
-      template<int K>
-      __forceinline bool report (RayK<K>& rays, size_t k, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit& hit) {
-        return Occluded1KEpilog1<K,true>(rays,k,context,geomID,primID)(hit);
+      template<int K, typename Hit>
+      __forceinline vbool<K> report (RayK<K>& rays, const vbool<K>& lanes, IntersectContext* context, const Block* block, const Hit& hit) {
+        vbool<K> open = lanes;
+        return OccludedKEpilogMU<1,K,true>(open,rays,context,block->geomID,block->primID)(lanes,hit);
       }
       template<typename Rays> struct IsAnyHitK;
       template<int K> struct IsAnyHitK<RayK<K>>    { static const bool value = true; };
       template<int K> struct IsAnyHitK<RayHitK<K>> { static const bool value = false; };
 
-      /*! hits in a leaf, LeafHit */
-      template<int K>
-      struct LeafHits
-      {
-        vfloat<K> s, u, v, slopeX, slopeY;
-        vbool<K> fromAbove, fromBelow;
-
-        __forceinline LeafHit at (size_t k, uint32_t leaf, uint32_t above, uint32_t below) const {
-          return LeafHit{ s[k],leaf,u[k],v[k],slopeX[k],slopeY[k],(above >> k) & 1u ? sideAbove : (below >> k) & 1u ? sideBelow : sideUnknown };
-        }
-      };
+      template<int K> using LeafHits = LeafHit<vfloat<K>,vbool<K>>;
 
       template<int K, typename Rays>
       struct BlockVisitorK
@@ -78,23 +69,20 @@ namespace embree
         /*! Reports hits of some lanes; those whose walks go on as after a hit (reportHit of block_visitor1.h). */
         __forceinline vbool<K> reportHits (const vbool<K>& lanes, uint32_t leaf, const LeafHits<K>& hits)
         {
-          const uint32_t above = uint32_t(movemask(hits.fromAbove)), below = uint32_t(movemask(hits.fromBelow));
-          uint32_t accepted = 0, refused = 0;
-          for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
-          {
-            const uint32_t k = uint32_t(bsf(rest));
-            const HitSegment segment = segmentOf(k);
-            const float tWorld = segment.worldT(hits.s[k]), t = segment.inBounds(tWorld);
-            if (pre.nearest[k].isBehind(t,tWorld,block,rays.tfar[k])) continue;
-            SurfaceHit hit = HitFrame(block,layout).surfaceHit(segment,hits.at(k,leaf,above,below),t);
-            if (report(rays,k,context,block->geomID,block->primID,hit)) {
-              pre.nearest[k].set(tWorld,block);
-              accepted |= 1u << k;
+          const HitRay<vfloat<K>> segment = segments();
+          const vfloat<K> tWorld = segment.worldT(hits.s), t = segment.inBounds(tWorld);
+          vbool<K> counts = lanes;
+          const vbool<K> front = lanes & inFront(lanes,t,tWorld);
+          if (any(front)) {
+            const SurfaceHit<vfloat<K>> hit = HitFrame<vfloat<K>,vbool<K>>(block,layout).surfaceHit(segment,leaf,hits,t);
+            const vbool<K> accepted = front & report(rays,front,context,block,[&] { return std::make_tuple(hit.u,hit.v,hit.t,Vec3vf<K>(hit.Ng)); });
+            for (uint32_t rest=uint32_t(movemask(accepted)); rest; rest&=rest-1) {
+              const uint32_t k = uint32_t(bsf(rest));
+              pre.nearest[k].set(tWorld[k],block);
             }
-            else refused |= 1u << k;
+            accept(accepted);
+            counts = andn(lanes,andn(front,accepted));
           }
-          accept(vbool<K>(int(accepted)));
-          const vbool<K> counts = andn(lanes,vbool<K>(int(refused)));
           sBest = select(counts,hits.s,sBest);
           return counts;
         }
@@ -106,11 +94,22 @@ namespace embree
         }
 
       private:
-        __forceinline HitSegment segmentOf (size_t k) const
+        __forceinline HitRay<vfloat<K>> segments () const
         {
           const FrameRays<K>& f = frameRays;
-          return HitSegment{ vfloat4(f.P[0][k],f.P[1][k],f.P[2][k],0.0f),vfloat4(f.D[0][k],f.D[1][k],f.D[2][k],0.0f),f.t0[k],f.t1[k],f.w0[k],f.w1[k],
-                             Vec3fa(pre.dir.x[k],pre.dir.y[k],pre.dir.z[k]),pre.scale[k],pre.rcpDir2[k],max(rays.tnear()[k],pre.enter[k]),pre.tfar[k] };
+          return HitRay<vfloat<K>>{ { f.P[0],f.P[1],f.P[2] },{ f.D[0],f.D[1],f.D[2] },f.t0,f.t1,f.w0,f.w1,
+                                    { pre.dir.x,pre.dir.y,pre.dir.z },pre.scale,pre.rcpDir2,max(vfloat<K>(rays.tnear()),pre.enter),pre.tfar };
+        }
+
+        /*! hits that do not lie behind those that the rays have */
+        __forceinline vbool<K> inFront (const vbool<K>& lanes, const vfloat<K>& t, const vfloat<K>& tWorld) const
+        {
+          vbool<K> front = t < rays.tfar;
+          for (uint32_t rest=uint32_t(movemask(lanes & (t == rays.tfar))); unlikely(rest != 0u); rest&=rest-1) {
+            const uint32_t k = uint32_t(bsf(rest));
+            if (!pre.nearest[k].isBehind(t[k],tWorld[k],block,rays.tfar[k])) set(front,k);
+          }
+          return front;
         }
       };
     }

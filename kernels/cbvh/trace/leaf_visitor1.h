@@ -41,7 +41,7 @@ namespace embree
           const Verdict v = crossLeaf(state,x.event);
           float s;
           if (isMet(v.hit,x,tile.surfaces.reach[child],16*m+child,s) && !(state.found && !(s < this->sBest))) {
-            if (accept(this->reportHit(leafHit(tile.surfaces,m,child,s,v.from)))) return true;
+            if (accept(this->reportHit(16*m+child,leafHit(tile.surfaces,child,s,v.from)))) return true;
             if (state.found) return false;
           }
           setState(v.next);
@@ -60,7 +60,7 @@ namespace embree
         {
           LeafTile& tile = leafTile(exitM);
           this->tiles.need(tile,1u << (exitChild >> 2));
-          return accept(this->reportHit(leafHit(tile.surfaces,exitM,exitChild,exitS,from)));
+          return accept(this->reportHit(16*exitM+exitChild,leafHit(tile.surfaces,exitChild,exitS,from)));
         }
 
         __forceinline void setState (const WalkState& next)
@@ -97,14 +97,14 @@ namespace embree
         static __forceinline float between (const Crossing<float>& x, float k) { return madd(k,x.s1-x.s0,x.s0); }
 
         /*! a hit at s in a leaf */
-        __forceinline LeafHit leafHit (const LeafSurfaces& surfaces, uint32_t m, uint32_t child, float s, uint32_t from) const
+        __forceinline LeafHit1 leafHit (const LeafSurfaces& surfaces, uint32_t child, float s, uint32_t from) const
         {
           const vfloat4 place = positionInLeaf(this->frameRay,surfaces,child,vfloat4(s));
           const float* h = surfaces.height[child];
           const float u = place[0], v = place[1];
           const bool flat = (surfaces.solid >> child) & 1u;
           const float slopeX = madd(v,h[3],h[1])*surfaces.place[child][2], slopeY = madd(u,h[3],h[2])*surfaces.place[child][3];
-          return LeafHit{ s,16*m+child,u,v,flat ? 0.0f : slopeX,flat ? 0.0f : slopeY,from };
+          return LeafHit1{ s,u,v,flat ? 0.0f : slopeX,flat ? 0.0f : slopeY,from == sideAbove,from == sideBelow };
         }
       };
     }

@@ -4,9 +4,10 @@
 #pragma once
 
 /* A hit in a leaf of a block with frames as Embree's epilogues want it: parameters of the face, distance,
- * normal. */
+ * normal. Numbers are floats, of one ray, or vectors, of the rays of a packet; both give the same bits, as
+ * every product that is summed is said to be fused or is exact. */
 
-#include "frame_ray.h"
+#include "local_ray4.h"
 #include "../codec/normal.h"
 
 namespace embree
@@ -15,71 +16,83 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! what Embree's single-hit epilogues expect */
-      struct SurfaceHit
-      {
-        float u, v, t;
-        Vec3fa Ng;
-        __forceinline void finalize () {}
-      };
-
       /*! a hit in a leaf */
+      template<typename Real, typename Bool>
       struct LeafHit
       {
-        float s;
-        uint32_t leaf;
-        float u, v;            //!< position in the leaf
-        float slopeX, slopeY;  //!< of the surface there
-        uint32_t from;         //!< side that the ray comes from, as far as it is known
+        Real s;
+        Real u, v;                 //!< position in the leaf
+        Real slopeX, slopeY;       //!< of the surface there
+        Bool fromAbove, fromBelow; //!< side that the ray comes from, as far as it is known
       };
 
       /*! what a hit needs of its ray */
-      struct HitSegment
+      template<typename Real>
+      struct HitRay
       {
-        vfloat4 P, D;               //!< in the frame
-        float t0, t1, w0, w1;       //!< LocalRay
-        Vec3fa dir;                 //!< RayPrecalculations
-        float scale, rcpDir2;
-        float enter, tfar;          //!< where the ray enters the block's bounds, and where it ended before anything was hit
+        Real P[3], D[3];       //!< in the frame
+        Real t0, t1, w0, w1;   //!< LocalRay
+        Real dir[3];           //!< RayPrecalculations
+        Real scale, rcpDir2;
+        Real enter, tfar;      //!< where the ray enters the block's bounds, and where it ended before anything was hit
 
         /*! t of s */
-        __forceinline float worldT (float s) const { return madd(worldShare(w0,w1,s),t1-t0,t0)*scale; }
+        __forceinline Real worldT (const Real& s) const {
+          const Real sw = product(s,w0);
+          return madd(sw/madd(w1,Real(1.0f)-s,sw),t1-t0,t0)*scale;
+        }
 
         /*! what is reported */
-        __forceinline float inBounds (float t) const { return min(max(t,enter),tfar); }
+        __forceinline Real inBounds (const Real& t) const { return min(max(t,enter),tfar); }
       };
 
+      template<typename Real>
+      struct SurfaceHit
+      {
+        Real u, v, t;
+        Vec3<Real> Ng;
+      };
+
+      template<typename Real, typename Bool>
       class HitFrame
       {
       public:
         __forceinline HitFrame (const Block* block, const BlockLayout& layout)
           : block(block), leafSize(float(1u << block->height())/float(layout.leaves)) {}
 
-        __forceinline SurfaceHit surfaceHit (const HitSegment& ray, const LeafHit& at, float t) const
+        /*! t: where it is reported */
+        __forceinline SurfaceHit<Real> surfaceHit (const HitRay<Real>& ray, uint32_t leaf, const LeafHit<Real,Bool>& at, const Real& t) const
         {
-          SurfaceHit hit;
-          hit.u = block->faceU(leafSize*(float(mortonX(at.leaf)) + at.u));
-          hit.v = block->faceV(leafSize*(float(mortonY(at.leaf)) + at.v));
+          SurfaceHit<Real> hit;
+          hit.u = block->faceU(Real(leafSize)*(Real(float(mortonX(leaf))) + at.u));
+          hit.v = block->faceV(Real(leafSize)*(Real(float(mortonY(leaf))) + at.v));
           hit.t = t;
-          hit.Ng = unitNormal(madd(vfloat4(at.s),ray.D,ray.P),at.slopeX,at.slopeY);
-          const float along = dot(hit.Ng,ray.dir);
-          if (isTurned(along,1.0f,1.0f/ray.rcpDir2,at.from)) hit.Ng = hit.Ng - (2.0f*along*ray.rcpDir2)*ray.dir;
+          setNormal(ray,at,hit.Ng);
           return hit;
         }
 
       private:
-        /*! worldNormal of codec/normal.h */
-        __forceinline Vec3fa unitNormal (const vfloat4& P, float slopeX, float slopeY) const
+        /*! worldNormal and isTurned of codec/normal.h, of length 1 */
+        __forceinline void setNormal (const HitRay<Real>& ray, const LeafHit<Real,Bool>& at, Vec3<Real>& Ng) const
         {
-          const float k = P[2] - slopeX*P[0] - slopeY*P[1];
-          const vfloat4 plane(-slopeX,-slopeY,1.0f,-k);
-          const vfloat4 x = plane*vfloat4::load(block->columns[0]);
-          const vfloat4 y = plane*vfloat4::load(block->columns[1]);
-          const vfloat4 z = plane*vfloat4::load(block->columns[2]);
-          const Vec3fa n(reduce_add(x),reduce_add(y),reduce_add(z));
+          Real p[3], n[3];
+          for (int k=0; k<3; k++) p[k] = madd(at.s,ray.D[k],ray.P[k]);
+          const Real level = nmadd(at.slopeY,p[1],nmadd(at.slopeX,p[0],p[2]));
+          for (int k=0; k<3; k++) {
+            const float* column = block->columns[k];
+            n[k] = nmadd(level,Real(column[3]),nmadd(at.slopeY,Real(column[1]),nmadd(at.slopeX,Real(column[0]),Real(column[2]))));
+          }
           /* the frame of a block smaller than 1e-19 has components that have no square */
-          return normalize_safe(n*(1.0f/max(reduce_max(abs(n)),1e-37f)));
+          const Real largest = max(max(abs(n[0]),abs(n[1])),abs(n[2])), toUnit = Real(1.0f)/max(largest,Real(1e-37f));
+          for (int k=0; k<3; k++) n[k] = n[k]*toUnit;
+          const Real length2 = dotOf(n,n), along = dotOf(n,ray.dir);
+          const Bool away = (at.fromAbove & (along > Real(zero))) | (at.fromBelow & (along < Real(zero)));
+          const Bool isTurned = away & (along*along*ray.rcpDir2 < Real(turnedSine2)*length2);
+          const Real turn = select(isTurned,Real(2.0f)*along*ray.rcpDir2,Real(zero)), rcpLength = Real(1.0f)/sqrt(max(length2,Real(1e-30f)));
+          for (int k=0; k<3; k++) (&Ng.x)[k] = nmadd(turn,ray.dir[k],n[k])*rcpLength;
         }
+
+        static __forceinline Real dotOf (const Real a[3], const Real b[3]) { return madd(a[0],b[0],madd(a[1],b[1],product(a[2],b[2]))); }
 
         const Block* block;
         const float leafSize; //!< in quads

@@ -239,7 +239,7 @@ namespace embree
         __forceinline bool reportHit (uint32_t g, const VertTriangle& at, uint32_t h, float t, const VertTriangle::Position& position)
         {
           const uint32_t quad = h >> 1;
-          SurfaceHit hit;
+          SurfaceHit1 hit;
           hit.t = t;
           hit.Ng = at.Ng(ray);
           const uint32_t x = vertX(block->place) + groupQuads*(g & 3) + (quad & 3), y = vertY(block->place) + groupQuads*(g >> 2) + (quad >> 2);
@@ -249,7 +249,7 @@ namespace embree
 
         /*! Parameters of the face at position (a,b) of quad (x,y) of the patch: interpolated from
          *  those of the triangle's vertices, which Embree stitches where an edge has a lower rate. */
-        __forceinline void setParameters (uint32_t x, uint32_t y, uint32_t triangle, float a, float b, SurfaceHit& hit) const
+        __forceinline void setParameters (uint32_t x, uint32_t y, uint32_t triangle, float a, float b, SurfaceHit1& hit) const
         {
           const uint32_t quadsX = patchQuadsX(block->rates), quadsY = patchQuadsY(block->rates);
           a = inUnit(a);

@@ -26,7 +26,7 @@ namespace embree
           const float s = max(ranges.sNear[child],0.0f);
           if (this->isHit ? !(s < this->sBest) : s > this->sBest) return false; // of those as near, the first along the ray
           const float u = position(tile.grandchildren,0,child,s), v = position(tile.grandchildren,1,child,s);
-          return this->reportHit(LeafHit{ s,16*m+child,u,v,0.0f,0.0f,sideUnknown }) && IsAnyHit<RayType>::value;
+          return this->reportHit(16*m+child,LeafHit1{ s,u,v,0.0f,0.0f,false,false }) && IsAnyHit<RayType>::value;
         }
 
       private:
