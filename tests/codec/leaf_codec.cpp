@@ -429,5 +429,64 @@ TEST(LeafCodec, ThicknessIsThatOfTheWorld)
   EXPECT_EQ(compared, 3u);
 }
 
+// Four random groups of one parent, each in a lane.
+TEST(LeafCodec, FourLatticesAtATimeAreThoseOfOneAtATime)
+{
+  Random random(47);
+  unsigned encoded = 0, refused = 0, undecided = 0;
+  for (int shape = 0; shape < SHAPES; shape++)
+    for (int repeat = 0; repeat < 3000; repeat++) {
+      SCOPED_TRACE(testing::Message() << "shape " << shape << ", groups " << repeat);
+      const NodeBox parent = randomBox(random);
+      const double rounding = repeat % 2 ? 0x1p-12 : 0;
+      QuadGroup groups[4];
+      NodeBoxes parents;
+      GroupLanes lanes;
+      for (auto& sides : lanes.border)
+        for (uint32_t& bits : sides) bits = 0;
+      for (int lane = 0; lane < 4; lane++) {
+        makeGroup(random, Shape(shape), parent, groups[lane], rounding);
+        for (int k = 0; k < 3; k++) {
+          parents.lower[k][lane] = parent.lower[k];
+          parents.extent[k][lane] = parent.extent[k];
+          lanes.rounding[k] = groups[lane].rounding[k];
+        }
+        for (int axis = 0; axis < 2; axis++)
+          for (int upper = 0; upper < 2; upper++) lanes.border[axis][upper] |= uint32_t(groups[lane].border[axis][upper]) << lane;
+      }
+      ExactBox boxes[4];
+      for (int lane = 0; lane < 4; lane++)
+        for (const ExactBox& box : groups[lane].boxes) boxes[lane].extend(box);
+      for (int k = 0; k < 3; k++)
+        for (int v = 0; v < 9; v++)
+          lanes.vertices[v][k] = Double4(groups[0].vertices[v][k], groups[1].vertices[v][k], groups[2].vertices[v][k], groups[3].vertices[v][k]);
+      for (int k = 0; k < 2; k++) {
+        lanes.lower[k] = Double4(boxes[0].lower[k], boxes[1].lower[k], boxes[2].lower[k], boxes[3].lower[k]);
+        lanes.upper[k] = Double4(boxes[0].upper[k], boxes[1].upper[k], boxes[2].upper[k], boxes[3].upper[k]);
+      }
+
+      LatticeLanes lattices(parents, lanes);
+      lattices.encode();
+      uint32_t words[4];
+      Heights heights[4];
+      lattices.store(words, heights);
+      ASSERT_EQ(lattices.encoded & lattices.undecided, 0u);
+      for (int lane = 0; lane < 4; lane++) {
+        if (lattices.undecided >> lane & 1) { undecided++; continue; }
+        EncodedGroup expected;
+        const bool hasLattice = encodeLattice(parent, groups[lane], expected);
+        ASSERT_EQ(lattices.encoded >> lane & 1, uint32_t(hasLattice)) << "lane " << lane;
+        (hasLattice ? encoded : refused)++;
+        if (!hasLattice) continue;
+        ASSERT_EQ(words[lane], expected.word) << "lane " << lane;
+        ASSERT_EQ(heights[lane].low, expected.heights.low) << "lane " << lane;
+        ASSERT_EQ(heights[lane].high, expected.heights.high) << "lane " << lane;
+      }
+    }
+  EXPECT_GT(encoded, 10000u);
+  EXPECT_GT(refused, 10000u);
+  EXPECT_GT(undecided, 0u);
+}
+
 } // namespace
 } // namespace cbvh::test

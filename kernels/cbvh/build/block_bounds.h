@@ -43,10 +43,25 @@ namespace embree
     /*! of a box in a frame: of its corners, as a projective map keeps it convex */
     inline WorldBounds boundBox(const NodeBox& box, const float centre[3], const InverseFrame& inverse)
     {
+      /* lanes are the four corners of the lower and of the upper side */
+      const double x[2] = { box.lower[0],upperOf(box,0) }, y[2] = { box.lower[1],upperOf(box,1) };
+      const Double4 columns(x[0],x[1],x[0],x[1]), rows(y[0],y[0],y[1],y[1]);
+      const double sides[2] = { box.lower[2],upperOf(box,2) };
+      Double4 rcp[2];
+      auto form = [&](const Form& f, Double4 out[2]) {
+        const Double4 xy = f.n.x*columns + f.n.y*rows;
+        for (int i=0; i<2; i++) out[i] = xy + f.n.z*sides[i] + f.d;
+      };
+      form(inverse.rcpW,rcp);
+      const Double4 w[2] = { Double4(1.0)/rcp[0],Double4(1.0)/rcp[1] };
       WorldBounds bounds;
-      for (int c=0; c<8; c++) {
-        const Double3 p = inverse({ c & 1 ? upperOf(box,0) : box.lower[0], c & 2 ? upperOf(box,1) : box.lower[1], c & 4 ? upperOf(box,2) : box.lower[2] });
-        bounds.extend(centre[0]+p.x,centre[1]+p.y,centre[2]+p.z);
+      for (int k=0; k<3; k++)
+      {
+        Double4 n[2];
+        form(inverse.numerator[k],n);
+        const Double4 p[2] = { double(centre[k]) + w[0]*n[0],double(centre[k]) + w[1]*n[1] };
+        bounds.lower[k] = least(min(p[0],p[1]));
+        bounds.upper[k] = greatest(max(p[0],p[1]));
       }
       return bounds;
     }
@@ -55,10 +70,8 @@ namespace embree
     inline WorldBounds boundSurface(const BlockGeometry& geometry)
     {
       WorldBounds bounds;
-      for (uint32_t i=0; i<geometry.width*geometry.width; i++) {
-        const float* p = geometry.vertices[i];
-        if (geometry.isFinite(i)) bounds.extend(p[0],p[1],p[2]);
-      }
+      bounds.extend(geometry.lower[0],geometry.lower[1],geometry.lower[2]);
+      bounds.extend(geometry.upper[0],geometry.upper[1],geometry.upper[2]);
       const double rounding = vertexRounding*geometry.coordinate;
       for (int k=0; k<3; k++) { bounds.lower[k] -= rounding; bounds.upper[k] += rounding; }
       return bounds;

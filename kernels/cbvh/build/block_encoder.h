@@ -11,6 +11,8 @@
  *
  *    uint32_t group (uint32_t m, const NodeBox& box)
  *      a group of the last level, of kinds that have groups; returns its word
+ *    void fourGroups (uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
+ *      four of them, children of one node, whose words it writes
  *    void leaf (uint32_t m, const NodeBox& box)
  *      a leaf of the others
  *    void finish ()
@@ -76,8 +78,13 @@ namespace embree
         uint32_t& word = nodes[nodesOfLevels(level)+m];
         if (level+1 == nodeLevels && hasGroups(uint32_t(kind))) { word = leaves.group(m,box); return; }
         word = encodeNode(box,&geometry.boxOf(level+1,4*m));
+        const NodeBoxes boxes(word,box);
+        if (level+2 == nodeLevels && hasGroups(uint32_t(kind))) {
+          leaves.fourGroups(4*m,boxes,nodes+nodesOfLevels(level+1)+4*m);
+          return;
+        }
         for (uint32_t c=0; c<4; c++)
-          encodeNodes(leaves,nodes,nodeLevels,level+1,4*m+c,decodeChild(word,int(c),box));
+          encodeNodes(leaves,nodes,nodeLevels,level+1,4*m+c,boxes[c]);
       }
 
       Kind kind;

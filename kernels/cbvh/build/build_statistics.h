@@ -62,7 +62,10 @@ namespace embree
       }
 
       /*! own: as its face evaluates it */
-      void addVertex (const float own[3], const float stored[3]) { deviation2 = std::max(deviation2,distance2(own,stored)); }
+      void addVertex (const float own[3], const float stored[3]) { addDeviation(distance2(own,stored)); }
+
+      /*! square of how far a vertex is moved */
+      void addDeviation (float square) { deviation2 = std::max(deviation2,square); }
 
       /*! shared: as the face evaluates it that owns it */
       void addBorderVertex (const float own[3], const float shared[3], const float stored[3])

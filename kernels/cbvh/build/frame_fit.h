@@ -168,26 +168,42 @@ namespace embree
       return std::fabs(dot(row[0],cross(row[1],row[2]))) > 1e-6*length(row[0])*length(row[1])*length(row[2]);
     }
 
+    /*! X, Y, Z and W of a map in lanes 0 to 3 */
+    struct MapLanes
+    {
+      Double4 x, y, z, d;
+
+      explicit MapLanes(const FrameMap& m)
+        : x(m.X.n.x,m.Y.n.x,m.Z.n.x,m.W.n.x), y(m.X.n.y,m.Y.n.y,m.Z.n.y,m.W.n.y), z(m.X.n.z,m.Y.n.z,m.Z.n.z,m.W.n.z), d(m.X.d,m.Y.d,m.Z.d,m.W.d) {}
+
+      Double4 operator()(const Double3& p) const { return x*p.x + y*p.y + z*p.z + d; }
+    };
+
     /*! what a map does to the vertices of a block */
     struct MappedVertices
     {
-      double lower[3] = { DBL_MAX,DBL_MAX,DBL_MAX }, upper[3] = { -DBL_MAX,-DBL_MAX,-DBL_MAX };
-      double minW = DBL_MAX, maxW = -DBL_MAX;
-      double worldExtent = 0; //!< of the vertices, on their longest axis, at most
+      double lower[4], upper[4]; //!< x, y, z; only where W is good
+      double minW, maxW;
+      double worldExtent;        //!< of the vertices, on their longest axis, at most
 
-      /*! vertices: world positions relative to an origin, at least 1 */
-      MappedVertices(const FrameMap& map, const Double3* vertices, size_t count)
+      /*! vertices: world positions relative to an origin, at least 1; farthest: their largest coordinate */
+      MappedVertices(const FrameMap& map, const Double3* vertices, size_t count, double farthest) : worldExtent(2*farthest)
       {
+        const MapLanes lanes(map);
+        Double4 least = DBL_MAX, most = -DBL_MAX, low = DBL_MAX, high = -DBL_MAX;
+        uint32_t positive = ~0u;
         for (size_t i=0; i<count; i++)
         {
-          const Double3& v = vertices[i];
-          const double w = map.W(v);
-          minW = minimum(minW,w); maxW = maximum(maxW,w);
-          if (!(w > 0)) return;
-          const double l[3] = { map.X(v)/w, map.Y(v)/w, map.Z(v)/w };
-          for (int k=0; k<3; k++) { lower[k] = minimum(lower[k],l[k]); upper[k] = maximum(upper[k],l[k]); }
-          worldExtent = maximum(worldExtent,2*maximum(std::fabs(v.x),maximum(std::fabs(v.y),std::fabs(v.z))));
+          const Double4 h = lanes(vertices[i]), l = h/broadcast<3>(h);
+          positive &= (Double4(0.0) < h).bits();
+          least = min(h,least); most = max(h,most);
+          low = min(l,low); high = max(l,high);
         }
+        double w[2][4];
+        least.store(w[0]); most.store(w[1]);
+        minW = positive & 8 ? w[0][3] : -1;
+        maxW = w[1][3];
+        low.store(lower); high.store(upper);
       }
 
       bool hasGoodW() const { return minW > 0 && maxW <= maxWRatio*minW; }
@@ -231,19 +247,21 @@ namespace embree
 
     /*! largest distance of the vertices from the centre of the box, axis by axis; false where
      *  W or that is not a number */
-    inline bool farthest(const Frame& frame, const Double3& centre, const Double3* vertices, size_t count, double reach[3])
+    inline bool reachOf(const Frame& frame, const Double3& centre, const Double3* vertices, size_t count, double reach[3])
     {
-      for (int k=0; k<3; k++) reach[k] = 0;
+      const FrameLanes lanes(frame.columns);
+      Double4 farthest = 0.0;
+      uint32_t positive = ~0u;
       for (size_t i=0; i<count; i++)
       {
-        double l[4] = { 0.5,0.5,0.5,1.0 };
-        const double d[3] = { vertices[i].x-centre.x, vertices[i].y-centre.y, vertices[i].z-centre.z };
-        for (int j=0; j<3; j++)
-          for (int k=0; k<4; k++) l[k] += double(frame.columns[j][k])*d[j];
-        if (!(l[3] > 0)) return false;
-        for (int k=0; k<3; k++) reach[k] = maximum(reach[k],std::fabs(l[k]/l[3]-0.5));
+        const Double4 h = lanes(vertices[i]-centre);
+        positive &= (Double4(0.0) < h).bits();
+        farthest = max(abs(h/broadcast<3>(h)-0.5),farthest);
       }
-      return std::isfinite(reach[0]) && std::isfinite(reach[1]) && std::isfinite(reach[2]);
+      double far[4];
+      farthest.store(far);
+      for (int k=0; k<3; k++) reach[k] = far[k];
+      return positive & 8 && std::isfinite(reach[0]) && std::isfinite(reach[1]) && std::isfinite(reach[2]);
     }
 
     /*! Rounds a map to the floats that a frame stores. Rounding moves the centre: it is pinned
@@ -263,7 +281,7 @@ namespace embree
           frame.columns[2][k] = float(rows[k].z);
         }
         double reach[3]; // from the centre
-        if (!farthest(frame,rounded,vertices,count,reach)) return false;
+        if (!reachOf(frame,rounded,vertices,count,reach)) return false;
         bool inside = true;
         for (int k=0; k<3; k++) {
           if (reach[k] <= 0.5 - 0.5*frameMargin) continue;
@@ -279,10 +297,11 @@ namespace embree
 
     /*! Scales a map so that its vertices fill the box and rounds it to the stored
      *  floats; false if W gets out of bounds.
-     *  vertices: world positions relative to origin, count of them at least 1. */
-    inline bool fitBox(FrameMap map, const Double3& origin, const Double3* vertices, size_t count, Frame& frame)
+     *  vertices: world positions relative to origin, count of them at least 1; farthest: their
+     *  largest coordinate. */
+    inline bool fitBox(FrameMap map, const Double3& origin, const Double3* vertices, size_t count, double farthest, Frame& frame)
     {
-      MappedVertices mapped(map,vertices,count);
+      MappedVertices mapped(map,vertices,count,farthest);
       if (!mapped.hasGoodW()) return false;
       frame.degenerate = fillBox(map,origin,mapped);
       frame.projective = map.projective;
@@ -309,19 +328,30 @@ namespace embree
       auto relative = [&](const float p[3]) { return Double3{ p[0]-origin.x, p[1]-origin.y, p[2]-origin.z }; };
       Double3 p[4];
       for (int i=0; i<4; i++) p[i] = relative(corners[i]);
-      for (size_t i=0; i<count; i++) scratch[i] = relative(vertices[i]);
+      const Double4 from(origin.x,origin.y,origin.z,0.0);
+      Double4 distance = 0.0;
+      for (size_t i=0; i<count; i++)
+      {
+        const Double4 d = Double4(loadVertex(vertices,i,count))-from;
+        distance = max(distance,abs(d));
+        if (i+1 < count) d.store(&scratch[i].x); // and what the next one overwrites
+        else scratch[i] = relative(vertices[i]);
+      }
+      double far[4];
+      distance.store(far);
+      const double farthest = maximum(far[0],maximum(far[1],far[2]));
 
       const CornerPlane plane = fitPlane(p);
       FrameMap map;
-      if (fitProjective(p,plane,map) && fitBox(map,origin,scratch,count,frame)) return true;
+      if (fitProjective(p,plane,map) && fitBox(map,origin,scratch,count,farthest,frame)) return true;
       fitAffine(p,plane,map);
-      if (fitBox(map,origin,scratch,count,frame)) return true;
+      if (fitBox(map,origin,scratch,count,farthest,frame)) return true;
 
       /* axes of a sliver: a rectangle in the same plane always works */
       map.X = Form{ plane.e1, 0 };
       map.Y = Form{ plane.e2, 0 };
       map.Z = Form{ plane.n, 0 };
-      return fitBox(map,origin,scratch,count,frame);
+      return fitBox(map,origin,scratch,count,farthest,frame);
     }
   }}
 }

@@ -7,6 +7,7 @@
  * encoding, and for whoever wants to know where in the world a box is. */
 
 #include "../codec/block.h"
+#include "lanes.h"
 #include <cmath>
 
 namespace embree
@@ -52,7 +53,19 @@ namespace embree
       bool projective;
     };
 
-    /*! stored frame, and what it does to a point; double, for the encoder */
+    /*! what the columns of a frame do to a point relative to its centre: X, Y, Z and W in lanes 0 to 3 */
+    struct FrameLanes
+    {
+      Double4 columns[3];
+
+      explicit FrameLanes(const float c[3][4]) : columns{ Float4::load(c[0]),Float4::load(c[1]),Float4::load(c[2]) } {}
+
+      Double4 operator()(const Double3& d) const {
+        return Double4(0.5,0.5,0.5,1.0) + columns[0]*d.x + columns[1]*d.y + columns[2]*d.z;
+      }
+    };
+
+    /*! stored frame; double, for the encoder */
     struct Frame
     {
       float centre[3];
@@ -62,12 +75,16 @@ namespace embree
 
       void transform(const float p[3], double local[3]) const
       {
-        double h[4] = { 0.5, 0.5, 0.5, 1.0 };
-        for (int i=0; i<3; i++) {
-          const double d = double(p[i]) - double(centre[i]);
-          for (int k=0; k<4; k++) h[k] += double(columns[i][k])*d;
-        }
-        for (int k=0; k<3; k++) local[k] = h[k]/h[3];
+        double l[4];
+        transform(FrameLanes(columns),p).store(l);
+        for (int k=0; k<3; k++) local[k] = l[k];
+      }
+
+      /*! x, y and z in lanes 0 to 2; lanes: of the columns */
+      Double4 transform(const FrameLanes& lanes, const float p[3]) const
+      {
+        const Double4 h = lanes({ double(p[0])-double(centre[0]), double(p[1])-double(centre[1]), double(p[2])-double(centre[2]) });
+        return h/broadcast<3>(h);
       }
     };
 

@@ -177,17 +177,22 @@ namespace embree
     };
 
     /*! Raises the heights of one side of a group until the surface is nowhere below the edges
-     *  there, by a slack; false if that takes too much. */
-    inline bool raiseSide(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
+     *  there, by a slack: first each at its vertex, */
+    inline void raiseToVertices(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
+    {
+      for (int v : side.vertex) {
+        const double* p = group.vertices[v];
+        lattice.raise(v,slack + p[2] - lattice.surface.at(lattice.surface.find(p[0],p[1])));
+      }
+    }
+
+    /*! then all together; false if that takes too much */
+    inline bool raiseToEdges(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
       /* in turns, as a height that was raised raises what is beside it too; edges that bulge over
        * their vertices by more than a few bins are better loose */
       const int maxTurns = 4;
       const double maxRaise = 4*lattice.bins.size;
-      for (int v : side.vertex) {
-        const double* p = group.vertices[v];
-        lattice.raise(v,slack + p[2] - lattice.surface.at(lattice.surface.find(p[0],p[1])));
-      }
       for (int turn=0; ; turn++) {
         const double below = slack - side.distance(lattice.surface,group).lower;
         if (below <= 0) return true;
@@ -214,7 +219,9 @@ namespace embree
       uint64_t bits = 0;
       for (int v=0; v<9; v++)
         if (v != 4) bits |= uint64_t(heights[v]) << (8*latticeByte(v));
-      for (int i=0; i<7; i++) bits |= uint64_t((heights[4] >> i) & 1) << (8*i+7);
+      /* its copies, 7 bits apart, do not overlap, and bit i of copy i is bit 8i+7 */
+      const uint64_t copies = 0x0002040810204081u << 7;
+      bits |= uint64_t(heights[4])*copies & 0x0080808080808080u;
       return { uint32_t(bits), uint32_t(bits >> 32) };
     }
 
@@ -236,7 +243,12 @@ namespace embree
       const double slopes[2] = { lattice.surface.steepest(0),lattice.surface.steepest(1) }, slack = group.slack(slopes);
       for (int axis=0; axis<2; axis++)
         for (int upper=0; upper<2; upper++)
-          if (group.border[axis][upper] && !raiseSide(lattice,group,GroupLine(axis,2*upper),slack)) return false;
+        {
+          if (!group.border[axis][upper]) continue;
+          const GroupLine side(axis,2*upper);
+          raiseToVertices(lattice,group,side,slack);
+          if (!raiseToEdges(lattice,group,side,slack)) return false;
+        }
 
       const uint32_t thickness = encodeLatticeThickness(lattice,group,slack);
       if (thickness == 4) return false;

@@ -7,7 +7,7 @@
 
 #include "block_geometry.h"
 #include "group_encoder.h"
-#include "leaf_thickness.h"
+#include "leaf_lanes.h"
 
 namespace embree
 {
@@ -24,16 +24,46 @@ namespace embree
       uint32_t group(uint32_t m, const NodeBox& box)
       {
         const QuadGroup quads = quadsOf(m);
-        const EncodedGroup encoded = encodeGroup(box,quads);
-        groups[m] = encoded.heights;
-        borderWidth = std::max(borderWidth,encoded.borderWidth);
-        for (int c=0; c<4; c++) {
-          const LeafPatch leaf = decodeLeaf(encoded.word,encoded.heights,c,box);
-          if (leaf.empty) continue;
-          addLeaf(leaf,4*m+c,isLoose(encoded.heights));
-          addSharpEdges(quads,c,leaf.box);
+        return add(m,quads,encodeGroup(box,quads),box);
+      }
+
+      /*! the same of groups m to m+3, children of one node */
+      void fourGroups(uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
+      {
+        if (!geometry.isWhole()) {
+          for (uint32_t c=0; c<4; c++) words[c] = group(m+c,boxes[c]);
+          return;
         }
-        return encoded.word;
+        const GroupLanes lanes(geometry,m);
+        LatticeLanes lattices(boxes,lanes);
+        lattices.encode();
+        if (lattices.encoded)
+        {
+          lattices.store(words,groups+m);
+          const LeafLanes leaves(geometry,m,boxes,lanes,lattices);
+          borderWidth = std::max(borderWidth,leaves.borderWidth(lattices.encoded));
+          for (int quad=0; quad<4; quad++)
+          {
+            const uint32_t good = lattices.encoded & leaves.good(quad,statistics.maxThickness);
+            for (uint32_t c=0; c<4; c++) statistics.fit.quads += good >> c & 1;
+            for (uint32_t rest = lattices.encoded & ~good; rest; rest &= rest-1) {
+              const uint32_t c = lowestBit(rest);
+              addLeaf(decodeLeaf(words[c],groups[m+c],quad,boxes[c]),4*(m+c)+quad,false);
+            }
+          }
+          if (sharpSides)
+            for (uint32_t c=0; c<4; c++)
+              if (lattices.encoded >> c & 1) addSharpEdges(m+c,words[c],boxes[c]);
+        }
+        for (uint32_t c=0; c<4; c++)
+        {
+          if (lattices.encoded >> c & 1) continue;
+          const QuadGroup quads = quadsOf(m+c);
+          EncodedGroup encoded;
+          if (!(lattices.undecided >> c & 1) || !encodeLattice(boxes[c],quads,encoded)) encoded = encodeLoose(boxes[c],quads);
+          encoded.borderWidth = cbvh::borderWidth(quads,encoded,boxes[c]);
+          words[c] = add(m+c,quads,encoded,boxes[c]);
+        }
       }
 
       void leaf(uint32_t, const NodeBox&) {}
@@ -49,6 +79,26 @@ namespace embree
       }
 
     private:
+      /*! keeps an encoded group, and tells of its leaves; returns its word */
+      uint32_t add(uint32_t m, const QuadGroup& quads, const EncodedGroup& encoded, const NodeBox& box)
+      {
+        groups[m] = encoded.heights;
+        borderWidth = std::max(borderWidth,encoded.borderWidth);
+        for (int c=0; c<4; c++) {
+          const LeafPatch leaf = decodeLeaf(encoded.word,encoded.heights,c,box);
+          if (leaf.empty) continue;
+          addLeaf(leaf,4*m+c,isLoose(encoded.heights));
+          addSharpEdges(quads,c,leaf.box);
+        }
+        return encoded.word;
+      }
+
+      void addSharpEdges(uint32_t m, uint32_t word, const NodeBox& box)
+      {
+        const QuadGroup quads = quadsOf(m);
+        for (int c=0; c<4; c++) addSharpEdges(quads,c,decodeLeaf(word,groups[m],c,box).box);
+      }
+
       QuadGroup quadsOf(uint32_t m) const
       {
         QuadGroup group;

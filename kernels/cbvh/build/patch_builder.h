@@ -77,13 +77,18 @@ namespace embree
         const SubdivPatch1Base base = patch.make(plan.mesh,plan.geomID,face);
         evaluate(base,face,patch,tiling);
         /* a node has no code for a child without surface: where quads are left out, leaves say so */
-        const bool hasHoles = !grid.isFinite();
+        float lower[3], upper[3];
+        const bool hasHoles = !grid.bound(lower,upper);
         const cbvh::Kind kind = hasHoles && !cbvh::describe(plan.kind()).takesHoles ? kindForHoles : plan.kind();
         const uint32_t sharpSides = sharpSidesOf(plan.mesh,face,patch);
         const size_t count = tiling.size(), stride = cbvh::blockLayout(uint32_t(kind),tiling.height).stride;
         encoded.resize(count*stride/sizeof(Vec3fa));
         cbvh::BuildStatistics ofPatch;
         cbvh::WorldBounds hitBoundsOfPatch;
+        if (!hasHoles) { /* what is in the bounds of the vertices need not be looked at */
+          hitBoundsOfPatch.extend(lower[0],lower[1],lower[2]);
+          hitBoundsOfPatch.extend(upper[0],upper[1],upper[2]);
+        }
         fit = cbvh::LeafFit();
         const size_t quads = size_t(tiling.quadsX())*size_t(tiling.quadsY());
         const size_t edges = 4*(size_t(tiling.quadsX())+size_t(tiling.quadsY())); // two of each quad on the border, where it is cut into leaves
@@ -234,6 +239,7 @@ namespace embree
         }
 
         cbvh::BlockStatistics blockStatistics;
+        blockStatistics.maxThickness = statistics.sums.maxLeafThickness; // leaves that are no thicker need no look
         encoder.encode(block,e.x,e.y,blockStatistics,e.sharpSides);
         block->geomID = patch.geomID();
         block->primID = patch.primID();

@@ -97,12 +97,23 @@ namespace embree
       float (*undisplaced ())[3] { return (float(*)[3])interleaved.data(); }
       float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }
 
-      /*! whether displacement left every coordinate finite */
-      bool isFinite ()
+      /*! bounds of the displaced vertices; false if one is not finite */
+      bool bound (float lower[3], float upper[3])
       {
-        for (size_t i=0; i<count; i++)
-          if (!cbvh::isFinite(displaced()[i])) return false;
-        return true;
+        const float (*const p)[3] = displaced();
+        cbvh::Float4 low = cbvh::maxCoordinate, high = -cbvh::maxCoordinate;
+        uint32_t finite = 7;
+        for (size_t i=0; i<count; i++) {
+          const cbvh::Float4 v = cbvh::loadVertex(p,i,count);
+          finite &= lanesBelow(abs(v),cbvh::maxCoordinate);
+          low = min(low,v);
+          high = max(high,v);
+        }
+        float bounds[2][4];
+        low.store(bounds[0]);
+        high.store(bounds[1]);
+        for (int k=0; k<3; k++) { lower[k] = bounds[0][k]; upper[k] = bounds[1][k]; }
+        return finite == 7;
       }
 
       size_t width = 0, height = 0; //!< in vertices

@@ -11,6 +11,7 @@
 #include "../codec/primitive_type.h"
 #include "build_statistics.h"
 #include "shared_border.h"
+#include "snapped_vertices.h"
 #include "vert_encoder.h"
 
 namespace embree
@@ -105,12 +106,16 @@ namespace embree
         memcpy(grid.undisplaced(),p,grid.width*grid.height*sizeof(*p)); // as the face evaluates them
         const float (*own)[3] = grid.undisplaced();
         for (size_t y=1; y<grid.height-1; y++)
-          for (size_t x=1; x<grid.width-1; x++)
+        {
+          size_t i = y*grid.width + 1;
+          const size_t end = i + grid.width-2;
+          for (; i+4 <= end; i+=4) statistics.addDeviation(cbvh::snapFour(lattice,own+i,p+i));
+          for (; i<end; i++)
           {
-            const size_t i = y*grid.width + x;
             for (int k=0; k<3; k++) p[i][k] = lattice.snap(own[i][k]);
             statistics.addVertex(own[i],p[i]);
           }
+        }
         float rate[4];
         shareBorder(shared,face,patch,tiling.quadsX(),tiling.quadsY(),own,p,rate,[&](const float mine[3], const float position[3], const float stored[3]) {
             statistics.addBorderVertex(mine,position,stored);
@@ -123,11 +128,15 @@ namespace embree
       {
         size_t n = 0;
         for (size_t y=0; y+1<grid.height; y++)
-          for (size_t x=0; x+1<grid.width; x++)
+        {
+          size_t x = 0;
+          for (; x+4 < grid.width; x+=4) n += cbvh::countFlippedOfFour(own+y*grid.width+x,stored+y*grid.width+x,grid.width);
+          for (; x+1<grid.width; x++)
           {
             const size_t a = y*grid.width + x, b = a+1, c = a+grid.width, d = c+1;
             n += isFlipped(own,stored,a,b,c) || isFlipped(own,stored,b,d,c);
           }
+        }
         return n;
       }
 

@@ -65,6 +65,11 @@ namespace embree
         if (!(std::fabs(x) < limit)) return x;
         return float(_mm_cvtss_si32(_mm_set_ss(x*reciprocal)))*spacing;
       }
+      Float4 snap (Float4 x) const
+      {
+        const Float4 snapped = Float4(_mm_cvtepi32_ps(_mm_cvtps_epi32((x*reciprocal).v)))*spacing;
+        return select(below(abs(x),limit),snapped,x);
+      }
     };
 
     /*! Largest power of two that is not above a spacing, but not so fine that the largest

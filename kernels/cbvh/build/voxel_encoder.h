@@ -16,6 +16,7 @@ namespace embree
     public:
       VoxelEncoder(const BlockGeometry& geometry, Block*, BlockStatistics& statistics) : geometry(geometry), statistics(statistics) {}
 
+      void fourGroups(uint32_t, const NodeBoxes&, uint32_t*) {}
       uint32_t group(uint32_t, const NodeBox&) { return 0; }
 
       void leaf(uint32_t m, const NodeBox& box) {

@@ -1,0 +1,431 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The encoder of lattices (lattice_encoder.h) for four groups at a time: the same operations in the
+ * same order, so the same bits. It knows regular groups, whose vertices are each in the cell on
+ * their own side of the middle planes, but for those of the middle column and row:
+ *
+ *    6 .   7   . 8      6 is in cell 2, 7 in 2 or 3, 4 in any.
+ *      .       .        Then all positions in cells are from 0 to 1.
+ *    3     4     5
+ *      .       .
+ *    0 .   1   . 2
+ *
+ * How far the edges are from the surface is not computed to the bit but between two bounds. Where
+ * these do not tell the same, and for groups that are not regular, the other encoder has to. */
+
+#include "group_lanes.h"
+#include "lattice_encoder.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    class LatticeLanes
+    {
+    public:
+      uint32_t encoded = 15;   //!< lanes that have a lattice
+      uint32_t undecided = 0;  //!< lanes that the other encoder has to look at
+
+      LatticeLanes(const NodeBoxes& parents, const GroupLanes& groups)
+        : parents(parents), groups(groups),
+          lower(Float4::load(parents.lower[2]) - Float4(0.5f*(latticeRange-1.0f))*Float4::load(parents.extent[2])),
+          size(Float4::load(parents.extent[2])*(latticeRange/float(latticeBins))) {}
+
+      void encode()
+      {
+        for (int axis=0; axis<2; axis++) encodePlanes(axis);
+        if (encoded == 0) return;
+        findCells();
+        if (encoded == 0) return;
+        fit();
+        for (int v=0; v<9; v++) set(v,(z[v]-lower)/size);
+        const Double4 slack = slackOf();
+        raise<0,0>(slack);
+        raise<0,1>(slack);
+        raise<1,0>(slack);
+        raise<1,1>(slack);
+        if (encoded) encodeThickness(slack);
+      }
+
+      void store(uint32_t words[4], Heights out[4]) const
+      {
+        const Int4* const h = heights;
+        Int4 low  = h[0] | (h[1] << 8) | (h[2] << 16) | (h[3] << 24), high = h[5] | (h[6] << 8) | (h[7] << 16) | (h[8] << 24);
+        for (int i=0; i<7; i++) {
+          Int4& half = i < 4 ? low : high;
+          half = half | ((h[4] >> i << 31) >> (24-8*(i%4)));
+        }
+        word.store(words);
+        uint32_t halves[2][4];
+        low.store(halves[0]);
+        high.store(halves[1]);
+        for (int lane=0; lane<4; lane++) out[lane] = { halves[0][lane],halves[1][lane] };
+      }
+
+      Double4 plane(int axis, int i) const { return planes[axis][i]; }
+      Double4 reciprocalWidth(int axis, int i) const { return reciprocal[axis][i]; }
+      Double4 height(int v) const { return z[v]; }
+      Double4 thickness() const { return thick; }
+
+    private:
+      /*! highest code, up to 31, for which closure(latticeOuter) holds, which it does for all below; or 0 */
+      template<typename Closure>
+      static Int4 highest(const Closure& closure)
+      {
+        Int4 q = 0;
+        for (int bit=16; bit; bit/=2) {
+          const Int4 more = q | Int4(bit);
+          q = q | (closure(toFloat((more << 2) + (square(more) >> 2))*(1.0f/1024.0f)) & Int4(bit));
+        }
+        return q;
+      }
+
+      /*! as encodeLatticePlanes() */
+      void encodePlanes(int axis)
+      {
+        const int along = axis == 0 ? 1 : 3, across = axis == 0 ? 3 : 1;
+        const Float4 l = Float4::load(parents.lower[axis]), e = Float4::load(parents.extent[axis]);
+        const Double4 below = groups.lower[axis]-containmentSlack, above = groups.upper[axis]+containmentSlack;
+        const Int4 low  = highest([&](Float4 outer) { return Double4(l + outer*e) <= below; });
+        const Int4 high = highest([&](Float4 outer) { return above <= Double4(l + (Float4(1.0f)-outer)*e); });
+        auto third = [&](int i) { return groups.vertices[along+i*across][axis]*(1.0/3); };
+        const Double4 mean = third(0)+third(1)+third(2);
+        const Double4 middle = ((mean-l)/e*128.0 - 33.0)*0.5 + 0.5;
+        const Int4 m = toInt(min(max(middle,0.0),31.0));
+        const Int4 code = low | (high << 5) | (m << 10);
+        word = axis == 0 ? code : word | (code << latticeShift(1));
+
+        auto outer = [](Int4 q) { return toFloat((q << 2) + (square(q) >> 2))*(1.0f/1024.0f); };
+        Double4* const p = planes[axis];
+        p[0] = l + outer(low)*e;
+        p[1] = l + toFloat(Int4(33) + (m << 1))*(1.0f/128.0f)*e;
+        p[2] = l + (Float4(1.0f)-outer(high))*e;
+        for (int i=0; i<2; i++) { width[axis][i] = p[i+1]-p[i]; reciprocal[axis][i] = Double4(1.0)/width[axis][i]; }
+        const Double4 narrowest = (p[2]-p[0])*minCellWidth;
+        encoded &= ((narrowest < width[axis][0]) & (narrowest < width[axis][1])).bits();
+        for (int i=0; i<3; i++) {
+          encoded &= ~(groups.border[axis][0] & (p[1]-containmentSlack-groups.rounding[axis] < groups.vertices[i*across][axis]).bits());
+          encoded &= ~(groups.border[axis][1] & (groups.vertices[2*along+i*across][axis] < p[1]+containmentSlack+groups.rounding[axis]).bits());
+        }
+      }
+
+      /*! columns and rows of the vertices, and positions there */
+      void findCells()
+      {
+        uint32_t irregular = 0;
+        for (int axis=0; axis<2; axis++)
+          for (int v=0; v<9; v++)
+          {
+            const int place = axis == 0 ? v%3 : v/3; // along the axis
+            const Double4 x = groups.vertices[v][axis];
+            const Mask4 isUpper = planes[axis][1] <= x;
+            if (place == 1) upper[axis][axis == 0 ? v/3 : v%3] = isUpper;
+            else irregular |= isUpper.bits() ^ (place == 2 ? 15 : 0);
+            at[v][axis] = place == 0 ? (x-planes[axis][0])/width[axis][0]
+                        : place == 2 ? (x-planes[axis][1])/width[axis][1]
+                        : (x-select(isUpper,planes[axis][1],planes[axis][0]))/select(isUpper,width[axis][1],width[axis][0]);
+          }
+        undecided = irregular & encoded;
+        encoded &= ~irregular;
+      }
+
+      /*! height at a corner, (dx,dy), of the cell of vertex v */
+      template<int v, int dx, int dy>
+      Double4 corner() const
+      {
+        auto row = [&](int j) { return v%3 == 1 ? select(upper[0][v/3],z[3*j+dx+1],z[3*j+dx]) : z[3*j+dx+v%3/2]; };
+        return v/3 == 1 ? select(upper[1][v%3],row(dy+1),row(dy)) : row(dy+v/3/2);
+      }
+
+      /*! height of the surface at vertex v */
+      template<int v>
+      Double4 surface() const
+      {
+        const Double4 a = corner<v,0,0>(), b = corner<v,1,0>(), c = corner<v,0,1>(), d = corner<v,1,1>();
+        return a + at[v][0]*(b-a) + at[v][1]*(c-a) + at[v][0]*at[v][1]*(a-b-c+d);
+      }
+
+      template<int v>
+      void moveToVertex(Mask4 active, Double4& worst)
+      {
+        const Double4 off = active & (groups.vertices[v][2]-surface<v>());
+        z[v] = z[v]+off;
+        worst = max(worst,abs(off));
+      }
+
+      /*! as fitLattice() */
+      void fit()
+      {
+        for (int v=0; v<9; v++) z[v] = groups.vertices[v][2];
+        const Double4 tolerance = Double4(size)*fitTolerance;
+        uint32_t active = encoded;
+        for (int turn=0; turn<maxFitTurns && active; turn++)
+        {
+          const Mask4 mask = maskOf(active);
+          Double4 worst = 0.0;
+          moveToVertex<0>(mask,worst); moveToVertex<1>(mask,worst); moveToVertex<2>(mask,worst);
+          moveToVertex<3>(mask,worst); moveToVertex<4>(mask,worst); moveToVertex<5>(mask,worst);
+          moveToVertex<6>(mask,worst); moveToVertex<7>(mask,worst); moveToVertex<8>(mask,worst);
+          active &= (tolerance < worst).bits();
+        }
+      }
+
+      /*! height v becomes that of bin q, rounded down */
+      void set(int v, Double4 q)
+      {
+        heights[v] = toInt(min(max(q,0.0),double(latticeBins-1)));
+        z[v] = lower + (toFloat(heights[v])+0.5f)*size;
+      }
+
+      Double4 slackOf() const
+      {
+        Double4 slope[2];
+        for (int axis=0; axis<2; axis++)
+        {
+          Double4 rise[2] = { 0.0,0.0 }; // largest of the cells on both sides
+          for (int line=0; line<3; line++)
+            for (int i=0; i<2; i++) {
+              const int v = axis == 0 ? i+3*line : line+3*i;
+              rise[i] = max(rise[i],abs(z[v+(axis == 0 ? 1 : 3)]-z[v]));
+            }
+          slope[axis] = max(rise[0]/width[axis][0],rise[1]/width[axis][1]);
+        }
+        return Double4(containmentSlack + groups.rounding[2]) + slope[0]*groups.rounding[0] + slope[1]*groups.rounding[1];
+      }
+
+      /*! point where the straight edge from vertex a to b crosses the middle plane of an axis */
+      struct Crossing
+      {
+        Double4 t, across, z; //!< part of the edge, position along the other axis
+
+        Crossing(const LatticeLanes& l, int axis, const Double4 a[3], const Double4 b[3])
+        {
+          t = (l.planes[axis][1]-a[axis])/(b[axis]-a[axis]);
+          across = a[1-axis] + t*(b[1-axis]-a[1-axis]);
+          z = a[2] + t*(b[2]-a[2]);
+        }
+      };
+
+      /*! distance in z of the surface from a point on the middle plane of an axis, which is in these cells along
+       *  the other one */
+      Double4 distance(const Crossing& p, int axis, Mask4 isUpper) const
+      {
+        const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // of the heights over the plane
+        const Double4 from = select(isUpper,z[first+step],z[first]), to = select(isUpper,z[first+2*step],z[first+step]);
+        const Double4 u = (p.across-select(isUpper,planes[other][1],planes[other][0]))*select(isUpper,reciprocal[other][1],reciprocal[other][0]);
+        return from + u*(to-from) - p.z;
+      }
+
+      /*! How far the surface is above the two edges of a row or column, at least and at most: the true range
+       *  is between those from ...[0] and from ...[1], which differ in the middle rows and columns only. */
+      struct Range4
+      {
+        Double4 lowest[2] = { 1e300,1e300 }, highest[2] = { -1e300,-1e300 };
+
+        void add(Double4 low, Double4 high, int bound) {
+          lowest[bound] = min(lowest[bound],low);
+          highest[bound] = max(highest[bound],high);
+        }
+      };
+
+      /*! Of a row (axis 1) or column (axis 0), 0 to 2. Its edges cross the middle plane in one point x, before or
+       *  behind vertex b: three pieces. A piece is off its chord by its sag.
+       *
+       *    a-----x--b--------c    the plane is at x        */
+      template<int axis, int line>
+      Range4 rangeOf() const
+      {
+        constexpr int along = 1-axis, step = axis == 0 ? 3 : 1, v = axis == 0 ? line : 3*line;
+        const Double4 *const a = groups.vertices[v], *const b = groups.vertices[v+step], *const c = groups.vertices[v+2*step];
+        const Double4 da = off[v], db = off[v+step], dc = off[v+2*step];
+        Range4 range;
+
+        const Mask4 first = upper[along][line]; // whether x is before b
+        Double4 from[3], to[3];
+        for (int k=0; k<3; k++) { from[k] = select(first,a[k],b[k]); to[k] = select(first,b[k],c[k]); }
+        const Crossing x(*this,along,from,to);
+        const Double4 dx = distance(x,along,line == 0 ? maskOf(0) : line == 2 ? maskOf(15) : planes[axis][1] <= x.across);
+
+        /* products of what the pieces go along both axes */
+        const Double4 t2 = x.t*x.t, rest2 = (1.0-x.t)*(1.0-x.t);
+        const Double4 ab = (b[0]-a[0])*(b[1]-a[1]), bc = (c[0]-b[0])*(c[1]-b[1]);
+        const Double4 piece[3] = { ab*select(first,t2,1.0),select(first,ab*rest2,bc*t2),bc*select(first,1.0,rest2) };
+        const Double4 ends[4] = { da,select(first,dx,db),select(first,db,dx),dc };
+        Double4 largest = 0.0;
+        auto cell = [&](int i, int j) { return bend[axis == 1 ? i+2*j : j+2*i]; };
+        for (int i=0; i<3; i++)
+        {
+          const Double4 low = min(ends[i],ends[i+1]), high = max(ends[i],ends[i+1]);
+          auto factor = [&](int j) { return i == 0 ? cell(0,j) : i == 2 ? cell(1,j) : select(first,cell(1,j),cell(0,j)); };
+          if (line != 1) {
+            const Double4 sag = piece[i]*factor(line/2);
+            for (int bound=0; bound<2; bound++) range.add(low+min(sag,0.0),high+max(sag,0.0),bound);
+          }
+          else {
+            const Double4 sag = abs(piece[i])*max(abs(factor(0)),abs(factor(1)));
+            range.add(low,high,0);
+            range.add(low-sag,high+sag,1);
+            largest = max(largest,sag);
+          }
+        }
+        /* these edges may cross the other plane, too; parts of pieces have less sag */
+        if (line == 1)
+          for (int i=0; i<2; i++) {
+            const Crossing y(*this,axis,i == 0 ? a : b,i == 0 ? b : c);
+            const Mask4 crosses = maskOf(upper[axis][i].bits() ^ upper[axis][i+1].bits());
+            const Double4 dy = select(crosses,distance(y,axis,planes[along][1] <= y.across),db);
+            range.add(dy,dy,0);
+            range.add(dy-largest,dy+largest,1);
+          }
+        return range;
+      }
+
+      /*! distance of the surface above a vertex */
+      template<int v>
+      void measure() { off[v] = surface<v>()-groups.vertices[v][2]; }
+
+      void measureBends()
+      {
+        for (int i=0; i<4; i++) {
+          const Double4* const h = z + i%2 + 3*(i/2);
+          bend[i] = -0.25*(h[0]-h[1]-h[3]+h[4])*reciprocal[0][i%2]*reciprocal[1][i/2];
+        }
+      }
+
+      /*! Bounds have to be apart by more than this from what they are compared with. Positions in cells, which are
+       *  at least 2^-23 wide, are off by less than 2^-25, and heights by that part of 128 bins. */
+      Double4 margin() const { return Double4(size)*(1.0/8192); }
+
+      template<int v>
+      void raiseToVertex(Mask4 lanes, Double4 slack)
+      {
+        const Double4 below = slack + groups.vertices[v][2] - surface<v>();
+        const Double4 bins = min(below/size,double(latticeBins)), down = toDouble(toInt(bins)), up = down + ((down < bins) & Double4(1.0));
+        set(v,toDouble(heights[v]) + ((lanes & (Double4(0.0) < below)) & up));
+      }
+
+      /*! as raiseToVertices() and raiseToEdges() */
+      template<int axis, int upper>
+      void raise(Double4 slack)
+      {
+        const uint32_t lanes = groups.border[axis][upper] & encoded;
+        if (!lanes) return;
+        const Mask4 mask = maskOf(lanes);
+        constexpr int step = axis == 0 ? 3 : 1, v = 2*upper*(axis == 0 ? 1 : 3);
+        raiseToVertex<v>(mask,slack);
+        raiseToVertex<v+step>(mask,slack);
+        raiseToVertex<v+2*step>(mask,slack);
+        measure<v>();
+        measure<v+step>();
+        measure<v+2*step>();
+        measureBends();
+        const uint32_t certain = (slack+margin() <= rangeOf<axis,2*upper>().lowest[1]).bits();
+        double slacks[4];
+        slack.store(slacks);
+        for (uint32_t rest = lanes & ~certain; rest; rest &= rest-1)
+        {
+          const int lane = int(lowestBit(rest));
+          Exact exact(*this,lane);
+          if (raiseToEdges(exact.lattice,exact.group,GroupLine(axis,2*upper),slacks[lane])) insert(exact.lattice,lane);
+          else encoded &= ~(1u << lane);
+        }
+      }
+
+      void encodeThickness(Double4 slack)
+      {
+        measure<0>(); measure<1>(); measure<2>();
+        measure<3>(); measure<4>(); measure<5>();
+        measure<6>(); measure<7>(); measure<8>();
+        measureBends();
+        Double4 least = 0.0, most = 0.0;
+        auto add = [&](const Range4& range) {
+          least = max(least,max(Double4(0.0)-range.lowest[0],range.highest[0]));
+          most = max(most,max(Double4(0.0)-range.lowest[1],range.highest[1]));
+        };
+        add(rangeOf<0,0>()); add(rangeOf<0,1>()); add(rangeOf<0,2>());
+        add(rangeOf<1,0>()); add(rangeOf<1,1>()); add(rangeOf<1,2>());
+        least = least+slack-margin();
+        most = most+slack+margin();
+        Int4 code = 0;
+        uint32_t certain = 15;
+        for (uint32_t c=0; c<4; c++) {
+          const Double4 bound = 0.5*latticeThickness(c)*Double4(size);
+          const Mask4 fails = bound < least;
+          certain &= (fails | (most <= bound)).bits();
+          code = code + (fails & Int4(1));
+        }
+        uint32_t codes[4];
+        code.store(codes);
+        double slacks[4];
+        slack.store(slacks);
+        for (uint32_t rest = encoded & ~certain; rest; rest &= rest-1)
+        {
+          const int lane = int(lowestBit(rest));
+          const Exact exact(*this,lane);
+          codes[lane] = encodeLatticeThickness(exact.lattice,exact.group,slacks[lane]);
+        }
+        for (int lane=0; lane<4; lane++) encoded &= ~(uint32_t(codes[lane] == 4) << lane);
+        const Int4 coded = Int4::load(codes);
+        word = word | (coded << latticeThicknessShift);
+        thick = Float4(latticeThickness(codes[0]&3),latticeThickness(codes[1]&3),latticeThickness(codes[2]&3),latticeThickness(codes[3]&3))*size;
+      }
+
+      /*! one lane as the other encoder has it */
+      struct Exact
+      {
+        CodedLattice lattice;
+        QuadGroup group; //!< only vertices
+
+        Exact(const LatticeLanes& l, int lane)
+        {
+          auto get = [&](Double4 a) { double x[4]; a.store(x); return x[lane]; };
+          for (int axis=0; axis<2; axis++)
+            for (int i=0; i<3; i++) lattice.surface.planes[axis][i] = get(l.planes[axis][i]);
+          float bins[2][4];
+          l.lower.store(bins[0]);
+          l.size.store(bins[1]);
+          lattice.bins = { bins[0][lane],bins[1][lane] };
+          for (int v=0; v<9; v++) {
+            uint32_t h[4];
+            l.heights[v].store(h);
+            lattice.heights[v] = int(h[lane]);
+            lattice.surface.z[v] = get(l.z[v]);
+            for (int k=0; k<3; k++) group.vertices[v][k] = get(l.groups.vertices[v][k]);
+          }
+        }
+      };
+
+      void insert(const CodedLattice& lattice, int lane)
+      {
+        for (int v=0; v<9; v++)
+        {
+          uint32_t h[4];
+          heights[v].store(h);
+          h[lane] = uint32_t(lattice.heights[v]);
+          heights[v] = Int4::load(h);
+          double all[4];
+          z[v].store(all);
+          all[lane] = lattice.surface.z[v];
+          z[v] = Double4::load(all);
+        }
+      }
+
+    private:
+      const NodeBoxes& parents;
+      const GroupLanes& groups;
+      Float4 lower, size;      //!< of the bins
+      Int4 word;
+      Double4 planes[2][3], width[2][2], reciprocal[2][2];
+      Mask4 upper[2][3];       //!< [axis][line]: which of the middle vertices are in the upper of both cells
+      Double4 at[9][2];        //!< position of each vertex in its cell
+      Int4 heights[9];
+      Double4 z[9];
+      Double4 off[9];          //!< of the surface above each vertex, see measure()
+      Double4 bend[4];         //!< of a cell: sag of a straight line through it that goes on by 1 along both axes
+      Double4 thick;
+    };
+  }}
+}
