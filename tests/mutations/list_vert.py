@@ -351,14 +351,6 @@ TRIANGLES = (
         "vert_surfaces VertCache.*",
     ),
     trace(
-        "packets: rays without a range are traced for any hit",
-        "intersectorK.cpp",
-        "movemask(valid & (rays.tnear() <= rays.tfar))",
-        "movemask(valid)",
-        "inactive rays are occluded",
-        "scene_features *PacketsLeaveRaysAlone*/cVERT",
-    ),
-    trace(
         "groups: data from the next group on",
         "vert_group.h",
         "uint32_t offset = layout.cell + cellBytes(block->word);",
