@@ -71,13 +71,14 @@ namespace embree
         __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
           const HitRay<float> segment = { { frameRay.P[0],frameRay.P[1],frameRay.P[2] },{ frameRay.D[0],frameRay.D[1],frameRay.D[2] },local.t0,local.t1,local.w0,local.w1,
-                                          { pre.dir.x,pre.dir.y,pre.dir.z },pre.scale,pre.rcpDir2,max(ray.tnear(),pre.enter),pre.tfar };
-          const float tWorld = segment.worldT(at.s), t = segment.inBounds(tWorld);
-          if (!pre.nearest.isBehind(t,tWorld,block,ray.tfar)) {
-            const SurfaceHit<float> found = HitFrame<float,bool>(block,layout).surfaceHit(segment,leaf,at,t);
+                                          { pre.dir.x,pre.dir.y,pre.dir.z },pre.scale,pre.rcpDir2,ray.tnear(),pre.tfar,pre.enter };
+          const float own = segment.ownT(at.s), t = segment.countingT(own);
+          if (!pre.nearest.isBefore(t,own,block,ray.tfar)) {
+            const SurfaceHit<float> found = HitFrame<float,bool>(block,layout).surfaceHit(segment,leaf,at,own);
             SurfaceHit1 hit = { found.u,found.v,found.t,Vec3fa(found.Ng.x,found.Ng.y,found.Ng.z) };
             if (!report(ray,context,block->geomID,block->primID,hit)) return false;
-            pre.nearest.set(tWorld,block);
+            pre.nearest.set(t,own,block);
+            if (!IsAnyHit<RayType>::value) ray.tfar = t;
             isHit = true;
           }
           sBest = at.s;

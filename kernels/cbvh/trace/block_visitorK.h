@@ -70,16 +70,17 @@ namespace embree
         __forceinline vbool<K> reportHits (const vbool<K>& lanes, uint32_t leaf, const LeafHits<K>& hits)
         {
           const HitRay<vfloat<K>> segment = segments();
-          const vfloat<K> tWorld = segment.worldT(hits.s), t = segment.inBounds(tWorld);
+          const vfloat<K> own = segment.ownT(hits.s), t = segment.countingT(own);
           vbool<K> counts = lanes;
-          const vbool<K> front = lanes & inFront(lanes,t,tWorld);
+          const vbool<K> front = lanes & inFront(lanes,t,own);
           if (any(front)) {
-            const SurfaceHit<vfloat<K>> hit = HitFrame<vfloat<K>,vbool<K>>(block,layout).surfaceHit(segment,leaf,hits,t);
+            const SurfaceHit<vfloat<K>> hit = HitFrame<vfloat<K>,vbool<K>>(block,layout).surfaceHit(segment,leaf,hits,own);
             const vbool<K> accepted = front & report(rays,front,context,block,[&] { return std::make_tuple(hit.u,hit.v,hit.t,Vec3vf<K>(hit.Ng)); });
             for (uint32_t rest=uint32_t(movemask(accepted)); rest; rest&=rest-1) {
               const uint32_t k = uint32_t(bsf(rest));
-              pre.nearest[k].set(tWorld[k],block);
+              pre.nearest[k].set(t[k],own[k],block);
             }
+            if (!IsAnyHitK<Rays>::value) rays.tfar = select(accepted,t,rays.tfar);
             accept(accepted);
             counts = andn(lanes,andn(front,accepted));
           }
@@ -98,16 +99,16 @@ namespace embree
         {
           const FrameRays<K>& f = frameRays;
           return HitRay<vfloat<K>>{ { f.P[0],f.P[1],f.P[2] },{ f.D[0],f.D[1],f.D[2] },f.t0,f.t1,f.w0,f.w1,
-                                    { pre.dir.x,pre.dir.y,pre.dir.z },pre.scale,pre.rcpDir2,max(vfloat<K>(rays.tnear()),pre.enter),pre.tfar };
+                                    { pre.dir.x,pre.dir.y,pre.dir.z },pre.scale,pre.rcpDir2,rays.tnear(),pre.tfar,pre.enter };
         }
 
         /*! hits that do not lie behind those that the rays have */
-        __forceinline vbool<K> inFront (const vbool<K>& lanes, const vfloat<K>& t, const vfloat<K>& tWorld) const
+        __forceinline vbool<K> inFront (const vbool<K>& lanes, const vfloat<K>& t, const vfloat<K>& own) const
         {
           vbool<K> front = t < rays.tfar;
           for (uint32_t rest=uint32_t(movemask(lanes & (t == rays.tfar))); unlikely(rest != 0u); rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
-            if (!pre.nearest[k].isBehind(t[k],tWorld[k],block,rays.tfar[k])) set(front,k);
+            if (!pre.nearest[k].isBefore(t[k],own[k],block,rays.tfar[k])) set(front,k);
           }
           return front;
         }

@@ -63,6 +63,7 @@ namespace embree
 #endif
         Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::Precalculations(ray,bvh) };
         cbvh::traverseClosestHit1(bvh->root,ray,leaves);
+        ray.tfar = leaves.pre.block.nearest.end(ray.tfar);
       }
 
     private:
@@ -72,6 +73,13 @@ namespace embree
         RayHit& ray;
         IntersectContext* context;
         CompressedSubdivIntersector1::Precalculations pre;
+
+        static __forceinline bool isBlock (BVH4::NodeRef leaf)
+        {
+          size_t type;
+          leaf.leaf(type);
+          return type >= cbvh::FIRST_BLOCK;
+        }
 
         __forceinline void intersect (BVH4::NodeRef leaf, float enter, const TravRay<4,true>& tray, size_t& lazyNode)
         {

@@ -38,6 +38,15 @@ namespace embree
           scaledTnear = product(max(vfloat<K>(rays.tnear()),vfloat<K>(zero)),rcpScale);
         }
 
+        /*! the rays' tfar in the end */
+        __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const
+        {
+          for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
+            const uint32_t k = uint32_t(bsf(rest));
+            tfar[k] = nearest[k].end(tfar[k]);
+          }
+        }
+
         /*! as of Vec3fa */
         static __forceinline vfloat<K> dotOf (const Vec3vf<K>& a, const Vec3vf<K>& b) {
           return (product(a.x,b.x) + product(a.y,b.y)) + product(a.z,b.z);

@@ -38,6 +38,9 @@ namespace embree
         else accept(intersectGrid(valid,rays,(const GridSOA*)prim,type,tray,lazyNode));
       }
 
+      /*! once all is traced */
+      __forceinline void end (const vbool<K>& valid) { if (!isAnyHit) block.end(valid,rays.tfar); }
+
     private:
       __forceinline void accept (const vbool<K>& hit) {
         tfar = isAnyHit ? select(hit,vfloat<K>(neg_inf),tfar) : vfloat<K>(rays.tfar);
@@ -136,6 +139,7 @@ namespace embree
           if (popcnt(same) <= 2) alone |= same;
           else cbvh::PacketTraversal<K,CompressedSubdivLeavesK<K,Rays>>::run(vbool<K>(int(same)),k,root,rays,tray,leaves);
         }
+        leaves.end(valid);
         traced.alone = alone;
         traced.ended = valid & (leaves.tfar == vfloat<K>(neg_inf));
         return traced;

@@ -17,19 +17,25 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! The nearest hit of a ray in blocks with frames, whatever it met first: of those that are reported at the same
-       *  t that which was nearer before it was moved, and of equals that of the first block of the first face. */
+      /*! The hit of a ray in blocks with frames that counts, whatever it met first. Blocks reach a little past their
+       *  bounds at the top level (build/block_bounds.h): what counts is where a hit is, but not before the ray enters the bounds of
+       *  its block. That is the ray's tfar while it is traced, as traversal culls by it; of equals the nearer hit counts,
+       *  then that of the first block of the first face. In the end the ray gets the hit's own distance. */
       struct NearestHit
       {
-        float tWorld = pos_inf;
+        float t = pos_inf;   //!< what counts
+        float own = pos_inf; //!< where the hit is
         const Block* block = nullptr;
 
-        /*! tfar: where the ray's hit so far is reported, of any kind */
-        __forceinline bool isBehind (float t, float tWorld, const Block* block, float tfar) const {
-          return likely(t < tfar) ? false : t > tfar || tWorld > this->tWorld || (tWorld == this->tWorld && this->block && !comesBefore(block,this->block));
+        /*! whether another hit comes after this one; tfar: of the ray, whose hit may be of another kind */
+        __forceinline bool isBefore (float otherT, float otherOwn, const Block* other, float tfar) const {
+          return likely(otherT < tfar) ? false : otherT > tfar || otherOwn > own || (otherOwn == own && block && !comesBefore(other,block));
         }
 
-        __forceinline void set (float tWorld, const Block* block) { this->tWorld = tWorld; this->block = block; }
+        __forceinline void set (float t, float own, const Block* block) { this->t = t; this->own = own; this->block = block; }
+
+        /*! the ray's tfar in the end */
+        __forceinline float end (float tfar) const { return block && tfar == t ? own : tfar; }
 
       private:
         static bool comesBefore (const Block* a, const Block* b)

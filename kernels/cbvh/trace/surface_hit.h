@@ -34,16 +34,17 @@ namespace embree
         Real t0, t1, w0, w1;   //!< LocalRay
         Real dir[3];           //!< RayPrecalculations
         Real scale, rcpDir2;
-        Real enter, tfar;      //!< where the ray enters the block's bounds, and where it ended before anything was hit
+        Real tnear, tfar;      //!< of the ray before anything was hit
+        Real enter;            //!< where it enters the block's bounds
 
-        /*! t of s */
-        __forceinline Real worldT (const Real& s) const {
+        /*! t of s, on the ray */
+        __forceinline Real ownT (const Real& s) const {
           const Real sw = product(s,w0);
-          return madd(sw/madd(w1,Real(1.0f)-s,sw),t1-t0,t0)*scale;
+          return min(max(madd(sw/madd(w1,Real(1.0f)-s,sw),t1-t0,t0)*scale,tnear),tfar);
         }
 
-        /*! what is reported */
-        __forceinline Real inBounds (const Real& t) const { return min(max(t,enter),tfar); }
+        /*! what counts of it (nearest_hit.h) */
+        __forceinline Real countingT (const Real& own) const { return min(max(own,enter),tfar); }
       };
 
       template<typename Real>
@@ -60,7 +61,7 @@ namespace embree
         __forceinline HitFrame (const Block* block, const BlockLayout& layout)
           : block(block), leafSize(float(1u << block->height())/float(layout.leaves)) {}
 
-        /*! t: where it is reported */
+        /*! t: of the report */
         __forceinline SurfaceHit<Real> surfaceHit (const HitRay<Real>& ray, uint32_t leaf, const LeafHit<Real,Bool>& at, const Real& t) const
         {
           SurfaceHit<Real> hit;

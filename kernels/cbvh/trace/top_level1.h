@@ -4,8 +4,7 @@
 #pragma once
 
 /* Traversal of the top-level BVH by one ray for the closest hit: Embree's, and it tells a leaf where the ray
- * enters its bounds. Blocks reach a little past their bounds (build/block_bounds.h); as their hits lie where
- * the ray has entered these, or behind, it does not matter in what order blocks are met. */
+ * enters its bounds, so that it does not matter in what order blocks are met (nearest_hit.h). */
 
 #include "../../bvh/bvh_intersector1.cpp"
 
@@ -15,7 +14,32 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Leaves::intersect(leaf, enter, tray, lazyNode): enter is where the ray enters the bounds of a leaf */
+      __forceinline float distanceOf (const StackItemT<BVH4::NodeRef>& entry)
+      {
+        float distance;
+        memcpy(&distance,&entry.dist,sizeof(float));
+        return distance;
+      }
+
+      /*! Embree sorts the children of a node alone: something nearer than a leaf may wait below on the stack. Then that goes to
+       *  the top, and the leaf takes its place, so that leaves come in the order of their distance and accepted hits come nearer. */
+      __forceinline bool putBehindNearer (BVH4::NodeRef leaf, float enter, StackItemT<BVH4::NodeRef>* stack, StackItemT<BVH4::NodeRef>*& top)
+      {
+        StackItemT<BVH4::NodeRef>* nearest = nullptr;
+        float least = enter;
+        for (StackItemT<BVH4::NodeRef>* entry=stack; entry!=top; entry++) {
+          const float distance = distanceOf(*entry);
+          if (unlikely(distance < least)) { least = distance; nearest = entry; }
+        }
+        if (likely(nearest == nullptr)) return false;
+        *top++ = *nearest;
+        nearest->ptr = leaf;
+        memcpy(&nearest->dist,&enter,sizeof(float));
+        return true;
+      }
+
+      /*! Leaves::intersect(leaf, enter, tray, lazyNode): enter is where the ray enters the bounds of a leaf.
+       *  Leaves::isBlock(leaf): false for what belongs to a grid, which is traversed as a whole. */
       template<typename Leaves>
       __forceinline void traverseClosestHit1 (BVH4::NodeRef root, RayHit& ray, Leaves& leaves)
       {
@@ -31,8 +55,7 @@ namespace embree
         {
           top--;
           NodeRef cur = NodeRef(top->ptr);
-          float enter;
-          memcpy(&enter,&top->dist,sizeof(float));
+          float enter = distanceOf(*top);
           if (unlikely(enter > ray.tfar)) continue;
 
           size_t mask = 1;
@@ -44,9 +67,11 @@ namespace embree
             BVHNNodeTraverser1Hit<4,BVH_AN1>::traverseClosestHit(cur,mask,distances,top,stack+sizeof(stack)/sizeof(Entry));
           }
           if (unlikely(mask == 0)) continue;
+          enter = reduce_min(select(vboolf4(int(mask)),distances,vfloat4(pos_inf)));
+          if (Leaves::isBlock(cur) && unlikely(putBehindNearer(cur,enter,stack,top))) continue;
 
           size_t lazyNode = 0;
-          leaves.intersect(cur,reduce_min(select(vboolf4(int(mask)),distances,vfloat4(pos_inf))),tray,lazyNode);
+          leaves.intersect(cur,enter,tray,lazyNode);
           tray.tfar = ray.tfar;
           if (unlikely(lazyNode)) {
             top->ptr = lazyNode;

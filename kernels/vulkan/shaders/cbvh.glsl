@@ -66,7 +66,6 @@ uvec4 cbvhSortChildren (CbvhNode node, CbvhTravel ray, float tfar)
 }
 
 uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
-float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & ~3u); }
 
 /* A leaf of the tree that is no instance; true if something nearer is hit. */
 bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit)
@@ -110,10 +109,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
       if (keys.w != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.w)], keys.w);
       if (keys.z != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.z)], keys.z);
       if (keys.y != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.y)], keys.y);
-      if (keys.x != 0xFFFFFFFFu) {
-        current = node.children[cbvhChildOfKey(keys.x)];
-        ray.enter = cbvhEntryOfKey(keys.x);
-      }
+      if (keys.x != 0xFFFFFFFFu) current = node.children[cbvhChildOfKey(keys.x)];
     }
 
     if (current != emptyReference)
@@ -150,7 +146,6 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
       top--;
     } while (stack[top].y > (floatBitsToUint(hit.t) | 3u));
     current = stack[top].x;
-    ray.enter = cbvhEntryOfKey(stack[top].y);
   }
   return found;
 }

@@ -151,7 +151,7 @@ void cbvhReport (BlockHeader header, CbvhTravel ray, CbvhLocalRay local, uint nu
   float size = float(1u << height)/float(numLeaves); // of a leaf, in quads
   float u = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), height, size*(float(mortonX(at.leaf)) + at.u));
   float v = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height, size*(float(mortonY(at.leaf)) + at.v));
-  float t = min(max(worldT(local.segment, at.s)*local.scale, ray.enter), hit.t);
+  float t = min(max(worldT(local.segment, at.s)*local.scale, ray.tnear), hit.t);
   Vector p;
   for (int k = 0; k < 3; k++) p.x[k] = segmentAt(local.segment, k, at.s);
   Vector n = worldNormal(header, p, at.slopeX, at.slopeY);
