@@ -7,6 +7,8 @@
 
 #include "tutorials/common/imgui/imgui.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace cbvh {
@@ -98,11 +100,28 @@ void Panel::drawSettings()
   if (ImGui::Combo("mode", &mode, "shading\0normals\0error\0leaf cells\0blocks\0"))
     state.mode = PictureMode(mode);
   viewer.want(state);
+  drawStrength();
   bool split = viewer.isSplit();
   if (ImGui::Checkbox("split screen", &split))
     viewer.setSplit(split);
   ImGui::SameLine();
   ImGui::Checkbox("without pause", &viewer.continuous);
+}
+
+/* Dragged, or typed after a double click; it counts as soon as that has ended. */
+void Panel::drawStrength()
+{
+  const LoadedModel* const opened = viewer.opened();
+  if (!opened || !(opened->source.mapScale || opened->source.amplitude))
+    return;
+  const bool isScale = opened->source.mapScale.has_value();
+  if (!changesStrength)
+    strength = isScale ? *opened->source.mapScale : *opened->source.amplitude;
+  const float step = std::max(0.01f * std::abs(strength), 1e-5f); // a pixel
+  ImGui::DragFloat(isScale ? "height scale" : "amplitude", &strength, step, 0.0f, 0.0f, "%.6g");
+  if (changesStrength && !ImGui::IsItemActive())
+    viewer.setStrength(strength);
+  changesStrength = ImGui::IsItemActive();
 }
 
 void Panel::drawReports()
