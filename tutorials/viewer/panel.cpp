@@ -108,7 +108,7 @@ void Panel::drawSettings()
   ImGui::Checkbox("without pause", &viewer.continuous);
 }
 
-/* Dragged, or typed after a double click; it counts as soon as that has ended. */
+/* It counts as soon as the user is done with it. */
 void Panel::drawStrength()
 {
   const LoadedModel* const opened = viewer.opened();
@@ -122,6 +122,8 @@ void Panel::drawStrength()
   if (changesStrength && !ImGui::IsItemActive())
     viewer.setStrength(strength);
   changesStrength = ImGui::IsItemActive();
+  if (ImGui::IsItemHovered() && !changesStrength)
+    ImGui::SetTooltip("drag, or double-click and type");
 }
 
 void Panel::drawReports()
