@@ -70,7 +70,7 @@ def read_arguments():
 def about(bench):
     """What the program says of itself."""
     if not bench.is_file():
-        raise Failure(f"{bench}: no such program; build it first, scripts/demo.sh does")
+        raise Failure(f"{bench}: no such program; build it first: cmake --build build/release")
     try:
         answer = subprocess.run([bench, "--about"], capture_output=True, text=True, timeout=60, check=True)
         return json.loads(answer.stdout)
