@@ -36,6 +36,7 @@ import bench_disk as disk  # noqa: E402
 import bench_records as records  # noqa: E402
 import benchmark_sets as sets  # noqa: E402
 from bench_progress import Progress, clock  # noqa: E402
+from bench_times import Times  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -69,7 +70,7 @@ def read_arguments():
 def about(bench):
     """What the program says of itself."""
     if not bench.is_file():
-        raise Failure(f"{bench}: no such program; build it first, scripts/demo.sh does")
+        raise Failure(f"{bench}: no such program; build it first: cmake --build build/release")
     try:
         answer = subprocess.run([bench, "--about"], capture_output=True, text=True, timeout=60, check=True)
         return json.loads(answer.stdout)
@@ -287,19 +288,30 @@ class Runner:
                 self.progress.doing = line.strip().rsplit(":", 1)[0]
 
 
+def print_list(jobs, times, cage):
+    """What is measured, and how long that takes."""
+    total = 0
+    for job in jobs:
+        seconds, measured = times.expected(job, job.levels)
+        total += seconds
+        print(
+            f"{job.name:18s} {job.figures:34s} {job.scene or cage}, levels {level_text(job.levels)}, "
+            + (f"took {clock(seconds)}" if measured else f"about {clock(seconds)}")
+        )
+    measured = f"at {times.pace():.2f} times the planned time, as measured here" if times.known else "as planned for two cores"
+    print(f"{len(jobs)} jobs, about {clock(total)}, {measured}")
+
+
 def run(options):
     bench = Path(options.bench) if options.bench else ROOT / "build/release/tutorials/bench/cbvh_bench"
     build = about(bench)
     jobs = choose_jobs(options, build)
-    if options.list:
-        for job in jobs:
-            print(
-                f"{job.name:18s} {job.figures:34s} {job.scene or options.cage}, levels {level_text(job.levels)}, "
-                f"about {job.seconds} s"
-            )
-        return 0
     where = options.output or f"output/benchmark/{Path(options.cage).stem if options.cage else options.set}"
     folder = Path(where) if options.output else ROOT / where
+    times = Times(folder)
+    if options.list:
+        print_list(jobs, times, options.cage)
+        return 0
     if options.print_commands:
         for job in jobs:
             print(shlex.join(command_of(bench, job, job.levels, folder)))
@@ -318,12 +330,11 @@ def run(options):
         done = finished_levels(job, folder, build, device, progress, options.fresh)
         levels = [level for level in job.levels if level not in done]
         if levels:
-            weight = sum(2.5**level for level in levels) / sum(2.5**level for level in job.levels)
-            todo.append((job, levels, job.seconds * weight))
+            todo.append((job, levels, times.expected(job, levels)[0]))
     kept = len(jobs) - len(todo)
     progress = Progress({job.name: seconds for job, _, seconds in todo})
     print(
-        f"{options.set}: {len(jobs)} jobs, {kept} of them measured before; about {clock(progress.total)} on two cores; "
+        f"{options.set}: {len(jobs)} jobs, {kept} of them measured before; about {clock(progress.total)}; "
         f"{build['hardware_threads']} threads, commit {build['commit']}" + (f"; Vulkan device {device}" if device else ""),
         flush=True,
     )
@@ -351,6 +362,7 @@ def run(options):
             for path in folder.glob(f"{job.name}_L*.json.old"):
                 path.unlink()
         if status == 0:
+            times.note(job, levels, took)
             progress.say(f"  {job.name:18s} {job.figures:34s} {clock(took)}")
         elif too_large:
             missing = measured_less(record_of(job, levels, folder), levels)

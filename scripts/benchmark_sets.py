@@ -16,7 +16,7 @@ class Job:
     scene: str  # as --scene takes it; empty: options name a cage
     levels: list
     options: str
-    seconds: float  # on two cores, for the first estimate of the time left
+    seconds: float  # on two cores, until bench_times.py knows what it took here
     heavy: bool = False  # may not fit into memory: then left out, not failed
     pictures: bool = True
 

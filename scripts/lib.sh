@@ -31,12 +31,15 @@ print_summary() {
 }
 trap print_summary EXIT
 
-# Installs the packages of scripts/packages that are missing.
+# Installs the packages of scripts/packages that are missing. One that an installed package takes
+# the place of, as ours do of Debian's Embree, is not: it would take that away.
 install_packages() {
   missing=
+  present=" $(dpkg-query -W -f '${db:Status-Status} ${Package}, ${Provides}\n' | sed -n 's/^installed //p' |
+    tr ',' '\n' | sed 's/^ *//; s/[ :].*//' | tr '\n' ' ') "
   for package in $(sed 's/#.*//' scripts/packages); do
-    case $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) in
-      installed) ;;
+    case $present in
+      *" $package "*) ;;
       *) missing="$missing $package" ;;
     esac
   done

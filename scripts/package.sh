@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Makes Debian packages in build/package/packages: libembree3-cbvh, libembree-cbvh-dev and
-# embree-cbvh-tools, in place of Debian's libembree3-3, libembree-dev and embree-tools.
+# embree-cbvh-tools, in place of Debian's libembree3-3, libembree-dev and embree-tools, and
+# python3-embree-cbvh.
 #
 #   scripts/package.sh && apt install ./build/package/packages/*.deb
 

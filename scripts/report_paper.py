@@ -62,7 +62,7 @@ def picture_row(data, scene, level, names, view):
     grid = data.pick(scene, level, "GRID", view)
     if not any(data.pick(scene, level, name, view) for name in names):
         return p.missing(
-            f"{scene} at level {level}, {view} view: run scripts/benchmark.py on a build that has this scene"
+            f"{scene} at level {level}, {view} view; scripts/benchmark.py measures it"
         ), []
     for name in names:
         row = data.pick(scene, level, name, view)
@@ -113,8 +113,8 @@ def figure_11(data):
 def figures_12_to_18(data):
     main, commands = data.main_scene(), []
     parts = [
-        "<p>Memory is what the device holds after the commit, everything included. Magenta are hits whose normal faces "
-        "away from the viewer.</p>"
+        "<p>Memory is what the device holds after the commit, everything included. Shading is by the normals of the hits, "
+        "alike from both sides; how many are flipped stands among the errors.</p>"
     ]
     for number, scene, names, view in (
         ("12", main, ("GRID", "cVOXEL^3", "cLEAF^2"), "close"),

@@ -49,6 +49,7 @@ tr:last-child td { border-bottom: 0; }
 td.text { white-space: normal; overflow-wrap: break-word; }
 td:first-child, td.text, th:first-child, th.text { text-align: left; }
 th.group { text-align: center; border-left: 1px solid var(--line); } th.group:empty { border-left: 0; }
+@media (min-width: 82rem) { .many td.text:first-child { min-width: 8.2rem; } }
 .grouped { font-size: .85rem; } .grouped th, .grouped td { padding: .3rem .25rem; } .grouped .heads { display: none; }
 .compact { font-size: .87rem; } .compact th, .compact td { padding: .3rem .3rem; }
 .yes { color: var(--good); font-weight: 600; } .no { color: var(--bad); font-weight: 600; } .none { color: var(--soft); }

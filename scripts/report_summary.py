@@ -76,7 +76,7 @@ def speed(found):
             known.append((name, found.times_grid(name), *(s["mrays_per_second"]["median"] for s in speeds)))
     if not known:
         return None
-    figure = " and ".join(times(ratio) for _, ratio, _, _ in known) + " times GRID's speed"
+    figure = " and ".join(dict.fromkeys(times(ratio) for _, ratio, _, _ in known)) + " times GRID's speed"
     rays = " and ".join(f"{mrays:.3g} million {name} rays" for name, _, mrays, _ in known)
     of_grid = " and ".join(f"{mrays:.3g}" for *_, mrays in known)
     return figure, f"One thread traces {rays} a second in {found.row.label}, and {of_grid} million in GRID."

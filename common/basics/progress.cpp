@@ -30,7 +30,7 @@ void onSignal(int signal)
   std::signal(signal, SIG_DFL);
   if (!lastWords[0])
     return;
-  constexpr suseconds_t grace = 400000; // microseconds for phases to end by themselves
+  constexpr suseconds_t grace = 250000; // microseconds for phases to end by themselves
   const itimerval timer{{0, 0}, {0, grace}};
   setitimer(ITIMER_REAL, &timer, nullptr);
 }

@@ -72,7 +72,7 @@ inline void addMapOptions(CLI::App& app, SceneSettings& settings)
     ->check(CLI::IsMember({"object", "tangent"}));
 }
 
-/* What a model is made of, but for --scene and where its maps go. */
+/* What a model is made of, but for --scene. */
 inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
 {
   app.add_option("--cage", settings.cagePath, "instead of a scene: control cage, OBJ with OpenSubdiv's t tags")
@@ -84,6 +84,8 @@ inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
   app.add_option("--mapping", settings.mapping, "trex and herd: heights by faces, like Ptex, or by an atlas")
     ->type_name("faces|atlas");
   app.add_option("--count", settings.count, "herd: number of copies")->type_name("N");
+  app.add_option("--maps", settings.mapFolder, "folder for the height maps of generated scenes, else the user's cache")
+    ->type_name("DIR");
 }
 
 } // namespace cbvh

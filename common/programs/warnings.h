@@ -3,18 +3,28 @@
 
 #pragma once
 
+/* What loadScene warns of, a line each. */
+
 #include <cstdio>
 #include <sstream>
 #include <string>
 
 namespace cbvh {
 
-/* Lines of loadScene's, on stderr, after the program's name. */
-inline void printWarnings(const char* program, const std::string& warnings)
+/* Each line after some words. */
+inline std::string linesAfter(const std::string& words, const std::string& warnings)
 {
   std::istringstream lines(warnings);
+  std::string all;
   for (std::string line; std::getline(lines, line);)
-    std::fprintf(stderr, "%s: warning: %s\n", program, line.c_str());
+    all += words + line + "\n";
+  return all;
+}
+
+/* On stderr, after the program's name. */
+inline void printWarnings(const std::string& program, const std::string& warnings)
+{
+  std::fputs(linesAfter(program + ": warning: ", warnings).c_str(), stderr);
 }
 
 } // namespace cbvh

@@ -46,10 +46,7 @@ DisplacementMap mapOf(const SceneSettings& settings, const Cage& cage)
   map.midLevel = settings.midLevel;
   map.channel = settings.channel;
   map.repeat = settings.repeat;
-  if (settings.mapScale)
-    map.scale = *settings.mapScale;
-  else if (settings.amplitude || map.values == MapValues::Heights)
-    map.scale = settings.amplitude.value_or(defaultAmplitude) * cage.bounds().diagonal();
+  map.scale = settings.mapScale ? *settings.mapScale : *settings.amplitude * cage.bounds().diagonal();
   return map;
 }
 
@@ -69,7 +66,7 @@ Model loadCage(const SceneSettings& settings, std::string& warnings)
 TrexSettings trexSettings(const SceneSettings& s)
 {
   TrexSettings trex;
-  trex.amplitude = s.amplitude.value_or(trex.amplitude) * (s.rough ? trexRoughFactor : 1.0f);
+  trex.amplitude = *s.amplitude * (s.rough ? trexRoughFactor : 1.0f);
   trex.mapFolder = s.mapFolder.empty() ? userCacheFolder() : s.mapFolder;
   trex.mapping = s.mapping == "atlas" ? TrexMapping::Atlas : TrexMapping::Faces;
   trex.threads = s.threads;
@@ -79,17 +76,25 @@ TrexSettings trexSettings(const SceneSettings& s)
 struct SceneEntry
 {
   const char* name;
-  Model (*make)(const SceneSettings&);
+  float amplitude;                      // unless another is given
+  Model (*make)(const SceneSettings&); // which have one
 };
 
 const SceneEntry scenes[] = {
-  {"cube", [](const SceneSettings& s) { return makeCube(s.amplitude.value_or(cubeAmplitude)); }},
-  {"frog", [](const SceneSettings& s) { return makeFrog(s.amplitude.value_or(frogAmplitude), s.threads); }},
-  {"herd", [](const SceneSettings& s) { return makeHerd(trexSettings(s), s.count.value_or(herdCount)); }},
-  {"knee", [](const SceneSettings& s) { return makeKnee(s.amplitude.value_or(kneeAmplitude), s.threads); }},
-  {"scythe", [](const SceneSettings& s) { return makeScythe(s.amplitude.value_or(scytheAmplitude), s.threads); }},
-  {"trex", [](const SceneSettings& s) { return makeTrex(trexSettings(s)); }},
+  {"cube", cubeAmplitude, [](const SceneSettings& s) { return makeCube(*s.amplitude); }},
+  {"frog", frogAmplitude, [](const SceneSettings& s) { return makeFrog(*s.amplitude, s.threads); }},
+  {"herd", trexAmplitude, [](const SceneSettings& s) { return makeHerd(trexSettings(s), s.count.value_or(herdCount)); }},
+  {"knee", kneeAmplitude, [](const SceneSettings& s) { return makeKnee(*s.amplitude, s.threads); }},
+  {"scythe", scytheAmplitude, [](const SceneSettings& s) { return makeScythe(*s.amplitude, s.threads); }},
+  {"trex", trexAmplitude, [](const SceneSettings& s) { return makeTrex(trexSettings(s)); }},
 };
+
+/* Null for a name that is unknown. */
+const SceneEntry* findScene(const std::string& name)
+{
+  const auto found = std::find_if(std::begin(scenes), std::end(scenes), [&](const SceneEntry& s) { return name == s.name; });
+  return found == std::end(scenes) ? nullptr : found;
+}
 
 /* How a map is read. */
 void validateMap(const SceneSettings& s)
@@ -111,14 +116,6 @@ void validateMap(const SceneSettings& s)
     throw Error("--mid-level must be finite");
   if (isUdimPath(s.heightPath) && (s.repeat.x != 1.0f || s.repeat.y != 1.0f))
     throw Error("--height-repeat does not go with <UDIM>, whose tiles are not repeated");
-}
-
-Model makeScene(const SceneSettings& s)
-{
-  for (const SceneEntry& entry : scenes)
-    if (s.scene == entry.name)
-      return entry.make(s);
-  throw Error("unknown --scene '" + s.scene + "', known are " + listOfScenes());
 }
 
 } // namespace
@@ -147,7 +144,7 @@ void validateScene(const SceneSettings& s)
 {
   if (s.scene.empty() == s.cagePath.empty())
     throw Error("give either --scene NAME, one of " + listOfScenes() + ", or --cage FILE");
-  if (!s.scene.empty() && std::find(sceneNames().begin(), sceneNames().end(), s.scene) == sceneNames().end())
+  if (!s.scene.empty() && !findScene(s.scene))
     throw Error("unknown --scene '" + s.scene + "', known are " + listOfScenes());
   if (!s.scene.empty() && !s.heightPath.empty())
     throw Error("--height belongs to --cage, generated scenes bring their own displacement");
@@ -169,12 +166,27 @@ void validateScene(const SceneSettings& s)
   validateMap(s);
 }
 
-Model loadScene(const SceneSettings& settings, std::string& warnings)
+SceneSettings withStrength(SceneSettings s)
 {
-  validateScene(settings);
+  if (const SceneEntry* const scene = findScene(s.scene))
+    s.amplitude = s.amplitude.value_or(scene->amplitude);
+  else if (!s.heightPath.empty() && !s.amplitude && !s.mapScale)
+  {
+    if (s.mapValues == MapValues::Heights)
+      s.amplitude = defaultAmplitude;
+    else
+      s.mapScale = 1.0f;
+  }
+  return s;
+}
+
+Model loadScene(const SceneSettings& given, std::string& warnings)
+{
+  validateScene(given);
+  const SceneSettings settings = withStrength(given);
   if (settings.scene.empty())
     return loadCage(settings, warnings);
-  Model model = makeScene(settings);
+  Model model = findScene(settings.scene)->make(settings);
   validateCage(model.cage, warnings);
   return model;
 }

@@ -44,6 +44,10 @@ void validateScene(const SceneSettings& settings);
 /* Of height maps of cages, where none is given; vectors move by their own lengths. */
 constexpr float defaultAmplitude = 0.006f;
 
+/* The same with an amplitude or a scale of the map where neither was given: what loadScene
+ * takes then. Nothing is added where nothing is displaced. */
+SceneSettings withStrength(SceneSettings settings);
+
 /* Makes or reads a model and validates its cage. warnings: lines on what should be known
  * about it are added. Throws Error, Cancelled. */
 Model loadScene(const SceneSettings& settings, std::string& warnings);

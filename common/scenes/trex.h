@@ -23,9 +23,11 @@ enum class TrexMapping
   Atlas, // charts of many faces, through texture coordinates
 };
 
+constexpr float trexAmplitude = 0.004f;
+
 struct TrexSettings
 {
-  float amplitude = 0.004f;  // of the diagonal of the cage's bounding box, from 0 to 1 in the map
+  float amplitude = trexAmplitude; // of the diagonal of the cage's bounding box, from 0 to 1 in the map
   TrexMapping mapping = TrexMapping::Faces;
   std::string mapFolder;     // where the height map is kept, as EXR
   int threads = 0;           // for generating it, 0 for all

@@ -198,6 +198,8 @@ void cutOut(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
 void validateCage(Cage& cage, std::string& warnings)
 {
   checkFaces(cage);
+  if (cage.bounds().diagonal() == 0.0f)
+    warnings += cage.name + ": all vertices lie in one place, there is nothing to see\n";
   const std::unique_ptr<Far::TopologyRefiner> refiner = makeRefiner(cage);
   const Far::TopologyLevel level = refiner->GetLevel(0);
   warnOfEdges(cage, level, warnings);

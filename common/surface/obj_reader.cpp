@@ -11,9 +11,11 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <set>
 #include <string_view>
+#include <type_traits>
 
 namespace cbvh {
 namespace {
@@ -72,23 +74,48 @@ private:
     return words;
   }
 
+  /* For messages, also where the file is none of text. */
+  static std::string quoted(std::string_view word)
+  {
+    constexpr size_t longest = 32;
+    std::string text(word.substr(0, longest));
+    for (char& c : text)
+      if (c < ' ' || c > '~')
+        c = '?';
+    return "'" + text + (word.size() > longest ? "..." : "") + "'";
+  }
+
   template<typename T>
   T number(std::string_view word) const
   {
-    if (!word.empty() && word[0] == '+')
-      word.remove_prefix(1);
+    std::string_view digits = word;
+    if (!digits.empty() && digits[0] == '+')
+      digits.remove_prefix(1);
     T value{};
-    const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (code != std::errc() || end != word.data() + word.size())
-      fail("'" + std::string(word) + "' is not a number");
+    const char* const last = digits.data() + digits.size();
+    const auto [end, code] = std::from_chars(digits.data(), last, value);
+    if (code == std::errc::result_out_of_range && end == last)
+      return outOfRange<T>(word);
+    if (code != std::errc() || end != last)
+      fail(quoted(word) + " is not a number");
     return value;
+  }
+
+  /* Coordinates next to nothing, as programs write that reckon in doubles, are 0. */
+  template<typename T>
+  T outOfRange(std::string_view word) const
+  {
+    if constexpr (std::is_floating_point_v<T>)
+      if (std::abs(std::strtod(std::string(word).c_str(), nullptr)) < 1.0)
+        return 0;
+    fail(quoted(word) + " is too large");
   }
 
   float coordinate(std::string_view word) const
   {
     const float value = number<float>(word);
     if (!std::isfinite(value))
-      fail("'" + std::string(word) + "' is not finite");
+      fail(quoted(word) + " is not finite");
     return value;
   }
 
@@ -129,7 +156,7 @@ private:
       static const std::set<std::string_view> skipped = {"vn", "vp", "g",  "o",  "s",     "l",
                                                          "p",  "usemtl", "mtllib", "usemap", "maplib"};
       if (!skipped.count(kind))
-        fail("unknown statement '" + std::string(kind) + "'");
+        fail("unknown statement " + quoted(kind) + (lineNumber == 1 ? ", is this an OBJ file?" : ""));
     }
   }
 

@@ -6,6 +6,7 @@
 #   libembree3-cbvh    of libembree3-3     component lib
 #   libembree-cbvh-dev of libembree-dev    component devel
 #   embree-cbvh-tools  of embree-tools     component examples, with CBVH_EMBREE_TOOLS
+#   python3-embree-cbvh, of none           component python, where the module is built
 #
 # Names of their own keep Debian's updates from replacing them. Each provides the package that it
 # replaces in Embree's version, so that what depends on that stays installed, and conflicts with it.
@@ -15,6 +16,9 @@ include("${CMAKE_SOURCE_DIR}/kernels/upstream/pin.cmake")
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL lib devel examples)
+if(TARGET embree_cbvh)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_STRIP_FILES ON)
 set(CPACK_PACKAGE_NAME embree-cbvh)
 set(CPACK_PACKAGE_VERSION "${PROJECT_VERSION}")
@@ -34,29 +38,44 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "$<TARGET_FILE_DIR:embree>" "${C
 set(about "Embree CBVH is Embree ${EMBREE_UPSTREAM_VERSION} whose subdivision surfaces with displacement
  can stay compressed in memory and are ray traced from there.")
 
-# cbvh_package(COMPONENT NAME REPLACED SECTION SUMMARY)
-macro(cbvh_package component name replaced section summary)
+# cbvh_package(COMPONENT NAME REPLACED MULTIARCH SECTION SUMMARY)
+#   REPLACED: a package of Debian's, or "". MULTIARCH: Debian's field, as Debian's own packages have it.
+macro(cbvh_package component name replaced multiarch section summary)
   string(TOUPPER ${component} key)
   set(CPACK_DEBIAN_${key}_PACKAGE_NAME ${name})
-  set(CPACK_DEBIAN_${key}_PACKAGE_SECTION ${section})
-  set(CPACK_DEBIAN_${key}_PACKAGE_PROVIDES "${replaced} (= ${EMBREE_UPSTREAM_VERSION})")
-  set(CPACK_DEBIAN_${key}_PACKAGE_CONFLICTS ${replaced})
-  set(CPACK_DEBIAN_${key}_PACKAGE_REPLACES ${replaced})
+  # CPack has a variable for this field from CMake 3.31 on; a line more in another one does as well.
+  set(CPACK_DEBIAN_${key}_PACKAGE_SECTION "${section}\nMulti-Arch: ${multiarch}")
+  if(NOT "${replaced}" STREQUAL "")
+    set(CPACK_DEBIAN_${key}_PACKAGE_PROVIDES "${replaced} (= ${EMBREE_UPSTREAM_VERSION})")
+    set(CPACK_DEBIAN_${key}_PACKAGE_CONFLICTS ${replaced})
+    set(CPACK_DEBIAN_${key}_PACKAGE_REPLACES ${replaced})
+  endif()
   set(CPACK_COMPONENT_${key}_DESCRIPTION "${summary}\n${about}")
   install(FILES "${CMAKE_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${name}" RENAME copyright
     COMPONENT ${component})
 endmacro()
 
-cbvh_package(lib libembree3-cbvh libembree3-3 libs "Ray tracing kernels with compressed subdivision surfaces")
+cbvh_package(lib libembree3-cbvh libembree3-3 same libs "Ray tracing kernels with compressed subdivision surfaces")
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_LIB_PACKAGE_RECOMMENDS libvulkan1)
 
-cbvh_package(devel libembree-cbvh-dev libembree-dev libdevel "Embree CBVH: headers, manual pages, CMake and pkg-config")
+cbvh_package(devel libembree-cbvh-dev libembree-dev same libdevel "Embree CBVH: headers, manual pages, CMake and pkg-config")
 set(CPACK_DEBIAN_DEVEL_PACKAGE_DEPENDS "libembree3-cbvh (= ${PROJECT_VERSION}), libtbb-dev")
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SUGGESTS "libvulkan-dev, glslc") # rtcore_vulkan.h, cbvh.glsl
 
-cbvh_package(examples embree-cbvh-tools embree-tools graphics "Embree CBVH: its programs and Embree's")
+cbvh_package(examples embree-cbvh-tools embree-tools foreign graphics "Embree CBVH: its programs and Embree's")
 set(CPACK_DEBIAN_EXAMPLES_PACKAGE_DEPENDS "libembree3-cbvh (= ${PROJECT_VERSION})")
+
+if(TARGET embree_cbvh)
+  cbvh_package(python python3-embree-cbvh "" same python "Embree CBVH: Python module for NumPy arrays")
+  # built for one version of Python, as its name says
+  get_property(python TARGET embree_cbvh PROPERTY CBVH_PYTHON_VERSION)
+  string(REGEX MATCH "^3\\.([0-9]+)" python "${python}")
+  math(EXPR next "${CMAKE_MATCH_1} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "libembree3-cbvh (= ${PROJECT_VERSION}), python3 (>= 3.${CMAKE_MATCH_1}), python3 (<< 3.${next}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-matplotlib) # its example
+endif()
 
 include(CPack)

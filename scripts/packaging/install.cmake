@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # What an installation has of ours besides libraries, headers and programs: manual pages, pkg-config
-# files, and our version in Embree's own CMake package. Components are upstream's: lib, devel, examples.
+# files, and in Embree's own CMake package our version and the target embree_vulkan. Components are
+# upstream's: lib, devel, examples.
 
 include(GNUInstallDirs)
 get_target_property(CBVH_EMBREE_VERSION embree VERSION)
@@ -13,6 +14,14 @@ file(APPEND "${CMAKE_BINARY_DIR}/embree/embree-config-install.cmake" "
 # The library compresses subdivision surfaces, see <embree3/rtcore_compression.h>.
 SET(EMBREE_CBVH_VERSION ${PROJECT_VERSION})
 ")
+if(TARGET embree_vulkan)
+  get_directory_property(folder DIRECTORY "${CMAKE_BINARY_DIR}/upstream" DEFINITION EMBREE_CMAKEEXPORT_DIR)
+  install(EXPORT embree_vulkan-targets DESTINATION "${folder}" COMPONENT devel)
+  file(APPEND "${CMAKE_BINARY_DIR}/embree/embree-config-install.cmake" "
+# <embree3/rtcore_vulkan.h>, which includes Vulkan's own header.
+INCLUDE(\"\${EMBREE_ROOT_DIR}/${folder}/embree_vulkan-targets.cmake\")
+")
+endif()
 
 # --- pkg-config ---------------------------------------------------------------------------------
 

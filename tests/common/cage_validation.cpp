@@ -70,6 +70,14 @@ TEST(CageValidation, AcceptsClosedAndOpenCages)
   EXPECT_EQ(checked(withFaces(5, {{0, 1, 2, 3}, {1, 0, 4}})).warnings, "");
 }
 
+TEST(CageValidation, WarnsOfACageWithoutExtent)
+{
+  Cage cage = withFaces(4, {{0, 1, 2, 3}});
+  EXPECT_EQ(checked(cage).warnings, "");
+  cage.positions.assign(4, {1, 2, 3});
+  EXPECT_EQ(checked(cage).warnings, "test: all vertices lie in one place, there is nothing to see\n");
+}
+
 TEST(CageValidation, WarnsOfAnEdgeOfThreeFaces)
 {
   const Checked result = checked(withFaces(5, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}));

@@ -86,6 +86,14 @@ TEST(ObjReader, WindowsLineEndsCommentsAndContinuations)
   EXPECT_EQ(cage.faceSizes, (std::vector<unsigned>{3}));
 }
 
+TEST(ObjReader, CoordinatesNextToNothingAreZero)
+{
+  const Cage cage = read("v 0 1e-60 -4e-320\nv 1 1e-999 0\nv 1 1 0\nf 1 2 3\n");
+  EXPECT_EQ(cage.positions[0].y, 0.0f);
+  EXPECT_EQ(cage.positions[0].z, 0.0f);
+  EXPECT_EQ(cage.positions[1].y, 0.0f);
+}
+
 TEST(ObjReader, RefusesBadInputWithItsLine)
 {
   const std::pair<const char*, const char*> cases[] = {
@@ -98,7 +106,8 @@ TEST(ObjReader, RefusesBadInputWithItsLine)
     {"f 1 2 3.5\n", "test.obj:5: '3.5' is not a number"},
     {"v 1 2\n", "test.obj:5: a vertex needs three coordinates"},
     {"v 1 2 nan\n", "test.obj:5: 'nan' is not finite"},
-    {"v 1 2 1e99\n", "test.obj:5: '1e99' is not a number"},
+    {"v 1 2 1e99\n", "test.obj:5: '1e99' is too large"},
+    {"f 1 2 99999999999999999999\n", "test.obj:5: '99999999999999999999' is too large"},
     {"vt 0 0\nf 1/1 2/1 3\n", "test.obj:6: some corners have texture coordinates and some have none"},
     {"surf 1\n", "test.obj:5: unknown statement 'surf'"},
     {"t crease 2/1/0 0 1\n", "test.obj:5: tag 'crease' announces 2/1/0 values and has 2"},
@@ -109,6 +118,8 @@ TEST(ObjReader, RefusesBadInputWithItsLine)
   };
   for (const auto& [text, message] : cases)
     EXPECT_EQ(errorOf(square + text), message) << text;
+  const std::string binary = "\x89PNG" + std::string(40, '\x01');
+  EXPECT_EQ(errorOf(binary), "test.obj:1: unknown statement '?PNG" + std::string(28, '?') + "...', is this an OBJ file?");
   std::string warnings;
   EXPECT_THROW(readObj("/nonexistent/cage.obj", warnings), Error);
   EXPECT_THROW(readObj("/", warnings), Error);

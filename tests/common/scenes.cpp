@@ -281,6 +281,24 @@ TEST(Catalogue, UnknownNamesListTheKnownOnes)
   }
 }
 
+TEST(Catalogue, StrengthOfDisplacementIsTheGivenOneOrTheDefault)
+{
+  SceneSettings s;
+  s.cagePath = "body.obj";
+  EXPECT_FALSE(withStrength(s).amplitude || withStrength(s).mapScale) << "there is no map";
+  s.heightPath = "skin.png";
+  EXPECT_EQ(withStrength(s).amplitude, defaultAmplitude);
+  s.mapValues = MapValues::ObjectVectors;
+  EXPECT_EQ(withStrength(s).mapScale, 1.0f);
+  EXPECT_FALSE(withStrength(s).amplitude);
+  s.amplitude = 0.5f;
+  EXPECT_EQ(withStrength(s).amplitude, 0.5f);
+  EXPECT_FALSE(withStrength(s).mapScale);
+  SceneSettings cube;
+  cube.scene = "cube";
+  EXPECT_EQ(withStrength(cube).amplitude, cubeAmplitude);
+}
+
 TEST(Catalogue, OptionsBelongToTheirScenes)
 {
   SceneSettings s;

@@ -53,6 +53,8 @@ ours $(all)
 inside cbvh_render --version
 inside cbvh_render --scene cube --level 3 --size 32x32 --no-speed --representation cvert --output /root/pictures > "$roots/log" 2>&1 ||
   { cat "$roots/log"; fail "cbvh_render does not run"; }
+inside python3 -c "import embree_cbvh as cbvh; print('Python module', cbvh.__version__, cbvh.build(cbvh.Model.scene('cube'), 'cvert', 3).statistics()['bytes_per_quad'])" ||
+  fail "the Python module"
 apt_get remove libembree3-cbvh
 [ ! -e "$root/usr/lib/x86_64-linux-gnu/libembree3.so.3" ] || fail "removed, but the library is still there"
 echo "a bare system takes the packages, and removes them"

@@ -35,7 +35,7 @@ for link in $(find "$work/prefix" -type l); do
   esac
 done
 
-cp "$here/CMakeLists.txt" "$here/renderer.cpp" "$work/"
+cp "$here/CMakeLists.txt" "$here"/*.cpp "$work/"
 "$cmake" -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" > "$work/log.configure" ||
   { cat "$work/log.configure"; exit 1; }
 "$cmake" --build "$work/build" > "$work/log" || { cat "$work/log"; exit 1; }
@@ -46,6 +46,9 @@ case $library in
   "$work"/prefix/*) echo "runs on the installed library" ;;
   *) echo "runs on $library" >&2; exit 1 ;;
 esac
+if [ -e "$work/prefix/include/embree3/rtcore_vulkan.h" ]; then
+  "$work/build/on_vulkan" || fail "find_package has no embree_vulkan that runs"
+fi
 
 # --- pkg-config -----------------------------------------------------------------------------------
 

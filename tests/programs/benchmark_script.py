@@ -217,6 +217,17 @@ class Benchmark(unittest.TestCase):
         self.assertIn("no scene 'frog'", done.stdout)
         self.assertIn("trex", done.stdout)
 
+    def test_times_are_told_as_they_were_measured(self):
+        self.assertIn("as planned", self.run_script("quick", "--list").stdout)
+        self.run_script("quick", "--scene", "cube")
+        said = self.run_script("quick", "--list").stdout
+        self.assertRegex(said, r"(?m)^cube  .* took 0:0\d$")
+        self.assertRegex(said, r"(?m)^trex  .* about 0:\d\d$", "at the pace of the others")
+        times = self.output / "job_times"
+        for damaged in ("", "[1]", '{"x": {"seconds": "fast"}}'):
+            times.write_text(damaged)
+            self.assertIn("as planned", self.run_script("quick", "--list").stdout, damaged)
+
     def test_a_gpu_is_measured_beside_the_processor(self):
         done = self.run_script("gpu-quick", "--scene", "cube")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)

@@ -6,6 +6,7 @@
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
+export XDG_CACHE_HOME=$folder/cache
 failures=0
 
 # A cage of one quad, with texture coordinates.

@@ -155,6 +155,12 @@ for arguments in --help "--scene cube --level 1 --size 16x16 --no-speed --repres
   grep -q "standard output cannot be written" "$folder/stderr" || complain "no word on a full disk: $arguments"
 done
 
+# Maps that are made go to the user's cache, and none to the pictures.
+"$program" --scene trex --mapping atlas --level 0 --size 16x16 --no-speed --representation grid --output "$folder/trex" \
+  >/dev/null 2>"$folder/stderr" || complain "trex: $(cat "$folder/stderr")"
+[ -s "$folder/cache/embree-cbvh/trex_height_atlas.exr" ] || complain "no map in the user's cache"
+ls "$folder/trex" | grep -q height && complain "a map among the pictures: $(ls "$folder/trex")"
+
 # Ctrl-C in the middle: status 130, and no half of a file.
 "$program" --scene trex --level 6 --output "$folder/cancelled" --representation grid >/dev/null 2>"$folder/stderr" &
 process=$!
@@ -168,6 +174,7 @@ status=$?
 [ $status = 130 ] || complain "exit status $status after Ctrl-C: $(cat "$folder/stderr")"
 grep -q cancelled "$folder/stderr" || complain "no word on the cancellation"
 [ -z "$(ls -A "$folder/cancelled")" ] || complain "files are left after Ctrl-C"
+ls -A "$folder/cache/embree-cbvh" | grep -q tmp && complain "half a map is left after Ctrl-C"
 
 [ $failures = 0 ] && echo "all well"
 exit $((failures != 0))

@@ -11,7 +11,6 @@ set -u
 program=$1
 . "$(dirname -- "$0")/cli.sh"
 unset DISPLAY WAYLAND_DISPLAY
-export XDG_CACHE_HOME=$folder/cache
 
 # refuses PATTERN ARGUMENT...
 refuses() {

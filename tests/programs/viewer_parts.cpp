@@ -151,6 +151,26 @@ TEST(OpenedFiles, AMapGoesOnTheCageThatIsThere)
   EXPECT_EQ(opened.amplitude, 0.02f);
 }
 
+TEST(OpenedFiles, ACageWithoutAMapForgetsHowTheLastOneWasRead)
+{
+  SceneSettings current;
+  current.cagePath = "body.obj";
+  current.heightPath = "body.exr";
+  current.mapValues = MapValues::TangentVectors;
+  current.midLevel = 0.25f;
+  current.channel = "r";
+  current.repeat = {2, 2};
+  current.mapScale = 3.0f;
+  current.up = "z";
+  const SceneSettings alone = openFiles({"head.obj"}, current);
+  validateScene(alone);
+  EXPECT_EQ(alone.heightPath, "");
+  EXPECT_EQ(alone.up, "z");
+  const SceneSettings both = openFiles({"head.obj", "head.exr"}, current);
+  EXPECT_EQ(both.mapValues, MapValues::TangentVectors);
+  EXPECT_EQ(both.mapScale, 3.0f);
+}
+
 TEST(OpenedFiles, BothInAnyOrder)
 {
   for (const auto& files : {std::vector<std::string>{"body.obj", "skin.tif"}, {"skin.tif", "body.obj"}})

@@ -248,13 +248,27 @@ def test_files(session):
         xdnd.drop(session.environment["DISPLAY"], int(session.window), paths)
         print("dropped", *map(os.path.basename, paths))
 
+    def shown_from_its_start(what, picture):
+        """Another map is looked at from where the last one was: R goes to where its own view starts."""
+        def shown():
+            session.key("r")
+            return session.screen() == picture
+        wait_for(f"the window does not show {what}", shown)
+        print(f"shows {what}")
+
     session.start(*level, scene=())
     session.key("h")
     drop(bumps)  # of which nothing can be shown
     drop(box)
     session.shows("the cage", smooth)
+    session.drag((240, 180), (300, 200))
+    camera = session.camera()
+    before = session.screen()
     drop(bumps)
-    session.shows("the cage with its map", rough)
+    wait_for("the map is not shown", lambda: session.title().endswith(" - box with spaces") and session.screen() != before)
+    if session.camera() != camera:
+        fail("another map moves the camera")
+    shown_from_its_start("the cage with its map", rough)
     drop(bad)
     wait_for("no word on the bad cage", lambda: "bad.obj:3" in session.read("log"))
     session.shows("what it showed before the bad cage", rough)
@@ -262,9 +276,18 @@ def test_files(session):
     session.has_overlay(rough)
     session.key("h")
     drop(box)
-    session.shows("the cage without the map", smooth)
+    shown_from_its_start("the cage without the map", smooth)
     drop(bumps, box)
-    session.shows("both", rough)
+    shown_from_its_start("both", rough)
+
+    # The amplitude in the panel: typed after a double click.
+    strong = session.screenshot("strong", *level, "--amplitude", "0.06", scene=(bumps, box))
+    session.key("h")
+    session.has_overlay(rough)
+    session.mouse(("mousemove", 80, 113), ("click", "--repeat", 2, "--delay", 80, 1), ("key", "ctrl+a"), ("type", "0.06"), ("key", "Return"))
+    session.away()
+    session.key("h")
+    shown_from_its_start("another amplitude", strong)
     if "box" not in session.title():
         fail(f"the title is '{session.title()}'")
     session.key("q")

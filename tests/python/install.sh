@@ -7,6 +7,7 @@
 #   install.sh CMAKE BUILD-DIRECTORY PYTHON
 set -eu
 cmake=$1 build=$2 python=$3
+version=$(sed -n 's/^CMAKE_PROJECT_VERSION:[^=]*=//p' "$build/CMakeCache.txt")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset LD_LIBRARY_PATH EMBREE_CBVH
@@ -15,14 +16,15 @@ unset LD_LIBRARY_PATH EMBREE_CBVH
 mv "$work/first" "$work/prefix"
 [ -f "$work/prefix/share/doc/embree-cbvh/examples/compare_representations.py" ]
 module=$(find "$work/prefix" -name 'embree_cbvh*.so')
-PYTHONPATH=$(dirname "$module") "$python" -B - "$work/prefix" << 'CODE'
+PYTHONPATH=$(dirname "$module") "$python" -B - "$work/prefix" "$version" << 'CODE'
 import sys
 import embree_cbvh
 
-prefix = sys.argv[1]
+prefix, version = sys.argv[1:]
 with open("/proc/self/maps", encoding="utf-8") as maps:
     libraries = {line.split()[-1] for line in maps if "libembree3.so" in line}
 assert embree_cbvh.__file__.startswith(prefix + "/lib/python3"), embree_cbvh.__file__
+assert embree_cbvh.__version__ == version, embree_cbvh.__version__
 assert len(libraries) == 1 and min(libraries).startswith(prefix + "/"), libraries
 assert embree_cbvh.build(embree_cbvh.Model.scene("cube"), "cvert", 3).statistics()["compression"]["quads"] == 6 * 64
 print("runs on", *libraries)

@@ -4,41 +4,14 @@
 #include "benchmark.h"
 
 #include "group_run.h"
-#include "basics/file_output.h"
 #include "programs/warnings.h"
-
-#include <filesystem>
-#include <memory>
-#include <unistd.h>
 
 namespace cbvh {
 namespace {
 
-namespace fs = std::filesystem;
-
-/* For generated height maps, gone at the end. */
-class TemporaryFolder
-{
-public:
-  TemporaryFolder() : path(fs::temp_directory_path() / ("cbvh_bench-" + std::to_string(getpid())))
-  {
-    prepareOutputFolder(path.string());
-  }
-  ~TemporaryFolder()
-  {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  const fs::path path;
-};
-
-Model loadModel(const BenchOptions& options, const BenchScene& bench, const std::string& mapFolder)
+Model loadModel(const BenchOptions& options, const BenchScene& bench)
 {
   SceneSettings settings = bench.settings;
-  settings.mapFolder = mapFolder;
   settings.threads = options.buildThreads;
   std::string warnings;
   Model model = loadScene(settings, warnings);
@@ -52,13 +25,10 @@ Model loadModel(const BenchOptions& options, const BenchScene& bench, const std:
 
 void runBenchmark(const BenchOptions& options, const std::function<void(const Group&)>& done)
 {
-  std::unique_ptr<TemporaryFolder> temporary;
-  if (options.maps.empty())
-    temporary = std::make_unique<TemporaryFolder>();
   for (const BenchScene& bench : options.scenes)
   {
     options.libraries.front().use();
-    const Model model = loadModel(options, bench, temporary ? temporary->path.string() : options.maps);
+    const Model model = loadModel(options, bench);
     const std::vector<ReferenceView> reference = traceReference(options, model);
     std::optional<TrueSurface> surface;
     if (options.trueHits)

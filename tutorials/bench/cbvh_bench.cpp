@@ -23,8 +23,6 @@ void run(const cbvh::BenchOptions& options, const cbvh::Machine& machine)
 {
   if (!options.pictures.empty())
     cbvh::prepareOutputFolder(options.pictures);
-  if (!options.maps.empty())
-    cbvh::prepareOutputFolder(options.maps);
   const std::filesystem::path folder = std::filesystem::path(options.json).parent_path();
   if (!folder.empty())
     cbvh::prepareOutputFolder(folder.string());
@@ -52,6 +50,7 @@ int main(int argc, char** argv)
     if (!options)
       return 0;
     cbvh::installCancelHandler();
+    cbvh::endSoonAfterCancel("cbvh_bench");
     run(*options, machine);
     return 0;
   }

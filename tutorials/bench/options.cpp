@@ -214,7 +214,6 @@ void declareOutput(CLI::App& app, BenchOptions& o, Words& words)
 {
   app.add_option("--pictures", o.pictures, "folder for shaded pictures and error maps")->type_name("DIR");
   app.add_option("--picture-level", words.pictureLevels, "levels that get pictures, else all")->type_name("LIST");
-  app.add_option("--maps", o.maps, "folder for generated height maps, else a temporary one")->type_name("DIR");
   app.add_option("--json", o.json, "write the measurements there")->type_name("FILE");
   app.add_flag("--about", words.about, "print commit, instruction sets and scenes as JSON, and end");
 }

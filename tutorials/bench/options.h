@@ -53,7 +53,6 @@ struct BenchOptions
   std::string pictures;      // folder, empty for none
   std::vector<int> pictureLevels; // levels that get pictures; empty: all
   std::string json;          // file, empty for none
-  std::string maps;          // folder of generated height maps, empty for a temporary one
   std::string command;       // the command line, program without its folder
 };
 

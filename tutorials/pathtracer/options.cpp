@@ -30,7 +30,6 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
                "cbvh_pathtracer");
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addSceneOptions(app, o.scene);
-  app.add_option("--maps", o.scene.mapFolder, "folder for the height maps of generated scenes, else the user's cache")->type_name("DIR");
   app.add_option("--representation", representation,
                  "naive, grid, cgrid, cvoxel, cleaf or cvert, a frame level of its own after ^ or :")
     ->type_name("NAME")->capture_default_str();

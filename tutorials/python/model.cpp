@@ -6,9 +6,7 @@
 #include "interruptible.h"
 #include "warning.h"
 
-#include "basics/cache_folder.h"
 #include "basics/error.h"
-#include "basics/file_output.h"
 #include "building/built_scene.h"
 #include "scenes/catalogue.h"
 #include "surface/height_map.h"
@@ -157,10 +155,9 @@ std::shared_ptr<Model> makeScene(const std::string& name, std::optional<float> a
   settings.rough = rough;
   settings.mapping = mapping.value_or("");
   settings.count = count;
-  settings.mapFolder = mapFolder ? mapFolder->string() : userCacheFolder();
+  settings.mapFolder = mapFolder ? mapFolder->string() : "";
   settings.threads = threads;
   validateScene(settings);
-  prepareOutputFolder(settings.mapFolder);
   std::string warning;
   auto model = interruptible(progress, [&] { return std::make_shared<Model>(loadScene(settings, warning)); });
   warn(warning);

@@ -8,6 +8,7 @@
 
 #include "basics/error.h"
 
+#include <embree3/rtcore_compression.h>
 #include <pybind11/pybind11.h>
 
 #include <exception>
@@ -71,6 +72,7 @@ PYBIND11_MODULE(embree_cbvh, module)
 {
   using namespace cbvh::python;
   module.doc() = moduleText;
+  module.attr("__version__") = RTC_COMPRESSION_VERSION_STRING;
   errorType = PyErr_NewExceptionWithDoc("embree_cbvh.Error",
                                         "What is refused beyond the form of arguments: files, cages, what Embree says.",
                                         PyExc_ValueError, nullptr);

@@ -77,7 +77,6 @@ void read(const Words& words, Options& o)
     throw Error("--repeat must be at least 1");
   requireNotNegative("--ray-offset", o.rayOffset);
   requireNotNegative("--max-pixel-error", o.maxPixelError);
-  o.scene.mapFolder = o.output;
   o.scene.threads = o.build.threads;
   o.speed = !words.noSpeed;
   o.colors = words.colors == "sides" ? HitColors::Sides : HitColors::Neutral;

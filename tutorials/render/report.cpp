@@ -110,6 +110,9 @@ void trueRow(Table& table, const std::string& name, const std::function<std::str
 
 /* --- what is said by default: about ten rows ------------------------------------------- */
 
+/* Of errors, the one that 99 of 100 hits stay below. A few rays that hit another sheet of the
+ * surface, behind a silhouette, would make an RMSE of theirs of all errors. */
+
 std::string speedCell(const Speed& speed)
 {
   return number(speed.mrays, 3) + (speed.toGrid ? " (" + number(*speed.toGrid, 2) + ")" : "");
@@ -128,7 +131,7 @@ void addOverview(Table& table, const Comparison& c)
                 [=](const Result& r) { return speedCell(r.speed[set][Closest]); });
   if (hasMeshErrors(c))
   {
-    meshRow(table, "error against the mesh, pixels: RMSE", [](const HitErrors& e) { return number(e.rmse, 4); });
+    meshRow(table, "error against the mesh, pixels: p99", [](const HitErrors& e) { return number(e.p99, 4); });
     meshRow(table, "false hits + misses", [](const HitErrors& e) {
       return std::to_string(e.falseHits) + " + " + std::to_string(e.misses);
     });
@@ -136,7 +139,7 @@ void addOverview(Table& table, const Comparison& c)
   }
   if (!c.trueHits)
     return;
-  trueRow(table, "error against the true surface, pixels: RMSE", [](const TrueErrors& e) { return number(e.rmse, 4); });
+  trueRow(table, "error against the true surface, pixels: p99", [](const TrueErrors& e) { return number(e.p99, 4); });
   if (!hasMeshErrors(c))
     trueRow(table, "flipped normals", [](const TrueErrors& e) { return std::to_string(e.flipped); });
 }

@@ -10,6 +10,7 @@
 #include "basics/parallel.h"
 #include "basics/progress.h"
 #include "pictures/image_output.h"
+#include "programs/warnings.h"
 
 #include <cstdio>
 #include <new>
@@ -21,8 +22,7 @@ void writeScreenshot(const ViewerOptions& options)
 {
   Worker worker;
   Document document(loadModel(options.scene, options), options.build, worker);
-  if (!document.loaded->warning.empty())
-    std::fprintf(stderr, "cbvh_viewer: %s\n", document.loaded->warning.c_str());
+  printWarnings("cbvh_viewer", document.loaded->warnings);
   const ViewState state{options.representations, options.build.level, options.mode};
   document.store.request(state.scenes());
   document.store.finish();

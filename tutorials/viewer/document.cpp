@@ -24,10 +24,8 @@ int coarseLevel(const Model& model, int level)
 std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const ViewerOptions& options)
 {
   auto loaded = std::make_unique<LoadedModel>();
-  loaded->source = source;
-  loaded->model = loadScene(source, loaded->warning);
-  if (!loaded->warning.empty())
-    loaded->warning = "warning: " + loaded->warning;
+  loaded->source = withStrength(source);
+  loaded->model = loadScene(loaded->source, loaded->warnings);
   BuildSettings settings = options.build;
   settings.level = coarseLevel(loaded->model, settings.level);
   settings.device = "cpu";

@@ -17,9 +17,9 @@ namespace cbvh {
 /* A model as read or made, ready to be shown. */
 struct LoadedModel
 {
-  SceneSettings source;
+  SceneSettings source;                // with the strength of the displacement, see withStrength
   Model model;
-  std::string warning;                 // "warning: " and one line, or empty
+  std::string warnings;                // a line each
   std::optional<Camera> start;
   std::unique_ptr<BuiltScene> preview; // GRID at a low level, always on the CPU
 };

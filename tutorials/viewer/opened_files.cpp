@@ -18,6 +18,18 @@ bool isCage(const std::string& path)
   return extension == ".obj";
 }
 
+/* How a map was read that is gone, or how strong a generated scene was. */
+void forgetMap(SceneSettings& settings)
+{
+  const SceneSettings fresh;
+  settings.mapValues = fresh.mapValues;
+  settings.midLevel = fresh.midLevel;
+  settings.channel = fresh.channel;
+  settings.repeat = fresh.repeat;
+  settings.mapScale = fresh.mapScale;
+  settings.amplitude = fresh.amplitude;
+}
+
 } // namespace
 
 SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettings& current)
@@ -39,7 +51,7 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
     opened.mapping.clear();
     opened.count.reset();
     if (height.empty() || !current.scene.empty())
-      opened.amplitude.reset(); // of a map or a scene that is gone
+      forgetMap(opened);
   }
   else if (current.cagePath.empty())
     throw Error(height + ": a height map needs a cage, open an OBJ first" +

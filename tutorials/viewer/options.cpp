@@ -57,7 +57,6 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   app.add_option("files", files, "a control cage (OBJ) and a height map, as with --cage and --height")->type_name("FILE");
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addSceneOptions(app, o.scene);
-  app.add_option("--maps", o.scene.mapFolder, "folder for the height maps of generated scenes, else the user's cache")->type_name("DIR");
   app.add_option("--representation", representations,
                  "naive, grid, cgrid, cvoxel, cleaf or cvert, a frame level of its own after ^ or :; "
                  "two of them, with a comma between, for a split screen")

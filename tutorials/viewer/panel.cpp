@@ -7,7 +7,10 @@
 
 #include "tutorials/common/imgui/imgui.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <string>
 
 namespace cbvh {
 namespace {
@@ -32,6 +35,21 @@ const char* const keyHelp = "1 to 6      NAIVE, GRID, cGRID, cVOXEL, cLEAF, cVER
                             "Tab, H      fold this panel; hide it\n"
                             "Q, Esc      quit; ask before that\n"
                             "Drop a cage (OBJ), a height map or both here to open them.\n";
+
+std::string quadsText(size_t quads)
+{
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2f million", double(quads) * 1e-6);
+  return quads < 1000000 ? std::to_string(quads) : text;
+}
+
+std::string bytesText(size_t bytes)
+{
+  char text[32];
+  const bool few = bytes < 1 << 20;
+  std::snprintf(text, sizeof(text), "%.1f %s", double(bytes) / (few ? 1 << 10 : 1 << 20), few ? "KiB" : "MiB");
+  return text;
+}
 
 constexpr ImGuiWindowFlags overlayFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize |
                                           ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoNav;
@@ -98,11 +116,30 @@ void Panel::drawSettings()
   if (ImGui::Combo("mode", &mode, "shading\0normals\0error\0leaf cells\0blocks\0"))
     state.mode = PictureMode(mode);
   viewer.want(state);
+  drawStrength();
   bool split = viewer.isSplit();
   if (ImGui::Checkbox("split screen", &split))
     viewer.setSplit(split);
   ImGui::SameLine();
   ImGui::Checkbox("without pause", &viewer.continuous);
+}
+
+/* It counts as soon as the user is done with it. */
+void Panel::drawStrength()
+{
+  const LoadedModel* const opened = viewer.opened();
+  if (!opened || !(opened->source.mapScale || opened->source.amplitude))
+    return;
+  const bool isScale = opened->source.mapScale.has_value();
+  if (!changesStrength)
+    strength = isScale ? *opened->source.mapScale : *opened->source.amplitude;
+  const float step = std::max(0.01f * std::abs(strength), 1e-5f); // a pixel
+  ImGui::DragFloat(isScale ? "height scale" : "amplitude", &strength, step, 0.0f, 0.0f, "%.6g");
+  if (changesStrength && !ImGui::IsItemActive())
+    viewer.setStrength(strength);
+  changesStrength = ImGui::IsItemActive();
+  if (ImGui::IsItemHovered() && !changesStrength)
+    ImGui::SetTooltip("drag, or double-click and type");
 }
 
 void Panel::drawReports()
@@ -120,8 +157,8 @@ void Panel::drawReports()
     ImGui::Separator();
     ImGui::Text("%s%s, level %d", panes.size() < 2 ? "" : i ? "right: " : "left: ",
                 panes[i].scene->representation().label().c_str(), viewer.shownLevel());
-    ImGui::Text("%.2f bytes a quad, %.3f M quads", b.bytesPerQuad(), double(b.quads) * 1e-6);
-    ImGui::Text("%.2f MiB, built in %.2f s", double(b.liveBytes) / (1 << 20), b.seconds);
+    ImGui::Text("%.2f bytes a quad, %s quads", b.bytesPerQuad(), quadsText(b.quads).c_str());
+    ImGui::Text("%s, built in %.2f s", bytesText(b.liveBytes).c_str(), b.seconds);
     ImGui::Text("%.2f Mrays/s on %u thread%s", reports[i].mrays(), threads, threads == 1 ? "" : "s");
     if (panes[i].reference && viewer.shownMode() == PictureMode::Error)
       ImGui::Text("RMSE %.3f pixels, %zu false, %zu missed", reports[i].rmse, reports[i].falseHits, reports[i].misses);

@@ -29,6 +29,7 @@ public:
 private:
   void drawPanel();
   void drawSettings();
+  void drawStrength();
   void drawReports();
   void drawLegend();
   void drawProgress();
@@ -36,6 +37,8 @@ private:
 
   Viewer& viewer;
   const unsigned threads;
+  float strength = 0; // of the displacement, while it is being changed
+  bool changesStrength = false;
   bool changeFold = false, folded = false, hidden = false, asking = false, quit = false;
 };
 

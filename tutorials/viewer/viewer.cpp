@@ -7,6 +7,7 @@
 #include "basics/parallel.h"
 #include "pictures/image_output.h"
 #include "programs/view_options.h"
+#include "programs/warnings.h"
 #include "tracing/trace_hits.h"
 
 #include <cstdio>
@@ -19,6 +20,11 @@ namespace {
 std::string nameOf(const SceneSettings& source)
 {
   return source.scene.empty() ? std::filesystem::path(source.cagePath).filename().string() : source.scene;
+}
+
+bool sameCage(const SceneSettings& a, const SceneSettings& b)
+{
+  return a.scene == b.scene && a.cagePath == b.cagePath;
 }
 
 bool sameScenes(const std::vector<Pane>& a, const std::vector<Pane>& b)
@@ -56,7 +62,7 @@ void Viewer::openFiles(const std::vector<std::string>& paths)
 {
   try
   {
-    open(cbvh::openFiles(paths, toLoad ? *toLoad : document ? document->loaded->source : options.scene));
+    open(cbvh::openFiles(paths, latestSource()));
   }
   catch (const Error& e)
   {
@@ -64,26 +70,38 @@ void Viewer::openFiles(const std::vector<std::string>& paths)
   }
 }
 
+void Viewer::setStrength(float strength)
+{
+  SceneSettings source = withStrength(latestSource());
+  std::optional<float>& given = source.mapScale ? source.mapScale : source.amplitude;
+  if (given && *given != strength)
+  {
+    given = strength;
+    open(source);
+  }
+}
+
+const SceneSettings& Viewer::latestSource() const
+{
+  return toLoad ? *toLoad : loading ? beingLoaded : document ? document->loaded->source : options.scene;
+}
+
 void Viewer::load()
 {
   loading = true;
-  const SceneSettings source = *toLoad;
+  beingLoaded = *toLoad;
   toLoad.reset();
-  worker.start("loading " + nameOf(source), [this, source] { loaded = loadModel(source, options); });
+  worker.start("loading " + nameOf(beingLoaded), [this, source = beingLoaded] { loaded = loadModel(source, options); });
 }
 
 void Viewer::takeLoaded()
 {
   loading = false;
+  std::string failure;
   try
   {
     worker.take();
-    document = std::make_unique<Document>(std::move(loaded), options.build, worker);
-    viewpoint.emplace(*document->loaded->start, document->model().view.up);
-    stepLength = 0.02f * viewpoint->distance();
-    image.reset();
-    shown = wanted;
-    lastMessage = document->loaded->warning;
+    showLoaded();
   }
   catch (const Cancelled&)
   {
@@ -92,16 +110,34 @@ void Viewer::takeLoaded()
   }
   catch (const std::bad_alloc&)
   {
-    lastMessage = "not enough memory to load that";
+    failure = "not enough memory to load that";
   }
   catch (const std::exception& e)
   {
-    lastMessage = e.what();
+    failure = e.what();
   }
-  if (!lastMessage.empty())
-    std::fprintf(stderr, "cbvh_viewer: %s\n", lastMessage.c_str());
-  if (document && !toLoad)
-    requestScenes();
+  if (!failure.empty())
+  {
+    std::fprintf(stderr, "cbvh_viewer: %s\n", failure.c_str());
+    lastMessage = failure;
+  }
+  requestScenes();
+}
+
+/* Another map or amplitude is looked at from where the user stands. */
+void Viewer::showLoaded()
+{
+  const bool otherCage = !document || !sameCage(document->loaded->source, loaded->source);
+  document = std::make_unique<Document>(std::move(loaded), options.build, worker);
+  if (otherCage)
+  {
+    viewpoint.emplace(*document->loaded->start, document->model().view.up);
+    stepLength = 0.02f * viewpoint->distance();
+  }
+  image.reset();
+  shown = wanted;
+  printWarnings("cbvh_viewer", document->loaded->warnings);
+  lastMessage = linesAfter("warning: ", document->loaded->warnings);
 }
 
 /* --- every frame ------------------------------------------------------------------------- */

@@ -29,6 +29,10 @@ public:
   /* The same for files, see openFiles in opened_files.h. */
   void openFiles(const std::vector<std::string>& paths);
 
+  /* Loads the same with its displacement at another amplitude, or at another scale where that
+   * is what was given. Nothing for what has no displacement. */
+  void setStrength(float strength);
+
   /* Null while there is none yet. */
   const LoadedModel* opened() const { return document ? document->loaded.get() : nullptr; }
 
@@ -98,8 +102,10 @@ public:
   void centreAt(Vec2f pixel);
 
 private:
+  const SceneSettings& latestSource() const; // that was asked for, whether it is there yet or not
   void load();
   void takeLoaded();
+  void showLoaded();
   void requestScenes();
   std::vector<Pane> panesOrPreview() const;
   std::optional<Vec3f> pointAt(Vec2f pixel) const;
@@ -108,6 +114,7 @@ private:
   const ViewerOptions& options;
   std::optional<SceneSettings> toLoad;
   bool loading = false;
+  SceneSettings beingLoaded; // then
   std::unique_ptr<const LoadedModel> loaded; // by the worker, which is gone before this is,
   Worker worker;                             // and after the document, whose scenes it builds
   std::unique_ptr<Document> document;
