@@ -61,7 +61,8 @@ namespace embree
 #if defined(EMBREE_IGNORE_INVALID_RAYS)
         if (!ray.valid()) return;
 #endif
-        Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::Precalculations(ray,bvh) };
+        const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
+        Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::Precalculations(ray,bvh),isFiltered };
         cbvh::traverseClosestHit1(bvh->root,ray,leaves);
         ray.tfar = leaves.pre.block.nearest.end(ray.tfar);
       }
@@ -73,19 +74,21 @@ namespace embree
         RayHit& ray;
         IntersectContext* context;
         CompressedSubdivIntersector1::Precalculations pre;
+        bool isSorted;
 
-        static __forceinline bool isBlock (BVH4::NodeRef leaf)
+        static __forceinline bool hasFrame (BVH4::NodeRef leaf)
         {
           size_t type;
           leaf.leaf(type);
-          return type >= cbvh::FIRST_BLOCK;
+          return type >= cbvh::FIRST_BLOCK && type != cbvh::blockType(cbvh::kindVert);
         }
 
-        __forceinline void intersect (BVH4::NodeRef leaf, float enter, const TravRay<4,true>& tray, size_t& lazyNode)
+        __forceinline void setEnter (float t) { pre.block.enter = t; }
+
+        __forceinline void intersect (BVH4::NodeRef leaf, const TravRay<4,true>& tray, size_t& lazyNode)
         {
           size_t type;
           const void* prim = leaf.leaf(type);
-          pre.block.enter = enter;
           CompressedSubdivIntersector1::intersect(This,pre,ray,context,prim,type,tray,lazyNode);
         }
       };

@@ -55,7 +55,7 @@ namespace embree
         x.event.leave = above1 ? sideAbove : sideBelow;
         const float reach = surfaces.reach[leaf] + ray.epsilonZ, f0 = std::fabs(x.f.f0), f1 = std::fabs(x.f.f1);
         x.event.nearEntry = f0 <= reach;
-        x.event.near = x.event.changes || min(f0,f1) <= madd(0.25f,std::fabs(x.f.saddle),reach);
+        x.event.near = x.event.changes || min(f0,f1) <= fused(0.25f,std::fabs(x.f.saddle),reach);
         return x;
       }
     }

@@ -94,7 +94,7 @@ namespace embree
         }
 
         /*! s of a place from entry to exit */
-        static __forceinline float between (const Crossing<float>& x, float k) { return madd(k,x.s1-x.s0,x.s0); }
+        static __forceinline float between (const Crossing<float>& x, float k) { return fused(k,x.s1-x.s0,x.s0); }
 
         /*! a hit at s in a leaf */
         __forceinline LeafHit1 leafHit (const LeafSurfaces& surfaces, uint32_t child, float s, uint32_t from) const
@@ -103,7 +103,7 @@ namespace embree
           const float* h = surfaces.height[child];
           const float u = place[0], v = place[1];
           const bool flat = (surfaces.solid >> child) & 1u;
-          const float slopeX = madd(v,h[3],h[1])*surfaces.place[child][2], slopeY = madd(u,h[3],h[2])*surfaces.place[child][3];
+          const float slopeX = fused(v,h[3],h[1])*surfaces.place[child][2], slopeY = fused(u,h[3],h[2])*surfaces.place[child][3];
           return LeafHit1{ s,u,v,flat ? 0.0f : slopeX,flat ? 0.0f : slopeY,from == sideAbove,from == sideBelow };
         }
       };

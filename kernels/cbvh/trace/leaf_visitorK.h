@@ -229,7 +229,7 @@ namespace embree
         }
 
         /*! s of a place from entry to exit */
-        static __forceinline float between (const Crossing<float>& x, float k) { return madd(k,x.s1-x.s0,x.s0); }
+        static __forceinline float between (const Crossing<float>& x, float k) { return fused(k,x.s1-x.s0,x.s0); }
       };
     }
   }

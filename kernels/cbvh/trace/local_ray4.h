@@ -101,13 +101,13 @@ namespace embree
           const vfloat4 O = madd(vfloat4(p.x),cx,madd(vfloat4(p.y),cy,madd(vfloat4(p.z),cz,vfloat4(0.5f,0.5f,0.5f,1.0f))));
           const vfloat4 D = madd(vfloat4(pre.dir.x),cx,madd(vfloat4(pre.dir.y),cy,vfloat4(pre.dir.z)*cz));
           const BlockStretch stretch(cx,cy,cz);
-          const float farthest = madd(reachOfBox,stretch.longest,reduce_max(abs(o)));
+          const float farthest = fused(reachOfBox,stretch.longest,reduce_max(abs(o)));
           epsilon = madd(vfloat4(distanceUlps*floatUlp*farthest),stretch.withW,vfloat4(unitUlps*floatUlp));
 
           Clip clip(O,D,epsilon);
-          const float tauNear = pre.scaledTnear - tref, tauFar = msub(pre.tfar,pre.rcpScale,tref);
+          const float tauNear = pre.scaledTnear - tref, tauFar = fused(pre.tfar,pre.rcpScale,-tref);
           const float tau0 = max(clip.tauIn,tauNear), tau1 = min(clip.tauOut,tauFar);
-          if (clip.outside || !(tau0 <= min(tau1,msub(nearest,pre.rcpScale,tref)))) return false;
+          if (clip.outside || !(tau0 <= min(tau1,fused(nearest,pre.rcpScale,-tref)))) return false;
           startClipped = tauNear > clip.tauIn;
           endClipped = tauFar < clip.tauOut;
 

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Products that stay products: elsewhere the compiler may fuse them with a sum, here in one way and there in another. */
+/* Products that are fused with a sum, or not, as is written: elsewhere the compiler may do it in one way here and in
+ * another there. */
 
 #include "../../common/isa.h"
 #include "../../../common/simd/simd.h"
@@ -36,6 +37,23 @@ namespace embree
 #endif
         return p;
       }
+
+      /*! a b + c, and c - a b, fused where the instruction set can. Embree's madd of floats clears the rest of a vector first. */
+      __forceinline float fused (float a, float b, float c)
+      {
+#if defined(__FMA__)
+        return __builtin_fmaf(a,b,c);
+#else
+        return product(a,b) + c;
+#endif
+      }
+      __forceinline float fusedNegative (float a, float b, float c) { return fused(-a,b,c); }
+
+      /*! the same of vectors */
+      template<typename Vector>
+      __forceinline Vector fused (const Vector& a, const Vector& b, const Vector& c) { return madd(a,b,c); }
+      template<typename Vector>
+      __forceinline Vector fusedNegative (const Vector& a, const Vector& b, const Vector& c) { return nmadd(a,b,c); }
     }
   }
 }

@@ -40,7 +40,7 @@ namespace embree
         /*! t of s, on the ray */
         __forceinline Real ownT (const Real& s) const {
           const Real sw = product(s,w0);
-          return min(max(madd(sw/madd(w1,Real(1.0f)-s,sw),t1-t0,t0)*scale,tnear),tfar);
+          return min(max(fused(Real(sw/fused(w1,Real(Real(1.0f)-s),sw)),Real(t1-t0),t0)*scale,tnear),tfar);
         }
 
         /*! what counts of it (nearest_hit.h) */
@@ -77,11 +77,11 @@ namespace embree
         __forceinline void setNormal (const HitRay<Real>& ray, const LeafHit<Real,Bool>& at, Vec3<Real>& Ng) const
         {
           Real p[3], n[3];
-          for (int k=0; k<3; k++) p[k] = madd(at.s,ray.D[k],ray.P[k]);
-          const Real level = nmadd(at.slopeY,p[1],nmadd(at.slopeX,p[0],p[2]));
+          for (int k=0; k<3; k++) p[k] = fused(at.s,ray.D[k],ray.P[k]);
+          const Real level = fusedNegative(at.slopeY,p[1],fusedNegative(at.slopeX,p[0],p[2]));
           for (int k=0; k<3; k++) {
             const float* column = block->columns[k];
-            n[k] = nmadd(level,Real(column[3]),nmadd(at.slopeY,Real(column[1]),nmadd(at.slopeX,Real(column[0]),Real(column[2]))));
+            n[k] = fusedNegative(level,Real(column[3]),fusedNegative(at.slopeY,Real(column[1]),fusedNegative(at.slopeX,Real(column[0]),Real(column[2]))));
           }
           /* the frame of a block smaller than 1e-19 has components that have no square */
           const Real largest = max(max(abs(n[0]),abs(n[1])),abs(n[2])), toUnit = Real(1.0f)/max(largest,Real(1e-37f));
@@ -90,10 +90,10 @@ namespace embree
           const Bool away = (at.fromAbove & (along > Real(zero))) | (at.fromBelow & (along < Real(zero)));
           const Bool isTurned = away & (along*along*ray.rcpDir2 < Real(turnedSine2)*length2);
           const Real turn = select(isTurned,Real(2.0f)*along*ray.rcpDir2,Real(zero)), rcpLength = Real(1.0f)/sqrt(max(length2,Real(1e-30f)));
-          for (int k=0; k<3; k++) (&Ng.x)[k] = nmadd(turn,ray.dir[k],n[k])*rcpLength;
+          for (int k=0; k<3; k++) (&Ng.x)[k] = fusedNegative(turn,ray.dir[k],n[k])*rcpLength;
         }
 
-        static __forceinline Real dotOf (const Real a[3], const Real b[3]) { return madd(a[0],b[0],madd(a[1],b[1],product(a[2],b[2]))); }
+        static __forceinline Real dotOf (const Real a[3], const Real b[3]) { return fused(a[0],b[0],fused(a[1],b[1],product(a[2],b[2]))); }
 
         const Block* block;
         const float leafSize; //!< in quads

@@ -22,7 +22,7 @@ namespace embree
       }
 
       /*! Embree sorts the children of a node alone: something nearer than a leaf may wait below on the stack. Then that goes to
-       *  the top, and the leaf takes its place, so that leaves come in the order of their distance and accepted hits come nearer. */
+       *  the top, and the leaf takes its place, so that leaves come in the order of their distance. */
       __forceinline bool putBehindNearer (BVH4::NodeRef leaf, float enter, StackItemT<BVH4::NodeRef>* stack, StackItemT<BVH4::NodeRef>*& top)
       {
         StackItemT<BVH4::NodeRef>* nearest = nullptr;
@@ -38,8 +38,16 @@ namespace embree
         return true;
       }
 
-      /*! Leaves::intersect(leaf, enter, tray, lazyNode): enter is where the ray enters the bounds of a leaf.
-       *  Leaves::isBlock(leaf): false for what belongs to a grid, which is traversed as a whole. */
+      /*! Leaves has
+       *
+       *    bool isSorted
+       *      blocks with frames come in the order of their bounds, so that filters see accepted hits come nearer.
+       *    bool hasFrame (leaf)
+       *      whether it is a block with a frame. Others hit nothing before their bounds.
+       *    void setEnter (t)
+       *      where the ray enters the bounds of the block with a frame that is met next.
+       *    void intersect (leaf, tray, lazyNode)
+       *      lazyNode: what is to be traversed next. */
       template<typename Leaves>
       __forceinline void traverseClosestHit1 (BVH4::NodeRef root, RayHit& ray, Leaves& leaves)
       {
@@ -67,11 +75,13 @@ namespace embree
             BVHNNodeTraverser1Hit<4,BVH_AN1>::traverseClosestHit(cur,mask,distances,top,stack+sizeof(stack)/sizeof(Entry));
           }
           if (unlikely(mask == 0)) continue;
-          enter = reduce_min(select(vboolf4(int(mask)),distances,vfloat4(pos_inf)));
-          if (Leaves::isBlock(cur) && unlikely(putBehindNearer(cur,enter,stack,top))) continue;
-
+          if (Leaves::hasFrame(cur)) {
+            enter = reduce_min(select(vboolf4(int(mask)),distances,vfloat4(pos_inf)));
+            if (unlikely(leaves.isSorted) && putBehindNearer(cur,enter,stack,top)) continue;
+            leaves.setEnter(enter);
+          }
           size_t lazyNode = 0;
-          leaves.intersect(cur,enter,tray,lazyNode);
+          leaves.intersect(cur,tray,lazyNode);
           tray.tfar = ray.tfar;
           if (unlikely(lazyNode)) {
             top->ptr = lazyNode;
