@@ -66,9 +66,10 @@ uvec4 cbvhSortChildren (CbvhNode node, CbvhTravel ray, float tfar)
 }
 
 uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
+float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & ~3u); }
 
-/* A leaf of the tree that is no instance; true if something nearer is hit. */
-bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit)
+/* A leaf of the tree that is no instance; true if something nearer is hit. framed: see cbvhReport */
+bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit, inout vec2 framed)
 {
   uint type = referenceType(reference), index = referenceIndex(reference);
   if (cbvhHasKind(cellReference) && type == cellReference) return cbvhTraceCell(scene, ray, index, anyHit, hit);
@@ -78,7 +79,7 @@ bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool 
 #endif
   if (!cbvhHasKind(firstBlockReference + kindGrid) && !cbvhHasKind(firstBlockReference + kindVoxel) && !cbvhHasKind(firstBlockReference + kindLeaf)) return false;
   uint kind = cbvhHasOnly(kindLeaf) ? kindLeaf : cbvhHasOnly(kindVoxel) ? kindVoxel : cbvhHasOnly(kindGrid) ? kindGrid : type - firstBlockReference;
-  return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit);
+  return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit, framed);
 }
 
 bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHit hit)
@@ -93,6 +94,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   CbvhNodes nodes = CbvhNodes(scene.nodes);
   CbvhTravel ray = cbvhTravel(worldRay);
   bool found = false;
+  vec2 framed = vec2(-1.0);
 
   uvec2 stack[CBVH_STACK];       // references, and where the ray enters their boxes
   int top = 0, instanceTop = -1; // the stack's height where an instance was entered
@@ -109,7 +111,10 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
       if (keys.w != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.w)], keys.w);
       if (keys.z != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.z)], keys.z);
       if (keys.y != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.y)], keys.y);
-      if (keys.x != 0xFFFFFFFFu) current = node.children[cbvhChildOfKey(keys.x)];
+      if (keys.x != 0xFFFFFFFFu) {
+        current = node.children[cbvhChildOfKey(keys.x)];
+        ray.enter = cbvhEntryOfKey(keys.x);
+      }
     }
 
     if (current != emptyReference)
@@ -133,7 +138,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
           continue;
         }
       }
-      else if (cbvhTraceLeaf(scene, ray, current, anyHit, hit)) {
+      else if (cbvhTraceLeaf(scene, ray, current, anyHit, hit, framed)) {
         found = true;
         if (anyHit) return true;
       }
@@ -142,10 +147,14 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
     /* back to what waits and is not behind a hit */
     do {
       if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhTravel(worldRay); instanceTop = -1; }
-      if (top == 0) return found;
+      if (top == 0) {
+        if (hit.t == framed.x) hit.t = framed.y;
+        return found;
+      }
       top--;
     } while (stack[top].y > (floatBitsToUint(hit.t) | 3u));
     current = stack[top].x;
+    ray.enter = cbvhEntryOfKey(stack[top].y);
   }
   return found;
 }

@@ -145,13 +145,19 @@ struct CbvhLeafHit
   uint from;            // side, hit_rule.h
 };
 
-void cbvhReport (BlockHeader header, CbvhTravel ray, CbvhLocalRay local, uint numLeaves, CbvhLeafHit at, inout CbvhHit hit)
+/* True if the hit comes before what the ray has, whatever it met first: what counts is where a hit is, but not
+ * before the ray enters the bounds of its block; of equals the nearer hit counts. That is hit.t while a ray is
+ * traced. framed: it and the hit's own distance, which hit.t becomes in the end. As the processor's
+ * nearest_hit.h, but for equals that are as near. */
+bool cbvhReport (BlockHeader header, CbvhTravel ray, CbvhLocalRay local, uint numLeaves, CbvhLeafHit at, inout CbvhHit hit, inout vec2 framed)
 {
+  float own = min(max(worldT(local.segment, at.s)*local.scale, ray.tnear), ray.tfar), t = min(max(own, ray.enter), ray.tfar);
+  if (t > hit.t || (t == hit.t && hit.t == framed.x && own >= framed.y)) return false;
+  framed = vec2(t, own);
   uint height = heightOf(header.info);
   float size = float(1u << height)/float(numLeaves); // of a leaf, in quads
   float u = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), height, size*(float(mortonX(at.leaf)) + at.u));
   float v = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height, size*(float(mortonY(at.leaf)) + at.v));
-  float t = min(max(worldT(local.segment, at.s)*local.scale, ray.tnear), hit.t);
   Vector p;
   for (int k = 0; k < 3; k++) p.x[k] = segmentAt(local.segment, k, at.s);
   Vector n = worldNormal(header, p, at.slopeX, at.slopeY);
@@ -163,7 +169,11 @@ void cbvhReport (BlockHeader header, CbvhTravel ray, CbvhLocalRay local, uint nu
   float along = dot(Ng, dir), dir2 = dot(dir, dir);
   if (isTurned(along, 1.0, dir2, at.from)) Ng -= 2.0*along/dir2*dir;
   cbvhSetHit(hit, ray, t, u, v, Ng, header.primID, header.geomID);
+  return true;
 }
+
+/* s of t, or a little behind */
+float cbvhBehind (Segment s, float t) { return t < s.t1 ? localShare(s.w0, s.w1, (t - s.t0)/(s.t1 - s.t0)) + 1e-5 : 1.0; }
 
 LeafPatch cbvhSolidLeaf (NodeBox box)
 {
@@ -210,7 +220,7 @@ bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint 
 
 /* kind: of the block, known when the shader is compiled where a scene has one kind only. True if
  * something is hit nearer than hit.t, which is lowered; with anyHit whatever comes first. */
-bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel ray, const bool anyHit, inout CbvhHit hit)
+bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel ray, const bool anyHit, inout CbvhHit hit, inout vec2 framed)
 {
   BlockHeader header = cbvhReadHeader(block);
   if (!cbvhIsSeen(scene, ray, header.geomID)) return false;
@@ -222,9 +232,9 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
   WorldRay world;
   for (int k = 0; k < 3; k++) { world.org[k] = ray.org[k]; world.dir[k] = ray.dir[k]*local.scale; }
   world.tnear = ray.tnear*rcpScale;
-  world.tfar = hit.t*rcpScale;
+  world.tfar = ray.tfar*rcpScale; // what is hit in other blocks does not bear on what is met where
   local.segment = enterBlock(header, world, 1.0);
-  if (!local.segment.valid) return false;
+  if (!local.segment.valid || local.segment.t0 > hit.t*rcpScale) return false;
 
   vec3 D;
   local.flip = 0u;
@@ -242,7 +252,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
   uint nodeLevels = layout_.nodeLevels;
   WalkState state = startOfWalk();
   CbvhLeafHit exit_ = CbvhLeafHit(0.0, 0u, 0.0, 0.0, 0.0, 0.0, sideUnknown);
-  float best = 1.0;       // s of the nearest hit
+  float best = kind != kindLeaf && hit.t < ray.tfar ? min(cbvhBehind(local.segment, hit.t*rcpScale), 1.0) : 1.0; // s of the nearest hit
   bool found = false;
 
   uint depth = 0u, m = 0u, hits = 0u, passed = 0u;
@@ -256,8 +266,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
     if (kind == kindVoxel) {
       Range range = rangeInBox(local.segment, box, 3);
       if (local.segment.startClipped && range.lower < 0.0) return false;
-      cbvhReport(header, ray, local, 1u, cbvhHitOnPatch(local, cbvhSolidLeaf(box), 0u, max(range.lower, 0.0), sideUnknown), hit);
-      return true;
+      return cbvhReport(header, ray, local, 1u, cbvhHitOnPatch(local, cbvhSolidLeaf(box), 0u, max(range.lower, 0.0), sideUnknown), hit, framed);
     }
     return false;
   }
@@ -308,8 +317,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
         state = v.next;
         if (v.hit == hitNone) continue;
         exit_.from = v.from;
-        cbvhReport(header, ray, local, layout_.leaves, exit_, hit);
-        found = true;
+        if (cbvhReport(header, ray, local, layout_.leaves, exit_, hit, framed)) found = true; // what is behind counts for the walk
         if (anyHit) return true;
         best = exit_.s;
         state = afterHit(state);
@@ -332,17 +340,15 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
         if (!cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leaves, ray, leaf, anyHit, hit)) continue;
         found = true;
         if (anyHit) return true;
-        Segment s = local.segment;
-        best = s.t1 > s.t0 ? localShare(s.w0, s.w1, (hit.t*rcpScale - s.t0)/(s.t1 - s.t0)) + 1e-5 : 1.0;
+        best = cbvhBehind(local.segment, hit.t*rcpScale);
       }
       else if (kind == kindVoxel)
       {
         float s = max(slabs.enter[child], 0.0);
         if (local.segment.startClipped && slabs.enter[child] < 0.0) continue;
         if (found ? !(s < best) : !(s <= best)) continue; // of those as near, the first along the ray
-        cbvhReport(header, ray, local, layout_.leaves,
-                   cbvhHitOnPatch(local, cbvhSolidLeaf(decodeChild(word, child, box)), leaf, s, sideUnknown), hit);
-        found = true;
+        if (cbvhReport(header, ray, local, layout_.leaves,
+                       cbvhHitOnPatch(local, cbvhSolidLeaf(decodeChild(word, child, box)), leaf, s, sideUnknown), hit, framed)) found = true;
         if (anyHit) return true;
         best = s;
       }
@@ -361,8 +367,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
           s = x.s0 + at.k*(x.s1 - x.s0);
         }
         if (isMet && !(state.found && !(s < best))) {
-          cbvhReport(header, ray, local, layout_.leaves, cbvhHitOnPatch(local, patch_, leaf, s, v.from), hit);
-          found = true;
+          if (cbvhReport(header, ray, local, layout_.leaves, cbvhHitOnPatch(local, patch_, leaf, s, v.from), hit, framed)) found = true;
           if (anyHit) return true;
           best = s;
           state = afterHit(state);

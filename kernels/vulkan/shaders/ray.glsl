@@ -37,6 +37,8 @@ struct CbvhTravel
   vec3 org, dir;
   vec3 rcp;       // finite
   float tnear;    // not negative
+  float tfar;     // before anything was hit
+  float enter;    // where it enters the bounds of the leaf that is met, or before
   uint mask;
   uint instID;
   uint firstGeometry;
@@ -54,7 +56,8 @@ CbvhTravel cbvhTravel (CbvhRay ray)
   travel.org = ray.origin;
   travel.dir = ray.direction;
   for (int k = 0; k < 3; k++) travel.rcp[k] = cbvhReciprocal(ray.direction[k], 1e-18); // as Embree's rcp_safe
-  travel.tnear = max(ray.tnear, 0.0);
+  travel.tnear = travel.enter = max(ray.tnear, 0.0);
+  travel.tfar = ray.tfar;
   travel.mask = ray.mask;
   travel.instID = CBVH_NONE;
   travel.firstGeometry = 0u;
