@@ -50,7 +50,7 @@ struct AnyHitRay : public embree::Ray
 template<typename... Reported>
 bool report(RecordingRay& ray, embree::IntersectContext*, Reported&&... reported)
 {
-  const embree::isa::cbvh::SurfaceHit& hit = std::get<sizeof...(Reported) - 1>(std::tie(reported...));
+  const embree::isa::cbvh::SurfaceHit1& hit = std::get<sizeof...(Reported) - 1>(std::tie(reported...));
   if (hit.t < ray.from) return false;
   ray.found = true;
   ray.tfar = hit.t;
