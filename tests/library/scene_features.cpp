@@ -531,6 +531,25 @@ TEST(Packets, FollowTheKindOfWhatTheyTrace)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
+// All quads are left out, and there is no tree.
+TEST(Packets, OfScenesWithoutBlocks)
+{
+  Device device;
+  Scene scene(device);
+  Displacement displacement;
+  displacement.poison = [](unsigned, float, float) { return true; };
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = RTC_COMPRESSION_LEAF;
+  addSurface(device, scene, cubeCage(), settings);
+  rtcCommitScene(scene);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << "quads that are left out are reported";
+  Random random(74);
+  const std::vector<RTCRayHit> rays = pictureRays(random, 16);
+  for (const RTCRayHit& ray : rays) ASSERT_FALSE(isHit(intersect(scene, ray)));
+  compareAllPackets(scene, rays);
+}
+
 // As a stream has them where it does not fill its last packet, and as an application may.
 template<unsigned N, typename Packet>
 void expectLeftAlone(RTCScene scene, const RTCRayHit& active, void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*),

@@ -4,7 +4,7 @@
 #pragma once
 
 /* What the visitors of the three kinds of leaves share for packets: the rays in their block, and the way to
- * Embree's epilogues, ray by ray. block_visitor1.h has the same for one ray. */
+ * Embree's epilogues. block_visitor1.h has the same for one ray. */
 
 #include "block_walkK.h"
 #include "surface_hit.h"

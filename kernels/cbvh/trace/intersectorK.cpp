@@ -124,8 +124,8 @@ namespace embree
       static __noinline Traced together (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays, IntersectContext* context)
       {
         Traced traced = { uint32_t(movemask(valid)),vbool<K>(false) };
-        if (!context->isCoherent()) return traced;
         const BVH4::NodeRef root = ((const BVH4*)This->ptr)->root;
+        if (!context->isCoherent() || root == BVH4::emptyNode) return traced;
         CompressedSubdivLeavesK<K,Rays> leaves(valid,This,rays,context);
         TravRayK<K,true> tray(rays.org,rays.dir,4);
         uint32_t descends[3], alone = 0;

@@ -65,7 +65,7 @@ namespace embree
               tray.tfar = min(tray.tfar,leaves.tfar);
               frustum.template updateMaxDist<K>(tray.tfar);
             }
-            if (unlikely(lazyNode)) *top++ = Entry{ vfloat<K>(neg_inf),NodeRef(lazyNode),float(neg_inf) };
+            if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.first }; // of the rays that met the leaf, and no others
           }
         }
 
