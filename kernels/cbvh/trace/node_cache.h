@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What threads keep of blocks with frames, thread_cache.h: 176 KiB each.
+/* What threads keep of blocks with frames, thread_cache.h: 188 KiB each.
  *
  * A tile is a node with the two levels below it: its four children, and their sixteen children, which
  * traversal tests at once. The children of a child are decoded when a ray first meets that child. */

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What threads keep of blocks of cVERT, thread_cache.h: 245 KiB each. */
+/* What threads keep of blocks of cVERT, thread_cache.h: 240 KiB each. */
 
 #include "thread_cache.h"
 #include "vert_tables.h"
