@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Four doubles or floats at a time, for encoders. Every operation rounds as the scalar one does and
- * none is fused, so that blocks are the same bytes on every ISA. Embree has four doubles for AVX
- * only, and its floats want all of its headers, which the encoders do without. */
+/* Four doubles or floats at a time, for encoders. Every operation rounds as the scalar one does, so
+ * that blocks are the same bytes with SSE2 and with AVX, for which the builder is compiled. Where the
+ * lowest ISA is AVX2 the compiler may fuse multiply and add, here as in scalar code. Embree has four
+ * doubles for AVX only, and its floats want all of its headers, which the encoders do without. */
 
 #include "../codec/isa_namespace.h"
 #include <immintrin.h>
@@ -108,7 +109,6 @@ namespace embree
     inline Double4 abs(Double4 a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0),a.v); }
     inline Double4 select(Mask4 m, Double4 a, Double4 b) { return _mm256_blendv_pd(b.v,a.v,m.v); }
     inline Float4 toFloat(Double4 a) { return _mm256_cvtpd_ps(a.v); }
-
 
     /*! a, 0 where the mask is not set */
     inline Double4 operator&(Mask4 m, Double4 a) { return _mm256_and_pd(m.v,a.v); }
