@@ -31,8 +31,8 @@ print_summary() {
 }
 trap print_summary EXIT
 
-# Installs the packages of scripts/packages that are missing. One that an installed package takes
-# the place of, as ours do of Debian's Embree, is not: it would take that away.
+# Installs the packages of scripts/packages that are missing, but none whose place an installed package
+# takes, as ours take that of Debian's Embree: to install them would remove it.
 install_packages() {
   missing=
   present=" $(dpkg-query -W -f '${db:Status-Status} ${Package}, ${Provides}\n' | sed -n 's/^installed //p' |

@@ -76,8 +76,8 @@ TrexSettings trexSettings(const SceneSettings& s)
 struct SceneEntry
 {
   const char* name;
-  float amplitude;                      // unless another is given
-  Model (*make)(const SceneSettings&); // which have one
+  float amplitude;                     // where none is given
+  Model (*make)(const SceneSettings&); // settings that have an amplitude
 };
 
 const SceneEntry scenes[] = {

@@ -110,14 +110,13 @@ void trueRow(Table& table, const std::string& name, const std::function<std::str
 
 /* --- what is said by default: about ten rows ------------------------------------------- */
 
-/* Of errors, the one that 99 of 100 hits stay below. A few rays that hit another sheet of the
- * surface, behind a silhouette, would make an RMSE of theirs of all errors. */
-
 std::string speedCell(const Speed& speed)
 {
   return number(speed.mrays, 3) + (speed.toGrid ? " (" + number(*speed.toGrid, 2) + ")" : "");
 }
 
+/* Errors are those that 99 of 100 hits stay below: an RMSE would mostly tell of the few rays at
+ * silhouettes that hit another sheet of the surface, far behind. */
 void addOverview(Table& table, const Comparison& c)
 {
   table.row("bytes a quad", [](const Result& r) { return number(r.build.bytesPerQuad(), 2); });
