@@ -320,20 +320,6 @@ TEST(NodeTables, EqualTheScalarDecoderForAllCodes)
     }
 }
 
-// Masks of places: place p of an order is child p, with the alternatives 1 and 2 swapped where the order is
-// above 3, and then with the bits of the order's lowest two flipped.
-TEST(NodeTables, MasksInOrderHaveEachChildAtItsPlace)
-{
-  static const NodeTables tables;
-  static const int swapped[4] = {0, 2, 1, 3};
-  for (int order = 0; order < 8; order++)
-    for (int mask = 0; mask < 16; mask++)
-      for (int place = 0; place < 4; place++) {
-        const int child = (order < 4 ? place : swapped[place]) ^ (order & 3);
-        ASSERT_EQ((tables.maskInOrder[order][mask] >> place) & 1, (mask >> child) & 1) << order << " " << mask << " " << place;
-      }
-}
-
 TEST(NodeTables, MasksOfFourBecomeMasksOfSixteen)
 {
   static const NodeTables tables;

@@ -33,14 +33,6 @@ TABLES = (
         "simd_decoding_avx2 SimdDecoding.Groups*",
         "simd_decoding_sse2 SimdDecoding.Groups*",
     ),
-    edit(
-        "tables: alternatives are not swapped",
-        "node_tables.cpp",
-        "(order & 4 && isAlternative ? 3-place : place)",
-        "place",
-        "children that are passed come in the wrong order where they overlap",
-        "node_codec NodeTables.MasksInOrder*",
-    ),
 )
 
 GROUPS = (
@@ -241,8 +233,8 @@ WALK = (
     edit(
         "tile: overlapping children, farther first",
         "tile_hits.h",
-        "&& children.ranges.sNear[b] < children.ranges.sNear[a]) {",
-        "&& children.ranges.sNear[b] > children.ranges.sNear[a]) {",
+        "&& childRanges.sNear[b] < childRanges.sNear[a]) {",
+        "&& childRanges.sNear[b] > childRanges.sNear[a]) {",
         "the ray's memory of sides is of the wrong order",
         "simd_tracing_avx2 SimdTracing.HitsOfPatches*",
     ),
@@ -265,8 +257,8 @@ WALK = (
     edit(
         "tile: children that are passed say nothing",
         "tile_hits.h",
-        "passed = places >> 16 | nodeTables.firstOfFour",
-        "passed = places >> 16 | 0*nodeTables.firstOfFour",
+        "all.passed |= uint32_t(nodeTables.firstOfFour[children.passed]) << first;",
+        "all.passed |= 0u;",
         "the ray's side is not known where it passes four leaves at once",
         "simd_tracing_avx2 SimdTracing.HitsOfPatches*",
     ),

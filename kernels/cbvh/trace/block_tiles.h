@@ -79,8 +79,7 @@ namespace embree
         __noinline void decodeChildren (Tile& at, int level, uint32_t m)
         {
           if (level == firstLevel()) prefetchWords();
-          if (level < 0) setRootAlone(at.children);
-          else {
+          if (level >= 0) {
             const NodeBox box = boxOf(level,m); // may fill the same place
             decodeNode(block->nodes()[nodesOfLevels(uint32_t(level))+m],box,at.children,0);
           }
@@ -99,14 +98,15 @@ namespace embree
         }
 
         /*! the first of four boxes is the root's; there are no others (present) */
-        template<int N>
-        static __forceinline void setRootAlone (NodePlanes<N>& out)
+        static __forceinline void setRootAlone (NodePlanes<16>& out)
         {
           for (int axis=0; axis<3; axis++) {
             vfloat4::store(out.at[axis][0],vfloat4(zero));
             vfloat4::store(out.at[axis][1],vfloat4(one));
           }
         }
+
+        static __forceinline NodeBox boxOfChild (const Tile& at, uint32_t c) { return unlikely(at.isAboveRoot()) ? rootBox() : boxAt(at.children,c); }
 
         /*! of a node that is a tile's, by the tile that it is a grandchild of */
         NodeBox boxOf (int level, uint32_t m)
@@ -122,7 +122,7 @@ namespace embree
           if (unlikely(nodeLevels == 0)) setRootAlone(at.grandchildren);
           else for (uint32_t rest=mask; rest; rest&=rest-1) {
             const uint32_t c = uint32_t(bsf(rest));
-            decodeNode(block->nodes()[firstChild(at)+c],boxAt(at.children,c),at.grandchildren,4*c);
+            decodeNode(block->nodes()[firstChild(at)+c],boxOfChild(at,c),at.grandchildren,4*c);
           }
           at.decoded |= mask;
         }
@@ -135,7 +135,7 @@ namespace embree
             const uint32_t c = uint32_t(bsf(rest));
             uint64_t bits;
             memcpy(&bits,heights + 8*size_t(firstGroup+c),8);
-            GroupDecoder4(at.grandchildren,at.surfaces,4*c).decode(block->nodes()[firstChild(at)+c],bits,boxAt(at.children,c));
+            GroupDecoder4(at.grandchildren,at.surfaces,4*c).decode(block->nodes()[firstChild(at)+c],bits,boxOfChild(at,c));
           }
           at.decoded |= mask;
         }

@@ -70,7 +70,7 @@ namespace embree
             }
             const uint32_t place = uint32_t(bsf(events)), child = l->hits.grandchild(place);
             if (unlikely(!l->hits.take(place))) {
-              if (visitor.passedAbove(isAbove(*l,level,place,child))) return true;
+              if (visitor.passedAbove(isAbove(*l,level,child))) return true;
               continue;
             }
             if (unlikely(l->hits.ranges.sNear[child] > visitor.sBest)) continue;
@@ -95,9 +95,11 @@ namespace embree
         template<typename Tile>
         __forceinline void meet (Tile& tile, Level& l)
         {
-          const TileHits::Children children(ray,tile,visitor.sBest);
-          tiles.need(tile,children.masks.hit);
-          l.hits.set(ray,tile,children,visitor.sBest);
+          if (unlikely(tile.isAboveRoot())) {
+            tiles.need(tile,1u);
+            l.hits.setAboveRoot(ray,tile,visitor.sBest);
+          }
+          else while (const uint32_t missing = l.hits.set(ray,tile,visitor.sBest)) tiles.need(tile,missing);
           l.tile = &tile;
           l.number = tile.number;
         }
@@ -125,10 +127,10 @@ namespace embree
         }
 
         /*! of a place that is passed */
-        __forceinline bool isAbove (Level& l, int level, uint32_t place, uint32_t child)
+        __forceinline bool isAbove (Level& l, int level, uint32_t child)
         {
           const NodeEntries::Tile& tile = tileOf(l,level,child);
-          return l.hits.isChild(place) ? ray.isAbove(tile.children,child >> 2) : ray.isAbove(tile.grandchildren,child);
+          return l.hits.isPassedByParent(child) ? ray.isAbove(tile.children,child >> 2) : ray.isAbove(tile.grandchildren,child);
         }
       };
     }

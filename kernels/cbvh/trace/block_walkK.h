@@ -121,13 +121,17 @@ namespace embree
         void meetTile (int level, uint32_t m, const vbool<K>& lanes)
         {
           Tile& tile = tileOf(level,m);
-          const uint32_t number = tile.number, present = tile.present;
-          const Visits children(*this,tile.children,0,present == 0xFFFFu ? 15u : 1u,lanes);
+          const uint32_t number = tile.number;
+          if (unlikely(tile.isAboveRoot())) { // whose box the rays are in
+            meetChildren(level,m,number,tile.present,0,lanes);
+            return;
+          }
+          const Visits children(*this,tile.children,0,15u,lanes);
           for (uint32_t n=0; n<children.number; n++)
           {
             const uint32_t c = children.node[n];
             const vbool<K> hit = meet(children.box[c],children.lanes[n]);
-            if (any(hit)) meetChildren(level,m,number,(present >> (4*c)) & 15u,c,hit);
+            if (any(hit)) meetChildren(level,m,number,15u,c,hit);
           }
         }
 

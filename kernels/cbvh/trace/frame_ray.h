@@ -18,11 +18,12 @@ namespace embree
     {
       struct FrameRay
       {
-        vfloat4 P, D;            //!< start and direction: x, y, z
-        float Pnear[3], Pfar[3]; //!< start, moved by the ray's epsilon so that bounds are wider
-        float rcpD[3];
+        vfloat4 P, D;              //!< start and direction: x, y, z
+        vfloatV Pnear[3], Pfar[3]; //!< start, moved by the ray's epsilon so that bounds are wider; all lanes are the same
+        vfloatV rcpD[3];
         float epsilonZ;
-        uint32_t flip;           //!< axes along which the ray descends, a bit each
+        uint32_t flip;             //!< axes along which the ray descends, a bit each
+        size_t nearRow[3];         //!< of NodePlanes, a row for each side of an axis: 16 times that of the near planes
 
         __forceinline FrameRay (const LocalRay& ray)
         {
@@ -33,9 +34,12 @@ namespace embree
           const vfloat4 n = P + outwards, f = P - outwards;
           const vfloat4 away = vfloat4(1.0f)/max(abs(D),vfloat4(1e-18f));
           const vfloat4 r = select(down,-away,away);
-          for (int k=0; k<3; k++) { Pnear[k] = n[k]; Pfar[k] = f[k]; rcpD[k] = r[k]; }
           epsilonZ = ray.epsilon[2];
           flip = uint32_t(movemask(down)) & 7u;
+          for (int k=0; k<3; k++) {
+            Pnear[k] = vfloatV(n[k]); Pfar[k] = vfloatV(f[k]); rcpD[k] = vfloatV(r[k]);
+            nearRow[k] = 16*(2*k + nearSide(k));
+          }
         }
 
         /*! the first child along the ray */
@@ -45,11 +49,17 @@ namespace embree
         /*! 1 if the near planes of an axis are the upper ones */
         __forceinline uint32_t nearSide (int axis) const { return (flip >> axis) & 1u; }
 
+        /*! the near (far) planes of boxes on an axis; the factor is one of addressing */
+        template<int N>
+        __forceinline const float* nearPlanes (const NodePlanes<N>& c, int axis) const { return (const float*)((const char*)&c + nearRow[axis]*(N/4)); }
+        template<int N>
+        __forceinline const float* farPlanes (const NodePlanes<N>& c, int axis) const { return (const float*)((const char*)&c + (nearRow[axis]^16)*(N/4)); }
+
         /*! where the ray's line meets the near (far) planes of a box on an axis, widened */
         template<int N>
-        __forceinline float enter (const NodePlanes<N>& c, int axis, uint32_t i) const { return (c.at[axis][nearSide(axis)][i] - Pnear[axis])*rcpD[axis]; }
+        __forceinline float enter (const NodePlanes<N>& c, int axis, uint32_t i) const { return (nearPlanes(c,axis)[i] - Pnear[axis][0])*rcpD[axis][0]; }
         template<int N>
-        __forceinline float leave (const NodePlanes<N>& c, int axis, uint32_t i) const { return (c.at[axis][nearSide(axis)^1u][i] - Pfar[axis])*rcpD[axis]; }
+        __forceinline float leave (const NodePlanes<N>& c, int axis, uint32_t i) const { return (farPlanes(c,axis)[i] - Pfar[axis][0])*rcpD[axis][0]; }
 
         /*! whether the ray goes over a box that it shares x and y with but does not meet */
         template<int N>
@@ -70,23 +80,17 @@ namespace embree
         uint32_t passed; //!< boxes that it only shares x and y with
       };
 
-      /*! tests N boxes against the segment up to sBest, in vectors */
+      /*! tests the first `number` of N boxes against the segment up to sBest, in vectors */
       template<typename vfloatW, int N>
-      __forceinline BoxMasks meetBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest, BoxRanges<N>& ranges)
+      __forceinline BoxMasks meetBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest, BoxRanges<N>& ranges, int number = N)
       {
-        /* in variables, as what is stored may be the ray for all that the compiler knows */
-        const float* nearPlanes[3]; const float* farPlanes[3];
-        vfloatW Pnear[3], Pfar[3], rcpD[3];
-        for (int k=0; k<3; k++) {
-          nearPlanes[k] = c.at[k][ray.nearSide(k)];
-          farPlanes[k] = c.at[k][ray.nearSide(k)^1u];
-          Pnear[k] = vfloatW(ray.Pnear[k]); Pfar[k] = vfloatW(ray.Pfar[k]); rcpD[k] = vfloatW(ray.rcpD[k]);
-        }
+        static_assert(int(vfloatW::size) <= vectorWidth, "lanes of the ray");
+        auto ofRay = [](const vfloatV& v) { return vfloatW::load((const float*)&v); };
         BoxMasks masks = { 0u,0u };
-        for (int i=0; i<N; i+=int(vfloatW::size))
+        for (int i=0; i<number; i+=int(vfloatW::size))
         {
-          auto enter = [&](int k) { return (vfloatW::load(nearPlanes[k]+i)-Pnear[k])*rcpD[k]; };
-          auto leave = [&](int k) { return (vfloatW::load(farPlanes[k]+i)-Pfar[k])*rcpD[k]; };
+          auto enter = [&](int k) { return (vfloatW::load(ray.nearPlanes(c,k)+i)-ofRay(ray.Pnear[k]))*ofRay(ray.rcpD[k]); };
+          auto leave = [&](int k) { return (vfloatW::load(ray.farPlanes(c,k)+i)-ofRay(ray.Pfar[k]))*ofRay(ray.rcpD[k]); };
           const vfloatW nxy = max(enter(0),enter(1)), fxy = min(leave(0),leave(1));
           const vfloatW sNear = max(nxy,enter(2)), sFar = min(fxy,leave(2));
           vfloatW::store(ranges.sNear+i,sNear);

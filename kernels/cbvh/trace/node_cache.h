@@ -39,6 +39,8 @@ namespace embree
         uint32_t number;              //!< of the tile in the block
         uint32_t decoded;             //!< children whose children are decoded, as a mask
         uint32_t present;             //!< grandchildren that there are, as a mask: all, but for tiles above the root
+
+        __forceinline bool isAboveRoot () const { return number == 0; }
       };
 
       /*! grandchildren are leaves */

@@ -36,16 +36,6 @@ namespace embree
           const int vertex = childColumn(child,0)+childColumn(corner,0) + 3*(childColumn(child,1)+childColumn(corner,1));
           latticeCorner[corner][byte] = uint8_t(byte % 4 ? 0x80 : vertex == 4 ? 8 : latticeByte(vertex));
         }
-      for (int order=0; order<8; order++)
-        for (int mask=0; mask<16; mask++)
-        {
-          maskInOrder[order][mask] = 0;
-          for (int place=0; place<4; place++) {
-            const bool isAlternative = place == 1 || place == 2;
-            const int child = (order & 4 && isAlternative ? 3-place : place) ^ (order & 3);
-            maskInOrder[order][mask] |= uint8_t(((mask >> child) & 1) << place);
-          }
-        }
       for (int mask=0; mask<16; mask++)
       {
         firstOfFour[mask] = uint16_t((mask & 1) | (mask & 2) << 3 | (mask & 4) << 6 | (mask & 8) << 9);

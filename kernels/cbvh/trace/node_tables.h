@@ -28,10 +28,6 @@ namespace embree
        *  middle one last; the other bytes of the lane are 0x80, so that a byte shuffle makes integers */
       alignas(16) uint8_t latticeCorner[4][16];
 
-      /*! Orders of children along a ray, as ChildOrder numbers them (tile_order.h): masks of children as masks
-       *  of places. */
-      uint8_t maskInOrder[8][16];
-
       /*! masks of four, as the lowest bits of four bits each, and as all of them */
       uint16_t firstOfFour[16], allOfFour[16];
 

@@ -25,20 +25,18 @@ namespace embree
         __forceinline TileHits () {}
 
         /*! places that the ray comes to; passedMask: 0 without those that it passes, else all bits */
-        __forceinline uint32_t events (uint32_t passedMask) const { return hit | (passed & passedMask); }
+        __forceinline uint32_t events (uint32_t passedMask) const { return (places | (places >> 16 & passedMask)) & 0xFFFFu; }
 
         /*! takes a place out, with what comes before; whether it is a hit */
         __forceinline bool take (uint32_t place)
         {
-          const bool isHit = (hit >> place) & 1u;
-          const uint32_t behind = ~((2u << place) - 1u);
-          hit &= behind;
-          passed &= behind;
+          const bool isHit = (places >> place) & 1u;
+          places &= ~((2u << place) - 1u) & ~(((2u << place) - 1u) << 16);
           return isHit;
         }
 
-        /*! of a place that is no hit: whether a child as a whole is passed */
-        __forceinline bool isChild (uint32_t place) const { return !((childHit >> (place >> 2)) & 1u); }
+        /*! of a grandchild that is no hit: whether its parent as a whole is passed */
+        __forceinline bool isPassedByParent (uint32_t grandchild) const { return !((childHit >> (grandchild >> 2)) & 1u); }
 
         /*! the grandchild at a place; of a child it has the upper bits */
         __forceinline uint32_t grandchild (uint32_t place) const
@@ -51,51 +49,43 @@ namespace embree
           return p ^ flip;
         }
 
-        /*! what it says of four boxes says whose children are of interest, and are met next */
-        struct Children
+        /*! Meets a tile with a node. Children whose boxes the ray meets, but whose children are not decoded: then it is to be
+         *  called again. */
+        __forceinline uint32_t set (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
-          BoxMasks masks;
-          BoxRanges<4> ranges;
-
-          __forceinline Children (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
-          {
-            masks = meetBoxes<vfloat4>(ray,tile.children,sBest,ranges);
-            const uint32_t present = likely(tile.present == 0xFFFFu) ? 15u : 1u;
-            masks.hit &= present;
-            masks.passed &= present;
-          }
-        };
-
-        __forceinline void set (const FrameRay& ray, const NodeEntries::Tile& tile, const Children& children, float sBest)
-        {
-          const uint32_t open = nodeTables.allOfFour[children.masks.hit] & tile.present;
+          BoxRanges<4> childRanges;
+          const BoxMasks children = meetBoxes<vfloat4>(ray,tile.children,sBest,childRanges);
+          const uint32_t missing = children.hit & ~tile.decoded;
+          if (unlikely(missing != 0u)) return missing;
+          childHit = children.hit;
           BoxMasks all = { 0u,0u };
-          if (likely(open != 0u)) all = meetBoxes<vfloatV>(ray,tile.grandchildren,sBest,ranges);
-          const uint32_t first = ray.flipXY();
-          flip = first | first << 2;
-          swaps = 0u;
-          uint32_t places = toPlaces((all.hit & open) | (all.passed & open) << 16,first); // hits, and passed in the upper half
+          if (likely(children.hit != 0u)) {
+            all = meetBoxes<vfloatV>(ray,tile.grandchildren,sBest,ranges);
+            all.hit &= nodeTables.allOfFour[children.hit];
+            all.passed &= nodeTables.allOfFour[children.hit];
+          }
+          const uint32_t first = ray.flipXY(), a = 1u^first, b = 2u^first;
+          all.passed |= uint32_t(nodeTables.firstOfFour[children.passed]) << first;
+          setPlaces(all,first);
 
-          uint32_t order = first;
-          const uint32_t a = 1u^first, b = 2u^first, met = children.masks.hit | children.masks.passed;
-          if (unlikely(((met >> a) & (met >> b) & 1u) != 0u) && children.ranges.sNear[b] < children.ranges.sNear[a]) {
-            order |= 4u;
+          const uint32_t met = children.hit | children.passed;
+          if (unlikely(((met >> a) & (met >> b) & 1u) != 0u) && childRanges.sNear[b] < childRanges.sNear[a]) {
             swaps |= childSwap;
             places = (places & 0xF00FF00Fu) | (places & 0x00F000F0u) << 4 | (places & 0x0F000F00u) >> 4;
           }
-          childHit = nodeTables.maskInOrder[order][children.masks.hit];
+          swapOverlapping();
+          return 0u;
+        }
 
-          const uint32_t either = places | places >> 16;
-          for (uint32_t rest=either & (either >> 1) & 0x2222u; unlikely(rest != 0u); rest&=rest-1)
-          {
-            const uint32_t place = uint32_t(bsf(rest));
-            if (!(ranges.sNear[grandchild(place+1)] < ranges.sNear[grandchild(place)])) continue;
-            swaps |= 1u << (place >> 2);
-            const uint32_t bits = 0x10001u << place, differs = (places ^ places >> 1) & bits;
-            places ^= differs | differs << 1;
-          }
-          hit = places & 0xFFFFu;
-          passed = places >> 16 | nodeTables.firstOfFour[nodeTables.maskInOrder[order][children.masks.passed]];
+        /*! Meets a tile above the root, whose only child the root is: the ray is in its box */
+        __forceinline void setAboveRoot (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
+        {
+          childHit = 1u;
+          BoxMasks four = meetBoxes<vfloat4>(ray,tile.grandchildren,sBest,ranges,4);
+          four.hit &= tile.present;
+          four.passed &= tile.present;
+          setPlaces(four,ray.flipXY());
+          swapOverlapping();
         }
 
         BoxRanges<16> ranges; //!< by grandchild
@@ -119,8 +109,30 @@ namespace embree
           return m;
         }
 
-        uint32_t hit, passed; //!< places; a child that is passed as a whole at its first
-        uint32_t childHit;    //!< children along the ray whose boxes the ray meets
+        /*! of masks of grandchildren, nothing swapped */
+        __forceinline void setPlaces (const BoxMasks& of, uint32_t first)
+        {
+          flip = first | first << 2;
+          swaps = 0u;
+          places = toPlaces(of.hit | of.passed << 16,first);
+        }
+
+        /*! swaps alternatives of which the second begins before the first */
+        __forceinline void swapOverlapping ()
+        {
+          const uint32_t either = places | places >> 16;
+          for (uint32_t rest=either & (either >> 1) & 0x2222u; unlikely(rest != 0u); rest&=rest-1)
+          {
+            const uint32_t place = uint32_t(bsf(rest));
+            if (!(ranges.sNear[grandchild(place+1)] < ranges.sNear[grandchild(place)])) continue;
+            swaps |= 1u << (place >> 2);
+            const uint32_t bits = 0x10001u << place, differs = (places ^ places >> 1) & bits;
+            places ^= differs | differs << 1;
+          }
+        }
+
+        uint32_t places;      //!< that the ray hits, and in the upper half those that it passes; a child that is passed as a whole is so at its first
+        uint32_t childHit;    //!< children whose boxes the ray meets
         uint32_t flip, swaps; //!< swaps: alternatives that are swapped, a bit for each four
       };
     }
