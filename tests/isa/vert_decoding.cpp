@@ -134,8 +134,8 @@ TEST(VertTriangles, WhatHasTheRayInItIsFound)
     const GroupTriangles triangles(pre, quads);
     for (uint32_t h = 0; h < 32; h++) {
       const VertTriangle triangle(quads, h);
-      float t;
-      const bool isMet = triangle.contains(pre) && triangle.meet(ray, pre.kz, t);
+      const double t = triangle.meet(pre);
+      const bool isMet = triangle.contains(pre) && t >= 0;
       if (!isMet) {
         ASSERT_FALSE((triangles.mask >> h & 1) && triangle.position(pre, h).isCertain) << "case " << i << ", triangle " << h;
         bad++;
@@ -149,6 +149,64 @@ TEST(VertTriangles, WhatHasTheRayInItIsFound)
   EXPECT_GT(found, 20000u);
   EXPECT_GT(onLines, 300u);
   EXPECT_GT(bad, 1000u);
+}
+
+// The rays of a packet, through vertices and past them, with numbers that are none among them.
+template<int K>
+void comparePacketsWithRays()
+{
+  using namespace embree::isa::cbvh;
+  using embree::Vec3fa;
+  Random random(97);
+  size_t found = 0;
+  for (int i = 0; i < 4000; i++) {
+    CellVertices cell;
+    const unsigned width = 2 + random.below(30);
+    for (int k = 0; k < 3; k++)
+      for (float& x : cell.at[k]) x = float(random.below(width))/128 + (k == i % 3 ? 1 : 0);
+    if (i % 7 == 0) cell.at[i % 3][random.below(cellVertices)] = NAN;
+    QuadCorners quads;
+    for (int k = 0; k < 3; k++) CellCornersV(cell.at[k]).store(quads, k);
+
+    embree::RayK<K> packet;
+    VertRay rays[K];
+    for (int r = 0; r < K; r++) {
+      const unsigned a = random.below(cellVertices), b = random.below(cellVertices);
+      float org[3], dir[3];
+      for (int k = 0; k < 3; k++) {
+        org[k] = float(random.below(64))/64 - (k == i % 3 ? 4 : 0);
+        dir[k] = 0.5f*(cell.at[k][a] + cell.at[k][b]) - org[k] + (random.chance(0.5) ? 0 : random.uniform(-0.01, 0.01));
+      }
+      const embree::Ray ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY);
+      rays[r].set(ray);
+      packet.set(r, ray);
+    }
+    VertRays<K> together;
+    together.set(packet);
+    for (uint32_t kz = 0; kz < 3; kz++) {
+      const GroupTrianglesK<K> triangles(together, kz, quads);
+      for (int r = 0; r < K; r++) {
+        if (uint32_t(together.form[r] & 3) != kz) continue;
+        ASSERT_EQ(rays[r].kz, int(kz));
+        const uint32_t mask = GroupTriangles(rays[r], quads).mask;
+        ASSERT_EQ(uint32_t(triangles.mask[r]), mask) << "case " << i << ", ray " << r << " of " << K;
+        ASSERT_EQ(GroupTriangles(together.at(r), quads).mask, mask);
+        found += mask != 0;
+      }
+    }
+  }
+  EXPECT_GT(found, 1000u);
+}
+
+TEST(VertTriangles, OfPacketsAreThoseOfRays)
+{
+  comparePacketsWithRays<4>();
+#if defined(__AVX__)
+  comparePacketsWithRays<8>();
+#endif
+#if defined(__AVX512F__)
+  comparePacketsWithRays<16>();
+#endif
 }
 
 } // namespace

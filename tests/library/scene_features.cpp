@@ -550,6 +550,40 @@ TEST(Packets, OfScenesWithoutBlocks)
   compareAllPackets(scene, rays);
 }
 
+// Through vertices and edges of quads, at the same distance on either side of them, and in the surface.
+TEST(Packets, OnEdgesAndInPlanes)
+{
+  Device device;
+  for (float bend : {0.0f, 0.125f}) {
+    Scene scene(device);
+    Cage cage = sheetCage(2);
+    cage.mode = RTC_SUBDIVISION_MODE_PIN_ALL;
+    for (Vec& p : cage.positions) p[2] = bend*p[0];
+    SurfaceSettings of;
+    of.compression = RTC_COMPRESSION_VERT;
+    of.rate = 16;
+    addSurface(device, scene, cage, of);
+    rtcCommitScene(scene);
+    std::vector<RTCRayHit> rays;
+    for (int y = -4; y <= 68; y++)
+      for (int x = -4; x <= 68; x++) {
+        const float px = x/32.0f - 1, py = y/32.0f - 1;
+        rays.push_back(makeRay({px, py, -4}, {0, 0, 1}));
+        rays.push_back(makeRay({px, py, 4}, {0, 0, -1}));
+      }
+    for (int y = -4; y <= 68; y++)
+      for (int x = 0; x < 64; x++) {
+        const float dy = x/64.0f;
+        rays.push_back(makeRay({-2, y/32.0f - 1, -2*bend}, {1, dy, bend}));
+      }
+    size_t hits = 0;
+    for (const RTCRayHit& ray : rays) hits += isHit(intersect(scene, ray));
+    EXPECT_GT(hits, 7000u);
+    compareAllPackets(scene, rays);
+    if (HasFatalFailure()) return;
+  }
+}
+
 // As a stream has them where it does not fill its last packet, and as an application may.
 template<unsigned N, typename Packet>
 void expectLeftAlone(RTCScene scene, const RTCRayHit& active, void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*),

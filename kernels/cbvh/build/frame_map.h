@@ -7,7 +7,7 @@
  * encoding, and for whoever wants to know where in the world a box is. */
 
 #include "../codec/block.h"
-#include "lanes.h"
+#include "../codec/lanes.h"
 #include <cmath>
 
 namespace embree

@@ -6,7 +6,7 @@
 /* Encoder of node words, codec/node.h. In double, as it must not round inwards. */
 
 #include "../codec/node.h"
-#include "lanes.h"
+#include "../codec/lanes.h"
 #include <algorithm>
 
 namespace embree

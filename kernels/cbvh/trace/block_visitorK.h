@@ -16,13 +16,13 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! runs the epilogue of closest hit or of any hit for rays of a packet; those that accepted it */
-      template<int K, typename Hit>
-      __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context, const Block* block, const Hit& hit) {
+      /*! runs the epilogue of closest hit or of any hit for rays of a packet, by the IDs of a block; those that accepted it */
+      template<int K, typename Header, typename Hit>
+      __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context, const Header* block, const Hit& hit) {
         return IntersectKEpilogMU<1,K,true>(rays,context,block->geomID,block->primID)(lanes,hit);
       }
-      template<int K, typename Hit>
-      __forceinline vbool<K> report (RayK<K>& rays, const vbool<K>& lanes, IntersectContext* context, const Block* block, const Hit& hit) {
+      template<int K, typename Header, typename Hit>
+      __forceinline vbool<K> report (RayK<K>& rays, const vbool<K>& lanes, IntersectContext* context, const Header* block, const Hit& hit) {
         vbool<K> open = lanes;
         return OccludedKEpilogMU<1,K,true>(open,rays,context,block->geomID,block->primID)(lanes,hit);
       }

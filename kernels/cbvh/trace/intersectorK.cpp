@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Packets and streams, instantiated for one ISA. Hits are those of single rays. Rays that are said to be
- * coherent go together through the top-level BVH and through blocks with frames, all others one by one. */
+ * coherent go together through the top-level BVH and through blocks, all others one by one. */
 
 #include "../../bvh/bvh_intersector_stream.h"
 #include "compressed_intersector1.h"
@@ -58,7 +58,7 @@ namespace embree
       __forceinline vbool<K> intersectBlock (const vbool<K>& valid, size_t type, const void* prim)
       {
         using namespace cbvh;
-        if (type == blockType(kindVert)) return vbool<K>(int(vert.intersect(uint32_t(movemask(valid)),rays,context,(const VertHeader*)prim)));
+        if (type == blockType(kindVert)) return VertIntersectorK<K,Rays>::intersect(valid,rays,context,vert,(const VertHeader*)prim);
         block.set(rays);
         switch (type) {
         case blockType(kindLeaf ): return BlockIntersectorK<K,LeafVisitorK >::intersect(valid,rays,context,block,(const Block*)prim);
@@ -72,7 +72,7 @@ namespace embree
       IntersectContext* context;
       typename Grids::Precalculations grids;
       cbvh::RaysPrecalculations<K> block;
-      cbvh::VertIntersectorK<K> vert;
+      cbvh::VertRays<K> vert;
     };
 
     template<int K>

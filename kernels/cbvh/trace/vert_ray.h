@@ -18,6 +18,7 @@
  * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
 
 #include "product.h"
+#include "../codec/vert_block.h"
 #include "../../common/ray.h"
 
 namespace embree
@@ -26,12 +27,58 @@ namespace embree
   {
     namespace cbvh
     {
-      struct VertRay
+      /*! of a component of a direction, whose largest is given; finite */
+      template<typename Real>
+      __forceinline Real reciprocal (const Real& d, const Real& largest)
+      {
+        const Real least = Real(1e-18f)*largest;
+        return Real(1.0f)/select(abs(d) < least,select(d < Real(0.0f),-least,least),d);
+      }
+
+      /*! a ray, or the rays of a packet, for boxes */
+      template<typename Real>
+      struct VertRayAxes
+      {
+        Real org[3], dir[3], rcp[3];
+        Real largest; //!< component of the direction
+
+        template<typename Vector>
+        __forceinline void set (const Vector& o, const Vector& d)
+        {
+          org[0] = o.x; org[1] = o.y; org[2] = o.z;
+          dir[0] = d.x; dir[1] = d.y; dir[2] = d.z;
+          largest = max(max(abs(dir[0]),abs(dir[1])),abs(dir[2]));
+          for (int k=0; k<3; k++) rcp[k] = reciprocal(dir[k],largest);
+        }
+      };
+
+      /*! a ray's nearest hit in blocks of cVERT */
+      struct VertNearest
+      {
+        const VertHeader* block; //!< null if there is none
+        uint32_t triangle;       //!< of the block
+        float t;
+
+        __forceinline VertNearest () : block(nullptr) {}
+        __forceinline VertNearest (const VertHeader* block, uint32_t triangle, float t) : block(block), triangle(triangle), t(t) {}
+
+        /*! whether a hit as far away as this one counts before it: one does of any two, so that the order in which they are met does not
+         *  matter */
+        __forceinline bool isBehind (const VertHeader* other, uint32_t otherTriangle) const
+        {
+          if (other->geomID != block->geomID) return other->geomID < block->geomID;
+          if (other->primID != block->primID) return other->primID < block->primID;
+          return other->place != block->place ? other->place < block->place : otherTriangle < triangle;
+        }
+      };
+
+      struct VertRay : public VertRayAxes<float>
       {
         bool isSet;
-        int kx, ky, kz;        //!< axes; kz that of the largest component
-        float sx, sy, sz;      //!< shear
-        float org[3], dir[3], rcp[3];
+        int kx, ky, kz;   //!< axes; kz that of the largest component
+        float sx, sy;     //!< shear
+
+        mutable VertNearest nearest;
 
         __forceinline VertRay () : isSet(false) {}
 
@@ -39,27 +86,67 @@ namespace embree
         {
           if (likely(isSet)) return;
           isSet = true;
-          const Vec3fa dir = ray.dir;
-          const Vec3fa a = abs(dir);
+          VertRayAxes<float>::set(Vec3fa(ray.org),Vec3fa(ray.dir));
+          const Vec3fa a = abs(Vec3fa(ray.dir));
           kz = a.x >= a.y ? (a.x >= a.z ? 0 : 2) : (a.y >= a.z ? 1 : 2);
-          kx = kz == 2 ? 0 : kz+1;
-          ky = kx == 2 ? 0 : kx+1;
-          sz = 1.0f/dir[kz];
+          setAxes();
+          const float sz = 1.0f/dir[kz];
           sx = dir[kx]*sz;
           sy = dir[ky]*sz;
-          for (int k=0; k<3; k++) {
-            org[k] = ray.org[k];
-            this->dir[k] = dir[k];
-            rcp[k] = reciprocal(dir[k],dir[kz]);
-          }
         }
 
-        /*! of a component of the direction, whose largest is given; finite */
-        static __forceinline float reciprocal (float d, float largest)
+        __forceinline void setAxes ()
         {
-          const float least = 1e-18f*std::fabs(largest);
-          return 1.0f/(std::fabs(d) < least ? std::copysign(least,d) : d);
+          kx = kz == 2 ? 0 : kz+1;
+          ky = kx == 2 ? 0 : kx+1;
         }
+      };
+
+      /*! the rays of a packet */
+      template<int K>
+      class VertRays : public VertRayAxes<vfloat<K>>
+      {
+      public:
+        vfloat<K> sx, sy;
+        VertNearest nearest[K];
+        vint<K> form;        //!< kz, and the signs of rcp from bit 2; rays of one form are traced together
+
+        __forceinline VertRays () : isSet(false), loaded(0) {}
+
+        __forceinline void set (const RayK<K>& rays)
+        {
+          if (likely(isSet)) return;
+          isSet = true;
+          VertRayAxes<vfloat<K>>::set(rays.org,rays.dir);
+          const vfloat<K>* dir = this->dir;
+          const vfloat<K> x = abs(dir[0]), y = abs(dir[1]), z = abs(dir[2]);
+          const vbool<K> isY = y > x, isZ = z > max(x,y);
+          const vfloat<K> sz = vfloat<K>(1.0f)/select(isZ,dir[2],select(isY,dir[1],dir[0]));
+          sx = select(isZ,dir[0],select(isY,dir[2],dir[1]))*sz;
+          sy = select(isZ,dir[1],select(isY,dir[0],dir[2]))*sz;
+          form = select(isZ,vint<K>(2),select(isY,vint<K>(1),vint<K>(zero)));
+          for (int k=0; k<3; k++) form |= select(this->rcp[k] < vfloat<K>(zero),vint<K>(4 << k),vint<K>(zero));
+        }
+
+        /*! one of them */
+        __forceinline const VertRay& at (size_t k)
+        {
+          VertRay& ray = rays[k];
+          if (likely((loaded >> k) & 1)) return ray;
+          loaded |= 1u << k;
+          for (int i=0; i<3; i++) { ray.org[i] = this->org[i][k]; ray.dir[i] = this->dir[i][k]; ray.rcp[i] = this->rcp[i][k]; }
+          ray.largest = this->largest[k];
+          ray.kz = form[k] & 3;
+          ray.setAxes();
+          ray.sx = sx[k];
+          ray.sy = sy[k];
+          return ray;
+        }
+
+      private:
+        bool isSet;
+        uint32_t loaded;
+        VertRay rays[K];
       };
     }
   }

@@ -14,6 +14,7 @@
 
 #include "vert_group.h"
 #include "vert_ray.h"
+#include "vert_plane.h"
 
 namespace embree
 {
@@ -27,29 +28,26 @@ namespace embree
         return product(ax,by) - product(ay,bx);
       }
 
-      /*! A triangle of a group in double, where differences of its vertices are exact: weights of a
-       *  needle are off by more than its plane is. */
-      struct VertTriangle
+      /*! whether the ray is on one side of three edges */
+      template<typename Vector>
+      __forceinline auto isInside (const Vector& a, const Vector& b, const Vector& c) -> decltype(a <= b) {
+        return (min(a,min(b,c)) >= Vector(zero)) | (max(a,max(b,c)) <= Vector(zero));
+      }
+
+      /*! corners of the quad that a triangle has: 0 or 1, as bits of GroupTriangles say */
+      __forceinline uint32_t cornerOfTriangle (uint32_t h, int vertex) { return vertex == 0 ? (h & 1 ? 2 : 0) : vertex == 1 ? 1 : (h & 1 ? 3 : 2); }
+
+      /*! A triangle of a group. */
+      struct VertTriangle : private TrianglePlane<float,double>
       {
-        /*! below this the ray lies in the plane, as far as vertices of 24 bits can tell */
-        static constexpr double minCosine = 1e-6;
-
-        double normal[3];      //!< 0 of a line
-        float vertices[3][3];  //!< by axis
-
         /*! h: a bit of GroupTriangles */
         __forceinline VertTriangle (const QuadCorners& quads, uint32_t h)
         {
-          const uint32_t q = h >> 1, a = h & 1 ? 2 : 0, b = 1, c = h & 1 ? 3 : 2;
-          double e[3], f[3];
+          const uint32_t q = h >> 1, a = cornerOfTriangle(h,0), b = cornerOfTriangle(h,1), c = cornerOfTriangle(h,2);
           for (int k=0; k<3; k++) {
             vertices[k][0] = quads.at[a][k][q]; vertices[k][1] = quads.at[b][k][q]; vertices[k][2] = quads.at[c][k][q];
-            e[k] = double(vertices[k][1]) - double(vertices[k][0]);
-            f[k] = double(vertices[k][2]) - double(vertices[k][0]);
           }
-          normal[0] = e[1]*f[2] - e[2]*f[1];
-          normal[1] = e[2]*f[0] - e[0]*f[2];
-          normal[2] = e[0]*f[1] - e[1]*f[0];
+          setNormal();
         }
 
         /*! where the ray is in the triangle */
@@ -87,29 +85,17 @@ namespace embree
           return least >= 0.0 ? greatest > 0.0 : greatest <= 0.0;
         }
 
-        /*! Where a ray that goes through it meets its plane; false beyond tnear and tfar. A plane that
+        /*! Where a ray that goes through it meets its plane. A plane that
          *  the ray lies in, but for rounding, says nothing, nor does a line: the ray may be inside by
          *  the rounding of vertices alone, and if it were let through, it would leak. */
-        __forceinline bool meet (const Ray& ray, int kz, float& t) const
+        __forceinline double meet (const VertRay& ray) const
         {
-          double height = 0, speed = 0, size = 0;
-          for (int k=0; k<3; k++) {
-            size += std::fabs(normal[k]*double(ray.dir[k]));
-            height += normal[k]*(double(vertices[k][0]) - double(ray.org[k]));
-            speed += normal[k]*double(ray.dir[k]);
-          }
-          double z[3];
-          for (int i=0; i<3; i++) z[i] = (double(vertices[kz][i]) - double(ray.org[kz]))/double(ray.dir[kz]);
-          const double nearest = min(z[0],min(z[1],z[2])), farthest = max(z[0],max(z[1],z[2]));
-          double exact = height/speed;
-          if (unlikely(!(std::fabs(speed) > minCosine*size))) exact = alongLongestEdge(ray);
-          exact = min(max(exact,nearest),farthest);
-          t = float(exact);
-          return exact >= double(ray.tnear()) && exact <= double(ray.tfar);
+          const PlaneMeeting<double> at = TrianglePlane<float,double>::meet(ray.org,ray.dir,size_t(ray.kz));
+          return at.inTriangle(likely(std::fabs(at.speed) > at.least) ? at.t : alongLongestEdge(ray));
         }
 
         /*! where the ray is nearest to the longest edge */
-        double alongLongestEdge (const Ray& ray) const
+        double alongLongestEdge (const VertRay& ray) const
         {
           double best = -1.0, t = 0.0;
           for (int i=0, j=1; i<3; i++, j=(i+1)%3)
@@ -130,10 +116,10 @@ namespace embree
         }
 
         /*! of a line, whichever way the ray comes from */
-        __forceinline Vec3fa Ng (const Ray& ray) const
+        __forceinline Vec3fa Ng (const VertRay& ray) const
         {
           const float x = float(normal[0]), y = float(normal[1]), z = float(normal[2]);
-          return likely(x != 0.0f || y != 0.0f || z != 0.0f) ? Vec3fa(x,y,z) : -Vec3fa(ray.dir);
+          return likely(x != 0.0f || y != 0.0f || z != 0.0f) ? Vec3fa(x,y,z) : -Vec3fa(ray.dir[0],ray.dir[1],ray.dir[2]);
         }
 
       private:
@@ -181,10 +167,6 @@ namespace embree
         }
 
       private:
-        static __forceinline vboolV isInside (const vfloatV& a, const vfloatV& b, const vfloatV& c) {
-          return (min(a,min(b,c)) >= vfloatV(zero)) | (max(a,max(b,c)) <= vfloatV(zero));
-        }
-
         /*! bits of quads to every second bit */
         static __forceinline uint32_t spread (uint32_t x)
         {
@@ -192,6 +174,62 @@ namespace embree
           x = (x | (x << 4)) & 0x0F0F0F0Fu;
           x = (x | (x << 2)) & 0x33333333u;
           return (x | (x << 1)) & 0x55555555u;
+        }
+      };
+
+      /*! The same of the rays of a packet that have their largest component on the same axis. Vertices, and the edges between
+       *  quads, are looked at once; an edge seen from the other side is the exact negative. */
+      template<int K>
+      class GroupTrianglesK
+      {
+        const vfloat<K> orgX, orgY, orgZ, sx, sy;
+        const size_t kx, ky, kz;
+        const QuadCorners& quads;
+
+      public:
+        vint<K> mask; //!< of each ray
+
+        __forceinline GroupTrianglesK (const VertRays<K>& rays, size_t kz, const QuadCorners& quads)
+          : GroupTrianglesK(rays,kz == 2 ? 0 : kz+1,kz == 0 ? 2 : kz-1,kz,quads) {}
+
+      private:
+        struct Point { vfloat<K> x, y; };
+
+        GroupTrianglesK (const VertRays<K>& rays, size_t kx, size_t ky, size_t kz, const QuadCorners& quads)
+          : orgX(rays.org[kx]), orgY(rays.org[ky]), orgZ(rays.org[kz]), sx(rays.sx), sy(rays.sy), kx(kx), ky(ky), kz(kz), quads(quads), mask(zero)
+        {
+          Point below[5];
+          vfloat<K> bottom[4];
+          for (size_t i=0; i<5; i++) below[i] = i < 4 ? corner(0,i) : corner(1,3);
+          for (size_t i=0; i<4; i++) bottom[i] = side(below[i],below[i+1]);
+          for (size_t q=0; q<16; q+=4)
+          {
+            Point left = corner(2,q);
+            vfloat<K> leftSide = side(left,below[0]);
+            for (size_t i=0; i<4; i++)
+            {
+              const Point right = corner(3,q+i);
+              const vfloat<K> diag = side(below[i+1],left), rightSide = side(below[i+1],right), top = side(right,left);
+              const vbool<K> first = isInside(diag,leftSide,bottom[i]), second = isInside(rightSide,top,-diag);
+              if (unlikely(any(first | second)))
+                mask |= select(first,vint<K>(int(1u << (2*(q+i)))),vint<K>(zero)) | select(second,vint<K>(int(2u << (2*(q+i)))),vint<K>(zero));
+              bottom[i] = -top;
+              leftSide = -rightSide;
+              below[i] = left;
+              left = right;
+            }
+            below[4] = left;
+          }
+        }
+
+        static __forceinline vfloat<K> side (const Point& a, const Point& b) { return edgeSide(a.x,a.y,b.x,b.y); }
+
+        /*! corner c of a quad, sheared as above */
+        __forceinline Point corner (size_t c, size_t quad) const
+        {
+          const float (*at)[16] = quads.at[c];
+          const vfloat<K> z = vfloat<K>(at[kz][quad]) - orgZ;
+          return Point{ nmadd(sx,z,vfloat<K>(at[kx][quad]) - orgX), nmadd(sy,z,vfloat<K>(at[ky][quad]) - orgY) };
         }
       };
     }

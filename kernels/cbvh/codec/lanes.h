@@ -3,12 +3,12 @@
 
 #pragma once
 
-/* Four doubles or floats at a time, for encoders. Every operation rounds as the scalar one does, so
+/* Four doubles or floats at a time, for encoders and for hits of cVERT. Every operation rounds as the scalar one does, so
  * that blocks are the same bytes with SSE2 and with AVX, for which the builder is compiled. Where the
  * lowest ISA is AVX2 the compiler may fuse multiply and add, here as in scalar code. Embree has four
  * doubles for AVX only, and its floats want all of its headers, which the encoders do without. */
 
-#include "../codec/isa_namespace.h"
+#include "isa_namespace.h"
 #include <immintrin.h>
 #include <cstddef>
 #include <cstdint>

@@ -1,0 +1,72 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A block of cVERT as the thread's cache has it, or gets it now. What it refers to lasts until a hit is
+ * reported: a filter may trace rays. */
+
+#include "vert_group.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      class CachedVertBlock
+      {
+      public:
+        __forceinline explicit CachedVertBlock (const VertHeader* block)
+          : cache(VertCache::ofThread()), block(block) {}
+
+        /*! whether its boxes are decoded */
+        __forceinline bool isDecoded () const { return likely(cache.place(block).block == block); }
+
+        /*! corners and boxes of groups */
+        __forceinline const VertCache::Block& boxes () const
+        {
+          VertCache::Block& at = cache.place(block);
+          if (unlikely(at.block != block)) decode(at);
+          return at;
+        }
+
+        /*! of the group in a lane */
+        __forceinline const QuadCorners& quads (uint32_t lane) const
+        {
+          VertCache::Group& at = cache.place(block,lane);
+          if (at.block != block || at.lane != lane) decode(lane,at);
+          return at.quads;
+        }
+
+        /*! bits of lanes that have a group */
+        __forceinline uint32_t lanes () const {
+          return (((1u << groupsOf(vertQuadsX(block->place)))-1) * 0x1111u) & uint32_t((1u << (4*groupsOf(vertQuadsY(block->place))))-1);
+        }
+
+      private:
+        __noinline void decode (VertCache::Block& at) const
+        {
+          /* The block at once, as long as most are: where its groups' fields lie is known late, and memory
+           * that is waited for then is not hidden by anything. */
+          for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
+          at.block = block;
+          const VertDecoder decoder(block);
+          if (likely(!isRaw(block->boxForm))) decoder.corners(at.corners);
+          decoder.planes(at.corners,at.planes);
+        }
+
+        __noinline void decode (uint32_t lane, VertCache::Group& at) const
+        {
+          const VertCache::Block& first = boxes();
+          at.block = block;
+          at.lane = lane;
+          VertDecoder(block).quads(first.corners,lane,at.quads);
+        }
+
+        VertCache& cache;
+        const VertHeader* block;
+      };
+    }
+  }
+}

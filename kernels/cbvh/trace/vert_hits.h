@@ -1,0 +1,102 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Hits of a ray in the triangles of a group of cVERT whose edges it passes inside of. */
+
+#include "cached_vert_block.h"
+#include "vert_parameters.h"
+#include "vert_triangles.h"
+#include "block_visitor1.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! Target: the ray; it has tnear(), tfar(), and report(block,hit), which is true if the hit is accepted */
+      template<typename Target>
+      class VertHits
+      {
+      public:
+        __forceinline VertHits (const Target& target, const VertRay& pre, VertNearest& nearest, const VertHeader* block, const CachedVertBlock& cached)
+          : target(target), pre(pre), nearest(nearest), block(block), cached(cached) {}
+
+        /*! Reports hits, nearest first; true if one was accepted. triangles: bits of GroupTriangles */
+        __forceinline bool report (uint32_t g, uint32_t triangles)
+        {
+          if (likely((triangles & (triangles-1)) == 0))
+          {
+            const uint32_t h = uint32_t(bsf(triangles));
+            const VertTriangle triangle(cached.quads(g),h);
+            const VertTriangle::Position position = triangle.position(pre,h);
+            float t;
+            return isMet(triangle,position,32*g+h,t) && reportHit(g,triangle,h,t,position);
+          }
+          return reportNearest(g,triangles);
+        }
+
+      private:
+        bool reportNearest (uint32_t g, uint32_t triangles)
+        {
+          float t[32];
+          uint32_t open = 0;
+          for (uint32_t rest=triangles; rest; rest&=rest-1) {
+            const uint32_t h = uint32_t(bsf(rest));
+            const VertTriangle triangle(cached.quads(g),h);
+            if (isMet(triangle,triangle.position(pre,h),32*g+h,t[h])) open |= 1u << h;
+          }
+          while (open)
+          {
+            uint32_t best = uint32_t(bsf(open));
+            for (uint32_t others=open & (open-1); others; others&=others-1) {
+              const uint32_t h = uint32_t(bsf(others));
+              if (t[h] < t[best]) best = h;
+            }
+            open &= ~(1u << best);
+            const VertTriangle triangle(cached.quads(g),best);
+            if (reportHit(g,triangle,best,t[best],triangle.position(pre,best))) return true;
+          }
+          return false;
+        }
+
+        /*! sides that are not 0 have their exact sign already */
+        __forceinline bool isMet (const VertTriangle& triangle, const VertTriangle::Position& position, uint32_t number, float& t) const {
+          return (likely(position.isCertain) || triangle.contains(pre)) && isInRange(triangle.meet(pre),number,t);
+        }
+
+        /*! between tnear and tfar */
+        __forceinline bool isInRange (double exact, uint32_t number, float& t) const
+        {
+          t = float(exact);
+          if (!(exact >= double(target.tnear()))) return false;
+          const float tfar = target.tfar();
+          if (likely(t < tfar)) return true;
+          if (nearest.block && nearest.t == tfar) return t == tfar && nearest.isBehind(block,number);
+          return exact <= double(tfar);
+        }
+
+        __forceinline bool reportHit (uint32_t g, const VertTriangle& at, uint32_t h, float t, const VertTriangle::Position& position)
+        {
+          const uint32_t quad = h >> 1;
+          SurfaceHit1 hit;
+          hit.t = t;
+          hit.Ng = at.Ng(pre);
+          const VertParameters parameters(block);
+          parameters.set(parameters.firstX(g) + (quad & 3),parameters.firstY(g) + (quad >> 2),h & 1,position.u,position.v,hit.u,hit.v);
+          if (!target.report(block,hit)) return false;
+          nearest = VertNearest(block,32*g+h,t);
+          return true;
+        }
+
+        const Target target;
+        const VertRay& pre;
+        VertNearest& nearest;
+        const VertHeader* block;
+        const CachedVertBlock& cached;
+      };
+    }
+  }
+}

@@ -1,0 +1,170 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* vert_hits.h for the rays of a packet: those that pass inside of the edges of one triangle, as most do, together,
+ * and the others, and where anything is not clear, one by one. */
+
+#include "vert_hits.h"
+#include "block_visitorK.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! what VertHits reports to */
+      template<int K, typename Rays>
+      struct VertTargetK
+      {
+        Rays& rays;
+        IntersectContext* context;
+        const size_t k;
+
+        __forceinline float tnear () const { return rays.tnear()[k]; }
+        __forceinline float tfar () const { return rays.tfar[k]; }
+        __forceinline bool report (const VertHeader* block, SurfaceHit1& hit) const { return report(rays,block,hit); }
+
+      private:
+        __forceinline bool report (RayHitK<K>& to, const VertHeader* block, SurfaceHit1& hit) const {
+          return Intersect1KEpilog1<K,true>(to,k,context,block->geomID,block->primID)(hit);
+        }
+        __forceinline bool report (RayK<K>& to, const VertHeader* block, SurfaceHit1& hit) const {
+          return Occluded1KEpilog1<K,true>(to,k,context,block->geomID,block->primID)(hit);
+        }
+      };
+
+      template<int K, typename Rays>
+      class VertHitsK
+      {
+      public:
+        __forceinline VertHitsK (Rays& rays, IntersectContext* context, VertRays<K>& pre, const VertHeader* block, const CachedVertBlock& cached)
+          : rays(rays), context(context), pre(pre), block(block), cached(cached) {}
+
+        /*! Those of some rays that accept a hit. triangles: of each ray; kz: of all */
+        __forceinline uint32_t report (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles)
+        {
+          uint32_t accepted = 0;
+          const uint32_t one = mask & uint32_t(movemask((triangles & (triangles-vint<K>(1))) == vint<K>(zero)));
+          if (popcnt(one) > 1 && likely(!VertParameters(block).isStitched()))
+            mask &= ~together(one,kz,g,triangles,accepted);
+          for (; mask; mask&=mask-1) {
+            const uint32_t k = uint32_t(bsf(mask));
+            if (report(k,g,uint32_t(triangles[k]))) accepted |= 1u << k;
+          }
+          return accepted;
+        }
+
+        /*! the same of one ray */
+        __noinline bool report (size_t k, uint32_t g, uint32_t triangles)
+        {
+          typedef VertTargetK<K,Rays> Target;
+          return VertHits<Target>(Target{ rays,context,k },pre.at(k),pre.nearest[k],block,cached).report(g,triangles);
+        }
+
+      private:
+        /*! rays that each are in one triangle, their vertices by axis, and where the rays meet the planes */
+        struct Triangles
+        {
+          alignas(64) float vertices[3][3][K];
+          alignas(64) float normal[3][K], t[K];
+          uint32_t isMet; //!< not before tnear
+          uint32_t lies;  //!< rays that lie in the plane
+
+          __forceinline Triangles (uint32_t mask, const QuadCorners& quads, const vint<K>& triangles)
+          {
+            for (int k=0; k<3; k++)
+              for (int i=0; i<3; i++) vfloat<K>::store(vertices[k][i],vfloat<K>(zero));
+            for (; mask; mask&=mask-1)
+            {
+              const uint32_t ray = uint32_t(bsf(mask)), h = uint32_t(bsf(uint32_t(triangles[ray])));
+              for (int i=0; i<3; i++) {
+                const float (*corner)[16] = quads.at[cornerOfTriangle(h,i)];
+                for (int k=0; k<3; k++) vertices[k][i][ray] = corner[k][h >> 1];
+              }
+            }
+          }
+
+          __forceinline void meet (const VertRays<K>& pre, size_t kz, const vfloat<K>& tnear)
+          {
+            isMet = lies = 0;
+            for (int j=0; j<K; j+=4)
+            {
+              auto four = [&](const vfloat<K>& x) { return Float4::load((const float*)&x + j); };
+              TrianglePlane<Float4,Double4> plane;
+              for (int k=0; k<3; k++)
+                for (int i=0; i<3; i++) plane.vertices[k][i] = Float4::load(vertices[k][i]+j);
+              plane.setNormal();
+              const Float4 org[3] = { four(pre.org[0]),four(pre.org[1]),four(pre.org[2]) }, dir[3] = { four(pre.dir[0]),four(pre.dir[1]),four(pre.dir[2]) };
+              const PlaneMeeting<Double4> at = plane.meet(org,dir,kz);
+              const Double4 exact = at.inTriangle(at.t);
+              toFloat(exact).store(t+j);
+              for (int k=0; k<3; k++) toFloat(plane.normal[k]).store(normal[k]+j);
+              isMet |= (toDouble(four(tnear)) <= exact).bits() << j;
+              lies |= (15u & ~(at.least < magnitudeOf(at.speed)).bits()) << j;
+            }
+          }
+        };
+
+        /*! Those that are done; others may be in the triangle or not, by the rounding of sides, lie in its plane, or have a
+         *  hit at the very place already. */
+        uint32_t together (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
+        {
+          Triangles of(mask,cached.quads(g),triangles);
+          of.meet(pre,kz,rays.tnear());
+          const vbool<K> second = (triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero);
+          vfloat<K> a, b;
+          const vbool<K> isCertain = position(of,kz,second,a,b);
+          const vfloat<K> t = vfloat<K>::load(of.t), tfar = rays.tfar;
+          const uint32_t done = mask & uint32_t(movemask(isCertain & (t != tfar))) & ~of.lies;
+          const vbool<K> hit = vbool<K>(int(done & of.isMet)) & (t < tfar);
+          if (none(hit)) return done;
+
+          Vec3vf<K> Ng(vfloat<K>::load(of.normal[0]),vfloat<K>::load(of.normal[1]),vfloat<K>::load(of.normal[2]));
+          const vbool<K> isLine = (Ng.x == vfloat<K>(zero)) & (Ng.y == vfloat<K>(zero)) & (Ng.z == vfloat<K>(zero));
+          if (unlikely(any(hit & isLine))) Ng = select(isLine,Vec3vf<K>(-pre.dir[0],-pre.dir[1],-pre.dir[2]),Ng);
+          const VertParameters parameters(block);
+          vfloat<K> x, y, u, v;
+          for (uint32_t rest=mask; rest; rest&=rest-1) {
+            const uint32_t k = uint32_t(bsf(rest)), quad = uint32_t(bsf(uint32_t(triangles[k]))) >> 1;
+            x[k] = float(parameters.firstX(g) + (quad & 3));
+            y[k] = float(parameters.firstY(g) + (quad >> 2));
+          }
+          parameters.template set<vfloat<K>>(x,y,a,b,u,v);
+          const uint32_t of1 = uint32_t(movemask(hit & cbvh::report(rays,hit,context,block,[&] { return std::make_tuple(u,v,t,Ng); })));
+          for (uint32_t rest=of1; rest; rest&=rest-1) {
+            const uint32_t k = uint32_t(bsf(rest));
+            pre.nearest[k] = VertNearest(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
+          }
+          accepted |= of1;
+          return done;
+        }
+
+        /*! VertTriangle::position */
+        __forceinline vbool<K> position (const Triangles& of, size_t kz, const vbool<K>& second, vfloat<K>& a, vfloat<K>& b) const
+        {
+          const size_t kx = kz == 2 ? 0 : kz+1, ky = kx == 2 ? 0 : kx+1;
+          vfloat<K> x[3], y[3];
+          for (int i=0; i<3; i++) {
+            const vfloat<K> z = vfloat<K>::load(of.vertices[kz][i]) - pre.org[kz];
+            x[i] = nmadd(pre.sx,z,vfloat<K>::load(of.vertices[kx][i]) - pre.org[kx]);
+            y[i] = nmadd(pre.sy,z,vfloat<K>::load(of.vertices[ky][i]) - pre.org[ky]);
+          }
+          const vfloat<K> w0 = edgeSide(x[1],y[1],x[2],y[2]), w1 = edgeSide(x[2],y[2],x[0],y[0]), w2 = edgeSide(x[0],y[0],x[1],y[1]);
+          const vfloat<K> sum = w0 + w1 + w2, b1 = w1/sum, b2 = w2/sum;
+          a = select(second,b1+b2,b1);
+          b = select(second,vfloat<K>(1.0f)-b1,b2);
+          return ((min(w0,min(w1,w2)) > vfloat<K>(zero)) | (max(w0,max(w1,w2)) < vfloat<K>(zero))) & (abs(sum) < vfloat<K>(pos_inf));
+        }
+
+        Rays& rays;
+        IntersectContext* context;
+        VertRays<K>& pre;
+        const VertHeader* block;
+        const CachedVertBlock& cached;
+      };
+    }
+  }
+}

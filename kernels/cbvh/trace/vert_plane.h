@@ -1,0 +1,97 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The plane of a triangle of cVERT in double, where differences of its vertices are exact: weights of a needle are off
+ * by more than its plane is. Numbers are float and double, of one ray, or four of them, of rays of a packet; no
+ * product is fused, so both give the same bits. */
+
+#include "product.h"
+#include "../codec/lanes.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /* what Float4 and Double4 have */
+      __forceinline double toDouble (float x) { return double(x); }
+      __forceinline Double4 toDouble (const Float4& x) { return Double4(x); }
+      __forceinline double magnitudeOf (double x) { return std::fabs(x); }
+      __forceinline Double4 magnitudeOf (const Double4& x) { return abs(x); }
+
+      __forceinline double product (double a, double b)
+      {
+        double p = a*b;
+#if defined(__GNUC__) && defined(__SSE2__)
+        asm("" : "+x"(p));
+#endif
+        return p;
+      }
+      __forceinline Double4 product (const Double4& a, const Double4& b)
+      {
+        Double4 p = a*b;
+#if defined(__GNUC__) && defined(__AVX__)
+        asm("" : "+x"(p.v));
+#endif
+        return p;
+      }
+
+      /*! where a ray meets a plane */
+      template<typename Double>
+      struct PlaneMeeting
+      {
+        Double t;                 //!< not a number where the ray lies in the plane
+        Double nearest, farthest; //!< of the triangle: the hit is between
+        Double speed, least;      //!< a ray that comes nearer to the plane no faster than `least` lies in it
+
+        __forceinline Double inTriangle (const Double& at) const { return min(max(at,nearest),farthest); }
+      };
+
+      template<typename Float, typename Double>
+      struct TrianglePlane
+      {
+        /*! below this the ray lies in the plane, as far as vertices of 24 bits can tell */
+        static constexpr double minCosine = 1e-6;
+
+        Float vertices[3][3];  //!< by axis
+        Double normal[3];      //!< 0 of a line
+
+        /*! from the vertices */
+        __forceinline void setNormal ()
+        {
+          Double e[3], f[3];
+          for (int k=0; k<3; k++) {
+            e[k] = toDouble(vertices[k][1]) - toDouble(vertices[k][0]);
+            f[k] = toDouble(vertices[k][2]) - toDouble(vertices[k][0]);
+          }
+          normal[0] = product(e[1],f[2]) - product(e[2],f[1]);
+          normal[1] = product(e[2],f[0]) - product(e[0],f[2]);
+          normal[2] = product(e[0],f[1]) - product(e[1],f[0]);
+        }
+
+        /*! kz: axis of the largest component of the direction */
+        __forceinline PlaneMeeting<Double> meet (const Float org[3], const Float dir[3], size_t kz) const
+        {
+          Double height(0.0), speed(0.0), size(0.0);
+          for (int k=0; k<3; k++) {
+            const Double along = product(normal[k],toDouble(dir[k]));
+            speed = speed + along;
+            size = size + magnitudeOf(along);
+            height = height + product(normal[k],toDouble(vertices[k][0]) - toDouble(org[k]));
+          }
+          const Double z0 = distance(org,dir,kz,0), z1 = distance(org,dir,kz,1), z2 = distance(org,dir,kz,2);
+          return PlaneMeeting<Double>{ height/speed,min(z0,min(z1,z2)),max(z0,max(z1,z2)),speed,Double(minCosine)*size };
+        }
+
+      private:
+        /*! of a vertex along the ray */
+        __forceinline Double distance (const Float org[3], const Float dir[3], size_t kz, int i) const {
+          return (toDouble(vertices[kz][i]) - toDouble(org[kz]))/toDouble(dir[kz]);
+        }
+      };
+    }
+  }
+}
