@@ -4,6 +4,17 @@
 #include "building/scene_tracer.h"
 
 namespace cbvh {
+namespace {
+
+RTCIntersectContext coherentContext()
+{
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  return context;
+}
+
+} // namespace
 
 void EmbreeTracer::intersect(RTCRayHit* rays, size_t n) const
 {
@@ -19,6 +30,19 @@ void EmbreeTracer::occluded(RTCRay* rays, size_t n) const
   rtcInitIntersectContext(&context);
   for (size_t i = 0; i < n; i++)
     rtcOccluded1(scene, &context, &rays[i]);
+}
+
+/* Embree cuts a stream of coherent rays into packets. */
+void PacketTracer::intersect(RTCRayHit* rays, size_t n) const
+{
+  RTCIntersectContext context = coherentContext();
+  rtcIntersect1M(scene, &context, rays, unsigned(n), sizeof(RTCRayHit));
+}
+
+void PacketTracer::occluded(RTCRay* rays, size_t n) const
+{
+  RTCIntersectContext context = coherentContext();
+  rtcOccluded1M(scene, &context, rays, unsigned(n), sizeof(RTCRay));
 }
 
 } // namespace cbvh

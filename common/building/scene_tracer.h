@@ -35,4 +35,17 @@ private:
   RTCScene scene;
 };
 
+/* On the calling thread, said to be coherent: rays that follow each other are a packet as wide as the instruction set. */
+class PacketTracer : public SceneTracer
+{
+public:
+  explicit PacketTracer(RTCScene scene) : scene(scene) {}
+
+  void intersect(RTCRayHit* rays, size_t n) const override;
+  void occluded(RTCRay* rays, size_t n) const override;
+
+private:
+  RTCScene scene;
+};
+
 } // namespace cbvh

@@ -112,6 +112,12 @@ Ray drawRay(Draws& draws, const RTCBounds& bounds)
   }
 }
 
+/* The signs of a direction: rays of a packet go together if they have the same. */
+int octant(const Ray& ray)
+{
+  return (ray.direction.x < 0) + 2 * (ray.direction.y < 0) + 4 * (ray.direction.z < 0);
+}
+
 class SceneOfSheet
 {
 public:
@@ -200,7 +206,8 @@ SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const S
     rtcGetSceneBounds(scene, &own);
     bounds.lower_z = std::min(bounds.lower_z, own.lower_z);
     bounds.upper_z = std::max(bounds.upper_z, own.upper_z);
-    const std::unique_ptr<SceneTracer> tracer = makeTracer(settings.device, scene);
+    const std::unique_ptr<SceneTracer> tracer =
+      settings.packets ? std::make_unique<PacketTracer>(scene) : makeTracer(settings.device, scene);
     const uint64_t seed = (uint64_t(settings.seed) << 40) + (uint64_t(all.sheets) << 20);
     parallelFor(rays, raysOfChunk, threads, [&](size_t begin, size_t end) {
       Draws rayDraws(seed + begin);
@@ -208,8 +215,10 @@ SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const S
       std::vector<RTCRayHit> closestHits(end - begin);
       std::vector<RTCRay> anyHits(end - begin);
       for (size_t i = 0; i < end - begin; i++)
-      {
         drawn.push_back(drawRay(rayDraws, bounds));
+      std::stable_sort(drawn.begin(), drawn.end(), [](const Ray& a, const Ray& b) { return octant(a) < octant(b); });
+      for (size_t i = 0; i < end - begin; i++)
+      {
         load(drawn[i], closestHits[i]);
         load(drawn[i], anyHits[i]);
       }

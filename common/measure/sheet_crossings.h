@@ -29,6 +29,7 @@ struct SheetSettings
   size_t raysASheet = 20000;
   uint32_t seed = 1;
   std::string device = "cpu"; // that traces, see makeTracer
+  bool packets = false;       // by coherent packets, on the processor
 };
 
 /* A sheet of 4 x 4 flat faces over [-1,1]^2, displaced by waves of about a tenth of a wave a

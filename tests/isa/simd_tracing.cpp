@@ -536,5 +536,64 @@ TEST(SimdTracing, LeavesAreCrossedAsByScalarCode)
     for (unsigned count : of) EXPECT_GT(count, 500u);
 }
 
+// --- which of two hits counts ---------------------------------------------------------------
+
+struct CountedHit
+{
+  float t, own; // what counts, and where the hit is
+  Block block;
+};
+
+// Offers hits to a ray in an order, as traversal does; its tfar in the end.
+float endOfRay(const std::vector<const CountedHit*>& order, simd::NearestHit& nearest)
+{
+  float tfar = INFINITY;
+  for (const CountedHit* hit : order) {
+    if (nearest.isBefore(hit->t, hit->own, &hit->block, tfar)) continue;
+    nearest.set(hit->t, hit->own, &hit->block);
+    tfar = hit->t;
+  }
+  return tfar;
+}
+
+// Each hit is before the next one, in every order.
+TEST(NearestHit, TheNearestCountsThenTheFirstBlockInEveryOrder)
+{
+  CountedHit hits[7] = {};
+  const struct { float t, own; uint32_t geomID, primID, tiling, info; } values[7] = {
+    {1, 1, 2, 7, 3, 9}, {2, 1.5f, 2, 7, 3, 9}, {2, 2, 1, 8, 4, 9}, {2, 2, 2, 6, 4, 9}, {2, 2, 2, 7, 1, 9}, {2, 2, 2, 7, 3, 5}, {2, 2, 2, 7, 3, 6}};
+  for (int i = 0; i < 7; i++) {
+    hits[i].t = values[i].t;
+    hits[i].own = values[i].own;
+    hits[i].block.geomID = values[i].geomID;
+    hits[i].block.primID = values[i].primID;
+    hits[i].block.tiling = values[i].tiling;
+    hits[i].block.info = values[i].info;
+  }
+  for (int first = 0; first < 7; first++) {
+    std::vector<const CountedHit*> order;
+    for (int i = first; i < 7; i++) order.push_back(&hits[i]);
+    do {
+      simd::NearestHit nearest;
+      const float tfar = endOfRay(order, nearest);
+      ASSERT_EQ(nearest.block, &hits[first].block);
+      ASSERT_EQ(nearest.end(tfar), hits[first].own);
+    } while (std::next_permutation(order.begin(), order.end()));
+  }
+}
+
+// A triangle's hit, which has no block with a frame: in front of a block's, or just as far.
+TEST(NearestHit, TheEndOfARayIsThatOfItsHit)
+{
+  Block block = {};
+  simd::NearestHit nearest;
+  EXPECT_EQ(nearest.end(3), 3);
+  EXPECT_TRUE(nearest.isBefore(3, 2.5f, &block, 2));
+  EXPECT_FALSE(nearest.isBefore(1.5f, 1.5f, &block, 2));
+  nearest.set(2, 1.5f, &block);
+  EXPECT_EQ(nearest.end(2), 1.5f);
+  EXPECT_EQ(nearest.end(1), 1) << "what was hit later is nearer";
+}
+
 } // namespace
 } // namespace cbvh::test

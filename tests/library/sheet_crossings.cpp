@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* No ray gets from one side of a displaced sheet to the other: a million rays a
- * representation through random sheets, with GRID as the judge. And the rays that once did.
+ * representation through random sheets, with GRID as the judge, one by one and as many in coherent packets. And the rays that once did.
  * cbvh_bench --check sheets does the same with more. */
 
 #include "basics/parallel.h"
@@ -21,12 +21,16 @@ class CrossedSheets : public testing::TestWithParam<RTCCompression> {};
 TEST_P(CrossedSheets, NoRayGetsThroughRandomSheets)
 {
   Device device;
-  SheetSettings settings;
-  const cbvh::SheetCrossings found = crossSheets(device, GetParam(), settings, threadCount(0));
-  EXPECT_EQ(found.rays, 1000000u);
-  EXPECT_EQ(found.closest, 0u);
-  EXPECT_EQ(found.any, 0u);
-  for (const std::string& example : found.examples) ADD_FAILURE() << example;
+  for (const bool packets : {false, true}) {
+    SCOPED_TRACE(packets ? "in packets" : "ray by ray");
+    SheetSettings settings;
+    settings.packets = packets;
+    const cbvh::SheetCrossings found = crossSheets(device, GetParam(), settings, threadCount(0));
+    EXPECT_EQ(found.rays, 1000000u);
+    EXPECT_EQ(found.closest, 0u);
+    EXPECT_EQ(found.any, 0u);
+    for (const std::string& example : found.examples) ADD_FAILURE() << example;
+  }
 }
 
 struct Known

@@ -235,6 +235,7 @@ json settingsJson(const BenchOptions& options)
           {"device", options.device},
           {"stream_size", streamSize},
           {"check_rays", options.checks.rays},
+          {"check_packets", options.checks.packets},
           {"position", {options.position.x, options.position.y, options.position.z}},
           {"max_error_diagonals", options.maxError},
           {"leaves_only", options.leavesOnly},

@@ -198,6 +198,7 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, Words& words)
     ->type_name("LIST");
   app.add_option("--check-rays", o.checks.rays, "rays that look for leaks or cross sheets, a representation")
     ->type_name("N")->capture_default_str();
+  app.add_flag("--check-packets", o.checks.packets, "these rays go in packets as wide as the instruction set, and are said to be coherent");
   app.add_option("--position", words.position, "moves models there: x,y,z")->type_name("P");
   app.add_option("--max-error", o.maxError, "bound on the thickness of leaves where the frame level is auto, and on cVERT's spacing, in\n"
                  "bounding-box diagonals of the cage")->type_name("E");
@@ -279,6 +280,8 @@ void readCombinations(const Words& words, Machine machine, BenchOptions& o)
   }
   if (o.device != "cpu" && (words.threads != "1" || words.modes != "single"))
     throw Error("--threads and --mode are of the processor: with --device " + o.device + " leave them out");
+  if (o.device != "cpu" && o.checks.packets)
+    throw Error("--check-packets is of the processor: with --device " + o.device + " leave it out");
   if (o.device != "cpu" && o.checks.crossings)
     throw Error("--check crossings calls a filter, which --device " + o.device + " cannot");
   for (int n : parseIntegers("--threads", words.threads, mostThreads))

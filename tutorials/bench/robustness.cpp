@@ -79,7 +79,8 @@ std::optional<LeakCounts> Robustness::leaks(const BuiltScene& grid, const BuiltS
   /* A GRID that nobody asked for has no blocks: any points are as good. */
   const auto own = points.find(blockLevel(scene.representation().frameLevel));
   const AimPoints& aims = (own != points.end() ? own : points.begin())->second;
-  return countLeaks(grid.handle(), scene.tracer(), aims, settings, threads);
+  const PacketTracer packets(scene.handle());
+  return countLeaks(grid.handle(), checks.packets ? packets : scene.tracer(), aims, settings, threads);
 }
 
 std::optional<SheetCrossings> Robustness::sheets(const BuiltScene& scene) const
@@ -90,6 +91,7 @@ std::optional<SheetCrossings> Robustness::sheets(const BuiltScene& scene) const
   settings.rays = checks.rays;
   settings.seed = seed;
   settings.device = this->settings.device;
+  settings.packets = checks.packets;
   const EmbreeDevice device("");
   return crossSheets(device.handle(), scene.representation().compression(), settings, threads);
 }

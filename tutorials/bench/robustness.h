@@ -27,6 +27,7 @@ struct Checks
   bool shadows = false;      // at Embree's offset, a fraction of the scene, and half a quad
   bool offsets = false;      // at many offsets
   size_t rays = 1000000;     // for leaks and for sheets, a representation
+  bool packets = false;      // these rays go in coherent packets, not one by one
 
   bool any() const { return leaks || sheets || crossings || shadows || offsets; }
 

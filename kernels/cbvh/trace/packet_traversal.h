@@ -62,7 +62,8 @@ namespace embree
             size_t lazyNode = 0;
             leaves.intersect(meets,at.node,at.enter,tray,lazyNode);
             if (any(leaves.tfar < tray.tfar)) {
-              tray.tfar = min(tray.tfar,leaves.tfar);
+              /* lanes that are off may hold what is not a number, of which the frustum would make any maximum */
+              tray.tfar = select(valid,min(tray.tfar,leaves.tfar),tray.tfar);
               frustum.template updateMaxDist<K>(tray.tfar);
             }
             if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.first }; // of the rays that met the leaf, and no others
