@@ -173,7 +173,7 @@ bool cbvhReport (BlockHeader header, CbvhTravel ray, CbvhLocalRay local, uint nu
 }
 
 /* s of t, or a little behind */
-float cbvhBehind (Segment s, float t) { return t < s.t1 ? localShare(s.w0, s.w1, (t - s.t0)/(s.t1 - s.t0)) + 1e-5 : 1.0; }
+float cbvhBehind (Segment s, float t) { return t < s.t1 && s.t0 < s.t1 ? localShare(s.w0, s.w1, (t - s.t0)/(s.t1 - s.t0)) + 1e-5 : 1.0; }
 
 LeafPatch cbvhSolidLeaf (NodeBox box)
 {
