@@ -69,14 +69,17 @@ namespace embree
         struct Triangles
         {
           alignas(64) float vertices[3][3][K];
+          alignas(64) float x[K], y[K];  //!< quad of the patch
           alignas(64) float normal[3][K], t[K];
           uint32_t isMet; //!< not before tnear
           uint32_t lies;  //!< rays that lie in the plane
 
-          __forceinline Triangles (uint32_t mask, const QuadCorners& quads, const vint<K>& triangles)
+          __forceinline Triangles (uint32_t mask, const QuadCorners& quads, const vint<K>& triangles, float firstX, float firstY)
           {
             for (int k=0; k<3; k++)
               for (int i=0; i<3; i++) vfloat<K>::store(vertices[k][i],vfloat<K>(zero));
+            vfloat<K>::store(x,vfloat<K>(firstX));
+            vfloat<K>::store(y,vfloat<K>(firstY));
             for (; mask; mask&=mask-1)
             {
               const uint32_t ray = uint32_t(bsf(mask)), h = uint32_t(bsf(uint32_t(triangles[ray])));
@@ -84,6 +87,8 @@ namespace embree
                 const float (*corner)[16] = quads.at[cornerOfTriangle(h,i)];
                 for (int k=0; k<3; k++) vertices[k][i][ray] = corner[k][h >> 1];
               }
+              x[ray] += float((h >> 1) & 3);
+              y[ray] += float(h >> 3);
             }
           }
 
@@ -112,7 +117,8 @@ namespace embree
          *  hit at the very place already. */
         uint32_t together (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
         {
-          Triangles of(mask,cached.quads(g),triangles);
+          const VertParameters parameters(block);
+          Triangles of(mask,cached.quads(g),triangles,float(parameters.firstX(g)),float(parameters.firstY(g)));
           of.meet(pre,kz,rays.tnear());
           const vbool<K> second = (triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero);
           vfloat<K> a, b;
@@ -125,14 +131,8 @@ namespace embree
           Vec3vf<K> Ng(vfloat<K>::load(of.normal[0]),vfloat<K>::load(of.normal[1]),vfloat<K>::load(of.normal[2]));
           const vbool<K> isLine = (Ng.x == vfloat<K>(zero)) & (Ng.y == vfloat<K>(zero)) & (Ng.z == vfloat<K>(zero));
           if (unlikely(any(hit & isLine))) Ng = select(isLine,Vec3vf<K>(-pre.dir[0],-pre.dir[1],-pre.dir[2]),Ng);
-          const VertParameters parameters(block);
-          vfloat<K> x, y, u, v;
-          for (uint32_t rest=mask; rest; rest&=rest-1) {
-            const uint32_t k = uint32_t(bsf(rest)), quad = uint32_t(bsf(uint32_t(triangles[k]))) >> 1;
-            x[k] = float(parameters.firstX(g) + (quad & 3));
-            y[k] = float(parameters.firstY(g) + (quad >> 2));
-          }
-          parameters.template set<vfloat<K>>(x,y,a,b,u,v);
+          vfloat<K> u, v;
+          parameters.template set<vfloat<K>>(vfloat<K>::load(of.x),vfloat<K>::load(of.y),a,b,u,v);
           const uint32_t of1 = uint32_t(movemask(hit & cbvh::report(rays,hit,context,block,[&] { return std::make_tuple(u,v,t,Ng); })));
           for (uint32_t rest=of1; rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
