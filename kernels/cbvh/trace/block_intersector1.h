@@ -26,7 +26,7 @@ namespace embree
           LocalRay local;
           if (!local.init(pre,block,ray.tfar)) return false;
           const FrameRay frameRay(local);
-          const BlockLayout layout = block->layout();
+          const BlockLayout layout = blockLayout(Visitor<RayType>::kind,block->height());
           BlockTiles tiles(block,layout);
           Visitor<RayType> visitor(ray,context,pre,block,layout,local,frameRay,tiles);
           BlockWalk1<Visitor<RayType>>(frameRay,tiles,visitor).run();

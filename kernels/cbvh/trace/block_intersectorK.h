@@ -25,9 +25,9 @@ namespace embree
           FrameRays<K> frameRays;
           const vbool<K> inside = frameRays.init(pre,block,rays.tfar,valid);
           if (none(inside)) return inside;
-          const BlockLayout layout = block->layout();
-          BlockTiles tiles(block,layout);
           typedef Visitor<K,Rays> BlockVisitor;
+          const BlockLayout layout = blockLayout(BlockVisitor::kind,block->height());
+          BlockTiles tiles(block,layout);
           BlockVisitor visitor(rays,context,pre,block,layout,frameRays,tiles,inside);
           BlockWalkK<K,BlockVisitor>(frameRays,tiles,visitor).run(inside);
           return visitor.isHit;

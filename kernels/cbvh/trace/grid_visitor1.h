@@ -27,6 +27,7 @@ namespace embree
       template<typename RayType>
       struct GridVisitor1 : public BlockVisitor1<RayType>
       {
+        static const uint32_t kind = kindGrid;
         using BlockVisitor1<RayType>::BlockVisitor1;
 
         __forceinline bool leaf (const NodeEntries::Tile&, uint32_t m, uint32_t child, const BoxRanges<16>&)

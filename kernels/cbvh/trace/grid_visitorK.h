@@ -26,6 +26,7 @@ namespace embree
       template<int K, typename Rays>
       struct GridVisitorK : public BlockVisitorK<K,Rays>
       {
+        static const uint32_t kind = kindGrid;
         using BlockVisitorK<K,Rays>::BlockVisitorK;
 
         __forceinline void leaf (const NodeEntries::Tile&, uint32_t m, uint32_t child, const BoxMeeting<K>&, const vbool<K>& lanes)

@@ -18,6 +18,7 @@ namespace embree
       struct LeafVisitor1 : public BlockVisitor1<RayType>
       {
         typedef NodeEntries::LeafTile LeafTile;
+        static const uint32_t kind = kindLeaf;
 
         /*! what the ray has hit in other blocks does not shorten the walk: what a ray passes behind it tells of hits before it */
         template<typename... Args>

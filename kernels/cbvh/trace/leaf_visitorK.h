@@ -97,6 +97,7 @@ namespace embree
 
       public:
         typedef NodeEntries::LeafTile LeafTile;
+        static const uint32_t kind = kindLeaf;
         static const bool countsPassed = true;
 
         template<typename... Args>

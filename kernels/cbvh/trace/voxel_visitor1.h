@@ -18,6 +18,7 @@ namespace embree
       template<typename RayType>
       struct VoxelVisitor1 : public BlockVisitor1<RayType>
       {
+        static const uint32_t kind = kindVoxel;
         using BlockVisitor1<RayType>::BlockVisitor1;
 
         __forceinline bool leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)

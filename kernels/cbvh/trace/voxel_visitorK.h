@@ -16,6 +16,7 @@ namespace embree
       template<int K, typename Rays>
       struct VoxelVisitorK : public BlockVisitorK<K,Rays>
       {
+        static const uint32_t kind = kindVoxel;
         using BlockVisitorK<K,Rays>::BlockVisitorK;
 
         __forceinline void leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxMeeting<K>& box, const vbool<K>& lanes)
