@@ -218,6 +218,54 @@ TEST(VertSurfaces, NoVertexIsFartherFromGridsThanPromised)
     }
 }
 
+// How much of its own normal a triangle's has, as the vertices of GRID say: below 0 it is turned over, and 0 of what has no area.
+double likeness(const VertTriangle& t, const EveryVertex& grid)
+{
+  double normals[2][3];
+  for (int side = 0; side < 2; side++) {
+    double edge[2][3];
+    for (int c = 0; c < 2; c++)
+      for (int k = 0; k < 3; k++) {
+        const auto at = [&](int i) { return side ? double(t.vertices[i][k]) : double(grid.vertices.at(keyOf(t.primID, t.u[i], t.v[i]))[k]); };
+        edge[c][k] = at(c+1) - at(0);
+      }
+    for (int k = 0; k < 3; k++) normals[side][k] = edge[0][(k+1)%3]*edge[1][(k+2)%3] - edge[0][(k+2)%3]*edge[1][(k+1)%3];
+  }
+  return normals[0][0]*normals[1][0] + normals[0][1]*normals[1][1] + normals[0][2]*normals[1][2];
+}
+
+TEST(VertSurfaces, QuadsThatALatticeTurnsOverAreCounted)
+{
+  Device device;
+  size_t flipped = 0;
+  for (const auto& cage : closedCages)
+    for (float rate : {2.0f, 8.0f, 16.0f}) {
+      SCOPED_TRACE(testing::Message() << cage.name << ", rate " << rate);
+      EveryVertex grid;
+      SurfaceSettings settings;
+      settings.rate = rate;
+      settings.compression = RTC_COMPRESSION_NONE;
+      Scene reference(device);
+      grid.build(device, reference, cage.cage, settings);
+      settings.displacement = &grid;
+      settings.compression = RTC_COMPRESSION_VERT;
+      settings.maxError = 1.5f/rate; // wider than a quad
+      const SurfaceScene scene(device, cage.cage, settings);
+      const std::vector<VertTriangle> triangles = vertTriangles(scene);
+      size_t certain = 0, possible = 0; // the vertices of a face's border are GRID's but for some ulps
+      for (size_t i = 0; i < triangles.size(); i += 2) { // two a quad
+        const double likenesses[2] = {likeness(triangles[i], grid), likeness(triangles[i+1], grid)};
+        const auto isOf = [&](double bound) { return std::any_of(likenesses, likenesses+2, [&](double l) { return l != 0 && l < bound; }); };
+        certain += isOf(-1e-9);
+        possible += isOf(1e-9);
+      }
+      EXPECT_GE(statisticsOf(scene).numFlippedQuads, certain);
+      EXPECT_LE(statisticsOf(scene).numFlippedQuads, possible);
+      flipped += certain;
+    }
+  EXPECT_GT(flipped, 100u);
+}
+
 TEST(VertSurfaces, SpacingIsAtMostTheBoundInPixelsOfACamera)
 {
   Device device;

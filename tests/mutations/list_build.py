@@ -266,7 +266,7 @@ NODES_AND_LEAVES = (
         " | lanesBelow(dot(n.upper,m.upper),0.0f);",
         ";",
         "statistics say that all normals are right",
-        "vert_surfaces *",
+        "vert_surfaces VertSurfaces.QuadsThatALattice*",
     ),
     edit(
         "loose encoder: border below the edge",

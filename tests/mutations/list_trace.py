@@ -517,12 +517,12 @@ TOGETHER = (
         "scene_features *PacketsEqualSingleRays*/cVOXEL",
     ),
     edit(
-        "walk of packets: all rays in every walk",
+        "walk of packets: four leaves of one quad",
         "block_walkK.h",
-        "meetTile(first,0,toLanes(same));",
-        "meetTile(first,0,lanes);",
-        "rays meet boxes by the planes of other signs",
-        "scene_features *PacketsEqualSingleRays*",
+        "meetChildren(level,m,number,tile.present,0,lanes);",
+        "meetChildren(level,m,number,15u,0,lanes);",
+        "blocks of one quad have four, and rays that descend hit another",
+        "scene_features *PacketsEqualSingleRays*/cVOXEL",
     ),
     edit(
         "walk of packets: all are told what they pass",
@@ -565,14 +565,6 @@ TOGETHER = (
         "exitS = select(first,x.s0,exitS);",
         "hits at the end of a surface lie at another leaf",
         "scene_features *PacketsEqualSingleRays*/cLEAF",
-    ),
-    edit(
-        "leaf of packets: pending after a hit",
-        "leaf_visitorK.h",
-        "          state.pending = andn(state.pending,accepted);\n",
-        "",
-        "what is passed behind a hit is a hit again",
-        "scene_features *Packets*/cLEAF",
     ),
 )
 
