@@ -273,7 +273,7 @@ WALK = (
     edit(
         "tile: what another ray has put in its place",
         "block_tiles.h",
-        "return at.block == block && at.number == number && (at.decoded >> (child >> 2)) & 1u;",
+        "return has(at,number) && (at.decoded >> (child >> 2)) & 1u;",
         "return true;",
         "a filter that traces rays leaves another tile behind",
         "scene_features *AFilterMayTraceRays/cLEAF*",

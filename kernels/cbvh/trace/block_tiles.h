@@ -53,9 +53,8 @@ namespace embree
         }
 
         /*! whether a tile is still that of the block with a number, and has a grandchild */
-        __forceinline bool has (const Tile& at, uint32_t number, uint32_t child) const {
-          return at.block == block && at.number == number && (at.decoded >> (child >> 2)) & 1u;
-        }
+        __forceinline bool has (const Tile& at, uint32_t number) const { return at.block == block && at.number == number; }
+        __forceinline bool has (const Tile& at, uint32_t number, uint32_t child) const { return has(at,number) && (at.decoded >> (child >> 2)) & 1u; }
 
         /*! decodes the children of what a mask of children has, where they are not */
         __forceinline void need (Tile& at, uint32_t mask)

@@ -107,13 +107,19 @@ namespace embree
         /*! the tile of a level, with a grandchild: what is traced or decoded meanwhile may have put another in its place */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
         {
-          if (unlikely(!tiles.has(*l.tile,l.number,child))) again(l,level,child);
+          if (unlikely(!tiles.has(*l.tile,l.number,child))) again(l,level,1u << (child >> 2));
           return *l.tile;
         }
 
-        __noinline void again (Level& l, int level, uint32_t child)
+        /*! the same, with its children alone */
+        __forceinline NodeEntries::Tile& tileOf (Level& l, int level)
         {
-          const uint32_t mask = 1u << (child >> 2);
+          if (unlikely(!tiles.has(*l.tile,l.number))) again(l,level,0u);
+          return *l.tile;
+        }
+
+        __noinline void again (Level& l, int level, uint32_t mask)
+        {
           if (level == last) {
             LeafTile& tile = visitor.leafTile(l.m);
             tiles.need(tile,mask);
@@ -129,8 +135,7 @@ namespace embree
         /*! of a place that is passed */
         __forceinline bool isAbove (Level& l, int level, uint32_t child)
         {
-          const NodeEntries::Tile& tile = tileOf(l,level,child);
-          return l.hits.isPassedByParent(child) ? ray.isAbove(tile.children,child >> 2) : ray.isAbove(tile.grandchildren,child);
+          return l.hits.isPassedByParent(child) ? ray.isAbove(tileOf(l,level).children,child >> 2) : ray.isAbove(tileOf(l,level,child).grandchildren,child);
         }
       };
     }
