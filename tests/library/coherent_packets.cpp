@@ -4,6 +4,7 @@
 /* Coherent packets where they could go another way than single rays: lanes that are off, rays that start on the
  * surface, filters, and faces that GRID traces. scene_features.cpp has all that is plain. */
 
+#include "support/filtered_surface.h"
 #include "support/random.h"
 #include "support/scene.h"
 
@@ -164,23 +165,12 @@ void filter(const RTCFilterFunctionNArguments* args)
   }
 }
 
-void addFiltered(RTCDevice device, RTCScene scene, const SurfaceSettings& settings)
-{
-  RTCGeometry geometry = newSurface(device, cubeCage(), settings);
-  rtcSetGeometryIntersectFilterFunction(geometry, filter);
-  rtcSetGeometryOccludedFilterFunction(geometry, filter);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene);
-}
-
 bool isOnDarkSquare(const SeenHit& s) { return (int(s.u*5.3f + 0.37f) + int(s.v*5.3f + 0.37f)) % 2 == 0; }
 
 TEST_P(CoherentPackets, HitTheNearestThatAFilterAccepts)
 {
   Scene scene(device);
-  addFiltered(device, scene, settings());
+  addFilteredCube(device, scene, settings(), filter);
   const std::vector<RTCRayHit> rays = pictureRays(64);
   PacketFilter together(isOnDarkSquare);
   unsigned past = 0;
@@ -202,7 +192,7 @@ TEST_P(CoherentPackets, HitTheNearestThatAFilterAccepts)
 TEST_P(CoherentPackets, AskAFilterOnceAfterAnyHit)
 {
   Scene scene(device);
-  addFiltered(device, scene, settings());
+  addFilteredCube(device, scene, settings(), filter);
   const std::vector<RTCRayHit> rays = pictureRays(64);
   PacketFilter all([](const SeenHit&) { return true; });
   all.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -224,7 +214,7 @@ TEST_P(CoherentPackets, GoOnAfterAFilterHasTracedRays)
   Scene scene(device);
   SurfaceSettings of = settings();
   of.rate = 64;
-  addFiltered(device, scene, of);
+  addFilteredCube(device, scene, of, filter);
   Random random(82);
   std::vector<RTCRayHit> others = raysAt(random, 100);
   std::vector<RTCRayHit> rays = pictureRays(64);

@@ -5,6 +5,7 @@
  * settings a geometry, enabling and attaching, instances, masks, filters, packets and
  * streams. */
 
+#include "support/filtered_surface.h"
 #include "support/random.h"
 #include "support/scene.h"
 
@@ -229,17 +230,6 @@ Filtered traceFiltered(RTCScene scene, const RTCRayHit& ray, const std::function
   return result;
 }
 
-void addFiltered(RTCDevice device, RTCScene scene, const SurfaceSettings& settings)
-{
-  RTCGeometry geometry = newSurface(device, cubeCage(), settings);
-  rtcSetGeometryIntersectFilterFunction(geometry, filter);
-  rtcSetGeometryOccludedFilterFunction(geometry, filter);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene);
-}
-
 bool isSame(const SeenHit& a, const RTCRayHit& b)
 {
   return a.geomID == b.hit.geomID && a.primID == b.hit.primID && a.t == b.ray.tfar && a.u == b.hit.u && a.v == b.hit.v &&
@@ -249,7 +239,7 @@ bool isSame(const SeenHit& a, const RTCRayHit& b)
 TEST_P(SceneFeatures, FiltersSeeTheHitThatIsReported)
 {
   Scene scene(device);
-  addFiltered(device, scene, settings());
+  addFilteredCube(device, scene, settings(), filter);
   Random random(64);
   unsigned hits = 0;
   for (const RTCRayHit& ray : raysAt(random, 1000)) {
@@ -273,7 +263,7 @@ TEST_P(SceneFeatures, FiltersSeeTheHitThatIsReported)
 TEST_P(SceneFeatures, AFilterThatRejectsAllLeavesTheRayAlone)
 {
   Scene scene(device);
-  addFiltered(device, scene, settings());
+  addFilteredCube(device, scene, settings(), filter);
   Random random(65);
   unsigned seen = 0;
   for (const RTCRayHit& ray : raysAt(random, 1000)) {
@@ -292,7 +282,7 @@ TEST_P(SceneFeatures, AFilterThatRejectsAllLeavesTheRayAlone)
 TEST_P(SceneFeatures, TheNearestAcceptedHitIsFound)
 {
   Scene scene(device);
-  addFiltered(device, scene, settings());
+  addFilteredCube(device, scene, settings(), filter);
   Random random(66);
   unsigned past = 0;
   // What was hit before changes what is seen of leaves there, inside their boxes: cLEAF draws its
@@ -320,7 +310,7 @@ TEST_P(SceneFeatures, TheNearestAcceptedHitIsFound)
 TEST_P(SceneFeatures, AFilterMayRejectEveryOtherHit)
 {
   Scene scene(device);
-  addFiltered(device, scene, settings());
+  addFilteredCube(device, scene, settings(), filter);
   Random random(67);
   unsigned hits = 0;
   for (const RTCRayHit& ray : raysAt(random, 1000)) {
@@ -357,7 +347,7 @@ TEST_P(SceneFeatures, AFilterMayTraceRays)
   Scene scene(device);
   SurfaceSettings of = settings();
   of.rate = 64;
-  addFiltered(device, scene, of);
+  addFilteredCube(device, scene, of, filter);
   Random random(73);
   const std::vector<RTCRayHit> others = raysAt(random, 600);
   unsigned seen = 0;
@@ -394,7 +384,7 @@ TEST(Filters, OfCGridSeeWhatThoseOfGridSee)
     settings.displacement = &displacement;
     settings.compression = i ? RTC_COMPRESSION_GRID : RTC_COMPRESSION_NONE;
     settings.frameLevel = 2;
-    addFiltered(device, scenes[i], settings);
+    addFilteredCube(device, scenes[i], settings, filter);
   }
   Random random(68);
   for (const RTCRayHit& ray : raysAt(random, 1000)) {
