@@ -85,12 +85,19 @@ namespace embree
       __forceinline BoxMasks meetBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest, BoxRanges<N>& ranges, int number = N)
       {
         static_assert(int(vfloatW::size) <= vectorWidth, "lanes of the ray");
-        auto ofRay = [](const vfloatV& v) { return vfloatW::load((const float*)&v); };
+        /* in variables, as what is stored may be the ray for all that the compiler knows */
+        const float* nearPlanes[3]; const float* farPlanes[3];
+        vfloatW Pnear[3], Pfar[3], rcpD[3];
+        for (int k=0; k<3; k++) {
+          nearPlanes[k] = ray.nearPlanes(c,k);
+          farPlanes[k] = ray.farPlanes(c,k);
+          Pnear[k] = vfloatW::load((const float*)&ray.Pnear[k]); Pfar[k] = vfloatW::load((const float*)&ray.Pfar[k]); rcpD[k] = vfloatW::load((const float*)&ray.rcpD[k]);
+        }
         BoxMasks masks = { 0u,0u };
         for (int i=0; i<number; i+=int(vfloatW::size))
         {
-          auto enter = [&](int k) { return (vfloatW::load(ray.nearPlanes(c,k)+i)-ofRay(ray.Pnear[k]))*ofRay(ray.rcpD[k]); };
-          auto leave = [&](int k) { return (vfloatW::load(ray.farPlanes(c,k)+i)-ofRay(ray.Pfar[k]))*ofRay(ray.rcpD[k]); };
+          auto enter = [&](int k) { return (vfloatW::load(nearPlanes[k]+i)-Pnear[k])*rcpD[k]; };
+          auto leave = [&](int k) { return (vfloatW::load(farPlanes[k]+i)-Pfar[k])*rcpD[k]; };
           const vfloatW nxy = max(enter(0),enter(1)), fxy = min(leave(0),leave(1));
           const vfloatW sNear = max(nxy,enter(2)), sFar = min(fxy,leave(2));
           vfloatW::store(ranges.sNear+i,sNear);
