@@ -14,7 +14,7 @@ shift 2
 
 command -v "$glslc" > /dev/null || { echo "skipped: $glslc was there when this was configured, and is not now"; exit 77; }
 
-cpp_only="kinds.h primitive_type.h isa_namespace.h"
+cpp_only="kinds.h primitive_type.h isa_namespace.h lanes.h"
 
 failed=0
 fail() {
