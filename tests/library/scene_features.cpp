@@ -566,9 +566,21 @@ TEST(Packets, OnEdgesAndInPlanes)
         const float dy = x/64.0f;
         rays.push_back(makeRay({-2, y/32.0f - 1, -2*bend}, {1, dy, bend}));
       }
+    // through the surface, nearly along it
+    for (int y = 1; y < 64; y++)
+      for (int x = 1; x < 64; x++) rays.push_back(makeRay({-2, y/32.0f - 1, -2*bend - 1e-7f*(x/32.0f + 1)}, {1, x/640.0f, bend + 1e-7f}));
+    // at edges between groups of 4 x 4 quads, as near as floats come
+    Random random(98);
+    for (int i = 0; i < 2000; i++) {
+      const Vec from = {float(random.uniform(-3, 3)), float(random.uniform(-3, 3)), -4};
+      for (int k = 0; k < 8; k++) {
+        const float px = random.below(9)/4.0f - 1, py = float(random.uniform(-1, 1));
+        rays.push_back(makeRay(from, {px - from[0], py - from[1], bend*px - from[2]}));
+      }
+    }
     size_t hits = 0;
     for (const RTCRayHit& ray : rays) hits += isHit(intersect(scene, ray));
-    EXPECT_GT(hits, 7000u);
+    EXPECT_GT(hits, 20000u);
     compareAllPackets(scene, rays);
     if (HasFatalFailure()) return;
   }

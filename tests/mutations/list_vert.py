@@ -448,14 +448,6 @@ TRIANGLES = (
         "scene_features *PacketsEqualSingleRays*cVERT*",
     ),
     trace(
-        "packet: hits whose sides rounded to 0 are told together",
-        "vert_hitsK.h",
-        "movemask(isCertain & (t != tfar))",
-        "movemask(t != tfar)",
-        "hits of slivers that single rays do not have",
-        "scene_features Packets.OnEdgesAndInPlanes*",
-    ),
-    trace(
         "packet: rays in the plane are told together",
         "vert_hitsK.h",
         "lies |= (15u & ~(at.least < magnitudeOf(at.speed)).bits()) << j;",
@@ -469,7 +461,7 @@ TRIANGLES = (
         "const vbool<K> hit = vbool<K>(int(done & of.isMet)) & (t < tfar);",
         "const vbool<K> hit = vbool<K>(int(done)) & (t < tfar);",
         "rays of packets hit what is behind them",
-        "scene_features *PacketsEqualSingleRays*cVERT*",
+        "coherent_packets *StartOnTheSurface*/cVERT",
     ),
     trace(
         "hits: of equals the last one counts",
