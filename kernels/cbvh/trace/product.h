@@ -15,15 +15,18 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! a product that the compiler does not fuse with a sum */
-      __forceinline float product (float a, float b)
+      /*! a product, of floats or doubles, that the compiler does not fuse with a sum */
+      template<typename Scalar>
+      __forceinline Scalar productOf (Scalar a, Scalar b)
       {
-        float p = a*b;
+        Scalar p = a*b;
 #if defined(__GNUC__) && defined(__SSE2__)
         asm("" : "+x"(p));
 #endif
         return p;
       }
+      __forceinline float product (float a, float b) { return productOf(a,b); }
+      __forceinline double product (double a, double b) { return productOf(a,b); }
 
       /*! the same of vectors */
       template<typename Vector>

@@ -61,7 +61,7 @@ namespace embree
         __noinline bool report (size_t k, uint32_t g, uint32_t triangles)
         {
           typedef VertTargetK<K,Rays> Target;
-          return VertHits<Target>(Target{ rays,context,k },pre.at(k),pre.nearest[k],block,cached).report(g,triangles);
+          return VertHits<Target>(Target{ rays,context,k },pre.at(k),pre.nearest(k),block,cached).report(g,triangles);
         }
 
       private:
@@ -136,7 +136,7 @@ namespace embree
           const uint32_t of1 = uint32_t(movemask(hit & cbvh::report(rays,hit,context,block,[&] { return std::make_tuple(u,v,t,Ng); })));
           for (uint32_t rest=of1; rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
-            pre.nearest[k] = VertNearest(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
+            pre.nearest(k) = VertNearest(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
           }
           accepted |= of1;
           return done;

@@ -22,14 +22,6 @@ namespace embree
       __forceinline double magnitudeOf (double x) { return std::fabs(x); }
       __forceinline Double4 magnitudeOf (const Double4& x) { return abs(x); }
 
-      __forceinline double product (double a, double b)
-      {
-        double p = a*b;
-#if defined(__GNUC__) && defined(__SSE2__)
-        asm("" : "+x"(p));
-#endif
-        return p;
-      }
       __forceinline Double4 product (const Double4& a, const Double4& b)
       {
         Double4 p = a*b;

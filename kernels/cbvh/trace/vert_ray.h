@@ -108,7 +108,6 @@ namespace embree
       {
       public:
         vfloat<K> sx, sy;
-        VertNearest nearest[K];
         vint<K> form;        //!< kz, and the signs of rcp from bit 2; rays of one form are traced together
 
         __forceinline VertRays () : isSet(false), loaded(0) {}
@@ -128,14 +127,15 @@ namespace embree
           for (int k=0; k<3; k++) form |= select(this->rcp[k] < vfloat<K>(zero),vint<K>(4 << k),vint<K>(zero));
         }
 
-        /*! one of them */
+        __forceinline VertNearest& nearest (size_t k) { return rays[k].nearest; }
+
+        /*! one of them, for triangles */
         __forceinline const VertRay& at (size_t k)
         {
           VertRay& ray = rays[k];
           if (likely((loaded >> k) & 1)) return ray;
           loaded |= 1u << k;
-          for (int i=0; i<3; i++) { ray.org[i] = this->org[i][k]; ray.dir[i] = this->dir[i][k]; ray.rcp[i] = this->rcp[i][k]; }
-          ray.largest = this->largest[k];
+          for (int i=0; i<3; i++) { ray.org[i] = this->org[i][k]; ray.dir[i] = this->dir[i][k]; }
           ray.kz = form[k] & 3;
           ray.setAxes();
           ray.sx = sx[k];
