@@ -28,6 +28,9 @@ namespace embree
     /*! of a patch's quads, and of the edges where it ends or bends */
     static constexpr double maxPoorQuads = 1.0/64, maxPoorEdges = 1.0/16;
 
+    /*! quads of a patch that tell of the others */
+    static constexpr size_t minQuadsSeen = 1024;
+
     struct LeafFit
     {
       uint32_t quads = 0, poorQuads = 0; //!< poor: turned, thick, loose or solid
@@ -43,8 +46,13 @@ namespace embree
 
       bool isPoor() const { return poorQuads > maxPoorQuads*quads || poorEdges > maxPoorEdges*edges; }
 
-      /*! whether it will be, whatever comes, with so many quads and edges at most in the end */
-      bool willBePoor(size_t allQuads, size_t allEdges) const { return poorQuads > maxPoorQuads*double(allQuads) || poorEdges > maxPoorEdges*double(allEdges); }
+      /*! Whether a patch of so many quads and edges is given up on before all of it is seen. The first quarter of it tells
+       *  of the quads of the rest, if that is enough of them and from all over the patch; edges are counted to the end. */
+      bool isGivenUp(size_t allQuads, size_t allEdges) const
+      {
+        const size_t enough = std::min(allQuads,std::max(allQuads/4,minQuadsSeen));
+        return poorQuads > maxPoorQuads*double(std::max(size_t(quads),enough)) || poorEdges > maxPoorEdges*double(allEdges);
+      }
 
       /*! A quad of cLEAF, (x,y) in its block, and its leaf. isRough: loose or solid; thickness: in the world. */
       void addQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box, const double slope[2], bool isRough, double thickness)

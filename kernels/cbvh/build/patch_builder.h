@@ -92,11 +92,12 @@ namespace embree
         fit = cbvh::LeafFit();
         const size_t quads = size_t(tiling.quadsX())*size_t(tiling.quadsY());
         const size_t edges = 4*(size_t(tiling.quadsX())+size_t(tiling.quadsY())); // two of each quad on the border, where it is cut into leaves
-        for (size_t i=0; i<count; i++) {
-          Encoding e(kind,tiling,unsigned(i));
+        for (size_t k=0; k<count; k++) {
+          const unsigned y = unsigned(k) % tiling.y, x = (y + unsigned(k)/tiling.y) % tiling.x; // by diagonals: the first ones tell of the whole patch
+          Encoding e(kind,tiling,y*tiling.x+x);
           e.sharpSides = sharpSides & e.sidesOfPatch();
-          out[i] = buildBlock(base,e,(cbvh::Block*)((char*)encoded.data()+i*stride),ofPatch,hitBoundsOfPatch);
-          if (shared && (ofPatch.refusedQuads || fit.willBePoor(quads,edges))) return 0;
+          out[e.index] = buildBlock(base,e,(cbvh::Block*)((char*)encoded.data()+e.index*stride),ofPatch,hitBoundsOfPatch);
+          if (shared && (ofPatch.refusedQuads || fit.isGivenUp(quads,edges))) return 0;
         }
         if (shared && fit.isPoor()) return 0;
         if (kind != plan.kind()) statistics.quadsForHoles += quads;
