@@ -20,7 +20,7 @@ namespace embree
 
       Vertices4(Float4 x, Float4 y, Float4 z) : x(x), y(y), z(z) {}
 
-      explicit Vertices4(const float (*p)[3]) : Vertices4(Float4::load(p[0]),Float4::load(p[0]+4),Float4::load(p[0]+8),true) {}
+      explicit Vertices4(const float (*p)[3]) : Vertices4(Float4::load(&p[0][0]),Float4::load(&p[0][0]+4),Float4::load(&p[0][0]+8),true) {}
 
       /*! of x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 */
       Vertices4(Float4 a, Float4 b, Float4 c, bool)
@@ -44,8 +44,8 @@ namespace embree
       Float4 square[3];
       for (int i=0; i<3; i++)
       {
-        const Float4 p = Float4::load(own[0]+4*i), q = lattice.snap(p), d = p-q;
-        q.store(stored[0]+4*i);
+        const Float4 p = Float4::load(&own[0][0]+4*i), q = lattice.snap(p), d = p-q;
+        q.store(&stored[0][0]+4*i);
         square[i] = d*d;
       }
       const Vertices4 s(square[0],square[1],square[2],true);
