@@ -22,14 +22,16 @@ RTC_API ssize_t rtcGetDeviceCompressionProperty (RTCDevice hdevice, enum RTCComp
   RTC_CATCH_BEGIN;
   if (hdevice == nullptr)
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"device is NULL");
-  switch (prop)
+  int property; // an enumeration may not hold what the application may have passed
+  memcpy(&property,&prop,sizeof(property));
+  switch (property)
   {
   case RTC_COMPRESSION_PROPERTY_VERSION:       return RTC_COMPRESSION_VERSION;
   case RTC_COMPRESSION_PROPERTY_VERSION_MAJOR: return RTC_COMPRESSION_VERSION_MAJOR;
   case RTC_COMPRESSION_PROPERTY_VERSION_MINOR: return RTC_COMPRESSION_VERSION_MINOR;
   case RTC_COMPRESSION_PROPERTY_VERSION_PATCH: return RTC_COMPRESSION_VERSION_PATCH;
   }
-  throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown property of compression " + std::to_string(int(prop)));
+  throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown property of compression " + std::to_string(property));
   RTC_CATCH_END(device);
   return 0;
 }
