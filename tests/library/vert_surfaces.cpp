@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 #include <tuple>
 
 namespace cbvh::test {
@@ -383,6 +384,55 @@ TEST(VertCache, IsForgottenWhenASceneIsBuiltAgain)
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometry);
     rtcCommitScene(scene);
+    std::vector<RTCRayHit> found;
+    for (const RTCRayHit& ray : rays) found.push_back(intersect(scene, ray));
+    const SurfaceScene fresh(device, cubeCage(), settings);
+    for (size_t i = 0; i < rays.size(); i++) {
+      const RTCRayHit expected = intersect(fresh, rays[i]);
+      ASSERT_EQ(isHit(found[i]), isHit(expected)) << "build " << build;
+      ASSERT_EQ(found[i].ray.tfar, expected.ray.tfar) << "build " << build;
+    }
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// Keeps what a thread sees of another scene while this one is built, and gives its memory to this one.
+struct TraceBeforeFirstVertex : public Displacement
+{
+  std::function<void()> work;
+
+  static void run(const RTCDisplacementFunctionNArguments* args)
+  {
+    TraceBeforeFirstVertex& d = *static_cast<TraceBeforeFirstVertex*>((Displacement*)args->geometryUserPtr);
+    if (d.work) std::exchange(d.work, nullptr)();
+    apply(args);
+  }
+};
+
+// What a build places where others were may have been decoded after it began.
+TEST(VertCache, IsForgottenThatWasReleasedDuringABuild)
+{
+  Device device("threads=1"); // the one that traces is the one that builds
+  Displacement other;
+  TraceBeforeFirstVertex displacement;
+  displacement.amplitude = 0.1f;
+  SurfaceSettings settings = vert(32);
+  Random random(85);
+  const std::vector<RTCRayHit> rays = raysAt(random, 1000);
+  for (int build = 0; build < 12; build++) { // not each gets the very places
+    settings.displacement = &other;
+    std::optional<SurfaceScene> old(std::in_place, device, cubeCage(), settings);
+    settings.displacement = &displacement;
+    Scene scene(device);
+    RTCGeometry geometry = newSurface(device, cubeCage(), settings);
+    rtcSetGeometryDisplacementFunction(geometry, TraceBeforeFirstVertex::run);
+    attach(scene, geometry);
+    displacement.work = [&]() {
+      for (const RTCRayHit& ray : rays) intersect(*old, ray);
+      old.reset();
+    };
+    rtcCommitScene(scene);
+    ASSERT_FALSE(old);
     std::vector<RTCRayHit> found;
     for (const RTCRayHit& ray : rays) found.push_back(intersect(scene, ray));
     const SurfaceScene fresh(device, cubeCage(), settings);

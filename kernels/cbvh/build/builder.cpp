@@ -51,7 +51,6 @@ namespace embree
         prims.clear();
         if (scene->getNumPrimitives(SubdivMesh::geom_type,false) == 0) { setEmpty(); return; }
         const double t0 = bvh->preBuild(TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
-        cbvh::outdateThreadCaches();
 
         /* count, then build: every face knows where its primitives go */
         std::vector<std::unique_ptr<FaceTable>> tables;
@@ -74,6 +73,7 @@ namespace embree
         report->statistics = all.sums;
 
         buildTopLevel(compact());
+        cbvh::outdateThreadCaches();
         if (scene->isStaticAccel()) prims.clear();
         bvh->cleanup();
         bvh->postBuild(t0);

@@ -7,8 +7,8 @@
  * mostly meet the blocks that the last ones met, and decoding these is most of what a ray costs.
  *
  * Entries (vert_cache.h, node_cache.h) are found by the address of a block, in one place each. A block
- * that is built may come to lie where another was: a build makes all that threads keep outdated before it
- * begins. */
+ * that is built may come to lie where another was, which may have been traced and released since the build
+ * began: at its end a build makes all that threads keep outdated. */
 
 #include "../../../common/sys/platform.h"
 #include <atomic>
@@ -18,7 +18,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! comes before blocks are built */
+    /*! comes after blocks are built, and before one of them is traced */
     void outdateThreadCaches ();
 
     /*! counts the builds */
