@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What threads keep of blocks of cVERT, thread_cache.h: 240 KiB each. */
+/* What threads keep of blocks of cVERT, thread_cache.h: 464 KiB each. */
 
 #include "thread_cache.h"
 #include "vert_tables.h"
@@ -55,7 +55,7 @@ namespace embree
       }
 
     private:
-      static const size_t numBlocks = 32, numGroups = 256;
+      static const size_t numBlocks = 256, numGroups = 256;
 
       Block blocks[numBlocks];
       Group groups[numGroups];
