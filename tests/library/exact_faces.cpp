@@ -115,6 +115,45 @@ TEST(ExactFaces, SmoothFacesStayLeaves)
   EXPECT_EQ(statisticsOf(scene).numExactQuads, 0u);
 }
 
+// One face of 4 x 4 blocks is folded at two vertices of four of them: those of the first quarter that is encoded, or others.
+struct FewFolds : public Displacement
+{
+  bool inFirstQuarter = false;
+
+  static void apply(const RTCDisplacementFunctionNArguments* args)
+  {
+    const FewFolds& folds = *static_cast<FewFolds*>((Displacement*)args->geometryUserPtr);
+    for (unsigned i = 0; i < args->N; i++) {
+      const long x = std::lround(64*args->u[i]), y = std::lround(64*args->v[i]);
+      const bool inBlock = folds.inFirstQuarter ? x/16 == y/16 : x/16 + y/16 == 3;
+      if (args->primID != 0 || !inBlock || x % 16 != y % 16 || (x % 16 != 5 && x % 16 != 11)) continue;
+      // two or three quads to the side
+      args->P_x[i] += 0.06f*(args->Ng_y[i] - args->Ng_z[i]);
+      args->P_y[i] += 0.06f*(args->Ng_z[i] - args->Ng_x[i]);
+      args->P_z[i] += 0.06f*(args->Ng_x[i] - args->Ng_y[i]);
+    }
+  }
+};
+
+// Four quads of 4096 at each of eight vertices are less than one in 64, but more than one in 64 of a quarter.
+TEST(ExactFaces, AQuarterOfAPatchTellsOfTheRest)
+{
+  Device device;
+  FewFolds displacement;
+  SurfaceSettings settings = leaf(64, true);
+  settings.displacement = &displacement;
+  for (bool inFirstQuarter : {false, true}) {
+    SCOPED_TRACE(inFirstQuarter);
+    displacement.inFirstQuarter = inFirstQuarter;
+    Scene scene(device);
+    RTCGeometry geometry = newSurface(device, cubeCage(), settings);
+    rtcSetGeometryDisplacementFunction(geometry, FewFolds::apply);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    EXPECT_EQ(statisticsOf(scene).numExactQuads, inFirstQuarter ? 4096u : 0u);
+  }
+}
+
 // Displaced so that some faces are folded and others smooth.
 struct PartlyRough : public Displacement
 {

@@ -300,6 +300,14 @@ EXACT_FACES = (
         "exact_faces ExactFaces.Walls*:ExactFaces.NothingOpens*",
     ),
     build(
+        "exact faces: a quarter does not tell",
+        "leaf_fit.h",
+        "std::max(allQuads/4,minQuadsSeen)",
+        "allQuads",
+        "patches are encoded in vain",
+        "exact_faces ExactFaces.AQuarter*",
+    ),
+    build(
         "exact faces: all of them",
         "leaf_fit.h",
         "poorEdges > maxPoorEdges*edges; }",
