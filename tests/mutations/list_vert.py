@@ -294,7 +294,7 @@ EXACT_FACES = (
     build(
         "exact faces: quads do not count",
         "leaf_fit.h",
-        "poorQuads > maxPoorQuads*quads || ",
+        "poorQuads += isRough || cosine < minNormalCosine || thickness > maxLeafThickness*std::sqrt(0.5*quad.length);",
         "",
         "walls stay leaves",
         "exact_faces ExactFaces.Walls*:ExactFaces.NothingOpens*",
