@@ -367,6 +367,19 @@ TEST_P(VertRays, HitTheDecodedTriangles)
     }
 }
 
+// That rays hit what they hit in a scene that was never built before.
+void expectHitsOfAFreshScene(const Device& device, RTCScene scene, const SurfaceSettings& settings, const std::vector<RTCRayHit>& rays)
+{
+  std::vector<RTCRayHit> found;
+  for (const RTCRayHit& ray : rays) found.push_back(intersect(scene, ray));
+  const SurfaceScene fresh(device, cubeCage(), settings);
+  for (size_t i = 0; i < rays.size(); i++) {
+    const RTCRayHit expected = intersect(fresh, rays[i]);
+    ASSERT_EQ(isHit(found[i]), isHit(expected));
+    ASSERT_EQ(found[i].ray.tfar, expected.ray.tfar);
+  }
+}
+
 // A scene that is built again has other blocks where those were that its threads have decoded.
 TEST(VertCache, IsForgottenWhenASceneIsBuiltAgain)
 {
@@ -384,14 +397,9 @@ TEST(VertCache, IsForgottenWhenASceneIsBuiltAgain)
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometry);
     rtcCommitScene(scene);
-    std::vector<RTCRayHit> found;
-    for (const RTCRayHit& ray : rays) found.push_back(intersect(scene, ray));
-    const SurfaceScene fresh(device, cubeCage(), settings);
-    for (size_t i = 0; i < rays.size(); i++) {
-      const RTCRayHit expected = intersect(fresh, rays[i]);
-      ASSERT_EQ(isHit(found[i]), isHit(expected)) << "build " << build;
-      ASSERT_EQ(found[i].ray.tfar, expected.ray.tfar) << "build " << build;
-    }
+    SCOPED_TRACE(testing::Message() << "build " << build);
+    expectHitsOfAFreshScene(device, scene, settings, rays);
+    if (HasFatalFailure()) return;
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
@@ -433,14 +441,9 @@ TEST(VertCache, IsForgottenThatWasReleasedDuringABuild)
     };
     rtcCommitScene(scene);
     ASSERT_FALSE(old);
-    std::vector<RTCRayHit> found;
-    for (const RTCRayHit& ray : rays) found.push_back(intersect(scene, ray));
-    const SurfaceScene fresh(device, cubeCage(), settings);
-    for (size_t i = 0; i < rays.size(); i++) {
-      const RTCRayHit expected = intersect(fresh, rays[i]);
-      ASSERT_EQ(isHit(found[i]), isHit(expected)) << "build " << build;
-      ASSERT_EQ(found[i].ray.tfar, expected.ray.tfar) << "build " << build;
-    }
+    SCOPED_TRACE(testing::Message() << "build " << build);
+    expectHitsOfAFreshScene(device, scene, settings, rays);
+    if (HasFatalFailure()) return;
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
