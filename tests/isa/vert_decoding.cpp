@@ -7,7 +7,7 @@
 
 #include "kernels/cbvh/build/vert_encoder.h"
 #include "kernels/cbvh/trace/scalar_vert.h"
-#include "kernels/cbvh/trace/vert_group.h"
+#include "kernels/cbvh/trace/vert_decoder.h"
 #include "kernels/cbvh/trace/vert_triangles.h"
 #include "support/random.h"
 
@@ -40,6 +40,15 @@ void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_
   if (random.chance(0.1)) encoder.vertices[random.below((quadsX + 1)*(quadsY + 1))][0] = INFINITY;
 }
 
+QuadCorners quadsOf(const CellVertices& cell)
+{
+  QuadCorners quads;
+  for (uint32_t q = 0; q < 16; q++)
+    for (uint32_t c = 0; c < 4; c++)
+      for (int k = 0; k < 3; k++) quads.at[c][k][q] = cell.at[k][laneOfCorner(q, c)];
+  return quads;
+}
+
 TEST(VertDecoding, GroupsEqualTheScalarDecoder)
 {
   using namespace embree::isa::cbvh;
@@ -61,13 +70,9 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
     const auto expected = std::make_unique<ScalarVertBlock>(block);
     const VertLayout layout = vertLayout(place);
     const VertDecoder decoder(block);
-    CellVertices corners;
-    GroupPlanes planes[3];
-    if (!statistics.raw) {
-      decoder.corners(corners);
-      sheared += shearSlope(block->boxForm, 1) != 0;
-    }
-    decoder.planes(corners, planes);
+    VertBoxes boxes;
+    decoder.decode(boxes);
+    sheared += !statistics.raw && shearSlope(block->boxForm, 1) != 0;
     uint32_t lanes = 0;
     for (uint32_t n = layout.groups; n > 0; n--) { // in any order
       const uint32_t g = (n*7 + 3) % layout.groups, lane = g % layout.groupsX + 4*(g/layout.groupsX);
@@ -75,11 +80,11 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
       float lower[3], upper[3];
       expected->groupBox(g, lower, upper);
       for (int k = 0; k < 3; k++) {
-        ASSERT_EQ(planes[k].lower[lane], lower[k]);
-        ASSERT_EQ(planes[k].upper[lane], upper[k]);
+        ASSERT_EQ(boxes.planes[k].lower[lane], lower[k]);
+        ASSERT_EQ(boxes.planes[k].upper[lane], upper[k]);
       }
       QuadCorners quads;
-      decoder.quads(corners, lane, quads);
+      decoder.quads(boxes, lane, quads);
       for (uint32_t q = 0; q < 16; q++)
         for (uint32_t c = 0; c < 4; c++) {
           const uint32_t x = std::min(groupQuads*(g % layout.groupsX) + q % 4 + c % 2, quadsX), y = std::min(groupQuads*(g / layout.groupsX) + q / 4 + c / 2, quadsY);
@@ -129,8 +134,7 @@ TEST(VertTriangles, WhatHasTheRayInItIsFound)
     const embree::Ray ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY);
     VertRay pre;
     pre.set(ray);
-    QuadCorners quads;
-    for (int k = 0; k < 3; k++) CellCornersV(cell.at[k]).store(quads, k);
+    const QuadCorners quads = quadsOf(cell);
     const GroupTriangles triangles(pre, quads);
     for (uint32_t h = 0; h < 32; h++) {
       const VertTriangle triangle(quads, h);
@@ -165,8 +169,7 @@ void comparePacketsWithRays()
     for (int k = 0; k < 3; k++)
       for (float& x : cell.at[k]) x = float(random.below(width))/128 + (k == i % 3 ? 1 : 0);
     if (i % 7 == 0) cell.at[i % 3][random.below(cellVertices)] = NAN;
-    QuadCorners quads;
-    for (int k = 0; k < 3; k++) CellCornersV(cell.at[k]).store(quads, k);
+    const QuadCorners quads = quadsOf(cell);
 
     embree::RayK<K> packet;
     VertRay rays[K];

@@ -6,7 +6,7 @@
 /* A block of cVERT as the thread's cache has it, or gets it now. What it refers to lasts until a hit is
  * reported: a filter may trace rays. */
 
-#include "vert_group.h"
+#include "vert_decoder.h"
 
 namespace embree
 {
@@ -24,9 +24,9 @@ namespace embree
         __forceinline bool isDecoded () const { return likely(cache.place(block).block == block); }
 
         /*! corners and boxes of groups */
-        __forceinline const VertCache::Block& boxes () const
+        __forceinline const VertBoxes& boxes () const
         {
-          VertCache::Block& at = cache.place(block);
+          VertBoxes& at = cache.place(block);
           if (unlikely(at.block != block)) decode(at);
           return at;
         }
@@ -34,7 +34,7 @@ namespace embree
         /*! of the group in a lane */
         __forceinline const QuadCorners& quads (uint32_t lane) const
         {
-          VertCache::Group& at = cache.place(block,lane);
+          VertQuads& at = cache.place(block,lane);
           if (at.block != block || at.lane != lane) decode(lane,at);
           return at.quads;
         }
@@ -45,23 +45,21 @@ namespace embree
         }
 
       private:
-        __noinline void decode (VertCache::Block& at) const
+        __noinline void decode (VertBoxes& at) const
         {
           /* The block at once, as long as most are: where its groups' fields lie is known late, and memory
            * that is waited for then is not hidden by anything. */
           for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
           at.block = block;
-          const VertDecoder decoder(block);
-          if (likely(!isRaw(block->boxForm))) decoder.corners(at.corners);
-          decoder.planes(at.corners,at.planes);
+          VertDecoder(block).decode(at);
         }
 
-        __noinline void decode (uint32_t lane, VertCache::Group& at) const
+        __noinline void decode (uint32_t lane, VertQuads& at) const
         {
-          const VertCache::Block& first = boxes();
+          const VertBoxes& boxes = this->boxes();
           at.block = block;
           at.lane = lane;
-          VertDecoder(block).quads(first.corners,lane,at.quads);
+          VertDecoder(block).quads(boxes,lane,at.quads);
         }
 
         VertCache& cache;

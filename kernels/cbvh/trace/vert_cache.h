@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What threads keep of blocks of cVERT, thread_cache.h: 464 KiB each. */
+/* What threads keep of blocks of cVERT, thread_cache.h: 656 KiB each. */
 
 #include "thread_cache.h"
 #include "vert_tables.h"
@@ -20,45 +20,46 @@ namespace embree
 
     /*! Planes of groups' boxes on one axis, in the world, or, of the sheared one, from the block's origin;
      *  group (x,y) in lane x + 4 y. Lanes of no group are not anything. */
-    struct alignas(64) GroupPlanes
+    struct alignas(64) GroupPlanes { float lower[16], upper[16]; };
+
+    /*! What a block's groups have in common, and their boxes. Of a raw block only planes and extent are anything. */
+    struct VertBoxes
     {
-      float lower[16], upper[16];
-      float extent; //!< of the block from its origin, at least
+      const void* block;     //!< whose they are
+      float extent[3];       //!< of the block from its origin, at least
+      uint16_t fields[16];   //!< of each group: bytes from the block's start
+      alignas(64) uint32_t words[16]; //!< of each group's cell
+      CellVertices corners;  //!< of groups, in coordinates
+      GroupPlanes planes[3]; //!< by axis
+    };
+
+    /*! quads of a group of a block, in the world */
+    struct VertQuads
+    {
+      const void* block;     //!< whose they are
+      uint32_t lane;
+      QuadCorners quads;
     };
 
     class VertEntries
     {
     public:
-      struct Block
-      {
-        const void* block;     //!< whose it is
-        CellVertices corners;  //!< of groups, in coordinates; not of a raw block
-        GroupPlanes planes[3]; //!< by axis
-      };
-
-      struct Group
-      {
-        const void* block;     //!< whose it is
-        uint32_t lane;
-        QuadCorners quads;     //!< in the world
-      };
-
       /*! The place of a block (of a group): what is there is the caller's if `block` (and lane) say so, else
        *  it is to be filled, and named. */
-      __forceinline Block& place (const void* block) { return blocks[hashOfBlock(block) % numBlocks]; }
-      __forceinline Group& place (const void* block, uint32_t lane) { return groups[(hashOfBlock(block)*5 + lane) % numGroups]; }
+      __forceinline VertBoxes& place (const void* block) { return blocks[hashOfBlock(block) % numBlocks]; }
+      __forceinline VertQuads& place (const void* block, uint32_t lane) { return groups[(hashOfBlock(block)*5 + lane) % numGroups]; }
 
       void clear ()
       {
-        for (Block& block : blocks) block.block = nullptr;
-        for (Group& group : groups) group.block = nullptr;
+        for (VertBoxes& block : blocks) block.block = nullptr;
+        for (VertQuads& group : groups) group.block = nullptr;
       }
 
     private:
-      static const size_t numBlocks = 256, numGroups = 256;
+      static const size_t numBlocks = 512, numGroups = 256;
 
-      Block blocks[numBlocks];
-      Group groups[numGroups];
+      VertBoxes blocks[numBlocks];
+      VertQuads groups[numGroups];
     };
 
     typedef ThreadCache<VertEntries> VertCache;

@@ -76,9 +76,9 @@ namespace embree
         }
 
         /*! lanes of groups whose boxes the ray meets; sets enter */
-        __forceinline uint32_t meetBoxes (const VertCache::Block& boxes)
+        __forceinline uint32_t meetBoxes (const VertBoxes& boxes)
         {
-          const int vectors = CellCornersV::vectors;
+          const int vectors = QuadCornersV::vectors;
           vfloatV tNear[vectors], tFar[vectors];
           for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(ray.tnear()); tFar[j] = vfloatV(ray.tfar); }
           auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float error) {
@@ -92,7 +92,7 @@ namespace embree
           };
           const int m = isRaw(block->boxForm) ? 3 : shearedAxis(block->boxForm);
           for (int k=0; k<3; k++)
-            if (k != m) clip(boxes.planes[k],pre.org[k],pre.rcp[k],slackOf<float>(pre,block,k,boxes.planes[k].extent));
+            if (k != m) clip(boxes.planes[k],pre.org[k],pre.rcp[k],slackOf<float>(pre,block,k,boxes.extent[k]));
           if (likely(m < 3)) clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error);
           uint32_t open = 0;
           for (int j=0; j<vectors; j++) {

@@ -90,11 +90,11 @@ namespace embree
         void together (uint32_t same, uint32_t form)
         {
           vbool<K> lanes = vbool<K>(int(same));
-          const VertCache::Block& boxes = cached.boxes();
+          const VertBoxes& boxes = cached.boxes();
           const int m = isRaw(block->boxForm) ? 3 : shearedAxis(block->boxForm);
           for (int k=0; k<3; k++) {
             if (k == m) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(form & 32u) != 0);
-            else axes[k].set(lanes,pre.org[k],pre.rcp[k],slackOf<vfloat<K>>(pre,block,k,boxes.planes[k].extent),(form >> (2+k)) & 1u);
+            else axes[k].set(lanes,pre.org[k],pre.rcp[k],slackOf<vfloat<K>>(pre,block,k,boxes.extent[k]),(form >> (2+k)) & 1u);
           }
           uint32_t open = meetBoxes(lanes,boxes);
           while (open)
@@ -112,7 +112,7 @@ namespace embree
         }
 
         /*! lanes of groups whose boxes some ray may meet; sets enter */
-        __forceinline uint32_t meetBoxes (const vbool<K>& lanes, const VertCache::Block& boxes)
+        __forceinline uint32_t meetBoxes (const vbool<K>& lanes, const VertBoxes& boxes)
         {
           const float tnear = reduce_min(select(lanes,rays.tnear(),vfloat<K>(pos_inf))), tfar = reduce_max(select(lanes,rays.tfar,vfloat<K>(neg_inf)));
           uint32_t open = 0;
@@ -129,7 +129,7 @@ namespace embree
         }
 
         /*! rays that meet the box of a group */
-        __forceinline vbool<K> meetBox (const VertCache::Block& boxes, uint32_t g) const
+        __forceinline vbool<K> meetBox (const VertBoxes& boxes, uint32_t g) const
         {
           vfloat<K> tNear = rays.tnear(), tFar = rays.tfar;
           for (int k=0; k<3; k++) {

@@ -14,7 +14,8 @@ namespace embree
     {
       for (int lane=0; lane<lanes; lane++)
       {
-        const int v = lane < cellVertices ? lane : 0, i = v % 5, j = v / 5;
+        const bool isVertex = lane < cellVertices;
+        const int i = lane < 20 ? lane % 4 : 4, j = lane < 20 ? lane/4 : isVertex ? lane-20 : 4;
         for (int quads=1; quads<=16; quads++)
           for (int kind=0; kind<2; kind++)
           {
@@ -25,8 +26,10 @@ namespace embree
         const int f = cellField(i,j);
         field[lane] = f < 0 ? 0 : f;
         hasField[lane] = f < 0 ? 0 : -1;
-        if (f >= 0 && lane < cellVertices) laneOfField[f] = uint8_t(lane);
+        if (f >= 0) laneOfField[f] = uint8_t(lane);
       }
+      for (uint32_t q=0; q<16; q++)
+        for (uint32_t c=0; c<4; c++) corners[q][c] = uint8_t(laneOfCorner(q,c));
       for (int bits=0; bits<=maxWindowBits; bits++)
         if (hasWindows(bits)) setWindows(bits);
     }
@@ -35,25 +38,27 @@ namespace embree
     {
       Windows& w = windows[bits];
       const int end = (cellFields*bits+7)/8;
-      for (int window=0; window<lanes/4; window++)
+      for (int row=0; row<Windows::rows; row++)
       {
         int first = end;
-        for (int l=4*window; l<4*window+4; l++)
-          if (l < cellVertices && hasField[l]) first = std::min(first,field[l]*bits/8);
+        for (int l=4*row; l<4*row+4; l++)
+          if (hasField[l]) first = std::min(first,field[l]*bits/8);
         const int offset = std::max(std::min(first,end+readBehind-16),0);
-        w.offset[window] = uint8_t(offset);
-        for (int l=4*window; l<4*window+4; l++)
+        w.offset[row] = uint8_t(offset);
+        for (int l=4*row; l<4*row+4; l++)
         {
-          const bool has = l < cellVertices && hasField[l];
           const int bit = field[l]*bits;
           const int zero = 0x80; // what the shuffle makes of it
           for (int byte=0; byte<4; byte++) {
-            w.control[window][4*(l & 3)+byte] = uint8_t(has ? bit/8-offset+byte : zero);
-            w.fifth[window][4*(l & 3)+byte] = uint8_t(has && byte == 0 && bit % 8 + bits > 32 ? bit/8-offset+4 : zero);
+            w.control[row][4*(l & 3)+byte] = uint8_t(hasField[l] ? bit/8-offset+byte : zero);
+            w.fifth[row][4*(l & 3)+byte] = uint8_t(hasField[l] && byte == 0 && bit % 8 + bits > 32 ? bit/8-offset+4 : zero);
           }
           w.shift[l] = bit % 8;
           w.factor[l] = 1 << (7-bit % 8);
         }
+        const int bit = field[laneOfVertex(4,row)]*bits;
+        w.columnOffset[row] = uint8_t(bit/8);
+        w.columnShift[row] = uint8_t(bit % 8);
       }
     }
 

@@ -13,6 +13,12 @@ namespace embree
 {
   namespace cbvh
   {
+    /*! lane of vertex (i,j) of a cell: the first four columns row by row, then the fifth */
+    __forceinline constexpr uint32_t laneOfVertex (uint32_t i, uint32_t j) { return i < 4 ? 4*j + i : 20 + j; }
+
+    /*! that of corner c (column + 2 row) of quad q of 4 x 4 */
+    __forceinline constexpr uint32_t laneOfCorner (uint32_t q, uint32_t c) { return laneOfVertex((q & 3) + (c & 1),(q >> 2) + (c >> 1)); }
+
     struct alignas(64) VertTables
     {
       static const int lanes = 32;
@@ -25,16 +31,19 @@ namespace embree
       int32_t field[lanes];      //!< of the vertex; 0 of a corner
       int32_t hasField[lanes];   //!< -1, or 0 of a corner
       uint8_t laneOfField[24];   //!< the inverse
+      uint8_t corners[16][4];    //!< lanes of the corners of each of 4 x 4 quads: laneOfCorner
 
-      /*! Where the fields of a cell are, for one number of bits a field: those of four lanes lie in 16
+      /*! Where the fields of a cell are, for one number of bits a field: those of the first four columns of a row lie in 16
        *  bytes, which a shuffle takes apart. */
       struct Windows
       {
-        alignas(16) uint8_t control[lanes/4][16]; //!< of the shuffle: a lane's 4 bytes begin with its field's first bit
-        alignas(16) uint8_t fifth[lanes/4][16];   //!< of that of the bytes behind, which fields of many bits reach into
-        alignas(32) int32_t shift[lanes];         //!< of the first bit in its byte
-        alignas(16) int32_t factor[lanes];        //!< moves a lane's field to bit 7
-        uint8_t offset[lanes/4];                  //!< bytes from the first field
+        static const int rows = 5;
+        alignas(16) uint8_t control[rows][16];  //!< of the shuffle: a lane's 4 bytes begin with its field's first bit
+        alignas(16) uint8_t fifth[rows][16];    //!< of that of the bytes behind, which fields of many bits reach into
+        alignas(32) int32_t shift[4*rows];      //!< of the first bit in its byte
+        alignas(16) int32_t factor[4*rows];     //!< moves a lane's field to bit 7
+        uint8_t offset[rows];                   //!< bytes from the first field
+        uint8_t columnOffset[rows], columnShift[rows]; //!< byte and bit of each row's field of the fifth column, if there is one
       };
 
       static const int maxWindowBits = 32;

@@ -12,7 +12,7 @@
  *      |      \   |
  *     00-bottom--10                                                               */
 
-#include "vert_group.h"
+#include "vert_decoder.h"
 #include "vert_ray.h"
 #include "vert_plane.h"
 

@@ -1,0 +1,130 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Vertices of a cell of cVERT in registers, and the corners of its 4 x 4 quads: these are the vertices themselves, moved by
+ * one lane, by four, or by both. */
+
+#include "cell_fields.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! one coordinate of a cell's vertices */
+      struct CellVector
+      {
+        vfloatV at[fieldVectors];
+#if !defined(__AVX512F__)
+        vfloatV last; //!< vertex, in all lanes
+#endif
+
+        __forceinline CellVector () {}
+
+#if defined(__AVX512F__)
+        __forceinline explicit CellVector (const vfloatV&) {}
+#else
+        __forceinline explicit CellVector (const vfloatV& last) : last(last) {}
+#endif
+
+        __forceinline explicit CellVector (const float* p)
+        {
+          for (int n=0; n<fieldVectors; n++) at[n] = vfloatV::load(p+vectorWidth*n);
+#if !defined(__AVX512F__)
+          last = vfloatV(p[cellVertices-1]);
+#endif
+        }
+
+        /*! f of each vector */
+        template<typename Function>
+        __forceinline CellVector with (const Function& f) const
+        {
+          CellVector r;
+          for (int n=0; n<fieldVectors; n++) r.at[n] = f(at[n]);
+#if !defined(__AVX512F__)
+          r.last = f(last);
+#endif
+          return r;
+        }
+      };
+
+      __forceinline CellVector madd (const CellVector& a, float b, float c) {
+        return a.with([&](const vfloatV& x) { return madd(x,vfloatV(b),vfloatV(c)); });
+      }
+
+      /*! the four corners of the 4 x 4 quads that a cell's vertices make, one coordinate, in vectors of quads */
+      class QuadCornersV
+      {
+      public:
+        static const int vectors = 16/vectorWidth;
+
+#if defined(__AVX512F__)
+        __forceinline explicit QuadCornersV (const CellVector& v) : left(v)
+        {
+          right = _mm512_permutex2var_ps(v.at[0],_mm512_setr_epi32(1,2,3,20, 5,6,7,21, 9,10,11,22, 13,14,15,23),v.at[1]);
+          both  = _mm512_permutex2var_ps(v.at[0],_mm512_setr_epi32(5,6,7,21, 9,10,11,22, 13,14,15,23, 17,18,19,24),v.at[1]);
+        }
+
+        /*! corner c of those of vector j: 00, 10, 01, 11 */
+        __forceinline vfloatV at (int, int c) const {
+          return c == 0 ? left.at[0] : c == 1 ? right : c == 3 ? both : vfloatV(_mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(left.at[1]),_mm512_castps_si512(left.at[0]),4)));
+        }
+
+      private:
+        CellVector left;
+        vfloatV right, both;
+
+#elif defined(__AVX__)
+        __forceinline explicit QuadCornersV (const CellVector& v) : left(v)
+        {
+          const __m256 column = _mm256_permute2f128_ps(v.at[2],v.at[2],0x11);
+          right[0] = fourth(v.at[0],_mm256_permutevar_ps(column,_mm256_setr_epi32(0,0,0,0,1,1,1,1)));
+          right[1] = fourth(v.at[1],_mm256_permutevar_ps(column,_mm256_setr_epi32(2,2,2,2,3,3,3,3)));
+          right[2] = fourth(v.at[2],v.last);
+        }
+
+        /*! corner c of those of vector j: 00, 10, 01, 11 */
+        __forceinline vfloatV at (int j, int c) const
+        {
+          const vfloatV* side = c & 1 ? right : left.at;
+          return c & 2 ? vfloatV(_mm256_permute2f128_ps(side[j],side[j+1],0x21)) : side[j];
+        }
+
+      private:
+        /*! of two rows, a place to the left, and what comes into the last one */
+        static __forceinline vfloatV fourth (const vfloatV& rows, const vfloatV& last) {
+          return _mm256_blend_ps(_mm256_permute_ps(rows,_MM_SHUFFLE(0,3,2,1)),last,0x88);
+        }
+
+        CellVector left;
+        vfloatV right[3];
+#else
+        __forceinline explicit QuadCornersV (const CellVector& v) : left(v)
+        {
+          right[0] = fourth<0>(v.at[0],v.at[5]);
+          right[1] = fourth<1>(v.at[1],v.at[5]);
+          right[2] = fourth<2>(v.at[2],v.at[5]);
+          right[3] = fourth<3>(v.at[3],v.at[5]);
+          right[4] = fourth<0>(v.at[4],v.last);
+        }
+
+        /*! corner c of those of vector j: 00, 10, 01, 11 */
+        __forceinline vfloatV at (int j, int c) const { return (c & 1 ? right : left.at)[j+(c >> 1)]; }
+
+      private:
+        /*! of a row, a place to the left, and what comes into the last one */
+        template<int i>
+        static __forceinline vfloatV fourth (const vfloatV& row, const vfloatV& column) {
+          return _mm_shuffle_ps(row,_mm_shuffle_ps(row,column,_MM_SHUFFLE(i,i,3,3)),_MM_SHUFFLE(2,0,2,1));
+        }
+
+        CellVector left;
+        vfloatV right[5];
+#endif
+      };
+    }
+  }
+}
