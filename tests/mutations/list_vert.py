@@ -384,9 +384,9 @@ TRIANGLES = (
     ),
     trace(
         "groups: lanes of no group",
-        "cached_vert_block.h",
-        "return (((1u << groupsOf(vertQuadsX(block->place)))-1) * 0x1111u) & uint32_t((1u << (4*groupsOf(vertQuadsY(block->place))))-1);",
-        "return 0xFFFFu;",
+        "vert_decoder.h",
+        "out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);",
+        "out.lanes = 0xFFFFu;",
         "what comes behind a small block is decoded",
         "vert_surfaces *HitTheDecodedTriangles*",
     ),

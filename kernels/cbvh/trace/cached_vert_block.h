@@ -20,8 +20,12 @@ namespace embree
         __forceinline explicit CachedVertBlock (const VertHeader* block)
           : cache(VertCache::ofThread()), block(block) {}
 
-        /*! whether its boxes are decoded */
-        __forceinline bool isDecoded () const { return likely(cache.place(block).block == block); }
+        /*! its boxes, or null if they are not decoded */
+        __forceinline const VertBoxes* decodedBoxes () const
+        {
+          const VertBoxes& at = cache.place(block);
+          return likely(at.block == block) ? &at : nullptr;
+        }
 
         /*! corners and boxes of groups */
         __forceinline const VertBoxes& boxes () const
@@ -37,11 +41,6 @@ namespace embree
           VertQuads& at = cache.place(block,lane);
           if (at.block != block || at.lane != lane) decode(lane,at);
           return at.quads;
-        }
-
-        /*! bits of lanes that have a group */
-        __forceinline uint32_t lanes () const {
-          return (((1u << groupsOf(vertQuadsX(block->place)))-1) * 0x1111u) & uint32_t((1u << (4*groupsOf(vertQuadsY(block->place))))-1);
         }
 
       private:

@@ -7,6 +7,7 @@
  * what the test of triangles may round, some ulps of the distance to the farthest plane. Numbers are floats,
  * of one ray, or vectors, of the rays of a packet. */
 
+#include "vert_cache.h"
 #include "vert_ray.h"
 #include "../codec/vert_block.h"
 
@@ -51,14 +52,30 @@ namespace embree
           error = Real(shearedSlackUlps*floatUlp)*sum;
         }
 
+        /*! the same of a block whose boxes are decoded */
+        __forceinline ShearedRay (const VertRayAxes<Real>& ray, const VertBoxes& boxes)
+        {
+          Real dir(0.0f), sum(0.0f);
+          org = Real(0.0f);
+          for (int k=0; k<3; k++)
+          {
+            const Real shear(boxes.shear[k]), distance = ray.org[k]-Real(boxes.origin[k]);
+            org = org + shear*distance;
+            dir = dir + shear*ray.dir[k];
+            sum = sum + abs(shear)*(abs(distance) + Real(boxes.extent[k]));
+          }
+          rcp = reciprocal(dir,ray.largest);
+          error = Real(shearedSlackUlps*floatUlp)*sum;
+        }
+
         /*! of a packed block from its origin, at least */
         static __forceinline float extentOf (const VertHeader* block) { return float(maxExtent)*vertSpacing(block->word); }
       };
 
       /*! what is to be added to planes of a world axis */
       template<typename Real>
-      __forceinline Real slackOf (const VertRayAxes<Real>& ray, const VertHeader* block, int k, float extent) {
-        return Real(slackUlps*floatUlp)*(abs(Real(block->origin[k])-ray.org[k]) + Real(extent));
+      __forceinline Real slackOf (const VertRayAxes<Real>& ray, int k, float origin, float extent) {
+        return Real(slackUlps*floatUlp)*(abs(Real(origin)-ray.org[k]) + Real(extent));
       }
 
       /*! Whether rays meet the bounds of a block between tNear and tFar, which is not raw: most that do not meet a group do not, and
@@ -76,7 +93,7 @@ namespace embree
         for (int i=0; i<2; i++)
         {
           const int k = m+1+i < 3 ? m+1+i : m+1+i-3;
-          const Real from = Real(block->origin[k])-ray.org[k], slack = slackOf(ray,block,k,extent);
+          const Real from = Real(block->origin[k])-ray.org[k], slack = slackOf(ray,k,block->origin[k],extent);
           clip(from-slack,(from + Real(float(reachOf(block->reach,i))*step))+slack,ray.rcp[k]);
         }
         clip((Real(float(reachOf(block->reach,2))*step)-sheared.org)-sheared.error,(Real(float(reachOf(block->reach,3))*step)-sheared.org)+sheared.error,sheared.rcp);

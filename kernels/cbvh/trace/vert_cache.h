@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What threads keep of blocks of cVERT, thread_cache.h: 656 KiB each. */
+/* What threads keep of blocks of cVERT, thread_cache.h: 688 KiB each. */
 
 #include "thread_cache.h"
 #include "vert_tables.h"
@@ -26,9 +26,13 @@ namespace embree
     struct VertBoxes
     {
       const void* block;     //!< whose they are
+      uint32_t lanes;        //!< that have a group, as a mask
+      int axis;              //!< that is sheared, or 3
+      float origin[3];       //!< the block's
       float extent[3];       //!< of the block from its origin, at least
-      uint16_t fields[16];   //!< of each group: bytes from the block's start
-      alignas(64) uint32_t words[16]; //!< of each group's cell
+      float shear[3];        //!< the sheared coordinate is the sum of the world's times these
+      alignas(64) uint16_t fields[16]; //!< of each group: bytes from the block's start
+      uint32_t words[16];    //!< of each group's cell
       CellVertices corners;  //!< of groups, in coordinates
       GroupPlanes planes[3]; //!< by axis
     };

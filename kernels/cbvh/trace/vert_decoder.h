@@ -24,10 +24,19 @@ namespace embree
         /*! everything that all groups need */
         __forceinline void decode (VertBoxes& out) const
         {
+          out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
+          for (int k=0; k<3; k++) {
+            out.origin[k] = block->origin[k];
+            out.shear[k] = 0.0f;
+          }
           if (unlikely(isRaw(block->boxForm))) {
+            out.axis = 3;
             for (int k=0; k<3; k++) copyPlanes(k,out);
             return;
           }
+          out.axis = shearedAxis(block->boxForm);
+          for (int i=0; i<3; i++)
+            out.shear[(out.axis+i)%3] = i == 0 ? 1.0f : float(shearSlope(block->boxForm,i))*(1.0f/16.0f);
           corners(out.corners);
           planes(out);
           cells(out);
@@ -67,11 +76,11 @@ namespace embree
         __forceinline void planes (VertBoxes& out) const
         {
           const CellVertices& corners = out.corners;
-          const int m = shearedAxis(block->boxForm);
+          const int m = out.axis;
           for (int k=0; k<3; k++)
             if (k != m) planes(k,corners.at[k],block->origin[k],out);
 
-          const vfloatV s1(float(shearSlope(block->boxForm,1))*(1.0f/16.0f)), s2(float(shearSlope(block->boxForm,2))*(1.0f/16.0f));
+          const vfloatV s1(out.shear[(m+1)%3]), s2(out.shear[(m+2)%3]);
           alignas(64) float sheared[VertTables::lanes];
           for (int c=0; c<cellVectors; c++) {
             const int n = vectorWidth*c;

@@ -56,11 +56,12 @@ namespace embree
 
         __forceinline bool run ()
         {
-          if (likely(!isRaw(block->boxForm))) {
-            sheared = ShearedRay<float>(pre,block);
-            if (!cached.isDecoded() && !meetsBounds<float>(pre,sheared,block,ray.tnear(),ray.tfar)) return false;
+          const VertBoxes* boxes = cached.decodedBoxes();
+          if (unlikely(boxes == nullptr)) {
+            if (likely(!isRaw(block->boxForm)) && !meetsBounds<float>(pre,ShearedRay<float>(pre,block),block,ray.tnear(),ray.tfar)) return false;
+            boxes = &cached.boxes();
           }
-          uint32_t open = meetBoxes(cached.boxes());
+          uint32_t open = meetBoxes(*boxes);
           VertHits<VertTarget1<RayType>> hits(VertTarget1<RayType>{ ray,context },pre,pre.nearest,block,cached);
           bool found = false;
           while (open)
@@ -90,16 +91,19 @@ namespace embree
               tFar [j] = min(tFar [j],madd(vfloatV::load(far +vectorWidth*j) - org,rcp,slack));
             }
           };
-          const int m = isRaw(block->boxForm) ? 3 : shearedAxis(block->boxForm);
+          const int m = boxes.axis;
           for (int k=0; k<3; k++)
-            if (k != m) clip(boxes.planes[k],pre.org[k],pre.rcp[k],slackOf<float>(pre,block,k,boxes.extent[k]));
-          if (likely(m < 3)) clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error);
+            if (k != m) clip(boxes.planes[k],pre.org[k],pre.rcp[k],slackOf<float>(pre,k,boxes.origin[k],boxes.extent[k]));
+          if (likely(m < 3)) {
+            const ShearedRay<float> sheared(pre,boxes);
+            clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error);
+          }
           uint32_t open = 0;
           for (int j=0; j<vectors; j++) {
             vfloatV::store(enter+vectorWidth*j,tNear[j]);
             open |= uint32_t(movemask(tNear[j] <= tFar[j])) << (vectorWidth*j);
           }
-          return open & cached.lanes();
+          return open & boxes.lanes;
         }
 
         RayType& ray;
@@ -107,7 +111,6 @@ namespace embree
         const VertRay& pre;
         const VertHeader* block;
         const CachedVertBlock cached;
-        ShearedRay<float> sheared;
         alignas(64) float enter[16]; //!< where the ray enters the box of the group in each lane
       };
     }

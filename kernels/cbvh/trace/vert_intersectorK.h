@@ -36,9 +36,13 @@ namespace embree
         __forceinline vbool<K> run (vbool<K> valid)
         {
           vint<K> form = pre.form;
-          if (likely(!isRaw(block->boxForm))) {
-            sheared = ShearedRay<vfloat<K>>(pre,block);
-            if (!cached.isDecoded()) valid &= meetsBounds<vfloat<K>>(pre,sheared,block,rays.tnear(),rays.tfar);
+          if (unlikely(cached.decodedBoxes() == nullptr) && likely(!isRaw(block->boxForm))) {
+            valid &= meetsBounds<vfloat<K>>(pre,ShearedRay<vfloat<K>>(pre,block),block,rays.tnear(),rays.tfar);
+            if (none(valid)) return valid;
+          }
+          const VertBoxes& boxes = cached.boxes();
+          if (likely(boxes.axis < 3)) {
+            sheared = ShearedRay<vfloat<K>>(pre,boxes);
             form |= select(sheared.rcp < vfloat<K>(zero),vint<K>(32),vint<K>(zero));
           }
           for (uint32_t rest=uint32_t(movemask(valid)); rest;)
@@ -91,10 +95,10 @@ namespace embree
         {
           vbool<K> lanes = vbool<K>(int(same));
           const VertBoxes& boxes = cached.boxes();
-          const int m = isRaw(block->boxForm) ? 3 : shearedAxis(block->boxForm);
+          const int m = boxes.axis;
           for (int k=0; k<3; k++) {
             if (k == m) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(form & 32u) != 0);
-            else axes[k].set(lanes,pre.org[k],pre.rcp[k],slackOf<vfloat<K>>(pre,block,k,boxes.extent[k]),(form >> (2+k)) & 1u);
+            else axes[k].set(lanes,pre.org[k],pre.rcp[k],slackOf<vfloat<K>>(pre,k,boxes.origin[k],boxes.extent[k]),(form >> (2+k)) & 1u);
           }
           uint32_t open = meetBoxes(lanes,boxes);
           while (open)
@@ -125,7 +129,7 @@ namespace embree
             vfloatV::store(enter+j,tNear);
             open |= uint32_t(movemask(tNear <= tFar)) << j;
           }
-          return open & cached.lanes();
+          return open & boxes.lanes;
         }
 
         /*! rays that meet the box of a group */
