@@ -95,6 +95,13 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
           }
         }
     }
+    ASSERT_EQ(boxes.lanes, lanes) << quadsX << " x " << quadsY;
+    ASSERT_EQ(boxes.axis, statistics.raw ? 3 : shearedAxis(block->boxForm));
+    for (int k = 0; k < 3; k++) {
+      ASSERT_EQ(boxes.origin[k], block->origin[k]);
+      const int i = (k - boxes.axis + 3) % 3; // the sheared axis, or how many axes after it
+      ASSERT_EQ(boxes.shear[k], statistics.raw ? 0.0f : i == 0 ? 1.0f : shearSlope(block->boxForm, i)/16.0f);
+    }
   }
   EXPECT_GT(raw, 100u);
   EXPECT_GT(packed, 2000u);
