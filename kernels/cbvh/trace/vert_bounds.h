@@ -33,43 +33,20 @@ namespace embree
 
         __forceinline ShearedRay () {}
 
-        __forceinline ShearedRay (const VertRayAxes<Real>& ray, const VertHeader* block)
-        {
-          const int m = shearedAxis(block->boxForm);
-          const float extent = extentOf(block);
-          Real dir(0.0f), sum(0.0f);
-          org = Real(0.0f);
-          for (int i=2; i>=0; i--)
-          {
-            const int k = m+i < 3 ? m+i : m+i-3;
-            const float slope = i == 0 ? 1.0f : float(shearSlope(block->boxForm,i))*(1.0f/16.0f);
-            const Real distance = ray.org[k]-Real(block->origin[k]);
-            org = org + Real(slope)*distance;
-            dir = dir + Real(slope)*ray.dir[k];
-            sum = sum + Real(std::fabs(slope))*(abs(distance) + Real(extent));
-          }
-          rcp = reciprocal(dir,ray.largest);
-          error = Real(shearedSlackUlps*floatUlp)*sum;
-        }
-
-        /*! the same of a block whose boxes are decoded */
-        __forceinline ShearedRay (const VertRayAxes<Real>& ray, const VertBoxes& boxes)
+        __forceinline ShearedRay (const VertRayAxes<Real>& ray, const VertAxes& axes)
         {
           Real dir(0.0f), sum(0.0f);
           org = Real(0.0f);
           for (int k=0; k<3; k++)
           {
-            const Real shear(boxes.shear[k]), distance = ray.org[k]-Real(boxes.origin[k]);
+            const Real shear(axes.shear[k]), distance = ray.org[k]-Real(axes.origin[k]);
             org = org + shear*distance;
             dir = dir + shear*ray.dir[k];
-            sum = sum + abs(shear)*(abs(distance) + Real(boxes.extent[k]));
+            sum = sum + abs(shear)*(abs(distance) + Real(axes.extent[k]));
           }
           rcp = reciprocal(dir,ray.largest);
           error = Real(shearedSlackUlps*floatUlp)*sum;
         }
-
-        /*! of a packed block from its origin, at least */
-        static __forceinline float extentOf (const VertHeader* block) { return float(maxExtent)*vertSpacing(block->word); }
       };
 
       /*! what is to be added to planes of a world axis */
@@ -81,10 +58,10 @@ namespace embree
       /*! Whether rays meet the bounds of a block between tNear and tFar, which is not raw: most that do not meet a group do not, and
        *  nothing is decoded for them. */
       template<typename Real>
-      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const ShearedRay<Real>& sheared, const VertHeader* block, Real tNear, Real tFar) -> decltype(tNear <= tFar)
+      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, const VertAxes& axes, Real tNear, Real tFar) -> decltype(tNear <= tFar)
       {
-        const int m = shearedAxis(block->boxForm);
-        const float step = float(reachStep(block->boxForm))*vertSpacing(block->word), extent = ShearedRay<Real>::extentOf(block);
+        const int m = axes.axis;
+        const float step = float(reachStep(block->boxForm))*vertSpacing(block->word);
         auto clip = [&](const Real& lower, const Real& upper, const Real& rcp) {
           const Real a = lower*rcp, b = upper*rcp;
           tNear = max(tNear,min(a,b));
@@ -93,9 +70,10 @@ namespace embree
         for (int i=0; i<2; i++)
         {
           const int k = m+1+i < 3 ? m+1+i : m+1+i-3;
-          const Real from = Real(block->origin[k])-ray.org[k], slack = slackOf(ray,k,block->origin[k],extent);
+          const Real from = Real(axes.origin[k])-ray.org[k], slack = slackOf(ray,k,axes.origin[k],axes.extent[k]);
           clip(from-slack,(from + Real(float(reachOf(block->reach,i))*step))+slack,ray.rcp[k]);
         }
+        const ShearedRay<Real> sheared(ray,axes);
         clip((Real(float(reachOf(block->reach,2))*step)-sheared.org)-sheared.error,(Real(float(reachOf(block->reach,3))*step)-sheared.org)+sheared.error,sheared.rcp);
         return tNear <= tFar;
       }

@@ -22,15 +22,20 @@ namespace embree
      *  group (x,y) in lane x + 4 y. Lanes of no group are not anything. */
     struct alignas(64) GroupPlanes { float lower[16], upper[16]; };
 
-    /*! What a block's groups have in common, and their boxes. Of a raw block only planes and extent are anything. */
-    struct VertBoxes
+    /*! the axes of a block's boxes: those of the world, but that one may be sheared */
+    struct VertAxes
+    {
+      int axis;        //!< that is sheared, or 3, as of a raw block
+      float origin[3]; //!< of the block
+      float extent[3]; //!< of the block from its origin, at least
+      float shear[3];  //!< the sheared coordinate is the sum of the world's from the origin times these
+    };
+
+    /*! What a block's groups have in common, and their boxes. Of a raw block only axes and planes are anything. */
+    struct VertBoxes : public VertAxes
     {
       const void* block;     //!< whose they are
       uint32_t lanes;        //!< that have a group, as a mask
-      int axis;              //!< that is sheared, or 3
-      float origin[3];       //!< the block's
-      float extent[3];       //!< of the block from its origin, at least
-      float shear[3];        //!< the sheared coordinate is the sum of the world's times these
       alignas(64) uint16_t fields[16]; //!< of each group: bytes from the block's start
       uint32_t words[16];    //!< of each group's cell
       CellVertices corners;  //!< of groups, in coordinates

@@ -15,6 +15,22 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! of a raw block only axis, origin and shear: its extent is that of its planes */
+      __forceinline VertAxes axesOf (const VertHeader* block)
+      {
+        const bool isSheared = !isRaw(block->boxForm);
+        VertAxes axes;
+        axes.axis = likely(isSheared) ? shearedAxis(block->boxForm) : 3;
+        for (int k=0; k<3; k++) {
+          axes.origin[k] = block->origin[k];
+          axes.extent[k] = float(maxExtent)*vertSpacing(block->word);
+          axes.shear[k] = 0.0f;
+        }
+        if (likely(isSheared))
+          for (int i=0; i<3; i++) axes.shear[(axes.axis+i)%3] = i == 0 ? 1.0f : float(shearSlope(block->boxForm,i))*(1.0f/16.0f);
+        return axes;
+      }
+
       class VertDecoder
       {
       public:
@@ -25,18 +41,11 @@ namespace embree
         __forceinline void decode (VertBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
-          for (int k=0; k<3; k++) {
-            out.origin[k] = block->origin[k];
-            out.shear[k] = 0.0f;
-          }
+          (VertAxes&)out = axesOf(block);
           if (unlikely(isRaw(block->boxForm))) {
-            out.axis = 3;
             for (int k=0; k<3; k++) copyPlanes(k,out);
             return;
           }
-          out.axis = shearedAxis(block->boxForm);
-          for (int i=0; i<3; i++)
-            out.shear[(out.axis+i)%3] = i == 0 ? 1.0f : float(shearSlope(block->boxForm,i))*(1.0f/16.0f);
           corners(out.corners);
           planes(out);
           cells(out);
@@ -94,7 +103,6 @@ namespace embree
           alignas(16) uint8_t expanded[24]; // 8 are read at a time
           const uint8_t* margins = expandRows((const uint8_t*)block + layout.margins + k*layout.groups,expanded);
           const vfloatV spacing(this->spacing), origin(from), step(float(1u << marginShift(block->boxForm,k)));
-          out.extent[k] = float(maxExtent)*this->spacing;
           const QuadCornersV corners{CellVector(vertices)};
           for (int j=0; j<QuadCornersV::vectors; j++) {
             const vfloatV c[4] = { corners.at(j,0),corners.at(j,1),corners.at(j,2),corners.at(j,3) };
