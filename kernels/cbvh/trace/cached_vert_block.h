@@ -18,21 +18,16 @@ namespace embree
       {
       public:
         __forceinline explicit CachedVertBlock (const VertHeader* block)
-          : cache(VertCache::ofThread()), block(block) {}
+          : cache(VertCache::ofThread()), block(block), place(cache.place(block)) {}
 
         /*! its boxes, or null if they are not decoded */
-        __forceinline const VertBoxes* decodedBoxes () const
-        {
-          const VertBoxes& at = cache.place(block);
-          return likely(at.block == block) ? &at : nullptr;
-        }
+        __forceinline const VertBoxes* decodedBoxes () const { return likely(place.block == block) ? &place : nullptr; }
 
         /*! corners and boxes of groups */
         __forceinline const VertBoxes& boxes () const
         {
-          VertBoxes& at = cache.place(block);
-          if (unlikely(at.block != block)) decode(at);
-          return at;
+          if (unlikely(place.block != block)) decode();
+          return place;
         }
 
         /*! of the group in a lane */
@@ -44,13 +39,13 @@ namespace embree
         }
 
       private:
-        __noinline void decode (VertBoxes& at) const
+        __noinline void decode () const
         {
           /* The block at once, as long as most are: where its groups' fields lie is known late, and memory
            * that is waited for then is not hidden by anything. */
           for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
-          at.block = block;
-          VertDecoder(block).decode(at);
+          place.block = block;
+          VertDecoder(block).decode(place);
         }
 
         __noinline void decode (uint32_t lane, VertQuads& at) const
@@ -63,6 +58,7 @@ namespace embree
 
         VertCache& cache;
         const VertHeader* block;
+        VertBoxes& place; //!< of its boxes
       };
     }
   }

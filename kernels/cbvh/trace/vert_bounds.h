@@ -7,9 +7,8 @@
  * what the test of triangles may round, some ulps of the distance to the farthest plane. Numbers are floats,
  * of one ray, or vectors, of the rays of a packet. */
 
-#include "vert_cache.h"
+#include "vert_axes.h"
 #include "vert_ray.h"
-#include "../codec/vert_block.h"
 
 namespace embree
 {
@@ -58,8 +57,10 @@ namespace embree
       /*! Whether rays meet the bounds of a block between tNear and tFar, which is not raw: most that do not meet a group do not, and
        *  nothing is decoded for them. */
       template<typename Real>
-      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, const VertAxes& axes, Real tNear, Real tFar) -> decltype(tNear <= tFar)
+      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar) -> decltype(tNear <= tFar)
       {
+        VertAxes axes;
+        setAxes(block,axes);
         const int m = axes.axis;
         const float step = float(reachStep(block->boxForm))*vertSpacing(block->word);
         auto clip = [&](const Real& lower, const Real& upper, const Real& rcp) {

@@ -15,6 +15,9 @@ namespace embree
     /*! vertices of a cell by axis, in a lane each */
     struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
 
+    /*! the same in coordinates: x, y and z of a lane, and 0 */
+    struct alignas(64) CellCoordinates { uint16_t at[VertTables::lanes][4]; };
+
     /*! corners of the 4 x 4 quads of a group: 00, 10, 01 and 11, each by axis, a quad in a lane */
     struct alignas(64) QuadCorners { float at[4][3][16]; };
 
@@ -38,7 +41,7 @@ namespace embree
       uint32_t lanes;        //!< that have a group, as a mask
       alignas(64) uint16_t fields[16]; //!< of each group: bytes from the block's start
       uint32_t words[16];    //!< of each group's cell
-      CellVertices corners;  //!< of groups, in coordinates
+      CellCoordinates corners; //!< of groups
       GroupPlanes planes[3]; //!< by axis
     };
 

@@ -6,7 +6,7 @@
 /* Decoder of a block of cVERT, codec/vert_block.h: what its groups have in common, then a group at a time. */
 
 #include "cell_decoder.h"
-#include "../codec/vert_block.h"
+#include "vert_axes.h"
 #include "../../common/ray.h"
 
 namespace embree
@@ -15,22 +15,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! of a raw block only axis, origin and shear: its extent is that of its planes */
-      __forceinline VertAxes axesOf (const VertHeader* block)
-      {
-        const bool isSheared = !isRaw(block->boxForm);
-        VertAxes axes;
-        axes.axis = likely(isSheared) ? shearedAxis(block->boxForm) : 3;
-        for (int k=0; k<3; k++) {
-          axes.origin[k] = block->origin[k];
-          axes.extent[k] = float(maxExtent)*vertSpacing(block->word);
-          axes.shear[k] = 0.0f;
-        }
-        if (likely(isSheared))
-          for (int i=0; i<3; i++) axes.shear[(axes.axis+i)%3] = i == 0 ? 1.0f : float(shearSlope(block->boxForm,i))*(1.0f/16.0f);
-        return axes;
-      }
-
       class VertDecoder
       {
       public:
@@ -41,13 +25,15 @@ namespace embree
         __forceinline void decode (VertBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
-          (VertAxes&)out = axesOf(block);
+          setAxes(block,out);
           if (unlikely(isRaw(block->boxForm))) {
             for (int k=0; k<3; k++) copyPlanes(k,out);
             return;
           }
-          corners(out.corners);
-          planes(out);
+          CellVertices corners;
+          decodeCorners(corners);
+          pack(corners,out.corners);
+          planes(corners,out);
           cells(out);
         }
 
@@ -59,32 +45,35 @@ namespace embree
             copy(gx,gy,out);
             return;
           }
-          const CellCorners corners = { boxes.corners.at[0],VertTables::lanes,vertTables.corners[lane] };
-          decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),corners,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy),WorldOfCell{ out,spacing,block->origin });
+          auto corner = [&](int c) { return coordinatesAt(boxes.corners.at[vertTables.corners[lane][c]]); };
+          const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
+          CellDecoder(boxes.words[lane],bytes(boxes.fields[lane]),prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy)).decode(WorldOfCell{ out,spacing,block->origin });
         }
 
       private:
 
         /*! corners of groups, in coordinates */
-        __forceinline void corners (CellVertices& out) const
+        __forceinline void decodeCorners (CellVertices& out) const
         {
-          alignas(16) float at[4][3];
-#if defined(__SSE4_1__)
-          for (int i=0; i<3; i++)
-            vfloat4::store(&at[0][0]+4*i,vfloat4(vint4(_mm_cvtepu16_epi32(_mm_loadl_epi64((const __m128i*)(block->corners+2*i))))));
-#else
-          for (int c=0; c<4; c++)
-            for (int k=0; k<3; k++)
-              at[c][k] = float(cornerCoordinate(block->corners[cornerPair(c,k)],c,k));
-#endif
-          static const uint8_t place[4] = { 0,3,6,9 };
-          const CellCorners corners = { &at[0][0],1,place };
-          decodeCell(block->word,bytes(layout.cell),corners,false,quadsX,quadsY,CoordinatesOfCell{ out });
+          auto corner = [&](int c) { return coordinatesAt((const uint16_t*)block->corners + 3*c); };
+          const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
+          CellDecoder(block->word,bytes(layout.cell),prediction,false,quadsX,quadsY).decode(CoordinatesOfCell{ out });
         }
 
-        __forceinline void planes (VertBoxes& out) const
+        /*! coordinates are less than maxExtent */
+        static __forceinline void pack (const CellVertices& v, CellCoordinates& out)
         {
-          const CellVertices& corners = out.corners;
+          for (int l=0; l<cellVertices; l+=4)
+          {
+            auto four = [&](int k) { return _mm_cvttps_epi32(_mm_load_ps(v.at[k]+l)); };
+            const __m128i xy = _mm_or_si128(four(0),_mm_slli_epi32(four(1),16)), z = four(2);
+            _mm_store_si128((__m128i*)out.at[l],_mm_unpacklo_epi32(xy,z));
+            _mm_store_si128((__m128i*)out.at[l+2],_mm_unpackhi_epi32(xy,z));
+          }
+        }
+
+        __forceinline void planes (const CellVertices& corners, VertBoxes& out) const
+        {
           const int m = out.axis;
           for (int k=0; k<3; k++)
             if (k != m) planes(k,corners.at[k],block->origin[k],out);

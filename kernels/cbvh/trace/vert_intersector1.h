@@ -58,7 +58,7 @@ namespace embree
         {
           const VertBoxes* boxes = cached.decodedBoxes();
           if (unlikely(boxes == nullptr)) {
-            if (likely(!isRaw(block->boxForm)) && !meetsBounds<float>(pre,block,axesOf(block),ray.tnear(),ray.tfar)) return false;
+            if (likely(!isRaw(block->boxForm)) && !meetsBounds<float>(pre,block,ray.tnear(),ray.tfar)) return false;
             boxes = &cached.boxes();
           }
           uint32_t open = meetBoxes(*boxes);

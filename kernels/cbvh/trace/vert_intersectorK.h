@@ -37,7 +37,7 @@ namespace embree
         {
           vint<K> form = pre.form;
           if (unlikely(cached.decodedBoxes() == nullptr) && likely(!isRaw(block->boxForm))) {
-            valid &= meetsBounds<vfloat<K>>(pre,block,axesOf(block),rays.tnear(),rays.tfar);
+            valid &= meetsBounds<vfloat<K>>(pre,block,rays.tnear(),rays.tfar);
             if (none(valid)) return valid;
           }
           const VertBoxes& boxes = cached.boxes();

@@ -74,14 +74,11 @@ namespace embree
             size = size + magnitudeOf(along);
             height = height + product(normal[k],toDouble(vertices[k][0]) - toDouble(org[k]));
           }
-          const Double z0 = distance(org,dir,kz,0), z1 = distance(org,dir,kz,1), z2 = distance(org,dir,kz,2);
-          return PlaneMeeting<Double>{ height/speed,min(z0,min(z1,z2)),max(z0,max(z1,z2)),speed,Double(minCosine)*size };
-        }
-
-      private:
-        /*! of a vertex along the ray */
-        __forceinline Double distance (const Float org[3], const Float dir[3], size_t kz, int i) const {
-          return (toDouble(vertices[kz][i]) - toDouble(org[kz]))/toDouble(dir[kz]);
+          /* of the vertices along the ray: division is monotonic, so of the lowest and the highest */
+          const Double start = toDouble(org[kz]), along = toDouble(dir[kz]);
+          const Double z0 = toDouble(vertices[kz][0]) - start, z1 = toDouble(vertices[kz][1]) - start, z2 = toDouble(vertices[kz][2]) - start;
+          const Double a = min(z0,min(z1,z2))/along, b = max(z0,max(z1,z2))/along;
+          return PlaneMeeting<Double>{ height/speed,min(a,b),max(a,b),speed,Double(minCosine)*size };
         }
       };
     }
