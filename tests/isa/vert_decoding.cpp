@@ -80,8 +80,8 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
       float lower[3], upper[3];
       expected->groupBox(g, lower, upper);
       for (int k = 0; k < 3; k++) {
-        ASSERT_EQ(boxes.planes[k].lower[lane], lower[k]);
-        ASSERT_EQ(boxes.planes[k].upper[lane], upper[k]);
+        ASSERT_EQ(boxes.planes[k].at[0][lane], lower[k]);
+        ASSERT_EQ(boxes.planes[k].at[1][lane], upper[k]);
       }
       QuadCorners quads;
       decoder.quads(boxes, lane, quads);

@@ -514,8 +514,8 @@ TRIANGLES = (
     trace(
         "triangles: v of the first",
         "vert_triangles.h",
-        "p.v = h & 1 ? 1.0f-b1 : b2;",
-        "p.v = h & 1 ? b1 : b2;",
+        "v[2] = { b2,1.0f-b1 }",
+        "v[2] = { b2,b1 }",
         "v runs the wrong way on second triangles",
         "vert_surfaces *HitTheDecodedTriangles*",
     ),

@@ -15,7 +15,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! x, y and z, and what is behind them, of 16 bits each */
+      /*! x, y and z of a vertex, 16 bits each, and what is behind them: 8 bytes are read */
       __forceinline vfloat4 coordinatesAt (const void* p) {
         return vfloat4(vint4(_mm_unpacklo_epi16(_mm_loadl_epi64((const __m128i*)p),_mm_setzero_si128())));
       }
@@ -75,16 +75,18 @@ namespace embree
         __forceinline void put (int axis, const CellVector& v) const
         {
           const QuadCornersV corners(madd(v,spacing,origin[axis]));
-          float* first = out.at[0][axis]; // one address for all
+          /* out.at[c][axis], from one address */
+          float* first = out.at[0][axis];
+          const size_t step = sizeof(out.at[0])/sizeof(float);
           for (int c=0; c<4; c++)
-            for (int j=0; j<QuadCornersV::vectors; j++) vfloatV::store(first + c*(sizeof(out.at[0])/sizeof(float)) + vectorWidth*j,corners.at(j,c));
+            for (int j=0; j<QuadCornersV::vectors; j++) vfloatV::store(first + step*c + vectorWidth*j,corners.at(j,c));
         }
       };
 
       class CellDecoder
       {
       public:
-        /*! Weights are those of vertices: of a group, or of the first cell; quads: along its sides. */
+        /*! data: fields; ofQuads: a group's, else the first cell's; quads: along its sides */
         __forceinline CellDecoder (uint32_t word, const uint8_t* data, const CellPrediction& prediction, bool ofQuads, uint32_t quadsX, uint32_t quadsY)
           : word(word), data(data), prediction(prediction), weightX(vertTables.weightX[ofQuads][quadsX-1]), weightY(vertTables.weightY[ofQuads][quadsY-1]) {}
 
@@ -104,8 +106,8 @@ namespace embree
         }
 
       private:
-        /*! Residuals that come axis by axis: those of rough blocks on fine lattices. The cell is a copy, so that others stay in
-         *  registers. */
+        /*! Residuals that come axis by axis: those of rough blocks on fine lattices. The cell is a copy, so that the one it is of stays
+         *  in registers. */
         template<typename Out>
         static __noinline void decodeByAxis (const CellDecoder cell, const Out out)
         {

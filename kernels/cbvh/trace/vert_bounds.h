@@ -66,7 +66,7 @@ namespace embree
         auto clip = [&](const Real& lower, const Real& upper, const Real& rcp) {
           const Real a = lower*rcp, b = upper*rcp;
           tNear = max(tNear,min(a,b));
-          tFar = min(tFar,max(a,b));
+          tFar = min(tFar,max(b,a)); // not (a,b): the compiler would make one branch of both
         };
         for (int i=0; i<2; i++)
         {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What threads keep of blocks of cVERT, thread_cache.h: 688 KiB each. */
+/* What threads keep of blocks of cVERT, thread_cache.h: 624 KiB each. */
 
 #include "thread_cache.h"
 #include "vert_tables.h"
@@ -23,7 +23,7 @@ namespace embree
 
     /*! Planes of groups' boxes on one axis, in the world, or, of the sheared one, from the block's origin;
      *  group (x,y) in lane x + 4 y. Lanes of no group are not anything. */
-    struct alignas(64) GroupPlanes { float lower[16], upper[16]; };
+    struct alignas(64) GroupPlanes { float at[2][16]; }; //!< lower, upper
 
     /*! the axes of a block's boxes: those of the world, but that one may be sheared */
     struct VertAxes

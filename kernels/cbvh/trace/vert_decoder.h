@@ -51,7 +51,6 @@ namespace embree
         }
 
       private:
-
         /*! corners of groups, in coordinates */
         __forceinline void decodeCorners (CellVertices& out) const
         {
@@ -96,8 +95,8 @@ namespace embree
           for (int j=0; j<QuadCornersV::vectors; j++) {
             const vfloatV c[4] = { corners.at(j,0),corners.at(j,1),corners.at(j,2),corners.at(j,3) };
             const vintV m = loadBytes(margins+vectorWidth*j);
-            vfloatV::store(out.planes[k].lower+vectorWidth*j,madd(nmadd(vfloatV(m & vintV(15)),step,min(min(c[0],c[1]),min(c[2],c[3]))),spacing,origin));
-            vfloatV::store(out.planes[k].upper+vectorWidth*j,madd(madd(vfloatV(m >> 4),step,max(max(c[0],c[1]),max(c[2],c[3]))),spacing,origin));
+            vfloatV::store(out.planes[k].at[0]+vectorWidth*j,madd(nmadd(vfloatV(m & vintV(15)),step,min(min(c[0],c[1]),min(c[2],c[3]))),spacing,origin));
+            vfloatV::store(out.planes[k].at[1]+vectorWidth*j,madd(madd(vfloatV(m >> 4),step,max(max(c[0],c[1]),max(c[2],c[3]))),spacing,origin));
           }
         }
 
@@ -176,9 +175,9 @@ namespace embree
           float highest = block->origin[k];
           for (uint32_t l=0; l<16; l++) {
             const uint32_t g = min(l >> 2,layout.groupsY-1)*layout.groupsX + min(l & 3,layout.groupsX-1);
-            out.planes[k].lower[l] = planes[k*layout.groups+g];
-            out.planes[k].upper[l] = planes[(3+k)*layout.groups+g];
-            highest = max(highest,out.planes[k].upper[l]); // an empty group has none
+            out.planes[k].at[0][l] = planes[k*layout.groups+g];
+            out.planes[k].at[1][l] = planes[(3+k)*layout.groups+g];
+            highest = max(highest,out.planes[k].at[1][l]); // an empty group has none
           }
           out.extent[k] = highest - block->origin[k];
         }

@@ -83,8 +83,9 @@ namespace embree
           vfloatV tNear[vectors], tFar[vectors];
           for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(ray.tnear()); tFar[j] = vfloatV(ray.tfar); }
           auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float error) {
-            const float* near = reciprocal < 0.0f ? planes.upper : planes.lower;
-            const float* far  = reciprocal < 0.0f ? planes.lower : planes.upper;
+            const int nearSide = reciprocal < 0.0f; // an index: a branch would not be foreseen
+            const float* near = planes.at[nearSide];
+            const float* far  = planes.at[1-nearSide];
             const vfloatV org(from), rcp(reciprocal), slack(error*std::fabs(reciprocal));
             for (int j=0; j<vectors; j++) {
               tNear[j] = max(tNear[j],msub(vfloatV::load(near+vectorWidth*j) - org,rcp,slack));

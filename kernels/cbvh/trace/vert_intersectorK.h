@@ -70,8 +70,8 @@ namespace embree
             slackHigh = highest(lanes,slack);
           }
 
-          __forceinline const float* nearPlanes (const GroupPlanes& planes) const { return descends ? planes.upper : planes.lower; }
-          __forceinline const float* farPlanes (const GroupPlanes& planes) const { return descends ? planes.lower : planes.upper; }
+          __forceinline const float* nearPlanes (const GroupPlanes& planes) const { return planes.at[descends]; }
+          __forceinline const float* farPlanes (const GroupPlanes& planes) const { return planes.at[!descends]; }
 
           /*! Where the rays enter boxes, at the earliest, and leave them, at the latest: rounding is monotonic, so
            *  none does before or after that. */

@@ -74,11 +74,12 @@ namespace embree
             size = size + magnitudeOf(along);
             height = height + product(normal[k],toDouble(vertices[k][0]) - toDouble(org[k]));
           }
-          /* of the vertices along the ray: division is monotonic, so of the lowest and the highest */
+          /* Of the vertices along the ray: division is monotonic, so of the lowest and the highest. Least and greatest of the same two
+           * in the same order would become a branch, which a processor would not foresee. */
           const Double start = toDouble(org[kz]), along = toDouble(dir[kz]);
           const Double z0 = toDouble(vertices[kz][0]) - start, z1 = toDouble(vertices[kz][1]) - start, z2 = toDouble(vertices[kz][2]) - start;
-          const Double a = min(z0,min(z1,z2))/along, b = max(z0,max(z1,z2))/along;
-          return PlaneMeeting<Double>{ height/speed,min(a,b),max(a,b),speed,Double(minCosine)*size };
+          const Double a = min(z0,min(z1,z2))/along, b = max(max(z0,z1),z2)/along;
+          return PlaneMeeting<Double>{ height/speed,min(a,b),max(b,a),speed,Double(minCosine)*size };
         }
       };
     }

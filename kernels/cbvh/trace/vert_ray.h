@@ -88,7 +88,8 @@ namespace embree
           isSet = true;
           VertRayAxes<float>::set(Vec3fa(ray.org),Vec3fa(ray.dir));
           const Vec3fa a = abs(Vec3fa(ray.dir));
-          kz = a.x >= a.y ? (a.x >= a.z ? 0 : 2) : (a.y >= a.z ? 1 : 2);
+          const int isY = a.y > a.x, isZ = a.z > max(a.x,a.y); // no branches: they would not be foreseen
+          kz = 2*isZ + (isY & ~isZ);
           setAxes();
           const float sz = 1.0f/dir[kz];
           sx = dir[kx]*sz;
@@ -97,8 +98,9 @@ namespace embree
 
         __forceinline void setAxes ()
         {
-          kx = kz == 2 ? 0 : kz+1;
-          ky = kx == 2 ? 0 : kx+1;
+          /* counted round, by tables of two bits each */
+          kx = (0x09 >> 2*kz) & 3;
+          ky = (0x12 >> 2*kz) & 3;
         }
       };
 

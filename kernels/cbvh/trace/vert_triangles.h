@@ -63,9 +63,10 @@ namespace embree
           const float w0 = edgeSide(s.x[1],s.y[1],s.x[2],s.y[2]), w1 = edgeSide(s.x[2],s.y[2],s.x[0],s.y[0]), w2 = edgeSide(s.x[0],s.y[0],s.x[1],s.y[1]);
           const float sum = w0 + w1 + w2, b1 = w1/sum, b2 = w2/sum;
           Position p;
-          p.u = h & 1 ? b1+b2 : b1;
-          p.v = h & 1 ? 1.0f-b1 : b2;
-          p.isCertain = (0.0f < min(w0,min(w1,w2)) || max(w0,max(w1,w2)) < 0.0f) && std::fabs(sum) < float(inf);
+          const float u[2] = { b1,b1+b2 }, v[2] = { b2,1.0f-b1 }; // which of them is not foreseen
+          p.u = u[h & 1];
+          p.v = v[h & 1];
+          p.isCertain = ((0.0f < min(w0,min(w1,w2))) | (max(max(w0,w1),w2) < 0.0f)) & (std::fabs(sum) < float(inf));
           return p;
         }
 
@@ -146,6 +147,7 @@ namespace embree
 
         __forceinline GroupTriangles (const VertRay& ray, const QuadCorners& quads) : mask(0)
         {
+          uint32_t firsts = 0, seconds = 0;
           for (int n=0; n<16; n+=vectorWidth)
           {
             vfloatV x[4], y[4];
@@ -161,9 +163,10 @@ namespace embree
             const vfloatV right  = edgeSide(x[1],y[1],x[3],y[3]);
             const vfloatV top    = edgeSide(x[3],y[3],x[2],y[2]);
             const vboolV first = isInside(diag,left,bottom), second = isInside(right,top,-diag);
-            if (likely(none(first | second))) continue;
-            mask |= spread(uint32_t(movemask(first)) << n) | (spread(uint32_t(movemask(second)) << n) << 1);
+            firsts |= uint32_t(movemask(first)) << n;
+            seconds |= uint32_t(movemask(second)) << n;
           }
+          if (firsts | seconds) mask = spread(firsts) | (spread(seconds) << 1);
         }
 
       private:
