@@ -88,8 +88,9 @@ namespace embree
           isSet = true;
           VertRayAxes<float>::set(Vec3fa(ray.org),Vec3fa(ray.dir));
           const Vec3fa a = abs(Vec3fa(ray.dir));
-          const int isY = a.y > a.x, isZ = a.z > max(a.x,a.y); // no branches: they would not be foreseen
-          kz = 2*isZ + (isY & ~isZ);
+          /* no branches, which would not be foreseen; what is not a number counts as largest, as it does in packets */
+          const int isY = !(a.x >= a.y), isZ = (isY & !(a.y >= a.z)) | (!isY & !(a.x >= a.z));
+          kz = 2*isZ + (isY & !isZ);
           setAxes();
           const float sz = 1.0f/dir[kz];
           sx = dir[kx]*sz;
