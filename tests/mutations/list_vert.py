@@ -13,8 +13,8 @@ CELLS = (
     codec(
         "cell: main axis is always x",
         "vertex_cell.h",
-        "cellMainAxis(word) + i",
-        "i",
+        "return axisAfter(cellMainAxis(word),i);",
+        "return i;",
         "components go to other axes",
         "vert_block VertBlock.VerticesAreTheSameFloats",
     ),

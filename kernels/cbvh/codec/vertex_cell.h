@@ -48,9 +48,12 @@ CBVH_FUNCTION int cellBits (uint32_t word, int i) { return int((word >> (4*i)) &
 CBVH_FUNCTION int cellFieldBits (uint32_t word) { return cellBits(word,0) + cellBits(word,1) + cellBits(word,2); }
 CBVH_FUNCTION int cellMainAxis (uint32_t word) { return int((word >> 12) & 3u); }
 
-/*! axis of component i of a residual: counted round, by a table of two bits each, as a processor would
- *  not foresee a branch */
-CBVH_FUNCTION int cellAxis (uint32_t word, int i) { return int((0x924u >> (2*(cellMainAxis(word) + i))) & 3u); }
+/*! The axis that comes i after another, counted round, i up to 2: by a table of two bits each, as a processor
+ *  would not foresee a branch. 3 counts as 0. */
+CBVH_FUNCTION int axisAfter (int axis, int i) { return int((0x924u >> (2*(axis + i))) & 3u); }
+
+/*! axis of component i of a residual */
+CBVH_FUNCTION int cellAxis (uint32_t word, int i) { return axisAfter(cellMainAxis(word),i); }
 
 /*! of component 1 or 2, in 1/16 */
 CBVH_FUNCTION int cellSlope (uint32_t word, int i) { return int(word << (18-5*i)) >> 27; }

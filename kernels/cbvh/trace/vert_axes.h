@@ -28,7 +28,7 @@ namespace embree
           axes.shear[k] = 0.0f;
         }
         if (likely(isSheared))
-          for (int i=0; i<3; i++) axes.shear[(axes.axis+i)%3] = i == 0 ? 1.0f : float(shearSlope(block->boxForm,i))*(1.0f/16.0f);
+          for (int i=0; i<3; i++) axes.shear[axisAfter(axes.axis,i)] = i == 0 ? 1.0f : float(shearSlope(block->boxForm,i))*(1.0f/16.0f);
       }
     }
   }

@@ -70,7 +70,7 @@ namespace embree
         };
         for (int i=0; i<2; i++)
         {
-          const int k = m+1+i < 3 ? m+1+i : m+1+i-3;
+          const int k = axisAfter(m,1+i);
           const Real from = Real(axes.origin[k])-ray.org[k], slack = slackOf(ray,k,axes.origin[k],axes.extent[k]);
           clip(from-slack,(from + Real(float(reachOf(block->reach,i))*step))+slack,ray.rcp[k]);
         }

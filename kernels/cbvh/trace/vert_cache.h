@@ -34,7 +34,7 @@ namespace embree
       float shear[3];  //!< the sheared coordinate is the sum of the world's from the origin times these
     };
 
-    /*! What a block's groups have in common, and their boxes. Of a raw block only axes and planes are anything. */
+    /*! What a block's groups have in common, and their boxes. Of a raw block only axes, lanes and planes are anything. */
     struct VertBoxes : public VertAxes
     {
       const void* block;     //!< whose they are

@@ -77,11 +77,12 @@ namespace embree
           for (int k=0; k<3; k++)
             if (k != m) planes(k,corners.at[k],block->origin[k],out);
 
-          const vfloatV s1(out.shear[(m+1)%3]), s2(out.shear[(m+2)%3]);
+          const int m1 = axisAfter(m,1), m2 = axisAfter(m,2);
+          const vfloatV s1(out.shear[m1]), s2(out.shear[m2]);
           alignas(64) float sheared[VertTables::lanes];
           for (int c=0; c<cellVectors; c++) {
             const int n = vectorWidth*c;
-            vfloatV::store(sheared+n,madd(s2,vfloatV::load(corners.at[(m+2)%3]+n),madd(s1,vfloatV::load(corners.at[(m+1)%3]+n),vfloatV::load(corners.at[m]+n))));
+            vfloatV::store(sheared+n,madd(s2,vfloatV::load(corners.at[m2]+n),madd(s1,vfloatV::load(corners.at[m1]+n),vfloatV::load(corners.at[m]+n))));
           }
           planes(m,sheared,0.0f,out);
         }

@@ -99,9 +99,8 @@ namespace embree
 
         __forceinline void setAxes ()
         {
-          /* counted round, by tables of two bits each */
-          kx = (0x09 >> 2*kz) & 3;
-          ky = (0x12 >> 2*kz) & 3;
+          kx = axisAfter(kz,1);
+          ky = axisAfter(kz,2);
         }
       };
 
