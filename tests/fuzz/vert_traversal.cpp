@@ -111,6 +111,14 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
     found[accepts] = any.hits;
   }
   REQUIRE(found[true] == found[false]);
+
+  // without a filter nothing is worked out that only filters see
+  RTCIntersectContext plain;
+  rtcInitIntersectContext(&plain);
+  IntersectContext context((Scene*)scene, &plain);
+  Ray occluded(ray);
+  VertRay pre;
+  REQUIRE(VertIntersector1<Ray>::intersect(occluded, &context, pre, block) == found[true]);
 }
 
 enum Surface { WAVES, SPIKES, FLAT, HOLES, SURFACES };

@@ -145,16 +145,16 @@ TEST(VertTriangles, WhatHasTheRayInItIsFound)
     const GroupTriangles triangles(pre, quads);
     for (uint32_t h = 0; h < 32; h++) {
       const VertTriangle triangle(quads, h);
-      const double t = triangle.meet(pre);
+      const double t = triangle.meet(pre, triangle.normal());
       const bool isMet = triangle.contains(pre) && t >= 0;
       if (!isMet) {
-        ASSERT_FALSE((triangles.mask >> h & 1) && triangle.position(pre, h).isCertain) << "case " << i << ", triangle " << h;
+        ASSERT_FALSE((triangles.mask >> h & 1) && triangle.sides(pre).areCertain()) << "case " << i << ", triangle " << h;
         bad++;
         continue;
       }
       ASSERT_TRUE(triangles.mask >> h & 1) << "case " << i << ", triangle " << h << ", at " << t;
       found++;
-      onLines += !triangle.position(pre, h).isCertain;
+      onLines += !triangle.sides(pre).areCertain();
     }
   }
   EXPECT_GT(found, 20000u);

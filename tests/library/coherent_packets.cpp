@@ -8,8 +8,10 @@
 #include "support/random.h"
 #include "support/scene.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
+#include <tuple>
 
 namespace cbvh::test {
 namespace {
@@ -104,6 +106,7 @@ void expectHitsOfSingleRays(RTCScene scene, const std::vector<RTCRayHit>& rays, 
     ASSERT_EQ(traced.hit.hit.primID, expected.hit.primID) << "ray " << i;
     ASSERT_EQ(traced.hit.hit.u, expected.hit.u) << "ray " << i;
     ASSERT_EQ(traced.occluded, occluded(scene, rays[i])) << "ray " << i;
+    ASSERT_EQ(traced.occluded, isHit(expected)) << "ray " << i;
   }
 }
 
@@ -206,6 +209,29 @@ TEST_P(CoherentPackets, AskAFilterOnceAfterAnyHit)
   }
   EXPECT_GT(all.seen.size(), 1000u);
   for (const auto& [id, hits] : all.seen) ASSERT_EQ(hits.size(), 1u) << "ray " << id;
+}
+
+// Closest hit and any hit, in whatever order.
+TEST_P(CoherentPackets, ShowAFilterThatRejectsAllWhatSingleRaysShowIt)
+{
+  Scene scene(device);
+  addFilteredCube(device, scene, settings(), filter);
+  const std::vector<RTCRayHit> rays = pictureRays(64);
+  PacketFilter together([](const SeenHit&) { return false; }), alone(together.accepts);
+  inPackets(scene, rays, together.context);
+  for (RTCRayHit ray : rays) {
+    rtcIntersect1(scene, &alone.context, &ray);
+    rtcOccluded1(scene, &alone.context, &ray.ray);
+  }
+  EXPECT_GT(alone.seen.size(), 1000u);
+  ASSERT_EQ(together.seen.size(), alone.seen.size());
+  for (auto& [id, hits] : alone.seen) {
+    std::vector<SeenHit>& found = together.seen[id];
+    ASSERT_EQ(found.size(), hits.size()) << "ray " << id;
+    auto key = [](const SeenHit& s) { return std::tie(s.t, s.primID, s.u, s.v); };
+    for (auto* seen : {&found, &hits}) std::sort(seen->begin(), seen->end(), [&](const SeenHit& a, const SeenHit& b) { return key(a) < key(b); });
+    for (size_t i = 0; i < hits.size(); i++) ASSERT_EQ(key(found[i]), key(hits[i])) << "ray " << id;
+  }
 }
 
 // What a thread keeps of blocks is overwritten meanwhile: packets go on as if nothing had happened.

@@ -311,6 +311,15 @@ WALK = (
         "hard_cases *HardDisplacement.FoldsAreHit*/cLEAF*",
     ),
     edit(
+        "any hit: nothing is shown to filters",
+        "epilogues.h",
+        "return unlikely(context->hasContextFilter() || context->scene->get(geomID)->hasOcclusionFilter());",
+        "return false;",
+        "filters of any hit see a u, v and normal of 0",
+        "scene_features *AFilterThatRejectsAll*/cLEAF*",
+        "scene_features *AFilterThatRejectsAll*/cVERT*",
+    ),
+    edit(
         "leaf: entry in place of the exit",
         "leaf_visitor1.h",
         "exitS = x.s1;",

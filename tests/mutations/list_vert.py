@@ -439,6 +439,22 @@ TRIANGLES = (
         "vert_surfaces *HitTheDecodedTriangles*",
     ),
     trace(
+        "any hit: triangles that end behind tfar count as a whole",
+        "vert_hits.h",
+        "span.farthest < double(target.tfar())",
+        "span.nearest < double(target.tfar())",
+        "a ray that ends in front of the surface is blocked",
+        "coherent_packets *StartOnTheSurface*/cVERT",
+    ),
+    trace(
+        "packet, any hit: triangles that end behind tfar count as a whole",
+        "vert_hitsK.h",
+        "(span.farthest < toDouble(lanesFrom(tfar,j)))",
+        "(span.nearest < toDouble(lanesFrom(tfar,j)))",
+        "rays of packets that end in front of the surface are blocked",
+        "coherent_packets *StartOnTheSurface*/cVERT",
+    ),
+    trace(
         "triangles: sides of value 0 are outside",
         "vert_triangles.h",
         "return (min(a,min(b,c)) >= Vector(zero)) | (max(a,max(b,c)) <= Vector(zero));",

@@ -3,12 +3,11 @@
 
 #pragma once
 
-/* What the visitors of the three kinds of leaves share: the ray in its block, and the way
- * to Embree's epilogues, so that masks and filters behave as for every other geometry. */
+/* What the visitors of the three kinds of leaves share: the ray in its block, and its hits. */
 
 #include "block_walk1.h"
 #include "surface_hit.h"
-#include "../../geometry/intersector_epilog.h"
+#include "epilogues.h"
 
 namespace embree
 {
@@ -17,25 +16,6 @@ namespace embree
     namespace cbvh
     {
       typedef LeafHit<float,bool> LeafHit1;
-
-      /*! what Embree's single-hit epilogues expect */
-      struct SurfaceHit1
-      {
-        float u, v, t;
-        Vec3fa Ng;
-        __forceinline void finalize () {}
-      };
-
-      /*! runs the epilogue of closest hit or of any hit */
-      __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit1& hit) {
-        return Intersect1Epilog1<true>(ray,context,geomID,primID)(hit);
-      }
-      __forceinline bool report (Ray& ray, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit1& hit) {
-        return Occluded1Epilog1<true>(ray,context,geomID,primID)(hit);
-      }
-      template<typename RayType> struct IsAnyHit;
-      template<> struct IsAnyHit<Ray>    { static const bool value = true; };
-      template<> struct IsAnyHit<RayHit> { static const bool value = false; };
 
       template<typename RayType>
       struct BlockVisitor1
@@ -74,8 +54,11 @@ namespace embree
                                           { pre.dir.x,pre.dir.y,pre.dir.z },pre.scale,pre.rcpDir2,ray.tnear(),pre.tfar,pre.enter };
           const float own = segment.ownT(at.s), t = segment.countingT(own);
           if (!pre.nearest.isBefore(t,own,block,ray.tfar)) {
-            const SurfaceHit<float> found = HitFrame<float,bool>(block,layout).surfaceHit(segment,leaf,at,own);
-            SurfaceHit1 hit = { found.u,found.v,found.t,Vec3fa(found.Ng.x,found.Ng.y,found.Ng.z) };
+            SurfaceHit1 hit = { 0.0f,0.0f,own,Vec3fa(zero) };
+            if (isRead(ray,context,block->geomID)) {
+              const SurfaceHit<float> found = HitFrame<float,bool>(block,layout).surfaceHit(segment,leaf,at,own);
+              hit = SurfaceHit1{ found.u,found.v,found.t,Vec3fa(found.Ng.x,found.Ng.y,found.Ng.z) };
+            }
             if (!report(ray,context,block->geomID,block->primID,hit)) return false;
             pre.nearest.set(t,own,block);
             if (!IsAnyHit<RayType>::value) ray.tfar = t;

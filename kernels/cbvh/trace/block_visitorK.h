@@ -3,12 +3,12 @@
 
 #pragma once
 
-/* What the visitors of the three kinds of leaves share for packets: the rays in their block, and the way to
- * Embree's epilogues. block_visitor1.h has the same for one ray. */
+/* What the visitors of the three kinds of leaves share for packets: the rays in their block, and their hits.
+ * block_visitor1.h has the same for one ray. */
 
 #include "block_walkK.h"
 #include "surface_hit.h"
-#include "../../geometry/intersector_epilog.h"
+#include "epilogues.h"
 
 namespace embree
 {
@@ -16,20 +16,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! runs the epilogue of closest hit or of any hit for rays of a packet, by the IDs of a block; those that accepted it */
-      template<int K, typename Header, typename Hit>
-      __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context, const Header* block, const Hit& hit) {
-        return IntersectKEpilogMU<1,K,true>(rays,context,block->geomID,block->primID)(lanes,hit);
-      }
-      template<int K, typename Header, typename Hit>
-      __forceinline vbool<K> report (RayK<K>& rays, const vbool<K>& lanes, IntersectContext* context, const Header* block, const Hit& hit) {
-        vbool<K> open = lanes;
-        return OccludedKEpilogMU<1,K,true>(open,rays,context,block->geomID,block->primID)(lanes,hit);
-      }
-      template<typename Rays> struct IsAnyHitK;
-      template<int K> struct IsAnyHitK<RayK<K>>    { static const bool value = true; };
-      template<int K> struct IsAnyHitK<RayHitK<K>> { static const bool value = false; };
-
       template<int K> using LeafHits = LeafHit<vfloat<K>,vbool<K>>;
 
       template<int K, typename Rays>
@@ -74,13 +60,15 @@ namespace embree
           vbool<K> counts = lanes;
           const vbool<K> front = lanes & inFront(lanes,t,own);
           if (any(front)) {
-            const SurfaceHit<vfloat<K>> hit = HitFrame<vfloat<K>,vbool<K>>(block,layout).surfaceHit(segment,leaf,hits,own);
-            const vbool<K> accepted = front & report(rays,front,context,block,[&] { return std::make_tuple(hit.u,hit.v,hit.t,Vec3vf<K>(hit.Ng)); });
+            const vbool<K> accepted = front & report(rays,front,context,block->geomID,block->primID,[&] {
+              const SurfaceHit<vfloat<K>> hit = HitFrame<vfloat<K>,vbool<K>>(block,layout).surfaceHit(segment,leaf,hits,own);
+              return std::make_tuple(hit.u,hit.v,hit.t,Vec3vf<K>(hit.Ng));
+            });
             for (uint32_t rest=uint32_t(movemask(accepted)); rest; rest&=rest-1) {
               const uint32_t k = uint32_t(bsf(rest));
               pre.nearest[k].set(t[k],own[k],block);
             }
-            if (!IsAnyHitK<Rays>::value) rays.tfar = select(accepted,t,rays.tfar);
+            if (!IsAnyHit<Rays>::value) rays.tfar = select(accepted,t,rays.tfar);
             accept(accepted);
             counts = andn(lanes,andn(front,accepted));
           }
@@ -91,7 +79,7 @@ namespace embree
         __forceinline void accept (const vbool<K>& accepted)
         {
           isHit |= accepted;
-          if (IsAnyHitK<Rays>::value) open = andn(open,accepted);
+          if (IsAnyHit<Rays>::value) open = andn(open,accepted);
         }
 
       private:

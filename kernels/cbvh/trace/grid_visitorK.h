@@ -60,7 +60,7 @@ namespace embree
         };
 
         __noinline bool leafOf (size_t k, uint32_t leaf) const {
-          return testGridLeaf(this->block,leaf,IsAnyHitK<Rays>::value,Test{ this->rays,this->context,this->block,k });
+          return testGridLeaf(this->block,leaf,IsAnyHit<Rays>::value,Test{ this->rays,this->context,this->block,k });
         }
       };
     }

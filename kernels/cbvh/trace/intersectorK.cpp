@@ -21,7 +21,7 @@ namespace embree
     {
       typedef SubdivPatch1IntersectorK<K> Grids;
       typedef TravRayK<K,true> Tray;
-      static const bool isAnyHit = cbvh::IsAnyHitK<Rays>::value;
+      static const bool isAnyHit = cbvh::IsAnyHit<Rays>::value;
 
     public:
       vfloat<K> tfar; //!< where rays end

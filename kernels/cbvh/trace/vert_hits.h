@@ -16,7 +16,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Target: the ray; it has tnear(), tfar(), and report(block,hit), which is true if the hit is accepted */
+      /*! Target: the ray; it has tnear(), tfar(), report(block,hit), which is true if the hit is accepted, and isRead(block), which is
+       *  false if nothing of it is looked at */
       template<typename Target>
       class VertHits
       {
@@ -27,18 +28,38 @@ namespace embree
         /*! Reports hits, nearest first; true if one was accepted. triangles: bits of GroupTriangles */
         __forceinline bool report (uint32_t g, uint32_t triangles)
         {
+          if (!target.isRead(block)) return reportAny(g,triangles);
           if (likely((triangles & (triangles-1)) == 0))
           {
             const uint32_t h = uint32_t(bsf(triangles));
             const VertTriangle triangle(cached.quads(g),h);
-            const VertTriangle::Position position = triangle.position(pre,h);
+            const VertTriangle::Sides sides = triangle.sides(pre);
+            const VertTriangle::Normal normal = triangle.normal();
             float t;
-            return isMet(triangle,position,32*g+h,t) && reportHit(g,triangle,h,t,position);
+            return isInside(triangle,sides) && isInRange(triangle.meet(pre,normal),32*g+h,t) && reportHit(g,normal,h,t,sides);
           }
           return reportNearest(g,triangles);
         }
 
       private:
+        /*! Where nothing is looked at: where all of a triangle is between tnear and tfar, so is the hit. */
+        __forceinline bool reportAny (uint32_t g, uint32_t triangles)
+        {
+          for (; triangles; triangles&=triangles-1)
+          {
+            const uint32_t h = uint32_t(bsf(triangles));
+            const VertTriangle triangle(cached.quads(g),h);
+            if (!isInside(triangle,triangle.sides(pre))) continue;
+            const TriangleSpan<double> span = triangle.span(pre);
+            float t = 0.0f;
+            if (!(likely(double(target.tnear()) <= span.nearest && span.farthest < double(target.tfar())))
+                && !isInRange(triangle.meet(pre,triangle.normal()),32*g+h,t)) continue;
+            SurfaceHit1 hit = { 0.0f,0.0f,t,Vec3fa(zero) };
+            if (target.report(block,hit)) return true;
+          }
+          return false;
+        }
+
         bool reportNearest (uint32_t g, uint32_t triangles)
         {
           float t[32];
@@ -46,7 +67,7 @@ namespace embree
           for (uint32_t rest=triangles; rest; rest&=rest-1) {
             const uint32_t h = uint32_t(bsf(rest));
             const VertTriangle triangle(cached.quads(g),h);
-            if (isMet(triangle,triangle.position(pre,h),32*g+h,t[h])) open |= 1u << h;
+            if (isInside(triangle,triangle.sides(pre)) && isInRange(triangle.meet(pre,triangle.normal()),32*g+h,t[h])) open |= 1u << h;
           }
           while (open)
           {
@@ -57,14 +78,14 @@ namespace embree
             }
             open &= ~(1u << best);
             const VertTriangle triangle(cached.quads(g),best);
-            if (reportHit(g,triangle,best,t[best],triangle.position(pre,best))) return true;
+            if (reportHit(g,triangle.normal(),best,t[best],triangle.sides(pre))) return true;
           }
           return false;
         }
 
         /*! sides that are not 0 have their exact sign already */
-        __forceinline bool isMet (const VertTriangle& triangle, const VertTriangle::Position& position, uint32_t number, float& t) const {
-          return (likely(position.isCertain) || triangle.contains(pre)) && isInRange(triangle.meet(pre),number,t);
+        __forceinline bool isInside (const VertTriangle& triangle, const VertTriangle::Sides& sides) const {
+          return likely(sides.areCertain()) || triangle.contains(pre);
         }
 
         /*! between tnear and tfar */
@@ -78,14 +99,15 @@ namespace embree
           return exact <= double(tfar);
         }
 
-        __forceinline bool reportHit (uint32_t g, const VertTriangle& at, uint32_t h, float t, const VertTriangle::Position& position)
+        __forceinline bool reportHit (uint32_t g, const VertTriangle::Normal& normal, uint32_t h, float t, const VertTriangle::Sides& sides)
         {
           const uint32_t quad = h >> 1;
           SurfaceHit1 hit;
           hit.t = t;
-          hit.Ng = at.Ng(pre);
+          hit.Ng = VertTriangle::Ng(pre,normal);
+          const Vec2f position = sides.position(h);
           const VertParameters parameters(block);
-          parameters.set(parameters.firstX(g) + (quad & 3),parameters.firstY(g) + (quad >> 2),h & 1,position.u,position.v,hit.u,hit.v);
+          parameters.set(parameters.firstX(g) + (quad & 3),parameters.firstY(g) + (quad >> 2),h & 1,position.x,position.y,hit.u,hit.v);
           if (!target.report(block,hit)) return false;
           nearest = VertNearest(block,32*g+h,t);
           return true;

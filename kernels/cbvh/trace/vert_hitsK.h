@@ -25,15 +25,8 @@ namespace embree
 
         __forceinline float tnear () const { return rays.tnear()[k]; }
         __forceinline float tfar () const { return rays.tfar[k]; }
-        __forceinline bool report (const VertHeader* block, SurfaceHit1& hit) const { return report(rays,block,hit); }
-
-      private:
-        __forceinline bool report (RayHitK<K>& to, const VertHeader* block, SurfaceHit1& hit) const {
-          return Intersect1KEpilog1<K,true>(to,k,context,block->geomID,block->primID)(hit);
-        }
-        __forceinline bool report (RayK<K>& to, const VertHeader* block, SurfaceHit1& hit) const {
-          return Occluded1KEpilog1<K,true>(to,k,context,block->geomID,block->primID)(hit);
-        }
+        __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(rays,context,block->geomID); }
+        __forceinline bool report (const VertHeader* block, SurfaceHit1& hit) const { return cbvh::report(rays,k,context,block->geomID,block->primID,hit); }
       };
 
       template<int K, typename Rays>
@@ -97,20 +90,47 @@ namespace embree
             isMet = lies = 0;
             for (int j=0; j<K; j+=4)
             {
-              auto four = [&](const vfloat<K>& x) { return Float4::load((const float*)&x + j); };
-              TrianglePlane<Float4,Double4> plane;
-              for (int k=0; k<3; k++)
-                for (int i=0; i<3; i++) plane.vertices[k][i] = Float4::load(vertices[k][i]+j);
-              plane.setNormal();
-              const Float4 org[3] = { four(pre.org[0]),four(pre.org[1]),four(pre.org[2]) }, dir[3] = { four(pre.dir[0]),four(pre.dir[1]),four(pre.dir[2]) };
-              const PlaneMeeting<Double4> at = plane.meet(org,dir,kz);
-              const Double4 exact = at.inTriangle(at.t);
+              const Four four(*this,pre,j);
+              const PlaneNormal<Double4> n = four.plane.normal();
+              const PlaneMeeting<Double4> at = four.plane.meet(n,four.org,four.dir);
+              const Double4 exact = four.plane.span(four.org,four.dir,kz).clamp(at.t);
               toFloat(exact).store(t+j);
-              for (int k=0; k<3; k++) toFloat(plane.normal[k]).store(normal[k]+j);
-              isMet |= (toDouble(four(tnear)) <= exact).bits() << j;
+              for (int k=0; k<3; k++) toFloat(n.at[k]).store(normal[k]+j);
+              isMet |= (toDouble(lanesFrom(tnear,j)) <= exact).bits() << j;
               lies |= (15u & ~(at.least < magnitudeOf(at.speed)).bits()) << j;
             }
           }
+
+          /*! rays whose triangles are between tnear and tfar as a whole */
+          __forceinline uint32_t between (const VertRays<K>& pre, size_t kz, const vfloat<K>& tnear, const vfloat<K>& tfar) const
+          {
+            uint32_t mask = 0;
+            for (int j=0; j<K; j+=4)
+            {
+              const Four four(*this,pre,j);
+              const TriangleSpan<Double4> span = four.plane.span(four.org,four.dir,kz);
+              mask |= ((toDouble(lanesFrom(tnear,j)) <= span.nearest) & (span.farthest < toDouble(lanesFrom(tfar,j)))).bits() << j;
+            }
+            return mask;
+          }
+
+        private:
+          static __forceinline Float4 lanesFrom (const vfloat<K>& x, int j) { return Float4::load((const float*)&x + j); }
+
+          struct Four
+          {
+            TrianglePlane<Float4,Double4> plane;
+            Float4 org[3], dir[3];
+
+            __forceinline Four (const Triangles& of, const VertRays<K>& pre, int j)
+            {
+              for (int k=0; k<3; k++) {
+                for (int i=0; i<3; i++) plane.vertices[k][i] = Float4::load(of.vertices[k][i]+j);
+                org[k] = lanesFrom(pre.org[k],j);
+                dir[k] = lanesFrom(pre.dir[k],j);
+              }
+            }
+          };
         };
 
         /*! Those that are done; others may be in the triangle or not, by the rounding of sides, lie in its plane, or have a
@@ -119,21 +139,29 @@ namespace embree
         {
           const VertParameters parameters(block);
           Triangles of(mask,cached.quads(g),triangles,float(parameters.firstX(g)),float(parameters.firstY(g)));
+          const Sides sides(of,pre,kz);
+          const vfloat<K> tfar = rays.tfar;
+          if (!isRead(rays,context,block->geomID))
+          {
+            const uint32_t clear = mask & uint32_t(movemask(sides.areCertain())) & of.between(pre,kz,rays.tnear(),tfar);
+            const vfloat<K> none(zero);
+            const vbool<K> lanes = vbool<K>(int(clear));
+            accepted |= uint32_t(movemask(lanes & cbvh::report(rays,lanes,context,block->geomID,block->primID,[&] { return std::make_tuple(none,none,none,Vec3vf<K>(none,none,none)); })));
+            return clear;
+          }
           of.meet(pre,kz,rays.tnear());
-          const vbool<K> second = (triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero);
-          vfloat<K> a, b;
-          const vbool<K> isCertain = position(of,kz,second,a,b);
-          const vfloat<K> t = vfloat<K>::load(of.t), tfar = rays.tfar;
-          const uint32_t done = mask & uint32_t(movemask(isCertain & (t != tfar))) & ~of.lies;
+          const vfloat<K> t = vfloat<K>::load(of.t);
+          const uint32_t done = mask & uint32_t(movemask(sides.areCertain() & (t != tfar))) & ~of.lies;
           const vbool<K> hit = vbool<K>(int(done & of.isMet)) & (t < tfar);
           if (none(hit)) return done;
 
           Vec3vf<K> Ng(vfloat<K>::load(of.normal[0]),vfloat<K>::load(of.normal[1]),vfloat<K>::load(of.normal[2]));
           const vbool<K> isLine = (Ng.x == vfloat<K>(zero)) & (Ng.y == vfloat<K>(zero)) & (Ng.z == vfloat<K>(zero));
           if (unlikely(any(hit & isLine))) Ng = select(isLine,Vec3vf<K>(-pre.dir[0],-pre.dir[1],-pre.dir[2]),Ng);
-          vfloat<K> u, v;
+          vfloat<K> a, b, u, v;
+          sides.position(triangles,a,b);
           parameters.template set<vfloat<K>>(vfloat<K>::load(of.x),vfloat<K>::load(of.y),a,b,u,v);
-          const uint32_t of1 = uint32_t(movemask(hit & cbvh::report(rays,hit,context,block,[&] { return std::make_tuple(u,v,t,Ng); })));
+          const uint32_t of1 = uint32_t(movemask(hit & cbvh::report(rays,hit,context,block->geomID,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));
           for (uint32_t rest=of1; rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
             pre.nearest(k) = VertNearest(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
@@ -142,22 +170,36 @@ namespace embree
           return done;
         }
 
-        /*! VertTriangle::position */
-        __forceinline vbool<K> position (const Triangles& of, size_t kz, const vbool<K>& second, vfloat<K>& a, vfloat<K>& b) const
+        /*! VertTriangle::Sides */
+        struct Sides
         {
-          const size_t kx = kz == 2 ? 0 : kz+1, ky = kx == 2 ? 0 : kx+1;
-          vfloat<K> x[3], y[3];
-          for (int i=0; i<3; i++) {
-            const vfloat<K> z = vfloat<K>::load(of.vertices[kz][i]) - pre.org[kz];
-            x[i] = nmadd(pre.sx,z,vfloat<K>::load(of.vertices[kx][i]) - pre.org[kx]);
-            y[i] = nmadd(pre.sy,z,vfloat<K>::load(of.vertices[ky][i]) - pre.org[ky]);
+          vfloat<K> w0, w1, w2, sum;
+
+          __forceinline Sides (const Triangles& of, const VertRays<K>& pre, size_t kz)
+          {
+            const size_t kx = size_t(axisAfter(int(kz),1)), ky = size_t(axisAfter(int(kz),2));
+            vfloat<K> x[3], y[3];
+            for (int i=0; i<3; i++) {
+              const vfloat<K> z = vfloat<K>::load(of.vertices[kz][i]) - pre.org[kz];
+              x[i] = nmadd(pre.sx,z,vfloat<K>::load(of.vertices[kx][i]) - pre.org[kx]);
+              y[i] = nmadd(pre.sy,z,vfloat<K>::load(of.vertices[ky][i]) - pre.org[ky]);
+            }
+            w0 = edgeSide(x[1],y[1],x[2],y[2]); w1 = edgeSide(x[2],y[2],x[0],y[0]); w2 = edgeSide(x[0],y[0],x[1],y[1]);
+            sum = w0 + w1 + w2;
           }
-          const vfloat<K> w0 = edgeSide(x[1],y[1],x[2],y[2]), w1 = edgeSide(x[2],y[2],x[0],y[0]), w2 = edgeSide(x[0],y[0],x[1],y[1]);
-          const vfloat<K> sum = w0 + w1 + w2, b1 = w1/sum, b2 = w2/sum;
-          a = select(second,b1+b2,b1);
-          b = select(second,vfloat<K>(1.0f)-b1,b2);
-          return ((min(w0,min(w1,w2)) > vfloat<K>(zero)) | (max(w0,max(w1,w2)) < vfloat<K>(zero))) & (abs(sum) < vfloat<K>(pos_inf));
-        }
+
+          __forceinline vbool<K> areCertain () const {
+            return ((min(w0,min(w1,w2)) > vfloat<K>(zero)) | (max(w0,max(w1,w2)) < vfloat<K>(zero))) & (abs(sum) < vfloat<K>(pos_inf));
+          }
+
+          __forceinline void position (const vint<K>& triangles, vfloat<K>& a, vfloat<K>& b) const
+          {
+            const vbool<K> second = (triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero);
+            const vfloat<K> b1 = w1/sum, b2 = w2/sum;
+            a = select(second,b1+b2,b1);
+            b = select(second,vfloat<K>(1.0f)-b1,b2);
+          }
+        };
 
         Rays& rays;
         IntersectContext* context;

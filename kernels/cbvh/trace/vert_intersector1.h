@@ -24,6 +24,7 @@ namespace embree
 
         __forceinline float tnear () const { return ray.tnear(); }
         __forceinline float tfar () const { return ray.tfar; }
+        __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(ray,context,block->geomID); }
         __forceinline bool report (const VertHeader* block, SurfaceHit1& hit) const { return cbvh::report(ray,context,block->geomID,block->primID,hit); }
       };
 
@@ -37,6 +38,14 @@ namespace embree
         }
         open &= ~(1u << best);
         return best;
+      }
+
+      /*! takes any group out */
+      __forceinline uint32_t takeAny (uint32_t& open)
+      {
+        const uint32_t g = uint32_t(bsf(open));
+        open &= open-1;
+        return g;
       }
 
       template<typename RayType>
@@ -66,7 +75,7 @@ namespace embree
           bool found = false;
           while (open)
           {
-            const uint32_t g = takeFirst(open,enter);
+            const uint32_t g = IsAnyHit<RayType>::value ? takeAny(open) : takeFirst(open,enter);
             if (enter[g] > ray.tfar) continue;
             const GroupTriangles triangles(pre,cached.quads(g));
             if (triangles.mask == 0 || !hits.report(g,triangles.mask)) continue;

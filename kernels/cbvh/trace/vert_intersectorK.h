@@ -103,12 +103,12 @@ namespace embree
           uint32_t open = meetBoxes(lanes,boxes);
           while (open)
           {
-            const uint32_t g = takeFirst(open,enter);
+            const uint32_t g = IsAnyHit<Rays>::value ? takeAny(open) : takeFirst(open,enter);
             const vbool<K> met = lanes & meetBox(cached.boxes(),g);
             if (none(met)) continue;
             const uint32_t accepted = meetGroup(uint32_t(movemask(met)),form & 3u,g);
             found |= accepted;
-            if (IsAnyHitK<Rays>::value && accepted) {
+            if (IsAnyHit<Rays>::value && accepted) {
               lanes = andn(lanes,vbool<K>(int(accepted)));
               if (none(lanes)) return;
             }

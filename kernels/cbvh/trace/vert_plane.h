@@ -31,16 +31,25 @@ namespace embree
         return p;
       }
 
+      /*! t of a triangle: a ray meets it between these, whatever its plane says */
+      template<typename Double>
+      struct TriangleSpan
+      {
+        Double nearest, farthest;
+
+        __forceinline Double clamp (const Double& t) const { return min(max(t,nearest),farthest); }
+      };
+
       /*! where a ray meets a plane */
       template<typename Double>
       struct PlaneMeeting
       {
-        Double t;                 //!< not a number where the ray lies in the plane
-        Double nearest, farthest; //!< of the triangle: the hit is between
-        Double speed, least;      //!< a ray that comes nearer to the plane no faster than `least` lies in it
-
-        __forceinline Double inTriangle (const Double& at) const { return min(max(at,nearest),farthest); }
+        Double t;            //!< not a number where the ray lies in the plane
+        Double speed, least; //!< a ray that comes nearer to the plane no faster than `least` lies in it
       };
+
+      template<typename Double>
+      struct PlaneNormal { Double at[3]; }; //!< 0 of a line
 
       template<typename Float, typename Double>
       struct TrianglePlane
@@ -49,37 +58,38 @@ namespace embree
         static constexpr double minCosine = 1e-6;
 
         Float vertices[3][3];  //!< by axis
-        Double normal[3];      //!< 0 of a line
 
-        /*! from the vertices */
-        __forceinline void setNormal ()
+        __forceinline PlaneNormal<Double> normal () const
         {
           Double e[3], f[3];
           for (int k=0; k<3; k++) {
             e[k] = toDouble(vertices[k][1]) - toDouble(vertices[k][0]);
             f[k] = toDouble(vertices[k][2]) - toDouble(vertices[k][0]);
           }
-          normal[0] = product(e[1],f[2]) - product(e[2],f[1]);
-          normal[1] = product(e[2],f[0]) - product(e[0],f[2]);
-          normal[2] = product(e[0],f[1]) - product(e[1],f[0]);
+          return PlaneNormal<Double>{ { product(e[1],f[2]) - product(e[2],f[1]),product(e[2],f[0]) - product(e[0],f[2]),product(e[0],f[1]) - product(e[1],f[0]) } };
         }
 
-        /*! kz: axis of the largest component of the direction */
-        __forceinline PlaneMeeting<Double> meet (const Float org[3], const Float dir[3], size_t kz) const
+        __forceinline PlaneMeeting<Double> meet (const PlaneNormal<Double>& normal, const Float org[3], const Float dir[3]) const
         {
           Double height(0.0), speed(0.0), size(0.0);
           for (int k=0; k<3; k++) {
-            const Double along = product(normal[k],toDouble(dir[k]));
+            const Double along = product(normal.at[k],toDouble(dir[k]));
             speed = speed + along;
             size = size + magnitudeOf(along);
-            height = height + product(normal[k],toDouble(vertices[k][0]) - toDouble(org[k]));
+            height = height + product(normal.at[k],toDouble(vertices[k][0]) - toDouble(org[k]));
           }
-          /* Of the vertices along the ray: division is monotonic, so of the lowest and the highest. Least and greatest of the same two
-           * in the same order would become a branch, which a processor would not foresee. */
+          return PlaneMeeting<Double>{ height/speed,speed,Double(minCosine)*size };
+        }
+
+        /*! Of the vertices along the ray: division is monotonic, so of the lowest and the highest. kz: axis of the largest component of
+         *  the direction. Least and greatest of the same two in the same order would become a branch, which a processor would not
+         *  foresee. */
+        __forceinline TriangleSpan<Double> span (const Float org[3], const Float dir[3], size_t kz) const
+        {
           const Double start = toDouble(org[kz]), along = toDouble(dir[kz]);
           const Double z0 = toDouble(vertices[kz][0]) - start, z1 = toDouble(vertices[kz][1]) - start, z2 = toDouble(vertices[kz][2]) - start;
           const Double a = min(z0,min(z1,z2))/along, b = max(max(z0,z1),z2)/along;
-          return PlaneMeeting<Double>{ height/speed,min(a,b),max(b,a),speed,Double(minCosine)*size };
+          return TriangleSpan<Double>{ min(a,b),max(b,a) };
         }
       };
     }

@@ -40,6 +40,9 @@ namespace embree
       /*! A triangle of a group. */
       struct VertTriangle : private TrianglePlane<float,double>
       {
+        typedef PlaneNormal<double> Normal;
+        using TrianglePlane<float,double>::normal;
+
         /*! h: a bit of GroupTriangles */
         __forceinline VertTriangle (const QuadCorners& quads, uint32_t h)
         {
@@ -47,27 +50,31 @@ namespace embree
           for (int k=0; k<3; k++) {
             vertices[k][0] = quads.at[a][k][q]; vertices[k][1] = quads.at[b][k][q]; vertices[k][2] = quads.at[c][k][q];
           }
-          setNormal();
         }
 
-        /*! where the ray is in the triangle */
-        struct Position
+        /*! the side of each edge on which the ray is, rounded, and their sum */
+        struct Sides
         {
-          float u, v;     //!< in the quad; not numbers where all sides rounded to 0
-          bool isCertain; //!< no side rounded to 0: the signs are exact
+          float w0, w1, w2, sum;
+
+          /*! no side rounded to 0: the signs are exact */
+          __forceinline bool areCertain () const {
+            return ((0.0f < min(w0,min(w1,w2))) | (max(max(w0,w1),w2) < 0.0f)) & (std::fabs(sum) < float(inf));
+          }
+
+          /*! in the quad, h as above; not numbers where all sides rounded to 0 */
+          __forceinline Vec2f position (uint32_t h) const
+          {
+            const float b1 = w1/sum, b2 = w2/sum, u[2] = { b1,b1+b2 }, v[2] = { b2,1.0f-b1 }; // which of them is not foreseen
+            return Vec2f(u[h & 1],v[h & 1]);
+          }
         };
 
-        __forceinline Position position (const VertRay& ray, uint32_t h) const
+        __forceinline Sides sides (const VertRay& ray) const
         {
           const Sheared s(*this,ray);
           const float w0 = edgeSide(s.x[1],s.y[1],s.x[2],s.y[2]), w1 = edgeSide(s.x[2],s.y[2],s.x[0],s.y[0]), w2 = edgeSide(s.x[0],s.y[0],s.x[1],s.y[1]);
-          const float sum = w0 + w1 + w2, b1 = w1/sum, b2 = w2/sum;
-          Position p;
-          const float u[2] = { b1,b1+b2 }, v[2] = { b2,1.0f-b1 }; // which of them is not foreseen
-          p.u = u[h & 1];
-          p.v = v[h & 1];
-          p.isCertain = ((0.0f < min(w0,min(w1,w2))) | (max(max(w0,w1),w2) < 0.0f)) & (std::fabs(sum) < float(inf));
-          return p;
+          return Sides{ w0,w1,w2,w0 + w1 + w2 };
         }
 
         /*! Whether the sheared triangle has the ray in it. Sides that rounded to 0 count for both of
@@ -89,11 +96,14 @@ namespace embree
         /*! Where a ray that goes through it meets its plane. A plane that
          *  the ray lies in, but for rounding, says nothing, nor does a line: the ray may be inside by
          *  the rounding of vertices alone, and if it were let through, it would leak. */
-        __forceinline double meet (const VertRay& ray) const
+        __forceinline double meet (const VertRay& ray, const Normal& normal) const
         {
-          const PlaneMeeting<double> at = TrianglePlane<float,double>::meet(ray.org,ray.dir,size_t(ray.kz));
-          return at.inTriangle(likely(std::fabs(at.speed) > at.least) ? at.t : alongLongestEdge(ray));
+          const PlaneMeeting<double> at = TrianglePlane<float,double>::meet(normal,ray.org,ray.dir);
+          return span(ray).clamp(likely(std::fabs(at.speed) > at.least) ? at.t : alongLongestEdge(ray));
         }
+
+        /*! between which t `meet` is */
+        __forceinline TriangleSpan<double> span (const VertRay& ray) const { return TrianglePlane<float,double>::span(ray.org,ray.dir,size_t(ray.kz)); }
 
         /*! where the ray is nearest to the longest edge */
         double alongLongestEdge (const VertRay& ray) const
@@ -117,9 +127,9 @@ namespace embree
         }
 
         /*! of a line, whichever way the ray comes from */
-        __forceinline Vec3fa Ng (const VertRay& ray) const
+        static __forceinline Vec3fa Ng (const VertRay& ray, const Normal& normal)
         {
-          const float x = float(normal[0]), y = float(normal[1]), z = float(normal[2]);
+          const float x = float(normal.at[0]), y = float(normal.at[1]), z = float(normal.at[2]);
           return likely(x != 0.0f || y != 0.0f || z != 0.0f) ? Vec3fa(x,y,z) : -Vec3fa(ray.dir[0],ray.dir[1],ray.dir[2]);
         }
 
@@ -193,7 +203,7 @@ namespace embree
         vint<K> mask; //!< of each ray
 
         __forceinline GroupTrianglesK (const VertRays<K>& rays, size_t kz, const QuadCorners& quads)
-          : GroupTrianglesK(rays,kz == 2 ? 0 : kz+1,kz == 0 ? 2 : kz-1,kz,quads) {}
+          : GroupTrianglesK(rays,size_t(axisAfter(int(kz),1)),size_t(axisAfter(int(kz),2)),kz,quads) {}
 
       private:
         struct Point { vfloat<K> x, y; };

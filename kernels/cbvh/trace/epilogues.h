@@ -1,0 +1,66 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The way of hits to Embree's epilogues, so that masks and filters behave as for every other geometry. */
+
+#include "../../geometry/intersector_epilog.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! what Embree's single-hit epilogues expect */
+      struct SurfaceHit1
+      {
+        float u, v, t;
+        Vec3fa Ng;
+        __forceinline void finalize () {}
+      };
+
+      /*! runs the epilogue of closest hit or of any hit; whether it accepted */
+      __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit1& hit) {
+        return Intersect1Epilog1<true>(ray,context,geomID,primID)(hit);
+      }
+      __forceinline bool report (Ray& ray, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit1& hit) {
+        return Occluded1Epilog1<true>(ray,context,geomID,primID)(hit);
+      }
+
+      /*! the same for ray k of a packet */
+      template<int K>
+      __forceinline bool report (RayHitK<K>& rays, size_t k, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit1& hit) {
+        return Intersect1KEpilog1<K,true>(rays,k,context,geomID,primID)(hit);
+      }
+      template<int K>
+      __forceinline bool report (RayK<K>& rays, size_t k, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit1& hit) {
+        return Occluded1KEpilog1<K,true>(rays,k,context,geomID,primID)(hit);
+      }
+
+      /*! the same for rays of a packet; those that accepted. hit(): u, v, t and Ng */
+      template<int K, typename Hit>
+      __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context, uint32_t geomID, uint32_t primID, const Hit& hit) {
+        return IntersectKEpilogMU<1,K,true>(rays,context,geomID,primID)(lanes,hit);
+      }
+      template<int K, typename Hit>
+      __forceinline vbool<K> report (RayK<K>& rays, const vbool<K>& lanes, IntersectContext* context, uint32_t geomID, uint32_t primID, const Hit& hit) {
+        vbool<K> open = lanes;
+        return OccludedKEpilogMU<1,K,true>(open,rays,context,geomID,primID)(lanes,hit);
+      }
+
+      template<typename Rays> struct IsAnyHit;
+      template<int K> struct IsAnyHit<RayK<K>>    { static const bool value = true; };
+      template<int K> struct IsAnyHit<RayHitK<K>> { static const bool value = false; };
+
+      /*! Whether what is reported of a hit is read: of any hit only filters do. */
+      template<typename Rays>
+      __forceinline bool isRead (const Rays&, const IntersectContext*, uint32_t) { return true; }
+      template<int K>
+      __forceinline bool isRead (const RayK<K>&, const IntersectContext* context, uint32_t geomID) {
+        return unlikely(context->hasContextFilter() || context->scene->get(geomID)->hasOcclusionFilter());
+      }
+    }
+  }
+}
