@@ -19,9 +19,9 @@ namespace embree
       template<template<typename> class Visitor>
       struct BlockIntersector1
       {
-        /*! whether a hit was accepted; any hit ends with it */
+        /*! Whether a hit was accepted; any hit ends with it. Not inlined, so that traversal keeps its ray in registers. */
         template<typename RayType>
-        static __forceinline bool intersect (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block)
+        static __noinline bool intersect (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block)
         {
           LocalRay local;
           if (!local.init(pre,block,ray.tfar)) return false;

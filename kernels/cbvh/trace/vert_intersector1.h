@@ -52,8 +52,8 @@ namespace embree
       class VertIntersector1
       {
       public:
-        /*! whether a hit was accepted; any hit ends with it */
-        static __forceinline bool intersect (RayType& ray, IntersectContext* context, VertRay& pre, const VertHeader* block)
+        /*! Whether a hit was accepted; any hit ends with it. Not inlined, so that traversal keeps its ray in registers. */
+        static __noinline bool intersect (RayType& ray, IntersectContext* context, VertRay& pre, const VertHeader* block)
         {
           pre.set(ray);
           return VertIntersector1(ray,context,pre,block).run();
