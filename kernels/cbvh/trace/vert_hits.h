@@ -42,7 +42,8 @@ namespace embree
         }
 
       private:
-        /*! Where nothing is looked at: where all of a triangle is between tnear and tfar, so is the hit. */
+        /*! Reports hits of which nothing is looked at, in any order. Where a triangle lies between tnear and tfar as a whole, so does its
+         *  hit, and nobody asks where. */
         __forceinline bool reportAny (uint32_t g, uint32_t triangles)
         {
           for (; triangles; triangles&=triangles-1)
