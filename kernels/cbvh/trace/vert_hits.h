@@ -106,7 +106,7 @@ namespace embree
           SurfaceHit1 hit;
           hit.t = t;
           hit.Ng = VertTriangle::Ng(pre,normal);
-          const Vec2f position = sides.position(h);
+          const Vec2f position = VertTriangle::position(sides,h);
           const VertParameters parameters(block);
           parameters.set(parameters.firstX(g) + (quad & 3),parameters.firstY(g) + (quad >> 2),h & 1,position.x,position.y,hit.u,hit.v);
           if (!target.report(block,hit)) return false;

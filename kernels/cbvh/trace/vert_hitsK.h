@@ -139,14 +139,14 @@ namespace embree
         {
           const VertParameters parameters(block);
           Triangles of(mask,cached.quads(g),triangles,float(parameters.firstX(g)),float(parameters.firstY(g)));
-          const Sides sides(of,pre,kz);
+          const TriangleSides<vfloat<K>> sides = sidesOf(of,kz);
           const vfloat<K> tfar = rays.tfar;
           if (!isRead(rays,context,block->geomID))
           {
             const uint32_t clear = mask & uint32_t(movemask(sides.areCertain())) & of.between(pre,kz,rays.tnear(),tfar);
-            const vfloat<K> none(zero);
+            const vfloat<K> unread(zero);
             const vbool<K> lanes = vbool<K>(int(clear));
-            accepted |= uint32_t(movemask(lanes & cbvh::report(rays,lanes,context,block->geomID,block->primID,[&] { return std::make_tuple(none,none,none,Vec3vf<K>(none,none,none)); })));
+            accepted |= uint32_t(movemask(lanes & cbvh::report(rays,lanes,context,block->geomID,block->primID,[&] { return std::make_tuple(unread,unread,unread,Vec3vf<K>(unread,unread,unread)); })));
             return clear;
           }
           of.meet(pre,kz,rays.tnear());
@@ -159,7 +159,7 @@ namespace embree
           const vbool<K> isLine = (Ng.x == vfloat<K>(zero)) & (Ng.y == vfloat<K>(zero)) & (Ng.z == vfloat<K>(zero));
           if (unlikely(any(hit & isLine))) Ng = select(isLine,Vec3vf<K>(-pre.dir[0],-pre.dir[1],-pre.dir[2]),Ng);
           vfloat<K> a, b, u, v;
-          sides.position(triangles,a,b);
+          position(sides,triangles,a,b);
           parameters.template set<vfloat<K>>(vfloat<K>::load(of.x),vfloat<K>::load(of.y),a,b,u,v);
           const uint32_t of1 = uint32_t(movemask(hit & cbvh::report(rays,hit,context,block->geomID,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));
           for (uint32_t rest=of1; rest; rest&=rest-1) {
@@ -170,36 +170,27 @@ namespace embree
           return done;
         }
 
-        /*! VertTriangle::Sides */
-        struct Sides
+        /*! VertTriangle::sides */
+        __forceinline TriangleSides<vfloat<K>> sidesOf (const Triangles& of, size_t kz) const
         {
-          vfloat<K> w0, w1, w2, sum;
-
-          __forceinline Sides (const Triangles& of, const VertRays<K>& pre, size_t kz)
-          {
-            const size_t kx = size_t(axisAfter(int(kz),1)), ky = size_t(axisAfter(int(kz),2));
-            vfloat<K> x[3], y[3];
-            for (int i=0; i<3; i++) {
-              const vfloat<K> z = vfloat<K>::load(of.vertices[kz][i]) - pre.org[kz];
-              x[i] = nmadd(pre.sx,z,vfloat<K>::load(of.vertices[kx][i]) - pre.org[kx]);
-              y[i] = nmadd(pre.sy,z,vfloat<K>::load(of.vertices[ky][i]) - pre.org[ky]);
-            }
-            w0 = edgeSide(x[1],y[1],x[2],y[2]); w1 = edgeSide(x[2],y[2],x[0],y[0]); w2 = edgeSide(x[0],y[0],x[1],y[1]);
-            sum = w0 + w1 + w2;
+          const size_t kx = size_t(axisAfter(int(kz),1)), ky = size_t(axisAfter(int(kz),2));
+          vfloat<K> x[3], y[3];
+          for (int i=0; i<3; i++) {
+            const vfloat<K> z = vfloat<K>::load(of.vertices[kz][i]) - pre.org[kz];
+            x[i] = nmadd(pre.sx,z,vfloat<K>::load(of.vertices[kx][i]) - pre.org[kx]);
+            y[i] = nmadd(pre.sy,z,vfloat<K>::load(of.vertices[ky][i]) - pre.org[ky]);
           }
+          return TriangleSides<vfloat<K>>(x,y);
+        }
 
-          __forceinline vbool<K> areCertain () const {
-            return ((min(w0,min(w1,w2)) > vfloat<K>(zero)) | (max(w0,max(w1,w2)) < vfloat<K>(zero))) & (abs(sum) < vfloat<K>(pos_inf));
-          }
-
-          __forceinline void position (const vint<K>& triangles, vfloat<K>& a, vfloat<K>& b) const
-          {
-            const vbool<K> second = (triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero);
-            const vfloat<K> b1 = w1/sum, b2 = w2/sum;
-            a = select(second,b1+b2,b1);
-            b = select(second,vfloat<K>(1.0f)-b1,b2);
-          }
-        };
+        /*! VertTriangle::position */
+        static __forceinline void position (const TriangleSides<vfloat<K>>& sides, const vint<K>& triangles, vfloat<K>& a, vfloat<K>& b)
+        {
+          const vbool<K> second = (triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero);
+          const vfloat<K> b1 = sides.b1(), b2 = sides.b2();
+          a = select(second,b1+b2,b1);
+          b = select(second,vfloat<K>(1.0f)-b1,b2);
+        }
 
         Rays& rays;
         IntersectContext* context;

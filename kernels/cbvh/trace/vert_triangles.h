@@ -37,6 +37,27 @@ namespace embree
       /*! corners of the quad that a triangle has: 0 or 1, as bits of GroupTriangles say */
       __forceinline uint32_t cornerOfTriangle (uint32_t h, int vertex) { return vertex == 0 ? (h & 1 ? 2 : 0) : vertex == 1 ? 1 : (h & 1 ? 3 : 2); }
 
+      /*! The side of each edge of a triangle on which the ray is, rounded, and their sum; of one ray or of those of a packet. */
+      template<typename Real>
+      struct TriangleSides
+      {
+        Real w0, w1, w2, sum;
+
+        /*! of the sheared vertices */
+        __forceinline TriangleSides (const Real* x, const Real* y)
+          : w0(edgeSide(x[1],y[1],x[2],y[2])), w1(edgeSide(x[2],y[2],x[0],y[0])), w2(edgeSide(x[0],y[0],x[1],y[1])), sum(w0 + w1 + w2) {}
+
+        /*! No side rounded to 0: the signs are exact. Least and greatest in the same order would become a branch, which a processor
+         *  would not foresee. */
+        __forceinline auto areCertain () const -> decltype(w0 < w1) {
+          return ((Real(0.0f) < min(w0,min(w1,w2))) | (max(max(w0,w1),w2) < Real(0.0f))) & (abs(sum) < Real(float(pos_inf)));
+        }
+
+        /*! weights of the second and the third vertex; not numbers where all sides rounded to 0 */
+        __forceinline Real b1 () const { return w1/sum; }
+        __forceinline Real b2 () const { return w2/sum; }
+      };
+
       /*! A triangle of a group. */
       struct VertTriangle : private TrianglePlane<float,double>
       {
@@ -52,29 +73,19 @@ namespace embree
           }
         }
 
-        /*! the side of each edge on which the ray is, rounded, and their sum */
-        struct Sides
-        {
-          float w0, w1, w2, sum;
-
-          /*! no side rounded to 0: the signs are exact */
-          __forceinline bool areCertain () const {
-            return ((0.0f < min(w0,min(w1,w2))) | (max(max(w0,w1),w2) < 0.0f)) & (std::fabs(sum) < float(inf));
-          }
-
-          /*! in the quad, h as above; not numbers where all sides rounded to 0 */
-          __forceinline Vec2f position (uint32_t h) const
-          {
-            const float b1 = w1/sum, b2 = w2/sum, u[2] = { b1,b1+b2 }, v[2] = { b2,1.0f-b1 }; // which of them is not foreseen
-            return Vec2f(u[h & 1],v[h & 1]);
-          }
-        };
+        typedef TriangleSides<float> Sides;
 
         __forceinline Sides sides (const VertRay& ray) const
         {
           const Sheared s(*this,ray);
-          const float w0 = edgeSide(s.x[1],s.y[1],s.x[2],s.y[2]), w1 = edgeSide(s.x[2],s.y[2],s.x[0],s.y[0]), w2 = edgeSide(s.x[0],s.y[0],s.x[1],s.y[1]);
-          return Sides{ w0,w1,w2,w0 + w1 + w2 };
+          return Sides(s.x,s.y);
+        }
+
+        /*! in the quad, h as above */
+        static __forceinline Vec2f position (const Sides& sides, uint32_t h)
+        {
+          const float b1 = sides.b1(), b2 = sides.b2(), u[2] = { b1,b1+b2 }, v[2] = { b2,1.0f-b1 }; // which of them is not foreseen
+          return Vec2f(u[h & 1],v[h & 1]);
         }
 
         /*! Whether the sheared triangle has the ray in it. Sides that rounded to 0 count for both of
