@@ -6,7 +6,7 @@
 #ifndef CBVH_RAY_ORDER_H
 #define CBVH_RAY_ORDER_H
 
-#include "../cbvh/codec/language.h"
+#include "../cbvh/base/language.h"
 
 CBVH_BEGIN
 

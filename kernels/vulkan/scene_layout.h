@@ -7,7 +7,7 @@
 #ifndef CBVH_SCENE_LAYOUT_H
 #define CBVH_SCENE_LAYOUT_H
 
-#include "../cbvh/flat/reference.h"
+#include "../cbvh/base/reference.h"
 
 #ifdef VULKAN
 #define CBVH_ADDRESS uvec2

@@ -1,10 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* How a ray crosses a leaf, codec/crossing.h, against bisection, finite differences and dense
+/* How a ray crosses a leaf, framed/leaf/crossing.h, against bisection, finite differences and dense
  * sampling in double. */
 
-#include "kernels/cbvh/codec/crossing.h"
+#include "kernels/cbvh/framed/leaf/crossing.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>

@@ -5,8 +5,8 @@
  * tables as they do: if both changed, every other test would pass, and blocks written
  * before would mean something else. */
 
-#include "kernels/cbvh/codec/leaf.h"
-#include "kernels/cbvh/codec/local_ray.h"
+#include "kernels/cbvh/framed/leaf/format.h"
+#include "kernels/cbvh/framed/local_ray.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>

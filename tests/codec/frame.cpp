@@ -5,8 +5,8 @@
  * lines straight, for every size and place, and falls back where no projective map
  * is any good. */
 
-#include "kernels/cbvh/build/frame_fit.h"
-#include "kernels/cbvh/codec/node.h"
+#include "kernels/cbvh/framed/frame_fit.h"
+#include "kernels/cbvh/framed/node.h"
 #include "support/random.h"
 
 #include <algorithm>

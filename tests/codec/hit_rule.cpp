@@ -1,11 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The tables of FORMAT.md, section "Hit rule of cLEAF", against codec/hit_rule.h: the rows are
+/* The tables of FORMAT.md, section "Hit rule of cLEAF", against framed/leaf/hit_rule.h: the rows are
  * read, and for every combination of state and event the first one whose conditions hold has to
  * say what the code does. */
 
-#include "kernels/cbvh/codec/hit_rule.h"
+#include "kernels/cbvh/framed/leaf/hit_rule.h"
 
 #include <gtest/gtest.h>
 

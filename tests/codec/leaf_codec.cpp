@@ -3,8 +3,8 @@
 
 /* Leaves of cLEAF: what is stored bounds the quads' edges, and says so when it cannot. */
 
-#include "kernels/cbvh/codec/crossing.h"
-#include "kernels/cbvh/codec/tree.h"
+#include "kernels/cbvh/framed/leaf/crossing.h"
+#include "kernels/cbvh/framed/tree.h"
 #include "support/encoded_block.h"
 #include "support/random.h"
 

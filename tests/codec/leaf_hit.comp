@@ -6,9 +6,9 @@
  * Morton order, hence what it finds is no answer. It is compiled, not run. */
 
 #version 460
-#include "crossing.h"
-#include "normal.h"
-#include "tree.h"
+#include "framed/leaf/crossing.h"
+#include "framed/normal.h"
+#include "framed/tree.h"
 
 layout(local_size_x = 64) in;
 

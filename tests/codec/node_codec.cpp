@@ -4,8 +4,8 @@
 /* Containment: decoded bounds contain the geometry through all levels, in every
  * form of arithmetic that a traversal may have been compiled to. */
 
-#include "kernels/cbvh/build/node_encoder.h"
-#include "kernels/cbvh/trace/node_tables.cpp"
+#include "kernels/cbvh/framed/node_encoder.h"
+#include "kernels/cbvh/framed/node_tables.cpp"
 #include "support/decoding_forms.h"
 #include "support/random.h"
 

@@ -3,8 +3,8 @@
 
 /* Geometric normals of hits in the frame of a block, and which of them are turned. */
 
-#include "kernels/cbvh/build/frame_map.h"
-#include "kernels/cbvh/codec/normal.h"
+#include "kernels/cbvh/framed/frame_map.h"
+#include "kernels/cbvh/framed/normal.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>

@@ -5,8 +5,8 @@
  * the same floats after encoding and scalar decoding, and boxes contain their groups in the
  * floats of the traversal. */
 
-#include "kernels/cbvh/build/vert_encoder.h"
-#include "kernels/cbvh/trace/scalar_vert.h"
+#include "kernels/cbvh/vert/encoder.h"
+#include "support/scalar_vert.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>

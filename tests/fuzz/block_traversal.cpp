@@ -16,8 +16,8 @@
  * --seeds=DIRECTORY writes blocks of the encoder, with rays, for a corpus to start from. */
 
 #include "fuzz_support.h"
-#include "kernels/cbvh/build/block_encoder.h"
-#include "kernels/cbvh/trace/kind_visitors1.h"
+#include "kernels/cbvh/framed/block_encoder.h"
+#include "kernels/cbvh/scene/kind_visitors1.h"
 
 #include <vector>
 
@@ -45,7 +45,7 @@ bool isSound(const RayBytes& ray, const Block* block)
   return distance*stretch <= 1e36 && isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 && ray.tnear <= maxCoordinate && ray.tfar >= ray.tnear;
 }
 
-// FRAME: as fitBox (build/frame_fit.h) gives them, the box a bounded region of the world of at least
+// FRAME: as fitBox (framed/frame_fit.h) gives them, the box a bounded region of the world of at least
 // the smallest size, none of its sides far shorter than another, and W in its range.
 bool isSound(const Block* block)
 {

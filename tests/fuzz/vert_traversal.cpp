@@ -14,8 +14,8 @@
  * --seeds=DIRECTORY writes blocks of the encoder, with rays, for a corpus to start from. */
 
 #include "fuzz_support.h"
-#include "kernels/cbvh/build/vert_encoder.h"
-#include "kernels/cbvh/trace/kind_visitors1.h"
+#include "kernels/cbvh/vert/encoder.h"
+#include "kernels/cbvh/scene/kind_visitors1.h"
 
 #include <memory>
 #include <vector>

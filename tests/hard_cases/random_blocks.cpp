@@ -4,7 +4,7 @@
 /* Random blocks as the encoder makes them: needles, folds, flats, spikes, huge and tiny,
  * near and far. What every ISA decodes of them contains them. */
 
-#include "kernels/cbvh/build/block_encoder.h"
+#include "kernels/cbvh/framed/block_encoder.h"
 #include "support/decoding_forms.h"
 #include "support/random_sheets.h"
 

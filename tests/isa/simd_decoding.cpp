@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* The traversal's decoders of nodes and of cLEAF's groups, child for child against the scalar
- * ones, codec/node.h and codec/leaf.h: random words, random parents. Compiled once for every ISA,
+ * ones, framed/node.h and framed/leaf/format.h: random words, random parents. Compiled once for every ISA,
  * outside of the library.
  *
  * Where all planes of a parent are multiples of 2^-12 nothing rounds: planes of nodes are
@@ -12,7 +12,7 @@
  * 2^-22 below 2, which a float holds. There the two must be equal to the last bit, fused or
  * not. Anywhere else they may round another way, by no more than maxRounding. */
 
-#include "kernels/cbvh/trace/node_decoder4.h"
+#include "kernels/cbvh/framed/node_decoder4.h"
 #include "support/random.h"
 
 #include <cstring>

@@ -9,8 +9,8 @@
  * encoder made. */
 
 #include "kernels/common/scene.h"
-#include "kernels/cbvh/trace/block_intersector1.h"
-#include "kernels/cbvh/trace/scalar_intersector.h"
+#include "kernels/cbvh/framed/block_intersector1.h"
+#include "support/scalar_intersector.h"
 #include "support/encoded_block.h"
 #include "support/random.h"
 

@@ -1,14 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The traversal's decoder of cVERT against the scalar one, trace/scalar_vert.h: random blocks of
+/* The traversal's decoder of cVERT against the scalar one, support/scalar_vert.h: random blocks of
  * every size, all groups, to the last bit, as nothing rounds. Compiled once for every ISA, outside
  * of the library. */
 
-#include "kernels/cbvh/build/vert_encoder.h"
-#include "kernels/cbvh/trace/scalar_vert.h"
-#include "kernels/cbvh/trace/vert_decoder.h"
-#include "kernels/cbvh/trace/vert_triangles.h"
+#include "kernels/cbvh/vert/encoder.h"
+#include "support/scalar_vert.h"
+#include "kernels/cbvh/vert/decoder.h"
+#include "kernels/cbvh/vert/triangles.h"
 #include "support/random.h"
 
 #include <memory>

@@ -11,7 +11,7 @@
  * where that is another one the test is skipped. */
 
 #include "building/built_scene.h"
-#include "kernels/cbvh/codec/block.h"
+#include "kernels/cbvh/framed/block.h"
 #include "scenes/catalogue.h"
 #include "support/scene_blocks.h"
 

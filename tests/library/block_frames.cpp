@@ -3,7 +3,7 @@
 
 /* What the frames of blocks that the library built are aligned to. */
 
-#include "kernels/cbvh/codec/block.h"
+#include "kernels/cbvh/framed/block.h"
 #include "support/displaced_sheet.h"
 #include "support/scene_blocks.h"
 

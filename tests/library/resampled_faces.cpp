@@ -4,7 +4,7 @@
 /* Faces of any edge rates, resampled to whole blocks: as near to the true surface as
  * GRID's of the same rates, in a fraction of the memory, and anew when rates change. */
 
-#include "kernels/cbvh/build/frame_map.h"
+#include "kernels/cbvh/framed/frame_map.h"
 #include "support/edge_rates.h"
 #include "support/leaf_of_hit.h"
 #include "support/scene_blocks.h"

@@ -4,7 +4,7 @@
 /* rtcGetSceneBounds holds what can be hit: leaves reach past the vertices, and a renderer
  * clips its rays to the bounds. */
 
-#include "kernels/cbvh/build/frame_fit.h"
+#include "kernels/cbvh/framed/frame_fit.h"
 #include "support/random.h"
 #include "support/random_sheets.h"
 #include "support/scene.h"

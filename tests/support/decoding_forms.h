@@ -8,8 +8,8 @@
  * not (a mirrored ray decodes 1-upper from the mirrored parent, which rounds
  * differently). */
 
-#include "kernels/cbvh/build/node_encoder.h"
-#include "kernels/cbvh/codec/leaf.h"
+#include "kernels/cbvh/framed/node_encoder.h"
+#include "kernels/cbvh/framed/leaf/format.h"
 
 #include <cmath>
 #include <utility>

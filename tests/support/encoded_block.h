@@ -5,7 +5,7 @@
 
 /* A block by itself, without a scene: what the encoder makes of vertices. */
 
-#include "kernels/cbvh/build/block_encoder.h"
+#include "kernels/cbvh/framed/block_encoder.h"
 
 #include <algorithm>
 #include <vector>

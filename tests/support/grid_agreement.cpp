@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "support/grid_agreement.h"
-#include "kernels/cbvh/build/frame_map.h"
-#include "kernels/cbvh/codec/local_ray.h"
+#include "kernels/cbvh/framed/frame_map.h"
+#include "kernels/cbvh/framed/local_ray.h"
 #include "support/leaf_of_hit.h"
 #include "support/scene_blocks.h"
 

@@ -6,7 +6,7 @@
 /* The leaves of a scene's blocks that a hit may lie in, by its parameters, and what they
  * decode to, by the kind of their block: FORMAT.md. */
 
-#include "kernels/cbvh/codec/tree.h"
+#include "kernels/cbvh/framed/tree.h"
 #include <embree3/rtcore.h>
 
 #include <cmath>

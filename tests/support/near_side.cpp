@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "support/near_side.h"
-#include "kernels/cbvh/build/frame_fit.h"
-#include "kernels/cbvh/codec/crossing.h"
-#include "kernels/cbvh/codec/tree.h"
+#include "kernels/cbvh/framed/frame_fit.h"
+#include "kernels/cbvh/framed/leaf/crossing.h"
+#include "kernels/cbvh/framed/tree.h"
 #include "support/scene_blocks.h"
 
 #include <algorithm>

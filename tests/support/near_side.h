@@ -7,7 +7,7 @@
  * between a leaf's two patches hits it, at its near side. Scalar, over the very blocks of
  * a scene, as user geometry. */
 
-#include "kernels/cbvh/codec/block.h"
+#include "kernels/cbvh/framed/block.h"
 #include <embree3/rtcore.h>
 
 #include <memory>

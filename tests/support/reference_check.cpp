@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "support/reference_check.h"
-#include "kernels/cbvh/build/frame_map.h"
-#include "kernels/cbvh/trace/scalar_intersector.h"
+#include "kernels/cbvh/framed/frame_map.h"
+#include "support/scalar_intersector.h"
 #include "support/scene_blocks.h"
 
 #include <algorithm>

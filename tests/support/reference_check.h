@@ -7,7 +7,7 @@
  * built: closest and any hit, parameters and normals.
  *
  * They must be equal but where rounding decides. The SIMD code knows a ray inside a block up
- * to the vector "epsilon" of codec/local_ray.h, at both ends of its segment, and widens bounds
+ * to the vector "epsilon" of framed/local_ray.h, at both ends of its segment, and widens bounds
  * by as much. So an answer that differs must be one that the scalar intersector finds for a ray
  * whose ends in the block are moved by no more than that, with bounds widened by 0 to 2
  * epsilons (once by SIMD itself, once as the moved ray's own error): a miss, or a hit in a leaf
@@ -21,7 +21,7 @@
  * What t itself rounds comes on top: the sum t0 + tau (t1-t0) of a few rounded terms as large
  * as the distance to the block. */
 
-#include "kernels/cbvh/codec/block.h"
+#include "kernels/cbvh/framed/block.h"
 #include "support/random_sheets.h"
 #include "support/vert_triangles.h"
 

@@ -7,8 +7,8 @@
  * traces with the reference on the very same bytes. Looks into the library's own
  * structures, which have the layout of the patched tree that both are built from. */
 
-#include "kernels/cbvh/codec/block.h"
-#include "kernels/cbvh/codec/vert_block.h"
+#include "kernels/cbvh/framed/block.h"
+#include "kernels/cbvh/vert/format.h"
 #include <embree3/rtcore.h>
 
 #include <vector>

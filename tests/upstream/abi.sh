@@ -21,7 +21,7 @@ symbols "$ours" > "$work/ours"
 comm -23 "$work/stock" "$work/ours" > "$work/removed"
 comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
 [ ! -s "$work/removed" ] || { echo "removed:"; cat "$work/removed"; exit 1; }
-# those of rtcore_compression.h, and of kernels/cbvh/flat/flat_scene.h for libembree3_vulkan
+# those of rtcore_compression.h, and of kernels/cbvh/scene/flat_scene.h for libembree3_vulkan
 printf '%s\n' rtcFlattenScene rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcRaiseDeviceError rtcReleaseFlatScene rtcSetGeometryCompression > "$work/api"
 diff "$work/api" "$work/added" || { echo "added symbols are not those of our headers" >&2; exit 1; }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "factory.h"
-#include "../codec/kinds.h"
+#include "../base/kinds.h"
 #include "../../common/scene.h"
 #include "../../common/isa.h"
 #include "../../bvh/bvh.h"

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "../../common/accelinstance.h"
-#include "../build/build_report.h"
+#include "../scene/report.h"
 
 namespace embree
 {

@@ -6,7 +6,7 @@
 #include "../../common/default.h"
 #include "../../common/device.h"
 #include "../../common/scene.h"
-#include "../codec/kinds.h"
+#include "../base/kinds.h"
 #include "factory.h"
 #include "../../../include/embree3/rtcore_compression.h"
 #include <cmath>

@@ -4,7 +4,7 @@
 #include "../../common/default.h"
 #include "../../common/rtcore.h"
 #include "settings.h"
-#include "../codec/kinds.h"
+#include "../base/kinds.h"
 #include "../../../common/lexers/tokenstream.h"
 #include <cstdlib>
 #include <iostream>

@@ -13,7 +13,7 @@ import os
 import re
 import sys
 
-# Names of the language that headers share with C++ (codec/language.h), and what they are in GLSL.
+# Names of the language that headers share with C++ (base/language.h), and what they are in GLSL.
 LANGUAGE = {"CBVH_BEGIN": "", "CBVH_END": "", "CBVH_FUNCTION": "", "CBVH_REAL": "", "CBVH_CONSTANT": "const", "Real": "float",
             "uint32_t": "uint", "CBVH_ADDRESS": "uvec2"}
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray through a block of cGRID, cVOXEL or cLEAF: kernels/cbvh/codec says what the bytes are and
+/* A ray through a block of cGRID, cVOXEL or cLEAF: kernels/cbvh/framed says what the bytes are and
  * where a ray hits, this is the walk.
  *
  * The walk keeps 4 bits a level of children that are still to come, and as many of those that the
@@ -15,9 +15,9 @@
 #define CBVH_FRAMED_BLOCK_GLSL
 
 #include "triangle.glsl"
-#include "../../cbvh/codec/tree.h"
-#include "../../cbvh/codec/crossing.h"
-#include "../../cbvh/codec/normal.h"
+#include "../../cbvh/framed/tree.h"
+#include "../../cbvh/framed/leaf/crossing.h"
+#include "../../cbvh/framed/normal.h"
 
 /* The ray in the frame of a block. */
 struct CbvhLocalRay

@@ -7,7 +7,7 @@
 #define CBVH_RAY_GLSL
 
 #include "memory.glsl"
-#include "../../cbvh/codec/local_ray.h"
+#include "../../cbvh/framed/local_ray.h"
 
 /* As RTCRay: tnear and tfar in units of the direction, which need not be of length 1; a ray whose
  * tnear is not at most tfar hits nothing. mask: geometries whose mask shares a bit are seen. */

@@ -1,11 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray through a block of cVERT: kernels/cbvh/codec/vert_block.h and vertex_cell.h say what the
+/* A ray through a block of cVERT: kernels/cbvh/vert/format.h and vertex_cell.h say what the
  * bytes are. Vertices are decoded a row at a time, and tested as they come; what a ray may hit is
  * then looked at again, exactly.
  *
- * No ray slips through, as trace/vert_ray.h argues: the sides of edges are products of the same
+ * No ray slips through, as vert/ray.h argues: the sides of edges are products of the same
  * numbers whichever triangle asks, which is why nothing here may be fused ("precise"), and those
  * that round to 0 count for both triangles until their exact sign is known. */
 
@@ -15,7 +15,7 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_float64 : enable
 
 #include "ray.glsl"
-#include "../../cbvh/codec/vert_block.h"
+#include "../../cbvh/vert/format.h"
 
 /* The ray sheared to the z axis: kz is the axis of the direction's largest component. */
 struct CbvhShear
@@ -206,7 +206,7 @@ vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, uint gx, uint gy, int 
 
 /* --- boxes ----------------------------------------------------------------------------- */
 
-/* They only cull. By how many ulps they are widened: see trace/vert_intersector1.h. */
+/* They only cull. By how many ulps they are widened: see vert/intersector1.h. */
 const float CBVH_SLACK_ULPS = 8.0, CBVH_SHEARED_SLACK_ULPS = 16.0;
 
 /* The ray along a block's sheared coordinate, from the block's origin. */

@@ -1,0 +1,94 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of a block: vertices -> frame -> bounds bottom-up -> nodes top-down -> leaves.
+ * Top-down, because a node's planes are relative to what its parent decodes to, not to what
+ * the parent holds: rounding cannot add up.
+ *
+ * The leaves of each kind have an encoder of their own, which is given
+ *
+ *    uint32_t group (uint32_t m, const NodeBox& box)
+ *      a group of the last level, of kinds that have groups; returns its word
+ *    void fourGroups (uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
+ *      four of them, children of one node, whose words it writes
+ *    void leaf (uint32_t m, const NodeBox& box)
+ *      a leaf of the others
+ *    void finish ()
+ *      at the end. */
+
+#include "block_bounds.h"
+#include "grid/encoder.h"
+#include "leaf/encoder.h"
+#include "voxel/encoder.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    class BlockEncoder
+    {
+    public:
+      /*! as of BlockGeometry, whose fit has to come before encode */
+      BlockEncoder(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
+        : kind(kind), geometry(kind,height,vertices,scratch) {}
+
+      static size_t scratchBytes(uint32_t height) { return BlockGeometry::scratchBytes(height); }
+      bool fit(const float corners[4][3]) { return geometry.fit(corners); }
+      bool isDegenerate() const { return geometry.isDegenerate(); }
+
+      /*! Writes frame, info, nodes and leaves; IDs and face parameters are the caller's.
+       *  block:  BlockLayout(kind,height).bytes of room, 16-byte aligned;
+       *  x, y:   position in the patch, in blocks;
+       *  sharpSides: bits of the block's sides where the surface ends or bends, see sharpSidesOf();
+       *              only for statistics. */
+      void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& statistics, uint32_t sharpSides = 0)
+      {
+        block->info = blockInfo(uint32_t(kind),geometry.height,x,y);
+        memcpy(block->centre,geometry.frame.centre,sizeof(block->centre));
+        memcpy(block->columns,geometry.frame.columns,sizeof(block->columns));
+        geometry.bound();
+        statistics.affine = !geometry.frame.projective;
+        statistics.invalidQuads += geometry.invalidQuads;
+        switch (kind) {
+        case Kind::GRID : encodeWith(GridEncoder (geometry,block,statistics),block); break;
+        case Kind::VOXEL: encodeWith(VoxelEncoder(geometry,block,statistics),block); break;
+        case Kind::LEAF : encodeWith(LeafEncoder (geometry,block,sharpSides,statistics),block); break;
+        case Kind::VERT : break; // has no frame: vert_encoder.h
+        }
+      }
+
+      /*! of the block that encode wrote: for culling, and of all that a ray may hit */
+      WorldBounds surfaceBounds() const { return boundSurface(geometry); }
+      void extendByHits(WorldBounds& bounds, const Block* block) const { HitBounds(bounds,block,geometry).extend(); }
+
+    private:
+      template<typename Leaves>
+      void encodeWith(Leaves leaves, Block* block)
+      {
+        encodeNodes(leaves,block->nodes(),block->layout().nodeLevels,0,0,rootBox());
+        leaves.finish();
+      }
+
+      template<typename Leaves>
+      void encodeNodes(Leaves& leaves, uint32_t* nodes, uint32_t nodeLevels, uint32_t level, uint32_t m, const NodeBox& box)
+      {
+        if (level == nodeLevels) { leaves.leaf(m,box); return; }
+        uint32_t& word = nodes[nodesOfLevels(level)+m];
+        if (level+1 == nodeLevels && hasGroups(uint32_t(kind))) { word = leaves.group(m,box); return; }
+        word = encodeNode(box,&geometry.boxOf(level+1,4*m));
+        const NodeBoxes boxes(word,box);
+        if (level+2 == nodeLevels && hasGroups(uint32_t(kind))) {
+          leaves.fourGroups(4*m,boxes,nodes+nodesOfLevels(level+1)+4*m);
+          return;
+        }
+        for (uint32_t c=0; c<4; c++)
+          encodeNodes(leaves,nodes,nodeLevels,level+1,4*m+c,boxes[c]);
+      }
+
+      Kind kind;
+      BlockGeometry geometry;
+    };
+  }}
+}

@@ -1,0 +1,224 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The quads of a block in its frame: what the encoders of its nodes and leaves read.
+ *
+ * A cell is the part of the surface that a node of the finest level bounds: a quad, or, in a
+ * block of a kind whose leaves are smaller (cLEAF of one quad), a part of one. */
+
+#include "leaf/format.h"
+#include "frame_fit.h"
+#include "node_encoder.h"
+#include <algorithm>
+#include <cstring>
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    /*! area of a quad in the frame, relative to that of a leaf, below which it is much
+     *  smaller: leaves 16 times as wide as their quads are no picture of them */
+    static constexpr double minQuadArea = 1.0/256;
+
+    class BlockGeometry
+    {
+    public:
+      const uint32_t height;      //!< log2 of quads along a side
+      const uint32_t width;       //!< vertices along a side
+      const uint32_t cellLevels;  //!< log2 of cells along a side
+      const float (*const vertices)[3]; //!< world positions
+      Frame frame;
+      InverseFrame inverse;
+      float lower[4], upper[4];   //!< of the vertices that are finite, in the world
+      double coordinate = 0;      //!< largest of them
+      double rounding[4];         //!< in the frame: how far vertices may be from where a neighbouring face has them
+      ExactBox* boxes;            //!< of all quadtree levels down to cells, level by level
+      double (*local)[4];         //!< vertices of cells, in the frame
+      uint32_t invalidQuads = 0;  //!< with a vertex that is not finite
+
+      /*! bytes of scratch memory for blocks of this height, 16-byte aligned */
+      static size_t scratchBytes(uint32_t height) {
+        BlockGeometry geometry(Kind::LEAF,height,nullptr,nullptr); // cells of every kind, and more
+        return geometry.layoutScratch(nullptr);
+      }
+
+      /*! vertices: (2^height+1)^2 world positions, row by row, kept by reference;
+       *  scratch: see scratchBytes, kept by reference */
+      BlockGeometry(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
+        : height(height), width((1u << height)+1), cellLevels(std::max(height,kindFormats[uint32_t(kind)].minNodeLevels)),
+          vertices(vertices) { layoutScratch((char*)scratch); }
+
+      /*! Fits the block's frame; false when nothing is left to encode: no quad is
+       *  finite, or floats cannot hold a frame.
+       *  corners: world positions to align to, (0,0), (1,0), (0,1), (1,1) */
+      bool fit(const float corners[4][3])
+      {
+        const size_t all = size_t(width)*width;
+        size_t count = boundVertices();
+        allFinite = count == all;
+        if (count == 0) return false;
+        if (!allFinite) {
+          size_t n = 0;
+          for (uint32_t i=0; i<all; i++)
+            if (isFinite(i)) memcpy(finite[n++],vertices[i],sizeof(float[3]));
+        }
+        const float (*const fitting)[3] = allFinite ? vertices : finite;
+
+        float aligned[4][3];
+        memcpy(aligned,corners,sizeof(aligned));
+        bool ok = true;
+        for (int c=0; c<4; c++) ok &= cbvh::isFinite(corners[c]);
+        if (!ok) /* no corners to align to: any frame around the vertices */
+          for (int c=0; c<4; c++) memcpy(aligned[c],fitting[size_t(c)*(count-1)/3],sizeof(float[3]));
+        if (!fitFrame(aligned,fitting,count,fitted,frame)) return false;
+        const FrameLanes lanes(frame.columns);
+        for (uint32_t i=0; i<all; i++)
+          frame.transform(lanes,vertices[i]).store(local[i]);
+        if (cellLevels > height) splitQuad();
+        return true;
+      }
+
+      /*! Whether leaves would be much larger than most of their quads: the vertices lie on
+       *  a line, or some are far away from all others. Better not compressed. */
+      bool isDegenerate() const
+      {
+        const uint32_t side = 1u << cellLevels, cells = side*side;
+        const double limit = 2*minQuadArea/cells; // of twice the area
+        if (frame.degenerate) return true;
+        uint32_t small = 0, valid = 0;
+        for (uint32_t y=0; y<side; y++)
+        {
+          if (allFinite && 2*(valid-small) >= cells) return false; // and those to come cannot change it
+          for (uint32_t x=0; x<side; x++)
+          {
+            const double (*const v)[4] = local + y*(side+1)+x;
+            const double twice = crossOf(Double4::load(v[side+2])-Double4::load(v[0]),Double4::load(v[side+1])-Double4::load(v[1]));
+            small += std::fabs(twice) < limit;
+            valid += twice == twice; // not NaN
+          }
+        }
+        return 2*small > valid;
+      }
+
+      /*! bounds the cells and all nodes above them; after fit */
+      void bound()
+      {
+        inverse = InverseFrame(frameMap(frame.columns));
+        boundRounding();
+        uint32_t invalid = 0;
+        boundNode(0,0,0,0,invalid);
+        invalidQuads = cellLevels > height ? invalid != 0 : invalid;
+      }
+
+      ExactBox& boxOf(uint32_t level, uint32_t m) { return boxes[nodesOfLevels(level)+m]; }
+      const ExactBox& boxOf(uint32_t level, uint32_t m) const { return boxes[nodesOfLevels(level)+m]; }
+
+      bool isWhole() const { return allFinite; }
+      bool isFinite(uint32_t i) const { return cbvh::isFinite(vertices[i]); }
+
+    private:
+      /*! places the arrays in scratch memory; returns the end */
+      size_t layoutScratch(char* scratch)
+      {
+        const size_t side = (size_t(1) << cellLevels) + 1, points = side*side;
+        size_t bytes = 0;
+        auto take = [&](size_t n) { const uintptr_t p = uintptr_t(scratch) + bytes; bytes += (n+15) & ~size_t(15); return p; };
+        boxes  = (ExactBox*)take(nodesOfLevels(cellLevels+1)*sizeof(ExactBox));
+        local  = (double(*)[4])take(points*sizeof(*local));
+        fitted = (Double3*)take(points*sizeof(Double3));
+        finite = (float(*)[3])take(points*3*sizeof(float));
+        return bytes;
+      }
+
+      /*! whether a vertex in the frame, of a cell, is finite */
+      bool isLocalFinite(uint32_t i) const { return std::isfinite(local[i][0]) && std::isfinite(local[i][1]) && std::isfinite(local[i][2]); }
+
+      /*! one quad as 2 x 2 cells */
+      void splitQuad()
+      {
+        double quad[4][4];
+        memcpy(quad,local,sizeof(quad));
+        for (int v=0; v<9; v++)
+          for (int k=0; k<4; k++)
+            local[v][k] = 0.25*((2-v%3)*((2-v/3)*quad[0][k] + (v/3)*quad[2][k]) + (v%3)*((2-v/3)*quad[1][k] + (v/3)*quad[3][k]));
+      }
+
+      /*! vertexRounding in the frame, axis by axis: a world step of r on each axis moves
+       *  x = X/W by at most r (|dX| + |dW|)/W */
+      void boundRounding()
+      {
+        double rcpW = 0;
+        coordinate = 0;
+        for (int k=0; k<3; k++) coordinate = std::max(coordinate,double(std::max(-lower[k],upper[k])));
+        for (int corner=0; corner<8; corner++)
+          rcpW = std::max(rcpW,inverse.rcpW({ double(corner&1),double((corner>>1)&1),double(corner>>2) }));
+        auto sum = [&](int k) { return std::fabs(double(frame.columns[0][k])) + std::fabs(double(frame.columns[1][k])) + std::fabs(double(frame.columns[2][k])); };
+        rounding[3] = 0;
+        for (int k=0; k<3; k++)
+          rounding[k] = vertexRounding*coordinate*(sum(k)+sum(3))*rcpW;
+      }
+
+      /*! Bounds a node, at (x,y) among those of its level, and all below it. Boxes of cells with a
+       *  vertex that is not finite are empty; they are counted. */
+      void boundNode(uint32_t level, uint32_t m, uint32_t x, uint32_t y, uint32_t& invalid)
+      {
+        if (level == cellLevels) {
+          boxOf(level,m) = boundCell(y*((1u << cellLevels)+1) + x,invalid);
+          return;
+        }
+        for (uint32_t c=0; c<4; c++) boundNode(level+1,4*m+c,2*x+(c&1),2*y+(c>>1),invalid);
+        const ExactBox* const children = &boxOf(level+1,4*m);
+        ExactBox box = children[0];
+        for (uint32_t c=1; c<4; c++) box.extend(children[c]);
+        boxOf(level,m) = box;
+      }
+
+      /*! v: its lower vertex */
+      ExactBox boundCell(uint32_t v, uint32_t& invalid) const
+      {
+        const uint32_t above = v + (1u << cellLevels)+1;
+        if (!allFinite && !(isLocalFinite(v) && isLocalFinite(v+1) && isLocalFinite(above) && isLocalFinite(above+1))) {
+          invalid++;
+          return ExactBox();
+        }
+        const Double4 p[4] = { Double4::load(local[v]),Double4::load(local[v+1]),Double4::load(local[above]),Double4::load(local[above+1]) };
+        const Double4 lower = min(min(p[0],p[1]),min(p[2],p[3])), upper = max(max(p[0],p[1]),max(p[2],p[3]));
+        const Double4 r = Double4::load(rounding);
+        return ExactBox(min(lower,max(lower-r,frameMargin)),max(upper,min(upper+r,1-frameMargin)));
+      }
+
+      /*! bounds of those that are finite, and how many these are */
+      size_t boundVertices()
+      {
+        const size_t all = size_t(width)*width;
+        Float4 low = maxCoordinate, high = -maxCoordinate;
+        uint32_t finite = 7;
+        for (size_t i=0; i<all; i++) {
+          const Float4 p = loadVertex(vertices,i,all);
+          finite &= lanesBelow(abs(p),maxCoordinate);
+          low = min(low,p);
+          high = max(high,p);
+        }
+        if (finite == 7) { low.store(lower); high.store(upper); return all; }
+        size_t count = 0;
+        low = maxCoordinate; high = -maxCoordinate;
+        for (size_t i=0; i<all; i++) {
+          if (!isFinite(uint32_t(i))) continue;
+          const Float4 p = loadVertex(vertices,i,all);
+          low = min(low,p);
+          high = max(high,p);
+          count++;
+        }
+        low.store(lower); high.store(upper);
+        return count;
+      }
+
+    private:
+      bool allFinite = false;
+      Double3* fitted;          //!< vertices, relative, while the frame is fitted
+      float (*finite)[3];
+    };
+  }}
+}

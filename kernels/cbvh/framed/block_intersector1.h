@@ -1,0 +1,38 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Single-ray intersector of blocks, closest hit and any hit: ray into the frame,
+ * walk through the quadtree, leaves. */
+
+#include "voxel/visitor1.h"
+#include "leaf/visitor1.h"
+#include "grid/visitor1.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      template<template<typename> class Visitor>
+      struct BlockIntersector1
+      {
+        /*! Whether a hit was accepted; any hit ends with it. Not inlined, so that traversal keeps its ray in registers. */
+        template<typename RayType>
+        static __noinline bool intersect (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block)
+        {
+          LocalRay local;
+          if (!local.init(pre,block,ray.tfar)) return false;
+          const FrameRay frameRay(local);
+          const BlockLayout layout = blockLayout(Visitor<RayType>::kind,block->height());
+          BlockTiles tiles(block,layout);
+          Visitor<RayType> visitor(ray,context,pre,block,layout,local,frameRay,tiles);
+          BlockWalk1<Visitor<RayType>>(frameRay,tiles,visitor).run();
+          return visitor.isHit;
+        }
+      };
+    }
+  }
+}

@@ -1,0 +1,38 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Intersector of blocks with frames for the rays of a packet, block_intersector1.h. */
+
+#include "voxel/visitorK.h"
+#include "leaf/visitorK.h"
+#include "grid/visitorK.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      template<int K, template<int,typename> class Visitor>
+      struct BlockIntersectorK
+      {
+        /*! which of the rays in some lanes accepted a hit; any hit ends with it */
+        template<typename Rays>
+        static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context, const RaysPrecalculations<K>& pre, const Block* block)
+        {
+          FrameRays<K> frameRays;
+          const vbool<K> inside = frameRays.init(pre,block,rays.tfar,valid);
+          if (none(inside)) return inside;
+          typedef Visitor<K,Rays> BlockVisitor;
+          const BlockLayout layout = blockLayout(BlockVisitor::kind,block->height());
+          BlockTiles tiles(block,layout);
+          BlockVisitor visitor(rays,context,pre,block,layout,frameRays,tiles,inside);
+          BlockWalkK<K,BlockVisitor>(frameRays,tiles,visitor).run(inside);
+          return visitor.isHit;
+        }
+      };
+    }
+  }
+}

@@ -1,0 +1,149 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The tiles of a block, out of the thread's cache.
+ *
+ * Tiles are two levels high and end with the leaves: where there is an odd number of levels, the first tile
+ * has the root as its only child, and where the root is the leaf, as its only grandchild.
+ *
+ * A reference lasts until the next call of these functions or until a hit is reported: a filter may
+ * trace rays. */
+
+#include "node_decoder4.h"
+#include "block.h"
+#include <cstring>
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      class BlockTiles
+      {
+      public:
+        typedef NodeEntries::Tile Tile;
+        typedef NodeEntries::LeafTile LeafTile;
+
+        __forceinline BlockTiles (const Block* block, const BlockLayout& layout)
+          : cache(NodeCache::ofThread()), block(block), nodeLevels(int(layout.nodeLevels)), heights((const char*)block + layout.leafOffset) {}
+
+        /*! below 0: the first tile is above the root */
+        __forceinline int firstLevel () const { return unlikely(nodeLevels == 0) ? -2 : -(nodeLevels & 1); }
+        __forceinline int lastLevel () const { return nodeLevels-2; }
+
+        /*! the tile of node m of a level, 0 for that above the root */
+        __forceinline Tile& tile (int level, uint32_t m)
+        {
+          const uint32_t number = numberOf(level,m);
+          Tile& at = cache.tile(block,number);
+          if (unlikely(at.block != block || at.number != number)) decodeChildren(at,level,m);
+          return at;
+        }
+
+        /*! the same, of the last level in cLEAF */
+        __forceinline LeafTile& leafTile (uint32_t m)
+        {
+          const uint32_t number = numberOf(lastLevel(),m);
+          LeafTile& at = cache.leafTile(block,number);
+          if (unlikely(at.block != block || at.number != number)) decodeChildren(at,lastLevel(),m);
+          return at;
+        }
+
+        /*! whether a tile is still that of the block with a number, and has a grandchild */
+        __forceinline bool has (const Tile& at, uint32_t number) const { return at.block == block && at.number == number; }
+        __forceinline bool has (const Tile& at, uint32_t number, uint32_t child) const { return has(at,number) && (at.decoded >> (child >> 2)) & 1u; }
+
+        /*! decodes the children of what a mask of children has, where they are not */
+        __forceinline void need (Tile& at, uint32_t mask)
+        {
+          mask &= ~at.decoded;
+          if (unlikely(mask != 0)) decodeGrandchildren(at,mask);
+        }
+        __forceinline void need (LeafTile& at, uint32_t mask)
+        {
+          mask &= ~at.decoded;
+          if (unlikely(mask != 0)) decodeLeaves(at,mask);
+        }
+
+      private:
+        /*! in the order of the words, after the tile above the root */
+        static __forceinline uint32_t numberOf (int level, uint32_t m) { return level < 0 ? 0 : nodesOfLevels(uint32_t(level)) + m + 1; }
+
+        /*! the word of the first child of a tile */
+        static __forceinline uint32_t firstChild (const Tile& at) { return at.number == 0 ? 0 : 4*at.number-3; }
+
+        __noinline void decodeChildren (Tile& at, int level, uint32_t m)
+        {
+          if (level == firstLevel()) prefetchWords();
+          if (level >= 0) {
+            const NodeBox box = boxOf(level,m); // may fill the same place
+            decodeNode(block->nodes()[nodesOfLevels(uint32_t(level))+m],box,at.children,0);
+          }
+          at.block = block;
+          at.number = numberOf(level,m);
+          at.decoded = 0;
+          at.present = level >= 0 ? 0xFFFFu : level == -1 ? 0xFu : 1u;
+        }
+
+        /*! Words and heights of a block that was not met lately: which of them are needed is known one after the
+         *  other, and memory that is waited for then is not hidden by anything. */
+        __forceinline void prefetchWords () const
+        {
+          const size_t bytes = min(size_t(heights-(const char*)block)*3,size_t(1024));
+          for (size_t line=64; line<bytes; line+=64) prefetchL1((const char*)block + line);
+        }
+
+        /*! the first of four boxes is the root's; there are no others (present) */
+        static __forceinline void setRootAlone (NodePlanes<16>& out)
+        {
+          for (int axis=0; axis<3; axis++) {
+            vfloat4::store(out.at[axis][0],vfloat4(zero));
+            vfloat4::store(out.at[axis][1],vfloat4(one));
+          }
+        }
+
+        static __forceinline NodeBox boxOfChild (const Tile& at, uint32_t c) { return unlikely(at.isAboveRoot()) ? rootBox() : boxAt(at.children,c); }
+
+        /*! of a node that is a tile's, by the tile that it is a grandchild of */
+        NodeBox boxOf (int level, uint32_t m)
+        {
+          if (level == 0) return rootBox();
+          Tile& parent = tile(level-2,m >> 4);
+          need(parent,1u << ((m & 15u) >> 2));
+          return boxAt(parent.grandchildren,m & 15u);
+        }
+
+        __noinline void decodeGrandchildren (Tile& at, uint32_t mask)
+        {
+          if (unlikely(nodeLevels == 0)) setRootAlone(at.grandchildren);
+          else for (uint32_t rest=mask; rest; rest&=rest-1) {
+            const uint32_t c = uint32_t(bsf(rest));
+            decodeNode(block->nodes()[firstChild(at)+c],boxOfChild(at,c),at.grandchildren,4*c);
+          }
+          at.decoded |= mask;
+        }
+
+        __noinline void decodeLeaves (LeafTile& at, uint32_t mask)
+        {
+          const uint32_t firstGroup = firstChild(at) - nodesOfLevels(uint32_t(nodeLevels-1));
+          for (uint32_t rest=mask; rest; rest&=rest-1)
+          {
+            const uint32_t c = uint32_t(bsf(rest));
+            uint64_t bits;
+            memcpy(&bits,heights + 8*size_t(firstGroup+c),8);
+            GroupDecoder4(at.grandchildren,at.surfaces,4*c).decode(block->nodes()[firstChild(at)+c],bits,boxOfChild(at,c));
+          }
+          at.decoded |= mask;
+        }
+
+        NodeCache& cache;
+        const Block* block;
+        const int nodeLevels;
+        const char* heights;
+      };
+    }
+  }
+}

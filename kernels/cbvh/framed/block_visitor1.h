@@ -1,0 +1,73 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What the visitors of the three kinds of leaves share: the ray in its block, and its hits. */
+
+#include "block_walk1.h"
+#include "surface_hit.h"
+#include "../scene/epilogues.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      typedef LeafHit<float,bool> LeafHit1;
+
+      template<typename RayType>
+      struct BlockVisitor1
+      {
+        RayType& ray;
+        IntersectContext* context;
+        const RayPrecalculations& pre;
+        const Block* block;
+        const BlockLayout& layout;
+        const LocalRay& local;
+        const FrameRay& frameRay;
+        BlockTiles& tiles;
+        float sBest;
+        bool isHit;         //!< a hit was accepted
+
+        __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block, const BlockLayout& layout,
+                                     const LocalRay& local, const FrameRay& frameRay, BlockTiles& tiles)
+          : ray(ray), context(context), pre(pre), block(block), layout(layout), local(local), frameRay(frameRay), tiles(tiles),
+            sBest(ray.tfar < pre.tfar ? min(local.behind(pre.rcpScale,ray.tfar),1.0f) : 1.0f), isHit(false) {}
+
+        /* what BlockWalk1 asks for; only cLEAF has more */
+        typedef NodeEntries::Tile LeafTile;
+        static const uint32_t passedMask = 0u;
+        __forceinline bool passedAbove (bool) { return false; }
+        __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
+
+        /*! whether the segment begins (ends) in the box of a leaf, at tnear (tfar) */
+        __forceinline bool startsInside (const BoxRanges<16>& ranges, uint32_t leaf) const { return local.startClipped && ranges.sNear[leaf] < 0.0f; }
+        __forceinline bool endsInside (const BoxRanges<16>& ranges, uint32_t leaf) const { return local.endClipped && ranges.sFar[leaf] > 1.0f; }
+
+        /*! Reports a hit. True if the walk goes on as after a hit: it was accepted, or lies behind the ray's hit in
+         *  another block, but would have been accepted, had this block been met before. */
+        __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
+        {
+          const HitRay<float> segment = { { frameRay.P[0],frameRay.P[1],frameRay.P[2] },{ frameRay.D[0],frameRay.D[1],frameRay.D[2] },local.t0,local.t1,local.w0,local.w1,
+                                          { pre.dir.x,pre.dir.y,pre.dir.z },pre.scale,pre.rcpDir2,ray.tnear(),pre.tfar,pre.enter };
+          const float own = segment.ownT(at.s), t = segment.countingT(own);
+          if (!pre.nearest.isBefore(t,own,block,ray.tfar)) {
+            SurfaceHit1 hit = { 0.0f,0.0f,own,Vec3fa(zero) };
+            if (isRead(ray,context,block->geomID)) {
+              const SurfaceHit<float> found = HitFrame<float,bool>(block,layout).surfaceHit(segment,leaf,at,own);
+              hit = SurfaceHit1{ found.u,found.v,found.t,Vec3fa(found.Ng.x,found.Ng.y,found.Ng.z) };
+            }
+            if (!report(ray,context,block->geomID,block->primID,hit)) return false;
+            pre.nearest.set(t,own,block);
+            if (!IsAnyHit<RayType>::value) ray.tfar = t;
+            isHit = true;
+          }
+          sBest = at.s;
+          return true;
+        }
+      };
+    }
+  }
+}

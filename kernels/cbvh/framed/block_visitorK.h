@@ -1,0 +1,106 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What the visitors of the three kinds of leaves share for packets: the rays in their block, and their hits.
+ * block_visitor1.h has the same for one ray. */
+
+#include "block_walkK.h"
+#include "surface_hit.h"
+#include "../scene/epilogues.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      template<int K> using LeafHits = LeafHit<vfloat<K>,vbool<K>>;
+
+      template<int K, typename Rays>
+      struct BlockVisitorK
+      {
+        typedef NodeEntries::Tile LeafTile;
+
+        Rays& rays;
+        IntersectContext* context;
+        const RaysPrecalculations<K>& pre;
+        const Block* block;
+        const BlockLayout& layout;
+        const FrameRays<K>& frameRays;
+        BlockTiles& tiles;
+        vfloat<K> sBest;
+        vbool<K> open;   //!< rays that go on
+        vbool<K> isHit;  //!< a hit was accepted
+
+        __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RaysPrecalculations<K>& pre, const Block* block, const BlockLayout& layout,
+                                     const FrameRays<K>& frameRays, BlockTiles& tiles, const vbool<K>& valid)
+          : rays(rays), context(context), pre(pre), block(block), layout(layout), frameRays(frameRays), tiles(tiles), sBest(1.0f), open(valid), isHit(false)
+        {
+          const vbool<K> nearer = valid & (rays.tfar < pre.tfar);
+          if (any(nearer)) sBest = select(nearer,min(frameRays.behind(pre.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
+        }
+
+        /* what BlockWalkK asks for; only cLEAF has more */
+        static const bool countsPassed = false;
+        __forceinline vbool<K> wantsPassed () const { return vbool<K>(false); }
+        __forceinline void pass (const vbool<K>&, const vbool<K>&) {}
+        __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
+
+        /*! whether segments begin (end) in the box of a leaf, at tnear (tfar) */
+        __forceinline vbool<K> startInside (const BoxMeeting<K>& box) const { return frameRays.startClipped & (box.sNear < vfloat<K>(zero)); }
+        __forceinline vbool<K> endInside (const BoxMeeting<K>& box) const { return frameRays.endClipped & (box.sFar > vfloat<K>(1.0f)); }
+
+        /*! Reports hits of some lanes; those whose walks go on as after a hit (reportHit of block_visitor1.h). */
+        __forceinline vbool<K> reportHits (const vbool<K>& lanes, uint32_t leaf, const LeafHits<K>& hits)
+        {
+          const HitRay<vfloat<K>> segment = segments();
+          const vfloat<K> own = segment.ownT(hits.s), t = segment.countingT(own);
+          vbool<K> counts = lanes;
+          const vbool<K> front = lanes & inFront(lanes,t,own);
+          if (any(front)) {
+            const vbool<K> accepted = front & report(rays,front,context,block->geomID,block->primID,[&] {
+              const SurfaceHit<vfloat<K>> hit = HitFrame<vfloat<K>,vbool<K>>(block,layout).surfaceHit(segment,leaf,hits,own);
+              return std::make_tuple(hit.u,hit.v,hit.t,Vec3vf<K>(hit.Ng));
+            });
+            for (uint32_t rest=uint32_t(movemask(accepted)); rest; rest&=rest-1) {
+              const uint32_t k = uint32_t(bsf(rest));
+              pre.nearest[k].set(t[k],own[k],block);
+            }
+            if (!IsAnyHit<Rays>::value) rays.tfar = select(accepted,t,rays.tfar);
+            accept(accepted);
+            counts = andn(lanes,andn(front,accepted));
+          }
+          sBest = select(counts,hits.s,sBest);
+          return counts;
+        }
+
+        __forceinline void accept (const vbool<K>& accepted)
+        {
+          isHit |= accepted;
+          if (IsAnyHit<Rays>::value) open = andn(open,accepted);
+        }
+
+      private:
+        __forceinline HitRay<vfloat<K>> segments () const
+        {
+          const FrameRays<K>& f = frameRays;
+          return HitRay<vfloat<K>>{ { f.P[0],f.P[1],f.P[2] },{ f.D[0],f.D[1],f.D[2] },f.t0,f.t1,f.w0,f.w1,
+                                    { pre.dir.x,pre.dir.y,pre.dir.z },pre.scale,pre.rcpDir2,rays.tnear(),pre.tfar,pre.enter };
+        }
+
+        /*! hits that do not lie behind those that the rays have */
+        __forceinline vbool<K> inFront (const vbool<K>& lanes, const vfloat<K>& t, const vfloat<K>& own) const
+        {
+          vbool<K> front = t < rays.tfar;
+          for (uint32_t rest=uint32_t(movemask(lanes & (t == rays.tfar))); unlikely(rest != 0u); rest&=rest-1) {
+            const uint32_t k = uint32_t(bsf(rest));
+            if (!pre.nearest[k].isBefore(t[k],own[k],block,rays.tfar[k])) set(front,k);
+          }
+          return front;
+        }
+      };
+    }
+  }
+}

@@ -1,0 +1,143 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The map of a frame, from the world to the block's box, as linear forms in double: for
+ * encoding, and for whoever wants to know where in the world a box is. */
+
+#include "block.h"
+#include "../base/lanes.h"
+#include <cmath>
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    /*! coordinates that count as finite: Embree's own limit for rays and bounds */
+    static constexpr float maxCoordinate = 1.844e18f;
+    inline bool isFinite(const float p[3]) {
+      return std::fabs(p[0]) < maxCoordinate && std::fabs(p[1]) < maxCoordinate && std::fabs(p[2]) < maxCoordinate;
+    }
+
+    /* unlike std::fmax they need no call; NaN never gets here */
+    inline double minimum(double a, double b) { return a < b ? a : b; }
+    inline double maximum(double a, double b) { return a > b ? a : b; }
+
+    struct Double3
+    {
+      double x, y, z;
+      friend Double3 operator+(const Double3& a, const Double3& b) { return {a.x+b.x,a.y+b.y,a.z+b.z}; }
+      friend Double3 operator-(const Double3& a, const Double3& b) { return {a.x-b.x,a.y-b.y,a.z-b.z}; }
+      friend Double3 operator*(double s, const Double3& a) { return {s*a.x,s*a.y,s*a.z}; }
+    };
+    inline double dot(const Double3& a, const Double3& b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
+    inline Double3 cross(const Double3& a, const Double3& b) { return {a.y*b.z-a.z*b.y, a.z*b.x-a.x*b.z, a.x*b.y-a.y*b.x}; }
+    inline double length(const Double3& a) { return std::sqrt(dot(a,a)); }
+    inline double length1(const Double3& a) { return std::fabs(a.x)+std::fabs(a.y)+std::fabs(a.z); }
+
+    /*! linear form of homogeneous world coordinates */
+    struct Form
+    {
+      Double3 n;
+      double d;
+      double operator()(const Double3& p) const { return dot(n,p) + d; }
+      friend Form operator+(const Form& a, const Form& b) { return {a.n+b.n, a.d+b.d}; }
+      friend Form operator*(double s, const Form& a) { return {s*a.n, s*a.d}; }
+    };
+
+    /*! a map under construction; affine when W is constant */
+    struct FrameMap
+    {
+      Form X, Y, Z, W;
+      bool projective;
+    };
+
+    /*! what the columns of a frame do to a point relative to its centre: X, Y, Z and W in lanes 0 to 3 */
+    struct FrameLanes
+    {
+      Double4 columns[3];
+
+      explicit FrameLanes(const float c[3][4]) : columns{ Float4::load(c[0]),Float4::load(c[1]),Float4::load(c[2]) } {}
+
+      Double4 operator()(const Double3& d) const {
+        return Double4(0.5,0.5,0.5,1.0) + columns[0]*d.x + columns[1]*d.y + columns[2]*d.z;
+      }
+    };
+
+    /*! stored frame; double, for the encoder */
+    struct Frame
+    {
+      float centre[3];
+      float columns[3][4];
+      bool projective;
+      bool degenerate; //!< a box wider than its vertices: they are on a line, or far apart on one axis
+
+      void transform(const float p[3], double local[3]) const
+      {
+        double l[4];
+        transform(FrameLanes(columns),p).store(l);
+        for (int k=0; k<3; k++) local[k] = l[k];
+      }
+
+      /*! x, y and z in lanes 0 to 2; lanes: of the columns */
+      Double4 transform(const FrameLanes& lanes, const float p[3]) const
+      {
+        const Double4 h = lanes({ double(p[0])-double(centre[0]), double(p[1])-double(centre[1]), double(p[2])-double(centre[2]) });
+        return h/broadcast<3>(h);
+      }
+    };
+
+    /*! solves X = x W, Y = y W, Z = z W for the world point */
+    inline bool unproject(const FrameMap& m, double x, double y, double z, Double3& p)
+    {
+      const Form a = m.X + (-x)*m.W, b = m.Y + (-y)*m.W, c = m.Z + (-z)*m.W;
+      const Double3 bc = cross(b.n,c.n), ca = cross(c.n,a.n), ab = cross(a.n,b.n);
+      const double det = dot(a.n,bc);
+      if (!(std::fabs(det) > 0)) return false;
+      p = (-a.d/det)*bc + (-b.d/det)*ca + (-c.d/det)*ab;
+      return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    }
+
+    /*! the map that a block stores, from world points relative to its centre */
+    inline FrameMap frameMap(const float columns[3][4])
+    {
+      auto row = [&](int k, double d) { return Form{ { columns[0][k],columns[1][k],columns[2][k] },d }; };
+      return { row(0,0.5),row(1,0.5),row(2,0.5),row(3,1),true };
+    }
+    inline FrameMap frameMap(const Block* block) { return frameMap(block->columns); }
+
+    /*! Inverse of a frame. That of a projective map is one too: 1/W, and p/W of the world
+     *  point relative to the centre, are linear forms of the frame's position. */
+    struct InverseFrame
+    {
+      Form numerator[3], rcpW;
+
+      InverseFrame() : rcpW{ {0,0,0}, 1 } {}
+
+      explicit InverseFrame(const FrameMap& map)
+      {
+        double sample[4][4]; // at the origin and one step along each axis
+        for (int i=0; i<4; i++)
+        {
+          Double3 p;
+          if (!unproject(map,i == 1,i == 2,i == 3,p)) p = { 0,0,0 };
+          const double r = 1/map.W(p);
+          sample[i][0] = p.x*r; sample[i][1] = p.y*r; sample[i][2] = p.z*r; sample[i][3] = r;
+        }
+        auto form = [&](int k) {
+          return Form{ { sample[1][k]-sample[0][k], sample[2][k]-sample[0][k], sample[3][k]-sample[0][k] }, sample[0][k] };
+        };
+        for (int k=0; k<3; k++) numerator[k] = form(k);
+        rcpW = form(3);
+      }
+
+      /*! world point relative to the centre */
+      Double3 operator()(const Double3& local) const
+      {
+        const double w = 1/rcpW(local);
+        return { w*numerator[0](local), w*numerator[1](local), w*numerator[2](local) };
+      }
+    };
+  }}
+}

@@ -1,0 +1,113 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The segment of a ray in the frame of a block, ready for tests of boxes: which planes are near and
+ * which are far, and bounds that are wider by its epsilon. */
+
+#include "local_ray4.h"
+#include "node_cache.h"
+#include "../base/wide_vector.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      struct FrameRay
+      {
+        vfloat4 P, D;              //!< start and direction: x, y, z
+        vfloatV Pnear[3], Pfar[3]; //!< start, moved by the ray's epsilon so that bounds are wider; all lanes are the same
+        vfloatV rcpD[3];
+        float epsilonZ;
+        uint32_t flip;             //!< axes along which the ray descends, a bit each
+        size_t nearRow[3];         //!< of NodePlanes, a row for each side of an axis: 16 times that of the near planes
+
+        __forceinline FrameRay (const LocalRay& ray)
+        {
+          P = ray.P0;
+          D = ray.P1 - ray.P0;
+          const vboolf4 down = D < vfloat4(zero);
+          const vfloat4 outwards = select(down,-ray.epsilon,ray.epsilon);
+          const vfloat4 n = P + outwards, f = P - outwards;
+          const vfloat4 away = vfloat4(1.0f)/max(abs(D),vfloat4(1e-18f));
+          const vfloat4 r = select(down,-away,away);
+          epsilonZ = ray.epsilon[2];
+          flip = uint32_t(movemask(down)) & 7u;
+          for (int k=0; k<3; k++) {
+            Pnear[k] = vfloatV(n[k]); Pfar[k] = vfloatV(f[k]); rcpD[k] = vfloatV(r[k]);
+            nearRow[k] = 16*(2*k + nearSide(k));
+          }
+        }
+
+        /*! the first child along the ray */
+        __forceinline uint32_t flipXY () const { return flip & 3u; }
+        __forceinline bool descends () const { return (flip & 4u) != 0u; }
+
+        /*! 1 if the near planes of an axis are the upper ones */
+        __forceinline uint32_t nearSide (int axis) const { return (flip >> axis) & 1u; }
+
+        /*! the near (far) planes of boxes on an axis; the factor is one of addressing */
+        template<int N>
+        __forceinline const float* nearPlanes (const NodePlanes<N>& c, int axis) const { return (const float*)((const char*)&c + nearRow[axis]*(N/4)); }
+        template<int N>
+        __forceinline const float* farPlanes (const NodePlanes<N>& c, int axis) const { return (const float*)((const char*)&c + (nearRow[axis]^16)*(N/4)); }
+
+        /*! where the ray's line meets the near (far) planes of a box on an axis, widened */
+        template<int N>
+        __forceinline float enter (const NodePlanes<N>& c, int axis, uint32_t i) const { return (nearPlanes(c,axis)[i] - Pnear[axis][0])*rcpD[axis][0]; }
+        template<int N>
+        __forceinline float leave (const NodePlanes<N>& c, int axis, uint32_t i) const { return (farPlanes(c,axis)[i] - Pfar[axis][0])*rcpD[axis][0]; }
+
+        /*! whether the ray goes over a box that it shares x and y with but does not meet */
+        template<int N>
+        __forceinline bool isAbove (const NodePlanes<N>& c, uint32_t i) const
+        {
+          const float nxy = max(enter(c,0,i),enter(c,1,i));
+          return (leave(c,2,i) < max(nxy,0.0f)) != descends();
+        }
+      };
+
+      /*! where the ray's line enters and leaves boxes; either may lie beyond the segment */
+      template<int N>
+      struct alignas(64) BoxRanges { float sNear[N], sFar[N]; };
+
+      struct BoxMasks
+      {
+        uint32_t hit;    //!< boxes that the segment meets
+        uint32_t passed; //!< boxes that it only shares x and y with
+      };
+
+      /*! tests the first `number` of N boxes against the segment up to sBest, in vectors */
+      template<typename vfloatW, int N>
+      __forceinline BoxMasks meetBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest, BoxRanges<N>& ranges, int number = N)
+      {
+        static_assert(int(vfloatW::size) <= vectorWidth, "lanes of the ray");
+        /* in variables, as what is stored may be the ray for all that the compiler knows */
+        const float* nearPlanes[3]; const float* farPlanes[3];
+        vfloatW Pnear[3], Pfar[3], rcpD[3];
+        for (int k=0; k<3; k++) {
+          nearPlanes[k] = ray.nearPlanes(c,k);
+          farPlanes[k] = ray.farPlanes(c,k);
+          Pnear[k] = vfloatW::load((const float*)&ray.Pnear[k]); Pfar[k] = vfloatW::load((const float*)&ray.Pfar[k]); rcpD[k] = vfloatW::load((const float*)&ray.rcpD[k]);
+        }
+        BoxMasks masks = { 0u,0u };
+        for (int i=0; i<number; i+=int(vfloatW::size))
+        {
+          auto enter = [&](int k) { return (vfloatW::load(nearPlanes[k]+i)-Pnear[k])*rcpD[k]; };
+          auto leave = [&](int k) { return (vfloatW::load(farPlanes[k]+i)-Pfar[k])*rcpD[k]; };
+          const vfloatW nxy = max(enter(0),enter(1)), fxy = min(leave(0),leave(1));
+          const vfloatW sNear = max(nxy,enter(2)), sFar = min(fxy,leave(2));
+          vfloatW::store(ranges.sNear+i,sNear);
+          vfloatW::store(ranges.sFar+i,sFar);
+          masks.hit |= uint32_t(movemask(max(sNear,vfloatW(zero)) <= min(sFar,vfloatW(sBest)))) << i;
+          masks.passed |= uint32_t(movemask(max(nxy,vfloatW(zero)) <= min(fxy,vfloatW(sBest)))) << i;
+        }
+        masks.passed &= ~masks.hit;
+        return masks;
+      }
+    }
+  }
+}

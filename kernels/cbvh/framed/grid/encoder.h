@@ -1,0 +1,38 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Leaves of cGRID: the vertices in full precision, all x, all y, all z. */
+
+#include "../leaf/leaf_thickness.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    class GridEncoder
+    {
+    public:
+      GridEncoder(const BlockGeometry& geometry, Block* block, BlockStatistics&) : geometry(geometry), block(block) {}
+
+      void fourGroups(uint32_t, const NodeBoxes&, uint32_t*) {}
+      uint32_t group(uint32_t, const NodeBox&) { return 0; }
+      void leaf(uint32_t, const NodeBox&) {}
+
+      void finish()
+      {
+        float* out = (float*)block->leaves();
+        const uint32_t count = geometry.width*geometry.width;
+        for (int k=0; k<3; k++)
+          for (uint32_t i=0; i<count; i++)
+            *out++ = geometry.isFinite(i) ? geometry.vertices[i][k] : NAN; // a triangle with NaN has no hit, one with infinity might
+        for (uint32_t i=0; i<kindFormats[kindGrid].padding/sizeof(float); i++) *out++ = 0.0f;
+      }
+
+    private:
+      const BlockGeometry& geometry;
+      Block* block;
+    };
+  }}
+}

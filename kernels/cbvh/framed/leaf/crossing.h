@@ -1,0 +1,179 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* How a ray crosses a leaf of cLEAF: what hit_rule.h decides by, and where what it decides
+ * lies. Over a bilinear patch the height of the ray above it is a parabola in s. */
+
+#ifndef CBVH_CROSSING_H
+#define CBVH_CROSSING_H
+
+#include "format.h"
+#include "../local_ray.h"
+#include "hit_rule.h"
+
+CBVH_BEGIN
+
+/* --- height of a ray over a bilinear patch ------------------------------------------- */
+
+/*! f(k) = f0 + k (f1-f0) + saddle k (1-k), k from 0 at the entry to 1 at the exit */
+CBVH_REAL struct Parabola
+{
+  Real f0, f1, saddle;
+};
+
+CBVH_REAL CBVH_FUNCTION Real parabolaAt (CBVH_OF(Parabola) f, Real k) {
+  return f.f0 + k*(f.f1-f.f0) + f.saddle*k*(Real(1)-k);
+}
+
+/*! k where f changes sign; the end nearer to the patch if both have the same */
+CBVH_REAL CBVH_FUNCTION Real parabolaRoot (CBVH_OF(Parabola) f)
+{
+  if ((f.f0 < Real(0)) == (f.f1 < Real(0))) return magnitude(f.f0) < magnitude(f.f1) ? Real(0) : Real(1);
+  /* saddle k^2 - b k - f0 = 0; q does not cancel, and exactly one root is between */
+  Real b = f.f1-f.f0+f.saddle;
+  Real d = squareRoot(greater(b*b + Real(4)*f.saddle*f.f0,Real(0)));
+  Real q = Real(0.5f)*(b + (b < Real(0) ? -d : d));
+  if (q == Real(0)) return Real(0); // b and d are 0, so f0 is
+  Real k = -f.f0/q, kept = k > Real(0) ? lesser(k,Real(1)) : Real(0); // a number, whatever k is
+  if (k == kept || f.saddle == Real(0)) return kept;
+  /* either may be rounded out of the range that it is in */
+  Real other = q/f.saddle, otherKept = clampToUnit(other);
+  return magnitude(k-kept) <= magnitude(other-otherKept) ? kept : otherKept;
+}
+
+/*! what closes one side of a block: up to reach below the patch, within width of that side;
+ *  epsilon: of z */
+CBVH_REAL struct Lip
+{
+  Real width, reach, epsilon;
+};
+
+/*! where a ray meets a lip */
+CBVH_REAL struct LipMeeting
+{
+  bool met;
+  Real k;  //!< a place within reach, or the first one near the side
+};
+
+/*! Whether a ray meets the lip of a side. p0, p1: the ray's position at entry and exit, from
+ *  0 at that side to 1 at the other. Over the part near the side f is largest and smallest at
+ *  its ends or at its vertex. */
+CBVH_REAL CBVH_FUNCTION CBVH_OF(LipMeeting) meetLip (CBVH_OF(Parabola) f, Real p0, Real p1, CBVH_OF(Lip) lip)
+{
+  CBVH_OF(LipMeeting) at;
+  at.met = false;
+  at.k = Real(0);
+  Real k0 = Real(0), k1 = Real(1);
+  if (p0 > lip.width) {
+    if (p1 > lip.width) return at;
+    k0 = (lip.width-p0)/(p1-p0);
+  }
+  else if (p1 > lip.width) k1 = (lip.width-p0)/(p1-p0);
+
+  bool isBent = f.saddle != Real(0);
+  Real vertex = Real(0.5f) + Real(0.5f)*(f.f1-f.f0)/(isBent ? f.saddle : Real(1));
+  bool hasVertex = isBent && vertex > k0 && vertex < k1;
+  Real lowest = Real(beyondAll), highest = Real(-beyondAll);
+  Real bottom = -(lip.reach+lip.epsilon);
+  bool inside = false;
+  at.k = k0;
+  for (int i=0; i<3; i++)
+  {
+    if (i == 2 && !hasVertex) continue;
+    Real k = i == 0 ? k0 : i == 1 ? k1 : vertex;
+    Real value = parabolaAt(f,k);
+    lowest = lesser(lowest,value);
+    highest = greater(highest,value);
+    if (!inside && value <= lip.epsilon && value >= bottom) { inside = true; at.k = k; }
+  }
+  at.met = lowest <= lip.epsilon && highest >= bottom;
+  return at;
+}
+
+/* --- patches ------------------------------------------------------------------------- */
+
+CBVH_REAL CBVH_FUNCTION Real patchZ (LeafPatch leaf, Real u, Real v)
+{
+  Real z0 = Real(leaf.z[0]), z1 = Real(leaf.z[1]), z2 = Real(leaf.z[2]), z3 = Real(leaf.z[3]);
+  return z0 + u*(z1-z0) + v*(z2-z0) + u*v*(z0-z1-z2+z3);
+}
+
+/*! slope of the patch along an axis, in frame units, at u (axis 1) or v (axis 0); solid
+ *  leaves are flat */
+CBVH_REAL CBVH_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
+{
+  if (leaf.solid) return Real(0);
+  Real z0 = Real(leaf.z[0]), z1 = Real(leaf.z[1]), z2 = Real(leaf.z[2]), z3 = Real(leaf.z[3]);
+  return ((axis == 0 ? z1 : z2)-z0 + across*(z0-z1-z2+z3))/Real(leaf.box.extent[axis]);
+}
+
+/*! position in a box along an axis, from 0 to 1 */
+CBVH_REAL CBVH_FUNCTION Real positionInBox (CBVH_OF(Segment) segment, NodeBox box, int axis, Real s) {
+  return clampToUnit((segmentAt(segment,axis,s)-Real(box.lower[axis]))/Real(box.extent[axis]));
+}
+
+/*! a ray in the box of a leaf */
+CBVH_REAL struct Crossing
+{
+  Real s0, s1;                //!< entry and exit, on the segment
+  Real u0, v0, u1, v1;        //!< where, in the box
+  CBVH_OF(Parabola) f;
+  LeafEvent event;
+};
+
+CBVH_REAL CBVH_FUNCTION CBVH_OF(Crossing) crossPatch (CBVH_OF(Segment) segment, LeafPatch leaf)
+{
+  CBVH_OF(Crossing) x;
+  CBVH_OF(Range) inBox = rangeInBox(segment,leaf.box,3), inColumn = rangeInBox(segment,leaf.box,2);
+  x.s0 = greater(inBox.lower,Real(0));
+  x.s1 = lesser(inBox.upper,Real(1));
+  x.u0 = positionInBox(segment,leaf.box,0,x.s0);
+  x.v0 = positionInBox(segment,leaf.box,1,x.s0);
+  x.u1 = positionInBox(segment,leaf.box,0,x.s1);
+  x.v1 = positionInBox(segment,leaf.box,1,x.s1);
+  x.f.f0 = segmentAt(segment,2,x.s0) - patchZ(leaf,x.u0,x.v0);
+  x.f.f1 = segmentAt(segment,2,x.s1) - patchZ(leaf,x.u1,x.v1);
+  x.f.saddle = (Real(leaf.z[0])-Real(leaf.z[1])-Real(leaf.z[2])+Real(leaf.z[3]))*(x.u1-x.u0)*(x.v1-x.v0);
+
+  LeafEvent event;
+  event.solid = leaf.solid;
+  event.empty = leaf.empty;
+  event.started = segment.startClipped && inBox.lower < Real(0);
+  event.ended = segment.endClipped && inBox.upper > Real(1);
+  bool up = segment.P1[2] >= segment.P0[2];
+  bool above0 = x.f.f0 >= Real(0), above1 = x.f.f1 >= Real(0);
+  event.changes = above0 != above1;
+  /* through the upper or the lower face, where z is what bounds the part in the box */
+  if (inBox.lower > inColumn.lower && !event.started) above0 = !up;
+  if (inBox.upper < inColumn.upper && !event.ended) above1 = up;
+  event.enter = above0 ? sideAbove : sideBelow;
+  event.leave = above1 ? sideAbove : sideBelow;
+  Real reach = Real(0.5f*leaf.thickness) + segment.epsilon[2];
+  event.nearEntry = magnitude(x.f.f0) <= reach;
+  event.near = event.changes || lesser(magnitude(x.f.f0),magnitude(x.f.f1)) <= reach + Real(0.25f)*magnitude(x.f.saddle);
+  x.event = event;
+  return x;
+}
+
+/*! Whether a ray meets a lip of leaf (leafX,leafY), and where, from entry to exit.
+ *  last: leaf of a side of the block */
+CBVH_REAL CBVH_FUNCTION CBVH_OF(LipMeeting) meetLipsOfLeaf (CBVH_OF(Crossing) x, uint32_t leafX, uint32_t leafY, uint32_t last, CBVH_OF(Lip) lip)
+{
+  CBVH_OF(LipMeeting) at;
+  at.met = false;
+  at.k = Real(0);
+  for (int side=0; side<4; side++)
+  {
+    uint32_t cell = side < 2 ? leafX : leafY;
+    bool upper = (side & 1) != 0;
+    if (at.met || cell != (upper ? last : 0u)) continue;
+    Real p0 = side < 2 ? x.u0 : x.v0, p1 = side < 2 ? x.u1 : x.v1;
+    if (upper) { p0 = Real(1)-p0; p1 = Real(1)-p1; }
+    at = meetLip(x.f,p0,p1,lip);
+  }
+  return at;
+}
+
+CBVH_END
+
+#endif

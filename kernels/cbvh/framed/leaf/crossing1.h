@@ -1,0 +1,63 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* How a ray crosses one leaf of cLEAF: framed/leaf/crossing.h, from what the box test has left and from
+ * decoded surfaces. */
+
+#include "../block_visitor1.h"
+#include "crossing.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! position of s in the box of a leaf: u and v */
+      __forceinline vfloat4 positionInLeaf (const FrameRay& ray, const LeafSurfaces& surfaces, uint32_t leaf, const vfloat4& s)
+      {
+        const vfloat4 place = vfloat4::load(surfaces.place[leaf]);
+        const vfloat4 P = vfloat4(_mm_movelh_ps(ray.P,ray.P)), D = vfloat4(_mm_movelh_ps(ray.D,ray.D));
+        const vfloat4 at = (madd(s,D,P) - vfloat4(_mm_movelh_ps(place,place)))*vfloat4(_mm_movehl_ps(place,place));
+        return max(min(at,vfloat4(one)),vfloat4(zero));
+      }
+
+      /*! ranges: of the leaves' boxes; started, ended: whether the segment starts and ends in the leaf's */
+      __forceinline Crossing<float> crossDecodedLeaf (const FrameRay& ray, const NodeEntries::LeafTile& tile, uint32_t leaf, const BoxRanges<16>& ranges, bool started, bool ended)
+      {
+        const LeafSurfaces& surfaces = tile.surfaces;
+        const float sNear = ranges.sNear[leaf], sFar = ranges.sFar[leaf];
+        Crossing<float> x;
+        x.s0 = max(sNear,0.0f);
+        x.s1 = min(sFar,1.0f);
+        const vfloat4 place = positionInLeaf(ray,surfaces,leaf,vfloat4(x.s0,x.s0,x.s1,x.s1));
+        x.u0 = place[0]; x.v0 = place[1]; x.u1 = place[2]; x.v1 = place[3];
+        const vfloat4 h = vfloat4::load(surfaces.height[leaf]);
+        const vfloat4 u = shuffle<0,2,0,2>(place), v = shuffle<1,3,1,3>(place);
+        const vfloat4 patch = madd(u,shuffle<1>(h),madd(v,madd(u,shuffle<3>(h),shuffle<2>(h)),shuffle<0>(h)));
+        const vfloat4 over = madd(vfloat4(x.s0,x.s1,x.s0,x.s1),shuffle<2>(ray.D),shuffle<2>(ray.P)) - patch;
+        x.f.f0 = over[0];
+        x.f.f1 = over[1];
+        x.f.saddle = h[3]*(x.u1-x.u0)*(x.v1-x.v0);
+
+        x.event.solid = (surfaces.solid >> leaf) & 1u;
+        x.event.empty = (surfaces.empty >> leaf) & 1u;
+        x.event.started = started;
+        x.event.ended = ended;
+        bool above0 = x.f.f0 >= 0.0f, above1 = x.f.f1 >= 0.0f;
+        x.event.changes = above0 != above1;
+        /* through the upper or the lower face, where z is what bounds the part in the box */
+        if (ray.enter(tile.grandchildren,2,leaf) >= sNear && !started) above0 = ray.descends();
+        if (ray.leave(tile.grandchildren,2,leaf) <= sFar && !ended) above1 = !ray.descends();
+        x.event.enter = above0 ? sideAbove : sideBelow;
+        x.event.leave = above1 ? sideAbove : sideBelow;
+        const float reach = surfaces.reach[leaf] + ray.epsilonZ, f0 = std::fabs(x.f.f0), f1 = std::fabs(x.f.f1);
+        x.event.nearEntry = f0 <= reach;
+        x.event.near = x.event.changes || min(f0,f1) <= fused(0.25f,std::fabs(x.f.saddle),reach);
+        return x;
+      }
+    }
+  }
+}

@@ -1,0 +1,158 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Leaves of cLEAF: groups of 2 x 2 cells. */
+
+#include "../block_geometry.h"
+#include "group_encoder.h"
+#include "leaf_lanes.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    class LeafEncoder
+    {
+    public:
+      /*! sharpSides: of the block, see sharpSidesOf() */
+      LeafEncoder(const BlockGeometry& geometry, Block* block, uint32_t sharpSides, BlockStatistics& statistics)
+        : geometry(geometry), block(block), groups((Heights*)block->leaves()), sharpSides(sharpSides), statistics(statistics) {}
+
+      /*! writes the heights of group m, in this box, and returns its word */
+      uint32_t group(uint32_t m, const NodeBox& box)
+      {
+        const QuadGroup quads = quadsOf(m);
+        return add(m,quads,encodeGroup(box,quads),box);
+      }
+
+      /*! the same of groups m to m+3, children of one node */
+      void fourGroups(uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
+      {
+        if (!geometry.isWhole()) {
+          for (uint32_t c=0; c<4; c++) words[c] = group(m+c,boxes[c]);
+          return;
+        }
+        const GroupLanes lanes(geometry,m);
+        LatticeLanes lattices(boxes,lanes);
+        lattices.encode();
+        if (lattices.encoded)
+        {
+          lattices.store(words,groups+m);
+          const LeafLanes leaves(geometry,m,boxes,lanes,lattices);
+          borderWidth = std::max(borderWidth,leaves.borderWidth(lattices.encoded));
+          for (int quad=0; quad<4; quad++)
+          {
+            const uint32_t good = lattices.encoded & leaves.good(quad,statistics.maxThickness);
+            for (uint32_t c=0; c<4; c++) statistics.fit.quads += good >> c & 1;
+            for (uint32_t rest = lattices.encoded & ~good; rest; rest &= rest-1) {
+              const uint32_t c = lowestBit(rest);
+              addLeaf(decodeLeaf(words[c],groups[m+c],quad,boxes[c]),4*(m+c)+quad,false);
+            }
+          }
+          if (sharpSides)
+            for (uint32_t c=0; c<4; c++)
+              if (lattices.encoded >> c & 1) addSharpEdges(m+c,words[c],boxes[c]);
+        }
+        for (uint32_t c=0; c<4; c++)
+        {
+          if (lattices.encoded >> c & 1) continue;
+          const QuadGroup quads = quadsOf(m+c);
+          EncodedGroup encoded;
+          if (!(lattices.undecided >> c & 1) || !encodeLattice(boxes[c],quads,encoded)) encoded = encodeLoose(boxes[c],quads);
+          encoded.borderWidth = cbvh::borderWidth(quads,encoded,boxes[c]);
+          words[c] = add(m+c,quads,encoded,boxes[c]);
+        }
+      }
+
+      void leaf(uint32_t, const NodeBox&) {}
+
+      void finish() { block->info |= encodeBorderWidth(borderWidth); }
+
+      /*! bits of the header for a border width: of the smallest code that is not less, or of the whole box */
+      static uint32_t encodeBorderWidth(double width)
+      {
+        uint32_t code = 0;
+        while (code < 15 && !(borderWidthOf(code << 28) >= width)) code++;
+        return code << 28;
+      }
+
+    private:
+      /*! keeps an encoded group, and tells of its leaves; returns its word */
+      uint32_t add(uint32_t m, const QuadGroup& quads, const EncodedGroup& encoded, const NodeBox& box)
+      {
+        groups[m] = encoded.heights;
+        borderWidth = std::max(borderWidth,encoded.borderWidth);
+        for (int c=0; c<4; c++) {
+          const LeafPatch leaf = decodeLeaf(encoded.word,encoded.heights,c,box);
+          if (leaf.empty) continue;
+          addLeaf(leaf,4*m+c,isLoose(encoded.heights));
+          addSharpEdges(quads,c,leaf.box);
+        }
+        return encoded.word;
+      }
+
+      void addSharpEdges(uint32_t m, uint32_t word, const NodeBox& box)
+      {
+        const QuadGroup quads = quadsOf(m);
+        for (int c=0; c<4; c++) addSharpEdges(quads,c,decodeLeaf(word,groups[m],c,box).box);
+      }
+
+      QuadGroup quadsOf(uint32_t m) const
+      {
+        QuadGroup group;
+        const uint32_t side = (1u << geometry.cellLevels)+1, x = 2*mortonX(m), y = 2*mortonY(m);
+        for (uint32_t v=0; v<9; v++)
+          memcpy(group.vertices[v],geometry.local[(y+v/3)*side + x+v%3],sizeof(double[3]));
+        for (uint32_t c=0; c<4; c++) group.boxes[c] = geometry.boxOf(geometry.cellLevels,4*m+c);
+        memcpy(group.rounding,geometry.rounding,sizeof(group.rounding));
+        group.border[0][0] = x == 0;
+        group.border[1][0] = y == 0;
+        group.border[0][1] = x+2 == side-1;
+        group.border[1][1] = y+2 == side-1;
+        return group;
+      }
+
+      void addLeaf(const LeafPatch& leaf, uint32_t cell, bool loose)
+      {
+        double slope[2] = { 0,0 };
+        statistics.solidLeaves += leaf.solid;
+        if (!leaf.solid) {
+          slope[0] = 0.5*(leaf.z[1]+leaf.z[3]-leaf.z[0]-leaf.z[2])/leaf.box.extent[0];
+          slope[1] = 0.5*(leaf.z[2]+leaf.z[3]-leaf.z[0]-leaf.z[1])/leaf.box.extent[1];
+        }
+        const float thickness = statistics.addThickness(geometry,leaf.box,slope,leaf.solid ? leaf.box.extent[2] : leaf.thickness);
+        if (geometry.cellLevels == geometry.height)
+          statistics.fit.addQuad(geometry,mortonX(cell),mortonY(cell),leaf.box,slope,loose,thickness);
+        else if (cell == 0) // one of four parts of the only quad
+          statistics.fit.addQuad(geometry,0,0,leaf.box,slope,loose,thickness);
+      }
+
+      /*! how far a leaf goes on beyond the edges of its quad on sharp sides of the block */
+      void addSharpEdges(const QuadGroup& group, int quad, const NodeBox& box)
+      {
+        static const uint32_t sides[2][2] = { { 3,1 },{ 0,2 } }; // [axis][upper]
+        for (int axis=0; axis<2; axis++)
+        {
+          const int upper = childColumn(quad,axis);
+          if (!group.border[axis][upper] || !(sharpSides >> sides[axis][upper] & 1)) continue;
+          double overhang = 0;
+          for (int c=0; c<4; c++) {
+            if (childColumn(c,axis) != upper) continue;
+            const double u = (group.vertexOf(quad,c)[axis]-box.lower[axis])/box.extent[axis];
+            overhang = std::max(overhang,upper ? 1-u : u);
+          }
+          statistics.fit.addEdge(overhang);
+        }
+      }
+
+      const BlockGeometry& geometry;
+      Block* block;
+      Heights* groups;
+      uint32_t sharpSides;
+      BlockStatistics& statistics;
+      double borderWidth = 0;  //!< the largest of all groups
+    };
+  }}
+}

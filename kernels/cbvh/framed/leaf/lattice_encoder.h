@@ -1,0 +1,260 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of lattices, framed/leaf/format.h: fits nine heights whose surface passes through the
+ * vertices, and bounds how far the quads' edges are from it. */
+
+#include "quad_group.h"
+#include <algorithm>
+#include <cmath>
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    /*! narrower cells of a lattice would extrapolate their patches too far */
+    static constexpr double minCellWidth = 1.0/16;
+
+    /*! fitting ends when the surface is this near to every vertex, in bins: rounding to bins
+     *  moves it by up to a half */
+    static constexpr double fitTolerance = 0.0625;
+    static constexpr int maxFitTurns = 16;
+
+    /*! piecewise bilinear surface over 3 x 3 heights, in double */
+    struct Lattice
+    {
+      double planes[2][3];
+      double z[9];
+
+      struct Position { int corner; double u, v; }; //!< lower vertex of the cell, position in it
+
+      Position find(double x, double y) const {
+        return in(x >= planes[0][1],y >= planes[1][1],x,y);
+      }
+      Position in(int column, int row, double x, double y) const {
+        return { column + 3*row, (x-planes[0][column])/(planes[0][column+1]-planes[0][column]),
+                                 (y-planes[1][row])/(planes[1][row+1]-planes[1][row]) };
+      }
+      /*! largest slope along an axis: that of a bilinear patch is largest on its sides */
+      double steepest(int axis) const
+      {
+        double slope = 0;
+        for (int line=0; line<3; line++)
+          for (int i=0; i<2; i++) {
+            const int v = axis == 0 ? i+3*line : line+3*i;
+            slope = std::max(slope,std::fabs(z[v+(axis == 0 ? 1 : 3)]-z[v])/(planes[axis][i+1]-planes[axis][i]));
+          }
+        return slope;
+      }
+      double twist(int corner) const { return z[corner]-z[corner+1]-z[corner+3]+z[corner+4]; }
+      double at(const Position& p) const {
+        const double* h = z+p.corner;
+        return h[0] + p.u*(h[1]-h[0]) + p.v*(h[3]-h[0]) + p.u*p.v*twist(p.corner);
+      }
+
+      struct Range {
+        double lower, upper;
+        void extend(const Range& r) { lower = std::min(lower,r.lower); upper = std::max(upper,r.upper); }
+        double largest() const { return std::max(-lower,upper); }
+      };
+
+      /*! Distance in z of the surface from the straight edge from a to b, positive where
+       *  the surface is above. Between the planes that it crosses the surface is a
+       *  parabola over the edge, off its chord by at most a quarter of its quadratic term. */
+      Range distance(const double a[3], const double b[3]) const
+      {
+        double cut[4] = { 0,1,1,1 };
+        int pieces = 0;
+        for (int axis=0; axis<2; axis++) {
+          const double t = (planes[axis][1]-a[axis])/(b[axis]-a[axis]);
+          if (t > 0 && t < 1) cut[++pieces] = t;
+        }
+        if (pieces == 2 && cut[1] > cut[2]) std::swap(cut[1],cut[2]);
+        cut[++pieces] = 1;
+        Range range = { 1e300,-1e300 };
+        for (int i=0; i<pieces; i++)
+        {
+          auto point = [&](double t, int axis) { return a[axis] + t*(b[axis]-a[axis]); };
+          const double middle = 0.5*(cut[i]+cut[i+1]);
+          const int column = point(middle,0) >= planes[0][1], row = point(middle,1) >= planes[1][1];
+          const Position p = in(column,row,point(cut[i],0),point(cut[i],1)), q = in(column,row,point(cut[i+1],0),point(cut[i+1],1));
+          const double d0 = at(p)-point(cut[i],2), d1 = at(q)-point(cut[i+1],2);
+          const double sag = -0.25*twist(p.corner)*(q.u-p.u)*(q.v-p.v);
+          range.extend({ std::min(d0,d1) + std::min(sag,0.0), std::max(d0,d1) + std::max(sag,0.0) });
+        }
+        return range;
+      }
+    };
+
+    /*! the two edges of a row or column of the group: 0 and 2 its sides, 1 the middle */
+    struct GroupLine
+    {
+      int vertex[3];
+      GroupLine(int axis, int line) {
+        for (int i=0; i<3; i++) vertex[i] = axis == 0 ? line+3*i : 3*line+i;
+      }
+      Lattice::Range distance(const Lattice& lattice, const QuadGroup& group) const {
+        Lattice::Range range = lattice.distance(group.vertices[vertex[0]],group.vertices[vertex[1]]);
+        range.extend(lattice.distance(group.vertices[vertex[1]],group.vertices[vertex[2]]));
+        return range;
+      }
+    };
+
+    /*! Planes of the lattice: the outer ones keep the slack to all vertices, the middle
+     *  ones are nearest to the mean of the vertices on them. False if the vertices of
+     *  an outer side on the block's border are not all in the cells on that side: the
+     *  intersector looks for the border there. */
+    inline bool encodeLatticePlanes(const NodeBox& parent, const QuadGroup& group, int axis, uint32_t& word, double planes[3])
+    {
+      const int along = axis == 0 ? 1 : 3, across = axis == 0 ? 3 : 1;
+      double lower = group.boxes[0].lower[axis], upper = group.boxes[0].upper[axis];
+      for (const ExactBox& box : group.boxes) {
+        lower = std::min(lower,box.lower[axis]);
+        upper = std::max(upper,box.upper[axis]);
+      }
+      double mean = 0;
+      for (int i=0; i<3; i++) mean += group.vertices[along + i*across][axis]*(1.0/3);
+
+      uint32_t low = 0, high = 0;
+      const float l = parent.lower[axis], e = parent.extent[axis];
+      for (uint32_t q=1; q<32; q++) {
+        if (l + latticeOuter(q)*e <= lower-containmentSlack) low = q;
+        if (l + (1.0f-latticeOuter(q))*e >= upper+containmentSlack) high = q;
+      }
+      const double middle = std::floor(((mean-l)/e*128 - 33)*0.5 + 0.5);
+      const uint32_t m = middle < 0 ? 0 : middle > 31 ? 31 : uint32_t(middle);
+      word |= (low | (high << 5) | (m << 10)) << latticeShift(axis);
+
+      for (int i=0; i<3; i++) planes[i] = latticePlane(word,axis,i,parent);
+      const double narrowest = (planes[2]-planes[0])*minCellWidth;
+      if (!(planes[1]-planes[0] > narrowest) || !(planes[2]-planes[1] > narrowest)) return false;
+      for (int i=0; i<3; i++) {
+        if (group.border[axis][0] && group.vertices[i*across][axis] > planes[1]-containmentSlack-group.rounding[axis]) return false;
+        if (group.border[axis][1] && group.vertices[2*along + i*across][axis] < planes[1]+containmentSlack+group.rounding[axis]) return false;
+      }
+      return true;
+    }
+
+    /*! Fits heights whose surface passes through the vertices: each vertex moves the
+     *  height at its own node by what the surface is off there, in turns. That
+     *  converges where its own node has most weight at a vertex; where it does not, the
+     *  deviation tells. */
+    inline void fitLattice(const QuadGroup& group, Lattice& lattice, double tolerance)
+    {
+      Lattice::Position at[9];
+      for (int v=0; v<9; v++) {
+        at[v] = lattice.find(group.vertices[v][0],group.vertices[v][1]);
+        lattice.z[v] = group.vertices[v][2];
+      }
+      for (int turn=0; turn<maxFitTurns; turn++)
+      {
+        double worst = 0;
+        for (int v=0; v<9; v++) {
+          const double off = group.vertices[v][2]-lattice.at(at[v]);
+          lattice.z[v] += off;
+          worst = std::max(worst,std::fabs(off));
+        }
+        if (!(worst > tolerance)) break;
+      }
+    }
+
+    /*! Lattice whose heights are codes. */
+    struct CodedLattice
+    {
+      Lattice surface;
+      HeightBins bins;
+      int heights[9];
+
+      void set(int v, double q) {
+        heights[v] = !(q > 0) ? 0 : q < latticeBins-1 ? int(q) : latticeBins-1;
+        surface.z[v] = heightInBins(bins,float(heights[v]));
+      }
+      void raise(int v, double below) {
+        if (below > 0) set(v,heights[v]+std::ceil(below/bins.size));
+      }
+    };
+
+    /*! Raises the heights of one side of a group until the surface is nowhere below the edges
+     *  there, by a slack: first each at its vertex, */
+    inline void raiseToVertices(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
+    {
+      for (int v : side.vertex) {
+        const double* p = group.vertices[v];
+        lattice.raise(v,slack + p[2] - lattice.surface.at(lattice.surface.find(p[0],p[1])));
+      }
+    }
+
+    /*! then all together; false if that takes too much */
+    inline bool raiseToEdges(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
+    {
+      /* in turns, as a height that was raised raises what is beside it too; edges that bulge over
+       * their vertices by more than a few bins are better loose */
+      const int maxTurns = 4;
+      const double maxRaise = 4*lattice.bins.size;
+      for (int turn=0; ; turn++) {
+        const double below = slack - side.distance(lattice.surface,group).lower;
+        if (below <= 0) return true;
+        if (!(below < maxRaise) || turn == maxTurns) return false;
+        for (int v : side.vertex) lattice.raise(v,below);
+      }
+    }
+
+    /*! code of the smallest thickness that bounds all edges of a group; 4 if none does */
+    inline uint32_t encodeLatticeThickness(const CodedLattice& lattice, const QuadGroup& group, double slack)
+    {
+      Lattice::Range range = { 0,0 };
+      for (int axis=0; axis<2; axis++)
+        for (int line=0; line<3; line++)
+          range.extend(GroupLine(axis,line).distance(lattice.surface,group));
+      const double deviation = range.largest();
+      uint32_t code = 0;
+      while (code < 4 && !(0.5*latticeThickness(uint32_t(code))*lattice.bins.size >= deviation+slack)) code++;
+      return code;
+    }
+
+    inline Heights packLattice(const int heights[9])
+    {
+      uint64_t bits = 0;
+      for (int v=0; v<9; v++)
+        if (v != 4) bits |= uint64_t(heights[v]) << (8*latticeByte(v));
+      /* its copies, 7 bits apart, do not overlap, and bit i of copy i is bit 8i+7 */
+      const uint64_t copies = 0x0002040810204081u << 7;
+      bits |= uint64_t(heights[4])*copies & 0x0080808080808080u;
+      return { uint32_t(bits), uint32_t(bits >> 32) };
+    }
+
+    /*! false if no lattice is near enough to the group's quads */
+    inline bool encodeLattice(const NodeBox& parent, const QuadGroup& group, EncodedGroup& out)
+    {
+      for (const ExactBox& box : group.boxes)
+        if (box.empty()) return false;
+      CodedLattice lattice;
+      uint32_t word = 0;
+      for (int axis=0; axis<2; axis++)
+        if (!encodeLatticePlanes(parent,group,axis,word,lattice.surface.planes[axis])) return false;
+
+      lattice.bins = heightBins(parent,latticeRange,latticeBins);
+      fitLattice(group,lattice.surface,fitTolerance*lattice.bins.size);
+      for (int v=0; v<9; v++) lattice.set(v,std::floor((lattice.surface.z[v]-lattice.bins.lower)/lattice.bins.size));
+
+      /* on the border the surface may not be below the edge */
+      const double slopes[2] = { lattice.surface.steepest(0),lattice.surface.steepest(1) }, slack = group.slack(slopes);
+      for (int axis=0; axis<2; axis++)
+        for (int upper=0; upper<2; upper++)
+        {
+          if (!group.border[axis][upper]) continue;
+          const GroupLine side(axis,2*upper);
+          raiseToVertices(lattice,group,side,slack);
+          if (!raiseToEdges(lattice,group,side,slack)) return false;
+        }
+
+      const uint32_t thickness = encodeLatticeThickness(lattice,group,slack);
+      if (thickness == 4) return false;
+      out.word = word | (thickness << latticeThicknessShift);
+      out.heights = packLattice(lattice.heights);
+      return true;
+    }
+  }}
+}

@@ -1,0 +1,122 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* How well the leaves of a frame hold their quads. A leaf is a height field over a box of its
+ * frame, and what is not one it holds badly: a wall that stands on end in the frame gets the
+ * normal of something else, a fold is a thick plane or a whole box, and where the surface
+ * ends or bends the box goes on. Patches with many such quads are better stored exactly, as
+ * cVERT; ACCURACY.md has what the limits below were chosen by. */
+
+#include "../block_geometry.h"
+#include "../normal.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    /*! A leaf's normal may be turned from its quad's by this: cosine. */
+    static constexpr double minNormalCosine = 0.7;
+
+    /*! in sides of a square of the quad's area */
+    static constexpr double maxLeafThickness = 0.25;
+
+    /*! how far a leaf may go on beyond an edge where the surface ends or bends, in its own extent */
+    static constexpr double maxOverhang = 1.0/16;
+
+    /*! of a patch's quads, and of the edges where it ends or bends */
+    static constexpr double maxPoorQuads = 1.0/64, maxPoorEdges = 1.0/16;
+
+    /*! quads of a patch that tell of the others */
+    static constexpr size_t minQuadsSeen = 1024;
+
+    struct LeafFit
+    {
+      uint32_t quads = 0, poorQuads = 0; //!< poor: turned, thick, loose or solid
+      uint32_t edges = 0, poorEdges = 0; //!< where the surface ends or bends
+      uint32_t flippedQuads = 0;         //!< normal turned by more than 90 degrees
+
+      void merge(const LeafFit& other)
+      {
+        quads += other.quads; poorQuads += other.poorQuads;
+        edges += other.edges; poorEdges += other.poorEdges;
+        flippedQuads += other.flippedQuads;
+      }
+
+      bool isPoor() const { return poorQuads > maxPoorQuads*quads || poorEdges > maxPoorEdges*edges; }
+
+      /*! Whether a patch of so many quads and edges is given up on before all of it is seen. The first quarter of it tells
+       *  of the quads of the rest, if that is enough of them and from all over the patch; edges are counted to the end. */
+      bool isGivenUp(size_t allQuads, size_t allEdges) const
+      {
+        const size_t enough = std::min(allQuads,std::max(allQuads/4,minQuadsSeen));
+        return poorQuads > maxPoorQuads*double(std::max(size_t(quads),enough)) || poorEdges > maxPoorEdges*double(allEdges);
+      }
+
+      /*! A quad of cLEAF, (x,y) in its block, and its leaf. isRough: loose or solid; thickness: in the world. */
+      void addQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box, const double slope[2], bool isRough, double thickness)
+      {
+        const QuadNormal quad(geometry,x,y);
+        if (!(quad.length > 0)) return; // of no area, or not finite
+        const double cosine = quad.cosine(geometry.frame,box,slope);
+        quads++;
+        flippedQuads += cosine < 0;
+        poorQuads += isRough || cosine < minNormalCosine || thickness > maxLeafThickness*std::sqrt(0.5*quad.length);
+      }
+
+      /*! a quad whose normal is its frame's axis */
+      void addFlatQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box)
+      {
+        const double flat[2] = { 0,0 };
+        const QuadNormal quad(geometry,x,y);
+        if (!(quad.length > 0)) return;
+        quads++;
+        flippedQuads += quad.cosine(geometry.frame,box,flat) < 0;
+      }
+
+      /*! overhang: of a leaf beyond its edge */
+      void addEdge(double overhang)
+      {
+        edges++;
+        poorEdges += !(overhang <= maxOverhang);
+      }
+
+    private:
+      /*! cross product of a quad's diagonals in the world: its length is twice the area */
+      struct QuadNormal
+      {
+        double n[3], length;
+
+        QuadNormal(const BlockGeometry& geometry, uint32_t x, uint32_t y)
+        {
+          const uint32_t w = geometry.width, v = y*w + x;
+          double a[3], b[3];
+          for (int k=0; k<3; k++) {
+            a[k] = double(geometry.vertices[v+w+1][k]) - double(geometry.vertices[v][k]);
+            b[k] = double(geometry.vertices[v+w][k]) - double(geometry.vertices[v+1][k]);
+          }
+          n[0] = a[1]*b[2] - a[2]*b[1];
+          n[1] = a[2]*b[0] - a[0]*b[2];
+          n[2] = a[0]*b[1] - a[1]*b[0];
+          length = std::sqrt(n[0]*n[0] + n[1]*n[1] + n[2]*n[2]);
+        }
+
+        /*! between this and the plane of those slopes through the middle of a box */
+        double cosine(const Frame& frame, const NodeBox& box, const double slope[2]) const
+        {
+          const double c[3] = { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
+          const double k = c[2] - slope[0]*c[0] - slope[1]*c[1];
+          double dot = 0, square = 0;
+          for (int i=0; i<3; i++) {
+            const float* col = frame.columns[i];
+            const double m = col[2] - slope[0]*col[0] - slope[1]*col[1] - k*col[3];
+            dot += m*n[i];
+            square += m*m;
+          }
+          return square > 0 ? dot/(std::sqrt(square)*length) : 0;
+        }
+      };
+    };
+  }}
+}

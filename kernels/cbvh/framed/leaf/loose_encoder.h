@@ -1,0 +1,102 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of loose groups, framed/leaf/format.h: a plane in each leaf's own box, or the whole box. */
+
+#include "quad_group.h"
+#include <algorithm>
+#include <cmath>
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    /*! the plane nearest to the four vertices of a quad, over its leaf's box: heights at
+     *  corners (0,0), (1,0), (0,1). Damped, so that a direction without extent gets no slope. */
+    inline void fitLeafPlane(const NodeBox& box, const QuadGroup& group, int quad, double z[3])
+    {
+      double u[4], v[4], mu = 0, mv = 0, mz = 0, suu = 1e-9, suv = 0, svv = 1e-9, suz = 0, svz = 0;
+      for (int c=0; c<4; c++) {
+        const double* p = group.vertexOf(quad,c);
+        u[c] = (p[0]-box.lower[0])/box.extent[0];
+        v[c] = (p[1]-box.lower[1])/box.extent[1];
+        mu += 0.25*u[c]; mv += 0.25*v[c]; mz += 0.25*p[2];
+      }
+      for (int c=0; c<4; c++) {
+        const double du = u[c]-mu, dv = v[c]-mv, dz = group.vertexOf(quad,c)[2]-mz;
+        suu += du*du; suv += du*dv; svv += dv*dv; suz += du*dz; svz += dv*dz;
+      }
+      const double det = suu*svv - suv*suv;
+      const double a = det > 0 ? (suz*svv - svz*suv)/det : 0;
+      const double b = det > 0 ? (svz*suu - suz*suv)/det : 0;
+      z[0] = mz - a*mu - b*mv;
+      z[1] = z[0] + a;
+      z[2] = z[0] + b;
+    }
+
+    /*! A loose leaf, and the smallest thickness code that bounds its quad: a plane that is
+     *  near the vertices is near the edges. Solid if none does. */
+    inline uint32_t encodeLooseLeaf(const NodeBox& box, const QuadGroup& group, int quad, uint32_t& thickness)
+    {
+      thickness = 0;
+      if (group.boxes[quad].empty()) return emptyLeaf;
+      const HeightBins bins = heightBins(box,looseRange,looseBins);
+      double z[3];
+      fitLeafPlane(box,group,quad,z);
+      uint32_t leaf = 0;
+      for (int c=0; c<3; c++) {
+        const double q = std::floor((z[c]-bins.lower)/bins.size);
+        const uint32_t height = !(q > 0) ? 0 : q < looseBins-1 ? uint32_t(q) : looseBins-1;
+        leaf |= height << (5*c);
+        z[c] = heightInBins(bins,float(height));
+      }
+      const double slopes[2] = { std::fabs(z[1]-z[0])/box.extent[0],std::fabs(z[2]-z[0])/box.extent[1] }, slack = group.slack(slopes);
+      double lowest = 0, highest = 0; // of the plane over the vertices, and over those on the border
+      double lowestBorder = 1e300;
+      for (int c=0; c<4; c++) {
+        const double* p = group.vertexOf(quad,c);
+        const double u = (p[0]-box.lower[0])/box.extent[0], v = (p[1]-box.lower[1])/box.extent[1];
+        const double d = z[0] + u*(z[1]-z[0]) + v*(z[2]-z[0]) - p[2];
+        lowest = std::min(lowest,d);
+        highest = std::max(highest,d);
+        if (group.isOnBorder(quad,c)) lowestBorder = std::min(lowestBorder,d);
+      }
+      /* on the border the surface may not be below the edge */
+      if (lowestBorder < slack)
+      {
+        const double up = std::ceil((slack-lowestBorder)/bins.size);
+        if (!(up < looseBins)) return solidLeaf;
+        for (int c=0; c<3; c++) {
+          if (looseHeight(leaf,c) + int(up) >= looseBins) return solidLeaf;
+          leaf += uint32_t(up) << (5*c);
+        }
+        lowest += up*bins.size;
+        highest += up*bins.size;
+      }
+      if (leaf == solidLeaf || leaf == emptyLeaf) return solidLeaf;
+      const double deviation = std::max(-lowest,highest);
+      while (thickness < 8 && !(0.5*looseThickness(uint32_t(thickness))*bins.size >= deviation+slack)) thickness++;
+      if (thickness < 8) return leaf;
+      thickness = 0;
+      return solidLeaf;
+    }
+
+    inline EncodedGroup encodeLoose(const NodeBox& parent, const QuadGroup& group)
+    {
+      EncodedGroup out;
+      out.word = encodeNode(parent,group.boxes);
+      uint64_t heights = uint64_t(1) << 63;
+      uint32_t code = 0;
+      for (int c=0; c<4; c++) {
+        uint32_t thickness;
+        heights |= uint64_t(encodeLooseLeaf(decodeChild(out.word,c,parent),group,c,thickness)) << (looseBits*c);
+        code = std::max(code,thickness);
+      }
+      heights |= uint64_t(code) << looseThicknessShift;
+      out.heights = { uint32_t(heights), uint32_t(heights >> 32) };
+      return out;
+    }
+  }}
+}

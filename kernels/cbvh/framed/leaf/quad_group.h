@@ -1,0 +1,48 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What an encoder of cLEAF's groups is given, and what it makes of it. */
+
+#include "format.h"
+#include "../node_encoder.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    /*! 2 x 2 quads in the frame of their block */
+    struct QuadGroup
+    {
+      double vertices[9][3]; //!< row by row
+      ExactBox boxes[4];     //!< of the quads and their rounding, empty for those with a vertex that is not finite
+      double rounding[3];    //!< how far vertices may be from where a neighbouring face has them
+      bool border[2][2];     //!< [axis][upper]: whether that side is on the border of the block
+
+      bool isOnBorder(int quad, int corner) const {
+        for (int axis=0; axis<2; axis++) {
+          const int upper = childColumn(corner,axis);
+          if (childColumn(quad,axis) == upper && border[axis][upper]) return true;
+        }
+        return false;
+      }
+
+      /*! distance in z that a surface of these slopes keeps from what it bounds */
+      double slack(const double slope[2]) const {
+        return containmentSlack + rounding[2] + slope[0]*rounding[0] + slope[1]*rounding[1];
+      }
+
+      const double* vertexOf(int quad, int corner) const {
+        return vertices[(quad&1)+(corner&1) + 3*((quad>>1)+(corner>>1))];
+      }
+    };
+
+    struct EncodedGroup
+    {
+      uint32_t word;
+      Heights heights;
+      double borderWidth; //!< see Block::borderWidth; 0 without a side on the border
+    };
+  }}
+}

@@ -1,0 +1,113 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Leaves of cLEAF. leaf_crossing1.h measures how the ray crosses them, framed/leaf/hit_rule.h
+ * decides where it hits, and this reports it. */
+
+#include "crossing1.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      template<typename RayType>
+      struct LeafVisitor1 : public BlockVisitor1<RayType>
+      {
+        typedef NodeEntries::LeafTile LeafTile;
+        static const uint32_t kind = kindLeaf;
+
+        /*! what the ray has hit in other blocks does not shorten the walk: what a ray passes behind it tells of hits before it */
+        template<typename... Args>
+        __forceinline LeafVisitor1 (Args&&... args) : BlockVisitor1<RayType>(args...) { this->sBest = 1.0f; }
+
+        WalkState state = startOfWalk();
+        uint32_t passedMask = ~0u;
+
+        __forceinline LeafTile& leafTile (uint32_t m) { return this->tiles.leafTile(m); }
+
+        bool passedAbove (bool above)
+        {
+          const Verdict v = passBox(state,above);
+          setState(v.next);
+          return v.hit != hitNone && reportExit(v.from);
+        }
+
+        __forceinline bool leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
+        {
+          const Crossing<float> x = crossDecodedLeaf(this->frameRay,tile,child,ranges,this->startsInside(ranges,child),this->endsInside(ranges,child));
+          const Verdict v = crossLeaf(state,x.event);
+          float s;
+          if (isMet(v.hit,x,tile.surfaces.reach[child],16*m+child,s) && !(state.found && !(s < this->sBest))) {
+            if (accept(this->reportHit(16*m+child,leafHit(tile.surfaces,child,s,v.from)))) return true;
+            if (state.found) return false;
+          }
+          setState(v.next);
+          exitM = m;
+          exitChild = child;
+          exitS = x.s1;
+          return false;
+        }
+
+      private:
+        /* where the ray left the last leaf */
+        uint32_t exitM, exitChild;
+        float exitS;
+
+        __noinline bool reportExit (uint32_t from)
+        {
+          LeafTile& tile = leafTile(exitM);
+          this->tiles.need(tile,1u << (exitChild >> 2));
+          return accept(this->reportHit(16*exitM+exitChild,leafHit(tile.surfaces,exitChild,exitS,from)));
+        }
+
+        __forceinline void setState (const WalkState& next)
+        {
+          state = next;
+          passedMask = wantsPassed(state) ? ~0u : 0u;
+        }
+
+        /*! after a hit was reported; true when the walk may end */
+        __forceinline bool accept (bool accepted)
+        {
+          if (accepted) setState(afterHit(state));
+          return accepted && IsAnyHit<RayType>::value;
+        }
+
+        /*! whether the ray meets what the verdict says, and where */
+        __forceinline bool isMet (uint32_t hit, const Crossing<float>& x, float reach, uint32_t number, float& s) const
+        {
+          if (hit == hitNone) return false;
+          if (unlikely(hit == hitLip)) return meetsLips(x,reach,number,s);
+          s = hit == hitRoot ? between(x,parabolaRoot(x.f)) : x.s0;
+          return true;
+        }
+
+        __noinline bool meetsLips (const Crossing<float>& x, float reach, uint32_t number, float& s) const
+        {
+          const Lip<float> lip = { borderWidthOf(this->block->info),reach,this->frameRay.epsilonZ };
+          const LipMeeting<float> at = meetLipsOfLeaf(x,mortonX(number),mortonY(number),this->layout.leaves-1,lip);
+          s = between(x,at.k);
+          return at.met;
+        }
+
+        /*! s of a place from entry to exit */
+        static __forceinline float between (const Crossing<float>& x, float k) { return fused(k,x.s1-x.s0,x.s0); }
+
+        /*! a hit at s in a leaf */
+        __forceinline LeafHit1 leafHit (const LeafSurfaces& surfaces, uint32_t child, float s, uint32_t from) const
+        {
+          const vfloat4 place = positionInLeaf(this->frameRay,surfaces,child,vfloat4(s));
+          const float* h = surfaces.height[child];
+          const float u = place[0], v = place[1];
+          const bool flat = (surfaces.solid >> child) & 1u;
+          const float slopeX = fused(v,h[3],h[1])*surfaces.place[child][2], slopeY = fused(u,h[3],h[2])*surfaces.place[child][3];
+          return LeafHit1{ s,u,v,flat ? 0.0f : slopeX,flat ? 0.0f : slopeY,from == sideAbove,from == sideBelow };
+        }
+      };
+    }
+  }
+}

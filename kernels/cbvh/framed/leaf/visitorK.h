@@ -1,0 +1,237 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Leaves of cLEAF for packets: leaf_visitor1.h, leaf_crossing1.h and framed/leaf/hit_rule.h with a ray in a lane. */
+
+#include "../block_visitorK.h"
+#include "crossing.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! WalkState */
+      template<int K>
+      struct WalkStates
+      {
+        vbool<K> known, above; //!< side: of those that know it, whether they are above
+        vbool<K> pending, fromSurface, found;
+
+        __forceinline WalkStates () : known(false), above(false), pending(false), fromSurface(false), found(false) {}
+
+        __forceinline void take (const vbool<K>& lanes, const WalkStates& next)
+        {
+          known = select(lanes,next.known,known);
+          above = select(lanes,next.above,above);
+          pending = select(lanes,next.pending,pending);
+          fromSurface = select(lanes,next.fromSurface,fromSurface);
+        }
+      };
+
+      /*! Crossing<float> of one leaf, whose events are masks */
+      template<int K>
+      struct Crossings
+      {
+        vfloat<K> s0, s1, u0, v0, u1, v1, f0, f1, saddle;
+        vbool<K> enterAbove, leaveAbove, changes, nearEntry, near, started, ended;
+
+        __forceinline Crossings (const FrameRays<K>& rays, const LeafSurfaces& surfaces, uint32_t leaf, const BoxMeeting<K>& box,
+                                 const vbool<K>& started, const vbool<K>& ended) : started(started), ended(ended)
+        {
+          s0 = max(box.sNear,vfloat<K>(zero));
+          s1 = min(box.sFar,vfloat<K>(1.0f));
+          const float* place = surfaces.place[leaf];
+          u0 = position(rays,0,place,s0); v0 = position(rays,1,place,s0);
+          u1 = position(rays,0,place,s1); v1 = position(rays,1,place,s1);
+          f0 = over(rays,surfaces.height[leaf],s0,u0,v0);
+          f1 = over(rays,surfaces.height[leaf],s1,u1,v1);
+          saddle = vfloat<K>(surfaces.height[leaf][3])*(u1-u0)*(v1-v0);
+          enterAbove = f0 >= vfloat<K>(zero);
+          leaveAbove = f1 >= vfloat<K>(zero);
+          changes = enterAbove ^ leaveAbove;
+          /* through the upper or the lower face, where z is what bounds the part in the box */
+          enterAbove = select(andn(box.enterZ >= box.sNear,started),rays.down[2],enterAbove);
+          leaveAbove = select(andn(box.leaveZ <= box.sFar,ended),!rays.down[2],leaveAbove);
+          const vfloat<K> reach = vfloat<K>(surfaces.reach[leaf]) + rays.epsilonZ;
+          nearEntry = abs(f0) <= reach;
+          near = changes | (min(abs(f0),abs(f1)) <= madd(vfloat<K>(0.25f),abs(saddle),reach));
+        }
+
+        /*! in the box of a leaf; axis 0: u, 1: v */
+        static __forceinline vfloat<K> position (const FrameRays<K>& rays, int axis, const float place[4], const vfloat<K>& s)
+        {
+          const vfloat<K> at = (madd(s,rays.D[axis],rays.P[axis]) - vfloat<K>(place[axis]))*vfloat<K>(place[2+axis]);
+          return max(min(at,vfloat<K>(1.0f)),vfloat<K>(zero));
+        }
+
+        __forceinline Crossing<float> at (size_t k) const
+        {
+          Crossing<float> x;
+          x.s0 = s0[k]; x.s1 = s1[k];
+          x.u0 = u0[k]; x.v0 = v0[k]; x.u1 = u1[k]; x.v1 = v1[k];
+          x.f.f0 = f0[k]; x.f.f1 = f1[k]; x.f.saddle = saddle[k];
+          return x;
+        }
+
+      private:
+        /*! height over the patch */
+        static __forceinline vfloat<K> over (const FrameRays<K>& rays, const float h[4], const vfloat<K>& s, const vfloat<K>& u, const vfloat<K>& v)
+        {
+          const vfloat<K> patch = madd(u,vfloat<K>(h[1]),madd(v,madd(u,vfloat<K>(h[3]),vfloat<K>(h[2])),vfloat<K>(h[0])));
+          return madd(s,rays.D[2],rays.P[2]) - patch;
+        }
+      };
+
+      template<int K, typename Rays>
+      class LeafVisitorK : public BlockVisitorK<K,Rays>
+      {
+        WalkStates<K> state;
+
+        /* where rays left their last leaf */
+        vint<K> exitLeaf;
+        vfloat<K> exitS;
+
+      public:
+        typedef NodeEntries::LeafTile LeafTile;
+        static const uint32_t kind = kindLeaf;
+        static const bool countsPassed = true;
+
+        template<typename... Args>
+        __forceinline LeafVisitorK (Args&&... args) : BlockVisitorK<K,Rays>(args...) { this->sBest = vfloat<K>(1.0f); } // as of one ray
+
+        __forceinline LeafTile& leafTile (uint32_t m) { return this->tiles.leafTile(m); }
+
+        /*! wantsPassed of framed/leaf/hit_rule.h */
+        __forceinline vbool<K> wantsPassed () const { return state.pending | !(state.known | state.found); }
+
+        /*! passBox */
+        __forceinline void pass (const vbool<K>& above, const vbool<K>& lanes)
+        {
+          const vbool<K> step = lanes & state.pending & (state.above ^ above);
+          const vbool<K> before = state.above;
+          state.above = select(lanes,above,state.above);
+          state.known |= lanes;
+          state.pending = andn(state.pending,step);
+          if (unlikely(any(step))) reportExits(step,before);
+        }
+
+        void leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxMeeting<K>& box, const vbool<K>& lanes)
+        {
+          const LeafSurfaces& surfaces = tile.surfaces;
+          const Crossings<K> x(this->frameRays,surfaces,child,box,this->startInside(box),this->endInside(box));
+          WalkStates<K> next = state;
+          const vbool<K> first = andn(lanes,state.found);
+          vbool<K> hit;                  // where they hit: at the entry, but for these
+          vbool<K> root(false), lip(false);
+          LeafHits<K> hits;
+          hits.fromAbove = hits.fromBelow = vbool<K>(false);
+
+          /* crossLeaf of framed/leaf/hit_rule.h */
+          if (unlikely(((surfaces.solid | surfaces.empty) >> child) & 1u)) {
+            hit = (surfaces.solid >> child) & 1u ? andn(lanes,x.started) : vbool<K>(false);
+            next.known = next.pending = vbool<K>(false);
+          }
+          else {
+            const vbool<K> crosses = (x.enterAbove ^ x.leaveAbove) | x.changes;
+            next.fromSurface = select(x.started,x.nearEntry,state.fromSurface);
+            next.known = vbool<K>(true);
+            next.above = x.leaveAbove;
+            next.pending = x.near;
+            const vbool<K> beyond = andn(andn(next.fromSurface & state.known,x.started),state.above ^ x.leaveAbove);
+            const vbool<K> differs = andn(state.known & (state.above ^ x.enterAbove),x.started);
+            const vbool<K> step = andn(first & differs,beyond);
+            hits.fromAbove = step & state.above;
+            hits.fromBelow = andn(step,state.above);
+            root = andn(lanes & crosses,step | (first & beyond));
+            if (isAtBorder(16*m+child)) lip = andn(andn(andn(andn(first & x.near,crosses),step),x.started),x.ended);
+            hit = step | root | lip;
+          }
+          if (any(hit)) {
+            hits.s = x.s0;
+            for (uint32_t rest=uint32_t(movemask(root)); rest; rest&=rest-1) {
+              const uint32_t k = uint32_t(bsf(rest));
+              const Crossing<float> at = x.at(k);
+              hits.s[k] = between(at,parabolaRoot(at.f));
+            }
+            if (unlikely(any(lip))) hit = andn(hit,missLips(lip,x,surfaces.reach[child],16*m+child,hits.s));
+            hit = andn(hit,andn(state.found,hits.s < this->sBest));
+          }
+          state.take(first,next);
+          exitLeaf = select(first,vint<K>(int(16*m+child)),exitLeaf);
+          exitS = select(first,x.s1,exitS);
+          if (any(hit)) {
+            setSurface(hits,surfaces,child);
+            found(this->reportHits(hit,16*m+child,hits));
+          }
+        }
+
+      private:
+        /*! afterHit of framed/leaf/hit_rule.h */
+        __forceinline void found (const vbool<K>& accepted)
+        {
+          state.found |= accepted;
+          state.pending = andn(state.pending,accepted);
+        }
+
+        /*! part of leafHit in leaf_visitor1.h */
+        __forceinline void setSurface (LeafHits<K>& hits, const LeafSurfaces& surfaces, uint32_t child) const
+        {
+          const float* h = surfaces.height[child];
+          const float* place = surfaces.place[child];
+          hits.u = Crossings<K>::position(this->frameRays,0,place,hits.s);
+          hits.v = Crossings<K>::position(this->frameRays,1,place,hits.s);
+          hits.slopeX = hits.slopeY = vfloat<K>(zero);
+          if (unlikely((surfaces.solid >> child) & 1u)) return;
+          hits.slopeX = madd(hits.v,vfloat<K>(h[3]),vfloat<K>(h[1]))*vfloat<K>(place[2]);
+          hits.slopeY = madd(hits.u,vfloat<K>(h[3]),vfloat<K>(h[2]))*vfloat<K>(place[3]);
+        }
+
+        /*! hits where rays left their last leaf; above: their side there */
+        __noinline void reportExits (const vbool<K>& lanes, const vbool<K>& above)
+        {
+          for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
+          {
+            const uint32_t k = uint32_t(bsf(rest)), leaf = uint32_t(exitLeaf[k]);
+            LeafTile& tile = leafTile(leaf >> 4);
+            this->tiles.need(tile,1u << ((leaf >> 2) & 3u));
+            LeafHits<K> hits;
+            hits.s = exitS;
+            hits.fromAbove = above;
+            hits.fromBelow = !above;
+            setSurface(hits,tile.surfaces,leaf & 15u);
+            found(this->reportHits(vbool<K>(int(1u << k)),leaf,hits));
+          }
+        }
+
+        __forceinline bool isAtBorder (uint32_t leaf) const
+        {
+          const uint32_t x = mortonX(leaf), y = mortonY(leaf), last = this->layout.leaves-1;
+          return x == 0 || y == 0 || x == last || y == last;
+        }
+
+        /*! meetsLips: sets s; those that meet none */
+        __noinline vbool<K> missLips (const vbool<K>& lanes, const Crossings<K>& x, float reach, uint32_t leaf, vfloat<K>& s) const
+        {
+          uint32_t missed = 0;
+          for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
+          {
+            const uint32_t k = uint32_t(bsf(rest));
+            const Crossing<float> at = x.at(k);
+            const Lip<float> lip = { borderWidthOf(this->block->info),reach,this->frameRays.epsilonZ[k] };
+            const LipMeeting<float> meeting = meetLipsOfLeaf(at,mortonX(leaf),mortonY(leaf),this->layout.leaves-1,lip);
+            s[k] = between(at,meeting.k);
+            if (!meeting.met) missed |= 1u << k;
+          }
+          return vbool<K>(int(missed));
+        }
+
+        /*! s of a place from entry to exit */
+        static __forceinline float between (const Crossing<float>& x, float k) { return fused(k,x.s1-x.s0,x.s0); }
+      };
+    }
+  }
+}

@@ -1,0 +1,194 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A ray in the frame of a block.
+ *
+ * The projective map takes the part of the ray inside the block's box to a segment
+ * P(s) = P0 + s (P1-P0), s in [0,1]. All of traversal happens in s; the world parameter
+ * follows exactly from W at the two ends:
+ *
+ *   tau(s) = s w0 / (w1 (1-s) + s w0),   t = t0 + tau (t1-t0)
+ *
+ * Numerics. The ray is first moved to its point nearest to the block's centre, relative to
+ * that centre; what is lost there is a few ulps of the distance between ray origin and
+ * block, as in any float ray tracer, and as many of the block's own size: position and
+ * direction are rounded by 3/2 ulps of their terms, and from the centre no point of the box
+ * is much farther than its longest side. That loss, times the map's stretch of each axis and
+ * of W, plus a few ulps of 1, all over W, is the vector "epsilon" by which traversal widens
+ * every bound, axis by axis: neighbouring blocks see the same ray displaced by less than
+ * their epsilons, so no ray slips between them.
+ *
+ * The SIMD path (framed/local_ray4.h) does the same with the four components of a point at
+ * once. */
+
+#ifndef CBVH_LOCAL_RAY_H
+#define CBVH_LOCAL_RAY_H
+
+#include "block.h"
+#include "node.h"
+
+CBVH_BEGIN
+
+/*! ulps of the distance between ray and block, and of 1, that a ray is displaced by */
+CBVH_CONSTANT float distanceUlps = 4.0f;
+CBVH_CONSTANT float unitUlps = 8.0f;
+
+/*! How far a box reaches from its centre, in parts of 1/(the least stretch of x, y and z). Where
+ *  its sides are at right angles it is at most sqrt(3) of that long, and reaches sqrt(3)/2 of its
+ *  length: the 3/2 ulps that are lost there are less than distanceUlps of this. */
+CBVH_CONSTANT float reachOfBox = 0.75f;
+
+/*! farther than any parameter of a ray */
+CBVH_CONSTANT float beyondAll = 3.0e38f;
+
+/*! part of a line */
+CBVH_REAL struct Range
+{
+  Real lower, upper;
+};
+
+CBVH_REAL CBVH_FUNCTION CBVH_OF(Range) makeRange (Real lower, Real upper)
+{
+  CBVH_OF(Range) range;
+  range.lower = lower;
+  range.upper = upper;
+  return range;
+}
+
+/*! keeps the part of a range of s where o + s d >= 0 */
+CBVH_REAL CBVH_FUNCTION CBVH_OF(Range) clipRange (CBVH_OF(Range) range, Real o, Real d)
+{
+  if (d > Real(0)) range.lower = greater(range.lower,-o/d);
+  else if (d < Real(0)) range.upper = lesser(range.upper,-o/d);
+  else if (o < Real(0)) range.upper = Real(-beyondAll);
+  return range;
+}
+
+/*! a ray in the world, from tnear to tfar in units of dir */
+CBVH_REAL struct WorldRay
+{
+  Real org[3], dir[3];
+  Real tnear, tfar;
+};
+
+/*! part of a ray in the frame */
+CBVH_REAL struct Segment
+{
+  Real P0[3], P1[3];
+  Real epsilon[3];   //!< see above
+  Real t0, t1;       //!< world parameters of the ends
+  Real w0, w1;
+  bool startClipped; //!< it starts at tnear, inside the box
+  bool endClipped;   //!< it ends at tfar, inside the box
+  bool valid;        //!< false: the ray misses the box between tnear and tfar
+};
+
+/*! What bounds are widened by, times W: lane k from the frame's columns and the largest
+ *  component of the ray's origin relative to the centre. */
+CBVH_REAL CBVH_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int k)
+{
+  Real shortest = Real(beyondAll), stretchK = Real(0), stretchW = Real(0);
+  for (int j=0; j<4; j++)
+  {
+    Real stretch = Real(0);
+    for (int i=0; i<3; i++) stretch += magnitude(Real(block.columns[i][j]));
+    if (j == k) stretchK = stretch;
+    if (j == 3) stretchW = stretch;
+    else shortest = lesser(shortest,stretch);
+  }
+  Real reach = distance + Real(reachOfBox)/shortest;
+  return Real(distanceUlps*floatUlp)*reach*(stretchK+stretchW) + Real(unitUlps*floatUlp);
+}
+
+/*! Clips a ray to the box of a block and takes it to the frame.
+ *  widening: of epsilon, 1 as in the SIMD path. */
+CBVH_REAL CBVH_FUNCTION CBVH_OF(Segment) enterBlock (BlockHeader block, CBVH_OF(WorldRay) ray, Real widening)
+{
+  Real o[3], od = Real(0), dd = Real(0), distance = Real(0);
+  for (int i=0; i<3; i++) {
+    o[i] = ray.org[i] - Real(block.centre[i]);
+    od += o[i]*ray.dir[i];
+    dd += ray.dir[i]*ray.dir[i];
+    distance = greater(distance,magnitude(o[i]));
+  }
+  /* nearest to the centre */
+  Real tref = -od/dd;
+  Real O[4], D[4];
+  for (int k=0; k<4; k++)
+  {
+    O[k] = k == 3 ? Real(1) : Real(0.5f);
+    D[k] = Real(0);
+    for (int i=0; i<3; i++) {
+      O[k] += (o[i] + tref*ray.dir[i])*Real(block.columns[i][k]);
+      D[k] += ray.dir[i]*Real(block.columns[i][k]);
+    }
+  }
+
+  CBVH_OF(Segment) segment;
+  /* clip to X >= 0 and W-X >= 0, and so on: linear in the parameter */
+  CBVH_OF(Range) inBox = makeRange(Real(-beyondAll),Real(beyondAll));
+  for (int k=0; k<3; k++) {
+    segment.epsilon[k] = widening*rayEpsilon(block,distance,k);
+    inBox = clipRange(inBox,O[k]+segment.epsilon[k],D[k]);
+    inBox = clipRange(inBox,O[3]-O[k]+segment.epsilon[k],D[3]-D[k]);
+  }
+  Real tauNear = ray.tnear-tref, tauFar = ray.tfar-tref;
+  segment.startClipped = tauNear > inBox.lower;
+  segment.endClipped = tauFar < inBox.upper;
+  Real tau0 = greater(tauNear,inBox.lower), tau1 = lesser(tauFar,inBox.upper);
+  segment.t0 = tref + tau0;
+  segment.t1 = tref + tau1;
+  segment.w0 = O[3] + tau0*D[3];
+  segment.w1 = O[3] + tau1*D[3];
+  segment.valid = tau0 <= tau1 && segment.w0 > Real(0) && segment.w1 > Real(0);
+  for (int k=0; k<3; k++) {
+    segment.P0[k] = (O[k] + tau0*D[k])/segment.w0;
+    segment.P1[k] = (O[k] + tau1*D[k])/segment.w1;
+    segment.epsilon[k] /= lesser(segment.w0,segment.w1);
+  }
+  return segment;
+}
+
+/*! world parameter of s: how far from t0 to t1 */
+CBVH_REAL CBVH_FUNCTION Real worldShare (Real w0, Real w1, Real s)
+{
+  Real sw = s*w0;
+  return sw/(w1*(Real(1)-s) + sw);
+}
+
+/*! s of a world parameter, given how far from t0 to t1 it is: the inverse */
+CBVH_REAL CBVH_FUNCTION Real localShare (Real w0, Real w1, Real tau)
+{
+  Real tw = tau*w1;
+  return tw/(w0*(Real(1)-tau) + tw);
+}
+
+CBVH_REAL CBVH_FUNCTION Real worldT (CBVH_OF(Segment) segment, Real s) {
+  return segment.t0 + worldShare(segment.w0,segment.w1,s)*(segment.t1-segment.t0);
+}
+
+/*! a coordinate at s */
+CBVH_REAL CBVH_FUNCTION Real segmentAt (CBVH_OF(Segment) segment, int axis, Real s) {
+  return segment.P0[axis] + s*(segment.P1[axis]-segment.P0[axis]);
+}
+
+/*! part of the segment's line within the first axes (2 or 3) of a box, widened by epsilon */
+CBVH_REAL CBVH_FUNCTION CBVH_OF(Range) rangeInBox (CBVH_OF(Segment) segment, NodeBox box, int axes)
+{
+  CBVH_OF(Range) range = makeRange(Real(-beyondAll),Real(beyondAll));
+  for (int k=0; k<axes; k++) {
+    Real d = segment.P1[k]-segment.P0[k];
+    range = clipRange(range,segment.P0[k]-Real(box.lower[k])+segment.epsilon[k],d);
+    range = clipRange(range,Real(upperOf(box,k))-segment.P0[k]+segment.epsilon[k],-d);
+  }
+  return range;
+}
+
+/*! whether a part of the segment's line has some of the segment */
+CBVH_REAL CBVH_FUNCTION bool isOnSegment (CBVH_OF(Range) range) {
+  return greater(range.lower,Real(0)) <= lesser(range.upper,Real(1));
+}
+
+CBVH_END
+
+#endif

@@ -1,0 +1,151 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A ray in the frame of a block, framed/local_ray.h, with the four components of a point in
+ * one vector. */
+
+#include "local_ray.h"
+#include "nearest_hit.h"
+#include "../base/product.h"
+#include "../../common/ray.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      using namespace embree::cbvh;
+
+      /*! per ray: direction scaled to a largest component of 1, so that directions
+       *  of length 1e-20 or 1e20 have a square */
+      struct RayPrecalculations
+      {
+        Vec3fa org, dir;
+        float scale;    //!< t = t' * scale, t' along dir
+        float rcpScale;
+        float rcpDir2;  //!< 1/dot(dir,dir)
+        float scaledTnear; //!< tnear in t'
+        float tfar;        //!< where the ray ended before anything was hit
+        float enter;       //!< t where the ray enters the bounds of a block, or before
+        mutable NearestHit nearest;
+
+        bool isSet;
+
+        /*! set by the first block: many rays meet none */
+        __forceinline explicit RayPrecalculations (float tfar) : tfar(tfar), enter(neg_inf), isSet(false) {}
+        __forceinline explicit RayPrecalculations (const Ray& ray) : tfar(ray.tfar), enter(neg_inf), isSet(false) { set(ray); }
+
+        __forceinline void set (const Ray& ray)
+        {
+          if (likely(isSet)) return;
+          isSet = true;
+          const Vec3fa d = ray.dir;
+          rcpScale = reduce_max(abs(d));
+          scale = 1.0f/rcpScale;
+          dir = d*scale;
+          org = ray.org;
+          rcpDir2 = 1.0f/dot(dir,dir);
+          scaledTnear = product(max(ray.tnear(),0.0f),rcpScale);
+        }
+      };
+
+      /*! how far a block's map stretches the world */
+      struct BlockStretch
+      {
+        vfloat4 withW; //!< of x, y and z, with that of W
+        float longest; //!< side of the box, about
+
+        __forceinline BlockStretch (const vfloat4& cx, const vfloat4& cy, const vfloat4& cz)
+        {
+          const vfloat4 stretch = abs(cx)+abs(cy)+abs(cz), size = vfloat4(1.0f)/stretch;
+          withW = stretch+shuffle<3>(stretch);
+          longest = max(max(size[0],size[1]),size[2]);
+        }
+      };
+
+      /*! s of a parameter of the scaled ray on a segment, 1 at its end or beyond */
+      __forceinline float localParameter (float t0, float t1, float w0, float w1, float t) {
+        return t < t1 ? localShare(w0,w1,(t-t0)/(t1-t0)) : 1.0f;
+      }
+
+      /*! what the s of a world parameter may be off */
+      static const float slackOfS = 1e-5f;
+
+      /*! Products that are summed are fused, or not, by what is written here and not by the compiler, so that
+       *  packets have the same bits (frame_rays.h). */
+      struct LocalRay
+      {
+        /*! lanes: x, y, z (lane 3 is W, undefined after division) */
+        vfloat4 P0, P1;
+        vfloat4 epsilon;
+        float t0, t1;     //!< world parameter of the segment's ends, in t'
+        float w0, w1;
+        bool startClipped; //!< the segment starts at tnear, inside the box
+        bool endClipped;   //!< the segment ends at pre.tfar, inside the box
+
+        /*! False if the ray misses the block's box between tnear and nearest, where its hit so far is. That does not
+         *  bear on what it meets where, so that the order of blocks does not. */
+        __forceinline bool init (const RayPrecalculations& pre, const Block* block, float nearest)
+        {
+          const vfloat4 cx = vfloat4::load(block->columns[0]);
+          const vfloat4 cy = vfloat4::load(block->columns[1]);
+          const vfloat4 cz = vfloat4::load(block->columns[2]);
+          const Vec3fa o = pre.org - Vec3fa(block->centre[0],block->centre[1],block->centre[2]);
+
+          /* move to the point nearest to the centre */
+          const float tref = -dot(o,pre.dir)*pre.rcpDir2;
+          const Vec3fa p = madd(Vec3fa(tref),pre.dir,o);
+          const vfloat4 O = madd(vfloat4(p.x),cx,madd(vfloat4(p.y),cy,madd(vfloat4(p.z),cz,vfloat4(0.5f,0.5f,0.5f,1.0f))));
+          const vfloat4 D = madd(vfloat4(pre.dir.x),cx,madd(vfloat4(pre.dir.y),cy,vfloat4(pre.dir.z)*cz));
+          const BlockStretch stretch(cx,cy,cz);
+          const float farthest = fused(reachOfBox,stretch.longest,reduce_max(abs(o)));
+          epsilon = madd(vfloat4(distanceUlps*floatUlp*farthest),stretch.withW,vfloat4(unitUlps*floatUlp));
+
+          Clip clip(O,D,epsilon);
+          const float tauNear = pre.scaledTnear - tref, tauFar = fused(pre.tfar,pre.rcpScale,-tref);
+          const float tau0 = max(clip.tauIn,tauNear), tau1 = min(clip.tauOut,tauFar);
+          if (clip.outside || !(tau0 <= min(tau1,fused(nearest,pre.rcpScale,-tref)))) return false;
+          startClipped = tauNear > clip.tauIn;
+          endClipped = tauFar < clip.tauOut;
+
+          const vfloat4 h0 = madd(vfloat4(tau0),D,O), h1 = madd(vfloat4(tau1),D,O);
+          w0 = h0[3]; w1 = h1[3];
+          epsilon = epsilon/vfloat4(min(w0,w1));
+          P0 = h0/vfloat4(w0); P1 = h1/vfloat4(w1);
+          t0 = tref + tau0; t1 = tref + tau1;
+          return w0 > 0.0f && w1 > 0.0f;
+        }
+
+        /*! s of a world parameter, or a little behind */
+        __forceinline float behind (float rcpScale, float t) const { return localParameter(t0,t1,w0,w1,t*rcpScale) + slackOfS; }
+
+      private:
+        /*! part of the line where X >= 0 and W-X >= 0, and so on: linear in the parameter */
+        struct Clip
+        {
+          float tauIn, tauOut;
+          bool outside;
+
+          __forceinline Clip (const vfloat4& O, const vfloat4& D, const vfloat4& epsilon)
+          {
+            const vfloat4 W = shuffle<3>(O), DW = shuffle<3>(D);
+            const vfloat4 a0 = O + epsilon, a1 = (W - O) + epsilon, d1 = DW - D;
+            const vfloat4 zero4 = vfloat4(zero);
+            const vfloat4 r0 = -a0/D, r1 = -a1/d1;
+            const vbool4 xyz = vbool4(true,true,true,false);
+            const vbool4 in0 = xyz & (D > zero4), out0 = xyz & (D < zero4);
+            const vbool4 in1 = xyz & (d1 > zero4), out1 = xyz & (d1 < zero4);
+            const vfloat4 enter = max(select(in0,r0,vfloat4(neg_inf)),select(in1,r1,vfloat4(neg_inf)));
+            const vfloat4 leave = min(select(out0,r0,vfloat4(pos_inf)),select(out1,r1,vfloat4(pos_inf)));
+            outside = any(xyz & (((D == zero4) & (a0 < zero4)) | ((d1 == zero4) & (a1 < zero4))));
+            tauIn = reduce_max(enter);
+            tauOut = reduce_min(leave);
+          }
+        };
+      };
+    }
+  }
+}

@@ -1,0 +1,147 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of node words, framed/node.h. In double, as it must not round inwards. */
+
+#include "node.h"
+#include "../base/lanes.h"
+#include <algorithm>
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    /*! exact bounds of geometry, x, y and z; the fourth number fills up lanes */
+    struct ExactBox
+    {
+      double lower[4] = { 1e300, 1e300, 1e300, 1e300 };
+      double upper[4] = {-1e300,-1e300,-1e300,-1e300 };
+
+      ExactBox() {}
+      ExactBox(Double4 l, Double4 u) { l.store(lower); u.store(upper); }
+
+      bool empty() const { return lower[0] > upper[0]; }
+
+      void extend(const double p[3]) {
+        for (int i=0; i<3; i++) {
+          lower[i] = p[i] < lower[i] ? p[i] : lower[i];
+          upper[i] = p[i] > upper[i] ? p[i] : upper[i];
+        }
+      }
+
+      void extend(const ExactBox& b) {
+        min(Double4::load(lower),Double4::load(b.lower)).store(lower);
+        max(Double4::load(upper),Double4::load(b.upper)).store(upper);
+      }
+    };
+
+    inline Float4 outerOffsets() { return Float4(outerOffset(0),outerOffset(1),outerOffset(2),outerOffset(3)); }
+    inline Float4 innerPositions(uint32_t q) { return Float4(innerPosition(q),innerPosition(q+1),innerPosition(q+2),innerPosition(q+3)); }
+
+    inline uint32_t lowestBit(uint32_t bits) { return uint32_t(__builtin_ctz(bits)); }
+    inline uint32_t highestBit(uint32_t bits) { return 31u-uint32_t(__builtin_clz(bits)); }
+
+    /*! code of a pair: the highest outer plane and the lowest inner one of those that contain, bit by bit */
+    inline uint32_t pairOf(uint32_t outer, uint32_t inner) {
+      return highestBit(outer | 1) | (lowestBit(inner | 1u << 7) << 2);
+    }
+
+    /*! Code of the lower planes of both columns: the highest that keep the slack to them. The
+     *  outer code 0 means the parent's plane, which keeps it already, and so does the inner code 7. */
+    inline uint32_t encodeLowerPair(float lower, float extent, double outer, double inner)
+    {
+      const Float4 l = lower, e = extent;
+      const Double4 o = outer - containmentSlack, i = inner - containmentSlack;
+      return pairOf((Double4(l + outerOffsets()*e) <= o).bits(),
+                    (Double4(l + (Float4(1.0f)-innerPositions(0))*e) <= i).bits() | (Double4(l + (Float4(1.0f)-innerPositions(4))*e) <= i).bits() << 4);
+    }
+
+    /*! the same for the upper planes */
+    inline uint32_t encodeUpperPair(float lower, float extent, double outer, double inner)
+    {
+      const Float4 l = lower, e = extent;
+      const Double4 o = outer + containmentSlack, i = inner + containmentSlack;
+      return pairOf((o <= Double4(l + (Float4(1.0f)-outerOffsets())*e)).bits(),
+                    (i <= Double4(l + innerPositions(0)*e)).bits() | (i <= Double4(l + innerPositions(4)*e)).bits() << 4);
+    }
+
+    /*! the z intervals of a parent, the smallest first: of two that are as small the one of the lower code */
+    class IntervalsOf
+    {
+    public:
+      IntervalsOf(const NodeBox& parent)
+      {
+        const Float4 l = parent.lower[2], e = parent.extent[2];
+        const Interval a = zInterval(4), b = zInterval(5), c = zInterval(6), d = zInterval(7), f = zInterval(3), g = zInterval(2), h = zInterval(1), all = zInterval(0);
+        lower[0] = l + Float4(a.lower,b.lower,c.lower,d.lower)*e;
+        lower[1] = l + Float4(f.lower,g.lower,h.lower,all.lower)*e;
+        upper[0] = l + Float4(a.upper,b.upper,c.upper,d.upper)*e;
+        upper[1] = l + Float4(f.upper,g.upper,h.upper,all.upper)*e;
+      }
+
+      /*! code of the smallest that contains a child; 0 contains all */
+      uint32_t smallest(double childLower, double childUpper) const
+      {
+        const Double4 l = childLower - containmentSlack, u = childUpper + containmentSlack;
+        uint32_t contains = 1u << 7;
+        for (int i=0; i<2; i++) contains |= ((lower[i] <= l) & (u <= upper[i])).bits() << (4*i);
+        return (0x01237654u >> (4*lowestBit(contains))) & 7u;
+      }
+
+    private:
+      Double4 lower[2], upper[2];
+    };
+
+    /*! Encodes the bounds of four children. A child without geometry may have any
+     *  bounds. Precondition: parent contains all children with the slack. */
+    inline uint32_t encodeNode(const NodeBox& parent, const ExactBox children[4])
+    {
+      uint32_t node = 0;
+      for (int axis=0; axis<2; axis++)
+      {
+        /* columns of x are children 0 and 2, 1 and 3; rows are 0 and 1, 2 and 3 */
+        const ExactBox& a = children[0], &b = children[2 >> axis], &c = children[1 << axis], &d = children[3];
+        const float l = parent.lower[axis], e = parent.extent[axis];
+        node |= encodeLowerPair(l,e,std::min(a.lower[axis],b.lower[axis]),std::min(c.lower[axis],d.lower[axis])) << lowerShift(axis);
+        node |= encodeUpperPair(l,e,std::max(c.upper[axis],d.upper[axis]),std::max(a.upper[axis],b.upper[axis])) << upperShift(axis);
+      }
+      const IntervalsOf intervals(parent);
+      for (int c=0; c<4; c++)
+        node |= intervals.smallest(children[c].lower[2],children[c].upper[2]) << (zShift + zBits*c);
+      return node;
+    }
+
+    /*! decoded bounds of the four children of a node, as decodeChild() has them */
+    struct NodeBoxes
+    {
+      float lower[3][4], extent[3][4];
+
+      NodeBoxes() {}
+      NodeBoxes(uint32_t word, const NodeBox& parent)
+      {
+        for (int axis=0; axis<2; axis++)
+        {
+          const uint32_t l = word >> lowerShift(axis) & planePairMask, u = word >> upperShift(axis) & planePairMask;
+          const float l0 = lowerPlane(l,0), l1 = lowerPlane(l,1), u0 = upperPlane(u,0), u1 = upperPlane(u,1);
+          set(axis,parent,axis == 0 ? Float4(l0,l1,l0,l1) : Float4(l0,l0,l1,l1),axis == 0 ? Float4(u0,u1,u0,u1) : Float4(u0,u0,u1,u1));
+        }
+        const Interval z[4] = { zInterval(zCode(word,0)),zInterval(zCode(word,1)),zInterval(zCode(word,2)),zInterval(zCode(word,3)) };
+        set(2,parent,Float4(z[0].lower,z[1].lower,z[2].lower,z[3].lower),Float4(z[0].upper,z[1].upper,z[2].upper,z[3].upper));
+      }
+
+      NodeBox operator[](uint32_t c) const {
+        return { { lower[0][c],lower[1][c],lower[2][c] },{ extent[0][c],extent[1][c],extent[2][c] } };
+      }
+
+    private:
+      void set(int axis, const NodeBox& parent, Float4 from, Float4 to)
+      {
+        const Float4 l = Float4(parent.lower[axis]) + from*parent.extent[axis], u = Float4(parent.lower[axis]) + to*parent.extent[axis];
+        l.store(lower[axis]);
+        (u-l).store(extent[axis]);
+      }
+    };
+  }}
+}

@@ -1,0 +1,46 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Compiled for the library's lowest ISA only: code that runs when the library is
+ * loaded must run everywhere. */
+
+#include "node_tables.h"
+#include "leaf/format.h"
+
+namespace embree
+{
+  namespace cbvh
+  {
+    const NodeTables nodeTables;
+
+    NodeTables::NodeTables ()
+    {
+      for (int axis=0; axis<2; axis++)
+        for (uint32_t pair=0; pair<32; pair++)
+          for (int child=0; child<4; child++) {
+            lowerPlane[axis][pair][child] = cbvh::lowerPlane(pair,childColumn(child,axis));
+            upperPlane[axis][pair][child] = cbvh::upperPlane(pair,childColumn(child,axis));
+          }
+      for (uint32_t pair=0; pair<64; pair++)
+        for (int child=0; child<2; child++) {
+          const Interval z = zInterval((pair >> (zBits*child)) & 7);
+          zPair[pair][child  ] = z.lower;
+          zPair[pair][child+2] = z.upper;
+        }
+      for (uint32_t code=0; code<32; code++)
+        latticeOuter[code] = cbvh::latticeOuter(code);
+      for (int corner=0; corner<4; corner++)
+        for (int byte=0; byte<16; byte++)
+        {
+          const int child = byte/4;
+          const int vertex = childColumn(child,0)+childColumn(corner,0) + 3*(childColumn(child,1)+childColumn(corner,1));
+          latticeCorner[corner][byte] = uint8_t(byte % 4 ? 0x80 : vertex == 4 ? 8 : latticeByte(vertex));
+        }
+      for (int mask=0; mask<16; mask++)
+      {
+        firstOfFour[mask] = uint16_t((mask & 1) | (mask & 2) << 3 | (mask & 4) << 6 | (mask & 8) << 9);
+        allOfFour[mask] = uint16_t(15*firstOfFour[mask]);
+      }
+    }
+  }
+}

@@ -1,0 +1,103 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A hit in a leaf of a block with frames as Embree's epilogues want it: parameters of the face, distance,
+ * normal. Numbers are floats, of one ray, or vectors, of the rays of a packet; both give the same bits, as
+ * every product that is summed is said to be fused or is exact. */
+
+#include "local_ray4.h"
+#include "normal.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! a hit in a leaf */
+      template<typename Real, typename Bool>
+      struct LeafHit
+      {
+        Real s;
+        Real u, v;                 //!< position in the leaf
+        Real slopeX, slopeY;       //!< of the surface there
+        Bool fromAbove, fromBelow; //!< side that the ray comes from, as far as it is known
+      };
+
+      /*! what a hit needs of its ray */
+      template<typename Real>
+      struct HitRay
+      {
+        Real P[3], D[3];       //!< in the frame
+        Real t0, t1, w0, w1;   //!< LocalRay
+        Real dir[3];           //!< RayPrecalculations
+        Real scale, rcpDir2;
+        Real tnear, tfar;      //!< of the ray before anything was hit
+        Real enter;            //!< where it enters the block's bounds
+
+        /*! t of s, on the ray */
+        __forceinline Real ownT (const Real& s) const {
+          const Real sw = product(s,w0);
+          return min(max(fused(Real(sw/fused(w1,Real(Real(1.0f)-s),sw)),Real(t1-t0),t0)*scale,tnear),tfar);
+        }
+
+        /*! what counts of it (nearest_hit.h) */
+        __forceinline Real countingT (const Real& own) const { return min(max(own,enter),tfar); }
+      };
+
+      template<typename Real>
+      struct SurfaceHit
+      {
+        Real u, v, t;
+        Vec3<Real> Ng;
+      };
+
+      template<typename Real, typename Bool>
+      class HitFrame
+      {
+      public:
+        __forceinline HitFrame (const Block* block, const BlockLayout& layout)
+          : block(block), leafSize(float(1u << block->height())/float(layout.leaves)) {}
+
+        /*! t: of the report */
+        __forceinline SurfaceHit<Real> surfaceHit (const HitRay<Real>& ray, uint32_t leaf, const LeafHit<Real,Bool>& at, const Real& t) const
+        {
+          SurfaceHit<Real> hit;
+          hit.u = block->faceU(Real(leafSize)*(Real(float(mortonX(leaf))) + at.u));
+          hit.v = block->faceV(Real(leafSize)*(Real(float(mortonY(leaf))) + at.v));
+          hit.t = t;
+          setNormal(ray,at,hit.Ng);
+          return hit;
+        }
+
+      private:
+        /*! worldNormal and isTurned of framed/normal.h, of length 1 */
+        __forceinline void setNormal (const HitRay<Real>& ray, const LeafHit<Real,Bool>& at, Vec3<Real>& Ng) const
+        {
+          Real p[3], n[3];
+          for (int k=0; k<3; k++) p[k] = fused(at.s,ray.D[k],ray.P[k]);
+          const Real level = fusedNegative(at.slopeY,p[1],fusedNegative(at.slopeX,p[0],p[2]));
+          for (int k=0; k<3; k++) {
+            const float* column = block->columns[k];
+            n[k] = fusedNegative(level,Real(column[3]),fusedNegative(at.slopeY,Real(column[1]),fusedNegative(at.slopeX,Real(column[0]),Real(column[2]))));
+          }
+          /* the frame of a block smaller than 1e-19 has components that have no square */
+          const Real largest = max(max(abs(n[0]),abs(n[1])),abs(n[2])), toUnit = Real(1.0f)/max(largest,Real(1e-37f));
+          for (int k=0; k<3; k++) n[k] = n[k]*toUnit;
+          const Real length2 = dotOf(n,n), along = dotOf(n,ray.dir);
+          const Bool away = (at.fromAbove & (along > Real(zero))) | (at.fromBelow & (along < Real(zero)));
+          const Bool isTurned = away & (along*along*ray.rcpDir2 < Real(turnedSine2)*length2);
+          const Real turn = select(isTurned,Real(2.0f)*along*ray.rcpDir2,Real(zero)), rcpLength = Real(1.0f)/sqrt(max(length2,Real(1e-30f)));
+          for (int k=0; k<3; k++) (&Ng.x)[k] = fusedNegative(turn,ray.dir[k],n[k])*rcpLength;
+        }
+
+        static __forceinline Real dotOf (const Real a[3], const Real b[3]) { return fused(a[0],b[0],fused(a[1],b[1],product(a[2],b[2]))); }
+
+        const Block* block;
+        const float leafSize; //!< in quads
+      };
+    }
+  }
+}

@@ -1,0 +1,57 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* The words of a block as a tree, whatever the kind of its leaves. */
+
+#ifndef CBVH_TREE_H
+#define CBVH_TREE_H
+
+#include "block.h"
+#include "leaf/format.h"
+
+CBVH_BEGIN
+
+/*! whether the words of a level are those of groups, leaf.h */
+CBVH_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLevels) { return hasGroups(kind) && level+1u == nodeLevels; }
+
+/*! Decoded bounds of a child. group: whether the word is that of a group, whose heights are
+ *  without meaning else. */
+CBVH_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
+{
+  if (group) return decodeLeaf(word,heights,child,parent).box;
+  return decodeChild(word,child,parent);
+}
+
+CBVH_END
+
+#ifndef VULKAN
+#include <cstring>
+
+CBVH_BEGIN
+
+/*! heights of group m */
+inline Heights heightsOf (const Block* block, uint32_t m)
+{
+  Heights heights;
+  memcpy(&heights,block->leaves() + sizeof(Heights)*size_t(m),sizeof(Heights));
+  return heights;
+}
+
+/*! decoded bounds of child c of node m of a level, from those of the node */
+inline NodeBox childBox (const Block* block, uint32_t level, uint32_t m, uint32_t c, const NodeBox& parent)
+{
+  const bool group = isGroupLevel(kindOf(block->info),level,block->layout().nodeLevels);
+  return childBox(group,block->nodes()[nodesOfLevels(level)+m],group ? heightsOf(block,m) : Heights{ 0,0 },int(c),parent);
+}
+
+/*! leaf c of group m, from the decoded bounds of the group */
+inline LeafPatch leafOfGroup (const Block* block, uint32_t m, uint32_t c, const NodeBox& parent)
+{
+  const uint32_t level = block->layout().nodeLevels-1;
+  return decodeLeaf(block->nodes()[nodesOfLevels(level)+m],heightsOf(block,m),int(c),parent);
+}
+
+CBVH_END
+#endif
+
+#endif

@@ -1,0 +1,35 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Leaves of cVOXEL: none, the nodes say all. */
+
+#include "../leaf/leaf_thickness.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    class VoxelEncoder
+    {
+    public:
+      VoxelEncoder(const BlockGeometry& geometry, Block*, BlockStatistics& statistics) : geometry(geometry), statistics(statistics) {}
+
+      void fourGroups(uint32_t, const NodeBoxes&, uint32_t*) {}
+      uint32_t group(uint32_t, const NodeBox&) { return 0; }
+
+      void leaf(uint32_t m, const NodeBox& box) {
+        if (geometry.boxOf(geometry.cellLevels,m).empty()) return;
+        statistics.addBoxThickness(geometry,box);
+        statistics.fit.addFlatQuad(geometry,mortonX(m),mortonY(m),box);
+      }
+
+      void finish() {}
+
+    private:
+      const BlockGeometry& geometry;
+      BlockStatistics& statistics;
+    };
+  }}
+}

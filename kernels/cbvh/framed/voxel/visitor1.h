@@ -1,0 +1,43 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Leaves of cVOXEL: boxes. */
+
+#include "../block_visitor1.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! cVOXEL: the ray hits a leaf where it enters its box. A ray that starts inside
+       *  a box does not hit that box: it left, or was left behind by, that surface. */
+      template<typename RayType>
+      struct VoxelVisitor1 : public BlockVisitor1<RayType>
+      {
+        static const uint32_t kind = kindVoxel;
+        using BlockVisitor1<RayType>::BlockVisitor1;
+
+        __forceinline bool leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
+        {
+          if (this->startsInside(ranges,child)) return false;
+          const float s = max(ranges.sNear[child],0.0f);
+          if (this->isHit ? !(s < this->sBest) : s > this->sBest) return false; // of those as near, the first along the ray
+          const float u = position(tile.grandchildren,0,child,s), v = position(tile.grandchildren,1,child,s);
+          return this->reportHit(16*m+child,LeafHit1{ s,u,v,0.0f,0.0f,false,false }) && IsAnyHit<RayType>::value;
+        }
+
+      private:
+        /*! in a leaf's box */
+        __forceinline float position (const NodePlanes<16>& boxes, int axis, uint32_t leaf, float s) const
+        {
+          const float lower = boxes.at[axis][0][leaf], upper = boxes.at[axis][1][leaf];
+          return clamp((fused(s,this->frameRay.D[axis],this->frameRay.P[axis]) - lower)/(upper-lower),0.0f,1.0f);
+        }
+      };
+    }
+  }
+}

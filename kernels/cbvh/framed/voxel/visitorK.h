@@ -1,0 +1,47 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Leaves of cVOXEL for packets, as voxel_visitor1.h. */
+
+#include "../block_visitorK.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      template<int K, typename Rays>
+      struct VoxelVisitorK : public BlockVisitorK<K,Rays>
+      {
+        static const uint32_t kind = kindVoxel;
+        using BlockVisitorK<K,Rays>::BlockVisitorK;
+
+        __forceinline void leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxMeeting<K>& box, const vbool<K>& lanes)
+        {
+          LeafHits<K> hits;
+          hits.s = max(box.sNear,vfloat<K>(zero));
+          const vbool<K> nearer = (hits.s < this->sBest) | andn(hits.s <= this->sBest,this->isHit); // of those as near, the first along the ray
+          const vbool<K> hit = andn(lanes & nearer,this->startInside(box));
+          if (none(hit)) return;
+          hits.u = position(tile.grandchildren,0,child,hits.s);
+          hits.v = position(tile.grandchildren,1,child,hits.s);
+          hits.slopeX = hits.slopeY = vfloat<K>(zero);
+          hits.fromAbove = hits.fromBelow = vbool<K>(false);
+          this->reportHits(hit,16*m+child,hits);
+        }
+
+      private:
+        /*! in a leaf's box */
+        __forceinline vfloat<K> position (const NodePlanes<16>& boxes, int axis, uint32_t leaf, const vfloat<K>& s) const
+        {
+          const float lower = boxes.at[axis][0][leaf], upper = boxes.at[axis][1][leaf];
+          const vfloat<K> at = (madd(s,this->frameRays.D[axis],this->frameRays.P[axis]) - vfloat<K>(lower))/vfloat<K>(upper-lower);
+          return min(max(at,vfloat<K>(zero)),vfloat<K>(1.0f));
+        }
+      };
+    }
+  }
+}

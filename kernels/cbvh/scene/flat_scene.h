@@ -1,0 +1,101 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A committed scene as plain data: nodes in an array, blocks by their address, geometries. It is
+ * what a traversal outside of this library needs to know of a scene (kernels/vulkan), so that
+ * nobody else reads Embree's own structures. No Embree type is in it, and nothing is copied but
+ * the top-level tree: blocks, vertices and indices stay where they are, and live as long as the
+ * scene is neither committed again nor released. */
+
+#include "../../../include/embree3/rtcore.h"
+#include "../base/reference.h"
+#include <cstddef>
+#include <cstdint>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    /*! of the structures below: a library of another number does not fit */
+    static const uint32_t flatSceneVersion = 1;
+
+    /*! Four children, bounds by axis. Those that are none have the reference emptyReference and bounds
+     *  that nothing meets: all are infinite. */
+    struct FlatNode
+    {
+      float lower[3][4], upper[3][4];
+      uint32_t children[4];           //!< references, reference.h: to nodes, blocks and cells by index
+    };
+
+    /*! a block, or a grid of GRID */
+    struct FlatBlock
+    {
+      const void* data;  //!< aligned to 16 bytes
+      uint32_t bytes;
+      uint32_t type;     //!< reference.h: firstBlockReference and the kind, or cellReference for a grid
+    };
+
+    /*! 2 x 2 quads of a grid */
+    struct FlatCell
+    {
+      uint32_t block;    //!< index of the grid in blocks
+      uint32_t vertex;   //!< first vertex
+    };
+
+    enum FlatGeometryType { FLAT_NONE, FLAT_SUBDIVISION, FLAT_TRIANGLES, FLAT_INSTANCE, FLAT_OTHER };
+
+    struct FlatGeometry
+    {
+      FlatGeometryType type;     //!< FLAT_NONE: no geometry has this ID, or it is disabled
+      const char* typeName;
+      uint32_t mask;
+      uint32_t timeSteps;
+      bool hasFilter;
+      /* of triangles */
+      const char* vertices;      //!< three floats each
+      const char* indices;       //!< three 32-bit integers each
+      size_t vertexStride, numVertices, indexStride, numTriangles;
+      /* of an instance */
+      float worldToLocal[12];    //!< column by column: x, y, z, translation
+      float localToWorld[12];
+      RTCScene instanced;
+      float lower[3], upper[3];  //!< of the instanced scene, in its own space
+    };
+
+    struct FlatScene
+    {
+      uint32_t version;          //!< flatSceneVersion
+      uint32_t root;             //!< reference to the root of the subdivision surfaces, or emptyReference
+      uint32_t depth;            //!< nodes on the longest way from the root to a leaf
+      bool isRobust;             //!< RTC_SCENE_FLAG_ROBUST
+      float lower[3], upper[3];  //!< of the subdivision surfaces
+
+      FlatNode* nodes;
+      FlatBlock* blocks;
+      FlatCell* cells;
+      FlatGeometry* geometries;  //!< by geomID
+      size_t numNodes, numBlocks, numCells, numGeometries;
+    };
+  }
+}
+
+#if defined(__cplusplus)
+extern "C" {
+#endif
+
+/* Describes a committed scene. NULL, with the error set at the scene's device, if it is not
+ * committed, or if it has more than references can count. version: flatSceneVersion. Not for
+ * applications: rtcore_vulkan.h is. */
+RTC_API const struct embree::cbvh::FlatScene* rtcFlattenScene (RTCScene scene, unsigned int version);
+
+/* Sets the error of a device, or of the calling thread where it is NULL, and calls the device's error function. */
+RTC_API void rtcRaiseDeviceError (RTCDevice device, enum RTCError code, const char* message);
+
+/* Takes NULL, too. */
+RTC_API void rtcReleaseFlatScene (const struct embree::cbvh::FlatScene* flat);
+
+#if defined(__cplusplus)
+}
+#endif

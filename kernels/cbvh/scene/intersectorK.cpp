@@ -1,0 +1,161 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Packets and streams, instantiated for one ISA. Hits are those of single rays. Rays that are said to be
+ * coherent go together through the top-level BVH and through blocks, all others one by one. */
+
+#include "../../bvh/bvh_intersector_stream.h"
+#include "compressed_intersector1.h"
+#include "packet_traversal.h"
+#include "../framed/block_intersectorK.h"
+#include "../vert/intersectorK.h"
+#include "../base/primitive_type.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! Blocks, and GRID's own leaves where a face is not compressed, at the rays of a packet. */
+    template<int K, typename Rays>
+    class CompressedSubdivLeavesK
+    {
+      typedef SubdivPatch1IntersectorK<K> Grids;
+      typedef TravRayK<K,true> Tray;
+      static const bool isAnyHit = cbvh::IsAnyHit<Rays>::value;
+
+    public:
+      vfloat<K> tfar; //!< where rays end
+
+      __forceinline CompressedSubdivLeavesK (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays, IntersectContext* context)
+        : tfar(rays.tfar), This(This), rays(rays), context(context), grids(valid,rays), block(rays.tfar) {}
+
+      __forceinline void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& enter, const Tray& tray, size_t& lazyNode)
+      {
+        block.enter = enter;
+        size_t type;
+        const void* prim = leaf.leaf(type);
+        if (likely(type >= cbvh::FIRST_BLOCK)) accept(intersectBlock(valid,type,prim));
+        else accept(intersectGrid(valid,rays,(const GridSOA*)prim,type,tray,lazyNode));
+      }
+
+      /*! once all is traced */
+      __forceinline void end (const vbool<K>& valid) { if (!isAnyHit) block.end(valid,rays.tfar); }
+
+    private:
+      __forceinline void accept (const vbool<K>& hit) {
+        tfar = isAnyHit ? select(hit,vfloat<K>(neg_inf),tfar) : vfloat<K>(rays.tfar);
+      }
+
+      vbool<K> intersectGrid (const vbool<K>& valid, RayHitK<K>& rays, const GridSOA* prim, size_t type, const Tray& tray, size_t& lazyNode) {
+        Grids::intersect(valid,This,grids,rays,context,prim,type,tray,lazyNode);
+        return valid;
+      }
+      vbool<K> intersectGrid (const vbool<K>& valid, RayK<K>& rays, const GridSOA* prim, size_t type, const Tray& tray, size_t& lazyNode) {
+        return Grids::occluded(valid,This,grids,rays,context,prim,type,tray,lazyNode) & valid;
+      }
+
+      /*! which rays accepted a hit */
+      __forceinline vbool<K> intersectBlock (const vbool<K>& valid, size_t type, const void* prim)
+      {
+        using namespace cbvh;
+        if (type == blockType(kindVert)) return VertIntersectorK<K,Rays>::intersect(valid,rays,context,vert,(const VertHeader*)prim);
+        block.set(rays);
+        switch (type) {
+        case blockType(kindLeaf ): return BlockIntersectorK<K,LeafVisitorK >::intersect(valid,rays,context,block,(const Block*)prim);
+        case blockType(kindVoxel): return BlockIntersectorK<K,VoxelVisitorK>::intersect(valid,rays,context,block,(const Block*)prim);
+        default:                   return BlockIntersectorK<K,GridVisitorK >::intersect(valid,rays,context,block,(const Block*)prim);
+        }
+      }
+
+      const Accel::Intersectors* This;
+      Rays& rays;
+      IntersectContext* context;
+      typename Grids::Precalculations grids;
+      cbvh::RaysPrecalculations<K> block;
+      cbvh::VertRays<K> vert;
+    };
+
+    template<int K>
+    struct CompressedSubdivIntersectorK
+    {
+      static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context)
+      {
+        const vbool<K> valid = validOf(*mask,rays);
+        for (uint32_t alone=together(valid,This,rays,context).alone; alone; alone&=alone-1) {
+          const size_t k = bsf(alone);
+          RayHit ray;
+          rays.get(k,ray);
+          CompressedSubdivTraversal1::intersect(This,ray,context);
+          rays.set(k,ray);
+        }
+      }
+
+      static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context)
+      {
+        const Traced traced = together(validOf(*mask,rays),This,rays,context);
+        for (uint32_t alone=traced.alone; alone; alone&=alone-1) {
+          const size_t k = bsf(alone);
+          Ray ray;
+          rays.get(k,ray);
+          CompressedSubdivTraversal1::occluded(This,ray,context);
+          rays.tfar[k] = ray.tfar;
+        }
+        vfloat<K>::store(traced.ended,&rays.tfar,vfloat<K>(neg_inf));
+      }
+
+    private:
+      struct Traced
+      {
+        uint32_t alone; //!< rays that are left
+        vbool<K> ended; //!< rays that any hit ended
+      };
+
+      static __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays)
+      {
+        vbool<K> valid = (mask == vint<K>(-1)) & (rays.tnear() <= rays.tfar);
+#if defined(EMBREE_IGNORE_INVALID_RAYS)
+        valid &= rays.valid();
+#endif
+        return valid;
+      }
+
+      /*! traces rays that go one way */
+      template<typename Rays>
+      static __noinline Traced together (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays, IntersectContext* context)
+      {
+        Traced traced = { uint32_t(movemask(valid)),vbool<K>(false) };
+        const BVH4::NodeRef root = ((const BVH4*)This->ptr)->root;
+        if (!context->isCoherent() || root == BVH4::emptyNode) return traced;
+        CompressedSubdivLeavesK<K,Rays> leaves(valid,This,rays,context);
+        TravRayK<K,true> tray(rays.org,rays.dir,4);
+        uint32_t descends[3], alone = 0;
+        for (int axis=0; axis<3; axis++) descends[axis] = uint32_t(movemask(tray.rdir[axis] < vfloat<K>(zero)));
+        for (uint32_t rest=traced.alone; rest;)
+        {
+          const uint32_t k = uint32_t(bsf(rest));
+          uint32_t same = rest;
+          for (int axis=0; axis<3; axis++) same &= (descends[axis] >> k) & 1u ? descends[axis] : ~descends[axis];
+          rest &= ~same;
+          if (popcnt(same) <= 2) alone |= same;
+          else cbvh::PacketTraversal<K,CompressedSubdivLeavesK<K,Rays>>::run(vbool<K>(int(same)),k,root,rays,tray,leaves);
+        }
+        leaves.end(valid);
+        traced.alone = alone;
+        traced.ended = valid & (leaves.tfar == vfloat<K>(neg_inf));
+        return traced;
+      }
+    };
+
+#if defined(EMBREE_RAY_PACKETS)
+    DEFINE_INTERSECTOR4(BVH4CompressedSubdivIntersector4,CompressedSubdivIntersectorK<4>);
+#if defined(__AVX__)
+    DEFINE_INTERSECTOR8(BVH4CompressedSubdivIntersector8,CompressedSubdivIntersectorK<8>);
+#endif
+#if defined(__AVX512F__)
+    DEFINE_INTERSECTOR16(BVH4CompressedSubdivIntersector16,CompressedSubdivIntersectorK<16>);
+#endif
+    /* streams: Embree's own fallback, which hands over packets */
+    DEFINE_INTERSECTORN(BVH4CompressedSubdivIntersectorN,BVHNIntersectorStreamPacketFallback<4>);
+#endif
+  }
+}

@@ -1,0 +1,34 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The intersector of each kind of leaves, by the type of the primitive. */
+
+#include "../framed/block_intersector1.h"
+#include "../vert/intersector1.h"
+#include "../base/primitive_type.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! false for a primitive that is not a block; else found: whether a hit was accepted */
+      template<typename RayType>
+      __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, RayPrecalculations& pre, VertRay& vertRay, const void* prim, bool& found)
+      {
+        const Block* block = (const Block*)prim;
+        if (type == blockType(kindVert)) { found = VertIntersector1<RayType>::intersect(ray,context,vertRay,(const VertHeader*)prim); return true; }
+        pre.set(ray);
+        switch (type) {
+        case blockType(kindLeaf ): found = BlockIntersector1<LeafVisitor1 >::intersect(ray,context,pre,block); return true;
+        case blockType(kindVoxel): found = BlockIntersector1<VoxelVisitor1>::intersect(ray,context,pre,block); return true;
+        case blockType(kindGrid ): found = BlockIntersector1<GridVisitor1 >::intersect(ray,context,pre,block); return true;
+        default: return false;
+        }
+      }
+    }
+  }
+}

@@ -1,0 +1,126 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Traversal of the top-level BVH by the rays of a packet together. Nodes are left out by the frustum of the
+ * rays, as in Embree's traversal of coherent packets; but there rays come to all blocks that one of them
+ * meets, and hit what sticks out of bounds that they miss (framed/block_bounds.h). Here a ray comes to blocks
+ * whose bounds it meets, and they are told where, as top_level1.h does: its hits are those of a single ray. */
+
+#include "../../bvh/bvh_intersector_hybrid.h"
+#include "../../bvh/node_intersector_frustum.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! Leaves: has, of closest hit and of any hit,
+       *
+       *    void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& enter, const Tray& tray, size_t& lazyNode)
+       *
+       *  and after it `tfar`, where rays end, -inf of those that have ended; lazyNode: what is to be traversed next. */
+      template<int K, typename Leaves>
+      class PacketTraversal
+      {
+        typedef BVH4::NodeRef NodeRef;
+        typedef TravRayK<K,true> Tray;
+
+        /*! a node, and where each ray enters it: not a number if it does not */
+        struct Entry
+        {
+          vfloat<K> enter;
+          NodeRef node;
+          float first; //!< of the packet
+        };
+
+      public:
+        /*! rays with the same signs of tray.rdir, the first of which is ray k */
+        static __noinline void run (const vbool<K>& valid, size_t k, NodeRef root, RayK<K>& rays, Tray& tray, Leaves& leaves)
+        {
+          tray.tnear = select(valid,max(vfloat<K>(rays.tnear()),vfloat<K>(zero)),vfloat<K>(pos_inf));
+          tray.tfar = select(valid,max(vfloat<K>(rays.tfar),vfloat<K>(zero)),vfloat<K>(neg_inf));
+          Frustum<true> frustum;
+          frustum.template init<K>(valid,tray.org,tray.rdir,tray.tnear,tray.tfar,4);
+
+          const Boxes boxes(tray,k);
+
+          Entry stack[1+3*BVH4::maxDepth+1];
+          Entry* top = stack;
+          *top++ = Entry{ tray.tnear,root,float(neg_inf) };
+          while (top != stack)
+          {
+            const Entry at = *--top;
+            const vbool<K> meets = at.enter <= tray.tfar;
+            if (none(meets)) continue;
+            if (!at.node.isLeaf()) {
+              top = pushChildren(at,frustum,boxes,tray,top);
+              continue;
+            }
+            size_t lazyNode = 0;
+            leaves.intersect(meets,at.node,at.enter,tray,lazyNode);
+            if (any(leaves.tfar < tray.tfar)) {
+              /* lanes that are off may hold what is not a number, of which the frustum would make any maximum */
+              tray.tfar = select(valid,min(tray.tfar,leaves.tfar),tray.tfar);
+              frustum.template updateMaxDist<K>(tray.tfar);
+            }
+            if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.first }; // of the rays that met the leaf, and no others
+          }
+        }
+
+      private:
+        /*! Embree's robust test of one ray, for the rays of a packet */
+        class Boxes
+        {
+          vfloat<K> rdirNear[3], rdirFar[3];
+          size_t nearSide[3];
+
+        public:
+          __forceinline Boxes (const Tray& tray, size_t k)
+          {
+            for (int axis=0; axis<3; axis++) {
+              rdirNear[axis] = vfloat<K>(1.0f-3.0f*float(ulp))*tray.rdir[axis];
+              rdirFar[axis] = vfloat<K>(1.0f+3.0f*float(ulp))*tray.rdir[axis];
+              nearSide[axis] = tray.rdir[axis][k] >= 0.0f ? 0 : 1;
+            }
+          }
+
+          __forceinline vbool<K> meet (const BVH4::AABBNode* node, size_t i, const Tray& tray, vfloat<K>& enter) const
+          {
+            const vfloat4* planes = &node->lower_x; // lower, upper of each axis
+            vfloat<K> leave = tray.tfar;
+            enter = tray.tnear;
+            for (int axis=0; axis<3; axis++) {
+              enter = max(enter,(vfloat<K>(planes[2*axis+nearSide[axis]][i]) - tray.org[axis])*rdirNear[axis]);
+              leave = min(leave,(vfloat<K>(planes[2*axis+1-nearSide[axis]][i]) - tray.org[axis])*rdirFar[axis]);
+            }
+            return enter <= leave;
+          }
+        };
+
+        /*! the nearest last */
+        static __forceinline Entry* pushChildren (const Entry& at, const Frustum<true>& frustum, const Boxes& boxes, const Tray& tray, Entry* top)
+        {
+          const BVH4::AABBNode* node = at.node.getAABBNode();
+          vfloat4 first;
+          Entry* const bottom = top;
+          for (size_t rest=intersectNodeFrustum<4>(node,frustum,first); rest;)
+          {
+            const size_t i = bscf(rest);
+            vfloat<K> enter;
+            const vbool<K> meets = boxes.meet(node,i,tray,enter);
+            if (none(meets)) continue;
+            BVH4::prefetch(node->child(i));
+            const Entry child = { select(meets,enter,vfloat<K>(nan)),node->child(i),first[i] };
+            Entry* place = top++;
+            for (; place != bottom && place[-1].first < child.first; place--) place[0] = place[-1];
+            *place = child;
+          }
+          return top;
+        }
+      };
+    }
+  }
+}

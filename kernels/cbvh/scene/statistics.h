@@ -1,0 +1,118 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Sums of what a build compressed. Every task fills one and merges it. */
+
+#include "../framed/block_encoder.h"
+#include "../vert/encoder.h"
+#include "../../../include/embree3/rtcore_compression.h"
+#include <algorithm>
+#include <limits>
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    struct BuildStatistics
+    {
+      RTCCompressionStatistics sums = RTCCompressionStatistics();
+      size_t highRateQuads = 0;    //!< traced by GRID for their edge rates
+      size_t refusedQuads = 0;     //!< at full precision as their block has no good frame
+      size_t quadsForHoles = 0;        //!< of patches that holes make another kind, as theirs cannot leave a quad out
+      size_t invalidFaces = 0;     //!< with quads that are left out
+      size_t firstInvalidFace = std::numeric_limits<size_t>::max();
+
+      void addInvalidFace (size_t face)
+      {
+        invalidFaces++;
+        firstInvalidFace = std::min(firstInvalidFace,face);
+      }
+
+      void addBlock (Kind kind, uint32_t height, const BlockStatistics& block)
+      {
+        const BlockLayout layout = blockLayout(uint32_t(kind),height);
+        sums.frameBytes += blockHeaderBytes;
+        sums.nodeBytes += layout.leafOffset - blockHeaderBytes;
+        sums.leafBytes += layout.stride - layout.leafOffset;
+        sums.numBlocks++;
+        sums.numQuads += size_t(1) << (2*height);
+        sums.numInvalidQuads += block.invalidQuads;
+        sums.numAffineBlocks += block.affine;
+        sums.numSolidLeaves += block.solidLeaves;
+        sums.numFlippedQuads += block.fit.flippedQuads;
+        if (block.maxThickness > sums.maxLeafThickness) sums.maxLeafThickness = block.maxThickness;
+      }
+
+      /*! bytes: of the block, with those that align the next */
+      void addVertBlock (uint32_t place, size_t bytes, float spacing, const VertStatistics& block)
+      {
+        const VertLayout layout = vertLayout(place);
+        const size_t stride = (bytes + blockAlignment-1) & ~size_t(blockAlignment-1);
+        const size_t nodesEnd = block.raw ? vertHeaderBytes : layout.cell;
+        sums.frameBytes += vertHeaderBytes;
+        sums.nodeBytes += nodesEnd - vertHeaderBytes;
+        sums.leafBytes += stride - nodesEnd;
+        sums.numBlocks++;
+        sums.numRawBlocks += block.raw;
+        sums.numQuads += size_t(vertQuadsX(place))*size_t(vertQuadsY(place));
+        sums.numInvalidQuads += block.invalidQuads;
+        sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,spacing);
+      }
+
+      /*! own: as its face evaluates it */
+      void addVertex (const float own[3], const float stored[3]) { addDeviation(distance2(own,stored)); }
+
+      /*! square of how far a vertex is moved */
+      void addDeviation (float square) { deviation2 = std::max(deviation2,square); }
+
+      /*! shared: as the face evaluates it that owns it */
+      void addBorderVertex (const float own[3], const float shared[3], const float stored[3])
+      {
+        addVertex(shared,stored);
+        gap2 = std::max(gap2,distance2(own,shared));
+      }
+
+      void merge (const BuildStatistics& other)
+      {
+        sums.topLevelBytes += other.sums.topLevelBytes;
+        sums.frameBytes += other.sums.frameBytes;
+        sums.nodeBytes += other.sums.nodeBytes;
+        sums.leafBytes += other.sums.leafBytes;
+        sums.gridBytes += other.sums.gridBytes;
+        sums.numBlocks += other.sums.numBlocks;
+        sums.numQuads += other.sums.numQuads;
+        sums.numGridQuads += other.sums.numGridQuads;
+        sums.numInvalidQuads += other.sums.numInvalidQuads;
+        sums.numAffineBlocks += other.sums.numAffineBlocks;
+        sums.numSolidLeaves += other.sums.numSolidLeaves;
+        sums.numRawBlocks += other.sums.numRawBlocks;
+        sums.numExactQuads += other.sums.numExactQuads;
+        sums.numFlippedQuads += other.sums.numFlippedQuads;
+        sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,other.sums.maxVertexSpacing);
+        deviation2 = std::max(deviation2,other.deviation2);
+        gap2 = std::max(gap2,other.gap2);
+        sums.maxVertexDeviation = std::sqrt(deviation2);
+        sums.maxBorderGap = std::sqrt(gap2);
+        if (other.sums.maxLeafThickness > sums.maxLeafThickness) sums.maxLeafThickness = other.sums.maxLeafThickness;
+        highRateQuads += other.highRateQuads;
+        refusedQuads += other.refusedQuads;
+        quadsForHoles += other.quadsForHoles;
+        invalidFaces += other.invalidFaces;
+        firstInvalidFace = std::min(firstInvalidFace,other.firstInvalidFace);
+      }
+
+    private:
+      /*! of a vertex that is not finite 0 */
+      static float distance2 (const float a[3], const float b[3])
+      {
+        const float x = a[0]-b[0], y = a[1]-b[1], z = a[2]-b[2];
+        const float d2 = x*x + y*y + z*z;
+        return d2 < std::numeric_limits<float>::max() ? d2 : 0.0f;
+      }
+
+      float deviation2 = 0, gap2 = 0; //!< squares of maxVertexDeviation and maxBorderGap
+    };
+  }}
+}

@@ -1,0 +1,481 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What the faces of a geometry share in cVERT, and where some of them are stored so: the vertices on
+ * their borders. Faces evaluate
+ * the same vertex some ulps apart, far apart where their normals differ or a height map
+ * jumps, and each has a lattice of its own. So one face owns each edge of the cage and each
+ * corner: its vertices are those of all, on the coarsest lattice of those that have them.
+ * Then neighbours hold the same floats, and the surface is closed.
+ *
+ *           face A             The edge belongs to A if it has fewer vertices there, else to
+ *     x----o----o----o----x    the lower half-edge; a corner x to the lowest half-edge that
+ *           face B             leaves it, of those around it that are reached over edges.
+ *
+ * What is shared with a face that GRID traces, for its edge rates, is that face's, and on no
+ * lattice: GRID does not know of any. (Blocks there are raw.)
+ *
+ * An n-gon is a patch at each corner: its centre and the spokes from there to the middles
+ * of its edges are shared by its own patches, and owned by it.
+ *
+ * This is made before any patch is encoded, from the borders of all: a twentieth of the
+ * vertices is evaluated twice, and until the build ends the points of edges take 12 bytes each. */
+
+#include "../scene/plan.h"
+#include "patch_grid.h"
+#include "patches.h"
+#include "../vert/lattice.h"
+#include <algorithm>
+#include <map>
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! Vertices along one side of a patch, in its direction around the patch. */
+    struct SideVertices
+    {
+      struct Vertex
+      {
+        const float* position;
+        int exponent;          //!< of the lattice that it lies on
+      };
+      Vertex begin, end;
+      const float (*interior)[3]; //!< of rate-1
+      bool reversed;
+      int exponent;            //!< of the interior's
+      unsigned rate;
+
+      Vertex operator[] (unsigned k) const
+      {
+        if (k == 0) return begin;
+        if (k == rate) return end;
+        return { interior[(reversed ? rate-k : k) - 1], exponent };
+      }
+    };
+
+    class SharedVertices
+    {
+    public:
+      SharedVertices (Scene* scene, const CompressionPlan& plan)
+        : plan(plan), scene(scene), mesh(plan.mesh), first(mesh->topology[0].halfEdges.data()), exponents(scene->device,0), edges(scene->device,0), points(scene->device,0) {}
+
+      /*! evaluates borders; shows progress to the scene's monitor, which may cancel */
+      void build (size_t facesPerTask)
+      {
+        edges.resize(mesh->topology[0].halfEdges.size());
+        exponents.resize(mesh->size());
+        forFaces(facesPerTask,[&](size_t f, PatchGrid&) { findRates(f); });
+        findDiagonal(facesPerTask);
+        forFaces(facesPerTask,[&](size_t f, PatchGrid&) { findOwners(f); });
+        joinNonManifold();
+        placePoints();
+        forFaces(facesPerTask,[&](size_t f, PatchGrid& grid) { evaluate(f,grid); });
+        findLattices();
+      }
+
+      /*! exponent of a face's lattice */
+      int exponent (size_t face) const { return exponents[face]; }
+
+      /*! vertices along a side of a patch; sides are in the order of PatchOfFace::rate */
+      SideVertices side (size_t face, int subPatch, int s) const
+      {
+        const HalfEdge* edge = edgeOfSide(mesh,face,subPatch,s);
+        if (isQuad(mesh->getHalfEdge(0,face))) return edgeOf(edge);
+        switch (s) {
+        case 0 : return half(edgeOf(edge),0);
+        case 1 : return spoke(face,edgeOfSide(mesh,face,subPatch,0),false);
+        case 2 : return spoke(face,edgeOfSide(mesh,face,subPatch,3),true);
+        default: return half(edgeOf(edge),1);
+        }
+      }
+
+    private:
+      static const unsigned noRate = 0;
+      typedef std::pair<uint64_t,uint32_t> KeyedEdge; //!< a half-edge behind its vertices
+
+      /*! of a half-edge */
+      struct Edge
+      {
+        unsigned ownRate;      //!< of its face; noRate where that has no surface
+        unsigned rate;         //!< of all faces that have the edge
+        uint32_t owner;        //!< half-edge that has the edge's points
+        uint32_t cornerOwner;  //!< half-edge that has the point of the start vertex
+        uint32_t face;
+        size_t points;         //!< of an owner: the corner if it owns that, then the edge, then the spoke, then the centre
+        int cornerExponent, exponent; //!< of an owner's corner and edge
+        bool isGrids;          //!< GRID traces a patch of the face
+      };
+
+      template<typename Closure>
+      void forFaces (size_t facesPerTask, const Closure& closure)
+      {
+        parallel_for(size_t(0),mesh->size(),facesPerTask,[&](const range<size_t>& faces) {
+            PatchGrid grid(scene->device);
+            for (size_t f=faces.begin(); f!=faces.end(); f++)
+              closure(f,grid);
+            scene->progressMonitor(0.0);
+          });
+      }
+
+      uint32_t indexOf (const HalfEdge* h) const { return uint32_t(h - first); }
+      Edge& at (const HalfEdge* h) { return edges[indexOf(h)]; }
+      const Edge& at (const HalfEdge* h) const { return edges[indexOf(h)]; }
+      bool takesPart (const HalfEdge* h) const { return at(h).ownRate != noRate; }
+      bool takesPart (size_t f) const { return takesPart(mesh->getHalfEdge(0,f)); }
+      static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
+
+      void findRates (size_t f)
+      {
+        const HalfEdge* h = mesh->getHalfEdge(0,f);
+        const unsigned n = h->numEdges();
+        for (unsigned i=0; i<n; i++) { at(h+i) = Edge(); at(h+i).ownRate = noRate; at(h+i).face = uint32_t(f); }
+        exponents[f] = cbvh::noLattice;
+        if (!mesh->valid(f)) return;
+        bool isGrids = false;
+        forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
+            isGrids |= plan.level(patch.rate) > cbvh::maxLevel;
+            for (unsigned s=0; s<4; s++)
+              if (n == 4) at(h+s).ownRate = unsigned(patch.rate[s]);
+              else if (s == 0) at(h+patch.subPatch).ownRate = 2*unsigned(patch.rate[s]);
+          });
+        for (unsigned i=0; i<n; i++) at(h+i).isGrids = isGrids;
+      }
+
+      /*! of the bounds of the cage's faces */
+      void findDiagonal (size_t facesPerTask)
+      {
+        const BBox3fa bounds = parallel_reduce(size_t(0),edges.size(),facesPerTask,BBox3fa(empty),[&](const range<size_t>& r) {
+            BBox3fa b(empty);
+            for (size_t i=r.begin(); i!=r.end(); i++) {
+              if (edges[i].ownRate == noRate) continue;
+              const Vec3fa p = mesh->getVertexBuffer(0)[first[i].getStartVertexIndex()];
+              if (cbvh::isFinite(&p.x)) b.extend(p);
+            }
+            return b;
+          },[](const BBox3fa& a, const BBox3fa& b) { return merge(a,b); });
+        diagonal = bounds.empty() ? 0.0 : length(bounds.size());
+      }
+
+      void findOwners (size_t f)
+      {
+        if (!takesPart(f)) return;
+        const HalfEdge* h = mesh->getHalfEdge(0,f);
+        for (unsigned i=0; i<h->numEdges(); i++)
+        {
+          const HalfEdge* e = h+i;
+          Edge& edge = at(e);
+          edge.rate = edge.ownRate;
+          edge.owner = indexOf(e);
+          if (e->hasOpposite() && takesPart(e->opposite()))
+          {
+            const HalfEdge* o = e->opposite();
+            const Edge& other = at(o);
+            const bool isOthers = other.isGrids != edge.isGrids ? other.isGrids
+              : other.ownRate != edge.ownRate ? other.ownRate < edge.ownRate : indexOf(o) < indexOf(e);
+            if (isOthers) edge.owner = indexOf(o);
+            edge.rate = min(edge.ownRate,other.ownRate);
+            if (!isQuad(e) || !isQuad(o)) edge.rate &= ~1u; // has a middle
+          }
+          const HalfEdge* owner = e;
+          forEachAround(e,[&](const HalfEdge* a) {
+              if (at(a).isGrids != at(owner).isGrids ? at(a).isGrids : a < owner) owner = a;
+            });
+          edge.cornerOwner = indexOf(owner);
+        }
+      }
+
+      /*! calls closure for the half-edges that leave the same corner, of faces that take part */
+      template<typename Closure>
+      void forEachAround (const HalfEdge* e, const Closure& closure) const
+      {
+        const HalfEdge* a = e;
+        do {
+          if (takesPart(a)) closure(a);
+          if (!a->hasOpposite()) break;
+          a = a->rotate();
+        } while (a != e);
+        if (a == e && e->hasOpposite()) return;
+        for (a = e; a->prev()->hasOpposite(); ) {
+          a = a->prev()->opposite();
+          if (takesPart(a)) closure(a);
+        }
+      }
+
+      /*! Edges of three faces and more have no opposites. Embree keeps their vertices where they
+       *  are, so that all faces have the same straight edge: they share it, and its ends. */
+      void joinNonManifold ()
+      {
+        std::vector<KeyedEdge> borders;
+        for (uint32_t i=0; i<edges.size(); i++)
+          if (edges[i].ownRate != noRate && !first[i].hasOpposite()) borders.push_back({ uint64_t(first[i].getEdge()),i });
+        std::sort(borders.begin(),borders.end());
+        std::map<unsigned,std::vector<uint32_t>> owners; // of corners, by vertex
+        for (size_t begin=0, end=0; begin<borders.size(); begin=end)
+        {
+          while (end < borders.size() && borders[end].first == borders[begin].first) end++;
+          if (end-begin < 3) continue;
+          joinEdges(borders.data()+begin,borders.data()+end);
+          for (size_t i=begin; i<end; i++)
+            for (const HalfEdge* h : { first+borders[i].second, first[borders[i].second].next() })
+              owners[h->getStartVertexIndex()].push_back(at(h).cornerOwner);
+        }
+        if (owners.empty()) return;
+        std::map<uint32_t,uint32_t> joined;
+        for (const auto& vertex : owners)
+          for (uint32_t owner : vertex.second)
+            joined[owner] = *std::min_element(vertex.second.begin(),vertex.second.end());
+        forEachShare([&](Edge& edge) {
+            const auto found = joined.find(edge.cornerOwner);
+            if (found != joined.end()) edge.cornerOwner = found->second;
+          });
+      }
+
+      void joinEdges (const KeyedEdge* begin, const KeyedEdge* end)
+      {
+        uint32_t owner = begin->second;
+        unsigned rate = edges[owner].ownRate;
+        bool hasMiddle = false;
+        for (const KeyedEdge* i=begin; i<end; i++) {
+          if (edges[i->second].ownRate < edges[owner].ownRate) owner = i->second;
+          rate = min(rate,edges[i->second].ownRate);
+          hasMiddle |= !isQuad(first+i->second);
+        }
+        for (const KeyedEdge* i=begin; i<end; i++) {
+          edges[i->second].owner = owner;
+          edges[i->second].rate = hasMiddle ? rate & ~1u : rate; // as in findOwners
+        }
+      }
+
+      /*! points that a half-edge owns */
+      size_t ownsCorner (uint32_t i) const { return edges[i].cornerOwner == i; }
+      size_t ownsEdge (uint32_t i) const { return edges[i].owner == i; }
+      size_t edgePoints (uint32_t i) const { return ownsEdge(i) ? edges[i].rate-1 : 0; }
+      size_t spokePoints (const HalfEdge* h) const { return isQuad(h) ? 0 : at(h).ownRate/2-1; }
+
+      void placePoints ()
+      {
+        size_t n = 0;
+        for (size_t f=0; f<mesh->size(); f++)
+        {
+          if (!takesPart(f)) continue;
+          const HalfEdge* h = mesh->getHalfEdge(0,f);
+          for (unsigned i=0; i<h->numEdges(); i++) {
+            at(h+i).points = n;
+            n += ownsCorner(indexOf(h+i)) + edgePoints(indexOf(h+i)) + spokePoints(h+i);
+          }
+          if (!isQuad(h)) n++;
+        }
+        points.resize(3*n);
+      }
+
+      float* point (size_t i) { return points.data() + 3*i; }
+      const float* point (size_t i) const { return points.data() + 3*i; }
+      SideVertices::Vertex corner (const HalfEdge* h) const
+      {
+        const Edge& owner = edges[at(h).cornerOwner];
+        return { point(owner.points), owner.cornerExponent };
+      }
+      size_t firstEdgePoint (uint32_t owner) const { return edges[owner].points + ownsCorner(owner); }
+      size_t firstSpokePoint (const HalfEdge* h) const { return firstEdgePoint(indexOf(h)) + edgePoints(indexOf(h)); }
+      size_t centrePoint (const HalfEdge* last) const { return firstSpokePoint(last) + spokePoints(last); }
+
+      /*! Writes the points that a face owns, and chooses its lattice. */
+      void evaluate (size_t f, PatchGrid& grid)
+      {
+        if (!takesPart(f)) return;
+        cbvh::EdgeSample samples[2], coarse[2]; // along u, v; coarse: of borders with a lower rate
+        unsigned fewest[2] = { ~0u,~0u };        // quads
+        forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
+            const SubdivPatch1Base base = patch.make(mesh,plan.geomID,f);
+            const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
+            for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]);
+            for (unsigned s=0; s<4; s++)
+            {
+              const bool alongU = s % 2 == 0;
+              const unsigned fine = quads[alongU ? 0 : 1], across = quads[alongU ? 1 : 0];
+              const unsigned at = s == 1 || s == 2 ? across : 0;
+              evaluateLine(base,grid,quads,alongU,at);
+              takeLine(grid,(fine == unsigned(patch.rate[s]) ? samples : coarse)[alongU ? 0 : 1]);
+              ownLine(f,patch,s,grid,fine);
+            }
+            for (bool alongU : { true, false }) {
+              if (quads[alongU ? 1 : 0] < 2) continue;
+              evaluateLine(base,grid,quads,alongU,quads[alongU ? 1 : 0]/2);
+              takeLine(grid,samples[alongU ? 0 : 1]);
+            }
+          });
+        /* quads may be much longer than wide: the shorter side counts */
+        double spacing = 0, lower[3], upper[3], maxCoordinate = 0;
+        for (int k=0; k<3; k++)
+        {
+          lower[k] = min(min(samples[0].lower[k],samples[1].lower[k]),min(coarse[0].lower[k],coarse[1].lower[k]));
+          upper[k] = max(max(samples[0].upper[k],samples[1].upper[k]),max(coarse[0].upper[k],coarse[1].upper[k]));
+          if (lower[k] <= upper[k]) maxCoordinate = max(maxCoordinate,max(std::fabs(lower[k]),std::fabs(upper[k])));
+        }
+        for (int d=0; d<2; d++) {
+          const double median = (samples[d].empty() ? coarse[d] : samples[d]).median();
+          const double wanted = cbvh::defaultSpacing(median,fewest[d],diagonal);
+          if (wanted > 0) spacing = spacing > 0 ? min(spacing,wanted) : wanted;
+        }
+        exponents[f] = cbvh::latticeExponent(spacingAskedFor(lower,upper,spacing),maxCoordinate);
+      }
+
+      /*! the default where nothing was asked for */
+      double spacingAskedFor (const double lower[3], const double upper[3], double byDefault) const
+      {
+        const CompressionSettings& settings = plan.settings;
+        double spacing = settings.maxError > 0 ? double(settings.maxError) : INFINITY;
+        if (settings.maxPixelError > 0)
+        {
+          double distance2 = 0;
+          for (int k=0; k<3; k++)
+          {
+            const double grow = 0.25*(upper[k]-lower[k]), c = settings.cameraPosition[k];
+            const double d = max(max(lower[k]-grow-c,c-upper[k]-grow),0.0);
+            distance2 += d*d;
+          }
+          spacing = min(spacing,double(settings.maxPixelError)*settings.pixelSize*std::sqrt(distance2));
+        }
+        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,byDefault); // a bound of leaves
+        return spacing < INFINITY ? spacing : byDefault;
+      }
+
+      void evaluateLine (const SubdivPatch1Base& base, PatchGrid& grid, const unsigned quads[2], bool alongU, unsigned at) const
+      {
+        if (alongU) grid.evalPart(base,mesh,quads[0],quads[1],{ 0,quads[0],at,at });
+        else        grid.evalPart(base,mesh,quads[0],quads[1],{ at,at,0,quads[1] });
+      }
+
+      static void takeLine (PatchGrid& grid, cbvh::EdgeSample& sample)
+      {
+        const float (*p)[3] = grid.displaced();
+        const size_t n = grid.width*grid.height;
+        for (size_t i=0; i+1<n; i++) sample.add(p[i],p[i+1]);
+      }
+
+      /*! keeps what a face owns of a side of a patch, which the grid holds */
+      void ownLine (size_t f, const PatchOfFace& patch, unsigned s, PatchGrid& grid, unsigned fine)
+      {
+        const float (*line)[3] = grid.displaced();
+        const unsigned own = unsigned(patch.rate[s]);
+        const bool descends = s >= 2;
+        /* vertex k of the side's own: the first of those that are stitched to it */
+        auto vertex = [&](unsigned k) { return line[min(firstStitched(descends ? own-k : k,fine,own),fine)]; };
+        auto keep = [&](size_t i, unsigned k) { const float* p = vertex(k); for (int c=0; c<3; c++) point(i)[c] = p[c]; };
+
+        const HalfEdge* h = mesh->getHalfEdge(0,f);
+        const unsigned n = h->numEdges();
+        if (n == 4)
+        {
+          const uint32_t e = indexOf(h+s);
+          if (ownsCorner(e)) keep(edges[e].points,0);
+          if (ownsEdge(e))
+            for (unsigned k=1; k<edges[e].rate; k++) keep(firstEdgePoint(e)+k-1,nearest(k,edges[e].rate,own));
+          return;
+        }
+        const HalfEdge* e = s < 2 ? h+patch.subPatch : h+(patch.subPatch+n-1)%n;
+        const unsigned rate = at(e).rate, middle = rate/2;
+        const size_t edge = firstEdgePoint(indexOf(e));
+        switch (s) {
+        case 0:
+          if (ownsCorner(indexOf(e))) keep(at(e).points,0);
+          if (ownsEdge(indexOf(e)))
+            for (unsigned k=1; k<=middle; k++) keep(edge+k-1,nearest(k,middle,own));
+          break;
+        case 1:
+          for (unsigned k=1; k<own; k++) keep(firstSpokePoint(e)+k-1,k);
+          if (patch.subPatch == 0) keep(centrePoint(h+n-1),own);
+          break;
+        case 3:
+          if (ownsEdge(indexOf(e)))
+            for (unsigned k=1; k<middle; k++) keep(edge+middle+k-1,nearest(k,middle,own));
+          break;
+        default: break;
+        }
+      }
+
+      /*! first vertex of the grid that Embree's stitch() gives to k */
+      static unsigned firstStitched (unsigned k, unsigned fine, unsigned coarse) { return (2*k*fine + coarse-1)/(2*coarse); }
+
+      /*! vertex k of `rate`, among `own` */
+      static unsigned nearest (unsigned k, unsigned rate, unsigned own) { return (2*k*own + rate)/(2*rate); }
+
+      /*! the coarsest of all faces that share, and none where GRID traces one */
+      void findLattices ()
+      {
+        for (Edge& edge : edges) edge.cornerExponent = edge.exponent = cbvh::minLatticeExponent;
+        forEachShare([&](Edge& edge) {
+            int& corner = edges[edge.cornerOwner].cornerExponent;
+            int& interior = edges[edge.owner].exponent;
+            corner = max(corner,exponents[edge.face]);
+            interior = max(interior,exponents[edge.face]);
+          });
+        forEachShare([&](Edge& edge) {
+            if (!edge.isGrids) return;
+            edges[edge.cornerOwner].cornerExponent = edges[edge.owner].exponent = cbvh::minLatticeExponent;
+          });
+      }
+
+      template<typename Closure>
+      void forEachShare (const Closure& closure)
+      {
+        for (Edge& edge : edges)
+          if (edge.ownRate != noRate) closure(edge);
+      }
+
+      SideVertices edgeOf (const HalfEdge* h) const
+      {
+        const Edge& edge = at(h);
+        SideVertices side;
+        side.begin = corner(h);
+        side.end = corner(h->next());
+        side.interior = (const float(*)[3])point(firstEdgePoint(edge.owner));
+        side.reversed = edge.owner != indexOf(h) && first[edge.owner].getStartVertexIndex() != h->getStartVertexIndex();
+        side.rate = edge.rate;
+        side.exponent = edges[edge.owner].exponent;
+        return side;
+      }
+
+      /*! first or second half of an edge */
+      static SideVertices half (SideVertices edge, int which)
+      {
+        const unsigned middle = edge.rate/2;
+        const SideVertices::Vertex v = edge[middle];
+        if (which == 0) edge.end = v; else edge.begin = v;
+        /* interior points are counted from the owner's end */
+        const bool later = (which == 1) != edge.reversed;
+        if (later) edge.interior += middle;
+        edge.rate = middle;
+        return edge;
+      }
+
+      /*! from the middle of an n-gon's edge to its centre, or back */
+      SideVertices spoke (size_t face, const HalfEdge* h, bool fromCentre) const
+      {
+        const HalfEdge* start = mesh->getHalfEdge(0,face);
+        const SideVertices edge = edgeOf(h);
+        const SideVertices::Vertex middle = edge[edge.rate/2], centre = { point(centrePoint(start+start->numEdges()-1)), exponents[face] };
+        SideVertices side;
+        side.begin = fromCentre ? centre : middle;
+        side.end = fromCentre ? middle : centre;
+        side.interior = (const float(*)[3])point(firstSpokePoint(h));
+        side.reversed = fromCentre;
+        side.exponent = exponents[face];
+        side.rate = at(h).ownRate/2;
+        return side;
+      }
+
+      const CompressionPlan& plan;
+      Scene* scene;
+      SubdivMesh* mesh;
+      const HalfEdge* first;
+      double diagonal = 0;      //!< of the cage's bounds
+      mvector<int> exponents;   //!< by face
+      mvector<Edge> edges;      //!< by half-edge
+      mvector<float> points;
+    };
+  }
+}

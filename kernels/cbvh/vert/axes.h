@@ -1,0 +1,35 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The axes of the boxes of a block of cVERT, from its header. */
+
+#include "cache.h"
+#include "format.h"
+#include "../../common/isa.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      using namespace embree::cbvh;
+
+      /*! Not the extent of a raw block, which is that of its planes. */
+      __forceinline void setAxes (const VertHeader* block, VertAxes& axes)
+      {
+        const bool isSheared = !isRaw(block->boxForm);
+        axes.axis = likely(isSheared) ? shearedAxis(block->boxForm) : 3;
+        for (int k=0; k<3; k++) {
+          axes.origin[k] = block->origin[k];
+          axes.extent[k] = float(maxExtent)*vertSpacing(block->word);
+          axes.shear[k] = 0.0f;
+        }
+        if (likely(isSheared))
+          for (int i=0; i<3; i++) axes.shear[axisAfter(axes.axis,i)] = i == 0 ? 1.0f : float(shearSlope(block->boxForm,i))*(1.0f/16.0f);
+      }
+    }
+  }
+}

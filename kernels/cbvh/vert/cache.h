@@ -1,0 +1,79 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What threads keep of blocks of cVERT, thread_cache.h: 624 KiB each. */
+
+#include "../scene/thread_cache.h"
+#include "tables.h"
+
+namespace embree
+{
+  namespace cbvh
+  {
+    /*! vertices of a cell by axis, in a lane each */
+    struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
+
+    /*! the same in coordinates: x, y and z of a lane, and 0 */
+    struct alignas(64) CellCoordinates { uint16_t at[VertTables::lanes][4]; };
+
+    /*! corners of the 4 x 4 quads of a group: 00, 10, 01 and 11, each by axis, a quad in a lane */
+    struct alignas(64) QuadCorners { float at[4][3][16]; };
+
+    /*! Planes of groups' boxes on one axis, in the world, or, of the sheared one, from the block's origin;
+     *  group (x,y) in lane x + 4 y. Lanes of no group are not anything. */
+    struct alignas(64) GroupPlanes { float at[2][16]; }; //!< lower, upper
+
+    /*! the axes of a block's boxes: those of the world, but that one may be sheared */
+    struct VertAxes
+    {
+      int axis;        //!< that is sheared, or 3, as of a raw block
+      float origin[3]; //!< of the block
+      float extent[3]; //!< of the block from its origin, at least
+      float shear[3];  //!< the sheared coordinate is the sum of the world's from the origin times these
+    };
+
+    /*! What a block's groups have in common, and their boxes. Of a raw block only axes, lanes and planes are anything. */
+    struct VertBoxes : public VertAxes
+    {
+      const void* block;     //!< whose they are
+      uint32_t lanes;        //!< that have a group, as a mask
+      alignas(64) uint16_t fields[16]; //!< of each group: bytes from the block's start
+      uint32_t words[16];    //!< of each group's cell
+      CellCoordinates corners; //!< of groups
+      GroupPlanes planes[3]; //!< by axis
+    };
+
+    /*! quads of a group of a block, in the world */
+    struct VertQuads
+    {
+      const void* block;     //!< whose they are
+      uint32_t lane;
+      QuadCorners quads;
+    };
+
+    class VertEntries
+    {
+    public:
+      /*! The place of a block (of a group): what is there is the caller's if `block` (and lane) say so, else
+       *  it is to be filled, and named. */
+      __forceinline VertBoxes& place (const void* block) { return blocks[hashOfBlock(block) % numBlocks]; }
+      __forceinline VertQuads& place (const void* block, uint32_t lane) { return groups[(hashOfBlock(block)*5 + lane) % numGroups]; }
+
+      void clear ()
+      {
+        for (VertBoxes& block : blocks) block.block = nullptr;
+        for (VertQuads& group : groups) group.block = nullptr;
+      }
+
+    private:
+      static const size_t numBlocks = 512, numGroups = 256;
+
+      VertBoxes blocks[numBlocks];
+      VertQuads groups[numGroups];
+    };
+
+    typedef ThreadCache<VertEntries> VertCache;
+  }
+}

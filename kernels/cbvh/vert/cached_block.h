@@ -1,0 +1,65 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A block of cVERT as the thread's cache has it, or gets it now. What it refers to lasts until a hit is
+ * reported: a filter may trace rays. */
+
+#include "decoder.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      class CachedVertBlock
+      {
+      public:
+        __forceinline explicit CachedVertBlock (const VertHeader* block)
+          : cache(VertCache::ofThread()), block(block), place(cache.place(block)) {}
+
+        /*! its boxes, or null if they are not decoded */
+        __forceinline const VertBoxes* decodedBoxes () const { return likely(place.block == block) ? &place : nullptr; }
+
+        /*! corners and boxes of groups */
+        __forceinline const VertBoxes& boxes () const
+        {
+          if (unlikely(place.block != block)) decode();
+          return place;
+        }
+
+        /*! of the group in a lane */
+        __forceinline const QuadCorners& quads (uint32_t lane) const
+        {
+          VertQuads& at = cache.place(block,lane);
+          if (at.block != block || at.lane != lane) decode(lane,at);
+          return at.quads;
+        }
+
+      private:
+        __noinline void decode () const
+        {
+          /* The block at once, as long as most are: where its groups' fields lie is known late, and memory
+           * that is waited for then is not hidden by anything. */
+          for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
+          place.block = block;
+          VertDecoder(block).decode(place);
+        }
+
+        __noinline void decode (uint32_t lane, VertQuads& at) const
+        {
+          const VertBoxes& boxes = this->boxes();
+          at.block = block;
+          at.lane = lane;
+          VertDecoder(block).quads(boxes,lane,at.quads);
+        }
+
+        VertCache& cache;
+        const VertHeader* block;
+        VertBoxes& place; //!< of its boxes
+      };
+    }
+  }
+}

@@ -1,0 +1,147 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Decoder of a cell of cVERT, vert/cell.h, all vertices of an axis at a time. Floats hold
+ * every number here exactly, so this equals the codec's integers, fused or not. */
+
+#include "quad_corners.h"
+#include "cache.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! x, y and z of a vertex, 16 bits each, and what is behind them: 8 bytes are read */
+      __forceinline vfloat4 coordinatesAt (const void* p) {
+        return vfloat4(vint4(_mm_unpacklo_epi16(_mm_loadl_epi64((const __m128i*)p),_mm_setzero_si128())));
+      }
+
+      /*! component of residuals before slopes; without any bits a shift by 32 makes 0 */
+      __forceinline vfloatV residualOf (const vintV& fields, int shift, int bits) {
+        return vfloatV((fields << (bits == 0 ? 32 : 32-bits-shift)) >> (32-bits));
+      }
+
+      /*! predictions of a cell's vertices, from its corners' coordinates */
+      class CellPrediction
+      {
+      public:
+        /*! corners 00, 10, 01 and 11 */
+        __forceinline CellPrediction (const vfloat4& c00, const vfloat4& c10, const vfloat4& c01, const vfloat4& c11)
+        {
+          const vfloat4 x = c10-c00, y = c01-c00;
+          vfloat4::store(k,c00);
+          vfloat4::store(dx,x);
+          vfloat4::store(dy,y);
+          vfloat4::store(dxy,(c11-c01)-x);
+          vfloat4::store(upper,c11);
+        }
+
+        /*! along an axis; x, y: weights of the upper corners */
+        __forceinline vfloatV at (int axis, const vfloatV& x, const vfloatV& y) const {
+          return vfloatV(k[axis]) + floor(madd(madd(vfloatV(dxy[axis]),y,vfloatV(dx[axis])),x,madd(vfloatV(dy[axis]),y,vfloatV(0.5f))));
+        }
+
+        /*! the cell's last vertex, corner 11 */
+        __forceinline vfloatV last (int axis) const { return vfloatV(upper[axis]); }
+
+      private:
+        alignas(16) float k[4], dx[4], dy[4], dxy[4], upper[4]; //!< by axis
+      };
+
+      /*! where vertices go: coordinates of the block as they are, or corners of quads in the world */
+      struct CoordinatesOfCell
+      {
+        CellVertices& out;
+
+        __forceinline void put (int axis, const CellVector& v) const
+        {
+          for (int n=0; n<fieldVectors; n++) vfloatV::store(out.at[axis]+vectorWidth*n,v.at[n]);
+#if !defined(__AVX512F__)
+          vfloatV::store(out.at[axis]+vectorWidth*fieldVectors,v.last);
+#endif
+        }
+      };
+
+      struct WorldOfCell
+      {
+        QuadCorners& out;
+        const float spacing;
+        const float* origin;
+
+        __forceinline void put (int axis, const CellVector& v) const
+        {
+          const QuadCornersV corners(madd(v,spacing,origin[axis]));
+          /* out.at[c][axis], from one address */
+          float* first = out.at[0][axis];
+          const size_t step = sizeof(out.at[0])/sizeof(float);
+          for (int c=0; c<4; c++)
+            for (int j=0; j<QuadCornersV::vectors; j++) vfloatV::store(first + step*c + vectorWidth*j,corners.at(j,c));
+        }
+      };
+
+      class CellDecoder
+      {
+      public:
+        /*! data: fields; ofQuads: a group's, else the first cell's; quads: along its sides */
+        __forceinline CellDecoder (uint32_t word, const uint8_t* data, const CellPrediction& prediction, bool ofQuads, uint32_t quadsX, uint32_t quadsY)
+          : word(word), data(data), prediction(prediction), weightX(vertTables.weightX[ofQuads][quadsX-1]), weightY(vertTables.weightY[ofQuads][quadsY-1]) {}
+
+        template<typename Out>
+        __forceinline void decode (const Out& out) const
+        {
+          if (unlikely(isByAxis(word))) {
+            decodeByAxis(*this,out);
+            return;
+          }
+          const CellFields fields(data,cellFieldBits(word));
+          const int second = cellBits(word,0), third = second + cellBits(word,1);
+          vfloatV main[fieldVectors];
+          component<0>(fields,0,main,out);
+          component<1>(fields,second,main,out);
+          component<2>(fields,third,main,out);
+        }
+
+      private:
+        /*! Residuals that come axis by axis: those of rough blocks on fine lattices. The cell is a copy, so that the one it is of stays
+         *  in registers. */
+        template<typename Out>
+        static __noinline void decodeByAxis (const CellDecoder cell, const Out out)
+        {
+          const int bits[3] = { cellBits(cell.word,0),cellBits(cell.word,1),cellBits(cell.word,2) };
+          vfloatV main[fieldVectors];
+          cell.component<0>(CellFields(cell.data,bits[0]),0,main,out);
+          cell.component<1>(CellFields(cell.data,bits[1],cellFields*bits[0]),0,main,out);
+          cell.component<2>(CellFields(cell.data,bits[2],cellFields*(bits[0]+bits[1])),0,main,out);
+        }
+
+        /*! Component i of residuals, at `shift` in fields, and what it makes of the prediction. main: residuals along the main
+         *  axis, the first component's. */
+        template<int i, typename Out>
+        __forceinline void component (const CellFields& fields, int shift, vfloatV main[fieldVectors], const Out& out) const
+        {
+          const int bits = cellBits(word,i), axis = cellAxis(word,i);
+          const vfloatV slope(i == 0 ? 0.0f : float(cellSlope(word,i))*(1.0f/16.0f));
+          CellVector v(prediction.last(axis));
+          for (int c=0; c<fieldVectors; c++)
+          {
+            vfloatV residual = residualOf(fields.lanes[c],shift,bits);
+            if (i == 0) main[c] = residual;
+            else residual = residual + floor(madd(slope,main[c],vfloatV(0.5f)));
+            v.at[c] = prediction.at(axis,vfloatV::load(weightX+vectorWidth*c),vfloatV::load(weightY+vectorWidth*c)) + residual;
+          }
+          out.put(axis,v);
+        }
+
+        const uint32_t word;
+        const uint8_t* data;
+        const CellPrediction& prediction;
+        const float* weightX;
+        const float* weightY;
+      };
+    }
+  }
+}

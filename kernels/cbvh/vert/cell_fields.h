@@ -1,0 +1,128 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Fields of a cell of cVERT, vert/cell.h, out of their bits: all of them at a time. */
+
+#include "tables.h"
+#include "../base/wide_vector.h"
+#include "cell.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      using namespace embree::cbvh;
+
+      /*! Vectors that have the vertices of a cell, and those of them that have fields: the last vertex, which
+       *  is a corner, may have one of its own. */
+      static const int cellVectors = (cellVertices+vectorWidth-1)/vectorWidth;
+      static const int fieldVectors = (cellVertices-1+vectorWidth-1)/vectorWidth;
+
+      /*! fields of a cell, lane by lane, 0 in lanes without one; bits above the field's are not cleared */
+      struct CellFields
+      {
+        vintV lanes[fieldVectors];
+
+        /*! start: of the first, in bits; reads up to 8 bytes behind the last field */
+        __forceinline CellFields (const uint8_t* data, int bits, int start = 0)
+        {
+#if defined(__AVX512F__)
+          const int words = (start+cellFields*bits+31) >> 5; // at most 30
+          const __mmask16 low = words < 16 ? __mmask16((1u << words)-1) : __mmask16(0xFFFF);
+          const __mmask16 high = words < 16 ? __mmask16(0) : __mmask16((1u << (words-16))-1);
+          const __m512i a = _mm512_maskz_loadu_epi32(low,data), b = _mm512_maskz_loadu_epi32(high,data+64);
+          for (int c=0; c<fieldVectors; c++)
+          {
+            const __m512i bit = _mm512_add_epi32(_mm512_mullo_epi32(_mm512_load_si512((const void*)(vertTables.field+16*c)),_mm512_set1_epi32(bits)),_mm512_set1_epi32(start));
+            const __m512i word = _mm512_srli_epi32(bit,5), shift = _mm512_and_si512(bit,_mm512_set1_epi32(31));
+            const __m512i first = _mm512_permutex2var_epi32(a,word,b);
+            const __m512i second = _mm512_permutex2var_epi32(a,_mm512_add_epi32(word,_mm512_set1_epi32(1)),b);
+            /* a shift by 32 makes 0 */
+            lanes[c] = _mm512_or_si512(_mm512_srlv_epi32(first,shift),_mm512_sllv_epi32(second,_mm512_sub_epi32(_mm512_set1_epi32(32),shift)));
+            lanes[c] = lanes[c] & vintV::load(vertTables.hasField+16*c);
+          }
+#else
+#if defined(__SSE4_1__)
+          if (likely(start == 0 && VertTables::hasWindows(bits))) {
+            const VertTables::Windows& windows = vertTables.windows[bits];
+            if (likely(bits <= VertTables::maxBitsOfFour)) {
+              for (int c=0; c<fieldVectors; c++) lanes[c] = ofVector<false>(data,windows,c);
+              return;
+            }
+#if defined(__AVX2__)
+            for (int c=0; c<fieldVectors; c++) lanes[c] = ofVector<true>(data,windows,c);
+            return;
+#endif
+          }
+#endif
+          alignas(64) uint32_t fields[VertTables::lanes];
+          fields[laneOfVertex(0,0)] = fields[laneOfVertex(4,0)] = fields[laneOfVertex(0,4)] = fields[laneOfVertex(4,4)] = 0;
+          for (int l=cellVertices; l<VertTables::lanes; l++) fields[l] = 0;
+          for (int f=0, bit=start; f<cellFields; f++, bit+=bits) {
+            uint64_t word;
+            memcpy(&word,data + (bit >> 3),sizeof(word));
+            fields[vertTables.laneOfField[f]] = uint32_t(word >> (bit & 7));
+          }
+          for (int c=0; c<fieldVectors; c++) lanes[c] = vintV::load((int*)fields + vectorWidth*c);
+#endif
+        }
+
+      private:
+#if defined(__SSE4_1__) && !defined(__AVX512F__)
+        static __forceinline __m128i pick (const uint8_t* data, const VertTables::Windows& windows, int i, const uint8_t (*control)[16]) {
+          return _mm_shuffle_epi8(_mm_loadu_si128((const __m128i*)(data + windows.offset[i])),_mm_load_si128((const __m128i*)control[i]));
+        }
+
+        /*! fields of the first four columns of a row */
+        static __forceinline vint4 ofRow (const uint8_t* data, const VertTables::Windows& windows, int row) {
+          return _mm_srli_epi32(_mm_mullo_epi32(pick(data,windows,row,windows.control),_mm_load_si128((const __m128i*)(windows.factor+4*row))),7);
+        }
+
+        /*! fields of the fifth column: corners have none */
+        static __forceinline vint4 ofColumn (const uint8_t* data, const VertTables::Windows& windows)
+        {
+          auto field = [&](int row) {
+            uint64_t word;
+            memcpy(&word,data + windows.columnOffset[row],sizeof(word));
+            return int(word >> windows.columnShift[row]);
+          };
+          return _mm_insert_epi32(_mm_insert_epi32(_mm_insert_epi32(_mm_setzero_si128(),field(1),1),field(2),2),field(3),3);
+        }
+
+        /*! ofRow where a field may have bits in five bytes */
+        static __forceinline vint4 ofWideRow (const uint8_t* data, const VertTables::Windows& windows, int row)
+        {
+#if defined(__AVX2__)
+          const __m128i shift = _mm_load_si128((const __m128i*)(windows.shift+4*row));
+          /* a shift by 32 makes 0 */
+          return _mm_or_si128(_mm_srlv_epi32(pick(data,windows,row,windows.control),shift),
+                              _mm_sllv_epi32(pick(data,windows,row,windows.fifth),_mm_sub_epi32(_mm_set1_epi32(32),shift)));
+#else
+          return ofRow(data,windows,row); // is never asked
+#endif
+        }
+
+        template<bool wide>
+        static __forceinline vint4 ofFour (const uint8_t* data, const VertTables::Windows& windows, int i) {
+          return i == VertTables::Windows::rows ? ofColumn(data,windows) : wide ? ofWideRow(data,windows,i) : ofRow(data,windows,i);
+        }
+
+        /*! fields of vector c of lanes */
+        template<bool wide>
+        static __forceinline vintV ofVector (const uint8_t* data, const VertTables::Windows& windows, int c)
+        {
+#if defined(__AVX__)
+          return vintV(ofFour<wide>(data,windows,2*c),ofFour<wide>(data,windows,2*c+1));
+#else
+          return ofFour<wide>(data,windows,c);
+#endif
+        }
+#endif
+      };
+    }
+  }
+}

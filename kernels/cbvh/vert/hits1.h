@@ -1,0 +1,125 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Hits of a ray in the triangles of a group of cVERT whose edges it passes inside of. */
+
+#include "cached_block.h"
+#include "parameters.h"
+#include "triangles.h"
+#include "../framed/block_visitor1.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! Target: the ray; it has tnear(), tfar(), report(block,hit), which is true if the hit is accepted, and isRead(block), which is
+       *  false if nothing of it is looked at */
+      template<typename Target>
+      class VertHits
+      {
+      public:
+        __forceinline VertHits (const Target& target, const VertRay& pre, VertNearest& nearest, const VertHeader* block, const CachedVertBlock& cached)
+          : target(target), pre(pre), nearest(nearest), block(block), cached(cached) {}
+
+        /*! Reports hits, nearest first; true if one was accepted. triangles: bits of GroupTriangles */
+        __forceinline bool report (uint32_t g, uint32_t triangles)
+        {
+          if (!target.isRead(block)) return reportAny(g,triangles);
+          if (likely((triangles & (triangles-1)) == 0))
+          {
+            const uint32_t h = uint32_t(bsf(triangles));
+            const VertTriangle triangle(cached.quads(g),h);
+            const VertTriangle::Sides sides = triangle.sides(pre);
+            const VertTriangle::Normal normal = triangle.normal();
+            float t;
+            return isInside(triangle,sides) && isInRange(triangle.meet(pre,normal),32*g+h,t) && reportHit(g,normal,h,t,sides);
+          }
+          return reportNearest(g,triangles);
+        }
+
+      private:
+        /*! Reports hits of which nothing is looked at, in any order. Where a triangle lies between tnear and tfar as a whole, so does its
+         *  hit, and nobody asks where. */
+        __forceinline bool reportAny (uint32_t g, uint32_t triangles)
+        {
+          for (; triangles; triangles&=triangles-1)
+          {
+            const uint32_t h = uint32_t(bsf(triangles));
+            const VertTriangle triangle(cached.quads(g),h);
+            if (!isInside(triangle,triangle.sides(pre))) continue;
+            const TriangleSpan<double> span = triangle.span(pre);
+            float t = 0.0f;
+            if (!(likely(double(target.tnear()) <= span.nearest && span.farthest < double(target.tfar())))
+                && !isInRange(triangle.meet(pre,triangle.normal()),32*g+h,t)) continue;
+            SurfaceHit1 hit = { 0.0f,0.0f,t,Vec3fa(zero) };
+            if (target.report(block,hit)) return true;
+          }
+          return false;
+        }
+
+        bool reportNearest (uint32_t g, uint32_t triangles)
+        {
+          float t[32];
+          uint32_t open = 0;
+          for (uint32_t rest=triangles; rest; rest&=rest-1) {
+            const uint32_t h = uint32_t(bsf(rest));
+            const VertTriangle triangle(cached.quads(g),h);
+            if (isInside(triangle,triangle.sides(pre)) && isInRange(triangle.meet(pre,triangle.normal()),32*g+h,t[h])) open |= 1u << h;
+          }
+          while (open)
+          {
+            uint32_t best = uint32_t(bsf(open));
+            for (uint32_t others=open & (open-1); others; others&=others-1) {
+              const uint32_t h = uint32_t(bsf(others));
+              if (t[h] < t[best]) best = h;
+            }
+            open &= ~(1u << best);
+            const VertTriangle triangle(cached.quads(g),best);
+            if (reportHit(g,triangle.normal(),best,t[best],triangle.sides(pre))) return true;
+          }
+          return false;
+        }
+
+        /*! sides that are not 0 have their exact sign already */
+        __forceinline bool isInside (const VertTriangle& triangle, const VertTriangle::Sides& sides) const {
+          return likely(sides.areCertain()) || triangle.contains(pre);
+        }
+
+        /*! between tnear and tfar */
+        __forceinline bool isInRange (double exact, uint32_t number, float& t) const
+        {
+          t = float(exact);
+          if (!(exact >= double(target.tnear()))) return false;
+          const float tfar = target.tfar();
+          if (likely(t < tfar)) return true;
+          if (nearest.block && nearest.t == tfar) return t == tfar && nearest.isBehind(block,number);
+          return exact <= double(tfar);
+        }
+
+        __forceinline bool reportHit (uint32_t g, const VertTriangle::Normal& normal, uint32_t h, float t, const VertTriangle::Sides& sides)
+        {
+          const uint32_t quad = h >> 1;
+          SurfaceHit1 hit;
+          hit.t = t;
+          hit.Ng = VertTriangle::Ng(pre,normal);
+          const Vec2f position = VertTriangle::position(sides,h);
+          const VertParameters parameters(block);
+          parameters.set(parameters.firstX(g) + (quad & 3),parameters.firstY(g) + (quad >> 2),h & 1,position.x,position.y,hit.u,hit.v);
+          if (!target.report(block,hit)) return false;
+          nearest = VertNearest(block,32*g+h,t);
+          return true;
+        }
+
+        const Target target;
+        const VertRay& pre;
+        VertNearest& nearest;
+        const VertHeader* block;
+        const CachedVertBlock& cached;
+      };
+    }
+  }
+}

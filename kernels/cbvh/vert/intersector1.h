@@ -1,0 +1,128 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Single-ray intersector of blocks of cVERT: boxes of groups, groups front to back, their
+ * triangles. */
+
+#include "boxes.h"
+#include "hits1.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! what VertHits reports to */
+      template<typename RayType>
+      struct VertTarget1
+      {
+        RayType& ray;
+        IntersectContext* context;
+
+        __forceinline float tnear () const { return ray.tnear(); }
+        __forceinline float tfar () const { return ray.tfar; }
+        __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(ray,context,block->geomID); }
+        __forceinline bool report (const VertHeader* block, SurfaceHit1& hit) const { return cbvh::report(ray,context,block->geomID,block->primID,hit); }
+      };
+
+      /*! takes the group out that begins first */
+      __forceinline uint32_t takeFirst (uint32_t& open, const float enter[16])
+      {
+        uint32_t best = uint32_t(bsf(open));
+        for (uint32_t rest=open & (open-1); rest; rest&=rest-1) {
+          const uint32_t g = uint32_t(bsf(rest));
+          if (enter[g] < enter[best]) best = g;
+        }
+        open &= ~(1u << best);
+        return best;
+      }
+
+      /*! takes any group out */
+      __forceinline uint32_t takeAny (uint32_t& open)
+      {
+        const uint32_t g = uint32_t(bsf(open));
+        open &= open-1;
+        return g;
+      }
+
+      template<typename RayType>
+      class VertIntersector1
+      {
+      public:
+        /*! Whether a hit was accepted; any hit ends with it. Not inlined, so that traversal keeps its ray in registers. */
+        static __noinline bool intersect (RayType& ray, IntersectContext* context, VertRay& pre, const VertHeader* block)
+        {
+          pre.set(ray);
+          return VertIntersector1(ray,context,pre,block).run();
+        }
+
+      private:
+        __forceinline VertIntersector1 (RayType& ray, IntersectContext* context, const VertRay& pre, const VertHeader* block)
+          : ray(ray), context(context), pre(pre), block(block), cached(block) {}
+
+        __forceinline bool run ()
+        {
+          const VertBoxes* boxes = cached.decodedBoxes();
+          if (unlikely(boxes == nullptr)) {
+            if (likely(!isRaw(block->boxForm)) && !meetsBounds<float>(pre,block,ray.tnear(),ray.tfar)) return false;
+            boxes = &cached.boxes();
+          }
+          uint32_t open = meetBoxes(*boxes);
+          VertHits<VertTarget1<RayType>> hits(VertTarget1<RayType>{ ray,context },pre,pre.nearest,block,cached);
+          bool found = false;
+          while (open)
+          {
+            const uint32_t g = IsAnyHit<RayType>::value ? takeAny(open) : takeFirst(open,enter);
+            if (enter[g] > ray.tfar) continue;
+            const GroupTriangles triangles(pre,cached.quads(g));
+            if (triangles.mask == 0 || !hits.report(g,triangles.mask)) continue;
+            if (IsAnyHit<RayType>::value) return true;
+            found = true;
+          }
+          return found;
+        }
+
+        /*! lanes of groups whose boxes the ray meets; sets enter */
+        __forceinline uint32_t meetBoxes (const VertBoxes& boxes)
+        {
+          const int vectors = QuadCornersV::vectors;
+          vfloatV tNear[vectors], tFar[vectors];
+          for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(ray.tnear()); tFar[j] = vfloatV(ray.tfar); }
+          auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float error) {
+            const int nearSide = reciprocal < 0.0f; // an index: a branch would not be foreseen
+            const float* near = planes.at[nearSide];
+            const float* far  = planes.at[1-nearSide];
+            const vfloatV org(from), rcp(reciprocal), slack(error*std::fabs(reciprocal));
+            for (int j=0; j<vectors; j++) {
+              tNear[j] = max(tNear[j],msub(vfloatV::load(near+vectorWidth*j) - org,rcp,slack));
+              tFar [j] = min(tFar [j],madd(vfloatV::load(far +vectorWidth*j) - org,rcp,slack));
+            }
+          };
+          const int m = boxes.axis;
+          for (int k=0; k<3; k++)
+            if (k != m) clip(boxes.planes[k],pre.org[k],pre.rcp[k],slackOf<float>(pre,k,boxes.origin[k],boxes.extent[k]));
+          if (likely(m < 3)) {
+            const ShearedRay<float> sheared(pre,boxes);
+            clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error);
+          }
+          uint32_t open = 0;
+          for (int j=0; j<vectors; j++) {
+            vfloatV::store(enter+vectorWidth*j,tNear[j]);
+            open |= uint32_t(movemask(tNear[j] <= tFar[j])) << (vectorWidth*j);
+          }
+          return open & boxes.lanes;
+        }
+
+        RayType& ray;
+        IntersectContext* context;
+        const VertRay& pre;
+        const VertHeader* block;
+        const CachedVertBlock cached;
+        alignas(64) float enter[16]; //!< where the ray enters the box of the group in each lane
+      };
+    }
+  }
+}

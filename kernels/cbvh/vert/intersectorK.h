@@ -1,0 +1,177 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Intersector of blocks of cVERT for the rays of a packet: boxes of groups are left out by what bounds the rays
+ * together, the others are tested with a ray in each lane, and so are triangles. */
+
+#include "intersector1.h"
+#include "hitsK.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      template<int K, typename Rays>
+      class VertIntersectorK
+      {
+      public:
+        /*! which of the rays in some lanes accepted a hit; any hit ends with it */
+        static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context, VertRays<K>& pre, const VertHeader* block)
+        {
+          pre.set(rays);
+          return VertIntersectorK(rays,context,pre,block).run(valid);
+        }
+
+      private:
+        /*! rays up to which triangles are tested one ray after the other */
+        static const size_t few = vectorWidth == K ? 3 : 2;
+
+        __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& pre, const VertHeader* block)
+          : rays(rays), context(context), pre(pre), block(block), cached(block), found(0) {}
+
+        __forceinline vbool<K> run (vbool<K> valid)
+        {
+          vint<K> form = pre.form;
+          if (unlikely(cached.decodedBoxes() == nullptr) && likely(!isRaw(block->boxForm))) {
+            valid &= meetsBounds<vfloat<K>>(pre,block,rays.tnear(),rays.tfar);
+            if (none(valid)) return valid;
+          }
+          const VertBoxes& boxes = cached.boxes();
+          if (likely(boxes.axis < 3)) {
+            sheared = ShearedRay<vfloat<K>>(pre,boxes);
+            form |= select(sheared.rcp < vfloat<K>(zero),vint<K>(32),vint<K>(zero));
+          }
+          for (uint32_t rest=uint32_t(movemask(valid)); rest;)
+          {
+            const uint32_t k = uint32_t(bsf(rest)), same = rest & uint32_t(movemask(form == vint<K>(form[k])));
+            rest &= ~same;
+            together(same,uint32_t(form[k]));
+          }
+          return vbool<K>(int(found));
+        }
+
+        /*! Rays along one axis of boxes, of the same direction: each of them, and what bounds them. */
+        struct Axis
+        {
+          vfloat<K> org, rcp, slack;
+          float orgLow, orgHigh, rcpLow, rcpHigh, slackHigh;
+          bool descends;
+
+          __forceinline void set (const vbool<K>& lanes, const vfloat<K>& org, const vfloat<K>& rcp, const vfloat<K>& error, bool descends)
+          {
+            this->org = org; this->rcp = rcp; this->descends = descends;
+            slack = error*abs(rcp);
+            orgLow = lowest(lanes,org); orgHigh = highest(lanes,org);
+            rcpLow = lowest(lanes,rcp); rcpHigh = highest(lanes,rcp);
+            slackHigh = highest(lanes,slack);
+          }
+
+          __forceinline const float* nearPlanes (const GroupPlanes& planes) const { return planes.at[descends]; }
+          __forceinline const float* farPlanes (const GroupPlanes& planes) const { return planes.at[!descends]; }
+
+          /*! Where the rays enter boxes, at the earliest, and leave them, at the latest: rounding is monotonic, so
+           *  none does before or after that. */
+          __forceinline vfloatV enter (const vfloatV& planes) const
+          {
+            const vfloatV d = planes - vfloatV(descends ? orgLow : orgHigh), slack(slackHigh);
+            return min(msub(d,vfloatV(rcpLow),slack),msub(d,vfloatV(rcpHigh),slack));
+          }
+          __forceinline vfloatV leave (const vfloatV& planes) const
+          {
+            const vfloatV d = planes - vfloatV(descends ? orgHigh : orgLow), slack(slackHigh);
+            return max(madd(d,vfloatV(rcpLow),slack),madd(d,vfloatV(rcpHigh),slack));
+          }
+
+        private:
+          static __forceinline float lowest (const vbool<K>& lanes, const vfloat<K>& x) { return reduce_min(select(lanes,x,vfloat<K>(pos_inf))); }
+          static __forceinline float highest (const vbool<K>& lanes, const vfloat<K>& x) { return reduce_max(select(lanes,x,vfloat<K>(neg_inf))); }
+        };
+
+        void together (uint32_t same, uint32_t form)
+        {
+          vbool<K> lanes = vbool<K>(int(same));
+          const VertBoxes& boxes = cached.boxes();
+          const int m = boxes.axis;
+          for (int k=0; k<3; k++) {
+            if (k == m) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(form & 32u) != 0);
+            else axes[k].set(lanes,pre.org[k],pre.rcp[k],slackOf<vfloat<K>>(pre,k,boxes.origin[k],boxes.extent[k]),(form >> (2+k)) & 1u);
+          }
+          uint32_t open = meetBoxes(lanes,boxes);
+          while (open)
+          {
+            const uint32_t g = IsAnyHit<Rays>::value ? takeAny(open) : takeFirst(open,enter);
+            const vbool<K> met = lanes & meetBox(cached.boxes(),g);
+            if (none(met)) continue;
+            const uint32_t accepted = meetGroup(uint32_t(movemask(met)),form & 3u,g);
+            found |= accepted;
+            if (IsAnyHit<Rays>::value && accepted) {
+              lanes = andn(lanes,vbool<K>(int(accepted)));
+              if (none(lanes)) return;
+            }
+          }
+        }
+
+        /*! lanes of groups whose boxes some ray may meet; sets enter */
+        __forceinline uint32_t meetBoxes (const vbool<K>& lanes, const VertBoxes& boxes)
+        {
+          const float tnear = reduce_min(select(lanes,rays.tnear(),vfloat<K>(pos_inf))), tfar = reduce_max(select(lanes,rays.tfar,vfloat<K>(neg_inf)));
+          uint32_t open = 0;
+          for (int j=0; j<16; j+=vectorWidth) {
+            vfloatV tNear(tnear), tFar(tfar);
+            for (int k=0; k<3; k++) {
+              tNear = max(tNear,axes[k].enter(vfloatV::load(axes[k].nearPlanes(boxes.planes[k])+j)));
+              tFar = min(tFar,axes[k].leave(vfloatV::load(axes[k].farPlanes(boxes.planes[k])+j)));
+            }
+            vfloatV::store(enter+j,tNear);
+            open |= uint32_t(movemask(tNear <= tFar)) << j;
+          }
+          return open & boxes.lanes;
+        }
+
+        /*! rays that meet the box of a group */
+        __forceinline vbool<K> meetBox (const VertBoxes& boxes, uint32_t g) const
+        {
+          vfloat<K> tNear = rays.tnear(), tFar = rays.tfar;
+          for (int k=0; k<3; k++) {
+            const Axis& axis = axes[k];
+            tNear = max(tNear,msub(vfloat<K>(axis.nearPlanes(boxes.planes[k])[g])-axis.org,axis.rcp,axis.slack));
+            tFar = min(tFar,madd(vfloat<K>(axis.farPlanes(boxes.planes[k])[g])-axis.org,axis.rcp,axis.slack));
+          }
+          return tNear <= tFar;
+        }
+
+        /*! those of some rays that accept a hit in a group */
+        __forceinline uint32_t meetGroup (uint32_t mask, uint32_t kz, uint32_t g)
+        {
+          VertHitsK<K,Rays> hits(rays,context,pre,block,cached);
+          if (popcnt(mask) <= few) {
+            uint32_t accepted = 0;
+            for (uint32_t rest=mask; rest; rest&=rest-1) {
+              const uint32_t k = uint32_t(bsf(rest));
+              const GroupTriangles triangles(pre.at(k),cached.quads(g));
+              if (triangles.mask && hits.report(k,g,triangles.mask)) accepted |= 1u << k;
+            }
+            return accepted;
+          }
+          const GroupTrianglesK<K> triangles(pre,kz,cached.quads(g));
+          mask &= uint32_t(movemask(triangles.mask != vint<K>(zero)));
+          return mask ? hits.report(mask,kz,g,triangles.mask) : 0u;
+        }
+
+        Rays& rays;
+        IntersectContext* context;
+        VertRays<K>& pre;
+        const VertHeader* block;
+        const CachedVertBlock cached;
+        ShearedRay<vfloat<K>> sheared;
+        Axis axes[3];
+        uint32_t found;
+        alignas(64) float enter[16]; //!< where the first ray may enter the box of the group in each lane
+      };
+    }
+  }
+}

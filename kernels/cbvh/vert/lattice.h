@@ -1,0 +1,116 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Lattices of cVERT: all multiples of 2^exponent on the world's three axes. A lattice is part
+ * of every finer one, so a vertex that faces share lies on the coarsest of theirs and is a
+ * point of all of them.
+ *
+ * Snapping works on floats and is exact: a coordinate that is so large that floats are not
+ * finer than the lattice is a multiple already. */
+
+#include "../framed/frame_map.h"
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    /*! default spacing: this part of the median edge of a face's quads along u or v, whichever is
+     *  shorter, or less */
+    static constexpr double spacingOfEdge = 1.0/36;
+
+    /*! A face of fewer quads than this gets a spacing that much finer: it is as large in a picture, and
+     *  its headers outweigh its bits. */
+    static constexpr unsigned fullQuads = 16;
+
+    /*! Nor is the default more than this part of the diagonal of the geometry, which a picture of all of it
+     *  does not show: objects of few quads have large ones, and bytes to spare. */
+    static constexpr double spacingOfDiagonal = 1.0/32768;
+
+    /*! But for the diagonal alone it is not less than this part of that edge: residuals have to fit into
+     *  a cell's fields. */
+    static constexpr double finestOfEdge = 1.0/96;
+
+    /*! median: of edges along u or v, of that many quads; diagonal: of the geometry's bounds */
+    inline double defaultSpacing(double median, unsigned quads, double diagonal)
+    {
+      if (quads < fullQuads) return median*spacingOfEdge*quads/fullQuads;
+      return std::min(median*spacingOfEdge,std::max(diagonal*spacingOfDiagonal,median*finestOfEdge));
+    }
+
+    /*! Coordinates of a face take at most this many bits, one less than floats have: sums with
+     *  a block's origin stay exact. */
+    static constexpr int maxCoordinateBits = 23;
+
+    /*! spacings whose reciprocal is a normal float */
+    static constexpr int minLatticeExponent = -100, maxLatticeExponent = 100;
+
+    /*! of a face without a lattice: nobody shares its vertices */
+    static constexpr int noLattice = -1000;
+
+    struct WorldLattice
+    {
+      float spacing, reciprocal, limit;
+
+      explicit WorldLattice (int exponent)
+        : spacing(std::ldexp(1.0f,exponent)), reciprocal(std::ldexp(1.0f,-exponent)), limit(std::ldexp(1.0f,std::min(exponent+maxCoordinateBits,127))) {}
+
+      /*! nearest multiple of the spacing, of two the even one; NaN and infinity stay */
+      float snap (float x) const
+      {
+        if (!(std::fabs(x) < limit)) return x;
+        return float(_mm_cvtss_si32(_mm_set_ss(x*reciprocal)))*spacing;
+      }
+      Float4 snap (Float4 x) const
+      {
+        const Float4 snapped = Float4(_mm_cvtepi32_ps(_mm_cvtps_epi32((x*reciprocal).v)))*spacing;
+        return select(below(abs(x),limit),snapped,x);
+      }
+    };
+
+    /*! Largest power of two that is not above a spacing, but not so fine that the largest
+     *  coordinate of a face would have too many bits. */
+    inline int latticeExponent(double spacing, double maxCoordinate)
+    {
+      int resolution = minLatticeExponent;
+      if (maxCoordinate > 0) resolution = std::max(resolution,std::ilogb(maxCoordinate) + 1 - maxCoordinateBits);
+      return std::min(spacing > 0 ? std::max(resolution,std::ilogb(spacing)) : resolution,maxLatticeExponent);
+    }
+
+    /*! median of the edges along lines of vertices, and their bounds */
+    class EdgeSample
+    {
+    public:
+      void add(const float a[3], const float b[3])
+      {
+        const Double3 d = { double(b[0])-a[0], double(b[1])-a[1], double(b[2])-a[2] };
+        const double l = length(d);
+        if (l > 0 && std::isfinite(l)) lengths.push_back(l); // stitched vertices coincide
+        for (const float* p : { a,b })
+          for (int k=0; k<3; k++)
+            if (std::isfinite(p[k])) {
+              lower[k] = std::min(lower[k],double(p[k]));
+              upper[k] = std::max(upper[k],double(p[k]));
+            }
+      }
+
+      bool empty() const { return lengths.empty(); }
+
+      double median()
+      {
+        if (lengths.empty()) return 0;
+        std::nth_element(lengths.begin(),lengths.begin()+lengths.size()/2,lengths.end());
+        return lengths[lengths.size()/2];
+      }
+
+      double lower[3] = { INFINITY,INFINITY,INFINITY }, upper[3] = { -INFINITY,-INFINITY,-INFINITY }; //!< of the vertices
+
+    private:
+      std::vector<double> lengths;
+    };
+  }}
+}

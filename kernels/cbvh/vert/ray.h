@@ -1,0 +1,155 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What a ray needs for blocks of cVERT: the shear that takes it to the z axis, for triangles,
+ * and its reciprocal direction, for boxes.
+ *
+ * Triangles are tested in the sheared space, where the ray is the origin of the x-y plane: it
+ * goes through a triangle if the origin is on the same side of all three edges. A side is
+ * the sign of ax by - ay bx, which for an edge seen from its other triangle is the exact
+ * negative, as products of floats commute. Rounding is monotonic, so that sign may be lost,
+ * to 0, but is never the wrong one; 0 counts for both triangles, and is told exactly for the few
+ * that are left (VertTriangle::contains). A vertex is sheared to the
+ * same numbers wherever it is used. So every origin that the sheared surface covers is in
+ * one of its triangles: no ray slips through an edge or past a vertex.
+ *
+ * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
+
+#include "../base/product.h"
+#include "format.h"
+#include "../../common/ray.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! of a component of a direction, whose largest is given; finite */
+      template<typename Real>
+      __forceinline Real reciprocal (const Real& d, const Real& largest)
+      {
+        const Real least = Real(1e-18f)*largest;
+        return Real(1.0f)/select(abs(d) < least,select(d < Real(0.0f),-least,least),d);
+      }
+
+      /*! a ray, or the rays of a packet, for boxes */
+      template<typename Real>
+      struct VertRayAxes
+      {
+        Real org[3], dir[3], rcp[3];
+        Real largest; //!< component of the direction
+
+        template<typename Vector>
+        __forceinline void set (const Vector& o, const Vector& d)
+        {
+          org[0] = o.x; org[1] = o.y; org[2] = o.z;
+          dir[0] = d.x; dir[1] = d.y; dir[2] = d.z;
+          largest = max(max(abs(dir[0]),abs(dir[1])),abs(dir[2]));
+          for (int k=0; k<3; k++) rcp[k] = reciprocal(dir[k],largest);
+        }
+      };
+
+      /*! a ray's nearest hit in blocks of cVERT */
+      struct VertNearest
+      {
+        const VertHeader* block; //!< null if there is none
+        uint32_t triangle;       //!< of the block
+        float t;
+
+        __forceinline VertNearest () : block(nullptr) {}
+        __forceinline VertNearest (const VertHeader* block, uint32_t triangle, float t) : block(block), triangle(triangle), t(t) {}
+
+        /*! whether a hit as far away as this one counts before it: one does of any two, so that the order in which they are met does not
+         *  matter */
+        __forceinline bool isBehind (const VertHeader* other, uint32_t otherTriangle) const
+        {
+          if (other->geomID != block->geomID) return other->geomID < block->geomID;
+          if (other->primID != block->primID) return other->primID < block->primID;
+          return other->place != block->place ? other->place < block->place : otherTriangle < triangle;
+        }
+      };
+
+      struct VertRay : public VertRayAxes<float>
+      {
+        bool isSet;
+        int kx, ky, kz;   //!< axes; kz that of the largest component
+        float sx, sy;     //!< shear
+
+        mutable VertNearest nearest;
+
+        __forceinline VertRay () : isSet(false) {}
+
+        __forceinline void set (const Ray& ray)
+        {
+          if (likely(isSet)) return;
+          isSet = true;
+          VertRayAxes<float>::set(Vec3fa(ray.org),Vec3fa(ray.dir));
+          const Vec3fa a = abs(Vec3fa(ray.dir));
+          /* no branches, which would not be foreseen; what is not a number counts as largest, as it does in packets */
+          const int isY = !(a.x >= a.y), isZ = (isY & !(a.y >= a.z)) | (!isY & !(a.x >= a.z));
+          kz = 2*isZ + (isY & !isZ);
+          setAxes();
+          const float sz = 1.0f/dir[kz];
+          sx = dir[kx]*sz;
+          sy = dir[ky]*sz;
+        }
+
+        __forceinline void setAxes ()
+        {
+          kx = axisAfter(kz,1);
+          ky = axisAfter(kz,2);
+        }
+      };
+
+      /*! the rays of a packet */
+      template<int K>
+      class VertRays : public VertRayAxes<vfloat<K>>
+      {
+      public:
+        vfloat<K> sx, sy;
+        vint<K> form;        //!< kz, and the signs of rcp from bit 2; rays of one form are traced together
+
+        __forceinline VertRays () : isSet(false), loaded(0) {}
+
+        __forceinline void set (const RayK<K>& rays)
+        {
+          if (likely(isSet)) return;
+          isSet = true;
+          VertRayAxes<vfloat<K>>::set(rays.org,rays.dir);
+          const vfloat<K>* dir = this->dir;
+          const vfloat<K> x = abs(dir[0]), y = abs(dir[1]), z = abs(dir[2]);
+          const vbool<K> isY = y > x, isZ = z > max(x,y);
+          const vfloat<K> sz = vfloat<K>(1.0f)/select(isZ,dir[2],select(isY,dir[1],dir[0]));
+          sx = select(isZ,dir[0],select(isY,dir[2],dir[1]))*sz;
+          sy = select(isZ,dir[1],select(isY,dir[0],dir[2]))*sz;
+          form = select(isZ,vint<K>(2),select(isY,vint<K>(1),vint<K>(zero)));
+          for (int k=0; k<3; k++) form |= select(this->rcp[k] < vfloat<K>(zero),vint<K>(4 << k),vint<K>(zero));
+        }
+
+        __forceinline VertNearest& nearest (size_t k) { return rays[k].nearest; }
+
+        /*! one of them, for triangles */
+        __forceinline const VertRay& at (size_t k)
+        {
+          VertRay& ray = rays[k];
+          if (likely((loaded >> k) & 1)) return ray;
+          loaded |= 1u << k;
+          for (int i=0; i<3; i++) { ray.org[i] = this->org[i][k]; ray.dir[i] = this->dir[i][k]; }
+          ray.kz = form[k] & 3;
+          ray.setAxes();
+          ray.sx = sx[k];
+          ray.sy = sy[k];
+          return ray;
+        }
+
+      private:
+        bool isSet;
+        uint32_t loaded;
+        VertRay rays[K];
+      };
+    }
+  }
+}
