@@ -30,9 +30,15 @@ struct Encoded
   size_t size = 0;
   VertStatistics statistics;
 
-  Encoded(VertEncoder& encoder, uint32_t place, float spacing) { size = encoder.encode(place, spacing, bytes, statistics); }
+  Encoded(VertEncoder& encoder, const VertPlacement& at, float spacing) { size = encoder.encode(at, spacing, bytes, statistics); }
   const VertHeader* block() const { return (const VertHeader*)bytes; }
 };
+
+// A block that is all of its patch.
+VertPlacement whole(uint32_t quadsX, uint32_t quadsY) { return {vertPlace(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY)}; }
+
+// The same with edges behind its header.
+VertPlacement withEdges(uint32_t quadsX, uint32_t quadsY) { return {vertPlace(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, 1, 1, 1, 5)}; }
 
 // A sheet of that many quads on a lattice: a plane, a bend and noise in steps of the lattice.
 struct Sheet
@@ -86,7 +92,7 @@ TEST(VertBlock, VerticesAreTheSameFloats)
   for (int i = 0; i < 4000; i++) {
     const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16), std::vector<double>{0, 0.05, 0.5, 5, 40}[i % 5]);
     sheet.fill(*encoder);
-    const Encoded encoded(*encoder, vertPlace(sheet.quadsX, sheet.quadsY, 16, 32, 1, 5), sheet.spacing);
+    const Encoded encoded(*encoder, i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY), sheet.spacing);
     ASSERT_GT(encoded.size, sizeof(VertHeader));
     const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
     ASSERT_EQ(decoded->quadsX, sheet.quadsX);
@@ -114,9 +120,9 @@ TEST(VertBlock, AFlatPartTakesNoFields)
       float* v = encoder->vertices[17*y + x];
       v[0] = 32.0f*float(x); v[1] = 32.0f*float(y); v[2] = 16.0f*float(x) - 48.0f*float(y);
     }
-  const Encoded encoded(*encoder, vertPlace(16, 16, 0, 0, 0, 0), 1.0f);
+  const Encoded encoded(*encoder, whole(16, 16), 1.0f);
   EXPECT_EQ(encoded.statistics.fieldBytes, 0u);
-  EXPECT_EQ(encoded.size, vertLayout(encoded.block()->place).cell);
+  EXPECT_EQ(encoded.size, vertLayout(encoded.block()->place, encoded.block()->boxForm).cell);
 }
 
 TEST(VertBlock, BoxesContainTheirGroups)
@@ -129,9 +135,9 @@ TEST(VertBlock, BoxesContainTheirGroups)
     sheet.fill(*encoder);
     const bool hole = i % 5 == 0;
     if (hole) encoder->vertices[0][i % 3] = i % 2 ? NAN : INFINITY;
-    const uint32_t place = vertPlace(sheet.quadsX, sheet.quadsY, 0, 0, 0, 0);
+    const VertPlacement place = i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY);
     const Encoded encoded(*encoder, place, sheet.spacing);
-    const VertLayout layout = vertLayout(place);
+    const VertLayout layout = vertLayout(place.place, place.form());
     const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
     for (uint32_t g = 0; g < layout.groups; g++) {
       float lower[3], upper[3];
@@ -170,7 +176,7 @@ TEST(VertBlock, ReachContainsTheBlock)
   for (int i = 0; i < 2000; i++) {
     const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16), std::vector<double>{0, 0.05, 0.5, 5}[i % 4]);
     sheet.fill(*encoder);
-    const Encoded encoded(*encoder, vertPlace(sheet.quadsX, sheet.quadsY, 0, 0, 0, 0), sheet.spacing);
+    const Encoded encoded(*encoder, whole(sheet.quadsX, sheet.quadsY), sheet.spacing);
     if (encoded.statistics.raw) continue;
     blocks++;
     const VertHeader* block = encoded.block();
@@ -204,7 +210,7 @@ TEST(VertBlock, VerticesThatAreNotFiniteAreRawAndNaN)
   for (float bad : {NAN, INFINITY, -INFINITY, 3e18f}) {
     sheet.fill(*encoder);
     encoder->vertices[17*5 + 5][1] = bad;
-    const Encoded encoded(*encoder, vertPlace(16, 16, 0, 0, 0, 0), sheet.spacing);
+    const Encoded encoded(*encoder, whole(16, 16), sheet.spacing);
     EXPECT_TRUE(encoded.statistics.raw);
     EXPECT_EQ(encoded.statistics.invalidQuads, 4u);
     const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
@@ -212,7 +218,7 @@ TEST(VertBlock, VerticesThatAreNotFiniteAreRawAndNaN)
     for (int k = 0; k < 3; k++) EXPECT_EQ(decoded->vertex(6, 5)[k], sheet.vertices[17*5 + 6][k]);
   }
   for (auto& v : encoder->vertices) v[0] = NAN;
-  EXPECT_EQ(Encoded(*encoder, vertPlace(16, 16, 0, 0, 0, 0), 1).size, 0u) << "a block without a vertex";
+  EXPECT_EQ(Encoded(*encoder, whole(16, 16), 1).size, 0u) << "a block without a vertex";
 }
 
 TEST(VertBlock, WhatIsOffTheLatticeIsRaw)
@@ -223,7 +229,7 @@ TEST(VertBlock, WhatIsOffTheLatticeIsRaw)
   sheet.fill(*encoder);
   encoder->vertices[40][2] += 0.5f*sheet.spacing;
   if (encoder->vertices[40][2] == sheet.vertices[40][2]) encoder->vertices[40][2] = std::nextafter(sheet.vertices[40][2], INFINITY);
-  const Encoded encoded(*encoder, vertPlace(8, 8, 0, 0, 0, 0), sheet.spacing);
+  const Encoded encoded(*encoder, whole(8, 8), sheet.spacing);
   const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
   EXPECT_EQ(decoded->vertices[40][2], encoder->vertices[40][2]);
 }
@@ -238,7 +244,7 @@ TEST(VertBlock, BlocksOf2To14StepsAreRaw)
       encoder->vertices[v][1] = v & 2 ? 8.0f : 0;
       encoder->vertices[v][2] = 0;
     }
-    const Encoded encoded(*encoder, vertPlace(1, 1, 0, 0, 0, 0), 1);
+    const Encoded encoded(*encoder, whole(1, 1), 1);
     EXPECT_EQ(encoded.statistics.raw, width == 16384) << width;
   }
 }
@@ -263,11 +269,10 @@ TEST(VertBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
       float* v = encoder->vertices[6*j + i];
       v[0] = float(100 + 8*i); v[1] = float(8*j); v[2] = float(i*i - (i == 1 && j == 1 ? 12 : 0));
     }
-  Encoded encoded(*encoder, vertPlace(5, 2, 16, 0, 0, 0), 1);
+  Encoded encoded(*encoder, {vertPlace(5, 2, 16, 0), vertPatch(21, 2), vertEdges(21, 2, 7, 2, 0, 0)}, 1);
   VertHeader* block = (VertHeader*)encoded.bytes;
   block->geomID = 3;
   block->primID = 5;
-  block->rates = 20u | 1u << 8 | 20u << 16 | 1u << 24;
   EXPECT_EQ(std::vector<int>(encoded.bytes, encoded.bytes + encoded.size), annotated);
 }
 
@@ -314,20 +319,22 @@ TEST(VertParameters, StitchedVerticesAreThoseOfEmbree)
     }
 }
 
-TEST(VertHeader, FieldsOfPlaceAndRatesAreApart)
+TEST(VertHeader, FieldsOfPlaceAndEdgesAreApart)
 {
   Random random(seed + 5);
   for (int n = 0; n < 1000; n++) {
-    const uint32_t w = 1 + random.below(16), h = 1 + random.below(16), x = random.below(256), y = random.below(256), u = random.below(16), v = random.below(16);
-    const uint32_t place = vertPlace(w, h, x, y, u, v);
+    const uint32_t w = 1 + random.below(16), h = 1 + random.below(16), x = 16*random.below(4096), y = 16*random.below(4096), u = random.below(16), v = random.below(16);
+    const uint32_t place = vertPlace(w, h, x, y);
     EXPECT_EQ(vertQuadsX(place), w); EXPECT_EQ(vertQuadsY(place), h);
     EXPECT_EQ(vertX(place), x); EXPECT_EQ(vertY(place), y);
-    EXPECT_EQ(vertCornerU(place), u); EXPECT_EQ(vertCornerV(place), v);
-    uint32_t rate[4], rates = 0;
-    for (int s = 0; s < 4; s++) { rate[s] = 1 + random.below(256); rates |= (rate[s]-1) << (8*s); }
-    for (int s = 0; s < 4; s++) EXPECT_EQ(vertRate(rates, s), rate[s]);
-    EXPECT_EQ(patchQuadsX(rates), std::max(rate[0], rate[2]));
-    EXPECT_EQ(patchQuadsY(rates), std::max(rate[1], rate[3]));
+    const uint32_t quadsX = 1 + random.below(65536), quadsY = 1 + random.below(65536);
+    EXPECT_EQ(patchQuadsX(vertPatch(quadsX, quadsY)), quadsX);
+    EXPECT_EQ(patchQuadsY(vertPatch(quadsX, quadsY)), quadsY);
+    uint32_t rate[4];
+    for (uint32_t& r : rate) r = 1 + random.below(maxVertRate);
+    const VertEdges edges = vertEdges(rate[0], rate[1], rate[2], rate[3], u, v);
+    for (int s = 0; s < 4; s++) EXPECT_EQ(vertRate(edges, s), rate[s]);
+    EXPECT_EQ(vertCornerU(edges), u); EXPECT_EQ(vertCornerV(edges), v);
   }
 }
 

@@ -37,7 +37,7 @@ size_t blockBytes(const uint8_t* data, size_t size)
 {
   VertHeader header;
   memcpy(&header, data, sizeof(header));
-  const VertLayout layout = vertLayout(header.place);
+  const VertLayout layout = vertLayout(header.place, header.boxForm);
   if (isRaw(header.boxForm)) return layout.rawBytes <= size ? layout.rawBytes : 0;
   size_t bytes = layout.cell + cellBytes(header.word);
   if (bytes > size) return 0;
@@ -74,10 +74,10 @@ struct Trace : RTCIntersectContext
   void see(const RTCFilterFunctionNArguments* args)
   {
     // a group's triangles once each, also those that have no area in blocks of the encoder
-    REQUIRE(++hits <= 32*vertLayout(block->place).groups);
+    REQUIRE(++hits <= 32*vertLayout(block->place, block->boxForm).groups);
     const float t = ((const RTCRay*)args->ray)->tfar;
     const RTCHit& hit = *(const RTCHit*)args->hit;
-    const float u = 0.5f*float(vertCornerU(block->place)), v = 0.5f*float(vertCornerV(block->place));
+    const float u = 0.5f*float(vertCornerU(edgesOf(block))), v = 0.5f*float(vertCornerV(edgesOf(block)));
     REQUIRE(hit.u >= u && hit.v >= v && std::isfinite(hit.u) && std::isfinite(hit.v));
     if (sound) REQUIRE(t >= tnear && t <= tfar);
     if (accepts) tfar = t;
@@ -140,11 +140,10 @@ void writeSeeds(const std::string& directory)
           if (surface == HOLES && (i + 2*j) % 5 == 1) encoder->vertices[j*(quadsX + 1) + i][2] = NAN;
         }
         VertStatistics statistics;
-        const size_t bytes = encoder->encode(vertPlace(quadsX, quadsY, 0, 0, 1, 0), spacing, (uint8_t*)memory.data(), statistics);
+        const size_t bytes = encoder->encode(VertPlacement(vertPlace(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 0)), spacing, (uint8_t*)memory.data(), statistics);
         if (bytes == 0) continue;
         VertHeader* block = (VertHeader*)memory.data();
         block->geomID = block->primID = 0;
-        block->rates = (quadsX - 1) | (quadsY - 1) << 8 | (quadsX/2) << 16 | (quadsY - 1) << 24;
         for (const RayBytes& ray : seedRays)
           writeSeed(directory + "/" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - seedRays), ray, block, bytes);
       }

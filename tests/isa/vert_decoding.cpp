@@ -59,7 +59,8 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
   unsigned raw = 0, packed = 0, sheared = 0, byAxis = 0;
   for (int i = 0; i < 3000; i++) {
     const uint32_t quadsX = 1 + random.below(16), quadsY = 1 + random.below(16);
-    const uint32_t place = vertPlace(quadsX, quadsY, 0, 0, 0, 0);
+    VertPlacement place(vertPlace(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY));
+    if (i % 3 == 0) place = VertPlacement(place.place, place.patchQuads, vertEdges(1, 2, 3, 4, 1, 0));
     const float spacing = std::ldexp(1.0f, int(random.below(20)) - 10);
     fillRandomly(random, *encoder, quadsX, quadsY, std::vector<double>{0, 0.1, 1, 10, 20}[i % 5], spacing);
     VertStatistics statistics;
@@ -68,7 +69,7 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
     const VertHeader* block = (const VertHeader*)bytes;
     byAxis += !statistics.raw && isByAxis(block->word);
     const auto expected = std::make_unique<ScalarVertBlock>(block);
-    const VertLayout layout = vertLayout(place);
+    const VertLayout layout = vertLayout(place.place, place.form());
     const VertDecoder decoder(block);
     VertBoxes boxes;
     decoder.decode(boxes);
@@ -145,16 +146,16 @@ TEST(VertTriangles, WhatHasTheRayInItIsFound)
     const GroupTriangles triangles(pre, quads);
     for (uint32_t h = 0; h < 32; h++) {
       const VertTriangle triangle(quads, h);
-      const double t = triangle.meet(pre, triangle.normal());
-      const bool isMet = triangle.contains(pre) && t >= 0;
+      const double t = triangle.distance(pre, triangle.normal(), 0.0f);
+      const bool isMet = triangle.containsExactly(pre) && t >= 0;
       if (!isMet) {
-        ASSERT_FALSE((triangles.mask >> h & 1) && triangle.sides(pre).areCertain()) << "case " << i << ", triangle " << h;
+        ASSERT_FALSE((triangles.mask >> h & 1) && areCertain(triangle.sides(pre))) << "case " << i << ", triangle " << h;
         bad++;
         continue;
       }
       ASSERT_TRUE(triangles.mask >> h & 1) << "case " << i << ", triangle " << h << ", at " << t;
       found++;
-      onLines += !triangle.sides(pre).areCertain();
+      onLines += !areCertain(triangle.sides(pre));
     }
   }
   EXPECT_GT(found, 20000u);

@@ -31,7 +31,8 @@ inline std::vector<VertTriangle> vertTriangles(RTCScene scene)
   std::vector<VertTriangle> triangles;
   for (const VertHeader* block : sceneVertBlocks(scene)) {
     const auto decoded = std::make_unique<ScalarVertBlock>(block);
-    const double quadsX = patchQuadsX(block->rates), quadsY = patchQuadsY(block->rates);
+    const double quadsX = patchQuadsX(block->patchQuads), quadsY = patchQuadsY(block->patchQuads);
+    const VertEdges edges = edgesOf(block);
     for (uint32_t y = 0; y < decoded->quadsY; y++)
       for (uint32_t x = 0; x < decoded->quadsX; x++)
         for (int second = 0; second < 2; second++) {
@@ -44,8 +45,8 @@ inline std::vector<VertTriangle> vertTriangles(RTCScene scene)
             const uint32_t i = x + dx[second][c], j = y + dy[second][c];
             std::copy_n(decoded->vertex(i, j), 3, t.vertices[c].begin());
             for (float& f : t.vertices[c]) f += 0.0f; // -0 is 0
-            t.u[c] = 0.5*vertCornerU(block->place) + (vertX(block->place) + i)/quadsX;
-            t.v[c] = 0.5*vertCornerV(block->place) + (vertY(block->place) + j)/quadsY;
+            t.u[c] = 0.5*vertCornerU(edges) + (vertX(block->place) + i)/quadsX;
+            t.v[c] = 0.5*vertCornerV(edges) + (vertY(block->place) + j)/quadsY;
           }
           triangles.push_back(t);
         }

@@ -216,6 +216,19 @@ namespace embree
     }
 #endif
 
+    /* what base/language.h has for floats */
+    inline Double4 lesser(Double4 a, Double4 b) { return min(b,a); }
+    inline Double4 greater(Double4 a, Double4 b) { return max(b,a); }
+    inline Double4 magnitude(Double4 a) { return abs(a); }
+    inline Double4 product(Double4 a, Double4 b)
+    {
+      Double4 p = a*b;
+#if defined(__GNUC__) && defined(__AVX__)
+      asm("" : "+x"(p.v));
+#endif
+      return p;
+    }
+
     /*! vertex i of count in lanes 0 to 2; lane 3 has any number */
     inline Float4 loadVertex(const float (*vertices)[3], size_t i, size_t count) {
       return i+1 < count ? Float4::load(vertices[i]) : Float4(vertices[i][0],vertices[i][1],vertices[i][2],0.0f);

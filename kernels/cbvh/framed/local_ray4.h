@@ -8,7 +8,7 @@
 
 #include "local_ray.h"
 #include "nearest_hit.h"
-#include "../base/product.h"
+#include "../base/vectors.h"
 #include "../../common/ray.h"
 
 namespace embree

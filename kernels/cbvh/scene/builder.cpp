@@ -5,12 +5,13 @@
  * one patch at a time, encodes its blocks into the BVH's own memory and drops the
  * vertices. The top level is Embree's binned SAH BVH4 over the blocks' bounds.
  *
- * Patches with edge rates above 256 and geometries that opt out become GridSOA leaves
+ * Patches with edge rates that no block takes, and geometries that opt out, become GridSOA leaves
  * of the same BVH. */
 
 #include "../../bvh/bvh_builder.h"
 #include "../../builders/bvh_builder_sah.h"
 #include "../framed/writer.h"
+#include "../surface/cage_patch.h"
 #include "../vert/writer.h"
 #include "report.h"
 #include "thread_cache.h"
@@ -52,27 +53,25 @@ namespace embree
         if (scene->getNumPrimitives(SubdivMesh::geom_type,false) == 0) { setEmpty(); return; }
         const double t0 = bvh->preBuild(TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
 
-        /* count, then build: every face knows where its primitives go */
-        std::vector<std::unique_ptr<FaceTable>> tables;
+        std::vector<std::unique_ptr<Surface>> surfaces;
         Scene::Iterator<SubdivMesh> meshes(scene);
-        size_t numPrims = 0;
+        size_t numFaces = 0;
         for (size_t i=0; i<meshes.size(); i++) {
           if (meshes[i] == nullptr) continue;
-          tables.emplace_back(new FaceTable(scene,meshes[i],unsigned(i)));
-          tables.back()->count(scene);
-          numPrims = tables.back()->prefixSum(numPrims);
+          surfaces.emplace_back(new Surface(scene,meshes[i],unsigned(i)));
+          numFaces += meshes[i]->size();
         }
-        if (numPrims == 0) { setEmpty(); bvh->postBuild(t0); return; }
+        if (numFaces == 0) { setEmpty(); bvh->postBuild(t0); return; }
 
         hitBounds = cbvh::WorldBounds();
-        prims.resize(numPrims);
-        bvh->alloc.init_estimate(estimateBytes(numPrims));
+        bvh->alloc.init_estimate(estimateBytes(numFaces));
         cbvh::BuildStatistics all;
-        for (auto& table : tables)
-          buildFaces(*table,all);
+        std::vector<TaskPrims> lists;
+        for (auto& surface : surfaces)
+          buildFaces(*surface,all,lists);
         report->statistics = all.sums;
 
-        buildTopLevel(compact());
+        buildTopLevel(collect(lists));
         cbvh::outdateThreadCaches();
         if (scene->isStaticAccel()) prims.clear();
         bvh->cleanup();
@@ -86,123 +85,113 @@ namespace embree
       }
 
       /*! typical size, so that the allocator starts with blocks of a fitting size */
-      static size_t estimateBytes (size_t numPrims) {
-        return numPrims*(sizeof(BVH4::AABBNode)/2 + cbvh::blockLayout(cbvh::kindLeaf,4).bytes);
+      static size_t estimateBytes (size_t numFaces) {
+        return numFaces*(sizeof(BVH4::AABBNode)/2 + cbvh::blockLayout(cbvh::kindLeaf,4).bytes);
       }
 
-      /*! where the primitives of each face of a geometry go, and, if they follow from the
-       *  geometry, its frame levels: asked once, as a displacement may answer differently */
-      struct FaceTable
+      /*! what the build knows of a geometry */
+      struct Surface
       {
         CompressionPlan plan;
-        std::unique_ptr<SharedVertices> shared; //!< while it is needed
-        mvector<size_t> offset;
-        mvector<unsigned char> frameLevel; //!< empty unless the plan bounds errors
+        std::unique_ptr<SharedVertices> shared; //!< of faces that share their borders, while it is needed
+        mvector<unsigned char> frameLevel;      //!< by face; empty unless the plan bounds errors
 
-        FaceTable (Scene* scene, SubdivMesh* mesh, unsigned geomID)
-          : plan(scene,mesh,geomID), offset(scene->device,mesh->size()), frameLevel(scene->device,plan.boundsError() ? mesh->size() : 0) {}
+        Surface (Scene* scene, SubdivMesh* mesh, unsigned geomID)
+          : plan(scene,mesh,geomID), frameLevel(scene->device,plan.boundsError() ? mesh->size() : 0) {}
 
-        void count (Scene* scene)
+        void prepare (Scene* scene)
         {
-          if (plan.boundsError()) shareBorders(scene);
-          parallel_for(size_t(0),offset.size(),facesPerTask,[&](const range<size_t>& faces) {
-              std::unique_ptr<PatchBuilder> trial;
-              size_t quads = 0;
-              for (size_t f=faces.begin(); f!=faces.end(); f++)
-              {
-                offset[f] = 0;
-                if (!plan.mesh->valid(f)) continue;
-                if (plan.boundsError()) {
-                  if (!trial) trial.reset(new PatchBuilder(plan,shared.get(),scene,Allocator(nullptr)));
-                  frameLevel[f] = boundedFrameLevel(f,*trial,quads);
-                  if (quads >= progressQuads) { scene->progressMonitor(0.0); quads = 0; }
-                }
-                forEachPatch(plan.mesh,f,[&](const PatchOfFace& patch) {
-                    const PatchTiling tiling = tilingOf(f,patch.rate);
-                    offset[f] += tiling.size() ? room(patch.rate,tiling)
-                                               : PatchBuilder::numGrids(SubdivPatch1Base::computeGridSize(patch.rate));
-                  });
-              }
-            });
-        }
-
-        void shareBorders (Scene* scene)
-        {
-          if (shared || !plan.sharesBorders()) return;
-          shared.reset(new SharedVertices(scene,plan));
-          shared->build(facesPerTask);
+          if (plan.sharesBorders()) {
+            shared.reset(new SharedVertices(scene,plan));
+            shared->build(facesPerTask);
+          }
+          if (plan.boundsError()) chooseFrameLevels(scene);
         }
 
         PatchTiling tilingOf (size_t f, const float rate[4]) const {
           return plan.tiling(rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(plan.level(rate)));
         }
 
-        /*! primitives of a patch at most, which may turn out to be stored exactly */
-        size_t room (const float rate[4], const PatchTiling& tiling) const {
-          return plan.hasExactFaces() ? max(tiling.size(),plan.exactTiling(rate).size()) : tiling.size();
-        }
-
-        /*! counts become offsets; returns where they end */
-        size_t prefixSum (size_t begin)
+        template<typename Closure>
+        void forEachPatchOf (size_t face, PatchGrid& grid, const Closure& closure) const
         {
-          for (size_t f=0; f<offset.size(); f++) {
-            const size_t n = offset[f];
-            offset[f] = begin;
-            begin += n;
-          }
-          return begin;
+          forEachPatch(plan.mesh,face,[&](const PatchOfFace& patch) {
+              CagePatch ofCage(plan.mesh,plan.geomID,face,patch,shared.get(),grid);
+              closure(ofCage);
+            });
         }
 
       private:
-        unsigned char boundedFrameLevel (size_t f, PatchBuilder& trial, size_t& quads) const
+        /*! the least levels that keep to the bound; asked once, as a displacement may answer differently */
+        void chooseFrameLevels (Scene* scene)
         {
-          unsigned n = 0;
-          forEachPatch(plan.mesh,f,[&](const PatchOfFace& patch) {
-              const PatchTiling tiling = plan.tiling(patch.rate,0);
-              if (tiling.size() == 0) return;
-              n = max(n,trial.boundedFrameLevel(f,patch));
-              quads += size_t(tiling.quadsX())*size_t(tiling.quadsY());
+          parallel_for(size_t(0),frameLevel.size(),facesPerTask,[&](const range<size_t>& faces) {
+              PatchGrid grid(scene->device);
+              BlockStore nowhere(scene->device,Allocator(nullptr));
+              cbvh::BuildStatistics ofTrials;
+              FramedWriter trial(plan,scene,nowhere,ofTrials);
+              size_t quads = 0;
+              for (size_t f=faces.begin(); f!=faces.end(); f++)
+              {
+                unsigned n = 0;
+                if (plan.mesh->valid(f))
+                  forEachPatchOf(f,grid,[&](SurfacePatch& patch) {
+                      if (plan.storage(patch.rate) != CompressionPlan::FRAMED) return;
+                      n = max(n,trial.boundedFrameLevel(patch));
+                      quads += size_t(patch.quads[0])*size_t(patch.quads[1]);
+                    });
+                frameLevel[f] = (unsigned char)n;
+                if (quads >= progressQuads) { scene->progressMonitor(0.0); quads = 0; }
+              }
             });
-          return (unsigned char)n;
         }
       };
 
-      void buildFaces (FaceTable& table, cbvh::BuildStatistics& all)
+      /*! primitives of the faces of a task, which begin with one */
+      struct TaskPrims
       {
-        const CompressionPlan& plan = table.plan;
-        table.shareBorders(scene);
-        const SharedVertices* shared = table.shared.get();
+        unsigned geomID;
+        size_t firstFace;
+        std::shared_ptr<mvector<PrimRef>> prims;
+
+        friend bool operator< (const TaskPrims& a, const TaskPrims& b) { return a.geomID != b.geomID ? a.geomID < b.geomID : a.firstFace < b.firstFace; }
+      };
+
+      void buildFaces (Surface& surface, cbvh::BuildStatistics& all, std::vector<TaskPrims>& lists)
+      {
+        surface.prepare(scene);
+        const CompressionPlan& plan = surface.plan;
         cbvh::BuildStatistics total;
         MutexSys mutex;
-        parallel_for(size_t(0),table.offset.size(),facesPerTask,[&](const range<size_t>& faces) {
-            PatchBuilder builder(plan,shared,scene,bvh->alloc.getCachedAllocator());
-            std::unique_ptr<VertPatchBuilder> vertBuilder;
-            if (shared) vertBuilder.reset(new VertPatchBuilder(plan,*shared,scene,bvh->alloc.getCachedAllocator()));
-            auto invalidQuads = [&]() { return builder.statistics.sums.numInvalidQuads + (vertBuilder ? vertBuilder->statistics.sums.numInvalidQuads : 0); };
+        parallel_for(size_t(0),plan.mesh->size(),facesPerTask,[&](const range<size_t>& faces) {
+            PatchGrid grid(scene->device);
+            BlockStore store(scene->device,bvh->alloc.getCachedAllocator());
+            cbvh::BuildStatistics statistics;
+            FramedWriter framed(plan,scene,store,statistics);
+            VertWriter exact(plan,scene->device,store,statistics);
+            const GridWriter grids(scene,store,statistics);
             size_t reported = faces.begin(), quads = 0;
             for (size_t f=faces.begin(); f!=faces.end(); f++)
             {
-              PrimRef* out = prims.data() + table.offset[f];
-              const size_t invalid = invalidQuads();
+              const size_t invalid = statistics.sums.numInvalidQuads;
               if (plan.mesh->valid(f))
-                forEachPatch(plan.mesh,f,[&](const PatchOfFace& patch) {
-                    const PatchTiling tiling = table.tilingOf(f,patch.rate);
-                    if (tiling.size() == 0) { out += builder.buildGrids(patch.make(plan.mesh,plan.geomID,f),out); }
-                    else {
-                      PrimRef* const begin = out;
-                      const PatchTiling exact = plan.exactTiling(patch.rate);
-                      const float (*evaluated)[3] = nullptr;
-                      if (plan.kind() != cbvh::Kind::VERT) {
-                        out += builder.buildBlocks(f,patch,tiling,out);
-                        evaluated = builder.evaluated(exact.quadsX(),exact.quadsY());
-                      }
-                      if (out == begin) out += vertBuilder->buildBlocks(f,patch,exact,evaluated,out);
-                      while (out < begin+table.room(patch.rate,tiling)) *out++ = PatchBuilder::dropped();
+                surface.forEachPatchOf(f,grid,[&](SurfacePatch& patch) {
+                    const size_t size = size_t(patch.quads[0])*size_t(patch.quads[1]);
+                    switch (plan.storage(patch.rate)) {
+                    case CompressionPlan::GRIDS:
+                      grids.write(*patch.ofEmbree());
+                      statistics.highRateQuads += plan.compresses() ? size : 0;
+                      break;
+                    case CompressionPlan::FRAMED:
+                      if (!framed.write(patch,surface.tilingOf(f,patch.rate))) exact.write(patch,framed.evaluated(patch.quads[0],patch.quads[1]));
+                      break;
+                    case CompressionPlan::EXACT:
+                      exact.write(patch,nullptr);
+                      break;
                     }
-                    const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
-                    quads += size_t(size.x-1)*size_t(size.y-1);
+                    quads += size;
                   });
-              if (invalidQuads() != invalid) builder.statistics.addInvalidFace(f);
+              if (statistics.sums.numInvalidQuads != invalid) statistics.addInvalidFace(f);
               if (quads >= progressQuads || f+1 == faces.end()) {
                 scene->progressMonitor(double(f+1-reported));
                 reported = f+1;
@@ -210,26 +199,26 @@ namespace embree
               }
             }
             Lock<MutexSys> lock(mutex);
-            total.merge(builder.statistics);
-            hitBounds.extend(builder.hitBounds);
-            if (vertBuilder) { total.merge(vertBuilder->statistics); hitBounds.extend(vertBuilder->hitBounds); }
+            total.merge(statistics);
+            hitBounds.extend(store.hitBounds);
+            lists.push_back(TaskPrims{ plan.geomID,faces.begin(),std::make_shared<mvector<PrimRef>>(std::move(store.prims)) });
           });
-        tell(plan,total);
+        reportAtVerbosity1(plan,total);
         /* a surface that did not change since the last commit was reported then */
         if (total.invalidFaces && scene->isGeometryModified(plan.geomID))
           report->errors.push_back(describeInvalid(plan,total));
         all.merge(total);
-        table.shared.reset();
+        surface.shared.reset();
       }
 
-      /*! says at verbosity 1 what of a compressed geometry GRID traces */
-      void tell (const CompressionPlan& plan, const cbvh::BuildStatistics& total) const
+      /*! what of a compressed geometry is stored otherwise than asked for */
+      void reportAtVerbosity1 (const CompressionPlan& plan, const cbvh::BuildStatistics& total) const
       {
         if (!scene->device->verbosity(1)) return;
         Lock<MutexSys> lock(g_printMutex);
         if (total.highRateQuads)
           std::cout << "compression: geometry " << plan.geomID << ": " << total.highRateQuads
-                    << " quads of faces with edge rates above 256 are traced by GRID" << std::endl;
+                    << " quads of faces with edge rates above " << (plan.sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxLevel) << " are traced by GRID" << std::endl;
         if (total.refusedQuads)
           std::cout << "compression: geometry " << plan.geomID << ": " << total.refusedQuads
                     << " quads of blocks that have no good frame (lines, outliers) keep full precision" << std::endl;
@@ -250,13 +239,19 @@ namespace embree
           + std::to_string(total.invalidFaces) + " face(s): " + std::to_string(total.sums.numInvalidQuads) + " quads";
       }
 
-      /*! closes the gaps that dropped blocks left */
-      PrimInfo compact ()
+      /*! the lists of all tasks, in the order of their faces, whichever task was through first */
+      PrimInfo collect (std::vector<TaskPrims>& lists)
       {
-        PrimInfo info(empty);
+        std::sort(lists.begin(),lists.end());
         size_t n = 0;
-        for (size_t i=0; i<prims.size(); i++)
-          if (!PatchBuilder::isDropped(prims[i])) { prims[n++] = prims[i]; info.add_center2(prims[i]); }
+        for (const TaskPrims& list : lists) n += list.prims->size();
+        prims.resize(n);
+        PrimInfo info(empty);
+        n = 0;
+        for (TaskPrims& list : lists) {
+          for (const PrimRef& prim : *list.prims) { prims[n++] = prim; info.add_center2(prim); }
+          list.prims.reset();
+        }
         return PrimInfo(0,n,info);
       }
 

@@ -33,20 +33,9 @@ namespace embree
         std::vector<FlatGeometry> ownGeometries;
       };
 
-      uint32_t bytesOfVertBlock (const VertHeader* block)
-      {
-        const VertLayout layout = vertLayout(block->place);
-        if (isRaw(block->boxForm)) return layout.rawBytes;
-        const uint8_t* data = (const uint8_t*)block;
-        uint32_t bytes = layout.cell + cellBytes(block->word);
-        for (uint32_t g=0; g<layout.groups; g++)
-          bytes += cellBytes(uint32_t(data[layout.words+2*g]) | uint32_t(data[layout.words+2*g+1]) << 8);
-        return bytes;
-      }
-
       uint32_t bytesOfBlock (uint32_t kind, const void* data)
       {
-        if (kind == kindVert) return bytesOfVertBlock((const VertHeader*)data);
+        if (kind == kindVert) return vertBytes((const VertHeader*)data);
         return blockLayout(kind,heightOf(((const BlockHeader*)data)->info)).bytes;
       }
 

@@ -15,7 +15,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! A patch in blocks of 2^height x 2^height quads. Along u and v it has as many as
+    /*! A patch in blocks with frames, of 2^height x 2^height quads. Along u and v it has as many as
      *  it takes for the higher rate of its two opposite edges:
      *
      *       rate 9
@@ -28,8 +28,8 @@ namespace embree
     struct PatchTiling
     {
       unsigned height = 0;
-      unsigned x = 0, y = 0; //!< blocks; none where GRID traces the patch
-      Vec2i quads = Vec2i(0); //!< of all blocks; of cVERT, whose last blocks may be smaller, those of the rates
+      unsigned x = 0, y = 0; //!< blocks
+      Vec2i quads = Vec2i(0); //!< of all blocks
 
       size_t size () const { return size_t(x)*size_t(y); }
       unsigned quadsX () const { return unsigned(quads.x); }
@@ -62,14 +62,25 @@ namespace embree
         return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses() && cbvh::describe(kind()).hasThickness;
       }
 
-      /*! Subdivision level of a patch: 2^level is its highest rate or next above it.
-       *  More than maxLevel where GRID traces it. */
+      /*! how a patch is stored */
+      enum Storage { GRIDS, FRAMED, EXACT };
+
+      Storage storage (const float rate[4]) const
+      {
+        const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
+        if (!compresses()) return GRIDS;
+        if (kind() == cbvh::Kind::VERT) return highest <= float(cbvh::maxVertRate) ? EXACT : GRIDS;
+        if (highest <= float(1u << cbvh::maxLevel)) return FRAMED;
+        return hasExactFaces() && highest <= float(cbvh::maxVertRate) ? EXACT : GRIDS;
+      }
+
+      /*! Subdivision level of a patch in frames: 2^level is its highest rate or next above it. */
       unsigned level (const float rate[4]) const
       {
         unsigned level = 0;
         const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
-        while (level <= cbvh::maxLevel && float(1u << level) < highest) level++;
-        return compresses() ? level : cbvh::maxLevel+1;
+        while (level < cbvh::maxLevel && float(1u << level) < highest) level++;
+        return level;
       }
 
       /*! Frame level without an error bound. Of all levels and scenes that were measured, blocks of 16 x 16 quads
@@ -81,15 +92,13 @@ namespace embree
         return level > 4 ? level-4 : 0;
       }
 
-      /*! Tiling of a patch at a frame level: blocks of 2^(level-frameLevel) quads a side,
+      /*! Tiling of a patch in frames, at a frame level: blocks of 2^(level-frameLevel) quads a side,
        *  or smaller ones where they take fewer bytes, as for a long and narrow patch or
        *  a rate just above a multiple. */
       PatchTiling tiling (const float rate[4], unsigned frameLevel) const
       {
         const unsigned level = this->level(rate);
         PatchTiling best;
-        if (level > cbvh::maxLevel) return best;
-        if (kind() == cbvh::Kind::VERT) return exactTiling(rate);
         const Vec2i quads = SubdivPatch1Base::computeGridSize(rate) - Vec2i(1);
         for (unsigned height=0; height <= level-min(frameLevel,level); height++)
         {
@@ -97,17 +106,6 @@ namespace embree
           if (best.size() == 0 || bytes(t) <= bytes(best)) best = t;
         }
         return best;
-      }
-
-      /*! Tiling of a patch in cVERT: as it has no frames, blocks are as large as can be. */
-      PatchTiling exactTiling (const float rate[4]) const
-      {
-        const unsigned level = this->level(rate);
-        if (level > cbvh::maxLevel) return PatchTiling();
-        const Vec2i quads = SubdivPatch1Base::computeGridSize(rate) - Vec2i(1);
-        PatchTiling tiling = tilingOf(quads,min(level,unsigned(cbvh::maxVertHeight)));
-        tiling.quads = quads;
-        return tiling;
       }
 
     private:

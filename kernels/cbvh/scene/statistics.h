@@ -45,20 +45,20 @@ namespace embree
         if (block.maxThickness > sums.maxLeafThickness) sums.maxLeafThickness = block.maxThickness;
       }
 
-      /*! bytes: of the block, with those that align the next */
-      void addVertBlock (uint32_t place, size_t bytes, float spacing, const VertStatistics& block)
+      /*! bytes: of the block, without those that align the next */
+      void addVertBlock (const VertHeader* header, size_t bytes, const VertStatistics& block)
       {
-        const VertLayout layout = vertLayout(place);
+        const VertLayout layout = vertLayout(header->place,header->boxForm);
         const size_t stride = (bytes + blockAlignment-1) & ~size_t(blockAlignment-1);
-        const size_t nodesEnd = block.raw ? vertHeaderBytes : layout.cell;
-        sums.frameBytes += vertHeaderBytes;
-        sums.nodeBytes += nodesEnd - vertHeaderBytes;
+        const size_t nodesEnd = block.raw ? layout.margins : layout.cell;
+        sums.frameBytes += layout.margins;
+        sums.nodeBytes += nodesEnd - layout.margins;
         sums.leafBytes += stride - nodesEnd;
         sums.numBlocks++;
         sums.numRawBlocks += block.raw;
-        sums.numQuads += size_t(vertQuadsX(place))*size_t(vertQuadsY(place));
+        sums.numQuads += size_t(vertQuadsX(header->place))*size_t(vertQuadsY(header->place));
         sums.numInvalidQuads += block.invalidQuads;
-        sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,spacing);
+        sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,vertSpacing(header->word));
       }
 
       /*! own: as its face evaluates it */

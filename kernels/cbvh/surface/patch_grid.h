@@ -3,41 +3,23 @@
 
 #pragma once
 
-/* Vertices of a whole patch, before and after displacement. Evaluated as GRID
+/* The vertices of a patch of a cage. Evaluated as GRID
  * evaluates its subgrids (subdivpatch1base_eval.cpp), parameter by parameter and
  * operation by operation, so that both hold the same floats; in one go, so that
  * irregular patches are subdivided once and the displacement function is called
- * once a patch.
- *
- * An edge whose rate is lower than the patch's has the vertices of that rate, whatever
- * the face behind it has: where Embree stitches, it evaluates a border at the
- * parameters of the lower rate and gives each of its vertices to several of the grid,
- * the quads between which collapse. Here only the nearest one keeps it, and the others
- * are spread over the straight line to the next:
- *
- *     x---x---x---x---x---x      x: vertices of the grid
- *     |   |   |   |   |   |      o: those of an edge of rate 2 among them
- *     o---x---x-o-x---x---o
- *
- * The border is the same polyline but for a lip of 2^-20, no quad collapses or leans over
- * to another block, and parameters are those of the regular grid but for half a quad
- * along the border. */
+ * once a part. Edges of lower rates are stitched as Embree does it. */
 
 #include "../../subdiv/subdivpatch1base.h"
-#include "../framed/frame_map.h"
-#include <cmath>
+#include "vertex_grid.h"
 
 namespace embree
 {
   namespace isa
   {
-    class PatchGrid
+    class PatchGrid : public VertexGrid
     {
     public:
-      PatchGrid (Device* device) : arrays(device,0), interleaved(device,0) {}
-
-      /*! vertices x0 to x1 along u and y0 to y1 along v */
-      struct Part { unsigned x0, x1, y0, y1; };
+      explicit PatchGrid (Device* device) : VertexGrid(device), arrays(device,0) {}
 
       /*! evaluates a patch as quadsX x quadsY quads, not less than its edges have, with lower
        *  edges spread as above */
@@ -49,31 +31,19 @@ namespace embree
         spreadBorders(patch.level,displaced());
       }
 
-      /*! Spreads vertices of lower edges, which are stitched: of those rates, not above the patch's own. */
-      void spreadBorders (const float rate[4], float (*p)[3]) const
-      {
-        const unsigned quadsX = unsigned(width)-1, quadsY = unsigned(height)-1;
-        const ssize_t row = ssize_t(width);
-        spreadBorder(p,1,row,quadsX,unsigned(rate[0]));
-        spreadBorder(p+quadsX,row,-1,quadsY,unsigned(rate[1]));
-        spreadBorder(p+quadsY*row,1,-row,quadsX,unsigned(rate[2]));
-        spreadBorder(p,row,1,quadsY,unsigned(rate[3]));
-      }
-
       /*! evaluates a part of that, with lower edges stitched as Embree does it */
-      void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY, const Part& part)
+      void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY, const PatchPart& part)
       {
         width = part.x1-part.x0+1; height = part.y1-part.y0+1;
         const float* rate = patch.level;
         stitched = min(rate[0],rate[2]) < float(quadsX) || min(rate[1],rate[3]) < float(quadsY);
-        count = size_t(width)*size_t(height);
+        resize();
         stride = (count + 2*VSIZEX - 1) & ~size_t(VSIZEX-1); // room for full-width stores
         arrays.resize(8*stride+16);
         float* P[3] = { array(0), array(1), array(2) };
         float* N[3] = { array(3), array(4), array(5) };
         float* u = array(6);
         float* v = array(7);
-        interleaved.resize(6*count);
 
         const Range range = { quadsX+1,quadsY+1,part };
         if (patch.type == SubdivPatch1Base::EVAL_PATCH) evalIrregular(patch,mesh,range,P,N,u,v);
@@ -84,39 +54,6 @@ namespace embree
         interleave(displaced());
       }
 
-      /*! displaced vertices of quadsX x quadsY quads that were evaluated before; undisplaced ones are not known then */
-      void set (unsigned quadsX, unsigned quadsY, const float (*vertices)[3])
-      {
-        width = quadsX+1; height = quadsY+1;
-        count = width*height;
-        interleaved.resize(6*count);
-        memcpy(displaced(),vertices,count*sizeof(*vertices));
-      }
-
-      /*! vertices row by row */
-      float (*undisplaced ())[3] { return (float(*)[3])interleaved.data(); }
-      float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }
-
-      /*! bounds of the displaced vertices; false if one is not finite */
-      bool bound (float lower[3], float upper[3])
-      {
-        const float (*const p)[3] = displaced();
-        cbvh::Float4 low = cbvh::maxCoordinate, high = -cbvh::maxCoordinate;
-        uint32_t finite = 7;
-        for (size_t i=0; i<count; i++) {
-          const cbvh::Float4 v = cbvh::loadVertex(p,i,count);
-          finite &= lanesBelow(abs(v),cbvh::maxCoordinate);
-          low = min(low,v);
-          high = max(high,v);
-        }
-        float bounds[2][4];
-        low.store(bounds[0]);
-        high.store(bounds[1]);
-        for (int k=0; k<3; k++) { lower[k] = bounds[0][k]; upper[k] = bounds[1][k]; }
-        return finite == 7;
-      }
-
-      size_t width = 0, height = 0; //!< in vertices
       bool stitched = false;        //!< whether an edge has a lower rate
 
     private:
@@ -124,7 +61,7 @@ namespace embree
       struct Range
       {
         unsigned width, height;
-        Part part;
+        PatchPart part;
       };
 
       /*! aligned for full-width loads, which mvector is not */
@@ -200,42 +137,9 @@ namespace embree
         mesh->displFunc(&args);
       }
 
-      /*! border: fine+1 vertices, along apart, stitched to the vertices of a lower rate;
-       *  inward: to the next row of the grid */
-      static void spreadBorder (float (*border)[3], ssize_t along, ssize_t inward, unsigned fine, unsigned coarse)
-      {
-        if (fine == coarse) return;
-        /* the first vertex that Embree's stitch() gives to k, which is the nearest to it */
-        auto first = [&](unsigned k) { return ssize_t((2*k*fine + coarse-1)/(2*coarse)); };
-        for (unsigned k=0; k<coarse; k++)
-        {
-          const ssize_t begin = first(k), end = first(k+1);
-          const cbvh::Double3 a = load(border[begin*along]), b = load(border[end*along]);
-          for (ssize_t i=begin+1; i<end; i++) {
-            const cbvh::Double3 p = a + (double(i-begin)/double(end-begin))*(b-a);
-            store(overlap(p,load(border[i*along+inward])),border[i*along]);
-          }
-        }
-      }
-
-      /*! Moves a point of a border outward by what rounding may leave open beside a
-       *  neighbour that has no vertex there: its own and that of the tests of triangles. */
-      static cbvh::Double3 overlap (const cbvh::Double3& p, const cbvh::Double3& inner)
-      {
-        const cbvh::Double3 outward = p - inner;
-        const double distance = cbvh::length(outward);
-        const double size = cbvh::maximum(std::fabs(p.x),cbvh::maximum(std::fabs(p.y),std::fabs(p.z)));
-        const double lip = cbvh::minimum(size/(1 << 20),distance/16);
-        return distance > 0 ? p + (lip/distance)*outward : p; // not where it is NaN
-      }
-
-      static cbvh::Double3 load (const float p[3]) { return { p[0],p[1],p[2] }; }
-      static void store (const cbvh::Double3& p, float out[3]) { out[0] = float(p.x); out[1] = float(p.y); out[2] = float(p.z); }
-
     private:
       mvector<float> arrays;      //!< P, N, u, v, one after the other
-      mvector<float> interleaved; //!< undisplaced and displaced vertices
-      size_t count = 0, stride = 0;
+      size_t stride = 0;
     };
   }
 }

@@ -26,6 +26,7 @@
 #include "../scene/plan.h"
 #include "patch_grid.h"
 #include "patches.h"
+#include "source.h"
 #include "../vert/lattice.h"
 #include <algorithm>
 #include <map>
@@ -34,28 +35,6 @@ namespace embree
 {
   namespace isa
   {
-    /*! Vertices along one side of a patch, in its direction around the patch. */
-    struct SideVertices
-    {
-      struct Vertex
-      {
-        const float* position;
-        int exponent;          //!< of the lattice that it lies on
-      };
-      Vertex begin, end;
-      const float (*interior)[3]; //!< of rate-1
-      bool reversed;
-      int exponent;            //!< of the interior's
-      unsigned rate;
-
-      Vertex operator[] (unsigned k) const
-      {
-        if (k == 0) return begin;
-        if (k == rate) return end;
-        return { interior[(reversed ? rate-k : k) - 1], exponent };
-      }
-    };
-
     class SharedVertices
     {
     public:
@@ -136,7 +115,7 @@ namespace embree
         if (!mesh->valid(f)) return;
         bool isGrids = false;
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
-            isGrids |= plan.level(patch.rate) > cbvh::maxLevel;
+            isGrids |= plan.storage(patch.rate) == CompressionPlan::GRIDS;
             for (unsigned s=0; s<4; s++)
               if (n == 4) at(h+s).ownRate = unsigned(patch.rate[s]);
               else if (s == 0) at(h+patch.subPatch).ownRate = 2*unsigned(patch.rate[s]);
@@ -396,9 +375,6 @@ namespace embree
         default: break;
         }
       }
-
-      /*! first vertex of the grid that Embree's stitch() gives to k */
-      static unsigned firstStitched (unsigned k, unsigned fine, unsigned coarse) { return (2*k*fine + coarse-1)/(2*coarse); }
 
       /*! vertex k of `rate`, among `own` */
       static unsigned nearest (unsigned k, unsigned rate, unsigned own) { return (2*k*own + rate)/(2*rate); }

@@ -22,30 +22,46 @@ namespace embree
       bool raw = false;
     };
 
+    /*! where a block is in its patch, and what it has of that */
+    struct VertPlacement
+    {
+      uint32_t place, patchQuads;     //!< vertPlace(), vertPatch()
+      bool hasEdges = false;
+      VertEdges edges = { 0,0 };      //!< if it has any
+
+      VertPlacement (uint32_t place, uint32_t patchQuads) : place(place), patchQuads(patchQuads) {}
+      VertPlacement (uint32_t place, uint32_t patchQuads, const VertEdges& edges) : place(place), patchQuads(patchQuads), hasEdges(true), edges(edges) {}
+
+      uint32_t form () const { return uint32_t(hasEdges) << 29; }
+    };
+
     class VertEncoder
     {
     public:
       static const uint32_t maxSide = (1u << maxVertHeight) + 1u;
 
       /*! room for any block */
-      static const size_t maxBytes = vertHeaderBytes + sizeof(float)*(3*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
+      static const size_t maxBytes = vertHeaderBytes + vertEdgesBytes + sizeof(float)*(3*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
 
       float vertices[maxSide*maxSide][3]; //!< row by row, (quadsX+1) (quadsY+1) of them
       float lower[3], upper[3];           //!< of the finite ones, by encode
 
-      /*! place: vertPlace(); spacing: of the lattice that the vertices lie on. Returns the
+      /*! spacing: of the lattice that the vertices lie on. Returns the
        *  number of bytes written to block, a multiple of 4; 0 where no vertex is finite. */
-      size_t encode (uint32_t place, float spacing, uint8_t* block, VertStatistics& statistics)
+      size_t encode (const VertPlacement& at, float spacing, uint8_t* block, VertStatistics& statistics)
       {
-        quads[0] = vertQuadsX(place); quads[1] = vertQuadsY(place);
+        quads[0] = vertQuadsX(at.place); quads[1] = vertQuadsY(at.place);
         width = quads[0]+1;
-        layout = vertLayout(place);
+        layout = vertLayout(at.place,at.form());
         if (!bound(statistics)) return 0;
         memset(block,0,layout.cell);
         VertHeader& header = *(VertHeader*)block;
-        header.place = place;
+        header.place = at.place;
+        header.patchQuads = at.patchQuads;
+        if (at.hasEdges) memcpy(&header+1,&at.edges,sizeof(at.edges));
         const bool packed = allFinite && locate(spacing) && pack(header,block,statistics);
         if (!packed) packRaw(header,spacing,block);
+        header.boxForm |= at.form();
         statistics.raw = !packed;
         while (size_t(end-block) % 4 != 0) *end++ = 0;
         return size_t(end-block);

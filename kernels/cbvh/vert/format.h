@@ -4,7 +4,7 @@
 /* A block of cVERT: up to 16 x 16 quads whose vertices lie on a lattice of the world, in up to
  * 4 x 4 groups of 4 x 4 quads. It is
  *
- *   header | margins of groups | words of groups | fields of the first cell | fields of groups
+ *   header | edges of the patch | margins of groups | words of groups | fields of the first cell | fields of groups
  *
  * The lattice is the multiples of the spacing, a power of two, on all three axes. Vertices are
  * stored relative to the block's lowest lattice point and are exact floats in the world: a
@@ -25,10 +25,16 @@
 
 CBVH_BEGIN
 
+/*! of the bytes described here and in FORMAT_VERT.md; a change that readers have to know of counts up */
+CBVH_CONSTANT uint32_t vertFormatVersion = 2u;
+
 CBVH_CONSTANT uint32_t groupQuads = 4u;         //!< along a side of a group
 CBVH_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^this quads along a side
+CBVH_CONSTANT uint32_t vertBlockQuads = 16u;    //!< so blocks of a patch begin at multiples of this
+CBVH_CONSTANT uint32_t maxVertRate = 4096u;     //!< of an edge
 CBVH_CONSTANT uint32_t maxVertGroups = 16u;
 CBVH_CONSTANT uint32_t vertHeaderBytes = 64u;
+CBVH_CONSTANT uint32_t vertEdgesBytes = 8u;
 CBVH_CONSTANT uint32_t maxMargin = 15u;         //!< in steps
 CBVH_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: x, y, z lower, then x, y, z upper
 
@@ -38,28 +44,47 @@ struct VertHeader
   uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
   uint32_t geomID;
   uint32_t primID;
-  uint32_t place;         //!< size, position and sub-patch: see the accessors
-  uint32_t rates;         //!< of the patch's four edges, less 1, 8 bits each
+  uint32_t place;         //!< size and position: see the accessors
+  uint32_t patchQuads;    //!< of the patch along u and v, less 1, 16 bits each
   uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 16 bits each: x, y, z of 00 first
-  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..23: shear of boxes, 25..28: shift of reach, see below; 24: raw
+  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..23: shear of boxes, 25..28: shift of reach, see below; 24: raw; 29: has edges
   uint32_t word;          //!< of the first cell; bits 24..31: exponent of the lattice's spacing
 };
 
-CBVH_FUNCTION uint32_t vertPlace (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y, uint32_t cornerU, uint32_t cornerV) {
-  return (quadsX-1u) | ((quadsY-1u) << 4) | (x << 8) | (y << 16) | (cornerU << 24) | (cornerV << 28);
+/*! x, y: first quad in the patch, multiples of vertBlockQuads */
+CBVH_FUNCTION uint32_t vertPlace (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
+  return (quadsX-1u) | ((quadsY-1u) << 4) | ((x/vertBlockQuads) << 8) | ((y/vertBlockQuads) << 20);
 }
 CBVH_FUNCTION uint32_t vertQuadsX (uint32_t place) { return (place & 15u) + 1u; }
 CBVH_FUNCTION uint32_t vertQuadsY (uint32_t place) { return ((place >> 4) & 15u) + 1u; }
-CBVH_FUNCTION uint32_t vertX (uint32_t place) { return (place >> 8) & 255u; }        //!< first quad in the patch
-CBVH_FUNCTION uint32_t vertY (uint32_t place) { return (place >> 16) & 255u; }
-CBVH_FUNCTION uint32_t vertCornerU (uint32_t place) { return (place >> 24) & 15u; }  //!< face parameter of the patch's corner, in halves
-CBVH_FUNCTION uint32_t vertCornerV (uint32_t place) { return place >> 28; }
+CBVH_FUNCTION uint32_t vertX (uint32_t place) { return ((place >> 8) & 4095u)*vertBlockQuads; }
+CBVH_FUNCTION uint32_t vertY (uint32_t place) { return (place >> 20)*vertBlockQuads; }
 
-/*! of edge 0 (v = 0), 1 (u = 1), 2 (v = 1) or 3 (u = 0) of the patch */
-CBVH_FUNCTION uint32_t vertRate (uint32_t rates, int edge) { return ((rates >> (8*edge)) & 255u) + 1u; }
-CBVH_FUNCTION uint32_t greaterRate (uint32_t a, uint32_t b) { return a > b ? a : b; }
-CBVH_FUNCTION uint32_t patchQuadsX (uint32_t rates) { return greaterRate(vertRate(rates,0),vertRate(rates,2)); }
-CBVH_FUNCTION uint32_t patchQuadsY (uint32_t rates) { return greaterRate(vertRate(rates,1),vertRate(rates,3)); }
+CBVH_FUNCTION uint32_t vertPatch (uint32_t quadsX, uint32_t quadsY) { return (quadsX-1u) | ((quadsY-1u) << 16); }
+CBVH_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads & 65535u) + 1u; }
+CBVH_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >> 16) + 1u; }
+
+/*! The edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. Of each the lower 12 bits are the rate less 1 that
+ *  its vertices have, which may be lower than the patch's quads there; the upper 4 of the first two are the parameters u and v
+ *  of the face at the patch's corner, in halves. A block has them behind its header, bit 29 of boxForm, if its patch does not begin
+ *  at the corner of its face, or has a lower rate at an edge that the block touches. */
+struct VertEdges
+{
+  uint32_t low, high; //!< of the first two, and of the others
+};
+
+CBVH_FUNCTION bool hasEdges (uint32_t boxForm) { return ((boxForm >> 29) & 1u) != 0u; }
+
+CBVH_FUNCTION VertEdges vertEdges (uint32_t rate0, uint32_t rate1, uint32_t rate2, uint32_t rate3, uint32_t cornerU, uint32_t cornerV)
+{
+  VertEdges edges;
+  edges.low = (rate0-1u) | (cornerU << 12) | ((rate1-1u) << 16) | (cornerV << 28);
+  edges.high = (rate2-1u) | ((rate3-1u) << 16);
+  return edges;
+}
+CBVH_FUNCTION uint32_t vertRate (VertEdges edges, int edge) { return (((edge < 2 ? edges.low : edges.high) >> (16*(edge & 1))) & 4095u) + 1u; }
+CBVH_FUNCTION uint32_t vertCornerU (VertEdges edges) { return (edges.low >> 12) & 15u; }
+CBVH_FUNCTION uint32_t vertCornerV (VertEdges edges) { return edges.low >> 28; }
 
 CBVH_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
 
@@ -123,17 +148,18 @@ struct VertLayout
   uint32_t rawBytes;
 };
 
-CBVH_FUNCTION VertLayout vertLayout (uint32_t place)
+CBVH_FUNCTION VertLayout vertLayout (uint32_t place, uint32_t boxForm)
 {
+  uint32_t begin = vertHeaderBytes + (hasEdges(boxForm) ? vertEdgesBytes : 0u);
   VertLayout offsets;
   offsets.groupsX = groupsOf(vertQuadsX(place));
   offsets.groupsY = groupsOf(vertQuadsY(place));
   offsets.groups = offsets.groupsX*offsets.groupsY;
-  offsets.margins = vertHeaderBytes;
+  offsets.margins = begin;
   offsets.words = offsets.margins + ((3u*offsets.groups + 1u) & ~1u);
   offsets.wordsHigh = offsets.words + 2u*offsets.groups;
   offsets.cell = offsets.wordsHigh + offsets.groups;
-  offsets.vertices = vertHeaderBytes;
+  offsets.vertices = begin;
   offsets.boxes = offsets.vertices + 12u*(vertQuadsX(place)+1u)*(vertQuadsY(place)+1u);
   offsets.rawBytes = offsets.boxes + 4u*boxPlanes*offsets.groups;
   return offsets;
@@ -153,6 +179,30 @@ CBVH_END
 #ifndef VULKAN
 #include <cstddef>
 static_assert(sizeof(embree::cbvh::VertHeader) == embree::cbvh::vertHeaderBytes, "header of a block of cVERT");
+
+CBVH_BEGIN
+
+/*! edges of a block's patch; of a block that has none those of a regular patch at the corner of its face */
+inline VertEdges edgesOf (const VertHeader* block)
+{
+  VertEdges edges = { 0,0 };
+  if (hasEdges(block->boxForm)) std::memcpy(&edges,block+1,sizeof(edges));
+  return edges;
+}
+
+/*! bytes of a block, without those that fill it up */
+inline uint32_t vertBytes (const VertHeader* block)
+{
+  const VertLayout layout = vertLayout(block->place,block->boxForm);
+  if (isRaw(block->boxForm)) return layout.rawBytes;
+  const uint8_t* data = (const uint8_t*)block;
+  uint32_t bytes = layout.cell + cellBytes(block->word);
+  for (uint32_t g=0; g<layout.groups; g++)
+    bytes += cellBytes(uint32_t(data[layout.words+2*g]) | uint32_t(data[layout.words+2*g+1]) << 8);
+  return bytes;
+}
+
+CBVH_END
 #endif
 
 #endif

@@ -6,7 +6,6 @@
 /* Hits of a ray in the triangles of a group of cVERT whose edges it passes inside of. */
 
 #include "cached_block.h"
-#include "parameters.h"
 #include "triangles.h"
 #include "../framed/block_visitor1.h"
 
@@ -34,9 +33,9 @@ namespace embree
             const uint32_t h = uint32_t(bsf(triangles));
             const VertTriangle triangle(cached.quads(g),h);
             const VertTriangle::Sides sides = triangle.sides(pre);
-            const VertTriangle::Normal normal = triangle.normal();
+            const WideNormal<double> normal = triangle.normal();
             float t;
-            return isInside(triangle,sides) && isInRange(triangle.meet(pre,normal),32*g+h,t) && reportHit(g,normal,h,t,sides);
+            return triangle.contains(pre,sides) && isInRange(triangle.distance(pre,normal,target.tnear()),32*g+h,t) && reportHit(g,normal,h,t,sides);
           }
           return reportNearest(g,triangles);
         }
@@ -50,11 +49,11 @@ namespace embree
           {
             const uint32_t h = uint32_t(bsf(triangles));
             const VertTriangle triangle(cached.quads(g),h);
-            if (!isInside(triangle,triangle.sides(pre))) continue;
+            if (!triangle.contains(pre,triangle.sides(pre))) continue;
             const TriangleSpan<double> span = triangle.span(pre);
             float t = 0.0f;
             if (!(likely(double(target.tnear()) <= span.nearest && span.farthest < double(target.tfar())))
-                && !isInRange(triangle.meet(pre,triangle.normal()),32*g+h,t)) continue;
+                && !isInRange(triangle.distance(pre,triangle.normal(),target.tnear()),32*g+h,t)) continue;
             SurfaceHit1 hit = { 0.0f,0.0f,t,Vec3fa(zero) };
             if (target.report(block,hit)) return true;
           }
@@ -68,7 +67,7 @@ namespace embree
           for (uint32_t rest=triangles; rest; rest&=rest-1) {
             const uint32_t h = uint32_t(bsf(rest));
             const VertTriangle triangle(cached.quads(g),h);
-            if (isInside(triangle,triangle.sides(pre)) && isInRange(triangle.meet(pre,triangle.normal()),32*g+h,t[h])) open |= 1u << h;
+            if (triangle.contains(pre,triangle.sides(pre)) && isInRange(triangle.distance(pre,triangle.normal(),target.tnear()),32*g+h,t[h])) open |= 1u << h;
           }
           while (open)
           {
@@ -84,11 +83,6 @@ namespace embree
           return false;
         }
 
-        /*! sides that are not 0 have their exact sign already */
-        __forceinline bool isInside (const VertTriangle& triangle, const VertTriangle::Sides& sides) const {
-          return likely(sides.areCertain()) || triangle.contains(pre);
-        }
-
         /*! between tnear and tfar */
         __forceinline bool isInRange (double exact, uint32_t number, float& t) const
         {
@@ -100,18 +94,34 @@ namespace embree
           return exact <= double(tfar);
         }
 
-        __forceinline bool reportHit (uint32_t g, const VertTriangle::Normal& normal, uint32_t h, float t, const VertTriangle::Sides& sides)
+        __forceinline bool reportHit (uint32_t g, const WideNormal<double>& normal, uint32_t h, float t, const VertTriangle::Sides& sides)
         {
           const uint32_t quad = h >> 1;
           SurfaceHit1 hit;
           hit.t = t;
           hit.Ng = VertTriangle::Ng(pre,normal);
-          const Vec2f position = VertTriangle::position(sides,h);
-          const VertParameters parameters(block);
-          parameters.set(parameters.firstX(g) + (quad & 3),parameters.firstY(g) + (quad >> 2),h & 1,position.x,position.y,hit.u,hit.v);
+          setParameters(g,quad,h & 1,positionInQuad(sides,bool(h & 1)),hit);
           if (!target.report(block,hit)) return false;
           nearest = VertNearest(block,32*g+h,t);
           return true;
+        }
+
+        __forceinline void setParameters (uint32_t g, uint32_t quad, bool isSecond, const QuadPosition<float>& at, SurfaceHit1& hit) const
+        {
+          const uint32_t patchQuads = block->patchQuads, x = firstQuadX(block->place,g) + (quad & 3), y = firstQuadY(block->place,g) + (quad >> 2);
+          uint32_t cornerU = 0, cornerV = 0;
+          if (unlikely(hasEdges(block->boxForm)))
+          {
+            const VertEdges edges = edgesOf(block);
+            if (isAtLowerEdge(patchQuads,edges,x,y)) {
+              const FaceParameters parameters = parametersAtLowerEdge(patchQuads,edges,x,y,isSecond,at.a,at.b);
+              hit.u = parameters.u; hit.v = parameters.v;
+              return;
+            }
+            cornerU = vertCornerU(edges); cornerV = vertCornerV(edges);
+          }
+          hit.u = faceParameterOfQuad(cornerU,float(x),at.a,patchQuadsX(patchQuads));
+          hit.v = faceParameterOfQuad(cornerV,float(y),at.b,patchQuadsY(patchQuads));
         }
 
         const Target target;

@@ -6,6 +6,7 @@
 /* vert_hits.h for the rays of a packet: those that pass inside of the edges of one triangle, as most do, together,
  * and the others, and where anything is not clear, one by one. */
 
+#include "../base/lanes.h"
 #include "hits1.h"
 #include "../framed/block_visitorK.h"
 
@@ -41,7 +42,7 @@ namespace embree
         {
           uint32_t accepted = 0;
           const uint32_t one = mask & uint32_t(movemask((triangles & (triangles-vint<K>(1))) == vint<K>(zero)));
-          if (popcnt(one) > 1 && likely(!VertParameters(block).isStitched()))
+          if (popcnt(one) > 1 && (likely(!hasEdges(block->boxForm)) || !hasLowerEdge(block->patchQuads,edgesOf(block))))
             mask &= ~together(one,kz,g,triangles,accepted);
           for (; mask; mask&=mask-1) {
             const uint32_t k = uint32_t(bsf(mask));
@@ -91,13 +92,14 @@ namespace embree
             for (int j=0; j<K; j+=4)
             {
               const Four four(*this,pre,j);
-              const PlaneNormal<Double4> n = four.plane.normal();
-              const PlaneMeeting<Double4> at = four.plane.meet(n,four.org,four.dir);
-              const Double4 exact = four.plane.span(four.org,four.dir,kz).clamp(at.t);
+              const WideNormal<Double4> n = normalOf(four.triangle);
+              const PlaneMeeting<Double4> at = meetPlane(four.triangle,n,four.org,four.dir);
+              const TriangleSpan<Double4> span = four.span(kz);
+              const Double4 exact = clampToSpan(span,at.t);
               toFloat(exact).store(t+j);
               for (int k=0; k<3; k++) toFloat(n.at[k]).store(normal[k]+j);
-              isMet |= (toDouble(lanesFrom(tnear,j)) <= exact).bits() << j;
-              lies |= (15u & ~(at.least < magnitudeOf(at.speed)).bits()) << j;
+              isMet |= (Double4(lanesFrom(tnear,j)) <= exact).bits() << j;
+              lies |= (15u & ~isOfPlane(at,span).bits()) << j;
             }
           }
 
@@ -108,8 +110,8 @@ namespace embree
             for (int j=0; j<K; j+=4)
             {
               const Four four(*this,pre,j);
-              const TriangleSpan<Double4> span = four.plane.span(four.org,four.dir,kz);
-              mask |= ((toDouble(lanesFrom(tnear,j)) <= span.nearest) & (span.farthest < toDouble(lanesFrom(tfar,j)))).bits() << j;
+              const TriangleSpan<Double4> span = four.span(kz);
+              mask |= ((Double4(lanesFrom(tnear,j)) <= span.nearest) & (span.farthest < Double4(lanesFrom(tfar,j)))).bits() << j;
             }
             return mask;
           }
@@ -119,16 +121,20 @@ namespace embree
 
           struct Four
           {
-            TrianglePlane<Float4,Double4> plane;
-            Float4 org[3], dir[3];
+            WideTriangle<Double4> triangle;
+            Double4 org[3], dir[3];
 
             __forceinline Four (const Triangles& of, const VertRays<K>& pre, int j)
             {
               for (int k=0; k<3; k++) {
-                for (int i=0; i<3; i++) plane.vertices[k][i] = Float4::load(of.vertices[k][i]+j);
-                org[k] = lanesFrom(pre.org[k],j);
-                dir[k] = lanesFrom(pre.dir[k],j);
+                for (int i=0; i<3; i++) triangle.at[k][i] = Double4(Float4::load(of.vertices[k][i]+j));
+                org[k] = Double4(lanesFrom(pre.org[k],j));
+                dir[k] = Double4(lanesFrom(pre.dir[k],j));
               }
+            }
+
+            __forceinline TriangleSpan<Double4> span (size_t kz) const {
+              return spanOf(triangle.at[kz][0],triangle.at[kz][1],triangle.at[kz][2],org[kz],dir[kz]);
             }
           };
         };
@@ -137,13 +143,12 @@ namespace embree
          *  hit at the very place already. */
         uint32_t together (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
         {
-          const VertParameters parameters(block);
-          Triangles of(mask,cached.quads(g),triangles,float(parameters.firstX(g)),float(parameters.firstY(g)));
+          Triangles of(mask,cached.quads(g),triangles,float(firstQuadX(block->place,g)),float(firstQuadY(block->place,g)));
           const TriangleSides<vfloat<K>> sides = sidesOf(of,kz);
           const vfloat<K> tfar = rays.tfar;
           if (!isRead(rays,context,block->geomID))
           {
-            const uint32_t clear = mask & uint32_t(movemask(sides.areCertain())) & of.between(pre,kz,rays.tnear(),tfar);
+            const uint32_t clear = mask & uint32_t(movemask(areCertain(sides))) & of.between(pre,kz,rays.tnear(),tfar);
             const vfloat<K> unread(zero);
             const vbool<K> lanes = vbool<K>(int(clear));
             accepted |= uint32_t(movemask(lanes & cbvh::report(rays,lanes,context,block->geomID,block->primID,[&] { return std::make_tuple(unread,unread,unread,Vec3vf<K>(unread,unread,unread)); })));
@@ -151,16 +156,17 @@ namespace embree
           }
           of.meet(pre,kz,rays.tnear());
           const vfloat<K> t = vfloat<K>::load(of.t);
-          const uint32_t done = mask & uint32_t(movemask(sides.areCertain() & (t != tfar))) & ~of.lies;
+          const uint32_t done = mask & uint32_t(movemask(areCertain(sides) & (t != tfar))) & ~of.lies;
           const vbool<K> hit = vbool<K>(int(done & of.isMet)) & (t < tfar);
           if (none(hit)) return done;
 
           Vec3vf<K> Ng(vfloat<K>::load(of.normal[0]),vfloat<K>::load(of.normal[1]),vfloat<K>::load(of.normal[2]));
           const vbool<K> isLine = (Ng.x == vfloat<K>(zero)) & (Ng.y == vfloat<K>(zero)) & (Ng.z == vfloat<K>(zero));
           if (unlikely(any(hit & isLine))) Ng = select(isLine,Vec3vf<K>(-pre.dir[0],-pre.dir[1],-pre.dir[2]),Ng);
-          vfloat<K> a, b, u, v;
-          position(sides,triangles,a,b);
-          parameters.template set<vfloat<K>>(vfloat<K>::load(of.x),vfloat<K>::load(of.y),a,b,u,v);
+          const QuadPosition<vfloat<K>> at = positionInQuad(sides,(triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero));
+          const VertEdges edges = edgesOf(block);
+          const vfloat<K> u = faceParameterOfQuad(vertCornerU(edges),vfloat<K>::load(of.x),at.a,patchQuadsX(block->patchQuads));
+          const vfloat<K> v = faceParameterOfQuad(vertCornerV(edges),vfloat<K>::load(of.y),at.b,patchQuadsY(block->patchQuads));
           const uint32_t of1 = uint32_t(movemask(hit & cbvh::report(rays,hit,context,block->geomID,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));
           for (uint32_t rest=of1; rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
@@ -180,16 +186,7 @@ namespace embree
             x[i] = nmadd(pre.sx,z,vfloat<K>::load(of.vertices[kx][i]) - pre.org[kx]);
             y[i] = nmadd(pre.sy,z,vfloat<K>::load(of.vertices[ky][i]) - pre.org[ky]);
           }
-          return TriangleSides<vfloat<K>>(x,y);
-        }
-
-        /*! VertTriangle::position */
-        static __forceinline void position (const TriangleSides<vfloat<K>>& sides, const vint<K>& triangles, vfloat<K>& a, vfloat<K>& b)
-        {
-          const vbool<K> second = (triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero);
-          const vfloat<K> b1 = sides.b1(), b2 = sides.b2();
-          a = select(second,b1+b2,b1);
-          b = select(second,vfloat<K>(1.0f)-b1,b2);
+          return triangleSides(x[0],y[0],x[1],y[1],x[2],y[2]);
         }
 
         Rays& rays;

@@ -103,7 +103,7 @@ namespace embree
           };
           const int m = boxes.axis;
           for (int k=0; k<3; k++)
-            if (k != m) clip(boxes.planes[k],pre.org[k],pre.rcp[k],slackOf<float>(pre,k,boxes.origin[k],boxes.extent[k]));
+            if (k != m) clip(boxes.planes[k],pre.org[k],pre.rcp[k],boxSlack(pre.org[k],boxes.origin[k],boxes.extent[k]));
           if (likely(m < 3)) {
             const ShearedRay<float> sheared(pre,boxes);
             clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error);

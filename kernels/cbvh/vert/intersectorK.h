@@ -98,7 +98,7 @@ namespace embree
           const int m = boxes.axis;
           for (int k=0; k<3; k++) {
             if (k == m) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(form & 32u) != 0);
-            else axes[k].set(lanes,pre.org[k],pre.rcp[k],slackOf<vfloat<K>>(pre,k,boxes.origin[k],boxes.extent[k]),(form >> (2+k)) & 1u);
+            else axes[k].set(lanes,pre.org[k],pre.rcp[k],boxSlack<vfloat<K>>(pre.org[k],boxes.origin[k],boxes.extent[k]),(form >> (2+k)) & 1u);
           }
           uint32_t open = meetBoxes(lanes,boxes);
           while (open)

@@ -11,6 +11,7 @@
  * finer than the lattice is a multiple already. */
 
 #include "../framed/frame_map.h"
+#include "validate.h"
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -47,7 +48,7 @@ namespace embree
     static constexpr int maxCoordinateBits = 23;
 
     /*! spacings whose reciprocal is a normal float */
-    static constexpr int minLatticeExponent = -100, maxLatticeExponent = 100;
+    static constexpr int minLatticeExponent = minSpacingExponent, maxLatticeExponent = maxSpacingExponent;
 
     /*! of a face without a lattice: nobody shares its vertices */
     static constexpr int noLattice = -1000;

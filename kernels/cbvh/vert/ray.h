@@ -4,21 +4,10 @@
 #pragma once
 
 /* What a ray needs for blocks of cVERT: the shear that takes it to the z axis, for triangles,
- * and its reciprocal direction, for boxes.
- *
- * Triangles are tested in the sheared space, where the ray is the origin of the x-y plane: it
- * goes through a triangle if the origin is on the same side of all three edges. A side is
- * the sign of ax by - ay bx, which for an edge seen from its other triangle is the exact
- * negative, as products of floats commute. Rounding is monotonic, so that sign may be lost,
- * to 0, but is never the wrong one; 0 counts for both triangles, and is told exactly for the few
- * that are left (VertTriangle::contains). A vertex is sheared to the
- * same numbers wherever it is used. So every origin that the sheared surface covers is in
- * one of its triangles: no ray slips through an edge or past a vertex.
- *
- * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
+ * its reciprocal direction, for boxes, and its nearest hit, for the tie-break (rule.h). */
 
-#include "../base/product.h"
-#include "format.h"
+#include "../base/vectors.h"
+#include "rule.h"
 #include "../../common/ray.h"
 
 namespace embree
@@ -27,14 +16,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! of a component of a direction, whose largest is given; finite */
-      template<typename Real>
-      __forceinline Real reciprocal (const Real& d, const Real& largest)
-      {
-        const Real least = Real(1e-18f)*largest;
-        return Real(1.0f)/select(abs(d) < least,select(d < Real(0.0f),-least,least),d);
-      }
-
       /*! a ray, or the rays of a packet, for boxes */
       template<typename Real>
       struct VertRayAxes
@@ -48,7 +29,7 @@ namespace embree
           org[0] = o.x; org[1] = o.y; org[2] = o.z;
           dir[0] = d.x; dir[1] = d.y; dir[2] = d.z;
           largest = max(max(abs(dir[0]),abs(dir[1])),abs(dir[2]));
-          for (int k=0; k<3; k++) rcp[k] = reciprocal(dir[k],largest);
+          for (int k=0; k<3; k++) rcp[k] = boxReciprocal(dir[k],largest);
         }
       };
 
@@ -62,13 +43,14 @@ namespace embree
         __forceinline VertNearest () : block(nullptr) {}
         __forceinline VertNearest (const VertHeader* block, uint32_t triangle, float t) : block(block), triangle(triangle), t(t) {}
 
-        /*! whether a hit as far away as this one counts before it: one does of any two, so that the order in which they are met does not
-         *  matter */
-        __forceinline bool isBehind (const VertHeader* other, uint32_t otherTriangle) const
-        {
-          if (other->geomID != block->geomID) return other->geomID < block->geomID;
-          if (other->primID != block->primID) return other->primID < block->primID;
-          return other->place != block->place ? other->place < block->place : otherTriangle < triangle;
+        /*! whether a hit as far away as this one counts before it */
+        __forceinline bool isBehind (const VertHeader* other, uint32_t otherTriangle) const {
+          return comesBefore(nameOf(other,otherTriangle),nameOf(block,triangle));
+        }
+
+      private:
+        static __forceinline TriangleName nameOf (const VertHeader* block, uint32_t triangle) {
+          return TriangleName{ block->geomID,block->primID,block->place,triangle };
         }
       };
 

@@ -3,18 +3,11 @@
 
 #pragma once
 
-/* The 32 triangles of a group of cVERT against one ray; vert_ray.h says why none of them can be
- * missed. A quad has those of GRID, (00,10,01) and (01,10,11), and five edges:
- *
- *     01---top---11      A side is computed once a quad; the diagonal serves both
- *      | \        |      triangles.
- *    left  diag  right
- *      |      \   |
- *     00-bottom--10                                                               */
+/* The 32 triangles of a group of cVERT against one ray, or those of a packet: the sides of rule.h with quads, or rays, in
+ * lanes. A side is computed once a quad; the diagonal serves both triangles. */
 
 #include "decoder.h"
 #include "ray.h"
-#include "plane.h"
 
 namespace embree
 {
@@ -22,47 +15,13 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! side of the ray on which an edge lies */
-      template<typename Number>
-      __forceinline Number edgeSide (const Number& ax, const Number& ay, const Number& bx, const Number& by) {
-        return product(ax,by) - product(ay,bx);
-      }
-
-      /*! whether the ray is on one side of three edges */
-      template<typename Vector>
-      __forceinline auto isInside (const Vector& a, const Vector& b, const Vector& c) -> decltype(a <= b) {
-        return (min(a,min(b,c)) >= Vector(zero)) | (max(a,max(b,c)) <= Vector(zero));
-      }
-
       /*! corners of the quad that a triangle has: 0 or 1, as bits of GroupTriangles say */
       __forceinline uint32_t cornerOfTriangle (uint32_t h, int vertex) { return vertex == 0 ? (h & 1 ? 2 : 0) : vertex == 1 ? 1 : (h & 1 ? 3 : 2); }
 
-      /*! The side of each edge of a triangle on which the ray is, rounded, and their sum; of one ray or of those of a packet. */
-      template<typename Real>
-      struct TriangleSides
+      /*! A triangle of a group, and a ray. */
+      struct VertTriangle
       {
-        Real w0, w1, w2, sum;
-
-        /*! of the sheared vertices */
-        __forceinline TriangleSides (const Real* x, const Real* y)
-          : w0(edgeSide(x[1],y[1],x[2],y[2])), w1(edgeSide(x[2],y[2],x[0],y[0])), w2(edgeSide(x[0],y[0],x[1],y[1])), sum(w0 + w1 + w2) {}
-
-        /*! No side rounded to 0: the signs are exact. Least and greatest in the same order would become a branch, which a processor
-         *  would not foresee. */
-        __forceinline auto areCertain () const -> decltype(w0 < w1) {
-          return ((Real(0.0f) < min(w0,min(w1,w2))) | (max(max(w0,w1),w2) < Real(0.0f))) & (abs(sum) < Real(float(pos_inf)));
-        }
-
-        /*! weights of the second and the third vertex; not numbers where all sides rounded to 0 */
-        __forceinline Real b1 () const { return w1/sum; }
-        __forceinline Real b2 () const { return w2/sum; }
-      };
-
-      /*! A triangle of a group. */
-      struct VertTriangle : private TrianglePlane<float,double>
-      {
-        typedef PlaneNormal<double> Normal;
-        using TrianglePlane<float,double>::normal;
+        typedef TriangleSides<float> Sides;
 
         /*! h: a bit of GroupTriangles */
         __forceinline VertTriangle (const QuadCorners& quads, uint32_t h)
@@ -73,72 +32,49 @@ namespace embree
           }
         }
 
-        typedef TriangleSides<float> Sides;
-
         __forceinline Sides sides (const VertRay& ray) const
         {
           const Sheared s(*this,ray);
-          return Sides(s.x,s.y);
+          return triangleSides(s.x[0],s.y[0],s.x[1],s.y[1],s.x[2],s.y[2]);
         }
 
-        /*! in the quad, h as above */
-        static __forceinline Vec2f position (const Sides& sides, uint32_t h)
-        {
-          const float b1 = sides.b1(), b2 = sides.b2(), u[2] = { b1,b1+b2 }, v[2] = { b2,1.0f-b1 }; // which of them is not foreseen
-          return Vec2f(u[h & 1],v[h & 1]);
+        /*! Whether the ray's line goes through it; sides: its own. */
+        __forceinline bool contains (const VertRay& ray, const Sides& sides) const {
+          return likely(areCertain(sides)) || containsExactly(ray);
         }
 
-        /*! Whether the sheared triangle has the ray in it. Sides that rounded to 0 count for both of
-         *  their triangles, and slivers have no others: here their signs are exact, as products of
-         *  floats are in double. A triangle that is a line there covers nothing that others do not. */
-        __forceinline bool contains (const VertRay& ray) const
+        __noinline bool containsExactly (const VertRay& ray) const
         {
           const Sheared s(*this,ray);
-          double side[3];
-          for (int i=0; i<3; i++) {
-            const int a = (i+1)%3, b = (i+2)%3;
-            side[i] = double(s.x[a])*double(s.y[b]) - double(s.y[a])*double(s.x[b]);
-          }
-          if (unlikely(!(std::fabs(side[0]+side[1]+side[2]) < double(inf)))) return false; // of a vertex that is not finite
-          const double least = min(side[0],min(side[1],side[2])), greatest = max(side[0],max(side[1],side[2]));
-          return least >= 0.0 ? greatest > 0.0 : greatest <= 0.0;
+          return cbvh::contains(s.x[0],s.y[0],s.x[1],s.y[1],s.x[2],s.y[2]);
         }
 
-        /*! Where a ray that goes through it meets its plane. A plane that
-         *  the ray lies in, but for rounding, says nothing, nor does a line: the ray may be inside by
-         *  the rounding of vertices alone, and if it were let through, it would leak. */
-        __forceinline double meet (const VertRay& ray, const Normal& normal) const
+        __forceinline WideTriangle<double> wide () const
         {
-          const PlaneMeeting<double> at = TrianglePlane<float,double>::meet(normal,ray.org,ray.dir);
-          return span(ray).clamp(likely(std::fabs(at.speed) > at.least) ? at.t : alongLongestEdge(ray));
+          WideTriangle<double> w;
+          for (int k=0; k<3; k++)
+            for (int i=0; i<3; i++) w.at[k][i] = double(vertices[k][i]);
+          return w;
         }
 
-        /*! between which t `meet` is */
-        __forceinline TriangleSpan<double> span (const VertRay& ray) const { return TrianglePlane<float,double>::span(ray.org,ray.dir,size_t(ray.kz)); }
+        __forceinline WideNormal<double> normal () const { return normalOf(wide()); }
 
-        /*! where the ray is nearest to the longest edge */
-        double alongLongestEdge (const VertRay& ray) const
+        /*! distances between which it is hit */
+        __forceinline TriangleSpan<double> span (const VertRay& ray) const
         {
-          double best = -1.0, t = 0.0;
-          for (int i=0, j=1; i<3; i++, j=(i+1)%3)
-          {
-            double ee = 0, dd = 0, de = 0, dw = 0, ew = 0;
-            for (int k=0; k<3; k++)
-            {
-              const double e = double(vertices[k][j]) - double(vertices[k][i]), w = double(vertices[k][i]) - double(ray.org[k]), d = double(ray.dir[k]);
-              ee += e*e; dd += d*d; de += d*e; dw += d*w; ew += e*w;
-            }
-            if (ee <= best) continue;
-            best = ee;
-            const double det = dd*ee - de*de;
-            const double s = det > 0 ? min(max((de*dw - dd*ew)/det,0.0),1.0) : 0.0; // along the edge
-            t = (dw + s*de)/dd;
-          }
-          return t;
+          const float* z = vertices[ray.kz];
+          return spanOf(double(z[0]),double(z[1]),double(z[2]),double(ray.org[ray.kz]),double(ray.dir[ray.kz]));
+        }
+
+        /*! distance of a hit of a ray that it contains */
+        __forceinline double distance (const VertRay& ray, const WideNormal<double>& normal, float tnear) const
+        {
+          const double org[3] = { ray.org[0],ray.org[1],ray.org[2] }, dir[3] = { ray.dir[0],ray.dir[1],ray.dir[2] };
+          return distanceOfHit(wide(),normal,span(ray),org,dir,double(tnear));
         }
 
         /*! of a line, whichever way the ray comes from */
-        static __forceinline Vec3fa Ng (const VertRay& ray, const Normal& normal)
+        static __forceinline Vec3fa Ng (const VertRay& ray, const WideNormal<double>& normal)
         {
           const float x = float(normal.at[0]), y = float(normal.at[1]), z = float(normal.at[2]);
           return likely(x != 0.0f || y != 0.0f || z != 0.0f) ? Vec3fa(x,y,z) : -Vec3fa(ray.dir[0],ray.dir[1],ray.dir[2]);
@@ -158,6 +94,8 @@ namespace embree
             vfloat4::store(y,nmadd(vfloat4(ray.sy),z,relative(ray.ky)));
           }
         };
+
+        float vertices[3][3]; //!< by axis
       };
 
       /*! The triangles of a group that a ray's line goes through. */

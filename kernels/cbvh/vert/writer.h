@@ -3,109 +3,96 @@
 
 #pragma once
 
-/* Builds the top-level primitives of one patch in cVERT: its vertices are GRID's, those on
- * its border come from the faces that own them, all are snapped to their lattices, and the
- * blocks hold them exactly. */
+/* Writer of cVERT: the vertices of a patch are snapped to their lattices, those on its border come from the faces
+ * that own them, and blocks hold them exactly. A patch is written in strips of rows, so that a patch of any rate takes
+ * no more memory than one of 256 x 256 quads. */
 
-#include "../../bvh/bvh.h"
-#include "../base/primitive_type.h"
+#include "../scene/block_store.h"
+#include "../scene/plan.h"
 #include "../scene/statistics.h"
 #include "../surface/shared_border.h"
-#include "snapped_vertices.h"
 #include "encoder.h"
+#include "snapped_vertices.h"
 
 namespace embree
 {
   namespace isa
   {
-    class VertPatchBuilder
+    class VertWriter
     {
     public:
-      typedef FastAllocator::CachedAllocator Allocator;
+      VertWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
+        : plan(plan), store(store), statistics(statistics), given(device), seam(device,0) {}
 
-      cbvh::BuildStatistics statistics;
-      cbvh::WorldBounds hitBounds;
-
-      VertPatchBuilder (const CompressionPlan& plan, const SharedVertices& shared, Scene* scene, const Allocator& alloc)
-        : plan(plan), shared(shared), alloc(alloc), grid(scene->device), bytes(scene->device,0) {}
-
-      /*! As PatchBuilder::buildBlocks; one piece of memory a patch.
-       *  evaluated: the patch's vertices, if they are known, or null */
-      size_t buildBlocks (size_t face, const PatchOfFace& patch, const PatchTiling& tiling, const float (*evaluated)[3], PrimRef* out)
+      /*! Writes the blocks of a patch. evaluated: its vertices as the face evaluates them, if they are known, or null. */
+      void write (SurfacePatch& patch, const float (*evaluated)[3])
       {
-        const SubdivPatch1Base base = patch.make(plan.mesh,plan.geomID,face);
-        if (evaluated) grid.set(tiling.quadsX(),tiling.quadsY(),evaluated);
-        else grid.evalPart(base,plan.mesh,tiling.quadsX(),tiling.quadsY(),{ 0,tiling.quadsX(),0,tiling.quadsY() });
-        const cbvh::WorldLattice lattice(shared.exponent(face));
-        snapVertices(face,patch,tiling,lattice);
-
-        const uint32_t edgeRates = ratesOf(patch);
-        const size_t count = tiling.size();
-        size_t used = 0;
-        starts.clear();
-        for (size_t i=0; i<count; i++)
+        const unsigned quadsX = patch.quads[0], quadsY = patch.quads[1], rows = rowsOfStrip(quadsX);
+        const cbvh::WorldLattice lattice(patch.latticeExponent());
+        for (int s=0; s<4; s++) sideRates[s] = patch.side(s).rate;
+        for (unsigned y=0; y<quadsY; y+=rows)
         {
-          bytes.resize(max(bytes.size(),used + cbvh::VertEncoder::maxBytes));
-          const unsigned x = unsigned(i % tiling.x) << tiling.height, y = unsigned(i / tiling.x) << tiling.height;
-          const unsigned quads[2] = { min(1u << tiling.height,tiling.quadsX()-x), min(1u << tiling.height,tiling.quadsY()-y) };
-          gather(x,y,quads);
-          const uint32_t place = cbvh::vertPlace(quads[0],quads[1],x,y,uint32_t(2*base.getUV(0).x),uint32_t(2*base.getUV(0).y));
-          cbvh::VertStatistics block;
-          const size_t n = encoder.encode(place,lattice.spacing,bytes.data()+used,block);
-          starts.push_back(used);
-          if (n == 0) {
-            statistics.sums.numInvalidQuads += size_t(quads[0])*quads[1];
-            out[i] = PrimRef(BBox3fa(Vec3fa(zero),Vec3fa(zero)),size_t(0)); // dropped
-            continue;
-          }
-          cbvh::VertHeader* header = (cbvh::VertHeader*)(bytes.data()+used);
-          header->geomID = plan.geomID;
-          header->primID = unsigned(face);
-          header->rates = edgeRates;
-          statistics.addVertBlock(place,n,lattice.spacing,block);
-          if (plan.kind() != cbvh::Kind::VERT) statistics.sums.numExactQuads += size_t(quads[0])*quads[1];
-          out[i] = PrimRef(bounds(),size_t(1));
-          used += (n + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
+          const PatchPart strip = { 0,quadsX,y,min(y+rows,quadsY) };
+          VertexGrid* grid = &given;
+          if (evaluated) given.set(quadsX,strip.y1-strip.y0,evaluated + size_t(y)*(quadsX+1));
+          else grid = &patch.evaluate(quadsX,quadsY,strip);
+          snapVertices(patch,strip,lattice,*grid);
+          for (unsigned blockY=strip.y0; blockY<strip.y1; blockY+=cbvh::vertBlockQuads)
+            for (unsigned x=0; x<quadsX; x+=cbvh::vertBlockQuads)
+              writeBlock(patch,x,blockY,strip.y0,*grid,lattice.spacing);
+          store.flush(cbvh::readBehindVert);
         }
-        place(count,used,out);
-        return count;
       }
 
     private:
-      static const size_t maxPieceBytes = 1 << 20;
-      static const size_t readBehind = 16; //!< bytes that decoders may read behind a block
+      static const unsigned fullStrip = 256; //!< rows of a patch of as many columns
 
-      static uint32_t ratesOf (const PatchOfFace& patch)
-      {
-        uint32_t rates = 0;
-        for (int s=0; s<4; s++) rates |= (uint32_t(patch.rate[s])-1u) << (8*s);
-        return rates;
+      /*! a multiple of a block's; all of the rows of a patch of that many columns */
+      static unsigned rowsOfStrip (unsigned quadsX) {
+        return max(fullStrip*fullStrip/(quadsX*cbvh::vertBlockQuads),1u)*cbvh::vertBlockQuads;
       }
 
-      /*! copies the blocks to memory of the BVH's and makes references to them */
-      void place (size_t count, size_t used, PrimRef* out)
+      void writeBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned firstRow, VertexGrid& grid, float spacing)
       {
-        size_t begin = 0;
-        while (begin < count)
-        {
-          size_t end = begin+1;
-          while (end < count && starts[end]-starts[begin] < maxPieceBytes) end++;
-          const size_t size = (end < count ? starts[end] : used) - starts[begin];
-          char* memory = size ? (char*)alloc.malloc1(size+readBehind,cbvh::blockAlignment) : nullptr;
-          if (size) memcpy(memory,bytes.data()+starts[begin],size);
-          for (size_t i=begin; i<end; i++)
-            if (out[i].ID() != 0)
-              out[i] = PrimRef(out[i].bounds(),size_t(BVH4::encodeTypedLeaf(memory+(starts[i]-starts[begin]),cbvh::blockType(cbvh::kindVert))));
-          begin = end;
+        const unsigned w = min(cbvh::vertBlockQuads,patch.quads[0]-x), h = min(cbvh::vertBlockQuads,patch.quads[1]-y);
+        for (unsigned r=0; r<=h; r++)
+          memcpy(encoder.vertices[r*(w+1)],grid.displaced()[(y-firstRow+r)*grid.width+x],(w+1)*sizeof(float[3]));
+        const cbvh::VertPlacement at = placement(patch,x,y,w,h);
+        cbvh::VertStatistics block;
+        uint8_t* const bytes = store.begin(cbvh::VertEncoder::maxBytes);
+        const size_t size = encoder.encode(at,spacing,bytes,block);
+        if (size == 0) {
+          statistics.sums.numInvalidQuads += size_t(w)*h;
+          return;
         }
+        cbvh::VertHeader* header = (cbvh::VertHeader*)bytes;
+        header->geomID = patch.geomID;
+        header->primID = patch.primID;
+        statistics.addVertBlock(header,size,block);
+        if (plan.kind() != cbvh::Kind::VERT) statistics.sums.numExactQuads += size_t(w)*h;
+        const Vec3fa lower(encoder.lower[0],encoder.lower[1],encoder.lower[2]), upper(encoder.upper[0],encoder.upper[1],encoder.upper[2]);
+        store.hitBounds.extend(lower.x,lower.y,lower.z);
+        store.hitBounds.extend(upper.x,upper.y,upper.z);
+        store.end(size,BBox3fa(lower,upper),cbvh::kindVert);
       }
 
-      void snapVertices (size_t face, const PatchOfFace& patch, const PatchTiling& tiling, const cbvh::WorldLattice& lattice)
+      /*! where a block is, with the patch's edges if it needs them */
+      cbvh::VertPlacement placement (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h) const
+      {
+        const uint32_t place = cbvh::vertPlace(w,h,x,y), quads = cbvh::vertPatch(patch.quads[0],patch.quads[1]);
+        const bool touches[4] = { y == 0,x+w == patch.quads[0],y+h == patch.quads[1],x == 0 };
+        bool needsEdges = patch.corner[0] != 0 || patch.corner[1] != 0;
+        for (int s=0; s<4; s++) needsEdges |= touches[s] && sideRates[s] != patch.quads[s & 1];
+        if (!needsEdges) return cbvh::VertPlacement(place,quads);
+        return cbvh::VertPlacement(place,quads,cbvh::vertEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
+      }
+
+      void snapVertices (const SurfacePatch& patch, const PatchPart& strip, const cbvh::WorldLattice& lattice, VertexGrid& grid)
       {
         float (*p)[3] = grid.displaced();
         memcpy(grid.undisplaced(),p,grid.width*grid.height*sizeof(*p)); // as the face evaluates them
         const float (*own)[3] = grid.undisplaced();
-        for (size_t y=1; y<grid.height-1; y++)
+        for (size_t y=strip.y0 == 0; y<grid.height - (strip.y1 == patch.quads[1]); y++)
         {
           size_t i = y*grid.width + 1;
           const size_t end = i + grid.width-2;
@@ -116,15 +103,20 @@ namespace embree
             statistics.addVertex(own[i],p[i]);
           }
         }
-        float rate[4];
-        shareBorder(shared,face,patch,tiling.quadsX(),tiling.quadsY(),own,p,rate,[&](const float mine[3], const float position[3], const float stored[3]) {
+        shareBorder(patch,patch.quads[0],patch.quads[1],strip,own,p,[&](const float mine[3], const float position[3], const float stored[3]) {
             statistics.addBorderVertex(mine,position,stored);
           });
-        statistics.sums.numFlippedQuads += countFlipped(own,p);
+        /* strips that follow each other have the same row, whatever a displacement answers the second time */
+        if (strip.y0 > 0) memcpy(p,seam.data(),grid.width*sizeof(*p));
+        if (strip.y1 < patch.quads[1]) {
+          seam.resize(3*grid.width);
+          memcpy(seam.data(),p[(grid.height-1)*grid.width],grid.width*sizeof(*p));
+        }
+        statistics.sums.numFlippedQuads += countFlipped(grid,own,p);
       }
 
       /*! quads with a triangle that the lattice turned by more than 90 degrees */
-      size_t countFlipped (const float (*own)[3], const float (*stored)[3]) const
+      static size_t countFlipped (const VertexGrid& grid, const float (*own)[3], const float (*stored)[3])
       {
         size_t n = 0;
         for (size_t y=0; y+1<grid.height; y++)
@@ -149,27 +141,13 @@ namespace embree
         return dot(normal(own),normal(stored)) < 0.0f;
       }
 
-      void gather (unsigned x, unsigned y, const unsigned quads[2])
-      {
-        for (unsigned r=0; r<=quads[1]; r++)
-          memcpy(encoder.vertices[r*(quads[0]+1)],grid.displaced()[(y+r)*grid.width+x],(quads[0]+1)*sizeof(float[3]));
-      }
-
-      BBox3fa bounds ()
-      {
-        const Vec3fa lower(encoder.lower[0],encoder.lower[1],encoder.lower[2]), upper(encoder.upper[0],encoder.upper[1],encoder.upper[2]);
-        hitBounds.extend(lower.x,lower.y,lower.z);
-        hitBounds.extend(upper.x,upper.y,upper.z);
-        return BBox3fa(lower,upper);
-      }
-
       const CompressionPlan& plan;
-      const SharedVertices& shared;
-      Allocator alloc;
-      PatchGrid grid;
+      BlockStore& store;
+      cbvh::BuildStatistics& statistics;
+      VertexGrid given;             //!< vertices that were evaluated before
+      unsigned sideRates[4];        //!< of the patch, as its faces share them
+      mvector<float> seam;          //!< last row of the strip before
       cbvh::VertEncoder encoder;
-      mvector<uint8_t> bytes;      //!< of the patch's blocks
-      std::vector<size_t> starts;  //!< of each in bytes
     };
   }
 }

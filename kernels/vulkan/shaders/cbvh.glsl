@@ -3,7 +3,7 @@
 
 /* Tracing rays in a shader, installed as embree3/cbvh.glsl. A scene is the address that rtcGetVulkanSceneAddress returns, as two
  * words; nothing has to be bound. Of the device's features the shader needs bufferDeviceAddress,
- * scalarBlockLayout and, for cVERT, shaderFloat64.
+ * scalarBlockLayout. With shaderFloat64 distances of cVERT are those of the processor.
  *
  *   #define CBVH_KINDS ...        optional: kinds of leaves that scenes have, as rtcGetVulkanSceneKinds tells;
  *                                 a constant or a specialization constant. What is not named is not compiled.
@@ -26,9 +26,7 @@
 
 #include "framed_block.glsl"
 #include "meshes.glsl"
-#ifdef CBVH_FLOAT64
 #include "vert_block.glsl"
-#endif
 
 #ifndef CBVH_KINDS
 #define CBVH_KINDS 0xFFu
@@ -68,15 +66,14 @@ uvec4 cbvhSortChildren (CbvhNode node, CbvhTravel ray, float tfar)
 uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
 float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & ~3u); }
 
-/* A leaf of the tree that is no instance; true if something nearer is hit. framed: see cbvhReport */
-bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit, inout vec2 framed)
+/* A leaf of the tree that is no instance; true if something nearer is hit. framed: see cbvhReport; nearest: of cVERT */
+bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit, inout vec2 framed, inout CbvhVertNearest nearest)
 {
   uint type = referenceType(reference), index = referenceIndex(reference);
   if (cbvhHasKind(cellReference) && type == cellReference) return cbvhTraceCell(scene, ray, index, anyHit, hit);
   if (cbvhHasKind(triangleReference) && type == triangleReference) return cbvhTraceRun(scene, ray, index, anyHit, hit);
-#ifdef CBVH_FLOAT64
-  if (cbvhHasKind(firstBlockReference + kindVert) && type == firstBlockReference + kindVert) return cbvhTraceVert(scene, cbvhPointer(scene, index), ray, anyHit, hit);
-#endif
+  if (cbvhHasKind(firstBlockReference + kindVert) && type == firstBlockReference + kindVert)
+    return cbvhTraceVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if (!cbvhHasKind(firstBlockReference + kindGrid) && !cbvhHasKind(firstBlockReference + kindVoxel) && !cbvhHasKind(firstBlockReference + kindLeaf)) return false;
   uint kind = cbvhHasOnly(kindLeaf) ? kindLeaf : cbvhHasOnly(kindVoxel) ? kindVoxel : cbvhHasOnly(kindGrid) ? kindGrid : type - firstBlockReference;
   return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit, framed);
@@ -95,6 +92,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   CbvhTravel ray = cbvhTravel(worldRay);
   bool found = false;
   vec2 framed = vec2(-1.0);
+  CbvhVertNearest nearest = cbvhNoVertNearest();
 
   uvec2 stack[CBVH_STACK];       // references, and where the ray enters their boxes
   int top = 0, instanceTop = -1; // the stack's height where an instance was entered
@@ -138,7 +136,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
           continue;
         }
       }
-      else if (cbvhTraceLeaf(scene, ray, current, anyHit, hit, framed)) {
+      else if (cbvhTraceLeaf(scene, ray, current, anyHit, hit, framed, nearest)) {
         found = true;
         if (anyHit) return true;
       }

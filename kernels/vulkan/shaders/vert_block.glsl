@@ -1,21 +1,15 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray through a block of cVERT: kernels/cbvh/vert/format.h and vertex_cell.h say what the
- * bytes are. Vertices are decoded a row at a time, and tested as they come; what a ray may hit is
- * then looked at again, exactly.
- *
- * No ray slips through, as vert/ray.h argues: the sides of edges are products of the same
- * numbers whichever triangle asks, which is why nothing here may be fused ("precise"), and those
- * that round to 0 count for both triangles until their exact sign is known. */
+/* A ray through a block of cVERT: kernels/cbvh/vert/format.h and cell.h say what the
+ * bytes are, rule.h by which rule its triangles are hit. Vertices are decoded a row at a time, and tested as they come; what a
+ * ray may hit is then looked at again, exactly. */
 
 #ifndef CBVH_VERT_BLOCK_GLSL
 #define CBVH_VERT_BLOCK_GLSL
 
-#extension GL_EXT_shader_explicit_arithmetic_types_float64 : enable
-
 #include "ray.glsl"
-#include "../../cbvh/vert/format.h"
+#include "../../cbvh/vert/rule.h"
 
 /* The ray sheared to the z axis: kz is the axis of the direction's largest component. */
 struct CbvhShear
@@ -47,15 +41,6 @@ vec2 cbvhSheared (CbvhShear shear, vec3 org, vec3 vertex)
   return at;
 }
 
-/* side of the ray on which an edge lies */
-float cbvhSide (vec2 a, vec2 b)
-{
-  precise float p = a.x*b.y;
-  precise float q = a.y*b.x;
-  precise float side = p - q;
-  return side;
-}
-
 /* --- vertices -------------------------------------------------------------------------- */
 
 struct CbvhVertBlock
@@ -78,7 +63,7 @@ CbvhVertBlock cbvhReadVertBlock (CbvhPointer at, uvec4 first)
   block.place = cbvhWord(at, 6u);
   block.boxForm = cbvhWord(at, 14u);
   block.word = cbvhWord(at, 15u);
-  block.offsets = vertLayout(block.place);
+  block.offsets = vertLayout(block.place, block.boxForm);
   block.quadsX = vertQuadsX(block.place);
   block.quadsY = vertQuadsY(block.place);
   block.spacing = vertSpacing(block.word);
@@ -206,9 +191,6 @@ vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, uint gx, uint gy, int 
 
 /* --- boxes ----------------------------------------------------------------------------- */
 
-/* They only cull. By how many ulps they are widened: see vert/intersector1.h. */
-const float CBVH_SLACK_ULPS = 8.0, CBVH_SHEARED_SLACK_ULPS = 16.0;
-
 /* The ray along a block's sheared coordinate, from the block's origin. */
 struct CbvhShearedRay
 {
@@ -226,21 +208,14 @@ int cbvhNextAxis (int axis, int by) { return axis + by < 3 ? axis + by : axis + 
 
 CbvhShearedRay cbvhShearedRay (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, float extent)
 {
-  CbvhShearedRay sheared;
-  float dir = 0.0, sum = 0.0;
-  sheared.org = 0.0;
+  ShearedCoordinate along = noShearedCoordinate();
   int m = shearedAxis(block.boxForm);
-  for (int i = 2; i >= 0; i--) {
-    int k = cbvhNextAxis(m, i);
-    float slope = i == 0 ? 1.0 : float(shearSlope(block.boxForm, i))*(1.0/16.0);
-    float along = ray.org[k] - block.origin[k];
-    sheared.org += slope*along;
-    dir += slope*ray.dir[k];
-    sum += abs(slope)*(abs(along) + extent);
+  for (int k = 0; k < 3; k++) {
+    int i = k >= m ? k - m : k - m + 3;
+    float shear = i == 0 ? 1.0 : float(shearSlope(block.boxForm, i))*(1.0/16.0);
+    along = addSheared(along, ray.org[k], ray.dir[k], block.origin[k], extent, shear);
   }
-  sheared.rcp = cbvhReciprocal(dir, 1e-18*vert.largest);
-  sheared.error = CBVH_SHEARED_SLACK_ULPS*floatUlp*sum;
-  return sheared;
+  return CbvhShearedRay(along.org, boxReciprocal(along.dir, vert.largest), shearedSlack(along.size));
 }
 
 void cbvhClip (inout float tNear, inout float tFar, float lower, float upper, float rcp)
@@ -250,9 +225,7 @@ void cbvhClip (inout float tNear, inout float tFar, float lower, float upper, fl
   tFar = min(tFar, max(a, b));
 }
 
-float cbvhSlack (CbvhVertBlock block, CbvhTravel ray, int k, float extent) {
-  return CBVH_SLACK_ULPS*floatUlp*(abs(block.origin[k] - ray.org[k]) + extent);
-}
+float cbvhSlack (CbvhVertBlock block, CbvhTravel ray, int k, float extent) { return boxSlack(ray.org[k], block.origin[k], extent); }
 
 /* whether the ray meets the bounds of a block that is not raw */
 bool cbvhMeetsBlock (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, CbvhShearedRay sheared, float extent, float tfar)
@@ -313,8 +286,7 @@ bool cbvhMeetsRawGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, f
 
 /* --- triangles ------------------------------------------------------------------------- */
 
-bool cbvhIsInside (float a, float b, float c) { return min(a, min(b, c)) >= 0.0 || max(a, max(b, c)) <= 0.0; }
-bool cbvhIsWithin (float a, float b, float c) { return min(a, min(b, c)) > 0.0 || max(a, max(b, c)) < 0.0; }
+float cbvhSide (vec2 a, vec2 b) { return edgeSide(a.x, a.y, b.x, b.y); }
 
 bool cbvhIsFinite (vec3 v) { return all(lessThan(floatBitsToUint(v) & uvec3(0x7FFFFFFFu), uvec3(0x7F800000u))); }
 
@@ -341,8 +313,8 @@ uint cbvhTriangles (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShea
       float diag = cbvhSide(below[i + 1], row[i]), left = cbvhSide(row[i], below[i]), bottom = cbvhSide(below[i], below[i + 1]);
       float right = cbvhSide(below[i + 1], row[i + 1]), top = cbvhSide(row[i + 1], row[i]);
       uint bit = 2u*uint(4*j + i);
-      if (cbvhIsInside(diag, left, bottom)) mask |= 1u << bit;
-      if (cbvhIsInside(right, top, -diag)) mask |= 2u << bit;
+      if (isInside(diag, left, bottom)) mask |= 1u << bit;
+      if (isInside(right, top, -diag)) mask |= 2u << bit;
     }
     [[unroll]] for (int i = 0; i < 5; i++) below[i] = row[i];
   }
@@ -353,103 +325,47 @@ uint cbvhTriangles (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShea
   return mask;
 }
 
-#ifdef CBVH_FLOAT64
-
-/* Whether the sheared triangle has the ray in it: products of floats are exact in double. */
-bool cbvhContains (vec2 a, vec2 b, vec2 c)
+WideTriangle cbvhWideTriangle (vec3 a, vec3 b, vec3 c)
 {
-  precise double s0 = double(b.x)*double(c.y) - double(b.y)*double(c.x);
-  precise double s1 = double(c.x)*double(a.y) - double(c.y)*double(a.x);
-  precise double s2 = double(a.x)*double(b.y) - double(a.y)*double(b.x);
-  double least = min(s0, min(s1, s2)), greatest = max(s0, max(s1, s2));
-  return least >= 0.0lf ? greatest > 0.0lf : greatest <= 0.0lf;
-}
-
-struct CbvhVertTriangle
-{
-  dvec3 normal;
-  vec3 a, b, c;
-};
-
-CbvhVertTriangle cbvhVertTriangle (vec3 a, vec3 b, vec3 c)
-{
-  CbvhVertTriangle triangle;
-  triangle.a = a;
-  triangle.b = b;
-  triangle.c = c;
-  triangle.normal = cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a));
+  WideTriangle triangle;
+  for (int k = 0; k < 3; k++) {
+    triangle.at[k][0] = Wide(a[k]);
+    triangle.at[k][1] = Wide(b[k]);
+    triangle.at[k][2] = Wide(c[k]);
+  }
   return triangle;
 }
 
-/* where the ray is nearest to the longest edge */
-double cbvhAlongLongestEdge (CbvhVertTriangle triangle, CbvhTravel ray)
+/* Parameters of the face at a position of quad x, y of the patch. */
+vec2 cbvhVertParameters (CbvhVertBlock block, uint x, uint y, bool second, QuadPosition position)
 {
-  double best = -1.0lf, t = 0.0lf;
-  dvec3 d = dvec3(ray.dir);
-  for (int i = 0; i < 3; i++)
-  {
-    vec3 from = i == 0 ? triangle.a : i == 1 ? triangle.b : triangle.c, to = i == 0 ? triangle.b : i == 1 ? triangle.c : triangle.a;
-    dvec3 e = dvec3(to) - dvec3(from), w = dvec3(from) - dvec3(ray.org);
-    double ee = dot(e, e), dd = dot(d, d), de = dot(d, e), dw = dot(d, w), ew = dot(e, w);
-    if (ee <= best) continue;
-    best = ee;
-    double det = dd*ee - de*de;
-    double s = det > 0.0lf ? min(max((de*dw - dd*ew)/det, 0.0lf), 1.0lf) : 0.0lf;
-    t = (dw + s*de)/dd;
-  }
-  return t;
-}
-
-/* below this the ray lies in the plane, as far as vertices of 24 bits can tell */
-const double CBVH_MIN_COSINE = 1e-6lf;
-
-/* Where a ray that goes through it meets its plane; false beyond tnear and tfar. */
-bool cbvhMeetPlane (CbvhVertTriangle triangle, CbvhTravel ray, int kz, float tfar, out float t)
-{
-  dvec3 org = dvec3(ray.org), dir = dvec3(ray.dir), n = triangle.normal;
-  double size = abs(n.x*dir.x) + abs(n.y*dir.y) + abs(n.z*dir.z);
-  double height = dot(n, dvec3(triangle.a) - org), speed = dot(n, dir);
-  dvec3 z = (dvec3(triangle.a[kz], triangle.b[kz], triangle.c[kz]) - org[kz])/dir[kz];
-  double exact = height/speed;
-  if (!(abs(speed) > CBVH_MIN_COSINE*size)) exact = cbvhAlongLongestEdge(triangle, ray);
-  exact = min(max(exact, min(z.x, min(z.y, z.z))), max(z.x, max(z.y, z.z)));
-  t = float(exact);
-  return exact >= double(ray.tnear) && exact <= double(tfar);
-}
-
-vec3 cbvhNormal (CbvhVertTriangle triangle) { return vec3(triangle.normal); }
-
-#else
-#error cVERT needs 64-bit floats: define CBVH_FLOAT64, or leave CBVH_KIND_VERT out
-#endif
-
-/* what is not a number, of slivers, becomes the middle of the diagonal */
-float cbvhInUnit (float x) { return x >= 0.0 ? min(x, 1.0) : x < 0.0 ? 0.0 : 0.5; }
-
-/* Parameters of the face at position a, b of quad x, y of the patch. */
-vec2 cbvhVertParameters (CbvhVertBlock block, uint rates, uint x, uint y, bool second, float a, float b)
-{
-  uint quadsX = patchQuadsX(rates), quadsY = patchQuadsY(rates);
-  a = cbvhInUnit(a);
-  b = cbvhInUnit(b);
-  vec2 uv = vec2((float(x) + a)/float(quadsX), (float(y) + b)/float(quadsY));
-  bool isStitched = vertRate(rates, 0) != vertRate(rates, 2) || vertRate(rates, 1) != vertRate(rates, 3);
-  if (isStitched && (x == 0u || y == 0u || x + 1u == quadsX || y + 1u == quadsY))
-  {
-    /* barycentrics of 00, 10, 01, 11 */
-    vec4 w = second ? vec4(0.0, 1.0 - b, 1.0 - a, a + b - 1.0) : vec4(1.0 - a - b, a, b, 0.0);
-    uv = vec2(0.0);
-    for (uint c = 0u; c < 4u; c++) {
-      uint i = x + (c & 1u), j = y + (c >> 1);
-      uv.x += w[c]*vertParameter(i, quadsX, j == 0u ? vertRate(rates, 0) : j == quadsY ? vertRate(rates, 2) : quadsX);
-      uv.y += w[c]*vertParameter(j, quadsY, i == 0u ? vertRate(rates, 3) : i == quadsX ? vertRate(rates, 1) : quadsY);
+  uint patchQuads = cbvhWord(block.at, 7u), cornerU = 0u, cornerV = 0u;
+  if (hasEdges(block.boxForm)) {
+    VertEdges edges = VertEdges(cbvhWord(block.at, 16u), cbvhWord(block.at, 17u));
+    if (isAtLowerEdge(patchQuads, edges, x, y)) {
+      FaceParameters parameters = parametersAtLowerEdge(patchQuads, edges, x, y, second, position.a, position.b);
+      return vec2(parameters.u, parameters.v);
     }
+    cornerU = vertCornerU(edges);
+    cornerV = vertCornerV(edges);
   }
-  return 0.5*vec2(float(vertCornerU(block.place)), float(vertCornerV(block.place))) + max(uv, vec2(0.0));
+  return vec2(faceParameterOfQuad(cornerU, float(x), position.a, patchQuadsX(patchQuads)),
+              faceParameterOfQuad(cornerV, float(y), position.b, patchQuadsY(patchQuads)));
 }
+
+/* The triangle of a ray's nearest hit, if that is one of cVERT: of hits at the same distance one counts, by its name. */
+struct CbvhVertNearest
+{
+  bool isSet;
+  uint instID;
+  float t;
+  TriangleName name;
+};
+
+CbvhVertNearest cbvhNoVertNearest () { return CbvhVertNearest(false, 0u, 0.0, TriangleName(0u, 0u, 0u, 0u)); }
 
 /* Triangle h of a group, bits as of cbvhTriangles; true if it is hit. */
-bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h, inout CbvhHit hit)
+bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   int i = int((h >> 1) & 3u), j = int(h >> 3);
   bool second = (h & 1u) != 0u;
@@ -458,23 +374,37 @@ bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhSh
   vec3 c = cbvhGroupVertex(block, cell, gx, gy, second ? i + 1 : i, j + 1);
   if (isRaw(block.boxForm) && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
   vec2 A = cbvhSheared(shear, ray.org, a), B = cbvhSheared(shear, ray.org, b), C = cbvhSheared(shear, ray.org, c);
-  /* weights of a, b and c */
-  float w0 = cbvhSide(B, C), w1 = cbvhSide(C, A), w2 = cbvhSide(A, B);
-  if (!cbvhIsWithin(w0, w1, w2) && !cbvhContains(A, B, C)) return false;
-  CbvhVertTriangle triangle = cbvhVertTriangle(a, b, c);
-  float t;
-  if (!cbvhMeetPlane(triangle, ray, shear.kz, hit.t, t)) return false;
-  float sum = w0 + w1 + w2, b1 = w1/sum, b2 = w2/sum;
+  TriangleSides sides = triangleSides(A.x, A.y, B.x, B.y, C.x, C.y);
+  if (!areCertain(sides) && !contains(A.x, A.y, B.x, B.y, C.x, C.y)) return false;
+
+  WideTriangle triangle = cbvhWideTriangle(a, b, c);
+  WideNormal normal = normalOf(triangle);
+  int kz = shear.kz;
+  Wide org[3], dir[3];
+  for (int k = 0; k < 3; k++) { org[k] = Wide(ray.org[k]); dir[k] = Wide(ray.dir[k]); }
+  TriangleSpan span = spanOf(triangle.at[kz][0], triangle.at[kz][1], triangle.at[kz][2], org[kz], dir[kz]);
+  Wide exact = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
+  if (!(exact >= Wide(ray.tnear))) return false;
+  float t = float(exact);
+  TriangleName name = TriangleName(cbvhWord(block.at, 4u), cbvhWord(block.at, 5u), block.place, 32u*(gx + 4u*gy) + h);
+  if (!(t < hit.t)) {
+    if (nearest.isSet && nearest.t == hit.t && nearest.instID == ray.instID) {
+      if (t != hit.t || !comesBefore(name, nearest.name)) return false;
+    }
+    else if (!(exact <= Wide(hit.t))) return false;
+  }
+
   uint x = vertX(block.place) + groupQuads*gx + uint(i), y = vertY(block.place) + groupQuads*gy + uint(j);
-  vec2 uv = cbvhVertParameters(block, cbvhWord(block.at, 7u), x, y, second, second ? b1 + b2 : b1, second ? 1.0 - b1 : b2);
-  vec3 Ng = cbvhNormal(triangle);
+  vec2 uv = cbvhVertParameters(block, x, y, second, positionInQuad(sides, second));
+  vec3 Ng = vec3(normal.at[0], normal.at[1], normal.at[2]);
   if (Ng == vec3(0.0)) Ng = -ray.dir;
-  cbvhSetHit(hit, ray, t, uv.x, uv.y, Ng, cbvhWord(block.at, 5u), cbvhWord(block.at, 4u));
+  cbvhSetHit(hit, ray, t, uv.x, uv.y, Ng, name.primID, name.geomID);
+  nearest = CbvhVertNearest(true, ray.instID, t, name);
   return true;
 }
 
 /* True if something is hit nearer than hit.t, which is lowered. */
-bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit)
+bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   if (!cbvhIsSeen(scene, ray, cbvhWord(at, 4u))) return false;
   CbvhVertBlock block = cbvhReadVertBlock(at, cbvhQuadword(at, 0u));
@@ -482,7 +412,7 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
   vert.shear = cbvhShear(ray.dir);
   vec3 size = abs(ray.dir);
   vert.largest = max(size.x, max(size.y, size.z));
-  for (int k = 0; k < 3; k++) vert.rcp[k] = cbvhReciprocal(ray.dir[k], 1e-18*vert.largest);
+  for (int k = 0; k < 3; k++) vert.rcp[k] = boxReciprocal(ray.dir[k], vert.largest);
 
   bool isRawBlock = isRaw(block.boxForm);
   float extent = float(maxExtent)*block.spacing;
@@ -539,7 +469,7 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
     {
       uint h = uint(findLSB(triangles));
       triangles &= triangles - 1u;
-      if (!cbvhHitTriangle(block, cell, ray, vert.shear, gx, gy, h, hit)) continue;
+      if (!cbvhHitTriangle(block, cell, ray, vert.shear, gx, gy, h, hit, nearest)) continue;
       found = true;
       if (anyHit) return true;
     }

@@ -1,0 +1,53 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The functions of base/language.h for Embree's vectors, so that shared code takes rays of a packet and
+ * quads of a group in lanes; and products that are fused with a sum, or not, as is written: elsewhere the compiler may do it
+ * in one way here and in another there. */
+
+#include "language.h"
+#include "../../common/isa.h"
+#include "../../../common/simd/simd.h"
+
+namespace embree
+{
+  template<int N> __forceinline vfloat_impl<N> lesser (const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return min(a,b); }
+  template<int N> __forceinline vfloat_impl<N> greater (const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return max(a,b); }
+  template<int N> __forceinline vfloat_impl<N> magnitude (const vfloat_impl<N>& a) { return abs(a); }
+  template<int N> __forceinline vfloat_impl<N> choose (const vboolf_impl<N>& condition, const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return select(condition,a,b); }
+  template<int N> __forceinline vfloat_impl<N> product (const vfloat_impl<N>& a, const vfloat_impl<N>& b)
+  {
+    vfloat_impl<N> p = a*b;
+#if defined(__GNUC__) && defined(__AVX512F__)
+    asm("" : "+v"(p.v));
+#elif defined(__GNUC__) && defined(__SSE2__)
+    asm("" : "+x"(p.v));
+#endif
+    return p;
+  }
+
+  namespace isa
+  {
+    namespace cbvh
+    {
+      using namespace embree::cbvh;
+
+      /*! a b + c, and c - a b, fused where the instruction set can. Embree's madd of floats clears the rest of a vector first. */
+      __forceinline float fused (float a, float b, float c)
+      {
+#if defined(__FMA__)
+        return __builtin_fmaf(a,b,c);
+#else
+        return product(a,b) + c;
+#endif
+      }
+      __forceinline float fusedNegative (float a, float b, float c) { return fused(-a,b,c); }
+      template<typename Vector>
+      __forceinline Vector fused (const Vector& a, const Vector& b, const Vector& c) { return madd(a,b,c); }
+      template<typename Vector>
+      __forceinline Vector fusedNegative (const Vector& a, const Vector& b, const Vector& c) { return nmadd(a,b,c); }
+    }
+  }
+}

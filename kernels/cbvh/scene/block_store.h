@@ -1,0 +1,92 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Where writers put their blocks: first into memory of the task's, then, once a patch is through, into the BVH's. And the
+ * primitives of the top level that refer to them, in a list of the task's. */
+
+#include "../base/primitive_type.h"
+#include "../framed/block_bounds.h"
+#include "../../bvh/bvh.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! rounded outwards */
+    inline BBox3fa toBBox (const cbvh::WorldBounds& b)
+    {
+      auto below = [](double x) { const float f = float(x); return double(f) <= x ? f : std::nextafter(f,-std::numeric_limits<float>::infinity()); };
+      return BBox3fa(Vec3fa(below(b.lower[0]),below(b.lower[1]),below(b.lower[2])),Vec3fa(-below(-b.upper[0]),-below(-b.upper[1]),-below(-b.upper[2])));
+    }
+
+    class BlockStore
+    {
+    public:
+      typedef FastAllocator::CachedAllocator Allocator;
+
+      cbvh::WorldBounds hitBounds;  //!< of all that a ray may hit in the blocks
+
+      BlockStore (Device* device, const Allocator& allocator) : allocator(allocator), prims(device,0), bytes(device,0) {}
+
+      /*! room for a block of at most that many bytes; the caller's until the next call */
+      uint8_t* begin (size_t maxBytes)
+      {
+        bytes.resize(max(bytes.size(),used+maxBytes));
+        return bytes.data()+used;
+      }
+
+      /*! the block that was begun takes so many bytes */
+      void end (size_t size, const BBox3fa& bounds, uint32_t kind)
+      {
+        waiting.push_back(Waiting{ used,bounds,kind });
+        used += (size + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
+      }
+
+      /*! A block that is encoded elsewhere. */
+      void add (const void* block, size_t size, const BBox3fa& bounds, uint32_t kind)
+      {
+        memcpy(begin(size),block,size);
+        end(size,bounds,kind);
+      }
+
+      /*! Copies what is waiting to memory of the BVH's, after which decoders may read readBehind bytes, and makes primitives of it. One
+       *  piece: small pieces cost the allocator's rounding each; several if it is much, as it takes none above 2 MiB. */
+      void flush (size_t readBehind)
+      {
+        for (size_t i=0, next; i<waiting.size(); i=next)
+        {
+          const size_t from = waiting[i].offset;
+          for (next=i+1; next<waiting.size() && waiting[next].offset-from < maxPieceBytes; next++);
+          const size_t size = (next < waiting.size() ? waiting[next].offset : used) - from;
+          char* memory = (char*)allocator.malloc1(size+readBehind,cbvh::blockAlignment);
+          memcpy(memory,bytes.data()+from,size);
+          for (size_t k=i; k<next; k++)
+            add(waiting[k].bounds,size_t(BVH4::encodeTypedLeaf(memory+(waiting[k].offset-from),cbvh::blockType(waiting[k].kind))));
+        }
+        waiting.clear();
+        used = 0;
+      }
+
+      /*! a primitive of any kind */
+      void add (const BBox3fa& bounds, size_t reference) { prims.push_back(PrimRef(bounds,reference)); }
+
+      Allocator allocator;
+      mvector<PrimRef> prims;
+
+    private:
+      static const size_t maxPieceBytes = 1 << 20;
+
+      struct Waiting
+      {
+        size_t offset;
+        BBox3fa bounds;
+        uint32_t kind;
+      };
+      mvector<uint8_t> bytes;
+      size_t used = 0;
+      std::vector<Waiting> waiting;
+    };
+  }
+}

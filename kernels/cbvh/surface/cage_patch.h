@@ -1,0 +1,52 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Patches of a cage, as writers see them. */
+
+#include "shared_vertices.h"
+#include "source.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    class CagePatch final : public SurfacePatch
+    {
+    public:
+      /*! shared: of faces that share their borders, else null; grid: for vertices */
+      CagePatch (SubdivMesh* mesh, unsigned geomID, size_t face, const PatchOfFace& patch, const SharedVertices* shared, PatchGrid& grid)
+        : mesh(mesh), patch(patch), shared(shared), grid(grid), base(patch.make(mesh,geomID,face))
+      {
+        this->geomID = geomID;
+        primID = unsigned(face);
+        corner[0] = unsigned(2*base.getUV(0).x);
+        corner[1] = unsigned(2*base.getUV(0).y);
+        const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
+        quads[0] = unsigned(size.x-1);
+        quads[1] = unsigned(size.y-1);
+        rate = patch.rate;
+      }
+
+      VertexGrid& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned timeStep) override
+      {
+        if (timeStep == 0) grid.evalPart(base,mesh,quadsX,quadsY,part);
+        else grid.evalPart(patch.make(mesh,geomID,primID,timeStep),mesh,quadsX,quadsY,part);
+        return grid;
+      }
+
+      SideVertices side (int s) const override { return shared->side(primID,patch.subPatch,s); }
+      int latticeExponent () const override { return shared->exponent(primID); }
+      uint32_t sharpSides () const override { return sharpSidesOf(mesh,primID,patch); }
+      const SubdivPatch1Base* ofEmbree () const override { return &base; }
+
+    private:
+      SubdivMesh* mesh;
+      const PatchOfFace& patch;
+      const SharedVertices* shared;
+      PatchGrid& grid;
+      const SubdivPatch1Base base;
+    };
+  }
+}

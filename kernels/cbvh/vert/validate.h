@@ -1,0 +1,72 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Whether bytes are a block of cVERT that readers may take: its sizes, its numbers of bits and its offsets fit together and into
+ * the memory that there is. Fields may be anything: they are vertices somewhere. */
+
+#include "format.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    /*! bytes that decoders may read behind a block */
+    static constexpr size_t readBehindVert = 16;
+
+    /*! spacings whose reciprocal is a normal float */
+    static constexpr int minSpacingExponent = -100, maxSpacingExponent = 100;
+
+    class VertValidation
+    {
+    public:
+      /*! Null if a block begins at data, which is aligned, and takes at most that many bytes; else what is wrong. Reads no other bytes. */
+      static const char* errorOf(const void* data, size_t bytes)
+      {
+        if (bytes < vertHeaderBytes) return "fewer bytes than a header has";
+        const VertHeader& header = *(const VertHeader*)data;
+        if (header.boxForm >> 30) return "parts of a later format";
+        for (float x : header.origin)
+          if (!std::isfinite(x)) return "an origin that is not finite";
+        const VertLayout layout = vertLayout(header.place,header.boxForm);
+        if (bytes < layout.margins) return "fewer bytes than header and edges have";
+        if (const char* error = errorOfPatch(header)) return error;
+        if (isRaw(header.boxForm)) return bytes < layout.rawBytes ? "fewer bytes than its vertices and boxes have" : nullptr;
+
+        const int exponent = int(header.word >> 24) - 127;
+        if (exponent < minSpacingExponent || exponent > maxSpacingExponent) return "a spacing out of range";
+        if (!isForm(header.boxForm)) return "a sheared axis or a slope that is none";
+        for (int c=0; c<4; c++)
+          for (int k=0; k<3; k++)
+            if (cornerCoordinate(header.corners[cornerPair(c,k)],c,k) >= maxExtent) return "a corner out of range";
+        if (bytes < layout.cell) return "fewer bytes than header, margins and words have";
+        if (!isForm(header.word)) return "a main axis or a slope of the first cell that is none";
+        const uint8_t* block = (const uint8_t*)data;
+        size_t end = layout.cell + cellBytes(header.word);
+        for (uint32_t g=0; g<layout.groups; g++)
+        {
+          const uint32_t word = uint32_t(block[layout.words+2*g]) | uint32_t(block[layout.words+2*g+1]) << 8 | uint32_t(block[layout.wordsHigh+g]) << 16;
+          if (!isForm(word)) return "a main axis or a slope of a group that is none";
+          end += cellBytes(word);
+        }
+        return bytes < end ? "fewer bytes than its fields have" : nullptr;
+      }
+
+    private:
+      /*! axis and slopes, of a cell's word and of boxes */
+      static bool isForm(uint32_t word) { return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope; }
+
+      static const char* errorOfPatch(const VertHeader& header)
+      {
+        const uint32_t quads[2] = { patchQuadsX(header.patchQuads),patchQuadsY(header.patchQuads) };
+        if (vertX(header.place) + vertQuadsX(header.place) > quads[0] || vertY(header.place) + vertQuadsY(header.place) > quads[1]) return "a place outside of its patch";
+        if (!hasEdges(header.boxForm)) return nullptr;
+        const VertEdges edges = edgesOf(&header);
+        for (int s=0; s<4; s++)
+          if (vertRate(edges,s) > quads[s & 1]) return "an edge of a higher rate than its patch has quads";
+        return nullptr;
+      }
+    };
+  }}
+}

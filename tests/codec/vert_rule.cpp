@@ -1,0 +1,124 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* cVERT's ray rule by itself: what a device without 64-bit floats computes equals what doubles do, and of any two hits one
+ * counts. */
+
+#include "kernels/cbvh/vert/rule.h"
+#include "support/random.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+
+// Any finite float; every third is like another one, so that products are nearly or exactly equal.
+float drawn(Random& random, float like)
+{
+  switch (random.below(6)) {
+  case 0: return like;
+  case 1: return std::nextafter(like, random.chance(0.5) ? INFINITY : -INFINITY);
+  case 2: return -like;
+  case 3: return float(int(random.below(9)) - 4);
+  case 4: return std::ldexp(float(random.uniform(-1, 1)), int(random.below(250)) - 149); // subnormals, too
+  default: return float(random.uniform(-1, 1));
+  }
+}
+
+TEST(VertRule, SignsInIntegersAreThoseOfDoubles)
+{
+  Random random(101);
+  std::array<size_t, 3> found = {};
+  for (int n = 0; n < 2000000; n++) {
+    float x[4];
+    x[0] = drawn(random, 1);
+    for (int i = 1; i < 4; i++) x[i] = drawn(random, x[i - 1]);
+    if (!std::all_of(x, x + 4, [](float f) { return std::isfinite(f); })) continue;
+    const double side = double(x[0])*double(x[3]) - double(x[1])*double(x[2]);
+    const int expected = side > 0 ? 1 : side < 0 ? -1 : 0;
+    ASSERT_EQ(exactSideOfFloats(x[0], x[1], x[2], x[3]), expected) << x[0] << " " << x[1] << " " << x[2] << " " << x[3];
+    ASSERT_EQ(exactSide(x[0], x[1], x[2], x[3]), expected);
+    found[expected + 1]++;
+  }
+  for (size_t n : found) EXPECT_GT(n, 100000u);
+}
+
+// Points of a grid of integers: whatever is on an edge is in the triangles of both of its sides, and whatever is
+// inside is in one. Judged by integers.
+TEST(VertRule, ContainmentCountsEdgesForBothSides)
+{
+  Random random(102);
+  size_t inside = 0, onEdges = 0, lines = 0;
+  for (int n = 0; n < 200000; n++) {
+    int p[3][2];
+    for (auto& v : p)
+      for (int& c : v) c = int(random.below(9)) - 4;
+    const auto cross = [&](int a, int b) { return p[a][0]*p[b][1] - p[a][1]*p[b][0]; };
+    const int s[3] = {cross(1, 2), cross(2, 0), cross(0, 1)};
+    const int least = *std::min_element(s, s + 3), greatest = *std::max_element(s, s + 3);
+    const bool expected = (least >= 0 && greatest > 0) || (least < 0 && greatest <= 0);
+    ASSERT_EQ(contains(p[0][0], p[0][1], p[1][0], p[1][1], p[2][0], p[2][1]), expected);
+    ASSERT_EQ(contains(p[0][0], p[0][1], p[2][0], p[2][1], p[1][0], p[1][1]), expected) << "the other way round";
+    inside += least > 0 || greatest < 0;
+    onEdges += expected && least <= 0 && greatest >= 0;
+    lines += least == 0 && greatest == 0;
+  }
+  EXPECT_GT(inside, 10000u);
+  EXPECT_GT(onEdges, 10000u);
+  EXPECT_GT(lines, 1000u);
+  EXPECT_FALSE(contains(NAN, 0, 1, 0, 0, 1));
+  EXPECT_FALSE(contains(-1, -1, INFINITY, 0, 0, 1));
+}
+
+// Nearly along its plane a ray meets a triangle where the plane is, as long as that is within the triangle: here, in
+// doubles that are exact, 1/1024 after it began or before.
+TEST(VertRule, ADistanceWithinTheTriangleIsThePlanes)
+{
+  for (double tilt : {1.0, 1e-3, 1e-6, 1e-7, 1e-9, 1e-12})
+    for (double start : {-1.0/1024, 1.0/1024}) {
+      WideTriangle<double> triangle = {{{0, 4, 0}, {-1, 0, 1}, {0, 0, 0}}}; // in the plane z = 0
+      // along x, through (1,0,0) after `start`
+      const double org[3] = {1 - start, 0, -tilt*start}, dir[3] = {1, 0, tilt};
+      const auto span = spanOf(triangle.at[0][0], triangle.at[0][1], triangle.at[0][2], org[0], dir[0]);
+      EXPECT_NEAR(distanceOfHit(triangle, normalOf(triangle), span, org, dir, 0.0), start, 1e-9) << tilt;
+    }
+}
+
+// In the plane it hits where it is near the longest edge, but not before it begins, as long as the triangle is not behind it.
+TEST(VertRule, ARayInThePlaneHitsWhereItIs)
+{
+  const WideTriangle<double> triangle = {{{0, 4, 0}, {-1, 0, 1}, {0, 0, 0}}};
+  for (double x : {-3.0, 0.5, 2.0, 3.5, 5.0}) {
+    const double org[3] = {x, 0.125, 0}, dir[3] = {1, 0, 0};
+    const auto span = spanOf(triangle.at[0][0], triangle.at[0][1], triangle.at[0][2], org[0], dir[0]);
+    const double t = distanceOfHit(triangle, normalOf(triangle), span, org, dir, 0.0);
+    if (x > 4) EXPECT_LT(t, 0);
+    else {
+      EXPECT_GE(t, 0) << x;
+      EXPECT_GE(x + t, 0);
+      EXPECT_LE(x + t, 4);
+    }
+  }
+}
+
+TEST(VertRule, OfTwoTrianglesOneComesBefore)
+{
+  Random random(103);
+  const auto draw = [&] { return TriangleName{random.below(2), random.below(2), random.below(2), random.below(3)}; };
+  for (int n = 0; n < 10000; n++) {
+    const TriangleName a = draw(), b = draw(), c = draw();
+    const bool isSame = a.geomID == b.geomID && a.primID == b.primID && a.place == b.place && a.triangle == b.triangle;
+    EXPECT_EQ(comesBefore(a, b) + comesBefore(b, a), isSame ? 0 : 1);
+    if (comesBefore(a, b) && comesBefore(b, c)) { EXPECT_TRUE(comesBefore(a, c)); }
+    if (a.geomID < b.geomID) { EXPECT_TRUE(comesBefore(a, b)); }
+  }
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,104 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Fuzz target: any vertices for the encoder of cVERT, on a lattice or off it. The same vertices come out, to the bit, what is not
+// finite as NaN; the block is valid and no longer than there is room; boxes contain their groups; and encoding twice gives the same bytes.
+
+#include "fuzz_support.h"
+
+#include "kernels/cbvh/vert/encoder.h"
+#include "kernels/cbvh/vert/lattice.h"
+#include "kernels/cbvh/vert/validate.h"
+#include "support/scalar_vert.h"
+
+#include <algorithm>
+#include <memory>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+
+// What comes in front of the vertices.
+struct Input
+{
+  uint8_t quadsX, quadsY; // less 1, of 16
+  int8_t exponent;        // of the lattice
+  uint8_t form;           // bit 0: vertices are snapped; 1: edges; 2: integers of 16 bits in place of floats
+};
+
+bool sameVertex(float decoded, float given) { return std::memcmp(&decoded, &given, sizeof(float)) == 0 || (decoded == 0 && given == 0); }
+
+void writeSeeds(const std::string& folder)
+{
+  for (int n = 0; n < 8; n++) {
+    std::vector<uint8_t> bytes(sizeof(Input) + 6*17*17);
+    bytes[0] = uint8_t(n % 2 ? 15 : 6);
+    bytes[1] = uint8_t(n % 3 ? 15 : 3);
+    bytes[3] = uint8_t(5 | (n & 2));
+    for (size_t i = sizeof(Input); i < bytes.size(); i++) bytes[i] = uint8_t((i*i >> n) % (n < 4 ? 3 : 200));
+    FILE* file = std::fopen((folder + "/" + std::to_string(n)).c_str(), "wb");
+    REQUIRE(file && std::fwrite(bytes.data(), bytes.size(), 1, file) == 1);
+    std::fclose(file);
+  }
+}
+
+void encode(const uint8_t* data, size_t size)
+{
+  Input input;
+  if (size < sizeof(input)) return;
+  std::memcpy(&input, data, sizeof(input));
+  data += sizeof(input);
+  size -= sizeof(input);
+  const uint32_t quadsX = 1 + input.quadsX % 16, quadsY = 1 + input.quadsY % 16, count = (quadsX + 1)*(quadsY + 1);
+  const WorldLattice lattice(std::min(std::max(int(input.exponent), minLatticeExponent), maxLatticeExponent));
+  const bool isSnapped = input.form & 1, areIntegers = input.form & 4;
+  auto encoder = std::make_unique<VertEncoder>();
+  std::vector<std::array<float, 3>> vertices(count);
+  const size_t width = areIntegers ? sizeof(int16_t) : sizeof(float);
+  for (size_t i = 0; i < 3*size_t(count); i++) {
+    float& x = vertices[i/3][i % 3];
+    x = 0;
+    if ((i + 1)*width <= size) {
+      int16_t integer;
+      if (areIntegers) { std::memcpy(&integer, data + i*width, width); x = float(integer)*lattice.spacing; }
+      else std::memcpy(&x, data + i*width, width);
+    }
+    if (isSnapped) x = lattice.snap(x);
+    encoder->vertices[i/3][i % 3] = x;
+  }
+  VertPlacement at(vertPlace(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY));
+  if (input.form & 2) at = VertPlacement(at.place, at.patchQuads, vertEdges(1, quadsY, quadsX, 1, 3, 1));
+
+  const auto encodeTo = [&](std::vector<uint8_t>& bytes) {
+    bytes.assign(VertEncoder::maxBytes, 0xA5);
+    VertStatistics statistics;
+    bytes.resize(encoder->encode(at, lattice.spacing, bytes.data(), statistics));
+  };
+  std::vector<uint8_t> first, second;
+  encodeTo(first);
+  encodeTo(second);
+  REQUIRE(first == second);
+  const bool hasVertex = std::any_of(vertices.begin(), vertices.end(), [](const auto& v) { return isFinite(v.data()); });
+  REQUIRE(hasVertex == !first.empty());
+  if (first.empty()) return;
+  const ExactMemory exact(first.data(), first.size(), 16);
+  const VertHeader* block = (const VertHeader*)exact.get();
+  REQUIRE(VertValidation::errorOf(block, first.size()) == nullptr);
+  REQUIRE(((vertBytes(block) + 3) & ~3u) == first.size());
+  const auto decoded = std::make_unique<ScalarVertBlock>(block);
+  for (uint32_t v = 0; v < count; v++)
+    for (int k = 0; k < 3; k++)
+      REQUIRE(isFinite(vertices[v].data()) ? sameVertex(decoded->vertices[v][k], vertices[v][k]) : std::isnan(decoded->vertices[v][k]));
+}
+
+} // namespace
+} // namespace cbvh::test
+
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) { return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds); }
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+  ::cbvh::test::encode(data, size);
+  return 0;
+}

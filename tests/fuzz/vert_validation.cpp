@@ -1,0 +1,76 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Fuzz target: any bytes for a block of cVERT. Validation reads none but those, and what it passes decodes: scalar code and
+// the traversal's decoder stay within the block and what they may read behind it.
+
+#include "fuzz_support.h"
+
+#include "kernels/cbvh/vert/decoder.h"
+#include "kernels/cbvh/vert/encoder.h"
+#include "kernels/cbvh/vert/validate.h"
+#include "support/scalar_vert.h"
+
+#include <memory>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+using embree::isa::cbvh::VertDecoder;
+
+void decode(const VertHeader* block)
+{
+  const auto scalar = std::make_unique<ScalarVertBlock>(block);
+  const VertDecoder decoder(block);
+  auto boxes = std::make_unique<VertBoxes>();
+  decoder.decode(*boxes);
+  auto quads = std::make_unique<QuadCorners>();
+  for (uint32_t lane = 0; lane < 16; lane++)
+    if (boxes->lanes >> lane & 1) decoder.quads(*boxes, lane, *quads);
+}
+
+void writeSeeds(const std::string& folder)
+{
+  auto encoder = std::make_unique<VertEncoder>();
+  std::vector<uint8_t> bytes(VertEncoder::maxBytes);
+  int n = 0;
+  for (uint32_t quads : {1u, 4u, 7u, 16u})
+    for (bool isRawBlock : {false, true})
+      for (bool hasEdges : {false, true}) {
+        for (uint32_t v = 0; v < (quads + 1)*(quads + 1); v++) {
+          const uint32_t x = v % (quads + 1), y = v/(quads + 1);
+          encoder->vertices[v][0] = float(16*x);
+          encoder->vertices[v][1] = float(16*y);
+          encoder->vertices[v][2] = isRawBlock && v == 0 ? NAN : float(x*y % 5);
+        }
+        VertPlacement at(vertPlace(quads, quads, 0, 0), vertPatch(quads, quads));
+        if (hasEdges) at = VertPlacement(at.place, at.patchQuads, vertEdges(1, quads, quads, quads, 1, 5));
+        VertStatistics statistics;
+        const size_t size = encoder->encode(at, 1, bytes.data(), statistics);
+        REQUIRE(VertValidation::errorOf(bytes.data(), size) == nullptr);
+        REQUIRE(VertValidation::errorOf(bytes.data(), size - 4) != nullptr);
+        FILE* file = std::fopen((folder + "/" + std::to_string(n++)).c_str(), "wb");
+        REQUIRE(file && std::fwrite(bytes.data(), size, 1, file) == 1);
+        std::fclose(file);
+      }
+}
+
+} // namespace
+} // namespace cbvh::test
+
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) { return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds); }
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+  using namespace ::cbvh::test;
+  if (size == 0) return 0;
+  const ExactMemory bytes(data, size, 16);
+  if (VertValidation::errorOf(bytes.get(), size)) return 0;
+  REQUIRE(vertBytes((const VertHeader*)bytes.get()) <= size);
+  std::vector<uint8_t> longer(data, data + size);
+  longer.resize(size + readBehindVert);
+  const ExactMemory block(longer.data(), longer.size(), 16);
+  decode((const VertHeader*)block.get());
+  return 0;
+}
