@@ -18,6 +18,7 @@
  * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
 
 #include "../base/product.h"
+#include "../base/reciprocal.h"
 #include "format.h"
 #include "../../common/ray.h"
 
@@ -27,14 +28,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! of a component of a direction, whose largest is given; finite */
-      template<typename Real>
-      __forceinline Real reciprocal (const Real& d, const Real& largest)
-      {
-        const Real least = Real(1e-18f)*largest;
-        return Real(1.0f)/select(abs(d) < least,select(d < Real(0.0f),-least,least),d);
-      }
-
       /*! a ray, or the rays of a packet, for boxes */
       template<typename Real>
       struct VertRayAxes

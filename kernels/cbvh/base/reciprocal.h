@@ -1,0 +1,29 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Reciprocal of a component of a direction, by which distances to planes become distances along the ray. */
+
+#include "../../common/isa.h"
+#include "../../../common/simd/simd.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! What is less than 1e-18 of the largest component counts as that much: as of none is left out in a float, whatever the
+       *  direction's length. The result is neither 0 nor infinite nor denormal, so that its product with a distance is a number, also
+       *  where that is 0 or infinite. d and largest are finite. */
+      template<typename Real>
+      __forceinline Real reciprocal (const Real& d, const Real& largest)
+      {
+        const Real least = max(Real(1e-18f)*largest,Real(1.17549435e-38f));
+        const Real size = min(max(abs(d),least),Real(4.25352959e37f));
+        return Real(1.0f)/select(d < Real(0.0f),-size,size);
+      }
+    }
+  }
+}
