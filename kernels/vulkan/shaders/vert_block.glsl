@@ -238,7 +238,7 @@ CbvhShearedRay cbvhShearedRay (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay 
     dir += slope*ray.dir[k];
     sum += abs(slope)*(abs(along) + extent);
   }
-  sheared.rcp = cbvhReciprocal(dir, 1e-18*vert.largest);
+  sheared.rcp = cbvhReciprocal(dir, vert.largest);
   sheared.error = CBVH_SHEARED_SLACK_ULPS*floatUlp*sum;
   return sheared;
 }
@@ -315,8 +315,6 @@ bool cbvhMeetsRawGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, f
 
 bool cbvhIsInside (float a, float b, float c) { return min(a, min(b, c)) >= 0.0 || max(a, max(b, c)) <= 0.0; }
 bool cbvhIsWithin (float a, float b, float c) { return min(a, min(b, c)) > 0.0 || max(a, max(b, c)) < 0.0; }
-
-bool cbvhIsFinite (vec3 v) { return all(lessThan(floatBitsToUint(v) & uvec3(0x7FFFFFFFu), uvec3(0x7F800000u))); }
 
 /* Quads of a group whose triangles may have the ray's line in them: bit 2q + 0 or 1 of quad q. */
 uint cbvhTriangles (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy)
@@ -482,7 +480,7 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
   vert.shear = cbvhShear(ray.dir);
   vec3 size = abs(ray.dir);
   vert.largest = max(size.x, max(size.y, size.z));
-  for (int k = 0; k < 3; k++) vert.rcp[k] = cbvhReciprocal(ray.dir[k], 1e-18*vert.largest);
+  for (int k = 0; k < 3; k++) vert.rcp[k] = cbvhReciprocal(ray.dir[k], vert.largest);
 
   bool isRawBlock = isRaw(block.boxForm);
   float extent = float(maxExtent)*block.spacing;
