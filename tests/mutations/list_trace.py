@@ -330,7 +330,7 @@ WALK = (
     edit(
         "packets: inactive rays are traced",
         "intersectorK.cpp",
-        "(mask == vint<K>(-1)) & (rays.tnear() <= rays.tfar)",
+        "(mask == vint<K>(-1)) & cbvh::mayHit(rays)",
         "(mask == vint<K>(-1))",
         "rays with tnear behind tfar hit",
         "scene_features *PacketsLeaveRaysAlone*",

@@ -4,6 +4,7 @@
 /* The same rays have the same hits on the device as on the processor: every representation on
  * cages of every sort, and what surrounds surfaces in a scene. */
 
+#include "support/odd_rays.h"
 #include "vulkan_tracer.h"
 
 #include <algorithm>
@@ -280,6 +281,58 @@ TEST_F(VulkanHits, AreBetweenTnearAndTfar)
     EXPECT_LE(sum.otherHit, 1u) << kindName(kind);
     EXPECT_LE(sum.otherPlace, 2u) << kindName(kind);
     EXPECT_EQ(sum.otherAny, 0u) << kindName(kind);
+  }
+}
+
+TEST_F(VulkanHits, OfRaysThatAreNotFiniteAreNone)
+{
+  for (RTCCompression kind : allKinds) {
+    const SurfaceScene scene(embree, cubeCage(), settings(kind));
+    const VulkanScene onDevice = newVulkanScene(device, scene);
+    ASSERT_NE(onDevice, nullptr) << embree.message;
+    std::vector<RTCRayHit> rays = raysAt(random, 4096);
+    for (size_t i = 0; i < rays.size(); i += 2) spoil(rays[i].ray, random);
+    std::vector<RTCRayHit> found = rays;
+    std::vector<RTCRay> any;
+    for (const RTCRayHit& ray : rays) any.push_back(ray.ray);
+    intersectOnDevice(onDevice, found);
+    occludedOnDevice(onDevice, any);
+    for (size_t i = 0; i < rays.size(); i += 2) {
+      ASSERT_EQ(std::memcmp(&found[i], &rays[i], sizeof(RTCRayHit)), 0) << kindName(kind) << ", ray " << i;
+      ASSERT_EQ(std::memcmp(&any[i], &rays[i].ray, sizeof(RTCRay)), 0) << kindName(kind) << ", any hit, ray " << i;
+    }
+    size_t others = 0;
+    for (size_t i = 1; i < rays.size(); i += 2) others += isHit(found[i]) != isHit(intersect(scene, rays[i])) || (any[i].tfar < 0) != isHit(found[i]);
+    EXPECT_LE(others, 1u) << kindName(kind);
+  }
+}
+
+// From inside of a closed surface: all hit, but for those that GRID's triangles let through at their edges.
+TEST_F(VulkanHits, OfDirectionsOfEveryLengthAreTheSame)
+{
+  for (RTCCompression kind : allKinds) {
+    AllVertices recorder;
+    Scene scene(embree);
+    recorder.build(embree, scene, cubeCage(), settings(kind, 32));
+    const VulkanScene onDevice = newVulkanScene(device, scene);
+    ASSERT_NE(onDevice, nullptr) << embree.message;
+    const std::vector<RTCRayHit> rays = raysBesideVertices(random, recorder.taken(), 4096);
+    std::vector<RTCRayHit> ofUnitLength = rays;
+    intersectOnDevice(onDevice, ofUnitLength);
+    for (int exponent : oddExponents) {
+      std::vector<RTCRayHit> found = withDirections(rays, std::ldexp(1.0f, exponent));
+      std::vector<RTCRay> any;
+      for (const RTCRayHit& ray : found) any.push_back(ray.ray);
+      intersectOnDevice(onDevice, found);
+      occludedOnDevice(onDevice, any);
+      size_t leaks = 0, others = 0;
+      for (size_t i = 0; i < rays.size(); i++) {
+        leaks += !isHit(found[i]) && kind != RTC_COMPRESSION_NONE && kind != RTC_COMPRESSION_GRID;
+        others += isHit(found[i]) != isHit(ofUnitLength[i]) || isHit(found[i]) != (any[i].tfar < 0);
+      }
+      EXPECT_EQ(leaks, 0u) << kindName(kind) << ", length 2^" << exponent;
+      EXPECT_EQ(others, 0u) << kindName(kind) << ", length 2^" << exponent;
+    }
   }
 }
 

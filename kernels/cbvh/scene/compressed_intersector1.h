@@ -43,29 +43,35 @@ namespace embree
         if (cbvh::intersectBlock(type,ray,context,pre.block,pre.vert,prim,found)) return found;
         return SubdivPatch1Intersector1::occluded(This,pre,ray,context,(const GridSOA*)prim,type,tray,lazyNode);
       }
-
-      /*! point queries do not see subdivision surfaces, as in Embree */
-      template<int N>
-      static __forceinline bool pointQuery (const Accel::Intersectors*, PointQuery*, PointQueryContext*, const Primitive*, size_t, const TravPointQuery<N>&, size_t&) {
-        return false;
-      }
     };
 
-    /*! any hit and point queries are Embree's */
-    struct CompressedSubdivTraversal1 : public BVHNIntersector1<4,BVH_AN1,true,CompressedSubdivIntersector1>
+    struct CompressedSubdivTraversal1
     {
       static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        if (bvh->root == BVH4::emptyNode) return;
-#if defined(EMBREE_IGNORE_INVALID_RAYS)
-        if (!ray.valid()) return;
-#endif
+        if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::mayHit(ray))) return;
         const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
         Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::Precalculations(ray,bvh),isFiltered };
         cbvh::traverseClosestHit1(bvh->root,ray,leaves);
         ray.tfar = leaves.pre.block.nearest.end(ray.tfar);
       }
+
+      static void occluded (const Accel::Intersectors* This, Ray& ray, IntersectContext* context)
+      {
+        const BVH4* bvh = (const BVH4*)This->ptr;
+        if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::mayHit(ray))) return; // before 0: it has ended
+        CompressedSubdivIntersector1::Precalculations pre(ray,bvh);
+        const bool isOccluded = cbvh::traverseAnyHit1(bvh->root,ray,[&](BVH4::NodeRef leaf, const TravRay<4,true>& tray, size_t& lazyNode) {
+            size_t type;
+            const void* prim = leaf.leaf(type);
+            return CompressedSubdivIntersector1::occluded(This,pre,ray,context,prim,type,tray,lazyNode);
+          });
+        if (isOccluded) ray.tfar = neg_inf;
+      }
+
+      /*! point queries do not see subdivision surfaces, as in Embree */
+      static bool pointQuery (const Accel::Intersectors*, PointQuery*, PointQueryContext*) { return false; }
 
     private:
       struct Leaves

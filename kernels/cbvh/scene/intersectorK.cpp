@@ -110,14 +110,7 @@ namespace embree
         vbool<K> ended; //!< rays that any hit ended
       };
 
-      static __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays)
-      {
-        vbool<K> valid = (mask == vint<K>(-1)) & (rays.tnear() <= rays.tfar);
-#if defined(EMBREE_IGNORE_INVALID_RAYS)
-        valid &= rays.valid();
-#endif
-        return valid;
-      }
+      static __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays) { return (mask == vint<K>(-1)) & cbvh::mayHit(rays); }
 
       /*! traces rays that go one way */
       template<typename Rays>
@@ -127,7 +120,7 @@ namespace embree
         const BVH4::NodeRef root = ((const BVH4*)This->ptr)->root;
         if (!context->isCoherent() || root == BVH4::emptyNode) return traced;
         CompressedSubdivLeavesK<K,Rays> leaves(valid,This,rays,context);
-        TravRayK<K,true> tray(rays.org,rays.dir,4);
+        cbvh::TopLevelRays<K> tray(valid,rays);
         uint32_t descends[3], alone = 0;
         for (int axis=0; axis<3; axis++) descends[axis] = uint32_t(movemask(tray.rdir[axis] < vfloat<K>(zero)));
         for (uint32_t rest=traced.alone; rest;)

@@ -8,6 +8,7 @@
  * meets, and hit what sticks out of bounds that they miss (framed/block_bounds.h). Here a ray comes to blocks
  * whose bounds it meets, and they are told where, as top_level1.h does: its hits are those of a single ray. */
 
+#include "top_level_ray.h"
 #include "../../bvh/bvh_intersector_hybrid.h"
 #include "../../bvh/node_intersector_frustum.h"
 

@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Traversal of the top-level BVH by one ray for the closest hit: Embree's, and it tells a leaf where the ray
- * enters its bounds, so that it does not matter in what order blocks are met (nearest_hit.h). */
+/* Traversal of the top-level BVH by one ray: Embree's, by rays of top_level_ray.h. For the closest hit it tells a leaf where
+ * the ray enters its bounds, so that it does not matter in what order blocks are met (nearest_hit.h). */
 
+#include "top_level_ray.h"
 #include "../../bvh/bvh_intersector1.cpp"
 
 namespace embree
@@ -54,7 +55,7 @@ namespace embree
         typedef BVH4::NodeRef NodeRef;
         typedef StackItemT<NodeRef> Entry;
 
-        TravRay<4,true> tray(ray.org,ray.dir,max(ray.tnear(),0.0f),max(ray.tfar,0.0f));
+        TopLevelRay tray(ray);
         Entry stack[1+3*BVH4::maxDepth+3]; // it is written 16 wide
         Entry* top = stack+1;
         stack[0].ptr = root;
@@ -89,6 +90,35 @@ namespace embree
             top++;
           }
         }
+      }
+
+      /*! Whether a ray hits anything. isOccluded(leaf, tray, lazyNode): in a leaf, or at once; lazyNode as above. */
+      template<typename IsOccluded>
+      __forceinline bool traverseAnyHit1 (BVH4::NodeRef root, const Ray& ray, const IsOccluded& isOccluded)
+      {
+        typedef BVH4::NodeRef NodeRef;
+
+        const TopLevelRay tray(ray);
+        NodeRef stack[1+3*BVH4::maxDepth];
+        NodeRef* top = stack;
+        *top++ = root;
+        while (top != stack)
+        {
+          NodeRef cur = *--top;
+          size_t mask = 1;
+          while (!cur.isLeaf())
+          {
+            vfloat4 distances;
+            mask = intersectNodeRobust<4>(cur.getAABBNode(),tray,distances);
+            if (unlikely(mask == 0)) break;
+            BVHNNodeTraverser1Hit<4,BVH_AN1>::traverseAnyHit(cur,mask,distances,top,stack+sizeof(stack)/sizeof(NodeRef));
+          }
+          if (unlikely(mask == 0)) continue;
+          size_t lazyNode = 0;
+          if (isOccluded(cur,tray,lazyNode)) return true;
+          if (unlikely(lazyNode)) *top++ = NodeRef(lazyNode);
+        }
+        return false;
       }
     }
   }

@@ -28,7 +28,7 @@ namespace embree
           ShearedCoordinate<Real> along = noShearedCoordinate<Real>();
           for (int k=0; k<3; k++) along = addSheared(along,ray.org[k],ray.dir[k],axes.origin[k],axes.extent[k],axes.shear[k]);
           org = along.org;
-          rcp = boxReciprocal(along.dir,ray.largest);
+          rcp = directionReciprocal(along.dir,ray.largest);
           error = shearedSlack(along.size);
         }
       };

@@ -29,7 +29,7 @@ namespace embree
           org[0] = o.x; org[1] = o.y; org[2] = o.z;
           dir[0] = d.x; dir[1] = d.y; dir[2] = d.z;
           largest = max(max(abs(dir[0]),abs(dir[1])),abs(dir[2]));
-          for (int k=0; k<3; k++) rcp[k] = boxReciprocal(dir[k],largest);
+          for (int k=0; k<3; k++) rcp[k] = directionReciprocal(dir[k],largest);
         }
       };
 

@@ -29,6 +29,7 @@
 #define CBVH_VERT_RULE_H
 
 #include "format.h"
+#include "../base/reciprocal.h"
 
 CBVH_BEGIN
 
@@ -44,13 +45,6 @@ CBVH_CONSTANT float shearedSlackUlps = 16.0f;
 /*! what is to be added to planes of a world axis; extent: of the block from its origin, at least */
 CBVH_REAL CBVH_INLINE Real boxSlack (Real org, float origin, float extent) {
   return Real(slackUlps*floatUlp)*(magnitude(Real(origin)-org) + Real(extent));
-}
-
-/*! reciprocal of a component of a direction whose largest is given; finite */
-CBVH_REAL CBVH_INLINE Real boxReciprocal (Real d, Real largest)
-{
-  Real least = Real(1e-18f)*largest;
-  return Real(1.0f)/choose(magnitude(d) < least,choose(d < Real(0.0f),-least,least),d);
 }
 
 /*! a ray along the sheared coordinate of a block's boxes, from the block's origin */

@@ -85,7 +85,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   hit.u = hit.v = 0.0;
   hit.Ng = vec3(0.0);
   hit.primID = hit.geomID = hit.instID = CBVH_NONE;
-  if (!(worldRay.tnear <= worldRay.tfar) || !(worldRay.tfar >= 0.0)) return false;
+  if (!cbvhMayHit(worldRay)) return false;
 
   SceneData scene = CbvhSceneAt(address).scene;
   CbvhNodes nodes = CbvhNodes(scene.nodes);
@@ -128,12 +128,14 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
           vec3 x = vec3(m[0], m[1], m[2]), y = vec3(m[3], m[4], m[5]), z = vec3(m[6], m[7], m[8]);
           local.origin = x*worldRay.origin.x + (y*worldRay.origin.y + (z*worldRay.origin.z + vec3(m[9], m[10], m[11])));
           local.direction = x*worldRay.direction.x + (y*worldRay.direction.y + z*worldRay.direction.z);
-          ray = cbvhTravel(local);
-          ray.instID = geomID;
-          ray.firstGeometry = instance.firstGeometry;
-          instanceTop = top;
-          current = instance.root;
-          continue;
+          if (cbvhMayHit(local)) {
+            ray = cbvhTravel(local);
+            ray.instID = geomID;
+            ray.firstGeometry = instance.firstGeometry;
+            instanceTop = top;
+            current = instance.root;
+            continue;
+          }
         }
       }
       else if (cbvhTraceLeaf(scene, ray, current, anyHit, hit, framed, nearest)) {

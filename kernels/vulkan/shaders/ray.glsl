@@ -10,7 +10,8 @@
 #include "../../cbvh/framed/local_ray.h"
 
 /* As RTCRay: tnear and tfar in units of the direction, which need not be of length 1; a ray whose
- * tnear is not at most tfar hits nothing. mask: geometries whose mask shares a bit are seen. */
+ * tnear is not at most tfar, or whose origin or direction is not finite, hits nothing. mask: geometries
+ * whose mask shares a bit are seen. */
 struct CbvhRay
 {
   vec3 origin;
@@ -44,10 +45,22 @@ struct CbvhTravel
   uint firstGeometry;
 };
 
-/* Reciprocal of a component of a direction: finite, and of the sign of its zero. */
-float cbvhReciprocal (float d, float least)
+/* Reciprocal of a component of a direction, whose largest is given, as in kernels/cbvh/base/reciprocal.h, but of the
+ * sign of its zero. */
+float cbvhReciprocal (float d, float largest)
 {
-  return 1.0/(abs(d) < least ? (floatBitsToUint(d) >> 31 != 0u ? -least : least) : d);
+  float size = min(max(abs(d), max(1e-18*largest, 1.17549435e-38)), 4.25352959e37);
+  return 1.0/(floatBitsToUint(d) >> 31 != 0u ? -size : size);
+}
+
+bool cbvhIsFinite (vec3 v) { return all(lessThan(floatBitsToUint(v) & uvec3(0x7FFFFFFFu), uvec3(0x7F800000u))); }
+bool cbvhIsNumber (float x) { return (floatBitsToUint(x) & 0x7FFFFFFFu) <= 0x7F800000u; }
+
+/* Whether a ray may hit anything. By bits: shaders are compiled as if nothing were infinite or no number. */
+bool cbvhMayHit (CbvhRay ray)
+{
+  return cbvhIsFinite(ray.origin) && cbvhIsFinite(ray.direction) && cbvhIsNumber(ray.tnear) && cbvhIsNumber(ray.tfar) &&
+         ray.tnear <= ray.tfar && ray.tfar >= 0.0;
 }
 
 CbvhTravel cbvhTravel (CbvhRay ray)
@@ -55,7 +68,9 @@ CbvhTravel cbvhTravel (CbvhRay ray)
   CbvhTravel travel;
   travel.org = ray.origin;
   travel.dir = ray.direction;
-  for (int k = 0; k < 3; k++) travel.rcp[k] = cbvhReciprocal(ray.direction[k], 1e-18); // as Embree's rcp_safe
+  vec3 size = abs(ray.direction);
+  float largest = max(size.x, max(size.y, size.z));
+  for (int k = 0; k < 3; k++) travel.rcp[k] = cbvhReciprocal(ray.direction[k], largest);
   travel.tnear = travel.enter = max(ray.tnear, 0.0);
   travel.tfar = ray.tfar;
   travel.mask = ray.mask;

@@ -215,7 +215,7 @@ CbvhShearedRay cbvhShearedRay (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay 
     float shear = i == 0 ? 1.0 : float(shearSlope(block.boxForm, i))*(1.0/16.0);
     along = addSheared(along, ray.org[k], ray.dir[k], block.origin[k], extent, shear);
   }
-  return CbvhShearedRay(along.org, boxReciprocal(along.dir, vert.largest), shearedSlack(along.size));
+  return CbvhShearedRay(along.org, directionReciprocal(along.dir, vert.largest), shearedSlack(along.size));
 }
 
 void cbvhClip (inout float tNear, inout float tFar, float lower, float upper, float rcp)
@@ -287,8 +287,6 @@ bool cbvhMeetsRawGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, f
 /* --- triangles ------------------------------------------------------------------------- */
 
 float cbvhSide (vec2 a, vec2 b) { return edgeSide(a.x, a.y, b.x, b.y); }
-
-bool cbvhIsFinite (vec3 v) { return all(lessThan(floatBitsToUint(v) & uvec3(0x7FFFFFFFu), uvec3(0x7F800000u))); }
 
 /* Quads of a group whose triangles may have the ray's line in them: bit 2q + 0 or 1 of quad q. */
 uint cbvhTriangles (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy)
@@ -412,7 +410,7 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
   vert.shear = cbvhShear(ray.dir);
   vec3 size = abs(ray.dir);
   vert.largest = max(size.x, max(size.y, size.z));
-  for (int k = 0; k < 3; k++) vert.rcp[k] = boxReciprocal(ray.dir[k], vert.largest);
+  for (int k = 0; k < 3; k++) vert.rcp[k] = directionReciprocal(ray.dir[k], vert.largest);
 
   bool isRawBlock = isRaw(block.boxForm);
   float extent = float(maxExtent)*block.spacing;
