@@ -103,7 +103,7 @@ namespace embree
         if (kind != plan.kind()) statistics.quadsForHoles += quads;
         statistics.merge(ofPatch);
         hitBounds.extend(hitBoundsOfPatch);
-        place(kind,count,stride,out);
+        place(count,stride,out);
         return count;
       }
 
@@ -172,7 +172,7 @@ namespace embree
 
       /*! Copies blocks to memory of the BVH's. One piece a patch: small pieces cost the allocator's rounding
        *  each; several for a large patch, as it takes none above 2 MiB. */
-      void place (cbvh::Kind kind, size_t count, size_t stride, PrimRef* out)
+      void place (size_t count, size_t stride, PrimRef* out)
       {
         const size_t piece = max(maxPieceBytes/stride,size_t(1));
         for (size_t begin=0; begin<count; begin+=piece)
@@ -182,7 +182,7 @@ namespace embree
           memcpy(memory,(const char*)encoded.data()+begin*stride,size);
           for (size_t i=begin; i<min(begin+piece,count); i++)
             if (out[i].ID() == placedLater)
-              out[i] = PrimRef(out[i].bounds(),size_t(BVH4::encodeTypedLeaf(memory+(i-begin)*stride,cbvh::blockType(uint32_t(kind)))));
+              out[i] = PrimRef(out[i].bounds(),size_t(BVH4::encodeTypedLeaf(memory+(i-begin)*stride,cbvh::FRAMED_BLOCK)));
         }
       }
 
@@ -236,7 +236,7 @@ namespace embree
           cbvh::Block* memory = (cbvh::Block*)alloc.malloc1(exact.layout.stride,cbvh::blockAlignment);
           const PrimRef prim = buildBlock(patch,exact,memory,ofPatch,hitBoundsOfPatch);
           if (isDropped(prim)) return prim;
-          return PrimRef(prim.bounds(),size_t(BVH4::encodeTypedLeaf(memory,cbvh::blockType(cbvh::kindGrid))));
+          return PrimRef(prim.bounds(),size_t(BVH4::encodeTypedLeaf(memory,cbvh::FRAMED_BLOCK)));
         }
 
         cbvh::BlockStatistics blockStatistics;

@@ -95,7 +95,7 @@ namespace embree
           if (size) memcpy(memory,bytes.data()+starts[begin],size);
           for (size_t i=begin; i<end; i++)
             if (out[i].ID() != 0)
-              out[i] = PrimRef(out[i].bounds(),size_t(BVH4::encodeTypedLeaf(memory+(starts[i]-starts[begin]),cbvh::blockType(cbvh::kindVert))));
+              out[i] = PrimRef(out[i].bounds(),size_t(BVH4::encodeTypedLeaf(memory+(starts[i]-starts[begin]),cbvh::VERT_BLOCK)));
           begin = end;
         }
       }
