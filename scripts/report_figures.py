@@ -14,6 +14,8 @@ import matplotlib.image  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.ticker import FuncFormatter, Locator, NullLocator  # noqa: E402
 
+from report_data import KINDS  # noqa: E402
+
 # Okabe and Ito's, told apart by colour-blind readers as well.
 KIND_COLOURS = {
     "NAIVE": "#999999",
@@ -65,9 +67,8 @@ def themed(draw, width=4.6, height=3.5, rows=1, columns=1):
 
 
 def sort_key(label):
-    order = ["NAIVE", "GRID", "cGRID", "cVOXEL", "cLEAF", "cVERT"]
     kind, _, frame = label.partition("^")
-    return (order.index(kind) if kind in order else 99, frame)
+    return (KINDS.index(kind) if kind in KINDS else 99, frame)
 
 
 def math_label(label):

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What the tools throw. A program catches it once, in main, and prints what() as
+/* What the tools throw. A program catches it once, in runProgram, and prints what() as
  * one line on stderr, so a message names the file or argument and its value. */
 
 #include <stdexcept>

@@ -99,7 +99,7 @@ void captureVertices(const Model& model, const BuildSettings& settings, std::vec
 void validateBuild(const BuildSettings& settings)
 {
   if (settings.level < 0 || settings.level > maxLevel)
-    throw Error("--level " + std::to_string(settings.level) + " is out of range, 0 to " + std::to_string(maxLevel));
+    throw Error("--level " + std::to_string(settings.level) + " is out of range, " + levelRange());
   if (settings.threads < 0)
     throw Error("--threads must not be negative");
   if (!std::set<std::string>{"", "sse2", "sse4.2", "avx", "avx2", "avx512"}.count(settings.isa))

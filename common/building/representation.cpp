@@ -4,6 +4,8 @@
 #include "building/representation.h"
 #include "basics/error.h"
 
+#include "kernels/cbvh/base/kinds.h"
+
 #include <algorithm>
 #include <cctype>
 
@@ -13,24 +15,34 @@ namespace {
 struct Names
 {
   RepresentationKind kind;
-  const char* word;   // command line, file names
-  const char* label;  // tables
-  const char* accel;  // device string
-  RTCCompression compression;
+  std::string word;   // command line, file names
+  std::string label;  // tables
+  std::string accel;  // device string
+  bool hasFrames;
 };
 
-constexpr Names names[] = {
-  {RepresentationKind::Naive, "naive", "NAIVE", "", RTC_COMPRESSION_NONE},
-  {RepresentationKind::Grid, "grid", "GRID", "bvh4.grid.eager", RTC_COMPRESSION_NONE},
-  {RepresentationKind::CGrid, "cgrid", "cGRID", "cbvh.grid", RTC_COMPRESSION_GRID},
-  {RepresentationKind::CVoxel, "cvoxel", "cVOXEL", "cbvh.voxel", RTC_COMPRESSION_VOXEL},
-  {RepresentationKind::CLeaf, "cleaf", "cLEAF", "cbvh.leaf", RTC_COMPRESSION_LEAF},
-  {RepresentationKind::CVert, "cvert", "cVERT", "cbvh.vert", RTC_COMPRESSION_VERT},
-};
+std::vector<Names> makeNames()
+{
+  std::vector<Names> names = {{RepresentationKind::Naive, "naive", "NAIVE", "", false},
+                              {RepresentationKind::Grid, "grid", "GRID", "bvh4.grid.eager", false}};
+  for (const embree::cbvh::KindDescription& kind : embree::cbvh::kindDescriptions)
+  {
+    const std::string key = kind.key;
+    names.push_back({RepresentationKind(kind.compression()), "c" + key, kind.name, "cbvh." + key, kind.hasFrame()});
+  }
+  return names;
+}
+
+const std::vector<Names>& allNames()
+{
+  static const std::vector<Names> names = makeNames();
+  return names;
+}
 
 const Names& namesOf(RepresentationKind kind)
 {
-  return names[size_t(kind)];
+  const std::vector<Names>& names = allNames();
+  return *std::find_if(names.begin(), names.end(), [=](const Names& n) { return n.kind == kind; });
 }
 
 std::string frameLevelText(int frameLevel)
@@ -39,6 +51,47 @@ std::string frameLevelText(int frameLevel)
 }
 
 } // namespace
+
+const int maxLevel = int(embree::cbvh::maxLevel);
+
+const std::vector<RepresentationKind>& representationKinds()
+{
+  static const std::vector<RepresentationKind> kinds = [] {
+    std::vector<RepresentationKind> all;
+    for (const Names& names : allNames())
+      all.push_back(names.kind);
+    return all;
+  }();
+  return kinds;
+}
+
+const std::string& labelOf(RepresentationKind kind)
+{
+  return namesOf(kind).label;
+}
+
+const std::string& wordOf(RepresentationKind kind)
+{
+  return namesOf(kind).word;
+}
+
+std::string listOfRepresentations(const std::string& between, const std::string& last)
+{
+  std::string list;
+  for (const Names& names : allNames())
+    list += (list.empty() ? "" : &names == &allNames().back() ? last : between) + names.word;
+  return list;
+}
+
+std::string levelRange()
+{
+  return "0 to " + std::to_string(maxLevel);
+}
+
+bool Representation::hasFrames() const
+{
+  return namesOf(kind).hasFrames;
+}
 
 std::string Representation::label() const
 {
@@ -52,7 +105,7 @@ std::string Representation::fileStem() const
 
 RTCCompression Representation::compression() const
 {
-  return namesOf(kind).compression;
+  return kind == RepresentationKind::Naive || kind == RepresentationKind::Grid ? RTC_COMPRESSION_NONE : RTCCompression(kind);
 }
 
 std::string Representation::deviceConfig() const
@@ -60,7 +113,7 @@ std::string Representation::deviceConfig() const
   /* GRID is asked for by name: EMBREE_CBVH may say otherwise. */
   if (kind == RepresentationKind::Naive)
     return "";
-  std::string config = std::string("subdiv_accel=") + namesOf(kind).accel;
+  std::string config = "subdiv_accel=" + namesOf(kind).accel;
   if (hasFrames())
     config += ",cbvh_frame_level=" + frameLevelText(frameLevel);
   return config;
@@ -72,7 +125,7 @@ int parseFrameLevel(const std::string& text)
     return autoFrameLevel;
   if (text.size() == 1 && text[0] >= '0' && text[0] <= '0' + maxLevel)
     return text[0] - '0';
-  throw Error("frame level '" + text + "' is neither auto nor 0 to " + std::to_string(maxLevel));
+  throw Error("frame level '" + text + "' is neither auto nor " + levelRange());
 }
 
 std::vector<Representation> parseRepresentations(const std::string& list, int defaultFrameLevel)
@@ -88,9 +141,10 @@ std::vector<Representation> parseRepresentations(const std::string& list, int de
     std::string name = word.substr(0, mark);
     for (char& c : name)
       c = char(std::tolower(static_cast<unsigned char>(c)));
-    const auto found = std::find_if(std::begin(names), std::end(names), [&](const Names& n) { return name == n.word; });
-    if (found == std::end(names))
-      throw Error("unknown representation '" + word + "', known are naive, grid, cgrid, cvoxel, cleaf and cvert");
+    const std::vector<Names>& names = allNames();
+    const auto found = std::find_if(names.begin(), names.end(), [&](const Names& n) { return name == n.word; });
+    if (found == names.end())
+      throw Error("unknown representation '" + word + "', known are " + listOfRepresentations(", ", " and "));
 
     Representation r{found->kind, defaultFrameLevel};
     if (mark != std::string::npos)

@@ -15,26 +15,41 @@ namespace cbvh {
 
 enum class RepresentationKind
 {
-  Naive,  // two indexed triangles a quad in stock Embree's triangle BVH
-  Grid,   // stock Embree's vertex grids
-  CGrid,  // compressed nodes, full-precision vertices
-  CVoxel, // compressed nodes, the leaf box is the surface
-  CLeaf,  // compressed nodes, shared heights
-  CVert,  // GRID's own triangles over vertices on a lattice
+  Naive, // two indexed triangles a quad in stock Embree's triangle BVH
+  Grid,  // stock Embree's vertex grids
+  /* the library's kinds: names and properties are those of its table, kernels/cbvh/base/kinds.h */
+  CGrid = RTC_COMPRESSION_GRID,
+  CVoxel = RTC_COMPRESSION_VOXEL,
+  CLeaf = RTC_COMPRESSION_LEAF,
+  CVert = RTC_COMPRESSION_VERT,
 };
 
+/* All of them, as lists have them. */
+const std::vector<RepresentationKind>& representationKinds();
+
+/* In tables: "cLEAF". On command lines: "cleaf". */
+const std::string& labelOf(RepresentationKind kind);
+const std::string& wordOf(RepresentationKind kind);
+
+/* The words of all, for help texts and defaults: "naive, grid, ...". last: in front of the last one. */
+std::string listOfRepresentations(const std::string& between, const std::string& last);
+inline std::string listOfRepresentations(const std::string& between) { return listOfRepresentations(between, between); }
+
 constexpr int autoFrameLevel = -1;
-constexpr int maxLevel = 8;
+extern const int maxLevel; // of tessellation and of frames: the library's
+
+/* For help texts: "0 to 8". */
+std::string levelRange();
 
 struct Representation
 {
   RepresentationKind kind = RepresentationKind::Grid;
-  int frameLevel = 2; // 0..8 or autoFrameLevel; NAIVE, GRID and cVERT ignore it
+  int frameLevel = 2; // 0 to maxLevel or autoFrameLevel; ignored where there are no frames
 
-  bool isCompressed() const { return kind != RepresentationKind::Naive && kind != RepresentationKind::Grid; }
+  bool isCompressed() const { return compression() != RTC_COMPRESSION_NONE; }
 
   /* Whether blocks have frames, and so a level at which these start. */
-  bool hasFrames() const { return isCompressed() && kind != RepresentationKind::CVert; }
+  bool hasFrames() const;
 
   /* As in the paper: "cLEAF^2". */
   std::string label() const;
@@ -54,7 +69,7 @@ struct Representation
  * the offending word; each may occur once. */
 std::vector<Representation> parseRepresentations(const std::string& list, int defaultFrameLevel);
 
-/* Reads "auto" or 0..8. Throws Error. */
+/* Reads "auto" or 0 to maxLevel. Throws Error. */
 int parseFrameLevel(const std::string& text);
 
 } // namespace cbvh

@@ -59,6 +59,15 @@ inline void requireNotNegative(const std::string& option, float value)
     throw Error(option + " must be finite and not negative");
 }
 
+/* --level and --frame-level. */
+inline void addLevelOptions(CLI::App& app, int& level, std::string& frameLevel)
+{
+  app.add_option("--level", level, "tessellation level, " + levelRange() + ": 2^L x 2^L quads a face")
+    ->type_name("L")->capture_default_str();
+  app.add_option("--frame-level", frameLevel, "frame level, at which local frames start: " + levelRange() + ", or auto")
+    ->type_name("N")->capture_default_str();
+}
+
 /* Values of --representation and --frame-level. Throws Error that names the options, or, before any work is
  * done, the library that is loaded where it cannot compress. */
 inline std::vector<Representation> parseRepresentationOptions(const std::string& list, const std::string& frameLevel)

@@ -125,7 +125,7 @@ struct RTCVulkanSceneStatistics
 {
   size_t deviceBytes;       /* of the device's memory, everything included */
   size_t importedBytes;     /* of the host's memory, used in place */
-  size_t topLevelBytes;     /* of the tree above blocks */
+  size_t topLevelBytes;     /* of the tree above blocks, and of their addresses */
   size_t numNodes, numBlocks, numGeometries, numInstances;
   unsigned int stackSize;   /* entries that a ray may need: what a shader defines as CBVH_STACK, at least */
 };

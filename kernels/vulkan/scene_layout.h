@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* A scene in the memory of a Vulkan device, as C++ writes and GLSL reads it. Everything is found
- * from the address of a SceneData. Blocks lie in pages, byte for byte as kernels/cbvh builds them. */
+ * from the address of a SceneData. Blocks lie in memory byte for byte as kernels/cbvh builds them. */
 
 #ifndef CBVH_SCENE_LAYOUT_H
 #define CBVH_SCENE_LAYOUT_H
@@ -17,21 +17,14 @@
 
 CBVH_BEGIN
 
-/* The index of a reference to a block is its place in units of 16 bytes: a page, and an offset in
- * it. Pages are parts of buffers, so that a block may reach into the next page of its buffer. */
-CBVH_CONSTANT uint32_t pageShift = 16u;
-CBVH_CONSTANT uint32_t pageMask = 0xFFFFu;
-CBVH_CONSTANT uint32_t pageUnit = 16u;   //!< bytes
-CBVH_CONSTANT uint32_t maxPages = 8192u; //!< referenceMask/pageMask, rounded up
-
 /*! bytes of a node: four lower and four upper planes an axis, four references */
 CBVH_CONSTANT uint32_t nodeBytes = 112u;
 
 struct SceneData
 {
   CBVH_ADDRESS nodes;
-  CBVH_ADDRESS pages;        //!< addresses of pages
-  CBVH_ADDRESS cells;        //!< two words each: of GRID the place of a grid and a vertex, of triangles geomID and primID
+  CBVH_ADDRESS blocks;       //!< addresses of blocks and of grids of GRID, aligned to blockAlignment
+  CBVH_ADDRESS cells;        //!< two words each: of GRID the index of a grid in blocks and a vertex, of triangles geomID and primID
   CBVH_ADDRESS geometries;   //!< GeometryData
   uint32_t root;             //!< reference
   float lower[3], upper[3];  //!< bounds of all that is traced

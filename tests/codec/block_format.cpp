@@ -143,7 +143,7 @@ TEST(BlockFormat, SizesAreThoseOfThePage)
     unsigned height, bytes[3];
     if (std::sscanf(line.c_str(), "| %u | %u | %u | %u |", &height, bytes, bytes + 1, bytes + 2) != 4) continue;
     EXPECT_EQ(height, rows++);
-    for (uint32_t kind = 0; kind < numFramedKinds; kind++) EXPECT_EQ(bytes[kind], blockLayout(kind, height).bytes) << line;
+    for (uint32_t kind = 0; kind < numKindFormats; kind++) EXPECT_EQ(bytes[kind], blockLayout(kind, height).bytes) << line;
   }
   EXPECT_EQ(rows, maxLevel + 1);
 }

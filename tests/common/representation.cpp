@@ -22,6 +22,33 @@ TEST(Representation, ListsTakeFrameLevelsOfTheirOwn)
   EXPECT_EQ(list[5].deviceConfig(), "subdiv_accel=cbvh.leaf,cbvh_frame_level=auto");
 }
 
+TEST(Representation, ListsAreOfTheLibrarysKinds)
+{
+  EXPECT_EQ(listOfRepresentations(",", " or "), "naive,grid,cgrid,cvoxel,cleaf or cvert");
+  const auto list = parseRepresentations(listOfRepresentations(","), autoFrameLevel);
+  const std::vector<RTCCompression> compressions = {RTC_COMPRESSION_NONE,  RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID,
+                                                    RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
+  const std::vector<std::string> labels = {"NAIVE", "GRID", "cGRID^auto", "cVOXEL^auto", "cLEAF^auto", "cVERT"};
+  ASSERT_EQ(list.size(), labels.size());
+  for (size_t i = 0; i < list.size(); i++)
+  {
+    SCOPED_TRACE(labels[i]);
+    EXPECT_EQ(list[i].kind, representationKinds()[i]);
+    EXPECT_EQ(list[i].compression(), compressions[i]);
+    EXPECT_EQ(list[i].isCompressed(), i > 1);
+    EXPECT_EQ(list[i].hasFrames(), i > 1 && i < 5);
+    EXPECT_EQ(list[i].label(), labels[i]);
+  }
+  EXPECT_EQ(list[5].deviceConfig(), "subdiv_accel=cbvh.vert");
+}
+
+TEST(Representation, FrameLevelsEndWithTheLibrarys)
+{
+  EXPECT_EQ(levelRange(), "0 to 8");
+  EXPECT_EQ(parseFrameLevel("8"), 8);
+  EXPECT_THROW(parseFrameLevel("9"), Error);
+}
+
 TEST(Representation, RefusesWhatItDoesNotKnow)
 {
   for (const char* list : {"", "grid,", "mesh", "grid^2", "cleaf^9", "cleaf^-1", "cleaf^", "cleaf^2x", "cleaf,cleaf^2"})

@@ -517,6 +517,10 @@ class Report(unittest.TestCase):
         self.assertIn("Leaks, sheets and shadows on the device", html)
         self.assertIn("cube, level 2, speed, and how many times that of GRID", html)
 
+    def test_kinds_are_those_of_the_programs(self):
+        words = subprocess.run([BENCH, "--help"], capture_output=True, text=True, check=True).stdout
+        self.assertIn(f"[{','.join(kind.lower() for kind in report_data.KINDS)}]", words)
+
     def test_labels_of_a_chart_cover_nothing(self):
         random.seed(7)
         bounds = (0, 0, 200, 150)

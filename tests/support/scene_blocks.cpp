@@ -36,7 +36,7 @@ std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene)
   using namespace embree::cbvh;
   std::vector<const Block*> blocks;
   forEachLeaf(scene, [&](size_t type, const void* leaf) {
-    if (type >= FIRST_BLOCK && type < blockType(numFramedKinds)) blocks.push_back((const Block*)leaf);
+    if (type == FRAMED_BLOCK) blocks.push_back((const Block*)leaf);
   });
   return blocks;
 }
@@ -46,7 +46,7 @@ std::vector<const embree::cbvh::VertHeader*> sceneVertBlocks(RTCScene scene)
   using namespace embree::cbvh;
   std::vector<const VertHeader*> blocks;
   forEachLeaf(scene, [&](size_t type, const void* leaf) {
-    if (type == blockType(kindVert)) blocks.push_back((const VertHeader*)leaf);
+    if (type == VERT_BLOCK) blocks.push_back((const VertHeader*)leaf);
   });
   return blocks;
 }

@@ -14,7 +14,7 @@ struct Real { float value; };
 float morton;
 
 #define CBVH_KINDS kinds
-layout(constant_id = 7) const uint kinds = 0xFFu;
+layout(constant_id = 7) const uint kinds = 0xFFFFFFFFu;
 #ifdef WITH_FLOAT64
 #define CBVH_FLOAT64
 #endif

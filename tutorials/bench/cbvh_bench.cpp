@@ -9,17 +9,15 @@
 #include "machine.h"
 #include "options.h"
 #include "text.h"
-#include "basics/error.h"
 #include "basics/file_output.h"
 #include "basics/progress.h"
+#include "programs/run_program.h"
 
-#include <cstdio>
 #include <filesystem>
-#include <new>
 
 namespace {
 
-void run(const cbvh::BenchOptions& options, const cbvh::Machine& machine)
+void measure(const cbvh::BenchOptions& options, const cbvh::Machine& machine)
 {
   if (!options.pictures.empty())
     cbvh::prepareOutputFolder(options.pictures);
@@ -39,33 +37,21 @@ void run(const cbvh::BenchOptions& options, const cbvh::Machine& machine)
   });
 }
 
+int run(int argc, char** argv)
+{
+  const cbvh::Machine machine = cbvh::describeMachine();
+  const std::optional<cbvh::BenchOptions> options = cbvh::parseBenchOptions(argc, argv, machine);
+  if (!options)
+    return 0;
+  cbvh::installCancelHandler();
+  cbvh::endSoonAfterCancel("cbvh_bench");
+  measure(*options, machine);
+  return 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
-  try
-  {
-    const cbvh::Machine machine = cbvh::describeMachine();
-    const std::optional<cbvh::BenchOptions> options = cbvh::parseBenchOptions(argc, argv, machine);
-    if (!options)
-      return 0;
-    cbvh::installCancelHandler();
-    cbvh::endSoonAfterCancel("cbvh_bench");
-    run(*options, machine);
-    return 0;
-  }
-  catch (const cbvh::Cancelled&)
-  {
-    std::fprintf(stderr, "cbvh_bench: cancelled\n");
-    return 130;
-  }
-  catch (const std::bad_alloc&)
-  {
-    std::fprintf(stderr, "cbvh_bench: out of memory\n");
-  }
-  catch (const std::exception& e)
-  {
-    std::fprintf(stderr, "cbvh_bench: %s\n", e.what());
-  }
-  return 1;
+  return cbvh::runProgram("cbvh_bench", [=] { return run(argc, argv); });
 }

@@ -137,7 +137,7 @@ RaySet parseRaySet(const std::string& word)
 struct Words
 {
   SceneSettings settings; // of all scenes
-  std::string scenes, libraries, levels = "6", representations = "naive,grid,cgrid,cvoxel,cleaf,cvert", frameLevels = "2";
+  std::string scenes, libraries, levels = "6", representations = listOfRepresentations(","), frameLevels = "2";
   std::string isas = "best", device = "cpu", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
   std::string size = "768x768", pictureLevels, checks, position;
   std::vector<std::string> views;
@@ -153,11 +153,11 @@ void declareLists(CLI::App& app, Words& words)
   addSceneOptions(app, words.settings);
   app.add_option("--view", words.views, "full, close, or ex,ey,ez,lx,ly,lz,fov; may be given several times")
     ->type_name("LIST")->default_str("full");
-  app.add_option("--level", words.levels, "tessellation levels, 0 to 8")->type_name("LIST")->capture_default_str();
+  app.add_option("--level", words.levels, "tessellation levels, " + levelRange())->type_name("LIST")->capture_default_str();
   app.add_option("--representation", words.representations,
-                 "of naive, grid, cgrid, cvoxel, cleaf, cvert; a frame level of its own after ^ or :")
+                 "of " + listOfRepresentations(", ") + "; a frame level of its own after ^ or :")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--frame-level", words.frameLevels, "frame levels, at which local frames start: 0 to 8, or auto")
+  app.add_option("--frame-level", words.frameLevels, "frame levels, at which local frames start: " + levelRange() + ", or auto")
     ->type_name("LIST")->capture_default_str();
   app.add_option("--library", words.libraries,
                  "builds of libembree3.so.3, or folders that have one, in place of the program's own: speeds are relative to\n"
@@ -303,7 +303,7 @@ void validateNumbers(const BenchOptions& o)
   if (o.buildThreads < 0)
     throw Error("--build-threads must not be negative");
   if (o.referenceLevel < -1 || o.referenceLevel > maxLevel)
-    throw Error("--reference-level must be 0 to " + std::to_string(maxLevel));
+    throw Error("--reference-level must be " + levelRange());
 }
 
 } // namespace

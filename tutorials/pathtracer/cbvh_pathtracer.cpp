@@ -10,12 +10,12 @@
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "basics/progress.h"
+#include "programs/run_program.h"
 #include "programs/view_options.h"
 #include "programs/warnings.h"
 
 #include <chrono>
 #include <cstdio>
-#include <new>
 
 namespace cbvh {
 namespace {
@@ -101,22 +101,5 @@ int run(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
-  try
-  {
-    return cbvh::run(argc, argv);
-  }
-  catch (const cbvh::Cancelled&)
-  {
-    std::fprintf(stderr, "cbvh_pathtracer: cancelled\n");
-    return 130;
-  }
-  catch (const std::bad_alloc&)
-  {
-    std::fprintf(stderr, "cbvh_pathtracer: out of memory\n");
-  }
-  catch (const std::exception& e)
-  {
-    std::fprintf(stderr, "cbvh_pathtracer: %s\n", e.what());
-  }
-  return 1;
+  return cbvh::runProgram("cbvh_pathtracer", [=] { return cbvh::run(argc, argv); });
 }

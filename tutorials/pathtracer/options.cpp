@@ -31,12 +31,9 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addSceneOptions(app, o.scene);
   app.add_option("--representation", representation,
-                 "naive, grid, cgrid, cvoxel, cleaf or cvert, a frame level of its own after ^ or :")
+                 listOfRepresentations(", ", " or ") + ", a frame level of its own after ^ or :")
     ->type_name("NAME")->capture_default_str();
-  app.add_option("--level", o.build.level, "tessellation level, 0 to 8: 2^L x 2^L quads a face")
-    ->type_name("L")->capture_default_str();
-  app.add_option("--frame-level", frameLevel, "frame level, at which local frames start: 0 to 8, or auto")
-    ->type_name("N")->capture_default_str();
+  addLevelOptions(app, o.build.level, frameLevel);
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", size, "picture size")->type_name("WxH")->capture_default_str();
   app.add_option("--samples", o.samples, "paths a pixel")->type_name("N")->check(CLI::Range(1, 1 << 24))->capture_default_str();

@@ -5,7 +5,7 @@
 
 #version 460
 
-layout(constant_id = 0) const uint kinds = 0xFFu;
+layout(constant_id = 0) const uint kinds = 0xFFFFFFFFu;
 layout(constant_id = 1) const uint stackSize = 96u;
 #define CBVH_KINDS kinds
 #define CBVH_STACK stackSize

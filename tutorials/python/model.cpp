@@ -238,12 +238,12 @@ map_folder: where the map of trex and herd is kept, 134 MB and made in seconds; 
 threads: for making the map, 0 for all.
 progress: called with the name of a phase and how much of it is done, 0 to 1.)";
 
-constexpr const char* tessellateText = R"(The mesh that GRID and NAIVE hold, to the bit: vertices (n, 3) float32 and quads (m, 4) uint32.
+const std::string tessellateText = R"(The mesh that GRID and NAIVE hold, to the bit: vertices (n, 3) float32 and quads (m, 4) uint32.
 
 Every patch, which is a face or a corner of a face of n != 4 vertices, has vertices of its own, in rows along u. GRID
 and NAIVE split a quad a, b, c, d into the triangles a, b, d and d, b, c.
 
-level: 0 to 8, 2**level x 2**level quads a face.
+level: )" + levelRange() + R"(, 2**level x 2**level quads a face.
 threads: 0 for all.
 progress: called with the name of a phase and how much of it is done, 0 to 1.)";
 
@@ -267,9 +267,9 @@ void defineModel(py::module_& module)
     .def("num_quads", [](const Model& m, int level) {
            settingsOf(level, 0);
            return m.layout(level).numQuads();
-         }, py::arg("level"), "Quads at a level, 0 to 8.")
+         }, py::arg("level"), ("Quads at a level, " + levelRange() + ".").c_str())
     .def("tessellate", &tessellateModel, py::arg("level"), py::kw_only(), py::arg("threads") = 0,
-         py::arg("progress") = py::none(), tessellateText)
+         py::arg("progress") = py::none(), tessellateText.c_str())
     .def("__repr__", [](const Model& m) {
       return "<Model '" + m.name + "' of " + std::to_string(m.numFaces()) + " faces, " +
              (m.displacement ? "displaced>" : "not displaced>");

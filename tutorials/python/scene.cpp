@@ -239,13 +239,26 @@ py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& 
 
 /* --- docstrings ---------------------------------------------------------------- */
 
-constexpr const char* buildText = R"(Builds a model in one representation, as a Scene.
+/* Words of the representations that a test is true of: cgrid, cvoxel. */
+std::string wordsOf(bool (Representation::*is)() const, const std::string& quote)
+{
+  std::string words;
+  for (RepresentationKind kind : representationKinds())
+    if ((Representation{kind}.*is)())
+      words += (words.empty() ? "" : ", ") + quote + wordOf(kind) + quote;
+  return words;
+}
+
+std::string buildText()
+{
+  return R"(Builds a model in one representation, as a Scene.
 
 model: a Model, or a Cage, which is not displaced.
-representation: "cvert", "cleaf", "cvoxel" and "cgrid", which are compressed, "grid", Embree's own, or "naive", its
-  triangles. A frame level of its own may follow: "cleaf^3".
-level: 0 to 8, 2**level x 2**level quads a face.
-frame_level: 0 to 8, or "auto": 4**frame_level frames a face of cgrid, cvoxel and cleaf, 2 if it is not given.
+representation: compressed is one of )" + wordsOf(&Representation::isCompressed, "\"") + R"(; else "grid", Embree's
+  own, or "naive", its triangles. A frame level of its own may follow: "cleaf^3".
+level: )" + levelRange() + R"(, 2**level x 2**level quads a face.
+frame_level: )" + levelRange() + R"(, or "auto": 4**frame_level frames a face of )" + wordsOf(&Representation::hasFrames, "") + R"(, 2 if it is
+  not given.
 max_error: world units, 0 for none: bound on the spacing of cvert's lattice, and on the thickness of leaves where
   frame_level is "auto".
 max_pixel_error: bound on the spacing of cvert's lattice in pixels of camera, 0 for none.
@@ -258,6 +271,7 @@ progress: called with the name of a phase and how much of it is done, 0 to 1; wh
 Ctrl-C (KeyboardInterrupt) stops the build. Other threads of Python run meanwhile; where they call this module to build
 or to trace, they wait until it is their turn. Raises ValueError and TypeError for arguments, MemoryError for what does
 not fit, Error for what Embree refuses.)";
+}
 
 constexpr const char* intersectText = R"(The closest hit of each ray, as Hits.
 
@@ -349,7 +363,7 @@ void defineScene(py::module_& module)
   module.def("build", &build, arg("model"), arg("representation") = "cvert", arg("level") = 6, py::kw_only(),
              arg("frame_level") = py::none(), arg("max_error") = 0.0f, arg("max_pixel_error") = 0.0f,
              arg("camera") = py::none(), arg("exact_faces") = true, arg("threads") = 0, arg("isa") = "",
-             arg("device") = "cpu", arg("progress") = py::none(), buildText);
+             arg("device") = "cpu", arg("progress") = py::none(), buildText().c_str());
   module.def("pixel_errors", &pixelErrorsOf, arg("hits"), arg("reference"), arg("footprint"), pixelErrorsText);
 }
 

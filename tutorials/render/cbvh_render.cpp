@@ -7,41 +7,30 @@
 #include "comparison.h"
 #include "options.h"
 #include "report.h"
-#include "basics/error.h"
 #include "basics/file_output.h"
 #include "basics/progress.h"
+#include "programs/run_program.h"
 
-#include <cstdio>
-#include <new>
+namespace {
+
+int run(int argc, char** argv)
+{
+  const std::optional<cbvh::Options> options = cbvh::parseOptions(argc, argv);
+  if (!options)
+    return 0;
+  cbvh::installCancelHandler();
+  cbvh::endSoonAfterCancel("cbvh_render");
+  cbvh::prepareOutputFolder(options->output);
+  const cbvh::Comparison comparison = cbvh::runComparison(*options);
+  if (!options->json.empty())
+    cbvh::writeTextFile(options->json, cbvh::formatJson(comparison));
+  cbvh::writeStandardOutput(cbvh::formatTable(comparison, options->details));
+  return 0;
+}
+
+} // namespace
 
 int main(int argc, char** argv)
 {
-  try
-  {
-    const std::optional<cbvh::Options> options = cbvh::parseOptions(argc, argv);
-    if (!options)
-      return 0;
-    cbvh::installCancelHandler();
-    cbvh::endSoonAfterCancel("cbvh_render");
-    cbvh::prepareOutputFolder(options->output);
-    const cbvh::Comparison comparison = cbvh::runComparison(*options);
-    if (!options->json.empty())
-      cbvh::writeTextFile(options->json, cbvh::formatJson(comparison));
-    cbvh::writeStandardOutput(cbvh::formatTable(comparison, options->details));
-    return 0;
-  }
-  catch (const cbvh::Cancelled&)
-  {
-    std::fprintf(stderr, "cbvh_render: cancelled\n");
-    return 130;
-  }
-  catch (const std::bad_alloc&)
-  {
-    std::fprintf(stderr, "cbvh_render: out of memory\n");
-  }
-  catch (const std::exception& e)
-  {
-    std::fprintf(stderr, "cbvh_render: %s\n", e.what());
-  }
-  return 1;
+  return cbvh::runProgram("cbvh_render", [=] { return run(argc, argv); });
 }

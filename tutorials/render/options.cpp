@@ -12,7 +12,7 @@ namespace {
 /* What the command line says in words of its own, with the defaults that --help names. */
 struct Words
 {
-  std::string representations = "naive,grid,cgrid,cvoxel,cleaf,cvert", frameLevel = "2", size = "1024x1024";
+  std::string representations = listOfRepresentations(","), frameLevel = "2", size = "1024x1024";
   std::string colors = "neutral";
   bool noSpeed = false;
 };
@@ -24,13 +24,10 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addSceneOptions(app, o.scene);
   app.add_option("--representation", words.representations,
-                 "comma list of naive, grid, cgrid, cvoxel, cleaf, cvert; a frame level of its own after ^ or :. Speeds are "
+                 "comma list of " + listOfRepresentations(", ") + "; a frame level of its own after ^ or :. Speeds are "
                  "relative to grid, and errors measured against grid and naive, where those are among them")
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--level", o.build.level, "tessellation level, 0 to 8: 2^L x 2^L quads a face")
-    ->type_name("L")->capture_default_str();
-  app.add_option("--frame-level", words.frameLevel, "frame level, at which local frames start: 0 to 8, or auto")
-    ->type_name("N")->capture_default_str();
+  addLevelOptions(app, o.build.level, words.frameLevel);
   app.add_option("--max-pixel-error", o.maxPixelError,
                  "spacing of cVERT's vertices in pixels of the view, at most; 0 for 1/36 of a quad's edge")
     ->type_name("P")->capture_default_str();

@@ -6,14 +6,11 @@
 #include "document.h"
 #include "view_state.h"
 #include "window.h"
-#include "basics/error.h"
 #include "basics/parallel.h"
 #include "basics/progress.h"
 #include "pictures/image_output.h"
+#include "programs/run_program.h"
 #include "programs/warnings.h"
-
-#include <cstdio>
-#include <new>
 
 namespace cbvh {
 namespace {
@@ -52,22 +49,5 @@ int run(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
-  try
-  {
-    return cbvh::run(argc, argv);
-  }
-  catch (const cbvh::Cancelled&)
-  {
-    std::fprintf(stderr, "cbvh_viewer: cancelled\n");
-    return 130;
-  }
-  catch (const std::bad_alloc&)
-  {
-    std::fprintf(stderr, "cbvh_viewer: out of memory\n");
-  }
-  catch (const std::exception& e)
-  {
-    std::fprintf(stderr, "cbvh_viewer: %s\n", e.what());
-  }
-  return 1;
+  return cbvh::runProgram("cbvh_viewer", [=] { return cbvh::run(argc, argv); });
 }

@@ -17,8 +17,7 @@ namespace {
 
 const ImVec4 attention(1, 0.85f, 0.3f, 1);
 
-const char* const keyHelp = "1 to 6      NAIVE, GRID, cGRID, cVOXEL, cLEAF, cVERT; right half: Shift\n"
-                            "L, N        level, frame level up; down: Shift\n"
+const char* const keyHelp = "L, N        level, frame level up; down: Shift\n"
                             "M           next mode; back: Shift\n"
                             "X           split screen, whose line can be dragged\n"
                             "drag        orbit; Shift: look around; Ctrl: distance\n"
@@ -35,6 +34,31 @@ const char* const keyHelp = "1 to 6      NAIVE, GRID, cGRID, cVOXEL, cLEAF, cVER
                             "Tab, H      fold this panel; hide it\n"
                             "Q, Esc      quit; ask before that\n"
                             "Drop a cage (OBJ), a height map or both here to open them.\n";
+
+std::string representationKeyHelp()
+{
+  std::string labels;
+  for (RepresentationKind kind : representationKinds())
+    labels += (labels.empty() ? "" : ", ") + labelOf(kind);
+  return "1 to " + std::to_string(representationKinds().size()) + "      " + labels + "; right half: Shift\n";
+}
+
+/* Of a combo box: entries end in a NUL each. */
+std::string representationEntries()
+{
+  std::string entries;
+  for (RepresentationKind kind : representationKinds())
+    entries += labelOf(kind) + '\0';
+  return entries;
+}
+
+std::string frameLevelEntries()
+{
+  std::string entries = std::string("auto") + '\0';
+  for (int level = 0; level <= maxLevel; level++)
+    entries += std::to_string(level) + '\0';
+  return entries;
+}
 
 std::string quadsText(size_t quads)
 {
@@ -86,7 +110,7 @@ void Panel::drawPanel()
       ImGui::PopTextWrapPos();
     }
     if (ImGui::CollapsingHeader("keys and mouse"))
-      ImGui::TextUnformatted(keyHelp);
+      ImGui::TextUnformatted((representationKeyHelp() + keyHelp).c_str());
   }
   ImGui::End();
 }
@@ -98,14 +122,15 @@ void Panel::drawSettings()
   {
     Representation& r = state.representations[i];
     ImGui::PushID(int(i));
-    int kind = int(r.kind), frame = r.frameLevel + 1;
+    const std::vector<RepresentationKind>& kinds = representationKinds();
+    int kind = int(std::find(kinds.begin(), kinds.end(), r.kind) - kinds.begin()), frame = r.frameLevel + 1;
     ImGui::PushItemWidth(90);
-    if (ImGui::Combo("##kind", &kind, "NAIVE\0GRID\0cGRID\0cVOXEL\0cLEAF\0cVERT\0"))
-      r.kind = RepresentationKind(kind);
+    if (ImGui::Combo("##kind", &kind, representationEntries().c_str()))
+      r.kind = kinds[size_t(kind)];
     if (r.hasFrames())
     {
       ImGui::SameLine();
-      if (ImGui::Combo("frame level", &frame, "auto\0" "0\0" "1\0" "2\0" "3\0" "4\0" "5\0" "6\0" "7\0" "8\0"))
+      if (ImGui::Combo("frame level", &frame, frameLevelEntries().c_str()))
         r.frameLevel = frame - 1;
     }
     ImGui::PopItemWidth();

@@ -19,8 +19,6 @@
 namespace cbvh {
 namespace {
 
-constexpr int numKinds = int(RepresentationKind::CVert) + 1;
-
 class Window : public embree::TutorialApplication
 {
 public:
@@ -228,8 +226,9 @@ private:
   {
     const int step = shift ? -1 : 1;
     ViewState state = viewer.state();
-    if (key >= GLFW_KEY_1 && key < GLFW_KEY_1 + numKinds)
-      (shift ? state.representations.back() : state.representations[0]).kind = RepresentationKind(key - GLFW_KEY_1);
+    const std::vector<RepresentationKind>& kinds = representationKinds();
+    if (key >= GLFW_KEY_1 && key < GLFW_KEY_1 + int(kinds.size()))
+      (shift ? state.representations.back() : state.representations[0]).kind = kinds[size_t(key - GLFW_KEY_1)];
     else if (key == GLFW_KEY_L)
       state.level = std::clamp(state.level + step, 0, maxLevel);
     else if (key == GLFW_KEY_N)

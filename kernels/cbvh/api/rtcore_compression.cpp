@@ -52,7 +52,7 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
   if (compression != RTC_COMPRESSION_INHERIT && compression != RTC_COMPRESSION_NONE && !cbvh::findKind(compression,kind))
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown compression " + std::to_string(compression));
   if (args->frameLevel < RTC_COMPRESSION_FRAME_LEVEL_INHERIT || args->frameLevel > int(cbvh::maxLevel))
-    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid frameLevel " + std::to_string(args->frameLevel) + ": expected 0 to 8, AUTO or INHERIT");
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid frameLevel " + std::to_string(args->frameLevel) + ": expected 0 to " + std::to_string(cbvh::maxLevel) + ", AUTO or INHERIT");
   if (!std::isfinite(args->maxError))
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxError " + std::to_string(args->maxError) + ": expected a distance, or a negative number to inherit");
   if (!std::isfinite(args->maxPixelError) || args->maxPixelError < 0.0f)

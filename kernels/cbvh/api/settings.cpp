@@ -26,7 +26,7 @@ namespace embree
   static bool parseKind (const std::string& key, RTCCompression& compression)
   {
     for (const cbvh::KindDescription& kind : cbvh::kindDescriptions)
-      if (key == kind.key) { compression = kind.compression; return true; }
+      if (key == kind.key) { compression = kind.compression(); return true; }
     return false;
   }
 
@@ -45,7 +45,7 @@ namespace embree
     char* end = nullptr;
     const long n = strtol(value.c_str(),&end,10);
     if (value.empty() || *end != 0 || n < 0 || n > long(cbvh::maxLevel))
-      invalid(name,value,"expected 0 to 8 or auto");
+      invalid(name,value,"expected 0 to " + std::to_string(cbvh::maxLevel) + " or auto");
     frameLevel = int(n);
   }
 
@@ -118,7 +118,7 @@ namespace embree
   static const char* nameOf (RTCCompression compression)
   {
     for (const cbvh::KindDescription& kind : cbvh::kindDescriptions)
-      if (kind.compression == compression) return kind.name;
+      if (kind.compression() == compression) return kind.name;
     return "GRID, Embree's own";
   }
 

@@ -5,17 +5,25 @@
 
 /* What a leaf of the top-level BVH4 refers to. Types 0 and 1 are Embree's own (GridSOA's
  * inner leaves and its root), so that patches that are not compressed live in the same tree
- * as blocks. */
+ * as blocks. Embree's reference has 3 bits for it, too few for a type a kind: a type is a form of
+ * blocks, and where several kinds have one form the block's header has the kind. */
 
-#include "../framed/block.h"
+#include "isa_namespace.h"
+#include <cstdint>
 
 namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    enum PrimitiveType : uint32_t { GRID_SOA_QUADS = 0, GRID_SOA_ROOT = 1, FIRST_BLOCK = 2 };
+    enum PrimitiveType : uint32_t
+    {
+      GRID_SOA_QUADS = 0,
+      GRID_SOA_ROOT = 1,
+      FRAMED_BLOCK = 2,   //!< framed/block.h, whose info has the kind
+      VERT_BLOCK = 3      //!< vert/format.h
+    };
 
-    /*! of a block of a kind */
-    constexpr uint32_t blockType(uint32_t kind) { return FIRST_BLOCK + kind; }
+    /*! whether it is none of Embree's own */
+    constexpr bool isBlock (size_t type) { return type >= FRAMED_BLOCK; }
   }}
 }

@@ -1,40 +1,39 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What a child of a flat node is: 3 bits that say what kind of thing, 29 that say which. */
+/* What a child of a flat node is: 5 bits for the type, and 27 that count the things of the type. Blocks,
+ * which take 64 bytes at least, are counted and not placed, so that 27 bits are enough for 8 GiB of them and more. */
 
 #ifndef CBVH_REFERENCE_H
 #define CBVH_REFERENCE_H
 
-#include "../framed/block.h"
+#include "kinds.h"
 
 CBVH_BEGIN
 
-CBVH_CONSTANT uint32_t referenceShift = 29u;
-CBVH_CONSTANT uint32_t referenceMask = 0x1FFFFFFFu;
+CBVH_CONSTANT uint32_t referenceShift = 27u;
+CBVH_CONSTANT uint32_t referenceMask = 0x7FFFFFFu;
 
-/*! 0: a node. 1 to 4: a block of a kind, kindGrid to kindVert. */
-CBVH_CONSTANT uint32_t nodeReference = 0u;
-CBVH_CONSTANT uint32_t firstBlockReference = 1u;
-CBVH_CONSTANT uint32_t cellReference = 5u;     //!< 2 x 2 quads of a grid of GRID
-CBVH_CONSTANT uint32_t triangleReference = 6u; //!< triangles that follow each other, see triangleRun
-CBVH_CONSTANT uint32_t instanceReference = 7u;
-CBVH_CONSTANT uint32_t numReferenceTypes = 8u;
+CBVH_CONSTANT uint32_t nodeReference = 0u;       //!< so that the reference is the index
+CBVH_CONSTANT uint32_t cellReference = 1u;       //!< 2 x 2 quads of a grid of GRID
+CBVH_CONSTANT uint32_t instanceReference = 2u;
+CBVH_CONSTANT uint32_t triangleReference = 4u;   //!< 4 to 7: 1 to 4 triangles that follow each other, from the index on
+CBVH_CONSTANT uint32_t firstBlockReference = 8u; //!< and the number of the kind
+CBVH_CONSTANT uint32_t numReferenceTypes = firstBlockReference + maxKinds;
 
-/*! a child that is none */
+/*! a child that is none; its type is no other's */
 CBVH_CONSTANT uint32_t emptyReference = 0xFFFFFFFFu;
 
 CBVH_FUNCTION uint32_t makeReference (uint32_t type, uint32_t index) { return (type << referenceShift) | index; }
 CBVH_FUNCTION uint32_t referenceType (uint32_t reference) { return reference >> referenceShift; }
 CBVH_FUNCTION uint32_t referenceIndex (uint32_t reference) { return reference & referenceMask; }
+CBVH_FUNCTION uint32_t blockReference (uint32_t kind) { return firstBlockReference + kind; }
 
-/*! The index of a run of triangles: where it begins in the list of them, and how many they are, at
- *  most maxTriangleRun. */
+/*! of a run of 1 to maxTriangleRun triangles */
 CBVH_CONSTANT uint32_t maxTriangleRun = 4u;
-CBVH_CONSTANT uint32_t triangleRunBits = 2u;
-CBVH_FUNCTION uint32_t triangleRun (uint32_t first, uint32_t count) { return (first << triangleRunBits) | (count-1u); }
-CBVH_FUNCTION uint32_t firstOfRun (uint32_t index) { return index >> triangleRunBits; }
-CBVH_FUNCTION uint32_t countOfRun (uint32_t index) { return (index & (maxTriangleRun-1u)) + 1u; }
+CBVH_FUNCTION uint32_t runReference (uint32_t first, uint32_t count) { return makeReference(triangleReference + count-1u,first); }
+CBVH_FUNCTION bool isRunType (uint32_t type) { return (type & ~(maxTriangleRun-1u)) == triangleReference; }
+CBVH_FUNCTION uint32_t countOfRun (uint32_t type) { return type - triangleReference + 1u; }
 
 /* A grid of GRID, Embree's GridSOA, in words: vertices along u and along v, vertices in all, IDs, and how
  * many bytes behind the data's begin are four planes: x, y, z, and u and v in 16 bits each, of which 1 is
@@ -43,5 +42,9 @@ CBVH_CONSTANT uint32_t gridWidthWord = 3u, gridHeightWord = 4u, gridPlaneWord = 
 CBVH_CONSTANT uint32_t gridOffsetWord = 9u, gridDataWord = 12u;
 
 CBVH_END
+
+#ifndef VULKAN
+static_assert(embree::cbvh::numReferenceTypes <= embree::cbvh::emptyReference >> embree::cbvh::referenceShift, "types of references");
+#endif
 
 #endif

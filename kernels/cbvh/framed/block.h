@@ -13,39 +13,13 @@
 #ifndef CBVH_BLOCK_H
 #define CBVH_BLOCK_H
 
+#include "../base/kinds.h"
 #include "morton.h"
 
 CBVH_BEGIN
 
 /*! of the bytes described here; a change that readers have to know of counts up */
 CBVH_CONSTANT uint32_t formatVersion = 1u;
-
-/*! quads of a block are at most 2^maxLevel along a side */
-CBVH_CONSTANT uint32_t maxLevel = 8u;
-
-/* --- kinds --------------------------------------------------------------------------- */
-
-/* those with frames, which are laid out here, and cVERT, of which vert_block.h tells */
-CBVH_CONSTANT uint32_t kindGrid = 0u, kindVoxel = 1u, kindLeaf = 2u, numFramedKinds = 3u;
-CBVH_CONSTANT uint32_t kindVert = 3u, numKinds = 4u;
-
-/*! what the layout of a block with a frame depends on */
-struct KindFormat
-{
-  uint32_t leafLevels;    //!< log2 of the quads along a side of a leaf, where there are that many
-  uint32_t minNodeLevels; //!< leaves of smaller blocks are parts of a quad
-  uint32_t groupBytes;    //!< behind the words: for each word of the last level
-  uint32_t vertexBytes;   //!< for each vertex
-  uint32_t padding;       //!< bytes behind all
-};
-
-CBVH_CONSTANT KindFormat kindFormats[numFramedKinds] = {
-  /* a leaf is 2 x 2 quads, as GRID's own; vectors that read its last row read 3 floats more */
-  { 1u, 0u, 0u, 12u, 12u },
-  { 0u, 0u, 0u, 0u, 0u },
-  /* words of the last level are groups of 2 x 2 leaves with heights; one quad is cut into four */
-  { 0u, 1u, 8u, 0u, 0u }
-};
 
 /*! whether a block has words of groups, leaf.h, for its last level of nodes */
 CBVH_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
@@ -136,8 +110,6 @@ CBVH_END
 #include <cstddef>
 
 CBVH_BEGIN
-
-enum class Kind : uint32_t { GRID = kindGrid, VOXEL = kindVoxel, LEAF = kindLeaf, VERT = kindVert };
 
 /*! the header with what follows it */
 struct Block : public BlockHeader

@@ -82,7 +82,7 @@ namespace embree
         statistics.merge(ofPatch);
         store.hitBounds.extend(hitBoundsOfPatch);
         for (size_t i=0; i<count; i++)
-          if (!blocks[i].empty()) store.add((char*)encoded.data()+i*stride,stride,blocks[i],uint32_t(kind));
+          if (!blocks[i].empty()) store.add((char*)encoded.data()+i*stride,stride,blocks[i],cbvh::FRAMED_BLOCK);
         store.flush(0);
         return true;
       }
@@ -191,7 +191,7 @@ namespace embree
           avector<Vec3fa> memory(exact.layout.stride/sizeof(Vec3fa));
           const BBox3fa before = blocks[e.index];
           writeBlock(patch,exact,(cbvh::Block*)memory.data(),ofPatch,hitBoundsOfPatch);
-          if (!blocks[e.index].empty()) store.add(memory.data(),exact.layout.stride,blocks[e.index],cbvh::kindGrid);
+          if (!blocks[e.index].empty()) store.add(memory.data(),exact.layout.stride,blocks[e.index],cbvh::FRAMED_BLOCK);
           blocks[e.index] = before;
           return;
         }

@@ -37,18 +37,18 @@ namespace embree
         return bytes.data()+used;
       }
 
-      /*! the block that was begun takes so many bytes */
-      void end (size_t size, const BBox3fa& bounds, uint32_t kind)
+      /*! The block that was begun takes so many bytes. type: base/primitive_type.h */
+      void end (size_t size, const BBox3fa& bounds, uint32_t type)
       {
-        waiting.push_back(Waiting{ used,bounds,kind });
+        waiting.push_back(Waiting{ used,bounds,type });
         used += (size + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
       }
 
       /*! A block that is encoded elsewhere. */
-      void add (const void* block, size_t size, const BBox3fa& bounds, uint32_t kind)
+      void add (const void* block, size_t size, const BBox3fa& bounds, uint32_t type)
       {
         memcpy(begin(size),block,size);
-        end(size,bounds,kind);
+        end(size,bounds,type);
       }
 
       /*! Copies what is waiting to memory of the BVH's, after which decoders may read readBehind bytes, and makes primitives of it. One
@@ -63,7 +63,7 @@ namespace embree
           char* memory = (char*)allocator.malloc1(size+readBehind,cbvh::blockAlignment);
           memcpy(memory,bytes.data()+from,size);
           for (size_t k=i; k<next; k++)
-            add(waiting[k].bounds,size_t(BVH4::encodeTypedLeaf(memory+(waiting[k].offset-from),cbvh::blockType(waiting[k].kind))));
+            add(waiting[k].bounds,size_t(BVH4::encodeTypedLeaf(memory+(waiting[k].offset-from),waiting[k].type)));
         }
         waiting.clear();
         used = 0;
@@ -82,7 +82,7 @@ namespace embree
       {
         size_t offset;
         BBox3fa bounds;
-        uint32_t kind;
+        uint32_t type;
       };
       mvector<uint8_t> bytes;
       size_t used = 0;

@@ -86,7 +86,7 @@ namespace embree
         {
           size_t type;
           leaf.leaf(type);
-          return type >= cbvh::FIRST_BLOCK && type != cbvh::blockType(cbvh::kindVert);
+          return type == cbvh::FRAMED_BLOCK;
         }
 
         __forceinline void setEnter (float t) { pre.block.enter = t; }

@@ -11,6 +11,7 @@
 #include "../../bvh/bvh.h"
 #include "../../geometry/grid_soa.h"
 #include "../../geometry/subdivpatch1.h"
+#include "../framed/block.h"
 #include "../vert/format.h"
 #include "../base/primitive_type.h"
 #include "flat_scene.h"
@@ -101,14 +102,14 @@ namespace embree
             out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,cellReference });
             return reference(root->root(),root,index(out.ownBlocks.size()-1),above);
           }
-          const uint32_t kind = uint32_t(type) - FIRST_BLOCK;
-          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(kind,data),firstBlockReference + kind });
-          return makeReference(firstBlockReference + kind,index(out.ownBlocks.size()-1));
+          const uint32_t kind = type == VERT_BLOCK ? kindVert : kindOf(((const BlockHeader*)data)->info);
+          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(kind,data),blockReference(kind) });
+          return makeReference(blockReference(kind),index(out.ownBlocks.size()-1));
         }
 
         static uint32_t index (size_t i)
         {
-          if (i > referenceMask) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the scene has more than " + std::to_string(referenceMask) + " nodes, blocks or leaves of grids");
+          if (i > referenceMask) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the scene has more than " + std::to_string(size_t(referenceMask)+1) + " nodes, blocks or leaves of grids");
           return uint32_t(i);
         }
 

@@ -19,7 +19,7 @@ namespace embree
   namespace cbvh
   {
     /*! of the structures below: a library of another number does not fit */
-    static const uint32_t flatSceneVersion = 1;
+    static const uint32_t flatSceneVersion = 2;
 
     /*! Four children, bounds by axis. Those that are none have the reference emptyReference and bounds
      *  that nothing meets: all are infinite. */
@@ -34,7 +34,7 @@ namespace embree
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
-      uint32_t type;     //!< reference.h: firstBlockReference and the kind, or cellReference for a grid
+      uint32_t type;     //!< reference.h: blockReference of the kind, or cellReference for a grid
     };
 
     /*! 2 x 2 quads of a grid */

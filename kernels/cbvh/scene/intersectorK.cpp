@@ -34,7 +34,7 @@ namespace embree
         block.enter = enter;
         size_t type;
         const void* prim = leaf.leaf(type);
-        if (likely(type >= cbvh::FIRST_BLOCK)) accept(intersectBlock(valid,type,prim));
+        if (likely(cbvh::isBlock(type))) accept(intersectBlock(valid,type,prim));
         else accept(intersectGrid(valid,rays,(const GridSOA*)prim,type,tray,lazyNode));
       }
 
@@ -58,12 +58,13 @@ namespace embree
       __forceinline vbool<K> intersectBlock (const vbool<K>& valid, size_t type, const void* prim)
       {
         using namespace cbvh;
-        if (type == blockType(kindVert)) return VertIntersectorK<K,Rays>::intersect(valid,rays,context,vert,(const VertHeader*)prim);
+        if (type == VERT_BLOCK) return VertIntersectorK<K,Rays>::intersect(valid,rays,context,vert,(const VertHeader*)prim);
         block.set(rays);
-        switch (type) {
-        case blockType(kindLeaf ): return BlockIntersectorK<K,LeafVisitorK >::intersect(valid,rays,context,block,(const Block*)prim);
-        case blockType(kindVoxel): return BlockIntersectorK<K,VoxelVisitorK>::intersect(valid,rays,context,block,(const Block*)prim);
-        default:                   return BlockIntersectorK<K,GridVisitorK >::intersect(valid,rays,context,block,(const Block*)prim);
+        switch (kindOf(((const Block*)prim)->info)) {
+        case kindLeaf : return BlockIntersectorK<K,LeafVisitorK >::intersect(valid,rays,context,block,(const Block*)prim);
+        case kindVoxel: return BlockIntersectorK<K,VoxelVisitorK>::intersect(valid,rays,context,block,(const Block*)prim);
+        case kindGrid : return BlockIntersectorK<K,GridVisitorK >::intersect(valid,rays,context,block,(const Block*)prim);
+        default       : return vbool<K>(false);
         }
       }
 

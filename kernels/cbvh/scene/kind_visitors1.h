@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The intersector of each kind of leaves, by the type of the primitive. */
+/* The intersector of each kind of leaves, by the type of the primitive and the kind in its header. */
 
 #include "../framed/block_intersector1.h"
 #include "../vert/intersector1.h"
@@ -20,13 +20,14 @@ namespace embree
       __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, RayPrecalculations& pre, VertRay& vertRay, const void* prim, bool& found)
       {
         const Block* block = (const Block*)prim;
-        if (type == blockType(kindVert)) { found = VertIntersector1<RayType>::intersect(ray,context,vertRay,(const VertHeader*)prim); return true; }
+        if (type == VERT_BLOCK) { found = VertIntersector1<RayType>::intersect(ray,context,vertRay,(const VertHeader*)prim); return true; }
+        if (type != FRAMED_BLOCK) return false;
         pre.set(ray);
-        switch (type) {
-        case blockType(kindLeaf ): found = BlockIntersector1<LeafVisitor1 >::intersect(ray,context,pre,block); return true;
-        case blockType(kindVoxel): found = BlockIntersector1<VoxelVisitor1>::intersect(ray,context,pre,block); return true;
-        case blockType(kindGrid ): found = BlockIntersector1<GridVisitor1 >::intersect(ray,context,pre,block); return true;
-        default: return false;
+        switch (kindOf(block->info)) {
+        case kindLeaf : found = BlockIntersector1<LeafVisitor1 >::intersect(ray,context,pre,block); return true;
+        case kindVoxel: found = BlockIntersector1<VoxelVisitor1>::intersect(ray,context,pre,block); return true;
+        case kindGrid : found = BlockIntersector1<GridVisitor1 >::intersect(ray,context,pre,block); return true;
+        default       : found = false; return true;
         }
       }
     }

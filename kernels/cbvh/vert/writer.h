@@ -73,7 +73,7 @@ namespace embree
         const Vec3fa lower(encoder.lower[0],encoder.lower[1],encoder.lower[2]), upper(encoder.upper[0],encoder.upper[1],encoder.upper[2]);
         store.hitBounds.extend(lower.x,lower.y,lower.z);
         store.hitBounds.extend(upper.x,upper.y,upper.z);
-        store.end(size,BBox3fa(lower,upper),cbvh::kindVert);
+        store.end(size,BBox3fa(lower,upper),cbvh::VERT_BLOCK);
       }
 
       /*! where a block is, with the patch's edges if it needs them */

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "scene.h"
+#include "kernels/cbvh/framed/block.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +62,6 @@ Bounds transformed(const FlatGeometry& instance)
   return out;
 }
 
-constexpr size_t pageBytes = size_t(pageUnit) << pageShift;
 constexpr size_t readBehind = 16;   // the bits of cVERT's blocks are read in words; kernels/cbvh has memory there
 
 } // namespace
@@ -131,24 +131,19 @@ private:
 
   void placeBlocks()
   {
-    for (const Part& part : parts) placesOf.emplace_back(part.flat->numBlocks);
+    size_t count = 0;
+    for (const Part& part : parts) {
+      firstBlock.push_back(uint32_t(count));
+      count += part.flat->numBlocks;
+      requireReferences(count, "blocks");
+    }
+    blockAddresses.resize(count);
     bool import = memory == RTC_VULKAN_MEMORY_IMPORT || (memory == RTC_VULKAN_MEMORY_AUTO && !device.capabilities.info.isDiscrete && device.handles.hasHostImport);
     if (import && !device.handles.hasHostImport)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("memory cannot be imported: the Vulkan device ") + device.capabilities.info.name + " has no VK_EXT_external_memory_host, or it is not enabled");
     if (import) importBlocks();
     else copyBlocks();
   }
-
-  void addPages(std::unique_ptr<Buffer> buffer)
-  {
-    for (size_t offset = 0; offset < buffer->bytes; offset += pageBytes) pageAddresses.push_back(buffer->address + offset);
-    if (pageAddresses.size() > maxPages)
-      throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, "the scene's blocks take more than " + std::to_string(maxPages) + " pages of " + std::to_string(pageBytes)
-                        + " bytes, which is as far as references reach");
-    out.pages.push_back(std::move(buffer));
-  }
-
-  static uint32_t placeOf(size_t page, size_t offset) { return uint32_t((page << pageShift) + offset/pageUnit); }
 
   void importBlocks()
   {
@@ -158,7 +153,7 @@ private:
     for (const Part& part : parts)
       for (size_t i = 0; i < part.flat->numBlocks; i++) {
         const FlatBlock& block = part.flat->blocks[i];
-        const size_t begin = size_t(block.data), end = begin + block.bytes + (block.type == firstBlockReference + kindVert ? readBehind : 0);
+        const size_t begin = size_t(block.data), end = begin + block.bytes + (block.type == blockReference(kindVert) ? readBehind : 0);
         ranges.push_back({begin & ~(alignment - 1), (end + alignment - 1) & ~(alignment - 1)});
       }
     std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });
@@ -168,17 +163,15 @@ private:
       if (!joined.empty() && range.begin <= joined.back().end && range.end - joined.back().begin <= longest) joined.back().end = std::max(joined.back().end, range.end);
       else joined.push_back(range);
     }
-    std::vector<size_t> firstPage;
     for (const Range& range : joined) {
-      firstPage.push_back(pageAddresses.size());
-      addPages(std::unique_ptr<Buffer>(new Buffer(device, (void*)range.begin, range.end - range.begin)));
+      out.blocks.emplace_back(new Buffer(device, (void*)range.begin, range.end - range.begin));
       out.statistics.importedBytes += range.end - range.begin;
     }
     for (size_t p = 0; p < parts.size(); p++)
       for (size_t i = 0; i < parts[p].flat->numBlocks; i++) {
         const size_t begin = size_t(parts[p].flat->blocks[i].data);
         const size_t r = size_t(std::upper_bound(joined.begin(), joined.end(), begin, [](size_t at, const Range& range) { return at < range.begin; }) - joined.begin()) - 1;
-        placesOf[p][i] = placeOf(firstPage[r], begin - joined[r].begin);
+        blockAddresses[firstBlock[p] + i] = out.blocks[r]->address + (begin - joined[r].begin);
       }
   }
 
@@ -202,13 +195,13 @@ private:
     uint32_t header[gridDataWord];
     auto bytesOf = [&](const FlatBlock& block) {
       const Source source = sourceOf(block, header);
-      return (source.headerBytes + source.dataBytes + pageUnit - 1) & ~size_t(pageUnit - 1);
+      return (source.headerBytes + source.dataBytes + blockAlignment - 1) & ~size_t(blockAlignment - 1);
     };
     for (const Part& part : parts)
       for (size_t i = 0; i < part.flat->numBlocks; i++) rest += bytesOf(part.flat->blocks[i]);
-    const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~(pageBytes - 1);
+    const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~size_t(blockAlignment - 1);
     Slice slice;
-    size_t used = 0, end = 0, firstPage = 0;
+    size_t used = 0, end = 0;
     for (size_t p = 0; p < parts.size(); p++)
       for (size_t i = 0; i < parts[p].flat->numBlocks; i++)
       {
@@ -216,16 +209,15 @@ private:
         const size_t bytes = bytesOf(block);
         if (used + bytes > end) {
           const size_t size = std::max(std::min(rest, longest - readBehind), bytes);
-          firstPage = pageAddresses.size();
-          addPages(std::unique_ptr<Buffer>(new Buffer(device, size + readBehind, Buffer::OnDevice, "blocks")));
-          slice = {out.pages.back().get(), 0};
+          out.blocks.emplace_back(new Buffer(device, size + readBehind, Buffer::OnDevice, "blocks"));
+          slice = {out.blocks.back().get(), 0};
           used = 0;
           end = size;
         }
         const Source source = sourceOf(block, header);
         if (source.headerBytes) uploader.write(slice, used, source.header, source.headerBytes);
         uploader.write(slice, used + source.headerBytes, source.data, source.dataBytes);
-        placesOf[p][i] = placeOf(firstPage, used);
+        blockAddresses[firstBlock[p] + i] = slice.address() + used;
         used += bytes;
         rest -= bytes;
       }
@@ -277,22 +269,22 @@ private:
     const size_t firstNode = tree.nodes.size();
     firstCell.resize(parts.size(), 0);
     firstCell[p] = uint32_t(cells.size());
-    if (firstNode + flat.numNodes > size_t(referenceMask) + 1 || cells.size() + flat.numCells > size_t(referenceMask) + 1)
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has more nodes, or leaves of grids, than references count, " + std::to_string(referenceMask));
+    requireReferences(firstNode + flat.numNodes, "nodes");
+    requireReferences(cells.size() + flat.numCells, "leaves of grids");
     auto renumbered = [&](uint32_t reference) {
       if (reference == emptyReference) return reference;
       const uint32_t type = referenceType(reference), index = referenceIndex(reference);
       if (type == nodeReference) return makeReference(type, uint32_t(firstNode) + index);
       if (type == cellReference) return makeReference(type, firstCell[p] + index);
       out.kinds |= 1u << type;
-      return makeReference(type, placesOf[p][index]);
+      return makeReference(type, firstBlock[p] + index);
     };
     for (size_t i = 0; i < flat.numNodes; i++) {
       FlatNode node = flat.nodes[i];
       for (uint32_t& child : node.children) child = renumbered(child);
       tree.nodes.push_back(node);
     }
-    for (size_t i = 0; i < flat.numCells; i++) cells.push_back({placesOf[p][flat.cells[i].block], flat.cells[i].vertex});
+    for (size_t i = 0; i < flat.numCells; i++) cells.push_back({firstBlock[p] + flat.cells[i].block, flat.cells[i].vertex});
     if (flat.numCells) out.kinds |= 1u << cellReference;
     out.statistics.numBlocks += flat.numBlocks;
     subtree.root = renumbered(flat.root);
@@ -310,12 +302,9 @@ private:
     if (tree.triangles.empty()) return;
     out.kinds |= 1u << triangleReference;
     const uint32_t first = uint32_t(cells.size());
-    if (first + tree.triangles.size() > (referenceMask >> triangleRunBits))
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has more triangles and leaves of grids than references count, " + std::to_string(referenceMask >> triangleRunBits));
+    requireReferences(first + tree.triangles.size(), "triangles and leaves of grids");
     auto moved = [&](uint32_t reference) {
-      if (reference == emptyReference || referenceType(reference) != triangleReference) return reference;
-      const uint32_t index = referenceIndex(reference);
-      return makeReference(triangleReference, triangleRun(first + firstOfRun(index), countOfRun(index)));
+      return isRunType(referenceType(reference)) ? reference + first : reference;
     };
     for (FlatNode& node : tree.nodes)
       for (uint32_t& child : node.children) child = moved(child);
@@ -373,13 +362,13 @@ private:
     static_assert(sizeof(FlatNode) == nodeBytes, "layout of a node");
     SceneData data = SceneData();
     data.nodes = writeArray(tree.nodes.empty() ? &noNode : tree.nodes.data(), std::max(tree.nodes.size(), size_t(1)), "nodes").address();
-    data.pages = writeArray(pageAddresses.data(), pageAddresses.size(), "addresses of pages").address();
+    data.blocks = writeArray(blockAddresses.data(), blockAddresses.size(), "addresses of blocks").address();
     data.cells = writeArray(cells.data(), cells.size(), "leaves").address();
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
     data.root = parts[0].tree.root;
     std::copy(parts[0].tree.bounds.lower, parts[0].tree.bounds.lower + 3, data.lower);
     std::copy(parts[0].tree.bounds.upper, parts[0].tree.bounds.upper + 3, data.upper);
-    if ((out.kinds & (1u << (firstBlockReference + kindVert))) && !device.handles.hasFloat64)
+    if ((out.kinds & (1u << blockReference(kindVert))) && !device.handles.hasFloat64)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the scene has blocks of cVERT, and the Vulkan device ") + device.capabilities.info.name + " has no shaderFloat64, or it is not enabled");
     out.address = writeArray(&data, 1, "a scene").address();
     uploader.flush();
@@ -387,10 +376,10 @@ private:
     RTCVulkanSceneStatistics& statistics = out.statistics;
     statistics.numNodes = tree.nodes.size();
     statistics.numGeometries = numGeometries;
-    statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + cells.size()*sizeof(cells[0]);
+    statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + cells.size()*sizeof(cells[0]) + blockAddresses.size()*sizeof(blockAddresses[0]);
     statistics.deviceBytes = out.arena.bytes();
     if (statistics.importedBytes == 0)
-      for (const auto& buffer : out.pages) statistics.deviceBytes += buffer->bytes;
+      for (const auto& buffer : out.blocks) statistics.deviceBytes += buffer->bytes;
     if (statistics.importedBytes) {
       out.source = parts[0].scene;
       rtcRetainScene(out.source);
@@ -404,8 +393,8 @@ private:
   std::vector<Part> parts;
   std::map<RTCScene, size_t> partOf;
   uint32_t numGeometries = 0;
-  std::vector<std::vector<uint32_t>> placesOf;   // of blocks, by part
-  std::vector<VkDeviceAddress> pageAddresses;
+  std::vector<uint32_t> firstBlock;   // by part
+  std::vector<VkDeviceAddress> blockAddresses;
   Tree tree;
   std::vector<std::array<uint32_t, 2>> cells;
   std::vector<uint32_t> firstCell;
@@ -418,7 +407,7 @@ Scene::Scene(Device& device, RTCScene scene, RTCVulkanMemory memory) : device(de
 
 Scene::~Scene()
 {
-  pages.clear();
+  blocks.clear();
   if (source) rtcReleaseScene(source);
 }
 

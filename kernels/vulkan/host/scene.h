@@ -35,7 +35,7 @@ private:
   friend class SceneUpload;
   RTCScene source = nullptr;   // retained where its memory is used
   Arena arena;
-  std::vector<std::unique_ptr<Buffer>> pages;   // of blocks
+  std::vector<std::unique_ptr<Buffer>> blocks;
 };
 
 }} // namespace embree::vulkan

@@ -31,10 +31,15 @@ void Bounds::extend(const Bounds& other)
   extend(other.upper);
 }
 
+void requireReferences(size_t count, const char* what)
+{
+  const size_t most = size_t(cbvh::referenceMask) + 1;
+  if (count > most) throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the scene has more ") + what + " than references count, " + std::to_string(most));
+}
+
 uint32_t Tree::addNode()
 {
-  if (nodes.size() > cbvh::referenceMask)
-    throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has more nodes than a reference counts, " + std::to_string(cbvh::referenceMask));
+  requireReferences(nodes.size() + 1, "nodes");
   nodes.emplace_back();
   FlatNode& node = nodes.back();
   for (int i = 0; i < 4; i++) {
@@ -127,13 +132,14 @@ private:
   /* an instance has no primitive */
   uint32_t leaf(const BuildNode* from)
   {
-    if (from->items[0][1] == RTC_INVALID_GEOMETRY_ID) return cbvh::makeReference(cbvh::instanceReference, from->items[0][0]);
-    const uint32_t most = cbvh::referenceMask >> cbvh::triangleRunBits;
-    if (tree.triangles.size() + from->count > most)
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has more triangles than references count, " + std::to_string(most));
+    if (from->items[0][1] == RTC_INVALID_GEOMETRY_ID) {
+      requireReferences(size_t(from->items[0][0]) + 1, "geometries");
+      return cbvh::makeReference(cbvh::instanceReference, from->items[0][0]);
+    }
+    requireReferences(tree.triangles.size() + from->count, "triangles");
     const uint32_t first = uint32_t(tree.triangles.size());
     for (unsigned i = 0; i < from->count; i++) tree.triangles.push_back(from->items[i]);
-    return cbvh::makeReference(cbvh::triangleReference, cbvh::triangleRun(first, from->count));
+    return cbvh::runReference(first, from->count);
   }
 
   Tree& tree;

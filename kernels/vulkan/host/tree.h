@@ -42,6 +42,9 @@ struct Item
   uint32_t geomID, primID;
 };
 
+/* Throws VulkanError if so many things of a type have no reference each. */
+void requireReferences(size_t count, const char* what);
+
 class Tree
 {
 public:
@@ -55,7 +58,6 @@ public:
   /* One node over up to four. */
   Subtree join(const std::vector<Subtree>& subtrees);
 
-  /* Throws VulkanError if there are more than references count. */
   uint32_t addNode();
 
 private:

@@ -29,7 +29,7 @@
 #include "vert_block.glsl"
 
 #ifndef CBVH_KINDS
-#define CBVH_KINDS 0xFFu
+#define CBVH_KINDS 0xFFFFFFFFu
 #endif
 
 #ifndef CBVH_STACK
@@ -41,8 +41,7 @@ bool cbvhHasKind (uint type) { return (uint(CBVH_KINDS) & (1u << type)) != 0u; }
 /* whether a scene has blocks of a kind and of no other with a frame */
 bool cbvhHasOnly (uint kind)
 {
-  uint framed = 7u << firstBlockReference;
-  return (uint(CBVH_KINDS) & framed) == (1u << (firstBlockReference + kind));
+  return (uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == (1u << blockReference(kind));
 }
 
 /* Children that the ray meets, nearest first: keys whose upper bits are the distance, and whose lower two say
@@ -71,10 +70,10 @@ bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool 
 {
   uint type = referenceType(reference), index = referenceIndex(reference);
   if (cbvhHasKind(cellReference) && type == cellReference) return cbvhTraceCell(scene, ray, index, anyHit, hit);
-  if (cbvhHasKind(triangleReference) && type == triangleReference) return cbvhTraceRun(scene, ray, index, anyHit, hit);
-  if (cbvhHasKind(firstBlockReference + kindVert) && type == firstBlockReference + kindVert)
+  if (cbvhHasKind(triangleReference) && isRunType(type)) return cbvhTraceRun(scene, ray, index, countOfRun(type), anyHit, hit);
+  if (cbvhHasKind(blockReference(kindVert)) && type == blockReference(kindVert))
     return cbvhTraceVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
-  if (!cbvhHasKind(firstBlockReference + kindGrid) && !cbvhHasKind(firstBlockReference + kindVoxel) && !cbvhHasKind(firstBlockReference + kindLeaf)) return false;
+  if ((uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == 0u) return false;
   uint kind = cbvhHasOnly(kindLeaf) ? kindLeaf : cbvhHasOnly(kindVoxel) ? kindVoxel : cbvhHasOnly(kindGrid) ? kindGrid : type - firstBlockReference;
   return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit, framed);
 }

@@ -26,20 +26,13 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Cb
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CbvhWords { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhQuadwords { uvec4 at[]; };
 
-/* A block: its page, and where in it, in words. */
-struct CbvhPointer
-{
-  uvec2 page;
-  uint first;
-};
+/* A block. */
+struct CbvhPointer { uvec2 address; };
 
-CbvhPointer cbvhPointer (SceneData scene, uint place)
-{
-  return CbvhPointer(CbvhPairs(scene.pages).at[place >> pageShift], 4u*(place & pageMask));
-}
+CbvhPointer cbvhPointer (SceneData scene, uint index) { return CbvhPointer(CbvhPairs(scene.blocks).at[index]); }
 
-uint cbvhWord (CbvhPointer block, uint i) { return CbvhWords(block.page).at[block.first + i]; }
-uvec4 cbvhQuadword (CbvhPointer block, uint i) { return CbvhQuadwords(block.page).at[(block.first >> 2) + i]; }
+uint cbvhWord (CbvhPointer block, uint i) { return CbvhWords(block.address).at[i]; }
+uvec4 cbvhQuadword (CbvhPointer block, uint i) { return CbvhQuadwords(block.address).at[i]; }
 float cbvhFloat (CbvhPointer block, uint i) { return uintBitsToFloat(cbvhWord(block, i)); }
 
 uint cbvhByte (CbvhPointer block, uint offset) { return (cbvhWord(block, offset >> 2) >> (8u*(offset & 3u))) & 255u; }

@@ -16,11 +16,10 @@ vec3 cbvhMeshVertex (GeometryData geometry, uint i)
 }
 
 /* True if a triangle of the run is hit; with anyHit the first one that is. */
-bool cbvhTraceRun (SceneData scene, CbvhTravel ray, uint index, const bool anyHit, inout CbvhHit hit)
+bool cbvhTraceRun (SceneData scene, CbvhTravel ray, uint first, uint count, const bool anyHit, inout CbvhHit hit)
 {
   bool found = false;
-  uint first = firstOfRun(index), end = first + countOfRun(index);
-  for (uint i = first; i < end; i++)
+  for (uint i = first; i < first + count; i++)
   {
     uvec2 id = CbvhPairs(scene.cells).at[i];
     GeometryData geometry = CbvhGeometries(scene.geometries).at[ray.firstGeometry + id.x];

@@ -1,0 +1,34 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "programs/run_program.h"
+#include "basics/error.h"
+
+#include <cstdio>
+#include <new>
+
+namespace cbvh {
+
+int runProgram(const char* name, const std::function<int()>& run)
+{
+  try
+  {
+    return run();
+  }
+  catch (const Cancelled&)
+  {
+    std::fprintf(stderr, "%s: cancelled\n", name);
+    return 130;
+  }
+  catch (const std::bad_alloc&)
+  {
+    std::fprintf(stderr, "%s: out of memory\n", name);
+  }
+  catch (const std::exception& e)
+  {
+    std::fprintf(stderr, "%s: %s\n", name, e.what());
+  }
+  return 1;
+}
+
+} // namespace cbvh

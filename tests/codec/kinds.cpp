@@ -1,0 +1,74 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* The table of kinds, and the references of flat scenes that follow from it. */
+
+#include "kernels/cbvh/base/reference.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+
+// What blocks, files and applications have of a kind does not change.
+TEST(Kinds, HaveTheNumbersOfBlocksAndOfTheAPI)
+{
+  const struct { Kind kind; uint32_t number; int compression; const char *key, *name; bool hasFrame; } expected[] = {
+    {Kind::GRID, 0, 2, "grid", "cGRID", true},
+    {Kind::VOXEL, 1, 3, "voxel", "cVOXEL", true},
+    {Kind::LEAF, 2, 4, "leaf", "cLEAF", true},
+    {Kind::VERT, 3, 5, "vert", "cVERT", false},
+  };
+  ASSERT_EQ(std::size(expected), numKinds);
+  for (const auto& e : expected) {
+    SCOPED_TRACE(e.name);
+    const KindDescription& row = describe(e.kind);
+    EXPECT_EQ(uint32_t(row.kind), e.number);
+    EXPECT_EQ(int(row.compression()), e.compression);
+    EXPECT_STREQ(row.key, e.key);
+    EXPECT_STREQ(row.name, e.name);
+    EXPECT_EQ(row.hasFrame(), e.hasFrame);
+    Kind found = Kind::GRID;
+    EXPECT_TRUE(findKind(e.compression, found));
+    EXPECT_EQ(found, e.kind);
+  }
+  Kind none = Kind::GRID;
+  for (int compression : {-1, 0, 1, 6, 100}) EXPECT_FALSE(findKind(compression, none)) << compression;
+}
+
+// All types, the room for fourteen kinds more among them, each with the least and the greatest index.
+TEST(References, AreOfOneTypeAndOneThing)
+{
+  std::set<uint32_t> references = {emptyReference};
+  size_t count = 1;
+  const uint32_t indices[] = {0, 1, 12345678, (1u << 27) - 1};
+  const auto add = [&](uint32_t reference, uint32_t type, uint32_t index) {
+    EXPECT_EQ(referenceType(reference), type);
+    EXPECT_EQ(referenceIndex(reference), index);
+    references.insert(reference);
+    count++;
+  };
+  for (uint32_t index : indices) {
+    for (uint32_t type : {nodeReference, cellReference, instanceReference}) add(makeReference(type, index), type, index);
+    for (uint32_t kind = 0; kind < numKinds + 14; kind++) {
+      add(makeReference(blockReference(kind), index), blockReference(kind), index);
+      EXPECT_FALSE(isRunType(blockReference(kind)));
+    }
+    for (uint32_t triangles = 1; triangles <= 4; triangles++) {
+      const uint32_t reference = runReference(index, triangles), type = referenceType(reference);
+      EXPECT_TRUE(isRunType(type));
+      EXPECT_EQ(countOfRun(type), triangles);
+      add(reference, type, index);
+    }
+  }
+  EXPECT_EQ(references.size(), count);
+  for (uint32_t type : {nodeReference, cellReference, instanceReference, referenceType(emptyReference)}) EXPECT_FALSE(isRunType(type));
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,40 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "programs/run_program.h"
+#include "basics/error.h"
+
+#include <gtest/gtest.h>
+
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace cbvh::test {
+namespace {
+
+/* Status and what is on stderr. */
+std::pair<int, std::string> outcome(const std::function<int()>& run)
+{
+  testing::internal::CaptureStderr();
+  const int status = runProgram("cbvh_test", run);
+  return {status, testing::internal::GetCapturedStderr()};
+}
+
+TEST(RunProgram, ReturnsTheStatus)
+{
+  EXPECT_EQ(outcome([] { return 0; }), std::make_pair(0, std::string()));
+  EXPECT_EQ(outcome([] { return 3; }), std::make_pair(3, std::string()));
+}
+
+TEST(RunProgram, SaysInALineWhatWasThrown)
+{
+  EXPECT_EQ(outcome([]() -> int { throw Cancelled(); }), std::make_pair(130, std::string("cbvh_test: cancelled\n")));
+  EXPECT_EQ(outcome([]() -> int { throw std::bad_alloc(); }), std::make_pair(1, std::string("cbvh_test: out of memory\n")));
+  EXPECT_EQ(outcome([]() -> int { throw Error("x.obj: 100% wrong"); }), std::make_pair(1, std::string("cbvh_test: x.obj: 100% wrong\n")));
+  EXPECT_EQ(outcome([]() -> int { throw std::out_of_range("far"); }), std::make_pair(1, std::string("cbvh_test: far\n")));
+}
+
+} // namespace
+} // namespace cbvh::test
