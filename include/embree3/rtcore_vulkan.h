@@ -13,9 +13,8 @@
  *   a buffer of rays into a command buffer;
  * - from the host: rtcStartVulkanIntersect and rtcStartVulkanOccluded take arrays of rays.
  *
- * A device needs Vulkan 1.2 with the features bufferDeviceAddress and scalarBlockLayout, and
- * shaderFloat64 for scenes that have blocks of cVERT (RTC_COMPRESSION_VERT, and faces that
- * RTC_COMPRESSION_LEAF stores exactly).
+ * A device needs Vulkan 1.2 with the features bufferDeviceAddress and scalarBlockLayout. With
+ * shaderFloat64 the distances of hits in cVERT are computed in double, as on the processor; without it in float.
  *
  * rtcGetVulkanDevices and rtcNewVulkanDevice load libvulkan.so.1, or the loader of Vulkan that the environment
  * variable EMBREE_VULKAN_LOADER names.

@@ -4,6 +4,7 @@
 /* The same rays have the same hits on the device as on the processor: every representation on
  * cages of every sort, and what surrounds surfaces in a scene. */
 
+#include "small_scenes.h"
 #include "support/odd_rays.h"
 #include "vulkan_tracer.h"
 
@@ -356,6 +357,27 @@ TEST_F(VulkanHits, OfRaysThatAreSortedAreTheSame)
     occludedOnDevice(onDevice, sortedAny);
     EXPECT_EQ(std::memcmp(plain.data(), sorted.data(), sizeof(RTCRayHit)*count), 0) << count;
     EXPECT_EQ(std::memcmp(plainAny.data(), sortedAny.data(), sizeof(RTCRay)*count), 0) << count;
+  }
+}
+
+// Three surfaces in one place: of hits at the same distance both report the first.
+TEST_F(VulkanHits, OfHitsAtTheSameDistanceTheSameOneCounts)
+{
+  Scene scene(embree);
+  for (int i = 0; i < 3; i++) addSurface(embree, scene, cubeCage(), settings(RTC_COMPRESSION_VERT));
+  rtcCommitScene(scene);
+  std::vector<RTCRayHit> rays;
+  for (int i = 0; i < 20000; i++)
+    rays.push_back(makeRay({0, 0, 0}, {float(random.normal()), float(random.normal()), float(random.normal())}));
+  const VulkanScene onDevice = newVulkanScene(device, scene);
+  ASSERT_NE(onDevice, nullptr) << embree.message;
+  const std::vector<RTCRayHit> traced = traceAll(onDevice.get(), rays);
+  for (size_t i = 0; i < rays.size(); i++) {
+    const RTCRayHit expected = intersect(scene, rays[i]);
+    ASSERT_EQ(expected.hit.geomID, 0u);
+    ASSERT_EQ(traced[i].hit.geomID, 0u) << "ray " << i;
+    ASSERT_EQ(traced[i].hit.primID, expected.hit.primID) << "ray " << i;
+    ASSERT_EQ(traced[i].ray.tfar, expected.ray.tfar);
   }
 }
 

@@ -64,7 +64,7 @@ namespace embree
         if (numFaces == 0) { setEmpty(); bvh->postBuild(t0); return; }
 
         hitBounds = cbvh::WorldBounds();
-        bvh->alloc.init_estimate(estimateBytes(numFaces));
+        bvh->alloc.init_estimate(estimateBytes(surfaces));
         cbvh::BuildStatistics all;
         std::vector<TaskPrims> lists;
         for (auto& surface : surfaces)
@@ -84,9 +84,19 @@ namespace embree
         bvh->set(BVH4::emptyNode,empty,0);
       }
 
+      struct Surface;
+
       /*! typical size, so that the allocator starts with blocks of a fitting size */
-      static size_t estimateBytes (size_t numFaces) {
-        return numFaces*(sizeof(BVH4::AABBNode)/2 + cbvh::blockLayout(cbvh::kindLeaf,4).bytes);
+      static size_t estimateBytes (const std::vector<std::unique_ptr<Surface>>& surfaces)
+      {
+        size_t blocks = 0;
+        for (const auto& surface : surfaces)
+          blocks += parallel_reduce(size_t(0),surface->plan.mesh->size(),size_t(1024),size_t(0),[&](const range<size_t>& faces) {
+              size_t n = 0;
+              for (size_t f=faces.begin(); f!=faces.end(); f++) n += surface->estimateBlocks(f);
+              return n;
+            },std::plus<size_t>());
+        return blocks*(sizeof(BVH4::AABBNode)/2 + cbvh::blockLayout(cbvh::kindLeaf,4).bytes);
       }
 
       /*! what the build knows of a geometry */
@@ -110,6 +120,19 @@ namespace embree
 
         PatchTiling tilingOf (size_t f, const float rate[4]) const {
           return plan.tiling(rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(plan.level(rate)));
+        }
+
+        /*! blocks of 16 x 16 quads, or grids */
+        size_t estimateBlocks (size_t face) const
+        {
+          if (!plan.mesh->valid(face)) return 0;
+          const unsigned side = plan.compresses() ? cbvh::vertBlockQuads : GridWriter::gridQuads;
+          size_t n = 0;
+          forEachPatch(plan.mesh,face,[&](const PatchOfFace& patch) {
+              const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
+              n += size_t((size.x-2)/side+1)*size_t((size.y-2)/side+1);
+            });
+          return n;
         }
 
         template<typename Closure>

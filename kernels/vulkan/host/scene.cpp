@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "scene.h"
-#include "kernels/cbvh/framed/block.h"
+#include "kernels/cbvh/scene/validate_block.h"
 
 #include <algorithm>
 #include <cmath>
@@ -141,8 +141,21 @@ private:
     bool import = memory == RTC_VULKAN_MEMORY_IMPORT || (memory == RTC_VULKAN_MEMORY_AUTO && !device.capabilities.info.isDiscrete && device.handles.hasHostImport);
     if (import && !device.handles.hasHostImport)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("memory cannot be imported: the Vulkan device ") + device.capabilities.info.name + " has no VK_EXT_external_memory_host, or it is not enabled");
+    validateBlocks();
     if (import) importBlocks();
     else copyBlocks();
+  }
+
+  /* a device reads what a block's header says, wherever that is */
+  void validateBlocks() const
+  {
+    for (const Part& part : parts)
+      for (size_t i = 0; i < part.flat->numBlocks; i++) {
+        const FlatBlock& block = part.flat->blocks[i];
+        if (block.type == cellReference) continue;
+        if (const char* error = validateBlock(block.type - firstBlockReference, block.data, block.bytes))
+          throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("a block of the scene is not valid: ") + error);
+      }
   }
 
   void importBlocks()
@@ -368,8 +381,6 @@ private:
     data.root = parts[0].tree.root;
     std::copy(parts[0].tree.bounds.lower, parts[0].tree.bounds.lower + 3, data.lower);
     std::copy(parts[0].tree.bounds.upper, parts[0].tree.bounds.upper + 3, data.upper);
-    if ((out.kinds & (1u << blockReference(kindVert))) && !device.handles.hasFloat64)
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the scene has blocks of cVERT, and the Vulkan device ") + device.capabilities.info.name + " has no shaderFloat64, or it is not enabled");
     out.address = writeArray(&data, 1, "a scene").address();
     uploader.flush();
 
