@@ -88,6 +88,7 @@ namespace embree
       void resize ()
       {
         count = width*height;
+        interleaved.reserve(6*count); // no more than that: vectors grow to a power of two
         interleaved.resize(6*count);
       }
 
