@@ -111,7 +111,7 @@ namespace embree
               for (size_t f=faces.begin(); f!=faces.end(); f++)
               {
                 offset[f] = 0;
-                if (!plan.mesh->valid(f)) continue;
+                if (!hasSurface(plan.mesh,f)) continue;
                 if (plan.boundsError()) {
                   if (!trial) trial.reset(new PatchBuilder(plan,shared.get(),scene,Allocator(nullptr)));
                   frameLevel[f] = boundedFrameLevel(f,*trial,quads);
@@ -184,7 +184,7 @@ namespace embree
             {
               PrimRef* out = prims.data() + table.offset[f];
               const size_t invalid = invalidQuads();
-              if (plan.mesh->valid(f))
+              if (hasSurface(plan.mesh,f))
                 forEachPatch(plan.mesh,f,[&](const PatchOfFace& patch) {
                     const PatchTiling tiling = table.tilingOf(f,patch.rate);
                     if (tiling.size() == 0) { out += builder.buildGrids(patch.make(plan.mesh,plan.geomID,f),out); }

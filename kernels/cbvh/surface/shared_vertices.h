@@ -65,7 +65,7 @@ namespace embree
       /*! evaluates borders; shows progress to the scene's monitor, which may cancel */
       void build (size_t facesPerTask)
       {
-        edges.resize(mesh->topology[0].halfEdges.size());
+        edges.resize(numHalfEdges());
         exponents.resize(mesh->size());
         forFaces(facesPerTask,[&](size_t f, PatchGrid&) { findRates(f); });
         findDiagonal(facesPerTask);
@@ -120,20 +120,29 @@ namespace embree
           });
       }
 
+      /*! Of faces, which findRates fills: the index buffer, and with it Embree's half-edges, may be longer. */
+      size_t numHalfEdges () const
+      {
+        for (size_t f=mesh->size(); f-- > 0; )
+          if (hasEdges(mesh,f)) return indexOf(mesh->getHalfEdge(0,f)) + mesh->faceVertices[f];
+        return 0;
+      }
+
       uint32_t indexOf (const HalfEdge* h) const { return uint32_t(h - first); }
       Edge& at (const HalfEdge* h) { return edges[indexOf(h)]; }
       const Edge& at (const HalfEdge* h) const { return edges[indexOf(h)]; }
       bool takesPart (const HalfEdge* h) const { return at(h).ownRate != noRate; }
-      bool takesPart (size_t f) const { return takesPart(mesh->getHalfEdge(0,f)); }
+      bool takesPart (size_t f) const { return hasEdges(mesh,f) && takesPart(mesh->getHalfEdge(0,f)); }
       static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
 
       void findRates (size_t f)
       {
+        exponents[f] = cbvh::noLattice;
+        if (!hasEdges(mesh,f)) return;
         const HalfEdge* h = mesh->getHalfEdge(0,f);
         const unsigned n = h->numEdges();
         for (unsigned i=0; i<n; i++) { at(h+i) = Edge(); at(h+i).ownRate = noRate; at(h+i).face = uint32_t(f); }
-        exponents[f] = cbvh::noLattice;
-        if (!mesh->valid(f)) return;
+        if (!hasSurface(mesh,f)) return;
         bool isGrids = false;
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
             isGrids |= plan.level(patch.rate) > cbvh::maxLevel;
