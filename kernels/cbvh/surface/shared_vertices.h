@@ -186,7 +186,6 @@ namespace embree
               : other.ownRate != edge.ownRate ? other.ownRate < edge.ownRate : indexOf(o) < indexOf(e);
             if (isOthers) edge.owner = indexOf(o);
             edge.rate = min(edge.ownRate,other.ownRate);
-            if (!isQuad(e) || !isQuad(o)) edge.rate &= ~1u; // has a middle
           }
           const HalfEdge* owner = e;
           forEachAround(e,[&](const HalfEdge* a) {
@@ -245,16 +244,11 @@ namespace embree
       void joinEdges (const KeyedEdge* begin, const KeyedEdge* end)
       {
         uint32_t owner = begin->second;
-        unsigned rate = edges[owner].ownRate;
-        bool hasMiddle = false;
-        for (const KeyedEdge* i=begin; i<end; i++) {
+        for (const KeyedEdge* i=begin; i<end; i++)
           if (edges[i->second].ownRate < edges[owner].ownRate) owner = i->second;
-          rate = min(rate,edges[i->second].ownRate);
-          hasMiddle |= !isQuad(first+i->second);
-        }
         for (const KeyedEdge* i=begin; i<end; i++) {
           edges[i->second].owner = owner;
-          edges[i->second].rate = hasMiddle ? rate & ~1u : rate; // as in findOwners
+          edges[i->second].rate = edges[owner].ownRate;
         }
       }
 
@@ -448,16 +442,18 @@ namespace embree
         return side;
       }
 
-      /*! first or second half of an edge */
+      /*! First or second half of an edge. Embree gives edges of n-gons an even rate in all faces that it
+       *  knows beside them. On an edge of three faces a quad's may be odd: then the vertex before
+       *  the middle is the n-gon's, as Embree's stitching has it, and of rate 1 the first half is a point. */
       static SideVertices half (SideVertices edge, int which)
       {
-        const unsigned middle = edge.rate/2;
+        const unsigned middle = edge.rate/2, rest = edge.rate-middle;
         const SideVertices::Vertex v = edge[middle];
         if (which == 0) edge.end = v; else edge.begin = v;
         /* interior points are counted from the owner's end */
         const bool later = (which == 1) != edge.reversed;
-        if (later) edge.interior += middle;
-        edge.rate = middle;
+        if (later) edge.interior += which == 1 ? middle : rest;
+        edge.rate = which == 1 ? rest : max(middle,1u);
         return edge;
       }
 
