@@ -6,6 +6,7 @@
 
 #include "support/edge_rates.h"
 #include "support/scene_blocks.h"
+#include "support/vert_triangles.h"
 #include "support/vertex_recorder.h"
 
 #include <cmath>
@@ -212,6 +213,95 @@ std::vector<RTCRayHit> raysTowards(const std::vector<Vec>& targets, Random& rand
     rays.push_back(makeRay(o, d));
   }
   return rays;
+}
+
+// Point of the surface without displacement. Interpolation reads a float behind the last vertex.
+Vec surfacePoint(RTCScene scene, const Cage& cage, unsigned face, float u, float v)
+{
+  const RTCGeometry geometry = rtcGetGeometry(scene, 0);
+  ((float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0))[3*cage.positions.size()] = 0;
+  Vec p;
+  rtcInterpolate0(geometry, face, u, v, RTC_BUFFER_TYPE_VERTEX, 0, p.data(), 3);
+  return p;
+}
+
+/* cVERT evaluates borders by themselves, before any patch: each has the points of the surface, by rtcInterpolate, that its
+ * own rate asks for, whatever the rates of the other edges. */
+TEST(BordersOfMixedRates, HaveTheirVerticesInCVert)
+{
+  Device device;
+  Cage bilinear = cubeCage();
+  bilinear.mode = RTC_SUBDIVISION_MODE_PIN_ALL;
+  for (const Cage& cage : {cubeCage(), creasedCube(), trapezohedronCage(9), bilinear})
+    for (const auto& set : rateSets) {
+      SCOPED_TRACE(testing::Message() << cage.faces.size() << " faces, rates " << set.name);
+      Random random(95);
+      SurfaceSettings settings;
+      settings.compression = RTC_COMPRESSION_VERT;
+      settings.edgeRates = drawRates(cage, random, set.draw);
+      const SurfaceScene scene(device, cage, settings);
+      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      std::vector<std::vector<std::array<float, 3>>> vertices(cage.faces.size());
+      for (const VertTriangle& t : vertTriangles(scene)) vertices[t.primID].insert(vertices[t.primID].end(), t.vertices.begin(), t.vertices.end());
+      const double most = 0.8661*statisticsOf(scene).maxVertexSpacing + 1e-5; // faces round what they share apart
+      size_t missing = 0, compared = 0;
+      for (unsigned face = 0; face < cage.faces.size(); face++)
+        for (unsigned side = 0; side < 4; side++) {
+          const unsigned rate = unsigned(std::ceil(settings.edgeRates[4*face + side]));
+          for (unsigned k = 0; k < rate; k++, compared++) {
+            const float along = float(k)/float(rate), u[4] = {along, 1, 1 - along, 0}, v[4] = {0, along, 1, 1 - along};
+            const Vec p = surfacePoint(scene, cage, face, u[side], v[side]);
+            missing += std::none_of(vertices[face].begin(), vertices[face].end(), [&](const std::array<float, 3>& q) {
+              return std::sqrt(std::pow(q[0] - p[0], 2) + std::pow(q[1] - p[1], 2) + std::pow(q[2] - p[2], 2)) <= most;
+            });
+          }
+        }
+      EXPECT_GT(compared, 24u);
+      EXPECT_EQ(missing, 0u) << "of " << compared;
+    }
+}
+
+// How far u and v of hits are from where the ray hit: the surface's point there, by rtcInterpolate.
+double worstOfParameters(RTCScene scene, const Cage& cage, const std::vector<RTCRayHit>& rays)
+{
+  double worst = 0;
+  size_t hits = 0;
+  for (const RTCRayHit& ray : rays) {
+    const RTCRayHit found = intersect(scene, ray);
+    if (!isHit(found)) continue;
+    const Vec p = surfacePoint(scene, cage, found.hit.primID, found.hit.u, found.hit.v);
+    const float org[3] = {ray.ray.org_x, ray.ray.org_y, ray.ray.org_z}, dir[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};
+    double d2 = 0;
+    for (int k = 0; k < 3; k++) d2 += std::pow(org[k] + double(found.ray.tfar)*dir[k] - p[k], 2);
+    worst = std::max(worst, std::sqrt(d2));
+    hits++;
+  }
+  EXPECT_GT(hits, rays.size()/2);
+  return worst;
+}
+
+/* Where the two sides of an edge ask for other rates, the border that a face has in cVERT is of a lower rate than its own,
+ * and so are the parameters there. GRID's are as far from the surface as its triangles are. */
+TEST(BordersOfMixedRates, HitsHaveTheParametersOfTheirPlaces)
+{
+  Device device;
+  for (const auto& cage : closedCages)
+    for (unsigned seed = 91; seed < 94; seed++) {
+      SCOPED_TRACE(testing::Message() << cage.name << ", seed " << seed);
+      Random random(seed);
+      BorderRecorder recorder(cage.cage);
+      recorder.amplitude = 0;
+      SurfaceSettings settings;
+      for (size_t i = 0; i < cage.cage.indices.size(); i++) settings.edgeRates.push_back(float(4 + random.below(40)));
+      settings.compression = RTC_COMPRESSION_NONE;
+      Scene grid(device);
+      recorder.build(device, grid, cage.cage, settings);
+      settings.compression = RTC_COMPRESSION_VERT;
+      const SurfaceScene scene(device, cage.cage, settings);
+      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      const std::vector<RTCRayHit> rays = raysTowards(recorder.targets(random, 3), random);
+      EXPECT_LE(worstOfParameters(scene, cage.cage, rays), 2*worstOfParameters(grid, cage.cage, rays)) << "of " << rays.size() << " rays";
+    }
 }
 
 unsigned countMisses(RTCScene scene, const std::vector<RTCRayHit>& rays)

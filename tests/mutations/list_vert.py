@@ -193,12 +193,12 @@ SHARING = (
         "vert_surfaces VertSurfaces.SidesThatDisagree*",
     ),
     build(
-        "edges: no middle for n-gons",
+        "edges: both halves of an odd rate are the shorter one",
         "shared_vertices.h",
-        "if (!isQuad(e) || !isQuad(o)) edge.rate &= ~1u; // has a middle",
-        "",
-        "patches of n-gons do not end at the middle",
-        "vert_surfaces VertSurfaces.SidesThatDisagree*",
+        "edge.rate = which == 1 ? rest : max(middle,1u);",
+        "edge.rate = max(middle,1u);",
+        "n-gons lose a vertex of an edge of three faces",
+        "cage_topology *QuadsAndOtherFacesOnAnEdgeOfThreeShareIt/cVERT",
     ),
     build(
         "sides: never reversed",

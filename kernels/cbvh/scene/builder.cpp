@@ -125,7 +125,7 @@ namespace embree
         /*! blocks of 16 x 16 quads, or grids */
         size_t estimateBlocks (size_t face) const
         {
-          if (!plan.mesh->valid(face)) return 0;
+          if (!hasSurface(plan.mesh,face)) return 0;
           const unsigned side = plan.compresses() ? cbvh::vertBlockQuads : GridWriter::gridQuads;
           size_t n = 0;
           forEachPatch(plan.mesh,face,[&](const PatchOfFace& patch) {
@@ -157,7 +157,7 @@ namespace embree
               for (size_t f=faces.begin(); f!=faces.end(); f++)
               {
                 unsigned n = 0;
-                if (plan.mesh->valid(f))
+                if (hasSurface(plan.mesh,f))
                   forEachPatchOf(f,grid,[&](SurfacePatch& patch) {
                       if (plan.storage(patch.rate) != CompressionPlan::FRAMED) return;
                       n = max(n,trial.boundedFrameLevel(patch));
@@ -197,7 +197,7 @@ namespace embree
             for (size_t f=faces.begin(); f!=faces.end(); f++)
             {
               const size_t invalid = statistics.sums.numInvalidQuads;
-              if (plan.mesh->valid(f))
+              if (hasSurface(plan.mesh,f))
                 surface.forEachPatchOf(f,grid,[&](SurfacePatch& patch) {
                     const size_t size = size_t(patch.quads[0])*size_t(patch.quads[1]);
                     switch (plan.storage(patch.rate)) {

@@ -80,7 +80,7 @@ namespace embree
       {
         gridUVTessellator(patch.level,range.width,range.height,range.part.x0,range.part.y0,unsigned(width),unsigned(height),u,v);
         for (size_t i=count; i<stride; i++) { u[i] = u[count-1]; v[i] = v[count-1]; }
-        if (stitched) stitchUVGrid(patch.level,range.width,range.height,range.part.x0,range.part.y0,unsigned(width),unsigned(height),u,v);
+        if (stitched) stitchParameters(patch.level,range,u,v);
         for (size_t i=0; i<count; i+=VSIZEX)
         {
           const vfloatx uu = vfloatx::load(u+i), vv = vfloatx::load(v+i);
@@ -90,6 +90,24 @@ namespace embree
           const Vec3vfx n = normalize_safe(patchNormal(patch,uu,vv));
           for (int k=0; k<3; k++) vfloatx::store(N[k]+i,n[k]);
         }
+      }
+
+      /*! As Embree's stitchUVGrid() does it for the whole grid; of a part, that would stitch columns to the rates of the edges
+       *  opposite. */
+      void stitchParameters (const float rate[4], const Range& range, float* u, float* v) const
+      {
+        const PatchPart& part = range.part;
+        const unsigned vertices[4] = { unsigned(rate[0])+1,unsigned(rate[1])+1,unsigned(rate[2])+1,unsigned(rate[3])+1 }, columns = unsigned(width);
+        auto stitchRow = [&](int s, size_t row) {
+          if (vertices[s] < range.width) stitchGridEdges(vertices[s],range.width,part.x0,part.x1,u+row*width,1);
+        };
+        auto stitchColumn = [&](int s, size_t column) {
+          if (vertices[s] < range.height) stitchGridEdges(vertices[s],range.height,part.y0,part.y1,v+column,columns);
+        };
+        if (part.y0 == 0) stitchRow(0,0);
+        if (part.x1 == range.width-1) stitchColumn(1,width-1);
+        if (part.y1 == range.height-1) stitchRow(2,height-1);
+        if (part.x0 == 0) stitchColumn(3,0);
       }
 
       void evalIrregular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, const Range& range, float* P[3], float* N[3], float* u, float* v)

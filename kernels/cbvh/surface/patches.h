@@ -14,6 +14,11 @@ namespace embree
 {
   namespace isa
   {
+    /*! Embree's half-edge of a face without edges is that of the face behind it. */
+    inline bool hasEdges(const SubdivMesh* mesh, size_t face) { return mesh->faceVertices[face] != 0; }
+
+    inline bool hasSurface(const SubdivMesh* mesh, size_t face) { return hasEdges(mesh,face) && mesh->valid(face); }
+
     /*! what is known of a patch before it is evaluated */
     struct PatchOfFace
     {

@@ -44,7 +44,7 @@ namespace embree
       /*! evaluates borders; shows progress to the scene's monitor, which may cancel */
       void build (size_t facesPerTask)
       {
-        edges.resize(mesh->topology[0].halfEdges.size());
+        edges.resize(numHalfEdges());
         exponents.resize(mesh->size());
         forFaces(facesPerTask,[&](size_t f, PatchGrid&) { findRates(f); });
         findDiagonal(facesPerTask);
@@ -99,20 +99,29 @@ namespace embree
           });
       }
 
+      /*! Of faces, which findRates fills: the index buffer, and with it Embree's half-edges, may be longer. */
+      size_t numHalfEdges () const
+      {
+        for (size_t f=mesh->size(); f-- > 0; )
+          if (hasEdges(mesh,f)) return indexOf(mesh->getHalfEdge(0,f)) + mesh->faceVertices[f];
+        return 0;
+      }
+
       uint32_t indexOf (const HalfEdge* h) const { return uint32_t(h - first); }
       Edge& at (const HalfEdge* h) { return edges[indexOf(h)]; }
       const Edge& at (const HalfEdge* h) const { return edges[indexOf(h)]; }
       bool takesPart (const HalfEdge* h) const { return at(h).ownRate != noRate; }
-      bool takesPart (size_t f) const { return takesPart(mesh->getHalfEdge(0,f)); }
+      bool takesPart (size_t f) const { return hasEdges(mesh,f) && takesPart(mesh->getHalfEdge(0,f)); }
       static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
 
       void findRates (size_t f)
       {
+        exponents[f] = cbvh::noLattice;
+        if (!hasEdges(mesh,f)) return;
         const HalfEdge* h = mesh->getHalfEdge(0,f);
         const unsigned n = h->numEdges();
         for (unsigned i=0; i<n; i++) { at(h+i) = Edge(); at(h+i).ownRate = noRate; at(h+i).face = uint32_t(f); }
-        exponents[f] = cbvh::noLattice;
-        if (!mesh->valid(f)) return;
+        if (!hasSurface(mesh,f)) return;
         bool isGrids = false;
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
             isGrids |= plan.storage(patch.rate) == CompressionPlan::GRIDS;
@@ -156,7 +165,6 @@ namespace embree
               : other.ownRate != edge.ownRate ? other.ownRate < edge.ownRate : indexOf(o) < indexOf(e);
             if (isOthers) edge.owner = indexOf(o);
             edge.rate = min(edge.ownRate,other.ownRate);
-            if (!isQuad(e) || !isQuad(o)) edge.rate &= ~1u; // has a middle
           }
           const HalfEdge* owner = e;
           forEachAround(e,[&](const HalfEdge* a) {
@@ -215,16 +223,11 @@ namespace embree
       void joinEdges (const KeyedEdge* begin, const KeyedEdge* end)
       {
         uint32_t owner = begin->second;
-        unsigned rate = edges[owner].ownRate;
-        bool hasMiddle = false;
-        for (const KeyedEdge* i=begin; i<end; i++) {
+        for (const KeyedEdge* i=begin; i<end; i++)
           if (edges[i->second].ownRate < edges[owner].ownRate) owner = i->second;
-          rate = min(rate,edges[i->second].ownRate);
-          hasMiddle |= !isQuad(first+i->second);
-        }
         for (const KeyedEdge* i=begin; i<end; i++) {
           edges[i->second].owner = owner;
-          edges[i->second].rate = hasMiddle ? rate & ~1u : rate; // as in findOwners
+          edges[i->second].rate = edges[owner].ownRate;
         }
       }
 
@@ -415,16 +418,18 @@ namespace embree
         return side;
       }
 
-      /*! first or second half of an edge */
+      /*! First or second half of an edge. Embree gives edges of n-gons an even rate in all faces that it
+       *  knows beside them. On an edge of three faces a quad's may be odd: then the vertex before
+       *  the middle is the n-gon's, as Embree's stitching has it, and of rate 1 the first half is a point. */
       static SideVertices half (SideVertices edge, int which)
       {
-        const unsigned middle = edge.rate/2;
+        const unsigned middle = edge.rate/2, rest = edge.rate-middle;
         const SideVertices::Vertex v = edge[middle];
         if (which == 0) edge.end = v; else edge.begin = v;
         /* interior points are counted from the owner's end */
         const bool later = (which == 1) != edge.reversed;
-        if (later) edge.interior += middle;
-        edge.rate = middle;
+        if (later) edge.interior += which == 1 ? middle : rest;
+        edge.rate = which == 1 ? rest : max(middle,1u);
         return edge;
       }
 

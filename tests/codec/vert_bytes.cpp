@@ -1,0 +1,130 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Checksums of blocks of cVERT: a change of the format or of the encoder is seen, and therefore deliberate. After
+ * one that is meant, the test prints the new table.
+ *
+ * The vertices are integers times a power of two, which the test makes itself, so they are the same floats on
+ * every machine, and so are the bytes: whatever processor and instruction set, nothing is skipped. block_bytes.cpp
+ * has the kinds with frames, whose vertices Embree evaluates. */
+
+#include "kernels/cbvh/vert/encoder.h"
+
+#include <gtest/gtest.h>
+
+#include <cinttypes>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+
+// Knuth's MMIX generator, its upper bits.
+class Integers
+{
+public:
+  explicit Integers(uint64_t seed) : state(seed) {}
+  int within(int magnitude) // [-magnitude, magnitude]
+  {
+    state = state*6364136223846793005u + 1442695040888963407u;
+    return int((state >> 33) % uint64_t(2*magnitude + 1)) - magnitude;
+  }
+
+private:
+  uint64_t state;
+};
+
+// A sheet in steps of its lattice.
+struct Sheet
+{
+  const char* name;
+  uint32_t quadsX, quadsY;
+  int exponent;          // of the spacing
+  int origin[3];
+  int alongU[3], alongV[3];
+  int bend[3];           // of x^2 - xy, in 1/8
+  int noise[3];
+  int hole;              // vertex that is not finite, or -1
+  uint64_t checksum;
+};
+
+// Slopes of words and boxes; fields of 0, of up to 32 and of more bits; blocks of every form of their last groups; raw ones.
+const Sheet sheets[] = {
+  {"plane",                  16, 16,   0, {0, 0, 0},              {32, 0, 16},  {0, 32, -48},  {0, 0, 0},  {0, 0, 0},         -1, 0x317e4bce89eec731},
+  {"bend along z",           16, 16,  -9, {-5000, 70000, 12},     {40, 3, -2},  {-5, 37, 4},   {0, 0, 6},  {0, 0, 0},         -1, 0x55badeec9464c253},
+  {"bend along all",         16, 16, -20, {4000000, -1, 3000000}, {30, 20, 10}, {-11, 29, 7},  {5, -3, 9}, {0, 0, 0},         -1, 0x20dcc47e4597f19a},
+  {"noise of a step",        16, 16,   3, {100, 200, 300},        {36, 0, 0},   {0, 0, 36},    {0, 4, 0},  {1, 1, 1},         -1, 0x62a2b5a58f7ddb8b},
+  {"noise along the normal", 16, 16,  -4, {-77, 8, 9},            {36, 9, 0},   {0, 7, 36},    {0, 2, 0},  {2, 40, 1},        -1, 0xba1e16940160ef54},
+  {"axis by axis",           16, 16,  -7, {-9000, -9000, 0},      {40, 0, 0},   {0, 40, 0},    {0, 0, 0},  {900, 2000, 4000}, -1, 0x10a7ecfab4963c65},
+  {"one quad",                1,  1, -11, {123456, -654321, 5},   {33, 1, 2},   {3, 35, -4},   {0, 0, 0},  {3, 3, 3},         -1, 0x04794591dc251755},
+  {"a row",                  16,  1,  -5, {0, 0, -400},           {31, 2, 17},  {0, 0, 40},    {1, 1, 1},  {2, 3, 1},         -1, 0x65853bb322552927},
+  {"three columns",           3, 16,   0, {1, 2, 3},              {10, 40, 5},  {50, -6, 1},   {3, 0, 8},  {4, 0, 12},        -1, 0x6c4ea0b513274079},
+  {"7 x 13",                  7, 13,  30, {-31, 41, -59},         {26, 53, 58}, {97, -93, 23}, {8, 4, 6},  {2, 6, 4},         -1, 0x315d3d36f86881e6},
+  {"raw: not finite",         9,  6,  -2, {-100, 0, 100},         {16, 0, 4},   {0, 16, 2},    {0, 0, 2},  {1, 1, 1},         17, 0x93f95bee0e2dc371},
+  {"raw: too wide",          16,  4,  -8, {0, 0, 0},              {1100, 0, 0}, {0, 40, 9},    {0, 0, 1},  {5, 5, 5},         -1, 0x59e153f5f0c6cf33},
+};
+
+void fill(VertEncoder& encoder, const Sheet& sheet, uint64_t seed)
+{
+  Integers integers(seed);
+  for (uint32_t y = 0; y <= sheet.quadsY; y++)
+    for (uint32_t x = 0; x <= sheet.quadsX; x++) {
+      const uint32_t v = y*(sheet.quadsX + 1) + x;
+      for (int k = 0; k < 3; k++) {
+        const int i = int(x), j = int(y);
+        const int steps = sheet.origin[k] + i*sheet.alongU[k] + j*sheet.alongV[k] + (i*i - i*j)*sheet.bend[k]/8 + integers.within(sheet.noise[k]);
+        encoder.vertices[v][k] = std::ldexp(float(steps), sheet.exponent); // 23 bits: exact
+        if (int(v) == sheet.hole) encoder.vertices[v][k] = INFINITY;
+      }
+    }
+}
+
+// Inside of a patch; every sheet of an odd width has edges.
+VertPlacement placementOf(const Sheet& sheet)
+{
+  const uint32_t place = vertPlace(sheet.quadsX, sheet.quadsY, 32, 16), patch = vertPatch(100, 50);
+  return sheet.quadsX % 2 ? VertPlacement(place, patch, vertEdges(100, 7, 31, 50, 5, 1)) : VertPlacement(place, patch);
+}
+
+// FNV-1a
+uint64_t checksum(const uint8_t* data, size_t bytes)
+{
+  uint64_t value = 0xcbf29ce484222325u;
+  for (size_t i = 0; i < bytes; i++) value = (value ^ data[i])*0x100000001b3u;
+  return value;
+}
+
+TEST(VertBytes, AreThoseThatWerePinned)
+{
+  const auto encoder = std::make_unique<VertEncoder>();
+  struct Room { alignas(16) uint8_t bytes[VertEncoder::maxBytes]; };
+  const auto room = std::make_unique<Room>();
+  std::string table;
+  unsigned raw = 0, byAxis = 0, sheared = 0;
+  for (const Sheet& sheet : sheets) {
+    SCOPED_TRACE(sheet.name);
+    fill(*encoder, sheet, uint64_t(&sheet - sheets) + 1);
+    VertStatistics statistics;
+    const size_t size = encoder->encode(placementOf(sheet), std::ldexp(1.0f, sheet.exponent), room->bytes, statistics);
+    const uint64_t found = checksum(room->bytes, size);
+    EXPECT_EQ(found, sheet.checksum);
+    char row[100];
+    std::snprintf(row, sizeof(row), "  %s: 0x%016" PRIx64 "\n", sheet.name, found);
+    table += row;
+    const VertHeader* header = (const VertHeader*)room->bytes;
+    EXPECT_EQ(isRaw(header->boxForm), std::string(sheet.name).compare(0, 3, "raw") == 0);
+    raw += isRaw(header->boxForm);
+    byAxis += !isRaw(header->boxForm) && isByAxis(header->word);
+    sheared += !isRaw(header->boxForm) && shearSlope(header->boxForm, 1) != 0 && shearSlope(header->boxForm, 2) != 0;
+  }
+  EXPECT_EQ(raw, 2u);
+  EXPECT_GE(byAxis, 1u);
+  EXPECT_GE(sheared, 3u);
+  if (HasFailure()) std::printf("%s", table.c_str());
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,183 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* What FORMAT_VERT.md says in numbers: each is read from its sentence or table, and compared with what the code
+ * does, so the two cannot drift. vert_block.cpp has the block that the page shows byte by byte. */
+
+#include "kernels/cbvh/base/primitive_type.h"
+#include "kernels/cbvh/vert/format.h"
+#include "kernels/cbvh/vert/lattice.h"
+#include "kernels/cbvh/vert/rule.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+
+std::string page()
+{
+  std::ifstream file(FORMAT_VERT_MD);
+  return std::string(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+}
+
+// The page on one line, so that sentences may be broken anywhere.
+std::string text()
+{
+  return std::regex_replace(page(), std::regex("\\s+"), " ");
+}
+
+/* The numbers of the only sentence that has this form, in which # is a number. */
+std::vector<double> numbersOf(std::string form)
+{
+  form = std::regex_replace(form, std::regex("[.^()*+?\\[\\]{}|`]"), "\\$&");
+  form = std::regex_replace(form, std::regex("#"), "(-?[0-9]+)");
+  const std::string all = text();
+  const std::regex pattern(form);
+  std::vector<double> numbers;
+  size_t sentences = 0;
+  for (std::sregex_iterator i(all.begin(), all.end(), pattern), end; i != end; ++i, sentences++)
+    for (size_t n = 1; n < i->size(); n++) numbers.push_back(std::stod((*i)[n]));
+  EXPECT_EQ(sentences, 1u) << "sentences of the form " << form;
+  return numbers;
+}
+
+typedef std::vector<double> Numbers;
+
+TEST(VertFormat, TheVersionIsTheOneOfThePage)
+{
+  EXPECT_EQ(numbersOf("This is format version # (`vertFormatVersion`"), Numbers{vertFormatVersion});
+}
+
+TEST(VertFormat, SizesAreThoseOfThePage)
+{
+  const double side = 1u << maxVertHeight, group = groupQuads;
+  EXPECT_EQ(numbersOf("A block starts at a multiple of # bytes"), Numbers{blockAlignment});
+  EXPECT_EQ(numbersOf("its type in the top-level BVH is #."), Numbers{double(VERT_BLOCK)});
+  EXPECT_EQ(numbersOf("**Block.** Up to # x # quads of a patch"), (Numbers{side, side}));
+  EXPECT_EQ(numbersOf("A patch is cut every # quads, so its last blocks"), Numbers{side});
+  EXPECT_EQ(numbersOf("**Group.** Up to # x # quads of a block. A block is cut every # quads"), (Numbers{group, group, group}));
+  EXPECT_EQ(maxVertGroups, (side/group)*(side/group));
+  const Numbers bits = numbersOf("A **coordinate** is an integer of # bits"), power = numbersOf("that are wider than #^# steps");
+  ASSERT_EQ(bits.size(), 1u);
+  ASSERT_EQ(power.size(), 2u);
+  EXPECT_EQ(std::exp2(bits[0]), double(maxExtent));
+  EXPECT_EQ(std::pow(power[0], power[1]), double(maxExtent));
+  EXPECT_EQ(numbersOf("Where that is more than # bits, the b0 bits of all"), Numbers{maxFieldBits});
+}
+
+// The rule of the page, of a median edge of 1.
+TEST(VertFormat, TheDefaultSpacingIsThatOfThePage)
+{
+  const Numbers edge = numbersOf("largest power of two that is at most #/# of the median edge"),
+                full = numbersOf("and with q < # quads there at most q/# of that"),
+                diagonal = numbersOf("Nor is it more than #/# of the diagonal of the cage's bounds"),
+                finest = numbersOf("but for that it is not less than #/# of that edge");
+  ASSERT_TRUE(edge.size() == 2 && full.size() == 2 && diagonal.size() == 2 && finest.size() == 2);
+  ASSERT_EQ(full[0], full[1]);
+  const double ofEdge = edge[0]/edge[1], ofDiagonal = diagonal[0]/diagonal[1], least = finest[0]/finest[1];
+  ASSERT_LT(least, ofEdge);
+  for (unsigned quads = 1; quads < unsigned(full[0]); quads++)
+    for (double size : {0.0, 1e9}) EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, size), ofEdge*quads/full[0]) << quads << " quads";
+  for (unsigned quads : {unsigned(full[0]), 100u}) {
+    EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, 1e9), ofEdge);
+    EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, 0), least);
+    const double between = 0.5*(ofEdge + least); // the diagonal's
+    EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, between/ofDiagonal), between);
+  }
+}
+
+TEST(VertFormat, LatticesAreThoseOfThePage)
+{
+  const Numbers finest = numbersOf("A lattice is not finer than #^# of the face's largest coordinate");
+  ASSERT_EQ(finest.size(), 2u);
+  for (double largest : {1.0, 1.5, 1.99, 1000.0}) {
+    const double spacing = std::ldexp(1.0, latticeExponent(1e-30, largest));
+    EXPECT_GE(spacing, std::pow(finest[0], finest[1])*largest);
+    EXPECT_LE(spacing, 2*std::pow(finest[0], finest[1])*largest);
+  }
+  EXPECT_EQ(latticeExponent(0.99, 1), -1);
+  EXPECT_EQ(latticeExponent(1, 1), 0);
+}
+
+TEST(VertFormat, RaysAreWidenedAsThePageSays)
+{
+  EXPECT_EQ(numbersOf("both widened by # ulps of the distance to the farthest plane"), Numbers{slackUlps});
+  EXPECT_EQ(numbersOf("between planes of h by # ulps of the three distances"), Numbers{shearedSlackUlps});
+}
+
+// The triangle (0,0,0), (1,0,0), (0,1,0), seen along (x,y,1).
+TEST(VertFormat, RaysLieInPlanesAsThePageSays)
+{
+  const Numbers least = numbersOf("(|n.dir| is at most #^# of the sum of |n[i] dir[i]|)");
+  ASSERT_EQ(least.size(), 2u);
+  const WideTriangle<double> triangle = {{{0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
+  const double org[3] = {0.25, 0.25, -1}, dir[3] = {0.5, 0, 3};
+  const auto at = meetPlane(triangle, normalOf(triangle), org, dir);
+  EXPECT_EQ(at.speed, 3);
+  EXPECT_FLOAT_EQ(float(at.least), float(3*std::pow(least[0], least[1])));
+}
+
+// Rows "| offset | type | `field` | meaning |" of the header's section.
+TEST(VertFormat, TheHeaderIsThatOfThePage)
+{
+  const std::map<std::string, size_t> bytesOf = {{"float[3]", 12}, {"uint32", 4}, {"uint16[4][3]", 24}, {"uint16[4]", 8}};
+  const std::map<std::string, size_t> offsetOf = {
+    {"origin", offsetof(VertHeader, origin)}, {"reach", offsetof(VertHeader, reach)}, {"geomID", offsetof(VertHeader, geomID)},
+    {"primID", offsetof(VertHeader, primID)}, {"place", offsetof(VertHeader, place)}, {"patchQuads", offsetof(VertHeader, patchQuads)},
+    {"corners", offsetof(VertHeader, corners)}, {"boxForm", offsetof(VertHeader, boxForm)}, {"word", offsetof(VertHeader, word)}, {"edges", vertHeaderBytes}};
+  const std::string all = page();
+  const std::regex row("\\| ([0-9]+) \\| ([a-z0-9\\[\\]]+) \\| `([A-Za-z]+)` \\|");
+  size_t end = 0, rows = 0;
+  for (std::sregex_iterator i(all.begin(), all.end(), row), last; i != last; ++i, rows++) {
+    const size_t offset = size_t(std::stoul((*i)[1]));
+    EXPECT_EQ(offset, end) << (*i)[0];
+    EXPECT_EQ(offset, offsetOf.at((*i)[3])) << (*i)[0];
+    end = offset + bytesOf.at((*i)[2]);
+  }
+  EXPECT_EQ(rows, offsetOf.size());
+  EXPECT_EQ(end, vertHeaderBytes + vertEdgesBytes);
+  EXPECT_EQ(numbersOf("Header, # bytes"), Numbers{vertHeaderBytes});
+  EXPECT_EQ(numbersOf("Edges, # bytes"), Numbers{vertEdgesBytes});
+}
+
+// Each field of a word in the bits that its row names: `field` has the value of all ones there, others none.
+void expectFields(const Numbers& bits, const std::function<uint32_t(size_t field, uint32_t ones)>& wordOf)
+{
+  for (size_t field = 0; 2*field < bits.size(); field++) {
+    const uint32_t first = uint32_t(bits[2*field]), count = uint32_t(bits[2*field + 1]) - first + 1, ones = (1u << count) - 1;
+    EXPECT_EQ(wordOf(field, ones), ones << first) << "field " << field;
+  }
+}
+
+TEST(VertFormat, FieldsAreWhereThePageSays)
+{
+  const Numbers place = numbersOf("bits #-#: w - 1; #-#: h - 1; #-# and #-#: the block's first quad in the patch along u and v, in blocks of # quads");
+  ASSERT_EQ(place.size(), 9u);
+  EXPECT_EQ(place[8], vertBlockQuads);
+  expectFields(Numbers(place.begin(), place.end() - 1), [](size_t field, uint32_t ones) {
+    return vertPlace(1 + (field == 0)*ones, 1 + (field == 1)*ones, (field == 2)*ones*vertBlockQuads, (field == 3)*ones*vertBlockQuads);
+  });
+  const Numbers quads = numbersOf("quads of the patch along u and v, less 1: bits #-# and #-#");
+  ASSERT_EQ(quads.size(), 4u);
+  expectFields(quads, [](size_t field, uint32_t ones) { return vertPatch(1 + (field == 0)*ones, 1 + (field == 1)*ones); });
+  const Numbers edges = numbersOf("bits #-#: the rate less 1 that its vertices have; #-#: of the first two, u and v of the face");
+  ASSERT_EQ(edges.size(), 4u);
+  expectFields(edges, [](size_t field, uint32_t ones) { return vertEdges(1 + (field == 0)*ones, 1, 1, 1, (field == 1)*ones, 0).low; });
+  EXPECT_EQ(numbersOf("#: the block has edges; #-#: 0"), (Numbers{29, 30, 31}));
+  EXPECT_TRUE(hasEdges(1u << 29) && !hasEdges(~(1u << 29)));
+}
+
+} // namespace
+} // namespace cbvh::test

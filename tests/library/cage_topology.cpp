@@ -1,0 +1,294 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Cages that Embree takes and that are not what one expects: index buffers longer than the faces, holes, faces without
+ * edges, edges of three faces of which some are quads. Builds that share borders, of cVERT and of cLEAF, make of
+ * them what the same cage in plain words gives, and closed surfaces. */
+
+#include "support/edge_rates.h"
+#include "support/vert_triangles.h"
+
+#include <malloc.h>
+
+#include <map>
+
+namespace cbvh::test {
+namespace {
+
+class CageTopology : public testing::TestWithParam<RTCCompression> {};
+INSTANTIATE_TEST_SUITE_P(Compression, CageTopology, testing::Values(RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
+
+// New memory has this byte in it, as it has any on a heap in use.
+class FilledHeap
+{
+public:
+  explicit FilledHeap(int byte) { mallopt(M_PERTURB, ~byte & 0xFF); }
+  ~FilledHeap() { mallopt(M_PERTURB, 0); }
+};
+
+SurfaceSettings sharing(RTCCompression compression, float rate)
+{
+  SurfaceSettings settings;
+  settings.compression = compression;
+  settings.exactFaces = true;
+  settings.rate = rate;
+  return settings;
+}
+
+/* The same hits as in the plain scene. faces: those of the cage, by those of the plain cage. */
+void expectSameHits(RTCScene scene, RTCScene plain, const std::vector<unsigned>& faces)
+{
+  Random random(111);
+  size_t hits = 0;
+  for (const RTCRayHit& ray : raysAt(random, 300)) {
+    const RTCRayHit found = intersect(scene, ray), expected = intersect(plain, ray);
+    ASSERT_EQ(isHit(found), isHit(expected));
+    if (!isHit(expected)) continue;
+    ASSERT_EQ(found.hit.primID, faces[expected.hit.primID]);
+    ASSERT_EQ(found.ray.tfar, expected.ray.tfar);
+    ASSERT_EQ(found.hit.u, expected.hit.u);
+    ASSERT_EQ(found.hit.v, expected.hit.v);
+    hits++;
+  }
+  EXPECT_GT(hits, 50u);
+}
+
+TEST_P(CageTopology, IndicesBehindThoseOfFacesDoNotMatter)
+{
+  Device device;
+  const SurfaceSettings settings = sharing(GetParam(), 16);
+  const SurfaceScene plain(device, cubeCage(), settings);
+  for (size_t spare : {1, 7, 4096})
+    for (int byte = 1; byte <= 20; byte++) {
+      SCOPED_TRACE(testing::Message() << spare << " more indices, heap of " << 12*byte);
+      Cage cage = cubeCage();
+      cage.indices.resize(cage.indices.size() + spare, 0);
+      const FilledHeap filled(12*byte);
+      const SurfaceScene scene(device, cage, settings);
+      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      ASSERT_EQ(statisticsOf(scene).numQuads, statisticsOf(plain).numQuads);
+      expectSameHits(scene, plain, {0, 1, 2, 3, 4, 5});
+      if (HasFatalFailure()) return;
+    }
+}
+
+// Embree has the face behind it in its place, once more.
+TEST_P(CageTopology, AFaceWithoutEdgesIsNone)
+{
+  Device device;
+  const SurfaceSettings settings = sharing(GetParam(), 16);
+  const SurfaceScene plain(device, cubeCage(), settings);
+  Cage cage = cubeCage();
+  cage.faces = {0, 4, 4, 0, 0, 4, 4, 4, 0, 4};
+  for (int byte = 1; byte <= 5; byte++) {
+    const FilledHeap filled(50*byte);
+    const SurfaceScene scene(device, cage, settings);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    EXPECT_EQ(statisticsOf(scene).numQuads, statisticsOf(plain).numQuads);
+    expectSameHits(scene, plain, {1, 2, 5, 6, 7, 9});
+    if (HasFatalFailure()) return;
+  }
+}
+
+// Rays from inside at the middles of faces, as GRID has them.
+TEST_P(CageTopology, HolesAreOpenAndNothingElseIs)
+{
+  Device device;
+  for (const std::vector<unsigned>& holes : {std::vector<unsigned>{0}, std::vector<unsigned>{5}, std::vector<unsigned>{1, 2, 3}}) {
+    Cage cage = cubeCage();
+    cage.holes = holes;
+    cage.indices.resize(cage.indices.size() + 5, 0);
+    const FilledHeap filled(0xA7);
+    const Twins twins(device, cage, sharing(GetParam(), 16));
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    Random random(112);
+    size_t hits = 0;
+    for (int i = 0; i < 600; i++) {
+      Vec d;
+      for (float& x : d) x = float(random.uniform(-0.3, 0.3));
+      d[i % 3] = i % 2 ? 1.f : -1.f;
+      const RTCRayHit ray = makeRay({0, 0, 0}, d), expected = intersect(twins.grid, ray), found = intersect(twins.scene, ray);
+      ASSERT_EQ(isHit(found), isHit(expected));
+      if (!isHit(expected)) continue;
+      EXPECT_EQ(found.hit.primID, expected.hit.primID);
+      hits++;
+    }
+    EXPECT_EQ(hits, 100*(6 - holes.size()));
+  }
+}
+
+// --- edges of three faces --------------------------------------------------------------
+
+/* Two chambers, one on the other, with a wall between them: its border is of three faces. The wall has n edges, each
+ * chamber's sides are quads, or triangles that end in a point.
+ *
+ *     x---x---x
+ *     |   |   |   quads, and a cap of n edges
+ *     x---x---x   the wall
+ *      \  |  /
+ *       \ | /     triangles
+ *         x                      */
+struct Chambers
+{
+  unsigned n;
+  bool isPrism[2]; // below, above
+  bool hasWall;
+
+  Cage cage() const
+  {
+    Cage cage;
+    const auto addRing = [&](float z) {
+      for (unsigned i = 0; i < n; i++) {
+        const double a = 2*M_PI*i/n;
+        cage.positions.push_back({float(std::cos(a)), float(std::sin(a)), z});
+      }
+    };
+    addRing(0);
+    if (hasWall) addFace(cage, 0, false); // first, for ringRates
+    for (int above = 0; above < 2; above++) {
+      const float z = above ? 1.f : -1.f;
+      const unsigned first = unsigned(cage.positions.size());
+      if (isPrism[above]) { addRing(z); addFace(cage, first, !above); }
+      else cage.positions.push_back({0, 0, z});
+      for (unsigned i = 0; i < n; i++) {
+        const unsigned a = above ? i : (i+1) % n, b = above ? (i+1) % n : i;
+        if (isPrism[above]) cage.addFace({a, b, first + b, first + a}); else cage.addFace({a, b, first});
+      }
+    }
+    return cage;
+  }
+
+  void addFace(Cage& cage, unsigned first, bool reversed) const
+  {
+    cage.faces.push_back(n);
+    for (unsigned i = 0; i < n; i++) cage.indices.push_back(first + (reversed ? n-1-i : i));
+  }
+};
+
+std::vector<Chambers> chambers(bool hasWall)
+{
+  std::vector<Chambers> all;
+  for (unsigned n : {3, 4, 5})
+    for (int forms = 0; forms < 4; forms++) all.push_back({n, {(forms & 1) != 0, (forms & 2) != 0}, hasWall});
+  return all;
+}
+
+// Quads of a face along an edge of the cage, as GRID has them where no face is known beside it.
+unsigned ownQuads(unsigned edges, float rate)
+{
+  const unsigned n = unsigned(std::ceil(edges == 4 ? rate : 0.5f*rate));
+  return edges == 4 ? n : 2*n;
+}
+
+// For each edge of the wall the least that any of its three faces has.
+size_t quadsOfRing(const Cage& cage, unsigned n, const SurfaceSettings& settings)
+{
+  std::map<std::pair<unsigned, unsigned>, unsigned> least;
+  size_t begin = 0;
+  for (unsigned edges : cage.faces) {
+    for (unsigned i = 0; i < edges; i++) {
+      const unsigned a = cage.indices[begin + i], b = cage.indices[begin + (i+1) % edges];
+      if (a >= n || b >= n) continue;
+      const unsigned quads = ownQuads(edges, settings.edgeRates.empty() ? settings.rate : settings.edgeRates[begin + i]);
+      const auto known = least.emplace(std::minmax(a, b), quads);
+      known.first->second = std::min(known.first->second, quads);
+    }
+    begin += edges;
+  }
+  EXPECT_EQ(least.size(), n);
+  size_t sum = 0;
+  for (const auto& edge : least) sum += edge.second;
+  return sum;
+}
+
+// How often triangles use each edge, whichever way.
+std::map<std::pair<std::array<float, 3>, std::array<float, 3>>, unsigned> usesOfEdges(RTCScene scene)
+{
+  std::map<std::pair<std::array<float, 3>, std::array<float, 3>>, unsigned> uses;
+  for (const VertTriangle& t : vertTriangles(scene))
+    for (int i = 0; t.hasArea() && i < 3; i++) uses[std::minmax(t.vertices[i], t.vertices[(i+1) % 3])]++;
+  return uses;
+}
+
+// From both chambers at the border of the wall, and anywhere.
+void expectNoMisses(const Twins& twins)
+{
+  Random random(113);
+  size_t ofGrid = 0;
+  for (int i = 0; i < 400; i++) {
+    const double a = 2*M_PI*random.uniform(), r = random.uniform(0.6, 1), height = i % 4 ? 0.1*random.normal() : random.uniform(-1, 1);
+    const Vec o = {float(random.uniform(-0.05, 0.05)), float(random.uniform(-0.05, 0.05)), i % 2 ? 0.2f : -0.2f};
+    const RTCRayHit ray = makeRay(o, {float(r*std::cos(a)) - o[0], float(r*std::sin(a)) - o[1], float(height) - o[2]});
+    ofGrid += !isHit(intersect(twins.grid, ray));
+    ASSERT_TRUE(isHit(intersect(twins.scene, ray))) << "ray " << i;
+    ASSERT_TRUE(occluded(twins.scene, ray)) << "ray " << i;
+  }
+  EXPECT_LE(ofGrid, 20u) << "rays do not start inside";
+}
+
+std::vector<SurfaceSettings> fewQuads(RTCCompression compression, const Cage& cage, Displacement& displacement)
+{
+  std::vector<SurfaceSettings> all;
+  for (float rate : {1.0f, 2.0f, 3.0f, 7.0f}) all.push_back(sharing(compression, rate));
+  Random random(114);
+  for (unsigned most : {2, 3, 9}) { // sides disagree on the rate of an edge
+    all.push_back(sharing(compression, 1));
+    for (size_t i = 0; i < cage.indices.size(); i++) all.back().edgeRates.push_back(float(1 + random.below(most)));
+  }
+  for (SurfaceSettings& settings : all) settings.displacement = &displacement;
+  return all;
+}
+
+std::string describe(const Chambers& c, const SurfaceSettings& settings)
+{
+  const auto form = [](bool isPrism) { return isPrism ? "quads" : "triangles"; };
+  return "wall of " + std::to_string(c.n) + " edges, " + form(c.isPrism[0]) + " below, " + form(c.isPrism[1]) + " above, rate "
+    + (settings.edgeRates.empty() ? std::to_string(int(settings.rate)) : "mixed");
+}
+
+/* No edge of a triangle is its alone: then faces have the same vertices where they meet. And they have those of the
+ * face that has least. */
+TEST_P(CageTopology, QuadsAndOtherFacesOnAnEdgeOfThreeShareIt)
+{
+  Device device;
+  Displacement displacement;
+  for (const Chambers& c : chambers(true)) {
+    const Cage cage = c.cage();
+    for (const SurfaceSettings& settings : fewQuads(GetParam(), cage, displacement)) {
+      SCOPED_TRACE(describe(c, settings));
+      const Twins twins(device, cage, settings);
+      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      expectNoMisses(twins);
+      if (HasFatalFailure()) return;
+      if (GetParam() != RTC_COMPRESSION_VERT) continue;
+      size_t open = 0, threefold = 0;
+      for (const auto& edge : usesOfEdges(twins.scene)) {
+        open += edge.second == 1;
+        threefold += edge.second == 3;
+      }
+      EXPECT_EQ(open, 0u);
+      EXPECT_EQ(threefold, quadsOfRing(cage, c.n, settings));
+    }
+  }
+}
+
+// The same without the wall: edges of two faces.
+TEST_P(CageTopology, QuadsAndOtherFacesOnAnEdgeOfTwoShareIt)
+{
+  Device device;
+  Displacement displacement;
+  for (const Chambers& c : chambers(false)) {
+    const Cage cage = c.cage();
+    for (const SurfaceSettings& settings : fewQuads(GetParam(), cage, displacement)) {
+      SCOPED_TRACE(describe(c, settings));
+      const Twins twins(device, cage, settings);
+      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      expectNoMisses(twins);
+      if (HasFatalFailure()) return;
+      if (GetParam() == RTC_COMPRESSION_VERT) { EXPECT_EQ(countOpenEdges(vertTriangles(twins.scene)), 0u); }
+    }
+  }
+}
+
+} // namespace
+} // namespace cbvh::test
