@@ -8,19 +8,11 @@
 include(GNUInstallDirs)
 get_target_property(CBVH_EMBREE_VERSION embree VERSION)
 
-# --- CMake package: upstream writes the file anew with every configure ------------------------
+# --- CMake package: what is in it of ours, kernels/upstream/patches/package-version.patch writes --
 
-file(APPEND "${CMAKE_BINARY_DIR}/embree/embree-config-install.cmake" "
-# The library compresses subdivision surfaces, see <embree3/rtcore_compression.h>.
-SET(EMBREE_CBVH_VERSION ${PROJECT_VERSION})
-")
 if(TARGET embree_vulkan)
   get_directory_property(folder DIRECTORY "${CMAKE_BINARY_DIR}/upstream" DEFINITION EMBREE_CMAKEEXPORT_DIR)
   install(EXPORT embree_vulkan-targets DESTINATION "${folder}" COMPONENT devel)
-  file(APPEND "${CMAKE_BINARY_DIR}/embree/embree-config-install.cmake" "
-# <embree3/rtcore_vulkan.h>, which includes Vulkan's own header.
-INCLUDE(\"\${EMBREE_ROOT_DIR}/${folder}/embree_vulkan-targets.cmake\")
-")
 endif()
 
 # --- pkg-config ---------------------------------------------------------------------------------

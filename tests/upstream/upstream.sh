@@ -4,7 +4,8 @@
 #
 # The patch series applies twice without harm and fails loudly when it does not
 # fit; a spoiled archive is refused. Every failure is one clear line and leaves
-# nothing half-written.
+# nothing half-written. A configure that is interrupted leaves a CMake package
+# with our version.
 #
 #   upstream.sh CMAKE ARCHIVE
 set -eu
@@ -38,7 +39,7 @@ refuses() {
 }
 
 lines=$(cat upstream/patches/*.patch | wc -l)
-[ "$lines" -lt 150 ] || fail "the series has $lines lines"
+[ "$lines" -lt 200 ] || fail "the series has $lines lines"
 echo "the series has $lines lines"
 sed '/^#/d' upstream/patches/series | sort > named
 (cd upstream/patches && printf "%s\n" *.patch | sort) > present
@@ -100,4 +101,13 @@ provide "$archive"
 ! grep -q CompressionSettings tree/kernels/common/scene_subdiv_mesh.h || fail "the old patch is still in"
 changed=$(find tree -type f -newer mark ! -name .cbvh-stamp)
 [ "$changed" = tree/kernels/common/scene_subdiv_mesh.h ] || fail "written: $changed"
+
+# Interrupted when upstream has configured its files, and nothing of ours that follows.
+echo 'cmake_language(DEFER CALL message FATAL_ERROR "interrupted")' > interrupt.cmake
+! "$cmake" -S "$here/../.." -B interrupted -DEMBREE_UPSTREAM_ARCHIVE="$archive" \
+  -DCMAKE_PROJECT_embree3_INCLUDE="$work/interrupt.cmake" > log 2>&1 || fail "the configure was not interrupted"
+grep -q interrupted log || { cat log; fail "the configure failed by itself"; }
+version=$(sed -n 's/^CMAKE_PROJECT_VERSION:[^=]*=//p' interrupted/CMakeCache.txt)
+grep -q "^SET(EMBREE_CBVH_VERSION $version)" interrupted/embree/embree-config-install.cmake ||
+  fail "the CMake package of an interrupted configure lacks our version"
 echo passed
