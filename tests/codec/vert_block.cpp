@@ -155,7 +155,11 @@ TEST(VertBlock, BoxesContainTheirGroups)
             ASSERT_GE(upper[k], v) << "sheet " << i << ", group " << g;
             least = std::min(least, v); greatest = std::max(greatest, v);
           }
-        if (hole) continue;
+        if (encoded.statistics.raw) { // exact
+          ASSERT_EQ(lower[k], least) << "sheet " << i << ", group " << g;
+          ASSERT_EQ(upper[k], greatest) << "sheet " << i << ", group " << g;
+          continue;
+        }
         const float step = vertSpacing(encoded.block()->word)*float(1u << marginShift(encoded.block()->boxForm, k));
         planes += 2;
         // margins are whole coordinates, sheared ones sixteenths
@@ -302,6 +306,12 @@ TEST(VertCell, PredictionsAreBilinearAndInterpolateCorners)
     EXPECT_EQ(cellPrediction(c[0], c[1], c[2], c[3], wx, wy), int(std::floor(exact + 0.5)));
     EXPECT_EQ(cellPrediction(c[0], c[1], c[2], c[3], 16, 16), c[3]);
   }
+}
+
+TEST(VertCell, SlopesAreSixteenthsRoundedToTheNearest)
+{
+  for (int slope = -maxSlope; slope <= maxSlope; slope++)
+    for (int main = -300; main <= 300; main++) EXPECT_EQ(slopeResidual(slope, main), int(std::floor(slope*main/16.0 + 0.5)));
 }
 
 // As stitch() of upstream's tessellation.h, whose vertices GRID's are.

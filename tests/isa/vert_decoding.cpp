@@ -163,6 +163,44 @@ TEST(VertTriangles, WhatHasTheRayInItIsFound)
   EXPECT_GT(bad, 1000u);
 }
 
+// A ray along z through points of a lattice, in integers: what has it inside or on an edge contains it, what is a
+// line from there does not.
+TEST(VertTriangles, ContainWhatIsInsideOrOnTheirEdges)
+{
+  using namespace embree::isa::cbvh;
+  Random random(98);
+  size_t inside = 0, onEdges = 0, lines = 0;
+  for (int i = 0; i < 2000; i++) {
+    CellVertices cell;
+    for (auto& axis : cell.at)
+      for (float& x : axis) x = float(random.below(7));
+    const QuadCorners quads = quadsOf(cell);
+    const int px = int(random.below(7)), py = int(random.below(7));
+    VertRay pre;
+    pre.set(embree::Ray(embree::Vec3fa(float(px), float(py), -1), embree::Vec3fa(0, 0, 1), 0.0f, INFINITY));
+    for (uint32_t h = 0; h < 32; h++) {
+      const uint32_t corners[2][3] = {{0, 1, 2}, {2, 1, 3}}; // 00, 10, 01 and 01, 10, 11
+      int x[3], y[3];
+      for (int v = 0; v < 3; v++) {
+        x[v] = int(quads.at[corners[h & 1][v]][0][h >> 1]);
+        y[v] = int(quads.at[corners[h & 1][v]][1][h >> 1]);
+      }
+      const auto area = [](int ax, int ay, int bx, int by, int cx, int cy) { return (bx - ax)*(cy - ay) - (by - ay)*(cx - ax); };
+      const int all = area(x[0], y[0], x[1], y[1], x[2], y[2]);
+      const int parts[3] = {area(px, py, x[1], y[1], x[2], y[2]), area(x[0], y[0], px, py, x[2], y[2]), area(x[0], y[0], x[1], y[1], px, py)};
+      // parts of one sign make up the whole
+      const bool isInside = all != 0 && std::abs(parts[0]) + std::abs(parts[1]) + std::abs(parts[2]) == std::abs(all);
+      ASSERT_EQ(VertTriangle(quads, h).containsExactly(pre), isInside) << "case " << i << ", triangle " << h;
+      inside += isInside;
+      onEdges += isInside && parts[0]*parts[1]*parts[2] == 0;
+      lines += all == 0;
+    }
+  }
+  EXPECT_GT(inside, 5000u);
+  EXPECT_GT(onEdges, 1000u);
+  EXPECT_GT(lines, 1000u);
+}
+
 // The rays of a packet, through vertices and past them, with numbers that are none among them.
 template<int K>
 void comparePacketsWithRays()

@@ -1,0 +1,110 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""The functions that mutate.py breaks, how often, and the tests that have to notice.
+
+A function is named as scanner.Function.is_called says, wherever below kernels/cbvh it is defined. Tests
+are "unit" or "unit Suite.Name:Suite.Other", as test_unit --gtest_filter takes it, those that build fastest first.
+What nothing can notice is explained: a part of the mutant's name (mutate.py --list), and why.
+"""
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Entry:
+    name: str
+    most: int  # mutants, spread evenly over the function
+    tests: tuple
+    explained: dict = field(default_factory=dict)
+
+
+BLOCK = ("vert_block",)
+DECODING = tuple(f"vert_decoding_{isa} VertDecoding.*" for isa in ("avx512", "avx2", "sse2"))
+TRIANGLES = tuple(f"vert_decoding_{isa} VertTriangles.*" for isa in ("avx512", "sse2"))
+RULE = ("vert_rule",)
+BORDERS = ("vert_surfaces -VertRays.*:VertCache.*:Isas/*", "mixed_rates *VERT")
+RAYS = ("vert_surfaces *VertRays.*", "scene_features *cVERT*:Packets.*", "coherent_packets *cVERT*")
+SETTINGS = ("compression_api Settings.*:SetGeometryCompression.*",)
+
+FUNCTIONS = (
+    # the codec of cVERT
+    Entry("cellSlope", 1, BLOCK),
+    Entry("cellField", 2, BLOCK),
+    Entry("cellWeight", 2, BLOCK, {"[> => >=] quads": "x is quads then"}),
+    Entry("cellResidual", 3, BLOCK),
+    Entry("slopeResidual", 2, BLOCK),
+    Entry("cellPrediction", 3, BLOCK),
+    Entry("cellBytes", 1, BLOCK),
+    Entry("quadsOfGroup", 2, BLOCK, {"[< => <=] groupQuads": "both are the same then"}),
+    Entry("stitchedVertex", 2, BLOCK),
+    Entry("vertLayout", 3, BLOCK),
+    # its encoder
+    Entry("CellEncoder::encode", 3, BLOCK),
+    Entry("CellEncoder::write", 2, BLOCK),
+    Entry("CellEncoder::bitsOf", 2, BLOCK),
+    Entry("CellEncoder::removeSlope", 3, BLOCK, {"[< => <=] - maxSlope": "both are the same then"}),
+    Entry("VertEncoder::bound", 3, BLOCK),
+    Entry("VertEncoder::locate", 2, BLOCK),
+    Entry("VertEncoder::pack", 5, BLOCK),
+    Entry("VertEncoder::chooseShear", 2, BLOCK, {"[0 => 1] ) ) return straight": "boxes hold their groups along any slope"}),
+    Entry("VertEncoder::writeReach", 4, BLOCK),
+    Entry("VertEncoder::writeMargins", 2, BLOCK),
+    Entry("VertEncoder::packRaw", 2, BLOCK),
+    Entry("VertEncoder::extendByGroup", 2, BLOCK),
+    # its decoder and triangles
+    Entry("CellFields", 3, DECODING, {"[1u => 2u] << ( words - 16": "a word more is loaded, in which no field has bits"}),
+    Entry("CellDecoder", 4, DECODING),
+    Entry("VertDecoder", 7, DECODING),
+    Entry("setWindows", 2, DECODING),
+    Entry("::isInside", 2, TRIANGLES, {"isInside, word": "what is found beside the ray is left out by its own sides"}),
+    Entry("triangleSides", 2, TRIANGLES),
+    Entry("exactProduct", 4, RULE),
+    Entry("compareMagnitudes", 2, RULE),
+    Entry("exactSideOfFloats", 2, RULE),
+    Entry("distanceOfHit", 2, RULE),
+    Entry("isOfPlane", 1, RULE),
+    Entry("::comesBefore", 2, RULE),
+    Entry("GroupTriangles", 3, TRIANGLES),
+    Entry("GroupTrianglesK", 3, TRIANGLES),
+    Entry("::contains", 3, RULE),
+    # nodes and leaves
+    Entry("lowerPlane", 2, ("node_codec",)),
+    Entry("decodeChild", 2, ("node_codec",)),
+    Entry("encodeLowerPair", 2, ("node_codec",)),
+    Entry("latticeHeight", 2, ("leaf_codec", "format_tables"), {"[- => +] 32": "a processor shifts 32 bits by the same modulo 32"}),
+    Entry("decodeLatticeLeaf", 2, ("leaf_codec",)),
+    Entry("crossLeaf", 3, ("hit_rule",)),
+    Entry("passBox", 2, ("hit_rule",)),
+    Entry("parabolaRoot", 2, ("crossing",)),
+    Entry("crossPatch", 2, ("crossing",)),
+    Entry("GroupDecoder4", 2, ("simd_decoding_avx512", "simd_decoding_sse2")),
+    # borders and lattices
+    Entry("SharedVertices::findOwners", 5, BORDERS),
+    Entry("SharedVertices::joinEdges", 2, BORDERS),
+    Entry("SharedVertices::joinNonManifold", 1, BORDERS),
+    Entry("SharedVertices::half", 2, BORDERS),
+    Entry("SharedVertices::edgeOf", 2, BORDERS),
+    Entry("SharedVertices::ownLine", 2, BORDERS),
+    Entry("firstStitched", 1, BORDERS),
+    Entry("SharedVertices::spacingAskedFor", 2, BORDERS),
+    Entry("shareBorder", 3, BORDERS),
+    Entry("VertexGrid::spreadBorder", 2, ("mixed_rates BordersOfMixedRates.*:*GRID",)),
+    Entry("latticeExponent", 2, BORDERS),
+    # what a ray hits in cVERT
+    Entry("meetPlane", 1, RAYS),
+    Entry("normalOf", 1, RAYS),
+    Entry("VertHits::isInRange", 3, RAYS),
+    Entry("VertHits::reportNearest", 2, RAYS),
+    Entry("positionInQuad", 1, RAYS),
+    Entry("faceParameterOfQuad", 1, RAYS),
+    Entry("parametersAtLowerEdge", 2, ("mixed_rates *VERT",)),
+    Entry("meetsBounds", 2, RAYS),
+    Entry("VertIntersector1::meetBoxes", 2, RAYS),
+    Entry("CachedVertBlock::quads", 2, RAYS),
+    Entry("ThreadCache", 2, ("vert_surfaces VertCache.*", "threads")),
+    # settings
+    Entry("setMaxError", 2, SETTINGS),
+    Entry("verify", 2, SETTINGS),
+    Entry("resolve", 2, SETTINGS),
+)

@@ -1,0 +1,279 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Functions of C++ headers by name, and what can be broken in them.
+
+A scanner of tokens and braces, not a parser: it knows comments, strings, preprocessor lines, templates and
+the scopes of classes and namespaces, which is what the kernels are written in.
+"""
+
+import re
+from dataclasses import dataclass
+
+TOKEN = re.compile(
+    r"""(?P<skip>\s+|//[^\n]*|/\*.*?\*/|(?<![^\n])[ \t]*\#(?:[^\n\\]|\\.)*)
+      | (?P<text>"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')
+      | (?P<number>(?:0[xX][0-9a-fA-F]+|(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)[uUlLfF]*)
+      | (?P<word>[A-Za-z_]\w*)
+      | (?P<op><<=|>>=|\.\.\.|::|->|\+\+|--|<<|>=|<=|==|!=|&&|\|\||[-+*/%&|^]=|.)""",
+    re.VERBOSE | re.DOTALL,
+)
+# words before a parenthesis that do not name a function, as macros do not
+MACRO = re.compile(r"[A-Z][A-Z0-9_]+$")
+NO_NAMES = {"alignas", "decltype", "noexcept", "sizeof", "__attribute__", "if", "for", "while", "switch", "catch", "return", "float", "void"}
+
+
+@dataclass(frozen=True)
+class Token:
+    kind: str
+    text: str
+    begin: int
+    end: int
+
+
+@dataclass(frozen=True)
+class Function:
+    """A definition: its scopes and name, and the tokens of its body with its braces."""
+
+    scopes: tuple
+    name: str
+    tokens: tuple
+
+    def is_called(self, name):
+        """By 'function', 'Class::function', '::function' of no class, or by 'Class' for all of its functions."""
+        wanted = tuple(name.split("::"))
+        if name.startswith("::"):
+            return ("", self.name) == wanted and not self.scopes
+        full = (*self.scopes, self.name)
+        return full[-len(wanted) :] == wanted or (self.scopes and self.scopes[-len(wanted) :] == wanted)
+
+
+def tokens_of(text):
+    tokens, position = [], 0
+    while position < len(text):
+        match = TOKEN.match(text, position)
+        if match.lastgroup != "skip":
+            tokens.append(Token(match.lastgroup, match.group(), match.start(), match.end()))
+        position = match.end()
+    return tokens
+
+
+def closing(tokens, i):
+    """Index of the bracket that closes the one at i."""
+    pairs = {"(": ")", "{": "}", "[": "]"}
+    depth = 0
+    for j in range(i, len(tokens)):
+        depth += tokens[j].text in pairs
+        depth -= tokens[j].text in pairs.values()
+        if depth == 0:
+            return j
+    return len(tokens) - 1
+
+
+def functions_of(text):
+    """All functions that a file defines, those of classes too, in order."""
+    tokens, functions = tokens_of(text), []
+    scan(tokens, 0, len(tokens), (), functions)
+    return functions
+
+
+def scan(tokens, i, end, scopes, out):
+    """Declarations from i to end: each ends with a semicolon or with braces."""
+    while i < end:
+        name, start = None, i
+        while i < end and tokens[i].text not in (";", "{", "}"):
+            t = tokens[i].text
+            if t == "template" and tokens[i + 1].text == "<":
+                i = behind_template(tokens, i + 1)
+                continue
+            if t == "(" and name is None and i > start and tokens[i - 1].kind == "word" and tokens[i - 1].text not in NO_NAMES and not MACRO.match(tokens[i - 1].text):
+                name = i - 1
+            if t in ("(", "["):
+                i = closing(tokens, i)
+            elif t == ":" and i > start and tokens[i - 1].text in ("public", "private", "protected"):
+                start = i + 1
+            i += 1
+        if i >= end or tokens[i].text != "{":
+            i += 1
+            continue
+        last = closing(tokens, i)
+        head = [t.text for t in tokens[start:i]]
+        kind = next((k for k in ("namespace", "class", "struct", "union", "enum", "extern") if k in head), None)
+        if name is not None and kind != "enum":
+            out.append(Function(scopes, tokens[name].text, tuple(tokens[i : last + 1])))
+        elif kind in ("class", "struct", "union"):
+            named = [t for t in head[head.index(kind) + 1 :] if re.match(r"[A-Za-z_]", t) and t != "alignas"]
+            scan(tokens, i + 1, last, (*scopes, named[0] if named else ""), out)
+        elif kind in ("namespace", "extern"):
+            scan(tokens, i + 1, last, scopes, out)
+        i = last + 1
+
+
+def behind_template(tokens, i):
+    """Index behind the angle brackets that begin at i."""
+    depth = 0
+    while i < len(tokens):
+        depth += {"<": 1, "<<": 2, ">": -1, ">>": -2}.get(tokens[i].text, 0)
+        i += 1
+        if depth <= 0:
+            return i
+
+
+# --- operators ----------------------------------------------------------------------------
+
+SWAPS = {
+    "relation": {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="},
+    "sum": {"+": "-", "-": "+", "+=": "-=", "-=": "+="},
+    "shift": {"<<": ">>"},
+    "quotient": {"/": "*", "%": "/"},
+    "logic": {"&&": "||", "||": "&&"},
+    "bits": {"&": "|", "|": "&", "|=": "&=", "&=": "|="},
+    "word": {"true": "false", "false": "true", "min": "max", "max": "min", "floor": "ceil", "ceil": "floor", "any": "all", "all": "any"},
+}
+SWAP_OF = {old: (operator, new) for operator, swaps in SWAPS.items() for old, new in swaps.items()}
+UNARY = ("!", "~", "-")
+# what they enclose says nothing to a test
+IGNORED = {"assert", "static_assert", "static_cast", "alignas", "sizeof", "decltype"}
+
+
+@dataclass(frozen=True)
+class Mutant:
+    function: str
+    operator: str
+    begin: int  # of what is replaced in the file's text
+    end: int
+    new: str
+    context: str  # the statement's tokens around it, the change in brackets
+
+    @property
+    def name(self):
+        return f"{self.function}, {self.operator}: {self.context}"
+
+
+def mutants_of(function, text):
+    """All of a function, in order of their place."""
+    tokens = function.tokens
+    full = "::".join((*function.scopes, function.name))
+    skipped, in_for, in_angles = regions(tokens)
+    out = []
+
+    def add(operator, first, last, new):
+        old = text[tokens[first].begin : tokens[last].end]
+        context = f"{shown(tokens[max(0, first - 5) : first])} [{old} => {new}] {shown(tokens[last + 1 : last + 6])}"
+        out.append(Mutant(full, operator, tokens[first].begin, tokens[last].end, new, context))
+
+    for i, token in enumerate(tokens):
+        if i in skipped:
+            continue
+        t = token.text
+        binary = i > 0 and (tokens[i - 1].kind in ("word", "number") and tokens[i - 1].text != "return" or tokens[i - 1].text in (")", "]"))
+        if i in in_angles:
+            pass
+        elif t == ">" and i + 1 < len(tokens) and tokens[i + 1].text == ">" and tokens[i + 1].begin == token.end:
+            add("shift", i, i + 1, "<<")  # two tokens, as templates end so too
+            skipped.add(i + 1)
+        elif t in ("<", "<=", "!=") and i in in_for:
+            add("last round", i, i, f"+1{t}")
+        elif token.kind == "op" and t in SWAP_OF and binary and is_operator(tokens, i, text):
+            add(SWAP_OF[t][0], i, i, SWAP_OF[t][1])
+        elif token.kind == "op" and t in UNARY and not binary and tokens[i + 1].kind != "number":
+            add("sign", i, i, "")
+        elif token.kind == "word" and t in SWAP_OF and (t in ("true", "false") or tokens[i + 1].text == "("):
+            add("word", i, i, SWAP_OF[t][1])
+        elif token.kind == "number" and i not in in_for:
+            is_size = tokens[i - 1].text == "[" and tokens[i - 2].kind == tokens[i - 3].kind == "word"  # of a declared array
+            if not is_size:
+                add("number", i, i, other_number(t))
+        if t == "if" and tokens[i + 1].text == "(":
+            j = closing(tokens, i + 1)
+            inner = text[tokens[i + 1].begin : tokens[j].end]
+            out.append(Mutant(full, "condition", tokens[i + 1].begin, tokens[j].end, f"(!{inner})", f"[not] if {shown(tokens[i + 1 : j + 1])}"))
+        if i not in in_for and is_statement(tokens, i):
+            j = i
+            while tokens[j].text not in (";", "}"):
+                j = closing(tokens, j) + 1 if tokens[j].text in ("(", "[", "{") else j + 1
+            if tokens[j].text == ";":
+                out.append(Mutant(full, "statement", token.begin, tokens[j].end, ";", f"[without] {shown(tokens[i : j + 1])}"))
+    return out
+
+
+def shown(tokens):
+    return " ".join(t.text for t in tokens[:14])
+
+
+def regions(tokens):
+    """Indices of tokens that are left alone; in the head of a loop; in the angle brackets of a template."""
+    skipped, in_for, in_angles = set(), set(), set()
+    for i, token in enumerate(tokens):
+        if token.text in IGNORED and i + 1 < len(tokens) and tokens[i + 1].text == "(":
+            skipped.update(range(i, closing(tokens, i + 1) + 1))
+        if token.text == "for":
+            in_for.update(range(i, closing(tokens, i + 1) + 1))
+        if token.text == "<" and i > 0 and tokens[i - 1].kind == "word":
+            j, depth = i + 1, 1
+            while j < len(tokens) and depth > 0 and (tokens[j].kind in ("word", "number") or tokens[j].text in ("<", ">", ">>", "::", ",", "*", "&", "[", "]", "const")):
+                depth += {"<": 1, ">": -1}.get(tokens[j].text, 0)
+                j += 1
+            if depth == 0 and j < len(tokens) and (tokens[j].kind == "word" or tokens[j].text in ("(", "::", "{", "&", "*", ">", ",", ")")) and tokens[i - 1].end == tokens[i].begin:
+                in_angles.update(range(i, j))
+    return skipped, in_for, in_angles
+
+
+def is_operator(tokens, i, text):
+    """Not the sign of a reference, of a capture, or of a declared pointer."""
+    t = tokens[i]
+    if t.text in ("&", "*"):
+        return text[t.begin - 1].isspace() and text[t.end].isspace()
+    return not (t.text in (">", "<") and tokens[i - 1].text == "operator")
+
+
+def other_number(t):
+    """One more, of an integer; twice as much, of a real number."""
+    integer = re.fullmatch(r"(0x[0-9a-fA-F]+|\d+)([uUlL]*)", t)
+    if integer:
+        return f"{int(integer.group(1), 0) + 1}{integer.group(2)}"
+    return f"{2*float(t.rstrip('fF')) or 1.0}{'f' if t[-1] in 'fF' else ''}"
+
+
+def is_statement(tokens, i):
+    """Whether a statement begins at i that can be left out: an assignment or a call, no declaration."""
+    if tokens[i].kind != "word" or tokens[i].text in NO_NAMES | {"else", "do", "case", "default", "break", "continue", "const"}:
+        return False
+    if tokens[i - 1].text not in (";", "{", "}", "else", ")"):  # or behind the head of an if or of a loop
+        return False
+    j = i + 1
+    while j < len(tokens) and (tokens[j].text in (".", "->", "::", "[") or tokens[j - 1].text in (".", "->", "::")):
+        j = closing(tokens, j) + 1 if tokens[j].text == "[" else j + 1
+    return j < len(tokens) and tokens[j].text in ("=", "+=", "-=", "|=", "&=", "(", "++", "--")
+
+
+# --- all at once ----------------------------------------------------------------------------
+
+HEAD = """#ifndef CBVH_MUTANT
+#define CBVH_MUTANT
+#include <cstdlib>
+static const int cbvhMutant = getenv("CBVH_MUTANT") ? atoi(getenv("CBVH_MUTANT")) : 0;
+#endif
+"""
+
+
+def with_mutants(text, functions):
+    """A file in which CBVH_MUTANT in the environment chooses bodies; functions: [(Function, {number: Mutant})]."""
+    for function, mutants in sorted(functions, key=lambda f: -f[0].tokens[0].begin):
+        begin, end = function.tokens[0].begin, function.tokens[-1].end
+        body = "{\n"
+        for number, m in mutants.items():
+            body += f"if (cbvhMutant == {number}) {text[begin : m.begin]}{m.new}{text[m.end : end]}\nelse "
+        text = f"{text[:begin]}{body}/*sound*/ {text[begin:end]}\n}}{text[end:]}"
+    return HEAD + text
+
+
+def numbers_of_lines(text):
+    """The mutants that the lines of such a file belong to: {line: number}."""
+    numbers, number = {}, None
+    for i, line in enumerate(text.split("\n"), 1):
+        begins = re.search(r"if \(cbvhMutant == (\d+)\)", line)
+        number = int(begins.group(1)) if begins else None if "/*sound*/" in line else number
+        if number:
+            numbers[i] = number
+    return numbers
