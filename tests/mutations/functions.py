@@ -90,7 +90,7 @@ FUNCTIONS = (
     Entry("SharedVertices::spacingAskedFor", 2, BORDERS),
     Entry("shareBorder", 3, BORDERS),
     Entry("VertexGrid::spreadBorder", 2, ("mixed_rates BordersOfMixedRates.*:*GRID",)),
-    Entry("latticeExponent", 2, BORDERS),
+    Entry("::latticeExponent", 2, BORDERS),
     # what a ray hits in cVERT
     Entry("meetPlane", 1, RAYS),
     Entry("normalOf", 1, RAYS),
