@@ -20,7 +20,8 @@
  * to another block, and parameters are those of the regular grid but for half a quad
  * along the border. */
 
-#include "../framed/frame_map.h"
+#include "../base/lanes.h"
+#include "../base/world.h"
 #include "../../common/device.h"
 #include <cmath>
 

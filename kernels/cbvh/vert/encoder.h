@@ -4,11 +4,11 @@
 #pragma once
 
 /* Encoder of a block of cVERT, vert/format.h. It loses nothing: vertices come snapped to
- * their lattices (vertex_lattice.h), and each is the same floats when it is decoded. */
+ * their lattices (lattice.h), and each is the same floats when it is decoded. */
 
 #include "format.h"
 #include "cell_encoder.h"
-#include "../framed/frame_map.h"
+#include "../base/world.h"
 #include <algorithm>
 
 namespace embree

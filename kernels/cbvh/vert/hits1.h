@@ -7,7 +7,7 @@
 
 #include "cached_block.h"
 #include "triangles.h"
-#include "../framed/block_visitor1.h"
+#include "../scene/epilogues.h"
 
 namespace embree
 {

@@ -8,7 +8,7 @@
 
 #include "../base/lanes.h"
 #include "hits1.h"
-#include "../framed/block_visitorK.h"
+#include "../scene/epilogues.h"
 
 namespace embree
 {

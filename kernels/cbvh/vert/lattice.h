@@ -10,7 +10,8 @@
  * Snapping works on floats and is exact: a coordinate that is so large that floats are not
  * finer than the lattice is a multiple already. */
 
-#include "../framed/frame_map.h"
+#include "../base/lanes.h"
+#include "../base/world.h"
 #include "validate.h"
 #include <algorithm>
 #include <cmath>
