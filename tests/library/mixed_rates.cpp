@@ -261,6 +261,49 @@ TEST(BordersOfMixedRates, HaveTheirVerticesInCVert)
     }
 }
 
+// How far u and v of hits are from where the ray hit: the surface's point there, by rtcInterpolate.
+double worstOfParameters(RTCScene scene, const Cage& cage, const std::vector<RTCRayHit>& rays)
+{
+  double worst = 0;
+  size_t hits = 0;
+  for (const RTCRayHit& ray : rays) {
+    const RTCRayHit found = intersect(scene, ray);
+    if (!isHit(found)) continue;
+    const Vec p = surfacePoint(scene, cage, found.hit.primID, found.hit.u, found.hit.v);
+    const float org[3] = {ray.ray.org_x, ray.ray.org_y, ray.ray.org_z}, dir[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};
+    double d2 = 0;
+    for (int k = 0; k < 3; k++) d2 += std::pow(org[k] + double(found.ray.tfar)*dir[k] - p[k], 2);
+    worst = std::max(worst, std::sqrt(d2));
+    hits++;
+  }
+  EXPECT_GT(hits, rays.size()/2);
+  return worst;
+}
+
+/* Where the two sides of an edge ask for other rates, the border that a face has in cVERT is of a lower rate than its own,
+ * and so are the parameters there. GRID's are as far from the surface as its triangles are. */
+TEST(BordersOfMixedRates, HitsHaveTheParametersOfTheirPlaces)
+{
+  Device device;
+  for (const auto& cage : closedCages)
+    for (unsigned seed = 91; seed < 94; seed++) {
+      SCOPED_TRACE(testing::Message() << cage.name << ", seed " << seed);
+      Random random(seed);
+      BorderRecorder recorder(cage.cage);
+      recorder.amplitude = 0;
+      SurfaceSettings settings;
+      for (size_t i = 0; i < cage.cage.indices.size(); i++) settings.edgeRates.push_back(float(4 + random.below(40)));
+      settings.compression = RTC_COMPRESSION_NONE;
+      Scene grid(device);
+      recorder.build(device, grid, cage.cage, settings);
+      settings.compression = RTC_COMPRESSION_VERT;
+      const SurfaceScene scene(device, cage.cage, settings);
+      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      const std::vector<RTCRayHit> rays = raysTowards(recorder.targets(random, 3), random);
+      EXPECT_LE(worstOfParameters(scene, cage.cage, rays), 2*worstOfParameters(grid, cage.cage, rays)) << "of " << rays.size() << " rays";
+    }
+}
+
 unsigned countMisses(RTCScene scene, const std::vector<RTCRayHit>& rays)
 {
   unsigned misses = 0;
