@@ -5,6 +5,7 @@
  * does, so the two cannot drift. vert_block.cpp has the block that the page shows byte by byte. */
 
 #include "kernels/cbvh/base/primitive_type.h"
+#include "kernels/cbvh/framed/block.h"
 #include "kernels/cbvh/vert/format.h"
 #include "kernels/cbvh/vert/lattice.h"
 #include "kernels/cbvh/vert/rule.h"

@@ -9,6 +9,7 @@
  * blocks, and where several kinds have one form the block's header has the kind. */
 
 #include "isa_namespace.h"
+#include <cstddef>
 #include <cstdint>
 
 namespace embree
@@ -24,6 +25,6 @@ namespace embree
     };
 
     /*! whether it is none of Embree's own */
-    constexpr bool isBlock (size_t type) { return type >= FRAMED_BLOCK; }
+    constexpr bool isBlock (std::size_t type) { return type >= FRAMED_BLOCK; }
   }}
 }
