@@ -20,7 +20,7 @@ void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool c
   for (const char* kind : {"grid", "voxel", "leaf"}) {
     SCOPED_TRACE(testing::Message() << kind << ", rate " << rate << ", " << edgeRates.size() << " edge rates");
     testing::internal::CaptureStdout();
-    Device device(std::string("verbose=1,subdiv_accel=cbvh.") + kind);
+    Device device(std::string("verbose=1,cbvh_exact_faces=0,subdiv_accel=cbvh.") + kind);
     SurfaceSettings settings;
     settings.displacement = &displacement;
     settings.rate = rate;

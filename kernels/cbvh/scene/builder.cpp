@@ -91,7 +91,7 @@ namespace embree
       {
         size_t blocks = 0;
         for (const auto& surface : surfaces)
-          blocks += parallel_reduce(size_t(0),surface->plan.mesh->size(),size_t(1024),size_t(0),[&](const range<size_t>& faces) {
+          blocks += parallel_reduce(size_t(0),surface->plan.mesh->size(),facesPerTask,size_t(0),[&](const range<size_t>& faces) {
               size_t n = 0;
               for (size_t f=faces.begin(); f!=faces.end(); f++) n += surface->estimateBlocks(f);
               return n;
@@ -122,15 +122,17 @@ namespace embree
           return plan.tiling(rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(plan.level(rate)));
         }
 
-        /*! blocks of 16 x 16 quads, or grids */
+        /*! of a face, if no frame level follows from an error bound and no patch is stored exactly instead */
         size_t estimateBlocks (size_t face) const
         {
           if (!hasSurface(plan.mesh,face)) return 0;
-          const unsigned side = plan.compresses() ? cbvh::vertBlockQuads : GridWriter::gridQuads;
           size_t n = 0;
           forEachPatch(plan.mesh,face,[&](const PatchOfFace& patch) {
+              const CompressionPlan::Storage storage = plan.storage(patch.rate);
+              if (storage == CompressionPlan::FRAMED) { n += plan.tiling(patch.rate,plan.frameLevel(plan.level(patch.rate))).size(); return; }
               const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
-              n += size_t((size.x-2)/side+1)*size_t((size.y-2)/side+1);
+              const unsigned side = storage == CompressionPlan::EXACT ? cbvh::vertBlockQuads : GridWriter::gridQuads;
+              n += size_t(unsigned(size.x-2)/side+1)*size_t(unsigned(size.y-2)/side+1);
             });
           return n;
         }
