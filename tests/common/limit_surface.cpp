@@ -211,42 +211,6 @@ TEST(LimitSurface, EqualsEmbreesOnSmoothCages)
   }
 }
 
-/* Quads and one face of n vertices around an open vertex, over five sixths of a circle. */
-Cage fan(unsigned quads, unsigned n)
-{
-  Cage cage;
-  cage.name = "fan";
-  const double step = 10 * M_PI / 6 / (quads + 1);
-  const auto addVertex = [&](double angle, double radius) {
-    cage.positions.push_back({float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(0.1 * std::cos(3 * angle))});
-    return unsigned(cage.positions.size() - 1);
-  };
-  cage.positions.push_back({0, 0, 0.3f});
-  unsigned spoke = addVertex(0, 1);
-  for (unsigned face = 0; face <= quads; face++)
-  {
-    const unsigned size = face == quads / 2 ? n : 4;
-    cage.faceSizes.push_back(size);
-    cage.faceIndices.insert(cage.faceIndices.end(), {0, spoke});
-    for (unsigned i = 1; i + 2 < size; i++)
-      cage.faceIndices.push_back(addVertex((face + i / (size - 2.0)) * step, 1.1));
-    spoke = addVertex((face + 1) * step, 1);
-    cage.faceIndices.push_back(spoke);
-  }
-  cage.boundary = BoundaryRule::EdgeAndCorner;
-  return cage;
-}
-
-/* The longest rings that Embree takes: 129 vertices with the two for what is between the borders. */
-TEST(LimitSurface, EqualsEmbreesAroundTheLongestRings)
-{
-  Random random(9);
-  expectEmbrees(fan(62, 4), 0, random);
-  expectEmbrees(fan(62, 5), 0, random);
-  expectEmbrees(fan(61, 7), 0, random);
-  expectEmbrees(fan(60, 9), 0, random);
-}
-
 TEST(LimitSurface, EqualsEmbreesOnOpenSheetsWithHoles)
 {
   Random random(5);
