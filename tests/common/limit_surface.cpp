@@ -230,6 +230,44 @@ TEST(LimitSurface, EqualsEmbreesOnOpenSheetsWithHoles)
   expectEmbrees(cage, 0, random);
 }
 
+/* Faces around vertex 0, open over five sixths of a circle, of so many vertices each. */
+Cage fan(const std::vector<unsigned>& faceSizes)
+{
+  Cage cage;
+  cage.name = "fan";
+  cage.boundary = BoundaryRule::EdgeAndCorner;
+  const double step = 10 * M_PI / 6 / double(faceSizes.size());
+  const auto addVertex = [&](double angle, double radius) {
+    cage.positions.push_back({float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(0.1 * std::cos(3 * angle))});
+    return unsigned(cage.positions.size() - 1);
+  };
+  cage.positions.push_back({0, 0, 0.3f});
+  unsigned spoke = addVertex(0, 1);
+  for (size_t face = 0; face < faceSizes.size(); face++)
+  {
+    cage.faceSizes.push_back(faceSizes[face]);
+    cage.faceIndices.insert(cage.faceIndices.end(), {0, spoke});
+    for (unsigned i = 1; i + 2 < faceSizes[face]; i++)
+      cage.faceIndices.push_back(addVertex((double(face) + i / double(faceSizes[face] - 2)) * step, 1.1));
+    spoke = addVertex(double(face + 1) * step, 1);
+    cage.faceIndices.push_back(spoke);
+  }
+  return cage;
+}
+
+/* Of quads, and in the middle of them one of so many vertices. A ring has two vertices a quad, one more a
+ * pentagon, and two between the borders: 129 at most. */
+TEST(LimitSurface, EqualsEmbreesAtTheLongestRings)
+{
+  Random random(9);
+  for (const auto& [quads, other] : {std::pair(62u, 4u), {62u, 5u}, {61u, 7u}, {60u, 9u}, {53u, 16u}})
+  {
+    std::vector<unsigned> faceSizes(quads, 4);
+    faceSizes.insert(faceSizes.begin() + quads / 2, other);
+    expectEmbrees(fan(faceSizes), 0, random);
+  }
+}
+
 /* Away from borders of patches: along infinitely sharp creases either side closes the
  * last 2^-10 of a face its own way. */
 TEST(LimitSurface, EqualsEmbreesWithCreasesAndCorners)

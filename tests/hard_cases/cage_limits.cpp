@@ -82,14 +82,18 @@ std::set<unsigned> facesBelow(RTCScene scene, const std::vector<Vec>& points)
 class CageLimits : public HardCase
 {
 protected:
-  SurfaceSettings settings(RTCCompression kind) const
+  SurfaceSettings settings(RTCCompression kind)
   {
     SurfaceSettings s;
     s.rate = 8;
     s.compression = kind;
+    s.displacement = &displacement;
     return s;
   }
   std::vector<RTCCompression> withGrid() const { return {RTC_COMPRESSION_NONE, compression()}; }
+
+private:
+  Displacement displacement = {0.02f, 4};
 };
 INSTANTIATE_TEST_SUITE_P(HardCases, CageLimits, testing::ValuesIn(tracers()), tracerName);
 

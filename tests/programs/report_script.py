@@ -519,7 +519,7 @@ class Report(unittest.TestCase):
 
     def test_kinds_are_those_of_the_programs(self):
         words = subprocess.run([BENCH, "--help"], capture_output=True, text=True, check=True).stdout
-        self.assertIn(f"[{','.join(kind.lower() for kind in report_data.KINDS)}]", words)
+        self.assertIn(f"--representation LIST={','.join(kind.lower() for kind in report_data.KINDS)}\n", words)
 
     def test_labels_of_a_chart_cover_nothing(self):
         random.seed(7)
