@@ -76,17 +76,13 @@ TEST(NearStarts, WhatStartsBesideATriangleLeavesThroughIt)
           if (!(length2 > 0)) continue;
           // as far inside as that part of the triangle's size, which is about the square root of its area
           const double depth = distance*std::pow(length2, 0.25)/std::sqrt(length2);
-          RTCRayHit query = {};
-          RTCRay& ray = query.ray;
-          float* org = &ray.org_x;
-          float* dir = &ray.dir_x;
+          Vec org, dir;
           for (int k = 0; k < 3; k++) {
             org[k] = float(from[k] - depth*normal[k]);
             dir[k] = float(to[k] - org[k]);
           }
-          ray.tfar = INFINITY;
-          ray.mask = ~0u;
-          query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+          RTCRayHit query = makeRay(org, dir);
+          const RTCRay& ray = query.ray;
           if (crossings(triangles, ray) % 2 != 1) continue;
           leaving++;
           RTCRay any = ray;

@@ -177,12 +177,12 @@ TEST_F(VulkanFaults, ALimitOnAllocationsIsNamedWithItsValue)
     EXPECT_TRUE(trace(uploaded.get(), rays)) << embree.message;
   }
 
-  limit = 1000;
+  limit = 100;
   reopen();
   SmallScene scene(embree);
   EXPECT_FALSE(newVulkanScene(device, scene, RTC_VULKAN_MEMORY_COPY));
   EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
-  EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 1000 bytes") && has(embree.message, "blocks need ")) << embree.message;
+  EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 100 bytes") && has(embree.message, "blocks need ")) << embree.message;
 }
 
 // Blocks lie in as many buffers as the limit asks for, and are found.
