@@ -17,7 +17,7 @@
 
 namespace cbvh {
 
-/* Bytes a device holds, as told to rtcSetDeviceMemoryMonitorFunction. */
+/* Bytes a device holds, as rtcSetDeviceMemoryMonitorFunction reports them. */
 class MemoryMonitor
 {
 public:

@@ -22,7 +22,7 @@ namespace cbvh {
 constexpr size_t traceChunk = 4096;
 static_assert(traceChunk % streamSize == 0, "only the last call of a set is not full");
 
-/* coherent: what Embree is told about the rays. */
+/* coherent: the flag that Embree gets with the rays. */
 inline RTCIntersectContext traceContext(bool coherent)
 {
   RTCIntersectContext context;

@@ -17,7 +17,7 @@ struct TraceSettings
 {
   Query query = Closest;
   TraceMode mode = TraceMode::Single;
-  bool coherent = false; // what Embree is told about the rays
+  bool coherent = false; // the flag that Embree gets with the rays
   unsigned threads = 1;  // 1: the calling thread
   unsigned passes = 1;   // over the rays, for sets that one pass is too short to time
 };

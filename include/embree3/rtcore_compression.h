@@ -31,7 +31,7 @@
 
 RTC_NAMESPACE_BEGIN
 
-/* What rtcGetDeviceCompressionProperty tells. */
+/* What rtcGetDeviceCompressionProperty returns. */
 enum RTCCompressionProperty
 {
   RTC_COMPRESSION_PROPERTY_VERSION       = 0, // as RTC_COMPRESSION_VERSION: 10203 is 1.2.3
@@ -40,7 +40,7 @@ enum RTCCompressionProperty
   RTC_COMPRESSION_PROPERTY_VERSION_PATCH = 3
 };
 
-/* Tells what the library that made a device is. Embree itself lacks the function: a program that
+/* Returns what the library that made a device is. Embree itself lacks the function: a program that
  * runs on either asks dlsym for its address.
  *
  * device: not NULL.

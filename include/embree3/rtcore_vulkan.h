@@ -81,7 +81,7 @@ RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles (RTCDevice device, const s
 RTC_API void rtcRetainVulkanDevice (RTCVulkanDevice device);
 RTC_API void rtcReleaseVulkanDevice (RTCVulkanDevice device);
 
-/* Tell the device that was opened, or given: what it is, and its handles. */
+/* Return the device that was opened, or given: what it is, and its handles. */
 RTC_API void rtcGetVulkanDeviceInfo (RTCVulkanDevice device, struct RTCVulkanDeviceInfo* info);
 RTC_API void rtcGetVulkanDeviceHandles (RTCVulkanDevice device, struct RTCVulkanHandles* handles);
 
@@ -169,7 +169,7 @@ struct RTCVulkanTimes
 RTC_API RTCVulkanTrace rtcStartVulkanIntersect (RTCVulkanScene scene, const struct RTCRayHit* rays, size_t count);
 RTC_API RTCVulkanTrace rtcStartVulkanOccluded (RTCVulkanScene scene, const struct RTCRay* rays, size_t count);
 
-/* Tells whether a trace has ended: rtcWaitVulkanTrace does not wait. */
+/* Returns whether a trace has ended: rtcWaitVulkanTrace does not wait. */
 RTC_API bool rtcIsVulkanTraceDone (RTCVulkanTrace trace);
 
 /* Waits for a trace, writes its rays, of the type that it was started with, and releases it. rays, times: may be

@@ -35,10 +35,10 @@ struct Encoded
 };
 
 // A block that is all of its patch.
-VertPlacement whole(uint32_t quadsX, uint32_t quadsY) { return {vertPlace(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY)}; }
+VertPlacement whole(uint32_t quadsX, uint32_t quadsY) { return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY)}; }
 
 // The same with edges behind its header.
-VertPlacement withEdges(uint32_t quadsX, uint32_t quadsY) { return {vertPlace(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, 1, 1, 1, 5)}; }
+VertPlacement withEdges(uint32_t quadsX, uint32_t quadsY) { return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, 1, 1, 1, 5)}; }
 
 // A sheet of that many quads on a lattice: a plane, a bend and noise in steps of the lattice.
 struct Sheet
@@ -122,7 +122,7 @@ TEST(VertBlock, AFlatPartTakesNoFields)
     }
   const Encoded encoded(*encoder, whole(16, 16), 1.0f);
   EXPECT_EQ(encoded.statistics.fieldBytes, 0u);
-  EXPECT_EQ(encoded.size, vertLayout(encoded.block()->place, encoded.block()->boxForm).cell);
+  EXPECT_EQ(encoded.size, vertLayout(encoded.block()->region, encoded.block()->boxForm).cell);
 }
 
 TEST(VertBlock, BoxesContainTheirGroups)
@@ -137,7 +137,7 @@ TEST(VertBlock, BoxesContainTheirGroups)
     if (hole) encoder->vertices[0][i % 3] = i % 2 ? NAN : INFINITY;
     const VertPlacement place = i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY);
     const Encoded encoded(*encoder, place, sheet.spacing);
-    const VertLayout layout = vertLayout(place.place, place.form());
+    const VertLayout layout = vertLayout(place.region, place.form());
     const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
     for (uint32_t g = 0; g < layout.groups; g++) {
       float lower[3], upper[3];
@@ -273,7 +273,7 @@ TEST(VertBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
       float* v = encoder->vertices[6*j + i];
       v[0] = float(100 + 8*i); v[1] = float(8*j); v[2] = float(i*i - (i == 1 && j == 1 ? 12 : 0));
     }
-  Encoded encoded(*encoder, {vertPlace(5, 2, 16, 0), vertPatch(21, 2), vertEdges(21, 2, 7, 2, 0, 0)}, 1);
+  Encoded encoded(*encoder, {vertRegion(5, 2, 16, 0), vertPatch(21, 2), vertEdges(21, 2, 7, 2, 0, 0)}, 1);
   VertHeader* block = (VertHeader*)encoded.bytes;
   block->geomID = 3;
   block->primID = 5;
@@ -334,9 +334,9 @@ TEST(VertHeader, FieldsOfPlaceAndEdgesAreApart)
   Random random(seed + 5);
   for (int n = 0; n < 1000; n++) {
     const uint32_t w = 1 + random.below(16), h = 1 + random.below(16), x = 16*random.below(4096), y = 16*random.below(4096), u = random.below(16), v = random.below(16);
-    const uint32_t place = vertPlace(w, h, x, y);
-    EXPECT_EQ(vertQuadsX(place), w); EXPECT_EQ(vertQuadsY(place), h);
-    EXPECT_EQ(vertX(place), x); EXPECT_EQ(vertY(place), y);
+    const uint32_t region = vertRegion(w, h, x, y);
+    EXPECT_EQ(vertQuadsX(region), w); EXPECT_EQ(vertQuadsY(region), h);
+    EXPECT_EQ(vertX(region), x); EXPECT_EQ(vertY(region), y);
     const uint32_t quadsX = 1 + random.below(65536), quadsY = 1 + random.below(65536);
     EXPECT_EQ(patchQuadsX(vertPatch(quadsX, quadsY)), quadsX);
     EXPECT_EQ(patchQuadsY(vertPatch(quadsX, quadsY)), quadsY);

@@ -85,8 +85,8 @@ void fill(VertEncoder& encoder, const Sheet& sheet, uint64_t seed)
 // Inside of a patch; every sheet of an odd width has edges.
 VertPlacement placementOf(const Sheet& sheet)
 {
-  const uint32_t place = vertPlace(sheet.quadsX, sheet.quadsY, 32, 16), patch = vertPatch(100, 50);
-  return sheet.quadsX % 2 ? VertPlacement(place, patch, vertEdges(100, 7, 31, 50, 5, 1)) : VertPlacement(place, patch);
+  const uint32_t region = vertRegion(sheet.quadsX, sheet.quadsY, 32, 16), patch = vertPatch(100, 50);
+  return sheet.quadsX % 2 ? VertPlacement(region, patch, vertEdges(100, 7, 31, 50, 5, 1)) : VertPlacement(region, patch);
 }
 
 // FNV-1a

@@ -136,7 +136,7 @@ TEST(VertFormat, TheHeaderIsThatOfThePage)
   const std::map<std::string, size_t> bytesOf = {{"float[3]", 12}, {"uint32", 4}, {"uint16[4][3]", 24}, {"uint16[4]", 8}};
   const std::map<std::string, size_t> offsetOf = {
     {"origin", offsetof(VertHeader, origin)}, {"reach", offsetof(VertHeader, reach)}, {"geomID", offsetof(VertHeader, geomID)},
-    {"primID", offsetof(VertHeader, primID)}, {"place", offsetof(VertHeader, place)}, {"patchQuads", offsetof(VertHeader, patchQuads)},
+    {"primID", offsetof(VertHeader, primID)}, {"region", offsetof(VertHeader, place)}, {"patchQuads", offsetof(VertHeader, patchQuads)},
     {"corners", offsetof(VertHeader, corners)}, {"boxForm", offsetof(VertHeader, boxForm)}, {"word", offsetof(VertHeader, word)}, {"edges", vertHeaderBytes}};
   const std::string all = page();
   const std::regex row("\\| ([0-9]+) \\| ([a-z0-9\\[\\]]+) \\| `([A-Za-z]+)` \\|");
@@ -168,7 +168,7 @@ TEST(VertFormat, FieldsAreWhereThePageSays)
   ASSERT_EQ(place.size(), 9u);
   EXPECT_EQ(place[8], vertBlockQuads);
   expectFields(Numbers(place.begin(), place.end() - 1), [](size_t field, uint32_t ones) {
-    return vertPlace(1 + (field == 0)*ones, 1 + (field == 1)*ones, (field == 2)*ones*vertBlockQuads, (field == 3)*ones*vertBlockQuads);
+    return vertRegion(1 + (field == 0)*ones, 1 + (field == 1)*ones, (field == 2)*ones*vertBlockQuads, (field == 3)*ones*vertBlockQuads);
   });
   const Numbers quads = numbersOf("quads of the patch along u and v, less 1: bits #-# and #-#");
   ASSERT_EQ(quads.size(), 4u);

@@ -113,7 +113,7 @@ TEST(VertRule, OfTwoTrianglesOneComesBefore)
   const auto draw = [&] { return TriangleName{random.below(2), random.below(2), random.below(2), random.below(3)}; };
   for (int n = 0; n < 10000; n++) {
     const TriangleName a = draw(), b = draw(), c = draw();
-    const bool isSame = a.geomID == b.geomID && a.primID == b.primID && a.place == b.place && a.triangle == b.triangle;
+    const bool isSame = a.geomID == b.geomID && a.primID == b.primID && a.region == b.region && a.triangle == b.triangle;
     EXPECT_EQ(comesBefore(a, b) + comesBefore(b, a), isSame ? 0 : 1);
     if (comesBefore(a, b) && comesBefore(b, c)) { EXPECT_TRUE(comesBefore(a, c)); }
     if (a.geomID < b.geomID) { EXPECT_TRUE(comesBefore(a, b)); }

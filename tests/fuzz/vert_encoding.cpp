@@ -67,8 +67,8 @@ void encode(const uint8_t* data, size_t size)
     if (isSnapped) x = lattice.snap(x);
     encoder->vertices[i/3][i % 3] = x;
   }
-  VertPlacement at(vertPlace(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY));
-  if (input.form & 2) at = VertPlacement(at.place, at.patchQuads, vertEdges(1, quadsY, quadsX, 1, 3, 1));
+  VertPlacement at(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY));
+  if (input.form & 2) at = VertPlacement(at.region, at.patchQuads, vertEdges(1, quadsY, quadsX, 1, 3, 1));
 
   const auto encodeTo = [&](std::vector<uint8_t>& bytes) {
     bytes.assign(VertEncoder::maxBytes, 0xA5);

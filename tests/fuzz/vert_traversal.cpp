@@ -37,7 +37,7 @@ size_t blockBytes(const uint8_t* data, size_t size)
 {
   VertHeader header;
   memcpy(&header, data, sizeof(header));
-  const VertLayout layout = vertLayout(header.place, header.boxForm);
+  const VertLayout layout = vertLayout(header.region, header.boxForm);
   if (isRaw(header.boxForm)) return layout.rawBytes <= size ? layout.rawBytes : 0;
   size_t bytes = layout.cell + cellBytes(header.word);
   if (bytes > size) return 0;
@@ -74,7 +74,7 @@ struct Trace : RTCIntersectContext
   void see(const RTCFilterFunctionNArguments* args)
   {
     // a group's triangles once each, also those that have no area in blocks of the encoder
-    REQUIRE(++hits <= 32*vertLayout(block->place, block->boxForm).groups);
+    REQUIRE(++hits <= 32*vertLayout(block->region, block->boxForm).groups);
     const float t = ((const RTCRay*)args->ray)->tfar;
     const RTCHit& hit = *(const RTCHit*)args->hit;
     const float u = 0.5f*float(vertCornerU(edgesOf(block))), v = 0.5f*float(vertCornerV(edgesOf(block)));
@@ -140,7 +140,7 @@ void writeSeeds(const std::string& directory)
           if (surface == HOLES && (i + 2*j) % 5 == 1) encoder->vertices[j*(quadsX + 1) + i][2] = NAN;
         }
         VertStatistics statistics;
-        const size_t bytes = encoder->encode(VertPlacement(vertPlace(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 0)), spacing, (uint8_t*)memory.data(), statistics);
+        const size_t bytes = encoder->encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 0)), spacing, (uint8_t*)memory.data(), statistics);
         if (bytes == 0) continue;
         VertHeader* block = (VertHeader*)memory.data();
         block->geomID = block->primID = 0;

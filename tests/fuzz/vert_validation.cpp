@@ -44,8 +44,8 @@ void writeSeeds(const std::string& folder)
           encoder->vertices[v][1] = float(16*y);
           encoder->vertices[v][2] = isRawBlock && v == 0 ? NAN : float(x*y % 5);
         }
-        VertPlacement at(vertPlace(quads, quads, 0, 0), vertPatch(quads, quads));
-        if (hasEdges) at = VertPlacement(at.place, at.patchQuads, vertEdges(1, quads, quads, quads, 1, 5));
+        VertPlacement at(vertRegion(quads, quads, 0, 0), vertPatch(quads, quads));
+        if (hasEdges) at = VertPlacement(at.region, at.patchQuads, vertEdges(1, quads, quads, quads, 1, 5));
         VertStatistics statistics;
         const size_t size = encoder->encode(at, 1, bytes.data(), statistics);
         REQUIRE(VertValidation::errorOf(bytes.data(), size) == nullptr);

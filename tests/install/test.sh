@@ -40,7 +40,7 @@ cp "$here/CMakeLists.txt" "$here"/*.cpp "$work/"
   { cat "$work/log.configure"; exit 1; }
 "$cmake" --build "$work/build" > "$work/log" || { cat "$work/log"; exit 1; }
 grep -q "Embree 3.13.5, of Embree CBVH $version\$" "$work/log.configure" ||
-  { cat "$work/log.configure"; fail "find_package does not tell version $version of ours"; }
+  { cat "$work/log.configure"; fail "find_package does not find version $version of ours"; }
 library=$("$work/build/renderer")
 case $library in
   "$work"/prefix/*) echo "runs on the installed library" ;;
@@ -53,8 +53,8 @@ fi
 # --- pkg-config -----------------------------------------------------------------------------------
 
 export PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig"
-[ "$(pkg-config --modversion embree3)" = 3.13.5 ] || fail "pkg-config tells another version of Embree"
-[ "$(pkg-config --variable=cbvh_version embree3)" = "$version" ] || fail "pkg-config tells another version of ours"
+[ "$(pkg-config --modversion embree3)" = 3.13.5 ] || fail "pkg-config has another version of Embree"
+[ "$(pkg-config --variable=cbvh_version embree3)" = "$version" ] || fail "pkg-config has another version of ours"
 # shellcheck disable=SC2046
 c++ "$here/renderer.cpp" -o "$work/renderer" $(pkg-config --cflags --libs embree3) -ldl
 library=$(LD_LIBRARY_PATH=$work/prefix/lib "$work/renderer")

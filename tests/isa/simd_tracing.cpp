@@ -213,9 +213,9 @@ template<typename RayType>
 void traceSimd(const Block* block, RayType& ray)
 {
   outdateThreadCaches(); // blocks come and go at the same addresses
-  const simd::RayPrecalculations pre(ray);
-  if (block->kind() == Kind::LEAF) simd::BlockIntersector1<simd::LeafVisitor1>::intersect(ray, nullptr, pre, block);
-  else simd::BlockIntersector1<simd::VoxelVisitor1>::intersect(ray, nullptr, pre, block);
+  const simd::RayState state(ray);
+  if (block->kind() == Kind::LEAF) simd::BlockIntersector1<simd::LeafVisitor1>::intersect(ray, nullptr, state, block);
+  else simd::BlockIntersector1<simd::VoxelVisitor1>::intersect(ray, nullptr, state, block);
 }
 
 // --- the same hits ----------------------------------------------------------------------------
@@ -379,9 +379,9 @@ TEST(SimdTracing, SegmentsAreWithinTheirEpsilonOfTheRay)
       const Block* block = memory.get();
       const TestRay r = randomRay(random, block);
       const embree::Ray ray = makeRay<embree::Ray>(r);
-      const simd::RayPrecalculations pre(ray);
+      const simd::RayState state(ray);
       simd::LocalRay local;
-      if (!local.init(pre, block, ray.tfar)) continue;
+      if (!local.init(state, block, ray.tfar)) continue;
       const Segment<double> segment = enterBlock(*block, exact(r), 1.0);
       if (!segment.valid) continue;
       const Double3 a = {segment.P0[0], segment.P0[1], segment.P0[2]}, b = {segment.P1[0], segment.P1[1], segment.P1[2]};

@@ -59,8 +59,8 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
   unsigned raw = 0, packed = 0, sheared = 0, byAxis = 0;
   for (int i = 0; i < 3000; i++) {
     const uint32_t quadsX = 1 + random.below(16), quadsY = 1 + random.below(16);
-    VertPlacement place(vertPlace(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY));
-    if (i % 3 == 0) place = VertPlacement(place.place, place.patchQuads, vertEdges(1, 2, 3, 4, 1, 0));
+    VertPlacement place(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY));
+    if (i % 3 == 0) place = VertPlacement(place.region, place.patchQuads, vertEdges(1, 2, 3, 4, 1, 0));
     const float spacing = std::ldexp(1.0f, int(random.below(20)) - 10);
     fillRandomly(random, *encoder, quadsX, quadsY, std::vector<double>{0, 0.1, 1, 10, 20}[i % 5], spacing);
     VertStatistics statistics;
@@ -69,7 +69,7 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
     const VertHeader* block = (const VertHeader*)bytes;
     byAxis += !statistics.raw && isByAxis(block->word);
     const auto expected = std::make_unique<ScalarVertBlock>(block);
-    const VertLayout layout = vertLayout(place.place, place.form());
+    const VertLayout layout = vertLayout(place.region, place.form());
     const VertDecoder decoder(block);
     VertBoxes boxes;
     decoder.decode(boxes);

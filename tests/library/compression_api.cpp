@@ -37,11 +37,11 @@ std::string representationOf(RTCScene scene)
   return name;
 }
 
-// Representation of a cube, at level 5 if not told, on a device with that configuration.
+// Representation of a cube, at level 5 unless given, on a device with that configuration.
 std::string representation(const std::string& config, const RTCCompressionArguments* args = nullptr, float rate = 32)
 {
   const bool says = !config.empty() || getenv("EMBREE_CBVH");
-  Device device(says ? "cbvh_exact_faces=0," + config : config); // which form is told by numbers of blocks
+  Device device(says ? "cbvh_exact_faces=0," + config : config); // numbers of blocks show which form
   if (!device) return "no device";
   Displacement displacement;
   SurfaceSettings settings;
@@ -65,7 +65,7 @@ RTCCompressionArguments arguments(RTCCompression compression, int frameLevel = R
   args.compression = compression;
   args.frameLevel = frameLevel;
   args.maxError = maxError;
-  args.exactFaces = 0; // which form is told by numbers of blocks
+  args.exactFaces = 0; // numbers of blocks show which form
   return args;
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Displacement that gives NaN or infinity at some vertices: the quads around them are
- * left out and counted, the device is told which, all else is as without. */
+ * left out and counted, an error of the device names them, all else is as without. */
 
 #include "support/random.h"
 #include "support/scene.h"

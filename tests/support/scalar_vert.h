@@ -21,7 +21,7 @@ namespace embree
       float vertices[maxSide*maxSide][3]; //!< in the world, row by row
       uint32_t quadsX, quadsY;
 
-      explicit ScalarVertBlock(const VertHeader* block) : quadsX(vertQuadsX(block->place)), quadsY(vertQuadsY(block->place)), block(block), layout(vertLayout(block->place,block->boxForm))
+      explicit ScalarVertBlock(const VertHeader* block) : quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), block(block), layout(vertLayout(block->region,block->boxForm))
       {
         if (isRaw(block->boxForm)) { memcpy(vertices,bytes(layout.vertices),sizeof(vertices[0])*(quadsX+1)*(quadsY+1)); return; }
         int corners[3][4];

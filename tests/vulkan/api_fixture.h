@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The fixture of tests of what a program gets told. */
+/* The fixture of tests of the errors that a program gets. */
 
 #include "small_scenes.h"
 

@@ -238,7 +238,7 @@ void ValidatedDevice::open(const Options& options)
 
 std::vector<std::string> ValidatedDevice::destroy()
 {
-  // the layer tells here of what was not destroyed
+  // the layer reports here what was not destroyed
   if (handles.device) vkDestroyDevice(handles.device, nullptr);
   validation.detach();
   if (handles.instance) vkDestroyInstance(handles.instance, nullptr);

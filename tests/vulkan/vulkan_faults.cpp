@@ -318,7 +318,7 @@ TEST_F(VulkanFaults, ADeviceThatIsLostDuringAnUploadIsAnError)
   }
 }
 
-// The trace is the last that holds everything, the RTCDevice that is told of the error included.
+// The trace is the last that holds everything, the RTCDevice that gets the error included.
 TEST_F(VulkanFaults, AnErrorOfATraceThatOutlivesEverythingIsTold)
 {
   std::string message;

@@ -28,8 +28,8 @@ TEST_F(VulkanScenes, ScenesThatAreNotCommittedAreErrors)
   expectError(RTC_ERROR_INVALID_OPERATION, {"not committed"});
 }
 
-// The scene's own RTCDevice may be another: both are told.
-TEST_F(VulkanScenes, AnErrorOfASceneOfAnotherDeviceIsToldToTheVulkanDevicesToo)
+// The scene's own RTCDevice may be another: both get the error.
+TEST_F(VulkanScenes, AnErrorOfASceneOfAnotherDeviceReachesTheVulkanDevicesToo)
 {
   Device other;
   Scene scene(other);

@@ -53,7 +53,7 @@ private:
 };
 
 /* From what a device says of itself, "SSE2 AVX2  (compile time enabled)", names as --isa has
- * them: there is no function that tells. */
+ * them: no function returns it. */
 std::vector<std::string> targetsIn(const std::string& said)
 {
   const size_t end = said.find("(compile time enabled)");

@@ -29,7 +29,7 @@ Machine describeMachine();
 /* What both library and processor have, narrowest first. */
 std::vector<std::string> usableIsas(const Machine& machine);
 
-/* The instruction set that Embree picks when told nothing, the widest of them. Throws Error
+/* The instruction set that Embree picks when nothing is asked for, the widest of them. Throws Error
  * if there is none. */
 std::string bestIsa(const Machine& machine);
 

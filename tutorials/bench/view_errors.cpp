@@ -16,7 +16,7 @@ std::vector<SurfaceHit> picked(const std::vector<SurfaceHit>& hits, const std::v
   return some;
 }
 
-/* Bins are those of a block's frame: without a given frame level there is no telling which. */
+/* Bins are those of a block's frame: without a given frame level it is not known which. */
 bool hasBins(const Representation& representation)
 {
   return representation.kind == RepresentationKind::CLeaf && representation.frameLevel != autoFrameLevel;

@@ -31,7 +31,7 @@ void throwIfSignalled()
 std::unique_lock<std::timed_mutex> takeTurn()
 {
   if (whoseTurn == std::this_thread::get_id())
-    throw std::runtime_error("progress cannot build or trace while it is told of what is being built or traced");
+    throw std::runtime_error("progress cannot build or trace: it is called by what is being built or traced");
   std::unique_lock<std::timed_mutex> lock(turn, std::defer_lock);
   for (;;)
   {

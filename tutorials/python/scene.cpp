@@ -292,7 +292,7 @@ Measured in C++, the filling of Embree's rays included. Measure representations 
 origins, directions: as of intersect.
 query: "closest" or "any".
 mode: how many rays a call of Embree takes: "single", "packet4", "packet8", "packet16" or "stream".
-coherent: what Embree is told about the rays.
+coherent: the flag that Embree gets with the rays.
 threads: 0 for all.
 passes: over the rays, for few of them; the time is that of one.)";
 

@@ -115,7 +115,7 @@ std::string speedCell(const Speed& speed)
   return number(speed.mrays, 3) + (speed.toGrid ? " (" + number(*speed.toGrid, 2) + ")" : "");
 }
 
-/* Errors are those that 99 of 100 hits stay below: an RMSE would mostly tell of the few rays at
+/* Errors are those that 99 of 100 hits stay below: an RMSE would mostly show the few rays at
  * silhouettes that hit another sheet of the surface, far behind. */
 void addOverview(Table& table, const Comparison& c)
 {

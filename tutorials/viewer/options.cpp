@@ -36,7 +36,7 @@ void addFiles(const std::vector<std::string>& files, SceneSettings& scene)
     scene.heightPath = named.heightPath;
 }
 
-/* A mistyped name is told of where it was typed, and not in a window. */
+/* A mistyped name is reported where it was typed, not in a window. */
 void requireCage(const std::string& path)
 {
   if (!path.empty() && !std::ifstream(path))

@@ -210,7 +210,7 @@ void Panel::drawLegend()
 }
 
 /* At the lower border, so that it hides little, or in the middle while there is nothing else.
- * It is there while the panel is hidden, too: nothing else tells that something goes on. */
+ * It is there while the panel is hidden, too: nothing else shows that something goes on. */
 void Panel::drawProgress()
 {
   const std::optional<Worker::Progress> progress = viewer.progress();

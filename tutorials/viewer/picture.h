@@ -20,7 +20,7 @@ enum class PictureMode
   Shading, // two lights
   Normals, // geometric, of the world: x, y, z in red, green, blue
   Error,   // distance to GRID's hit in pixels, figure 10 of the paper
-  Cells,   // a colour for each quad, told from (u,v)
+  Cells,   // a colour for each quad, from (u,v)
   Blocks,  // a hue for each frame level, a shade for each block
 };
 

@@ -25,7 +25,7 @@ public:
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /* From now on, phases are told of by progress() and not on stderr, which only hears of
+  /* From now on, phases are reported by progress() and not on stderr, which only shows
    * work that was stopped. */
   void listen();
 
@@ -50,7 +50,7 @@ public:
   struct Progress
   {
     std::string work;
-    std::string phase;   // empty: of nothing that could tell how long it takes
+    std::string phase;   // empty: of nothing that could say how long it takes
     double fraction = 0; // done of the phase, in [0,1]
   };
 

@@ -3,10 +3,7 @@
 
 #include "factory.h"
 #include "../base/kinds.h"
-#include "../../common/scene.h"
-#include "../../common/isa.h"
-#include "../../bvh/bvh.h"
-#include "../../geometry/subdivpatch1.h"
+#include "../embree/scene.h"
 
 namespace embree
 {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "../../common/accelinstance.h"
+#include "../embree/scene.h"
 #include "../scene/report.h"
 
 namespace embree
@@ -23,7 +23,7 @@ namespace embree
    *  its surfaces were compressed and none asks for it any more, or the other way round. */
   bool isCompressionOutdated (Scene* scene);
 
-  /*! Tells at verbosity 1 of surfaces that ask for compression but have motion blur. */
+  /*! At verbosity 1, prints which surfaces ask for compression but have motion blur. */
   void reportCompressionOfMotionBlur (Scene* scene);
 
   /*! Hands the errors of the last build to the device, once. Called by the thread that

@@ -3,9 +3,7 @@
 
 #define RTC_EXPORT_API
 
-#include "../../common/default.h"
-#include "../../common/device.h"
-#include "../../common/scene.h"
+#include "../embree/scene.h"
 #include "../base/kinds.h"
 #include "factory.h"
 #include "../../../include/embree3/rtcore_compression.h"

@@ -1,11 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "../../common/default.h"
-#include "../../common/rtcore.h"
+#include "../embree/scene.h"
 #include "settings.h"
 #include "../base/kinds.h"
-#include "../../../common/lexers/tokenstream.h"
 #include <cstdlib>
 #include <iostream>
 #include <locale>

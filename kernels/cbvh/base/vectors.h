@@ -8,8 +8,7 @@
  * in one way here and in another there. */
 
 #include "language.h"
-#include "../../common/isa.h"
-#include "../../../common/simd/simd.h"
+#include "../embree/simd.h"
 
 namespace embree
 {

@@ -5,8 +5,7 @@
 
 /* The widest vectors that an instruction set has, for sixteen things in a row. */
 
-#include "../../common/isa.h"
-#include "../../../common/simd/simd.h"
+#include "../embree/simd.h"
 
 namespace embree
 {

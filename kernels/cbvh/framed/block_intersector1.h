@@ -21,14 +21,14 @@ namespace embree
       {
         /*! Whether a hit was accepted; any hit ends with it. Not inlined, so that traversal keeps its ray in registers. */
         template<typename RayType>
-        static __noinline bool intersect (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block)
+        static __noinline bool intersect (RayType& ray, IntersectContext* context, const RayState& state, const Block* block)
         {
           LocalRay local;
-          if (!local.init(pre,block,ray.tfar)) return false;
+          if (!local.init(state,block,ray.tfar)) return false;
           const FrameRay frameRay(local);
           const BlockLayout layout = blockLayout(Visitor<RayType>::kind,block->height());
           BlockTiles tiles(block,layout);
-          Visitor<RayType> visitor(ray,context,pre,block,layout,local,frameRay,tiles);
+          Visitor<RayType> visitor(ray,context,state,block,layout,local,frameRay,tiles);
           BlockWalk1<Visitor<RayType>>(frameRay,tiles,visitor).run();
           return visitor.isHit;
         }

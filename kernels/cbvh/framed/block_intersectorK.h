@@ -20,15 +20,15 @@ namespace embree
       {
         /*! which of the rays in some lanes accepted a hit; any hit ends with it */
         template<typename Rays>
-        static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context, const RaysPrecalculations<K>& pre, const Block* block)
+        static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context, const RayStates<K>& state, const Block* block)
         {
           FrameRays<K> frameRays;
-          const vbool<K> inside = frameRays.init(pre,block,rays.tfar,valid);
+          const vbool<K> inside = frameRays.init(state,block,rays.tfar,valid);
           if (none(inside)) return inside;
           typedef Visitor<K,Rays> BlockVisitor;
           const BlockLayout layout = blockLayout(BlockVisitor::kind,block->height());
           BlockTiles tiles(block,layout);
-          BlockVisitor visitor(rays,context,pre,block,layout,frameRays,tiles,inside);
+          BlockVisitor visitor(rays,context,state,block,layout,frameRays,tiles,inside);
           BlockWalkK<K,BlockVisitor>(frameRays,tiles,visitor).run(inside);
           return visitor.isHit;
         }

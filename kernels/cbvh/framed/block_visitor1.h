@@ -6,7 +6,7 @@
 /* What the visitors of the three kinds of leaves share: the ray in its block, and its hits. */
 
 #include "block_walk1.h"
-#include "surface_hit.h"
+#include "block_hit.h"
 #include "../scene/epilogues.h"
 
 namespace embree
@@ -22,7 +22,7 @@ namespace embree
       {
         RayType& ray;
         IntersectContext* context;
-        const RayPrecalculations& pre;
+        const RayState& state;
         const Block* block;
         const BlockLayout& layout;
         const LocalRay& local;
@@ -31,10 +31,10 @@ namespace embree
         float sBest;
         bool isHit;         //!< a hit was accepted
 
-        __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayPrecalculations& pre, const Block* block, const BlockLayout& layout,
+        __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayState& state, const Block* block, const BlockLayout& layout,
                                      const LocalRay& local, const FrameRay& frameRay, BlockTiles& tiles)
-          : ray(ray), context(context), pre(pre), block(block), layout(layout), local(local), frameRay(frameRay), tiles(tiles),
-            sBest(ray.tfar < pre.tfar ? min(local.behind(pre.rcpScale,ray.tfar),1.0f) : 1.0f), isHit(false) {}
+          : ray(ray), context(context), state(state), block(block), layout(layout), local(local), frameRay(frameRay), tiles(tiles),
+            sBest(ray.tfar < state.tfar ? min(local.behind(state.rcpScale,ray.tfar),1.0f) : 1.0f), isHit(false) {}
 
         /* what BlockWalk1 asks for; only cLEAF has more */
         typedef NodeEntries::Tile LeafTile;
@@ -51,16 +51,16 @@ namespace embree
         __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
           const HitRay<float> segment = { { frameRay.P[0],frameRay.P[1],frameRay.P[2] },{ frameRay.D[0],frameRay.D[1],frameRay.D[2] },local.t0,local.t1,local.w0,local.w1,
-                                          { pre.dir.x,pre.dir.y,pre.dir.z },pre.scale,pre.rcpDir2,ray.tnear(),pre.tfar,pre.enter };
+                                          { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,ray.tnear(),state.tfar,state.enter };
           const float own = segment.ownT(at.s), t = segment.countingT(own);
-          if (!pre.nearest.isBefore(t,own,block,ray.tfar)) {
+          if (!state.nearest.isBefore(t,own,block,ray.tfar)) {
             SurfaceHit1 hit = { 0.0f,0.0f,own,Vec3fa(zero) };
             if (isRead(ray,context,block->geomID)) {
-              const SurfaceHit<float> found = HitFrame<float,bool>(block,layout).surfaceHit(segment,leaf,at,own);
+              const BlockHit<float> found = HitFrame<float,bool>(block,layout).blockHit(segment,leaf,at,own);
               hit = SurfaceHit1{ found.u,found.v,found.t,Vec3fa(found.Ng.x,found.Ng.y,found.Ng.z) };
             }
             if (!report(ray,context,block->geomID,block->primID,hit)) return false;
-            pre.nearest.set(t,own,block);
+            state.nearest.set(t,own,block);
             if (!IsAnyHit<RayType>::value) ray.tfar = t;
             isHit = true;
           }

@@ -7,7 +7,7 @@
  * block_visitor1.h has the same for one ray. */
 
 #include "block_walkK.h"
-#include "surface_hit.h"
+#include "block_hit.h"
 #include "../scene/epilogues.h"
 
 namespace embree
@@ -25,7 +25,7 @@ namespace embree
 
         Rays& rays;
         IntersectContext* context;
-        const RaysPrecalculations<K>& pre;
+        const RayStates<K>& state;
         const Block* block;
         const BlockLayout& layout;
         const FrameRays<K>& frameRays;
@@ -34,12 +34,12 @@ namespace embree
         vbool<K> open;   //!< rays that go on
         vbool<K> isHit;  //!< a hit was accepted
 
-        __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RaysPrecalculations<K>& pre, const Block* block, const BlockLayout& layout,
+        __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RayStates<K>& state, const Block* block, const BlockLayout& layout,
                                      const FrameRays<K>& frameRays, BlockTiles& tiles, const vbool<K>& valid)
-          : rays(rays), context(context), pre(pre), block(block), layout(layout), frameRays(frameRays), tiles(tiles), sBest(1.0f), open(valid), isHit(false)
+          : rays(rays), context(context), state(state), block(block), layout(layout), frameRays(frameRays), tiles(tiles), sBest(1.0f), open(valid), isHit(false)
         {
-          const vbool<K> nearer = valid & (rays.tfar < pre.tfar);
-          if (any(nearer)) sBest = select(nearer,min(frameRays.behind(pre.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
+          const vbool<K> nearer = valid & (rays.tfar < state.tfar);
+          if (any(nearer)) sBest = select(nearer,min(frameRays.behind(state.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
         }
 
         /* what BlockWalkK asks for; only cLEAF has more */
@@ -61,12 +61,12 @@ namespace embree
           const vbool<K> front = lanes & inFront(lanes,t,own);
           if (any(front)) {
             const vbool<K> accepted = front & report(rays,front,context,block->geomID,block->primID,[&] {
-              const SurfaceHit<vfloat<K>> hit = HitFrame<vfloat<K>,vbool<K>>(block,layout).surfaceHit(segment,leaf,hits,own);
+              const BlockHit<vfloat<K>> hit = HitFrame<vfloat<K>,vbool<K>>(block,layout).blockHit(segment,leaf,hits,own);
               return std::make_tuple(hit.u,hit.v,hit.t,Vec3vf<K>(hit.Ng));
             });
             for (uint32_t rest=uint32_t(movemask(accepted)); rest; rest&=rest-1) {
               const uint32_t k = uint32_t(bsf(rest));
-              pre.nearest[k].set(t[k],own[k],block);
+              state.nearest[k].set(t[k],own[k],block);
             }
             if (!IsAnyHit<Rays>::value) rays.tfar = select(accepted,t,rays.tfar);
             accept(accepted);
@@ -87,7 +87,7 @@ namespace embree
         {
           const FrameRays<K>& f = frameRays;
           return HitRay<vfloat<K>>{ { f.P[0],f.P[1],f.P[2] },{ f.D[0],f.D[1],f.D[2] },f.t0,f.t1,f.w0,f.w1,
-                                    { pre.dir.x,pre.dir.y,pre.dir.z },pre.scale,pre.rcpDir2,rays.tnear(),pre.tfar,pre.enter };
+                                    { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.enter };
         }
 
         /*! hits that do not lie behind those that the rays have */
@@ -96,7 +96,7 @@ namespace embree
           vbool<K> front = t < rays.tfar;
           for (uint32_t rest=uint32_t(movemask(lanes & (t == rays.tfar))); unlikely(rest != 0u); rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
-            if (!pre.nearest[k].isBefore(t[k],own[k],block,rays.tfar[k])) set(front,k);
+            if (!state.nearest[k].isBefore(t[k],own[k],block,rays.tfar[k])) set(front,k);
           }
           return front;
         }

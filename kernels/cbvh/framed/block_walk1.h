@@ -68,8 +68,8 @@ namespace embree
               l--;
               continue;
             }
-            const uint32_t place = uint32_t(bsf(events)), child = l->hits.grandchild(place);
-            if (unlikely(!l->hits.take(place))) {
+            const uint32_t rank = uint32_t(bsf(events)), child = l->hits.grandchild(rank);
+            if (unlikely(!l->hits.take(rank))) {
               if (visitor.passedAbove(isAbove(*l,level,child))) return true;
               continue;
             }
@@ -132,7 +132,7 @@ namespace embree
           }
         }
 
-        /*! of a place that is passed */
+        /*! of a rank that is passed */
         __forceinline bool isAbove (Level& l, int level, uint32_t child)
         {
           return l.hits.isPassedByParent(child) ? ray.isAbove(tileOf(l,level).children,child >> 2) : ray.isAbove(tileOf(l,level,child).grandchildren,child);

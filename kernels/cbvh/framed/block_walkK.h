@@ -107,7 +107,7 @@ namespace embree
           }
         };
 
-        /*! those that meet the box of a visit; those that pass it are told to the visitor */
+        /*! those that meet the box of a visit; those that pass it are reported to the visitor */
         __forceinline vbool<K> meet (const BoxMeeting<K>& box, const vbool<K>& lanes)
         {
           const vbool<K> active = lanes & visitor.open, hit = active & box.meets(visitor.sBest);

@@ -14,16 +14,16 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! RayPrecalculations */
+      /*! RayState of each ray of a packet */
       template<int K>
-      struct RaysPrecalculations
+      struct RayStates
       {
         Vec3vf<K> org, dir;
         vfloat<K> scale, rcpScale, rcpDir2, scaledTnear, tfar, enter;
         mutable NearestHit nearest[K];
         bool isSet;
 
-        __forceinline explicit RaysPrecalculations (const vfloat<K>& tfar) : tfar(tfar), enter(neg_inf), isSet(false) {}
+        __forceinline explicit RayStates (const vfloat<K>& tfar) : tfar(tfar), enter(neg_inf), isSet(false) {}
 
         __forceinline void set (const RayK<K>& rays)
         {
@@ -64,16 +64,16 @@ namespace embree
         vbool<K> startClipped, endClipped;
 
         /*! the lanes whose rays meet the block's box between tnear and their nearest hit so far */
-        __forceinline vbool<K> init (const RaysPrecalculations<K>& pre, const Block* block, const vfloat<K>& nearest, const vbool<K>& valid)
+        __forceinline vbool<K> init (const RayStates<K>& state, const Block* block, const vfloat<K>& nearest, const vbool<K>& valid)
         {
-          const vfloat<K> o[3] = { pre.org.x-vfloat<K>(block->centre[0]), pre.org.y-vfloat<K>(block->centre[1]), pre.org.z-vfloat<K>(block->centre[2]) };
-          const vfloat<K> tref = -pre.dotOf(Vec3vf<K>(o[0],o[1],o[2]),pre.dir)*pre.rcpDir2;
-          const vfloat<K> p[3] = { madd(tref,pre.dir.x,o[0]), madd(tref,pre.dir.y,o[1]), madd(tref,pre.dir.z,o[2]) };
+          const vfloat<K> o[3] = { state.org.x-vfloat<K>(block->centre[0]), state.org.y-vfloat<K>(block->centre[1]), state.org.z-vfloat<K>(block->centre[2]) };
+          const vfloat<K> tref = -state.dotOf(Vec3vf<K>(o[0],o[1],o[2]),state.dir)*state.rcpDir2;
+          const vfloat<K> p[3] = { madd(tref,state.dir.x,o[0]), madd(tref,state.dir.y,o[1]), madd(tref,state.dir.z,o[2]) };
           vfloat<K> O[4], dO[4];
           for (int r=0; r<4; r++) {
             const vfloat<K> cx(block->columns[0][r]), cy(block->columns[1][r]), cz(block->columns[2][r]);
             O[r] = madd(p[0],cx,madd(p[1],cy,madd(p[2],cz,vfloat<K>(r < 3 ? 0.5f : 1.0f))));
-            dO[r] = madd(pre.dir.x,cx,madd(pre.dir.y,cy,product(pre.dir.z,cz)));
+            dO[r] = madd(state.dir.x,cx,madd(state.dir.y,cy,product(state.dir.z,cz)));
           }
 
           const BlockStretch stretch(vfloat4::load(block->columns[0]),vfloat4::load(block->columns[1]),vfloat4::load(block->columns[2]));
@@ -88,9 +88,9 @@ namespace embree
             clip(O[k]+epsilon[k],dO[k],tauIn,tauOut,outside);
             clip((O[3]-O[k])+epsilon[k],dO[3]-dO[k],tauIn,tauOut,outside);
           }
-          const vfloat<K> tauNear = pre.scaledTnear - tref, tauFar = msub(pre.tfar,pre.rcpScale,tref);
+          const vfloat<K> tauNear = state.scaledTnear - tref, tauFar = msub(state.tfar,state.rcpScale,tref);
           const vfloat<K> tau0 = max(tauIn,tauNear), tau1 = min(tauOut,tauFar);
-          const vbool<K> meets = andn(valid & (tau0 <= min(tau1,msub(nearest,pre.rcpScale,tref))),outside);
+          const vbool<K> meets = andn(valid & (tau0 <= min(tau1,msub(nearest,state.rcpScale,tref))),outside);
           if (none(meets)) return meets;
           startClipped = tauNear > tauIn;
           endClipped = tauFar < tauOut;

@@ -9,7 +9,7 @@
 #include "local_ray.h"
 #include "nearest_hit.h"
 #include "../base/vectors.h"
-#include "../../common/ray.h"
+#include "../embree/ray.h"
 
 namespace embree
 {
@@ -19,9 +19,9 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! per ray: direction scaled to a largest component of 1, so that directions
+      /*! What blocks with frames need of a ray, and the hits that it has had in them: direction scaled to a largest component of 1, so that directions
        *  of length 1e-20 or 1e20 have a square */
-      struct RayPrecalculations
+      struct RayState
       {
         Vec3fa org, dir;
         float scale;    //!< t = t' * scale, t' along dir
@@ -35,8 +35,8 @@ namespace embree
         bool isSet;
 
         /*! set by the first block: many rays meet none */
-        __forceinline explicit RayPrecalculations (float tfar) : tfar(tfar), enter(neg_inf), isSet(false) {}
-        __forceinline explicit RayPrecalculations (const Ray& ray) : tfar(ray.tfar), enter(neg_inf), isSet(false) { set(ray); }
+        __forceinline explicit RayState (float tfar) : tfar(tfar), enter(neg_inf), isSet(false) {}
+        __forceinline explicit RayState (const Ray& ray) : tfar(ray.tfar), enter(neg_inf), isSet(false) { set(ray); }
 
         __forceinline void set (const Ray& ray)
         {
@@ -84,30 +84,30 @@ namespace embree
         float t0, t1;     //!< world parameter of the segment's ends, in t'
         float w0, w1;
         bool startClipped; //!< the segment starts at tnear, inside the box
-        bool endClipped;   //!< the segment ends at pre.tfar, inside the box
+        bool endClipped;   //!< the segment ends at state.tfar, inside the box
 
         /*! False if the ray misses the block's box between tnear and nearest, where its hit so far is. That does not
          *  bear on what it meets where, so that the order of blocks does not. */
-        __forceinline bool init (const RayPrecalculations& pre, const Block* block, float nearest)
+        __forceinline bool init (const RayState& state, const Block* block, float nearest)
         {
           const vfloat4 cx = vfloat4::load(block->columns[0]);
           const vfloat4 cy = vfloat4::load(block->columns[1]);
           const vfloat4 cz = vfloat4::load(block->columns[2]);
-          const Vec3fa o = pre.org - Vec3fa(block->centre[0],block->centre[1],block->centre[2]);
+          const Vec3fa o = state.org - Vec3fa(block->centre[0],block->centre[1],block->centre[2]);
 
           /* move to the point nearest to the centre */
-          const float tref = -dot(o,pre.dir)*pre.rcpDir2;
-          const Vec3fa p = madd(Vec3fa(tref),pre.dir,o);
+          const float tref = -dot(o,state.dir)*state.rcpDir2;
+          const Vec3fa p = madd(Vec3fa(tref),state.dir,o);
           const vfloat4 O = madd(vfloat4(p.x),cx,madd(vfloat4(p.y),cy,madd(vfloat4(p.z),cz,vfloat4(0.5f,0.5f,0.5f,1.0f))));
-          const vfloat4 D = madd(vfloat4(pre.dir.x),cx,madd(vfloat4(pre.dir.y),cy,vfloat4(pre.dir.z)*cz));
+          const vfloat4 D = madd(vfloat4(state.dir.x),cx,madd(vfloat4(state.dir.y),cy,vfloat4(state.dir.z)*cz));
           const BlockStretch stretch(cx,cy,cz);
           const float farthest = fused(reachOfBox,stretch.longest,reduce_max(abs(o)));
           epsilon = madd(vfloat4(distanceUlps*floatUlp*farthest),stretch.withW,vfloat4(unitUlps*floatUlp));
 
           Clip clip(O,D,epsilon);
-          const float tauNear = pre.scaledTnear - tref, tauFar = fused(pre.tfar,pre.rcpScale,-tref);
+          const float tauNear = state.scaledTnear - tref, tauFar = fused(state.tfar,state.rcpScale,-tref);
           const float tau0 = max(clip.tauIn,tauNear), tau1 = min(clip.tauOut,tauFar);
-          if (clip.outside || !(tau0 <= min(tau1,fused(nearest,pre.rcpScale,-tref)))) return false;
+          if (clip.outside || !(tau0 <= min(tau1,fused(nearest,state.rcpScale,-tref)))) return false;
           startClipped = tauNear > clip.tauIn;
           endClipped = tauFar < clip.tauOut;
 

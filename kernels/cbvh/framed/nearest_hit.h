@@ -6,8 +6,7 @@
 /* Which of two hits in different blocks a ray reports. */
 
 #include "block.h"
-#include "../../common/isa.h"
-#include "../../../common/math/constants.h"
+#include "../embree/simd.h"
 
 namespace embree
 {

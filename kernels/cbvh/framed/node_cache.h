@@ -22,7 +22,7 @@ namespace embree
     /*! the surfaces of leaves of cLEAF */
     struct LeafSurfaces
     {
-      alignas(64) float place[16][4]; //!< of each leaf: lower x and y of its box, and the reciprocals of its extents there
+      alignas(64) float footprint[16][4]; //!< of each leaf: lower x and y of its box, and the reciprocals of its extents there
       float height[16][4];            //!< z = [0] + u [1] + v [2] + u v [3], with u and v the position in the box
       float reach[16];                //!< half of the thickness, in z
       uint32_t solid, empty;          //!< masks of leaves
@@ -49,10 +49,10 @@ namespace embree
         LeafSurfaces surfaces; //!< of those that are decoded
       };
 
-      /*! The place of a tile: what is there is the caller's if `block` and number say so, else it is to be
+      /*! The slot of a tile: what is there is the caller's if `block` and number say so, else it is to be
        *  filled, and named. */
-      __forceinline Tile& tile (const void* block, uint32_t number) { return tiles[place(block,number) % numTiles]; }
-      __forceinline LeafTile& leafTile (const void* block, uint32_t number) { return leafTiles[place(block,number) % numLeafTiles]; }
+      __forceinline Tile& tile (const void* block, uint32_t number) { return tiles[slot(block,number) % numTiles]; }
+      __forceinline LeafTile& leafTile (const void* block, uint32_t number) { return leafTiles[slot(block,number) % numLeafTiles]; }
 
       void clear ()
       {
@@ -63,7 +63,7 @@ namespace embree
     private:
       static const size_t numTiles = 64, numLeafTiles = 128;
 
-      static __forceinline size_t place (const void* block, uint32_t number) { return hashOfBlock(block)*5 + number; }
+      static __forceinline size_t slot (const void* block, uint32_t number) { return hashOfBlock(block)*5 + number; }
 
       Tile tiles[numTiles];
       LeafTile leafTiles[numLeafTiles];

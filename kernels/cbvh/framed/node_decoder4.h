@@ -9,8 +9,7 @@
 #include "node_cache.h"
 #include "node_tables.h"
 #include "leaf/format.h"
-#include "../../common/isa.h"
-#include "../../../common/simd/simd.h"
+#include "../embree/simd.h"
 
 namespace embree
 {
@@ -63,7 +62,7 @@ namespace embree
           if (likely(!(bits >> 63))) decodeLattice(word,bits,parent);
           else decodeLoose(word,bits,parent);
           const vfloat4 x0 = plane(0,0), y0 = plane(1,0);
-          storeByLeaf(x0,y0,vfloat4(one)/(plane(0,1)-x0),vfloat4(one)/(plane(1,1)-y0),surfaces.place);
+          storeByLeaf(x0,y0,vfloat4(one)/(plane(0,1)-x0),vfloat4(one)/(plane(1,1)-y0),surfaces.footprint);
         }
 
       private:

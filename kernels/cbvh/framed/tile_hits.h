@@ -6,8 +6,8 @@
 /* How a ray meets a tile, and in what order: that of the tree, children along the ray and in each its
  * children along the ray.
  *
- * A place says when something comes: 4 c + i is child i of child c, both counted along the ray. Its node is
- * the place with the bits of the axes flipped along which the ray descends. Places 1 and 2 of four are
+ * A rank says when something comes: 4 c + i is child i of child c, both counted along the ray. Its node is
+ * the rank with the bits of the axes flipped along which the ray descends. Ranks 1 and 2 of four are
  * alternatives, of which overlaps can make a ray meet both: then the one that begins first comes first. */
 
 #include "block_tiles.h"
@@ -24,24 +24,24 @@ namespace embree
       public:
         __forceinline TileHits () {}
 
-        /*! places that the ray comes to; passedMask: 0 without those that it passes, else all bits */
-        __forceinline uint32_t events (uint32_t passedMask) const { return (places | (places >> 16 & passedMask)) & 0xFFFFu; }
+        /*! ranks that the ray comes to; passedMask: 0 without those that it passes, else all bits */
+        __forceinline uint32_t events (uint32_t passedMask) const { return (ranks | (ranks >> 16 & passedMask)) & 0xFFFFu; }
 
-        /*! takes a place out, with what comes before; whether it is a hit */
-        __forceinline bool take (uint32_t place)
+        /*! takes a rank out, with what comes before; whether it is a hit */
+        __forceinline bool take (uint32_t rank)
         {
-          const bool isHit = (places >> place) & 1u;
-          places &= ~((2u << place) - 1u) & ~(((2u << place) - 1u) << 16);
+          const bool isHit = (ranks >> rank) & 1u;
+          ranks &= ~((2u << rank) - 1u) & ~(((2u << rank) - 1u) << 16);
           return isHit;
         }
 
         /*! of a grandchild that is no hit: whether its parent as a whole is passed */
         __forceinline bool isPassedByParent (uint32_t grandchild) const { return !((childHit >> (grandchild >> 2)) & 1u); }
 
-        /*! the grandchild at a place; of a child it has the upper bits */
-        __forceinline uint32_t grandchild (uint32_t place) const
+        /*! the grandchild of a rank; of a child it has the upper bits */
+        __forceinline uint32_t grandchild (uint32_t rank) const
         {
-          uint32_t p = place;
+          uint32_t p = rank;
           if (unlikely(swaps != 0u)) {
             if ((swaps >> (p >> 2)) & 1u && isAlternative(p & 3u)) p ^= 3u;
             if (swaps & childSwap && isAlternative(p >> 2)) p ^= 12u;
@@ -71,7 +71,7 @@ namespace embree
           const uint32_t met = children.hit | children.passed;
           if (unlikely(((met >> a) & (met >> b) & 1u) != 0u) && childRanges.sNear[b] < childRanges.sNear[a]) {
             swaps |= childSwap;
-            places = (places & 0xF00FF00Fu) | (places & 0x00F000F0u) << 4 | (places & 0x0F000F00u) >> 4;
+            ranks = (ranks & 0xF00FF00Fu) | (ranks & 0x00F000F0u) << 4 | (ranks & 0x0F000F00u) >> 4;
           }
           swapOverlapping();
           return 0u;
@@ -93,10 +93,10 @@ namespace embree
       private:
         static const uint32_t childSwap = 16u;
 
-        static __forceinline bool isAlternative (uint32_t place) { return place-1u < 2u; }
+        static __forceinline bool isAlternative (uint32_t rank) { return rank-1u < 2u; }
 
-        /*! two masks of grandchildren as masks of places, nothing swapped */
-        static __forceinline uint32_t toPlaces (uint32_t m, uint32_t first)
+        /*! two masks of grandchildren as masks of ranks, nothing swapped */
+        static __forceinline uint32_t toRanks (uint32_t m, uint32_t first)
         {
           if (first & 1u) {
             m = (m & 0x55555555u) << 1 | ((m >> 1) & 0x55555555u);
@@ -114,24 +114,24 @@ namespace embree
         {
           flip = first | first << 2;
           swaps = 0u;
-          places = toPlaces(of.hit | of.passed << 16,first);
+          ranks = toRanks(of.hit | of.passed << 16,first);
         }
 
         /*! swaps alternatives of which the second begins before the first */
         __forceinline void swapOverlapping ()
         {
-          const uint32_t either = places | places >> 16;
+          const uint32_t either = ranks | ranks >> 16;
           for (uint32_t rest=either & (either >> 1) & 0x2222u; unlikely(rest != 0u); rest&=rest-1)
           {
-            const uint32_t place = uint32_t(bsf(rest));
-            if (!(ranges.sNear[grandchild(place+1)] < ranges.sNear[grandchild(place)])) continue;
-            swaps |= 1u << (place >> 2);
-            const uint32_t bits = 0x10001u << place, differs = (places ^ places >> 1) & bits;
-            places ^= differs | differs << 1;
+            const uint32_t rank = uint32_t(bsf(rest));
+            if (!(ranges.sNear[grandchild(rank+1)] < ranges.sNear[grandchild(rank)])) continue;
+            swaps |= 1u << (rank >> 2);
+            const uint32_t bits = 0x10001u << rank, differs = (ranks ^ ranks >> 1) & bits;
+            ranks ^= differs | differs << 1;
           }
         }
 
-        uint32_t places;      //!< that the ray hits, and in the upper half those that it passes; a child that is passed as a whole is so at its first
+        uint32_t ranks;      //!< that the ray hits, and in the upper half those that it passes; a child that is passed as a whole is so at its first
         uint32_t childHit;    //!< children whose boxes the ray meets
         uint32_t flip, swaps; //!< swaps: alternatives that are swapped, a bit for each four
       };

@@ -8,7 +8,7 @@
 
 #include "../base/primitive_type.h"
 #include "../framed/block_bounds.h"
-#include "../../bvh/bvh.h"
+#include "../embree/scene.h"
 
 namespace embree
 {

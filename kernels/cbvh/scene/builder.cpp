@@ -8,8 +8,7 @@
  * Patches with edge rates that no block takes, and geometries that opt out, become GridSOA leaves
  * of the same BVH. */
 
-#include "../../bvh/bvh_builder.h"
-#include "../../builders/bvh_builder_sah.h"
+#include "../embree/scene.h"
 #include "../framed/writer.h"
 #include "../surface/cage_patch.h"
 #include "../vert/writer.h"

@@ -17,31 +17,31 @@ namespace embree
     {
       typedef void Primitive;
 
-      struct Precalculations : public SubdivPatch1Intersector1::Precalculations
+      struct State : public SubdivPatch1Intersector1::Precalculations
       {
-        __forceinline Precalculations (const Ray& ray, const void* ptr)
-          : SubdivPatch1Intersector1::Precalculations(ray,ptr), block(ray.tfar) {}
+        __forceinline State (const Ray& ray, const void* ptr)
+          : SubdivPatch1Intersector1::Precalculations(ray,ptr), framed(ray.tfar) {}
 
-        cbvh::RayPrecalculations block;
+        cbvh::RayState framed;
         cbvh::VertRay vert;
       };
 
       template<int N, bool robust>
-      static __forceinline void intersect (const Accel::Intersectors* This, Precalculations& pre, RayHit& ray, IntersectContext* context,
+      static __forceinline void intersect (const Accel::Intersectors* This, State& state, RayHit& ray, IntersectContext* context,
                                            const Primitive* prim, size_t type, const TravRay<N,robust>& tray, size_t& lazyNode)
       {
         bool found;
-        if (!cbvh::intersectBlock(type,ray,context,pre.block,pre.vert,prim,found))
-          SubdivPatch1Intersector1::intersect(This,pre,ray,context,(const GridSOA*)prim,type,tray,lazyNode);
+        if (!cbvh::intersectBlock(type,ray,context,state.framed,state.vert,prim,found))
+          SubdivPatch1Intersector1::intersect(This,state,ray,context,(const GridSOA*)prim,type,tray,lazyNode);
       }
 
       template<int N, bool robust>
-      static __forceinline bool occluded (const Accel::Intersectors* This, Precalculations& pre, Ray& ray, IntersectContext* context,
+      static __forceinline bool occluded (const Accel::Intersectors* This, State& state, Ray& ray, IntersectContext* context,
                                           const Primitive* prim, size_t type, const TravRay<N,robust>& tray, size_t& lazyNode)
       {
         bool found;
-        if (cbvh::intersectBlock(type,ray,context,pre.block,pre.vert,prim,found)) return found;
-        return SubdivPatch1Intersector1::occluded(This,pre,ray,context,(const GridSOA*)prim,type,tray,lazyNode);
+        if (cbvh::intersectBlock(type,ray,context,state.framed,state.vert,prim,found)) return found;
+        return SubdivPatch1Intersector1::occluded(This,state,ray,context,(const GridSOA*)prim,type,tray,lazyNode);
       }
     };
 
@@ -52,20 +52,20 @@ namespace embree
         const BVH4* bvh = (const BVH4*)This->ptr;
         if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::mayHit(ray))) return;
         const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
-        Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::Precalculations(ray,bvh),isFiltered };
+        Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::State(ray,bvh),isFiltered };
         cbvh::traverseClosestHit1(bvh->root,ray,leaves);
-        ray.tfar = leaves.pre.block.nearest.end(ray.tfar);
+        ray.tfar = leaves.state.framed.nearest.end(ray.tfar);
       }
 
       static void occluded (const Accel::Intersectors* This, Ray& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
         if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::mayHit(ray))) return; // before 0: it has ended
-        CompressedSubdivIntersector1::Precalculations pre(ray,bvh);
+        CompressedSubdivIntersector1::State state(ray,bvh);
         const bool isOccluded = cbvh::traverseAnyHit1(bvh->root,ray,[&](BVH4::NodeRef leaf, const TravRay<4,true>& tray, size_t& lazyNode) {
             size_t type;
             const void* prim = leaf.leaf(type);
-            return CompressedSubdivIntersector1::occluded(This,pre,ray,context,prim,type,tray,lazyNode);
+            return CompressedSubdivIntersector1::occluded(This,state,ray,context,prim,type,tray,lazyNode);
           });
         if (isOccluded) ray.tfar = neg_inf;
       }
@@ -79,7 +79,7 @@ namespace embree
         const Accel::Intersectors* This;
         RayHit& ray;
         IntersectContext* context;
-        CompressedSubdivIntersector1::Precalculations pre;
+        CompressedSubdivIntersector1::State state;
         bool isSorted;
 
         static __forceinline bool hasFrame (BVH4::NodeRef leaf)
@@ -89,13 +89,13 @@ namespace embree
           return type == cbvh::FRAMED_BLOCK;
         }
 
-        __forceinline void setEnter (float t) { pre.block.enter = t; }
+        __forceinline void setEnter (float t) { state.framed.enter = t; }
 
         __forceinline void intersect (BVH4::NodeRef leaf, const TravRay<4,true>& tray, size_t& lazyNode)
         {
           size_t type;
           const void* prim = leaf.leaf(type);
-          CompressedSubdivIntersector1::intersect(This,pre,ray,context,prim,type,tray,lazyNode);
+          CompressedSubdivIntersector1::intersect(This,state,ray,context,prim,type,tray,lazyNode);
         }
       };
     };

@@ -5,7 +5,7 @@
 
 /* The way of hits to Embree's epilogues, so that masks and filters behave as for every other geometry. */
 
-#include "../../geometry/intersector_epilog.h"
+#include "../embree/traversal.h"
 
 namespace embree
 {

@@ -3,14 +3,7 @@
 
 #define RTC_EXPORT_API
 
-#include "../../common/default.h"
-#include "../../common/device.h"
-#include "../../common/scene.h"
-#include "../../common/scene_triangle_mesh.h"
-#include "../../common/scene_instance.h"
-#include "../../bvh/bvh.h"
-#include "../../geometry/grid_soa.h"
-#include "../../geometry/subdivpatch1.h"
+#include "../embree/scene.h"
 #include "../framed/block.h"
 #include "../vert/format.h"
 #include "../base/primitive_type.h"

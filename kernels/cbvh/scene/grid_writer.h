@@ -5,7 +5,7 @@
 
 /* Embree's own grids, for what is not compressed. */
 
-#include "../../geometry/grid_soa.h"
+#include "../embree/scene.h"
 #include "block_store.h"
 #include "statistics.h"
 

@@ -4,7 +4,7 @@
 /* Packets and streams, instantiated for one ISA. Hits are those of single rays. Rays that are said to be
  * coherent go together through the top-level BVH and through blocks, all others one by one. */
 
-#include "../../bvh/bvh_intersector_stream.h"
+#include "../embree/traversal.h"
 #include "compressed_intersector1.h"
 #include "packet_traversal.h"
 #include "../framed/block_intersectorK.h"
@@ -27,11 +27,11 @@ namespace embree
       vfloat<K> tfar; //!< where rays end
 
       __forceinline CompressedSubdivLeavesK (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays, IntersectContext* context)
-        : tfar(rays.tfar), This(This), rays(rays), context(context), grids(valid,rays), block(rays.tfar) {}
+        : tfar(rays.tfar), This(This), rays(rays), context(context), grids(valid,rays), framed(rays.tfar) {}
 
       __forceinline void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& enter, const Tray& tray, size_t& lazyNode)
       {
-        block.enter = enter;
+        framed.enter = enter;
         size_t type;
         const void* prim = leaf.leaf(type);
         if (likely(cbvh::isBlock(type))) accept(intersectBlock(valid,type,prim));
@@ -39,7 +39,7 @@ namespace embree
       }
 
       /*! once all is traced */
-      __forceinline void end (const vbool<K>& valid) { if (!isAnyHit) block.end(valid,rays.tfar); }
+      __forceinline void end (const vbool<K>& valid) { if (!isAnyHit) framed.end(valid,rays.tfar); }
 
     private:
       __forceinline void accept (const vbool<K>& hit) {
@@ -59,11 +59,11 @@ namespace embree
       {
         using namespace cbvh;
         if (type == VERT_BLOCK) return VertIntersectorK<K,Rays>::intersect(valid,rays,context,vert,(const VertHeader*)prim);
-        block.set(rays);
+        framed.set(rays);
         switch (kindOf(((const Block*)prim)->info)) {
-        case kindLeaf : return BlockIntersectorK<K,LeafVisitorK >::intersect(valid,rays,context,block,(const Block*)prim);
-        case kindVoxel: return BlockIntersectorK<K,VoxelVisitorK>::intersect(valid,rays,context,block,(const Block*)prim);
-        case kindGrid : return BlockIntersectorK<K,GridVisitorK >::intersect(valid,rays,context,block,(const Block*)prim);
+        case kindLeaf : return BlockIntersectorK<K,LeafVisitorK >::intersect(valid,rays,context,framed,(const Block*)prim);
+        case kindVoxel: return BlockIntersectorK<K,VoxelVisitorK>::intersect(valid,rays,context,framed,(const Block*)prim);
+        case kindGrid : return BlockIntersectorK<K,GridVisitorK >::intersect(valid,rays,context,framed,(const Block*)prim);
         default       : return vbool<K>(false);
         }
       }
@@ -72,7 +72,7 @@ namespace embree
       Rays& rays;
       IntersectContext* context;
       typename Grids::Precalculations grids;
-      cbvh::RaysPrecalculations<K> block;
+      cbvh::RayStates<K> framed;
       cbvh::VertRays<K> vert;
     };
 

@@ -17,16 +17,16 @@ namespace embree
     {
       /*! false for a primitive that is not a block; else found: whether a hit was accepted */
       template<typename RayType>
-      __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, RayPrecalculations& pre, VertRay& vertRay, const void* prim, bool& found)
+      __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, RayState& state, VertRay& vertRay, const void* prim, bool& found)
       {
         const Block* block = (const Block*)prim;
         if (type == VERT_BLOCK) { found = VertIntersector1<RayType>::intersect(ray,context,vertRay,(const VertHeader*)prim); return true; }
         if (type != FRAMED_BLOCK) return false;
-        pre.set(ray);
+        state.set(ray);
         switch (kindOf(block->info)) {
-        case kindLeaf : found = BlockIntersector1<LeafVisitor1 >::intersect(ray,context,pre,block); return true;
-        case kindVoxel: found = BlockIntersector1<VoxelVisitor1>::intersect(ray,context,pre,block); return true;
-        case kindGrid : found = BlockIntersector1<GridVisitor1 >::intersect(ray,context,pre,block); return true;
+        case kindLeaf : found = BlockIntersector1<LeafVisitor1 >::intersect(ray,context,state,block); return true;
+        case kindVoxel: found = BlockIntersector1<VoxelVisitor1>::intersect(ray,context,state,block); return true;
+        case kindGrid : found = BlockIntersector1<GridVisitor1 >::intersect(ray,context,state,block); return true;
         default       : found = false; return true;
         }
       }

@@ -6,11 +6,10 @@
 /* Traversal of the top-level BVH by the rays of a packet together. Nodes are left out by the frustum of the
  * rays, as in Embree's traversal of coherent packets; but there rays come to all blocks that one of them
  * meets, and hit what sticks out of bounds that they miss (framed/block_bounds.h). Here a ray comes to blocks
- * whose bounds it meets, and they are told where, as top_level1.h does: its hits are those of a single ray. */
+ * whose bounds it meets, and passes where it enters them, as top_level1.h does: its hits are those of a single ray. */
 
 #include "top_level_ray.h"
-#include "../../bvh/bvh_intersector_hybrid.h"
-#include "../../bvh/node_intersector_frustum.h"
+#include "../embree/traversal.h"
 
 namespace embree
 {

@@ -6,8 +6,7 @@
 /* What all patches of a geometry have in common, and how the edge rates of a patch
  * decide into which blocks it is cut. */
 
-#include "../../subdiv/subdivpatch1base.h"
-#include "../../common/scene.h"
+#include "../embree/scene.h"
 #include "../base/kinds.h"
 #include "../vert/format.h"
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "../../common/default.h"
+#include "../embree/scene.h"
 #include "../../../include/embree3/rtcore_compression.h"
 #include <string>
 #include <vector>

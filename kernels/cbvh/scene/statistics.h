@@ -48,7 +48,7 @@ namespace embree
       /*! bytes: of the block, without those that align the next */
       void addVertBlock (const VertHeader* header, size_t bytes, const VertStatistics& block)
       {
-        const VertLayout layout = vertLayout(header->place,header->boxForm);
+        const VertLayout layout = vertLayout(header->region,header->boxForm);
         const size_t stride = (bytes + blockAlignment-1) & ~size_t(blockAlignment-1);
         const size_t nodesEnd = block.raw ? layout.margins : layout.cell;
         sums.frameBytes += layout.margins;
@@ -56,7 +56,7 @@ namespace embree
         sums.leafBytes += stride - nodesEnd;
         sums.numBlocks++;
         sums.numRawBlocks += block.raw;
-        sums.numQuads += size_t(vertQuadsX(header->place))*size_t(vertQuadsY(header->place));
+        sums.numQuads += size_t(vertQuadsX(header->region))*size_t(vertQuadsY(header->region));
         sums.numInvalidQuads += block.invalidQuads;
         sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,vertSpacing(header->word));
       }

@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* Traversal of the top-level BVH by one ray: Embree's, by rays of top_level_ray.h. For the closest hit it tells a leaf where
+/* Traversal of the top-level BVH by one ray: Embree's, by rays of top_level_ray.h. For the closest hit it passes to a leaf where
  * the ray enters its bounds, so that it does not matter in what order blocks are met (nearest_hit.h). */
 
 #include "top_level_ray.h"
-#include "../../bvh/bvh_intersector1.cpp"
+#include "../embree/traversal.h"
 
 namespace embree
 {

@@ -15,9 +15,7 @@
 
 #include "../base/reciprocal.h"
 #include "../base/vectors.h"
-#include "../../bvh/node_intersector1.h"
-#include "../../bvh/node_intersector_packet.h"
-#include "../../common/ray.h"
+#include "../embree/traversal.h"
 
 namespace embree
 {

@@ -9,7 +9,7 @@
  * irregular patches are subdivided once and the displacement function is called
  * once a part. Edges of lower rates are stitched as Embree does it. */
 
-#include "../../subdiv/subdivpatch1base.h"
+#include "../embree/scene.h"
 #include "vertex_grid.h"
 
 namespace embree

@@ -6,9 +6,7 @@
 /* The patches of a face: the face itself, or, where it is not a quadrilateral, one at each
  * of its corners. */
 
-#include "../../subdiv/patch_eval_grid.h"
-#include "../../subdiv/subdivpatch1base.h"
-#include "../../common/scene_subdiv_mesh.h"
+#include "../embree/scene.h"
 
 namespace embree
 {

@@ -22,7 +22,7 @@
 
 #include "../base/lanes.h"
 #include "../base/world.h"
-#include "../../common/device.h"
+#include "../embree/scene.h"
 #include <cmath>
 
 namespace embree

@@ -7,7 +7,7 @@
 
 #include "cache.h"
 #include "format.h"
-#include "../../common/isa.h"
+#include "../embree/simd.h"
 
 namespace embree
 {

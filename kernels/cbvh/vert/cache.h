@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What threads keep of blocks of cVERT, thread_cache.h: 624 KiB each. */
+/* What each thread keeps of blocks of cVERT (thread_cache.h). */
 
 #include "../scene/thread_cache.h"
 #include "tables.h"
@@ -56,10 +56,10 @@ namespace embree
     class VertEntries
     {
     public:
-      /*! The place of a block (of a group): what is there is the caller's if `block` (and lane) say so, else
+      /*! The slot of a block (of a group): what is there is the caller's if `block` (and lane) say so, else
        *  it is to be filled, and named. */
-      __forceinline VertBoxes& place (const void* block) { return blocks[hashOfBlock(block) % numBlocks]; }
-      __forceinline VertQuads& place (const void* block, uint32_t lane) { return groups[(hashOfBlock(block)*5 + lane) % numGroups]; }
+      __forceinline VertBoxes& slot (const void* block) { return blocks[hashOfBlock(block) % numBlocks]; }
+      __forceinline VertQuads& slot (const void* block, uint32_t lane) { return groups[(hashOfBlock(block)*5 + lane) % numGroups]; }
 
       void clear ()
       {

@@ -18,22 +18,22 @@ namespace embree
       {
       public:
         __forceinline explicit CachedVertBlock (const VertHeader* block)
-          : cache(VertCache::ofThread()), block(block), place(cache.place(block)) {}
+          : cache(VertCache::ofThread()), block(block), slot(cache.slot(block)) {}
 
         /*! its boxes, or null if they are not decoded */
-        __forceinline const VertBoxes* decodedBoxes () const { return likely(place.block == block) ? &place : nullptr; }
+        __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
         /*! corners and boxes of groups */
         __forceinline const VertBoxes& boxes () const
         {
-          if (unlikely(place.block != block)) decode();
-          return place;
+          if (unlikely(slot.block != block)) decode();
+          return slot;
         }
 
         /*! of the group in a lane */
         __forceinline const QuadCorners& quads (uint32_t lane) const
         {
-          VertQuads& at = cache.place(block,lane);
+          VertQuads& at = cache.slot(block,lane);
           if (at.block != block || at.lane != lane) decode(lane,at);
           return at.quads;
         }
@@ -44,8 +44,8 @@ namespace embree
           /* The block at once, as long as most are: where its groups' fields lie is known late, and memory
            * that is waited for then is not hidden by anything. */
           for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
-          place.block = block;
-          VertDecoder(block).decode(place);
+          slot.block = block;
+          VertDecoder(block).decode(slot);
         }
 
         __noinline void decode (uint32_t lane, VertQuads& at) const
@@ -58,7 +58,7 @@ namespace embree
 
         VertCache& cache;
         const VertHeader* block;
-        VertBoxes& place; //!< of its boxes
+        VertBoxes& slot; //!< of its boxes
       };
     }
   }

@@ -7,7 +7,7 @@
 
 #include "cell_decoder.h"
 #include "axes.h"
-#include "../../common/ray.h"
+#include "../embree/ray.h"
 
 namespace embree
 {
@@ -19,7 +19,7 @@ namespace embree
       {
       public:
         __forceinline VertDecoder (const VertHeader* block)
-          : block(block), layout(vertLayout(block->place,block->boxForm)), quadsX(vertQuadsX(block->place)), quadsY(vertQuadsY(block->place)), spacing(vertSpacing(block->word)) {}
+          : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), spacing(vertSpacing(block->word)) {}
 
         /*! everything that all groups need */
         __forceinline void decode (VertBoxes& out) const

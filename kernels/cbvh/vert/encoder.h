@@ -25,12 +25,12 @@ namespace embree
     /*! where a block is in its patch, and what it has of that */
     struct VertPlacement
     {
-      uint32_t place, patchQuads;     //!< vertPlace(), vertPatch()
+      uint32_t region, patchQuads;     //!< vertRegion(), vertPatch()
       bool hasEdges = false;
       VertEdges edges = { 0,0 };      //!< if it has any
 
-      VertPlacement (uint32_t place, uint32_t patchQuads) : place(place), patchQuads(patchQuads) {}
-      VertPlacement (uint32_t place, uint32_t patchQuads, const VertEdges& edges) : place(place), patchQuads(patchQuads), hasEdges(true), edges(edges) {}
+      VertPlacement (uint32_t region, uint32_t patchQuads) : region(region), patchQuads(patchQuads) {}
+      VertPlacement (uint32_t region, uint32_t patchQuads, const VertEdges& edges) : region(region), patchQuads(patchQuads), hasEdges(true), edges(edges) {}
 
       uint32_t form () const { return uint32_t(hasEdges) << 29; }
     };
@@ -50,13 +50,13 @@ namespace embree
        *  number of bytes written to block, a multiple of 4; 0 where no vertex is finite. */
       size_t encode (const VertPlacement& at, float spacing, uint8_t* block, VertStatistics& statistics)
       {
-        quads[0] = vertQuadsX(at.place); quads[1] = vertQuadsY(at.place);
+        quads[0] = vertQuadsX(at.region); quads[1] = vertQuadsY(at.region);
         width = quads[0]+1;
-        layout = vertLayout(at.place,at.form());
+        layout = vertLayout(at.region,at.form());
         if (!bound(statistics)) return 0;
         memset(block,0,layout.cell);
         VertHeader& header = *(VertHeader*)block;
-        header.place = at.place;
+        header.region = at.region;
         header.patchQuads = at.patchQuads;
         if (at.hasEdges) memcpy(&header+1,&at.edges,sizeof(at.edges));
         const bool packed = allFinite && locate(spacing) && pack(header,block,statistics);

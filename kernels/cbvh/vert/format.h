@@ -44,7 +44,7 @@ struct VertHeader
   uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
   uint32_t geomID;
   uint32_t primID;
-  uint32_t place;         //!< size and position: see the accessors
+  uint32_t region;         //!< size and position: see the accessors
   uint32_t patchQuads;    //!< of the patch along u and v, less 1, 16 bits each
   uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 16 bits each: x, y, z of 00 first
   uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..23: shear of boxes, 25..28: shift of reach, see below; 24: raw; 29: has edges
@@ -52,13 +52,13 @@ struct VertHeader
 };
 
 /*! x, y: first quad in the patch, multiples of vertBlockQuads */
-CBVH_FUNCTION uint32_t vertPlace (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
+CBVH_FUNCTION uint32_t vertRegion (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
   return (quadsX-1u) | ((quadsY-1u) << 4) | ((x/vertBlockQuads) << 8) | ((y/vertBlockQuads) << 20);
 }
-CBVH_FUNCTION uint32_t vertQuadsX (uint32_t place) { return (place & 15u) + 1u; }
-CBVH_FUNCTION uint32_t vertQuadsY (uint32_t place) { return ((place >> 4) & 15u) + 1u; }
-CBVH_FUNCTION uint32_t vertX (uint32_t place) { return ((place >> 8) & 4095u)*vertBlockQuads; }
-CBVH_FUNCTION uint32_t vertY (uint32_t place) { return (place >> 20)*vertBlockQuads; }
+CBVH_FUNCTION uint32_t vertQuadsX (uint32_t region) { return (region & 15u) + 1u; }
+CBVH_FUNCTION uint32_t vertQuadsY (uint32_t region) { return ((region >> 4) & 15u) + 1u; }
+CBVH_FUNCTION uint32_t vertX (uint32_t region) { return ((region >> 8) & 4095u)*vertBlockQuads; }
+CBVH_FUNCTION uint32_t vertY (uint32_t region) { return (region >> 20)*vertBlockQuads; }
 
 CBVH_FUNCTION uint32_t vertPatch (uint32_t quadsX, uint32_t quadsY) { return (quadsX-1u) | ((quadsY-1u) << 16); }
 CBVH_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads & 65535u) + 1u; }
@@ -148,19 +148,19 @@ struct VertLayout
   uint32_t rawBytes;
 };
 
-CBVH_FUNCTION VertLayout vertLayout (uint32_t place, uint32_t boxForm)
+CBVH_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
 {
   uint32_t begin = vertHeaderBytes + (hasEdges(boxForm) ? vertEdgesBytes : 0u);
   VertLayout offsets;
-  offsets.groupsX = groupsOf(vertQuadsX(place));
-  offsets.groupsY = groupsOf(vertQuadsY(place));
+  offsets.groupsX = groupsOf(vertQuadsX(region));
+  offsets.groupsY = groupsOf(vertQuadsY(region));
   offsets.groups = offsets.groupsX*offsets.groupsY;
   offsets.margins = begin;
   offsets.words = offsets.margins + ((3u*offsets.groups + 1u) & ~1u);
   offsets.wordsHigh = offsets.words + 2u*offsets.groups;
   offsets.cell = offsets.wordsHigh + offsets.groups;
   offsets.vertices = begin;
-  offsets.boxes = offsets.vertices + 12u*(vertQuadsX(place)+1u)*(vertQuadsY(place)+1u);
+  offsets.boxes = offsets.vertices + 12u*(vertQuadsX(region)+1u)*(vertQuadsY(region)+1u);
   offsets.rawBytes = offsets.boxes + 4u*boxPlanes*offsets.groups;
   return offsets;
 }
@@ -193,7 +193,7 @@ inline VertEdges edgesOf (const VertHeader* block)
 /*! bytes of a block, without those that fill it up */
 inline uint32_t vertBytes (const VertHeader* block)
 {
-  const VertLayout layout = vertLayout(block->place,block->boxForm);
+  const VertLayout layout = vertLayout(block->region,block->boxForm);
   if (isRaw(block->boxForm)) return layout.rawBytes;
   const uint8_t* data = (const uint8_t*)block;
   uint32_t bytes = layout.cell + cellBytes(block->word);

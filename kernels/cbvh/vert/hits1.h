@@ -21,8 +21,8 @@ namespace embree
       class VertHits
       {
       public:
-        __forceinline VertHits (const Target& target, const VertRay& pre, VertNearest& nearest, const VertHeader* block, const CachedVertBlock& cached)
-          : target(target), pre(pre), nearest(nearest), block(block), cached(cached) {}
+        __forceinline VertHits (const Target& target, const VertRay& vertRay, VertNearest& nearest, const VertHeader* block, const CachedVertBlock& cached)
+          : target(target), vertRay(vertRay), nearest(nearest), block(block), cached(cached) {}
 
         /*! Reports hits, nearest first; true if one was accepted. triangles: bits of GroupTriangles */
         __forceinline bool report (uint32_t g, uint32_t triangles)
@@ -32,10 +32,10 @@ namespace embree
           {
             const uint32_t h = uint32_t(bsf(triangles));
             const VertTriangle triangle(cached.quads(g),h);
-            const VertTriangle::Sides sides = triangle.sides(pre);
+            const VertTriangle::Sides sides = triangle.sides(vertRay);
             const WideNormal<double> normal = triangle.normal();
             float t;
-            return triangle.contains(pre,sides) && isInRange(triangle.distance(pre,normal,target.tnear()),32*g+h,t) && reportHit(g,normal,h,t,sides);
+            return triangle.contains(vertRay,sides) && isInRange(triangle.distance(vertRay,normal,target.tnear()),32*g+h,t) && reportHit(g,normal,h,t,sides);
           }
           return reportNearest(g,triangles);
         }
@@ -49,11 +49,11 @@ namespace embree
           {
             const uint32_t h = uint32_t(bsf(triangles));
             const VertTriangle triangle(cached.quads(g),h);
-            if (!triangle.contains(pre,triangle.sides(pre))) continue;
-            const TriangleSpan<double> span = triangle.span(pre);
+            if (!triangle.contains(vertRay,triangle.sides(vertRay))) continue;
+            const TriangleSpan<double> span = triangle.span(vertRay);
             float t = 0.0f;
             if (!(likely(double(target.tnear()) <= span.nearest && span.farthest < double(target.tfar())))
-                && !isInRange(triangle.distance(pre,triangle.normal(),target.tnear()),32*g+h,t)) continue;
+                && !isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+h,t)) continue;
             SurfaceHit1 hit = { 0.0f,0.0f,t,Vec3fa(zero) };
             if (target.report(block,hit)) return true;
           }
@@ -67,7 +67,7 @@ namespace embree
           for (uint32_t rest=triangles; rest; rest&=rest-1) {
             const uint32_t h = uint32_t(bsf(rest));
             const VertTriangle triangle(cached.quads(g),h);
-            if (triangle.contains(pre,triangle.sides(pre)) && isInRange(triangle.distance(pre,triangle.normal(),target.tnear()),32*g+h,t[h])) open |= 1u << h;
+            if (triangle.contains(vertRay,triangle.sides(vertRay)) && isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+h,t[h])) open |= 1u << h;
           }
           while (open)
           {
@@ -78,7 +78,7 @@ namespace embree
             }
             open &= ~(1u << best);
             const VertTriangle triangle(cached.quads(g),best);
-            if (reportHit(g,triangle.normal(),best,t[best],triangle.sides(pre))) return true;
+            if (reportHit(g,triangle.normal(),best,t[best],triangle.sides(vertRay))) return true;
           }
           return false;
         }
@@ -99,7 +99,7 @@ namespace embree
           const uint32_t quad = h >> 1;
           SurfaceHit1 hit;
           hit.t = t;
-          hit.Ng = VertTriangle::Ng(pre,normal);
+          hit.Ng = VertTriangle::Ng(vertRay,normal);
           setParameters(g,quad,h & 1,positionInQuad(sides,bool(h & 1)),hit);
           if (!target.report(block,hit)) return false;
           nearest = VertNearest(block,32*g+h,t);
@@ -108,7 +108,7 @@ namespace embree
 
         __forceinline void setParameters (uint32_t g, uint32_t quad, bool isSecond, const QuadPosition<float>& at, SurfaceHit1& hit) const
         {
-          const uint32_t patchQuads = block->patchQuads, x = firstQuadX(block->place,g) + (quad & 3), y = firstQuadY(block->place,g) + (quad >> 2);
+          const uint32_t patchQuads = block->patchQuads, x = firstQuadX(block->region,g) + (quad & 3), y = firstQuadY(block->region,g) + (quad >> 2);
           uint32_t cornerU = 0, cornerV = 0;
           if (unlikely(hasEdges(block->boxForm)))
           {
@@ -125,7 +125,7 @@ namespace embree
         }
 
         const Target target;
-        const VertRay& pre;
+        const VertRay& vertRay;
         VertNearest& nearest;
         const VertHeader* block;
         const CachedVertBlock& cached;

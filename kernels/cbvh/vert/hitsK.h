@@ -34,8 +34,8 @@ namespace embree
       class VertHitsK
       {
       public:
-        __forceinline VertHitsK (Rays& rays, IntersectContext* context, VertRays<K>& pre, const VertHeader* block, const CachedVertBlock& cached)
-          : rays(rays), context(context), pre(pre), block(block), cached(cached) {}
+        __forceinline VertHitsK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays, const VertHeader* block, const CachedVertBlock& cached)
+          : rays(rays), context(context), vertRays(vertRays), block(block), cached(cached) {}
 
         /*! Those of some rays that accept a hit. triangles: of each ray; kz: of all */
         __forceinline uint32_t report (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles)
@@ -55,7 +55,7 @@ namespace embree
         __noinline bool report (size_t k, uint32_t g, uint32_t triangles)
         {
           typedef VertTargetK<K,Rays> Target;
-          return VertHits<Target>(Target{ rays,context,k },pre.at(k),pre.nearest(k),block,cached).report(g,triangles);
+          return VertHits<Target>(Target{ rays,context,k },vertRays.at(k),vertRays.nearest(k),block,cached).report(g,triangles);
         }
 
       private:
@@ -86,12 +86,12 @@ namespace embree
             }
           }
 
-          __forceinline void meet (const VertRays<K>& pre, size_t kz, const vfloat<K>& tnear)
+          __forceinline void meet (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear)
           {
             isMet = lies = 0;
             for (int j=0; j<K; j+=4)
             {
-              const Four four(*this,pre,j);
+              const Four four(*this,vertRays,j);
               const WideNormal<Double4> n = normalOf(four.triangle);
               const PlaneMeeting<Double4> at = meetPlane(four.triangle,n,four.org,four.dir);
               const TriangleSpan<Double4> span = four.span(kz);
@@ -104,12 +104,12 @@ namespace embree
           }
 
           /*! rays whose triangles are between tnear and tfar as a whole */
-          __forceinline uint32_t between (const VertRays<K>& pre, size_t kz, const vfloat<K>& tnear, const vfloat<K>& tfar) const
+          __forceinline uint32_t between (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear, const vfloat<K>& tfar) const
           {
             uint32_t mask = 0;
             for (int j=0; j<K; j+=4)
             {
-              const Four four(*this,pre,j);
+              const Four four(*this,vertRays,j);
               const TriangleSpan<Double4> span = four.span(kz);
               mask |= ((Double4(lanesFrom(tnear,j)) <= span.nearest) & (span.farthest < Double4(lanesFrom(tfar,j)))).bits() << j;
             }
@@ -124,12 +124,12 @@ namespace embree
             WideTriangle<Double4> triangle;
             Double4 org[3], dir[3];
 
-            __forceinline Four (const Triangles& of, const VertRays<K>& pre, int j)
+            __forceinline Four (const Triangles& of, const VertRays<K>& vertRays, int j)
             {
               for (int k=0; k<3; k++) {
                 for (int i=0; i<3; i++) triangle.at[k][i] = Double4(Float4::load(of.vertices[k][i]+j));
-                org[k] = Double4(lanesFrom(pre.org[k],j));
-                dir[k] = Double4(lanesFrom(pre.dir[k],j));
+                org[k] = Double4(lanesFrom(vertRays.org[k],j));
+                dir[k] = Double4(lanesFrom(vertRays.dir[k],j));
               }
             }
 
@@ -143,18 +143,18 @@ namespace embree
          *  hit at the very place already. */
         uint32_t together (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
         {
-          Triangles of(mask,cached.quads(g),triangles,float(firstQuadX(block->place,g)),float(firstQuadY(block->place,g)));
+          Triangles of(mask,cached.quads(g),triangles,float(firstQuadX(block->region,g)),float(firstQuadY(block->region,g)));
           const TriangleSides<vfloat<K>> sides = sidesOf(of,kz);
           const vfloat<K> tfar = rays.tfar;
           if (!isRead(rays,context,block->geomID))
           {
-            const uint32_t clear = mask & uint32_t(movemask(areCertain(sides))) & of.between(pre,kz,rays.tnear(),tfar);
+            const uint32_t clear = mask & uint32_t(movemask(areCertain(sides))) & of.between(vertRays,kz,rays.tnear(),tfar);
             const vfloat<K> unread(zero);
             const vbool<K> lanes = vbool<K>(int(clear));
             accepted |= uint32_t(movemask(lanes & cbvh::report(rays,lanes,context,block->geomID,block->primID,[&] { return std::make_tuple(unread,unread,unread,Vec3vf<K>(unread,unread,unread)); })));
             return clear;
           }
-          of.meet(pre,kz,rays.tnear());
+          of.meet(vertRays,kz,rays.tnear());
           const vfloat<K> t = vfloat<K>::load(of.t);
           const uint32_t done = mask & uint32_t(movemask(areCertain(sides) & (t != tfar))) & ~of.lies;
           const vbool<K> hit = vbool<K>(int(done & of.isMet)) & (t < tfar);
@@ -162,7 +162,7 @@ namespace embree
 
           Vec3vf<K> Ng(vfloat<K>::load(of.normal[0]),vfloat<K>::load(of.normal[1]),vfloat<K>::load(of.normal[2]));
           const vbool<K> isLine = (Ng.x == vfloat<K>(zero)) & (Ng.y == vfloat<K>(zero)) & (Ng.z == vfloat<K>(zero));
-          if (unlikely(any(hit & isLine))) Ng = select(isLine,Vec3vf<K>(-pre.dir[0],-pre.dir[1],-pre.dir[2]),Ng);
+          if (unlikely(any(hit & isLine))) Ng = select(isLine,Vec3vf<K>(-vertRays.dir[0],-vertRays.dir[1],-vertRays.dir[2]),Ng);
           const QuadPosition<vfloat<K>> at = positionInQuad(sides,(triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero));
           const VertEdges edges = edgesOf(block);
           const vfloat<K> u = faceParameterOfQuad(vertCornerU(edges),vfloat<K>::load(of.x),at.a,patchQuadsX(block->patchQuads));
@@ -170,7 +170,7 @@ namespace embree
           const uint32_t of1 = uint32_t(movemask(hit & cbvh::report(rays,hit,context,block->geomID,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));
           for (uint32_t rest=of1; rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
-            pre.nearest(k) = VertNearest(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
+            vertRays.nearest(k) = VertNearest(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
           }
           accepted |= of1;
           return done;
@@ -182,16 +182,16 @@ namespace embree
           const size_t kx = size_t(axisAfter(int(kz),1)), ky = size_t(axisAfter(int(kz),2));
           vfloat<K> x[3], y[3];
           for (int i=0; i<3; i++) {
-            const vfloat<K> z = vfloat<K>::load(of.vertices[kz][i]) - pre.org[kz];
-            x[i] = nmadd(pre.sx,z,vfloat<K>::load(of.vertices[kx][i]) - pre.org[kx]);
-            y[i] = nmadd(pre.sy,z,vfloat<K>::load(of.vertices[ky][i]) - pre.org[ky]);
+            const vfloat<K> z = vfloat<K>::load(of.vertices[kz][i]) - vertRays.org[kz];
+            x[i] = nmadd(vertRays.sx,z,vfloat<K>::load(of.vertices[kx][i]) - vertRays.org[kx]);
+            y[i] = nmadd(vertRays.sy,z,vfloat<K>::load(of.vertices[ky][i]) - vertRays.org[ky]);
           }
           return triangleSides(x[0],y[0],x[1],y[1],x[2],y[2]);
         }
 
         Rays& rays;
         IntersectContext* context;
-        VertRays<K>& pre;
+        VertRays<K>& vertRays;
         const VertHeader* block;
         const CachedVertBlock& cached;
       };

@@ -53,31 +53,31 @@ namespace embree
       {
       public:
         /*! Whether a hit was accepted; any hit ends with it. Not inlined, so that traversal keeps its ray in registers. */
-        static __noinline bool intersect (RayType& ray, IntersectContext* context, VertRay& pre, const VertHeader* block)
+        static __noinline bool intersect (RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* block)
         {
-          pre.set(ray);
-          return VertIntersector1(ray,context,pre,block).run();
+          vertRay.set(ray);
+          return VertIntersector1(ray,context,vertRay,block).run();
         }
 
       private:
-        __forceinline VertIntersector1 (RayType& ray, IntersectContext* context, const VertRay& pre, const VertHeader* block)
-          : ray(ray), context(context), pre(pre), block(block), cached(block) {}
+        __forceinline VertIntersector1 (RayType& ray, IntersectContext* context, const VertRay& vertRay, const VertHeader* block)
+          : ray(ray), context(context), vertRay(vertRay), block(block), cached(block) {}
 
         __forceinline bool run ()
         {
           const VertBoxes* boxes = cached.decodedBoxes();
           if (unlikely(boxes == nullptr)) {
-            if (likely(!isRaw(block->boxForm)) && !meetsBounds<float>(pre,block,ray.tnear(),ray.tfar)) return false;
+            if (likely(!isRaw(block->boxForm)) && !meetsBounds<float>(vertRay,block,ray.tnear(),ray.tfar)) return false;
             boxes = &cached.boxes();
           }
           uint32_t open = meetBoxes(*boxes);
-          VertHits<VertTarget1<RayType>> hits(VertTarget1<RayType>{ ray,context },pre,pre.nearest,block,cached);
+          VertHits<VertTarget1<RayType>> hits(VertTarget1<RayType>{ ray,context },vertRay,vertRay.nearest,block,cached);
           bool found = false;
           while (open)
           {
             const uint32_t g = IsAnyHit<RayType>::value ? takeAny(open) : takeFirst(open,enter);
             if (enter[g] > ray.tfar) continue;
-            const GroupTriangles triangles(pre,cached.quads(g));
+            const GroupTriangles triangles(vertRay,cached.quads(g));
             if (triangles.mask == 0 || !hits.report(g,triangles.mask)) continue;
             if (IsAnyHit<RayType>::value) return true;
             found = true;
@@ -103,9 +103,9 @@ namespace embree
           };
           const int m = boxes.axis;
           for (int k=0; k<3; k++)
-            if (k != m) clip(boxes.planes[k],pre.org[k],pre.rcp[k],boxSlack(pre.org[k],boxes.origin[k],boxes.extent[k]));
+            if (k != m) clip(boxes.planes[k],vertRay.org[k],vertRay.rcp[k],boxSlack(vertRay.org[k],boxes.origin[k],boxes.extent[k]));
           if (likely(m < 3)) {
-            const ShearedRay<float> sheared(pre,boxes);
+            const ShearedRay<float> sheared(vertRay,boxes);
             clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error);
           }
           uint32_t open = 0;
@@ -118,7 +118,7 @@ namespace embree
 
         RayType& ray;
         IntersectContext* context;
-        const VertRay& pre;
+        const VertRay& vertRay;
         const VertHeader* block;
         const CachedVertBlock cached;
         alignas(64) float enter[16]; //!< where the ray enters the box of the group in each lane

@@ -20,29 +20,29 @@ namespace embree
       {
       public:
         /*! which of the rays in some lanes accepted a hit; any hit ends with it */
-        static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context, VertRays<K>& pre, const VertHeader* block)
+        static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context, VertRays<K>& vertRays, const VertHeader* block)
         {
-          pre.set(rays);
-          return VertIntersectorK(rays,context,pre,block).run(valid);
+          vertRays.set(rays);
+          return VertIntersectorK(rays,context,vertRays,block).run(valid);
         }
 
       private:
         /*! rays up to which triangles are tested one ray after the other */
         static const size_t few = vectorWidth == K ? 3 : 2;
 
-        __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& pre, const VertHeader* block)
-          : rays(rays), context(context), pre(pre), block(block), cached(block), found(0) {}
+        __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays, const VertHeader* block)
+          : rays(rays), context(context), vertRays(vertRays), block(block), cached(block), found(0) {}
 
         __forceinline vbool<K> run (vbool<K> valid)
         {
-          vint<K> form = pre.form;
+          vint<K> form = vertRays.form;
           if (unlikely(cached.decodedBoxes() == nullptr) && likely(!isRaw(block->boxForm))) {
-            valid &= meetsBounds<vfloat<K>>(pre,block,rays.tnear(),rays.tfar);
+            valid &= meetsBounds<vfloat<K>>(vertRays,block,rays.tnear(),rays.tfar);
             if (none(valid)) return valid;
           }
           const VertBoxes& boxes = cached.boxes();
           if (likely(boxes.axis < 3)) {
-            sheared = ShearedRay<vfloat<K>>(pre,boxes);
+            sheared = ShearedRay<vfloat<K>>(vertRays,boxes);
             form |= select(sheared.rcp < vfloat<K>(zero),vint<K>(32),vint<K>(zero));
           }
           for (uint32_t rest=uint32_t(movemask(valid)); rest;)
@@ -98,7 +98,7 @@ namespace embree
           const int m = boxes.axis;
           for (int k=0; k<3; k++) {
             if (k == m) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(form & 32u) != 0);
-            else axes[k].set(lanes,pre.org[k],pre.rcp[k],boxSlack<vfloat<K>>(pre.org[k],boxes.origin[k],boxes.extent[k]),(form >> (2+k)) & 1u);
+            else axes[k].set(lanes,vertRays.org[k],vertRays.rcp[k],boxSlack<vfloat<K>>(vertRays.org[k],boxes.origin[k],boxes.extent[k]),(form >> (2+k)) & 1u);
           }
           uint32_t open = meetBoxes(lanes,boxes);
           while (open)
@@ -147,24 +147,24 @@ namespace embree
         /*! those of some rays that accept a hit in a group */
         __forceinline uint32_t meetGroup (uint32_t mask, uint32_t kz, uint32_t g)
         {
-          VertHitsK<K,Rays> hits(rays,context,pre,block,cached);
+          VertHitsK<K,Rays> hits(rays,context,vertRays,block,cached);
           if (popcnt(mask) <= few) {
             uint32_t accepted = 0;
             for (uint32_t rest=mask; rest; rest&=rest-1) {
               const uint32_t k = uint32_t(bsf(rest));
-              const GroupTriangles triangles(pre.at(k),cached.quads(g));
+              const GroupTriangles triangles(vertRays.at(k),cached.quads(g));
               if (triangles.mask && hits.report(k,g,triangles.mask)) accepted |= 1u << k;
             }
             return accepted;
           }
-          const GroupTrianglesK<K> triangles(pre,kz,cached.quads(g));
+          const GroupTrianglesK<K> triangles(vertRays,kz,cached.quads(g));
           mask &= uint32_t(movemask(triangles.mask != vint<K>(zero)));
           return mask ? hits.report(mask,kz,g,triangles.mask) : 0u;
         }
 
         Rays& rays;
         IntersectContext* context;
-        VertRays<K>& pre;
+        VertRays<K>& vertRays;
         const VertHeader* block;
         const CachedVertBlock cached;
         ShearedRay<vfloat<K>> sheared;

@@ -8,7 +8,7 @@
 
 #include "../base/vectors.h"
 #include "rule.h"
-#include "../../common/ray.h"
+#include "../embree/ray.h"
 
 namespace embree
 {
@@ -50,7 +50,7 @@ namespace embree
 
       private:
         static __forceinline TriangleName nameOf (const VertHeader* block, uint32_t triangle) {
-          return TriangleName{ block->geomID,block->primID,block->place,triangle };
+          return TriangleName{ block->geomID,block->primID,block->region,triangle };
         }
       };
 

@@ -304,7 +304,7 @@ CBVH_WIDE CBVH_FUNCTION Wide distanceOfHit (CBVH_OF_WIDE(WideTriangle) triangle,
 struct TriangleName
 {
   uint32_t geomID, primID;
-  uint32_t place;     //!< of the block: VertHeader
+  uint32_t region;     //!< of the block: VertHeader
   uint32_t triangle;  //!< of the block: 32 times its group's column + 4 row, 2 times its quad's column + 4 row, and 0 or 1
 };
 
@@ -314,7 +314,7 @@ CBVH_FUNCTION bool comesBefore (TriangleName a, TriangleName b)
 {
   if (a.geomID != b.geomID) return a.geomID < b.geomID;
   if (a.primID != b.primID) return a.primID < b.primID;
-  return a.place != b.place ? a.place < b.place : a.triangle < b.triangle;
+  return a.region != b.region ? a.region < b.region : a.triangle < b.triangle;
 }
 
 /* --- parameters ---------------------------------------------------------------------- */
@@ -342,8 +342,8 @@ CBVH_REAL CBVH_INLINE Real faceParameterOfQuad (uint32_t corner, Real x, Real a,
 }
 
 /*! quad of the patch that is the first of the group in a lane */
-CBVH_FUNCTION uint32_t firstQuadX (uint32_t place, uint32_t lane) { return vertX(place) + groupQuads*(lane & 3u); }
-CBVH_FUNCTION uint32_t firstQuadY (uint32_t place, uint32_t lane) { return vertY(place) + groupQuads*(lane >> 2); }
+CBVH_FUNCTION uint32_t firstQuadX (uint32_t region, uint32_t lane) { return vertX(region) + groupQuads*(lane & 3u); }
+CBVH_FUNCTION uint32_t firstQuadY (uint32_t region, uint32_t lane) { return vertY(region) + groupQuads*(lane >> 2); }
 
 /*! whether an edge of a patch has a lower rate than its quads, of a block that has edges */
 CBVH_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)

@@ -6,7 +6,7 @@
 /* What is known beforehand of the 25 vertices of a cell of cVERT, vert/cell.h, a lane
  * each. Behind the last come lanes without a meaning, so that vectors of any width fit. */
 
-#include "../../../common/sys/platform.h"
+#include "../embree/simd.h"
 #include <cstdint>
 
 namespace embree

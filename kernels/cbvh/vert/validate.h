@@ -29,7 +29,7 @@ namespace embree
         if (header.boxForm >> 30) return "parts of a later format";
         for (float x : header.origin)
           if (!std::isfinite(x)) return "an origin that is not finite";
-        const VertLayout layout = vertLayout(header.place,header.boxForm);
+        const VertLayout layout = vertLayout(header.region,header.boxForm);
         if (bytes < layout.margins) return "fewer bytes than header and edges have";
         if (const char* error = errorOfPatch(header)) return error;
         if (isRaw(header.boxForm)) return bytes < layout.rawBytes ? "fewer bytes than its vertices and boxes have" : nullptr;
@@ -60,7 +60,7 @@ namespace embree
       static const char* errorOfPatch(const VertHeader& header)
       {
         const uint32_t quads[2] = { patchQuadsX(header.patchQuads),patchQuadsY(header.patchQuads) };
-        if (vertX(header.place) + vertQuadsX(header.place) > quads[0] || vertY(header.place) + vertQuadsY(header.place) > quads[1]) return "a place outside of its patch";
+        if (vertX(header.region) + vertQuadsX(header.region) > quads[0] || vertY(header.region) + vertQuadsY(header.region) > quads[1]) return "a place outside of its patch";
         if (!hasEdges(header.boxForm)) return nullptr;
         const VertEdges edges = edgesOf(&header);
         for (int s=0; s<4; s++)

@@ -79,12 +79,12 @@ namespace embree
       /*! where a block is, with the patch's edges if it needs them */
       cbvh::VertPlacement placement (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h) const
       {
-        const uint32_t place = cbvh::vertPlace(w,h,x,y), quads = cbvh::vertPatch(patch.quads[0],patch.quads[1]);
+        const uint32_t region = cbvh::vertRegion(w,h,x,y), quads = cbvh::vertPatch(patch.quads[0],patch.quads[1]);
         const bool touches[4] = { y == 0,x+w == patch.quads[0],y+h == patch.quads[1],x == 0 };
         bool needsEdges = patch.corner[0] != 0 || patch.corner[1] != 0;
         for (int s=0; s<4; s++) needsEdges |= touches[s] && sideRates[s] != patch.quads[s & 1];
-        if (!needsEdges) return cbvh::VertPlacement(place,quads);
-        return cbvh::VertPlacement(place,quads,cbvh::vertEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
+        if (!needsEdges) return cbvh::VertPlacement(region,quads);
+        return cbvh::VertPlacement(region,quads,cbvh::vertEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
       }
 
       void snapVertices (const SurfacePatch& patch, const PatchPart& strip, const cbvh::WorldLattice& lattice, VertexGrid& grid)

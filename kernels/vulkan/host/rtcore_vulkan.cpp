@@ -235,7 +235,7 @@ RTC_API bool rtcIsVulkanTraceDone(RTCVulkanTrace trace)
 
 RTC_API bool rtcWaitVulkanTrace(RTCVulkanTrace htrace, void* rays, RTCVulkanTimes* times)
 {
-  /* the trace may be the last that keeps the RTCDevice, which is told of the error */
+  /* the trace may be the last that keeps the RTCDevice, which gets the error */
   const RTCDevice embree = htrace ? traceOf(htrace)->device.embree : nullptr;
   if (embree) rtcRetainDevice(embree);
   const bool done = guarded(embree, [&]() {

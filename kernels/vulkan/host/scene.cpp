@@ -91,7 +91,7 @@ private:
     if (!part.flat) {
       /* the scene's RTCDevice knows why */
       const bool isSame = HeldRTCDevice(rtcGetSceneDevice(scene)).get() == device.embree;
-      throw VulkanError(isSame ? RTC_ERROR_NONE : RTC_ERROR_INVALID_OPERATION, "the scene cannot be read: its RTCDevice, which is another than the Vulkan device's, has been told why");
+      throw VulkanError(isSame ? RTC_ERROR_NONE : RTC_ERROR_INVALID_OPERATION, "the scene cannot be read: its own RTCDevice, not the Vulkan device's, has the error that says why");
     }
     part.firstGeometry = numGeometries;
     numGeometries += uint32_t(part.flat->numGeometries);

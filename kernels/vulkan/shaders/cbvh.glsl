@@ -5,7 +5,7 @@
  * words; nothing has to be bound. Of the device's features the shader needs bufferDeviceAddress,
  * scalarBlockLayout. With shaderFloat64 distances of cVERT are those of the processor.
  *
- *   #define CBVH_KINDS ...        optional: kinds of leaves that scenes have, as rtcGetVulkanSceneKinds tells;
+ *   #define CBVH_KINDS ...        optional: kinds of leaves that scenes have, from rtcGetVulkanSceneKinds;
  *                                 a constant or a specialization constant. What is not named is not compiled.
  *   #define CBVH_STACK ...        optional: entries of a ray's stack, as many as stackSize of
  *                                 rtcGetVulkanSceneStatistics says

@@ -48,7 +48,7 @@ struct CbvhVertBlock
   CbvhPointer at;
   vec3 origin;
   uint reach;
-  uint place, boxForm, word;
+  uint region, boxForm, word;
   VertLayout offsets;
   uint quadsX, quadsY;
   float spacing;
@@ -60,12 +60,12 @@ CbvhVertBlock cbvhReadVertBlock (CbvhPointer at, uvec4 first)
   block.at = at;
   block.origin = uintBitsToFloat(first.xyz);
   block.reach = first.w;
-  block.place = cbvhWord(at, 6u);
+  block.region = cbvhWord(at, 6u);
   block.boxForm = cbvhWord(at, 14u);
   block.word = cbvhWord(at, 15u);
-  block.offsets = vertLayout(block.place, block.boxForm);
-  block.quadsX = vertQuadsX(block.place);
-  block.quadsY = vertQuadsY(block.place);
+  block.offsets = vertLayout(block.region, block.boxForm);
+  block.quadsX = vertQuadsX(block.region);
+  block.quadsY = vertQuadsY(block.region);
   block.spacing = vertSpacing(block.word);
   return block;
 }
@@ -384,7 +384,7 @@ bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhSh
   Wide exact = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
   if (!(exact >= Wide(ray.tnear))) return false;
   float t = float(exact);
-  TriangleName name = TriangleName(cbvhWord(block.at, 4u), cbvhWord(block.at, 5u), block.place, 32u*(gx + 4u*gy) + h);
+  TriangleName name = TriangleName(cbvhWord(block.at, 4u), cbvhWord(block.at, 5u), block.region, 32u*(gx + 4u*gy) + h);
   if (!(t < hit.t)) {
     if (nearest.isSet && nearest.t == hit.t && nearest.instID == ray.instID) {
       if (t != hit.t || !comesBefore(name, nearest.name)) return false;
@@ -392,7 +392,7 @@ bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhSh
     else if (!(exact <= Wide(hit.t))) return false;
   }
 
-  uint x = vertX(block.place) + groupQuads*gx + uint(i), y = vertY(block.place) + groupQuads*gy + uint(j);
+  uint x = vertX(block.region) + groupQuads*gx + uint(i), y = vertY(block.region) + groupQuads*gy + uint(j);
   vec2 uv = cbvhVertParameters(block, x, y, second, positionInQuad(sides, second));
   vec3 Ng = vec3(normal.at[0], normal.at[1], normal.at[2]);
   if (Ng == vec3(0.0)) Ng = -ray.dir;

@@ -7,8 +7,7 @@
  * GRID. */
 
 #include "../block.h"
-#include "../../../geometry/grid_soa.h"
-#include "../../../geometry/triangle_intersector_pluecker.h"
+#include "../../embree/traversal.h"
 
 namespace embree
 {

@@ -18,9 +18,9 @@ namespace embree
       /*! position of s in the box of a leaf: u and v */
       __forceinline vfloat4 positionInLeaf (const FrameRay& ray, const LeafSurfaces& surfaces, uint32_t leaf, const vfloat4& s)
       {
-        const vfloat4 place = vfloat4::load(surfaces.place[leaf]);
+        const vfloat4 footprint = vfloat4::load(surfaces.footprint[leaf]);
         const vfloat4 P = vfloat4(_mm_movelh_ps(ray.P,ray.P)), D = vfloat4(_mm_movelh_ps(ray.D,ray.D));
-        const vfloat4 at = (madd(s,D,P) - vfloat4(_mm_movelh_ps(place,place)))*vfloat4(_mm_movehl_ps(place,place));
+        const vfloat4 at = (madd(s,D,P) - vfloat4(_mm_movelh_ps(footprint,footprint)))*vfloat4(_mm_movehl_ps(footprint,footprint));
         return max(min(at,vfloat4(one)),vfloat4(zero));
       }
 
@@ -32,10 +32,10 @@ namespace embree
         Crossing<float> x;
         x.s0 = max(sNear,0.0f);
         x.s1 = min(sFar,1.0f);
-        const vfloat4 place = positionInLeaf(ray,surfaces,leaf,vfloat4(x.s0,x.s0,x.s1,x.s1));
-        x.u0 = place[0]; x.v0 = place[1]; x.u1 = place[2]; x.v1 = place[3];
+        const vfloat4 uv = positionInLeaf(ray,surfaces,leaf,vfloat4(x.s0,x.s0,x.s1,x.s1));
+        x.u0 = uv[0]; x.v0 = uv[1]; x.u1 = uv[2]; x.v1 = uv[3];
         const vfloat4 h = vfloat4::load(surfaces.height[leaf]);
-        const vfloat4 u = shuffle<0,2,0,2>(place), v = shuffle<1,3,1,3>(place);
+        const vfloat4 u = shuffle<0,2,0,2>(uv), v = shuffle<1,3,1,3>(uv);
         const vfloat4 patch = madd(u,shuffle<1>(h),madd(v,madd(u,shuffle<3>(h),shuffle<2>(h)),shuffle<0>(h)));
         const vfloat4 over = madd(vfloat4(x.s0,x.s1,x.s0,x.s1),shuffle<2>(ray.D),shuffle<2>(ray.P)) - patch;
         x.f.f0 = over[0];

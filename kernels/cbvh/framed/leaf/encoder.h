@@ -79,7 +79,7 @@ namespace embree
       }
 
     private:
-      /*! keeps an encoded group, and tells of its leaves; returns its word */
+      /*! keeps an encoded group, and measures its leaves; returns its word */
       uint32_t add(uint32_t m, const QuadGroup& quads, const EncodedGroup& encoded, const NodeBox& box)
       {
         groups[m] = encoded.heights;

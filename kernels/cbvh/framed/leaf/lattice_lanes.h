@@ -14,7 +14,7 @@
  *    0 .   1   . 2
  *
  * How far the edges are from the surface is not computed to the bit but between two bounds. Where
- * these do not tell the same, and for groups that are not regular, the other encoder has to. */
+ * these do not agree, and for groups that are not regular, the other encoder has to. */
 
 #include "group_lanes.h"
 #include "lattice_encoder.h"
@@ -119,13 +119,13 @@ namespace embree
         for (int axis=0; axis<2; axis++)
           for (int v=0; v<9; v++)
           {
-            const int place = axis == 0 ? v%3 : v/3; // along the axis
+            const int step = axis == 0 ? v%3 : v/3; // along the axis
             const Double4 x = groups.vertices[v][axis];
             const Mask4 isUpper = planes[axis][1] <= x;
-            if (place == 1) upper[axis][axis == 0 ? v/3 : v%3] = isUpper;
-            else irregular |= isUpper.bits() ^ (place == 2 ? 15 : 0);
-            at[v][axis] = place == 0 ? (x-planes[axis][0])/width[axis][0]
-                        : place == 2 ? (x-planes[axis][1])/width[axis][1]
+            if (step == 1) upper[axis][axis == 0 ? v/3 : v%3] = isUpper;
+            else irregular |= isUpper.bits() ^ (step == 2 ? 15 : 0);
+            at[v][axis] = step == 0 ? (x-planes[axis][0])/width[axis][0]
+                        : step == 2 ? (x-planes[axis][1])/width[axis][1]
                         : (x-select(isUpper,planes[axis][1],planes[axis][0]))/select(isUpper,width[axis][1],width[axis][0]);
           }
         undecided = irregular & encoded;
@@ -197,11 +197,11 @@ namespace embree
       }
 
       /*! point where the straight edge from vertex a to b crosses the middle plane of an axis */
-      struct Crossing
+      struct LineCrossing
       {
         Double4 t, across, z; //!< part of the edge, position along the other axis
 
-        Crossing(const LatticeLanes& l, int axis, const Double4 a[3], const Double4 b[3])
+        LineCrossing(const LatticeLanes& l, int axis, const Double4 a[3], const Double4 b[3])
         {
           t = (l.planes[axis][1]-a[axis])/(b[axis]-a[axis]);
           across = a[1-axis] + t*(b[1-axis]-a[1-axis]);
@@ -211,7 +211,7 @@ namespace embree
 
       /*! distance in z of the surface from a point on the middle plane of an axis, which is in these cells along
        *  the other one */
-      Double4 distance(const Crossing& p, int axis, Mask4 isUpper) const
+      Double4 distance(const LineCrossing& p, int axis, Mask4 isUpper) const
       {
         const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // of the heights over the plane
         const Double4 from = select(isUpper,z[first+step],z[first]), to = select(isUpper,z[first+2*step],z[first+step]);
@@ -246,7 +246,7 @@ namespace embree
         const Mask4 first = upper[along][line]; // whether x is before b
         Double4 from[3], to[3];
         for (int k=0; k<3; k++) { from[k] = select(first,a[k],b[k]); to[k] = select(first,b[k],c[k]); }
-        const Crossing x(*this,along,from,to);
+        const LineCrossing x(*this,along,from,to);
         const Double4 dx = distance(x,along,line == 0 ? maskOf(0) : line == 2 ? maskOf(15) : planes[axis][1] <= x.across);
 
         /* products of what the pieces go along both axes */
@@ -274,7 +274,7 @@ namespace embree
         /* these edges may cross the other plane, too; parts of pieces have less sag */
         if (line == 1)
           for (int i=0; i<2; i++) {
-            const Crossing y(*this,axis,i == 0 ? a : b,i == 0 ? b : c);
+            const LineCrossing y(*this,axis,i == 0 ? a : b,i == 0 ? b : c);
             const Mask4 crosses = maskOf(upper[axis][i].bits() ^ upper[axis][i+1].bits());
             const Double4 dy = select(crosses,distance(y,axis,planes[along][1] <= y.across),db);
             range.add(dy,dy,0);

@@ -28,7 +28,7 @@ namespace embree
     /*! of a patch's quads, and of the edges where it ends or bends */
     static constexpr double maxPoorQuads = 1.0/64, maxPoorEdges = 1.0/16;
 
-    /*! quads of a patch that tell of the others */
+    /*! quads of a patch that stand for the others */
     static constexpr size_t minQuadsSeen = 1024;
 
     struct LeafFit
@@ -46,7 +46,7 @@ namespace embree
 
       bool isPoor() const { return poorQuads > maxPoorQuads*quads || poorEdges > maxPoorEdges*edges; }
 
-      /*! Whether a patch of so many quads and edges is given up on before all of it is seen. The first quarter of it tells
+      /*! Whether a patch of so many quads and edges is given up on before all of it is seen. The first quarter of it stands
        *  of the quads of the rest, if that is enough of them and from all over the patch; edges are counted to the end. */
       bool isGivenUp(size_t allQuads, size_t allEdges) const
       {

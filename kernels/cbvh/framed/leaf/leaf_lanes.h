@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What is told of the leaves of four lattices at a time. Most leaves are as they should be and
+/* What is measured of the leaves of four lattices at a time. Most leaves are as they should be and
  * thinner than the thickest of their block: that is asked without divisions and roots, with some room
  * for rounding, and only for the others are numbers computed (LeafFit, BlockStatistics). */
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What the encoders tell of a block, first of all how thick its leaves are in the world. */
+/* What the encoders report of a block, first of all how thick its leaves are in the world. */
 
 #include "leaf_fit.h"
 

@@ -20,7 +20,7 @@ namespace embree
         typedef NodeEntries::LeafTile LeafTile;
         static const uint32_t kind = kindLeaf;
 
-        /*! what the ray has hit in other blocks does not shorten the walk: what a ray passes behind it tells of hits before it */
+        /*! what the ray has hit in other blocks does not shorten the walk: what a ray passes behind it decides on hits before it */
         template<typename... Args>
         __forceinline LeafVisitor1 (Args&&... args) : BlockVisitor1<RayType>(args...) { this->sBest = 1.0f; }
 
@@ -100,11 +100,11 @@ namespace embree
         /*! a hit at s in a leaf */
         __forceinline LeafHit1 leafHit (const LeafSurfaces& surfaces, uint32_t child, float s, uint32_t from) const
         {
-          const vfloat4 place = positionInLeaf(this->frameRay,surfaces,child,vfloat4(s));
+          const vfloat4 uv = positionInLeaf(this->frameRay,surfaces,child,vfloat4(s));
           const float* h = surfaces.height[child];
-          const float u = place[0], v = place[1];
+          const float u = uv[0], v = uv[1];
           const bool flat = (surfaces.solid >> child) & 1u;
-          const float slopeX = fused(v,h[3],h[1])*surfaces.place[child][2], slopeY = fused(u,h[3],h[2])*surfaces.place[child][3];
+          const float slopeX = fused(v,h[3],h[1])*surfaces.footprint[child][2], slopeY = fused(u,h[3],h[2])*surfaces.footprint[child][3];
           return LeafHit1{ s,u,v,flat ? 0.0f : slopeX,flat ? 0.0f : slopeY,from == sideAbove,from == sideBelow };
         }
       };

@@ -44,9 +44,9 @@ namespace embree
         {
           s0 = max(box.sNear,vfloat<K>(zero));
           s1 = min(box.sFar,vfloat<K>(1.0f));
-          const float* place = surfaces.place[leaf];
-          u0 = position(rays,0,place,s0); v0 = position(rays,1,place,s0);
-          u1 = position(rays,0,place,s1); v1 = position(rays,1,place,s1);
+          const float* footprint = surfaces.footprint[leaf];
+          u0 = position(rays,0,footprint,s0); v0 = position(rays,1,footprint,s0);
+          u1 = position(rays,0,footprint,s1); v1 = position(rays,1,footprint,s1);
           f0 = over(rays,surfaces.height[leaf],s0,u0,v0);
           f1 = over(rays,surfaces.height[leaf],s1,u1,v1);
           saddle = vfloat<K>(surfaces.height[leaf][3])*(u1-u0)*(v1-v0);
@@ -62,9 +62,9 @@ namespace embree
         }
 
         /*! in the box of a leaf; axis 0: u, 1: v */
-        static __forceinline vfloat<K> position (const FrameRays<K>& rays, int axis, const float place[4], const vfloat<K>& s)
+        static __forceinline vfloat<K> position (const FrameRays<K>& rays, int axis, const float footprint[4], const vfloat<K>& s)
         {
-          const vfloat<K> at = (madd(s,rays.D[axis],rays.P[axis]) - vfloat<K>(place[axis]))*vfloat<K>(place[2+axis]);
+          const vfloat<K> at = (madd(s,rays.D[axis],rays.P[axis]) - vfloat<K>(footprint[axis]))*vfloat<K>(footprint[2+axis]);
           return max(min(at,vfloat<K>(1.0f)),vfloat<K>(zero));
         }
 
@@ -181,13 +181,13 @@ namespace embree
         __forceinline void setSurface (LeafHits<K>& hits, const LeafSurfaces& surfaces, uint32_t child) const
         {
           const float* h = surfaces.height[child];
-          const float* place = surfaces.place[child];
-          hits.u = Crossings<K>::position(this->frameRays,0,place,hits.s);
-          hits.v = Crossings<K>::position(this->frameRays,1,place,hits.s);
+          const float* footprint = surfaces.footprint[child];
+          hits.u = Crossings<K>::position(this->frameRays,0,footprint,hits.s);
+          hits.v = Crossings<K>::position(this->frameRays,1,footprint,hits.s);
           hits.slopeX = hits.slopeY = vfloat<K>(zero);
           if (unlikely((surfaces.solid >> child) & 1u)) return;
-          hits.slopeX = madd(hits.v,vfloat<K>(h[3]),vfloat<K>(h[1]))*vfloat<K>(place[2]);
-          hits.slopeY = madd(hits.u,vfloat<K>(h[3]),vfloat<K>(h[2]))*vfloat<K>(place[3]);
+          hits.slopeX = madd(hits.v,vfloat<K>(h[3]),vfloat<K>(h[1]))*vfloat<K>(footprint[2]);
+          hits.slopeY = madd(hits.u,vfloat<K>(h[3]),vfloat<K>(h[2]))*vfloat<K>(footprint[3]);
         }
 
         /*! hits where rays left their last leaf; above: their side there */

@@ -32,7 +32,7 @@ namespace embree
       {
         Real P[3], D[3];       //!< in the frame
         Real t0, t1, w0, w1;   //!< LocalRay
-        Real dir[3];           //!< RayPrecalculations
+        Real dir[3];           //!< RayState
         Real scale, rcpDir2;
         Real tnear, tfar;      //!< of the ray before anything was hit
         Real enter;            //!< where it enters the block's bounds
@@ -48,7 +48,7 @@ namespace embree
       };
 
       template<typename Real>
-      struct SurfaceHit
+      struct BlockHit
       {
         Real u, v, t;
         Vec3<Real> Ng;
@@ -62,9 +62,9 @@ namespace embree
           : block(block), leafSize(float(1u << block->height())/float(layout.leaves)) {}
 
         /*! t: of the report */
-        __forceinline SurfaceHit<Real> surfaceHit (const HitRay<Real>& ray, uint32_t leaf, const LeafHit<Real,Bool>& at, const Real& t) const
+        __forceinline BlockHit<Real> blockHit (const HitRay<Real>& ray, uint32_t leaf, const LeafHit<Real,Bool>& at, const Real& t) const
         {
-          SurfaceHit<Real> hit;
+          BlockHit<Real> hit;
           hit.u = block->faceU(Real(leafSize)*(Real(float(mortonX(leaf))) + at.u));
           hit.v = block->faceV(Real(leafSize)*(Real(float(mortonY(leaf))) + at.v));
           hit.t = t;
@@ -90,7 +90,8 @@ namespace embree
           const Bool away = (at.fromAbove & (along > Real(zero))) | (at.fromBelow & (along < Real(zero)));
           const Bool isTurned = away & (along*along*ray.rcpDir2 < Real(turnedSine2)*length2);
           const Real turn = select(isTurned,Real(2.0f)*along*ray.rcpDir2,Real(zero)), rcpLength = Real(1.0f)/sqrt(max(length2,Real(1e-30f)));
-          for (int k=0; k<3; k++) (&Ng.x)[k] = fusedNegative(turn,ray.dir[k],n[k])*rcpLength;
+          for (int k=0; k<3; k++) n[k] = fusedNegative(turn,ray.dir[k],n[k])*rcpLength;
+          Ng = Vec3<Real>(n[0],n[1],n[2]);
         }
 
         static __forceinline Real dotOf (const Real a[3], const Real b[3]) { return fused(a[0],b[0],fused(a[1],b[1],product(a[2],b[2]))); }

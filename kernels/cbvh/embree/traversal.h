@@ -1,0 +1,18 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What is traced: Embree's tests of boxes and triangles, its traversal of single rays, packets and streams, and its epilogues,
+ * which report a hit and call filters. */
+
+#include "ray.h"
+#include "../../geometry/grid_soa.h"
+#include "../../geometry/intersector_epilog.h"
+#include "../../geometry/triangle_intersector_pluecker.h"
+#include "../../bvh/node_intersector1.h"
+#include "../../bvh/node_intersector_packet.h"
+#include "../../bvh/node_intersector_frustum.h"
+#include "../../bvh/bvh_intersector1.cpp"
+#include "../../bvh/bvh_intersector_hybrid.h"
+#include "../../bvh/bvh_intersector_stream.h"
