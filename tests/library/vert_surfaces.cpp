@@ -219,6 +219,45 @@ TEST(VertSurfaces, NoVertexIsFartherFromGridsThanPromised)
     }
 }
 
+// A border whose edge has a lower rate: each of its vertices is the one of GRID's there that is nearest in parameters.
+TEST(VertSurfaces, BordersOfLowerRatesHaveTheNearestVertices)
+{
+  Device device;
+  const Cage cage = cubeCage();
+  Random random(86);
+  size_t between = 0;
+  for (unsigned most : {3u, 8u, 40u}) {
+    EveryVertex grid;
+    SurfaceSettings settings;
+    settings.edgeRates = drawRates(cage, random, [&](Random& r) { return float(1 + r.below(most)); });
+    settings.compression = RTC_COMPRESSION_NONE;
+    Scene reference(device);
+    grid.build(device, reference, cage, settings);
+    settings.displacement = &grid;
+    settings.compression = RTC_COMPRESSION_VERT;
+    const SurfaceScene scene(device, cage, settings);
+    const double bound = 0.8661*statisticsOf(scene).maxVertexSpacing + 1e-5;
+    for (const VertTriangle& t : vertTriangles(scene))
+      for (int c = 0; c < 3; c++)
+        for (unsigned side = 0; side < 4; side++) {
+          const bool alongU = side % 2 == 0;
+          if ((alongU ? t.v[c] : t.u[c]) != (side == 1 || side == 2)) continue;
+          const double rate = settings.edgeRates[4*t.primID + side], place = rate*(alongU ? t.u[c] : t.v[c]);
+          double distance = INFINITY;
+          for (double k : {std::ceil(place - 0.5 - 1e-9), std::floor(place + 0.5 + 1e-9)}) { // two, halfway
+            const auto found = grid.vertices.find(keyOf(t.primID, alongU ? k/rate : t.u[c], alongU ? t.v[c] : k/rate));
+            ASSERT_NE(found, grid.vertices.end());
+            double d2 = 0;
+            for (int i = 0; i < 3; i++) d2 += std::pow(double(t.vertices[c][i]) - found->second[i], 2);
+            distance = std::min(distance, std::sqrt(d2));
+          }
+          ASSERT_LE(distance, bound) << "face " << t.primID << ", side " << side << ", " << place << " of " << rate;
+          between += std::fabs(place - std::round(place)) > 0.1;
+        }
+  }
+  EXPECT_GT(between, 100u);
+}
+
 // How much of its own normal a triangle's has, as the vertices of GRID say: below 0 it is turned over, and 0 of what has no area.
 double likeness(const VertTriangle& t, const EveryVertex& grid)
 {

@@ -23,7 +23,7 @@ BLOCK = ("vert_block",)
 DECODING = tuple(f"vert_decoding_{isa} VertDecoding.*" for isa in ("avx512", "avx2", "sse2"))
 TRIANGLES = tuple(f"vert_decoding_{isa} VertTriangles.*" for isa in ("avx512", "sse2"))
 RULE = ("vert_rule",)
-BORDERS = ("vert_surfaces -VertRays.*:VertCache.*:Isas/*", "mixed_rates *VERT")
+BORDERS = ("vert_surfaces -VertRays.*:VertCache.*:Isas/*", "mixed_rates BordersOfMixedRates.*:*VERT", "cage_topology")
 RAYS = ("vert_surfaces *VertRays.*", "scene_features *cVERT*:Packets.*", "coherent_packets *cVERT*")
 SETTINGS = ("compression_api Settings.*:SetGeometryCompression.*",)
 
