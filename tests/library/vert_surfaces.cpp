@@ -242,17 +242,17 @@ TEST(VertSurfaces, BordersOfLowerRatesHaveTheNearestVertices)
         for (unsigned side = 0; side < 4; side++) {
           const bool alongU = side % 2 == 0;
           if ((alongU ? t.v[c] : t.u[c]) != (side == 1 || side == 2)) continue;
-          const double rate = settings.edgeRates[4*t.primID + side], place = rate*(alongU ? t.u[c] : t.v[c]);
+          const double rate = settings.edgeRates[4*t.primID + side], step = rate*(alongU ? t.u[c] : t.v[c]);
           double distance = INFINITY;
-          for (double k : {std::ceil(place - 0.5 - 1e-9), std::floor(place + 0.5 + 1e-9)}) { // two, halfway
+          for (double k : {std::ceil(step - 0.5 - 1e-9), std::floor(step + 0.5 + 1e-9)}) { // two, halfway
             const auto found = grid.vertices.find(keyOf(t.primID, alongU ? k/rate : t.u[c], alongU ? t.v[c] : k/rate));
             ASSERT_NE(found, grid.vertices.end());
             double d2 = 0;
             for (int i = 0; i < 3; i++) d2 += std::pow(double(t.vertices[c][i]) - found->second[i], 2);
             distance = std::min(distance, std::sqrt(d2));
           }
-          ASSERT_LE(distance, bound) << "face " << t.primID << ", side " << side << ", " << place << " of " << rate;
-          between += std::fabs(place - std::round(place)) > 0.1;
+          ASSERT_LE(distance, bound) << "face " << t.primID << ", side " << side << ", " << step << " of " << rate;
+          between += std::fabs(step - std::round(step)) > 0.1;
         }
   }
   EXPECT_GT(between, 100u);

@@ -14,10 +14,10 @@ namespace embree
 {
   namespace isa
   {
-    /*! Takes the shared vertices for those of a part that are on the border of a patch of quadsX x quadsY quads. own, vertices: as the
-     *  face evaluates them, and where to, row by row of the part, may be the same. A side whose rate is lower than the
-     *  patch's quads is stitched as Embree does it. Calls closure(own,shared,stored) for each vertex: as the face
-     *  evaluated it, as its owner did, and on the lattice. */
+    /*! Replaces the vertices of a part that are on the border of a patch of quadsX x quadsY quads by those that the faces there share.
+     *  own: as the face evaluates them; vertices: the result; both row by row of the part, and they may be the same. A side whose rate
+     *  is lower than the patch's quads is stitched as Embree stitches it. Calls closure(own,shared,stored) for each of these vertices: as
+     *  the face evaluated it, as its owner did, and on the lattice. */
     template<typename Closure>
     inline void shareBorder (const SurfacePatch& patch, unsigned quadsX, unsigned quadsY, const PatchPart& part,
                              const float (*own)[3], float (*vertices)[3], const Closure& closure)
