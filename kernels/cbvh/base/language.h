@@ -100,6 +100,7 @@ CBVH_REAL inline Real squareRoot (Real a) { return std::sqrt(a); }
 inline float floatOfBits (uint32_t bits) { float f; std::memcpy(&f,&bits,sizeof(f)); return f; }
 inline uint32_t bitsOfFloat (float f) { uint32_t bits; std::memcpy(&bits,&f,sizeof(f)); return bits; }
 static constexpr float infinity = std::numeric_limits<float>::infinity();
+/* -ffp-contract=off would do for whole files, but cGRID's leaves have to fuse products as GRID's do, to the bit. */
 template<typename Scalar>
 CBVH_INLINE Scalar unfused (Scalar p)
 {
