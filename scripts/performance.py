@@ -4,11 +4,12 @@
 
 """Measures the table of kernels/cbvh/PERFORMANCE.md, all of it in one run of cbvh_bench, and writes it there.
 
-    scripts/performance.py [BENCH]      BENCH: build/release/tutorials/bench/cbvh_bench unless given
+    scripts/performance.py                  on the widest instruction set, a quarter of an hour
+    scripts/performance.py --record FILE    from what cbvh_bench --json wrote, with those options at least
 """
 
+import argparse
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -26,6 +27,7 @@ OPTIONS = (
     f"--scene {','.join(SCENES)} --level 6 --view {','.join(VIEWS)} --representation grid,cgrid,cvoxel,cleaf,cvert "
     "--frame-level auto --query closest,any --size 512x512 --true-surface 0 --repeat 9"
 )
+FLAGS = {"avx512": "avx512vl", "avx2": "avx2", "avx": "avx", "sse4.2": "sse4_2", "sse2": "sse2"}
 PACKETS = {"avx512": "packet16", "avx2": "packet8", "avx": "packet8", "sse4.2": "packet4", "sse2": "packet4"}
 
 # What of GRID's speed is shown: ray set, query, and whether packets trace.
@@ -36,14 +38,21 @@ COLUMNS = [("cVERT", (COHERENT, INCOHERENT)), ("- any hit", ANY), ("- packets", 
 COLUMNS += [(kind, (COHERENT, INCOHERENT)) for kind in KINDS[1:]]
 
 
-def measure(bench, isas, packets):
-    """The records of all scenes, in one process."""
+def measured(bench):
+    """The record of all scenes, in one process."""
+    flags = set(Path("/proc/cpuinfo").read_text(encoding="ascii").split())
+    widest = next(isa for isa, flag in FLAGS.items() if flag in flags)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "speeds.json"
-        words = [bench, *OPTIONS.split(), "--isa", ",".join(isas), "--mode", ",".join(["single", *packets]), "--json", path]
+        words = [bench, *OPTIONS.split(), "--isa", widest, "--mode", f"single,{PACKETS[widest]}", "--json", path]
         subprocess.run([str(word) for word in words], check=True)
-        record = records.read(path)
-    return [Row(record, "", ROOT, group, result) for group in record["groups"] for result in group["results"]]
+        return records.read(path)
+
+
+def rows_of(record):
+    """Of several libraries the last one's."""
+    rows = [(result.get("library"), Row(record, "", ROOT, group, result)) for group in record["groups"] for result in group["results"]]
+    return [row for library, row in rows if library == rows[-1][0]]
 
 
 def cell(row, view, shown):
@@ -55,29 +64,29 @@ def cell(row, view, shown):
 
 
 def lines_of(rows):
-    run = rows[0].run
+    run, isa = rows[0].run, rows[0].isa
     out = []
-    for isa in dict.fromkeys(row.isa for row in rows):
-        for scene in SCENES:
-            kinds = {row.kind: row for row in rows if (row.isa, row.scene) == (isa, scene)}
-            for view in VIEWS:
-                cells, kind = [], ""
-                for name, shown in COLUMNS:
-                    kind = kind if name.startswith("-") else name
-                    cells.append(cell(kinds[kind], view, shown))
-                out.append([f"{isa.upper()} {scene}, {view}", *cells])
-    source = f"{run['cpu']}, {run['date'][:10]}, commit {run['commit']}; `cbvh_bench {OPTIONS}`"
-    return [*table(["", *(name for name, _ in COLUMNS)], out), source + "\n"]
+    for scene in SCENES:
+        kinds = {row.kind: row for row in rows if row.scene == scene}
+        for view in VIEWS:
+            cells, kind = [], ""
+            for name, shown in COLUMNS:
+                kind = kind if name.startswith("-") else name
+                cells.append(cell(kinds[kind], view, shown))
+            out.append([f"{scene}, {view}", *cells])
+    source = (
+        f"{run['cpu']}, {isa.upper()}, {run['date'][:10]}, commit {run['commit']}: `cbvh_bench {OPTIONS} --isa {isa} "
+        f"--mode single,{PACKETS[isa]}`"
+    )
+    return [*table(["", *(name for name, _ in COLUMNS)], out), source, ""]
 
 
 def main():
-    if "-h" in sys.argv or "--help" in sys.argv:
-        print(__doc__.strip())
-        return
-    bench = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/release/tutorials/bench/cbvh_bench")
-    flags = Path("/proc/cpuinfo").read_text(encoding="ascii")
-    isas = ["avx512", "avx2"] if "avx512vl" in flags else ["avx2", "sse4.2"]
-    rows = measure(bench, isas, dict.fromkeys(PACKETS[isa] for isa in isas))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bench", default=ROOT / "build/release/tutorials/bench/cbvh_bench", help="the program that measures")
+    parser.add_argument("--record", metavar="FILE")
+    options = parser.parse_args()
+    rows = rows_of(records.read(options.record) if options.record else measured(options.bench))
     page = PAGE.read_text(encoding="utf-8")
     before, rest = page.split(BEGIN)
     after = rest.split(END)[1]
