@@ -8,6 +8,7 @@
  * in one way here and in another there. */
 
 #include "language.h"
+#include "reciprocal.h"
 #include "../embree/simd.h"
 
 namespace embree
@@ -32,6 +33,15 @@ namespace embree
     namespace cbvh
     {
       using namespace embree::cbvh;
+
+      /*! directionReciprocal of x, y and z of a direction. Components of about one size need no bound, and then nothing is waited for
+       *  but the division. */
+      __forceinline vfloat4 directionReciprocals (const vfloat4& d)
+      {
+        const vfloat4 size = abs(d);
+        if (likely((movemask((size >= vfloat4(1e-9f)) & (size <= vfloat4(1e9f))) & 7) == 7)) return vfloat4(1.0f)/d;
+        return directionReciprocal(d,max(max(shuffle<0>(size),shuffle<1>(size)),shuffle<2>(size)));
+      }
 
       /*! a b + c, and c - a b, fused where the instruction set can. Embree's madd of floats clears the rest of a vector first. */
       __forceinline float fused (float a, float b, float c)

@@ -13,7 +13,6 @@
  * It is also never 0: so nothing in traversal of finite rays and boxes is not a number, and children that are
  * not there, whose bounds begin at infinity and end at -infinity, are met by none. */
 
-#include "../base/reciprocal.h"
 #include "../base/vectors.h"
 #include "../embree/traversal.h"
 
@@ -43,7 +42,7 @@ namespace embree
         __forceinline explicit TopLevelRay (const Ray& ray)
         {
           const Vec3fa o = ray.org, d = ray.dir;
-          const vfloat4 rdir = directionReciprocal(vfloat4(d.m128),vfloat4(reduce_max(abs(d))));
+          const vfloat4 rdir = directionReciprocals(vfloat4(d.m128));
           const vfloat4 near = vfloat4(1.0f-3.0f*float(ulp))*rdir, far = vfloat4(1.0f+3.0f*float(ulp))*rdir;
           org_xyz = o;
           dir_xyz = d;

@@ -29,7 +29,6 @@ namespace embree
           org[0] = o.x; org[1] = o.y; org[2] = o.z;
           dir[0] = d.x; dir[1] = d.y; dir[2] = d.z;
           largest = max(max(abs(dir[0]),abs(dir[1])),abs(dir[2]));
-          for (int k=0; k<3; k++) rcp[k] = directionReciprocal(dir[k],largest);
         }
       };
 
@@ -69,6 +68,8 @@ namespace embree
           if (likely(isSet)) return;
           isSet = true;
           VertRayAxes<float>::set(Vec3fa(ray.org),Vec3fa(ray.dir));
+          const vfloat4 reciprocals = directionReciprocals(vfloat4(Vec3fa(ray.dir).m128));
+          for (int k=0; k<3; k++) rcp[k] = reciprocals[k];
           const Vec3fa a = abs(Vec3fa(ray.dir));
           /* no branches, which would not be foreseen; what is not a number counts as largest, as it does in packets */
           const int isY = !(a.x >= a.y), isZ = (isY & !(a.y >= a.z)) | (!isY & !(a.x >= a.z));
@@ -101,6 +102,7 @@ namespace embree
           if (likely(isSet)) return;
           isSet = true;
           VertRayAxes<vfloat<K>>::set(rays.org,rays.dir);
+          for (int k=0; k<3; k++) this->rcp[k] = directionReciprocal(this->dir[k],this->largest);
           const vfloat<K>* dir = this->dir;
           const vfloat<K> x = abs(dir[0]), y = abs(dir[1]), z = abs(dir[2]);
           const vbool<K> isY = y > x, isZ = z > max(x,y);
