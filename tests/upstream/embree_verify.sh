@@ -5,7 +5,7 @@
 # Embree's own verifier, Debian's build of it, on one instruction set of our library: whatever passes on
 # surfaces that are not compressed passes on each kind of compressed ones.
 #
-#   embree_verify.sh DIRECTORY-OF-OUR-LIBRARY ISA
+#   embree_verify.sh DIRECTORY-OF-OUR-LIBRARY ISA [KIND...]      KIND: grid, voxel, leaf, vert; all unless given
 #
 # It runs all groups that have subdivision surfaces, for half a minute a kind. Left out are
 #   - most scene flags of update, instancing, overlapping_primitives and watertight_subdiv, which run for a minute;
@@ -15,6 +15,8 @@
 #   - higher intensities: 0.1 is 3 random scenes a regression test, where Embree's default is 30.
 set -euf
 ours=$1 isa=$2
+shift 2
+kinds=${*:-grid voxel leaf vert}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset EMBREE_CBVH
@@ -53,7 +55,7 @@ verify() {
 verify uncompressed
 [ "$(wc -l < uncompressed)" -gt 700 ] || { tail -n 20 log; echo "few tests pass without compression, status $status" >&2; exit 1; }
 failed=0
-for kind in grid voxel leaf vert; do
+for kind in $kinds; do
   verify "cbvh.$kind" --rtcore "subdiv_accel=cbvh.$kind"
   comm -23 uncompressed "cbvh.$kind" > lost
   [ -s lost ] || continue
