@@ -30,7 +30,7 @@ using namespace embree::cbvh;
 using embree::isa::cbvh::BlockIntersector1;
 using embree::isa::cbvh::GridVisitor1;
 using embree::isa::cbvh::LeafVisitor1;
-using embree::isa::cbvh::RayPrecalculations;
+using embree::isa::cbvh::RayState;
 using embree::isa::cbvh::VoxelVisitor1;
 
 // RAY: within Embree's limits, and not so far from the block, in sizes of it, that floats
@@ -115,13 +115,13 @@ void trace(RTCScene scene, const RayBytes& bytes, const Block* block)
     RayHit hit(ray);
     hit.geomID = RTC_INVALID_GEOMETRY_ID;
     IntersectContext context((Scene*)scene, &closest);
-    BlockIntersector1<Leaf>::intersect(hit, &context, RayPrecalculations(ray), block);
+    BlockIntersector1<Leaf>::intersect(hit, &context, RayState(ray), block);
     if (sound) REQUIRE(hit.tfar == (accepts ? closest.tfar : bytes.tfar) && (hit.geomID == 0) == (accepts && closest.hits));
 
     Trace any(block, bytes, sound, accepts);
     Ray occluded(ray);
     context.user = &any;
-    const bool isOccluded = BlockIntersector1<Leaf>::intersect(occluded, &context, RayPrecalculations(ray), block);
+    const bool isOccluded = BlockIntersector1<Leaf>::intersect(occluded, &context, RayState(ray), block);
     if (sound) REQUIRE(isOccluded == (accepts && any.hits));
     if (sound) REQUIRE((closest.hits != 0) == (any.hits != 0));
     found[accepts] = any.hits;
