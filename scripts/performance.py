@@ -4,7 +4,7 @@
 
 """Measures the table of kernels/cbvh/PERFORMANCE.md, all of it in one run of cbvh_bench, and writes it there.
 
-    scripts/performance.py                  on the widest instruction set, a quarter of an hour
+    scripts/performance.py                  on the widest instruction set, some six minutes
     scripts/performance.py --record FILE    from what cbvh_bench --json wrote, with those options at least
 """
 
@@ -14,6 +14,7 @@ import tempfile
 from pathlib import Path
 
 import bench_records as records
+from benchmark import about
 from report_data import Row
 from report_markdown import table
 
@@ -27,7 +28,6 @@ OPTIONS = (
     f"--scene {','.join(SCENES)} --level 6 --view {','.join(VIEWS)} --representation grid,cgrid,cvoxel,cleaf,cvert "
     "--frame-level auto --query closest,any --size 512x512 --true-surface 0 --repeat 9"
 )
-FLAGS = {"avx512": "avx512vl", "avx2": "avx2", "avx": "avx", "sse4.2": "sse4_2", "sse2": "sse2"}
 PACKETS = {"avx512": "packet16", "avx2": "packet8", "avx": "packet8", "sse4.2": "packet4", "sse2": "packet4"}
 
 # What of GRID's speed is shown: ray set, query, and whether packets trace.
@@ -40,8 +40,7 @@ COLUMNS += [(kind, (COHERENT, INCOHERENT)) for kind in KINDS[1:]]
 
 def measured(bench):
     """The record of all scenes, in one process."""
-    flags = set(Path("/proc/cpuinfo").read_text(encoding="ascii").split())
-    widest = next(isa for isa, flag in FLAGS.items() if flag in flags)
+    widest = about(bench)["isas"][-1]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "speeds.json"
         words = [bench, *OPTIONS.split(), "--isa", widest, "--mode", f"single,{PACKETS[widest]}", "--json", path]
@@ -83,7 +82,7 @@ def lines_of(rows):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bench", default=ROOT / "build/release/tutorials/bench/cbvh_bench", help="the program that measures")
+    parser.add_argument("--bench", type=Path, default=ROOT / "build/release/tutorials/bench/cbvh_bench", help="the program that measures")
     parser.add_argument("--record", metavar="FILE")
     options = parser.parse_args()
     rows = rows_of(records.read(options.record) if options.record else measured(options.bench))

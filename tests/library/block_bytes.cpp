@@ -113,7 +113,7 @@ TEST(BlockBytes, AreThoseThatWerePinned)
   const char* const otherVertices = "Embree evaluates other vertices on this processor";
   const uint64_t ofFirst = vertexChecksum(Source(pinned[0].scene));
   if (ofFirst != pinned[0].vertices) GTEST_SKIP() << otherVertices << ": those of " << pinned[0].scene << " have 0x" << std::hex << ofFirst;
-  std::string table;
+  std::string table, others;
   for (const std::string& scene : sceneNames()) {
     SCOPED_TRACE(scene);
     const Pinned found = checksums(scene);
@@ -123,7 +123,7 @@ TEST(BlockBytes, AreThoseThatWerePinned)
     const auto expected = std::find_if(pinned.begin(), pinned.end(), [&](const Pinned& p) { return p.scene == scene; });
     if (expected == pinned.end()) { ADD_FAILURE() << "no checksums are pinned for this scene"; continue; }
     if (found.vertices != expected->vertices) {
-      std::printf("%s is not compared: %s\n", scene.c_str(), otherVertices);
+      others += " " + scene;
       continue;
     }
     for (int k = 0; k < 3; k++) {
@@ -131,6 +131,7 @@ TEST(BlockBytes, AreThoseThatWerePinned)
     }
   }
   std::printf("%s", table.c_str());
+  if (!others.empty()) GTEST_SKIP() << otherVertices << ", of:" << others;
 }
 
 } // namespace

@@ -166,6 +166,13 @@ struct EveryVertex : public VertexRecorder
   }
 };
 
+double distance(const std::array<float, 3>& a, const Vec& b)
+{
+  double d2 = 0;
+  for (int k = 0; k < 3; k++) d2 += std::pow(double(a[k]) - b[k], 2);
+  return std::sqrt(d2);
+}
+
 // The largest distance of a stored vertex from GRID's.
 double largestDeviation(RTCScene scene, const EveryVertex& grid)
 {
@@ -176,9 +183,7 @@ double largestDeviation(RTCScene scene, const EveryVertex& grid)
       const auto found = grid.vertices.find(keyOf(t.primID, t.u[c], t.v[c]));
       EXPECT_NE(found, grid.vertices.end()) << "GRID has no vertex at " << t.u[c] << ", " << t.v[c] << " of face " << t.primID;
       if (found == grid.vertices.end()) return INFINITY;
-      double d2 = 0;
-      for (int k = 0; k < 3; k++) d2 += std::pow(double(t.vertices[c][k]) - found->second[k], 2);
-      largest = std::max(largest, std::sqrt(d2));
+      largest = std::max(largest, distance(t.vertices[c], found->second));
       compared++;
     }
   EXPECT_GT(compared, 0u);
@@ -246,9 +251,7 @@ TEST(VertSurfaces, BordersOfLowerRatesHaveTheVerticesThatGridStitchesThemTo)
           const double i = std::round(quads*(alongU ? t.u[c] : t.v[c])), k = i == quads ? rate : std::floor((i + 0.5)*rate/quads);
           const auto found = grid.vertices.find(keyOf(t.primID, alongU ? k/rate : t.u[c], alongU ? t.v[c] : k/rate));
           ASSERT_NE(found, grid.vertices.end());
-          double d2 = 0;
-          for (int d = 0; d < 3; d++) d2 += std::pow(double(t.vertices[c][d]) - found->second[d], 2);
-          ASSERT_LE(std::sqrt(d2), bound) << "face " << t.primID << ", side " << side << ", vertex " << i << " of " << quads << " with " << rate;
+          ASSERT_LE(distance(t.vertices[c], found->second), bound) << "face " << t.primID << ", side " << side << ", vertex " << i << " of " << quads << " with " << rate;
           between += rate < quads && i != 0 && i != quads;
         }
   }
