@@ -7,7 +7,7 @@
 #include "kernels/cbvh/base/primitive_type.h"
 #include "kernels/cbvh/framed/block.h"
 #include "kernels/cbvh/vert/format.h"
-#include "kernels/cbvh/vert/lattice.h"
+#include "kernels/cbvh/surface/lattice.h"
 #include "kernels/cbvh/vert/rule.h"
 
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include "fuzz_support.h"
 
 #include "kernels/cbvh/vert/encoder.h"
-#include "kernels/cbvh/vert/lattice.h"
+#include "kernels/cbvh/surface/lattice.h"
 #include "kernels/cbvh/vert/validate.h"
 #include "support/scalar_vert.h"
 

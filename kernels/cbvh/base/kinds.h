@@ -29,8 +29,14 @@ CBVH_CONSTANT uint32_t maxFramedKinds = 16u;
 /*! bits of the numbers of those with frames */
 CBVH_CONSTANT uint32_t framedKinds = (1u << kindGrid) | (1u << kindVoxel) | (1u << kindLeaf);
 
-/*! quads of a patch, and so of a block, are at most 2^maxLevel along a side */
+/*! quads of a patch in blocks with frames are at most 2^maxLevel along a side */
 CBVH_CONSTANT uint32_t maxLevel = 8u;
+
+/*! those of cVERT, and the rates of its edges, at most this */
+CBVH_CONSTANT uint32_t maxVertRate = 4096u;
+
+/*! of a block in memory */
+CBVH_CONSTANT uint32_t blockAlignment = 16u;
 
 /*! what the layout of a block with a frame depends on */
 struct KindFormat

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Positions in the world, for encoders: which are finite, and vectors of doubles. */
+/* Positions in the world, for encoders: which are finite, vectors of doubles, and bounds. */
 
 #include "isa_namespace.h"
 #include <cmath>
@@ -33,5 +33,25 @@ namespace embree
     inline Double3 cross(const Double3& a, const Double3& b) { return {a.y*b.z-a.z*b.y, a.z*b.x-a.x*b.z, a.x*b.y-a.y*b.x}; }
     inline double length(const Double3& a) { return std::sqrt(dot(a,a)); }
     inline double length1(const Double3& a) { return std::fabs(a.x)+std::fabs(a.y)+std::fabs(a.z); }
+
+    /*! empty to begin with */
+    struct WorldBounds
+    {
+      double lower[3] = { 1e300,1e300,1e300 }, upper[3] = { -1e300,-1e300,-1e300 };
+
+      void extend(const WorldBounds& other) {
+        for (int k=0; k<3; k++) { lower[k] = minimum(lower[k],other.lower[k]); upper[k] = maximum(upper[k],other.upper[k]); }
+      }
+      void extend(double x, double y, double z) {
+        const double p[3] = { x,y,z };
+        for (int k=0; k<3; k++) { lower[k] = minimum(lower[k],p[k]); upper[k] = maximum(upper[k],p[k]); }
+      }
+      bool isEmpty() const { return lower[0] > upper[0]; }
+      bool contains(const WorldBounds& other) const {
+        bool inside = true;
+        for (int k=0; k<3; k++) inside &= lower[k] <= other.lower[k] && other.upper[k] <= upper[k];
+        return inside;
+      }
+    };
   }}
 }

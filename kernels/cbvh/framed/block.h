@@ -27,7 +27,6 @@ CBVH_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupByt
 /* --- sizes --------------------------------------------------------------------------- */
 
 CBVH_CONSTANT uint32_t blockHeaderBytes = 76u;
-CBVH_CONSTANT uint32_t blockAlignment = 16u; //!< of a block in memory
 
 /*! sizes and offsets in bytes of everything behind the header */
 struct BlockLayout

@@ -14,6 +14,7 @@
  * A ray that meets these bounds may hit what reaches past them. The bounds of the scene hold
  * that too: applications clip their rays to them. */
 
+#include "../base/world.h"
 #include "tree.h"
 #include "block_geometry.h"
 
@@ -21,25 +22,6 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    struct WorldBounds
-    {
-      double lower[3] = { 1e300,1e300,1e300 }, upper[3] = { -1e300,-1e300,-1e300 };
-
-      void extend(const WorldBounds& other) {
-        for (int k=0; k<3; k++) { lower[k] = minimum(lower[k],other.lower[k]); upper[k] = maximum(upper[k],other.upper[k]); }
-      }
-      void extend(double x, double y, double z) {
-        const double p[3] = { x,y,z };
-        for (int k=0; k<3; k++) { lower[k] = minimum(lower[k],p[k]); upper[k] = maximum(upper[k],p[k]); }
-      }
-      bool isEmpty() const { return lower[0] > upper[0]; }
-      bool contains(const WorldBounds& other) const {
-        bool inside = true;
-        for (int k=0; k<3; k++) inside &= lower[k] <= other.lower[k] && other.upper[k] <= upper[k];
-        return inside;
-      }
-    };
-
     /*! of a box in a frame: of its corners, as a projective map keeps it convex */
     inline WorldBounds boundBox(const NodeBox& box, const float centre[3], const InverseFrame& inverse)
     {

@@ -7,7 +7,7 @@
 
 #include "block_walk1.h"
 #include "block_hit.h"
-#include "../scene/epilogues.h"
+#include "../base/epilogues.h"
 
 namespace embree
 {

@@ -8,7 +8,7 @@
 
 #include "block_walkK.h"
 #include "block_hit.h"
-#include "../scene/epilogues.h"
+#include "../base/epilogues.h"
 
 namespace embree
 {

@@ -3,12 +3,12 @@
 
 #pragma once
 
-/* What threads keep of blocks with frames, thread_cache.h: 188 KiB each.
+/* What each thread keeps of blocks with frames (thread_cache.h).
  *
  * A tile is a node with the two levels below it: its four children, and their sixteen children, which
  * traversal tests at once. The children of a child are decoded when a ray first meets that child. */
 
-#include "../scene/thread_cache.h"
+#include "../base/thread_cache.h"
 #include <cstdint>
 
 namespace embree

@@ -8,8 +8,8 @@
  * patch to patch. */
 
 #include "block_encoder.h"
-#include "../scene/grid_writer.h"
-#include "../scene/plan.h"
+#include "tiling.h"
+#include "../base/grid_writer.h"
 #include "../surface/shared_border.h"
 
 namespace embree
@@ -27,11 +27,11 @@ namespace embree
       /*! smallest frame level at which no leaf of the patch is thicker than the bound */
       unsigned boundedFrameLevel (SurfacePatch& patch)
       {
-        const unsigned level = plan.level(patch.rate);
+        const unsigned level = levelOf(patch.rate);
         PatchTiling evaluated;
         for (unsigned n=0; n<level; n++)
         {
-          const PatchTiling tiling = plan.tiling(patch.rate,n);
+          const PatchTiling tiling = tilingOf(plan.kind(),patch.rate,n);
           if (tiling.quadsX() != evaluated.quadsX() || tiling.quadsY() != evaluated.quadsY())
             evaluate(patch,tiling);
           evaluated = tiling;
@@ -202,10 +202,25 @@ namespace embree
         block->geomID = patch.geomID;
         block->primID = patch.primID;
         block->tiling = cbvh::blockTiling(e.tiling.x-1,e.tiling.y-1,patch.corner[0],patch.corner[1]);
-        ofPatch.addBlock(e.kind,e.height,blockStatistics);
+        addBlock(ofPatch,e,blockStatistics);
         fit.merge(blockStatistics.fit);
         encoder.extendByHits(hitBoundsOfPatch,block);
         blocks[e.index] = toBBox(encoder.surfaceBounds());
+      }
+
+      static void addBlock (cbvh::BuildStatistics& statistics, const Encoding& e, const cbvh::BlockStatistics& block)
+      {
+        RTCCompressionStatistics& sums = statistics.sums;
+        sums.frameBytes += cbvh::blockHeaderBytes;
+        sums.nodeBytes += e.layout.leafOffset - cbvh::blockHeaderBytes;
+        sums.leafBytes += e.layout.stride - e.layout.leafOffset;
+        sums.numBlocks++;
+        sums.numQuads += size_t(1) << (2*e.height);
+        sums.numInvalidQuads += block.invalidQuads;
+        sums.numAffineBlocks += block.affine;
+        sums.numSolidLeaves += block.solidLeaves;
+        sums.numFlippedQuads += block.fit.flippedQuads;
+        sums.maxLeafThickness = max(sums.maxLeafThickness,block.maxThickness);
       }
 
       static void drop (const Encoding& e, cbvh::BuildStatistics& ofPatch) { ofPatch.sums.numInvalidQuads += size_t(1) << (2*e.height); }

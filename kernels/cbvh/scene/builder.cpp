@@ -13,7 +13,7 @@
 #include "../surface/cage_patch.h"
 #include "../vert/writer.h"
 #include "report.h"
-#include "thread_cache.h"
+#include "../base/thread_cache.h"
 
 namespace embree
 {
@@ -118,7 +118,7 @@ namespace embree
         }
 
         PatchTiling tilingOf (size_t f, const float rate[4]) const {
-          return plan.tiling(rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(plan.level(rate)));
+          return isa::tilingOf(plan.kind(),rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(levelOf(rate)));
         }
 
         /*! of a face, if no frame level follows from an error bound and no patch is stored exactly instead */
@@ -128,7 +128,7 @@ namespace embree
           size_t n = 0;
           forEachPatch(plan.mesh,face,[&](const PatchOfFace& patch) {
               const CompressionPlan::Storage storage = plan.storage(patch.rate);
-              if (storage == CompressionPlan::FRAMED) { n += plan.tiling(patch.rate,plan.frameLevel(plan.level(patch.rate))).size(); return; }
+              if (storage == CompressionPlan::FRAMED) { n += isa::tilingOf(plan.kind(),patch.rate,plan.frameLevel(levelOf(patch.rate))).size(); return; }
               const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
               const unsigned side = storage == CompressionPlan::EXACT ? cbvh::vertBlockQuads : GridWriter::gridQuads;
               n += size_t(unsigned(size.x-2)/side+1)*size_t(unsigned(size.y-2)/side+1);

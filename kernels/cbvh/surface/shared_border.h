@@ -6,8 +6,8 @@
 /* The border of a patch as its face shares it with others: the positions that
  * the owners have, on the lattices that all have in common (shared_vertices.h). */
 
-#include "../vert/format.h"
-#include "../vert/lattice.h"
+#include "../base/stitching.h"
+#include "lattice.h"
 #include "source.h"
 
 namespace embree

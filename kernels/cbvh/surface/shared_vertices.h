@@ -23,11 +23,11 @@
  * This is made before any patch is encoded, from the borders of all: a twentieth of the
  * vertices is evaluated twice, and until the build ends the points of edges take 12 bytes each. */
 
-#include "../scene/plan.h"
+#include "lattice.h"
 #include "patch_grid.h"
 #include "patches.h"
+#include "plan.h"
 #include "source.h"
-#include "../vert/lattice.h"
 #include <algorithm>
 #include <map>
 

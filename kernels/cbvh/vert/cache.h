@@ -5,7 +5,7 @@
 
 /* What each thread keeps of blocks of cVERT (thread_cache.h). */
 
-#include "../scene/thread_cache.h"
+#include "../base/thread_cache.h"
 #include "tables.h"
 
 namespace embree

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Encoder of a block of cVERT, vert/format.h. It loses nothing: vertices come snapped to
- * their lattices (lattice.h), and each is the same floats when it is decoded. */
+ * their lattices (surface/lattice.h), and each is the same floats when it is decoded. */
 
 #include "format.h"
 #include "cell_encoder.h"

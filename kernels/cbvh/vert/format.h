@@ -22,6 +22,8 @@
 #define CBVH_VERT_BLOCK_H
 
 #include "cell.h"
+#include "../base/kinds.h"
+#include "../base/stitching.h"
 
 CBVH_BEGIN
 
@@ -31,7 +33,6 @@ CBVH_CONSTANT uint32_t vertFormatVersion = 2u;
 CBVH_CONSTANT uint32_t groupQuads = 4u;         //!< along a side of a group
 CBVH_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^this quads along a side
 CBVH_CONSTANT uint32_t vertBlockQuads = 16u;    //!< so blocks of a patch begin at multiples of this
-CBVH_CONSTANT uint32_t maxVertRate = 4096u;     //!< of an edge
 CBVH_CONSTANT uint32_t maxVertGroups = 16u;
 CBVH_CONSTANT uint32_t vertHeaderBytes = 64u;
 CBVH_CONSTANT uint32_t vertEdgesBytes = 8u;
@@ -164,9 +165,6 @@ CBVH_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
   offsets.rawBytes = offsets.boxes + 4u*boxPlanes*offsets.groups;
   return offsets;
 }
-
-/*! Where Embree's stitching puts vertex x of an edge of the grid whose own rate is lower. */
-CBVH_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) { return (2u*x + 1u)*rate/(2u*quads); }
 
 /*! Parameter of the patch at vertex x of a row (column) of quads quads: that of GRID's
  *  vertex. rate: of the edge that the row lies on, or quads inside of the patch. */

@@ -7,7 +7,7 @@
 
 #include "cached_block.h"
 #include "triangles.h"
-#include "../scene/epilogues.h"
+#include "../base/epilogues.h"
 
 namespace embree
 {

@@ -8,7 +8,7 @@
 
 #include "../base/lanes.h"
 #include "hits1.h"
-#include "../scene/epilogues.h"
+#include "../base/epilogues.h"
 
 namespace embree
 {

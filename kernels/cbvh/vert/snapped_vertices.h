@@ -6,7 +6,7 @@
 /* Vertices of a patch before and after they were snapped to a lattice, four at a time: how far they
  * moved, and which triangles that turned over. */
 
-#include "lattice.h"
+#include "../surface/lattice.h"
 #include <limits>
 
 namespace embree

@@ -7,6 +7,7 @@
  * the memory that there is. Fields may be anything: they are vertices somewhere. */
 
 #include "format.h"
+#include "../surface/lattice.h"
 
 namespace embree
 {
@@ -14,9 +15,6 @@ namespace embree
   {
     /*! bytes that decoders may read behind a block */
     static constexpr size_t readBehindVert = 16;
-
-    /*! spacings whose reciprocal is a normal float */
-    static constexpr int minSpacingExponent = -100, maxSpacingExponent = 100;
 
     class VertValidation
     {
@@ -35,7 +33,7 @@ namespace embree
         if (isRaw(header.boxForm)) return bytes < layout.rawBytes ? "fewer bytes than its vertices and boxes have" : nullptr;
 
         const int exponent = int(header.word >> 24) - 127;
-        if (exponent < minSpacingExponent || exponent > maxSpacingExponent) return "a spacing out of range";
+        if (exponent < minLatticeExponent || exponent > maxLatticeExponent) return "a spacing out of range";
         if (!isForm(header.boxForm)) return "a sheared axis or a slope that is none";
         for (int c=0; c<4; c++)
           for (int k=0; k<3; k++)

@@ -7,12 +7,13 @@
  * that own them, and blocks hold them exactly. A patch is written in strips of rows, so that a patch of any rate takes
  * no more memory than one of 256 x 256 quads. */
 
-#include "../scene/block_store.h"
-#include "../scene/plan.h"
-#include "../scene/statistics.h"
+#include "../base/block_store.h"
+#include "../base/build_statistics.h"
+#include "../surface/plan.h"
 #include "../surface/shared_border.h"
 #include "encoder.h"
 #include "snapped_vertices.h"
+#include "validate.h"
 
 namespace embree
 {
@@ -68,12 +69,29 @@ namespace embree
         cbvh::VertHeader* header = (cbvh::VertHeader*)bytes;
         header->geomID = patch.geomID;
         header->primID = patch.primID;
-        statistics.addVertBlock(header,size,block);
-        if (plan.kind() != cbvh::Kind::VERT) statistics.sums.numExactQuads += size_t(w)*h;
+        addBlock(header,size,block);
         const Vec3fa lower(encoder.lower[0],encoder.lower[1],encoder.lower[2]), upper(encoder.upper[0],encoder.upper[1],encoder.upper[2]);
         store.hitBounds.extend(lower.x,lower.y,lower.z);
         store.hitBounds.extend(upper.x,upper.y,upper.z);
         store.end(size,BBox3fa(lower,upper),cbvh::VERT_BLOCK);
+      }
+
+      /*! bytes: of the block, without those that align the next */
+      void addBlock (const cbvh::VertHeader* header, size_t bytes, const cbvh::VertStatistics& block)
+      {
+        const cbvh::VertLayout layout = cbvh::vertLayout(header->region,header->boxForm);
+        const size_t stride = (bytes + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
+        const size_t nodesEnd = block.raw ? layout.margins : layout.cell;
+        RTCCompressionStatistics& sums = statistics.sums;
+        sums.frameBytes += layout.margins;
+        sums.nodeBytes += nodesEnd - layout.margins;
+        sums.leafBytes += stride - nodesEnd;
+        sums.numBlocks++;
+        sums.numRawBlocks += block.raw;
+        sums.numQuads += size_t(cbvh::vertQuadsX(header->region))*size_t(cbvh::vertQuadsY(header->region));
+        sums.numInvalidQuads += block.invalidQuads;
+        sums.maxVertexSpacing = max(sums.maxVertexSpacing,cbvh::vertSpacing(header->word));
+        if (plan.kind() != cbvh::Kind::VERT) sums.numExactQuads += size_t(cbvh::vertQuadsX(header->region))*size_t(cbvh::vertQuadsY(header->region));
       }
 
       /*! where a block is, with the patch's edges if it needs them */

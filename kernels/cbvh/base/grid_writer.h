@@ -7,7 +7,7 @@
 
 #include "../embree/scene.h"
 #include "block_store.h"
-#include "statistics.h"
+#include "build_statistics.h"
 
 namespace embree
 {

@@ -6,9 +6,10 @@
 /* Where writers put their blocks: first into memory of the task's, then, once a patch is through, into the BVH's. And the
  * primitives of the top level that refer to them, in a list of the task's. */
 
-#include "../base/primitive_type.h"
-#include "../framed/block_bounds.h"
 #include "../embree/scene.h"
+#include "kinds.h"
+#include "primitive_type.h"
+#include "world.h"
 
 namespace embree
 {
@@ -37,7 +38,7 @@ namespace embree
         return bytes.data()+used;
       }
 
-      /*! The block that was begun takes so many bytes. type: base/primitive_type.h */
+      /*! The block that was begun takes so many bytes. type: primitive_type.h */
       void end (size_t size, const BBox3fa& bounds, uint32_t type)
       {
         waiting.push_back(Waiting{ used,bounds,type });

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Lattices of cVERT: all multiples of 2^exponent on the world's three axes. A lattice is part
+/* Lattices that vertices are moved to: all multiples of 2^exponent on the world's three axes. A lattice is part
  * of every finer one, so a vertex that faces share lies on the coarsest of theirs and is a
  * point of all of them.
  *
@@ -12,7 +12,6 @@
 
 #include "../base/lanes.h"
 #include "../base/world.h"
-#include "validate.h"
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -49,7 +48,7 @@ namespace embree
     static constexpr int maxCoordinateBits = 23;
 
     /*! spacings whose reciprocal is a normal float */
-    static constexpr int minLatticeExponent = minSpacingExponent, maxLatticeExponent = maxSpacingExponent;
+    static constexpr int minLatticeExponent = -100, maxLatticeExponent = 100;
 
     /*! of a face without a lattice: nobody shares its vertices */
     static constexpr int noLattice = -1000;

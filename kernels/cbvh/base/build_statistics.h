@@ -3,12 +3,12 @@
 
 #pragma once
 
-/* Sums of what a build compressed. Every task fills one and merges it. */
+/* Sums of what a build compressed. Every task fills one and merges it; writers add their blocks. */
 
-#include "../framed/block_encoder.h"
-#include "../vert/encoder.h"
+#include "isa_namespace.h"
 #include "../../../include/embree3/rtcore_compression.h"
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace embree
@@ -28,37 +28,6 @@ namespace embree
       {
         invalidFaces++;
         firstInvalidFace = std::min(firstInvalidFace,face);
-      }
-
-      void addBlock (Kind kind, uint32_t height, const BlockStatistics& block)
-      {
-        const BlockLayout layout = blockLayout(uint32_t(kind),height);
-        sums.frameBytes += blockHeaderBytes;
-        sums.nodeBytes += layout.leafOffset - blockHeaderBytes;
-        sums.leafBytes += layout.stride - layout.leafOffset;
-        sums.numBlocks++;
-        sums.numQuads += size_t(1) << (2*height);
-        sums.numInvalidQuads += block.invalidQuads;
-        sums.numAffineBlocks += block.affine;
-        sums.numSolidLeaves += block.solidLeaves;
-        sums.numFlippedQuads += block.fit.flippedQuads;
-        if (block.maxThickness > sums.maxLeafThickness) sums.maxLeafThickness = block.maxThickness;
-      }
-
-      /*! bytes: of the block, without those that align the next */
-      void addVertBlock (const VertHeader* header, size_t bytes, const VertStatistics& block)
-      {
-        const VertLayout layout = vertLayout(header->region,header->boxForm);
-        const size_t stride = (bytes + blockAlignment-1) & ~size_t(blockAlignment-1);
-        const size_t nodesEnd = block.raw ? layout.margins : layout.cell;
-        sums.frameBytes += layout.margins;
-        sums.nodeBytes += nodesEnd - layout.margins;
-        sums.leafBytes += stride - nodesEnd;
-        sums.numBlocks++;
-        sums.numRawBlocks += block.raw;
-        sums.numQuads += size_t(vertQuadsX(header->region))*size_t(vertQuadsY(header->region));
-        sums.numInvalidQuads += block.invalidQuads;
-        sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,vertSpacing(header->word));
       }
 
       /*! own: as its face evaluates it */

@@ -6,7 +6,7 @@
 /* What a thread has decoded of blocks lately. Rays that follow each other, of a picture or a packet,
  * mostly meet the blocks that the last ones met, and decoding these is most of what a ray costs.
  *
- * Entries (vert_cache.h, node_cache.h) are found by the address of a block, in one place each. A block
+ * Entries (vert/cache.h, framed/node_cache.h) are found by the address of a block, in one place each. A block
  * that is built may come to lie where another was, which may have been traced and released since the build
  * began: at its end a build makes all that threads keep outdated. */
 

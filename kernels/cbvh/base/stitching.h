@@ -1,0 +1,19 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* How Embree stitches the border of a patch whose quads are more than the rate of an edge: several vertices of the
+ * border lie on one vertex of the edge. */
+
+#ifndef CBVH_STITCHING_H
+#define CBVH_STITCHING_H
+
+#include "language.h"
+
+CBVH_BEGIN
+
+/*! The vertex of an edge of that rate on which vertex x of a border of that many quads lies. */
+CBVH_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) { return (2u*x + 1u)*rate/(2u*quads); }
+
+CBVH_END
+
+#endif

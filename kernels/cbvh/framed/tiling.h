@@ -1,0 +1,66 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* How the edge rates of a patch decide into which blocks with frames it is cut. */
+
+#include "block.h"
+#include "../surface/plan.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! A patch in blocks with frames, of 2^height x 2^height quads. Along u and v it has as many as
+     *  it takes for the higher rate of its two opposite edges:
+     *
+     *       rate 9
+     *     +---+---+---+
+     *     |   |   |   |    height 2: 3 x 2 blocks, 12 x 8 quads
+     *   8 +---+---+---+ 5
+     *     |   |   |   |    Edges of a lower rate keep their own vertices (patch_grid.h).
+     *     +---+---+---+
+     *       rate 3                                                                 */
+    struct PatchTiling
+    {
+      unsigned height = 0;
+      unsigned x = 0, y = 0; //!< blocks
+      Vec2i quads = Vec2i(0); //!< of all blocks
+
+      size_t size () const { return size_t(x)*size_t(y); }
+      unsigned quadsX () const { return unsigned(quads.x); }
+      unsigned quadsY () const { return unsigned(quads.y); }
+    };
+
+    /*! Subdivision level of a patch in frames: 2^level is its highest rate or next above it. */
+    inline unsigned levelOf (const float rate[4])
+    {
+      unsigned level = 0;
+      const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
+      while (level < cbvh::maxLevel && float(1u << level) < highest) level++;
+      return level;
+    }
+
+    /*! Tiling of a patch at a frame level: blocks of 2^(level-frameLevel) quads a side, or smaller ones where they take
+     *  fewer bytes, as for a long and narrow patch or a rate just above a multiple. */
+    inline PatchTiling tilingOf (cbvh::Kind kind, const float rate[4], unsigned frameLevel)
+    {
+      const unsigned level = levelOf(rate);
+      const Vec2i quads = SubdivPatch1Base::computeGridSize(rate) - Vec2i(1);
+      PatchTiling best;
+      size_t bytesOfBest = 0;
+      for (unsigned height=0; height <= level-min(frameLevel,level); height++)
+      {
+        PatchTiling t;
+        t.height = height;
+        t.x = (unsigned(quads.x-1) >> height) + 1;
+        t.y = (unsigned(quads.y-1) >> height) + 1;
+        t.quads = Vec2i(int(t.x << height),int(t.y << height));
+        const size_t bytes = t.size()*cbvh::blockLayout(uint32_t(kind),height).stride;
+        if (height == 0 || bytes <= bytesOfBest) { best = t; bytesOfBest = bytes; }
+      }
+      return best;
+    }
+  }
+}

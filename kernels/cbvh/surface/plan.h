@@ -1,0 +1,67 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What all patches of a geometry have in common, and by the edge rates of a patch how it is stored. */
+
+#include "../embree/scene.h"
+#include "../base/kinds.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    struct CompressionPlan
+    {
+      SubdivMesh* mesh;
+      unsigned geomID;
+      CompressionSettings settings;  //!< resolved
+
+      CompressionPlan (Scene* scene, SubdivMesh* mesh, unsigned geomID)
+        : mesh(mesh), geomID(geomID), settings(mesh->compression.resolve(scene->device->compression)),
+          isCompressed(cbvh::findKind(settings.compression,blockKind)) {}
+
+      /*! only if compresses() */
+      cbvh::Kind kind () const { return blockKind; }
+
+      /*! whether patches that frames hold badly are stored as cVERT */
+      bool hasExactFaces () const { return compresses() && kind() == cbvh::Kind::LEAF && settings.exactFaces != 0; }
+
+      /*! whether faces take the vertices of their borders from the face that owns them */
+      bool sharesBorders () const { return compresses() && (kind() == cbvh::Kind::VERT || hasExactFaces()); }
+
+      bool compresses () const { return isCompressed; }
+
+      /*! whether frame levels follow from the geometry itself */
+      bool boundsError () const {
+        return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses() && cbvh::describe(kind()).hasThickness;
+      }
+
+      /*! how a patch is stored */
+      enum Storage { GRIDS, FRAMED, EXACT };
+
+      Storage storage (const float rate[4]) const
+      {
+        const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
+        if (!compresses()) return GRIDS;
+        if (kind() == cbvh::Kind::VERT) return highest <= float(cbvh::maxVertRate) ? EXACT : GRIDS;
+        if (highest <= float(1u << cbvh::maxLevel)) return FRAMED;
+        return hasExactFaces() && highest <= float(cbvh::maxVertRate) ? EXACT : GRIDS;
+      }
+
+      /*! Frame level without an error bound. Of all levels and scenes that were measured, blocks of 16 x 16 quads
+       *  cost least in bytes times time, or nearly so (PERFORMANCE.md): smaller ones are hardly faster, and their
+       *  frames outweigh what leaves save; larger ones save little and are slower. */
+      unsigned frameLevel (unsigned level) const
+      {
+        if (settings.frameLevel != RTC_COMPRESSION_FRAME_LEVEL_AUTO) return unsigned(settings.frameLevel);
+        return level > 4 ? level-4 : 0;
+      }
+
+    private:
+      cbvh::Kind blockKind = cbvh::Kind::GRID;
+      bool isCompressed;
+    };
+  }
+}
