@@ -50,6 +50,7 @@ model=corei7_skylake_x
 memory=
 kernel=
 extra=()
+[[ ${1:-} != --help ]] || usage 0
 while getopts 'o:f:t:c:m:k:h' option; do
   case $option in
     o) out=$OPTARG ;;

@@ -9,8 +9,9 @@
 # needs but libc, and gpu_measure.sh. Copy the folder there, and run
 #
 #   FOLDER/gpu_measure.sh RESULTS
-set -eu
-cd "$(dirname -- "$0")/.."
+
+arguments=1
+. "$(dirname -- "$0")/lib.sh"
 folder=${1:-build/gpu_bundle}
 
 [ -e build/release/build.ninja ] || cmake --preset release

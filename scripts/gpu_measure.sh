@@ -9,7 +9,12 @@
 # gpu_bundle.sh made: nothing else has to be installed but a driver. DEVICE: a part of its name, or
 # its index; the first discrete one by default. What matters most comes first, and a run that would
 # begin too late is left out, with a line that says so.
+
 set -eu
+case ${1:-} in
+  -h | --help) sed -n '5,/^$/s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -*) echo "gpu_measure.sh: there is no option $1, see --help" >&2; exit 2 ;;
+esac
 here=$(cd "$(dirname -- "$0")" && pwd)
 results=${1:?usage: gpu_measure.sh RESULTS [DEVICE] [MINUTES]}
 device=vulkan${2:+:$2}

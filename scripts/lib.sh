@@ -5,6 +5,26 @@
 # What the commands of this directory share; sourced, not run.
 
 set -eu
+
+# The comment at the top of a script, which is its help.
+print_help() { sed -n '5,/^$/s/^# \{0,1\}//p' "$0"; }
+
+# refuse MESSAGE: of a command line that cannot be meant.
+refuse() {
+  echo "$(basename -- "$0"): $1, see --help" >&2
+  exit 2
+}
+
+# Help, if it is asked for. Refuses options, and more arguments than `arguments` says, which a script sets
+# before it sources this; with `any` whatever it passes on is refused by what gets it.
+for argument in "$@"; do
+  case $argument in
+    -h | --help) print_help; exit 0 ;;
+    -*) [ "${arguments:-0}" = any ] || refuse "there is no option $argument" ;;
+  esac
+done
+[ "${arguments:-0}" = any ] || [ "$#" -le "${arguments:-0}" ] || refuse "too many arguments: $*"
+
 root=$(cd -- "$(dirname -- "$0")/.." && pwd)
 cd "$root"
 jobs=$(nproc)
@@ -27,17 +47,18 @@ phase() {
 
 # Where the time went, also when a phase fails.
 print_summary() {
-  printf '== time\n%s  %-28s %5d s\n' "$summary" total "${total:-0}"
+  [ -z "$summary" ] || printf '== time\n%s  %-28s %5d s\n' "$summary" total "${total:-0}"
 }
 trap print_summary EXIT
 
 # Installs the packages of scripts/packages that are missing, but none whose place an installed package
 # takes, as ours take that of Debian's Embree: to install them would remove it.
+#   install_packages [LAST_LINE]    those up to a line of the file; of all without it
 install_packages() {
   missing=
   present=" $(dpkg-query -W -f '${db:Status-Status} ${Package}, ${Provides}\n' | sed -n 's/^installed //p' |
     tr ',' '\n' | sed 's/^ *//; s/[ :].*//' | tr '\n' ' ') "
-  for package in $(sed 's/#.*//' scripts/packages); do
+  for package in $(sed -n "${1:+/$1/q;}s/#.*//;p" scripts/packages); do
     case $present in
       *" $package "*) ;;
       *) missing="$missing $package" ;;
@@ -53,11 +74,31 @@ install_packages() {
     install --no-install-recommends $missing
 }
 
+# configure [PRESET]
 configure() {
-  cmake --preset release ${EMBREE_UPSTREAM_ARCHIVE:+"-DEMBREE_UPSTREAM_ARCHIVE=$EMBREE_UPSTREAM_ARCHIVE"}
+  cmake --preset "${1:-release}" ${EMBREE_UPSTREAM_ARCHIVE:+"-DEMBREE_UPSTREAM_ARCHIVE=$EMBREE_UPSTREAM_ARCHIVE"}
 }
 
-# build [TARGET...]
+# build [PRESET [TARGET...]]: shows how far it is and about how long it will take, every ten seconds. What is begun
+# first takes longest, so that the first minutes promise more than it takes.
 build() {
-  cmake --build --preset release -j "$jobs" ${1:+--target "$@"}
+  preset=${1:-release}
+  [ "$#" = 0 ] || shift
+  {
+    failed=0
+    NINJA_STATUS='@%f %t %e@' cmake --build --preset "$preset" -j "$jobs" ${1:+--target "$@"} 2>&1 || failed=$?
+    echo "@exit $failed@"
+  } | awk '
+    /^@exit / { sub(/^@exit /, ""); status = int($0); next }
+    /^@[0-9]+ [0-9]+ [0-9.]+@/ {
+      split(substr($0, 2), n, "[ @]")
+      if (n[3] >= shown + 10) {
+        shown = n[3]; left = n[1] ? n[3]*(n[2] - n[1])/n[1] : 0
+        printf "  %d of %d files, %s\n", n[1], n[2], left >= 90 ? "about " int(left/60 + 0.5) " minutes more" : "about a minute more"
+        fflush()
+      }
+      next
+    }
+    { print; fflush() }
+    END { exit status }'
 }

@@ -10,13 +10,9 @@
 
 . "$(dirname -- "$0")/lib.sh"
 
-configure_package() {
-  cmake --preset package ${EMBREE_UPSTREAM_ARCHIVE:+"-DEMBREE_UPSTREAM_ARCHIVE=$EMBREE_UPSTREAM_ARCHIVE"}
-}
-
 phase "packages" install_packages
-phase "configure, get upstream" configure_package
-phase "build" cmake --build --preset package -j "$jobs"
+phase "configure, get upstream" configure package
+phase "build" build package
 phase "package" cmake --build --preset package --target package
 
 ls -l build/package/packages/*.deb

@@ -4,8 +4,9 @@
 #
 # Builds what is missing and passes all tests.
 #
-#   scripts/test.sh [CTEST-OPTION...]    for example -R Abi
+#   scripts/test.sh [CTEST-OPTION...]    for example -R Abi, or -L quick
 
+arguments=any # ctest's
 . "$(dirname -- "$0")/lib.sh"
 
 phase "packages" install_packages

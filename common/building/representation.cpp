@@ -45,9 +45,10 @@ const Names& namesOf(RepresentationKind kind)
   return *std::find_if(names.begin(), names.end(), [=](const Names& n) { return n.kind == kind; });
 }
 
-std::string frameLevelText(int frameLevel)
+/* Behind the name of a kind with frames: nothing for the level that the library chooses. */
+std::string frameLevelAfter(const char* mark, const Representation& r)
 {
-  return frameLevel == autoFrameLevel ? "auto" : std::to_string(frameLevel);
+  return r.hasFrames() && r.frameLevel != autoFrameLevel ? mark + std::to_string(r.frameLevel) : "";
 }
 
 } // namespace
@@ -95,12 +96,12 @@ bool Representation::hasFrames() const
 
 std::string Representation::label() const
 {
-  return namesOf(kind).label + (hasFrames() ? "^" + frameLevelText(frameLevel) : "");
+  return namesOf(kind).label + frameLevelAfter("^", *this);
 }
 
 std::string Representation::fileStem() const
 {
-  return namesOf(kind).word + (hasFrames() ? frameLevelText(frameLevel) : "");
+  return namesOf(kind).word + frameLevelAfter("", *this);
 }
 
 RTCCompression Representation::compression() const
@@ -115,7 +116,7 @@ std::string Representation::deviceConfig() const
     return "";
   std::string config = "subdiv_accel=" + namesOf(kind).accel;
   if (hasFrames())
-    config += ",cbvh_frame_level=" + frameLevelText(frameLevel);
+    config += ",cbvh_frame_level=" + (frameLevel == autoFrameLevel ? "auto" : std::to_string(frameLevel));
   return config;
 }
 

@@ -44,17 +44,17 @@ std::string levelRange();
 struct Representation
 {
   RepresentationKind kind = RepresentationKind::Grid;
-  int frameLevel = 2; // 0 to maxLevel or autoFrameLevel; ignored where there are no frames
+  int frameLevel = autoFrameLevel; // or 0 to maxLevel; ignored where there are no frames
 
   bool isCompressed() const { return compression() != RTC_COMPRESSION_NONE; }
 
   /* Whether blocks have frames, and so a level at which these start. */
   bool hasFrames() const;
 
-  /* As in the paper: "cLEAF^2". */
+  /* "cLEAF", and with a frame level as in the paper "cLEAF^2". */
   std::string label() const;
 
-  /* For file names: "cleaf2". */
+  /* For file names: "cleaf", "cleaf2". */
   std::string fileStem() const;
 
   /* RTC_COMPRESSION_NONE of NAIVE and GRID. */

@@ -35,17 +35,6 @@ Vec3f backgroundColor(float fraction)
   return lerp({0.86f, 0.89f, 0.93f}, {0.62f, 0.66f, 0.72f}, fraction);
 }
 
-Image shadeHits(ImageSize size, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, Vec3f up,
-                HitColors colors)
-{
-  const HitShader shader(rays[rays.size() / 2 + size_t(size.width) / 2].direction, up, colors);
-  Image image(size);
-  for (size_t i = 0; i < hits.size(); i++)
-    image.set(i, hits[i].hit() ? shader.color(rays[i], hits[i])
-                               : backgroundColor(float(i / size_t(size.width)) / float(size.height)));
-  return image;
-}
-
 Image greyPicture(ImageSize size, const std::vector<float>& values)
 {
   Image image(size);

@@ -39,10 +39,6 @@ private:
 /* What a picture shows behind the surface. fraction: 0 at its top, 1 at its bottom. */
 Vec3f backgroundColor(float fraction);
 
-/* Shades every hit, before the background. */
-Image shadeHits(ImageSize size, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, Vec3f up,
-                HitColors colors = HitColors::Neutral);
-
 /* values: a pixel each, from 0, black, to 1, white. */
 Image greyPicture(ImageSize size, const std::vector<float>& values);
 

@@ -38,6 +38,13 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
     writeStandardOutput(app.help());
     return false;
   }
+  catch (const CLI::ArgumentMismatch& e)
+  {
+    /* "--level: At Most 1 required but received 2" */
+    const std::string text = e.what(), mark = ": At Most 1 required but received ";
+    const size_t at = text.find(mark);
+    throw Error(at == std::string::npos ? text : text.substr(0, at) + " is given " + text.substr(at + mark.size()) + " times");
+  }
   catch (const CLI::ParseError& e)
   {
     throw Error(e.what());

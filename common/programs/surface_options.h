@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 namespace cbvh {
 
@@ -70,6 +71,12 @@ inline void addMapOptions(CLI::App& app, SceneSettings& settings)
        "the map has vectors: x y z of the cage, or along the texture's u, the normal, and the texture's v")
     ->type_name("AXES")
     ->check(CLI::IsMember({"object", "tangent"}));
+}
+
+/* Files without an option before them, for nameFiles (opened_files.h). */
+inline void addFiles(CLI::App& app, std::vector<std::string>& files)
+{
+  app.add_option("files", files, "a control cage (OBJ) and a height map, as with --cage and --height")->type_name("FILE");
 }
 
 /* What a model is made of, but for --scene. */

@@ -20,7 +20,7 @@ const char* raySetName(RaySet set)
   return set == Coherent ? "coherent" : "incoherent";
 }
 
-std::vector<Ray> primaryRays(const Camera& camera)
+std::vector<Ray> primaryRays(const Camera& camera, Vec2f offset)
 {
   std::vector<Ray> rays;
   rays.reserve(size_t(camera.size().width) * camera.size().height);
@@ -29,7 +29,7 @@ std::vector<Ray> primaryRays(const Camera& camera)
     {
       Ray ray;
       ray.origin = camera.eye();
-      ray.direction = camera.direction(float(x), float(y));
+      ray.direction = camera.direction(float(x) + offset.x, float(y) + offset.y);
       rays.push_back(ray);
     }
   return rays;

@@ -20,8 +20,8 @@ enum RaySet { Coherent, Incoherent, numRaySets };
 /* "coherent", "incoherent". */
 const char* raySetName(RaySet set);
 
-/* One ray a pixel, through its centre, in rows. */
-std::vector<Ray> primaryRays(const Camera& camera);
+/* One ray a pixel, in rows. offset: from its centre, in pixels. */
+std::vector<Ray> primaryRays(const Camera& camera, Vec2f offset = {});
 
 /* Coherent set: primary rays in tiles of 8 x 8 pixels, each tile in rows. With fewer
  * rays wanted than there are pixels, whole tiles spread evenly over the image.

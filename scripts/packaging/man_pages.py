@@ -4,13 +4,12 @@
 
 """Manual pages of the functions that our public headers add, laid out as Embree's own.
 
-    man_pages.py VERSION OUTPUT-FOLDER HEADER...
-
 A page is the comment above a function, and the types among its arguments that the same header
 declares. Functions that follow one another under one comment share a page: the others lead to that
 of the first. A function without a comment is an error.
 """
 
+import argparse
 import os
 import re
 import sys
@@ -112,9 +111,14 @@ def write(folder, name, text):
 
 
 def main():
-    version, folder = sys.argv[1:3]
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("version")
+    parser.add_argument("folder")
+    parser.add_argument("headers", nargs="+")
+    arguments = parser.parse_args()
+    version, folder = arguments.version, arguments.folder
     os.makedirs(folder, exist_ok=True)
-    for path in sys.argv[3:]:
+    for path in arguments.headers:
         with open(path, encoding="utf-8") as file:
             header = file.read()
         types = {found[1]: found[0] for found in TYPE.finditer(header)}

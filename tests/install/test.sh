@@ -78,7 +78,7 @@ for program in "$work"/prefix/bin/cbvh_*; do
     { cat "$work/said"; fail "$program runs on another library"; }
 done
 if [ -x "$work/prefix/bin/cbvh_render" ]; then
-  render() { "$work/prefix/bin/cbvh_render" --scene cube --level 2 --size 16x16 --no-speed --output "$work/pictures" "$@"; }
+  render() { "$work/prefix/bin/cbvh_render" --scene cube --level 2 --size 16x16 --output "$work/pictures" "$@"; }
   render --representation cvert > "$work/said" 2>&1 || { cat "$work/said"; fail "cbvh_render does not run"; }
   ! LD_LIBRARY_PATH=$stock render --representation cvert > "$work/said" 2>&1 || fail "cbvh_render compresses with Embree's library"
   grep -q "cannot compress: it is Embree 3.13.5, without compression, $stock/libembree3.so.3.*LD_LIBRARY_PATH" "$work/said" ||

@@ -234,7 +234,7 @@ def build_all(copy, tries, kernels):
             return left
         # lines are of the file itself or of the link to it in the build
         named = re.findall(r"(kernels/cbvh/[\w/.]+):(\d+):\d+: (?:fatal )?error:", log)
-        bad = {numbers[file].get(int(line)) for file, line in named} - {None}
+        bad = {numbers[os.path.normpath(file)].get(int(line)) for file, line in named} - {None}
         if not bad:
             raise Failure(f"the tests cannot be built, see {copy.log}")
         for t in left:

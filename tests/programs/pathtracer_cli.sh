@@ -56,7 +56,7 @@ cmp "$folder/threads1.png" "$folder/threads2.png" || complain "threads change th
 "$program" --scene cube --level 2 --samples 1000000 --device cpu --output "$folder/out.png" >/dev/null 2>"$folder/stderr" &
 process=$!
 for _ in $(seq 600); do # until the scene is built
-  grep -q "cLEAF^2: build" "$folder/stderr" && break
+  grep -q "cVERT: build" "$folder/stderr" && break
   sleep 0.05
 done
 kill -INT $process

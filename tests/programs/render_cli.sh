@@ -19,7 +19,7 @@ refuses() {
   shift
   rm -rf "$folder/out"
   [[ "$*" == *--output* ]] || set -- "$@" --output "$folder/out"
-  expect_refusal "$pattern" --no-speed "$@"
+  expect_refusal "$pattern" "$@"
   [ -z "$(ls -A "$folder/out" 2>/dev/null)" ] || complain "files were written: $*"
 }
 
@@ -73,6 +73,11 @@ refuses "wants tile 1001" --cage "$folder/quad.obj" --height "$folder/skin.<UDIM
 refuses "up" --cage "$folder/quad.obj" --up w
 refuses "up belongs to --cage" --scene cube --up z
 refuses "colors" --scene cube --colors magenta
+refuses "level is given 2 times" --scene cube --level 2 --level 3
+refuses "samples" --scene cube --samples 0
+refuses "representation excludes --compare" --scene cube --compare --representation grid
+refuses "there is a --scene or a --cage already" --scene cube "$folder/quad.obj"
+refuses "a height map needs a cage" "$folder/text.png"
 
 if [ "$(id -u)" != 0 ]; then
   mkdir -p "$folder/closed" && chmod a-w "$folder/closed"
@@ -97,9 +102,9 @@ expect_rows() {
 rows() { grep -c '^| [^ ]' "$folder/$1"; } # the head is not one: its first cell is empty
 
 out="$folder/good.out"
-run good --scene cube --json "$folder/numbers.json" --representation "$representations" --ambient 4
+run good --scene cube --json "$folder/numbers.json" --representation "$representations" --speed --exr --ambient 4
 for representation in ${representations//,/ }; do
-  case $representation in c*) stem=${representation}2 ;; *) stem=$representation ;; esac
+  stem=$representation
   for file in "cube_$stem.png" "cube_$stem.exr" "cube_${stem}_ambient.png"; do
     [ -s "$out/$file" ] || complain "no $file"
   done
@@ -117,25 +122,43 @@ if command -v iinfo >/dev/null; then
   done
 fi
 
-run details --scene cube --representation "$representations" --details
+run details --scene cube --representation "$representations" --speed --details
 expect_rows details "- leaves" "coherent, closest hit" "incoherent, any hit" "against the mesh: error RMSE" \
   "against the true surface" "- false hits" "- misses" "- flipped normals"
 [ "$(rows details)" -gt 40 ] || complain "$(rows details) rows with --details"
 grep '^| any hit disagrees' "$folder/details" | grep -q '[1-9]' && complain "any hit and closest hit disagree"
 
 # One representation alone: the same picture, and nothing that GRID or a clock would have to be there for.
-run alone --scene cube --representation cleaf --no-speed
-cmp -s "$folder/alone.out/cube_cleaf2.png" "$out/cube_cleaf2.png" || complain "another picture without GRID"
-[ ! -e "$folder/alone.out/cube_cleaf2_error.png" ] || complain "an error map without a reference"
+run alone --scene cube --representation cleaf --true-surface 1000
+cmp -s "$folder/alone.out/cube_cleaf.png" "$out/cube_cleaf.png" || complain "another picture without GRID"
+[ "$(ls "$folder/alone.out")" = cube_cleaf.png ] || complain "not one picture alone: $(ls "$folder/alone.out")"
+[ "$(head -1 "$folder/alone")" = "$folder/alone.out/cube_cleaf.png" ] || complain "the picture is not named first: $(head -1 "$folder/alone")"
 grep -q "GRID: build" "$folder/alone.err" && complain "GRID was built: $(cat "$folder/alone.err")"
 grep -qi "speed\|GRID\|mesh" "$folder/alone" && complain "words on what was not measured: $(cat "$folder/alone")"
 expect_rows alone "error against the true surface" "flipped normals"
+
+# Files are enough: a cage, and a map where there is one. The picture is cVERT's, and no other than with their options.
+run files "$folder/quad.obj"
+[ "$(ls "$folder/files.out")" = quad_cvert.png ] || complain "not one picture of cVERT: $(ls "$folder/files.out")"
+[ "$(rows files)" = 4 ] || complain "rows on what was not asked for: $(cat "$folder/files")"
+if [ -s "$folder/whole.png" ]; then
+  run file_and_map "$folder/quad.obj" "$folder/whole.png"
+  run options --cage "$folder/quad.obj" --height "$folder/whole.png"
+  cmp -s "$folder/file_and_map.out/quad_cvert.png" "$folder/options.out/quad_cvert.png" || complain "files and options differ"
+  cmp -s "$folder/file_and_map.out/quad_cvert.png" "$folder/files.out/quad_cvert.png" && complain "the map does nothing"
+fi
+
+# Several samples smooth what one shows; the library chooses frame levels as without a word.
+run one_sample --scene cube --representation cleaf --samples 1
+cmp -s "$folder/one_sample.out/cube_cleaf.png" "$folder/alone.out/cube_cleaf.png" && complain "one sample and sixteen are the same"
+run frames --scene cube --representation cleaf^0,cleaf --json "$folder/frames.json"
+[ "$(grep -c '"blocks": 6,' "$folder/frames.json")" = 2 ] || complain "blocks of level 3 are not those of the library: $(grep '"blocks"' "$folder/frames.json")"
 
 # What faces away is magenta in a mode of its own.
 sed 's/^f.*/f 4\/4 3\/3 2\/2 1\/1/' "$folder/quad.obj" >"$folder/back.obj"
 for colors in neutral sides; do
   for side in quad back; do
-    run "${side}_$colors" --cage "$folder/$side.obj" --representation grid --no-speed --colors $colors --view 0.5,0.5,3,0.5,0.5,0,35
+    run "${side}_$colors" --cage "$folder/$side.obj" --representation grid --colors $colors --view 0.5,0.5,3,0.5,0.5,0,35
   done
 done
 picture() { cat "$folder/$1.out/"*.png; }
@@ -145,18 +168,18 @@ picture() { cat "$folder/$1.out/"*.png; }
 grep -q "magenta" "$folder/back_sides" || complain "no word on what magenta is"
 
 # Cages that Embree takes by rules of its own: a line, and a picture.
-run edge --cage "$folder/edge.obj" --representation cleaf --no-speed
+run edge --cage "$folder/edge.obj" --representation cleaf
 grep -q "cbvh_render: warning: .*not manifold" "$folder/edge.err" || complain "no word on an edge of three faces"
 
 # Standard output that cannot be written.
-for arguments in --help "--scene cube --level 1 --size 16x16 --no-speed --representation grid --output $folder/full"; do
+for arguments in --help "--scene cube --level 1 --size 16x16 --representation grid --output $folder/full"; do
   # shellcheck disable=SC2086
   "$program" $arguments >/dev/full 2>"$folder/stderr" && complain "status 0 on a full disk: $arguments"
   grep -q "standard output cannot be written" "$folder/stderr" || complain "no word on a full disk: $arguments"
 done
 
 # Maps that are made go to the user's cache, and none to the pictures.
-"$program" --scene trex --mapping atlas --level 0 --size 16x16 --no-speed --representation grid --output "$folder/trex" \
+"$program" --scene trex --mapping atlas --level 0 --size 16x16 --representation grid --output "$folder/trex" \
   >/dev/null 2>"$folder/stderr" || complain "trex: $(cat "$folder/stderr")"
 [ -s "$folder/cache/embree-cbvh/trex_height_atlas.exr" ] || complain "no map in the user's cache"
 ls "$folder/trex" | grep -q height && complain "a map among the pictures: $(ls "$folder/trex")"

@@ -5,7 +5,7 @@
 
 #include "basics/error.h"
 #include "basics/progress.h"
-#include "opened_files.h"
+#include "programs/opened_files.h"
 #include "viewpoint.h"
 #include "worker.h"
 

@@ -145,7 +145,7 @@ class Threads(unittest.TestCase):
             thread.join()
         for name, t in expected.items():
             np.testing.assert_array_equal(found[name], t)
-        self.assertEqual(phases, {"grid": {"GRID: build"}, "cvert": {"cVERT: build"}, "cleaf": {"cLEAF^2: build"}})
+        self.assertEqual(phases, {"grid": {"GRID: build"}, "cvert": {"cVERT: build"}, "cleaf": {"cLEAF: build"}})
 
 
 if __name__ == "__main__":

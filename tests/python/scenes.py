@@ -146,10 +146,10 @@ class Building(unittest.TestCase):
 
     def test_frame_levels_are_those_asked_for(self):
         label = lambda *a, **o: cbvh.build(sheet(), *a, level=4, **o).representation
-        self.assertEqual(label("cleaf"), "cLEAF^2")
+        self.assertEqual(label("cleaf"), "cLEAF")
         self.assertEqual(label("cleaf", frame_level=1), "cLEAF^1")
         self.assertEqual(label("cVoxel^3", frame_level=1), "cVOXEL^3")
-        self.assertEqual(label("cgrid", frame_level="auto"), "cGRID^auto")
+        self.assertEqual(label("cgrid", frame_level="auto"), "cGRID")
         blocks = [cbvh.build(sheet(), "cvoxel", 4, frame_level=n).statistics()["compression"]["blocks"] for n in (0, 1, 2)]
         self.assertEqual(blocks, [25, 100, 400])
 

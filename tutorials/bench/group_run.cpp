@@ -91,7 +91,7 @@ public:
     {
       const std::vector<SurfaceHit> hits = traceClosest(scene, view.primary, errors.threads);
       result.views.push_back(errorsInView(errors, view, scene, hits));
-      pictures.write(view, result.variant, hits, result.views.back());
+      pictures.write(view, result.variant, scene, hits, result.views.back());
       if (checked)
         addChecksOfView(view, grid, scene, hits, result.checks);
     }

@@ -6,6 +6,7 @@
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "programs/command_line.h"
+#include "programs/opened_files.h"
 #include "programs/view_options.h"
 
 #include <algorithm>
@@ -136,8 +137,9 @@ RaySet parseRaySet(const std::string& word)
 /* What the command line says in words of its own, with the defaults that --help names. */
 struct Words
 {
+  std::vector<std::string> files;
   SceneSettings settings; // of all scenes
-  std::string scenes, libraries, levels = "6", representations = listOfRepresentations(","), frameLevels = "2";
+  std::string scenes, libraries, levels = "6", representations = listOfRepresentations(","), frameLevels = "auto";
   std::string isas = "best", device = "cpu", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
   std::string size = "768x768", pictureLevels, checks, position;
   std::vector<std::string> views;
@@ -148,6 +150,7 @@ struct Words
 
 void declareLists(CLI::App& app, Words& words)
 {
+  addFiles(app, words.files);
   app.add_option("--scene", words.scenes, "comma list of " + listOfScenes() + "; an amplitude of its own after a colon")
     ->type_name("LIST");
   addSceneOptions(app, words.settings);
@@ -214,6 +217,8 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, Words& words)
 void declareOutput(CLI::App& app, BenchOptions& o, Words& words)
 {
   app.add_option("--pictures", o.pictures, "folder for shaded pictures and error maps")->type_name("DIR");
+  app.add_option("--samples", o.samples, "samples a pixel of shaded pictures; error maps have one")
+    ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
   app.add_option("--picture-level", words.pictureLevels, "levels that get pictures, else all")->type_name("LIST");
   app.add_option("--json", o.json, "write the measurements there")->type_name("FILE");
   app.add_flag("--about", words.about, "print commit, instruction sets and scenes as JSON, and end");
@@ -223,6 +228,7 @@ void declareOutput(CLI::App& app, BenchOptions& o, Words& words)
 std::vector<BenchScene> readScenes(const Words& words)
 {
   SceneSettings settings = words.settings;
+  nameFiles(words.files, settings);
   if (words.scenes.empty() || !settings.cagePath.empty())
   {
     settings.scene = words.scenes;

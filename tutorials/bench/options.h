@@ -51,6 +51,7 @@ struct BenchOptions
   float maxError = 0.0f;     // of leaves, in bounding-box diagonals; 0: no bound
   bool leavesOnly = false;   // cLEAF stores no faces as cVERT
   std::string pictures;      // folder, empty for none
+  int samples = 16;          // a pixel, of shaded pictures
   std::vector<int> pictureLevels; // levels that get pictures; empty: all
   std::string json;          // file, empty for none
   std::string command;       // the command line, program without its folder

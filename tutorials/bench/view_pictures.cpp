@@ -4,7 +4,8 @@
 #include "view_pictures.h"
 
 #include "pictures/image_output.h"
-#include "pictures/shading.h"
+#include "pictures/sampled_picture.h"
+#include "basics/parallel.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -16,18 +17,23 @@ ViewPictures::ViewPictures(const BenchOptions& options, const std::string& scene
 {
 }
 
-void ViewPictures::write(const View& view, const Variant& variant, const std::vector<SurfaceHit>& hits,
-                         ViewResult& result) const
+void ViewPictures::write(const View& view, const Variant& variant, const BuiltScene& scene,
+                         const std::vector<SurfaceHit>& hits, ViewResult& result) const
 {
   if (!wanted())
     return;
   result.picture = stem(view, variant) + ".png";
-  writePng(path(result.picture), shadeHits(options.size, view.primary, hits, up));
+  writePng(path(result.picture), shaded(view, scene, hits));
   if (variant.representation.kind == RepresentationKind::Grid)
     return;
   result.errorMap = stem(view, variant) + "_error.png";
   writePng(path(result.errorMap),
            errorHeatMap(options.size, pixelErrors(view.gridHits, hits, view.camera.footprint())));
+}
+
+Image ViewPictures::shaded(const View& view, const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const
+{
+  return sampledPicture(scene, view.camera, up, hits, options.samples, HitColors::Neutral, threadCount(options.buildThreads));
 }
 
 bool ViewPictures::wanted() const

@@ -6,6 +6,7 @@
 /* Shaded pictures and error maps of the views of a group. */
 
 #include "views.h"
+#include "pictures/image.h"
 
 namespace cbvh {
 
@@ -16,11 +17,13 @@ public:
   ViewPictures(const BenchOptions& options, const std::string& scene, const Model& model, int level);
 
   /* Writes what is wanted of a variant in a view, if anything, and notes the files' names in
-   * the result. hits: of the view's primary rays. Throws Error. */
-  void write(const View& view, const Variant& variant, const std::vector<SurfaceHit>& hits, ViewResult& result) const;
+   * the result. hits: of the view's primary rays. Throws Error, Cancelled. */
+  void write(const View& view, const Variant& variant, const BuiltScene& scene, const std::vector<SurfaceHit>& hits,
+             ViewResult& result) const;
 
 private:
   bool wanted() const;
+  Image shaded(const View& view, const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const;
   std::string stem(const View& view, const Variant& variant) const;
   std::string path(const std::string& name) const;
 

@@ -4,7 +4,13 @@
 #include "options.h"
 #include "picture_file.h"
 #include "programs/command_line.h"
+#include "programs/opened_files.h"
 #include "programs/view_options.h"
+
+#include <embree3/rtcore_vulkan.h>
+
+#include <algorithm>
+#include <cstring>
 
 namespace cbvh {
 namespace {
@@ -18,16 +24,29 @@ std::string libraryName(const std::string& device)
   return device.compare(0, prefix.size(), prefix) == 0 ? device.substr(prefix.size()) : device;
 }
 
+/* The first GPU, else the processor: Mesa's llvmpipe is the processor, by a longer way. */
+std::string chooseDevice()
+{
+  RTCVulkanDeviceInfo infos[16];
+  const unsigned count = std::min(rtcGetVulkanDevices(nullptr, infos, 16), 16u);
+  for (unsigned i = 0; i < count; i++)
+    if (!infos[i].unsupported[0] && std::strncmp(infos[i].name, "llvmpipe", 8) != 0)
+      return std::to_string(i);
+  return "cpu";
+}
+
 } // namespace
 
 std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
 {
   PathTracerOptions o;
-  std::string representation = "cleaf", frameLevel = "2", size = "512x512", device = "vulkan";
+  std::vector<std::string> files;
+  std::string representation = wordOf(RepresentationKind::CVert), frameLevel = "auto", size = "512x512", device = "auto";
 
   CLI::App app("Renders a displaced subdivision surface by path tracing, all of it in a shader on a Vulkan device, or\n"
                "with the same random numbers on the processor: into a file, or in a window, sample by sample.",
                "cbvh_pathtracer");
+  addFiles(app, files);
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addSceneOptions(app, o.scene);
   app.add_option("--representation", representation,
@@ -39,7 +58,7 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   app.add_option("--samples", o.samples, "paths a pixel")->type_name("N")->check(CLI::Range(1, 1 << 24))->capture_default_str();
   app.add_option("--bounces", o.bounces, "hits of a path behind its first")
     ->type_name("N")->check(CLI::Range(0, 64))->capture_default_str();
-  app.add_option("--device", device, "vulkan for the first device, a device's index, a part of its name, or cpu")
+  app.add_option("--device", device, "vulkan for the first device, a device's index, a part of its name, or cpu; auto for a GPU if there is one, else cpu")
     ->type_name("NAME")->capture_default_str();
   app.add_flag("--window", o.window, "show the picture while it is made");
   app.add_option("--output", o.output, "write the picture there: linear as .exr, sRGB as .png; "
@@ -50,11 +69,12 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
 
+  nameFiles(files, o.scene);
   validateScene(o.scene);
   validateBuild(o.build);
   o.scene.threads = o.build.threads;
   o.size = parseImageSize(size);
-  o.device = libraryName(device);
+  o.device = device == "auto" ? chooseDevice() : libraryName(device);
   const std::vector<Representation> representations = parseRepresentationOptions(representation, frameLevel);
   if (representations.size() != 1)
     throw Error("--representation '" + representation + "' names more than one");

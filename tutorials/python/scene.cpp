@@ -257,7 +257,7 @@ model: a Model, or a Cage, which is not displaced.
 representation: compressed is one of )" + wordsOf(&Representation::isCompressed, "\"") + R"(; else "grid", Embree's
   own, or "naive", its triangles. A frame level of its own may follow: "cleaf^3".
 level: )" + levelRange() + R"(, 2**level x 2**level quads a face.
-frame_level: )" + levelRange() + R"(, or "auto": 4**frame_level frames a face of )" + wordsOf(&Representation::hasFrames, "") + R"(, 2 if it is
+frame_level: )" + levelRange() + R"(, or "auto": 4**frame_level frames a face of )" + wordsOf(&Representation::hasFrames, "") + R"(, "auto" if it is
   not given.
 max_error: world units, 0 for none: bound on the spacing of cvert's lattice, and on the thickness of leaves where
   frame_level is "auto".
@@ -350,7 +350,7 @@ void defineScene(py::module_& module)
                            "(2, 3) float32: lower and upper corner of the box of the surface, world units.")
     .def_property_readonly("model", [](const Scene& s) { return std::const_pointer_cast<Model>(s.model); }, "The Model.")
     .def_property_readonly("representation", [](const Scene& s) { return s.built.representation().label(); },
-                           "Label as in the paper: 'cLEAF^2'.")
+                           "Label, with a frame level as in the paper: 'cLEAF^2'.")
     .def_readonly("level", &Scene::level, "2**level x 2**level quads a face.")
     .def("__repr__", [](const Scene& s) {
       char text[160];

@@ -20,6 +20,7 @@
 #include "basics/parallel.h"
 #include "building/memory.h"
 #include "measure/self_shadow.h"
+#include "pictures/sampled_picture.h"
 #include "programs/view_options.h"
 #include "programs/warnings.h"
 #include "tracing/trace_hits.h"
@@ -72,7 +73,7 @@ public:
   explicit Run(const Options& options)
     : options(options), threads(threadCount(options.build.threads)), model(loadModel(options)),
       plan(planOf(options, model)), camera(cameraOf(options, model, threads)), primary(primaryRays(camera)),
-      build(options.build), files(options.output, model.name, options.size, options.colors)
+      build(options.build), files(options.output, model.name, options.size, options.colors, options.samples)
   {
     build.pixelBound = {options.maxPixelError, camera.eye(), camera.footprint()};
     if (options.trueHits)
@@ -98,37 +99,47 @@ private:
   void examine(const BuiltScene& scene, const BuiltScene* grid)
   {
     const RepresentationKind kind = scene.representation().kind;
-    const std::vector<SurfaceHit> hits = traced(scene);
+    const std::vector<SurfaceHit> hits = traceClosest(scene, primary, threads);
+    writePicture(scene, hits);
     if (comparison.results.empty())
       makeRays(scene, hits);
     Result result;
     result.representation = scene.representation();
     result.build = scene.report();
-    countDisagreements(scene, hits, result);
+    if (options.compares())
+      countDisagreements(scene, hits, result);
     compareToTruth(scene, hits, result);
     if (kind == RepresentationKind::Grid || kind == RepresentationKind::Naive)
       addToReference(hits, kind);
     if (kind != RepresentationKind::Grid && !reference.empty() && !isReferenceItself(kind))
       result.errors = compareHits(reference, hits, camera.footprint(), scene.layout());
-    writePictures(scene, hits, result.errors.has_value());
+    writeOthers(scene, hits, result.errors.has_value());
     if (options.speed && kind != RepresentationKind::Grid)
       speed.measure(scene, grid, result);
     comparison.results.push_back(result);
   }
 
-  std::vector<SurfaceHit> traced(const BuiltScene& scene) const
+  /* The shaded picture. hits: of the rays through the centres of pixels, which are its first samples. */
+  void writePicture(const BuiltScene& scene, const std::vector<SurfaceHit>& hits)
   {
-    Phase phase(scene.representation().label() + ": picture");
-    return traceClosest(scene, primary, threads);
+    const Representation& r = scene.representation();
+    Phase phase(r.label() + ": picture");
+    const std::string path = files.writePicture(
+      r, sampledPicture(scene, camera, model.view.up, hits, options.samples, options.colors, threads));
+    if (!options.compares())
+      writeStandardOutput(path + "\n");
   }
 
   void makeRays(const BuiltScene& scene, const std::vector<SurfaceHit>& hits)
   {
-    BounceSettings bounce;
-    bounce.count = options.rays;
-    bounce.offset = options.rayOffset * scene.bounds().diagonal();
-    sets[Coherent] = coherentRays(primary, options.size, options.rays);
-    sets[Incoherent] = bounceRays(primary, hits, bounce);
+    if (options.speed || options.compares())
+    {
+      BounceSettings bounce;
+      bounce.count = options.rays;
+      bounce.offset = options.rayOffset * scene.bounds().diagonal();
+      sets[Coherent] = coherentRays(primary, options.size, options.rays);
+      sets[Incoherent] = bounceRays(primary, hits, bounce);
+    }
     sample = sampleOfHits(hits, options.trueHits, sampleSeed);
     for (const SurfaceHit& hit : hits)
       comparison.primaryHits += hit.hit();
@@ -188,11 +199,12 @@ private:
       compareToTrueSurface({model, *surface, primary, sample, camera.footprint()}, hits, scene.layout(), threads);
   }
 
-  void writePictures(const BuiltScene& scene, const std::vector<SurfaceHit>& hits, bool compared)
+  void writeOthers(const BuiltScene& scene, const std::vector<SurfaceHit>& hits, bool compared)
   {
     const Representation& r = scene.representation();
     Phase phase(r.label() + ": files");
-    files.writeHits(r, primary, hits, model.view.up);
+    if (options.exr)
+      files.writeHits(r, primary, hits);
     if (compared)
       files.writeErrors(r, pixelErrors(reference, hits, camera.footprint()));
     if (!options.ambientRays)
@@ -220,8 +232,11 @@ private:
     comparison.size = options.size;
     comparison.camera = camera.description();
     comparison.speed = options.speed;
+    comparison.compares = options.compares();
     comparison.trueHits = sample.size();
-    comparison.pictures = files.legend(comparison.reference);
+    /* alone, a picture was named when it was there */
+    if (options.compares() || options.exr || options.ambientRays || options.colors == HitColors::Sides)
+      comparison.pictures = files.legend(comparison.reference);
     for (int set = 0; set < numRaySets; set++)
       comparison.rays[set] = sets[set].size();
     comparison.results = inOrderAskedFor();

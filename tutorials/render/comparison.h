@@ -42,7 +42,8 @@ struct Comparison
   std::string camera;         // eye, target, field of view
   size_t primaryHits = 0;
   size_t rays[numRaySets] = {0, 0};
-  bool speed = true;
+  bool speed = false;
+  bool compares = false;      // several representations
   std::string reference;      // what the errors are measured against, empty for no errors
   size_t trueHits = 0;        // compared with the true surface
   std::string pictures;       // lines that say where the pictures are and what they show

@@ -4,6 +4,7 @@
 #include "options.h"
 #include "basics/error.h"
 #include "programs/command_line.h"
+#include "programs/opened_files.h"
 #include "programs/view_options.h"
 
 namespace cbvh {
@@ -12,37 +13,46 @@ namespace {
 /* What the command line says in words of its own, with the defaults that --help names. */
 struct Words
 {
-  std::string representations = listOfRepresentations(","), frameLevel = "2", size = "1024x1024";
+  std::vector<std::string> files;
+  std::string representations = wordOf(RepresentationKind::CVert), frameLevel = "auto", size = "1024x1024";
   std::string colors = "neutral";
-  bool noSpeed = false;
+  bool compare = false;
+  std::optional<size_t> trueHits; // none: not said
 };
 
 /* The options, in the order of --help. */
 
 void declarePictures(CLI::App& app, Options& o, Words& words)
 {
-  app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
+  addFiles(app, words.files);
+  app.add_option("--scene", o.scene.scene, "instead of files, a generated scene: " + listOfScenes())->type_name("NAME");
   addSceneOptions(app, o.scene);
-  app.add_option("--representation", words.representations,
-                 "comma list of " + listOfRepresentations(", ") + "; a frame level of its own after ^ or :. Speeds are "
-                 "relative to grid, and errors measured against grid and naive, where those are among them")
-    ->type_name("LIST")->capture_default_str();
+  CLI::Option* const list =
+    app.add_option("--representation", words.representations,
+                   "comma list of " + listOfRepresentations(", ") + "; a frame level of its own after ^ or :. More than one are "
+                   "compared: errors are measured against grid and naive, where those are among them")
+      ->type_name("LIST")->capture_default_str();
+  app.add_flag("--compare", words.compare, "all representations")->excludes(list);
   addLevelOptions(app, o.build.level, words.frameLevel);
   app.add_option("--max-pixel-error", o.maxPixelError,
                  "spacing of cVERT's vertices in pixels of the view, at most; 0 for 1/36 of a quad's edge")
     ->type_name("P")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
+  app.add_option("--samples", o.samples, "samples a pixel of shaded pictures; maps of errors and all figures have one")
+    ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
   app.add_option("--colors", words.colors,
                  "neutral: grey from both sides; sides: magenta where the normal points away from the camera, which is a "
                  "flipped normal, or the inside of the surface")
     ->type_name("COLORS")->check(CLI::IsMember({"neutral", "sides"}))->capture_default_str();
   app.add_option("--output", o.output, "folder for the pictures, made if need be")
     ->type_name("DIR")->capture_default_str();
+  app.add_flag("--exr", o.exr, "write the hits there, too: position, distance, normal, u, v and primID");
 }
 
 void declareMeasurement(CLI::App& app, Options& o, Words& words)
 {
+  app.add_flag("--speed", o.speed, "measure how many rays a second each representation traces; of GRID's, where that is among them");
   app.add_option("--rays", o.rays, "rays in a speed measurement, 0 for one a pixel")
     ->type_name("N")->capture_default_str();
   app.add_option("--repeat", o.repeat, "speed measurements, of which the median counts")
@@ -54,20 +64,21 @@ void declareMeasurement(CLI::App& app, Options& o, Words& words)
                  "pictures of ambient occlusion with so many rays a pixel, from each representation's own hits, "
                  "beside GRID's")
     ->type_name("N")->check(CLI::Range(0, 4096));
-  app.add_option("--true-surface", o.trueHits,
-                 "hits compared with the displaced limit surface itself, drawn at random, 0 for none")
-    ->type_name("N")->capture_default_str();
+  app.add_option("--true-surface", words.trueHits,
+                 "hits compared with the displaced limit surface itself, drawn at random, 0 for none [20000 where several "
+                 "representations are compared]")
+    ->type_name("N");
   app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")
     ->type_name("N")->capture_default_str();
   addDeviceOption(app, o.build.device);
   app.add_option("--isa", o.build.isa, "widest instruction set: sse2, sse4.2, avx, avx2 or avx512")->type_name("ISA");
   app.add_flag("--details", o.details, "all rows of the table");
   app.add_option("--json", o.json, "write all numbers there, too")->type_name("FILE");
-  app.add_flag("--no-speed", words.noSpeed, "leave the speed measurements out");
 }
 
 void read(const Words& words, Options& o)
 {
+  nameFiles(words.files, o.scene);
   validateScene(o.scene);
   validateBuild(o.build);
   if (o.repeat < 1)
@@ -75,10 +86,11 @@ void read(const Words& words, Options& o)
   requireNotNegative("--ray-offset", o.rayOffset);
   requireNotNegative("--max-pixel-error", o.maxPixelError);
   o.scene.threads = o.build.threads;
-  o.speed = !words.noSpeed;
   o.colors = words.colors == "sides" ? HitColors::Sides : HitColors::Neutral;
   o.size = parseImageSize(words.size);
-  o.representations = parseRepresentationOptions(words.representations, words.frameLevel);
+  o.representations =
+    parseRepresentationOptions(words.compare ? listOfRepresentations(",") : words.representations, words.frameLevel);
+  o.trueHits = words.trueHits.value_or(o.compares() ? 20000 : 0);
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
 }
@@ -89,8 +101,8 @@ std::optional<Options> parseOptions(int argc, char** argv)
 {
   Options o;
   Words words;
-  CLI::App app("Builds a displaced subdivision surface in several representations, traces it, and compares them.\n"
-               "Writes for each a shaded picture and the hits as EXR, and beside GRID or NAIVE a map of the errors.",
+  CLI::App app("Makes a picture of a displaced subdivision surface, in cVERT unless told otherwise.\n"
+               "Of several representations it makes one each, and compares them in memory, build, error and speed.",
                "cbvh_render");
   declarePictures(app, o, words);
   declareMeasurement(app, o, words);

@@ -26,15 +26,20 @@ struct Options
   ImageSize size;
   std::string output = "cbvh_render_output";
   HitColors colors = HitColors::Neutral;
+  int samples = 16;              // a pixel, of shaded pictures
+  bool exr = false;              // write the hits, too
   bool details = false;          // all rows of the table
   std::string json;              // also write the numbers there
   size_t rays = 500000;          // at most, a set, for speed
   int repeat = 5;
-  bool speed = true;
+  bool speed = false;
   float maxPixelError = 0;       // bound on the spacing of cVERT, in pixels of the view, 0 for none
   float rayOffset = 1e-4f;       // of bounced rays, in bounding-box diagonals
   unsigned ambientRays = 0;      // a pixel, for pictures of ambient occlusion; 0: none
-  size_t trueHits = 20000;       // at most, that are compared with the true surface
+  size_t trueHits = 0;           // at most, that are compared with the true surface
+
+  /* Whether there is something to compare, and not only a picture to make. */
+  bool compares() const { return representations.size() > 1; }
 };
 
 /* Reads a command line. Returns nothing when it asked for help, which is printed.

@@ -8,12 +8,17 @@
 
 namespace cbvh {
 
-void PictureFiles::writeHits(const Representation& r, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits,
-                             Vec3f up)
+std::string PictureFiles::writePicture(const Representation& r, const Image& image)
 {
-  writePng(path(r, ".png"), shadeHits(size, rays, hits, up, colors));
-  writeHitsExr(path(r, ".exr"), size, rays, hits);
+  writePng(path(r, ".png"), image);
   shaded.push_back(r.fileStem());
+  return path(r, ".png");
+}
+
+void PictureFiles::writeHits(const Representation& r, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits)
+{
+  writeHitsExr(path(r, ".exr"), size, rays, hits);
+  exr.push_back(r.fileStem());
 }
 
 void PictureFiles::writeErrors(const Representation& r, const std::vector<float>& errors)
@@ -49,11 +54,12 @@ std::string PictureFiles::legend(const std::string& reference) const
   };
   return "Pictures:\n" +
          line(shaded, ".png",
-              colors == HitColors::Sides ? "shaded, magenta where the normal points away from the camera" : "shaded") +
-         line(shaded, ".exr", "position, distance, normal, u, v and primID of the hits") +
+              std::string(colors == HitColors::Sides ? "shaded, magenta where the normal points away from the camera" : "shaded") +
+                ", " + std::to_string(samples) + (samples == 1 ? " sample" : " samples") + " a pixel") +
+         line(exr, ".exr", "position, distance, normal, u, v and primID of the hits") +
          line(errorMaps, "_error.png",
               "distance from " + reference +
-                ", from blue (none) to pink (5 pixels and more); black: a false hit, orange: a miss") +
+                " at the pixel's centre, from blue (none) to pink (5 pixels and more); black: a false hit, orange: a miss") +
          line(ambient, "_ambient.png", "ambient occlusion") +
          line(ambientBesideGrid, "_ambient.png", "ambient occlusion of GRID, of this one, and 4 times the difference");
 }

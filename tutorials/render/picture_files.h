@@ -7,6 +7,7 @@
 
 #include "building/representation.h"
 #include "building/surface_hit.h"
+#include "pictures/image.h"
 #include "pictures/shading.h"
 #include "tracing/image_size.h"
 #include "tracing/ray.h"
@@ -19,13 +20,17 @@ namespace cbvh {
 class PictureFiles
 {
 public:
-  PictureFiles(std::string folder, std::string model, ImageSize size, HitColors colors)
-    : folder(std::move(folder)), model(std::move(model)), size(size), colors(colors)
+  /* samples: a pixel, of shaded pictures. */
+  PictureFiles(std::string folder, std::string model, ImageSize size, HitColors colors, int samples)
+    : folder(std::move(folder)), model(std::move(model)), size(size), colors(colors), samples(samples)
   {
   }
 
-  /* hits: one a ray. The next three likewise; all throw Error with the path. */
-  void writeHits(const Representation& r, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, Vec3f up);
+  /* Returns the path, as all that write throws Error with the path. */
+  std::string writePicture(const Representation& r, const Image& image);
+
+  /* hits: one a ray. */
+  void writeHits(const Representation& r, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits);
 
   /* errors: as pixelErrors makes them. */
   void writeErrors(const Representation& r, const std::vector<float>& errors);
@@ -43,7 +48,8 @@ private:
   std::string folder, model;
   ImageSize size;
   HitColors colors;
-  std::vector<std::string> shaded, errorMaps, ambient, ambientBesideGrid; // stems of representations
+  int samples;
+  std::vector<std::string> shaded, exr, errorMaps, ambient, ambientBesideGrid; // stems of representations
 };
 
 } // namespace cbvh

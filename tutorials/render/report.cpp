@@ -244,7 +244,7 @@ void addDetails(Table& table, const Comparison& c)
     addMeshErrors(table);
   if (c.trueHits)
     addTrueErrors(table);
-  for (int set = 0; set < numRaySets; set++)
+  for (int set = 0; c.compares && set < numRaySets; set++)
     table.row(std::string("any hit disagrees, ") + raySetName(RaySet(set)),
               [=](const Result& r) { return std::to_string(r.anyDisagreements[set]); });
 }

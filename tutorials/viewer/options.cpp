@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "options.h"
-#include "opened_files.h"
 #include "basics/error.h"
 #include "programs/command_line.h"
+#include "programs/opened_files.h"
 #include "programs/view_options.h"
 
 #include <fstream>
@@ -20,22 +20,6 @@ std::string listOfModes()
   return list;
 }
 
-/* Files without an option before them. */
-void addFiles(const std::vector<std::string>& files, SceneSettings& scene)
-{
-  SceneSettings named;
-  named.cagePath = scene.cagePath; // a height map alone goes on it
-  if (!files.empty())
-    named = openFiles(files, named);
-  if (named.cagePath != scene.cagePath && !(scene.scene.empty() && scene.cagePath.empty()))
-    throw Error(named.cagePath + ": there is a --scene or a --cage already");
-  if (!named.heightPath.empty() && !scene.heightPath.empty())
-    throw Error(named.heightPath + ": there is a --height already");
-  scene.cagePath = named.cagePath;
-  if (!named.heightPath.empty())
-    scene.heightPath = named.heightPath;
-}
-
 /* A mistyped name is reported where it was typed, not in a window. */
 void requireCage(const std::string& path)
 {
@@ -49,12 +33,12 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
 {
   ViewerOptions o;
   std::vector<std::string> files;
-  std::string representations = "cvert", frameLevel = "2", size = "1024x768", mode = "shading";
+  std::string representations = "cvert", frameLevel = "auto", size = "1024x768", mode = "shading";
 
   CLI::App app("Shows a displaced subdivision surface in one representation, or in two side by side, in a window\n"
                "that lists its keys and opens what is dropped on it, or in a picture with --screenshot.",
                "cbvh_viewer");
-  app.add_option("files", files, "a control cage (OBJ) and a height map, as with --cage and --height")->type_name("FILE");
+  addFiles(app, files);
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addSceneOptions(app, o.scene);
   app.add_option("--representation", representations,
@@ -74,7 +58,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
 
-  addFiles(files, o.scene);
+  nameFiles(files, o.scene);
   const bool empty = o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.heightPath.empty();
   if (!empty || !o.screenshot.empty()) // a window may start empty
     validateScene(o.scene);

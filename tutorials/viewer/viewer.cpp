@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "viewer.h"
-#include "opened_files.h"
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "pictures/image_output.h"
+#include "programs/opened_files.h"
 #include "programs/view_options.h"
 #include "programs/warnings.h"
 #include "tracing/trace_hits.h"

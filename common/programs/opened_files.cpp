@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "opened_files.h"
+#include "programs/opened_files.h"
 #include "basics/error.h"
 
 #include <algorithm>
@@ -58,6 +58,21 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
                 (current.scene.empty() ? "" : "; " + current.scene + " brings its own heights"));
   opened.heightPath = height;
   return opened;
+}
+
+void nameFiles(const std::vector<std::string>& files, SceneSettings& scene)
+{
+  SceneSettings named;
+  named.cagePath = scene.cagePath; // a height map alone goes on it
+  if (!files.empty())
+    named = openFiles(files, named);
+  if (named.cagePath != scene.cagePath && !(scene.scene.empty() && scene.cagePath.empty()))
+    throw Error(named.cagePath + ": there is a --scene or a --cage already");
+  if (!named.heightPath.empty() && !scene.heightPath.empty())
+    throw Error(named.heightPath + ": there is a --height already");
+  scene.cagePath = named.cagePath;
+  if (!named.heightPath.empty())
+    scene.heightPath = named.heightPath;
 }
 
 } // namespace cbvh

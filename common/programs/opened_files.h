@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Files that are named on the command line or dropped on the window. */
+/* Files that are named on the command line or dropped on a window. */
 
 #include "scenes/catalogue.h"
 
@@ -19,5 +19,9 @@ namespace cbvh {
  * current: what is loaded, or nothing that has a name.
  * Throws Error for more than one of either, and for a map without a cage. */
 SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettings& current);
+
+/* The same for files that a command line has without an option before them, beside what its options say.
+ * Throws Error, also where both name a model or a map. */
+void nameFiles(const std::vector<std::string>& files, SceneSettings& scene);
 
 } // namespace cbvh

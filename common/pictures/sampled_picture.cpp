@@ -1,0 +1,60 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "pictures/sampled_picture.h"
+#include "basics/parallel.h"
+#include "tracing/trace_hits.h"
+
+#include <cmath>
+
+namespace cbvh {
+
+/* The additive sequence of the plastic number, which fills a square evenly at any length. */
+Vec2f sampleOffset(int i)
+{
+  const auto offset = [i](double step) {
+    const double x = 0.5 + double(i) * step;
+    return float(x - std::floor(x) - 0.5);
+  };
+  return {offset(0.7548776662466927), offset(0.5698402909980532)};
+}
+
+SampledPicture::SampledPicture(const Camera& camera, Vec3f up, HitColors colors)
+  : size(camera.size()), shader(camera.direction(float(size.width / 2), float(size.height / 2)), up, colors),
+    sums(size_t(size.width) * size_t(size.height))
+{
+}
+
+void SampledPicture::add(const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, unsigned threads)
+{
+  constexpr size_t chunk = 4096;
+  parallelFor(sums.size(), chunk, threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; i++)
+      sums[i] = sums[i] + (hits[i].hit() ? shader.color(rays[i], hits[i])
+                                         : backgroundColor(float(i / size_t(size.width)) / float(size.height)));
+  });
+  samples++;
+}
+
+Image SampledPicture::image() const
+{
+  Image image(size);
+  for (size_t i = 0; i < sums.size(); i++)
+    image.set(i, (1.0f / float(samples)) * sums[i]);
+  return image;
+}
+
+Image sampledPicture(const BuiltScene& scene, const Camera& camera, Vec3f up, const std::vector<SurfaceHit>& hits,
+                     int samples, HitColors colors, unsigned threads)
+{
+  SampledPicture picture(camera, up, colors);
+  picture.add(primaryRays(camera), hits, threads);
+  for (int i = 1; i < samples; i++)
+  {
+    const std::vector<Ray> rays = primaryRays(camera, sampleOffset(i));
+    picture.add(rays, traceClosest(scene, rays, threads), threads);
+  }
+  return picture.image();
+}
+
+} // namespace cbvh

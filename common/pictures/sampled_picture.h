@@ -1,0 +1,43 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A shaded picture of several samples a pixel. Where quads are smaller than pixels, one sample shows one of them,
+ * and fine displacement looks like salt and pepper. */
+
+#include "building/built_scene.h"
+#include "pictures/image.h"
+#include "pictures/shading.h"
+#include "tracing/camera.h"
+
+#include <vector>
+
+namespace cbvh {
+
+/* Where sample i of a pixel lies, in pixels from its centre: the first there, all of them spread evenly over the pixel. */
+Vec2f sampleOffset(int i);
+
+class SampledPicture
+{
+public:
+  SampledPicture(const Camera& camera, Vec3f up, HitColors colors = HitColors::Neutral);
+
+  /* One sample more of each pixel. rays, hits: one a pixel, in rows. Throws Cancelled. */
+  void add(const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, unsigned threads = 1);
+
+  /* The mean of the samples, before the background. */
+  Image image() const;
+
+private:
+  ImageSize size;
+  HitShader shader;
+  std::vector<Vec3f> sums; // linear
+  int samples = 0;
+};
+
+/* The picture that a scene makes. hits: of primaryRays, which are the first samples. Throws Cancelled. */
+Image sampledPicture(const BuiltScene& scene, const Camera& camera, Vec3f up, const std::vector<SurfaceHit>& hits,
+                     int samples, HitColors colors, unsigned threads);
+
+} // namespace cbvh
