@@ -5,6 +5,7 @@
  * the same floats after encoding and scalar decoding, and boxes contain their groups in the
  * floats of the traversal. */
 
+#include "kernels/cbvh/surface/lattice.h"
 #include "kernels/cbvh/vert/encoder.h"
 #include "support/scalar_vert.h"
 #include "support/random.h"
@@ -315,6 +316,18 @@ TEST(VertCell, SlopesAreSixteenthsRoundedToTheNearest)
 }
 
 // As stitch() of upstream's tessellation.h, whose vertices GRID's are.
+// The spacing asked for or a finer one, but coordinates of a face fit into 23 bits.
+TEST(WorldLattice, ExponentsAreThoseAskedForUnlessCoordinatesHaveTooManyBits)
+{
+  EXPECT_EQ(latticeExponent(0.25, 1), -2);
+  EXPECT_EQ(latticeExponent(0.3, 1), -2);
+  EXPECT_EQ(latticeExponent(1e-9, 1000), 10 - maxCoordinateBits);
+  EXPECT_EQ(latticeExponent(1e-9, 1024), 11 - maxCoordinateBits);
+  EXPECT_EQ(latticeExponent(0, 1000), 10 - maxCoordinateBits);
+  EXPECT_EQ(latticeExponent(0, 0), minLatticeExponent);
+  EXPECT_EQ(latticeExponent(1e38, 1), maxLatticeExponent);
+}
+
 TEST(VertParameters, StitchedVerticesAreThoseOfEmbree)
 {
   for (uint32_t quads = 1; quads <= 256; quads += quads < 20 ? 1 : 17)

@@ -107,6 +107,57 @@ TEST(VertRule, ARayInThePlaneHitsWhereItIs)
   }
 }
 
+// The ends of a triangle's span belong to it: the plane's distance counts there, and a ray that begins there hits.
+TEST(VertRule, TheEndsOfASpanAreWithinTheTriangle)
+{
+  const TriangleSpan<double> span = {1, 5};
+  for (double t : {1.0, 5.0}) EXPECT_TRUE(isOfPlane(PlaneMeeting<double>{t, 0, 1}, span)) << t;
+  for (double t : {0.999, 5.001}) EXPECT_FALSE(isOfPlane(PlaneMeeting<double>{t, 0, 1}, span)) << t;
+
+  const WideTriangle<double> triangle = {{{0, 4, 0}, {-1, 0, 1}, {0, 0, 0}}};
+  const double org[3] = {-1, 0.125, 0}, dir[3] = {1, 0, 0}; // in its plane
+  EXPECT_EQ(distanceOfHit(triangle, normalOf(triangle), span, org, dir, 5.0), 5.0);
+}
+
+TEST(VertRule, ATriangleWithAVertexThatIsNotFiniteContainsNothing)
+{
+  for (float odd : {INFINITY, -INFINITY, NAN})
+    for (int i = 0; i < 6; i++) {
+      float x[6] = {-1, -1, 2, -1, -1, 2}; // around the ray
+      EXPECT_TRUE(contains(x[0], x[1], x[2], x[3], x[4], x[5]));
+      x[i] = odd;
+      EXPECT_FALSE(contains(x[0], x[1], x[2], x[3], x[4], x[5])) << odd << " at " << i;
+    }
+}
+
+// Parameters at edges of lower rates: barycentrics of the vertices' own, which are those of GRID: vertex i of n quads has that of
+// vertex floor((i + 1/2) rate / n) of the edge.
+TEST(VertRule, ParametersAtLowerEdgesAreInterpolatedFromTheVertices)
+{
+  const uint32_t quads[2] = {7, 5}, rates[4] = {3, 2, 7, 4}; // v = 0, u = 1, v = 1, u = 0
+  const VertEdges edges = vertEdges(rates[0], rates[1], rates[2], rates[3], 1, 0);
+  const auto parameter = [](uint32_t i, uint32_t n, uint32_t rate) { return std::floor((i + 0.5)*rate/n)/rate; };
+  for (uint32_t y = 0; y < quads[1]; y++)
+    for (uint32_t x = 0; x < quads[0]; x++)
+      for (bool isSecond : {false, true})
+        for (const auto& at : {std::array<double, 2>{0.125, 0.25}, {0.5, 0.25}, {0.25, 0.5}, {0, 0}, {1, 0}, {0, 1}}) {
+          const double weight[3] = {1 - at[0] - at[1], at[0], at[1]};
+          // the quad's corners 00, 10, 01, 11: the first triangle has 00, 10, 01, the second 11, 01, 10
+          const int corners[3] = {isSecond ? 3 : 0, isSecond ? 2 : 1, isSecond ? 1 : 2};
+          double u = 0.5, v = 0, a = 0, b = 0;
+          for (int k = 0; k < 3; k++) {
+            const uint32_t i = x + (corners[k] & 1), j = y + (corners[k] >> 1);
+            u += weight[k]*parameter(i, quads[0], j == 0 ? rates[0] : j == quads[1] ? rates[2] : quads[0]);
+            v += weight[k]*parameter(j, quads[1], i == 0 ? rates[3] : i == quads[0] ? rates[1] : quads[1]);
+            a += weight[k]*(corners[k] & 1);
+            b += weight[k]*(corners[k] >> 1);
+          }
+          const FaceParameters found = parametersAtLowerEdge(vertPatch(quads[0], quads[1]), edges, x, y, isSecond, float(a), float(b));
+          EXPECT_NEAR(found.u, u, 1e-6) << x << " " << y << " " << isSecond << " " << a << " " << b;
+          EXPECT_NEAR(found.v, v, 1e-6) << x << " " << y << " " << isSecond << " " << a << " " << b;
+        }
+}
+
 TEST(VertRule, OfTwoTrianglesOneComesBefore)
 {
   Random random(103);

@@ -214,6 +214,50 @@ TEST(Settings, DeviceStringsWithUnknownValuesAreRefusedByNameAndValue)
   expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_frame_level=2.5", "cbvh_frame_level", "2.5");
   expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_max_error=-1", "cbvh_max_error", "-1");
   expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_max_error=x", "cbvh_max_error", "x");
+  EXPECT_EQ(representation("subdiv_accel=cbvh.vert,cbvh_max_error=0"), representation("subdiv_accel=cbvh.vert"));
+}
+
+// An unknown key of ours is refused, and the nearest known one is named: Embree takes any key in silence.
+TEST(Settings, UnknownKeysAreRefusedWithTheNearestKnownOne)
+{
+  expectNoDevice("subdiv_accel=cbvh,cbvh_maxerror=0.001", "did you mean cbvh_max_error?", "cbvh_maxerror");
+  expectNoDevice("cbvh_framelevel=2", "did you mean cbvh_frame_level?", "cbvh_framelevel");
+  expectNoDevice("cbvh_exact=1", "did you mean cbvh_exact_faces?", "cbvh_exact");
+  expectNoDevice("cbvh=vert", "the device string", "cbvh");
+  Environment environment("vert,maxerror=0.001");
+  expectNoDevice("", "did you mean max_error?", "maxerror=0.001");
+}
+
+// One kind has three names, in any case of letters, wherever one of them is taken. "grid" alone is Embree's in programs, and
+// cGRID where no other is meant.
+TEST(Settings, NamesOfKindsAreTakenEverywhere)
+{
+  const std::string kinds[] = {"grid", "voxel", "leaf", "vert"};
+  for (const std::string& kind : kinds) {
+    const std::string expected = representation("subdiv_accel=cbvh." + kind);
+    std::string upper = "cbvh." + kind;
+    for (char& c : upper) c = char(std::toupper(c));
+    for (const std::string& name : {"c" + kind, "C" + kind, upper, kind}) {
+      SCOPED_TRACE(name);
+      if (name != "grid") { EXPECT_EQ(representation("subdiv_accel=" + name), expected); }
+      Environment environment(name.c_str());
+      EXPECT_EQ(representation(""), expected);
+    }
+  }
+  EXPECT_EQ(representation("subdiv_accel=CBVH"), representation("subdiv_accel=cbvh"));
+}
+
+// A geometry that opts out of what a name of ours asks for is Embree's.
+TEST(Settings, EveryNameOfOursLeavesToEmbreeWhatOptsOut)
+{
+  for (const char* name : {"cvert", "vert", "cbvh.vert", "CBVH"}) {
+    Device device(std::string("subdiv_accel=") + name);
+    SurfaceSettings settings;
+    settings.compression = RTC_COMPRESSION_NONE;
+    const SurfaceScene scene(device, cubeCage(), settings);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << name << ": " << device.message;
+    EXPECT_EQ(statisticsOf(scene).numQuads, 0u);
+  }
 }
 
 TEST(Settings, EnvironmentsWithUnknownValuesAreRefusedByNameAndValue)
@@ -221,7 +265,7 @@ TEST(Settings, EnvironmentsWithUnknownValuesAreRefusedByNameAndValue)
   const std::pair<const char*, const char*> cases[] = {
     {"foo", "foo"}, {"leaf,frame_level=9", "9"}, {"leaf,frame_level=-1", "-1"}, {"leaf,frame_level=", ""},
     {"leaf,frame_level=2x", "2x"}, {"leaf,level=9", "9"}, {"2", "2"},
-    {"leaf,max_error=-1", "-1"}, {"leaf,max_error=nan", "nan"}, {"leaf,colour=2", "colour=2"}, {"cbvh.leaf", "cbvh.leaf"}};
+    {"leaf,max_error=-1", "-1"}, {"leaf,max_error=nan", "nan"}, {"leaf,colour=2", "colour=2"}, {"cbvh.foo", "cbvh.foo"}, {"cgrids", "cgrids"}};
   for (const auto& c : cases) {
     Environment environment(c.first);
     expectNoDevice("", "EMBREE_CBVH", c.second);
@@ -676,6 +720,49 @@ TEST(Dynamic, SettingsTakeEffectWithTheNextCommit)
     EXPECT_EQ(representationOf(scene), step.name);
     EXPECT_TRUE(isHit(intersect(scene, makeRay({0, 0, 5}, {0, 0, -1}))));
   }
+}
+
+// A line on each commit: what was compressed, what GRID would take, what was left to it and why.
+TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldTake)
+{
+  const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings) {
+    std::unique_ptr<Environment> set(environment ? new Environment(environment) : nullptr);
+    testing::internal::CaptureStdout();
+    {
+      Device device(config);
+      const SurfaceScene scene(device, cubeCage(), settings);
+    }
+    const std::string text = testing::internal::GetCapturedStdout();
+    const size_t begin = text.find("compression: 1 surface");
+    return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
+  };
+  SurfaceSettings settings;
+  settings.rate = 64;
+  for (const char* environment : {"1,verbose", "verbose,cvert"}) {
+    const std::string line = lineOf(environment, "", settings);
+    EXPECT_NE(line.find("1 surface as cVERT: 24576 quads in 0.0"), std::string::npos) << line;
+    EXPECT_NE(line.find("left to GRID: nothing"), std::string::npos) << line;
+    /* what GRID would take is what GRID takes, but for the allocator's rounding */
+    Memory memory;
+    Device grid("subdiv_accel=bvh4.grid.eager");
+    rtcSetDeviceMemoryMonitorFunction(grid, Memory::monitor, &memory);
+    Scene scene(grid);
+    addSurface(grid, scene, cubeCage(), settings);
+    const ssize_t input = memory.live;
+    rtcCommitScene(scene);
+    const size_t at = line.find("about ");
+    ASSERT_NE(at, std::string::npos) << line;
+    const double mebibytes = std::stod(line.substr(at + 6)), taken = double(memory.live - input)/(1 << 20);
+    EXPECT_GT(mebibytes, 0.85*taken);
+    EXPECT_LT(mebibytes, 1.1*taken);
+  }
+  EXPECT_NE(lineOf(nullptr, "verbose=1,subdiv_accel=cbvh.voxel", settings).find("1 surface as cVOXEL"), std::string::npos);
+  EXPECT_EQ(lineOf("1", "", settings), "");
+  EXPECT_EQ(lineOf("verbose", "", settings), "");
+  settings.edgeRates.assign(24, 8);
+  settings.edgeRates[0] = 300;
+  const std::string line = lineOf("voxel,verbose", "", settings);
+  EXPECT_NE(line.find("left to GRID: 2400 quads for their edge rates"), std::string::npos) << line;
 }
 
 } // namespace

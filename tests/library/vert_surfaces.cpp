@@ -406,6 +406,38 @@ TEST_P(VertRays, HitTheDecodedTriangles)
     }
 }
 
+// z = |x - 4|/4
+void foldAt4(const RTCDisplacementFunctionNArguments* args)
+{
+  for (unsigned i = 0; i < args->N; i++) {
+    args->P_x[i] = std::nearbyint(args->P_x[i]);
+    args->P_y[i] = std::nearbyint(args->P_y[i]);
+    args->P_z[i] = 0.25f*std::fabs(args->P_x[i] - 4);
+  }
+}
+
+// Triangles of two groups have a fold's edge; at the same distance that of the first group counts, whichever is met first.
+TEST_P(VertRays, OnAFoldTheFirstTriangleIsHit)
+{
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  Scene scene(device);
+  RTCGeometry sheet = newSurface(device, quadCage(16), vert(16));
+  rtcSetGeometryDisplacementFunction(sheet, foldAt4);
+  rtcCommitGeometry(sheet);
+  attach(scene, sheet);
+  rtcCommitScene(scene);
+  ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  for (float slope : {0.0f, 0.25f, -0.25f})
+    for (float y = 0.125f; y < 16; y += 0.25f) {
+      RTCRayHit ray = makeRay({4 + 8*slope, y, 8}, {-slope, 0, -1});
+      ray = intersect(scene, ray);
+      ASSERT_TRUE(isHit(ray)) << y;
+      EXPECT_EQ(ray.ray.tfar, 8) << y;
+      EXPECT_GT(ray.hit.Ng_x*ray.hit.Ng_z, 0) << "not the side of x < 4, at y " << y << ", slope " << slope;
+    }
+}
+
 // That rays hit what they hit in a scene that was never built before.
 void expectHitsOfAFreshScene(const Device& device, RTCScene scene, const SurfaceSettings& settings, const std::vector<RTCRayHit>& rays)
 {

@@ -24,6 +24,7 @@ DECODING = tuple(f"vert_decoding_{isa} VertDecoding.*" for isa in ("avx512", "av
 TRIANGLES = tuple(f"vert_decoding_{isa} VertTriangles.*" for isa in ("avx512", "sse2"))
 RULE = ("vert_rule",)
 BORDERS = ("vert_surfaces -VertRays.*:VertCache.*:Isas/*", "mixed_rates BordersOfMixedRates.*:*VERT", "cage_topology")
+HITS = ("vert_surfaces *VertRays.*",)
 RAYS = ("vert_surfaces *VertRays.*", "scene_features *cVERT*:Packets.*", "coherent_packets *cVERT*")
 SETTINGS = ("compression_api Settings.*:SetGeometryCompression.*",)
 
@@ -57,14 +58,14 @@ FUNCTIONS = (
     Entry("CellDecoder", 4, DECODING),
     Entry("VertDecoder", 7, DECODING),
     Entry("setWindows", 2, DECODING),
-    Entry("::isInside", 2, TRIANGLES, {"isInside, word": "what is found beside the ray is left out by its own sides"}),
-    Entry("triangleSides", 2, TRIANGLES),
+    Entry("::isInside", 2, TRIANGLES, {"isInside, ": "what is found beside the ray is left out by its own sides"}),
+    Entry("triangleSides", 2, TRIANGLES + HITS),
     Entry("exactProduct", 4, RULE),
     Entry("compareMagnitudes", 2, RULE),
     Entry("exactSideOfFloats", 2, RULE),
     Entry("distanceOfHit", 2, RULE),
     Entry("isOfPlane", 1, RULE),
-    Entry("::comesBefore", 2, RULE),
+    Entry("::comesBefore", 2, RULE, {"[< => <=] b . geomID": "they differ there"}),
     Entry("GroupTriangles", 3, TRIANGLES),
     Entry("GroupTrianglesK", 3, TRIANGLES),
     Entry("::contains", 3, RULE),
@@ -80,17 +81,22 @@ FUNCTIONS = (
     Entry("crossPatch", 2, ("crossing",)),
     Entry("GroupDecoder4", 2, ("simd_decoding_avx512", "simd_decoding_sse2")),
     # borders and lattices
-    Entry("SharedVertices::findOwners", 5, BORDERS),
+    Entry(
+        "SharedVertices::findOwners",
+        5,
+        BORDERS,
+        {"[< => <=] edge . ownRate": "they differ there", "[< => <=] owner ) owner = a": "both are the same then"},
+    ),
     Entry("SharedVertices::joinEdges", 2, BORDERS),
     Entry("SharedVertices::joinNonManifold", 1, BORDERS),
     Entry("SharedVertices::half", 2, BORDERS),
     Entry("SharedVertices::edgeOf", 2, BORDERS),
     Entry("SharedVertices::ownLine", 2, BORDERS),
     Entry("firstStitched", 1, BORDERS),
-    Entry("SharedVertices::spacingAskedFor", 2, BORDERS),
-    Entry("shareBorder", 3, BORDERS),
+    Entry("SharedVertices::spacingAskedFor", 2, BORDERS, {"last round": "reads behind arrays, which the sanitizers see"}),
+    Entry("shareBorder", 3, BORDERS, {"at < part . x0 [|| => &&]": "parts that are written are whole rows"}),
     Entry("VertexGrid::spreadBorder", 2, ("mixed_rates BordersOfMixedRates.*:*GRID",)),
-    Entry("::latticeExponent", 2, BORDERS),
+    Entry("::latticeExponent", 2, BLOCK, {"[> => >=] 0 ?": "the exponent of 0 is below all"}),
     # what a ray hits in cVERT
     Entry("meetPlane", 1, RAYS),
     Entry("normalOf", 1, RAYS),
@@ -98,13 +104,13 @@ FUNCTIONS = (
     Entry("VertHits::reportNearest", 2, RAYS),
     Entry("positionInQuad", 1, RAYS),
     Entry("faceParameterOfQuad", 1, RAYS),
-    Entry("parametersAtLowerEdge", 2, ("mixed_rates *VERT",)),
-    Entry("meetsBounds", 2, RAYS),
-    Entry("VertIntersector1::meetBoxes", 2, RAYS),
+    Entry("parametersAtLowerEdge", 2, RULE),
+    Entry("meetsBounds", 2, RAYS, {"[min => max] ( tFar": "the boxes of groups are asked then"}),
+    Entry("VertIntersector1::meetBoxes", 2, RAYS, {"open = [0 => 1]": "the triangles of a group that is not met are not hit"}),
     Entry("CachedVertBlock::quads", 2, RAYS),
     Entry("ThreadCache", 2, ("vert_surfaces VertCache.*", "threads")),
     # settings
     Entry("setMaxError", 2, SETTINGS),
     Entry("verify", 2, SETTINGS),
-    Entry("resolve", 2, SETTINGS),
+    Entry("resolve", 2, SETTINGS + ("exact_faces ExactFaces.Geometry*",)),
 )

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "factory.h"
+#include "../base/environment.h"
 #include "../base/kinds.h"
 #include "../embree/scene.h"
 
@@ -77,7 +78,7 @@ namespace embree
   /*! says at verbosity 1 what becomes of the surfaces with motion blur, or of those without */
   static void reportCompression (Scene* scene, bool ofMotion)
   {
-    if (!scene->device->verbosity(1)) return;
+    if (!scene->device->verbosity(1) && !(ofMotion && environmentAsksForCommitLines())) return;
     forEachCompressed(scene,[&](size_t geomID, const CompressionSettings& settings, bool motion) {
         if (motion != ofMotion) return;
         Lock<MutexSys> lock(g_printMutex);

@@ -19,6 +19,9 @@ namespace embree
     std::unique_ptr<CompressionReport> report; //!< of the last build
   };
 
+  /*! Whether that value of subdiv_accel is one of ours: "cbvh", "cbvh.vert", "cvert", in any case of letters. */
+  bool isNameOfOurs (const std::string& subdivAccel);
+
   /*! Whether a scene that keeps its accelerators, as dynamic ones do, has to get new ones:
    *  its surfaces were compressed and none asks for it any more, or the other way round. */
   bool isCompressionOutdated (Scene* scene);

@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "../embree/scene.h"
+#include "factory.h"
 #include "settings.h"
+#include "../base/environment.h"
 #include "../base/kinds.h"
+#include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <iostream>
 #include <locale>
@@ -21,11 +25,51 @@ namespace embree
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,message);
   }
 
-  static bool parseKind (const std::string& key, RTCCompression& compression)
+  static std::string lowerCase (std::string text)
   {
+    for (char& c : text) c = char(std::tolower((unsigned char)c));
+    return text;
+  }
+
+  /*! "cvert", "vert" and "cbvh.vert", in any case of letters */
+  static bool parseKind (const std::string& name, RTCCompression& compression)
+  {
+    const std::string lower = lowerCase(name);
     for (const cbvh::KindDescription& kind : cbvh::kindDescriptions)
-      if (key == kind.key) { compression = kind.compression(); return true; }
+      for (const char* prefix : { "c","","cbvh." })
+        if (lower == std::string(prefix) + kind.key) { compression = kind.compression(); return true; }
     return false;
+  }
+
+  /*! how many letters to insert, to delete or to replace make one word of the other */
+  static size_t distance (const std::string& a, const std::string& b)
+  {
+    std::vector<size_t> row(b.size()+1);
+    for (size_t j=0; j<=b.size(); j++) row[j] = j;
+    for (size_t i=0; i<a.size(); i++)
+    {
+      size_t diagonal = row[0];
+      row[0] = i+1;
+      for (size_t j=0; j<b.size(); j++) {
+        const size_t replaced = diagonal + (a[i] != b[j]);
+        diagonal = row[j+1];
+        row[j+1] = std::min(replaced,std::min(row[j],row[j+1])+1);
+      }
+    }
+    return row[b.size()];
+  }
+
+  bool isNameOfOurs (const std::string& subdivAccel)
+  {
+    RTCCompression compression;
+    const std::string lower = lowerCase(subdivAccel);
+    return lower == "cbvh" || (lower != "grid" && parseKind(lower,compression)); // in programs "grid" is Embree's
+  }
+
+  /*! what one may have meant by a word that is none of these */
+  static std::string nearest (const std::string& word, const std::vector<std::string>& known)
+  {
+    return *std::min_element(known.begin(),known.end(),[&](const std::string& a, const std::string& b) { return distance(word,a) < distance(word,b); });
   }
 
   /*! "cbvh.grid, cbvh.voxel or cbvh.leaf" */
@@ -35,6 +79,10 @@ namespace embree
     for (uint32_t k=0; k<cbvh::numKinds; k++)
       keys += (k == 0 ? "" : k+1 < cbvh::numKinds ? ", " : " or ") + prefix + cbvh::kindDescriptions[k].key;
     return keys;
+  }
+
+  static void unknownKey (const std::string& where, const std::string& key, const std::vector<std::string>& known) {
+    invalid(where,key,"there is no such key, did you mean " + nearest(key,known) + "?");
   }
 
   void CompressionSettings::setFrameLevel (const std::string& name, const std::string& value)
@@ -73,43 +121,37 @@ namespace embree
     return "";
   }
 
-  bool CompressionSettings::parse (const Token& key, TokenStream& stream)
+  bool CompressionSettings::parse (const Token& token, TokenStream& stream)
   {
-    const bool isFrameLevel = key == Token::Id("cbvh_frame_level");
-    const bool isMaxError   = key == Token::Id("cbvh_max_error");
-    const bool isExactFaces = key == Token::Id("cbvh_exact_faces");
-    if (!isFrameLevel && !isMaxError && !isExactFaces) return false;
+    std::string key;
+    try { key = token.Identifier(); } catch (const std::exception&) { return false; }
+    if (key.compare(0,4,"cbvh") != 0) return false;
     std::string value;
     if (stream.trySymbol("=")) value = valueText(stream.get());
-    if (isFrameLevel)    setFrameLevel("cbvh_frame_level",value);
-    else if (isMaxError) setMaxError("cbvh_max_error",value);
-    else                 setExactFaces("cbvh_exact_faces",value);
+    if (key == "cbvh_frame_level")      setFrameLevel(key,value);
+    else if (key == "cbvh_max_error")   setMaxError(key,value);
+    else if (key == "cbvh_exact_faces") setExactFaces(key,value);
+    else unknownKey("the device string",key,{ "cbvh_frame_level","cbvh_max_error","cbvh_exact_faces" });
     return true;
   }
 
   void CompressionSettings::parseEnvironment ()
   {
-    const char* text = getenv("EMBREE_CBVH");
-    if (text == nullptr) return;
-    std::stringstream items(text);
-    std::string item;
-    while (std::getline(items,item,','))
+    for (const std::string& item : environmentItems())
     {
-      const size_t begin = item.find_first_not_of(" \t"), end = item.find_last_not_of(" \t");
-      if (begin == std::string::npos) continue;
-      item = item.substr(begin,end-begin+1);
       const size_t equals = item.find('=');
       const std::string key = item.substr(0,equals);
       const std::string value = equals == std::string::npos ? "" : item.substr(equals+1);
       if (equals == std::string::npos) {
-        if (key == "none" || key == "0") compression = RTC_COMPRESSION_NONE;
+        if (key == "verbose") {} // commits ask for it
+        else if (key == "none" || key == "0") compression = RTC_COMPRESSION_NONE;
         else if (key == "1") compression = bestCompression;
-        else if (!parseKind(key,compression)) invalid("EMBREE_CBVH",item,"expected 1, 0, none, " + kindKeys(""));
+        else if (!parseKind(key,compression)) invalid("EMBREE_CBVH",item,"expected 1, 0, none, verbose, " + kindKeys(""));
       }
       else if (key == "frame_level" || key == "level") setFrameLevel("EMBREE_CBVH " + key,value);
       else if (key == "max_error") setMaxError("EMBREE_CBVH max_error",value);
       else if (key == "exact_faces") setExactFaces("EMBREE_CBVH exact_faces",value);
-      else invalid("EMBREE_CBVH",item,"expected frame_level, max_error or exact_faces");
+      else unknownKey("EMBREE_CBVH",item,{ "frame_level","max_error","exact_faces" });
     }
   }
 
@@ -122,12 +164,13 @@ namespace embree
 
   void CompressionSettings::verify (const std::string& subdivAccel, bool verbose)
   {
-    if (subdivAccel == "cbvh")
+    const std::string lower = lowerCase(subdivAccel);
+    if (lower == "cbvh")
       compression = bestCompression;
-    else if (subdivAccel.compare(0,4,"cbvh") == 0) {
-      if (subdivAccel.compare(0,5,"cbvh.") != 0 || !parseKind(subdivAccel.substr(5),compression))
-        invalid("subdiv_accel",subdivAccel,"expected cbvh, " + kindKeys("cbvh."));
-    }
+    else if (isNameOfOurs(lower))
+      parseKind(lower,compression);
+    else if (lower.compare(0,4,"cbvh") == 0)
+      invalid("subdiv_accel",subdivAccel,"expected cbvh, " + kindKeys("cbvh."));
     else if (subdivAccel != "default")
       compression = RTC_COMPRESSION_NONE;
 

@@ -12,6 +12,8 @@
 #include "../framed/writer.h"
 #include "../surface/cage_patch.h"
 #include "../vert/writer.h"
+#include "../base/environment.h"
+#include "commit_line.h"
 #include "report.h"
 #include "../base/thread_cache.h"
 
@@ -71,6 +73,7 @@ namespace embree
         report->statistics = all.sums;
 
         buildTopLevel(collect(lists));
+        reportCommit(surfaces,all);
         cbvh::outdateThreadCaches();
         if (scene->isStaticAccel()) prims.clear();
         bvh->cleanup();
@@ -134,6 +137,19 @@ namespace embree
               n += size_t(unsigned(size.x-2)/side+1)*size_t(unsigned(size.y-2)/side+1);
             });
           return n;
+        }
+
+        size_t bytesInGrid () const
+        {
+          return parallel_reduce(size_t(0),plan.mesh->size(),facesPerTask,size_t(0),[&](const range<size_t>& faces) {
+              size_t bytes = 0;
+              for (size_t f=faces.begin(); f!=faces.end(); f++)
+                if (hasSurface(plan.mesh,f))
+                  forEachPatch(plan.mesh,f,[&](const PatchOfFace& patch) {
+                      bytes += CommitLine::bytesInGrid(SubdivPatch1Base::computeGridSize(patch.rate) - Vec2i(1));
+                    });
+              return bytes;
+            },std::plus<size_t>());
         }
 
         template<typename Closure>
@@ -233,6 +249,16 @@ namespace embree
           report->errors.push_back(describeInvalid(plan,total));
         all.merge(total);
         surface.shared.reset();
+      }
+
+      void reportCommit (const std::vector<std::unique_ptr<Surface>>& surfaces, const cbvh::BuildStatistics& all) const
+      {
+        if (!scene->device->verbosity(1) && !environmentAsksForCommitLines()) return;
+        CommitLine line;
+        for (const auto& surface : surfaces)
+          line.addGeometry(surface->plan.compresses(),surface->plan.compresses() ? surface->plan.kind() : cbvh::Kind::VERT,surface->bytesInGrid());
+        Lock<MutexSys> lock(g_printMutex);
+        std::cout << line.text(report->statistics,all) << std::endl;
       }
 
       /*! what of a compressed geometry is stored otherwise than asked for */

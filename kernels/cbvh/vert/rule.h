@@ -165,9 +165,7 @@ CBVH_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
 {
   ExactProduct p = exactProduct(ax,by), q = exactProduct(ay,bx);
   if (p.isNegative == q.isNegative) return p.isNegative ? -compareMagnitudes(p,q) : compareMagnitudes(p,q);
-  /* 0 is not negative */
-  if (p.isNegative) return -1;
-  return (p.high | p.low | q.high | q.low) == 0u ? 0 : 1;
+  return p.isNegative ? -1 : 1; // 0 is not negative, so the other is not 0
 }
 
 #if !defined(VULKAN) || defined(CBVH_FLOAT64)

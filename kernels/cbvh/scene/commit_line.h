@@ -1,0 +1,90 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What a commit compressed, in a line: how else does one know in a closed renderer that it works? */
+
+#include "../base/build_statistics.h"
+#include "../base/grid_writer.h"
+#include "../base/kinds.h"
+#include <iomanip>
+#include <locale>
+#include <sstream>
+
+namespace embree
+{
+  namespace isa
+  {
+    class CommitLine
+    {
+    public:
+      /*! a geometry of a kind, or of GRID where it asks for no compression; bytesInGrid: what it would take there */
+      void addGeometry (bool compresses, cbvh::Kind kind, size_t bytesInGrid)
+      {
+        geometries[compresses ? uint32_t(kind) : notCompressed]++;
+        gridBytes += bytesInGrid;
+      }
+
+      std::string text (const RTCCompressionStatistics& sums, const cbvh::BuildStatistics& all) const
+      {
+        std::ostringstream line;
+        line.imbue(std::locale::classic());
+        const size_t bytes = sums.topLevelBytes + sums.frameBytes + sums.nodeBytes + sums.leafBytes + sums.gridBytes;
+        const size_t quads = sums.numQuads + sums.numGridQuads;
+        line << "compression: " << kinds() << ": " << quads << " quads in " << mebibytes(bytes) << " MiB, GRID would take about " << mebibytes(gridBytes) << " MiB; left to GRID: ";
+        const char* between = "";
+        auto left = [&](size_t n, const std::string& what) { if (n) { line << between << n << what; between = ", "; } };
+        left(geometries[notCompressed]," surfaces that ask for no compression");
+        left(all.highRateQuads," quads for their edge rates");
+        left(all.refusedQuads," quads of blocks without a good frame");
+        if (*between == 0) line << "nothing";
+        return line.str();
+      }
+
+      /*! Bytes of a patch in GRID: its grids, and its part of nodes with four children above them. */
+      static size_t bytesInGrid (const Vec2i& quads)
+      {
+        const unsigned side = GridWriter::gridQuads;
+        const unsigned full[2] = { unsigned(quads.x)/side,unsigned(quads.y)/side }, rest[2] = { unsigned(quads.x)%side,unsigned(quads.y)%side };
+        size_t bytes = size_t(full[0])*size_t(full[1])*bytesOfGrid(side,side);
+        if (rest[0]) bytes += full[1]*bytesOfGrid(rest[0],side);
+        if (rest[1]) bytes += full[0]*bytesOfGrid(side,rest[1]);
+        if (rest[0] && rest[1]) bytes += bytesOfGrid(rest[0],rest[1]);
+        return bytes;
+      }
+
+    private:
+      static size_t bytesOfGrid (unsigned x, unsigned y)
+      {
+        return offsetof(GridSOA,data) + GridSOA::getBVHBytes(GridRange(0,x,0,y),sizeof(BVH4::AABBNode),0)
+          + 4*sizeof(float)*size_t(x+1)*size_t(y+1) + sizeof(BVH4::NodeRef) + sizeof(BVH4::AABBNode)/3;
+      }
+
+      static std::string mebibytes (size_t bytes)
+      {
+        std::ostringstream text;
+        text.imbue(std::locale::classic());
+        text << std::fixed << std::setprecision(bytes < (size_t(10) << 20) ? 2 : 1) << double(bytes)/(1 << 20);
+        return text.str();
+      }
+
+      /*! "2 surfaces as cVERT, 1 as cLEAF" */
+      std::string kinds () const
+      {
+        std::string text;
+        for (uint32_t k=0; k<cbvh::numKinds; k++) {
+          const size_t n = geometries[uint32_t(cbvh::kindDescriptions[k].kind)];
+          if (n == 0) continue;
+          text += text.empty() ? std::to_string(n) + (n == 1 ? " surface as " : " surfaces as ") : ", " + std::to_string(n) + " as ";
+          text += cbvh::kindDescriptions[k].name;
+        }
+        return text;
+      }
+
+      static const uint32_t notCompressed = cbvh::maxKinds;
+      size_t geometries[cbvh::maxKinds+1] = {};
+      size_t gridBytes = 0;
+    };
+  }
+}
