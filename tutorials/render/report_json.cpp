@@ -12,8 +12,8 @@ namespace {
 
 using nlohmann::json;
 
-/* speed: whether it was measured. */
-json resultJson(const Result& r, bool speed)
+/* compared: with other representations; speed: whether it was measured. */
+json resultJson(const Result& r, bool compared, bool speed)
 {
   json j;
   j["representation"] = r.representation.label();
@@ -31,7 +31,8 @@ json resultJson(const Result& r, bool speed)
   for (RaySet set : {Coherent, Incoherent})
   {
     const char* const name = raySetName(set);
-    j["any_hit_disagreements"][name] = r.anyDisagreements[set];
+    if (compared)
+      j["any_hit_disagreements"][name] = r.anyDisagreements[set];
     for (Query query : {Closest, Any})
       if (speed)
       {
@@ -70,7 +71,7 @@ std::string formatJson(const Comparison& c)
     out["error_reference"] = c.reference;
   out["true_surface_hits"] = c.trueHits;
   for (const Result& r : c.results)
-    out["results"].push_back(resultJson(r, c.speed));
+    out["results"].push_back(resultJson(r, c.compares, c.speed));
   return out.dump(2) + "\n";
 }
 
