@@ -299,7 +299,7 @@ def print_list(jobs, times, cage):
             f"{job.name:18s} {job.figures:34s} {job.scene or cage}, levels {level_text(job.levels)}, "
             + (f"took {clock(seconds)}" if measured else f"about {clock(seconds)}")
         )
-    measured = f"at {times.pace():.2f} times the planned time, as measured here" if times.known else "as planned for two cores"
+    measured = f"at {times.pace():.2f} times the planned time, as measured here" if times.known else "as planned for two idle cores; a run notes what it took here"
     print(f"{len(jobs)} jobs, about {clock(total)}, {measured}")
 
 

@@ -114,9 +114,9 @@ def gpu_quick():
 def quick():
     small = "--size 768x768 --true-surface 1000"
     return (
-        cube("full", f"{small} --rays 30000 --repeat 9", 30)
+        cube("full", f"{small} --rays 30000 --repeat 9", 33)
         + [Job("trex", "figures 11, 12, 16, 17", "trex", [4, 5, 6],
-               f"--representation {MAIN} --view full,close --picture-level 6 {small} --rays 50000 --repeat 9", 140)]
+               f"--representation {MAIN} --view full,close --picture-level 6 {small} --rays 50000 --repeat 9", 155)]
         + portraits(f"{small} --rays 50000 --repeat 5", 12)
         + [Job("entrances", "packets, streams, any hit", "trex", [4],
                f"--representation grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert --view full {ENTRANCES} --size 768x768 --rays 40000 --repeat 5",
@@ -129,14 +129,14 @@ def quick():
 def figures():
     measure = "--size 1024x1024 --rays 300000"
     return (
-        cube("full,close", "--size 1024x1024 --rays 200000 --repeat 9", 190)
+        cube("full,close", "--size 1024x1024 --rays 200000 --repeat 9", 208)
         + [Job("trex", "figures 11, 12, 16, 17", "trex", [4, 5, 6],
-               f"--representation {MAIN},cgrid^3 --view full,close --picture-level 6 {measure} --repeat 9", 260),
+               f"--representation {MAIN},cgrid^3 --view full,close --picture-level 6 {measure} --repeat 9", 285),
            Job("trex_level8", "figure 11, right", "trex", [8],
                f"--representation grid,cvoxel^4 --view full,close {measure} --repeat 5", 300, heavy=True)]
         + portraits("--size 1024x1024 --rays 200000 --repeat 5", 20)
         + [Job("trex_levels", "error against speed and memory", "trex", [4, 5, 6],
-               f"--representation {FINE_FRAMES} --reference-level 7 --view full {measure} --repeat 5", 180, heavy=True),
+               f"--representation {FINE_FRAMES} --reference-level 7 --view full {measure} --repeat 5", 198, heavy=True),
            Job("entrances", "packets, streams, any hit", "trex", [5],
                f"--representation grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert --view full {ENTRANCES} --size 1024x1024 --rays 100000 --repeat 7",
                80)]
@@ -150,7 +150,7 @@ def paper():
 def full(isas):
     measure = "--size 1024x1024 --rays 200000 --repeat 5"
     jobs = figures() + checks(CLOSED, 6, 10**7, "leaks,offsets", 120) + hard_checks(10**7) + sheets(10**7, 250) + [
-        Job("trex_rough", "strong displacement", "trex:0.02", [5, 6], f"--representation {MAIN} --view full,close {measure}", 150),
+        Job("trex_rough", "strong displacement", "trex:0.02", [5, 6], f"--representation {MAIN} --view full,close {measure}", 165),
         Job("threads", "all threads", "trex", [5],
             f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert --view full --mode single,stream --threads 1,0 {measure}", 60),
         Job("herd", "growth", "herd", [4, 5], f"--representation grid,cvoxel^2,cleaf-only^2,cvert --view full {measure}", 120, heavy=True),
@@ -173,7 +173,7 @@ def frames(measure):
 def own_cage(name, options, short):
     """What is measured of a cage of the user's."""
     levels = [4, 5] if short else [4, 5, 6]
-    return Job(name, "your cage", "", levels, f"--representation {FINE_FRAMES},naive --view full,close {options}", 60)
+    return Job(name, "your cage", "", levels, f"--representation {FINE_FRAMES},naive --view full,close {options}", 66)
 
 
 NAMES = ("quick", "full", "paper", "gpu", "gpu-quick")
