@@ -12,6 +12,16 @@ class Damaged(Exception):
     """A record that cannot be used; its text says why, in a few words."""
 
 
+def name_leaves(record):
+    """Calls cLEAF-only what was measured with --leaves-only, an option of before that had a name."""
+    if record["run"].get("settings", {}).pop("leaves_only", False):
+        for result in (result for group in record["groups"] for result in group["results"]):
+            for key in ("representation", "kind"):
+                kind, mark, frame = result.get(key, "").partition("^")
+                if kind == "cLEAF":
+                    result[key] = "cLEAF-only" + mark + frame
+
+
 def read(path):
     """The contents of a record, checked for what its readers rely on."""
     try:
@@ -35,6 +45,7 @@ def read(path):
                 if "on_device" in result:
                     for key in ("device", "device_bytes", "imported_bytes", "upload_seconds"):
                         result["on_device"][key]
+        name_leaves(record)
     except (KeyError, TypeError) as error:
         raise Damaged(f"incomplete, lacks {error}") from error
     return record

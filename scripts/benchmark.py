@@ -4,11 +4,13 @@
 
 """Measures a named set of scenes and representations with cbvh_bench.
 
-    scripts/benchmark.py quick        at most 5 minutes on two cores
+    scripts/benchmark.py quick        what the report begins with
     scripts/benchmark.py paper        everything that the paper shows
     scripts/benchmark.py full         that, and packets, threads, instruction sets, large scenes, and gpu-quick
     scripts/benchmark.py gpu          speed and memory on a Vulkan device, and the same on one thread
     scripts/benchmark.py gpu-quick    less of that, for any device, llvmpipe among them
+
+With --list it says what a set measures and how long that takes on this machine.
 
 Each scene is a record of its own under output/benchmark/SET, written anew after each
 level. A run that was stopped, or that found the disk full, goes on where it was when the
@@ -62,7 +64,7 @@ def read_arguments():
     parser.add_argument("--bench", metavar="FILE", help="program (default: build/release/tutorials/bench/cbvh_bench)")
     parser.add_argument("--device", metavar="NAME", help="Vulkan device of the sets for one: its index or a part of its name")
     parser.add_argument("--fresh", action="store_true", help="measure again what has been measured")
-    parser.add_argument("--list", action="store_true", help="say what the set measures, and end")
+    parser.add_argument("--list", action="store_true", help="say what the set measures and how long that takes, and end")
     parser.add_argument("--print-commands", action="store_true", help="print the command line of each job, and end")
     return parser.parse_args()
 
@@ -228,7 +230,6 @@ def command_of(bench, job, levels, folder):
     if job.pictures:  # in a folder of its own: jobs may show the same scene and view in other sizes
         command += ["--pictures", os.path.relpath(folder / "pictures" / job.name)]
     command += ["--json", os.path.relpath(record_of(job, levels, folder))]
-    command += ["--leaves-only"]  # the paper's cLEAF
     return command + ["--maps", os.path.relpath(folder / "maps")]  # one skin of trex for all jobs
 
 
@@ -298,7 +299,7 @@ def print_list(jobs, times, cage):
             f"{job.name:18s} {job.figures:34s} {job.scene or cage}, levels {level_text(job.levels)}, "
             + (f"took {clock(seconds)}" if measured else f"about {clock(seconds)}")
         )
-    measured = f"at {times.pace():.2f} times the planned time, as measured here" if times.known else "as planned for two cores"
+    measured = f"at {times.pace():.2f} times the planned time, as measured here" if times.known else "as planned for two idle cores; a run notes what it took here"
     print(f"{len(jobs)} jobs, about {clock(total)}, {measured}")
 
 

@@ -51,7 +51,7 @@ measure() {
   if [ "$left" -lt 30 ]; then echo "$name: left out, the time is over"; return; fi
   [ "$seconds" -gt "$left" ] && seconds=$left
   started=$(date +%s)
-  if timeout -k 10 "$seconds" "$here/bin/cbvh_bench_bare" --device "$device" --true-surface 0 --leaves-only --rays 0 --size 1024x1024 \
+  if timeout -k 10 "$seconds" "$here/bin/cbvh_bench_bare" --device "$device" --true-surface 0 --rays 0 --size 1024x1024 \
     "$@" --json "$results/$name.json" > "$results/$name.txt" 2> "$results/$name.log"; then
     echo "$name: $(($(date +%s) - started)) s"
   else
@@ -60,17 +60,17 @@ measure() {
   grep 'Mrays/s' "$results/$name.txt" | head -40 || true
 }
 
-all=naive,grid,cgrid,cvoxel,cleaf,cvert
+all=naive,grid,cgrid,cvoxel,cleaf-only,cvert
 common="--set coherent,incoherent --query closest,any --repeat 5"
 
 measure trex_6 400 --scene trex --level 6 --representation $all $common
 measure trex_4_5 200 --scene trex --level 4,5 --representation $all $common
 measure others_6 300 --scene frog,cube,knee --level 6 --representation $all $common
-measure trex_7 400 --scene trex --level 7 --representation grid,cgrid,cvoxel,cleaf,cvert $common
-measure close_6 200 --scene trex,frog --view close --level 6 --representation grid,cleaf,cvert $common
-measure others_4_5_7 200 --scene frog,cube,knee --level 4,5,7 --representation grid,cleaf,cvert $common
-measure leaks 200 --scene cube --level 5 --representation cvoxel,cleaf,cvert --check leaks,sheets,shadows --check-rays 10000000 --repeat 0
+measure trex_7 400 --scene trex --level 7 --representation grid,cgrid,cvoxel,cleaf-only,cvert $common
+measure close_6 200 --scene trex,frog --view close --level 6 --representation grid,cleaf-only,cvert $common
+measure others_4_5_7 200 --scene frog,cube,knee --level 4,5,7 --representation grid,cleaf-only,cvert $common
+measure leaks 200 --scene cube --level 5 --representation cvoxel,cleaf-only,cvert --check leaks,sheets,shadows --check-rays 10000000 --repeat 0
 for count in 8 24 64; do
-  measure "herd_$count" 300 --scene herd --count $count --level 6 --representation cleaf,cvert --set coherent,incoherent --repeat 3
+  measure "herd_$count" 300 --scene herd --count $count --level 6 --representation cleaf-only,cvert --set coherent,incoherent --repeat 3
 done
 echo "all: $(($(date +%s) - begin)) s"

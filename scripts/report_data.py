@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bench_records as records
 
-KINDS = ("NAIVE", "GRID", "cGRID", "cVOXEL", "cLEAF", "cVERT")
+KINDS = ("NAIVE", "GRID", "cGRID", "cVOXEL", "cLEAF", "cLEAF-only", "cVERT")
 ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")
 
 
@@ -39,6 +39,14 @@ class Row:
     @property
     def bytes(self):
         return self.memory["live_bytes"]
+
+    @property
+    def exact_share(self):
+        """The part of cLEAF's quads that is stored exactly, as cVERT; None of other kinds."""
+        if self.kind != "cLEAF":
+            return None
+        compression = self.memory["compression"]
+        return compression["exact_quads"] / max(1, compression["quads"])
 
     @property
     def held_bytes(self):

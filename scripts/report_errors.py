@@ -8,16 +8,14 @@ from html import escape
 import report_figures as f
 import report_page as p
 
-MESH_HEADS = ("", "level", "view", "RMSE", "median", "bias", "normal", "flipped", "(u,v)")
+MESH_HEADS = ("", "level", "view", "median", "p99", "bias", "normal", "flipped", "(u,v)")
 TRUE_HEADS = (
     "",
     "level",
     "view",
-    "RMSE along the ray",
-    "bias along the ray",
-    "distance: RMSE",
-    "distance: median",
-    "distance: p99",
+    "median",
+    "p99",
+    "bias",
     "normal",
     "(u,v)",
     "rules",
@@ -26,14 +24,14 @@ TRUE_HEADS = (
 TEXT = (
     "<p>Two errors of each hit. Against the <b>mesh</b>, GRID's of the same level: what compression costs. Against the "
     "<b>true</b> surface, OpenSubdiv's limit surface displaced by the heights as they are in the map, on a random sample "
-    "of the hits: what tessellation and compression cost together, GRID's own error included. RMSE and bias are along "
-    "the ray, in pixels, of hits within 5 pixels, a positive bias is behind; distance is to the nearest point of the "
-    "true surface; normal and (u,v) are medians in degrees and in quads of the level; flipped counts normals that are more than 90 "
-    "degrees from the mesh's. A ray that passes a silhouette in "
-    "one of both hits another sheet, far from the mesh's hit but near to the true surface: such rays are in the RMSE "
-    "against the mesh alone. The column <i>rules</i> says what rules the error against the true surface: where GRID's own is "
-    "half of its square and more, a finer level helps more than a better representation. In the charts, marks at the "
-    "bottom are errors below a thousandth of a pixel.</p>"
+    "of the hits: what tessellation and compression cost together, GRID's own error included. Both are distances in pixels, "
+    "to GRID's hit of the same ray and to the nearest point of the true surface: half of the hits stay below the median, 99 of "
+    "100 below p99. The bias is along the ray, of hits within 5 pixels, and positive behind; normal and (u,v) are medians in "
+    "degrees and in quads of the level; flipped counts normals that are more than 90 degrees from the mesh's. A ray that passes "
+    "a silhouette in one of both hits another sheet, far from the mesh's hit but near to the true surface. The column "
+    "<i>rules</i> says what rules the error against the true surface: where GRID's own is "
+    "half of its mean square along the ray and more, a finer level helps more than a better representation. In the charts, "
+    "marks at the bottom are errors below a thousandth of a pixel.</p>"
 )
 
 
@@ -64,8 +62,8 @@ def names(row, view):
 def mesh_cells(row, view):
     mesh = row.errors(view)
     return names(row, view) + [
-        pixels(mesh["rmse_of_others_pixels"]),
         pixels(mesh["median_pixels"]),
+        pixels(mesh["p99_pixels"]),
         f.signed(mesh["bias_pixels"]),
         f"{mesh['normal_median_degrees']:.2f}",
         str(mesh.get("flipped_normals", "-")),
@@ -75,9 +73,8 @@ def mesh_cells(row, view):
 
 def true_cells(data, row, view):
     true, grid = true_errors(row, view), of_grid(data, row, view)
-    out = names(row, view) + [pixels(true["rmse_along_ray_pixels"]), f.signed(true["bias_pixels"])]
-    out += [pixels(true[key]) for key in ("rmse_pixels", "median_pixels", "p99_pixels")]
-    out += [f"{true['normal_median_degrees']:.2f}", pixels(true["uv_median_cells"])]
+    out = names(row, view) + [pixels(true[key]) for key in ("median_pixels", "p99_pixels")]
+    out += [f.signed(true["bias_pixels"]), f"{true['normal_median_degrees']:.2f}", pixels(true["uv_median_cells"])]
     known = grid and row.kind != "GRID"
     return out + [ruling(true["rmse_along_ray_pixels"], grid["rmse_along_ray_pixels"]) if known else "-"]
 
@@ -94,22 +91,26 @@ def tables(data, rows):
 
 
 def error_pairs(title, pairs):
-    """Errors in pixels as marks. pairs: (label, against the mesh or None, against the true surface)."""
+    """The p99 of errors in pixels as marks, and their medians as hollow ones. pairs: (label, errors against the mesh or None,
+    errors against the true surface)."""
 
     def draw(axes, theme):
-        shown = [value for pair in pairs for value in pair[1:] if value is not None and value >= f.EXACT]
+        found = [errors[key] for pair in pairs for errors in pair[1:] if errors for key in ("median_pixels", "p99_pixels")]
+        shown = [value for value in found if value >= f.EXACT]
         low, high = min(shown, default=f.EXACT) / 2, max(shown, default=2 * f.EXACT) * 1.5
         series = (("against the mesh", 1, -0.15, "#0072B2", "o"), ("against the true surface", 2, 0.15, "#E69F00", "D"))
         for name, column, shift, colour, mark in series:
-            here = [(i + shift, pair[column]) for i, pair in enumerate(pairs) if pair[column] is not None]
-            xs, ys = [x for x, _ in here], [y if y >= f.EXACT else low for _, y in here]
-            axes.vlines(xs, low, ys, color=theme["grid"], linewidth=2)
-            axes.plot(xs, ys, mark, color=colour, markersize=5.5, label=name, clip_on=False, zorder=3)
+            here = [(i + shift, pair[column]) for i, pair in enumerate(pairs) if pair[column]]
+            xs = [x for x, _ in here]
+            p99, median = ([max(low, e[key]) for _, e in here] for key in ("p99_pixels", "median_pixels"))
+            axes.vlines(xs, low, p99, color=theme["grid"], linewidth=2)
+            axes.plot(xs, p99, mark, color=colour, markersize=5.5, label=name, clip_on=False, zorder=3)
+            axes.plot(xs, median, mark, color=colour, markersize=5, markerfacecolor="none", clip_on=False, zorder=3)
         axes.set_yscale("log")
         axes.set_ylim(low, high)
         f.log_axis(axes.yaxis)
         f.names_below(axes, [pair[0] for pair in pairs])
-        axes.set_ylabel("RMSE along the ray, pixels")
+        axes.set_ylabel("p99 (hollow: median), pixels")
         axes.set_title(title)
         f.legend(axes, 2)
 
@@ -128,8 +129,8 @@ def charts(data, rows):
         pairs = [
             (
                 row.label,
-                None if row.kind == "GRID" else row.errors("full")["rmse_of_others_pixels"],
-                true_errors(row, "full")["rmse_along_ray_pixels"],
+                None if row.kind == "GRID" else row.errors("full"),
+                true_errors(row, "full"),
             )
             for row in here
         ]

@@ -22,10 +22,11 @@ KIND_COLOURS = {
     "GRID": "#56B4E9",
     "cGRID": "#0072B2",
     "cVOXEL": "#D55E00",
-    "cLEAF": "#009E73",
+    "cLEAF": "#E69F00",
+    "cLEAF-only": "#009E73",
     "cVERT": "#CC79A7",
 }
-KIND_MARKS = {"NAIVE": "P", "GRID": "X", "cGRID": "s", "cVOXEL": "^", "cLEAF": "o", "cVERT": "D"}
+KIND_MARKS = {"NAIVE": "P", "GRID": "X", "cGRID": "s", "cVOXEL": "^", "cLEAF": "v", "cLEAF-only": "o", "cVERT": "D"}
 LEVEL_COLOURS = {4: "#4daf4a", 5: "#4682c8", 6: "#d9534f", 7: "#9467bd", 8: "#8c6d31"}  # the paper's for 4 to 6
 THEMES = {"light": {"ink": "#1c2733", "grid": "#d9dee4"}, "dark": {"ink": "#dfe6ee", "grid": "#3a444f"}}
 EXACT = 1e-3  # pixels: smaller errors are rounding, and are drawn at the left edge

@@ -25,7 +25,7 @@ RAYS = (
 DRAWN = (RAYS[0], RAYS[1], RAYS[3])
 # bytes of a buffer that many things share, and that may be almost empty: Arena in kernels/vulkan/host/memory.cpp
 SHARED_BUFFER = 2**20
-SAME_PICTURE = ("width", "height", "leaves_only", "max_error_diagonals", "position")
+SAME_PICTURE = ("width", "height", "max_error_diagonals", "position")
 
 MISSING = "speeds on a Vulkan device: scripts/benchmark.py gpu-quick, and scripts/report.py --gpu with its folder"
 TEXT = (
@@ -298,10 +298,10 @@ def builds(shown):
         cells = []
         for size in sizes:
             row = shown.rows[size].get(label)
-            cells += build_cells(row, shown.view) if row else ["-"] * 4
+            cells += build_cells(row, shown.view) if row else ["-"] * 5
         table.append((p.label(label), cells))
-    title = "bytes a quad in Embree, seconds of the build and of the copy to the device, RMSE in pixels"
-    heads = ["a quad", "build", "copy", "RMSE"]
+    title = "bytes a quad in Embree, seconds of the build and of the copy to the device, error in pixels"
+    heads = ["a quad", "build", "copy", "median", "p99"]
     names = [shown.size_name(size) for size in sizes]
     return f"<h4>{escape(shown.title)}, before it is traced: {title}</h4>" + p.grouped_table(names, heads, table)
 
@@ -309,7 +309,8 @@ def builds(shown):
 def build_cells(row, view):
     errors = row.errors(view)
     seconds = [f"{value:.2f}" for value in (row.build_seconds, row.on_device["upload_seconds"])]
-    return [digits(row.memory["bytes_per_quad"]), *seconds, f.error_text(errors["rmse_pixels"]) if errors else "-"]
+    pixels = [f.error_text(errors[key]) if errors else "-" for key in ("median_pixels", "p99_pixels")]
+    return [digits(row.memory["bytes_per_quad"]), *seconds, *pixels]
 
 
 def device_checks(device):

@@ -7,7 +7,7 @@ import report_figures as f
 import report_page as p
 from report_tradeoffs import speed_value
 
-NAMES = ("NAIVE", "GRID", "cGRID^2", "cVOXEL^2", "cLEAF^2", "cVERT")
+NAMES = ("NAIVE", "GRID", "cGRID^2", "cVOXEL^2", "cLEAF^2", "cLEAF-only^2", "cVERT")
 STYLES = (("-", "solid"), ("--", "dashed"), (":", "dotted"), ("-.", "dash-dot"))
 
 CHARTS = (

@@ -31,8 +31,8 @@ def top(data):
     lines = ["# Results", "", "<!-- Made by scripts/report.py of records of scripts/benchmark.py: not written by hand. -->", ""]
     found = report_summary.headline(data)
     if found:
-        for figure, sentence in report_summary.statements(found).values():
-            lines.append(f"- **{figure}**: {sentence}")
+        for figure, *sentences in report_summary.statements(data, found).values():
+            lines.append(f"- **{figure}**: {' '.join(filter(None, sentences))}")
         more = report_summary.other_levels(data, found)
         lines += [f"- **Other levels**: {more.replace(' at', ' times smaller at', 1)}."] if more else []
         lines.append("")
@@ -63,7 +63,7 @@ def run(data):
 
 def memory_and_speed(data, scene, rows):
     lines = [f"### {scene}: memory, build and speed", ""]
-    heads = ["level", "", "MiB", "bytes a quad", "of GRID", "peak, MiB", "build, s"]
+    heads = ["level", "", "MiB", "bytes a quad", "stored exactly, %", "of GRID", "peak, MiB", "build, s"]
     for ray_set in RAY_SETS:
         heads += [f"{ray_set}, Mrays/s", "of GRID"]
     out = []
@@ -74,6 +74,7 @@ def memory_and_speed(data, scene, rows):
             row.label,
             f"{row.bytes / 2**20:.2f}",
             f"{row.memory['bytes_per_quad']:.2f}",
+            report_levels.exact_text(row),
             f"{100 * row.bytes / grid.bytes:.1f}%" if grid else "-",
             f"{row.memory['peak_bytes'] / 2**20:.1f}",
             f"{row.build_seconds:.2f}",
@@ -89,17 +90,16 @@ def memory_and_speed(data, scene, rows):
 
 def errors(scene, rows):
     """Against the mesh, and against the true surface where that was measured. Empty without any."""
-    heads = ["level", "", "view", "RMSE", "rays beyond 5 pixels", "RMSE of the others", "median", "p99", "bias"]
-    heads += ["false hits", "misses", "normal, degrees", "true surface: RMSE", "median", "p99"]
+    heads = ["level", "", "view", "median", "p99", "rays beyond 5 pixels", "bias of the others", "false hits", "misses"]
+    heads += ["normal, degrees", "the paper's RMSE", "true surface: median", "p99"]
     out = []
     for row in rows:
         for view in row.views:
             e, true = row.errors(view), report_errors.true_errors(row, view)
-            cells = [str(row.level), row.label, view, report_errors.pixels(e["rmse_pixels"]), str(e["beyond_5_pixels"])]
-            cells += [report_errors.pixels(e[key]) for key in ("rmse_of_others_pixels", "median_pixels", "p99_pixels")]
-            cells += [f.signed(e["bias_pixels"]), str(e["false_hits"]), str(e["misses"])]
-            cells += [f"{e['normal_median_degrees']:.3f}"]
-            keys = ("rmse_pixels", "median_pixels", "p99_pixels")
+            keys = ("median_pixels", "p99_pixels")
+            cells = [str(row.level), row.label, view, *(report_errors.pixels(e[key]) for key in keys)]
+            cells += [str(e["beyond_5_pixels"]), f.signed(e["bias_pixels"]), str(e["false_hits"]), str(e["misses"])]
+            cells += [f"{e['normal_median_degrees']:.3f}", report_errors.pixels(e["rmse_pixels"])]
             out.append(cells + [report_errors.pixels(true[key]) if true else "-" for key in keys])
     return [f"### {scene}: error", "", *table(heads, out, 3)] if out else []
 
@@ -118,8 +118,7 @@ def grouped(groups, heads, rows):
 def levels_part(data):
     lines = []
     for scene in report_levels.scenes(data):
-        for title, text in report_levels.TABLES.items():
-            heads, rows = report_levels.table(data, scene, text)
+        for title, heads, rows in report_levels.tables(data, scene):
             lines += [f"### {scene}: {title[0].lower() + title[1:]}", "", *table(["", *heads], rows)]
     note = "Speeds are how many times GRID's of the same level they are; those of GRID are millions of rays a second."
     return ["## Levels and frame levels", "", note, "", *lines] if lines else []

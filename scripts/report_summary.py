@@ -1,7 +1,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The first screen of the report: what compression saves and costs, in a sentence each for memory, speed and error."""
+"""The first screen of the report: what compression saves and costs, in a sentence each for memory, speed and error of the main
+scene, and beside it from where to where that goes over all scenes, and where it is worst."""
 
 from dataclasses import dataclass
 from html import escape
@@ -11,8 +12,8 @@ import report_page as p
 import report_summary_chart as picture
 from report_data import Row
 
-FIRST = ("cVERT", "cLEAF^2", "cLEAF^3", "cVOXEL^3", "cVOXEL^2", "cGRID^2")  # the first that was measured is spoken of
-SHOWN = ("GRID", "cGRID^2", "cVOXEL^2", "cVOXEL^3", "cLEAF^2", "cLEAF^3", "cVERT")
+FIRST = ("cVERT", "cLEAF^2", "cLEAF-only^2", "cLEAF-only^3", "cVOXEL^3", "cVOXEL^2", "cGRID^2")  # the first that was measured is spoken of
+SHOWN = ("GRID", "cGRID^2", "cVOXEL^2", "cVOXEL^3", "cLEAF^2", "cLEAF-only^2", "cLEAF-only^3", "cVERT")
 
 
 @dataclass
@@ -31,17 +32,67 @@ class Headline:
         return speed["relative_to_grid"]["median"] if speed else None
 
 
-def headline(data, level=None):
-    """Of the main scene, at level 6 or the finest below it, or else the finest. None where nothing was compressed."""
-    main = data.main_scene()
-    levels = [level] if level is not None else sorted(data.levels(main), key=lambda level: (level > 6, -level))
+def headline(data, level=None, scene=None, labels=FIRST):
+    """Of the main scene or another, at level 6 or the finest below it, or else the finest. None where nothing was compressed."""
+    scene = scene or data.main_scene()
+    levels = [level] if level is not None else sorted(data.levels(scene), key=lambda level: (level > 6, -level))
     for level in levels:
-        grid = data.pick(main, level, "GRID")
-        for label in FIRST if grid else ():
-            row = data.pick(main, level, label)
+        grid = data.pick(scene, level, "GRID")
+        for label in labels if grid else ():
+            row = data.pick(scene, level, label)
             if row:
                 return Headline(row, grid)
     return None
+
+
+def of_all_scenes(data, found):
+    """The same representation of each scene."""
+    return list(filter(None, (headline(data, scene=scene, labels=(found.row.label,)) for scene in data.scenes())))
+
+
+def over_scenes(values, text, kind, worst):
+    """A sentence: from where to where, and the worst, named. values: (scene, value, where); empty for one scene alone. text: of
+    a value; kind: in words, with {} for the range; worst: min or max, of values, and what it is called."""
+    scenes = {scene for scene, *_ in values}
+    if len(scenes) < 2:
+        return ""
+    low, high = min(value for _, value, _ in values), max(value for _, value, _ in values)
+    choose, called = worst
+    scene, _, where = choose(values, key=lambda found: found[1])
+    reach = text(low) if text(low) == text(high) else f"{text(low)} to {text(high)}"
+    return f"Over {len(scenes)} scenes {kind.format(reach)}, {called} for {scene}{where}."
+
+
+def memory_over_scenes(data, found):
+    values = [(o.row.scene, o.smaller, f" at level {o.row.level}") for o in of_all_scenes(data, found)]
+    return over_scenes(values, times, "it is {} times smaller", (min, "least"))
+
+
+def place(row, view, *more):
+    words = [] if view == "full" else [f"{view} view"]
+    return "".join(", " + word for word in [*words, *more])
+
+
+def speed_over_scenes(data, found):
+    values = [
+        (o.row.scene, speed["relative_to_grid"]["median"], place(o.row, view, f"{ray_set} rays"))
+        for o in of_all_scenes(data, found)
+        for view in o.row.views
+        for ray_set in ("coherent", "incoherent")
+        for speed in [o.row.speed(view, ray_set)]
+        if speed
+    ]
+    return over_scenes(values, times, "and their views it is {} times GRID's speed", (min, "least"))
+
+
+def error_over_scenes(data, found):
+    values = [
+        (o.row.scene, o.row.errors(view)["p99_pixels"], place(o.row, view))
+        for o in of_all_scenes(data, found)
+        for view in o.row.views
+        if o.row.errors(view)
+    ]
+    return over_scenes(values, two_digits, "and their views it is {} pixels", (max, "most"))
 
 
 def times(value):
@@ -87,21 +138,25 @@ def error(found):
     errors = found.row.errors("full")
     if not errors:
         return None
-    figure = f"{two_digits(errors['rmse_of_others_pixels'])} pixels of error"
+    figure = f"{two_digits(errors['p99_pixels'])} pixels of error"
     beyond = f"{errors['beyond_5_pixels'] or 'none'} of {errors['rays']:,} rays"
-    text = f"That is the RMSE of {found.row.label}'s hits within 5 pixels of GRID's, and {beyond} hit farther away"
+    text = (
+        f"99 of 100 hits of {found.row.label} are nearer than that to GRID's (p99), half of them nearer than "
+        f"{two_digits(errors['median_pixels']).removeprefix('less than ')} (median), and {beyond} hit more than 5 pixels away"
+    )
     ours, theirs = (row.views.get("full", {}).get("errors_to_true_surface") for row in (found.row, found.grid))
     if ours and theirs:
-        both = [two_digits(errors["rmse_pixels"]) for errors in (ours, theirs)]
-        text += f"; from the true surface it is {both[0]}, and GRID's own is {both[1]}"
+        both = [two_digits(errors["p99_pixels"]) for errors in (ours, theirs)]
+        text += f"; from the true surface p99 is {both[0]}, and GRID's own is {both[1]}"
     return figure, text + "."
 
 
-def statements(found):
+def statements(data, found):
+    """Of each the figure, the sentence, and the range over all scenes, empty where there is one."""
     return {
-        "memory": memory(found),
-        "speed": speed(found) or ("No speed", "Speeds were not measured in the full view."),
-        "error": error(found) or ("No error", "Errors were not measured in the full view."),
+        "memory": (*memory(found), memory_over_scenes(data, found)),
+        "speed": (*(speed(found) or ("No speed", "Speeds were not measured in the full view.")), speed_over_scenes(data, found)),
+        "error": (*(error(found) or ("No error", "Errors were not measured in the full view.")), error_over_scenes(data, found)),
     }
 
 
@@ -112,13 +167,14 @@ def other_levels(data, found):
     return ", ".join(f"{times(o.smaller)} at level {o.row.level}" for o in others)
 
 
-def caption(data, found):
+def caption(data, found, rows):
     more = other_levels(data, found)
+    exact = [f" Of {p.label(row.label)} {100 * row.exact_share:.0f}% of the quads are stored exactly, as cVERT." for row in rows if row.exact_share]
     return (
         f"<b>{escape(found.row.scene)}, level {found.row.level}</b>, full view, single rays, one thread of "
         f"{escape(found.row.run['cpu'])} ({escape(data.isa)}). {p.label(found.row.label)} is "
-        f"{smaller_in_words(found)} than GRID{', ' + more if more else ''}. Errors are against GRID's hits; “none” is less "
-        f"than {f.EXACT:g} pixels."
+        f"{smaller_in_words(found)} than GRID{', ' + more if more else ''}. Errors are against GRID's hits: 99 of 100 stay below p99, half of them below the median; “none” is less "
+        f"than {f.EXACT:g} pixels.{''.join(exact)}"
     )
 
 
@@ -129,10 +185,13 @@ def first_screen(data):
         on_gpu = '<p>What was measured on a GPU is in <a href="#gpu">its section</a>.</p>' if data.gpu else ""
         return p.missing("a compressed representation beside GRID, on a processor") + on_gpu
     cells = "".join(
-        f'<p><b class="figure">{escape(figure)}</b> {p.raised(text)}</p>' for figure, text in statements(found).values()
+        f'<p><b class="figure">{escape(figure)}</b> {p.raised(text)}'
+        + (f'<span class="reason">{escape(over)}</span>' if over else "")
+        + "</p>"
+        for figure, text, over in statements(data, found).values()
     )
     rows = [row for row in (data.pick(found.row.scene, found.row.level, label) for label in SHOWN) if row]
     wide, narrow = picture.charts(rows)
     text = "Bytes a quad, speed relative to GRID and error of each representation"
-    figure = p.chart(wide, text, narrow, caption(data, found))
+    figure = p.chart(wide, text, narrow, caption(data, found, rows))
     return f'<div class="results">{cells}</div><div class="charts one">{figure}</div>'

@@ -6,6 +6,7 @@
 from html import escape
 
 import report_figures as f
+import report_levels as levels
 import report_page as p
 
 
@@ -81,7 +82,7 @@ def in_order(data):
 
 
 def builds(data):
-    heads = ["", "instruction set", "level", "quads", "MiB", "bytes a quad", "peak, MiB", "build, s"]
+    heads = ["", "instruction set", "level", "quads", "MiB", "bytes a quad", "stored exactly, %", "peak, MiB", "build, s"]
     rows = [
         [
             f"{escape(row.scene)} {p.label(row.label)}",
@@ -90,6 +91,7 @@ def builds(data):
             str(row.quads),
             f"{row.bytes / 2**20:.2f}",
             f"{row.memory['bytes_per_quad']:.2f}",
+            levels.exact_text(row),
             f"{row.memory['peak_bytes'] / 2**20:.2f}",
             f"{row.build_seconds:.3f}",
         ]
@@ -99,7 +101,7 @@ def builds(data):
 
 
 def errors(data):
-    heads = ["", "instruction set", "level", "view", "RMSE", "median", "p99", "max", "bias", "false hits", "misses"]
+    heads = ["", "instruction set", "level", "view", "median", "p99", "max", "the paper's RMSE", "bias", "false hits"]
     rows = []
     for row in in_order(data):
         for view, found in row.views.items():
@@ -107,10 +109,10 @@ def errors(data):
             wrong = 100 * (b["false_hits"] + b["misses"]) / max(1, b["rays"])
             rows.append(
                 [f"{escape(row.scene)} {p.label(row.label)}", row.isa, str(row.level), escape(view)]
-                + [f.error_text(e[key]) for key in ("rmse_pixels", "median_pixels", "p99_pixels", "max_pixels")]
+                + [f.error_text(e[key]) for key in ("median_pixels", "p99_pixels", "max_pixels", "rmse_pixels")]
                 + [f.signed(e["bias_pixels"]), str(e["false_hits"]), str(e["misses"]), f"{wrong:.2f}%"]
             )
-    return rows_of_all("Error", [*heads, "bounces wrong"], rows)
+    return rows_of_all("Error", [*heads, "misses", "bounces wrong"], rows)
 
 
 def speeds(data):

@@ -3,15 +3,17 @@
 
 """The section of the report on speed and memory against error."""
 
+from html import escape
+
 import report_figures as f
 import report_labels as labels
 import report_page as p
 
 TEXT = (
     "<p>Every representation, level and frame level is a point, larger for higher levels; those on the "
-    "Pareto front are labelled with level and, raised, frame level. The error is the RMSE of hits within 5 "
-    "pixels: a few rays beyond hit another sheet of the surface, behind a silhouette, and would drown the "
-    "others; they are counted under all measurements. Where a scene was measured against a finer reference, the error "
+    "Pareto front are labelled with level and, raised, frame level. The error is what 99 of 100 hits stay below (p99): "
+    "a few rays hit another sheet of the surface, behind a silhouette. Where one is the best in both there is no front, "
+    "and a sentence says which. Where a scene was measured against a finer reference, the error "
     "is that of tessellation and compression together, and levels can be compared; otherwise it is that of compression "
     "alone, of one level, and GRID has none.</p>"
 )
@@ -38,7 +40,7 @@ def points_of(data, scene, view, value):
     for row in rows:
         errors, y = row.errors(view, to_reference), value(row, view)
         if errors and y:
-            points.append((row, errors["rmse_of_others_pixels"], y))
+            points.append((row, errors["p99_pixels"], y))
     return points, to_reference
 
 
@@ -68,13 +70,41 @@ def steps(front, right):
     return line + [(right, line[-1][1])]
 
 
+def left_edge(points):
+    """Where errors are drawn that are smaller than EXACT. points: (row, error in pixels, value), as below."""
+    return min([error for _, error, _ in points if error >= f.EXACT] or [2 * f.EXACT]) / 2.5
+
+
+def place(points):
+    """The points as they are drawn."""
+    edge = left_edge(points)
+    return [(row, error if error >= f.EXACT else edge, value) for row, error, value in points]
+
+
+def front_of(placed, lower_is_better):
+    return pareto([(error, value) for _, error, value in placed], lower_is_better)
+
+
+def best_in_words(title, unit, points, lower_is_better):
+    """HTML: the one that is best in both, where the front is that one alone and no plot would show more; else nothing."""
+    placed = place(points)
+    front = front_of(placed, lower_is_better)
+    if len(front) != 1:
+        return ""
+    row, error, value = next(point for point, (_, *there) in zip(points, placed) if tuple(there) == front[0])
+    pixels = f"{error:.2g} pixels" if error >= f.EXACT else f"less than {f.EXACT:g} pixels"
+    return (
+        f"<p><b>{escape(title)}:</b> {p.label(row.label)} at level {row.level} is the best of {len(points)} in both: "
+        f"{value:.3g} {escape(unit)}; p99 {pixels}.</p>"
+    )
+
+
 def chart(title, unit, points, lower_is_better):
     """points: (row, error in pixels, value)."""
 
     def draw(axes, theme):
-        edge = min([error for _, error, _ in points if error >= f.EXACT] or [2 * f.EXACT]) / 2.5
-        placed = [(row, error if error >= f.EXACT else edge, value) for row, error, value in points]
-        front = pareto([(error, value) for _, error, value in placed], lower_is_better)
+        edge, placed = left_edge(points), place(points)
+        front = front_of(placed, lower_is_better)
         right = 1.6 * max(error for _, error, _ in placed)
         line = steps(front, right)
         axes.plot(*zip(*line), "-", color=theme["ink"], linewidth=1, alpha=0.6, label="Pareto front")
@@ -104,7 +134,7 @@ def chart(title, unit, points, lower_is_better):
         else:
             axes.set_ylim(0, 1.1 * max(value for _, _, value in placed))
         exact = any(error < f.EXACT for _, error, _ in points)
-        axes.set_xlabel("RMSE within 5 pixels" + (" (left edge: none)" if exact else ""))
+        axes.set_xlabel("error, pixels, p99" + (" (left edge: none)" if exact else ""))
         axes.set_ylabel(unit)
         axes.set_title(title)
         f.legend(axes, 4)
@@ -121,25 +151,29 @@ CHARTS = (
 
 
 def scene_charts(data, scene):
-    """Its charts, and the measurements in them."""
-    parts, rows = [], []
+    """Its charts, sentences where there is nothing to draw, and the measurements in them."""
+    parts, sentences, rows = [], [], []
     for title, unit, value, low in CHARTS:
         points, to_reference = points_of(data, scene, "full", value)
         if len(points) > 1:
             reference = points[0][0].run["settings"]["reference_level"]
             against = f"GRID at level {reference}" if to_reference else f"GRID of the same level, {points[0][0].level}"
-            name = f"{scene}, {title}: error against\n{against}"
-            parts.append(p.chart(chart(name, unit, points, low), f"{title} against error, {scene}"))
             rows += [point[0] for point in points]
-    return parts, rows
+            sentence = best_in_words(f"{scene}, {title}, error against {against}", unit, points, low)
+            if sentence:
+                sentences.append(sentence)
+            else:
+                name = f"{scene}, {title}: error against\n{against}"
+                parts.append(p.chart(chart(name, unit, points, low), f"{title} against error, {scene}"))
+    return parts, sentences, rows
 
 
 def section(data):
     main, body, rows = data.main_scene(), "", []
     for scene in sorted(data.scenes(), key=lambda name: (name != main, name)):
         if len({(row.level, row.label) for row in data.of_scene(scene)}) >= 4:
-            parts, used = scene_charts(data, scene)
-            body += p.charts(parts) if parts else ""
+            parts, sentences, used = scene_charts(data, scene)
+            body += (p.charts(parts) if parts else "") + "".join(sentences)
             rows += used
     return p.section(
         "tradeoffs",

@@ -33,8 +33,6 @@ RTCCompressionArguments compressionArguments(const BuildSettings& settings)
   const PixelBound& bound = settings.pixelBound;
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
-  if (!settings.exactFaces)
-    args.exactFaces = 0;
   if (bound.pixels > 0.0f)
   {
     args.maxPixelError = bound.pixels;

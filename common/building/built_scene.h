@@ -36,7 +36,6 @@ struct BuildSettings
   float maxError = 0;  // bound on cVERT's spacing, and on the thickness of leaves where frame levels are automatic, 0 for none
   PixelBound pixelBound;
   bool filters = false;    // of contexts are called
-  bool exactFaces = true;  // cLEAF stores faces exactly that leaves hold badly, unless EMBREE_CBVH says otherwise
   std::string isa;     // Embree's name of the widest instruction set to use, empty for the host's best
   std::string device = "cpu"; // that traces: "cpu", "vulkan" or "vulkan:NAME"
   std::string name;    // in lines of progress, empty for the representation's label
@@ -44,6 +43,12 @@ struct BuildSettings
 
 /* Throws Error that names the option, --level, --threads, --isa or --device, and its value. */
 void validateBuild(const BuildSettings& settings);
+
+/* The part of a scene's quads in blocks that cLEAF stores exactly, as cVERT: 0 to 1. */
+inline double exactQuadShare(const RTCCompressionStatistics& s)
+{
+  return s.numQuads ? double(s.numExactQuads) / double(s.numQuads) : 0.0;
+}
 
 struct BuildReport
 {
@@ -62,6 +67,9 @@ struct BuildReport
   }
 
   double bytesPerQuad() const { return quads ? double(liveBytes) / double(quads) : 0.0; }
+
+  /* The part of cLEAF's quads that is stored exactly, as cVERT: 0 to 1. */
+  double exactShare() const { return exactQuadShare(compression); }
 };
 
 class BuiltScene

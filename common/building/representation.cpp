@@ -17,18 +17,32 @@ struct Names
   RepresentationKind kind;
   std::string word;   // command line, file names
   std::string label;  // tables
-  std::string accel;  // device string
+  std::string config; // device string
   bool hasFrames;
+  RTCCompression compression;
 };
 
 std::vector<Names> makeNames()
 {
-  std::vector<Names> names = {{RepresentationKind::Naive, "naive", "NAIVE", "", false},
-                              {RepresentationKind::Grid, "grid", "GRID", "bvh4.grid.eager", false}};
+  /* GRID is asked for by name: EMBREE_CBVH may say otherwise. */
+  std::vector<Names> names = {
+    {RepresentationKind::Naive, "naive", "NAIVE", "", false, RTC_COMPRESSION_NONE},
+    {RepresentationKind::Grid, "grid", "GRID", "subdiv_accel=bvh4.grid.eager", false, RTC_COMPRESSION_NONE}};
   for (const embree::cbvh::KindDescription& kind : embree::cbvh::kindDescriptions)
   {
     const std::string key = kind.key;
-    names.push_back({RepresentationKind(kind.compression()), "c" + key, kind.name, "cbvh." + key, kind.hasFrame()});
+    names.push_back({RepresentationKind(kind.compression()), "c" + key, kind.name, "subdiv_accel=cbvh." + key,
+                     kind.hasFrame(), kind.compression()});
+    if (names.back().kind != RepresentationKind::CLeaf)
+      continue;
+    /* Both say what they are: EMBREE_CBVH may say otherwise here, too. */
+    Names only = names.back();
+    only.kind = RepresentationKind::CLeafOnly;
+    only.word += "-only";
+    only.label += "-only";
+    only.config += ",cbvh_exact_faces=0";
+    names.back().config += ",cbvh_exact_faces=1";
+    names.push_back(only);
   }
   return names;
 }
@@ -43,6 +57,17 @@ const Names& namesOf(RepresentationKind kind)
 {
   const std::vector<Names>& names = allNames();
   return *std::find_if(names.begin(), names.end(), [=](const Names& n) { return n.kind == kind; });
+}
+
+/* Whether a lower-case name is one of those that a representation has. */
+bool isNameOf(const Names& names, const std::string& name)
+{
+  if (name == names.word)
+    return true;
+  if (names.compression == RTC_COMPRESSION_NONE)
+    return false;
+  const std::string key = names.word.substr(1); // without the c
+  return name == "cbvh." + key || (name == key && name != namesOf(RepresentationKind::Grid).word);
 }
 
 /* Behind the name of a kind with frames: nothing for the level that the library chooses. */
@@ -84,6 +109,15 @@ std::string listOfRepresentations(const std::string& between, const std::string&
   return list;
 }
 
+std::string defaultRepresentations()
+{
+  std::string list;
+  for (const Names& names : allNames())
+    if (names.kind != RepresentationKind::CLeafOnly)
+      list += (list.empty() ? "" : ",") + names.word;
+  return list;
+}
+
 std::string levelRange()
 {
   return "0 to " + std::to_string(maxLevel);
@@ -106,15 +140,12 @@ std::string Representation::fileStem() const
 
 RTCCompression Representation::compression() const
 {
-  return kind == RepresentationKind::Naive || kind == RepresentationKind::Grid ? RTC_COMPRESSION_NONE : RTCCompression(kind);
+  return namesOf(kind).compression;
 }
 
 std::string Representation::deviceConfig() const
 {
-  /* GRID is asked for by name: EMBREE_CBVH may say otherwise. */
-  if (kind == RepresentationKind::Naive)
-    return "";
-  std::string config = "subdiv_accel=" + namesOf(kind).accel;
+  std::string config = namesOf(kind).config;
   if (hasFrames())
     config += ",cbvh_frame_level=" + (frameLevel == autoFrameLevel ? "auto" : std::to_string(frameLevel));
   return config;
@@ -143,7 +174,7 @@ std::vector<Representation> parseRepresentations(const std::string& list, int de
     for (char& c : name)
       c = char(std::tolower(static_cast<unsigned char>(c)));
     const std::vector<Names>& names = allNames();
-    const auto found = std::find_if(names.begin(), names.end(), [&](const Names& n) { return name == n.word; });
+    const auto found = std::find_if(names.begin(), names.end(), [&](const Names& n) { return isNameOf(n, name); });
     if (found == names.end())
       throw Error("unknown representation '" + word + "', known are " + listOfRepresentations(", ", " and "));
 

@@ -5,7 +5,7 @@
 
 /* What a library's build says about its compression as JSON, units in the names. */
 
-#include <embree3/rtcore_compression.h>
+#include "building/built_scene.h"
 
 #include <nlohmann/json.hpp>
 
@@ -21,7 +21,8 @@ inline nlohmann::json compressionJson(const RTCCompressionStatistics& s)
           {"solid_leaves", s.numSolidLeaves},   {"max_leaf_thickness", s.maxLeafThickness},
           {"raw_blocks", s.numRawBlocks},       {"max_vertex_spacing", s.maxVertexSpacing},
           {"max_border_gap", s.maxBorderGap},   {"max_vertex_deviation", s.maxVertexDeviation},
-          {"exact_quads", s.numExactQuads},     {"flipped_quads", s.numFlippedQuads}};
+          {"exact_quads", s.numExactQuads},     {"exact_quads_share", exactQuadShare(s)},
+          {"flipped_quads", s.numFlippedQuads}};
 }
 
 } // namespace cbvh

@@ -19,16 +19,52 @@ TEST(Representation, ListsTakeFrameLevelsOfTheirOwn)
   EXPECT_EQ(list[3].deviceConfig(), "subdiv_accel=cbvh.voxel,cbvh_frame_level=3");
   EXPECT_EQ(list[3].label(), "cVOXEL^3");
   EXPECT_EQ(list[4].fileStem(), "cleaf0");
-  EXPECT_EQ(list[5].deviceConfig(), "subdiv_accel=cbvh.leaf,cbvh_frame_level=auto");
+  EXPECT_EQ(list[5].deviceConfig(), "subdiv_accel=cbvh.leaf,cbvh_exact_faces=1,cbvh_frame_level=auto");
+}
+
+// One stores faces exactly that leaves hold badly, the other none: they share no name anywhere.
+TEST(Representation, LeavesAloneHaveANameOfTheirOwn)
+{
+  const auto list = parseRepresentations("cleaf^2,cleaf-only^2,cLEAF-only", autoFrameLevel);
+  ASSERT_EQ(list.size(), 3u);
+  EXPECT_EQ(list[0].deviceConfig(), "subdiv_accel=cbvh.leaf,cbvh_exact_faces=1,cbvh_frame_level=2");
+  EXPECT_EQ(list[1].deviceConfig(), "subdiv_accel=cbvh.leaf,cbvh_exact_faces=0,cbvh_frame_level=2");
+  EXPECT_EQ(list[1].label(), "cLEAF-only^2");
+  EXPECT_EQ(list[1].fileStem(), "cleaf-only2");
+  EXPECT_EQ(list[2].label(), "cLEAF-only");
+  EXPECT_EQ(list[1].compression(), RTC_COMPRESSION_LEAF);
+  EXPECT_TRUE(list[0].hasExactFaces());
+  EXPECT_FALSE(list[1].hasExactFaces());
+}
+
+TEST(Representation, TheLibrarysNamesAreTakenAsWell)
+{
+  const std::pair<const char*, const char*> words[] = {
+    {"cvert,CVERT,vert,Vert,cbvh.vert,CBVH.Vert", "cVERT"}, {"cleaf,leaf,LEAF,cbvh.leaf", "cLEAF"},
+    {"cleaf-only,leaf-only,cbvh.leaf-only", "cLEAF-only"},  {"cvoxel,voxel,cbvh.voxel", "cVOXEL"},
+    {"cgrid,cbvh.grid", "cGRID"},                           {"grid,GRID", "GRID"}};
+  for (const auto& [list, label] : words)
+    for (std::string rest = list; !rest.empty();)
+    {
+      const std::string word = rest.substr(0, rest.find(','));
+      rest = word == rest ? "" : rest.substr(word.size() + 1);
+      SCOPED_TRACE(word);
+      EXPECT_EQ(parseRepresentations(word, autoFrameLevel)[0].label(), label);
+    }
+  EXPECT_EQ(parseRepresentations("Leaf^3", autoFrameLevel)[0].label(), "cLEAF^3");
+  for (const char* list : {"cvert,vert", "leaf^2,cbvh.leaf:2", "cbvh.naive", "naiv", "aive", "cbvh", "cbvh.cvert", "ccvert"})
+    EXPECT_THROW(parseRepresentations(list, 2), Error) << list;
 }
 
 TEST(Representation, ListsAreOfTheLibrarysKinds)
 {
-  EXPECT_EQ(listOfRepresentations(",", " or "), "naive,grid,cgrid,cvoxel,cleaf or cvert");
+  EXPECT_EQ(listOfRepresentations(",", " or "), "naive,grid,cgrid,cvoxel,cleaf,cleaf-only or cvert");
+  EXPECT_EQ(defaultRepresentations(), "naive,grid,cgrid,cvoxel,cleaf,cvert");
   const auto list = parseRepresentations(listOfRepresentations(","), autoFrameLevel);
   const std::vector<RTCCompression> compressions = {RTC_COMPRESSION_NONE,  RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID,
-                                                    RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
-  const std::vector<std::string> labels = {"NAIVE", "GRID", "cGRID", "cVOXEL", "cLEAF", "cVERT"};
+                                                    RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_LEAF,
+                                                    RTC_COMPRESSION_VERT};
+  const std::vector<std::string> labels = {"NAIVE", "GRID", "cGRID", "cVOXEL", "cLEAF", "cLEAF-only", "cVERT"};
   ASSERT_EQ(list.size(), labels.size());
   for (size_t i = 0; i < list.size(); i++)
   {
@@ -36,10 +72,10 @@ TEST(Representation, ListsAreOfTheLibrarysKinds)
     EXPECT_EQ(list[i].kind, representationKinds()[i]);
     EXPECT_EQ(list[i].compression(), compressions[i]);
     EXPECT_EQ(list[i].isCompressed(), i > 1);
-    EXPECT_EQ(list[i].hasFrames(), i > 1 && i < 5);
+    EXPECT_EQ(list[i].hasFrames(), i > 1 && i < 6);
     EXPECT_EQ(list[i].label(), labels[i]);
   }
-  EXPECT_EQ(list[5].deviceConfig(), "subdiv_accel=cbvh.vert");
+  EXPECT_EQ(list.back().deviceConfig(), "subdiv_accel=cbvh.vert");
 }
 
 TEST(Representation, FrameLevelsEndWithTheLibrarys)

@@ -80,7 +80,6 @@ struct Source
     std::string warning;
     model = loadScene(settings, warning);
     build.level = level;
-    build.exactFaces = false;
   }
 };
 
@@ -96,7 +95,7 @@ Pinned checksums(const std::string& name)
 {
   const Source source(name);
   Pinned found = {name, vertexChecksum(source), {}};
-  const RepresentationKind kinds[] = {RepresentationKind::CGrid, RepresentationKind::CVoxel, RepresentationKind::CLeaf};
+  const RepresentationKind kinds[] = {RepresentationKind::CGrid, RepresentationKind::CVoxel, RepresentationKind::CLeafOnly};
   for (int k = 0; k < 3; k++) {
     const BuiltScene scene(source.model, {kinds[k], 1}, source.build);
     Checksum blocks;

@@ -50,7 +50,6 @@ struct Fixture
   {
     BuildSettings settings;
     settings.level = level;
-    settings.exactFaces = false; // these tests are about leaves
     return std::make_unique<BuiltScene>(model, parseRepresentations(representation, 2).front(), settings);
   }
 
@@ -108,10 +107,10 @@ double share(const ShadowComparison& c) { return double(c.all.sum())/double(c.ra
 class SelfShadow : public testing::Test
 {
 protected:
-  // At most `bound` of the rays of cLEAF see another thing than GRID's.
+  // At most `bound` of the rays of cLEAF-only, as these tests are about leaves, see another thing than GRID's.
   static void expectAtMost(double bound, const Fixture& f)
   {
-    const ShadowComparison grid = f.compare(*f.built("cgrid")), leaf = f.compare(*f.built("cleaf"));
+    const ShadowComparison grid = f.compare(*f.built("cgrid")), leaf = f.compare(*f.built("cleaf-only"));
     EXPECT_GT(leaf.rays, 100000u);
     EXPECT_EQ(grid.all.sum(), 0u) << "cGRID has GRID's own triangles";
     EXPECT_LE(share(leaf), bound);
@@ -128,7 +127,7 @@ TEST_F(SelfShadow, AFifthOfTheNearSideRuleAtEmbreesOffset)
     SCOPED_TRACE(scene);
     Fixture f(scene, std::nullopt);
     f.shadows.offset = RayOffset::ofEmbree();
-    const std::unique_ptr<BuiltScene> leaf = f.built("cleaf");
+    const std::unique_ptr<BuiltScene> leaf = f.built("cleaf-only");
     EXPECT_LE(share(f.compare(*leaf)), 0.2*share(f.compareNearSide(*leaf)));
   }
 }

@@ -33,7 +33,9 @@ refuses "count 0 is out of range" --scene herd --count 0
 refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
 refuses "cannot be opened" --cage "$folder/missing.obj"
 refuses "missing.exr" --cage "$folder/quad.obj" --height "$folder/missing.exr"
-refuses "unknown representation 'mesh'" --scene cube --representation mesh
+refuses "unknown representation 'mesh', known are naive, grid, cgrid, cvoxel, cleaf, cleaf-only and cvert" --scene cube --representation mesh
+refuses "representation 'cbvh.leaf' is named twice" --scene cube --representation Leaf,cbvh.leaf
+refuses "leaves-only" --scene cube --leaves-only
 refuses "frame level '9'" --scene cube --frame-level 2,9
 refuses "'9' is not a number from 0 to 8" --scene cube --level 4,9
 refuses "view 'side'" --scene cube --view full,side
@@ -53,13 +55,15 @@ refuses "colour" --scene cube --colour red
 refuses "cannot be made an output folder" --scene cube --pictures "$folder/quad.obj/pictures"
 
 # A record of two levels, with pictures.
-"$program" --scene cube --level 2,3 --view full,close --representation naive,cvoxel,cleaf --frame-level 1 \
+"$program" --scene cube --level 2,3 --view full,close --representation naive,Voxel,cbvh.leaf,leaf-only --frame-level 1 \
   --set coherent,incoherent --query closest,any --mode single,packet8,stream --threads 1 \
   --rays 500 --repeat 1 --size 40x32 --true-surface 200 --reference-level 4 --pictures "$folder/pictures" --json "$folder/good.json" \
   >"$folder/stdout" 2>"$folder/stderr" || complain "cube: $(cat "$folder/stderr")"
 for word in commit isa thread; do
   grep -q "$word" "$folder/stdout" || complain "no word on $word on stdout"
 done
+grep -q "^  cLEAF^1 .*% of the quads stored exactly.* error median 0.* p99 " "$folder/stdout" || complain "no word on quads stored exactly"
+grep -q "RMSE" "$folder/stdout" && complain "an RMSE, which is the paper's alone"
 [ -z "$(find "$folder" -name '.tmp-*')" ] || complain "temporary files are left"
 /usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "the record is not right"
 import json, os, sys
@@ -75,7 +79,9 @@ assert run["settings"]["seed"] == 1 and run["settings"]["repeat"] == 1 and run["
 assert [g["level"] for g in record["groups"]] == [2, 3]
 for group in record["groups"]:
     labels = [r["representation"] for r in group["results"]]
-    assert labels == ["GRID", "NAIVE", "cVOXEL^1", "cLEAF^1"], labels
+    assert labels == ["GRID", "NAIVE", "cVOXEL^1", "cLEAF^1", "cLEAF-only^1"], labels
+    exact = {r["kind"]: r["memory"]["compression"]["exact_quads_share"] for r in group["results"] if "compression" in r["memory"]}
+    assert 0 < exact["cLEAF"] <= 1 and exact["cLEAF-only"] == exact["cVOXEL"] == 0, exact
     for r in group["results"]:
         m = r["memory"]
         assert 0 < m["live_bytes"] <= m["peak_bytes"]
@@ -92,7 +98,7 @@ for group in record["groups"]:
             assert v["errors_to_reference_level"]["both_hit"] > 0
             true = v["errors_to_true_surface"]
             assert 0 < true["hits"] <= 200 and 0 < true["median_pixels"] <= true["p99_pixels"] <= true["max_pixels"], true
-            if r["representation"] == "cLEAF^1":
+            if r["representation"] == "cLEAF-only^1":
                 bins = v["bins_of_4_bits"]
                 sizes = bins["quantiles_pixels"]
                 assert 0 < bins["hits"] <= 200 and 0 < bins["median_pixels"] < bins["rmse_of_others_pixels"], bins
@@ -110,7 +116,7 @@ for group in record["groups"]:
 PYTHON
 
 # Leaks and shadows of a closed surface, moved away.
-"$program" --scene cube --level 3 --representation cgrid,cleaf^auto --max-error 0.01 --position 1000,0,-50 --repeat 0 \
+"$program" --scene cube --level 3 --representation cgrid,cleaf-only^auto --max-error 0.01 --position 1000,0,-50 --repeat 0 \
   --size 40x32 --check leaks,offsets,crossings --check-rays 20000 --json "$folder/checks.json" >"$folder/stdout" 2>"$folder/stderr" ||
   complain "checks: $(cat "$folder/stderr")"
 grep -q "leaks of" "$folder/stdout" || complain "no word on leaks"

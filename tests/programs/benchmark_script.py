@@ -9,6 +9,7 @@ usage: benchmark_script.py PATH/TO/cbvh_bench
 
 import json
 import os
+import re
 import shlex
 import signal
 import subprocess
@@ -217,6 +218,14 @@ class Benchmark(unittest.TestCase):
         self.assertIn("no scene 'frog'", done.stdout)
         self.assertIn("trex", done.stdout)
 
+    def test_only_the_list_says_how_long(self):
+        said = self.run_script("--help").stdout
+        self.assertNotRegex(said, r"minute|second|\bhour")
+        self.assertRegex(said, r"--list[^-]*how long")
+        total = re.search(r"jobs, about (\d+):(\d\d)", self.run_script("quick", "--list").stdout)
+        jobs = [int(m) * 60 + int(s) for m, s in re.findall(r"(?m) about (\d+):(\d\d)$", self.run_script("quick", "--list").stdout)]
+        self.assertAlmostEqual(int(total[1]) * 60 + int(total[2]), sum(jobs), delta=len(jobs))
+
     def test_times_are_told_as_they_were_measured(self):
         self.assertIn("as planned", self.run_script("quick", "--list").stdout)
         self.run_script("quick", "--scene", "cube")
@@ -290,7 +299,7 @@ class Benchmark(unittest.TestCase):
         for words in lines:
             self.assertEqual(words[0], str(self.bench))
             self.assertIn("4,5,6,7", words)
-            self.assertIn("--leaves-only", words)
+            self.assertTrue(any("cleaf-only" in word or word == "naive" for word in words), "the paper's")
             self.assertNotIn("--pictures", words)
         self.assertEqual(["--device" in words for words in lines], [True, False, True, False])
         self.assertEqual(len({words[words.index("--json") + 1] for words in lines}), 4)

@@ -9,7 +9,7 @@
 
 set -u
 program=$1
-representations=${2:-naive,grid,cgrid,cvoxel,cleaf}
+representations=${2:-naive,grid,cgrid,cvoxel,cleaf,cleaf-only}
 . "$(dirname -- "$0")/cli.sh"
 
 # refuses PATTERN ARGUMENT...: status not 0 nor a signal's, one line on stderr that
@@ -111,9 +111,9 @@ for representation in ${representations//,/ }; do
   [ "$stem" = grid ] || [ -s "$out/cube_${stem}_error.png" ] || complain "no error map of $stem"
 done
 [ -z "$(find "$out" -name '.tmp-*')" ] || complain "temporary files are left"
-expect_rows good "bytes a quad" "peak of the build" "build, s" "coherent rays" "incoherent rays" "error against the mesh" \
-  "error against the true surface" "false hits + misses" "flipped normals"
-[ "$(rows good)" -le 10 ] || complain "$(rows good) rows"
+expect_rows good "bytes a quad" "quads stored exactly, %.* [0-9.]* |     *- |$" "peak of the build" "build, s" "coherent rays" "incoherent rays" "error against the mesh" \
+  "error against the true surface, pixels: median, p99" "false hits + misses" "flipped normals"
+[ "$(rows good)" -le 11 ] || complain "$(rows good) rows"
 grep -q "^  $out/cube_{.*}.png: shaded" "$folder/good" || complain "not a word on where the pictures are"
 grep -q '"bytes_per_quad"' "$folder/numbers.json" || complain "no numbers in the JSON"
 if command -v iinfo >/dev/null; then
@@ -123,7 +123,7 @@ if command -v iinfo >/dev/null; then
 fi
 
 run details --scene cube --representation "$representations" --speed --details
-expect_rows details "- leaves" "coherent, closest hit" "incoherent, any hit" "against the mesh: error RMSE" \
+expect_rows details "- leaves" "coherent, closest hit" "incoherent, any hit" "against the mesh: error, pixels, median" "- the paper.s RMSE" \
   "against the true surface" "- false hits" "- misses" "- flipped normals"
 [ "$(rows details)" -gt 40 ] || complain "$(rows details) rows with --details"
 grep '^| any hit disagrees' "$folder/details" | grep -q '[1-9]' && complain "any hit and closest hit disagree"
@@ -136,6 +136,18 @@ cmp -s "$folder/alone.out/cube_cleaf.png" "$out/cube_cleaf.png" || complain "ano
 grep -q "GRID: build" "$folder/alone.err" && complain "GRID was built: $(cat "$folder/alone.err")"
 grep -qi "speed\|GRID\|mesh" "$folder/alone" && complain "words on what was not measured: $(cat "$folder/alone")"
 expect_rows alone "error against the true surface" "flipped normals"
+
+# Names of the library's kinds are taken everywhere, in any case; --compare has each kind once, and the share of exact
+# quads stands where there may be some.
+run names --scene cube --representation cbvh.LEAF --true-surface 1000
+cmp -s "$folder/names.out/cube_cleaf.png" "$folder/alone.out/cube_cleaf.png" || complain "cbvh.LEAF is not cleaf"
+run compare --scene cube --compare --true-surface 0
+head -9 "$folder/compare" | grep -q "^| *| *NAIVE | *GRID | *cGRID | *cVOXEL | *cLEAF | *cVERT |" || complain "--compare has others: $(cat "$folder/compare")"
+expect_rows compare "quads stored exactly, %"
+run only --scene cube --representation grid,leaf-only^2 --true-surface 0
+grep -q "cLEAF-only^2" "$folder/only" || complain "no cLEAF-only^2: $(cat "$folder/only")"
+[ -s "$folder/only.out/cube_cleaf-only2.png" ] || complain "no file of cleaf-only2"
+grep -q "stored exactly" "$folder/only" && complain "a row on exact quads without cLEAF"
 
 # Files are enough: a cage, and a map where there is one. The picture is cVERT's, and no other than with their options.
 run files "$folder/quad.obj"

@@ -20,6 +20,7 @@ from pathlib import Path
 SCRIPT = Path(__file__).resolve().parents[2] / "scripts/report.py"
 BENCH = sys.argv.pop(1)
 sys.path.insert(0, str(SCRIPT.parent))
+import bench_records  # noqa: E402
 import report_data  # noqa: E402
 import report_figures  # noqa: E402
 import report_gpu  # noqa: E402
@@ -90,8 +91,8 @@ def gpu_record(record, mrays, device=GPU, bytes_a_quad=30000):
     return record
 
 
-TIMES = {"NAIVE": 16, "GRID": 4, "cGRID": 3, "cVOXEL": 1, "cLEAF": 2}
-ON_GPU = {"NAIVE": 400.0, "GRID": 200.0, "cGRID": 100.0, "cVOXEL": 800.0, "cLEAF": 500.0}
+TIMES = {"NAIVE": 16, "GRID": 4, "cGRID": 3, "cVOXEL": 1, "cLEAF": 2, "cLEAF-only": 2}
+ON_GPU = {"NAIVE": 400.0, "GRID": 200.0, "cGRID": 100.0, "cVOXEL": 800.0, "cLEAF": 500.0, "cLEAF-only": 300.0}
 ON_PROCESSOR = {kind: 2.0 for kind in ON_GPU}
 
 
@@ -150,7 +151,7 @@ class Report(unittest.TestCase):
                 "--view",
                 "full,close",
                 "--representation",
-                "naive,cvoxel,cleaf,cgrid^2",
+                "naive,cvoxel,cleaf,cleaf-only,cgrid^2",
                 "--frame-level",
                 "2,3",
                 "--rays",
@@ -231,8 +232,77 @@ class Report(unittest.TestCase):
         for ray_set in ("coherent", "incoherent"):
             (speed,) = [s for s in ours["speed"] if (s["view"], s["set"]) == ("full", ray_set)]
             self.assertIn(report_summary.times(speed["relative_to_grid"]["median"]), first)
-        error = next(view for view in ours["views"] if view["view"] == "full")["errors"]["rmse_of_others_pixels"]
-        self.assertIn(f"{report_summary.two_digits(error)} pixels of error", first)
+        errors = next(view for view in ours["views"] if view["view"] == "full")["errors"]
+        self.assertIn(f"{report_summary.two_digits(errors['p99_pixels'])} pixels of error", first)
+        self.assertIn(f"{report_summary.two_digits(errors['median_pixels']).removeprefix('less than ')} (median)", first)
+        self.assertNotIn("RMSE", first)
+        exact = ours["memory"]["compression"]["exact_quads_share"]
+        self.assertIn(f"Of cLEAF<sup>2</sup> {100 * exact:.0f}% of the quads are stored exactly", first)
+        self.assertNotIn("scenes", first, "there is one")
+
+    def test_the_first_screen_names_the_worst_of_all_scenes(self):
+        folder = Path(self.temporary.name) / "scenes"
+        shutil.copytree(self.records, folder)
+        for scene, factor in (("frog", 2), ("trex", 0.5)):
+            record = self.record()
+            for group in record["groups"]:
+                group["scene"] = scene
+                for result in group["results"]:
+                    ours = result["representation"] == "cLEAF^2"
+                    result["memory"]["live_bytes"] = int((1000 * factor if ours else 10000))
+                    for speed in result["speed"]:
+                        speed["relative_to_grid"]["median"] = 0.25 * factor if speed["view"] == "close" else 1.5
+                    for view in result["views"]:
+                        view["errors"]["p99_pixels"] = 0.25 * factor
+            (folder / f"{scene}_L2-6.json").write_text(json.dumps(record))
+        (folder / "cube_L2-6.json").unlink()
+        data = report_data.Data(folder)
+        found = report_summary.headline(data)
+        self.assertEqual(found.row.scene, "trex")
+        memory, speed, error = (over for *_, over in report_summary.statements(data, found).values())
+        self.assertEqual(memory, "Over 2 scenes it is 5.0 to 20.0 times smaller, least for frog at level 6.")
+        self.assertRegex(speed, "^Over 2 scenes and their views it is 0.12 to 1.50 times GRID's speed, least for trex, close view, ")
+        self.assertEqual(error, "Over 2 scenes and their views it is 0.12 to 0.50 pixels, most for frog.")
+        for text in (report_summary.first_screen(data), report_markdown.results(data)):
+            self.assertIn("least for frog at level 6", text.replace("&#x27;", "'"))
+
+    def test_errors_are_medians_and_p99_but_where_the_paper_s_stand(self):
+        output = Path(self.temporary.name) / "errors.html"
+        done = self.run_script(self.records, "--output", output)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        bodies = sections_of(output.read_text())
+        for name in ("tradeoffs", "errors", "gpu", "levels", "growth"):
+            self.assertNotIn("RMSE", bodies[name], name)
+        self.assertIn("p99", bodies["errors"])
+        self.assertIn("RMSE", bodies["relations"])
+        heads = [line for line in output.with_name("tables.md").read_text().split("\n") if "RMSE" in line and line.startswith("| level")]
+        self.assertTrue(heads and all(line.count("RMSE") == line.count("the paper's RMSE") for line in heads), heads)
+
+    def test_how_much_of_cleaf_is_stored_exactly_stands_beside_its_memory(self):
+        results = {r["representation"]: r for r in self.record()["groups"][1]["results"]}
+        exact, only = (results[label]["memory"]["compression"] for label in ("cLEAF^2", "cLEAF-only^2"))
+        self.assertEqual(only["exact_quads"], 0)
+        self.assertGreater(exact["exact_quads"], 0)
+        percent = f"{100 * exact['exact_quads'] / exact['quads']:.1f}"
+        self.assertAlmostEqual(exact["exact_quads_share"], exact["exact_quads"] / exact["quads"])
+        data = report_data.Data(self.records)
+        (table,) = [found for found in report_levels.tables(data, "cube") if found[0] == report_levels.EXACT]
+        self.assertIn(("cLEAF^2", percent), [(row[0], row[2]) for row in table[2]])
+        self.assertEqual({row[0] for row in table[2]}, {"cLEAF^2", "cLEAF^3"}, "no other has faces of two forms")
+        lines = [line.split(" | ") for line in report_markdown.results(data).split("\n") if line.startswith("| 6 | cLEAF")]
+        self.assertIn((percent, "-"), [(a[4], b[4]) for a in lines for b in lines if (a[1], b[1]) == ("cLEAF^2", "cLEAF-only^2")])
+
+    def test_leaves_that_had_no_name_of_their_own_get_it(self):
+        folder = Path(self.temporary.name) / "old"
+        folder.mkdir()
+        record = self.record()
+        record["run"]["settings"]["leaves_only"] = True
+        for group in record["groups"]:
+            group["results"] = [r for r in group["results"] if r["kind"] != "cLEAF-only"]
+        (folder / "cube_L2-6.json").write_text(json.dumps(record))
+        found = {(r["representation"], r["kind"]) for r in bench_records.read(folder / "cube_L2-6.json")["groups"][0]["results"]}
+        self.assertIn(("cLEAF-only^2", "cLEAF-only"), found)
+        self.assertNotIn("cLEAF", {kind for _, kind in found})
 
     def test_dark_pictures_have_other_ink(self):
         pictures = report_figures.themed(lambda axes, theme: axes.set_title("x"))
@@ -355,10 +425,10 @@ class Report(unittest.TestCase):
         for name, part, holds in (("small", 0.31, True), ("large", 0.32, False)):
             results = next(group for group in record["groups"] if group["level"] == 6)["results"]
             grid = next(r for r in results if r["representation"] == "GRID")["memory"]["live_bytes"]
-            next(r for r in results if r["representation"] == "cLEAF^2")["memory"]["live_bytes"] = int(part * grid)
+            next(r for r in results if r["representation"] == "cLEAF-only^2")["memory"]["live_bytes"] = int(part * grid)
             (folder / "cube_L6.json").write_text(json.dumps(record))
             table = {r.claim: r for r in relations(report_data.Data(folder))}
-            claim = "cube: memory of cLEAF^2 at level 6 as a part of GRID at level 6"
+            claim = "cube: memory of cLEAF-only^2 at level 6 as a part of GRID at level 6"
             self.assertEqual(table[claim].holds, holds, name)
             self.assertEqual(bool(table[claim].reason), not holds, "what does not hold has a reason or says that it has none")
             self.assertIn(f"{100 * part:.1f}%", table[claim].ours)
@@ -519,7 +589,7 @@ class Report(unittest.TestCase):
 
     def test_kinds_are_those_of_the_programs(self):
         words = subprocess.run([BENCH, "--help"], capture_output=True, text=True, check=True).stdout
-        self.assertIn(f"--representation LIST={','.join(kind.lower() for kind in report_data.KINDS)}\n", words)
+        self.assertIn(f" of {', '.join(kind.lower() for kind in report_data.KINDS)};", " ".join(words.split()))
 
     def test_labels_of_a_chart_cover_nothing(self):
         random.seed(7)
@@ -541,6 +611,26 @@ class Report(unittest.TestCase):
         points = [(1, 5), (2, 4), (2, 6), (3, 7), (0.5, 1)]
         self.assertEqual(report_tradeoffs.pareto(points, False), [(0.5, 1), (1, 5), (2, 6), (3, 7)])
         self.assertEqual(report_tradeoffs.pareto(points, True), [(0.5, 1)])
+
+    def test_a_front_of_one_is_a_sentence_and_no_plot(self):
+        row = next(row for row in report_data.Data(self.records).rows if (row.label, row.level) == ("cLEAF-only^2", 6))
+        two = [(row, 0.5, 3.0), (row, 0.1, 2.0)]
+        self.assertEqual(report_tradeoffs.best_in_words("cube, speed", "rays", two, False), "")
+        words = report_tradeoffs.best_in_words("cube, memory", "MiB", two, True)
+        self.assertIn("cLEAF-only<sup>2</sup> at level 6 is the best of 2 in both: 2 MiB; p99 0.1 pixels", words)
+        folder = Path(self.temporary.name) / "fronts"
+        folder.mkdir()
+        record = self.record()
+        for group in record["groups"]:
+            for result in group["results"]:
+                best = result["kind"] == "cLEAF-only"
+                result["memory"]["live_bytes"] = 1000 if best else 2000
+                for view in result["views"]:
+                    view["errors"]["p99_pixels"] = 0.0 if best else 1.0
+        (folder / "cube_L2-6.json").write_text(json.dumps(record))
+        html = report_tradeoffs.section(report_data.Data(folder))
+        self.assertNotIn("memory against error, cube", html)
+        self.assertIn("is the best of", html)
 
 
 if __name__ == "__main__":

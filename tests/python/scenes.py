@@ -148,10 +148,19 @@ class Building(unittest.TestCase):
         label = lambda *a, **o: cbvh.build(sheet(), *a, level=4, **o).representation
         self.assertEqual(label("cleaf"), "cLEAF")
         self.assertEqual(label("cleaf", frame_level=1), "cLEAF^1")
+        self.assertEqual(label("cbvh.leaf", frame_level=1), "cLEAF^1")
+        self.assertEqual(label("Leaf-only:1"), "cLEAF-only^1")
         self.assertEqual(label("cVoxel^3", frame_level=1), "cVOXEL^3")
         self.assertEqual(label("cgrid", frame_level="auto"), "cGRID")
         blocks = [cbvh.build(sheet(), "cvoxel", 4, frame_level=n).statistics()["compression"]["blocks"] for n in (0, 1, 2)]
         self.assertEqual(blocks, [25, 100, 400])
+
+    def test_faces_are_stored_exactly_by_name(self):
+        exact = lambda name: cbvh.build(cbvh.Model.scene("cube"), name, 3).statistics()["compression"]["exact_quads_share"]
+        self.assertGreater(exact("cleaf"), 0)
+        self.assertEqual(exact("cleaf-only"), 0)
+        with self.assertRaises(TypeError):
+            cbvh.build(sheet(), "cleaf", 3, exact_faces=False)
 
     def test_bounds_on_the_error_hold(self):
         model = bumpy_model()

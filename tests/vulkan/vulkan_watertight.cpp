@@ -63,7 +63,7 @@ struct ClosedScene
   }
   static Representation representation(RTCCompression compression)
   {
-    for (const Representation& r : parseRepresentations("cvoxel,cleaf,cvert", frameLevel))
+    for (const Representation& r : parseRepresentations("cvoxel,cleaf-only,cvert", frameLevel)) // leaves are tested as leaves
       if (r.compression() == compression) return r;
     throw std::logic_error("no such representation");
   }
@@ -71,7 +71,6 @@ struct ClosedScene
   {
     BuildSettings build;
     build.level = level;
-    build.exactFaces = false; // leaves are tested as leaves
     build.device = device;
     return build;
   }

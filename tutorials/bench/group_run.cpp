@@ -38,7 +38,6 @@ BuildSettings buildSettings(const GroupSettings& settings)
   BuildSettings build;
   build.level = settings.level;
   build.threads = settings.options.buildThreads;
-  build.exactFaces = !settings.options.leavesOnly;
   build.device = settings.options.device;
   build.maxError = settings.options.maxError * settings.model.cage.bounds().diagonal();
   return build;

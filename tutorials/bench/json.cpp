@@ -238,7 +238,6 @@ json settingsJson(const BenchOptions& options)
           {"check_packets", options.checks.packets},
           {"position", {options.position.x, options.position.y, options.position.z}},
           {"max_error_diagonals", options.maxError},
-          {"leaves_only", options.leavesOnly},
           {"reference_level", options.referenceLevel >= 0 ? json(options.referenceLevel) : json()}};
 }
 

@@ -139,7 +139,7 @@ struct Words
 {
   std::vector<std::string> files;
   SceneSettings settings; // of all scenes
-  std::string scenes, libraries, levels = "6", representations = listOfRepresentations(","), frameLevels = "auto";
+  std::string scenes, libraries, levels = "6", representations = defaultRepresentations(), frameLevels = "auto";
   std::string isas = "best", device = "cpu", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
   std::string size = "768x768", pictureLevels, checks, position;
   std::vector<std::string> views;
@@ -205,7 +205,6 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, Words& words)
   app.add_option("--position", words.position, "moves models there: x,y,z")->type_name("P");
   app.add_option("--max-error", o.maxError, "bound on the thickness of leaves where the frame level is auto, and on cVERT's spacing, in\n"
                  "bounding-box diagonals of the cage")->type_name("E");
-  app.add_flag("--leaves-only", o.leavesOnly, "cLEAF has leaves for all faces, and stores none as cVERT, as in the paper");
   app.add_option("--reference-level", o.referenceLevel,
                  "measure errors against GRID at this level, too, which also fixes the view for all levels")
     ->type_name("L");

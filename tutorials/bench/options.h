@@ -49,7 +49,6 @@ struct BenchOptions
   Checks checks;
   Vec3f position;            // that models are moved to
   float maxError = 0.0f;     // of leaves, in bounding-box diagonals; 0: no bound
-  bool leavesOnly = false;   // cLEAF stores no faces as cVERT
   std::string pictures;      // folder, empty for none
   int samples = 16;          // a pixel, of shaded pictures
   std::vector<int> pictureLevels; // levels that get pictures; empty: all

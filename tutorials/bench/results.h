@@ -53,7 +53,7 @@ struct ViewResult
   HitErrors away;                           // the same, of hits away from silhouettes
   std::optional<HitErrors> toReference;     // primary rays, against GRID of the reference level
   std::optional<TrueErrors> toTrue;         // primary rays, against the true surface
-  std::optional<HeightBins> bins, binsAway; // of cLEAF at a given frame level; away from silhouettes
+  std::optional<HeightBins> bins, binsAway; // of cLEAF-only at a given frame level; away from silhouettes
   HitErrors bounced;                        // incoherent rays, against GRID of the same level
   std::string picture, errorMap;            // file names
 };

@@ -92,7 +92,7 @@ std::optional<SheetCrossings> Robustness::sheets(const BuiltScene& scene) const
   settings.seed = seed;
   settings.device = this->settings.device;
   settings.packets = checks.packets;
-  const EmbreeDevice device("");
+  const EmbreeDevice device(scene.representation().deviceConfig()); // says whether faces are stored exactly
   return crossSheets(device.handle(), scene.representation().compression(), settings, threads);
 }
 

@@ -16,10 +16,11 @@ std::vector<SurfaceHit> picked(const std::vector<SurfaceHit>& hits, const std::v
   return some;
 }
 
-/* Bins are those of a block's frame: without a given frame level it is not known which. */
+/* Bins are those of a block's frame: without a given frame level it is not known which. Faces that are
+ * stored exactly have none. */
 bool hasBins(const Representation& representation)
 {
-  return representation.kind == RepresentationKind::CLeaf && representation.frameLevel != autoFrameLevel;
+  return representation.kind == RepresentationKind::CLeafOnly && representation.frameLevel != autoFrameLevel;
 }
 
 void addErrorsToTrueSurface(const ErrorSettings& settings, const View& view, const BuiltScene& scene,

@@ -126,7 +126,7 @@ for panel, scene in zip(panels, shown):
     errors = cbvh.pixel_errors(hits, reference, camera.footprint)
     image = panel.imshow(np.maximum(errors, 1e-4), norm="log", vmin=1e-4, vmax=10)
     summary = scene.errors(hits, reference, camera.footprint)
-    panel.set_title(f"{scene.representation}: RMSE {summary['rmse_pixels']:.2g} px", fontsize=10)
+    panel.set_title(f"{scene.representation}: median {summary['median_pixels']:.2g}, p99 {summary['p99_pixels']:.2g} px", fontsize=10)
     panel.set_axis_off()
 figure.colorbar(image, ax=panels, label="pixels")
 figure.savefig("errors.png", dpi=120)

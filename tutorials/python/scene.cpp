@@ -95,7 +95,7 @@ PixelBound readPixelBound(float pixels, const std::optional<Camera>& camera)
 
 std::shared_ptr<Scene> build(const std::shared_ptr<Model>& model, const std::string& name, int level,
                              const py::object& frameLevel, float maxError, float maxPixelError,
-                             const std::optional<Camera>& camera, bool exactFaces, int threads, const std::string& isa,
+                             const std::optional<Camera>& camera, int threads, const std::string& isa,
                              const std::string& device, const py::object& progress)
 {
   const Representation representation = readRepresentation(name, frameLevel);
@@ -105,7 +105,6 @@ std::shared_ptr<Scene> build(const std::shared_ptr<Model>& model, const std::str
   settings.threads = threads;
   settings.maxError = maxError;
   settings.pixelBound = readPixelBound(maxPixelError, camera);
-  settings.exactFaces = exactFaces;
   settings.isa = isa;
   settings.device = device;
   validateBuild(settings);
@@ -255,14 +254,14 @@ std::string buildText()
 
 model: a Model, or a Cage, which is not displaced.
 representation: compressed is one of )" + wordsOf(&Representation::isCompressed, "\"") + R"(; else "grid", Embree's
-  own, or "naive", its triangles. A frame level of its own may follow: "cleaf^3".
+  own, or "naive", its triangles. A frame level of its own may follow: "cleaf^3". "cleaf" stores faces exactly, as "cvert"
+  does, that its leaves hold badly; "cleaf-only" has leaves for all faces, as in the paper.
 level: )" + levelRange() + R"(, 2**level x 2**level quads a face.
 frame_level: )" + levelRange() + R"(, or "auto": 4**frame_level frames a face of )" + wordsOf(&Representation::hasFrames, "") + R"(, "auto" if it is
   not given.
 max_error: world units, 0 for none: bound on the spacing of cvert's lattice, and on the thickness of leaves where
   frame_level is "auto".
 max_pixel_error: bound on the spacing of cvert's lattice in pixels of camera, 0 for none.
-exact_faces: whether cleaf stores faces as cvert does that its leaves hold badly.
 threads: for building, 0 for all.
 isa: widest instruction set to use: "sse2", "sse4.2", "avx", "avx2" or "avx512"; the best there is by default.
 device: what traces: "cpu", "vulkan", or "vulkan:" and an index or a part of a device's name.
@@ -362,7 +361,7 @@ void defineScene(py::module_& module)
 
   module.def("build", &build, arg("model"), arg("representation") = "cvert", arg("level") = 6, py::kw_only(),
              arg("frame_level") = py::none(), arg("max_error") = 0.0f, arg("max_pixel_error") = 0.0f,
-             arg("camera") = py::none(), arg("exact_faces") = true, arg("threads") = 0, arg("isa") = "",
+             arg("camera") = py::none(), arg("threads") = 0, arg("isa") = "",
              arg("device") = "cpu", arg("progress") = py::none(), buildText().c_str());
   module.def("pixel_errors", &pixelErrorsOf, arg("hits"), arg("reference"), arg("footprint"), pixelErrorsText);
 }

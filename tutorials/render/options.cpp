@@ -32,7 +32,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
                    "comma list of " + listOfRepresentations(", ") + "; a frame level of its own after ^ or :. More than one are "
                    "compared: errors are measured against grid and naive, where those are among them")
       ->type_name("LIST")->capture_default_str();
-  app.add_flag("--compare", words.compare, "all representations")->excludes(list);
+  app.add_flag("--compare", words.compare, "compares " + defaultRepresentations())->excludes(list);
   addLevelOptions(app, o.build.level, words.frameLevel);
   app.add_option("--max-pixel-error", o.maxPixelError,
                  "spacing of cVERT's vertices in pixels of the view, at most; 0 for 1/36 of a quad's edge")
@@ -89,7 +89,7 @@ void read(const Words& words, Options& o)
   o.colors = words.colors == "sides" ? HitColors::Sides : HitColors::Neutral;
   o.size = parseImageSize(words.size);
   o.representations =
-    parseRepresentationOptions(words.compare ? listOfRepresentations(",") : words.representations, words.frameLevel);
+    parseRepresentationOptions(words.compare ? defaultRepresentations() : words.representations, words.frameLevel);
   o.trueHits = words.trueHits.value_or(o.compares() ? 20000 : 0);
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);

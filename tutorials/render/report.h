@@ -11,7 +11,7 @@
 
 namespace cbvh {
 
-/* A Markdown table of about ten rows, one column a representation, below what was run and
+/* A Markdown table of about a dozen rows, one column a representation, below what was run and
  * above where the pictures are. details: all rows. */
 std::string formatTable(const Comparison& comparison, bool details);
 

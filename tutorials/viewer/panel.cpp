@@ -124,7 +124,7 @@ void Panel::drawSettings()
     ImGui::PushID(int(i));
     const std::vector<RepresentationKind>& kinds = representationKinds();
     int kind = int(std::find(kinds.begin(), kinds.end(), r.kind) - kinds.begin()), frame = r.frameLevel + 1;
-    ImGui::PushItemWidth(90);
+    ImGui::PushItemWidth(104);
     if (ImGui::Combo("##kind", &kind, representationEntries().c_str()))
       r.kind = kinds[size_t(kind)];
     if (r.hasFrames())
@@ -186,7 +186,8 @@ void Panel::drawReports()
     ImGui::Text("%s, built in %.2f s", bytesText(b.liveBytes).c_str(), b.seconds);
     ImGui::Text("%.2f Mrays/s on %u thread%s", reports[i].mrays(), threads, threads == 1 ? "" : "s");
     if (panes[i].reference && viewer.shownMode() == PictureMode::Error)
-      ImGui::Text("RMSE %.3f pixels, %zu false, %zu missed", reports[i].rmse, reports[i].falseHits, reports[i].misses);
+      ImGui::Text("median %.4f, p99 %.4f pixels, %zu false, %zu missed", reports[i].median, reports[i].p99,
+                  reports[i].falseHits, reports[i].misses);
   }
   if (viewer.shownMode() == PictureMode::Error && !panes.empty())
     drawLegend();

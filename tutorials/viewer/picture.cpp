@@ -3,6 +3,7 @@
 
 #include "picture.h"
 #include "measure/hit_metrics.h"
+#include "measure/quantiles.h"
 #include "pictures/shading.h"
 #include "tracing/trace_hits.h"
 
@@ -164,19 +165,16 @@ public:
 private:
   void summarise(PaneReport& report) const
   {
-    double sum = 0;
-    size_t both = 0;
+    std::vector<float> ofBoth;
     for (float e : errors)
     {
       report.falseHits += e == falseHitError;
       report.misses += e == missError;
       if (e >= 0.0f)
-      {
-        sum += double(e) * e;
-        both++;
-      }
+        ofBoth.push_back(e);
     }
-    report.rmse = both ? std::sqrt(sum / double(both)) : 0.0;
+    report.median = quantile(ofBoth, 0.5);
+    report.p99 = quantile(ofBoth, 0.99);
   }
 
   Vec3f color(int x, int y) const

@@ -41,8 +41,8 @@ struct PaneReport
 {
   size_t rays = 0;
   double seconds = 0;             // for tracing them on all threads
-  double rmse = 0;                // in pixels, over rays where both hit
-  size_t falseHits = 0, misses = 0; // these three in PictureMode::Error only
+  double median = 0, p99 = 0;       // errors in pixels, over rays where both hit
+  size_t falseHits = 0, misses = 0; // these four in PictureMode::Error only
 
   double mrays() const { return seconds > 0 ? double(rays) * 1e-6 / seconds : 0.0; }
 };
