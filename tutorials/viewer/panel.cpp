@@ -170,26 +170,45 @@ void Panel::drawStrength()
 void Panel::drawReports()
 {
   const std::vector<Pane> panes = viewer.panes();
-  const std::vector<PaneReport>& reports = viewer.reports();
+  const Picture* const picture = viewer.picture();
   if (viewer.isPreview())
   {
     ImGui::Separator();
     ImGui::TextUnformatted("a preview of few quads");
   }
-  for (size_t i = 0; i < panes.size() && i < reports.size(); i++)
+  for (size_t i = 0; picture && i < panes.size() && i < picture->reports().size(); i++)
   {
+    const PaneReport& report = picture->reports()[i];
     const BuildReport& b = panes[i].scene->report();
     ImGui::Separator();
     ImGui::Text("%s%s, level %d", panes.size() < 2 ? "" : i ? "right: " : "left: ",
                 panes[i].scene->representation().label().c_str(), viewer.shownLevel());
     ImGui::Text("%.2f bytes a quad, %s quads", b.bytesPerQuad(), quadsText(b.quads).c_str());
     ImGui::Text("%s, built in %.2f s", bytesText(b.liveBytes).c_str(), b.seconds);
-    ImGui::Text("%.2f Mrays/s on %u thread%s", reports[i].mrays(), threads, threads == 1 ? "" : "s");
+    ImGui::Text("%.2f million rays a second, %.0f %% hit", report.mrays(), report.percentHit());
+    ImGui::Text("on %u thread%s", threads, threads == 1 ? "" : "s");
     if (panes[i].reference && viewer.shownMode() == PictureMode::Error)
-      ImGui::Text("RMSE %.3f pixels, %zu false, %zu missed", reports[i].rmse, reports[i].falseHits, reports[i].misses);
+    {
+      ImGui::Text("error in pixels: median %.3f, 99th percentile %.3f", report.median, report.p99);
+      ImGui::Text("%zu false hits, %zu misses", report.falseHits, report.misses);
+    }
   }
   if (viewer.shownMode() == PictureMode::Error && !panes.empty())
     drawLegend();
+  drawSamples();
+}
+
+/* Figures are never of what has been gathered since. */
+void Panel::drawSamples()
+{
+  const Picture* const picture = viewer.picture();
+  if (!picture)
+    return;
+  ImGui::Separator();
+  if (picture->wantedSamples() > 1)
+    ImGui::Text("%d of %d samples a pixel, figures of one", picture->samples(), picture->wantedSamples());
+  else
+    ImGui::TextUnformatted("picture and figures: one ray a pixel");
 }
 
 void Panel::drawLegend()

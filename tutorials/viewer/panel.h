@@ -31,6 +31,7 @@ private:
   void drawSettings();
   void drawStrength();
   void drawReports();
+  void drawSamples();
   void drawLegend();
   void drawProgress();
   void drawQuestion();

@@ -134,7 +134,7 @@ void Viewer::showLoaded()
     viewpoint.emplace(*document->loaded->start, document->model().view.up);
     stepLength = 0.02f * viewpoint->distance();
   }
-  image.reset();
+  rendered.reset();
   shown = wanted;
   printWarnings("cbvh_viewer", document->loaded->warnings);
   lastMessage = linesAfter("warning: ", document->loaded->warnings);
@@ -154,7 +154,7 @@ void Viewer::update()
   {
     shown = wanted;
     requestScenes();
-    image.reset();
+    rendered.reset();
   }
 }
 
@@ -179,19 +179,26 @@ bool Viewer::refresh(ImageSize now)
     return false;
   const Camera camera = viewpoint->camera(size);
   const std::string description = camera.description();
-  const bool same = image && image->size.width == size.width && image->size.height == size.height &&
-                    description == imageCamera && splitPosition == imageSplit && sameScenes(what, imagePanes);
+  const bool same = rendered && rendered->image().size.width == size.width && rendered->image().size.height == size.height &&
+                    description == renderedCamera && splitPosition == renderedSplit && sameScenes(what, renderedPanes);
   if (same && !continuous)
-    return false;
+  {
+    if (rendered->isComplete())
+      return false;
+    rendered->addSample();
+    return true;
+  }
   PictureSettings settings;
   settings.mode = shown.mode == PictureMode::Error && !what[0].reference ? PictureMode::Shading : shown.mode;
   settings.up = document->model().view.up;
   settings.split = splitPosition;
   settings.threads = threadCount(options.build.threads);
-  image = renderPicture(camera, what, settings, paneReports);
-  imageCamera = description;
-  imageSplit = splitPosition;
-  imagePanes = what;
+  settings.samples = options.samples;
+  rendered.emplace(camera, what, settings);
+  rendered->addSample();
+  renderedCamera = description;
+  renderedSplit = splitPosition;
+  renderedPanes = what;
   return true;
 }
 
@@ -258,12 +265,14 @@ std::string Viewer::message() const
 
 void Viewer::savePicture()
 {
-  if (!image || shown != wanted || isPreview())
+  if (!rendered || shown != wanted || isPreview())
     lastMessage = "not saved: the picture is not there yet";
   else
     try
     {
-      writePng(options.picture, *image);
+      while (!rendered->isComplete())
+        rendered->addSample();
+      writePng(options.picture, rendered->image());
       lastMessage = "saved " + options.picture;
     }
     catch (const Error& e)

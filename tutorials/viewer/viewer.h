@@ -42,15 +42,15 @@ public:
    * Throws Cancelled when a signal asked for the end. */
   void update();
 
-  /* Renders if anything changed since the last call, and says so. */
+  /* Renders if anything changed since the last call, else adds a sample to the picture, if it is to
+   * have more. Says whether it did either. */
   bool refresh(ImageSize size);
 
-  /* As refresh left it; none while there is nothing to show. */
-  const std::optional<Image>& picture() const { return image; }
+  /* As refresh left it; null while there is nothing to show. */
+  const Picture* picture() const { return rendered ? &*rendered : nullptr; }
 
-  /* What is shown, one or two, and how it rendered; empty while nothing or a preview is. */
+  /* What is shown, one or two; empty while nothing or a preview is. */
   std::vector<Pane> panes() const;
-  const std::vector<PaneReport>& reports() const { return paneReports; }
   bool isPreview() const { return document && panes().empty(); }
 
   /* --- what is wanted --- */
@@ -75,7 +75,7 @@ public:
   /* Why there is not what was wanted, or what was done last; a line, or empty. */
   std::string message() const;
 
-  /* Writes the picture that is shown. */
+  /* Writes the picture that is shown, with all its samples. */
   void savePicture();
 
   bool continuous = false; // renders although nothing changed
@@ -125,11 +125,10 @@ private:
   std::optional<Viewpoint> viewpoint; // as soon as there is a model
 
   ImageSize size{1, 1};
-  std::optional<Image> image;
-  std::string imageCamera; // what it was rendered with,
-  float imageSplit = 0.5f;
-  std::vector<Pane> imagePanes;
-  std::vector<PaneReport> paneReports;
+  std::optional<Picture> rendered;
+  std::string renderedCamera; // what it was rendered with,
+  float renderedSplit = 0.5f;
+  std::vector<Pane> renderedPanes;
   std::string lastMessage;
 };
 

@@ -128,12 +128,13 @@ private:
   {
     glClearColor(0.2f, 0.2f, 0.2f, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT);
-    if (const std::optional<Image>& picture = viewer.picture())
+    if (viewer.picture())
     {
+      const Image& picture = viewer.picture()->image();
       glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
       glRasterPos2i(-1, 1);
       glPixelZoom(1.0f, -1.0f);
-      glDrawPixels(picture->size.width, picture->size.height, GL_RGB, GL_UNSIGNED_BYTE, picture->rgb.data());
+      glDrawPixels(picture.size.width, picture.size.height, GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data());
     }
     ImGui_ImplGlfwGL2_NewFrame();
     panel.draw();
