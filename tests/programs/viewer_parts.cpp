@@ -5,6 +5,7 @@
 
 #include "basics/error.h"
 #include "basics/progress.h"
+#include "layout.h"
 #include "measure/hit_metrics.h"
 #include "picture.h"
 #include "programs/opened_files.h"
@@ -123,6 +124,45 @@ TEST(Viewpoint, LooksStraightUpAndDownWithoutHarm)
   view.move(1, 1);
   view.orbit(0.1f, 0.1f);
   EXPECT_TRUE(isFinite(view.position()) && isFinite(view.direction()));
+}
+
+/* --- the window's layout ----------------------------------------------------------------- */
+
+bool overlap(Rectangle a, Rectangle b)
+{
+  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+}
+
+int areaOf(Rectangle r)
+{
+  return r.width * r.height;
+}
+
+TEST(Layout, SharesTheWindowWithoutOverlap)
+{
+  for (const ImageSize window : {ImageSize{1024, 768}, {400, 300}, {400, 900}, {600, 400}, {599, 400}, {30, 30}, {1, 1}})
+    for (const PanelState panel : {PanelState::Open, PanelState::Folded, PanelState::Hidden})
+      for (const bool split : {false, true})
+      {
+        const WindowLayout l = layOut(window, panel, split);
+        EXPECT_FALSE(overlap(l.panel, l.picture) || overlap(l.captions, l.picture) || overlap(l.captions, l.panel));
+        EXPECT_EQ(areaOf(l.panel) + areaOf(l.captions) + areaOf(l.picture), window.width * window.height);
+        EXPECT_GE(std::min(l.picture.width, l.picture.height), 1);
+        EXPECT_LE(l.picture.x + l.picture.width, window.width);
+        EXPECT_LE(l.picture.y + l.picture.height, window.height);
+      }
+}
+
+TEST(Layout, LeavesThePictureHalfOfTheWindowAndAllOfItWithoutThePanel)
+{
+  for (const ImageSize window : {ImageSize{1024, 768}, {600, 400}, {400, 300}})
+  {
+    const int all = window.width * window.height;
+    EXPECT_GE(2 * areaOf(layOut(window, PanelState::Open, false).picture), all);
+    EXPECT_GE(10 * areaOf(layOut(window, PanelState::Folded, false).picture), 9 * all);
+    EXPECT_EQ(areaOf(layOut(window, PanelState::Hidden, true).picture), all);
+  }
+  EXPECT_EQ(layOut({1024, 768}, PanelState::Open, true).captions.x, panelWidth);
 }
 
 /* --- pictures ---------------------------------------------------------------------------- */

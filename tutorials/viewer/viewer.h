@@ -5,6 +5,7 @@
 
 /* What a viewer shows and what the user wants it to show, without the window around it.
  * Whatever takes long goes on in the background; until it is there, what was shown stays.
+ * A model that is shown as a whole stays so when the picture gets another size.
  *
  * Pixels are those of the picture, from the upper left. */
 
@@ -83,8 +84,16 @@ public:
   /* --- the camera; nothing happens while there is no model --- */
 
   void resetView();
-  void fitView(ImageSize size);
-  std::string viewDescription() const; // as --view takes it
+  void fitView();
+
+  /* The options that show the same: --view, and --up where turnUp chose another axis for a cage. */
+  std::string viewOptions() const;
+
+  /* The axis that points upwards, one of upAxes(), and whether it is a guess. turnUp takes another
+   * one and shows all of the model. */
+  const std::string& up() const { return upAxis; }
+  bool isUpGuessed() const;
+  void turnUp(const std::string& axis);
 
   void orbit(float right, float upwards);
   void look(float right, float upwards);
@@ -106,6 +115,8 @@ private:
   void load();
   void takeLoaded();
   void showLoaded();
+  void frame(const ViewHints& from);
+  void leaveFrame() { framing.reset(); }
   void requestScenes();
   std::vector<Pane> panesOrPreview() const;
   std::optional<Vec3f> pointAt(Vec2f pixel) const;
@@ -123,6 +134,10 @@ private:
   Representation other{RepresentationKind::Grid}; // of the right half while there is none
   float splitPosition = 0.5f, stepLength = 1.0f;
   std::optional<Viewpoint> viewpoint; // as soon as there is a model
+  std::string upAxis = "y";
+  ViewHints hints;                    // of the model, turned to that
+  std::optional<ViewHints> framing;   // from where all of it is shown, until the user moves
+  ImageSize framedSize;
 
   ImageSize size{1, 1};
   std::optional<Picture> rendered;
