@@ -30,17 +30,22 @@ void SampledPicture::add(const std::vector<Ray>& rays, const std::vector<Surface
   constexpr size_t chunk = 4096;
   parallelFor(sums.size(), chunk, threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; i++)
-      sums[i] = sums[i] + (hits[i].hit() ? shader.color(rays[i], hits[i])
-                                         : backgroundColor(float(i / size_t(size.width)) / float(size.height)));
+      addTo(i, rays[i], hits[i]);
   });
-  samples++;
+  endSample();
+}
+
+void SampledPicture::addTo(size_t pixel, const Ray& ray, const SurfaceHit& hit)
+{
+  sums[pixel] = sums[pixel] + (hit.hit() ? shader.color(ray, hit)
+                                         : backgroundColor(float(pixel / size_t(size.width)) / float(size.height)));
 }
 
 Image SampledPicture::image() const
 {
   Image image(size);
   for (size_t i = 0; i < sums.size(); i++)
-    image.set(i, (1.0f / float(samples)) * sums[i]);
+    image.set(i, mean(i));
   return image;
 }
 

@@ -29,6 +29,12 @@ public:
   /* The mean of the samples, before the background. */
   Image image() const;
 
+  /* The same pixel by pixel, for callers with loops of their own: different pixels may be on different threads.
+   * Every pixel gets its sample before endSample says that all have it. */
+  void addTo(size_t pixel, const Ray& ray, const SurfaceHit& hit);
+  void endSample() { samples++; }
+  Vec3f mean(size_t pixel) const { return (1.0f / float(samples)) * sums[pixel]; } // linear
+
 private:
   ImageSize size;
   HitShader shader;

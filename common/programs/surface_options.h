@@ -84,8 +84,9 @@ inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
 {
   app.add_option("--cage", settings.cagePath, "instead of a scene: control cage, OBJ with OpenSubdiv's t tags")
     ->type_name("FILE");
-  app.add_option("--up", settings.up, "axis of the cage that points upwards [y]")
-    ->type_name("AXIS")->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}));
+  app.add_option("--up", settings.up, "axis of the cage that points upwards: x, y, z, -x, -y, -z, or auto, which is y unless\n"
+                 "the file or the shape is clearly z up [auto]")
+    ->type_name("AXIS")->check(CLI::IsMember({"auto", "x", "y", "z", "-x", "-y", "-z"}));
   addMapOptions(app, settings);
   app.add_flag("--rough", settings.rough, "trex and herd: five times the amplitude");
   app.add_option("--mapping", settings.mapping, "trex and herd: heights by faces, like Ptex, or by an atlas")

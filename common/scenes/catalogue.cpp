@@ -14,6 +14,7 @@
 #include "surface/height_map.h"
 #include "surface/obj_reader.h"
 #include "surface/udim_tiles.h"
+#include "surface/up_axis.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,22 +22,6 @@
 
 namespace cbvh {
 namespace {
-
-/* Turns what is made for an upward y axis. up: as SceneSettings has it. */
-Vec3f turned(Vec3f v, const std::string& up)
-{
-  if (up == "x")
-    return {v.y, -v.x, v.z};
-  if (up == "-x")
-    return {-v.y, v.x, v.z};
-  if (up == "-y")
-    return {-v.x, -v.y, v.z};
-  if (up == "z")
-    return {v.x, -v.z, v.y};
-  if (up == "-z")
-    return {v.x, v.z, -v.y};
-  return v;
-}
 
 DisplacementMap mapOf(const SceneSettings& settings, const Cage& cage)
 {
@@ -50,14 +35,28 @@ DisplacementMap mapOf(const SceneSettings& settings, const Cage& cage)
   return map;
 }
 
+void chooseUp(Model& model, const SceneSettings& settings, std::string& warnings)
+{
+  model.isUpGuessed = settings.up.empty() || settings.up == "auto";
+  if (model.isUpGuessed)
+  {
+    const UpGuess guess = guessUp(model.cage);
+    model.up = guess.axis;
+    if (!guess.reason.empty())
+      warnings += settings.cagePath + ": " + guess.axis + " is taken for up, as " + guess.reason + "; if it is not, give --up y\n";
+  }
+  else
+    model.up = settings.up;
+  model.view = turnedFromY(model.view, model.up);
+}
+
 Model loadCage(const SceneSettings& settings, std::string& warnings)
 {
   Model model;
   model.cage = readObj(settings.cagePath, warnings);
   model.name = std::filesystem::path(settings.cagePath).stem().string();
-  model.view.direction = turned(model.view.direction, settings.up);
-  model.view.up = turned(model.view.up, settings.up);
   validateCage(model.cage, warnings);
+  chooseUp(model, settings, warnings);
   if (!settings.heightPath.empty())
     model.displacement = displaceByMap(model.cage, mapOf(settings, model.cage), warnings);
   return model;

@@ -17,7 +17,7 @@ struct SceneSettings
 {
   std::string scene;              // one of sceneNames(); empty: a cage
   std::string cagePath;           // OBJ
-  std::string up;                 // axis of the cage that points upwards: "x", "y", "z", "-x" and so on; empty: y
+  std::string up;                 // axis of the cage that points upwards, one of upAxes(); empty or "auto": guessed
   std::string heightPath;         // map of the cage's displacement, empty: not displaced
   MapValues mapValues = MapValues::Heights;
   std::optional<float> midLevel;  // as DisplacementMap's, likewise the next two

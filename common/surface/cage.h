@@ -36,6 +36,7 @@ enum class CreaseRule
 struct Cage
 {
   std::string name;
+  std::string comments; // at the head of its file, a line each
   std::vector<Vec3f> positions;
   std::vector<unsigned> faceSizes;   // vertices a face, at least 3
   std::vector<unsigned> faceIndices; // concatenated, into positions

@@ -53,6 +53,8 @@ struct Model
   std::shared_ptr<const Displacement> displacement; // none: the limit surface itself
   std::vector<Placement> copies{Placement()};       // each a geometry of its own, no instances
   ViewHints view;
+  std::string up = "y";                             // the axis that view is for, see up_axis.h
+  bool isUpGuessed = false;
 
   size_t numFaces() const { return cage.numFaces() * copies.size(); }
   size_t numVertices() const { return cage.positions.size() * copies.size(); }

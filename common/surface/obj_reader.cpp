@@ -133,7 +133,8 @@ private:
   {
     const std::vector<std::string_view> words = split(line);
     if (words.empty())
-      return;
+      return comment(line);
+    atHead = false;
     const std::string_view kind = words[0];
     if (kind == "v")
     {
@@ -158,6 +159,15 @@ private:
       if (!skipped.count(kind))
         fail("unknown statement " + quoted(kind) + (lineNumber == 1 ? ", is this an OBJ file?" : ""));
     }
+  }
+
+  /* What programs say of themselves takes a few lines. */
+  void comment(std::string_view line)
+  {
+    constexpr size_t longest = 4096;
+    const size_t begin = line.find('#');
+    if (atHead && begin != std::string_view::npos && cage.comments.size() + line.size() < longest)
+      cage.comments += std::string(line.substr(begin + 1)) + "\n";
   }
 
   void face(const std::vector<std::string_view>& words)
@@ -315,6 +325,7 @@ private:
   std::string& warnings;
   Cage cage;
   size_t lineNumber = 0;
+  bool atHead = true; // before the first statement
 };
 
 } // namespace

@@ -160,6 +160,33 @@ if [ -s "$folder/whole.png" ]; then
   cmp -s "$folder/file_and_map.out/quad_cvert.png" "$folder/files.out/quad_cvert.png" && complain "the map does nothing"
 fi
 
+# What is clearly z up stands without a word, and a line says so; y up stays as it is.
+cat >"$folder/tower.obj" <<OBJ
+v -1 -1 0
+v 1 -1 0
+v 1 1 0
+v -1 1 0
+v -0.4 -0.4 3
+v 0.4 -0.4 3
+v 0.4 0.4 3
+v -0.4 0.4 3
+f 4 3 2 1
+f 5 6 7 8
+f 1 2 6 5
+f 2 3 7 6
+f 3 4 8 7
+f 4 1 5 8
+OBJ
+for up in auto y z; do
+  run "tower_$up" --cage "$folder/tower.obj" --representation cvert --up $up
+done
+run tower --cage "$folder/tower.obj" --representation cvert
+cmp -s "$folder/tower.out/tower_cvert.png" "$folder/tower_z.out/tower_cvert.png" || complain "a tower that stands on z does not stand"
+cmp -s "$folder/tower.out/tower_cvert.png" "$folder/tower_auto.out/tower_cvert.png" || complain "auto is not what is done without --up"
+cmp -s "$folder/tower.out/tower_cvert.png" "$folder/tower_y.out/tower_cvert.png" && complain "--up turns nothing"
+grep -q "tower.obj: z is taken for up, .* give --up y" "$folder/tower.err" || complain "no word on the guess: $(cat "$folder/tower.err")"
+grep -q "for up" "$folder/tower_y.err" "$folder/tower_z.err" "$folder/alone.err" "$folder/files.err" && complain "a word where nothing was guessed"
+
 # Several samples smooth what one shows; the library chooses frame levels as without a word.
 run one_sample --scene cube --representation cleaf --samples 1
 cmp -s "$folder/one_sample.out/cube_cleaf.png" "$folder/alone.out/cube_cleaf.png" && complain "one sample and sixteen are the same"

@@ -5,10 +5,11 @@
 # cbvh_viewer without a display: screenshots, and one clear line with an exit status
 # that is not 0, and nothing written, for bad input.
 #
-# usage: viewer_cli.sh PATH/TO/cbvh_viewer
+# usage: viewer_cli.sh PATH/TO/cbvh_viewer PATH/TO/cbvh_render
 
 set -u
 program=$1
+render=$2
 . "$(dirname -- "$0")/cli.sh"
 unset DISPLAY WAYLAND_DISPLAY
 
@@ -41,6 +42,7 @@ refuses "size '16'" --scene cube --size 16
 refuses "view 'side'" --scene cube --view side
 refuses "unknown --isa 'mmx'" --scene cube --isa mmx
 refuses "threads must not be negative" --scene cube --threads -1
+refuses "samples" --scene cube --samples 0
 refuses "colour" --scene cube --colour red
 refuses "$folder/missing/out.png" --scene cube --level 2 --screenshot "$folder/missing/out.png"
 refuses "$folder/out.txt" --scene cube --level 2 --screenshot "$folder/out.txt"
@@ -73,6 +75,24 @@ XDG_CACHE_HOME=/dev/null refuses "/dev/null/embree-cbvh" --scene trex --level 0
 # GRID has no error against itself: white and the blue of 0 pixels.
 colors=$(tail -c $((65 * 47 * 3)) "$folder/error-grid.ppm" | od -An -v -tu1 -w3 | sort -u | wc -l)
 [ "$colors" = 2 ] || complain "$colors colours in the error of GRID"
+
+# Samples smooth what is shaded, and nothing else: neither errors nor places have a mean.
+for mode in shading normals error cells blocks; do
+  "$program" --scene cube --level 3 --size 65x47 --mode $mode --representation cleaf^auto,cvoxel^8 --samples 1 \
+    --screenshot "$folder/once.ppm" 2>/dev/null
+  if [ $mode = shading ]; then
+    cmp -s "$folder/once.ppm" "$folder/$mode-cleaf^auto-cvoxel^8.ppm" && complain "one sample and sixteen are the same"
+  else
+    cmp "$folder/once.ppm" "$folder/$mode-cleaf^auto-cvoxel^8.ppm" || complain "$mode has more than one sample"
+  fi
+done
+
+# The picture is cbvh_render's, with as many samples.
+for samples in 1 5 16; do
+  "$program" --scene cube --level 4 --size 200x100 --representation cvert --samples $samples --screenshot "$folder/ours.png" 2>/dev/null
+  "$render" --scene cube --level 4 --size 200x100 --representation cvert --samples $samples --output "$folder/theirs" >/dev/null 2>&1
+  cmp "$folder/ours.png" "$folder/theirs/cube_cvert.png" || complain "another picture than cbvh_render's of $samples samples"
+done
 
 # One thread or two: the same picture.
 for threads in 1 2; do

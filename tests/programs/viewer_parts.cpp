@@ -5,7 +5,13 @@
 
 #include "basics/error.h"
 #include "basics/progress.h"
+#include "layout.h"
+#include "measure/hit_metrics.h"
+#include "picture.h"
 #include "programs/opened_files.h"
+#include "programs/view_options.h"
+#include "tracing/ray_sets.h"
+#include "tracing/trace_hits.h"
 #include "viewpoint.h"
 #include "worker.h"
 
@@ -118,6 +124,156 @@ TEST(Viewpoint, LooksStraightUpAndDownWithoutHarm)
   view.move(1, 1);
   view.orbit(0.1f, 0.1f);
   EXPECT_TRUE(isFinite(view.position()) && isFinite(view.direction()));
+}
+
+/* --- the window's layout ----------------------------------------------------------------- */
+
+bool overlap(Rectangle a, Rectangle b)
+{
+  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+}
+
+int areaOf(Rectangle r)
+{
+  return r.width * r.height;
+}
+
+TEST(Layout, SharesTheWindowWithoutOverlap)
+{
+  for (const ImageSize window : {ImageSize{1024, 768}, {400, 300}, {400, 900}, {600, 400}, {599, 400}, {30, 30}, {1, 1}})
+    for (const PanelState panel : {PanelState::Open, PanelState::Folded, PanelState::Hidden})
+      for (const bool split : {false, true})
+      {
+        const WindowLayout l = layOut(window, panel, split);
+        EXPECT_FALSE(overlap(l.panel, l.picture) || overlap(l.captions, l.picture) || overlap(l.captions, l.panel));
+        EXPECT_EQ(areaOf(l.panel) + areaOf(l.captions) + areaOf(l.picture), window.width * window.height);
+        EXPECT_GE(std::min(l.picture.width, l.picture.height), 1);
+        EXPECT_LE(l.picture.x + l.picture.width, window.width);
+        EXPECT_LE(l.picture.y + l.picture.height, window.height);
+      }
+}
+
+TEST(Layout, LeavesThePictureHalfOfTheWindowAndAllOfItWithoutThePanel)
+{
+  for (const ImageSize window : {ImageSize{1024, 768}, {600, 400}, {400, 300}})
+  {
+    const int all = window.width * window.height;
+    EXPECT_GE(2 * areaOf(layOut(window, PanelState::Open, false).picture), all);
+    EXPECT_GE(10 * areaOf(layOut(window, PanelState::Folded, false).picture), 9 * all);
+    EXPECT_EQ(areaOf(layOut(window, PanelState::Hidden, true).picture), all);
+  }
+  EXPECT_EQ(layOut({1024, 768}, PanelState::Open, true).captions.x, panelWidth);
+}
+
+/* --- pictures ---------------------------------------------------------------------------- */
+
+class Pictures : public testing::Test
+{
+protected:
+  Pictures()
+  {
+    BuildSettings settings;
+    settings.level = 4;
+    grid.emplace(model, Representation{RepresentationKind::Grid}, settings);
+    coarse.emplace(model, Representation{RepresentationKind::CLeaf}, settings);
+    camera.emplace(chooseCamera("full", model, *grid, {96, 64}, 1));
+  }
+
+  static Model cube()
+  {
+    SceneSettings settings;
+    settings.scene = "cube";
+    std::string warnings;
+    return loadScene(settings, warnings);
+  }
+
+  const Model model = cube();
+  std::optional<BuiltScene> grid, coarse;
+  std::optional<Camera> camera;
+};
+
+TEST_F(Pictures, CountAllRaysAndTheirHits)
+{
+  Picture picture(*camera, {{&*grid, nullptr}}, {});
+  picture.addSample();
+  const std::vector<SurfaceHit> hits = traceClosest(*grid, primaryRays(*camera), 1);
+  const auto isHit = [](const SurfaceHit& hit) { return hit.hit(); };
+  const PaneReport& report = picture.reports().at(0);
+  EXPECT_EQ(report.rays, 96u * 64u);
+  EXPECT_EQ(report.hits, size_t(std::count_if(hits.begin(), hits.end(), isHit)));
+  EXPECT_LT(report.hits, report.rays);
+  EXPECT_GT(report.hits, 0u);
+  EXPECT_DOUBLE_EQ(report.mrays() * report.seconds, 96 * 64 * 1e-6);
+  EXPECT_DOUBLE_EQ(report.percentHit(), 100.0 * double(report.hits) / double(report.rays));
+}
+
+TEST_F(Pictures, HaveTheErrorsOfAllOtherPrograms)
+{
+  PictureSettings settings;
+  settings.mode = PictureMode::Error;
+  Picture picture(*camera, {{&*coarse, &*grid}}, settings);
+  picture.addSample();
+  const std::vector<Ray> rays = primaryRays(*camera);
+  const HitErrors errors = compareHits(traceClosest(*grid, rays, 1), traceClosest(*coarse, rays, 1), camera->footprint(),
+                                       coarse->layout());
+  const PaneReport& report = picture.reports().at(0);
+  EXPECT_GT(report.p99, report.median);
+  EXPECT_EQ(report.median, errors.median);
+  EXPECT_EQ(report.p99, errors.p99);
+  EXPECT_EQ(report.falseHits, errors.falseHits);
+  EXPECT_EQ(report.misses, errors.misses);
+}
+
+TEST_F(Pictures, GatherSamplesAndKeepTheFiguresOfTheFirst)
+{
+  PictureSettings settings;
+  settings.samples = 4;
+  Picture picture(*camera, {{&*coarse, nullptr}}, settings);
+  picture.addSample();
+  const std::vector<uint8_t> first = picture.image().rgb;
+  const double seconds = picture.reports().at(0).seconds;
+  for (int samples = 2; samples <= 4; samples++)
+  {
+    EXPECT_FALSE(picture.isComplete());
+    picture.addSample();
+    EXPECT_EQ(picture.samples(), samples);
+  }
+  EXPECT_TRUE(picture.isComplete());
+  EXPECT_NE(picture.image().rgb, first);
+  EXPECT_EQ(picture.reports().size(), 1u);
+  EXPECT_EQ(picture.reports()[0].seconds, seconds);
+}
+
+TEST_F(Pictures, AreOfOneRayWhereHitsHaveNoMean)
+{
+  for (const PictureMode mode : allPictureModes)
+  {
+    PictureSettings settings;
+    settings.mode = mode;
+    settings.samples = 4;
+    EXPECT_EQ(Picture(*camera, {{&*coarse, &*grid}}, settings).wantedSamples(), mode == PictureMode::Shading ? 4 : 1);
+  }
+}
+
+/* Linear colour: half of a pixel white and half of it black is lighter than the middle of their codes. */
+TEST_F(Pictures, AverageLinearColour)
+{
+  PictureSettings settings;
+  settings.samples = 3;
+  const Image image = renderPicture(*camera, {{&*grid, nullptr}}, settings);
+  const HitShader shader(camera->direction(48, 32), settings.up);
+  std::vector<Vec3f> sums(96 * 64);
+  for (int i = 0; i < 3; i++)
+  {
+    const std::vector<Ray> rays = primaryRays(*camera, sampleOffset(i));
+    const std::vector<SurfaceHit> hits = traceClosest(*grid, rays, 1);
+    for (size_t k = 0; k < rays.size(); k++)
+      sums[k] += hits[k].hit() ? shader.color(rays[k], hits[k]) : backgroundColor(float(k / 96) / 64.0f);
+  }
+  Image expected({96, 64});
+  for (size_t k = 0; k < sums.size(); k++)
+    expected.set(k, (1.0f / 3.0f) * sums[k]);
+  EXPECT_EQ(image.rgb, expected.rgb);
 }
 
 /* --- files that are opened --------------------------------------------------------------- */

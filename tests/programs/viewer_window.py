@@ -46,16 +46,15 @@ def part(picture, x, y, width, height):
 def test_switching(session):
     grid = session.screenshot("grid", "--level", "4", "--representation", "grid")
     leaf = session.screenshot("leaf", "--level", "4", "--representation", "cleaf")
-    finer = session.screenshot("finer", "--level", "5", "--representation", "cleaf^3")
-    voxel = session.screenshot("voxel", "--level", "5", "--representation", "cvoxel^2")
-    split = session.screenshot("split", "--level", "5", "--representation", "cleaf^3,cvoxel^2")
-    normals = session.screenshot("normals", "--level", "5", "--representation", "cleaf^3,cvoxel^2", "--mode", "normals")
-    error = session.screenshot("error", "--level", "5", "--representation", "cleaf^3,cvoxel^2", "--mode", "error")
+    finer = session.screenshot("finer", "--level", "5", "--representation", "cleaf^0")
+    voxel = session.screenshot("voxel", "--level", "5", "--representation", "cvoxel")
+    split = session.screenshot("split", "--level", "5", "--representation", "cleaf^0,cvoxel")
+    normals = session.screenshot("normals", "--level", "5", "--representation", "cleaf^0,cvoxel", "--mode", "normals")
+    error = session.screenshot("error", "--level", "5", "--representation", "cleaf^0,cvoxel", "--mode", "error")
     if len({picture[2] for picture in (grid, leaf, finer, voxel, split, normals, error)}) != 7:
         fail("switching changes nothing to see")
 
     session.start("--level", "4", "--representation", "grid", "--picture", "saved.ppm")
-    session.has_overlay(grid)
     session.key("h")
     session.shows("GRID", grid)
     session.key("5")
@@ -66,7 +65,7 @@ def test_switching(session):
     if read_ppm(saved) != leaf:
         fail("the saved picture is not the screenshot")
     session.key("l", "n")
-    session.shows("cLEAF^3 at level 5", finer)
+    session.shows("cLEAF^0 at level 5", finer)
     session.key("x", "shift+4")
     session.shows("cVOXEL beside it", split)
 
@@ -98,13 +97,40 @@ def test_switching(session):
     session.ends(0)
 
 
+def test_samples(session):
+    """One sample while something goes on, all of them at rest."""
+    samples = "64"
+    once = session.screenshot("once", "--level", "4", "--samples", "1")
+    many = session.screenshot("many", "--level", "4", "--samples", samples)
+    session.start("--level", "4", "--samples", samples)
+    session.key("h")
+    session.shows("all samples", many)
+    session.key("b")
+    session.shows("one sample while it renders without pause", once)
+    session.key("b")
+    between = 0
+    def gathered():
+        nonlocal between
+        screen = session.screen()
+        between += screen not in (once, many)
+        return screen == many
+    wait_for("the window does not gather samples", gathered)
+    if not between:
+        fail("samples are not shown as they come")
+    session.key("q")
+    session.ends(0)
+
+
 # --- habits -------------------------------------------------------------------------------
 
 
+# The mouse is where it is when a frame begins, so that what is dragged wants short ones: one sample, then rest.
+QUICK = ("--level", "4", "--samples", "1")
+
+
 def test_camera(session):
-    picture = session.screenshot("start", "--level", "4")
-    session.start("--level", "4")
-    session.has_overlay(picture)
+    picture = session.screenshot("start", *QUICK)
+    session.start(*QUICK)
     session.key("h")
     session.shows("the start", picture)
     start = session.camera()
@@ -167,21 +193,30 @@ def test_camera(session):
     session.ends(0)
 
 
+BAR = 19  # rows of a folded panel, and of captions; see layout.h
+PANEL = 300  # columns of an open one, in windows that have room for it
+
+
 def test_panel_and_end(session):
-    picture = session.screenshot("panel", "--level", "4")
+    """The panel covers nothing: all of the model is beside it, as a window of that size shows it."""
+    def small(name, width, height, *options):
+        return session.screenshot(name, "--level", "4", *options, size=(width, height))
+
+    picture = small("panel", *SIZE)
+    under = small("under", SIZE[0], SIZE[1] - SIZE[1] // 2)  # it is above the picture in a narrow window
+    below_bar = small("below_bar", SIZE[0], SIZE[1] - BAR)
     session.start("--level", "4")
-    session.has_overlay(picture)
-    under_title = (12, 40, 240, 60)
-    has_body = lambda: part(session.screen(), *under_title) != part(picture, *under_title)
-    has_title = lambda: part(session.screen(), 12, 10, 240, 12) != part(picture, 12, 10, 240, 12)
-    wait_for("there is no panel", has_body)
+    session.shows_beside_panel("the model", under, (0, SIZE[1] // 2))
     session.key("Tab")
-    wait_for("the panel does not fold", lambda: not has_body() and has_title())
+    session.shows_beside_panel("the model under the folded one", below_bar, (0, BAR))
     session.key("Tab")
-    wait_for("the panel does not unfold", has_body)
-    session.mouse(("mousemove", 18, 18), ("mousedown", 1), ("mouseup", 1))  # its triangle
+    session.shows_beside_panel("the model again", under, (0, SIZE[1] // 2))
+    session.mouse(("mousemove", 10, 10), ("mousedown", 1), ("mouseup", 1))  # its triangle
     session.away()
-    wait_for("the panel does not fold by mouse", lambda: not has_body())
+    session.shows_beside_panel("the model after a click", below_bar, (0, BAR))
+    session.mouse(("mousemove", 10, 10), ("mousedown", 1), ("mouseup", 1))
+    session.away()
+    session.shows_beside_panel("the model after another one", under, (0, SIZE[1] // 2))
     session.key("h")
     session.shows("no panel", picture)
 
@@ -195,6 +230,40 @@ def test_panel_and_end(session):
     session.key("Escape")
     wait_for("escape does not ask again", asks)
     session.key("Return")
+    session.ends(0)
+
+
+def test_wide_window(session):
+    """The panel at the left, captions above a split screen, where mouse and picture meet."""
+    width, height = 760, 500
+    both = (*QUICK, "--representation", "grid,cleaf")
+    alone = session.screenshot("alone", *QUICK, "--representation", "grid", size=(width - PANEL, height))
+    split = session.screenshot("halves", *both, size=(width - PANEL, height - BAR))
+    session.start(*QUICK, "--representation", "grid", size=(width, height))
+    session.shows_beside_panel("the model", alone, (PANEL, 0))
+    start = session.camera()
+    session.key("x", "shift+5")
+    session.shows_beside_panel("both", split, (PANEL, BAR))
+    line = PANEL + (width - PANEL) // 2
+    ground = part(session.screen(), line - 4, 0, 8, BAR)
+    for x in line - 8 - 40, line + 8:  # the ends of words are beside the line
+        if part(session.screen(), x, 0, 40, BAR) == ground[: 3 * 8] * 5 * BAR:
+            fail("there is no caption beside the line")
+
+    session.drag((line, 300), (line - 100, 300))
+    pure_white = b"\xff" * 3 * (height - BAR)
+    wait_for("the line is not where it was dragged", lambda: part(session.screen(), line - 100, BAR, 1, height - BAR) == pure_white)
+    session.key("x")
+    session.shows_beside_panel("one of them", alone, (PANEL, 0))
+    if session.camera() != start:
+        fail("there and back is somewhere else")
+
+    # The wheel over the panel does nothing to the model.
+    session.mouse(("mousemove", 100, 450), ("click", 4), ("click", 4))
+    session.away()
+    if session.camera() != start:
+        fail("the wheel over the panel zooms")
+    session.key("q")
     session.ends(0)
 
 
@@ -238,7 +307,7 @@ def test_files(session):
     write_bumps(bumps)
     with open(bad, "w") as file:
         file.write("v 0 0 0\nv 1 0 0\nf 1 2\n")
-    level = ("--level", "4")
+    level = QUICK
     smooth = session.screenshot("smooth", *level, scene=(box,))
     rough = session.screenshot("rough", *level, scene=(bumps, box))
     if smooth == rough or rough != session.screenshot("same", *level, scene=("--cage", box, "--height", bumps)):
@@ -273,7 +342,6 @@ def test_files(session):
     wait_for("no word on the bad cage", lambda: "bad.obj:3" in session.read("log"))
     session.shows("what it showed before the bad cage", rough)
     session.key("h")
-    session.has_overlay(rough)
     session.key("h")
     drop(box)
     shown_from_its_start("the cage without the map", smooth)
@@ -283,13 +351,51 @@ def test_files(session):
     # The amplitude in the panel: typed after a double click.
     strong = session.screenshot("strong", *level, "--amplitude", "0.06", scene=(bumps, box))
     session.key("h")
-    session.has_overlay(rough)
-    session.mouse(("mousemove", 80, 113), ("click", "--repeat", 2, "--delay", 80, 1), ("key", "ctrl+a"), ("type", "0.06"), ("key", "Return"))
+    wait_for("there is no panel", lambda: session.screen() != rough)
+    session.mouse(("mousemove", 80, 105), ("click", "--repeat", 2, "--delay", 80, 1), ("key", "ctrl+a"), ("type", "0.06"), ("key", "Return"))
     session.away()
     session.key("h")
     shown_from_its_start("another amplitude", strong)
     if "box" not in session.title():
         fail(f"the title is '{session.title()}'")
+    session.key("q")
+    session.ends(0)
+
+
+def test_up(session):
+    """What is z up stands when it is opened, and one key turns it."""
+    tower, plain = (os.path.join(session.folder, name) for name in ("tower.obj", "plain.obj"))
+    corners = [(x, y, z) for z, w in ((0, 1), (1, 0.5), (3, 0.3)) for x, y in ((-w, -w), (w, -w), (w, w), (-w, w))]
+    faces = [(4 * r + i + 1, 4 * r + (i + 1) % 4 + 1, 4 * r + (i + 1) % 4 + 5, 4 * r + i + 5) for r in (0, 1) for i in range(4)]
+    for path, head in (tower, ""), (plain, "# y up\n"):
+        with open(path, "w") as file:
+            file.write(head)
+            file.writelines("v %g %g %g\n" % corner for corner in corners)
+            file.writelines("f %d %d %d %d\n" % face for face in faces + [(4, 3, 2, 1), (9, 10, 11, 12)])
+    level = ("--level", "3")
+    z = session.screenshot("z", *level, "--up", "z", scene=(tower,))
+    x = session.screenshot("x", *level, "--up", "x", scene=(tower,))
+    y = session.screenshot("y", *level, "--up", "y", scene=(tower,))
+    if len({picture[2] for picture in (x, y, z)}) != 3:
+        fail("--up turns nothing")
+    if session.screenshot("guessed", *level, scene=(tower,)) != z or session.screenshot("auto", *level, "--up", "auto", scene=(tower,)) != z:
+        fail("a tower that stands on z does not stand")
+    if session.screenshot("said", *level, scene=(plain,)) != y:
+        fail("a word in the file does not count")
+    session.start(*level, scene=(tower,))
+    session.key("h")
+    session.shows("the tower", z)
+    if "z is taken for up" not in session.read("log") or "--up y" not in session.read("log"):
+        fail(f"no word on the guess: {session.read('log')}")
+    session.key("u")
+    session.shows("the next axis", x)
+    session.camera()
+    if not session.read("output").endswith(" --up x\n"):
+        fail(f"the turn is not among the options: {session.read('output')}")
+    session.key("r")
+    session.shows("the start about that axis", x)
+    session.key("shift+u", "shift+u")
+    session.shows("y", y)
     session.key("q")
     session.ends(0)
 
@@ -344,7 +450,7 @@ def main():
     folder = tempfile.mkdtemp()
     session = Session(program, folder)
     try:
-        for test in test_switching, test_camera, test_panel_and_end, test_files, test_background:
+        for test in test_switching, test_samples, test_camera, test_panel_and_end, test_wide_window, test_up, test_files, test_background:
             print(f"--- {test.__name__}", flush=True)
             test(session)
     finally:

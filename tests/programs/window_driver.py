@@ -87,11 +87,11 @@ class Session:
                               stderr=subprocess.DEVNULL, text=True, check=False)
         return done.stdout.strip()
 
-    def screenshot(self, name, *options, scene=("--scene", "cube")):
+    def screenshot(self, name, *options, scene=("--scene", "cube"), size=SIZE):
         """What the program writes without a window."""
         path = os.path.join(self.folder, name + ".ppm")
         environment = {k: v for k, v in self.environment.items() if k != "DISPLAY"}
-        done = subprocess.run([self.program, *scene, "--size", "%dx%d" % SIZE, *options, "--screenshot", path],
+        done = subprocess.run([self.program, *scene, "--size", "%dx%d" % size, *options, "--screenshot", path],
                               env=environment, cwd=self.folder, stderr=subprocess.PIPE, text=True, check=False)
         if done.returncode:
             raise SystemExit(f"FAILED: no screenshot of {name}: {done.stderr}")
@@ -101,9 +101,9 @@ class Session:
         with open(os.path.join(self.folder, name)) as file:
             return file.read()
 
-    def start(self, *options, scene=("--scene", "cube")):
+    def start(self, *options, scene=("--scene", "cube"), size=SIZE):
         with open(os.path.join(self.folder, "log"), "w") as log, open(os.path.join(self.folder, "output"), "w") as output:
-            self.viewer = subprocess.Popen([self.program, *scene, "--size", "%dx%d" % SIZE, *options],
+            self.viewer = subprocess.Popen([self.program, *scene, "--size", "%dx%d" % size, *options],
                                            env=self.environment, cwd=self.folder, stdout=output, stderr=log)
         def window():
             if self.viewer.poll() is not None:
@@ -159,12 +159,15 @@ class Session:
         wait_for(f"the window does not show {what}", lambda: self.screen() == picture)
         print(f"shows {what}")
 
-    def has_overlay(self, picture):
-        """Waits for a picture with something before it, but not in its last lines."""
-        def overlaid():
-            screen = self.screen()
-            return screen != picture and screen[2][-1000:] == picture[2][-1000:]
-        wait_for("there is no picture with an overlay", overlaid)
+    def shows_beside_panel(self, what, picture, place):
+        """Waits for the window to have the picture at a place (x, y), and something in the rest of it."""
+        x, y = place
+        def shown():
+            width, height, pixels = self.screen()
+            rows = (3 * (row * width + x) for row in range(y, y + picture[1]))
+            return b"".join(pixels[at : at + 3 * picture[0]] for at in rows) == picture[2]
+        wait_for(f"the window does not show {what} beside the panel", shown)
+        print(f"shows {what} beside the panel")
 
     def ends(self, status):
         wait_for("the viewer does not end", lambda: self.viewer.poll() is not None)

@@ -23,12 +23,12 @@ void writeScreenshot(const ViewerOptions& options)
   const ViewState state{options.representations, options.build.level, options.mode};
   document.store.request(state.scenes());
   document.store.finish();
-  std::vector<PaneReport> reports;
   PictureSettings settings;
   settings.mode = options.mode;
   settings.up = document.model().view.up;
   settings.threads = threadCount(options.build.threads);
-  writePng(options.screenshot, renderPicture(*document.loaded->start, findPanes(state, document.store), settings, reports));
+  settings.samples = options.samples;
+  writePng(options.screenshot, renderPicture(*document.loaded->start, findPanes(state, document.store), settings));
 }
 
 int run(int argc, char** argv)

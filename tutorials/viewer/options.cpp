@@ -49,6 +49,9 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   app.add_option("--mode", mode, "what is shown: " + listOfModes())->type_name("MODE")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", size, "size of window and picture")->type_name("WxH")->capture_default_str();
+  app.add_option("--samples", o.samples, "samples a pixel of mode shading, which the window gathers while nothing moves; all other\n"
+                 "modes and all figures have one")
+    ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
   app.add_option("--screenshot", o.screenshot, "write a picture there and open no window; PNG, or what the name ends in")
     ->type_name("FILE");
   app.add_option("--picture", o.picture, "where key P of the window saves what it shows")->type_name("FILE")->capture_default_str();

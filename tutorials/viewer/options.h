@@ -21,6 +21,7 @@ struct ViewerOptions
   BuildSettings build;
   PictureMode mode = PictureMode::Shading;
   std::string view = "full";
+  int samples = 16;                         // a pixel, in PictureMode::Shading; a window gathers them while nothing moves
   ImageSize size{1024, 768};
   std::string screenshot;                   // render there and end; empty: open a window
   std::string picture = "cbvh_viewer.png";  // where the window's key saves

@@ -4,6 +4,7 @@
 #include "panel.h"
 #include "measure/hit_metrics.h"
 #include "pictures/shading.h"
+#include "surface/up_axis.h"
 
 #include "tutorials/common/imgui/imgui.h"
 
@@ -17,31 +18,28 @@ namespace {
 
 const ImVec4 attention(1, 0.85f, 0.3f, 1);
 
-const char* const keyHelp = "L, N        level, frame level up; down: Shift\n"
-                            "M           next mode; back: Shift\n"
-                            "X           split screen, whose line can be dragged\n"
-                            "drag        orbit; Shift: look around; Ctrl: distance\n"
-                            "middle drag pan\n"
-                            "wheel       zoom at the cursor\n"
-                            "right click orbit about that point\n"
-                            "arrows      orbit\n"
-                            "W A S D     walk, faster and slower: page up, page down\n"
-                            "F           fit all of it into the window\n"
-                            "R           where it started\n"
-                            "P           save the picture\n"
-                            "C           print the camera for --view\n"
-                            "B           render without pause\n"
-                            "Tab, H      fold this panel; hide it\n"
-                            "Q, Esc      quit; ask before that\n"
-                            "Drop a cage (OBJ), a height map or both here to open them.\n";
+constexpr float itemWidth = 165; // leaves room for the longest label
+constexpr float footerHeight = 44; // of a line, and a bar of progress below it
 
-std::string representationKeyHelp()
-{
-  std::string labels;
-  for (RepresentationKind kind : representationKinds())
-    labels += (labels.empty() ? "" : ", ") + labelOf(kind);
-  return "1 to " + std::to_string(representationKinds().size()) + "      " + labels + "; right half: Shift\n";
-}
+constexpr std::pair<const char*, const char*> keyHelp[] = {
+  {"L, N", "level, frame level up; down: Shift"},
+  {"M", "next mode; back: Shift"},
+  {"X", "split screen, whose line can be dragged"},
+  {"drag", "orbit; Shift: look around; Ctrl: distance"},
+  {"middle drag", "pan"},
+  {"wheel", "zoom at the cursor"},
+  {"right click", "orbit about that point"},
+  {"arrows", "orbit"},
+  {"W A S D", "walk; faster and slower: page up, page down"},
+  {"F", "fit all of it into the picture"},
+  {"R", "where it started"},
+  {"U", "next axis points upwards; back: Shift"},
+  {"P", "save the picture"},
+  {"C", "print the camera for --view"},
+  {"B", "render without pause"},
+  {"Tab, H", "fold this panel; hide it"},
+  {"Q, Esc", "quit; ask before that"},
+};
 
 /* Of a combo box: entries end in a NUL each. */
 std::string representationEntries()
@@ -80,39 +78,128 @@ constexpr ImGuiWindowFlags overlayFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWin
 
 } // namespace
 
+WindowLayout Panel::layout(ImageSize window) const
+{
+  return layOut(window, state(), viewer.panes().size() == 2);
+}
+
 void Panel::draw()
 {
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  const WindowLayout where = layout({std::max(1, int(display.x)), std::max(1, int(display.y))});
   if (!hidden)
-    drawPanel();
-  drawProgress();
+    drawPanel(where.panel);
+  if (where.captions.height > 0)
+    drawCaptions(where.captions);
+  drawMiddle();
   drawQuestion();
 }
 
-void Panel::drawPanel()
+/* While it is folded, it has to say what cannot be seen. What follows ### is the window's name. */
+std::string Panel::title() const
 {
-  ImGui::SetNextWindowPos(ImVec2(8, 8), ImGuiCond_Once);
-  ImGui::SetNextWindowBgAlpha(0.7f);
+  std::string text = "cbvh_viewer";
+  const std::optional<Worker::Progress> progress = viewer.progress();
+  if (folded && progress)
+    text += ": " + progress->work;
+  else if (folded && !viewer.message().empty())
+    text += ": a message, see Tab";
+  return text + "###panel";
+}
+
+void Panel::drawPanel(const Rectangle& area)
+{
+  ImGui::SetNextWindowPos(ImVec2(float(area.x), float(area.y)), ImGuiCond_Always);
+  ImGui::SetNextWindowSize(ImVec2(float(area.width), float(area.height)), ImGuiCond_Always);
+  ImGui::SetNextWindowBgAlpha(1.0f);
   if (changeFold)
     ImGui::SetNextWindowCollapsed(!folded, ImGuiCond_Always);
   changeFold = false;
-  folded = !ImGui::Begin("cbvh_viewer", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0.0f);
+  folded = !ImGui::Begin(title().c_str(), nullptr, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
   if (!folded)
   {
+    ImGui::BeginChild("content", ImVec2(0, -footerHeight));
+    ImGui::PushTextWrapPos(0.0f); // at the border
     drawSettings();
     drawReports();
-    if (!viewer.message().empty())
-    {
-      ImGui::Separator();
-      ImGui::PushTextWrapPos(ImGui::GetFontSize() * 24.0f);
-      ImGui::PushStyleColor(ImGuiCol_Text, attention);
-      ImGui::TextUnformatted(viewer.message().c_str());
-      ImGui::PopStyleColor();
-      ImGui::PopTextWrapPos();
-    }
+    drawMessage();
     if (ImGui::CollapsingHeader("keys and mouse"))
-      ImGui::TextUnformatted((representationKeyHelp() + keyHelp).c_str());
+      drawKeys();
+    ImGui::PopTextWrapPos();
+    ImGui::EndChild();
+    drawFooter();
   }
   ImGui::End();
+  ImGui::PopStyleVar();
+}
+
+void Panel::drawMessage()
+{
+  if (viewer.message().empty())
+    return;
+  ImGui::Separator();
+  ImGui::PushStyleColor(ImGuiCol_Text, attention);
+  ImGui::TextUnformatted(viewer.message().c_str());
+  ImGui::PopStyleColor();
+}
+
+void Panel::drawKeys()
+{
+  constexpr float column = 92;
+  const auto line = [=](const char* keys, const std::string& effect) {
+    ImGui::TextUnformatted(keys);
+    ImGui::SameLine(column);
+    ImGui::TextUnformatted(effect.c_str());
+  };
+  std::string kinds;
+  for (RepresentationKind kind : representationKinds())
+    kinds += (kinds.empty() ? "" : ", ") + labelOf(kind);
+  line(("1 to " + std::to_string(representationKinds().size())).c_str(), kinds + "; right half: Shift");
+  for (const auto& [keys, effect] : keyHelp)
+    line(keys, effect);
+  ImGui::TextUnformatted("Drop a cage (OBJ), a height map or both here to open them.");
+}
+
+/* Always as high, so that nothing moves under the mouse when something begins or ends. */
+void Panel::drawFooter()
+{
+  ImGui::Separator();
+  if (const std::optional<Worker::Progress> progress = viewer.progress())
+    drawProgress(*progress);
+  else
+    drawSamples();
+}
+
+/* What is left and right of the line, beside it, or as near to it as there is room. */
+void Panel::drawCaptions(const Rectangle& area)
+{
+  const std::vector<Pane> panes = viewer.panes();
+  constexpr float gap = 8;
+  const auto caption = [&](size_t i) {
+    return panes[i].scene->representation().label() + ", level " + std::to_string(viewer.shownLevel());
+  };
+  const std::string left = caption(0), right = caption(1);
+  const float widths[] = {ImGui::CalcTextSize(left.c_str()).x, ImGui::CalcTextSize(right.c_str()).x};
+  const float begin = float(area.x), end = float(area.x + area.width);
+  const float line = begin + float(splitColumn({area.width, area.height}, viewer.split()));
+  const float leftAt = std::max(begin + gap, std::min(line - gap, end - 3 * gap - widths[1]) - widths[0]);
+  const float rightAt = std::max(std::min(line + gap, end - gap - widths[1]), leftAt + widths[0] + 2 * gap);
+
+  ImGui::SetNextWindowPos(ImVec2(begin, float(area.y)), ImGuiCond_Always);
+  ImGui::SetNextWindowSize(ImVec2(float(area.width), float(area.height)), ImGuiCond_Always);
+  ImGui::SetNextWindowBgAlpha(1.0f);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0.0f);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));
+  ImGui::Begin("captions", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                                      ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoInputs);
+  ImDrawList* const list = ImGui::GetWindowDrawList();
+  const ImU32 color = ImGui::GetColorU32(ImGuiCol_Text);
+  const float y = float(area.y) + 3;
+  list->AddText(ImVec2(leftAt, y), color, left.c_str());
+  list->AddText(ImVec2(rightAt, y), color, right.c_str());
+  ImGui::End();
+  ImGui::PopStyleVar(2);
 }
 
 void Panel::drawSettings()
@@ -137,16 +224,32 @@ void Panel::drawSettings()
     ImGui::PopID();
   }
   int mode = int(state.mode);
+  ImGui::PushItemWidth(itemWidth);
   ImGui::SliderInt("level", &state.level, 0, maxLevel);
   if (ImGui::Combo("mode", &mode, "shading\0normals\0error\0leaf cells\0blocks\0"))
     state.mode = PictureMode(mode);
   viewer.want(state);
   drawStrength();
+  drawUp();
+  ImGui::PopItemWidth();
   bool split = viewer.isSplit();
   if (ImGui::Checkbox("split screen", &split))
     viewer.setSplit(split);
   ImGui::SameLine();
   ImGui::Checkbox("without pause", &viewer.continuous);
+}
+
+void Panel::drawUp()
+{
+  if (!viewer.opened())
+    return;
+  const std::vector<std::string>& axes = upAxes();
+  std::string entries;
+  for (const std::string& axis : axes)
+    entries += axis + '\0';
+  int now = int(std::find(axes.begin(), axes.end(), viewer.up()) - axes.begin());
+  if (ImGui::Combo(viewer.isUpGuessed() ? "up (guess)###up" : "up###up", &now, entries.c_str()))
+    viewer.turnUp(axes[size_t(now)]);
 }
 
 /* It counts as soon as the user is done with it. */
@@ -170,72 +273,101 @@ void Panel::drawStrength()
 void Panel::drawReports()
 {
   const std::vector<Pane> panes = viewer.panes();
-  const std::vector<PaneReport>& reports = viewer.reports();
+  const Picture* const picture = viewer.picture();
   if (viewer.isPreview())
   {
     ImGui::Separator();
     ImGui::TextUnformatted("a preview of few quads");
   }
-  for (size_t i = 0; i < panes.size() && i < reports.size(); i++)
+  for (size_t i = 0; picture && i < panes.size() && i < picture->reports().size(); i++)
   {
+    const PaneReport& report = picture->reports()[i];
     const BuildReport& b = panes[i].scene->report();
     ImGui::Separator();
     ImGui::Text("%s%s, level %d", panes.size() < 2 ? "" : i ? "right: " : "left: ",
                 panes[i].scene->representation().label().c_str(), viewer.shownLevel());
     ImGui::Text("%.2f bytes a quad, %s quads", b.bytesPerQuad(), quadsText(b.quads).c_str());
     ImGui::Text("%s, built in %.2f s", bytesText(b.liveBytes).c_str(), b.seconds);
-    ImGui::Text("%.2f Mrays/s on %u thread%s", reports[i].mrays(), threads, threads == 1 ? "" : "s");
+    ImGui::Text("%.2f million rays a second, %.0f %% hit", report.mrays(), report.percentHit());
+    ImGui::Text("on %u thread%s", threads, threads == 1 ? "" : "s");
     if (panes[i].reference && viewer.shownMode() == PictureMode::Error)
-      ImGui::Text("median %.4f, p99 %.4f pixels, %zu false, %zu missed", reports[i].median, reports[i].p99,
-                  reports[i].falseHits, reports[i].misses);
+    {
+      ImGui::Text("error in pixels: median %.3f, 99th percentile %.3f", report.median, report.p99);
+      ImGui::Text("%zu false hits, %zu misses", report.falseHits, report.misses);
+    }
   }
   if (viewer.shownMode() == PictureMode::Error && !panes.empty())
     drawLegend();
+}
+
+/* Figures are never of what has been gathered since. */
+void Panel::drawSamples()
+{
+  const Picture* const picture = viewer.picture();
+  if (!picture)
+    return;
+  if (picture->wantedSamples() > 1)
+    ImGui::Text("%d of %d samples a pixel", picture->samples(), picture->wantedSamples());
+  else
+    ImGui::TextUnformatted("one ray a pixel");
+  ImGui::TextUnformatted("figures: one ray a pixel");
 }
 
 void Panel::drawLegend()
 {
   const std::pair<float, const char*> entries[] = {{0.0f, "0"}, {1.25f, "1.25"}, {2.5f, "2.5"}, {3.75f, "3.75"},
                                                    {5.0f, "5 pixels"}, {falseHitError, "false"}, {missError, "missed"}};
+  constexpr float box = 12, gap = 8;
+  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
   Image color(ImageSize{1, 1}); // encodes
+  float end = right; // of the entry before
   for (const auto& [error, text] : entries)
   {
+    if (end + gap + box + gap + ImGui::CalcTextSize(text).x <= right)
+      ImGui::SameLine();
     color.set(0, errorColor(error));
     const ImVec4 rgb(float(color.rgb[0]) / 255.0f, float(color.rgb[1]) / 255.0f, float(color.rgb[2]) / 255.0f, 1);
-    ImGui::ColorButton(text, rgb, ImGuiColorEditFlags_NoTooltip, ImVec2(12, 12));
+    ImGui::ColorButton(text, rgb, ImGuiColorEditFlags_NoTooltip, ImVec2(box, box));
     ImGui::SameLine();
     ImGui::TextUnformatted(text);
-    ImGui::SameLine();
+    end = ImGui::GetItemRectMax().x;
   }
-  ImGui::NewLine();
 }
 
-/* At the lower border, so that it hides little, or in the middle while there is nothing else.
- * It is there while the panel is hidden, too: nothing else shows that something goes on. */
-void Panel::drawProgress()
+void Panel::drawProgress(const Worker::Progress& progress)
+{
+  char percent[160] = "";
+  if (!progress.phase.empty())
+    std::snprintf(percent, sizeof(percent), "%s %d%%", progress.phase.c_str(), int(100.0 * progress.fraction));
+  ImGui::TextUnformatted(progress.work.c_str());
+  ImGui::ProgressBar(progress.phase.empty() ? 0.0f : float(progress.fraction), ImVec2(220, 0), percent);
+  ImGui::SameLine();
+  if (ImGui::Button("stop"))
+    viewer.stop();
+}
+
+/* What to do where there is no model yet, and what goes on while the panel does not show it: in the middle
+ * where nothing is covered, else at the lower border, and there only while the panel is hidden. */
+void Panel::drawMiddle()
 {
   const std::optional<Worker::Progress> progress = viewer.progress();
   const bool empty = !viewer.opened();
-  if (!progress && !empty)
+  if (progress ? !(hidden || (empty && folded)) : !empty)
     return;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos(ImVec2(0.5f * display.x, empty ? 0.5f * display.y : display.y - 8), ImGuiCond_Always,
+  const Rectangle area = layout({std::max(1, int(display.x)), std::max(1, int(display.y))}).picture;
+  const float x = float(area.x) + 0.5f * float(area.width);
+  ImGui::SetNextWindowPos(ImVec2(x, empty ? float(area.y) + 0.5f * float(area.height) : display.y - 8), ImGuiCond_Always,
                           ImVec2(0.5f, empty ? 0.5f : 1.0f));
   ImGui::SetNextWindowBgAlpha(0.7f);
   ImGui::Begin("progress", nullptr, overlayFlags);
   if (progress)
-  {
-    char percent[160] = "";
-    if (!progress->phase.empty())
-      std::snprintf(percent, sizeof(percent), "%s %d%%", progress->phase.c_str(), int(100.0 * progress->fraction));
-    ImGui::TextUnformatted(progress->work.c_str());
-    ImGui::ProgressBar(progress->phase.empty() ? 0.0f : float(progress->fraction), ImVec2(240, 0), percent);
-    ImGui::SameLine();
-    if (ImGui::Button("stop"))
-      viewer.stop();
-  }
+    drawProgress(*progress);
   else
-    ImGui::TextUnformatted("Drop a cage (OBJ) here, and a height map if it has one.");
+  {
+    ImGui::TextUnformatted("Drop a cage (OBJ) here,");
+    ImGui::TextUnformatted("and a height map if it has one.");
+  }
   ImGui::End();
 }
 

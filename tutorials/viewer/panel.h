@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* What lies over the picture, drawn with ImGui: the panel with settings and figures,
- * the bar of what is under way, and the question before the end. */
+/* What is said about the picture, drawn with ImGui: the panel with settings and figures, what is
+ * under way, the captions of a split screen, and the question before the end. */
 
+#include "layout.h"
 #include "viewer.h"
 
 namespace cbvh {
@@ -18,6 +19,9 @@ public:
   /* Draws all of it. Called between ImGui's NewFrame and Render. */
   void draw();
 
+  /* Where it leaves room for the picture. window: in units of the window, at least 1 x 1. */
+  WindowLayout layout(ImageSize window) const;
+
   void fold() { changeFold = true; }
   void hide() { hidden = !hidden; }
 
@@ -27,12 +31,21 @@ public:
   bool quitChosen() const { return quit; }
 
 private:
-  void drawPanel();
+  PanelState state() const { return hidden ? PanelState::Hidden : folded ? PanelState::Folded : PanelState::Open; }
+  std::string title() const;
+  void drawPanel(const Rectangle& area);
+  void drawCaptions(const Rectangle& area);
   void drawSettings();
+  void drawUp();
+  void drawKeys();
+  void drawFooter();
   void drawStrength();
   void drawReports();
+  void drawSamples();
   void drawLegend();
-  void drawProgress();
+  void drawMessage();
+  void drawProgress(const Worker::Progress& progress);
+  void drawMiddle();
   void drawQuestion();
 
   Viewer& viewer;

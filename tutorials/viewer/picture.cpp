@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "picture.h"
+#include "basics/progress.h"
 #include "measure/hit_metrics.h"
 #include "measure/quantiles.h"
 #include "pictures/shading.h"
@@ -11,6 +12,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -39,31 +41,32 @@ void forTiles(const Region& region, const Body& body)
   }, tbb::simple_partitioner());
 }
 
-Ray primaryRay(const Camera& camera, int x, int y)
+/* As primaryRays has it. */
+Ray primaryRay(const Camera& camera, int x, int y, Vec2f offset = {})
 {
   Ray ray;
   ray.origin = camera.eye();
-  ray.direction = camera.direction(float(x), float(y));
+  ray.direction = camera.direction(float(x) + offset.x, float(y) + offset.y);
   return ray;
 }
 
-std::vector<SurfaceHit> traceRegion(const Camera& camera, const Region& region, const BuiltScene& scene)
+/* hits: one a pixel of the region, written. */
+void traceRegion(const Camera& camera, const Region& region, const BuiltScene& scene, Vec2f offset,
+                 std::vector<SurfaceHit>& hits)
 {
-  std::vector<SurfaceHit> hits(region.pixels());
   forTiles(region, [&](int x0, int x1, int y0, int y1) {
     Ray rays[tileSize * tileSize];
     SurfaceHit found[tileSize * tileSize];
     size_t n = 0;
     for (int y = y0; y < y1; y++)
       for (int x = x0; x < x1; x++)
-        rays[n++] = primaryRay(camera, x, y);
+        rays[n++] = primaryRay(camera, x, y, offset);
     traceClosest(scene, n, rays, found);
     n = 0;
     for (int y = y0; y < y1; y++)
       for (int x = x0; x < x1; x++)
         hits[region.index(x, y)] = found[n++];
   });
-  return hits;
 }
 
 /* Well mixed bits of an integer (finaliser of MurmurHash3). */
@@ -130,51 +133,71 @@ class PaneRender
 {
 public:
   PaneRender(const Camera& camera, const Pane& pane, const PictureSettings& settings, const Region& region)
-    : camera(camera), pane(pane), settings(settings), region(region),
-      shader(camera.direction(float(camera.size().width / 2), float(camera.size().height / 2)), settings.up)
+    : camera(camera), pane(pane), settings(settings), region(region), hits(region.pixels())
   {
   }
 
-  /* Traces, for the clock, and then what the errors are measured against, if need be. */
-  PaneReport trace()
+  /* Traces sample i of each pixel, by the clock. */
+  PaneReport trace(int i)
   {
     PaneReport report;
     report.rays = region.pixels();
+    offset = sampleOffset(i);
     const auto start = std::chrono::steady_clock::now();
-    hits = traceRegion(camera, region, *pane.scene);
+    traceRegion(camera, region, *pane.scene, offset, hits);
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (settings.mode == PictureMode::Error)
-    {
-      errors = pixelErrors(traceRegion(camera, region, *pane.reference), hits, camera.footprint());
-      summarise(report);
-    }
+    report.hits = size_t(std::count_if(hits.begin(), hits.end(), [](const SurfaceHit& hit) { return hit.hit(); }));
     return report;
   }
 
-  /* Its columns of the picture. */
+  /* Traces what the errors are measured against, too. */
+  void compare(PaneReport& report)
+  {
+    std::vector<SurfaceHit> reference(region.pixels());
+    traceRegion(camera, region, *pane.reference, offset, reference);
+    errors = pixelErrors(reference, hits, camera.footprint());
+    summarise(report);
+  }
+
+  void addTo(SampledPicture& picture) const
+  {
+    forPixels([&](int x, int y, size_t pixel) {
+      picture.addTo(pixel, primaryRay(camera, x, y, offset), hits[region.index(x, y)]);
+    });
+  }
+
+  /* Its columns of the picture, in all modes but shading. */
   void paint(Image& image) const
+  {
+    forPixels([&](int x, int y, size_t pixel) { image.set(pixel, color(x, y)); });
+  }
+
+private:
+  /* body(x, y, pixel of the picture) */
+  template<typename Body>
+  void forPixels(const Body& body) const
   {
     const size_t width = size_t(camera.size().width);
     forTiles(region, [&](int x0, int x1, int y0, int y1) {
       for (int y = y0; y < y1; y++)
         for (int x = x0; x < x1; x++)
-          image.set(size_t(y) * width + size_t(x), color(x, y));
+          body(x, y, size_t(y) * width + size_t(x));
     });
   }
 
-private:
+  /* As HitErrors has them. */
   void summarise(PaneReport& report) const
   {
-    std::vector<float> ofBoth;
+    std::vector<float> both;
     for (float e : errors)
     {
       report.falseHits += e == falseHitError;
       report.misses += e == missError;
       if (e >= 0.0f)
-        ofBoth.push_back(e);
+        both.push_back(e);
     }
-    report.median = quantile(ofBoth, 0.5);
-    report.p99 = quantile(ofBoth, 0.99);
+    report.median = quantile(both, 0.5);
+    report.p99 = quantile(both, 0.99);
   }
 
   Vec3f color(int x, int y) const
@@ -189,8 +212,6 @@ private:
 
   Vec3f surfaceColor(const Ray& ray, const SurfaceHit& hit) const
   {
-    if (settings.mode == PictureMode::Shading)
-      return shader.color(ray, hit);
     const Vec3f n = normalize(hit.normal);
     if (settings.mode == PictureMode::Normals)
       return 0.5f * (n + Vec3f{1, 1, 1});
@@ -207,7 +228,7 @@ private:
   const Pane& pane;
   const PictureSettings& settings;
   Region region;
-  HitShader shader;
+  Vec2f offset; // of the hits
   std::vector<SurfaceHit> hits;
   std::vector<float> errors; // a value a hit, in PictureMode::Error only
 };
@@ -244,24 +265,60 @@ int splitColumn(ImageSize size, float split)
   return std::clamp(int(split * float(size.width)), 0, size.width - 1);
 }
 
-Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings,
-                    std::vector<PaneReport>& reports)
+Picture::Picture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings)
+  : camera(camera), panes(panes), settings(settings), shown(camera.size())
+{
+  if (settings.mode == PictureMode::Shading)
+    shading.emplace(camera, settings.up);
+}
+
+void Picture::addSample()
 {
   const ImageSize size = camera.size();
   const int middle = panes.size() == 2 ? splitColumn(size, settings.split) : size.width;
   const int borders[] = {0, middle, size.width};
-  Image image(size);
-  reports.clear();
   tbb::task_arena arena(int(settings.threads));
   for (size_t i = 0; i < panes.size(); i++)
     arena.execute([&] {
       PaneRender render(camera, panes[i], settings, {borders[i], borders[i + 1], size.height});
-      reports.push_back(render.trace());
-      render.paint(image);
+      PaneReport report = render.trace(count);
+      if (settings.mode == PictureMode::Error)
+        render.compare(report);
+      if (shading)
+        render.addTo(*shading);
+      else
+        render.paint(shown);
+      if (count == 0)
+        paneReports.push_back(report);
     });
+  count++;
+  if (shading)
+  {
+    shading->endSample();
+    arena.execute([&] {
+      forTiles({0, size.width, size.height}, [&](int x0, int x1, int y0, int y1) {
+        for (int y = y0; y < y1; y++)
+          for (int x = x0; x < x1; x++)
+          {
+            const size_t pixel = size_t(y) * size_t(size.width) + size_t(x);
+            shown.set(pixel, shading->mean(pixel));
+          }
+      });
+    });
+  }
   if (panes.size() == 2)
-    drawLine(image, size, middle);
-  return image;
+    drawLine(shown, size, middle);
+}
+
+Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings)
+{
+  Picture picture(camera, panes, settings);
+  while (!picture.isComplete())
+  {
+    throwIfCancelled();
+    picture.addSample();
+  }
+  return picture.image();
 }
 
 } // namespace cbvh

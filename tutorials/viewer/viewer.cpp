@@ -8,6 +8,7 @@
 #include "programs/opened_files.h"
 #include "programs/view_options.h"
 #include "programs/warnings.h"
+#include "surface/up_axis.h"
 #include "tracing/trace_hits.h"
 
 #include <cstdio>
@@ -131,10 +132,16 @@ void Viewer::showLoaded()
   document = std::make_unique<Document>(std::move(loaded), options.build, worker);
   if (otherCage)
   {
-    viewpoint.emplace(*document->loaded->start, document->model().view.up);
+    upAxis = document->model().up;
+    hints = document->model().view;
+    viewpoint.emplace(*document->loaded->start, hints.up);
+    framing.reset();
+    if (options.view == "full")
+      framing = hints;
+    framedSize = options.size;
     stepLength = 0.02f * viewpoint->distance();
   }
-  image.reset();
+  rendered.reset();
   shown = wanted;
   printWarnings("cbvh_viewer", document->loaded->warnings);
   lastMessage = linesAfter("warning: ", document->loaded->warnings);
@@ -154,7 +161,7 @@ void Viewer::update()
   {
     shown = wanted;
     requestScenes();
-    image.reset();
+    rendered.reset();
   }
 }
 
@@ -177,21 +184,30 @@ bool Viewer::refresh(ImageSize now)
   const std::vector<Pane> what = panesOrPreview();
   if (what.empty())
     return false;
+  if (framing && (framedSize.width != size.width || framedSize.height != size.height))
+    frame(ViewHints(*framing));
   const Camera camera = viewpoint->camera(size);
   const std::string description = camera.description();
-  const bool same = image && image->size.width == size.width && image->size.height == size.height &&
-                    description == imageCamera && splitPosition == imageSplit && sameScenes(what, imagePanes);
+  const bool same = rendered && rendered->image().size.width == size.width && rendered->image().size.height == size.height &&
+                    description == renderedCamera && splitPosition == renderedSplit && sameScenes(what, renderedPanes);
   if (same && !continuous)
-    return false;
+  {
+    if (rendered->isComplete())
+      return false;
+    rendered->addSample();
+    return true;
+  }
   PictureSettings settings;
   settings.mode = shown.mode == PictureMode::Error && !what[0].reference ? PictureMode::Shading : shown.mode;
-  settings.up = document->model().view.up;
+  settings.up = hints.up;
   settings.split = splitPosition;
   settings.threads = threadCount(options.build.threads);
-  image = renderPicture(camera, what, settings, paneReports);
-  imageCamera = description;
-  imageSplit = splitPosition;
-  imagePanes = what;
+  settings.samples = options.samples;
+  rendered.emplace(camera, what, settings);
+  rendered->addSample();
+  renderedCamera = description;
+  renderedSplit = splitPosition;
+  renderedPanes = what;
   return true;
 }
 
@@ -258,12 +274,14 @@ std::string Viewer::message() const
 
 void Viewer::savePicture()
 {
-  if (!image || shown != wanted || isPreview())
+  if (!rendered || shown != wanted || isPreview())
     lastMessage = "not saved: the picture is not there yet";
   else
     try
     {
-      writePng(options.picture, *image);
+      while (!rendered->isComplete())
+        rendered->addSample();
+      writePng(options.picture, rendered->image());
       lastMessage = "saved " + options.picture;
     }
     catch (const Error& e)
@@ -276,46 +294,82 @@ void Viewer::savePicture()
 
 /* --- the camera -------------------------------------------------------------------------- */
 
-void Viewer::resetView()
+/* From there as it starts, at the size that it has now. */
+void Viewer::frame(const ViewHints& from)
 {
-  if (viewpoint)
-    viewpoint->set(*document->loaded->start);
+  framing = from;
+  framedSize = size;
+  viewpoint->set(fitCamera(document->model(), document->loaded->preview->bounds(), from, viewpoint->fov(), size));
 }
 
-void Viewer::fitView(ImageSize size)
+void Viewer::resetView()
 {
   if (!viewpoint)
     return;
-  ViewHints hints = document->model().view;
-  hints.direction = viewpoint->direction();
-  viewpoint->set(fitCamera(document->model(), document->loaded->preview->bounds(), hints, viewpoint->fov(), size));
+  if (options.view == "full" || upAxis != document->model().up)
+    frame(hints);
+  else
+    viewpoint->set(*document->loaded->start);
 }
 
-std::string Viewer::viewDescription() const
+void Viewer::fitView()
 {
-  return viewpoint ? viewpoint->camera(size).description() : "";
+  if (!viewpoint)
+    return;
+  ViewHints from = hints;
+  from.direction = viewpoint->direction();
+  frame(from);
+}
+
+std::string Viewer::viewOptions() const
+{
+  if (!viewpoint)
+    return "";
+  const bool turned = upAxis != document->model().up && !document->loaded->source.cagePath.empty();
+  return "--view " + viewpoint->camera(size).description() + (turned ? " --up " + upAxis : "");
+}
+
+bool Viewer::isUpGuessed() const
+{
+  return document && document->model().isUpGuessed && upAxis == document->model().up;
+}
+
+void Viewer::turnUp(const std::string& axis)
+{
+  if (!viewpoint || axis == upAxis)
+    return;
+  upAxis = axis;
+  hints = turnedFromY(turnedToY(document->model().view, document->model().up), axis);
+  const Camera camera = viewpoint->camera(size);
+  viewpoint.emplace(camera, hints.up);
+  frame(hints);
+  rendered.reset(); // its light came from another side
 }
 
 void Viewer::orbit(float right, float upwards)
 {
+  leaveFrame();
   if (viewpoint)
     viewpoint->orbit(right, upwards);
 }
 
 void Viewer::look(float right, float upwards)
 {
+  leaveFrame();
   if (viewpoint)
     viewpoint->look(right, upwards);
 }
 
 void Viewer::walk(float right, float forward)
 {
+  leaveFrame();
   if (viewpoint)
     viewpoint->move(stepLength * right, stepLength * forward);
 }
 
 void Viewer::pan(Vec2f pixels, float depth)
 {
+  leaveFrame();
   if (viewpoint)
     viewpoint->pan(pixels.x, pixels.y, depth, size);
 }
@@ -352,12 +406,14 @@ float Viewer::depthAt(Vec2f pixel) const
 
 void Viewer::zoomAt(Vec2f pixel, float factor)
 {
+  leaveFrame();
   if (viewpoint)
     viewpoint->zoom(pointOrTargetAt(pixel), 1.0f / factor);
 }
 
 void Viewer::zoom(float factor)
 {
+  leaveFrame();
   if (viewpoint)
     viewpoint->zoom(viewpoint->position() + viewpoint->distance() * viewpoint->direction(), 1.0f / factor);
 }
@@ -365,7 +421,10 @@ void Viewer::zoom(float factor)
 void Viewer::centreAt(Vec2f pixel)
 {
   if (const std::optional<Vec3f> point = pointAt(pixel))
+  {
+    leaveFrame();
     viewpoint->lookAt(*point);
+  }
 }
 
 } // namespace cbvh

@@ -5,6 +5,7 @@
 
 /* What a viewer shows and what the user wants it to show, without the window around it.
  * Whatever takes long goes on in the background; until it is there, what was shown stays.
+ * A model that is shown as a whole stays so when the picture gets another size.
  *
  * Pixels are those of the picture, from the upper left. */
 
@@ -42,15 +43,15 @@ public:
    * Throws Cancelled when a signal asked for the end. */
   void update();
 
-  /* Renders if anything changed since the last call, and says so. */
+  /* Renders if anything changed since the last call, else adds a sample to the picture, if it is to
+   * have more. Says whether it did either. */
   bool refresh(ImageSize size);
 
-  /* As refresh left it; none while there is nothing to show. */
-  const std::optional<Image>& picture() const { return image; }
+  /* As refresh left it; null while there is nothing to show. */
+  const Picture* picture() const { return rendered ? &*rendered : nullptr; }
 
-  /* What is shown, one or two, and how it rendered; empty while nothing or a preview is. */
+  /* What is shown, one or two; empty while nothing or a preview is. */
   std::vector<Pane> panes() const;
-  const std::vector<PaneReport>& reports() const { return paneReports; }
   bool isPreview() const { return document && panes().empty(); }
 
   /* --- what is wanted --- */
@@ -75,7 +76,7 @@ public:
   /* Why there is not what was wanted, or what was done last; a line, or empty. */
   std::string message() const;
 
-  /* Writes the picture that is shown. */
+  /* Writes the picture that is shown, with all its samples. */
   void savePicture();
 
   bool continuous = false; // renders although nothing changed
@@ -83,8 +84,16 @@ public:
   /* --- the camera; nothing happens while there is no model --- */
 
   void resetView();
-  void fitView(ImageSize size);
-  std::string viewDescription() const; // as --view takes it
+  void fitView();
+
+  /* The options that show the same: --view, and --up where turnUp chose another axis for a cage. */
+  std::string viewOptions() const;
+
+  /* The axis that points upwards, one of upAxes(), and whether it is a guess. turnUp takes another
+   * one and shows all of the model. */
+  const std::string& up() const { return upAxis; }
+  bool isUpGuessed() const;
+  void turnUp(const std::string& axis);
 
   void orbit(float right, float upwards);
   void look(float right, float upwards);
@@ -106,6 +115,8 @@ private:
   void load();
   void takeLoaded();
   void showLoaded();
+  void frame(const ViewHints& from);
+  void leaveFrame() { framing.reset(); }
   void requestScenes();
   std::vector<Pane> panesOrPreview() const;
   std::optional<Vec3f> pointAt(Vec2f pixel) const;
@@ -123,13 +134,16 @@ private:
   Representation other{RepresentationKind::Grid}; // of the right half while there is none
   float splitPosition = 0.5f, stepLength = 1.0f;
   std::optional<Viewpoint> viewpoint; // as soon as there is a model
+  std::string upAxis = "y";
+  ViewHints hints;                    // of the model, turned to that
+  std::optional<ViewHints> framing;   // from where all of it is shown, until the user moves
+  ImageSize framedSize;
 
   ImageSize size{1, 1};
-  std::optional<Image> image;
-  std::string imageCamera; // what it was rendered with,
-  float imageSplit = 0.5f;
-  std::vector<Pane> imagePanes;
-  std::vector<PaneReport> paneReports;
+  std::optional<Picture> rendered;
+  std::string renderedCamera; // what it was rendered with,
+  float renderedSplit = 0.5f;
+  std::vector<Pane> renderedPanes;
   std::string lastMessage;
 };
 

@@ -7,6 +7,7 @@
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "basics/progress.h"
+#include "surface/up_axis.h"
 
 #include "tutorials/common/tutorial/tutorial.h"
 
@@ -45,7 +46,7 @@ public:
     if (interrupted() || panel.quitChosen())
       glfwSetWindowShouldClose(window, 1);
     const bool walking = walk();
-    const bool rendered = width > 0 && height > 0 && viewer.refresh(size()); // else an icon
+    const bool rendered = width > 0 && height > 0 && viewer.refresh(pictureSize()); // else an icon
     draw();
     if (!rendered && !walking)
       glfwWaitEventsTimeout(0.05); // progress goes on without events
@@ -61,7 +62,7 @@ public:
     if (panel.isAsking())
       answered(key);
     else if (!turned(key) && action == GLFW_PRESS && !switched(key, (mods & GLFW_MOD_SHIFT) != 0))
-      pressed(key);
+      pressed(key, (mods & GLFW_MOD_SHIFT) != 0);
   }
 
   void clickFunc(GLFWwindow* window, int button, int action, int mods) override
@@ -98,14 +99,29 @@ public:
     case Drag::Look: viewer.look(radians * moved.x, -radians * moved.y); break;
     case Drag::Distance: viewer.zoom(std::pow(1.01f, moved.y)); break;
     case Drag::Pan: viewer.pan(moved, panDepth); break;
-    case Drag::Split: viewer.moveSplit(now.x / float(width)); break;
+    case Drag::Split: viewer.moveSplit(now.x / float(pictureSize().width)); break;
     }
   }
 
 private:
   enum class Drag { None, Orbit, Look, Distance, Pan, Split };
 
-  ImageSize size() const { return {int(width), int(height)}; }
+  /* In pixels, of which a window has more than of its own units on dense screens. */
+  Rectangle pictureArea() const
+  {
+    int w, h;
+    glfwGetWindowSize(window, &w, &h);
+    const Rectangle area = panel.layout({std::max(w, 1), std::max(h, 1)}).picture;
+    const auto pixels = [](int units, unsigned all, int allUnits) { return int(int64_t(units) * int64_t(all) / std::max(allUnits, 1)); };
+    const int x = pixels(area.x, width, w), y = pixels(area.y, height, h);
+    return {x, y, std::max(1, pixels(area.x + area.width, width, w) - x), std::max(1, pixels(area.y + area.height, height, h) - y)};
+  }
+
+  ImageSize pictureSize() const
+  {
+    const Rectangle area = pictureArea();
+    return {area.width, area.height};
+  }
 
   static Window& self() { return *static_cast<Window*>(instance); }
 
@@ -128,12 +144,16 @@ private:
   {
     glClearColor(0.2f, 0.2f, 0.2f, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT);
-    if (const std::optional<Image>& picture = viewer.picture())
+    if (viewer.picture())
     {
+      const Image& picture = viewer.picture()->image();
+      const Rectangle area = pictureArea();
       glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+      glViewport(area.x, int(height) - area.y - area.height, area.width, area.height);
       glRasterPos2i(-1, 1);
       glPixelZoom(1.0f, -1.0f);
-      glDrawPixels(picture->size.width, picture->size.height, GL_RGB, GL_UNSIGNED_BYTE, picture->rgb.data());
+      glDrawPixels(picture.size.width, picture.size.height, GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data());
+      glViewport(0, 0, int(width), int(height));
     }
     ImGui_ImplGlfwGL2_NewFrame();
     panel.draw();
@@ -164,20 +184,21 @@ private:
 
   /* --- mouse ------------------------------------------------------------------------------- */
 
-  /* In pixels of the picture, of which a window has more than of its own units on dense screens. */
+  /* In pixels of the picture. */
   Vec2f cursor() const
   {
     double x, y;
     int w, h;
     glfwGetCursorPos(window, &x, &y);
     glfwGetWindowSize(window, &w, &h);
-    return {float(x) * float(width) / float(std::max(w, 1)), float(y) * float(height) / float(std::max(h, 1))};
+    const Rectangle area = pictureArea();
+    return {float(x) * float(width) / float(std::max(w, 1)) - float(area.x), float(y) * float(height) / float(std::max(h, 1)) - float(area.y)};
   }
 
   bool isOnSplit(Vec2f pixel) const
   {
     constexpr float reach = 6;
-    return viewer.panes().size() == 2 && std::abs(pixel.x - float(splitColumn(size(), viewer.split()))) <= reach;
+    return viewer.panes().size() == 2 && std::abs(pixel.x - float(splitColumn(pictureSize(), viewer.split()))) <= reach;
   }
 
   /* --- keys -------------------------------------------------------------------------------- */
@@ -245,16 +266,17 @@ private:
     return true;
   }
 
-  void pressed(int key)
+  void pressed(int key, bool shift)
   {
     switch (key)
     {
     case GLFW_KEY_X: viewer.setSplit(!viewer.isSplit()); break;
     case GLFW_KEY_P: viewer.savePicture(); break;
-    case GLFW_KEY_C: std::printf("--view %s\n", viewer.viewDescription().c_str()); std::fflush(stdout); break;
+    case GLFW_KEY_C: std::printf("%s\n", viewer.viewOptions().c_str()); std::fflush(stdout); break;
     case GLFW_KEY_B: viewer.continuous = !viewer.continuous; break;
-    case GLFW_KEY_F: viewer.fitView(size()); break;
+    case GLFW_KEY_F: viewer.fitView(); break;
     case GLFW_KEY_R: viewer.resetView(); break;
+    case GLFW_KEY_U: turnUp(shift); break;
     case GLFW_KEY_PAGE_UP: walkSpeed *= 1.2f; break;
     case GLFW_KEY_PAGE_DOWN: walkSpeed /= 1.2f; break;
     case GLFW_KEY_TAB: panel.fold(); break;
@@ -263,6 +285,14 @@ private:
     case GLFW_KEY_Q: glfwSetWindowShouldClose(window, 1); break;
     default: break;
     }
+  }
+
+  /* To the next of the axes, or to the one before. */
+  void turnUp(bool back)
+  {
+    const std::vector<std::string>& axes = upAxes();
+    const size_t now = size_t(std::find(axes.begin(), axes.end(), viewer.up()) - axes.begin());
+    viewer.turnUp(axes[(now + (back ? axes.size() - 1 : 1)) % axes.size()]);
   }
 
   Viewer& viewer;

@@ -1,0 +1,252 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "surface/up_axis.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <unordered_set>
+
+namespace cbvh {
+namespace {
+
+/* --- what the file says ------------------------------------------------------------------ */
+
+/* In lower case. What ends a phrase is a word of its own: "forward -Z, up Y" does not say "z up". */
+std::vector<std::string> wordsOf(const std::string& text)
+{
+  std::vector<std::string> words{""};
+  for (const char c : text)
+  {
+    const unsigned char byte = (unsigned char)c;
+    if (std::isalnum(byte))
+      words.back() += char(std::tolower(byte));
+    else if (c == '\n' || c == ',' || c == ';' || c == '.')
+      words.insert(words.end(), {std::string(1, c), ""});
+    else if (!words.back().empty())
+      words.push_back("");
+  }
+  words.erase(std::remove(words.begin(), words.end(), ""), words.end());
+  return words;
+}
+
+/* "z up", "z axis up", "up: z", "up axis: z", "upaxis z". */
+bool saysUp(const std::vector<std::string>& words, const std::string& axis)
+{
+  const std::vector<std::vector<std::string>> phrases = {
+    {axis, "up"}, {axis, "axis", "up"}, {axis + "up"}, {"up", axis}, {"up", "axis", axis}, {"upaxis", axis}};
+  return std::any_of(phrases.begin(), phrases.end(), [&](const std::vector<std::string>& phrase) {
+    return std::search(words.begin(), words.end(), phrase.begin(), phrase.end()) != words.end();
+  });
+}
+
+/* Programs that name themselves, and whose exporters write the z up of their scenes without a choice. Blender and 3ds Max
+ * are none of them: theirs turn to y up unless they are told not to. */
+constexpr std::array<const char*, 2> zUpPrograms = {"FreeCAD", "OpenSCAD"};
+
+std::string lowerCase(std::string text)
+{
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return text;
+}
+
+/* --- what the shape is like -------------------------------------------------------------- */
+
+using Point = std::array<float, 3>;
+
+class Shape
+{
+public:
+  /* Of the vertices that faces have. */
+  explicit Shape(const Cage& cage) : cage(cage)
+  {
+    std::vector<char> used(cage.positions.size());
+    for (const unsigned i : cage.faceIndices)
+      used[i] = 1;
+    for (size_t i = 0; i < used.size(); i++)
+      if (used[i])
+        points.push_back({cage.positions[i].x, cage.positions[i].y, cage.positions[i].z});
+    for (size_t axis = 0; axis < 3; axis++)
+    {
+      const auto [least, most] = std::minmax_element(points.begin(), points.end(), [=](const Point& a, const Point& b) { return a[axis] < b[axis]; });
+      lower[axis] = (*least)[axis];
+      upper[axis] = (*most)[axis];
+      double sum = 0;
+      for (const Point& p : points)
+        sum += p[axis];
+      mean[axis] = float(sum / double(points.size()));
+    }
+  }
+
+  float extent(size_t axis) const { return upper[axis] - lower[axis]; }
+  float middle(size_t axis) const { return 0.5f * (lower[axis] + upper[axis]); }
+
+  bool isFlat() const { return !(std::min({extent(0), extent(1), extent(2)}) > 0.0f); }
+
+  /* Where a modeller's ground would be: its lowest end along an axis at 0. */
+  bool startsAtZero(size_t axis) const { return std::abs(lower[axis]) <= 0.01f * extent(axis); }
+
+  /* And what lies about the origin has no ground there. */
+  bool isAboutZero(size_t axis) const { return std::min(-lower[axis], upper[axis]) >= 0.2f * extent(axis); }
+
+  /* Whether it would stand if that axis pointed upwards: its middle is above its lowest points, which spread over some
+   * of its width and depth: arms that are held out are five times as wide as the feet below. */
+  bool standsOn(size_t axis) const
+  {
+    const std::vector<Point> base = lowest(axis);
+    for (const size_t other : {(axis + 1) % 3, (axis + 2) % 3})
+    {
+      const auto [least, most] = std::minmax_element(base.begin(), base.end(), [=](const Point& a, const Point& b) { return a[other] < b[other]; });
+      const float begin = (*least)[other], end = (*most)[other];
+      if (!(end - begin >= 0.15f * extent(other) && begin < mean[other] && mean[other] < end))
+        return false;
+    }
+    return true;
+  }
+
+  /* Whether its lowest points are left and right of the middle, and neither points nor faces are there: feet, and not
+   * the open rim of a mask or the butt of a gun. */
+  bool hasFeet(size_t axis, size_t sideways) const
+  {
+    const auto sideOf = [&](const Point& p) { // 0 in the middle
+      const float from = (p[sideways] - middle(sideways)) / extent(sideways);
+      return from < -0.02f ? -1 : from > 0.02f ? 1 : 0;
+    };
+    for (const Point& p : lowest(axis))
+      if (sideOf(p) == 0)
+        return false;
+    size_t first = 0;
+    for (const unsigned size : cage.faceSizes)
+    {
+      int sides = 0; // bits: left, right
+      for (size_t i = first; i < first + size; i++)
+      {
+        const Vec3f v = cage.positions[cage.faceIndices[i]];
+        const Point p{v.x, v.y, v.z};
+        if (isLowest(p, axis))
+          sides |= sideOf(p) < 0 ? 1 : 2;
+      }
+      if (sides == 3)
+        return false;
+      first += size;
+    }
+    return true;
+  }
+
+  /* Whether it is its own mirror image along an axis, but for a few vertices. */
+  bool isMirrored(size_t axis) const
+  {
+    const float cell = 0.005f * std::max({extent(0), extent(1), extent(2)});
+    const auto place = [&](const Point& p, size_t i) { return int64_t(std::floor((p[i] - lower[i]) / cell)); };
+    const auto key = [](int64_t x, int64_t y, int64_t z) { return uint64_t((x + 1) << 20 | (y + 1) << 10 | (z + 1)); };
+    std::unordered_set<uint64_t> occupied;
+    for (const Point& p : points)
+      occupied.insert(key(place(p, 0), place(p, 1), place(p, 2)));
+    constexpr size_t most = 10000; // are looked at
+    const size_t step = points.size() / most + 1;
+    size_t seen = 0, found = 0;
+    for (size_t i = 0; i < points.size(); i += step)
+    {
+      Point p = points[i];
+      p[axis] = 2.0f * middle(axis) - p[axis];
+      bool partner = false;
+      for (int n = 0; n < 27 && !partner; n++)
+        partner = occupied.count(key(place(p, 0) + n % 3 - 1, place(p, 1) + n / 3 % 3 - 1, place(p, 2) + n / 9 - 1));
+      found += partner;
+      seen++;
+    }
+    return double(found) >= 0.98 * double(seen);
+  }
+
+private:
+  /* Soles are not as flat as tables. */
+  bool isLowest(const Point& p, size_t axis) const { return p[axis] <= lower[axis] + 0.02f * extent(axis); }
+
+  std::vector<Point> lowest(size_t axis) const
+  {
+    std::vector<Point> base;
+    std::copy_if(points.begin(), points.end(), std::back_inserter(base),
+                 [&](const Point& p) { return isLowest(p, axis); });
+    return base;
+  }
+
+  const Cage& cage;
+  std::vector<Point> points;
+  Point lower, upper, mean;
+};
+
+/* Why a shape is z up, empty without clear evidence. */
+std::string evidenceInShape(const Cage& cage)
+{
+  constexpr size_t x = 0, y = 1, z = 2;
+  const Shape shape(cage);
+  if (shape.isFlat() || !shape.startsAtZero(z) || !shape.isAboutZero(y) || !shape.standsOn(z) || shape.isMirrored(z))
+    return "";
+  /* What stands is hardly ever the same upside down. What is thin along z may hang on a wall with its back at 0, and
+   * what is thin along y may lie on the ground. */
+  if (shape.isMirrored(y))
+  {
+    const bool isThin = shape.extent(z) < 0.4f * std::max(shape.extent(x), shape.extent(y)) ||
+                        shape.extent(y) < 0.25f * std::max(shape.extent(x), shape.extent(z));
+    return isThin ? "" : "it stands on the plane z = 0 and is its own mirror image along y";
+  }
+  /* Figures and furniture have a left and a right that are alike. */
+  if (shape.isMirrored(x) && shape.hasFeet(z, x) && !shape.standsOn(y) && shape.extent(z) >= 0.5f * shape.extent(y))
+    return "it stands on feet on the plane z = 0";
+  return "";
+}
+
+/* --- turning ----------------------------------------------------------------------------- */
+
+Vec3f turned(Vec3f v, const std::string& up)
+{
+  if (up == "x")
+    return {v.y, -v.x, v.z};
+  if (up == "-x")
+    return {-v.y, v.x, v.z};
+  if (up == "-y")
+    return {-v.x, -v.y, v.z};
+  if (up == "z")
+    return {v.x, -v.z, v.y};
+  if (up == "-z")
+    return {v.x, v.z, -v.y};
+  return v;
+}
+
+} // namespace
+
+const std::vector<std::string>& upAxes()
+{
+  static const std::vector<std::string> axes = {"y", "z", "x", "-y", "-z", "-x"};
+  return axes;
+}
+
+UpGuess guessUp(const Cage& cage)
+{
+  const std::vector<std::string> words = wordsOf(cage.comments);
+  const bool y = saysUp(words, "y"), z = saysUp(words, "z");
+  if (y != z)
+    return z ? UpGuess{"z", "a comment at the head of the file says so"} : UpGuess{};
+  for (const char* program : zUpPrograms)
+    if (std::find(words.begin(), words.end(), lowerCase(program)) != words.end())
+      return {"z", std::string("the file is of ") + program + ", where z is up"};
+  const std::string evidence = evidenceInShape(cage);
+  return evidence.empty() ? UpGuess{} : UpGuess{"z", evidence};
+}
+
+ViewHints turnedFromY(ViewHints hints, const std::string& up)
+{
+  hints.direction = turned(hints.direction, up);
+  hints.up = turned(hints.up, up);
+  return hints;
+}
+
+/* Turns about x and z are undone by those the other way; half a turn is its own inverse. */
+ViewHints turnedToY(ViewHints hints, const std::string& up)
+{
+  const bool isQuarter = up.back() != 'y';
+  return turnedFromY(hints, isQuarter ? (up[0] == '-' ? up.substr(1) : "-" + up) : up);
+}
+
+} // namespace cbvh

@@ -1,0 +1,47 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "layout.h"
+
+#include <algorithm>
+
+namespace cbvh {
+namespace {
+
+/* Rows from the top of what is left for the picture, of which a pixel stays. */
+Rectangle takeRows(Rectangle& rest, int rows)
+{
+  const Rectangle taken{rest.x, rest.y, rest.width, std::min(rows, rest.height - 1)};
+  rest.y += taken.height;
+  rest.height -= taken.height;
+  return taken;
+}
+
+Rectangle takeColumns(Rectangle& rest, int columns)
+{
+  const Rectangle taken{rest.x, rest.y, columns, rest.height};
+  rest.x += columns;
+  rest.width -= columns;
+  return taken;
+}
+
+} // namespace
+
+WindowLayout layOut(ImageSize window, PanelState panel, bool split)
+{
+  WindowLayout layout;
+  layout.picture = {0, 0, window.width, window.height};
+  if (panel == PanelState::Hidden)
+    return layout;
+  if (panel == PanelState::Folded)
+    layout.panel = takeRows(layout.picture, barHeight);
+  else if (window.width >= 2 * panelWidth)
+    layout.panel = takeColumns(layout.picture, panelWidth);
+  else
+    layout.panel = takeRows(layout.picture, window.height / 2);
+  if (split)
+    layout.captions = takeRows(layout.picture, barHeight);
+  return layout;
+}
+
+} // namespace cbvh
