@@ -115,7 +115,7 @@ TEST(VertRule, TheEndsOfASpanAreWithinTheTriangle)
   for (double t : {0.999, 5.001}) EXPECT_FALSE(isOfPlane(PlaneMeeting<double>{t, 0, 1}, span)) << t;
 
   const WideTriangle<double> triangle = {{{0, 4, 0}, {-1, 0, 1}, {0, 0, 0}}};
-  const double org[3] = {-1, 0.125, 0}, dir[3] = {1, 0, 0}; // in its plane
+  const double org[3] = {-1, -0.5, 0}, dir[3] = {1, 0, 0}; // in its plane; nearest to its longest edge at 3
   EXPECT_EQ(distanceOfHit(triangle, normalOf(triangle), span, org, dir, 5.0), 5.0);
 }
 

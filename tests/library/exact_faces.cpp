@@ -249,6 +249,9 @@ TEST(ExactFaces, GeometryGoesBeforeDeviceGoesBeforeEnvironment)
   Device device("subdiv_accel=cbvh.leaf,cbvh_exact_faces=0");
   const SurfaceScene scene(device, openSheet(), leaf(16, true));
   EXPECT_EQ(statisticsOf(scene).numExactQuads, 256u);
+  Device other("subdiv_accel=cbvh.leaf,cbvh_exact_faces=1");
+  const SurfaceScene leaves(other, openSheet(), leaf(16, false));
+  EXPECT_EQ(statisticsOf(leaves).numExactQuads, 0u);
 }
 
 TEST(ExactFaces, OtherValuesAreErrors)

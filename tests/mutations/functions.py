@@ -58,7 +58,10 @@ FUNCTIONS = (
     Entry("CellDecoder", 4, DECODING),
     Entry("VertDecoder", 7, DECODING),
     Entry("setWindows", 2, DECODING),
-    Entry("::isInside", 2, TRIANGLES, {"isInside, ": "what is found beside the ray is left out by its own sides"}),
+    Entry("::isInside", 2, TRIANGLES, {
+        "isInside, word": "what is found beside the ray is left out by its own sides",
+        "<= Real ( [0.0f => 1.0f]": "what is found beside the ray is left out by its own sides",
+    }),
     Entry("triangleSides", 2, TRIANGLES + HITS),
     Entry("exactProduct", 4, RULE),
     Entry("compareMagnitudes", 2, RULE),
@@ -94,7 +97,10 @@ FUNCTIONS = (
     Entry("SharedVertices::ownLine", 2, BORDERS),
     Entry("firstStitched", 1, BORDERS),
     Entry("SharedVertices::spacingAskedFor", 2, BORDERS, {"last round": "reads behind arrays, which the sanitizers see"}),
-    Entry("shareBorder", 3, BORDERS, {"at < part . x0 [|| => &&]": "parts that are written are whole rows"}),
+    Entry("shareBorder", 3, BORDERS, {
+        "at < part . x0 [|| => &&]": "parts that are written are whole rows",
+        "[- => +] part . x0": "parts that are written are whole rows",
+    }),
     Entry("VertexGrid::spreadBorder", 2, ("mixed_rates BordersOfMixedRates.*:*GRID",)),
     Entry("::latticeExponent", 2, BLOCK, {"[> => >=] 0 ?": "the exponent of 0 is below all"}),
     # what a ray hits in cVERT
@@ -106,7 +112,10 @@ FUNCTIONS = (
     Entry("faceParameterOfQuad", 1, RAYS),
     Entry("parametersAtLowerEdge", 2, RULE),
     Entry("meetsBounds", 2, RAYS, {"[min => max] ( tFar": "the boxes of groups are asked then"}),
-    Entry("VertIntersector1::meetBoxes", 2, RAYS, {"open = [0 => 1]": "the triangles of a group that is not met are not hit"}),
+    Entry("VertIntersector1::meetBoxes", 2, RAYS, {
+        "open = [0 => 1]": "the triangles of a group that is not met are not hit",
+        "[without] tNear": "boxes are met then that lie before the ray or behind it, and their triangles are not hit",
+    }),
     Entry("CachedVertBlock::quads", 2, RAYS),
     Entry("ThreadCache", 2, ("vert_surfaces VertCache.*", "threads")),
     # settings

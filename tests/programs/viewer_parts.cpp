@@ -204,7 +204,7 @@ TEST_F(Pictures, CountAllRaysAndTheirHits)
   EXPECT_LT(report.hits, report.rays);
   EXPECT_GT(report.hits, 0u);
   EXPECT_DOUBLE_EQ(report.mrays() * report.seconds, 96 * 64 * 1e-6);
-  EXPECT_DOUBLE_EQ(report.percentHit(), 100.0 * double(report.hits) / double(report.rays));
+  EXPECT_DOUBLE_EQ(report.mhits(), report.mrays() * double(report.hits) / double(report.rays));
 }
 
 TEST_F(Pictures, HaveTheErrorsOfAllOtherPrograms)

@@ -288,7 +288,7 @@ void Panel::drawReports()
                 panes[i].scene->representation().label().c_str(), viewer.shownLevel());
     ImGui::Text("%.2f bytes a quad, %s quads", b.bytesPerQuad(), quadsText(b.quads).c_str());
     ImGui::Text("%s, built in %.2f s", bytesText(b.liveBytes).c_str(), b.seconds);
-    ImGui::Text("%.2f million rays a second, %.0f %% hit", report.mrays(), report.percentHit());
+    ImGui::Text("%.2f million hits a second, of %.2f rays", report.mhits(), report.mrays());
     ImGui::Text("on %u thread%s", threads, threads == 1 ? "" : "s");
     if (panes[i].reference && viewer.shownMode() == PictureMode::Error)
     {

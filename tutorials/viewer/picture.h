@@ -49,7 +49,7 @@ struct PaneReport
   size_t falseHits = 0, misses = 0; // these four in PictureMode::Error only
 
   double mrays() const { return seconds > 0 ? double(rays) * 1e-6 / seconds : 0.0; }
-  double percentHit() const { return rays ? 100.0 * double(hits) / double(rays) : 0.0; }
+  double mhits() const { return seconds > 0 ? double(hits) * 1e-6 / seconds : 0.0; }
 };
 
 struct PictureSettings
