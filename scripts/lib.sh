@@ -88,17 +88,26 @@ build() {
     failed=0
     NINJA_STATUS='@%f %t %e@' cmake --build --preset "$preset" -j "$jobs" ${1:+--target "$@"} 2>&1 || failed=$?
     echo "@exit $failed@"
-  } | awk '
-    /^@exit / { sub(/^@exit /, ""); status = int($0); next }
-    /^@[0-9]+ [0-9]+ [0-9.]+@/ {
-      split(substr($0, 2), n, "[ @]")
-      if (n[3] >= shown + 10) {
-        shown = n[3]; left = n[1] ? n[3]*(n[2] - n[1])/n[1] : 0
-        printf "  %d of %d files, %s\n", n[1], n[2], left >= 90 ? "about " int(left/60 + 0.5) " minutes more" : "about a minute more"
-        fflush()
-      }
-      next
-    }
-    { print; fflush() }
-    END { exit status }'
+  } | {
+    shown=-10
+    while IFS= read -r line; do
+      case $line in
+        @exit*)
+          status=${line#@exit }
+          exit "${status%@}" ;;
+        @[0-9]*)
+          status=${line#@} # built, of all, seconds
+          status=${status%%@*}
+          built=${status%% *} of=${status#* } seconds=${status##* }
+          of=${of% *} seconds=${seconds%.*}
+          [ "$built" -gt 0 ] && [ "$seconds" -ge $((shown + 10)) ] || continue
+          shown=$seconds
+          left=$((seconds * (of - built) / built))
+          if [ "$left" -ge 90 ]; then left="about $(((left + 30) / 60)) minutes more"; else left="a minute or two more"; fi
+          echo "  $built of $of files, $left" ;;
+        *) printf '%s\n' "$line" ;;
+      esac
+    done
+    exit 1
+  }
 }
