@@ -46,4 +46,27 @@ if(Python3_Interpreter_FOUND)
   install(DIRECTORY "${man}" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT devel)
 endif()
 
+# Those of the programs are their --help, laid out.
+find_program(HELP2MAN help2man)
+mark_as_advanced(HELP2MAN)
+if(HELP2MAN AND NOT CBVH_SANITIZE)
+  set(about_cbvh_render "pictures of displaced subdivision surfaces, and what representations cost")
+  set(about_cbvh_viewer "displaced subdivision surfaces in a window")
+  set(about_cbvh_bench "speed, memory and errors of representations of displaced subdivision surfaces")
+  set(about_cbvh_pathtracer "path tracing of displaced subdivision surfaces on a GPU or a processor")
+  foreach(program cbvh_render cbvh_viewer cbvh_bench cbvh_pathtracer)
+    if(TARGET ${program})
+      set(page "${CMAKE_BINARY_DIR}/man/man1/${program}.1")
+      add_custom_command(OUTPUT "${page}"
+        COMMAND "${HELP2MAN}" --no-info --section=1 "--name=${about_${program}}" "--version-string=${PROJECT_VERSION}"
+          "--output=${page}" "$<TARGET_FILE:${program}>"
+        DEPENDS ${program} VERBATIM)
+      list(APPEND pages "${page}")
+    endif()
+  endforeach()
+  file(MAKE_DIRECTORY "${CMAKE_BINARY_DIR}/man/man1")
+  add_custom_target(cbvh_program_pages ALL DEPENDS ${pages})
+  install(FILES ${pages} DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT examples)
+endif()
+
 install(FILES "${CMAKE_SOURCE_DIR}/CHANGELOG.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT lib)

@@ -67,6 +67,12 @@ for function in $(sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' "$wor
   [ -s "$page" ] || fail "$function has no manual page"
   grep -q "$function" "$page" || fail "$page does not name it"
 done
+if command -v help2man > /dev/null; then
+  for program in "$work"/prefix/bin/cbvh_*; do
+    page=$work/prefix/share/man/man1/$(basename "$program").1
+    grep -q -- "--level" "$page" || fail "$(basename "$program") has no manual page of its options"
+  done
+fi
 [ -e "$work/prefix/share/man/man3/rtcNewDevice.3embree3" ] || fail "Embree's own manual pages are missing"
 
 # --- our programs run on the library beside them, and say so where it is another ------------------
