@@ -84,7 +84,7 @@ def main():
             all_ratios[level].append(ratios[level])
         cells = [counts(pixels[kind, samples]) for samples in SAMPLES for kind in ("naive", "cvert")]
         rows.append([name, *(f"{ratios[level]:.1f}" for level in LEVELS), str(hits), *cells])
-        print(f"{name} is measured", file=sys.stderr)
+        print(" ".join(rows[-1]), file=sys.stderr)  # what is there if the next one is cancelled
     heads = ["", *(f"level {level}" for level in LEVELS), "pixels", *(f"{kind}, {n}" for n in ("1 sample", "16 samples") for kind in ("NAIVE", "cVERT"))]
     print("\n".join(table(heads, rows)))
     for level in LEVELS:
