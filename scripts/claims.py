@@ -4,7 +4,7 @@
 
 """Measures what README.md claims of cVERT on all generated scenes: how much smaller it is than GRID, and how many pixels differ.
 
-    scripts/claims.py                            all scenes, some ten minutes on two cores, and 7 GB for NAIVE of the largest
+    scripts/claims.py                            all scenes, some seven minutes on two cores, and 7 GB for NAIVE of the largest
     scripts/claims.py --scene cube rough         those: rough is trex with five times the displacement
     scripts/claims.py --cage body.obj --height skin.png    yours
 
@@ -41,7 +41,7 @@ def run(options, model, folder, *words):
 
 
 def differing(folder, one, other):
-    """How many pixels differ by more than each of DIFFERENCES, of how many that show the surface."""
+    """How many pixels differ by more than each of DIFFERENCES."""
     pictures = [imread(next(Path(folder).glob(f"*_{name}.png")))[..., :3] for name in (one, other)]
     difference = abs(pictures[0] - pictures[1]).max(axis=-1)
     return [int((difference > d).sum()) for d in DIFFERENCES]

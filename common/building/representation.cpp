@@ -3,11 +3,11 @@
 
 #include "building/representation.h"
 #include "basics/error.h"
+#include "basics/text.h"
 
 #include "kernels/cbvh/base/kinds.h"
 
 #include <algorithm>
-#include <cctype>
 
 namespace cbvh {
 namespace {
@@ -170,9 +170,7 @@ std::vector<Representation> parseRepresentations(const std::string& list, int de
     begin = end + 1;
 
     const size_t mark = word.find_first_of("^:");
-    std::string name = word.substr(0, mark);
-    for (char& c : name)
-      c = char(std::tolower(static_cast<unsigned char>(c)));
+    const std::string name = lowerCase(word.substr(0, mark));
     const std::vector<Names>& names = allNames();
     const auto found = std::find_if(names.begin(), names.end(), [&](const Names& n) { return isNameOf(n, name); });
     if (found == names.end())

@@ -3,9 +3,8 @@
 
 #include "programs/opened_files.h"
 #include "basics/error.h"
+#include "basics/text.h"
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 
 namespace cbvh {
@@ -13,9 +12,7 @@ namespace {
 
 bool isCage(const std::string& path)
 {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return extension == ".obj";
+  return lowerCase(std::filesystem::path(path).extension().string()) == ".obj";
 }
 
 /* How a map was read that is gone, or how strong a generated scene was. */

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "surface/up_axis.h"
+#include "basics/text.h"
 
 #include <algorithm>
 #include <array>
@@ -44,12 +45,6 @@ bool saysUp(const std::vector<std::string>& words, const std::string& axis)
 /* Programs that name themselves, and whose exporters write the z up of their scenes without a choice. Blender and 3ds Max
  * are none of them: theirs turn to y up unless they are told not to. */
 constexpr std::array<const char*, 2> zUpPrograms = {"FreeCAD", "OpenSCAD"};
-
-std::string lowerCase(std::string text)
-{
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return text;
-}
 
 /* --- what the shape is like -------------------------------------------------------------- */
 

@@ -20,18 +20,21 @@ const char* raySetName(RaySet set)
   return set == Coherent ? "coherent" : "incoherent";
 }
 
+Ray primaryRay(const Camera& camera, int x, int y, Vec2f offset)
+{
+  Ray ray;
+  ray.origin = camera.eye();
+  ray.direction = camera.direction(float(x) + offset.x, float(y) + offset.y);
+  return ray;
+}
+
 std::vector<Ray> primaryRays(const Camera& camera, Vec2f offset)
 {
   std::vector<Ray> rays;
   rays.reserve(size_t(camera.size().width) * camera.size().height);
   for (int y = 0; y < camera.size().height; y++)
     for (int x = 0; x < camera.size().width; x++)
-    {
-      Ray ray;
-      ray.origin = camera.eye();
-      ray.direction = camera.direction(float(x) + offset.x, float(y) + offset.y);
-      rays.push_back(ray);
-    }
+      rays.push_back(primaryRay(camera, x, y, offset));
   return rays;
 }
 

@@ -20,6 +20,9 @@ enum RaySet { Coherent, Incoherent, numRaySets };
 /* "coherent", "incoherent". */
 const char* raySetName(RaySet set);
 
+/* The ray through a pixel. offset: from its centre, in pixels. */
+Ray primaryRay(const Camera& camera, int x, int y, Vec2f offset = {});
+
 /* One ray a pixel, in rows. offset: from its centre, in pixels. */
 std::vector<Ray> primaryRays(const Camera& camera, Vec2f offset = {});
 

@@ -725,12 +725,12 @@ TEST(Dynamic, SettingsTakeEffectWithTheNextCommit)
 // A line on each commit: what was compressed, what GRID would take, what was left to it and why.
 TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldTake)
 {
-  const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings) {
+  const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings, const Cage& cage = cubeCage()) {
     std::unique_ptr<Environment> set(environment ? new Environment(environment) : nullptr);
     testing::internal::CaptureStdout();
     {
       Device device(config);
-      const SurfaceScene scene(device, cubeCage(), settings);
+      const SurfaceScene scene(device, cage, settings);
     }
     const std::string text = testing::internal::GetCapturedStdout();
     const size_t begin = text.find("compression: 1 surface");
@@ -763,6 +763,15 @@ TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldTake)
   settings.edgeRates[0] = 300;
   const std::string line = lineOf("voxel,verbose", "", settings);
   EXPECT_NE(line.find("left to GRID: 2400 quads for their edge rates"), std::string::npos) << line;
+  /* a needle has no good frame: GRID traces it, or where its sides have different rates, cGRID */
+  Cage needle = quadCage();
+  for (Vec& p : needle.positions) p[1] *= 0x1p-20f;
+  settings.edgeRates.assign(4, 8);
+  const std::string refused = lineOf("voxel,verbose", "", settings, needle);
+  EXPECT_NE(refused.find("left to GRID: 64 quads of blocks without a good frame"), std::string::npos) << refused;
+  settings.edgeRates[0] = 16;
+  const std::string kept = lineOf("voxel,verbose", "", settings, needle);
+  EXPECT_NE(kept.find("left to GRID: nothing"), std::string::npos) << kept;
 }
 
 } // namespace

@@ -8,11 +8,11 @@
 
 #include "library.h"
 #include "basics/error.h"
+#include "basics/text.h"
 #include "building/embree_device.h"
 #include "building/loaded_library.h"
 
 #include <algorithm>
-#include <cctype>
 #include <dlfcn.h>
 #include <filesystem>
 #include <iostream>
@@ -63,10 +63,7 @@ std::vector<std::string> targetsIn(const std::string& said)
   std::istringstream line(said.substr(begin, end - begin));
   std::vector<std::string> targets;
   for (std::string word; line >> word;)
-  {
-    std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-    targets.push_back(word);
-  }
+    targets.push_back(lowerCase(word));
   return targets;
 }
 

@@ -41,15 +41,6 @@ void forTiles(const Region& region, const Body& body)
   }, tbb::simple_partitioner());
 }
 
-/* As primaryRays has it. */
-Ray primaryRay(const Camera& camera, int x, int y, Vec2f offset = {})
-{
-  Ray ray;
-  ray.origin = camera.eye();
-  ray.direction = camera.direction(float(x) + offset.x, float(y) + offset.y);
-  return ray;
-}
-
 /* hits: one a pixel of the region, written. */
 void traceRegion(const Camera& camera, const Region& region, const BuiltScene& scene, Vec2f offset,
                  std::vector<SurfaceHit>& hits)

@@ -59,11 +59,17 @@ namespace embree
     return row[b.size()];
   }
 
+  static bool parseSubdivAccel (const std::string& name, RTCCompression& compression)
+  {
+    const std::string lower = lowerCase(name);
+    if (lower == "cbvh") { compression = CompressionSettings::bestCompression; return true; }
+    return lower != "grid" && parseKind(lower,compression); // in programs "grid" is Embree's
+  }
+
   bool isNameOfOurs (const std::string& subdivAccel)
   {
     RTCCompression compression;
-    const std::string lower = lowerCase(subdivAccel);
-    return lower == "cbvh" || (lower != "grid" && parseKind(lower,compression)); // in programs "grid" is Embree's
+    return parseSubdivAccel(subdivAccel,compression);
   }
 
   /*! what one may have meant by a word that is none of these */
@@ -164,15 +170,12 @@ namespace embree
 
   void CompressionSettings::verify (const std::string& subdivAccel, bool verbose)
   {
-    const std::string lower = lowerCase(subdivAccel);
-    if (lower == "cbvh")
-      compression = bestCompression;
-    else if (isNameOfOurs(lower))
-      parseKind(lower,compression);
-    else if (lower.compare(0,4,"cbvh") == 0)
-      invalid("subdiv_accel",subdivAccel,"expected cbvh, " + kindKeys("cbvh."));
-    else if (subdivAccel != "default")
-      compression = RTC_COMPRESSION_NONE;
+    if (!parseSubdivAccel(subdivAccel,compression)) {
+      if (lowerCase(subdivAccel).compare(0,4,"cbvh") == 0)
+        invalid("subdiv_accel",subdivAccel,"expected cbvh, " + kindKeys("cbvh."));
+      if (subdivAccel != "default")
+        compression = RTC_COMPRESSION_NONE;
+    }
 
     if (verbose)
       std::cout << std::endl << "Embree CBVH " << RTC_COMPRESSION_VERSION_STRING << std::endl

@@ -20,6 +20,7 @@ namespace embree
       RTCCompressionStatistics sums = RTCCompressionStatistics();
       size_t highRateQuads = 0;    //!< traced by GRID for their edge rates
       size_t refusedQuads = 0;     //!< at full precision as their block has no good frame
+      size_t refusedInGrid = 0;    //!< those of them that GRID traces
       size_t quadsForHoles = 0;        //!< of patches that holes make another kind, as theirs cannot leave a quad out
       size_t invalidFaces = 0;     //!< with quads that are left out
       size_t firstInvalidFace = std::numeric_limits<size_t>::max();
@@ -67,6 +68,7 @@ namespace embree
         if (other.sums.maxLeafThickness > sums.maxLeafThickness) sums.maxLeafThickness = other.sums.maxLeafThickness;
         highRateQuads += other.highRateQuads;
         refusedQuads += other.refusedQuads;
+        refusedInGrid += other.refusedInGrid;
         quadsForHoles += other.quadsForHoles;
         invalidFaces += other.invalidFaces;
         firstInvalidFace = std::min(firstInvalidFace,other.firstInvalidFace);

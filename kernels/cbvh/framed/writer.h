@@ -179,6 +179,7 @@ namespace embree
         }
         if (refused && finite == count && !isStitched && patch.ofEmbree()) {
           ofPatch.refusedQuads += size_t(quads)*size_t(quads);
+          ofPatch.refusedInGrid += size_t(quads)*size_t(quads);
           grids.write(*patch.ofEmbree(),e.x*quads,(e.x+1)*quads,e.y*quads,(e.y+1)*quads);
           return;
         }

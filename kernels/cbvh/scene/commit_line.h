@@ -35,9 +35,9 @@ namespace embree
         line << "compression: " << kinds() << ": " << quads << " quads in " << mebibytes(bytes) << " MiB, GRID would take about " << mebibytes(gridBytes) << " MiB; left to GRID: ";
         const char* between = "";
         auto left = [&](size_t n, const std::string& what) { if (n) { line << between << n << what; between = ", "; } };
-        left(geometries[notCompressed]," surfaces that ask for no compression");
+        left(geometries[notCompressed],geometries[notCompressed] == 1 ? " surface that asks for no compression" : " surfaces that ask for no compression");
         left(all.highRateQuads," quads for their edge rates");
-        left(all.refusedQuads," quads of blocks without a good frame");
+        left(all.refusedInGrid," quads of blocks without a good frame");
         if (*between == 0) line << "nothing";
         return line.str();
       }

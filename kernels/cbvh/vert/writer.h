@@ -82,16 +82,17 @@ namespace embree
         const cbvh::VertLayout layout = cbvh::vertLayout(header->region,header->boxForm);
         const size_t stride = (bytes + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
         const size_t nodesEnd = block.raw ? layout.margins : layout.cell;
+        const size_t quads = size_t(cbvh::vertQuadsX(header->region))*size_t(cbvh::vertQuadsY(header->region));
         RTCCompressionStatistics& sums = statistics.sums;
         sums.frameBytes += layout.margins;
         sums.nodeBytes += nodesEnd - layout.margins;
         sums.leafBytes += stride - nodesEnd;
         sums.numBlocks++;
         sums.numRawBlocks += block.raw;
-        sums.numQuads += size_t(cbvh::vertQuadsX(header->region))*size_t(cbvh::vertQuadsY(header->region));
+        sums.numQuads += quads;
         sums.numInvalidQuads += block.invalidQuads;
         sums.maxVertexSpacing = max(sums.maxVertexSpacing,cbvh::vertSpacing(header->word));
-        if (plan.kind() != cbvh::Kind::VERT) sums.numExactQuads += size_t(cbvh::vertQuadsX(header->region))*size_t(cbvh::vertQuadsY(header->region));
+        if (plan.kind() != cbvh::Kind::VERT) sums.numExactQuads += quads;
       }
 
       /*! where a block is, with the patch's edges if it needs them */
