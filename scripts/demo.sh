@@ -7,8 +7,8 @@
 #
 #   scripts/demo.sh [DIRECTORY]    pictures go to DIRECTORY, output/demo by default
 #
-# The library that it builds, in build/demo, has this machine's instruction set alone, and no packets, curves
-# and points: scripts/test.sh builds and tests the whole one, in build/release.
+# The library that it builds, in build/demo, has this machine's instruction set alone, subdivision surfaces and
+# triangles, and single rays: scripts/test.sh builds and tests the whole one, in build/release.
 
 arguments=1
 . "$(dirname -- "$0")/lib.sh"

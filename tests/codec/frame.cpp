@@ -74,7 +74,7 @@ void homogeneous(const Frame& frame, const double p[3], double h[4])
     for (int k = 0; k < 4; k++) h[k] += double(frame.columns[i][k])*(p[i] - double(frame.centre[i]));
 }
 
-// Decoded planes keep containmentSlack to the geometry (node_codec.h), the root's included,
+// Decoded planes keep containmentSlack to the geometry (node.h), the root's included,
 // which are the faces of the box.
 void expectInside(const Sheet& sheet, const Frame& frame)
 {

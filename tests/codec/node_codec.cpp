@@ -143,7 +143,7 @@ TEST(NodeCodec, ReferenceDecoderIsOneOfTheForms)
   }
 }
 
-// One step of decoding is off by at most an ulp of a number below 2 (node_codec.h).
+// One step of decoding is off by at most an ulp of a number below 2 (node_encoder.h).
 constexpr double stepError = 0x1p-23;
 
 // Down random paths, box by box. A lower plane cannot round below its parent's: what is added

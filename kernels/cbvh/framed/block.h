@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* A block of cGRID, cVOXEL or cLEAF: 2^height x 2^height quads of a patch in one local frame.
- * (Those of cVERT have no frame, see vert_block.h.) It is a header, then
+ * (Those of cVERT have no frame, see vert/format.h.) It is a header, then
  * the words of a complete quadtree level by level, each level in Morton order, then the
  * leaves in Morton order (cLEAF) or the vertices row by row (cGRID). Nothing points
  * anywhere: positions, parameters and vertex indices follow from the index. FORMAT.md has

@@ -16,10 +16,10 @@
  * A raw block stores its vertices and boxes as floats in place of all that: where one of them is
  * not finite, or too far from the others for the lattice's integers.
  *
- * Only layout lives here; vertex_cell.h gives words and fields their meaning. */
+ * Only layout lives here; cell.h gives words and fields their meaning. */
 
-#ifndef CBVH_VERT_BLOCK_H
-#define CBVH_VERT_BLOCK_H
+#ifndef CBVH_VERT_FORMAT_H
+#define CBVH_VERT_FORMAT_H
 
 #include "cell.h"
 #include "../base/kinds.h"

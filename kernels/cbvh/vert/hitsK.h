@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* vert_hits.h for the rays of a packet: those that pass inside of the edges of one triangle, as most do, together,
+/* hits1.h for the rays of a packet: those that pass inside of the edges of one triangle, as most do, together,
  * and the others, and where anything is not clear, one by one. */
 
 #include "../base/lanes.h"

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cLEAF. leaf_crossing1.h measures how the ray crosses them, framed/leaf/hit_rule.h
+/* Leaves of cLEAF. crossing1.h measures how the ray crosses them, framed/leaf/hit_rule.h
  * decides where it hits, and this reports it. */
 
 #include "crossing1.h"

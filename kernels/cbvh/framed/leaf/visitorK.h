@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cLEAF for packets: leaf_visitor1.h, leaf_crossing1.h and framed/leaf/hit_rule.h with a ray in a lane. */
+/* Leaves of cLEAF for packets: visitor1.h, crossing1.h and framed/leaf/hit_rule.h with a ray in a lane. */
 
 #include "../block_visitorK.h"
 #include "crossing.h"
@@ -177,7 +177,7 @@ namespace embree
           state.pending = andn(state.pending,accepted);
         }
 
-        /*! part of leafHit in leaf_visitor1.h */
+        /*! part of leafHit in visitor1.h */
         __forceinline void setSurface (LeafHits<K>& hits, const LeafSurfaces& surfaces, uint32_t child) const
         {
           const float* h = surfaces.height[child];

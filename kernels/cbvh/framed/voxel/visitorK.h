@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cVOXEL for packets, as voxel_visitor1.h. */
+/* Leaves of cVOXEL for packets, as visitor1.h. */
 
 #include "../block_visitorK.h"
 
