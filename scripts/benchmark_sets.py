@@ -112,7 +112,7 @@ def gpu_quick():
 
 
 def quick():
-    small = "--size 768x768 --true-surface 1000"
+    small = "--size 768x768 --true-surface 1000 --samples 4"
     return (
         cube("full", f"{small} --rays 30000 --repeat 9", 33)
         + [Job("trex", "figures 11, 12, 16, 17", "trex", [4, 5, 6],

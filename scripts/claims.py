@@ -2,7 +2,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures what README.md claims of cVERT on all generated scenes: how much smaller it is than GRID, and how many pixels differ.
+"""Measures what README.md claims on all generated scenes: how much smaller cVERT and cGRID are than GRID, and how many pixels of cVERT differ.
 
     scripts/claims.py                            all scenes, some seven minutes on two cores, and 7 GB for NAIVE of the largest
     scripts/claims.py --scene cube rough         those: rough is trex with five times the displacement
@@ -27,6 +27,7 @@ LEVELS = (4, 5, 6)
 SIZE = "500x500"
 SAMPLES = (1, 16)
 DIFFERENCES = (0.05, 0.25)
+KINDS = ("cVERT", "cGRID")
 
 MODELS = {name: ["--scene", name] for name in ("cube", "frog", "knee", "scythe", "trex")}
 MODELS["rough"] = ["--scene", "trex", "--rough"]
@@ -48,14 +49,16 @@ def differing(folder, one, other):
 
 
 def measure(options, model):
-    """Ratios of bytes by level; differing pixels of NAIVE and cVERT, 1 sample and 16; pixels that show the surface."""
+    """Ratios of bytes by kind and level; differing pixels of NAIVE and cVERT, 1 sample and 16; pixels that show the surface."""
     ratios, pixels = {}, {}
     for level in LEVELS:
         for samples in SAMPLES if level == LEVELS[-1] else SAMPLES[:1]:
-            kinds = "naive,grid,cvert" if level == LEVELS[-1] else "grid,cvert"
+            kinds = "grid,cvert" + (",cgrid" if samples == SAMPLES[0] else "") + (",naive" if level == LEVELS[-1] else "")
             with tempfile.TemporaryDirectory() as folder:
                 results = run(options, model, folder, "--level", level, "--representation", kinds, "--samples", samples)
-                ratios[level] = results["GRID"]["live_bytes"] / results["cVERT"]["live_bytes"]
+                for kind in KINDS:
+                    if kind in results:
+                        ratios[kind, level] = results["GRID"]["live_bytes"] / results[kind]["live_bytes"]
                 hits = results["cVERT"]["errors"]["both_hit"]
                 if level == LEVELS[-1]:
                     for kind in ("naive", "cvert"):
@@ -77,18 +80,18 @@ def main():
     models = {name: MODELS[name] for name in options.scene}
     if options.cage:
         models = {Path(options.cage).stem: ["--cage", options.cage, *(["--height", options.height] if options.height else [])]}
-    rows, all_ratios = [], {level: [] for level in LEVELS}
+    rows, all_ratios = [], {(kind, level): [] for kind in KINDS for level in LEVELS}
     for name, model in models.items():
         ratios, pixels, hits = measure(options, model)
-        for level in LEVELS:
-            all_ratios[level].append(ratios[level])
+        for found in all_ratios:
+            all_ratios[found].append(ratios[found])
         cells = [counts(pixels[kind, samples]) for samples in SAMPLES for kind in ("naive", "cvert")]
-        rows.append([name, *(f"{ratios[level]:.1f}" for level in LEVELS), str(hits), *cells])
+        rows.append([name, *(f"{ratios['cVERT', level]:.1f}" for level in LEVELS), str(hits), *cells])
         print(" ".join(rows[-1]), file=sys.stderr)  # what is there if the next one is cancelled
     heads = ["", *(f"level {level}" for level in LEVELS), "pixels", *(f"{kind}, {n}" for n in ("1 sample", "16 samples") for kind in ("NAIVE", "cVERT"))]
     print("\n".join(table(heads, rows)))
-    for level in LEVELS:
-        print(f"level {level}: {min(all_ratios[level]):.1f} to {max(all_ratios[level]):.1f} times smaller than GRID")
+    for (kind, level), found in all_ratios.items():
+        print(f"{kind}, level {level}: {min(found):.1f} to {max(found):.1f} times smaller than GRID")
 
 
 if __name__ == "__main__":
