@@ -114,15 +114,15 @@ def gpu_quick():
 def quick():
     small = "--size 768x768 --true-surface 1000 --samples 4"
     return (
-        cube("full", f"{small} --rays 30000 --repeat 9", 33)
+        cube("full", f"{small} --rays 30000 --repeat 9", 88)
         + [Job("trex", "figures 11, 12, 16, 17", "trex", [4, 5, 6],
-               f"--representation {MAIN} --view full,close --picture-level 6 {small} --rays 50000 --repeat 9", 155)]
+               f"--representation {MAIN} --view full,close --picture-level 6 {small} --rays 50000 --repeat 9", 243)]
         + portraits(f"{small} --rays 50000 --repeat 5", 12)
         + [Job("entrances", "packets, streams, any hit", "trex", [4],
                f"--representation grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert --view full {ENTRANCES} --size 768x768 --rays 40000 --repeat 5",
-               35)]
-        + checks(["knee", "scythe"], 5, 200000, "leaks,shadows", 6)
-        + sheets(200000, 6)
+               30)]
+        + checks(["knee", "scythe"], 5, 200000, "leaks,shadows", 24)
+        + sheets(200000, 2)
     )
 
 
