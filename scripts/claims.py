@@ -4,7 +4,7 @@
 
 """Measures what README.md claims on all generated scenes: how much smaller cVERT and cGRID are than GRID, and how many pixels of cVERT differ.
 
-    scripts/claims.py                            all scenes, some seven minutes on two cores, and 7 GB for NAIVE of the largest
+    scripts/claims.py                            all scenes, some minutes on two cores, and 7 GB for NAIVE of the largest
     scripts/claims.py --scene cube rough         those: rough is trex with five times the displacement
     scripts/claims.py --cage body.obj --height skin.png    yours
 

@@ -12,5 +12,4 @@ arguments=any # ctest's
 phase "packages" install_packages
 phase "configure, get upstream" configure
 phase "build" build
-# one more than there are processors: some tests wait, for a window or a file
-phase "tests" ctest --preset release -j "$((jobs + 1))" "$@"
+phase "tests" ctest --preset release -j "$jobs" "$@"
