@@ -9,7 +9,22 @@
 arguments=any # ctest's
 . "$(dirname -- "$0")/lib.sh"
 
+# The tests; at the end, where a reader of a long log looks first, the last lines of each that failed.
+run_tests() {
+  ctest --preset release -j "$jobs" "$@" && return
+  awk -v lines=40 '
+    FNR == NR { sub(/^[0-9]*:/, ""); failed[$0]; next }
+    /^[0-9]+\/[0-9]+ Testing: / { print_last(); n = 0; name = $0; sub(/^[^:]*: /, "", name); wanted = name in failed }
+    wanted { line[n++] = $0 }
+    END { print_last() }
+    function print_last(  i) {
+      if (n) print "== failed: " name
+      for (i = n > lines ? n - lines : 0; i < n; i++) print line[i]
+    }' build/release/Testing/Temporary/LastTestsFailed.log build/release/Testing/Temporary/LastTest.log
+  return 1
+}
+
 phase "packages" install_packages
 phase "configure, get upstream" configure
 phase "build" build
-phase "tests" ctest --preset release -j "$jobs" "$@"
+phase "tests" run_tests "$@"
