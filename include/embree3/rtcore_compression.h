@@ -67,6 +67,19 @@ enum RTCCompression
 /* Frame level that is left to the device string or the environment. */
 #define RTC_COMPRESSION_FRAME_LEVEL_INHERIT (-2)
 
+/* Flags of RTCCompressionArguments. */
+enum RTCCompressionFlags
+{
+  RTC_COMPRESSION_FLAG_NONE          = 0,
+
+  /* The geometry is compressed by rtcCommitGeometry, and lets its input go: from then on it reads none of its buffers but those of
+   * vertex attributes, and the application may free what it shared. Scenes trace it, and their commits take what is there.
+   * rtcInterpolate of RTC_BUFFER_TYPE_VERTEX is an error then, and so is a commit after any change but of its mask, its filters and
+   * whether it is enabled, unless vertices, faces and indices were set again.
+   * Without effect on geometry that is not compressed, or has motion blur. */
+  RTC_COMPRESSION_FLAG_RELEASE_INPUT = 1 << 0
+};
+
 /* Settings of one geometry. Fill with rtcInitCompressionArguments first. */
 struct RTCCompressionArguments
 {
@@ -103,6 +116,13 @@ struct RTCCompressionArguments
    * curve, walls, folds) as RTC_COMPRESSION_VERT does, 0 stores all faces as cLEAF; negative inherits
    * the device's setting, which is 1 where nobody gives one. */
   int exactFaces;
+
+  unsigned int flags; /* of RTCCompressionFlags */
+
+  /* With RTC_COMPRESSION_FLAG_RELEASE_INPUT, called by rtcCommitGeometry with how much is done, from 0 to 1, by any thread; false
+   * cancels: rtcCommitGeometry reports RTC_ERROR_CANCELLED, and the geometry keeps its input. May be NULL. */
+  RTCProgressMonitorFunction progress;
+  void* progressUserPtr;
 };
 
 /* Sets every argument to inherit the setting of the device. */
@@ -115,17 +135,23 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
   args->cameraPosition[0] = args->cameraPosition[1] = args->cameraPosition[2] = 0.0f;
   args->pixelSize = 0.0f;
   args->exactFaces = -1;
+  args->flags = RTC_COMPRESSION_FLAG_NONE;
+  args->progress = NULL;
+  args->progressUserPtr = NULL;
 }
 
 /* Chooses the representation of a subdivision geometry. Takes effect when the
  * scene is committed the next time; the geometry has to be committed before.
+ * Blocks belong to the geometry: all scenes that it is attached to share them, and they are built
+ * again when it was committed after a change of its surface. After changes of its mask, its filters
+ * and whether it is enabled they are not.
  *
  * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION.
  * args:     read during the call, not NULL.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, an unknown compression, a frame
  * level outside -2..8, a maxError that is not finite, a maxPixelError that is negative or not
- * finite, a camera without which it means nothing, or an exactFaces above 1;
+ * finite, a camera without which it means nothing, an exactFaces above 1, or unknown flags;
  * RTC_ERROR_INVALID_OPERATION for a geometry of another type. The geometry keeps
  * its setting then. Thread safety: as rtcSetGeometryTessellationRate. */
 RTC_API void rtcSetGeometryCompression(RTCGeometry geometry, const struct RTCCompressionArguments* args);

@@ -102,7 +102,8 @@ struct RTCVulkanSceneArguments
 };
 
 /* Puts a committed scene on a device, with the scenes that it instances. It does not change when the scene is
- * committed again: make a new one then. With imported memory the RTCScene has to stay as it is for as long
+ * committed again: make a new one then, and release the old one afterwards: blocks of compressed surfaces that did not
+ * change in between are not sent again, nor those that another scene on the device has. With imported memory the RTCScene has to stay as it is for as long
  * as this one lives; it is retained.
  *
  * Taken are subdivision surfaces (GRID and every compression), triangle meshes and instances, without motion
@@ -122,11 +123,12 @@ RTC_API unsigned int rtcGetVulkanSceneKinds (RTCVulkanScene scene);
 
 struct RTCVulkanSceneStatistics
 {
-  size_t deviceBytes;       /* of the device's memory, everything included */
+  size_t deviceBytes;       /* of the device's memory, everything included, also what scenes share */
   size_t importedBytes;     /* of the host's memory, used in place */
   size_t topLevelBytes;     /* of the tree above blocks, and of their addresses */
   size_t numNodes, numBlocks, numGeometries, numInstances;
   unsigned int stackSize;   /* entries that a ray may need: what a shader defines as CBVH_STACK, at least */
+  size_t sentBytes;         /* to the device, when the scene was made: without what it had from other scenes */
 };
 
 /* Reports what a scene takes on its device. statistics: written during the call. */

@@ -5,9 +5,11 @@
 list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/settings.cpp
   cbvh/api/factory.cpp
+  cbvh/api/geometry_commit.cpp
   cbvh/api/rtcore_compression.cpp
   cbvh/scene/flat_scene.cpp
   cbvh/scene/builder.cpp
+  cbvh/scene/surface_blocks.cpp
   cbvh/framed/node_tables.cpp
   cbvh/vert/tables.cpp
   cbvh/scene/thread_cache.cpp

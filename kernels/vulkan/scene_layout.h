@@ -23,11 +23,19 @@ CBVH_CONSTANT uint32_t nodeBytes = 112u;
 struct SceneData
 {
   CBVH_ADDRESS nodes;
-  CBVH_ADDRESS blocks;       //!< addresses of blocks and of grids of GRID, aligned to blockAlignment
+  CBVH_ADDRESS blocks;       //!< BlockData
   CBVH_ADDRESS cells;        //!< two words each: of GRID the index of a grid in blocks and a vertex, of triangles geomID and primID
   CBVH_ADDRESS geometries;   //!< GeometryData
   uint32_t root;             //!< reference
   float lower[3], upper[3];  //!< bounds of all that is traced
+  uint32_t padding;
+};
+
+/*! of a block, or of a grid of GRID */
+struct BlockData
+{
+  CBVH_ADDRESS address;      //!< aligned to blockAlignment
+  uint32_t geomID;           //!< in the scene that has it
   uint32_t padding;
 };
 
@@ -50,6 +58,7 @@ CBVH_END
 
 #ifndef VULKAN
 static_assert(sizeof(embree::cbvh::SceneData) == 64, "layout of a scene");
+static_assert(sizeof(embree::cbvh::BlockData) == 16, "layout of a block's data");
 static_assert(sizeof(embree::cbvh::GeometryData) == embree::cbvh::geometryBytes, "layout of a geometry");
 #endif
 

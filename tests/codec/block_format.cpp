@@ -187,7 +187,7 @@ void expectAnnotated(const std::string& heading, uint32_t height, const std::vec
   EncodedBlock encoded(Kind::LEAF, height, vertices, corners, 1, 0);
   ASSERT_TRUE(encoded);
   Block* block = encoded.get();
-  block->geomID = 3;
+  block->surface = 3;
   block->primID = 5;
   block->tiling = blockTiling(2, 1, 0, 0);
   const std::vector<uint8_t> written((const uint8_t*)block, (const uint8_t*)block + blockLayout(kindLeaf, height).bytes);

@@ -25,7 +25,7 @@ BlockHeader readHeader ()
     header.centre[i] = uintBitsToFloat(words[block + i]);
     for (int k = 0; k < 4; k++) header.columns[i][k] = uintBitsToFloat(words[block + 4 + 4*i + k]);
   }
-  header.geomID = words[block + 3];
+  header.surface = words[block + 3];
   header.primID = words[block + 16];
   header.info = words[block + 17];
   header.tiling = words[block + 18];

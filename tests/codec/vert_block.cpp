@@ -276,7 +276,7 @@ TEST(VertBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
     }
   Encoded encoded(*encoder, {vertRegion(5, 2, 16, 0), vertPatch(21, 2), vertEdges(21, 2, 7, 2, 0, 0)}, 1);
   VertHeader* block = (VertHeader*)encoded.bytes;
-  block->geomID = 3;
+  block->surface = 3;
   block->primID = 5;
   EXPECT_EQ(std::vector<int>(encoded.bytes, encoded.bytes + encoded.size), annotated);
 }

@@ -135,7 +135,7 @@ TEST(VertFormat, TheHeaderIsThatOfThePage)
 {
   const std::map<std::string, size_t> bytesOf = {{"float[3]", 12}, {"uint32", 4}, {"uint16[4][3]", 24}, {"uint16[4]", 8}};
   const std::map<std::string, size_t> offsetOf = {
-    {"origin", offsetof(VertHeader, origin)}, {"reach", offsetof(VertHeader, reach)}, {"geomID", offsetof(VertHeader, geomID)},
+    {"origin", offsetof(VertHeader, origin)}, {"reach", offsetof(VertHeader, reach)}, {"surface", offsetof(VertHeader, surface)},
     {"primID", offsetof(VertHeader, primID)}, {"region", offsetof(VertHeader, region)}, {"patchQuads", offsetof(VertHeader, patchQuads)},
     {"corners", offsetof(VertHeader, corners)}, {"boxForm", offsetof(VertHeader, boxForm)}, {"word", offsetof(VertHeader, word)}, {"edges", vertHeaderBytes}};
   const std::string all = page();

@@ -164,7 +164,7 @@ void writeSeeds(const std::string& directory)
         BlockStatistics statistics;
         if (!encoder.fit(corners)) continue;
         encoder.encode(block, 1, 0, statistics);
-        block->geomID = block->primID = 0;
+        block->surface = block->primID = 0;
         block->tiling = blockTiling(3, 3, 0, 0);
         for (const RayBytes& ray : seedRays) {
           const std::string name = directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - seedRays);
@@ -196,7 +196,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   const Kind kind = Kind(header.info % 3);
   const uint32_t height = header.height() % (maxLevel + 1);
   header.info = (header.info & ~255u) | uint32_t(kind) | (height << 4);
-  header.geomID = 0;
+  header.surface = 0;
   const uint32_t bytes = header.layout().bytes;
   if (size < bytes) return 0;
 

@@ -143,7 +143,7 @@ void writeSeeds(const std::string& directory)
         const size_t bytes = encoder->encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 0)), spacing, (uint8_t*)memory.data(), statistics);
         if (bytes == 0) continue;
         VertHeader* block = (VertHeader*)memory.data();
-        block->geomID = block->primID = 0;
+        block->surface = block->primID = 0;
         for (const RayBytes& ray : seedRays)
           writeSeed(directory + "/" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - seedRays), ray, block, bytes);
       }
@@ -172,7 +172,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   padded.resize(bytes + readBehind);
   const ExactMemory memory(padded.data(), padded.size(), alignment);
   VertHeader* block = (VertHeader*)memory.get();
-  block->geomID = 0;
+  block->surface = 0;
   trace(world.scene, ray, block);
   return 0;
 }

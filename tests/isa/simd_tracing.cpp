@@ -209,13 +209,22 @@ RayType makeRay(const TestRay& ray)
   return RayType(embree::Vec3fa(ray.org[0], ray.org[1], ray.org[2]), embree::Vec3fa(ray.dir[0], ray.dir[1], ray.dir[2]), ray.tnear, ray.tfar);
 }
 
+// The library is not here: a scene of zeros, of which nothing is read but its table of surfaces, which is empty.
+embree::IntersectContext* contextOfZeros()
+{
+  alignas(64) static char scene[sizeof(embree::Scene)];
+  static RTCIntersectContext user;
+  static embree::IntersectContext context((embree::Scene*)scene, &user);
+  return &context;
+}
+
 template<typename RayType>
 void traceSimd(const Block* block, RayType& ray)
 {
   outdateThreadCaches(); // blocks come and go at the same addresses
   const simd::RayState state(ray);
-  if (block->kind() == Kind::LEAF) simd::BlockIntersector1<simd::LeafVisitor1>::intersect(ray, nullptr, state, block);
-  else simd::BlockIntersector1<simd::VoxelVisitor1>::intersect(ray, nullptr, state, block);
+  if (block->kind() == Kind::LEAF) simd::BlockIntersector1<simd::LeafVisitor1>::intersect(ray, contextOfZeros(), state, block);
+  else simd::BlockIntersector1<simd::VoxelVisitor1>::intersect(ray, contextOfZeros(), state, block);
 }
 
 // --- the same hits ----------------------------------------------------------------------------
@@ -538,6 +547,8 @@ TEST(SimdTracing, LeavesAreCrossedAsByScalarCode)
 
 // --- which of two hits counts ---------------------------------------------------------------
 
+const SurfaceIDs ids; // numbers of surfaces are IDs
+
 struct CountedHit
 {
   float t, own; // what counts, and where the hit is
@@ -549,7 +560,7 @@ float endOfRay(const std::vector<const CountedHit*>& order, simd::NearestHit& ne
 {
   float tfar = INFINITY;
   for (const CountedHit* hit : order) {
-    if (nearest.isBefore(hit->t, hit->own, &hit->block, tfar)) continue;
+    if (nearest.isBefore(hit->t, hit->own, &hit->block, tfar, ids)) continue;
     nearest.set(hit->t, hit->own, &hit->block);
     tfar = hit->t;
   }
@@ -565,7 +576,7 @@ TEST(NearestHit, TheNearestCountsThenTheFirstBlockInEveryOrder)
   for (int i = 0; i < 7; i++) {
     hits[i].t = values[i].t;
     hits[i].own = values[i].own;
-    hits[i].block.geomID = values[i].geomID;
+    hits[i].block.surface = values[i].geomID;
     hits[i].block.primID = values[i].primID;
     hits[i].block.tiling = values[i].tiling;
     hits[i].block.info = values[i].info;
@@ -588,8 +599,8 @@ TEST(NearestHit, TheEndOfARayIsThatOfItsHit)
   Block block = {};
   simd::NearestHit nearest;
   EXPECT_EQ(nearest.end(3), 3);
-  EXPECT_TRUE(nearest.isBefore(3, 2.5f, &block, 2));
-  EXPECT_FALSE(nearest.isBefore(1.5f, 1.5f, &block, 2));
+  EXPECT_TRUE(nearest.isBefore(3, 2.5f, &block, 2, ids));
+  EXPECT_FALSE(nearest.isBefore(1.5f, 1.5f, &block, 2, ids));
   nearest.set(2, 1.5f, &block);
   EXPECT_EQ(nearest.end(2), 1.5f);
   EXPECT_EQ(nearest.end(1), 1) << "what was hit later is nearer";

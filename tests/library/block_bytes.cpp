@@ -60,7 +60,7 @@ public:
 std::vector<const Block*> sortedBlocks(RTCScene scene)
 {
   std::vector<const Block*> blocks = sceneBlocks(scene);
-  const auto key = [](const Block* b) { return std::make_tuple(b->geomID, b->primID, b->tiling, b->info); };
+  const auto key = [](const Block* b) { return std::make_tuple(b->surface, b->primID, b->tiling, b->info); };
   std::sort(blocks.begin(), blocks.end(), [&](const Block* a, const Block* b) { return key(a) < key(b); });
   return blocks;
 }

@@ -3,6 +3,7 @@
 
 /* Settings, statistics, memory, progress and rebuilding, as a program sees them. */
 
+#include "support/memory.h"
 #include "support/random.h"
 #include "support/scene.h"
 
@@ -445,20 +446,6 @@ TEST(MaxError, BoundsTheThicknessOfLeavesWhenTheFrameLevelIsAuto)
 }
 
 // --- memory -------------------------------------------------------------------------------------
-
-struct Memory
-{
-  std::atomic<ssize_t> live{0}, peak{0};
-
-  static bool monitor(void* self, ssize_t bytes, bool)
-  {
-    Memory& m = *(Memory*)self;
-    const ssize_t live = m.live += bytes;
-    ssize_t peak = m.peak;
-    while (live > peak && !m.peak.compare_exchange_weak(peak, live)) {}
-    return true;
-  }
-};
 
 size_t heapBytes()
 {

@@ -4,6 +4,7 @@
 /* Edge rates above 256, up to Embree's 4096: cVERT takes them, in strips, and so does cLEAF as exact faces. */
 
 #include "support/edge_rates.h"
+#include "support/memory.h"
 #include "support/vert_triangles.h"
 
 #include <atomic>
@@ -87,18 +88,6 @@ TEST(HighRatesOfCVERT, ClosedSurfacesShareEveryEdge)
     EXPECT_EQ(countOpenEdges(vertTriangles(scene)), 0u);
   }
 }
-
-struct Memory
-{
-  std::atomic<ssize_t> live{0}, peak{0};
-  static bool monitor(void* self, ssize_t bytes, bool)
-  {
-    Memory& m = *(Memory*)self;
-    const ssize_t now = m.live += bytes;
-    for (ssize_t peak = m.peak; now > peak && !m.peak.compare_exchange_weak(peak, now););
-    return true;
-  }
-};
 
 // Above what stays there are the vertices of a strip, the primitives of the top level, and up to 2 MiB that the BVH's allocator has at
 // hand. All of 4096 x 512 quads at once would take 112 MiB.

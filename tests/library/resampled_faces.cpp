@@ -7,6 +7,7 @@
 #include "kernels/cbvh/framed/frame_map.h"
 #include "support/edge_rates.h"
 #include "support/leaf_of_hit.h"
+#include "support/memory.h"
 #include "support/scene_blocks.h"
 
 #include <algorithm>
@@ -170,12 +171,6 @@ TEST_P(ResampledFaces, SurfaceIsAsNearToTheTrueOneAsGridsButForTheErrorOfLeaves)
     EXPECT_LE(ours/count, (grids + allowed)/count);
   }
 }
-
-struct Memory
-{
-  std::atomic<ssize_t> live{0};
-  static bool monitor(void* self, ssize_t bytes, bool) { ((Memory*)self)->live += bytes; return true; }
-};
 
 // The level of a face is that of its highest rate, whichever edge has it.
 TEST_P(ResampledFaces, EachOfTheFourEdgesDecidesTheBlocks)

@@ -51,4 +51,6 @@ std::vector<const embree::cbvh::VertHeader*> sceneVertBlocks(RTCScene scene)
   return blocks;
 }
 
+unsigned geometryOf(RTCScene scene, uint32_t surface) { return ((const Scene*)scene)->surfaceIDs[surface]; }
+
 } // namespace cbvh::test

@@ -23,4 +23,7 @@ std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene);
 // The same of cVERT, whose blocks have another form.
 std::vector<const embree::cbvh::VertHeader*> sceneVertBlocks(RTCScene scene);
 
+// ID of the geometry that a block is of, by the number in its header.
+unsigned geometryOf(RTCScene scene, uint32_t surface);
+
 } // namespace cbvh::test

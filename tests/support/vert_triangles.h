@@ -39,7 +39,7 @@ inline std::vector<VertTriangle> vertTriangles(RTCScene scene)
           // (00,10,01) and (01,10,11)
           const uint32_t dx[2][3] = {{0, 1, 0}, {0, 1, 1}}, dy[2][3] = {{0, 0, 1}, {1, 0, 1}};
           VertTriangle t;
-          t.geomID = block->geomID;
+          t.geomID = geometryOf(scene, block->surface);
           t.primID = block->primID;
           for (int c = 0; c < 3; c++) {
             const uint32_t i = x + dx[second][c], j = y + dy[second][c];

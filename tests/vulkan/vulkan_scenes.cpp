@@ -241,5 +241,72 @@ TEST_F(VulkanScenes, StatisticsSayWhereMemoryIs)
   EXPECT_TRUE(areSame(traceAll(again.get(), rays), traced));
 }
 
+// What was sent is what the surfaces take that the device had not, and the scene's own tree.
+TEST_F(VulkanScenes, BlocksAreSentOnceForAllScenesAndAgainOnlyWhereTheSurfaceChanged)
+{
+  for (unsigned rate : {16u, 512u}) { // surfaces that share a buffer, and that have their own
+    SCOPED_TRACE(testing::Message() << "rate " << rate);
+    SurfaceSettings settings = smallSurface(RTC_COMPRESSION_VERT);
+    Displacement displacement;
+    settings.rate = float(rate);
+    settings.displacement = &displacement;
+    std::unique_ptr<Scene> first(new Scene(embree)), second(new Scene(embree));
+    const RTCGeometry a = rtcGetGeometry(*first, addSurface(embree, *first, sheetCage(2), settings));
+    const RTCGeometry b = rtcGetGeometry(*first, addSurface(embree, *first, sheetCage(3), settings));
+    rtcCommitScene(*first);
+    rtcAttachGeometryByID(*second, a, 7);
+    rtcCommitScene(*second);
+    auto sent = [&](const VulkanScene& scene) {
+      RTCVulkanSceneStatistics statistics;
+      rtcGetVulkanSceneStatistics(scene.get(), &statistics);
+      EXPECT_GE(statistics.deviceBytes, statistics.sentBytes);
+      return statistics.sentBytes - statistics.topLevelBytes;
+    };
+    const std::vector<RTCRayHit> rays = raysFromAbove();
+    auto expectHits = [&](const VulkanScene& scene, RTCScene of) { expectAsOnTheCPU(of, rays, traceAll(scene.get(), rays)); };
+
+    VulkanScene all = upload(*first, RTC_VULKAN_MEMORY_COPY);
+    ASSERT_TRUE(all) << embree.message;
+    auto blockBytes = [](RTCScene scene) { const RTCCompressionStatistics s = statisticsOf(scene); return s.frameBytes + s.nodeBytes + s.leafBytes; };
+    const size_t bytes = blockBytes(*first), ofA = blockBytes(*second);
+    EXPECT_GE(sent(all), bytes*9/10); // without what lies between blocks on the host
+    const size_t ofTheScene = 1024; // geometries and the like
+    const VulkanScene shared = upload(*second, RTC_VULKAN_MEMORY_COPY), again = upload(*first, RTC_VULKAN_MEMORY_COPY);
+    EXPECT_LT(sent(shared), ofTheScene);
+    EXPECT_LT(sent(again), ofTheScene);
+    expectHits(shared, *second);
+
+    rtcSetGeometryMask(b, 2);
+    rtcCommitGeometry(b);
+    rtcCommitScene(*first);
+    EXPECT_LT(sent(upload(*first, RTC_VULKAN_MEMORY_COPY)), ofTheScene);
+    rtcSetGeometryMask(b, ~0u);
+    rtcSetGeometryTessellationRate(b, float(rate/2));
+    rtcCommitGeometry(b);
+    rtcCommitScene(*first);
+    VulkanScene changed = upload(*first, RTC_VULKAN_MEMORY_COPY);
+    EXPECT_LT(sent(changed), bytes - ofA);
+    EXPECT_GE(sent(changed), (bytes - ofA)/8);
+    all.reset();
+    expectHits(changed, *first);
+    expectHits(shared, *second);
+    changed.reset();
+    first.reset(); // a's blocks live on in the second
+    expectHits(shared, *second);
+  }
+}
+
+TEST_F(VulkanScenes, WhatNoSceneHasAnyMoreIsSentAgain)
+{
+  const SmallScene scene(embree, RTC_COMPRESSION_VERT);
+  RTCVulkanSceneStatistics before, after;
+  VulkanScene uploaded = upload(scene, RTC_VULKAN_MEMORY_COPY);
+  rtcGetVulkanSceneStatistics(uploaded.get(), &before);
+  uploaded.reset();
+  uploaded = upload(scene, RTC_VULKAN_MEMORY_COPY);
+  rtcGetVulkanSceneStatistics(uploaded.get(), &after);
+  EXPECT_EQ(before.sentBytes, after.sentBytes);
+}
+
 } // namespace
 } // namespace cbvh::test

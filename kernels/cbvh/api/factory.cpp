@@ -107,6 +107,7 @@ namespace embree
 
   Accel* createCompressedSubdivAccel (Scene* scene)
   {
+    scene->surfaceIDs.clear();
     if (!hasCompressedGeometry(scene)) return nullptr;
     reportCompression(scene,false);
     Device* device = scene->device;

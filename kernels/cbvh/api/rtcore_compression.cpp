@@ -65,6 +65,9 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
   if (args->exactFaces > 1)
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid exactFaces " + std::to_string(args->exactFaces) + ": expected 0, 1, or a negative number to inherit");
 
+  if (args->flags & ~unsigned(RTC_COMPRESSION_FLAG_RELEASE_INPUT))
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown flags " + std::to_string(args->flags));
+
   CompressionSettings& settings = ((SubdivMesh*)geometry)->compression;
   settings.compression = args->compression;
   settings.frameLevel = args->frameLevel;
@@ -73,6 +76,9 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
   memcpy(settings.cameraPosition,args->cameraPosition,sizeof(settings.cameraPosition));
   settings.pixelSize = args->pixelSize;
   settings.exactFaces = args->exactFaces;
+  settings.releasesInput = (args->flags & RTC_COMPRESSION_FLAG_RELEASE_INPUT) != 0;
+  settings.progress = args->progress;
+  settings.progressUserPtr = args->progressUserPtr;
   geometry->Geometry::update();
   RTC_CATCH_END2(geometry);
 }

@@ -22,6 +22,9 @@ namespace embree
     float maxError = -1.0f; //!< world units, 0 for no bound, negative to inherit
     float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< only a geometry's
     int exactFaces = -1;    //!< 0 or 1, negative to inherit
+    bool releasesInput = false; //!< only a geometry's, as are the next two
+    RTCProgressMonitorFunction progress = nullptr;
+    void* progressUserPtr = nullptr;
 
     /*! Takes cbvh_frame_level, cbvh_max_error and cbvh_exact_faces out of a device string; false for any
      *  other key. Throws rtcore_error naming key and value. */

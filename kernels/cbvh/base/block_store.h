@@ -3,10 +3,11 @@
 
 #pragma once
 
-/* Where writers put their blocks: first into memory of the task's, then, once a patch is through, into the BVH's. And the
+/* Where writers put their blocks: first into memory of the task's, then, once a patch is through, into the surface's. And the
  * primitives of the top level that refer to them, in a list of the task's. */
 
 #include "../embree/scene.h"
+#include "block_memory.h"
 #include "kinds.h"
 #include "primitive_type.h"
 #include "world.h"
@@ -25,11 +26,10 @@ namespace embree
     class BlockStore
     {
     public:
-      typedef FastAllocator::CachedAllocator Allocator;
-
       cbvh::WorldBounds hitBounds;  //!< of all that a ray may hit in the blocks
 
-      BlockStore (Device* device, const Allocator& allocator) : allocator(allocator), prims(device,0), bytes(device,0) {}
+      /*! memory: null if nothing is kept */
+      BlockStore (Device* device, cbvh::BlockMemory* memory) : memory(memory), prims(device,0), bytes(device,0) {}
 
       /*! room for a block of at most that many bytes; the caller's until the next call */
       uint8_t* begin (size_t maxBytes)
@@ -52,7 +52,7 @@ namespace embree
         end(size,bounds,type);
       }
 
-      /*! Copies what is waiting to memory of the BVH's, after which decoders may read readBehind bytes, and makes primitives of it. One
+      /*! Copies what is waiting to memory of the surface's, after which decoders may read readBehind bytes, and makes primitives of it. One
        *  piece: small pieces cost the allocator's rounding each; several if it is much, as it takes none above 2 MiB. */
       void flush (size_t readBehind)
       {
@@ -61,10 +61,10 @@ namespace embree
           const size_t from = waiting[i].offset;
           for (next=i+1; next<waiting.size() && waiting[next].offset-from < maxPieceBytes; next++);
           const size_t size = (next < waiting.size() ? waiting[next].offset : used) - from;
-          char* memory = (char*)allocator.malloc1(size+readBehind,cbvh::blockAlignment);
-          memcpy(memory,bytes.data()+from,size);
+          char* piece = (char*)(*memory)(size+readBehind);
+          memcpy(piece,bytes.data()+from,size);
           for (size_t k=i; k<next; k++)
-            add(waiting[k].bounds,size_t(BVH4::encodeTypedLeaf(memory+(waiting[k].offset-from),waiting[k].type)));
+            add(waiting[k].bounds,size_t(BVH4::encodeTypedLeaf(piece+(waiting[k].offset-from),waiting[k].type)));
         }
         waiting.clear();
         used = 0;
@@ -73,7 +73,7 @@ namespace embree
       /*! a primitive of any kind */
       void add (const BBox3fa& bounds, size_t reference) { prims.push_back(PrimRef(bounds,reference)); }
 
-      Allocator allocator;
+      cbvh::BlockMemory* memory;
       mvector<PrimRef> prims;
 
     private:

@@ -6,7 +6,7 @@
 /* Sums of what a build compressed. Every task fills one and merges it; writers add their blocks. */
 
 #include "isa_namespace.h"
-#include "../../../include/embree3/rtcore_compression.h"
+#include "surface_statistics.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,16 +15,8 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    struct BuildStatistics
+    struct BuildStatistics : public SurfaceStatistics
     {
-      RTCCompressionStatistics sums = RTCCompressionStatistics();
-      size_t highRateQuads = 0;    //!< traced by GRID for their edge rates
-      size_t refusedQuads = 0;     //!< at full precision as their block has no good frame
-      size_t refusedInGrid = 0;    //!< those of them that GRID traces
-      size_t quadsForHoles = 0;        //!< of patches that holes make another kind, as theirs cannot leave a quad out
-      size_t invalidFaces = 0;     //!< with quads that are left out
-      size_t firstInvalidFace = std::numeric_limits<size_t>::max();
-
       void addInvalidFace (size_t face)
       {
         invalidFaces++;
@@ -44,7 +36,18 @@ namespace embree
         gap2 = std::max(gap2,distance2(own,shared));
       }
 
+      /*! what tasks have summed up */
       void merge (const BuildStatistics& other)
+      {
+        add(other);
+        deviation2 = std::max(deviation2,other.deviation2);
+        gap2 = std::max(gap2,other.gap2);
+        sums.maxVertexDeviation = std::sqrt(deviation2);
+        sums.maxBorderGap = std::sqrt(gap2);
+      }
+
+      /*! a surface that was built */
+      void add (const SurfaceStatistics& other)
       {
         sums.topLevelBytes += other.sums.topLevelBytes;
         sums.frameBytes += other.sums.frameBytes;
@@ -61,15 +64,14 @@ namespace embree
         sums.numExactQuads += other.sums.numExactQuads;
         sums.numFlippedQuads += other.sums.numFlippedQuads;
         sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,other.sums.maxVertexSpacing);
-        deviation2 = std::max(deviation2,other.deviation2);
-        gap2 = std::max(gap2,other.gap2);
-        sums.maxVertexDeviation = std::sqrt(deviation2);
-        sums.maxBorderGap = std::sqrt(gap2);
+        sums.maxVertexDeviation = std::max(sums.maxVertexDeviation,other.sums.maxVertexDeviation);
+        sums.maxBorderGap = std::max(sums.maxBorderGap,other.sums.maxBorderGap);
         if (other.sums.maxLeafThickness > sums.maxLeafThickness) sums.maxLeafThickness = other.sums.maxLeafThickness;
         highRateQuads += other.highRateQuads;
         refusedQuads += other.refusedQuads;
         refusedInGrid += other.refusedInGrid;
         quadsForHoles += other.quadsForHoles;
+        bytesInGrid += other.bytesInGrid;
         invalidFaces += other.invalidFaces;
         firstInvalidFace = std::min(firstInvalidFace,other.firstInvalidFace);
       }

@@ -21,33 +21,36 @@ namespace embree
         __forceinline void finalize () {}
       };
 
+      /*! ID of the geometry in the scene that is traced */
+      __forceinline uint32_t idOf (const IntersectContext* context, uint32_t surface) { return context->scene->surfaceIDs[surface]; }
+
       /*! runs the epilogue of closest hit or of any hit; whether it accepted */
-      __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit1& hit) {
-        return Intersect1Epilog1<true>(ray,context,geomID,primID)(hit);
+      __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t surface, uint32_t primID, SurfaceHit1& hit) {
+        return Intersect1Epilog1<true>(ray,context,idOf(context,surface),primID)(hit);
       }
-      __forceinline bool report (Ray& ray, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit1& hit) {
-        return Occluded1Epilog1<true>(ray,context,geomID,primID)(hit);
+      __forceinline bool report (Ray& ray, IntersectContext* context, uint32_t surface, uint32_t primID, SurfaceHit1& hit) {
+        return Occluded1Epilog1<true>(ray,context,idOf(context,surface),primID)(hit);
       }
 
       /*! the same for ray k of a packet */
       template<int K>
-      __forceinline bool report (RayHitK<K>& rays, size_t k, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit1& hit) {
-        return Intersect1KEpilog1<K,true>(rays,k,context,geomID,primID)(hit);
+      __forceinline bool report (RayHitK<K>& rays, size_t k, IntersectContext* context, uint32_t surface, uint32_t primID, SurfaceHit1& hit) {
+        return Intersect1KEpilog1<K,true>(rays,k,context,idOf(context,surface),primID)(hit);
       }
       template<int K>
-      __forceinline bool report (RayK<K>& rays, size_t k, IntersectContext* context, uint32_t geomID, uint32_t primID, SurfaceHit1& hit) {
-        return Occluded1KEpilog1<K,true>(rays,k,context,geomID,primID)(hit);
+      __forceinline bool report (RayK<K>& rays, size_t k, IntersectContext* context, uint32_t surface, uint32_t primID, SurfaceHit1& hit) {
+        return Occluded1KEpilog1<K,true>(rays,k,context,idOf(context,surface),primID)(hit);
       }
 
       /*! the same for rays of a packet; those that accepted. hit(): u, v, t and Ng */
       template<int K, typename Hit>
-      __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context, uint32_t geomID, uint32_t primID, const Hit& hit) {
-        return IntersectKEpilogMU<1,K,true>(rays,context,geomID,primID)(lanes,hit);
+      __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context, uint32_t surface, uint32_t primID, const Hit& hit) {
+        return IntersectKEpilogMU<1,K,true>(rays,context,idOf(context,surface),primID)(lanes,hit);
       }
       template<int K, typename Hit>
-      __forceinline vbool<K> report (RayK<K>& rays, const vbool<K>& lanes, IntersectContext* context, uint32_t geomID, uint32_t primID, const Hit& hit) {
+      __forceinline vbool<K> report (RayK<K>& rays, const vbool<K>& lanes, IntersectContext* context, uint32_t surface, uint32_t primID, const Hit& hit) {
         vbool<K> open = lanes;
-        return OccludedKEpilogMU<1,K,true>(open,rays,context,geomID,primID)(lanes,hit);
+        return OccludedKEpilogMU<1,K,true>(open,rays,context,idOf(context,surface),primID)(lanes,hit);
       }
 
       template<typename Rays> struct IsAnyHit;
@@ -58,8 +61,8 @@ namespace embree
       template<typename Rays>
       __forceinline bool isRead (const Rays&, const IntersectContext*, uint32_t) { return true; }
       template<int K>
-      __forceinline bool isRead (const RayK<K>&, const IntersectContext* context, uint32_t geomID) {
-        return unlikely(context->hasContextFilter() || context->scene->get(geomID)->hasOcclusionFilter());
+      __forceinline bool isRead (const RayK<K>&, const IntersectContext* context, uint32_t surface) {
+        return unlikely(context->hasContextFilter() || context->scene->get(idOf(context,surface))->hasOcclusionFilter());
       }
     }
   }

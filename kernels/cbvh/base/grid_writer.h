@@ -19,7 +19,7 @@ namespace embree
       /*! GRID cuts patches into grids of 8 x 8 quads */
       static const unsigned gridQuads = 8;
 
-      GridWriter (Scene* scene, BlockStore& store, cbvh::BuildStatistics& statistics) : scene(scene), store(store), statistics(statistics) {}
+      GridWriter (const SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics) : mesh(mesh), store(store), statistics(statistics) {}
 
       /*! patch as stock Embree has it */
       void write (const SubdivPatch1Base& patch) const
@@ -33,14 +33,34 @@ namespace embree
       void write (const SubdivPatch1Base& patch, unsigned x0, unsigned x1, unsigned y0, unsigned y1) const
       {
         BBox3fa bounds;
-        GridSOA* soa = GridSOA::create(&patch,1,x0,x1,y0,y1,scene,store.allocator,&bounds);
+        const size_t bvhBytes = GridSOA::getBVHBytes(GridRange(0,x1-x0,0,y1-y0),sizeof(BVH4::AABBNode),0), gridBytes = 4*sizeof(float)*size_t(x1-x0+1)*size_t(y1-y0+1);
+        void* memory = (*store.memory)(offsetof(GridSOA,data)+bvhBytes+gridBytes+sizeof(BVH4::NodeRef));
+        GridSOA* soa = new (memory) GridSOA(&patch,1,x0,x1,y0,y1,patch.grid_u_res,patch.grid_v_res,mesh,bvhBytes,gridBytes,&bounds);
         statistics.sums.gridBytes += offsetof(GridSOA,data) + soa->rootOffset + sizeof(BVH4::NodeRef);
         statistics.sums.numGridQuads += size_t(x1-x0)*size_t(y1-y0);
         store.add(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
       }
 
+      /*! Bytes of a patch in GRID: its grids, and its part of nodes with four children above them. */
+      static size_t bytesInGrid (const Vec2i& quads)
+      {
+        const unsigned side = gridQuads;
+        const unsigned full[2] = { unsigned(quads.x)/side,unsigned(quads.y)/side }, rest[2] = { unsigned(quads.x)%side,unsigned(quads.y)%side };
+        size_t bytes = size_t(full[0])*size_t(full[1])*bytesOfGrid(side,side);
+        if (rest[0]) bytes += full[1]*bytesOfGrid(rest[0],side);
+        if (rest[1]) bytes += full[0]*bytesOfGrid(side,rest[1]);
+        if (rest[0] && rest[1]) bytes += bytesOfGrid(rest[0],rest[1]);
+        return bytes;
+      }
+
     private:
-      Scene* scene;
+      static size_t bytesOfGrid (unsigned x, unsigned y)
+      {
+        return offsetof(GridSOA,data) + GridSOA::getBVHBytes(GridRange(0,x,0,y),sizeof(BVH4::AABBNode),0)
+          + 4*sizeof(float)*size_t(x+1)*size_t(y+1) + sizeof(BVH4::NodeRef) + sizeof(BVH4::AABBNode)/3;
+      }
+
+      const SubdivMesh* mesh;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
     };

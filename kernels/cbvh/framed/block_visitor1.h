@@ -53,13 +53,13 @@ namespace embree
           const HitRay<float> segment = { { frameRay.P[0],frameRay.P[1],frameRay.P[2] },{ frameRay.D[0],frameRay.D[1],frameRay.D[2] },local.t0,local.t1,local.w0,local.w1,
                                           { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,ray.tnear(),state.tfar,state.enter };
           const float own = segment.ownT(at.s), t = segment.countingT(own);
-          if (!state.nearest.isBefore(t,own,block,ray.tfar)) {
+          if (!state.nearest.isBefore(t,own,block,ray.tfar,context->scene->surfaceIDs)) {
             SurfaceHit1 hit = { 0.0f,0.0f,own,Vec3fa(zero) };
-            if (isRead(ray,context,block->geomID)) {
+            if (isRead(ray,context,block->surface)) {
               const BlockHit<float> found = HitFrame<float,bool>(block,layout).blockHit(segment,leaf,at,own);
               hit = SurfaceHit1{ found.u,found.v,found.t,Vec3fa(found.Ng.x,found.Ng.y,found.Ng.z) };
             }
-            if (!report(ray,context,block->geomID,block->primID,hit)) return false;
+            if (!report(ray,context,block->surface,block->primID,hit)) return false;
             state.nearest.set(t,own,block);
             if (!IsAnyHit<RayType>::value) ray.tfar = t;
             isHit = true;

@@ -60,7 +60,7 @@ namespace embree
           vbool<K> counts = lanes;
           const vbool<K> front = lanes & inFront(lanes,t,own);
           if (any(front)) {
-            const vbool<K> accepted = front & report(rays,front,context,block->geomID,block->primID,[&] {
+            const vbool<K> accepted = front & report(rays,front,context,block->surface,block->primID,[&] {
               const BlockHit<vfloat<K>> hit = HitFrame<vfloat<K>,vbool<K>>(block,layout).blockHit(segment,leaf,hits,own);
               return std::make_tuple(hit.u,hit.v,hit.t,Vec3vf<K>(hit.Ng));
             });
@@ -96,7 +96,7 @@ namespace embree
           vbool<K> front = t < rays.tfar;
           for (uint32_t rest=uint32_t(movemask(lanes & (t == rays.tfar))); unlikely(rest != 0u); rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
-            if (!state.nearest[k].isBefore(t[k],own[k],block,rays.tfar[k])) set(front,k);
+            if (!state.nearest[k].isBefore(t[k],own[k],block,rays.tfar[k],context->scene->surfaceIDs)) set(front,k);
           }
           return front;
         }

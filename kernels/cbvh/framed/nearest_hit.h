@@ -6,6 +6,7 @@
 /* Which of two hits in different blocks a ray reports. */
 
 #include "block.h"
+#include "../base/surface_ids.h"
 #include "../embree/simd.h"
 
 namespace embree
@@ -26,9 +27,10 @@ namespace embree
         float own = pos_inf; //!< where the hit is
         const Block* block = nullptr;
 
-        /*! whether another hit comes after this one; tfar: of the ray, whose hit may be of another kind */
-        __forceinline bool isBefore (float otherT, float otherOwn, const Block* other, float tfar) const {
-          return likely(otherT < tfar) ? false : otherT > tfar || otherOwn > own || (otherOwn == own && block && !comesBefore(other,block));
+        /*! whether another hit comes after this one; tfar: of the ray, whose hit may be of another kind;
+         *  ids: of the scene's surfaces */
+        __forceinline bool isBefore (float otherT, float otherOwn, const Block* other, float tfar, const SurfaceIDs& ids) const {
+          return likely(otherT < tfar) ? false : otherT > tfar || otherOwn > own || (otherOwn == own && block && !comesBefore(other,block,ids));
         }
 
         __forceinline void set (float t, float own, const Block* block) { this->t = t; this->own = own; this->block = block; }
@@ -37,9 +39,9 @@ namespace embree
         __forceinline float end (float tfar) const { return block && tfar == t ? own : tfar; }
 
       private:
-        static bool comesBefore (const Block* a, const Block* b)
+        static bool comesBefore (const Block* a, const Block* b, const SurfaceIDs& ids)
         {
-          if (a->geomID != b->geomID) return a->geomID < b->geomID;
+          if (a->surface != b->surface) return ids[a->surface] < ids[b->surface];
           if (a->primID != b->primID) return a->primID < b->primID;
           return a->tiling != b->tiling ? a->tiling < b->tiling : a->info < b->info;
         }

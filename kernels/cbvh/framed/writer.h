@@ -20,9 +20,9 @@ namespace embree
     {
     public:
       /*! plan.sharesBorders(): faces share borders, and patches may be stored exactly instead */
-      FramedWriter (const CompressionPlan& plan, Scene* scene, BlockStore& store, cbvh::BuildStatistics& statistics)
-        : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(scene,store,statistics),
-          own(scene->device,0), vertices(scene->device,0), scratch(scene->device,0), encoded(scene->device,0) {}
+      FramedWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
+        : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(plan.mesh,store,statistics),
+          own(device,0), vertices(device,0), scratch(device,0), encoded(device,0) {}
 
       /*! smallest frame level at which no leaf of the patch is thicker than the bound */
       unsigned boundedFrameLevel (SurfacePatch& patch)
@@ -200,7 +200,7 @@ namespace embree
         cbvh::BlockStatistics blockStatistics;
         blockStatistics.maxThickness = statistics.sums.maxLeafThickness; // leaves that are no thicker need no look
         encoder.encode(block,e.x,e.y,blockStatistics,e.sharpSides);
-        block->geomID = patch.geomID;
+        block->surface = patch.surface;
         block->primID = patch.primID;
         block->tiling = cbvh::blockTiling(e.tiling.x-1,e.tiling.y-1,patch.corner[0],patch.corner[1]);
         addBlock(ofPatch,e,blockStatistics);

@@ -6,7 +6,6 @@
 /* What a commit compressed, in a line: how else does one know in a closed renderer that it works? */
 
 #include "../base/build_statistics.h"
-#include "../base/grid_writer.h"
 #include "../base/kinds.h"
 #include <iomanip>
 #include <locale>
@@ -19,12 +18,8 @@ namespace embree
     class CommitLine
     {
     public:
-      /*! a geometry of a kind, or of GRID where it asks for no compression; bytesInGrid: what it would take there */
-      void addGeometry (bool compresses, cbvh::Kind kind, size_t bytesInGrid)
-      {
-        geometries[compresses ? uint32_t(kind) : notCompressed]++;
-        gridBytes += bytesInGrid;
-      }
+      /*! a geometry of a kind, or of GRID where it asks for no compression */
+      void addGeometry (bool compresses, cbvh::Kind kind) { geometries[compresses ? uint32_t(kind) : notCompressed]++; }
 
       std::string text (const RTCCompressionStatistics& sums, const cbvh::BuildStatistics& all) const
       {
@@ -32,7 +27,7 @@ namespace embree
         line.imbue(std::locale::classic());
         const size_t bytes = sums.topLevelBytes + sums.frameBytes + sums.nodeBytes + sums.leafBytes + sums.gridBytes;
         const size_t quads = sums.numQuads + sums.numGridQuads;
-        line << "compression: " << kinds() << ": " << quads << " quads in " << mebibytes(bytes) << " MiB, GRID would take about " << mebibytes(gridBytes) << " MiB; left to GRID: ";
+        line << "compression: " << kinds() << ": " << quads << " quads in " << mebibytes(bytes) << " MiB, GRID would take about " << mebibytes(all.bytesInGrid) << " MiB; left to GRID: ";
         const char* between = "";
         auto left = [&](size_t n, const std::string& what) { if (n) { line << between << n << what; between = ", "; } };
         left(geometries[notCompressed],geometries[notCompressed] == 1 ? " surface that asks for no compression" : " surfaces that ask for no compression");
@@ -42,25 +37,7 @@ namespace embree
         return line.str();
       }
 
-      /*! Bytes of a patch in GRID: its grids, and its part of nodes with four children above them. */
-      static size_t bytesInGrid (const Vec2i& quads)
-      {
-        const unsigned side = GridWriter::gridQuads;
-        const unsigned full[2] = { unsigned(quads.x)/side,unsigned(quads.y)/side }, rest[2] = { unsigned(quads.x)%side,unsigned(quads.y)%side };
-        size_t bytes = size_t(full[0])*size_t(full[1])*bytesOfGrid(side,side);
-        if (rest[0]) bytes += full[1]*bytesOfGrid(rest[0],side);
-        if (rest[1]) bytes += full[0]*bytesOfGrid(side,rest[1]);
-        if (rest[0] && rest[1]) bytes += bytesOfGrid(rest[0],rest[1]);
-        return bytes;
-      }
-
     private:
-      static size_t bytesOfGrid (unsigned x, unsigned y)
-      {
-        return offsetof(GridSOA,data) + GridSOA::getBVHBytes(GridRange(0,x,0,y),sizeof(BVH4::AABBNode),0)
-          + 4*sizeof(float)*size_t(x+1)*size_t(y+1) + sizeof(BVH4::NodeRef) + sizeof(BVH4::AABBNode)/3;
-      }
-
       static std::string mebibytes (size_t bytes)
       {
         std::ostringstream text;
@@ -84,7 +61,6 @@ namespace embree
 
       static const uint32_t notCompressed = cbvh::maxKinds;
       size_t geometries[cbvh::maxKinds+1] = {};
-      size_t gridBytes = 0;
     };
   }
 }

@@ -8,6 +8,7 @@
 #include "../vert/format.h"
 #include "../base/primitive_type.h"
 #include "flat_scene.h"
+#include "surface_blocks.h"
 #include <limits>
 #include <memory>
 #include <vector>
@@ -37,7 +38,7 @@ namespace embree
       class TreeCopy
       {
       public:
-        explicit TreeCopy (OwnedScene& out) : out(out) {}
+        TreeCopy (OwnedScene& out, const SurfaceIDs& ids) : out(out), ids(ids) {}
 
         void copy (BVH4::NodeRef root)
         {
@@ -92,11 +93,13 @@ namespace embree
           if (type == GRID_SOA_ROOT) {
             const GridSOA* root = (const GridSOA*)data;
             if (root->time_steps != 1) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"a subdivision surface has motion blur");
-            out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,cellReference });
+            out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,cellReference,ids[root->geomID()] });
             return reference(root->root(),root,index(out.ownBlocks.size()-1),above);
           }
-          const uint32_t kind = type == VERT_BLOCK ? kindVert : kindOf(((const BlockHeader*)data)->info);
-          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(kind,data),blockReference(kind) });
+          const bool isVert = type == VERT_BLOCK;
+          const uint32_t kind = isVert ? kindVert : kindOf(((const BlockHeader*)data)->info);
+          const uint32_t surface = isVert ? ((const VertHeader*)data)->surface : ((const BlockHeader*)data)->surface;
+          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(kind,data),blockReference(kind),ids[surface] });
           return makeReference(blockReference(kind),index(out.ownBlocks.size()-1));
         }
 
@@ -107,6 +110,7 @@ namespace embree
         }
 
         OwnedScene& out;
+        const SurfaceIDs& ids;
       };
 
       void copyVector (const Vec3fa& from, float* to) { to[0] = from.x; to[1] = from.y; to[2] = from.z; }
@@ -139,7 +143,12 @@ namespace embree
         out.hasFilter = geometry->hasFilterFunctions();
         switch (geometry->getType())
         {
-        case Geometry::GTY_SUBDIV_MESH: out.type = FLAT_SUBDIVISION; break;
+        case Geometry::GTY_SUBDIV_MESH: {
+          const auto blocks = blocksOf((const SubdivMesh*)geometry);
+          out.type = FLAT_SUBDIVISION;
+          out.build = blocks ? blocks->build : 0;
+          break;
+        }
         case Geometry::GTY_TRIANGLE_MESH: {
           const TriangleMesh* mesh = (const TriangleMesh*)geometry;
           out.type = FLAT_TRIANGLES;
@@ -191,7 +200,7 @@ namespace embree
           const AccelData* data = (const AccelData*)accel->intersectors.ptr;
           if (!data || data->type != AccelData::TY_BVH4 || ((const BVH4*)data)->primTy != &SubdivPatch1::type) continue;
           const BVH4* bvh = (const BVH4*)data;
-          TreeCopy(*flat).copy(bvh->root);
+          TreeCopy(*flat,scene->surfaceIDs).copy(bvh->root);
           copyVector(bvh->getBounds().lower,flat->lower);
           copyVector(bvh->getBounds().upper,flat->upper);
         }

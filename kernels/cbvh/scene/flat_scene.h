@@ -19,7 +19,7 @@ namespace embree
   namespace cbvh
   {
     /*! of the structures below: a library of another number does not fit */
-    static const uint32_t flatSceneVersion = 2;
+    static const uint32_t flatSceneVersion = 4;
 
     /*! Four children, bounds by axis. Those that are none have the reference emptyReference and bounds
      *  that nothing meets: all are infinite. */
@@ -35,6 +35,7 @@ namespace embree
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
       uint32_t type;     //!< reference.h: blockReference of the kind, or cellReference for a grid
+      uint32_t geomID;   //!< in this scene; in the block is the number of its surface, which is the same in all
     };
 
     /*! 2 x 2 quads of a grid */
@@ -53,6 +54,7 @@ namespace embree
       uint32_t mask;
       uint32_t timeSteps;
       bool hasFilter;
+      uint64_t build;            //!< of a compressed surface: scenes that have the same number have the same blocks. 0 of others
       /* of triangles */
       const char* vertices;      //!< three floats each
       const char* indices;       //!< three 32-bit integers each

@@ -3,8 +3,7 @@
 
 #pragma once
 
-#include "../embree/scene.h"
-#include "../../../include/embree3/rtcore_compression.h"
+#include "surface_blocks.h"
 #include <string>
 #include <vector>
 
@@ -13,8 +12,17 @@ namespace embree
   /*! what a build leaves behind besides its BVH */
   struct CompressionReport
   {
+    std::vector<std::shared_ptr<const SurfaceBlocks>> surfaces; //!< whose parts the BVH is made of
     RTCCompressionStatistics statistics = RTCCompressionStatistics();
     std::vector<std::string> errors; //!< that did not stop it, for reportBuildErrors
     MutexSys mutex;                  //!< of errors, which any thread that joins a commit may fetch
+
+    void clear ()
+    {
+      surfaces.clear();
+      statistics = RTCCompressionStatistics();
+      Lock<MutexSys> lock(mutex);
+      errors.clear();
+    }
   };
 }

@@ -16,10 +16,10 @@ namespace embree
     {
     public:
       /*! shared: of faces that share their borders, else null; grid: for vertices */
-      CagePatch (SubdivMesh* mesh, unsigned geomID, size_t face, const PatchOfFace& patch, const SharedVertices* shared, PatchGrid& grid)
-        : mesh(mesh), patch(patch), shared(shared), grid(grid), base(patch.make(mesh,geomID,face))
+      CagePatch (SubdivMesh* mesh, uint32_t surface, size_t face, const PatchOfFace& patch, const SharedVertices* shared, PatchGrid& grid)
+        : mesh(mesh), patch(patch), shared(shared), grid(grid), base(patch.make(mesh,surface,face))
       {
-        this->geomID = geomID;
+        this->surface = surface;
         primID = unsigned(face);
         corner[0] = unsigned(2*base.getUV(0).x);
         corner[1] = unsigned(2*base.getUV(0).y);
@@ -29,12 +29,19 @@ namespace embree
         rate = patch.rate;
       }
 
+      /*! the same patch for another task, with a grid of its own */
+      CagePatch (const CagePatch& other, PatchGrid& grid)
+        : SurfacePatch(other), mesh(other.mesh), patch(other.patch), shared(other.shared), grid(grid), base(other.base) {}
+
       VertexGrid& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned timeStep) override
       {
         if (timeStep == 0) grid.evalPart(base,mesh,quadsX,quadsY,part);
-        else grid.evalPart(patch.make(mesh,geomID,primID,timeStep),mesh,quadsX,quadsY,part);
+        else grid.evalPart(patch.make(mesh,surface,primID,timeStep),mesh,quadsX,quadsY,part);
         return grid;
       }
+
+      /*! its vertices, if they are known, else null */
+      const float (*evaluated () const)[3] { return shared->evaluated(primID,patch.subPatch); }
 
       SideVertices side (int s) const override { return shared->side(primID,patch.subPatch,s); }
       int latticeExponent () const override { return shared->exponent(primID); }

@@ -26,8 +26,8 @@ namespace embree
       int subPatch;            //!< the corner that it is at; 0 of a quadrilateral
       float rate[4];           //!< of its edges v = 0, u = 1, v = 1, u = 0
 
-      SubdivPatch1Base make (const SubdivMesh* mesh, unsigned geomID, size_t face, unsigned timeStep = 0) const {
-        return SubdivPatch1Base(geomID,unsigned(face),unsigned(subPatch),mesh,timeStep,uv,edgeLevel,subdiv,VSIZEX);
+      SubdivPatch1Base make (const SubdivMesh* mesh, uint32_t surface, size_t face, unsigned timeStep = 0) const {
+        return SubdivPatch1Base(surface,unsigned(face),unsigned(subPatch),mesh,timeStep,uv,edgeLevel,subdiv,VSIZEX);
       }
     };
 

@@ -15,11 +15,11 @@ namespace embree
     struct CompressionPlan
     {
       SubdivMesh* mesh;
-      unsigned geomID;
+      uint32_t surface;              //!< number of the surface, surface_ids.h
       CompressionSettings settings;  //!< resolved
 
-      CompressionPlan (Scene* scene, SubdivMesh* mesh, unsigned geomID)
-        : mesh(mesh), geomID(geomID), settings(mesh->compression.resolve(scene->device->compression)),
+      CompressionPlan (SubdivMesh* mesh, uint32_t surface)
+        : mesh(mesh), surface(surface), settings(mesh->compression.resolve(mesh->device->compression)),
           isCompressed(cbvh::findKind(settings.compression,blockKind)) {}
 
       /*! only if compresses() */

@@ -21,7 +21,9 @@
  * of its edges are shared by its own patches, and owned by it.
  *
  * This is made before any patch is encoded, from the borders of all: a twentieth of the
- * vertices is evaluated twice, and until the build ends the points of edges take 12 bytes each. */
+ * vertices is evaluated twice, and until the build ends the points of edges take 12 bytes each. Of small
+ * surfaces all vertices are evaluated here, and kept for their blocks: a border of few vertices costs no less
+ * than the patch. */
 
 #include "lattice.h"
 #include "patch_grid.h"
@@ -38,25 +40,32 @@ namespace embree
     class SharedVertices
     {
     public:
-      SharedVertices (Scene* scene, const CompressionPlan& plan)
-        : plan(plan), scene(scene), mesh(plan.mesh), first(mesh->topology[0].halfEdges.data()), exponents(scene->device,0), edges(scene->device,0), points(scene->device,0) {}
+      explicit SharedVertices (const CompressionPlan& plan)
+        : plan(plan), mesh(plan.mesh), first(mesh->topology[0].halfEdges.data()), exponents(mesh->device,0), edges(mesh->device,0), points(mesh->device,0), kept(mesh->device,0), firstKept(mesh->device,0) {}
 
-      /*! evaluates borders; shows progress to the scene's monitor, which may cancel */
-      void build (size_t facesPerTask)
+      /*! evaluates borders; calls progress() now and then, which may cancel */
+      template<typename Progress>
+      void build (size_t facesPerTask, const Progress& progress)
       {
         edges.resize(numHalfEdges());
         exponents.resize(mesh->size());
-        forFaces(facesPerTask,[&](size_t f, PatchGrid&) { findRates(f); });
+        forFaces(facesPerTask,progress,[&](size_t f, PatchGrid&) { findRates(f); });
         findDiagonal(facesPerTask);
-        forFaces(facesPerTask,[&](size_t f, PatchGrid&) { findOwners(f); });
+        forFaces(facesPerTask,progress,[&](size_t f, PatchGrid&) { findOwners(f); });
         joinNonManifold();
         placePoints();
-        forFaces(facesPerTask,[&](size_t f, PatchGrid& grid) { evaluate(f,grid); });
+        if (plan.kind() == cbvh::Kind::VERT) placeKept();
+        forFaces(facesPerTask,progress,[&](size_t f, PatchGrid& grid) { evaluate(f,grid); });
         findLattices();
       }
 
       /*! exponent of a face's lattice */
       int exponent (size_t face) const { return exponents[face]; }
+
+      /*! all vertices of a patch, row by row, if they are kept, else null */
+      const float (*evaluated (size_t face, int subPatch) const)[3] {
+        return firstKept.size() ? (const float(*)[3])keptOf(face,subPatch) : nullptr;
+      }
 
       /*! vertices along a side of a patch; sides are in the order of PatchOfFace::rate */
       SideVertices side (size_t face, int subPatch, int s) const
@@ -73,6 +82,7 @@ namespace embree
 
     private:
       static const unsigned noRate = 0;
+      static const size_t mostKept = 1 << 15; //!< vertices of a surface
       typedef std::pair<uint64_t,uint32_t> KeyedEdge; //!< a half-edge behind its vertices
 
       /*! of a half-edge */
@@ -88,14 +98,14 @@ namespace embree
         bool isGrids;          //!< GRID traces a patch of the face
       };
 
-      template<typename Closure>
-      void forFaces (size_t facesPerTask, const Closure& closure)
+      template<typename Progress, typename Closure>
+      void forFaces (size_t facesPerTask, const Progress& progress, const Closure& closure)
       {
         parallel_for(size_t(0),mesh->size(),facesPerTask,[&](const range<size_t>& faces) {
-            PatchGrid grid(scene->device);
+            PatchGrid grid(mesh->device);
             for (size_t f=faces.begin(); f!=faces.end(); f++)
               closure(f,grid);
-            scene->progressMonitor(0.0);
+            progress();
           });
       }
 
@@ -253,6 +263,26 @@ namespace embree
         points.resize(3*n);
       }
 
+      /*! of surfaces with few vertices */
+      void placeKept ()
+      {
+        if (mesh->size() > mostKept/4) return;
+        mvector<uint32_t> places(mesh->device,edges.size());
+        size_t n = 0;
+        for (size_t f=0; f<mesh->size() && n <= mostKept; f++)
+          if (takesPart(f))
+            forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
+                const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
+                places[indexOf(mesh->getHalfEdge(0,f)) + patch.subPatch] = uint32_t(n);
+                n += size_t(size.x)*size_t(size.y);
+              });
+        if (n > mostKept) return;
+        kept.resize(3*n);
+        firstKept = std::move(places);
+      }
+
+      const float* keptOf (size_t face, int subPatch) const { return kept.data() + 3*firstKept[indexOf(mesh->getHalfEdge(0,face)) + subPatch]; }
+
       float* point (size_t i) { return points.data() + 3*i; }
       const float* point (size_t i) const { return points.data() + 3*i; }
       SideVertices::Vertex corner (const HalfEdge* h) const
@@ -271,22 +301,22 @@ namespace embree
         cbvh::EdgeSample samples[2], coarse[2]; // along u, v; coarse: of borders with a lower rate
         unsigned fewest[2] = { ~0u,~0u };        // quads
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
-            const SubdivPatch1Base base = patch.make(mesh,plan.geomID,f);
+            const SubdivPatch1Base base = patch.make(mesh,plan.surface,f);
             const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
             for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]);
+            LinesOfPatch lines(mesh,base,grid,quads,(float(*)[3])evaluated(f,patch.subPatch));
             for (unsigned s=0; s<4; s++)
             {
               const bool alongU = s % 2 == 0;
               const unsigned fine = quads[alongU ? 0 : 1], across = quads[alongU ? 1 : 0];
               const unsigned at = s == 1 || s == 2 ? across : 0;
-              evaluateLine(base,grid,quads,alongU,at);
-              takeLine(grid,(fine == unsigned(patch.rate[s]) ? samples : coarse)[alongU ? 0 : 1]);
-              ownLine(f,patch,s,grid,fine);
+              const Line line = lines(alongU,at);
+              takeLine(line,(fine == unsigned(patch.rate[s]) ? samples : coarse)[alongU ? 0 : 1]);
+              ownLine(f,patch,s,line,fine);
             }
             for (bool alongU : { true, false }) {
               if (quads[alongU ? 1 : 0] < 2) continue;
-              evaluateLine(base,grid,quads,alongU,quads[alongU ? 1 : 0]/2);
-              takeLine(grid,samples[alongU ? 0 : 1]);
+              takeLine(lines(alongU,quads[alongU ? 1 : 0]/2),samples[alongU ? 0 : 1]);
             }
           });
         /* quads may be much longer than wide: the shorter side counts */
@@ -325,23 +355,53 @@ namespace embree
         return spacing < INFINITY ? spacing : byDefault;
       }
 
-      void evaluateLine (const SubdivPatch1Base& base, PatchGrid& grid, const unsigned quads[2], bool alongU, unsigned at) const
+      /*! vertices in a row */
+      struct Line { const float (*vertices)[3]; size_t count; };
+
+      /*! Rows and columns of a patch: evaluated one by one, or taken from all its vertices, which are evaluated first. */
+      class LinesOfPatch
       {
-        if (alongU) grid.evalPart(base,mesh,quads[0],quads[1],{ 0,quads[0],at,at });
-        else        grid.evalPart(base,mesh,quads[0],quads[1],{ at,at,0,quads[1] });
+      public:
+        /*! all: room for the vertices of the patch, or null */
+        LinesOfPatch (const SubdivMesh* mesh, const SubdivPatch1Base& base, PatchGrid& grid, const unsigned quads[2], float (*all)[3])
+          : mesh(mesh), base(base), grid(grid), quads(quads), all(all)
+        {
+          if (!all) return;
+          grid.evalPart(base,mesh,quads[0],quads[1],{ 0,quads[0],0,quads[1] });
+          memcpy(all,grid.displaced(),size_t(quads[0]+1)*size_t(quads[1]+1)*sizeof(*all));
+        }
+
+        /*! good until the next call */
+        Line operator() (bool alongU, unsigned at)
+        {
+          if (!all) {
+            const PatchPart row = { 0,quads[0],at,at }, column = { at,at,0,quads[1] };
+            grid.evalPart(base,mesh,quads[0],quads[1],alongU ? row : column);
+            return { grid.displaced(),grid.width*grid.height };
+          }
+          const size_t width = quads[0]+1, height = quads[1]+1;
+          if (alongU) return { all+at*width,width };
+          float (*column)[3] = grid.undisplaced(); // has room for all, and is not needed
+          for (size_t y=0; y<height; y++) memcpy(column[y],all[y*width+at],sizeof(*column));
+          return { column,height };
+        }
+
+      private:
+        const SubdivMesh* mesh;
+        const SubdivPatch1Base& base;
+        PatchGrid& grid;
+        const unsigned* quads;
+        float (*all)[3];
+      };
+
+      static void takeLine (const Line& line, cbvh::EdgeSample& sample) {
+        for (size_t i=0; i+1<line.count; i++) sample.add(line.vertices[i],line.vertices[i+1]);
       }
 
-      static void takeLine (PatchGrid& grid, cbvh::EdgeSample& sample)
+      /*! keeps what a face owns of a side of a patch */
+      void ownLine (size_t f, const PatchOfFace& patch, unsigned s, const Line& side, unsigned fine)
       {
-        const float (*p)[3] = grid.displaced();
-        const size_t n = grid.width*grid.height;
-        for (size_t i=0; i+1<n; i++) sample.add(p[i],p[i+1]);
-      }
-
-      /*! keeps what a face owns of a side of a patch, which the grid holds */
-      void ownLine (size_t f, const PatchOfFace& patch, unsigned s, PatchGrid& grid, unsigned fine)
-      {
-        const float (*line)[3] = grid.displaced();
+        const float (*line)[3] = side.vertices;
         const unsigned own = unsigned(patch.rate[s]);
         const bool descends = s >= 2;
         /* vertex k of the side's own: the first of those that are stitched to it */
@@ -450,13 +510,14 @@ namespace embree
       }
 
       const CompressionPlan& plan;
-      Scene* scene;
       SubdivMesh* mesh;
       const HalfEdge* first;
       double diagonal = 0;      //!< of the cage's bounds
       mvector<int> exponents;   //!< by face
       mvector<Edge> edges;      //!< by half-edge
       mvector<float> points;
+      mvector<float> kept;         //!< vertices of patches of a small surface
+      mvector<uint32_t> firstKept; //!< by the half-edge of a patch's corner; empty if the surface is not small
     };
   }
 }

@@ -40,7 +40,8 @@ namespace embree
     class SurfacePatch
     {
     public:
-      unsigned geomID, primID;
+      uint32_t surface;     //!< its number, surface_ids.h
+      unsigned primID;
       unsigned corner[2];   //!< parameters of the face at the patch's corner, in halves
       unsigned quads[2];    //!< along u and v: the higher rate of two opposite edges
       const float* rate;    //!< of the edges v = 0, u = 1, v = 1, u = 0

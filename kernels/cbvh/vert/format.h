@@ -43,7 +43,7 @@ struct VertHeader
 {
   float origin[3];        //!< world position of the block's lowest lattice point
   uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
-  uint32_t geomID;
+  uint32_t surface;       //!< number of the geometry's surface, surface_ids.h
   uint32_t primID;
   uint32_t region;         //!< size and position: see the accessors
   uint32_t patchQuads;    //!< of the patch along u and v, less 1, 16 bits each

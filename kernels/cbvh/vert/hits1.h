@@ -15,8 +15,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Target: the ray; it has tnear(), tfar(), report(block,hit), which is true if the hit is accepted, and isRead(block), which is
-       *  false if nothing of it is looked at */
+      /*! Target: the ray; it has tnear(), tfar(), report(block,hit), which is true if the hit is accepted, isRead(block), which is
+       *  false if nothing of it is looked at, and ids(), of the scene's surfaces */
       template<typename Target>
       class VertHits
       {
@@ -90,7 +90,7 @@ namespace embree
           if (!(exact >= double(target.tnear()))) return false;
           const float tfar = target.tfar();
           if (likely(t < tfar)) return true;
-          if (nearest.block && nearest.t == tfar) return t == tfar && nearest.isBehind(block,number);
+          if (nearest.block && nearest.t == tfar) return t == tfar && nearest.isBehind(block,number,target.ids());
           return exact <= double(tfar);
         }
 

@@ -26,8 +26,9 @@ namespace embree
 
         __forceinline float tnear () const { return rays.tnear()[k]; }
         __forceinline float tfar () const { return rays.tfar[k]; }
-        __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(rays,context,block->geomID); }
-        __forceinline bool report (const VertHeader* block, SurfaceHit1& hit) const { return cbvh::report(rays,k,context,block->geomID,block->primID,hit); }
+        __forceinline const SurfaceIDs& ids () const { return context->scene->surfaceIDs; }
+        __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(rays,context,block->surface); }
+        __forceinline bool report (const VertHeader* block, SurfaceHit1& hit) const { return cbvh::report(rays,k,context,block->surface,block->primID,hit); }
       };
 
       template<int K, typename Rays>
@@ -146,12 +147,12 @@ namespace embree
           Triangles of(mask,cached.quads(g),triangles,float(firstQuadX(block->region,g)),float(firstQuadY(block->region,g)));
           const TriangleSides<vfloat<K>> sides = sidesOf(of,kz);
           const vfloat<K> tfar = rays.tfar;
-          if (!isRead(rays,context,block->geomID))
+          if (!isRead(rays,context,block->surface))
           {
             const uint32_t clear = mask & uint32_t(movemask(areCertain(sides))) & of.between(vertRays,kz,rays.tnear(),tfar);
             const vfloat<K> unread(zero);
             const vbool<K> lanes = vbool<K>(int(clear));
-            accepted |= uint32_t(movemask(lanes & cbvh::report(rays,lanes,context,block->geomID,block->primID,[&] { return std::make_tuple(unread,unread,unread,Vec3vf<K>(unread,unread,unread)); })));
+            accepted |= uint32_t(movemask(lanes & cbvh::report(rays,lanes,context,block->surface,block->primID,[&] { return std::make_tuple(unread,unread,unread,Vec3vf<K>(unread,unread,unread)); })));
             return clear;
           }
           of.meet(vertRays,kz,rays.tnear());
@@ -167,7 +168,7 @@ namespace embree
           const VertEdges edges = edgesOf(block);
           const vfloat<K> u = faceParameterOfQuad(vertCornerU(edges),vfloat<K>::load(of.x),at.a,patchQuadsX(block->patchQuads));
           const vfloat<K> v = faceParameterOfQuad(vertCornerV(edges),vfloat<K>::load(of.y),at.b,patchQuadsY(block->patchQuads));
-          const uint32_t of1 = uint32_t(movemask(hit & cbvh::report(rays,hit,context,block->geomID,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));
+          const uint32_t of1 = uint32_t(movemask(hit & cbvh::report(rays,hit,context,block->surface,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));
           for (uint32_t rest=of1; rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
             vertRays.nearest(k) = VertNearest(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);

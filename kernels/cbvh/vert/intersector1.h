@@ -24,8 +24,9 @@ namespace embree
 
         __forceinline float tnear () const { return ray.tnear(); }
         __forceinline float tfar () const { return ray.tfar; }
-        __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(ray,context,block->geomID); }
-        __forceinline bool report (const VertHeader* block, SurfaceHit1& hit) const { return cbvh::report(ray,context,block->geomID,block->primID,hit); }
+        __forceinline const SurfaceIDs& ids () const { return context->scene->surfaceIDs; }
+        __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(ray,context,block->surface); }
+        __forceinline bool report (const VertHeader* block, SurfaceHit1& hit) const { return cbvh::report(ray,context,block->surface,block->primID,hit); }
       };
 
       /*! takes the group out that begins first */

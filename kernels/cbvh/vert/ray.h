@@ -6,6 +6,7 @@
 /* What a ray needs for blocks of cVERT: the shear that takes it to the z axis, for triangles,
  * its reciprocal direction, for boxes, and its nearest hit, for the tie-break (rule.h). */
 
+#include "../base/surface_ids.h"
 #include "../base/vectors.h"
 #include "rule.h"
 #include "../embree/ray.h"
@@ -43,13 +44,13 @@ namespace embree
         __forceinline VertNearest (const VertHeader* block, uint32_t triangle, float t) : block(block), triangle(triangle), t(t) {}
 
         /*! whether a hit as far away as this one counts before it */
-        __forceinline bool isBehind (const VertHeader* other, uint32_t otherTriangle) const {
-          return comesBefore(nameOf(other,otherTriangle),nameOf(block,triangle));
+        __forceinline bool isBehind (const VertHeader* other, uint32_t otherTriangle, const SurfaceIDs& ids) const {
+          return comesBefore(nameOf(other,otherTriangle,ids),nameOf(block,triangle,ids));
         }
 
       private:
-        static __forceinline TriangleName nameOf (const VertHeader* block, uint32_t triangle) {
-          return TriangleName{ block->geomID,block->primID,block->region,triangle };
+        static __forceinline TriangleName nameOf (const VertHeader* block, uint32_t triangle, const SurfaceIDs& ids) {
+          return TriangleName{ ids[block->surface],block->primID,block->region,triangle };
         }
       };
 

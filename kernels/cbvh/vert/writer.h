@@ -5,7 +5,7 @@
 
 /* Writer of cVERT: the vertices of a patch are snapped to their lattices, those on its border come from the faces
  * that own them, and blocks hold them exactly. A patch is written in strips of rows, so that a patch of any rate takes
- * no more memory than one of 256 x 256 quads. */
+ * no more memory than one of 256 x 256 quads, and several tasks may write it. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -23,34 +23,45 @@ namespace embree
     {
     public:
       VertWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
-        : plan(plan), store(store), statistics(statistics), given(device), seam(device,0) {}
+        : plan(plan), store(store), statistics(statistics), given(device) {}
 
-      /*! Writes the blocks of a patch. evaluated: its vertices as the face evaluates them, if they are known, or null. */
+      /*! rows of a patch that are written together, a multiple of a block's: of most patches all */
+      static unsigned rowsOfStrip (const SurfacePatch& patch) {
+        return max(fullStrip*fullStrip/(patch.quads[0]*cbvh::vertBlockQuads),1u)*cbvh::vertBlockQuads;
+      }
+
+      /*! Writes the blocks of a patch that is one strip. evaluated: its vertices as the face evaluates them, if they are known, or null. */
       void write (SurfacePatch& patch, const float (*evaluated)[3])
       {
-        const unsigned quadsX = patch.quads[0], quadsY = patch.quads[1], rows = rowsOfStrip(quadsX);
-        const cbvh::WorldLattice lattice(patch.latticeExponent());
-        for (int s=0; s<4; s++) sideRates[s] = patch.side(s).rate;
-        for (unsigned y=0; y<quadsY; y+=rows)
-        {
-          const PatchPart strip = { 0,quadsX,y,min(y+rows,quadsY) };
-          VertexGrid* grid = &given;
-          if (evaluated) given.set(quadsX,strip.y1-strip.y0,evaluated + size_t(y)*(quadsX+1));
-          else grid = &patch.evaluate(quadsX,quadsY,strip);
-          snapVertices(patch,strip,lattice,*grid);
-          for (unsigned blockY=strip.y0; blockY<strip.y1; blockY+=cbvh::vertBlockQuads)
-            for (unsigned x=0; x<quadsX; x+=cbvh::vertBlockQuads)
-              writeBlock(patch,x,blockY,strip.y0,*grid,lattice.spacing);
-          store.flush(cbvh::readBehindVert);
-        }
+        const PatchPart all = { 0,patch.quads[0],0,patch.quads[1] };
+        VertexGrid* grid = &given;
+        if (evaluated) given.set(patch.quads[0],patch.quads[1],evaluated);
+        else grid = &patch.evaluate(patch.quads[0],patch.quads[1],all);
+        writeStrip(patch,all,*grid);
+      }
+
+      /*! Writes the blocks of a strip. begin, end: its first and last row as they were evaluated for both strips that have it, or null at
+       *  the border of the patch: a displacement may answer differently the second time. */
+      void write (SurfacePatch& patch, const PatchPart& strip, const float (*begin)[3], const float (*end)[3])
+      {
+        VertexGrid& grid = patch.evaluate(patch.quads[0],patch.quads[1],strip);
+        if (begin) memcpy(grid.displaced(),begin,grid.width*sizeof(*begin));
+        if (end) memcpy(grid.displaced()[(grid.height-1)*grid.width],end,grid.width*sizeof(*end));
+        writeStrip(patch,strip,grid);
       }
 
     private:
       static const unsigned fullStrip = 256; //!< rows of a patch of as many columns
 
-      /*! a multiple of a block's; all of the rows of a patch of that many columns */
-      static unsigned rowsOfStrip (unsigned quadsX) {
-        return max(fullStrip*fullStrip/(quadsX*cbvh::vertBlockQuads),1u)*cbvh::vertBlockQuads;
+      void writeStrip (const SurfacePatch& patch, const PatchPart& strip, VertexGrid& grid)
+      {
+        const cbvh::WorldLattice lattice(patch.latticeExponent());
+        for (int s=0; s<4; s++) sideRates[s] = patch.side(s).rate;
+        snapVertices(patch,strip,lattice,grid);
+        for (unsigned y=strip.y0; y<strip.y1; y+=cbvh::vertBlockQuads)
+          for (unsigned x=0; x<patch.quads[0]; x+=cbvh::vertBlockQuads)
+            writeBlock(patch,x,y,strip.y0,grid,lattice.spacing);
+        store.flush(cbvh::readBehindVert);
       }
 
       void writeBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned firstRow, VertexGrid& grid, float spacing)
@@ -67,7 +78,7 @@ namespace embree
           return;
         }
         cbvh::VertHeader* header = (cbvh::VertHeader*)bytes;
-        header->geomID = patch.geomID;
+        header->surface = patch.surface;
         header->primID = patch.primID;
         addBlock(header,size,block);
         const Vec3fa lower(encoder.lower[0],encoder.lower[1],encoder.lower[2]), upper(encoder.upper[0],encoder.upper[1],encoder.upper[2]);
@@ -125,12 +136,6 @@ namespace embree
         shareBorder(patch,patch.quads[0],patch.quads[1],strip,own,p,[&](const float mine[3], const float position[3], const float stored[3]) {
             statistics.addBorderVertex(mine,position,stored);
           });
-        /* strips that follow each other have the same row, whatever a displacement answers the second time */
-        if (strip.y0 > 0) memcpy(p,seam.data(),grid.width*sizeof(*p));
-        if (strip.y1 < patch.quads[1]) {
-          seam.resize(3*grid.width);
-          memcpy(seam.data(),p[(grid.height-1)*grid.width],grid.width*sizeof(*p));
-        }
         statistics.sums.numFlippedQuads += countFlipped(grid,own,p);
       }
 
@@ -165,7 +170,6 @@ namespace embree
       cbvh::BuildStatistics& statistics;
       VertexGrid given;             //!< vertices that were evaluated before
       unsigned sideRates[4];        //!< of the patch, as its faces share them
-      mvector<float> seam;          //!< last row of the strip before
       cbvh::VertEncoder encoder;
     };
   }

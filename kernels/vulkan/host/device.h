@@ -6,6 +6,7 @@
 /* An open Vulkan device: its queue, one command at a time on it, and the pipelines that trace. */
 
 #include "opening.h"
+#include "uploads.h"
 
 #include <atomic>
 #include <functional>
@@ -77,6 +78,7 @@ public:
   Capabilities capabilities;
   InstanceFunctions instanceFunctions;
   DeviceFunctions vk;
+  Uploads uploads;
 
 private:
   ~Device() override;

@@ -125,6 +125,7 @@ void Buffer::destroy()
 
 void Uploader::write(const Slice& to, size_t offset, const void* data, size_t bytes)
 {
+  written += bytes;
   if (to.buffer->mapped) {
     std::memcpy(to.buffer->mapped + to.offset + offset, data, bytes);
     return;

@@ -64,6 +64,8 @@ public:
   void write(const Slice& to, size_t offset, const void* data, size_t bytes);
   void flush();   // what was written is then in place
 
+  size_t written = 0;   // bytes, in all
+
 private:
   Device& device;
   std::unique_ptr<Buffer> staging;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "scene.h"
-#include "kernels/cbvh/scene/validate_block.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,8 +60,6 @@ Bounds transformed(const FlatGeometry& instance)
   }
   return out;
 }
-
-constexpr size_t readBehind = 16;   // the bits of cVERT's blocks are read in words; kernels/cbvh has memory there
 
 } // namespace
 
@@ -137,103 +134,19 @@ private:
       count += part.flat->numBlocks;
       requireReferences(count, "blocks");
     }
-    blockAddresses.resize(count);
-    bool import = memory == RTC_VULKAN_MEMORY_IMPORT || (memory == RTC_VULKAN_MEMORY_AUTO && !device.capabilities.info.isDiscrete && device.handles.hasHostImport);
+    std::vector<PlacedBlock> placed;
+    placed.reserve(count);
+    for (const Part& part : parts)
+      for (size_t i = 0; i < part.flat->numBlocks; i++) {
+        const FlatBlock& block = part.flat->blocks[i];
+        placed.push_back({&block, part.flat->geometries[block.geomID].build});
+      }
+    const bool import = memory == RTC_VULKAN_MEMORY_IMPORT || (memory == RTC_VULKAN_MEMORY_AUTO && !device.capabilities.info.isDiscrete && device.handles.hasHostImport);
     if (import && !device.handles.hasHostImport)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("memory cannot be imported: the Vulkan device ") + device.capabilities.info.name + " has no VK_EXT_external_memory_host, or it is not enabled");
-    validateBlocks();
-    if (import) importBlocks();
-    else copyBlocks();
-  }
-
-  /* a device reads what a block's header says, wherever that is */
-  void validateBlocks() const
-  {
-    for (const Part& part : parts)
-      for (size_t i = 0; i < part.flat->numBlocks; i++) {
-        const FlatBlock& block = part.flat->blocks[i];
-        if (block.type == cellReference) continue;
-        if (const char* error = validateBlock(block.type - firstBlockReference, block.data, block.bytes))
-          throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("a block of the scene is not valid: ") + error);
-      }
-  }
-
-  void importBlocks()
-  {
-    struct Range { size_t begin, end; };
-    std::vector<Range> ranges;
-    const size_t alignment = device.capabilities.importAlignment;
-    for (const Part& part : parts)
-      for (size_t i = 0; i < part.flat->numBlocks; i++) {
-        const FlatBlock& block = part.flat->blocks[i];
-        const size_t begin = size_t(block.data), end = begin + block.bytes + (block.type == blockReference(kindVert) ? readBehind : 0);
-        ranges.push_back({begin & ~(alignment - 1), (end + alignment - 1) & ~(alignment - 1)});
-      }
-    std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });
-    const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~(alignment - 1);
-    std::vector<Range> joined;
-    for (const Range& range : ranges) {
-      if (!joined.empty() && range.begin <= joined.back().end && range.end - joined.back().begin <= longest) joined.back().end = std::max(joined.back().end, range.end);
-      else joined.push_back(range);
-    }
-    for (const Range& range : joined) {
-      out.blocks.emplace_back(new Buffer(device, (void*)range.begin, range.end - range.begin));
-      out.statistics.importedBytes += range.end - range.begin;
-    }
-    for (size_t p = 0; p < parts.size(); p++)
-      for (size_t i = 0; i < parts[p].flat->numBlocks; i++) {
-        const size_t begin = size_t(parts[p].flat->blocks[i].data);
-        const size_t r = size_t(std::upper_bound(joined.begin(), joined.end(), begin, [](size_t at, const Range& range) { return at < range.begin; }) - joined.begin()) - 1;
-        blockAddresses[firstBlock[p] + i] = out.blocks[r]->address + (begin - joined[r].begin);
-      }
-  }
-
-  /* what of a block is copied: of grids not their own trees, which are in the scene's */
-  struct Source { const char* header; size_t headerBytes; const char* data; size_t dataBytes; };
-
-  static Source sourceOf(const FlatBlock& block, uint32_t (&header)[gridDataWord])
-  {
-    const char* data = (const char*)block.data;
-    if (block.type != cellReference) return {nullptr, 0, data, block.bytes};
-    std::memcpy(header, data, sizeof(header));
-    const size_t skip = sizeof(header) + header[gridOffsetWord];
-    header[gridOffsetWord] = 0;
-    return {(const char*)header, sizeof(header), data + skip, block.bytes - skip};
-  }
-
-  void copyBlocks()
-  {
-    /* buffers as large as the device allows, and as the rest needs */
-    size_t rest = 0;
-    uint32_t header[gridDataWord];
-    auto bytesOf = [&](const FlatBlock& block) {
-      const Source source = sourceOf(block, header);
-      return (source.headerBytes + source.dataBytes + blockAlignment - 1) & ~size_t(blockAlignment - 1);
-    };
-    for (const Part& part : parts)
-      for (size_t i = 0; i < part.flat->numBlocks; i++) rest += bytesOf(part.flat->blocks[i]);
-    const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~size_t(blockAlignment - 1);
-    Slice slice;
-    size_t used = 0, end = 0;
-    for (size_t p = 0; p < parts.size(); p++)
-      for (size_t i = 0; i < parts[p].flat->numBlocks; i++)
-      {
-        const FlatBlock& block = parts[p].flat->blocks[i];
-        const size_t bytes = bytesOf(block);
-        if (used + bytes > end) {
-          const size_t size = std::max(std::min(rest, longest - readBehind), bytes);
-          out.blocks.emplace_back(new Buffer(device, size + readBehind, Buffer::OnDevice, "blocks"));
-          slice = {out.blocks.back().get(), 0};
-          used = 0;
-          end = size;
-        }
-        const Source source = sourceOf(block, header);
-        if (source.headerBytes) uploader.write(slice, used, source.header, source.headerBytes);
-        uploader.write(slice, used + source.headerBytes, source.data, source.dataBytes);
-        blockAddresses[firstBlock[p] + i] = slice.address() + used;
-        used += bytes;
-        rest -= bytes;
-      }
+    validateBlocks(placed);
+    out.blocks = import ? importBlocks(device, placed) : copyBlocks(device, uploader, placed);
+    for (const PlacedBlock& block : placed) blocks.push_back(BlockData{block.address, block.block->geomID, 0});
   }
 
   /* --- trees --- */
@@ -375,7 +288,7 @@ private:
     static_assert(sizeof(FlatNode) == nodeBytes, "layout of a node");
     SceneData data = SceneData();
     data.nodes = writeArray(tree.nodes.empty() ? &noNode : tree.nodes.data(), std::max(tree.nodes.size(), size_t(1)), "nodes").address();
-    data.blocks = writeArray(blockAddresses.data(), blockAddresses.size(), "addresses of blocks").address();
+    data.blocks = writeArray(blocks.data(), blocks.size(), "addresses of blocks").address();
     data.cells = writeArray(cells.data(), cells.size(), "leaves").address();
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
     data.root = parts[0].tree.root;
@@ -387,10 +300,10 @@ private:
     RTCVulkanSceneStatistics& statistics = out.statistics;
     statistics.numNodes = tree.nodes.size();
     statistics.numGeometries = numGeometries;
-    statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + cells.size()*sizeof(cells[0]) + blockAddresses.size()*sizeof(blockAddresses[0]);
-    statistics.deviceBytes = out.arena.bytes();
-    if (statistics.importedBytes == 0)
-      for (const auto& buffer : out.blocks) statistics.deviceBytes += buffer->bytes;
+    statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + cells.size()*sizeof(cells[0]) + blocks.size()*sizeof(BlockData);
+    statistics.importedBytes = out.blocks.importedBytes;
+    statistics.sentBytes = uploader.written;
+    statistics.deviceBytes = out.arena.bytes() + (statistics.importedBytes ? 0 : out.blocks.bytes());
     if (statistics.importedBytes) {
       out.source = parts[0].scene;
       rtcRetainScene(out.source);
@@ -405,7 +318,7 @@ private:
   std::map<RTCScene, size_t> partOf;
   uint32_t numGeometries = 0;
   std::vector<uint32_t> firstBlock;   // by part
-  std::vector<VkDeviceAddress> blockAddresses;
+  std::vector<BlockData> blocks;
   Tree tree;
   std::vector<std::array<uint32_t, 2>> cells;
   std::vector<uint32_t> firstCell;
@@ -418,7 +331,7 @@ Scene::Scene(Device& device, RTCScene scene, RTCVulkanMemory memory) : device(de
 
 Scene::~Scene()
 {
-  blocks.clear();
+  blocks = BlockBuffers();   // before the memory that they may use
   if (source) rtcReleaseScene(source);
 }
 

@@ -5,7 +5,7 @@
 
 /* A committed scene on a device. */
 
-#include "memory.h"
+#include "blocks.h"
 #include "tree.h"
 #include "../scene_layout.h"
 
@@ -35,7 +35,7 @@ private:
   friend class SceneUpload;
   RTCScene source = nullptr;   // retained where its memory is used
   Arena arena;
-  std::vector<std::unique_ptr<Buffer>> blocks;
+  BlockBuffers blocks;
 };
 
 }} // namespace embree::vulkan

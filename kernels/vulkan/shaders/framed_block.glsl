@@ -113,7 +113,7 @@ BlockHeader cbvhReadHeader (CbvhPointer block)
     header.centre[i] = q0[i];
     for (int k = 0; k < 4; k++) header.columns[i][k] = column[k];
   }
-  header.geomID = floatBitsToUint(q0.w);
+  header.surface = floatBitsToUint(q0.w);
   header.primID = cbvhWord(block, 16u);
   header.info = cbvhWord(block, 17u);
   header.tiling = cbvhWord(block, 18u);
@@ -149,7 +149,7 @@ struct CbvhLeafHit
  * before the ray enters the bounds of its block; of equals the nearer hit counts. That is hit.t while a ray is
  * traced. framed: it and the hit's own distance, which hit.t becomes in the end. As the processor's
  * nearest_hit.h, but for equals that are as near. */
-bool cbvhReport (BlockHeader header, CbvhTravel ray, CbvhLocalRay local, uint numLeaves, CbvhLeafHit at, inout CbvhHit hit, inout vec2 framed)
+bool cbvhReport (BlockHeader header, uint geomID, CbvhTravel ray, CbvhLocalRay local, uint numLeaves, CbvhLeafHit at, inout CbvhHit hit, inout vec2 framed)
 {
   float own = min(max(worldT(local.segment, at.s)*local.scale, ray.tnear), ray.tfar), t = min(max(own, ray.enter), ray.tfar);
   if (t > hit.t || (t == hit.t && hit.t == framed.x && own >= framed.y)) return false;
@@ -168,7 +168,7 @@ bool cbvhReport (BlockHeader header, CbvhTravel ray, CbvhLocalRay local, uint nu
   vec3 dir = ray.dir*local.scale;
   float along = dot(Ng, dir), dir2 = dot(dir, dir);
   if (isTurned(along, 1.0, dir2, at.from)) Ng -= 2.0*along/dir2*dir;
-  cbvhSetHit(hit, ray, t, u, v, Ng, header.primID, header.geomID);
+  cbvhSetHit(hit, ray, t, u, v, Ng, header.primID, geomID);
   return true;
 }
 
@@ -212,7 +212,7 @@ bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint 
     float px = second ? w*X + at.u*(X + 1.0) + at.v*(X + 1.0) : w*X + at.u*(X + 1.0) + at.v*X;
     float py = second ? w*(Y + 1.0) + at.u*Y + at.v*(Y + 1.0) : w*Y + at.u*Y + at.v*(Y + 1.0);
     cbvhSetHit(hit, ray, at.t, faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), height, px),
-               faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height, py), at.Ng, header.primID, header.geomID);
+               faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height, py), at.Ng, header.primID, block.geomID);
     if (anyHit) return true;
   }
   return found;
@@ -223,7 +223,7 @@ bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint 
 bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel ray, const bool anyHit, inout CbvhHit hit, inout vec2 framed)
 {
   BlockHeader header = cbvhReadHeader(block);
-  if (!cbvhIsSeen(scene, ray, header.geomID)) return false;
+  if (!cbvhIsSeen(scene, ray, block.geomID)) return false;
 
   CbvhLocalRay local;
   vec3 size = abs(ray.dir);
@@ -266,7 +266,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
     if (kind == kindVoxel) {
       Range range = rangeInBox(local.segment, box, 3);
       if (local.segment.startClipped && range.lower < 0.0) return false;
-      return cbvhReport(header, ray, local, 1u, cbvhHitOnPatch(local, cbvhSolidLeaf(box), 0u, max(range.lower, 0.0), sideUnknown), hit, framed);
+      return cbvhReport(header, block.geomID, ray, local, 1u, cbvhHitOnPatch(local, cbvhSolidLeaf(box), 0u, max(range.lower, 0.0), sideUnknown), hit, framed);
     }
     return false;
   }
@@ -317,7 +317,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
         state = v.next;
         if (v.hit == hitNone) continue;
         exit_.from = v.from;
-        if (cbvhReport(header, ray, local, layout_.leaves, exit_, hit, framed)) found = true; // what is behind counts for the walk
+        if (cbvhReport(header, block.geomID, ray, local, layout_.leaves, exit_, hit, framed)) found = true; // what is behind counts for the walk
         if (anyHit) return true;
         best = exit_.s;
         state = afterHit(state);
@@ -347,7 +347,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
         float s = max(slabs.enter[child], 0.0);
         if (local.segment.startClipped && slabs.enter[child] < 0.0) continue;
         if (found ? !(s < best) : !(s <= best)) continue; // of those as near, the first along the ray
-        if (cbvhReport(header, ray, local, layout_.leaves,
+        if (cbvhReport(header, block.geomID, ray, local, layout_.leaves,
                        cbvhHitOnPatch(local, cbvhSolidLeaf(decodeChild(word, child, box)), leaf, s, sideUnknown), hit, framed)) found = true;
         if (anyHit) return true;
         best = s;
@@ -367,7 +367,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
           s = x.s0 + at.k*(x.s1 - x.s0);
         }
         if (isMet && !(state.found && !(s < best))) {
-          if (cbvhReport(header, ray, local, layout_.leaves, cbvhHitOnPatch(local, patch_, leaf, s, v.from), hit, framed)) found = true;
+          if (cbvhReport(header, block.geomID, ray, local, layout_.leaves, cbvhHitOnPatch(local, patch_, leaf, s, v.from), hit, framed)) found = true;
           if (anyHit) return true;
           best = s;
           state = afterHit(state);

@@ -26,10 +26,14 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Cb
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CbvhWords { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhQuadwords { uvec4 at[]; };
 
-/* A block. */
-struct CbvhPointer { uvec2 address; };
+/* A block, and the ID of its geometry in the scene that has it: the block itself has a number that is the same in all scenes. */
+struct CbvhPointer { uvec2 address; uint geomID; };
 
-CbvhPointer cbvhPointer (SceneData scene, uint index) { return CbvhPointer(CbvhPairs(scene.blocks).at[index]); }
+CbvhPointer cbvhPointer (SceneData scene, uint index)
+{
+  uvec4 block = CbvhQuadwords(scene.blocks).at[index];
+  return CbvhPointer(block.xy, block.z);
+}
 
 uint cbvhWord (CbvhPointer block, uint i) { return CbvhWords(block.address).at[i]; }
 uvec4 cbvhQuadword (CbvhPointer block, uint i) { return CbvhQuadwords(block.address).at[i]; }

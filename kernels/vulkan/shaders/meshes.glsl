@@ -48,7 +48,7 @@ bool cbvhTraceCell (SceneData scene, CbvhTravel ray, uint index, const bool anyH
 {
   uvec2 cell = CbvhPairs(scene.cells).at[index];
   CbvhPointer grid = cbvhPointer(scene, cell.x);
-  uint geomID = cbvhWord(grid, gridGeometryWord);
+  uint geomID = grid.geomID;
   if (!cbvhIsSeen(scene, ray, geomID)) return false;
   uint width = cbvhWord(grid, gridWidthWord), plane = cbvhWord(grid, gridPlaneWord);
   uint first = gridDataWord + cbvhWord(grid, gridOffsetWord)/4u;

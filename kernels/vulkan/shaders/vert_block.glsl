@@ -384,7 +384,7 @@ bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhSh
   Wide exact = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
   if (!(exact >= Wide(ray.tnear))) return false;
   float t = float(exact);
-  TriangleName name = TriangleName(cbvhWord(block.at, 4u), cbvhWord(block.at, 5u), block.region, 32u*(gx + 4u*gy) + h);
+  TriangleName name = TriangleName(block.at.geomID, cbvhWord(block.at, 5u), block.region, 32u*(gx + 4u*gy) + h);
   if (!(t < hit.t)) {
     if (nearest.isSet && nearest.t == hit.t && nearest.instID == ray.instID) {
       if (t != hit.t || !comesBefore(name, nearest.name)) return false;
@@ -404,7 +404,7 @@ bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhSh
 /* True if something is hit nearer than hit.t, which is lowered. */
 bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
-  if (!cbvhIsSeen(scene, ray, cbvhWord(at, 4u))) return false;
+  if (!cbvhIsSeen(scene, ray, at.geomID)) return false;
   CbvhVertBlock block = cbvhReadVertBlock(at, cbvhQuadword(at, 0u));
   CbvhVertRay vert;
   vert.shear = cbvhShear(ray.dir);

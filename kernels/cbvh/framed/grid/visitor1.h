@@ -17,11 +17,11 @@ namespace embree
       /*! epilogue of closest hit or of any hit for M triangles */
       template<int M>
       __forceinline Intersect1EpilogMU<M,true> gridEpilog (RayHit& ray, IntersectContext* context, const Block* block) {
-        return Intersect1EpilogMU<M,true>(ray,context,block->geomID,block->primID);
+        return Intersect1EpilogMU<M,true>(ray,context,idOf(context,block->surface),block->primID);
       }
       template<int M>
       __forceinline Occluded1EpilogMU<M,true> gridEpilog (Ray& ray, IntersectContext* context, const Block* block) {
-        return Occluded1EpilogMU<M,true>(ray,context,block->geomID,block->primID);
+        return Occluded1EpilogMU<M,true>(ray,context,idOf(context,block->surface),block->primID);
       }
 
       template<typename RayType>

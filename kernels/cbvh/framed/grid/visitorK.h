@@ -16,11 +16,11 @@ namespace embree
     {
       template<int M, int K>
       __forceinline Intersect1KEpilogMU<M,K,true> gridEpilog (RayHitK<K>& rays, size_t k, IntersectContext* context, const Block* block) {
-        return Intersect1KEpilogMU<M,K,true>(rays,k,context,block->geomID,block->primID);
+        return Intersect1KEpilogMU<M,K,true>(rays,k,context,idOf(context,block->surface),block->primID);
       }
       template<int M, int K>
       __forceinline Occluded1KEpilogMU<M,K,true> gridEpilog (RayK<K>& rays, size_t k, IntersectContext* context, const Block* block) {
-        return Occluded1KEpilogMU<M,K,true>(rays,k,context,block->geomID,block->primID);
+        return Occluded1KEpilogMU<M,K,true>(rays,k,context,idOf(context,block->surface),block->primID);
       }
 
       template<int K, typename Rays>

@@ -1,0 +1,56 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What a subdivision geometry has besides what Embree gives it: its blocks, which are built when its surface changed, and what
+ * changed since it was committed last. */
+
+#include "../../../include/embree3/rtcore_buffer.h"
+#include <memory>
+
+namespace embree
+{
+  class SubdivMesh;
+  struct SurfaceBlocks;
+  namespace cbvh { class SurfaceNumber; }
+
+  struct SurfaceState
+  {
+    std::shared_ptr<const cbvh::SurfaceNumber> number; //!< null until a scene or a commit needs it
+    std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until they are built, and when the surface was changed
+    bool inputReleased = false;                        //!< RTC_COMPRESSION_FLAG_RELEASE_INPUT
+
+    /*! Who sees the surface was changed. counted: how often Embree counts that as a modification of the geometry */
+    void changeVisibility (unsigned counted) { visibilityChanged = true; visibilityChanges += counted; }
+
+    /*! The surface was changed, or what a displacement function gets; also where Embree does not count it. */
+    void change () { changed = true; }
+
+    /*! Whether, since the last commit, something was changed, and nothing but who sees the surface. Where nothing was that the library
+     *  sees, a displacement may answer otherwise. */
+    bool isKept (unsigned modCounter) const {
+      return visibilityChanged && !changed && modCounter - committedModCounter == visibilityChanges;
+    }
+
+    void commit (unsigned modCounter)
+    {
+      visibilityChanged = changed = false;
+      visibilityChanges = 0;
+      committedModCounter = modCounter;
+    }
+
+  private:
+    bool visibilityChanged = false, changed = false;
+    unsigned visibilityChanges = 0, committedModCounter = 0;
+  };
+
+  /*! Whether the surface is to be taken from its buffers again. Throws where they were let go. */
+  bool beginGeometryCommit (SubdivMesh* mesh);
+
+  /*! Compresses a geometry that asks for it when it is committed, and lets its input go. */
+  void endGeometryCommit (SubdivMesh* mesh);
+
+  /*! Throws if that is interpolated of a geometry that has let it go. */
+  void requireInput (const SubdivMesh* mesh, RTCBufferType type);
+}

@@ -1,0 +1,71 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Names of surfaces. A geometry may be in several scenes, in each under another ID, and its blocks are the same in all: so they
+ * hold a number that is the process's, and each scene has a table of its own that takes it to the geometry's ID there. */
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    /*! A number that no other has as long as this exists. The lowest that is free. */
+    class SurfaceNumber
+    {
+    public:
+      SurfaceNumber ();
+      ~SurfaceNumber ();
+      SurfaceNumber (const SurfaceNumber&) = delete;
+      SurfaceNumber& operator= (const SurfaceNumber&) = delete;
+      operator uint32_t () const { return value; }
+
+    private:
+      uint32_t value;
+    };
+
+    /*! IDs of the geometries of a scene by the numbers of their surfaces; looked up for each hit. */
+    class SurfaceIDs
+    {
+    public:
+      /*! numbers and IDs */
+      void set (const std::vector<std::pair<uint32_t,uint32_t>>& surfaces)
+      {
+        size_t size = 1;
+        while (size < 2*surfaces.size()) size *= 2;
+        mask = uint32_t(size-1);
+        slots.assign(size,Slot{ none,none });
+        for (const auto& surface : surfaces)
+        {
+          uint32_t at = surface.first & mask;
+          while (slots[at].number != none) at = (at+1) & mask;
+          slots[at] = Slot{ surface.first,surface.second };
+        }
+      }
+
+      /*! of a surface of the scene; in a scene without a table, which has no compressed surfaces, numbers are IDs */
+      uint32_t operator[] (uint32_t number) const
+      {
+        if (slots.empty()) return number;
+        uint32_t at = number & mask;
+        while (slots[at].number != number) at = (at+1) & mask;
+        return slots[at].id;
+      }
+
+      void clear () { slots.clear(); }
+      size_t bytes () const { return slots.size()*sizeof(Slot); }
+
+    private:
+      static const uint32_t none = 0xFFFFFFFFu;
+      struct Slot { uint32_t number, id; };
+
+      std::vector<Slot> slots; //!< by the number's low bits, or the next that was free
+      uint32_t mask = 0;
+    };
+  }
+}

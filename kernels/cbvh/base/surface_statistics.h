@@ -1,0 +1,28 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What there is to say of a surface that was built. Plain data: the library's parts of all instruction sets share it. */
+
+#include "../../../include/embree3/rtcore_compression.h"
+#include <cstddef>
+#include <limits>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    struct SurfaceStatistics
+    {
+      RTCCompressionStatistics sums = RTCCompressionStatistics();
+      size_t highRateQuads = 0;    //!< traced by GRID for their edge rates
+      size_t refusedQuads = 0;     //!< at full precision as their block has no good frame
+      size_t refusedInGrid = 0;    //!< those of them that GRID traces
+      size_t quadsForHoles = 0;    //!< of patches that holes make another kind, as theirs cannot leave a quad out
+      size_t invalidFaces = 0;     //!< with quads that are left out
+      size_t bytesInGrid = 0;      //!< that it would take in GRID, about
+      size_t firstInvalidFace = std::numeric_limits<size_t>::max();
+    };
+  }
+}

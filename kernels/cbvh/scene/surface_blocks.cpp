@@ -1,0 +1,106 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Compiled for the library's lowest ISA only. */
+
+#include "surface_blocks.h"
+#include "../base/kinds.h"
+#include <functional>
+#include <queue>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    namespace
+    {
+      MutexSys mutex;                    //!< of what follows, and of the blocks that geometries have
+      std::priority_queue<uint32_t,std::vector<uint32_t>,std::greater<uint32_t>> freeNumbers; //!< below usedNumbers
+      uint32_t usedNumbers = 0;
+    }
+
+    SurfaceNumber::SurfaceNumber ()
+    {
+      Lock<MutexSys> lock(mutex);
+      if (freeNumbers.empty()) { value = usedNumbers++; return; }
+      value = freeNumbers.top();
+      freeNumbers.pop();
+    }
+
+    SurfaceNumber::~SurfaceNumber ()
+    {
+      Lock<MutexSys> lock(mutex);
+      freeNumbers.push(value);
+    }
+
+    std::shared_ptr<const SurfaceNumber> numberOf (SubdivMesh* mesh)
+    {
+      {
+        Lock<MutexSys> lock(mutex);
+        if (mesh->surface.number) return mesh->surface.number;
+      }
+      std::shared_ptr<const SurfaceNumber> number = std::make_shared<SurfaceNumber>(); // which locks, as its end does
+      Lock<MutexSys> lock(mutex);
+      if (mesh->surface.number == nullptr) mesh->surface.number = number;
+      return mesh->surface.number;
+    }
+
+    std::shared_ptr<const SurfaceBlocks> blocksOf (const SubdivMesh* mesh)
+    {
+      Lock<MutexSys> lock(mutex);
+      return mesh->surface.blocks;
+    }
+
+    std::shared_ptr<const SurfaceBlocks> keepBlocks (SubdivMesh* mesh, const std::shared_ptr<const SurfaceBlocks>& blocks)
+    {
+      Lock<MutexSys> lock(mutex);
+      if (mesh->surface.blocks == nullptr) mesh->surface.blocks = blocks;
+      return mesh->surface.blocks;
+    }
+
+    BlockMemory::BlockMemory (Device* device) : device(device) {}
+
+    BlockMemory::~BlockMemory ()
+    {
+      for (const Piece& piece : pieces) {
+        alignedFree(piece.data);
+        device->memoryMonitor(-ssize_t(piece.bytes),true);
+      }
+    }
+
+    void BlockMemory::expect (size_t bytes)
+    {
+      static_assert(alignof(FastAllocator) <= 16,"what new aligns to");
+      if (bytes == 0) return;
+      shared.reset(new FastAllocator(device,true));
+      shared->init_estimate(bytes);
+    }
+
+    void* BlockMemory::operator() (size_t bytes, size_t)
+    {
+      if (shared) return shared->getCachedAllocator().malloc1(bytes,blockAlignment);
+      device->memoryMonitor(ssize_t(bytes),false);
+      Piece piece = { nullptr,bytes };
+      try {
+        piece.data = alignedMalloc(bytes,blockAlignment);
+        Lock<MutexSys> lock(mutex);
+        pieces.push_back(piece);
+      }
+      catch (...) {
+        if (piece.data) alignedFree(piece.data);
+        device->memoryMonitor(-ssize_t(bytes),true);
+        throw;
+      }
+      return piece.data;
+    }
+
+    void BlockMemory::end () { if (shared) shared->cleanup(); }
+  }
+
+  static std::atomic<uint64_t> numBuilds(0);
+
+  SurfaceBlocks::SurfaceBlocks (Device* device, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
+    : number(number), build(++numBuilds), memory(device), parts(device,0), root(BVH4::emptyNode), bounds(empty), numPrimitives(0) {}
+
+  SurfaceBlocks::~SurfaceBlocks () {}
+}

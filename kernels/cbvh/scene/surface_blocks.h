@@ -1,0 +1,43 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What a geometry becomes: its blocks, and the tree above them. The geometry owns it, and so does each scene that traces it; no
+ * scene, and no ID that a geometry has in one, is in it. */
+
+#include "../base/block_memory.h"
+#include "../base/surface_ids.h"
+#include "../base/surface_statistics.h"
+
+namespace embree
+{
+  struct SurfaceBlocks
+  {
+    SurfaceBlocks (Device* device, const std::shared_ptr<const cbvh::SurfaceNumber>& number);
+    ~SurfaceBlocks ();
+
+    std::shared_ptr<const cbvh::SurfaceNumber> number; //!< that blocks have
+    const uint64_t build;                              //!< that no others have, before or later; from 1
+    cbvh::BlockMemory memory;
+
+    /*! What a scene's tree is made of: trees of few blocks, or the blocks, as PrimRefs that have a reference for an ID. */
+    mvector<PrimRef> parts;
+    BVH4::NodeRef root;       //!< of all parts, for a scene that has no other surface; empty if there are few
+    BBox3fa bounds;           //!< of all that a ray may hit
+    size_t numPrimitives;     //!< blocks and grids
+    cbvh::SurfaceStatistics statistics;
+  };
+
+  namespace cbvh
+  {
+    /*! of a geometry; made with the first call */
+    std::shared_ptr<const SurfaceNumber> numberOf (SubdivMesh* mesh);
+
+    /*! of a geometry as it was committed last, or null if they are to be built */
+    std::shared_ptr<const SurfaceBlocks> blocksOf (const SubdivMesh* mesh);
+
+    /*! Gives a geometry its blocks, unless another scene was faster; those that it has then. */
+    std::shared_ptr<const SurfaceBlocks> keepBlocks (SubdivMesh* mesh, const std::shared_ptr<const SurfaceBlocks>& blocks);
+  }
+}

@@ -1,0 +1,113 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Trees above blocks: Embree's binned SAH BVH4. A surface has one over its blocks, and a scene one over the surfaces' parts, which
+ * are trees of few blocks: so what a scene builds is small, and as good as a tree over all blocks. */
+
+#include "../embree/scene.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! of a part, at most */
+    static const size_t blocksOfPart = 16;
+
+    /*! nodes of a tree whose leaves are marked as barriers, which they are no longer then */
+    inline size_t countNodes (BVH4::NodeRef& ref)
+    {
+      if (ref.isBarrier()) { ref.clearBarrier(); return 0; }
+      if (ref == BVH4::emptyNode) return 0;
+      size_t n = 1;
+      for (size_t i=0; i<4; i++) n += countNodes(ref.getAABBNode()->child(i));
+      return n;
+    }
+
+    /*! Tree over primitives, whose IDs are references; progress() may throw. nodes: how many it has */
+    template<typename Progress>
+    inline BVH4::NodeRef buildTree (FastAllocator& memory, mvector<PrimRef>& prims, const Progress& progress, size_t& nodes)
+    {
+      PrimInfo info(empty);
+      for (const PrimRef& prim : prims) info.add_center2(prim);
+      const PrimInfo pinfo(0,prims.size(),info);
+      auto createLeaf = [&](const PrimRef* prims, const range<size_t>& range, FastAllocator::CachedAllocator) -> BVH4::NodeRef {
+        BVH4::NodeRef leaf = size_t(prims[range.begin()].ID());
+        leaf.setBarrier();
+        return leaf;
+      };
+      auto monitor = [&](size_t) { progress(); };
+      auto virtualMonitor = BuildProgressMonitorFromClosure(monitor);
+
+      GeneralBVHBuilder::Settings settings;
+      settings.logBlockSize = bsr(4);
+      settings.minLeafSize = 1;
+      settings.maxLeafSize = 1;
+      settings.travCost = 1.0f;
+      settings.intCost = 1.0f;
+      settings.singleThreadThreshold = DEFAULT_SINGLE_THREAD_THRESHOLD;
+      BVH4::NodeRef root = BVHNBuilderVirtual<4>::build(&memory,createLeaf,virtualMonitor,prims.data(),pinfo,settings);
+      nodes = countNodes(root);
+      return root;
+    }
+
+    /*! The largest nodes, which most rays meet, come to lie beside each other, in memory of their own. The tree's new root. */
+    inline BVH4::NodeRef moveLargestNodes (BVH4::NodeRef root, size_t numNodes, FastAllocator& memory)
+    {
+      const size_t count = numNodes/200;
+      struct Place
+      {
+        BVH4::NodeRef* node;
+        float area;
+        bool operator< (const Place& other) const { return area < other.area; }
+      };
+      std::vector<Place> places; // a heap
+      if (root.isAABBNode()) places.push_back(Place{ &root,0.0f });
+      for (size_t moved=0; moved < count && !places.empty(); moved++)
+      {
+        std::pop_heap(places.begin(),places.end());
+        const Place largest = places.back();
+        places.pop_back();
+        BVH4::AABBNode* node = (BVH4::AABBNode*)memory.getCachedAllocator().malloc0(sizeof(BVH4::AABBNode),BVH4::byteNodeAlignment);
+        *node = *largest.node->getAABBNode();
+        *largest.node = BVH4::encodeNode(node);
+        for (size_t i=0; i<4; i++) {
+          if (node->child(i) == BVH4::emptyNode || !node->child(i).isAABBNode()) continue;
+          places.push_back(Place{ &node->child(i),area(node->bounds(i)) });
+          std::push_heap(places.begin(),places.end());
+        }
+      }
+      return root;
+    }
+
+    /*! Appends the largest trees of at most blocksOfPart leaves below a node. */
+    class TreeCutter
+    {
+    public:
+      explicit TreeCutter (mvector<PrimRef>& parts) : parts(parts) {}
+
+      void cut (BVH4::NodeRef root, const BBox3fa& bounds) {
+        const size_t leaves = visit(root,bounds);
+        if (leaves <= blocksOfPart) parts.push_back(PrimRef(bounds,size_t(root)));
+      }
+
+    private:
+      /*! leaves below; of those that are more than a part the parts are appended */
+      size_t visit (BVH4::NodeRef ref, const BBox3fa& bounds)
+      {
+        if (ref == BVH4::emptyNode) return 0;
+        if (!ref.isAABBNode()) return 1;
+        const BVH4::AABBNode* node = ref.getAABBNode();
+        size_t leaves[4], sum = 0;
+        for (size_t i=0; i<4; i++) sum += leaves[i] = visit(node->child(i),node->bounds(i));
+        if (sum <= blocksOfPart) return sum;
+        for (size_t i=0; i<4; i++)
+          if (leaves[i] && leaves[i] <= blocksOfPart) parts.push_back(PrimRef(node->bounds(i),size_t(node->child(i))));
+        return sum;
+      }
+
+      mvector<PrimRef>& parts;
+    };
+  }
+}

@@ -1,0 +1,206 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "blocks.h"
+#include "kernels/cbvh/scene/validate_block.h"
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+namespace embree { namespace vulkan {
+
+using namespace cbvh;
+
+namespace {
+
+constexpr size_t readBehind = 16;             // the bits of cVERT's blocks are read in words; kernels/cbvh has memory there
+constexpr size_t ownBufferBytes = 1 << 20;    // a surface of so much has buffers of its own, which are freed with it
+
+/* what of a block is copied: of grids not their own trees, which are in the scene's */
+struct Source
+{
+  uint32_t header[gridDataWord];
+  size_t headerBytes = 0;
+  const char* data;
+  size_t dataBytes;
+
+  explicit Source(const FlatBlock& block) : data((const char*)block.data), dataBytes(block.bytes)
+  {
+    if (block.type != cellReference) return;
+    std::memcpy(header, data, sizeof(header));
+    headerBytes = sizeof(header);
+    const size_t skip = sizeof(header) + header[gridOffsetWord];
+    header[gridOffsetWord] = 0;
+    data += skip;
+    dataBytes -= skip;
+  }
+
+  size_t bytes() const { return (headerBytes + dataBytes + blockAlignment - 1) & ~size_t(blockAlignment - 1); }
+};
+
+size_t bytesOf(const std::vector<PlacedBlock*>& blocks)
+{
+  size_t bytes = 0;
+  for (const PlacedBlock* block : blocks) bytes += Source(*block->block).bytes();
+  return bytes;
+}
+
+/* Buffers that blocks are written to one behind the other: as large as the device allows, and as what is expected needs. */
+class BlockWriter
+{
+public:
+  BlockWriter(Device& device, Uploader& uploader, size_t expected) : device(device), uploader(uploader), rest(expected) {}
+
+  /* Sets the address. */
+  void write(PlacedBlock& placed)
+  {
+    const Source source(*placed.block);
+    if (buffers.empty() || used + source.bytes() > end) addBuffer(source.bytes());
+    const Slice slice = {buffers.back().get(), 0};
+    if (source.headerBytes) uploader.write(slice, used, source.header, source.headerBytes);
+    uploader.write(slice, used + source.headerBytes, source.data, source.dataBytes);
+    placed.address = slice.address() + used;
+    used += source.bytes();
+    rest -= source.bytes();
+  }
+
+  std::vector<std::shared_ptr<Buffer>> buffers;
+
+private:
+  void addBuffer(size_t least)
+  {
+    const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~size_t(blockAlignment - 1);
+    end = std::max(std::min(rest, longest - readBehind), least);
+    buffers.emplace_back(new Buffer(device, end + readBehind, Buffer::OnDevice, "blocks"));
+    used = 0;
+  }
+
+  Device& device;
+  Uploader& uploader;
+  size_t rest, used = 0, end = 0;
+};
+
+/* A scene may have a surface twice, itself and in what it instances. */
+std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const std::vector<PlacedBlock*>& blocks)
+{
+  const auto surface = std::make_shared<UploadedSurface>();
+  std::unordered_map<const void*, VkDeviceAddress> addresses;
+  for (PlacedBlock* block : blocks) {
+    VkDeviceAddress& address = addresses[block->block->data];
+    if (address == 0) {
+      writer.write(*block);
+      address = block->address;
+      surface->places.push_back({block->block->data, address});
+      if (surface->buffers.empty() || surface->buffers.back() != writer.buffers.back()) surface->buffers.push_back(writer.buffers.back());
+    }
+    block->address = address;
+  }
+  std::sort(surface->places.begin(), surface->places.end(), [](const UploadedSurface::Place& a, const UploadedSurface::Place& b) {
+    return std::less<const void*>()(a.data, b.data);
+  });
+  return surface;
+}
+
+} // namespace
+
+VkDeviceAddress UploadedSurface::addressOf(const void* data) const
+{
+  const auto place = std::lower_bound(places.begin(), places.end(), data, [](const Place& a, const void* b) { return std::less<const void*>()(a.data, b); });
+  return place != places.end() && place->data == data ? place->address : 0;
+}
+
+size_t BlockBuffers::bytes() const
+{
+  std::set<std::shared_ptr<Buffer>> buffers(own.begin(), own.end());
+  for (const auto& surface : surfaces) buffers.insert(surface->buffers.begin(), surface->buffers.end());
+  size_t bytes = 0;
+  for (const auto& buffer : buffers) bytes += buffer->bytes;
+  return bytes;
+}
+
+void validateBlocks(const std::vector<PlacedBlock>& blocks)
+{
+  for (const PlacedBlock& placed : blocks) {
+    const FlatBlock& block = *placed.block;
+    if (block.type == cellReference) continue;
+    if (const char* error = validateBlock(block.type - firstBlockReference, block.data, block.bytes))
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("a block of the scene is not valid: ") + error);
+  }
+}
+
+BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
+{
+  struct Range { size_t begin, end; };
+  std::vector<Range> ranges;
+  const size_t alignment = device.capabilities.importAlignment;
+  for (const PlacedBlock& placed : blocks) {
+    const FlatBlock& block = *placed.block;
+    const size_t begin = size_t(block.data), end = begin + block.bytes + (block.type == blockReference(kindVert) ? readBehind : 0);
+    ranges.push_back({begin & ~(alignment - 1), (end + alignment - 1) & ~(alignment - 1)});
+  }
+  std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });
+  const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~(alignment - 1);
+  std::vector<Range> joined;
+  for (const Range& range : ranges) {
+    if (!joined.empty() && range.begin <= joined.back().end && range.end - joined.back().begin <= longest) joined.back().end = std::max(joined.back().end, range.end);
+    else joined.push_back(range);
+  }
+  BlockBuffers out;
+  for (const Range& range : joined) {
+    out.own.emplace_back(new Buffer(device, (void*)range.begin, range.end - range.begin));
+    out.importedBytes += range.end - range.begin;
+  }
+  for (PlacedBlock& placed : blocks) {
+    const size_t begin = size_t(placed.block->data);
+    const size_t r = size_t(std::upper_bound(joined.begin(), joined.end(), begin, [](size_t at, const Range& range) { return at < range.begin; }) - joined.begin()) - 1;
+    placed.address = out.own[r]->address + (begin - joined[r].begin);
+  }
+  return out;
+}
+
+BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBlock>& blocks)
+{
+  device.uploads.clean();
+  std::map<uint64_t, std::vector<PlacedBlock*>> builds;
+  for (PlacedBlock& block : blocks) builds[block.build].push_back(&block);
+
+  BlockBuffers out;
+  std::vector<std::pair<uint64_t, std::vector<PlacedBlock*>>> small;
+  size_t smallBytes = 0;
+  std::map<uint64_t, std::shared_ptr<const UploadedSurface>> surfaces;
+  for (const auto& build : builds) {
+    const size_t bytes = bytesOf(build.second);
+    if (build.first == 0) {
+      BlockWriter writer(device, uploader, bytes);
+      for (PlacedBlock* block : build.second) writer.write(*block);
+      out.own = writer.buffers;
+    }
+    else if (const auto surface = device.uploads.find(build.first)) {
+      for (PlacedBlock* block : build.second) block->address = surface->addressOf(block->block->data);
+      out.surfaces.push_back(surface);
+    }
+    else if (bytes < ownBufferBytes) {
+      small.push_back(build);
+      smallBytes += bytes;
+    }
+    else {
+      BlockWriter writer(device, uploader, bytes);
+      surfaces[build.first] = writeSurface(writer, build.second);
+    }
+  }
+  BlockWriter writer(device, uploader, smallBytes);
+  for (const auto& build : small) surfaces[build.first] = writeSurface(writer, build.second);
+
+  uploader.flush(); // from here on another scene may use them
+  for (const auto& surface : surfaces) {
+    device.uploads.add(surface.first, surface.second);
+    out.surfaces.push_back(surface.second);
+  }
+  return out;
+}
+
+}} // namespace embree::vulkan

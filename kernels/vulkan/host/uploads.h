@@ -1,0 +1,47 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The surfaces that a device has, by their builds, for scenes that come later. */
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+
+namespace embree { namespace vulkan {
+
+struct UploadedSurface;
+
+class Uploads
+{
+public:
+  /* NULL if no scene on the device has it */
+  std::shared_ptr<const UploadedSurface> find(uint64_t build) const
+  {
+    std::lock_guard<std::mutex> lock(mutex);
+    const auto found = surfaces.find(build);
+    return found == surfaces.end() ? nullptr : found->second.lock();
+  }
+
+  void add(uint64_t build, const std::shared_ptr<const UploadedSurface>& surface)
+  {
+    std::lock_guard<std::mutex> lock(mutex);
+    surfaces[build] = surface;
+  }
+
+  /* Forgets those that no scene has any more. */
+  void clean()
+  {
+    std::lock_guard<std::mutex> lock(mutex);
+    for (auto surface = surfaces.begin(); surface != surfaces.end();)
+      surface = surface->second.expired() ? surfaces.erase(surface) : std::next(surface);
+  }
+
+private:
+  mutable std::mutex mutex;
+  std::map<uint64_t, std::weak_ptr<const UploadedSurface>> surfaces;
+};
+
+}} // namespace embree::vulkan

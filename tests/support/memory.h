@@ -1,0 +1,30 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What a device holds, by its memory monitor. */
+
+#include <atomic>
+#include <limits>
+#include <sys/types.h>
+
+namespace cbvh::test {
+
+struct Memory
+{
+  std::atomic<ssize_t> live{0}, peak{0};
+  std::atomic<ssize_t> most{std::numeric_limits<ssize_t>::max()}; // beyond it what is asked for is refused
+
+  static bool monitor(void* self, ssize_t bytes, bool post)
+  {
+    Memory& m = *(Memory*)self;
+    if (bytes > 0 && !post && m.live + bytes > m.most) return false;
+    const ssize_t live = m.live += bytes;
+    ssize_t peak = m.peak;
+    while (live > peak && !m.peak.compare_exchange_weak(peak, live)) {}
+    return true;
+  }
+};
+
+} // namespace cbvh::test

@@ -1,0 +1,234 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Measures what commits cost in scenes of many geometries: all of them, one that was edited, one that was hidden, and a second scene
+ * of the same; their memory; and rays. See --help. */
+
+#include "basics/vec.h"
+#include "building/embree_device.h"
+#include "building/representation.h"
+#include "programs/run_program.h"
+
+#include <CLI/CLI.hpp>
+#include <embree3/rtcore.h>
+#include <embree3/rtcore_compression.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+namespace {
+
+struct Options
+{
+  std::vector<size_t> counts{1, 10, 100, 10000, 100000};
+  std::vector<std::string> accels{"bvh4.grid.eager", "cbvh.vert"};
+  size_t quads = size_t(1) << 22;
+  unsigned repeat = 5;
+  size_t rays = 200000;
+};
+
+double seconds()
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+template<typename Run>
+double secondsOf(const Run& run)
+{
+  const double before = seconds();
+  run();
+  return seconds() - before;
+}
+
+double median(std::vector<double> values)
+{
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+void displace(const RTCDisplacementFunctionNArguments* args)
+{
+  for (unsigned i = 0; i < args->N; i++)
+  {
+    const float h = 0.05f * std::sin(9.0f * args->P_x[i]) * std::sin(9.0f * args->P_y[i]) * std::sin(9.0f * args->P_z[i]);
+    args->P_x[i] += h * args->Ng_x[i];
+    args->P_y[i] += h * args->Ng_y[i];
+    args->P_z[i] += h * args->Ng_z[i];
+  }
+}
+
+/* Cubes that become balls, in a cube of them. */
+class Balls
+{
+public:
+  Balls(EmbreeDevice& device, size_t count, float rate) : device(device), side(size_t(std::ceil(std::cbrt(double(count)))))
+  {
+    static const unsigned indices[24] = {0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6};
+    static const unsigned faces[6] = {4, 4, 4, 4, 4, 4};
+    for (size_t i = 0; i < count; i++)
+    {
+      RTCGeometry geometry = rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SUBDIVISION);
+      float* p = (float*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 8);
+      for (int v = 0; v < 8; v++)
+      {
+        const Vec3f at = centre(i);
+        p[3 * v + 0] = at.x + (v & 1 ? 1.0f : -1.0f);
+        p[3 * v + 1] = at.y + (v & 2 ? 1.0f : -1.0f);
+        p[3 * v + 2] = at.z + (v & 4 ? 1.0f : -1.0f);
+      }
+      std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 24), indices, sizeof(indices));
+      std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 6), faces, sizeof(faces));
+      rtcSetGeometryTessellationRate(geometry, rate);
+      rtcSetGeometryDisplacementFunction(geometry, displace);
+      rtcCommitGeometry(geometry);
+      geometries.push_back(geometry);
+    }
+  }
+
+  ~Balls() { for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry); }
+  Balls(const Balls&) = delete;
+  Balls& operator=(const Balls&) = delete;
+
+  RTCScene newScene() const
+  {
+    RTCScene scene = rtcNewScene(device.handle());
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_DYNAMIC);
+    for (RTCGeometry geometry : geometries) rtcAttachGeometry(scene, geometry);
+    return scene;
+  }
+
+  void move(size_t i)
+  {
+    float* p = (float*)rtcGetGeometryBufferData(geometries[i], RTC_BUFFER_TYPE_VERTEX, 0);
+    for (int k = 0; k < 24; k++) p[k] += 0.01f;
+    rtcUpdateGeometryBuffer(geometries[i], RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometries[i]);
+  }
+
+  void mask(size_t i, unsigned bits)
+  {
+    rtcSetGeometryMask(geometries[i], bits);
+    rtcCommitGeometry(geometries[i]);
+  }
+
+  /* From outside, at balls, one after the other. */
+  std::vector<RTCRayHit> rays(size_t count) const
+  {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> uniform(-1, 1);
+    std::vector<RTCRayHit> rays(count);
+    for (size_t i = 0; i < count; i++)
+    {
+      const Vec3f target = centre(random() % geometries.size()) + Vec3f{uniform(random), uniform(random), uniform(random)};
+      const float far = 4.0f * float(side);
+      const Vec3f origin = Vec3f{far, far, far} + float(side) * Vec3f{uniform(random), uniform(random), uniform(random)};
+      const Vec3f direction = target - origin;
+      RTCRayHit& r = rays[i];
+      std::memset(&r, 0, sizeof(r));
+      r.ray.org_x = origin.x; r.ray.org_y = origin.y; r.ray.org_z = origin.z;
+      r.ray.dir_x = direction.x; r.ray.dir_y = direction.y; r.ray.dir_z = direction.z;
+      r.ray.tfar = INFINITY;
+      r.ray.mask = ~0u;
+      r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    }
+    return rays;
+  }
+
+  size_t count() const { return geometries.size(); }
+
+private:
+  Vec3f centre(size_t i) const { return 3.0f * Vec3f{float(i % side), float(i / side % side), float(i / side / side)}; }
+
+  EmbreeDevice& device;
+  size_t side;
+  std::vector<RTCGeometry> geometries;
+};
+
+double traced(RTCScene scene, const std::vector<RTCRayHit>& rays, unsigned repeat)
+{
+  std::vector<double> times;
+  for (unsigned i = 0; i < repeat; i++)
+  {
+    std::vector<RTCRayHit> copy = rays;
+    times.push_back(secondsOf([&] {
+      for (RTCRayHit& ray : copy)
+      {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        rtcIntersect1(scene, &context, &ray);
+      }
+    }));
+  }
+  return double(rays.size()) / median(times) * 1e-6;
+}
+
+void measure(const Options& options, const std::string& accel, size_t count)
+{
+  const float rate = std::max(1.0f, std::round(float(std::sqrt(double(options.quads) / double(6 * count)))));
+  EmbreeDevice device("subdiv_accel=" + accel);
+  Balls balls(device, count, rate);
+  RTCScene scene = balls.newScene();
+  const size_t input = device.memory().live();
+  device.memory().resetPeak();
+  const double all = secondsOf([&] { rtcCommitScene(scene); });
+  device.check("committing");
+  const size_t bytes = device.memory().live() - input, peak = device.memory().peak() - input;
+  std::vector<double> edits, masks;
+  for (unsigned i = 0; i < options.repeat; i++)
+  {
+    const size_t one = i * 7919 % balls.count();
+    edits.push_back(secondsOf([&] { balls.move(one); rtcCommitScene(scene); }));
+    masks.push_back(secondsOf([&] { balls.mask(one, 1u << i % 31); rtcCommitScene(scene); }));
+  }
+  const size_t before = device.memory().live();
+  RTCScene other = balls.newScene();
+  const double second = secondsOf([&] { rtcCommitScene(other); });
+  const size_t more = device.memory().live() - before;
+  device.check("committing again");
+  rtcReleaseScene(other);
+  const double speed = traced(scene, balls.rays(options.rays), options.repeat);
+  rtcReleaseScene(scene);
+  std::printf("| %zu | %s | %.0f | %.4f | %.5f (%.2f%%) | %.5f (%.2f%%) | %.5f | %.1f | %.1f | %.1f | %.3f |\n", count, accel.c_str(), double(rate), all,
+              median(edits), 100 * median(edits) / all, median(masks), 100 * median(masks) / all, second, double(bytes) / (1 << 20),
+              double(peak) / (1 << 20), double(more) / (1 << 20), speed);
+  std::fflush(stdout);
+}
+
+int run(int argc, char** argv)
+{
+  Options options;
+  CLI::App app("Measures commits of scenes of many geometries: seconds, and MiB that the device holds.");
+  app.add_option("--geometries", options.counts, "comma list of how many")->delimiter(',')->capture_default_str();
+  app.add_option("--accel", options.accels, "comma list of values of subdiv_accel")->delimiter(',')->capture_default_str();
+  app.add_option("--quads", options.quads, "of all geometries together, about")->capture_default_str();
+  app.add_option("--repeat", options.repeat, "edits, of which the median is shown")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--rays", options.rays, "that are traced, at random geometries")->capture_default_str();
+  try
+  {
+    app.parse(argc, argv);
+  }
+  catch (const CLI::ParseError& error)
+  {
+    return app.exit(error);
+  }
+  std::printf("| geometries | subdiv_accel | rate | all, s | one moved (of all) | one masked (of all) | a second scene, s | MiB | peak | second, MiB | Mrays/s |\n"
+              "|--:|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+  for (size_t count : options.counts)
+    for (const std::string& accel : options.accels) measure(options, accel, count);
+  return 0;
+}
+
+} // namespace
+} // namespace cbvh
+
+int main(int argc, char** argv)
+{
+  return cbvh::runProgram("cbvh_commits", [=] { return cbvh::run(argc, argv); });
+}
