@@ -94,13 +94,13 @@ rm -rf tree first
 
 # Another series: only what it changes is written.
 provide "$archive"
-sed -i '/geometry-settings/d' upstream/patches/series
+sed -i '/packet-masks/d' upstream/patches/series
 touch -d '1 hour ago' mark
 find tree -exec touch -d '2 hours ago' {} +
 provide "$archive"
-! grep -q CompressionSettings tree/kernels/common/scene_subdiv_mesh.h || fail "the old patch is still in"
+! grep -q OnlyActiveRays tree/kernels/common/rtcore.cpp || fail "the old patch is still in"
 changed=$(find tree -type f -newer mark ! -name .cbvh-stamp)
-[ "$changed" = tree/kernels/common/scene_subdiv_mesh.h ] || fail "written: $changed"
+[ "$changed" = tree/kernels/common/rtcore.cpp ] || fail "written: $changed"
 
 # Interrupted when upstream has configured its files, and nothing of ours that follows.
 echo 'cmake_language(DEFER CALL message FATAL_ERROR "interrupted")' > interrupt.cmake
