@@ -103,8 +103,8 @@ struct RTCVulkanSceneArguments
 
 /* Puts a committed scene on a device, with the scenes that it instances. It does not change when the scene is
  * committed again: make a new one then, and release the old one afterwards: blocks of compressed surfaces that did not
- * change in between are not sent again, nor those that another scene on the device has. With imported memory the RTCScene has to stay as it is for as long
- * as this one lives; it is retained.
+ * change in between are not sent again, nor those that another scene on the device has. With imported memory the RTCScene
+ * has to stay as it is for as long as this one lives; it is retained.
  *
  * Taken are subdivision surfaces (GRID and every compression), triangle meshes and instances, without motion
  * blur and filters of geometries. Anything else that is enabled is an error that names the geometry.

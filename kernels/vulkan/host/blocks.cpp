@@ -20,6 +20,13 @@ namespace {
 constexpr size_t readBehind = 16;             // the bits of cVERT's blocks are read in words; kernels/cbvh has memory there
 constexpr size_t ownBufferBytes = 1 << 20;    // a surface of so much has buffers of its own, which are freed with it
 
+void requireValid(const FlatBlock& block)
+{
+  if (block.type == cellReference) return;
+  if (const char* error = validateBlock(block.type - firstBlockReference, block.data, block.bytes))
+    throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("a block of the scene is not valid: ") + error);
+}
+
 /* what of a block is copied: of grids not their own trees, which are in the scene's */
 struct Source
 {
@@ -58,6 +65,7 @@ public:
   /* Sets the address. */
   void write(PlacedBlock& placed)
   {
+    requireValid(*placed.block);
     const Source source(*placed.block);
     if (buffers.empty() || used + source.bytes() > end) addBuffer(source.bytes());
     const Slice slice = {buffers.back().get(), 0};
@@ -122,16 +130,6 @@ size_t BlockBuffers::bytes() const
   return bytes;
 }
 
-void validateBlocks(const std::vector<PlacedBlock>& blocks)
-{
-  for (const PlacedBlock& placed : blocks) {
-    const FlatBlock& block = *placed.block;
-    if (block.type == cellReference) continue;
-    if (const char* error = validateBlock(block.type - firstBlockReference, block.data, block.bytes))
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("a block of the scene is not valid: ") + error);
-  }
-}
-
 BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
 {
   struct Range { size_t begin, end; };
@@ -139,6 +137,7 @@ BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
   const size_t alignment = device.capabilities.importAlignment;
   for (const PlacedBlock& placed : blocks) {
     const FlatBlock& block = *placed.block;
+    requireValid(block);
     const size_t begin = size_t(block.data), end = begin + block.bytes + (block.type == blockReference(kindVert) ? readBehind : 0);
     ranges.push_back({begin & ~(alignment - 1), (end + alignment - 1) & ~(alignment - 1)});
   }

@@ -40,8 +40,8 @@ struct BlockBuffers
   size_t bytes() const;   // of all, each buffer once
 };
 
-/* Throws VulkanError if a header does not hold: a device reads what it says, wherever that is. */
-void validateBlocks(const std::vector<PlacedBlock>& blocks);
+/* Both throw VulkanError if the header of a block that is new to the device does not hold: a device reads what it says, wherever
+ * that is. */
 
 /* Uses blocks where they lie in the host's memory. Sets the addresses. */
 BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks);

@@ -144,7 +144,6 @@ private:
     const bool import = memory == RTC_VULKAN_MEMORY_IMPORT || (memory == RTC_VULKAN_MEMORY_AUTO && !device.capabilities.info.isDiscrete && device.handles.hasHostImport);
     if (import && !device.handles.hasHostImport)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("memory cannot be imported: the Vulkan device ") + device.capabilities.info.name + " has no VK_EXT_external_memory_host, or it is not enabled");
-    validateBlocks(placed);
     out.blocks = import ? importBlocks(device, placed) : copyBlocks(device, uploader, placed);
     for (const PlacedBlock& block : placed) blocks.push_back(BlockData{block.address, block.block->geomID, 0});
   }
