@@ -6,7 +6,7 @@
 
 #include "basics/vec.h"
 #include "building/embree_device.h"
-#include "building/representation.h"
+#include "measure/quantiles.h"
 #include "programs/run_program.h"
 
 #include <CLI/CLI.hpp>
@@ -29,6 +29,7 @@ struct Options
 {
   std::vector<size_t> counts{1, 10, 100, 10000, 100000};
   std::vector<std::string> accels{"bvh4.grid.eager", "cbvh.vert"};
+  std::string shape = "ball";
   size_t quads = size_t(1) << 22;
   unsigned repeat = 5;
   size_t rays = 200000;
@@ -47,12 +48,6 @@ double secondsOf(const Run& run)
   return seconds() - before;
 }
 
-double median(std::vector<double> values)
-{
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 void displace(const RTCDisplacementFunctionNArguments* args)
 {
   for (unsigned i = 0; i < args->N; i++)
@@ -64,14 +59,17 @@ void displace(const RTCDisplacementFunctionNArguments* args)
   }
 }
 
-/* Cubes that become balls, in a cube of them. */
-class Balls
+/* Cubes that become balls, or single faces of them, in a cube of such. */
+class Shapes
 {
 public:
-  Balls(EmbreeDevice& device, size_t count, float rate) : device(device), side(size_t(std::ceil(std::cbrt(double(count)))))
+  static unsigned numFaces(const std::string& shape) { return shape == "ball" ? 6 : 1; }
+
+  Shapes(EmbreeDevice& device, const std::string& shape, size_t count, float rate)
+    : device(device), side(size_t(std::ceil(std::cbrt(double(count)))))
   {
     static const unsigned indices[24] = {0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6};
-    static const unsigned faces[6] = {4, 4, 4, 4, 4, 4};
+    const unsigned faces = numFaces(shape);
     for (size_t i = 0; i < count; i++)
     {
       RTCGeometry geometry = rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SUBDIVISION);
@@ -83,8 +81,8 @@ public:
         p[3 * v + 1] = at.y + (v & 2 ? 1.0f : -1.0f);
         p[3 * v + 2] = at.z + (v & 4 ? 1.0f : -1.0f);
       }
-      std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 24), indices, sizeof(indices));
-      std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 6), faces, sizeof(faces));
+      std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 4 * faces), indices, 4 * faces * sizeof(unsigned));
+      std::fill_n((unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, faces), faces, 4u);
       rtcSetGeometryTessellationRate(geometry, rate);
       rtcSetGeometryDisplacementFunction(geometry, displace);
       rtcCommitGeometry(geometry);
@@ -92,9 +90,9 @@ public:
     }
   }
 
-  ~Balls() { for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry); }
-  Balls(const Balls&) = delete;
-  Balls& operator=(const Balls&) = delete;
+  ~Shapes() { for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry); }
+  Shapes(const Shapes&) = delete;
+  Shapes& operator=(const Shapes&) = delete;
 
   RTCScene newScene() const
   {
@@ -118,7 +116,7 @@ public:
     rtcCommitGeometry(geometries[i]);
   }
 
-  /* From outside, at balls, one after the other. */
+  /* From outside, at shapes, one after the other. */
   std::vector<RTCRayHit> rays(size_t count) const
   {
     std::mt19937 random(1);
@@ -171,10 +169,10 @@ double traced(RTCScene scene, const std::vector<RTCRayHit>& rays, unsigned repea
 
 void measure(const Options& options, const std::string& accel, size_t count)
 {
-  const float rate = std::max(1.0f, std::round(float(std::sqrt(double(options.quads) / double(6 * count)))));
+  const float rate = std::max(1.0f, std::round(float(std::sqrt(double(options.quads) / double(Shapes::numFaces(options.shape) * count)))));
   EmbreeDevice device("subdiv_accel=" + accel);
-  Balls balls(device, count, rate);
-  RTCScene scene = balls.newScene();
+  Shapes shapes(device, options.shape, count, rate);
+  RTCScene scene = shapes.newScene();
   const size_t input = device.memory().live();
   device.memory().resetPeak();
   const double all = secondsOf([&] { rtcCommitScene(scene); });
@@ -183,17 +181,17 @@ void measure(const Options& options, const std::string& accel, size_t count)
   std::vector<double> edits, masks;
   for (unsigned i = 0; i < options.repeat; i++)
   {
-    const size_t one = i * 7919 % balls.count();
-    edits.push_back(secondsOf([&] { balls.move(one); rtcCommitScene(scene); }));
-    masks.push_back(secondsOf([&] { balls.mask(one, 1u << i % 31); rtcCommitScene(scene); }));
+    const size_t one = i * 7919 % shapes.count();
+    edits.push_back(secondsOf([&] { shapes.move(one); rtcCommitScene(scene); }));
+    masks.push_back(secondsOf([&] { shapes.mask(one, 1u << i % 31); rtcCommitScene(scene); }));
   }
   const size_t before = device.memory().live();
-  RTCScene other = balls.newScene();
+  RTCScene other = shapes.newScene();
   const double second = secondsOf([&] { rtcCommitScene(other); });
   const size_t more = device.memory().live() - before;
   device.check("committing again");
   rtcReleaseScene(other);
-  const double speed = traced(scene, balls.rays(options.rays), options.repeat);
+  const double speed = traced(scene, shapes.rays(options.rays), options.repeat);
   rtcReleaseScene(scene);
   std::printf("| %zu | %s | %.0f | %.4f | %.5f (%.2f%%) | %.5f (%.2f%%) | %.5f | %.1f | %.1f | %.1f | %.3f |\n", count, accel.c_str(), double(rate), all,
               median(edits), 100 * median(edits) / all, median(masks), 100 * median(masks) / all, second, double(bytes) / (1 << 20),
@@ -207,6 +205,7 @@ int run(int argc, char** argv)
   CLI::App app("Measures commits of scenes of many geometries: seconds, and MiB that the device holds.");
   app.add_option("--geometries", options.counts, "comma list of how many")->delimiter(',')->capture_default_str();
   app.add_option("--accel", options.accels, "comma list of values of subdiv_accel")->delimiter(',')->capture_default_str();
+  app.add_option("--shape", options.shape, "of a geometry: ball, of six faces, or face")->check(CLI::IsMember({"ball", "face"}))->capture_default_str();
   app.add_option("--quads", options.quads, "of all geometries together, about")->capture_default_str();
   app.add_option("--repeat", options.repeat, "edits, of which the median is shown")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--rays", options.rays, "that are traced, at random geometries")->capture_default_str();

@@ -46,15 +46,25 @@ namespace embree
       {
         const unsigned side = gridQuads;
         const unsigned full[2] = { unsigned(quads.x)/side,unsigned(quads.y)/side }, rest[2] = { unsigned(quads.x)%side,unsigned(quads.y)%side };
-        size_t bytes = size_t(full[0])*size_t(full[1])*bytesOfGrid(side,side);
-        if (rest[0]) bytes += full[1]*bytesOfGrid(rest[0],side);
-        if (rest[1]) bytes += full[0]*bytesOfGrid(side,rest[1]);
+        size_t bytes = 0;
+        if (full[0] && full[1]) bytes += size_t(full[0])*size_t(full[1])*bytesOfGrid(side,side);
+        if (rest[0] && full[1]) bytes += full[1]*bytesOfGrid(rest[0],side);
+        if (rest[1] && full[0]) bytes += full[0]*bytesOfGrid(side,rest[1]);
         if (rest[0] && rest[1]) bytes += bytesOfGrid(rest[0],rest[1]);
         return bytes;
       }
 
     private:
+      /*! counted once for each size */
       static size_t bytesOfGrid (unsigned x, unsigned y)
+      {
+        static std::atomic<uint32_t> known[gridQuads+1][gridQuads+1];
+        uint32_t bytes = known[y][x];
+        if (bytes == 0) known[y][x] = bytes = uint32_t(countBytes(x,y));
+        return bytes;
+      }
+
+      static size_t countBytes (unsigned x, unsigned y)
       {
         return offsetof(GridSOA,data) + GridSOA::getBVHBytes(GridRange(0,x,0,y),sizeof(BVH4::AABBNode),0)
           + 4*sizeof(float)*size_t(x+1)*size_t(y+1) + sizeof(BVH4::NodeRef) + sizeof(BVH4::AABBNode)/3;

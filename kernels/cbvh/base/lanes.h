@@ -53,6 +53,8 @@ namespace embree
     inline uint32_t lanesBelow(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v,b.v))); }
     inline uint32_t lanesNotAbove(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmple_ps(a.v,b.v))); }
 
+    inline uint32_t lanesEqual(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmpeq_ps(a.v,b.v))); }
+
     struct Int4
     {
       __m128i v;
@@ -61,17 +63,70 @@ namespace embree
       Int4(__m128i v) : v(v) {}
       Int4(int a) : v(_mm_set1_epi32(a)) {}
       static Int4 load(const uint32_t* p) { return _mm_loadu_si128((const __m128i*)p); }
+      static Int4 load(const int* p) { return _mm_loadu_si128((const __m128i*)p); }
       void store(uint32_t* p) const { _mm_storeu_si128((__m128i*)p,v); }
+      void store(int* p) const { _mm_storeu_si128((__m128i*)p,v); }
 
       friend Int4 operator+(Int4 a, Int4 b) { return _mm_add_epi32(a.v,b.v); }
+      friend Int4 operator-(Int4 a, Int4 b) { return _mm_sub_epi32(a.v,b.v); }
       friend Int4 operator|(Int4 a, Int4 b) { return _mm_or_si128(a.v,b.v); }
+      friend Int4 operator&(Int4 a, Int4 b) { return _mm_and_si128(a.v,b.v); }
+      friend Int4 operator^(Int4 a, Int4 b) { return _mm_xor_si128(a.v,b.v); }
       friend Int4 operator<<(Int4 a, int n) { return _mm_slli_epi32(a.v,n); }
       friend Int4 operator>>(Int4 a, int n) { return _mm_srli_epi32(a.v,n); }
     };
 
+    /*! with the sign's bits from above */
+    inline Int4 shiftSigned(Int4 a, int n) { return _mm_srai_epi32(a.v,n); }
+
+    /*! the lower 32 bits */
+    inline Int4 operator*(Int4 a, Int4 b) {
+#if defined(__SSE4_1__)
+      return _mm_mullo_epi32(a.v,b.v);
+#else
+      const __m128i even = _mm_mul_epu32(a.v,b.v), odd = _mm_mul_epu32(_mm_srli_epi64(a.v,32),_mm_srli_epi64(b.v,32));
+      return _mm_unpacklo_epi32(_mm_shuffle_epi32(even,_MM_SHUFFLE(0,0,2,0)),_mm_shuffle_epi32(odd,_MM_SHUFFLE(0,0,2,0)));
+#endif
+    }
+
+    inline Int4 min(Int4 a, Int4 b) {
+#if defined(__SSE4_1__)
+      return _mm_min_epi32(a.v,b.v);
+#else
+      const __m128i less = _mm_cmplt_epi32(a.v,b.v);
+      return _mm_or_si128(_mm_and_si128(less,a.v),_mm_andnot_si128(less,b.v));
+#endif
+    }
+
+    inline Int4 max(Int4 a, Int4 b) {
+#if defined(__SSE4_1__)
+      return _mm_max_epi32(a.v,b.v);
+#else
+      const __m128i less = _mm_cmplt_epi32(a.v,b.v);
+      return _mm_or_si128(_mm_and_si128(less,b.v),_mm_andnot_si128(less,a.v));
+#endif
+    }
+
+    /*! of all lanes */
+    inline int least(Int4 a) {
+      const Int4 m = min(a,Int4(_mm_shuffle_epi32(a.v,_MM_SHUFFLE(1,0,3,2))));
+      return _mm_cvtsi128_si32(min(m,Int4(_mm_shuffle_epi32(m.v,1))).v);
+    }
+    inline int greatest(Int4 a) {
+      const Int4 m = max(a,Int4(_mm_shuffle_epi32(a.v,_MM_SHUFFLE(1,0,3,2))));
+      return _mm_cvtsi128_si32(max(m,Int4(_mm_shuffle_epi32(m.v,1))).v);
+    }
+    inline int anyOf(Int4 a) {
+      const Int4 m = a | Int4(_mm_shuffle_epi32(a.v,_MM_SHUFFLE(1,0,3,2)));
+      return _mm_cvtsi128_si32((m | Int4(_mm_shuffle_epi32(m.v,1))).v);
+    }
+
     /*! of numbers below 256 */
     inline Int4 square(Int4 a) { return _mm_mullo_epi16(a.v,a.v); }
     inline Float4 toFloat(Int4 a) { return _mm_cvtepi32_ps(a.v); }
+
+    /*! towards zero; the least integer for what is too large */
+    inline Int4 truncated(Float4 a) { return _mm_cvttps_epi32(a.v); }
 
 #if defined(__AVX__)
     struct Mask4

@@ -23,6 +23,8 @@ namespace embree
       BVH4* bvh;
       Scene* scene;
       CompressionReport* report;
+      std::vector<uint64_t> treeOf; //!< builds of the blocks that the tree stands over; empty if there is none
+      size_t treeNodes = 0;
 
       /*! a geometry of the scene */
       struct Surface
@@ -36,19 +38,28 @@ namespace embree
     public:
       CompressedSubdivBuilder (BVH4* bvh, Scene* scene, CompressionReport* report) : bvh(bvh), scene(scene), report(report) {}
 
-      void clear () {}
+      void clear ()
+      {
+        treeOf.clear();
+        bvh->set(BVH4::emptyNode,empty,0);
+      }
 
       void build ()
       {
         report->clear();
-        bvh->set(BVH4::emptyNode,empty,0);
-        if (scene->getNumPrimitives(SubdivMesh::geom_type,false) == 0) return;
-        const double t0 = bvh->preBuild(TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
         std::vector<Surface> surfaces = findSurfaces();
+        const bool keepsTree = !surfaces.empty() && treeOf == buildsOf(surfaces);
+        if (!keepsTree) clear();
+        if (surfaces.empty()) return;
+        const double t0 = bvh->preBuild(TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
         buildBlocks(surfaces);
         cbvh::BuildStatistics all;
         for (const Surface& surface : surfaces) add(surface,all);
-        all.sums.topLevelBytes += buildTopLevel()*sizeof(BVH4::AABBNode);
+        if (!keepsTree) {
+          treeNodes = buildTopLevel();
+          treeOf = buildsOf(surfaces);
+        }
+        all.sums.topLevelBytes += treeNodes*sizeof(BVH4::AABBNode);
         report->statistics = all.sums;
         nameSurfaces(surfaces);
         reportCommit(surfaces,all);
@@ -67,7 +78,15 @@ namespace embree
         return surfaces;
       }
 
-      /*! Small ones beside each other, large ones one after the other, as each uses all threads and takes memory while it is built. */
+      /*! 0 for blocks that are to be built */
+      static std::vector<uint64_t> buildsOf (const std::vector<Surface>& surfaces)
+      {
+        std::vector<uint64_t> builds;
+        for (const Surface& surface : surfaces) builds.push_back(surface.blocks ? surface.blocks->build : 0);
+        return builds;
+      }
+
+      /*! Beside each other, but large ones one after the other: each uses all threads, and takes memory while it is built. */
       void buildBlocks (std::vector<Surface>& surfaces)
       {
         std::vector<std::unique_ptr<SurfaceBuilder>> builders(surfaces.size());
@@ -78,6 +97,10 @@ namespace embree
               builders[i].reset(new SurfaceBuilder(surfaces[i].mesh,surfaces[i].number));
               if (builders[i]->isSmall()) build(surfaces[i],builders[i]);
             }
+          });
+        parallel_for(size_t(0),surfaces.size(),size_t(1),[&](const range<size_t>& r) {
+            for (size_t i=r.begin(); i!=r.end(); i++)
+              if (builders[i] && !builders[i]->isLarge()) build(surfaces[i],builders[i]);
           });
         for (size_t i=0; i<surfaces.size(); i++)
           if (builders[i]) build(surfaces[i],builders[i]);
@@ -100,7 +123,7 @@ namespace embree
           report->errors.push_back(describeInvalid(surface));
       }
 
-      /*! nodes of it */
+      /*! nodes that are its own */
       size_t buildTopLevel ()
       {
         BBox3fa bounds(empty);

@@ -8,6 +8,7 @@
  *
  * Patches with edge rates that no block takes, and geometries that opt out, become GridSOA leaves of the same BVH. */
 
+#include "../base/tasks.h"
 #include "../framed/writer.h"
 #include "../surface/cage_patch.h"
 #include "../vert/writer.h"
@@ -24,12 +25,14 @@ namespace embree
     public:
       SurfaceBuilder (SubdivMesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
         : mesh(mesh), device(mesh->device), number(number), plan(mesh,*number), estimatedBlocks(estimateBlocks()),
-          facesPerTask(isSmall() ? max(mesh->size(),size_t(1)) : clamp(mesh->size()/(4*TaskScheduler::threadCount()),size_t(1),size_t(8))), frameLevel(device,plan.boundsError() ? mesh->size() : 0) {}
+          facesPerTask(isSmall() ? max(mesh->size(),size_t(1)) : clamp(mesh->size()/(4*TaskScheduler::threadCount()),size_t(1),size_t(8))),
+          frameLevel(device,plan.boundsError() ? mesh->size() : 0) {}
 
       /*! whether it is built in no time, and takes no memory worth mention meanwhile */
       bool isSmall () const { return estimatedBlocks <= isa::blocksOfPart; }
 
-      size_t numFaces () const { return mesh->size(); }
+      /*! whether it takes all threads, and memory worth mention meanwhile */
+      bool isLarge () const { return estimatedBlocks > 4096; }
 
       /*! progress(faces): faces that are through, or 0; it may throw, which ends the build */
       template<typename Progress>
@@ -57,7 +60,7 @@ namespace embree
       /*! if no frame level follows from an error bound and no patch is stored exactly instead */
       size_t estimateBlocks () const
       {
-        return parallel_reduce(size_t(0),mesh->size(),size_t(64),size_t(0),[&](const range<size_t>& faces) {
+        return reduceRanges(mesh->size(),size_t(64),size_t(0),[&](const range<size_t>& faces) {
             size_t n = 0;
             for (size_t f=faces.begin(); f!=faces.end(); f++)
               if (hasSurface(mesh,f))
@@ -92,7 +95,7 @@ namespace embree
       template<typename Progress>
       void chooseFrameLevels (const Progress& progress)
       {
-        parallel_for(size_t(0),frameLevel.size(),facesPerTask,[&](const range<size_t>& faces) {
+        forRanges(frameLevel.size(),facesPerTask,[&](const range<size_t>& faces) {
             PatchGrid grid(device);
             BlockStore nowhere(device,nullptr);
             cbvh::BuildStatistics ofTrials;
@@ -149,7 +152,7 @@ namespace embree
       void buildFaces (SurfaceBlocks& blocks, mvector<PrimRef>& prims, const Progress& progress)
       {
         Results results;
-        parallel_for(size_t(0),mesh->size(),facesPerTask,[&](const range<size_t>& faces) { buildFaces(faces,blocks.memory,results,progress); });
+        forRanges(mesh->size(),facesPerTask,[&](const range<size_t>& faces) { buildFaces(faces,blocks.memory,results,progress); });
         blocks.statistics = results.statistics;
         blocks.bounds = results.hitBounds.isEmpty() ? BBox3fa(empty) : toBBox(results.hitBounds);
         collect(results.lists,prims);

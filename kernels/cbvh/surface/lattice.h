@@ -58,7 +58,10 @@ namespace embree
       float spacing, reciprocal, limit;
 
       explicit WorldLattice (int exponent)
-        : spacing(std::ldexp(1.0f,exponent)), reciprocal(std::ldexp(1.0f,-exponent)), limit(std::ldexp(1.0f,std::min(exponent+maxCoordinateBits,127))) {}
+        : spacing(powerOfTwo(exponent)), reciprocal(powerOfTwo(-exponent)), limit(powerOfTwo(std::min(exponent+maxCoordinateBits,127))) {}
+
+      /*! of exponents of normal floats */
+      static float powerOfTwo (int exponent) { return _mm_cvtss_f32(_mm_castsi128_ps(_mm_cvtsi32_si128((exponent+127) << 23))); }
 
       /*! nearest multiple of the spacing, of two the even one; NaN and infinity stay */
       float snap (float x) const
@@ -86,32 +89,36 @@ namespace embree
     class EdgeSample
     {
     public:
-      void add(const float a[3], const float b[3])
+      void add(const float (*line)[3], size_t count)
       {
-        const Double3 d = { double(b[0])-a[0], double(b[1])-a[1], double(b[2])-a[2] };
-        const double l = length(d);
-        if (l > 0 && std::isfinite(l)) lengths.push_back(l); // stitched vertices coincide
-        for (const float* p : { a,b })
+        squares.reserve(squares.size()+count);
+        for (size_t i=0; i<count; i++)
+        {
           for (int k=0; k<3; k++)
-            if (std::isfinite(p[k])) {
-              lower[k] = std::min(lower[k],double(p[k]));
-              upper[k] = std::max(upper[k],double(p[k]));
+            if (std::isfinite(line[i][k])) {
+              lower[k] = std::min(lower[k],double(line[i][k]));
+              upper[k] = std::max(upper[k],double(line[i][k]));
             }
+          if (i == 0) continue;
+          const Double3 d = { double(line[i][0])-line[i-1][0], double(line[i][1])-line[i-1][1], double(line[i][2])-line[i-1][2] };
+          const double square = dot(d,d);
+          if (square > 0 && std::isfinite(square)) squares.push_back(square); // stitched vertices coincide
+        }
       }
 
-      bool empty() const { return lengths.empty(); }
+      bool empty() const { return squares.empty(); }
 
       double median()
       {
-        if (lengths.empty()) return 0;
-        std::nth_element(lengths.begin(),lengths.begin()+lengths.size()/2,lengths.end());
-        return lengths[lengths.size()/2];
+        if (squares.empty()) return 0;
+        std::nth_element(squares.begin(),squares.begin()+squares.size()/2,squares.end());
+        return std::sqrt(squares[squares.size()/2]);
       }
 
       double lower[3] = { INFINITY,INFINITY,INFINITY }, upper[3] = { -INFINITY,-INFINITY,-INFINITY }; //!< of the vertices
 
     private:
-      std::vector<double> lengths;
+      std::vector<double> squares; //!< of lengths
     };
   }}
 }

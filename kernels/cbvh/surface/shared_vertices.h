@@ -25,6 +25,7 @@
  * surfaces all vertices are evaluated here, and kept for their blocks: a border of few vertices costs no less
  * than the patch. */
 
+#include "../base/tasks.h"
 #include "lattice.h"
 #include "patch_grid.h"
 #include "patches.h"
@@ -41,7 +42,8 @@ namespace embree
     {
     public:
       explicit SharedVertices (const CompressionPlan& plan)
-        : plan(plan), mesh(plan.mesh), first(mesh->topology[0].halfEdges.data()), exponents(mesh->device,0), edges(mesh->device,0), points(mesh->device,0), kept(mesh->device,0), firstKept(mesh->device,0) {}
+        : plan(plan), mesh(plan.mesh), first(mesh->topology[0].halfEdges.data()), exponents(mesh->device,0), edges(mesh->device,0),
+          points(mesh->device,0), kept(mesh->device,0), firstKept(mesh->device,0) {}
 
       /*! evaluates borders; calls progress() now and then, which may cancel */
       template<typename Progress>
@@ -64,7 +66,7 @@ namespace embree
 
       /*! all vertices of a patch, row by row, if they are kept, else null */
       const float (*evaluated (size_t face, int subPatch) const)[3] {
-        return firstKept.size() ? (const float(*)[3])keptOf(face,subPatch) : nullptr;
+        return firstKept.size() ? (const float(*)[3])kept.data() + firstOf(face,subPatch) : nullptr;
       }
 
       /*! vertices along a side of a patch; sides are in the order of PatchOfFace::rate */
@@ -101,7 +103,7 @@ namespace embree
       template<typename Progress, typename Closure>
       void forFaces (size_t facesPerTask, const Progress& progress, const Closure& closure)
       {
-        parallel_for(size_t(0),mesh->size(),facesPerTask,[&](const range<size_t>& faces) {
+        forRanges(mesh->size(),facesPerTask,[&](const range<size_t>& faces) {
             PatchGrid grid(mesh->device);
             for (size_t f=faces.begin(); f!=faces.end(); f++)
               closure(f,grid);
@@ -145,7 +147,7 @@ namespace embree
       /*! of the bounds of the cage's faces */
       void findDiagonal (size_t facesPerTask)
       {
-        const BBox3fa bounds = parallel_reduce(size_t(0),edges.size(),facesPerTask,BBox3fa(empty),[&](const range<size_t>& r) {
+        const BBox3fa bounds = reduceRanges(edges.size(),4*facesPerTask,BBox3fa(empty),[&](const range<size_t>& r) {
             BBox3fa b(empty);
             for (size_t i=r.begin(); i!=r.end(); i++) {
               if (edges[i].ownRate == noRate) continue;
@@ -281,7 +283,9 @@ namespace embree
         firstKept = std::move(places);
       }
 
-      const float* keptOf (size_t face, int subPatch) const { return kept.data() + 3*firstKept[indexOf(mesh->getHalfEdge(0,face)) + subPatch]; }
+      /*! of the vertices of a patch that are kept */
+      size_t firstOf (size_t face, int subPatch) const { return firstKept[indexOf(mesh->getHalfEdge(0,face)) + subPatch]; }
+      float (*roomFor (size_t face, int subPatch))[3] { return firstKept.size() ? (float(*)[3])kept.data() + firstOf(face,subPatch) : nullptr; }
 
       float* point (size_t i) { return points.data() + 3*i; }
       const float* point (size_t i) const { return points.data() + 3*i; }
@@ -304,19 +308,20 @@ namespace embree
             const SubdivPatch1Base base = patch.make(mesh,plan.surface,f);
             const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
             for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]);
-            LinesOfPatch lines(mesh,base,grid,quads,(float(*)[3])evaluated(f,patch.subPatch));
+            LinesOfPatch lines(mesh,base,grid,quads,roomFor(f,patch.subPatch));
             for (unsigned s=0; s<4; s++)
             {
               const bool alongU = s % 2 == 0;
               const unsigned fine = quads[alongU ? 0 : 1], across = quads[alongU ? 1 : 0];
               const unsigned at = s == 1 || s == 2 ? across : 0;
               const Line line = lines(alongU,at);
-              takeLine(line,(fine == unsigned(patch.rate[s]) ? samples : coarse)[alongU ? 0 : 1]);
+              (fine == unsigned(patch.rate[s]) ? samples : coarse)[alongU ? 0 : 1].add(line.vertices,line.count);
               ownLine(f,patch,s,line,fine);
             }
             for (bool alongU : { true, false }) {
               if (quads[alongU ? 1 : 0] < 2) continue;
-              takeLine(lines(alongU,quads[alongU ? 1 : 0]/2),samples[alongU ? 0 : 1]);
+              const Line line = lines(alongU,quads[alongU ? 1 : 0]/2);
+              samples[alongU ? 0 : 1].add(line.vertices,line.count);
             }
           });
         /* quads may be much longer than wide: the shorter side counts */
@@ -393,10 +398,6 @@ namespace embree
         const unsigned* quads;
         float (*all)[3];
       };
-
-      static void takeLine (const Line& line, cbvh::EdgeSample& sample) {
-        for (size_t i=0; i+1<line.count; i++) sample.add(line.vertices[i],line.vertices[i+1]);
-      }
 
       /*! keeps what a face owns of a side of a patch */
       void ownLine (size_t f, const PatchOfFace& patch, unsigned s, const Line& side, unsigned fine)

@@ -7,6 +7,7 @@
  * and fields. */
 
 #include "cell.h"
+#include "../base/lanes.h"
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -15,20 +16,28 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
+    /*! a cell's vertices and three more: seven times four */
+    static const int paddedVertices = 28;
+
     class CellEncoder
     {
     public:
-      int vertices[3][cellVertices]; //!< coordinates by axis, row by row; less than maxExtent, not negative
+      /*! coordinates by axis, row by row; less than maxExtent, not negative; those behind the last are the last */
+      int vertices[3][paddedVertices];
 
       /*! quads: along u and v; step: of them from one vertex to the next. False where a residual
        *  takes more bits than a cell has. */
       bool encode (const uint32_t quads[2], uint32_t step)
       {
         predict(quads,step);
-        const int main = mainAxis();
-        int bits[3] = { bitsOf(residuals[main]),0,0 };
+        float squares[3], others[3];
+        sumProducts(residuals[0],residuals[0],residuals[1],residuals[1],residuals[2],residuals[2],squares);
+        const int main = squares[0] >= squares[1] && squares[0] >= squares[2] ? 0 : squares[1] >= squares[2] ? 1 : 2; // along which residuals are largest
+        int* const r[3] = { residuals[main],residuals[axisAfter(main,1)],residuals[axisAfter(main,2)] };
+        sumProducts(r[0],r[0],r[0],r[1],r[0],r[2],others);
+        int bits[3] = { bitsOf(r[0]),0,0 };
         int slopes[3] = { 0,0,0 };
-        for (int i=1; i<3; i++) slopes[i] = removeSlope(residuals[main],residuals[(main+i)%3],bits[i]);
+        for (int i=1; i<3; i++) slopes[i] = removeSlope(r[0],squares[main],others[i],r[i],bits[i]);
         for (int i=0; i<3; i++)
           if (bits[i] > maxResidualBits) return false;
         word = uint32_t(bits[0]) | uint32_t(bits[1]) << 4 | uint32_t(bits[2]) << 8 | uint32_t(main) << 12
@@ -45,16 +54,22 @@ namespace embree
         const int bits[3] = { cellBits(word,0),cellBits(word,1),cellBits(word,2) };
         const int* component[3] = { residuals[main],residuals[cellAxis(word,1)],residuals[cellAxis(word,2)] };
         BitWriter writer = { out };
-        auto residual = [&](int i, int v) { return uint32_t(component[i][v]) & ((1u << bits[i])-1u); };
+        alignas(16) uint32_t fields[paddedVertices];
+        auto residual = [&](int i, int v) { return Int4::load(component[i]+v) & Int4(int((1u << bits[i])-1u)); };
+        auto put = [&](int width) {
+          for (int v=0; v<cellVertices; v++)
+            if (!isCorner(v)) writer.put(fields[v],width);
+        };
         if (isByAxis(word)) {
-          for (int i=0; i<3; i++)
-            for (int v=0; v<cellVertices; v++)
-              if (!isCorner(v)) writer.put(residual(i,v),bits[i]);
+          for (int i=0; i<3; i++) {
+            for (int v=0; v<paddedVertices; v+=4) residual(i,v).store(fields+v);
+            put(bits[i]);
+          }
         }
         else {
-          for (int v=0; v<cellVertices; v++)
-            if (!isCorner(v))
-              writer.put(residual(0,v) | residual(1,v) << bits[0] | uint32_t(uint64_t(residual(2,v)) << (bits[0]+bits[1])),sum);
+          for (int v=0; v<paddedVertices; v+=4) // a shift by 32 makes 0
+            (residual(0,v) | (residual(1,v) << bits[0]) | (residual(2,v) << (bits[0]+bits[1]))).store(fields+v);
+          put(sum);
         }
         return writer.end();
       }
@@ -70,13 +85,19 @@ namespace embree
 
         void put (uint32_t field, int bits)
         {
-          pending |= uint64_t(field) << count; // at most 7 + 32 bits
-          for (count += bits; count >= 8; count -= 8) { *out++ = uint8_t(pending); pending >>= 8; }
+          pending |= uint64_t(field) << count; // at most 31 + 32 bits
+          count += bits;
+          if (count < 32) return;
+          const uint32_t word = uint32_t(pending);
+          memcpy(out,&word,4);
+          out += 4;
+          pending >>= 32;
+          count -= 32;
         }
 
         uint8_t* end ()
         {
-          if (count > 0) *out++ = uint8_t(pending);
+          for (; count > 0; count -= 8) { *out++ = uint8_t(pending); pending >>= 8; }
           return out;
         }
       };
@@ -85,53 +106,78 @@ namespace embree
 
       void predict (const uint32_t quads[2], uint32_t step)
       {
-        int x[5], y[5];
-        for (int i=0; i<5; i++) { x[i] = cellWeight(i,int(step),int(quads[0])); y[i] = cellWeight(i,int(step),int(quads[1])); }
+        setWeights(quads,step);
         for (int k=0; k<3; k++)
         {
           const int* c = vertices[k];
           const int c00 = c[0], c10 = c[4], c01 = c[20], c11 = c[24];
-          for (int j=0; j<5; j++)
-            for (int i=0; i<5; i++)
-              residuals[k][5*j+i] = c[5*j+i] - cellPrediction(c00,c10,c01,c11,x[i],y[j]);
+          const Int4 alongX = 16*(c10-c00), alongY = 16*(c01-c00), twist = c11-c10-c01+c00;
+          for (int v=0; v<paddedVertices; v+=4) // as cellPrediction
+          {
+            const Int4 x = Int4::load(weightX+v), y = Int4::load(weightY+v);
+            const Int4 sum = x*alongX + y*alongY + x*y*twist;
+            (Int4::load(c+v) - (Int4(c00) + shiftSigned(sum+Int4(128),8))).store(residuals[k]+v);
+          }
         }
       }
 
-      /*! along which residuals are largest */
-      int mainAxis () const
+      /*! Most cells of a block have the same. */
+      void setWeights (const uint32_t quads[2], uint32_t step)
       {
-        float sums[3];
-        for (int k=0; k<3; k++) {
-          float sum = 0;
-          for (int v=0; v<cellVertices; v++) sum += float(residuals[k][v])*float(residuals[k][v]);
-          sums[k] = sum;
+        const uint32_t key[3] = { quads[0],quads[1],step };
+        if (memcmp(key,weightsOf,sizeof(key)) == 0) return;
+        memcpy(weightsOf,key,sizeof(key));
+        for (int i=0; i<5; i++)
+        {
+          const int x = weight(i,int(step),int(quads[0])), y = weight(i,int(step),int(quads[1]));
+          for (int j=0; j<5; j++) { weightX[5*j+i] = x; weightY[5*i+j] = y; }
         }
-        return sums[0] >= sums[1] && sums[0] >= sums[2] ? 0 : sums[1] >= sums[2] ? 1 : 2;
+        for (int v=cellVertices; v<paddedVertices; v++) { weightX[v] = weightX[cellVertices-1]; weightY[v] = weightY[cellVertices-1]; }
+      }
+
+      /*! cellWeight, which divides, where that is not known */
+      static int weight (int i, int step, int quads) { return step*i >= quads ? 16 : i == 0 ? 0 : cellWeight(i,step,quads); }
+
+      /*! Sums of a b, c d and e f, in order: the same for every ISA. */
+      static void sumProducts (const int* a, const int* b, const int* c, const int* d, const int* e, const int* f, float sums[3])
+      {
+        float products[3][paddedVertices];
+        auto multiply = [](const int* x, const int* y, float* out) {
+          for (int v=0; v<paddedVertices; v+=4) (toFloat(Int4::load(x+v))*toFloat(Int4::load(y+v))).store(out+v);
+        };
+        multiply(a,b,products[0]);
+        multiply(c,d,products[1]);
+        multiply(e,f,products[2]);
+        float sum0 = 0, sum1 = 0, sum2 = 0; // side by side, as each waits for the one before
+        for (int v=0; v<cellVertices; v++) { sum0 += products[0][v]; sum1 += products[1][v]; sum2 += products[2][v]; }
+        sums[0] = sum0; sums[1] = sum1; sums[2] = sum2;
       }
 
       /*! bits of the largest residual; those of corners are 0 */
-      static int bitsOf (const int r[cellVertices])
+      static int bitsOf (const int r[paddedVertices])
       {
-        int used = 0;
-        bool any = false;
-        for (int v=0; v<cellVertices; v++) { used |= r[v] ^ (r[v] >> 31); any |= r[v] != 0; }
-        int bits = any ? 1 : 0;
-        while (used) { bits++; used >>= 1; }
-        return bits;
+        Int4 used = 0, any = 0;
+        for (int v=0; v<paddedVertices; v+=4) {
+          const Int4 x = Int4::load(r+v);
+          used = used | (x ^ shiftSigned(x,31));
+          any = any | x;
+        }
+        const int bits = anyOf(used);
+        return bits ? 33-__builtin_clz(unsigned(bits)) : anyOf(any) ? 1 : 0;
       }
 
-      /*! Takes the slope that fits best out of a component, if that saves bits; returns it. */
-      static int removeSlope (const int main[cellVertices], int r[cellVertices], int& bits)
+      /*! Takes the slope that fits best out of a component, if that saves bits; returns it. squares, products: sums of main times main, and
+       *  times it. */
+      static int removeSlope (const int main[paddedVertices], float squares, float products, int r[paddedVertices], int& bits)
       {
         bits = bitsOf(r);
-        float mm = 0, mr = 0;
-        for (int v=0; v<cellVertices; v++) { mm += float(main[v])*float(main[v]); mr += float(main[v])*float(r[v]); }
-        if (!(mm > 0) || bits == 0) return 0;
-        const float fit = 16*mr/mm;
+        if (!(squares > 0) || bits == 0) return 0;
+        const float fit = 16*products/squares;
         const int slope = fit < -maxSlope ? -maxSlope : fit > maxSlope ? maxSlope : int(std::floor(fit+0.5f));
         if (slope == 0) return 0;
-        int rest[cellVertices];
-        for (int v=0; v<cellVertices; v++) rest[v] = r[v] - slopeResidual(slope,main[v]);
+        int rest[paddedVertices];
+        for (int v=0; v<paddedVertices; v+=4) // as slopeResidual
+          (Int4::load(r+v) - shiftSigned(Int4(slope)*Int4::load(main+v) + Int4(8),4)).store(rest+v);
         const int restBits = bitsOf(rest);
         if (restBits >= bits) return 0;
         memcpy(r,rest,sizeof(rest));
@@ -139,7 +185,9 @@ namespace embree
         return slope;
       }
 
-      int residuals[3][cellVertices];
+      int residuals[3][paddedVertices];
+      int weightX[paddedVertices], weightY[paddedVertices]; //!< of upper corners, in 1/16
+      uint32_t weightsOf[3] = { 0,0,0 };                    //!< quads and step that they are of
     };
   }}
 }

@@ -8,6 +8,7 @@
 
 #include "format.h"
 #include "cell_encoder.h"
+#include "../base/vertices4.h"
 #include "../base/world.h"
 #include <algorithm>
 
@@ -43,7 +44,8 @@ namespace embree
       /*! room for any block */
       static const size_t maxBytes = vertHeaderBytes + vertEdgesBytes + sizeof(float)*(3*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
 
-      float vertices[maxSide*maxSide][3]; //!< row by row, (quadsX+1) (quadsY+1) of them
+      static const uint32_t maxVertices = maxSide*maxSide + 3; //!< with whole vectors of four
+      float vertices[maxVertices][3]; //!< row by row, (quadsX+1) (quadsY+1) of them
       float lower[3], upper[3];           //!< of the finite ones, by encode
 
       /*! spacing: of the lattice that the vertices lie on. Returns the
@@ -68,22 +70,40 @@ namespace embree
       }
 
     private:
+      uint32_t numVertices () const { return width*(quads[1]+1); }
       const float* vertexAt (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
 
       bool bound (VertStatistics& statistics)
       {
+        if (boundFinite()) return true;
         for (int k=0; k<3; k++) { lower[k] = INFINITY; upper[k] = -INFINITY; }
-        allFinite = true;
-        for (uint32_t i=0; i<width*(quads[1]+1); i++)
+        for (uint32_t i=0; i<numVertices(); i++)
         {
-          if (!isFinite(vertices[i])) { allFinite = false; continue; }
+          if (!isFinite(vertices[i])) continue;
           for (int k=0; k<3; k++) { lower[k] = std::min(lower[k],vertices[i][k]); upper[k] = std::max(upper[k],vertices[i][k]); }
         }
-        if (!allFinite)
-          for (uint32_t y=0; y<quads[1]; y++)
-            for (uint32_t x=0; x<quads[0]; x++)
-              statistics.invalidQuads += !(isFinite(vertexAt(x,y)) && isFinite(vertexAt(x+1,y)) && isFinite(vertexAt(x,y+1)) && isFinite(vertexAt(x+1,y+1)));
+        for (uint32_t y=0; y<quads[1]; y++)
+          for (uint32_t x=0; x<quads[0]; x++)
+            statistics.invalidQuads += !(isFinite(vertexAt(x,y)) && isFinite(vertexAt(x+1,y)) && isFinite(vertexAt(x,y+1)) && isFinite(vertexAt(x+1,y+1)));
         return lower[0] <= upper[0];
+      }
+
+      /*! allFinite, and the bounds if they are */
+      bool boundFinite ()
+      {
+        Float4 low = INFINITY, high = -INFINITY;
+        uint32_t finite = 7;
+        for (uint32_t i=0; i<numVertices(); i++) {
+          const Float4 v = loadVertex(vertices,i,numVertices());
+          finite &= lanesBelow(abs(v),maxCoordinate);
+          low = min(low,v);
+          high = max(high,v);
+        }
+        float bounds[2][4];
+        low.store(bounds[0]);
+        high.store(bounds[1]);
+        for (int k=0; k<3; k++) { lower[k] = bounds[0][k]; upper[k] = bounds[1][k]; }
+        return allFinite = finite == 7;
       }
 
       /*! coordinates on the lattice relative to the lower bounds; false where one is too large */
@@ -92,35 +112,45 @@ namespace embree
         for (int k=0; k<3; k++)
           if (!((double(upper[k])-double(lower[k])) < double(maxExtent)*spacing)) return false;
         this->spacing = spacing;
-        const double reciprocal = 1.0/spacing;
-        for (uint32_t i=0; i<width*(quads[1]+1); i++)
-          for (int k=0; k<3; k++)
-          {
-            const double q = (double(vertices[i][k])-double(lower[k]))*reciprocal;
-            coordinates[k][i] = int(q);
-            if (double(coordinates[k][i]) != q) return false; // not on this lattice
-          }
-        return true;
+        const Float4 unit = spacing, reciprocal = 1.0f/spacing; // a power of two
+        uint32_t off = 0; // this lattice
+        auto locate = [&](Float4 x) {
+          const Int4 c = truncated(x*reciprocal);
+          off |= ~lanesEqual(toFloat(c)*unit,x);
+          return c;
+        };
+        const Int4 first[3] = { locate(lower[0]),locate(lower[1]),locate(lower[2]) };
+        for (uint32_t i=numVertices(); i % 4 != 0; i++) memcpy(vertices[i],vertices[0],sizeof(vertices[0]));
+        for (uint32_t i=0; i<numVertices(); i+=4)
+        {
+          const Vertices4 p(vertices+i);
+          (locate(p.x)-first[0]).store(coordinates[0]+i);
+          (locate(p.y)-first[1]).store(coordinates[1]+i);
+          (locate(p.z)-first[2]).store(coordinates[2]+i);
+        }
+        return (off & 15) == 0;
       }
 
-      /*! the vertices of a cell; those behind the last are the last */
-      void gather (uint32_t x0, uint32_t y0, uint32_t step)
+      /*! of the vertices of a cell; those behind the last are the last */
+      void gather (const int* values, uint32_t x0, uint32_t y0, uint32_t step, int out[paddedVertices]) const
       {
-        for (int j=0; j<5; j++)
+        for (uint32_t j=0; j<5; j++)
         {
-          const uint32_t y = std::min(y0+step*j,quads[1]);
-          for (int i=0; i<5; i++)
-          {
-            const uint32_t v = y*width + std::min(x0+step*i,quads[0]);
-            for (int k=0; k<3; k++) cell.vertices[k][5*j+i] = coordinates[k][v];
-          }
+          const int* row = values + std::min(y0+step*j,quads[1])*width;
+          if (step == 1 && x0+4 <= quads[0]) { memcpy(out+5*j,row+x0,5*sizeof(*row)); continue; }
+          for (uint32_t i=0; i<5; i++) out[5*j+i] = row[std::min(x0+step*i,quads[0])];
         }
+        for (int v=cellVertices; v<paddedVertices; v++) out[v] = out[cellVertices-1];
+      }
+
+      void gatherCell (uint32_t x0, uint32_t y0, uint32_t step) {
+        for (int k=0; k<3; k++) gather(coordinates[k],x0,y0,step,cell.vertices[k]);
       }
 
       bool pack (VertHeader& header, uint8_t* block, VertStatistics& statistics)
       {
         for (int k=0; k<3; k++) header.origin[k] = lower[k];
-        gather(0,0,groupQuads);
+        gatherCell(0,0,groupQuads);
         if (!cell.encode(quads,groupQuads)) return false;
         header.word = cell.word | exponentBits(spacing);
         end = cell.write(block+layout.cell);
@@ -131,26 +161,29 @@ namespace embree
         int margins[2][3][maxVertGroups];
         const Shear shear = chooseShear();
         header.boxForm = shear.axis << 12 | (uint32_t(shear.slopes[0]) & 31u) << 14 | (uint32_t(shear.slopes[1]) & 31u) << 19;
+        if (!shear.isStraight()) setHeights(shear);
         writeReach(header,shear);
         for (uint32_t g=0; g<layout.groups; g++)
         {
           const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
-          gather(groupQuads*gx,groupQuads*gy,1);
+          gatherCell(groupQuads*gx,groupQuads*gy,1);
           const uint32_t sides[2] = { quadsOfGroup(quads[0],gx), quadsOfGroup(quads[1],gy) };
           if (!cell.encode(sides,1)) return false;
           const uint16_t low = uint16_t(cell.word);
           memcpy(block+layout.words+2*g,&low,sizeof(low));
           block[layout.wordsHigh+g] = uint8_t(cell.word >> 16);
           end = cell.write(end);
-          for (int k=0; k<3; k++)
+          for (uint32_t k=0; k<3; k++)
           {
-            int sheared[cellVertices]; // in 1/16
-            for (int i=0; i<cellVertices; i++) sheared[i] = uint32_t(k) == shear.axis ? shear.of(cell.vertices[0][i],cell.vertices[1][i],cell.vertices[2][i]) : 16*cell.vertices[k][i];
-            const int* v = sheared;
-            int lo = v[0], hi = v[0];
-            for (int i=1; i<cellVertices; i++) { lo = std::min(lo,v[i]); hi = std::max(hi,v[i]); }
-            margins[0][k][g] = stepsUp(std::min(std::min(v[0],v[4]),std::min(v[20],v[24])) - lo,4);
-            margins[1][k][g] = stepsUp(hi - std::max(std::max(v[0],v[4]),std::max(v[20],v[24])),4);
+            const bool isSheared = k == shear.axis && !shear.isStraight();
+            int sheared[paddedVertices]; // in 1/16
+            if (isSheared) gather(heights,groupQuads*gx,groupQuads*gy,1,sheared);
+            const int* v = isSheared ? sheared : cell.vertices[k];
+            const Span span = spanOf(v);
+            const int lower = std::min(std::min(v[0],v[4]),std::min(v[20],v[24])) - span.lower;
+            const int upper = span.upper - std::max(std::max(v[0],v[4]),std::max(v[20],v[24]));
+            margins[0][k][g] = isSheared ? stepsUp(lower,4) : lower;
+            margins[1][k][g] = isSheared ? stepsUp(upper,4) : upper;
           }
         }
         for (int k=0; k<3; k++) writeMargins(header,block+layout.margins+k*layout.groups,k,margins[0][k],margins[1][k]);
@@ -164,51 +197,86 @@ namespace embree
         uint32_t axis = 0;
         int slopes[2] = { 0,0 };  //!< of the next axes, in 1/16
 
-        /*! in 1/16 */
-        int of (int x, int y, int z) const
-        {
-          const int c[3] = { x,y,z };
-          return 16*c[axis] + slopes[0]*c[(axis+1)%3] + slopes[1]*c[(axis+2)%3];
-        }
+        bool isStraight () const { return slopes[0] == 0 && slopes[1] == 0; }
       };
 
-      /*! along the mean normal of the quads, where groups are flatter then */
-      Shear chooseShear () const
+      void setHeights (const Shear& shear)
       {
-        double n[3] = { 0,0,0 };
-        for (uint32_t y=0; y<quads[1]; y++)
-          for (uint32_t x=0; x<quads[0]; x++)
-          {
-            const uint32_t v = y*width+x;
-            double a[3], b[3];
-            for (int k=0; k<3; k++) {
-              a[k] = double(coordinates[k][v+width+1]-coordinates[k][v]);
-              b[k] = double(coordinates[k][v+width]-coordinates[k][v+1]);
-            }
-            for (int k=0; k<3; k++) n[k] += a[(k+1)%3]*b[(k+2)%3] - a[(k+2)%3]*b[(k+1)%3];
-          }
+        const int* along = coordinates[shear.axis];
+        const int* a = coordinates[(shear.axis+1)%3];
+        const int* b = coordinates[(shear.axis+2)%3];
+        for (uint32_t i=0; i<numVertices(); i+=4)
+          ((Int4::load(along+i) << 4) + Int4(shear.slopes[0])*Int4::load(a+i) + Int4(shear.slopes[1])*Int4::load(b+i)).store(heights+i);
+      }
+
+      struct Span { int lower, upper; };
+
+      static Span spanOf (const int v[paddedVertices])
+      {
+        Int4 lower = Int4::load(v), upper = lower;
+        for (int i=4; i<paddedVertices; i+=4) {
+          const Int4 x = Int4::load(v+i);
+          lower = min(lower,x);
+          upper = max(upper,x);
+        }
+        return { least(lower),greatest(upper) };
+      }
+
+      /*! along the mean normal of the quads, where groups are flatter then */
+      Shear chooseShear ()
+      {
+        int64_t n[3];
+        sumNormals(n);
         Shear straight, shear;
-        const double x = std::fabs(n[0]), y = std::fabs(n[1]), z = std::fabs(n[2]);
+        const int64_t x = std::abs(n[0]), y = std::abs(n[1]), z = std::abs(n[2]);
         straight.axis = shear.axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-        if (!(std::fabs(n[shear.axis]) > 0)) return straight;
+        if (n[shear.axis] == 0) return straight;
         for (uint32_t i=0; i<2; i++) {
-          const double slope = std::floor(16*n[(shear.axis+1+i)%3]/n[shear.axis] + 0.5);
+          const double slope = std::floor(16*double(n[(shear.axis+1+i)%3])/double(n[shear.axis]) + 0.5);
           shear.slopes[i] = int(std::min(std::max(slope,-15.0),15.0));
         }
-        return thickness(shear) < thickness(straight) ? shear : straight;
+        if (shear.isStraight()) return straight;
+        setHeights(shear);
+        return thickness(heights) < 16*thickness(coordinates[straight.axis]) ? shear : straight;
+      }
+
+      /*! twice the areas of the quads along the axes: what the border encloses */
+      void sumNormals (int64_t n[3]) const
+      {
+        n[0] = n[1] = n[2] = 0;
+        auto add = [&](uint32_t from, uint32_t to) {
+          const int* const (&c)[3] = { coordinates[0],coordinates[1],coordinates[2] };
+          for (int k=0; k<3; k++) n[k] += int64_t(c[(k+1)%3][from])*c[(k+2)%3][to] - int64_t(c[(k+2)%3][from])*c[(k+1)%3][to];
+        };
+        const uint32_t last = quads[1]*width;
+        for (uint32_t x=0; x<quads[0]; x++) { add(x,x+1); add(last+x+1,last+x); }
+        for (uint32_t y=0; y<quads[1]; y++) { add(y*width+quads[0],(y+1)*width+quads[0]); add((y+1)*width,y*width); }
+      }
+
+      /*! sum over groups of their spans */
+      int64_t thickness (const int* values) const
+      {
+        int64_t sum = 0;
+        for (uint32_t gy=0; gy<layout.groupsY; gy++)
+          for (uint32_t gx=0; gx<layout.groupsX; gx++)
+          {
+            int group[paddedVertices];
+            gather(values,groupQuads*gx,groupQuads*gy,1,group);
+            const Span span = spanOf(group);
+            sum += span.upper-span.lower;
+          }
+        return sum;
       }
 
       /*! see reachStep: in the least power of two that does */
       void writeReach (VertHeader& header, const Shear& shear) const
       {
-        int bounds[4] = { 0,0,0x7FFFFFFF,-0x7FFFFFFF }; // the last two in 1/16
-        for (uint32_t v=0; v<width*(quads[1]+1); v++)
-        {
-          for (uint32_t i=0; i<2; i++) bounds[i] = std::max(bounds[i],coordinates[(shear.axis+1+i)%3][v]);
-          const int h = shear.of(coordinates[0][v],coordinates[1][v],coordinates[2][v]);
-          bounds[2] = std::min(bounds[2],h);
-          bounds[3] = std::max(bounds[3],h);
-        }
+        int bounds[4]; // the last two in 1/16
+        for (uint32_t i=0; i<2; i++) bounds[i] = spanOfBlock(coordinates[(shear.axis+1+i)%3]).upper;
+        const Span h = spanOfBlock(shear.isStraight() ? coordinates[shear.axis] : heights);
+        const int scale = shear.isStraight() ? 16 : 1;
+        bounds[2] = scale*h.lower;
+        bounds[3] = scale*h.upper;
         bounds[2] = bounds[2] >> 4; // down
         bounds[3] = stepsUp(bounds[3],4);
         uint32_t shift = 0;
@@ -218,31 +286,25 @@ namespace embree
                      | (uint32_t(bounds[2] >> shift) & 255u) << 16 | (uint32_t(stepsUp(bounds[3],shift)) & 255u) << 24;
       }
 
+      Span spanOfBlock (const int* values) const
+      {
+        Int4 lower = values[0], upper = lower;
+        uint32_t i = 0;
+        for (; i+4<=numVertices(); i+=4) {
+          const Int4 x = Int4::load(values+i);
+          lower = min(lower,x);
+          upper = max(upper,x);
+        }
+        Span span = { least(lower),greatest(upper) };
+        for (; i<numVertices(); i++) { span.lower = std::min(span.lower,values[i]); span.upper = std::max(span.upper,values[i]); }
+        return span;
+      }
+
       static uint32_t exponentBits (float spacing)
       {
         uint32_t bits;
         memcpy(&bits,&spacing,sizeof(bits));
         return (bits >> 23) << 24;
-      }
-
-      /*! sum over groups of their heights, in 1/16 */
-      double thickness (const Shear& shear) const
-      {
-        double sum = 0;
-        for (uint32_t gy=0; gy<quads[1]; gy+=groupQuads)
-          for (uint32_t gx=0; gx<quads[0]; gx+=groupQuads)
-          {
-            int lo = 0x7FFFFFFF, hi = -lo;
-            for (uint32_t y=gy; y<=std::min(gy+groupQuads,quads[1]); y++)
-              for (uint32_t x=gx; x<=std::min(gx+groupQuads,quads[0]); x++) {
-                const uint32_t v = y*width+x;
-                const int h = shear.of(coordinates[0][v],coordinates[1][v],coordinates[2][v]);
-                lo = std::min(lo,h);
-                hi = std::max(hi,h);
-              }
-            sum += double(hi-lo);
-          }
-        return sum;
       }
 
       /*! in steps of the least power of two that does */
@@ -266,7 +328,7 @@ namespace embree
         memset(header.corners,0,sizeof(header.corners));
         header.boxForm = 1u << 24;
         float (*out)[3] = (float(*)[3])(block+layout.vertices);
-        for (uint32_t i=0; i<width*(quads[1]+1); i++)
+        for (uint32_t i=0; i<numVertices(); i++)
           for (int k=0; k<3; k++)
             out[i][k] = isFinite(vertices[i]) ? vertices[i][k] : NAN; // a triangle with NaN is never hit, one with infinity might
         float* boxes = (float*)(block+layout.boxes);
@@ -295,7 +357,8 @@ namespace embree
       VertLayout layout;
       bool allFinite;
       float spacing;
-      int coordinates[3][maxSide*maxSide];
+      int coordinates[3][maxVertices];
+      int heights[maxVertices];     //!< sheared coordinates, in 1/16
       CellEncoder cell;
       uint8_t* end;
     };

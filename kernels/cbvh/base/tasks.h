@@ -1,0 +1,29 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include "../embree/scene.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! Calls closure(range) for ranges of 0 to n, by all threads: as parallel_for does it, but what is one task anyway is none, as a scene
+     *  may have a hundred thousand geometries of a face. */
+    template<typename Closure>
+    inline void forRanges (size_t n, size_t perTask, const Closure& closure)
+    {
+      if (n > perTask) parallel_for(size_t(0),n,perTask,closure);
+      else if (n) closure(range<size_t>(0,n));
+    }
+
+    /*! Sums up what closure(range) returns. */
+    template<typename Value, typename Closure, typename Sum>
+    inline Value reduceRanges (size_t n, size_t perTask, const Value& none, const Closure& closure, const Sum& sum)
+    {
+      if (n > perTask) return parallel_reduce(size_t(0),n,perTask,none,closure,sum);
+      return n ? closure(range<size_t>(0,n)) : none;
+    }
+  }
+}

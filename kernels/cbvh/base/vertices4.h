@@ -1,0 +1,37 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include "lanes.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    /*! four vertices that follow each other */
+    struct Vertices4
+    {
+      Float4 x, y, z;
+
+      Vertices4(Float4 x, Float4 y, Float4 z) : x(x), y(y), z(z) {}
+
+      explicit Vertices4(const float (*p)[3]) : Vertices4(Float4::load(&p[0][0]),Float4::load(&p[0][0]+4),Float4::load(&p[0][0]+8),true) {}
+
+      /*! of x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 */
+      Vertices4(Float4 a, Float4 b, Float4 c, bool)
+      {
+        const __m128 yz = _mm_shuffle_ps(a.v,b.v,_MM_SHUFFLE(1,0,2,1)), xy = _mm_shuffle_ps(b.v,c.v,_MM_SHUFFLE(2,1,3,2)); // of the first two, of the others
+        x = _mm_shuffle_ps(a.v,xy,_MM_SHUFFLE(2,0,3,0));
+        y = _mm_shuffle_ps(yz,xy,_MM_SHUFFLE(3,1,2,0));
+        z = _mm_shuffle_ps(yz,c.v,_MM_SHUFFLE(3,0,3,1));
+      }
+
+      friend Vertices4 operator-(const Vertices4& a, const Vertices4& b) { return Vertices4(a.x-b.x,a.y-b.y,a.z-b.z); }
+      friend Vertices4 cross(const Vertices4& a, const Vertices4& b) {
+        return Vertices4(a.y*b.z-a.z*b.y,a.z*b.x-a.x*b.z,a.x*b.y-a.y*b.x);
+      }
+      friend Float4 dot(const Vertices4& a, const Vertices4& b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
+    };
+  }}
+}
