@@ -120,6 +120,12 @@ TEST(GeometryBlocks, OnlyWhatChangedIsBuilt)
     EXPECT_EQ(built(), 0) << "detached";
     EXPECT_FALSE(isHit(intersect(scene, makeRay({0, 0, 5}, {0, 0, -1}))));
     EXPECT_TRUE(isHit(intersect(scene, makeRay({8, 0, 5}, {0, 0, -1}))));
+    rtcRetainGeometry(geometries[1]);
+    rtcDetachGeometry(scene, 1);
+    rtcAttachGeometryByID(scene, geometries[1], 0);
+    rtcReleaseGeometry(geometries[1]);
+    EXPECT_EQ(built(), 0) << "attached under another ID";
+    EXPECT_EQ(intersect(scene, down).hit.geomID, 0u);
   }
 }
 

@@ -30,6 +30,7 @@ struct Options
   std::vector<size_t> counts{1, 10, 100, 10000, 100000};
   std::vector<std::string> accels{"bvh4.grid.eager", "cbvh.vert"};
   std::string shape = "ball";
+  bool release = false;
   size_t quads = size_t(1) << 22;
   unsigned repeat = 5;
   size_t rays = 200000;
@@ -59,30 +60,53 @@ void displace(const RTCDisplacementFunctionNArguments* args)
   }
 }
 
-/* Cubes that become balls, or single faces of them, in a cube of such. */
+/* A cage: vertices, and quadrilaterals of them. */
+struct Shape
+{
+  std::vector<Vec3f> vertices;
+  std::vector<unsigned> indices;
+
+  size_t numFaces() const { return indices.size() / 4; }
+
+  explicit Shape(const std::string& name)
+  {
+    if (name == "sheet") {
+      const unsigned n = 64; // faces along a side
+      for (unsigned y = 0; y <= n; y++)
+        for (unsigned x = 0; x <= n; x++) vertices.push_back({2.0f * float(x) / n - 1.0f, 2.0f * float(y) / n - 1.0f, 0.0f});
+      for (unsigned y = 0; y < n; y++)
+        for (unsigned x = 0; x < n; x++)
+          for (unsigned i : {0u, 1u, n + 2, n + 1}) indices.push_back(y * (n + 1) + x + i);
+      return;
+    }
+    for (int v = 0; v < 8; v++) vertices.push_back({v & 1 ? 1.0f : -1.0f, v & 2 ? 1.0f : -1.0f, v & 4 ? 1.0f : -1.0f});
+    indices = {0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6};
+    if (name == "face") indices.resize(4);
+  }
+};
+
+/* Geometries of one shape, in a cube of them. */
 class Shapes
 {
 public:
-  static unsigned numFaces(const std::string& shape) { return shape == "ball" ? 6 : 1; }
-
-  Shapes(EmbreeDevice& device, const std::string& shape, size_t count, float rate)
+  Shapes(EmbreeDevice& device, const Options& options, size_t count, float rate)
     : device(device), side(size_t(std::ceil(std::cbrt(double(count)))))
   {
-    static const unsigned indices[24] = {0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6};
-    const unsigned faces = numFaces(shape);
+    const Shape shape(options.shape);
     for (size_t i = 0; i < count; i++)
     {
       RTCGeometry geometry = rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SUBDIVISION);
-      float* p = (float*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 8);
-      for (int v = 0; v < 8; v++)
-      {
-        const Vec3f at = centre(i);
-        p[3 * v + 0] = at.x + (v & 1 ? 1.0f : -1.0f);
-        p[3 * v + 1] = at.y + (v & 2 ? 1.0f : -1.0f);
-        p[3 * v + 2] = at.z + (v & 4 ? 1.0f : -1.0f);
+      Vec3f* p = (Vec3f*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), shape.vertices.size());
+      for (const Vec3f& v : shape.vertices) *p++ = v + centre(i);
+      std::copy(shape.indices.begin(), shape.indices.end(),
+                (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, shape.indices.size()));
+      std::fill_n((unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, shape.numFaces()), shape.numFaces(), 4u);
+      if (options.release) {
+        RTCCompressionArguments args;
+        rtcInitCompressionArguments(&args);
+        args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
+        rtcSetGeometryCompression(geometry, &args);
       }
-      std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 4 * faces), indices, 4 * faces * sizeof(unsigned));
-      std::fill_n((unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, faces), faces, 4u);
       rtcSetGeometryTessellationRate(geometry, rate);
       rtcSetGeometryDisplacementFunction(geometry, displace);
       rtcCommitGeometry(geometry);
@@ -169,33 +193,49 @@ double traced(RTCScene scene, const std::vector<RTCRayHit>& rays, unsigned repea
 
 void measure(const Options& options, const std::string& accel, size_t count)
 {
-  const float rate = std::max(1.0f, std::round(float(std::sqrt(double(options.quads) / double(Shapes::numFaces(options.shape) * count)))));
+  const float rate = std::max(1.0f, std::round(float(std::sqrt(double(options.quads) / double(Shape(options.shape).numFaces() * count)))));
   EmbreeDevice device("subdiv_accel=" + accel);
-  Shapes shapes(device, options.shape, count, rate);
-  RTCScene scene = shapes.newScene();
-  const size_t input = device.memory().live();
+  const size_t none = device.memory().live();
   device.memory().resetPeak();
+  const double begin = seconds();
+  Shapes shapes(device, options, count, rate);
+  const double made = seconds() - begin;
+  const size_t input = device.memory().live() - none;
+  RTCScene scene = shapes.newScene();
   const double all = secondsOf([&] { rtcCommitScene(scene); });
   device.check("committing");
-  const size_t bytes = device.memory().live() - input, peak = device.memory().peak() - input;
+  const size_t bytes = device.memory().live() - none, peak = device.memory().peak() - none;
   std::vector<double> edits, masks;
   for (unsigned i = 0; i < options.repeat; i++)
   {
     const size_t one = i * 7919 % shapes.count();
-    edits.push_back(secondsOf([&] { shapes.move(one); rtcCommitScene(scene); }));
+    if (!options.release) edits.push_back(secondsOf([&] { shapes.move(one); rtcCommitScene(scene); }));
     masks.push_back(secondsOf([&] { shapes.mask(one, 1u << i % 31); rtcCommitScene(scene); }));
   }
   const size_t before = device.memory().live();
-  RTCScene other = shapes.newScene();
-  const double second = secondsOf([&] { rtcCommitScene(other); });
-  const size_t more = device.memory().live() - before;
+  std::vector<RTCScene> others;
+  double second = 0;
+  size_t more[2] = {0, 0};
+  for (int i = 0; i < 9; i++)
+  {
+    others.push_back(shapes.newScene());
+    const double s = secondsOf([&] { rtcCommitScene(others.back()); });
+    if (i == 0) { second = s; more[0] = device.memory().live() - before; }
+  }
+  more[1] = device.memory().live() - before;
   device.check("committing again");
-  rtcReleaseScene(other);
+  for (RTCScene other : others) rtcReleaseScene(other);
   const double speed = traced(scene, shapes.rays(options.rays), options.repeat);
   rtcReleaseScene(scene);
-  std::printf("| %zu | %s | %.0f | %.4f | %.5f (%.2f%%) | %.5f (%.2f%%) | %.5f | %.1f | %.1f | %.1f | %.3f |\n", count, accel.c_str(), double(rate), all,
-              median(edits), 100 * median(edits) / all, median(masks), 100 * median(masks) / all, second, double(bytes) / (1 << 20),
-              double(peak) / (1 << 20), double(more) / (1 << 20), speed);
+  const auto share = [&](const std::vector<double>& times) {
+    char text[64];
+    std::snprintf(text, sizeof(text), "%.5f (%.2f%%)", median(times), 100 * median(times) / all);
+    return times.empty() ? std::string("-") : std::string(text);
+  };
+  const double MiB = 1 << 20;
+  std::printf("| %zu | %s | %.0f | %.4f | %.4f | %s | %s | %.5f | %.1f | %.1f | %.1f | %.1f | %.1f | %.3f |\n", count, accel.c_str(), double(rate), made, all,
+              share(edits).c_str(), share(masks).c_str(), second, double(input) / MiB, double(bytes) / MiB, double(peak) / MiB, double(more[0]) / MiB,
+              double(more[1]) / MiB, speed);
   std::fflush(stdout);
 }
 
@@ -205,8 +245,9 @@ int run(int argc, char** argv)
   CLI::App app("Measures commits of scenes of many geometries: seconds, and MiB that the device holds.");
   app.add_option("--geometries", options.counts, "comma list of how many")->delimiter(',')->capture_default_str();
   app.add_option("--accel", options.accels, "comma list of values of subdiv_accel")->delimiter(',')->capture_default_str();
-  app.add_option("--shape", options.shape, "of a geometry: ball, of six faces, or face")->check(CLI::IsMember({"ball", "face"}))->capture_default_str();
+  app.add_option("--shape", options.shape, "of a geometry: ball, of six faces, face, or sheet, of 64 x 64")->check(CLI::IsMember({"ball", "face", "sheet"}))->capture_default_str();
   app.add_option("--quads", options.quads, "of all geometries together, about")->capture_default_str();
+  app.add_flag("--release", options.release, "geometries let their input go as soon as they are committed; only compressed ones can");
   app.add_option("--repeat", options.repeat, "edits, of which the median is shown")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--rays", options.rays, "that are traced, at random geometries")->capture_default_str();
   try
@@ -217,8 +258,9 @@ int run(int argc, char** argv)
   {
     return app.exit(error);
   }
-  std::printf("| geometries | subdiv_accel | rate | all, s | one moved (of all) | one masked (of all) | a second scene, s | MiB | peak | second, MiB | Mrays/s |\n"
-              "|--:|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+  std::printf("| geometries | subdiv_accel | rate | geometries made, s | scene, s | one moved (of the scene) | one masked (of the scene) | a second scene, s "
+              "| MiB of geometries | and scene | peak | second scene | nine more | Mrays/s |\n"
+              "|--:|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
   for (size_t count : options.counts)
     for (const std::string& accel : options.accels) measure(options, accel, count);
   return 0;
