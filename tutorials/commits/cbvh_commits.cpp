@@ -228,9 +228,10 @@ void measure(const Options& options, const std::string& accel, size_t count)
   const double speed = traced(scene, shapes.rays(options.rays), options.repeat);
   rtcReleaseScene(scene);
   const auto share = [&](const std::vector<double>& times) {
+    if (times.empty()) return std::string("-");
     char text[64];
     std::snprintf(text, sizeof(text), "%.5f (%.2f%%)", median(times), 100 * median(times) / all);
-    return times.empty() ? std::string("-") : std::string(text);
+    return std::string(text);
   };
   const double MiB = 1 << 20;
   std::printf("| %zu | %s | %.0f | %.4f | %.4f | %s | %s | %.5f | %.1f | %.1f | %.1f | %.1f | %.1f | %.3f |\n", count, accel.c_str(), double(rate), made, all,

@@ -85,6 +85,7 @@ namespace embree
     private:
       static const unsigned noRate = 0;
       static const size_t mostKept = 1 << 15; //!< vertices of a surface
+      static const size_t fewVertices = 9*9;  //!< of a patch whose lines cost no less than all of it
       typedef std::pair<uint64_t,uint32_t> KeyedEdge; //!< a half-edge behind its vertices
 
       /*! of a half-edge */
@@ -308,7 +309,9 @@ namespace embree
             const SubdivPatch1Base base = patch.make(mesh,plan.surface,f);
             const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
             for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]);
-            LinesOfPatch lines(mesh,base,grid,quads,roomFor(f,patch.subPatch));
+            float few[fewVertices][3];
+            float (*const kept)[3] = roomFor(f,patch.subPatch);
+            LinesOfPatch lines(mesh,base,grid,quads,kept ? kept : (quads[0]+1)*(quads[1]+1) <= fewVertices ? few : nullptr);
             for (unsigned s=0; s<4; s++)
             {
               const bool alongU = s % 2 == 0;
@@ -367,7 +370,7 @@ namespace embree
       class LinesOfPatch
       {
       public:
-        /*! all: room for the vertices of the patch, or null */
+        /*! all: room for the vertices of the patch, if they are to be evaluated at once, or null */
         LinesOfPatch (const SubdivMesh* mesh, const SubdivPatch1Base& base, PatchGrid& grid, const unsigned quads[2], float (*all)[3])
           : mesh(mesh), base(base), grid(grid), quads(quads), all(all)
         {
