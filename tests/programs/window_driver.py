@@ -64,7 +64,8 @@ class Session:
         self.program, self.folder = program, folder
         read, write = os.pipe()
         self.server = subprocess.Popen(
-            ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-fbdir", folder, "-nolisten", "tcp"],
+            # which without -noreset starts anew when the last program ends, and refuses one that comes just then
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-fbdir", folder, "-nolisten", "tcp", "-noreset"],
             pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as file:
