@@ -89,37 +89,25 @@ namespace embree
 #endif
     }
 
-    inline Int4 min(Int4 a, Int4 b) {
 #if defined(__SSE4_1__)
-      return _mm_min_epi32(a.v,b.v);
+    inline Int4 min(Int4 a, Int4 b) { return _mm_min_epi32(a.v,b.v); }
+    inline Int4 max(Int4 a, Int4 b) { return _mm_max_epi32(a.v,b.v); }
 #else
-      const __m128i less = _mm_cmplt_epi32(a.v,b.v);
-      return _mm_or_si128(_mm_and_si128(less,a.v),_mm_andnot_si128(less,b.v));
+    inline Int4 below(Int4 a, Int4 b) { return _mm_cmplt_epi32(a.v,b.v); }
+    inline Int4 select(Int4 mask, Int4 a, Int4 b) { return _mm_or_si128(_mm_and_si128(mask.v,a.v),_mm_andnot_si128(mask.v,b.v)); }
+    inline Int4 min(Int4 a, Int4 b) { return select(below(a,b),a,b); }
+    inline Int4 max(Int4 a, Int4 b) { return select(below(a,b),b,a); }
 #endif
-    }
 
-    inline Int4 max(Int4 a, Int4 b) {
-#if defined(__SSE4_1__)
-      return _mm_max_epi32(a.v,b.v);
-#else
-      const __m128i less = _mm_cmplt_epi32(a.v,b.v);
-      return _mm_or_si128(_mm_and_si128(less,b.v),_mm_andnot_si128(less,a.v));
-#endif
+    /*! of all lanes, two at a time */
+    template<typename Operation>
+    inline int reduced(Int4 a, const Operation& operation) {
+      const Int4 halves = operation(a,Int4(_mm_shuffle_epi32(a.v,_MM_SHUFFLE(1,0,3,2))));
+      return _mm_cvtsi128_si32(operation(halves,Int4(_mm_shuffle_epi32(halves.v,1))).v);
     }
-
-    /*! of all lanes */
-    inline int least(Int4 a) {
-      const Int4 m = min(a,Int4(_mm_shuffle_epi32(a.v,_MM_SHUFFLE(1,0,3,2))));
-      return _mm_cvtsi128_si32(min(m,Int4(_mm_shuffle_epi32(m.v,1))).v);
-    }
-    inline int greatest(Int4 a) {
-      const Int4 m = max(a,Int4(_mm_shuffle_epi32(a.v,_MM_SHUFFLE(1,0,3,2))));
-      return _mm_cvtsi128_si32(max(m,Int4(_mm_shuffle_epi32(m.v,1))).v);
-    }
-    inline int anyOf(Int4 a) {
-      const Int4 m = a | Int4(_mm_shuffle_epi32(a.v,_MM_SHUFFLE(1,0,3,2)));
-      return _mm_cvtsi128_si32((m | Int4(_mm_shuffle_epi32(m.v,1))).v);
-    }
+    inline int least(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return min(x,y); }); }
+    inline int greatest(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return max(x,y); }); }
+    inline int anyOf(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return x | y; }); }
 
     /*! of numbers below 256 */
     inline Int4 square(Int4 a) { return _mm_mullo_epi16(a.v,a.v); }

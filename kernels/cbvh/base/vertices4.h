@@ -3,7 +3,10 @@
 
 #pragma once
 
+/* Vertices in lanes. */
+
 #include "lanes.h"
+#include "world.h"
 
 namespace embree
 {
@@ -33,5 +36,23 @@ namespace embree
       }
       friend Float4 dot(const Vertices4& a, const Vertices4& b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
     };
+
+    /*! Bounds of vertices; false, and no bounds, if one is not finite. */
+    inline bool boundVertices(const float (*vertices)[3], size_t count, float lower[3], float upper[3])
+    {
+      Float4 low = maxCoordinate, high = -maxCoordinate;
+      uint32_t finite = 7;
+      for (size_t i=0; i<count; i++) {
+        const Float4 v = loadVertex(vertices,i,count);
+        finite &= lanesBelow(abs(v),maxCoordinate);
+        low = min(low,v);
+        high = max(high,v);
+      }
+      float bounds[2][4];
+      low.store(bounds[0]);
+      high.store(bounds[1]);
+      for (int k=0; k<3; k++) { lower[k] = bounds[0][k]; upper[k] = bounds[1][k]; }
+      return finite == 7;
+    }
   }}
 }

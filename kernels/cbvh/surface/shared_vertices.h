@@ -21,8 +21,8 @@
  * of its edges are shared by its own patches, and owned by it.
  *
  * This is made before any patch is encoded, from the borders of all: a twentieth of the
- * vertices is evaluated twice, and until the build ends the points of edges take 12 bytes each. Of small
- * surfaces all vertices are evaluated here, and kept for their blocks: a border of few vertices costs no less
+ * vertices is evaluated twice, all of patches that have few, and until the build ends the points of edges take 12 bytes
+ * each. Of small surfaces all vertices are evaluated here, and kept for their blocks: a border of few vertices costs no less
  * than the patch. */
 
 #include "../base/tasks.h"

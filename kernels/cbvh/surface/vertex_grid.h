@@ -20,8 +20,7 @@
  * to another block, and parameters are those of the regular grid but for half a quad
  * along the border. */
 
-#include "../base/lanes.h"
-#include "../base/world.h"
+#include "../base/vertices4.h"
 #include "../embree/scene.h"
 #include <cmath>
 
@@ -64,23 +63,7 @@ namespace embree
       float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }
 
       /*! bounds of the displaced vertices; false if one is not finite */
-      bool bound (float lower[3], float upper[3])
-      {
-        const float (*const p)[3] = displaced();
-        cbvh::Float4 low = cbvh::maxCoordinate, high = -cbvh::maxCoordinate;
-        uint32_t finite = 7;
-        for (size_t i=0; i<count; i++) {
-          const cbvh::Float4 v = cbvh::loadVertex(p,i,count);
-          finite &= lanesBelow(abs(v),cbvh::maxCoordinate);
-          low = min(low,v);
-          high = max(high,v);
-        }
-        float bounds[2][4];
-        low.store(bounds[0]);
-        high.store(bounds[1]);
-        for (int k=0; k<3; k++) { lower[k] = bounds[0][k]; upper[k] = bounds[1][k]; }
-        return finite == 7;
-      }
+      bool bound (float lower[3], float upper[3]) { return cbvh::boundVertices(displaced(),count,lower,upper); }
 
       size_t width = 0, height = 0; //!< in vertices
 

@@ -67,7 +67,7 @@ namespace embree
           }
         }
         else {
-          for (int v=0; v<paddedVertices; v+=4) // a shift by 32 makes 0
+          for (int v=0; v<paddedVertices; v+=4)
             (residual(0,v) | (residual(1,v) << bits[0]) | (residual(2,v) << (bits[0]+bits[1]))).store(fields+v);
           put(sum);
         }

@@ -9,7 +9,6 @@
 #include "format.h"
 #include "cell_encoder.h"
 #include "../base/vertices4.h"
-#include "../base/world.h"
 #include <algorithm>
 
 namespace embree
@@ -46,7 +45,7 @@ namespace embree
 
       static const uint32_t maxVertices = maxSide*maxSide + 3; //!< with whole vectors of four
       float vertices[maxVertices][3]; //!< row by row, (quadsX+1) (quadsY+1) of them
-      float lower[3], upper[3];           //!< of the finite ones, by encode
+      float lower[3], upper[3];       //!< of the finite ones, by encode
 
       /*! spacing: of the lattice that the vertices lie on. Returns the
        *  number of bytes written to block, a multiple of 4; 0 where no vertex is finite. */
@@ -75,7 +74,8 @@ namespace embree
 
       bool bound (VertStatistics& statistics)
       {
-        if (boundFinite()) return true;
+        allFinite = boundVertices(vertices,numVertices(),lower,upper);
+        if (allFinite) return true;
         for (int k=0; k<3; k++) { lower[k] = INFINITY; upper[k] = -INFINITY; }
         for (uint32_t i=0; i<numVertices(); i++)
         {
@@ -86,24 +86,6 @@ namespace embree
           for (uint32_t x=0; x<quads[0]; x++)
             statistics.invalidQuads += !(isFinite(vertexAt(x,y)) && isFinite(vertexAt(x+1,y)) && isFinite(vertexAt(x,y+1)) && isFinite(vertexAt(x+1,y+1)));
         return lower[0] <= upper[0];
-      }
-
-      /*! allFinite, and the bounds if they are */
-      bool boundFinite ()
-      {
-        Float4 low = INFINITY, high = -INFINITY;
-        uint32_t finite = 7;
-        for (uint32_t i=0; i<numVertices(); i++) {
-          const Float4 v = loadVertex(vertices,i,numVertices());
-          finite &= lanesBelow(abs(v),maxCoordinate);
-          low = min(low,v);
-          high = max(high,v);
-        }
-        float bounds[2][4];
-        low.store(bounds[0]);
-        high.store(bounds[1]);
-        for (int k=0; k<3; k++) { lower[k] = bounds[0][k]; upper[k] = bounds[1][k]; }
-        return allFinite = finite == 7;
       }
 
       /*! coordinates on the lattice relative to the lower bounds; false where one is too large */
@@ -161,7 +143,6 @@ namespace embree
         int margins[2][3][maxVertGroups];
         const Shear shear = chooseShear();
         header.boxForm = shear.axis << 12 | (uint32_t(shear.slopes[0]) & 31u) << 14 | (uint32_t(shear.slopes[1]) & 31u) << 19;
-        if (!shear.isStraight()) setHeights(shear);
         writeReach(header,shear);
         for (uint32_t g=0; g<layout.groups; g++)
         {
@@ -179,7 +160,7 @@ namespace embree
             int sheared[paddedVertices]; // in 1/16
             if (isSheared) gather(heights,groupQuads*gx,groupQuads*gy,1,sheared);
             const int* v = isSheared ? sheared : cell.vertices[k];
-            const Span span = spanOf(v);
+            const Span span = spanOf(v,paddedVertices);
             const int lower = std::min(std::min(v[0],v[4]),std::min(v[20],v[24])) - span.lower;
             const int upper = span.upper - std::max(std::max(v[0],v[4]),std::max(v[20],v[24]));
             margins[0][k][g] = isSheared ? stepsUp(lower,4) : lower;
@@ -211,18 +192,19 @@ namespace embree
 
       struct Span { int lower, upper; };
 
-      static Span spanOf (const int v[paddedVertices])
+      /*! of whole vectors */
+      static Span spanOf (const int* values, uint32_t count)
       {
-        Int4 lower = Int4::load(v), upper = lower;
-        for (int i=4; i<paddedVertices; i+=4) {
-          const Int4 x = Int4::load(v+i);
+        Int4 lower = Int4::load(values), upper = lower;
+        for (uint32_t i=4; i<count; i+=4) {
+          const Int4 x = Int4::load(values+i);
           lower = min(lower,x);
           upper = max(upper,x);
         }
         return { least(lower),greatest(upper) };
       }
 
-      /*! along the mean normal of the quads, where groups are flatter then */
+      /*! Along the mean normal of the quads, where groups are flatter then; heights are along what is not straight. */
       Shear chooseShear ()
       {
         int64_t n[3];
@@ -262,7 +244,7 @@ namespace embree
           {
             int group[paddedVertices];
             gather(values,groupQuads*gx,groupQuads*gy,1,group);
-            const Span span = spanOf(group);
+            const Span span = spanOf(group,paddedVertices);
             sum += span.upper-span.lower;
           }
         return sum;
@@ -271,33 +253,17 @@ namespace embree
       /*! see reachStep: in the least power of two that does */
       void writeReach (VertHeader& header, const Shear& shear) const
       {
-        int bounds[4]; // the last two in 1/16
-        for (uint32_t i=0; i<2; i++) bounds[i] = spanOfBlock(coordinates[(shear.axis+1+i)%3]).upper;
-        const Span h = spanOfBlock(shear.isStraight() ? coordinates[shear.axis] : heights);
+        int bounds[4];
+        for (uint32_t i=0; i<2; i++) bounds[i] = spanOf(coordinates[(shear.axis+1+i)%3],numVertices()).upper;
+        const Span h = spanOf(shear.isStraight() ? coordinates[shear.axis] : heights,numVertices());
         const int scale = shear.isStraight() ? 16 : 1;
-        bounds[2] = scale*h.lower;
-        bounds[3] = scale*h.upper;
-        bounds[2] = bounds[2] >> 4; // down
-        bounds[3] = stepsUp(bounds[3],4);
+        bounds[2] = (scale*h.lower) >> 4; // down
+        bounds[3] = stepsUp(scale*h.upper,4);
         uint32_t shift = 0;
         while (stepsUp(bounds[0],shift) > 255 || stepsUp(bounds[1],shift) > 255 || (bounds[2] >> shift) < -128 || stepsUp(bounds[3],shift) > 127) shift++;
         header.boxForm |= shift << 25;
         header.reach = uint32_t(stepsUp(bounds[0],shift)) | uint32_t(stepsUp(bounds[1],shift)) << 8
                      | (uint32_t(bounds[2] >> shift) & 255u) << 16 | (uint32_t(stepsUp(bounds[3],shift)) & 255u) << 24;
-      }
-
-      Span spanOfBlock (const int* values) const
-      {
-        Int4 lower = values[0], upper = lower;
-        uint32_t i = 0;
-        for (; i+4<=numVertices(); i+=4) {
-          const Int4 x = Int4::load(values+i);
-          lower = min(lower,x);
-          upper = max(upper,x);
-        }
-        Span span = { least(lower),greatest(upper) };
-        for (; i<numVertices(); i++) { span.lower = std::min(span.lower,values[i]); span.upper = std::max(span.upper,values[i]); }
-        return span;
       }
 
       static uint32_t exponentBits (float spacing)
@@ -357,8 +323,8 @@ namespace embree
       VertLayout layout;
       bool allFinite;
       float spacing;
-      int coordinates[3][maxVertices];
-      int heights[maxVertices];     //!< sheared coordinates, in 1/16
+      int coordinates[3][maxVertices]; //!< behind the last, to whole vectors, those of the first
+      int heights[maxVertices];        //!< sheared coordinates, in 1/16, if the shear is not straight
       CellEncoder cell;
       uint8_t* end;
     };
