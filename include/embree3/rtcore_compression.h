@@ -3,24 +3,27 @@
 
 #pragma once
 
-/* Compressed subdivision surfaces.
+/* Compressed surfaces.
  *
  * Subdivision geometry (RTC_GEOMETRY_TYPE_SUBDIVISION) with displacement is
  * tessellated, compressed and dropped when its scene is committed, and traced
- * straight from the compressed form. Which representation a geometry gets is
+ * straight from the compressed form. So are grids that the application has diced
+ * (RTC_GEOMETRY_TYPE_GRID), as cVERT, whatever kind is asked for: with the same triangles
+ * and parameters as Embree's, of vertices that lie on a lattice. Which representation a geometry gets is
  * decided by, in this order: rtcSetGeometryCompression, the device string
  * ("subdiv_accel=cbvh.leaf,cbvh_frame_level=2"), the environment variable
  * EMBREE_CBVH ("leaf,frame_level=2"; "1" takes the best, which is cVERT), Embree's
  * own default (vertex grids).
  *
  * Quads with a vertex that is not finite, as a displacement function may return it,
- * are left out of a compressed geometry. The commit succeeds with all others, and
+ * are left out of a compressed geometry, and so are grids with vertices outside of their buffer. The commit succeeds with all others, and
  * reports RTC_ERROR_INVALID_ARGUMENT to the thread that commits, once for each such
  * geometry that changed since the last commit; the message names the geometry and the
- * first face. cVOXEL cannot leave a quad out: it stores patches with holes as cLEAF.
+ * first face or grid. cVOXEL cannot leave a quad out: it stores patches with holes as cLEAF.
  *
  * cVERT, and cLEAF unless exactFaces is 0, close surfaces also where faces of one geometry evaluate
- * the vertices that they share apart: all take those of the face that owns the edge or corner.
+ * the vertices that they share apart: all take those of the face that owns the edge or corner. Grids of
+ * one geometry are closed where they have the same vertices on their borders, by index or as the same floats.
  *
  * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression
  * Scheme for Ray Tracing Subdivision Surfaces with Displacement", 2018. */
@@ -50,7 +53,7 @@ enum RTCCompressionProperty
  * safety: as rtcGetDeviceProperty. */
 RTC_API ssize_t rtcGetDeviceCompressionProperty(RTCDevice device, enum RTCCompressionProperty prop);
 
-/* Representation of a subdivision geometry. */
+/* Representation of a geometry. */
 enum RTCCompression
 {
   RTC_COMPRESSION_INHERIT = 0, // what the device string or the environment say
@@ -75,7 +78,7 @@ enum RTCCompressionFlags
   /* The geometry is compressed by rtcCommitGeometry, and lets its input go: from then on it reads none of its buffers but those of
    * vertex attributes, and the application may free what it shared. Scenes trace it, and their commits take what is there.
    * rtcInterpolate of RTC_BUFFER_TYPE_VERTEX is an error then, and so is a commit after any change but of its mask, its filters and
-   * whether it is enabled, unless vertices, faces and indices were set again.
+   * whether it is enabled, unless its vertices and its faces with their indices, or its grids, were set again.
    * Without effect on geometry that is not compressed, or has motion blur. */
   RTC_COMPRESSION_FLAG_RELEASE_INPUT = 1 << 0
 };
@@ -97,7 +100,7 @@ struct RTCCompressionArguments
    *
    * RTC_COMPRESSION_VERT: spacing of the lattice that vertices are moved to, at most. None of them
    * is moved by more than 0.866 of it (half a diagonal of the lattice's cubes). With 0 it is 1/36 of
-   * the median edge of each face's quads, or less. Spacings are powers of 2, not below what floats at
+   * the median edge of the quads of each face or grid, or less. Spacings are powers of 2, not below what floats at
    * the face resolve.
    *
    * RTC_COMPRESSION_VOXEL and LEAF: upper bound of a leaf's thickness. Honoured when frameLevel is
@@ -140,13 +143,13 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
   args->progressUserPtr = NULL;
 }
 
-/* Chooses the representation of a subdivision geometry. Takes effect when the
+/* Chooses the representation of a geometry. Takes effect when the
  * scene is committed the next time; the geometry has to be committed before.
  * Blocks belong to the geometry: all scenes that it is attached to share them, and they are built
  * again when it was committed after a change of its surface. After changes of its mask, its filters
  * and whether it is enabled they are not.
  *
- * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION.
+ * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION or RTC_GEOMETRY_TYPE_GRID.
  * args:     read during the call, not NULL.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, an unknown compression, a frame

@@ -7,8 +7,10 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/factory.cpp
   cbvh/api/geometry_commit.cpp
   cbvh/api/rtcore_compression.cpp
+  cbvh/api/rtcore_compressed_triangles.cpp
   cbvh/scene/flat_scene.cpp
   cbvh/scene/builder.cpp
+  cbvh/scene/stored_triangles.cpp
   cbvh/scene/surface_blocks.cpp
   cbvh/framed/node_tables.cpp
   cbvh/vert/tables.cpp

@@ -32,7 +32,7 @@ endforeach()
 
 find_package(Python3 QUIET COMPONENTS Interpreter)
 if(Python3_Interpreter_FOUND)
-  set(headers "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_compression.h")
+  set(headers "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_compression.h" "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_compressed_triangles.h")
   if(TARGET embree_vulkan)
     list(APPEND headers "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_vulkan.h")
   endif()

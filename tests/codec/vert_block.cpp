@@ -7,7 +7,7 @@
 
 #include "kernels/cbvh/surface/lattice.h"
 #include "kernels/cbvh/vert/encoder.h"
-#include "support/scalar_vert.h"
+#include "kernels/cbvh/vert/scalar_block.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>

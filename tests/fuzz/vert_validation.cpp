@@ -9,7 +9,7 @@
 #include "kernels/cbvh/vert/decoder.h"
 #include "kernels/cbvh/vert/encoder.h"
 #include "kernels/cbvh/vert/validate.h"
-#include "support/scalar_vert.h"
+#include "kernels/cbvh/vert/scalar_block.h"
 
 #include <memory>
 

@@ -1,12 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The traversal's decoder of cVERT against the scalar one, support/scalar_vert.h: random blocks of
+/* The traversal's decoder of cVERT against the scalar one, vert/scalar_block.h: random blocks of
  * every size, all groups, to the last bit, as nothing rounds. Compiled once for every ISA, outside
  * of the library. */
 
 #include "kernels/cbvh/vert/encoder.h"
-#include "support/scalar_vert.h"
+#include "kernels/cbvh/vert/scalar_block.h"
 #include "kernels/cbvh/vert/decoder.h"
 #include "kernels/cbvh/vert/triangles.h"
 #include "support/random.h"

@@ -5,7 +5,7 @@
 
 /* The triangles that a scene of cVERT holds, decoded from its blocks by scalar code. */
 
-#include "support/scalar_vert.h"
+#include "kernels/cbvh/vert/scalar_block.h"
 #include "support/scene_blocks.h"
 
 #include <algorithm>

@@ -7,11 +7,11 @@
 #
 #   embree_verify.sh DIRECTORY-OF-OUR-LIBRARY ISA [KIND...]      KIND: grid, voxel, leaf, vert; all unless given
 #
-# It runs all groups that have subdivision surfaces, for half a minute a kind. Left out are
+# It runs all groups that have subdivision surfaces or grids, for half a minute a kind. Left out are
 #   - most scene flags of update, instancing, overlapping_primitives and watertight_subdiv, which run for a minute;
 #   - of update, rays in streams and any hits, which intersection_filter has;
 #   - ray_masks, which fails without compression as well;
-#   - memory_consumption and benchmarks, which measure, and get_bounds, which has no such surfaces;
+#   - memory_consumption and benchmarks, which measure, and get_bounds, which has grids, whose bounds the lattice moves;
 #   - higher intensities: 0.1 is 3 random scenes a regression test, where Embree's default is 30.
 set -euf
 ours=$1 isa=$2
@@ -30,7 +30,8 @@ grep -q "^ *$isa\\." tests || { echo "this machine does not run $isa"; exit 77; 
 tests="buffer_stride.subdivs empty_geometry build.Static build.Dynamic new_delete_geometry enable_disable_geometry
   disable_detach_geometry overlapping_primitives.StaticFast.MediumQuality
   instancing.instancing.StaticFast.MediumQuality instancing.instancing.DynamicCompactRobust.LowQuality
-  interpolate.subdiv intersection_filter.subdiv watertight_subdiv.StaticRobust ray_alignment_test.*.sphere.subdiv regression_"
+  interpolate.subdiv intersection_filter.subdiv watertight_subdiv.StaticRobust ray_alignment_test.*.sphere.subdiv
+  buffer_stride.grids interpolate.grid watertight_grids.StaticRobust regression_"
 for rays in 1 4 8 16; do
   for quality in deformable dynamic; do
     tests="$tests update.$quality.DynamicFast.LowQuality.Intersect$rays update.$quality.DynamicCompactRobust.LowQuality.Intersect$rays"
@@ -38,7 +39,7 @@ for rays in 1 4 8 16; do
 done
 runs=""
 for test in $tests; do
-  case $test in update.*|*subdivs|*.sphere.subdiv) end="" ;; *) end=".*" ;; esac
+  case $test in update.*|*subdivs|*.grids|*.sphere.subdiv) end="" ;; *) end=".*" ;; esac
   runs="$runs --run $isa.$test$end"
 done
 

@@ -5,6 +5,7 @@
  * cages of every sort, and what surrounds surfaces in a scene. */
 
 #include "small_scenes.h"
+#include "support/diced.h"
 #include "support/odd_rays.h"
 #include "vulkan_tracer.h"
 
@@ -187,6 +188,20 @@ void addTriangles(RTCDevice device, RTCScene scene, Random& random, unsigned cou
   rtcSetGeometryMask(geometry, mask);
   rtcCommitGeometry(geometry);
   attach(scene, geometry);
+}
+
+TEST_F(VulkanHits, OfCompressedGridsAreTheProcessors)
+{
+  Agreement sum;
+  for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(12, 4), dicedBall(2, 11)}) {
+    Scene scene(embree);
+    rtcAttachGeometryByID(scene, newGrids(embree, diced, RTC_COMPRESSION_VERT), 3);
+    rtcReleaseGeometry(rtcGetGeometry(scene, 3));
+    addSurface(embree, scene, sheetCage(2), settings(RTC_COMPRESSION_LEAF));
+    rtcCommitScene(scene);
+    compare(scene, raysAt(random, 4000), sum);
+  }
+  sum.expect();
 }
 
 TEST_F(VulkanHits, OfTrianglesAreTheProcessorsRobustOrNot)

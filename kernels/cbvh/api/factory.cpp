@@ -47,16 +47,18 @@ namespace embree
     return cbvh::findKind(compression,kind) ? cbvh::describe(kind).name : "GRID";
   }
 
-  /*! Calls closure(geomID, settings, motion) for each subdivision surface that asks for compression. */
+  /*! Calls closure(geomID, settings, motion) for each geometry that asks for compression. */
   template<typename Closure>
   static void forEachCompressed (const Scene* scene, const Closure& closure)
   {
     for (size_t i=0; i<scene->geometries.size(); i++)
     {
       Geometry* geometry = scene->geometries[i].ptr;
-      if (!geometry || !geometry->isEnabled() || geometry->getType() != Geometry::GTY_SUBDIV_MESH) continue;
-      const CompressionSettings settings = ((SubdivMesh*)geometry)->compression.resolve(scene->device->compression);
-      if (settings.compression != RTC_COMPRESSION_NONE) closure(i,settings,geometry->numTimeSteps != 1);
+      CompressibleGeometry* const surface = geometry && geometry->isEnabled() ? compressible(geometry) : nullptr;
+      if (!surface) continue;
+      const CompressionSettings settings = surface->compression.resolve(scene->device->compression);
+      const bool motion = geometry->numTimeSteps != 1;
+      if (settings.compression != RTC_COMPRESSION_NONE && (motion || geometryOfTree(geometry))) closure(i,settings,motion);
     }
   }
 

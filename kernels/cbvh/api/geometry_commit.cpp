@@ -8,13 +8,13 @@
 
 namespace embree
 {
-  DECLARE_ISA_FUNCTION(void,buildBlocksOfGeometry,SubdivMesh*);
+  DECLARE_ISA_FUNCTION(void,buildBlocksOfGeometry,CompressibleGeometry*);
 
   namespace
   {
     struct Symbols
     {
-      DEFINE_ISA_FUNCTION(void,buildBlocksOfGeometry,SubdivMesh*);
+      DEFINE_ISA_FUNCTION(void,buildBlocksOfGeometry,CompressibleGeometry*);
 
       explicit Symbols (int features) { SELECT_SYMBOL_DEFAULT_AVX(features,buildBlocksOfGeometry); }
     };
@@ -39,33 +39,63 @@ namespace embree
     }
   }
 
-  bool beginGeometryCommit (SubdivMesh* mesh)
+  namespace
   {
-    SurfaceState& surface = mesh->surface;
-    if (surface.isKept(mesh->modCounter_)) return false;
-    if (surface.inputReleased && !(mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices))
-      throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has let its input go (RTC_COMPRESSION_FLAG_RELEASE_INPUT): set vertices, faces and indices again before it is committed");
-    surface.inputReleased = false;
-    surface.blocks.reset();
-    return true;
+    bool asksForCompression (const CompressibleGeometry* geometry) {
+      return geometry->numTimeSteps == 1 && geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
+    }
+
+    /*! hasInput: all that a surface is made of; missing: what to set again where it is not */
+    bool begin (CompressibleGeometry* geometry, bool hasInput, const char* missing)
+    {
+      SurfaceState& surface = geometry->surface;
+      if (surface.isKept(geometry->modCounter_)) return false;
+      if (surface.inputReleased && !hasInput)
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,std::string("the geometry has let its input go (RTC_COMPRESSION_FLAG_RELEASE_INPUT): set ") + missing + " again before it is committed");
+      surface.inputReleased = false;
+      surface.blocks.reset();
+      return true;
+    }
+
+    /*! whether it has blocks now, and its input may go */
+    bool compressNow (CompressibleGeometry* geometry)
+    {
+      geometry->surface.commit(geometry->modCounter_);
+      if (!geometry->compression.releasesInput || geometry->surface.blocks || !asksForCompression(geometry)) return false;
+      const Symbols symbols(geometry->device->enabled_builder_cpu_features);
+      runAsCommit([&] { symbols.buildBlocksOfGeometry(geometry); });
+      geometry->surface.inputReleased = true;
+      return true;
+    }
   }
 
-  void endGeometryCommit (SubdivMesh* mesh)
+  bool beginCommit (SubdivMesh* mesh) {
+    return begin(mesh,mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices,"vertices, faces and indices");
+  }
+
+  bool beginCommit (GridMesh* mesh)
   {
-    mesh->surface.commit(mesh->modCounter_);
-    Device* device = mesh->device;
-    if (!mesh->compression.releasesInput || mesh->surface.blocks || mesh->numTimeSteps != 1) return;
-    if (mesh->compression.resolve(device->compression).compression == RTC_COMPRESSION_NONE) return;
-    const Symbols symbols(device->enabled_builder_cpu_features);
-    runAsCommit([&] { symbols.buildBlocksOfGeometry(mesh); });
-    releaseInput(mesh);
+    const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->grids,"vertices and grids");
+    if (isChanged) mesh->gtype = asksForCompression(mesh) ? CompressibleGeometry::GTY_COMPRESSED_GRID : Geometry::GTY_GRID_MESH;
+    return isChanged;
+  }
+
+  void endCommit (SubdivMesh* mesh) {
+    if (compressNow(mesh)) releaseInput(mesh);
+  }
+
+  /*! Buffers of vertex attributes stay, and what they are interpolated by. */
+  void endCommit (GridMesh* mesh)
+  {
+    if (!compressNow(mesh)) return;
+    mesh->vertices[0] = mesh->vertices0 = BufferView<Vec3fa>();
+    if (mesh->vertexAttribs.empty()) mesh->grids = BufferView<GridMesh::Grid>();
   }
 
   /*! Buffers of vertex attributes stay, and what they are interpolated by. */
   void releaseInput (SubdivMesh* mesh)
   {
     const bool hasAttributes = !mesh->vertexAttribs.empty();
-    mesh->surface.inputReleased = true;
     for (auto& buffer : mesh->vertices) buffer = BufferView<Vec3fa>();
     for (auto& tags : mesh->vertex_buffer_tags) std::vector<SharedLazyTessellationCache::CacheEntry>().swap(tags);
     for (auto& topology : mesh->topology) {
@@ -87,9 +117,9 @@ namespace embree
     mesh->invalid_face.clear();
   }
 
-  void requireInput (const SubdivMesh* mesh, RTCBufferType type)
+  void CompressibleGeometry::requireInput (RTCBufferType type) const
   {
-    if (mesh->surface.inputReleased && type == RTC_BUFFER_TYPE_VERTEX)
+    if (surface.inputReleased && type == RTC_BUFFER_TYPE_VERTEX)
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has let its vertices go (RTC_COMPRESSION_FLAG_RELEASE_INPUT)");
   }
 }

@@ -42,8 +42,9 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"geometry is NULL");
   if (args == nullptr)
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"args is NULL");
-  if (geometry->getType() != Geometry::GTY_SUBDIV_MESH)
-    throw_RTCError(RTC_ERROR_INVALID_OPERATION,"only geometry of type RTC_GEOMETRY_TYPE_SUBDIVISION can be compressed");
+  CompressibleGeometry* const compressible = embree::compressible(geometry);
+  if (!compressible)
+    throw_RTCError(RTC_ERROR_INVALID_OPERATION,"only geometry of type RTC_GEOMETRY_TYPE_SUBDIVISION or RTC_GEOMETRY_TYPE_GRID can be compressed");
   int compression; // an enumeration may not hold what the application may have written
   memcpy(&compression,&args->compression,sizeof(compression));
   cbvh::Kind kind;
@@ -68,7 +69,7 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
   if (args->flags & ~unsigned(RTC_COMPRESSION_FLAG_RELEASE_INPUT))
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown flags " + std::to_string(args->flags));
 
-  CompressionSettings& settings = ((SubdivMesh*)geometry)->compression;
+  CompressionSettings& settings = compressible->compression;
   settings.compression = args->compression;
   settings.frameLevel = args->frameLevel;
   settings.maxError = args->maxError;

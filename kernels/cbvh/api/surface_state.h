@@ -3,15 +3,12 @@
 
 #pragma once
 
-/* What a subdivision geometry has besides what Embree gives it: its blocks, which are built when its surface changed, and what
- * changed since it was committed last. */
+/* The surface of a geometry: its blocks, which are built when it changed, and what changed since the geometry was committed last. */
 
-#include "../../../include/embree3/rtcore_buffer.h"
 #include <memory>
 
 namespace embree
 {
-  class SubdivMesh;
   struct SurfaceBlocks;
   namespace cbvh { class SurfaceNumber; }
 
@@ -44,13 +41,4 @@ namespace embree
     bool visibilityChanged = false, changed = false;
     unsigned visibilityChanges = 0, committedModCounter = 0;
   };
-
-  /*! Whether the surface is to be taken from its buffers again. Throws where they were let go. */
-  bool beginGeometryCommit (SubdivMesh* mesh);
-
-  /*! Compresses a geometry that asks for it when it is committed, and lets its input go. */
-  void endGeometryCommit (SubdivMesh* mesh);
-
-  /*! Throws if that is interpolated of a geometry that has let it go. */
-  void requireInput (const SubdivMesh* mesh, RTCBufferType type);
 }

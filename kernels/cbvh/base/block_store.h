@@ -38,10 +38,10 @@ namespace embree
         return bytes.data()+used;
       }
 
-      /*! The block that was begun takes so many bytes. type: primitive_type.h */
-      void end (size_t size, const BBox3fa& bounds, uint32_t type)
+      /*! The block that was begun takes so many bytes. type: primitive_type.h; readBehind: bytes behind it that decoders may read */
+      void end (size_t size, const BBox3fa& bounds, uint32_t type, size_t readBehind = 0)
       {
-        waiting.push_back(Waiting{ used,bounds,type });
+        waiting.push_back(Waiting{ used,bounds,type,readBehind });
         used += (size + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
       }
 
@@ -52,16 +52,19 @@ namespace embree
         end(size,bounds,type);
       }
 
-      /*! Copies what is waiting to memory of the surface's, after which decoders may read readBehind bytes, and makes primitives of it. One
-       *  piece: small pieces cost the allocator's rounding each; several if it is much, as it takes none above 2 MiB. */
-      void flush (size_t readBehind)
+      /*! Flushes if there is much. */
+      void flushIfFull () { if (used > fullPieceBytes) flush(); }
+
+      /*! Copies what is waiting to memory of the surface's, and makes primitives of it. One piece: small pieces cost the allocator's
+       *  rounding each; several if it is much, as it takes none above 2 MiB. */
+      void flush ()
       {
         for (size_t i=0, next; i<waiting.size(); i=next)
         {
           const size_t from = waiting[i].offset;
           for (next=i+1; next<waiting.size() && waiting[next].offset-from < maxPieceBytes; next++);
           const size_t size = (next < waiting.size() ? waiting[next].offset : used) - from;
-          char* piece = (char*)(*memory)(size+readBehind);
+          char* piece = (char*)(*memory)(size+waiting[next-1].readBehind);
           memcpy(piece,bytes.data()+from,size);
           for (size_t k=i; k<next; k++)
             add(waiting[k].bounds,size_t(BVH4::encodeTypedLeaf(piece+(waiting[k].offset-from),waiting[k].type)));
@@ -77,13 +80,14 @@ namespace embree
       mvector<PrimRef> prims;
 
     private:
-      static const size_t maxPieceBytes = 1 << 20;
+      static const size_t maxPieceBytes = 1 << 20, fullPieceBytes = 1 << 16;
 
       struct Waiting
       {
         size_t offset;
         BBox3fa bounds;
         uint32_t type;
+        size_t readBehind;
       };
       mvector<uint8_t> bytes;
       size_t used = 0;

@@ -58,7 +58,6 @@ namespace embree
       }
 
       void clear () { slots.clear(); }
-      size_t bytes () const { return slots.size()*sizeof(Slot); }
 
     private:
       static const uint32_t none = 0xFFFFFFFFu;

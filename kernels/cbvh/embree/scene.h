@@ -11,6 +11,7 @@
 #include "../../common/device.h"
 #include "../../common/scene.h"
 #include "../../common/scene_subdiv_mesh.h"
+#include "../../common/scene_grid_mesh.h"
 #include "../../common/scene_triangle_mesh.h"
 #include "../../common/scene_instance.h"
 #include "../../common/accelinstance.h"

@@ -3,13 +3,14 @@
 
 #pragma once
 
-/* Writer of blocks with frames: the patches of a source become blocks of one kind, as a tiling cuts them, or, where one cannot be
+/* Writer of blocks with frames: the patches of a cage become blocks of one kind, as a tiling cuts them, or, where one cannot be
  * compressed, Embree's grid. A task owns one writer and reuses its memory from
  * patch to patch. */
 
 #include "block_encoder.h"
 #include "tiling.h"
 #include "../base/grid_writer.h"
+#include "../surface/cage_patch.h"
 #include "../surface/shared_border.h"
 
 namespace embree
@@ -20,12 +21,12 @@ namespace embree
     {
     public:
       /*! plan.sharesBorders(): faces share borders, and patches may be stored exactly instead */
-      FramedWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
-        : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(plan.mesh,store,statistics),
-          own(device,0), vertices(device,0), scratch(device,0), encoded(device,0) {}
+      FramedWriter (const CompressionPlan& plan, SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
+        : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(mesh,store,statistics),
+          own(mesh->device,0), vertices(mesh->device,0), scratch(mesh->device,0), encoded(mesh->device,0) {}
 
       /*! smallest frame level at which no leaf of the patch is thicker than the bound */
-      unsigned boundedFrameLevel (SurfacePatch& patch)
+      unsigned boundedFrameLevel (CagePatch& patch)
       {
         const unsigned level = levelOf(patch.rate);
         PatchTiling evaluated;
@@ -50,7 +51,7 @@ namespace embree
       }
 
       /*! Writes the blocks of a tiling. False where the patch is better stored exactly, and may be: then there are none. */
-      bool write (SurfacePatch& patch, const PatchTiling& tiling)
+      bool write (CagePatch& patch, const PatchTiling& tiling)
       {
         evaluate(patch,tiling);
         /* a node has no code for a child without surface: where quads are left out, leaves say so */
@@ -83,7 +84,7 @@ namespace embree
         store.hitBounds.extend(hitBoundsOfPatch);
         for (size_t i=0; i<count; i++)
           if (!blocks[i].empty()) store.add((char*)encoded.data()+i*stride,stride,blocks[i],cbvh::FRAMED_BLOCK);
-        store.flush(0);
+        store.flush();
         return true;
       }
 
@@ -118,7 +119,7 @@ namespace embree
         }
       };
 
-      void evaluate (SurfacePatch& patch, const PatchTiling& tiling)
+      void evaluate (CagePatch& patch, const PatchTiling& tiling)
       {
         const PatchPart all = { 0,tiling.quadsX(),0,tiling.quadsY() };
         grid = &patch.evaluate(tiling.quadsX(),tiling.quadsY(),all);
@@ -163,7 +164,7 @@ namespace embree
         return finite;
       }
 
-      void writeBlock (const SurfacePatch& patch, Encoding& e, cbvh::Block* block, cbvh::BuildStatistics& ofPatch, cbvh::WorldBounds& hitBoundsOfPatch)
+      void writeBlock (const CagePatch& patch, Encoding& e, cbvh::Block* block, cbvh::BuildStatistics& ofPatch, cbvh::WorldBounds& hitBoundsOfPatch)
       {
         gather(e);
         const size_t count = e.width()*e.width(), finite = countFinite(e);
@@ -177,10 +178,10 @@ namespace embree
           ofPatch.refusedQuads += size_t(quads)*size_t(quads);
           return; // of a patch that is stored exactly
         }
-        if (refused && finite == count && !isStitched && patch.ofEmbree()) {
+        if (refused && finite == count && !isStitched) {
           ofPatch.refusedQuads += size_t(quads)*size_t(quads);
           ofPatch.refusedInGrid += size_t(quads)*size_t(quads);
-          grids.write(*patch.ofEmbree(),e.x*quads,(e.x+1)*quads,e.y*quads,(e.y+1)*quads);
+          grids.write(patch.ofEmbree(),e.x*quads,(e.x+1)*quads,e.y*quads,(e.y+1)*quads);
           return;
         }
         if (!fits) { drop(e,ofPatch); return; }

@@ -1,12 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Builder of a scene's compressed subdivision surfaces: blocks of the geometries that changed (surface_builder.h), and one tree over
+/* Builder of a scene's compressed surfaces: blocks of the geometries that changed (surface_builder.h), and one tree over
  * the parts of all. */
 
 #include "../base/environment.h"
 #include "../base/thread_cache.h"
+#include "cage_source.h"
 #include "commit_line.h"
+#include "grid_source.h"
 #include "report.h"
 #include "surface_builder.h"
 
@@ -14,6 +16,12 @@ namespace embree
 {
   namespace isa
   {
+    static std::unique_ptr<SurfaceBuilder> newSurfaceBuilder (CompressibleGeometry* geometry, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
+    {
+      if (geometry->isCompressed()) return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource>((GridMesh*)geometry,number));
+      return std::unique_ptr<SurfaceBuilder>(new BuilderOf<CageSource>((SubdivMesh*)geometry,number));
+    }
+
     class CompressedSubdivBuilder : public Builder
     {
       ALIGNED_CLASS_(64);
@@ -29,7 +37,7 @@ namespace embree
       /*! a geometry of the scene */
       struct Surface
       {
-        SubdivMesh* mesh;
+        CompressibleGeometry* geometry;
         unsigned geomID;
         std::shared_ptr<const cbvh::SurfaceNumber> number;
         std::shared_ptr<const SurfaceBlocks> blocks; //!< null until they are built
@@ -72,9 +80,11 @@ namespace embree
       std::vector<Surface> findSurfaces () const
       {
         std::vector<Surface> surfaces;
-        Scene::Iterator<SubdivMesh> meshes(scene);
-        for (size_t i=0; i<meshes.size(); i++)
-          if (meshes[i] != nullptr && meshes[i]->size() != 0) surfaces.push_back(Surface{ meshes[i],unsigned(i),cbvh::numberOf(meshes[i]),cbvh::blocksOf(meshes[i]) });
+        for (size_t i=0; i<scene->size(); i++)
+        {
+          CompressibleGeometry* const geometry = geometryOfTree(scene->get(i));
+          if (geometry && geometry->size() != 0) surfaces.push_back(Surface{ geometry,unsigned(i),cbvh::numberOf(geometry),cbvh::blocksOf(geometry) });
+        }
         return surfaces;
       }
 
@@ -93,8 +103,8 @@ namespace embree
         parallel_for(size_t(0),surfaces.size(),surfacesPerTask,[&](const range<size_t>& r) {
             for (size_t i=r.begin(); i!=r.end(); i++)
             {
-              if (surfaces[i].blocks) { scene->progressMonitor(double(surfaces[i].mesh->size())); continue; }
-              builders[i].reset(new SurfaceBuilder(surfaces[i].mesh,surfaces[i].number));
+              if (surfaces[i].blocks) { scene->progressMonitor(double(surfaces[i].geometry->size())); continue; }
+              builders[i] = newSurfaceBuilder(surfaces[i].geometry,surfaces[i].number);
               if (builders[i]->isSmall()) build(surfaces[i],builders[i]);
             }
           });
@@ -108,7 +118,7 @@ namespace embree
 
       void build (Surface& surface, std::unique_ptr<SurfaceBuilder>& builder)
       {
-        surface.blocks = cbvh::keepBlocks(surface.mesh,builder->build([&](double faces) { scene->progressMonitor(faces); }));
+        surface.blocks = cbvh::keepBlocks(surface.geometry,builder->build([&](double primitives) { scene->progressMonitor(primitives); }));
         builder.reset();
       }
 
@@ -157,7 +167,7 @@ namespace embree
         scene->surfaceIDs.set(names);
       }
 
-      static CompressionPlan planOf (const Surface& surface) { return CompressionPlan(surface.mesh,*surface.number); }
+      static CompressionPlan planOf (const Surface& surface) { return CompressionPlan(surface.geometry,*surface.number); }
 
       void reportCommit (const std::vector<Surface>& surfaces, const cbvh::BuildStatistics& all) const
       {
@@ -196,6 +206,9 @@ namespace embree
       static std::string describeInvalid (const Surface& surface)
       {
         const cbvh::SurfaceStatistics& total = surface.blocks->statistics;
+        if (surface.geometry->isCompressed())
+          return "geometry " + std::to_string(surface.geomID) + ", grid " + std::to_string(total.firstInvalidFace) + ": it has no quads, or its vertices are not finite or outside of their buffer; left out of "
+            + std::to_string(total.invalidFaces) + " grid(s): " + std::to_string(total.sums.numInvalidQuads) + " quads with such vertices, and grids without vertices as a whole";
         return "geometry " + std::to_string(surface.geomID) + ", face " + std::to_string(total.firstInvalidFace) + ": vertices are not finite; left out of "
           + std::to_string(total.invalidFaces) + " face(s): " + std::to_string(total.sums.numInvalidQuads) + " quads";
       }
@@ -205,14 +218,13 @@ namespace embree
       return new CompressedSubdivBuilder((BVH4*)bvh,scene,report);
     }
 
-    void buildBlocksOfGeometry (SubdivMesh* mesh)
+    void buildBlocksOfGeometry (CompressibleGeometry* geometry)
     {
-      const CompressionSettings& settings = mesh->compression;
+      const CompressionSettings& settings = geometry->compression;
       std::atomic<size_t> done(0);
-      SurfaceBuilder builder(mesh,cbvh::numberOf(mesh));
-      cbvh::keepBlocks(mesh,builder.build([&](double faces) {
-          done += size_t(faces);
-          if (settings.progress && !settings.progress(settings.progressUserPtr,min(1.0,double(done)/double(mesh->size()))))
+      cbvh::keepBlocks(geometry,newSurfaceBuilder(geometry,cbvh::numberOf(geometry))->build([&](double primitives) {
+          done += size_t(primitives);
+          if (settings.progress && !settings.progress(settings.progressUserPtr,min(1.0,double(done)/double(geometry->size()))))
             throw_RTCError(RTC_ERROR_CANCELLED,"progress monitor forced termination");
         }));
       cbvh::outdateThreadCaches();

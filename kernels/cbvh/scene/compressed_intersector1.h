@@ -8,6 +8,7 @@
 
 #include "top_level1.h"
 #include "kind_visitors1.h"
+#include "point_query.h"
 
 namespace embree
 {
@@ -70,8 +71,9 @@ namespace embree
         if (isOccluded) ray.tfar = neg_inf;
       }
 
-      /*! point queries do not see subdivision surfaces, as in Embree */
-      static bool pointQuery (const Accel::Intersectors*, PointQuery*, PointQueryContext*) { return false; }
+      static bool pointQuery (const Accel::Intersectors* This, PointQuery* query, PointQueryContext* context) {
+        return cbvh::PointQueryTraversal(query,context)((const BVH4*)This->ptr);
+      }
 
     private:
       struct Leaves

@@ -122,8 +122,9 @@ namespace embree
 
       const char* nameOfType (Geometry::GType type)
       {
-        switch (type) {
+        switch (int(type)) {
         case Geometry::GTY_SUBDIV_MESH: return "a subdivision surface";
+        case CompressibleGeometry::GTY_COMPRESSED_GRID: return "a compressed grid mesh";
         case Geometry::GTY_TRIANGLE_MESH: return "a triangle mesh";
         case Geometry::GTY_INSTANCE_CHEAP: case Geometry::GTY_INSTANCE_EXPENSIVE: return "an instance";
         case Geometry::GTY_QUAD_MESH: return "a quad mesh";
@@ -141,11 +142,11 @@ namespace embree
         out.mask = geometry->mask;
         out.timeSteps = geometry->numTimeSteps;
         out.hasFilter = geometry->hasFilterFunctions();
-        switch (geometry->getType())
+        switch (int(geometry->getType()))
         {
-        case Geometry::GTY_SUBDIV_MESH: {
-          const auto blocks = blocksOf((const SubdivMesh*)geometry);
-          out.type = FLAT_SUBDIVISION;
+        case Geometry::GTY_SUBDIV_MESH: case CompressibleGeometry::GTY_COMPRESSED_GRID: {
+          const auto blocks = blocksOf((const CompressibleGeometry*)geometry);
+          out.type = FLAT_SURFACE;
           out.build = blocks ? blocks->build : 0;
           break;
         }
@@ -192,7 +193,7 @@ namespace embree
 
         /* what uses this names the geometry */
         for (const FlatGeometry& geometry : flat->ownGeometries)
-          hasMotion |= geometry.type == FLAT_SUBDIVISION && geometry.timeSteps != 1;
+          hasMotion |= geometry.type == FLAT_SURFACE && geometry.timeSteps != 1;
 
         for (Accel* accel : scene->accels)
         {

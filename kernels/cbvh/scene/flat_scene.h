@@ -45,7 +45,7 @@ namespace embree
       uint32_t vertex;   //!< first vertex
     };
 
-    enum FlatGeometryType { FLAT_NONE, FLAT_SUBDIVISION, FLAT_TRIANGLES, FLAT_INSTANCE, FLAT_OTHER };
+    enum FlatGeometryType { FLAT_NONE, FLAT_SURFACE, FLAT_TRIANGLES, FLAT_INSTANCE, FLAT_OTHER };
 
     struct FlatGeometry
     {

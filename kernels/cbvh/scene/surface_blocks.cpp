@@ -5,6 +5,7 @@
 
 #include "surface_blocks.h"
 #include "../base/kinds.h"
+#include "stored_triangles.h"
 #include <functional>
 #include <queue>
 
@@ -33,29 +34,29 @@ namespace embree
       freeNumbers.push(value);
     }
 
-    std::shared_ptr<const SurfaceNumber> numberOf (SubdivMesh* mesh)
+    std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry)
     {
       {
         Lock<MutexSys> lock(mutex);
-        if (mesh->surface.number) return mesh->surface.number;
+        if (geometry->surface.number) return geometry->surface.number;
       }
       std::shared_ptr<const SurfaceNumber> number = std::make_shared<SurfaceNumber>(); // which locks, as its end does
       Lock<MutexSys> lock(mutex);
-      if (mesh->surface.number == nullptr) mesh->surface.number = number;
-      return mesh->surface.number;
+      if (geometry->surface.number == nullptr) geometry->surface.number = number;
+      return geometry->surface.number;
     }
 
-    std::shared_ptr<const SurfaceBlocks> blocksOf (const SubdivMesh* mesh)
+    std::shared_ptr<const SurfaceBlocks> blocksOf (const CompressibleGeometry* geometry)
     {
       Lock<MutexSys> lock(mutex);
-      return mesh->surface.blocks;
+      return geometry->surface.blocks;
     }
 
-    std::shared_ptr<const SurfaceBlocks> keepBlocks (SubdivMesh* mesh, const std::shared_ptr<const SurfaceBlocks>& blocks)
+    std::shared_ptr<const SurfaceBlocks> keepBlocks (CompressibleGeometry* geometry, const std::shared_ptr<const SurfaceBlocks>& blocks)
     {
       Lock<MutexSys> lock(mutex);
-      if (mesh->surface.blocks == nullptr) mesh->surface.blocks = blocks;
-      return mesh->surface.blocks;
+      if (geometry->surface.blocks == nullptr) geometry->surface.blocks = blocks;
+      return geometry->surface.blocks;
     }
 
     BlockMemory::BlockMemory (Device* device) : device(device) {}
@@ -100,7 +101,16 @@ namespace embree
   static std::atomic<uint64_t> numBuilds(0);
 
   SurfaceBlocks::SurfaceBlocks (Device* device, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
-    : number(number), build(++numBuilds), memory(device), parts(device,0), root(BVH4::emptyNode), bounds(empty), numPrimitives(0) {}
+    : number(number), build(++numBuilds), memory(device), parts(device,0), root(BVH4::emptyNode), bounds(empty), numPrimitives(0), blockIndex(nullptr) {}
 
-  SurfaceBlocks::~SurfaceBlocks () {}
+  SurfaceBlocks::~SurfaceBlocks () { delete blockIndex.load(); }
+
+  const cbvh::BlockIndex& SurfaceBlocks::index () const
+  {
+    if (const cbvh::BlockIndex* made = blockIndex) return *made;
+    const cbvh::BlockIndex* made = new cbvh::BlockIndex(*this), * other = nullptr;
+    if (blockIndex.compare_exchange_strong(other,made)) return *made;
+    delete made; // another thread was faster
+    return *other;
+  }
 }

@@ -9,9 +9,12 @@
 #include "../base/block_memory.h"
 #include "../base/surface_ids.h"
 #include "../base/surface_statistics.h"
+#include <atomic>
 
 namespace embree
 {
+  namespace cbvh { class BlockIndex; }
+
   struct SurfaceBlocks
   {
     SurfaceBlocks (Device* device, const std::shared_ptr<const cbvh::SurfaceNumber>& number);
@@ -27,17 +30,23 @@ namespace embree
     BBox3fa bounds;           //!< of all that a ray may hit
     size_t numPrimitives;     //!< blocks and grids
     cbvh::SurfaceStatistics statistics;
+
+    /*! of the blocks, for who looks triangles up; made with the first call */
+    const cbvh::BlockIndex& index () const;
+
+  private:
+    mutable std::atomic<const cbvh::BlockIndex*> blockIndex;
   };
 
   namespace cbvh
   {
     /*! of a geometry; made with the first call */
-    std::shared_ptr<const SurfaceNumber> numberOf (SubdivMesh* mesh);
+    std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry);
 
     /*! of a geometry as it was committed last, or null if they are to be built */
-    std::shared_ptr<const SurfaceBlocks> blocksOf (const SubdivMesh* mesh);
+    std::shared_ptr<const SurfaceBlocks> blocksOf (const CompressibleGeometry* geometry);
 
     /*! Gives a geometry its blocks, unless another scene was faster; those that it has then. */
-    std::shared_ptr<const SurfaceBlocks> keepBlocks (SubdivMesh* mesh, const std::shared_ptr<const SurfaceBlocks>& blocks);
+    std::shared_ptr<const SurfaceBlocks> keepBlocks (CompressibleGeometry* geometry, const std::shared_ptr<const SurfaceBlocks>& blocks);
   }
 }

@@ -12,7 +12,7 @@ namespace embree
 {
   namespace isa
   {
-    class CagePatch final : public SurfacePatch
+    class CagePatch : public SurfacePatch
     {
     public:
       /*! shared: of faces that share their borders, else null; grid: for vertices */
@@ -33,20 +33,23 @@ namespace embree
       CagePatch (const CagePatch& other, PatchGrid& grid)
         : SurfacePatch(other), mesh(other.mesh), patch(other.patch), shared(other.shared), grid(grid), base(other.base) {}
 
-      VertexGrid& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned timeStep) override
+      VertexGrid& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part)
       {
-        if (timeStep == 0) grid.evalPart(base,mesh,quadsX,quadsY,part);
-        else grid.evalPart(patch.make(mesh,surface,primID,timeStep),mesh,quadsX,quadsY,part);
+        grid.evalPart(base,mesh,quadsX,quadsY,part);
         return grid;
       }
 
       /*! its vertices, if they are known, else null */
       const float (*evaluated () const)[3] { return shared->evaluated(primID,patch.subPatch); }
 
-      SideVertices side (int s) const override { return shared->side(primID,patch.subPatch,s); }
-      int latticeExponent () const override { return shared->exponent(primID); }
-      uint32_t sharpSides () const override { return sharpSidesOf(mesh,primID,patch); }
-      const SubdivPatch1Base* ofEmbree () const override { return &base; }
+      SideVertices side (int s) const { return shared->side(primID,patch.subPatch,s); }
+      int latticeExponent () const { return shared->exponent(primID); }
+
+      /*! bits of sides where the surface ends, is creased, or bends by as much as at a crease */
+      uint32_t sharpSides () const { return sharpSidesOf(mesh,primID,patch); }
+
+      /*! as Embree has it, for parts that are left to GRID */
+      const SubdivPatch1Base& ofEmbree () const { return base; }
 
     private:
       SubdivMesh* mesh;

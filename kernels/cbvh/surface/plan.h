@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* What all patches of a geometry have in common, and by the edge rates of a patch how it is stored. */
+/* What all patches of a geometry have in common, and by the edge rates of a patch how it is stored. Geometry that comes diced is
+ * stored exactly, as cVERT, whatever kind is asked for. */
 
 #include "../embree/scene.h"
 #include "../base/kinds.h"
@@ -14,13 +15,13 @@ namespace embree
   {
     struct CompressionPlan
     {
-      SubdivMesh* mesh;
       uint32_t surface;              //!< number of the surface, surface_ids.h
       CompressionSettings settings;  //!< resolved
 
-      CompressionPlan (SubdivMesh* mesh, uint32_t surface)
-        : mesh(mesh), surface(surface), settings(mesh->compression.resolve(mesh->device->compression)),
-          isCompressed(cbvh::findKind(settings.compression,blockKind)) {}
+      CompressionPlan (const CompressibleGeometry* geometry, uint32_t surface)
+        : surface(surface), settings(geometry->compression.resolve(geometry->device->compression)), isCompressed(cbvh::findKind(settings.compression,blockKind)) {
+        if (geometry->isCompressed()) blockKind = cbvh::Kind::VERT;
+      }
 
       /*! only if compresses() */
       cbvh::Kind kind () const { return blockKind; }

@@ -26,10 +26,9 @@
  * than the patch. */
 
 #include "../base/tasks.h"
-#include "lattice.h"
+#include "lattice_choice.h"
 #include "patch_grid.h"
 #include "patches.h"
-#include "plan.h"
 #include "source.h"
 #include <algorithm>
 #include <map>
@@ -41,8 +40,8 @@ namespace embree
     class SharedVertices
     {
     public:
-      explicit SharedVertices (const CompressionPlan& plan)
-        : plan(plan), mesh(plan.mesh), first(mesh->topology[0].halfEdges.data()), exponents(mesh->device,0), edges(mesh->device,0),
+      SharedVertices (SubdivMesh* mesh, const CompressionPlan& plan)
+        : plan(plan), mesh(mesh), first(mesh->topology[0].halfEdges.data()), exponents(mesh->device,0), edges(mesh->device,0),
           points(mesh->device,0), kept(mesh->device,0), firstKept(mesh->device,0) {}
 
       /*! evaluates borders; calls progress() now and then, which may cancel */
@@ -303,12 +302,11 @@ namespace embree
       void evaluate (size_t f, PatchGrid& grid)
       {
         if (!takesPart(f)) return;
-        cbvh::EdgeSample samples[2], coarse[2]; // along u, v; coarse: of borders with a lower rate
-        unsigned fewest[2] = { ~0u,~0u };        // quads
+        LatticeChoice lattice;
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
             const SubdivPatch1Base base = patch.make(mesh,plan.surface,f);
             const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
-            for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]);
+            lattice.addPatch(quads);
             float few[fewVertices][3];
             float (*const kept)[3] = roomFor(f,patch.subPatch);
             LinesOfPatch lines(mesh,base,grid,quads,kept ? kept : (quads[0]+1)*(quads[1]+1) <= fewVertices ? few : nullptr);
@@ -318,49 +316,16 @@ namespace embree
               const unsigned fine = quads[alongU ? 0 : 1], across = quads[alongU ? 1 : 0];
               const unsigned at = s == 1 || s == 2 ? across : 0;
               const Line line = lines(alongU,at);
-              (fine == unsigned(patch.rate[s]) ? samples : coarse)[alongU ? 0 : 1].add(line.vertices,line.count);
+              lattice.addLine(alongU,line.vertices,line.count,fine != unsigned(patch.rate[s]));
               ownLine(f,patch,s,line,fine);
             }
             for (bool alongU : { true, false }) {
               if (quads[alongU ? 1 : 0] < 2) continue;
               const Line line = lines(alongU,quads[alongU ? 1 : 0]/2);
-              samples[alongU ? 0 : 1].add(line.vertices,line.count);
+              lattice.addLine(alongU,line.vertices,line.count);
             }
           });
-        /* quads may be much longer than wide: the shorter side counts */
-        double spacing = 0, lower[3], upper[3], maxCoordinate = 0;
-        for (int k=0; k<3; k++)
-        {
-          lower[k] = min(min(samples[0].lower[k],samples[1].lower[k]),min(coarse[0].lower[k],coarse[1].lower[k]));
-          upper[k] = max(max(samples[0].upper[k],samples[1].upper[k]),max(coarse[0].upper[k],coarse[1].upper[k]));
-          if (lower[k] <= upper[k]) maxCoordinate = max(maxCoordinate,max(std::fabs(lower[k]),std::fabs(upper[k])));
-        }
-        for (int d=0; d<2; d++) {
-          const double median = (samples[d].empty() ? coarse[d] : samples[d]).median();
-          const double wanted = cbvh::defaultSpacing(median,fewest[d],diagonal);
-          if (wanted > 0) spacing = spacing > 0 ? min(spacing,wanted) : wanted;
-        }
-        exponents[f] = cbvh::latticeExponent(spacingAskedFor(lower,upper,spacing),maxCoordinate);
-      }
-
-      /*! the default where nothing was asked for */
-      double spacingAskedFor (const double lower[3], const double upper[3], double byDefault) const
-      {
-        const CompressionSettings& settings = plan.settings;
-        double spacing = settings.maxError > 0 ? double(settings.maxError) : INFINITY;
-        if (settings.maxPixelError > 0)
-        {
-          double distance2 = 0;
-          for (int k=0; k<3; k++)
-          {
-            const double grow = 0.25*(upper[k]-lower[k]), c = settings.cameraPosition[k];
-            const double d = max(max(lower[k]-grow-c,c-upper[k]-grow),0.0);
-            distance2 += d*d;
-          }
-          spacing = min(spacing,double(settings.maxPixelError)*settings.pixelSize*std::sqrt(distance2));
-        }
-        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,byDefault); // a bound of leaves
-        return spacing < INFINITY ? spacing : byDefault;
+        exponents[f] = lattice.exponent(plan,diagonal);
       }
 
       /*! vertices in a row */

@@ -5,11 +5,12 @@
 
 /* Writer of cVERT: the vertices of a patch are snapped to their lattices, those on its border come from the faces
  * that own them, and blocks hold them exactly. A patch is written in strips of rows, so that a patch of any rate takes
- * no more memory than one of 256 x 256 quads, and several tasks may write it. */
+ * no more memory than one of 256 x 256 quads, and several tasks may write it. Who writes flushes the store behind the last patch. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
 #include "../surface/plan.h"
+#include "../surface/source.h"
 #include "../surface/shared_border.h"
 #include "encoder.h"
 #include "snapped_vertices.h"
@@ -31,7 +32,8 @@ namespace embree
       }
 
       /*! Writes the blocks of a patch that is one strip. evaluated: its vertices as the face evaluates them, if they are known, or null. */
-      void write (SurfacePatch& patch, const float (*evaluated)[3])
+      template<typename Patch>
+      void write (Patch& patch, const float (*evaluated)[3])
       {
         const PatchPart all = { 0,patch.quads[0],0,patch.quads[1] };
         VertexGrid* grid = &given;
@@ -42,7 +44,8 @@ namespace embree
 
       /*! Writes the blocks of a strip. begin, end: its first and last row as they were evaluated for both strips that have it, or null at
        *  the border of the patch: a displacement may answer differently the second time. */
-      void write (SurfacePatch& patch, const PatchPart& strip, const float (*begin)[3], const float (*end)[3])
+      template<typename Patch>
+      void write (Patch& patch, const PatchPart& strip, const float (*begin)[3], const float (*end)[3])
       {
         VertexGrid& grid = patch.evaluate(patch.quads[0],patch.quads[1],strip);
         if (begin) memcpy(grid.displaced(),begin,grid.width*sizeof(*begin));
@@ -53,7 +56,8 @@ namespace embree
     private:
       static const unsigned fullStrip = 256; //!< rows of a patch of as many columns
 
-      void writeStrip (const SurfacePatch& patch, const PatchPart& strip, VertexGrid& grid)
+      template<typename Patch>
+      void writeStrip (const Patch& patch, const PatchPart& strip, VertexGrid& grid)
       {
         const cbvh::WorldLattice lattice(patch.latticeExponent());
         for (int s=0; s<4; s++) sideRates[s] = patch.side(s).rate;
@@ -61,7 +65,7 @@ namespace embree
         for (unsigned y=strip.y0; y<strip.y1; y+=cbvh::vertBlockQuads)
           for (unsigned x=0; x<patch.quads[0]; x+=cbvh::vertBlockQuads)
             writeBlock(patch,x,y,strip.y0,grid,lattice.spacing);
-        store.flush(cbvh::readBehindVert);
+        store.flushIfFull();
       }
 
       void writeBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned firstRow, VertexGrid& grid, float spacing)
@@ -84,7 +88,7 @@ namespace embree
         const Vec3fa lower(encoder.lower[0],encoder.lower[1],encoder.lower[2]), upper(encoder.upper[0],encoder.upper[1],encoder.upper[2]);
         store.hitBounds.extend(lower.x,lower.y,lower.z);
         store.hitBounds.extend(upper.x,upper.y,upper.z);
-        store.end(size,BBox3fa(lower,upper),cbvh::VERT_BLOCK);
+        store.end(size,BBox3fa(lower,upper),cbvh::VERT_BLOCK,cbvh::readBehindVert);
       }
 
       /*! bytes: of the block, without those that align the next */
@@ -117,7 +121,8 @@ namespace embree
         return cbvh::VertPlacement(region,quads,cbvh::vertEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
       }
 
-      void snapVertices (const SurfacePatch& patch, const PatchPart& strip, const cbvh::WorldLattice& lattice, VertexGrid& grid)
+      template<typename Patch>
+      void snapVertices (const Patch& patch, const PatchPart& strip, const cbvh::WorldLattice& lattice, VertexGrid& grid)
       {
         float (*p)[3] = grid.displaced();
         memcpy(grid.undisplaced(),p,grid.width*grid.height*sizeof(*p)); // as the face evaluates them

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Blocks of cVERT in scalar code, straight from the codec: what the SIMD code has to equal.
- * For tests, and to read. */
+/* Blocks of cVERT in scalar code, straight from the codec: what the SIMD code has to equal. For tests, to read, and where a whole
+ * block is wanted and nothing else. */
 
-#include "kernels/cbvh/vert/format.h"
+#include "format.h"
 #include <cstring>
 
 namespace embree

@@ -1,0 +1,54 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Compressed surfaces out again: the triangles that rays hit, for renderers that offset rays from what they really hit, and for
+ * bakes, exports and other renderers. Of geometry that is stored as cVERT, whose triangles are what is stored. */
+
+#include "rtcore_geometry.h"
+
+RTC_NAMESPACE_BEGIN
+
+/* A triangle as it is stored. */
+struct RTCCompressedTriangle
+{
+  float vertices[3][3]; /* x, y, z in the geometry's space */
+  float u[3], v[3];     /* parameters of the vertices on the primitive: those of hits are interpolated between them */
+};
+
+/* Looks up the triangle that a hit is on.
+ *
+ * geometry: stored as cVERT, in a scene that was committed, or by its own commit (RTC_COMPRESSION_FLAG_RELEASE_INPUT).
+ * primID, u, v, Ng: of the hit. Ng is 3 floats and chooses between triangles on whose common edge (u,v) lies; NULL takes any of them.
+ * triangle: written if there is one; not NULL. Its vertices are in the order of the patch: quad (x,y) has the triangles
+ *           (x,y), (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1).
+ *
+ * Returns whether (u,v) is on a triangle of the primitive: false for an unknown primID, and where triangles were left out. The first
+ * call after a commit makes an index of the geometry's blocks, of 8 bytes each.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL; RTC_ERROR_INVALID_OPERATION for a geometry that was not compressed, or is stored as
+ * anything but cVERT, if in part. Thread safety: as rtcInterpolate. */
+RTC_API bool rtcGetCompressedTriangle(RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle);
+
+/* Up to 16 x 16 quads of a primitive. Neighbouring parts have the vertices that they share as the same floats. */
+struct RTCCompressedPart
+{
+  unsigned int primID;
+  unsigned int width, height; /* in vertices */
+  const float* vertices;      /* x, y, z of width*height of them, row by row. Triangles with one that is not a number are left out */
+  const float* parameters;    /* u, v of each */
+};
+
+/* Is handed a part; valid until it returns. False ends the calls. */
+typedef bool (*RTCCompressedPartFunction)(void* userPtr, const struct RTCCompressedPart* part);
+
+/* Hands out all of a surface as it is stored, part by part, by the calling thread, in an order that is not specified.
+ *
+ * geometry: as above.
+ * function: not NULL.
+ *
+ * Errors: as above. Thread safety: as rtcInterpolate. */
+RTC_API void rtcForEachCompressedPart(RTCGeometry geometry, RTCCompressedPartFunction function, void* userPtr);
+
+RTC_NAMESPACE_END

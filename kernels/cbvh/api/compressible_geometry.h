@@ -1,0 +1,69 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What geometries that can be compressed have besides what Embree gives them. A subdivision surface is compressed by the scene that
+ * traces it. A grid geometry without motion blur is taken from Embree's own kernels when it is committed: its type is then one that
+ * none of Embree's has. */
+
+#include "../embree/geometry.h"
+#include "settings.h"
+#include "surface_state.h"
+
+namespace embree
+{
+  class SubdivMesh;
+  struct GridMesh;
+
+  class CompressibleGeometry : public Geometry
+  {
+  public:
+    using Geometry::Geometry;
+
+    /*! of grid geometry that is compressed: a number that Embree leaves free */
+    static const GType GTY_COMPRESSED_GRID = GType(24);
+
+    void enable () override { surface.changeVisibility(isDisabled()); Geometry::enable(); }
+    void disable () override { surface.changeVisibility(isEnabled()); Geometry::disable(); }
+    void setIntersectionFilterFunctionN (RTCFilterFunctionN filter) override { surface.changeVisibility(0); Geometry::setIntersectionFilterFunctionN(filter); }
+    void setOcclusionFilterFunctionN (RTCFilterFunctionN filter) override { surface.changeVisibility(0); Geometry::setOcclusionFilterFunctionN(filter); }
+    void setUserData (void* ptr) override { surface.change(); Geometry::setUserData(ptr); }
+
+    /*! whether Embree's own kernels of its type have been left for blocks */
+    bool isCompressed () const { return getType() == GTY_COMPRESSED_GRID; }
+
+    CompressionSettings compression; //!< set by rtcSetGeometryCompression
+    SurfaceState surface;
+
+  protected:
+    /*! Throws if that is interpolated, and was let go. */
+    void requireInput (RTCBufferType type) const;
+  };
+
+  /*! a geometry as that, or null where its type is none that can be compressed */
+  inline CompressibleGeometry* compressible (Geometry* geometry)
+  {
+    switch (int(geometry->getType())) {
+    case Geometry::GTY_SUBDIV_MESH: case Geometry::GTY_GRID_MESH: case CompressibleGeometry::GTY_COMPRESSED_GRID: return static_cast<CompressibleGeometry*>(geometry);
+    default: return nullptr;
+    }
+  }
+
+  /*! a geometry that a scene's tree of blocks may have, or null: one that is enabled, does not move, and is a subdivision
+   *  surface or compressed */
+  inline CompressibleGeometry* geometryOfTree (Geometry* geometry)
+  {
+    if (!geometry || !geometry->isEnabled() || geometry->numTimeSteps != 1) return nullptr;
+    CompressibleGeometry* const surface = compressible(geometry);
+    return surface && (surface->isCompressed() || surface->getType() == Geometry::GTY_SUBDIV_MESH) ? surface : nullptr;
+  }
+
+  /*! Whether the surface is to be taken from its buffers again. Throws where they were let go. */
+  bool beginCommit (SubdivMesh* mesh);
+  bool beginCommit (GridMesh* mesh);
+
+  /*! Compresses a geometry that asks for it when it is committed, and lets its input go. */
+  void endCommit (SubdivMesh* mesh);
+  void endCommit (GridMesh* mesh);
+}

@@ -1,0 +1,50 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#define RTC_EXPORT_API
+
+#include "../embree/scene.h"
+#include "../scene/stored_triangles.h"
+#include "../scene/surface_blocks.h"
+
+using namespace embree;
+
+namespace
+{
+  const SurfaceBlocks& blocksOf (RTCGeometry hgeometry)
+  {
+    if (hgeometry == nullptr)
+      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"geometry is NULL");
+    const CompressibleGeometry* const geometry = compressible((Geometry*)hgeometry);
+    if (!geometry || !geometry->surface.blocks)
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
+    return *geometry->surface.blocks;
+  }
+}
+
+RTC_NAMESPACE_BEGIN;
+
+RTC_API bool rtcGetCompressedTriangle (RTCGeometry hgeometry, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle)
+{
+  Geometry* geometry = (Geometry*) hgeometry;
+  RTC_CATCH_BEGIN;
+  const SurfaceBlocks& blocks = blocksOf(hgeometry);
+  if (triangle == nullptr)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"triangle is NULL");
+  return blocks.index().find(primID,u,v,Ng,*triangle);
+  RTC_CATCH_END2(geometry);
+  return false;
+}
+
+RTC_API void rtcForEachCompressedPart (RTCGeometry hgeometry, RTCCompressedPartFunction function, void* userPtr)
+{
+  Geometry* geometry = (Geometry*) hgeometry;
+  RTC_CATCH_BEGIN;
+  const SurfaceBlocks& blocks = blocksOf(hgeometry);
+  if (function == nullptr)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"function is NULL");
+  cbvh::forEachPart(blocks,[&](const RTCCompressedPart& part) { return function(userPtr,&part); });
+  RTC_CATCH_END2(geometry);
+}
+
+RTC_NAMESPACE_END

@@ -1,0 +1,95 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Grids of a grid geometry, for surface_builder.h: all are stored as cVERT. */
+
+#include "../surface/grid_patch.h"
+#include "../vert/writer.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    class GridSource
+    {
+    public:
+      typedef GridPatch Patch;
+      typedef GridPatch::Scratch Scratch;
+
+      static const bool answersAlike = true; //!< buffers are as they are
+
+      GridSource (GridMesh* mesh, const CompressionPlan& plan)
+        : mesh(mesh), plan(plan), vertices(mesh,plan) {}
+
+      size_t size () const { return mesh->size(); }
+
+      size_t estimateBlocks () const { return sumOverGrids([](const GridVertices::Grid& grid) { return blocksAlong(grid.quads(0))*blocksAlong(grid.quads(1)); }); }
+
+      /*! some blocks a task */
+      size_t perTask (bool isSmall) const
+      {
+        if (isSmall) return max(size(),size_t(1));
+        const size_t quads = sumOverGrids([](const GridVertices::Grid& grid) { return size_t(grid.quads(0))*grid.quads(1); });
+        return clamp(size()/(4*TaskScheduler::threadCount()),size_t(1),1 + quadsPerTask*size()/max(quads,size_t(1)));
+      }
+
+      template<typename Progress>
+      void prepare (size_t perTask, const Progress& progress) { vertices.prepare(perTask,[&] { progress(0.0); }); }
+      void release () { vertices.release(); }
+
+      bool isComplete (size_t grid) const { return vertices.isValid(grid); }
+
+      template<typename Closure>
+      void forEachPatch (size_t grid, Scratch& scratch, const Closure& closure) const
+      {
+        if (!vertices.isValid(grid)) return;
+        GridPatch patch(vertices,plan.surface,grid,scratch);
+        closure(patch);
+      }
+
+      /*! What Embree takes for it, as was seen, besides vertices: 68 bytes for each 2 x 2 quads. */
+      static size_t bytesInEmbree (const SurfacePatch& patch) { return 68*((size_t(patch.quads[0])+1)/2)*((size_t(patch.quads[1])+1)/2); }
+
+      /*! writes grids, for one task */
+      class Writer
+      {
+      public:
+        Writer (const GridSource& source, BlockStore& store, cbvh::BuildStatistics& statistics)
+          : exact(source.plan,source.mesh->device,store,statistics) {}
+
+        /*! false for a grid that is to be written in strips */
+        bool write (size_t, GridPatch& patch)
+        {
+          if (patch.quads[1] > VertWriter::rowsOfStrip(patch)) return false;
+          exact.write(patch,nullptr);
+          return true;
+        }
+
+      private:
+        VertWriter exact;
+      };
+
+    private:
+      static const size_t quadsPerTask = 1 << 14;
+
+      static size_t blocksAlong (unsigned quads) { return (quads + cbvh::vertBlockQuads-1)/cbvh::vertBlockQuads; }
+
+      template<typename Value>
+      size_t sumOverGrids (const Value& value) const
+      {
+        return reduceRanges(size(),size_t(1024),size_t(0),[&](const range<size_t>& grids) {
+            size_t n = 0;
+            for (size_t i=grids.begin(); i!=grids.end(); i++)
+              if (vertices.isValid(i)) n += value(vertices[i]);
+            return n;
+          },std::plus<size_t>());
+      }
+
+      GridMesh* mesh;
+      const CompressionPlan& plan;
+      GridVertices vertices;
+    };
+  }
+}

@@ -1,0 +1,91 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Point queries: the application's function is called for the primitives whose blocks are near enough, several times if several of
+ * their blocks are. As in Embree, they see grids, and no subdivision surfaces. */
+
+#include "../base/primitive_type.h"
+#include "../embree/scene.h"
+#include "../vert/format.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      class PointQueryTraversal
+      {
+      public:
+        PointQueryTraversal (PointQuery* query, PointQueryContext* context) : query(query), context(context) {}
+
+        /*! nearest children first; whether a call changed the query */
+        bool operator() (const BVH4* bvh)
+        {
+          if (bvh->root == BVH4::emptyNode) return false;
+          bool changed = false;
+          Item stack[1+3*BVH4::maxDepth];
+          size_t n = 0;
+          stack[n++] = Item{ bvh->root,0.0f };
+          while (n)
+          {
+            const Item item = stack[--n];
+            if (item.distance > reach()) continue;
+            if (item.ref.isLeaf()) { changed |= call(item.ref); continue; }
+            const size_t first = n;
+            const BVH4::AABBNode* node = item.ref.getAABBNode();
+            const vfloat4 distance = distanceOf(node);
+            for (size_t mask=movemask(distance <= vfloat4(reach())); mask; ) {
+              const size_t i = bscf(mask);
+              if (node->child(i) != BVH4::emptyNode) stack[n++] = Item{ node->child(i),distance[i] };
+            }
+            std::sort(stack+first,stack+n,[](const Item& a, const Item& b) { return a.distance > b.distance; });
+          }
+          return changed;
+        }
+
+      private:
+        struct Item
+        {
+          BVH4::NodeRef ref;
+          float distance; //!< as distanceOf
+        };
+
+        bool isSphere () const { return context->query_type == POINT_QUERY_TYPE_SPHERE; }
+
+        /*! that a box is not beyond, as distanceOf measures it */
+        float reach () const { return isSphere() ? query->radius*query->radius : 0.0f; }
+
+        /*! of the children: squares for a sphere, for a box how far they are outside of it */
+        vfloat4 distanceOf (const BVH4::AABBNode* node) const
+        {
+          const vfloat4 x = outside(query->p.x,node->lower_x,node->upper_x), y = outside(query->p.y,node->lower_y,node->upper_y), z = outside(query->p.z,node->lower_z,node->upper_z);
+          if (isSphere()) return x*x + y*y + z*z;
+          const Vec3fa& r = context->query_radius;
+          return max(max(max(x-vfloat4(r.x),y-vfloat4(r.y)),z-vfloat4(r.z)),vfloat4(0.0f));
+        }
+
+        static vfloat4 outside (float p, const vfloat4& lower, const vfloat4& upper) { return max(max(lower-vfloat4(p),vfloat4(p)-upper),vfloat4(0.0f)); }
+
+        bool call (BVH4::NodeRef leaf)
+        {
+          size_t type;
+          const void* block = leaf.leaf(type);
+          if (type != VERT_BLOCK) return false;
+          const VertHeader* header = (const VertHeader*)block;
+          const uint32_t geomID = context->scene->surfaceIDs[header->surface];
+          Geometry* const geometry = context->scene->get(geomID);
+          if (geometry->getType() == Geometry::GTY_SUBDIV_MESH) return false;
+          context->geomID = geomID;
+          context->primID = header->primID;
+          return geometry->pointQuery(query,context);
+        }
+
+        PointQuery* query;
+        PointQueryContext* context;
+      };
+    }
+  }
+}

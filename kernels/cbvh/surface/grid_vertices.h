@@ -1,0 +1,332 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The vertices of a grid geometry, and what grids share. Each grid has a lattice of its own; a vertex on the borders of several, whether
+ * by its index or as the same floats, lies on the coarsest of theirs, so that grids are closed where the application's are.
+ *
+ * Where grids of different resolution meet, the application may have moved the vertices of the finer one onto the edges of the other:
+ *
+ *     p-----------------------q      coarse
+ *     p-----m-----m-----m-----q      fine
+ *
+ * They are put onto the edge between p and q as those are stored, and on no lattice (blocks there are raw). */
+
+#include "../base/tasks.h"
+#include "lattice_choice.h"
+#include "position_table.h"
+#include <algorithm>
+#include <tuple>
+
+namespace embree
+{
+  namespace isa
+  {
+    class GridVertices
+    {
+    public:
+      /*! which vertices a grid has */
+      struct Grid
+      {
+        size_t first, stride;       //!< of rows, in vertices
+        unsigned width, height;     //!< in vertices
+
+        size_t vertex (unsigned x, unsigned y) const { return first + y*stride + x; }
+        unsigned quads (int d) const { return (d == 0 ? width : height)-1; }
+
+        /*! vertex k of side s, in the order of SurfacePatch::rate, around the grid */
+        size_t onSide (int s, unsigned k) const
+        {
+          switch (s) {
+          case 0 : return vertex(k,0);
+          case 1 : return vertex(width-1,k);
+          case 2 : return vertex(width-1-k,height-1);
+          default: return vertex(0,height-1-k);
+          }
+        }
+      };
+
+      /*! a vertex as all grids have it */
+      struct Shared
+      {
+        float position[3];
+        int exponent;      //!< of the lattice that it lies on
+      };
+
+      GridVertices (const GridMesh* mesh, const CompressionPlan& plan)
+        : mesh(mesh), plan(plan), table(mesh->device), exponents(mesh->device,0) {}
+
+      size_t size () const { return mesh->size(); }
+      Grid operator[] (size_t i) const { const GridMesh::Grid& g = mesh->grid(i); return Grid{ g.startVtxID,g.lineVtxOffset,g.resX,g.resY }; }
+
+      /*! whether a grid has quads, and its vertices are in their buffer */
+      bool isValid (size_t i) const
+      {
+        if (i >= mesh->grids.size()) return false;
+        const Grid grid = (*this)[i];
+        return grid.width > 1 && grid.height > 1 && grid.vertex(grid.width-1,grid.height-1) < mesh->vertices0.size();
+      }
+
+      const float* position (size_t vertex) const { return (const float*)mesh->vertices0.getPtr(vertex); }
+
+      /*! of a grid's lattice */
+      int exponent (size_t grid) const { return exponents[grid]; }
+
+      /*! calls progress() now and then, which may cancel */
+      template<typename Progress>
+      void prepare (size_t gridsPerTask, const Progress& progress)
+      {
+        chooseLattices(gridsPerTask,progress);
+        if (size() < 2) return;
+        table.reserve(reduceRanges(size(),4*gridsPerTask,size_t(0),[&](const range<size_t>& r) {
+              size_t n = 0;
+              forEachValid(r,[&](size_t, const Grid& grid) { n += 2*(size_t(grid.quads(0))+grid.quads(1)); });
+              return n;
+            },std::plus<size_t>()));
+        forGrids(gridsPerTask,progress,[&](size_t i, const Grid& grid) {
+            forBorder(grid,[&](size_t vertex) { if (cbvh::isFinite(position(vertex))) table.add(*this,vertex,exponents[i]); });
+          });
+        findStitched(gridsPerTask,progress);
+      }
+
+      void release ()
+      {
+        table.clear();
+        exponents.clear();
+        stitched.clear();
+      }
+
+      /*! of a vertex on the border of a grid; own: exponent of that grid's lattice */
+      Shared shared (size_t vertex, int own) const
+      {
+        const float* p = position(vertex);
+        Shared found = { { p[0],p[1],p[2] },own };
+        if (table.isEmpty() || !cbvh::isFinite(p)) return found;
+        const Entry entry = table.find(*this,vertex);
+        if (!table.isMarked(entry)) { found.exponent = table.exponent(entry); return found; }
+        const cbvh::Double3 onEdge = stored(entry);
+        found.position[0] = float(onEdge.x); found.position[1] = float(onEdge.y); found.position[2] = float(onEdge.z);
+        found.exponent = cbvh::minLatticeExponent;
+        return found;
+      }
+
+    private:
+      typedef PositionTable<GridVertices> Table;
+      typedef Table::Entry Entry;
+
+      /*! an edge on the border of one grid alone */
+      struct Edge
+      {
+        Entry end, begin;
+        operator uint64_t () const { return uint64_t(begin) << 32 | end; } // their order
+      };
+
+      /*! a vertex of a finer grid, and the edge of a coarser one that it lies on */
+      struct Stitched
+      {
+        Entry vertex;
+        Edge edge;
+      };
+
+      template<typename Closure>
+      void forEachValid (const range<size_t>& r, const Closure& closure) const
+      {
+        for (size_t i=r.begin(); i!=r.end(); i++)
+          if (isValid(i)) closure(i,(*this)[i]);
+      }
+
+      template<typename Progress, typename Closure>
+      void forGrids (size_t gridsPerTask, const Progress& progress, const Closure& closure) const
+      {
+        forRanges(size(),gridsPerTask,[&](const range<size_t>& r) {
+            forEachValid(r,closure);
+            progress();
+          });
+      }
+
+      /*! calls closure(vertex), each once */
+      template<typename Closure>
+      static void forBorder (const Grid& grid, const Closure& closure)
+      {
+        for (int s=0; s<4; s++)
+          for (unsigned k=0; k<grid.quads(s & 1); k++) closure(grid.onSide(s,k));
+      }
+
+      /*! Calls closure(alongU, vertices, count) for borders and middles. */
+      template<typename Closure>
+      void forLines (const Grid& grid, std::vector<float>& memory, const Closure& closure) const
+      {
+        memory.resize(3*max(grid.width,grid.height));
+        float (*line)[3] = (float(*)[3])memory.data();
+        for (unsigned y : { 0u,grid.quads(1)/2,grid.quads(1) }) {
+          for (unsigned x=0; x<grid.width; x++) memcpy(line[x],position(grid.vertex(x,y)),sizeof(*line));
+          closure(true,line,size_t(grid.width));
+        }
+        for (unsigned x : { 0u,grid.quads(0)/2,grid.quads(0) }) {
+          for (unsigned y=0; y<grid.height; y++) memcpy(line[y],position(grid.vertex(x,y)),sizeof(*line));
+          closure(false,line,size_t(grid.height));
+        }
+      }
+
+      template<typename Progress>
+      void chooseLattices (size_t gridsPerTask, const Progress& progress)
+      {
+        const BBox3fa bounds = reduceRanges(size(),gridsPerTask,BBox3fa(empty),[&](const range<size_t>& r) {
+            BBox3fa b(empty);
+            forEachValid(r,[&](size_t, const Grid& grid) {
+                forBorder(grid,[&](size_t vertex) {
+                    const float* p = position(vertex);
+                    if (cbvh::isFinite(p)) b.extend(Vec3fa(p[0],p[1],p[2]));
+                  });
+              });
+            return b;
+          },[](const BBox3fa& a, const BBox3fa& b) { return merge(a,b); });
+        const double diagonal = bounds.empty() ? 0.0 : length(bounds.size());
+        exponents.resize(size());
+        forRanges(size(),gridsPerTask,[&](const range<size_t>& r) {
+            std::vector<float> memory;
+            forEachValid(r,[&](size_t i, const Grid& grid) {
+                LatticeChoice lattice;
+                forLines(grid,memory,[&](bool alongU, const float (*line)[3], size_t count) { lattice.addLine(alongU,line,count); });
+                exponents[i] = lattice.exponent(plan,diagonal);
+              });
+            progress();
+          });
+      }
+
+      cbvh::Double3 at (Entry entry) const { const float* p = position(table.vertexOf(entry)); return { p[0],p[1],p[2] }; }
+
+      /*! As grids store it. Edges that end on other edges may do so again, and where grids overlap in a circle: not for ever. */
+      cbvh::Double3 stored (Entry entry, unsigned depth = 0) const
+      {
+        const cbvh::Double3 p = at(entry);
+        if (!table.isMarked(entry) || depth == 8) {
+          const cbvh::WorldLattice lattice(table.exponent(entry));
+          return { lattice.snap(float(p.x)),lattice.snap(float(p.y)),lattice.snap(float(p.z)) };
+        }
+        const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,[](const Stitched& s, Entry e) { return s.vertex < e; })->edge;
+        const cbvh::Double3 a = stored(edge.begin,depth+1);
+        return a + parameterOn(edge,p)*(stored(edge.end,depth+1)-a);
+      }
+
+      /*! in an order that is the same whichever thread was first */
+      bool isBefore (Entry a, Entry b) const
+      {
+        const cbvh::Double3 p = at(a), q = at(b);
+        return std::tie(p.x,p.y,p.z) < std::tie(q.x,q.y,q.z);
+      }
+
+      /*! 0 to 1, of the nearest position to p */
+      double parameterOn (const Edge& edge, const cbvh::Double3& p) const
+      {
+        const cbvh::Double3 a = at(edge.begin), d = at(edge.end)-a;
+        return dot(p-a,d)/dot(d,d);
+      }
+
+      /*! Vertices that an application put onto edges of coarser grids. Where all vertices on borders are shared, there are none. */
+      template<typename Progress>
+      void findStitched (size_t gridsPerTask, const Progress& progress)
+      {
+        std::atomic<bool> anyAlone(false);
+        forGrids(gridsPerTask,progress,[&](size_t, const Grid& grid) {
+            if (anyAlone.load(std::memory_order_relaxed)) return;
+            forBorder(grid,[&](size_t vertex) { if (isAlone(vertex)) anyAlone = true; });
+          });
+        if (!anyAlone) return;
+        const mvector<Edge> open = findOpenEdges(gridsPerTask,progress);
+        for (const Edge& edge : open)
+          if (isBefore(edge.begin,edge.end) && table.isShared(edge.begin) && table.isShared(edge.end)) followEdge(edge,open);
+        std::sort(stitched.begin(),stitched.end(),[&](const Stitched& a, const Stitched& b) {
+            if (a.vertex != b.vertex) return a.vertex < b.vertex;
+            return a.edge.begin != b.edge.begin ? isBefore(a.edge.begin,b.edge.begin) : a.edge.end != b.edge.end && isBefore(a.edge.end,b.edge.end);
+          });
+        for (const Stitched& s : stitched) table.mark(s.vertex);
+      }
+
+      bool isAlone (size_t vertex) const { return cbvh::isFinite(position(vertex)) && !table.isShared(table.find(*this,vertex)); }
+
+      /*! edges of borders that no other border has, in both directions, in order */
+      template<typename Progress>
+      mvector<Edge> findOpenEdges (size_t gridsPerTask, const Progress& progress) const
+      {
+        mvector<Edge> edges(mesh->device,0);
+        MutexSys mutex;
+        forRanges(size(),gridsPerTask,[&](const range<size_t>& r) {
+            std::vector<Edge> ofTask;
+            forEachValid(r,[&](size_t, const Grid& grid) { forEdges(grid,[&](Entry a, Entry b) { ofTask.push_back(Edge{ max(a,b),min(a,b) }); }); });
+            progress();
+            Lock<MutexSys> lock(mutex);
+            for (const Edge& edge : ofTask) edges.push_back(edge);
+          });
+        sort(edges);
+        size_t n = 0;
+        for (size_t i=0, next; i<edges.size(); i=next) {
+          for (next=i+1; next<edges.size() && edges[next] == edges[i]; next++);
+          if (next == i+1) edges[n++] = edges[i];
+        }
+        edges.resize(2*n);
+        for (size_t i=0; i<n; i++) edges[n+i] = Edge{ edges[i].begin,edges[i].end };
+        sort(edges);
+        return edges;
+      }
+
+      void sort (mvector<Edge>& edges) const
+      {
+        mvector<Edge> room(mesh->device,edges.size());
+        radix_sort_u64(edges.data(),room.data(),edges.size());
+      }
+
+      /*! Calls closure for the ends of each edge of a border that has a length. */
+      template<typename Closure>
+      void forEdges (const Grid& grid, const Closure& closure) const
+      {
+        for (int s=0; s<4; s++) {
+          Entry before = Table::none;
+          for (unsigned k=0; k<=grid.quads(s & 1); k++) {
+            const size_t vertex = grid.onSide(s,k);
+            const Entry entry = cbvh::isFinite(position(vertex)) ? table.find(*this,vertex) : Table::none;
+            if (before != Table::none && entry != Table::none && before != entry) closure(before,entry);
+            before = entry;
+          }
+        }
+      }
+
+      /*! Walks along open edges that lie on this one, from its begin to its end: if it gets there, what is between is stitched. */
+      void followEdge (const Edge& edge, const mvector<Edge>& open)
+      {
+        const size_t before = stitched.size();
+        double t = 0;
+        for (Entry from=edge.begin; from!=edge.end; )
+        {
+          Entry nearest = Table::none;
+          double tNearest = 2.0;
+          for (const Edge* next=std::lower_bound(open.begin(),open.end(),Edge{ 0,from }); next != open.end() && next->begin == from; next++)
+          {
+            if (from == edge.begin && next->end == edge.end) continue; // itself
+            const double s = next->end == edge.end ? 1.0 : parameterOn(edge,at(next->end));
+            if (s < tNearest && (next->end == edge.end || isOnEdge(edge,next->end,t,s))) { nearest = next->end; tNearest = s; }
+          }
+          if (nearest == Table::none) { stitched.resize(before); return; }
+          from = nearest;
+          t = tNearest;
+          if (from != edge.end) stitched.push_back(Stitched{ from,edge });
+        }
+      }
+
+      /*! Whether a vertex with parameter s is there, behind parameter t, but for what an application may have rounded. */
+      bool isOnEdge (const Edge& edge, Entry entry, double t, double s) const
+      {
+        const cbvh::Double3 p = at(entry), a = at(edge.begin), d = at(edge.end)-a;
+        const double size = max(max(std::fabs(p.x),std::fabs(p.y)),std::fabs(p.z));
+        return t < s && s < 1.0 && cbvh::length(a + s*d - p) <= max(1E-5*cbvh::length(d),4E-7*size);
+      }
+
+      const GridMesh* mesh;
+      const CompressionPlan& plan;
+      Table table;                    //!< of vertices on borders; empty for a single grid
+      mvector<int> exponents;         //!< by grid
+      std::vector<Stitched> stitched; //!< in the order of vertices
+    };
+  }
+}

@@ -1,0 +1,117 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Vertices by where they are: all that are equal as floats are one entry, which has the coarsest lattice of all. Filled by all threads
+ * at once. */
+
+#include "lattice.h"
+#include "../embree/scene.h"
+#include <atomic>
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! Positions: has const float* position(size_t vertex), of finite ones */
+    template<typename Positions>
+    class PositionTable
+    {
+    public:
+      typedef uint32_t Entry;
+      static const Entry none = 0xFFFFFFFFu;
+
+      explicit PositionTable (Device* device) : slots(device,0) {}
+
+      /*! room for so many vertices, if none are equal */
+      void reserve (size_t vertices)
+      {
+        size_t size = 16;
+        while (size < vertices + vertices/8) size *= 2;
+        if (size > none) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"more than 2^31 vertices are on the borders of grids");
+        slots.resize(size);
+        parallel_for(size_t(0),size,size_t(1) << 16,[&](const range<size_t>& r) { std::fill(slots.data()+r.begin(),slots.data()+r.end(),uint64_t(0)); });
+      }
+
+      void clear () { slots.clear(); }
+      bool isEmpty () const { return slots.empty(); }
+
+      void add (const Positions& positions, size_t vertex, int exponent)
+      {
+        const float* p = positions.position(vertex);
+        const uint64_t h = hashOf(p), mine = slotOf(vertex,exponent,h);
+        for (size_t at=h & mask(); ; at=(at+1) & mask())
+        {
+          std::atomic<uint64_t>& slot = atomic(at);
+          uint64_t found = slot.load(std::memory_order_relaxed);
+          if (found == 0 && slot.compare_exchange_strong(found,mine)) return;
+          if (!isSame(positions,found,p,h)) continue;
+          for (;;) {
+            const uint64_t joined = (found & ~exponentBits) | std::max(found & exponentBits,mine & exponentBits) | sharedBit;
+            if (joined == found || slot.compare_exchange_weak(found,joined)) return;
+          }
+        }
+      }
+
+      /*! of the position of a vertex, or none */
+      Entry find (const Positions& positions, size_t vertex) const
+      {
+        const float* p = positions.position(vertex);
+        const uint64_t h = hashOf(p);
+        for (size_t at=h & mask(); slots[at]; at=(at+1) & mask())
+          if (isSame(positions,slots[at],p,h)) return Entry(at);
+        return none;
+      }
+
+      /*! a vertex that is there */
+      size_t vertexOf (Entry entry) const { return size_t(slots[entry] & indexBits); }
+
+      /*! of the coarsest lattice */
+      int exponent (Entry entry) const { return int((slots[entry] & exponentBits) >> exponentShift) - exponentBias; }
+
+      /*! whether it was added more than once */
+      bool isShared (Entry entry) const { return (slots[entry] & sharedBit) != 0; }
+
+      /*! A mark for the user of the table; not by several threads. */
+      void mark (Entry entry) { slots[entry] |= markBit; }
+      bool isMarked (Entry entry) const { return (slots[entry] & markBit) != 0; }
+
+    private:
+      /* a slot: index of a vertex, exponent, three flags, and bits of the hash; 0 if it is free */
+      static const int exponentShift = 33, exponentBias = 128, tagShift = 44;
+      static const uint64_t indexBits = (uint64_t(1) << exponentShift)-1, exponentBits = uint64_t(255) << exponentShift;
+      static const uint64_t sharedBit = uint64_t(1) << 41, markBit = uint64_t(1) << 42, usedBit = uint64_t(1) << 43;
+      static_assert(sizeof(std::atomic<uint64_t>) == sizeof(uint64_t),"slots are taken as atomics while they are filled");
+
+      std::atomic<uint64_t>& atomic (size_t at) { return reinterpret_cast<std::atomic<uint64_t>&>(slots[at]); }
+      size_t mask () const { return slots.size()-1; }
+
+      static uint64_t slotOf (size_t vertex, int exponent, uint64_t hash) {
+        return uint64_t(vertex) | uint64_t(exponent+exponentBias) << exponentShift | usedBit | (hash >> tagShift) << tagShift;
+      }
+
+      static uint64_t hashOf (const float p[3])
+      {
+        uint64_t h = 0;
+        for (int k=0; k<3; k++) {
+          const float x = p[k] + 0.0f; // zeros are equal
+          uint32_t bits;
+          memcpy(&bits,&x,sizeof(bits));
+          h = (h ^ bits)*0x9E3779B97F4A7C15ull;
+          h ^= h >> 29;
+        }
+        return h;
+      }
+
+      static bool isSame (const Positions& positions, uint64_t slot, const float p[3], uint64_t hash)
+      {
+        if (((slot ^ hash) >> tagShift) != 0) return false;
+        const float* q = positions.position(size_t(slot & indexBits));
+        return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+      }
+
+      mvector<uint64_t> slots;
+    };
+  }
+}

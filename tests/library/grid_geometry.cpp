@@ -1,0 +1,470 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Grid geometry that is compressed: hits as Embree's own kernel has them, by every function and on every ISA, grids that stay closed
+ * and stitched, and what else is to be expected of a geometry. */
+
+#include "support/diced.h"
+#include "support/memory.h"
+#include "support/query_forms.h"
+
+#include <algorithm>
+#include <set>
+
+namespace cbvh::test {
+namespace {
+
+// Odd sizes, rows farther apart than they are long, and vertices before the first.
+Diced oddGrids(double lattice)
+{
+  Diced diced = dicedSheet(1, 37, lattice);
+  const Diced sheet = diced;
+  diced.grids.clear();
+  const unsigned side = 38, sizes[][4] = {{0, 0, 37, 7}, {0, 7, 5, 30}, {5, 7, 1, 30}, {6, 7, 31, 29}, {6, 36, 31, 1}}; // x, y, quads
+  for (const auto& s : sizes) diced.grids.push_back({s[1]*side + s[0], side, (unsigned short)(s[2] + 1), (unsigned short)(s[3] + 1)});
+  return diced;
+}
+
+std::vector<RTCRayHit> raysAt(Random& random, const Diced& diced, unsigned count)
+{
+  std::vector<RTCRayHit> rays;
+  for (unsigned i = 0; i < count; i++) rays.push_back(rayAt(random, diced));
+  return rays;
+}
+
+double angleBetween(const RTCHit& a, const RTCHit& b)
+{
+  const double dot = double(a.Ng_x)*b.Ng_x + double(a.Ng_y)*b.Ng_y + double(a.Ng_z)*b.Ng_z;
+  const auto square = [](const RTCHit& h) { return double(h.Ng_x)*h.Ng_x + double(h.Ng_y)*h.Ng_y + double(h.Ng_z)*h.Ng_z; };
+  return std::acos(std::min(1.0, dot/std::sqrt(square(a)*square(b))));
+}
+
+void expectSameHits(const std::vector<RTCRayHit>& expected, const std::vector<RTCRayHit>& found)
+{
+  ASSERT_EQ(expected.size(), found.size());
+  for (size_t i = 0; i < expected.size(); i++) {
+    SCOPED_TRACE(testing::Message() << "ray " << i);
+    const RTCRayHit &e = expected[i], &f = found[i];
+    ASSERT_EQ(isHit(e), isHit(f));
+    if (!isHit(e)) continue;
+    ASSERT_EQ(e.hit.geomID, f.hit.geomID);
+    ASSERT_EQ(e.hit.primID, f.hit.primID);
+    ASSERT_EQ(e.hit.instID[0], f.hit.instID[0]);
+    ASSERT_NEAR(e.ray.tfar, f.ray.tfar, 1e-5*e.ray.tfar);
+    ASSERT_NEAR(e.hit.u, f.hit.u, 1e-4);
+    ASSERT_NEAR(e.hit.v, f.hit.v, 1e-4);
+    ASSERT_LT(angleBetween(e.hit, f.hit), 1e-3);
+  }
+}
+
+class GridGeometry : public testing::TestWithParam<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Isas, GridGeometry, testing::Values(TEST_ISAS), [](const auto& info) {
+  std::string name;
+  for (char c : std::string(info.param).substr(4)) if (c != '.') name += c;
+  return name;
+});
+
+TEST_P(GridGeometry, HitsAreEmbrees)
+{
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  Random random(101);
+  const double lattice = 0x1p-10;
+  const struct { const char* name; Diced diced; } shapes[] = {
+    {"one grid", dicedSheet(1, 64, lattice)}, {"small grids", dicedSheet(9, 4, lattice)}, {"grids of 33 quads", dicedSheet(2, 33, lattice)}, {"odd grids", oddGrids(lattice)}};
+  for (const auto& shape : shapes) {
+    SCOPED_TRACE(shape.name);
+    const GridScene embree(device, shape.diced, RTC_COMPRESSION_NONE), scene(device, shape.diced);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    const RTCCompressionStatistics stats = statisticsOf(scene);
+    ASSERT_EQ(stats.numQuads, shape.diced.quads());
+    ASSERT_EQ(stats.maxVertexDeviation, 0) << "vertices were on the lattice";
+    ASSERT_EQ(statisticsOf(embree).numQuads, 0u);
+    const std::vector<RTCRayHit> rays = raysAt(random, shape.diced, 1003);
+    for (QueryForm form : allQueryForms) {
+      SCOPED_TRACE(nameOf(form));
+      const std::vector<RTCRayHit> expected = closestHits(embree, rays, form);
+      expectSameHits(expected, closestHits(scene, rays, form));
+      const std::vector<RTCRayHit> any = anyHits(scene, rays, form);
+      for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(any[i].ray.tfar < 0, isHit(expected[i])) << "ray " << i;
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+// Grids of one geometry, two geometries, beside a subdivision surface and triangles, in instances.
+TEST_P(GridGeometry, InScenesOfAllSorts)
+{
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  Random random(102);
+  const Diced diced = dicedSheet(4, 12, 0x1p-10);
+  const auto fill = [&](RTCScene scene, RTCCompression compression) {
+    Diced below = diced;
+    for (Vec& p : below.vertices) p[2] -= 0.5f;
+    rtcAttachGeometryByID(scene, newGrids(device, diced, compression), 5);
+    rtcAttachGeometryByID(scene, newGrids(device, below, compression), 2);
+    rtcReleaseGeometry(rtcGetGeometry(scene, 5));
+    rtcReleaseGeometry(rtcGetGeometry(scene, 2));
+    SurfaceSettings settings;
+    settings.compression = RTC_COMPRESSION_VERT;
+    Cage sheet = sheetCage(2);
+    for (Vec& p : sheet.positions) p[2] += 0.75f;
+    addSurface(device, scene, sheet, settings);
+    rtcCommitScene(scene);
+  };
+  Scene embree(device), scene(device);
+  fill(embree, RTC_COMPRESSION_NONE);
+  fill(scene, RTC_COMPRESSION_VERT);
+  Scene instances[2] = {Scene(device), Scene(device)};
+  for (int i = 0; i < 2; i++) {
+    RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, i ? scene : embree);
+    const float transform[12] = {0,1,0, -1,0,0, 0,0,1, 0,0.25f,0};
+    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
+    rtcCommitGeometry(instance);
+    attach(instances[i], instance);
+    rtcCommitScene(instances[i]);
+  }
+  ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  const std::vector<RTCRayHit> rays = raysAt(random, diced, 503);
+  std::set<unsigned> met;
+  for (QueryForm form : allQueryForms) {
+    SCOPED_TRACE(nameOf(form));
+    const std::vector<RTCRayHit> expected = closestHits(embree, rays, form);
+    for (const RTCRayHit& hit : expected) met.insert(hit.hit.geomID);
+    expectSameHits(expected, closestHits(scene, rays, form));
+    expectSameHits(closestHits(instances[0], rays, form), closestHits(instances[1], rays, form));
+  }
+  EXPECT_EQ(met.count(5) + met.count(2), 2u);
+}
+
+TEST_P(GridGeometry, MasksAndFilters)
+{
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  const Diced diced = dicedSheet(2, 20);
+  Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT);
+  attach(scene, geometry);
+  rtcCommitScene(scene);
+  RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
+  const float depth = intersect(scene, down).ray.tfar;
+  ASSERT_LT(depth, 5.2f);
+  EXPECT_TRUE(occluded(scene, down));
+
+  // Vertices that nobody says have changed: if blocks were built anew, they would be seen.
+  float* x = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  for (size_t i = 0; i < diced.vertices.size(); i++) x[3*i + 2] -= 1;
+  rtcSetGeometryMask(geometry, 2);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  EXPECT_EQ(intersect(scene, down).ray.tfar, depth) << "a mask builds nothing";
+  down.ray.mask = 1;
+  EXPECT_FALSE(isHit(intersect(scene, down)));
+  EXPECT_FALSE(occluded(scene, down));
+  down.ray.mask = 2;
+  EXPECT_TRUE(isHit(intersect(scene, down)));
+  EXPECT_TRUE(occluded(scene, down));
+
+  rtcSetGeometryIntersectFilterFunction(geometry, [](const RTCFilterFunctionNArguments* args) { args->valid[0] = 0; });
+  rtcSetGeometryOccludedFilterFunction(geometry, [](const RTCFilterFunctionNArguments* args) { args->valid[0] = 0; });
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  EXPECT_FALSE(isHit(intersect(scene, down)));
+  EXPECT_FALSE(occluded(scene, down));
+  rtcSetGeometryIntersectFilterFunction(geometry, nullptr);
+  rtcSetGeometryOccludedFilterFunction(geometry, nullptr);
+  rtcDisableGeometry(geometry);
+  rtcCommitScene(scene);
+  EXPECT_FALSE(isHit(intersect(scene, down)));
+  rtcEnableGeometry(geometry);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  EXPECT_EQ(intersect(scene, down).ray.tfar, depth);
+
+  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  EXPECT_NEAR(intersect(scene, down).ray.tfar, depth + 1, 1e-3) << "vertices";
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// --- closed -----------------------------------------------------------------------------------
+
+// From the inside, at vertices and edges of borders, where grids meet.
+TEST(GridSurfaces, AreClosedWhereGridsMeet)
+{
+  Device device;
+  Random random(103);
+  for (unsigned quads : {1u, 2u, 4u, 7u, 16u, 40u}) {
+    SCOPED_TRACE(testing::Message() << quads << " quads");
+    const Diced ball = dicedBall(3, quads);
+    const GridScene scene(device, ball);
+    EXPECT_GT(statisticsOf(scene).maxVertexDeviation, 0);
+    EXPECT_EQ(statisticsOf(scene).numRawBlocks, 0u);
+    std::vector<RTCRayHit> rays;
+    for (unsigned i = 0; i < 30000; i++) {
+      const RTCGrid& grid = ball.grids[random.below(unsigned(ball.grids.size()))];
+      const bool alongU = random.chance(0.5);
+      const unsigned n = (alongU ? grid.width : grid.height) - 1u, k = random.below(n), other = random.chance(0.5) ? 0 : (alongU ? grid.height : grid.width) - 1u;
+      const Vec &a = alongU ? ball.vertex(grid, k, other) : ball.vertex(grid, other, k), &b = alongU ? ball.vertex(grid, k + 1, other) : ball.vertex(grid, other, k + 1);
+      const double t = random.chance(0.3) ? 0 : random.uniform();
+      Vec from, direction;
+      for (int c = 0; c < 3; c++) {
+        from[c] = float(0.1*random.normal());
+        direction[c] = float(a[c] + t*(b[c] - a[c])) - from[c];
+      }
+      rays.push_back(makeRay(from, direction));
+    }
+    for (QueryForm form : {QueryForm::Single, QueryForm::Coherent8}) {
+      size_t missed = 0;
+      for (const RTCRayHit& hit : closestHits(scene, rays, form)) missed += !isHit(hit);
+      EXPECT_EQ(missed, 0u) << nameOf(form);
+    }
+  }
+}
+
+// A coarse grid, and finer ones whose border vertices lie on its edges: two grids, one behind the other.
+Diced stitchedGrids(unsigned coarse, unsigned fine)
+{
+  Diced diced;
+  const auto height = [](double x, double y) { return 0.2*std::sin(5*x + 1)*std::cos(4*y); };
+  diced.add(coarse + 1, coarse + 1, [&](unsigned x, unsigned y) {
+    const double u = double(x)/coarse - 1, v = double(y)/coarse;
+    return Vec{float(u), float(v), float(height(u, v))};
+  });
+  const RTCGrid first = diced.grids[0];
+  for (unsigned part = 0; part < 2; part++)
+    diced.add(fine + 1, fine + 1, [&](unsigned x, unsigned y) {
+      const double u = double(x)/fine, v = (part + double(y)/fine)/2;
+      if (x > 0) return Vec{float(u), float(v), float(height(u, v))};
+      const unsigned k = std::min(unsigned(v*coarse), coarse - 1);
+      const Vec a = diced.vertex(first, coarse, k), b = diced.vertex(first, coarse, k + 1);
+      const double t = v*coarse - k;
+      Vec p;
+      for (int c = 0; c < 3; c++) p[c] = t == 0 ? a[c] : t == 1 ? b[c] : float(a[c] + t*(double(b[c]) - a[c]));
+      return p;
+    });
+  return diced;
+}
+
+TEST(GridSurfaces, StayStitched)
+{
+  Device device;
+  Random random(104);
+  const unsigned counts[][2] = {{2, 4}, {4, 12}, {8, 32}, {5, 5}, {20, 60}, {16, 8}};
+  for (const auto& n : counts) {
+    SCOPED_TRACE(testing::Message() << n[0] << " and 2 x " << n[1] << " quads");
+    const Diced diced = stitchedGrids(n[0], n[1]);
+    const GridScene embree(device, diced, RTC_COMPRESSION_NONE), scene(device, diced);
+    EXPECT_LT(statisticsOf(scene).numRawBlocks, statisticsOf(scene).numBlocks) << "only along the seam";
+    size_t missed = 0, missedByEmbree = 0;
+    for (unsigned i = 0; i < 20000; i++) {
+      const unsigned k = random.below(n[0]);
+      const Vec a = diced.vertex(diced.grids[0], n[0], k), b = diced.vertex(diced.grids[0], n[0], k + 1);
+      const double t = random.uniform();
+      Vec from = {float(0.5*random.normal()), float(0.5 + 0.5*random.normal()), 3}, direction;
+      for (int c = 0; c < 3; c++) direction[c] = float(a[c] + t*(b[c] - a[c]) + (c == 0 ? 1e-3*random.normal()/n[1] : 0)) - from[c];
+      if (t < 1e-3 && k == 0) continue; // the end of the seam
+      const RTCRayHit ray = makeRay(from, direction);
+      missed += !isHit(intersect(scene, ray));
+      missedByEmbree += !isHit(intersect(embree, ray));
+    }
+    EXPECT_LE(missed, missedByEmbree + 3);
+  }
+}
+
+// --- what is wrong ----------------------------------------------------------------------------
+
+TEST(GridSurfaces, WhatIsWrongIsNamedAndLeftOut)
+{
+  Device device;
+  const Diced good = dicedSheet(2, 8, 0x1p-10);
+  const RTCRayHit atThird = makeRay({-0.5f, 0.5f, 5}, {0, 0, -1}), atFirst = makeRay({-0.5f, -0.5f, 5}, {0, 0, -1});
+  const auto commit = [&](const Diced& diced) {
+    const GridScene scene(device, diced);
+    EXPECT_TRUE(isHit(intersect(scene, atFirst)));
+    EXPECT_FALSE(isHit(intersect(scene, atThird)));
+    return device.takeError();
+  };
+  const auto expectNamed = [&](const Diced& diced) {
+    device.message.clear();
+    EXPECT_EQ(commit(diced), RTC_ERROR_INVALID_ARGUMENT);
+    EXPECT_NE(device.message.find("geometry 0, grid 2"), std::string::npos) << device.message;
+  };
+  Diced outside = good;
+  outside.grids[2].startVertexID = unsigned(good.vertices.size()) - 5;
+  expectNamed(outside);
+  outside = good;
+  outside.grids[2].stride = 0xFFFFFFF0u; // the last vertex, in 32 bits, is in the buffer
+  expectNamed(outside);
+  Diced line = good;
+  line.grids[2].width = 1;
+  expectNamed(line);
+  Diced poisoned = good;
+  for (unsigned y = 3; y < 7; y++)
+    for (unsigned x = 3; x < 7; x++) poisoned.vertex(good.grids[2], x, y)[(x + y) % 3] = x % 2 ? INFINITY : NAN;
+  expectNamed(poisoned);
+  // quads around, and whole grids that have no such vertex, are there
+  const GridScene scene(device, poisoned);
+  device.takeError();
+  EXPECT_TRUE(isHit(intersect(scene, makeRay({-0.95f, 0.05f, 5}, {0, 0, -1}))));
+  EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 25u);
+}
+
+// --- settings ---------------------------------------------------------------------------------
+
+TEST(GridSurfaces, AskForCompressionOrNot)
+{
+  const Diced diced = dicedSheet(2, 20);
+  const auto quads = [&](const Device& device, RTCCompression compression) {
+    const GridScene scene(device, diced, compression);
+    return statisticsOf(scene).numQuads;
+  };
+  Device plain, ofString("subdiv_accel=cbvh.leaf");
+  EXPECT_EQ(quads(plain, RTC_COMPRESSION_INHERIT), 0u);
+  EXPECT_EQ(quads(plain, RTC_COMPRESSION_VERT), 1600u);
+  EXPECT_EQ(quads(plain, RTC_COMPRESSION_LEAF), 1600u) << "diced geometry is stored as cVERT";
+  EXPECT_EQ(quads(ofString, RTC_COMPRESSION_INHERIT), 1600u);
+  EXPECT_EQ(quads(ofString, RTC_COMPRESSION_NONE), 0u);
+  EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
+
+  // A dynamic scene, back and forth.
+  Scene scene(plain, RTC_SCENE_FLAG_DYNAMIC);
+  RTCGeometry geometry = newGrids(plain, diced);
+  attach(scene, geometry);
+  const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
+  for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT}) {
+    RTCCompressionArguments args;
+    rtcInitCompressionArguments(&args);
+    args.compression = compression;
+    rtcSetGeometryCompression(geometry, &args);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    EXPECT_EQ(statisticsOf(scene).numQuads, compression == RTC_COMPRESSION_VERT ? 1600u : 0u);
+    EXPECT_TRUE(isHit(intersect(scene, down)));
+  }
+  EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
+}
+
+TEST(GridSurfaces, MotionBlurStaysWithEmbree)
+{
+  Device device;
+  const Diced diced = dicedSheet(2, 10);
+  Scene scene(device);
+  attach(scene, newGrids(device, diced, RTC_COMPRESSION_VERT, 0, 2));
+  rtcCommitScene(scene);
+  EXPECT_EQ(statisticsOf(scene).numQuads, 0u);
+  EXPECT_TRUE(isHit(intersect(scene, makeRay({0.3f, 0.2f, 5}, {0, 0, -1}))));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST(GridSurfaces, LetTheirInputGo)
+{
+  Memory memory;
+  Device device;
+  rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+  const Diced diced = dicedSheet(4, 64);
+  const ssize_t before = memory.live;
+  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
+  Scene scene(device);
+  rtcAttachGeometry(scene, geometry);
+  rtcCommitScene(scene);
+  EXPECT_LT(double(memory.live - before), 3.5*double(diced.quads()));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
+  const RTCRayHit hit = intersect(scene, down);
+  EXPECT_TRUE(isHit(hit));
+  float P[3];
+  rtcInterpolate0(geometry, hit.hit.primID, hit.hit.u, hit.hit.v, RTC_BUFFER_TYPE_VERTEX, 0, P, 3);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  rtcSetGeometryMask(geometry, 2);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  EXPECT_EQ(intersect(scene, down).ray.tfar, hit.ray.tfar);
+  rtcSetGeometryVertexAttributeCount(geometry, 0);
+  rtcCommitGeometry(geometry);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << "nothing to build of";
+  setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, diced.vertices);
+  setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, diced.grids);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  EXPECT_EQ(intersect(scene, down).ray.tfar, hit.ray.tfar);
+  rtcReleaseGeometry(geometry);
+}
+
+// Bytes of all that the library holds, its tree included, without the application's own vertices.
+TEST(GridSurfaces, TakeFewBytes)
+{
+  const struct { unsigned n, quads; double bytes; } sizes[] = {{400, 4, 12}, {100, 8, 6}, {32, 16, 3.5}, {8, 64, 3.5}, {1, 500, 3.5}};
+  for (const auto& s : sizes) {
+    Memory memory;
+    Device device;
+    rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+    const Diced diced = dicedSheet(s.n, s.quads);
+    Scene scene(device);
+    RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT);
+    attach(scene, geometry);
+    const ssize_t before = memory.live;
+    rtcCommitScene(scene);
+    const double bytes = double(memory.live - before)/double(diced.quads());
+    const RTCCompressionStatistics stats = statisticsOf(scene);
+    const auto aQuad = [&](size_t n) { return double(n)/double(diced.quads()); };
+    std::printf("%u x %u grids of %u x %u quads: %.2f bytes a quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices), %.2f more meanwhile\n", s.n, s.n, s.quads,
+                s.quads, bytes, aQuad(stats.topLevelBytes), aQuad(stats.frameBytes), aQuad(stats.nodeBytes), aQuad(stats.leafBytes), aQuad(size_t(memory.peak - memory.live)));
+    EXPECT_LE(bytes, s.bytes) << s.quads << " quads";
+  }
+}
+
+// --- point queries ----------------------------------------------------------------------------
+
+TEST(GridSurfaces, PointQueriesFindWhatEmbreeFinds)
+{
+  Device device;
+  Random random(105);
+  const Diced diced = dicedSheet(6, 9);
+  const GridScene embree(device, diced, RTC_COMPRESSION_NONE), scene(device, diced);
+  // The distance to the nearest vertex of a primitive, which shrinks the query.
+  struct Found { const Diced* diced; Vec at; unsigned primID = RTC_INVALID_GEOMETRY_ID; size_t calls = 0; };
+  const auto nearest = [&](RTCScene in, const Vec& at, float radius) {
+    Found found{&diced, at};
+    RTCPointQuery query;
+    query.x = at[0]; query.y = at[1]; query.z = at[2];
+    query.time = 0;
+    query.radius = radius;
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(in, &query, &context, [](RTCPointQueryFunctionArguments* args) {
+      Found& f = *(Found*)args->userPtr;
+      f.calls++;
+      const RTCGrid& grid = f.diced->grids[args->primID];
+      bool changed = false;
+      for (unsigned y = 0; y < grid.height; y++)
+        for (unsigned x = 0; x < grid.width; x++) {
+          const Vec& p = f.diced->vertex(grid, x, y);
+          const float d = std::hypot(p[0] - f.at[0], p[1] - f.at[1], p[2] - f.at[2]);
+          if (d < args->query->radius) { args->query->radius = d; f.primID = args->primID; changed = true; }
+        }
+      return changed;
+    }, &found);
+    return std::make_pair(found.primID == RTC_INVALID_GEOMETRY_ID ? -1.0f : query.radius, found.calls);
+  };
+  size_t calls = 0, found = 0;
+  for (unsigned i = 0; i < 300; i++) {
+    const Vec at = {float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2)), float(random.uniform(-0.5, 0.5))};
+    const float radius = random.chance(0.3) ? INFINITY : float(random.uniform(0, 0.6));
+    const auto expected = nearest(embree, at, radius), actual = nearest(scene, at, radius);
+    ASSERT_EQ(expected.first, actual.first);
+    calls += actual.second;
+    found += actual.first >= 0;
+  }
+  EXPECT_GT(found, 150u);
+  EXPECT_LT(calls, 300u*36/2) << "most grids are too far";
+}
+
+} // namespace
+} // namespace cbvh::test

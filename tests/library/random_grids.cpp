@@ -1,0 +1,141 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Grid geometry of random sizes, strides and vertices, most of it wrong somewhere: what is right is compressed and traced, what is wrong
+ * is named. Memory is of exactly the size that the API asks for, so that sanitizers see what is read beside it.
+ *
+ *   CBVH_RANDOM_GEOMETRIES=100000 random_grids    for longer */
+
+#include "support/query_forms.h"
+
+#include <cstdlib>
+#include <memory>
+
+namespace cbvh::test {
+namespace {
+
+struct RandomGrids
+{
+  size_t numVertices, vertexStride, numGrids, gridStride;
+  std::unique_ptr<char[]> vertices, grids; // of vertices with the 4 bytes behind the last that Embree may read
+
+  explicit RandomGrids(Random& random)
+    : numVertices(random.chance(0.1) ? random.below(4) : 1 + random.below(random.chance(0.2) ? 5000 : 200)), vertexStride(12 + 4*random.below(3)),
+      numGrids(random.chance(0.05) ? 0 : 1 + random.below(12)), gridStride(12 + 4*random.below(2)), vertices(new char[numVertices*vertexStride + 4]),
+      grids(new char[numGrids*gridStride + 4])
+  {
+    const bool isPoisoned = random.chance(0.5);
+    const double scale = random.magnitude(1e-6, 1e6);
+    for (size_t i = 0; i < numVertices; i++) {
+      float p[3] = {float(scale*(double(i % 16) + 0.3*random.uniform())), float(scale*(double(i / 16) + 0.3*random.uniform())), float(scale*random.normal())};
+      for (float& x : p) {
+        if (random.chance(0.3)) x = std::nearbyint(x);
+        if (isPoisoned && random.chance(0.01)) x = oddNumber(random);
+      }
+      std::memcpy(&vertices[i*vertexStride], p, sizeof(p));
+    }
+    for (size_t i = 0; i < numGrids; i++) {
+      RTCGrid grid = {random.below(unsigned(numVertices) + 1), 1 + random.below(40), (unsigned short)random.below(30), (unsigned short)random.below(30)};
+      if (random.chance(0.5)) { grid.stride = 16; grid.width = (unsigned short)std::min<unsigned>(grid.width, 16); }
+      if (random.chance(0.05)) grid.startVertexID = random.bits();
+      if (random.chance(0.05)) grid.stride = random.chance(0.5) ? 0 : random.bits();
+      if (random.chance(0.05)) (random.chance(0.5) ? grid.width : grid.height) = (unsigned short)random.bits();
+      std::memcpy(&grids[i*gridStride], &grid, sizeof(grid));
+    }
+  }
+
+  RTCGrid grid(size_t i) const
+  {
+    RTCGrid g;
+    std::memcpy(&g, &grids[i*gridStride], sizeof(g));
+    return g;
+  }
+
+  bool isRight(size_t i) const
+  {
+    const RTCGrid g = grid(i);
+    return g.width > 1 && g.height > 1 && uint64_t(g.startVertexID) + uint64_t(g.height - 1)*g.stride + g.width - 1 < numVertices;
+  }
+
+private:
+  static float oddNumber(Random& random)
+  {
+    const float odd[] = {NAN, INFINITY, -INFINITY, 1e18f, -1e18f, 1e30f, 3e38f, 1e-40f, -0.0f, 1e-30f};
+    return odd[random.below(sizeof(odd)/sizeof(*odd))];
+  }
+};
+
+TEST(RandomGrids, AreTracedOrNamed)
+{
+  Random random(107);
+  const char* const many = std::getenv("CBVH_RANDOM_GEOMETRIES");
+  const size_t rounds = many ? std::strtoull(many, nullptr, 10) : 400;
+  size_t hits = 0, named = 0, right = 0;
+  for (size_t round = 0; round < rounds; round++) {
+    SCOPED_TRACE(testing::Message() << "round " << round);
+    Device device("threads=2");
+    const RandomGrids grids(random);
+    Scene scene(device);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, grids.vertices.get(), 0, grids.vertexStride, grids.numVertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids.grids.get(), 0, grids.gridStride, grids.numGrids);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    RTCCompressionArguments args;
+    rtcInitCompressionArguments(&args);
+    args.compression = RTC_COMPRESSION_VERT;
+    if (random.chance(0.3)) args.maxError = float(random.magnitude(1e-38, 1e38));
+    const bool releases = random.chance(0.3);
+    if (releases) args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
+    rtcSetGeometryCompression(geometry, &args);
+    rtcCommitGeometry(geometry);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    const RTCError error = device.takeError();
+
+    size_t quads = 0, wrong = 0;
+    for (size_t i = 0; i < grids.numGrids; i++)
+      if (grids.isRight(i)) quads += size_t(grids.grid(i).width - 1)*size_t(grids.grid(i).height - 1);
+      else wrong++;
+    ASSERT_TRUE(error == RTC_ERROR_NONE || error == RTC_ERROR_INVALID_ARGUMENT) << device.message;
+    if (wrong) { ASSERT_EQ(error, RTC_ERROR_INVALID_ARGUMENT); }
+    if (error) { ASSERT_NE(device.message.find("geometry 0, grid "), std::string::npos) << device.message; }
+    const RTCCompressionStatistics stats = statisticsOf(scene);
+    ASSERT_LE(stats.numQuads, quads);
+    ASSERT_GE(stats.numQuads + stats.numInvalidQuads, quads);
+    if (error == RTC_ERROR_NONE) { ASSERT_EQ(stats.numQuads, quads); }
+    named += error != RTC_ERROR_NONE;
+    right += grids.numGrids - wrong;
+
+    std::vector<RTCRayHit> rays;
+    RTCBounds bounds;
+    rtcGetSceneBounds(scene, &bounds);
+    if (quads && std::isfinite(bounds.lower_x) && bounds.upper_x - bounds.lower_x < 1e12f)
+      for (int i = 0; i < 40; i++) {
+        const auto in = [&](float a, float b) { return float(a + random.uniform()*(double(b) - a)); };
+        const Vec at = {in(bounds.lower_x, bounds.upper_x), in(bounds.lower_y, bounds.upper_y), in(bounds.lower_z, bounds.upper_z)};
+        Vec direction;
+        for (float& d : direction) d = random.chance(0.2) ? 0.0f : float(random.normal());
+        rays.push_back(makeRay(at, direction));
+      }
+    if (rays.empty()) continue;
+    for (QueryForm form : {QueryForm::Single, QueryForm::Packet8, QueryForm::CoherentStream}) {
+      const std::vector<RTCRayHit> closest = closestHits(scene, rays, form), any = anyHits(scene, rays, form);
+      for (size_t i = 0; i < rays.size(); i++) {
+        ASSERT_EQ(isHit(closest[i]), any[i].ray.tfar < 0);
+        if (!isHit(closest[i])) continue;
+        hits++;
+        const RTCHit& hit = closest[i].hit;
+        ASSERT_EQ(hit.geomID, 0u);
+        ASSERT_LT(hit.primID, grids.numGrids);
+        ASSERT_TRUE(grids.isRight(hit.primID));
+        ASSERT_TRUE(hit.u >= 0 && hit.u <= 1 && hit.v >= 0 && hit.v <= 1) << hit.u << ' ' << hit.v;
+      }
+    }
+  }
+  EXPECT_GT(right, rounds);
+  EXPECT_GT(named, rounds/4);
+  EXPECT_GT(hits, rounds);
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,196 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Compressed surfaces out again: the triangle of a hit, and all of a surface. */
+
+#include "support/diced.h"
+#include "support/edge_rates.h"
+
+#include <embree3/rtcore_compressed_triangles.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <thread>
+
+namespace cbvh::test {
+namespace {
+
+using Triangle = std::array<Vec, 3>;
+
+// As handed out, part by part.
+struct AllParts
+{
+  std::map<unsigned, std::set<Triangle>> triangles; // by primID
+  size_t quads = 0, calls = 0, mostCalls = ~size_t(0);
+
+  explicit AllParts(RTCGeometry geometry) { rtcForEachCompressedPart(geometry, add, this); }
+
+  static bool add(void* self, const RTCCompressedPart* part)
+  {
+    AllParts& all = *(AllParts*)self;
+    all.calls++;
+    const auto at = [&](unsigned x, unsigned y) { const float* p = part->vertices + 3*(y*part->width + x); return Vec{p[0], p[1], p[2]}; };
+    const auto isNumber = [](const Vec& p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); };
+    for (unsigned i = 0; i < part->width*part->height; i++) EXPECT_TRUE(part->parameters[2*i] >= 0 && part->parameters[2*i + 1] >= 0);
+    for (unsigned y = 0; y + 1 < part->height; y++)
+      for (unsigned x = 0; x + 1 < part->width; x++) {
+        const Vec a = at(x, y), b = at(x + 1, y), c = at(x, y + 1), d = at(x + 1, y + 1);
+        all.quads += isNumber(a) && isNumber(b) && isNumber(c) && isNumber(d);
+        if (isNumber(a) && isNumber(b) && isNumber(c)) all.triangles[part->primID].insert({a, b, c});
+        if (isNumber(c) && isNumber(b) && isNumber(d)) all.triangles[part->primID].insert({c, b, d});
+      }
+    return all.calls < all.mostCalls;
+  }
+};
+
+// The triangles of hits contain the hits, have their normals and parameters, and are among those that are handed out.
+void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vector<RTCRayHit>& rays)
+{
+  const AllParts all(geometry);
+  size_t hits = 0;
+  for (const RTCRayHit& ray : rays) {
+    const RTCRayHit r = intersect(scene, ray);
+    if (!isHit(r)) continue;
+    hits++;
+    SCOPED_TRACE(testing::Message() << "primID " << r.hit.primID << ", u " << r.hit.u << ", v " << r.hit.v);
+    RTCCompressedTriangle t;
+    ASSERT_TRUE(rtcGetCompressedTriangle(geometry, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+    Triangle vertices;
+    for (int c = 0; c < 3; c++) std::copy_n(t.vertices[c], 3, vertices[c].begin());
+    ASSERT_TRUE(all.triangles.count(r.hit.primID) && all.triangles.at(r.hit.primID).count(vertices));
+
+    double e1[3], e2[3], s[3], n[3], nn = 0, dn = 0, gn = 0, gg = 0;
+    const float direction[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z}, Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z};
+    const float origin[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z};
+    for (int k = 0; k < 3; k++) {
+      e1[k] = double(t.vertices[1][k]) - t.vertices[0][k];
+      e2[k] = double(t.vertices[2][k]) - t.vertices[0][k];
+      s[k] = origin[k] + double(r.ray.tfar)*direction[k] - t.vertices[0][k];
+    }
+    const auto cross = [](const double a[3], const double b[3], int k) { return a[(k+1)%3]*b[(k+2)%3] - a[(k+2)%3]*b[(k+1)%3]; };
+    for (int k = 0; k < 3; k++) {
+      n[k] = cross(e1, e2, k);
+      nn += n[k]*n[k];
+      dn += n[k]*direction[k];
+      gn += n[k]*Ng[k];
+      gg += double(Ng[k])*Ng[k];
+    }
+    ASSERT_GT(gn*gn, 0.9999*nn*gg) << "Ng";
+    double w1 = 0, w2 = 0, off = 0;
+    for (int k = 0; k < 3; k++) { w1 += cross(s, e2, k)*n[k]/nn; w2 += cross(e1, s, k)*n[k]/nn; off += s[k]*n[k]; }
+    if (std::fabs(dn) < 0.05*std::sqrt(nn)*std::sqrt(double(direction[0])*direction[0] + double(direction[1])*direction[1] + double(direction[2])*direction[2])) continue; // grazes
+    ASSERT_GT(std::min({w1, w2, 1 - w1 - w2}), -0.02);
+    ASSERT_LT(std::fabs(off)/std::sqrt(nn), 1e-5*std::max(1.0f, r.ray.tfar));
+    ASSERT_NEAR(t.u[0] + w1*(t.u[1] - t.u[0]) + w2*(t.u[2] - t.u[0]), r.hit.u, 1e-3);
+    ASSERT_NEAR(t.v[0] + w1*(t.v[1] - t.v[0]) + w2*(t.v[2] - t.v[0]), r.hit.v, 1e-3);
+  }
+  EXPECT_GT(hits, rays.size()/4);
+}
+
+TEST(StoredTriangles, OfCagesAreThoseThatRaysHit)
+{
+  Device device;
+  Random random(111);
+  Displacement displacement;
+  const struct { const char* name; Cage cage; } cages[] = {{"cube", cubeCage()}, {"pentagons", prismCage(5)}, {"triangles", prismCage(3)}, {"valence 9", trapezohedronCage(9)}};
+  for (const auto& c : cages)
+    for (bool mixed : {false, true}) {
+      SCOPED_TRACE(testing::Message() << c.name << (mixed ? ", mixed rates" : ""));
+      SurfaceSettings settings;
+      settings.compression = RTC_COMPRESSION_VERT;
+      settings.displacement = &displacement;
+      settings.rate = 20;
+      if (mixed)
+        for (size_t i = 0; i < c.cage.indices.size(); i++) settings.edgeRates.push_back(float(1 + random.below(40)));
+      Scene scene(device);
+      RTCGeometry geometry = newSurface(device, c.cage, settings);
+      attach(scene, geometry);
+      rtcCommitScene(scene);
+      expectTrianglesOfHits(scene, geometry, raysAt(random, 600));
+      const AllParts all(geometry);
+      EXPECT_EQ(all.quads, statisticsOf(scene).numQuads);
+    }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST(StoredTriangles, OfGridsAreThoseThatRaysHit)
+{
+  Device device;
+  Random random(112);
+  Diced poisoned = dicedSheet(3, 20);
+  for (int i = 0; i < 5; i++) poisoned.vertices[random.below(unsigned(poisoned.vertices.size()))][1] = NAN;
+  for (const Diced& diced : {dicedSheet(1, 50), dicedBall(2, 9), poisoned}) {
+    Scene scene(device);
+    RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    device.takeError();
+    std::vector<RTCRayHit> rays;
+    for (int i = 0; i < 600; i++) rays.push_back(rayAt(random, diced));
+    expectTrianglesOfHits(scene, geometry, rays);
+    const AllParts all(geometry);
+    EXPECT_EQ(all.quads + statisticsOf(scene).numInvalidQuads, diced.quads());
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST(StoredTriangles, ManyThreadsLookThemUp)
+{
+  Device device;
+  Scene scene(device);
+  const Diced diced = dicedSheet(8, 8);
+  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT);
+  attach(scene, geometry);
+  rtcCommitScene(scene);
+  std::vector<std::thread> threads;
+  std::atomic<size_t> found{0};
+  for (int i = 0; i < 8; i++)
+    threads.emplace_back([&] {
+      RTCCompressedTriangle t;
+      for (unsigned primID = 0; primID < diced.grids.size(); primID++) found += rtcGetCompressedTriangle(geometry, primID, 0.3f, 0.6f, nullptr, &t);
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(found, 8*diced.grids.size());
+}
+
+TEST(StoredTriangles, WhatHasNoneIsAnError)
+{
+  Device device;
+  RTCCompressedTriangle t;
+  const auto lookUp = [&](RTCGeometry geometry, unsigned primID = 0) { return rtcGetCompressedTriangle(geometry, primID, 0.5f, 0.5f, nullptr, &t); };
+  const Diced diced = dicedSheet(2, 8);
+  Scene scene(device);
+  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT), plain = newGrids(device, diced, RTC_COMPRESSION_NONE);
+  EXPECT_FALSE(lookUp(geometry));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << "no scene was committed";
+  attach(scene, geometry);
+  attach(scene, plain);
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_LEAF;
+  RTCGeometry leaves = newSurface(device, cubeCage(), settings);
+  attach(scene, leaves);
+  rtcCommitScene(scene);
+  EXPECT_TRUE(lookUp(geometry));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  EXPECT_FALSE(lookUp(geometry, 4));
+  EXPECT_FALSE(rtcGetCompressedTriangle(geometry, 0, 1.5f, 0.5f, nullptr, &t));
+  EXPECT_FALSE(rtcGetCompressedTriangle(geometry, 0, NAN, 0.5f, nullptr, &t));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  EXPECT_FALSE(lookUp(plain));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  EXPECT_FALSE(lookUp(leaves));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  EXPECT_NE(device.message.find("cVERT"), std::string::npos) << device.message;
+  rtcForEachCompressedPart(geometry, nullptr, nullptr);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_FALSE(rtcGetCompressedTriangle(geometry, 0, 0.5f, 0.5f, nullptr, nullptr));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  size_t calls = 0;
+  rtcForEachCompressedPart(geometry, [](void* n, const RTCCompressedPart*) { return ++*(size_t*)n < 3; }, &calls);
+  EXPECT_EQ(calls, 3u) << "false ends the calls";
+}
+
+} // namespace
+} // namespace cbvh::test
