@@ -15,11 +15,21 @@
 #include <embree3/rtcore_compression.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace cbvh {
+
+/* A surface as it is stored: quads of vertices, each with the triangles 00, 10, 01 and 01, 10, 11. */
+struct StoredMesh
+{
+  std::vector<Vec3f> vertices;                  // where blocks meet, twice, as the same floats
+  std::vector<std::array<unsigned, 4>> quads;   // 00, 10, 11, 01: around the quad
+  std::vector<unsigned> faces;                  // of quads, as hits have them
+};
 
 /* A bound on what cVERT moves vertices by, in pixels of a camera. */
 struct PixelBound
@@ -92,6 +102,12 @@ public:
 
   /* Translates what Embree reports; NAIVE's triangles become faces and (u,v). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const;
+
+  /* The vertices of the triangle that a hit is on, as they are stored; false where there is none. Of cVERT; throws Error of others. */
+  bool triangleOf(const SurfaceHit& hit, Vec3f vertices[3]) const;
+
+  /* All that is stored, likewise. */
+  StoredMesh storedMesh() const;
 
 private:
   void buildSubdivision(const Model& model, const BuildSettings& settings);

@@ -53,6 +53,41 @@ class Hits(unittest.TestCase):
             cbvh.nearer_hits(near, scene.intersect([0.5, 0.5, 2], [0, 0, -1]))
 
 
+class Stored(unittest.TestCase):
+    def test_triangles_are_those_of_the_hits(self):
+        scene = cbvh.build(bumpy_model(), "cvert", 4)
+        origins, directions = rays_from_above()
+        hits = scene.intersect(origins, directions)
+        triangles = scene.triangles(hits)
+        self.assertEqual(triangles.shape, (24, 24, 3, 3))
+        points = origins + hits.t[..., None] * np.asarray(directions)
+        normals = np.cross(triangles[..., 1, :] - triangles[..., 0, :], triangles[..., 2, :] - triangles[..., 0, :])
+        normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+        np.testing.assert_allclose(np.sum((points - triangles[..., 0, :]) * normals, -1), 0, atol=1e-5)
+        self.assertTrue((points >= triangles.min(-2) - 1e-5).all() and (points <= triangles.max(-2) + 1e-5).all())
+        self.assertTrue(np.isnan(scene.triangles(scene.intersect([5, 5, 1], [0, 0, -1]))).all())
+
+    def test_the_tessellation_is_the_surface(self):
+        scene = cbvh.build(bumpy_model(), "cvert", 4)
+        mesh = scene.tessellation()
+        vertices, quads = mesh["vertices"], mesh["quads"]
+        self.assertEqual(len(quads), scene.statistics()["quads"])
+        self.assertEqual(sorted(set(mesh["primID"].tolist())), list(range(25)))
+        self.assertLess(quads.max(), len(vertices))
+        area = np.abs(np.cross(vertices[quads[:, 2], :2] - vertices[quads[:, 0], :2], vertices[quads[:, 3], :2] - vertices[quads[:, 1], :2])).sum() / 2
+        self.assertTrue(0.8 < area <= 1.0001, area)
+        hits = scene.intersect(*rays_from_above())
+        corners = scene.triangles(hits).reshape(-1, 3)
+        self.assertTrue(set(map(tuple, corners.tolist())) <= set(map(tuple, vertices.tolist())))
+
+    def test_only_cvert_hands_them_out(self):
+        scene = cbvh.build(sheet(), "cleaf", 3)
+        with self.assertRaisesRegex(cbvh.Error, "cLEAF.*only cVERT"):
+            scene.triangles(scene.intersect(*rays_from_above()))
+        with self.assertRaisesRegex(cbvh.Error, "cLEAF.*only cVERT"):
+            scene.tessellation()
+
+
 class Rays(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

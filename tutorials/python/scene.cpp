@@ -21,6 +21,7 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -236,6 +237,34 @@ py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& 
   })));
 }
 
+/* --- what is stored --------------------------------------------------------------- */
+
+py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits)
+{
+  requireHitsOf(scene, hits, "hits");
+  Shape shape = hits.shape;
+  shape.insert(shape.end(), {3, 3});
+  py::array_t<float> array(shape);
+  Vec3f* const out = reinterpret_cast<Vec3f*>(array.mutable_data());
+  interruptible(py::none(), [&] {
+    for (size_t i = 0; i < hits.hits.size(); i++)
+      if (!scene.built.triangleOf(hits.hits[i], out + 3 * i))
+        std::fill_n(out + 3 * i, 3, Vec3f{NAN, NAN, NAN});
+    return 0;
+  });
+  return array;
+}
+
+py::dict tessellation(const Scene& scene)
+{
+  const StoredMesh mesh = interruptible(py::none(), [&] { return scene.built.storedMesh(); });
+  py::dict result;
+  result["vertices"] = arrayOf<float>({py::ssize_t(mesh.vertices.size()), 3}, [&](size_t i) { return (&mesh.vertices[i / 3].x)[i % 3]; });
+  result["quads"] = arrayOf<unsigned>({py::ssize_t(mesh.quads.size()), 4}, [&](size_t i) { return mesh.quads[i / 4][i % 4]; });
+  result["primID"] = arrayOf<unsigned>({py::ssize_t(mesh.faces.size())}, [&](size_t i) { return mesh.faces[i]; });
+  return result;
+}
+
 /* --- docstrings ---------------------------------------------------------------- */
 
 /* Words of the representations that a test is true of: cgrid, cvoxel. */
@@ -304,6 +333,16 @@ cage), peak_bytes (held while building), build_seconds, distance_from_mesh (worl
 mesh of the level), and of what is compressed a dict of bytes and counts, compression. Names are those that
 `cbvh_render --json` writes.)";
 
+constexpr const char* trianglesText = R"(The triangles that hits are on, as they are stored: (..., 3, 3) float32, vertices in world units, NaN where a ray misses.
+
+hits: of this scene. Of cvert only; Error for other representations.)";
+
+constexpr const char* tessellationText = R"(The whole surface as it is stored, a dict of arrays: vertices (n, 3) float32 in world units, quads (m, 4) uint32, around
+each quad, and primID (m,) uint32, the face that each is of. A quad 00, 10, 11, 01 has the triangles 00, 10, 01 and 01, 10, 11.
+Where blocks of up to 16 x 16 quads meet, vertices come twice, as the same floats.
+
+Of cvert only; Error for other representations.)";
+
 constexpr const char* errorsText = R"(How far hits are from a reference, a dict with the names of `cbvh_render --json`.
 
 hits: of this scene. reference: of the same rays in another representation of the same model.
@@ -342,6 +381,8 @@ void defineScene(py::module_& module)
          arg("mode") = "single", arg("coherent") = false, arg("threads") = 1, arg("passes") = 1, secondsText)
     .def("camera", &cameraOf, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
     .def("statistics", &statistics, statisticsText)
+    .def("triangles", &trianglesOf, arg("hits"), trianglesText)
+    .def("tessellation", &tessellation, tessellationText)
     .def("errors", &errorsOf, arg("hits"), arg("reference"), arg("footprint"), errorsText)
     .def("true_errors", &trueErrorsOf, arg("hits"), arg("origins"), arg("directions"), arg("footprint"), py::kw_only(),
          arg("count") = 2000, arg("seed") = 1, arg("threads") = 0, arg("progress") = py::none(), trueErrorsText)

@@ -57,6 +57,28 @@ namespace embree
       return true;
     }
 
+    /*! Throws where a face has indices or vertices that are not there: Embree reads them. */
+    void checkIndices (const SubdivMesh* mesh)
+    {
+      const BufferView<unsigned>& indices = mesh->topology[0].vertexIndices;
+      const size_t numVertices = mesh->vertices[0].size(), none = ~size_t(0);
+      const size_t firstWrong = parallel_reduce(size_t(0),indices.size(),size_t(1) << 16,none,[&](const range<size_t>& r) {
+          for (size_t i=r.begin(); i!=r.end(); i++)
+            if (indices[i] >= numVertices) return i;
+          return none;
+        },[](size_t a, size_t b) { return min(a,b); });
+      size_t begin = 0;
+      for (size_t f=0; f<mesh->faceVertices.size(); f++)
+      {
+        const size_t end = begin + mesh->faceVertices[f];
+        if (end <= indices.size() && end <= firstWrong) { begin = end; continue; }
+        const std::string face = "face " + std::to_string(f) + " of " + std::to_string(mesh->faceVertices[f]) + " vertices: ";
+        if (end > indices.size())
+          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,face + "the index buffer ends after " + std::to_string(indices.size()) + " indices");
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,face + "index " + std::to_string(firstWrong-begin) + " is vertex " + std::to_string(indices[firstWrong]) + " of " + std::to_string(numVertices));
+      }
+    }
+
     /*! whether it has blocks now, and its input may go */
     bool compressNow (CompressibleGeometry* geometry)
     {
@@ -69,8 +91,11 @@ namespace embree
     }
   }
 
-  bool beginCommit (SubdivMesh* mesh) {
-    return begin(mesh,mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices,"vertices, faces and indices");
+  bool beginCommit (SubdivMesh* mesh)
+  {
+    const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices,"vertices, faces and indices");
+    if (isChanged && asksForCompression(mesh)) checkIndices(mesh);
+    return isChanged;
   }
 
   bool beginCommit (GridMesh* mesh)

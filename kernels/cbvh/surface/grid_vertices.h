@@ -228,12 +228,7 @@ namespace embree
       template<typename Progress>
       void findStitched (size_t gridsPerTask, const Progress& progress)
       {
-        std::atomic<bool> anyAlone(false);
-        forGrids(gridsPerTask,progress,[&](size_t, const Grid& grid) {
-            if (anyAlone.load(std::memory_order_relaxed)) return;
-            forBorder(grid,[&](size_t vertex) { if (isAlone(vertex)) anyAlone = true; });
-          });
-        if (!anyAlone) return;
+        if (!table.isAnyAlone()) return;
         const mvector<Edge> open = findOpenEdges(gridsPerTask,progress);
         for (const Edge& edge : open)
           if (isBefore(edge.begin,edge.end) && table.isShared(edge.begin) && table.isShared(edge.end)) followEdge(edge,open);
@@ -243,8 +238,6 @@ namespace embree
           });
         for (const Stitched& s : stitched) table.mark(s.vertex);
       }
-
-      bool isAlone (size_t vertex) const { return cbvh::isFinite(position(vertex)) && !table.isShared(table.find(*this,vertex)); }
 
       /*! edges of borders that no other border has, in both directions, in order */
       template<typename Progress>

@@ -91,7 +91,7 @@ namespace embree
     public:
       void add(const float (*line)[3], size_t count)
       {
-        squares.reserve(squares.size()+count);
+        if (squares.capacity() < squares.size()+count) squares.reserve(3*(squares.size()+count)); // lines come by threes
         for (size_t i=0; i<count; i++)
         {
           for (int k=0; k<3; k++)

@@ -9,6 +9,7 @@
 #include "lattice.h"
 #include "../embree/scene.h"
 #include <atomic>
+#include <functional>
 
 namespace embree
 {
@@ -72,6 +73,16 @@ namespace embree
 
       /*! whether it was added more than once */
       bool isShared (Entry entry) const { return (slots[entry] & sharedBit) != 0; }
+
+      /*! whether a vertex was added once only */
+      bool isAnyAlone () const
+      {
+        return parallel_reduce(size_t(0),slots.size(),size_t(1) << 16,false,[&](const range<size_t>& r) {
+            for (size_t i=r.begin(); i!=r.end(); i++)
+              if (slots[i] && !isShared(Entry(i))) return true;
+            return false;
+          },std::logical_or<bool>());
+      }
 
       /*! A mark for the user of the table; not by several threads. */
       void mark (Entry entry) { slots[entry] |= markBit; }

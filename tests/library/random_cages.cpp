@@ -1,0 +1,118 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Cages that nobody checked: faces of any number of edges, vertices of many faces, indices past the vertices, odd positions, rates,
+ * creases and holes. Nothing crashes; what is there is traced.
+ *
+ *   CBVH_RANDOM_GEOMETRIES=100000 random_cages    for longer */
+
+#include "support/query_forms.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace cbvh::test {
+namespace {
+
+float oddNumber(Random& random)
+{
+  const float odd[] = {NAN, INFINITY, -INFINITY, 1e18f, -1e18f, 1e30f, 3e38f, 1e-40f, -0.0f, 1e-30f, -1, 0, 0.3f, 1e9f};
+  return odd[random.below(sizeof(odd)/sizeof(*odd))];
+}
+
+Cage randomCage(Random& random)
+{
+  switch (random.below(6)) {
+  case 0: return cubeCage();
+  case 1: return prismCage(3 + random.below(random.chance(0.1) ? 1000 : 20));
+  case 2: return trapezohedronCage(3 + random.below(random.chance(0.1) ? 500 : 20));
+  case 3: return sheetCage(1 + random.below(5));
+  case 4: return quadCage();
+  }
+  Cage soup; // any faces of few vertices
+  const unsigned vertices = 3 + random.below(20);
+  for (unsigned i = 0; i < vertices; i++) soup.positions.push_back({float(random.normal()), float(random.normal()), float(random.normal())});
+  for (unsigned i = random.below(20); i-- > 0; ) {
+    const unsigned size = random.chance(0.05) ? random.below(1000) : random.below(7);
+    soup.faces.push_back(size);
+    for (unsigned k = 0; k < size; k++) soup.indices.push_back(random.below(vertices));
+  }
+  return soup;
+}
+
+void spoil(Random& random, Cage& cage)
+{
+  const auto vertex = [&] { return random.chance(0.05) ? random.bits() : random.below(unsigned(cage.positions.size()) + 2); };
+  for (unsigned n = random.below(3); n-- > 0; )
+    switch (random.below(6)) {
+    case 0: cage.positions[random.below(unsigned(cage.positions.size()))][random.below(3)] = oddNumber(random); break;
+    case 1: if (!cage.indices.empty()) cage.indices[random.below(unsigned(cage.indices.size()))] = vertex(); break;
+    case 2: cage.creases.push_back({vertex(), vertex()}); cage.creaseWeights.push_back(oddNumber(random)); break;
+    case 3: cage.corners.push_back(vertex()); cage.cornerWeights.push_back(oddNumber(random)); break;
+    case 4: cage.holes.push_back(random.chance(0.1) ? random.bits() : random.below(unsigned(cage.faces.size()) + 2)); break;
+    case 5: cage.mode = RTCSubdivisionMode(random.below(5)); break;
+    }
+}
+
+TEST(RandomCages, AreTracedAndDoNotCrash)
+{
+  Random random(108);
+  const char* const many = std::getenv("CBVH_RANDOM_GEOMETRIES");
+  const size_t rounds = many ? std::strtoull(many, nullptr, 10) : 300;
+  const RTCCompression kinds[] = {RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID};
+  size_t hits = 0, named = 0;
+  for (size_t round = 0; round < rounds; round++) {
+    SCOPED_TRACE(testing::Message() << "round " << round);
+    Device device("threads=2");
+    Cage cage = randomCage(random);
+    if (cage.faces.empty()) continue;
+    spoil(random, cage);
+    SurfaceSettings settings;
+    settings.compression = kinds[random.below(6)];
+    settings.exactFaces = random.chance(0.5);
+    settings.rate = random.chance(0.05) ? oddNumber(random) : float(random.uniform(0, 9));
+    if (settings.rate > 100) settings.rate = 100;
+    if (random.chance(0.3))
+      for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(random.chance(0.02) ? std::min(oddNumber(random), 300.0f) : float(random.uniform(0, 12)));
+    Scene scene(device);
+    addSurface(device, scene, cage, settings);
+    rtcCommitScene(scene);
+    named += device.takeError() != RTC_ERROR_NONE;
+    const std::vector<RTCRayHit> rays = raysAt(random, 30);
+    for (QueryForm form : {QueryForm::Single, QueryForm::Packet8}) {
+      const std::vector<RTCRayHit> closest = closestHits(scene, rays, form), any = anyHits(scene, rays, form);
+      for (size_t i = 0; i < rays.size(); i++) {
+        ASSERT_EQ(isHit(closest[i]), any[i].ray.tfar < 0);
+        if (!isHit(closest[i])) continue;
+        hits++;
+        ASSERT_LT(closest[i].hit.primID, cage.faces.size());
+      }
+    }
+  }
+  EXPECT_GT(hits, rounds);
+  EXPECT_LT(named, rounds);
+}
+
+TEST(RandomCages, IndicesThatAreNotThereAreNamed)
+{
+  Device device;
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_VERT;
+  Cage cage = cubeCage();
+  cage.indices[13] = 8;
+  rtcReleaseGeometry(newSurface(device, cage, settings));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(device.message, "face 3 of 4 vertices: index 1 is vertex 8 of 8");
+  cage = cubeCage();
+  cage.faces[5] = 5;
+  rtcReleaseGeometry(newSurface(device, cage, settings));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(device.message, "face 5 of 5 vertices: the index buffer ends after 24 indices");
+  cage = cubeCage();
+  cage.indices.push_back(1000); // of no face
+  rtcReleaseGeometry(newSurface(device, cage, settings));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+} // namespace
+} // namespace cbvh::test
