@@ -198,7 +198,7 @@ TEST(GridSurfaces, AreClosedWhereGridsMeet)
 {
   Device device;
   Random random(103);
-  for (unsigned quads : {1u, 2u, 4u, 7u, 16u, 40u}) {
+  for (unsigned quads : {3u, 4u, 7u, 16u, 40u}) {
     SCOPED_TRACE(testing::Message() << quads << " quads");
     const Diced ball = dicedBall(3, quads);
     const GridScene scene(device, ball);
@@ -347,6 +347,28 @@ TEST(GridSurfaces, AskForCompressionOrNot)
     EXPECT_TRUE(isHit(intersect(scene, down)));
   }
   EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
+}
+
+// 2 x 2 quads in 68 bytes are less than any block.
+TEST(GridSurfaces, TheSmallestAreLeftAlone)
+{
+  Device device;
+  Diced diced = dicedSheet(10, 2);
+  const RTCRayHit down = makeRay({0.33f, 0.21f, 5}, {0, 0, -1});
+  const auto quads = [&](unsigned flags) {
+    Scene scene(device);
+    attach(scene, newGrids(device, diced, RTC_COMPRESSION_VERT, flags));
+    rtcCommitScene(scene);
+    EXPECT_TRUE(isHit(intersect(scene, down)));
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    return statisticsOf(scene).numQuads;
+  };
+  EXPECT_EQ(quads(0), 0u);
+  EXPECT_EQ(quads(RTC_COMPRESSION_FLAG_RELEASE_INPUT), 400u) << "their vertices are worth more";
+  diced.add(21, 21, [](unsigned x, unsigned y) { return Vec{0.1f*float(x), 0.1f*float(y), -1}; });
+  EXPECT_EQ(quads(0), 0u) << "most are small";
+  diced.add(201, 201, [](unsigned x, unsigned y) { return Vec{0.01f*float(x), 0.01f*float(y), -1}; });
+  EXPECT_EQ(quads(0), 400u + 400 + 40000);
 }
 
 TEST(GridSurfaces, MotionBlurStaysWithEmbree)

@@ -4,7 +4,9 @@
 /* Commits of geometries, as far as compression has a part in them. */
 
 #include "../embree/scene.h"
+#include "../base/environment.h"
 #include "../scene/surface_blocks.h"
+#include "../vert/format.h"
 
 namespace embree
 {
@@ -57,6 +59,29 @@ namespace embree
       return true;
     }
 
+    /*! Whether blocks take less memory than Embree's own kernel of grids: as was seen, 130 bytes a block and 1 a quad, and 68 for each 2 x 2
+     *  quads. Input that is let go is worth more than either. */
+    bool takeLessAsBlocks (const GridMesh* mesh)
+    {
+      struct Bytes
+      {
+        size_t blocks, embree;
+        Bytes operator+ (const Bytes& other) const { return { blocks+other.blocks,embree+other.embree }; }
+      };
+      const Bytes bytes = parallel_reduce(size_t(0),mesh->grids.size(),size_t(1) << 14,Bytes{ 0,0 },[&](const range<size_t>& r) {
+          Bytes sum = { 0,0 };
+          for (size_t i=r.begin(); i!=r.end(); i++)
+          {
+            const GridMesh::Grid& grid = mesh->grid(i);
+            if (grid.resX < 2 || grid.resY < 2) continue;
+            const size_t x = grid.resX-1, y = grid.resY-1, side = cbvh::vertBlockQuads;
+            sum = sum + Bytes{ 130*((x+side-1)/side)*((y+side-1)/side) + x*y,68*((x+1)/2)*((y+1)/2) };
+          }
+          return sum;
+        },std::plus<Bytes>());
+      return bytes.blocks <= bytes.embree;
+    }
+
     /*! Throws where a face has indices or vertices that are not there: Embree reads them. */
     void checkIndices (const SubdivMesh* mesh)
     {
@@ -101,8 +126,14 @@ namespace embree
   bool beginCommit (GridMesh* mesh)
   {
     const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->grids,"vertices and grids");
-    if (isChanged) mesh->gtype = asksForCompression(mesh) ? CompressibleGeometry::GTY_COMPRESSED_GRID : Geometry::GTY_GRID_MESH;
-    return isChanged;
+    if (!isChanged) return false;
+    const bool asks = asksForCompression(mesh), takesLess = asks && (mesh->compression.releasesInput || takeLessAsBlocks(mesh));
+    mesh->gtype = takesLess ? CompressibleGeometry::GTY_COMPRESSED_GRID : Geometry::GTY_GRID_MESH;
+    if (asks && !takesLess && (mesh->device->verbosity(1) || environmentAsksForCommitLines())) {
+      Lock<MutexSys> lock(g_printMutex);
+      std::cout << "compression: " << mesh->size() << " grids are so small that Embree's own kernel takes less memory for them: left to it" << std::endl;
+    }
+    return true;
   }
 
   void endCommit (SubdivMesh* mesh) {
