@@ -80,7 +80,7 @@ namespace embree
       mvector<PrimRef> prims;
 
     private:
-      static const size_t maxPieceBytes = 1 << 20, fullPieceBytes = 1 << 16;
+      static const size_t maxPieceBytes = 1 << 20, fullPieceBytes = 1 << 14; // the allocator leaves room behind large pieces
 
       struct Waiting
       {
