@@ -6,10 +6,7 @@
 #include "basics/parallel.h"
 #include "basics/progress.h"
 
-#include <embree3/rtcore_compressed_triangles.h>
-
 #include <cstdint>
-#include <cstring>
 #include <set>
 
 namespace cbvh {
@@ -262,58 +259,6 @@ SurfaceHit BuiltScene::surfaceHit(const RTCRayHit& ray) const
     result.v = uv.y;
   }
   return result;
-}
-
-bool BuiltScene::triangleOf(const SurfaceHit& hit, Vec3f vertices[3]) const
-{
-  if (what.kind != RepresentationKind::CVert)
-    throw Error(what.label() + " has no triangles to look up, only cVERT has");
-  if (!hit.hit())
-    return false;
-  RTCCompressedTriangle triangle;
-  const RTCGeometry geometry = rtcGetGeometry(scene.get(), unsigned(hit.face / facesOfCopy));
-  const bool found = rtcGetCompressedTriangle(geometry, unsigned(hit.face % facesOfCopy), hit.u, hit.v, &hit.normal.x, &triangle);
-  if (found)
-    std::memcpy(vertices, triangle.vertices, sizeof(triangle.vertices));
-  else
-    device->check("looking up a triangle");
-  return found;
-}
-
-StoredMesh BuiltScene::storedMesh() const
-{
-  if (what.kind != RepresentationKind::CVert)
-    throw Error(what.label() + " has no triangles to hand out, only cVERT has");
-  struct Sum
-  {
-    StoredMesh mesh;
-    size_t firstFace = 0;
-
-    static bool add(void* self, const RTCCompressedPart* part)
-    {
-      Sum& sum = *static_cast<Sum*>(self);
-      StoredMesh& mesh = sum.mesh;
-      const unsigned first = unsigned(mesh.vertices.size()), width = part->width;
-      for (unsigned i = 0; i < width * part->height; i++)
-        mesh.vertices.push_back({part->vertices[3 * i], part->vertices[3 * i + 1], part->vertices[3 * i + 2]});
-      for (unsigned y = 0; y + 1 < part->height; y++)
-        for (unsigned x = 0; x + 1 < width; x++)
-        {
-          const unsigned i = first + y * width + x;
-          mesh.quads.push_back({i, i + 1, i + width + 1, i + width});
-          mesh.faces.push_back(unsigned(sum.firstFace + part->primID));
-        }
-      return !cancelRequested();
-    }
-  } sum;
-  for (size_t i = 0; i < contexts.size(); i++)
-  {
-    sum.firstFace = i * facesOfCopy;
-    rtcForEachCompressedPart(rtcGetGeometry(scene.get(), unsigned(i)), Sum::add, &sum);
-  }
-  device->check("handing out a surface");
-  throwIfCancelled();
-  return std::move(sum.mesh);
 }
 
 std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings)

@@ -15,11 +15,11 @@
  * EMBREE_CBVH ("leaf,frame_level=2"; "1" takes the best, which is cVERT), Embree's
  * own default (vertex grids).
  *
- * Quads with a vertex that is not finite, as a displacement function may return it,
- * are left out of a compressed geometry, and so are grids with vertices outside of their buffer. The commit succeeds with all others, and
- * reports RTC_ERROR_INVALID_ARGUMENT to the thread that commits, once for each such
- * geometry that changed since the last commit; the message names the geometry and the
- * first face or grid. cVOXEL cannot leave a quad out: it stores patches with holes as cLEAF.
+ * Quads with a vertex that is not finite are left out of a compressed geometry, and so are grids with vertices outside of their
+ * buffer. The commit succeeds with all others. It reports RTC_ERROR_INVALID_ARGUMENT to the thread that commits where a
+ * displacement function returned such a vertex, and for such grids, once for each geometry that changed since the last commit; the
+ * message names the geometry and the first face or grid. What the buffers hold that is not finite is no error, as in Embree.
+ * cVOXEL cannot leave a quad out: it stores patches with holes as cLEAF.
  *
  * cVERT, and cLEAF unless exactFaces is 0, close surfaces also where faces of one geometry evaluate
  * the vertices that they share apart: all take those of the face that owns the edge or corner. Grids of

@@ -110,12 +110,11 @@ TEST(RandomGrids, AreTracedOrNamed)
       if (grids.isRight(i)) quads += size_t(grids.grid(i).width - 1)*size_t(grids.grid(i).height - 1);
       else wrong++;
     ASSERT_TRUE(error == RTC_ERROR_NONE || error == RTC_ERROR_INVALID_ARGUMENT) << device.message;
-    if (wrong) { ASSERT_EQ(error, RTC_ERROR_INVALID_ARGUMENT); }
+    ASSERT_EQ(error != RTC_ERROR_NONE, wrong != 0);
     if (error) { ASSERT_NE(device.message.find("geometry 0, grid "), std::string::npos) << device.message; }
     const RTCCompressionStatistics stats = statisticsOf(scene);
     ASSERT_LE(stats.numQuads, quads);
     ASSERT_GE(stats.numQuads + stats.numInvalidQuads, quads);
-    if (error == RTC_ERROR_NONE) { ASSERT_EQ(stats.numQuads, quads); }
     named += error != RTC_ERROR_NONE;
     right += grids.numGrids - wrong;
 

@@ -24,6 +24,7 @@ DECODING = tuple(f"vert_decoding_{isa} VertDecoding.*" for isa in ("avx512", "av
 TRIANGLES = tuple(f"vert_decoding_{isa} VertTriangles.*" for isa in ("avx512", "sse2"))
 RULE = ("vert_rule",)
 BORDERS = ("vert_surfaces -VertRays.*:VertCache.*:Isas/*", "mixed_rates BordersOfMixedRates.*:*VERT", "cage_topology")
+GRIDS = ("grid_geometry GridSurfaces.*",)
 HITS = ("vert_surfaces *VertRays.*",)
 RAYS = ("vert_surfaces *VertRays.*", "scene_features *cVERT*:Packets.*", "coherent_packets *cVERT*")
 SETTINGS = ("compression_api Settings.*:SetGeometryCompression.*",)
@@ -96,7 +97,12 @@ FUNCTIONS = (
     Entry("SharedVertices::edgeOf", 2, BORDERS),
     Entry("SharedVertices::ownLine", 2, BORDERS),
     Entry("firstStitched", 1, BORDERS),
-    Entry("SharedVertices::spacingAskedFor", 2, BORDERS, {"last round": "reads behind arrays, which the sanitizers see"}),
+    Entry("LatticeChoice::spacingAskedFor", 2, BORDERS, {"last round": "reads behind arrays, which the sanitizers see"}),
+    # grids that applications dice
+    Entry("GridVertices::isOnEdge", 2, GRIDS),
+    Entry("GridVertices::parameterOn", 1, GRIDS),
+    Entry("GridVertices::isValid", 2, GRIDS),
+    Entry("takeLessAsBlocks", 2, GRIDS),
     Entry("shareBorder", 3, BORDERS, {
         "at < part . x0 [|| => &&]": "parts that are written are whole rows",
         "[- => +] part . x0": "parts that are written are whole rows",

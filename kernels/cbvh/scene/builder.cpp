@@ -199,6 +199,8 @@ namespace embree
         if (total.sums.numRawBlocks)
           std::cout << geometry << total.sums.numRawBlocks
                     << " blocks of cVERT keep floats (a vertex that is not finite, a spacing too fine for their width, or a neighbour that GRID traces)" << std::endl;
+        if (total.sums.numInvalidQuads && surface.geometry->isCompressed())
+          std::cout << geometry << total.sums.numInvalidQuads << " quads of grids with vertices that are not finite are left out" << std::endl;
         if (total.quadsForHoles)
           std::cout << geometry << total.quadsForHoles << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;
       }
@@ -207,8 +209,8 @@ namespace embree
       {
         const cbvh::SurfaceStatistics& total = surface.blocks->statistics;
         if (surface.geometry->isCompressed())
-          return "geometry " + std::to_string(surface.geomID) + ", grid " + std::to_string(total.firstInvalidFace) + ": it has no quads, or its vertices are not finite or outside of their buffer; left out of "
-            + std::to_string(total.invalidFaces) + " grid(s): " + std::to_string(total.sums.numInvalidQuads) + " quads with such vertices, and grids without vertices as a whole";
+          return "geometry " + std::to_string(surface.geomID) + ", grid " + std::to_string(total.firstInvalidFace) + ": it has no quads, or vertices outside of their buffer; left out: "
+            + std::to_string(total.invalidFaces) + " grid(s)";
         return "geometry " + std::to_string(surface.geomID) + ", face " + std::to_string(total.firstInvalidFace) + ": vertices are not finite; left out of "
           + std::to_string(total.invalidFaces) + " face(s): " + std::to_string(total.sums.numInvalidQuads) + " quads";
       }

@@ -67,8 +67,8 @@ namespace embree
           });
       }
 
-      /*! whether nothing but vertices can be wrong */
-      bool isComplete (size_t) const { return true; }
+      /*! A displacement returned what is not finite; where the cage's own vertices are not, the face has no surface. */
+      bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
 
       /*! what Embree takes for it */
       static size_t bytesInEmbree (const SurfacePatch& patch) { return GridWriter::bytesInGrid(Vec2i(int(patch.quads[0]),int(patch.quads[1]))); }

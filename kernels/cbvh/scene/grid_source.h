@@ -39,7 +39,8 @@ namespace embree
       void prepare (size_t perTask, const Progress& progress) { vertices.prepare(perTask,[&] { progress(0.0); }); }
       void release () { vertices.release(); }
 
-      bool isComplete (size_t grid) const { return vertices.isValid(grid); }
+      /*! Vertices that are not finite are left out without an error, as Embree does it. */
+      bool isInvalid (size_t grid, bool) const { return !vertices.isValid(grid); }
 
       template<typename Closure>
       void forEachPatch (size_t grid, Scratch& scratch, const Closure& closure) const

@@ -14,7 +14,8 @@
  *   prepare (perTask, progress)          what is to know of all primitives before one is written
  *   Scratch, Writer, Patch               of a task
  *   forEachPatch (primitive, scratch, closure(patch))
- *   describeInvalid (statistics)         of primitives that are left out */
+ *   isInvalid (primitive, hasInvalidQuads)   whether an error is to name it
+ *   bytesInEmbree (patch)                that Embree takes without compression */
 
 #include "../base/grid_writer.h"
 #include "../base/tasks.h"
@@ -106,7 +107,7 @@ namespace embree
               quads += size_t(patch.quads[0])*size_t(patch.quads[1]);
               number++;
             });
-          if (statistics.sums.numInvalidQuads != invalid || !source.isComplete(i)) statistics.addInvalidFace(i);
+          if (source.isInvalid(i,statistics.sums.numInvalidQuads != invalid)) statistics.addInvalidFace(i);
           if (quads >= progressQuads || i+1 == primitives.end()) {
             progress(double(i+1-reported));
             reported = i+1;

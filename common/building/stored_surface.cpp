@@ -1,0 +1,68 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* What a built scene holds, out again. In a file of its own: cbvh_bench loads libraries that lack these functions. */
+
+#include "building/built_scene.h"
+#include "basics/error.h"
+#include "basics/progress.h"
+
+#include <embree3/rtcore_compressed_triangles.h>
+
+#include <cstring>
+
+namespace cbvh {
+
+bool BuiltScene::triangleOf(const SurfaceHit& hit, Vec3f vertices[3]) const
+{
+  if (what.kind != RepresentationKind::CVert)
+    throw Error(what.label() + " has no triangles to look up, only cVERT has");
+  if (!hit.hit())
+    return false;
+  RTCCompressedTriangle triangle;
+  const RTCGeometry geometry = rtcGetGeometry(scene.get(), unsigned(hit.face / facesOfCopy));
+  const bool found = rtcGetCompressedTriangle(geometry, unsigned(hit.face % facesOfCopy), hit.u, hit.v, &hit.normal.x, &triangle);
+  if (found)
+    std::memcpy(vertices, triangle.vertices, sizeof(triangle.vertices));
+  else
+    device->check("looking up a triangle");
+  return found;
+}
+
+StoredMesh BuiltScene::storedMesh() const
+{
+  if (what.kind != RepresentationKind::CVert)
+    throw Error(what.label() + " has no triangles to hand out, only cVERT has");
+  struct Sum
+  {
+    StoredMesh mesh;
+    size_t firstFace = 0;
+
+    static bool add(void* self, const RTCCompressedPart* part)
+    {
+      Sum& sum = *static_cast<Sum*>(self);
+      StoredMesh& mesh = sum.mesh;
+      const unsigned first = unsigned(mesh.vertices.size()), width = part->width;
+      for (unsigned i = 0; i < width * part->height; i++)
+        mesh.vertices.push_back({part->vertices[3 * i], part->vertices[3 * i + 1], part->vertices[3 * i + 2]});
+      for (unsigned y = 0; y + 1 < part->height; y++)
+        for (unsigned x = 0; x + 1 < width; x++)
+        {
+          const unsigned i = first + y * width + x;
+          mesh.quads.push_back({i, i + 1, i + width + 1, i + width});
+          mesh.faces.push_back(unsigned(sum.firstFace + part->primID));
+        }
+      return !cancelRequested();
+    }
+  } sum;
+  for (size_t i = 0; i < contexts.size(); i++)
+  {
+    sum.firstFace = i * facesOfCopy;
+    rtcForEachCompressedPart(rtcGetGeometry(scene.get(), unsigned(i)), Sum::add, &sum);
+  }
+  device->check("handing out a surface");
+  throwIfCancelled();
+  return std::move(sum.mesh);
+}
+
+} // namespace cbvh
