@@ -105,9 +105,9 @@ std::vector<RTCRayHit> load(const std::vector<Ray>& rays)
 }
 
 /* Whether two say the same of a ray, but for rounding and what the lattice moves. */
-bool agree(const RTCRayHit& a, const RTCRayHit& b)
+bool agree(const RTCRayHit& a, const RTCRayHit& b, float distance)
 {
-  return a.hit.geomID == b.hit.geomID && (a.hit.geomID == RTC_INVALID_GEOMETRY_ID || std::abs(a.ray.tfar - b.ray.tfar) <= 1e-3f * a.ray.tfar);
+  return a.hit.geomID == b.hit.geomID && (a.hit.geomID == RTC_INVALID_GEOMETRY_ID || std::abs(a.ray.tfar - b.ray.tfar) <= distance);
 }
 
 void measure(const Options& options, const Model& model, const DicedSurface& surface, const DicedInput& input)
@@ -141,7 +141,7 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
       ratios.push_back(theirs / mine);
     }
     speed[set] = median(ratios);
-    for (size_t i = 0; i < sets[set].size(); i++) disagreements += !agree(hits[0][i], hits[1][i]);
+    for (size_t i = 0; i < sets[set].size(); i++) disagreements += !agree(hits[0][i], hits[1][i], 1e-3f * model.cage.bounds().diagonal());
     rays += sets[set].size();
   }
   const double quads = double(surface.numQuads()), vertexBytes = sizeof(Vec3f) * double(surface.vertices().size()) / quads;
@@ -158,7 +158,7 @@ int run(int argc, char** argv)
 {
   Options options;
   CLI::App app("Compares diced geometry, compressed, with Embree's own kernels of its type: bytes a quad besides the application's buffers, "
-               "seconds of commits, and rays a second.");
+               "seconds of commits, how many times as fast rays are, and how many of 100 hit elsewhere, by a thousandth of the cage's diagonal.");
   app.add_option("--scene", options.scenes, "comma list of " + listOfScenes())->delimiter(',')->capture_default_str();
   app.add_option("--input", options.inputs, "comma list of how they are handed over: grids of a patch each, grids:N of N x N quads")->delimiter(',')->capture_default_str();
   app.add_option("--level", options.level, "of tessellation: faces have 2^L x 2^L quads")->capture_default_str();
