@@ -15,6 +15,7 @@ unset LD_LIBRARY_PATH EMBREE_CBVH
 "$cmake" --install "$build" --prefix "$work/first" > "$work/log" || { cat "$work/log"; exit 1; }
 mv "$work/first" "$work/prefix"
 [ -f "$work/prefix/share/doc/embree-cbvh/examples/compare_representations.py" ]
+[ -f "$work/prefix/share/doc/embree-cbvh/examples/skin_triangles.py" ]
 module=$(find "$work/prefix" -name 'embree_cbvh*.so')
 PYTHONPATH=$(dirname "$module") "$python" -B - "$work/prefix" "$version" << 'CODE'
 import sys
