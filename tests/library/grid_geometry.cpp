@@ -9,6 +9,7 @@
 #include "support/query_forms.h"
 
 #include <algorithm>
+#include <mutex>
 #include <set>
 
 namespace cbvh::test {
@@ -207,12 +208,13 @@ TEST(GridSurfaces, AreClosedWhereGridsMeet)
 {
   Device device;
   Random random(103);
-  for (unsigned quads : {3u, 4u, 7u, 16u, 40u}) {
-    SCOPED_TRACE(testing::Message() << quads << " quads");
-    const Diced ball = dicedBall(3, quads);
+  const struct { unsigned n, quads; double warp; } balls[] = {{3, 3, 1}, {3, 4, 1}, {3, 7, 1}, {3, 16, 1}, {3, 40, 1}, {8, 5, 3}, {5, 16, 3}};
+  for (const auto& b : balls) {
+    SCOPED_TRACE(testing::Message() << b.n << " x " << b.n << " grids of " << b.quads << " quads, warped by " << b.warp);
+    const Diced ball = dicedBall(b.n, b.quads, b.warp);
     const GridScene scene(device, ball);
     EXPECT_GT(statisticsOf(scene).maxVertexDeviation, 0);
-    EXPECT_EQ(statisticsOf(scene).numRawBlocks, 0u);
+    if (b.warp == 1) { EXPECT_EQ(statisticsOf(scene).numRawBlocks, 0u) << "quads are of one size"; }
     std::vector<RTCRayHit> rays;
     for (unsigned i = 0; i < 30000; i++) {
       const RTCGrid& grid = ball.grids[random.below(unsigned(ball.grids.size()))];
@@ -426,6 +428,32 @@ TEST(GridSurfaces, LetTheirInputGo)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_EQ(intersect(scene, down).ray.tfar, hit.ray.tfar);
   rtcReleaseGeometry(geometry);
+}
+
+TEST(GridSurfaces, CommitsTellHowFarTheyAreAndCanBeCancelled)
+{
+  Device device;
+  const Diced diced = dicedSheet(60, 8);
+  struct Monitor { size_t calls = 0, last = ~size_t(0); double most = 0; std::mutex mutex; } monitor;
+  const auto tell = [](void* self, double done) {
+    Monitor& m = *(Monitor*)self;
+    const std::lock_guard<std::mutex> lock(m.mutex);
+    m.most = std::max(m.most, done);
+    return ++m.calls < m.last;
+  };
+  Scene scene(device);
+  attach(scene, newGrids(device, diced, RTC_COMPRESSION_VERT));
+  rtcSetSceneProgressMonitorFunction(scene, tell, &monitor);
+  monitor.last = 3;
+  rtcCommitScene(scene);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_CANCELLED);
+  monitor.last = ~size_t(0);
+  monitor.most = 0;
+  rtcCommitScene(scene);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  EXPECT_GT(monitor.most, 0.99);
+  EXPECT_LE(monitor.most, 1.0);
+  EXPECT_EQ(statisticsOf(scene).numQuads, diced.quads());
 }
 
 // Bytes of all that the library holds, its tree included, without the application's own vertices.

@@ -58,8 +58,8 @@ inline Diced dicedSheet(unsigned n, unsigned quads, double lattice = 0)
 }
 
 // A closed, bumpy ball: n x n grids of `quads` quads on each side of a cube, with vertices of their own: those that grids share are the
-// same floats.
-inline Diced dicedBall(unsigned n, unsigned quads)
+// same floats. warp: above 1, quads in the middle of a side are smaller, by far if it is 3.
+inline Diced dicedBall(unsigned n, unsigned quads, double warp = 1)
 {
   Diced diced;
   const int side = int(n*quads);
@@ -73,7 +73,7 @@ inline Diced dicedBall(unsigned n, unsigned quads)
           cube[(axis + 1) % 3] = 2*int(gx*quads + x) - side;
           cube[(axis + 2) % 3] = sign*(2*int(gy*quads + y) - side);
           double p[3], length = 0;
-          for (int k = 0; k < 3; k++) { p[k] = std::tan(double(cube[k])/side*M_PI/4); length += p[k]*p[k]; }
+          for (int k = 0; k < 3; k++) { p[k] = std::tan(std::copysign(std::pow(std::fabs(double(cube[k])/side), warp), cube[k])*M_PI/4); length += p[k]*p[k]; }
           const double r = (1 + 0.05*std::sin(8*p[0])*std::sin(7*p[1] + 5*p[2]))/std::sqrt(length);
           return Vec{float(r*p[0]), float(r*p[1]), float(r*p[2])};
         });
