@@ -5,31 +5,12 @@
 
 usage: triangles_example.py SKIN-TRIANGLES.PY"""
 
-import os
-import re
 import sys
-import tempfile
 
-import matplotlib.pyplot as plt
 import numpy as np
+from run_example import run_example
 
-EXAMPLE = sys.argv[1]
-SMALLER = {"SCENE": '"cube"', "LEVEL": "4", "SIZE": "(96, 72)"}
-
-with open(EXAMPLE, encoding="utf-8") as file:
-    code = file.read()
-for name, value in SMALLER.items():
-    code, count = re.subn(rf"^{name} = .*$", f"{name} = {value}", code, flags=re.MULTILINE)
-    assert count == 1, name
-
-with tempfile.TemporaryDirectory() as folder:
-    os.chdir(folder)
-    names = {"__name__": "__main__"}
-    exec(compile(code, EXAMPLE, "exec"), names)  # pylint: disable=exec-used
-    picture = plt.imread("skin_triangles.png")
-    os.chdir("/")
-
-assert picture.std() > 0.05  # something is drawn
+names = run_example(sys.argv[1], {"SCENE": '"cube"', "LEVEL": "4", "SIZE": "(96, 72)"}, ("skin_triangles.png",))
 hit = names["hits"].hit
 assert hit.sum() > 1000
 assert np.nanmax(names["off"]) < 1e-5

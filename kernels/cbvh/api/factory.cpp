@@ -5,6 +5,7 @@
 #include "../base/environment.h"
 #include "../base/kinds.h"
 #include "../embree/scene.h"
+#include "../scene/compressed_tree.h"
 
 namespace embree
 {
@@ -47,7 +48,7 @@ namespace embree
     return cbvh::findKind(compression,kind) ? cbvh::describe(kind).name : "GRID";
   }
 
-  /*! Calls closure(geomID, settings, motion) for each geometry that asks for compression. */
+  /*! Calls closure(geomID, settings, motion) for each geometry that asks for compression, but for grids that do not get it: their commits say so. */
   template<typename Closure>
   static void forEachCompressed (const Scene* scene, const Closure& closure)
   {
@@ -58,7 +59,7 @@ namespace embree
       if (!surface) continue;
       const CompressionSettings settings = surface->compression.resolve(scene->device->compression);
       const bool motion = geometry->numTimeSteps != 1;
-      if (settings.compression != RTC_COMPRESSION_NONE && (motion || geometryOfTree(geometry))) closure(i,settings,motion);
+      if (settings.compression != RTC_COMPRESSION_NONE && (geometryOfTree(geometry) || (motion && geometry->getType() == Geometry::GTY_SUBDIV_MESH))) closure(i,settings,motion);
     }
   }
 
@@ -115,7 +116,7 @@ namespace embree
     Device* device = scene->device;
     const Symbols symbols(device->enabled_cpu_features,device->enabled_builder_cpu_features);
 
-    BVH4* bvh = new BVH4(SubdivPatch1::type,scene);
+    BVH4* bvh = new CompressedTree(SubdivPatch1::type,scene);
     CompressionReport* report = new CompressionReport;
     Builder* builder = symbols.BVH4CompressedSubdivBuilder(bvh,scene,report);
 

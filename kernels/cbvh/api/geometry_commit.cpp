@@ -44,7 +44,7 @@ namespace embree
   namespace
   {
     bool asksForCompression (const CompressibleGeometry* geometry) {
-      return geometry->numTimeSteps == 1 && geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
+      return geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
     }
 
     /*! hasInput: all that a surface is made of; missing: what to set again where it is not */
@@ -108,7 +108,7 @@ namespace embree
     bool compressNow (CompressibleGeometry* geometry)
     {
       geometry->surface.commit(geometry->modCounter_);
-      if (!geometry->compression.releasesInput || geometry->surface.blocks || !asksForCompression(geometry)) return false;
+      if (!geometry->compression.releasesInput || geometry->surface.blocks || geometry->numTimeSteps != 1 || !asksForCompression(geometry)) return false;
       const Symbols symbols(geometry->device->enabled_builder_cpu_features);
       runAsCommit([&] { symbols.buildBlocksOfGeometry(geometry); });
       geometry->surface.inputReleased = true;
@@ -119,7 +119,7 @@ namespace embree
   bool beginCommit (SubdivMesh* mesh)
   {
     const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices,"vertices, faces and indices");
-    if (isChanged && asksForCompression(mesh)) checkIndices(mesh);
+    if (isChanged && mesh->numTimeSteps == 1 && asksForCompression(mesh)) checkIndices(mesh);
     return isChanged;
   }
 
@@ -127,11 +127,13 @@ namespace embree
   {
     const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->grids,"vertices and grids");
     if (!isChanged) return false;
-    const bool asks = asksForCompression(mesh), takesLess = asks && (mesh->compression.releasesInput || takeLessAsBlocks(mesh));
-    mesh->gtype = takesLess ? CompressibleGeometry::GTY_COMPRESSED_GRID : Geometry::GTY_GRID_MESH;
-    if (asks && !takesLess && (mesh->device->verbosity(1) || environmentAsksForCommitLines())) {
+    const bool asks = asksForCompression(mesh);
+    const char* const whyNot = mesh->numTimeSteps != 1 ? " have motion blur" : !mesh->compression.releasesInput && asks && !takeLessAsBlocks(mesh)
+      ? " are so small that Embree's own kernel takes less memory for them" : nullptr;
+    mesh->gtype = asks && !whyNot ? CompressibleGeometry::GTY_COMPRESSED_GRID : Geometry::GTY_GRID_MESH;
+    if (asks && whyNot && (mesh->device->verbosity(1) || environmentAsksForCommitLines())) {
       Lock<MutexSys> lock(g_printMutex);
-      std::cout << "compression: " << mesh->size() << " grids are so small that Embree's own kernel takes less memory for them: left to it" << std::endl;
+      std::cout << "compression: " << mesh->size() << " grids" << whyNot << ": left to Embree's kernel of grids" << std::endl;
     }
     return true;
   }

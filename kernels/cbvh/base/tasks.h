@@ -9,6 +9,9 @@ namespace embree
 {
   namespace isa
   {
+    /*! how often, in quads, a task of a build reports progress: enough to cancel, too seldom to be felt */
+    static const size_t progressQuads = 1 << 15;
+
     /*! Calls closure(range) for ranges of 0 to n, by all threads: as parallel_for does it, but what is one task anyway is none, as a scene
      *  may have a hundred thousand geometries of a face. */
     template<typename Closure>

@@ -11,6 +11,7 @@
 #include "leaf/format.h"
 #include "frame_fit.h"
 #include "node_encoder.h"
+#include "../base/vertices4.h"
 #include <algorithm>
 #include <cstring>
 
@@ -193,17 +194,9 @@ namespace embree
       size_t boundVertices()
       {
         const size_t all = size_t(width)*width;
+        if (cbvh::boundVertices(vertices,all,lower,upper)) return all;
         Float4 low = maxCoordinate, high = -maxCoordinate;
-        uint32_t finite = 7;
-        for (size_t i=0; i<all; i++) {
-          const Float4 p = loadVertex(vertices,i,all);
-          finite &= lanesBelow(abs(p),maxCoordinate);
-          low = min(low,p);
-          high = max(high,p);
-        }
-        if (finite == 7) { low.store(lower); high.store(upper); return all; }
         size_t count = 0;
-        low = maxCoordinate; high = -maxCoordinate;
         for (size_t i=0; i<all; i++) {
           if (!isFinite(uint32_t(i))) continue;
           const Float4 p = loadVertex(vertices,i,all);

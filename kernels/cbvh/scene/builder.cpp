@@ -8,6 +8,7 @@
 #include "../base/thread_cache.h"
 #include "cage_source.h"
 #include "commit_line.h"
+#include "compressed_tree.h"
 #include "grid_source.h"
 #include "report.h"
 #include "surface_builder.h"
@@ -56,6 +57,7 @@ namespace embree
       {
         report->clear();
         std::vector<Surface> surfaces = findSurfaces();
+        ((CompressedTree*)bvh)->hasGrids = std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.geometry->isCompressed(); });
         const bool keepsTree = !surfaces.empty() && treeOf == buildsOf(surfaces);
         if (!keepsTree) clear();
         if (surfaces.empty()) return;

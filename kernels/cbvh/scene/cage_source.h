@@ -112,8 +112,6 @@ namespace embree
       };
 
     private:
-      static const size_t progressQuads = 1 << 15;
-
       size_t estimateBlocks (const PatchOfFace& patch) const
       {
         const CompressionPlan::Storage storage = plan.storage(patch.rate);

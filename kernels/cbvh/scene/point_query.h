@@ -9,6 +9,7 @@
 #include "../base/primitive_type.h"
 #include "../embree/scene.h"
 #include "../vert/format.h"
+#include "compressed_tree.h"
 
 namespace embree
 {
@@ -24,7 +25,7 @@ namespace embree
         /*! nearest children first; whether a call changed the query */
         bool operator() (const BVH4* bvh)
         {
-          if (bvh->root == BVH4::emptyNode) return false;
+          if (bvh->root == BVH4::emptyNode || !((const CompressedTree*)bvh)->hasGrids) return false;
           bool changed = false;
           Item stack[1+3*BVH4::maxDepth];
           size_t n = 0;

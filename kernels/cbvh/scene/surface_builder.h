@@ -72,9 +72,6 @@ namespace embree
       }
 
     private:
-      /*! how often, in quads, a task reports progress: enough to cancel, too seldom to be felt */
-      static const size_t progressQuads = 1 << 15;
-
       void buildPrimitives (SurfaceBlocks& blocks, mvector<PrimRef>& prims, const Progress& progress)
       {
         BuildResults results;
