@@ -22,22 +22,26 @@ struct RTCCompressedTriangle
  * geometry: stored as cVERT, in a scene that was committed, or by its own commit (RTC_COMPRESSION_FLAG_RELEASE_INPUT).
  * primID, u, v, Ng: of the hit. Ng is 3 floats and chooses between triangles on whose common edge (u,v) lies; NULL takes any of them.
  * triangle: written if there is one; not NULL. Its vertices are in the order of the patch: quad (x,y) has the triangles
- *           (x,y), (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1).
+ *           (x,y), (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). Of quad meshes and triangle meshes they are in the order of the
+ *           primitive: v0, v1, v3 or v2, v3, v1 of a quad.
  *
  * Returns whether (u,v) is on a triangle of the primitive: false for an unknown primID, and where triangles were left out. The first
- * call after a commit makes an index of the geometry's blocks, of 8 bytes each.
+ * call after a commit makes an index of the geometry's blocks, of 24 bytes each.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL; RTC_ERROR_INVALID_OPERATION for a geometry that was not compressed, or is stored as
  * anything but cVERT, if in part. Thread safety: as rtcInterpolate. */
 RTC_API bool rtcGetCompressedTriangle(RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle);
 
-/* Up to 16 x 16 quads of a primitive. Neighbouring parts have the vertices that they share as the same floats. */
+/* Up to 16 x 16 quads. Neighbouring parts have the vertices that they share as the same floats. */
 struct RTCCompressedPart
 {
-  unsigned int primID;
+  unsigned int primID;        /* that all quads are of, where primitivesPerQuad is 0 */
   unsigned int width, height; /* in vertices */
   const float* vertices;      /* x, y, z of width*height of them, row by row. Triangles with one that is not a number are left out */
-  const float* parameters;    /* u, v of each */
+  const float* parameters;    /* u, v of each; NULL where primitivesPerQuad is not 0 */
+  const unsigned int* primIDs; /* row by row, primitivesPerQuad of each quad */
+  unsigned int primitivesPerQuad; /* 0 of cages and grids, 1 of quad meshes, 2 of triangle meshes: that of the quad's first triangle, as above,
+                                   * and that of its second, or the first again where there is no second one */
 };
 
 /* Is handed a part; valid until it returns. False ends the calls. */

@@ -7,12 +7,15 @@
  *
  * Subdivision geometry (RTC_GEOMETRY_TYPE_SUBDIVISION) with displacement is
  * tessellated, compressed and dropped when its scene is committed, and traced
- * straight from the compressed form. So are grids that the application has diced
- * (RTC_GEOMETRY_TYPE_GRID), as cVERT, whatever kind is asked for: with the same triangles
- * and parameters as Embree's, of vertices that lie on a lattice. Which representation a geometry gets is
+ * straight from the compressed form. So is what the application has diced, as cVERT, whatever kind
+ * is asked for, with the same triangles and parameters as Embree's, of vertices that lie on a lattice:
+ * grids (RTC_GEOMETRY_TYPE_GRID), and meshes of quads (RTC_GEOMETRY_TYPE_QUAD) and of triangles of which each two that follow
+ * each other make a quad (RTC_GEOMETRY_TYPE_TRIANGLE), in which grids are found by their indices. Geometry of these types
+ * that would gain nothing is left to Embree's own kernels. Which representation a geometry gets is
  * decided by, in this order: rtcSetGeometryCompression, the device string
  * ("subdiv_accel=cbvh.leaf,cbvh_frame_level=2"), the environment variable
- * EMBREE_CBVH ("leaf,frame_level=2"; "1" takes the best, which is cVERT), Embree's
+ * EMBREE_CBVH ("leaf,frame_level=2"; "1" takes the best, which is cVERT; "1,triangles=0" leaves
+ * triangles to Embree, and so do "quads=0" and "grids=0"), Embree's
  * own default (vertex grids).
  *
  * Quads with a vertex that is not finite are left out of a compressed geometry, and so are grids with vertices outside of their
@@ -78,7 +81,7 @@ enum RTCCompressionFlags
   /* The geometry is compressed by rtcCommitGeometry, and lets its input go: from then on it reads none of its buffers but those of
    * vertex attributes, and the application may free what it shared. Scenes trace it, and their commits take what is there.
    * rtcInterpolate of RTC_BUFFER_TYPE_VERTEX is an error then, and so is a commit after any change but of its mask, its filters and
-   * whether it is enabled, unless its vertices and its faces with their indices, or its grids, were set again.
+   * whether it is enabled, unless its vertices and its faces with their indices, its grids, or its indices, were set again.
    * Without effect on geometry that is not compressed, or has motion blur. */
   RTC_COMPRESSION_FLAG_RELEASE_INPUT = 1 << 0
 };
@@ -149,7 +152,8 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
  * again when it was committed after a change of its surface. After changes of its mask, its filters
  * and whether it is enabled they are not.
  *
- * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION or RTC_GEOMETRY_TYPE_GRID.
+ * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or
+ *           RTC_GEOMETRY_TYPE_TRIANGLE.
  * args:     read during the call, not NULL.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, an unknown compression, a frame
@@ -183,6 +187,8 @@ struct RTCCompressionStatistics
   size_t numExactQuads;         // cLEAF: quads of faces that are stored as cVERT, see RTCCompressionArguments::exactFaces
   size_t numFlippedQuads;       // quads whose normal, as it is traced, is turned by more than 90 degrees from that of
                                 // their vertices
+  size_t numMeshQuads;          // quads of quad meshes, and pairs of triangles, in blocks; of them
+  size_t numLooseQuads;         // those in none of the meshes' grids of 4 x 4 quads and more
 };
 
 /* Reports what the last commit of a scene compressed. All zero when the scene

@@ -12,6 +12,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/scene/builder.cpp
   cbvh/scene/stored_triangles.cpp
   cbvh/scene/surface_blocks.cpp
+  cbvh/surface/quad_regions.cpp
   cbvh/framed/node_tables.cpp
   cbvh/vert/tables.cpp
   cbvh/scene/thread_cache.cpp

@@ -7,6 +7,7 @@
 #include "support/diced.h"
 #include "support/memory.h"
 #include "support/query_forms.h"
+#include "support/same_hits.h"
 
 #include <algorithm>
 #include <mutex>
@@ -26,54 +27,9 @@ Diced oddGrids(double lattice)
   return diced;
 }
 
-std::vector<RTCRayHit> raysAt(Random& random, const Diced& diced, unsigned count)
-{
-  std::vector<RTCRayHit> rays;
-  for (unsigned i = 0; i < count; i++) rays.push_back(rayAt(random, diced));
-  return rays;
-}
-
-double angleBetween(const RTCHit& a, const RTCHit& b)
-{
-  const double dot = double(a.Ng_x)*b.Ng_x + double(a.Ng_y)*b.Ng_y + double(a.Ng_z)*b.Ng_z;
-  const auto square = [](const RTCHit& h) { return double(h.Ng_x)*h.Ng_x + double(h.Ng_y)*h.Ng_y + double(h.Ng_z)*h.Ng_z; };
-  return std::acos(std::min(1.0, dot/std::sqrt(square(a)*square(b))));
-}
-
-// Of a ray and the normal that it meets.
-double cosine(const RTCRayHit& r)
-{
-  const double d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z}, n[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z};
-  const auto dot = [](const double a[3], const double b[3]) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; };
-  return std::fabs(dot(d, n))/std::sqrt(dot(d, d)*dot(n, n));
-}
-
-void expectSameHits(const std::vector<RTCRayHit>& expected, const std::vector<RTCRayHit>& found)
-{
-  ASSERT_EQ(expected.size(), found.size());
-  for (size_t i = 0; i < expected.size(); i++) {
-    SCOPED_TRACE(testing::Message() << "ray " << i);
-    const RTCRayHit &e = expected[i], &f = found[i];
-    ASSERT_EQ(isHit(e), isHit(f));
-    if (!isHit(e)) continue;
-    ASSERT_EQ(e.hit.geomID, f.hit.geomID);
-    ASSERT_EQ(e.hit.primID, f.hit.primID);
-    ASSERT_EQ(e.hit.instID[0], f.hit.instID[0]);
-    // where a ray grazes, floats place it less well along itself
-    ASSERT_NEAR(e.ray.tfar, f.ray.tfar, 1e-5*e.ray.tfar*std::max(1.0, 0.1/cosine(e)));
-    ASSERT_NEAR(e.hit.u, f.hit.u, 1e-4);
-    ASSERT_NEAR(e.hit.v, f.hit.v, 1e-4);
-    ASSERT_LT(angleBetween(e.hit, f.hit), 1e-3);
-  }
-}
-
 class GridGeometry : public testing::TestWithParam<const char*> {};
 
-INSTANTIATE_TEST_SUITE_P(Isas, GridGeometry, testing::Values(TEST_ISAS), [](const auto& info) {
-  std::string name;
-  for (char c : std::string(info.param).substr(4)) if (c != '.') name += c;
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Isas, GridGeometry, testing::Values(TEST_ISAS), nameOfIsa);
 
 TEST_P(GridGeometry, HitsAreEmbrees)
 {

@@ -4,8 +4,8 @@
 #pragma once
 
 /* What geometries that can be compressed have besides what Embree gives them. A subdivision surface is compressed by the scene that
- * traces it. A grid geometry without motion blur is taken from Embree's own kernels when it is committed: its type is then one that
- * none of Embree's has. */
+ * traces it. Grids, quads and triangles without motion blur are taken from Embree's own kernels when they are committed: their type is
+ * then one that none of Embree's has. */
 
 #include "../embree/geometry.h"
 #include "settings.h"
@@ -15,14 +15,17 @@ namespace embree
 {
   class SubdivMesh;
   struct GridMesh;
+  struct QuadMesh;
+  struct TriangleMesh;
 
   class CompressibleGeometry : public Geometry
   {
   public:
-    using Geometry::Geometry;
+    CompressibleGeometry (Device* device, GType type, unsigned numPrimitives, unsigned numTimeSteps)
+      : Geometry(device,type,numPrimitives,numTimeSteps), ownType(type) {}
 
-    /*! of grid geometry that is compressed: a number that Embree leaves free */
-    static const GType GTY_COMPRESSED_GRID = GType(24);
+    /*! of grids, quads and triangles that are compressed: a number that Embree leaves free */
+    static const GType GTY_COMPRESSED = GType(24);
 
     void enable () override { surface.changeVisibility(isDisabled()); Geometry::enable(); }
     void disable () override { surface.changeVisibility(isEnabled()); Geometry::disable(); }
@@ -31,8 +34,12 @@ namespace embree
     void setUserData (void* ptr) override { surface.change(); Geometry::setUserData(ptr); }
 
     /*! whether Embree's own kernels of its type have been left for blocks */
-    bool isCompressed () const { return getType() == GTY_COMPRESSED_GRID; }
+    bool isCompressed () const { return getType() == GTY_COMPRESSED; }
 
+    /*! takes it from Embree's kernels, or gives it back */
+    void setCompressed (bool compressed) { gtype = compressed ? GTY_COMPRESSED : ownType; }
+
+    const GType ownType;             //!< that it was made as
     CompressionSettings compression; //!< set by rtcSetGeometryCompression
     SurfaceState surface;
 
@@ -45,7 +52,8 @@ namespace embree
   inline CompressibleGeometry* compressible (Geometry* geometry)
   {
     switch (int(geometry->getType())) {
-    case Geometry::GTY_SUBDIV_MESH: case Geometry::GTY_GRID_MESH: case CompressibleGeometry::GTY_COMPRESSED_GRID: return static_cast<CompressibleGeometry*>(geometry);
+    case Geometry::GTY_SUBDIV_MESH: case Geometry::GTY_GRID_MESH: case Geometry::GTY_QUAD_MESH: case Geometry::GTY_TRIANGLE_MESH:
+    case CompressibleGeometry::GTY_COMPRESSED: return static_cast<CompressibleGeometry*>(geometry);
     default: return nullptr;
     }
   }
@@ -62,8 +70,12 @@ namespace embree
   /*! Whether the surface is to be taken from its buffers again. Throws where they were let go. */
   bool beginCommit (SubdivMesh* mesh);
   bool beginCommit (GridMesh* mesh);
+  bool beginCommit (QuadMesh* mesh);
+  bool beginCommit (TriangleMesh* mesh);
 
   /*! Compresses a geometry that asks for it when it is committed, and lets its input go. */
   void endCommit (SubdivMesh* mesh);
   void endCommit (GridMesh* mesh);
+  void endCommit (QuadMesh* mesh);
+  void endCommit (TriangleMesh* mesh);
 }

@@ -6,6 +6,7 @@
 #include "../embree/scene.h"
 #include "../base/environment.h"
 #include "../scene/surface_blocks.h"
+#include "../surface/quad_regions.h"
 #include "../vert/format.h"
 
 namespace embree
@@ -43,8 +44,22 @@ namespace embree
 
   namespace
   {
-    bool asksForCompression (const CompressibleGeometry* geometry) {
-      return geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
+    /*! whether a device's setting is meant for geometry of that type */
+    bool takes (const CompressionSettings& device, Geometry::GType type)
+    {
+      switch (type) {
+      case Geometry::GTY_GRID_MESH: return device.takesGrids;
+      case Geometry::GTY_QUAD_MESH: return device.takesQuads;
+      case Geometry::GTY_TRIANGLE_MESH: return device.takesTriangles;
+      default: return true;
+      }
+    }
+
+    bool asksForCompression (const CompressibleGeometry* geometry)
+    {
+      const CompressionSettings& device = geometry->device->compression;
+      if (geometry->compression.compression == RTC_COMPRESSION_INHERIT && !takes(device,geometry->ownType)) return false;
+      return geometry->compression.resolve(device).compression != RTC_COMPRESSION_NONE;
     }
 
     /*! hasInput: all that a surface is made of; missing: what to set again where it is not */
@@ -56,6 +71,7 @@ namespace embree
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,std::string("the geometry has let its input go (RTC_COMPRESSION_FLAG_RELEASE_INPUT): set ") + missing + " again before it is committed");
       surface.inputReleased = false;
       surface.blocks.reset();
+      std::atomic_store(&surface.regions,std::shared_ptr<const QuadRegions>());
       return true;
     }
 
@@ -80,6 +96,29 @@ namespace embree
           return sum;
         },std::plus<Bytes>());
       return bytes.blocks <= bytes.embree;
+    }
+
+    /*! a mesh of less is left to Embree's kernels: it does not matter */
+    const size_t fewPrimitives = 256;
+
+    /*! about, as takeLessAsBlocks has it; numbers that follow no pattern are not known yet */
+    size_t bytesAsBlocks (const QuadRegions& regions)
+    {
+      size_t bytes = 0;
+      for (const QuadRegions::Region& region : regions.regions) {
+        const size_t x = region.width, y = region.height, side = cbvh::vertBlockQuads;
+        bytes += 138*((x+side-1)/side)*((y+side-1)/side) + x*y;
+      }
+      return bytes;
+    }
+
+    /*! Takes a geometry from Embree's kernels if it asks for that and there is no reason not to. An empty one is not worth a message. */
+    void choose (CompressibleGeometry* geometry, bool asks, const char* whyNot, const char* primitives)
+    {
+      geometry->setCompressed(asks && !whyNot);
+      if (!asks || !whyNot || *whyNot == 0 || !(geometry->device->verbosity(1) || environmentAsksForCommitLines())) return;
+      Lock<MutexSys> lock(g_printMutex);
+      std::cout << "compression: " << geometry->size() << " " << primitives << whyNot << ": left to Embree's kernel of " << primitives << std::endl;
     }
 
     /*! Throws where a face has indices or vertices that are not there: Embree reads them. */
@@ -108,7 +147,8 @@ namespace embree
     bool compressNow (CompressibleGeometry* geometry)
     {
       geometry->surface.commit(geometry->modCounter_);
-      if (!geometry->compression.releasesInput || geometry->surface.blocks || geometry->numTimeSteps != 1 || !asksForCompression(geometry)) return false;
+      const bool isOfTree = geometry->numTimeSteps == 1 && (geometry->isCompressed() || geometry->ownType == Geometry::GTY_SUBDIV_MESH);
+      if (!geometry->compression.releasesInput || geometry->surface.blocks || !isOfTree || !asksForCompression(geometry)) return false;
       const Symbols symbols(geometry->device->enabled_builder_cpu_features);
       runAsCommit([&] { symbols.buildBlocksOfGeometry(geometry); });
       geometry->surface.inputReleased = true;
@@ -130,13 +170,29 @@ namespace embree
     const bool asks = asksForCompression(mesh);
     const char* const whyNot = mesh->numTimeSteps != 1 ? " have motion blur" : !mesh->compression.releasesInput && asks && !takeLessAsBlocks(mesh)
       ? " are so small that Embree's own kernel takes less memory for them" : nullptr;
-    mesh->gtype = asks && !whyNot ? CompressibleGeometry::GTY_COMPRESSED_GRID : Geometry::GTY_GRID_MESH;
-    if (asks && whyNot && (mesh->device->verbosity(1) || environmentAsksForCommitLines())) {
-      Lock<MutexSys> lock(g_printMutex);
-      std::cout << "compression: " << mesh->size() << " grids" << whyNot << ": left to Embree's kernel of grids" << std::endl;
-    }
+    choose(mesh,asks,whyNot,"grids");
     return true;
   }
+
+  template<typename Mesh>
+  static bool beginCommitOfMesh (Mesh* mesh, size_t bytesInEmbree, bool hasInput, const char* primitives)
+  {
+    if (!begin(mesh,hasInput,"vertices and indices")) return false;
+    const bool asks = asksForCompression(mesh);
+    const char* whyNot = !hasInput || mesh->size() < fewPrimitives ? "" : mesh->numTimeSteps != 1 ? " have motion blur"
+      : mesh->quality == RTC_BUILD_QUALITY_REFIT ? " are to be refitted" : nullptr;
+    if (asks && !whyNot)
+    {
+      const std::shared_ptr<const QuadRegions> regions = QuadRegions::find(mesh);
+      whyNot = !regions || 4*bytesAsBlocks(*regions) > 3*bytesInEmbree*mesh->size() ? " do not lie in grids" : nullptr;
+      if (!whyNot) std::atomic_store(&mesh->surface.regions,regions);
+    }
+    choose(mesh,asks,whyNot,primitives);
+    return true;
+  }
+
+  bool beginCommit (QuadMesh* mesh) { return beginCommitOfMesh(mesh,bytesOfQuadInEmbree,mesh->vertices[0] && mesh->quads,"quads"); }
+  bool beginCommit (TriangleMesh* mesh) { return beginCommitOfMesh(mesh,bytesOfTriangleInEmbree,mesh->vertices[0] && mesh->triangles,"triangles"); }
 
   void endCommit (SubdivMesh* mesh) {
     if (compressNow(mesh)) releaseInput(mesh);
@@ -148,6 +204,21 @@ namespace embree
     if (!compressNow(mesh)) return;
     mesh->vertices[0] = mesh->vertices0 = BufferView<Vec3fa>();
     if (mesh->vertexAttribs.empty()) mesh->grids = BufferView<GridMesh::Grid>();
+  }
+
+  /*! Buffers of vertex attributes stay, and what they are interpolated by. */
+  void endCommit (QuadMesh* mesh)
+  {
+    if (!compressNow(mesh)) return;
+    mesh->vertices[0] = mesh->vertices0 = BufferView<Vec3fa>();
+    if (mesh->vertexAttribs.empty()) mesh->quads = BufferView<QuadMesh::Quad>();
+  }
+
+  void endCommit (TriangleMesh* mesh)
+  {
+    if (!compressNow(mesh)) return;
+    mesh->vertices[0] = mesh->vertices0 = BufferView<Vec3fa>();
+    if (mesh->vertexAttribs.empty()) mesh->triangles = BufferView<TriangleMesh::Triangle>();
   }
 
   /*! Buffers of vertex attributes stay, and what they are interpolated by. */

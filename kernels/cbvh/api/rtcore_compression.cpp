@@ -44,7 +44,7 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"args is NULL");
   CompressibleGeometry* const compressible = embree::compressible(geometry);
   if (!compressible)
-    throw_RTCError(RTC_ERROR_INVALID_OPERATION,"only geometry of type RTC_GEOMETRY_TYPE_SUBDIVISION or RTC_GEOMETRY_TYPE_GRID can be compressed");
+    throw_RTCError(RTC_ERROR_INVALID_OPERATION,"only geometry of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or RTC_GEOMETRY_TYPE_TRIANGLE can be compressed");
   int compression; // an enumeration may not hold what the application may have written
   memcpy(&compression,&args->compression,sizeof(compression));
   cbvh::Kind kind;

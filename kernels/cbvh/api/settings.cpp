@@ -87,7 +87,14 @@ namespace embree
     return keys;
   }
 
-  static void unknownKey (const std::string& where, const std::string& key, const std::vector<std::string>& known) {
+  static const std::string keys[] = { "frame_level","max_error","exact_faces","grids","quads","triangles" };
+
+  static bool isKey (const std::string& word) { return std::find(std::begin(keys),std::end(keys),word) != std::end(keys); }
+
+  static void unknownKey (const std::string& where, const std::string& key, const std::string& prefix)
+  {
+    std::vector<std::string> known;
+    for (const std::string& k : keys) known.push_back(prefix+k);
     invalid(where,key,"there is no such key, did you mean " + nearest(key,known) + "?");
   }
 
@@ -112,10 +119,21 @@ namespace embree
     maxError = e;
   }
 
-  void CompressionSettings::setExactFaces (const std::string& name, const std::string& value)
+  static bool parseSwitch (const std::string& name, const std::string& value)
   {
     if (value != "0" && value != "1") invalid(name,value,"expected 0 or 1");
-    exactFaces = value == "1";
+    return value == "1";
+  }
+
+  /*! name: of the key, in messages */
+  void CompressionSettings::set (const std::string& name, const std::string& key, const std::string& value)
+  {
+    if (key == "frame_level")      setFrameLevel(name,value);
+    else if (key == "max_error")   setMaxError(name,value);
+    else if (key == "exact_faces") exactFaces = parseSwitch(name,value);
+    else if (key == "grids")       takesGrids = parseSwitch(name,value);
+    else if (key == "quads")       takesQuads = parseSwitch(name,value);
+    else                           takesTriangles = parseSwitch(name,value);
   }
 
   /*! text of a value, whatever type the tokenizer gave it */
@@ -134,10 +152,9 @@ namespace embree
     if (key.compare(0,4,"cbvh") != 0) return false;
     std::string value;
     if (stream.trySymbol("=")) value = valueText(stream.get());
-    if (key == "cbvh_frame_level")      setFrameLevel(key,value);
-    else if (key == "cbvh_max_error")   setMaxError(key,value);
-    else if (key == "cbvh_exact_faces") setExactFaces(key,value);
-    else unknownKey("the device string",key,{ "cbvh_frame_level","cbvh_max_error","cbvh_exact_faces" });
+    const std::string prefix = "cbvh_";
+    if (key.compare(0,prefix.size(),prefix) != 0 || !isKey(key.substr(prefix.size()))) unknownKey("the device string",key,prefix);
+    set(key,key.substr(prefix.size()),value);
     return true;
   }
 
@@ -154,10 +171,9 @@ namespace embree
         else if (key == "1") compression = bestCompression;
         else if (!parseKind(key,compression)) invalid("EMBREE_CBVH",item,"expected 1, 0, none, verbose, " + kindKeys(""));
       }
-      else if (key == "frame_level" || key == "level") setFrameLevel("EMBREE_CBVH " + key,value);
-      else if (key == "max_error") setMaxError("EMBREE_CBVH max_error",value);
-      else if (key == "exact_faces") setExactFaces("EMBREE_CBVH exact_faces",value);
-      else unknownKey("EMBREE_CBVH",item,{ "frame_level","max_error","exact_faces" });
+      else if (key == "level") setFrameLevel("EMBREE_CBVH level",value);
+      else if (isKey(key)) set("EMBREE_CBVH " + key,key,value);
+      else unknownKey("EMBREE_CBVH",item,"");
     }
   }
 

@@ -23,10 +23,11 @@ namespace embree
     float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< only a geometry's
     int exactFaces = -1;    //!< 0 or 1, negative to inherit
     bool releasesInput = false; //!< only a geometry's, as are the next two
+    bool takesGrids = true, takesQuads = true, takesTriangles = true; //!< only a device's: types that are compressed if they do not ask
     RTCProgressMonitorFunction progress = nullptr;
     void* progressUserPtr = nullptr;
 
-    /*! Takes cbvh_frame_level, cbvh_max_error and cbvh_exact_faces out of a device string; false for any
+    /*! Takes cbvh_frame_level, cbvh_max_error, cbvh_exact_faces, cbvh_grids, cbvh_quads and cbvh_triangles out of a device string; false for any
      *  other key. Throws rtcore_error naming key and value. */
     bool parse (const Token& key, TokenStream& stream);
 
@@ -47,6 +48,6 @@ namespace embree
   private:
     void setFrameLevel (const std::string& name, const std::string& value);
     void setMaxError (const std::string& name, const std::string& value);
-    void setExactFaces (const std::string& name, const std::string& value);
+    void set (const std::string& name, const std::string& key, const std::string& value);
   };
 }

@@ -10,12 +10,14 @@
 namespace embree
 {
   struct SurfaceBlocks;
+  struct QuadRegions;
   namespace cbvh { class SurfaceNumber; }
 
   struct SurfaceState
   {
     std::shared_ptr<const cbvh::SurfaceNumber> number; //!< null until a scene or a commit needs it
     std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until they are built, and when the surface was changed
+    std::shared_ptr<const QuadRegions> regions;        //!< of quads and triangles, from the commit until blocks are built
     bool inputReleased = false;                        //!< RTC_COMPRESSION_FLAG_RELEASE_INPUT
 
     /*! Who sees the surface was changed. counted: how often Embree counts that as a modification of the geometry */

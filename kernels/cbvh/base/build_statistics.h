@@ -63,6 +63,8 @@ namespace embree
         sums.numRawBlocks += other.sums.numRawBlocks;
         sums.numExactQuads += other.sums.numExactQuads;
         sums.numFlippedQuads += other.sums.numFlippedQuads;
+        sums.numMeshQuads += other.sums.numMeshQuads;
+        sums.numLooseQuads += other.sums.numLooseQuads;
         sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,other.sums.maxVertexSpacing);
         sums.maxVertexDeviation = std::max(sums.maxVertexDeviation,other.sums.maxVertexDeviation);
         sums.maxBorderGap = std::max(sums.maxBorderGap,other.sums.maxBorderGap);

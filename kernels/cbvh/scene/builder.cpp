@@ -19,8 +19,12 @@ namespace embree
   {
     static std::unique_ptr<SurfaceBuilder> newSurfaceBuilder (CompressibleGeometry* geometry, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
     {
-      if (geometry->isCompressed()) return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource>((GridMesh*)geometry,number));
-      return std::unique_ptr<SurfaceBuilder>(new BuilderOf<CageSource>((SubdivMesh*)geometry,number));
+      switch (geometry->ownType) {
+      case Geometry::GTY_GRID_MESH: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource<GridsOfGridMesh>>((GridMesh*)geometry,number));
+      case Geometry::GTY_QUAD_MESH: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource<GridsOfQuadMesh>>((QuadMesh*)geometry,number));
+      case Geometry::GTY_TRIANGLE_MESH: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource<GridsOfTriangleMesh>>((TriangleMesh*)geometry,number));
+      default: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<CageSource>((SubdivMesh*)geometry,number));
+      }
     }
 
     class CompressedSubdivBuilder : public Builder

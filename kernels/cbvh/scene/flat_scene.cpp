@@ -124,7 +124,7 @@ namespace embree
       {
         switch (int(type)) {
         case Geometry::GTY_SUBDIV_MESH: return "a subdivision surface";
-        case CompressibleGeometry::GTY_COMPRESSED_GRID: return "a compressed grid mesh";
+        case CompressibleGeometry::GTY_COMPRESSED: return "a compressed mesh";
         case Geometry::GTY_TRIANGLE_MESH: return "a triangle mesh";
         case Geometry::GTY_INSTANCE_CHEAP: case Geometry::GTY_INSTANCE_EXPENSIVE: return "an instance";
         case Geometry::GTY_QUAD_MESH: return "a quad mesh";
@@ -144,7 +144,7 @@ namespace embree
         out.hasFilter = geometry->hasFilterFunctions();
         switch (int(geometry->getType()))
         {
-        case Geometry::GTY_SUBDIV_MESH: case CompressibleGeometry::GTY_COMPRESSED_GRID: {
+        case Geometry::GTY_SUBDIV_MESH: case CompressibleGeometry::GTY_COMPRESSED: {
           const auto blocks = blocksOf((const CompressibleGeometry*)geometry);
           out.type = FLAT_SURFACE;
           out.build = blocks ? blocks->build : 0;

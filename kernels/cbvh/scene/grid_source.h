@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Grids of a grid geometry, for surface_builder.h: all are stored as cVERT. */
+/* Grids that an application diced, for surface_builder.h: all are stored as cVERT. */
 
 #include "../surface/grid_patch.h"
 #include "../vert/writer.h"
@@ -12,26 +12,32 @@ namespace embree
 {
   namespace isa
   {
+    /*! Grids: see diced_grids.h */
+    template<typename Grids>
     class GridSource
     {
+      typedef typename Grids::Grid Grid;
+
     public:
-      typedef GridPatch Patch;
-      typedef GridPatch::Scratch Scratch;
+      typedef GridPatch<Grids> Patch;
+      typedef typename Patch::Scratch Scratch;
 
       static const bool answersAlike = true; //!< buffers are as they are
 
-      GridSource (GridMesh* mesh, const CompressionPlan& plan)
+      typedef typename Grids::Mesh Mesh;
+
+      GridSource (Mesh* mesh, const CompressionPlan& plan)
         : mesh(mesh), plan(plan), vertices(mesh,plan) {}
 
-      size_t size () const { return mesh->size(); }
+      size_t size () const { return vertices.size(); }
 
-      size_t estimateBlocks () const { return sumOverGrids([](const GridVertices::Grid& grid) { return blocksAlong(grid.quads(0))*blocksAlong(grid.quads(1)); }); }
+      size_t estimateBlocks () const { return sumOverGrids([](const Grid& grid) { return blocksAlong(grid.quads(0))*blocksAlong(grid.quads(1)); }); }
 
       /*! some blocks a task */
       size_t perTask (bool isSmall) const
       {
         if (isSmall) return max(size(),size_t(1));
-        const size_t quads = sumOverGrids([](const GridVertices::Grid& grid) { return size_t(grid.quads(0))*grid.quads(1); });
+        const size_t quads = sumOverGrids([](const Grid& grid) { return size_t(grid.quads(0))*grid.quads(1); });
         return clamp(size()/(4*TaskScheduler::threadCount()),size_t(1),1 + quadsPerTask*size()/max(quads,size_t(1)));
       }
 
@@ -40,18 +46,17 @@ namespace embree
       void release () { vertices.release(); }
 
       /*! Vertices that are not finite are left out without an error, as Embree does it. */
-      bool isInvalid (size_t grid, bool) const { return !vertices.isValid(grid); }
+      bool isInvalid (size_t grid, bool) const { return Grids::reportsInvalid && !vertices.isValid(grid); }
 
       template<typename Closure>
       void forEachPatch (size_t grid, Scratch& scratch, const Closure& closure) const
       {
         if (!vertices.isValid(grid)) return;
-        GridPatch patch(vertices,plan.surface,grid,scratch);
+        Patch patch(vertices,plan.surface,grid,scratch);
         closure(patch);
       }
 
-      /*! What Embree takes for it, as was seen, besides vertices: 68 bytes for each 2 x 2 quads. */
-      static size_t bytesInEmbree (const SurfacePatch& patch) { return 68*((size_t(patch.quads[0])+1)/2)*((size_t(patch.quads[1])+1)/2); }
+      static size_t bytesInEmbree (const SurfacePatch& patch) { return Grids::bytesInEmbree(patch.quads[0],patch.quads[1]); }
 
       /*! writes grids, for one task */
       class Writer
@@ -61,7 +66,7 @@ namespace embree
           : exact(source.plan,source.mesh->device,store,statistics) {}
 
         /*! false for a grid that is to be written in strips */
-        bool write (size_t, GridPatch& patch)
+        bool write (size_t, Patch& patch)
         {
           if (patch.quads[1] > VertWriter::rowsOfStrip(patch)) return false;
           exact.write(patch,nullptr);
@@ -88,9 +93,9 @@ namespace embree
           },std::plus<size_t>());
       }
 
-      GridMesh* mesh;
+      Mesh* mesh;
       const CompressionPlan& plan;
-      GridVertices vertices;
+      GridVertices<Grids> vertices;
     };
   }
 }

@@ -4,11 +4,12 @@
 #pragma once
 
 /* Point queries: the application's function is called for the primitives whose blocks are near enough, several times if several of
- * their blocks are. As in Embree, they see grids, and no subdivision surfaces. */
+ * their blocks are; for those of a block that numbers its quads, if the box of the primitive's quad is. As in Embree, they see grids,
+ * quads and triangles, and no subdivision surfaces. */
 
 #include "../base/primitive_type.h"
 #include "../embree/scene.h"
-#include "../vert/format.h"
+#include "../vert/scalar_block.h"
 #include "compressed_tree.h"
 
 namespace embree
@@ -80,8 +81,41 @@ namespace embree
           Geometry* const geometry = context->scene->get(geomID);
           if (geometry->getType() == Geometry::GTY_SUBDIV_MESH) return false;
           context->geomID = geomID;
+          if (hasNumbers(header->boxForm)) return callQuads(geometry,header);
           context->primID = header->primID;
           return geometry->pointQuery(query,context);
+        }
+
+        /*! whether a call changed the query */
+        bool callQuads (Geometry* geometry, const VertHeader* header)
+        {
+          const ScalarVertBlock block(header);
+          const uint32_t form = header->patchQuads;
+          const bool isOfTwo = isOfTriangles(form) && !isOneTriangle(form);
+          bool changed = false;
+          for (uint32_t y=0; y<block.quadsY; y++)
+            for (uint32_t x=0; x<block.quadsX; x++)
+            {
+              BBox3fa bounds(empty);
+              for (const float* p : { block.vertex(x,y),block.vertex(x+1,y),block.vertex(x,y+1),block.vertex(x+1,y+1) }) bounds.extend(Vec3fa(p[0],p[1],p[2]));
+              if (!(distanceOf(bounds) <= reach())) continue;
+              const uint32_t number = numberOfQuad(header,x,y);
+              for (bool isSecond : { false,true }) {
+                if (isSecond && !isOfTwo) continue;
+                context->primID = primitiveOfNumber(form,number,isSecond);
+                changed |= geometry->pointQuery(query,context);
+              }
+            }
+          return changed;
+        }
+
+        /*! as of children */
+        float distanceOf (const BBox3fa& bounds) const
+        {
+          float d[3];
+          for (int k=0; k<3; k++) d[k] = max(max(bounds.lower[k]-query->p[k],query->p[k]-bounds.upper[k]),0.0f);
+          if (isSphere()) return d[0]*d[0] + d[1]*d[1] + d[2]*d[2];
+          return max(max(d[0]-context->query_radius[0],d[1]-context->query_radius[1]),max(d[2]-context->query_radius[2],0.0f));
         }
 
         PointQuery* query;

@@ -62,6 +62,14 @@ namespace embree
         }
       };
 
+      /*! Calls closure(x, y, number) for the quads of a block that numbers them. */
+      template<typename Closure>
+      void forEachQuad (const VertHeader* block, const Closure& closure)
+      {
+        for (uint32_t y=0; y<vertQuadsY(block->region); y++)
+          for (uint32_t x=0; x<vertQuadsX(block->region); x++) closure(x,y,numberOfQuad(block,x,y));
+      }
+
       /*! the triangles of a primitive that a hit may be on, and which it is most likely */
       class Search
       {
@@ -70,7 +78,37 @@ namespace embree
 
         bool found () const { return hasBest; }
 
-        void look (const VertHeader* block)
+        /*! a block that has it */
+        void look (const VertHeader* block, uint32_t primID)
+        {
+          if (hasNumbers(block->boxForm)) lookForPrimitive(block,primID);
+          else lookForParameters(block);
+        }
+
+      private:
+        /*! The triangles of a quad, or one of them, in the application's order of its vertices. */
+        void lookForPrimitive (const VertHeader* block, uint32_t primID)
+        {
+          const uint32_t form = block->patchQuads;
+          const ScalarVertBlock vertices(block);
+          slack = slackOf(u) + slackOf(v);
+          forEachQuad(block,[&](uint32_t x, uint32_t y, uint32_t number) {
+              const float* const corners[4] = { vertices.vertex(x,y),vertices.vertex(x+1,y),vertices.vertex(x+1,y+1),vertices.vertex(x,y+1) };
+              for (bool isSecond : { false,true }) {
+                if (primitiveOfNumber(form,number,isSecond) != primID || (isSecond && isOneTriangle(form))) continue;
+                const float* p[3];
+                float s[3] = { 0,1,0 }, t[3] = { 0,0,1 };
+                for (uint32_t i=0; i<3; i++) {
+                  const uint32_t around[] = { isSecond ? 2u : 0u,isSecond ? 3u : 1u,isSecond ? 1u : 3u }; // as ownParameters counts them
+                  p[i] = corners[around[(i + turnOfTriangle(form,isSecond)) % 3]];
+                  if (!isOfTriangles(form) && isSecond) { s[i] = 1-s[i]; t[i] = 1-t[i]; }
+                }
+                consider(p,s,t);
+              }
+            });
+        }
+
+        void lookForParameters (const VertHeader* block)
         {
           const uint32_t quadsX = patchQuadsX(block->patchQuads), quadsY = patchQuadsY(block->patchQuads);
           const VertEdges edges = edgesOf(block);
@@ -85,11 +123,19 @@ namespace embree
             for (uint32_t i=x0; i<x1; i++) {
               const uint32_t width = decoded.vertices.quadsX+1, a = j*width + i;
               const uint32_t corners[2][3] = { { a,a+1,a+width },{ a+width,a+1,a+width+1 } };
-              for (const uint32_t (&triangle)[3] : corners) consider(decoded,triangle);
+              for (const uint32_t (&triangle)[3] : corners) {
+                const float* p[3];
+                float s[3], t[3];
+                for (int c=0; c<3; c++) {
+                  p[c] = decoded.vertices.vertices[triangle[c]];
+                  s[c] = decoded.parameters[triangle[c]][0];
+                  t[c] = decoded.parameters[triangle[c]][1];
+                }
+                consider(p,s,t);
+              }
             }
         }
 
-      private:
         /*! what a parameter may have lost to rounding */
         static double slackOf (float parameter) { return 4.0*std::numeric_limits<float>::epsilon()*(1.0 + std::fabs(double(parameter))); }
 
@@ -103,15 +149,14 @@ namespace embree
         static uint32_t first (double x) { return uint32_t(std::max(std::floor(x),0.0)); }
         static uint32_t last (double x, uint32_t quads) { return uint32_t(std::min(std::floor(x)+1.0,double(quads))); }
 
-        void consider (const DecodedBlock& decoded, const uint32_t corners[3])
+        /*! vertices, and their parameters */
+        void consider (const float* const p[3], const float vertexU[3], const float vertexV[3])
         {
-          const float* p[3];
           double s[3], t[3];
           for (int c=0; c<3; c++) {
-            p[c] = decoded.vertices.vertices[corners[c]];
             if (!(std::isfinite(p[c][0]) && std::isfinite(p[c][1]) && std::isfinite(p[c][2]))) return;
-            s[c] = decoded.parameters[corners[c]][0];
-            t[c] = decoded.parameters[corners[c]][1];
+            s[c] = vertexU[c];
+            t[c] = vertexV[c];
           }
           /* how far outside the hit is, in parts of the triangle */
           const double area = (s[1]-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(t[1]-t[0]);
@@ -125,8 +170,8 @@ namespace embree
           bestTurned = turned;
           for (int c=0; c<3; c++) {
             memcpy(best.vertices[c],p[c],sizeof(best.vertices[c]));
-            best.u[c] = float(s[c]);
-            best.v[c] = float(t[c]);
+            best.u[c] = vertexU[c];
+            best.v[c] = vertexV[c];
           }
         }
 
@@ -155,16 +200,29 @@ namespace embree
     BlockIndex::BlockIndex (const SurfaceBlocks& surface)
     {
       blocks.reserve(surface.numPrimitives);
-      forEachBlock(surface,[&](const VertHeader* block) { blocks.push_back(block); });
-      std::sort(blocks.begin(),blocks.end(),[](const VertHeader* a, const VertHeader* b) { return a->primID < b->primID; });
+      forEachBlock(surface,[&](const VertHeader* block) {
+          Entry entry = { block,block->primID,block->primID,0 };
+          if (hasNumbers(block->boxForm)) {
+            entry.lowest = ~0u;
+            entry.highest = 0;
+            forEachQuad(block,[&](uint32_t, uint32_t, uint32_t number) {
+                entry.lowest = std::min(entry.lowest,number);
+                entry.highest = std::max(entry.highest,primitiveOfNumber(block->patchQuads,number,true));
+              });
+          }
+          blocks.push_back(entry);
+        });
+      std::sort(blocks.begin(),blocks.end(),[](const Entry& a, const Entry& b) { return a.lowest < b.lowest; });
+      uint32_t highest = 0;
+      for (Entry& entry : blocks) entry.highestSoFar = highest = std::max(highest,entry.highest);
     }
 
     bool BlockIndex::find (uint32_t primID, float u, float v, const float* Ng, RTCCompressedTriangle& triangle) const
     {
       Search search(u,v,Ng,triangle);
-      for (auto i=std::lower_bound(blocks.begin(),blocks.end(),primID,[](const VertHeader* block, uint32_t id) { return block->primID < id; });
-           i != blocks.end() && (*i)->primID == primID; i++)
-        search.look(*i);
+      auto i = std::upper_bound(blocks.begin(),blocks.end(),primID,[](uint32_t id, const Entry& entry) { return id < entry.lowest; });
+      while (i != blocks.begin() && (--i)->highestSoFar >= primID)
+        if (i->highest >= primID) search.look(i->block,primID);
       return search.found();
     }
 
@@ -173,8 +231,27 @@ namespace embree
       bool goesOn = true;
       forEachBlock(blocks,[&](const VertHeader* block) {
           if (!goesOn) return;
-          const DecodedBlock decoded(block);
-          goesOn = closure(RTCCompressedPart{ block->primID,decoded.vertices.quadsX+1,decoded.vertices.quadsY+1,decoded.vertices.vertices[0],decoded.parameters[0] });
+          RTCCompressedPart part = RTCCompressedPart();
+          part.primID = block->primID;
+          part.width = vertQuadsX(block->region)+1;
+          part.height = vertQuadsY(block->region)+1;
+          if (!hasNumbers(block->boxForm)) {
+            const DecodedBlock decoded(block);
+            part.vertices = decoded.vertices.vertices[0];
+            part.parameters = decoded.parameters[0];
+            goesOn = closure(part);
+            return;
+          }
+          const ScalarVertBlock decoded(block);
+          uint32_t primIDs[2*vertBlockQuads*vertBlockQuads], n = 0;
+          forEachQuad(block,[&](uint32_t, uint32_t, uint32_t number) {
+              primIDs[n++] = number;
+              if (isOfTriangles(block->patchQuads)) primIDs[n++] = primitiveOfNumber(block->patchQuads,number,true);
+            });
+          part.vertices = decoded.vertices[0];
+          part.primIDs = primIDs;
+          part.primitivesPerQuad = isOfTriangles(block->patchQuads) ? 2 : 1;
+          goesOn = closure(part);
         });
     }
   }

@@ -29,7 +29,12 @@ namespace embree
       bool find (uint32_t primID, float u, float v, const float* Ng, RTCCompressedTriangle& triangle) const;
 
     private:
-      std::vector<const VertHeader*> blocks; //!< in the order of primitives
+      struct Entry
+      {
+        const VertHeader* block;
+        uint32_t lowest, highest, highestSoFar; //!< primitives that it may have, and the highest of all up to here
+      };
+      std::vector<Entry> blocks; //!< in the order of their lowest
     };
 
     /*! Calls closure(part) for the blocks of a surface until it returns false. Throws where one is not cVERT. */

@@ -56,6 +56,7 @@ namespace embree
     {
       Lock<MutexSys> lock(mutex);
       if (geometry->surface.blocks == nullptr) geometry->surface.blocks = blocks;
+      std::atomic_store(&geometry->surface.regions,std::shared_ptr<const QuadRegions>()); // whoever still builds has them
       return geometry->surface.blocks;
     }
 

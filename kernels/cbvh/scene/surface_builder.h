@@ -40,7 +40,7 @@ namespace embree
       /*! whether it takes all threads, and memory worth mention meanwhile */
       virtual bool isLarge () const = 0;
 
-      /*! progress(primitives): those that are through, or 0; it may throw, which ends the build */
+      /*! progress(primitives): those of the geometry that are through, or 0; it may throw, which ends the build */
       virtual std::shared_ptr<const SurfaceBlocks> build (const std::function<void(double)>& progress) = 0;
     };
 
@@ -53,7 +53,8 @@ namespace embree
     public:
       template<typename Mesh>
       BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
-        : device(mesh->device), number(number), plan(mesh,*number), source(mesh,plan), estimatedBlocks(source.estimateBlocks()), perTask(source.perTask(isSmall())) {}
+        : device(mesh->device), number(number), plan(mesh,*number), source(mesh,plan), ofGeometry(double(mesh->size())/double(max(source.size(),size_t(1)))),
+          estimatedBlocks(source.estimateBlocks()), perTask(source.perTask(isSmall())) {}
 
       bool isSmall () const override { return estimatedBlocks <= isa::blocksOfPart; }
       bool isLarge () const override { return estimatedBlocks > 4096; }
@@ -106,7 +107,7 @@ namespace embree
             });
           if (source.isInvalid(i,statistics.sums.numInvalidQuads != invalid)) statistics.addInvalidFace(i);
           if (quads >= progressQuads || i+1 == primitives.end()) {
-            progress(double(i+1-reported));
+            progress(ofGeometry*double(i+1-reported));
             reported = i+1;
             quads = 0;
           }
@@ -164,6 +165,7 @@ namespace embree
       const std::shared_ptr<const cbvh::SurfaceNumber> number;
       const CompressionPlan plan;
       Source source;
+      const double ofGeometry; //!< its primitives, for each of the source's
       const size_t estimatedBlocks;
       const size_t perTask;
     };

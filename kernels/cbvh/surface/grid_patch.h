@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A grid of a grid geometry, as writers see it: its vertices are the application's own. */
+/* A grid that an application diced, as writers see it: its vertices are the application's own. */
 
 #include "grid_vertices.h"
 #include "source.h"
@@ -12,17 +12,22 @@ namespace embree
 {
   namespace isa
   {
+    /*! Grids: see diced_grids.h */
+    template<typename Grids>
     class GridPatch : public SurfacePatch
     {
+      typedef GridVertices<Grids> Vertices;
+
     public:
       /*! of a task */
       struct Scratch : public VertexGrid
       {
         explicit Scratch (Device* device) : VertexGrid(device) {}
         void setSize (size_t w, size_t h) { width = w; height = h; resize(); }
+        QuadNumbers numbers;
       };
 
-      GridPatch (const GridVertices& vertices, uint32_t surface, size_t grid, Scratch& scratch)
+      GridPatch (const Vertices& vertices, uint32_t surface, size_t grid, Scratch& scratch)
         : vertices(vertices), grid(vertices[grid]), scratch(scratch)
       {
         this->surface = surface;
@@ -31,6 +36,7 @@ namespace embree
         for (int d=0; d<2; d++) quads[d] = this->grid.quads(d);
         for (int s=0; s<4; s++) rates[s] = float(quads[s & 1]);
         rate = rates;
+        if (vertices.number(grid,scratch.numbers)) numbers = &scratch.numbers;
       }
 
       /*! the same patch for another task */
@@ -51,7 +57,7 @@ namespace embree
       public:
         unsigned rate;
         Side (const GridPatch& patch, int s) : rate(patch.quads[s & 1]), patch(patch), s(s) {}
-        GridVertices::Shared operator[] (unsigned k) const { return patch.vertices.shared(patch.grid.onSide(s,k),patch.latticeExponent()); }
+        typename Vertices::Shared operator[] (unsigned k) const { return patch.vertices.shared(patch.grid.onSide(s,k),patch.latticeExponent()); }
 
       private:
         const GridPatch& patch;
@@ -62,8 +68,8 @@ namespace embree
       int latticeExponent () const { return vertices.exponent(primID); }
 
     private:
-      const GridVertices& vertices;
-      const GridVertices::Grid grid;
+      const Vertices& vertices;
+      const typename Vertices::Grid grid;
       Scratch& scratch;
       float rates[4];
     };

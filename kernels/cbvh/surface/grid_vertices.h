@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The vertices of a grid geometry, and what grids share. Each grid has a lattice of its own; a vertex on the borders of several, whether
+/* The vertices of grids that an application diced, and what grids share. Each grid has a lattice of its own; a vertex on the borders of several, whether
  * by its index or as the same floats, lies on the coarsest of theirs, so that grids are closed where the application's are.
  *
  * Where grids of different resolution meet, the application may have moved the vertices of the finer one onto the edges of the other:
@@ -14,6 +14,7 @@
  * They are put onto the edge between p and q as those are stored, and on no lattice (blocks there are raw). */
 
 #include "../base/tasks.h"
+#include "diced_grids.h"
 #include "lattice_choice.h"
 #include "position_table.h"
 #include <algorithm>
@@ -23,29 +24,12 @@ namespace embree
 {
   namespace isa
   {
+    /*! Grids: see diced_grids.h */
+    template<typename Grids>
     class GridVertices
     {
     public:
-      /*! which vertices a grid has */
-      struct Grid
-      {
-        size_t first, stride;       //!< of rows, in vertices
-        unsigned width, height;     //!< in vertices
-
-        size_t vertex (unsigned x, unsigned y) const { return first + y*stride + x; }
-        unsigned quads (int d) const { return (d == 0 ? width : height)-1; }
-
-        /*! vertex k of side s, in the order of SurfacePatch::rate, around the grid */
-        size_t onSide (int s, unsigned k) const
-        {
-          switch (s) {
-          case 0 : return vertex(k,0);
-          case 1 : return vertex(width-1,k);
-          case 2 : return vertex(width-1-k,height-1);
-          default: return vertex(0,height-1-k);
-          }
-        }
-      };
+      typedef typename Grids::Grid Grid;
 
       /*! a vertex as all grids have it */
       struct Shared
@@ -54,21 +38,14 @@ namespace embree
         int exponent;      //!< of the lattice that it lies on
       };
 
-      GridVertices (const GridMesh* mesh, const CompressionPlan& plan)
-        : mesh(mesh), plan(plan), table(mesh->device), exponents(mesh->device,0) {}
+      GridVertices (const typename Grids::Mesh* mesh, const CompressionPlan& plan)
+        : grids(mesh), plan(plan), device(mesh->device), table(mesh->device), exponents(mesh->device,0) {}
 
-      size_t size () const { return mesh->size(); }
-      Grid operator[] (size_t i) const { const GridMesh::Grid& g = mesh->grid(i); return Grid{ g.startVtxID,g.lineVtxOffset,g.resX,g.resY }; }
-
-      /*! whether a grid has quads, and its vertices are in their buffer */
-      bool isValid (size_t i) const
-      {
-        if (i >= mesh->grids.size()) return false;
-        const Grid grid = (*this)[i];
-        return grid.width > 1 && grid.height > 1 && grid.vertex(grid.width-1,grid.height-1) < mesh->vertices0.size();
-      }
-
-      const float* position (size_t vertex) const { return (const float*)mesh->vertices0.getPtr(vertex); }
+      size_t size () const { return grids.size(); }
+      Grid operator[] (size_t i) const { return grids[i]; }
+      bool isValid (size_t i) const { return grids.isValid(i); }
+      const float* position (size_t vertex) const { return grids.position(vertex); }
+      bool number (size_t i, QuadNumbers& out) const { return grids.number(i,out); }
 
       /*! of a grid's lattice */
       int exponent (size_t grid) const { return exponents[grid]; }
@@ -113,7 +90,7 @@ namespace embree
 
     private:
       typedef PositionTable<GridVertices> Table;
-      typedef Table::Entry Entry;
+      typedef typename Table::Entry Entry;
 
       /*! an edge on the border of one grid alone */
       struct Edge
@@ -243,7 +220,7 @@ namespace embree
       template<typename Progress>
       mvector<Edge> findOpenEdges (size_t gridsPerTask, const Progress& progress) const
       {
-        mvector<Edge> edges(mesh->device,0);
+        mvector<Edge> edges(device,0);
         MutexSys mutex;
         forRanges(size(),gridsPerTask,[&](const range<size_t>& r) {
             std::vector<Edge> ofTask;
@@ -266,7 +243,7 @@ namespace embree
 
       void sort (mvector<Edge>& edges) const
       {
-        mvector<Edge> room(mesh->device,edges.size());
+        mvector<Edge> room(device,edges.size());
         radix_sort_u64(edges.data(),room.data(),edges.size());
       }
 
@@ -315,8 +292,9 @@ namespace embree
         return t < s && s < 1.0 && cbvh::length(a + s*d - p) <= max(1E-5*cbvh::length(d),4E-7*size);
       }
 
-      const GridMesh* mesh;
+      const Grids grids;
       const CompressionPlan& plan;
+      Device* const device;
       Table table;                    //!< of vertices on borders; empty for a single grid
       mvector<int> exponents;         //!< by grid
       std::vector<Stitched> stitched; //!< in the order of vertices

@@ -17,6 +17,7 @@
  *       Of the lattice of the patch's own vertices. */
 
 #include "vertex_grid.h"
+#include <vector>
 
 namespace embree
 {
@@ -44,6 +45,16 @@ namespace embree
       }
     };
 
+    static const unsigned looseSide = 4; //!< quads of a mesh that lie in no grid of so many along each side are loose
+
+    /*! Quads that are primitives of their own, vert/numbers.h. */
+    struct QuadNumbers
+    {
+      uint32_t form;                 //!< without a pattern
+      unsigned width;                //!< in quads
+      std::vector<uint32_t> numbers; //!< row by row
+    };
+
     struct SurfacePatch
     {
       uint32_t surface;     //!< its number, surface_ids.h
@@ -51,6 +62,7 @@ namespace embree
       unsigned corner[2];   //!< parameters of the primitive at the patch's corner, in halves
       unsigned quads[2];    //!< along u and v: the higher rate of two opposite edges
       const float* rate;    //!< of the edges v = 0, u = 1, v = 1, u = 0
+      const QuadNumbers* numbers = nullptr; //!< null where the patch is of one primitive
     };
   }
 }

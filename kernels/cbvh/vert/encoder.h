@@ -26,13 +26,17 @@ namespace embree
     struct VertPlacement
     {
       uint32_t region, patchQuads;     //!< vertRegion(), vertPatch()
-      bool hasEdges = false;
+      bool hasEdges = false, hasNumbers = false;
       VertEdges edges = { 0,0 };      //!< if it has any
+      VertNumbers numbers = { 0,0 };
 
       VertPlacement (uint32_t region, uint32_t patchQuads) : region(region), patchQuads(patchQuads) {}
       VertPlacement (uint32_t region, uint32_t patchQuads, const VertEdges& edges) : region(region), patchQuads(patchQuads), hasEdges(true), edges(edges) {}
 
-      uint32_t form () const { return uint32_t(hasEdges) << 29; }
+      /*! of quads of their own: form of their numbers in place of the patch's size */
+      VertPlacement (uint32_t region, uint32_t form, const VertNumbers& numbers) : region(region), patchQuads(form), hasNumbers(true), numbers(numbers) {}
+
+      uint32_t form () const { return uint32_t(hasEdges) << 29 | uint32_t(hasNumbers) << 30; }
     };
 
     class VertEncoder
@@ -60,6 +64,7 @@ namespace embree
         header.region = at.region;
         header.patchQuads = at.patchQuads;
         if (at.hasEdges) memcpy(&header+1,&at.edges,sizeof(at.edges));
+        if (at.hasNumbers) memcpy(&header+1,&at.numbers,sizeof(at.numbers));
         const bool packed = allFinite && locate(spacing) && pack(header,block,statistics);
         if (!packed) packRaw(header,spacing,block);
         header.boxForm |= at.form();

@@ -4,7 +4,7 @@
 /* A block of cVERT: up to 16 x 16 quads whose vertices lie on a lattice of the world, in up to
  * 4 x 4 groups of 4 x 4 quads. It is
  *
- *   header | edges of the patch | margins of groups | words of groups | fields of the first cell | fields of groups
+ *   header | edges of the patch, or numbers of quads | margins of groups | words of groups | fields of the first cell | fields of groups | table of numbers
  *
  * The lattice is the multiples of the spacing, a power of two, on all three axes. Vertices are
  * stored relative to the block's lowest lattice point and are exact floats in the world: a
@@ -22,6 +22,7 @@
 #define CBVH_VERT_FORMAT_H
 
 #include "cell.h"
+#include "numbers.h"
 #include "../base/kinds.h"
 #include "../base/stitching.h"
 
@@ -44,11 +45,11 @@ struct VertHeader
   float origin[3];        //!< world position of the block's lowest lattice point
   uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
   uint32_t surface;       //!< number of the geometry's surface, surface_ids.h
-  uint32_t primID;
+  uint32_t primID;        //!< or what the numbers of quads count from: numbers.h
   uint32_t region;         //!< size and position: see the accessors
-  uint32_t patchQuads;    //!< of the patch along u and v, less 1, 16 bits each
+  uint32_t patchQuads;    //!< of the patch along u and v, less 1, 16 bits each; or the form of numbers
   uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 16 bits each: x, y, z of 00 first
-  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..23: shear of boxes, 25..28: shift of reach, see below; 24: raw; 29: has edges
+  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..23: shear of boxes, 25..28: shift of reach, see below; 24: raw; 29: has edges; 30: numbers its quads
   uint32_t word;          //!< of the first cell; bits 24..31: exponent of the lattice's spacing
 };
 
@@ -151,7 +152,7 @@ struct VertLayout
 
 CBVH_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
 {
-  uint32_t begin = vertHeaderBytes + (hasEdges(boxForm) ? vertEdgesBytes : 0u);
+  uint32_t begin = vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u);
   VertLayout offsets;
   offsets.groupsX = groupsOf(vertQuadsX(region));
   offsets.groupsY = groupsOf(vertQuadsY(region));
@@ -188,10 +189,34 @@ inline VertEdges edgesOf (const VertHeader* block)
   return edges;
 }
 
+/*! of a block that has them */
+inline VertNumbers numbersOf (const VertHeader* block)
+{
+  VertNumbers numbers;
+  std::memcpy(&numbers,block+1,sizeof(numbers));
+  return numbers;
+}
+
+/*! of quad x, y of such a block */
+inline uint32_t numberOfQuad (const VertHeader* block, uint32_t x, uint32_t y)
+{
+  const VertNumbers numbers = numbersOf(block);
+  const uint32_t form = block->patchQuads;
+  if (patternOfNumbers(form) != numbersInTable) return block->primID + patternNumber(form,numbers,x,y);
+  const uint32_t bit = numbers.y*(y*vertQuadsX(block->region) + x);
+  uint64_t bits;
+  std::memcpy(&bits,(const uint8_t*)block + numbers.x + bit/8,sizeof(bits));
+  return block->primID + uint32_t((bits >> (bit % 8)) & ((uint64_t(1) << numbers.y)-1));
+}
+
 /*! bytes of a block, without those that fill it up */
 inline uint32_t vertBytes (const VertHeader* block)
 {
   const VertLayout layout = vertLayout(block->region,block->boxForm);
+  if (hasNumbers(block->boxForm) && patternOfNumbers(block->patchQuads) == numbersInTable) {
+    const VertNumbers numbers = numbersOf(block);
+    return numbers.x + bytesOfNumberTable(vertQuadsX(block->region)*vertQuadsY(block->region),numbers.y);
+  }
   if (isRaw(block->boxForm)) return layout.rawBytes;
   const uint8_t* data = (const uint8_t*)block;
   uint32_t bytes = layout.cell + cellBytes(block->word);

@@ -15,7 +15,16 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Target: the ray; it has tnear(), tfar(), report(block,hit), which is true if the hit is accepted, isRead(block), which is
+      /*! the primitive of a quad in a block that numbers its quads, and the hit's parameters of it */
+      __forceinline uint32_t setOwnParameters (const VertHeader* block, uint32_t x, uint32_t y, bool isSecond, const QuadPosition<float>& at, SurfaceHit1& hit)
+      {
+        const uint32_t form = block->patchQuads;
+        const OwnParameters own = ownParameters(form,isSecond,inUnit(at.a),inUnit(at.b));
+        hit.u = own.u; hit.v = own.v;
+        return primitiveOfNumber(form,numberOfQuad(block,x,y),isSecond);
+      }
+
+      /*! Target: the ray; it has tnear(), tfar(), report(block,primID,hit), which is true if the hit is accepted, isRead(block), which is
        *  false if nothing of it is looked at, and ids(), of the scene's surfaces */
       template<typename Target>
       class VertHits
@@ -55,7 +64,7 @@ namespace embree
             if (!(likely(double(target.tnear()) <= span.nearest && span.farthest < double(target.tfar())))
                 && !isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+h,t)) continue;
             SurfaceHit1 hit = { 0.0f,0.0f,t,Vec3fa(zero) };
-            if (target.report(block,hit)) return true;
+            if (target.report(block,block->primID,hit)) return true;
           }
           return false;
         }
@@ -100,28 +109,32 @@ namespace embree
           SurfaceHit1 hit;
           hit.t = t;
           hit.Ng = VertTriangle::Ng(vertRay,normal);
-          setParameters(g,quad,h & 1,positionInQuad(sides,bool(h & 1)),hit);
-          if (!target.report(block,hit)) return false;
+          const uint32_t primID = setParameters(g,quad,h & 1,positionInQuad(sides,bool(h & 1)),hit);
+          if (!target.report(block,primID,hit)) return false;
           nearest = VertNearest(block,32*g+h,t);
           return true;
         }
 
-        __forceinline void setParameters (uint32_t g, uint32_t quad, bool isSecond, const QuadPosition<float>& at, SurfaceHit1& hit) const
+        /*! the primitive that it is on */
+        __forceinline uint32_t setParameters (uint32_t g, uint32_t quad, bool isSecond, const QuadPosition<float>& at, SurfaceHit1& hit) const
         {
           const uint32_t patchQuads = block->patchQuads, x = firstQuadX(block->region,g) + (quad & 3), y = firstQuadY(block->region,g) + (quad >> 2);
           uint32_t cornerU = 0, cornerV = 0;
+          if (hasNumbers(block->boxForm))
+            return setOwnParameters(block,x-vertX(block->region),y-vertY(block->region),isSecond,at,hit);
           if (unlikely(hasEdges(block->boxForm)))
           {
             const VertEdges edges = edgesOf(block);
             if (isAtLowerEdge(patchQuads,edges,x,y)) {
               const FaceParameters parameters = parametersAtLowerEdge(patchQuads,edges,x,y,isSecond,at.a,at.b);
               hit.u = parameters.u; hit.v = parameters.v;
-              return;
+              return block->primID;
             }
             cornerU = vertCornerU(edges); cornerV = vertCornerV(edges);
           }
           hit.u = faceParameterOfQuad(cornerU,float(x),at.a,patchQuadsX(patchQuads));
           hit.v = faceParameterOfQuad(cornerV,float(y),at.b,patchQuadsY(patchQuads));
+          return block->primID;
         }
 
         const Target target;

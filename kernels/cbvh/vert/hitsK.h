@@ -28,7 +28,7 @@ namespace embree
         __forceinline float tfar () const { return rays.tfar[k]; }
         __forceinline const SurfaceIDs& ids () const { return context->scene->surfaceIDs; }
         __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(rays,context,block->surface); }
-        __forceinline bool report (const VertHeader* block, SurfaceHit1& hit) const { return cbvh::report(rays,k,context,block->surface,block->primID,hit); }
+        __forceinline bool report (const VertHeader* block, uint32_t primID, SurfaceHit1& hit) const { return cbvh::report(rays,k,context,block->surface,primID,hit); }
       };
 
       template<int K, typename Rays>
@@ -165,6 +165,10 @@ namespace embree
           const vbool<K> isLine = (Ng.x == vfloat<K>(zero)) & (Ng.y == vfloat<K>(zero)) & (Ng.z == vfloat<K>(zero));
           if (unlikely(any(hit & isLine))) Ng = select(isLine,Vec3vf<K>(-vertRays.dir[0],-vertRays.dir[1],-vertRays.dir[2]),Ng);
           const QuadPosition<vfloat<K>> at = positionInQuad(sides,(triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero));
+          if (hasNumbers(block->boxForm)) {
+            accepted |= reportOwn(uint32_t(movemask(hit)),g,triangles,at,t,Ng);
+            return done;
+          }
           const VertEdges edges = edgesOf(block);
           const vfloat<K> u = faceParameterOfQuad(vertCornerU(edges),vfloat<K>::load(of.x),at.a,patchQuadsX(block->patchQuads));
           const vfloat<K> v = faceParameterOfQuad(vertCornerV(edges),vfloat<K>::load(of.y),at.b,patchQuadsY(block->patchQuads));
@@ -175,6 +179,25 @@ namespace embree
           }
           accepted |= of1;
           return done;
+        }
+
+        /*! Reports rays that each hit a primitive of their own; those that accept it. */
+        uint32_t reportOwn (uint32_t mask, uint32_t g, const vint<K>& triangles, const QuadPosition<vfloat<K>>& at, const vfloat<K>& t, const Vec3vf<K>& Ng)
+        {
+          uint32_t accepted = 0;
+          for (; mask; mask&=mask-1)
+          {
+            const uint32_t k = uint32_t(bsf(mask)), h = uint32_t(bsf(uint32_t(triangles[k])));
+            SurfaceHit1 hit;
+            hit.t = t[k];
+            hit.Ng = Vec3fa(Ng.x[k],Ng.y[k],Ng.z[k]);
+            const uint32_t x = groupQuads*(g & 3) + ((h >> 1) & 3), y = groupQuads*(g >> 2) + (h >> 3);
+            const uint32_t primID = setOwnParameters(block,x,y,h & 1,QuadPosition<float>{ at.a[k],at.b[k] },hit);
+            if (!cbvh::report(rays,k,context,block->surface,primID,hit)) continue;
+            vertRays.nearest(k) = VertNearest(block,32*g+h,t[k]);
+            accepted |= 1u << k;
+          }
+          return accepted;
         }
 
         /*! VertTriangle::sides */

@@ -26,7 +26,7 @@ namespace embree
         __forceinline float tfar () const { return ray.tfar; }
         __forceinline const SurfaceIDs& ids () const { return context->scene->surfaceIDs; }
         __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(ray,context,block->surface); }
-        __forceinline bool report (const VertHeader* block, SurfaceHit1& hit) const { return cbvh::report(ray,context,block->surface,block->primID,hit); }
+        __forceinline bool report (const VertHeader* block, uint32_t primID, SurfaceHit1& hit) const { return cbvh::report(ray,context,block->surface,primID,hit); }
       };
 
       /*! takes the group out that begins first */

@@ -24,12 +24,12 @@ namespace embree
       {
         if (bytes < vertHeaderBytes) return "fewer bytes than a header has";
         const VertHeader& header = *(const VertHeader*)data;
-        if (header.boxForm >> 30) return "parts of a later format";
+        if (header.boxForm >> 31 || (hasEdges(header.boxForm) && hasNumbers(header.boxForm))) return "parts of a later format";
         for (float x : header.origin)
           if (!std::isfinite(x)) return "an origin that is not finite";
         const VertLayout layout = vertLayout(header.region,header.boxForm);
         if (bytes < layout.margins) return "fewer bytes than header and edges have";
-        if (const char* error = errorOfPatch(header)) return error;
+        if (const char* error = hasNumbers(header.boxForm) ? errorOfNumbers(header,bytes) : errorOfPatch(header)) return error;
         if (isRaw(header.boxForm)) return bytes < layout.rawBytes ? "fewer bytes than its vertices and boxes have" : nullptr;
 
         const int exponent = int(header.word >> 24) - 127;
@@ -54,6 +54,17 @@ namespace embree
     private:
       /*! axis and slopes, of a cell's word and of boxes */
       static bool isForm(uint32_t word) { return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope; }
+
+      static const char* errorOfNumbers(const VertHeader& header, size_t bytes)
+      {
+        if (header.patchQuads >> 16 || patternOfNumbers(header.patchQuads) > numbersInTable) return "numbers of quads of a later format";
+        for (bool isSecond : { false,true })
+          if (turnOfTriangle(header.patchQuads,isSecond) > 2) return "a triangle that begins with no corner of its own";
+        if (patternOfNumbers(header.patchQuads) != numbersInTable) return nullptr;
+        const VertNumbers numbers = numbersOf(&header);
+        if (numbers.y > 32) return "a table of numbers with more than 32 bits for each";
+        return bytes < size_t(numbers.x) + bytesOfNumberTable(vertQuadsX(header.region)*vertQuadsY(header.region),numbers.y) ? "fewer bytes than its table of numbers has" : nullptr;
+      }
 
       static const char* errorOfPatch(const VertHeader& header)
       {

@@ -13,6 +13,7 @@
 #include "../surface/source.h"
 #include "../surface/shared_border.h"
 #include "encoder.h"
+#include "numbers_encoder.h"
 #include "snapped_vertices.h"
 #include "validate.h"
 
@@ -73,10 +74,11 @@ namespace embree
         const unsigned w = min(cbvh::vertBlockQuads,patch.quads[0]-x), h = min(cbvh::vertBlockQuads,patch.quads[1]-y);
         for (unsigned r=0; r<=h; r++)
           memcpy(encoder.vertices[r*(w+1)],grid.displaced()[(y-firstRow+r)*grid.width+x],(w+1)*sizeof(float[3]));
-        const cbvh::VertPlacement at = placement(patch,x,y,w,h);
+        if (patch.numbers) numbers.set(*patch.numbers,x,y,w,h);
+        const cbvh::VertPlacement at = patch.numbers ? cbvh::VertPlacement(cbvh::vertRegion(w,h,x,y),numbers.form,numbers.pattern) : placement(patch,x,y,w,h);
         cbvh::VertStatistics block;
-        uint8_t* const bytes = store.begin(cbvh::VertEncoder::maxBytes);
-        const size_t size = encoder.encode(at,spacing,bytes,block);
+        uint8_t* const bytes = store.begin(cbvh::VertEncoder::maxBytes + NumbersEncoder::maxBytes);
+        size_t size = encoder.encode(at,spacing,bytes,block);
         if (size == 0) {
           statistics.sums.numInvalidQuads += size_t(w)*h;
           return;
@@ -84,7 +86,9 @@ namespace embree
         cbvh::VertHeader* header = (cbvh::VertHeader*)bytes;
         header->surface = patch.surface;
         header->primID = patch.primID;
+        if (patch.numbers) size = numbers.finish(header,size);
         addBlock(header,size,block);
+        if (patch.numbers) addMeshQuads(patch,size_t(w)*h);
         const Vec3fa lower(encoder.lower[0],encoder.lower[1],encoder.lower[2]), upper(encoder.upper[0],encoder.upper[1],encoder.upper[2]);
         store.hitBounds.extend(lower.x,lower.y,lower.z);
         store.hitBounds.extend(upper.x,upper.y,upper.z);
@@ -108,6 +112,12 @@ namespace embree
         sums.numInvalidQuads += block.invalidQuads;
         sums.maxVertexSpacing = max(sums.maxVertexSpacing,cbvh::vertSpacing(header->word));
         if (plan.kind() != cbvh::Kind::VERT) sums.numExactQuads += quads;
+      }
+
+      void addMeshQuads (const SurfacePatch& patch, size_t quads)
+      {
+        statistics.sums.numMeshQuads += quads;
+        if (min(patch.quads[0],patch.quads[1]) < looseSide) statistics.sums.numLooseQuads += quads;
       }
 
       /*! where a block is, with the patch's edges if it needs them */
@@ -176,6 +186,7 @@ namespace embree
       VertexGrid given;             //!< vertices that were evaluated before
       unsigned sideRates[4];        //!< of the patch, as its faces share them
       cbvh::VertEncoder encoder;
+      NumbersEncoder numbers;
     };
   }
 }

@@ -351,6 +351,21 @@ vec2 cbvhVertParameters (CbvhVertBlock block, uint x, uint y, bool second, QuadP
               faceParameterOfQuad(cornerV, float(y), position.b, patchQuadsY(patchQuads)));
 }
 
+/* The primitive of quad x, y of a block that numbers its quads, and the parameters of it at a position. */
+uint cbvhOwnParameters (CbvhVertBlock block, uint x, uint y, bool second, QuadPosition position, out vec2 uv)
+{
+  uint form = cbvhWord(block.at, 7u), number = cbvhWord(block.at, 5u);
+  VertNumbers numbers = VertNumbers(cbvhWord(block.at, 16u), cbvhWord(block.at, 17u));
+  if (patternOfNumbers(form) == numbersInTable) {
+    uint read = cbvhBits(block.at, 8u*numbers.x + numbers.y*(y*block.quadsX + x));
+    number += numbers.y < 32u ? read & ((1u << numbers.y) - 1u) : read;
+  }
+  else number += patternNumber(form, numbers, x, y);
+  OwnParameters own = ownParameters(form, second, inUnit(position.a), inUnit(position.b));
+  uv = vec2(own.u, own.v);
+  return primitiveOfNumber(form, number, second);
+}
+
 /* The triangle of a ray's nearest hit, if that is one of cVERT: of hits at the same distance one counts, by its name. */
 struct CbvhVertNearest
 {
@@ -392,11 +407,13 @@ bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhSh
     else if (!(exact <= Wide(hit.t))) return false;
   }
 
-  uint x = vertX(block.region) + groupQuads*gx + uint(i), y = vertY(block.region) + groupQuads*gy + uint(j);
-  vec2 uv = cbvhVertParameters(block, x, y, second, positionInQuad(sides, second));
+  uint x = groupQuads*gx + uint(i), y = groupQuads*gy + uint(j), primID = name.primID;
+  vec2 uv;
+  if (hasNumbers(block.boxForm)) primID = cbvhOwnParameters(block, x, y, second, positionInQuad(sides, second), uv);
+  else uv = cbvhVertParameters(block, vertX(block.region) + x, vertY(block.region) + y, second, positionInQuad(sides, second));
   vec3 Ng = vec3(normal.at[0], normal.at[1], normal.at[2]);
   if (Ng == vec3(0.0)) Ng = -ray.dir;
-  cbvhSetHit(hit, ray, t, uv.x, uv.y, Ng, name.primID, name.geomID);
+  cbvhSetHit(hit, ray, t, uv.x, uv.y, Ng, primID, name.geomID);
   nearest = CbvhVertNearest(true, ray.instID, t, name);
   return true;
 }

@@ -1,0 +1,147 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Where grids that an application diced come from: a grid geometry has them, in a mesh of quads or of triangles they are regions
+ * (quad_regions.h). Both have
+ *
+ *   size_t size ()                     grids
+ *   bool isValid (i)                   whether a grid has quads, and its vertices are in their buffer
+ *   Grid operator[] (i)                which vertices it has
+ *   const float* position (vertex)
+ *   bool number (i, QuadNumbers&)      whether each of its quads is a primitive of its own, and which */
+
+#include "quad_regions.h"
+#include "source.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! Vertices: has width and height, in vertices, and vertex(x,y), its number in the geometry's buffer */
+    template<typename Vertices>
+    struct DicedGrid : public Vertices
+    {
+      explicit DicedGrid (const Vertices& vertices) : Vertices(vertices) {}
+
+      unsigned quads (int d) const { return (d == 0 ? this->width : this->height)-1; }
+
+      /*! vertex k of side s, in the order of SurfacePatch::rate, around the grid */
+      size_t onSide (int s, unsigned k) const
+      {
+        switch (s) {
+        case 0 : return this->vertex(k,0);
+        case 1 : return this->vertex(this->width-1,k);
+        case 2 : return this->vertex(this->width-1-k,this->height-1);
+        default: return this->vertex(0,this->height-1-k);
+        }
+      }
+    };
+
+    class GridsOfGridMesh
+    {
+      struct Rows
+      {
+        size_t first, stride;       //!< of rows, in vertices
+        unsigned width, height;
+        size_t vertex (unsigned x, unsigned y) const { return first + y*stride + x; }
+      };
+
+    public:
+      typedef GridMesh Mesh;
+      typedef DicedGrid<Rows> Grid;
+
+      explicit GridsOfGridMesh (const GridMesh* mesh) : mesh(mesh) {}
+
+      size_t size () const { return mesh->size(); }
+      Grid operator[] (size_t i) const { const GridMesh::Grid& g = mesh->grid(i); return Grid(Rows{ g.startVtxID,g.lineVtxOffset,g.resX,g.resY }); }
+
+      bool isValid (size_t i) const
+      {
+        if (i >= mesh->grids.size()) return false;
+        const Grid grid = (*this)[i];
+        return grid.width > 1 && grid.height > 1 && grid.vertex(grid.width-1,grid.height-1) < mesh->vertices0.size();
+      }
+
+      const float* position (size_t vertex) const { return (const float*)mesh->vertices0.getPtr(vertex); }
+      bool number (size_t, QuadNumbers&) const { return false; }
+
+      /*! vertices outside of their buffer are errors, as of no other of Embree's types */
+      static const bool reportsInvalid = true;
+
+      /*! What Embree takes for it, as was seen, besides vertices: 68 bytes for each 2 x 2 quads. */
+      static size_t bytesInEmbree (size_t quadsX, size_t quadsY) { return 68*((quadsX+1)/2)*((quadsY+1)/2); }
+
+    private:
+      const GridMesh* mesh;
+    };
+
+    /*! Quads: QuadsOfMesh or PairsOfMesh */
+    template<typename MeshType, typename Quads, size_t bytesOfQuad>
+    class GridsOfRegions
+    {
+      struct Corners
+      {
+        const Quads* mesh;
+        const unsigned* of;     //!< its quads, row by row
+        unsigned width, height; //!< in vertices
+
+        size_t vertex (unsigned x, unsigned y) const
+        {
+          const unsigned w = width-1, right = x == w, top = y == height-1;
+          unsigned v[4];
+          mesh->corners(of[(y-top)*w + x-right],v);
+          return v[top ? 3-right : right];
+        }
+      };
+
+    public:
+      typedef MeshType Mesh;
+      typedef DicedGrid<Corners> Grid;
+
+      explicit GridsOfRegions (const MeshType* mesh) : regions(regionsOf(mesh)), vertices(&mesh->vertices0), quads(quadsOf(mesh,*regions)) {}
+      GridsOfRegions (const GridsOfRegions&) = delete;
+
+      size_t size () const { return regions->regions.size(); }
+      Grid operator[] (size_t i) const { const QuadRegions::Region& r = regions->regions[i]; return Grid(Corners{ &quads,regions->quads.data()+r.first,r.width+1,r.height+1 }); }
+      bool isValid (size_t) const { return true; }
+      const float* position (size_t vertex) const { return (const float*)vertices->getPtr(vertex); }
+
+      bool number (size_t i, QuadNumbers& out) const
+      {
+        const QuadRegions::Region& r = regions->regions[i];
+        const unsigned* const of = regions->quads.data()+r.first;
+        out.form = quads.form(*of);
+        out.width = r.width;
+        out.numbers.resize(size_t(r.width)*r.height);
+        for (size_t k=0; k<out.numbers.size(); k++) out.numbers[k] = quads.number(of[k]);
+        return true;
+      }
+
+      /*! Embree leaves out quads with indices that are no vertices, and reports none. */
+      static const bool reportsInvalid = false;
+
+      static size_t bytesInEmbree (size_t quadsX, size_t quadsY) { return bytesOfQuad*quadsX*quadsY; }
+
+    private:
+      static QuadsOfMesh quadsOf (const QuadMesh* mesh, const QuadRegions&) { return QuadsOfMesh{ mesh }; }
+      static PairsOfMesh quadsOf (const TriangleMesh* mesh, const QuadRegions& regions) { return regions.pairs(mesh); }
+
+      /*! those that its commit found */
+      static std::shared_ptr<const QuadRegions> regionsOf (const MeshType* mesh)
+      {
+        std::shared_ptr<const QuadRegions> found = std::atomic_load(&mesh->surface.regions);
+        if (!found) found = QuadRegions::find(mesh);
+        return found ? found : std::make_shared<const QuadRegions>();
+      }
+
+      const std::shared_ptr<const QuadRegions> regions;
+      const BufferView<Vec3fa>* const vertices;
+      const Quads quads;
+    };
+
+    typedef GridsOfRegions<QuadMesh,QuadsOfMesh,bytesOfQuadInEmbree> GridsOfQuadMesh;
+    typedef GridsOfRegions<TriangleMesh,PairsOfMesh,2*bytesOfTriangleInEmbree> GridsOfTriangleMesh;
+  }
+}

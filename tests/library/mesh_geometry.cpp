@@ -1,0 +1,501 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Meshes of quads and of triangles that are compressed: grids are found in them by their indices, and hits are as Embree's own kernels
+ * have them, whatever order the quads come in. */
+
+#include "support/diced_mesh.h"
+#include "support/memory.h"
+#include "support/query_forms.h"
+#include "support/same_hits.h"
+
+#include <embree3/rtcore_compressed_triangles.h>
+
+#include <mutex>
+#include <set>
+
+namespace cbvh::test {
+namespace {
+
+const double lattice = 0x1p-10;
+const double slack = 1e-3; // of parameters: a quad is small, and Embree's floats place a hit on it less well than on a grid
+
+class MeshGeometry : public testing::TestWithParam<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Isas, MeshGeometry, testing::Values(TEST_ISAS), nameOfIsa);
+
+struct Shape
+{
+  std::string name;
+  DicedMesh mesh;
+};
+
+// What has vertices on the lattice, and so the same triangles compressed and not.
+std::vector<Shape> shapes(Random& random)
+{
+  std::vector<Shape> all;
+  for (QuadOrder order : allQuadOrders) {
+    all.push_back({std::string("patches of 8 quads a side, ") + nameOf(order), meshOf(dicedSheet(4, 8, lattice), order, random)});
+    all.push_back({std::string("patches of 32 quads a side, ") + nameOf(order), meshOf(dicedSheet(2, 32, lattice), order, random)});
+  }
+  all.push_back({"patches of 11 quads a side, row by row", meshOf(dicedSheet(3, 11, lattice), QuadOrder::Rows, random)});
+  all.push_back({"one sheet of 100 quads a side, row by row", meshOf(dicedSheet(1, 100, lattice), QuadOrder::Rows, random)});
+  DicedMesh ball = meshOf(dicedBall(2, 16), QuadOrder::Recursive, random), earth = globe(60, 40);
+  for (DicedMesh* mesh : {&ball, &earth})
+    for (Vec& p : mesh->vertices)
+      for (float& x : p) x = roundTo(x, lattice);
+  all.push_back({"a ball of patches that begin at any of their corners", ball});
+  all.push_back({"a globe with poles", earth});
+  return all;
+}
+
+void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& random, unsigned count)
+{
+  const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
+  const RTCCompressionStatistics stats = statisticsOf(scene);
+  ASSERT_EQ(stats.numQuads, mesh.isOfTriangles() ? mesh.size()/2 : mesh.size());
+  ASSERT_EQ(stats.numMeshQuads, stats.numQuads);
+  ASSERT_EQ(stats.maxVertexDeviation, 0) << "vertices were on the lattice";
+  ASSERT_EQ(statisticsOf(embree).numQuads, 0u);
+  const std::vector<RTCRayHit> rays = raysAt(random, mesh, count);
+  for (QueryForm form : allQueryForms) {
+    SCOPED_TRACE(nameOf(form));
+    const std::vector<RTCRayHit> expected = closestHits(embree, rays, form);
+    expectSameHits(expected, closestHits(scene, rays, form), slack);
+    const std::vector<RTCRayHit> any = anyHits(scene, rays, form);
+    for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(any[i].ray.tfar < 0, isHit(expected[i])) << "ray " << i;
+    if (testing::Test::HasFatalFailure()) return;
+  }
+}
+
+TEST_P(MeshGeometry, HitsAreEmbreesOfQuads)
+{
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  Random random(121);
+  for (const Shape& shape : shapes(random)) {
+    SCOPED_TRACE(shape.name);
+    expectEmbreesHits(device, shape.mesh, random, 1003);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST_P(MeshGeometry, HitsAreEmbreesOfTriangles)
+{
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  Random random(122);
+  for (const Shape& shape : shapes(random)) {
+    const unsigned first = random.below(3), second = random.below(3);
+    SCOPED_TRACE(testing::Message() << shape.name << ", first corners " << first << " and " << second);
+    expectEmbreesHits(device, trianglesOf(shape.mesh, first, second), random, 1003);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// Triangles of no pair among those that have one: what is behind them begins with a triangle of an odd number.
+TEST_P(MeshGeometry, HitsAreEmbreesBesideSingleTriangles)
+{
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  Random random(123);
+  DicedMesh mesh = trianglesOf(meshOf(dicedSheet(3, 16, lattice), QuadOrder::Rows, random), 1, 2);
+  for (unsigned i = 0; i < 9; i++) {
+    const unsigned v = unsigned(mesh.vertices.size());
+    for (const Vec& p : {Vec{1.5f, 0, 0}, Vec{1.75f, 0, 0.25f}, Vec{1.5f, 0.25f, 0}}) mesh.vertices.push_back({p[0], p[1] + 0.25f*float(i), p[2]});
+    mesh.triangles.insert(mesh.triangles.begin() + i*73, {v, v + 1, v + 2});
+  }
+  const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
+  ASSERT_EQ(statisticsOf(scene).numQuads, 48u*48 + 9);
+  EXPECT_EQ(statisticsOf(scene).numLooseQuads, 9u);
+  const std::vector<RTCRayHit> rays = raysAt(random, mesh, 2000);
+  for (QueryForm form : allQueryForms) {
+    SCOPED_TRACE(nameOf(form));
+    expectSameHits(closestHits(embree, rays, form), closestHits(scene, rays, form), slack);
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST_P(MeshGeometry, MasksFiltersAndInstances)
+{
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  Random random(124);
+  const DicedMesh sheet = meshOf(dicedSheet(4, 16, lattice), QuadOrder::Recursive, random);
+  for (const DicedMesh& mesh : {sheet, trianglesOf(sheet)}) {
+    Scene scenes[2] = {Scene(device), Scene(device)}, tops[2] = {Scene(device), Scene(device)};
+    for (int i = 0; i < 2; i++) {
+      RTCGeometry geometry = newMesh(device, mesh, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE);
+      rtcSetGeometryMask(geometry, 2);
+      // sees what of a hit is handed to filters
+      const auto filter = [](const RTCFilterFunctionNArguments* args) {
+        for (unsigned k = 0; k < args->N; k++)
+          if (args->valid[k] == -1 && (RTCHitN_primID(args->hit, args->N, k) % 3 == 0 || RTCHitN_u(args->hit, args->N, k) > 0.6f)) args->valid[k] = 0;
+      };
+      rtcSetGeometryIntersectFilterFunction(geometry, filter);
+      rtcSetGeometryOccludedFilterFunction(geometry, filter);
+      rtcCommitGeometry(geometry);
+      rtcAttachGeometryByID(scenes[i], geometry, 3);
+      rtcReleaseGeometry(geometry);
+      rtcCommitScene(scenes[i]);
+      RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+      rtcSetGeometryInstancedScene(instance, scenes[i]);
+      const float transform[12] = {0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f};
+      rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
+      rtcCommitGeometry(instance);
+      attach(tops[i], instance);
+      rtcCommitScene(tops[i]);
+    }
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    std::vector<RTCRayHit> rays = raysAt(random, mesh, 503);
+    for (size_t i = 0; i < rays.size(); i++) rays[i].ray.mask = i % 5 ? 3 : 1;
+    for (QueryForm form : allQueryForms) {
+      SCOPED_TRACE(nameOf(form));
+      const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form), any = anyHits(scenes[1], rays, form), anyOfEmbree = anyHits(scenes[0], rays, form);
+      expectSameHits(expected, closestHits(scenes[1], rays, form), slack);
+      expectSameHits(closestHits(tops[0], rays, form), closestHits(tops[1], rays, form), slack);
+      size_t hits = 0;
+      for (size_t i = 0; i < rays.size(); i++) {
+        ASSERT_EQ(any[i].ray.tfar, anyOfEmbree[i].ray.tfar) << "ray " << i;
+        hits += isHit(expected[i]);
+      }
+      EXPECT_GT(hits, 100u);
+      EXPECT_LT(hits, 450u);
+    }
+  }
+}
+
+// --- closed -----------------------------------------------------------------------------------
+
+TEST(Meshes, AreClosedWhereRegionsMeet)
+{
+  Device device;
+  Random random(125);
+  Shape balls[] = {
+    {"patches of 4 quads", meshOf(dicedBall(3, 4), QuadOrder::Recursive, random)}, {"patches of 16 quads", meshOf(dicedBall(4, 16), QuadOrder::Rows, random)},
+    {"shuffled", meshOf(dicedBall(3, 12), QuadOrder::Shuffled, random)}, {"quads of very different size", meshOf(dicedBall(8, 5, 3), QuadOrder::Rows, random)}, {"globe", globe(90, 50)}};
+  for (const Shape& ball : balls)
+    for (const DicedMesh& mesh : {ball.mesh, trianglesOf(ball.mesh, 1, 1)}) {
+      SCOPED_TRACE(testing::Message() << ball.name << (mesh.isOfTriangles() ? ", triangles" : ""));
+      const MeshScene scene(device, mesh);
+      ASSERT_GT(statisticsOf(scene).maxVertexDeviation, 0);
+      std::vector<RTCRayHit> rays;
+      for (unsigned i = 0; i < 30000; i++) {
+        const auto& q = ball.mesh.quads[random.below(unsigned(ball.mesh.quads.size()))];
+        const unsigned k = random.below(4);
+        const Vec &a = mesh.vertices[q[k]], &b = mesh.vertices[q[(k + 1) % 4]];
+        const double t = random.chance(0.3) ? 0 : random.uniform();
+        Vec from, direction;
+        for (int c = 0; c < 3; c++) {
+          from[c] = float(0.1*random.normal());
+          direction[c] = float(a[c] + t*(b[c] - a[c])) - from[c];
+        }
+        rays.push_back(makeRay(from, direction));
+      }
+      for (QueryForm form : {QueryForm::Single, QueryForm::Coherent8}) {
+        size_t missed = 0;
+        for (const RTCRayHit& hit : closestHits(scene, rays, form)) missed += !isHit(hit);
+        EXPECT_EQ(missed, 0u) << nameOf(form);
+      }
+    }
+}
+
+// --- what is found ----------------------------------------------------------------------------
+
+TEST(Meshes, RegularPartsAreFoundInAnyOrder)
+{
+  Device device;
+  Random random(126);
+  for (QuadOrder order : allQuadOrders) {
+    SCOPED_TRACE(nameOf(order));
+    const DicedMesh sheet = meshOf(dicedSheet(4, 32), order, random), ball = meshOf(dicedBall(2, 16), order, random);
+    for (const DicedMesh& mesh : {sheet, ball, trianglesOf(sheet), trianglesOf(ball, 2, 1)}) {
+      const MeshScene scene(device, mesh);
+      const RTCCompressionStatistics stats = statisticsOf(scene);
+      const size_t quads = mesh.isOfTriangles() ? mesh.size()/2 : mesh.size();
+      EXPECT_EQ(stats.numMeshQuads, quads);
+      EXPECT_EQ(stats.numLooseQuads, 0u);
+      EXPECT_LE(stats.numBlocks, quads/256 + quads/512) << "blocks are full";
+      // numbers in a pattern take 8 bytes a block; where there is none, as many a quad as their range needs
+      EXPECT_LE(double(stats.leafBytes)/double(quads), order == QuadOrder::Shuffled ? 5.5 : 3.5);
+    }
+  }
+  const DicedMesh earth = globe(100, 60);
+  const MeshScene scene(device, earth);
+  EXPECT_EQ(statisticsOf(scene).numMeshQuads, earth.size());
+  EXPECT_LE(statisticsOf(scene).numLooseQuads, 200u) << "at the poles";
+}
+
+// A heap of triangles that nothing is regular in, and what else is better left alone.
+TEST(Meshes, IrregularOnesAreLeftToEmbree)
+{
+  Device device;
+  Random random(127);
+  DicedMesh heap;
+  for (int i = 0; i < 2000; i++) heap.vertices.push_back({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
+  DicedMesh triangles = heap;
+  for (int i = 0; i < 4000; i++) {
+    std::array<unsigned, 4> q;
+    for (unsigned& v : q) v = random.below(2000);
+    heap.quads.push_back(q);
+    triangles.triangles.push_back({q[0], q[1], q[2]});
+  }
+  DicedMesh unwelded; // no quad shares a vertex with another
+  const DicedMesh sheet = meshOf(dicedSheet(2, 32), QuadOrder::Rows, random);
+  for (const auto& q : sheet.quads) {
+    const unsigned v = unsigned(unwelded.vertices.size());
+    for (unsigned k : q) unwelded.vertices.push_back(sheet.vertices[k]);
+    unwelded.quads.push_back({v, v + 1, v + 2, v + 3});
+  }
+  DicedMesh one = sheet;
+  one.quads.resize(1);
+  for (const DicedMesh& mesh : {heap, triangles, unwelded, one}) {
+    const MeshScene scene(device, mesh);
+    EXPECT_EQ(statisticsOf(scene).numQuads, 0u);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    EXPECT_TRUE(isHit(intersect(scene, rayAt(random, mesh))));
+  }
+  Scene moving(device), refitted(device);
+  attach(moving, newMesh(device, sheet, RTC_COMPRESSION_VERT, 0, 2));
+  RTCGeometry geometry = newMesh(device, sheet, RTC_COMPRESSION_VERT);
+  rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
+  rtcCommitGeometry(geometry);
+  attach(refitted, geometry);
+  for (RTCScene scene : {RTCScene(moving), RTCScene(refitted)}) {
+    rtcCommitScene(scene);
+    EXPECT_EQ(statisticsOf(scene).numQuads, 0u);
+    EXPECT_TRUE(isHit(intersect(scene, rayAt(random, sheet))));
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// Indices that are no vertices, and vertices that are not finite: what has them is not hit, as in Embree, and all else is.
+TEST(Meshes, WhatIsWrongIsLeftOut)
+{
+  Device device;
+  Random random(128);
+  const DicedMesh good = meshOf(dicedSheet(2, 32, lattice), QuadOrder::Rows, random);
+  DicedMesh bad = good;
+  for (int i = 0; i < 20; i++) bad.quads[random.below(unsigned(bad.size()))][random.below(4)] = i % 2 ? ~0u : unsigned(bad.vertices.size());
+  for (int i = 0; i < 20; i++) bad.vertices[random.below(unsigned(bad.vertices.size()))][i % 3] = i % 2 ? INFINITY : NAN;
+  DicedMesh badTriangles = trianglesOf(bad);
+  for (const DicedMesh& mesh : {bad, badTriangles}) {
+    const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    EXPECT_GT(statisticsOf(scene).numMeshQuads, 3900u);
+    const std::vector<RTCRayHit> rays = raysAt(random, good, 3000);
+    unsigned other = 0;
+    const std::vector<RTCRayHit> expected = closestHits(embree, rays, QueryForm::Single), found = closestHits(scene, rays, QueryForm::Single);
+    const auto isFinite = [&](unsigned v) { return std::isfinite(mesh.vertices[v][0] + mesh.vertices[v][1] + mesh.vertices[v][2]); };
+    for (size_t i = 0; i < rays.size(); i++) {
+      if (expected[i].hit.primID == found[i].hit.primID) continue;
+      // Of a quad Embree leaves out both triangles, if a vertex of either is not finite.
+      if (!mesh.isOfTriangles() && isHit(found[i]) && !std::all_of(mesh.quads[found[i].hit.primID].begin(), mesh.quads[found[i].hit.primID].end(), isFinite)) continue;
+      other++;
+    }
+    EXPECT_EQ(other, 0u);
+  }
+}
+
+// --- settings ---------------------------------------------------------------------------------
+
+TEST(Meshes, AskForCompressionOrNot)
+{
+  Random random(129);
+  const DicedMesh quads = meshOf(dicedSheet(2, 32), QuadOrder::Recursive, random), triangles = trianglesOf(quads);
+  const auto count = [&](const Device& device, const DicedMesh& mesh, RTCCompression compression) {
+    const MeshScene scene(device, mesh, compression);
+    return statisticsOf(scene).numQuads;
+  };
+  Device plain, ofString("subdiv_accel=cbvh"), noQuads("subdiv_accel=cbvh.vert,cbvh_quads=0"), noTriangles("subdiv_accel=cbvh.leaf,cbvh_triangles=0");
+  for (const DicedMesh& mesh : {quads, triangles}) {
+    EXPECT_EQ(count(plain, mesh, RTC_COMPRESSION_INHERIT), 0u);
+    EXPECT_EQ(count(plain, mesh, RTC_COMPRESSION_LEAF), 4096u) << "diced geometry is stored as cVERT";
+    EXPECT_EQ(count(ofString, mesh, RTC_COMPRESSION_INHERIT), 4096u);
+    EXPECT_EQ(count(ofString, mesh, RTC_COMPRESSION_NONE), 0u);
+    EXPECT_EQ(count(noQuads, mesh, RTC_COMPRESSION_INHERIT), mesh.isOfTriangles() ? 4096u : 0u);
+    EXPECT_EQ(count(noTriangles, mesh, RTC_COMPRESSION_INHERIT), mesh.isOfTriangles() ? 0u : 4096u);
+    EXPECT_EQ(count(noQuads, mesh, RTC_COMPRESSION_VERT), 4096u) << "it asks itself";
+  }
+  EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
+}
+
+TEST(Meshes, AreEditedAndLetTheirInputGo)
+{
+  Device device;
+  Random random(130);
+  const DicedMesh quads = meshOf(dicedSheet(4, 32), QuadOrder::Recursive, random);
+  for (const DicedMesh& mesh : {quads, trianglesOf(quads)}) {
+    const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
+    Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+    RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_VERT);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    const RTCRayHit before = intersect(scene, down);
+    ASSERT_TRUE(isHit(before));
+    float* x = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    for (size_t i = 0; i < mesh.vertices.size(); i++) x[3*i + 2] -= 1;
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    EXPECT_NEAR(intersect(scene, down).ray.tfar, before.ray.tfar + 1, 1e-3);
+    rtcDisableGeometry(geometry);
+    rtcCommitScene(scene);
+    EXPECT_FALSE(isHit(intersect(scene, down)));
+    rtcEnableGeometry(geometry);
+    for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT}) {
+      RTCCompressionArguments args;
+      rtcInitCompressionArguments(&args);
+      args.compression = compression;
+      if (compression == RTC_COMPRESSION_VERT) args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
+      rtcSetGeometryCompression(geometry, &args);
+      rtcCommitGeometry(geometry);
+      rtcCommitScene(scene);
+      EXPECT_EQ(statisticsOf(scene).numQuads, compression == RTC_COMPRESSION_VERT ? quads.size() : 0u);
+      EXPECT_NEAR(intersect(scene, down).ray.tfar, before.ray.tfar + 1, 1e-3);
+    }
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    float P[3];
+    rtcInterpolate0(geometry, 0, 0.2f, 0.2f, RTC_BUFFER_TYPE_VERTEX, 0, P, 3);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  }
+}
+
+TEST(Meshes, CommitsTellHowFarTheyAre)
+{
+  Device device;
+  Random random(131);
+  const DicedMesh mesh = meshOf(dicedSheet(8, 64), QuadOrder::Rows, random);
+  struct Monitor { double most = 0; size_t calls = 0; std::mutex mutex; } monitor;
+  Scene scene(device);
+  attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT));
+  rtcSetSceneProgressMonitorFunction(scene, [](void* self, double done) {
+    Monitor& m = *(Monitor*)self;
+    const std::lock_guard<std::mutex> lock(m.mutex);
+    m.most = std::max(m.most, done);
+    m.calls++;
+    return true;
+  }, &monitor);
+  rtcCommitScene(scene);
+  EXPECT_GT(monitor.calls, 2u);
+  EXPECT_GT(monitor.most, 0.99);
+  EXPECT_LE(monitor.most, 1.0 + 1e-6);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST(Meshes, TakeFewBytes)
+{
+  Random random(132);
+  for (QuadOrder order : allQuadOrders)
+    for (bool asTriangles : {false, true}) {
+      Memory memory;
+      Device device;
+      rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+      const DicedMesh quads = meshOf(dicedSheet(8, 64), order, random), mesh = asTriangles ? trianglesOf(quads) : quads;
+      Scene scene(device);
+      attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT));
+      const ssize_t before = memory.live;
+      rtcCommitScene(scene);
+      const double bytes = double(memory.live - before)/double(quads.size());
+      const RTCCompressionStatistics stats = statisticsOf(scene);
+      const auto aQuad = [&](size_t n) { return double(n)/double(quads.size()); };
+      std::printf("%s, %s: %.2f bytes a quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices and numbers), %.2f more meanwhile\n", asTriangles ? "triangles" : "quads", nameOf(order),
+                  bytes, aQuad(stats.topLevelBytes), aQuad(stats.frameBytes), aQuad(stats.nodeBytes), aQuad(stats.leafBytes), aQuad(size_t(memory.peak - memory.live)));
+      EXPECT_LE(bytes, order == QuadOrder::Shuffled ? 6.5 : 3.5);
+    }
+}
+
+// --- out again --------------------------------------------------------------------------------
+
+TEST(Meshes, TrianglesOfHitsComeOut)
+{
+  Device device;
+  Random random(133);
+  for (QuadOrder order : allQuadOrders) {
+    const DicedMesh quads = meshOf(dicedSheet(3, 16, lattice), order, random);
+    for (const DicedMesh& mesh : {quads, trianglesOf(quads, 2, 1)}) {
+      Scene scene(device);
+      RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_VERT);
+      attach(scene, geometry);
+      rtcCommitScene(scene);
+      for (int i = 0; i < 500; i++) {
+        const RTCRayHit r = intersect(scene, rayAt(random, mesh));
+        ASSERT_TRUE(isHit(r));
+        RTCCompressedTriangle t;
+        ASSERT_TRUE(rtcGetCompressedTriangle(geometry, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+        unsigned v[3];
+        if (mesh.isOfTriangles()) std::copy_n(mesh.triangles[r.hit.primID].data(), 3, v);
+        else {
+          const auto& q = mesh.quads[r.hit.primID];
+          const bool isSecond = r.hit.u + r.hit.v > 1;
+          v[0] = q[isSecond ? 2 : 0]; v[1] = q[isSecond ? 3 : 1]; v[2] = q[isSecond ? 1 : 3];
+        }
+        for (int c = 0; c < 3; c++) ASSERT_EQ(Vec({t.vertices[c][0], t.vertices[c][1], t.vertices[c][2]}), mesh.vertices[v[c]]);
+        // parameters are interpolated to those of the hit
+        const bool isFlipped = t.u[0] + t.v[0] > 1;
+        ASSERT_EQ(t.u[1], isFlipped ? 0 : 1);
+        ASSERT_EQ(t.v[2], isFlipped ? 0 : 1);
+      }
+      RTCCompressedTriangle t;
+      EXPECT_FALSE(rtcGetCompressedTriangle(geometry, unsigned(mesh.size()), 0.3f, 0.3f, nullptr, &t));
+
+      // all of it
+      std::set<unsigned> met;
+      rtcForEachCompressedPart(geometry, [](void* userPtr, const RTCCompressedPart* part) {
+        for (unsigned i = 0; i < (part->width - 1)*(part->height - 1)*part->primitivesPerQuad; i++) EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second);
+        return true;
+      }, &met);
+      EXPECT_EQ(met.size(), mesh.size());
+      EXPECT_EQ(*met.rbegin(), mesh.size() - 1);
+    }
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST(Meshes, PointQueriesFindWhatEmbreeFinds)
+{
+  Device device;
+  Random random(134);
+  const DicedMesh quads = meshOf(dicedSheet(4, 16, lattice), QuadOrder::Rows, random);
+  for (const DicedMesh& mesh : {quads, trianglesOf(quads, 1, 0)}) {
+    const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
+    struct Found { const DicedMesh* mesh; Vec at; std::set<unsigned> near; size_t calls = 0; };
+    // primitives with a vertex near enough
+    const auto near = [&](RTCScene in, const Vec& at, float radius) {
+      Found found{&mesh, at, {}};
+      RTCPointQuery query;
+      query.x = at[0]; query.y = at[1]; query.z = at[2];
+      query.time = 0;
+      query.radius = radius;
+      RTCPointQueryContext context;
+      rtcInitPointQueryContext(&context);
+      rtcPointQuery(in, &query, &context, [](RTCPointQueryFunctionArguments* args) {
+        Found& f = *(Found*)args->userPtr;
+        f.calls++;
+        const unsigned* v = f.mesh->isOfTriangles() ? f.mesh->triangles[args->primID].data() : f.mesh->quads[args->primID].data();
+        for (int c = 0; c < 3; c++) {
+          const Vec& p = f.mesh->vertices[v[c]];
+          if (std::hypot(p[0] - f.at[0], p[1] - f.at[1], p[2] - f.at[2]) <= args->query->radius) f.near.insert(args->primID);
+        }
+        return false;
+      }, &found);
+      return found;
+    };
+    size_t all = 0, calls = 0;
+    for (int i = 0; i < 200; i++) {
+      const Vec at = {float(random.uniform(-1.1, 1.1)), float(random.uniform(-1.1, 1.1)), float(random.uniform(-0.3, 0.3))};
+      const float radius = float(random.uniform(0, 0.4));
+      const Found expected = near(embree, at, radius), found = near(scene, at, radius);
+      ASSERT_EQ(expected.near, found.near);
+      all += expected.near.size();
+      calls += found.calls;
+    }
+    EXPECT_GT(all, 1000u);
+    EXPECT_LT(calls, 3*all) << "few that are too far";
+  }
+}
+
+} // namespace
+} // namespace cbvh::test
