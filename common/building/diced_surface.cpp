@@ -3,11 +3,14 @@
 
 #include "building/diced_surface.h"
 #include "basics/error.h"
+#include "surface/topology_refiner.h"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <map>
+#include <cstring>
+#include <numeric>
+#include <random>
 #include <unordered_map>
 
 namespace cbvh {
@@ -82,24 +85,81 @@ struct Hash
   }
 };
 
+/* The quads of a cage that OpenSubdiv has refined uniformly, one after the other. */
+class RefinedQuads
+{
+public:
+  RefinedQuads(const Cage& cage, int level) : refiner(makeTopologyRefiner(cage, false))
+  {
+    refiner->RefineUniform(OpenSubdiv::Far::TopologyRefiner::UniformOptions(level));
+    last = &refiner->GetLevel(level);
+  }
+
+  size_t numVertices() const { return size_t(last->GetNumVertices()); }
+  void rewind() { face = 0; }
+
+  std::array<unsigned, 4> next()
+  {
+    while (last->IsFaceHole(face))
+      face++;
+    const auto vertices = last->GetFaceVertices(face++);
+    return {unsigned(vertices[0]), unsigned(vertices[1]), unsigned(vertices[2]), unsigned(vertices[3])};
+  }
+
+private:
+  std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner;
+  const OpenSubdiv::Far::TopologyLevel* last;
+  int face = 0;
+};
+
+/* Of the n-th of 4^k quads that refinement cuts out of a patch: x and y. Its four children begin at its corners, around it. */
+std::array<unsigned, 2> placeOfRefined(unsigned n)
+{
+  const unsigned x[] = {0, 1, 1, 0}, y[] = {0, 0, 1, 1};
+  std::array<unsigned, 2> at{0, 0};
+  for (unsigned bit = 0; n >> (2 * bit); bit++)
+  {
+    at[0] |= x[(n >> (2 * bit)) & 3] << bit;
+    at[1] |= y[(n >> (2 * bit)) & 3] << bit;
+  }
+  return at;
+}
+
+void copyVertices(EmbreeDevice& device, RTCGeometry geometry, const std::vector<Vec3f>& vertices)
+{
+  void* out = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), vertices.size());
+  device.check("allocating vertices");
+  std::copy(vertices.begin(), vertices.end(), static_cast<Vec3f*>(out));
+}
+
 } // namespace
 
 DicedInput DicedInput::parse(const std::string& text)
 {
   DicedInput input;
   input.name = text;
-  const std::string word = "grids", quads = text.substr(std::min(text.size(), word.size() + 1));
-  if (text == word)
-    return input;
-  const auto end = std::from_chars(quads.data(), quads.data() + quads.size(), input.gridQuads);
-  if (text.compare(0, word.size() + 1, word + ":") != 0 || end.ec != std::errc() || end.ptr != quads.data() + quads.size() || input.gridQuads == 0)
-    throw Error("unknown input '" + text + "', known are grids and grids:N, of N x N quads");
+  const size_t colon = text.find(':');
+  const std::string word = text.substr(0, colon), rest = colon == std::string::npos ? "" : text.substr(colon + 1);
+  const bool isGrids = word == "grids";
+  input.shape = isGrids ? Grids : word == "quads" ? Quads : Triangles;
+  input.order = rest == "rows" ? Rows : rest == "shuffled" ? Shuffled : Refined;
+  bool isKnown = isGrids || word == "quads" || word == "triangles";
+  if (colon != std::string::npos && isGrids)
+  {
+    const auto end = std::from_chars(rest.data(), rest.data() + rest.size(), input.gridQuads);
+    isKnown &= end.ec == std::errc() && end.ptr == rest.data() + rest.size() && input.gridQuads > 0;
+  }
+  else if (colon != std::string::npos)
+    isKnown &= input.order != Refined;
+  if (!isKnown)
+    throw Error("unknown input '" + text + "', known are grids, grids:N, of N x N quads, quads and triangles, and these with :rows or :shuffled");
   return input;
 }
 
 DicedSurface::DicedSurface(const Model& model, const BuildSettings& settings)
-  : layout(model.layout(settings.level)), positions(tessellate(model, settings))
+  : model(model), level(settings.level), layout(model.layout(settings.level)), positions(tessellate(model, settings)), first(positions.size())
 {
+  std::iota(first.begin(), first.end(), 0u);
   const size_t patches = layout.patches().size() / model.copies.size();
   for (size_t i = 0; i < model.copies.size(); i++)
     weld(model.cage, i * patches, patches);
@@ -108,7 +168,7 @@ DicedSurface::DicedSurface(const Model& model, const BuildSettings& settings)
 void DicedSurface::weld(const Cage& cage, size_t firstPatch, size_t numPatches)
 {
   const BorderPoints points(cage);
-  std::unordered_map<BorderPoints::Name, size_t, Hash> first;
+  std::unordered_map<BorderPoints::Name, unsigned, Hash> known;
   for (size_t i = firstPatch; i < firstPatch + numPatches; i++)
   {
     const Patch& patch = layout.patches()[i];
@@ -117,21 +177,101 @@ void DicedSurface::weld(const Cage& cage, size_t firstPatch, size_t numPatches)
       for (unsigned x = 0; x <= n; x += y == 0 || y == n ? 1 : n)
       {
         const size_t vertex = patch.firstVertex + y * (n + 1) + x;
-        positions[vertex] = positions[first.emplace(points.name(patch, face, x, y), vertex).first->second];
+        first[vertex] = known.emplace(points.name(patch, face, x, y), unsigned(vertex)).first->second;
+        positions[vertex] = positions[first[vertex]];
       }
   }
 }
 
+QuadMesh DicedSurface::mesh(DicedInput::Order order) const
+{
+  QuadMesh mesh;
+  mesh.quads.reserve(numQuads());
+  if (order == DicedInput::Refined)
+  {
+    RefinedQuads refined(model.cage, level);
+    const size_t patches = layout.patches().size() / model.copies.size();
+    mesh.vertices.resize(refined.numVertices() * model.copies.size());
+    std::vector<bool> isSet(mesh.vertices.size());
+    for (size_t i = 0; i < layout.patches().size(); i++)
+    {
+      const Patch& patch = layout.patches()[i];
+      const unsigned n = patch.resolution, firstVertex = unsigned(i / patches * refined.numVertices());
+      if (i % patches == 0)
+        refined.rewind();
+      for (unsigned q = 0; q < n * n; q++)
+      {
+        const std::array<unsigned, 2> at = placeOfRefined(q);
+        std::array<unsigned, 4> quad = refined.next();
+        for (unsigned c = 0; c < 4; c++)
+        {
+          const Vec3f& p = positions[patch.firstVertex + (at[1] + c / 2) * (n + 1) + at[0] + (c == 1 || c == 2)];
+          const unsigned v = quad[c] += firstVertex;
+          if (isSet[v] && std::memcmp(&mesh.vertices[v], &p, sizeof(p)) != 0)
+            throw Error("vertex " + std::to_string(v) + " of OpenSubdiv's refinement is at two places");
+          mesh.vertices[v] = p;
+          isSet[v] = true;
+        }
+        mesh.quads.push_back(quad);
+      }
+    }
+    return mesh;
+  }
+  std::vector<unsigned> number(positions.size(), ~0u);
+  for (const Patch& patch : layout.patches())
+  {
+    const unsigned n = patch.resolution;
+    for (unsigned y = 0; y < n; y++)
+      for (unsigned x = 0; x < n; x++)
+      {
+        std::array<unsigned, 4> quad;
+        for (unsigned c = 0; c < 4; c++)
+        {
+          const unsigned v = first[patch.firstVertex + (y + c / 2) * (n + 1) + x + (c == 1 || c == 2)];
+          if (number[v] == ~0u)
+          {
+            number[v] = unsigned(mesh.vertices.size());
+            mesh.vertices.push_back(positions[v]);
+          }
+          quad[c] = number[v];
+        }
+        mesh.quads.push_back(quad);
+      }
+  }
+  if (order == DicedInput::Shuffled)
+    std::shuffle(mesh.quads.begin(), mesh.quads.end(), std::mt19937(1));
+  return mesh;
+}
+
 GeometryHandle DicedSurface::makeGeometry(EmbreeDevice& device, const DicedInput& input) const
 {
+  if (input.shape == DicedInput::Grids)
+    return makeGrids(device, input.gridQuads);
+  const bool ofTriangles = input.shape == DicedInput::Triangles;
+  const QuadMesh mesh = this->mesh(input.order);
+  GeometryHandle geometry(rtcNewGeometry(device.handle(), ofTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD));
+  copyVertices(device, geometry.get(), mesh.vertices);
+  const size_t indices = ofTriangles ? 3 : 4, faces = mesh.quads.size() * (ofTriangles ? 2 : 1);
+  unsigned* out = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, ofTriangles ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4,
+                                                                 indices * sizeof(unsigned), faces));
+  device.check("allocating indices");
+  for (const std::array<unsigned, 4>& q : mesh.quads)
+    if (ofTriangles)
+      for (unsigned v : {q[0], q[1], q[3], q[1], q[2], q[3]})
+        *out++ = v;
+    else
+      out = std::copy(q.begin(), q.end(), out);
+  return geometry;
+}
+
+GeometryHandle DicedSurface::makeGrids(EmbreeDevice& device, unsigned gridQuads) const
+{
   GeometryHandle geometry(rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_GRID));
-  void* vertices = rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), positions.size());
-  device.check("allocating vertices");
-  std::copy(positions.begin(), positions.end(), static_cast<Vec3f*>(vertices));
+  copyVertices(device, geometry.get(), positions);
   std::vector<RTCGrid> grids;
   for (const Patch& patch : layout.patches())
   {
-    const unsigned n = patch.resolution, side = input.gridQuads ? input.gridQuads : n;
+    const unsigned n = patch.resolution, side = gridQuads ? gridQuads : n;
     for (unsigned y = 0; y < n; y += side)
       for (unsigned x = 0; x < n; x += side)
         grids.push_back({unsigned(patch.firstVertex + y * (n + 1) + x), n + 1, static_cast<unsigned short>(std::min(side, n - x) + 1),

@@ -26,7 +26,8 @@ struct RTCCompressedTriangle
  *           primitive: v0, v1, v3 or v2, v3, v1 of a quad.
  *
  * Returns whether (u,v) is on a triangle of the primitive: false for an unknown primID, and where triangles were left out. The first
- * call after a commit makes an index of the geometry's blocks, of 24 bytes each.
+ * call after a commit makes an index of the geometry's blocks, of 8 bytes each, and
+ * of quad meshes and triangle meshes of 4 bytes for each primitive.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL; RTC_ERROR_INVALID_OPERATION for a geometry that was not compressed, or is stored as
  * anything but cVERT, if in part. Thread safety: as rtcInterpolate. */

@@ -5,7 +5,7 @@
  * cages of every sort, and what surrounds surfaces in a scene. */
 
 #include "small_scenes.h"
-#include "support/diced.h"
+#include "support/diced_mesh.h"
 #include "support/odd_rays.h"
 #include "vulkan_tracer.h"
 
@@ -200,6 +200,23 @@ TEST_F(VulkanHits, OfCompressedGridsAreTheProcessors)
     addSurface(embree, scene, sheetCage(2), settings(RTC_COMPRESSION_LEAF));
     rtcCommitScene(scene);
     compare(scene, raysAt(random, 4000), sum);
+  }
+  sum.expect();
+}
+
+TEST_F(VulkanHits, OfCompressedMeshesAreTheProcessors)
+{
+  Agreement sum;
+  for (QuadOrder order : allQuadOrders) {
+    const DicedMesh quads = meshOf(dicedSheet(3, 16), order, random), ball = meshOf(dicedBall(2, 8), order, random);
+    for (const DicedMesh& mesh : {quads, trianglesOf(quads, 1, 2), ball, trianglesOf(ball, 0, 1)}) {
+      Scene scene(embree);
+      rtcAttachGeometryByID(scene, newMesh(embree, mesh, RTC_COMPRESSION_VERT), 3);
+      rtcReleaseGeometry(rtcGetGeometry(scene, 3));
+      rtcCommitScene(scene);
+      ASSERT_GT(statisticsOf(scene).numMeshQuads, 1000u);
+      compare(scene, raysAt(random, 2000), sum);
+    }
   }
   sum.expect();
 }

@@ -31,7 +31,7 @@ namespace {
 struct Options
 {
   std::vector<std::string> scenes{"trex", "frog", "cube"};
-  std::vector<std::string> inputs{"grids:4", "grids:8", "grids:16", "grids:64"};
+  std::vector<std::string> inputs{"grids:4", "grids:8", "grids:16", "grids:64", "quads", "quads:rows", "quads:shuffled", "triangles"};
   int level = 6;
   unsigned repeat = 5;
   int side = 512; // of the picture whose rays are traced
@@ -56,7 +56,9 @@ public:
     for (unsigned i = 0; i < repeat; i++)
     {
       scene.reset();
+      const size_t empty = device.memory().live();
       GeometryHandle geometry = surface.makeGeometry(device, input);
+      inputBytes = device.memory().live() - empty;
       RTCCompressionArguments args;
       rtcInitCompressionArguments(&args);
       args.compression = compressed ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE;
@@ -92,7 +94,8 @@ private:
 
 public:
   std::vector<double> seconds; // of commits
-  size_t bytes = 0, peak = 0;  // besides the application's buffers
+  size_t inputBytes = 0;       // the application's buffers
+  size_t bytes = 0, peak = 0;  // besides these
   RTCCompressionStatistics statistics{};
 };
 
@@ -144,13 +147,13 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
     for (size_t i = 0; i < sets[set].size(); i++) disagreements += !agree(hits[0][i], hits[1][i], 1e-3f * model.cage.bounds().diagonal());
     rays += sets[set].size();
   }
-  const double quads = double(surface.numQuads()), vertexBytes = sizeof(Vec3f) * double(surface.vertices().size()) / quads;
+  const double quads = double(surface.numQuads()), inputBytes = double(ours.inputBytes) / quads;
   const RTCCompressionStatistics& s = ours.statistics;
   std::printf("| %s | %s | %.2f | %.1f | %.2f | %.2f | %.2f | %.3f | %.3f | %.2f | %.2f | %.2f | %.2f | %.4f |\n", model.name.c_str(), input.name.c_str(), quads * 1e-6,
-              double(embree.bytes) / quads, double(ours.bytes) / quads, double(ours.peak) / quads, vertexBytes, median(embree.seconds), median(ours.seconds),
+              double(embree.bytes) / quads, double(ours.bytes) / quads, double(ours.peak) / quads, inputBytes, median(embree.seconds), median(ours.seconds),
               median(ours.seconds) / median(embree.seconds), speed[0], speed[1], speed[2], 100.0 * double(disagreements) / double(rays));
-  if (s.numRawBlocks || s.numQuads != surface.numQuads())
-    std::printf("  (%zu of %zu blocks are raw, %zu quads in blocks)\n", s.numRawBlocks, s.numBlocks, s.numQuads);
+  if (s.numRawBlocks || s.numQuads != surface.numQuads() || s.numLooseQuads)
+    std::printf("  (%zu of %zu blocks are raw, %zu quads in blocks, %zu of them loose)\n", s.numRawBlocks, s.numBlocks, s.numQuads, s.numLooseQuads);
   std::fflush(stdout);
 }
 
@@ -160,7 +163,7 @@ int run(int argc, char** argv)
   CLI::App app("Compares diced geometry, compressed, with Embree's own kernels of its type: bytes a quad besides the application's buffers, "
                "seconds of commits, how many times as fast rays are, and how many of 100 hit elsewhere, by a thousandth of the cage's diagonal.");
   app.add_option("--scene", options.scenes, "comma list of " + listOfScenes())->delimiter(',')->capture_default_str();
-  app.add_option("--input", options.inputs, "comma list of how they are handed over: grids of a patch each, grids:N of N x N quads")->delimiter(',')->capture_default_str();
+  app.add_option("--input", options.inputs, "comma list of how they are handed over: grids of a patch each, grids:N of N x N quads, quads and triangles as OpenSubdiv refines them, and these with :rows or :shuffled")->delimiter(',')->capture_default_str();
   app.add_option("--level", options.level, "of tessellation: faces have 2^L x 2^L quads")->capture_default_str();
   app.add_option("--repeat", options.repeat, "runs, of which the median is shown")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--size", options.side, "pixels along a side of the picture whose rays are traced")->check(CLI::PositiveNumber)->capture_default_str();
@@ -181,7 +184,7 @@ int run(int argc, char** argv)
     inputs.push_back(DicedInput::parse(word));
   if (!cage.cagePath.empty())
     options.scenes = {""};
-  std::printf("| scene | input | million quads | Embree, bytes | cVERT | peak | vertices | Embree, s | cVERT | ratio | rays: single | packets | bounces | others, %% |\n"
+  std::printf("| scene | input | million quads | Embree, bytes | cVERT | peak | input | Embree, s | cVERT | ratio | rays: single | packets | bounces | others, %% |\n"
               "|:--|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
   BuildSettings settings;
   settings.level = options.level;

@@ -206,7 +206,10 @@ namespace embree
           std::cout << geometry << total.sums.numRawBlocks
                     << " blocks of cVERT keep floats (a vertex that is not finite, a spacing too fine for their width, or a neighbour that GRID traces)" << std::endl;
         if (total.sums.numInvalidQuads && surface.geometry->isCompressed())
-          std::cout << geometry << total.sums.numInvalidQuads << " quads of grids with vertices that are not finite are left out" << std::endl;
+          std::cout << geometry << total.sums.numInvalidQuads << " quads with vertices that are not finite are left out" << std::endl;
+        if (total.sums.numMeshQuads)
+          std::cout << geometry << total.sums.numMeshQuads - total.sums.numLooseQuads << " of " << total.sums.numMeshQuads << " quads lie in grids, "
+                    << total.sums.numLooseQuads << " are stored in blocks of fewer than 4 quads along a side" << std::endl;
         if (total.quadsForHoles)
           std::cout << geometry << total.quadsForHoles << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;
       }

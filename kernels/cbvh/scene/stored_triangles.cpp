@@ -200,29 +200,30 @@ namespace embree
     BlockIndex::BlockIndex (const SurfaceBlocks& surface)
     {
       blocks.reserve(surface.numPrimitives);
-      forEachBlock(surface,[&](const VertHeader* block) {
-          Entry entry = { block,block->primID,block->primID,0 };
-          if (hasNumbers(block->boxForm)) {
-            entry.lowest = ~0u;
-            entry.highest = 0;
-            forEachQuad(block,[&](uint32_t, uint32_t, uint32_t number) {
-                entry.lowest = std::min(entry.lowest,number);
-                entry.highest = std::max(entry.highest,primitiveOfNumber(block->patchQuads,number,true));
-              });
-          }
-          blocks.push_back(entry);
-        });
-      std::sort(blocks.begin(),blocks.end(),[](const Entry& a, const Entry& b) { return a.lowest < b.lowest; });
-      uint32_t highest = 0;
-      for (Entry& entry : blocks) entry.highestSoFar = highest = std::max(highest,entry.highest);
+      forEachBlock(surface,[&](const VertHeader* block) { blocks.push_back(block); });
+      std::sort(blocks.begin(),blocks.end(),[](const VertHeader* a, const VertHeader* b) { return a->primID < b->primID; });
+      for (size_t i=0; i<blocks.size(); i++)
+      {
+        if (!hasNumbers(blocks[i]->boxForm)) continue;
+        forEachQuad(blocks[i],[&](uint32_t, uint32_t, uint32_t number) {
+            const uint32_t last = primitiveOfNumber(blocks[i]->patchQuads,number,true);
+            if (last >= blockOf.size()) blockOf.resize(std::max(size_t(last)+1,2*blockOf.size()),uint32_t(none));
+            blockOf[number] = blockOf[last] = uint32_t(i);
+          });
+      }
+      blockOf.shrink_to_fit();
     }
 
     bool BlockIndex::find (uint32_t primID, float u, float v, const float* Ng, RTCCompressedTriangle& triangle) const
     {
       Search search(u,v,Ng,triangle);
-      auto i = std::upper_bound(blocks.begin(),blocks.end(),primID,[](uint32_t id, const Entry& entry) { return id < entry.lowest; });
-      while (i != blocks.begin() && (--i)->highestSoFar >= primID)
-        if (i->highest >= primID) search.look(i->block,primID);
+      if (!blockOf.empty()) {
+        if (primID < blockOf.size() && blockOf[primID] != none) search.look(blocks[blockOf[primID]],primID);
+        return search.found();
+      }
+      for (auto i=std::lower_bound(blocks.begin(),blocks.end(),primID,[](const VertHeader* block, uint32_t id) { return block->primID < id; });
+           i != blocks.end() && (*i)->primID == primID; i++)
+        search.look(*i,primID);
       return search.found();
     }
 

@@ -29,12 +29,10 @@ namespace embree
       bool find (uint32_t primID, float u, float v, const float* Ng, RTCCompressedTriangle& triangle) const;
 
     private:
-      struct Entry
-      {
-        const VertHeader* block;
-        uint32_t lowest, highest, highestSoFar; //!< primitives that it may have, and the highest of all up to here
-      };
-      std::vector<Entry> blocks; //!< in the order of their lowest
+      enum : uint32_t { none = 0xFFFFFFFFu };
+
+      std::vector<const VertHeader*> blocks; //!< in the order of primitives
+      std::vector<uint32_t> blockOf;         //!< of each primitive, if blocks number their quads; empty if they do not
     };
 
     /*! Calls closure(part) for the blocks of a surface until it returns false. Throws where one is not cVERT. */
