@@ -5,6 +5,7 @@
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "basics/progress.h"
+#include "surface/mesh.h"
 
 #include <cstdint>
 #include <set>
@@ -107,14 +108,19 @@ void validateBuild(const BuildSettings& settings)
 
 BuiltScene::BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings)
   : what(representation), name(settings.name.empty() ? what.label() : settings.name), patches(model.layout(settings.level)),
-    facesOfCopy(model.cage.numFaces()), quadsOfCopy(patches.numQuads() / model.copies.size())
+    facesOfCopy(model.cage.numFaces()), quadsOfCopy(patches.numQuads() / model.copies.size()), numGeometries(model.copies.size())
 {
-  device = std::make_unique<EmbreeDevice>(deviceConfig(representation, settings));
+  BuildSettings own = settings;
+  if (model.isMesh && own.maxError == 0.0f)
+    own.maxError = model.spacing; // vertices that lie on a lattice stay where they are
+  device = std::make_unique<EmbreeDevice>(deviceConfig(representation, own));
   scene.reset(rtcNewScene(device->handle()));
   if (settings.filters)
     rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   device->check("making a scene");
-  if (representation.kind == RepresentationKind::Naive)
+  if (model.isMesh)
+    buildMesh(model);
+  else if (representation.kind == RepresentationKind::Naive)
     buildTriangles(model, settings);
   else
     buildSubdivision(model, settings);
@@ -146,11 +152,43 @@ void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& setti
   attachCopies(*device, scene.get(), model, settings.level, contexts, what.isCompressed() ? &arguments : nullptr);
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");
-  if (what.isCompressed())
-  {
-    rtcGetSceneCompressionStatistics(scene.get(), &built.compression);
-    device->check("asking for the compression statistics");
-  }
+  askForStatistics();
+}
+
+void BuiltScene::askForStatistics()
+{
+  if (!what.isCompressed())
+    return;
+  rtcGetSceneCompressionStatistics(scene.get(), &built.compression);
+  device->check("asking for the compression statistics");
+}
+
+/* A mesh of triangles alone is a geometry of triangles, else they are quads whose last two vertices are one. */
+void BuiltScene::buildMesh(const Model& model)
+{
+  if (what.kind != RepresentationKind::Grid && what.kind != RepresentationKind::CVert)
+    throw Error("--mesh has no " + what.label() + ": it is traced as grid, by Embree's own kernel of quads or triangles, or as cvert");
+  const Cage& mesh = model.cage;
+  bool ofTriangles = true;
+  for (size_t face = 0; face < mesh.numFaces(); face++)
+    ofTriangles &= isTriangle(mesh, face);
+  GeometryHandle geometry(rtcNewGeometry(device->handle(), ofTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD));
+  void* vertices = rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), mesh.positions.size());
+  device->check("allocating the vertices of a mesh");
+  std::copy(mesh.positions.begin(), mesh.positions.end(), static_cast<Vec3f*>(vertices));
+  const unsigned corners = ofTriangles ? 3 : 4;
+  uint32_t* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, ofTriangles ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4,
+                                                                     corners * sizeof(uint32_t), mesh.numFaces()));
+  device->check("allocating the faces of a mesh");
+  for (size_t face = 0; face < mesh.numFaces(); face++)
+    std::copy_n(&mesh.faceIndices[4 * face], corners, indices + corners * face);
+  const auto start = std::chrono::steady_clock::now();
+  rtcCommitGeometry(geometry.get());
+  rtcAttachGeometry(scene.get(), geometry.get());
+  device->check("committing a mesh");
+  built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  commit("build");
+  askForStatistics();
 }
 
 /* NAIVE's vertices are GRID's own: a second subdivision geometry, built as GRID and

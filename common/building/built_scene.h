@@ -28,7 +28,7 @@ struct StoredMesh
 {
   std::vector<Vec3f> vertices;                  // where blocks meet, twice, as the same floats
   std::vector<std::array<unsigned, 4>> quads;   // 00, 10, 11, 01: around the quad
-  std::vector<unsigned> faces;                  // of quads, as hits have them
+  std::vector<unsigned> faces;                  // of quads, as hits have them; of two triangles the first
 };
 
 /* A bound on what cVERT moves vertices by, in pixels of a camera. */
@@ -112,13 +112,15 @@ public:
 private:
   void buildSubdivision(const Model& model, const BuildSettings& settings);
   void buildTriangles(const Model& model, const BuildSettings& settings);
+  void buildMesh(const Model& model);
+  void askForStatistics();
   void fillTriangles(RTCGeometry triangles, const PatchLayout& layout, const BuildSettings& settings);
   void commit(const char* doing);
 
   Representation what;
   std::string name; // in lines of progress
   PatchLayout patches;
-  size_t facesOfCopy, quadsOfCopy;
+  size_t facesOfCopy, quadsOfCopy, numGeometries;
   std::vector<DisplacementContext> contexts; // one a copy
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device

@@ -50,12 +50,12 @@ StoredMesh BuiltScene::storedMesh() const
         {
           const unsigned i = first + y * width + x;
           mesh.quads.push_back({i, i + 1, i + width + 1, i + width});
-          mesh.faces.push_back(unsigned(sum.firstFace + part->primID));
+          mesh.faces.push_back(unsigned(sum.firstFace + (part->primIDs ? part->primIDs[(y * (width - 1) + x) * part->primitivesPerQuad] : part->primID)));
         }
       return !cancelRequested();
     }
   } sum;
-  for (size_t i = 0; i < contexts.size(); i++)
+  for (size_t i = 0; i < numGeometries; i++)
   {
     sum.firstFace = i * facesOfCopy;
     rtcForEachCompressedPart(rtcGetGeometry(scene.get(), unsigned(i)), Sum::add, &sum);

@@ -43,6 +43,7 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
   if (!cage.empty())
   {
     opened.cagePath = cage;
+    opened.meshPath.clear();
     opened.scene.clear();
     opened.rough = false;
     opened.mapping.clear();

@@ -79,6 +79,15 @@ inline void addFiles(CLI::App& app, std::vector<std::string>& files)
   app.add_option("files", files, "a control cage (OBJ) and a height map, as with --cage and --height")->type_name("FILE");
 }
 
+/* A mesh in place of a scene. */
+inline void addMeshOption(CLI::App& app, SceneSettings& settings)
+{
+  app.add_option("--mesh", settings.meshPath,
+                 "instead of a scene: quads and triangles that are traced as they are, OBJ, as sculpting programs export them, and\n"
+                 "--export of cbvh_render; grid is Embree's own kernel of quads or triangles then, cvert compresses them")
+    ->type_name("FILE");
+}
+
 /* What a model is made of, but for --scene. */
 inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
 {

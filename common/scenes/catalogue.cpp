@@ -12,6 +12,7 @@
 #include "scenes/trex.h"
 #include "surface/cage_validation.h"
 #include "surface/height_map.h"
+#include "surface/mesh.h"
 #include "surface/obj_reader.h"
 #include "surface/udim_tiles.h"
 #include "surface/up_axis.h"
@@ -35,7 +36,7 @@ DisplacementMap mapOf(const SceneSettings& settings, const Cage& cage)
   return map;
 }
 
-void chooseUp(Model& model, const SceneSettings& settings, std::string& warnings)
+void chooseUp(Model& model, const SceneSettings& settings, const std::string& path, std::string& warnings)
 {
   model.isUpGuessed = settings.up.empty() || settings.up == "auto";
   if (model.isUpGuessed)
@@ -43,7 +44,7 @@ void chooseUp(Model& model, const SceneSettings& settings, std::string& warnings
     const UpGuess guess = guessUp(model.cage);
     model.up = guess.axis;
     if (!guess.reason.empty())
-      warnings += settings.cagePath + ": " + guess.axis + " is taken for up, as " + guess.reason + "; if it is not, give --up y\n";
+      warnings += path + ": " + guess.axis + " is taken for up, as " + guess.reason + "; if it is not, give --up y\n";
   }
   else
     model.up = settings.up;
@@ -56,9 +57,21 @@ Model loadCage(const SceneSettings& settings, std::string& warnings)
   model.cage = readObj(settings.cagePath, warnings);
   model.name = std::filesystem::path(settings.cagePath).stem().string();
   validateCage(model.cage, warnings);
-  chooseUp(model, settings, warnings);
+  chooseUp(model, settings, settings.cagePath, warnings);
   if (!settings.heightPath.empty())
     model.displacement = displaceByMap(model.cage, mapOf(settings, model.cage), warnings);
+  return model;
+}
+
+Model loadMesh(const SceneSettings& settings, std::string& warnings)
+{
+  Model model;
+  model.isMesh = true;
+  model.cage = readObj(settings.meshPath, warnings);
+  model.name = std::filesystem::path(settings.meshPath).stem().string();
+  makeQuads(model.cage, settings.meshPath);
+  model.spacing = latticeSpacing(model.cage.positions);
+  chooseUp(model, settings, settings.meshPath, warnings);
   return model;
 }
 
@@ -141,8 +154,10 @@ std::string listOfScenes()
 
 void validateScene(const SceneSettings& s)
 {
-  if (s.scene.empty() == s.cagePath.empty())
-    throw Error("give either --scene NAME, one of " + listOfScenes() + ", or --cage FILE");
+  if (int(!s.scene.empty()) + int(!s.cagePath.empty()) + int(!s.meshPath.empty()) != 1)
+    throw Error("give either --scene NAME, one of " + listOfScenes() + ", --cage FILE or --mesh FILE");
+  if (!s.meshPath.empty() && !s.heightPath.empty())
+    throw Error("--height belongs to --cage, a mesh is traced as it is");
   if (!s.scene.empty() && !findScene(s.scene))
     throw Error("unknown --scene '" + s.scene + "', known are " + listOfScenes());
   if (!s.scene.empty() && !s.heightPath.empty())
@@ -158,8 +173,8 @@ void validateScene(const SceneSettings& s)
     throw Error("--count belongs to --scene herd");
   if (s.count && (*s.count < 1 || *s.count > herdMostCount))
     throw Error("--count " + std::to_string(*s.count) + " is out of range, 1 to " + std::to_string(herdMostCount));
-  if (!s.up.empty() && s.cagePath.empty())
-    throw Error("--up belongs to --cage");
+  if (!s.up.empty() && s.cagePath.empty() && s.meshPath.empty())
+    throw Error("--up belongs to --cage and --mesh");
   if (s.amplitude && !std::isfinite(*s.amplitude))
     throw Error("--amplitude must be finite");
   validateMap(s);
@@ -183,6 +198,8 @@ Model loadScene(const SceneSettings& given, std::string& warnings)
 {
   validateScene(given);
   const SceneSettings settings = withStrength(given);
+  if (!settings.meshPath.empty())
+    return loadMesh(settings, warnings);
   if (settings.scene.empty())
     return loadCage(settings, warnings);
   Model model = findScene(settings.scene)->make(settings);

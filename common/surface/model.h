@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A displaced subdivision surface, or many copies of one, and how it likes to be
+/* A displaced subdivision surface, or many copies of one, or a mesh that is traced as it is, and how it likes to be
  * looked at. */
 
 #include "surface/cage.h"
@@ -49,7 +49,9 @@ struct Placement
 struct Model
 {
   std::string name;
-  Cage cage;
+  Cage cage;                                        // of a mesh: its faces, of 4 vertices each, of which triangles have the last twice
+  bool isMesh = false;
+  float spacing = 0;                                // of a lattice that all vertices of a mesh lie on, 0 if there is none
   std::shared_ptr<const Displacement> displacement; // none: the limit surface itself
   std::vector<Placement> copies{Placement()};       // each a geometry of its own, no instances
   ViewHints view;
@@ -58,7 +60,7 @@ struct Model
 
   size_t numFaces() const { return cage.numFaces() * copies.size(); }
   size_t numVertices() const { return cage.positions.size() * copies.size(); }
-  PatchLayout layout(int level) const { return PatchLayout(cage, level, copies.size()); }
+  PatchLayout layout(int level) const { return PatchLayout(cage, isMesh ? 0 : level, copies.size()); }
 
   /* Control points of all copies. */
   std::vector<Vec3f> positions() const

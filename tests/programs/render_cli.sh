@@ -210,6 +210,28 @@ grep -q "magenta" "$folder/back_sides" || complain "no word on what magenta is"
 run edge --cage "$folder/edge.obj" --representation cleaf
 grep -q "cbvh_render: warning: .*not manifold" "$folder/edge.err" || complain "no word on an edge of three faces"
 
+# Out again, and in again: the same picture to the bit. Meshes of quads, of triangles, and of both.
+for scene in cube frog; do
+  run out_$scene --scene $scene --view 3,2,4,0,0,0,35 --export "$folder/$scene.obj"
+  run in_$scene --mesh "$folder/$scene.obj" --view 3,2,4,0,0,0,35
+  cmp -s "$folder/out_$scene.out/${scene}_cvert.png" "$folder/in_$scene.out/${scene}_cvert.png" || complain "$scene is another one as a mesh"
+done
+awk '$1 == "f" { print "f", $2, $3, $5; print "f", $3, $4, $5; next } { print }' "$folder/cube.obj" >"$folder/triangles.obj"
+awk '$1 == "f" && NR % 2 { print "f", $2, $3, $5; print "f", $3, $4, $5; next } { print }' "$folder/cube.obj" >"$folder/both.obj"
+for mesh in triangles both; do
+  run $mesh --mesh "$folder/$mesh.obj" --compare --details --view 3,2,4,0,0,0,35
+  grep -q "^| false hits + misses *| *- *| *0 + 0" "$folder/$mesh" || complain "$mesh: hits of a mesh: $(cat "$folder/$mesh")"
+done
+cmp -s "$folder/out_cube.out/cube_cvert.png" "$folder/triangles.out/triangles_cvert.png" || complain "triangles are no quads"
+for i in 1 2 3 4 5; do echo "v $i $((i * i)) 0"; done >"$folder/five.obj"
+echo "f 1 2 3 4 5" >>"$folder/five.obj"
+refuses "face 0 has 5 vertices" --mesh "$folder/five.obj"
+refuses "give either --scene" --mesh "$folder/quad.obj" --scene cube
+refuses "a mesh is traced as it is" --mesh "$folder/quad.obj" --height "$folder/text.png"
+refuses "belongs to cages" --mesh "$folder/quad.obj" --true-surface 100
+refuses "not among the representations" --scene cube --representation grid --export "$folder/none.obj"
+expect_refusal "has no cLEAF" --mesh "$folder/quad.obj" --representation cleaf --size 16x16 --output "$folder/cleaf.out"
+
 # Standard output that cannot be written.
 for arguments in --help "--scene cube --level 1 --size 16x16 --representation grid --output $folder/full"; do
   # shellcheck disable=SC2086

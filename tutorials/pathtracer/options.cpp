@@ -48,6 +48,7 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
                "cbvh_pathtracer");
   addFiles(app, files);
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
+  addMeshOption(app, o.scene);
   addSceneOptions(app, o.scene);
   app.add_option("--representation", representation,
                  listOfRepresentations(", ", " or ") + ", a frame level of its own after ^ or :")

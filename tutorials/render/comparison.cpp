@@ -23,6 +23,7 @@
 #include "pictures/sampled_picture.h"
 #include "programs/view_options.h"
 #include "programs/warnings.h"
+#include "surface/mesh.h"
 #include "tracing/trace_hits.h"
 
 #include <algorithm>
@@ -114,6 +115,11 @@ private:
     if (kind != RepresentationKind::Grid && !reference.empty() && !isReferenceItself(kind))
       result.errors = compareHits(reference, hits, camera.footprint(), scene.layout());
     writeOthers(scene, hits, result.errors.has_value());
+    if (kind == RepresentationKind::CVert && !options.exportPath.empty())
+    {
+      const StoredMesh mesh = scene.storedMesh();
+      writeObj(options.exportPath, mesh.vertices, mesh.quads);
+    }
     if (options.speed && kind != RepresentationKind::Grid)
       speed.measure(scene, grid, result);
     comparison.results.push_back(result);
@@ -229,6 +235,7 @@ private:
     comparison.faces = model.numFaces();
     comparison.vertices = model.numVertices();
     comparison.build = options.build;
+    comparison.isMesh = model.isMesh;
     comparison.size = options.size;
     comparison.camera = camera.description();
     comparison.speed = options.speed;

@@ -43,6 +43,7 @@ struct Comparison
   size_t primaryHits = 0;
   size_t rays[numRaySets] = {0, 0};
   bool speed = false;
+  bool isMesh = false;        // without levels
   bool compares = false;      // several representations
   std::string reference;      // what the errors are measured against, empty for no errors
   size_t trueHits = 0;        // compared with the true surface

@@ -7,6 +7,8 @@
 #include "programs/opened_files.h"
 #include "programs/view_options.h"
 
+#include <algorithm>
+
 namespace cbvh {
 namespace {
 
@@ -26,13 +28,14 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
 {
   addFiles(app, words.files);
   app.add_option("--scene", o.scene.scene, "instead of files, a generated scene: " + listOfScenes())->type_name("NAME");
+  addMeshOption(app, o.scene);
   addSceneOptions(app, o.scene);
   CLI::Option* const list =
     app.add_option("--representation", words.representations,
                    "comma list of " + listOfRepresentations(", ") + "; a frame level of its own after ^ or :. More than one are "
                    "compared: errors are measured against grid and naive, where those are among them")
       ->type_name("LIST")->capture_default_str();
-  app.add_flag("--compare", words.compare, "compares " + defaultRepresentations())->excludes(list);
+  app.add_flag("--compare", words.compare, "compares " + defaultRepresentations() + "; of --mesh grid,cvert")->excludes(list);
   addLevelOptions(app, o.build.level, words.frameLevel);
   app.add_option("--max-pixel-error", o.maxPixelError,
                  "spacing of cVERT's vertices in pixels of the view, at most; 0 for 1/36 of a quad's edge")
@@ -47,6 +50,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
     ->type_name("COLORS")->check(CLI::IsMember({"neutral", "sides"}))->capture_default_str();
   app.add_option("--output", o.output, "folder for the pictures, made if need be")
     ->type_name("DIR")->capture_default_str();
+  app.add_option("--export", o.exportPath, "write the surface there, too, as cvert stores it, OBJ: quads that --mesh reads")->type_name("FILE");
   app.add_flag("--exr", o.exr, "write the hits there, too: position, distance, normal, u, v and primID");
 }
 
@@ -88,9 +92,15 @@ void read(const Words& words, Options& o)
   o.scene.threads = o.build.threads;
   o.colors = words.colors == "sides" ? HitColors::Sides : HitColors::Neutral;
   o.size = parseImageSize(words.size);
-  o.representations =
-    parseRepresentationOptions(words.compare ? defaultRepresentations() : words.representations, words.frameLevel);
-  o.trueHits = words.trueHits.value_or(o.compares() ? 20000 : 0);
+  const bool isMesh = !o.scene.meshPath.empty();
+  const std::string compared = isMesh ? wordOf(RepresentationKind::Grid) + "," + wordOf(RepresentationKind::CVert) : defaultRepresentations();
+  o.representations = parseRepresentationOptions(words.compare ? compared : words.representations, words.frameLevel);
+  o.trueHits = words.trueHits.value_or(o.compares() && !isMesh ? 20000 : 0);
+  if (isMesh && o.trueHits)
+    throw Error("--true-surface belongs to cages: a mesh is its own surface");
+  const bool hasVert = std::any_of(o.representations.begin(), o.representations.end(), [](const Representation& r) { return r.kind == RepresentationKind::CVert; });
+  if (!o.exportPath.empty() && !hasVert)
+    throw Error("--export writes what cvert stores, which is not among the representations");
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
 }

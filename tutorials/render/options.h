@@ -30,6 +30,7 @@ struct Options
   bool exr = false;              // write the hits, too
   bool details = false;          // all rows of the table
   std::string json;              // also write the numbers there
+  std::string exportPath;        // where the surface goes as cVERT stores it, OBJ
   size_t rays = 500000;          // at most, a set, for speed
   int repeat = 5;
   bool speed = false;

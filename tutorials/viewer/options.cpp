@@ -40,6 +40,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
                "cbvh_viewer");
   addFiles(app, files);
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
+  addMeshOption(app, o.scene);
   addSceneOptions(app, o.scene);
   app.add_option("--representation", representations,
                  listOfRepresentations(", ", " or ") + ", a frame level of its own after ^ or :; "
@@ -62,7 +63,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
     return std::nullopt;
 
   nameFiles(files, o.scene);
-  const bool empty = o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.heightPath.empty();
+  const bool empty = o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty() && o.scene.heightPath.empty();
   if (!empty || !o.screenshot.empty()) // a window may start empty
     validateScene(o.scene);
   requireCage(o.scene.cagePath);

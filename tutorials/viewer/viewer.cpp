@@ -20,12 +20,12 @@ namespace {
 
 std::string nameOf(const SceneSettings& source)
 {
-  return source.scene.empty() ? std::filesystem::path(source.cagePath).filename().string() : source.scene;
+  return source.scene.empty() ? std::filesystem::path(source.cagePath + source.meshPath).filename().string() : source.scene;
 }
 
 bool sameCage(const SceneSettings& a, const SceneSettings& b)
 {
-  return a.scene == b.scene && a.cagePath == b.cagePath;
+  return a.scene == b.scene && a.cagePath == b.cagePath && a.meshPath == b.meshPath;
 }
 
 bool sameScenes(const std::vector<Pane>& a, const std::vector<Pane>& b)
@@ -43,7 +43,7 @@ Viewer::Viewer(const ViewerOptions& options) : options(options)
   wanted.level = options.build.level;
   wanted.mode = options.mode;
   shown = wanted;
-  if (!options.scene.scene.empty() || !options.scene.cagePath.empty())
+  if (!options.scene.scene.empty() || !options.scene.cagePath.empty() || !options.scene.meshPath.empty())
     open(options.scene);
 }
 
