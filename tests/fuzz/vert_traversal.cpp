@@ -38,6 +38,13 @@ size_t blockBytes(const uint8_t* data, size_t size)
   VertHeader header;
   memcpy(&header, data, sizeof(header));
   const VertLayout layout = vertLayout(header.region, header.boxForm);
+  if (size < layout.margins || (hasEdges(header.boxForm) && hasNumbers(header.boxForm))) return 0;
+  if (hasNumbers(header.boxForm)) {
+    if (patternOfNumbers(header.patchQuads) > numbersInTable || turnOfTriangle(header.patchQuads, false) > 2 || turnOfTriangle(header.patchQuads, true) > 2) return 0;
+    const VertNumbers numbers = numbersOf((const VertHeader*)data);
+    const bool isTable = patternOfNumbers(header.patchQuads) == numbersInTable;
+    if (isTable && (numbers.y > 32 || numbers.x + size_t(bytesOfNumberTable(vertQuadsX(header.region)*vertQuadsY(header.region), numbers.y)) > size)) return 0;
+  }
   if (isRaw(header.boxForm)) return layout.rawBytes <= size ? layout.rawBytes : 0;
   size_t bytes = layout.cell + cellBytes(header.word);
   if (bytes > size) return 0;

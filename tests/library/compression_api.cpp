@@ -342,7 +342,7 @@ TEST(SetGeometryCompression, RefusesGeometryOfOtherTypes)
 {
   Device device;
   const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF);
-  for (RTCGeometryType type : {RTC_GEOMETRY_TYPE_TRIANGLE, RTC_GEOMETRY_TYPE_QUAD, RTC_GEOMETRY_TYPE_INSTANCE, RTC_GEOMETRY_TYPE_USER}) {
+  for (RTCGeometryType type : {RTC_GEOMETRY_TYPE_SPHERE_POINT, RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE, RTC_GEOMETRY_TYPE_INSTANCE, RTC_GEOMETRY_TYPE_USER}) {
     RTCGeometry geometry = rtcNewGeometry(device, type);
     rtcSetGeometryCompression(geometry, &args);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << type;

@@ -72,9 +72,11 @@ namespace embree
     return parseSubdivAccel(subdivAccel,compression);
   }
 
-  /*! what one may have meant by a word that is none of these */
+  /*! what one may have meant by a word that is none of these: what it begins, or what is most like it */
   static std::string nearest (const std::string& word, const std::vector<std::string>& known)
   {
+    for (const std::string& other : known)
+      if (word.size() > 6 && other.compare(0,word.size(),word) == 0) return other;
     return *std::min_element(known.begin(),known.end(),[&](const std::string& a, const std::string& b) { return distance(word,a) < distance(word,b); });
   }
 

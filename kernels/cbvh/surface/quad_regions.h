@@ -12,7 +12,7 @@
  *     v0 --- v1 --- .       triangles as in their mesh, and a vertex of a region is one of the mesh, whichever quad is asked. */
 
 #include "../embree/scene.h"
-#include "../vert/numbers.h"
+#include "../base/quad_numbers.h"
 #include <memory>
 #include <vector>
 
@@ -32,7 +32,7 @@ namespace embree
     /*! primID, and that of its second triangle less 1 */
     unsigned number (size_t quad) const { return unsigned(quad); }
 
-    /*! see vert/numbers.h */
+    /*! see base/quad_numbers.h */
     unsigned form (size_t) const { return 0; }
   };
 

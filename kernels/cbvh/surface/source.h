@@ -47,7 +47,7 @@ namespace embree
 
     static const unsigned looseSide = 4; //!< quads of a mesh that lie in no grid of so many along each side are loose
 
-    /*! Quads that are primitives of their own, vert/numbers.h. */
+    /*! Quads that are primitives of their own, base/quad_numbers.h. */
     struct QuadNumbers
     {
       uint32_t form;                 //!< without a pattern

@@ -22,8 +22,8 @@
 #define CBVH_VERT_FORMAT_H
 
 #include "cell.h"
-#include "numbers.h"
 #include "../base/kinds.h"
+#include "../base/quad_numbers.h"
 #include "../base/stitching.h"
 
 CBVH_BEGIN
@@ -45,7 +45,7 @@ struct VertHeader
   float origin[3];        //!< world position of the block's lowest lattice point
   uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
   uint32_t surface;       //!< number of the geometry's surface, surface_ids.h
-  uint32_t primID;        //!< or what the numbers of quads count from: numbers.h
+  uint32_t primID;        //!< or what the numbers of quads count from: base/quad_numbers.h
   uint32_t region;         //!< size and position: see the accessors
   uint32_t patchQuads;    //!< of the patch along u and v, less 1, 16 bits each; or the form of numbers
   uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 16 bits each: x, y, z of 00 first

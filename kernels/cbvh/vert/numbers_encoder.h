@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encoder of the numbers of a block's quads, vert/numbers.h: the first pattern that says all of them, else a table of as few bits
+/* Encoder of the numbers of a block's quads, base/quad_numbers.h: the first pattern that says all of them, else a table of as few bits
  * for each as their range takes. */
 
 #include "../surface/source.h"

@@ -29,8 +29,8 @@ namespace embree
           if (!std::isfinite(x)) return "an origin that is not finite";
         const VertLayout layout = vertLayout(header.region,header.boxForm);
         if (bytes < layout.margins) return "fewer bytes than header and edges have";
-        if (const char* error = hasNumbers(header.boxForm) ? errorOfNumbers(header,bytes) : errorOfPatch(header)) return error;
-        if (isRaw(header.boxForm)) return bytes < layout.rawBytes ? "fewer bytes than its vertices and boxes have" : nullptr;
+        if (const char* error = hasNumbers(header.boxForm) ? errorOfNumbers(header) : errorOfPatch(header)) return error;
+        if (isRaw(header.boxForm)) return bytes < layout.rawBytes ? "fewer bytes than its vertices and boxes have" : errorOfTable(header,layout.rawBytes,bytes);
 
         const int exponent = int(header.word >> 24) - 127;
         if (exponent < minLatticeExponent || exponent > maxLatticeExponent) return "a spacing out of range";
@@ -48,21 +48,28 @@ namespace embree
           if (!isForm(word)) return "a main axis or a slope of a group that is none";
           end += cellBytes(word);
         }
-        return bytes < end ? "fewer bytes than its fields have" : nullptr;
+        return bytes < end ? "fewer bytes than its fields have" : errorOfTable(header,end,bytes);
       }
 
     private:
       /*! axis and slopes, of a cell's word and of boxes */
       static bool isForm(uint32_t word) { return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope; }
 
-      static const char* errorOfNumbers(const VertHeader& header, size_t bytes)
+      static const char* errorOfNumbers(const VertHeader& header)
       {
         if (header.patchQuads >> 16 || patternOfNumbers(header.patchQuads) > numbersInTable) return "numbers of quads of a later format";
         for (bool isSecond : { false,true })
           if (turnOfTriangle(header.patchQuads,isSecond) > 2) return "a triangle that begins with no corner of its own";
-        if (patternOfNumbers(header.patchQuads) != numbersInTable) return nullptr;
+        return nullptr;
+      }
+
+      /*! end: of what is before it */
+      static const char* errorOfTable(const VertHeader& header, size_t end, size_t bytes)
+      {
+        if (!hasNumbers(header.boxForm) || patternOfNumbers(header.patchQuads) != numbersInTable) return nullptr;
         const VertNumbers numbers = numbersOf(&header);
-        if (numbers.y > 32) return "a table of numbers with more than 32 bits for each";
+        if (numbers.x < end) return "a table of numbers on other parts of the block";
+        if (numbers.y > 32u) return "a table of numbers with more than 32 bits for each";
         return bytes < size_t(numbers.x) + bytesOfNumberTable(vertQuadsX(header.region)*vertQuadsY(header.region),numbers.y) ? "fewer bytes than its table of numbers has" : nullptr;
       }
 

@@ -14,8 +14,8 @@
  * The numbers of triangles are those of the quad's first triangle, and 1 more for the second. A triangle's parameters depend on
  * which of its corners the application begins with: forms hold that. */
 
-#ifndef CBVH_VERT_NUMBERS_H
-#define CBVH_VERT_NUMBERS_H
+#ifndef CBVH_QUAD_NUMBERS_H
+#define CBVH_QUAD_NUMBERS_H
 
 #include "../base/language.h"
 
