@@ -247,8 +247,16 @@ GeometryHandle DicedSurface::makeGeometry(EmbreeDevice& device, const DicedInput
 {
   if (input.shape == DicedInput::Grids)
     return makeGrids(device, input.gridQuads);
-  const bool ofTriangles = input.shape == DicedInput::Triangles;
-  const QuadMesh mesh = this->mesh(input.order);
+  if (!made || orderMade != input.order)
+  {
+    made = mesh(input.order);
+    orderMade = input.order;
+  }
+  return makeIndexed(device, *made, input.shape == DicedInput::Triangles);
+}
+
+GeometryHandle DicedSurface::makeIndexed(EmbreeDevice& device, const QuadMesh& mesh, bool ofTriangles) const
+{
   GeometryHandle geometry(rtcNewGeometry(device.handle(), ofTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD));
   copyVertices(device, geometry.get(), mesh.vertices);
   const size_t indices = ofTriangles ? 3 : 4, faces = mesh.quads.size() * (ofTriangles ? 2 : 1);

@@ -11,6 +11,7 @@
 #include "surface/model.h"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,18 +53,21 @@ public:
   /* A vertex for all that patches share. Throws Error where OpenSubdiv's refinement is not what the patches say. */
   QuadMesh mesh(DicedInput::Order order) const;
 
-  /* A geometry that has its own copy of the vertices, not committed. */
+  /* A geometry that has its own copy of the vertices, not committed. Not by several threads. */
   GeometryHandle makeGeometry(EmbreeDevice& device, const DicedInput& input) const;
 
 private:
   void weld(const Cage& cage, size_t firstPatch, size_t numPatches);
   GeometryHandle makeGrids(EmbreeDevice& device, unsigned gridQuads) const;
+  GeometryHandle makeIndexed(EmbreeDevice& device, const QuadMesh& mesh, bool asTriangles) const;
 
   Model model;
   int level;
   PatchLayout layout;
   std::vector<Vec3f> positions; // of the patches, one after the other
   std::vector<unsigned> first;  // vertex that each is the same as
+  mutable std::optional<QuadMesh> made; // last
+  mutable DicedInput::Order orderMade = DicedInput::Refined;
 };
 
 } // namespace cbvh

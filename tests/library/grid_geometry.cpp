@@ -38,7 +38,8 @@ TEST_P(GridGeometry, HitsAreEmbrees)
   Random random(101);
   const double lattice = 0x1p-10;
   const struct { const char* name; Diced diced; } shapes[] = {
-    {"one grid", dicedSheet(1, 64, lattice)}, {"small grids", dicedSheet(9, 4, lattice)}, {"grids of 33 quads", dicedSheet(2, 33, lattice)}, {"odd grids", oddGrids(lattice)}};
+    {"one grid", dicedSheet(1, 64, lattice)}, {"a grid of 1000 quads a side", dicedSheet(1, 1000, 0x1p-14)}, {"small grids", dicedSheet(9, 4, lattice)},
+    {"grids of 8 quads", dicedSheet(5, 8, lattice)}, {"grids of 16 quads", dicedSheet(3, 16, lattice)}, {"grids of 33 quads", dicedSheet(2, 33, lattice)}, {"odd grids", oddGrids(lattice)}};
   for (const auto& shape : shapes) {
     SCOPED_TRACE(shape.name);
     const GridScene embree(device, shape.diced, RTC_COMPRESSION_NONE), scene(device, shape.diced);

@@ -101,7 +101,7 @@ FUNCTIONS = (
     # grids that applications dice
     Entry("GridVertices::isOnEdge", 2, GRIDS),
     Entry("GridVertices::parameterOn", 1, GRIDS),
-    Entry("GridVertices::isValid", 2, GRIDS),
+    Entry("GridsOfGridMesh::isValid", 2, GRIDS),
     Entry("takeLessAsBlocks", 2, GRIDS),
     Entry("shareBorder", 3, BORDERS, {
         "at < part . x0 [|| => &&]": "parts that are written are whole rows",

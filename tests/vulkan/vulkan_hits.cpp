@@ -193,7 +193,7 @@ void addTriangles(RTCDevice device, RTCScene scene, Random& random, unsigned cou
 TEST_F(VulkanHits, OfCompressedGridsAreTheProcessors)
 {
   Agreement sum;
-  for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(12, 4), dicedBall(2, 11)}) {
+  for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(12, 4), dicedSheet(6, 8), dicedSheet(3, 16), dicedSheet(1, 64), dicedSheet(1, 1000), dicedBall(2, 11)}) {
     Scene scene(embree);
     rtcAttachGeometryByID(scene, newGrids(embree, diced, RTC_COMPRESSION_VERT), 3);
     rtcReleaseGeometry(rtcGetGeometry(scene, 3));

@@ -112,13 +112,19 @@ namespace embree
       return bytes;
     }
 
-    /*! Takes a geometry from Embree's kernels if it asks for that and there is no reason not to. An empty one is not worth a message. */
+    /*! to who asks to be told */
+    void say (const CompressibleGeometry* geometry, const std::string& what)
+    {
+      if (!geometry->device->verbosity(1) && !environmentAsksForCommitLines()) return;
+      Lock<MutexSys> lock(g_printMutex);
+      std::cout << "compression: " << what << std::endl;
+    }
+
+    /*! Takes a geometry from Embree's kernels if it asks for that and there is no reason not to. An empty reason is not worth a message. */
     void choose (CompressibleGeometry* geometry, bool asks, const char* whyNot, const char* primitives)
     {
       geometry->setCompressed(asks && !whyNot);
-      if (!asks || !whyNot || *whyNot == 0 || !(geometry->device->verbosity(1) || environmentAsksForCommitLines())) return;
-      Lock<MutexSys> lock(g_printMutex);
-      std::cout << "compression: " << geometry->size() << " " << primitives << whyNot << ": left to Embree's kernel of " << primitives << std::endl;
+      if (asks && whyNot && *whyNot) say(geometry,std::to_string(geometry->size()) + " " + primitives + whyNot + ": left to Embree's kernel of " + primitives);
     }
 
     /*! Throws where a face has indices or vertices that are not there: Embree reads them. */
@@ -186,6 +192,7 @@ namespace embree
       const std::shared_ptr<const QuadRegions> regions = QuadRegions::find(mesh);
       whyNot = !regions || 4*bytesAsBlocks(*regions) > 3*bytesInEmbree*mesh->size() ? " do not lie in grids" : nullptr;
       if (!whyNot) std::atomic_store(&mesh->surface.regions,regions);
+      if (!whyNot && regions->numLeftOut) say(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " " + primitives + " have indices that are no vertices: left out");
     }
     choose(mesh,asks,whyNot,primitives);
     return true;

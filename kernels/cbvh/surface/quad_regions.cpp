@@ -37,7 +37,7 @@ namespace embree
       }
 
     private:
-      static const unsigned none = ~0u;
+      enum : unsigned { none = ~0u };
       static const size_t perTask = 1 << 14;
 
       enum Flags : uint8_t { TAKEN = 1, HAS_LEFT = 2, HAS_BELOW = 4 };
@@ -71,9 +71,9 @@ namespace embree
       /*! Vertices that the quads have; false if a table of them would be much larger than the mesh. */
       bool findRange ()
       {
-        typedef std::pair<unsigned,unsigned> Range;
-        const Range range = parallel_reduce(size_t(0),quads.size(),perTask,Range(none,0),[&](const embree::range<size_t>& r) {
-            Range of(none,0);
+        typedef std::pair<unsigned,unsigned> Range; // lowest, highest
+        const Range range = parallel_reduce(size_t(0),quads.size(),perTask,Range(unsigned(none),0u),[&](const embree::range<size_t>& r) {
+            Range of(unsigned(none),0u);
             for (size_t i=r.begin(); i!=r.end(); i++) {
               const Quad q = quad(unsigned(i));
               if (isValid(q)) of = Range(min(of.first,q.v[0]),max(of.second,q.v[0]));
@@ -84,7 +84,7 @@ namespace embree
         lowest = range.first;
         const size_t size = size_t(range.second-range.first) + 1;
         if (size/16 > quads.size()) return false;
-        begins.assign(size,none);
+        begins.assign(size,unsigned(none));
         return true;
       }
 

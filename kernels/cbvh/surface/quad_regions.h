@@ -105,8 +105,6 @@ namespace embree
 
     PairsOfMesh pairs (const TriangleMesh* mesh) const { return PairsOfMesh{ mesh,firsts.empty() ? nullptr : &firsts }; }
 
-    size_t bytes () const { return regions.capacity()*sizeof(Region) + (quads.capacity()+firsts.capacity())*sizeof(unsigned); }
-
     /*! Null where a look at some quads says that it is not regular. */
     static std::shared_ptr<const QuadRegions> find (const QuadMesh* mesh);
     static std::shared_ptr<const QuadRegions> find (const TriangleMesh* mesh);

@@ -29,7 +29,7 @@
 CBVH_BEGIN
 
 /*! of the bytes described here and in FORMAT_VERT.md; a change that readers have to know of counts up */
-CBVH_CONSTANT uint32_t vertFormatVersion = 2u;
+CBVH_CONSTANT uint32_t vertFormatVersion = 3u;
 
 CBVH_CONSTANT uint32_t groupQuads = 4u;         //!< along a side of a group
 CBVH_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^this quads along a side
