@@ -133,7 +133,7 @@ namespace embree
       {
         std::shared_ptr<const QuadRegions> found = std::atomic_load(&mesh->surface.regions);
         if (!found) found = QuadRegions::find(mesh);
-        return found ? found : std::make_shared<const QuadRegions>();
+        return found ? found : std::make_shared<const QuadRegions>(mesh->device);
       }
 
       const std::shared_ptr<const QuadRegions> regions;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <tuple>
+#include <vector>
 
 namespace embree
 {
@@ -19,7 +20,8 @@ namespace embree
     class RegionFinder
     {
     public:
-      RegionFinder (const Quads& quads, size_t numVertices, QuadRegions& out) : quads(quads), numVertices(numVertices), out(out) {}
+      RegionFinder (const Quads& quads, size_t numVertices, Device* device, QuadRegions& out)
+        : quads(quads), numVertices(numVertices), out(out), begins(device,0), flags(device,0) {}
 
       /*! false if it is not regular */
       bool run ()
@@ -32,7 +34,6 @@ namespace embree
           for (unsigned side : { 16u,4u }) take(seeds,side);
         take(CORNERS,1);
         take(ALL,1);
-        out.quads.shrink_to_fit();
         return true;
       }
 
@@ -84,7 +85,8 @@ namespace embree
         lowest = range.first;
         const size_t size = size_t(range.second-range.first) + 1;
         if (size/16 > quads.size()) return false;
-        begins.assign(size,unsigned(none));
+        begins.resize(size);
+        std::fill(begins.begin(),begins.end(),unsigned(none));
         return true;
       }
 
@@ -157,7 +159,9 @@ namespace embree
 
       void findNeighbours ()
       {
-        flags.assign(quads.size(),0);
+        flags.resize(quads.size());
+        std::fill(flags.begin(),flags.end(),uint8_t(0));
+        out.quads.reserve(quads.size());
         parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
             for (size_t i=r.begin(); i!=r.end(); i++) {
               const Quad q = quad(unsigned(i));
@@ -256,23 +260,23 @@ namespace embree
       const size_t numVertices;
       QuadRegions& out;
       unsigned lowest = 0;
-      std::vector<unsigned> begins;                //!< lowest quad that begins at a vertex
+      mvector<unsigned> begins;                    //!< lowest quad that begins at a vertex
       std::vector<Other> othersRight, othersAbove; //!< the other quads there, by what they have to share
-      std::vector<uint8_t> flags;
+      mvector<uint8_t> flags;
       std::vector<unsigned> corners;               //!< that came up while regions were taken
       std::vector<std::vector<Quad>> rows;         //!< of the region that grows
       std::vector<Quad> line;
     };
 
     template<typename Quads>
-    std::shared_ptr<const QuadRegions> findRegions (const Quads& quads, size_t numVertices, const std::shared_ptr<QuadRegions>& out)
+    std::shared_ptr<const QuadRegions> findRegions (const Quads& quads, size_t numVertices, Device* device, const std::shared_ptr<QuadRegions>& out)
     {
-      if (quads.size() == 0 || !RegionFinder<Quads>(quads,numVertices,*out).run()) return nullptr;
+      if (quads.size() == 0 || !RegionFinder<Quads>(quads,numVertices,device,*out).run()) return nullptr;
       return out;
     }
 
     /*! Whether all pairs are of triangles 2i and 2i+1; else collects the first of each. */
-    void findPairs (const TriangleMesh* mesh, std::vector<unsigned>& firsts)
+    void findPairs (const TriangleMesh* mesh, mvector<unsigned>& firsts)
     {
       const size_t n = mesh->triangles.size();
       auto isPair = [&](size_t i) {
@@ -291,13 +295,13 @@ namespace embree
   }
 
   std::shared_ptr<const QuadRegions> QuadRegions::find (const QuadMesh* mesh) {
-    return findRegions(QuadsOfMesh{ mesh },mesh->numVertices(),std::make_shared<QuadRegions>());
+    return findRegions(QuadsOfMesh{ mesh },mesh->numVertices(),mesh->device,std::make_shared<QuadRegions>(mesh->device));
   }
 
   std::shared_ptr<const QuadRegions> QuadRegions::find (const TriangleMesh* mesh)
   {
-    const std::shared_ptr<QuadRegions> out = std::make_shared<QuadRegions>();
+    const std::shared_ptr<QuadRegions> out = std::make_shared<QuadRegions>(mesh->device);
     findPairs(mesh,out->firsts);
-    return findRegions(out->pairs(mesh),mesh->numVertices(),out);
+    return findRegions(out->pairs(mesh),mesh->numVertices(),mesh->device,out);
   }
 }

@@ -14,7 +14,6 @@
 #include "../embree/scene.h"
 #include "../base/quad_numbers.h"
 #include <memory>
-#include <vector>
 
 namespace embree
 {
@@ -40,7 +39,7 @@ namespace embree
   struct PairsOfMesh
   {
     const TriangleMesh* mesh;
-    const std::vector<unsigned>* firsts; //!< triangles of pairs; null if pair i begins with triangle 2i
+    const mvector<unsigned>* firsts; //!< triangles of pairs; null if pair i begins with triangle 2i
 
     size_t size () const { return firsts ? firsts->size() : mesh->triangles.size()/2; }
     unsigned number (size_t pair) const { return firsts ? (*firsts)[pair] : unsigned(2*pair); }
@@ -98,10 +97,12 @@ namespace embree
     /*! A region has at most so many quads along a side: its vertices have one lattice, and quads of a mesh may grow along it. */
     static const unsigned maxSide = 64;
 
-    std::vector<Region> regions;
-    std::vector<unsigned> quads;  //!< of each region, row by row from its v0
-    std::vector<unsigned> firsts; //!< of PairsOfMesh; empty if that needs none
+    mvector<Region> regions;
+    mvector<unsigned> quads;  //!< of each region, row by row from its v0
+    mvector<unsigned> firsts; //!< of PairsOfMesh; empty if that needs none
     size_t numLeftOut = 0;        //!< quads and triangles with an index that is no vertex, which rays do not hit
+
+    explicit QuadRegions (Device* device) : regions(device,0), quads(device,0), firsts(device,0) {}
 
     PairsOfMesh pairs (const TriangleMesh* mesh) const { return PairsOfMesh{ mesh,firsts.empty() ? nullptr : &firsts }; }
 
