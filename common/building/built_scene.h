@@ -103,7 +103,7 @@ public:
   /* Translates what Embree reports; NAIVE's triangles become faces and (u,v). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const;
 
-  /* The vertices of the triangle that a hit is on, as they are stored; false where there is none. Of cVERT; throws Error of others. */
+  /* The vertices of the triangle that a hit is on, as they are stored; false where there is none. Of cVERT and cGRID; throws Error of others. */
   bool triangleOf(const SurfaceHit& hit, Vec3f vertices[3]) const;
 
   /* All that is stored, likewise. */

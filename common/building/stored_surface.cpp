@@ -12,11 +12,16 @@
 #include <cstring>
 
 namespace cbvh {
+namespace {
+
+bool hasTriangles(const Representation& what) { return what.kind == RepresentationKind::CVert || what.kind == RepresentationKind::CGrid; }
+
+} // namespace
 
 bool BuiltScene::triangleOf(const SurfaceHit& hit, Vec3f vertices[3]) const
 {
-  if (what.kind != RepresentationKind::CVert)
-    throw Error(what.label() + " has no triangles to look up, only cVERT has");
+  if (!hasTriangles(what))
+    throw Error(what.label() + " has no triangles to look up, only cVERT and cGRID have");
   if (!hit.hit())
     return false;
   RTCCompressedTriangle triangle;
@@ -31,8 +36,8 @@ bool BuiltScene::triangleOf(const SurfaceHit& hit, Vec3f vertices[3]) const
 
 StoredMesh BuiltScene::storedMesh() const
 {
-  if (what.kind != RepresentationKind::CVert)
-    throw Error(what.label() + " has no triangles to hand out, only cVERT has");
+  if (!hasTriangles(what))
+    throw Error(what.label() + " has no triangles to hand out, only cVERT and cGRID have");
   struct Sum
   {
     StoredMesh mesh;

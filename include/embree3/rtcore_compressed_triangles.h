@@ -4,7 +4,7 @@
 #pragma once
 
 /* Compressed surfaces out again: the triangles that rays hit, for renderers that offset rays from what they really hit, and for
- * bakes, exports and other renderers. Of geometry that is stored as cVERT, whose triangles are what is stored. */
+ * bakes, exports and other renderers. Of geometry that is stored as cVERT or cGRID, whose triangles are what is stored. */
 
 #include "rtcore_geometry.h"
 
@@ -19,21 +19,22 @@ struct RTCCompressedTriangle
 
 /* Looks up the triangle that a hit is on.
  *
- * geometry: stored as cVERT, in a scene that was committed, or by its own commit (RTC_COMPRESSION_FLAG_RELEASE_INPUT).
+ * geometry: stored as cVERT or cGRID, in a scene that was committed, or by its own commit (RTC_COMPRESSION_FLAG_RELEASE_INPUT).
  * primID, u, v, Ng: of the hit. Ng is 3 floats and chooses between triangles on whose common edge (u,v) lies; NULL takes any of them.
  * triangle: written if there is one; not NULL. Its vertices are in the order of the patch: quad (x,y) has the triangles
  *           (x,y), (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). Of quad meshes and triangle meshes they are in the order of the
  *           primitive: v0, v1, v3 or v2, v3, v1 of a quad.
  *
  * Returns whether (u,v) is on a triangle of the primitive: false for an unknown primID, and where triangles were left out. The first
- * call after a commit makes an index of the geometry's blocks, of 8 bytes each, and
+ * call after a commit makes an index of the geometry's blocks, of 16 bytes each, and
  * of quad meshes and triangle meshes of 4 bytes for each primitive.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL; RTC_ERROR_INVALID_OPERATION for a geometry that was not compressed, or is stored as
- * anything but cVERT, if in part. Thread safety: as rtcInterpolate. */
+ * anything else, if in part: cLEAF and cVOXEL have no triangles. Thread safety: as rtcInterpolate. */
 RTC_API bool rtcGetCompressedTriangle(RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle);
 
-/* Up to 16 x 16 quads. Neighbouring parts have the vertices that they share as the same floats. */
+/* Up to 16 x 16 quads, of cGRID up to 256 x 256. Neighbouring parts have the vertices that they share as the same floats; of
+ * cGRID those of one face have. */
 struct RTCCompressedPart
 {
   unsigned int primID;        /* that all quads are of, where primitivesPerQuad is 0 */

@@ -96,10 +96,11 @@ TEST(StoredTriangles, OfCagesAreThoseThatRaysHit)
   Displacement displacement;
   const struct { const char* name; Cage cage; } cages[] = {{"cube", cubeCage()}, {"pentagons", prismCage(5)}, {"triangles", prismCage(3)}, {"valence 9", trapezohedronCage(9)}};
   for (const auto& c : cages)
-    for (bool mixed : {false, true}) {
-      SCOPED_TRACE(testing::Message() << c.name << (mixed ? ", mixed rates" : ""));
+    for (int i = 0; i < 4; i++) {
+      const bool mixed = i & 1, isGrid = i & 2;
+      SCOPED_TRACE(testing::Message() << c.name << (isGrid ? ", cGRID" : "") << (mixed ? ", mixed rates" : ""));
       SurfaceSettings settings;
-      settings.compression = RTC_COMPRESSION_VERT;
+      settings.compression = isGrid ? RTC_COMPRESSION_GRID : RTC_COMPRESSION_VERT;
       settings.displacement = &displacement;
       settings.rate = 20;
       if (mixed)

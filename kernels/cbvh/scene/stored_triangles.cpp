@@ -9,6 +9,7 @@
 #include "../vert/scalar_block.h"
 #include "surface_blocks.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -29,8 +30,10 @@ namespace embree
         }
         size_t type;
         const void* block = ref.leaf(type);
-        if (type != VERT_BLOCK) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is not stored as cVERT as a whole: only that hands out triangles");
-        closure((const VertHeader*)block);
+        const bool isVert = type == VERT_BLOCK;
+        if (!isVert && (type != FRAMED_BLOCK || ((const Block*)block)->kind() != Kind::GRID))
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is not stored as cVERT or cGRID as a whole: only those hand out triangles");
+        closure(StoredBlock{ block,isVert });
       }
 
       template<typename Closure>
@@ -38,27 +41,63 @@ namespace embree
         for (const PrimRef& part : blocks.parts) forEachBlock(BVH4::NodeRef(part.ID()),closure);
       }
 
-      /*! a block, decoded, with the parameters of its vertices */
+      /*! where the quads of a block are in their patch */
+      struct Place
+      {
+        uint32_t patchQuads[2], first[2], quads[2];
+        float corner[2];   //!< parameters of the patch's
+        bool isCut;        //!< whether edges have lower rates
+        VertEdges edges;
+
+        explicit Place (const StoredBlock& stored) : isCut(false), edges{ 0,0 }
+        {
+          if (stored.isVert)
+          {
+            const VertHeader* block = stored.vert();
+            patchQuads[0] = patchQuadsX(block->patchQuads); patchQuads[1] = patchQuadsY(block->patchQuads);
+            first[0] = vertX(block->region); first[1] = vertY(block->region);
+            quads[0] = vertQuadsX(block->region); quads[1] = vertQuadsY(block->region);
+            isCut = hasEdges(block->boxForm);
+            edges = edgesOf(block);
+            corner[0] = 0.5f*float(vertCornerU(edges)); corner[1] = 0.5f*float(vertCornerV(edges));
+            return;
+          }
+          const Block* block = stored.framed();
+          patchQuads[0] = block->quadsX(); patchQuads[1] = block->quadsY();
+          first[0] = blockXOf(block->info) << block->height(); first[1] = blockYOf(block->info) << block->height();
+          quads[0] = quads[1] = 1u << block->height();
+          corner[0] = 0.5f*float(cornerUOf(block->tiling)); corner[1] = 0.5f*float(cornerVOf(block->tiling));
+        }
+
+        /*! of the edges of a row or a column of vertices */
+        uint32_t rate (int d, uint32_t across) const {
+          return isCut && across == 0 ? vertRate(edges,d == 0 ? 0 : 3) : isCut && across == patchQuads[1-d] ? vertRate(edges,d == 0 ? 2 : 1) : patchQuads[d];
+        }
+      };
+
+      /*! a block that numbers none of its quads, decoded, with the parameters of its vertices */
       struct DecodedBlock
       {
-        ScalarVertBlock vertices;
-        float parameters[ScalarVertBlock::maxSide*ScalarVertBlock::maxSide][2];
+        const Place place;
+        std::vector<std::array<float,3>> vertices;   //!< row by row
+        std::vector<std::array<float,2>> parameters; //!< of each
 
-        explicit DecodedBlock (const VertHeader* block)
-          : vertices(block)
+        explicit DecodedBlock (const StoredBlock& stored) : place(stored)
         {
-          const uint32_t quads[2] = { patchQuadsX(block->patchQuads),patchQuadsY(block->patchQuads) }, x0 = vertX(block->region), y0 = vertY(block->region);
-          const bool isCut = hasEdges(block->boxForm);
-          const VertEdges edges = edgesOf(block);
-          for (uint32_t j=0, i=0; j<=vertices.quadsY; j++)
-            for (uint32_t k=0; k<=vertices.quadsX; k++, i++)
-            {
-              const uint32_t x = x0+k, y = y0+j;
-              const uint32_t rateX = isCut && y == 0 ? vertRate(edges,0) : isCut && y == quads[1] ? vertRate(edges,2) : quads[0];
-              const uint32_t rateY = isCut && x == 0 ? vertRate(edges,3) : isCut && x == quads[0] ? vertRate(edges,1) : quads[1];
-              parameters[i][0] = 0.5f*float(vertCornerU(edges)) + vertParameter<float>(x,quads[0],rateX);
-              parameters[i][1] = 0.5f*float(vertCornerV(edges)) + vertParameter<float>(y,quads[1],rateY);
-            }
+          const uint32_t width = place.quads[0]+1, count = width*(place.quads[1]+1);
+          vertices.resize(count);
+          parameters.resize(count);
+          if (stored.isVert) memcpy(vertices.data(),ScalarVertBlock(stored.vert()).vertices,count*sizeof(vertices[0]));
+          else {
+            const float* const planes = (const float*)stored.framed()->leaves();
+            for (uint32_t i=0; i<count; i++)
+              for (int k=0; k<3; k++) vertices[i][k] = planes[k*count+i];
+          }
+          for (uint32_t i=0; i<count; i++) {
+            const uint32_t x = place.first[0] + i%width, y = place.first[1] + i/width;
+            parameters[i][0] = place.corner[0] + vertParameter<float>(x,place.patchQuads[0],place.rate(0,y));
+            parameters[i][1] = place.corner[1] + vertParameter<float>(y,place.patchQuads[1],place.rate(1,x));
+          }
         }
       };
 
@@ -79,9 +118,9 @@ namespace embree
         bool found () const { return hasBest; }
 
         /*! a block that has it */
-        void look (const VertHeader* block, uint32_t primID)
+        void look (const StoredBlock& block, uint32_t primID)
         {
-          if (hasNumbers(block->boxForm)) lookForPrimitive(block,primID);
+          if (block.numbersQuads()) lookForPrimitive(block.vert(),primID);
           else lookForParameters(block);
         }
 
@@ -108,26 +147,31 @@ namespace embree
             });
         }
 
-        void lookForParameters (const VertHeader* block)
+        void lookForParameters (const StoredBlock& block)
         {
-          const uint32_t quadsX = patchQuadsX(block->patchQuads), quadsY = patchQuadsY(block->patchQuads);
-          const VertEdges edges = edgesOf(block);
-          const double x = (double(u) - 0.5*vertCornerU(edges))*quadsX - vertX(block->region), y = (double(v) - 0.5*vertCornerV(edges))*quadsY - vertY(block->region);
-          /* parameters at edges of lower rates are elsewhere, by up to one of their quads */
-          const double reachX = reach(block,edges,quadsX,0,u), reachY = reach(block,edges,quadsY,1,v);
-          if (!(x >= -reachX && x <= vertQuadsX(block->region)+reachX && y >= -reachY && y <= vertQuadsY(block->region)+reachY)) return;
+          const Place place(block);
+          double x[2], reach[2];
+          const float parameters[2] = { u,v };
+          for (int d=0; d<2; d++)
+          {
+            x[d] = (double(parameters[d]) - place.corner[d])*place.patchQuads[d] - place.first[d];
+            reach[d] = slackOf(parameters[d])*place.patchQuads[d];
+            /* parameters at edges of lower rates are elsewhere, by up to one of their quads */
+            if (place.isCut) reach[d] += double(place.patchQuads[d])/std::min(vertRate(place.edges,d),vertRate(place.edges,d+2));
+            if (!(x[d] >= -reach[d] && x[d] <= place.quads[d]+reach[d])) return;
+          }
           const DecodedBlock decoded(block);
-          const uint32_t x0 = first(x-reachX), x1 = last(x+reachX,decoded.vertices.quadsX), y0 = first(y-reachY), y1 = last(y+reachY,decoded.vertices.quadsY);
-          slack = std::max(slackOf(u)*quadsX,slackOf(v)*quadsY);
+          const uint32_t x0 = first(x[0]-reach[0]), x1 = last(x[0]+reach[0],place.quads[0]), y0 = first(x[1]-reach[1]), y1 = last(x[1]+reach[1],place.quads[1]);
+          slack = std::max(slackOf(u)*place.patchQuads[0],slackOf(v)*place.patchQuads[1]);
           for (uint32_t j=y0; j<y1; j++)
             for (uint32_t i=x0; i<x1; i++) {
-              const uint32_t width = decoded.vertices.quadsX+1, a = j*width + i;
+              const uint32_t width = place.quads[0]+1, a = j*width + i;
               const uint32_t corners[2][3] = { { a,a+1,a+width },{ a+width,a+1,a+width+1 } };
               for (const uint32_t (&triangle)[3] : corners) {
                 const float* p[3];
                 float s[3], t[3];
                 for (int c=0; c<3; c++) {
-                  p[c] = decoded.vertices.vertices[triangle[c]];
+                  p[c] = decoded.vertices[triangle[c]].data();
                   s[c] = decoded.parameters[triangle[c]][0];
                   t[c] = decoded.parameters[triangle[c]][1];
                 }
@@ -138,13 +182,6 @@ namespace embree
 
         /*! what a parameter may have lost to rounding */
         static double slackOf (float parameter) { return 4.0*std::numeric_limits<float>::epsilon()*(1.0 + std::fabs(double(parameter))); }
-
-        static double reach (const VertHeader* block, VertEdges edges, uint32_t quads, int d, float parameter)
-        {
-          double reach = slackOf(parameter)*quads;
-          if (hasEdges(block->boxForm)) reach += double(quads)/std::min(vertRate(edges,d),vertRate(edges,d+2));
-          return reach;
-        }
 
         static uint32_t first (double x) { return uint32_t(std::max(std::floor(x),0.0)); }
         static uint32_t last (double x, uint32_t quads) { return uint32_t(std::min(std::floor(x)+1.0,double(quads))); }
@@ -200,13 +237,13 @@ namespace embree
     BlockIndex::BlockIndex (const SurfaceBlocks& surface)
     {
       blocks.reserve(surface.numPrimitives);
-      forEachBlock(surface,[&](const VertHeader* block) { blocks.push_back(block); });
-      std::sort(blocks.begin(),blocks.end(),[](const VertHeader* a, const VertHeader* b) { return a->primID < b->primID; });
+      forEachBlock(surface,[&](const StoredBlock& block) { blocks.push_back(block); });
+      std::sort(blocks.begin(),blocks.end(),[](const StoredBlock& a, const StoredBlock& b) { return a.primID() < b.primID(); });
       for (size_t i=0; i<blocks.size(); i++)
       {
-        if (!hasNumbers(blocks[i]->boxForm)) continue;
-        forEachQuad(blocks[i],[&](uint32_t, uint32_t, uint32_t number) {
-            const uint32_t last = primitiveOfNumber(blocks[i]->patchQuads,number,true);
+        if (!blocks[i].numbersQuads()) continue;
+        forEachQuad(blocks[i].vert(),[&](uint32_t, uint32_t, uint32_t number) {
+            const uint32_t last = primitiveOfNumber(blocks[i].vert()->patchQuads,number,true);
             if (last >= blockOf.size()) blockOf.resize(std::max(size_t(last)+1,2*blockOf.size()),uint32_t(none));
             blockOf[number] = blockOf[last] = uint32_t(i);
           });
@@ -221,8 +258,8 @@ namespace embree
         if (primID < blockOf.size() && blockOf[primID] != none) search.look(blocks[blockOf[primID]],primID);
         return search.found();
       }
-      for (auto i=std::lower_bound(blocks.begin(),blocks.end(),primID,[](const VertHeader* block, uint32_t id) { return block->primID < id; });
-           i != blocks.end() && (*i)->primID == primID; i++)
+      for (auto i=std::lower_bound(blocks.begin(),blocks.end(),primID,[](const StoredBlock& block, uint32_t id) { return block.primID() < id; });
+           i != blocks.end() && i->primID() == primID; i++)
         search.look(*i,primID);
       return search.found();
     }
@@ -230,28 +267,30 @@ namespace embree
     void forEachPart (const SurfaceBlocks& blocks, const std::function<bool(const RTCCompressedPart&)>& closure)
     {
       bool goesOn = true;
-      forEachBlock(blocks,[&](const VertHeader* block) {
+      forEachBlock(blocks,[&](const StoredBlock& block) {
           if (!goesOn) return;
           RTCCompressedPart part = RTCCompressedPart();
-          part.primID = block->primID;
-          part.width = vertQuadsX(block->region)+1;
-          part.height = vertQuadsY(block->region)+1;
-          if (!hasNumbers(block->boxForm)) {
+          part.primID = block.primID();
+          const Place place(block);
+          part.width = place.quads[0]+1;
+          part.height = place.quads[1]+1;
+          if (!block.numbersQuads()) {
             const DecodedBlock decoded(block);
-            part.vertices = decoded.vertices.vertices[0];
-            part.parameters = decoded.parameters[0];
+            part.vertices = decoded.vertices[0].data();
+            part.parameters = decoded.parameters[0].data();
             goesOn = closure(part);
             return;
           }
-          const ScalarVertBlock decoded(block);
+          const uint32_t form = block.vert()->patchQuads;
+          const ScalarVertBlock decoded(block.vert());
           uint32_t primIDs[2*vertBlockQuads*vertBlockQuads], n = 0;
-          forEachQuad(block,[&](uint32_t, uint32_t, uint32_t number) {
+          forEachQuad(block.vert(),[&](uint32_t, uint32_t, uint32_t number) {
               primIDs[n++] = number;
-              if (isOfTriangles(block->patchQuads)) primIDs[n++] = primitiveOfNumber(block->patchQuads,number,true);
+              if (isOfTriangles(form)) primIDs[n++] = primitiveOfNumber(form,number,true);
             });
           part.vertices = decoded.vertices[0];
           part.primIDs = primIDs;
-          part.primitivesPerQuad = isOfTriangles(block->patchQuads) ? 2 : 1;
+          part.primitivesPerQuad = isOfTriangles(form) ? 2 : 1;
           goesOn = closure(part);
         });
     }

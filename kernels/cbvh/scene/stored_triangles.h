@@ -5,6 +5,7 @@
 
 /* The triangles of a surface as its blocks hold them, for who asks for them outside of traversal. */
 
+#include "../framed/block.h"
 #include "../vert/format.h"
 #include "../../../include/embree3/rtcore_compressed_triangles.h"
 #include <cstddef>
@@ -18,11 +19,26 @@ namespace embree
 
   namespace cbvh
   {
+    /*! a block of cVERT or cGRID */
+    struct StoredBlock
+    {
+      const void* data;
+      bool isVert;
+
+      const VertHeader* vert () const { return (const VertHeader*)data; }
+      const Block* framed () const { return (const Block*)data; }
+
+      uint32_t primID () const { return isVert ? vert()->primID : framed()->primID; }
+
+      /*! whether each of its quads is a primitive */
+      bool numbersQuads () const { return isVert && hasNumbers(vert()->boxForm); }
+    };
+
     /*! Blocks of a surface by their primitives. */
     class BlockIndex
     {
     public:
-      /*! Throws where a block is not cVERT. */
+      /*! Throws where a block is neither cVERT nor cGRID. */
       explicit BlockIndex (const SurfaceBlocks& blocks);
 
       /*! see rtcGetCompressedTriangle */
@@ -31,11 +47,11 @@ namespace embree
     private:
       enum : uint32_t { none = 0xFFFFFFFFu };
 
-      std::vector<const VertHeader*> blocks; //!< in the order of primitives
-      std::vector<uint32_t> blockOf;         //!< of each primitive, if blocks number their quads; empty if they do not
+      std::vector<StoredBlock> blocks; //!< in the order of primitives
+      std::vector<uint32_t> blockOf;   //!< of each primitive, if blocks number their quads; empty if they do not
     };
 
-    /*! Calls closure(part) for the blocks of a surface until it returns false. Throws where one is not cVERT. */
+    /*! Calls closure(part) for the blocks of a surface until it returns false. Throws where one is neither cVERT nor cGRID. */
     void forEachPart (const SurfaceBlocks& blocks, const std::function<bool(const RTCCompressedPart&)>& closure);
   }
 }
