@@ -133,17 +133,17 @@ TEST(VertFormat, RaysLieInPlanesAsThePageSays)
 // Rows "| offset | type | `field` | meaning |" of the header's section.
 TEST(VertFormat, TheHeaderIsThatOfThePage)
 {
-  const std::map<std::string, size_t> bytesOf = {{"float[3]", 12}, {"uint32", 4}, {"uint16[4][3]", 24}, {"uint16[4]", 8}};
+  const std::map<std::string, size_t> bytesOf = {{"float[3]", 12}, {"uint32", 4}, {"uint16[4][3]", 24}, {"uint16[4]", 8}, {"uint32[2]", sizeof(VertNumbers)}};
   const std::map<std::string, size_t> offsetOf = {
     {"origin", offsetof(VertHeader, origin)}, {"reach", offsetof(VertHeader, reach)}, {"surface", offsetof(VertHeader, surface)},
     {"primID", offsetof(VertHeader, primID)}, {"region", offsetof(VertHeader, region)}, {"patchQuads", offsetof(VertHeader, patchQuads)},
-    {"corners", offsetof(VertHeader, corners)}, {"boxForm", offsetof(VertHeader, boxForm)}, {"word", offsetof(VertHeader, word)}, {"edges", vertHeaderBytes}};
+    {"corners", offsetof(VertHeader, corners)}, {"boxForm", offsetof(VertHeader, boxForm)}, {"word", offsetof(VertHeader, word)}, {"edges", vertHeaderBytes}, {"numbers", vertHeaderBytes}};
   const std::string all = page();
   const std::regex row("\\| ([0-9]+) \\| ([a-z0-9\\[\\]]+) \\| `([A-Za-z]+)` \\|");
   size_t end = 0, rows = 0;
   for (std::sregex_iterator i(all.begin(), all.end(), row), last; i != last; ++i, rows++) {
     const size_t offset = size_t(std::stoul((*i)[1]));
-    EXPECT_EQ(offset, end) << (*i)[0];
+    EXPECT_EQ(offset, (*i)[3] == "numbers" ? vertHeaderBytes : end) << (*i)[0] << ": numbers are in place of edges";
     EXPECT_EQ(offset, offsetOf.at((*i)[3])) << (*i)[0];
     end = offset + bytesOf.at((*i)[2]);
   }
@@ -151,6 +151,7 @@ TEST(VertFormat, TheHeaderIsThatOfThePage)
   EXPECT_EQ(end, vertHeaderBytes + vertEdgesBytes);
   EXPECT_EQ(numbersOf("Header, # bytes"), Numbers{vertHeaderBytes});
   EXPECT_EQ(numbersOf("Edges, # bytes"), Numbers{vertEdgesBytes});
+  EXPECT_EQ(numbersOf("Numbers, # bytes"), Numbers{sizeof(VertNumbers)});
 }
 
 // Each field of a word in the bits that its row names: `field` has the value of all ones there, others none.
@@ -176,8 +177,61 @@ TEST(VertFormat, FieldsAreWhereThePageSays)
   const Numbers edges = numbersOf("bits #-#: the rate less 1 that its vertices have; #-#: of the first two, u and v of the face");
   ASSERT_EQ(edges.size(), 4u);
   expectFields(edges, [](size_t field, uint32_t ones) { return vertEdges(1 + (field == 0)*ones, 1, 1, 1, (field == 1)*ones, 0).low; });
-  EXPECT_EQ(numbersOf("#: the block has edges; #-#: 0"), (Numbers{29, 30, 31}));
+  EXPECT_EQ(numbersOf("#: the block has edges; #: it has numbers; #: 0"), (Numbers{29, 30, 31}));
   EXPECT_TRUE(hasEdges(1u << 29) && !hasEdges(~(1u << 29)));
+  EXPECT_TRUE(hasNumbers(1u << 30) && !hasNumbers(~(1u << 30)));
+}
+
+TEST(VertFormat, NumbersAreThoseOfThePage)
+{
+  EXPECT_EQ(numbersOf("The form, in `patchQuads`: bits #-#: the pattern; #: the mesh is of triangles; #: the first triangle has no second one"), (Numbers{0, 1, 2, 3}));
+  EXPECT_TRUE(isOfTriangles(1u << 2) && !isOfTriangles(~(1u << 2)) && isOneTriangle(1u << 3) && !isOneTriangle(~(1u << 3)));
+  EXPECT_EQ(numbersOf("#-# and #-#: by how many corners the first and the second triangle are turned; #-#: C; #-#: 0"), (Numbers{4, 5, 6, 7, 8, 15, 16, 31}));
+  EXPECT_EQ(formOfTurns(3, 0), 3u << 4);
+  EXPECT_EQ(formOfTurns(0, 3), 3u << 6);
+  EXPECT_EQ(turnOfTriangle(2u << 4, false), 2u);
+  EXPECT_EQ(turnOfTriangle(2u << 6, true), 2u);
+
+  // rows: X x + Y y
+  EXPECT_EQ(patternNumber(numbersInRows, VertNumbers{3u, ~0u}, 5, 4), 11u);
+  // recursive: C, and bytes of X and Y for bits of x and y, twice for triangles
+  const VertNumbers bytes = {0x40100401u, 0xC0300C03u};
+  EXPECT_EQ(patternNumber(numbersRecursive | 0xFFu << 8, bytes, 5, 8), 0xFFu ^ 0x01u ^ 0x10u ^ 0xC0u);
+  EXPECT_EQ(patternNumber(numbersRecursive | numbersOfTriangles, bytes, 2, 1), 2*(0x04u ^ 0x03u));
+  // table: bits of it
+  alignas(16) uint8_t block[256] = {};
+  VertHeader& header = *(VertHeader*)block;
+  header.primID = 1000;
+  header.region = vertRegion(3, 2, 0, 0);
+  header.boxForm = 1u << 30;
+  header.patchQuads = numbersInTable;
+  const VertNumbers table = {128, 11};
+  std::memcpy(&header + 1, &table, sizeof(table));
+  const uint32_t bit = 11*(3*1 + 2); // of quad (2,1)
+  for (uint32_t b = 0; b < 11; b++)
+    if ((1234u >> b) & 1) block[128 + (bit + b)/8] |= uint8_t(1u << ((bit + b) % 8));
+  EXPECT_EQ(numberOfQuad(&header, 2, 1), 2234u);
+  EXPECT_EQ(numberOfQuad(&header, 1, 1), 1000u);
+
+  // (w1,w2), (w2,w0) or (w0,w1)
+  const float a = 0.25f, b = 0.125f, w[] = {1 - a - b, a, b}, second[] = {1 - (1 - a) - (1 - b), 1 - a, 1 - b};
+  for (uint32_t turn = 0; turn < 3; turn++) {
+    const OwnParameters p = ownParameters(numbersOfTriangles | formOfTurns(turn, 0), false, a, b);
+    EXPECT_EQ(p.u, w[(1 + turn) % 3]);
+    EXPECT_EQ(p.v, w[(2 + turn) % 3]);
+    const OwnParameters q = ownParameters(numbersOfTriangles | formOfTurns(0, turn), true, 1 - a, 1 - b);
+    EXPECT_EQ(q.u, w[(1 + turn) % 3]);
+    EXPECT_EQ(q.v, w[(2 + turn) % 3]);
+  }
+  EXPECT_LT(second[0], 0) << "outside of the second triangle w0 is cut off at 0";
+  EXPECT_EQ(ownParameters(numbersOfTriangles | formOfTurns(0, 2), true, a, b).u, 0);
+  const OwnParameters own = ownParameters(0, true, a, b);
+  EXPECT_EQ(own.u, a);
+  EXPECT_EQ(own.v, b);
+  EXPECT_EQ(primitiveOfNumber(0, 6, true), 6u);
+  EXPECT_EQ(primitiveOfNumber(numbersOfTriangles, 6, true), 7u);
+  EXPECT_EQ(primitiveOfNumber(numbersOfTriangles, 6, false), 6u);
+  EXPECT_EQ(primitiveOfNumber(numbersOfTriangles | numbersOfOneTriangle, 6, true), 6u);
 }
 
 } // namespace

@@ -275,8 +275,9 @@ namespace embree
       return out;
     }
 
-    /*! Whether all pairs are of triangles 2i and 2i+1; else collects the first of each. */
-    void findPairs (const TriangleMesh* mesh, mvector<unsigned>& firsts)
+    /*! Collects the first triangle of each pair, unless all are of triangles 2i and 2i+1. False where a look at some triangles says that few have a
+     *  partner. */
+    bool findPairs (const TriangleMesh* mesh, mvector<unsigned>& firsts)
     {
       const size_t n = mesh->triangles.size();
       auto isPair = [&](size_t i) {
@@ -284,13 +285,18 @@ namespace embree
         if (i+1 >= n || !PairsOfMesh::join(mesh->triangles[i].v,mesh->triangles[i+1].v,v,turns)) return false;
         return *std::max_element(v,v+4) < mesh->numVertices(); // else only one of them is left out
       };
+      const size_t step = max(n/4096,size_t(1));
+      size_t looked = 0, paired = 0;
+      for (size_t i=0; i<n; i+=step, looked++) paired += isPair(i) || (i > 0 && isPair(i-1));
+      if (2*paired < looked) return false;
       const bool isRegular = n % 2 == 0 && parallel_reduce(size_t(0),n/2,size_t(1) << 14,true,[&](const range<size_t>& r) {
           for (size_t i=r.begin(); i!=r.end(); i++)
             if (!isPair(2*i)) return false;
           return true;
         },std::logical_and<bool>());
-      if (isRegular) return;
+      if (isRegular) return true;
       for (size_t i=0; i<n; i+=isPair(i) ? 2 : 1) firsts.push_back(unsigned(i));
+      return true;
     }
   }
 
@@ -301,7 +307,7 @@ namespace embree
   std::shared_ptr<const QuadRegions> QuadRegions::find (const TriangleMesh* mesh)
   {
     const std::shared_ptr<QuadRegions> out = std::make_shared<QuadRegions>(mesh->device);
-    findPairs(mesh,out->firsts);
+    if (!findPairs(mesh,out->firsts)) return nullptr;
     return findRegions(out->pairs(mesh),mesh->numVertices(),mesh->device,out);
   }
 }
