@@ -119,7 +119,7 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
     rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   device->check("making a scene");
   if (model.isMesh)
-    buildMesh(model);
+    buildMesh(model, settings);
   else if (representation.kind == RepresentationKind::Naive)
     buildTriangles(model, settings);
   else
@@ -164,7 +164,7 @@ void BuiltScene::askForStatistics()
 }
 
 /* A mesh of triangles alone is a geometry of triangles, else they are quads whose last two vertices are one. */
-void BuiltScene::buildMesh(const Model& model)
+void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
 {
   if (what.kind != RepresentationKind::Grid && what.kind != RepresentationKind::CVert)
     throw Error("--mesh has no " + what.label() + ": it is traced as grid, by Embree's own kernel of quads or triangles, or as cvert");
@@ -173,15 +173,23 @@ void BuiltScene::buildMesh(const Model& model)
   for (size_t face = 0; face < mesh.numFaces(); face++)
     ofTriangles &= isTriangle(mesh, face);
   GeometryHandle geometry(rtcNewGeometry(device->handle(), ofTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD));
-  void* vertices = rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), mesh.positions.size());
-  device->check("allocating the vertices of a mesh");
-  std::copy(mesh.positions.begin(), mesh.positions.end(), static_cast<Vec3f*>(vertices));
-  const unsigned corners = ofTriangles ? 3 : 4;
-  uint32_t* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, ofTriangles ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4,
-                                                                     corners * sizeof(uint32_t), mesh.numFaces()));
-  device->check("allocating the faces of a mesh");
-  for (size_t face = 0; face < mesh.numFaces(); face++)
-    std::copy_n(&mesh.faceIndices[4 * face], corners, indices + corners * face);
+  std::copy(mesh.positions.begin(), mesh.positions.end(),
+            newBuffer<Vec3f>(*device, geometry.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, mesh.positions.size(), "allocating the vertices of a mesh"));
+  const auto fill = [&](auto* faces) {
+    for (size_t face = 0; face < mesh.numFaces(); face++)
+      std::copy_n(&mesh.faceIndices[4 * face], faces->size(), faces[face].begin());
+  };
+  const char* const doing = "allocating the faces of a mesh";
+  if (ofTriangles)
+    fill(newBuffer<std::array<uint32_t, 3>>(*device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, mesh.numFaces(), doing));
+  else
+    fill(newBuffer<std::array<uint32_t, 4>>(*device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, mesh.numFaces(), doing));
+  if (what.isCompressed())
+  {
+    const RTCCompressionArguments arguments = compressionArguments(settings);
+    rtcSetGeometryCompression(geometry.get(), &arguments);
+    device->check("asking for compression");
+  }
   const auto start = std::chrono::steady_clock::now();
   rtcCommitGeometry(geometry.get());
   rtcAttachGeometry(scene.get(), geometry.get());
@@ -189,6 +197,8 @@ void BuiltScene::buildMesh(const Model& model)
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");
   askForStatistics();
+  if (what.isCompressed() && built.compression.numQuads == 0)
+    std::fprintf(stderr, "%s: nothing of the mesh is compressed, as it does not lie in grids: Embree's own kernel traces it\n", name.c_str());
 }
 
 /* NAIVE's vertices are GRID's own: a second subdivision geometry, built as GRID and

@@ -112,7 +112,7 @@ public:
 private:
   void buildSubdivision(const Model& model, const BuildSettings& settings);
   void buildTriangles(const Model& model, const BuildSettings& settings);
-  void buildMesh(const Model& model);
+  void buildMesh(const Model& model, const BuildSettings& settings);
   void askForStatistics();
   void fillTriangles(RTCGeometry triangles, const PatchLayout& layout, const BuildSettings& settings);
   void commit(const char* doing);

@@ -3,6 +3,7 @@
 
 #include "building/diced_surface.h"
 #include "basics/error.h"
+#include "basics/hash.h"
 #include "surface/topology_refiner.h"
 
 #include <algorithm>
@@ -74,17 +75,6 @@ private:
   std::vector<Face> faces;
 };
 
-struct Hash
-{
-  size_t operator()(const BorderPoints::Name& name) const
-  {
-    uint64_t h = 0;
-    for (unsigned x : name)
-      h = (h ^ x) * 0x9E3779B97F4A7C15ull, h ^= h >> 29;
-    return size_t(h);
-  }
-};
-
 /* The quads of a cage that OpenSubdiv has refined uniformly, one after the other. */
 class RefinedQuads
 {
@@ -127,9 +117,14 @@ std::array<unsigned, 2> placeOfRefined(unsigned n)
 
 void copyVertices(EmbreeDevice& device, RTCGeometry geometry, const std::vector<Vec3f>& vertices)
 {
-  void* out = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), vertices.size());
-  device.check("allocating vertices");
-  std::copy(vertices.begin(), vertices.end(), static_cast<Vec3f*>(out));
+  std::copy(vertices.begin(), vertices.end(),
+            newBuffer<Vec3f>(device, geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, vertices.size(), "allocating vertices"));
+}
+
+/* Vertex of corner c of quad x, y, around the quad. */
+size_t vertexOf(const Patch& patch, unsigned x, unsigned y, unsigned c)
+{
+  return patch.firstVertex + (y + c / 2) * (patch.resolution + 1) + x + (c == 1 || c == 2);
 }
 
 } // namespace
@@ -168,7 +163,7 @@ DicedSurface::DicedSurface(const Model& model, const BuildSettings& settings)
 void DicedSurface::weld(const Cage& cage, size_t firstPatch, size_t numPatches)
 {
   const BorderPoints points(cage);
-  std::unordered_map<BorderPoints::Name, unsigned, Hash> known;
+  std::unordered_map<BorderPoints::Name, unsigned, HashOfWords> known;
   for (size_t i = firstPatch; i < firstPatch + numPatches; i++)
   {
     const Patch& patch = layout.patches()[i];
@@ -185,91 +180,70 @@ void DicedSurface::weld(const Cage& cage, size_t firstPatch, size_t numPatches)
 
 QuadMesh DicedSurface::mesh(DicedInput::Order order) const
 {
-  QuadMesh mesh;
-  mesh.quads.reserve(numQuads());
   if (order == DicedInput::Refined)
-  {
-    RefinedQuads refined(model.cage, level);
-    const size_t patches = layout.patches().size() / model.copies.size();
-    mesh.vertices.resize(refined.numVertices() * model.copies.size());
-    std::vector<bool> isSet(mesh.vertices.size());
-    for (size_t i = 0; i < layout.patches().size(); i++)
-    {
-      const Patch& patch = layout.patches()[i];
-      const unsigned n = patch.resolution, firstVertex = unsigned(i / patches * refined.numVertices());
-      if (i % patches == 0)
-        refined.rewind();
-      for (unsigned q = 0; q < n * n; q++)
-      {
-        const std::array<unsigned, 2> at = placeOfRefined(q);
-        std::array<unsigned, 4> quad = refined.next();
-        for (unsigned c = 0; c < 4; c++)
-        {
-          const Vec3f& p = positions[patch.firstVertex + (at[1] + c / 2) * (n + 1) + at[0] + (c == 1 || c == 2)];
-          const unsigned v = quad[c] += firstVertex;
-          if (isSet[v] && std::memcmp(&mesh.vertices[v], &p, sizeof(p)) != 0)
-            throw Error("vertex " + std::to_string(v) + " of OpenSubdiv's refinement is at two places");
-          mesh.vertices[v] = p;
-          isSet[v] = true;
-        }
-        mesh.quads.push_back(quad);
-      }
-    }
-    return mesh;
-  }
-  std::vector<unsigned> number(positions.size(), ~0u);
-  for (const Patch& patch : layout.patches())
-  {
-    const unsigned n = patch.resolution;
-    for (unsigned y = 0; y < n; y++)
-      for (unsigned x = 0; x < n; x++)
-      {
-        std::array<unsigned, 4> quad;
-        for (unsigned c = 0; c < 4; c++)
-        {
-          const unsigned v = first[patch.firstVertex + (y + c / 2) * (n + 1) + x + (c == 1 || c == 2)];
-          if (number[v] == ~0u)
-          {
-            number[v] = unsigned(mesh.vertices.size());
-            mesh.vertices.push_back(positions[v]);
-          }
-          quad[c] = number[v];
-        }
-        mesh.quads.push_back(quad);
-      }
-  }
+    return refinedMesh();
+  QuadMesh mesh = meshRowByRow();
   if (order == DicedInput::Shuffled)
     std::shuffle(mesh.quads.begin(), mesh.quads.end(), std::mt19937(1));
   return mesh;
 }
 
-GeometryHandle DicedSurface::makeGeometry(EmbreeDevice& device, const DicedInput& input) const
+QuadMesh DicedSurface::refinedMesh() const
 {
-  if (input.shape == DicedInput::Grids)
-    return makeGrids(device, input.gridQuads);
-  if (!made || orderMade != input.order)
+  RefinedQuads refined(model.cage, level);
+  const size_t patches = layout.patches().size() / model.copies.size();
+  QuadMesh mesh;
+  mesh.quads.reserve(numQuads());
+  mesh.vertices.resize(refined.numVertices() * model.copies.size());
+  std::vector<bool> isSet(mesh.vertices.size());
+  for (size_t i = 0; i < layout.patches().size(); i++)
   {
-    made = mesh(input.order);
-    orderMade = input.order;
+    const Patch& patch = layout.patches()[i];
+    const unsigned firstVertex = unsigned(i / patches * refined.numVertices());
+    if (i % patches == 0)
+      refined.rewind();
+    for (unsigned q = 0; q < patch.resolution * patch.resolution; q++)
+    {
+      const std::array<unsigned, 2> at = placeOfRefined(q);
+      std::array<unsigned, 4> quad = refined.next();
+      for (unsigned c = 0; c < 4; c++)
+      {
+        const Vec3f& p = positions[vertexOf(patch, at[0], at[1], c)];
+        const unsigned v = quad[c] += firstVertex;
+        if (isSet[v] && std::memcmp(&mesh.vertices[v], &p, sizeof(p)) != 0)
+          throw Error("vertex " + std::to_string(v) + " of OpenSubdiv's refinement is at two places");
+        mesh.vertices[v] = p;
+        isSet[v] = true;
+      }
+      mesh.quads.push_back(quad);
+    }
   }
-  return makeIndexed(device, *made, input.shape == DicedInput::Triangles);
+  return mesh;
 }
 
-GeometryHandle DicedSurface::makeIndexed(EmbreeDevice& device, const QuadMesh& mesh, bool ofTriangles) const
+QuadMesh DicedSurface::meshRowByRow() const
 {
-  GeometryHandle geometry(rtcNewGeometry(device.handle(), ofTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD));
-  copyVertices(device, geometry.get(), mesh.vertices);
-  const size_t indices = ofTriangles ? 3 : 4, faces = mesh.quads.size() * (ofTriangles ? 2 : 1);
-  unsigned* out = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, ofTriangles ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4,
-                                                                 indices * sizeof(unsigned), faces));
-  device.check("allocating indices");
-  for (const std::array<unsigned, 4>& q : mesh.quads)
-    if (ofTriangles)
-      for (unsigned v : {q[0], q[1], q[3], q[1], q[2], q[3]})
-        *out++ = v;
-    else
-      out = std::copy(q.begin(), q.end(), out);
-  return geometry;
+  constexpr unsigned none = ~0u;
+  std::vector<unsigned> number(positions.size(), none);
+  QuadMesh mesh;
+  mesh.quads.reserve(numQuads());
+  for (const Patch& patch : layout.patches())
+    for (unsigned i = 0; i < patch.resolution * patch.resolution; i++)
+    {
+      std::array<unsigned, 4> quad;
+      for (unsigned c = 0; c < 4; c++)
+      {
+        const unsigned v = first[vertexOf(patch, i % patch.resolution, i / patch.resolution, c)];
+        if (number[v] == none)
+        {
+          number[v] = unsigned(mesh.vertices.size());
+          mesh.vertices.push_back(positions[v]);
+        }
+        quad[c] = number[v];
+      }
+      mesh.quads.push_back(quad);
+    }
+  return mesh;
 }
 
 GeometryHandle DicedSurface::makeGrids(EmbreeDevice& device, unsigned gridQuads) const
@@ -285,9 +259,28 @@ GeometryHandle DicedSurface::makeGrids(EmbreeDevice& device, unsigned gridQuads)
         grids.push_back({unsigned(patch.firstVertex + y * (n + 1) + x), n + 1, static_cast<unsigned short>(std::min(side, n - x) + 1),
                          static_cast<unsigned short>(std::min(side, n - y) + 1)});
   }
-  void* data = rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), grids.size());
-  device.check("allocating grids");
-  std::copy(grids.begin(), grids.end(), static_cast<RTCGrid*>(data));
+  std::copy(grids.begin(), grids.end(), newBuffer<RTCGrid>(device, geometry.get(), RTC_BUFFER_TYPE_GRID, RTC_FORMAT_GRID, grids.size(), "allocating grids"));
+  return geometry;
+}
+
+GeometryHandle makeIndexed(EmbreeDevice& device, const QuadMesh& mesh, bool asTriangles)
+{
+  using Triangle = std::array<unsigned, 3>;
+  using Quad = std::array<unsigned, 4>;
+  GeometryHandle geometry(rtcNewGeometry(device.handle(), asTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD));
+  copyVertices(device, geometry.get(), mesh.vertices);
+  if (!asTriangles)
+  {
+    std::copy(mesh.quads.begin(), mesh.quads.end(),
+              newBuffer<Quad>(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, mesh.quads.size(), "allocating quads"));
+    return geometry;
+  }
+  Triangle* out = newBuffer<Triangle>(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 2 * mesh.quads.size(), "allocating triangles");
+  for (const Quad& q : mesh.quads)
+  {
+    *out++ = {q[0], q[1], q[3]};
+    *out++ = {q[1], q[2], q[3]};
+  }
   return geometry;
 }
 

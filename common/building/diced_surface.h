@@ -11,7 +11,6 @@
 #include "surface/model.h"
 
 #include <array>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,33 +40,33 @@ struct QuadMesh
   std::vector<std::array<unsigned, 4>> quads; // around each
 };
 
+/* A geometry that has its own copy of a mesh, as quads, or as two triangles for each; not committed. */
+GeometryHandle makeIndexed(EmbreeDevice& device, const QuadMesh& mesh, bool asTriangles);
+
 class DicedSurface
 {
 public:
-  /* Tessellates. Throws Error, Cancelled. */
+  /* Tessellates. The model outlives the surface. Throws Error, Cancelled. */
   DicedSurface(const Model& model, const BuildSettings& settings);
 
   size_t numQuads() const { return layout.numQuads(); }
-  const std::vector<Vec3f>& vertices() const { return positions; }
 
   /* A vertex for all that patches share. Throws Error where OpenSubdiv's refinement is not what the patches say. */
   QuadMesh mesh(DicedInput::Order order) const;
 
-  /* A geometry that has its own copy of the vertices, not committed. Not by several threads. */
-  GeometryHandle makeGeometry(EmbreeDevice& device, const DicedInput& input) const;
+  /* A geometry that has its own copy of the vertices, not committed. gridQuads: as DicedInput has it */
+  GeometryHandle makeGrids(EmbreeDevice& device, unsigned gridQuads) const;
 
 private:
   void weld(const Cage& cage, size_t firstPatch, size_t numPatches);
-  GeometryHandle makeGrids(EmbreeDevice& device, unsigned gridQuads) const;
-  GeometryHandle makeIndexed(EmbreeDevice& device, const QuadMesh& mesh, bool asTriangles) const;
+  QuadMesh refinedMesh() const;
+  QuadMesh meshRowByRow() const;
 
-  Model model;
+  const Model& model;
   int level;
   PatchLayout layout;
   std::vector<Vec3f> positions; // of the patches, one after the other
   std::vector<unsigned> first;  // vertex that each is the same as
-  mutable std::optional<QuadMesh> made; // last
-  mutable DicedInput::Order orderMade = DicedInput::Refined;
 };
 
 } // namespace cbvh

@@ -75,4 +75,13 @@ struct GeometryRelease
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneRelease>;
 using GeometryHandle = std::unique_ptr<RTCGeometryTy, GeometryRelease>;
 
+/* A buffer of a geometry, in slot 0, to be filled. doing: for messages. Throws Error. */
+template<typename T>
+T* newBuffer(EmbreeDevice& device, RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t count, const char* doing)
+{
+  void* data = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), count);
+  device.check(doing);
+  return static_cast<T*>(data);
+}
+
 } // namespace cbvh

@@ -4,6 +4,7 @@
 #include "surface/mesh.h"
 #include "basics/error.h"
 #include "basics/file_output.h"
+#include "basics/hash.h"
 #include "basics/progress.h"
 
 #include <algorithm>
@@ -17,17 +18,6 @@
 namespace cbvh {
 namespace {
 
-struct Hash
-{
-  size_t operator()(const std::array<uint32_t, 3>& bits) const
-  {
-    uint64_t h = 0;
-    for (uint32_t x : bits)
-      h = (h ^ x) * 0x9E3779B97F4A7C15ull, h ^= h >> 29;
-    return size_t(h);
-  }
-};
-
 struct CloseFile
 {
   void operator()(std::FILE* file) const { std::fclose(file); }
@@ -37,6 +27,9 @@ struct CloseFile
 
 void makeQuads(Cage& cage, const std::string& path)
 {
+  std::vector<bool> isHole(cage.numFaces());
+  for (unsigned face : cage.holes)
+    isHole[face] = true;
   std::vector<unsigned> indices;
   indices.reserve(4 * cage.numFaces());
   size_t first = 0;
@@ -45,11 +38,12 @@ void makeQuads(Cage& cage, const std::string& path)
     const unsigned size = cage.faceSizes[face], *v = &cage.faceIndices[first];
     if (size > 4)
       throw Error(path + ": face " + std::to_string(face) + " has " + std::to_string(size) + " vertices: a mesh has quads and triangles, give --cage to subdivide it");
-    indices.insert(indices.end(), {v[0], v[1], v[2], v[size - 1]});
+    if (!isHole[face])
+      indices.insert(indices.end(), {v[0], v[1], v[2], v[size - 1]});
     first += size;
   }
   cage.faceIndices = std::move(indices);
-  cage.faceSizes.assign(cage.faceSizes.size(), 4);
+  cage.faceSizes.assign(cage.faceIndices.size() / 4, 4);
   cage.uvs.clear();
   cage.uvIndices.clear();
   cage.holes.clear();
@@ -78,7 +72,7 @@ void writeObj(const std::string& path, const std::vector<Vec3f>& vertices, const
   std::unique_ptr<std::FILE, CloseFile> file(std::fopen(pending.temporary().c_str(), "w"));
   if (!file)
     throw Error(path + ": " + std::strerror(errno));
-  std::unordered_map<std::array<uint32_t, 3>, unsigned, Hash> known;
+  std::unordered_map<std::array<uint32_t, 3>, unsigned, HashOfWords> known;
   std::vector<unsigned> number(vertices.size()); // from 1, 0 of what is not finite
   for (size_t i = 0; i < vertices.size(); i++)
   {

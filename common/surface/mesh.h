@@ -13,7 +13,8 @@
 
 namespace cbvh {
 
-/* Gives all faces of what was read 4 vertices; triangles have the last of theirs twice. Throws Error that names a face of more. */
+/* Gives all faces of what was read 4 vertices; triangles have the last of theirs twice. Leaves out those that are holes. Throws Error that names
+ * a face of more. */
 void makeQuads(Cage& cage, const std::string& path);
 
 /* Whether a face of such a mesh is a triangle. */

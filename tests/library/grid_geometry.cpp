@@ -4,9 +4,9 @@
 /* Grid geometry that is compressed: hits as Embree's own kernel has them, by every function and on every ISA, grids that stay closed
  * and stitched, and what else is to be expected of a geometry. */
 
+#include "support/closed.h"
 #include "support/diced.h"
 #include "support/memory.h"
-#include "support/query_forms.h"
 #include "support/same_hits.h"
 
 #include <algorithm>
@@ -178,19 +178,9 @@ TEST(GridSurfaces, AreClosedWhereGridsMeet)
       const bool alongU = random.chance(0.5);
       const unsigned n = (alongU ? grid.width : grid.height) - 1u, k = random.below(n), other = random.chance(0.5) ? 0 : (alongU ? grid.height : grid.width) - 1u;
       const Vec &a = alongU ? ball.vertex(grid, k, other) : ball.vertex(grid, other, k), &b = alongU ? ball.vertex(grid, k + 1, other) : ball.vertex(grid, other, k + 1);
-      const double t = random.chance(0.3) ? 0 : random.uniform();
-      Vec from, direction;
-      for (int c = 0; c < 3; c++) {
-        from[c] = float(0.1*random.normal());
-        direction[c] = float(a[c] + t*(b[c] - a[c])) - from[c];
-      }
-      rays.push_back(makeRay(from, direction));
+      rays.push_back(rayFromMiddle(random, a, b));
     }
-    for (QueryForm form : {QueryForm::Single, QueryForm::Coherent8}) {
-      size_t missed = 0;
-      for (const RTCRayHit& hit : closestHits(scene, rays, form)) missed += !isHit(hit);
-      EXPECT_EQ(missed, 0u) << nameOf(form);
-    }
+    expectNoneMisses(scene, rays);
   }
 }
 

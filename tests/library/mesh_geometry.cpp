@@ -4,9 +4,9 @@
 /* Meshes of quads and of triangles that are compressed: grids are found in them by their indices, and hits are as Embree's own kernels
  * have them, whatever order the quads come in. */
 
+#include "support/closed.h"
 #include "support/diced_mesh.h"
 #include "support/memory.h"
-#include "support/query_forms.h"
 #include "support/same_hits.h"
 
 #include <embree3/rtcore_compressed_triangles.h>
@@ -186,19 +186,9 @@ TEST(Meshes, AreClosedWhereRegionsMeet)
         const auto& q = ball.mesh.quads[random.below(unsigned(ball.mesh.quads.size()))];
         const unsigned k = random.below(4);
         const Vec &a = mesh.vertices[q[k]], &b = mesh.vertices[q[(k + 1) % 4]];
-        const double t = random.chance(0.3) ? 0 : random.uniform();
-        Vec from, direction;
-        for (int c = 0; c < 3; c++) {
-          from[c] = float(0.1*random.normal());
-          direction[c] = float(a[c] + t*(b[c] - a[c])) - from[c];
-        }
-        rays.push_back(makeRay(from, direction));
+        rays.push_back(rayFromMiddle(random, a, b));
       }
-      for (QueryForm form : {QueryForm::Single, QueryForm::Coherent8}) {
-        size_t missed = 0;
-        for (const RTCRayHit& hit : closestHits(scene, rays, form)) missed += !isHit(hit);
-        EXPECT_EQ(missed, 0u) << nameOf(form);
-      }
+      expectNoneMisses(scene, rays);
     }
 }
 
@@ -269,6 +259,33 @@ TEST(Meshes, IrregularOnesAreLeftToEmbree)
     EXPECT_TRUE(isHit(intersect(scene, rayAt(random, sheet))));
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// Of two triangles that make a quad, each is near by itself.
+TEST(Meshes, PointQueriesSeeTheTriangleBesideOneThatIsNotFinite)
+{
+  Device device;
+  Random random(135);
+  DicedMesh mesh = trianglesOf(meshOf(dicedSheet(1, 32, lattice), QuadOrder::Rows, random));
+  const unsigned pair = 500; // its second triangle alone gets a vertex of its own
+  mesh.triangles[2*pair + 1][0] = unsigned(mesh.vertices.size());
+  mesh.vertices.push_back({NAN, 0, 0});
+  const MeshScene scene(device, mesh);
+  ASSERT_EQ(statisticsOf(scene).numMeshQuads, 1024u);
+  const Vec &a = mesh.vertices[mesh.triangles[2*pair][0]], &b = mesh.vertices[mesh.triangles[2*pair][1]], &c = mesh.vertices[mesh.triangles[2*pair][2]];
+  RTCPointQuery query;
+  query.x = (a[0] + b[0] + c[0])/3; query.y = (a[1] + b[1] + c[1])/3; query.z = (a[2] + b[2] + c[2])/3;
+  query.time = 0;
+  query.radius = 1e-3f;
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  std::set<unsigned> near;
+  rtcPointQuery(scene, &query, &context, [](RTCPointQueryFunctionArguments* args) {
+    ((std::set<unsigned>*)args->userPtr)->insert(args->primID);
+    return false;
+  }, &near);
+  EXPECT_TRUE(near.count(2*pair));
+  EXPECT_FALSE(near.count(2*pair + 1));
 }
 
 // Indices that are no vertices, and vertices that are not finite: what has them is not hit, as in Embree, and all else is.

@@ -7,9 +7,9 @@
  *   CBVH_RANDOM_GEOMETRIES=100000 random_cages    for longer */
 
 #include "support/query_forms.h"
+#include "support/random_rounds.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace cbvh::test {
 namespace {
@@ -58,8 +58,7 @@ void spoil(Random& random, Cage& cage)
 TEST(RandomCages, AreTracedAndDoNotCrash)
 {
   Random random(108);
-  const char* const many = std::getenv("CBVH_RANDOM_GEOMETRIES");
-  const size_t rounds = many ? std::strtoull(many, nullptr, 10) : 300;
+  const size_t rounds = randomRounds(300);
   const RTCCompression kinds[] = {RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID};
   size_t hits = 0, named = 0;
   for (size_t round = 0; round < rounds; round++) {

@@ -7,8 +7,8 @@
  *   CBVH_RANDOM_GEOMETRIES=100000 random_grids    for longer */
 
 #include "support/query_forms.h"
+#include "support/random_rounds.h"
 
-#include <cstdlib>
 #include <memory>
 
 namespace cbvh::test {
@@ -81,8 +81,7 @@ private:
 TEST(RandomGrids, AreTracedOrNamed)
 {
   Random random(107);
-  const char* const many = std::getenv("CBVH_RANDOM_GEOMETRIES");
-  const size_t rounds = many ? std::strtoull(many, nullptr, 10) : 400;
+  const size_t rounds = randomRounds(400);
   size_t hits = 0, named = 0, right = 0;
   for (size_t round = 0; round < rounds; round++) {
     SCOPED_TRACE(testing::Message() << "round " << round);

@@ -7,10 +7,10 @@
  *   CBVH_RANDOM_GEOMETRIES=100000 random_meshes    for longer */
 
 #include "support/diced_mesh.h"
+#include "support/random_rounds.h"
 
 #include <embree3/rtcore_compressed_triangles.h>
 
-#include <cstdlib>
 #include <memory>
 #include <set>
 
@@ -71,8 +71,7 @@ struct Strided
 TEST(RandomMeshes, StoreEachPrimitiveOnce)
 {
   Random random(141);
-  const char* const many = std::getenv("CBVH_RANDOM_GEOMETRIES");
-  const size_t rounds = many ? std::strtoull(many, nullptr, 10) : 150;
+  const size_t rounds = randomRounds(150);
   size_t compressed = 0, primitives = 0, loose = 0;
   for (size_t round = 0; round < rounds; round++) {
     SCOPED_TRACE(testing::Message() << "round " << round);
@@ -83,12 +82,7 @@ TEST(RandomMeshes, StoreEachPrimitiveOnce)
     RTCGeometry geometry = rtcNewGeometry(device, mesh.isOfTriangles() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.bytes.get(), 0, vertices.stride, mesh.vertices.size());
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, mesh.isOfTriangles() ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4, indices.bytes.get(), 0, indices.stride, mesh.size());
-    RTCCompressionArguments args;
-    rtcInitCompressionArguments(&args);
-    args.compression = RTC_COMPRESSION_VERT;
-    if (random.chance(0.3)) args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
-    rtcSetGeometryCompression(geometry, &args);
-    rtcCommitGeometry(geometry);
+    commitAs(geometry, RTC_COMPRESSION_VERT, random.chance(0.3) ? RTC_COMPRESSION_FLAG_RELEASE_INPUT : 0);
     Scene scene(device);
     attach(scene, geometry);
     rtcCommitScene(scene);

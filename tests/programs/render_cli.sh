@@ -223,6 +223,12 @@ for mesh in triangles both; do
   grep -q "^| false hits + misses *| *- *| *0 + 0" "$folder/$mesh" || complain "$mesh: hits of a mesh: $(cat "$folder/$mesh")"
 done
 cmp -s "$folder/out_cube.out/cube_cvert.png" "$folder/triangles.out/triangles_cvert.png" || complain "triangles are no quads"
+{ cat "$folder/cube.obj"; echo "t hole 1/0/0 7"; } >"$folder/hole.obj"
+run hole --mesh "$folder/hole.obj" --compare
+faces=$(grep -c "^f" "$folder/cube.obj")
+grep -q "^hole: $((faces - 1)) faces" "$folder/hole" || complain "a hole is no hole: $(cat "$folder/hole")"
+run plain --mesh "$folder/quad.obj"
+grep -q "nothing of the mesh is compressed" "$folder/plain.err" || complain "no word on a mesh that is left to Embree: $(cat "$folder/plain.err")"
 for i in 1 2 3 4 5; do echo "v $i $((i * i)) 0"; done >"$folder/five.obj"
 echo "f 1 2 3 4 5" >>"$folder/five.obj"
 refuses "face 0 has 5 vertices" --mesh "$folder/five.obj"

@@ -80,13 +80,8 @@ inline Diced dicedBall(unsigned n, unsigned quads, double warp = 1)
   return diced;
 }
 
-// Committed, not attached; the caller releases it.
-inline RTCGeometry newGrids(RTCDevice device, const Diced& diced, RTCCompression compression = RTC_COMPRESSION_INHERIT, unsigned flags = 0, unsigned timeSteps = 1)
+inline void commitAs(RTCGeometry geometry, RTCCompression compression, unsigned flags)
 {
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
-  rtcSetGeometryTimeStepCount(geometry, timeSteps);
-  for (unsigned t = 0; t < timeSteps; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, diced.vertices);
-  setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, diced.grids);
   if (compression != RTC_COMPRESSION_INHERIT || flags) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
@@ -95,6 +90,16 @@ inline RTCGeometry newGrids(RTCDevice device, const Diced& diced, RTCCompression
     rtcSetGeometryCompression(geometry, &args);
   }
   rtcCommitGeometry(geometry);
+}
+
+// Committed, not attached; the caller releases it.
+inline RTCGeometry newGrids(RTCDevice device, const Diced& diced, RTCCompression compression = RTC_COMPRESSION_INHERIT, unsigned flags = 0, unsigned timeSteps = 1)
+{
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
+  rtcSetGeometryTimeStepCount(geometry, timeSteps);
+  for (unsigned t = 0; t < timeSteps; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, diced.vertices);
+  setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, diced.grids);
+  commitAs(geometry, compression, flags);
   return geometry;
 }
 

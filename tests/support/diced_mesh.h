@@ -100,14 +100,7 @@ inline RTCGeometry newMesh(RTCDevice device, const DicedMesh& mesh, RTCCompressi
   for (unsigned t = 0; t < timeSteps; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, mesh.vertices);
   if (mesh.isOfTriangles()) setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles);
   else setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, mesh.quads);
-  if (compression != RTC_COMPRESSION_INHERIT || flags) {
-    RTCCompressionArguments args;
-    rtcInitCompressionArguments(&args);
-    args.compression = compression;
-    args.flags = flags;
-    rtcSetGeometryCompression(geometry, &args);
-  }
-  rtcCommitGeometry(geometry);
+  commitAs(geometry, compression, flags);
   return geometry;
 }
 

@@ -50,14 +50,16 @@ double secondsOf(const Run& run)
 class Built
 {
 public:
-  Built(const DicedSurface& surface, const DicedInput& input, const std::string& isa, bool compressed, unsigned repeat)
+  using MakeGeometry = std::function<GeometryHandle(EmbreeDevice&)>;
+
+  Built(const MakeGeometry& makeGeometry, const std::string& isa, bool compressed, unsigned repeat)
     : device(isa.empty() ? "" : "isa=" + isa)
   {
     for (unsigned i = 0; i < repeat; i++)
     {
       scene.reset();
       const size_t empty = device.memory().live();
-      GeometryHandle geometry = surface.makeGeometry(device, input);
+      GeometryHandle geometry = makeGeometry(device);
       inputBytes = device.memory().live() - empty;
       RTCCompressionArguments args;
       rtcInitCompressionArguments(&args);
@@ -115,7 +117,12 @@ bool agree(const RTCRayHit& a, const RTCRayHit& b, float distance)
 
 void measure(const Options& options, const Model& model, const DicedSurface& surface, const DicedInput& input)
 {
-  const Built embree(surface, input, options.isa, false, options.repeat), ours(surface, input, options.isa, true, options.repeat);
+  const bool isIndexed = input.shape != DicedInput::Grids;
+  const QuadMesh mesh = isIndexed ? surface.mesh(input.order) : QuadMesh();
+  const auto makeGeometry = [&](EmbreeDevice& device) {
+    return isIndexed ? makeIndexed(device, mesh, input.shape == DicedInput::Triangles) : surface.makeGrids(device, input.gridQuads);
+  };
+  const Built embree(makeGeometry, options.isa, false, options.repeat), ours(makeGeometry, options.isa, true, options.repeat);
   const Camera camera = Camera::fit(model.positions(), 0.0f, model.view, 40, {options.side, options.side});
   const std::vector<Ray> primary = primaryRays(camera);
   std::vector<RTCRayHit> hits[2];
@@ -170,7 +177,7 @@ int run(int argc, char** argv)
   app.add_option("--isa", options.isa, "widest instruction set, as Embree names it [the host's best]");
   SceneSettings cage;
   addMapOptions(app, cage);
-  app.add_option("--mesh", cage.cagePath, "a cage in place of scenes, OBJ")->type_name("FILE");
+  app.add_option("--cage,--mesh", cage.cagePath, "a cage in place of scenes, OBJ")->type_name("FILE");
   try
   {
     app.parse(argc, argv);

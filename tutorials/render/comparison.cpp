@@ -56,6 +56,8 @@ Camera cameraOf(const Options& options, const Model& model, unsigned threads)
 {
   constexpr size_t mostQuads = 4000000;
   BuildSettings coarse = options.build;
+  if (model.isMesh)
+    coarse.level = 0; // it has no others
   while (coarse.level > 0 && model.layout(coarse.level).numQuads() > mostQuads)
     coarse.level--;
   coarse.device = "cpu";

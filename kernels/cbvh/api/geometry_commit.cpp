@@ -6,6 +6,7 @@
 #include "../embree/scene.h"
 #include "../base/environment.h"
 #include "../scene/surface_blocks.h"
+#include "../surface/embree_bytes.h"
 #include "../surface/quad_regions.h"
 #include "../vert/format.h"
 
@@ -75,8 +76,13 @@ namespace embree
       return true;
     }
 
-    /*! Whether blocks take less memory than Embree's own kernel of grids: as was seen, 130 bytes a block and 1 a quad, and 68 for each 2 x 2
-     *  quads. Input that is let go is worth more than either. */
+    /*! About what the blocks of a grid take, with their part of the tree: as was seen, 130 bytes each, 8 more with numbers that follow a pattern,
+     *  and 1 a quad. */
+    size_t bytesOfBlocks (size_t quadsX, size_t quadsY, bool haveNumbers) {
+      return (haveNumbers ? 138 : 130)*size_t(cbvh::vertBlocksAlong(uint32_t(quadsX)))*cbvh::vertBlocksAlong(uint32_t(quadsY)) + quadsX*quadsY;
+    }
+
+    /*! Whether blocks take less memory than Embree's own kernel of grids. Input that is let go is worth more than either. */
     bool takeLessAsBlocks (const GridMesh* mesh)
     {
       struct Bytes
@@ -90,25 +96,22 @@ namespace embree
           {
             const GridMesh::Grid& grid = mesh->grid(i);
             if (grid.resX < 2 || grid.resY < 2) continue;
-            const size_t x = grid.resX-1, y = grid.resY-1, side = cbvh::vertBlockQuads;
-            sum = sum + Bytes{ 130*((x+side-1)/side)*((y+side-1)/side) + x*y,68*((x+1)/2)*((y+1)/2) };
+            const size_t x = grid.resX-1, y = grid.resY-1;
+            sum = sum + Bytes{ bytesOfBlocks(x,y,false),bytesOfGridInEmbree(x,y) };
           }
           return sum;
         },std::plus<Bytes>());
       return bytes.blocks <= bytes.embree;
     }
 
-    /*! a mesh of less is left to Embree's kernels: it does not matter */
+    /*! a mesh of less is left to Embree's kernels */
     const size_t fewPrimitives = 256;
 
-    /*! about, as takeLessAsBlocks has it; numbers that follow no pattern are not known yet */
-    size_t bytesAsBlocks (const QuadRegions& regions)
+    /*! numbers that follow no pattern are not known yet */
+    size_t bytesOfBlocks (const QuadRegions& regions)
     {
       size_t bytes = 0;
-      for (const QuadRegions::Region& region : regions.regions) {
-        const size_t x = region.width, y = region.height, side = cbvh::vertBlockQuads;
-        bytes += 138*((x+side-1)/side)*((y+side-1)/side) + x*y;
-      }
+      for (const QuadRegions::Region& region : regions.regions) bytes += bytesOfBlocks(region.width,region.height,true);
       return bytes;
     }
 
@@ -185,12 +188,12 @@ namespace embree
   {
     if (!begin(mesh,hasInput,"vertices and indices")) return false;
     const bool asks = asksForCompression(mesh);
-    const char* whyNot = !hasInput || mesh->size() < fewPrimitives ? "" : mesh->numTimeSteps != 1 ? " have motion blur"
-      : mesh->quality == RTC_BUILD_QUALITY_REFIT ? " are to be refitted" : nullptr;
+    const char* whyNot = !hasInput || mesh->size() == 0 ? "" : mesh->numTimeSteps != 1 ? " have motion blur"
+      : mesh->quality == RTC_BUILD_QUALITY_REFIT ? " are to be refitted" : mesh->size() < fewPrimitives ? " are too few to matter" : nullptr;
     if (asks && !whyNot)
     {
       const std::shared_ptr<const QuadRegions> regions = QuadRegions::find(mesh);
-      whyNot = !regions || 4*bytesAsBlocks(*regions) > 3*bytesInEmbree*mesh->size() ? " do not lie in grids" : nullptr;
+      whyNot = !regions || 4*bytesOfBlocks(*regions) > 3*bytesInEmbree*mesh->size() ? " do not lie in grids" : nullptr;
       if (!whyNot) std::atomic_store(&mesh->surface.regions,regions);
       if (!whyNot && regions->numLeftOut) say(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " " + primitives + " have indices that are no vertices: left out");
     }
@@ -205,28 +208,18 @@ namespace embree
     if (compressNow(mesh)) releaseInput(mesh);
   }
 
-  /*! Buffers of vertex attributes stay, and what they are interpolated by. */
-  void endCommit (GridMesh* mesh)
+  /*! Buffers of vertex attributes stay, and what they are interpolated by: grids, or indices. */
+  template<typename Mesh, typename Primitives>
+  static void endCommitOfDiced (Mesh* mesh, Primitives& primitives)
   {
     if (!compressNow(mesh)) return;
     mesh->vertices[0] = mesh->vertices0 = BufferView<Vec3fa>();
-    if (mesh->vertexAttribs.empty()) mesh->grids = BufferView<GridMesh::Grid>();
+    if (mesh->vertexAttribs.empty()) primitives = Primitives();
   }
 
-  /*! Buffers of vertex attributes stay, and what they are interpolated by. */
-  void endCommit (QuadMesh* mesh)
-  {
-    if (!compressNow(mesh)) return;
-    mesh->vertices[0] = mesh->vertices0 = BufferView<Vec3fa>();
-    if (mesh->vertexAttribs.empty()) mesh->quads = BufferView<QuadMesh::Quad>();
-  }
-
-  void endCommit (TriangleMesh* mesh)
-  {
-    if (!compressNow(mesh)) return;
-    mesh->vertices[0] = mesh->vertices0 = BufferView<Vec3fa>();
-    if (mesh->vertexAttribs.empty()) mesh->triangles = BufferView<TriangleMesh::Triangle>();
-  }
+  void endCommit (GridMesh* mesh) { endCommitOfDiced(mesh,mesh->grids); }
+  void endCommit (QuadMesh* mesh) { endCommitOfDiced(mesh,mesh->quads); }
+  void endCommit (TriangleMesh* mesh) { endCommitOfDiced(mesh,mesh->triangles); }
 
   /*! Buffers of vertex attributes stay, and what they are interpolated by. */
   void releaseInput (SubdivMesh* mesh)

@@ -72,12 +72,16 @@ namespace embree
     return parseSubdivAccel(subdivAccel,compression);
   }
 
-  /*! what one may have meant by a word that is none of these: what it begins, or what is most like it */
-  static std::string nearest (const std::string& word, const std::vector<std::string>& known)
+  static const char* const keys[] = { "frame_level","max_error","exact_faces","grids","quads","triangles" };
+
+  static bool isKey (const std::string& word) { return std::find(std::begin(keys),std::end(keys),word) != std::end(keys); }
+
+  /*! what one may have meant by a word that is no key: what it begins, or what is most like it */
+  static std::string nearestKey (const std::string& word)
   {
-    for (const std::string& other : known)
-      if (word.size() > 6 && other.compare(0,word.size(),word) == 0) return other;
-    return *std::min_element(known.begin(),known.end(),[&](const std::string& a, const std::string& b) { return distance(word,a) < distance(word,b); });
+    for (const std::string& key : keys)
+      if (!word.empty() && key.compare(0,word.size(),word) == 0) return key;
+    return *std::min_element(std::begin(keys),std::end(keys),[&](const char* a, const char* b) { return distance(word,a) < distance(word,b); });
   }
 
   /*! "cbvh.grid, cbvh.voxel or cbvh.leaf" */
@@ -89,15 +93,10 @@ namespace embree
     return keys;
   }
 
-  static const std::string keys[] = { "frame_level","max_error","exact_faces","grids","quads","triangles" };
-
-  static bool isKey (const std::string& word) { return std::find(std::begin(keys),std::end(keys),word) != std::end(keys); }
-
   static void unknownKey (const std::string& where, const std::string& key, const std::string& prefix)
   {
-    std::vector<std::string> known;
-    for (const std::string& k : keys) known.push_back(prefix+k);
-    invalid(where,key,"there is no such key, did you mean " + nearest(key,known) + "?");
+    const bool hasPrefix = key.compare(0,prefix.size(),prefix) == 0;
+    invalid(where,key,"there is no such key, did you mean " + prefix + nearestKey(hasPrefix ? key.substr(prefix.size()) : key) + "?");
   }
 
   void CompressionSettings::setFrameLevel (const std::string& name, const std::string& value)

@@ -209,7 +209,7 @@ namespace embree
           std::cout << geometry << total.sums.numInvalidQuads << " quads with vertices that are not finite are left out" << std::endl;
         if (total.sums.numMeshQuads)
           std::cout << geometry << total.sums.numMeshQuads - total.sums.numLooseQuads << " of " << total.sums.numMeshQuads << " quads lie in grids, "
-                    << total.sums.numLooseQuads << " are stored in blocks of fewer than 4 quads along a side" << std::endl;
+                    << total.sums.numLooseQuads << " are stored in blocks of fewer than " << looseSide << " quads along a side" << std::endl;
         if (total.quadsForHoles)
           std::cout << geometry << total.quadsForHoles << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;
       }

@@ -31,7 +31,7 @@ namespace embree
 
       size_t size () const { return vertices.size(); }
 
-      size_t estimateBlocks () const { return sumOverGrids([](const Grid& grid) { return blocksAlong(grid.quads(0))*blocksAlong(grid.quads(1)); }); }
+      size_t estimateBlocks () const { return sumOverGrids([](const Grid& grid) { return size_t(cbvh::vertBlocksAlong(grid.quads(0)))*cbvh::vertBlocksAlong(grid.quads(1)); }); }
 
       /*! some blocks a task */
       size_t perTask (bool isSmall) const
@@ -79,8 +79,6 @@ namespace embree
 
     private:
       static const size_t quadsPerTask = 1 << 14;
-
-      static size_t blocksAlong (unsigned quads) { return (quads + cbvh::vertBlockQuads-1)/cbvh::vertBlockQuads; }
 
       template<typename Value>
       size_t sumOverGrids (const Value& value) const

@@ -4,13 +4,15 @@
 #pragma once
 
 /* Point queries: the application's function is called for the primitives whose blocks are near enough, several times if several of
- * their blocks are; for those of a block that numbers its quads, if the box of the primitive's quad is. As in Embree, they see grids,
+ * their blocks are; for those of a block that numbers its quads, if the primitive's own box is. As in Embree, they see grids,
  * quads and triangles, and no subdivision surfaces. */
 
 #include "../base/primitive_type.h"
+#include "../base/world.h"
 #include "../embree/scene.h"
 #include "../vert/scalar_block.h"
 #include "compressed_tree.h"
+#include <initializer_list>
 
 namespace embree
 {
@@ -86,27 +88,33 @@ namespace embree
           return geometry->pointQuery(query,context);
         }
 
-        /*! whether a call changed the query */
+        /*! Those of quads, or triangles, of which all vertices are finite; whether a call changed the query. */
         bool callQuads (Geometry* geometry, const VertHeader* header)
         {
           const ScalarVertBlock block(header);
           const uint32_t form = header->patchQuads;
-          const bool isOfTwo = isOfTriangles(form) && !isOneTriangle(form);
           bool changed = false;
           for (uint32_t y=0; y<block.quadsY; y++)
             for (uint32_t x=0; x<block.quadsX; x++)
             {
-              BBox3fa bounds(empty);
-              for (const float* p : { block.vertex(x,y),block.vertex(x+1,y),block.vertex(x,y+1),block.vertex(x+1,y+1) }) bounds.extend(Vec3fa(p[0],p[1],p[2]));
-              if (!(distanceOf(bounds) <= reach())) continue;
+              const float* const diagonal[2] = { block.vertex(x+1,y),block.vertex(x,y+1) }, * const ends[2] = { block.vertex(x,y),block.vertex(x+1,y+1) };
               const uint32_t number = numberOfQuad(header,x,y);
-              for (bool isSecond : { false,true }) {
-                if (isSecond && !isOfTwo) continue;
-                context->primID = primitiveOfNumber(form,number,isSecond);
-                changed |= geometry->pointQuery(query,context);
-              }
+              if (!isOfTriangles(form)) changed |= call(geometry,number,{ diagonal[0],diagonal[1],ends[0],ends[1] });
+              else for (int i=0; i < (isOneTriangle(form) ? 1 : 2); i++) changed |= call(geometry,number+i,{ diagonal[0],diagonal[1],ends[i] });
             }
           return changed;
+        }
+
+        bool call (Geometry* geometry, uint32_t primID, std::initializer_list<const float*> vertices)
+        {
+          BBox3fa bounds(empty);
+          for (const float* p : vertices) {
+            if (!embree::cbvh::isFinite(p)) return false;
+            bounds.extend(Vec3fa(p[0],p[1],p[2]));
+          }
+          if (!(distanceOf(bounds) <= reach())) return false;
+          context->primID = primID;
+          return geometry->pointQuery(query,context);
         }
 
         /*! as of children */

@@ -12,6 +12,7 @@
  *   const float* position (vertex)
  *   bool number (i, QuadNumbers&)      whether each of its quads is a primitive of its own, and which */
 
+#include "embree_bytes.h"
 #include "quad_regions.h"
 #include "source.h"
 
@@ -70,8 +71,7 @@ namespace embree
       /*! vertices outside of their buffer are errors, as of no other of Embree's types */
       static const bool reportsInvalid = true;
 
-      /*! What Embree takes for it, as was seen, besides vertices: 68 bytes for each 2 x 2 quads. */
-      static size_t bytesInEmbree (size_t quadsX, size_t quadsY) { return 68*((quadsX+1)/2)*((quadsY+1)/2); }
+      static size_t bytesInEmbree (size_t quadsX, size_t quadsY) { return bytesOfGridInEmbree(quadsX,quadsY); }
 
     private:
       const GridMesh* mesh;

@@ -67,6 +67,10 @@ namespace embree
         return q;
       }
 
+      /*! whether a quad lies on the right of another, or above it */
+      static bool isRight (const Quad& q, const Quad& other) { return other.v[0] == q.v[1] && other.v[3] == q.v[2]; }
+      static bool isAbove (const Quad& q, const Quad& other) { return other.v[0] == q.v[3] && other.v[1] == q.v[2]; }
+
       bool isValid (const Quad& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
 
       /*! Vertices that the quads have; false if a table of them would be much larger than the mesh. */
@@ -152,7 +156,7 @@ namespace embree
           const Quad q = quad(unsigned(i));
           Quad right, up, corner;
           looked++;
-          regular += isValid(q) && rightOf(q,right) && above(q,up) && above(right,corner) && corner.v[3] == up.v[2] && corner.v[0] == up.v[1];
+          regular += isValid(q) && rightOf(q,right) && above(q,up) && above(right,corner) && isRight(up,corner);
         }
         return 4*regular >= looked;
       }
@@ -230,15 +234,22 @@ namespace embree
 
       void letGo (const std::vector<Quad>& of) { for (const Quad& q : of) flags[q.index] &= ~TAKEN; }
 
+      /*! Takes a quad next to a side of the region, the first of a line or behind its last. */
+      bool takeNext (const Quad& q, bool isUp)
+      {
+        Quad next;
+        if (!(isUp ? above(q,next) : rightOf(q,next)) || (flags[next.index] & TAKEN)) return false;
+        if (!line.empty() && !(isUp ? isRight(line.back(),next) : isAbove(line.back(),next))) return false;
+        flags[next.index] |= TAKEN;
+        line.push_back(next);
+        return true;
+      }
+
       bool growRight ()
       {
         line.clear();
-        for (const auto& row : rows) {
-          Quad next;
-          if (!rightOf(row.back(),next) || (flags[next.index] & TAKEN) || (!line.empty() && (next.v[0] != line.back().v[3] || next.v[1] != line.back().v[2]))) { letGo(line); return false; }
-          flags[next.index] |= TAKEN;
-          line.push_back(next);
-        }
+        for (const auto& row : rows)
+          if (!takeNext(row.back(),false)) { letGo(line); return false; }
         for (size_t y=0; y<rows.size(); y++) rows[y].push_back(line[y]);
         return true;
       }
@@ -246,12 +257,8 @@ namespace embree
       bool growUp ()
       {
         line.clear();
-        for (const Quad& q : rows.back()) {
-          Quad next;
-          if (!above(q,next) || (flags[next.index] & TAKEN) || (!line.empty() && (next.v[0] != line.back().v[1] || next.v[3] != line.back().v[2]))) { letGo(line); return false; }
-          flags[next.index] |= TAKEN;
-          line.push_back(next);
-        }
+        for (const Quad& q : rows.back())
+          if (!takeNext(q,true)) { letGo(line); return false; }
         rows.push_back(line);
         return true;
       }

@@ -17,9 +17,6 @@
 
 namespace embree
 {
-  /*! What Embree takes, as was seen, besides vertices and indices. */
-  static const size_t bytesOfQuadInEmbree = 85, bytesOfTriangleInEmbree = 60;
-
   /*! the quads of a quad mesh */
   struct QuadsOfMesh
   {
@@ -100,7 +97,7 @@ namespace embree
     mvector<Region> regions;
     mvector<unsigned> quads;  //!< of each region, row by row from its v0
     mvector<unsigned> firsts; //!< of PairsOfMesh; empty if that needs none
-    size_t numLeftOut = 0;        //!< quads and triangles with an index that is no vertex, which rays do not hit
+    size_t numLeftOut = 0;    //!< quads and triangles with an index that is no vertex, which rays do not hit
 
     explicit QuadRegions (Device* device) : regions(device,0), quads(device,0), firsts(device,0) {}
 

@@ -34,6 +34,7 @@ CBVH_CONSTANT uint32_t vertFormatVersion = 3u;
 CBVH_CONSTANT uint32_t groupQuads = 4u;         //!< along a side of a group
 CBVH_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^this quads along a side
 CBVH_CONSTANT uint32_t vertBlockQuads = 16u;    //!< so blocks of a patch begin at multiples of this
+CBVH_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
 CBVH_CONSTANT uint32_t maxVertGroups = 16u;
 CBVH_CONSTANT uint32_t vertHeaderBytes = 64u;
 CBVH_CONSTANT uint32_t vertEdgesBytes = 8u;

@@ -15,10 +15,11 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! the primitive of a quad in a block that numbers its quads, and the hit's parameters of it */
-      __forceinline uint32_t setOwnParameters (const VertHeader* block, uint32_t x, uint32_t y, bool isSecond, const QuadPosition<float>& at, SurfaceHit1& hit)
+      /*! Of triangle h of a group in a block that numbers its quads: the primitive, and the hit's parameters of it. */
+      __forceinline uint32_t setOwnParameters (const VertHeader* block, uint32_t g, uint32_t h, const QuadPosition<float>& at, SurfaceHit1& hit)
       {
-        const uint32_t form = block->patchQuads;
+        const uint32_t form = block->patchQuads, x = groupQuads*(g & 3) + ((h >> 1) & 3), y = groupQuads*(g >> 2) + (h >> 3);
+        const bool isSecond = h & 1;
         const OwnParameters own = ownParameters(form,isSecond,inUnit(at.a),inUnit(at.b));
         hit.u = own.u; hit.v = own.v;
         return primitiveOfNumber(form,numberOfQuad(block,x,y),isSecond);
@@ -105,36 +106,34 @@ namespace embree
 
         __forceinline bool reportHit (uint32_t g, const WideNormal<double>& normal, uint32_t h, float t, const VertTriangle::Sides& sides)
         {
-          const uint32_t quad = h >> 1;
           SurfaceHit1 hit;
           hit.t = t;
           hit.Ng = VertTriangle::Ng(vertRay,normal);
-          const uint32_t primID = setParameters(g,quad,h & 1,positionInQuad(sides,bool(h & 1)),hit);
+          const QuadPosition<float> at = positionInQuad(sides,bool(h & 1));
+          uint32_t primID = block->primID;
+          if (hasNumbers(block->boxForm)) primID = setOwnParameters(block,g,h,at,hit);
+          else setParameters(g,h >> 1,h & 1,at,hit);
           if (!target.report(block,primID,hit)) return false;
           nearest = VertNearest(block,32*g+h,t);
           return true;
         }
 
-        /*! the primitive that it is on */
-        __forceinline uint32_t setParameters (uint32_t g, uint32_t quad, bool isSecond, const QuadPosition<float>& at, SurfaceHit1& hit) const
+        __forceinline void setParameters (uint32_t g, uint32_t quad, bool isSecond, const QuadPosition<float>& at, SurfaceHit1& hit) const
         {
           const uint32_t patchQuads = block->patchQuads, x = firstQuadX(block->region,g) + (quad & 3), y = firstQuadY(block->region,g) + (quad >> 2);
           uint32_t cornerU = 0, cornerV = 0;
-          if (hasNumbers(block->boxForm))
-            return setOwnParameters(block,x-vertX(block->region),y-vertY(block->region),isSecond,at,hit);
           if (unlikely(hasEdges(block->boxForm)))
           {
             const VertEdges edges = edgesOf(block);
             if (isAtLowerEdge(patchQuads,edges,x,y)) {
               const FaceParameters parameters = parametersAtLowerEdge(patchQuads,edges,x,y,isSecond,at.a,at.b);
               hit.u = parameters.u; hit.v = parameters.v;
-              return block->primID;
+              return;
             }
             cornerU = vertCornerU(edges); cornerV = vertCornerV(edges);
           }
           hit.u = faceParameterOfQuad(cornerU,float(x),at.a,patchQuadsX(patchQuads));
           hit.v = faceParameterOfQuad(cornerV,float(y),at.b,patchQuadsY(patchQuads));
-          return block->primID;
         }
 
         const Target target;

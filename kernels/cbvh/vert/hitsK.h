@@ -191,8 +191,7 @@ namespace embree
             SurfaceHit1 hit;
             hit.t = t[k];
             hit.Ng = Vec3fa(Ng.x[k],Ng.y[k],Ng.z[k]);
-            const uint32_t x = groupQuads*(g & 3) + ((h >> 1) & 3), y = groupQuads*(g >> 2) + (h >> 3);
-            const uint32_t primID = setOwnParameters(block,x,y,h & 1,QuadPosition<float>{ at.a[k],at.b[k] },hit);
+            const uint32_t primID = setOwnParameters(block,g,h,QuadPosition<float>{ at.a[k],at.b[k] },hit);
             if (!cbvh::report(rays,k,context,block->surface,primID,hit)) continue;
             vertRays.nearest(k) = VertNearest(block,32*g+h,t[k]);
             accepted |= 1u << k;
