@@ -72,7 +72,7 @@ void displace(const RTCDisplacementFunctionNArguments* args)
   }
   if (context.progress)
     context.progress->add(args->N);
-  if (!context.captured)
+  if (!context.captured || args->timeStep != 0)
     return;
   for (size_t i = 0; i < args->N; i++)
   {
@@ -122,7 +122,7 @@ void SharedTopology::add(RTCBufferType type, RTCFormat format, const std::vector
   buffers.push_back({type, format, sizeof(T), data.size(), std::move(buffer)});
 }
 
-SharedTopology::SharedTopology(EmbreeDevice& device, const Cage& cage) : device(device), cage(cage)
+SharedTopology::SharedTopology(EmbreeDevice& device, const Cage& cage, const std::vector<std::vector<Vec3f>>& poses) : device(device), cage(cage), poses(poses)
 {
   add(RTC_BUFFER_TYPE_FACE, RTC_FORMAT_UINT, cage.faceSizes);
   add(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, cage.faceIndices);
@@ -133,21 +133,29 @@ SharedTopology::SharedTopology(EmbreeDevice& device, const Cage& cage) : device(
   add(RTC_BUFFER_TYPE_HOLE, RTC_FORMAT_UINT, cage.holes);
 }
 
+void SharedTopology::setVertices(RTCGeometry geometry, unsigned step, const Placement& placement, const std::vector<Vec3f>& positions) const
+{
+  /* Embree loads 16 bytes of a vertex and wants all four numbers valid, so what comes
+   * after the last one matters, and rtcSetNewGeometryBuffer leaves it as it was. */
+  const size_t n = positions.size();
+  const BufferHandle vertices(rtcNewBuffer(device.handle(), (n + 1) * sizeof(Vec3f)));
+  device.check("allocating the vertices of a cage");
+  auto* out = static_cast<Vec3f*>(rtcGetBufferData(vertices.get()));
+  std::transform(positions.begin(), positions.end(), out, [&](Vec3f p) { return placement.apply(p); });
+  out[n] = Vec3f();
+  rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, vertices.get(), 0, sizeof(Vec3f), n);
+}
+
 GeometryHandle SharedTopology::makeGeometry(const Placement& placement, DisplacementContext& context,
                                             const RTCCompressionArguments* compression) const
 {
   GeometryHandle handle(rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SUBDIVISION));
   device.check("making a geometry");
   const RTCGeometry geometry = handle.get();
-  /* Embree loads 16 bytes of a vertex and wants all four numbers valid, so what comes
-   * after the last one matters, and rtcSetNewGeometryBuffer leaves it as it was. */
-  const size_t n = cage.positions.size();
-  const BufferHandle vertices(rtcNewBuffer(device.handle(), (n + 1) * sizeof(Vec3f)));
-  device.check("allocating the vertices of a cage");
-  auto* out = static_cast<Vec3f*>(rtcGetBufferData(vertices.get()));
-  std::transform(cage.positions.begin(), cage.positions.end(), out, [&](Vec3f p) { return placement.apply(p); });
-  out[n] = Vec3f();
-  rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.get(), 0, sizeof(Vec3f), n);
+  rtcSetGeometryTimeStepCount(geometry, unsigned(1 + poses.size()));
+  setVertices(geometry, 0, placement, cage.positions);
+  for (size_t i = 0; i < poses.size(); i++)
+    setVertices(geometry, unsigned(1 + i), placement, poses[i]);
   for (const Buffer& b : buffers)
     rtcSetGeometryBuffer(geometry, b.type, 0, b.format, b.handle.get(), 0, b.stride, b.count);
   context.placement = placement;

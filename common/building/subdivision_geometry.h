@@ -54,12 +54,14 @@ struct BufferRelease
 using BufferHandle = std::unique_ptr<RTCBufferTy, BufferRelease>;
 
 /* What all copies of a cage have in common, in buffers of a device. The cage outlives
- * it. */
+ * it, and so do its poses: positions of its vertices at later time steps. */
 class SharedTopology
 {
+  static inline const std::vector<std::vector<Vec3f>> noPoses;
+
 public:
   /* Throws Error. */
-  SharedTopology(EmbreeDevice& device, const Cage& cage);
+  SharedTopology(EmbreeDevice& device, const Cage& cage, const std::vector<std::vector<Vec3f>>& poses = noPoses);
 
   /* Makes a geometry at a place, committed, not yet attached to a scene.
    *
@@ -77,11 +79,13 @@ private:
     size_t stride, count;
     BufferHandle handle;
   };
+  void setVertices(RTCGeometry geometry, unsigned step, const Placement& placement, const std::vector<Vec3f>& positions) const;
   template<typename T>
   void add(RTCBufferType type, RTCFormat format, const std::vector<T>& data);
 
   EmbreeDevice& device;
   const Cage& cage;
+  const std::vector<std::vector<Vec3f>>& poses;
   std::vector<Buffer> buffers;
 };
 

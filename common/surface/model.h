@@ -50,6 +50,7 @@ struct Model
 {
   std::string name;
   Cage cage;                                        // of a mesh: its faces, of 4 vertices each, of which triangles have the last twice
+  std::vector<std::vector<Vec3f>> poses;            // positions of the cage's vertices at later time steps, at even times; empty: it does not move
   bool isMesh = false;
   float spacing = 0;                                // of a lattice that all vertices of a mesh lie on, 0 if there is none
   std::shared_ptr<const Displacement> displacement; // none: the limit surface itself

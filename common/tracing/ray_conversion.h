@@ -40,7 +40,7 @@ inline void load(const Ray& ray, RTCRay& out)
   out.dir_x = ray.direction.x;
   out.dir_y = ray.direction.y;
   out.dir_z = ray.direction.z;
-  out.time = 0.0f;
+  out.time = ray.time;
   out.tfar = ray.tfar;
   out.mask = ~0u;
   out.id = 0;
@@ -66,7 +66,7 @@ inline void load(const Ray& ray, RTCRayN& out, size_t i)
   out.dir_x[i] = ray.direction.x;
   out.dir_y[i] = ray.direction.y;
   out.dir_z[i] = ray.direction.z;
-  out.time[i] = 0.0f;
+  out.time[i] = ray.time;
   out.tfar[i] = ray.tfar;
   out.mask[i] = ~0u;
   out.id[i] = 0;

@@ -33,6 +33,11 @@ struct RTCCompressedTriangle
  * anything else, if in part: cLEAF and cVOXEL have no triangles. Thread safety: as rtcInterpolate. */
 RTC_API bool rtcGetCompressedTriangle(RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle);
 
+/* The same of geometry with motion blur, at a time, which rays have; without AtTime it is that of the geometry's first time step. Returns
+ * false outside of the geometry's time range. Of geometry that does not move the time does not matter. Vertices are the same floats that rays
+ * meet at that time. */
+RTC_API bool rtcGetCompressedTriangleAtTime(RTCGeometry geometry, float time, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle);
+
 /* Up to 16 x 16 quads, of cGRID up to 256 x 256. Neighbouring parts have the vertices that they share as the same floats; of
  * cGRID those of one face have. */
 struct RTCCompressedPart
@@ -56,5 +61,8 @@ typedef bool (*RTCCompressedPartFunction)(void* userPtr, const struct RTCCompres
  *
  * Errors: as above. Thread safety: as rtcInterpolate. */
 RTC_API void rtcForEachCompressedPart(RTCGeometry geometry, RTCCompressedPartFunction function, void* userPtr);
+
+/* The same at a time, as above: no part outside of the geometry's time range. */
+RTC_API void rtcForEachCompressedPartAtTime(RTCGeometry geometry, float time, RTCCompressedPartFunction function, void* userPtr);
 
 RTC_NAMESPACE_END

@@ -82,7 +82,7 @@ enum RTCCompressionFlags
    * vertex attributes, and the application may free what it shared. Scenes trace it, and their commits take what is there.
    * rtcInterpolate of RTC_BUFFER_TYPE_VERTEX is an error then, and so is a commit after any change but of its mask, its filters and
    * whether it is enabled, unless its vertices and its faces with their indices, its grids, or its indices, were set again.
-   * Without effect on geometry that is not compressed, or has motion blur. */
+   * Without effect on geometry that is not compressed. */
   RTC_COMPRESSION_FLAG_RELEASE_INPUT = 1 << 0
 };
 
@@ -189,6 +189,8 @@ struct RTCCompressionStatistics
                                 // their vertices
   size_t numMeshQuads;          // quads of quad meshes, and pairs of triangles, in blocks; of them
   size_t numLooseQuads;         // those in none of the meshes' grids of 4 x 4 quads and more
+  size_t numMovingQuads;        // quads with several time steps
+  size_t motionBytes;           // of leafBytes: all their time steps but the first
 };
 
 /* Reports what the last commit of a scene compressed. All zero when the scene

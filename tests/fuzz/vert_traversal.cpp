@@ -26,7 +26,7 @@ namespace {
 using namespace embree;
 using namespace embree::isa;
 using namespace embree::cbvh;
-using embree::isa::cbvh::VertIntersector1;
+using embree::isa::cbvh::intersectVert;
 using embree::isa::cbvh::VertRay;
 
 constexpr size_t alignment = 16;
@@ -104,7 +104,7 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
     hit.geomID = RTC_INVALID_GEOMETRY_ID;
     IntersectContext context((Scene*)scene, &closest);
     VertRay pre;
-    VertIntersector1<RayHit>::intersect(hit, &context, pre, block);
+    intersectVert(hit, &context, pre, block);
     REQUIRE((hit.geomID == 0) == (accepts && closest.hits));
     if (sound) REQUIRE(hit.tfar == (accepts ? closest.tfar : bytes.tfar));
 
@@ -112,7 +112,7 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
     Ray occluded(ray);
     context.user = &any;
     VertRay anyPre;
-    const bool isOccluded = VertIntersector1<Ray>::intersect(occluded, &context, anyPre, block);
+    const bool isOccluded = intersectVert(occluded, &context, anyPre, block);
     REQUIRE(isOccluded == (accepts && any.hits));
     REQUIRE((closest.hits != 0) == (any.hits != 0));
     found[accepts] = any.hits;
@@ -125,7 +125,7 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
   IntersectContext context((Scene*)scene, &plain);
   Ray occluded(ray);
   VertRay pre;
-  REQUIRE(VertIntersector1<Ray>::intersect(occluded, &context, pre, block) == found[true]);
+  REQUIRE(intersectVert(occluded, &context, pre, block) == found[true]);
 }
 
 enum Surface { WAVES, SPIKES, FLAT, HOLES, SURFACES };

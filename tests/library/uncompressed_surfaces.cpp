@@ -57,7 +57,7 @@ TEST(UncompressedSurfaces, RatesAbove256EqualStock)
 
 TEST(UncompressedSurfaces, MotionBlurEqualsStock)
 {
-  compareUncompressed(8, {}, false, "motion blur: traced by GRID", 2);
+  compareUncompressed(8, {}, false, "6 faces have motion blur, and are not to be stored exactly: left to Embree's kernel of faces", 2);
 }
 
 // Compressed faces beside others, in one BVH.

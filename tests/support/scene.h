@@ -210,6 +210,8 @@ struct SurfaceSettings
   float maxError = 0;                   // of automatic frame levels, 0: the device's
   bool exactFaces = false;              // of cLEAF, which these tests are about
   unsigned timeSteps = 1;
+  std::function<Vec(const Vec& position, unsigned step)> motion; // of the cage's vertices, before scale and offset; by default 0.1 along x each step
+  float begin = 0, end = 1;             // time of the first step and of the last
   unsigned mask = ~0u;
 };
 
@@ -217,14 +219,17 @@ struct SurfaceSettings
 inline RTCGeometry newSurface(RTCDevice device, const Cage& cage, const SurfaceSettings& settings)
 {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
-  std::vector<Vec> positions = cage.positions;
   const float scale = settings.displacement ? settings.displacement->scale : 1;
   const Vec offset = settings.displacement ? settings.displacement->offset : Vec{0, 0, 0};
-  for (Vec& p : positions)
-    for (int k = 0; k < 3; k++) p[k] = offset[k] + scale*p[k];
   rtcSetGeometryTimeStepCount(geometry, settings.timeSteps);
+  if (settings.timeSteps > 1) rtcSetGeometryTimeRange(geometry, settings.begin, settings.end);
   for (unsigned t = 0; t < settings.timeSteps; t++) {
-    if (t) for (Vec& p : positions) p[0] += 0.1f*scale;
+    std::vector<Vec> positions = cage.positions;
+    for (Vec& p : positions) {
+      if (settings.motion) p = settings.motion(p, t);
+      else p[0] += 0.1f*float(t);
+      for (int k = 0; k < 3; k++) p[k] = offset[k] + scale*p[k];
+    }
     setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, positions);
   }
   setBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, cage.faces);

@@ -22,7 +22,7 @@ comm -23 "$work/stock" "$work/ours" > "$work/removed"
 comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
 [ ! -s "$work/removed" ] || { echo "removed:"; cat "$work/removed"; exit 1; }
 # those of rtcore_compression.h and rtcore_compressed_triangles.h, and of kernels/cbvh/scene/flat_scene.h for libembree3_vulkan
-printf '%s\n' rtcFlattenScene rtcForEachCompressedPart rtcGetCompressedTriangle rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcRaiseDeviceError rtcReleaseFlatScene rtcSetGeometryCompression > "$work/api"
+printf '%s\n' rtcFlattenScene rtcForEachCompressedPart rtcForEachCompressedPartAtTime rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcRaiseDeviceError rtcReleaseFlatScene rtcSetGeometryCompression > "$work/api"
 diff "$work/api" "$work/added" || { echo "added symbols are not those of our headers" >&2; exit 1; }
 
 soname() { readelf -d "$1" | sed -n 's/.*soname: //p'; }

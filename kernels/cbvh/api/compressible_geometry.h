@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* What geometries that can be compressed have besides what Embree gives them. A subdivision surface is compressed by the scene that
- * traces it. Grids, quads and triangles without motion blur are taken from Embree's own kernels when they are committed: their type is
- * then one that none of Embree's has. */
+/* What geometries that can be compressed have besides what Embree gives them. A subdivision surface that does not move is compressed by
+ * the scene that traces it. Subdivision surfaces that move, grids, quads and triangles are taken from Embree's own kernels when they are
+ * committed: their type is then one that none of Embree's has. */
 
 #include "../embree/geometry.h"
 #include "settings.h"
@@ -24,7 +24,7 @@ namespace embree
     CompressibleGeometry (Device* device, GType type, unsigned numPrimitives, unsigned numTimeSteps)
       : Geometry(device,type,numPrimitives,numTimeSteps), ownType(type) {}
 
-    /*! of grids, quads and triangles that are compressed: a number that Embree leaves free */
+    /*! of geometry that is compressed when it is committed: a number that Embree leaves free */
     static const GType GTY_COMPRESSED = GType(24);
 
     void enable () override { surface.changeVisibility(isDisabled()); Geometry::enable(); }
@@ -38,6 +38,9 @@ namespace embree
 
     /*! takes it from Embree's kernels, or gives it back */
     void setCompressed (bool compressed) { gtype = compressed ? GTY_COMPRESSED : ownType; }
+
+    /*! Scenes count the primitives of geometry that is compressed among those of subdivision surfaces, whose trees its blocks are in. */
+    void addToCount (GeometryCounts& counts) const { (numTimeSteps == 1 ? counts.numSubdivPatches : counts.numMBSubdivPatches) += numPrimitives; }
 
     const GType ownType;             //!< that it was made as
     CompressionSettings compression; //!< set by rtcSetGeometryCompression
@@ -58,13 +61,13 @@ namespace embree
     }
   }
 
-  /*! a geometry that a scene's tree of blocks may have, or null: one that is enabled, does not move, and is a subdivision
-   *  surface or compressed */
-  inline CompressibleGeometry* geometryOfTree (Geometry* geometry)
+  /*! a geometry that a scene's tree of blocks that move, or of those that do not, may have, or null: one that is enabled, and is compressed
+   *  or a subdivision surface that does not move */
+  inline CompressibleGeometry* geometryOfTree (Geometry* geometry, bool moves)
   {
-    if (!geometry || !geometry->isEnabled() || geometry->numTimeSteps != 1) return nullptr;
+    if (!geometry || !geometry->isEnabled() || (geometry->numTimeSteps != 1) != moves) return nullptr;
     CompressibleGeometry* const surface = compressible(geometry);
-    return surface && (surface->isCompressed() || surface->getType() == Geometry::GTY_SUBDIV_MESH) ? surface : nullptr;
+    return surface && (surface->isCompressed() || (!moves && surface->getType() == Geometry::GTY_SUBDIV_MESH)) ? surface : nullptr;
   }
 
   /*! Whether the surface is to be taken from its buffers again. Throws where they were let go. */

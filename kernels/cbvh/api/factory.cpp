@@ -15,6 +15,12 @@ namespace embree
   DECLARE_SYMBOL2(Accel::Intersector16,BVH4CompressedSubdivIntersector16);
   DECLARE_SYMBOL2(Accel::IntersectorN,BVH4CompressedSubdivIntersectorN);
   DECLARE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA CompressionReport*);
+  DECLARE_SYMBOL2(Accel::Intersector1,BVH4CompressedMotionIntersector1);
+  DECLARE_SYMBOL2(Accel::Intersector4,BVH4CompressedMotionIntersector4);
+  DECLARE_SYMBOL2(Accel::Intersector8,BVH4CompressedMotionIntersector8);
+  DECLARE_SYMBOL2(Accel::Intersector16,BVH4CompressedMotionIntersector16);
+  DECLARE_SYMBOL2(Accel::IntersectorN,BVH4CompressedMotionIntersectorN);
+  DECLARE_ISA_FUNCTION(Builder*,BVH4CompressedMotionBuilder,void* COMMA Scene* COMMA CompressionReport*);
 
   namespace
   {
@@ -26,18 +32,44 @@ namespace embree
       DEFINE_SYMBOL2(Accel::Intersector16,BVH4CompressedSubdivIntersector16);
       DEFINE_SYMBOL2(Accel::IntersectorN,BVH4CompressedSubdivIntersectorN);
       DEFINE_ISA_FUNCTION(Builder*,BVH4CompressedSubdivBuilder,void* COMMA Scene* COMMA CompressionReport*);
+      DEFINE_SYMBOL2(Accel::Intersector1,BVH4CompressedMotionIntersector1);
+      DEFINE_SYMBOL2(Accel::Intersector4,BVH4CompressedMotionIntersector4);
+      DEFINE_SYMBOL2(Accel::Intersector8,BVH4CompressedMotionIntersector8);
+      DEFINE_SYMBOL2(Accel::Intersector16,BVH4CompressedMotionIntersector16);
+      DEFINE_SYMBOL2(Accel::IntersectorN,BVH4CompressedMotionIntersectorN);
+      DEFINE_ISA_FUNCTION(Builder*,BVH4CompressedMotionBuilder,void* COMMA Scene* COMMA CompressionReport*);
 
       Symbols (int features, int builderFeatures)
       {
         /* as upstream chooses GRID's builder: the vertices of both are the same floats */
         SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedSubdivBuilder);
+        SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedMotionBuilder);
         SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector1);
+        SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedMotionIntersector1);
 #if defined(EMBREE_RAY_PACKETS)
         SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector4);
         SELECT_SYMBOL_INIT_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector8);
         SELECT_SYMBOL_INIT_AVX512(features,BVH4CompressedSubdivIntersector16);
         SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersectorN);
+        SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedMotionIntersector4);
+        SELECT_SYMBOL_INIT_AVX_AVX2_AVX512(features,BVH4CompressedMotionIntersector8);
+        SELECT_SYMBOL_INIT_AVX512(features,BVH4CompressedMotionIntersector16);
+        SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedMotionIntersectorN);
 #endif
+      }
+
+      Accel::Intersectors intersectors (BVH4* bvh, bool moves) const
+      {
+        Accel::Intersectors intersectors;
+        intersectors.ptr = bvh;
+        intersectors.intersector1  = moves ? BVH4CompressedMotionIntersector1() : BVH4CompressedSubdivIntersector1();
+#if defined(EMBREE_RAY_PACKETS)
+        intersectors.intersector4  = moves ? BVH4CompressedMotionIntersector4() : BVH4CompressedSubdivIntersector4();
+        intersectors.intersector8  = moves ? BVH4CompressedMotionIntersector8() : BVH4CompressedSubdivIntersector8();
+        intersectors.intersector16 = moves ? BVH4CompressedMotionIntersector16() : BVH4CompressedSubdivIntersector16();
+        intersectors.intersectorN  = moves ? BVH4CompressedMotionIntersectorN() : BVH4CompressedSubdivIntersectorN();
+#endif
+        return intersectors;
       }
     };
   }
@@ -48,87 +80,84 @@ namespace embree
     return cbvh::findKind(compression,kind) ? cbvh::describe(kind).name : "GRID";
   }
 
-  /*! Calls closure(geomID, settings, motion) for each geometry that asks for compression, but for grids that do not get it: their commits say so. */
-  template<typename Closure>
-  static void forEachCompressed (const Scene* scene, const Closure& closure)
+  bool hasMotionOfEmbree (Scene* scene)
   {
-    for (size_t i=0; i<scene->geometries.size(); i++)
-    {
-      Geometry* geometry = scene->geometries[i].ptr;
-      CompressibleGeometry* const surface = geometry && geometry->isEnabled() ? compressible(geometry) : nullptr;
-      if (!surface) continue;
-      const CompressionSettings settings = surface->compression.resolve(scene->device->compression);
-      const bool motion = geometry->numTimeSteps != 1;
-      if (settings.compression != RTC_COMPRESSION_NONE && (geometryOfTree(geometry) || (motion && geometry->getType() == Geometry::GTY_SUBDIV_MESH))) closure(i,settings,motion);
+    for (size_t i=0; i<scene->geometries.size(); i++) {
+      const Geometry* const geometry = scene->geometries[i].ptr;
+      if (geometry && geometry->isEnabled() && geometry->numTimeSteps != 1 && geometry->getType() == Geometry::GTY_SUBDIV_MESH) return true;
     }
-  }
-
-  static bool hasCompressedGeometry (const Scene* scene)
-  {
-    bool compressed = false;
-    forEachCompressed(scene,[&](size_t, const CompressionSettings&, bool motion) { compressed |= !motion; });
-    return compressed;
+    return false;
   }
 
   bool isCompressionOutdated (Scene* scene)
   {
-    if (scene->getNumPrimitives(SubdivMesh::geom_type,false) == 0) return false;
-    for (Accel* accel : scene->accels)
-      if (dynamic_cast<CompressedSubdivAccel*>(accel)) return !hasCompressedGeometry(scene);
-    return hasCompressedGeometry(scene);
+    for (bool moves : { false,true })
+    {
+      if (scene->getNumPrimitives(SubdivMesh::geom_type,moves) == 0) continue;
+      bool isCompressed = false, isEmbrees = false;
+      for (Accel* accel : scene->accels) {
+        const CompressedAccel* const ours = dynamic_cast<CompressedAccel*>(accel);
+        if (ours) isCompressed |= ours->moves == moves;
+        else isEmbrees |= dynamic_cast<AccelInstance*>(accel) != nullptr;
+      }
+      if (isCompressed != cbvh::hasCompressedGeometry(scene,moves)) return true;
+      if (moves && isCompressed && hasMotionOfEmbree(scene) && !isEmbrees) return true;
+    }
+    return false;
   }
 
-  /*! says at verbosity 1 what becomes of the surfaces with motion blur, or of those without */
-  static void reportCompression (Scene* scene, bool ofMotion)
+  /*! says at verbosity 1 what becomes of surfaces that ask for compression */
+  static void reportCompression (Scene* scene, bool moves)
   {
-    if (!scene->device->verbosity(1) && !(ofMotion && environmentAsksForCommitLines())) return;
-    forEachCompressed(scene,[&](size_t geomID, const CompressionSettings& settings, bool motion) {
-        if (motion != ofMotion) return;
-        Lock<MutexSys> lock(g_printMutex);
-        std::cout << "compression: geometry " << geomID << ": " << compressionName(settings.compression);
-        if (motion) std::cout << " asked for, but it has motion blur: traced by GRID";
-        else if (settings.compression == RTC_COMPRESSION_VERT) {} // has no frames
-        else if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cout << ", frame level auto";
+    if (!scene->device->verbosity(1)) return;
+    for (size_t geomID=0; geomID<scene->size(); geomID++)
+    {
+      const CompressibleGeometry* const geometry = geometryOfTree(scene->get(geomID),moves);
+      if (!geometry) continue;
+      const CompressionSettings settings = geometry->compression.resolve(scene->device->compression);
+      if (settings.compression == RTC_COMPRESSION_NONE) continue;
+      Lock<MutexSys> lock(g_printMutex);
+      std::cout << "compression: geometry " << geomID << ": " << compressionName(settings.compression);
+      if (moves && settings.compression != RTC_COMPRESSION_VERT)
+        std::cout << " asked for, but it has motion blur: " << compressionName(RTC_COMPRESSION_VERT);
+      else if (settings.compression != RTC_COMPRESSION_VERT) { // which has no frames
+        if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cout << ", frame level auto";
         else std::cout << ", frame level " << settings.frameLevel;
-        std::cout << std::endl;
-      });
+      }
+      if (moves) std::cout << ", " << geometry->numTimeSteps << " time steps";
+      std::cout << std::endl;
+    }
   }
-
-  void reportCompressionOfMotionBlur (Scene* scene) { reportCompression(scene,true); }
 
   void reportBuildErrors (Scene* scene)
   {
     std::vector<std::string> errors;
     for (Accel* accel : scene->accels)
-      if (CompressedSubdivAccel* compressed = dynamic_cast<CompressedSubdivAccel*>(accel)) {
+      if (CompressedAccel* compressed = dynamic_cast<CompressedAccel*>(accel)) {
         Lock<MutexSys> lock(compressed->report->mutex);
-        errors.swap(compressed->report->errors);
+        errors.insert(errors.end(),compressed->report->errors.begin(),compressed->report->errors.end());
+        compressed->report->errors.clear();
       }
     for (const std::string& error : errors)
       Device::process_error(scene->device,RTC_ERROR_INVALID_ARGUMENT,error.c_str());
   }
 
-  Accel* createCompressedSubdivAccel (Scene* scene)
+  static Accel* createAccel (Scene* scene, bool moves)
   {
-    scene->surfaceIDs.clear();
-    if (!hasCompressedGeometry(scene)) return nullptr;
-    reportCompression(scene,false);
-    Device* device = scene->device;
-    const Symbols symbols(device->enabled_cpu_features,device->enabled_builder_cpu_features);
-
+    if (!cbvh::hasCompressedGeometry(scene,moves)) return nullptr;
+    reportCompression(scene,moves);
+    const Symbols symbols(scene->device->enabled_cpu_features,scene->device->enabled_builder_cpu_features);
     BVH4* bvh = new CompressedTree(SubdivPatch1::type,scene);
     CompressionReport* report = new CompressionReport;
-    Builder* builder = symbols.BVH4CompressedSubdivBuilder(bvh,scene,report);
-
-    Accel::Intersectors intersectors;
-    intersectors.ptr = bvh;
-    intersectors.intersector1  = symbols.BVH4CompressedSubdivIntersector1();
-#if defined(EMBREE_RAY_PACKETS)
-    intersectors.intersector4  = symbols.BVH4CompressedSubdivIntersector4();
-    intersectors.intersector8  = symbols.BVH4CompressedSubdivIntersector8();
-    intersectors.intersector16 = symbols.BVH4CompressedSubdivIntersector16();
-    intersectors.intersectorN  = symbols.BVH4CompressedSubdivIntersectorN();
-#endif
-    return new CompressedSubdivAccel(bvh,builder,intersectors,report);
+    Builder* builder = moves ? symbols.BVH4CompressedMotionBuilder(bvh,scene,report) : symbols.BVH4CompressedSubdivBuilder(bvh,scene,report);
+    Accel::Intersectors intersectors = symbols.intersectors(bvh,moves);
+    return new CompressedAccel(bvh,builder,intersectors,report,moves);
   }
+
+  Accel* createCompressedAccel (Scene* scene)
+  {
+    scene->surfaceIDs.clear();
+    return createAccel(scene,false);
+  }
+  Accel* createCompressedMotionAccel (Scene* scene) { return createAccel(scene,true); }
 }

@@ -10,13 +10,14 @@ namespace embree
 {
   class Scene;
 
-  /*! accelerator of a scene's subdivision surfaces where at least one is compressed */
-  struct CompressedSubdivAccel : public AccelInstance
+  /*! accelerator of a scene's compressed surfaces that move, or of its subdivision surfaces that do not, at least one of which is compressed */
+  struct CompressedAccel : public AccelInstance
   {
-    CompressedSubdivAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report)
-      : AccelInstance(accel,builder,intersectors), report(report) {}
+    CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report, bool moves)
+      : AccelInstance(accel,builder,intersectors), report(report), moves(moves) {}
 
     std::unique_ptr<CompressionReport> report; //!< of the last build
+    const bool moves;
   };
 
   /*! Whether that value of subdiv_accel is one of ours: "cbvh", "cbvh.vert", "cvert", in any case of letters. */
@@ -26,8 +27,8 @@ namespace embree
    *  its surfaces were compressed and none asks for it any more, or the other way round. */
   bool isCompressionOutdated (Scene* scene);
 
-  /*! At verbosity 1, prints which surfaces ask for compression but have motion blur. */
-  void reportCompressionOfMotionBlur (Scene* scene);
+  /*! whether a subdivision surface of the scene moves and is not compressed */
+  bool hasMotionOfEmbree (Scene* scene);
 
   /*! Hands the errors of the last build to the device, once. Called by the thread that
    *  commits: a device keeps the error of each thread, and builds run on any. */
@@ -36,5 +37,8 @@ namespace embree
   /*! Accelerator for all subdivision surfaces of a scene without motion blur; null
    *  when none of them is to be compressed. Selects builder and intersectors for the
    *  device's ISA. The caller owns it. */
-  Accel* createCompressedSubdivAccel (Scene* scene);
+  Accel* createCompressedAccel (Scene* scene);
+
+  /*! Accelerator for all compressed surfaces of a scene with motion blur; null where there are none. */
+  Accel* createCompressedMotionAccel (Scene* scene);
 }

@@ -7,6 +7,7 @@
 #include "../base/environment.h"
 #include "../scene/surface_blocks.h"
 #include "../surface/embree_bytes.h"
+#include "../surface/plan.h"
 #include "../surface/quad_regions.h"
 #include "../vert/format.h"
 
@@ -135,6 +136,9 @@ namespace embree
     {
       const BufferView<unsigned>& indices = mesh->topology[0].vertexIndices;
       const size_t numVertices = mesh->vertices[0].size(), none = ~size_t(0);
+      for (size_t t=1; t<mesh->numTimeSteps; t++)
+        if (!mesh->vertices[t] || mesh->vertices[t].size() != numVertices)
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"time step " + std::to_string(t) + " has " + std::to_string(mesh->vertices[t] ? mesh->vertices[t].size() : 0) + " vertices, the first has " + std::to_string(numVertices));
       const size_t firstWrong = parallel_reduce(size_t(0),indices.size(),size_t(1) << 16,none,[&](const range<size_t>& r) {
           for (size_t i=r.begin(); i!=r.end(); i++)
             if (indices[i] >= numVertices) return i;
@@ -156,7 +160,7 @@ namespace embree
     bool compressNow (CompressibleGeometry* geometry)
     {
       geometry->surface.commit(geometry->modCounter_);
-      const bool isOfTree = geometry->numTimeSteps == 1 && (geometry->isCompressed() || geometry->ownType == Geometry::GTY_SUBDIV_MESH);
+      const bool isOfTree = geometry->isCompressed() || (geometry->numTimeSteps == 1 && geometry->ownType == Geometry::GTY_SUBDIV_MESH);
       if (!geometry->compression.releasesInput || geometry->surface.blocks || !isOfTree || !asksForCompression(geometry)) return false;
       const Symbols symbols(geometry->device->enabled_builder_cpu_features);
       runAsCommit([&] { symbols.buildBlocksOfGeometry(geometry); });
@@ -168,8 +172,11 @@ namespace embree
   bool beginCommit (SubdivMesh* mesh)
   {
     const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices,"vertices, faces and indices");
-    if (isChanged && mesh->numTimeSteps == 1 && asksForCompression(mesh)) checkIndices(mesh);
-    return isChanged;
+    if (!isChanged) return false;
+    const bool asks = asksForCompression(mesh), moves = mesh->numTimeSteps != 1;
+    if (asks) checkIndices(mesh);
+    choose(mesh,asks && moves,isa::CompressionPlan::takesMotion(mesh) ? nullptr : " have motion blur, and are not to be stored exactly","faces");
+    return true;
   }
 
   bool beginCommit (GridMesh* mesh)

@@ -20,31 +20,46 @@ namespace
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
     return *geometry->surface.blocks;
   }
+
+  /*! of a geometry's first time step */
+  float firstTime (RTCGeometry geometry) { return geometry ? ((Geometry*)geometry)->time_range.lower : 0.0f; }
+
+  cbvh::TraversalTime traversalTime (Geometry* geometry, float time) {
+    return cbvh::TraversalTime{ time,(geometry->device->enabled_cpu_features & AVX2) == AVX2 };
+  }
 }
 
 RTC_NAMESPACE_BEGIN;
 
-RTC_API bool rtcGetCompressedTriangle (RTCGeometry hgeometry, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle)
+RTC_API bool rtcGetCompressedTriangleAtTime (RTCGeometry hgeometry, float time, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle)
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
   const SurfaceBlocks& blocks = blocksOf(hgeometry);
   if (triangle == nullptr)
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"triangle is NULL");
-  return blocks.index().find(primID,u,v,Ng,*triangle);
+  return blocks.index().find(traversalTime(geometry,time),primID,u,v,Ng,*triangle);
   RTC_CATCH_END2(geometry);
   return false;
 }
 
-RTC_API void rtcForEachCompressedPart (RTCGeometry hgeometry, RTCCompressedPartFunction function, void* userPtr)
+RTC_API void rtcForEachCompressedPartAtTime (RTCGeometry hgeometry, float time, RTCCompressedPartFunction function, void* userPtr)
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
   const SurfaceBlocks& blocks = blocksOf(hgeometry);
   if (function == nullptr)
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"function is NULL");
-  cbvh::forEachPart(blocks,[&](const RTCCompressedPart& part) { return function(userPtr,&part); });
+  cbvh::forEachPart(blocks,traversalTime(geometry,time),[&](const RTCCompressedPart& part) { return function(userPtr,&part); });
   RTC_CATCH_END2(geometry);
+}
+
+RTC_API bool rtcGetCompressedTriangle (RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle) {
+  return rtcGetCompressedTriangleAtTime(geometry,firstTime(geometry),primID,u,v,Ng,triangle);
+}
+
+RTC_API void rtcForEachCompressedPart (RTCGeometry geometry, RTCCompressedPartFunction function, void* userPtr) {
+  rtcForEachCompressedPartAtTime(geometry,firstTime(geometry),function,userPtr);
 }
 
 RTC_NAMESPACE_END

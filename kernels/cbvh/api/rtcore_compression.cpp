@@ -100,8 +100,8 @@ RTC_API void rtcGetSceneCompressionStatistics (RTCScene hscene, struct RTCCompre
 
   *stats = RTCCompressionStatistics();
   for (Accel* accel : scene->accels)
-    if (const CompressedSubdivAccel* compressed = dynamic_cast<CompressedSubdivAccel*>(accel))
-      *stats = compressed->report->statistics;
+    if (const CompressedAccel* compressed = dynamic_cast<CompressedAccel*>(accel))
+      cbvh::add(*stats,compressed->report->statistics);
   RTC_CATCH_END2(scene);
 }
 

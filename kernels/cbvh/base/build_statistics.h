@@ -49,26 +49,7 @@ namespace embree
       /*! a surface that was built */
       void add (const SurfaceStatistics& other)
       {
-        sums.topLevelBytes += other.sums.topLevelBytes;
-        sums.frameBytes += other.sums.frameBytes;
-        sums.nodeBytes += other.sums.nodeBytes;
-        sums.leafBytes += other.sums.leafBytes;
-        sums.gridBytes += other.sums.gridBytes;
-        sums.numBlocks += other.sums.numBlocks;
-        sums.numQuads += other.sums.numQuads;
-        sums.numGridQuads += other.sums.numGridQuads;
-        sums.numInvalidQuads += other.sums.numInvalidQuads;
-        sums.numAffineBlocks += other.sums.numAffineBlocks;
-        sums.numSolidLeaves += other.sums.numSolidLeaves;
-        sums.numRawBlocks += other.sums.numRawBlocks;
-        sums.numExactQuads += other.sums.numExactQuads;
-        sums.numFlippedQuads += other.sums.numFlippedQuads;
-        sums.numMeshQuads += other.sums.numMeshQuads;
-        sums.numLooseQuads += other.sums.numLooseQuads;
-        sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,other.sums.maxVertexSpacing);
-        sums.maxVertexDeviation = std::max(sums.maxVertexDeviation,other.sums.maxVertexDeviation);
-        sums.maxBorderGap = std::max(sums.maxBorderGap,other.sums.maxBorderGap);
-        if (other.sums.maxLeafThickness > sums.maxLeafThickness) sums.maxLeafThickness = other.sums.maxLeafThickness;
+        cbvh::add(sums,other.sums);
         highRateQuads += other.highRateQuads;
         refusedQuads += other.refusedQuads;
         refusedInGrid += other.refusedInGrid;

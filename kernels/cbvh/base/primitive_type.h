@@ -21,7 +21,8 @@ namespace embree
       GRID_SOA_QUADS = 0,
       GRID_SOA_ROOT = 1,
       FRAMED_BLOCK = 2,   //!< framed/block.h, whose info has the kind
-      VERT_BLOCK = 3      //!< vert/format.h
+      VERT_BLOCK = 3,     //!< vert/format.h
+      MOVING_VERT_BLOCK = 4 //!< vert/motion_format.h; in a tree of its own
     };
 
     /*! whether it is none of Embree's own */

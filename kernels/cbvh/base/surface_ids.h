@@ -4,7 +4,8 @@
 #pragma once
 
 /* Names of surfaces. A geometry may be in several scenes, in each under another ID, and its blocks are the same in all: so they
- * hold a number that is the process's, and each scene has a table of its own that takes it to the geometry's ID there. */
+ * hold a number that is the process's, and each scene has a table of its own that takes it to the geometry's ID there. Surfaces that
+ * move have a bit more in theirs, so that it is no ID: beside them Embree may trace surfaces that do not move, whose grids have IDs. */
 
 #include <cstddef>
 #include <cstdint>
@@ -29,6 +30,9 @@ namespace embree
       uint32_t value;
     };
 
+    /*! added to the number of a surface that moves */
+    static const uint32_t movingSurface = 0x80000000u;
+
     /*! IDs of the geometries of a scene by the numbers of their surfaces; looked up for each hit. */
     class SurfaceIDs
     {
@@ -48,12 +52,15 @@ namespace embree
         }
       }
 
-      /*! of a surface of the scene; in a scene without a table, which has no compressed surfaces, numbers are IDs */
+      /*! of a surface of the scene; a number that is not in the table is an ID */
       uint32_t operator[] (uint32_t number) const
       {
         if (slots.empty()) return number;
         uint32_t at = number & mask;
-        while (slots[at].number != number) at = (at+1) & mask;
+        while (slots[at].number != number) {
+          if (slots[at].number == none) return number;
+          at = (at+1) & mask;
+        }
         return slots[at].id;
       }
 

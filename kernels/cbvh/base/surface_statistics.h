@@ -6,6 +6,7 @@
 /* What there is to say of a surface that was built. Plain data: the library's parts of all instruction sets share it. */
 
 #include "../../../include/embree3/rtcore_compression.h"
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 
@@ -13,6 +14,32 @@ namespace embree
 {
   namespace cbvh
   {
+    inline void add (RTCCompressionStatistics& sums, const RTCCompressionStatistics& other)
+    {
+      sums.topLevelBytes += other.topLevelBytes;
+      sums.frameBytes += other.frameBytes;
+      sums.nodeBytes += other.nodeBytes;
+      sums.leafBytes += other.leafBytes;
+      sums.gridBytes += other.gridBytes;
+      sums.numBlocks += other.numBlocks;
+      sums.numQuads += other.numQuads;
+      sums.numGridQuads += other.numGridQuads;
+      sums.numInvalidQuads += other.numInvalidQuads;
+      sums.numAffineBlocks += other.numAffineBlocks;
+      sums.numSolidLeaves += other.numSolidLeaves;
+      sums.numRawBlocks += other.numRawBlocks;
+      sums.numExactQuads += other.numExactQuads;
+      sums.numFlippedQuads += other.numFlippedQuads;
+      sums.numMeshQuads += other.numMeshQuads;
+      sums.numLooseQuads += other.numLooseQuads;
+      sums.numMovingQuads += other.numMovingQuads;
+      sums.motionBytes += other.motionBytes;
+      sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,other.maxVertexSpacing);
+      sums.maxVertexDeviation = std::max(sums.maxVertexDeviation,other.maxVertexDeviation);
+      sums.maxBorderGap = std::max(sums.maxBorderGap,other.maxBorderGap);
+      sums.maxLeafThickness = std::max(sums.maxLeafThickness,other.maxLeafThickness);
+    }
+
     struct SurfaceStatistics
     {
       RTCCompressionStatistics sums = RTCCompressionStatistics();

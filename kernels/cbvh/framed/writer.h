@@ -133,7 +133,7 @@ namespace embree
         const size_t count = 3*grid->width*grid->height;
         own.resize(count);
         memcpy(own.data(),grid->displaced(),count*sizeof(float));
-        shareBorder(patch,tiling.quadsX(),tiling.quadsY(),all,(const float(*)[3])own.data(),grid->displaced(),
+        shareBorder(patch,0,tiling.quadsX(),tiling.quadsY(),all,(const float(*)[3])own.data(),grid->displaced(),
                     [&](const float mine[3], const float position[3], const float stored[3]) { statistics.addBorderVertex(mine,position,stored); });
         float rate[4];
         for (int s=0; s<4; s++) rate[s] = float(patch.side(s).rate);

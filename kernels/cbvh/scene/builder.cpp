@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Builder of a scene's compressed surfaces: blocks of the geometries that changed (surface_builder.h), and one tree over
- * the parts of all. */
+/* Builder of a scene's compressed surfaces, those that move, or those that do not: blocks of the geometries that changed
+ * (surface_builder.h), and one tree over the parts of all, or over the blocks that move (motion_tree.h). */
 
 #include "../base/environment.h"
 #include "../base/thread_cache.h"
@@ -10,6 +10,7 @@
 #include "commit_line.h"
 #include "compressed_tree.h"
 #include "grid_source.h"
+#include "moving_blocks.h"
 #include "report.h"
 #include "surface_builder.h"
 
@@ -27,7 +28,7 @@ namespace embree
       }
     }
 
-    class CompressedSubdivBuilder : public Builder
+    class CompressedBuilder : public Builder
     {
       ALIGNED_CLASS_(64);
 
@@ -36,8 +37,9 @@ namespace embree
       BVH4* bvh;
       Scene* scene;
       CompressionReport* report;
+      const bool moves;
       std::vector<uint64_t> treeOf; //!< builds of the blocks that the tree stands over; empty if there is none
-      size_t treeNodes = 0;
+      size_t treeBytes = 0;
 
       /*! a geometry of the scene */
       struct Surface
@@ -49,7 +51,7 @@ namespace embree
       };
 
     public:
-      CompressedSubdivBuilder (BVH4* bvh, Scene* scene, CompressionReport* report) : bvh(bvh), scene(scene), report(report) {}
+      CompressedBuilder (BVH4* bvh, Scene* scene, CompressionReport* report, bool moves) : bvh(bvh), scene(scene), report(report), moves(moves) {}
 
       void clear ()
       {
@@ -61,21 +63,21 @@ namespace embree
       {
         report->clear();
         std::vector<Surface> surfaces = findSurfaces();
-        ((CompressedTree*)bvh)->hasGrids = std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.geometry->isCompressed(); });
+        ((CompressedTree*)bvh)->hasGrids = !moves && std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.geometry->isCompressed(); });
         const bool keepsTree = !surfaces.empty() && treeOf == buildsOf(surfaces);
         if (!keepsTree) clear();
         if (surfaces.empty()) return;
-        const double t0 = bvh->preBuild(TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
+        const double t0 = bvh->preBuild(moves ? TOSTRING(isa) "::BVH4CompressedMotionBuilder" : TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
         buildBlocks(surfaces);
         cbvh::BuildStatistics all;
         for (const Surface& surface : surfaces) add(surface,all);
         if (!keepsTree) {
-          treeNodes = buildTopLevel();
+          treeBytes = moves ? buildMotionTree() : buildTopLevel()*sizeof(BVH4::AABBNode);
           treeOf = buildsOf(surfaces);
         }
-        all.sums.topLevelBytes += treeNodes*sizeof(BVH4::AABBNode);
+        all.sums.topLevelBytes += treeBytes;
         report->statistics = all.sums;
-        nameSurfaces(surfaces);
+        cbvh::nameSurfaces(scene);
         reportCommit(surfaces,all);
         cbvh::outdateThreadCaches();
         bvh->cleanup();
@@ -88,7 +90,7 @@ namespace embree
         std::vector<Surface> surfaces;
         for (size_t i=0; i<scene->size(); i++)
         {
-          CompressibleGeometry* const geometry = geometryOfTree(scene->get(i));
+          CompressibleGeometry* const geometry = geometryOfTree(scene->get(i),moves);
           if (geometry && geometry->size() != 0) surfaces.push_back(Surface{ geometry,unsigned(i),cbvh::numberOf(geometry),cbvh::blocksOf(geometry) });
         }
         return surfaces;
@@ -165,12 +167,17 @@ namespace embree
         return nodes;
       }
 
-      /*! Blocks hold the numbers of surfaces, rays get the IDs that the scene has for them. */
-      void nameSurfaces (const std::vector<Surface>& surfaces)
+      /*! bytes of its nodes */
+      size_t buildMotionTree ()
       {
-        std::vector<std::pair<uint32_t,uint32_t>> names;
-        for (const Surface& surface : surfaces) names.push_back({ uint32_t(*surface.number),surface.geomID });
-        scene->surfaceIDs.set(names);
+        MovingBlocks blocks(scene->device);
+        for (const auto& surface : report->surfaces) blocks.add(*surface);
+        blocks.findBoxes([&] { scene->progressMonitor(0.0); });
+        bvh->alloc.init_estimate(blocks.size()*sizeof(BVH4::AABBNodeMB)/2);
+        MotionTree tree;
+        const BVH4::NodeRef root = tree.build(scene->device,bvh->alloc,blocks.all(),[&] { scene->progressMonitor(0.0); });
+        bvh->set(root,tree.bounds,blocks.size());
+        return tree.bytes;
       }
 
       static CompressionPlan planOf (const Surface& surface) { return CompressionPlan(surface.geometry,*surface.number); }
@@ -225,9 +232,8 @@ namespace embree
       }
     };
 
-    Builder* BVH4CompressedSubdivBuilder (void* bvh, Scene* scene, CompressionReport* report) {
-      return new CompressedSubdivBuilder((BVH4*)bvh,scene,report);
-    }
+    Builder* BVH4CompressedSubdivBuilder (void* bvh, Scene* scene, CompressionReport* report) { return new CompressedBuilder((BVH4*)bvh,scene,report,false); }
+    Builder* BVH4CompressedMotionBuilder (void* bvh, Scene* scene, CompressionReport* report) { return new CompressedBuilder((BVH4*)bvh,scene,report,true); }
 
     void buildBlocksOfGeometry (CompressibleGeometry* geometry)
     {

@@ -91,11 +91,11 @@ namespace embree
             if (plan.compresses()) statistics.highRateQuads += size_t(patch.quads[0])*size_t(patch.quads[1]);
             break;
           case CompressionPlan::FRAMED:
-            if (!framed.write(patch,source.tilingOf(face,patch.rate))) exact.write(patch,framed.evaluated(patch.quads[0],patch.quads[1]));
+            if (!framed.write(patch,source.tilingOf(face,patch.rate))) exact.write(patch,[&](unsigned) { return framed.evaluated(patch.quads[0],patch.quads[1]); });
             break;
           case CompressionPlan::EXACT:
-            if (patch.quads[1] > VertWriter::rowsOfStrip(patch)) return false;
-            exact.write(patch,patch.evaluated());
+            if (patch.quads[1] > VertWriter::rowsOfStrip(patch,plan.numTimeSteps)) return false;
+            exact.write(patch,[&](unsigned step) { return patch.evaluated(step); });
             break;
           }
           return true;

@@ -54,7 +54,7 @@ namespace embree
         if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::mayHit(ray))) return;
         const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
         Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::State(ray,bvh),isFiltered };
-        cbvh::traverseClosestHit1(bvh->root,ray,leaves);
+        cbvh::traverseClosestHit1(bvh->root,cbvh::StillNodes(),ray,leaves);
         ray.tfar = leaves.state.framed.nearest.end(ray.tfar);
       }
 
@@ -63,7 +63,7 @@ namespace embree
         const BVH4* bvh = (const BVH4*)This->ptr;
         if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::mayHit(ray))) return; // before 0: it has ended
         CompressedSubdivIntersector1::State state(ray,bvh);
-        const bool isOccluded = cbvh::traverseAnyHit1(bvh->root,ray,[&](BVH4::NodeRef leaf, const TravRay<4,true>& tray, size_t& lazyNode) {
+        const bool isOccluded = cbvh::traverseAnyHit1(bvh->root,cbvh::StillNodes(),ray,[&](BVH4::NodeRef leaf, const TravRay<4,true>& tray, size_t& lazyNode) {
             size_t type;
             const void* prim = leaf.leaf(type);
             return CompressedSubdivIntersector1::occluded(This,state,ray,context,prim,type,tray,lazyNode);

@@ -5,7 +5,7 @@
 
 #include "../embree/scene.h"
 #include "../framed/block.h"
-#include "../vert/format.h"
+#include "../vert/motion_format.h"
 #include "../base/primitive_type.h"
 #include "flat_scene.h"
 #include "surface_blocks.h"

@@ -63,17 +63,18 @@ namespace embree
       {
       public:
         Writer (const GridSource& source, BlockStore& store, cbvh::BuildStatistics& statistics)
-          : exact(source.plan,source.mesh->device,store,statistics) {}
+          : source(source), exact(source.plan,source.mesh->device,store,statistics) {}
 
         /*! false for a grid that is to be written in strips */
         bool write (size_t, Patch& patch)
         {
-          if (patch.quads[1] > VertWriter::rowsOfStrip(patch)) return false;
-          exact.write(patch,nullptr);
+          if (patch.quads[1] > VertWriter::rowsOfStrip(patch,source.plan.numTimeSteps)) return false;
+          exact.write(patch,[](unsigned) { return (const float (*)[3])nullptr; });
           return true;
         }
 
       private:
+        const GridSource& source;
         VertWriter exact;
       };
 

@@ -4,11 +4,13 @@
 /* Single rays, instantiated for one ISA. */
 
 #include "compressed_intersector1.h"
+#include "motion_intersector1.h"
 
 namespace embree
 {
   namespace isa
   {
     DEFINE_INTERSECTOR1(BVH4CompressedSubdivIntersector1,CompressedSubdivTraversal1);
+    DEFINE_INTERSECTOR1(BVH4CompressedMotionIntersector1,CompressedMotionTraversal1);
   }
 }

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Packets and streams, instantiated for one ISA. Hits are those of single rays. Rays that are said to be
- * coherent go together through the top-level BVH and through blocks, all others one by one. */
+ * coherent go together through the top-level BVH and through blocks, all others one by one, and so do all through blocks that move: each has
+ * a time of its own. */
 
 #include "../embree/traversal.h"
 #include "compressed_intersector1.h"
+#include "motion_intersector1.h"
 #include "packet_traversal.h"
 #include "../framed/block_intersectorK.h"
 #include "../vert/intersectorK.h"
@@ -76,31 +78,58 @@ namespace embree
       cbvh::VertRays<K> vert;
     };
 
+    /*! Rays of a packet one by one; alone: bits of them. */
+    template<typename Traversal, int K>
+    __forceinline void traceAlone (uint32_t alone, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context)
+    {
+      for (; alone; alone&=alone-1) {
+        const size_t k = bsf(alone);
+        RayHit ray;
+        rays.get(k,ray);
+        Traversal::intersect(This,ray,context);
+        rays.set(k,ray);
+      }
+    }
+    template<typename Traversal, int K>
+    __forceinline void traceAlone (uint32_t alone, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context)
+    {
+      for (; alone; alone&=alone-1) {
+        const size_t k = bsf(alone);
+        Ray ray;
+        rays.get(k,ray);
+        Traversal::occluded(This,ray,context);
+        rays.tfar[k] = ray.tfar;
+      }
+    }
+
+    /*! rays of a packet that may hit anything */
+    template<int K>
+    __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays) { return (mask == vint<K>(-1)) & cbvh::mayHit(rays); }
+
+    template<int K>
+    struct CompressedMotionIntersectorK
+    {
+      static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context) {
+        traceAlone<CompressedMotionTraversal1,K>(uint32_t(movemask(validOf<K>(*mask,rays))),This,rays,context);
+      }
+      static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context) {
+        traceAlone<CompressedMotionTraversal1,K>(uint32_t(movemask(validOf<K>(*mask,rays))),This,rays,context);
+      }
+    };
+
     template<int K>
     struct CompressedSubdivIntersectorK
     {
       static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context)
       {
-        const vbool<K> valid = validOf(*mask,rays);
-        for (uint32_t alone=together(valid,This,rays,context).alone; alone; alone&=alone-1) {
-          const size_t k = bsf(alone);
-          RayHit ray;
-          rays.get(k,ray);
-          CompressedSubdivTraversal1::intersect(This,ray,context);
-          rays.set(k,ray);
-        }
+        const vbool<K> valid = validOf<K>(*mask,rays);
+        traceAlone<CompressedSubdivTraversal1,K>(together(valid,This,rays,context).alone,This,rays,context);
       }
 
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context)
       {
-        const Traced traced = together(validOf(*mask,rays),This,rays,context);
-        for (uint32_t alone=traced.alone; alone; alone&=alone-1) {
-          const size_t k = bsf(alone);
-          Ray ray;
-          rays.get(k,ray);
-          CompressedSubdivTraversal1::occluded(This,ray,context);
-          rays.tfar[k] = ray.tfar;
-        }
+        const Traced traced = together(validOf<K>(*mask,rays),This,rays,context);
+        traceAlone<CompressedSubdivTraversal1,K>(traced.alone,This,rays,context);
         vfloat<K>::store(traced.ended,&rays.tfar,vfloat<K>(neg_inf));
       }
 
@@ -110,8 +139,6 @@ namespace embree
         uint32_t alone; //!< rays that are left
         vbool<K> ended; //!< rays that any hit ended
       };
-
-      static __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays) { return (mask == vint<K>(-1)) & cbvh::mayHit(rays); }
 
       /*! traces rays that go one way */
       template<typename Rays>
@@ -142,14 +169,18 @@ namespace embree
 
 #if defined(EMBREE_RAY_PACKETS)
     DEFINE_INTERSECTOR4(BVH4CompressedSubdivIntersector4,CompressedSubdivIntersectorK<4>);
+    DEFINE_INTERSECTOR4(BVH4CompressedMotionIntersector4,CompressedMotionIntersectorK<4>);
 #if defined(__AVX__)
     DEFINE_INTERSECTOR8(BVH4CompressedSubdivIntersector8,CompressedSubdivIntersectorK<8>);
+    DEFINE_INTERSECTOR8(BVH4CompressedMotionIntersector8,CompressedMotionIntersectorK<8>);
 #endif
 #if defined(__AVX512F__)
     DEFINE_INTERSECTOR16(BVH4CompressedSubdivIntersector16,CompressedSubdivIntersectorK<16>);
+    DEFINE_INTERSECTOR16(BVH4CompressedMotionIntersector16,CompressedMotionIntersectorK<16>);
 #endif
     /* streams: Embree's own fallback, which hands over packets */
     DEFINE_INTERSECTORN(BVH4CompressedSubdivIntersectorN,BVHNIntersectorStreamPacketFallback<4>);
+    DEFINE_INTERSECTORN(BVH4CompressedMotionIntersectorN,BVHNIntersectorStreamPacketFallback<4>);
 #endif
   }
 }

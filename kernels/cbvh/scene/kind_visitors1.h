@@ -20,7 +20,7 @@ namespace embree
       __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, RayState& state, VertRay& vertRay, const void* prim, bool& found)
       {
         const Block* block = (const Block*)prim;
-        if (type == VERT_BLOCK) { found = VertIntersector1<RayType>::intersect(ray,context,vertRay,(const VertHeader*)prim); return true; }
+        if (type == VERT_BLOCK) { found = intersectVert(ray,context,vertRay,(const VertHeader*)prim); return true; }
         if (type != FRAMED_BLOCK) return false;
         state.set(ray);
         switch (kindOf(block->info)) {

@@ -6,7 +6,7 @@
 #include "stored_triangles.h"
 #include "../base/primitive_type.h"
 #include "../embree/scene.h"
-#include "../vert/scalar_block.h"
+#include "vertices_at_time.h"
 #include "surface_blocks.h"
 #include <algorithm>
 #include <array>
@@ -30,7 +30,7 @@ namespace embree
         }
         size_t type;
         const void* block = ref.leaf(type);
-        const bool isVert = type == VERT_BLOCK;
+        const bool isVert = type == VERT_BLOCK || type == MOVING_VERT_BLOCK;
         if (!isVert && (type != FRAMED_BLOCK || ((const Block*)block)->kind() != Kind::GRID))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is not stored as cVERT or cGRID as a whole: only those hand out triangles");
         closure(StoredBlock{ block,isVert });
@@ -39,6 +39,7 @@ namespace embree
       template<typename Closure>
       void forEachBlock (const SurfaceBlocks& blocks, const Closure& closure) {
         for (const PrimRef& part : blocks.parts) forEachBlock(BVH4::NodeRef(part.ID()),closure);
+        for (size_t block : blocks.moving) forEachBlock(BVH4::NodeRef(block),closure);
       }
 
       /*! where the quads of a block are in their patch */
@@ -82,12 +83,12 @@ namespace embree
         std::vector<std::array<float,3>> vertices;   //!< row by row
         std::vector<std::array<float,2>> parameters; //!< of each
 
-        explicit DecodedBlock (const StoredBlock& stored) : place(stored)
+        DecodedBlock (const StoredBlock& stored, const TraversalTime& time) : place(stored)
         {
           const uint32_t width = place.quads[0]+1, count = width*(place.quads[1]+1);
           vertices.resize(count);
           parameters.resize(count);
-          if (stored.isVert) memcpy(vertices.data(),ScalarVertBlock(stored.vert()).vertices,count*sizeof(vertices[0]));
+          if (stored.isVert) memcpy(vertices.data(),VerticesAtTime(stored.vert(),time).vertices,count*sizeof(vertices[0]));
           else {
             const float* const planes = (const float*)stored.framed()->leaves();
             for (uint32_t i=0; i<count; i++)
@@ -113,13 +114,14 @@ namespace embree
       class Search
       {
       public:
-        Search (float u, float v, const float* Ng, RTCCompressedTriangle& best) : u(u), v(v), Ng(Ng), best(best) {}
+        Search (const TraversalTime& time, float u, float v, const float* Ng, RTCCompressedTriangle& best) : time(time), u(u), v(v), Ng(Ng), best(best) {}
 
         bool found () const { return hasBest; }
 
         /*! a block that has it */
         void look (const StoredBlock& block, uint32_t primID)
         {
+          if (block.isVert && !VerticesAtTime::isThere(block.vert(),time)) return;
           if (block.numbersQuads()) lookForPrimitive(block.vert(),primID);
           else lookForParameters(block);
         }
@@ -129,7 +131,7 @@ namespace embree
         void lookForPrimitive (const VertHeader* block, uint32_t primID)
         {
           const uint32_t form = block->patchQuads;
-          const ScalarVertBlock vertices(block);
+          const VerticesAtTime vertices(block,time);
           slack = slackOf(u) + slackOf(v);
           forEachQuad(block,[&](uint32_t x, uint32_t y, uint32_t number) {
               const float* const corners[4] = { vertices.vertex(x,y),vertices.vertex(x+1,y),vertices.vertex(x+1,y+1),vertices.vertex(x,y+1) };
@@ -160,7 +162,7 @@ namespace embree
             if (place.isCut) reach[d] += double(place.patchQuads[d])/std::min(vertRate(place.edges,d),vertRate(place.edges,d+2));
             if (!(x[d] >= -reach[d] && x[d] <= place.quads[d]+reach[d])) return;
           }
-          const DecodedBlock decoded(block);
+          const DecodedBlock decoded(block,time);
           const uint32_t x0 = first(x[0]-reach[0]), x1 = last(x[0]+reach[0],place.quads[0]), y0 = first(x[1]-reach[1]), y1 = last(x[1]+reach[1],place.quads[1]);
           slack = std::max(slackOf(u)*place.patchQuads[0],slackOf(v)*place.patchQuads[1]);
           for (uint32_t j=y0; j<y1; j++)
@@ -226,6 +228,7 @@ namespace embree
           return nn > 0 && gg > 0 ? 1.0 - dot*dot/(nn*gg) : 2.0;
         }
 
+        const TraversalTime time;
         const float u, v;
         const float* const Ng;
         RTCCompressedTriangle& best;
@@ -251,9 +254,9 @@ namespace embree
       blockOf.shrink_to_fit();
     }
 
-    bool BlockIndex::find (uint32_t primID, float u, float v, const float* Ng, RTCCompressedTriangle& triangle) const
+    bool BlockIndex::find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng, RTCCompressedTriangle& triangle) const
     {
-      Search search(u,v,Ng,triangle);
+      Search search(time,u,v,Ng,triangle);
       if (!blockOf.empty()) {
         if (primID < blockOf.size() && blockOf[primID] != none) search.look(blocks[blockOf[primID]],primID);
         return search.found();
@@ -264,25 +267,25 @@ namespace embree
       return search.found();
     }
 
-    void forEachPart (const SurfaceBlocks& blocks, const std::function<bool(const RTCCompressedPart&)>& closure)
+    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time, const std::function<bool(const RTCCompressedPart&)>& closure)
     {
       bool goesOn = true;
       forEachBlock(blocks,[&](const StoredBlock& block) {
-          if (!goesOn) return;
+          if (!goesOn || (block.isVert && !VerticesAtTime::isThere(block.vert(),time))) return;
           RTCCompressedPart part = RTCCompressedPart();
           part.primID = block.primID();
           const Place place(block);
           part.width = place.quads[0]+1;
           part.height = place.quads[1]+1;
           if (!block.numbersQuads()) {
-            const DecodedBlock decoded(block);
+            const DecodedBlock decoded(block,time);
             part.vertices = decoded.vertices[0].data();
             part.parameters = decoded.parameters[0].data();
             goesOn = closure(part);
             return;
           }
           const uint32_t form = block.vert()->patchQuads;
-          const ScalarVertBlock decoded(block.vert());
+          const VerticesAtTime decoded(block.vert(),time);
           uint32_t primIDs[2*vertBlockQuads*vertBlockQuads], n = 0;
           forEachQuad(block.vert(),[&](uint32_t, uint32_t, uint32_t number) {
               primIDs[n++] = number;

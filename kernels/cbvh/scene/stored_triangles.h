@@ -19,6 +19,13 @@ namespace embree
 
   namespace cbvh
   {
+    /*! When rays are traced that triangles are looked up for, and how: whether their device multiplies and adds at once. */
+    struct TraversalTime
+    {
+      float time;   //!< as of rays
+      bool isFused;
+    };
+
     /*! a block of cVERT or cGRID */
     struct StoredBlock
     {
@@ -42,7 +49,7 @@ namespace embree
       explicit BlockIndex (const SurfaceBlocks& blocks);
 
       /*! see rtcGetCompressedTriangle */
-      bool find (uint32_t primID, float u, float v, const float* Ng, RTCCompressedTriangle& triangle) const;
+      bool find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng, RTCCompressedTriangle& triangle) const;
 
     private:
       enum : uint32_t { none = 0xFFFFFFFFu };
@@ -52,6 +59,6 @@ namespace embree
     };
 
     /*! Calls closure(part) for the blocks of a surface until it returns false. Throws where one is neither cVERT nor cGRID. */
-    void forEachPart (const SurfaceBlocks& blocks, const std::function<bool(const RTCCompressedPart&)>& closure);
+    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time, const std::function<bool(const RTCCompressedPart&)>& closure);
   }
 }

@@ -46,6 +46,28 @@ namespace embree
       return geometry->surface.number;
     }
 
+    bool hasCompressedGeometry (const Scene* scene, bool moves)
+    {
+      for (size_t i=0; i<scene->geometries.size(); i++) {
+        const CompressibleGeometry* const geometry = geometryOfTree(scene->geometries[i].ptr,moves);
+        if (geometry && geometry->compression.resolve(scene->device->compression).compression != RTC_COMPRESSION_NONE) return true;
+      }
+      return false;
+    }
+
+    void nameSurfaces (Scene* scene)
+    {
+      const bool isStill = hasCompressedGeometry(scene,false); // else Embree has the others, whose grids have IDs
+      std::vector<std::pair<uint32_t,uint32_t>> names;
+      for (size_t i=0; i<scene->size(); i++)
+        for (bool moves : { false,true }) {
+          CompressibleGeometry* const geometry = isStill || moves ? geometryOfTree(scene->get(i),moves) : nullptr;
+          if (geometry && geometry->size() != 0) names.emplace_back(*numberOf(geometry) | (moves ? movingSurface : 0),uint32_t(i));
+        }
+      Lock<MutexSys> lock(mutex);
+      scene->surfaceIDs.set(names);
+    }
+
     std::shared_ptr<const SurfaceBlocks> blocksOf (const CompressibleGeometry* geometry)
     {
       Lock<MutexSys> lock(mutex);
@@ -102,7 +124,7 @@ namespace embree
   static std::atomic<uint64_t> numBuilds(0);
 
   SurfaceBlocks::SurfaceBlocks (Device* device, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
-    : number(number), build(++numBuilds), memory(device), parts(device,0), root(BVH4::emptyNode), bounds(empty), numPrimitives(0), blockIndex(nullptr) {}
+    : number(number), build(++numBuilds), memory(device), parts(device,0), moving(device,0), root(BVH4::emptyNode), bounds(empty), numPrimitives(0), blockIndex(nullptr) {}
 
   SurfaceBlocks::~SurfaceBlocks () { delete blockIndex.load(); }
 

@@ -26,6 +26,7 @@ namespace embree
 
     /*! What a scene's tree is made of: trees of few blocks, or the blocks, as PrimRefs that have a reference for an ID. */
     mvector<PrimRef> parts;
+    mvector<size_t> moving;   //!< references to the blocks of a surface that moves, which has no parts: scenes build their trees of these
     BVH4::NodeRef root;       //!< of all parts, for a scene that has no other surface; empty if there are few
     BBox3fa bounds;           //!< of all that a ray may hit
     size_t numPrimitives;     //!< blocks and grids
@@ -40,6 +41,12 @@ namespace embree
 
   namespace cbvh
   {
+    /*! whether one of the surfaces of a scene that move, or of those that do not, is compressed */
+    bool hasCompressedGeometry (const Scene* scene, bool moves);
+
+    /*! Makes the table of a scene that takes numbers to IDs. Any thread may call it, also while others do. */
+    void nameSurfaces (Scene* scene);
+
     /*! of a geometry; made with the first call */
     std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry);
 

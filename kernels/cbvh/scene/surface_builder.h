@@ -120,16 +120,17 @@ namespace embree
       void buildStrips (size_t primitive, unsigned number, const Patch& patch, cbvh::BlockMemory& memory, BuildResults& results,
                         cbvh::BuildStatistics& statistics, const Progress& progress)
       {
-        const unsigned rows = VertWriter::rowsOfStrip(patch), quadsX = patch.quads[0], quadsY = patch.quads[1], strips = (quadsY+rows-1)/rows;
-        const size_t width = quadsX+1;
-        mvector<float> seams(device,Source::answersAlike ? 0 : 3*width*(strips-1)); // rows between strips
-        auto seam = [&](unsigned s) { return Source::answersAlike ? nullptr : (float(*)[3])(seams.data() + 3*width*s); };
+        const unsigned rows = VertWriter::rowsOfStrip(patch,plan.numTimeSteps), quadsX = patch.quads[0], quadsY = patch.quads[1], strips = (quadsY+rows-1)/rows;
+        const size_t width = quadsX+1, ofSeam = width*plan.numTimeSteps;
+        mvector<float> seams(device,Source::answersAlike ? 0 : 3*ofSeam*(strips-1)); // rows between strips, at each time step
+        auto seam = [&](unsigned s) { return Source::answersAlike ? nullptr : (float(*)[3])(seams.data() + 3*ofSeam*s); };
         if (!Source::answersAlike)
           parallel_for(1u,strips,1u,[&](const range<unsigned>& r) {
               typename Source::Scratch scratch(device);
               Patch own(patch,scratch);
               for (unsigned s=r.begin(); s!=r.end(); s++)
-                memcpy(seam(s-1),own.evaluate(quadsX,quadsY,PatchPart{ 0,quadsX,s*rows,s*rows }).displaced(),width*sizeof(float[3]));
+                for (unsigned step=0; step<plan.numTimeSteps; step++)
+                  memcpy(seam(s-1) + width*step,own.evaluate(quadsX,quadsY,PatchPart{ 0,quadsX,s*rows,s*rows },step).displaced(),width*sizeof(float[3]));
             });
         MutexSys mutex;
         parallel_for(0u,strips,1u,[&](const range<unsigned>& r) {
@@ -148,11 +149,17 @@ namespace embree
           });
       }
 
-      /*! few primitives are left to the trees of scenes */
+      /*! few primitives are left to the trees of scenes, and those that move */
       void buildTree (SurfaceBlocks& blocks, mvector<PrimRef>& prims, const Progress& progress)
       {
         blocks.numPrimitives = prims.size();
         for (const PrimRef& prim : prims) blocks.bounds.extend(prim.bounds());
+        if (plan.moves()) {
+          blocks.moving.reserve(prims.size()); // no more than that: vectors grow to a power of two
+          blocks.moving.resize(prims.size());
+          for (size_t i=0; i<prims.size(); i++) blocks.moving[i] = prims[i].ID();
+          return;
+        }
         if (!blocks.memory.pool() || prims.size() <= isa::blocksOfPart) { blocks.parts = std::move(prims); return; }
         size_t nodes = 0;
         FastAllocator& memory = *blocks.memory.pool();

@@ -4,7 +4,7 @@
 /* Compiled for the library's lowest ISA only. */
 
 #include "../framed/node_cache.h"
-#include "../vert/cache.h"
+#include "../vert/motion_cache.h"
 #include <mm_malloc.h>
 #include <new>
 
@@ -36,5 +36,6 @@ namespace embree
 
     template class ThreadCache<NodeEntries>;
     template class ThreadCache<VertEntries>;
+    template class ThreadCache<MotionEntries>;
   }
 }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Traversal of the top-level BVH by one ray: Embree's, by rays of top_level_ray.h. For the closest hit it passes to a leaf where
+/* Traversal of the top-level BVH by one ray, that of blocks which do not move or that of those which do: Embree's, by rays of top_level_ray.h. For the closest hit it passes to a leaf where
  * the ray enters its bounds, so that it does not matter in what order blocks are met (nearest_hit.h). */
 
 #include "top_level_ray.h"
@@ -15,6 +15,20 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! children of a node that a ray meets, and where */
+      struct StillNodes
+      {
+        static const int types = BVH_AN1;
+        __forceinline size_t operator() (BVH4::NodeRef node, const TravRay<4,true>& tray, vfloat4& distances) const { return intersectNodeRobust<4>(node.getAABBNode(),tray,distances); }
+      };
+
+      struct MovingNodes
+      {
+        static const int types = BVH_AN2_AN4D;
+        const float time;
+        __forceinline size_t operator() (BVH4::NodeRef node, const TravRay<4,true>& tray, vfloat4& distances) const { return intersectNodeMB4DRobust<4>(node,tray,time,distances); }
+      };
+
       __forceinline float distanceOf (const StackItemT<BVH4::NodeRef>& entry)
       {
         float distance;
@@ -49,8 +63,8 @@ namespace embree
        *      where the ray enters the bounds of the block with a frame that is met next.
        *    void intersect (leaf, tray, lazyNode)
        *      lazyNode: what is to be traversed next. */
-      template<typename Leaves>
-      __forceinline void traverseClosestHit1 (BVH4::NodeRef root, RayHit& ray, Leaves& leaves)
+      template<typename Nodes, typename Leaves>
+      __forceinline void traverseClosestHit1 (BVH4::NodeRef root, const Nodes& nodes, RayHit& ray, Leaves& leaves)
       {
         typedef BVH4::NodeRef NodeRef;
         typedef StackItemT<NodeRef> Entry;
@@ -71,9 +85,9 @@ namespace embree
           vfloat4 distances(enter);
           while (!cur.isLeaf())
           {
-            mask = intersectNodeRobust<4>(cur.getAABBNode(),tray,distances);
+            mask = nodes(cur,tray,distances);
             if (unlikely(mask == 0)) break;
-            BVHNNodeTraverser1Hit<4,BVH_AN1>::traverseClosestHit(cur,mask,distances,top,stack+sizeof(stack)/sizeof(Entry));
+            BVHNNodeTraverser1Hit<4,Nodes::types>::traverseClosestHit(cur,mask,distances,top,stack+sizeof(stack)/sizeof(Entry));
           }
           if (unlikely(mask == 0)) continue;
           if (Leaves::hasFrame(cur)) {
@@ -93,8 +107,8 @@ namespace embree
       }
 
       /*! Whether a ray hits anything. isOccluded(leaf, tray, lazyNode): in a leaf, or at once; lazyNode as above. */
-      template<typename IsOccluded>
-      __forceinline bool traverseAnyHit1 (BVH4::NodeRef root, const Ray& ray, const IsOccluded& isOccluded)
+      template<typename Nodes, typename IsOccluded>
+      __forceinline bool traverseAnyHit1 (BVH4::NodeRef root, const Nodes& nodes, const Ray& ray, const IsOccluded& isOccluded)
       {
         typedef BVH4::NodeRef NodeRef;
 
@@ -109,9 +123,9 @@ namespace embree
           while (!cur.isLeaf())
           {
             vfloat4 distances;
-            mask = intersectNodeRobust<4>(cur.getAABBNode(),tray,distances);
+            mask = nodes(cur,tray,distances);
             if (unlikely(mask == 0)) break;
-            BVHNNodeTraverser1Hit<4,BVH_AN1>::traverseAnyHit(cur,mask,distances,top,stack+sizeof(stack)/sizeof(NodeRef));
+            BVHNNodeTraverser1Hit<4,Nodes::types>::traverseAnyHit(cur,mask,distances,top,stack+sizeof(stack)/sizeof(NodeRef));
           }
           if (unlikely(mask == 0)) continue;
           size_t lazyNode = 0;

@@ -33,17 +33,19 @@ namespace embree
       CagePatch (const CagePatch& other, PatchGrid& grid)
         : SurfacePatch(other), mesh(other.mesh), patch(other.patch), shared(other.shared), grid(grid), base(other.base) {}
 
-      VertexGrid& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part)
+      VertexGrid& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step = 0)
       {
-        grid.evalPart(base,mesh,quadsX,quadsY,part);
+        if (!mesh->valid(primID,step)) grid.setInvalid(part);
+        else if (step == 0) grid.evalPart(base,mesh,quadsX,quadsY,part);
+        else grid.evalPart(patch.make(mesh,surface,primID,step),mesh,quadsX,quadsY,part);
         return grid;
       }
 
       /*! its vertices, if they are known, else null */
-      const float (*evaluated () const)[3] { return shared->evaluated(primID,patch.subPatch); }
+      const float (*evaluated (unsigned step = 0) const)[3] { return shared->evaluated(primID,patch.subPatch,step); }
 
-      SideVertices side (int s) const { return shared->side(primID,patch.subPatch,s); }
-      int latticeExponent () const { return shared->exponent(primID); }
+      SideVertices side (int s, unsigned step = 0) const { return shared->side(primID,patch.subPatch,s,step); }
+      int latticeExponent (unsigned step = 0) const { return shared->exponent(primID,step); }
 
       /*! bits of sides where the surface ends, is creased, or bends by as much as at a crease */
       uint32_t sharpSides () const { return sharpSidesOf(mesh,primID,patch); }

@@ -42,7 +42,7 @@ namespace embree
       /*! the same patch for another task */
       GridPatch (const GridPatch& other, Scratch& scratch) : GridPatch(other.vertices,other.surface,other.primID,scratch) {}
 
-      VertexGrid& evaluate (unsigned, unsigned, const PatchPart& part)
+      VertexGrid& evaluate (unsigned, unsigned, const PatchPart& part, unsigned step = 0)
       {
         scratch.setSize(part.x1-part.x0+1,part.y1-part.y0+1);
         float (*out)[3] = scratch.displaced();
@@ -63,9 +63,9 @@ namespace embree
         const GridPatch& patch;
         const int s;
       };
-      Side side (int s) const { return Side(*this,s); }
+      Side side (int s, unsigned step = 0) const { return Side(*this,s); }
 
-      int latticeExponent () const { return vertices.exponent(primID); }
+      int latticeExponent (unsigned step = 0) const { return vertices.exponent(primID); }
 
     private:
       const Vertices& vertices;

@@ -15,7 +15,14 @@ namespace embree
     /*! Embree's half-edge of a face without edges is that of the face behind it. */
     inline bool hasEdges(const SubdivMesh* mesh, size_t face) { return mesh->faceVertices[face] != 0; }
 
-    inline bool hasSurface(const SubdivMesh* mesh, size_t face) { return hasEdges(mesh,face) && mesh->valid(face); }
+    /*! at any time step */
+    inline bool hasSurface(const SubdivMesh* mesh, size_t face)
+    {
+      if (!hasEdges(mesh,face)) return false;
+      for (size_t t=0; t<mesh->numTimeSteps; t++)
+        if (mesh->valid(face,t)) return true;
+      return false;
+    }
 
     /*! what is known of a patch before it is evaluated */
     struct PatchOfFace

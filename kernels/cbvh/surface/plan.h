@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What all patches of a geometry have in common, and by the edge rates of a patch how it is stored. Geometry that comes diced is
+/* What all patches of a geometry have in common, and by the edge rates of a patch how it is stored. Geometry that comes diced or moves is
  * stored exactly, as cVERT, whatever kind is asked for. */
 
 #include "../embree/scene.h"
@@ -16,12 +16,23 @@ namespace embree
     struct CompressionPlan
     {
       uint32_t surface;              //!< number of the surface, surface_ids.h
+      unsigned numTimeSteps;
+      BBox1f timeRange;
       CompressionSettings settings;  //!< resolved
 
-      CompressionPlan (const CompressibleGeometry* geometry, uint32_t surface)
-        : surface(surface), settings(geometry->compression.resolve(geometry->device->compression)), isCompressed(cbvh::findKind(settings.compression,blockKind)) {
-        if (geometry->isCompressed()) blockKind = cbvh::Kind::VERT;
+      CompressionPlan (const CompressibleGeometry* geometry, uint32_t number)
+        : surface(number | (geometry->numTimeSteps != 1 ? cbvh::movingSurface : 0)), numTimeSteps(geometry->numTimeSteps), timeRange(geometry->time_range), settings(geometry->compression.resolve(geometry->device->compression)), isCompressed(cbvh::findKind(settings.compression,blockKind)) {
+        if (geometry->isCompressed() || moves()) blockKind = cbvh::Kind::VERT;
       }
+
+      /*! whether a geometry that asks for compression gets it if it moves */
+      static bool takesMotion (const CompressibleGeometry* geometry)
+      {
+        const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
+        return settings.compression == RTC_COMPRESSION_VERT || settings.exactFaces != 0;
+      }
+
+      bool moves () const { return numTimeSteps != 1; }
 
       /*! only if compresses() */
       cbvh::Kind kind () const { return blockKind; }
@@ -45,6 +56,7 @@ namespace embree
       Storage storage (const float rate[4]) const
       {
         const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
+        if (moves()) return EXACT; // Embree's highest rate is ours
         if (!compresses()) return GRIDS;
         if (kind() == cbvh::Kind::VERT) return highest <= float(cbvh::maxVertRate) ? EXACT : GRIDS;
         if (highest <= float(1u << cbvh::maxLevel)) return FRAMED;

@@ -14,12 +14,12 @@ namespace embree
 {
   namespace isa
   {
-    /*! Replaces the vertices of a part that are on the border of a patch of quadsX x quadsY quads by those that the faces there share.
+    /*! Replaces the vertices of a part that are on the border of a patch of quadsX x quadsY quads at a time step by those that the faces there share.
      *  own: as the face evaluates them; vertices: the result; both row by row of the part, and they may be the same. A side whose rate
      *  is lower than the patch's quads is stitched as Embree stitches it. Calls closure(own,shared,stored) for each of these vertices: as
      *  the face evaluated it, as its owner did, and on the lattice. */
     template<typename Patch, typename Closure>
-    inline void shareBorder (const Patch& patch, unsigned quadsX, unsigned quadsY, const PatchPart& part,
+    inline void shareBorder (const Patch& patch, unsigned step, unsigned quadsX, unsigned quadsY, const PatchPart& part,
                              const float (*own)[3], float (*vertices)[3], const Closure& closure)
     {
       const size_t width = part.x1-part.x0+1;
@@ -28,7 +28,7 @@ namespace embree
         const bool alongU = s % 2 == 0;
         const unsigned at = s == 1 ? quadsX : s == 2 ? quadsY : 0; // the row or the column of the side
         if (alongU ? at < part.y0 || at > part.y1 : at < part.x0 || at > part.x1) continue;
-        const auto side = patch.side(s);
+        const auto side = patch.side(s,step);
         const unsigned fine = alongU ? quadsX : quadsY;
         const unsigned begin = alongU ? part.x0 : part.y0, end = alongU ? part.x1 : part.y1;
         for (unsigned i=begin; i<=end; i++)

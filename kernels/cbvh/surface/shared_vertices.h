@@ -20,6 +20,8 @@
  * An n-gon is a patch at each corner: its centre and the spokes from there to the middles
  * of its edges are shared by its own patches, and owned by it.
  *
+ * A geometry that moves has all of this at each of its time steps; who owns what is the same at all of them.
+ *
  * This is made before any patch is encoded, from the borders of all: a twentieth of the
  * vertices is evaluated twice, all of patches that have few, and until the build ends the points of edges take 12 bytes
  * each. Of small surfaces all vertices are evaluated here, and kept for their blocks: a border of few vertices costs no less
@@ -32,6 +34,7 @@
 #include "source.h"
 #include <algorithm>
 #include <map>
+#include <memory>
 
 namespace embree
 {
@@ -41,49 +44,52 @@ namespace embree
     {
     public:
       SharedVertices (SubdivMesh* mesh, const CompressionPlan& plan)
-        : plan(plan), mesh(mesh), first(mesh->topology[0].halfEdges.data()), exponents(mesh->device,0), edges(mesh->device,0),
-          points(mesh->device,0), kept(mesh->device,0), firstKept(mesh->device,0) {}
+        : plan(plan), mesh(mesh), first(mesh->topology[0].halfEdges.data()), edges(mesh->device,0), firstKept(mesh->device,0)
+      {
+        for (unsigned s=0; s<plan.numTimeSteps; s++) steps.emplace_back(new Step(mesh->device));
+      }
 
       /*! evaluates borders; calls progress() now and then, which may cancel */
       template<typename Progress>
       void build (size_t facesPerTask, const Progress& progress)
       {
         edges.resize(numHalfEdges());
-        exponents.resize(mesh->size());
+        for (auto& step : steps) step->exponents.resize(mesh->size());
         forFaces(facesPerTask,progress,[&](size_t f, PatchGrid&) { findRates(f); });
-        findDiagonal(facesPerTask);
+        for (unsigned s=0; s<steps.size(); s++) steps[s]->diagonal = findDiagonal(facesPerTask,s);
         forFaces(facesPerTask,progress,[&](size_t f, PatchGrid&) { findOwners(f); });
         joinNonManifold();
         placePoints();
         if (plan.kind() == cbvh::Kind::VERT) placeKept();
-        forFaces(facesPerTask,progress,[&](size_t f, PatchGrid& grid) { evaluate(f,grid); });
-        findLattices();
+        forFaces(facesPerTask,progress,[&](size_t f, PatchGrid& grid) { for (unsigned s=0; s<steps.size(); s++) evaluate(f,s,grid); });
+        for (auto& step : steps) findLattices(*step);
       }
 
       /*! exponent of a face's lattice */
-      int exponent (size_t face) const { return exponents[face]; }
+      int exponent (size_t face, unsigned step) const { return steps[step]->exponents[face]; }
 
       /*! all vertices of a patch, row by row, if they are kept, else null */
-      const float (*evaluated (size_t face, int subPatch) const)[3] {
-        return firstKept.size() ? (const float(*)[3])kept.data() + firstOf(face,subPatch) : nullptr;
+      const float (*evaluated (size_t face, int subPatch, unsigned step) const)[3] {
+        return firstKept.size() ? (const float(*)[3])steps[step]->kept.data() + firstOf(face,subPatch) : nullptr;
       }
 
       /*! vertices along a side of a patch; sides are in the order of PatchOfFace::rate */
-      SideVertices side (size_t face, int subPatch, int s) const
+      SideVertices side (size_t face, int subPatch, int s, unsigned step) const
       {
         const HalfEdge* edge = edgeOfSide(mesh,face,subPatch,s);
-        if (isQuad(mesh->getHalfEdge(0,face))) return edgeOf(edge);
+        const Step& of = *steps[step];
+        if (isQuad(mesh->getHalfEdge(0,face))) return edgeOf(edge,of);
         switch (s) {
-        case 0 : return half(edgeOf(edge),0);
-        case 1 : return spoke(face,edgeOfSide(mesh,face,subPatch,0),false);
-        case 2 : return spoke(face,edgeOfSide(mesh,face,subPatch,3),true);
-        default: return half(edgeOf(edge),1);
+        case 0 : return half(edgeOf(edge,of),0);
+        case 1 : return spoke(face,edgeOfSide(mesh,face,subPatch,0),false,of);
+        case 2 : return spoke(face,edgeOfSide(mesh,face,subPatch,3),true,of);
+        default: return half(edgeOf(edge,of),1);
         }
       }
 
     private:
       static const unsigned noRate = 0;
-      static const size_t mostKept = 1 << 15; //!< vertices of a surface
+      static const size_t mostKept = 1 << 15; //!< vertices of a surface, of all time steps
       static const size_t fewVertices = 9*9;  //!< of a patch whose lines cost no less than all of it
       typedef std::pair<uint64_t,uint32_t> KeyedEdge; //!< a half-edge behind its vertices
 
@@ -96,8 +102,25 @@ namespace embree
         uint32_t cornerOwner;  //!< half-edge that has the point of the start vertex
         uint32_t face;
         size_t points;         //!< of an owner: the corner if it owns that, then the edge, then the spoke, then the centre
-        int cornerExponent, exponent; //!< of an owner's corner and edge
         bool isGrids;          //!< GRID traces a patch of the face
+      };
+
+      /*! exponents of the lattices of an owner's corner and edge */
+      struct SharedLattices { int8_t corner, edge; };
+
+      /*! what differs from one time step to the next */
+      struct Step
+      {
+        explicit Step (Device* device) : exponents(device,0), shared(device,0), points(device,0), kept(device,0) {}
+
+        double diagonal = 0;            //!< of the cage's bounds
+        mvector<int> exponents;         //!< by face
+        mvector<SharedLattices> shared; //!< by half-edge
+        mvector<float> points;
+        mvector<float> kept;            //!< vertices of patches of a small surface
+
+        float* point (size_t i) { return points.data() + 3*i; }
+        const float* point (size_t i) const { return points.data() + 3*i; }
       };
 
       template<typename Progress, typename Closure>
@@ -128,7 +151,7 @@ namespace embree
 
       void findRates (size_t f)
       {
-        exponents[f] = cbvh::noLattice;
+        for (auto& step : steps) step->exponents[f] = cbvh::noLattice;
         if (!hasEdges(mesh,f)) return;
         const HalfEdge* h = mesh->getHalfEdge(0,f);
         const unsigned n = h->numEdges();
@@ -145,18 +168,18 @@ namespace embree
       }
 
       /*! of the bounds of the cage's faces */
-      void findDiagonal (size_t facesPerTask)
+      double findDiagonal (size_t facesPerTask, unsigned step) const
       {
         const BBox3fa bounds = reduceRanges(edges.size(),4*facesPerTask,BBox3fa(empty),[&](const range<size_t>& r) {
             BBox3fa b(empty);
             for (size_t i=r.begin(); i!=r.end(); i++) {
               if (edges[i].ownRate == noRate) continue;
-              const Vec3fa p = mesh->getVertexBuffer(0)[first[i].getStartVertexIndex()];
+              const Vec3fa p = mesh->getVertexBuffer(step)[first[i].getStartVertexIndex()];
               if (cbvh::isFinite(&p.x)) b.extend(p);
             }
             return b;
           },[](const BBox3fa& a, const BBox3fa& b) { return merge(a,b); });
-        diagonal = bounds.empty() ? 0.0 : length(bounds.size());
+        return bounds.empty() ? 0.0 : length(bounds.size());
       }
 
       void findOwners (size_t f)
@@ -262,62 +285,67 @@ namespace embree
           }
           if (!isQuad(h)) n++;
         }
-        points.resize(3*n);
+        for (auto& step : steps) {
+          step->points.resize(3*n);
+          if (plan.moves()) std::fill(step->points.begin(),step->points.end(),std::numeric_limits<float>::quiet_NaN()); // what no face evaluates
+        }
       }
 
       /*! of surfaces with few vertices */
       void placeKept ()
       {
-        if (mesh->size() > mostKept/4) return;
+        const size_t most = mostKept/steps.size();
+        if (mesh->size() > most/4) return;
         mvector<uint32_t> places(mesh->device,edges.size());
         size_t n = 0;
-        for (size_t f=0; f<mesh->size() && n <= mostKept; f++)
+        for (size_t f=0; f<mesh->size() && n <= most; f++)
           if (takesPart(f))
             forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
                 const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
                 places[indexOf(mesh->getHalfEdge(0,f)) + patch.subPatch] = uint32_t(n);
                 n += size_t(size.x)*size_t(size.y);
               });
-        if (n > mostKept) return;
-        kept.resize(3*n);
+        if (n > most) return;
+        for (auto& step : steps) step->kept.resize(3*n);
         firstKept = std::move(places);
       }
 
       /*! of the vertices of a patch that are kept */
       size_t firstOf (size_t face, int subPatch) const { return firstKept[indexOf(mesh->getHalfEdge(0,face)) + subPatch]; }
-      float (*roomFor (size_t face, int subPatch))[3] { return firstKept.size() ? (float(*)[3])kept.data() + firstOf(face,subPatch) : nullptr; }
+      float (*roomFor (size_t face, int subPatch, Step& step))[3] { return firstKept.size() ? (float(*)[3])step.kept.data() + firstOf(face,subPatch) : nullptr; }
 
-      float* point (size_t i) { return points.data() + 3*i; }
-      const float* point (size_t i) const { return points.data() + 3*i; }
-      SideVertices::Vertex corner (const HalfEdge* h) const
+      SideVertices::Vertex corner (const HalfEdge* h, const Step& step) const
       {
-        const Edge& owner = edges[at(h).cornerOwner];
-        return { point(owner.points), owner.cornerExponent };
+        const uint32_t owner = at(h).cornerOwner;
+        return { step.point(edges[owner].points), step.shared[owner].corner };
       }
       size_t firstEdgePoint (uint32_t owner) const { return edges[owner].points + ownsCorner(owner); }
       size_t firstSpokePoint (const HalfEdge* h) const { return firstEdgePoint(indexOf(h)) + edgePoints(indexOf(h)); }
       size_t centrePoint (const HalfEdge* last) const { return firstSpokePoint(last) + spokePoints(last); }
 
       /*! Writes the points that a face owns, and chooses its lattice. */
-      void evaluate (size_t f, PatchGrid& grid)
+      void evaluate (size_t f, unsigned s, PatchGrid& grid)
       {
         if (!takesPart(f)) return;
+        Step& step = *steps[s];
+        const bool isValid = mesh->valid(f,s);
+        if (!isValid) return keepNothing(f,step);
         LatticeChoice lattice;
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
-            const SubdivPatch1Base base = patch.make(mesh,plan.surface,f);
+            const SubdivPatch1Base base = patch.make(mesh,plan.surface,f,s);
             const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
             lattice.addPatch(quads);
             float few[fewVertices][3];
-            float (*const kept)[3] = roomFor(f,patch.subPatch);
+            float (*const kept)[3] = roomFor(f,patch.subPatch,step);
             LinesOfPatch lines(mesh,base,grid,quads,kept ? kept : (quads[0]+1)*(quads[1]+1) <= fewVertices ? few : nullptr);
-            for (unsigned s=0; s<4; s++)
+            for (unsigned side=0; side<4; side++)
             {
-              const bool alongU = s % 2 == 0;
+              const bool alongU = side % 2 == 0;
               const unsigned fine = quads[alongU ? 0 : 1], across = quads[alongU ? 1 : 0];
-              const unsigned at = s == 1 || s == 2 ? across : 0;
+              const unsigned at = side == 1 || side == 2 ? across : 0;
               const Line line = lines(alongU,at);
-              lattice.addLine(alongU,line.vertices,line.count,fine != unsigned(patch.rate[s]));
-              ownLine(f,patch,s,line,fine);
+              lattice.addLine(alongU,line.vertices,line.count,fine != unsigned(patch.rate[side]));
+              ownLine(f,patch,side,line,fine,step);
             }
             for (bool alongU : { true, false }) {
               if (quads[alongU ? 1 : 0] < 2) continue;
@@ -325,7 +353,19 @@ namespace embree
               lattice.addLine(alongU,line.vertices,line.count);
             }
           });
-        exponents[f] = lattice.exponent(plan,diagonal);
+        step.exponents[f] = lattice.exponent(plan,step.diagonal);
+      }
+
+      /*! of a face whose vertices of the cage are not finite at that step */
+      void keepNothing (size_t f, Step& step)
+      {
+        step.exponents[f] = cbvh::minLatticeExponent;
+        if (firstKept.size())
+          forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
+              const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
+              float* const kept = &roomFor(f,patch.subPatch,step)[0][0];
+              std::fill(kept,kept + 3*size_t(size.x)*size_t(size.y),std::numeric_limits<float>::quiet_NaN());
+            });
       }
 
       /*! vertices in a row */
@@ -368,14 +408,14 @@ namespace embree
       };
 
       /*! keeps what a face owns of a side of a patch */
-      void ownLine (size_t f, const PatchOfFace& patch, unsigned s, const Line& side, unsigned fine)
+      void ownLine (size_t f, const PatchOfFace& patch, unsigned s, const Line& side, unsigned fine, Step& step)
       {
         const float (*line)[3] = side.vertices;
         const unsigned own = unsigned(patch.rate[s]);
         const bool descends = s >= 2;
         /* vertex k of the side's own: the first of those that are stitched to it */
         auto vertex = [&](unsigned k) { return line[min(firstStitched(descends ? own-k : k,fine,own),fine)]; };
-        auto keep = [&](size_t i, unsigned k) { const float* p = vertex(k); for (int c=0; c<3; c++) point(i)[c] = p[c]; };
+        auto keep = [&](size_t i, unsigned k) { const float* p = vertex(k); for (int c=0; c<3; c++) step.point(i)[c] = p[c]; };
 
         const HalfEdge* h = mesh->getHalfEdge(0,f);
         const unsigned n = h->numEdges();
@@ -412,18 +452,22 @@ namespace embree
       static unsigned nearest (unsigned k, unsigned rate, unsigned own) { return (2*k*own + rate)/(2*rate); }
 
       /*! the coarsest of all faces that share, and none where GRID traces one */
-      void findLattices ()
+      void findLattices (Step& step)
       {
-        for (Edge& edge : edges) edge.cornerExponent = edge.exponent = cbvh::minLatticeExponent;
+        const SharedLattices none = { int8_t(cbvh::minLatticeExponent),int8_t(cbvh::minLatticeExponent) };
+        step.shared.resize(edges.size());
+        std::fill(step.shared.begin(),step.shared.end(),none);
         forEachShare([&](Edge& edge) {
-            int& corner = edges[edge.cornerOwner].cornerExponent;
-            int& interior = edges[edge.owner].exponent;
-            corner = max(corner,exponents[edge.face]);
-            interior = max(interior,exponents[edge.face]);
+            const int8_t own = int8_t(step.exponents[edge.face]);
+            int8_t& corner = step.shared[edge.cornerOwner].corner;
+            int8_t& interior = step.shared[edge.owner].edge;
+            corner = max(corner,own);
+            interior = max(interior,own);
           });
         forEachShare([&](Edge& edge) {
             if (!edge.isGrids) return;
-            edges[edge.cornerOwner].cornerExponent = edges[edge.owner].exponent = cbvh::minLatticeExponent;
+            step.shared[edge.cornerOwner].corner = none.corner;
+            step.shared[edge.owner].edge = none.edge;
           });
       }
 
@@ -434,16 +478,16 @@ namespace embree
           if (edge.ownRate != noRate) closure(edge);
       }
 
-      SideVertices edgeOf (const HalfEdge* h) const
+      SideVertices edgeOf (const HalfEdge* h, const Step& step) const
       {
         const Edge& edge = at(h);
         SideVertices side;
-        side.begin = corner(h);
-        side.end = corner(h->next());
-        side.interior = (const float(*)[3])point(firstEdgePoint(edge.owner));
+        side.begin = corner(h,step);
+        side.end = corner(h->next(),step);
+        side.interior = (const float(*)[3])step.point(firstEdgePoint(edge.owner));
         side.reversed = edge.owner != indexOf(h) && first[edge.owner].getStartVertexIndex() != h->getStartVertexIndex();
         side.rate = edge.rate;
-        side.exponent = edges[edge.owner].exponent;
+        side.exponent = step.shared[edge.owner].edge;
         return side;
       }
 
@@ -463,17 +507,17 @@ namespace embree
       }
 
       /*! from the middle of an n-gon's edge to its centre, or back */
-      SideVertices spoke (size_t face, const HalfEdge* h, bool fromCentre) const
+      SideVertices spoke (size_t face, const HalfEdge* h, bool fromCentre, const Step& step) const
       {
         const HalfEdge* start = mesh->getHalfEdge(0,face);
-        const SideVertices edge = edgeOf(h);
-        const SideVertices::Vertex middle = edge[edge.rate/2], centre = { point(centrePoint(start+start->numEdges()-1)), exponents[face] };
+        const SideVertices edge = edgeOf(h,step);
+        const SideVertices::Vertex middle = edge[edge.rate/2], centre = { step.point(centrePoint(start+start->numEdges()-1)), step.exponents[face] };
         SideVertices side;
         side.begin = fromCentre ? centre : middle;
         side.end = fromCentre ? middle : centre;
-        side.interior = (const float(*)[3])point(firstSpokePoint(h));
+        side.interior = (const float(*)[3])step.point(firstSpokePoint(h));
         side.reversed = fromCentre;
-        side.exponent = exponents[face];
+        side.exponent = step.exponents[face];
         side.rate = at(h).ownRate/2;
         return side;
       }
@@ -481,11 +525,8 @@ namespace embree
       const CompressionPlan& plan;
       SubdivMesh* mesh;
       const HalfEdge* first;
-      double diagonal = 0;      //!< of the cage's bounds
-      mvector<int> exponents;   //!< by face
-      mvector<Edge> edges;      //!< by half-edge
-      mvector<float> points;
-      mvector<float> kept;         //!< vertices of patches of a small surface
+      std::vector<std::unique_ptr<Step>> steps;
+      mvector<Edge> edges;         //!< by half-edge
       mvector<uint32_t> firstKept; //!< by the half-edge of a patch's corner; empty if the surface is not small
     };
   }

@@ -7,13 +7,13 @@
  * vertices and what neighbours share. Cages are a source (cage_patch.h), and grids that an application diced (grid_patch.h). A writer
  * (vert/writer.h, framed/writer.h) takes a patch of any source; besides SurfacePatch it has
  *
- *   VertexGrid& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part)
- *       Vertices of a part of the patch, if that has quadsX x quadsY quads, not fewer than its own. Edges of a lower rate are stitched
- *       as Embree does it. What is returned is the caller's until the next call.
- *   side (int s)
+ *   VertexGrid& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step)
+ *       Vertices of a part of the patch at a time step, if that has quadsX x quadsY quads, not fewer than its own. Edges of a lower rate are
+ *       stitched as Embree does it. What is returned is the caller's until the next call.
+ *   side (int s, unsigned step)
  *       Vertices of a side, in the order of rate, as all primitives have them that share it: .rate, and of vertex [k], counted around
  *       the patch, .position and .exponent, of the lattice that it lies on.
- *   int latticeExponent ()
+ *   int latticeExponent (unsigned step)
  *       Of the lattice of the patch's own vertices. */
 
 #include "vertex_grid.h"

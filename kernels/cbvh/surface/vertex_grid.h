@@ -58,6 +58,14 @@ namespace embree
         memcpy(displaced(),vertices,count*sizeof(*vertices));
       }
 
+      /*! a part of which nothing is known */
+      void setInvalid (const PatchPart& part)
+      {
+        width = part.x1-part.x0+1; height = part.y1-part.y0+1;
+        resize();
+        std::fill(interleaved.begin(),interleaved.end(),std::numeric_limits<float>::quiet_NaN());
+      }
+
       /*! vertices row by row */
       float (*undisplaced ())[3] { return (float(*)[3])interleaved.data(); }
       float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }

@@ -33,15 +33,18 @@ namespace embree
         }
       };
 
-      /*! Whether rays meet the bounds of a block between tNear and tFar, which is not raw: most that do not meet a group do not, and
-       *  nothing is decoded for them. */
-      template<typename Real>
-      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar) -> decltype(tNear <= tFar)
+      /*! Bounds of a block from its origin: on two axes up to a plane, on the sheared one between two. */
+      struct BlockBounds : public VertAxes
       {
-        VertAxes axes;
-        setAxes(block,axes);
-        const int m = axes.axis;
-        const float step = float(reachStep(block->boxForm))*vertSpacing(block->word);
+        float upper[2], sheared[2];
+        float slack[3];             //!< by axis: what they may be too small by
+      };
+
+      /*! Whether rays meet such bounds between tNear and tFar: most that do not meet a group do not, and nothing is decoded for them. */
+      template<typename Real>
+      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const BlockBounds& bounds, Real tNear, Real tFar) -> decltype(tNear <= tFar)
+      {
+        const int m = bounds.axis;
         auto clip = [&](const Real& lower, const Real& upper, const Real& rcp) {
           const Real a = lower*rcp, b = upper*rcp;
           tNear = max(tNear,min(a,b));
@@ -50,12 +53,28 @@ namespace embree
         for (int i=0; i<2; i++)
         {
           const int k = axisAfter(m,1+i);
-          const Real from = Real(axes.origin[k])-ray.org[k], slack = boxSlack(ray.org[k],axes.origin[k],axes.extent[k]);
-          clip(from-slack,(from + Real(float(reachOf(block->reach,i))*step))+slack,ray.rcp[k]);
+          const Real from = Real(bounds.origin[k])-ray.org[k], slack = boxSlack(ray.org[k],bounds.origin[k],bounds.extent[k]) + Real(bounds.slack[k]);
+          clip(from-slack,(from + Real(bounds.upper[i]))+slack,ray.rcp[k]);
         }
-        const ShearedRay<Real> sheared(ray,axes);
-        clip((Real(float(reachOf(block->reach,2))*step)-sheared.org)-sheared.error,(Real(float(reachOf(block->reach,3))*step)-sheared.org)+sheared.error,sheared.rcp);
+        const ShearedRay<Real> sheared(ray,bounds);
+        const Real slack = sheared.error + Real(bounds.slack[m]);
+        clip((Real(bounds.sheared[0])-sheared.org)-slack,(Real(bounds.sheared[1])-sheared.org)+slack,sheared.rcp);
         return tNear <= tFar;
+      }
+
+      /*! of a block that is not raw */
+      template<typename Real>
+      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar) -> decltype(tNear <= tFar)
+      {
+        BlockBounds bounds;
+        setAxes(block,bounds);
+        const float step = float(reachStep(block->boxForm))*vertSpacing(block->word);
+        for (int i=0; i<2; i++) {
+          bounds.upper[i] = float(reachOf(block->reach,i))*step;
+          bounds.sheared[i] = float(reachOf(block->reach,2+i))*step;
+        }
+        for (float& slack : bounds.slack) slack = 0.0f;
+        return meetsBounds<Real>(ray,bounds,tNear,tFar);
       }
     }
   }

@@ -34,15 +34,20 @@ namespace embree
       float shear[3];  //!< the sheared coordinate is the sum of the world's from the origin times these
     };
 
+    /*! boxes of a block's groups */
+    struct GroupBoxes : public VertAxes
+    {
+      uint32_t lanes;        //!< that have a group, as a mask
+      GroupPlanes planes[3]; //!< by axis
+    };
+
     /*! What a block's groups have in common, and their boxes. Of a raw block only axes, lanes and planes are anything. */
-    struct VertBoxes : public VertAxes
+    struct VertBoxes : public GroupBoxes
     {
       const void* block;     //!< whose they are
-      uint32_t lanes;        //!< that have a group, as a mask
       alignas(64) uint16_t fields[16]; //!< of each group: bytes from the block's start
       uint32_t words[16];    //!< of each group's cell
       CellCoordinates corners; //!< of groups
-      GroupPlanes planes[3]; //!< by axis
     };
 
     /*! quads of a group of a block, in the world */

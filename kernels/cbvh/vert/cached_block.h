@@ -6,6 +6,7 @@
 /* A block of cVERT as the thread's cache has it, or gets it now. What it refers to lasts until a hit is
  * reported: a filter may trace rays. */
 
+#include "boxes.h"
 #include "decoder.h"
 
 namespace embree
@@ -22,6 +23,11 @@ namespace embree
 
         /*! its boxes, or null if they are not decoded */
         __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
+
+        /*! Whether a ray may meet the block between tNear and tFar, before anything is decoded. */
+        __forceinline bool mayMeet (const VertRayAxes<float>& ray, float tNear, float tFar) const {
+          return unlikely(isRaw(block->boxForm)) || meetsBounds<float>(ray,block,tNear,tFar);
+        }
 
         /*! corners and boxes of groups */
         __forceinline const VertBoxes& boxes () const

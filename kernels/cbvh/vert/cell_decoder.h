@@ -52,6 +52,25 @@ namespace embree
         alignas(16) float k[4], dx[4], dy[4], dxy[4], upper[4]; //!< by axis
       };
 
+      /*! what residuals are added to: predictions of a cell's vertices, vector by vector */
+      class CellBase
+      {
+      public:
+        /*! ofQuads: a group's, else the first cell's; quads: along its sides */
+        __forceinline CellBase (const CellPrediction& prediction, bool ofQuads, uint32_t quadsX, uint32_t quadsY)
+          : prediction(prediction), weightX(vertTables.weightX[ofQuads][quadsX-1]), weightY(vertTables.weightY[ofQuads][quadsY-1]) {}
+
+        __forceinline vfloatV at (int axis, int vector) const {
+          return prediction.at(axis,vfloatV::load(weightX+vectorWidth*vector),vfloatV::load(weightY+vectorWidth*vector));
+        }
+        __forceinline vfloatV last (int axis) const { return prediction.last(axis); }
+
+      private:
+        const CellPrediction& prediction;
+        const float* weightX;
+        const float* weightY;
+      };
+
       /*! where vertices go: coordinates of the block as they are, or corners of quads in the world */
       struct CoordinatesOfCell
       {
@@ -72,9 +91,12 @@ namespace embree
         const float spacing;
         const float* origin;
 
-        __forceinline void put (int axis, const CellVector& v) const
+        __forceinline void put (int axis, const CellVector& v) const { store(out,axis,madd(v,spacing,origin[axis])); }
+
+        /*! vertices in the world */
+        static __forceinline void store (QuadCorners& out, int axis, const CellVector& v)
         {
-          const QuadCornersV corners(madd(v,spacing,origin[axis]));
+          const QuadCornersV corners(v);
           /* out.at[c][axis], from one address */
           float* first = out.at[0][axis];
           const size_t step = sizeof(out.at[0])/sizeof(float);
@@ -83,12 +105,13 @@ namespace embree
         }
       };
 
+      /*! Base: as CellBase */
+      template<typename Base>
       class CellDecoder
       {
       public:
-        /*! data: fields; ofQuads: a group's, else the first cell's; quads: along its sides */
-        __forceinline CellDecoder (uint32_t word, const uint8_t* data, const CellPrediction& prediction, bool ofQuads, uint32_t quadsX, uint32_t quadsY)
-          : word(word), data(data), prediction(prediction), weightX(vertTables.weightX[ofQuads][quadsX-1]), weightY(vertTables.weightY[ofQuads][quadsY-1]) {}
+        /*! data: fields */
+        __forceinline CellDecoder (uint32_t word, const uint8_t* data, const Base& base) : word(word), data(data), base(base) {}
 
         template<typename Out>
         __forceinline void decode (const Out& out) const
@@ -118,30 +141,31 @@ namespace embree
           cell.component<2>(CellFields(cell.data,bits[2],cellFields*(bits[0]+bits[1])),0,main,out);
         }
 
-        /*! Component i of residuals, at `shift` in fields, and what it makes of the prediction. main: residuals along the main
+        /*! Component i of residuals, at `shift` in fields, and what it makes of the base. main: residuals along the main
          *  axis, the first component's. */
         template<int i, typename Out>
         __forceinline void component (const CellFields& fields, int shift, vfloatV main[fieldVectors], const Out& out) const
         {
           const int bits = cellBits(word,i), axis = cellAxis(word,i);
           const vfloatV slope(i == 0 ? 0.0f : float(cellSlope(word,i))*(1.0f/16.0f));
-          CellVector v(prediction.last(axis));
+          CellVector v(base.last(axis));
           for (int c=0; c<fieldVectors; c++)
           {
             vfloatV residual = residualOf(fields.lanes[c],shift,bits);
             if (i == 0) main[c] = residual;
             else residual = residual + floor(madd(slope,main[c],vfloatV(0.5f)));
-            v.at[c] = prediction.at(axis,vfloatV::load(weightX+vectorWidth*c),vfloatV::load(weightY+vectorWidth*c)) + residual;
+            v.at[c] = base.at(axis,c) + residual;
           }
           out.put(axis,v);
         }
 
         const uint32_t word;
         const uint8_t* data;
-        const CellPrediction& prediction;
-        const float* weightX;
-        const float* weightY;
+        const Base base;
       };
+
+      template<typename Base, typename Out>
+      __forceinline void decodeCell (uint32_t word, const uint8_t* data, const Base& base, const Out& out) { CellDecoder<Base>(word,data,base).decode(out); }
     }
   }
 }

@@ -25,11 +25,29 @@ namespace embree
       /*! coordinates by axis, row by row; less than maxExtent, not negative; those behind the last are the last */
       int vertices[3][paddedVertices];
 
-      /*! quads: along u and v; step: of them from one vertex to the next. False where a residual
-       *  takes more bits than a cell has. */
-      bool encode (const uint32_t quads[2], uint32_t step)
+      int residuals[3][paddedVertices]; //!< by axis, as they are predicted; encode changes them
+
+      /*! Residuals of the vertices. quads: along u and v; step: of them from one vertex to the next */
+      void predict (const uint32_t quads[2], uint32_t step)
       {
-        predict(quads,step);
+        setWeights(quads,step);
+        for (int k=0; k<3; k++)
+        {
+          const int* c = vertices[k];
+          const int c00 = c[0], c10 = c[4], c01 = c[20], c11 = c[24];
+          const Int4 alongX = 16*(c10-c00), alongY = 16*(c01-c00), twist = c11-c10-c01+c00;
+          for (int v=0; v<paddedVertices; v+=4) // as cellPrediction
+          {
+            const Int4 x = Int4::load(weightX+v), y = Int4::load(weightY+v);
+            const Int4 sum = x*alongX + y*alongY + x*y*twist;
+            (Int4::load(c+v) - (Int4(c00) + shiftSigned(sum+Int4(128),8))).store(residuals[k]+v);
+          }
+        }
+      }
+
+      /*! The word for the residuals. False where one takes more bits than a cell has. */
+      bool encode ()
+      {
         float squares[3], others[3];
         sumProducts(residuals[0],residuals[0],residuals[1],residuals[1],residuals[2],residuals[2],squares);
         const int main = squares[0] >= squares[1] && squares[0] >= squares[2] ? 0 : squares[1] >= squares[2] ? 1 : 2; // along which residuals are largest
@@ -42,6 +60,18 @@ namespace embree
           if (bits[i] > maxResidualBits) return false;
         word = uint32_t(bits[0]) | uint32_t(bits[1]) << 4 | uint32_t(bits[2]) << 8 | uint32_t(main) << 12
              | (uint32_t(slopes[1]) & 31u) << 14 | (uint32_t(slopes[2]) & 31u) << 19;
+        return true;
+      }
+
+      /*! The same without a main axis and slopes: for residuals that are noise. */
+      bool encodeNoise ()
+      {
+        word = 0;
+        for (int k=0; k<3; k++) {
+          const int bits = bitsOf(residuals[k]);
+          if (bits > maxResidualBits) return false;
+          word |= uint32_t(bits) << (4*k);
+        }
         return true;
       }
 
@@ -103,23 +133,6 @@ namespace embree
       };
 
       static bool isCorner (int v) { return v == 0 || v == 4 || v == 20 || v == 24; }
-
-      void predict (const uint32_t quads[2], uint32_t step)
-      {
-        setWeights(quads,step);
-        for (int k=0; k<3; k++)
-        {
-          const int* c = vertices[k];
-          const int c00 = c[0], c10 = c[4], c01 = c[20], c11 = c[24];
-          const Int4 alongX = 16*(c10-c00), alongY = 16*(c01-c00), twist = c11-c10-c01+c00;
-          for (int v=0; v<paddedVertices; v+=4) // as cellPrediction
-          {
-            const Int4 x = Int4::load(weightX+v), y = Int4::load(weightY+v);
-            const Int4 sum = x*alongX + y*alongY + x*y*twist;
-            (Int4::load(c+v) - (Int4(c00) + shiftSigned(sum+Int4(128),8))).store(residuals[k]+v);
-          }
-        }
-      }
 
       /*! Most cells of a block have the same. */
       void setWeights (const uint32_t quads[2], uint32_t step)
@@ -185,7 +198,6 @@ namespace embree
         return slope;
       }
 
-      int residuals[3][paddedVertices];
       int weightX[paddedVertices], weightY[paddedVertices]; //!< of upper corners, in 1/16
       uint32_t weightsOf[3] = { 0,0,0 };                    //!< quads and step that they are of
     };

@@ -6,6 +6,8 @@
  *
  *   header | edges of the patch, or numbers of quads | margins of groups | words of groups | fields of the first cell | fields of groups | table of numbers
  *
+ * What blocks that move have besides is in motion_format.h.
+ *
  * The lattice is the multiples of the spacing, a power of two, on all three axes. Vertices are
  * stored relative to the block's lowest lattice point and are exact floats in the world: a
  * vertex that blocks share is the same three floats in each, so that surfaces are closed as
@@ -29,7 +31,7 @@
 CBVH_BEGIN
 
 /*! of the bytes described here and in FORMAT_VERT.md; a change that readers have to know of counts up */
-CBVH_CONSTANT uint32_t vertFormatVersion = 3u;
+CBVH_CONSTANT uint32_t vertFormatVersion = 4u;
 
 CBVH_CONSTANT uint32_t groupQuads = 4u;         //!< along a side of a group
 CBVH_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^this quads along a side
@@ -38,6 +40,7 @@ CBVH_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBl
 CBVH_CONSTANT uint32_t maxVertGroups = 16u;
 CBVH_CONSTANT uint32_t vertHeaderBytes = 64u;
 CBVH_CONSTANT uint32_t vertEdgesBytes = 8u;
+CBVH_CONSTANT uint32_t vertMotionBytes = 16u;
 CBVH_CONSTANT uint32_t maxMargin = 15u;         //!< in steps
 CBVH_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: x, y, z lower, then x, y, z upper
 
@@ -50,7 +53,7 @@ struct VertHeader
   uint32_t region;         //!< size and position: see the accessors
   uint32_t patchQuads;    //!< of the patch along u and v, less 1, 16 bits each; or the form of numbers
   uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 16 bits each: x, y, z of 00 first
-  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..23: shear of boxes, 25..28: shift of reach, see below; 24: raw; 29: has edges; 30: numbers its quads
+  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..23: shear of boxes, 25..28: shift of reach, see below; 24: raw; 29: has edges; 30: numbers its quads; 31: moves
   uint32_t word;          //!< of the first cell; bits 24..31: exponent of the lattice's spacing
 };
 
@@ -88,6 +91,16 @@ CBVH_FUNCTION VertEdges vertEdges (uint32_t rate0, uint32_t rate1, uint32_t rate
 CBVH_FUNCTION uint32_t vertRate (VertEdges edges, int edge) { return (((edge < 2 ? edges.low : edges.high) >> (16*(edge & 1))) & 4095u) + 1u; }
 CBVH_FUNCTION uint32_t vertCornerU (VertEdges edges) { return (edges.low >> 12) & 15u; }
 CBVH_FUNCTION uint32_t vertCornerV (VertEdges edges) { return edges.low >> 28; }
+
+/*! Of a block that moves, behind its header, and edges or numbers if it has any. */
+struct VertMotion
+{
+  float begin, end;  //!< time of the first step and of the last
+  uint32_t numSteps; //!< from 2
+  uint32_t steps;    //!< where the offsets of all steps but the first begin, 4 bytes each; all are in bytes from the block's start
+};
+
+CBVH_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
 
 CBVH_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
 
@@ -153,7 +166,7 @@ struct VertLayout
 
 CBVH_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
 {
-  uint32_t begin = vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u);
+  uint32_t begin = vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u) + (isMoving(boxForm) ? vertMotionBytes : 0u);
   VertLayout offsets;
   offsets.groupsX = groupsOf(vertQuadsX(region));
   offsets.groupsY = groupsOf(vertQuadsY(region));
@@ -198,6 +211,16 @@ inline VertNumbers numbersOf (const VertHeader* block)
   return numbers;
 }
 
+/*! offset of the motion of a block that moves */
+inline uint32_t motionOffset (const VertHeader* block) { return vertHeaderBytes + (hasEdges(block->boxForm) || hasNumbers(block->boxForm) ? vertEdgesBytes : 0u); }
+
+inline VertMotion motionOf (const VertHeader* block)
+{
+  VertMotion motion;
+  std::memcpy(&motion,(const uint8_t*)block + motionOffset(block),sizeof(motion));
+  return motion;
+}
+
 /*! of quad x, y of such a block */
 inline uint32_t numberOfQuad (const VertHeader* block, uint32_t x, uint32_t y)
 {
@@ -210,14 +233,10 @@ inline uint32_t numberOfQuad (const VertHeader* block, uint32_t x, uint32_t y)
   return block->primID + uint32_t((bits >> (bit % 8)) & ((uint64_t(1) << numbers.y)-1));
 }
 
-/*! bytes of a block, without those that fill it up */
-inline uint32_t vertBytes (const VertHeader* block)
+/*! bytes of a block at its first step, without the numbers of quads, and without those that fill it up */
+inline uint32_t vertFirstStepSize (const VertHeader* block)
 {
   const VertLayout layout = vertLayout(block->region,block->boxForm);
-  if (hasNumbers(block->boxForm) && patternOfNumbers(block->patchQuads) == numbersInTable) {
-    const VertNumbers numbers = numbersOf(block);
-    return numbers.x + bytesOfNumberTable(vertQuadsX(block->region)*vertQuadsY(block->region),numbers.y);
-  }
   if (isRaw(block->boxForm)) return layout.rawBytes;
   const uint8_t* data = (const uint8_t*)block;
   uint32_t bytes = layout.cell + cellBytes(block->word);

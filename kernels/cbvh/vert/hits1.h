@@ -26,12 +26,12 @@ namespace embree
       }
 
       /*! Target: the ray; it has tnear(), tfar(), report(block,primID,hit), which is true if the hit is accepted, isRead(block), which is
-       *  false if nothing of it is looked at, and ids(), of the scene's surfaces */
-      template<typename Target>
+       *  false if nothing of it is looked at, and ids(), of the scene's surfaces. Cached: as in intersector1.h */
+      template<typename Target, typename Cached>
       class VertHits
       {
       public:
-        __forceinline VertHits (const Target& target, const VertRay& vertRay, VertNearest& nearest, const VertHeader* block, const CachedVertBlock& cached)
+        __forceinline VertHits (const Target& target, const VertRay& vertRay, VertNearest& nearest, const VertHeader* block, const Cached& cached)
           : target(target), vertRay(vertRay), nearest(nearest), block(block), cached(cached) {}
 
         /*! Reports hits, nearest first; true if one was accepted. triangles: bits of GroupTriangles */
@@ -140,7 +140,7 @@ namespace embree
         const VertRay& vertRay;
         VertNearest& nearest;
         const VertHeader* block;
-        const CachedVertBlock& cached;
+        const Cached& cached;
       };
     }
   }

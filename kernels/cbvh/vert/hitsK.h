@@ -56,7 +56,7 @@ namespace embree
         __noinline bool report (size_t k, uint32_t g, uint32_t triangles)
         {
           typedef VertTargetK<K,Rays> Target;
-          return VertHits<Target>(Target{ rays,context,k },vertRays.at(k),vertRays.nearest(k),block,cached).report(g,triangles);
+          return VertHits<Target,CachedVertBlock>(Target{ rays,context,k },vertRays.at(k),vertRays.nearest(k),block,cached).report(g,triangles);
         }
 
       private:

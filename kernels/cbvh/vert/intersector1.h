@@ -8,6 +8,7 @@
 
 #include "boxes.h"
 #include "hits1.h"
+#include "moving_block.h"
 
 namespace embree
 {
@@ -49,30 +50,33 @@ namespace embree
         return g;
       }
 
-      template<typename RayType>
+      /*! Cached: a block as the thread's cache has it, or between two of its steps, moving_block.h */
+      template<typename RayType, typename Cached>
       class VertIntersector1
       {
       public:
-        /*! Whether a hit was accepted; any hit ends with it. Not inlined, so that traversal keeps its ray in registers. */
-        static __noinline bool intersect (RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* block)
+        /*! Whether a hit was accepted; any hit ends with it. */
+        template<typename... At>
+        static __forceinline bool intersect (RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* block, const At&... at)
         {
           vertRay.set(ray);
-          return VertIntersector1(ray,context,vertRay,block).run();
+          return VertIntersector1(ray,context,vertRay,block,at...).run();
         }
 
       private:
-        __forceinline VertIntersector1 (RayType& ray, IntersectContext* context, const VertRay& vertRay, const VertHeader* block)
-          : ray(ray), context(context), vertRay(vertRay), block(block), cached(block) {}
+        template<typename... At>
+        __forceinline VertIntersector1 (RayType& ray, IntersectContext* context, const VertRay& vertRay, const VertHeader* block, const At&... at)
+          : ray(ray), context(context), vertRay(vertRay), block(block), cached(block,at...) {}
 
         __forceinline bool run ()
         {
-          const VertBoxes* boxes = cached.decodedBoxes();
+          const GroupBoxes* boxes = cached.decodedBoxes();
           if (unlikely(boxes == nullptr)) {
-            if (likely(!isRaw(block->boxForm)) && !meetsBounds<float>(vertRay,block,ray.tnear(),ray.tfar)) return false;
+            if (!cached.mayMeet(vertRay,ray.tnear(),ray.tfar)) return false;
             boxes = &cached.boxes();
           }
           uint32_t open = meetBoxes(*boxes);
-          VertHits<VertTarget1<RayType>> hits(VertTarget1<RayType>{ ray,context },vertRay,vertRay.nearest,block,cached);
+          VertHits<VertTarget1<RayType>,Cached> hits(VertTarget1<RayType>{ ray,context },vertRay,vertRay.nearest,block,cached);
           bool found = false;
           while (open)
           {
@@ -87,7 +91,7 @@ namespace embree
         }
 
         /*! lanes of groups whose boxes the ray meets; sets enter */
-        __forceinline uint32_t meetBoxes (const VertBoxes& boxes)
+        __forceinline uint32_t meetBoxes (const GroupBoxes& boxes)
         {
           const int vectors = QuadCornersV::vectors;
           vfloatV tNear[vectors], tFar[vectors];
@@ -121,9 +125,25 @@ namespace embree
         IntersectContext* context;
         const VertRay& vertRay;
         const VertHeader* block;
-        const CachedVertBlock cached;
+        const Cached cached;
         alignas(64) float enter[16]; //!< where the ray enters the box of the group in each lane
       };
+
+      /* Not inlined, so that traversal keeps its ray in registers. */
+
+      template<typename RayType>
+      __noinline bool intersectVert (RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* block) {
+        return VertIntersector1<RayType,CachedVertBlock>::intersect(ray,context,vertRay,block);
+      }
+
+      /*! of a block that moves, at the ray's time */
+      template<typename RayType>
+      __noinline bool intersectMovingVert (RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* block)
+      {
+        const VertMotion motion = motionOf(block);
+        if (unlikely(!isThere(motion,ray.time()))) return false;
+        return VertIntersector1<RayType,MovingVertBlock>::intersect(ray,context,vertRay,block,timeInMotion(motion,ray.time()));
+      }
     }
   }
 }

@@ -6,7 +6,7 @@
 /* Blocks of cVERT in scalar code, straight from the codec: what the SIMD code has to equal. For tests, to read, and where a whole
  * block is wanted and nothing else. */
 
-#include "format.h"
+#include "motion_format.h"
 #include <cstring>
 
 namespace embree
@@ -21,83 +21,153 @@ namespace embree
       float vertices[maxSide*maxSide][3]; //!< in the world, row by row
       uint32_t quadsX, quadsY;
 
-      explicit ScalarVertBlock(const VertHeader* block) : quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), block(block), layout(vertLayout(block->region,block->boxForm))
+      /*! step: of a block that moves */
+      explicit ScalarVertBlock(const VertHeader* block, uint32_t step = 0)
+        : quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), block(block), layout(vertLayout(block->region,block->boxForm)), cells(cellsOf(block,step))
       {
-        if (isRaw(block->boxForm)) { memcpy(vertices,bytes(layout.vertices),sizeof(vertices[0])*(quadsX+1)*(quadsY+1)); return; }
+        if (cells.isRaw) { memcpy(vertices,cells.data,sizeof(vertices[0])*(quadsX+1)*(quadsY+1)); return; }
         int corners[3][4];
         for (int k=0; k<3; k++)
           for (int c=0; c<4; c++)
-            corners[k][c] = cornerCoordinate(block->corners[cornerPair(c,k)],c,k);
-        decodeCell(block->word,bytes(layout.cell),corners,int(groupQuads),quadsX,quadsY,first);
-        const uint8_t* data = bytes(layout.cell) + cellBytes(block->word);
+            corners[k][c] = cornerCoordinate(cells.corners[cornerPair(c,k)],c,k);
+        const Cells zero = cellsOf(block,0);
+        const uint8_t* data = cells.data, *dataOfZero = zero.data;
+        decodeCell(cells.isTurned(-1) ? &zero : nullptr,-1,data,dataOfZero,corners,groupQuads,quadsX,quadsY,first);
         for (uint32_t g=0; g<layout.groups; g++)
         {
           const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
           for (int k=0; k<3; k++)
             for (uint32_t c=0; c<4; c++)
               corners[k][c] = first[k][5*(gy+(c >> 1)) + gx+(c & 1)];
-          const uint32_t word = wordOf(g);
           int group[3][cellVertices];
-          decodeCell(word,data,corners,1,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy),group);
-          data += cellBytes(word);
+          decodeCell(cells.isTurned(int(g)) ? &zero : nullptr,int(g),data,dataOfZero,corners,1,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy),group);
           for (uint32_t j=0; j<=quadsOfGroup(quadsY,gy); j++)
             for (uint32_t i=0; i<=quadsOfGroup(quadsX,gx); i++)
               for (int k=0; k<3; k++)
-                vertices[(groupQuads*gy+j)*(quadsX+1) + groupQuads*gx+i][k] = block->origin[k] + float(group[k][5*j+i])*vertSpacing(block->word);
+                vertices[(groupQuads*gy+j)*(quadsX+1) + groupQuads*gx+i][k] = cells.origin[k] + float(group[k][5*j+i])*vertSpacing(cells.first);
         }
         end = data;
       }
 
       /*! Box of a group in the world: lower, upper; on the sheared axis between sheared coordinates times
-       *  the spacing, without the origin. */
-      void groupBox(uint32_t g, float lower[3], float upper[3]) const
+       *  the spacing, without the origin. form, margins: of the segment that begins or ends with this step; by default those of the block */
+      void groupBox(uint32_t g, float lower[3], float upper[3]) const { groupBox(g,block->boxForm,bytes(layout.margins),lower,upper); }
+      void groupBox(uint32_t g, uint32_t form, const uint8_t* margins, float lower[3], float upper[3]) const
       {
         const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
         for (int k=0; k<3; k++)
         {
-          if (isRaw(block->boxForm)) {
+          if (cells.isRaw) {
             memcpy(lower+k,bytes(layout.boxes) + 4*(k*layout.groups+g),sizeof(float));
             memcpy(upper+k,bytes(layout.boxes) + 4*((3+k)*layout.groups+g),sizeof(float));
             continue;
           }
-          const uint32_t margins = bytes(layout.margins)[k*layout.groups+g], shift = marginShift(block->boxForm,k);
-          const bool isSheared = k == shearedAxis(block->boxForm);
+          const uint32_t ofAxis = margins[k*layout.groups+g], shift = marginShift(form,k);
+          const bool isSheared = k == shearedAxis(form);
           int lo = 0, hi = 0; // in 1/16
           for (uint32_t c=0; c<4; c++) {
             const uint32_t corner = 5*(gy+(c >> 1)) + gx+(c & 1);
-            const int v = isSheared ? sheared(corner) : 16*first[k][corner];
+            const int v = isSheared ? sheared(form,corner) : 16*first[k][corner];
             lo = c == 0 || v < lo ? v : lo;
             hi = c == 0 || v > hi ? v : hi;
           }
-          const float origin = isSheared ? 0.0f : block->origin[k];
-          lower[k] = origin + float(lo-16*lowerMargin(margins,shift))*(1.0f/16.0f)*vertSpacing(block->word);
-          upper[k] = origin + float(hi+16*upperMargin(margins,shift))*(1.0f/16.0f)*vertSpacing(block->word);
+          const float origin = isSheared ? 0.0f : cells.origin[k];
+          lower[k] = origin + float(lo-16*lowerMargin(ofAxis,shift))*(1.0f/16.0f)*vertSpacing(cells.first);
+          upper[k] = origin + float(hi+16*upperMargin(ofAxis,shift))*(1.0f/16.0f)*vertSpacing(cells.first);
         }
       }
 
       const float* vertex(uint32_t x, uint32_t y) const { return vertices[y*(quadsX+1)+x]; }
 
-      const uint8_t* end = nullptr; //!< of a block that is not raw
+      /*! of the finite ones; false if there is none */
+      bool bounds(float lower[3], float upper[3]) const
+      {
+        for (int k=0; k<3; k++) { lower[k] = INFINITY; upper[k] = -INFINITY; }
+        for (uint32_t i=0; i<(quadsX+1)*(quadsY+1); i++)
+        {
+          const float* p = vertices[i];
+          if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
+          for (int k=0; k<3; k++) { lower[k] = p[k] < lower[k] ? p[k] : lower[k]; upper[k] = p[k] > upper[k] ? p[k] : upper[k]; }
+        }
+        return lower[0] <= upper[0];
+      }
+
+      const uint8_t* end = nullptr; //!< of a step that is not raw
 
     private:
+      /*! what there is of a step */
+      struct Cells
+      {
+        bool isRaw;
+        const float* origin;
+        const uint32_t* corners;
+        uint32_t first;          //!< word of the first cell
+        const uint8_t* low;      //!< words of groups
+        const uint8_t* high;     //!< or null
+        const uint8_t* data;     //!< fields, or vertices if it is raw
+        const VertStep* step;    //!< null of the first
+
+        uint32_t word(int g) const
+        {
+          if (g < 0) return first;
+          const uint32_t lower = uint32_t(low[2*g]) | uint32_t(low[2*g+1]) << 8;
+          return high ? lower | uint32_t(high[g]) << 16 : lower;
+        }
+
+        bool isTurned(int g) const { return step && (g < 0 ? isFirstCellTurned(step->boxForm) : cbvh::isTurned(step->turned,uint32_t(g))); }
+      };
+
+      static Cells cellsOf(const VertHeader* block, uint32_t step)
+      {
+        if (step == 0) {
+          const VertLayout layout = vertLayout(block->region,block->boxForm);
+          const uint8_t* data = (const uint8_t*)block;
+          const bool raw = cbvh::isRaw(block->boxForm);
+          return { raw,block->origin,block->corners,block->word,data+layout.words,data+layout.wordsHigh,data + (raw ? layout.vertices : layout.cell),nullptr };
+        }
+        const VertStep* of = stepOf(block,step);
+        const VertStepLayout layout = vertStepLayout(block->region,of->boxForm);
+        const uint8_t* data = (const uint8_t*)of;
+        const bool raw = cbvh::isRaw(of->boxForm);
+        return { raw,of->origin,of->corners,of->word,data+layout.words,hasUpperBits(of->boxForm) ? data+layout.wordsHigh : nullptr,data + (raw ? layout.vertices : layout.cell),of };
+      }
+
       const uint8_t* bytes(uint32_t offset) const { return (const uint8_t*)block + offset; }
 
       /*! of a corner of groups, in 1/16 */
-      int sheared(uint32_t corner) const
+      int sheared(uint32_t form, uint32_t corner) const
       {
-        const int m = shearedAxis(block->boxForm);
-        return 16*first[m][corner] + shearSlope(block->boxForm,1)*first[(m+1)%3][corner] + shearSlope(block->boxForm,2)*first[(m+2)%3][corner];
+        const int m = shearedAxis(form);
+        return 16*first[m][corner] + shearSlope(form,1)*first[(m+1)%3][corner] + shearSlope(form,2)*first[(m+2)%3][corner];
       }
 
-      uint32_t wordOf(uint32_t g) const
+      /*! Vertices of a cell, by axis; data goes to the next one's. zero: the first step, from which it is turned, or null */
+      void decodeCell(const Cells* zero, int g, const uint8_t*& data, const uint8_t*& dataOfZero, const int corners[3][4], uint32_t distance, uint32_t sideX, uint32_t sideY,
+                      int out[3][cellVertices]) const
       {
-        uint16_t low;
-        memcpy(&low,bytes(layout.words + 2*g),sizeof(low));
-        return uint32_t(low) | uint32_t(*bytes(layout.wordsHigh + g)) << 16;
+        int residuals[3][cellVertices], ofZero[3][cellVertices];
+        decodeResiduals(cells.word(g),data,residuals);
+        data += cellBytes(cells.word(g));
+        if (cells.step && !isRaw(block->boxForm)) {
+          const Cells from = cellsOf(block,0);
+          if (zero) decodeResiduals(from.word(g),dataOfZero,ofZero);
+          dataOfZero += cellBytes(from.word(g));
+        }
+        for (int j=0; j<5; j++)
+          for (int i=0; i<5; i++)
+            for (int k=0; k<3; k++)
+            {
+              const int* c = corners[k];
+              const int v = 5*j+i;
+              out[k][v] = cellPrediction(c[0],c[1],c[2],c[3],cellWeight(i,int(distance),int(sideX)),cellWeight(j,int(distance),int(sideY))) + residuals[k][v];
+              if (zero)
+                out[k][v] += turnedResidual(turnEntry(*cells.step,uint32_t(3*k)),turnEntry(*cells.step,uint32_t(3*k+1)),turnEntry(*cells.step,uint32_t(3*k+2)),
+                                            ofZero[0][v],ofZero[1][v],ofZero[2][v],turnShift(cells.step->turned));
+            }
       }
 
-      /*! corners, out: by axis */
-      static void decodeCell(uint32_t word, const uint8_t* data, const int corners[3][4], int step, uint32_t quadsX, uint32_t quadsY, int out[3][cellVertices])
+      /*! by axis */
+      static void decodeResiduals(uint32_t word, const uint8_t* data, int out[3][cellVertices])
       {
         const int bits[3] = { cellBits(word,0),cellBits(word,1),cellBits(word,2) }, sum = cellFieldBits(word);
         for (int j=0; j<5; j++)
@@ -113,16 +183,13 @@ namespace embree
                 residual[c] = cellResidual(field,0,bits[c]) + (c == 0 ? 0 : slopeResidual(cellSlope(word,c),residual[0]));
               }
             }
-            for (int c=0; c<3; c++) {
-              const int axis = cellAxis(word,c);
-              const int* k = corners[axis];
-              out[axis][5*j+i] = cellPrediction(k[0],k[1],k[2],k[3],cellWeight(i,step,int(quadsX)),cellWeight(j,step,int(quadsY))) + residual[c];
-            }
+            for (int c=0; c<3; c++) out[cellAxis(word,c)][5*j+i] = residual[c];
           }
       }
 
       const VertHeader* block;
       VertLayout layout;
+      const Cells cells;
       int first[3][cellVertices];         //!< corners of groups
     };
   }}

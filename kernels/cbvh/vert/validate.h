@@ -6,7 +6,7 @@
 /* Whether bytes are a block of cVERT that readers may take: its sizes, its numbers of bits and its offsets fit together and into
  * the memory that there is. Fields may be anything: they are vertices somewhere. */
 
-#include "format.h"
+#include "motion_format.h"
 #include "../surface/lattice.h"
 
 namespace embree
@@ -24,36 +24,93 @@ namespace embree
       {
         if (bytes < vertHeaderBytes) return "fewer bytes than a header has";
         const VertHeader& header = *(const VertHeader*)data;
-        if (header.boxForm >> 31 || (hasEdges(header.boxForm) && hasNumbers(header.boxForm))) return "parts of a later format";
+        if (hasEdges(header.boxForm) && hasNumbers(header.boxForm)) return "parts of a later format";
         for (float x : header.origin)
           if (!std::isfinite(x)) return "an origin that is not finite";
         const VertLayout layout = vertLayout(header.region,header.boxForm);
-        if (bytes < layout.margins) return "fewer bytes than header and edges have";
+        if (bytes < layout.margins) return "fewer bytes than header, edges and motion have";
         if (const char* error = hasNumbers(header.boxForm) ? errorOfNumbers(header) : errorOfPatch(header)) return error;
-        if (isRaw(header.boxForm)) return bytes < layout.rawBytes ? "fewer bytes than its vertices and boxes have" : errorOfTable(header,layout.rawBytes,bytes);
+        size_t end;
+        if (const char* error = errorOfFirstStep(header,layout,bytes,end)) return error;
+        if (isMoving(header.boxForm))
+          if (const char* error = errorOfMotion(header,layout,bytes,end)) return error;
+        return errorOfTable(header,end,bytes);
+      }
 
-        const int exponent = int(header.word >> 24) - 127;
+    private:
+      /*! axis and slopes, of a cell's word and of boxes */
+      static bool isForm(uint32_t word) { return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope; }
+
+      static const char* errorOfCells(uint32_t word, const uint32_t corners[6])
+      {
+        const int exponent = int(word >> 24) - 127;
         if (exponent < minLatticeExponent || exponent > maxLatticeExponent) return "a spacing out of range";
-        if (!isForm(header.boxForm)) return "a sheared axis or a slope that is none";
         for (int c=0; c<4; c++)
           for (int k=0; k<3; k++)
-            if (cornerCoordinate(header.corners[cornerPair(c,k)],c,k) >= maxExtent) return "a corner out of range";
+            if (cornerCoordinate(corners[cornerPair(c,k)],c,k) >= maxExtent) return "a corner out of range";
+        return isForm(word) ? nullptr : "a main axis or a slope of the first cell that is none";
+      }
+
+      /*! end: of the step */
+      static const char* errorOfFirstStep(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
+      {
+        end = layout.rawBytes;
+        if (isRaw(header.boxForm)) return bytes < end ? "fewer bytes than its vertices and boxes have" : nullptr;
+        if (const char* error = errorOfCells(header.word,header.corners)) return error;
+        if (!isForm(header.boxForm)) return "a sheared axis or a slope that is none";
         if (bytes < layout.cell) return "fewer bytes than header, margins and words have";
-        if (!isForm(header.word)) return "a main axis or a slope of the first cell that is none";
-        const uint8_t* block = (const uint8_t*)data;
-        size_t end = layout.cell + cellBytes(header.word);
+        const uint8_t* block = (const uint8_t*)&header;
+        end = layout.cell + cellBytes(header.word);
         for (uint32_t g=0; g<layout.groups; g++)
         {
           const uint32_t word = uint32_t(block[layout.words+2*g]) | uint32_t(block[layout.words+2*g+1]) << 8 | uint32_t(block[layout.wordsHigh+g]) << 16;
           if (!isForm(word)) return "a main axis or a slope of a group that is none";
           end += cellBytes(word);
         }
-        return bytes < end ? "fewer bytes than its fields have" : errorOfTable(header,end,bytes);
+        return bytes < end ? "fewer bytes than its fields have" : nullptr;
       }
 
-    private:
-      /*! axis and slopes, of a cell's word and of boxes */
-      static bool isForm(uint32_t word) { return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope; }
+      /*! end: of the first step, then of the last */
+      static const char* errorOfMotion(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
+      {
+        const VertMotion motion = motionOf(&header);
+        if (!std::isfinite(motion.begin) || !(motion.begin < motion.end) || !std::isfinite(motion.end)) return "a time that ends before it begins";
+        if (motion.numSteps < 2 || motion.numSteps > maxTimeSteps) return "a number of time steps that is none";
+        if (motion.steps < end || motion.steps % 4 != 0) return "offsets of time steps on other parts of the block";
+        end = size_t(motion.steps) + 4*(motion.numSteps-1);
+        if (bytes < end) return "fewer bytes than offsets of time steps have";
+        for (uint32_t s=1; s<motion.numSteps; s++)
+        {
+          const VertStep* const step = stepOf(&header,s);
+          const size_t begin = size_t((const uint8_t*)step - (const uint8_t*)&header);
+          if (begin < end || begin % 4 != 0) return "a time step on other parts of the block";
+          if (bytes < begin + vertStepBytes) return "fewer bytes than a time step has";
+          if (const char* error = errorOfStep(header,layout,*step,bytes-begin,end)) return error;
+          end += begin;
+        }
+        return nullptr;
+      }
+
+      /*! end: its bytes */
+      static const char* errorOfStep(const VertHeader& header, const VertLayout& layout, const VertStep& step, size_t bytes, size_t& end)
+      {
+        for (float x : step.origin)
+          if (!std::isfinite(x)) return "an origin that is not finite";
+        const VertStepLayout at = vertStepLayout(header.region,step.boxForm);
+        end = at.rawBytes;
+        if (isRaw(step.boxForm)) return bytes < end ? "fewer bytes than a step's vertices have" : nullptr;
+        if (const char* error = errorOfCells(step.word,step.corners)) return error;
+        if (!isForm(step.boxForm)) return "a sheared axis or a slope that is none";
+        if (isRaw(header.boxForm) && ((step.turned & 65535u) || isFirstCellTurned(step.boxForm))) return "a cell that is turned from a step that has none";
+        if (bytes < at.cell) return "fewer bytes than a step's margins and words have";
+        end = at.cell + cellBytes(step.word);
+        for (uint32_t g=0; g<layout.groups; g++) {
+          const uint32_t word = wordOfGroup(&step,at,g);
+          if (!isForm(word)) return "a main axis or a slope of a group that is none";
+          end += cellBytes(word);
+        }
+        return bytes < end ? "fewer bytes than a step's fields have" : nullptr;
+      }
 
       static const char* errorOfNumbers(const VertHeader& header)
       {

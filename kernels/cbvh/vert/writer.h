@@ -5,14 +5,15 @@
 
 /* Writer of cVERT: the vertices of a patch are snapped to their lattices, those on its border come from the faces
  * that own them, and blocks hold them exactly. A patch is written in strips of rows, so that a patch of any rate takes
- * no more memory than one of 256 x 256 quads, and several tasks may write it. Who writes flushes the store behind the last patch. */
+ * no more memory than one of 256 x 256 quads, and several tasks may write it. Of geometry that moves, that is divided by its time
+ * steps. Who writes flushes the store behind the last patch. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
 #include "../surface/plan.h"
 #include "../surface/source.h"
 #include "../surface/shared_border.h"
-#include "encoder.h"
+#include "motion_encoder.h"
 #include "numbers_encoder.h"
 #include "snapped_vertices.h"
 #include "validate.h"
@@ -25,74 +26,161 @@ namespace embree
     {
     public:
       VertWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
-        : plan(plan), store(store), statistics(statistics), given(device) {}
+        : plan(plan), store(store), statistics(statistics), given(device), moved(device,0) {}
 
       /*! rows of a patch that are written together, a multiple of a block's: of most patches all */
-      static unsigned rowsOfStrip (const SurfacePatch& patch) {
-        return max(fullStrip*fullStrip/(patch.quads[0]*cbvh::vertBlockQuads),1u)*cbvh::vertBlockQuads;
+      static unsigned rowsOfStrip (const SurfacePatch& patch, unsigned numTimeSteps) {
+        return max(fullStrip*fullStrip/(patch.quads[0]*cbvh::vertBlockQuads*numTimeSteps),1u)*cbvh::vertBlockQuads;
       }
 
-      /*! Writes the blocks of a patch that is one strip. evaluated: its vertices as the face evaluates them, if they are known, or null. */
-      template<typename Patch>
-      void write (Patch& patch, const float (*evaluated)[3])
+      /*! Writes the blocks of a patch that is one strip. evaluated(step): its vertices as the face evaluates them, if they are known, or null. */
+      template<typename Patch, typename Evaluated>
+      void write (Patch& patch, const Evaluated& evaluated)
       {
-        const PatchPart all = { 0,patch.quads[0],0,patch.quads[1] };
-        VertexGrid* grid = &given;
-        if (evaluated) given.set(patch.quads[0],patch.quads[1],evaluated);
-        else grid = &patch.evaluate(patch.quads[0],patch.quads[1],all);
-        writeStrip(patch,all,*grid);
+        writeStrip(patch,{ 0,patch.quads[0],0,patch.quads[1] },[&](const PatchPart& all, unsigned step) -> VertexGrid& {
+            const float (*vertices)[3] = evaluated(step);
+            if (!vertices) return patch.evaluate(patch.quads[0],patch.quads[1],all,step);
+            given.set(patch.quads[0],patch.quads[1],vertices);
+            return given;
+          });
       }
 
-      /*! Writes the blocks of a strip. begin, end: its first and last row as they were evaluated for both strips that have it, or null at
-       *  the border of the patch: a displacement may answer differently the second time. */
+      /*! Writes the blocks of a strip. begin, end: its first and last row as they were evaluated for both strips that have it, at all time
+       *  steps, or null at the border of the patch: a displacement may answer differently the second time. */
       template<typename Patch>
       void write (Patch& patch, const PatchPart& strip, const float (*begin)[3], const float (*end)[3])
       {
-        VertexGrid& grid = patch.evaluate(patch.quads[0],patch.quads[1],strip);
-        if (begin) memcpy(grid.displaced(),begin,grid.width*sizeof(*begin));
-        if (end) memcpy(grid.displaced()[(grid.height-1)*grid.width],end,grid.width*sizeof(*end));
-        writeStrip(patch,strip,grid);
+        writeStrip(patch,strip,[&](const PatchPart& strip, unsigned step) -> VertexGrid& {
+            VertexGrid& grid = patch.evaluate(patch.quads[0],patch.quads[1],strip,step);
+            if (begin) memcpy(grid.displaced(),begin + step*grid.width,grid.width*sizeof(*begin));
+            if (end) memcpy(grid.displaced()[(grid.height-1)*grid.width],end + step*grid.width,grid.width*sizeof(*end));
+            return grid;
+          });
       }
 
     private:
       static const unsigned fullStrip = 256; //!< rows of a patch of as many columns
 
-      template<typename Patch>
-      void writeStrip (const Patch& patch, const PatchPart& strip, VertexGrid& grid)
+      /*! evaluate(strip,step): the vertices of a strip */
+      template<typename Patch, typename Evaluate>
+      void writeStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
       {
-        const cbvh::WorldLattice lattice(patch.latticeExponent());
         for (int s=0; s<4; s++) sideRates[s] = patch.side(s).rate;
-        snapVertices(patch,strip,lattice,grid);
-        for (unsigned y=strip.y0; y<strip.y1; y+=cbvh::vertBlockQuads)
-          for (unsigned x=0; x<patch.quads[0]; x+=cbvh::vertBlockQuads)
-            writeBlock(patch,x,y,strip.y0,grid,lattice.spacing);
+        if (plan.moves()) writeMovingStrip(patch,strip,evaluate);
+        else
+        {
+          VertexGrid& grid = evaluate(strip,0);
+          const cbvh::WorldLattice lattice(patch.latticeExponent());
+          statistics.sums.numFlippedQuads += snapVertices(patch,0,strip,lattice,grid);
+          forBlocks(patch,strip,[&](unsigned x, unsigned y, unsigned w, unsigned h) {
+              copyBlock(grid.displaced(),grid.width,x,y-strip.y0,w,h,encoder.vertices);
+              writeBlock(patch,x,y,w,h,lattice.spacing);
+            });
+        }
         store.flushIfFull();
       }
 
-      void writeBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned firstRow, VertexGrid& grid, float spacing)
+      template<typename Patch, typename Evaluate>
+      void writeMovingStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
       {
-        const unsigned w = min(cbvh::vertBlockQuads,patch.quads[0]-x), h = min(cbvh::vertBlockQuads,patch.quads[1]-y);
-        for (unsigned r=0; r<=h; r++)
-          memcpy(encoder.vertices[r*(w+1)],grid.displaced()[(y-firstRow+r)*grid.width+x],(w+1)*sizeof(float[3]));
-        if (patch.numbers) numbers.set(*patch.numbers,x,y,w,h);
-        const cbvh::VertPlacement at = patch.numbers ? cbvh::VertPlacement(cbvh::vertRegion(w,h,x,y),numbers.form,numbers.pattern) : placement(patch,x,y,w,h);
+        const size_t width = strip.x1-strip.x0+1, count = width*(strip.y1-strip.y0+1);
+        moved.reserve(3*count*plan.numTimeSteps); // no more than that: vectors grow to a power of two
+        moved.resize(3*count*plan.numTimeSteps);
+        auto ofStep = [&](unsigned step) { return (float(*)[3])moved.data() + count*step; };
+        size_t flipped = 0;
+        for (unsigned step=0; step<plan.numTimeSteps; step++)
+        {
+          VertexGrid& grid = evaluate(strip,step);
+          flipped = max(flipped,snapVertices(patch,step,strip,cbvh::WorldLattice(patch.latticeExponent(step)),grid));
+          memcpy(ofStep(step),grid.displaced(),count*sizeof(float[3]));
+        }
+        statistics.sums.numFlippedQuads += flipped;
+        forBlocks(patch,strip,[&](unsigned x, unsigned y, unsigned w, unsigned h) {
+            writeMovingBlock(patch,x,y,w,h,[&](unsigned step, float (*out)[3]) {
+                copyBlock(ofStep(step),width,x,y-strip.y0,w,h,out);
+                return cbvh::WorldLattice::powerOfTwo(patch.latticeExponent(step));
+              });
+          });
+      }
+
+      template<typename Closure>
+      static void forBlocks (const SurfacePatch& patch, const PatchPart& strip, const Closure& closure)
+      {
+        for (unsigned y=strip.y0; y<strip.y1; y+=cbvh::vertBlockQuads)
+          for (unsigned x=0; x<patch.quads[0]; x+=cbvh::vertBlockQuads)
+            closure(x,y,min(cbvh::vertBlockQuads,patch.quads[0]-x),min(cbvh::vertBlockQuads,patch.quads[1]-y));
+      }
+
+      /*! of w x h quads from row y of the vertices on */
+      static void copyBlock (const float (*vertices)[3], size_t width, unsigned x, unsigned y, unsigned w, unsigned h, float (*out)[3])
+      {
+        for (unsigned r=0; r<=h; r++) memcpy(out[r*(w+1)],vertices[(y+r)*width+x],(w+1)*sizeof(float[3]));
+      }
+
+      void writeBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h, float spacing)
+      {
+        const cbvh::VertPlacement at = place(patch,x,y,w,h);
         cbvh::VertStatistics block;
         uint8_t* const bytes = store.begin(cbvh::VertEncoder::maxBytes + NumbersEncoder::maxBytes);
-        size_t size = encoder.encode(at,spacing,bytes,block);
+        const size_t size = encoder.encode(at,spacing,bytes,block);
         if (size == 0) {
           statistics.sums.numInvalidQuads += size_t(w)*h;
           return;
         }
-        cbvh::VertHeader* header = (cbvh::VertHeader*)bytes;
+        cbvh::WorldBounds bounds;
+        extend(bounds,encoder);
+        end(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::VERT_BLOCK);
+      }
+
+      /*! copy(step,vertices): a step's vertices of the block; returns the spacing of their lattice */
+      template<typename Copy>
+      void writeMovingBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h, const Copy& copy)
+      {
+        if (!movingEncoder) movingEncoder.reset(new cbvh::MotionEncoder);
+        const cbvh::VertPlacement at = place(patch,x,y,w,h);
+        uint8_t* const bytes = store.begin(cbvh::MotionEncoder::maxBytes(plan.numTimeSteps) + NumbersEncoder::maxBytes);
+        cbvh::WorldBounds bounds;
+        movingEncoder->begin(at,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps,bytes);
+        for (unsigned step=0; step<plan.numTimeSteps; step++) {
+          movingEncoder->addStep(copy(step,movingEncoder->vertices()));
+          extend(bounds,movingEncoder->last());
+        }
+        cbvh::MotionStatistics block;
+        const size_t size = movingEncoder->finish(block);
+        if (size == 0) {
+          statistics.sums.numInvalidQuads += size_t(w)*h;
+          return;
+        }
+        statistics.sums.numMovingQuads += size_t(w)*h;
+        statistics.sums.motionBytes += block.stepBytes;
+        end(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::MOVING_VERT_BLOCK);
+      }
+
+      static void extend (cbvh::WorldBounds& bounds, const cbvh::BlockVertices& vertices)
+      {
+        if (!vertices.anyFinite()) return;
+        bounds.extend(vertices.lower[0],vertices.lower[1],vertices.lower[2]);
+        bounds.extend(vertices.upper[0],vertices.upper[1],vertices.upper[2]);
+      }
+
+      /*! where a block is, and what numbers its quads have */
+      cbvh::VertPlacement place (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
+      {
+        if (!patch.numbers) return placement(patch,x,y,w,h);
+        numbers.set(*patch.numbers,x,y,w,h);
+        return cbvh::VertPlacement(cbvh::vertRegion(w,h,x,y),numbers.form,numbers.pattern);
+      }
+
+      /*! Completes a block that is encoded, and has that many bytes. */
+      void end (const SurfacePatch& patch, cbvh::VertHeader* header, size_t size, const cbvh::VertStatistics& block, const cbvh::WorldBounds& bounds, uint32_t type)
+      {
         header->surface = patch.surface;
         header->primID = patch.primID;
         if (patch.numbers) size = numbers.finish(header,size);
         addBlock(header,size,block);
-        if (patch.numbers) addMeshQuads(patch,size_t(w)*h);
-        const Vec3fa lower(encoder.lower[0],encoder.lower[1],encoder.lower[2]), upper(encoder.upper[0],encoder.upper[1],encoder.upper[2]);
-        store.hitBounds.extend(lower.x,lower.y,lower.z);
-        store.hitBounds.extend(upper.x,upper.y,upper.z);
-        store.end(size,BBox3fa(lower,upper),cbvh::VERT_BLOCK,cbvh::readBehindVert);
+        if (patch.numbers) addMeshQuads(patch,size_t(cbvh::vertQuadsX(header->region))*cbvh::vertQuadsY(header->region));
+        store.hitBounds.extend(bounds);
+        store.end(size,toBBox(bounds),type,cbvh::readBehindVert);
       }
 
       /*! bytes: of the block, without those that align the next */
@@ -131,8 +219,9 @@ namespace embree
         return cbvh::VertPlacement(region,quads,cbvh::vertEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
       }
 
+      /*! Returns how many quads that flipped. */
       template<typename Patch>
-      void snapVertices (const Patch& patch, const PatchPart& strip, const cbvh::WorldLattice& lattice, VertexGrid& grid)
+      size_t snapVertices (const Patch& patch, unsigned step, const PatchPart& strip, const cbvh::WorldLattice& lattice, VertexGrid& grid)
       {
         float (*p)[3] = grid.displaced();
         memcpy(grid.undisplaced(),p,grid.width*grid.height*sizeof(*p)); // as the face evaluates them
@@ -148,10 +237,10 @@ namespace embree
             statistics.addVertex(own[i],p[i]);
           }
         }
-        shareBorder(patch,patch.quads[0],patch.quads[1],strip,own,p,[&](const float mine[3], const float position[3], const float stored[3]) {
+        shareBorder(patch,step,patch.quads[0],patch.quads[1],strip,own,p,[&](const float mine[3], const float position[3], const float stored[3]) {
             statistics.addBorderVertex(mine,position,stored);
           });
-        statistics.sums.numFlippedQuads += countFlipped(grid,own,p);
+        return countFlipped(grid,own,p);
       }
 
       /*! quads with a triangle that the lattice turned by more than 90 degrees */
@@ -184,8 +273,10 @@ namespace embree
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
       VertexGrid given;             //!< vertices that were evaluated before
+      mvector<float> moved;         //!< a strip's, as they are stored, at all time steps
       unsigned sideRates[4];        //!< of the patch, as its faces share them
       cbvh::VertEncoder encoder;
+      std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null until a block that moves is written
       NumbersEncoder numbers;
     };
   }

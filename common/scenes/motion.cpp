@@ -1,0 +1,66 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "scenes/motion.h"
+#include "basics/error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cbvh {
+namespace {
+
+/* About an axis through a point. */
+Vec3f turned(Vec3f p, Vec3f centre, Vec3f axis, float angle)
+{
+  const Vec3f d = p - centre;
+  const float c = std::cos(angle), s = std::sin(angle);
+  return centre + c * d + s * cross(axis, d) + ((1 - c) * dot(axis, d)) * axis;
+}
+
+Vec3f pose(const std::string& name, Vec3f p, const Box3f& bounds, float angle)
+{
+  const Vec3f middle = 0.5f * (bounds.lower + bounds.upper), size = bounds.upper - bounds.lower;
+  const float height = (p.y - bounds.lower.y) / std::max(size.y, 1e-20f); // 0 to 1
+  if (name == "turn")
+    return turned(p, middle, {0, 1, 0}, angle);
+  if (name == "twist")
+    return turned(p, middle, {0, 1, 0}, angle * height);
+  if (name == "bend")
+    return turned(p, {middle.x, bounds.lower.y, middle.z}, {0, 0, 1}, angle * height * height);
+  /* Legs swing about the hip, across the longer of the other two axes. */
+  const bool isLong = size.x > size.z;
+  const float side = isLong ? (p.z - middle.z) / size.z : (p.x - middle.x) / size.x; // -0.5 to 0.5
+  const float below = std::clamp((0.5f - height) / 0.3f, 0.0f, 1.0f);
+  const float swing = below * below * (3 - 2 * below) * std::clamp(6 * side, -1.0f, 1.0f);
+  return turned(p, {middle.x, bounds.lower.y + 0.5f * size.y, middle.z}, isLong ? Vec3f{0, 0, 1} : Vec3f{1, 0, 0}, angle * swing);
+}
+
+} // namespace
+
+const std::vector<std::string>& motionNames()
+{
+  static const std::vector<std::string> names{"turn", "bend", "twist", "walk"};
+  return names;
+}
+
+void addMotion(Model& model, const MotionSettings& settings)
+{
+  const std::vector<std::string>& names = motionNames();
+  if (std::find(names.begin(), names.end(), settings.name) == names.end())
+    throw Error("--motion: unknown motion '" + settings.name + "': expected turn, bend, twist or walk");
+  if (settings.steps < 2 || settings.steps > 129)
+    throw Error("--steps: " + std::to_string(settings.steps) + " time steps: expected 2 to 129");
+  const Box3f bounds = model.cage.bounds();
+  model.poses.clear();
+  for (int i = 1; i < settings.steps; i++)
+  {
+    const float angle = float(M_PI) / 180 * settings.degrees * float(i) / float(settings.steps - 1);
+    std::vector<Vec3f> positions;
+    for (const Vec3f& p : model.cage.positions)
+      positions.push_back(pose(settings.name, p, bounds, angle));
+    model.poses.push_back(std::move(positions));
+  }
+}
+
+} // namespace cbvh

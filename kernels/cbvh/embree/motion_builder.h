@@ -1,0 +1,9 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Embree's builder of trees for motion blur. */
+
+#include "scene.h"
+#include "../../builders/bvh_builder_msmblur.h"

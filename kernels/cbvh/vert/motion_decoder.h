@@ -1,0 +1,259 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Decoder of a segment of a block of cVERT that moves, vert/motion_format.h: what its groups have in common, then a group at a time; at both
+ * ends. */
+
+#include "decoder.h"
+#include "motion_cache.h"
+#include "scalar_block.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! nothing, to which residuals are added */
+      struct NoBase
+      {
+        __forceinline vfloatV at (int, int) const { return vfloatV(zero); }
+        __forceinline vfloatV last (int) const { return vfloatV(zero); }
+      };
+
+      /*! a prediction, and what a step's matrix makes of the residuals of the first step */
+      class TurnedBase
+      {
+      public:
+        __forceinline TurnedBase (const CellBase& base, const VertStep& step, const CellVertices& first) : base(base), first(first)
+        {
+          const float unit = 1.0f/float(1u << turnShift(step.turned));
+          for (uint32_t i=0; i<9; i++) turn[i] = float(turnEntry(step,i))*unit;
+        }
+
+        /*! exact, fused or not: numbers have 24 bits at most */
+        __forceinline vfloatV at (int axis, int vector) const
+        {
+          const int l = vectorWidth*vector;
+          const float* row = turn + 3*axis;
+          const vfloatV sum = madd(vfloatV(row[0]),vfloatV::load(first.at[0]+l),madd(vfloatV(row[1]),vfloatV::load(first.at[1]+l),madd(vfloatV(row[2]),vfloatV::load(first.at[2]+l),vfloatV(0.5f))));
+          return base.at(axis,vector) + floor(sum);
+        }
+        __forceinline vfloatV last (int axis) const { return base.last(axis); }
+
+      private:
+        const CellBase base;
+        const CellVertices& first;
+        float turn[9];
+      };
+
+      /*! vertices of a cell in the world */
+      struct WorldVerticesOfCell
+      {
+        CellVertices& out;
+        const float spacing;
+        const float* origin;
+
+        __forceinline void put (int axis, const CellVector& v) const { CoordinatesOfCell{ out }.put(axis,madd(v,spacing,origin[axis])); }
+      };
+
+      class MotionDecoder
+      {
+      public:
+        __forceinline explicit MotionDecoder (const VertHeader* block)
+          : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)) {}
+
+        /*! everything that all groups need in a segment */
+        void decode (uint32_t segment, SegmentBoxes& out) const
+        {
+          out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
+          const Step steps[2] = { Step(block,layout,segment),Step(block,layout,segment+1) };
+          for (int e=0; e<2; e++)
+            for (int k=0; k<3; k++) {
+              out.origins[e][k] = steps[e].origin[k];
+              const float extent = float(maxExtent)*steps[e].spacing();
+              out.extent[k] = e == 0 ? extent : max(out.extent[k],extent);
+            }
+          const bool isSheared = !steps[0].raw && !steps[1].raw;
+          setShear(steps[0].form,isSheared,out);
+          for (int e=0; e<2; e++)
+          {
+            const Step& step = steps[e];
+            if (unlikely(step.raw)) continue;
+            CellVertices corners;
+            decodeCorners(step,corners);
+            VertDecoder::pack(corners,out.steps[e].corners);
+            decodeGroupWords(step.data+step.words,step.hasHigh ? step.data+step.wordsHigh : nullptr,step.cell + cellBytes(step.word),layout,out.steps[e].words,out.steps[e].fields);
+            if (likely(isSheared)) PlanesDecoder(steps[0].form,steps[0].margins,layout,step.spacing(),step.origin).decode(corners,out.ends[e]);
+          }
+          if (likely(isSheared)) widenSheared(out);
+          else for (int e=0; e<2; e++) boxesOfVertices(segment+e,e,out);
+        }
+
+        bool isRaw (uint32_t step) const { return cbvh::isRaw(step == 0 ? block->boxForm : stepOf(block,step)->boxForm); }
+
+        /*! a group's vertices at both ends */
+        void vertices (const SegmentBoxes& boxes, uint32_t lane, SegmentVertices& out) const
+        {
+          CellVertices first; // residuals of the first step, if anything is turned
+          bool hasFirst = false;
+          for (uint32_t e=0; e<2; e++)
+          {
+            const Step step(block,layout,boxes.key.segment+e);
+            const uint32_t gx = lane & 3, gy = lane >> 2;
+            if (unlikely(step.raw)) { copy(step,gx,gy,out.ends[e]); continue; }
+            const StepCells& cells = boxes.steps[e];
+            auto corner = [&](int c) { return coordinatesAt(cells.corners.at[vertTables.corners[lane][c]]); };
+            const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
+            const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
+            const WorldVerticesOfCell world = { out.ends[e],step.spacing(),step.origin };
+            const uint8_t* fields = step.data + cells.fields[lane];
+            if (step.later && isTurned(step.later->turned,gy*layout.groupsX+gx))
+            {
+              if (!hasFirst) residualsOfFirst(boxes,lane,first);
+              hasFirst = true;
+              decodeCell(cells.words[lane],fields,TurnedBase(base,*step.later,first),world);
+            }
+            else decodeCell(cells.words[lane],fields,base,world);
+          }
+        }
+
+      private:
+        /*! a step's parts */
+        struct Step
+        {
+          const uint8_t* data;    //!< its start
+          const VertStep* later;  //!< null of the first
+          const float* origin;
+          const uint32_t* corners;
+          uint32_t form, word;
+          uint32_t words, wordsHigh, cell; //!< offsets
+          const uint8_t* margins;
+          const uint8_t* floats;  //!< vertices, if it is raw
+          bool raw, hasHigh;
+
+          __forceinline Step (const VertHeader* block, const VertLayout& layout, uint32_t step)
+          {
+            if (step == 0) {
+              later = nullptr;
+              data = (const uint8_t*)block;
+              origin = block->origin; corners = block->corners; form = block->boxForm; word = block->word;
+              words = layout.words; wordsHigh = layout.wordsHigh; cell = layout.cell;
+              margins = data + layout.margins;
+              floats = data + layout.vertices;
+              hasHigh = true;
+            }
+            else {
+              later = stepOf(block,step);
+              const VertStepLayout at = vertStepLayout(block->region,later->boxForm);
+              data = (const uint8_t*)later;
+              origin = later->origin; corners = later->corners; form = later->boxForm; word = later->word;
+              words = at.words; wordsHigh = at.wordsHigh; cell = at.cell;
+              margins = data + at.margins;
+              floats = data + at.vertices;
+              hasHigh = hasUpperBits(form);
+            }
+            raw = cbvh::isRaw(form);
+          }
+
+          __forceinline float spacing () const { return vertSpacing(word); }
+
+          __forceinline uint32_t wordOf (uint32_t g) const
+          {
+            uint16_t low;
+            memcpy(&low,data+words+2*g,sizeof(low));
+            return hasHigh ? uint32_t(low) | uint32_t(data[wordsHigh+g]) << 16 : uint32_t(low);
+          }
+        };
+
+        /*! corners of groups, in coordinates */
+        void decodeCorners (const Step& step, CellVertices& out) const
+        {
+          auto corner = [&](int c) { return coordinatesAt((const uint16_t*)step.corners + 3*c); };
+          const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
+          const CellBase base(prediction,false,quadsX,quadsY);
+          if (step.later && isFirstCellTurned(step.form)) {
+            CellVertices first;
+            decodeCell(block->word,(const uint8_t*)block+layout.cell,NoBase(),CoordinatesOfCell{ first });
+            decodeCell(step.word,step.data+step.cell,TurnedBase(base,*step.later,first),CoordinatesOfCell{ out });
+          }
+          else decodeCell(step.word,step.data+step.cell,base,CoordinatesOfCell{ out });
+        }
+
+        /*! of a group */
+        void residualsOfFirst (const SegmentBoxes& boxes, uint32_t lane, CellVertices& out) const
+        {
+          if (boxes.key.segment == 0) {
+            decodeCell(boxes.steps[0].words[lane],(const uint8_t*)block + boxes.steps[0].fields[lane],NoBase(),CoordinatesOfCell{ out });
+            return;
+          }
+          const Step first(block,layout,0);
+          const uint32_t g = (lane >> 2)*layout.groupsX + (lane & 3);
+          uint32_t at = first.cell + cellBytes(first.word);
+          for (uint32_t before=0; before<g; before++) at += cellBytes(first.wordOf(before));
+          decodeCell(first.wordOf(g),first.data+at,NoBase(),CoordinatesOfCell{ out });
+        }
+
+        /*! Vertices between the ends are rounded, each coordinate by less than 3 times 2^-24 of itself, and so is the origin, and planes by as much. */
+        static void widenSheared (SegmentBoxes& out)
+        {
+          float size = 0.0f;
+          for (int k=0; k<3; k++) size += std::fabs(out.shear[k])*(max(std::fabs(out.origins[0][k]),std::fabs(out.origins[1][k])) + 2.0f*out.extent[k]);
+          const vfloatV slack(size*(1.0f/(1 << 20)));
+          for (int e=0; e<2; e++)
+            for (int l=0; l<16; l+=vectorWidth) {
+              float (*at)[16] = out.ends[e][out.axis].at;
+              vfloatV::store(at[0]+l,vfloatV::load(at[0]+l)-slack);
+              vfloatV::store(at[1]+l,vfloatV::load(at[1]+l)+slack);
+            }
+        }
+
+        /*! of a segment with a raw end */
+        __noinline void boxesOfVertices (uint32_t step, int end, SegmentBoxes& out) const
+        {
+          const ScalarVertBlock vertices(block,step);
+          for (uint32_t l=0; l<16; l++)
+          {
+            if (!((out.lanes >> l) & 1)) continue;
+            float lower[3] = { pos_inf,pos_inf,pos_inf }, upper[3] = { neg_inf,neg_inf,neg_inf };
+            const uint32_t x0 = groupQuads*(l & 3), y0 = groupQuads*(l >> 2);
+            for (uint32_t y=y0; y<=min(y0+groupQuads,quadsY); y++)
+              for (uint32_t x=x0; x<=min(x0+groupQuads,quadsX); x++)
+              {
+                const float* p = vertices.vertex(x,y);
+                if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
+                for (int k=0; k<3; k++) { lower[k] = min(lower[k],p[k]); upper[k] = max(upper[k],p[k]); }
+              }
+            if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); continue; } // no quad is there between the ends
+            for (int k=0; k<3; k++) {
+              out.ends[end][k].at[0][l] = lower[k];
+              out.ends[end][k].at[1][l] = upper[k];
+              out.extent[k] = max(out.extent[k],upper[k]-out.origins[end][k]);
+            }
+          }
+        }
+
+        /*! of a raw step */
+        void copy (const Step& step, uint32_t gx, uint32_t gy, CellVertices& out) const
+        {
+          const float (*v)[3] = (const float (*)[3])step.floats;
+          for (uint32_t j=0; j<5; j++)
+            for (uint32_t i=0; i<5; i++) {
+              const uint32_t x = min(groupQuads*gx + i,quadsX), y = min(groupQuads*gy + j,quadsY);
+              for (int k=0; k<3; k++) out.at[k][laneOfVertex(i,j)] = v[y*(quadsX+1)+x][k];
+            }
+#if !defined(__AVX512F__)
+          for (int k=0; k<3; k++)
+            for (int l=cellVertices; l<VertTables::lanes; l++) out.at[k][l] = out.at[k][cellVertices-1];
+#endif
+        }
+
+        const VertHeader* block;
+        const VertLayout layout;
+        const uint32_t quadsX, quadsY;
+      };
+    }
+  }
+}

@@ -1,0 +1,132 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A block of cVERT at a time between two of its steps, as cached_block.h has those that do not move: what is between the ends of a
+ * segment, which the thread's cache has, or gets now.
+ *
+ * Vertices and planes are interpolated by the same operations, each of which rounds monotonically: what a plane bounds at both ends it bounds
+ * between them. A vertex that quads share, in a block or in two, is the same floats at both ends and so it is at all times. */
+
+#include "motion_decoder.h"
+#include "segment_reach.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      class MovingVertBlock
+      {
+      public:
+        __forceinline MovingVertBlock (const VertHeader* block, const TimeInMotion& at)
+          : cache(MotionCache::ofThread()), block(block), segment(at.segment), fraction(at.fraction), lane(~0u) {}
+
+        /*! its boxes, or null if they are not decoded */
+        __forceinline const GroupBoxes* decodedBoxes () const
+        {
+          const SegmentKey key = { block,segment,0 };
+          return likely(cache.slot(block,segment).key == key) ? &boxes() : nullptr;
+        }
+
+        /*! Whether a ray may meet the block between tNear and tFar, before anything is decoded. */
+        __forceinline bool mayMeet (const VertRayAxes<float>& ray, float tNear, float tFar) const
+        {
+          const SegmentReach reach(block,segment);
+          if (unlikely(reach.raw)) return true;
+          BlockBounds bounds;
+          reach.set(fraction,bounds);
+          return meetsBounds<float>(ray,bounds,tNear,tFar);
+        }
+
+        /*! boxes of groups; good as long as this is */
+        __forceinline const GroupBoxes& boxes () const
+        {
+          if (isInterpolated) return now;
+          const SegmentBoxes& of = segmentBoxes();
+          now.axis = of.axis;
+          now.lanes = of.lanes;
+          for (int k=0; k<3; k++) {
+            now.origin[k] = (1.0f-fraction)*of.origins[0][k] + fraction*of.origins[1][k];
+            now.extent[k] = of.extent[k];
+            now.shear[k] = of.shear[k];
+          }
+          const Between between(fraction);
+          for (int k=0; k<3; k++)
+            for (int side=0; side<2; side++)
+              for (int l=0; l<16; l+=vectorWidth)
+                vfloatV::store(now.planes[k].at[side]+l,between(vfloatV::load(of.ends[0][k].at[side]+l),vfloatV::load(of.ends[1][k].at[side]+l)));
+          isInterpolated = true;
+          return now;
+        }
+
+        /*! of the group in a lane; good until another one is asked for */
+        __forceinline const QuadCorners& quads (uint32_t lane) const
+        {
+          if (lane != this->lane) interpolate(lane);
+          return corners;
+        }
+
+      private:
+        /*! what is at a fraction of the way from one to another: from 0 to 1 */
+        struct Between
+        {
+          const vfloatV before, after;
+          __forceinline explicit Between (float fraction) : before(1.0f-fraction), after(fraction) {}
+          __forceinline vfloatV operator() (const vfloatV& a, const vfloatV& b) const { return madd(after,b,before*a); }
+        };
+
+        __forceinline const SegmentBoxes& segmentBoxes () const
+        {
+          SegmentBoxes& slot = cache.slot(block,segment);
+          const SegmentKey key = { block,segment,0 };
+          if (unlikely(!(slot.key == key))) decode(slot);
+          return slot;
+        }
+
+        __noinline void decode (SegmentBoxes& slot) const
+        {
+          slot.key = { block,segment,0 };
+          MotionDecoder(block).decode(segment,slot);
+        }
+
+        __noinline void decode (uint32_t lane, SegmentVertices& slot) const
+        {
+          const SegmentBoxes& boxes = segmentBoxes();
+          slot.key = { block,segment,lane };
+          MotionDecoder(block).vertices(boxes,lane,slot);
+        }
+
+        __forceinline void interpolate (uint32_t lane) const
+        {
+          this->lane = lane;
+          SegmentVertices& slot = cache.slot(block,segment,lane);
+          const SegmentKey key = { block,segment,lane };
+          if (unlikely(!(slot.key == key))) decode(lane,slot);
+          const Between between(fraction);
+          for (int k=0; k<3; k++)
+          {
+            const CellVector a(slot.ends[0].at[k]), b(slot.ends[1].at[k]);
+            CellVector v;
+            for (int n=0; n<fieldVectors; n++) v.at[n] = between(a.at[n],b.at[n]);
+#if !defined(__AVX512F__)
+            v.last = between(a.last,b.last);
+#endif
+            WorldOfCell::store(corners,k,v);
+          }
+        }
+
+        MotionCache& cache;
+        const VertHeader* block;
+        const uint32_t segment;
+        const float fraction;
+        mutable uint32_t lane;        //!< that corners are of
+        mutable bool isInterpolated = false;
+        mutable GroupBoxes now;
+        mutable QuadCorners corners;
+      };
+    }
+  }
+}

@@ -1,0 +1,84 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Decoder of the boxes of groups of cVERT, vert/format.h: those of their corners, grown by margins. */
+
+#include "format.h"
+#include "quad_corners.h"
+#include "cache.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      class PlanesDecoder
+      {
+      public:
+        /*! form: shear and shifts of margins, as of a block */
+        __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& groups, float spacing, const float* origin)
+          : form(form), margins(margins), groups(groups), spacing(spacing), origin(origin) {}
+
+        /*! corners: of groups, in coordinates; planes: by axis */
+        __forceinline void decode (const CellVertices& corners, GroupPlanes planes[3]) const
+        {
+          const int m = shearedAxis(form);
+          for (int k=0; k<3; k++)
+            if (k != m) decode(k,corners.at[k],origin[k],planes[k]);
+
+          const int m1 = axisAfter(m,1), m2 = axisAfter(m,2);
+          const vfloatV s1(float(shearSlope(form,1))*(1.0f/16.0f)), s2(float(shearSlope(form,2))*(1.0f/16.0f));
+          alignas(64) float sheared[VertTables::lanes];
+          for (int c=0; c<cellVectors; c++) {
+            const int n = vectorWidth*c;
+            vfloatV::store(sheared+n,madd(s2,vfloatV::load(corners.at[m2]+n),madd(s1,vfloatV::load(corners.at[m1]+n),vfloatV::load(corners.at[m]+n))));
+          }
+          decode(m,sheared,0.0f,planes[m]);
+        }
+
+      private:
+        __forceinline void decode (int k, const float* vertices, float from, GroupPlanes& out) const
+        {
+          alignas(16) uint8_t expanded[24]; // 8 are read at a time
+          const uint8_t* ofAxis = expandRows(margins + k*groups.groups,expanded);
+          const vfloatV spacing(this->spacing), origin(from), step(float(1u << marginShift(form,k)));
+          const QuadCornersV corners{CellVector(vertices)};
+          for (int j=0; j<QuadCornersV::vectors; j++) {
+            const vfloatV c[4] = { corners.at(j,0),corners.at(j,1),corners.at(j,2),corners.at(j,3) };
+            const vintV m = loadBytes(ofAxis+vectorWidth*j);
+            vfloatV::store(out.at[0]+vectorWidth*j,madd(nmadd(vfloatV(m & vintV(15)),step,min(min(c[0],c[1]),min(c[2],c[3]))),spacing,origin));
+            vfloatV::store(out.at[1]+vectorWidth*j,madd(madd(vfloatV(m >> 4),step,max(max(c[0],c[1]),max(c[2],c[3]))),spacing,origin));
+          }
+        }
+
+        /*! a byte a group to a byte a lane; reads up to 16 bytes, which a block has there */
+        __forceinline const uint8_t* expandRows (const uint8_t* rows, uint8_t* out) const
+        {
+          if (likely(groups.groupsX == 4)) return rows;
+          for (int i=0; i<24; i++) out[i] = 0;
+          for (uint32_t y=0; y<groups.groupsY; y++)
+            for (uint32_t x=0; x<groups.groupsX; x++) out[4*y+x] = rows[y*groups.groupsX+x];
+          return out;
+        }
+
+        static __forceinline vintV loadBytes (const uint8_t* p)
+        {
+#if defined(__AVX512F__)
+          return vintV(_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i*)p)));
+#else
+          return vintV::load((const unsigned char*)p);
+#endif
+        }
+
+        const uint32_t form;
+        const uint8_t* margins;
+        const VertLayout& groups;
+        const float spacing;
+        const float* origin;
+      };
+    }
+  }
+}

@@ -1,0 +1,81 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The bounds of a block of cVERT in a segment of its motion, straight from its steps. */
+
+#include "boxes.h"
+#include "motion_format.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      class SegmentReach
+      {
+        struct End
+        {
+          const float* origin;
+          float spacing, step;
+          uint32_t reach;
+        };
+        End ends[2];
+        uint32_t form;
+
+      public:
+        bool raw; //!< an end is: there are no bounds
+
+        __forceinline SegmentReach (const VertHeader* block, uint32_t segment)
+        {
+          const VertStep* const end = stepOf(block,segment+1);
+          if (likely(segment == 0)) {
+            form = block->boxForm;
+            set(ends[0],block->origin,block->word,reachStep(form),block->reach);
+          }
+          else {
+            const VertStep* const begin = stepOf(block,segment);
+            form = begin->boxForm;
+            set(ends[0],begin->origin,begin->word,beginReachStep(form),begin->reach);
+          }
+          set(ends[1],end->origin,end->word,endReachStep(end->turned),end->endReach);
+          raw = isRaw(form) || isRaw(end->boxForm);
+        }
+
+        /*! at a fraction of the segment */
+        __forceinline void set (float f, BlockBounds& out) const
+        {
+          const float e = 1.0f-f;
+          setShear(form,true,out);
+          float size = 0.0f;
+          for (int k=0; k<3; k++) {
+            out.origin[k] = e*ends[0].origin[k] + f*ends[1].origin[k];
+            out.extent[k] = float(maxExtent)*max(ends[0].spacing,ends[1].spacing);
+            /* as MotionDecoder::widenSheared */
+            const float ofAxis = (max(std::fabs(ends[0].origin[k]),std::fabs(ends[1].origin[k])) + 2.0f*out.extent[k])*(1.0f/(1 << 20));
+            out.slack[k] = ofAxis;
+            size += std::fabs(out.shear[k])*ofAxis;
+          }
+          out.slack[out.axis] = size;
+          for (int i=0; i<2; i++) {
+            out.upper[i] = e*at(0,i) + f*at(1,i);
+            out.sheared[i] = e*at(0,2+i) + f*at(1,2+i);
+          }
+        }
+
+      private:
+        static __forceinline void set (End& end, const float* origin, uint32_t word, uint32_t step, uint32_t reach)
+        {
+          end.origin = origin;
+          end.spacing = vertSpacing(word);
+          end.step = float(step)*end.spacing;
+          end.reach = reach;
+        }
+
+        __forceinline float at (int end, int i) const { return float(reachOf(ends[end].reach,i))*ends[end].step; }
+      };
+    }
+  }
+}

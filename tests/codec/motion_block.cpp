@@ -1,0 +1,146 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Blocks of cVERT that move lose nothing: vertices are the same floats at every step, boxes of a segment contain their groups at both
+ * of its ends, and what turns, bends or grows is stored as little. */
+
+#include "kernels/cbvh/surface/lattice.h"
+#include "kernels/cbvh/vert/motion_encoder.h"
+#include "kernels/cbvh/vert/scalar_block.h"
+#include "kernels/cbvh/vert/validate.h"
+#include "support/moving_sheet.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+
+constexpr uint32_t seed = 311;
+
+bool sameFloat(float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0) || (std::isnan(a) && std::isnan(b)); }
+
+// Boxes of the segment that begins with a step: where their form and margins are, or null if an end is raw.
+const uint8_t* marginsOf(const VertHeader* block, uint32_t segment, uint32_t& form)
+{
+  const VertStep* const end = stepOf(block, segment + 1);
+  if (isRaw(end->boxForm) || isRaw(segment ? stepOf(block, segment)->boxForm : block->boxForm)) return nullptr;
+  form = segment ? stepOf(block, segment)->boxForm : block->boxForm;
+  return segment ? (const uint8_t*)stepOf(block, segment) + vertStepLayout(block->region, form).margins
+                 : (const uint8_t*)block + vertLayout(block->region, form).margins;
+}
+
+// From the origin of a step, exactly.
+double shearedCoordinate(uint32_t form, const float origin[3], const float* p)
+{
+  const int m = shearedAxis(form), a = (m + 1) % 3, b = (m + 2) % 3;
+  return double(p[m]) - origin[m] + shearSlope(form, 1)/16.0*(double(p[a]) - origin[a]) + shearSlope(form, 2)/16.0*(double(p[b]) - origin[b]);
+}
+
+void expectBoxesContain(const EncodedMotion& encoded, uint32_t segment)
+{
+  const VertHeader* const block = encoded.block();
+  uint32_t form = 0;
+  const uint8_t* const margins = marginsOf(block, segment, form);
+  if (!margins) return;
+  for (uint32_t step : {segment, segment + 1}) {
+    const auto decoded = std::make_unique<ScalarVertBlock>(block, step);
+    const float* const origin = step ? stepOf(block, step)->origin : block->origin;
+    const uint32_t groupsX = groupsOf(decoded->quadsX), groups = groupsX*groupsOf(decoded->quadsY);
+    for (uint32_t g = 0; g < groups; g++) {
+      float lower[3], upper[3];
+      decoded->groupBox(g, form, margins, lower, upper);
+      const uint32_t x0 = 4*(g % groupsX), y0 = 4*(g/groupsX);
+      for (uint32_t y = y0; y <= std::min(y0 + 4, decoded->quadsY); y++)
+        for (uint32_t x = x0; x <= std::min(x0 + 4, decoded->quadsX); x++)
+          for (int k = 0; k < 3; k++) {
+            const float* const p = decoded->vertex(x, y);
+            const double c = k == shearedAxis(form) ? shearedCoordinate(form, origin, p) : p[k];
+            ASSERT_TRUE(lower[k] <= c && c <= upper[k]) << "segment " << segment << ", step " << step << ", group " << g << ", axis " << k;
+          }
+    }
+  }
+}
+
+TEST(MotionBlock, VerticesAreTheSameFloatsAtEveryStep)
+{
+  Random random(seed);
+  auto encoder = std::make_unique<MotionEncoder>();
+  size_t raw = 0, turned = 0, alone = 0;
+  for (int i = 0; i < 1500; i++) {
+    const MovingSheet sheet(random, 1 + random.below(16), 1 + random.below(16), i);
+    const EncodedMotion encoded(*encoder, sheet);
+    ASSERT_GT(encoded.size, sizeof(VertHeader));
+    ASSERT_LE(encoded.size, MotionEncoder::maxBytes(sheet.steps.size()));
+    ASSERT_EQ((vertBytes(encoded.block()) + 3) & ~3u, encoded.size) << "bytes that nobody reads";
+    ASSERT_STREQ(VertValidation::errorOf(encoded.block(), encoded.size), nullptr);
+    ASSERT_EQ(motionOf(encoded.block()).numSteps, sheet.steps.size());
+    for (uint32_t s = 0; s < sheet.steps.size(); s++) {
+      const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block(), s);
+      for (size_t v = 0; v < sheet.steps[s].size(); v++)
+        for (int k = 0; k < 3; k++) {
+          const auto& p = sheet.steps[s][v];
+          const bool isFinite = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+          ASSERT_TRUE(isFinite ? sameFloat(decoded->vertices[v][k], p[k]) : std::isnan(decoded->vertices[v][k])) << "sheet " << i << ", step " << s << ", vertex " << v << ", axis " << k;
+        }
+      if (s + 1 < sheet.steps.size()) { ASSERT_NO_FATAL_FAILURE(expectBoxesContain(encoded, s)) << "sheet " << i; }
+    }
+    raw += encoded.statistics.raw;
+    turned += encoded.statistics.turnedGroups;
+    const size_t groups = groupsOf(sheet.quadsX)*groupsOf(sheet.quadsY)*(sheet.steps.size() - 1);
+    if (!encoded.statistics.raw) alone += groups - encoded.statistics.turnedGroups;
+  }
+  EXPECT_GT(raw, 100u);
+  EXPECT_GT(turned, 5000u);
+  EXPECT_GT(alone, 500u);
+}
+
+// Bytes of the later steps of 16 x 16 quads.
+double bytesOfLaterSteps(MotionEncoder& encoder, const MovingSheet& sheet) {
+  const EncodedMotion encoded(encoder, sheet);
+  EXPECT_FALSE(encoded.statistics.raw);
+  return double(encoded.statistics.stepBytes);
+}
+
+TEST(MotionBlock, WhatTurnsBendsOrGrowsIsPredicted)
+{
+  Random random(seed + 1);
+  auto encoder = std::make_unique<MotionEncoder>();
+  for (const SheetMotion motion : {SheetMotion::turn, SheetMotion::grow, SheetMotion::bend}) {
+    double moving = 0, still = 0, own = 0;
+    for (int i = 0; i < 50; i++) {
+      const MovingSheet sheet(random, 16, 16, motion, 30, 2);
+      moving += bytesOfLaterSteps(*encoder, sheet);
+      own += double(EncodedMotion(*encoder, MovingSheet(sheet, {1, 0})).firstStepBytes());
+      still += bytesOfLaterSteps(*encoder, MovingSheet(sheet, {0, 0}));
+    }
+    EXPECT_LT(moving, 0.7*own) << "motion " << int(motion);
+    EXPECT_LT(still, 110.0*50) << "a step in which nothing moves has no fields";
+  }
+}
+
+TEST(MotionBlock, AShakeTakesNoMoreThanBothStepsAlone)
+{
+  Random random(seed + 2);
+  auto encoder = std::make_unique<MotionEncoder>();
+  double both = 0, alone = 0;
+  for (int i = 0; i < 50; i++) {
+    const MovingSheet sheet(random, 16, 16, SheetMotion::shake, 30, 2);
+    const EncodedMotion encoded(*encoder, sheet);
+    both += double(encoded.size);
+    auto still = std::make_unique<VertEncoder>();
+    for (const auto& step : sheet.steps) {
+      for (size_t v = 0; v < step.size(); v++) std::copy(step[v].begin(), step[v].end(), still->vertices[v]);
+      std::vector<uint8_t> bytes(VertEncoder::maxBytes);
+      VertStatistics statistics;
+      alone += double(still->encode({vertRegion(16, 16, 0, 0), vertPatch(16, 16)}, sheet.spacings[0], bytes.data(), statistics));
+    }
+  }
+  EXPECT_LE(both, alone);
+}
+
+} // namespace
+} // namespace cbvh::test

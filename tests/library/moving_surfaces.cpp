@@ -1,0 +1,238 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Subdivision surfaces that move, compressed: the hits of Embree's own motion blur where vertices are on the lattice, by every query,
+ * on every ISA. */
+
+#include "support/query_forms.h"
+#include "support/same_hits.h"
+#include "support/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace cbvh::test {
+namespace {
+
+constexpr uint32_t seed = 3101;
+
+// Turns about an axis, and goes along another.
+Vec turned(const Vec& p, double angle, double way)
+{
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {float(c*p[0] - s*p[1]), float(s*p[0] + c*p[1] + way), float(p[2] + 0.3*way*p[0])};
+}
+
+Vec step(const Vec& p, unsigned i) { return turned(p, 0.25*i, 0.2*std::sin(i)); }
+
+std::vector<RTCRayHit> timedRays(Random& random, unsigned count)
+{
+  std::vector<RTCRayHit> rays = raysAt(random, count);
+  for (RTCRayHit& r : rays) r.ray.time = float(random.uniform());
+  return rays;
+}
+
+SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
+{
+  SurfaceSettings settings;
+  displacement.lattice = std::ldexp(1.0f, -12);
+  settings.displacement = &displacement;
+  settings.maxError = displacement.lattice;
+  settings.compression = RTC_COMPRESSION_VERT;
+  settings.timeSteps = timeSteps;
+  settings.motion = step;
+  return settings;
+}
+
+class MovingSurfaces : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Isas, MovingSurfaces, testing::Values(TEST_ISAS), nameOfIsa);
+
+TEST_P(MovingSurfaces, HitsAreThoseOfEmbreesMotionBlur)
+{
+  Random random(seed);
+  Device device(GetParam());
+  if (!device) GTEST_SKIP();
+  for (unsigned timeSteps : {2u, 3u, 6u})
+    for (const Cage& cage : {cubeCage(), prismCage(5), sheetCage(3)}) {
+      Displacement displacement;
+      const Twins twins(device, cage, moving(displacement, timeSteps));
+      const RTCCompressionStatistics statistics = statisticsOf(twins.scene);
+      ASSERT_GT(statistics.numMovingQuads, 0u);
+      ASSERT_EQ(statistics.numMovingQuads, statistics.numQuads);
+      ASSERT_EQ(statistics.numGridQuads, 0u);
+      const std::vector<RTCRayHit> rays = timedRays(random, 600);
+      for (QueryForm form : allQueryForms) {
+        SCOPED_TRACE(testing::Message() << timeSteps << " steps, " << nameOf(form));
+        ASSERT_NO_FATAL_FAILURE(expectSameHits(closestHits(twins.grid, rays, form), closestHits(twins.scene, rays, form), 1e-3));
+        const std::vector<RTCRayHit> expected = anyHits(twins.grid, rays, form), found = anyHits(twins.scene, rays, form);
+        for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(expected[i].ray.tfar < 0, found[i].ray.tfar < 0) << "ray " << i;
+      }
+    }
+}
+
+// A cage whose displacement moves nothing, so that its surface between two steps is that of the cage between them.
+SurfaceSettings smooth(unsigned timeSteps, float begin, float end)
+{
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_VERT;
+  settings.timeSteps = timeSteps;
+  settings.begin = begin;
+  settings.end = end;
+  settings.motion = step;
+  return settings;
+}
+
+// GRID's surface of the cage as it is at a time.
+Cage cageAt(const Cage& cage, const SurfaceSettings& settings, float time)
+{
+  const float at = (time - settings.begin)/(settings.end - settings.begin)*float(settings.timeSteps - 1);
+  const unsigned before = std::min(unsigned(at), settings.timeSteps - 2);
+  const float f = at - float(before);
+  Cage between = cage;
+  for (Vec& p : between.positions) {
+    const Vec a = settings.motion(p, before), b = settings.motion(p, before + 1);
+    for (int k = 0; k < 3; k++) p[k] = (1 - f)*a[k] + f*b[k];
+  }
+  return between;
+}
+
+// Hits of which one is another surface's: at silhouettes, where a lattice moves vertices.
+size_t countOthers(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, float slack)
+{
+  size_t others = 0;
+  for (const RTCRayHit& ray : rays) {
+    const RTCRayHit a = intersect(grid, ray), b = intersect(scene, ray);
+    if (isHit(a) != isHit(b)) { others++; continue; }
+    if (!isHit(a)) continue;
+    if (std::fabs(a.ray.tfar - b.ray.tfar) > slack*std::max(1.0, 0.1/cosine(a)) || a.hit.primID != b.hit.primID) others++;
+  }
+  return others;
+}
+
+// Upstream's GRID knows nothing of time ranges, so this is against surfaces that stand still.
+TEST(MovingSurfacesInTime, SurfacesAreWhereTheirStepsSayAndGoneOutsideOfTheirRange)
+{
+  Random random(seed + 1);
+  Device device;
+  const Cage cage = cubeCage();
+  const SurfaceSettings ranges[] = {smooth(2, 0, 1), smooth(5, 0, 1), smooth(3, 0.25f, 0.75f), smooth(129, 0, 1), smooth(4, -1, 2)};
+  for (const SurfaceSettings& settings : ranges) {
+    SCOPED_TRACE(testing::Message() << settings.timeSteps << " steps from " << settings.begin << " to " << settings.end);
+    const SurfaceScene scene(device, cage, settings);
+    ASSERT_EQ(statisticsOf(scene).numMovingQuads, 6u*256u);
+    std::vector<float> times = {0, 0.25f, 0.5f, 0.75f, 1};
+    for (int i = 0; i < 8; i++) times.push_back(float(random.uniform()));
+    for (float time : times) {
+      std::vector<RTCRayHit> rays = raysAt(random, 150);
+      for (RTCRayHit& r : rays) r.ray.time = time;
+      if (time < settings.begin || time > settings.end) {
+        for (const RTCRayHit& r : rays) {
+          ASSERT_FALSE(isHit(intersect(scene, r))) << "time " << time;
+          ASSERT_FALSE(occluded(scene, r)) << "time " << time;
+        }
+        continue;
+      }
+      SurfaceSettings still;
+      still.compression = RTC_COMPRESSION_NONE;
+      const SurfaceScene grid(device, cageAt(cage, settings, time), still);
+      EXPECT_LE(countOthers(grid, scene, rays, 0.01f), 2u) << "time " << time;
+    }
+  }
+}
+
+// One scene with surfaces of several numbers of steps and ranges, and of none.
+TEST(MovingSurfacesInTime, SurfacesOfAllSortsLiveInOneScene)
+{
+  Random random(seed + 2);
+  Device device;
+  std::vector<SurfaceSettings> all = {smooth(2, 0, 1), smooth(7, 0.5f, 1), smooth(1, 0, 1), smooth(3, 0, 0.5f), smooth(1, 0, 1)};
+  all[4].compression = RTC_COMPRESSION_NONE;
+  Scene scene(device), motionOnly(device);
+  std::vector<std::unique_ptr<SurfaceScene>> alone;
+  for (size_t i = 0; i < all.size(); i++) {
+    Cage cage = cubeCage();
+    for (Vec& p : cage.positions) for (int k = 0; k < 3; k++) p[k] = 0.4f*p[k] + (i & (1u << k) ? 0.5f : -0.5f);
+    addSurface(device, scene, cage, all[i]);
+    alone.push_back(std::make_unique<SurfaceScene>(device, cage, all[i]));
+  }
+  rtcCommitScene(scene);
+  EXPECT_EQ(statisticsOf(scene).numMovingQuads, 3u*6u*256u);
+  const std::vector<RTCRayHit> rays = timedRays(random, 3000);
+  for (QueryForm form : allQueryForms) {
+    const std::vector<RTCRayHit> hits = closestHits(scene, rays, form), any = anyHits(scene, rays, form);
+    size_t found = 0;
+    for (size_t r = 0; r < rays.size(); r++) {
+      RTCRayHit nearest = rays[r];
+      unsigned surface = RTC_INVALID_GEOMETRY_ID;
+      for (size_t i = 0; i < alone.size(); i++) {
+        const RTCRayHit hit = intersect(*alone[i], rays[r]);
+        if (isHit(hit) && hit.ray.tfar < nearest.ray.tfar) { nearest = hit; surface = unsigned(i); }
+      }
+      ASSERT_EQ(hits[r].hit.geomID, surface) << nameOf(form) << ", ray " << r;
+      ASSERT_EQ(any[r].ray.tfar < 0, surface != RTC_INVALID_GEOMETRY_ID);
+      if (surface == RTC_INVALID_GEOMETRY_ID) continue;
+      found++;
+      ASSERT_EQ(hits[r].hit.primID, nearest.hit.primID);
+      ASSERT_NEAR(hits[r].ray.tfar, nearest.ray.tfar, 1e-5*nearest.ray.tfar);
+    }
+    ASSERT_GT(found, 500u);
+  }
+}
+
+// An edit of any part of the motion is traced after the next commit.
+TEST(MovingSurfacesInTime, EditsAreFollowed)
+{
+  Random random(seed + 3);
+  Device device;
+  const Cage cage = cubeCage();
+  Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+  SurfaceSettings settings = smooth(3, 0, 1);
+  RTCGeometry geometry = newSurface(device, cage, settings);
+  rtcAttachGeometry(scene, geometry);
+  const auto check = [&](const char* what) {
+    SCOPED_TRACE(what);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    const SurfaceScene fresh(device, cage, settings);
+    const std::vector<RTCRayHit> rays = timedRays(random, 400);
+    for (const RTCRayHit& ray : rays) {
+      const RTCRayHit a = intersect(fresh, ray), b = intersect(scene, ray);
+      ASSERT_EQ(isHit(a), isHit(b));
+      if (isHit(a)) { ASSERT_EQ(a.ray.tfar, b.ray.tfar); ASSERT_EQ(a.hit.primID, b.hit.primID); }
+    }
+    ASSERT_EQ(statisticsOf(scene).numMovingQuads, settings.timeSteps > 1 ? 6u*256u : 0u);
+    ASSERT_EQ(statisticsOf(scene).numQuads, 6u*256u);
+  };
+  const auto setStep = [&](unsigned t) {
+    std::vector<Vec> positions = cage.positions;
+    for (Vec& p : positions) p = settings.motion(p, t);
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, positions);
+  };
+  check("as it is");
+  settings.motion = [](const Vec& p, unsigned i) { return i == 1 ? turned(p, -0.4, 0.3) : step(p, i); };
+  setStep(1);
+  check("one step's vertices");
+  settings.timeSteps = 5;
+  rtcSetGeometryTimeStepCount(geometry, 5);
+  for (unsigned t = 0; t < 5; t++) setStep(t);
+  check("more steps");
+  settings.begin = 0.2f; settings.end = 0.6f;
+  rtcSetGeometryTimeRange(geometry, settings.begin, settings.end);
+  check("another range");
+  settings.timeSteps = 2;
+  rtcSetGeometryTimeStepCount(geometry, 2);
+  check("fewer steps");
+  settings.timeSteps = 1;
+  rtcSetGeometryTimeStepCount(geometry, 1);
+  check("it stops");
+  settings.timeSteps = 2;
+  rtcSetGeometryTimeStepCount(geometry, 2);
+  setStep(1);
+  check("it moves again");
+  rtcReleaseGeometry(geometry);
+}
+
+} // namespace
+} // namespace cbvh::test
