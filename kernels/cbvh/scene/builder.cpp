@@ -48,6 +48,9 @@ namespace embree
         unsigned geomID;
         std::shared_ptr<const cbvh::SurfaceNumber> number;
         std::shared_ptr<const SurfaceBlocks> blocks; //!< null until they are built
+
+        /*! whether it came as grids, quads or triangles */
+        bool isDiced () const { return geometry->ownType != Geometry::GTY_SUBDIV_MESH; }
       };
 
     public:
@@ -63,7 +66,7 @@ namespace embree
       {
         report->clear();
         std::vector<Surface> surfaces = findSurfaces();
-        ((CompressedTree*)bvh)->hasGrids = !moves && std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.geometry->isCompressed(); });
+        ((CompressedTree*)bvh)->hasGrids = !moves && std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.isDiced(); });
         const bool keepsTree = !surfaces.empty() && treeOf == buildsOf(surfaces);
         if (!keepsTree) clear();
         if (surfaces.empty()) return;
@@ -212,7 +215,7 @@ namespace embree
         if (total.sums.numRawBlocks)
           std::cout << geometry << total.sums.numRawBlocks
                     << " blocks of cVERT keep floats (a vertex that is not finite, a spacing too fine for their width, or a neighbour that GRID traces)" << std::endl;
-        if (total.sums.numInvalidQuads && surface.geometry->isCompressed())
+        if (total.sums.numInvalidQuads && surface.isDiced())
           std::cout << geometry << total.sums.numInvalidQuads << " quads with vertices that are not finite are left out" << std::endl;
         if (total.sums.numMeshQuads)
           std::cout << geometry << total.sums.numMeshQuads - total.sums.numLooseQuads << " of " << total.sums.numMeshQuads << " quads lie in grids, "
@@ -224,7 +227,7 @@ namespace embree
       static std::string describeInvalid (const Surface& surface)
       {
         const cbvh::SurfaceStatistics& total = surface.blocks->statistics;
-        if (surface.geometry->isCompressed())
+        if (surface.isDiced())
           return "geometry " + std::to_string(surface.geomID) + ", grid " + std::to_string(total.firstInvalidFace) + ": it has no quads, or vertices outside of their buffer; left out: "
             + std::to_string(total.invalidFaces) + " grid(s)";
         return "geometry " + std::to_string(surface.geomID) + ", face " + std::to_string(total.firstInvalidFace) + ": vertices are not finite; left out of "

@@ -1,0 +1,225 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Surfaces that move and are hard: closed ones let no ray through at any time, and vertices that are not finite at one step, steps in opposite
+ * order, surfaces that turn inside out, collapse, or go far away neither crash nor vanish. */
+
+#include "support/scene.h"
+
+#include <embree3/rtcore_compressed_triangles.h>
+#include <gtest/gtest.h>
+
+namespace cbvh::test {
+namespace {
+
+constexpr uint32_t seed = 3131;
+
+Vec twisted(const Vec& p, double angle)
+{
+  const double a = angle*(1 + p[2]), c = std::cos(a), s = std::sin(a);
+  return {float(c*p[0] - s*p[1]), float(s*p[0] + c*p[1]), float(p[2] + 0.1*angle)};
+}
+
+SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
+{
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = RTC_COMPRESSION_VERT;
+  settings.timeSteps = timeSteps;
+  settings.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.3*i); };
+  return settings;
+}
+
+// All vertices of a surface at a time, and points on the edges between them.
+struct Targets
+{
+  std::vector<Vec> points;
+
+  Targets(RTCGeometry geometry, float time) { rtcForEachCompressedPartAtTime(geometry, time, add, this); }
+
+  static bool add(void* self, const RTCCompressedPart* part)
+  {
+    const auto vertex = [&](unsigned x, unsigned y) { const float* p = part->vertices + 3*(y*part->width + x); return Vec{p[0], p[1], p[2]}; };
+    for (unsigned y = 0; y < part->height; y++)
+      for (unsigned x = 0; x < part->width; x++) {
+        const Vec a = vertex(x, y);
+        ((Targets*)self)->points.push_back(a);
+        if (x + 1 == part->width) continue;
+        const Vec b = vertex(x + 1, y);
+        ((Targets*)self)->points.push_back({0.7f*a[0] + 0.3f*b[0], 0.7f*a[1] + 0.3f*b[1], 0.7f*a[2] + 0.3f*b[2]});
+      }
+    return true;
+  }
+};
+
+// Rays from the middle of a closed surface, aimed at its vertices and edges: how many leave it.
+size_t countLeaks(Random& random, RTCGeometry geometry, RTCScene scene, unsigned times, unsigned raysPerTime, size_t& rays)
+{
+  size_t leaks = 0;
+  for (unsigned t = 0; t < times; t++) {
+    const float time = t == 0 ? 0.0f : t == 1 ? 1.0f : float(random.uniform());
+    const Targets targets(geometry, time);
+    Vec middle{0, 0, 0};
+    for (const Vec& p : targets.points)
+      for (int k = 0; k < 3; k++) middle[k] += p[k]/float(targets.points.size());
+    for (unsigned i = 0; i < raysPerTime; i++) {
+      const Vec& p = targets.points[random.below(uint32_t(targets.points.size()))];
+      RTCRayHit ray = makeRay(middle, {p[0] - middle[0], p[1] - middle[1], p[2] - middle[2]});
+      ray.ray.time = time;
+      leaks += !isHit(intersect(scene, ray)) || !occluded(scene, ray);
+      rays++;
+    }
+  }
+  return leaks;
+}
+
+TEST(MovingHardCases, ClosedSurfacesLetNoRayThroughAtAnyTime)
+{
+  Random random(seed);
+  size_t rays = 0;
+  for (const char* isa : {"", "isa=avx2", "isa=sse2"}) {
+    Device device(isa);
+    if (!device) continue;
+    const Cage cages[] = {cubeCage(), prismCage(3), prismCage(7), trapezohedronCage(5)};
+    for (const Cage& cage : cages)
+      for (unsigned timeSteps : {2u, 4u}) {
+        Displacement displacement;
+        displacement.amplitude = 0.1f;
+        SurfaceSettings settings = moving(displacement, timeSteps);
+        for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(float(1 + (7*i)%23)); // rates and owners differ
+        RTCGeometry geometry = newSurface(device, cage, settings);
+        Scene scene(device);
+        rtcAttachGeometry(scene, geometry);
+        rtcCommitScene(scene);
+        EXPECT_EQ(countLeaks(random, geometry, scene, 12, 400, rays), 0u) << cage.faces.size() << " faces, " << timeSteps << " steps, " << isa;
+        rtcReleaseGeometry(geometry);
+      }
+  }
+  EXPECT_GT(rays, 30000u);
+}
+
+// What rays see of a surface, and that nothing is wrong with it.
+size_t countHits(RTCScene scene, Random& random, float from = 0, float to = 1)
+{
+  size_t hits = 0;
+  for (RTCRayHit ray : raysAt(random, 500)) {
+    ray.ray.time = float(random.uniform(from, to));
+    const RTCRayHit hit = intersect(scene, ray);
+    EXPECT_EQ(isHit(hit), occluded(scene, ray));
+    if (!isHit(hit)) continue;
+    hits++;
+    EXPECT_TRUE(std::isfinite(hit.ray.tfar) && std::isfinite(hit.hit.u) && std::isfinite(hit.hit.v) && std::isfinite(hit.hit.Ng_x));
+    EXPECT_TRUE(hit.hit.u >= 0 && hit.hit.u <= 1 && hit.hit.v >= 0 && hit.hit.v <= 1);
+  }
+  return hits;
+}
+
+TEST(MovingHardCases, AVertexThatIsNotFiniteAtOneStepLeavesOutItsQuadsThere)
+{
+  Random random(seed + 1);
+  for (unsigned bad : {0u, 1u, 3u}) {
+    Device device;
+    SurfaceSettings settings;
+    settings.compression = RTC_COMPRESSION_VERT;
+    settings.timeSteps = 4;
+    settings.motion = [bad](const Vec& p, unsigned i) { return i == bad && p[0] < 0 && p[1] < 0 && p[2] < 0 ? Vec{NAN, 0, 0} : twisted(p, 0.2*i); };
+    const SurfaceScene scene(device, cubeCage(), settings);
+    EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
+    EXPECT_NE(device.message.find("not finite"), std::string::npos) << device.message;
+    EXPECT_GT(statisticsOf(scene).numInvalidQuads, 0u);
+    // the segments that do not have the step are whole
+    const float begin = bad == 3 ? 0.0f : bad == 0 ? 0.34f : 0.67f, end = bad == 3 ? 0.66f : 1.0f;
+    settings.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.2*i); };
+    const SurfaceScene whole(device, cubeCage(), settings);
+    for (RTCRayHit ray : raysAt(random, 400)) {
+      ray.ray.time = float(random.uniform(begin, end));
+      EXPECT_EQ(isHit(intersect(scene, ray)), isHit(intersect(whole, ray))) << "step " << bad << ", time " << ray.ray.time;
+    }
+    EXPECT_GT(countHits(scene, random), 100u);
+  }
+}
+
+TEST(MovingHardCases, StepsInOppositeOrderAreTheSameBackwards)
+{
+  Random random(seed + 2);
+  Device device;
+  Displacement displacement;
+  SurfaceSettings settings = moving(displacement, 5);
+  const SurfaceScene forwards(device, cubeCage(), settings);
+  settings.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.3*(4 - i)); };
+  const SurfaceScene backwards(device, cubeCage(), settings);
+  size_t others = 0;
+  for (RTCRayHit ray : raysAt(random, 1000)) {
+    ray.ray.time = float(random.below(65))/64;
+    const RTCRayHit a = intersect(forwards, ray);
+    ray.ray.time = 1 - ray.ray.time;
+    const RTCRayHit b = intersect(backwards, ray);
+    others += isHit(a) != isHit(b) || (isHit(a) && std::fabs(a.ray.tfar - b.ray.tfar) > 1e-3f*a.ray.tfar);
+  }
+  EXPECT_LE(others, 3u);
+}
+
+TEST(MovingHardCases, WhatTurnsInsideOutCollapsesOrGoesFarIsTraced)
+{
+  Random random(seed + 3);
+  const std::function<Vec(const Vec&, unsigned)> motions[] = {
+    [](const Vec& p, unsigned i) { return i ? Vec{-p[0], -p[1], -p[2]} : p; },            // through a point, inside out
+    [](const Vec& p, unsigned i) { return i ? Vec{0.1f, 0.2f, 0.3f} : p; },                // to a point
+    [](const Vec& p, unsigned i) { return i ? p : Vec{0.1f, 0.2f, 0.3f}; },                // from a point
+    [](const Vec& p, unsigned i) { return i ? Vec{p[0] + 2e5f, p[1], p[2]} : p; },         // by 10^5 of its size
+    [](const Vec& p, unsigned i) { return i ? Vec{1e4f*p[0], 1e4f*p[1], 1e4f*p[2]} : p; }, // grows by as much
+    [](const Vec& p, unsigned) { return p; },                                              // not at all
+  };
+  for (size_t m = 0; m < std::size(motions); m++) {
+    SCOPED_TRACE(testing::Message() << "motion " << m);
+    Device device;
+    Displacement displacement;
+    displacement.amplitude = m < 5 ? 0.0f : 0.05f;
+    SurfaceSettings settings = moving(displacement, 2);
+    settings.motion = motions[m];
+    const SurfaceScene scene(device, cubeCage(), settings);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    EXPECT_EQ(statisticsOf(scene).numMovingQuads, 6u*256u);
+    const float to = m == 3 || m == 4 ? 1e-6f : 1.0f;
+    EXPECT_GT(countHits(scene, random, m == 2 ? 0.2f : 0, to), m == 1 || m == 2 ? 50u : 100u);
+    const SurfaceScene grid(device, cubeCage(), [&] { SurfaceSettings s = settings; s.compression = RTC_COMPRESSION_NONE; return s; }());
+    size_t others = 0, hits = 0;
+    for (RTCRayHit ray : raysAt(random, 500)) {
+      ray.ray.time = float(random.uniform(0, to));
+      const RTCRayHit a = intersect(grid, ray), b = intersect(scene, ray);
+      others += isHit(a) != isHit(b);
+      hits += isHit(a);
+    }
+    EXPECT_LE(others, 3 + hits/50);
+  }
+}
+
+TEST(MovingHardCases, TimesAtStepsAreThoseOfTheSteps)
+{
+  Random random(seed + 4);
+  Device device;
+  const unsigned timeSteps = 129;
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_VERT;
+  settings.timeSteps = timeSteps;
+  settings.rate = 4;
+  settings.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.02*i); };
+  const SurfaceScene scene(device, cubeCage(), settings);
+  for (unsigned s = 0; s < timeSteps; s += 16) {
+    SurfaceSettings still;
+    still.compression = RTC_COMPRESSION_VERT;
+    still.rate = 4;
+    Cage cage = cubeCage();
+    for (Vec& p : cage.positions) p = settings.motion(p, s);
+    const SurfaceScene atStep(device, cage, still);
+    for (RTCRayHit ray : raysAt(random, 100)) {
+      ray.ray.time = float(s)/128;
+      const RTCRayHit a = intersect(atStep, ray), b = intersect(scene, ray);
+      ASSERT_EQ(isHit(a), isHit(b)) << "step " << s;
+      if (isHit(a)) { ASSERT_NEAR(a.ray.tfar, b.ray.tfar, 1e-3*a.ray.tfar) << "step " << s; }
+    }
+  }
+}
+
+} // namespace
+} // namespace cbvh::test
