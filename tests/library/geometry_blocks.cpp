@@ -256,8 +256,35 @@ TEST(GeometryBlocks, IDsAreRightInScenesThatCeaseToCompress)
   rtcReleaseGeometry(geometry);
 }
 
-// Surfaces with motion blur, which are Embree's, beside compressed ones.
+// Surfaces with motion blur, compressed and by Embree's GRID, beside others.
 TEST(GeometryBlocks, MotionBlurBesideThemKeepsItsIDs)
+{
+  for (RTCCompression still : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT})
+    for (RTCCompression first : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT})
+      for (RTCCompression second : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT}) {
+        Device device;
+        Scene scene(device);
+        unsigned id = 3;
+        for (RTCCompression compression : {still, first, second}) {
+          Displacement displacement;
+          displacement.offset = {4.0f*float(id - 3), 0, 0};
+          displacement.amplitude = 0;
+          SurfaceSettings settings;
+          settings.displacement = &displacement;
+          settings.compression = compression;
+          settings.timeSteps = id == 3 ? 1 : 2;
+          RTCGeometry geometry = newSurface(device, cubeCage(), settings);
+          rtcSetGeometryDisplacementFunction(geometry, nullptr);
+          rtcCommitGeometry(geometry);
+          rtcAttachGeometryByID(scene, geometry, id++);
+          rtcReleaseGeometry(geometry);
+        }
+        expectCommit(device, scene);
+        for (unsigned i = 0; i < 3; i++) EXPECT_EQ(intersect(scene, makeRay({4.0f*float(i), 0, 5}, {0, 0, -1})).hit.geomID, 3 + i) << still << first << second;
+      }
+}
+
+TEST(GeometryBlocks, MotionBlurByTheDeviceKeepsItsIDs)
 {
   Device device("subdiv_accel=cbvh.vert");
   Displacement displacement;

@@ -329,18 +329,6 @@ TEST(GridSurfaces, TheSmallestAreLeftAlone)
   EXPECT_EQ(quads(0), 400u + 400 + 40000);
 }
 
-TEST(GridSurfaces, MotionBlurStaysWithEmbree)
-{
-  Device device;
-  const Diced diced = dicedSheet(2, 10);
-  Scene scene(device);
-  attach(scene, newGrids(device, diced, RTC_COMPRESSION_VERT, 0, 2));
-  rtcCommitScene(scene);
-  EXPECT_EQ(statisticsOf(scene).numQuads, 0u);
-  EXPECT_TRUE(isHit(intersect(scene, makeRay({0.3f, 0.2f, 5}, {0, 0, -1}))));
-  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-}
-
 TEST(GridSurfaces, LetTheirInputGo)
 {
   Memory memory;

@@ -247,17 +247,14 @@ TEST(Meshes, IrregularOnesAreLeftToEmbree)
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     EXPECT_TRUE(isHit(intersect(scene, rayAt(random, mesh))));
   }
-  Scene moving(device), refitted(device);
-  attach(moving, newMesh(device, sheet, RTC_COMPRESSION_VERT, 0, 2));
+  Scene refitted(device);
   RTCGeometry geometry = newMesh(device, sheet, RTC_COMPRESSION_VERT);
   rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
   rtcCommitGeometry(geometry);
   attach(refitted, geometry);
-  for (RTCScene scene : {RTCScene(moving), RTCScene(refitted)}) {
-    rtcCommitScene(scene);
-    EXPECT_EQ(statisticsOf(scene).numQuads, 0u);
-    EXPECT_TRUE(isHit(intersect(scene, rayAt(random, sheet))));
-  }
+  rtcCommitScene(refitted);
+  EXPECT_EQ(statisticsOf(refitted).numQuads, 0u);
+  EXPECT_TRUE(isHit(intersect(refitted, rayAt(random, sheet))));
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 

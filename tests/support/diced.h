@@ -14,9 +14,19 @@
 
 namespace cbvh::test {
 
+// Where a vertex is at a time step.
+typedef std::function<Vec(const Vec& position, unsigned step)> DicedMotion;
+inline std::vector<Vec> movedTo(const std::vector<Vec>& vertices, const DicedMotion& motion, unsigned step)
+{
+  std::vector<Vec> moved = vertices;
+  if (motion) for (Vec& p : moved) p = motion(p, step);
+  return moved;
+}
+
 struct Diced
 {
   std::vector<Vec> vertices;
+  DicedMotion motion;
   std::vector<RTCGrid> grids;
 
   const Vec& vertex(const RTCGrid& grid, unsigned x, unsigned y) const { return vertices[grid.startVertexID + y*grid.stride + x]; }
@@ -97,7 +107,7 @@ inline RTCGeometry newGrids(RTCDevice device, const Diced& diced, RTCCompression
 {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
   rtcSetGeometryTimeStepCount(geometry, timeSteps);
-  for (unsigned t = 0; t < timeSteps; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, diced.vertices);
+  for (unsigned t = 0; t < timeSteps; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, movedTo(diced.vertices, diced.motion, t));
   setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, diced.grids);
   commitAs(geometry, compression, flags);
   return geometry;

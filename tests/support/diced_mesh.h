@@ -20,6 +20,7 @@ inline const char* nameOf(QuadOrder order) { return order == QuadOrder::Rows ? "
 struct DicedMesh
 {
   std::vector<Vec> vertices;
+  DicedMotion motion;
   std::vector<std::array<unsigned, 4>> quads;
   std::vector<std::array<unsigned, 3>> triangles; // if there are any, these are the mesh
 
@@ -68,6 +69,7 @@ inline DicedMesh trianglesOf(const DicedMesh& mesh, unsigned turnOfFirst = 0, un
 {
   DicedMesh out;
   out.vertices = mesh.vertices;
+  out.motion = mesh.motion;
   for (const auto& q : mesh.quads) {
     const unsigned first[] = {q[0], q[1], q[3]}, second[] = {q[2], q[3], q[1]};
     out.triangles.push_back({first[turnOfFirst], first[(turnOfFirst + 1) % 3], first[(turnOfFirst + 2) % 3]});
@@ -97,7 +99,7 @@ inline RTCGeometry newMesh(RTCDevice device, const DicedMesh& mesh, RTCCompressi
 {
   RTCGeometry geometry = rtcNewGeometry(device, mesh.isOfTriangles() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
   rtcSetGeometryTimeStepCount(geometry, timeSteps);
-  for (unsigned t = 0; t < timeSteps; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, mesh.vertices);
+  for (unsigned t = 0; t < timeSteps; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, movedTo(mesh.vertices, mesh.motion, t));
   if (mesh.isOfTriangles()) setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles);
   else setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, mesh.quads);
   commitAs(geometry, compression, flags);

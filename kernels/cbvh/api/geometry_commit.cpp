@@ -131,14 +131,24 @@ namespace embree
       if (asks && whyNot && *whyNot) say(geometry,std::to_string(geometry->size()) + " " + primitives + whyNot + ": left to Embree's kernel of " + primitives);
     }
 
+    /*! Throws where a time step has fewer vertices than the first. */
+    template<typename Mesh>
+    void checkTimeSteps (const Mesh* mesh)
+    {
+      const size_t numVertices = mesh->vertices[0].size();
+      for (size_t t=1; t<mesh->numTimeSteps; t++)
+        if (!mesh->vertices[t] || mesh->vertices[t].size() < numVertices)
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"time step " + std::to_string(t) + " has " + std::to_string(mesh->vertices[t] ? mesh->vertices[t].size() : 0) + " vertices, the first has " + std::to_string(numVertices));
+      if (mesh->numTimeSteps > 1 && !(mesh->time_range.lower < mesh->time_range.upper))
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"a time range from " + std::to_string(mesh->time_range.lower) + " to " + std::to_string(mesh->time_range.upper));
+    }
+
     /*! Throws where a face has indices or vertices that are not there: Embree reads them. */
     void checkIndices (const SubdivMesh* mesh)
     {
+      checkTimeSteps(mesh);
       const BufferView<unsigned>& indices = mesh->topology[0].vertexIndices;
       const size_t numVertices = mesh->vertices[0].size(), none = ~size_t(0);
-      for (size_t t=1; t<mesh->numTimeSteps; t++)
-        if (!mesh->vertices[t] || mesh->vertices[t].size() != numVertices)
-          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"time step " + std::to_string(t) + " has " + std::to_string(mesh->vertices[t] ? mesh->vertices[t].size() : 0) + " vertices, the first has " + std::to_string(numVertices));
       const size_t firstWrong = parallel_reduce(size_t(0),indices.size(),size_t(1) << 16,none,[&](const range<size_t>& r) {
           for (size_t i=r.begin(); i!=r.end(); i++)
             if (indices[i] >= numVertices) return i;
@@ -184,7 +194,8 @@ namespace embree
     const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->grids,"vertices and grids");
     if (!isChanged) return false;
     const bool asks = asksForCompression(mesh);
-    const char* const whyNot = mesh->numTimeSteps != 1 ? " have motion blur" : !mesh->compression.releasesInput && asks && !takeLessAsBlocks(mesh)
+    if (asks) checkTimeSteps(mesh);
+    const char* const whyNot = !mesh->compression.releasesInput && asks && !takeLessAsBlocks(mesh)
       ? " are so small that Embree's own kernel takes less memory for them" : nullptr;
     choose(mesh,asks,whyNot,"grids");
     return true;
@@ -195,7 +206,8 @@ namespace embree
   {
     if (!begin(mesh,hasInput,"vertices and indices")) return false;
     const bool asks = asksForCompression(mesh);
-    const char* whyNot = !hasInput || mesh->size() == 0 ? "" : mesh->numTimeSteps != 1 ? " have motion blur"
+    if (asks && hasInput) checkTimeSteps(mesh);
+    const char* whyNot = !hasInput || mesh->size() == 0 ? ""
       : mesh->quality == RTC_BUILD_QUALITY_REFIT ? " are to be refitted" : mesh->size() < fewPrimitives ? " are too few to matter" : nullptr;
     if (asks && !whyNot)
     {
@@ -220,7 +232,8 @@ namespace embree
   static void endCommitOfDiced (Mesh* mesh, Primitives& primitives)
   {
     if (!compressNow(mesh)) return;
-    mesh->vertices[0] = mesh->vertices0 = BufferView<Vec3fa>();
+    for (auto& buffer : mesh->vertices) buffer = BufferView<Vec3fa>();
+    mesh->vertices0 = BufferView<Vec3fa>();
     if (mesh->vertexAttribs.empty()) primitives = Primitives();
   }
 

@@ -66,7 +66,7 @@ namespace embree
       {
         report->clear();
         std::vector<Surface> surfaces = findSurfaces();
-        ((CompressedTree*)bvh)->hasGrids = !moves && std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.isDiced(); });
+        ((CompressedTree*)bvh)->hasGrids = std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.isDiced(); });
         const bool keepsTree = !surfaces.empty() && treeOf == buildsOf(surfaces);
         if (!keepsTree) clear();
         if (surfaces.empty()) return;

@@ -5,6 +5,7 @@
 
 /* BVH4 traversal of single rays over blocks that move. */
 
+#include "point_query.h"
 #include "top_level1.h"
 #include "../vert/intersector1.h"
 
@@ -33,8 +34,9 @@ namespace embree
         if (isOccluded) ray.tfar = neg_inf;
       }
 
-      /*! Embree has none of geometry with motion blur. */
-      static bool pointQuery (const Accel::Intersectors*, PointQuery*, PointQueryContext*) { return false; }
+      static bool pointQuery (const Accel::Intersectors* This, PointQuery* query, PointQueryContext* context) {
+        return cbvh::PointQueryTraversal(query,context)((const BVH4*)This->ptr);
+      }
 
     private:
       static __forceinline const cbvh::VertHeader* blockOf (BVH4::NodeRef leaf)

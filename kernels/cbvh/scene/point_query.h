@@ -5,13 +5,13 @@
 
 /* Point queries: the application's function is called for the primitives whose blocks are near enough, several times if several of
  * their blocks are; for those of a block that numbers its quads, if the primitive's own box is. As in Embree, they see grids,
- * quads and triangles, and no subdivision surfaces. */
+ * quads and triangles, where they are at the query's time, and no subdivision surfaces. */
 
 #include "../base/primitive_type.h"
 #include "../base/world.h"
 #include "../embree/scene.h"
-#include "../vert/scalar_block.h"
 #include "compressed_tree.h"
+#include "vertices_at_time.h"
 #include <initializer_list>
 
 namespace embree
@@ -39,11 +39,12 @@ namespace embree
             if (item.distance > reach()) continue;
             if (item.ref.isLeaf()) { changed |= call(item.ref); continue; }
             const size_t first = n;
-            const BVH4::AABBNode* node = item.ref.getAABBNode();
-            const vfloat4 distance = distanceOf(node);
-            for (size_t mask=movemask(distance <= vfloat4(reach())); mask; ) {
+            vboolf4 isThere(true);
+            const vfloat4 distance = item.ref.isAABBNode() ? distanceOf(item.ref.getAABBNode()) : distanceOf(item.ref,isThere);
+            for (size_t mask=movemask((distance <= vfloat4(reach())) & isThere); mask; ) {
               const size_t i = bscf(mask);
-              if (node->child(i) != BVH4::emptyNode) stack[n++] = Item{ node->child(i),distance[i] };
+              const BVH4::NodeRef child = item.ref.baseNode()->child(i);
+              if (child != BVH4::emptyNode) stack[n++] = Item{ child,distance[i] };
             }
             std::sort(stack+first,stack+n,[](const Item& a, const Item& b) { return a.distance > b.distance; });
           }
@@ -63,9 +64,23 @@ namespace embree
         float reach () const { return isSphere() ? query->radius*query->radius : 0.0f; }
 
         /*! of the children: squares for a sphere, for a box how far they are outside of it */
-        vfloat4 distanceOf (const BVH4::AABBNode* node) const
+        vfloat4 distanceOf (const BVH4::AABBNode* node) const {
+          return distanceOf(outside(query->p.x,node->lower_x,node->upper_x),outside(query->p.y,node->lower_y,node->upper_y),outside(query->p.z,node->lower_z,node->upper_z));
+        }
+
+        /*! of the children of a node that moves; isThere: which of them are there at the time */
+        vfloat4 distanceOf (BVH4::NodeRef ref, vboolf4& isThere) const
         {
-          const vfloat4 x = outside(query->p.x,node->lower_x,node->upper_x), y = outside(query->p.y,node->lower_y,node->upper_y), z = outside(query->p.z,node->lower_z,node->upper_z);
+          const BVH4::AABBNodeMB* const node = ref.getAABBNodeMB();
+          const vfloat4 time(query->time);
+          if (ref.isAABBNodeMB4D()) isThere = (ref.getAABBNodeMB4D()->lower_t <= time) & (time < ref.getAABBNodeMB4D()->upper_t);
+          return distanceOf(outside(query->p.x,madd(time,node->lower_dx,node->lower_x),madd(time,node->upper_dx,node->upper_x)),
+                            outside(query->p.y,madd(time,node->lower_dy,node->lower_y),madd(time,node->upper_dy,node->upper_y)),
+                            outside(query->p.z,madd(time,node->lower_dz,node->lower_z),madd(time,node->upper_dz,node->upper_z)));
+        }
+
+        vfloat4 distanceOf (const vfloat4& x, const vfloat4& y, const vfloat4& z) const
+        {
           if (isSphere()) return x*x + y*y + z*z;
           const Vec3fa& r = context->query_radius;
           return max(max(max(x-vfloat4(r.x),y-vfloat4(r.y)),z-vfloat4(r.z)),vfloat4(0.0f));
@@ -77,25 +92,27 @@ namespace embree
         {
           size_t type;
           const void* block = leaf.leaf(type);
-          if (type != VERT_BLOCK) return false;
+          if (type != VERT_BLOCK && type != MOVING_VERT_BLOCK) return false;
           const VertHeader* header = (const VertHeader*)block;
           const uint32_t geomID = context->scene->surfaceIDs[header->surface];
           Geometry* const geometry = context->scene->get(geomID);
-          if (geometry->getType() == Geometry::GTY_SUBDIV_MESH) return false;
+          if (compressible(geometry)->ownType == Geometry::GTY_SUBDIV_MESH || !embree::cbvh::VerticesAtTime::isThere(header,time())) return false;
           context->geomID = geomID;
           if (hasNumbers(header->boxForm)) return callQuads(geometry,header);
           context->primID = header->primID;
           return geometry->pointQuery(query,context);
         }
 
+        embree::cbvh::TraversalTime time () const { return { query->time,false }; }
+
         /*! Those of quads, or triangles, of which all vertices are finite; whether a call changed the query. */
         bool callQuads (Geometry* geometry, const VertHeader* header)
         {
-          const ScalarVertBlock block(header);
+          const embree::cbvh::VerticesAtTime block(header,time());
           const uint32_t form = header->patchQuads;
           bool changed = false;
-          for (uint32_t y=0; y<block.quadsY; y++)
-            for (uint32_t x=0; x<block.quadsX; x++)
+          for (uint32_t y=0; y<vertQuadsY(header->region); y++)
+            for (uint32_t x=0; x<vertQuadsX(header->region); x++)
             {
               const float* const diagonal[2] = { block.vertex(x+1,y),block.vertex(x,y+1) }, * const ends[2] = { block.vertex(x,y),block.vertex(x+1,y+1) };
               const uint32_t number = numberOfQuad(header,x,y);

@@ -9,7 +9,7 @@
  *   size_t size ()                     grids
  *   bool isValid (i)                   whether a grid has quads, and its vertices are in their buffer
  *   Grid operator[] (i)                which vertices it has
- *   const float* position (vertex)
+ *   const float* position (vertex, step)  at a time step
  *   bool number (i, QuadNumbers&)      whether each of its quads is a primitive of its own, and which */
 
 #include "embree_bytes.h"
@@ -65,7 +65,7 @@ namespace embree
         return grid.width > 1 && grid.height > 1 && grid.vertex(grid.width-1,grid.height-1) < mesh->vertices0.size();
       }
 
-      const float* position (size_t vertex) const { return (const float*)mesh->vertices0.getPtr(vertex); }
+      const float* position (size_t vertex, unsigned step) const { return (const float*)mesh->vertices[step].getPtr(vertex); }
       bool number (size_t, QuadNumbers&) const { return false; }
 
       /*! vertices outside of their buffer are errors, as of no other of Embree's types */
@@ -100,13 +100,13 @@ namespace embree
       typedef MeshType Mesh;
       typedef DicedGrid<Corners> Grid;
 
-      explicit GridsOfRegions (const MeshType* mesh) : regions(regionsOf(mesh)), vertices(&mesh->vertices0), quads(quadsOf(mesh,*regions)) {}
+      explicit GridsOfRegions (const MeshType* mesh) : regions(regionsOf(mesh)), mesh(mesh), quads(quadsOf(mesh,*regions)) {}
       GridsOfRegions (const GridsOfRegions&) = delete;
 
       size_t size () const { return regions->regions.size(); }
       Grid operator[] (size_t i) const { const QuadRegions::Region& r = regions->regions[i]; return Grid(Corners{ &quads,regions->quads.data()+r.first,r.width+1,r.height+1 }); }
       bool isValid (size_t) const { return true; }
-      const float* position (size_t vertex) const { return (const float*)vertices->getPtr(vertex); }
+      const float* position (size_t vertex, unsigned step) const { return (const float*)mesh->vertices[step].getPtr(vertex); }
 
       bool number (size_t i, QuadNumbers& out) const
       {
@@ -137,7 +137,7 @@ namespace embree
       }
 
       const std::shared_ptr<const QuadRegions> regions;
-      const BufferView<Vec3fa>* const vertices;
+      const MeshType* const mesh;
       const Quads quads;
     };
 

@@ -48,7 +48,7 @@ namespace embree
         float (*out)[3] = scratch.displaced();
         for (unsigned y=part.y0; y<=part.y1; y++)
           for (unsigned x=part.x0; x<=part.x1; x++)
-            memcpy(*out++,vertices.position(grid.vertex(x,y)),sizeof(*out));
+            memcpy(*out++,vertices.position(grid.vertex(x,y),step),sizeof(*out));
         return scratch;
       }
 
@@ -56,16 +56,17 @@ namespace embree
       {
       public:
         unsigned rate;
-        Side (const GridPatch& patch, int s) : rate(patch.quads[s & 1]), patch(patch), s(s) {}
-        typename Vertices::Shared operator[] (unsigned k) const { return patch.vertices.shared(patch.grid.onSide(s,k),patch.latticeExponent()); }
+        Side (const GridPatch& patch, int s, unsigned step) : rate(patch.quads[s & 1]), patch(patch), s(s), step(step) {}
+        typename Vertices::Shared operator[] (unsigned k) const { return patch.vertices.shared(patch.grid.onSide(s,k),patch.latticeExponent(step),step); }
 
       private:
         const GridPatch& patch;
         const int s;
+        const unsigned step;
       };
-      Side side (int s, unsigned step = 0) const { return Side(*this,s); }
+      Side side (int s, unsigned step = 0) const { return Side(*this,s,step); }
 
-      int latticeExponent (unsigned step = 0) const { return vertices.exponent(primID); }
+      int latticeExponent (unsigned step = 0) const { return vertices.exponent(primID,step); }
 
     private:
       const Vertices& vertices;

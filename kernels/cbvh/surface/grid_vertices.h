@@ -11,7 +11,9 @@
  *     p-----------------------q      coarse
  *     p-----m-----m-----m-----q      fine
  *
- * They are put onto the edge between p and q as those are stored, and on no lattice (blocks there are raw). */
+ * They are put onto the edge between p and q as those are stored, and on no lattice (blocks there are raw).
+ *
+ * Grids that move have a lattice for each time step. Who shares what is found at the first step, and holds if it does so at all others. */
 
 #include "../base/tasks.h"
 #include "diced_grids.h"
@@ -39,22 +41,34 @@ namespace embree
       };
 
       GridVertices (const typename Grids::Mesh* mesh, const CompressionPlan& plan)
-        : grids(mesh), plan(plan), device(mesh->device), table(mesh->device), exponents(mesh->device,0) {}
+        : grids(mesh), plan(plan), numSteps(plan.numTimeSteps), device(mesh->device), table(mesh->device), exponents(mesh->device,0), later(mesh->device,0) {}
 
       size_t size () const { return grids.size(); }
       Grid operator[] (size_t i) const { return grids[i]; }
       bool isValid (size_t i) const { return grids.isValid(i); }
-      const float* position (size_t vertex) const { return grids.position(vertex); }
+      const float* position (size_t vertex, unsigned step = 0) const { return grids.position(vertex,step); }
+
+      /*! whether two vertices that are equal at the first time step are so at all others */
+      bool moveAlike (size_t a, size_t b) const
+      {
+        for (unsigned step=1; step<numSteps; step++) {
+          const float* p = position(a,step), * q = position(b,step);
+          for (int k=0; k<3; k++)
+            if (!(p[k] == q[k] || (std::isnan(p[k]) && std::isnan(q[k])))) return false;
+        }
+        return true;
+      }
       bool number (size_t i, QuadNumbers& out) const { return grids.number(i,out); }
 
       /*! of a grid's lattice */
-      int exponent (size_t grid) const { return exponents[grid]; }
+      int exponent (size_t grid, unsigned step) const { return exponents[step*size() + grid]; }
 
       /*! calls progress() now and then, which may cancel */
       template<typename Progress>
       void prepare (size_t gridsPerTask, const Progress& progress)
       {
-        chooseLattices(gridsPerTask,progress);
+        exponents.resize(numSteps*size());
+        for (unsigned step=0; step<numSteps; step++) chooseLattices(step,gridsPerTask,progress);
         if (size() < 2) return;
         table.reserve(reduceRanges(size(),4*gridsPerTask,size_t(0),[&](const range<size_t>& r) {
               size_t n = 0;
@@ -62,8 +76,9 @@ namespace embree
               return n;
             },std::plus<size_t>()));
         forGrids(gridsPerTask,progress,[&](size_t i, const Grid& grid) {
-            forBorder(grid,[&](size_t vertex) { if (cbvh::isFinite(position(vertex))) table.add(*this,vertex,exponents[i]); });
+            forBorder(grid,[&](size_t vertex) { if (cbvh::isFinite(position(vertex))) table.add(*this,vertex,exponent(i,0)); });
           });
+        shareLaterLattices(gridsPerTask,progress);
         findStitched(gridsPerTask,progress);
       }
 
@@ -71,18 +86,19 @@ namespace embree
       {
         table.clear();
         exponents.clear();
+        later.clear();
         stitched.clear();
       }
 
       /*! of a vertex on the border of a grid; own: exponent of that grid's lattice */
-      Shared shared (size_t vertex, int own) const
+      Shared shared (size_t vertex, int own, unsigned step) const
       {
-        const float* p = position(vertex);
+        const float* p = position(vertex,step);
         Shared found = { { p[0],p[1],p[2] },own };
-        if (table.isEmpty() || !cbvh::isFinite(p)) return found;
+        if (table.isEmpty() || !cbvh::isFinite(p) || !cbvh::isFinite(position(vertex))) return found;
         const Entry entry = table.find(*this,vertex);
-        if (!table.isMarked(entry)) { found.exponent = table.exponent(entry); return found; }
-        const cbvh::Double3 onEdge = stored(entry);
+        if (!table.isMarked(entry)) { found.exponent = exponentOf(entry,step); return found; }
+        const cbvh::Double3 onEdge = stored(entry,step);
         found.position[0] = float(onEdge.x); found.position[1] = float(onEdge.y); found.position[2] = float(onEdge.z);
         found.exponent = cbvh::minLatticeExponent;
         return found;
@@ -132,59 +148,82 @@ namespace embree
 
       /*! Calls closure(alongU, vertices, count) for borders and middles. */
       template<typename Closure>
-      void forLines (const Grid& grid, std::vector<float>& memory, const Closure& closure) const
+      void forLines (const Grid& grid, unsigned step, std::vector<float>& memory, const Closure& closure) const
       {
         memory.resize(3*max(grid.width,grid.height));
         float (*line)[3] = (float(*)[3])memory.data();
         for (unsigned y : { 0u,grid.quads(1)/2,grid.quads(1) }) {
-          for (unsigned x=0; x<grid.width; x++) memcpy(line[x],position(grid.vertex(x,y)),sizeof(*line));
+          for (unsigned x=0; x<grid.width; x++) memcpy(line[x],position(grid.vertex(x,y),step),sizeof(*line));
           closure(true,line,size_t(grid.width));
         }
         for (unsigned x : { 0u,grid.quads(0)/2,grid.quads(0) }) {
-          for (unsigned y=0; y<grid.height; y++) memcpy(line[y],position(grid.vertex(x,y)),sizeof(*line));
+          for (unsigned y=0; y<grid.height; y++) memcpy(line[y],position(grid.vertex(x,y),step),sizeof(*line));
           closure(false,line,size_t(grid.height));
         }
       }
 
       template<typename Progress>
-      void chooseLattices (size_t gridsPerTask, const Progress& progress)
+      void chooseLattices (unsigned step, size_t gridsPerTask, const Progress& progress)
       {
         const BBox3fa bounds = reduceRanges(size(),gridsPerTask,BBox3fa(empty),[&](const range<size_t>& r) {
             BBox3fa b(empty);
             forEachValid(r,[&](size_t, const Grid& grid) {
                 forBorder(grid,[&](size_t vertex) {
-                    const float* p = position(vertex);
+                    const float* p = position(vertex,step);
                     if (cbvh::isFinite(p)) b.extend(Vec3fa(p[0],p[1],p[2]));
                   });
               });
             return b;
           },[](const BBox3fa& a, const BBox3fa& b) { return merge(a,b); });
         const double diagonal = bounds.empty() ? 0.0 : length(bounds.size());
-        exponents.resize(size());
         forRanges(size(),gridsPerTask,[&](const range<size_t>& r) {
             std::vector<float> memory;
             forEachValid(r,[&](size_t i, const Grid& grid) {
                 LatticeChoice lattice;
-                forLines(grid,memory,[&](bool alongU, const float (*line)[3], size_t count) { lattice.addLine(alongU,line,count); });
-                exponents[i] = lattice.exponent(plan,diagonal);
+                forLines(grid,step,memory,[&](bool alongU, const float (*line)[3], size_t count) { lattice.addLine(alongU,line,count); });
+                exponents[step*size() + i] = lattice.exponent(plan,diagonal);
               });
             progress();
           });
       }
 
-      cbvh::Double3 at (Entry entry) const { const float* p = position(table.vertexOf(entry)); return { p[0],p[1],p[2] }; }
+      /*! The coarsest lattices at all time steps but the first, which the table has. */
+      template<typename Progress>
+      void shareLaterLattices (size_t gridsPerTask, const Progress& progress)
+      {
+        later.resize((numSteps-1)*table.size());
+        std::fill(later.begin(),later.end(),int8_t(cbvh::minLatticeExponent));
+        if (numSteps == 1) return;
+        forGrids(gridsPerTask,progress,[&](size_t i, const Grid& grid) {
+            forBorder(grid,[&](size_t vertex) {
+                if (!cbvh::isFinite(position(vertex))) return;
+                const Entry entry = table.find(*this,vertex);
+                for (unsigned step=1; step<numSteps; step++)
+                {
+                  static_assert(sizeof(std::atomic<int8_t>) == sizeof(int8_t),"exponents are taken as atomics while they are filled");
+                  std::atomic<int8_t>& of = reinterpret_cast<std::atomic<int8_t>&>(later[(step-1)*table.size() + entry]);
+                  const int8_t own = int8_t(exponent(i,step));
+                  for (int8_t found=of.load(); found < own && !of.compare_exchange_weak(found,own); ) {}
+                }
+              });
+          });
+      }
+
+      int exponentOf (Entry entry, unsigned step) const { return step == 0 ? table.exponent(entry) : int(later[(step-1)*table.size() + entry]); }
+
+      cbvh::Double3 at (Entry entry, unsigned step = 0) const { const float* p = position(table.vertexOf(entry),step); return { p[0],p[1],p[2] }; }
 
       /*! As grids store it. Edges that end on other edges may do so again, and where grids overlap in a circle: not for ever. */
-      cbvh::Double3 stored (Entry entry, unsigned depth = 0) const
+      cbvh::Double3 stored (Entry entry, unsigned step, unsigned depth = 0) const
       {
-        const cbvh::Double3 p = at(entry);
+        const cbvh::Double3 p = at(entry,step);
         if (!table.isMarked(entry) || depth == 8) {
-          const cbvh::WorldLattice lattice(table.exponent(entry));
+          const cbvh::WorldLattice lattice(exponentOf(entry,step));
           return { lattice.snap(float(p.x)),lattice.snap(float(p.y)),lattice.snap(float(p.z)) };
         }
         const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,[](const Stitched& s, Entry e) { return s.vertex < e; })->edge;
-        const cbvh::Double3 a = stored(edge.begin,depth+1);
-        return a + parameterOn(edge,p)*(stored(edge.end,depth+1)-a);
+        const cbvh::Double3 a = stored(edge.begin,step,depth+1);
+        return a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a); // the same place on it at all steps
       }
 
       /*! in an order that is the same whichever thread was first */
@@ -284,19 +323,26 @@ namespace embree
         }
       }
 
-      /*! Whether a vertex with parameter s is there, behind parameter t, but for what an application may have rounded. */
+      /*! Whether a vertex with parameter s is there, behind parameter t, but for what an application may have rounded; at all time steps. */
       bool isOnEdge (const Edge& edge, Entry entry, double t, double s) const
       {
-        const cbvh::Double3 p = at(entry), a = at(edge.begin), d = at(edge.end)-a;
-        const double size = max(max(std::fabs(p.x),std::fabs(p.y)),std::fabs(p.z));
-        return t < s && s < 1.0 && cbvh::length(a + s*d - p) <= max(1E-5*cbvh::length(d),4E-7*size);
+        if (!(t < s && s < 1.0)) return false;
+        for (unsigned step=0; step<numSteps; step++)
+        {
+          const cbvh::Double3 p = at(entry,step), a = at(edge.begin,step), d = at(edge.end,step)-a;
+          const double size = max(max(std::fabs(p.x),std::fabs(p.y)),std::fabs(p.z));
+          if (!(cbvh::length(a + s*d - p) <= max(1E-5*cbvh::length(d),4E-7*size))) return false;
+        }
+        return true;
       }
 
       const Grids grids;
       const CompressionPlan& plan;
+      const unsigned numSteps;        //!< in time
       Device* const device;
       Table table;                    //!< of vertices on borders; empty for a single grid
-      mvector<int> exponents;         //!< by grid
+      mvector<int> exponents;         //!< by grid, step by step
+      mvector<int8_t> later;          //!< coarsest exponents by entry, for each step but the first
       std::vector<Stitched> stitched; //!< in the order of vertices
     };
   }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Vertices by where they are: all that are equal as floats are one entry, which has the coarsest lattice of all. Filled by all threads
- * at once. */
+/* Vertices by where they are: all that are equal as floats, at all time steps, are one entry, which has the coarsest lattice of all at the first
+ * step. Filled by all threads at once. */
 
 #include "lattice.h"
 #include "../embree/scene.h"
@@ -15,7 +15,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: has const float* position(size_t vertex), of finite ones */
+    /*! Positions: has const float* position(size_t vertex), of finite ones, at the first time step, and bool moveAlike(size_t, size_t), whether two
+     *  that are equal there are so at all others */
     template<typename Positions>
     class PositionTable
     {
@@ -37,6 +38,7 @@ namespace embree
 
       void clear () { slots.clear(); }
       bool isEmpty () const { return slots.empty(); }
+      size_t size () const { return slots.size(); } //!< entries are less than this
 
       void add (const Positions& positions, size_t vertex, int exponent)
       {
@@ -47,7 +49,7 @@ namespace embree
           std::atomic<uint64_t>& slot = atomic(at);
           uint64_t found = slot.load(std::memory_order_relaxed);
           if (found == 0 && slot.compare_exchange_strong(found,mine)) return;
-          if (!isSame(positions,found,p,h)) continue;
+          if (!isSame(positions,found,vertex,p,h)) continue;
           for (;;) {
             const uint64_t joined = (found & ~exponentBits) | std::max(found & exponentBits,mine & exponentBits) | sharedBit;
             if (joined == found || slot.compare_exchange_weak(found,joined)) return;
@@ -61,7 +63,7 @@ namespace embree
         const float* p = positions.position(vertex);
         const uint64_t h = hashOf(p);
         for (size_t at=h & mask(); slots[at]; at=(at+1) & mask())
-          if (isSame(positions,slots[at],p,h)) return Entry(at);
+          if (isSame(positions,slots[at],vertex,p,h)) return Entry(at);
         return none;
       }
 
@@ -115,11 +117,12 @@ namespace embree
         return h;
       }
 
-      static bool isSame (const Positions& positions, uint64_t slot, const float p[3], uint64_t hash)
+      static bool isSame (const Positions& positions, uint64_t slot, size_t vertex, const float p[3], uint64_t hash)
       {
         if (((slot ^ hash) >> tagShift) != 0) return false;
-        const float* q = positions.position(size_t(slot & indexBits));
-        return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+        const size_t other = size_t(slot & indexBits);
+        const float* q = positions.position(other);
+        return p[0] == q[0] && p[1] == q[1] && p[2] == q[2] && positions.moveAlike(vertex,other);
       }
 
       mvector<uint64_t> slots;

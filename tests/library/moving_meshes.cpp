@@ -1,0 +1,144 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Grids, quads and triangles that an application diced and that move, compressed: the hits of Embree's own kernels where vertices are on the
+ * lattice at all steps, by every query, on every ISA. */
+
+#include "support/diced_mesh.h"
+#include "support/query_forms.h"
+#include "support/same_hits.h"
+
+#include <embree3/rtcore_compressed_triangles.h>
+#include <gtest/gtest.h>
+
+namespace cbvh::test {
+namespace {
+
+constexpr double lattice = 0x1p-10;
+
+// Turns and bends; positions are multiples of the lattice.
+Vec bent(const Vec& p, unsigned step)
+{
+  const double a = 0.3*step, c = std::cos(a), s = std::sin(a);
+  return {roundTo(c*p[0] - s*p[1], lattice), roundTo(s*p[0] + c*p[1], lattice), roundTo(p[2] + 0.1*step*p[0]*p[0], lattice)};
+}
+
+template<typename Make, typename Mesh>
+void expectEmbreesHits(const Device& device, const Make& make, const Mesh& mesh, Random& random, unsigned timeSteps)
+{
+  Scene scenes[2] = {Scene(device), Scene(device)};
+  for (int i = 0; i < 2; i++) {
+    attach(scenes[i], make(device, mesh, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE, 0, timeSteps));
+    rtcCommitScene(scenes[i]);
+  }
+  const RTCCompressionStatistics stats = statisticsOf(scenes[1]);
+  ASSERT_GT(stats.numMovingQuads, 0u);
+  ASSERT_EQ(stats.numMovingQuads, stats.numQuads);
+  ASSERT_EQ(stats.maxVertexDeviation, 0) << "vertices were on the lattice";
+  ASSERT_EQ(statisticsOf(scenes[0]).numQuads, 0u);
+  std::vector<RTCRayHit> rays = raysAt(random, mesh, 400);
+  for (RTCRayHit& r : rays) r.ray.time = float(random.uniform());
+  for (QueryForm form : allQueryForms) {
+    SCOPED_TRACE(nameOf(form));
+    const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form), found = closestHits(scenes[1], rays, form), any = anyHits(scenes[1], rays, form);
+    size_t others = 0, hits = 0; // where rays graze edges, floats differ
+    for (size_t i = 0; i < rays.size(); i++) {
+      ASSERT_EQ(any[i].ray.tfar < 0, isHit(found[i])) << "ray " << i;
+      hits += isHit(expected[i]);
+      if (isHit(expected[i]) != isHit(found[i]) || (isHit(expected[i]) && expected[i].hit.primID != found[i].hit.primID)) { others++; continue; }
+      if (!isHit(expected[i])) continue;
+      const double grazing = std::max(1.0, 0.1/cosine(expected[i]));
+      ASSERT_NEAR(expected[i].ray.tfar, found[i].ray.tfar, 1e-5*expected[i].ray.tfar*grazing) << "ray " << i;
+      ASSERT_NEAR(expected[i].hit.u, found[i].hit.u, 2e-3*grazing) << "ray " << i;
+      ASSERT_NEAR(expected[i].hit.v, found[i].hit.v, 2e-3*grazing) << "ray " << i;
+      ASSERT_LT(angleBetween(expected[i].hit, found[i].hit), 1e-3) << "ray " << i;
+    }
+    ASSERT_GT(hits, 150u);
+    ASSERT_LE(others, 1u);
+  }
+}
+
+class MovingMeshes : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Isas, MovingMeshes, testing::Values(TEST_ISAS), nameOfIsa);
+
+TEST_P(MovingMeshes, HitsAreEmbrees)
+{
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  Random random(3141);
+  for (unsigned timeSteps : {2u, 4u}) {
+    for (unsigned quads : {4u, 16u, 33u}) {
+      SCOPED_TRACE(testing::Message() << "grids of " << quads << " quads a side, " << timeSteps << " steps");
+      Diced diced = dicedSheet(quads < 16 ? 9 : 2, quads, lattice);
+      diced.motion = bent;
+      ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newGrids, diced, random, timeSteps));
+    }
+    for (QuadOrder order : allQuadOrders) {
+      SCOPED_TRACE(testing::Message() << "a mesh, " << nameOf(order) << ", " << timeSteps << " steps");
+      DicedMesh mesh = meshOf(dicedSheet(2, 16, lattice), order, random);
+      mesh.motion = bent;
+      ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newMesh, mesh, random, timeSteps));
+      if (order != QuadOrder::Shuffled) { ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newMesh, trianglesOf(mesh, 1, 2), random, timeSteps)); }
+    }
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// Of a ball of grids with vertices of their own, which move alike.
+TEST(MovingMeshesInTime, ClosedBallsOfGridsLetNoRayThrough)
+{
+  Random random(3142);
+  Device device;
+  Diced ball = dicedBall(3, 16, 2);
+  ball.motion = [](const Vec& p, unsigned step) { return Vec{p[0]*(1 + 0.2f*step), p[1] + 0.1f*step*p[0], p[2] - 0.15f*step*p[1]}; };
+  RTCGeometry geometry = newGrids(device, ball, RTC_COMPRESSION_VERT, 0, 3);
+  Scene scene(device);
+  rtcAttachGeometry(scene, geometry);
+  rtcCommitScene(scene);
+  ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
+  size_t leaks = 0;
+  for (int t = 0; t < 20; t++) {
+    const float time = t < 3 ? 0.5f*t : float(random.uniform());
+    std::vector<Vec> targets;
+    rtcForEachCompressedPartAtTime(geometry, time, [](void* out, const RTCCompressedPart* part) {
+      for (unsigned i = 0; i < part->width*part->height; i++) ((std::vector<Vec>*)out)->push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
+      return true;
+    }, &targets);
+    for (int i = 0; i < 1500; i++) {
+      RTCRayHit ray = makeRay({0, 0, 0}, targets[random.below(uint32_t(targets.size()))]);
+      ray.ray.time = time;
+      leaks += !isHit(intersect(scene, ray)) || !occluded(scene, ray);
+    }
+  }
+  EXPECT_EQ(leaks, 0u);
+  rtcReleaseGeometry(geometry);
+}
+
+// Two grids that touch at the first step and part afterwards: a ray goes through between them.
+TEST(MovingMeshesInTime, GridsThatPartDoNotStayTogether)
+{
+  Device device;
+  Diced diced;
+  for (int side : {-1, 1})
+    diced.add(17, 17, [&](unsigned x, unsigned y) { return Vec{side*(float(x)/16), 2*float(y)/16 - 1, 0}; });
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
+  rtcSetGeometryTimeStepCount(geometry, 2);
+  std::vector<Vec> second = diced.vertices;
+  for (size_t i = 0; i < second.size(); i++) second[i][0] += i < 17*17 ? -0.5f : 0.5f;
+  setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, diced.vertices);
+  setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 1, RTC_FORMAT_FLOAT3, second);
+  setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, diced.grids);
+  commitAs(geometry, RTC_COMPRESSION_VERT, 0);
+  Scene scene(device);
+  attach(scene, geometry);
+  rtcCommitScene(scene);
+  for (float time : {0.0f, 0.25f, 1.0f})
+    for (float x : {-0.1f, -0.01f, 0.0f, 0.01f, 0.1f, 0.3f}) {
+      RTCRayHit ray = makeRay({x, 0.11f, 1}, {0, 0, -1});
+      ray.ray.time = time;
+      EXPECT_EQ(isHit(intersect(scene, ray)), std::fabs(x) >= 0.5f*time) << "time " << time << ", x " << x;
+    }
+}
+
+} // namespace
+} // namespace cbvh::test
