@@ -6,7 +6,7 @@
 
 #include "kernels/cbvh/base/primitive_type.h"
 #include "kernels/cbvh/framed/block.h"
-#include "kernels/cbvh/vert/format.h"
+#include "kernels/cbvh/vert/motion_format.h"
 #include "kernels/cbvh/surface/lattice.h"
 #include "kernels/cbvh/vert/rule.h"
 
@@ -65,7 +65,10 @@ TEST(VertFormat, SizesAreThoseOfThePage)
 {
   const double side = 1u << maxVertHeight, group = groupQuads;
   EXPECT_EQ(numbersOf("A block starts at a multiple of # bytes"), Numbers{blockAlignment});
-  EXPECT_EQ(numbersOf("its type in the top-level BVH is #."), Numbers{double(VERT_BLOCK)});
+  EXPECT_EQ(numbersOf("its type in the top-level BVH is #, or # if it moves."), (Numbers{double(VERT_BLOCK), double(MOVING_VERT_BLOCK)}));
+  EXPECT_EQ(numbersOf("Behind header and edges or numbers it has # bytes:"), Numbers{vertMotionBytes});
+  EXPECT_EQ(numbersOf("| `numSteps` | 2 to #, at even times"), Numbers{maxTimeSteps});
+  EXPECT_EQ(numbersOf("step, # bytes | margins of groups"), Numbers{vertStepBytes});
   EXPECT_EQ(numbersOf("**Block.** Up to # x # quads of a patch"), (Numbers{side, side}));
   EXPECT_EQ(numbersOf("A patch is cut every # quads, so its last blocks"), Numbers{side});
   EXPECT_EQ(numbersOf("**Group.** Up to # x # quads of a block. A block is cut every # quads"), (Numbers{group, group, group}));
@@ -130,28 +133,86 @@ TEST(VertFormat, RaysLieInPlanesAsThePageSays)
   EXPECT_FLOAT_EQ(float(at.least), float(3*std::pow(least[0], least[1])));
 }
 
-// Rows "| offset | type | `field` | meaning |" of the header's section.
+struct Row
+{
+  size_t offset, bytes;
+  std::string field;
+};
+
+// Rows "| offset | type | `field` | meaning |" between two places of the page.
+std::vector<Row> rowsOf(const std::string& from, const std::string& to)
+{
+  const std::map<std::string, size_t> bytesOf = {{"float", 4}, {"float[3]", 12}, {"uint32", 4}, {"uint16[4][3]", 24}, {"uint16[4]", 8}, {"int8[8]", 8}, {"uint32[2]", 8}};
+  const std::string all = page();
+  const size_t begin = all.find(from), end = all.find(to, begin);
+  EXPECT_TRUE(begin != std::string::npos && end != std::string::npos) << from;
+  const std::string part = all.substr(begin, end - begin);
+  const std::regex row("\\| ([0-9]+) \\| ([a-z0-9\\[\\]]+) \\| `([A-Za-z]+)` \\|");
+  std::vector<Row> rows;
+  for (std::sregex_iterator i(part.begin(), part.end(), row), last; i != last; ++i) rows.push_back({size_t(std::stoul((*i)[1])), bytesOf.at((*i)[2]), (*i)[3]});
+  return rows;
+}
+
+// That rows have the fields at these offsets, one behind the other, and end there.
+void expectRows(const std::vector<Row>& rows, const std::map<std::string, size_t>& offsetOf, size_t begin, size_t size)
+{
+  size_t end = begin;
+  for (const Row& row : rows) {
+    EXPECT_EQ(row.offset, end) << row.field;
+    ASSERT_EQ(offsetOf.count(row.field), 1u) << row.field;
+    EXPECT_EQ(row.offset, offsetOf.at(row.field)) << row.field;
+    end = row.offset + row.bytes;
+  }
+  EXPECT_EQ(rows.size(), offsetOf.size());
+  EXPECT_EQ(end, size);
+}
+
 TEST(VertFormat, TheHeaderIsThatOfThePage)
 {
-  const std::map<std::string, size_t> bytesOf = {{"float[3]", 12}, {"uint32", 4}, {"uint16[4][3]", 24}, {"uint16[4]", 8}, {"uint32[2]", sizeof(VertNumbers)}};
-  const std::map<std::string, size_t> offsetOf = {
+  expectRows(rowsOf("## Header", "A **coordinate**"), {
     {"origin", offsetof(VertHeader, origin)}, {"reach", offsetof(VertHeader, reach)}, {"surface", offsetof(VertHeader, surface)},
     {"primID", offsetof(VertHeader, primID)}, {"region", offsetof(VertHeader, region)}, {"patchQuads", offsetof(VertHeader, patchQuads)},
-    {"corners", offsetof(VertHeader, corners)}, {"boxForm", offsetof(VertHeader, boxForm)}, {"word", offsetof(VertHeader, word)}, {"edges", vertHeaderBytes}, {"numbers", vertHeaderBytes}};
-  const std::string all = page();
-  const std::regex row("\\| ([0-9]+) \\| ([a-z0-9\\[\\]]+) \\| `([A-Za-z]+)` \\|");
-  size_t end = 0, rows = 0;
-  for (std::sregex_iterator i(all.begin(), all.end(), row), last; i != last; ++i, rows++) {
-    const size_t offset = size_t(std::stoul((*i)[1]));
-    EXPECT_EQ(offset, (*i)[3] == "numbers" ? vertHeaderBytes : end) << (*i)[0] << ": numbers are in place of edges";
-    EXPECT_EQ(offset, offsetOf.at((*i)[3])) << (*i)[0];
-    end = offset + bytesOf.at((*i)[2]);
-  }
-  EXPECT_EQ(rows, offsetOf.size());
-  EXPECT_EQ(end, vertHeaderBytes + vertEdgesBytes);
+    {"corners", offsetof(VertHeader, corners)}, {"boxForm", offsetof(VertHeader, boxForm)}, {"word", offsetof(VertHeader, word)}}, 0, vertHeaderBytes);
+  expectRows(rowsOf("## Edges", "## Numbers"), {{"edges", vertHeaderBytes}}, vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
+  expectRows(rowsOf("## Numbers", "The form, in"), {{"numbers", vertHeaderBytes}}, vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
   EXPECT_EQ(numbersOf("Header, # bytes"), Numbers{vertHeaderBytes});
   EXPECT_EQ(numbersOf("Edges, # bytes"), Numbers{vertEdgesBytes});
   EXPECT_EQ(numbersOf("Numbers, # bytes"), Numbers{sizeof(VertNumbers)});
+}
+
+TEST(VertFormat, MotionIsThatOfThePage)
+{
+  expectRows(rowsOf("## Motion", "A later step begins"), {
+    {"begin", offsetof(VertMotion, begin)}, {"end", offsetof(VertMotion, end)}, {"numSteps", offsetof(VertMotion, numSteps)}, {"steps", offsetof(VertMotion, steps)}}, 0, vertMotionBytes);
+  expectRows(rowsOf("A later step begins", "**Boxes** belong to segments"), {
+    {"origin", offsetof(VertStep, origin)}, {"boxForm", offsetof(VertStep, boxForm)}, {"word", offsetof(VertStep, word)}, {"corners", offsetof(VertStep, corners)},
+    {"turned", offsetof(VertStep, turned)}, {"turn", offsetof(VertStep, turn)}, {"reach", offsetof(VertStep, reach)}, {"endReach", offsetof(VertStep, endReach)}}, 0, vertStepBytes);
+  EXPECT_EQ(numbersOf("of the segment that begins with the step; #: the step is raw; #: the first cell is turned; #: groups have the upper # bits of words; #: it has margins, "
+                      "as all but the last have; #-#: the step of `reach` is #^this"), (Numbers{24, 25, 26, 8, 27, 28, 31, 2}));
+  EXPECT_TRUE(isRaw(1u << 24) && isFirstCellTurned(1u << 25) && hasUpperBits(1u << 26) && hasMargins(1u << 27));
+  EXPECT_EQ(beginReachStep(5u << 28), 32u);
+  EXPECT_EQ(numbersOf("bits #-#: groups that are turned; #-#: the matrix's scale q; #-#: the step of `endReach` is #^this; #: #; #-#: the matrix's last entry"),
+            (Numbers{0, 15, 16, 18, 19, 22, 2, 23, 0, 24, 31}));
+  EXPECT_TRUE(isTurned(1u << 9, 9) && !isTurned(~(1u << 9), 9));
+  EXPECT_EQ(endReachStep(5u << 19), 32u);
+  VertStep step = {};
+  step.turned = 3u << 16 | uint32_t(uint8_t(-100)) << 24;
+  for (int i = 0; i < 8; i++) ((int8_t*)step.turn)[i] = int8_t(11*i - 40);
+  for (int i = 0; i < 9; i++) EXPECT_EQ(turnEntry(step, uint32_t(i)), i < 8 ? 11*i - 40 : -100);
+
+  const Numbers formula = numbersOf("floor((M[a][0] r[0] + M[a][1] r[1] + M[a][2] r[2] + #^(#-q)) / #^(#-q))");
+  ASSERT_EQ(formula.size(), 4u);
+  for (uint32_t q = 0; q <= 6; q++)
+    for (int x = -50; x <= 50; x++) {
+      const double sum = 91.0*x - 17*3.0 + 5*x*x;
+      EXPECT_EQ(turnedResidual(91, -17, 5, x, 3, x*x, turnShift(q << 16)), std::floor((sum + std::pow(formula[0], formula[1] - q))/std::pow(formula[2], formula[3] - q)));
+    }
+  VertMotion motion = {0.25f, 0.75f, 5, 0};
+  EXPECT_TRUE(isThere(motion, 0.25f) && isThere(motion, 0.75f) && !isThere(motion, 0.2f) && !isThere(motion, 0.8f));
+  EXPECT_EQ(timeInMotion(motion, 0.5f).segment, 2u);
+  EXPECT_EQ(timeInMotion(motion, 0.75f).segment, 3u);
+  EXPECT_EQ(timeInMotion(motion, 0.75f).fraction, 1.0f);
+  EXPECT_EQ(timeInMotion(motion, 0.4375f).fraction, 0.5f);
 }
 
 // Each field of a word in the bits that its row names: `field` has the value of all ones there, others none.
@@ -177,7 +238,8 @@ TEST(VertFormat, FieldsAreWhereThePageSays)
   const Numbers edges = numbersOf("bits #-#: the rate less 1 that its vertices have; #-#: of the first two, u and v of the face");
   ASSERT_EQ(edges.size(), 4u);
   expectFields(edges, [](size_t field, uint32_t ones) { return vertEdges(1 + (field == 0)*ones, 1, 1, 1, (field == 1)*ones, 0).low; });
-  EXPECT_EQ(numbersOf("#: the block has edges; #: it has numbers; #: 0"), (Numbers{29, 30, 31}));
+  EXPECT_EQ(numbersOf("#: the block has edges; #: it has numbers, and not both; #: it moves"), (Numbers{29, 30, 31}));
+  EXPECT_TRUE(isMoving(1u << 31) && !isMoving(~(1u << 31)));
   EXPECT_TRUE(hasEdges(1u << 29) && !hasEdges(~(1u << 29)));
   EXPECT_TRUE(hasNumbers(1u << 30) && !hasNumbers(~(1u << 30)));
 }

@@ -84,6 +84,56 @@ TEST_P(MovingMeshes, HitsAreEmbrees)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
+// The vertex that is nearest at a time, found among the quads that a query is told of.
+struct NearestVertex
+{
+  const DicedMesh& mesh;
+  float time;
+  double distance = INFINITY;
+
+  double distanceTo(unsigned vertex, const float p[3]) const
+  {
+    const Vec a = mesh.motion(mesh.vertices[vertex], 0), b = mesh.motion(mesh.vertices[vertex], 1);
+    double d2 = 0;
+    for (int k = 0; k < 3; k++) { const double d = (1 - time)*a[k] + time*b[k] - p[k]; d2 += d*d; }
+    return std::sqrt(d2);
+  }
+
+  static bool visit(RTCPointQueryFunctionArguments* args)
+  {
+    NearestVertex& self = *(NearestVertex*)args->userPtr;
+    const float p[3] = {args->query->x, args->query->y, args->query->z};
+    for (unsigned v : self.mesh.quads[args->primID]) self.distance = std::min(self.distance, self.distanceTo(v, p));
+    if (self.distance >= args->query->radius) return false;
+    args->query->radius = float(self.distance);
+    return true;
+  }
+};
+
+TEST(MovingMeshesInTime, PointQueriesSeeThemWhereTheyAre)
+{
+  Random random(3143);
+  Device device;
+  DicedMesh mesh = meshOf(dicedSheet(2, 16, lattice), QuadOrder::Recursive, random);
+  mesh.motion = [](const Vec& p, unsigned step) { return step ? bent(p, 3) : p; };
+  Scene scene(device);
+  attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, 2));
+  rtcCommitScene(scene);
+  ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
+  for (int i = 0; i < 200; i++) {
+    NearestVertex nearest = {mesh, float(random.uniform())}, all = nearest;
+    RTCPointQuery query = {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-0.5, 0.5)), nearest.time, 1e9f};
+    const float p[3] = {query.x, query.y, query.z};
+    for (unsigned v = 0; v < mesh.vertices.size(); v++) all.distance = std::min(all.distance, all.distanceTo(v, p));
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(scene, &query, &context, NearestVertex::visit, &nearest);
+    // a quad is nearer than its vertices by less than its diagonal
+    ASSERT_NEAR(nearest.distance, all.distance, 0.1);
+    ASSERT_GE(nearest.distance, all.distance);
+  }
+}
+
 // Of a ball of grids with vertices of their own, which move alike.
 TEST(MovingMeshesInTime, ClosedBallsOfGridsLetNoRayThrough)
 {

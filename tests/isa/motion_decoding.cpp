@@ -1,0 +1,124 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* The traversal's decoder of blocks of cVERT that move against the scalar one: random segments, all groups at both ends to the last bit, and
+ * between the ends boxes that contain what is in them, in the same floats. Compiled once for every ISA, outside of the library. */
+
+#include "kernels/cbvh/vert/moving_block.h"
+#include "support/moving_sheet.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+// for isa_check.cpp
+extern const char* const programIsa;
+const char* const programIsa = TEST_ISA;
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+using namespace embree::isa::cbvh;
+
+// Whether planes of a group's box contain a vertex along an axis; the sheared coordinate in double.
+bool contains(const GroupBoxes& boxes, uint32_t lane, int k, const float p[3])
+{
+  double c = p[k];
+  if (k == boxes.axis) {
+    c = 0;
+    for (int a = 0; a < 3; a++) c += double(boxes.shear[a])*(double(p[a]) - boxes.origin[a]);
+  }
+  return boxes.planes[k].at[0][lane] <= c && c <= boxes.planes[k].at[1][lane];
+}
+
+TEST(MotionDecoding, SegmentsEqualTheScalarDecoder)
+{
+  Random random(3161);
+  auto encoder = std::make_unique<MotionEncoder>();
+  auto boxes = std::make_unique<SegmentBoxes>();
+  auto group = std::make_unique<SegmentVertices>();
+  size_t raw = 0, sheared = 0, turned = 0;
+  for (int i = 0; i < 700; i++) {
+    const MovingSheet sheet(random, 1 + random.below(16), 1 + random.below(16), i);
+    const EncodedMotion encoded(*encoder, sheet);
+    const VertHeader* const block = encoded.block();
+    turned += encoded.statistics.turnedGroups;
+    const uint32_t segment = random.below(uint32_t(sheet.steps.size()) - 1);
+    const MotionDecoder decoder(block);
+    boxes->key = {block, segment, 0};
+    decoder.decode(segment, *boxes);
+    const auto before = std::make_unique<ScalarVertBlock>(block, segment), after = std::make_unique<ScalarVertBlock>(block, segment + 1);
+    raw += boxes->axis == 3;
+    sheared += boxes->axis < 3 && boxes->shear[(boxes->axis + 1) % 3] != 0;
+    const float fraction = i % 3 == 0 ? float(i % 2) : float(random.uniform());
+    embree::cbvh::outdateThreadCaches();
+    const MovingVertBlock moving(block, TimeInMotion{segment, fraction});
+    const GroupBoxes& now = moving.boxes();
+    ASSERT_EQ(now.lanes, boxes->lanes);
+    for (uint32_t rest = boxes->lanes; rest; rest &= rest - 1) {
+      const uint32_t lane = uint32_t(__builtin_ctz(rest));
+      decoder.vertices(*boxes, lane, *group);
+      const QuadCorners& quads = moving.quads(lane);
+      for (uint32_t y = 0; y < 5; y++)
+        for (uint32_t x = 0; x < 5; x++) {
+          const uint32_t column = std::min(4*(lane & 3) + x, sheet.quadsX), row = std::min(4*(lane >> 2) + y, sheet.quadsY);
+          for (int e = 0; e < 2; e++)
+            for (int k = 0; k < 3; k++) {
+              const float a = group->ends[e].at[k][laneOfVertex(x, y)], b = (e ? *after : *before).vertex(column, row)[k];
+              ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << a << " for " << b << ": sheet " << i << ", segment " << segment << ", end " << e << ", lane " << lane;
+            }
+        }
+      for (uint32_t q = 0; q < 16; q++)
+        for (uint32_t c = 0; c < 4; c++) {
+          const float p[3] = {quads.at[c][0][q], quads.at[c][1][q], quads.at[c][2][q]};
+          if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
+          for (int k = 0; k < 3; k++) ASSERT_TRUE(contains(now, lane, k, p)) << "sheet " << i << ", lane " << lane << ", quad " << q << ", axis " << k << ", at " << fraction;
+        }
+    }
+  }
+  EXPECT_GT(raw, 50u);
+  EXPECT_GT(sheared, 100u);
+  EXPECT_GT(turned, 2000u);
+}
+
+// Bounds of whole blocks leave no ray out that meets a vertex.
+TEST(MotionDecoding, BoundsOfBlocksContainTheirVerticesAtAllTimes)
+{
+  Random random(3162);
+  auto encoder = std::make_unique<MotionEncoder>();
+  size_t rays = 0, missed = 0;
+  for (int i = 0; i < 400; i++) {
+    const MovingSheet sheet(random, 1 + random.below(16), 1 + random.below(16), i);
+    const EncodedMotion encoded(*encoder, sheet);
+    const VertHeader* const block = encoded.block();
+    const uint32_t segment = random.below(uint32_t(sheet.steps.size()) - 1);
+    embree::cbvh::outdateThreadCaches();
+    const MovingVertBlock moving(block, TimeInMotion{segment, float(random.uniform())});
+    const GroupBoxes& now = moving.boxes();
+    for (int r = 0; r < 20 && now.lanes; r++) {
+      uint32_t lane;
+      do lane = random.below(16); while (!((now.lanes >> lane) & 1));
+      const QuadCorners& quads = moving.quads(lane);
+      const uint32_t q = random.below(16), c = random.below(4);
+      const float p[3] = {quads.at[c][0][q], quads.at[c][1][q], quads.at[c][2][q]};
+      if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
+      float org[3], dir[3];
+      for (int k = 0; k < 3; k++) {
+        dir[k] = float(random.normal())*600*sheet.spacings[segment];
+        org[k] = p[k] - dir[k];
+        dir[k] = p[k] - org[k];
+      }
+      const embree::Ray ray(embree::Vec3fa(org[0], org[1], org[2]), embree::Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY);
+      VertRay pre;
+      pre.set(ray);
+      rays++;
+      missed += !moving.mayMeet(pre, 0.0f, INFINITY);
+    }
+  }
+  EXPECT_GT(rays, 5000u);
+  EXPECT_EQ(missed, 0u);
+}
+
+} // namespace
+} // namespace cbvh::test
