@@ -73,7 +73,7 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, int 
                   std::vector<DisplacementContext>& contexts, const RTCCompressionArguments* compression = nullptr)
 {
   contexts.resize(model.copies.size());
-  const SharedTopology topology(device, model.cage);
+  const SharedTopology topology(device, model.cage, model.poses);
   for (size_t i = 0; i < contexts.size(); i++)
   {
     contexts[i].displacement = model.displacement.get();

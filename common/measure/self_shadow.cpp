@@ -94,6 +94,7 @@ Ray secondaryRay(const Ray& primary, const SurfaceHit& hit, Vec3f direction, con
   const RayOffset& offset = settings.offset;
   const Vec3f p = position(primary, hit);
   Ray ray;
+  ray.time = primary.time;
   ray.origin = p + (offset.length + offset.pixels * footprint * hit.t) * facing(primary, hit);
   ray.direction = direction;
   ray.tnear = offset.ulps * 0x1p-23f * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), hit.t});

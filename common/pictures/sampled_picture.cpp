@@ -49,14 +49,15 @@ Image SampledPicture::image() const
   return image;
 }
 
-Image sampledPicture(const BuiltScene& scene, const Camera& camera, Vec3f up, const std::vector<SurfaceHit>& hits,
-                     int samples, HitColors colors, unsigned threads)
+Image sampledPicture(const BuiltScene& scene, const Camera& camera, Vec3f up, const std::vector<Ray>& first, const std::vector<SurfaceHit>& hits,
+                     int samples, const Shutter& shutter, HitColors colors, unsigned threads)
 {
   SampledPicture picture(camera, up, colors);
-  picture.add(primaryRays(camera), hits, threads);
+  picture.add(first, hits, threads);
   for (int i = 1; i < samples; i++)
   {
-    const std::vector<Ray> rays = primaryRays(camera, sampleOffset(i));
+    std::vector<Ray> rays = primaryRays(camera, sampleOffset(i));
+    setTimes(rays, shutter, i);
     picture.add(rays, traceClosest(scene, rays, threads), threads);
   }
   return picture.image();

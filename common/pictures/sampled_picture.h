@@ -10,6 +10,7 @@
 #include "pictures/image.h"
 #include "pictures/shading.h"
 #include "tracing/camera.h"
+#include "tracing/shutter.h"
 
 #include <vector>
 
@@ -42,8 +43,8 @@ private:
   int samples = 0;
 };
 
-/* The picture that a scene makes. hits: of primaryRays, which are the first samples. Throws Cancelled. */
-Image sampledPicture(const BuiltScene& scene, const Camera& camera, Vec3f up, const std::vector<SurfaceHit>& hits,
-                     int samples, HitColors colors, unsigned threads);
+/* The picture that a scene makes. rays, hits: of primaryRays, with times, which are the first samples. Throws Cancelled. */
+Image sampledPicture(const BuiltScene& scene, const Camera& camera, Vec3f up, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits,
+                     int samples, const Shutter& shutter, HitColors colors, unsigned threads);
 
 } // namespace cbvh

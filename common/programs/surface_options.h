@@ -101,6 +101,10 @@ inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
   app.add_option("--mapping", settings.mapping, "trex and herd: heights by faces, like Ptex, or by an atlas")
     ->type_name("faces|atlas");
   app.add_option("--count", settings.count, "herd: number of copies")->type_name("N");
+  app.add_option("--cage-end", settings.cageEnds, "the cage at the end of the shutter, OBJ with the same faces; several: at even times, one after the other")
+    ->type_name("FILE");
+  app.add_option("--motion", settings.motion, "in place of that: turn, bend, twist or walk, while the shutter is open")->type_name("NAME");
+  app.add_option("--steps", settings.steps, "time steps of --motion, 2 to 129 [2]")->type_name("N");
   app.add_option("--maps", settings.mapFolder, "folder for the height maps of generated scenes, else the user's cache")
     ->type_name("DIR");
 }

@@ -56,6 +56,14 @@ bool parseNumbers(const std::string& text, float* x, int n)
 
 } // namespace
 
+Shutter parseShutter(const std::string& text)
+{
+  float x[2];
+  if (!parseNumbers(text, x, 2) || !(0 <= x[0] && x[0] <= x[1] && x[1] <= 1))
+    throw Error("--shutter '" + text + "' is not two times from 0 to 1, as in 0,1");
+  return {x[0], x[1]};
+}
+
 Vec3f parsePosition(const std::string& text)
 {
   float x[3];

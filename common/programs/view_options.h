@@ -7,6 +7,7 @@
 
 #include "building/built_scene.h"
 #include "tracing/camera.h"
+#include "tracing/shutter.h"
 
 #include <string>
 
@@ -14,6 +15,9 @@ namespace cbvh {
 
 /* Reads "WIDTHxHEIGHT". Throws Error. */
 ImageSize parseImageSize(const std::string& text);
+
+/* Reads "0,1": two times from 0 to 1, the first not above the second. Throws Error. */
+Shutter parseShutter(const std::string& text);
 
 /* Reads "x,y,z". Throws Error. */
 Vec3f parsePosition(const std::string& text);

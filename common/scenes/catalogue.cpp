@@ -8,6 +8,7 @@
 #include "scenes/frog.h"
 #include "scenes/herd.h"
 #include "scenes/knee.h"
+#include "scenes/motion.h"
 #include "scenes/scythe.h"
 #include "scenes/trex.h"
 #include "surface/cage_validation.h"
@@ -51,11 +52,31 @@ void chooseUp(Model& model, const SceneSettings& settings, const std::string& pa
   model.view = turnedFromY(model.view, model.up);
 }
 
+/* The cage's vertices in another file, in the same order. */
+std::vector<Vec3f> poseIn(const std::string& path, const Cage& cage, const std::string& cagePath, std::string& warnings)
+{
+  Cage end = readObj(path, warnings);
+  if (end.positions.size() != cage.positions.size() || end.faceIndices != cage.faceIndices)
+    throw Error(path + ": " + std::to_string(end.positions.size()) + " vertices and " + std::to_string(end.numFaces()) + " faces are not those of " + cagePath +
+                ", which has " + std::to_string(cage.positions.size()) + " and " + std::to_string(cage.numFaces()) + ", in the same order");
+  return std::move(end.positions);
+}
+
+MotionSettings motionOf(const SceneSettings& settings)
+{
+  MotionSettings motion;
+  motion.name = settings.motion;
+  motion.steps = settings.steps.value_or(motion.steps);
+  return motion;
+}
+
 Model loadCage(const SceneSettings& settings, std::string& warnings)
 {
   Model model;
   model.cage = readObj(settings.cagePath, warnings);
   model.name = std::filesystem::path(settings.cagePath).stem().string();
+  for (const std::string& path : settings.cageEnds)
+    model.poses.push_back(poseIn(path, model.cage, settings.cagePath, warnings));
   validateCage(model.cage, warnings);
   chooseUp(model, settings, settings.cagePath, warnings);
   if (!settings.heightPath.empty())
@@ -177,6 +198,16 @@ void validateScene(const SceneSettings& s)
     throw Error("--up belongs to --cage and --mesh");
   if (s.amplitude && !std::isfinite(*s.amplitude))
     throw Error("--amplitude must be finite");
+  if (!s.cageEnds.empty() && s.cagePath.empty())
+    throw Error("--cage-end belongs to --cage, generated scenes have --motion");
+  if (!s.cageEnds.empty() && !s.motion.empty())
+    throw Error("--cage-end and --motion both say how the cage moves, give one");
+  if (!s.motion.empty() && !s.meshPath.empty())
+    throw Error("--motion belongs to cages and generated scenes");
+  if (s.steps && s.motion.empty())
+    throw Error("--steps belongs to --motion");
+  if (!s.motion.empty())
+    validateMotion(motionOf(s));
   validateMap(s);
 }
 
@@ -200,10 +231,16 @@ Model loadScene(const SceneSettings& given, std::string& warnings)
   const SceneSettings settings = withStrength(given);
   if (!settings.meshPath.empty())
     return loadMesh(settings, warnings);
+  Model model;
   if (settings.scene.empty())
-    return loadCage(settings, warnings);
-  Model model = findScene(settings.scene)->make(settings);
-  validateCage(model.cage, warnings);
+    model = loadCage(settings, warnings);
+  else
+  {
+    model = findScene(settings.scene)->make(settings);
+    validateCage(model.cage, warnings);
+  }
+  if (!settings.motion.empty())
+    addMotion(model, motionOf(settings));
   return model;
 }
 

@@ -31,6 +31,9 @@ struct SceneSettings
   std::optional<int> count;       // herd: of copies
   std::string mapFolder;          // where generated height maps are kept, empty: the user's cache
   int threads = 0;                // for generating them, 0 for all
+  std::vector<std::string> cageEnds; // OBJ, of the cage at later time steps
+  std::string motion;             // in place of these, one of motionNames(); empty: the model does not move
+  std::optional<int> steps;       // in time, of that
 };
 
 const std::vector<std::string>& sceneNames();

@@ -44,13 +44,18 @@ const std::vector<std::string>& motionNames()
   return names;
 }
 
-void addMotion(Model& model, const MotionSettings& settings)
+void validateMotion(const MotionSettings& settings)
 {
   const std::vector<std::string>& names = motionNames();
   if (std::find(names.begin(), names.end(), settings.name) == names.end())
     throw Error("--motion: unknown motion '" + settings.name + "': expected turn, bend, twist or walk");
   if (settings.steps < 2 || settings.steps > 129)
     throw Error("--steps: " + std::to_string(settings.steps) + " time steps: expected 2 to 129");
+}
+
+void addMotion(Model& model, const MotionSettings& settings)
+{
+  validateMotion(settings);
   const Box3f bounds = model.cage.bounds();
   model.poses.clear();
   for (int i = 1; i < settings.steps; i++)

@@ -23,7 +23,10 @@ struct MotionSettings
  * swings, to one side of it forwards and to the other backwards. */
 const std::vector<std::string>& motionNames();
 
-/* Gives a model poses. Throws Error for an unknown name or a number of steps that is none. */
+/* Throws Error for an unknown name or a number of steps that is none. */
+void validateMotion(const MotionSettings& settings);
+
+/* Gives a model poses; likewise. */
 void addMotion(Model& model, const MotionSettings& settings);
 
 } // namespace cbvh

@@ -63,14 +63,19 @@ struct Model
   size_t numVertices() const { return cage.positions.size() * copies.size(); }
   PatchLayout layout(int level) const { return PatchLayout(cage, isMesh ? 0 : level, copies.size()); }
 
-  /* Control points of all copies. */
+  /* Control points of all copies, at all time steps. */
   std::vector<Vec3f> positions() const
   {
     std::vector<Vec3f> all;
-    all.reserve(numVertices());
+    all.reserve(numVertices() * (1 + poses.size()));
     for (const Placement& copy : copies)
+    {
       for (const Vec3f& p : cage.positions)
         all.push_back(copy.apply(p));
+      for (const std::vector<Vec3f>& pose : poses)
+        for (const Vec3f& p : pose)
+          all.push_back(copy.apply(p));
+    }
     return all;
   }
 };

@@ -79,6 +79,7 @@ std::vector<Ray> bounceRays(const std::vector<Ray>& primary, const std::vector<S
     Ray ray;
     ray.origin = primary[i].origin + hits[i].t * primary[i].direction + settings.offset * n;
     ray.direction = cosineDirection(n, random);
+    ray.time = primary[i].time;
     rays.push_back(ray);
   }
   return rays;

@@ -150,7 +150,7 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
  * scene is committed the next time; the geometry has to be committed before.
  * Blocks belong to the geometry: all scenes that it is attached to share them, and they are built
  * again when it was committed after a change of its surface. After changes of its mask, its filters
- * and whether it is enabled they are not.
+ * and whether it is enabled they are not. Geometry with motion blur is stored as VERT whatever kind is chosen; of a kind that is not VERT with exactFaces 0 it is Embree's.
  *
  * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or
  *           RTC_GEOMETRY_TYPE_TRIANGLE.

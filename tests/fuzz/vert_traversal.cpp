@@ -6,7 +6,7 @@
  * What the traversal relies on, and what is made true of the bytes here: there are as many bytes
  * as place, words and the raw bit say, and those that decoders may read behind them. All else,
  * lattice, corners, margins, words, fields, vertices and ray, may be anything: no access outside,
- * no undefined behaviour, an end. Each hit that a filter sees has, for any block,
+ * no undefined behaviour, an end. (Blocks that move are those that validation takes.) Each hit that a filter sees has, for any block,
  *   - a distance between tnear and tfar, each accepted one no farther than the one before,
  *   - parameters of the block's quads;
  * and closest hit and any hit agree on whether there is one.
@@ -14,7 +14,8 @@
  * --seeds=DIRECTORY writes blocks of the encoder, with rays, for a corpus to start from. */
 
 #include "fuzz_support.h"
-#include "kernels/cbvh/vert/encoder.h"
+#include "kernels/cbvh/vert/motion_encoder.h"
+#include "kernels/cbvh/vert/validate.h"
 #include "kernels/cbvh/scene/kind_visitors1.h"
 
 #include <memory>
@@ -26,6 +27,7 @@ namespace {
 using namespace embree;
 using namespace embree::isa;
 using namespace embree::cbvh;
+using embree::isa::cbvh::intersectMovingVert;
 using embree::isa::cbvh::intersectVert;
 using embree::isa::cbvh::VertRay;
 
@@ -37,6 +39,10 @@ size_t blockBytes(const uint8_t* data, size_t size)
 {
   VertHeader header;
   memcpy(&header, data, sizeof(header));
+  if (isMoving(header.boxForm)) {
+    const ExactMemory aligned(data, size, alignment);
+    return VertValidation::errorOf(aligned.get(), size) ? 0 : vertBytes((const VertHeader*)aligned.get());
+  }
   const VertLayout layout = vertLayout(header.region, header.boxForm);
   if (size < layout.margins || (hasEdges(header.boxForm) && hasNumbers(header.boxForm))) return 0;
   if (hasNumbers(header.boxForm)) {
@@ -92,6 +98,12 @@ struct Trace : RTCIntersectContext
   }
 };
 
+template<typename RayType>
+bool intersect(RayType& ray, IntersectContext* context, VertRay& pre, const VertHeader* block)
+{
+  return isMoving(block->boxForm) ? intersectMovingVert(ray, context, pre, block) : intersectVert(ray, context, pre, block);
+}
+
 void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
 {
   const bool sound = isSound(bytes);
@@ -104,7 +116,7 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
     hit.geomID = RTC_INVALID_GEOMETRY_ID;
     IntersectContext context((Scene*)scene, &closest);
     VertRay pre;
-    intersectVert(hit, &context, pre, block);
+    intersect(hit, &context, pre, block);
     REQUIRE((hit.geomID == 0) == (accepts && closest.hits));
     if (sound) REQUIRE(hit.tfar == (accepts ? closest.tfar : bytes.tfar));
 
@@ -112,7 +124,7 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
     Ray occluded(ray);
     context.user = &any;
     VertRay anyPre;
-    const bool isOccluded = intersectVert(occluded, &context, anyPre, block);
+    const bool isOccluded = intersect(occluded, &context, anyPre, block);
     REQUIRE(isOccluded == (accepts && any.hits));
     REQUIRE((closest.hits != 0) == (any.hits != 0));
     found[accepts] = any.hits;
@@ -125,10 +137,32 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
   IntersectContext context((Scene*)scene, &plain);
   Ray occluded(ray);
   VertRay pre;
-  REQUIRE(intersectVert(occluded, &context, pre, block) == found[true]);
+  REQUIRE(intersect(occluded, &context, pre, block) == found[true]);
 }
 
 enum Surface { WAVES, SPIKES, FLAT, HOLES, SURFACES };
+
+// The vertices of an encoder, which turn over three steps, the last of them on a finer lattice.
+void writeMovingSeeds(const std::string& name, const VertEncoder& still, uint32_t region, float spacing)
+{
+  static const auto encoder = std::make_unique<MotionEncoder>();
+  std::vector<Vec3fa> memory(MotionEncoder::maxBytes(3)/sizeof(Vec3fa) + 2);
+  encoder->begin({region, vertPatch(vertQuadsX(region), vertQuadsY(region))}, 0, 1, 3, (uint8_t*)memory.data());
+  for (int step = 0; step < 3; step++) {
+    const float unit = step == 2 ? spacing/2 : spacing;
+    for (uint32_t v = 0; v < still.numVertices(); v++) {
+      const float* p = still.vertices[v];
+      const float q[3] = {p[0], p[1] + 0.1f*float(step)*p[2], p[2] - 0.1f*float(step)*p[1]};
+      for (int k = 0; k < 3; k++) encoder->vertices()[v][k] = std::round(q[k]/unit)*unit;
+    }
+    encoder->addStep(unit);
+  }
+  MotionStatistics statistics;
+  const size_t bytes = encoder->finish(statistics);
+  VertHeader* block = (VertHeader*)memory.data();
+  block->surface = block->primID = 0;
+  for (const RayBytes& ray : seedRays) writeSeed(name + "-" + std::to_string(&ray - seedRays), ray, block, bytes);
+}
 
 void writeSeeds(const std::string& directory)
 {
@@ -151,6 +185,7 @@ void writeSeeds(const std::string& directory)
         if (bytes == 0) continue;
         VertHeader* block = (VertHeader*)memory.data();
         block->surface = block->primID = 0;
+        writeMovingSeeds(directory + "/moving-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface), *encoder, block->region, spacing);
         for (const RayBytes& ray : seedRays)
           writeSeed(directory + "/" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - seedRays), ray, block, bytes);
       }

@@ -6,8 +6,8 @@
 
 #include "fuzz_support.h"
 
-#include "kernels/cbvh/vert/decoder.h"
-#include "kernels/cbvh/vert/encoder.h"
+#include "kernels/cbvh/vert/motion_decoder.h"
+#include "kernels/cbvh/vert/motion_encoder.h"
 #include "kernels/cbvh/vert/validate.h"
 #include "kernels/cbvh/vert/scalar_block.h"
 
@@ -17,6 +17,7 @@ namespace cbvh::test {
 namespace {
 
 using namespace embree::cbvh;
+using embree::isa::cbvh::MotionDecoder;
 using embree::isa::cbvh::VertDecoder;
 
 void decode(const VertHeader* block)
@@ -28,6 +29,40 @@ void decode(const VertHeader* block)
   auto quads = std::make_unique<QuadCorners>();
   for (uint32_t lane = 0; lane < 16; lane++)
     if (boxes->lanes >> lane & 1) decoder.quads(*boxes, lane, *quads);
+  if (!isMoving(block->boxForm)) return;
+  const MotionDecoder moving(block);
+  auto shared = std::make_unique<SegmentBoxes>();
+  auto group = std::make_unique<SegmentVertices>();
+  for (uint32_t segment = 0; segment + 1 < motionOf(block).numSteps; segment++) {
+    const auto step = std::make_unique<ScalarVertBlock>(block, segment + 1);
+    shared->key = {block, segment, 0};
+    moving.decode(segment, *shared);
+    for (uint32_t lane = 0; lane < 16; lane++)
+      if (shared->lanes >> lane & 1) moving.vertices(*shared, lane, *group);
+  }
+}
+
+void writeMovingSeed(const std::string& path, uint32_t quads, bool isRawBlock)
+{
+  static const auto encoder = std::make_unique<MotionEncoder>();
+  std::vector<uint8_t> bytes(MotionEncoder::maxBytes(3));
+  encoder->begin({vertRegion(quads, quads, 0, 0), vertPatch(quads, quads)}, 0, 1, 3, bytes.data());
+  for (int step = 0; step < 3; step++) {
+    for (uint32_t v = 0; v < (quads + 1)*(quads + 1); v++) {
+      const uint32_t x = v % (quads + 1), y = v/(quads + 1);
+      encoder->vertices()[v][0] = float(16*x);
+      encoder->vertices()[v][1] = float(16*y) + float(step*(x*y % 5));
+      encoder->vertices()[v][2] = isRawBlock && v == 0 && step == 1 ? NAN : float(x*y % 5);
+    }
+    encoder->addStep(1);
+  }
+  MotionStatistics statistics;
+  const size_t size = encoder->finish(statistics);
+  REQUIRE(VertValidation::errorOf(bytes.data(), size) == nullptr);
+  REQUIRE(VertValidation::errorOf(bytes.data(), size - 4) != nullptr);
+  FILE* file = std::fopen(path.c_str(), "wb");
+  REQUIRE(file && std::fwrite(bytes.data(), size, 1, file) == 1);
+  std::fclose(file);
 }
 
 void writeSeeds(const std::string& folder)
@@ -35,6 +70,8 @@ void writeSeeds(const std::string& folder)
   auto encoder = std::make_unique<VertEncoder>();
   std::vector<uint8_t> bytes(VertEncoder::maxBytes);
   int n = 0;
+  for (uint32_t quads : {1u, 4u, 7u, 16u})
+    for (bool isRawBlock : {false, true}) writeMovingSeed(folder + "/moving" + std::to_string(n++), quads, isRawBlock);
   for (uint32_t quads : {1u, 4u, 7u, 16u})
     for (bool isRawBlock : {false, true})
       for (bool hasEdges : {false, true}) {

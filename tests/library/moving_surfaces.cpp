@@ -71,6 +71,53 @@ TEST_P(MovingSurfaces, HitsAreThoseOfEmbreesMotionBlur)
     }
 }
 
+// In instances that move themselves, too.
+TEST_P(MovingSurfaces, MasksFiltersAndInstances)
+{
+  Random random(seed + 4);
+  Device device(GetParam());
+  if (!device) GTEST_SKIP();
+  Displacement displacement;
+  Scene scenes[2] = {Scene(device), Scene(device)}, tops[2] = {Scene(device), Scene(device)};
+  for (int i = 0; i < 2; i++) {
+    SurfaceSettings settings = moving(displacement, 3);
+    settings.compression = i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE;
+    settings.mask = 2;
+    RTCGeometry geometry = newSurface(device, cubeCage(), settings);
+    const auto filter = [](const RTCFilterFunctionNArguments* args) {
+      for (unsigned k = 0; k < args->N; k++)
+        if (args->valid[k] == -1 && (RTCHitN_primID(args->hit, args->N, k) % 3 == 0 || RTCHitN_u(args->hit, args->N, k) > 0.6f)) args->valid[k] = 0;
+    };
+    rtcSetGeometryIntersectFilterFunction(geometry, filter);
+    rtcSetGeometryOccludedFilterFunction(geometry, filter);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scenes[i], geometry, 3);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scenes[i]);
+    RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, scenes[i]);
+    rtcSetGeometryTimeStepCount(instance, 2);
+    const float begin[12] = {0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, end[12] = {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f};
+    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, begin);
+    rtcSetGeometryTransform(instance, 1, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, end);
+    rtcCommitGeometry(instance);
+    attach(tops[i], instance);
+    rtcCommitScene(tops[i]);
+  }
+  std::vector<RTCRayHit> rays = timedRays(random, 600);
+  for (RTCRayHit& r : rays) r.ray.mask = random.chance(0.9) ? 2 : 1;
+  for (QueryForm form : allQueryForms) {
+    SCOPED_TRACE(nameOf(form));
+    for (int top = 0; top < 2; top++) {
+      Scene* const of = top ? tops : scenes;
+      const std::vector<RTCRayHit> found = closestHits(of[1], rays, form), any = anyHits(of[1], rays, form);
+      ASSERT_NO_FATAL_FAILURE(expectSameHits(closestHits(of[0], rays, form), found, 1e-3));
+      for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(any[i].ray.tfar < 0, isHit(found[i])) << "ray " << i;
+    }
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
 // A cage whose displacement moves nothing, so that its surface between two steps is that of the cage between them.
 SurfaceSettings smooth(unsigned timeSteps, float begin, float end)
 {

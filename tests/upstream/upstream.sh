@@ -78,7 +78,7 @@ mv kept upstream/patches/subdiv-accel.patch
 # Applied, and applied again: the second time touches nothing.
 contents() { find tree -type f -printf '%p %T@ ' -exec md5sum {} +; }
 provide "$archive"
-grep -q createCompressedSubdivAccel tree/kernels/common/scene.cpp || fail "not patched"
+grep -q createCompressedAccel tree/kernels/common/scene.cpp || fail "not patched"
 contents > once
 provide "$archive"
 contents > twice

@@ -22,7 +22,7 @@
   EACH(rtcNewBuffer) EACH(rtcReleaseBuffer) EACH(rtcGetBufferData) \
   EACH(rtcNewGeometry) EACH(rtcReleaseGeometry) EACH(rtcCommitGeometry) \
   EACH(rtcSetGeometryBuffer) EACH(rtcSetNewGeometryBuffer) EACH(rtcSetGeometryUserData) \
-  EACH(rtcSetGeometrySubdivisionMode) EACH(rtcSetGeometryTessellationRate) \
+  EACH(rtcSetGeometrySubdivisionMode) EACH(rtcSetGeometryTessellationRate) EACH(rtcSetGeometryTimeStepCount) \
   EACH(rtcSetGeometryDisplacementFunction) EACH(rtcSetGeometryCompression) EACH(rtcInterpolateN) \
   EACH(rtcNewScene) EACH(rtcReleaseScene) EACH(rtcAttachGeometry) EACH(rtcCommitScene) \
   EACH(rtcSetSceneFlags) EACH(rtcSetSceneProgressMonitorFunction) \

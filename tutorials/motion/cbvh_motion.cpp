@@ -131,10 +131,7 @@ void measure(const Options& options, const Model& model)
 {
   const Built grid(model, options, false, options.repeat), ours(model, options, true, options.repeat);
   const double quads = double(model.layout(options.level).numQuads());
-  std::vector<Vec3f> all = model.positions();
-  for (const std::vector<Vec3f>& pose : model.poses)
-    all.insert(all.end(), pose.begin(), pose.end());
-  const Camera camera = Camera::fit(all, 0.0f, model.view, 40, {options.side, options.side});
+  const Camera camera = Camera::fit(model.positions(), 0.0f, model.view, 40, {options.side, options.side});
   const std::vector<Ray> primary = primaryRays(camera);
   std::vector<RTCRayHit> hits[2];
   const std::vector<RTCRayHit> timed = load(primary, 1);

@@ -45,6 +45,14 @@ Model loadModel(const Options& options)
 MemoryPlan planOf(const Options& options, const Model& model)
 {
   MemoryPlan plan = planMemory(options.representations, model.layout(options.build.level).numQuads(), availableMemory());
+  const auto isStill = [](const Representation& r) { return r.kind == RepresentationKind::Naive; };
+  if (!model.poses.empty() && std::any_of(plan.built.begin(), plan.built.end(), isStill))
+  {
+    plan.built.erase(std::remove_if(plan.built.begin(), plan.built.end(), isStill), plan.built.end());
+    plan.leftOut.push_back("naive is left out: its triangles do not move");
+    if (plan.built.empty())
+      throw Error("the triangles of naive do not move: give another --representation");
+  }
   for (const std::string& line : plan.leftOut)
     std::fprintf(stderr, "cbvh_render: %s\n", line.c_str());
   return plan;
@@ -65,6 +73,13 @@ Camera cameraOf(const Options& options, const Model& model, unsigned threads)
   return chooseCamera(options.view, model, BuiltScene(model, {RepresentationKind::Grid}, coarse), options.size, threads);
 }
 
+std::vector<Ray> firstSamples(const Options& options, const Camera& camera)
+{
+  std::vector<Ray> rays = primaryRays(camera);
+  setTimes(rays, options.shutter, 0);
+  return rays;
+}
+
 bool isKind(const Result& result, RepresentationKind kind)
 {
   return result.representation.kind == kind;
@@ -75,11 +90,11 @@ class Run
 public:
   explicit Run(const Options& options)
     : options(options), threads(threadCount(options.build.threads)), model(loadModel(options)),
-      plan(planOf(options, model)), camera(cameraOf(options, model, threads)), primary(primaryRays(camera)),
+      plan(planOf(options, model)), camera(cameraOf(options, model, threads)), primary(firstSamples(options, camera)),
       build(options.build), files(options.output, model.name, options.size, options.colors, options.samples)
   {
     build.pixelBound = {options.maxPixelError, camera.eye(), camera.footprint()};
-    if (options.trueHits)
+    if (options.trueHits && model.poses.empty()) // the true surface stands still
       surface.emplace(model);
   }
 
@@ -133,7 +148,7 @@ private:
     const Representation& r = scene.representation();
     Phase phase(r.label() + ": picture");
     const std::string path = files.writePicture(
-      r, sampledPicture(scene, camera, model.view.up, hits, options.samples, options.colors, threads));
+      r, sampledPicture(scene, camera, model.view.up, primary, hits, options.samples, options.shutter, options.colors, threads));
     if (!options.compares())
       writeStandardOutput(path + "\n");
   }

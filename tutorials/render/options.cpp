@@ -17,7 +17,7 @@ struct Words
 {
   std::vector<std::string> files;
   std::string representations = wordOf(RepresentationKind::CVert), frameLevel = "auto", size = "1024x1024";
-  std::string colors = "neutral";
+  std::string colors = "neutral", shutter = "0,1";
   bool compare = false;
   std::optional<size_t> trueHits; // none: not said
 };
@@ -44,6 +44,8 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
   app.add_option("--samples", o.samples, "samples a pixel of shaded pictures; maps of errors and all figures have one")
     ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
+  app.add_option("--shutter", words.shutter, "when the shutter opens and closes, of models that move: 0 is their first step, 1 the last")
+    ->type_name("T0,T1")->capture_default_str();
   app.add_option("--colors", words.colors,
                  "neutral: grey from both sides; sides: magenta where the normal points away from the camera, which is a "
                  "flipped normal, or the inside of the surface")
@@ -92,6 +94,7 @@ void read(const Words& words, Options& o)
   o.scene.threads = o.build.threads;
   o.colors = words.colors == "sides" ? HitColors::Sides : HitColors::Neutral;
   o.size = parseImageSize(words.size);
+  o.shutter = parseShutter(words.shutter);
   const bool isMesh = !o.scene.meshPath.empty();
   const std::string compared = isMesh ? wordOf(RepresentationKind::Grid) + "," + wordOf(RepresentationKind::CVert) : defaultRepresentations();
   o.representations = parseRepresentationOptions(words.compare ? compared : words.representations, words.frameLevel);

@@ -10,6 +10,7 @@
 #include "pictures/shading.h"
 #include "scenes/catalogue.h"
 #include "tracing/camera.h"
+#include "tracing/shutter.h"
 
 #include <optional>
 #include <string>
@@ -27,6 +28,7 @@ struct Options
   std::string output = "cbvh_render_output";
   HitColors colors = HitColors::Neutral;
   int samples = 16;              // a pixel, of shaded pictures
+  Shutter shutter;               // of models that move
   bool exr = false;              // write the hits, too
   bool details = false;          // all rows of the table
   std::string json;              // also write the numbers there

@@ -135,10 +135,10 @@ namespace embree
     template<typename Mesh>
     void checkTimeSteps (const Mesh* mesh)
     {
-      const size_t numVertices = mesh->vertices[0].size();
+      auto verticesAt = [&](size_t t) { return mesh->vertices[t] ? mesh->vertices[t].size() : size_t(0); };
       for (size_t t=1; t<mesh->numTimeSteps; t++)
-        if (!mesh->vertices[t] || mesh->vertices[t].size() < numVertices)
-          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"time step " + std::to_string(t) + " has " + std::to_string(mesh->vertices[t] ? mesh->vertices[t].size() : 0) + " vertices, the first has " + std::to_string(numVertices));
+        if (verticesAt(t) < verticesAt(0))
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"time step " + std::to_string(t) + " has " + std::to_string(verticesAt(t)) + " vertices, the first has " + std::to_string(verticesAt(0)));
       if (mesh->numTimeSteps > 1 && !(mesh->time_range.lower < mesh->time_range.upper))
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"a time range from " + std::to_string(mesh->time_range.lower) + " to " + std::to_string(mesh->time_range.upper));
     }
@@ -201,6 +201,18 @@ namespace embree
     return true;
   }
 
+  /*! Programs do not expect a commit of a geometry to run out of memory: it is the next commit of a scene that says so. */
+  template<typename Mesh>
+  static std::shared_ptr<const QuadRegions> findRegions (Mesh* mesh)
+  {
+    try { return QuadRegions::find(mesh); }
+    catch (const rtcore_error& error) { if (error.error != RTC_ERROR_OUT_OF_MEMORY) throw; }
+    catch (const std::bad_alloc&) {}
+    std::shared_ptr<QuadRegions> none = std::make_shared<QuadRegions>(mesh->device);
+    none->isOutOfMemory = true;
+    return none;
+  }
+
   template<typename Mesh>
   static bool beginCommitOfMesh (Mesh* mesh, size_t bytesInEmbree, bool hasInput, const char* primitives)
   {
@@ -211,8 +223,8 @@ namespace embree
       : mesh->quality == RTC_BUILD_QUALITY_REFIT ? " are to be refitted" : mesh->size() < fewPrimitives ? " are too few to matter" : nullptr;
     if (asks && !whyNot)
     {
-      const std::shared_ptr<const QuadRegions> regions = QuadRegions::find(mesh);
-      whyNot = !regions || 4*bytesOfBlocks(*regions) > 3*bytesInEmbree*mesh->size() ? " do not lie in grids" : nullptr;
+      const std::shared_ptr<const QuadRegions> regions = findRegions(mesh);
+      whyNot = !regions || (!regions->isOutOfMemory && 4*bytesOfBlocks(*regions) > 3*bytesInEmbree*mesh->size()) ? " do not lie in grids" : nullptr;
       if (!whyNot) std::atomic_store(&mesh->surface.regions,regions);
       if (!whyNot && regions->numLeftOut) say(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " " + primitives + " have indices that are no vertices: left out");
     }

@@ -133,6 +133,7 @@ namespace embree
       {
         std::shared_ptr<const QuadRegions> found = std::atomic_load(&mesh->surface.regions);
         if (!found) found = QuadRegions::find(mesh);
+        if (found && found->isOutOfMemory) throw_RTCError(RTC_ERROR_OUT_OF_MEMORY,"not enough memory to find the grids of a mesh");
         return found ? found : std::make_shared<const QuadRegions>(mesh->device);
       }
 

@@ -97,6 +97,7 @@ namespace embree
     mvector<Region> regions;
     mvector<unsigned> quads;  //!< of each region, row by row from its v0
     mvector<unsigned> firsts; //!< of PairsOfMesh; empty if that needs none
+    bool isOutOfMemory = false; //!< there was not enough to find them
     size_t numLeftOut = 0;    //!< quads and triangles with an index that is no vertex, which rays do not hit
 
     explicit QuadRegions (Device* device) : regions(device,0), quads(device,0), firsts(device,0) {}

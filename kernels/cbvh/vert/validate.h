@@ -102,6 +102,7 @@ namespace embree
         if (const char* error = errorOfCells(step.word,step.corners)) return error;
         if (!isForm(step.boxForm)) return "a sheared axis or a slope that is none";
         if (isRaw(header.boxForm) && ((step.turned & 65535u) || isFirstCellTurned(step.boxForm))) return "a cell that is turned from a step that has none";
+        if (((step.turned >> 16) & 7u) == 7u) return "a matrix's scale that is none";
         if (bytes < at.cell) return "fewer bytes than a step's margins and words have";
         end = at.cell + cellBytes(step.word);
         for (uint32_t g=0; g<layout.groups; g++) {
