@@ -227,6 +227,27 @@ TEST(MovingSurfacesInTime, SurfacesOfAllSortsLiveInOneScene)
   }
 }
 
+// The second scene finds the boxes of the blocks again.
+TEST(MovingSurfacesInTime, ScenesShareTheBlocksOfAGeometry)
+{
+  Random random(seed + 5);
+  Device device;
+  Displacement displacement;
+  RTCGeometry geometry = newSurface(device, cubeCage(), moving(displacement, 3));
+  Scene first(device), second(device);
+  for (RTCScene scene : {RTCScene(first), RTCScene(second)}) {
+    rtcAttachGeometry(scene, geometry);
+    rtcCommitScene(scene);
+  }
+  rtcReleaseGeometry(geometry);
+  for (const RTCRayHit& ray : timedRays(random, 1000)) {
+    const RTCRayHit a = intersect(first, ray), b = intersect(second, ray);
+    ASSERT_EQ(isHit(a), isHit(b));
+    if (isHit(a)) { ASSERT_EQ(a.ray.tfar, b.ray.tfar); ASSERT_EQ(a.hit.primID, b.hit.primID); }
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
 // An edit of any part of the motion is traced after the next commit.
 TEST(MovingSurfacesInTime, EditsAreFollowed)
 {

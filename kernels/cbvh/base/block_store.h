@@ -10,6 +10,7 @@
 #include "block_memory.h"
 #include "kinds.h"
 #include "primitive_type.h"
+#include "step_box.h"
 #include "world.h"
 
 namespace embree
@@ -29,7 +30,7 @@ namespace embree
       cbvh::WorldBounds hitBounds;  //!< of all that a ray may hit in the blocks
 
       /*! memory: null if nothing is kept */
-      BlockStore (Device* device, cbvh::BlockMemory* memory) : memory(memory), prims(device,0), bytes(device,0) {}
+      BlockStore (Device* device, cbvh::BlockMemory* memory) : device(device), memory(memory), prims(device,0), boxes(device,0), bytes(device,0) {}
 
       /*! room for a block of at most that many bytes; the caller's until the next call */
       uint8_t* begin (size_t maxBytes)
@@ -76,8 +77,10 @@ namespace embree
       /*! a primitive of any kind */
       void add (const BBox3fa& bounds, size_t reference) { prims.push_back(PrimRef(bounds,reference)); }
 
+      Device* const device;
       cbvh::BlockMemory* memory;
       mvector<PrimRef> prims;
+      mvector<cbvh::StepBox> boxes; //!< of blocks that move, at each of their steps, in the order of prims
 
     private:
       static const size_t maxPieceBytes = 1 << 20, fullPieceBytes = 1 << 14; // the allocator leaves room behind large pieces

@@ -21,6 +21,7 @@ namespace embree
         size_t primitive;
         unsigned patch, strip;
         mvector<PrimRef> prims;
+        mvector<cbvh::StepBox> boxes;
 
         bool operator< (const List& other) const { return std::tie(primitive,patch,strip) < std::tie(other.primitive,other.patch,other.strip); }
       };
@@ -33,9 +34,23 @@ namespace embree
       void add (size_t primitive, unsigned patch, unsigned strip, BlockStore& store)
       {
         store.flush();
+        std::unique_ptr<List> list;
+        if (store.prims.size()) list.reset(new List{ primitive,patch,strip,takeAll(store.device,store.prims),takeAll(store.device,store.boxes) });
         Lock<MutexSys> lock(mutex);
         hitBounds.extend(store.hitBounds);
-        if (store.prims.size()) lists.emplace_back(new List{ primitive,patch,strip,std::move(store.prims) });
+        if (list) lists.push_back(std::move(list));
+      }
+
+      /*! without the room that it grew by */
+      template<typename T>
+      static mvector<T> takeAll (Device* device, mvector<T>& from)
+      {
+        mvector<T> all(device,0);
+        all.reserve(from.size());
+        all.resize(from.size());
+        std::copy(from.begin(),from.end(),all.begin());
+        from.clear();
+        return all;
       }
 
       void add (const cbvh::BuildStatistics& ofTask)
@@ -45,15 +60,18 @@ namespace embree
       }
 
       /*! the lists of all tasks, in the order of their primitives, whichever task was through first */
-      void collect (mvector<PrimRef>& prims)
+      void collect (mvector<PrimRef>& prims, mvector<cbvh::StepBox>& boxes)
       {
         std::sort(lists.begin(),lists.end(),[](const std::unique_ptr<List>& a, const std::unique_ptr<List>& b) { return *a < *b; });
-        size_t n = 0;
-        for (const auto& list : lists) n += list->prims.size();
+        size_t n = 0, b = 0;
+        for (const auto& list : lists) { n += list->prims.size(); b += list->boxes.size(); }
         prims.resize(n);
-        n = 0;
+        boxes.reserve(b); // no more than that: vectors grow to a power of two
+        boxes.resize(b);
+        n = b = 0;
         for (auto& list : lists) {
           for (const PrimRef& prim : list->prims) prims[n++] = prim;
+          for (const cbvh::StepBox& box : list->boxes) boxes[b++] = box;
           list.reset();
         }
       }

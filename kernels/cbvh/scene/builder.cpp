@@ -174,12 +174,12 @@ namespace embree
       size_t buildMotionTree ()
       {
         MovingBlocks blocks(scene->device);
-        for (const auto& surface : report->surfaces) blocks.add(*surface);
-        blocks.findBoxes([&] { scene->progressMonitor(0.0); });
+        for (const auto& surface : report->surfaces) blocks.add(*surface,[&] { scene->progressMonitor(0.0); });
         bvh->alloc.init_estimate(blocks.size()*sizeof(BVH4::AABBNodeMB)/2);
         MotionTree tree;
         const BVH4::NodeRef root = tree.build(scene->device,bvh->alloc,blocks.all(),[&] { scene->progressMonitor(0.0); });
         bvh->set(root,tree.bounds,blocks.size());
+        for (const auto& surface : report->surfaces) std::atomic_store(&surface->boxes,std::shared_ptr<const mvector<cbvh::StepBox>>());
         return tree.bytes;
       }
 

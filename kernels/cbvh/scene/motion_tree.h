@@ -7,6 +7,7 @@
  * nodes are Embree's; what they hold is conservative in the floats that traversal computes (Planes, below). */
 
 #include "../embree/motion_builder.h"
+#include "../base/step_box.h"
 #include "../base/tasks.h"
 #include <vector>
 
@@ -25,7 +26,7 @@ namespace embree
       struct Block
       {
         NodeRef leaf;
-        const BBox3fa* boxes;  //!< of a step without a finite vertex: empty. Not all of them are
+        const cbvh::StepBox* boxes; //!< not all are empty
         BBox1f range;          //!< between the first step and the last
         unsigned segments;     //!< between two steps each
       };
@@ -121,7 +122,7 @@ namespace embree
 
       private:
         double plane (unsigned i) const { return double((isUpper ? block.boxes[i].upper : block.boxes[i].lower)[k]); }
-        bool exists (unsigned i) const { return block.boxes[i].lower[k] <= block.boxes[i].upper[k]; }
+        bool exists (unsigned i) const { return !block.boxes[i].isEmpty(); }
 
         template<typename Closure>
         void at (double position, const Closure& closure) const

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The blocks of a scene that move, with their boxes at each time step, for the tree above them. Boxes are found again from the blocks: a
- * geometry may be traced by a scene that it was not built for. */
+/* The blocks of a scene that move, with their boxes at each time step, for the tree above them. The first scene that traces a geometry finds the
+ * boxes with its blocks, and lets them go; others find them again. */
 
 #include "../vert/motion_decoder.h"
 #include "motion_tree.h"
@@ -18,12 +18,15 @@ namespace embree
     class MovingBlocks
     {
     public:
-      explicit MovingBlocks (Device* device) : blocks(device,0), boxes(device,0) {}
+      explicit MovingBlocks (Device* device) : device(device), blocks(device,0) {}
 
-      void add (const SurfaceBlocks& surface)
+      /*! calls progress() now and then, which may cancel */
+      template<typename Progress>
+      void add (const SurfaceBlocks& surface, const Progress& progress)
       {
         const size_t begin = blocks.size();
         blocks.resize(begin + surface.moving.size());
+        size_t numBoxes = 0;
         for (size_t i=0; i<surface.moving.size(); i++)
         {
           MotionTree::Block& block = blocks[begin+i];
@@ -33,27 +36,45 @@ namespace embree
           block.segments = motion.numSteps-1;
           numBoxes += motion.numSteps;
         }
-      }
-
-      /*! calls progress() now and then, which may cancel */
-      template<typename Progress>
-      void findBoxes (const Progress& progress)
-      {
-        boxes.resize(numBoxes);
+        Boxes own = std::atomic_load(&surface.boxes);
+        if (!own) own = findBoxes(begin,numBoxes,progress);
+        boxes.push_back(own);
         size_t n = 0;
-        for (MotionTree::Block& block : blocks) { block.boxes = boxes.data()+n; n += block.segments+1; }
-        forRanges(blocks.size(),size_t(64),[&](const range<size_t>& r) {
-            std::unique_ptr<Decoded> decoded(new Decoded);
-            for (size_t i=r.begin(); i!=r.end(); i++)
-              decoded->bound(headerOf(blocks[i].leaf),blocks[i].segments,boxes.data() + (blocks[i].boxes-boxes.data()));
-            progress();
-          });
+        for (size_t i=begin; i<blocks.size(); i++) { blocks[i].boxes = own->data()+n; n += blocks[i].segments+1; }
       }
 
       size_t size () const { return blocks.size(); }
       const mvector<MotionTree::Block>& all () const { return blocks; }
 
     private:
+      typedef std::shared_ptr<const mvector<cbvh::StepBox>> Boxes;
+
+      /*! of the blocks from one on */
+      template<typename Progress>
+      Boxes findBoxes (size_t begin, size_t numBoxes, const Progress& progress) const
+      {
+        std::shared_ptr<mvector<cbvh::StepBox>> found = std::make_shared<mvector<cbvh::StepBox>>(device,numBoxes);
+        std::vector<size_t> firsts; // of every 64 blocks
+        size_t n = 0;
+        for (size_t i=begin; i<blocks.size(); i++) {
+          if ((i-begin) % 64 == 0) firsts.push_back(n);
+          n += blocks[i].segments+1;
+        }
+        parallel_for(size_t(0),firsts.size(),[&](const range<size_t>& r) {
+            std::unique_ptr<Decoded> decoded(new Decoded);
+            for (size_t k=r.begin(); k!=r.end(); k++)
+            {
+              size_t at = firsts[k];
+              for (size_t i=begin+64*k; i<min(begin+64*(k+1),blocks.size()); i++) {
+                decoded->bound(headerOf(blocks[i].leaf),blocks[i].segments,found->data()+at);
+                at += blocks[i].segments+1;
+              }
+              progress();
+            }
+          });
+        return found;
+      }
+
       static const cbvh::VertHeader* headerOf (BVH4::NodeRef leaf)
       {
         size_t type;
@@ -66,8 +87,8 @@ namespace embree
         ALIGNED_CLASS_(64);
 
       public:
-        /*! boxes: of each step; empty of one without a finite vertex */
-        void bound (const cbvh::VertHeader* block, unsigned segments, BBox3fa* boxes)
+        /*! boxes: of each step */
+        void bound (const cbvh::VertHeader* block, unsigned segments, cbvh::StepBox* boxes)
         {
           for (unsigned s=0; s<=segments; s+=2)
           {
@@ -104,26 +125,28 @@ namespace embree
             }
           }
 
-          BBox3fa box () const
+          cbvh::StepBox box () const
           {
-            return BBox3fa(Vec3fa(reduce_min(lower[0]),reduce_min(lower[1]),reduce_min(lower[2])),Vec3fa(reduce_max(upper[0]),reduce_max(upper[1]),reduce_max(upper[2])));
+            cbvh::StepBox box;
+            for (int k=0; k<3; k++) { box.lower[k] = reduce_min(lower[k]); box.upper[k] = reduce_max(upper[k]); }
+            return box;
           }
         };
 
-        static BBox3fa boundRaw (const cbvh::VertHeader* block, unsigned step)
+        static cbvh::StepBox boundRaw (const cbvh::VertHeader* block, unsigned step)
         {
-          float bounds[2][3];
-          if (!cbvh::ScalarVertBlock(block,step).bounds(bounds[0],bounds[1])) return empty;
-          return BBox3fa(Vec3fa(bounds[0][0],bounds[0][1],bounds[0][2]),Vec3fa(bounds[1][0],bounds[1][1],bounds[1][2]));
+          cbvh::StepBox box;
+          cbvh::ScalarVertBlock(block,step).bounds(box.lower,box.upper);
+          return box;
         }
 
         cbvh::SegmentBoxes shared;
         cbvh::SegmentVertices group;
       };
 
+      Device* const device;
       mvector<MotionTree::Block> blocks;
-      mvector<BBox3fa> boxes;
-      size_t numBoxes = 0;
+      std::vector<Boxes> boxes; //!< that blocks point to
     };
   }
 }

@@ -7,6 +7,7 @@
  * scene, and no ID that a geometry has in one, is in it. */
 
 #include "../base/block_memory.h"
+#include "../base/step_box.h"
 #include "../base/surface_ids.h"
 #include "../base/surface_statistics.h"
 #include <atomic>
@@ -27,6 +28,9 @@ namespace embree
     /*! What a scene's tree is made of: trees of few blocks, or the blocks, as PrimRefs that have a reference for an ID. */
     mvector<PrimRef> parts;
     mvector<size_t> moving;   //!< references to the blocks of a surface that moves, which has no parts: scenes build their trees of these
+    /*! Where those blocks are at their steps, one after the other, until a scene has built a tree of them; later null, for who needs it decodes
+     *  them. To be taken and let go by atomic_load and atomic_store, as scenes are built at a time. */
+    mutable std::shared_ptr<const mvector<cbvh::StepBox>> boxes;
     BVH4::NodeRef root;       //!< of all parts, for a scene that has no other surface; empty if there are few
     BBox3fa bounds;           //!< of all that a ray may hit
     size_t numPrimitives;     //!< blocks and grids

@@ -65,21 +65,25 @@ namespace embree
         blocks->memory.expect(isSmall() ? 0 : estimatedBlocks*(sizeof(BVH4::AABBNode)/2 + cbvh::blockLayout(cbvh::kindLeaf,4).bytes));
         source.prepare(perTask,progress);
         mvector<PrimRef> prims(device,0);
-        buildPrimitives(*blocks,prims,progress);
-        source.release();
+        {
+          BuildResults results;
+          buildPrimitives(*blocks,results,progress);
+          source.release();
+          std::shared_ptr<mvector<cbvh::StepBox>> boxes = std::make_shared<mvector<cbvh::StepBox>>(device,0);
+          results.collect(prims,*boxes);
+          if (plan.moves()) blocks->boxes = boxes;
+        }
         buildTree(*blocks,prims,progress);
         blocks->memory.end();
         return blocks;
       }
 
     private:
-      void buildPrimitives (SurfaceBlocks& blocks, mvector<PrimRef>& prims, const Progress& progress)
+      void buildPrimitives (SurfaceBlocks& blocks, BuildResults& results, const Progress& progress)
       {
-        BuildResults results;
         forRanges(source.size(),perTask,[&](const range<size_t>& primitives) { buildPrimitives(primitives,blocks.memory,results,progress); });
         blocks.statistics = results.statistics;
         blocks.bounds = results.hitBounds.isEmpty() ? BBox3fa(empty) : toBBox(results.hitBounds);
-        results.collect(prims);
       }
 
       void buildPrimitives (const range<size_t>& primitives, cbvh::BlockMemory& memory, BuildResults& results, const Progress& progress)

@@ -27,18 +27,17 @@ namespace embree
         memset(margins,0,sizeof(margins));
       }
 
-      /*! Group g at an end. vertices: its cell's coordinates, by axis */
-      void addGroup (uint32_t end, uint32_t g, const int (*vertices)[paddedVertices])
+      /*! group g at an end */
+      void addGroup (uint32_t end, uint32_t g)
       {
+        const BlockVertices& of = *ends[end];
+        const Group group(of,g % groupsX,g / groupsX);
         for (uint32_t k=0; k<3; k++)
         {
           const bool isSheared = k == shear.axis && !shear.isStraight();
-          int sheared[paddedVertices]; // in 1/16
-          if (isSheared) ends[end]->gather(heights[end],groupQuads*(g % groupsX),groupQuads*(g / groupsX),1,sheared);
-          const int* v = isSheared ? sheared : vertices[k];
-          const Span span = spanOf(v,paddedVertices);
-          const int lower = std::min(std::min(v[0],v[4]),std::min(v[20],v[24])) - span.lower;
-          const int upper = span.upper - std::max(std::max(v[0],v[4]),std::max(v[20],v[24]));
+          const int* const values = isSheared ? heights[end] : of.coordinates[k]; // in 1/16, or in whole steps
+          const Span span = group.span(values), corners = group.corners(values);
+          const int lower = corners.lower - span.lower, upper = span.upper - corners.upper;
           margins[0][k][g] = std::max(margins[0][k][g],isSheared ? stepsUp(lower,4) : lower);
           margins[1][k][g] = std::max(margins[1][k][g],isSheared ? stepsUp(upper,4) : upper);
         }
@@ -47,12 +46,8 @@ namespace embree
       /*! all groups of both ends */
       void addGroups ()
       {
-        int vertices[3][paddedVertices];
         for (uint32_t e=0; e<numEnds; e++)
-          for (uint32_t g=0; g<groups; g++) {
-            for (int k=0; k<3; k++) ends[e]->gather(ends[e]->coordinates[k],groupQuads*(g % groupsX),groupQuads*(g / groupsX),1,vertices[k]);
-            addGroup(e,g,vertices);
-          }
+          for (uint32_t g=0; g<groups; g++) addGroup(e,g);
       }
 
       /*! bits 0 to 23 of boxForm; out: margins of groups */
@@ -113,6 +108,44 @@ namespace embree
         return { least(lower),greatest(upper) };
       }
 
+      /*! the vertices of a group */
+      class Group
+      {
+      public:
+        Group (const BlockVertices& of, uint32_t gx, uint32_t gy)
+          : width(of.width), first(groupQuads*(gy*of.width + gx)), x(std::min(groupQuads,of.quads[0]-groupQuads*gx)), y(std::min(groupQuads,of.quads[1]-groupQuads*gy)) {}
+
+        Span span (const int* values) const
+        {
+          const int* const begin = values+first;
+          if (x == groupQuads)
+          {
+            Int4 lower = Int4::load(begin), upper = lower;
+            for (uint32_t j=0; j<=y; j++) {
+              const Int4 left = Int4::load(begin+j*width), right = Int4::load(begin+j*width+1);
+              lower = min(lower,min(left,right));
+              upper = max(upper,max(left,right));
+            }
+            return { least(lower),greatest(upper) };
+          }
+          Span span = { *begin,*begin };
+          for (uint32_t j=0; j<=y; j++)
+            for (uint32_t i=0; i<=x; i++) { span.lower = std::min(span.lower,begin[j*width+i]); span.upper = std::max(span.upper,begin[j*width+i]); }
+          return span;
+        }
+
+        /*! of its four corners */
+        Span corners (const int* values) const
+        {
+          const int* const begin = values+first;
+          const int c[] = { begin[0],begin[x],begin[y*width],begin[y*width+x] };
+          return { std::min(std::min(c[0],c[1]),std::min(c[2],c[3])),std::max(std::max(c[0],c[1]),std::max(c[2],c[3])) };
+        }
+
+      private:
+        const uint32_t width, first, x, y; //!< x, y: quads
+      };
+
       /*! Along the mean normal of the quads, where groups are flatter then. */
       Shear chooseShear ()
       {
@@ -153,14 +186,10 @@ namespace embree
       int64_t thickness (const BlockVertices& of, const int* values) const
       {
         int64_t sum = 0;
-        for (uint32_t gy=0; gy<groups/groupsX; gy++)
-          for (uint32_t gx=0; gx<groupsX; gx++)
-          {
-            int group[paddedVertices];
-            of.gather(values,groupQuads*gx,groupQuads*gy,1,group);
-            const Span span = spanOf(group,paddedVertices);
-            sum += span.upper-span.lower;
-          }
+        for (uint32_t g=0; g<groups; g++) {
+          const Span span = Group(of,g % groupsX,g / groupsX).span(values);
+          sum += span.upper-span.lower;
+        }
         return sum;
       }
 

@@ -138,7 +138,8 @@ namespace embree
       bool pack (VertHeader& header, uint8_t* block, VertStatistics& statistics)
       {
         boxes.begin(*this);
-        if (!packCells(header,block,[&](int g, const CellEncoder& cell) { if (g >= 0) boxes.addGroup(0,uint32_t(g),cell.vertices); })) return false;
+        if (!packCells(header,block,[](int, const CellEncoder&) {})) return false;
+        boxes.addGroups();
         header.boxForm = boxes.write(block+layout.margins);
         uint32_t shift;
         header.reach = boxes.reach(0,shift);

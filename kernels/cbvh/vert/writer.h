@@ -140,14 +140,20 @@ namespace embree
         const cbvh::VertPlacement at = place(patch,x,y,w,h);
         uint8_t* const bytes = store.begin(cbvh::MotionEncoder::maxBytes(plan.numTimeSteps) + NumbersEncoder::maxBytes);
         cbvh::WorldBounds bounds;
+        const size_t firstBox = store.boxes.size();
         movingEncoder->begin(at,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps,bytes);
         for (unsigned step=0; step<plan.numTimeSteps; step++) {
           movingEncoder->addStep(copy(step,movingEncoder->vertices()));
-          extend(bounds,movingEncoder->last());
+          const cbvh::BlockVertices& vertices = movingEncoder->last();
+          extend(bounds,vertices);
+          cbvh::StepBox box;
+          for (int k=0; k<3; k++) { box.lower[k] = vertices.lower[k]; box.upper[k] = vertices.upper[k]; }
+          store.boxes.push_back(box);
         }
         cbvh::MotionStatistics block;
         const size_t size = movingEncoder->finish(block);
         if (size == 0) {
+          store.boxes.resize(firstBox);
           statistics.sums.numInvalidQuads += size_t(w)*h;
           return;
         }
