@@ -68,12 +68,12 @@ void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name, 
 }
 
 /* contexts: as many as copies, whose capture is set already or is none; outlive the
- * scene. */
-void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, int level,
+ * scene. poses: of the model, or none where it is to stand still. */
+void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, const std::vector<std::vector<Vec3f>>& poses, int level,
                   std::vector<DisplacementContext>& contexts, const RTCCompressionArguments* compression = nullptr)
 {
   contexts.resize(model.copies.size());
-  const SharedTopology topology(device, model.cage, model.poses);
+  const SharedTopology topology(device, model.cage, poses);
   for (size_t i = 0; i < contexts.size(); i++)
   {
     contexts[i].displacement = model.displacement.get();
@@ -83,13 +83,13 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, int 
   }
 }
 
-/* Builds GRID and drops it again. captures: a copy each, with where its vertices go. */
+/* Builds GRID of the first time step and drops it again. captures: a copy each, with where its vertices go. */
 void captureVertices(const Model& model, const BuildSettings& settings, std::vector<DisplacementContext>& captures,
                      const std::string& phase)
 {
   EmbreeDevice device(deviceConfig({RepresentationKind::Grid}, settings));
   const SceneHandle scene(rtcNewScene(device.handle()));
-  attachCopies(device, scene.get(), model, settings.level, captures);
+  attachCopies(device, scene.get(), model, {}, settings.level, captures);
   commitScene(device, scene.get(), phase, model.layout(settings.level).numQuads(), captures);
 }
 
@@ -149,7 +149,7 @@ void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& setti
 {
   const auto start = std::chrono::steady_clock::now();
   const RTCCompressionArguments arguments = compressionArguments(settings);
-  attachCopies(*device, scene.get(), model, settings.level, contexts, what.isCompressed() ? &arguments : nullptr);
+  attachCopies(*device, scene.get(), model, model.poses, settings.level, contexts, what.isCompressed() ? &arguments : nullptr);
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");
   askForStatistics();
@@ -214,6 +214,8 @@ void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
 void BuiltScene::buildTriangles(const Model& model, const BuildSettings& settings)
 {
   const PatchLayout layout(model.cage, settings.level);
+  if (!model.poses.empty())
+    throw Error("the triangles of NAIVE do not move");
   for (const Patch& patch : layout.patches())
     if (settings.level == 0 && !layout.isQuadFace(patch.face))
       throw Error("NAIVE at level 0 needs a cage of quads only");

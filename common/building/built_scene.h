@@ -103,11 +103,12 @@ public:
   /* Translates what Embree reports; NAIVE's triangles become faces and (u,v). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const;
 
-  /* The vertices of the triangle that a hit is on, as they are stored; false where there is none. Of cVERT and cGRID; throws Error of others. */
-  bool triangleOf(const SurfaceHit& hit, Vec3f vertices[3]) const;
+  /* The vertices of the triangle that a hit is on, as they are stored; false where there is none. time: of the ray, of a model that moves.
+   * Of cVERT and cGRID; throws Error of others. */
+  bool triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]) const;
 
   /* All that is stored, likewise. */
-  StoredMesh storedMesh() const;
+  StoredMesh storedMesh(float time = 0) const;
 
 private:
   void buildSubdivision(const Model& model, const BuildSettings& settings);
@@ -130,7 +131,7 @@ private:
 };
 
 /* Vertices of all patches of all copies, in the order of the model's layout: those that
- * GRID holds, to the bit. Throws Error, Cancelled. */
+ * GRID holds, to the bit, at the first time step. Throws Error, Cancelled. */
 std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings);
 
 } // namespace cbvh

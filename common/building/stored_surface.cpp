@@ -18,7 +18,7 @@ bool hasTriangles(const Representation& what) { return what.kind == Representati
 
 } // namespace
 
-bool BuiltScene::triangleOf(const SurfaceHit& hit, Vec3f vertices[3]) const
+bool BuiltScene::triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]) const
 {
   if (!hasTriangles(what))
     throw Error(what.label() + " has no triangles to look up, only cVERT and cGRID have");
@@ -26,7 +26,7 @@ bool BuiltScene::triangleOf(const SurfaceHit& hit, Vec3f vertices[3]) const
     return false;
   RTCCompressedTriangle triangle;
   const RTCGeometry geometry = rtcGetGeometry(scene.get(), unsigned(hit.face / facesOfCopy));
-  const bool found = rtcGetCompressedTriangle(geometry, unsigned(hit.face % facesOfCopy), hit.u, hit.v, &hit.normal.x, &triangle);
+  const bool found = rtcGetCompressedTriangleAtTime(geometry, time, unsigned(hit.face % facesOfCopy), hit.u, hit.v, &hit.normal.x, &triangle);
   if (found)
     std::memcpy(vertices, triangle.vertices, sizeof(triangle.vertices));
   else
@@ -34,7 +34,7 @@ bool BuiltScene::triangleOf(const SurfaceHit& hit, Vec3f vertices[3]) const
   return found;
 }
 
-StoredMesh BuiltScene::storedMesh() const
+StoredMesh BuiltScene::storedMesh(float time) const
 {
   if (!hasTriangles(what))
     throw Error(what.label() + " has no triangles to hand out, only cVERT and cGRID have");
@@ -63,7 +63,7 @@ StoredMesh BuiltScene::storedMesh() const
   for (size_t i = 0; i < numGeometries; i++)
   {
     sum.firstFace = i * facesOfCopy;
-    rtcForEachCompressedPart(rtcGetGeometry(scene.get(), unsigned(i)), Sum::add, &sum);
+    rtcForEachCompressedPartAtTime(rtcGetGeometry(scene.get(), unsigned(i)), time, Sum::add, &sum);
   }
   device->check("handing out a surface");
   throwIfCancelled();

@@ -88,6 +88,13 @@ inline void addMeshOption(CLI::App& app, SceneSettings& settings)
     ->type_name("FILE");
 }
 
+/* shutter: text for parseShutter. */
+inline void addShutterOption(CLI::App& app, std::string& shutter)
+{
+  app.add_option("--shutter", shutter, "when the shutter opens and closes, of models that move: 0 is their first step, 1 the last")
+    ->type_name("T0,T1")->capture_default_str();
+}
+
 /* What a model is made of, but for --scene. */
 inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
 {

@@ -70,7 +70,7 @@ TEST(PathTracerView, IsTheCameras)
 {
   const Vec3f up = {0, 1, 0};
   const Camera camera({1, 2, 3}, {0, 0.5f, -1}, up, 40.0f, {30, 20});
-  const PathView view = makePathView(camera, up, bounces);
+  const PathView view = makePathView(camera, up, bounces, Shutter());
   for (float y : {0.0f, 7.0f, 19.0f})
     for (float x : {0.0f, 11.0f, 29.0f})
     {
@@ -93,7 +93,7 @@ TEST_P(PathTracerPictures, AreTheSameOnBothDevices)
   const BuiltScene grid(model, {RepresentationKind::Grid}, build);
   const BuiltScene scene(model, parseRepresentations(GetParam(), 2)[0], build);
   const unsigned threads = threadCount(0);
-  const PathView view = makePathView(chooseCamera("close", model, grid, size, threads), model.view.up, bounces);
+  const PathView view = makePathView(chooseCamera("close", model, grid, size, threads), model.view.up, bounces, Shutter());
   const std::vector<Vec3f> expected = render(*makeCpuPathTracer(scene.handle(), view, threads));
   const std::vector<Vec3f> pixels = render(*makeVulkanPathTracer(scene.handle(), view, ""));
 
@@ -112,6 +112,39 @@ TEST_P(PathTracerPictures, AreTheSameOnBothDevices)
   EXPECT_LE(differing, pixels.size() / 100);
   EXPECT_NEAR(means[0], means[1], 1e-3 * means[0]);
   EXPECT_GT(means[0], 0.05); // there is light
+}
+
+/* Pictures of a cube that turns while the shutter is open. */
+std::vector<Vec3f> pictureOfMotion(const char* representation, const Shutter& shutter)
+{
+  SceneSettings settings;
+  settings.scene = "cube";
+  settings.motion = "turn";
+  std::string warning;
+  const Model model = loadScene(settings, warning);
+  BuildSettings build;
+  build.level = 4;
+  const BuiltScene grid(model, {RepresentationKind::Grid}, build);
+  const BuiltScene scene(model, parseRepresentations(representation, 2)[0], build);
+  const unsigned threads = threadCount(0);
+  const PathView view = makePathView(chooseCamera("full", model, grid, size, threads), model.view.up, bounces, shutter);
+  return render(*makeCpuPathTracer(scene.handle(), view, threads));
+}
+
+size_t numDiffering(const std::vector<Vec3f>& a, const std::vector<Vec3f>& b)
+{
+  size_t count = 0;
+  for (size_t i = 0; i < a.size(); i++)
+    count += relativeDifference(a[i], b[i]) > 0.05f;
+  return count;
+}
+
+TEST(PathTracerMotion, IsBlurredWhileTheShutterIsOpen)
+{
+  const std::vector<Vec3f> grid = pictureOfMotion("grid", {0, 1}), ours = pictureOfMotion("cvert", {0, 1});
+  EXPECT_LE(numDiffering(grid, ours), grid.size() / 50);
+  for (float time : {0.0f, 1.0f})
+    EXPECT_GE(numDiffering(ours, pictureOfMotion("cvert", {time, time})), ours.size() / 10) << "at " << time;
 }
 
 INSTANTIATE_TEST_SUITE_P(Representations, PathTracerPictures, testing::Values("grid", "cleaf-only", "cvert"));

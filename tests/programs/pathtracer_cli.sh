@@ -30,6 +30,7 @@ refuses "size '16'" --scene cube --size 16
 refuses "view 'side'" --scene cube --view side
 refuses "samples" --scene cube --samples 0
 refuses "bounces" --scene cube --bounces -1
+refuses "shutter '1,0' is not two times" --scene cube --shutter 1,0
 refuses "unknown --isa 'mmx'" --scene cube --isa mmx
 refuses "colour" --scene cube --colour red
 refuses "out.jpeg' ends neither" --scene cube --output "$folder/out.jpeg"

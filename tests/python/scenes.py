@@ -8,7 +8,7 @@ import unittest
 import numpy as np
 
 import embree_cbvh as cbvh
-from sheets import REPRESENTATIONS, bumpy_model, rays_from_above, sheet
+from sheets import REPRESENTATIONS, bumpy_model, rays_from_above, sheet, sheet_arrays
 
 MISS = 2**32 - 1
 
@@ -51,6 +51,46 @@ class Hits(unittest.TestCase):
         np.testing.assert_allclose(cbvh.nearer_hits(near, far).t, [1, 2, 4], atol=1e-5)
         with self.assertRaisesRegex(ValueError, "b: are of 1 rays, a of 3"):
             cbvh.nearer_hits(near, scene.intersect([0.5, 0.5, 2], [0, 0, -1]))
+
+
+def rising_model(poses=1):
+    """The sheet, which rises by half from time 0 to 1."""
+    vertices, _ = sheet_arrays()
+    return cbvh.Model(sheet(), poses=[vertices + [0, 0, 0.5 * (i + 1) / poses] for i in range(poses)])
+
+
+class Motion(unittest.TestCase):
+    def test_rays_have_times(self):
+        origins, directions = rays_from_above()
+        times = np.linspace(0, 1, origins[..., 0].size).reshape(origins.shape[:-1])
+        for poses in (1, 4):
+            for name in ("grid", "cvert"):
+                with self.subTest(name, poses=poses):
+                    scene = cbvh.build(rising_model(poses), name, 4)
+                    np.testing.assert_allclose(scene.intersect(origins, directions).t, 1, atol=1e-5)
+                    np.testing.assert_allclose(scene.intersect(origins, directions, time=times).t, 1 - 0.5 * times, atol=1e-5)
+                    reached = scene.occluded(origins, directions, tfar=0.75, time=times)
+                    np.testing.assert_array_equal(reached[times > 0.501], True)
+                    np.testing.assert_array_equal(reached[times < 0.499], False)
+
+    def test_what_is_stored_has_times(self):
+        scene = cbvh.build(rising_model(), "cvert", 4)
+        hits = scene.intersect(*rays_from_above(), time=0.25)
+        np.testing.assert_allclose(scene.triangles(hits, time=0.25)[..., 2], 0.125, atol=1e-5)
+        np.testing.assert_allclose(scene.tessellation(time=1)["vertices"][:, 2], 0.5, atol=1e-5)
+        np.testing.assert_allclose(scene.tessellation()["vertices"][:, 2], 0, atol=1e-5)
+
+    def test_models_say_their_steps(self):
+        self.assertEqual([cbvh.Model(sheet()).steps, rising_model(4).steps], [1, 5])
+        self.assertEqual(cbvh.Model.scene("cube", motion="turn", steps=3).steps, 3)
+
+    def test_bad_motion_is_refused(self):
+        with self.assertRaisesRegex(ValueError, r"poses.*not \(steps, 36, 3\)"):
+            cbvh.Model(sheet(), poses=np.zeros((2, 35, 3)))
+        with self.assertRaisesRegex(cbvh.Error, "unknown motion 'jump'"):
+            cbvh.Model.scene("cube", motion="jump")
+        with self.assertRaisesRegex(cbvh.Error, "NAIVE do not move"):
+            cbvh.build(rising_model(), "naive", 3)
 
 
 class Stored(unittest.TestCase):

@@ -86,7 +86,7 @@ int run(int argc, char** argv)
   const Camera camera = findCamera(*options, model);
   const BuiltScene scene(model, options->representation, options->build);
   const std::unique_ptr<PathTracer> tracer =
-    makePathTracer(*options, scene, makePathView(camera, model.view.up, options->bounces));
+    makePathTracer(*options, scene, makePathView(camera, model.view.up, options->bounces, options->shutter));
   if (options->window)
     showWindow(*tracer, options->size, options->samples);
   else

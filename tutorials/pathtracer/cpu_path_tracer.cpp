@@ -11,23 +11,24 @@ namespace cbvh {
 namespace path {
 namespace {
 
-Ray rayOf(vec3 origin, float tnear, vec3 direction)
+Ray rayOf(vec3 origin, float tnear, vec3 direction, float time)
 {
   Ray ray;
   ray.origin = origin;
   ray.tnear = tnear;
   ray.direction = direction;
+  ray.time = time;
   return ray;
 }
 
 } // namespace
 
-ClosestHit closestHit(TracedScene scene, vec3 origin, float tnear, vec3 direction)
+ClosestHit closestHit(TracedScene scene, vec3 origin, float tnear, vec3 direction, float time)
 {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit ray;
-  load(rayOf(origin, tnear, direction), ray.ray);
+  load(rayOf(origin, tnear, direction, time), ray.ray);
   ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(scene, &context, &ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
@@ -35,12 +36,12 @@ ClosestHit closestHit(TracedScene scene, vec3 origin, float tnear, vec3 directio
   return {true, ray.ray.tfar, {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z}};
 }
 
-bool isOccluded(TracedScene scene, vec3 origin, float tnear, vec3 direction)
+bool isOccluded(TracedScene scene, vec3 origin, float tnear, vec3 direction, float time)
 {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay ray;
-  load(rayOf(origin, tnear, direction), ray);
+  load(rayOf(origin, tnear, direction, time), ray);
   rtcOccluded1(scene, &context, &ray);
   return ray.tfar < 0.0f;
 }

@@ -41,7 +41,7 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
 {
   PathTracerOptions o;
   std::vector<std::string> files;
-  std::string representation = wordOf(RepresentationKind::CVert), frameLevel = "auto", size = "512x512", device = "auto";
+  std::string representation = wordOf(RepresentationKind::CVert), frameLevel = "auto", size = "512x512", device = "auto", shutter = "0,1";
 
   CLI::App app("Renders a displaced subdivision surface by path tracing, all of it in a shader on a Vulkan device, or\n"
                "with the same random numbers on the processor: into a file, or in a window, sample by sample.",
@@ -59,6 +59,7 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   app.add_option("--samples", o.samples, "paths a pixel")->type_name("N")->check(CLI::Range(1, 1 << 24))->capture_default_str();
   app.add_option("--bounces", o.bounces, "hits of a path behind its first")
     ->type_name("N")->check(CLI::Range(0, 64))->capture_default_str();
+  addShutterOption(app, shutter);
   app.add_option("--device", device, "vulkan for the first device, a device's index, a part of its name, or cpu; auto for a GPU if there is one, else cpu")
     ->type_name("NAME")->capture_default_str();
   app.add_flag("--window", o.window, "show the picture while it is made");
@@ -75,6 +76,7 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   validateBuild(o.build);
   o.scene.threads = o.build.threads;
   o.size = parseImageSize(size);
+  o.shutter = parseShutter(shutter);
   o.device = device == "auto" ? chooseDevice() : libraryName(device);
   const std::vector<Representation> representations = parseRepresentationOptions(representation, frameLevel);
   if (representations.size() != 1)

@@ -9,6 +9,7 @@
 #include "building/representation.h"
 #include "scenes/catalogue.h"
 #include "tracing/image_size.h"
+#include "tracing/shutter.h"
 
 #include <optional>
 #include <string>
@@ -24,6 +25,7 @@ struct PathTracerOptions
   ImageSize size;
   unsigned samples = 64;      // a pixel
   unsigned bounces = 3;       // hits of a path behind its first
+  Shutter shutter;            // of models that move
   std::string device;         // "cpu", or as rtcNewVulkanDevice takes it
   bool window = false;
   std::string output;         // empty: none

@@ -23,14 +23,15 @@ CbvhRay rayOf (vec3 origin, float tnear, vec3 direction)
   return CbvhRay(origin, tnear, direction, 1.0/0.0, 0xFFFFFFFFu);
 }
 
-ClosestHit closestHit (uvec2 scene, vec3 origin, float tnear, vec3 direction)
+/* Surfaces that move are the processor's: times are not used here. */
+ClosestHit closestHit (uvec2 scene, vec3 origin, float tnear, vec3 direction, float time)
 {
   CbvhHit hit;
   bool exists = cbvhIntersect(scene, rayOf(origin, tnear, direction), hit);
   return ClosestHit(exists, hit.t, hit.Ng);
 }
 
-bool isOccluded (uvec2 scene, vec3 origin, float tnear, vec3 direction)
+bool isOccluded (uvec2 scene, vec3 origin, float tnear, vec3 direction, float time)
 {
   return cbvhOccluded(scene, rayOf(origin, tnear, direction));
 }

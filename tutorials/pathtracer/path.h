@@ -22,6 +22,7 @@ struct PathView
   vec3 sun;         // towards its middle, of length 1
   uint32_t width, height;
   uint32_t bounces; // hits of a path behind its first
+  float shutterBegin, shutterEnd; // times of paths, 0 to 1
 };
 
 /* What the shader is called with. Addresses are two words to it. */
@@ -39,7 +40,7 @@ struct PathArguments
 
 #ifndef VULKAN
 /* Every device has 128 bytes of push constants. Those of the shader end with the last member, these with a multiple of 8. */
-static_assert(offsetof(PathArguments,firstRow) == 104 && sizeof(PathArguments) == 112, "layout of push constants");
+static_assert(offsetof(PathArguments,firstRow) == 112 && sizeof(PathArguments) == 120, "layout of push constants");
 #endif
 
 struct ClosestHit
@@ -49,9 +50,9 @@ struct ClosestHit
   vec3 Ng;
 };
 
-/* Each device has its own. direction: of length 1, so that t is a distance. */
-ClosestHit closestHit (TracedScene scene, vec3 origin, float tnear, vec3 direction);
-bool isOccluded (TracedScene scene, vec3 origin, float tnear, vec3 direction);
+/* Each device has its own. direction: of length 1, so that t is a distance. time: 0 to 1. */
+ClosestHit closestHit (TracedScene scene, vec3 origin, float tnear, vec3 direction, float time);
+bool isOccluded (TracedScene scene, vec3 origin, float tnear, vec3 direction, float time);
 
 /* Where rays that leave a hit begin, as in Embree's own path tracer: behind all that rounding did to the hit. */
 PATH_FUNCTION float nearEnd (vec3 p, float t)
@@ -67,19 +68,26 @@ PATH_FUNCTION vec3 facingNormal (vec3 Ng, vec3 direction)
   return Ng*((dot(Ng,direction) > 0.0f ? -1.0f : 1.0f)/sqrt(square));
 }
 
+/* When a path is traced. Its random number is none of those that the path counts. */
+PATH_FUNCTION float timeOfPath (PathView view, uint32_t pixel, uint32_t sampleIndex)
+{
+  return view.shutterBegin + (view.shutterEnd - view.shutterBegin)*randomNumber(pixel,sampleIndex,0xFFFFFFFFu);
+}
+
 /* Light that one path brings to a pixel. */
 PATH_FUNCTION vec3 lightOfPath (TracedScene scene, PathView view, uint32_t x, uint32_t y, uint32_t sampleIndex)
 {
   uint32_t pixel = y*view.width + x, dimension = 0u;
   float pixelX = float(x) + randomNumber(pixel,sampleIndex,dimension++);
   float pixelY = float(y) + randomNumber(pixel,sampleIndex,dimension++);
+  float time = timeOfPath(view,pixel,sampleIndex);
   vec3 origin = view.eye;
   vec3 direction = unitVector(view.corner + pixelX*view.right + pixelY*view.down);
   float tnear = 0.0f;
   vec3 light = vector(0.0f,0.0f,0.0f), weight = vector(1.0f,1.0f,1.0f);
   for (uint32_t hits = 0u; ; hits++)
   {
-    ClosestHit hit = closestHit(scene,origin,tnear,direction);
+    ClosestHit hit = closestHit(scene,origin,tnear,direction,time);
     if (!hit.exists) return light + weight*skyColor(direction,view.up);
     if (hits > view.bounces) return light;
     vec3 n = facingNormal(hit.Ng,direction);
@@ -90,7 +98,7 @@ PATH_FUNCTION vec3 lightOfPath (TracedScene scene, PathView view, uint32_t x, ui
     float u = randomNumber(pixel,sampleIndex,dimension++), v = randomNumber(pixel,sampleIndex,dimension++);
     vec3 toSun = directionToSun(view.sun,u,v);
     float cosine = dot(n,toSun);
-    if (cosine > 0.0f && !isOccluded(scene,origin,tnear,toSun)) light = light + cosine*(weight*sunColor());
+    if (cosine > 0.0f && !isOccluded(scene,origin,tnear,toSun,time)) light = light + cosine*(weight*sunColor());
 
     u = randomNumber(pixel,sampleIndex,dimension++);
     v = randomNumber(pixel,sampleIndex,dimension++);

@@ -5,7 +5,7 @@
 
 namespace cbvh {
 
-PathView makePathView(const Camera& camera, Vec3f up, unsigned bounces)
+PathView makePathView(const Camera& camera, Vec3f up, unsigned bounces, const Shutter& shutter)
 {
   const float width = float(camera.size().width), height = float(camera.size().height);
   const Vec3f middle = camera.direction(0.5f * (width - 1.0f), 0.5f * (height - 1.0f));
@@ -25,6 +25,8 @@ PathView makePathView(const Camera& camera, Vec3f up, unsigned bounces)
   view.width = uint32_t(camera.size().width);
   view.height = uint32_t(camera.size().height);
   view.bounces = bounces;
+  view.shutterBegin = shutter.begin;
+  view.shutterEnd = shutter.end;
   return view;
 }
 

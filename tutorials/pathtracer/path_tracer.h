@@ -8,6 +8,7 @@
 
 #include "path.h"
 #include "tracing/camera.h"
+#include "tracing/shutter.h"
 
 #include <memory>
 #include <string>
@@ -17,8 +18,8 @@ namespace cbvh {
 
 using path::PathView;
 
-/* up: of the scene. bounces: hits of a path behind its first. */
-PathView makePathView(const Camera& camera, Vec3f up, unsigned bounces);
+/* up: of the scene. bounces: hits of a path behind its first. shutter: of models that move. */
+PathView makePathView(const Camera& camera, Vec3f up, unsigned bounces, const Shutter& shutter);
 
 class PathTracer
 {

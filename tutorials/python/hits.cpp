@@ -80,16 +80,17 @@ std::shared_ptr<Hits> nearer(const Hits& a, const Hits& b)
 
 } // namespace
 
-Rays readRays(const py::object& origins, const py::object& directions, const py::object& tnear, const py::object& tfar)
+Rays readRays(const py::object& origins, const py::object& directions, const py::object& tnear, const py::object& tfar,
+              const py::object& time)
 {
   const Floats o = floats(origins, "origins"), d = floats(directions, "directions");
-  const Floats n = floats(tnear, "tnear"), f = floats(tfar, "tfar");
-  const Shape shapes[4] = {shapeOfVectors(o, "origins"), shapeOfVectors(d, "directions"), shapeOf(n), shapeOf(f)};
+  const Floats n = floats(tnear, "tnear"), f = floats(tfar, "tfar"), m = floats(time, "time");
+  const Shape shapes[5] = {shapeOfVectors(o, "origins"), shapeOfVectors(d, "directions"), shapeOf(n), shapeOf(f), shapeOf(m)};
   Rays result;
   try
   {
     const py::object shape = py::module_::import("numpy").attr("broadcast_shapes")(
-      tupleOf(shapes[0]), tupleOf(shapes[1]), tupleOf(shapes[2]), tupleOf(shapes[3]));
+      tupleOf(shapes[0]), tupleOf(shapes[1]), tupleOf(shapes[2]), tupleOf(shapes[3]), tupleOf(shapes[4]));
     for (const py::handle& n : shape)
       result.shape.push_back(n.cast<py::ssize_t>());
   }
@@ -98,25 +99,26 @@ Rays readRays(const py::object& origins, const py::object& directions, const py:
     if (!e.matches(PyExc_ValueError))
       throw;
     throw py::value_error("origins of " + textOf(shapes[0]) + " points, directions of " + textOf(shapes[1]) +
-                          " vectors, tnear of shape " + textOf(shapes[2]) + " and tfar of shape " + textOf(shapes[3]) +
+                          " vectors, tnear of shape " + textOf(shapes[2]) + ", tfar of shape " + textOf(shapes[3]) +
+                          " and time of shape " + textOf(shapes[4]) +
                           " cannot be broadcast to one shape");
   }
   Shape vectors = result.shape;
   vectors.push_back(3);
   const Floats os = broadcast(o, vectors), ds = broadcast(d, vectors);
-  const Floats ns = broadcast(n, result.shape), fs = broadcast(f, result.shape);
+  const Floats ns = broadcast(n, result.shape), fs = broadcast(f, result.shape), ms = broadcast(m, result.shape);
   result.rays.resize(size_t(ns.size()));
   for (size_t i = 0; i < result.rays.size(); i++)
   {
     const float *const p = os.data() + 3 * i, *const v = ds.data() + 3 * i;
-    result.rays[i] = {{p[0], p[1], p[2]}, ns.data()[i], {v[0], v[1], v[2]}, fs.data()[i]};
+    result.rays[i] = {{p[0], p[1], p[2]}, ns.data()[i], {v[0], v[1], v[2]}, fs.data()[i], ms.data()[i]};
   }
   return result;
 }
 
 Rays readRays(const py::object& origins, const py::object& directions)
 {
-  return readRays(origins, directions, py::float_(0.0), py::float_(INFINITY));
+  return readRays(origins, directions, py::float_(0.0), py::float_(INFINITY), py::float_(0.0));
 }
 
 void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others)

@@ -20,7 +20,8 @@ struct Rays
 };
 
 /* Arguments as of Scene.intersect, which NumPy's rules broadcast to one shape. */
-Rays readRays(const py::object& origins, const py::object& directions, const py::object& tnear, const py::object& tfar);
+Rays readRays(const py::object& origins, const py::object& directions, const py::object& tnear, const py::object& tfar,
+              const py::object& time);
 Rays readRays(const py::object& origins, const py::object& directions);
 
 struct Hits

@@ -116,13 +116,34 @@ Vec2f readRepeat(const py::object& value)
   return repeat;
 }
 
+/* (steps, vertices, 3), or (vertices, 3) of one. */
+std::vector<std::vector<Vec3f>> readPoses(const py::object& given, size_t numVertices)
+{
+  constexpr size_t most = 128; // with the cage, Embree's 129 time steps
+  if (given.is_none())
+    return {};
+  const Floats array = floats(given, "poses");
+  Shape shape = shapeOf(array);
+  if (shape.size() == 2)
+    shape.insert(shape.begin(), 1);
+  if (shape.size() != 3 || size_t(shape[0]) > most || size_t(shape[1]) != numVertices || shape[2] != 3)
+    refuse("poses", "has shape " + textOf(shapeOf(array)) + ", not (steps, " + std::to_string(numVertices) + ", 3), with at most " + std::to_string(most) + " steps");
+  const Vec3f* const positions = reinterpret_cast<const Vec3f*>(array.data());
+  std::vector<std::vector<Vec3f>> poses;
+  poses.resize(size_t(shape[0]));
+  for (size_t i = 0; i < poses.size(); i++)
+    poses[i].assign(positions + i * numVertices, positions + (i + 1) * numVertices);
+  return poses;
+}
+
 std::shared_ptr<Model> makeModel(const Cage& cage, const py::object& height, std::optional<float> amplitude,
                                  std::optional<float> midLevel, const std::string& channel, const py::object& repeat,
-                                 const std::string& values)
+                                 const std::string& values, const py::object& poses)
 {
   auto model = std::make_shared<Model>();
   model->name = cage.name;
   model->cage = cage;
+  model->poses = readPoses(poses, cage.positions.size());
   if (amplitude && height.is_none())
     refuse("amplitude", "needs a height");
   if (amplitude && !std::isfinite(*amplitude))
@@ -147,7 +168,7 @@ std::shared_ptr<Model> makeModel(const Cage& cage, const py::object& height, std
 
 std::shared_ptr<Model> makeScene(const std::string& name, std::optional<float> amplitude, bool rough,
                                  const std::optional<std::string>& mapping, std::optional<int> count,
-                                 const std::optional<fs::path>& mapFolder, int threads, const py::object& progress)
+                                 const std::string& motion, std::optional<int> steps, const std::optional<fs::path>& mapFolder, int threads, const py::object& progress)
 {
   SceneSettings settings;
   settings.scene = name;
@@ -155,6 +176,8 @@ std::shared_ptr<Model> makeScene(const std::string& name, std::optional<float> a
   settings.rough = rough;
   settings.mapping = mapping.value_or("");
   settings.count = count;
+  settings.motion = motion;
+  settings.steps = steps;
   settings.mapFolder = mapFolder ? mapFolder->string() : "";
   settings.threads = threads;
   validateScene(settings);
@@ -225,6 +248,8 @@ channel: of a file, by name or number from 0, its first if it is not given; the 
 repeat: copies of the map in a unit of texture coordinates, one number or one for u and one for v.
 values: what a file holds: "heights", or vectors, "object" in the cage's axes, "tangent" along the texture's u, the
   normal, and the texture's v.
+poses: (steps, vertices, 3), of a surface that moves: where the cage's vertices are at later times, which are even from
+  the cage at time 0 to the last pose at 1. Points between two steps move on lines. Error for naive, which stands still.
 
 Error is raised for a map that cannot be read.)";
 
@@ -234,11 +259,13 @@ amplitude: as of a model, the scene's own if it is not given.
 rough: trex and herd, five times the amplitude.
 mapping: trex and herd, heights by "faces", the default, or by an "atlas".
 count: herd, number of copies of the cage.
+motion: "turn", "bend", "twist" or "walk", what the cage does from time 0 to 1; it stands still by default.
+steps: of the motion in time, 2 by default.
 map_folder: where the map of trex and herd is kept, 134 MB and made in seconds; the user's cache directory by default.
 threads: for making the map, 0 for all.
 progress: called with the name of a phase and how much of it is done, 0 to 1.)";
 
-const std::string tessellateText = R"(The mesh that GRID and NAIVE hold, to the bit: vertices (n, 3) float32 and quads (m, 4) uint32.
+const std::string tessellateText = R"(The mesh that GRID and NAIVE hold, of a model that moves at time 0, to the bit: vertices (n, 3) float32 and quads (m, 4) uint32.
 
 Every patch, which is a face or a corner of a face of n != 4 vertices, has vertices of its own, in rows along u. GRID
 and NAIVE split a quad a, b, c, d into the triangles a, b, d and d, b, c.
@@ -254,14 +281,15 @@ void defineModel(py::module_& module)
   py::class_<Model, std::shared_ptr<Model>>(module, "Model", modelText)
     .def(py::init(&makeModel), py::arg("cage"), py::arg("height") = py::none(), py::arg("amplitude") = py::none(),
          py::kw_only(), py::arg("mid_level") = py::none(), py::arg("channel") = "", py::arg("repeat") = 1,
-         py::arg("values") = "heights", makeText)
+         py::arg("values") = "heights", py::arg("poses") = py::none(), makeText)
     .def_static("scene", &makeScene, py::arg("name"), py::arg("amplitude") = py::none(), py::kw_only(),
-                py::arg("rough") = false, py::arg("mapping") = py::none(), py::arg("count") = py::none(),
+                py::arg("rough") = false, py::arg("mapping") = py::none(), py::arg("count") = py::none(), py::arg("motion") = "", py::arg("steps") = py::none(),
                 py::arg("map_folder") = py::none(), py::arg("threads") = 0, py::arg("progress") = py::none(), sceneText)
     .def_readonly("cage", &Model::cage, "The Cage.")
     .def_readonly("name", &Model::name, "Name of the scene or of the cage.")
     .def_property_readonly("copies", [](const Model& m) { return m.copies.size(); },
                            "Copies of the cage, each a geometry of its own: 1 but for herd.")
+    .def_property_readonly("steps", [](const Model& m) { return 1 + m.poses.size(); }, "Steps in time: 1 where it stands still.")
     .def_property_readonly("is_displaced", [](const Model& m) { return bool(m.displacement); },
                            "Whether there are heights.")
     .def("num_quads", [](const Model& m, int level) {

@@ -116,10 +116,10 @@ std::shared_ptr<Scene> build(const std::shared_ptr<Model>& model, const std::str
 /* --- tracing ------------------------------------------------------------------- */
 
 Hits intersect(const Scene& scene, const py::object& origins, const py::object& directions, const py::object& tnear,
-               const py::object& tfar, int threads)
+               const py::object& tfar, const py::object& time, int threads)
 {
   const unsigned n = threadsOf(threads);
-  Rays rays = readRays(origins, directions, tnear, tfar);
+  Rays rays = readRays(origins, directions, tnear, tfar, time);
   return interruptible(py::none(), [&] {
     return scene.hitsOf(std::move(rays.shape), traceClosest(scene.built, rays.rays, n));
   });
@@ -142,10 +142,10 @@ std::vector<char> anyHits(const BuiltScene& scene, const std::vector<Ray>& rays,
 }
 
 py::array_t<bool> occluded(const Scene& scene, const py::object& origins, const py::object& directions,
-                           const py::object& tnear, const py::object& tfar, int threads)
+                           const py::object& tnear, const py::object& tfar, const py::object& time, int threads)
 {
   const unsigned n = threadsOf(threads);
-  const Rays rays = readRays(origins, directions, tnear, tfar);
+  const Rays rays = readRays(origins, directions, tnear, tfar, time);
   const std::vector<char> hit = interruptible(py::none(), [&] { return anyHits(scene.built, rays.rays, n); });
   return arrayOf<bool>(rays.shape, [&](size_t i) { return hit[i] != 0; });
 }
@@ -239,7 +239,7 @@ py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& 
 
 /* --- what is stored --------------------------------------------------------------- */
 
-py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits)
+py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time)
 {
   requireHitsOf(scene, hits, "hits");
   Shape shape = hits.shape;
@@ -248,16 +248,16 @@ py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits)
   Vec3f* const out = reinterpret_cast<Vec3f*>(array.mutable_data());
   interruptible(py::none(), [&] {
     for (size_t i = 0; i < hits.hits.size(); i++)
-      if (!scene.built.triangleOf(hits.hits[i], out + 3 * i))
+      if (!scene.built.triangleOf(hits.hits[i], time, out + 3 * i))
         std::fill_n(out + 3 * i, 3, Vec3f{NAN, NAN, NAN});
     return 0;
   });
   return array;
 }
 
-py::dict tessellation(const Scene& scene)
+py::dict tessellation(const Scene& scene, float time)
 {
-  const StoredMesh mesh = interruptible(py::none(), [&] { return scene.built.storedMesh(); });
+  const StoredMesh mesh = interruptible(py::none(), [&] { return scene.built.storedMesh(time); });
   py::dict result;
   result["vertices"] = arrayOf<float>({py::ssize_t(mesh.vertices.size()), 3}, [&](size_t i) { return (&mesh.vertices[i / 3].x)[i % 3]; });
   result["quads"] = arrayOf<unsigned>({py::ssize_t(mesh.quads.size()), 4}, [&](size_t i) { return mesh.quads[i / 4][i % 4]; });
@@ -306,6 +306,7 @@ constexpr const char* intersectText = R"(The closest hit of each ray, as Hits.
 origins: (..., 3), world units.
 directions: (..., 3), of any length; distances are multiples of it.
 tnear, tfar: (...), the part of the ray that counts.
+time: (...), of a model that moves: 0 is its first step, 1 its last.
 threads: 0 for all.
 
 Arguments are taken as float32 and broadcast by NumPy's rules: one origin and a picture of directions make a picture of
@@ -335,13 +336,16 @@ mesh of the level), and of what is compressed a dict of bytes and counts, compre
 
 constexpr const char* trianglesText = R"(The triangles that hits are on, as they are stored: (..., 3, 3) float32, vertices in world units, NaN where a ray misses.
 
-hits: of this scene. Of cvert only; Error for other representations.)";
+hits: of this scene.
+time: of the hits' rays, if the model moves.
 
-constexpr const char* tessellationText = R"(The whole surface as it is stored, a dict of arrays: vertices (n, 3) float32 in world units, quads (m, 4) uint32, around
+Of cvert and cgrid; Error for other representations.)";
+
+constexpr const char* tessellationText = R"(The whole surface as it is stored, of a model that moves at a time from 0 to 1, a dict of arrays: vertices (n, 3) float32 in world units, quads (m, 4) uint32, around
 each quad, and primID (m,) uint32, the face that each is of. A quad 00, 10, 11, 01 has the triangles 00, 10, 01 and 01, 10, 11.
 Where blocks of up to 16 x 16 quads meet, vertices come twice, as the same floats.
 
-Of cvert only; Error for other representations.)";
+Of cvert and cgrid; Error for other representations.)";
 
 constexpr const char* errorsText = R"(How far hits are from a reference, a dict with the names of `cbvh_render --json`.
 
@@ -374,15 +378,15 @@ void defineScene(py::module_& module)
   const py::float_ zero(0.0), infinity(INFINITY);
   py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene", "A model built in one representation, see build().")
     .def("intersect", &intersect, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
-         py::kw_only(), arg("threads") = 0, intersectText)
+         py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
     .def("occluded", &occluded, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
-         py::kw_only(), arg("threads") = 0, occludedText)
+         py::kw_only(), arg("time") = zero, arg("threads") = 0, occludedText)
     .def("trace_seconds", &traceSeconds, arg("origins"), arg("directions"), py::kw_only(), arg("query") = "closest",
          arg("mode") = "single", arg("coherent") = false, arg("threads") = 1, arg("passes") = 1, secondsText)
     .def("camera", &cameraOf, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
     .def("statistics", &statistics, statisticsText)
-    .def("triangles", &trianglesOf, arg("hits"), trianglesText)
-    .def("tessellation", &tessellation, tessellationText)
+    .def("triangles", &trianglesOf, arg("hits"), py::kw_only(), arg("time") = 0.0f, trianglesText)
+    .def("tessellation", &tessellation, py::kw_only(), arg("time") = 0.0f, tessellationText)
     .def("errors", &errorsOf, arg("hits"), arg("reference"), arg("footprint"), errorsText)
     .def("true_errors", &trueErrorsOf, arg("hits"), arg("origins"), arg("directions"), arg("footprint"), py::kw_only(),
          arg("count") = 2000, arg("seed") = 1, arg("threads") = 0, arg("progress") = py::none(), trueErrorsText)

@@ -44,8 +44,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
   app.add_option("--samples", o.samples, "samples a pixel of shaded pictures; maps of errors and all figures have one")
     ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
-  app.add_option("--shutter", words.shutter, "when the shutter opens and closes, of models that move: 0 is their first step, 1 the last")
-    ->type_name("T0,T1")->capture_default_str();
+  addShutterOption(app, words.shutter);
   app.add_option("--colors", words.colors,
                  "neutral: grey from both sides; sides: magenta where the normal points away from the camera, which is a "
                  "flipped normal, or the inside of the surface")
