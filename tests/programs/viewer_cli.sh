@@ -43,6 +43,7 @@ refuses "view 'side'" --scene cube --view side
 refuses "unknown --isa 'mmx'" --scene cube --isa mmx
 refuses "threads must not be negative" --scene cube --threads -1
 refuses "samples" --scene cube --samples 0
+refuses "time" --scene cube --motion turn --time 2
 refuses "colour" --scene cube --colour red
 refuses "$folder/missing/out.png" --scene cube --level 2 --screenshot "$folder/missing/out.png"
 refuses "$folder/out.txt" --scene cube --level 2 --screenshot "$folder/out.txt"
@@ -93,6 +94,14 @@ for samples in 1 5 16; do
   "$render" --scene cube --level 4 --size 200x100 --representation cvert --samples $samples --output "$folder/theirs" >/dev/null 2>&1
   cmp "$folder/ours.png" "$folder/theirs/cube_cvert.png" || complain "another picture than cbvh_render's of $samples samples"
 done
+
+# So it is at a time of a motion, which is not its start.
+for time in 0 0.5; do
+  "$program" --scene cube --motion turn --level 4 --size 200x100 --time $time --screenshot "$folder/at$time.png" 2>/dev/null
+  "$render" --scene cube --motion turn --level 4 --size 200x100 --representation cvert --shutter $time,$time --output "$folder/theirs" >/dev/null 2>&1
+  cmp "$folder/at$time.png" "$folder/theirs/cube_cvert.png" || complain "another picture than cbvh_render's at time $time"
+done
+cmp -s "$folder/at0.png" "$folder/at0.5.png" && complain "the cube does not turn"
 
 # One thread or two: the same picture.
 for threads in 1 2; do

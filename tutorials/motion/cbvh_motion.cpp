@@ -42,6 +42,7 @@ struct Options
   unsigned repeat = 5;
   int side = 512; // of the picture whose rays are traced
   std::string isa;
+  bool still = false;
 };
 
 template<typename Run>
@@ -50,6 +51,24 @@ double secondsOf(const Run& run)
   const auto before = std::chrono::steady_clock::now();
   run();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+}
+
+enum Query { Single, Packets, AnyHit };
+
+/* Seconds; hits: of the rays. */
+double trace(RTCScene scene, const std::vector<RTCRayHit>& rays, std::vector<RTCRayHit>& hits, Query query)
+{
+  hits = rays;
+  if (query == Packets)
+    return secondsOf([&] { PacketTracer(scene).intersect(hits.data(), hits.size()); });
+  if (query == Single)
+    return secondsOf([&] { EmbreeTracer(scene).intersect(hits.data(), hits.size()); });
+  return secondsOf([&] {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (RTCRayHit& r : hits)
+      rtcOccluded1(scene, &context, &r.ray);
+  });
 }
 
 /* The same surface in one of the two ways. */
@@ -83,23 +102,7 @@ public:
     device.check("asking for statistics");
   }
 
-  enum Query { Single, Packets, AnyHit };
-
-  /* Seconds; hits: of the rays. */
-  double trace(const std::vector<RTCRayHit>& rays, std::vector<RTCRayHit>& hits, Query query) const
-  {
-    hits = rays;
-    if (query == Packets)
-      return secondsOf([&] { PacketTracer(scene.get()).intersect(hits.data(), hits.size()); });
-    if (query == Single)
-      return secondsOf([&] { EmbreeTracer(scene.get()).intersect(hits.data(), hits.size()); });
-    return secondsOf([&] {
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      for (RTCRayHit& r : hits)
-        rtcOccluded1(scene.get(), &context, &r.ray);
-    });
-  }
+  RTCScene handle() const { return scene.get(); }
 
 private:
   EmbreeDevice device;
@@ -127,46 +130,69 @@ std::vector<RTCRayHit> load(const std::vector<Ray>& rays, uint32_t seed)
 
 bool isHit(const RTCRayHit& r) { return r.hit.geomID != RTC_INVALID_GEOMETRY_ID; }
 
+/* What is traced: a picture's rays, one by one and in tiles for packets, and what bounces off the surface, all at random times. */
+struct RaySets
+{
+  RaySets(const Options& options, const Model& model, RTCScene scene) : camera(Camera::fit(model.positions(), 0.0f, model.view, 40, {options.side, options.side}))
+  {
+    const std::vector<Ray> rays = primaryRays(camera);
+    primary = load(rays, 1);
+    std::vector<RTCRayHit> hits;
+    trace(scene, primary, hits, Single);
+    std::vector<SurfaceHit> seen(rays.size());
+    for (size_t i = 0; i < seen.size(); i++)
+      if (isHit(hits[i]))
+      {
+        seen[i].t = hits[i].ray.tfar;
+        seen[i].face = 0;
+        seen[i].normal = {hits[i].hit.Ng_x, hits[i].hit.Ng_y, hits[i].hit.Ng_z};
+      }
+    BounceSettings bounce;
+    bounce.offset = 1e-4f * model.cage.bounds().diagonal();
+    bounces = load(bounceRays(rays, seen, bounce), 2);
+    tiles = load(coherentRays(rays, camera.size(), 0), 3);
+  }
+
+  Camera camera;
+  std::vector<RTCRayHit> primary, bounces, tiles;
+};
+
+constexpr int numQueries = 4; // single rays, bounces, any hit of these, packets
+
+/* How many times as fast rays are in `ours` as in `theirs`, each query. */
+void compareSpeeds(const RaySets& rays, RTCScene theirs, RTCScene ours, unsigned repeat, double speed[numQueries])
+{
+  const struct { const std::vector<RTCRayHit>& rays; Query query; } sets[numQueries] = {{rays.primary, Single}, {rays.bounces, Single}, {rays.bounces, AnyHit}, {rays.tiles, Packets}};
+  const FastDenormals fast;
+  std::vector<RTCRayHit> hits;
+  for (int set = 0; set < numQueries; set++)
+  {
+    std::vector<double> ratios;
+    for (unsigned i = 0; i < repeat; i++)
+    {
+      const double before = trace(theirs, sets[set].rays, hits, sets[set].query), now = trace(ours, sets[set].rays, hits, sets[set].query);
+      ratios.push_back(before / now);
+    }
+    speed[set] = median(ratios);
+  }
+}
+
 void measure(const Options& options, const Model& model)
 {
   const Built grid(model, options, false, options.repeat), ours(model, options, true, options.repeat);
   const double quads = double(model.layout(options.level).numQuads());
-  const Camera camera = Camera::fit(model.positions(), 0.0f, model.view, 40, {options.side, options.side});
-  const std::vector<Ray> primary = primaryRays(camera);
+  const RaySets rays(options, model, grid.handle());
+  const std::vector<RTCRayHit>& timed = rays.primary;
+  double speed[numQueries];
+  compareSpeeds(rays, grid.handle(), ours.handle(), options.repeat, speed);
   std::vector<RTCRayHit> hits[2];
-  const std::vector<RTCRayHit> timed = load(primary, 1);
-  grid.trace(timed, hits[0], Built::Single);
-  std::vector<SurfaceHit> seen(primary.size());
-  for (size_t i = 0; i < seen.size(); i++)
-    if (isHit(hits[0][i]))
-    {
-      seen[i].t = hits[0][i].ray.tfar;
-      seen[i].face = 0;
-      seen[i].normal = {hits[0][i].hit.Ng_x, hits[0][i].hit.Ng_y, hits[0][i].hit.Ng_z};
-    }
-  BounceSettings bounce;
-  bounce.offset = 1e-4f * model.cage.bounds().diagonal();
-  const std::vector<RTCRayHit> bounces = load(bounceRays(primary, seen, bounce), 2), tiles = load(coherentRays(primary, camera.size(), 0), 3);
-  const struct { const std::vector<RTCRayHit>& rays; Built::Query query; } sets[] = {{timed, Built::Single}, {bounces, Built::Single}, {bounces, Built::AnyHit}, {tiles, Built::Packets}};
-  double speed[4];
-  const FastDenormals fast;
-  for (int set = 0; set < 4; set++)
-  {
-    std::vector<double> ratios;
-    for (unsigned i = 0; i < options.repeat; i++)
-    {
-      const double theirs = grid.trace(sets[set].rays, hits[0], sets[set].query), mine = ours.trace(sets[set].rays, hits[1], sets[set].query);
-      ratios.push_back(theirs / mine);
-    }
-    speed[set] = median(ratios);
-  }
   /* errors in pixels of the picture */
-  grid.trace(timed, hits[0], Built::Single);
-  ours.trace(timed, hits[1], Built::Single);
+  trace(grid.handle(), timed, hits[0], Single);
+  trace(ours.handle(), timed, hits[1], Single);
   size_t lost = 0, both = 0, far = 0;
   double squares = 0;
   std::vector<float> errors;
-  const float footprint = camera.footprint();
+  const float footprint = rays.camera.footprint();
   for (size_t i = 0; i < timed.size(); i++)
   {
     if (isHit(hits[0][i]) != isHit(hits[1][i])) { lost++; continue; }
@@ -186,6 +212,48 @@ void measure(const Options& options, const Model& model)
   std::fflush(stdout);
 }
 
+/* One quad, small, beside all that stands in a box; it moves away from it. */
+Model smallMovingModel(const Box3f& box)
+{
+  const float size = 0.02f * box.diagonal();
+  const Vec3f corner = box.upper;
+  Model model;
+  model.cage.positions = {corner, corner + Vec3f{size, 0, 0}, corner + Vec3f{size, size, 0}, corner + Vec3f{0, size, 0}};
+  model.cage.faceSizes = {4};
+  model.cage.faceIndices = {0, 1, 2, 3};
+  model.poses.resize(1);
+  for (const Vec3f& p : model.cage.positions)
+    model.poses[0].push_back(p + Vec3f{size, size, size});
+  return model;
+}
+
+/* What a surface that stands still loses where its scene has another that moves. */
+void measureStill(const Options& options, Model model)
+{
+  model.poses.clear();
+  const Model other = smallMovingModel(model.cage.bounds());
+  EmbreeDevice device(options.isa.empty() ? "" : "isa=" + options.isa);
+  DisplacementContext contexts[2];
+  contexts[0].displacement = model.displacement.get();
+  contexts[0].level = contexts[1].level = options.level;
+  RTCCompressionArguments args;
+  rtcInitCompressionArguments(&args);
+  args.compression = RTC_COMPRESSION_VERT;
+  const GeometryHandle still = SharedTopology(device, model.cage).makeGeometry(Placement(), contexts[0], &args),
+                       moving = SharedTopology(device, other.cage, other.poses).makeGeometry(Placement(), contexts[1], &args);
+  const SceneHandle alone(rtcNewScene(device.handle())), both(rtcNewScene(device.handle()));
+  rtcAttachGeometry(alone.get(), still.get());
+  rtcAttachGeometry(both.get(), still.get());
+  rtcAttachGeometry(both.get(), moving.get());
+  rtcCommitScene(alone.get());
+  rtcCommitScene(both.get());
+  device.check("committing");
+  double speed[numQueries];
+  compareSpeeds(RaySets(options, model, alone.get()), alone.get(), both.get(), 3 * options.repeat, speed);
+  std::printf("| %s | %.3f | %.3f | %.3f | %.3f |\n", model.name.c_str(), speed[0], speed[1], speed[2], speed[3]);
+  std::fflush(stdout);
+}
+
 int run(int argc, char** argv)
 {
   Options options;
@@ -198,6 +266,7 @@ int run(int argc, char** argv)
   app.add_option("--level", options.level, "of tessellation: faces have 2^L x 2^L quads")->capture_default_str();
   app.add_option("--repeat", options.repeat, "runs, of which the median is shown")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--size", options.side, "pixels along a side of the picture whose rays are traced")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_flag("--still", options.still, "measure instead how many times as fast rays that meet a surface which stands still are where something else in its scene moves");
   app.add_option("--isa", options.isa, "widest instruction set, as Embree names it [the host's best]");
   SceneSettings cage;
   addMapOptions(app, cage);
@@ -212,7 +281,10 @@ int run(int argc, char** argv)
   }
   if (!cage.cagePath.empty())
     options.scenes = {""};
-  std::printf("| scene | million quads | GRID, bytes | cVERT | a further step | peak | GRID, s | cVERT | ratio | rays: single | bounces | any hit | packets | RMSE, px | p99 | others of 10,000 |\n"
+  if (options.still)
+    std::printf("| a still surface | rays: single | bounces | any hit | packets |\n|:--|--:|--:|--:|--:|\n");
+  else
+    std::printf("| scene | million quads | GRID, bytes | cVERT | a further step | peak | GRID, s | cVERT | ratio | rays: single | bounces | any hit | packets | RMSE, px | p99 | others of 10,000 |\n"
               "|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
   for (const std::string& scene : options.scenes)
   {
@@ -222,6 +294,11 @@ int run(int argc, char** argv)
     Model model = loadScene(withStrength(of), warnings);
     std::fputs(warnings.c_str(), stderr);
     const std::string name = model.name;
+    if (options.still)
+    {
+      measureStill(options, model);
+      continue;
+    }
     for (const std::string& motion : options.motions)
     {
       MotionSettings settings;

@@ -28,6 +28,7 @@ void writeScreenshot(const ViewerOptions& options)
   settings.up = document.model().view.up;
   settings.threads = threadCount(options.build.threads);
   settings.samples = options.samples;
+  settings.time = options.time;
   writePng(options.screenshot, renderPicture(*document.loaded->start, findPanes(state, document.store), settings));
 }
 

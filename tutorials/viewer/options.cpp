@@ -53,6 +53,8 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   app.add_option("--samples", o.samples, "samples a pixel of mode shading, which the window gathers while nothing moves; all other\n"
                  "modes and all figures have one")
     ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
+  app.add_option("--time", o.time, "of a model that moves: 0 is its first step, 1 its last; the window has a slider")
+    ->type_name("T")->check(CLI::Range(0.0, 1.0))->capture_default_str();
   app.add_option("--screenshot", o.screenshot, "write a picture there and open no window; PNG, or what the name ends in")
     ->type_name("FILE");
   app.add_option("--picture", o.picture, "where key P of the window saves what it shows")->type_name("FILE")->capture_default_str();

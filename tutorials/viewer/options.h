@@ -22,6 +22,7 @@ struct ViewerOptions
   PictureMode mode = PictureMode::Shading;
   std::string view = "full";
   int samples = 16;                         // a pixel, in PictureMode::Shading; a window gathers them while nothing moves
+  float time = 0;                           // of a model that moves, 0 to 1; where the window starts
   ImageSize size{1024, 768};
   std::string screenshot;                   // render there and end; empty: open a window
   std::string picture = "cbvh_viewer.png";  // where the window's key saves

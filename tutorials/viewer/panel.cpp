@@ -230,6 +230,7 @@ void Panel::drawSettings()
     state.mode = PictureMode(mode);
   viewer.want(state);
   drawStrength();
+  drawTime();
   drawUp();
   ImGui::PopItemWidth();
   bool split = viewer.isSplit();
@@ -237,6 +238,15 @@ void Panel::drawSettings()
     viewer.setSplit(split);
   ImGui::SameLine();
   ImGui::Checkbox("without pause", &viewer.continuous);
+}
+
+void Panel::drawTime()
+{
+  if (!viewer.moves())
+    return;
+  float time = viewer.time();
+  if (ImGui::SliderFloat("time", &time, 0.0f, 1.0f, "%.3f"))
+    viewer.setTime(time);
 }
 
 void Panel::drawUp()

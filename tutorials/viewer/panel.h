@@ -36,6 +36,7 @@ private:
   void drawPanel(const Rectangle& area);
   void drawCaptions(const Rectangle& area);
   void drawSettings();
+  void drawTime();
   void drawUp();
   void drawKeys();
   void drawFooter();

@@ -42,7 +42,7 @@ void forTiles(const Region& region, const Body& body)
 }
 
 /* hits: one a pixel of the region, written. */
-void traceRegion(const Camera& camera, const Region& region, const BuiltScene& scene, Vec2f offset,
+void traceRegion(const Camera& camera, const Region& region, const BuiltScene& scene, Vec2f offset, float time,
                  std::vector<SurfaceHit>& hits)
 {
   forTiles(region, [&](int x0, int x1, int y0, int y1) {
@@ -51,7 +51,10 @@ void traceRegion(const Camera& camera, const Region& region, const BuiltScene& s
     size_t n = 0;
     for (int y = y0; y < y1; y++)
       for (int x = x0; x < x1; x++)
-        rays[n++] = primaryRay(camera, x, y, offset);
+      {
+        rays[n] = primaryRay(camera, x, y, offset);
+        rays[n++].time = time;
+      }
     traceClosest(scene, n, rays, found);
     n = 0;
     for (int y = y0; y < y1; y++)
@@ -135,7 +138,7 @@ public:
     report.rays = region.pixels();
     offset = sampleOffset(i);
     const auto start = std::chrono::steady_clock::now();
-    traceRegion(camera, region, *pane.scene, offset, hits);
+    traceRegion(camera, region, *pane.scene, offset, settings.time, hits);
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report.hits = size_t(std::count_if(hits.begin(), hits.end(), [](const SurfaceHit& hit) { return hit.hit(); }));
     return report;
@@ -145,7 +148,7 @@ public:
   void compare(PaneReport& report)
   {
     std::vector<SurfaceHit> reference(region.pixels());
-    traceRegion(camera, region, *pane.reference, offset, reference);
+    traceRegion(camera, region, *pane.reference, offset, settings.time, reference);
     errors = pixelErrors(reference, hits, camera.footprint());
     summarise(report);
   }

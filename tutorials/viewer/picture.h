@@ -59,6 +59,7 @@ struct PictureSettings
   float split = 0.5f; // where the right pane starts, of the width
   unsigned threads = 1;
   int samples = 1; // a pixel, in PictureMode::Shading
+  float time = 0;  // of a model that moves, from its first step at 0 to its last at 1
 };
 
 /* The column of a picture where its right pane starts, of two. */

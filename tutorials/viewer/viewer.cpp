@@ -36,7 +36,7 @@ bool sameScenes(const std::vector<Pane>& a, const std::vector<Pane>& b)
 
 } // namespace
 
-Viewer::Viewer(const ViewerOptions& options) : options(options)
+Viewer::Viewer(const ViewerOptions& options) : options(options), shownTime(options.time)
 {
   worker.listen();
   wanted.representations = options.representations;
@@ -189,7 +189,7 @@ bool Viewer::refresh(ImageSize now)
   const Camera camera = viewpoint->camera(size);
   const std::string description = camera.description();
   const bool same = rendered && rendered->image().size.width == size.width && rendered->image().size.height == size.height &&
-                    description == renderedCamera && splitPosition == renderedSplit && sameScenes(what, renderedPanes);
+                    description == renderedCamera && splitPosition == renderedSplit && shownTime == renderedTime && sameScenes(what, renderedPanes);
   if (same && !continuous)
   {
     if (rendered->isComplete())
@@ -203,10 +203,12 @@ bool Viewer::refresh(ImageSize now)
   settings.split = splitPosition;
   settings.threads = threadCount(options.build.threads);
   settings.samples = options.samples;
+  settings.time = shownTime;
   rendered.emplace(camera, what, settings);
   rendered->addSample();
   renderedCamera = description;
   renderedSplit = splitPosition;
+  renderedTime = shownTime;
   renderedPanes = what;
   return true;
 }
@@ -253,6 +255,11 @@ void Viewer::moveSplit(float position)
 {
   constexpr float rim = 0.02f; // it can be caught again
   splitPosition = std::clamp(position, rim, 1.0f - rim);
+}
+
+void Viewer::setTime(float time)
+{
+  shownTime = std::clamp(time, 0.0f, 1.0f);
 }
 
 void Viewer::stop()
@@ -383,6 +390,7 @@ std::optional<Vec3f> Viewer::pointAt(Vec2f pixel) const
   Ray ray;
   ray.origin = viewpoint->position();
   ray.direction = viewpoint->camera(size).direction(pixel.x, pixel.y);
+  ray.time = shownTime;
   SurfaceHit hit;
   traceClosest(*(left ? all.front() : all.back()).scene, 1, &ray, &hit);
   if (!hit.hit())

@@ -67,6 +67,11 @@ public:
   float split() const { return splitPosition; }
   void moveSplit(float position);
 
+  /* When the model is shown, from 0 to 1, if it moves. */
+  bool moves() const { return document && !document->model().poses.empty(); }
+  float time() const { return shownTime; }
+  void setTime(float time);
+
   /* What is under way, if anything is. */
   std::optional<Worker::Progress> progress() const { return worker.progress(); }
 
@@ -133,6 +138,7 @@ private:
   ViewState wanted, shown;
   Representation other{RepresentationKind::Grid}; // of the right half while there is none
   float splitPosition = 0.5f, stepLength = 1.0f;
+  float shownTime;
   std::optional<Viewpoint> viewpoint; // as soon as there is a model
   std::string upAxis = "y";
   ViewHints hints;                    // of the model, turned to that
@@ -142,7 +148,7 @@ private:
   ImageSize size{1, 1};
   std::optional<Picture> rendered;
   std::string renderedCamera; // what it was rendered with,
-  float renderedSplit = 0.5f;
+  float renderedSplit = 0.5f, renderedTime = 0.0f;
   std::vector<Pane> renderedPanes;
   std::string lastMessage;
 };
