@@ -78,26 +78,26 @@ namespace embree
       cbvh::VertRays<K> vert;
     };
 
-    /*! Rays of a packet one by one; alone: bits of them. */
-    template<typename Traversal, int K>
-    __forceinline void traceAlone (uint32_t alone, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context)
+    /*! Rays of a packet one by one; alone: bits of them. intersect(ray), occluded(ray): trace one. */
+    template<int K, typename Intersect>
+    __forceinline void traceAlone (uint32_t alone, RayHitK<K>& rays, const Intersect& intersect)
     {
       for (; alone; alone&=alone-1) {
         const size_t k = bsf(alone);
         RayHit ray;
         rays.get(k,ray);
-        Traversal::intersect(This,ray,context);
+        intersect(ray);
         rays.set(k,ray);
       }
     }
-    template<typename Traversal, int K>
-    __forceinline void traceAlone (uint32_t alone, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context)
+    template<int K, typename Occluded>
+    __forceinline void traceAlone (uint32_t alone, RayK<K>& rays, const Occluded& occluded)
     {
       for (; alone; alone&=alone-1) {
         const size_t k = bsf(alone);
         Ray ray;
         rays.get(k,ray);
-        Traversal::occluded(This,ray,context);
+        occluded(ray);
         rays.tfar[k] = ray.tfar;
       }
     }
@@ -110,10 +110,21 @@ namespace embree
     struct CompressedMotionIntersectorK
     {
       static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context) {
-        traceAlone<CompressedMotionTraversal1,K>(uint32_t(movemask(validOf<K>(*mask,rays))),This,rays,context);
+        const BVH4* bvh = (const BVH4*)This->ptr;
+        traceAlone<K>(thatMayMeet(*mask,bvh,rays),rays,[&](RayHit& ray) { CompressedMotionTraversal1::intersectTree(bvh,ray,context); });
       }
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context) {
-        traceAlone<CompressedMotionTraversal1,K>(uint32_t(movemask(validOf<K>(*mask,rays))),This,rays,context);
+        const BVH4* bvh = (const BVH4*)This->ptr;
+        const uint32_t ended = uint32_t(movemask(rays.tfar < vfloat<K>(zero)));
+        traceAlone<K>(thatMayMeet(*mask,bvh,rays) & ~ended,rays,[&](Ray& ray) { CompressedMotionTraversal1::occludedTree(bvh,ray,context); });
+      }
+
+    private:
+      /*! bits of rays that may meet something which moves */
+      static __forceinline uint32_t thatMayMeet (const vint<K>& mask, const BVH4* bvh, const RayK<K>& rays)
+      {
+        const vbool<K> valid = validOf<K>(mask,rays);
+        return none(valid) ? 0 : uint32_t(movemask(valid & cbvh::mayMeet(rays,CompressedMotionTraversal1::boxOf(bvh))));
       }
     };
 
@@ -123,13 +134,13 @@ namespace embree
       static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context)
       {
         const vbool<K> valid = validOf<K>(*mask,rays);
-        traceAlone<CompressedSubdivTraversal1,K>(together(valid,This,rays,context).alone,This,rays,context);
+        traceAlone<K>(together(valid,This,rays,context).alone,rays,[&](RayHit& ray) { CompressedSubdivTraversal1::intersect(This,ray,context); });
       }
 
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context)
       {
         const Traced traced = together(validOf<K>(*mask,rays),This,rays,context);
-        traceAlone<CompressedSubdivTraversal1,K>(traced.alone,This,rays,context);
+        traceAlone<K>(traced.alone,rays,[&](Ray& ray) { CompressedSubdivTraversal1::occluded(This,ray,context); });
         vfloat<K>::store(traced.ended,&rays.tfar,vfloat<K>(neg_inf));
       }
 

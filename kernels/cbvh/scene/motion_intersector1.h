@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* BVH4 traversal of single rays over blocks that move. */
+/* BVH4 traversal of single rays over blocks that move. Rays are tested first against a box that holds all of them at all times, so that a scene's
+ * still surfaces lose little by others that move elsewhere. */
 
 #include "point_query.h"
 #include "top_level1.h"
@@ -18,15 +19,26 @@ namespace embree
       static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::mayHit(ray))) return;
-        Leaves leaves = { ray,context };
-        cbvh::traverseClosestHit1(bvh->root,cbvh::MovingNodes{ ray.time() },ray,leaves);
+        if (cbvh::mayHit(ray) && cbvh::mayMeet(ray,boxOf(bvh))) intersectTree(bvh,ray,context);
       }
 
       static void occluded (const Accel::Intersectors* This, Ray& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::mayHit(ray))) return; // before 0: it has ended
+        if (!(ray.tfar < 0.0f) && cbvh::mayHit(ray) && cbvh::mayMeet(ray,boxOf(bvh))) occludedTree(bvh,ray,context); // before 0: it has ended
+      }
+
+      /*! Of all blocks at all times, or empty. */
+      static __forceinline BBox3fa boxOf (const BVH4* bvh) { return merge(bvh->bounds.bounds0,bvh->bounds.bounds1); }
+
+      /*! What is behind these tests. */
+      static __noinline void intersectTree (const BVH4* bvh, RayHit& ray, IntersectContext* context)
+      {
+        Leaves leaves = { ray,context };
+        cbvh::traverseClosestHit1(bvh->root,cbvh::MovingNodes{ ray.time() },ray,leaves);
+      }
+      static __noinline void occludedTree (const BVH4* bvh, Ray& ray, IntersectContext* context)
+      {
         cbvh::VertRay vertRay;
         const bool isOccluded = cbvh::traverseAnyHit1(bvh->root,cbvh::MovingNodes{ ray.time() },ray,[&](BVH4::NodeRef leaf, const TravRay<4,true>&, size_t&) {
             return cbvh::intersectMovingVert(ray,context,vertRay,blockOf(leaf));

@@ -37,20 +37,55 @@ namespace embree
         return finite;
       }
 
+      /*! What distances to planes are multiplied by, in x, y and z: near makes them less than they are, far makes them more. */
+      struct PlaneFactors
+      {
+        const vfloat4 rdir, near, far;
+
+        __forceinline explicit PlaneFactors (const Vec3fa& dir)
+          : rdir(directionReciprocals(vfloat4(dir.m128))), near(vfloat4(1.0f-3.0f*float(ulp))*rdir), far(vfloat4(1.0f+3.0f*float(ulp))*rdir) {}
+      };
+
+      /*! Whether a ray may meet anything in a box, by TopLevelRay's arithmetic: boxes in it are met by no other rays. */
+      __forceinline bool mayMeet (const Ray& ray, const BBox3fa& box)
+      {
+        const PlaneFactors factors{ Vec3fa(ray.dir) };
+        const vbool4 descends = factors.rdir < vfloat4(zero);
+        const vfloat4 org(ray.org.m128), lower(box.lower.m128), upper(box.upper.m128);
+        const Vec3fa enter((select(descends,upper,lower)-org)*factors.near), leave((select(descends,lower,upper)-org)*factors.far);
+        return max(reduce_max(enter),max(ray.tnear(),0.0f)) <= min(reduce_min(leave),max(ray.tfar,0.0f));
+      }
+
+      /*! The same of a packet's. */
+      template<int K>
+      __forceinline vbool<K> mayMeet (const RayK<K>& rays, const BBox3fa& box)
+      {
+        const vfloat<K> largest = max(max(abs(rays.dir.x),abs(rays.dir.y)),abs(rays.dir.z));
+        vfloat<K> enter = max(rays.tnear(),vfloat<K>(zero)), leave = max(rays.tfar,vfloat<K>(zero));
+        for (int axis=0; axis<3; axis++)
+        {
+          const vfloat<K> rdir = directionReciprocal(rays.dir[axis],largest), lower(box.lower[axis]), upper(box.upper[axis]);
+          const vbool<K> descends = rdir < vfloat<K>(zero);
+          enter = max(enter,(select(descends,upper,lower)-rays.org[axis])*(vfloat<K>(1.0f-3.0f*float(ulp))*rdir));
+          leave = min(leave,(select(descends,lower,upper)-rays.org[axis])*(vfloat<K>(1.0f+3.0f*float(ulp))*rdir));
+        }
+        return enter <= leave;
+      }
+
       struct TopLevelRay : public TravRay<4,true>
       {
         __forceinline explicit TopLevelRay (const Ray& ray)
         {
           const Vec3fa o = ray.org, d = ray.dir;
-          const vfloat4 rdir = directionReciprocals(vfloat4(d.m128));
-          const vfloat4 near = vfloat4(1.0f-3.0f*float(ulp))*rdir, far = vfloat4(1.0f+3.0f*float(ulp))*rdir;
+          const PlaneFactors factors(d);
+          const vfloat4 near = factors.near, far = factors.far;
           org_xyz = o;
           dir_xyz = d;
           org = Vec3vf<4>(o.x,o.y,o.z);
           dir = Vec3vf<4>(d.x,d.y,d.z);
           rdir_near = Vec3vf<4>(shuffle<0>(near),shuffle<1>(near),shuffle<2>(near));
           rdir_far = Vec3vf<4>(shuffle<0>(far),shuffle<1>(far),shuffle<2>(far));
-          const size_t descends = size_t(movemask(rdir < vfloat4(zero)));
+          const size_t descends = size_t(movemask(factors.rdir < vfloat4(zero)));
           nearX = sizeof(vfloat4)*(0 + (descends & 1));
           nearY = sizeof(vfloat4)*(2 + ((descends >> 1) & 1));
           nearZ = sizeof(vfloat4)*(4 + ((descends >> 2) & 1));
