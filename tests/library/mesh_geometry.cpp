@@ -6,6 +6,7 @@
 
 #include "support/closed.h"
 #include "support/diced_mesh.h"
+#include "support/filtered_geometry.h"
 #include "support/memory.h"
 #include "support/same_hits.h"
 
@@ -129,24 +130,7 @@ TEST_P(MeshGeometry, MasksFiltersAndInstances)
     for (int i = 0; i < 2; i++) {
       RTCGeometry geometry = newMesh(device, mesh, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE);
       rtcSetGeometryMask(geometry, 2);
-      // sees what of a hit is handed to filters
-      const auto filter = [](const RTCFilterFunctionNArguments* args) {
-        for (unsigned k = 0; k < args->N; k++)
-          if (args->valid[k] == -1 && (RTCHitN_primID(args->hit, args->N, k) % 3 == 0 || RTCHitN_u(args->hit, args->N, k) > 0.6f)) args->valid[k] = 0;
-      };
-      rtcSetGeometryIntersectFilterFunction(geometry, filter);
-      rtcSetGeometryOccludedFilterFunction(geometry, filter);
-      rtcCommitGeometry(geometry);
-      rtcAttachGeometryByID(scenes[i], geometry, 3);
-      rtcReleaseGeometry(geometry);
-      rtcCommitScene(scenes[i]);
-      RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-      rtcSetGeometryInstancedScene(instance, scenes[i]);
-      const float transform[12] = {0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f};
-      rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
-      rtcCommitGeometry(instance);
-      attach(tops[i], instance);
-      rtcCommitScene(tops[i]);
+      attachFiltered(device, geometry, scenes[i], tops[i], {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}});
     }
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     std::vector<RTCRayHit> rays = raysAt(random, mesh, 503);

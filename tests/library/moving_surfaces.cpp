@@ -4,6 +4,7 @@
 /* Subdivision surfaces that move, compressed: the hits of Embree's own motion blur where vertices are on the lattice, by every query,
  * on every ISA. */
 
+#include "support/filtered_geometry.h"
 #include "support/query_forms.h"
 #include "support/same_hits.h"
 #include "support/scene.h"
@@ -84,25 +85,7 @@ TEST_P(MovingSurfaces, MasksFiltersAndInstances)
     settings.compression = i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE;
     settings.mask = 2;
     RTCGeometry geometry = newSurface(device, cubeCage(), settings);
-    const auto filter = [](const RTCFilterFunctionNArguments* args) {
-      for (unsigned k = 0; k < args->N; k++)
-        if (args->valid[k] == -1 && (RTCHitN_primID(args->hit, args->N, k) % 3 == 0 || RTCHitN_u(args->hit, args->N, k) > 0.6f)) args->valid[k] = 0;
-    };
-    rtcSetGeometryIntersectFilterFunction(geometry, filter);
-    rtcSetGeometryOccludedFilterFunction(geometry, filter);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(scenes[i], geometry, 3);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scenes[i]);
-    RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(instance, scenes[i]);
-    rtcSetGeometryTimeStepCount(instance, 2);
-    const float begin[12] = {0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, end[12] = {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f};
-    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, begin);
-    rtcSetGeometryTransform(instance, 1, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, end);
-    rtcCommitGeometry(instance);
-    attach(tops[i], instance);
-    rtcCommitScene(tops[i]);
+    attachFiltered(device, geometry, scenes[i], tops[i], {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}});
   }
   std::vector<RTCRayHit> rays = timedRays(random, 600);
   for (RTCRayHit& r : rays) r.ray.mask = random.chance(0.9) ? 2 : 1;

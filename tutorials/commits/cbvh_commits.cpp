@@ -4,6 +4,7 @@
 /* Measures what commits cost in scenes of many geometries: all of them, one that was edited, one that was hidden, and a second scene
  * of the same; their memory; and rays. See --help. */
 
+#include "basics/seconds.h"
 #include "basics/vec.h"
 #include "building/embree_device.h"
 #include "measure/quantiles.h"
@@ -39,14 +40,6 @@ struct Options
 double seconds()
 {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-template<typename Run>
-double secondsOf(const Run& run)
-{
-  const double before = seconds();
-  run();
-  return seconds() - before;
 }
 
 void displace(const RTCDisplacementFunctionNArguments* args)

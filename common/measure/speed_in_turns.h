@@ -1,0 +1,98 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Two scenes of one surface trace the same rays in turns: how many times as fast one is. */
+
+#include "basics/seconds.h"
+#include "building/scene_tracer.h"
+#include "measure/quantiles.h"
+#include "surface/model.h"
+#include "tracing/camera.h"
+#include "tracing/ray_conversion.h"
+#include "tracing/ray_sets.h"
+
+#include <embree3/rtcore.h>
+
+#include <random>
+#include <vector>
+
+namespace cbvh {
+
+enum class TimedQuery { Single, Packets, AnyHit };
+
+/* Seconds; hits: of the rays. */
+inline double traceTimed(RTCScene scene, const std::vector<RTCRayHit>& rays, std::vector<RTCRayHit>& hits, TimedQuery query)
+{
+  hits = rays;
+  if (query == TimedQuery::Packets)
+    return secondsOf([&] { PacketTracer(scene).intersect(hits.data(), hits.size()); });
+  if (query == TimedQuery::Single)
+    return secondsOf([&] { EmbreeTracer(scene).intersect(hits.data(), hits.size()); });
+  return secondsOf([&] {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (RTCRayHit& r : hits)
+      rtcOccluded1(scene, &context, &r.ray);
+  });
+}
+
+/* How many times as fast `ours` is as `theirs`, the median of `repeat` turns. hits: theirs and ours of the last. */
+inline double speedInTurns(RTCScene theirs, RTCScene ours, const std::vector<RTCRayHit>& rays, TimedQuery query, unsigned repeat,
+                           std::vector<RTCRayHit> hits[2])
+{
+  std::vector<double> ratios;
+  for (unsigned i = 0; i < repeat; i++)
+  {
+    const double before = traceTimed(theirs, rays, hits[0], query), now = traceTimed(ours, rays, hits[1], query);
+    ratios.push_back(before / now);
+  }
+  return median(ratios);
+}
+
+inline bool isHit(const RTCRayHit& r) { return r.hit.geomID != RTC_INVALID_GEOMETRY_ID; }
+
+/* A picture's rays, in rows and in tiles, and what bounces off the surface, at random times from 0 to 1 or at 0. */
+struct PictureRays
+{
+  /* side: of the picture, pixels. scene: whose hits the rays bounce off. */
+  PictureRays(const Model& model, RTCScene scene, int side, bool atRandomTimes) : camera(Camera::fit(model.positions(), 0.0f, model.view, 40, {side, side}))
+  {
+    const std::vector<Ray> rays = primaryRays(camera);
+    primary = loaded(rays, atRandomTimes, 1);
+    std::vector<RTCRayHit> hits;
+    traceTimed(scene, primary, hits, TimedQuery::Single);
+    std::vector<SurfaceHit> seen(rays.size());
+    for (size_t i = 0; i < seen.size(); i++)
+      if (isHit(hits[i]))
+      {
+        seen[i].t = hits[i].ray.tfar;
+        seen[i].face = 0;
+        seen[i].normal = {hits[i].hit.Ng_x, hits[i].hit.Ng_y, hits[i].hit.Ng_z};
+      }
+    BounceSettings bounce;
+    bounce.offset = 1e-4f * model.cage.bounds().diagonal();
+    bounces = loaded(bounceRays(rays, seen, bounce), atRandomTimes, 2);
+    tiles = loaded(coherentRays(rays, camera.size(), 0), atRandomTimes, 3);
+  }
+
+  Camera camera;
+  std::vector<RTCRayHit> primary, bounces, tiles;
+
+private:
+  static std::vector<RTCRayHit> loaded(const std::vector<Ray>& rays, bool atRandomTimes, uint32_t seed)
+  {
+    std::mt19937 random(seed);
+    std::vector<RTCRayHit> all(rays.size());
+    for (size_t i = 0; i < rays.size(); i++)
+    {
+      load(rays[i], all[i]);
+      if (atRandomTimes)
+        all[i].ray.time = float(random() >> 8) * 0x1p-24f;
+    }
+    return all;
+  }
+};
+
+} // namespace cbvh
