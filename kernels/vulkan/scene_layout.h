@@ -20,15 +20,19 @@ CBVH_BEGIN
 /*! bytes of a node: four lower and four upper planes an axis, four references */
 CBVH_CONSTANT uint32_t nodeBytes = 112u;
 
+/*! of one whose children move: besides the differences of planes over time, and when children are there */
+CBVH_CONSTANT uint32_t movingNodeBytes = 240u;
+
 struct SceneData
 {
   CBVH_ADDRESS nodes;
+  CBVH_ADDRESS movingNodes;
   CBVH_ADDRESS blocks;       //!< BlockData
   CBVH_ADDRESS cells;        //!< two words each: of GRID the index of a grid in blocks and a vertex, of triangles geomID and primID
   CBVH_ADDRESS geometries;   //!< GeometryData
   uint32_t root;             //!< reference
   float lower[3], upper[3];  //!< bounds of all that is traced
-  uint32_t padding;
+  uint32_t padding[3];
 };
 
 /*! of a block, or of a grid of GRID */
@@ -50,14 +54,18 @@ struct GeometryData
   float worldToLocal[12];    //!< column by column
   uint32_t root;             //!< of the instanced scene
   uint32_t firstGeometry;    //!< the instanced scene's geometry 0
-  uint32_t padding[2];
+  /* of one that moves: at its time steps, linear between them */
+  uint32_t numSteps;         //!< 1 of one that does not
+  float begin, end;          //!< times of the first step and of the last
+  uint32_t padding;
+  CBVH_ADDRESS transforms;   //!< 12 floats each, as worldToLocal, but to the world
 };
-CBVH_CONSTANT uint32_t geometryBytes = 96u;
+CBVH_CONSTANT uint32_t geometryBytes = 112u;
 
 CBVH_END
 
 #ifndef VULKAN
-static_assert(sizeof(embree::cbvh::SceneData) == 64, "layout of a scene");
+static_assert(sizeof(embree::cbvh::SceneData) == 80, "layout of a scene");
 static_assert(sizeof(embree::cbvh::BlockData) == 16, "layout of a block's data");
 static_assert(sizeof(embree::cbvh::GeometryData) == embree::cbvh::geometryBytes, "layout of a geometry");
 #endif

@@ -4,21 +4,14 @@
 /* Surfaces that move and are hard: closed ones let no ray through at any time, and vertices that are not finite at one step, steps in opposite
  * order, surfaces that turn inside out, collapse, or go far away neither crash nor vanish. */
 
-#include "support/scene.h"
+#include "support/moving_surface.h"
 
-#include <embree3/rtcore_compressed_triangles.h>
 #include <gtest/gtest.h>
 
 namespace cbvh::test {
 namespace {
 
 constexpr uint32_t seed = 3131;
-
-Vec twisted(const Vec& p, double angle)
-{
-  const double a = angle*(1 + p[2]), c = std::cos(a), s = std::sin(a);
-  return {float(c*p[0] - s*p[1]), float(s*p[0] + c*p[1]), float(p[2] + 0.1*angle)};
-}
 
 SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
 {
@@ -30,45 +23,13 @@ SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
   return settings;
 }
 
-// All vertices of a surface at a time, and points on the edges between them.
-struct Targets
-{
-  std::vector<Vec> points;
-
-  Targets(RTCGeometry geometry, float time) { rtcForEachCompressedPartAtTime(geometry, time, add, this); }
-
-  static bool add(void* self, const RTCCompressedPart* part)
-  {
-    const auto vertex = [&](unsigned x, unsigned y) { const float* p = part->vertices + 3*(y*part->width + x); return Vec{p[0], p[1], p[2]}; };
-    for (unsigned y = 0; y < part->height; y++)
-      for (unsigned x = 0; x < part->width; x++) {
-        const Vec a = vertex(x, y);
-        ((Targets*)self)->points.push_back(a);
-        if (x + 1 == part->width) continue;
-        const Vec b = vertex(x + 1, y);
-        ((Targets*)self)->points.push_back({0.7f*a[0] + 0.3f*b[0], 0.7f*a[1] + 0.3f*b[1], 0.7f*a[2] + 0.3f*b[2]});
-      }
-    return true;
-  }
-};
-
-// Rays from the middle of a closed surface, aimed at its vertices and edges: how many leave it.
+// How many rays from the middle of a closed surface leave it.
 size_t countLeaks(Random& random, RTCGeometry geometry, RTCScene scene, unsigned times, unsigned raysPerTime, size_t& rays)
 {
   size_t leaks = 0;
-  for (unsigned t = 0; t < times; t++) {
-    const float time = t == 0 ? 0.0f : t == 1 ? 1.0f : float(random.uniform());
-    const Targets targets(geometry, time);
-    Vec middle{0, 0, 0};
-    for (const Vec& p : targets.points)
-      for (int k = 0; k < 3; k++) middle[k] += p[k]/float(targets.points.size());
-    for (unsigned i = 0; i < raysPerTime; i++) {
-      const Vec& p = targets.points[random.below(uint32_t(targets.points.size()))];
-      RTCRayHit ray = makeRay(middle, {p[0] - middle[0], p[1] - middle[1], p[2] - middle[2]});
-      ray.ray.time = time;
-      leaks += !isHit(intersect(scene, ray)) || !occluded(scene, ray);
-      rays++;
-    }
+  for (const RTCRayHit& ray : raysAtMovingSurface(random, geometry, times, raysPerTime)) {
+    leaks += !isHit(intersect(scene, ray)) || !occluded(scene, ray);
+    rays++;
   }
   return leaks;
 }

@@ -5,6 +5,7 @@
  * on every ISA. */
 
 #include "support/filtered_geometry.h"
+#include "support/moving_surface.h"
 #include "support/query_forms.h"
 #include "support/same_hits.h"
 #include "support/scene.h"
@@ -26,13 +27,6 @@ Vec turned(const Vec& p, double angle, double way)
 }
 
 Vec step(const Vec& p, unsigned i) { return turned(p, 0.25*i, 0.2*std::sin(i)); }
-
-std::vector<RTCRayHit> timedRays(Random& random, unsigned count)
-{
-  std::vector<RTCRayHit> rays = raysAt(random, count);
-  for (RTCRayHit& r : rays) r.ray.time = float(random.uniform());
-  return rays;
-}
 
 SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
 {
@@ -283,6 +277,43 @@ TEST(MovingSurfacesInTime, EditsAreFollowed)
   setStep(1);
   check("it moves again");
   rtcReleaseGeometry(geometry);
+}
+
+// Some begin or end just beside a step of another, where trees split time.
+TEST_P(MovingSurfaces, OfRangesThatDifferAreSeenTogetherAsAlone)
+{
+  Random random(seed + 9);
+  Device device(GetParam());
+  if (!device) GTEST_SKIP();
+  const std::array<float, 2> ranges[] = {{0, 0.5f}, {0.25f, 0.75f}, {0.5f, 1}, {0, 1}, {0, 0.50003f}, {0.49997f, 1}};
+  for (unsigned firsts : {3u, 6u}) {
+    Displacement displacements[6];
+    Scene scene(device);
+    std::vector<std::unique_ptr<Scene>> alone;
+    for (unsigned i = 0; i < firsts; i++) {
+      SurfaceSettings settings = moving(displacements[i], i == 3 ? 9 : 2 + i);
+      displacements[i].offset = {0.8f*float(i) - 0.4f*float(firsts - 1), 0, 0};
+      displacements[i].scale = 0.5f;
+      settings.rate = 8;
+      settings.begin = ranges[i][0];
+      settings.end = ranges[i][1];
+      addSurface(device, scene, cubeCage(), settings);
+      alone.emplace_back(new Scene(device));
+      addSurface(device, *alone.back(), cubeCage(), settings);
+      rtcCommitScene(*alone.back());
+    }
+    rtcCommitScene(scene);
+    size_t hits = 0;
+    for (RTCRayHit ray : raysAt(random, 8000)) {
+      ray.ray.time = float(random.chance(0.5) ? random.uniform() : random.uniform(0.49995, 0.50005));
+      float nearest = INFINITY;
+      for (const auto& one : alone) nearest = std::min(nearest, isHit(intersect(*one, ray)) ? intersect(*one, ray).ray.tfar : INFINITY);
+      const RTCRayHit found = intersect(scene, ray);
+      ASSERT_EQ(found.ray.tfar, nearest) << "time " << ray.ray.time;
+      hits += isHit(found);
+    }
+    EXPECT_GT(hits, 1000u);
+  }
 }
 
 } // namespace

@@ -30,7 +30,7 @@ layout(std430, binding = 0) buffer Out { float t[]; };
 
 void main ()
 {
-  CbvhRay ray = CbvhRay(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), 1e30, 0xFFFFFFFFu);
+  CbvhRay ray = CbvhRay(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), 1e30, 0xFFFFFFFFu, 0.5);
   CbvhHit hit;
   uint i = gl_GlobalInvocationID.x;
   if (cbvhIntersect(arguments.scene, ray, hit)) t[i] = lesser(hit.t) + float(hit.primID + hit.geomID + hit.instID) + hit.u + hit.v + hit.Ng.x;

@@ -166,8 +166,14 @@ TEST_F(VulkanScenes, InstancesThatAreNotTakenAreNamed)
   attach(moving, newTriangle(embree, 1));
   attach(moving, newInstance(embree, triangle, 0, 2));
   rtcCommitScene(moving);
+  EXPECT_TRUE(upload(moving)) << embree.message;
+  RTCQuaternionDecomposition turn;
+  rtcInitQuaternionDecomposition(&turn);
+  for (unsigned t : {0u, 1u}) rtcSetGeometryTransformQuaternion(rtcGetGeometry(moving, 1), t, &turn);
+  rtcCommitGeometry(rtcGetGeometry(moving, 1));
+  rtcCommitScene(moving);
   EXPECT_FALSE(upload(moving));
-  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 ", "motion blur", "2 time steps"});
+  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 ", "motion blur", "2 time steps", "linear transforms"});
   rtcDisableGeometry(rtcGetGeometry(moving, 1));
   rtcCommitScene(moving);
   EXPECT_TRUE(upload(moving)) << embree.message;

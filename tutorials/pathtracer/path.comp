@@ -18,22 +18,21 @@ layout(push_constant, scalar) uniform Arguments { PathArguments arguments; };
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Sums { vec3 at[]; };
 
-CbvhRay rayOf (vec3 origin, float tnear, vec3 direction)
+CbvhRay rayOf (vec3 origin, float tnear, vec3 direction, float time)
 {
-  return CbvhRay(origin, tnear, direction, 1.0/0.0, 0xFFFFFFFFu);
+  return CbvhRay(origin, tnear, direction, 1.0/0.0, 0xFFFFFFFFu, time);
 }
 
-/* Surfaces that move are the processor's: times are not used here. */
 ClosestHit closestHit (uvec2 scene, vec3 origin, float tnear, vec3 direction, float time)
 {
   CbvhHit hit;
-  bool exists = cbvhIntersect(scene, rayOf(origin, tnear, direction), hit);
+  bool exists = cbvhIntersect(scene, rayOf(origin, tnear, direction, time), hit);
   return ClosestHit(exists, hit.t, hit.Ng);
 }
 
 bool isOccluded (uvec2 scene, vec3 origin, float tnear, vec3 direction, float time)
 {
-  return cbvhOccluded(scene, rayOf(origin, tnear, direction));
+  return cbvhOccluded(scene, rayOf(origin, tnear, direction, time));
 }
 
 void main ()

@@ -17,9 +17,11 @@ CBVH_CONSTANT uint32_t referenceMask = 0x7FFFFFFu;
 CBVH_CONSTANT uint32_t nodeReference = 0u;       //!< so that the reference is the index
 CBVH_CONSTANT uint32_t cellReference = 1u;       //!< 2 x 2 quads of a grid of GRID
 CBVH_CONSTANT uint32_t instanceReference = 2u;
+CBVH_CONSTANT uint32_t movingNodeReference = 3u; //!< a node whose children move
 CBVH_CONSTANT uint32_t triangleReference = 4u;   //!< 4 to 7: 1 to 4 triangles that follow each other, from the index on
 CBVH_CONSTANT uint32_t firstBlockReference = 8u; //!< and the number of the kind
-CBVH_CONSTANT uint32_t numReferenceTypes = firstBlockReference + maxKinds;
+CBVH_CONSTANT uint32_t movingBlockReference = firstBlockReference + maxKinds; //!< of cVERT
+CBVH_CONSTANT uint32_t numReferenceTypes = movingBlockReference + 1u;
 
 /*! a child that is none; its type is no other's */
 CBVH_CONSTANT uint32_t emptyReference = 0xFFFFFFFFu;

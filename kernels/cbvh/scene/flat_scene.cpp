@@ -23,9 +23,11 @@ namespace embree
       struct OwnedScene : public FlatScene
       {
         std::vector<FlatNode> ownNodes;
+        std::vector<FlatMovingNode> ownMovingNodes;
         std::vector<FlatBlock> ownBlocks;
         std::vector<FlatCell> ownCells;
         std::vector<FlatGeometry> ownGeometries;
+        std::vector<std::unique_ptr<float[]>> ownTransforms;
       };
 
       uint32_t bytesOfBlock (uint32_t kind, const void* data)
@@ -34,16 +36,24 @@ namespace embree
         return blockLayout(kind,heightOf(((const BlockHeader*)data)->info)).bytes;
       }
 
-      /*! Copies the tree of subdivision surfaces, that of each grid included. */
+      void copyVector (const Vec3fa& from, float* to) { to[0] = from.x; to[1] = from.y; to[2] = from.z; }
+
+      /*! Copies a tree of surfaces, that of each grid included. */
       class TreeCopy
       {
       public:
         TreeCopy (OwnedScene& out, const SurfaceIDs& ids) : out(out), ids(ids) {}
 
-        void copy (BVH4::NodeRef root)
+        FlatTree copy (const BVH4* bvh)
         {
-          out.depth = 0;
-          out.root = reference(root,nullptr,0);
+          depth = 0;
+          FlatTree tree;
+          tree.root = reference(bvh->root,nullptr,0);
+          tree.depth = depth;
+          const BBox3fa bounds = merge(bvh->bounds.bounds0,bvh->bounds.bounds1);
+          copyVector(bounds.lower,tree.lower);
+          copyVector(bounds.upper,tree.upper);
+          return tree;
         }
 
       private:
@@ -57,29 +67,55 @@ namespace embree
         {
           if (ref == BVH4::emptyNode) return emptyReference;
           if (ref.isLeaf()) return leaf(ref,grid,gridIndex,above);
-          if (!ref.isAABBNode()) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"a subdivision surface has motion blur");
-          return node(ref.getAABBNode(),grid,gridIndex,above);
+          depth = max(depth,above+1);
+          return ref.isAABBNode() ? node(ref.getAABBNode(),grid,gridIndex,above) : movingNode(ref,above);
         }
 
         uint32_t node (const BVH4::AABBNode* from, const GridSOA* grid, uint32_t gridIndex, uint32_t above)
         {
           const size_t n = out.ownNodes.size();
           out.ownNodes.emplace_back();
-          out.depth = max(out.depth,above+1);
           uint32_t children[4];
           for (size_t i=0; i<4; i++) children[i] = reference(from->child(i),grid,gridIndex,above+1);
-          FlatNode& to = out.ownNodes[n];
-          const vfloat4* lower[3] = { &from->lower_x,&from->lower_y,&from->lower_z };
-          const vfloat4* upper[3] = { &from->upper_x,&from->upper_y,&from->upper_z };
+          copyPlanes(&from->lower_x,children,out.ownNodes[n]);
+          return makeReference(nodeReference,index(n));
+        }
+
+        uint32_t movingNode (BVH4::NodeRef ref, uint32_t above)
+        {
+          const BVH4::AABBNodeMB* const from = ref.getAABBNodeMB();
+          const size_t n = out.ownMovingNodes.size();
+          out.ownMovingNodes.emplace_back();
+          uint32_t children[4];
+          for (size_t i=0; i<4; i++) children[i] = reference(from->child(i),nullptr,0,above+1);
+          FlatMovingNode& to = out.ownMovingNodes[n];
+          copyPlanes(&from->lower_x,children,to.atZero);
+          const vfloat4* const differences = &from->lower_dx;
+          for (size_t i=0; i<4; i++)
+          {
+            const bool isEmpty = children[i] == emptyReference, splitsTime = ref.isAABBNodeMB4D();
+            for (size_t k=0; k<3; k++) {
+              to.lowerDifference[k][i] = isEmpty ? 0.0f : differences[2*k][i];
+              to.upperDifference[k][i] = isEmpty ? 0.0f : differences[2*k+1][i];
+            }
+            const float largest = std::numeric_limits<float>::max();
+            to.begin[i] = splitsTime && !isEmpty ? ref.getAABBNodeMB4D()->lower_t[i] : -largest;
+            to.end[i] = splitsTime && !isEmpty ? ref.getAABBNodeMB4D()->upper_t[i] : largest;
+          }
+          return makeReference(movingNodeReference,index(n));
+        }
+
+        /*! planes: lower and upper of each axis, as Embree's nodes have them */
+        static void copyPlanes (const vfloat4* planes, const uint32_t children[4], FlatNode& to)
+        {
           for (size_t i=0; i<4; i++) {
             to.children[i] = children[i];
             const bool isEmpty = children[i] == emptyReference;
             for (size_t k=0; k<3; k++) {
-              to.lower[k][i] = isEmpty ? std::numeric_limits<float>::infinity() : (*lower[k])[i];
-              to.upper[k][i] = isEmpty ? std::numeric_limits<float>::infinity() : (*upper[k])[i];
+              to.lower[k][i] = isEmpty ? std::numeric_limits<float>::infinity() : planes[2*k][i];
+              to.upper[k][i] = isEmpty ? std::numeric_limits<float>::infinity() : planes[2*k+1][i];
             }
           }
-          return makeReference(nodeReference,index(n));
         }
 
         uint32_t leaf (BVH4::NodeRef ref, const GridSOA* grid, uint32_t gridIndex, uint32_t above)
@@ -92,15 +128,15 @@ namespace embree
           }
           if (type == GRID_SOA_ROOT) {
             const GridSOA* root = (const GridSOA*)data;
-            if (root->time_steps != 1) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"a subdivision surface has motion blur");
             out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,cellReference,ids[root->geomID()] });
             return reference(root->root(),root,index(out.ownBlocks.size()-1),above);
           }
-          const bool isVert = type == VERT_BLOCK;
+          const bool moves = type == MOVING_VERT_BLOCK, isVert = type == VERT_BLOCK || moves;
           const uint32_t kind = isVert ? kindVert : kindOf(((const BlockHeader*)data)->info);
           const uint32_t surface = isVert ? ((const VertHeader*)data)->surface : ((const BlockHeader*)data)->surface;
-          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(kind,data),blockReference(kind),ids[surface] });
-          return makeReference(blockReference(kind),index(out.ownBlocks.size()-1));
+          const uint32_t referenceType = moves ? movingBlockReference : blockReference(kind);
+          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(kind,data),referenceType,ids[surface] });
+          return makeReference(referenceType,index(out.ownBlocks.size()-1));
         }
 
         static uint32_t index (size_t i)
@@ -111,9 +147,8 @@ namespace embree
 
         OwnedScene& out;
         const SurfaceIDs& ids;
+        uint32_t depth = 0;
       };
-
-      void copyVector (const Vec3fa& from, float* to) { to[0] = from.x; to[1] = from.y; to[2] = from.z; }
 
       void copyTransform (const AffineSpace3fa& from, float* to)
       {
@@ -134,13 +169,14 @@ namespace embree
         }
       }
 
-      FlatGeometry describe (Geometry* geometry)
+      FlatGeometry describe (Geometry* geometry, OwnedScene& scene)
       {
         FlatGeometry out = FlatGeometry();
         if (!geometry || !geometry->isEnabled()) return out;
         out.typeName = nameOfType(geometry->getType());
         out.mask = geometry->mask;
         out.timeSteps = geometry->numTimeSteps;
+        out.isTraced = out.timeSteps == 1 || geometryOfTree(geometry,true) != nullptr;
         out.hasFilter = geometry->hasFilterFunctions();
         switch (int(geometry->getType()))
         {
@@ -164,10 +200,16 @@ namespace embree
         case Geometry::GTY_INSTANCE_CHEAP: case Geometry::GTY_INSTANCE_EXPENSIVE: {
           Instance* instance = (Instance*)geometry;
           out.type = FLAT_INSTANCE;
-          if (instance->numTimeSteps == 1) {
+          out.isTraced = out.timeSteps == 1 || instance->gsubtype != Geometry::GTY_SUBTYPE_INSTANCE_QUATERNION;
+          scene.ownTransforms.emplace_back(new float[12*out.timeSteps]);
+          if (out.timeSteps == 1) {
             copyTransform(instance->getWorld2Local(),out.worldToLocal);
-            copyTransform(instance->getLocal2World(),out.localToWorld);
+            copyTransform(instance->getLocal2World(),scene.ownTransforms.back().get());
           }
+          else for (uint32_t i=0; i<out.timeSteps; i++) copyTransform(AffineSpace3fa(instance->local2world[i]),scene.ownTransforms.back().get()+12*i);
+          out.localToWorld = scene.ownTransforms.back().get();
+          out.begin = instance->time_range.lower;
+          out.end = instance->time_range.upper;
           out.instanced = (RTCScene)dynamic_cast<Scene*>(instance->object);
           if (instance->object) {
             const BBox3fa bounds = instance->object->getBounds();
@@ -181,33 +223,42 @@ namespace embree
         return out;
       }
 
+      /*! whether a tree is of surfaces that move */
+      bool moves (BVH4::NodeRef root)
+      {
+        if (root == BVH4::emptyNode || !root.isLeaf()) return root != BVH4::emptyNode && !root.isAABBNode();
+        size_t type;
+        root.leaf(type);
+        return type == MOVING_VERT_BLOCK;
+      }
+
       std::unique_ptr<OwnedScene> flatten (Scene* scene)
       {
         std::unique_ptr<OwnedScene> flat(new OwnedScene);
         static_cast<FlatScene&>(*flat) = FlatScene();
         flat->version = flatSceneVersion;
-        flat->root = emptyReference;
+        flat->still.root = flat->moving.root = emptyReference;
         flat->isRobust = scene->isRobustAccel();
-        bool hasMotion = false;
-        for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i)));
+        bool isAllTraced = true;
+        for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i),*flat));
 
         /* what uses this names the geometry */
         for (const FlatGeometry& geometry : flat->ownGeometries)
-          hasMotion |= geometry.type == FLAT_SURFACE && geometry.timeSteps != 1;
+          isAllTraced &= geometry.type == FLAT_NONE || geometry.isTraced;
 
         for (Accel* accel : scene->accels)
         {
-          if (hasMotion) break;
+          if (!isAllTraced) break;
           const AccelData* data = (const AccelData*)accel->intersectors.ptr;
           if (!data || data->type != AccelData::TY_BVH4 || ((const BVH4*)data)->primTy != &SubdivPatch1::type) continue;
-          const BVH4* bvh = (const BVH4*)data;
-          TreeCopy(*flat,scene->surfaceIDs).copy(bvh->root);
-          copyVector(bvh->getBounds().lower,flat->lower);
-          copyVector(bvh->getBounds().upper,flat->upper);
+          const BVH4* const bvh = (const BVH4*)data;
+          (moves(bvh->root) ? flat->moving : flat->still) = TreeCopy(*flat,scene->surfaceIDs).copy(bvh);
         }
 
         flat->nodes = flat->ownNodes.data();
         flat->numNodes = flat->ownNodes.size();
+        flat->movingNodes = flat->ownMovingNodes.data();
+        flat->numMovingNodes = flat->ownMovingNodes.size();
         flat->blocks = flat->ownBlocks.data();
         flat->numBlocks = flat->ownBlocks.size();
         flat->cells = flat->ownCells.data();

@@ -19,7 +19,7 @@ namespace embree
   namespace cbvh
   {
     /*! of the structures below: a library of another number does not fit */
-    static const uint32_t flatSceneVersion = 4;
+    static const uint32_t flatSceneVersion = 5;
 
     /*! Four children, bounds by axis. Those that are none have the reference emptyReference and bounds
      *  that nothing meets: all are infinite. */
@@ -29,12 +29,21 @@ namespace embree
       uint32_t children[4];           //!< references, reference.h: to nodes, blocks and cells by index
     };
 
+    /*! Four children that move. A plane at a time is that at 0 plus the time times its difference; it is conservative in float, fused or
+     *  not. A child is there at times from begin on, before end. */
+    struct FlatMovingNode
+    {
+      FlatNode atZero;
+      float lowerDifference[3][4], upperDifference[3][4];
+      float begin[4], end[4];
+    };
+
     /*! a block, or a grid of GRID */
     struct FlatBlock
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
-      uint32_t type;     //!< reference.h: blockReference of the kind, or cellReference for a grid
+      uint32_t type;     //!< reference.h: blockReference of the kind, movingBlockReference, or cellReference for a grid
       uint32_t geomID;   //!< in this scene; in the block is the number of its surface, which is the same in all
     };
 
@@ -53,6 +62,7 @@ namespace embree
       const char* typeName;
       uint32_t mask;
       uint32_t timeSteps;
+      bool isTraced;             //!< FlatScene has it: it stands still, is compressed, or is an instance that moves linearly
       bool hasFilter;
       uint64_t build;            //!< of a compressed surface: scenes that have the same number have the same blocks. 0 of others
       /* of triangles */
@@ -60,25 +70,32 @@ namespace embree
       const char* indices;       //!< three 32-bit integers each
       size_t vertexStride, numVertices, indexStride, numTriangles;
       /* of an instance */
-      float worldToLocal[12];    //!< column by column: x, y, z, translation
-      float localToWorld[12];
+      float worldToLocal[12];    //!< column by column: x, y, z, translation; of one that moves not anything
+      const float* localToWorld; //!< the same the other way round, of each time step, linear between them
+      float begin, end;          //!< times of the first step and of the last, between which one that moves is there
       RTCScene instanced;
-      float lower[3], upper[3];  //!< of the instanced scene, in its own space
+      float lower[3], upper[3];  //!< of the instanced scene at all times, in its own space
+    };
+
+    struct FlatTree
+    {
+      uint32_t root;             //!< reference, or emptyReference
+      uint32_t depth;            //!< nodes on the longest way from the root to a leaf
+      float lower[3], upper[3];  //!< at all times
     };
 
     struct FlatScene
     {
       uint32_t version;          //!< flatSceneVersion
-      uint32_t root;             //!< reference to the root of the subdivision surfaces, or emptyReference
-      uint32_t depth;            //!< nodes on the longest way from the root to a leaf
       bool isRobust;             //!< RTC_SCENE_FLAG_ROBUST
-      float lower[3], upper[3];  //!< of the subdivision surfaces
+      FlatTree still, moving;    //!< over the surfaces that do not move, and over those that do
 
       FlatNode* nodes;
+      FlatMovingNode* movingNodes;
       FlatBlock* blocks;
       FlatCell* cells;
       FlatGeometry* geometries;  //!< by geomID
-      size_t numNodes, numBlocks, numCells, numGeometries;
+      size_t numNodes, numMovingNodes, numBlocks, numCells, numGeometries;
     };
   }
 }

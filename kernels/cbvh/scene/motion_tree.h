@@ -90,10 +90,14 @@ namespace embree
         {
           const Block& block = blocks[i];
           const int active = max(1,int(getTimeSegmentRange(range,block.range,float(block.segments)).size()));
-          return PrimRefMB(MotionTree::linearBounds(block,range),unsigned(active),block.range,block.segments,i);
+          return PrimRefMB(MotionTree::linearBounds(block,range),unsigned(active),widened(block.range),block.segments,i);
         }
         PrimRefMB operator() (const PrimRefMB& prim, const BBox1f& range) const { return (*this)(prim.ID(),range); }
         LBBox3fa linearBounds (const PrimRefMB& prim, const BBox1f& range) const { return MotionTree::linearBounds(blocks[prim.ID()],range); }
+
+      private:
+        /*! Embree's builder leaves out of a part of the time what ends within 10^-4 of its beginning, or begins so near to its end. */
+        static BBox1f widened (const BBox1f& range) { return BBox1f(range.lower > 0.0f ? range.lower*0.9998f : range.lower,range.upper < 1.0f ? range.upper*1.0002f : range.upper); }
       };
 
       /*! A plane of a block's boxes where the block is within a range of times: knots, between which it is linear. */

@@ -23,9 +23,13 @@ constexpr size_t ownBufferBytes = 1 << 20;    // a surface of so much has buffer
 void requireValid(const FlatBlock& block)
 {
   if (block.type == cellReference) return;
-  if (const char* error = validateBlock(block.type - firstBlockReference, block.data, block.bytes))
-    throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("a block of the scene is not valid: ") + error);
+  const bool moves = block.type == movingBlockReference;
+  const char* error = validateBlock(moves ? kindVert : block.type - firstBlockReference, block.data, block.bytes);
+  if (!error && moves && !isMoving(((const VertHeader*)block.data)->boxForm)) error = "it has one time step, among those that move";
+  if (error) throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("a block of the scene is not valid: ") + error);
 }
+
+bool isVert(const FlatBlock& block) { return block.type == blockReference(kindVert) || block.type == movingBlockReference; }
 
 /* what of a block is copied: of grids not their own trees, which are in the scene's */
 struct Source
@@ -138,7 +142,7 @@ BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
   for (const PlacedBlock& placed : blocks) {
     const FlatBlock& block = *placed.block;
     requireValid(block);
-    const size_t begin = size_t(block.data), end = begin + block.bytes + (block.type == blockReference(kindVert) ? readBehind : 0);
+    const size_t begin = size_t(block.data), end = begin + block.bytes + (isVert(block) ? readBehind : 0);
     ranges.push_back({begin & ~(alignment - 1), (end + alignment - 1) & ~(alignment - 1)});
   }
   std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });

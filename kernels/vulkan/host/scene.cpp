@@ -40,18 +40,20 @@ bool isUsable(const float* p)
   return true;
 }
 
+/* At all times: between two steps corners go straight. */
 Bounds transformed(const FlatGeometry& instance)
 {
   Bounds out = Bounds::empty();
-  const float* m = instance.localToWorld;
-  for (int corner = 0; corner < 8; corner++) {
-    float p[3];
-    for (int k = 0; k < 3; k++) {
-      p[k] = m[9 + k];
-      for (int axis = 0; axis < 3; axis++) p[k] += m[3*axis + k]*((corner >> axis) & 1 ? instance.upper[axis] : instance.lower[axis]);
+  for (uint32_t step = 0; step < instance.timeSteps; step++)
+    for (int corner = 0; corner < 8; corner++) {
+      const float* m = instance.localToWorld + 12*step;
+      float p[3];
+      for (int k = 0; k < 3; k++) {
+        p[k] = m[9 + k];
+        for (int axis = 0; axis < 3; axis++) p[k] += m[3*axis + k]*((corner >> axis) & 1 ? instance.upper[axis] : instance.lower[axis]);
+      }
+      out.extend(p);
     }
-    out.extend(p);
-  }
   /* what rounding may lose there and back, by far */
   for (int k = 0; k < 3; k++) {
     const float slack = 1e-5f*std::max({std::fabs(out.lower[k]), std::fabs(out.upper[k]), out.upper[k] - out.lower[k]});
@@ -117,7 +119,7 @@ private:
         if (geometry.type == FLAT_NONE) continue;
         const std::string name = nameOf(part, parts[0], i);
         if (geometry.type == FLAT_OTHER) throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " is " + geometry.typeName + ", which is not traced on Vulkan devices");
-        if (geometry.timeSteps != 1) throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " has motion blur (" + std::to_string(geometry.timeSteps) + " time steps), which is not traced on Vulkan devices");
+        if (!geometry.isTraced) throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " is " + geometry.typeName + " with motion blur (" + std::to_string(geometry.timeSteps) + " time steps), which Vulkan devices trace of compressed geometry, and of instances with linear transforms");
         if (geometry.hasFilter) throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " has a filter function, which a Vulkan device cannot call");
         if (geometry.type == FLAT_TRIANGLES && (geometry.vertexStride % 4 || geometry.indexStride % 4 || size_t(geometry.vertices) % 4 || size_t(geometry.indices) % 4))
           throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " has vertices or indices that are not aligned to 4 bytes");
@@ -163,7 +165,17 @@ private:
       instances.push_back({transformed(geometry), uint32_t(i), RTC_INVALID_GEOMETRY_ID});
     }
     const HeldRTCDevice embree(rtcGetSceneDevice(part.scene));
-    part.tree = tree.join({copySurfaces(flat, p), tree.buildTriangles(embree.get(), triangles), tree.buildInstances(embree.get(), instances)});
+    copyNodes(flat, p);
+    const auto copyTree = [&](const FlatTree& from) {
+      Subtree subtree;
+      if (from.root == emptyReference) return subtree;
+      subtree.root = renumbered(from.root, p);
+      std::copy(from.lower, from.lower + 3, subtree.bounds.lower);
+      std::copy(from.upper, from.upper + 3, subtree.bounds.upper);
+      subtree.depth = from.depth;
+      return subtree;
+    };
+    part.tree = tree.join({copyTree(flat.still), copyTree(flat.moving), tree.buildTriangles(embree.get(), triangles), tree.buildInstances(embree.get(), instances)});
   }
 
   static void addTriangles(const FlatGeometry& geometry, uint32_t geomID, std::vector<Item>& items)
@@ -186,37 +198,40 @@ private:
     }
   }
 
+  /* Where a part's things begin among all. */
+  struct Firsts { size_t node, movingNode, cell; };
+
   /* References get the scene's own numbers. */
-  Subtree copySurfaces(const FlatScene& flat, size_t p)
+  void copyNodes(const FlatScene& flat, size_t p)
   {
-    Subtree subtree;
-    if (flat.root == emptyReference) return subtree;
-    const size_t firstNode = tree.nodes.size();
-    firstCell.resize(parts.size(), 0);
-    firstCell[p] = uint32_t(cells.size());
-    requireReferences(firstNode + flat.numNodes, "nodes");
+    firsts.resize(parts.size());
+    firsts[p] = {tree.nodes.size(), tree.movingNodes.size(), cells.size()};
+    requireReferences(tree.nodes.size() + flat.numNodes, "nodes");
+    requireReferences(tree.movingNodes.size() + flat.numMovingNodes, "nodes of motion");
     requireReferences(cells.size() + flat.numCells, "leaves of grids");
-    auto renumbered = [&](uint32_t reference) {
-      if (reference == emptyReference) return reference;
-      const uint32_t type = referenceType(reference), index = referenceIndex(reference);
-      if (type == nodeReference) return makeReference(type, uint32_t(firstNode) + index);
-      if (type == cellReference) return makeReference(type, firstCell[p] + index);
-      out.kinds |= 1u << type;
-      return makeReference(type, firstBlock[p] + index);
-    };
     for (size_t i = 0; i < flat.numNodes; i++) {
-      FlatNode node = flat.nodes[i];
-      for (uint32_t& child : node.children) child = renumbered(child);
-      tree.nodes.push_back(node);
+      tree.nodes.push_back(flat.nodes[i]);
+      for (uint32_t& child : tree.nodes.back().children) child = renumbered(child, p);
+    }
+    for (size_t i = 0; i < flat.numMovingNodes; i++) {
+      tree.movingNodes.push_back(flat.movingNodes[i]);
+      for (uint32_t& child : tree.movingNodes.back().atZero.children) child = renumbered(child, p);
     }
     for (size_t i = 0; i < flat.numCells; i++) cells.push_back({firstBlock[p] + flat.cells[i].block, flat.cells[i].vertex});
     if (flat.numCells) out.kinds |= 1u << cellReference;
+    if (flat.numMovingNodes) out.kinds |= 1u << movingNodeReference;
     out.statistics.numBlocks += flat.numBlocks;
-    subtree.root = renumbered(flat.root);
-    std::copy(flat.lower, flat.lower + 3, subtree.bounds.lower);
-    std::copy(flat.upper, flat.upper + 3, subtree.bounds.upper);
-    subtree.depth = flat.depth;
-    return subtree;
+  }
+
+  uint32_t renumbered(uint32_t reference, size_t p)
+  {
+    if (reference == emptyReference) return reference;
+    const uint32_t type = referenceType(reference), index = referenceIndex(reference);
+    if (type == nodeReference) return makeReference(type, uint32_t(firsts[p].node) + index);
+    if (type == movingNodeReference) return makeReference(type, uint32_t(firsts[p].movingNode) + index);
+    if (type == cellReference) return makeReference(type, uint32_t(firsts[p].cell) + index);
+    out.kinds |= 1u << type;
+    return makeReference(type, firstBlock[p] + index);
   }
 
   /* --- writing --- */
@@ -263,6 +278,12 @@ private:
     if (geometry.type == FLAT_INSTANCE) {
       const Part& instanced = parts[partOf.at(geometry.instanced)];
       std::copy(geometry.worldToLocal, geometry.worldToLocal + 12, data.worldToLocal);
+      data.numSteps = geometry.timeSteps;
+      if (geometry.timeSteps > 1) {
+        data.begin = geometry.begin;
+        data.end = geometry.end;
+        data.transforms = writeArray(geometry.localToWorld, 12*size_t(geometry.timeSteps), "transforms of an instance").address();
+      }
       data.root = instanced.tree.root;
       data.firstGeometry = instanced.firstGeometry;
       out.kinds |= 1u << instanceReference;
@@ -284,9 +305,10 @@ private:
     out.statistics.stackSize = (3*depth + 2 + 31) & ~31u;
 
     const FlatNode noNode = FlatNode();
-    static_assert(sizeof(FlatNode) == nodeBytes, "layout of a node");
+    static_assert(sizeof(FlatNode) == nodeBytes && sizeof(FlatMovingNode) == movingNodeBytes, "layout of a node");
     SceneData data = SceneData();
     data.nodes = writeArray(tree.nodes.empty() ? &noNode : tree.nodes.data(), std::max(tree.nodes.size(), size_t(1)), "nodes").address();
+    data.movingNodes = tree.movingNodes.empty() ? data.nodes : writeArray(tree.movingNodes.data(), tree.movingNodes.size(), "nodes of motion").address();
     data.blocks = writeArray(blocks.data(), blocks.size(), "addresses of blocks").address();
     data.cells = writeArray(cells.data(), cells.size(), "leaves").address();
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
@@ -297,9 +319,9 @@ private:
     uploader.flush();
 
     RTCVulkanSceneStatistics& statistics = out.statistics;
-    statistics.numNodes = tree.nodes.size();
+    statistics.numNodes = tree.nodes.size() + tree.movingNodes.size();
     statistics.numGeometries = numGeometries;
-    statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + cells.size()*sizeof(cells[0]) + blocks.size()*sizeof(BlockData);
+    statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + tree.movingNodes.size()*sizeof(FlatMovingNode) + cells.size()*sizeof(cells[0]) + blocks.size()*sizeof(BlockData);
     statistics.importedBytes = out.blocks.importedBytes;
     statistics.sentBytes = uploader.written;
     statistics.deviceBytes = out.arena.bytes() + (statistics.importedBytes ? 0 : out.blocks.bytes());
@@ -320,7 +342,7 @@ private:
   std::vector<BlockData> blocks;
   Tree tree;
   std::vector<std::array<uint32_t, 2>> cells;
-  std::vector<uint32_t> firstCell;
+  std::vector<Firsts> firsts;
 };
 
 Scene::Scene(Device& device, RTCScene scene, RTCVulkanMemory memory) : device(device), held(device), arena(device)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The tree above everything that is traced: what libembree3 has for subdivision surfaces, and by
+/* The tree above everything that is traced: what libembree3 has for surfaces, and by
  * rtcBuildBVH the same over triangles and instances. */
 
 #include "error.h"
@@ -16,6 +16,7 @@
 namespace embree { namespace vulkan {
 
 using cbvh::FlatNode;
+using cbvh::FlatMovingNode;
 
 struct Bounds
 {
@@ -49,6 +50,7 @@ class Tree
 {
 public:
   std::vector<FlatNode> nodes;
+  std::vector<FlatMovingNode> movingNodes;
   std::vector<std::array<uint32_t, 2>> triangles;  // geomID and primID of those in runs
 
   /* Trees over triangles and over instances. Throw VulkanError. */

@@ -12,7 +12,7 @@
  *   #define CBVH_FLOAT64          where shaderFloat64 is there
  *   #include <embree3/cbvh.glsl>
  *
- *   CbvhRay ray = CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu); // the last is the mask
+ *   CbvhRay ray = CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu, time); // before the time is the mask
  *   CbvhHit hit;
  *   if (cbvhIntersect(scene, ray, hit)) ...
  *   if (cbvhOccluded(scene, ray)) ...
@@ -25,6 +25,7 @@
 #define CBVH_GLSL
 
 #include "framed_block.glsl"
+#include "instance.glsl"
 #include "meshes.glsl"
 #include "vert_block.glsl"
 
@@ -38,15 +39,29 @@
 
 bool cbvhHasKind (uint type) { return (uint(CBVH_KINDS) & (1u << type)) != 0u; }
 
+bool cbvhIsNode (uint type) { return type == nodeReference || (cbvhHasKind(movingNodeReference) && type == movingNodeReference); }
+
 /* whether a scene has blocks of a kind and of no other with a frame */
 bool cbvhHasOnly (uint kind)
 {
   return (uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == (1u << blockReference(kind));
 }
 
+/* A node at a time. isThere: children that are, at that time */
+CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isThere)
+{
+  CbvhNode now = node.atZero;
+  for (int k = 0; k < 3; k++) {
+    now.lower[k] += time*node.lowerDifference[k];
+    now.upper[k] += time*node.upperDifference[k];
+  }
+  isThere = bvec4(uvec4(lessThanEqual(node.begin, vec4(time)))*uvec4(lessThan(vec4(time), node.end)));
+  return now;
+}
+
 /* Children that the ray meets, nearest first: keys whose upper bits are the distance, and whose lower two say
  * the child, cbvhChildOfKey; those that it does not meet come last. Of two as near Embree takes the later one. */
-uvec4 cbvhSortChildren (CbvhNode node, CbvhTravel ray, float tfar)
+uvec4 cbvhSortChildren (CbvhNode node, bvec4 isThere, CbvhTravel ray, float tfar)
 {
   vec4 enter = vec4(ray.tnear), leave = vec4(tfar);
   for (int k = 0; k < 3; k++) {
@@ -57,6 +72,7 @@ uvec4 cbvhSortChildren (CbvhNode node, CbvhTravel ray, float tfar)
   /* as Embree's robust traversal: what is lost to rounding */
   bvec4 isMet = lessThanEqual(enter*(1.0 - 3.0*floatUlp), leave*(1.0 + 3.0*floatUlp));
   uvec4 keys = mix(uvec4(0xFFFFFFFFu), (floatBitsToUint(enter) & ~uvec4(3u)) | uvec4(3u, 2u, 1u, 0u), isMet);
+  keys = mix(uvec4(0xFFFFFFFFu), keys, isThere);
   keys = uvec4(min(keys.xz, keys.yw), max(keys.xz, keys.yw)); // x,y: lesser of each pair; z,w: greater
   keys = uvec4(min(keys.x, keys.y), max(keys.x, keys.y), min(keys.z, keys.w), max(keys.z, keys.w));
   return uvec4(keys.x, min(keys.y, keys.z), max(keys.y, keys.z), keys.w);
@@ -73,6 +89,8 @@ bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool 
   if (cbvhHasKind(triangleReference) && isRunType(type)) return cbvhTraceRun(scene, ray, index, countOfRun(type), anyHit, hit);
   if (cbvhHasKind(blockReference(kindVert)) && type == blockReference(kindVert))
     return cbvhTraceVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
+  if (cbvhHasKind(movingBlockReference) && type == movingBlockReference)
+    return cbvhTraceMovingVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if ((uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == 0u) return false;
   uint kind = cbvhHasOnly(kindLeaf) ? kindLeaf : cbvhHasOnly(kindVoxel) ? kindVoxel : cbvhHasOnly(kindGrid) ? kindGrid : type - firstBlockReference;
   return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit, framed);
@@ -100,10 +118,14 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   while (true)
   {
     /* down to a leaf */
-    while (current != emptyReference && referenceType(current) == nodeReference)
+    while (current != emptyReference && cbvhIsNode(referenceType(current)))
     {
-      CbvhNode node = nodes.at[current];
-      uvec4 keys = cbvhSortChildren(node, ray, hit.t);
+      bvec4 isThere = bvec4(true);
+      CbvhNode node;
+      if (cbvhHasKind(movingNodeReference) && referenceType(current) == movingNodeReference)
+        node = cbvhNodeAt(CbvhMovingNodes(scene.movingNodes).at[referenceIndex(current)], ray.time, isThere);
+      else node = nodes.at[current];
+      uvec4 keys = cbvhSortChildren(node, isThere, ray, hit.t);
       current = emptyReference;
       if (keys.w != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.w)], keys.w);
       if (keys.z != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.z)], keys.z);
@@ -120,13 +142,10 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
       {
         uint geomID = referenceIndex(current);
         GeometryData instance = CbvhGeometries(scene.geometries).at[geomID];
-        if ((instance.mask & worldRay.mask) != 0u)
+        CbvhTransform toLocal;
+        if ((instance.mask & worldRay.mask) != 0u && cbvhWorldToLocal(instance, ray.time, toLocal))
         {
-          CbvhRay local = worldRay;
-          float m[12] = instance.worldToLocal;
-          vec3 x = vec3(m[0], m[1], m[2]), y = vec3(m[3], m[4], m[5]), z = vec3(m[6], m[7], m[8]);
-          local.origin = x*worldRay.origin.x + (y*worldRay.origin.y + (z*worldRay.origin.z + vec3(m[9], m[10], m[11])));
-          local.direction = x*worldRay.direction.x + (y*worldRay.direction.y + z*worldRay.direction.z);
+          CbvhRay local = cbvhTransformed(toLocal, worldRay);
           if (cbvhMayHit(local)) {
             ray = cbvhTravel(local);
             ray.instID = geomID;

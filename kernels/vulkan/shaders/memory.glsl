@@ -19,8 +19,17 @@ struct CbvhNode
   uvec4 children;
 };
 
+/* planes at a time are at it times their differences from here */
+struct CbvhMovingNode
+{
+  CbvhNode atZero;
+  vec4 lowerDifference[3], upperDifference[3];
+  vec4 begin, end;   // times between which a child is there, the last not included
+};
+
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhSceneAt { SceneData scene; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhNodes { CbvhNode at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhMovingNodes { CbvhMovingNode at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer CbvhPairs { uvec2 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhGeometries { GeometryData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CbvhWords { uint at[]; };

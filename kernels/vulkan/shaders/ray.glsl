@@ -11,7 +11,7 @@
 
 /* As RTCRay: tnear and tfar in units of the direction, which need not be of length 1; a ray whose
  * tnear is not at most tfar, or whose origin or direction is not finite, hits nothing. mask: geometries
- * whose mask shares a bit are seen. */
+ * whose mask shares a bit are seen. time: 0 to 1; surfaces that move are seen as they are then. */
 struct CbvhRay
 {
   vec3 origin;
@@ -19,7 +19,11 @@ struct CbvhRay
   vec3 direction;
   float tfar;
   uint mask;
+  float time;
 };
+
+/* A ray that sees all geometries, at time 0. */
+CbvhRay cbvhRay (vec3 origin, float tnear, vec3 direction, float tfar) { return CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu, 0.0); }
 
 /* As RTCHit. In an instance Ng is in the space of the instanced scene. */
 struct CbvhHit
@@ -41,6 +45,7 @@ struct CbvhTravel
   float tfar;     // before anything was hit
   float enter;    // where it enters the bounds of the leaf that is met, or before
   uint mask;
+  float time;     // finite; before all motion where the ray's is not
   uint instID;
   uint firstGeometry;
 };
@@ -74,6 +79,7 @@ CbvhTravel cbvhTravel (CbvhRay ray)
   travel.tnear = travel.enter = max(ray.tnear, 0.0);
   travel.tfar = ray.tfar;
   travel.mask = ray.mask;
+  travel.time = (floatBitsToUint(ray.time) & 0x7F800000u) != 0x7F800000u ? ray.time : -3.0e38;
   travel.instID = CBVH_NONE;
   travel.firstGeometry = 0u;
   return travel;

@@ -40,7 +40,7 @@ void main ()
   if (arguments.order != uvec2(0u)) i = CbvhPairs(arguments.order).at[i].y;
   uint word = stride*i;
   vec4 a = RaysIn(arguments.rays).at[word >> 2], b = RaysIn(arguments.rays).at[(word >> 2) + 1u], c = RaysIn(arguments.rays).at[(word >> 2) + 2u];
-  CbvhRay ray = CbvhRay(a.xyz, a.w, b.xyz, c.x, floatBitsToUint(c.y));
+  CbvhRay ray = CbvhRay(a.xyz, a.w, b.xyz, c.x, floatBitsToUint(c.y), b.w);
   Rays rays = Rays(arguments.rays);
 #ifdef CBVH_ANY_HIT
   if (cbvhOccluded(arguments.scene, ray)) rays.at[word + tfarWord] = floatBitsToUint(-1.0/0.0);

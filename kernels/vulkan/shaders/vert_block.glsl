@@ -1,15 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray through a block of cVERT: kernels/cbvh/vert/format.h and cell.h say what the
- * bytes are, rule.h by which rule its triangles are hit. Vertices are decoded a row at a time, and tested as they come; what a
- * ray may hit is then looked at again, exactly. */
+/* A ray through a block of cVERT: kernels/cbvh/vert/rule.h says by which rule its triangles are hit. Vertices of a block that does
+ * not move are decoded a row at a time, and tested as they come; those of one that moves are kept, a group at a time. What a ray may hit is
+ * then looked at again, exactly. */
 
 #ifndef CBVH_VERT_BLOCK_GLSL
 #define CBVH_VERT_BLOCK_GLSL
 
-#include "ray.glsl"
-#include "../../cbvh/vert/rule.h"
+#include "vert_motion.glsl"
 
 /* The ray sheared to the z axis: kz is the axis of the direction's largest component. */
 struct CbvhShear
@@ -41,247 +40,16 @@ vec2 cbvhSheared (CbvhShear shear, vec3 org, vec3 vertex)
   return at;
 }
 
-/* --- vertices -------------------------------------------------------------------------- */
-
-struct CbvhVertBlock
+/* Vertex i, j of group gx, gy in the world. moves: whether the block does, a constant; its group is decoded then */
+vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, CbvhRow row, uint gx, uint gy, int i, int j, const bool moves)
 {
-  CbvhPointer at;
-  vec3 origin;
-  uint reach;
-  uint region, boxForm, word;
-  VertLayout offsets;
-  uint quadsX, quadsY;
-  float spacing;
-};
-
-CbvhVertBlock cbvhReadVertBlock (CbvhPointer at, uvec4 first)
-{
-  CbvhVertBlock block;
-  block.at = at;
-  block.origin = uintBitsToFloat(first.xyz);
-  block.reach = first.w;
-  block.region = cbvhWord(at, 6u);
-  block.boxForm = cbvhWord(at, 14u);
-  block.word = cbvhWord(at, 15u);
-  block.offsets = vertLayout(block.region, block.boxForm);
-  block.quadsX = vertQuadsX(block.region);
-  block.quadsY = vertQuadsY(block.region);
-  block.spacing = vertSpacing(block.word);
-  return block;
+  if (moves) return cbvhVerticesNow[5*j + i];
+  if (block.hasRaw) return cbvhRawVertex(block, block.first, gx, gy, i, j);
+  return block.first.origin + vec3(cbvhRowVertex(block.at, cell, row, i, j))*block.first.spacing;
 }
 
-/* A cell that is being decoded: its corners, and where its fields are. */
-struct CbvhCell
-{
-  uint word;
-  uint data;                   // byte of the first field
-  ivec3 c00, c10, c01, c11;
-  int step, quadsX, quadsY;
-};
-
-int cbvhWeight (int i, int step_, int quads) { return quads == 4*step_ ? 4*i : cellWeight(i, step_, quads); }
-
-int cbvhResidual (CbvhPointer at, uint bit, int bits) { return bits == 0 ? 0 : cellResidual(cbvhBits(at, bit), 0, bits); }
-
-/* Predictions of a row: (start + weight*slope) >> 8, which is cellPrediction of vertex_cell.h. */
-struct CbvhRow
-{
-  ivec3 start, slope;
-};
-
-CbvhRow cbvhRow (CbvhCell cell, int j)
-{
-  int weightY = cbvhWeight(j, cell.step, cell.quadsY);
-  CbvhRow row;
-  row.start = 256*cell.c00 + 16*weightY*(cell.c01 - cell.c00) + 128;
-  row.slope = 16*(cell.c10 - cell.c00) + weightY*(cell.c11 - cell.c10 - cell.c01 + cell.c00);
-  return row;
-}
-
-/* coordinates of vertex i, j */
-ivec3 cbvhRowVertex (CbvhPointer at, CbvhCell cell, CbvhRow row, int i, int j)
-{
-  ivec3 vertex = (row.start + cbvhWeight(i, cell.step, cell.quadsX)*row.slope) >> 8;
-  int field = cellField(i, j);
-  if (field < 0) return vertex;
-
-  uint word = cell.word;
-  int bits0 = cellBits(word, 0), bits1 = cellBits(word, 1), bits2 = cellBits(word, 2), bits = bits0 + bits1 + bits2;
-  int r0, r1, r2;
-  if (isByAxis(word)) {
-    uint start = 8u*cell.data;
-    r0 = cbvhResidual(at, start + uint(field*bits0), bits0);
-    r1 = cbvhResidual(at, start + uint(cellFields*bits0 + field*bits1), bits1);
-    r2 = cbvhResidual(at, start + uint(cellFields*(bits0 + bits1) + field*bits2), bits2);
-  }
-  else {
-    uint residuals = bits == 0 ? 0u : cbvhBits(at, 8u*cell.data + uint(field*bits));
-    r0 = cellResidual(residuals, 0, bits0);
-    r1 = cellResidual(residuals, bits0, bits1);
-    r2 = cellResidual(residuals, bits0 + bits1, bits2);
-  }
-  r1 += slopeResidual(cellSlope(word, 1), r0);
-  r2 += slopeResidual(cellSlope(word, 2), r0);
-  int axis = cellMainAxis(word);
-  return vertex + (axis == 0 ? ivec3(r0, r1, r2) : axis == 1 ? ivec3(r2, r0, r1) : ivec3(r1, r2, r0));
-}
-
-ivec3 cbvhCellVertex (CbvhPointer at, CbvhCell cell, int i, int j) { return cbvhRowVertex(at, cell, cbvhRow(cell, j), i, j); }
-
-ivec3 cbvhCorner (CbvhVertBlock block, int c)
-{
-  ivec3 corner;
-  for (int k = 0; k < 3; k++) corner[k] = cornerCoordinate(cbvhWord(block.at, 8u + uint(cornerPair(c, k))), c, k);
-  return corner;
-}
-
-/* the cell of the corners of groups */
-CbvhCell cbvhFirstCell (CbvhVertBlock block)
-{
-  CbvhCell cell;
-  cell.word = block.word;
-  cell.data = block.offsets.cell;
-  cell.c00 = cbvhCorner(block, 0);
-  cell.c10 = cbvhCorner(block, 1);
-  cell.c01 = cbvhCorner(block, 2);
-  cell.c11 = cbvhCorner(block, 3);
-  cell.step = int(groupQuads);
-  cell.quadsX = int(block.quadsX);
-  cell.quadsY = int(block.quadsY);
-  return cell;
-}
-
-uint cbvhWordOfGroup (CbvhVertBlock block, uint g)
-{
-  uint low = cbvhWord(block.at, (block.offsets.words + 2u*g) >> 2) >> (8u*((block.offsets.words + 2u*g) & 3u)); // at even bytes
-  return (low & 0xFFFFu) | (cbvhByte(block.at, block.offsets.wordsHigh + g) << 16);
-}
-
-CbvhCell cbvhGroupCell (CbvhVertBlock block, CbvhCell first, uint gx, uint gy)
-{
-  uint g = gy*block.offsets.groupsX + gx;
-  CbvhCell cell;
-  cell.data = block.offsets.cell + cellBytes(block.word);
-  for (uint before = 0u; before < g; before++) cell.data += cellBytes(cbvhWordOfGroup(block, before));
-  cell.word = cbvhWordOfGroup(block, g);
-  cell.c00 = cbvhCellVertex(block.at, first, int(gx), int(gy));
-  cell.c10 = cbvhCellVertex(block.at, first, int(gx) + 1, int(gy));
-  cell.c01 = cbvhCellVertex(block.at, first, int(gx), int(gy) + 1);
-  cell.c11 = cbvhCellVertex(block.at, first, int(gx) + 1, int(gy) + 1);
-  cell.step = 1;
-  cell.quadsX = int(quadsOfGroup(block.quadsX, gx));
-  cell.quadsY = int(quadsOfGroup(block.quadsY, gy));
-  return cell;
-}
-
-/* vertex i, j of group gx, gy in the world */
-vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, CbvhRow row, uint gx, uint gy, int i, int j)
-{
-  if (isRaw(block.boxForm)) {
-    uint x = min(groupQuads*gx + uint(i), block.quadsX), y = min(groupQuads*gy + uint(j), block.quadsY);
-    uint first = block.offsets.vertices/4u + 3u*(y*(block.quadsX + 1u) + x);
-    return vec3(cbvhFloat(block.at, first), cbvhFloat(block.at, first + 1u), cbvhFloat(block.at, first + 2u));
-  }
-  return block.origin + vec3(cbvhRowVertex(block.at, cell, row, i, j))*block.spacing;
-}
-
-vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, uint gx, uint gy, int i, int j) {
-  return cbvhGroupVertex(block, cell, cbvhRow(cell, j), gx, gy, i, j);
-}
-
-/* --- boxes ----------------------------------------------------------------------------- */
-
-/* The ray along a block's sheared coordinate, from the block's origin. */
-struct CbvhShearedRay
-{
-  float org, rcp, error;
-};
-
-struct CbvhVertRay
-{
-  CbvhShear shear;
-  vec3 rcp;        // finite
-  float largest;   // of the components of the direction
-};
-
-int cbvhNextAxis (int axis, int by) { return axis + by < 3 ? axis + by : axis + by - 3; }
-
-CbvhShearedRay cbvhShearedRay (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, float extent)
-{
-  ShearedCoordinate along = noShearedCoordinate();
-  int m = shearedAxis(block.boxForm);
-  for (int k = 0; k < 3; k++) {
-    int i = k >= m ? k - m : k - m + 3;
-    float shear = i == 0 ? 1.0 : float(shearSlope(block.boxForm, i))*(1.0/16.0);
-    along = addSheared(along, ray.org[k], ray.dir[k], block.origin[k], extent, shear);
-  }
-  return CbvhShearedRay(along.org, directionReciprocal(along.dir, vert.largest), shearedSlack(along.size));
-}
-
-void cbvhClip (inout float tNear, inout float tFar, float lower, float upper, float rcp)
-{
-  float a = lower*rcp, b = upper*rcp;
-  tNear = max(tNear, min(a, b));
-  tFar = min(tFar, max(a, b));
-}
-
-float cbvhSlack (CbvhVertBlock block, CbvhTravel ray, int k, float extent) { return boxSlack(ray.org[k], block.origin[k], extent); }
-
-/* whether the ray meets the bounds of a block that is not raw */
-bool cbvhMeetsBlock (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, CbvhShearedRay sheared, float extent, float tfar)
-{
-  int m = shearedAxis(block.boxForm);
-  float step_ = float(reachStep(block.boxForm))*block.spacing, tNear = ray.tnear, tFar = tfar;
-  for (int i = 0; i < 2; i++) {
-    int k = cbvhNextAxis(m, 1 + i);
-    float from = block.origin[k] - ray.org[k], slack = cbvhSlack(block, ray, k, extent);
-    cbvhClip(tNear, tFar, from - slack, (from + float(reachOf(block.reach, i))*step_) + slack, vert.rcp[k]);
-  }
-  cbvhClip(tNear, tFar, (float(reachOf(block.reach, 2))*step_ - sheared.org) - sheared.error,
-           (float(reachOf(block.reach, 3))*step_ - sheared.org) + sheared.error, sheared.rcp);
-  return tNear <= tFar;
-}
-
-float cbvhLeast (vec4 v) { return min(min(v.x, v.y), min(v.z, v.w)); }
-float cbvhGreatest (vec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
-
-/* whether the ray meets the box of group g of a block that is not raw, whose corners are given */
-bool cbvhMeetsGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, CbvhShearedRay sheared, float extent, float tfar, uint g,
-                     vec3 c00, vec3 c10, vec3 c01, vec3 c11)
-{
-  int m = shearedAxis(block.boxForm);
-  float tNear = ray.tnear, tFar = tfar;
-  for (int k = 0; k < 3; k++)
-  {
-    uint margins = cbvhByte(block.at, block.offsets.margins + uint(k)*block.offsets.groups + g), shift = marginShift(block.boxForm, k);
-    vec4 corners = vec4(c00[k], c10[k], c01[k], c11[k]);
-    bool isSheared = k == m;
-    if (isSheared) {
-      int n = cbvhNextAxis(m, 1), l = cbvhNextAxis(m, 2);
-      corners += float(shearSlope(block.boxForm, 1))*(1.0/16.0)*vec4(c00[n], c10[n], c01[n], c11[n])
-               + float(shearSlope(block.boxForm, 2))*(1.0/16.0)*vec4(c00[l], c10[l], c01[l], c11[l]);
-    }
-    float origin = isSheared ? 0.0 : block.origin[k], from = isSheared ? sheared.org : ray.org[k];
-    float error = isSheared ? sheared.error : cbvhSlack(block, ray, k, extent);
-    float lower = (cbvhLeast(corners) - float(lowerMargin(margins, shift)))*block.spacing + origin;
-    float upper = (cbvhGreatest(corners) + float(upperMargin(margins, shift)))*block.spacing + origin;
-    cbvhClip(tNear, tFar, (lower - from) - error, (upper - from) + error, isSheared ? sheared.rcp : vert.rcp[k]);
-  }
-  return tNear <= tFar;
-}
-
-bool cbvhMeetsRawGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, float tfar, uint g)
-{
-  float tNear = ray.tnear, tFar = tfar;
-  for (int k = 0; k < 3; k++) {
-    uint first = block.offsets.boxes/4u;
-    float lower = cbvhFloat(block.at, first + uint(k)*block.offsets.groups + g), upper = cbvhFloat(block.at, first + uint(3 + k)*block.offsets.groups + g);
-    float highest = block.origin[k];
-    for (uint i = 0u; i < block.offsets.groups; i++) highest = max(highest, cbvhFloat(block.at, first + uint(3 + k)*block.offsets.groups + i));
-    float slack = cbvhSlack(block, ray, k, highest - block.origin[k]);
-    cbvhClip(tNear, tFar, (lower - ray.org[k]) - slack, (upper - ray.org[k]) + slack, vert.rcp[k]);
-  }
-  return tNear <= tFar;
+vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, uint gx, uint gy, int i, int j, const bool moves) {
+  return cbvhGroupVertex(block, cell, cbvhRow(cell, j), gx, gy, i, j, moves);
 }
 
 /* --- triangles ------------------------------------------------------------------------- */
@@ -289,24 +57,24 @@ bool cbvhMeetsRawGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, f
 float cbvhSide (vec2 a, vec2 b) { return edgeSide(a.x, a.y, b.x, b.y); }
 
 /* Quads of a group whose triangles may have the ray's line in them: bit 2q + 0 or 1 of quad q. */
-uint cbvhTriangles (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy)
+uint cbvhTriangles (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, const bool moves)
 {
   uint mask = 0u;
   int quadsX = int(quadsOfGroup(block.quadsX, gx)), quadsY = int(quadsOfGroup(block.quadsY, gy));
   vec2 below[5];
   CbvhRow first = cbvhRow(cell, 0);
-  [[unroll]] for (int i = 0; i < 5; i++) below[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, first, gx, gy, i, 0));
+  [[unroll]] for (int i = 0; i < 5; i++) below[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, first, gx, gy, i, 0, moves));
   [[dont_unroll]] for (int j = 0; j < quadsY; j++)
   {
     vec2 row[5];
     CbvhRow above = cbvhRow(cell, j + 1);
-    [[unroll]] for (int i = 0; i < 5; i++) row[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, above, gx, gy, i, j + 1));
+    [[unroll]] for (int i = 0; i < 5; i++) row[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, above, gx, gy, i, j + 1, moves));
     vec2 lower = min(below[0], row[0]), upper = max(below[0], row[0]);
     [[unroll]] for (int i = 1; i < 5; i++) {
       lower = min(lower, min(below[i], row[i]));
       upper = max(upper, max(below[i], row[i]));
     }
-    if (all(lessThanEqual(lower, vec2(0.0))) && all(greaterThanEqual(upper, vec2(0.0))))
+    if (block.hasRaw || (all(lessThanEqual(lower, vec2(0.0))) && all(greaterThanEqual(upper, vec2(0.0)))))
     [[unroll]] for (int i = 0; i < 4; i++) {
       float diag = cbvhSide(below[i + 1], row[i]), left = cbvhSide(row[i], below[i]), bottom = cbvhSide(below[i], below[i + 1]);
       float right = cbvhSide(below[i + 1], row[i + 1]), top = cbvhSide(row[i + 1], row[i]);
@@ -378,14 +146,14 @@ struct CbvhVertNearest
 CbvhVertNearest cbvhNoVertNearest () { return CbvhVertNearest(false, 0u, 0.0, TriangleName(0u, 0u, 0u, 0u)); }
 
 /* Triangle h of a group, bits as of cbvhTriangles; true if it is hit. */
-bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h, inout CbvhHit hit, inout CbvhVertNearest nearest)
+bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   int i = int((h >> 1) & 3u), j = int(h >> 3);
   bool second = (h & 1u) != 0u;
-  vec3 a = cbvhGroupVertex(block, cell, gx, gy, i, second ? j + 1 : j);
-  vec3 b = cbvhGroupVertex(block, cell, gx, gy, i + 1, j);
-  vec3 c = cbvhGroupVertex(block, cell, gx, gy, second ? i + 1 : i, j + 1);
-  if (isRaw(block.boxForm) && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
+  vec3 a = cbvhGroupVertex(block, cell, gx, gy, i, second ? j + 1 : j, moves);
+  vec3 b = cbvhGroupVertex(block, cell, gx, gy, i + 1, j, moves);
+  vec3 c = cbvhGroupVertex(block, cell, gx, gy, second ? i + 1 : i, j + 1, moves);
+  if (block.hasRaw && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
   vec2 A = cbvhSheared(shear, ray.org, a), B = cbvhSheared(shear, ray.org, b), C = cbvhSheared(shear, ray.org, c);
   TriangleSides sides = triangleSides(A.x, A.y, B.x, B.y, C.x, C.y);
   if (!areCertain(sides) && !contains(A.x, A.y, B.x, B.y, C.x, C.y)) return false;
@@ -418,76 +186,117 @@ bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhSh
   return true;
 }
 
+/* Of groups that a ray may meet, bit x + 4 y each, mirrored so that the nearer ones tend to come first; alongX, alongY: of the block */
+uint cbvhMirror (CbvhTravel ray, vec3 alongX, vec3 alongY) {
+  return (dot(alongX, ray.dir) < 0.0 ? 3u : 0u) | (dot(alongY, ray.dir) < 0.0 ? 12u : 0u);
+}
+
+/* groups of a block that does not move that the ray meets */
+uint cbvhGroups (CbvhVertBlock block, CbvhCell first, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint mirror)
+{
+  uint open = 0u;
+  if (block.hasRaw) {
+    for (uint g = 0u; g < block.groups; g++)
+      if (cbvhMeetsRawGroup(block, ray, vert, tfar, g)) open |= 1u << ((g % block.groupsX + 4u*(g/block.groupsX)) ^ mirror);
+    return open;
+  }
+  vec3 below[5];
+  CbvhRow firstRow = cbvhRow(first, 0);
+  [[unroll]] for (int i = 0; i < 5; i++) below[i] = vec3(cbvhRowVertex(block.at, first, firstRow, i, 0));
+  [[dont_unroll]] for (uint gy = 0u; gy < block.groupsY; gy++)
+  {
+    vec3 row[5];
+    CbvhRow above = cbvhRow(first, int(gy) + 1);
+    [[unroll]] for (int i = 0; i < 5; i++) row[i] = vec3(cbvhRowVertex(block.at, first, above, i, int(gy) + 1));
+    [[unroll]] for (int i = 0; i < 4; i++)
+      if (uint(i) < block.groupsX &&
+          cbvhMeetsGroup(block, ray, vert, axes, tfar, gy*block.groupsX + uint(i), below[i], below[i + 1], row[i], row[i + 1]))
+        open |= 1u << ((uint(i) + 4u*gy) ^ mirror);
+    [[unroll]] for (int i = 0; i < 5; i++) below[i] = row[i];
+  }
+  return open;
+}
+
+/* Triangles of a group; true if one is hit. There is one way out of loops here and below: lavapipe (Mesa 22.3) loses hits of
+ * rays that return from several at once while others go on. */
+bool cbvhTraceGroup (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, const bool anyHit, const bool moves,
+                     inout CbvhHit hit, inout CbvhVertNearest nearest)
+{
+  bool found = false;
+  uint triangles = cbvhTriangles(block, cell, ray, shear, gx, gy, moves);
+  while (triangles != 0u)
+  {
+    uint h = uint(findLSB(triangles));
+    triangles &= triangles - 1u;
+    if (!cbvhHitTriangle(block, cell, ray, shear, gx, gy, h, moves, hit, nearest)) continue;
+    found = true;
+    if (anyHit) triangles = 0u;
+  }
+  return found;
+}
+
 /* True if something is hit nearer than hit.t, which is lowered. */
 bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   if (!cbvhIsSeen(scene, ray, at.geomID)) return false;
-  CbvhVertBlock block = cbvhReadVertBlock(at, cbvhQuadword(at, 0u));
-  CbvhVertRay vert;
-  vert.shear = cbvhShear(ray.dir);
-  vec3 size = abs(ray.dir);
-  vert.largest = max(size.x, max(size.y, size.z));
-  for (int k = 0; k < 3; k++) vert.rcp[k] = directionReciprocal(ray.dir[k], vert.largest);
-
-  bool isRawBlock = isRaw(block.boxForm);
-  float extent = float(maxExtent)*block.spacing;
-  CbvhShearedRay sheared = CbvhShearedRay(0.0, 0.0, 0.0);
-  CbvhCell first;
-  first.word = first.data = 0u;
-  first.c00 = first.c10 = first.c01 = first.c11 = ivec3(0);
-  first.step = first.quadsX = first.quadsY = 1;
-  if (!isRawBlock) {
-    sheared = cbvhShearedRay(block, ray, vert, extent);
-    if (!cbvhMeetsBlock(block, ray, vert, sheared, extent, hit.t)) return false;
-    first = cbvhFirstCell(block);
+  CbvhVertBlock block = cbvhReadVertBlock(at);
+  CbvhShear shear = cbvhShear(ray.dir);
+  CbvhVertRay vert = cbvhVertRay(ray);
+  CbvhVertAxes axes = CbvhVertAxes(0u, vec3(0.0), 0.0, 0.0, 0.0, 0.0);
+  CbvhCell first = cbvhNoCell();
+  if (!block.hasRaw) {
+    axes = cbvhVertAxes(block.boxForm, block.first.origin, float(maxExtent)*block.first.spacing, ray, vert);
+    vec4 reach = cbvhReach(block.reach, float(reachStep(block.boxForm))*block.first.spacing);
+    if (!cbvhMeetsBounds(ray, vert, axes, reach, vec3(0.0), hit.t)) return false;
+    first = cbvhFirstCell(block, block.first);
   }
-
-  /* groups that the ray meets: bit x + 4 y, mirrored so that the nearer ones tend to come first */
-  vec3 alongX = vec3(first.c10 - first.c00), alongY = vec3(first.c01 - first.c00);
-  uint mirror = (dot(alongX, ray.dir) < 0.0 ? 3u : 0u) | (dot(alongY, ray.dir) < 0.0 ? 12u : 0u);
-  uint open = 0u;
-  if (isRawBlock) {
-    for (uint g = 0u; g < block.offsets.groups; g++)
-      if (cbvhMeetsRawGroup(block, ray, vert, hit.t, g)) open |= 1u << ((g % block.offsets.groupsX + 4u*(g/block.offsets.groupsX)) ^ mirror);
-  }
-  else
-  {
-    vec3 below[5];
-    CbvhRow firstRow = cbvhRow(first, 0);
-    [[unroll]] for (int i = 0; i < 5; i++) below[i] = vec3(cbvhRowVertex(at, first, firstRow, i, 0));
-    [[dont_unroll]] for (uint gy = 0u; gy < block.offsets.groupsY; gy++)
-    {
-      vec3 row[5];
-      CbvhRow above = cbvhRow(first, int(gy) + 1);
-      [[unroll]] for (int i = 0; i < 5; i++) row[i] = vec3(cbvhRowVertex(at, first, above, i, int(gy) + 1));
-      [[unroll]] for (int i = 0; i < 4; i++)
-        if (uint(i) < block.offsets.groupsX &&
-            cbvhMeetsGroup(block, ray, vert, sheared, extent, hit.t, gy*block.offsets.groupsX + uint(i), below[i], below[i + 1], row[i], row[i + 1]))
-          open |= 1u << ((uint(i) + 4u*gy) ^ mirror);
-      [[unroll]] for (int i = 0; i < 5; i++) below[i] = row[i];
-    }
-  }
-
+  uint mirror = cbvhMirror(ray, vec3(first.c10 - first.c00), vec3(first.c01 - first.c00));
+  uint open = cbvhGroups(block, first, ray, vert, axes, hit.t, mirror);
   bool found = false;
-  while (open != 0u)
+  while (open != 0u && !(anyHit && found))
   {
     uint lane = uint(findLSB(open)) ^ mirror, gx = lane & 3u, gy = lane >> 2;
     open &= open - 1u;
     CbvhCell cell = first;
-    if (!isRawBlock) {
+    if (!block.hasRaw) {
       cell = cbvhGroupCell(block, first, gx, gy);
-      if (found && !cbvhMeetsGroup(block, ray, vert, sheared, extent, hit.t, gy*block.offsets.groupsX + gx,
-                                   vec3(cell.c00), vec3(cell.c10), vec3(cell.c01), vec3(cell.c11))) continue;
+      if (found && !cbvhMeetsGroup(block, ray, vert, axes, hit.t, gy*block.groupsX + gx, vec3(cell.c00), vec3(cell.c10), vec3(cell.c01), vec3(cell.c11))) continue;
     }
-    uint triangles = cbvhTriangles(block, cell, ray, vert.shear, gx, gy);
-    while (triangles != 0u)
-    {
-      uint h = uint(findLSB(triangles));
-      triangles &= triangles - 1u;
-      if (!cbvhHitTriangle(block, cell, ray, vert.shear, gx, gy, h, hit, nearest)) continue;
-      found = true;
-      if (anyHit) return true;
-    }
+    if (cbvhTraceGroup(block, cell, ray, shear, gx, gy, anyHit, false, hit, nearest)) found = true;
+  }
+  return found;
+}
+
+/* the same of a block that moves */
+bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit, inout CbvhVertNearest nearest)
+{
+  if (!cbvhIsSeen(scene, ray, at.geomID)) return false;
+  CbvhVertBlock block = cbvhReadVertBlock(at);
+  CbvhSegment segment;
+  if (!cbvhFindSegment(block, ray.time, segment)) return false;
+  CbvhShear shear = cbvhShear(ray.dir);
+  CbvhVertRay vert = cbvhVertRay(ray);
+  CbvhVertAxes axes = CbvhVertAxes(0u, vec3(0.0), 0.0, 0.0, 0.0, 0.0);
+  vec3 slack = vec3(0.0);
+  if (!block.hasRaw) {
+    axes = cbvhAxesNow(segment, ray, vert);
+    slack = cbvhMotionSlack(segment, axes);
+    if (!cbvhMeetsBlockNow(block, segment, ray, vert, axes, slack, hit.t)) return false;
+  }
+  cbvhDecodeCorners(block, segment);
+  uint mirror = 0u;
+  if (!block.hasRaw) {
+    ivec3 corner = cbvhCornersAtEnds[0][0];
+    mirror = cbvhMirror(ray, vec3(cbvhCornersAtEnds[0][block.groupsX] - corner), vec3(cbvhCornersAtEnds[0][5u*block.groupsY] - corner));
+  }
+  bool found = false;
+  [[dont_unroll]] for (uint i = 0u; i < maxVertGroups && !(anyHit && found); i++)
+  {
+    uint lane = i ^ mirror, gx = lane & 3u, gy = lane >> 2;
+    if (gx >= block.groupsX || gy >= block.groupsY) continue;
+    if (!block.hasRaw && !cbvhMeetsGroupNow(block, segment, ray, vert, axes, slack, hit.t, gx, gy)) continue;
+    cbvhDecodeGroup(block, segment, gx, gy);
+    if (cbvhTraceGroup(block, cbvhNoCell(), ray, shear, gx, gy, anyHit, true, hit, nearest)) found = true;
   }
   return found;
 }
