@@ -106,8 +106,9 @@ struct RTCVulkanSceneArguments
  * change in between are not sent again, nor those that another scene on the device has. With imported memory the RTCScene
  * has to stay as it is for as long as this one lives; it is retained.
  *
- * Taken are subdivision surfaces (GRID and every compression), triangle meshes and instances, without motion
- * blur and filters of geometries. Anything else that is enabled is an error that names the geometry.
+ * Taken are subdivision surfaces (GRID and every compression), compressed grids, quads and triangles, triangle meshes and instances, without
+ * filters of geometries; with motion blur what is compressed, and instances with linear transforms. Anything else that is enabled is
+ * an error that names the geometry.
  * args: NULL for defaults. */
 RTC_API RTCVulkanScene rtcNewVulkanScene (RTCVulkanDevice device, RTCScene scene, const struct RTCVulkanSceneArguments* args);
 

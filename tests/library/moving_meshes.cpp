@@ -5,11 +5,14 @@
  * lattice at all steps, by every query, on every ISA. */
 
 #include "support/diced_mesh.h"
+#include "support/filtered_geometry.h"
+#include "support/moving_surface.h"
 #include "support/query_forms.h"
 #include "support/same_hits.h"
 
-#include <embree3/rtcore_compressed_triangles.h>
 #include <gtest/gtest.h>
+
+#include <set>
 
 namespace cbvh::test {
 namespace {
@@ -84,10 +87,77 @@ TEST_P(MovingMeshes, HitsAreEmbrees)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// The vertex that is nearest at a time, found among the quads that a query is told of.
+// Behind filters, and in an instance that moves itself.
+template<typename Make, typename Mesh>
+void expectFiltered(const Device& device, const Make& make, const Mesh& mesh, Random& random)
+{
+  Scene scenes[2] = {Scene(device), Scene(device)}, tops[2] = {Scene(device), Scene(device)};
+  for (int i = 0; i < 2; i++) {
+    RTCGeometry geometry = make(device, mesh, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE, 0, 3);
+    rtcSetGeometryMask(geometry, 2);
+    attachFiltered(device, geometry, scenes[i], tops[i], {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}});
+  }
+  ASSERT_GT(statisticsOf(scenes[1]).numMovingQuads, 0u);
+  std::vector<RTCRayHit> rays = raysAt(random, mesh, 503);
+  for (size_t i = 0; i < rays.size(); i++) {
+    rays[i].ray.mask = i % 5 ? 3 : 1;
+    rays[i].ray.time = float(random.uniform());
+  }
+  for (QueryForm form : allQueryForms) {
+    SCOPED_TRACE(nameOf(form));
+    size_t hits = 0;
+    for (int top = 0; top < 2; top++) {
+      Scene* const of = top ? tops : scenes;
+      const std::vector<RTCRayHit> expected = closestHits(of[0], rays, form), found = closestHits(of[1], rays, form), any = anyHits(of[1], rays, form);
+      size_t others = 0; // where rays graze edges, floats differ
+      for (size_t i = 0; i < rays.size(); i++) {
+        ASSERT_EQ(any[i].ray.tfar < 0, isHit(found[i])) << "ray " << i;
+        hits += isHit(found[i]);
+        others += isHit(expected[i]) != isHit(found[i]) || (isHit(expected[i]) && (expected[i].hit.primID != found[i].hit.primID ||
+          std::fabs(expected[i].ray.tfar - found[i].ray.tfar) > 1e-5*expected[i].ray.tfar*std::max(1.0, 0.1/cosine(expected[i]))));
+      }
+      ASSERT_LE(others, 2u);
+    }
+    EXPECT_GT(hits, 100u);
+    EXPECT_LT(hits, 900u);
+  }
+}
+
+TEST_P(MovingMeshes, MasksFiltersAndInstances)
+{
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  Random random(3144);
+  Diced grids = dicedSheet(4, 16, lattice);
+  grids.motion = bent;
+  ASSERT_NO_FATAL_FAILURE(expectFiltered(device, newGrids, grids, random));
+  DicedMesh mesh = meshOf(grids, QuadOrder::Recursive, random);
+  mesh.motion = bent;
+  ASSERT_NO_FATAL_FAILURE(expectFiltered(device, newMesh, mesh, random));
+  ASSERT_NO_FATAL_FAILURE(expectFiltered(device, newMesh, trianglesOf(mesh), random));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+std::vector<unsigned> verticesOf(const DicedMesh& mesh, unsigned primID)
+{
+  if (mesh.isOfTriangles()) return {mesh.triangles[primID].begin(), mesh.triangles[primID].end()};
+  return {mesh.quads[primID].begin(), mesh.quads[primID].end()};
+}
+
+std::vector<unsigned> verticesOf(const Diced& diced, unsigned primID)
+{
+  const RTCGrid& grid = diced.grids[primID];
+  std::vector<unsigned> vertices;
+  for (unsigned y = 0; y < grid.height; y++)
+    for (unsigned x = 0; x < grid.width; x++) vertices.push_back(grid.startVertexID + y*grid.stride + x);
+  return vertices;
+}
+
+// The vertex that is nearest at a time, found among the primitives that a query is told of.
+template<typename Mesh>
 struct NearestVertex
 {
-  const DicedMesh& mesh;
+  const Mesh& mesh;
   float time;
   double distance = INFINITY;
 
@@ -103,65 +173,123 @@ struct NearestVertex
   {
     NearestVertex& self = *(NearestVertex*)args->userPtr;
     const float p[3] = {args->query->x, args->query->y, args->query->z};
-    for (unsigned v : self.mesh.quads[args->primID]) self.distance = std::min(self.distance, self.distanceTo(v, p));
+    for (unsigned v : verticesOf(self.mesh, args->primID)) self.distance = std::min(self.distance, self.distanceTo(v, p));
     if (self.distance >= args->query->radius) return false;
     args->query->radius = float(self.distance);
     return true;
   }
 };
 
-TEST(MovingMeshesInTime, PointQueriesSeeThemWhereTheyAre)
+template<typename Make, typename Mesh>
+void expectPointQueries(const Device& device, const Make& make, const Mesh& mesh, Random& random)
 {
-  Random random(3143);
-  Device device;
-  DicedMesh mesh = meshOf(dicedSheet(2, 16, lattice), QuadOrder::Recursive, random);
-  mesh.motion = [](const Vec& p, unsigned step) { return step ? bent(p, 3) : p; };
   Scene scene(device);
-  attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, 2));
+  attach(scene, make(device, mesh, RTC_COMPRESSION_VERT, 0, 2));
   rtcCommitScene(scene);
   ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
-  for (int i = 0; i < 200; i++) {
-    NearestVertex nearest = {mesh, float(random.uniform())}, all = nearest;
+  for (int i = 0; i < 100; i++) {
+    NearestVertex<Mesh> nearest = {mesh, float(random.uniform())}, all = nearest;
     RTCPointQuery query = {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-0.5, 0.5)), nearest.time, 1e9f};
     const float p[3] = {query.x, query.y, query.z};
     for (unsigned v = 0; v < mesh.vertices.size(); v++) all.distance = std::min(all.distance, all.distanceTo(v, p));
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
-    rtcPointQuery(scene, &query, &context, NearestVertex::visit, &nearest);
+    rtcPointQuery(scene, &query, &context, NearestVertex<Mesh>::visit, &nearest);
     // a quad is nearer than its vertices by less than its diagonal
     ASSERT_NEAR(nearest.distance, all.distance, 0.1);
     ASSERT_GE(nearest.distance, all.distance);
   }
 }
 
-// Of a ball of grids with vertices of their own, which move alike.
-TEST(MovingMeshesInTime, ClosedBallsOfGridsLetNoRayThrough)
+TEST(MovingMeshesInTime, PointQueriesSeeThemWhereTheyAre)
+{
+  Random random(3143);
+  Device device;
+  const DicedMotion motion = [](const Vec& p, unsigned step) { return step ? bent(p, 3) : p; };
+  Diced grids = dicedSheet(2, 16, lattice);
+  grids.motion = motion;
+  ASSERT_NO_FATAL_FAILURE(expectPointQueries(device, newGrids, grids, random));
+  DicedMesh mesh = meshOf(grids, QuadOrder::Recursive, random);
+  mesh.motion = motion;
+  ASSERT_NO_FATAL_FAILURE(expectPointQueries(device, newMesh, mesh, random));
+  ASSERT_NO_FATAL_FAILURE(expectPointQueries(device, newMesh, trianglesOf(mesh, 1, 2), random));
+}
+
+// Of a ball of grids with vertices of their own, which move alike, and of meshes that are the same.
+TEST(MovingMeshesInTime, ClosedBallsLetNoRayThrough)
 {
   Random random(3142);
   Device device;
   Diced ball = dicedBall(3, 16, 2);
   ball.motion = [](const Vec& p, unsigned step) { return Vec{p[0]*(1 + 0.2f*step), p[1] + 0.1f*step*p[0], p[2] - 0.15f*step*p[1]}; };
-  RTCGeometry geometry = newGrids(device, ball, RTC_COMPRESSION_VERT, 0, 3);
-  Scene scene(device);
-  rtcAttachGeometry(scene, geometry);
-  rtcCommitScene(scene);
-  ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
-  size_t leaks = 0;
-  for (int t = 0; t < 20; t++) {
-    const float time = t < 3 ? 0.5f*t : float(random.uniform());
-    std::vector<Vec> targets;
-    rtcForEachCompressedPartAtTime(geometry, time, [](void* out, const RTCCompressedPart* part) {
-      for (unsigned i = 0; i < part->width*part->height; i++) ((std::vector<Vec>*)out)->push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
-      return true;
-    }, &targets);
-    for (int i = 0; i < 1500; i++) {
-      RTCRayHit ray = makeRay({0, 0, 0}, targets[random.below(uint32_t(targets.size()))]);
-      ray.ray.time = time;
-      leaks += !isHit(intersect(scene, ray)) || !occluded(scene, ray);
+  std::vector<RTCGeometry> geometries = {newGrids(device, ball, RTC_COMPRESSION_VERT, 0, 3)};
+  for (QuadOrder order : allQuadOrders) {
+    DicedMesh mesh = meshOf(ball, order, random);
+    mesh.motion = ball.motion;
+    geometries.push_back(newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, 3));
+    if (order != QuadOrder::Shuffled) geometries.push_back(newMesh(device, trianglesOf(mesh, 1, 1), RTC_COMPRESSION_VERT, 0, 3));
+  }
+  for (RTCGeometry geometry : geometries) {
+    Scene scene(device);
+    rtcAttachGeometry(scene, geometry);
+    rtcCommitScene(scene);
+    ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
+    size_t leaks = 0;
+    for (const RTCRayHit& ray : raysAtMovingSurface(random, geometry, 12, 1000)) leaks += !isHit(intersect(scene, ray)) || !occluded(scene, ray);
+    EXPECT_EQ(leaks, 0u);
+    rtcReleaseGeometry(geometry);
+  }
+}
+
+// At a time they are between those of the steps, and hits lie on them.
+TEST(MovingMeshesInTime, TrianglesOfHitsComeOut)
+{
+  Random random(3145);
+  Device device;
+  for (QuadOrder order : allQuadOrders) {
+    DicedMesh quads = meshOf(dicedSheet(3, 16, lattice), order, random);
+    quads.motion = bent;
+    for (const DicedMesh& mesh : {quads, trianglesOf(quads, 2, 1)}) {
+      if (mesh.isOfTriangles() && order == QuadOrder::Shuffled) continue;
+      Scene scene(device);
+      RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, 2);
+      attach(scene, geometry);
+      rtcCommitScene(scene);
+      ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
+      size_t hits = 0;
+      for (int i = 0; i < 500; i++) {
+        RTCRayHit ray = rayAt(random, mesh);
+        ray.ray.time = float(random.uniform());
+        const RTCRayHit r = intersect(scene, ray);
+        if (!isHit(r)) continue;
+        hits++;
+        RTCCompressedTriangle t;
+        ASSERT_TRUE(rtcGetCompressedTriangleAtTime(geometry, ray.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+        std::set<unsigned> corners;
+        for (unsigned v : verticesOf(mesh, r.hit.primID)) corners.insert(v);
+        for (int c = 0; c < 3; c++) {
+          // one of the primitive's, between its two places
+          bool isVertex = false;
+          for (unsigned v : corners) {
+            const Vec a = bent(mesh.vertices[v], 0), b = bent(mesh.vertices[v], 1);
+            bool isThis = true;
+            for (int k = 0; k < 3; k++) isThis &= std::fabs((1 - ray.ray.time)*a[k] + ray.ray.time*b[k] - t.vertices[c][k]) < 1e-6f;
+            if (isThis) { isVertex = true; corners.erase(v); break; }
+          }
+          ASSERT_TRUE(isVertex) << "vertex " << c;
+        }
+        double height = 0, n = 0;
+        for (int k = 0; k < 3; k++) {
+          const float Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, o[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z}, d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
+          height += Ng[k]*(o[k] + double(r.ray.tfar)*d[k] - t.vertices[0][k]);
+          n += double(Ng[k])*Ng[k];
+        }
+        ASSERT_LT(std::fabs(height), 1e-5*std::sqrt(n));
+      }
+      EXPECT_GT(hits, 150u);
     }
   }
-  EXPECT_EQ(leaks, 0u);
-  rtcReleaseGeometry(geometry);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
 // Two grids that touch at the first step and part afterwards: a ray goes through between them.
