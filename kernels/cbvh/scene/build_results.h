@@ -7,6 +7,7 @@
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
+#include "../base/exact_vector.h"
 #include <tuple>
 
 namespace embree
@@ -46,8 +47,7 @@ namespace embree
       static mvector<T> takeAll (Device* device, mvector<T>& from)
       {
         mvector<T> all(device,0);
-        all.reserve(from.size());
-        all.resize(from.size());
+        cbvh::resizeExactly(all,from.size());
         std::copy(from.begin(),from.end(),all.begin());
         from.clear();
         return all;
@@ -65,9 +65,8 @@ namespace embree
         std::sort(lists.begin(),lists.end(),[](const std::unique_ptr<List>& a, const std::unique_ptr<List>& b) { return *a < *b; });
         size_t n = 0, b = 0;
         for (const auto& list : lists) { n += list->prims.size(); b += list->boxes.size(); }
-        prims.resize(n);
-        boxes.reserve(b); // no more than that: vectors grow to a power of two
-        boxes.resize(b);
+        cbvh::resizeExactly(prims,n);
+        cbvh::resizeExactly(boxes,b);
         n = b = 0;
         for (auto& list : lists) {
           for (const PrimRef& prim : list->prims) prims[n++] = prim;

@@ -174,6 +174,9 @@ namespace embree
       size_t buildMotionTree ()
       {
         MovingBlocks blocks(scene->device);
+        size_t numBlocks = 0;
+        for (const auto& surface : report->surfaces) numBlocks += surface->moving.size();
+        blocks.reserve(numBlocks);
         for (const auto& surface : report->surfaces) blocks.add(*surface,[&] { scene->progressMonitor(0.0); });
         bvh->alloc.init_estimate(blocks.size()*sizeof(BVH4::AABBNodeMB)/2);
         MotionTree tree;

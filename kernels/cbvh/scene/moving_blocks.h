@@ -20,6 +20,9 @@ namespace embree
     public:
       explicit MovingBlocks (Device* device) : device(device), blocks(device,0) {}
 
+      /*! room for so many */
+      void reserve (size_t numBlocks) { blocks.reserve(numBlocks); }
+
       /*! calls progress() now and then, which may cancel */
       template<typename Progress>
       void add (const SurfaceBlocks& surface, const Progress& progress)

@@ -159,8 +159,7 @@ namespace embree
         blocks.numPrimitives = prims.size();
         for (const PrimRef& prim : prims) blocks.bounds.extend(prim.bounds());
         if (plan.moves()) {
-          blocks.moving.reserve(prims.size()); // no more than that: vectors grow to a power of two
-          blocks.moving.resize(prims.size());
+          cbvh::resizeExactly(blocks.moving,prims.size());
           for (size_t i=0; i<prims.size(); i++) blocks.moving[i] = prims[i].ID();
           return;
         }

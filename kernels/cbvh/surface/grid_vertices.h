@@ -15,6 +15,7 @@
  *
  * Grids that move have a lattice for each time step. Who shares what is found at the first step, and holds if it does so at all others. */
 
+#include "../base/exact_vector.h"
 #include "../base/tasks.h"
 #include "diced_grids.h"
 #include "lattice_choice.h"
@@ -67,7 +68,7 @@ namespace embree
       template<typename Progress>
       void prepare (size_t gridsPerTask, const Progress& progress)
       {
-        exponents.resize(numSteps*size());
+        cbvh::resizeExactly(exponents,numSteps*size());
         for (unsigned step=0; step<numSteps; step++) chooseLattices(step,gridsPerTask,progress);
         if (size() < 2) return;
         table.reserve(reduceRanges(size(),4*gridsPerTask,size_t(0),[&](const range<size_t>& r) {
@@ -191,7 +192,7 @@ namespace embree
       template<typename Progress>
       void shareLaterLattices (size_t gridsPerTask, const Progress& progress)
       {
-        later.resize((numSteps-1)*table.size());
+        cbvh::resizeExactly(later,(numSteps-1)*table.size());
         std::fill(later.begin(),later.end(),int8_t(cbvh::minLatticeExponent));
         if (numSteps == 1) return;
         forGrids(gridsPerTask,progress,[&](size_t i, const Grid& grid) {

@@ -4,6 +4,7 @@
 /* Compiled for the library's lowest ISA only. */
 
 #include "quad_regions.h"
+#include "../base/exact_vector.h"
 #include <algorithm>
 #include <atomic>
 #include <tuple>
@@ -89,7 +90,7 @@ namespace embree
         lowest = range.first;
         const size_t size = size_t(range.second-range.first) + 1;
         if (size/16 > quads.size()) return false;
-        begins.resize(size);
+        cbvh::resizeExactly(begins,size);
         std::fill(begins.begin(),begins.end(),unsigned(none));
         return true;
       }
@@ -163,7 +164,7 @@ namespace embree
 
       void findNeighbours ()
       {
-        flags.resize(quads.size());
+        cbvh::resizeExactly(flags,quads.size());
         std::fill(flags.begin(),flags.end(),uint8_t(0));
         out.quads.reserve(quads.size());
         parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {

@@ -27,6 +27,7 @@
  * each. Of small surfaces all vertices are evaluated here, and kept for their blocks: a border of few vertices costs no less
  * than the patch. */
 
+#include "../base/exact_vector.h"
 #include "../base/tasks.h"
 #include "lattice_choice.h"
 #include "patch_grid.h"
@@ -53,8 +54,8 @@ namespace embree
       template<typename Progress>
       void build (size_t facesPerTask, const Progress& progress)
       {
-        edges.resize(numHalfEdges());
-        for (auto& step : steps) step->exponents.resize(mesh->size());
+        cbvh::resizeExactly(edges,numHalfEdges());
+        for (auto& step : steps) cbvh::resizeExactly(step->exponents,mesh->size());
         forFaces(facesPerTask,progress,[&](size_t f, PatchGrid&) { findRates(f); });
         for (unsigned s=0; s<steps.size(); s++) steps[s]->diagonal = findDiagonal(facesPerTask,s);
         forFaces(facesPerTask,progress,[&](size_t f, PatchGrid&) { findOwners(f); });
@@ -286,7 +287,7 @@ namespace embree
           if (!isQuad(h)) n++;
         }
         for (auto& step : steps) {
-          step->points.resize(3*n);
+          cbvh::resizeExactly(step->points,3*n);
           if (plan.moves()) std::fill(step->points.begin(),step->points.end(),std::numeric_limits<float>::quiet_NaN()); // what no face evaluates
         }
       }
@@ -306,7 +307,7 @@ namespace embree
                 n += size_t(size.x)*size_t(size.y);
               });
         if (n > most) return;
-        for (auto& step : steps) step->kept.resize(3*n);
+        for (auto& step : steps) cbvh::resizeExactly(step->kept,3*n);
         firstKept = std::move(places);
       }
 
@@ -455,7 +456,7 @@ namespace embree
       void findLattices (Step& step)
       {
         const SharedLattices none = { int8_t(cbvh::minLatticeExponent),int8_t(cbvh::minLatticeExponent) };
-        step.shared.resize(edges.size());
+        cbvh::resizeExactly(step.shared,edges.size());
         std::fill(step.shared.begin(),step.shared.end(),none);
         forEachShare([&](Edge& edge) {
             const int8_t own = int8_t(step.exponents[edge.face]);
