@@ -48,6 +48,7 @@ refuses "threads 'many'" --scene cube --threads many
 refuses "repeat" --scene cube --repeat -1
 refuses "reference-level" --scene cube --reference-level 9
 refuses "unknown --check 'holes'" --scene cube --check leaks,holes
+refuses "check is of models that stand still" --scene cube --motion turn --check leaks
 refuses "position '1,2'" --scene cube --position 1,2
 refuses "max-error" --scene cube --max-error -1
 refuses "size '64'" --scene cube --size 64
@@ -114,6 +115,19 @@ for group in record["groups"]:
             else:
                 assert os.path.isfile(os.path.join(folder, "pictures", v["error_map"]))
 PYTHON
+
+# What moves, against GRID's motion blur, by rays at times of their own: a GRID that stands still would be far away.
+"$program" --scene cube --motion turn --level 3 --representation cvert --rays 500 --repeat 1 --size 40x32 --json "$folder/moving.json" \
+  >"$folder/stdout" 2>"$folder/stderr" || complain "motion: $(cat "$folder/stderr")"
+/usr/bin/python3 -B -c '
+import json, sys
+group = json.load(open(sys.argv[1]))["groups"][0]
+assert group["scene"] == "cube-turn", group["scene"]
+grid, cvert = group["results"]
+assert "errors_to_true_surface" not in cvert["views"][0]
+e = cvert["views"][0]["errors"]
+assert e["both_hit"] > 100 and e["p99_pixels"] < 0.1 and e["false_hits"] + e["misses"] <= 2, e
+assert cvert["memory"]["compression"]["quads"] > 0 and cvert["speed"][0]["hits"] > 0' "$folder/moving.json" || complain "a turning cube is not right: $(cat "$folder/moving.json")"
 
 # Leaks and shadows of a closed surface, moved away.
 "$program" --scene cube --level 3 --representation cgrid,cleaf-only^auto --max-error 0.01 --position 1000,0,-50 --repeat 0 \

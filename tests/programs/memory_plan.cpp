@@ -57,6 +57,17 @@ TEST(MemoryPlan, ACompressedOneThatDoesNotFitIsLeftOutToo)
   EXPECT_EQ(builtOf(plan("cgrid,cleaf", peak(RepresentationKind::CGrid) - 1)), "cleaf2");
 }
 
+TEST(MemoryPlan, StepsOfAMotionTakeMore)
+{
+  for (RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::Grid, RepresentationKind::CGrid, RepresentationKind::CLeaf, RepresentationKind::CVert})
+    EXPECT_LT(estimatedPeakBytes(kind, {quads, 2}), estimatedPeakBytes(kind, {quads, 3})) << int(kind);
+  EXPECT_EQ(estimatedPeakBytes(RepresentationKind::CGrid, {quads, 2}), estimatedPeakBytes(RepresentationKind::CVert, {quads, 2})) << "it is cVERT then";
+  const std::vector<Representation> asked = parseRepresentations("grid,cvert", 2);
+  const size_t still = peak(RepresentationKind::Grid) + peak(RepresentationKind::CVert);
+  EXPECT_EQ(builtOf(planMemory(asked, {quads, 1}, still)), "grid,cvert");
+  EXPECT_EQ(builtOf(planMemory(asked, {quads, 2}, still)), "cvert");
+}
+
 TEST(MemoryPlan, NothingThatFitsIsAnError)
 {
   EXPECT_THROW(plan("grid,cleaf", 1000), Error);

@@ -28,6 +28,7 @@ sed 's/^f.*/f 1 2 3 7/' "$folder/quad.obj" >"$folder/range.obj"
 sed 's/^f.*/f 1 2 3\nf 2 1 4\nf 1 2 4/' "$folder/quad.obj" >"$folder/edge.obj"
 { for i in $(seq 17); do echo "v $i $((i * i)) 0"; done; echo "f $(seq -s ' ' 17)"; } >"$folder/ring.obj"
 : >"$folder/empty.obj"
+{ sed '/^f/d' "$folder/quad.obj"; echo "v 2 0 0"; echo "v 2 1 0"; echo "f 1 2 3 4"; echo "f 2 5 6 3"; } >"$folder/two_quads.obj"
 echo "no image" >"$folder/text.png"
 printf '\x76\x2f\x31\x01\x02\x00\x00\x00' >"$folder/short.exr"
 
@@ -159,6 +160,17 @@ if [ -s "$folder/whole.png" ]; then
   cmp -s "$folder/file_and_map.out/quad_cvert.png" "$folder/options.out/quad_cvert.png" || complain "files and options differ"
   cmp -s "$folder/file_and_map.out/quad_cvert.png" "$folder/files.out/quad_cvert.png" && complain "the map does nothing"
 fi
+
+# A cage that goes to another one: at the end of the shutter the picture is the other's, and between them it is blurred.
+sed 's/^v \([01]\) \(.*\)/v \1.5 \2/' "$folder/quad.obj" >"$folder/end.obj"
+view=(--view 0.9,0.5,4,0.9,0.5,0,40 --representation cvert)
+run at_end --cage "$folder/quad.obj" --cage-end "$folder/end.obj" --shutter 1,1 "${view[@]}"
+run of_end --cage "$folder/end.obj" "${view[@]}"
+run blurred --cage "$folder/quad.obj" --cage-end "$folder/end.obj" "${view[@]}"
+cmp -s "$folder/at_end.out/quad_cvert.png" "$folder/of_end.out/end_cvert.png" || complain "the end of --cage-end is not that cage"
+cmp -s "$folder/at_end.out/quad_cvert.png" "$folder/blurred.out/quad_cvert.png" && complain "nothing is blurred"
+refuses "shutter" --cage "$folder/quad.obj" --cage-end "$folder/end.obj" --shutter 2,3
+refuses "end.obj" --cage "$folder/two_quads.obj" --cage-end "$folder/end.obj"
 
 # What is clearly z up stands without a word, and a line says so; y up stays as it is.
 cat >"$folder/tower.obj" <<OBJ

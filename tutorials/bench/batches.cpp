@@ -15,13 +15,13 @@ bool sameButLibrary(const Variant& a, const Variant& b)
 }
 
 Batches planBatches(const std::vector<Representation>& representations, const std::vector<std::string>& isas,
-                    size_t quads, size_t available, const std::vector<bool>& compresses)
+                    const BuildSize& size, size_t available, const std::vector<bool>& compresses)
 {
   Batches plan;
   for (const std::string& isa : isas)
     for (size_t library = 0; library < compresses.size(); library++)
       plan.baselines.push_back({{RepresentationKind::Grid}, isa, library});
-  const size_t base = baselineBytes(plan, quads);
+  const size_t base = baselineBytes(plan, size);
   plan.rest.emplace_back();
   size_t used = base;
   for (const Representation& r : representations)
@@ -32,7 +32,7 @@ Batches planBatches(const std::vector<Representation>& representations, const st
       std::vector<Variant> together;
       for (size_t library = 0; library < compresses.size(); library++)
         (compresses[library] || !r.isCompressed() ? together : plan.unknown).push_back({r, isa, library});
-      const size_t bytes = together.size() * estimatedPeakBytes(r.kind, quads);
+      const size_t bytes = together.size() * estimatedPeakBytes(r.kind, size);
       if (base + bytes > available)
       {
         plan.tooLarge.insert(plan.tooLarge.end(), together.begin(), together.end());
@@ -49,16 +49,16 @@ Batches planBatches(const std::vector<Representation>& representations, const st
   return plan;
 }
 
-size_t baselineBytes(const Batches& batches, size_t quads)
+size_t baselineBytes(const Batches& batches, const BuildSize& size)
 {
-  return batches.baselines.size() * estimatedPeakBytes(RepresentationKind::Grid, quads);
+  return batches.baselines.size() * estimatedPeakBytes(RepresentationKind::Grid, size);
 }
 
-size_t neededBytes(const Batches& batches, const Variant& tooLarge, size_t quads)
+size_t neededBytes(const Batches& batches, const Variant& tooLarge, const BuildSize& size)
 {
   const auto together = std::count_if(batches.tooLarge.begin(), batches.tooLarge.end(),
                                       [&](const Variant& v) { return sameButLibrary(v, tooLarge); });
-  return baselineBytes(batches, quads) + size_t(together) * estimatedPeakBytes(tooLarge.representation.kind, quads);
+  return baselineBytes(batches, size) + size_t(together) * estimatedPeakBytes(tooLarge.representation.kind, size);
 }
 
 std::string sizeMessage(const std::string& what, size_t quads, size_t needed, size_t available)

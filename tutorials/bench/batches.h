@@ -5,6 +5,7 @@
 
 /* Which variants of a group are in memory, and measured in turns, at a time. */
 
+#include "building/memory.h"
 #include "building/representation.h"
 
 #include <cstddef>
@@ -34,15 +35,15 @@ struct Batches
 
 /* Fills batches in the order given as long as their upper estimates fit. What differs by the
  * library only is always in one batch.
- * quads: of the tessellation. available: bytes. compresses: of each library, whether it has
+ * available: bytes. compresses: of each library, whether it has
  * compressed representations. */
 Batches planBatches(const std::vector<Representation>& representations, const std::vector<std::string>& isas,
-                    size_t quads, size_t available, const std::vector<bool>& compresses = {true});
+                    const BuildSize& size, size_t available, const std::vector<bool>& compresses = {true});
 
 /* Upper estimates of what the baselines take, and of what they and one that is too large take,
  * by all libraries. */
-size_t baselineBytes(const Batches& batches, size_t quads);
-size_t neededBytes(const Batches& batches, const Variant& tooLarge, size_t quads);
+size_t baselineBytes(const Batches& batches, const BuildSize& size);
+size_t neededBytes(const Batches& batches, const Variant& tooLarge, const BuildSize& size);
 
 /* Says that `what`, a representation, needs more than is available. */
 std::string sizeMessage(const std::string& what, size_t quads, size_t needed, size_t available);

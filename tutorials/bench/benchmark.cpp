@@ -31,7 +31,7 @@ void runBenchmark(const BenchOptions& options, const std::function<void(const Gr
     const Model model = loadModel(options, bench);
     const std::vector<ReferenceView> reference = traceReference(options, model);
     std::optional<TrueSurface> surface;
-    if (options.trueHits)
+    if (options.trueHits && model.poses.empty()) // it is that of the first step
       surface.emplace(model);
     for (int level : options.levels)
       done(runGroup({options, bench.label, model, surface ? &*surface : nullptr, reference, level}));

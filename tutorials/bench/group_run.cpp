@@ -124,10 +124,11 @@ public:
   explicit GroupRun(const GroupSettings& settings)
     : settings(settings), build(buildSettings(settings)), group(newGroup(settings)),
       available(availableMemory() / 10 * 9), // the rest for rays and hits
-      plan(planBatches(settings.options.representations, settings.options.isas, group.quads, available,
+      size(settings.model, settings.level),
+      plan(planBatches(settings.options.representations, settings.options.isas, size, available,
                        compresses(settings.options.libraries)))
   {
-    const size_t needed = baselineBytes(plan, group.quads);
+    const size_t needed = baselineBytes(plan, size);
     if (needed > available)
       throw Error(sizeMessage("GRID", group.quads, needed, available) + "; lower --level");
   }
@@ -148,7 +149,7 @@ public:
       built.erase(built.begin() + ptrdiff_t(plan.baselines.size()), built.end());
     }
     for (const Variant& variant : plan.tooLarge)
-      skip(variant, sizeMessage(variant.representation.label(), group.quads, neededBytes(plan, variant, group.quads),
+      skip(variant, sizeMessage(variant.representation.label(), group.quads, neededBytes(plan, variant, size),
                                 available));
     for (const Variant& variant : plan.unknown)
       skip(variant, variant.representation.label() + " is not known to " + libraryOf(variant).description());
@@ -188,6 +189,7 @@ private:
   BuildSettings build;
   Group group;
   size_t available; // bytes
+  const BuildSize size;
   Batches plan;
   std::vector<BuiltVariant> built; // baselines first, and then a batch
   std::unique_ptr<Comparisons> comparisons;

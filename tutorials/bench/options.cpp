@@ -57,6 +57,7 @@ BenchScene parseScene(const std::string& word, const SceneSettings& settings)
   scene.label += settings.rough ? "-rough" : "";
   scene.label += settings.mapping.empty() ? "" : "-" + settings.mapping;
   scene.label += settings.count ? "-" + std::to_string(*settings.count) : "";
+  scene.label += settings.motion.empty() ? "" : "-" + settings.motion;
   const size_t mark = word.find(':');
   scene.settings.scene = word.substr(0, mark);
   if (mark != std::string::npos)
@@ -254,6 +255,9 @@ void readSurfaces(const Words& words, BenchOptions& o)
   if (!words.checks.empty())
     for (const std::string& word : split("--check", words.checks))
       o.checks.add(word);
+  const bool moves = !words.settings.motion.empty() || !words.settings.cageEnds.empty();
+  if (moves && !words.checks.empty())
+    throw Error("--check is of models that stand still: leave out --motion and --cage-end");
   if (!words.position.empty())
     o.position = parsePosition(words.position);
   requireNotNegative("--max-error", o.maxError);

@@ -8,6 +8,7 @@
 #include "building/memory.h"
 #include "measure/silhouettes.h"
 #include "programs/view_options.h"
+#include "tracing/shutter.h"
 #include "tracing/trace_hits.h"
 
 #include <algorithm>
@@ -22,10 +23,12 @@ std::string fileNameOf(const std::string& view, size_t index)
   return view.find(',') == std::string::npos ? view : "view" + std::to_string(index + 1);
 }
 
-View makeView(const BenchOptions& options, const Camera& camera, const BuiltScene& grid)
+View makeView(const BenchOptions& options, const Camera& camera, const BuiltScene& grid, bool moves)
 {
   const unsigned threads = threadCount(options.buildThreads);
   View view(camera);
+  if (moves)
+    setTimes(view.primary, Shutter(), 0);
   view.gridHits = traceClosest(grid, view.primary, threads);
   view.sample = sampleOfHits(view.gridHits, options.trueHits, options.seed);
   view.away = hitsAwayFromSilhouettes(view.primary, view.gridHits, camera);
@@ -50,8 +53,7 @@ std::vector<ReferenceView> traceReference(const BenchOptions& options, const Mod
   BuildSettings build;
   build.level = options.referenceLevel;
   build.threads = options.buildThreads;
-  const size_t quads = model.layout(build.level).numQuads();
-  if (estimatedPeakBytes(RepresentationKind::Grid, quads) > availableMemory())
+  if (estimatedPeakBytes(RepresentationKind::Grid, {model, build.level}) > availableMemory())
     throw Error("not enough memory for GRID at --reference-level " + std::to_string(build.level) + " of " + model.name);
   const BuiltScene grid(model, {RepresentationKind::Grid}, build);
   const unsigned threads = threadCount(options.buildThreads);
@@ -59,7 +61,10 @@ std::vector<ReferenceView> traceReference(const BenchOptions& options, const Mod
   for (const std::string& name : options.views)
   {
     const Camera camera = chooseCamera(name, model, grid, options.size, threads);
-    views.push_back({camera, traceClosest(grid, primaryRays(camera), threads)});
+    std::vector<Ray> primary = primaryRays(camera);
+    if (!model.poses.empty())
+      setTimes(primary, Shutter(), 0);
+    views.push_back({camera, traceClosest(grid, primary, threads)});
   }
   return views;
 }
@@ -74,7 +79,7 @@ std::vector<View> makeViews(const BenchOptions& options, const Model& model, con
     const Camera camera = reference.empty()
                             ? chooseCamera(name, model, grid, options.size, threadCount(options.buildThreads))
                             : reference[i].camera;
-    View view = makeView(options, camera, grid);
+    View view = makeView(options, camera, grid, !model.poses.empty());
     view.name = name;
     view.fileName = fileNameOf(name, i);
     view.reference = reference.empty() ? nullptr : &reference[i];

@@ -72,13 +72,13 @@ Representation readRepresentation(const std::string& name, const py::object& fra
 
 void requireMemory(const Model& model, const Representation& representation, int level)
 {
-  const size_t quads = model.layout(level).numQuads();
-  const size_t needed = estimatedPeakBytes(representation.kind, quads), available = availableMemory();
+  const BuildSize size(model, level);
+  const size_t needed = estimatedPeakBytes(representation.kind, size), available = availableMemory();
   if (needed <= available)
     return;
   char text[200];
   std::snprintf(text, sizeof(text), "not enough memory: %s on %.1f million quads takes about %.1f GiB, and %.1f are free",
-                representation.label().c_str(), double(quads) * 1e-6, double(needed) / (1 << 30),
+                representation.label().c_str(), double(size.quads) * 1e-6, double(needed) / (1 << 30),
                 double(available) / (1 << 30));
   PyErr_SetString(PyExc_MemoryError, text);
   throw py::error_already_set();

@@ -44,7 +44,7 @@ Model loadModel(const Options& options)
 
 MemoryPlan planOf(const Options& options, const Model& model)
 {
-  MemoryPlan plan = planMemory(options.representations, model.layout(options.build.level).numQuads(), availableMemory());
+  MemoryPlan plan = planMemory(options.representations, {model, options.build.level}, availableMemory());
   const auto isStill = [](const Representation& r) { return r.kind == RepresentationKind::Naive; };
   if (!model.poses.empty() && std::any_of(plan.built.begin(), plan.built.end(), isStill))
   {

@@ -14,8 +14,8 @@ namespace {
 class Planner
 {
 public:
-  Planner(const std::vector<Representation>& asked, size_t quads, size_t available)
-    : asked(asked), quads(quads), available(available)
+  Planner(const std::vector<Representation>& asked, const BuildSize& size, size_t available)
+    : asked(asked), size(size), available(available)
   {
   }
 
@@ -54,7 +54,7 @@ private:
     return found == asked.end() ? nullptr : &*found;
   }
 
-  size_t peak(RepresentationKind kind) const { return estimatedPeakBytes(kind, quads); }
+  size_t peak(RepresentationKind kind) const { return estimatedPeakBytes(kind, size); }
 
   /* Notes what does not fit. other: bytes that are in use meanwhile, by what `beside` says. */
   bool fits(const Representation& r, size_t other, const std::string& beside)
@@ -64,22 +64,23 @@ private:
     constexpr double gib = double(1 << 30);
     char text[256];
     std::snprintf(text, sizeof(text), "%s is left out: %.1f million quads take about %.1f GiB%s%s, and %.1f are free",
-                  r.label().c_str(), double(quads) * 1e-6, double(peak(r.kind) + other) / gib, other ? " " : "",
+                  r.label().c_str(), double(size.quads) * 1e-6, double(peak(r.kind) + other) / gib, other ? " " : "",
                   other ? beside.c_str() : "", double(available) / gib);
     result.leftOut.push_back(text);
     return false;
   }
 
   const std::vector<Representation>& asked;
-  size_t quads, available;
+  const BuildSize size;
+  const size_t available;
   MemoryPlan result;
 };
 
 } // namespace
 
-MemoryPlan planMemory(const std::vector<Representation>& asked, size_t quads, size_t available)
+MemoryPlan planMemory(const std::vector<Representation>& asked, const BuildSize& size, size_t available)
 {
-  return Planner(asked, quads, available).plan();
+  return Planner(asked, size, available).plan();
 }
 
 } // namespace cbvh

@@ -5,7 +5,7 @@
 
 /* Which representations fit into memory, decided before anything is built. */
 
-#include "building/representation.h"
+#include "building/memory.h"
 
 #include <cstddef>
 #include <string>
@@ -24,8 +24,8 @@ struct MemoryPlan
 /* The compressed representations come first: GRID and NAIVE, with which they are compared,
  * are left out where they do not fit beside them.
  *
- * quads: of the model. available: bytes.
+ * available: bytes.
  * Errors: throws Error when nothing fits. */
-MemoryPlan planMemory(const std::vector<Representation>& asked, size_t quads, size_t available);
+MemoryPlan planMemory(const std::vector<Representation>& asked, const BuildSize& size, size_t available);
 
 } // namespace cbvh

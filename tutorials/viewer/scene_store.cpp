@@ -66,7 +66,7 @@ void SceneStore::request(const std::vector<SceneKey>& keys)
 
 void SceneStore::makeRoom(const SceneKey& key)
 {
-  const size_t needed = estimatedPeakBytes(key.representation.kind, model.layout(key.level).numQuads());
+  const size_t needed = estimatedPeakBytes(key.representation.kind, {model, key.level});
   while (!entries.empty() && !isRequested(entries.back().key) &&
          (entries.size() + 1 > maxEntries || needed > availableMemory()))
     entries.pop_back();
