@@ -1,12 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Fuzz target: any vertices for the encoder of cVERT, on a lattice or off it. The same vertices come out, to the bit, what is not
-// finite as NaN; the block is valid and no longer than there is room; boxes contain their groups; and encoding twice gives the same bytes.
+// Fuzz target: any vertices for the encoder of cVERT, on a lattice or off it, of one time step or of several. The same vertices come
+// out at each step, to the bit, what is not finite as NaN; the block is valid and no longer than there is room; and encoding twice gives the same bytes.
 
 #include "fuzz_support.h"
 
-#include "kernels/cbvh/vert/encoder.h"
+#include "kernels/cbvh/vert/motion_encoder.h"
 #include "kernels/cbvh/surface/lattice.h"
 #include "kernels/cbvh/vert/validate.h"
 #include "kernels/cbvh/vert/scalar_block.h"
@@ -24,23 +24,49 @@ struct Input
 {
   uint8_t quadsX, quadsY; // less 1, of 16
   int8_t exponent;        // of the lattice
-  uint8_t form;           // bit 0: vertices are snapped; 1: edges; 2: integers of 16 bits in place of floats
+  uint8_t form;           // bit 0: vertices are snapped; 1: edges; 2: integers of 16 bits in place of floats; 3: moves; 4..6: later steps, less 1
 };
 
 bool sameVertex(float decoded, float given) { return std::memcmp(&decoded, &given, sizeof(float)) == 0 || (decoded == 0 && given == 0); }
 
 void writeSeeds(const std::string& folder)
 {
-  for (int n = 0; n < 8; n++) {
-    std::vector<uint8_t> bytes(sizeof(Input) + 6*17*17);
+  for (int n = 0; n < 12; n++) {
+    std::vector<uint8_t> bytes(sizeof(Input) + 6*17*17*(n < 3 ? 1 : 2 + (n & 3)));
     bytes[0] = uint8_t(n % 2 ? 15 : 6);
     bytes[1] = uint8_t(n % 3 ? 15 : 3);
-    bytes[3] = uint8_t(5 | (n & 2));
+    bytes[3] = uint8_t(5 | (n & 2) | (n < 3 ? 0 : 8 | (n & 3) << 4));
     for (size_t i = sizeof(Input); i < bytes.size(); i++) bytes[i] = uint8_t((i*i >> n) % (n < 4 ? 3 : 200));
     FILE* file = std::fopen((folder + "/" + std::to_string(n)).c_str(), "wb");
     REQUIRE(file && std::fwrite(bytes.data(), bytes.size(), 1, file) == 1);
     std::fclose(file);
   }
+}
+
+typedef std::vector<std::vector<std::array<float, 3>>> Steps; // vertices row by row
+
+std::vector<uint8_t> bytesOf(const Steps& steps, const VertPlacement& at, float spacing)
+{
+  if (steps.size() > 1) {
+    auto encoder = std::make_unique<MotionEncoder>();
+    std::vector<uint64_t> words(MotionEncoder::maxBytes(steps.size())/8 + 4, 0xA5A5A5A5A5A5A5A5u);
+    uint8_t* const block = (uint8_t*)((uintptr_t(words.data()) + 15) & ~uintptr_t(15));
+    encoder->begin(at, 0, 1, uint32_t(steps.size()), block);
+    for (const auto& step : steps) {
+      for (size_t v = 0; v < step.size(); v++) std::copy(step[v].begin(), step[v].end(), encoder->vertices()[v]);
+      encoder->addStep(spacing);
+    }
+    MotionStatistics statistics;
+    const size_t size = encoder->finish(statistics);
+    REQUIRE(size <= MotionEncoder::maxBytes(steps.size()));
+    return std::vector<uint8_t>(block, block + size);
+  }
+  auto encoder = std::make_unique<VertEncoder>();
+  for (size_t v = 0; v < steps[0].size(); v++) std::copy(steps[0][v].begin(), steps[0][v].end(), encoder->vertices[v]);
+  std::vector<uint8_t> bytes(VertEncoder::maxBytes, 0xA5);
+  VertStatistics statistics;
+  bytes.resize(encoder->encode(at, spacing, bytes.data(), statistics));
+  return bytes;
 }
 
 void encode(const uint8_t* data, size_t size)
@@ -53,11 +79,11 @@ void encode(const uint8_t* data, size_t size)
   const uint32_t quadsX = 1 + input.quadsX % 16, quadsY = 1 + input.quadsY % 16, count = (quadsX + 1)*(quadsY + 1);
   const WorldLattice lattice(std::min(std::max(int(input.exponent), minLatticeExponent), maxLatticeExponent));
   const bool isSnapped = input.form & 1, areIntegers = input.form & 4;
-  auto encoder = std::make_unique<VertEncoder>();
-  std::vector<std::array<float, 3>> vertices(count);
+  const uint32_t numSteps = input.form & 8 ? 2 + ((input.form >> 4) & 7) : 1;
+  Steps steps(numSteps, std::vector<std::array<float, 3>>(count));
   const size_t width = areIntegers ? sizeof(int16_t) : sizeof(float);
-  for (size_t i = 0; i < 3*size_t(count); i++) {
-    float& x = vertices[i/3][i % 3];
+  for (size_t i = 0; i < 3*size_t(count)*numSteps; i++) {
+    float& x = steps[i/3/count][i/3 % count][i % 3];
     x = 0;
     if ((i + 1)*width <= size) {
       int16_t integer;
@@ -65,31 +91,27 @@ void encode(const uint8_t* data, size_t size)
       else std::memcpy(&x, data + i*width, width);
     }
     if (isSnapped) x = lattice.snap(x);
-    encoder->vertices[i/3][i % 3] = x;
   }
   VertPlacement at(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY));
   if (input.form & 2) at = VertPlacement(at.region, at.patchQuads, vertEdges(1, quadsY, quadsX, 1, 3, 1));
 
-  const auto encodeTo = [&](std::vector<uint8_t>& bytes) {
-    bytes.assign(VertEncoder::maxBytes, 0xA5);
-    VertStatistics statistics;
-    bytes.resize(encoder->encode(at, lattice.spacing, bytes.data(), statistics));
-  };
-  std::vector<uint8_t> first, second;
-  encodeTo(first);
-  encodeTo(second);
+  const std::vector<uint8_t> first = bytesOf(steps, at, lattice.spacing), second = bytesOf(steps, at, lattice.spacing);
   REQUIRE(first == second);
-  const bool hasVertex = std::any_of(vertices.begin(), vertices.end(), [](const auto& v) { return isFinite(v.data()); });
+  const bool hasVertex = std::any_of(steps.begin(), steps.end(), [](const auto& step) {
+    return std::any_of(step.begin(), step.end(), [](const auto& v) { return isFinite(v.data()); });
+  });
   REQUIRE(hasVertex == !first.empty());
   if (first.empty()) return;
   const ExactMemory exact(first.data(), first.size(), 16);
   const VertHeader* block = (const VertHeader*)exact.get();
   REQUIRE(VertValidation::errorOf(block, first.size()) == nullptr);
   REQUIRE(((vertBytes(block) + 3) & ~3u) == first.size());
-  const auto decoded = std::make_unique<ScalarVertBlock>(block);
-  for (uint32_t v = 0; v < count; v++)
-    for (int k = 0; k < 3; k++)
-      REQUIRE(isFinite(vertices[v].data()) ? sameVertex(decoded->vertices[v][k], vertices[v][k]) : std::isnan(decoded->vertices[v][k]));
+  for (uint32_t s = 0; s < numSteps; s++) {
+    const auto decoded = std::make_unique<ScalarVertBlock>(block, s);
+    for (uint32_t v = 0; v < count; v++)
+      for (int k = 0; k < 3; k++)
+        REQUIRE(isFinite(steps[s][v].data()) ? sameVertex(decoded->vertices[v][k], steps[s][v][k]) : std::isnan(decoded->vertices[v][k]));
+  }
 }
 
 } // namespace

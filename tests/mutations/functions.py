@@ -20,6 +20,8 @@ class Entry:
 
 
 BLOCK = ("vert_block",)
+MOTION = ("motion_block",)
+MOTION_DECODING = tuple(f"motion_decoding_{isa}" for isa in ("avx512", "avx2", "sse2"))
 DECODING = tuple(f"vert_decoding_{isa} VertDecoding.*" for isa in ("avx512", "avx2", "sse2"))
 TRIANGLES = tuple(f"vert_decoding_{isa} VertTriangles.*" for isa in ("avx512", "sse2"))
 RULE = ("vert_rule",)
@@ -55,6 +57,19 @@ FUNCTIONS = (
     Entry("VertEncoder::packRaw", 2, BLOCK),
     Entry("VertEncoder::packCells", 4, BLOCK),
     Entry("VertEncoder::extendByGroup", 2, BLOCK),
+    # what of it moves
+    Entry("turnedResidual", 2, MOTION),
+    Entry("turnEntry", 2, MOTION),
+    Entry("vertStepLayout", 3, MOTION),
+    Entry("timeInMotion", 2, ("moving_hard_cases", "moving_surfaces *Range*:*Time*")),
+    Entry("TurnFit::fit", 3, MOTION),
+    Entry("MotionEncoder::packFirst", 2, MOTION),
+    Entry("MotionEncoder::packStep", 5, MOTION),
+    Entry("MotionEncoder::packCellsOfStep", 4, MOTION),
+    Entry("MotionDecoder", 6, MOTION_DECODING),
+    Entry("TurnedBase", 2, MOTION_DECODING),
+    Entry("SegmentReach", 3, ("moving_hard_cases", "moving_surfaces")),
+    Entry("MotionTree", 8, ("moving_surfaces *Range*:*Time*:*Hits*", "moving_hard_cases")),
     # its decoder and triangles
     Entry("CellFields", 3, DECODING, {"[1u => 2u] << ( words - 16": "a word more is loaded, in which no field has bits"}),
     Entry("CellDecoder", 4, DECODING),
