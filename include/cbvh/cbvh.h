@@ -1,0 +1,323 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#ifndef CBVH_CBVH_H
+#define CBVH_CBVH_H
+
+/* Compressed surfaces beside any Embree: libembree_cbvh.so has the kernels of Embree CBVH, and exports this API alone. It may be
+ * loaded with any version of Embree, or with none: cbvh/embree.h makes its surfaces a geometry of the Embree that a renderer has.
+ *
+ *   CbvhContext context;  cbvhNewContext(NULL, NULL, NULL, &context);
+ *   CbvhSurface surface;  cbvhNewSurface(context, &surface);
+ *   cbvhSetCage(surface, &cage);                     // a Catmull-Clark control cage, with displacement
+ *   cbvhCommitSurface(surface, NULL, NULL);          // from here on the cage's buffers may be freed
+ *   CbvhGroup group;      cbvhNewGroup(context, &surface, 1, &group);
+ *   cbvhCommitGroup(group);
+ *   if (cbvhIntersect1(group, &ray, NULL)) ...
+ *
+ * Surfaces are stored as cVERT: the triangles of a fine tessellation, whose vertices lie on a lattice, in 2 to 4 bytes a quad.
+ *
+ * Functions return an error, CBVH_OK if there is none; cbvhGetErrorText says more of the last one. Objects are made with one reference.
+ * Thread safety: of one object one thread may change something at a time, and nobody trace it meanwhile; otherwise any
+ * thread may call any function. */
+
+#include <stddef.h>
+
+#if defined(__cplusplus)
+extern "C" {
+#endif
+
+#define CBVH_API __attribute__((visibility("default")))
+
+enum CbvhError
+{
+  CBVH_OK = 0,
+  CBVH_ERROR_UNKNOWN = 1,
+  CBVH_ERROR_INVALID_ARGUMENT = 2,
+  CBVH_ERROR_INVALID_OPERATION = 3,
+  CBVH_ERROR_OUT_OF_MEMORY = 4,
+  CBVH_ERROR_UNSUPPORTED_CPU = 5,
+  CBVH_ERROR_CANCELLED = 6
+};
+
+/* What went wrong in the last call of this thread that returned an error. Valid until the next one. */
+CBVH_API const char* cbvhGetErrorText(void);
+
+/* The library's version: 10203 is 1.2.3. */
+CBVH_API unsigned int cbvhGetVersion(void);
+
+/* --- contexts: threads, and whom errors are told --------------------------------------- */
+
+typedef struct CbvhContextTy* CbvhContext;
+
+/* Is told of each error, by the thread that it happens to, before the call returns. */
+typedef void (*CbvhErrorFunction)(void* userPtr, enum CbvhError code, const char* text);
+
+/* Makes a context. settings: as of Embree's devices, "threads=4,isa=avx2", or NULL. function: may be NULL. context: written if there is
+ * no error. */
+CBVH_API enum CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr, CbvhContext* context);
+CBVH_API void cbvhRetainContext(CbvhContext context);
+CBVH_API void cbvhReleaseContext(CbvhContext context);
+
+/* --- surfaces --------------------------------------------------------------------------- */
+
+typedef struct CbvhSurfaceTy* CbvhSurface;
+
+/* Positions of vertices at each time step: three floats each. Buffers are the caller's, and are read until the surface is committed. */
+struct CbvhVertices
+{
+  size_t count;
+  size_t stride;              /* bytes from one vertex to the next, a multiple of 4 */
+  const float* const* steps;  /* a pointer a time step */
+  unsigned int numSteps;      /* 1, or up to 129 of what moves */
+  float begin, end;           /* times of the first and the last step; linear between steps, and no surface outside. Without meaning for 1 */
+};
+
+/* Moves points of the limit surface. P: x, y, z of `count` points in three arrays, read and written; Ng: their normals of length 1,
+ * likewise, read; u, v: where on the face. Called by several threads at a time. */
+struct CbvhDisplacementArguments
+{
+  void* userPtr;
+  unsigned int primID;        /* the face */
+  unsigned int timeStep;
+  const float *u, *v;
+  const float *Ng_x, *Ng_y, *Ng_z;
+  float *P_x, *P_y, *P_z;
+  unsigned int count;
+};
+typedef void (*CbvhDisplacementFunction)(const struct CbvhDisplacementArguments* args);
+
+enum CbvhBoundary
+{
+  CBVH_BOUNDARY_SMOOTH = 0,       /* borders are curves */
+  CBVH_BOUNDARY_PIN_CORNERS = 1,  /* and go through corners of one face */
+  CBVH_BOUNDARY_PIN_BOUNDARY = 2, /* all vertices of borders stay */
+  CBVH_BOUNDARY_PIN_ALL = 3       /* all vertices stay: faces are bilinear */
+};
+
+/* Values at the corners of faces for cbvhInterpolate, copied by cbvhSetCage: texture coordinates and the like. */
+struct CbvhAttribute
+{
+  const float* values;
+  size_t count, stride;          /* values, and bytes from one to the next */
+  unsigned int width;            /* floats of a value, 1 to 16 */
+  const unsigned int* indices;   /* of values, one a corner of each face; NULL: those of vertices */
+  enum CbvhBoundary boundary;
+};
+
+/* A control cage, which Catmull-Clark subdivision makes a surface of. Fill with zeros first. */
+struct CbvhCage
+{
+  size_t numFaces;
+  const unsigned int* faceVertices;  /* vertices of each face, from 3 */
+  size_t numIndices;                 /* the sum of these */
+  const unsigned int* indices;       /* of vertices, face by face */
+  struct CbvhVertices vertices;
+
+  float rate;                        /* quads along each edge, 1 to 4096 */
+  const float* rates;                /* or of each edge, one an index: from that vertex to the next of its face; NULL: rate */
+  enum CbvhBoundary boundary;
+
+  size_t numCreases;
+  const unsigned int* creases;       /* two vertices each */
+  const float* creaseSharpness;      /* infinity: a sharp edge */
+  size_t numCorners;
+  const unsigned int* corners;
+  const float* cornerSharpness;
+  size_t numHoles;
+  const unsigned int* holes;         /* faces that are left out */
+
+  CbvhDisplacementFunction displacement; /* NULL: none */
+  void* displacementPtr;
+
+  size_t numAttributes;
+  const struct CbvhAttribute* attributes;
+};
+
+/* A grid of vertices, row by row. */
+struct CbvhGrid
+{
+  unsigned int first, stride;       /* vertex, and vertices from row to row */
+  unsigned short width, height;     /* in vertices, from 2 */
+};
+
+struct CbvhGrids
+{
+  size_t count;
+  const struct CbvhGrid* grids;
+  struct CbvhVertices vertices;
+};
+
+/* Quads or triangles that were diced, in any order: grids are found in them by their indices. Of triangles each two that follow each
+ * other make a quad. */
+struct CbvhMesh
+{
+  unsigned int corners;             /* 4: quads, 3: triangles */
+  size_t count;                     /* of them */
+  const unsigned int* indices;
+  struct CbvhVertices vertices;
+};
+
+/* How near to its vertices a surface is stored. Zeros: a spacing of 1/36 of the quads' edges, or less. */
+struct CbvhAccuracy
+{
+  float maxError;                   /* world units: spacing of the lattice, at most; no vertex is moved by more than 0.866 of it */
+  float maxPixelError;              /* the same in pixels of a camera */
+  float cameraPosition[3];
+  float pixelSize;                  /* width of a pixel at distance 1 */
+};
+
+/* Makes a surface without anything in it. */
+CBVH_API enum CbvhError cbvhNewSurface(CbvhContext context, CbvhSurface* surface);
+CBVH_API void cbvhRetainSurface(CbvhSurface surface);
+CBVH_API void cbvhReleaseSurface(CbvhSurface surface);
+
+/* Set what the next commit makes the surface of, in place of what was there. The arguments, and what they point to but for vertices, are read during the
+ * call; vertices are read by the next cbvhCommitSurface, and not after it. Of cages and grids primitives are faces and grids, of meshes their quads or triangles. */
+CBVH_API enum CbvhError cbvhSetCage(CbvhSurface surface, const struct CbvhCage* cage);
+CBVH_API enum CbvhError cbvhSetGrids(CbvhSurface surface, const struct CbvhGrids* grids);
+CBVH_API enum CbvhError cbvhSetMesh(CbvhSurface surface, const struct CbvhMesh* mesh);
+
+/* Sets how the next commit stores it. NULL: as by default. */
+CBVH_API enum CbvhError cbvhSetAccuracy(CbvhSurface surface, const struct CbvhAccuracy* accuracy);
+
+/* Rays see a surface if their mask shares a bit with its own, all bits by default. From the next cbvhCommitGroup on. */
+CBVH_API enum CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mask);
+
+/* Is told how much of a commit is done, 0 to 1, by any thread. 0 cancels. */
+typedef int (*CbvhProgressFunction)(void* userPtr, double done);
+
+/* Tessellates and compresses with all threads of the context. Returns CBVH_ERROR_CANCELLED where progress said so: the surface is as before,
+ * and keeps its input. Quads with vertices that are not finite are left out; where a displacement returned them the surface is committed, and
+ * CBVH_ERROR_INVALID_ARGUMENT is returned, whose text names the first face. Without changes since the last commit nothing is done. */
+CBVH_API enum CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr);
+
+/* Number of primitives of what was set last. */
+CBVH_API unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface);
+
+/* Evaluates an attribute of a cage at a hit: `width` floats, and their derivatives; NULL for what is not wanted. */
+CBVH_API enum CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, float v, unsigned int attribute, float* P, float* dPdu, float* dPdv);
+
+/* --- groups: surfaces that rays meet together ------------------------------------------ */
+
+typedef struct CbvhGroupTy* CbvhGroup;
+
+/* Makes a group of committed surfaces, which it retains. A surface may be in several groups. */
+CBVH_API enum CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t count, CbvhGroup* group);
+CBVH_API void cbvhRetainGroup(CbvhGroup group);
+CBVH_API void cbvhReleaseGroup(CbvhGroup group);
+
+/* Takes its surfaces as they are now: to be called before the first ray, and after commits of surfaces. */
+CBVH_API enum CbvhError cbvhCommitGroup(CbvhGroup group);
+
+CBVH_API size_t cbvhGetGroupSize(CbvhGroup group);
+CBVH_API CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index);
+
+/* Bounds at all times: x, y, z. lower is above upper where there is nothing. */
+CBVH_API void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]);
+
+/* Sizes in bytes. */
+struct CbvhStatistics
+{
+  size_t bytes;                 /* all that the group keeps, with what other groups share */
+  size_t numQuads;              /* of the tessellation */
+  size_t numMovingQuads;        /* of them those with several time steps */
+  size_t numInvalidQuads;       /* that were left out */
+  float maxVertexDeviation;     /* world units: by which a vertex was moved, at most */
+};
+CBVH_API enum CbvhError cbvhGetGroupStatistics(CbvhGroup group, struct CbvhStatistics* statistics);
+
+/* --- rays -------------------------------------------------------------------------------- */
+
+/* As RTCRay and RTCHit of Embree 3 and 4, without what RTCHit of 4 has behind: aligned to 16 bytes. */
+struct CbvhRay
+{
+  float org_x, org_y, org_z, tnear;
+  float dir_x, dir_y, dir_z, time;
+  float tfar;
+  unsigned int mask, id, flags;
+};
+
+struct CbvhHit
+{
+  float Ng_x, Ng_y, Ng_z;         /* normal of the triangle, of any length */
+  float u, v;
+  unsigned int primID, geomID, instID; /* geomID: index of the surface in its group */
+};
+
+struct CbvhRayHit
+{
+  struct CbvhRay ray;
+  struct CbvhHit hit;
+};
+
+/* Is asked of each hit before it counts. rays, hits: as RTCRayN and RTCHitN of `count` rays; valid: -1 for those that are asked about, to be set to 0 where
+ * the hit does not count. */
+struct CbvhFilterArguments
+{
+  int* valid;
+  void* userPtr;
+  void *rays, *hits;
+  unsigned int count;
+};
+typedef void (*CbvhFilterFunction)(const struct CbvhFilterArguments* args);
+
+enum CbvhQueryFlags
+{
+  CBVH_QUERY_COHERENT = 1      /* rays of a packet start near each other, and go alike */
+};
+
+struct CbvhQuery
+{
+  unsigned int flags;
+  CbvhFilterFunction filter;   /* NULL: every hit counts */
+  void* filterPtr;
+};
+
+/* Closest hits. Where something is hit nearer than tfar, tfar becomes its distance and the hit is written; all else stays as it
+ * is. query: NULL for zeros. Returns whether it was.
+ *
+ * Packets are as RTCRayHit4, 8 and 16 of Embree; valid: -1 for rays that count, else 0, aligned as the rays, or NULL for all. They return a bit a ray. */
+CBVH_API int cbvhIntersect1(CbvhGroup group, struct CbvhRayHit* ray, const struct CbvhQuery* query);
+CBVH_API unsigned int cbvhIntersect4(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
+CBVH_API unsigned int cbvhIntersect8(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
+CBVH_API unsigned int cbvhIntersect16(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
+
+/* Any hit: tfar becomes -infinity where there is one. Packets are as RTCRay4, 8 and 16. */
+CBVH_API int cbvhOccluded1(CbvhGroup group, struct CbvhRay* ray, const struct CbvhQuery* query);
+CBVH_API unsigned int cbvhOccluded4(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
+CBVH_API unsigned int cbvhOccluded8(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
+CBVH_API unsigned int cbvhOccluded16(CbvhGroup group, const int* valid, void* rays, const struct CbvhQuery* query);
+
+/* --- triangles out again ----------------------------------------------------------------- */
+
+struct CbvhTriangle
+{
+  float vertices[3][3];        /* x, y, z */
+  float u[3], v[3];            /* parameters of the vertices on the primitive */
+};
+
+/* Looks up the triangle that a hit is on, at the time of its ray; Ng of the hit, or NULL, tells triangles of a common edge apart. Returns whether there is one. */
+CBVH_API int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng, struct CbvhTriangle* triangle);
+
+/* Up to 16 x 16 quads. */
+struct CbvhPart
+{
+  unsigned int primID;         /* that all quads are of, where primitivesPerQuad is 0 */
+  unsigned int width, height;  /* in vertices */
+  const float* vertices;       /* x, y, z of each, row by row. Triangles with one that is not a number are left out */
+  const float* parameters;     /* u, v of each; NULL where primitivesPerQuad is not 0 */
+  const unsigned int* primIDs; /* row by row, primitivesPerQuad of each quad */
+  unsigned int primitivesPerQuad;
+};
+/* Valid until it returns; 0 ends the calls. */
+typedef int (*CbvhPartFunction)(void* userPtr, const struct CbvhPart* part);
+
+/* Hands out all of a surface as it is stored, as it is at a time. */
+CBVH_API enum CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction function, void* userPtr);
+
+#if defined(__cplusplus)
+}
+#endif
+
+#endif

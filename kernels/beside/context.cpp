@@ -1,0 +1,84 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "context.h"
+
+#include <embree3/rtcore_compression.h>
+
+using namespace embree::beside;
+
+namespace {
+
+thread_local std::string lastText;       // of cbvhGetErrorText
+thread_local Failure ofEmbree = {CBVH_OK, ""}; // what its error function was told, and nobody took
+
+CbvhError codeOf(RTCError code)
+{
+  switch (code) {
+  case RTC_ERROR_NONE: return CBVH_OK;
+  case RTC_ERROR_INVALID_ARGUMENT: return CBVH_ERROR_INVALID_ARGUMENT;
+  case RTC_ERROR_INVALID_OPERATION: return CBVH_ERROR_INVALID_OPERATION;
+  case RTC_ERROR_OUT_OF_MEMORY: return CBVH_ERROR_OUT_OF_MEMORY;
+  case RTC_ERROR_UNSUPPORTED_CPU: return CBVH_ERROR_UNSUPPORTED_CPU;
+  case RTC_ERROR_CANCELLED: return CBVH_ERROR_CANCELLED;
+  default: return CBVH_ERROR_UNKNOWN;
+  }
+}
+
+void keepError(void*, RTCError code, const char* text) { ofEmbree = {codeOf(code), text ? text : ""}; }
+
+} // namespace
+
+CbvhContextTy::CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr) : device(rtcNewDevice(settings)), function(function), userPtr(userPtr)
+{
+  if (!device) throw Failure{codeOf(rtcGetDeviceError(nullptr)), std::string("a context cannot be made of the settings '") + (settings ? settings : "") + "'"};
+  rtcSetDeviceErrorFunction(device, keepError, nullptr);
+}
+
+CbvhContextTy::~CbvhContextTy() { rtcReleaseDevice(device); }
+
+void CbvhContextTy::check() const
+{
+  rtcGetDeviceError(device); // which forgets it
+  if (ofEmbree.code == CBVH_OK) return;
+  const Failure failure = ofEmbree;
+  ofEmbree = {CBVH_OK, ""};
+  throw failure;
+}
+
+CbvhError CbvhContextTy::report(const Failure& failure) const
+{
+  lastText = failure.text;
+  if (function) function(userPtr, failure.code, lastText.c_str());
+  return failure.code;
+}
+
+CbvhError embree::beside::refuse(const char* text)
+{
+  lastText = text;
+  return CBVH_ERROR_INVALID_ARGUMENT;
+}
+
+const char* cbvhGetErrorText() { return lastText.c_str(); }
+unsigned int cbvhGetVersion() { return RTC_COMPRESSION_VERSION; }
+
+CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr, CbvhContext* context)
+{
+  if (!context) return refuse("context is NULL");
+  try {
+    *context = new CbvhContextTy(settings, function, userPtr);
+    return CBVH_OK;
+  }
+  catch (const Failure& failure) {
+    lastText = failure.text;
+    if (function) function(userPtr, failure.code, lastText.c_str());
+    return failure.code;
+  }
+  catch (const std::bad_alloc&) {
+    lastText = "out of memory";
+    return CBVH_ERROR_OUT_OF_MEMORY;
+  }
+}
+
+void cbvhRetainContext(CbvhContext context) { if (context) context->retain(); }
+void cbvhReleaseContext(CbvhContext context) { if (context) context->release(); }

@@ -1,0 +1,107 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Contexts, and how calls of Embree's API become errors of ours. Everything here goes through that API: it is the kernels' own, in this
+ * library, and nobody outside sees it. */
+
+#include "cbvh/cbvh.h"
+
+#include <embree3/rtcore.h>
+
+#include <atomic>
+#include <exception>
+#include <new>
+#include <string>
+
+namespace embree { namespace beside {
+
+/* An error on its way out of a function. */
+struct Failure
+{
+  CbvhError code;
+  std::string text;
+};
+
+/* Counts its references; made with one. */
+class Counted
+{
+public:
+  Counted() : references(1) {}
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+
+  void retain() { references++; }
+  void release() { if (--references == 0) delete this; }
+
+protected:
+  virtual ~Counted() = default;
+
+private:
+  std::atomic<size_t> references;
+};
+
+/* Keeps a reference. */
+template<typename T>
+class Held
+{
+public:
+  Held() : object(nullptr) {}
+  explicit Held(T* object) : object(object) { if (object) object->retain(); }
+  Held(const Held& other) : Held(other.object) {}
+  Held(Held&& other) : object(other.object) { other.object = nullptr; }
+  ~Held() { if (object) object->release(); }
+  Held& operator=(Held other) { std::swap(object, other.object); return *this; }
+
+  T* get() const { return object; }
+  T* operator->() const { return object; }
+
+private:
+  T* object;
+};
+
+}} // namespace embree::beside
+
+struct CbvhContextTy : embree::beside::Counted
+{
+  CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr);
+
+  RTCDevice device;
+
+  /* Throws Failure if a call of Embree's API set an error since the last call of this, of this thread. */
+  void check() const;
+
+  /* Keeps an error for cbvhGetErrorText, and tells the application. */
+  CbvhError report(const embree::beside::Failure& failure) const;
+
+private:
+  ~CbvhContextTy() override;
+
+  const CbvhErrorFunction function;
+  void* const userPtr;
+};
+
+namespace embree { namespace beside {
+
+/* What all functions of the API that may fail are made of: their errors become a code. */
+template<typename Closure>
+CbvhError guarded(const CbvhContextTy* context, const Closure& closure)
+{
+  Failure failure = {CBVH_OK, ""};
+  try {
+    closure();
+    return CBVH_OK;
+  }
+  catch (const Failure& f) { failure = f; }
+  catch (const std::bad_alloc&) { failure = {CBVH_ERROR_OUT_OF_MEMORY, "out of memory"}; }
+  catch (const std::exception& e) { failure = {CBVH_ERROR_UNKNOWN, e.what()}; }
+  return context ? context->report(failure) : failure.code;
+}
+
+inline void require(bool holds, const char* text) { if (!holds) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
+
+/* The same for functions that have no context to tell. */
+CbvhError refuse(const char* text);
+
+}} // namespace embree::beside

@@ -1,0 +1,77 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "group.h"
+
+#include <embree3/rtcore_compression.h>
+
+#include <algorithm>
+
+using namespace embree::beside;
+
+CbvhGroupTy::CbvhGroupTy(CbvhContext context, const CbvhSurface* from, size_t count)
+  : context(context), scene(rtcNewScene(context->device)), attached(count, nullptr)
+{
+  for (size_t i = 0; i < count; i++) surfaces.emplace_back(from[i]);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+}
+
+CbvhGroupTy::~CbvhGroupTy() { rtcReleaseScene(scene); }
+
+void CbvhGroupTy::commit()
+{
+  for (size_t i = 0; i < surfaces.size(); i++) {
+    const RTCGeometry geometry = surfaces[i]->committed().geometry;
+    if (geometry == attached[i]) continue;
+    if (attached[i]) rtcDetachGeometry(scene, unsigned(i));
+    rtcAttachGeometryByID(scene, geometry, unsigned(i));
+    attached[i] = geometry;
+  }
+  rtcCommitScene(scene);
+  context->check();
+}
+
+CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t count, CbvhGroup* group)
+{
+  if (!context || !group) return refuse("context or group is NULL");
+  return guarded(context, [&] {
+    require(count > 0 && surfaces, "a group has at least one surface");
+    require(count < 0xFFFFFFFFu, "there are more surfaces than 32 bits count");
+    for (size_t i = 0; i < count; i++) {
+      require(surfaces[i], "a surface is NULL");
+      require(surfaces[i]->context.get() == context, "a surface is of another context");
+    }
+    *group = new CbvhGroupTy(context, surfaces, count);
+  });
+}
+void cbvhRetainGroup(CbvhGroup group) { if (group) group->retain(); }
+void cbvhReleaseGroup(CbvhGroup group) { if (group) group->release(); }
+
+CbvhError cbvhCommitGroup(CbvhGroup group) { return group ? guarded(group->context.get(), [&] { group->commit(); }) : refuse("group is NULL"); }
+
+size_t cbvhGetGroupSize(CbvhGroup group) { return group ? group->surfaces.size() : 0; }
+CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index) { return group && index < group->surfaces.size() ? group->surfaces[index].get() : nullptr; }
+
+void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3])
+{
+  RTCBounds bounds = RTCBounds();
+  rtcGetSceneBounds(group->scene, &bounds);
+  const float l[3] = {bounds.lower_x, bounds.lower_y, bounds.lower_z}, u[3] = {bounds.upper_x, bounds.upper_y, bounds.upper_z};
+  std::copy(l, l + 3, lower);
+  std::copy(u, u + 3, upper);
+}
+
+CbvhError cbvhGetGroupStatistics(CbvhGroup group, CbvhStatistics* statistics)
+{
+  if (!group || !statistics) return refuse("group or statistics are NULL");
+  return guarded(group->context.get(), [&] {
+    RTCCompressionStatistics all = RTCCompressionStatistics();
+    rtcGetSceneCompressionStatistics(group->scene, &all);
+    group->context->check();
+    statistics->bytes = all.topLevelBytes + all.frameBytes + all.nodeBytes + all.leafBytes + all.gridBytes;
+    statistics->numQuads = all.numQuads + all.numGridQuads;
+    statistics->numMovingQuads = all.numMovingQuads;
+    statistics->numInvalidQuads = all.numInvalidQuads;
+    statistics->maxVertexDeviation = all.maxVertexDeviation;
+  });
+}

@@ -1,0 +1,24 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Surfaces that are traced together: a scene of the kernels. */
+
+#include "surface.h"
+
+struct CbvhGroupTy : embree::beside::Counted
+{
+  CbvhGroupTy(CbvhContext context, const CbvhSurface* surfaces, size_t count);
+
+  void commit();
+
+  const embree::beside::Held<CbvhContextTy> context;
+  const RTCScene scene;
+  std::vector<embree::beside::Held<CbvhSurfaceTy>> surfaces;
+
+private:
+  ~CbvhGroupTy() override;
+
+  std::vector<RTCGeometry> attached;   // by surface
+};

@@ -1,0 +1,112 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Rays of groups. The kernels write IDs of their own into hits; what was there says afterwards whether anything was hit. */
+
+#include "group.h"
+
+#include <cstring>
+
+namespace {
+
+static_assert(sizeof(CbvhRay) == sizeof(RTCRay) && sizeof(CbvhHit) == sizeof(RTCHit), "layout of a ray");
+
+/* A context of the kernels, behind which is what the filter of a query needs. */
+struct Query
+{
+  RTCIntersectContext context;
+  const CbvhQuery* query;
+
+  Query(const CbvhQuery* query) : query(query)
+  {
+    rtcInitIntersectContext(&context);
+    if (!query) return;
+    if (query->flags & CBVH_QUERY_COHERENT) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    if (query->filter) context.filter = filter;
+  }
+
+  static void filter(const RTCFilterFunctionNArguments* args)
+  {
+    const CbvhQuery& query = *((const Query*)args->context)->query;
+    const CbvhFilterArguments ours = {args->valid, query.filterPtr, args->ray, args->hit, args->N};
+    query.filter(&ours);
+  }
+};
+
+template<unsigned int K> struct Kernels;
+template<> struct Kernels<4> { typedef RTCRayHit4 RayHits; typedef RTCRay4 Rays; static constexpr auto intersect = rtcIntersect4; static constexpr auto occluded = rtcOccluded4; };
+template<> struct Kernels<8> { typedef RTCRayHit8 RayHits; typedef RTCRay8 Rays; static constexpr auto intersect = rtcIntersect8; static constexpr auto occluded = rtcOccluded8; };
+template<> struct Kernels<16> { typedef RTCRayHit16 RayHits; typedef RTCRay16 Rays; static constexpr auto intersect = rtcIntersect16; static constexpr auto occluded = rtcOccluded16; };
+
+template<unsigned int K>
+struct AllRays
+{
+  alignas(64) int valid[K];
+  AllRays() { for (int& v : valid) v = -1; }
+};
+
+template<unsigned int K>
+unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
+{
+  typename Kernels<K>::RayHits& packet = *(typename Kernels<K>::RayHits*)rays;
+  static const AllRays<K> all;
+  if (!valid) valid = all.valid;
+  unsigned int geomIDs[K], instIDs[K];
+  std::memcpy(geomIDs, packet.hit.geomID, sizeof(geomIDs));
+  std::memcpy(instIDs, packet.hit.instID[0], sizeof(instIDs));
+  std::memset(packet.hit.geomID, 0xFF, sizeof(geomIDs));
+  Query ours(query);
+  Kernels<K>::intersect(valid, group->scene, &ours.context, &packet);
+  std::memcpy(packet.hit.instID[0], instIDs, sizeof(instIDs));
+  unsigned int hits = 0;
+  for (unsigned int i = 0; i < K; i++) {
+    if (packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID) hits |= 1u << i;
+    else packet.hit.geomID[i] = geomIDs[i];
+  }
+  return hits;
+}
+
+/* A ray that had tfar -infinity before has ended. */
+template<unsigned int K>
+unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
+{
+  typename Kernels<K>::Rays& packet = *(typename Kernels<K>::Rays*)rays;
+  static const AllRays<K> all;
+  if (!valid) valid = all.valid;
+  unsigned int ended = 0, hits = 0;
+  for (unsigned int i = 0; i < K; i++) if (packet.tfar[i] < 0) ended |= 1u << i;
+  Query ours(query);
+  Kernels<K>::occluded(valid, group->scene, &ours.context, &packet);
+  for (unsigned int i = 0; i < K; i++) if (packet.tfar[i] < 0) hits |= 1u << i;
+  return hits & ~ended;
+}
+
+} // namespace
+
+int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
+{
+  RTCRayHit* const ours = (RTCRayHit*)ray;
+  const unsigned int geomID = ours->hit.geomID, instID = ours->hit.instID[0];
+  ours->hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  Query context(query);
+  rtcIntersect1(group->scene, &context.context, ours);
+  ours->hit.instID[0] = instID;
+  if (ours->hit.geomID != RTC_INVALID_GEOMETRY_ID) return 1;
+  ours->hit.geomID = geomID;
+  return 0;
+}
+
+int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query)
+{
+  if (ray->tfar < 0) return 0;
+  Query context(query);
+  rtcOccluded1(group->scene, &context.context, (RTCRay*)ray);
+  return ray->tfar < 0;
+}
+
+unsigned int cbvhIntersect4(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) { return intersect<4>(group, valid, rays, query); }
+unsigned int cbvhIntersect8(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) { return intersect<8>(group, valid, rays, query); }
+unsigned int cbvhIntersect16(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) { return intersect<16>(group, valid, rays, query); }
+unsigned int cbvhOccluded4(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) { return occluded<4>(group, valid, rays, query); }
+unsigned int cbvhOccluded8(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) { return occluded<8>(group, valid, rays, query); }
+unsigned int cbvhOccluded16(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) { return occluded<16>(group, valid, rays, query); }

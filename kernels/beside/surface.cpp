@@ -1,0 +1,288 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "surface.h"
+
+#include <embree3/rtcore_compression.h>
+#include <embree3/rtcore_compressed_triangles.h>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <utility>
+
+using namespace embree::beside;
+
+namespace {
+
+constexpr unsigned int maxSteps = 129;
+
+void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data, size_t size, size_t stride, size_t count)
+{
+  if (count == 0) return;
+  char* const to = (char*)rtcSetNewGeometryBuffer(geometry, type, slot, format, size, count);
+  if (!to) return; // the device has the error
+  if (stride == size) std::memcpy(to, data, size*count);
+  else for (size_t i = 0; i < count; i++) std::memcpy(to + i*size, (const char*)data + i*stride, size);
+}
+
+template<typename T>
+void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const T* data, size_t count) {
+  copyTo(geometry, type, slot, format, data, sizeof(T), sizeof(T), count);
+}
+
+void displace(const RTCDisplacementFunctionNArguments* args)
+{
+  const Input& input = *(const Input*)args->geometryUserPtr;
+  const CbvhDisplacementArguments ours = {input.displacementPtr, args->primID, args->timeStep, args->u, args->v, args->Ng_x, args->Ng_y, args->Ng_z,
+                                          args->P_x, args->P_y, args->P_z, args->N};
+  input.displacement(&ours);
+}
+
+RTCSubdivisionMode modeOf(CbvhBoundary boundary)
+{
+  switch (boundary) {
+  case CBVH_BOUNDARY_SMOOTH: return RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY;
+  case CBVH_BOUNDARY_PIN_CORNERS: return RTC_SUBDIVISION_MODE_PIN_CORNERS;
+  case CBVH_BOUNDARY_PIN_BOUNDARY: return RTC_SUBDIVISION_MODE_PIN_BOUNDARY;
+  case CBVH_BOUNDARY_PIN_ALL: return RTC_SUBDIVISION_MODE_PIN_ALL;
+  }
+  throw Failure{CBVH_ERROR_INVALID_ARGUMENT, "a boundary that is none"};
+}
+
+/* What is told how far a commit is. */
+struct Progress
+{
+  CbvhProgressFunction function;
+  void* userPtr;
+
+  static bool tell(void* self, double done) { return ((const Progress*)self)->function(((const Progress*)self)->userPtr, done) != 0; }
+};
+
+} // namespace
+
+/* copies: or they stay where they are until the commit */
+void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies)
+{
+  require(vertices.steps && vertices.count > 0, "there are no vertices");
+  require(vertices.stride >= 12 && vertices.stride % 4 == 0, "the stride of vertices is not a multiple of 4 bytes, or less than 12");
+  require(vertices.numSteps >= 1 && vertices.numSteps <= maxSteps, "there are not 1 to 129 time steps");
+  rtcSetGeometryTimeStepCount(geometry, vertices.numSteps);
+  if (vertices.numSteps > 1) {
+    require(std::isfinite(vertices.begin) && std::isfinite(vertices.end) && vertices.begin < vertices.end, "the time range is not finite, or ends before it begins");
+    rtcSetGeometryTimeRange(geometry, vertices.begin, vertices.end);
+  }
+  for (unsigned int i = 0; i < vertices.numSteps; i++) {
+    require(vertices.steps[i] != nullptr, "the vertices of a time step are NULL");
+    if (copies) copyTo(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, vertices.steps[i], 12, vertices.stride, vertices.count);
+    else rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, vertices.steps[i], 0, vertices.stride, vertices.count);
+  }
+}
+
+void CbvhSurfaceTy::keep(Owned input)
+{
+  context->check();
+  pending = std::move(input);
+}
+
+void CbvhSurfaceTy::set(const CbvhCage& cage)
+{
+  require(cage.numFaces > 0 && cage.faceVertices && cage.indices, "the cage has no faces, or no indices");
+  require(cage.numFaces < 0xFFFFFFFFu && cage.numIndices < 0xFFFFFFFFu, "the cage has more faces or indices than 32 bits count");
+  require(cage.rates || (cage.rate >= 1 && cage.rate <= 4096), "the rate is not from 1 to 4096");
+  require(cage.numCreases == 0 || (cage.creases && cage.creaseSharpness), "creases without vertices or sharpness");
+  require(cage.numCorners == 0 || (cage.corners && cage.cornerSharpness), "corners without vertices or sharpness");
+  require(cage.numHoles == 0 || cage.holes, "holes without faces");
+  require(cage.numAttributes == 0 || cage.attributes, "attributes that are NULL");
+
+  Owned input(new Input(context->device, RTC_GEOMETRY_TYPE_SUBDIVISION));
+  const RTCGeometry geometry = input->geometry;
+  input->numPrimitives = unsigned(cage.numFaces);
+  setVertices(geometry, cage.vertices, true);
+  copyTo(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, cage.faceVertices, cage.numFaces);
+  copyTo(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, cage.indices, cage.numIndices);
+  if (cage.rates) copyTo(geometry, RTC_BUFFER_TYPE_LEVEL, 0, RTC_FORMAT_FLOAT, cage.rates, cage.numIndices);
+  else rtcSetGeometryTessellationRate(geometry, cage.rate);
+  copyTo(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_INDEX, 0, RTC_FORMAT_UINT2, cage.creases, 8, 8, cage.numCreases);
+  copyTo(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT, cage.creaseSharpness, cage.numCreases);
+  copyTo(geometry, RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX, 0, RTC_FORMAT_UINT, cage.corners, cage.numCorners);
+  copyTo(geometry, RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT, cage.cornerSharpness, cage.numCorners);
+  copyTo(geometry, RTC_BUFFER_TYPE_HOLE, 0, RTC_FORMAT_UINT, cage.holes, cage.numHoles);
+  rtcSetGeometrySubdivisionMode(geometry, 0, modeOf(cage.boundary));
+  if (cage.displacement) {
+    input->displacement = cage.displacement;
+    input->displacementPtr = cage.displacementPtr;
+    rtcSetGeometryUserData(geometry, input.get());
+    rtcSetGeometryDisplacementFunction(geometry, displace);
+  }
+
+  unsigned int topologies = 1;
+  for (size_t i = 0; i < cage.numAttributes; i++) topologies += cage.attributes[i].indices != nullptr;
+  rtcSetGeometryTopologyCount(geometry, topologies);
+  rtcSetGeometryVertexAttributeCount(geometry, unsigned(cage.numAttributes));
+  unsigned int topology = 0;
+  for (size_t i = 0; i < cage.numAttributes; i++) {
+    const CbvhAttribute& attribute = cage.attributes[i];
+    require(attribute.values && attribute.count > 0, "an attribute has no values");
+    require(attribute.width >= 1 && attribute.width <= 16 && attribute.stride >= 4*attribute.width && attribute.stride % 4 == 0, "the width or the stride of an attribute");
+    copyTo(geometry, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, unsigned(i), RTCFormat(RTC_FORMAT_FLOAT + attribute.width - 1), attribute.values, 4*attribute.width, attribute.stride, attribute.count);
+    input->widths.push_back(attribute.width);
+    if (!attribute.indices) continue;
+    topology++;
+    copyTo(geometry, RTC_BUFFER_TYPE_INDEX, topology, RTC_FORMAT_UINT, attribute.indices, cage.numIndices);
+    rtcSetGeometrySubdivisionMode(geometry, topology, modeOf(attribute.boundary));
+    rtcSetGeometryVertexAttributeTopology(geometry, unsigned(i), topology);
+  }
+  keep(std::move(input));
+}
+
+void CbvhSurfaceTy::set(const CbvhGrids& grids)
+{
+  require(grids.count > 0 && grids.grids, "there are no grids");
+  require(grids.count < 0xFFFFFFFFu, "there are more grids than 32 bits count");
+  Owned input(new Input(context->device, RTC_GEOMETRY_TYPE_GRID));
+  static_assert(sizeof(CbvhGrid) == sizeof(RTCGrid), "layout of a grid");
+  input->numPrimitives = unsigned(grids.count);
+  setVertices(input->geometry, grids.vertices, false);
+  copyTo(input->geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids.grids, grids.count);
+  keep(std::move(input));
+}
+
+void CbvhSurfaceTy::set(const CbvhMesh& mesh)
+{
+  require(mesh.corners == 3 || mesh.corners == 4, "a mesh is of triangles or of quads");
+  require(mesh.count > 0 && mesh.indices, "the mesh has no indices");
+  require(mesh.count < 0xFFFFFFFFu, "the mesh has more primitives than 32 bits count");
+  const bool isOfQuads = mesh.corners == 4;
+  Owned input(new Input(context->device, isOfQuads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE));
+  input->numPrimitives = unsigned(mesh.count);
+  input->isMesh = true;
+  setVertices(input->geometry, mesh.vertices, false);
+  copyTo(input->geometry, RTC_BUFFER_TYPE_INDEX, 0, isOfQuads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, mesh.indices, 4*mesh.corners, 4*mesh.corners, mesh.count);
+  keep(std::move(input));
+}
+
+void CbvhSurfaceTy::set(const CbvhAccuracy& to)
+{
+  require(std::isfinite(to.maxError) && to.maxError >= 0 && std::isfinite(to.maxPixelError) && to.maxPixelError >= 0, "an error that is negative, or not finite");
+  require(to.maxPixelError == 0 || (to.pixelSize > 0 && std::isfinite(to.pixelSize)), "a bound in pixels needs their size");
+  hasNewAccuracy = std::memcmp(&accuracy, &to, sizeof(to)) != 0;
+  accuracy = to;
+}
+
+void CbvhSurfaceTy::setMask(unsigned int to)
+{
+  mask = to;
+  if (!current) return;
+  rtcSetGeometryMask(current->geometry, mask);
+  rtcCommitGeometry(current->geometry);
+  context->check();
+}
+
+void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
+{
+  if (!pending) {
+    if (!current) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface has no cage, grids or mesh"};
+    if (hasNewAccuracy) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the accuracy was changed after the surface let its input go: set that again"};
+    return;
+  }
+  RTCCompressionArguments args;
+  rtcInitCompressionArguments(&args);
+  Progress told = {progress, userPtr};
+  args.compression = RTC_COMPRESSION_VERT;
+  args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
+  if (accuracy.maxError > 0) args.maxError = accuracy.maxError;
+  args.maxPixelError = accuracy.maxPixelError;
+  std::memcpy(args.cameraPosition, accuracy.cameraPosition, sizeof(args.cameraPosition));
+  args.pixelSize = accuracy.pixelSize;
+  if (progress) {
+    args.progress = Progress::tell;
+    args.progressUserPtr = &told;
+  }
+  const RTCGeometry geometry = pending->geometry;
+  rtcSetGeometryCompression(geometry, &args);
+  rtcSetGeometryMask(geometry, mask);
+  rtcCommitGeometry(geometry);
+  Failure failure = {CBVH_OK, ""};
+  try { context->check(); } catch (const Failure& f) { failure = f; }
+
+  /* whether it has blocks: what was left out is told, and the rest is there */
+  rtcForEachCompressedPart(geometry, [](void*, const RTCCompressedPart*) { return false; }, nullptr);
+  bool isCompressed = true;
+  try { context->check(); } catch (const Failure&) { isCompressed = false; }
+  if (!isCompressed) {
+    if (failure.code == CBVH_OK) failure = {CBVH_ERROR_INVALID_OPERATION, "the mesh is not stored: its quads or triangles do not lie in grids"};
+    throw failure;
+  }
+  current = std::move(pending);
+  hasNewAccuracy = false;
+  if (failure.code != CBVH_OK) throw failure;
+}
+
+const Input& CbvhSurfaceTy::committed() const
+{
+  if (!current) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface was not committed"};
+  return *current;
+}
+
+/* --- the API --------------------------------------------------------------------------- */
+
+CbvhError cbvhNewSurface(CbvhContext context, CbvhSurface* surface)
+{
+  if (!context || !surface) return refuse("context or surface is NULL");
+  return guarded(context, [&] { *surface = new CbvhSurfaceTy(context); });
+}
+void cbvhRetainSurface(CbvhSurface surface) { if (surface) surface->retain(); }
+void cbvhReleaseSurface(CbvhSurface surface) { if (surface) surface->release(); }
+
+namespace {
+
+template<typename Closure>
+CbvhError onSurface(CbvhSurface surface, const Closure& closure) { return surface ? guarded(surface->context.get(), closure) : refuse("surface is NULL"); }
+
+} // namespace
+
+CbvhError cbvhSetCage(CbvhSurface surface, const CbvhCage* cage) { return onSurface(surface, [&] { require(cage, "cage is NULL"); surface->set(*cage); }); }
+CbvhError cbvhSetGrids(CbvhSurface surface, const CbvhGrids* grids) { return onSurface(surface, [&] { require(grids, "grids are NULL"); surface->set(*grids); }); }
+CbvhError cbvhSetMesh(CbvhSurface surface, const CbvhMesh* mesh) { return onSurface(surface, [&] { require(mesh, "mesh is NULL"); surface->set(*mesh); }); }
+CbvhError cbvhSetAccuracy(CbvhSurface surface, const CbvhAccuracy* accuracy) { return onSurface(surface, [&] { surface->set(accuracy ? *accuracy : CbvhAccuracy()); }); }
+CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mask) { return onSurface(surface, [&] { surface->setMask(mask); }); }
+CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr) { return onSurface(surface, [&] { surface->commit(progress, userPtr); }); }
+
+unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface) { return surface && surface->last() ? surface->last()->numPrimitives : 0; }
+
+CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, float v, unsigned int attribute, float* P, float* dPdu, float* dPdv)
+{
+  return onSurface(surface, [&] {
+    const Input& input = surface->committed();
+    require(attribute < input.widths.size(), "the surface has no such attribute");
+    require(primID < input.numPrimitives, "the surface has no such face");
+    rtcInterpolate1(input.geometry, primID, u, v, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, attribute, P, dPdu, dPdv, input.widths[attribute]);
+    surface->context->check();
+  });
+}
+
+int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng, CbvhTriangle* triangle)
+{
+  int found = 0;
+  if (!surface || !triangle) { refuse("surface or triangle is NULL"); return 0; }
+  guarded(surface->context.get(), [&] {
+    static_assert(sizeof(CbvhTriangle) == sizeof(RTCCompressedTriangle), "layout of a triangle");
+    found = rtcGetCompressedTriangleAtTime(surface->committed().geometry, time, primID, u, v, Ng, (RTCCompressedTriangle*)triangle);
+    surface->context->check();
+  });
+  return found;
+}
+
+CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction function, void* userPtr)
+{
+  return onSurface(surface, [&] {
+    require(function, "function is NULL");
+    static_assert(sizeof(CbvhPart) == sizeof(RTCCompressedPart), "layout of a part");
+    struct Call { CbvhPartFunction function; void* userPtr; } call = {function, userPtr};
+    rtcForEachCompressedPartAtTime(surface->committed().geometry, time, [](void* of, const RTCCompressedPart* part) {
+      return ((const Call*)of)->function(((const Call*)of)->userPtr, (const CbvhPart*)part) != 0;
+    }, &call);
+    surface->context->check();
+  });
+}
