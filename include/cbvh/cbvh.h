@@ -28,6 +28,7 @@ extern "C" {
 #endif
 
 #define CBVH_API __attribute__((visibility("default")))
+#define CBVH_ALIGNED __attribute__((aligned(16)))
 
 enum CbvhError
 {
@@ -63,7 +64,8 @@ CBVH_API void cbvhReleaseContext(CbvhContext context);
 
 typedef struct CbvhSurfaceTy* CbvhSurface;
 
-/* Positions of vertices at each time step: three floats each. Buffers are the caller's, and are read until the surface is committed. */
+/* Positions of vertices at each time step: three floats each. Those of grids and meshes are the caller's, and are read until the surface is
+ * committed; 4 bytes behind the last vertex have to be readable, as for Embree. */
 struct CbvhVertices
 {
   size_t count;
@@ -172,8 +174,8 @@ CBVH_API enum CbvhError cbvhNewSurface(CbvhContext context, CbvhSurface* surface
 CBVH_API void cbvhRetainSurface(CbvhSurface surface);
 CBVH_API void cbvhReleaseSurface(CbvhSurface surface);
 
-/* Set what the next commit makes the surface of, in place of what was there. The arguments, and what they point to but for vertices, are read during the
- * call; vertices are read by the next cbvhCommitSurface, and not after it. Of cages and grids primitives are faces and grids, of meshes their quads or triangles. */
+/* Set what the next commit makes the surface of, in place of what was there. All is read during the call but the vertices of grids and meshes, which
+ * the next cbvhCommitSurface reads, and nobody after it. Of cages and grids primitives are faces and grids, of meshes their quads or triangles. */
 CBVH_API enum CbvhError cbvhSetCage(CbvhSurface surface, const struct CbvhCage* cage);
 CBVH_API enum CbvhError cbvhSetGrids(CbvhSurface surface, const struct CbvhGrids* grids);
 CBVH_API enum CbvhError cbvhSetMesh(CbvhSurface surface, const struct CbvhMesh* mesh);
@@ -213,6 +215,15 @@ CBVH_API enum CbvhError cbvhCommitGroup(CbvhGroup group);
 CBVH_API size_t cbvhGetGroupSize(CbvhGroup group);
 CBVH_API CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index);
 
+/* What an application keeps with a group. */
+CBVH_API void cbvhSetGroupUserPtr(CbvhGroup group, void* userPtr);
+CBVH_API void* cbvhGetGroupUserPtr(CbvhGroup group);
+
+/* Numbers the primitives of all surfaces through, one surface behind the other: where those of a surface begin, and which one a number is. Returns
+ * whether there is one. */
+CBVH_API unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index);
+CBVH_API int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, unsigned int* primID);
+
 /* Bounds at all times: x, y, z. lower is above upper where there is nothing. */
 CBVH_API void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]);
 
@@ -230,7 +241,7 @@ CBVH_API enum CbvhError cbvhGetGroupStatistics(CbvhGroup group, struct CbvhStati
 /* --- rays -------------------------------------------------------------------------------- */
 
 /* As RTCRay and RTCHit of Embree 3 and 4, without what RTCHit of 4 has behind: aligned to 16 bytes. */
-struct CbvhRay
+struct CBVH_ALIGNED CbvhRay
 {
   float org_x, org_y, org_z, tnear;
   float dir_x, dir_y, dir_z, time;
@@ -238,14 +249,14 @@ struct CbvhRay
   unsigned int mask, id, flags;
 };
 
-struct CbvhHit
+struct CBVH_ALIGNED CbvhHit
 {
   float Ng_x, Ng_y, Ng_z;         /* normal of the triangle, of any length */
   float u, v;
   unsigned int primID, geomID, instID; /* geomID: index of the surface in its group */
 };
 
-struct CbvhRayHit
+struct CBVH_ALIGNED CbvhRayHit
 {
   struct CbvhRay ray;
   struct CbvhHit hit;

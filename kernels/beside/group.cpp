@@ -10,7 +10,7 @@
 using namespace embree::beside;
 
 CbvhGroupTy::CbvhGroupTy(CbvhContext context, const CbvhSurface* from, size_t count)
-  : context(context), scene(rtcNewScene(context->device)), attached(count, nullptr)
+  : context(context), scene(rtcNewScene(context->device)), firstPrimitive(count + 1, 0), attached(count, nullptr)
 {
   for (size_t i = 0; i < count; i++) surfaces.emplace_back(from[i]);
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
@@ -27,6 +27,7 @@ void CbvhGroupTy::commit()
     rtcAttachGeometryByID(scene, geometry, unsigned(i));
     attached[i] = geometry;
   }
+  for (size_t i = 0; i < surfaces.size(); i++) firstPrimitive[i + 1] = firstPrimitive[i] + surfaces[i]->committed().numPrimitives;
   rtcCommitScene(scene);
   context->check();
 }
@@ -51,6 +52,21 @@ CbvhError cbvhCommitGroup(CbvhGroup group) { return group ? guarded(group->conte
 
 size_t cbvhGetGroupSize(CbvhGroup group) { return group ? group->surfaces.size() : 0; }
 CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index) { return group && index < group->surfaces.size() ? group->surfaces[index].get() : nullptr; }
+
+void cbvhSetGroupUserPtr(CbvhGroup group, void* userPtr) { if (group) group->userPtr = userPtr; }
+void* cbvhGetGroupUserPtr(CbvhGroup group) { return group ? group->userPtr : nullptr; }
+
+unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index) { return group->firstPrimitive[index]; }
+
+int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, unsigned int* primID)
+{
+  const std::vector<unsigned int>& first = group->firstPrimitive;
+  const size_t i = size_t(std::upper_bound(first.begin(), first.end(), number) - first.begin()) - 1;
+  if (i >= group->surfaces.size()) return 0;
+  *index = i;
+  *primID = number - first[i];
+  return 1;
+}
 
 void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3])
 {

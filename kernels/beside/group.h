@@ -16,6 +16,8 @@ struct CbvhGroupTy : embree::beside::Counted
   const embree::beside::Held<CbvhContextTy> context;
   const RTCScene scene;
   std::vector<embree::beside::Held<CbvhSurfaceTy>> surfaces;
+  std::vector<unsigned int> firstPrimitive;   // by surface, and of all
+  void* userPtr = nullptr;
 
 private:
   ~CbvhGroupTy() override;

@@ -1,0 +1,297 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Through the user geometry of an Embree that is not ours rays have the hits that libembree_cbvh gives them, to the bit, under the
+ * names that the application knows: single rays, packets, any hit, masks, filters of both sorts, instances, many surfaces, motion. */
+
+#include "host.h"
+
+using namespace host;
+
+namespace {
+
+std::mt19937 generator(32);
+
+// The same hit but for its names, which are to be the application's.
+void checkHit(CbvhGroup group, const RTCRayHit& ray, const RTCRayHit& found, unsigned geomID, unsigned instID)
+{
+  CbvhRayHit own;
+  std::memcpy(&own, &ray, sizeof(own));
+  const bool isMet = cbvhIntersect1(group, &own, nullptr) != 0;
+  CHECK(isMet == isHit(found));
+  CHECK(std::memcmp(&own.ray, &found.ray, sizeof(own.ray)) == 0);
+  if (!isMet || !isHit(found)) return;
+  CHECK(std::memcmp(&own.hit, &found.hit, 5*sizeof(float)) == 0);
+  CHECK(found.hit.geomID == geomID);
+  CHECK(found.hit.instID[0] == instID);
+  size_t surface = 1000;
+  unsigned primID = 0;
+  CHECK(cbvhFindGroupPrimitive(group, found.hit.primID, &surface, &primID));
+  CHECK(surface == own.hit.geomID);
+  CHECK(primID == own.hit.primID);
+}
+
+bool isAnyHit(RTCScene scene, const RTCRay& ray, const Query& query = {})
+{
+  RTCRay any = ray;
+  occluded(scene, any, query);
+  return any.tfar < 0;
+}
+
+template<unsigned N>
+void checkPackets(CbvhGroup group, RTCScene scene, const std::vector<RTCRayHit>& rays, bool isCoherent)
+{
+  std::uniform_int_distribution<int> some(0, 3);
+  for (size_t first = 0; first + N <= rays.size(); first += N)
+  {
+    typename Packet<N>::RayHits packet;
+    typename Packet<N>::Rays any;
+    alignas(64) int valid[N];
+    const bool isSparse = first/N % 4 == 3;
+    for (unsigned i = 0; i < N; i++) {
+      valid[i] = isSparse && some(generator) ? 0 : -1;
+      setRay(&packet, N, i, rays[first + i]);
+    }
+    any = packet.ray;
+    intersect(valid, scene, packet, Query{isCoherent});
+    occluded(valid, scene, any, Query{isCoherent});
+    for (unsigned i = 0; i < N; i++) {
+      RTCRayHit found = rtcGetRayHitFromRayHitN((RTCRayHitN*)&packet, N, i);
+      if (valid[i]) checkHit(group, rays[first + i], found, 0, RTC_INVALID_GEOMETRY_ID);
+      else CHECK(std::memcmp(&found.ray, &rays[first + i].ray, sizeof(found.ray)) == 0 && !isHit(found));
+      CHECK((any.tfar[i] < 0) == (valid[i] && isAnyHit(scene, rays[first + i].ray)));
+    }
+  }
+}
+
+void testHits(RTCDevice device, CbvhContext context)
+{
+  for (unsigned numSteps : {1u, 2u})
+    for (unsigned count : {1u, 5u}) {
+      const Group group(context, 32, count, numSteps);
+      const Scene scene(device, group);
+      for (bool areCoherent : {false, true}) {
+        const std::vector<RTCRayHit> rays = randomRays(generator, 8000, areCoherent);
+        size_t hits = 0;
+        for (const RTCRayHit& ray : rays) {
+          RTCRayHit found = ray;
+          intersect(scene, found);
+          checkHit(group, ray, found, 0, RTC_INVALID_GEOMETRY_ID);
+          CHECK(isAnyHit(scene, ray.ray) == isHit(found));
+          hits += isHit(found);
+        }
+        CHECK(hits > 500);
+        checkPackets<4>(group, scene, rays, areCoherent);
+        if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) checkPackets<8>(group, scene, rays, areCoherent);
+        checkPackets<16>(group, scene, rays, areCoherent);
+      }
+    }
+}
+
+// Beside what Embree has itself, behind which and before which it is.
+void testScenes(RTCDevice device, CbvhContext context)
+{
+  const Group group(context);
+  Scene scene(device, group);
+  const Cube other({0.7f, 0.3f, 0.2f}, 0.5f);
+  RTCGeometry geometry = other.newInHost(device, 16);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcSetGeometryMask(scene.geometry, ~0u);
+  rtcCommitGeometry(scene.geometry);
+  rtcCommitScene(scene);
+  Scene alone(device, nullptr);
+  geometry = other.newInHost(device, 16);
+  rtcAttachGeometryByID(alone, geometry, 1);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(alone);
+  size_t hits[2] = {0, 0};
+  for (const RTCRayHit& ray : randomRays(generator, 6000, false)) {
+    RTCRayHit found = ray, ofOther = ray;
+    intersect(scene, found);
+    intersect(alone, ofOther);
+    CbvhRayHit own;
+    std::memcpy(&own, &ray, sizeof(own));
+    cbvhIntersect1(group, &own, nullptr);
+    const bool isOurs = own.ray.tfar <= ofOther.ray.tfar && own.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    CHECK(found.ray.tfar == std::min(own.ray.tfar, ofOther.ray.tfar));
+    if (!isHit(found)) continue;
+    CHECK(found.hit.geomID == (isOurs ? 0u : 1u) || own.ray.tfar == ofOther.ray.tfar);
+    hits[found.hit.geomID]++;
+  }
+  CHECK(hits[0] > 300 && hits[1] > 300);
+}
+
+void testMasks(RTCDevice device, CbvhContext context)
+{
+  const Group group(context, 16, 2);
+  Scene scene(device, group);
+  rtcSetGeometryMask(scene.geometry, 6);
+  rtcCommitGeometry(scene.geometry);
+  rtcCommitScene(scene);
+  OK(cbvhSetSurfaceMask(cbvhGetGroupSurface(group, 1), 4));
+  OK(cbvhCommitGroup(group));
+  size_t hits[8] = {};
+  for (unsigned mask : {1u, 2u, 4u})
+    for (RTCRayHit ray : randomRays(generator, 3000, false, 0.6f)) {
+      ray.ray.mask = mask;
+      RTCRayHit found = ray;
+      intersect(scene, found);
+      CHECK(isHit(found) == isAnyHit(scene, ray.ray));
+      size_t surface = 0;
+      unsigned primID;
+      if (!isHit(found)) continue;
+      CHECK(cbvhFindGroupPrimitive(group, found.hit.primID, &surface, &primID));
+      CHECK(mask == 4 || surface == 0);
+      hits[mask] += 1 + 10000*surface;
+    }
+  CHECK(hits[1] == 0);
+  CHECK(hits[2] > 100 && hits[2] < 10000);
+  CHECK(hits[4] > 100*10000);
+}
+
+unsigned filtered = 0;
+
+// Refuses by all that a hit has, and checks its names.
+void filter(const RTCFilterFunctionNArguments* args)
+{
+  for (unsigned i = 0; i < args->N; i++) {
+    if (args->valid[i] == 0) continue;
+    filtered++;
+    CHECK(RTCHitN_geomID(args->hit, args->N, i) == 0);
+    CHECK(RTCHitN_primID(args->hit, args->N, i) < 12);
+    CHECK(RTCRayN_tfar(args->ray, args->N, i) < 100);
+    if (RTCHitN_primID(args->hit, args->N, i) % 3 == 0 || RTCHitN_u(args->hit, args->N, i) > 0.6f) args->valid[i] = 0;
+  }
+}
+
+void testFilters(RTCDevice device, CbvhContext context)
+{
+  const Group group(context, 32, 2);
+  const Scene plain(device, group, 0), byContext(device, group, contextFilters);
+  Scene byGeometry(device, group, CBVH_GEOMETRY_FILTERS);
+  rtcSetGeometryIntersectFilterFunction(byGeometry.geometry, filter);
+  rtcSetGeometryOccludedFilterFunction(byGeometry.geometry, filter);
+  rtcCommitGeometry(byGeometry.geometry);
+  rtcCommitScene(byGeometry);
+  Query withFilter;
+  withFilter.filter = filter;
+  size_t hits = 0, others = 0;
+  for (const RTCRayHit& ray : randomRays(generator, 6000, false, 0.6f))
+  {
+    RTCRayHit first = ray, a = ray, b = ray;
+    intersect(plain, first);
+    filtered = 0;
+    intersect(byGeometry, a);
+    CHECK(!isHit(first) || filtered > 0);
+    intersect(byContext, b, withFilter);
+    CHECK(std::memcmp(&a.ray, &b.ray, sizeof(a.ray)) == 0);
+    CHECK(a.hit.primID == b.hit.primID && a.hit.geomID == b.hit.geomID);
+    CHECK(isAnyHit(byGeometry, ray.ray) == isHit(a));
+    CHECK(isAnyHit(byContext, ray.ray, withFilter) == isHit(a));
+    hits += isHit(a);
+    others += a.hit.primID != first.hit.primID;
+    if (isHit(a)) CHECK(a.hit.primID % 3 != 0 && a.hit.u <= 0.6f);
+  }
+  CHECK(hits > 200 && others > 200);
+}
+
+void testInstances(RTCDevice device, CbvhContext context)
+{
+  const Group group(context);
+  const Scene inside(device, group);
+  Scene scene(device, nullptr);
+  for (int i = 0; i < 3; i++) {
+    RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, inside);
+    const float transform[12] = {0.25f,0,0, 0,0.25f,0, 0,0,0.25f, 0.5f*float(i) - 0.5f,0,0};
+    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
+    rtcSetGeometryMask(instance, ~0u);
+    rtcCommitGeometry(instance);
+    rtcAttachGeometryByID(scene, instance, unsigned(5 + i));
+    rtcReleaseGeometry(instance);
+  }
+  rtcCommitScene(scene);
+  size_t hits[3] = {0, 0, 0};
+  for (const RTCRayHit& ray : randomRays(generator, 6000, false, 0.5f)) {
+    RTCRayHit found = ray;
+    intersect(scene, found);
+    CHECK(isHit(found) == isAnyHit(scene, ray.ray));
+    if (!isHit(found)) continue;
+    const unsigned i = found.hit.instID[0] - 5;
+    CHECK(i < 3);
+    if (i >= 3) continue;
+    hits[i]++;
+    CHECK(found.hit.geomID == 0);
+    /* the same ray in the instance's space */
+    RTCRayHit local = ray;
+    local.ray.org_x = 4*(ray.ray.org_x - (0.5f*float(i) - 0.5f)); local.ray.org_y *= 4; local.ray.org_z *= 4;
+    local.ray.dir_x *= 4; local.ray.dir_y *= 4; local.ray.dir_z *= 4;
+    CbvhRayHit own;
+    std::memcpy(&own, &local, sizeof(own));
+    CHECK(cbvhIntersect1(group, &own, nullptr));
+    CHECK(std::fabs(own.ray.tfar - found.ray.tfar) < 1e-4f*found.ray.tfar);
+    CHECK(own.hit.primID == found.hit.primID);
+  }
+  for (size_t n : hits) CHECK(n > 100);
+}
+
+// Nearly the surface that Embree's own subdivision makes.
+void testSurface(RTCDevice device, CbvhContext context)
+{
+  const Group group(context, 64);
+  const Scene ours(device, group);
+  Scene theirs(device, nullptr);
+  RTCGeometry geometry = Cube().newInHost(device, 64);
+  rtcAttachGeometry(theirs, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(theirs);
+  size_t hits = 0, others = 0;
+  for (const RTCRayHit& ray : randomRays(generator, 5000, false)) {
+    RTCRayHit a = ray, b = ray;
+    intersect(theirs, a);
+    intersect(ours, b);
+    hits += isHit(a);
+    others += isHit(a) != isHit(b) || (isHit(a) && (a.hit.primID != b.hit.primID || std::fabs(a.ray.tfar - b.ray.tfar) > 1e-3f));
+  }
+  CHECK(hits > 1000);
+  CHECK(others < hits/200);
+}
+
+// Groups may change, and what holds them takes their new bounds.
+void testEdits(RTCDevice device, CbvhContext context)
+{
+  const Group group(context);
+  const Scene scene(device, group);
+  const CbvhSurface surface = cbvhGetGroupSurface(group, 0);
+  const Cube moved({5, 0, 0});
+  const CbvhCage cage = moved.cage(32);
+  OK(cbvhSetCage(surface, &cage));
+  OK(cbvhCommitSurface(surface, nullptr, nullptr));
+  OK(cbvhCommitGroup(group));
+  rtcCommitGeometry(scene.geometry);
+  rtcCommitScene(scene);
+  CHECK(!isAnyHit(scene, makeRay({0.1f, 0.2f, 5}, {0, 0, -1}).ray));
+  CHECK(isAnyHit(scene, makeRay({5.1f, 0.2f, 5}, {0, 0, -1}).ray));
+}
+
+} // namespace
+
+int main()
+{
+  RTCDevice device = rtcNewDevice(nullptr);
+  CHECK(rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION) == RTC_VERSION);
+  CbvhContext context = nullptr;
+  OK(cbvhNewContext(nullptr, nullptr, nullptr, &context));
+  testHits(device, context);
+  testScenes(device, context);
+  testMasks(device, context);
+  testFilters(device, context);
+  testInstances(device, context);
+  testSurface(device, context);
+  testEdits(device, context);
+  CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
+  rtcReleaseDevice(device);
+  cbvhReleaseContext(context);
+  return conclude("hits");
+}
