@@ -190,8 +190,8 @@ CBVH_API enum CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mas
 typedef int (*CbvhProgressFunction)(void* userPtr, double done);
 
 /* Tessellates and compresses with all threads of the context. Returns CBVH_ERROR_CANCELLED where progress said so: the surface is as before,
- * and keeps its input. Quads with vertices that are not finite are left out; where a displacement returned them the surface is committed, and
- * CBVH_ERROR_INVALID_ARGUMENT is returned, whose text names the first face. Without changes since the last commit nothing is done. */
+ * and keeps its input. Quads with vertices that are not finite are left out, which cbvhCommitGroup says. Without changes since the last commit
+ * nothing is done. */
 CBVH_API enum CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr);
 
 /* Number of primitives of what was set last. */
@@ -209,7 +209,9 @@ CBVH_API enum CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* sur
 CBVH_API void cbvhRetainGroup(CbvhGroup group);
 CBVH_API void cbvhReleaseGroup(CbvhGroup group);
 
-/* Takes its surfaces as they are now: to be called before the first ray, and after commits of surfaces. */
+/* Takes its surfaces as they are now: to be called before the first ray, and after commits of surfaces. Where the displacement of a surface returned what is
+ * not finite, or a grid has vertices outside of its buffer, the rest is there, and CBVH_ERROR_INVALID_ARGUMENT is returned, once, whose text names the
+ * surface, as "geometry" and its index, and its first face or grid. */
 CBVH_API enum CbvhError cbvhCommitGroup(CbvhGroup group);
 
 CBVH_API size_t cbvhGetGroupSize(CbvhGroup group);

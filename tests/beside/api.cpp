@@ -1,0 +1,456 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* The API of libembree_cbvh: the hits of our libembree3 to the bit, input that is let go, errors that are told, commits that are cancelled. */
+
+#include "support/diced_mesh.h"
+#include "support/moving_surface.h"
+
+#include <cbvh/cbvh.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace cbvh::test {
+namespace {
+
+// A context whose errors are kept.
+struct Context
+{
+  CbvhContext handle = nullptr;
+  std::vector<std::pair<CbvhError, std::string>> told;
+
+  Context() { EXPECT_EQ(cbvhNewContext(nullptr, [](void* self, CbvhError code, const char* text) { ((Context*)self)->told.push_back({code, text}); }, this, &handle), CBVH_OK); }
+  ~Context() { cbvhReleaseContext(handle); }
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+  operator CbvhContext() const { return handle; }
+
+  // The last error, and no other.
+  void expect(CbvhError found, CbvhError code, const char* text)
+  {
+    EXPECT_EQ(found, code);
+    EXPECT_NE(std::string(cbvhGetErrorText()).find(text), std::string::npos) << cbvhGetErrorText();
+    ASSERT_EQ(told.size(), 1u);
+    EXPECT_EQ(told[0].first, code);
+    EXPECT_EQ(told[0].second, cbvhGetErrorText());
+    told.clear();
+  }
+};
+
+struct Surface
+{
+  CbvhSurface handle = nullptr;
+  explicit Surface(CbvhContext context) { EXPECT_EQ(cbvhNewSurface(context, &handle), CBVH_OK); }
+  ~Surface() { cbvhReleaseSurface(handle); }
+  Surface(const Surface&) = delete;
+  Surface& operator=(const Surface&) = delete;
+  operator CbvhSurface() const { return handle; }
+};
+
+struct Group
+{
+  CbvhGroup handle = nullptr;
+  CbvhError committed;
+  Group(CbvhContext context, const std::vector<CbvhSurface>& surfaces)
+  {
+    EXPECT_EQ(cbvhNewGroup(context, surfaces.data(), surfaces.size(), &handle), CBVH_OK);
+    committed = cbvhCommitGroup(handle);
+  }
+  ~Group() { cbvhReleaseGroup(handle); }
+  Group(const Group&) = delete;
+  Group& operator=(const Group&) = delete;
+  operator CbvhGroup() const { return handle; }
+};
+
+// Our displacement, called in their way.
+void displace(const CbvhDisplacementArguments* args)
+{
+  RTCDisplacementFunctionNArguments ours = RTCDisplacementFunctionNArguments();
+  ours.geometryUserPtr = args->userPtr;
+  ours.primID = args->primID; ours.timeStep = args->timeStep;
+  ours.u = args->u; ours.v = args->v;
+  ours.Ng_x = args->Ng_x; ours.Ng_y = args->Ng_y; ours.Ng_z = args->Ng_z;
+  ours.P_x = args->P_x; ours.P_y = args->P_y; ours.P_z = args->P_z;
+  ours.N = args->count;
+  Displacement::apply(&ours);
+}
+
+// Vertices of time steps, as the API takes them, with what is read behind the last.
+struct Steps
+{
+  std::vector<std::vector<Vec>> vertices;
+  std::vector<const float*> pointers;
+
+  Steps(const std::vector<Vec>& positions, const DicedMotion& motion, unsigned numSteps)
+  {
+    for (unsigned i = 0; i < numSteps; i++) {
+      vertices.push_back(movedTo(positions, motion, i));
+      vertices.back().push_back({0, 0, 0});
+    }
+    for (const auto& step : vertices) pointers.push_back(&step[0][0]);
+  }
+
+  CbvhVertices get(float begin = 0, float end = 1) const { return {vertices[0].size() - 1, sizeof(Vec), pointers.data(), unsigned(vertices.size()), begin, end}; }
+};
+
+struct CageInput
+{
+  std::vector<unsigned> faces, indices, creases, holes;
+  std::vector<float> weights;
+  Steps steps;
+  CbvhCage cage = CbvhCage();
+
+  CageInput(const Cage& from, const SurfaceSettings& settings)
+    : faces(from.faces.begin(), from.faces.end()), indices(from.indices.begin(), from.indices.end()), holes(from.holes.begin(), from.holes.end()),
+      weights(from.creaseWeights), steps(from.positions, settings.motion, settings.timeSteps)
+  {
+    for (const auto& crease : from.creases) { creases.push_back(crease[0]); creases.push_back(crease[1]); }
+    cage.numFaces = faces.size();
+    cage.faceVertices = faces.data();
+    cage.numIndices = indices.size();
+    cage.indices = indices.data();
+    cage.vertices = steps.get(settings.begin, settings.end);
+    cage.rate = settings.rate;
+    cage.numCreases = weights.size();
+    cage.creases = creases.data();
+    cage.creaseSharpness = weights.data();
+    cage.numHoles = holes.size();
+    cage.holes = holes.data();
+    if (settings.displacement) {
+      cage.displacement = displace;
+      cage.displacementPtr = settings.displacement;
+    }
+  }
+};
+
+// To the bit, but for IDs of geometries and instances.
+void expectSame(RTCScene scene, CbvhGroup group, const std::vector<RTCRayHit>& rays)
+{
+  size_t hits = 0;
+  for (const RTCRayHit& ray : rays) {
+    const RTCRayHit expected = intersect(scene, ray);
+    CbvhRayHit found;
+    CbvhRay any;
+    std::memcpy(&found, &ray, sizeof(found));
+    std::memcpy(&any, &ray.ray, sizeof(any));
+    ASSERT_EQ(cbvhIntersect1(group, &found, nullptr) != 0, isHit(expected));
+    ASSERT_EQ(cbvhOccluded1(group, &any, nullptr) != 0, isHit(expected));
+    ASSERT_EQ(std::memcmp(&found.ray, &expected.ray, sizeof(found.ray)), 0);
+    if (!isHit(expected)) continue;
+    ASSERT_EQ(std::memcmp(&found.hit, &expected.hit, 6*sizeof(float)), 0);
+    hits++;
+  }
+  EXPECT_GT(hits, rays.size()/20);
+}
+
+SurfaceSettings settingsOf(Displacement& displacement, unsigned timeSteps, float rate)
+{
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = RTC_COMPRESSION_VERT;
+  settings.rate = rate;
+  settings.timeSteps = timeSteps;
+  settings.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
+  return settings;
+}
+
+TEST(Beside, CagesHaveTheHitsOfOurEmbree)
+{
+  Random random(91);
+  Device device;
+  Context context;
+  Cage creased = cubeCage();
+  creased.creases = {{0,1}, {1,3}, {3,2}, {2,0}};
+  creased.creaseWeights = {INFINITY, 2.5f, 0.7f, INFINITY};
+  Cage withHole = sheetCage(4);
+  withHole.holes = {5};
+  for (const Cage& cage : {creased, withHole, prismCage(5)})
+    for (unsigned timeSteps : {1u, 3u}) {
+      Displacement displacement;
+      const SurfaceSettings settings = settingsOf(displacement, timeSteps, 13);
+      const SurfaceScene scene(device, cage, settings);
+      const Surface surface(context);
+      {
+        auto input = std::make_unique<CageInput>(cage, settings);
+        ASSERT_EQ(cbvhSetCage(surface, &input->cage), CBVH_OK) << cbvhGetErrorText();
+        input.reset();
+      }
+      ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+      EXPECT_EQ(cbvhGetSurfacePrimitiveCount(surface), cage.faces.size());
+      const Group group(context, {surface});
+      EXPECT_EQ(group.committed, CBVH_OK);
+      ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, timedRays(random, 1500)));
+      CbvhStatistics statistics;
+      ASSERT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK);
+      EXPECT_EQ(statistics.numQuads, statisticsOf(scene).numQuads);
+      EXPECT_EQ(statistics.numMovingQuads, timeSteps > 1 ? statistics.numQuads : 0);
+      EXPECT_GT(statistics.bytes, statistics.numQuads);
+    }
+  EXPECT_TRUE(context.told.empty());
+}
+
+// Vertices of grids and meshes are read by the commit, and gone when rays come.
+TEST(Beside, WhatWasDicedHasTheHitsOfOurEmbree)
+{
+  Random random(92);
+  Device device;
+  Context context;
+  const DicedMotion motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
+  Diced diced = dicedSheet(3, 16);
+  diced.motion = motion;
+  for (unsigned timeSteps : {1u, 2u}) {
+    const auto compare = [&](RTCGeometry geometry, CbvhSurface surface, const std::vector<RTCRayHit>& rays) {
+      Scene scene(device);
+      attach(scene, geometry);
+      rtcCommitScene(scene);
+      const Group group(context, {surface});
+      EXPECT_EQ(group.committed, CBVH_OK);
+      expectSame(scene, group, rays);
+    };
+    std::vector<RTCRayHit> rays = timedRays(random, 3000);
+    {
+      const Surface surface(context);
+      auto steps = std::make_unique<Steps>(diced.vertices, motion, timeSteps);
+      std::vector<CbvhGrid> grids;
+      for (const RTCGrid& g : diced.grids) grids.push_back({g.startVertexID, g.stride, g.width, g.height});
+      const CbvhGrids input = {grids.size(), grids.data(), steps->get()};
+      ASSERT_EQ(cbvhSetGrids(surface, &input), CBVH_OK);
+      grids.clear();
+      ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+      steps.reset();
+      ASSERT_NO_FATAL_FAILURE(compare(newGrids(device, diced, RTC_COMPRESSION_VERT, 0, timeSteps), surface, rays));
+    }
+    DicedMesh quads = meshOf(diced, QuadOrder::Rows, random);
+    quads.motion = motion;
+    for (const DicedMesh& mesh : {quads, trianglesOf(quads, 1, 2)}) {
+      const Surface surface(context);
+      auto steps = std::make_unique<Steps>(mesh.vertices, motion, timeSteps);
+      const unsigned* const indices = mesh.isOfTriangles() ? mesh.triangles[0].data() : mesh.quads[0].data();
+      const CbvhMesh input = {mesh.isOfTriangles() ? 3u : 4u, mesh.size(), indices, steps->get()};
+      ASSERT_EQ(cbvhSetMesh(surface, &input), CBVH_OK);
+      ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+      steps.reset();
+      ASSERT_NO_FATAL_FAILURE(compare(newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, timeSteps), surface, rays));
+    }
+  }
+}
+
+TEST(Beside, AMeshThatLiesInNoGridsIsAnError)
+{
+  Random random(93);
+  Context context;
+  const Surface surface(context);
+  std::vector<Vec> vertices;
+  std::vector<std::array<unsigned, 3>> triangles;
+  for (unsigned i = 0; i < 3000; i++) {
+    vertices.push_back({float(random.uniform()), float(random.uniform()), float(random.uniform())});
+    if (i >= 3) triangles.push_back({random.below(i), random.below(i), random.below(i)});
+  }
+  const Steps steps(vertices, nullptr, 1);
+  const CbvhMesh input = {3, triangles.size(), triangles[0].data(), steps.get()};
+  ASSERT_EQ(cbvhSetMesh(surface, &input), CBVH_OK);
+  context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION, "do not lie in grids");
+}
+
+TEST(Beside, BadInputIsAnErrorThatNamesIt)
+{
+  Context context;
+  const Surface surface(context);
+  Displacement displacement;
+  context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION, "no cage");
+  const auto refuse = [&](const char* text, const std::function<void(CbvhCage&)>& spoil) {
+    SCOPED_TRACE(text);
+    CageInput input(cubeCage(), settingsOf(displacement, 2, 4));
+    spoil(input.cage);
+    context.expect(cbvhSetCage(surface, &input.cage), CBVH_ERROR_INVALID_ARGUMENT, text);
+  };
+  const std::vector<const float*> none(2, nullptr);
+  refuse("no faces", [](CbvhCage& c) { c.numFaces = 0; });
+  refuse("no faces", [](CbvhCage& c) { c.indices = nullptr; });
+  refuse("rate", [](CbvhCage& c) { c.rate = 0; });
+  refuse("rate", [](CbvhCage& c) { c.rate = NAN; });
+  refuse("stride", [](CbvhCage& c) { c.vertices.stride = 10; });
+  refuse("time steps", [](CbvhCage& c) { c.vertices.numSteps = 130; });
+  refuse("time range", [](CbvhCage& c) { c.vertices.end = c.vertices.begin; });
+  refuse("NULL", [&](CbvhCage& c) { c.vertices.steps = none.data(); });
+  refuse("no vertices", [](CbvhCage& c) { c.vertices.count = 0; });
+  refuse("creases", [](CbvhCage& c) { c.numCreases = 2; c.creases = nullptr; });
+  refuse("boundary", [](CbvhCage& c) { c.boundary = CbvhBoundary(9); });
+  context.expect(cbvhSetCage(surface, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "NULL");
+  const CbvhAccuracy negative = {-1, 0, {0, 0, 0}, 0};
+  context.expect(cbvhSetAccuracy(surface, &negative), CBVH_ERROR_INVALID_ARGUMENT, "negative");
+
+  /* an index behind the vertices: the commit's error */
+  CageInput input(cubeCage(), settingsOf(displacement, 1, 4));
+  input.indices[3] = 77;
+  ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+  context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "vertex 77");
+
+  EXPECT_EQ(cbvhNewSurface(nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(cbvhCommitGroup(nullptr), CBVH_ERROR_INVALID_ARGUMENT);
+  CbvhGroup group = nullptr;
+  const CbvhSurface surfaces[2] = {surface, nullptr};
+  context.expect(cbvhNewGroup(context, surfaces, 2, &group), CBVH_ERROR_INVALID_ARGUMENT, "a surface is NULL");
+  Context other;
+  EXPECT_EQ(cbvhNewGroup(other, surfaces, 1, &group), CBVH_ERROR_INVALID_ARGUMENT);
+  ASSERT_EQ(cbvhNewGroup(context, surfaces, 1, &group), CBVH_OK);
+  context.expect(cbvhCommitGroup(group), CBVH_ERROR_INVALID_OPERATION, "not committed");
+  cbvhReleaseGroup(group);
+  CbvhContext none2 = nullptr;
+  EXPECT_NE(cbvhNewContext("cbvh_bogus=1", nullptr, nullptr, &none2), CBVH_OK);
+  EXPECT_EQ(none2, nullptr);
+}
+
+// What is left out is told, and the rest is there.
+TEST(Beside, ADisplacementThatIsNotFiniteIsTold)
+{
+  Random random(94);
+  Device device;
+  Context context;
+  Displacement displacement;
+  displacement.poison = [](unsigned primID, float u, float v) { return primID == 2 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f; };
+  const SurfaceSettings settings = settingsOf(displacement, 1, 32);
+  const SurfaceScene scene(device, cubeCage(), settings);
+  const Surface surface(context);
+  const CageInput input(cubeCage(), settings);
+  ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
+  const Group group(context, {surface});
+  context.expect(group.committed, CBVH_ERROR_INVALID_ARGUMENT, "geometry 0, face 2");
+  ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, raysAt(random, 2000)));
+}
+
+TEST(Beside, CommitsTellHowFarTheyAreAndCanBeCancelled)
+{
+  Random random(95);
+  Device device;
+  Context context;
+  Displacement displacement;
+  const SurfaceSettings settings = settingsOf(displacement, 1, 200);
+  const CageInput input(sheetCage(8), settings);
+  const Surface surface(context);
+  ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+  struct Told { std::atomic<unsigned> calls{0}; unsigned most; } told;
+  const auto progress = [](void* self, double done) {
+    Told& told = *(Told*)self;
+    return int(done >= 0 && done <= 1 && ++told.calls <= told.most);
+  };
+  told.most = 3;
+  context.expect(cbvhCommitSurface(surface, progress, &told), CBVH_ERROR_CANCELLED, "");
+  EXPECT_GT(told.calls, 3u);
+  told.most = ~0u;
+  ASSERT_EQ(cbvhCommitSurface(surface, progress, &told), CBVH_OK) << cbvhGetErrorText();
+  const SurfaceScene scene(device, sheetCage(8), settings);
+  const Group group(context, {surface});
+  ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, raysAt(random, 1000)));
+}
+
+TEST(Beside, AttributesAreInterpolatedWhereTheCageIsGone)
+{
+  Device device;
+  Context context;
+  Displacement displacement;
+  const Cage cage = cubeCage();
+  std::vector<float> ofVertices, ofCorners;
+  std::vector<unsigned> corners;
+  for (size_t i = 0; i < cage.positions.size(); i++) ofVertices.push_back(float(i*i));
+  for (size_t i = 0; i < cage.indices.size(); i++) { ofCorners.push_back(float(i % 4 == 1 || i % 4 == 2)); ofCorners.push_back(float(i % 4 >= 2)); corners.push_back(unsigned(i)); }
+  const Surface surface(context);
+  {
+    CageInput input(cage, settingsOf(displacement, 1, 8));
+    const CbvhAttribute attributes[2] = {{ofVertices.data(), ofVertices.size(), 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH}, {ofCorners.data(), corners.size(), 8, 2, corners.data(), CBVH_BOUNDARY_PIN_ALL}};
+    input.cage.numAttributes = 2;
+    input.cage.attributes = attributes;
+    ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK) << cbvhGetErrorText();
+  }
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  for (unsigned face = 0; face < 6; face++) {
+    float uv[2], dPdu[2], dPdv[2], value = -1;
+    ASSERT_EQ(cbvhInterpolate(surface, face, 0.25f, 0.75f, 1, uv, dPdu, dPdv), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_NEAR(uv[0], 0.25f, 1e-5f);
+    EXPECT_NEAR(uv[1], 0.75f, 1e-5f);
+    EXPECT_NEAR(dPdu[0], 1, 1e-4f);
+    EXPECT_NEAR(dPdv[1], 1, 1e-4f);
+    ASSERT_EQ(cbvhInterpolate(surface, face, 0.5f, 0.5f, 0, &value, nullptr, nullptr), CBVH_OK);
+    EXPECT_TRUE(value >= 0 && value <= 49);
+  }
+  context.expect(cbvhInterpolate(surface, 0, 0, 0, 2, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "attribute");
+  context.expect(cbvhInterpolate(surface, 6, 0, 0, 0, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "face");
+}
+
+// Of hits, and all of them.
+TEST(Beside, TrianglesComeOut)
+{
+  Random random(96);
+  Context context;
+  Displacement displacement;
+  const SurfaceSettings settings = settingsOf(displacement, 2, 16);
+  const Surface surface(context);
+  const CageInput input(cubeCage(), settings);
+  ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
+  const Group group(context, {surface});
+  size_t hits = 0;
+  for (const RTCRayHit& ray : timedRays(random, 500)) {
+    CbvhRayHit r;
+    std::memcpy(&r, &ray, sizeof(r));
+    if (!cbvhIntersect1(group, &r, nullptr)) continue;
+    hits++;
+    CbvhTriangle t;
+    ASSERT_TRUE(cbvhGetTriangle(surface, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+    const float Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, o[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z}, d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
+    double height = 0, n = 0;
+    for (int k = 0; k < 3; k++) { height += Ng[k]*(o[k] + double(r.ray.tfar)*d[k] - t.vertices[0][k]); n += double(Ng[k])*Ng[k]; }
+    ASSERT_LT(std::fabs(height), 1e-5*std::sqrt(n));
+  }
+  EXPECT_GT(hits, 100u);
+  CbvhTriangle t;
+  EXPECT_FALSE(cbvhGetTriangle(surface, 0, 77, 0.5f, 0.5f, nullptr, &t));
+  size_t quads = 0;
+  ASSERT_EQ(cbvhForEachPart(surface, 0.5f, [](void* sum, const CbvhPart* part) { *(size_t*)sum += size_t(part->width - 1)*(part->height - 1); return 1; }, &quads), CBVH_OK);
+  EXPECT_EQ(quads, 6u*16*16);
+}
+
+// Objects go with their last reference, whoever has it, and groups see surfaces as they were committed.
+TEST(Beside, WhatIsHeldStays)
+{
+  CbvhContext context = nullptr;
+  ASSERT_EQ(cbvhNewContext("threads=1", nullptr, nullptr, &context), CBVH_OK);
+  Displacement displacement;
+  CbvhGroup group = nullptr;
+  {
+    const Surface surface(context);
+    const CageInput input(cubeCage(), settingsOf(displacement, 1, 16));
+    ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+    ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
+    const CbvhSurface handle = surface;
+    ASSERT_EQ(cbvhNewGroup(context, &handle, 1, &group), CBVH_OK);
+    ASSERT_EQ(cbvhCommitGroup(group), CBVH_OK);
+    EXPECT_EQ(cbvhGetGroupSurface(group, 0), handle);
+    EXPECT_EQ(cbvhGetGroupSurface(group, 1), nullptr);
+  }
+  cbvhReleaseContext(context);
+  float lower[3], upper[3];
+  cbvhGetGroupBounds(group, lower, upper);
+  EXPECT_LT(lower[0], -0.3f);
+  EXPECT_GT(upper[2], 0.3f);
+  CbvhRayHit ray = {};
+  ray.ray.org_z = 5; ray.ray.org_x = ray.ray.org_y = 0.01f; ray.ray.dir_z = -1; ray.ray.tfar = INFINITY; ray.ray.mask = ~0u;
+  ray.hit.geomID = 17; ray.hit.instID = 18;
+  EXPECT_TRUE(cbvhIntersect1(group, &ray, nullptr));
+  EXPECT_EQ(ray.hit.geomID, 0u);
+  EXPECT_EQ(ray.hit.instID, 18u);
+  ray.ray.dir_z = 1;
+  ray.ray.tfar = INFINITY;
+  ray.hit.geomID = 17;
+  EXPECT_FALSE(cbvhIntersect1(group, &ray, nullptr));
+  EXPECT_EQ(ray.hit.geomID, 17u);
+  int mine = 0;
+  cbvhSetGroupUserPtr(group, &mine);
+  EXPECT_EQ(cbvhGetGroupUserPtr(group), &mine);
+  cbvhReleaseGroup(group);
+}
+
+} // namespace
+} // namespace cbvh::test

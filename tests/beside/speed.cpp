@@ -1,0 +1,119 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* How fast a displaced cube of libembree_cbvh is through the user geometry of the Embree that is around, of its own rays and of that Embree's own
+ * subdivision surface: rays a second of one thread, medians of turns. beside_speed [--rays N] [--rate R] [--turns N] */
+
+#include "host.h"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+using namespace host;
+
+namespace {
+
+double secondsOf(const std::function<void()>& run)
+{
+  const auto start = std::chrono::steady_clock::now();
+  run();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double median(std::vector<double> values)
+{
+  std::sort(values.begin(), values.end());
+  return values[values.size()/2];
+}
+
+// What is traced in turns, on the same rays.
+struct Contender
+{
+  const char* name;
+  std::function<void(std::vector<RTCRayHit>&)> trace;
+  std::vector<double> seconds;
+};
+
+template<unsigned N>
+void inPackets(RTCScene scene, std::vector<RTCRayHit>& rays)
+{
+  alignas(64) int valid[N];
+  std::fill(valid, valid + N, -1);
+  for (size_t first = 0; first + N <= rays.size(); first += N) {
+    typename Packet<N>::RayHits packet;
+    for (unsigned i = 0; i < N; i++) setRay(&packet, N, i, rays[first + i]);
+    intersect(valid, scene, packet);
+  }
+}
+
+void measure(const char* what, const std::vector<RTCRayHit>& rays, std::vector<Contender> contenders, unsigned turns)
+{
+  for (unsigned turn = 0; turn < turns; turn++)
+    for (Contender& contender : contenders) {
+      std::vector<RTCRayHit> traced = rays;
+      contender.seconds.push_back(secondsOf([&] { contender.trace(traced); }));
+    }
+  const double first = median(contenders[0].seconds);
+  std::printf("| %-22s |", what);
+  for (const Contender& contender : contenders) std::printf(" %6.2f |", double(rays.size())/median(contender.seconds)*1e-6);
+  for (size_t i = 1; i < contenders.size(); i++) std::printf(" %5.2f |", median(contenders[i].seconds)/first);
+  std::printf("\n");
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+  size_t count = 200000;
+  float rate = 256;
+  unsigned turns = 7;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string option = argv[i];
+    if (option == "--rays") count = std::strtoul(argv[i + 1], nullptr, 10);
+    else if (option == "--rate") rate = std::strtof(argv[i + 1], nullptr);
+    else if (option == "--turns") turns = unsigned(std::strtoul(argv[i + 1], nullptr, 10));
+    else { std::fprintf(stderr, "beside_speed: unknown option %s\n", argv[i]); return 1; }
+  }
+  RTCDevice device = rtcNewDevice(nullptr);
+  ssize_t live = 0;
+  rtcSetDeviceMemoryMonitorFunction(device, [](void* sum, ssize_t bytes, bool) { __atomic_add_fetch((ssize_t*)sum, bytes, __ATOMIC_RELAXED); return true; }, &live);
+  CbvhContext context = nullptr;
+  OK(cbvhNewContext(nullptr, nullptr, nullptr, &context));
+  {
+    std::unique_ptr<Group> group;
+    const double ours = secondsOf([&] { group = std::make_unique<Group>(context, rate); });
+    const Scene scene(device, *group);
+    Scene own(device, nullptr);
+    const ssize_t before = live;
+    RTCGeometry geometry = Cube().newInHost(device, rate);
+    rtcAttachGeometry(own, geometry);
+    rtcReleaseGeometry(geometry);
+    const double theirs = secondsOf([&] { rtcCommitScene(own); });
+    CbvhStatistics statistics;
+    OK(cbvhGetGroupStatistics(*group, &statistics));
+    const double quads = double(statistics.numQuads);
+    std::printf("Embree %s; a displaced cube of %.2f million quads: %.1f bytes a quad, built in %.2f s; its own subdivision surface %.1f bytes, %.2f s\n\n", RTC_VERSION_STRING,
+                quads*1e-6, double(statistics.bytes)/quads, ours, double(live - before)/quads, theirs);
+    std::printf("| rays, million a second | user geometry | libembree_cbvh alone | Embree's own | user geometry of alone | of Embree's own |\n|:--|--:|--:|--:|--:|--:|\n");
+    const auto single = [](RTCScene in) { return [in](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) intersect(in, r); }; };
+    const auto any = [](RTCScene in) { return [in](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) occluded(in, r.ray); }; };
+    const CbvhGroup handle = *group;
+    const auto alone = [handle](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) cbvhIntersect1(handle, (CbvhRayHit*)&r, nullptr); };
+    const auto aloneAny = [handle](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) cbvhOccluded1(handle, (CbvhRay*)&r.ray, nullptr); };
+    std::mt19937 random(1);
+    for (bool areCoherent : {true, false}) {
+      const std::vector<RTCRayHit> rays = randomRays(random, count, areCoherent);
+      const std::string set = areCoherent ? "coherent" : "incoherent";
+      measure((set + ", closest").c_str(), rays, {{"", single(scene), {}}, {"", alone, {}}, {"", single(own), {}}}, turns);
+      measure((set + ", any").c_str(), rays, {{"", any(scene), {}}, {"", aloneAny, {}}, {"", any(own), {}}}, turns);
+      measure((set + ", packets of 8").c_str(), rays, {{"", [&](std::vector<RTCRayHit>& r) { inPackets<8>(scene, r); }, {}}, {"", alone, {}}, {"", [&](std::vector<RTCRayHit>& r) { inPackets<8>(own, r); }, {}}}, turns);
+      measure((set + ", packets of 16").c_str(), rays, {{"", [&](std::vector<RTCRayHit>& r) { inPackets<16>(scene, r); }, {}}, {"", alone, {}}, {"", [&](std::vector<RTCRayHit>& r) { inPackets<16>(own, r); }, {}}}, turns);
+    }
+  }
+  rtcReleaseDevice(device);
+  cbvhReleaseContext(context);
+  return failures ? 1 : 0;
+}
