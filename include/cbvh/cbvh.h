@@ -54,7 +54,7 @@ typedef struct CbvhContextTy* CbvhContext;
 /* Is told of each error, by the thread that it happens to, before the call returns. */
 typedef void (*CbvhErrorFunction)(void* userPtr, enum CbvhError code, const char* text);
 
-/* Makes a context. settings: as of Embree's devices, "threads=4,isa=avx2", or NULL. function: may be NULL. context: written if there is
+/* Makes a context, and counts its references. settings: as of Embree's devices, "threads=4,isa=avx2", or NULL. function: may be NULL. context: written if there is
  * no error. */
 CBVH_API enum CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr, CbvhContext* context);
 CBVH_API void cbvhRetainContext(CbvhContext context);
@@ -214,6 +214,7 @@ CBVH_API void cbvhReleaseGroup(CbvhGroup group);
  * surface, as "geometry" and its index, and its first face or grid. */
 CBVH_API enum CbvhError cbvhCommitGroup(CbvhGroup group);
 
+/* Its surfaces: how many they are, and one of them, or NULL. They stay the group's. */
 CBVH_API size_t cbvhGetGroupSize(CbvhGroup group);
 CBVH_API CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index);
 

@@ -68,8 +68,9 @@ static inline CbvhWord* cbvhWordOf(void* of, unsigned int N, unsigned int word, 
 /* Writes what a hit has of the application's scene. hits: RTCHitN of N */
 static inline void cbvhNameHit(void* hits, unsigned int N, unsigned int i, CbvhGroup group, unsigned int geomID, const CbvhRTCContext* context)
 {
+  const unsigned int surface = *cbvhWordOf(hits, N, CBVH_HIT_GEOM_ID, i);
   unsigned int level;
-  *cbvhWordOf(hits, N, CBVH_HIT_PRIM_ID, i) += cbvhGetGroupFirstPrimitive(group, *cbvhWordOf(hits, N, CBVH_HIT_GEOM_ID, i));
+  if (surface != 0) *cbvhWordOf(hits, N, CBVH_HIT_PRIM_ID, i) += cbvhGetGroupFirstPrimitive(group, surface);
   *cbvhWordOf(hits, N, CBVH_HIT_GEOM_ID, i) = geomID;
   for (level = 0; level < RTC_MAX_INSTANCE_LEVEL_COUNT; level++) {
     *cbvhWordOf(hits, N, CBVH_HIT_INST_ID + level, i) = context->instID[level];

@@ -15,7 +15,7 @@ include("${CMAKE_SOURCE_DIR}/kernels/upstream/pin.cmake")
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL lib devel examples)
+set(CPACK_COMPONENTS_ALL lib devel examples beside beside_devel)
 if(TARGET embree_cbvh)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
@@ -63,6 +63,12 @@ cbvh_package(devel libembree-cbvh-dev libembree-dev same libdevel "Embree CBVH: 
 set(CPACK_DEBIAN_DEVEL_PACKAGE_DEPENDS "libembree3-cbvh (= ${PROJECT_VERSION}), libtbb-dev")
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SUGGESTS "libvulkan-dev, glslc") # rtcore_vulkan.h, cbvh.glsl
+
+# Beside any Embree, in place of none.
+cbvh_package(beside libembree-cbvh0 "" same libs "Compressed subdivision surfaces beside any Embree")
+cbvh_package(beside_devel libembree-cbvh0-dev "" same libdevel "Compressed subdivision surfaces beside any Embree: headers, manual pages, CMake and pkg-config")
+set(CPACK_DEBIAN_BESIDE_DEVEL_PACKAGE_DEPENDS "libembree-cbvh0 (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_BESIDE_DEVEL_PACKAGE_SHLIBDEPS OFF)
 
 cbvh_package(examples embree-cbvh-tools embree-tools foreign graphics "Embree CBVH: its programs and Embree's")
 set(CPACK_DEBIAN_EXAMPLES_PACKAGE_DEPENDS "libembree3-cbvh (= ${PROJECT_VERSION})")

@@ -27,6 +27,8 @@ foreach(file IN LISTS files)
   configure_file("${CMAKE_CURRENT_LIST_DIR}/${file}.in" "${CMAKE_BINARY_DIR}/pkgconfig/${file}" @ONLY)
   install(FILES "${CMAKE_BINARY_DIR}/pkgconfig/${file}" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT devel)
 endforeach()
+configure_file("${CMAKE_CURRENT_LIST_DIR}/embree_cbvh.pc.in" "${CMAKE_BINARY_DIR}/pkgconfig/embree_cbvh.pc" @ONLY)
+install(FILES "${CMAKE_BINARY_DIR}/pkgconfig/embree_cbvh.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT beside_devel)
 
 # --- manual pages: upstream installs its own beside them --------------------------------------
 
@@ -36,6 +38,7 @@ if(Python3_Interpreter_FOUND)
   if(TARGET embree_vulkan)
     list(APPEND headers "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_vulkan.h")
   endif()
+  list(APPEND headers "${CMAKE_SOURCE_DIR}/include/cbvh/cbvh.h")
   set(man "${CMAKE_BINARY_DIR}/man/man3")
   set(script "${CMAKE_CURRENT_LIST_DIR}/man_pages.py")
   add_custom_command(OUTPUT "${man}/rtcSetGeometryCompression.3embree3"
@@ -43,7 +46,8 @@ if(Python3_Interpreter_FOUND)
     COMMAND "${Python3_EXECUTABLE}" -B "${script}" "${PROJECT_VERSION}" "${man}" ${headers}
     DEPENDS "${script}" ${headers} VERBATIM)
   add_custom_target(cbvh_man_pages ALL DEPENDS "${man}/rtcSetGeometryCompression.3embree3")
-  install(DIRECTORY "${man}" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT devel)
+  install(DIRECTORY "${man}" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT devel FILES_MATCHING PATTERN "*.3embree3")
+  install(DIRECTORY "${man}" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT beside_devel FILES_MATCHING PATTERN "*.3cbvh")
 endif()
 
 # Those of the programs are their --help, laid out.

@@ -14,10 +14,16 @@ import os
 import re
 import sys
 
-DECLARATION = re.compile(r"^(?:RTC_API|RTC_FORCEINLINE)\s+(?P<returns>[\w\s*]+?)\s*(?P<name>rtc\w+)\s*\((?P<arguments>[^)]*)\)")
-TYPE = re.compile(r"^(?:struct|enum) (\w+)\n\{.*?^\};", re.S | re.M)
+DECLARATION = re.compile(r"^(?:RTC_API|RTC_FORCEINLINE|CBVH_API)\s+(?P<returns>[\w\s*]+?)\s*(?P<name>(?:rtc|cbvh)\w+)\s*\((?P<arguments>[^)]*)\)")
+TYPE = re.compile(r"^(?:struct|enum) (?:CBVH_ALIGNED )?(\w+)\n\{.*?^\};", re.S | re.M)
 ITEM = re.compile(r"^(?:- |[a-z]\w*(?:, [a-z]\w*)*: )")
-FAILURE = "On failure an error code is set that can be queried using rtcGetDeviceError."
+
+# By the folder of a header: the section of its pages, and what they say of failures.
+SECTIONS = {"embree3": "3embree3", "cbvh": "3cbvh"}
+FAILURES = {
+    "embree3": "On failure an error code is set that can be queried using rtcGetDeviceError.",
+    "cbvh": "What returns enum CbvhError returns CBVH_OK, or on failure a code of which cbvhGetErrorText says more.",
+}
 
 
 def comment_text(lines):
@@ -83,14 +89,14 @@ def code(text):
     return [".IP", ".nf", "\\f[C]"] + [escaped(line) for line in text.split("\n")] + ["\\f[R]", ".fi"]
 
 
-def page(name, version, include, comment, declarations, types, others):
+def page(name, version, folder, include, comment, declarations, types, others):
     texts = paragraphs(comment)
     errors = [text for text in texts if text.startswith("Errors: ")]
     described = [text for text in texts if text not in errors]
     summary = re.split(r"[.:;] |\.$|, which ", described[0])[0]
     out = ['.TH "%s" "3" "" "Embree CBVH %s" "Embree Ray Tracing Kernels 3"' % (name, version), ".hy"]
     out += [".SS NAME"] + code("%s - %s" % (name, summary[0].lower() + summary[1:]))
-    out += [".SS SYNOPSIS"] + code("\n\n".join(["#include <embree3/%s>" % include] + types + declarations))
+    out += [".SS SYNOPSIS"] + code("\n\n".join(["#include <%s/%s>" % (folder, include)] + types + declarations))
     out += [".SS DESCRIPTION"]
     for text in described:
         if ITEM.match(text):
@@ -98,15 +104,15 @@ def page(name, version, include, comment, declarations, types, others):
             out += ['.IP "%s" 4' % ("\\(bu" if mark == "- " else mark.strip(": ")), escaped(rest)]
         else:
             out += [".PP", escaped(text)]
-    out += [".SS EXIT STATUS", ".PP", FAILURE]
+    out += [".SS EXIT STATUS", ".PP", FAILURES[folder]]
     for text in errors:
         out += [".PP", escaped(text[len("Errors: "):][0].upper() + text[len("Errors: ") + 1:])]
     out += [".SS SEE ALSO", ".PP", escaped(", ".join("[%s]" % other for other in others if other != name))]
     return "\n".join(out) + "\n"
 
 
-def write(folder, name, text):
-    with open(os.path.join(folder, name + ".3embree3"), "w", encoding="utf-8") as file:
+def write(folder, name, section, text):
+    with open(os.path.join(folder, name + "." + section), "w", encoding="utf-8") as file:
         file.write(text)
 
 
@@ -121,6 +127,8 @@ def main():
     for path in arguments.headers:
         with open(path, encoding="utf-8") as file:
             header = file.read()
+        include = os.path.basename(os.path.dirname(path))
+        section = SECTIONS[include]
         types = {found[1]: found[0] for found in TYPE.finditer(header)}
         documented = functions_of(header)
         others = [functions[0][0] for _, functions in documented]
@@ -130,9 +138,9 @@ def main():
             # an enumeration that only a structure names
             used = [types[name] for name in types if types[name] not in used and re.search(r"\b%s\b" % name, "\n".join(used))] + used
             first = functions[0][0]
-            write(folder, first, page(first, version, os.path.basename(path), comment, declarations, used, others))
+            write(folder, first, section, page(first, version, include, os.path.basename(path), comment, declarations, used, others))
             for name, _ in functions[1:]:
-                write(folder, name, ".so man3/%s.3embree3\n" % first)
+                write(folder, name, section, ".so man3/%s.%s\n" % (first, section))
 
 
 if __name__ == "__main__":

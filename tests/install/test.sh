@@ -50,9 +50,20 @@ if [ -e "$work/prefix/include/embree3/rtcore_vulkan.h" ]; then
   "$work/build/on_vulkan" || fail "find_package has no embree_vulkan that runs"
 fi
 
+# --- the library beside any Embree: a program on Debian's own --------------------------------------
+
+[ -e "$work/prefix/lib/libembree_cbvh.so.0" ] || fail "libembree_cbvh is not installed"
+mkdir "$work/beside"
+cp "$here/beside/CMakeLists.txt" "$here"/../../tutorials/beside/*.cpp "$here"/../../tutorials/beside/*.h "$work/beside/"
+"$cmake" -S "$work/beside" -B "$work/beside/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DSTOCK_DIRECTORY="$stock" > "$work/log" && "$cmake" --build "$work/beside/build" >> "$work/log" 2>&1 ||
+  { cat "$work/log"; fail "find_package has no embree_cbvh"; }
+(cd "$work/beside" && LD_LIBRARY_PATH="$stock" ./build/displaced_cage) || fail "a program with libembree_cbvh does not run"
+LD_LIBRARY_PATH="$stock" ldd "$work/beside/build/displaced_cage" | grep -q "libembree3.so.3 => $stock" || fail "it runs on an Embree that is not Debian's"
+
 # --- pkg-config -----------------------------------------------------------------------------------
 
 export PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig"
+[ "$(pkg-config --modversion embree_cbvh)" = "$version" ] || fail "pkg-config has another version of libembree_cbvh"
 [ "$(pkg-config --modversion embree3)" = 3.13.5 ] || fail "pkg-config has another version of Embree"
 [ "$(pkg-config --variable=cbvh_version embree3)" = "$version" ] || fail "pkg-config has another version of ours"
 # shellcheck disable=SC2046
@@ -66,6 +77,9 @@ for function in $(sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' "$wor
   page=$work/prefix/share/man/man3/$function.3embree3
   [ -s "$page" ] || fail "$function has no manual page"
   grep -q "$function" "$page" || fail "$page does not name it"
+done
+for function in $(grep -o '^CBVH_API .*' "$work/prefix/include/cbvh/cbvh.h" | grep -o 'cbvh[A-Za-z0-9]*(' | tr -d '('); do
+  [ -s "$work/prefix/share/man/man3/$function.3cbvh" ] || fail "$function has no manual page"
 done
 if command -v help2man > /dev/null; then
   for program in "$work"/prefix/bin/cbvh_*; do

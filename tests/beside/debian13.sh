@@ -1,0 +1,46 @@
+#!/bin/sh
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# libembree_cbvh as it was built here, on Debian 13 beside its Embree 4: the tests of hits, both examples, and how fast it is. Needs root,
+# debootstrap, the machine's package registry and 1 GB; two minutes, and seconds when the root is there already.
+#
+#   debian13.sh BUILD-DIRECTORY DIRECTORY-FOR-THE-ROOT
+set -eu
+build=$(cd "$1" && pwd) roots=$2
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
+fail() { echo "FAILED: $*" >&2; exit 1; }
+
+mkdir -p "$roots"
+root=$(cd "$roots" && pwd)/trixie
+if [ ! -d "$root" ]; then
+  mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Origin: Debian' 'Component: main' | sort -u | head -n 1)
+  debootstrap --variant=minbase trixie "$root.part" "$mirror" > "$roots/log" || { tail "$roots/log"; fail "debootstrap"; }
+  cp /etc/resolv.conf "$root.part/etc/"
+  { chroot "$root.part" apt-get -q update && chroot "$root.part" apt-get -q -y --no-install-recommends install g++ libembree-dev valgrind; } > "$roots/log" 2>&1 ||
+    { tail "$roots/log"; fail "packages of Debian 13"; }
+  mv "$root.part" "$root"
+fi
+trap 'umount "$root/proc" 2>/dev/null || true' EXIT
+mount --bind /proc "$root/proc" # for valgrind
+work=$root/root/beside
+rm -rf "$work"
+mkdir -p "$work/include"
+cp -rL "$build/include/cbvh" "$work/include/"
+cp "$build"/kernels/beside/libembree_cbvh.so.0 "$here"/*.cpp "$here"/*.h "$here"/../../tutorials/beside/*.cpp "$here"/../../tutorials/beside/*.h "$work/"
+rm "$work/api.cpp" # which is beside our own library
+inside() { chroot "$root" sh -c "cd /root/beside && $*"; }
+for program in hits displaced_cage diced_grids speed; do
+  inside "g++ -std=c++17 -O2 -Wall -Wextra -Werror -Iinclude $program.cpp -o $program ./libembree_cbvh.so.0 -lembree4 -Wl,-rpath,/root/beside" || fail "$program does not compile"
+  inside "./$program" || fail "$program"
+done
+for picture in displaced_cage diced_grids; do
+  if [ -x "$build/tutorials/beside/$picture" ]; then
+    "$build/tutorials/beside/$picture" "$work/here.pgm" > /dev/null
+    cmp "$work/here.pgm" "$work/$picture.pgm" || fail "$picture is another picture beside Embree 4"
+  fi
+done
+inside "valgrind -q --leak-check=full --errors-for-leak-kinds=definite --error-exitcode=1 ./displaced_cage" > "$roots/log" 2>&1 ||
+  if grep -q "Unrecognised instruction\|unhandled instruction" "$roots/log"; then echo "valgrind does not know this processor's instructions"; else tail -n 30 "$roots/log"; fail "valgrind"; fi
+echo "Debian 13: all well"
