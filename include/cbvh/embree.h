@@ -16,8 +16,8 @@
  * It is a geometry of type RTC_GEOMETRY_TYPE_USER with one primitive. A group has to be committed before, and to stay as long as the
  * geometry does; after another commit of it rtcCommitGeometry and rtcCommitScene take the new bounds.
  *
- * Many surfaces that overlap are traced sooner as one group than as many. The primitives of a group's surfaces are numbered through, one surface behind
- * the other: cbvhFindGroupPrimitive says which surface and which of its primitives a hit's primID is. */
+ * The primitives of a group's surfaces are numbered through, one surface behind the other: cbvhFindGroupPrimitive says which surface and which of its
+ * primitives a hit's primID is. */
 
 #include "cbvh.h"
 
@@ -155,12 +155,14 @@ static inline void cbvhStartQuery(struct CbvhQuery* query, struct CbvhFilterCall
   query->flags = 0;
   query->filter = flags ? cbvhFilterHits : NULL;
   query->filterPtr = call;
-  call->args = args;
-  call->group = group;
-  call->geomID = geomID;
-  call->context = context;
-  call->flags = flags;
-  call->isOcclusion = isOcclusion;
+  if (flags) {
+    call->args = args;
+    call->group = group;
+    call->geomID = geomID;
+    call->context = context;
+    call->flags = flags;
+    call->isOcclusion = isOcclusion;
+  }
 #if RTC_VERSION_MAJOR < 4
   if (context->flags & RTC_INTERSECT_CONTEXT_FLAG_COHERENT) query->flags = CBVH_QUERY_COHERENT;
 #endif

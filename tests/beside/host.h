@@ -217,15 +217,16 @@ struct Cube
   }
 };
 
-// One or more cubes, committed.
+// One or more cubes, committed: large, or of those that overlap from one on.
 class Group
 {
 public:
-  explicit Group(CbvhContext context, float rate = 32, unsigned count = 1, unsigned numSteps = 1)
+  explicit Group(CbvhContext context, float rate = 32, unsigned count = 1, unsigned numSteps = 1, int first = -1)
   {
     std::vector<CbvhSurface> surfaces;
     for (unsigned i = 0; i < count; i++) {
-      const Cube cube({0.4f*float(i), 0.1f*float(i % 3), 0}, count > 1 ? 0.3f : 0.8f);
+      const unsigned n = unsigned(std::max(first, 0)) + i;
+      const Cube cube = count == 1 && first < 0 ? Cube() : Cube({0.4f*float(n), 0.1f*float(n % 3), 0}, 0.3f);
       const CbvhCage cage = cube.cage(rate, numSteps);
       CbvhSurface surface = nullptr;
       OK(cbvhNewSurface(context, &surface));
