@@ -42,7 +42,7 @@ void CbvhContextTy::check() const
   rtcGetDeviceError(device); // which forgets it
   if (ofEmbree.code == CBVH_OK) return;
   const Failure failure = ofEmbree;
-  ofEmbree = {CBVH_OK, ""};
+  forgetErrors();
   throw failure;
 }
 
@@ -52,6 +52,8 @@ CbvhError CbvhContextTy::report(const Failure& failure) const
   if (function) function(userPtr, failure.code, lastText.c_str());
   return failure.code;
 }
+
+void embree::beside::forgetErrors() { ofEmbree = {CBVH_OK, ""}; }
 
 CbvhError embree::beside::refuse(const char* text)
 {

@@ -84,11 +84,15 @@ private:
 
 namespace embree { namespace beside {
 
+/* What Embree's error function was told in this thread before does not count, as of rays. */
+void forgetErrors();
+
 /* What all functions of the API that may fail are made of: their errors become a code. */
 template<typename Closure>
 CbvhError guarded(const CbvhContextTy* context, const Closure& closure)
 {
   Failure failure = {CBVH_OK, ""};
+  forgetErrors();
   try {
     closure();
     return CBVH_OK;

@@ -6,6 +6,7 @@
 #include <embree3/rtcore_compression.h>
 
 #include <algorithm>
+#include <cmath>
 
 using namespace embree::beside;
 
@@ -70,8 +71,8 @@ int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, 
 
 void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3])
 {
-  RTCBounds bounds = RTCBounds();
-  rtcGetSceneBounds(group->scene, &bounds);
+  RTCBounds bounds = {INFINITY, INFINITY, INFINITY, 0, -INFINITY, -INFINITY, -INFINITY, 0};
+  if (group) rtcGetSceneBounds(group->scene, &bounds);
   const float l[3] = {bounds.lower_x, bounds.lower_y, bounds.lower_z}, u[3] = {bounds.upper_x, bounds.upper_y, bounds.upper_z};
   std::copy(l, l + 3, lower);
   std::copy(u, u + 3, upper);

@@ -125,6 +125,8 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
     const CbvhAttribute& attribute = cage.attributes[i];
     require(attribute.values && attribute.count > 0, "an attribute has no values");
     require(attribute.width >= 1 && attribute.width <= 16 && attribute.stride >= 4*attribute.width && attribute.stride % 4 == 0, "the width or the stride of an attribute");
+    const unsigned int* const indices = attribute.indices ? attribute.indices : cage.indices;
+    for (size_t k = 0; k < cage.numIndices; k++) require(indices[k] < attribute.count, "an index of an attribute is past its values");
     copyTo(geometry, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, unsigned(i), RTCFormat(RTC_FORMAT_FLOAT + attribute.width - 1), attribute.values, 4*attribute.width, attribute.stride, attribute.count);
     input->widths.push_back(attribute.width);
     if (!attribute.indices) continue;

@@ -277,6 +277,9 @@ TEST(Beside, BadInputIsAnErrorThatNamesIt)
   refuse("no vertices", [](CbvhCage& c) { c.vertices.count = 0; });
   refuse("creases", [](CbvhCage& c) { c.numCreases = 2; c.creases = nullptr; });
   refuse("boundary", [](CbvhCage& c) { c.boundary = CbvhBoundary(9); });
+  const float value = 1;
+  const CbvhAttribute attribute = {&value, 1, 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH};
+  refuse("past its values", [&](CbvhCage& c) { c.numAttributes = 1; c.attributes = &attribute; });
   context.expect(cbvhSetCage(surface, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "NULL");
   const CbvhAccuracy negative = {-1, 0, {0, 0, 0}, 0};
   context.expect(cbvhSetAccuracy(surface, &negative), CBVH_ERROR_INVALID_ARGUMENT, "negative");

@@ -6,6 +6,8 @@
 
 #include "host.h"
 
+#include <algorithm>
+
 using namespace host;
 
 namespace {
@@ -194,6 +196,28 @@ void testFilters(RTCDevice device, CbvhContext context)
     if (isHit(a)) CHECK(a.hit.primID % 3 != 0 && a.hit.u <= 0.6f);
   }
   CHECK(hits > 200 && others > 200);
+
+  /* in packets they are those of single rays */
+  const std::vector<RTCRayHit> rays = randomRays(generator, 4000, true, 0.6f);
+  alignas(64) int valid[8];
+  std::fill(valid, valid + 8, -1);
+  for (size_t first = 0; first + 8 <= rays.size(); first += 8)
+    for (const Scene* scene : {&byContext, (const Scene*)&byGeometry}) {
+      const Query query = scene == &byContext ? withFilter : Query();
+      RTCRayHit8 packet;
+      for (unsigned i = 0; i < 8; i++) setRay(&packet, 8, i, rays[first + i]);
+      RTCRay8 any = packet.ray;
+      intersect(valid, *scene, packet, query);
+      occluded(valid, *scene, any, query);
+      for (unsigned i = 0; i < 8; i++) {
+        RTCRayHit one = rays[first + i];
+        intersect(*scene, one, query);
+        CHECK(packet.ray.tfar[i] == one.ray.tfar);
+        CHECK(packet.hit.geomID[i] == one.hit.geomID);
+        CHECK(!isHit(one) || packet.hit.primID[i] == one.hit.primID);
+        CHECK((any.tfar[i] < 0) == isHit(one));
+      }
+    }
 }
 
 void testInstances(RTCDevice device, CbvhContext context)
