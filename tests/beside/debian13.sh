@@ -35,12 +35,17 @@ for program in hits displaced_cage diced_grids speed; do
   inside "g++ -std=c++17 -O2 -Wall -Wextra -Werror -Iinclude $program.cpp -o $program ./libembree_cbvh.so.0 -lembree4 -Wl,-rpath,/root/beside" || fail "$program does not compile"
   inside "./$program" || fail "$program"
 done
+inside "g++ -std=c++17 -O2 -Wall -Wextra -Werror -Iinclude reload.cpp -o reload -lembree4" && inside "./reload ./libembree_cbvh.so.0" || fail "unloading"
 for picture in displaced_cage diced_grids; do
   if [ -x "$build/tutorials/beside/$picture" ]; then
     "$build/tutorials/beside/$picture" "$work/here.pgm" > /dev/null
     cmp "$work/here.pgm" "$work/$picture.pgm" || fail "$picture is another picture beside Embree 4"
   fi
 done
-inside "valgrind -q --undef-value-errors=no --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --error-exitcode=1 ./displaced_cage" > "$roots/log" 2>&1 ||
-  if grep -q "Unrecognised instruction\|unhandled instruction" "$roots/log"; then echo "valgrind does not know this processor's instructions"; else tail -n 30 "$roots/log"; fail "valgrind"; fi
+for program in ./displaced_cage "./reload ./libembree_cbvh.so.0"; do
+  if ! inside "valgrind -q --undef-value-errors=no --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --error-exitcode=1 $program" > "$roots/log" 2>&1; then
+    grep -q "nrecognised instruction\|unhandled instruction" "$roots/log" || { tail -n 30 "$roots/log"; fail "valgrind, $program"; }
+    echo "valgrind does not know this processor's instructions"
+  fi
+done
 echo "Debian 13: all well"
