@@ -282,6 +282,43 @@ void testSurface(RTCDevice device, CbvhContext context)
   CHECK(others < hits/200);
 }
 
+// Ten thousand, of which each ray finds the one that it is aimed at.
+void testManySurfaces(RTCDevice device, CbvhContext context)
+{
+  constexpr int side = 100;
+  const auto middle = [](int i) { return Vec{0.03f*float(i % side) - 1.5f, 0.03f*float(i/side) - 1.5f, 0}; };
+  std::vector<CbvhSurface> surfaces;
+  for (int i = 0; i < side*side; i++) {
+    const Cube cube(middle(i), 0.012f);
+    const CbvhCage cage = cube.cage(2);
+    surfaces.push_back(nullptr);
+    OK(cbvhNewSurface(context, &surfaces.back()));
+    OK(cbvhSetCage(surfaces.back(), &cage));
+    OK(cbvhCommitSurface(surfaces.back(), nullptr, nullptr));
+  }
+  CbvhGroup group = nullptr;
+  OK(cbvhNewGroup(context, surfaces.data(), surfaces.size(), &group));
+  OK(cbvhCommitGroup(group));
+  for (CbvhSurface surface : surfaces) cbvhReleaseSurface(surface);
+  CHECK(cbvhGetGroupSize(group) == size_t(side*side));
+  {
+    const Scene scene(device, group);
+    for (int i = 0; i < side*side; i++) {
+      const Vec at = middle(i);
+      RTCRayHit ray = makeRay({at[0], at[1], 4}, {0, 0, -1});
+      intersect(scene, ray);
+      size_t surface = 0;
+      unsigned primID = 0;
+      CHECK(isHit(ray));
+      CHECK(isHit(ray) && cbvhFindGroupPrimitive(group, ray.hit.primID, &surface, &primID) && surface == size_t(i) && primID < 6);
+    }
+  }
+  size_t surface;
+  unsigned primID;
+  CHECK(!cbvhFindGroupPrimitive(group, 6*side*side, &surface, &primID));
+  cbvhReleaseGroup(group);
+}
+
 // Groups may change, and what holds them takes their new bounds.
 void testEdits(RTCDevice device, CbvhContext context)
 {
@@ -313,6 +350,7 @@ int main()
   testFilters(device, context);
   testInstances(device, context);
   testSurface(device, context);
+  testManySurfaces(device, context);
   testEdits(device, context);
   CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
   rtcReleaseDevice(device);
