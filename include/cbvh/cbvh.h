@@ -117,7 +117,7 @@ struct CbvhCage
   struct CbvhVertices vertices;
 
   float rate;                        /* quads along each edge, 1 to 4096 */
-  const float* rates;                /* or of each edge, one an index: from that vertex to the next of its face; NULL: rate */
+  const float* rates;                /* or of each edge, likewise, one an index: from that vertex to the next of its face; NULL: rate */
   enum CbvhBoundary boundary;
 
   size_t numCreases;

@@ -89,7 +89,9 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
 {
   require(cage.numFaces > 0 && cage.faceVertices && cage.indices, "the cage has no faces, or no indices");
   require(cage.numFaces < 0xFFFFFFFFu && cage.numIndices < 0xFFFFFFFFu, "the cage has more faces or indices than 32 bits count");
-  require(cage.rates || (cage.rate >= 1 && cage.rate <= 4096), "the rate is not from 1 to 4096");
+  const size_t numRates = cage.rates ? cage.numIndices : 1;
+  const float* const rates = cage.rates ? cage.rates : &cage.rate;
+  for (size_t i = 0; i < numRates; i++) require(rates[i] >= 1 && rates[i] <= 4096, "a rate is not from 1 to 4096");
   require(cage.numCreases == 0 || (cage.creases && cage.creaseSharpness), "creases without vertices or sharpness");
   require(cage.numCorners == 0 || (cage.corners && cage.cornerSharpness), "corners without vertices or sharpness");
   require(cage.numHoles == 0 || cage.holes, "holes without faces");

@@ -270,6 +270,9 @@ TEST(Beside, BadInputIsAnErrorThatNamesIt)
   refuse("no faces", [](CbvhCage& c) { c.indices = nullptr; });
   refuse("rate", [](CbvhCage& c) { c.rate = 0; });
   refuse("rate", [](CbvhCage& c) { c.rate = NAN; });
+  std::vector<float> rates(24, 4);
+  rates[7] = 4097;
+  refuse("rate", [&](CbvhCage& c) { c.rates = rates.data(); });
   refuse("stride", [](CbvhCage& c) { c.vertices.stride = 10; });
   refuse("time steps", [](CbvhCage& c) { c.vertices.numSteps = 130; });
   refuse("time range", [](CbvhCage& c) { c.vertices.end = c.vertices.begin; });
