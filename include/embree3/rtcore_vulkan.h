@@ -13,6 +13,10 @@
  *   a buffer of rays into a command buffer;
  * - from the host: rtcStartVulkanIntersect and rtcStartVulkanOccluded take arrays of rays.
  *
+ * On devices with VK_KHR_acceleration_structure and VK_KHR_ray_query a scene may be one for ray queries
+ * (RTC_VULKAN_TRAVERSAL_RAY_QUERY): the driver has a box for each block then. All of the above goes through its structures; and the scene can be placed
+ * in a top level of your own, beside your own triangles, with the instances of rtcGetVulkanSceneInstances.
+ *
  * A device needs Vulkan 1.2 with the features bufferDeviceAddress and scalarBlockLayout. With
  * shaderFloat64 the distances of hits in cVERT are computed in double, as on the processor; without it in float.
  *
@@ -48,6 +52,7 @@ struct RTCVulkanDeviceInfo
   unsigned int isDiscrete;  /* has memory of its own */
   unsigned int hasFloat64;
   size_t memoryBytes;       /* of the largest heap of its own memory */
+  unsigned int hasRayQuery; /* VK_KHR_acceleration_structure and VK_KHR_ray_query */
 };
 
 /* Lists the Vulkan devices of the machine, in the order of Vulkan's loader. device: gets errors, may be
@@ -72,6 +77,7 @@ struct RTCVulkanHandles
   uint32_t queueFamily;
   unsigned int hasFloat64;          /* shaderFloat64 is enabled */
   unsigned int hasHostImport;       /* VK_EXT_external_memory_host is enabled */
+  unsigned int hasRayQuery;         /* VK_KHR_acceleration_structure and VK_KHR_ray_query and their features are enabled */
 };
 
 /* Takes a device of the application's. handles: read during the call. Errors: handles that are missing. */
@@ -96,9 +102,19 @@ enum RTCVulkanMemory
   RTC_VULKAN_MEMORY_IMPORT = 2  /* blocks stay in the host's memory: needs VK_EXT_external_memory_host */
 };
 
+enum RTCVulkanTraversal
+{
+  RTC_VULKAN_TRAVERSAL_COMPUTE = 0,   /* the scene's own tree, in compute shaders */
+  RTC_VULKAN_TRAVERSAL_RAY_QUERY = 1  /* the driver's structures, a box for each block */
+};
+
 struct RTCVulkanSceneArguments
 {
   enum RTCVulkanMemory memory;
+  enum RTCVulkanTraversal traversal;
+  RTCVulkanScene previous;      /* of ray queries, or NULL: a scene before an edit. Where a geometry has other blocks now, but as many, the
+                                   driver updates the structure that this scene has, which is faster than to build one, and traced
+                                   slower the farther the geometry has moved */
 };
 
 /* Puts a committed scene on a device, with the scenes that it instances. It does not change when the scene is
@@ -109,6 +125,10 @@ struct RTCVulkanSceneArguments
  * Taken are subdivision surfaces (GRID and every compression), compressed grids, quads and triangles, triangle meshes and instances, without
  * filters of geometries; with motion blur what is compressed, and instances with linear transforms. Anything else that is enabled is
  * an error that names the geometry.
+ *
+ * A scene for ray queries has a bottom level for each geometry, with boxes in Morton order; what did not change since another scene on the
+ * device was made is not built again. Rays of the library's own shaders may start up to 20 times as far from a geometry as it is large or far
+ * from the origin: farther out the driver's arithmetic may lose a box at its edge.
  * args: NULL for defaults. */
 RTC_API RTCVulkanScene rtcNewVulkanScene (RTCVulkanDevice device, RTCScene scene, const struct RTCVulkanSceneArguments* args);
 
@@ -122,6 +142,12 @@ RTC_API VkDeviceAddress rtcGetVulkanSceneAddress (RTCVulkanScene scene);
 /* Lists the kinds of leaves that the scene has: what a shader may define as CBVH_KINDS, so that it is compiled for no other. */
 RTC_API unsigned int rtcGetVulkanSceneKinds (RTCVulkanScene scene);
 
+/* Gives what a top level of the application's own needs to have the scene: an instance for each geometry, and for each geometry of each
+ * instanced scene. scene: made for ray queries. instances: room for `capacity` of them, or NULL. Returns how many there are. The mask is
+ * 0xFF, the custom index what cbvhIntersectCandidate reads; transforms are those of instances, and may be multiplied from the left by one of
+ * your own. What they refer to lives as long as the scene. */
+RTC_API unsigned int rtcGetVulkanSceneInstances (RTCVulkanScene scene, VkAccelerationStructureInstanceKHR* instances, unsigned int capacity);
+
 struct RTCVulkanSceneStatistics
 {
   size_t deviceBytes;       /* of the device's memory, everything included, also what scenes share */
@@ -130,6 +156,10 @@ struct RTCVulkanSceneStatistics
   size_t numNodes, numBlocks, numGeometries, numInstances;
   unsigned int stackSize;   /* entries that a ray may need: what a shader defines as CBVH_STACK, at least */
   size_t sentBytes;         /* to the device, when the scene was made: without what it had from other scenes */
+  /* of a scene for ray queries */
+  size_t structureBytes;    /* of the driver's structures, which deviceBytes includes, also what scenes share */
+  size_t numBoxes;          /* in bottom levels */
+  size_t numBuiltBoxes, numUpdatedBoxes; /* of which in such that were built, or updated, for this scene */
 };
 
 /* Reports what a scene takes on its device. statistics: written during the call. */

@@ -33,7 +33,30 @@ struct SceneData
   uint32_t root;             //!< reference
   float lower[3], upper[3];  //!< bounds of all that is traced
   uint32_t padding[3];
+  /* of a scene for ray queries */
+  CBVH_ADDRESS topLevel;     //!< the driver's structure
+  CBVH_ADDRESS placed;       //!< PlacedBoxes, by the custom index of the structure's instances
 };
+
+/*! A leaf of the tree as a ray query finds it, by the number of its box. */
+struct LeafBox
+{
+  float lower[3], upper[3];
+  uint32_t reference;        //!< reference.h; of the scene, not of a part
+  uint32_t padding;
+};
+CBVH_CONSTANT uint32_t leafBoxBytes = 32u;
+
+/*! Boxes in one place of the driver's top level. */
+struct PlacedBoxes
+{
+  CBVH_ADDRESS boxes;        //!< LeafBox
+  uint32_t instID;           //!< the instance that places them, or all bits: then they are the scene's own
+  uint32_t firstGeometry;    //!< as GeometryData has it
+  uint32_t isInWorld;        //!< boxes of an instance that moves are where it is at any time
+  uint32_t padding;
+};
+CBVH_CONSTANT uint32_t placedBoxesBytes = 24u;
 
 /*! of a block, or of a grid of GRID */
 struct BlockData
@@ -65,7 +88,9 @@ CBVH_CONSTANT uint32_t geometryBytes = 112u;
 CBVH_END
 
 #ifndef VULKAN
-static_assert(sizeof(embree::cbvh::SceneData) == 80, "layout of a scene");
+static_assert(sizeof(embree::cbvh::SceneData) == 96, "layout of a scene");
+static_assert(sizeof(embree::cbvh::LeafBox) == embree::cbvh::leafBoxBytes, "layout of a leaf's box");
+static_assert(sizeof(embree::cbvh::PlacedBoxes) == embree::cbvh::placedBoxesBytes, "layout of placed boxes");
 static_assert(sizeof(embree::cbvh::BlockData) == 16, "layout of a block's data");
 static_assert(sizeof(embree::cbvh::GeometryData) == embree::cbvh::geometryBytes, "layout of a geometry");
 #endif

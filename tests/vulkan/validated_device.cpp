@@ -69,6 +69,14 @@ VkInstance newInstance(Validation* validation)
 }
 
 // What the library asks of a device, as its header says.
+const char* const rayQueryExtensions[] = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, VK_KHR_RAY_QUERY_EXTENSION_NAME,
+                                          VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
+
+bool hasRayQuery(VkPhysicalDevice device)
+{
+  return std::all_of(std::begin(rayQueryExtensions), std::end(rayQueryExtensions), [&](const char* name) { return hasExtension(device, name); });
+}
+
 bool isUsable(VkPhysicalDevice device)
 {
   VkPhysicalDeviceProperties properties;
@@ -205,8 +213,9 @@ void ValidatedDevice::open(const Options& options)
   vkGetPhysicalDeviceQueueFamilyProperties(handles.physicalDevice, &count, families.data());
   while (handles.queueFamily < count && !(families[handles.queueFamily].queueFlags & VK_QUEUE_COMPUTE_BIT)) handles.queueFamily++;
 
-  const char* import = VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME;
-  handles.hasHostImport = options.hasHostImport && hasExtension(handles.physicalDevice, import);
+  std::vector<const char*> extensions;
+  handles.hasHostImport = options.hasHostImport && hasExtension(handles.physicalDevice, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
+  if (handles.hasHostImport) extensions.push_back(VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
   handles.hasFloat64 = options.hasFloat64;
 
   const float priority = 1;
@@ -225,13 +234,24 @@ void ValidatedDevice::open(const Options& options)
   features.features.shaderFloat64 = options.hasFloat64;
   if (options.isGpuAssisted) // what the instrumentation stores with, and reads addresses by
     features.features.fragmentStoresAndAtomics = features.features.vertexPipelineStoresAndAtomics = features.features.shaderInt64 = VK_TRUE;
+  VkPhysicalDeviceRayQueryFeaturesKHR query = {};
+  query.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR;
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures = {};
+  structures.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR;
+  structures.pNext = &query;
+  if (options.hasRayQuery && hasRayQuery(handles.physicalDevice)) {
+    handles.hasRayQuery = 1;
+    structures.accelerationStructure = query.rayQuery = VK_TRUE;
+    features12.pNext = &structures;
+    extensions.insert(extensions.end(), std::begin(rayQueryExtensions), std::end(rayQueryExtensions));
+  }
   VkDeviceCreateInfo info = {};
   info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
   info.pNext = &features;
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
-  info.enabledExtensionCount = handles.hasHostImport;
-  info.ppEnabledExtensionNames = &import;
+  info.enabledExtensionCount = uint32_t(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   check(vkCreateDevice(handles.physicalDevice, &info, nullptr, &handles.device), "vkCreateDevice");
   vkGetDeviceQueue(handles.device, handles.queueFamily, 0, &handles.queue);
 }

@@ -68,6 +68,7 @@ struct DeviceOptions
 {
   bool hasFloat64 = true;
   bool hasHostImport = true;
+  bool hasRayQuery = true;
   bool isGpuAssisted = false;
 };
 
@@ -115,7 +116,17 @@ using VulkanScene = std::unique_ptr<RTCVulkanSceneTy, VulkanRelease>;
 
 inline VulkanScene newVulkanScene(const VulkanDevice& device, RTCScene scene, RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO)
 {
-  const RTCVulkanSceneArguments args = {memory};
+  RTCVulkanSceneArguments args = {};
+  args.memory = memory;
+  return VulkanScene(rtcNewVulkanScene(device.get(), scene, &args));
+}
+
+// For ray queries.
+inline VulkanScene newQueryScene(const VulkanDevice& device, RTCScene scene, RTCVulkanScene previous = nullptr)
+{
+  RTCVulkanSceneArguments args = {};
+  args.traversal = RTC_VULKAN_TRAVERSAL_RAY_QUERY;
+  args.previous = previous;
   return VulkanScene(rtcNewVulkanScene(device.get(), scene, &args));
 }
 

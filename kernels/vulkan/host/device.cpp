@@ -29,6 +29,18 @@ const uint32_t closestHitFloat32[] =
 const uint32_t anyHitFloat32[] =
 #include "trace_any_float32.inc"
 ;
+const uint32_t closestHitByQuery[] =
+#include "trace_closest_query.inc"
+;
+const uint32_t anyHitByQuery[] =
+#include "trace_any_query.inc"
+;
+const uint32_t closestHitByQueryFloat32[] =
+#include "trace_closest_query_float32.inc"
+;
+const uint32_t anyHitByQueryFloat32[] =
+#include "trace_any_query_float32.inc"
+;
 
 const uint32_t orderKeys[] =
 #include "ray_order_0.inc"
@@ -49,8 +61,10 @@ struct Code
   size_t bytes;
 };
 
-Code codeOf(Query query, bool hasFloat64)
+Code codeOf(Query query, bool byQuery, bool hasFloat64)
 {
+  if (byQuery && hasFloat64) return query == CLOSEST_HIT ? Code{closestHitByQuery, sizeof(closestHitByQuery)} : Code{anyHitByQuery, sizeof(anyHitByQuery)};
+  if (byQuery) return query == CLOSEST_HIT ? Code{closestHitByQueryFloat32, sizeof(closestHitByQueryFloat32)} : Code{anyHitByQueryFloat32, sizeof(anyHitByQueryFloat32)};
   if (hasFloat64) return query == CLOSEST_HIT ? Code{closestHit, sizeof(closestHit)} : Code{anyHit, sizeof(anyHit)};
   return query == CLOSEST_HIT ? Code{closestHitFloat32, sizeof(closestHitFloat32)} : Code{anyHitFloat32, sizeof(anyHitFloat32)};
 }
@@ -68,8 +82,9 @@ Device::Device(RTCDevice embree, const char* which) : embree(embree), handles(),
   handles.queueFamily = capabilities.computeFamily;
   handles.hasFloat64 = capabilities.info.hasFloat64;
   handles.hasHostImport = capabilities.hasHostImport;
+  handles.hasRayQuery = capabilities.info.hasRayQuery;
   try {
-    vk = DeviceFunctions(instanceFunctions.GetDeviceProcAddr, handles.device, handles.hasHostImport);
+    vk = DeviceFunctions(instanceFunctions.GetDeviceProcAddr, handles.device, handles.hasHostImport, handles.hasRayQuery);
     vk.GetDeviceQueue(handles.device, handles.queueFamily, 0, &handles.queue);
     open();
   } catch (...) {
@@ -90,6 +105,7 @@ Device::Device(RTCDevice embree, const RTCVulkanHandles& given) : embree(embree)
   };
   checkEnabled(handles.hasFloat64, capabilities.info.hasFloat64, "shaderFloat64", "hasFloat64");
   checkEnabled(handles.hasHostImport, capabilities.hasHostImport, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME, "hasHostImport");
+  checkEnabled(handles.hasRayQuery, capabilities.info.hasRayQuery, VK_KHR_RAY_QUERY_EXTENSION_NAME, "hasRayQuery");
   uint32_t count = 0;
   instanceFunctions.GetPhysicalDeviceQueueFamilyProperties(handles.physicalDevice, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
@@ -97,7 +113,7 @@ Device::Device(RTCDevice embree, const RTCVulkanHandles& given) : embree(embree)
   if (handles.queueFamily >= count || !(families[handles.queueFamily].queueFlags & VK_QUEUE_COMPUTE_BIT))
     throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid queueFamily " + std::to_string(handles.queueFamily) + ": it cannot compute, or is none of the device's " + std::to_string(count));
   capabilities.timestampBits = families[handles.queueFamily].timestampValidBits;
-  vk = DeviceFunctions(instanceFunctions.GetDeviceProcAddr, handles.device, handles.hasHostImport);
+  vk = DeviceFunctions(instanceFunctions.GetDeviceProcAddr, handles.device, handles.hasHostImport, handles.hasRayQuery);
   try {
     open();
   } catch (...) {
@@ -211,13 +227,13 @@ void Device::run(const std::function<void(VkCommandBuffer)>& record)
 
 /* --- pipelines -------------------------------------------------------------------------- */
 
-VkPipeline Device::pipeline(Query query, uint32_t kinds, uint32_t stackSize)
+VkPipeline Device::pipeline(Query query, bool byQuery, uint32_t kinds, uint32_t stackSize)
 {
   std::lock_guard<std::mutex> lock(mutex);
-  VkPipeline& found = pipelines[std::make_tuple(query, kinds, stackSize)]; // none until it could be made
+  VkPipeline& found = pipelines[std::make_tuple(query, byQuery, kinds, stackSize)]; // none until it could be made
   if (found) return found;
 
-  const Code code = codeOf(query, handles.hasFloat64);
+  const Code code = codeOf(query, byQuery, handles.hasFloat64);
   const uint32_t constants[2] = {kinds, stackSize};
   const VkSpecializationMapEntry entries[2] = {{0, 0, sizeof(uint32_t)}, {1, sizeof(uint32_t), sizeof(uint32_t)}};
   const VkSpecializationInfo special = {2, entries, sizeof(constants), constants};

@@ -6,6 +6,7 @@
 /* An open Vulkan device: its queue, one command at a time on it, and the pipelines that trace. */
 
 #include "opening.h"
+#include "structures.h"
 #include "uploads.h"
 
 #include <atomic>
@@ -66,8 +67,8 @@ public:
   bool isDone(const Submission& submission) const;
   void recycle(const Submission& submission); // once it is done, or the device is lost: waits for that
 
-  /* Pipeline for scenes of these kinds of leaves and a stack of so many entries; made when it is first asked for. */
-  VkPipeline pipeline(Query query, uint32_t kinds, uint32_t stackSize);
+  /* Pipeline for scenes of these kinds of leaves and a stack of so many entries, or that goes by ray queries; made when it is first asked for. */
+  VkPipeline pipeline(Query query, bool byQuery, uint32_t kinds, uint32_t stackSize);
   VkPipelineLayout pipelineLayout() const { return layout; }
 
   /* Pipelines of the stages of ray_order.comp, made when they are first asked for. */
@@ -79,6 +80,7 @@ public:
   InstanceFunctions instanceFunctions;
   DeviceFunctions vk;
   Uploads uploads;
+  Structures structures;
 
 private:
   ~Device() override;
@@ -96,7 +98,7 @@ private:
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipelineCache cache = VK_NULL_HANDLE;
   size_t cacheBytes = 0;             // when it was read
-  std::map<std::tuple<Query, uint32_t, uint32_t>, VkPipeline> pipelines;
+  std::map<std::tuple<Query, bool, uint32_t, uint32_t>, VkPipeline> pipelines;
   VkPipeline orderPipelines[4] = {};
 };
 

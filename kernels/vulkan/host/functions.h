@@ -27,6 +27,11 @@ namespace embree { namespace vulkan {
   F(CmdBindPipeline) F(CmdPushConstants) F(CmdDispatch) F(CmdPipelineBarrier) F(CmdCopyBuffer) F(CmdWriteTimestamp) F(CmdResetQueryPool) \
   F(CreateQueryPool) F(DestroyQueryPool) F(GetQueryPoolResults) F(CreateFence) F(DestroyFence) F(WaitForFences) F(GetFenceStatus)
 
+/* where the extension is enabled */
+#define CBVH_STRUCTURE_FUNCTIONS(F) \
+  F(CreateAccelerationStructureKHR) F(DestroyAccelerationStructureKHR) F(GetAccelerationStructureBuildSizesKHR) \
+  F(GetAccelerationStructureDeviceAddressKHR) F(CmdBuildAccelerationStructuresKHR)
+
 #define CBVH_DECLARE(NAME) PFN_vk##NAME NAME = nullptr;
 
 struct InstanceFunctions
@@ -52,14 +57,16 @@ struct InstanceFunctions
 struct DeviceFunctions
 {
   CBVH_DEVICE_FUNCTIONS(CBVH_DECLARE)
+  CBVH_STRUCTURE_FUNCTIONS(CBVH_DECLARE)
   PFN_vkGetMemoryHostPointerPropertiesEXT GetMemoryHostPointerPropertiesEXT = nullptr; // where the extension is enabled
 
   DeviceFunctions() = default;
 
-  DeviceFunctions(PFN_vkGetDeviceProcAddr getDeviceProcAddr, VkDevice device, bool hasHostImport)
+  DeviceFunctions(PFN_vkGetDeviceProcAddr getDeviceProcAddr, VkDevice device, bool hasHostImport, bool hasRayQuery)
   {
 #define CBVH_LOAD(NAME) NAME = PFN_vk##NAME(getDeviceProcAddr(device, "vk" #NAME)); InstanceFunctions::check(PFN_vkVoidFunction(NAME), "vk" #NAME);
     CBVH_DEVICE_FUNCTIONS(CBVH_LOAD)
+    if (hasRayQuery) { CBVH_STRUCTURE_FUNCTIONS(CBVH_LOAD) }
 #undef CBVH_LOAD
     if (!hasHostImport) return;
     GetMemoryHostPointerPropertiesEXT = PFN_vkGetMemoryHostPointerPropertiesEXT(getDeviceProcAddr(device, "vkGetMemoryHostPointerPropertiesEXT"));

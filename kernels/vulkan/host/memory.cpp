@@ -25,6 +25,7 @@ uint32_t chooseType(const Capabilities& capabilities, uint32_t allowed, VkMemory
 }
 
 constexpr VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+constexpr VkBufferUsageFlags structures = VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR | VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR;
 constexpr VkBufferUsageFlags transfer = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
 std::string sizeText(size_t bytes) { return std::to_string(bytes) + " bytes"; }
@@ -96,7 +97,7 @@ void Buffer::create(const void* next, const char* what)
   VkBufferCreateInfo info = {VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.pNext = next;
   info.size = bytes;
-  info.usage = next ? usage : usage | transfer;
+  info.usage = next ? usage : usage | transfer | (device.handles.hasRayQuery ? structures : 0);
   check(device.vk.CreateBuffer(device.handles.device, &info, nullptr, &handle), "creating a buffer of " + sizeText(bytes) + " for " + what);
 }
 

@@ -65,6 +65,9 @@ bool isMemory(VkResult result)
   }
 }
 
+const char* const rayQueryExtensions[] = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, VK_KHR_RAY_QUERY_EXTENSION_NAME,
+                                          VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
+
 bool hasExtension(const InstanceFunctions& vk, VkPhysicalDevice device, const char* name)
 {
   uint32_t count = 0;
@@ -158,19 +161,33 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device
   VkPhysicalDeviceExternalMemoryHostPropertiesEXT host = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_EXTERNAL_MEMORY_HOST_PROPERTIES_EXT};
   VkPhysicalDeviceVulkan12Properties v12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
   VkPhysicalDeviceMaintenance3Properties maintenance = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+  VkPhysicalDeviceAccelerationStructurePropertiesKHR structures = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
+  const bool hasRayQuery = std::all_of(std::begin(rayQueryExtensions), std::end(rayQueryExtensions), [&](const char* name) { return hasExtension(vk, device, name); });
   VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
   properties.pNext = &maintenance;
   maintenance.pNext = &v12;
   if (out.hasHostImport) v12.pNext = &host;
+  if (hasRayQuery) {
+    structures.pNext = properties.pNext;
+    properties.pNext = &structures;
+  }
   vk.GetPhysicalDeviceProperties2(device, &properties);
   setText(out.info.driver, std::string(v12.driverName) + " " + v12.driverInfo);
   out.maxAllocation = size_t(maintenance.maxMemoryAllocationSize);
   if (out.hasHostImport) out.importAlignment = std::max(size_t(4096), size_t(host.minImportedHostPointerAlignment));
 
   VkPhysicalDeviceVulkan12Features f12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceRayQueryFeaturesKHR query = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structureFeatures = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  structureFeatures.pNext = &query;
   VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
   features.pNext = &f12;
+  if (hasRayQuery) f12.pNext = &structureFeatures;
   vk.GetPhysicalDeviceFeatures2(device, &features);
+  out.info.hasRayQuery = hasRayQuery && query.rayQuery && structureFeatures.accelerationStructure;
+  out.scratchAlignment = std::max(out.scratchAlignment, size_t(structures.minAccelerationStructureScratchOffsetAlignment));
+  out.maxBoxes = structures.maxPrimitiveCount;
+  out.maxInstances = std::min(uint64_t(structures.maxInstanceCount), uint64_t(1) << 24); // of which a custom index has 24 bits
   out.info.hasFloat64 = features.features.shaderFloat64;
   std::string missing;
   if (!f12.bufferDeviceAddress) missing = "it has no bufferDeviceAddress";
@@ -227,13 +244,23 @@ VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice physical, co
   VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
   features.pNext = &f12;
   features.features.shaderFloat64 = capabilities.info.hasFloat64;
-  const char* import = VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME;
+  VkPhysicalDeviceRayQueryFeaturesKHR query = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
+  query.rayQuery = VK_TRUE;
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  structures.pNext = &query;
+  structures.accelerationStructure = VK_TRUE;
+  std::vector<const char*> extensions;
+  if (capabilities.hasHostImport) extensions.push_back(VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
+  if (capabilities.info.hasRayQuery) {
+    extensions.insert(extensions.end(), std::begin(rayQueryExtensions), std::end(rayQueryExtensions));
+    f12.pNext = &structures;
+  }
   VkDeviceCreateInfo info = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
   info.pNext = &features;
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
-  info.enabledExtensionCount = capabilities.hasHostImport ? 1 : 0;
-  info.ppEnabledExtensionNames = &import;
+  info.enabledExtensionCount = uint32_t(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   VkDevice device = VK_NULL_HANDLE;
   check(vk.CreateDevice(physical, &info, nullptr, &device), std::string("opening the device ") + capabilities.info.name);
   return device;

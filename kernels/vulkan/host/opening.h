@@ -37,6 +37,8 @@ struct Capabilities
 {
   RTCVulkanDeviceInfo info;
   bool hasHostImport = false;
+  size_t scratchAlignment = 256;    // of builds of structures for ray queries
+  uint64_t maxBoxes = 0, maxInstances = 0;
   uint32_t computeFamily = ~0u;
   VkPhysicalDeviceProperties properties;
   VkPhysicalDeviceMemoryProperties memory;

@@ -6,6 +6,7 @@
 #include "ray_order.h"
 #include "trace.h"
 
+#include <algorithm>
 #include <cstring>
 #include <new>
 
@@ -57,7 +58,7 @@ bool record(RTCVulkanScene hscene, Query query, VkCommandBuffer commands, VkDevi
     requireAligned(order, "order");
     if (order) rayOrderBytes(count);
     Scene& scene = *sceneOf(hscene);
-    scene.record(query, scene.device.pipeline(query, scene.kinds, scene.statistics.stackSize), commands, rays, count, order);
+    scene.record(query, scene.device.pipeline(query, scene.byQuery, scene.kinds, scene.statistics.stackSize), commands, rays, count, order);
   });
 }
 
@@ -144,7 +145,20 @@ RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from, 
     int memory = RTC_VULKAN_MEMORY_AUTO;   // an enumeration may not hold what the application may have written
     if (args) std::memcpy(&memory, &args->memory, sizeof(memory));
     if (memory < RTC_VULKAN_MEMORY_AUTO || memory > RTC_VULKAN_MEMORY_IMPORT) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid memory " + std::to_string(memory) + ": expected AUTO, COPY or IMPORT");
-    scene = new Scene(*deviceOf(device), from, RTCVulkanMemory(memory));
+    SceneOptions options;
+    options.memory = RTCVulkanMemory(memory);
+    int traversal = RTC_VULKAN_TRAVERSAL_COMPUTE;
+    if (args) {
+      std::memcpy(&traversal, &args->traversal, sizeof(traversal));
+      options.previous = sceneOf(args->previous);
+    }
+    if (traversal < RTC_VULKAN_TRAVERSAL_COMPUTE || traversal > RTC_VULKAN_TRAVERSAL_RAY_QUERY) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid traversal " + std::to_string(traversal) + ": expected COMPUTE or RAY_QUERY");
+    options.byQuery = traversal == RTC_VULKAN_TRAVERSAL_RAY_QUERY;
+    if (options.byQuery && !deviceOf(device)->handles.hasRayQuery)
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the Vulkan device ") + deviceOf(device)->capabilities.info.name + " has no ray queries, or they are not enabled (VK_KHR_acceleration_structure, VK_KHR_ray_query)");
+    if (options.previous && (!options.byQuery || !options.previous->byQuery || &options.previous->device != deviceOf(device)))
+      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid previous: it is not for ray queries, or of another device, or the scene is not for ray queries");
+    scene = new Scene(*deviceOf(device), from, options);
   });
   return reinterpret_cast<RTCVulkanScene>(scene);
 }
@@ -171,6 +185,19 @@ RTC_API unsigned int rtcGetVulkanSceneKinds(RTCVulkanScene scene)
   unsigned int kinds = 0;
   guarded(embreeOf(scene), [&]() { require(scene, "scene"); kinds = sceneOf(scene)->kinds; });
   return kinds;
+}
+
+RTC_API unsigned int rtcGetVulkanSceneInstances(RTCVulkanScene scene, VkAccelerationStructureInstanceKHR* instances, unsigned int capacity)
+{
+  unsigned int count = 0;
+  guarded(embreeOf(scene), [&]() {
+    require(scene, "scene");
+    if (!sceneOf(scene)->byQuery) throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene is not for ray queries");
+    const auto& all = sceneOf(scene)->queryStructures().instances;
+    count = (unsigned int)(all.size());
+    if (instances) std::copy_n(all.begin(), std::min(count, capacity), instances);
+  });
+  return count;
 }
 
 RTC_API void rtcGetVulkanSceneStatistics(RTCVulkanScene scene, RTCVulkanSceneStatistics* statistics)

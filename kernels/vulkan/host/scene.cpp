@@ -40,8 +40,8 @@ bool isUsable(const float* p)
   return true;
 }
 
-/* At all times: between two steps corners go straight. */
-Bounds transformed(const FlatGeometry& instance)
+/* Bounds of the instanced scene in the world, at all times: between two steps corners go straight. */
+Bounds transformed(const FlatGeometry& instance, const float* lower, const float* upper)
 {
   Bounds out = Bounds::empty();
   for (uint32_t step = 0; step < instance.timeSteps; step++)
@@ -50,7 +50,7 @@ Bounds transformed(const FlatGeometry& instance)
       float p[3];
       for (int k = 0; k < 3; k++) {
         p[k] = m[9 + k];
-        for (int axis = 0; axis < 3; axis++) p[k] += m[3*axis + k]*((corner >> axis) & 1 ? instance.upper[axis] : instance.lower[axis]);
+        for (int axis = 0; axis < 3; axis++) p[k] += m[3*axis + k]*((corner >> axis) & 1 ? upper[axis] : lower[axis]);
       }
       out.extend(p);
     }
@@ -63,14 +63,28 @@ Bounds transformed(const FlatGeometry& instance)
   return out;
 }
 
+/* Whether the driver can have the instance: it inverts its matrix. */
+bool isInvertible(const FlatGeometry& instance)
+{
+  return std::all_of(instance.worldToLocal, instance.worldToLocal + 12, [](float x) { return std::isfinite(x); });
+}
+
+VkTransformMatrixKHR matrixOf(const float* columns)
+{
+  VkTransformMatrixKHR out;
+  for (int row = 0; row < 3; row++)
+    for (int column = 0; column < 4; column++) out.matrix[row][column] = columns[3*column + row];
+  return out;
+}
+
 } // namespace
 
 /* Everything that is made once. */
 class SceneUpload
 {
 public:
-  SceneUpload(Scene& out, RTCScene scene, RTCVulkanMemory memory)
-    : out(out), device(out.device), memory(memory), uploader(device)
+  SceneUpload(Scene& out, RTCScene scene, const SceneOptions& options)
+    : out(out), device(out.device), options(options), memory(options.memory), uploader(device)
   {
     addPart(scene);
     for (size_t i = 0; i < parts.size(); i++) addInstancedScenes(i);
@@ -162,7 +176,7 @@ private:
       if (geometry.type == FLAT_TRIANGLES) addTriangles(geometry, uint32_t(i), triangles);
       if (geometry.type != FLAT_INSTANCE || !(geometry.lower[0] <= geometry.upper[0])) continue;
       out.statistics.numInstances++;
-      instances.push_back({transformed(geometry), uint32_t(i), RTC_INVALID_GEOMETRY_ID});
+      instances.push_back({transformed(geometry, geometry.lower, geometry.upper), uint32_t(i), RTC_INVALID_GEOMETRY_ID});
     }
     const HeldRTCDevice embree(rtcGetSceneDevice(part.scene));
     copyNodes(flat, p);
@@ -291,6 +305,107 @@ private:
     return data;
   }
 
+  /* --- ray queries --- */
+
+  uint32_t geomIDOf(uint32_t reference) const
+  {
+    const uint32_t type = referenceType(reference), index = referenceIndex(reference);
+    if (isRunType(type)) return RTC_INVALID_GEOMETRY_ID;
+    return blocks[type == cellReference ? cells[index][0] : index].geomID;
+  }
+
+  /* Boxes to be built into a bottom level. */
+  struct QueriedBoxes
+  {
+    QueryStructures::Place place;
+    Slice boxes;
+  };
+
+  void addBoxes(const LeafBoxes& boxes, const QueryStructures::Place& place)
+  {
+    const Slice slice = writeArray(boxes.boxes.data(), boxes.boxes.size(), "boxes of blocks");
+    const std::vector<VkAabbPositionsKHR> forDriver = boxes.forDriver();
+    WantedLevel want = {keyOf(forDriver), 0, nullptr, nullptr};
+    if (!device.structures.find(want.key)) {
+      const Slice input = buildInput->take(forDriver.size()*sizeof(forDriver[0]), "boxes to build structures from");
+      uploader.write(input, 0, forDriver.data(), forDriver.size()*sizeof(forDriver[0]));
+      want.boxes = input.address();
+    }
+    if (options.previous) {
+      const auto& before = options.previous->structures.levels;
+      const auto found = before.find(place);
+      if (found != before.end() && found->second->key.count == want.key.count) want.previous = found->second;
+    }
+    queried.push_back({place, slice});
+    wanted.push_back(want);
+    out.statistics.numBoxes += boxes.boxes.size();
+  }
+
+  void addInstance(size_t level, const VkTransformMatrixKHR& transform, const PlacedBoxes& place)
+  {
+    if (places.size() >= device.capabilities.maxInstances)
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has too many instances for ray queries: " + std::to_string(device.capabilities.maxInstances) + " at most");
+    VkAccelerationStructureInstanceKHR instance = {};
+    instance.transform = transform;
+    instance.instanceCustomIndex = uint32_t(places.size());
+    instance.mask = 0xFF;
+    instance.accelerationStructureReference = level;   // its index in wanted, until they are built
+    out.structures.instances.push_back(instance);
+    PlacedBoxes with = place;
+    with.boxes = queried[level].boxes.address();
+    places.push_back(with);
+  }
+
+  /* Bottom levels of all parts, and where instances place them. */
+  void placeBoxes()
+  {
+    buildInput.reset(new Arena(device));
+    const float identity[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
+    std::vector<std::vector<LeafBoxes>> boxes;
+    std::vector<size_t> firstLevel;
+    for (size_t p = 0; p < parts.size(); p++) {
+      boxes.push_back(leafBoxesOf(tree, parts[p].tree, [&](uint32_t reference) { return geomIDOf(reference); }));
+      firstLevel.push_back(wanted.size());
+      for (const LeafBoxes& some : boxes[p]) {
+        addBoxes(some, QueryStructures::Place(p, some.geomID, RTC_INVALID_GEOMETRY_ID));
+        if (p == 0) addInstance(wanted.size() - 1, matrixOf(identity), {0, RTC_INVALID_GEOMETRY_ID, 0, 0, 0});
+      }
+    }
+    const FlatScene& top = *parts[0].flat;
+    for (size_t i = 0; i < top.numGeometries; i++)
+    {
+      const FlatGeometry& instance = top.geometries[i];
+      if (instance.type != FLAT_INSTANCE || !(instance.lower[0] <= instance.upper[0])) continue;
+      const size_t p = partOf.at(instance.instanced);
+      const bool moves = instance.timeSteps > 1;
+      if (!moves && !isInvertible(instance)) continue;
+      const PlacedBoxes place = {0, uint32_t(i), parts[p].firstGeometry, moves, 0};
+      for (size_t k = 0; k < boxes[p].size(); k++) {
+        if (moves) addBoxes(placed(boxes[p][k], [&](const Bounds& b) { return transformed(instance, b.lower, b.upper); }), QueryStructures::Place(p, boxes[p][k].geomID, uint32_t(i)));
+        addInstance(moves ? wanted.size() - 1 : firstLevel[p] + k, matrixOf(moves ? identity : instance.localToWorld), place);
+      }
+    }
+  }
+
+  void buildStructures()
+  {
+    const BuildCounts counts = buildBottomLevels(device, wanted);
+    buildInput.reset();
+    out.statistics.numBuiltBoxes = counts.built;
+    out.statistics.numUpdatedBoxes = counts.updated;
+    std::map<const Structure*, size_t> bytes;
+    for (size_t i = 0; i < wanted.size(); i++) {
+      out.structures.levels[queried[i].place] = wanted[i].level;
+      bytes[wanted[i].level->structure.get()] = wanted[i].level->structure->bytes;
+    }
+    for (auto& instance : out.structures.instances) instance.accelerationStructureReference = wanted[instance.accelerationStructureReference].level->structure->address;
+    const Slice instances = writeArray(out.structures.instances.data(), out.structures.instances.size(), "instances for ray queries");
+    uploader.flush();
+    out.structures.topLevel = buildTopLevel(device, instances.address(), out.structures.instances.size());
+    out.statistics.structureBytes = out.structures.topLevel->bytes;
+    for (const auto& entry : bytes) out.statistics.structureBytes += entry.second;
+  }
+
   void write()
   {
     moveRuns();
@@ -312,6 +427,13 @@ private:
     data.blocks = writeArray(blocks.data(), blocks.size(), "addresses of blocks").address();
     data.cells = writeArray(cells.data(), cells.size(), "leaves").address();
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
+    if (out.byQuery) {
+      placeBoxes();
+      data.placed = writeArray(places.data(), places.size(), "places of boxes").address();
+      uploader.flush();
+      buildStructures();
+      data.topLevel = out.structures.topLevel->address;
+    }
     data.root = parts[0].tree.root;
     std::copy(parts[0].tree.bounds.lower, parts[0].tree.bounds.lower + 3, data.lower);
     std::copy(parts[0].tree.bounds.upper, parts[0].tree.bounds.upper + 3, data.upper);
@@ -324,7 +446,7 @@ private:
     statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + tree.movingNodes.size()*sizeof(FlatMovingNode) + cells.size()*sizeof(cells[0]) + blocks.size()*sizeof(BlockData);
     statistics.importedBytes = out.blocks.importedBytes;
     statistics.sentBytes = uploader.written;
-    statistics.deviceBytes = out.arena.bytes() + (statistics.importedBytes ? 0 : out.blocks.bytes());
+    statistics.deviceBytes = out.arena.bytes() + statistics.structureBytes + (statistics.importedBytes ? 0 : out.blocks.bytes());
     if (statistics.importedBytes) {
       out.source = parts[0].scene;
       rtcRetainScene(out.source);
@@ -333,6 +455,7 @@ private:
 
   Scene& out;
   Device& device;
+  const SceneOptions options;
   const RTCVulkanMemory memory;
   Uploader uploader;
   std::vector<Part> parts;
@@ -343,11 +466,15 @@ private:
   Tree tree;
   std::vector<std::array<uint32_t, 2>> cells;
   std::vector<Firsts> firsts;
+  std::unique_ptr<Arena> buildInput;  // gone when the structures are built
+  std::vector<QueriedBoxes> queried;
+  std::vector<WantedLevel> wanted;    // one for each of queried
+  std::vector<PlacedBoxes> places;    // one for each instance
 };
 
-Scene::Scene(Device& device, RTCScene scene, RTCVulkanMemory memory) : device(device), held(device), arena(device)
+Scene::Scene(Device& device, RTCScene scene, const SceneOptions& options) : device(device), held(device), byQuery(options.byQuery), arena(device)
 {
-  SceneUpload(*this, scene, memory);
+  SceneUpload(*this, scene, options);
 }
 
 Scene::~Scene()

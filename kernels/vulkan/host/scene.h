@@ -6,21 +6,40 @@
 /* A committed scene on a device. */
 
 #include "blocks.h"
+#include "leaf_boxes.h"
 #include "tree.h"
 #include "../scene_layout.h"
 
 namespace embree { namespace vulkan {
 
+/* What ray queries need of a scene. */
+struct QueryStructures
+{
+  /* Where a bottom level comes from: 0 for the scene or the number of an instanced one, geomID there, and the ID of the instance, if that moves. */
+  typedef std::tuple<size_t, uint32_t, uint32_t> Place;
+  std::map<Place, std::shared_ptr<const BottomLevel>> levels;
+  std::vector<VkAccelerationStructureInstanceKHR> instances;
+  std::shared_ptr<Structure> topLevel;
+};
+
+struct SceneOptions
+{
+  RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO;
+  bool byQuery = false;
+  class Scene* previous = nullptr;   // see RTCVulkanSceneArguments
+};
+
 class Scene : public Shared
 {
 public:
   /* Throws VulkanError that names the geometry, or the limit. */
-  Scene(Device& device, RTCScene scene, RTCVulkanMemory memory);
+  Scene(Device& device, RTCScene scene, const SceneOptions& options);
 
   Device& device;
   const Held<Device> held;   // goes last
   VkDeviceAddress address = 0;
   uint32_t kinds = 0;
+  const bool byQuery;
   RTCVulkanSceneStatistics statistics{};
 
   /* Records the trace of rays at an address. order: of recordRayOrder, or 0. */
@@ -28,12 +47,15 @@ public:
 
   std::atomic<bool> sortsRays{false};   // of the host
 
+  /* of a scene for ray queries */
+  const QueryStructures& queryStructures() const { return structures; }
 
 private:
   ~Scene() override;
 
   friend class SceneUpload;
   RTCScene source = nullptr;   // retained where its memory is used
+  QueryStructures structures;
   Arena arena;
   BlockBuffers blocks;
 };

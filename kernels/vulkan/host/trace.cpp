@@ -45,7 +45,7 @@ Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
       check(device.vk.CreateQueryPool(device.handles.device, &info, nullptr, &clock), "creating a clock");
     }
     /* before the submission, which holds the device's lock */
-    const VkPipeline pipeline = device.pipeline(query, scene.kinds, scene.statistics.stackSize);
+    const VkPipeline pipeline = device.pipeline(query, scene.byQuery, scene.kinds, scene.statistics.stackSize);
     const VkPipeline* sorting = order ? device.makeOrderPipelines() : nullptr;
     submission = device.submit([&](VkCommandBuffer commands) { record(commands, pipeline, sorting); });
   } catch (...) {

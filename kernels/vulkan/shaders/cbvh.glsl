@@ -10,6 +10,7 @@
  *   #define CBVH_STACK ...        optional: entries of a ray's stack, as many as stackSize of
  *                                 rtcGetVulkanSceneStatistics says
  *   #define CBVH_FLOAT64          where shaderFloat64 is there
+ *   #define CBVH_RAY_QUERY        optional: ray queries, below
  *   #include <embree3/cbvh.glsl>
  *
  *   CbvhRay ray = CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu, time); // before the time is the mask
@@ -19,6 +20,23 @@
  *
  * The traversal is compiled into each place that calls it: a loop around one call compiles sooner than
  * several calls.
+ *
+ * Where the driver has ray queries, its own structures may take the place of the tree above blocks: of scenes that were made
+ * with RTC_VULKAN_TRAVERSAL_RAY_QUERY. By the library's top level:
+ *
+ *   if (cbvhQueryIntersect(scene, ray, hit)) ...
+ *   if (cbvhQueryOccluded(scene, ray)) ...
+ *
+ * or by a top level of your own, beside your own triangles, that has the instances of rtcGetVulkanSceneInstances:
+ *
+ *   CbvhCandidates found = cbvhNoCandidates(ray);
+ *   rayQueryEXT query;
+ *   rayQueryInitializeEXT(query, topLevel, gl_RayFlagsNoneEXT, 0xFFu, ray.origin, ray.tnear, ray.direction, ray.tfar);
+ *   while (rayQueryProceedEXT(query))
+ *     if (rayQueryGetIntersectionTypeEXT(query, false) == gl_RayQueryCandidateIntersectionAABBEXT)
+ *       cbvhIntersectCandidate(query, scene, ray, found);
+ *     else rayQueryConfirmIntersectionEXT(query);
+ *   if (rayQueryGetIntersectionTypeEXT(query, true) == gl_RayQueryCommittedIntersectionGeneratedEXT) hit = cbvhHitOf(found);
  */
 
 #ifndef CBVH_GLSL
@@ -186,5 +204,9 @@ bool cbvhOccluded (uvec2 scene, CbvhRay ray)
   CbvhHit hit;
   return cbvhTrace(scene, ray, true, hit);
 }
+
+#ifdef CBVH_RAY_QUERY
+#include "ray_query.glsl"
+#endif
 
 #endif

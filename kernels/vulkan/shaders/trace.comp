@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays of a buffer: RTCRayHit in and out, or RTCRay with CBVH_ANY_HIT. */
+/* Rays of a buffer: RTCRayHit in and out, or RTCRay with CBVH_ANY_HIT; by ray queries with CBVH_RAY_QUERY. */
 
 #version 460
 
@@ -10,6 +10,14 @@ layout(constant_id = 1) const uint stackSize = 96u;
 #define CBVH_KINDS kinds
 #define CBVH_STACK stackSize
 #include "cbvh.glsl"
+
+#ifdef CBVH_RAY_QUERY
+#define INTERSECT cbvhQueryIntersect
+#define OCCLUDED cbvhQueryOccluded
+#else
+#define INTERSECT cbvhIntersect
+#define OCCLUDED cbvhOccluded
+#endif
 
 layout(local_size_x = 64) in;
 
@@ -43,10 +51,10 @@ void main ()
   CbvhRay ray = CbvhRay(a.xyz, a.w, b.xyz, c.x, floatBitsToUint(c.y), b.w);
   Rays rays = Rays(arguments.rays);
 #ifdef CBVH_ANY_HIT
-  if (cbvhOccluded(arguments.scene, ray)) rays.at[word + tfarWord] = floatBitsToUint(-1.0/0.0);
+  if (OCCLUDED(arguments.scene, ray)) rays.at[word + tfarWord] = floatBitsToUint(-1.0/0.0);
 #else
   CbvhHit hit;
-  if (!cbvhIntersect(arguments.scene, ray, hit)) return;
+  if (!INTERSECT(arguments.scene, ray, hit)) return;
   rays.at[word + tfarWord] = floatBitsToUint(hit.t);
   rays.at[word + hitWord] = floatBitsToUint(hit.Ng.x);
   rays.at[word + hitWord + 1u] = floatBitsToUint(hit.Ng.y);

@@ -1,0 +1,170 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "leaf_boxes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+namespace embree { namespace vulkan {
+
+using namespace cbvh;
+
+namespace {
+
+Bounds boundsOf(const LeafBox& box)
+{
+  Bounds out;
+  std::copy(box.lower, box.lower + 3, out.lower);
+  std::copy(box.upper, box.upper + 3, out.upper);
+  return out;
+}
+
+Bounds boundsOfChild(const FlatNode& node, int child)
+{
+  Bounds out;
+  for (int k = 0; k < 3; k++) {
+    out.lower[k] = node.lower[k][child];
+    out.upper[k] = node.upper[k][child];
+  }
+  return out;
+}
+
+/* At all times that a child is there: planes go straight. */
+Bounds boundsOfChild(const FlatMovingNode& node, int child)
+{
+  Bounds out = Bounds::empty();
+  for (float time : {node.begin[child], node.end[child]}) {
+    time = std::min(std::max(time, 0.0f), 1.0f);
+    for (int k = 0; k < 3; k++) {
+      out.lower[k] = std::min(out.lower[k], node.atZero.lower[k][child] + time*node.lowerDifference[k][child]);
+      out.upper[k] = std::max(out.upper[k], node.atZero.upper[k][child] + time*node.upperDifference[k][child]);
+    }
+  }
+  return out;
+}
+
+class Leaves
+{
+public:
+  explicit Leaves(const Tree& tree) : tree(tree) {}
+
+  std::map<uint32_t, Bounds> bounds;   // by reference: one that moves may have several places in the tree
+
+  void gather(uint32_t reference, const Bounds& b)
+  {
+    const uint32_t type = referenceType(reference), index = referenceIndex(reference);
+    if (reference == emptyReference || type == instanceReference) return;
+    if (type == nodeReference)
+      for (int i = 0; i < 4; i++) gather(tree.nodes[index].children[i], boundsOfChild(tree.nodes[index], i));
+    else if (type == movingNodeReference)
+      for (int i = 0; i < 4; i++) gather(tree.movingNodes[index].atZero.children[i], boundsOfChild(tree.movingNodes[index], i));
+    else bounds.emplace(reference, Bounds::empty()).first->second.extend(b);
+  }
+
+private:
+  const Tree& tree;
+};
+
+/* every third of 63 bits */
+uint64_t spread(uint64_t x)
+{
+  x &= 0x1FFFFF;
+  x = (x | x << 32) & 0x1F00000000FFFF;
+  x = (x | x << 16) & 0x1F0000FF0000FF;
+  x = (x | x << 8) & 0x100F00F00F00F00F;
+  x = (x | x << 4) & 0x10C30C30C30C30C3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
+/* A driver computes where a ray passes a plane, (plane - origin)/direction, in floats, with three roundings: at a distance of D that is
+ * D 2^-22 off at most. 2^-17 of the largest coordinate is enough for rays that start 20 times as far away, with some to spare for
+ * its transforms of rays. */
+float widthOfErrors(const Bounds& all)
+{
+  float largest = 0;
+  for (int k = 0; k < 3; k++) largest = std::max({largest, std::fabs(all.lower[k]), std::fabs(all.upper[k])});
+  return std::ldexp(largest, -17);
+}
+
+Bounds boundsOf(const std::vector<LeafBox>& boxes)
+{
+  Bounds all = Bounds::empty();
+  for (const LeafBox& box : boxes) all.extend(boundsOf(box));
+  return all;
+}
+
+/* Of equal codes the lesser reference comes first, which is the earlier block. */
+void sortByMorton(std::vector<LeafBox>& boxes, const Bounds& all)
+{
+  std::vector<std::pair<uint64_t, LeafBox>> order;
+  for (const LeafBox& box : boxes) {
+    uint64_t code = 0;
+    for (int k = 0; k < 3; k++) {
+      const double extent = double(all.upper[k]) - all.lower[k], x = 0.5*(double(box.lower[k]) + box.upper[k]) - all.lower[k];
+      code |= spread(uint64_t(extent > 0 ? x/extent*0x1FFFFF : 0)) << k;
+    }
+    order.push_back({code, box});
+  }
+  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first || (a.first == b.first && a.second.reference < b.second.reference); });
+  std::transform(order.begin(), order.end(), boxes.begin(), [](const auto& entry) { return entry.second; });
+}
+
+} // namespace
+
+std::vector<VkAabbPositionsKHR> LeafBoxes::forDriver() const
+{
+  const float width = widthOfErrors(boundsOf(boxes));
+  std::vector<VkAabbPositionsKHR> out;
+  out.reserve(boxes.size());
+  for (const LeafBox& box : boxes)
+    out.push_back({box.lower[0] - width, box.lower[1] - width, box.lower[2] - width, box.upper[0] + width, box.upper[1] + width, box.upper[2] + width});
+  return out;
+}
+
+/* FNV-1a, a word at a time */
+BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes)
+{
+  uint64_t sum = 0xcbf29ce484222325;
+  for (const VkAabbPositionsKHR& box : boxes) {
+    uint32_t words[6];
+    std::memcpy(words, &box, sizeof(words));
+    for (uint32_t word : words) sum = (sum ^ word)*0x100000001b3;
+  }
+  return {boxes.size(), sum};
+}
+
+std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree, const std::function<uint32_t(uint32_t)>& geomIDOf)
+{
+  Leaves leaves(tree);
+  leaves.gather(subtree.root, subtree.bounds);
+  std::map<uint32_t, std::vector<LeafBox>> byGeometry;
+  for (const auto& leaf : leaves.bounds) {
+    LeafBox box = LeafBox();
+    std::copy(leaf.second.lower, leaf.second.lower + 3, box.lower);
+    std::copy(leaf.second.upper, leaf.second.upper + 3, box.upper);
+    box.reference = leaf.first;
+    byGeometry[geomIDOf(leaf.first)].push_back(box);
+  }
+  std::vector<LeafBoxes> out;
+  for (auto& entry : byGeometry) {
+    sortByMorton(entry.second, boundsOf(entry.second));
+    out.push_back({entry.first, std::move(entry.second)});
+  }
+  return out;
+}
+
+LeafBoxes placed(const LeafBoxes& boxes, const std::function<Bounds(const Bounds&)>& place)
+{
+  LeafBoxes out = boxes;
+  for (LeafBox& box : out.boxes) {
+    const Bounds b = place(boundsOf(box));
+    std::copy(b.lower, b.lower + 3, box.lower);
+    std::copy(b.upper, b.upper + 3, box.upper);
+  }
+  return out;
+}
+
+}} // namespace embree::vulkan

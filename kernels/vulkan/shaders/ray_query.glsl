@@ -1,0 +1,118 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Ray queries, and intersection shaders of ray tracing pipelines: the driver finds boxes of leaves, what is in them is intersected here. */
+
+#ifndef CBVH_RAY_QUERY_GLSL
+#define CBVH_RAY_QUERY_GLSL
+
+#extension GL_EXT_ray_query : require
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer CbvhPlacedBoxes { PlacedBoxes at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhLeafBoxes { LeafBox at[]; };
+
+/* What a ray has met of a scene so far. */
+struct CbvhCandidates
+{
+  CbvhHit hit;              // its distance is what others have to be nearer than
+  vec2 framed;              // see cbvhReport
+  CbvhVertNearest nearest;
+};
+
+CbvhCandidates cbvhNoCandidates (CbvhRay ray)
+{
+  CbvhHit none = CbvhHit(ray.tfar, 0.0, 0.0, vec3(0.0), CBVH_NONE, CBVH_NONE, CBVH_NONE);
+  return CbvhCandidates(none, vec2(-1.0), cbvhNoVertNearest());
+}
+
+/* The hit, once all candidates were looked at. */
+CbvhHit cbvhHitOf (CbvhCandidates found)
+{
+  CbvhHit hit = found.hit;
+  if (hit.t == found.framed.x) hit.t = found.framed.y;
+  return hit;
+}
+
+float cbvhEntry (LeafBox box, CbvhTravel ray)
+{
+  float enter = ray.tnear;
+  for (int k = 0; k < 3; k++) enter = max(enter, min((box.lower[k] - ray.org[k])*ray.rcp[k], (box.upper[k] - ray.org[k])*ray.rcp[k]));
+  return enter;
+}
+
+/* A box that the driver has found: `placed` is the custom index of the instance that has it, box the number of the primitive. ray: in the
+ * space of the scene. True if something nearer is hit. */
+bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const bool anyHit, inout CbvhCandidates found)
+{
+  if (!cbvhMayHit(ray)) return false;
+  SceneData scene = CbvhSceneAt(address).scene;
+  PlacedBoxes place = CbvhPlacedBoxes(scene.placed).at[placed];
+  LeafBox leaf = CbvhLeafBoxes(place.boxes).at[box];
+  CbvhRay local = ray;
+  if (cbvhHasKind(instanceReference) && place.instID != CBVH_NONE)
+  {
+    GeometryData instance = CbvhGeometries(scene.geometries).at[place.instID];
+    CbvhTransform toLocal;
+    if ((instance.mask & ray.mask) == 0u || !cbvhWorldToLocal(instance, ray.time, toLocal)) return false;
+    local = cbvhTransformed(toLocal, ray);
+    if (!cbvhMayHit(local)) return false;
+  }
+  CbvhTravel travel = cbvhTravel(local);
+  travel.instID = place.instID;
+  travel.firstGeometry = place.firstGeometry;
+  if (place.isInWorld == 0u) {
+    travel.enter = cbvhEntry(leaf, travel);
+    if (travel.enter*(1.0 - 3.0*floatUlp) > found.hit.t) return false;
+  }
+  return cbvhTraceLeaf(scene, travel, leaf.reference, anyHit, found.hit, found.framed, found.nearest);
+}
+
+/* A candidate of a ray query that is a box of the scene. ray: what the query was begun with; in the space of the scene, where your top
+ * level places the scene by a transform of its own. */
+void cbvhIntersectCandidate (rayQueryEXT query, uvec2 scene, CbvhRay ray, inout CbvhCandidates found)
+{
+  if (rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT)
+    found.hit.t = min(found.hit.t, rayQueryGetIntersectionTEXT(query, true));
+  uint placed = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false)), box = uint(rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
+  if (cbvhIntersectBox(scene, placed, box, ray, false, found)) rayQueryGenerateIntersectionEXT(query, found.hit.t);
+}
+
+/* By the scene's own top level. Directions of any length: the driver gets one whose largest component is 1 to 2, and distances by
+ * the same power of two, which rounds nothing. */
+bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit)
+{
+  CbvhCandidates found = cbvhNoCandidates(ray);
+  hit = found.hit;
+  vec3 size = abs(ray.direction);
+  uint exponent = floatBitsToUint(max(size.x, max(size.y, size.z))) >> 23;
+  if (!cbvhMayHit(ray) || exponent == 0u) return false;
+  vec3 direction = ray.direction*uintBitsToFloat(max(254u - exponent, 1u) << 23);
+  float unit = uintBitsToFloat(min(exponent, 253u) << 23);
+  float tmin = max(ray.tnear, 0.0)*unit, tmax = min(ray.tfar, 3.40282347e38)*unit;
+  tmax = min(tmax, 3.40282347e38);
+  rayQueryEXT query;
+  rayQueryInitializeEXT(query, accelerationStructureEXT(CbvhSceneAt(address).scene.topLevel),
+                        anyHit ? gl_RayFlagsTerminateOnFirstHitEXT : gl_RayFlagsNoneEXT, 0xFFu, ray.origin, tmin, direction, tmax);
+  bool isHit = false;
+  while (rayQueryProceedEXT(query))
+  {
+    uint placed = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false)), box = uint(rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
+    if (!cbvhIntersectBox(address, placed, box, ray, anyHit, found)) continue;
+    isHit = true;
+    rayQueryGenerateIntersectionEXT(query, clamp(found.hit.t*unit, tmin, tmax));
+    if (anyHit) rayQueryTerminateEXT(query);
+  }
+  hit = cbvhHitOf(found);
+  return isHit;
+}
+
+/* As cbvhIntersect and cbvhOccluded. */
+bool cbvhQueryIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhQuery(scene, ray, false, hit); }
+
+bool cbvhQueryOccluded (uvec2 scene, CbvhRay ray)
+{
+  CbvhHit hit;
+  return cbvhQuery(scene, ray, true, hit);
+}
+
+#endif
