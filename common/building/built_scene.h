@@ -47,7 +47,7 @@ struct BuildSettings
   PixelBound pixelBound;
   bool filters = false;    // of contexts are called
   std::string isa;     // Embree's name of the widest instruction set to use, empty for the host's best
-  std::string device = "cpu"; // that traces: "cpu", "vulkan" or "vulkan:NAME"
+  std::string device = "cpu"; // that traces: "cpu", "vulkan", "ray-query", "vulkan:NAME" or "ray-query:NAME"
   std::string name;    // in lines of progress, empty for the representation's label
 };
 

@@ -13,13 +13,20 @@
 #include <map>
 
 namespace cbvh {
+namespace {
+
+/* of devices whose blocks the driver's ray queries find */
+const std::string rayQueryName = "ray-query";
+
+} // namespace
 
 void validateTraceDevice(const std::string& name)
 {
   if (name == "cpu")
     return;
-  if (name != "vulkan" && name.rfind("vulkan:", 0) != 0)
-    throw Error("unknown --device '" + name + "', known are cpu, vulkan, and vulkan: with an index or a part of a name");
+  const std::string way = name.substr(0, name.find(':'));
+  if (way != "vulkan" && way != rayQueryName)
+    throw Error("unknown --device '" + name + "', known are cpu, vulkan, and ray-query, the last two alone or with : and an index or a part of a name");
 #ifndef CBVH_VULKAN
   throw Error("--device " + name + ": this build is without Vulkan, which needs its headers, glslc and Python");
 #endif
@@ -56,7 +63,8 @@ std::shared_ptr<OpenDevice> openDevice(const std::string& name)
 {
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<OpenDevice>> devices;
-  const std::string which = name == "vulkan" ? "" : name.substr(std::string("vulkan:").size());
+  const size_t colon = name.find(':');
+  const std::string which = colon == std::string::npos ? "" : name.substr(colon + 1);
   const std::lock_guard<std::mutex> lock(mutex);
   std::shared_ptr<OpenDevice> device = devices[which].lock();
   if (!device)
@@ -70,7 +78,10 @@ public:
   Tracer(const std::string& name, RTCScene from) : device(openDevice(name))
   {
     const auto start = std::chrono::steady_clock::now();
-    scene = rtcNewVulkanScene(device->device, from, nullptr);
+    RTCVulkanSceneArguments args = {};
+    if (name.compare(0, rayQueryName.size(), rayQueryName) == 0)
+      args.traversal = RTC_VULKAN_TRAVERSAL_RAY_QUERY;
+    scene = rtcNewVulkanScene(device->device, from, &args);
     device->errors.check("putting a scene on a Vulkan device");
     if (!scene)
       throw Error("putting a scene on a Vulkan device failed");

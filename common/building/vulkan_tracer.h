@@ -24,7 +24,7 @@ struct VulkanSceneReport
 class VulkanTracer : public SceneTracer
 {
 public:
-  /* name: "vulkan", or "vulkan:" and an index or a part of a device's name. The device is opened once
+  /* name: "vulkan", or "ray-query" where the driver finds the blocks, alone or with : and an index or a part of a device's name. The device is opened once
    * for as long as it is used. The scene outlives the tracer. Throws Error. */
   static std::unique_ptr<VulkanTracer> create(const std::string& name, RTCScene scene);
 
@@ -38,7 +38,7 @@ public:
 /* What a device traces a scene with: "cpu" and the names of VulkanTracer. Throws Error. */
 std::unique_ptr<SceneTracer> makeTracer(const std::string& device, RTCScene scene);
 
-/* Throws Error unless it is "cpu", "vulkan" or "vulkan:..." and this build has that. */
+/* Throws Error unless it is "cpu", "vulkan", "ray-query", or one of these with :..., and this build has that. */
 void validateTraceDevice(const std::string& name);
 
 } // namespace cbvh

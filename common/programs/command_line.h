@@ -55,7 +55,7 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
 /* What traces, see validateTraceDevice. */
 inline void addDeviceOption(CLI::App& app, std::string& device)
 {
-  app.add_option("--device", device, "what traces: cpu, vulkan, or vulkan: and an index or a part of a name")
+  app.add_option("--device", device, "what traces: cpu, vulkan, or ray-query for a driver's; the last two alone or with : and an index or a part of a name")
     ->type_name("DEVICE")->capture_default_str();
 }
 

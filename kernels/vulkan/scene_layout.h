@@ -53,10 +53,8 @@ struct PlacedBoxes
   CBVH_ADDRESS boxes;        //!< LeafBox
   uint32_t instID;           //!< the instance that places them, or all bits: then they are the scene's own
   uint32_t firstGeometry;    //!< as GeometryData has it
-  uint32_t isInWorld;        //!< boxes of an instance that moves are where it is at any time
-  uint32_t padding;
 };
-CBVH_CONSTANT uint32_t placedBoxesBytes = 24u;
+CBVH_CONSTANT uint32_t placedBoxesBytes = 16u;
 
 /*! of a block, or of a grid of GRID */
 struct BlockData

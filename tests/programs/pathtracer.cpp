@@ -20,6 +20,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 namespace cbvh {
 namespace {
@@ -35,14 +36,21 @@ Model cube()
   return loadScene(settings, warning);
 }
 
-bool hasVulkanDevice()
+/* Nothing if there is none. */
+std::optional<RTCVulkanDeviceInfo> vulkanDeviceInfo()
 {
   const EmbreeDevice device("");
   const RTCVulkanDevice vulkan = rtcNewVulkanDevice(device.handle(), "");
-  if (vulkan)
-    rtcReleaseVulkanDevice(vulkan);
-  return vulkan != nullptr;
+  if (!vulkan)
+    return std::nullopt;
+  RTCVulkanDeviceInfo info;
+  rtcGetVulkanDeviceInfo(vulkan, &info);
+  rtcReleaseVulkanDevice(vulkan);
+  return info;
 }
+
+bool hasVulkanDevice() { return vulkanDeviceInfo().has_value(); }
+bool hasRayQuery() { return hasVulkanDevice() && vulkanDeviceInfo()->hasRayQuery; }
 
 std::vector<Vec3f> render(PathTracer& tracer)
 {
@@ -96,6 +104,17 @@ TEST_P(PathTracerPictures, AreTheSameOnBothDevices)
   const PathView view = makePathView(chooseCamera("close", model, grid, size, threads), model.view.up, bounces, Shutter());
   const std::vector<Vec3f> expected = render(*makeCpuPathTracer(scene.handle(), view, threads));
   const std::vector<Vec3f> pixels = render(*makeVulkanPathTracer(scene.handle(), view, ""));
+
+  if (hasRayQuery())
+  {
+    const std::vector<Vec3f> byQuery = render(*makeVulkanPathTracer(scene.handle(), view, "", true));
+    ASSERT_EQ(byQuery.size(), pixels.size());
+    size_t others = 0;
+    for (size_t i = 0; i < pixels.size(); i++)
+      others += !(relativeDifference(byQuery[i], pixels[i]) <= 1e-3f);
+    std::printf("%s: %zu of %zu pixels differ by ray queries\n", GetParam(), others, pixels.size());
+    EXPECT_LE(others, pixels.size() / 1000);
+  }
 
   ASSERT_EQ(expected.size(), pixels.size());
   size_t differing = 0;

@@ -33,7 +33,7 @@ struct BenchOptions
   std::vector<Representation> representations; // GRID among them or not: it is always built
   std::vector<Library> libraries;              // at least one; of several all have names
   std::vector<std::string> isas;
-  std::string device = "cpu";                  // that traces: "cpu", "vulkan" or "vulkan:NAME"
+  std::string device = "cpu";                  // that traces: "cpu", "vulkan", "ray-query", "vulkan:NAME" or "ray-query:NAME"
   std::vector<unsigned> threads;               // that trace
   std::vector<RaySet> sets;
   std::vector<Query> queries;

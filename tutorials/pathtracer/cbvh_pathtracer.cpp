@@ -43,7 +43,7 @@ std::unique_ptr<PathTracer> makePathTracer(const PathTracerOptions& options, con
   if (options.onCpu())
     return makeCpuPathTracer(scene.handle(), view, threadCount(options.build.threads));
   Phase phase("scene and shader to the device");
-  return makeVulkanPathTracer(scene.handle(), view, options.device);
+  return makeVulkanPathTracer(scene.handle(), view, options.device, options.byRayQuery);
 }
 
 double secondsNow()

@@ -62,6 +62,7 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   addShutterOption(app, shutter);
   app.add_option("--device", device, "vulkan for the first device, a device's index, a part of its name, or cpu; auto for a GPU if there is one, else cpu")
     ->type_name("NAME")->capture_default_str();
+  app.add_flag("--ray-query", o.byRayQuery, "on a Vulkan device: find blocks by the driver's ray queries");
   app.add_flag("--window", o.window, "show the picture while it is made");
   app.add_option("--output", o.output, "write the picture there: linear as .exr, sRGB as .png; "
                                        "cbvh_pathtracer.png unless there is a window")->type_name("FILE");
@@ -78,6 +79,8 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   o.size = parseImageSize(size);
   o.shutter = parseShutter(shutter);
   o.device = device == "auto" ? chooseDevice() : libraryName(device);
+  if (o.byRayQuery && o.onCpu())
+    throw Error("--ray-query needs a Vulkan device, --device is cpu");
   const std::vector<Representation> representations = parseRepresentationOptions(representation, frameLevel);
   if (representations.size() != 1)
     throw Error("--representation '" + representation + "' names more than one");

@@ -27,6 +27,7 @@ struct PathTracerOptions
   unsigned bounces = 3;       // hits of a path behind its first
   Shutter shutter;            // of models that move
   std::string device;         // "cpu", or as rtcNewVulkanDevice takes it
+  bool byRayQuery = false;    // of the device's driver, and not the library's own tree
   bool window = false;
   std::string output;         // empty: none
 

@@ -10,6 +10,13 @@ layout(constant_id = 1) const uint stackSize = 96u;
 #define CBVH_KINDS kinds
 #define CBVH_STACK stackSize
 #include <embree3/cbvh.glsl>
+#ifdef CBVH_RAY_QUERY
+#define INTERSECT cbvhQueryIntersect
+#define OCCLUDED cbvhQueryOccluded
+#else
+#define INTERSECT cbvhIntersect
+#define OCCLUDED cbvhOccluded
+#endif
 #include "path.h"
 
 layout(local_size_x = 8, local_size_y = 8) in; // neighbours' first rays go the same way
@@ -26,13 +33,13 @@ CbvhRay rayOf (vec3 origin, float tnear, vec3 direction, float time)
 ClosestHit closestHit (uvec2 scene, vec3 origin, float tnear, vec3 direction, float time)
 {
   CbvhHit hit;
-  bool exists = cbvhIntersect(scene, rayOf(origin, tnear, direction, time), hit);
+  bool exists = INTERSECT(scene, rayOf(origin, tnear, direction, time), hit);
   return ClosestHit(exists, hit.t, hit.Ng);
 }
 
 bool isOccluded (uvec2 scene, vec3 origin, float tnear, vec3 direction, float time)
 {
-  return cbvhOccluded(scene, rayOf(origin, tnear, direction, time));
+  return OCCLUDED(scene, rayOf(origin, tnear, direction, time));
 }
 
 void main ()

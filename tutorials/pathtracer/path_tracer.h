@@ -48,6 +48,6 @@ private:
 std::unique_ptr<PathTracer> makeCpuPathTracer(RTCScene scene, const PathView& view, unsigned threads);
 
 /* On a Vulkan device. which: as rtcNewVulkanDevice takes it. Throws Error. */
-std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& which);
+std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& which, bool byRayQuery = false);
 
 } // namespace cbvh

@@ -23,6 +23,25 @@ const uint32_t code[] =
 const uint32_t codeFloat32[] =
 #include "path_float32.inc"
 ;
+const uint32_t codeByQuery[] =
+#include "path_query.inc"
+;
+const uint32_t codeByQueryFloat32[] =
+#include "path_query_float32.inc"
+;
+
+struct Code
+{
+  const uint32_t* words;
+  size_t bytes;
+};
+
+Code codeFor(bool byRayQuery, bool hasFloat64)
+{
+  if (byRayQuery)
+    return hasFloat64 ? Code{codeByQuery, sizeof(codeByQuery)} : Code{codeByQueryFloat32, sizeof(codeByQueryFloat32)};
+  return hasFloat64 ? Code{code, sizeof(code)} : Code{codeFloat32, sizeof(codeFloat32)};
+}
 
 constexpr uint32_t groupSize = 8; // local_size_x and local_size_y of path.comp
 
@@ -33,7 +52,7 @@ constexpr uint32_t pathsAtOnce = 1u << 18;
 class UploadedScene
 {
 public:
-  UploadedScene(VulkanDevice& device, RTCScene scene) : handle(rtcNewVulkanScene(device.handle(), scene, nullptr))
+  UploadedScene(VulkanDevice& device, RTCScene scene, bool byRayQuery) : handle(create(device, scene, byRayQuery))
   {
     device.check("putting the scene on the Vulkan device");
   }
@@ -42,17 +61,25 @@ public:
   UploadedScene& operator=(const UploadedScene&) = delete;
 
   const RTCVulkanScene handle;
+
+private:
+  static RTCVulkanScene create(VulkanDevice& device, RTCScene scene, bool byRayQuery)
+  {
+    RTCVulkanSceneArguments args = {};
+    args.traversal = byRayQuery ? RTC_VULKAN_TRAVERSAL_RAY_QUERY : RTC_VULKAN_TRAVERSAL_COMPUTE;
+    return rtcNewVulkanScene(device.handle(), scene, &args);
+  }
 };
 
 /* The shader, specialized to what a scene has. */
 class PathPipeline
 {
 public:
-  PathPipeline(const VulkanDevice& device, RTCVulkanScene scene) : device(device.vk.device)
+  PathPipeline(const VulkanDevice& device, RTCVulkanScene scene, bool byRayQuery) : device(device.vk.device)
   {
     try
     {
-      create(device.vk.hasFloat64, scene);
+      create(codeFor(byRayQuery, device.vk.hasFloat64), scene);
     }
     catch (...)
     {
@@ -73,7 +100,7 @@ public:
   }
 
 private:
-  void create(bool hasFloat64, RTCVulkanScene scene)
+  void create(const Code& code, RTCVulkanScene scene)
   {
     const VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(PathArguments)};
     VkPipelineLayoutCreateInfo layoutInfo = {VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
@@ -82,8 +109,8 @@ private:
     checkVulkan(vkCreatePipelineLayout(device, &layoutInfo, nullptr, &layout), "creating a pipeline layout");
 
     VkShaderModuleCreateInfo moduleInfo = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    moduleInfo.codeSize = hasFloat64 ? sizeof(code) : sizeof(codeFloat32);
-    moduleInfo.pCode = hasFloat64 ? code : codeFloat32;
+    moduleInfo.codeSize = code.bytes;
+    moduleInfo.pCode = code.words;
     checkVulkan(vkCreateShaderModule(device, &moduleInfo, nullptr, &module), "creating a shader");
 
     RTCVulkanSceneStatistics statistics;
@@ -126,8 +153,8 @@ void barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags 
 class VulkanPathTracer : public PathTracer
 {
 public:
-  VulkanPathTracer(RTCScene from, const PathView& view, const std::string& which)
-    : device(which), scene(device, from), pipeline(device, scene.handle), view(view),
+  VulkanPathTracer(RTCScene from, const PathView& view, const std::string& which, bool byRayQuery)
+    : device(which), scene(device, from, byRayQuery), pipeline(device, scene.handle, byRayQuery), view(view),
       light(device, sizeof(Vec3f) * view.width * view.height, VulkanBuffer::OnDevice),
       readable(device, light.bytes, VulkanBuffer::ToRead)
   {
@@ -178,9 +205,9 @@ private:
 
 } // namespace
 
-std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& which)
+std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& which, bool byRayQuery)
 {
-  return std::make_unique<VulkanPathTracer>(scene, view, which);
+  return std::make_unique<VulkanPathTracer>(scene, view, which, byRayQuery);
 }
 
 } // namespace cbvh

@@ -293,7 +293,7 @@ max_error: world units, 0 for none: bound on the spacing of cvert's lattice, and
 max_pixel_error: bound on the spacing of cvert's lattice in pixels of camera, 0 for none.
 threads: for building, 0 for all.
 isa: widest instruction set to use: "sse2", "sse4.2", "avx", "avx2" or "avx512"; the best there is by default.
-device: what traces: "cpu", "vulkan", or "vulkan:" and an index or a part of a device's name.
+device: what traces: "cpu", "vulkan", or "ray-query" (the driver finds blocks); the last two alone or with : and an index or a part of a device's name.
 progress: called with the name of a phase and how much of it is done, 0 to 1; what it raises stops the build.
 
 Ctrl-C (KeyboardInterrupt) stops the build. Other threads of Python run meanwhile; where they call this module to build

@@ -114,13 +114,20 @@ void sortByMorton(std::vector<LeafBox>& boxes, const Bounds& all)
 
 } // namespace
 
-std::vector<VkAabbPositionsKHR> LeafBoxes::forDriver() const
+std::vector<VkAabbPositionsKHR> LeafBoxes::forDriver(const std::function<Bounds(const Bounds&)>& place) const
 {
-  const float width = widthOfErrors(boundsOf(boxes));
+  std::vector<Bounds> all;
+  all.reserve(boxes.size());
+  Bounds sum = Bounds::empty();
+  for (const LeafBox& box : boxes) {
+    all.push_back(place(boundsOf(box)));
+    sum.extend(all.back());
+  }
+  const float width = widthOfErrors(sum);
   std::vector<VkAabbPositionsKHR> out;
   out.reserve(boxes.size());
-  for (const LeafBox& box : boxes)
-    out.push_back({box.lower[0] - width, box.lower[1] - width, box.lower[2] - width, box.upper[0] + width, box.upper[1] + width, box.upper[2] + width});
+  for (const Bounds& b : all)
+    out.push_back({b.lower[0] - width, b.lower[1] - width, b.lower[2] - width, b.upper[0] + width, b.upper[1] + width, b.upper[2] + width});
   return out;
 }
 
@@ -152,17 +159,6 @@ std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree, con
   for (auto& entry : byGeometry) {
     sortByMorton(entry.second, boundsOf(entry.second));
     out.push_back({entry.first, std::move(entry.second)});
-  }
-  return out;
-}
-
-LeafBoxes placed(const LeafBoxes& boxes, const std::function<Bounds(const Bounds&)>& place)
-{
-  LeafBoxes out = boxes;
-  for (LeafBox& box : out.boxes) {
-    const Bounds b = place(boundsOf(box));
-    std::copy(b.lower, b.lower + 3, box.lower);
-    std::copy(b.upper, b.upper + 3, box.upper);
   }
   return out;
 }

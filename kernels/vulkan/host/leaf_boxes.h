@@ -21,16 +21,13 @@ struct LeafBoxes
   uint32_t geomID;   // all bits for triangles of meshes, of which leaves have those of several
   std::vector<LeafBox> boxes;
 
-  /* What the driver gets: wider by what its arithmetic may lose. */
-  std::vector<VkAabbPositionsKHR> forDriver() const;
+  /* What the driver gets: wider by what its arithmetic may lose. place: what becomes of bounds before. */
+  std::vector<VkAabbPositionsKHR> forDriver(const std::function<Bounds(const Bounds&)>& place) const;
 };
 
 BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes);
 
 /* All below a subtree but instances. geomIDOf: of a reference. */
 std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree, const std::function<uint32_t(uint32_t)>& geomIDOf);
-
-/* The same boxes elsewhere: `place` says what becomes of bounds. */
-LeafBoxes placed(const LeafBoxes& boxes, const std::function<Bounds(const Bounds&)>& place);
 
 }} // namespace embree::vulkan

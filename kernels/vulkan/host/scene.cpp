@@ -314,17 +314,10 @@ private:
     return blocks[type == cellReference ? cells[index][0] : index].geomID;
   }
 
-  /* Boxes to be built into a bottom level. */
-  struct QueriedBoxes
+  /* A bottom level of boxes, in their own space or where an instance takes them. Returns its index in wanted. */
+  size_t addLevel(const LeafBoxes& boxes, const QueryStructures::Place& from, const std::function<Bounds(const Bounds&)>& place)
   {
-    QueryStructures::Place place;
-    Slice boxes;
-  };
-
-  void addBoxes(const LeafBoxes& boxes, const QueryStructures::Place& place)
-  {
-    const Slice slice = writeArray(boxes.boxes.data(), boxes.boxes.size(), "boxes of blocks");
-    const std::vector<VkAabbPositionsKHR> forDriver = boxes.forDriver();
+    const std::vector<VkAabbPositionsKHR> forDriver = boxes.forDriver(place);
     WantedLevel want = {keyOf(forDriver), 0, nullptr, nullptr};
     if (!device.structures.find(want.key)) {
       const Slice input = buildInput->take(forDriver.size()*sizeof(forDriver[0]), "boxes to build structures from");
@@ -333,56 +326,63 @@ private:
     }
     if (options.previous) {
       const auto& before = options.previous->structures.levels;
-      const auto found = before.find(place);
+      const auto found = before.find(from);
       if (found != before.end() && found->second->key.count == want.key.count) want.previous = found->second;
     }
-    queried.push_back({place, slice});
     wanted.push_back(want);
+    levelFrom.push_back(from);
     out.statistics.numBoxes += boxes.boxes.size();
+    return wanted.size() - 1;
   }
 
-  void addInstance(size_t level, const VkTransformMatrixKHR& transform, const PlacedBoxes& place)
+  void addInstance(size_t level, const float* transform, const PlacedBoxes& place)
   {
     if (places.size() >= device.capabilities.maxInstances)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has too many instances for ray queries: " + std::to_string(device.capabilities.maxInstances) + " at most");
     VkAccelerationStructureInstanceKHR instance = {};
-    instance.transform = transform;
+    instance.transform = matrixOf(transform);
     instance.instanceCustomIndex = uint32_t(places.size());
     instance.mask = 0xFF;
     instance.accelerationStructureReference = level;   // its index in wanted, until they are built
     out.structures.instances.push_back(instance);
-    PlacedBoxes with = place;
-    with.boxes = queried[level].boxes.address();
-    places.push_back(with);
+    places.push_back(place);
   }
 
-  /* Bottom levels of all parts, and where instances place them. */
+  /* Boxes of a geometry of a part. */
+  struct PartBoxes
+  {
+    LeafBoxes boxes;
+    VkDeviceAddress address;
+    size_t level;   // in their own space
+  };
+
+  /* Bottom levels of all parts, and where instances place them. An instance that moves has bottom levels of its own, with boxes of
+   * where it is at any time. */
   void placeBoxes()
   {
-    buildInput.reset(new Arena(device));
     const float identity[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
-    std::vector<std::vector<LeafBoxes>> boxes;
-    std::vector<size_t> firstLevel;
-    for (size_t p = 0; p < parts.size(); p++) {
-      boxes.push_back(leafBoxesOf(tree, parts[p].tree, [&](uint32_t reference) { return geomIDOf(reference); }));
-      firstLevel.push_back(wanted.size());
-      for (const LeafBoxes& some : boxes[p]) {
-        addBoxes(some, QueryStructures::Place(p, some.geomID, RTC_INVALID_GEOMETRY_ID));
-        if (p == 0) addInstance(wanted.size() - 1, matrixOf(identity), {0, RTC_INVALID_GEOMETRY_ID, 0, 0, 0});
+    const auto where = [](const Bounds& b) { return b; };
+    buildInput.reset(new Arena(device));
+    std::vector<std::vector<PartBoxes>> ofParts(parts.size());
+    for (size_t p = 0; p < parts.size(); p++)
+      for (LeafBoxes& boxes : leafBoxesOf(tree, parts[p].tree, [&](uint32_t reference) { return geomIDOf(reference); })) {
+        const VkDeviceAddress address = writeArray(boxes.boxes.data(), boxes.boxes.size(), "boxes of blocks").address();
+        const size_t level = addLevel(boxes, QueryStructures::Place(p, boxes.geomID, RTC_INVALID_GEOMETRY_ID), where);
+        if (p == 0) addInstance(level, identity, {address, RTC_INVALID_GEOMETRY_ID, 0});
+        else ofParts[p].push_back({std::move(boxes), address, level});
       }
-    }
     const FlatScene& top = *parts[0].flat;
     for (size_t i = 0; i < top.numGeometries; i++)
     {
       const FlatGeometry& instance = top.geometries[i];
       if (instance.type != FLAT_INSTANCE || !(instance.lower[0] <= instance.upper[0])) continue;
       const size_t p = partOf.at(instance.instanced);
-      const bool moves = instance.timeSteps > 1;
-      if (!moves && !isInvertible(instance)) continue;
-      const PlacedBoxes place = {0, uint32_t(i), parts[p].firstGeometry, moves, 0};
-      for (size_t k = 0; k < boxes[p].size(); k++) {
-        if (moves) addBoxes(placed(boxes[p][k], [&](const Bounds& b) { return transformed(instance, b.lower, b.upper); }), QueryStructures::Place(p, boxes[p][k].geomID, uint32_t(i)));
-        addInstance(moves ? wanted.size() - 1 : firstLevel[p] + k, matrixOf(moves ? identity : instance.localToWorld), place);
+      if (instance.timeSteps == 1 && !isInvertible(instance)) continue;
+      for (const PartBoxes& some : ofParts[p])
+      {
+        const PlacedBoxes place = {some.address, uint32_t(i), parts[p].firstGeometry};
+        if (instance.timeSteps == 1) addInstance(some.level, instance.localToWorld, place);
+        else addInstance(addLevel(some.boxes, QueryStructures::Place(p, some.boxes.geomID, uint32_t(i)), [&](const Bounds& b) { return transformed(instance, b.lower, b.upper); }), identity, place);
       }
     }
   }
@@ -395,7 +395,7 @@ private:
     out.statistics.numUpdatedBoxes = counts.updated;
     std::map<const Structure*, size_t> bytes;
     for (size_t i = 0; i < wanted.size(); i++) {
-      out.structures.levels[queried[i].place] = wanted[i].level;
+      out.structures.levels[levelFrom[i]] = wanted[i].level;
       bytes[wanted[i].level->structure.get()] = wanted[i].level->structure->bytes;
     }
     for (auto& instance : out.structures.instances) instance.accelerationStructureReference = wanted[instance.accelerationStructureReference].level->structure->address;
@@ -467,8 +467,8 @@ private:
   std::vector<std::array<uint32_t, 2>> cells;
   std::vector<Firsts> firsts;
   std::unique_ptr<Arena> buildInput;  // gone when the structures are built
-  std::vector<QueriedBoxes> queried;
-  std::vector<WantedLevel> wanted;    // one for each of queried
+  std::vector<WantedLevel> wanted;
+  std::vector<QueryStructures::Place> levelFrom;   // of each
   std::vector<PlacedBoxes> places;    // one for each instance
 };
 

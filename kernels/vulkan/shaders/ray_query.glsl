@@ -33,11 +33,17 @@ CbvhHit cbvhHitOf (CbvhCandidates found)
   return hit;
 }
 
-float cbvhEntry (LeafBox box, CbvhTravel ray)
+/* As cbvhSortChildren: the driver's box is wider. Sets ray.enter. */
+bool cbvhMeetsLeaf (LeafBox box, float tfar, inout CbvhTravel ray)
 {
-  float enter = ray.tnear;
-  for (int k = 0; k < 3; k++) enter = max(enter, min((box.lower[k] - ray.org[k])*ray.rcp[k], (box.upper[k] - ray.org[k])*ray.rcp[k]));
-  return enter;
+  float enter = ray.tnear, leave = tfar;
+  for (int k = 0; k < 3; k++) {
+    float a = (box.lower[k] - ray.org[k])*ray.rcp[k], b = (box.upper[k] - ray.org[k])*ray.rcp[k];
+    enter = max(enter, min(a, b));
+    leave = min(leave, max(a, b));
+  }
+  ray.enter = enter;
+  return enter*(1.0 - 3.0*floatUlp) <= leave*(1.0 + 3.0*floatUlp);
 }
 
 /* A box that the driver has found: `placed` is the custom index of the instance that has it, box the number of the primitive. ray: in the
@@ -60,10 +66,7 @@ bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const 
   CbvhTravel travel = cbvhTravel(local);
   travel.instID = place.instID;
   travel.firstGeometry = place.firstGeometry;
-  if (place.isInWorld == 0u) {
-    travel.enter = cbvhEntry(leaf, travel);
-    if (travel.enter*(1.0 - 3.0*floatUlp) > found.hit.t) return false;
-  }
+  if (!cbvhMeetsLeaf(leaf, found.hit.t, travel)) return false;
   return cbvhTraceLeaf(scene, travel, leaf.reference, anyHit, found.hit, found.framed, found.nearest);
 }
 
