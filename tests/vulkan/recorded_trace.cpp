@@ -19,12 +19,12 @@ void check(VkResult result, const char* doing)
 
 } // namespace
 
-RayBuffer::RayBuffer(const RTCVulkanHandles& handles, const void* data, size_t bytes) : handles(handles)
+RayBuffer::RayBuffer(const RTCVulkanHandles& handles, const void* data, size_t bytes, VkBufferUsageFlags usage) : handles(handles)
 {
   VkBufferCreateInfo info = {};
   info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
   info.size = bytes;
-  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  info.usage = usage | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   check(vkCreateBuffer(handles.device, &info, nullptr, &buffer), "vkCreateBuffer");
   VkMemoryRequirements requirements;
   vkGetBufferMemoryRequirements(handles.device, buffer, &requirements);
@@ -43,7 +43,7 @@ RayBuffer::RayBuffer(const RTCVulkanHandles& handles, const void* data, size_t b
   check(vkAllocateMemory(handles.device, &allocation, nullptr, &memory), "vkAllocateMemory");
   check(vkBindBufferMemory(handles.device, buffer, memory, 0), "vkBindBufferMemory");
   check(vkMapMemory(handles.device, memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory");
-  std::memcpy(mapped, data, bytes);
+  if (data) std::memcpy(mapped, data, bytes);
   VkBufferDeviceAddressInfo addressInfo = {};
   addressInfo.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO;
   addressInfo.buffer = buffer;

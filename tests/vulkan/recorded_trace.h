@@ -16,7 +16,8 @@ class RayBuffer
 {
 public:
   // Throws std::runtime_error with what failed.
-  RayBuffer(const RTCVulkanHandles& handles, const void* data, size_t bytes);
+  // data: may be NULL; usage: besides storage, address and copies
+  RayBuffer(const RTCVulkanHandles& handles, const void* data, size_t bytes, VkBufferUsageFlags usage = 0);
   ~RayBuffer();
   RayBuffer(const RayBuffer&) = delete;
   RayBuffer& operator=(const RayBuffer&) = delete;
