@@ -5,6 +5,8 @@
 # Builds what is missing and passes all tests.
 #
 #   scripts/test.sh [CTEST-OPTION...]    for example -R Abi, or -L quick
+#
+# On a Debian 12 tests of Vulkan run on the lavapipe of the backports, which has ray queries, and then on the one that is installed.
 
 arguments=any # ctest's
 . "$(dirname -- "$0")/lib.sh"
@@ -27,4 +29,10 @@ run_tests() {
 phase "packages" install_packages
 phase "configure, get upstream" configure
 phase "build" build
+[ -n "${VK_DRIVER_FILES:-}" ] || newer=$(scripts/newer_mesa.sh build/mesa) || newer=
+[ -z "${newer:-}" ] || export VK_DRIVER_FILES="$newer"
 phase "tests" run_tests "$@"
+if [ -n "${newer:-}" ]; then
+  unset VK_DRIVER_FILES
+  phase "tests on the installed driver" run_tests -L gpu "$@"
+fi
