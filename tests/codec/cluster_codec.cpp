@@ -168,6 +168,86 @@ TEST(ClusterCodec, BlocksOfDgfGiveTrianglesBackWhateverIsMissing)
   EXPECT_GT(refused, 100u);
 }
 
+// Of the strip of a whole grid, in a block with small offsets.
+unsigned bitsPerIndex(unsigned quadsX, unsigned quadsY)
+{
+  Grid grid(quadsX, quadsY);
+  for (unsigned i = 0; i < grid.vertices.size(); i++) grid.vertices[i] = {float(i % grid.width), float(i/grid.width), 0};
+  std::unique_ptr<LatticePoints> points(new LatticePoints);
+  std::unique_ptr<dgf::Block> block(new dgf::Block);
+  if (!place(grid, *points) || !block->write(QuadTriangles(grid.points(), grid.width, {0, 0, quadsX, quadsY}, true), *points, 0)) return 6;
+  return decodeDgf(block->bytes, sizeof(block->bytes)).bitsPerIndex;
+}
+
+// Whether the specification has room for whole quads in one strip, which comes to each inner vertex a second time.
+bool hasRoom(Grid& grid, int exponent, unsigned bitsPerIndex)
+{
+  const unsigned vertices = grid.width*grid.height, triangles = 2*(grid.width - 1)*(grid.height - 1), reused = (grid.width - 2)*(grid.height - 2);
+  unsigned bits = 0;
+  for (int k = 0; k < 3; k++) {
+    const auto extent = std::minmax_element(grid.vertices.begin(), grid.vertices.end(), [&](const Vertex& a, const Vertex& b) { return a[k] < b[k]; });
+    const unsigned steps = unsigned(std::ldexp(double((*extent.second)[k]) - (*extent.first)[k], -exponent));
+    unsigned b = 1;
+    while (steps >> b) b++;
+    bits += b;
+  }
+  bits = (bits + 3)/4*4;
+  const unsigned front = (vertices*bits + 7)/8;
+  return vertices <= 64 && triangles <= 64 && front <= 96 && 8*(20 + front) + reused*bitsPerIndex + (triangles - 1) + 2*(triangles - 1) <= 8*128;
+}
+
+TEST(ClusterCodec, WholeGridsAreOneStripInAsManyBytesAsThatTakes)
+{
+  Random random(185);
+  std::unique_ptr<LatticePoints> points(new LatticePoints);
+  std::unique_ptr<dgf::Block> block(new dgf::Block);
+  size_t written = 0, refused = 0;
+  for (int round = 0; round < 5000; round++) {
+    Grid grid(1 + random.below(8), 1 + random.below(8));
+    grid.fill(random, 0, 1 << 20, 4 + random.below(12));
+    const QuadTriangles triangles(grid.points(), grid.width, {0, 0, grid.width - 1, grid.height - 1}, true);
+    ASSERT_TRUE(place(grid, *points));
+    if (!triangles.isWhole || points->exponent != 127) continue;
+    const bool hasRoom = test::hasRoom(grid, 0, bitsPerIndex(grid.width - 1, grid.height - 1));
+    if (!block->write(triangles, *points, 0)) {
+      refused++;
+      ASSERT_FALSE(hasRoom) << grid.width << " x " << grid.height;
+      continue;
+    }
+    written++;
+    ASSERT_TRUE(hasRoom);
+    const DecodedCluster decoded = decodeDgf(block->bytes, sizeof(block->bytes));
+    ASSERT_EQ(decoded.numIndices, triangles.numTriangles + 2u);
+  }
+  EXPECT_GT(written, 1000u);
+  EXPECT_GT(refused, 500u);
+}
+
+TEST(ClusterCodec, TrianglesSayWhichOfThePartTheyAre)
+{
+  Random random(186);
+  for (int round = 0; round < 500; round++) {
+    Grid grid(9 + random.below(20), 9 + random.below(20));
+    grid.fill(random, 0, 5, 10);
+    const uint32_t width = 1 + random.below(8), height = 1 + random.below(8);
+    const QuadRectangle of = {random.below(grid.width - width), random.below(grid.height - height), width, height};
+    for (bool isStrip : {false, true}) {
+      const QuadTriangles triangles(grid.points(), grid.width, of, isStrip);
+      std::set<uint32_t> seen;
+      for (uint32_t t = 0; t < triangles.numTriangles; t++) {
+        const uint32_t id = triangles.triangles[t], x = id/2 % (grid.width - 1), y = id/2/(grid.width - 1);
+        ASSERT_TRUE(seen.insert(id).second);
+        ASSERT_TRUE(x >= of.x && x < of.x + width && y >= of.y && y < of.y + height);
+        const Triangle expected = id % 2 ? Triangle{grid.at(x, y + 1), grid.at(x + 1, y), grid.at(x + 1, y + 1)} : Triangle{grid.at(x, y), grid.at(x + 1, y), grid.at(x, y + 1)};
+        for (int c = 0; c < 3; c++) {
+          const uint32_t v = triangles.vertices[triangles.indices[t][c]];
+          ASSERT_EQ(grid.at(of.x + v % (width + 1), of.y + v/(width + 1)), expected[c]);
+        }
+      }
+    }
+  }
+}
+
 TEST(ClusterCodec, TilesCoverEachQuadOnceAndHaveRoom)
 {
   Random random(184);
@@ -176,7 +256,8 @@ TEST(ClusterCodec, TilesCoverEachQuadOnceAndHaveRoom)
   for (int round = 0; round < 300; round++) {
     Grid grid(1 + random.below(16), 1 + random.below(16));
     grid.fill(random, 2, -12345, random.below(17));
-    if (random.chance(0.2)) for (Vertex& v : grid.vertices) v[2] = random.chance(0.9) ? NAN : v[2]; // no bounds in places
+    const bool hasGaps = random.chance(0.2);
+    if (hasGaps) for (Vertex& v : grid.vertices) v[2] = random.chance(0.9) ? NAN : v[2]; // no bounds in places
     ASSERT_TRUE(place(grid, *points));
     const dgf::Tiling tiling(*points, grid.width - 1, grid.height - 1);
     ASSERT_TRUE(tiling.isPossible);
@@ -185,6 +266,11 @@ TEST(ClusterCodec, TilesCoverEachQuadOnceAndHaveRoom)
       for (uint32_t j = 0; j < height; j++)
         for (uint32_t i = 0; i < width; i++) covered.at((y + j)*(grid.width - 1) + x + i)++;
       ASSERT_LE((width + 1)*(height + 1), 64u);
+      QuadTriangles triangles(grid.points(), grid.width, {x, y, width, height}, true);
+      if (hasGaps || !triangles.isWhole) return;
+      for (uint32_t i = 0; i < triangles.numVertices; i++)
+        triangles.vertices[i] = (y + triangles.vertices[i]/(width + 1))*grid.width + x + triangles.vertices[i] % (width + 1);
+      ASSERT_TRUE(block->write(triangles, *points, 0)) << width << " x " << height;
     });
     ASSERT_EQ(std::count(covered.begin(), covered.end(), 1u), long(covered.size()));
   }

@@ -25,6 +25,8 @@ struct DecodedCluster
   std::vector<std::array<float, 3>> vertices;
   std::vector<std::array<unsigned, 3>> triangles; // of DGF
   unsigned primitives = 0;                        // index of the first triangle, of DGF
+  size_t numIndices = 0;                          // that its strips take
+  unsigned bitsPerIndex = 0;
 };
 
 // Bits of bytes, counted from the lowest of the first.
@@ -104,7 +106,8 @@ inline DecodedCluster decodeDgf(const void* data, size_t bytes)
   demand(bytes == 128, "a block is not 128 bytes");
   const BitReader from(data, bytes);
   demand(from.read(0, 8) == 6, "the magic is not 6");
-  const unsigned bitsPerIndex = from.read(8, 2) + 3, numVertices = from.read(10, 6) + 1, numTriangles = from.read(16, 6) + 1;
+  DecodedCluster cluster;
+  const unsigned bitsPerIndex = cluster.bitsPerIndex = from.read(8, 2) + 3, numVertices = from.read(10, 6) + 1, numTriangles = from.read(16, 6) + 1;
   LatticeHeader header;
   header.exponent = from.read(32, 8);
   header.anchor[0] = from.readSigned(40, 24);
@@ -116,7 +119,6 @@ inline DecodedCluster decodeDgf(const void* data, size_t bytes)
   demand(from.read(103, 1) == 0, "there is a palette of geometries");
   header.anchor[2] = from.readSigned(104, 24);
   header.check();
-  DecodedCluster cluster;
   cluster.primitives = from.read(128, 29);
   demand(from.read(157, 3) == 0, "there is user data, or unused bits are not zero");
 
@@ -132,7 +134,7 @@ inline DecodedCluster decodeDgf(const void* data, size_t bytes)
   std::vector<unsigned> control = {RESTART};
   size_t back = 8*128;
   for (unsigned t = 1; t < numTriangles; t++) control.push_back(from.read(back -= 2, 2));
-  size_t numIndices = 0;
+  size_t& numIndices = cluster.numIndices;
   for (unsigned c : control) numIndices += c == RESTART ? 3 : 1;
 
   /* indices: the first three are implicit; then a bit each that says whether it is a vertex's first, likewise from the end, and what is not comes behind the vertices */
