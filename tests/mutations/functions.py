@@ -78,7 +78,10 @@ FUNCTIONS = (
     Entry("QuadTriangles::QuadTriangles", 3, CLUSTERS),
     Entry("Block::write", 4, CLUSTERS),
     Entry("Block::controlOf", 3, CLUSTERS),
-    Entry("hasRoom", 3, CLUSTERS, {"vertices [<= => <] maxVertices": "grids of 64 vertices have more than 64 triangles, or are longer than a part"}),
+    Entry("hasRoom", 3, CLUSTERS, {
+        "vertices [<= => <] maxVertices": "grids of 64 vertices have more than 64 triangles, or are longer than a part",
+        "triangles [- => +] 1": "no strip of a whole grid takes 1021 to 1024 bits, and 4 bits more are no loss to others",
+    }),
     Entry("Tiling::forEachPiece", 2, CLUSTERS),
     # its decoder and triangles
     Entry("CellFields", 3, DECODING, {"[1u => 2u] << ( words - 16": "a word more is loaded, in which no field has bits"}),
