@@ -66,7 +66,6 @@ typedef bool (*RTCCompressedClusterFunction)(void* userPtr, const struct RTCComp
  *
  * Errors: as rtcForEachCompressedPart; RTC_ERROR_INVALID_ARGUMENT for an unknown format; RTC_ERROR_INVALID_OPERATION where DGF has more triangles
  * than the 29 bits of its primitive indices count. Thread safety: as rtcInterpolate. */
-RTC_API void rtcForEachCompressedCluster(RTCGeometry geometry, float time, enum RTCClusterFormat format, RTCCompressedClusterFunction function, void* userPtr,
-                                         struct RTCCompressedClusterReport* report);
+RTC_API void rtcForEachCompressedCluster(RTCGeometry geometry, float time, enum RTCClusterFormat format, RTCCompressedClusterFunction function, void* userPtr, struct RTCCompressedClusterReport* report);
 
 RTC_NAMESPACE_END

@@ -166,6 +166,28 @@ TEST(Clusters, SayWhyTheyHaveFloats)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
+TEST(Clusters, OfStitchedGridsMeetWhereSomeHaveFloats)
+{
+  Device device;
+  Diced diced;
+  const auto position = [](double x, double y) { return Vec{float(x), float(y), float(0.1*std::sin(5*x + 3*y))}; };
+  diced.add(9, 9, [&](unsigned x, unsigned y) { return position(x/8.0, y/8.0); });
+  diced.add(25, 25, [&](unsigned x, unsigned y) {
+    if (x > 0) return position(1 + x/24.0, y/24.0);
+    const Vec a = position(1, y/3/8.0), b = position(1, (y/3 + 1)/8.0); // on an edge of the coarser grid: a third is on no lattice
+    const float t = float(y % 3)/3;
+    return Vec{a[0] + t*(b[0] - a[0]), a[1] + t*(b[1] - a[1]), a[2] + t*(b[2] - a[2])};
+  });
+  const Stored grids(newGrids(device, diced, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT));
+  for (RTCClusterFormat format : {RTC_CLUSTER_FORMAT_COMPRESSED1, RTC_CLUSTER_FORMAT_DGF1}) {
+    const ClusterJudge judge(grids, 0, format);
+    EXPECT_GT(judge.report.numClustersOf[RTC_CLUSTER_RAW], 0u);
+    EXPECT_GT(judge.report.numClustersOf[RTC_CLUSTER_FITS], 0u);
+    EXPECT_EQ(judge.report.numTriangles, 2*diced.quads());
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
 TEST(Clusters, OfNothingAndOfUnknownFormatsAreErrors)
 {
   Device device;
