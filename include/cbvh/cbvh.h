@@ -330,6 +330,59 @@ typedef int (*CbvhPartFunction)(void* userPtr, const struct CbvhPart* part);
 /* Hands out all of a surface as it is stored, as it is at a time. */
 CBVH_API enum CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction function, void* userPtr);
 
+/* --- clusters that GPUs read: kernels/beside/CLUSTERS.md has what is in them, and from which specification ---- */
+
+enum CbvhClusterFormat
+{
+  CBVH_CLUSTER_FLOAT3 = 0,      /* x, y, z of each vertex as floats */
+  CBVH_CLUSTER_COMPRESSED1 = 1, /* D3D12_VERTEX_FORMAT_COMPRESSED1 of DirectX Raytracing: its header and vertices, filled up to 4 bytes */
+  CBVH_CLUSTER_DGF1 = 2         /* a block of 128 bytes of AMD's Dense Geometry Format, with its topology */
+};
+
+/* Why a cluster has floats where another format was asked for. */
+enum CbvhClusterReason
+{
+  CBVH_CLUSTER_FITS = 0,   /* it has not */
+  CBVH_CLUSTER_RAW = 1,    /* its block keeps vertices as floats */
+  CBVH_CLUSTER_MOVING = 2, /* vertices are between two time steps, and so on no lattice */
+  CBVH_CLUSTER_RANGE = 3   /* on a lattice, but further from the origin than 2^23 of its steps, or with steps below 2^-126 */
+};
+
+/* Up to 8 x 8 quads: 81 vertices and 128 triangles; of DGF 64 of both. */
+struct CbvhCluster
+{
+  enum CbvhClusterFormat format; /* of data: what was asked for, or CBVH_CLUSTER_FLOAT3 */
+  enum CbvhClusterReason reason;
+  unsigned int numVertices, numTriangles;
+  const void* data;              /* aligned to 4 bytes */
+  size_t bytes;
+  const unsigned char* indices;  /* of three vertices of each triangle; of DGF in the order of a decoder */
+  const unsigned int* triangles; /* which each is of the part: 2 ((width-1) y + x) of quad x, y, and 1 more for its second */
+  unsigned int firstTriangle;    /* triangles that were handed out before; of DGF those of a block have their primitive indices from here on */
+  unsigned int width, height;    /* in vertices, if it is a whole grid, row by row: all clusters of that size have the same indices. Otherwise, and of DGF, 0, 0 */
+  const struct CbvhPart* part;   /* that it is cut from: parameters, primIDs */
+};
+
+/* Sums over clusters. */
+struct CbvhClusterReport
+{
+  size_t numClusters, numTriangles;
+  size_t numVertices;            /* those that clusters share count in each */
+  size_t bytes;                  /* of data */
+  size_t indexBytes;             /* of indices that are not those of a whole grid, 3 bytes a triangle. DGF has its own */
+  size_t numClustersOf[4];       /* by reason */
+  size_t numTrianglesOf[4];      /* likewise */
+};
+
+/* Valid until it returns; 0 ends the calls. */
+typedef int (*CbvhClusterFunction)(void* userPtr, const struct CbvhCluster* cluster);
+
+/* Hands out all of a surface as it is at a time, cluster by cluster, by the calling thread. No vertex is moved: a decoder of the format gets the floats that rays meet here, but
+ * 0 for -0, so clusters meet as triangles do. Triangles with a vertex that is not finite, or with two vertices in the same place, are left out: no ray hits them. What a
+ * format cannot hold comes as floats, with the reason. function: may be NULL where only the report is wanted; report: may be NULL. Returns
+ * CBVH_ERROR_INVALID_OPERATION where DGF has more triangles than the 29 bits of its primitive indices count. */
+CBVH_API enum CbvhError cbvhForEachCluster(CbvhSurface surface, float time, enum CbvhClusterFormat format, CbvhClusterFunction function, void* userPtr, struct CbvhClusterReport* report);
+
 #if defined(__cplusplus)
 }
 #endif

@@ -4,9 +4,11 @@
 #include "surface.h"
 
 #include <embree3/rtcore_compression.h>
+#include <embree3/rtcore_compressed_clusters.h>
 #include <embree3/rtcore_compressed_triangles.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -287,6 +289,22 @@ CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction func
     rtcForEachCompressedPartAtTime(surface->committed().geometry, time, [](void* of, const RTCCompressedPart* part) {
       return ((const Call*)of)->function(((const Call*)of)->userPtr, (const CbvhPart*)part) != 0;
     }, &call);
+    surface->context->check();
+  });
+}
+
+CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat format, CbvhClusterFunction function, void* userPtr, CbvhClusterReport* report)
+{
+  return onSurface(surface, [&] {
+    static_assert(sizeof(CbvhCluster) == sizeof(RTCCompressedCluster) && offsetof(CbvhCluster, part) == offsetof(RTCCompressedCluster, part), "layout of a cluster");
+    static_assert(sizeof(CbvhClusterReport) == sizeof(RTCCompressedClusterReport), "layout of a report");
+    static_assert(int(CBVH_CLUSTER_COMPRESSED1) == RTC_CLUSTER_FORMAT_COMPRESSED1 && int(CBVH_CLUSTER_DGF1) == RTC_CLUSTER_FORMAT_DGF1, "formats");
+    static_assert(int(CBVH_CLUSTER_RAW) == RTC_CLUSTER_RAW && int(CBVH_CLUSTER_MOVING) == RTC_CLUSTER_MOVING && int(CBVH_CLUSTER_RANGE) == RTC_CLUSTER_RANGE, "reasons");
+    struct Call { CbvhClusterFunction function; void* userPtr; } call = {function, userPtr};
+    const RTCCompressedClusterFunction hand = [](void* of, const RTCCompressedCluster* cluster) {
+      return ((const Call*)of)->function(((const Call*)of)->userPtr, (const CbvhCluster*)cluster) != 0;
+    };
+    rtcForEachCompressedCluster(surface->committed().geometry, time, RTCClusterFormat(format), function ? hand : nullptr, &call, (RTCCompressedClusterReport*)report);
     surface->context->check();
   });
 }

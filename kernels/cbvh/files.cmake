@@ -8,9 +8,11 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/geometry_commit.cpp
   cbvh/api/rtcore_compression.cpp
   cbvh/api/rtcore_compressed_triangles.cpp
+  cbvh/api/rtcore_compressed_clusters.cpp
   cbvh/scene/flat_scene.cpp
   cbvh/scene/builder.cpp
   cbvh/scene/stored_triangles.cpp
+  cbvh/scene/stored_clusters.cpp
   cbvh/scene/surface_blocks.cpp
   cbvh/surface/quad_regions.cpp
   cbvh/framed/node_tables.cpp

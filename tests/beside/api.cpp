@@ -7,6 +7,7 @@
 #include "support/moving_surface.h"
 
 #include <cbvh/cbvh.h>
+#include <embree3/rtcore_compressed_clusters.h>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -153,6 +154,55 @@ SurfaceSettings settingsOf(Displacement& displacement, unsigned timeSteps, float
   settings.timeSteps = timeSteps;
   settings.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
   return settings;
+}
+
+// As handed out by either of the two libraries.
+struct Clusters
+{
+  std::vector<std::vector<unsigned char>> data;
+
+  template<typename Cluster>
+  static void add(void* self, const Cluster* cluster)
+  {
+    ((Clusters*)self)->data.emplace_back((const unsigned char*)cluster->data, (const unsigned char*)cluster->data + cluster->bytes);
+    ((Clusters*)self)->data.emplace_back(cluster->indices, cluster->indices + 3*cluster->numTriangles);
+  }
+};
+
+TEST(Beside, SurfacesHaveTheClustersOfOurEmbree)
+{
+  Context context;
+  Device device;
+  Displacement displacement;
+  const SurfaceSettings settings = settingsOf(displacement, 2, 13);
+  const Cage cage = cubeCage();
+  CageInput input(cage, settings);
+  Surface surface(context);
+  ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+  EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION) << "not committed";
+  context.told.clear();
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
+  Scene scene(device);
+  RTCGeometry geometry = newSurface(device, cage, settings);
+  attach(scene, geometry);
+  rtcCommitScene(scene);
+  for (int format = 0; format < 3; format++)
+    for (float time : {0.0f, 0.25f, 1.0f}) {
+      Clusters ours, theirs;
+      CbvhClusterReport report;
+      RTCCompressedClusterReport expected;
+      ASSERT_EQ(cbvhForEachCluster(surface, time, CbvhClusterFormat(format), [](void* self, const CbvhCluster* cluster) { Clusters::add(self, cluster); return 1; }, &ours, &report), CBVH_OK);
+      rtcForEachCompressedCluster(geometry, time, RTCClusterFormat(format), [](void* self, const RTCCompressedCluster* cluster) { Clusters::add(self, cluster); return true; }, &theirs, &expected);
+      EXPECT_GT(ours.data.size(), 0u);
+      EXPECT_EQ(ours.data, theirs.data);
+      EXPECT_EQ(std::memcmp(&report, &expected, sizeof(report)), 0);
+    }
+  size_t calls = 0;
+  EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, [](void* n, const CbvhCluster*) { return int(++*(size_t*)n < 3); }, &calls, nullptr), CBVH_OK);
+  EXPECT_EQ(calls, 3u) << "0 ends the calls";
+  EXPECT_EQ(cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT);
+  context.told.clear();
+  context.expect(cbvhForEachCluster(surface, 0, CbvhClusterFormat(7), nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "7");
 }
 
 TEST(Beside, CagesHaveTheHitsOfOurEmbree)

@@ -21,6 +21,7 @@ class Entry:
 
 BLOCK = ("vert_block",)
 MOTION = ("motion_block",)
+CLUSTERS = ("cluster_codec",)
 MOTION_DECODING = tuple(f"motion_decoding_{isa}" for isa in ("avx512", "avx2", "sse2"))
 DECODING = tuple(f"vert_decoding_{isa} VertDecoding.*" for isa in ("avx512", "avx2", "sse2"))
 TRIANGLES = tuple(f"vert_decoding_{isa} VertTriangles.*" for isa in ("avx512", "sse2"))
@@ -70,6 +71,18 @@ FUNCTIONS = (
     Entry("TurnedBase", 2, MOTION_DECODING),
     Entry("SegmentReach", 3, ("moving_hard_cases", "moving_surfaces")),
     Entry("MotionTree", 8, ("moving_surfaces *Range*:*Time*:*Hits*", "moving_hard_cases")),
+    # clusters for GPUs
+    Entry("LatticePoints::locate", 3, CLUSTERS, {"shift >= [0 => 1]": "a shift by 0 is the same either way"}),
+    Entry("LatticePoints::place", 2, CLUSTERS),
+    Entry("putCompressed1", 3, CLUSTERS),
+    Entry("QuadTriangles::QuadTriangles", 3, CLUSTERS),
+    Entry("Block::write", 4, CLUSTERS),
+    Entry("Block::controlOf", 3, CLUSTERS),
+    Entry("hasRoom", 3, CLUSTERS, {
+        "vertices [<= => <] maxVertices": "grids of 64 vertices have more than 64 triangles, or are longer than a part",
+        "triangles [- => +] 1": "no strip of a whole grid takes 1021 to 1024 bits, and 4 bits more are no loss to others",
+    }),
+    Entry("Tiling::forEachPiece", 2, CLUSTERS),
     # its decoder and triangles
     Entry("CellFields", 3, DECODING, {"[1u => 2u] << ( words - 16": "a word more is loaded, in which no field has bits"}),
     Entry("CellDecoder", 4, DECODING),

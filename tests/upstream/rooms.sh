@@ -15,7 +15,7 @@ check() {
   room=$1; shift
   allowed=$(echo "$room $*" | tr ' ' '|')
   [ -d "$room" ] || { echo "there is no room $room"; failed=1; }
-  others=$(grep -rnE '#include "(\.\./)+(api|scene|framed|vert|surface|base|embree)/' "$room" | grep -vE "#include \"(\.\./)+($allowed)/" || true)
+  others=$(grep -rnE '#include "(\.\./)+(api|scene|export|framed|vert|surface|base|embree)/' "$room" | grep -vE "#include \"(\.\./)+($allowed)/" || true)
   [ -z "$others" ] || { echo "$others"; failed=1; }
 }
 
@@ -24,7 +24,8 @@ check base embree
 check surface base embree
 check vert surface base embree
 check framed surface base embree
-check scene vert framed surface base embree
-check api scene vert framed surface base embree
-[ "$(find . -name "*.h" | cut -d/ -f2 | sort -u | wc -l)" = 7 ] || { echo "a room is missing here"; failed=1; }
+check export
+check scene export vert framed surface base embree
+check api scene export vert framed surface base embree
+[ "$(find . -name "*.h" | cut -d/ -f2 | sort -u | wc -l)" = 8 ] || { echo "a room is missing here"; failed=1; }
 exit $failed

@@ -3,30 +3,14 @@
 
 #define RTC_EXPORT_API
 
-#include "../embree/scene.h"
-#include "../scene/stored_triangles.h"
-#include "../scene/surface_blocks.h"
+#include "stored_blocks.h"
 
 using namespace embree;
 
 namespace
 {
-  const SurfaceBlocks& blocksOf (RTCGeometry hgeometry)
-  {
-    if (hgeometry == nullptr)
-      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"geometry is NULL");
-    const CompressibleGeometry* const geometry = compressible((Geometry*)hgeometry);
-    if (!geometry || !geometry->surface.blocks)
-      throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
-    return *geometry->surface.blocks;
-  }
-
   /*! of a geometry's first time step */
   float firstTime (RTCGeometry geometry) { return geometry ? ((Geometry*)geometry)->time_range.lower : 0.0f; }
-
-  cbvh::TraversalTime traversalTime (Geometry* geometry, float time) {
-    return cbvh::TraversalTime{ time,(geometry->device->enabled_cpu_features & AVX2) == AVX2 };
-  }
 }
 
 RTC_NAMESPACE_BEGIN;
@@ -35,7 +19,7 @@ RTC_API bool rtcGetCompressedTriangleAtTime (RTCGeometry hgeometry, float time, 
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
-  const SurfaceBlocks& blocks = blocksOf(hgeometry);
+  const SurfaceBlocks& blocks = storedBlocksOf(hgeometry);
   if (triangle == nullptr)
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"triangle is NULL");
   return blocks.index().find(traversalTime(geometry,time),primID,u,v,Ng,*triangle);
@@ -47,10 +31,10 @@ RTC_API void rtcForEachCompressedPartAtTime (RTCGeometry hgeometry, float time, 
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
-  const SurfaceBlocks& blocks = blocksOf(hgeometry);
+  const SurfaceBlocks& blocks = storedBlocksOf(hgeometry);
   if (function == nullptr)
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"function is NULL");
-  cbvh::forEachPart(blocks,traversalTime(geometry,time),[&](const RTCCompressedPart& part) { return function(userPtr,&part); });
+  cbvh::forEachPart(blocks,traversalTime(geometry,time),[&](const cbvh::StoredBlock&, const RTCCompressedPart& part) { return function(userPtr,&part); });
   RTC_CATCH_END2(geometry);
 }
 

@@ -267,7 +267,7 @@ namespace embree
       return search.found();
     }
 
-    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time, const std::function<bool(const RTCCompressedPart&)>& closure)
+    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time, const std::function<bool(const StoredBlock&, const RTCCompressedPart&)>& closure)
     {
       bool goesOn = true;
       forEachBlock(blocks,[&](const StoredBlock& block) {
@@ -281,7 +281,7 @@ namespace embree
             const DecodedBlock decoded(block,time);
             part.vertices = decoded.vertices[0].data();
             part.parameters = decoded.parameters[0].data();
-            goesOn = closure(part);
+            goesOn = closure(block,part);
             return;
           }
           const uint32_t form = block.vert()->patchQuads;
@@ -294,7 +294,7 @@ namespace embree
           part.vertices = decoded.vertices[0];
           part.primIDs = primIDs;
           part.primitivesPerQuad = isOfTriangles(form) ? 2 : 1;
-          goesOn = closure(part);
+          goesOn = closure(block,part);
         });
     }
   }

@@ -58,7 +58,7 @@ namespace embree
       std::vector<uint32_t> blockOf;   //!< of each primitive, if blocks number their quads; empty if they do not
     };
 
-    /*! Calls closure(part) for the blocks of a surface until it returns false. Throws where one is neither cVERT nor cGRID. */
-    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time, const std::function<bool(const RTCCompressedPart&)>& closure);
+    /*! Calls closure(block, part) for the blocks of a surface until it returns false. Throws where one is neither cVERT nor cGRID. */
+    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time, const std::function<bool(const StoredBlock&, const RTCCompressedPart&)>& closure);
   }
 }

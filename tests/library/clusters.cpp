@@ -1,0 +1,213 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Surfaces as clusters of formats for GPUs: decoders written from the specifications find the triangles that rays hit, to the bit. */
+
+#include "support/cluster_judge.h"
+#include "support/diced_mesh.h"
+#include "support/edge_rates.h"
+#include "support/moving_surface.h"
+
+#include <gtest/gtest.h>
+
+namespace cbvh::test {
+namespace {
+
+const RTCClusterFormat allFormats[] = {RTC_CLUSTER_FORMAT_FLOAT3, RTC_CLUSTER_FORMAT_COMPRESSED1, RTC_CLUSTER_FORMAT_DGF1};
+const char* nameOf(RTCClusterFormat format) { return format == RTC_CLUSTER_FORMAT_DGF1 ? "DGF1" : format == RTC_CLUSTER_FORMAT_COMPRESSED1 ? "COMPRESSED1" : "floats"; }
+
+// A geometry that is compressed by its own commit.
+struct Stored
+{
+  RTCGeometry geometry;
+
+  explicit Stored(RTCGeometry geometry) : geometry(geometry) {}
+  Stored(RTCDevice device, const Cage& cage, SurfaceSettings settings, RTCCompression kind = RTC_COMPRESSION_VERT)
+  {
+    settings.compression = kind;
+    geometry = newSurface(device, cage, settings);
+    scene = rtcNewScene(device);
+    rtcAttachGeometry(scene, geometry);
+    rtcCommitScene(scene);
+  }
+  ~Stored()
+  {
+    rtcReleaseGeometry(geometry);
+    if (scene) rtcReleaseScene(scene);
+  }
+  Stored(const Stored&) = delete;
+  Stored& operator=(const Stored&) = delete;
+  operator RTCGeometry() const { return geometry; }
+
+private:
+  RTCScene scene = nullptr;
+};
+
+// Of all formats. allFit: no cluster has floats in place of another format.
+void expectClusters(RTCGeometry geometry, bool allFit, float time = 0)
+{
+  size_t triangles = 0;
+  for (RTCClusterFormat format : allFormats) {
+    SCOPED_TRACE(nameOf(format));
+    try {
+      const ClusterJudge judge(geometry, time, format);
+      EXPECT_GT(judge.report.numTriangles, 0u);
+      if (format == RTC_CLUSTER_FORMAT_FLOAT3) triangles = judge.report.numTriangles;
+      EXPECT_EQ(judge.report.numTriangles, triangles);
+      if (allFit) { EXPECT_EQ(judge.report.numClustersOf[RTC_CLUSTER_FITS], judge.report.numClusters); }
+    }
+    catch (const std::exception& error) { ADD_FAILURE() << error.what(); }
+  }
+}
+
+TEST(Clusters, OfCagesAreTheTrianglesThatRaysHit)
+{
+  Device device;
+  Random random(171);
+  Displacement displacement;
+  for (const auto& c : closedCages)
+    for (const auto& rates : rateSets) {
+      SCOPED_TRACE(testing::Message() << c.name << ", rates " << rates.name);
+      SurfaceSettings settings;
+      settings.displacement = &displacement;
+      settings.edgeRates = drawRates(c.cage, random, rates.draw);
+      expectClusters(Stored(device, c.cage, settings), true);
+    }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST(Clusters, AreWholeGridsWhereNothingIsStitched)
+{
+  Device device;
+  SurfaceSettings settings;
+  settings.rate = 32;
+  Displacement displacement;
+  settings.displacement = &displacement;
+  const Stored cube(device, cubeCage(), settings);
+  const ClusterJudge positions(cube, 0, RTC_CLUSTER_FORMAT_COMPRESSED1), dgf(cube, 0, RTC_CLUSTER_FORMAT_DGF1), floats(cube, 0, RTC_CLUSTER_FORMAT_FLOAT3);
+  EXPECT_EQ(positions.report.numClusters, 6*16u);
+  EXPECT_EQ(positions.report.numVertices, 6*16*81u);
+  EXPECT_EQ(positions.wholeClusters, 6*16u);
+  EXPECT_EQ(positions.report.indexBytes, 0u);
+  EXPECT_LT(positions.report.bytes, floats.report.bytes/2);
+  EXPECT_EQ(dgf.report.bytes, 128*dgf.report.numClusters);
+  EXPECT_LT(dgf.report.bytes, floats.report.bytes);
+  EXPECT_LE(dgf.largestCluster, 64u);
+}
+
+TEST(Clusters, HaveScalesAndPlacesOfAnyKind)
+{
+  Device device;
+  for (float scale : {1e-30f, 1e-6f, 1.0f, 1e6f, 1e12f})
+    for (float away : {0.0f, 1.0f, -1000.0f, 30000.0f}) {
+      SCOPED_TRACE(testing::Message() << "scale " << scale << ", " << away << " of it away");
+      Displacement displacement;
+      displacement.scale = scale;
+      displacement.offset = {away*scale, -away*scale, 0.5f*away*scale};
+      SurfaceSettings settings;
+      settings.displacement = &displacement;
+      settings.rate = 20;
+      expectClusters(Stored(device, creasedCube(), settings), true);
+    }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST(Clusters, OfHolesAndVerticesThatAreNotFiniteLeaveThemOut)
+{
+  Device device;
+  Random random(172);
+  Displacement displacement;
+  displacement.poison = [&](unsigned, float u, float v) { return std::fmod(97*u + 31*v, 1.0f) < 0.02f; };
+  Cage cage = cubeCage();
+  cage.holes = {2};
+  for (float rate : {5.0f, 24.0f, 33.0f}) {
+    SurfaceSettings settings;
+    settings.displacement = &displacement;
+    settings.rate = rate;
+    expectClusters(Stored(device, cage, settings), false);
+  }
+}
+
+TEST(Clusters, OfGridsQuadsAndTriangles)
+{
+  Device device;
+  Random random(173);
+  std::vector<Diced> all = {dicedSheet(1, 50), dicedSheet(3, 8), dicedBall(2, 9), dicedBall(2, 17, 3)};
+  for (const Diced& diced : all) {
+    expectClusters(Stored(newGrids(device, diced, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)), false);
+    const DicedMesh quads = meshOf(diced, QuadOrder::Rows, random);
+    for (const DicedMesh& mesh : {quads, trianglesOf(quads), trianglesOf(quads, 1, 2)})
+      expectClusters(Stored(newMesh(device, mesh, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)), false);
+  }
+  expectClusters(Stored(newMesh(device, globe(40, 30), RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)), false);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST(Clusters, SayWhyTheyHaveFloats)
+{
+  Device device;
+  Displacement displacement;
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  const auto reasonOf = [&](RTCGeometry geometry, float time, RTCClusterFormat format) {
+    const ClusterJudge judge(geometry, time, format);
+    for (int i = 0; i < 4; i++) if (judge.report.numClustersOf[i] == judge.report.numClusters) return i;
+    return -1;
+  };
+  const Stored raw(device, cubeCage(), settings, RTC_COMPRESSION_GRID);
+  settings.timeSteps = 3;
+  settings.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
+  const Stored moving(device, cubeCage(), settings);
+  for (RTCClusterFormat format : {RTC_CLUSTER_FORMAT_COMPRESSED1, RTC_CLUSTER_FORMAT_DGF1}) {
+    EXPECT_EQ(reasonOf(raw, 0, format), int(RTC_CLUSTER_RAW));
+    EXPECT_EQ(reasonOf(moving, 0.3f, format), int(RTC_CLUSTER_MOVING));
+    for (float step : {0.0f, 0.5f, 1.0f}) EXPECT_EQ(reasonOf(moving, step, format), int(RTC_CLUSTER_FITS));
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST(Clusters, OfStitchedGridsMeetWhereSomeHaveFloats)
+{
+  Device device;
+  Diced diced;
+  const auto position = [](double x, double y) { return Vec{float(x), float(y), float(0.1*std::sin(5*x + 3*y))}; };
+  diced.add(9, 9, [&](unsigned x, unsigned y) { return position(x/8.0, y/8.0); });
+  diced.add(25, 25, [&](unsigned x, unsigned y) {
+    if (x > 0) return position(1 + x/24.0, y/24.0);
+    const Vec a = position(1, y/3/8.0), b = position(1, (y/3 + 1)/8.0); // on an edge of the coarser grid: a third is on no lattice
+    const float t = float(y % 3)/3;
+    return Vec{a[0] + t*(b[0] - a[0]), a[1] + t*(b[1] - a[1]), a[2] + t*(b[2] - a[2])};
+  });
+  const Stored grids(newGrids(device, diced, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT));
+  for (RTCClusterFormat format : {RTC_CLUSTER_FORMAT_COMPRESSED1, RTC_CLUSTER_FORMAT_DGF1}) {
+    const ClusterJudge judge(grids, 0, format);
+    EXPECT_GT(judge.report.numClustersOf[RTC_CLUSTER_RAW], 0u);
+    EXPECT_GT(judge.report.numClustersOf[RTC_CLUSTER_FITS], 0u);
+    EXPECT_EQ(judge.report.numTriangles, 2*diced.quads());
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+TEST(Clusters, OfNothingAndOfUnknownFormatsAreErrors)
+{
+  Device device;
+  SurfaceSettings settings;
+  const Stored cube(device, cubeCage(), settings);
+  RTCCompressedClusterReport report;
+  rtcForEachCompressedCluster(nullptr, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, &report);
+  rtcForEachCompressedCluster(cube, 0, RTCClusterFormat(3), nullptr, nullptr, &report);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(device.message.find("3"), std::string::npos) << device.message;
+  const Stored leaves(device, cubeCage(), settings, RTC_COMPRESSION_LEAF);
+  rtcForEachCompressedCluster(leaves, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, &report);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  rtcForEachCompressedCluster(cube, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, nullptr);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  size_t calls = 0;
+  rtcForEachCompressedCluster(cube, 0, RTC_CLUSTER_FORMAT_DGF1, [](void* n, const RTCCompressedCluster*) { return ++*(size_t*)n < 3; }, &calls, &report);
+  EXPECT_EQ(calls, 3u) << "false ends the calls";
+  EXPECT_EQ(report.numClusters, 3u);
+}
+
+} // namespace
+} // namespace cbvh::test
