@@ -4,8 +4,6 @@
 #include "geometry.h"
 #include "options.h"
 
-#include <chrono>
-#include <cstdio>
 #include <map>
 #include <string>
 
@@ -115,7 +113,6 @@ bool Substituted::build(const Progress& progress)
 
 void Substituted::buildSurface(const Progress& progress)
 {
-  const auto start = std::chrono::steady_clock::now();
   const CbvhContext context = contextOf(settings);
   const auto check = [](CbvhError error) { if (error != CBVH_OK) throw Unsupported(cbvhGetErrorText()); };
   check(cbvhNewSurface(context, &surface));
@@ -138,12 +135,6 @@ void Substituted::buildSurface(const Progress& progress)
     check(left);
   }
   standIn->group = group;
-  if (!options().isVerbose) return;
-  CbvhStatistics statistics = CbvhStatistics();
-  cbvhGetGroupStatistics(group, &statistics);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  std::fprintf(stderr, "libembree_cbvh_interposer: a %s geometry of %u primitives: %.3f million quads in %.3f MiB, %.2f bytes a quad, %.3f s\n", nameOf(input.type),
-               cbvhGetSurfacePrimitiveCount(surface), 1e-6*double(statistics.numQuads), double(statistics.bytes)/1048576, double(statistics.bytes)/double(statistics.numQuads ? statistics.numQuads : 1), seconds);
 }
 
 } // namespace interposer

@@ -47,8 +47,8 @@ static bool parse(const std::string& item, Options& options)
 {
   const size_t equals = item.find('=');
   if (equals == std::string::npos) {
-    if (item == "verbose") options.isVerbose = true;
-    else if (item == "0" || item == "none") options.isOn = false;
+    if (item == "verbose") return true; // the library tells
+    if (item == "0" || item == "none") options.isOn = false;
     else return item == "1" || item == "vert" || item == "cvert" || item == "cbvh.vert";
     return true;
   }

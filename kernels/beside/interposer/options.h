@@ -13,7 +13,6 @@ namespace interposer {
 struct Options
 {
   bool isOn = true;
-  bool isVerbose = false;      // a line of each geometry that is built
   bool takesGrids = false, takesQuads = false, takesTriangles = false;
   float maxError = 0;          // world units; 0: as the library chooses
 
