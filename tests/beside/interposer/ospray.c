@@ -3,7 +3,7 @@
 
 /* A picture by OSPRay 3 of its subdivision geometry: what the interposer is judged by. It knows nothing of us.
  *
- *   ospray RENDERER LEVEL PICTURE.ppm [colors|faces|texcoords|spheres|instances] */
+ *   ospray RENDERER LEVEL PICTURE.ppm [colors|faces|texcoords|boxes|instances] */
 
 #include <ospray/ospray.h>
 #include <ospray/ospray_util.h>
@@ -12,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 
 static void tell(void* user, OSPError error, const char* text)
 {
@@ -120,7 +119,7 @@ int main(int argc, const char** argv)
   OSPGeometry geometry = cube((float)atof(argv[2]), with);
   OSPGeometricModel models[2] = {model(geometry, material)};
   int numModels = 1;
-  if (strcmp(with, "spheres") == 0) {   /* user geometry of OSPRay's own, planes and boxes beside a sphere */
+  if (strcmp(with, "boxes") == 0) {   /* user geometry of OSPRay's own */
     const float box[6] = {-0.9f, 0.3f, -0.9f, 0.9f, 0.9f, 0.9f};
     OSPGeometry boxes = ospNewGeometry("box");
     setData(boxes, "box", box, OSP_BOX3F, 1);
@@ -175,12 +174,6 @@ int main(int argc, const char** argv)
     for (int x = 0; x < width; x++) n += fwrite(pixels + 4*(y*width + x), 3, 1, file) == 1;
   if (fclose(file) != 0 || n != width*height) return 2;
   ospUnmapFrameBuffer(pixels, frame);
-
-  /* what it took at most, before the end, at which OSPRay's module may crash */
-  struct rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  printf("peak %ld\n", usage.ru_maxrss);
-  fflush(stdout);
 
   ospRelease(future); ospRelease(frame); ospRelease(renderer); ospRelease(camera); ospRelease(world); ospRelease(material); ospRelease(group);
   for (int i = 0; i < 3; i++) ospRelease(lights[i]);
