@@ -106,8 +106,8 @@ bool Substituted::build(const Progress& progress)
     isLeft = true;
     tellOnce("a %s geometry is left to Embree: %s", nameOf(input.type), reason.what());
   }
-  isCommitted = false;
   REAL(rtcCommitGeometry)(substitute); // whose bounds are others
+  isCommitted = false;
   return true;
 }
 

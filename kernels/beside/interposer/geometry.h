@@ -9,8 +9,10 @@
 #include "input.h"
 #include "stand_in.h"
 
+#include <atomic>
 #include <functional>
 #include <mutex>
+#include <string>
 
 namespace interposer {
 
@@ -54,7 +56,7 @@ private:
   std::mutex building;
   CbvhSurface surface = nullptr;
   unsigned int changes = OfInput;
-  bool isCommitted = false, isEnabled = true, isLeft = false;
+  std::atomic<bool> isCommitted{false}, isEnabled{true}, isLeft{false};   // several scenes with it may be committed at a time
 };
 
 } // namespace interposer

@@ -162,4 +162,17 @@ bool Objects::exchange(Scene& scene, unsigned int geomID, const Geometry* geomet
   return true;
 }
 
+bool Objects::isSubstituted(RTCScene scene, const unsigned int* instances, unsigned int numInstances, unsigned int geomID)
+{
+  const Lock lock(mutex);
+  const Scene* in = findIn(scenes, scene);
+  for (unsigned int level = 0; level < numInstances && in; level++) {
+    const auto instance = in->attached.find(instances[level]);
+    in = instance == in->attached.end() || instance->second.geometry->scenes.empty() ? nullptr : instance->second.geometry->scenes[0];
+  }
+  if (!in) return false;
+  const auto attached = in->attached.find(geomID);
+  return attached != in->attached.end() && attached->second.geometry->substituted && !attached->second.isOriginal;
+}
+
 } // namespace interposer

@@ -80,6 +80,9 @@ public:
   /* Whether Embree's scene has it in another way than it is to; says of it that it has no longer. */
   bool exchange(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal);
 
+  /* Whether a geometry of what the instances lead to from a scene, the outermost first, is one that another stands for there. */
+  bool isSubstituted(RTCScene scene, const unsigned int* instances, unsigned int numInstances, unsigned int geomID);
+
 private:
   void release(Geometry* geometry, Garbage& garbage);
   void release(Scene* scene, Garbage& garbage);

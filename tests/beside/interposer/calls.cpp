@@ -315,6 +315,12 @@ void Program::userGeometry()
   rtcAttachGeometry(scene, geometry);
   rtcCommitScene(scene);
   CHECK(rtcGetGeometry(scene, 0) == square && rtcGetGeometry(scene, 1) == geometry);
+  std::vector<unsigned> near;
+  RTCPointQuery point = {0.1f, 0.1f, 1, 0, 2};
+  RTCPointQueryContext pointContext;
+  rtcInitPointQueryContext(&pointContext);
+  rtcPointQuery(scene, &point, &pointContext, [](RTCPointQueryFunctionArguments* args) { ((std::vector<unsigned>*)args->userPtr)->push_back(args->geomID); return false; }, &near);
+  CHECK(near == std::vector<unsigned>{0});   // Embree does not tell of subdivision surfaces
   Queries queries;
   queries.intersect.intersect = intersectSquare;
   queries.occluded.occluded = occludedSquare;
