@@ -189,6 +189,7 @@ private:
   void edits();
   void motion();
   void releases();
+  void meshes();
   void cancelling();
   void threads();
 
@@ -451,6 +452,40 @@ void Program::cancelling()
   rtcReleaseScene(scene);
 }
 
+/* A sheet of 200 x 200 quads, as a grid, as quads, and as triangles: what the interposer takes where it is asked to. */
+void Program::meshes()
+{
+  const unsigned size = 200, width = size + 1;
+  std::vector<Vec> vertices;
+  for (unsigned y = 0; y < width; y++)
+    for (unsigned x = 0; x < width; x++) {
+      const float s = 2*float(x)/float(size) - 1, t = 2*float(y)/float(size) - 1;
+      vertices.push_back({s, t, 0.2f*std::sin(5*s)*std::cos(4*t)});
+    }
+  vertices.push_back({0, 0, 0}); // what is read behind the last one
+  for (const RTCGeometryType type : {RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD, RTC_GEOMETRY_TYPE_TRIANGLE}) {
+    const RTCGeometry geometry = rtcNewGeometry(device, type);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, 12, width*width);
+    if (type == RTC_GEOMETRY_TYPE_GRID) *(RTCGrid*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), 1) = {0, width, width, width};
+    else {
+      const bool isQuad = type == RTC_GEOMETRY_TYPE_QUAD;
+      unsigned* indices = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, isQuad ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, isQuad ? 16 : 12, (isQuad ? 1 : 2)*size*size);
+      for (unsigned y = 0; y < size; y++)
+        for (unsigned x = 0; x < size; x++) {
+          const unsigned a = y*width + x, quad[4] = {a, a + 1, a + width + 1, a + width}, triangles[6] = {a, a + 1, a + width, a + width + 1, a + width, a + 1};
+          for (unsigned i = 0; i < (isQuad ? 4u : 6u); i++) *indices++ = isQuad ? quad[i] : triangles[i];
+        }
+    }
+    rtcSetGeometryMask(geometry, ~0u);
+    rtcCommitGeometry(geometry);
+    const RTCScene scene = newScene(geometry, 4);
+    CHECK(rtcGetGeometry(scene, 4) == geometry);
+    shoot(scene);
+    rtcReleaseGeometry(geometry);
+    rtcReleaseScene(scene);
+  }
+}
+
 /* Whoever lets go last, all goes. */
 void Program::releases()
 {
@@ -519,7 +554,7 @@ void Program::run()
 {
   const std::pair<const char*, void (Program::*)()> uses[] = {
     {"plain", &Program::plain}, {"filters", &Program::filters}, {"user geometry", &Program::userGeometry}, {"masks", &Program::masks}, {"instances", &Program::instances},
-    {"edits", &Program::edits}, {"motion", &Program::motion}, {"threads", &Program::threads}, {"cancelling", &Program::cancelling}};
+    {"edits", &Program::edits}, {"motion", &Program::motion}, {"meshes", &Program::meshes}, {"threads", &Program::threads}, {"cancelling", &Program::cancelling}};
   releases();
   for (const auto& use : uses) {
     hits.begin(use.first);
