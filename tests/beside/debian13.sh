@@ -9,19 +9,8 @@
 set -eu
 build=$(cd "$1" && pwd) roots=$2
 here=$(cd -- "$(dirname -- "$0")" && pwd)
-export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
-fail() { echo "FAILED: $*" >&2; exit 1; }
-
-mkdir -p "$roots"
-root=$(cd "$roots" && pwd)/trixie
-if [ ! -d "$root" ]; then
-  mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Origin: Debian' 'Component: main' | sort -u | head -n 1)
-  debootstrap --variant=minbase trixie "$root.part" "$mirror" > "$roots/log" || { tail "$roots/log"; fail "debootstrap"; }
-  cp /etc/resolv.conf "$root.part/etc/"
-  { chroot "$root.part" apt-get -q update && chroot "$root.part" apt-get -q -y --no-install-recommends install g++ libembree-dev valgrind; } > "$roots/log" 2>&1 ||
-    { tail "$roots/log"; fail "packages of Debian 13"; }
-  mv "$root.part" "$root"
-fi
+. "$here/root13.sh"
+with_packages g++ libembree-dev valgrind
 trap 'umount "$root/proc" 2>/dev/null || true' EXIT
 mount --bind /proc "$root/proc" # for valgrind
 work=$root/root/beside

@@ -1,0 +1,217 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Embree's functions for devices, scenes, and instances. */
+
+#include "objects.h"
+#include "options.h"
+
+#include <cctype>
+#include <string>
+
+using namespace interposer;
+
+namespace {
+
+/* "threads=2" of a device's settings is how many threads build, too. */
+std::string threadsOf(const char* config)
+{
+  const std::string text = config ? config : "";
+  for (size_t at = text.find("threads"); at != std::string::npos; at = text.find("threads", at + 1)) {
+    if (at > 0 && (text[at - 1] == '_' || std::isalpha((unsigned char)text[at - 1]))) continue;   // set of another key
+    size_t digits = text.find_first_not_of(" =", at + 7), end = digits;
+    while (end < text.size() && std::isdigit((unsigned char)text[end])) end++;
+    if (digits != std::string::npos && end > digits) return "threads=" + text.substr(digits, end - digits);
+  }
+  return "";
+}
+
+std::mutex& settingsMutex = *new std::mutex;
+std::map<RTCDevice, std::string>& settingsOfDevices = *new std::map<RTCDevice, std::string>;
+
+bool isInstance(RTCGeometryType type) { return type == RTC_GEOMETRY_TYPE_INSTANCE || type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY; }
+
+/* The application's handle of what a scene has. */
+RTCGeometry originalOf(RTCGeometry geometry)
+{
+  if (!geometry || !hasStandIns() || !isActive()) return geometry;
+  const StandIn* const standIn = asStandIn(REAL(rtcGetGeometryUserData)(geometry));
+  return standIn ? standIn->original : geometry;
+}
+
+/* What Embree is to attach for it, and whether that is the original. */
+RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
+{
+  Substituted* const substituted = isActive() ? Objects::get().findSubstituted(geometry) : nullptr;
+  isOriginal = !substituted || substituted->isLeftToEmbree();
+  return isOriginal ? geometry : substituted->substitute;
+}
+
+/* Of a scene's progress the first nine tenths are what is built here, where there is something. */
+constexpr double shareOfBuilds = 0.9;
+
+bool tellProgress(void* scene, double done)
+{
+  const Scene& of = *(const Scene*)scene;
+  return !of.isCancelled && (!of.progress || of.progress(of.progressPtr, done));
+}
+
+void prepare(Scene& scene)
+{
+  const std::lock_guard<std::mutex> lock(scene.committing);
+  Objects& objects = Objects::get();
+  const auto all = objects.substitutedOf(scene);
+  size_t count = 0, done = 0;
+  for (const auto& one : all) count += one.second->substituted->wantsBuild();
+  scene.isCancelled = false;
+  for (const auto& one : all) {
+    Substituted& geometry = *one.second->substituted;
+    const bool wantsBuild = geometry.wantsBuild();
+    if (wantsBuild && !scene.isCancelled)
+      scene.isCancelled = !geometry.build([&](double part) { return !scene.progress || scene.progress(scene.progressPtr, shareOfBuilds*(double(done) + part)/double(count)); });
+    done += wantsBuild;
+    const bool isOriginal = geometry.isLeftToEmbree();
+    if (!objects.exchange(scene, one.first, one.second, isOriginal)) continue;
+    REAL(rtcDetachGeometry)(scene.handle, one.first);
+    REAL(rtcAttachGeometryByID)(scene.handle, isOriginal ? one.second->handle : geometry.substitute, one.first);
+  }
+  objects.releaseAll(all);
+}
+
+void prepare(RTCScene scene)
+{
+  Scene* const found = isActive() && scene ? Objects::get().find(scene) : nullptr;
+  if (found) prepare(*found);
+}
+
+} // namespace
+
+/* --- devices ------------------------------------------------------------------------------- */
+
+RTC_API RTCDevice rtcNewDevice(const char* config)
+{
+  const RTCDevice device = REAL(rtcNewDevice)(config);
+  if (device && isActive()) {
+    const std::lock_guard<std::mutex> lock(settingsMutex);
+    settingsOfDevices[device] = threadsOf(config);
+  }
+  return device;
+}
+
+/* --- scenes -------------------------------------------------------------------------------- */
+
+RTC_API RTCScene rtcNewScene(RTCDevice device)
+{
+  const RTCScene scene = REAL(rtcNewScene)(device);
+  if (scene && isActive()) Objects::get().addScene(scene);
+  return scene;
+}
+
+RTC_API void rtcRetainScene(RTCScene scene)
+{
+  REAL(rtcRetainScene)(scene);
+  if (isActive()) Objects::get().retain(scene);
+}
+
+RTC_API void rtcReleaseScene(RTCScene scene)
+{
+  /* before Embree: its address may be another's as soon as Embree has let go */
+  const Objects::Garbage garbage = isActive() ? Objects::get().release(scene) : Objects::Garbage();
+  REAL(rtcReleaseScene)(scene);
+}
+
+RTC_API unsigned int rtcAttachGeometry(RTCScene scene, RTCGeometry geometry)
+{
+  bool isOriginal;
+  const unsigned int geomID = REAL(rtcAttachGeometry)(scene, substituteOf(geometry, isOriginal));
+  if (geomID != RTC_INVALID_GEOMETRY_ID && isActive()) Objects::get().attach(scene, geomID, geometry, isOriginal);
+  return geomID;
+}
+
+RTC_API void rtcAttachGeometryByID(RTCScene scene, RTCGeometry geometry, unsigned int geomID)
+{
+  bool isOriginal;
+  const RTCGeometry attached = substituteOf(geometry, isOriginal);
+  REAL(rtcAttachGeometryByID)(scene, attached, geomID);
+  if (!isActive() || !scene || !geometry || geomID == RTC_INVALID_GEOMETRY_ID || !Objects::get().find(geometry)) return;
+  /* not where the number is another's */
+  if (REAL(rtcGetGeometryThreadSafe)(scene, geomID) == attached) Objects::get().attach(scene, geomID, geometry, isOriginal);
+}
+
+RTC_API void rtcDetachGeometry(RTCScene scene, unsigned int geomID)
+{
+  const Objects::Garbage garbage = isActive() ? Objects::get().detach(scene, geomID) : Objects::Garbage();
+  REAL(rtcDetachGeometry)(scene, geomID);
+}
+
+RTC_API RTCGeometry rtcGetGeometry(RTCScene scene, unsigned int geomID) { return originalOf(REAL(rtcGetGeometry)(scene, geomID)); }
+RTC_API RTCGeometry rtcGetGeometryThreadSafe(RTCScene scene, unsigned int geomID) { return originalOf(REAL(rtcGetGeometryThreadSafe)(scene, geomID)); }
+
+RTC_API void* rtcGetGeometryUserDataFromScene(RTCScene scene, unsigned int geomID)
+{
+  void* const userData = REAL(rtcGetGeometryUserDataFromScene)(scene, geomID);
+  const StandIn* const standIn = asStandIn(userData);
+  return standIn ? standIn->userData : userData;
+}
+
+RTC_API void rtcCommitScene(RTCScene scene)
+{
+  prepare(scene);
+  REAL(rtcCommitScene)(scene);
+}
+
+RTC_API void rtcJoinCommitScene(RTCScene scene)
+{
+  prepare(scene);
+  REAL(rtcJoinCommitScene)(scene);
+}
+
+RTC_API void rtcSetSceneProgressMonitorFunction(RTCScene scene, RTCProgressMonitorFunction progress, void* ptr)
+{
+  Scene* const found = isActive() && scene ? Objects::get().find(scene) : nullptr;
+  if (!found) { REAL(rtcSetSceneProgressMonitorFunction)(scene, progress, ptr); return; }
+  found->progress = progress;
+  found->progressPtr = ptr;
+  REAL(rtcSetSceneProgressMonitorFunction)(scene, progress ? tellProgress : nullptr, found);
+}
+
+/* --- geometries ----------------------------------------------------------------------------- */
+
+RTC_API RTCGeometry rtcNewGeometry(RTCDevice device, RTCGeometryType type)
+{
+  const RTCGeometry geometry = REAL(rtcNewGeometry)(device, type);
+  if (!geometry || !isActive()) return geometry;
+  if (isInstance(type)) Objects::get().addGeometry(geometry, nullptr);
+  if (!options().takes(type)) return geometry;
+  std::string settings;
+  {
+    const std::lock_guard<std::mutex> lock(settingsMutex);
+    settings = settingsOfDevices[device];
+  }
+  if (Substituted* const substituted = Substituted::make(device, settings, geometry, type)) Objects::get().addGeometry(geometry, substituted);
+  return geometry;
+}
+
+RTC_API void rtcRetainGeometry(RTCGeometry geometry)
+{
+  REAL(rtcRetainGeometry)(geometry);
+  if (isActive()) Objects::get().retain(geometry);
+}
+
+RTC_API void rtcReleaseGeometry(RTCGeometry geometry)
+{
+  const Objects::Garbage garbage = isActive() ? Objects::get().release(geometry) : Objects::Garbage();
+  REAL(rtcReleaseGeometry)(geometry);
+}
+
+RTC_API void rtcSetGeometryInstancedScene(RTCGeometry geometry, RTCScene scene)
+{
+  REAL(rtcSetGeometryInstancedScene)(geometry, scene);
+  if (isActive()) Objects::get().setInstanced(geometry, &scene, 1);
+}
+
+RTC_API void rtcSetGeometryInstancedScenes(RTCGeometry geometry, RTCScene* scenes, size_t numScenes)
+{
+  REAL(rtcSetGeometryInstancedScenes)(geometry, scenes, numScenes);
+  if (isActive()) Objects::get().setInstanced(geometry, scenes, numScenes);
+}

@@ -1,0 +1,140 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "geometry.h"
+#include "options.h"
+
+#include <map>
+#include <string>
+
+namespace interposer {
+
+namespace {
+
+struct Cancelled {};
+
+const char* nameOf(RTCGeometryType type)
+{
+  return type == RTC_GEOMETRY_TYPE_SUBDIVISION ? "subdivision" : type == RTC_GEOMETRY_TYPE_GRID ? "grid" : type == RTC_GEOMETRY_TYPE_QUAD ? "quad" : "triangle";
+}
+
+/* One for all devices of the same settings; it stays. */
+CbvhContext contextOf(const std::string& settings)
+{
+  static std::mutex& mutex = *new std::mutex;
+  static std::map<std::string, CbvhContext>& contexts = *new std::map<std::string, CbvhContext>;
+  const std::lock_guard<std::mutex> lock(mutex);
+  const auto found = contexts.find(settings);
+  if (found != contexts.end()) return found->second;
+  CbvhContext context = nullptr;
+  if (cbvhNewContext(settings.empty() ? nullptr : settings.c_str(), nullptr, nullptr, &context) != CBVH_OK) throw Unsupported(cbvhGetErrorText());
+  contexts[settings] = context;
+  return context;
+}
+
+} // namespace
+
+Substituted* Substituted::make(RTCDevice device, const std::string& settings, RTCGeometry original, RTCGeometryType type)
+{
+  if (!REAL(rtcGetDeviceProperty)(device, RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED)) {
+    tellOnce("all is left to Embree, which was built without user geometry");
+    return nullptr;
+  }
+  StandIn* const standIn = newStandIn();
+  if (!standIn) {
+    tellOnce("geometry is left to Embree: there is no more room for others in its place");
+    return nullptr;
+  }
+  standIn->original = original;
+  const RTCGeometry substitute = newUserGeometry(device, standIn);
+  if (substitute) return new Substituted(settings, original, type, standIn, substitute);
+  deleteStandIn(standIn);
+  return nullptr;
+}
+
+Substituted::Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, StandIn* standIn, RTCGeometry substitute)
+  : standIn(standIn), substitute(substitute), settings(settings)
+{
+  input.type = type;
+  input.original = original;
+  input.userData = &standIn->userData;
+  REAL(rtcRetainGeometry)(original);
+}
+
+Substituted::~Substituted()
+{
+  discard();
+  REAL(rtcReleaseGeometry)(substitute);
+  REAL(rtcReleaseGeometry)(input.original);
+  deleteStandIn(standIn);
+}
+
+void Substituted::discard()
+{
+  if (standIn->group) cbvhReleaseGroup(standIn->group);
+  if (surface) cbvhReleaseSurface(surface);
+  standIn->group = nullptr;
+  surface = nullptr;
+}
+
+void Substituted::setUserData(void* userData)
+{
+  standIn->userData = userData;
+  change(input.displacement ? OfInput : OfLook);
+}
+
+/* A commit without changes is one of what shared buffers have in them. */
+void Substituted::commit()
+{
+  if (changes != OfLook) isCommitted = true;
+  changes = 0;
+  REAL(rtcCommitGeometry)(substitute);
+}
+
+bool Substituted::build(const Progress& progress)
+{
+  const std::lock_guard<std::mutex> lock(building);
+  if (!wantsBuild()) return true;
+  try {
+    discard(); // what there was, before there is more
+    buildSurface(progress);
+    isLeft = false;
+  }
+  catch (const Cancelled&) { discard(); return false; }
+  catch (const std::exception& reason) {
+    discard();
+    isLeft = true;
+    tellOnce("a %s geometry is left to Embree: %s", nameOf(input.type), reason.what());
+  }
+  REAL(rtcCommitGeometry)(substitute); // whose bounds are others
+  isCommitted = false;
+  return true;
+}
+
+void Substituted::buildSurface(const Progress& progress)
+{
+  const CbvhContext context = contextOf(settings);
+  const auto check = [](CbvhError error) { if (error != CBVH_OK) throw Unsupported(cbvhGetErrorText()); };
+  check(cbvhNewSurface(context, &surface));
+  if (options().maxError > 0) {
+    CbvhAccuracy accuracy = CbvhAccuracy();
+    accuracy.maxError = options().maxError;
+    check(cbvhSetAccuracy(surface, &accuracy));
+  }
+  input.describeTo(surface);
+  const auto tell = [](void* progress, double done) { return (*(const Progress*)progress)(done) ? 1 : 0; };
+  const CbvhError error = cbvhCommitSurface(surface, tell, (void*)&progress);
+  if (error == CBVH_ERROR_CANCELLED) throw Cancelled();
+  check(error);
+  CbvhGroup group = nullptr;
+  check(cbvhNewGroup(context, &surface, 1, &group));
+  /* What it leaves out, vertices that are not finite, Embree leaves out, too. */
+  const CbvhError left = cbvhCommitGroup(group);
+  if (left != CBVH_OK && left != CBVH_ERROR_INVALID_ARGUMENT) {
+    cbvhReleaseGroup(group);
+    check(left);
+  }
+  standIn->group = group;
+}
+
+} // namespace interposer

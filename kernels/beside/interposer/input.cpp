@@ -1,0 +1,181 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "input.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+namespace interposer {
+
+namespace {
+
+void check(CbvhError error)
+{
+  if (error != CBVH_OK) throw Unsupported(cbvhGetErrorText());
+}
+
+void displace(const CbvhDisplacementArguments* args)
+{
+  const Input& input = *(const Input*)args->userPtr;
+  const RTCDisplacementFunctionNArguments theirs = {*input.userData, input.original, args->primID, args->timeStep, args->u, args->v,
+                                                    args->Ng_x, args->Ng_y, args->Ng_z, args->P_x, args->P_y, args->P_z, args->count};
+  input.displacement(&theirs);
+}
+
+CbvhBoundary boundaryOf(RTCSubdivisionMode mode)
+{
+  switch (mode) {
+  case RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY: return CBVH_BOUNDARY_SMOOTH;
+  case RTC_SUBDIVISION_MODE_PIN_CORNERS: return CBVH_BOUNDARY_PIN_CORNERS;
+  case RTC_SUBDIVISION_MODE_PIN_BOUNDARY: return CBVH_BOUNDARY_PIN_BOUNDARY;
+  case RTC_SUBDIVISION_MODE_PIN_ALL: return CBVH_BOUNDARY_PIN_ALL;
+  default: throw Unsupported("RTC_SUBDIVISION_MODE_NO_BOUNDARY");
+  }
+}
+
+/* Items one behind the other: the buffer's own memory, where they lie so there. */
+template<typename T>
+class Packed
+{
+public:
+  Packed() = default;
+  explicit Packed(const Buffer* buffer)
+  {
+    if (!buffer || !buffer->data || buffer->count == 0) return;
+    count = buffer->count;
+    data = (const T*)buffer->data;
+    if (buffer->stride == sizeof(T)) return;
+    copy.resize(count);
+    for (size_t i = 0; i < count; i++) std::memcpy(&copy[i], buffer->data + i*buffer->stride, sizeof(T));
+    data = copy.data();
+  }
+  Packed(Packed&&) = default;
+  Packed& operator=(Packed&&) = default;
+
+  const T* data = nullptr;
+  size_t count = 0;
+
+private:
+  std::vector<T> copy;
+};
+
+struct Pair { unsigned int first, second; };
+struct Corners3 { unsigned int v[3]; };
+struct Corners4 { unsigned int v[4]; };
+
+} // namespace
+
+const Buffer* Input::find(RTCBufferType type, unsigned int slot) const
+{
+  const auto found = buffers.find({type, slot});
+  return found == buffers.end() ? nullptr : &found->second;
+}
+
+CbvhVertices Input::vertices(std::vector<const float*>& steps) const
+{
+  CbvhVertices all = CbvhVertices();
+  for (unsigned int i = 0; i < numTimeSteps; i++) {
+    const Buffer* const buffer = find(RTC_BUFFER_TYPE_VERTEX, i);
+    if (!buffer || !buffer->data || buffer->count == 0) throw Unsupported("a geometry without vertices");
+    if (i > 0 && (buffer->stride != all.stride || buffer->count != all.count)) throw Unsupported("time steps with other strides or counts of vertices");
+    all.stride = buffer->stride;
+    all.count = buffer->count;
+    steps.push_back((const float*)buffer->data);
+  }
+  all.steps = steps.data();
+  all.numSteps = numTimeSteps;
+  all.begin = begin;
+  all.end = end;
+  return all;
+}
+
+void Input::describeTo(CbvhSurface surface) const
+{
+  if (type == RTC_GEOMETRY_TYPE_SUBDIVISION) describeCage(surface);
+  else if (type == RTC_GEOMETRY_TYPE_GRID) describeGrids(surface);
+  else describeMesh(surface);
+}
+
+void Input::describeCage(CbvhSurface surface) const
+{
+  std::vector<const float*> steps;
+  CbvhCage cage = CbvhCage();
+  cage.vertices = vertices(steps);
+
+  const Packed<unsigned int> faces(find(RTC_BUFFER_TYPE_FACE)), indices(find(RTC_BUFFER_TYPE_INDEX)), holes(find(RTC_BUFFER_TYPE_HOLE)), corners(find(RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX));
+  const Packed<float> levels(find(RTC_BUFFER_TYPE_LEVEL)), creaseWeights(find(RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT)), cornerWeights(find(RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT));
+  const Packed<Pair> creases(find(RTC_BUFFER_TYPE_EDGE_CREASE_INDEX));
+  if (!faces.data || !indices.data) throw Unsupported("a subdivision geometry without faces or indices");
+  cage.numFaces = faces.count;
+  cage.faceVertices = faces.data;
+  cage.indices = indices.data;
+  for (size_t i = 0; i < faces.count; i++) {
+    if (faces.data[i] < 3) throw Unsupported("a face of less than three vertices");
+    cage.numIndices += faces.data[i];
+  }
+  if (cage.numIndices > indices.count) throw Unsupported("fewer indices than the faces have vertices");
+
+  /* Embree takes what is too low or too high for the bound. */
+  const auto bounded = [](float rate) { return rate >= 1 ? std::min(rate, 4096.0f) : 1.0f; };
+  std::vector<float> rates;
+  cage.rate = bounded(tessellationRate);
+  if (levels.data) {
+    if (levels.count < cage.numIndices) throw Unsupported("fewer levels than the faces have edges");
+    rates.resize(cage.numIndices);
+    std::transform(levels.data, levels.data + cage.numIndices, rates.begin(), bounded);
+    cage.rates = rates.data();
+  }
+  cage.boundary = boundaryOf(mode);
+  cage.numCreases = std::min(creases.count, creaseWeights.count);
+  cage.creases = (const unsigned int*)creases.data;
+  cage.creaseSharpness = creaseWeights.data;
+  cage.numCorners = std::min(corners.count, cornerWeights.count);
+  cage.corners = corners.data;
+  cage.cornerSharpness = cornerWeights.data;
+  cage.numHoles = holes.count;
+  cage.holes = holes.data;
+  if (displacement) {
+    cage.displacement = displace;
+    cage.displacementPtr = (void*)this;
+  }
+  check(cbvhSetCage(surface, &cage));
+}
+
+void Input::describeGrids(CbvhSurface surface) const
+{
+  static_assert(sizeof(CbvhGrid) == sizeof(RTCGrid), "layout of a grid");
+  std::vector<const float*> steps;
+  const Packed<CbvhGrid> packed(find(RTC_BUFFER_TYPE_GRID));
+  CbvhGrids grids = CbvhGrids();
+  grids.count = packed.count;
+  grids.grids = packed.data;
+  grids.vertices = vertices(steps);
+  if (grids.count == 0) throw Unsupported("a grid geometry without grids");
+  check(cbvhSetGrids(surface, &grids));
+}
+
+void Input::describeMesh(CbvhSurface surface) const
+{
+  std::vector<const float*> steps;
+  CbvhMesh mesh = CbvhMesh();
+  Packed<Corners3> triangles;
+  Packed<Corners4> quads;
+  if (type == RTC_GEOMETRY_TYPE_QUAD) {
+    quads = Packed<Corners4>(find(RTC_BUFFER_TYPE_INDEX));
+    mesh.corners = 4;
+    mesh.count = quads.count;
+    mesh.indices = (const unsigned int*)quads.data;
+  } else {
+    triangles = Packed<Corners3>(find(RTC_BUFFER_TYPE_INDEX));
+    mesh.corners = 3;
+    mesh.count = triangles.count;
+    mesh.indices = (const unsigned int*)triangles.data;
+  }
+  if (mesh.count == 0) throw Unsupported("a mesh without quads or triangles");
+  mesh.vertices = vertices(steps);
+  check(cbvhSetMesh(surface, &mesh));
+}
+
+} // namespace interposer

@@ -1,0 +1,51 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* What an application told Embree of a geometry, and the surface of libembree_cbvh that it makes. */
+
+#include "real.h"
+
+#include <cbvh/cbvh.h>
+#include <map>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace interposer {
+
+/* Why a geometry is left to Embree. */
+struct Unsupported : std::runtime_error { using std::runtime_error::runtime_error; };
+
+struct Buffer
+{
+  RTCFormat format;
+  const char* data;
+  size_t stride, count;
+};
+
+struct Input
+{
+  RTCGeometryType type;
+  RTCGeometry original;
+  void* const* userData;         // where the application's is, for displacement
+  unsigned int numTimeSteps = 1;
+  float begin = 0, end = 1;      // of time
+  float tessellationRate = 2;
+  RTCSubdivisionMode mode = RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY;
+  RTCDisplacementFunctionN displacement = nullptr;
+  std::map<std::pair<RTCBufferType, unsigned int>, Buffer> buffers;
+
+  /* Sets the surface's cage, grids or mesh. Throws Unsupported. */
+  void describeTo(CbvhSurface surface) const;
+
+private:
+  const Buffer* find(RTCBufferType type, unsigned int slot = 0) const;
+  CbvhVertices vertices(std::vector<const float*>& steps) const;
+  void describeCage(CbvhSurface surface) const;
+  void describeGrids(CbvhSurface surface) const;
+  void describeMesh(CbvhSurface surface) const;
+};
+
+} // namespace interposer

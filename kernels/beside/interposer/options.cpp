@@ -1,0 +1,96 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "options.h"
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <locale>
+#include <mutex>
+#include <set>
+#include <sstream>
+#include <string>
+
+namespace interposer {
+
+bool Options::takes(RTCGeometryType type) const
+{
+  switch (type) {
+  case RTC_GEOMETRY_TYPE_SUBDIVISION: return true;
+  case RTC_GEOMETRY_TYPE_GRID: return takesGrids;
+  case RTC_GEOMETRY_TYPE_QUAD: return takesQuads;
+  case RTC_GEOMETRY_TYPE_TRIANGLE: return takesTriangles;
+  default: return false;
+  }
+}
+
+static bool parseDistance(const std::string& text, float& distance)
+{
+  std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
+  float value = -1;
+  if (!(stream >> value) || !stream.eof() || !std::isfinite(value) || value < 0) return false;
+  distance = value;
+  return true;
+}
+
+static bool parseSwitch(const std::string& text, bool& value)
+{
+  value = text == "1";
+  return text == "0" || text == "1";
+}
+
+/* Whether the item is understood. */
+static bool parse(const std::string& item, Options& options)
+{
+  const size_t equals = item.find('=');
+  if (equals == std::string::npos) {
+    if (item == "verbose") return true; // the library tells
+    if (item == "0" || item == "none") options.isOn = false;
+    else return item == "1" || item == "vert" || item == "cvert" || item == "cbvh.vert";
+    return true;
+  }
+  const std::string key = item.substr(0, equals), value = item.substr(equals + 1);
+  if (key == "max_error") return parseDistance(value, options.maxError);
+  if (key == "grids") return parseSwitch(value, options.takesGrids);
+  if (key == "quads") return parseSwitch(value, options.takesQuads);
+  if (key == "triangles") return parseSwitch(value, options.takesTriangles);
+  return false;
+}
+
+const Options& options()
+{
+  static const Options options = [] {
+    Options read;
+    const char* const text = std::getenv("EMBREE_CBVH");
+    std::istringstream items(text ? text : "");
+    std::string item;
+    while (std::getline(items, item, ',')) {
+      const size_t begin = item.find_first_not_of(" \t"), end = item.find_last_not_of(" \t");
+      if (begin == std::string::npos) continue;
+      item = item.substr(begin, end - begin + 1);
+      if (!parse(item, read))
+        tellOnce("EMBREE_CBVH: \"%s\" is left out; there are max_error=<distance>, grids=1, quads=1, triangles=1, verbose, and 0", item.c_str());
+    }
+    return read;
+  }();
+  return options;
+}
+
+void tellOnce(const char* format, ...)
+{
+  /* never destroyed: programs release geometry when their statics end */
+  static std::mutex& mutex = *new std::mutex;
+  static std::set<std::string>& said = *new std::set<std::string>;
+  char line[512];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(line, sizeof(line), format, arguments);
+  va_end(arguments);
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (said.insert(line).second) std::fprintf(stderr, "libembree_cbvh_interposer: %s\n", line);
+}
+
+} // namespace interposer

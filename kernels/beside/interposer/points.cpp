@@ -1,0 +1,69 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Point queries. Embree asks the function of a query about each primitive near the point; of subdivision surfaces it has none. Of what stands in for a geometry it
+ * has one that is none of the application's, and that is kept from it. */
+
+#include "objects.h"
+#include "options.h"
+
+namespace interposer {
+
+namespace {
+
+struct PointQuery
+{
+  RTCScene scene;
+  RTCPointQueryFunction function;
+};
+thread_local const PointQuery* current = nullptr;
+
+/* A query may be made from inside of another. */
+struct Entered
+{
+  explicit Entered(const PointQuery* query) : outer(current) { current = query; }
+  ~Entered() { current = outer; }
+  Entered(const Entered&) = delete;
+  Entered& operator=(const Entered&) = delete;
+
+private:
+  const PointQuery* const outer;
+};
+
+bool ask(RTCPointQueryFunctionArguments* args)
+{
+  const unsigned int* const instances = args->context->instStackSize > 0 ? args->context->instID : nullptr;
+  if (!Objects::get().isSubstituted(current->scene, instances, args->context->instStackSize, args->geomID)) return current->function(args);
+  return false;
+}
+
+/* query: of Embree, with the function that it is to have */
+template<typename Query>
+bool enter(RTCScene scene, RTCPointQueryFunction function, const Query& query)
+{
+  if (!function || !hasStandIns() || !isActive()) return query(function);
+  if (options().takesGrids || options().takesQuads || options().takesTriangles) tellOnce("point queries do not see grids, quads and triangles that were taken from Embree");
+  const PointQuery entered = {scene, function};
+  const Entered scope(&entered);
+  return query(ask);
+}
+
+} // namespace
+
+} // namespace interposer
+
+using namespace interposer;
+
+RTC_API bool rtcPointQuery(RTCScene scene, RTCPointQuery* query, RTCPointQueryContext* context, RTCPointQueryFunction queryFunc, void* userPtr)
+{
+  return enter(scene, queryFunc, [&](RTCPointQueryFunction function) { return REAL(rtcPointQuery)(scene, query, context, function, userPtr); });
+}
+
+#define PACKET_POINT_QUERY(N) \
+  RTC_API bool rtcPointQuery##N(const int* valid, RTCScene scene, RTCPointQuery##N* query, RTCPointQueryContext* context, RTCPointQueryFunction queryFunc, void** userPtr) \
+  { \
+    return enter(scene, queryFunc, [&](RTCPointQueryFunction function) { return REAL(rtcPointQuery##N)(valid, scene, query, context, function, userPtr); }); \
+  }
+PACKET_POINT_QUERY(4)
+PACKET_POINT_QUERY(8)
+PACKET_POINT_QUERY(16)

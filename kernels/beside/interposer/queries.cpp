@@ -1,0 +1,180 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Rays: the callbacks of stand-ins, and Embree's functions for queries, whose arguments have to be known to them. Embree 4 calls a function for user geometry that
+ * comes with the arguments of a query in place of the geometry's own, and does not hand on the filter of the arguments. */
+
+#include "stand_in.h"
+
+#include <cbvh/embree.h>
+
+namespace interposer {
+
+namespace {
+
+/* --- the query that a thread is in --------------------------------------------------------- */
+
+template<typename Arguments> struct Current { static thread_local const Arguments* arguments; };
+template<typename Arguments> thread_local const Arguments* Current<Arguments>::arguments = nullptr;
+
+/* A query may be made from inside of another. */
+template<typename Arguments>
+struct Entered
+{
+  explicit Entered(const Arguments* arguments) : outer(Current<Arguments>::arguments) { Current<Arguments>::arguments = arguments; }
+  ~Entered() { Current<Arguments>::arguments = outer; }
+  Entered(const Entered&) = delete;
+  Entered& operator=(const Entered&) = delete;
+
+private:
+  const Arguments* const outer;
+};
+
+template<typename Arguments>
+RTCFilterFunctionN filterOfArguments(const StandIn& standIn)
+{
+  const Arguments* const arguments = Current<Arguments>::arguments;
+  if (!arguments || !arguments->filter) return nullptr;
+  return standIn.takesArgumentFilters || (arguments->flags & RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER) ? arguments->filter : nullptr;
+}
+
+/* --- filters -------------------------------------------------------------------------------- */
+
+/* What the glue hands through to the filter that it is told of. */
+struct FilteredContext
+{
+  CbvhQueryContext query;
+  RTCRayQueryContext* context;   // the application's, which may be longer
+  const StandIn* standIn;
+  RTCFilterFunctionN ofGeometry, ofArguments;
+};
+
+void filter(const RTCFilterFunctionNArguments* args)
+{
+  const FilteredContext& filtered = *(const FilteredContext*)args->context;
+  RTCFilterFunctionNArguments ours = *args;
+  ours.geometryUserPtr = filtered.standIn->userData;
+  ours.context = filtered.context;
+  if (filtered.ofGeometry) filtered.ofGeometry(&ours);
+  if (*ours.valid && filtered.ofArguments) filtered.ofArguments(&ours);
+}
+
+template<typename Function, typename Arguments>
+void call(const Function& function, const Arguments* args, const StandIn& standIn, RTCFilterFunctionN ofGeometry, RTCFilterFunctionN ofArguments)
+{
+  if (!standIn.group) return;
+  Arguments ours = *args;
+  ours.geometryUserPtr = standIn.group;
+  if (!ofGeometry && !ofArguments) { function(&ours, 0); return; }
+  FilteredContext filtered = {{*args->context, filter}, args->context, &standIn, ofGeometry, ofArguments};
+  ours.context = &filtered.query.context;
+  function(&ours, CBVH_GEOMETRY_CONTEXT_FILTERS);
+}
+
+/* --- callbacks -------------------------------------------------------------------------------- */
+
+void bound(const RTCBoundsFunctionArguments* args)
+{
+  RTCBoundsFunctionArguments ours = *args;
+  ours.geometryUserPtr = ((const StandIn*)args->geometryUserPtr)->group;
+  if (ours.geometryUserPtr) { cbvhBoundGeometry(&ours); return; }
+  *args->bounds_o = {1, 1, 1, 0, -1, -1, -1, 0}; // nothing
+}
+
+void intersect(const RTCIntersectFunctionNArguments* args)
+{
+  const StandIn& standIn = *(const StandIn*)args->geometryUserPtr;
+  call(cbvhIntersectGeometry, args, standIn, standIn.intersectFilter, filterOfArguments<RTCIntersectArguments>(standIn));
+}
+
+void occluded(const RTCOccludedFunctionNArguments* args)
+{
+  const StandIn& standIn = *(const StandIn*)args->geometryUserPtr;
+  call(cbvhOccludedGeometry, args, standIn, standIn.occludedFilter, filterOfArguments<RTCOccludedArguments>(standIn));
+}
+
+/* In place of the application's function for user geometry. */
+void intersectAny(const RTCIntersectFunctionNArguments* args)
+{
+  if (asStandIn(args->geometryUserPtr)) intersect(args);
+  else Current<RTCIntersectArguments>::arguments->intersect(args);
+}
+
+void occludedAny(const RTCOccludedFunctionNArguments* args)
+{
+  if (asStandIn(args->geometryUserPtr)) occluded(args);
+  else Current<RTCOccludedArguments>::arguments->occluded(args);
+}
+
+/* query: of Embree, with the arguments that it is to have */
+template<typename Query>
+void enter(RTCIntersectArguments* args, const Query& query)
+{
+  if (!hasStandIns() || !isActive()) { query(args); return; }
+  const Entered<RTCIntersectArguments> entered(args);
+  if (!args || !args->intersect) { query(args); return; }
+  RTCIntersectArguments ours = *args;
+  ours.intersect = intersectAny;
+  query(&ours);
+}
+
+template<typename Query>
+void enter(RTCOccludedArguments* args, const Query& query)
+{
+  if (!hasStandIns() || !isActive()) { query(args); return; }
+  const Entered<RTCOccludedArguments> entered(args);
+  if (!args || !args->occluded) { query(args); return; }
+  RTCOccludedArguments ours = *args;
+  ours.occluded = occludedAny;
+  query(&ours);
+}
+
+} // namespace
+
+RTCGeometry newUserGeometry(RTCDevice device, StandIn* standIn)
+{
+  const RTCGeometry geometry = REAL(rtcNewGeometry)(device, RTC_GEOMETRY_TYPE_USER);
+  if (!geometry) return nullptr;
+  REAL(rtcSetGeometryUserPrimitiveCount)(geometry, 1);
+  REAL(rtcSetGeometryUserData)(geometry, standIn);
+  REAL(rtcSetGeometryBoundsFunction)(geometry, bound, nullptr);
+  REAL(rtcSetGeometryIntersectFunction)(geometry, intersect);
+  REAL(rtcSetGeometryOccludedFunction)(geometry, occluded);
+  return geometry;
+}
+
+} // namespace interposer
+
+using namespace interposer;
+
+RTC_API void rtcIntersect1(RTCScene scene, RTCRayHit* rayhit, RTCIntersectArguments* args)
+{
+  enter(args, [&](RTCIntersectArguments* args) { REAL(rtcIntersect1)(scene, rayhit, args); });
+}
+RTC_API void rtcOccluded1(RTCScene scene, RTCRay* ray, RTCOccludedArguments* args)
+{
+  enter(args, [&](RTCOccludedArguments* args) { REAL(rtcOccluded1)(scene, ray, args); });
+}
+
+#define PACKET_QUERIES(N) \
+  RTC_API void rtcIntersect##N(const int* valid, RTCScene scene, RTCRayHit##N* rayhit, RTCIntersectArguments* args) \
+  { \
+    enter(args, [&](RTCIntersectArguments* args) { REAL(rtcIntersect##N)(valid, scene, rayhit, args); }); \
+  } \
+  RTC_API void rtcOccluded##N(const int* valid, RTCScene scene, RTCRay##N* ray, RTCOccludedArguments* args) \
+  { \
+    enter(args, [&](RTCOccludedArguments* args) { REAL(rtcOccluded##N)(valid, scene, ray, args); }); \
+  }
+PACKET_QUERIES(4)
+PACKET_QUERIES(8)
+PACKET_QUERIES(16)
+
+/* The glue may call these, where it is told of filters in another way than here. */
+RTC_API void rtcInvokeIntersectFilterFromGeometry(const RTCIntersectFunctionNArguments* args, const RTCFilterFunctionNArguments* filterArgs)
+{
+  REAL(rtcInvokeIntersectFilterFromGeometry)(args, filterArgs);
+}
+RTC_API void rtcInvokeOccludedFilterFromGeometry(const RTCOccludedFunctionNArguments* args, const RTCFilterFunctionNArguments* filterArgs)
+{
+  REAL(rtcInvokeOccludedFilterFromGeometry)(args, filterArgs);
+}

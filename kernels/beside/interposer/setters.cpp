@@ -1,0 +1,187 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Embree's functions that say what a geometry is: each goes to Embree's own, and what is drawn in its place has to know of it. Of interpolation and half edges
+ * we do not hear: the handles that applications have are Embree's own. */
+
+#include "objects.h"
+
+using namespace interposer;
+
+namespace {
+
+Substituted* find(RTCGeometry geometry) { return isActive() && geometry ? Objects::get().findSubstituted(geometry) : nullptr; }
+
+void changeInput(RTCGeometry geometry)
+{
+  if (Substituted* const of = find(geometry)) of->change(Substituted::OfInput);
+}
+
+/* set: of the input */
+template<typename Set>
+void changeInput(RTCGeometry geometry, const Set& set)
+{
+  Substituted* const of = find(geometry);
+  if (!of) return;
+  set(of->input);
+  of->change(Substituted::OfInput);
+}
+
+template<typename Set>
+void changeLook(RTCGeometry geometry, const Set& set)
+{
+  Substituted* const of = find(geometry);
+  if (!of) return;
+  set(*of);
+  of->change(Substituted::OfLook);
+}
+
+/* What Embree refuses it has told its application of, and does not take. */
+bool isTaken(const Input& input, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data, size_t stride)
+{
+  if (size_t(data) % 4 != 0 || stride % 4 != 0) return false;
+  switch (type) {
+  case RTC_BUFFER_TYPE_VERTEX: return format == RTC_FORMAT_FLOAT3 && slot < input.numTimeSteps;
+  case RTC_BUFFER_TYPE_INDEX:
+    if (input.type == RTC_GEOMETRY_TYPE_QUAD) return format == RTC_FORMAT_UINT4 && slot == 0;
+    if (input.type == RTC_GEOMETRY_TYPE_TRIANGLE) return format == RTC_FORMAT_UINT3 && slot == 0;
+    return format == RTC_FORMAT_UINT;
+  case RTC_BUFFER_TYPE_GRID: return format == RTC_FORMAT_GRID && slot == 0;
+  case RTC_BUFFER_TYPE_EDGE_CREASE_INDEX: return format == RTC_FORMAT_UINT2 && slot == 0;
+  case RTC_BUFFER_TYPE_LEVEL:
+  case RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT:
+  case RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT: return format == RTC_FORMAT_FLOAT && slot == 0;
+  case RTC_BUFFER_TYPE_FACE:
+  case RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX:
+  case RTC_BUFFER_TYPE_HOLE: return format == RTC_FORMAT_UINT && slot == 0;
+  default: return false;
+  }
+}
+
+void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data, size_t stride, size_t count)
+{
+  changeInput(geometry, [&](Input& input) {
+    if (isTaken(input, type, slot, format, data, stride)) input.buffers[{type, slot}] = {format, (const char*)data, stride, count};
+  });
+}
+
+} // namespace
+
+/* --- buffers -------------------------------------------------------------------------------- */
+
+RTC_API void rtcSetGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, RTCBuffer buffer, size_t byteOffset, size_t byteStride, size_t itemCount)
+{
+  REAL(rtcSetGeometryBuffer)(geometry, type, slot, format, buffer, byteOffset, byteStride, itemCount);
+  if (buffer && find(geometry)) setBuffer(geometry, type, slot, format, (const char*)REAL(rtcGetBufferData)(buffer) + byteOffset, byteStride, itemCount);
+}
+
+RTC_API void rtcSetSharedGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* ptr, size_t byteOffset, size_t byteStride, size_t itemCount)
+{
+  REAL(rtcSetSharedGeometryBuffer)(geometry, type, slot, format, ptr, byteOffset, byteStride, itemCount);
+  setBuffer(geometry, type, slot, format, (const char*)ptr + byteOffset, byteStride, itemCount);
+}
+
+RTC_API void* rtcSetNewGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, size_t byteStride, size_t itemCount)
+{
+  void* const data = REAL(rtcSetNewGeometryBuffer)(geometry, type, slot, format, byteStride, itemCount);
+  if (data) setBuffer(geometry, type, slot, format, data, byteStride, itemCount);
+  return data;
+}
+
+RTC_API void rtcUpdateGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot)
+{
+  REAL(rtcUpdateGeometryBuffer)(geometry, type, slot);
+  changeInput(geometry);
+}
+
+/* --- what it is ------------------------------------------------------------------------------ */
+
+RTC_API void rtcSetGeometryTimeStepCount(RTCGeometry geometry, unsigned int timeStepCount)
+{
+  REAL(rtcSetGeometryTimeStepCount)(geometry, timeStepCount);
+  changeInput(geometry, [&](Input& input) {
+    if (timeStepCount < 1 || timeStepCount > RTC_MAX_TIME_STEP_COUNT) return;
+    for (unsigned int i = timeStepCount; i < input.numTimeSteps; i++) input.buffers.erase({RTC_BUFFER_TYPE_VERTEX, i});
+    input.numTimeSteps = timeStepCount;
+  });
+}
+
+RTC_API void rtcSetGeometryTimeRange(RTCGeometry geometry, float startTime, float endTime)
+{
+  REAL(rtcSetGeometryTimeRange)(geometry, startTime, endTime);
+  changeInput(geometry, [&](Input& input) { input.begin = startTime; input.end = endTime; });
+}
+
+RTC_API void rtcSetGeometryTessellationRate(RTCGeometry geometry, float tessellationRate)
+{
+  REAL(rtcSetGeometryTessellationRate)(geometry, tessellationRate);
+  changeInput(geometry, [&](Input& input) { input.tessellationRate = tessellationRate; });
+}
+
+RTC_API void rtcSetGeometrySubdivisionMode(RTCGeometry geometry, unsigned int topologyID, RTCSubdivisionMode mode)
+{
+  REAL(rtcSetGeometrySubdivisionMode)(geometry, topologyID, mode);
+  if (topologyID == 0) changeInput(geometry, [&](Input& input) { input.mode = mode; });
+}
+
+RTC_API void rtcSetGeometryDisplacementFunction(RTCGeometry geometry, RTCDisplacementFunctionN displacement)
+{
+  REAL(rtcSetGeometryDisplacementFunction)(geometry, displacement);
+  changeInput(geometry, [&](Input& input) { input.displacement = displacement; });
+}
+
+RTC_API void rtcCommitGeometry(RTCGeometry geometry)
+{
+  REAL(rtcCommitGeometry)(geometry);
+  if (Substituted* const of = find(geometry)) of->commit();
+}
+
+/* --- what rays see of it ---------------------------------------------------------------------- */
+
+RTC_API void rtcEnableGeometry(RTCGeometry geometry)
+{
+  REAL(rtcEnableGeometry)(geometry);
+  Substituted* const of = find(geometry);
+  if (!of) return;
+  REAL(rtcEnableGeometry)(of->substitute);
+  of->setEnabled(true);
+}
+
+RTC_API void rtcDisableGeometry(RTCGeometry geometry)
+{
+  REAL(rtcDisableGeometry)(geometry);
+  Substituted* const of = find(geometry);
+  if (!of) return;
+  REAL(rtcDisableGeometry)(of->substitute);
+  of->setEnabled(false);
+}
+
+RTC_API void rtcSetGeometryMask(RTCGeometry geometry, unsigned int mask)
+{
+  REAL(rtcSetGeometryMask)(geometry, mask);
+  changeLook(geometry, [&](Substituted& of) { REAL(rtcSetGeometryMask)(of.substitute, mask); });
+}
+
+RTC_API void rtcSetGeometryUserData(RTCGeometry geometry, void* ptr)
+{
+  REAL(rtcSetGeometryUserData)(geometry, ptr);
+  if (Substituted* const of = find(geometry)) of->setUserData(ptr);
+}
+
+RTC_API void rtcSetGeometryIntersectFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter)
+{
+  REAL(rtcSetGeometryIntersectFilterFunction)(geometry, filter);
+  changeLook(geometry, [&](Substituted& of) { of.standIn->intersectFilter = filter; });
+}
+
+RTC_API void rtcSetGeometryOccludedFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter)
+{
+  REAL(rtcSetGeometryOccludedFilterFunction)(geometry, filter);
+  changeLook(geometry, [&](Substituted& of) { of.standIn->occludedFilter = filter; });
+}
+
+RTC_API void rtcSetGeometryEnableFilterFunctionFromArguments(RTCGeometry geometry, bool enable)
+{
+  REAL(rtcSetGeometryEnableFilterFunctionFromArguments)(geometry, enable);
+  changeLook(geometry, [&](Substituted& of) { of.standIn->takesArgumentFilters = enable; });
+}

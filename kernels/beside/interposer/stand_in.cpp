@@ -1,0 +1,56 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "stand_in.h"
+
+#include <atomic>
+#include <cstring>
+#include <mutex>
+#include <sys/mman.h>
+
+namespace interposer {
+
+StandInRange standInRange = {0, 0};
+
+namespace {
+
+constexpr size_t maxStandIns = size_t(1) << 20;   // addresses, no memory until they are used
+
+struct Free { Free* next; };
+
+std::mutex& mutex = *new std::mutex;
+Free* firstFree = nullptr;
+size_t numUsed = 0;
+std::atomic<bool> hasAny{false};
+
+} // namespace
+
+bool hasStandIns() { return hasAny.load(std::memory_order_relaxed); }
+
+StandIn* newStandIn()
+{
+  static_assert(sizeof(StandIn) >= sizeof(Free), "the list of free ones lies in them");
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (standInRange.size == 0) {
+    void* const base = mmap(nullptr, maxStandIns*sizeof(StandIn), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (base == MAP_FAILED) return nullptr;
+    standInRange = {uintptr_t(base), maxStandIns*sizeof(StandIn)};
+  }
+  StandIn* standIn = (StandIn*)firstFree;
+  if (firstFree) firstFree = firstFree->next;
+  else if (numUsed < maxStandIns) standIn = (StandIn*)standInRange.begin + numUsed++;
+  else return nullptr;
+  std::memset((void*)standIn, 0, sizeof(StandIn));
+  hasAny = true;
+  return standIn;
+}
+
+void deleteStandIn(StandIn* standIn)
+{
+  const std::lock_guard<std::mutex> lock(mutex);
+  Free* const free = (Free*)standIn;
+  free->next = firstFree;
+  firstFree = free;
+}
+
+} // namespace interposer

@@ -1,0 +1,77 @@
+#!/bin/sh
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# The interposer on Debian 13: programs of Embree 4 and of OSPRay, as Debian has them, without it and with it. Their pictures have to be the same but for the
+# lattice's rounding; a table says how many pixels differ, and what the programs took at their peaks. Needs what debian13.sh does: two and a half minutes, and one when the root is there already.
+#
+#   interposer.sh BUILD-DIRECTORY DIRECTORY-FOR-THE-ROOT
+set -eu
+build=$(cd "$1" && pwd) roots=$2
+here=$(cd -- "$(dirname -- "$0")" && pwd)
+. "$here/root13.sh"
+with_packages g++ libembree-dev embree-tools libospray-dev time
+
+work=$root/root/interposer
+rm -rf "$work"
+mkdir -p "$work/include" "$work/tests/interposer"
+cp -rL "$build/include/cbvh" "$work/include/"
+cp "$build/kernels/beside/libembree_cbvh.so.0" "$here"/../../kernels/beside/interposer/*.cpp "$here"/../../kernels/beside/interposer/*.h "$work/"
+cp "$here/host.h" "$work/tests/"
+cp "$here"/interposer/*.c* "$work/tests/interposer/"
+inside() { chroot "$root" sh -c "cd /root/interposer && $*"; }
+flags="-O2 -Wall -Wextra -Werror -Iinclude"
+
+# As its CMakeLists.txt does, which finds no Embree 4 on the Debian before. In the other Debian's shell $ORIGIN is text.
+inside "g++ -std=c++17 $flags -fPIC -shared -fvisibility=hidden -DRTC_EXPORT_API *.cpp -o libembree_cbvh_interposer.so ./libembree_cbvh.so.0 '-Wl,-rpath,\$ORIGIN' -Wl,--no-undefined" ||
+  fail "the interposer does not compile"
+inside "g++ -std=c++17 $flags tests/interposer/calls.cpp -o calls -lembree4 && g++ -std=c++17 $flags tests/interposer/differ.cpp -o differ && g++ $flags -x c tests/interposer/ospray.c -o picture -lospray" ||
+  fail "the programs do not compile"
+preload=LD_PRELOAD=/root/interposer/libembree_cbvh_interposer.so
+
+# --- calls: hits that are kept without it are those that there are with it -------------------
+inside "./calls hits > /dev/null && $preload ./calls hits" || fail "hits are others"
+inside "$preload EMBREE_CBVH=verbose,max_error=0.00001,grids=1,quads=1,triangles=1 ./calls hits > meshes.log" || { tail "$work/meshes.log"; fail "hits of grids, quads and triangles are others"; }
+[ "$(grep -c ': 40000 quads' "$work/meshes.log")" -eq 3 ] || fail "not each of grids, quads and triangles is taken"
+inside "EMBREE_CBVH=0 $preload ./calls hits > /dev/null" || fail "hits where it is turned off are others"
+inside "EMBREE_CBVH=grids=1,nonsense $preload ./calls hits 2>&1 > /dev/null" | grep -q 'EMBREE_CBVH: "nonsense" is left out' || fail "nonsense is not told"
+
+# --- pictures ------------------------------------------------------------------------------------
+# row NAME OPTIONS PROGRAM, with PICTURE where that is: renders it both ways, and prints a row of the table
+row()
+{
+  name=$1 options=$2 program=$3
+  for way in without with; do
+    [ $way = with ] && environment="$preload EMBREE_CBVH=$options" || environment=
+    inside "env $environment /usr/bin/time -o $way.time -f '%M %e' $(echo "$program" | sed "s/PICTURE/$way.ppm/") > $way.log 2>&1" || { cat "$work/$way.log"; fail "$name, $way"; }
+    if ! awk '$1 !~ /^[0-9]+$/ { exit 1 }' "$work/$way.time"; then cat "$work/$way.time"; fail "$name, $way"; fi
+  done
+  if grep -q 'libembree_cbvh_interposer' "$work/with.log"; then told="left to Embree"; else told=; fi
+  differing=$(inside "./differ without.ppm with.ppm") || fail "the picture of $name is another: $differing"
+  awk -v name="$name" -v differing="$differing" -v told="$told" '{ peak[NR] = $1/1024; seconds[NR] = $2 }
+    END { printf "| %-36s | %22s | %7.1f | %7.1f | %5.2f | %5.2f | %s\n", name, differing, peak[1], peak[2], seconds[1], seconds[2], told }' "$work/without.time" "$work/with.time"
+}
+
+echo "| picture                              | pixels that differ, >8 | MiB     | with    | s     | with  |"
+echo "|:-------------------------------------|-----------------------:|--------:|--------:|------:|------:|"
+for renderer in ao scivis pathtracer; do row "OSPRay, $renderer" verbose "./picture $renderer 200 PICTURE"; done
+row "OSPRay, colours of vertices" verbose "./picture ao 200 PICTURE colors"
+row "OSPRay, colours of faces" verbose "./picture pathtracer 200 PICTURE faces"
+row "OSPRay, texture" verbose "./picture pathtracer 200 PICTURE texcoords"
+row "OSPRay, beside user geometry" verbose "./picture scivis 200 PICTURE boxes"
+row "OSPRay, instances" verbose "./picture scivis 200 PICTURE instances"
+row "OSPRay, 24 million quads" verbose "./picture scivis 2000 PICTURE"
+row "OSPRay, 24 million quads, texture" verbose "./picture pathtracer 2000 PICTURE texcoords"
+grep -q '24000000 quads' "$work/with.log" || fail "OSPRay's cube is not compressed"
+for tutorial in displacement_geometry displacement_geometry_ispc subdivision_geometry subdivision_geometry_ispc; do
+  row "$tutorial" verbose "embree_$tutorial --size 512 512 -o PICTURE"
+  grep -q 'compression: 1 surface' "$work/with.log" || fail "$tutorial is not compressed"
+done
+row "grid_geometry, grids=1" verbose,grids=1 "embree_grid_geometry --size 512 512 -o PICTURE"
+for tutorial in interpolation motion_blur_geometry dynamic_scene user_geometry lazy_geometry intersection_filter instanced_geometry; do
+  row "$tutorial, which has none" verbose "embree_$tutorial --size 512 512 -o PICTURE"
+done
+for model in $(cd "$root/usr/share/doc/embree4/models" && ls subdiv?.ecs subdiv_*.ecs grid4x4*.ecs | grep -v subdiv5); do
+  row "viewer, $model" verbose,grids=1 "embree_viewer -c /usr/share/doc/embree4/models/$model --size 512 512 -o PICTURE"
+done
+echo "Debian 13, interposer: all well"

@@ -1,0 +1,578 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A program on Embree 4 that uses of subdivision geometry what there is: it is run without the interposer, keeps its hits in a file, and is run with it, where
+ * they have to be the same but for the lattice's rounding. It knows nothing of us: of host.h it takes what is Embree's.
+ *
+ *   calls FILE          the first time it writes, the second it compares */
+
+#include "../host.h"
+
+#include <sys/resource.h>
+#include <thread>
+
+using host::Vec;
+
+namespace {
+
+/* --- hits, kept and compared ----------------------------------------------------------------- */
+
+struct Kept
+{
+  unsigned geomID, primID, instID, instPrimID;
+  float t, u, v;
+  Vec Ng;
+};
+
+class Hits
+{
+public:
+  explicit Hits(const char* path) : path(path)
+  {
+    if (FILE* const file = std::fopen(path, "rb")) {
+      Kept kept;
+      while (std::fread(&kept, sizeof(kept), 1, file) == 1) before.push_back(kept);
+      std::fclose(file);
+    }
+  }
+
+  void keep(const RTCRayHit& ray)
+  {
+    Vec Ng = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
+    const float length = std::sqrt(Ng[0]*Ng[0] + Ng[1]*Ng[1] + Ng[2]*Ng[2]);
+    for (float& x : Ng) x = length > 0 ? x/length : 0;
+    const Kept kept = host::isHit(ray) ? Kept{ray.hit.geomID, ray.hit.primID, ray.hit.instID[0], ray.hit.instPrimID[0], ray.ray.tfar, ray.hit.u, ray.hit.v, Ng}
+                                       : Kept{ray.hit.geomID, 0, 0, 0, ray.ray.tfar, 0, 0, {0, 0, 0}};
+    now.push_back(kept);
+    if (!numbersMatter && host::isHit(ray)) now.back().geomID = 0;
+  }
+
+  bool numbersMatter = true;   // of geometry
+
+  /* From here on hits are of another use. */
+  void begin(const char* use) { uses.push_back({use, now.size()}); }
+
+  void conclude()
+  {
+    if (before.empty()) {
+      FILE* const file = std::fopen(path, "wb");
+      CHECK(file && std::fwrite(now.data(), sizeof(Kept), now.size(), file) == now.size());
+      if (file) std::fclose(file);
+      return;
+    }
+    CHECK(before.size() == now.size());
+    uses.push_back({"", now.size()});
+    for (size_t i = 0; i + 1 < uses.size(); i++) compare(uses[i].first, uses[i].second, std::min(before.size(), uses[i + 1].second));
+  }
+
+private:
+  void compare(const char* use, size_t begin, size_t end)
+  {
+    size_t others = 0, hits = 0, turned = 0;
+    float distance = 0;
+    for (size_t i = begin; i < end; i++) {
+      const Kept &a = before[i], &b = now[i];
+      hits += a.geomID != RTC_INVALID_GEOMETRY_ID;
+      const bool isSame = a.geomID == b.geomID && a.primID == b.primID && a.instID == b.instID && a.instPrimID == b.instPrimID && std::abs(a.u - b.u) < 0.01f && std::abs(a.v - b.v) < 0.01f;
+      others += !isSame;
+      if (!isSame || a.geomID == RTC_INVALID_GEOMETRY_ID || std::isinf(a.t)) continue;
+      distance = std::max(distance, std::abs(a.t - b.t));
+      turned += a.Ng[0]*b.Ng[0] + a.Ng[1]*b.Ng[1] + a.Ng[2]*b.Ng[2] < 0.95f;
+    }
+    std::printf("%-14s %6zu rays, %6zu hits: %3zu of another surface, face or place, %zu with another normal; distances differ by %g at most\n", use, end - begin, hits, others, turned, double(distance));
+    CHECK(hits > 0);
+    CHECK(others*500 < hits);   // at silhouettes, and between faces
+    CHECK(turned*500 < hits);
+  }
+
+  const char* const path;
+  std::vector<Kept> before, now;
+  std::vector<std::pair<const char*, size_t>> uses;
+};
+
+/* --- what applications do ------------------------------------------------------------------- */
+
+struct Context
+{
+  RTCRayQueryContext context;
+  unsigned magic = 4711, numCalls = 0;   // an application's own behind Embree's
+};
+
+int userData;
+
+/* Faces of odd numbers do not count. */
+void refuseOdd(const RTCFilterFunctionNArguments* args)
+{
+  CHECK(args->geometryUserPtr == &userData);
+  Context& context = *(Context*)args->context;
+  CHECK(context.magic == 4711);
+  context.numCalls++;
+  for (unsigned i = 0; i < args->N; i++)
+    if (args->valid[i] && RTCHitN_primID(args->hit, args->N, i) % 2 == 1) args->valid[i] = 0;
+}
+
+/* One side does not count. */
+void refuseLeft(const RTCFilterFunctionNArguments* args)
+{
+  Context& context = *(Context*)args->context;
+  CHECK(context.magic == 4711);
+  context.numCalls++;
+  for (unsigned i = 0; i < args->N; i++)
+    if (args->valid[i] && RTCHitN_u(args->hit, args->N, i) < 0.5f) args->valid[i] = 0;
+}
+
+/* A user geometry whose function comes with the query: a square at z = 1.5. */
+char squareData;
+void boundSquare(const RTCBoundsFunctionArguments* args) { *args->bounds_o = {-0.3f, -0.3f, 1.5f, 0, 0.3f, 0.3f, 1.5f, 0}; }
+void intersectSquare(const RTCIntersectFunctionNArguments* args)
+{
+  CHECK(args->geometryUserPtr == &squareData);
+  for (unsigned i = 0; i < args->N; i++) {
+    RTCRayN* const ray = RTCRayHitN_RayN(args->rayhit, args->N);
+    RTCHitN* const hit = RTCRayHitN_HitN(args->rayhit, args->N);
+    if (!args->valid[i]) continue;
+    const float t = (1.5f - RTCRayN_org_z(ray, args->N, i))/RTCRayN_dir_z(ray, args->N, i);
+    const float x = RTCRayN_org_x(ray, args->N, i) + t*RTCRayN_dir_x(ray, args->N, i), y = RTCRayN_org_y(ray, args->N, i) + t*RTCRayN_dir_y(ray, args->N, i);
+    if (!(t > RTCRayN_tnear(ray, args->N, i) && t < RTCRayN_tfar(ray, args->N, i)) || std::abs(x) > 0.3f || std::abs(y) > 0.3f) continue;
+    RTCRayN_tfar(ray, args->N, i) = t;
+    RTCHitN_geomID(hit, args->N, i) = args->geomID;
+    RTCHitN_primID(hit, args->N, i) = args->primID;
+    RTCHitN_instID(hit, args->N, i, 0) = args->context->instID[0];
+    RTCHitN_instPrimID(hit, args->N, i, 0) = args->context->instPrimID[0];
+    RTCHitN_u(hit, args->N, i) = RTCHitN_v(hit, args->N, i) = 0;
+    RTCHitN_Ng_x(hit, args->N, i) = RTCHitN_Ng_y(hit, args->N, i) = 0;
+    RTCHitN_Ng_z(hit, args->N, i) = 1;
+  }
+}
+void occludedSquare(const RTCOccludedFunctionNArguments* args) { CHECK(args->geometryUserPtr == &squareData); }
+
+struct Queries
+{
+  RTCIntersectArguments intersect;
+  RTCOccludedArguments occluded;
+  Context context;
+
+  Queries()
+  {
+    rtcInitRayQueryContext(&context.context);
+    rtcInitIntersectArguments(&intersect);
+    rtcInitOccludedArguments(&occluded);
+    intersect.context = occluded.context = &context.context;
+  }
+};
+
+class Program
+{
+public:
+  Program(RTCDevice device, Hits& hits) : device(device), hits(hits) { rays = host::randomRays(random, 3000, false); }
+
+  void run();
+
+private:
+  template<unsigned N> void shootPackets(RTCScene scene, Queries& queries);
+  void shoot(RTCScene scene, Queries& queries);
+  void shoot(RTCScene scene) { Queries queries; shoot(scene, queries); }
+  RTCGeometry newCube(float rate = 24) { return host::Cube().newInHost(device, rate); }
+  RTCScene newScene(RTCGeometry geometry, unsigned geomID = 0)
+  {
+    const RTCScene scene = rtcNewScene(device);
+    rtcAttachGeometryByID(scene, geometry, geomID);
+    rtcCommitScene(scene);
+    return scene;
+  }
+
+  void plain();
+  void filters();
+  void userGeometry();
+  void masks();
+  void instances();
+  void edits();
+  void motion();
+  void releases();
+  void meshes();
+  void cancelling();
+  void threads();
+
+  const RTCDevice device;
+  Hits& hits;
+  std::mt19937 random{7};
+  std::vector<RTCRayHit> rays;
+};
+
+template<unsigned N>
+void Program::shootPackets(RTCScene scene, Queries& queries)
+{
+  typename host::Packet<N>::RayHits packet;
+  typename host::Packet<N>::Rays shadows;
+  alignas(64) int valid[N];
+  for (unsigned i = 0; i < N; i++) {
+    host::setRay(&packet, N, i, rays[i]);
+    valid[i] = i % 3 != 1 ? -1 : 0;
+  }
+  shadows = packet.ray;
+  if constexpr (N == 4) { rtcIntersect4(valid, scene, &packet, &queries.intersect); rtcOccluded4(valid, scene, &shadows, &queries.occluded); }
+  if constexpr (N == 8) { rtcIntersect8(valid, scene, &packet, &queries.intersect); rtcOccluded8(valid, scene, &shadows, &queries.occluded); }
+  if constexpr (N == 16) { rtcIntersect16(valid, scene, &packet, &queries.intersect); rtcOccluded16(valid, scene, &shadows, &queries.occluded); }
+  for (unsigned i = 0; i < N; i++) {
+    RTCRayHit one = rays[i];
+    one.ray.tfar = packet.ray.tfar[i];
+    one.hit.geomID = packet.hit.geomID[i]; one.hit.primID = packet.hit.primID[i];
+    one.hit.instID[0] = packet.hit.instID[0][i]; one.hit.instPrimID[0] = packet.hit.instPrimID[0][i];
+    one.hit.u = packet.hit.u[i]; one.hit.v = packet.hit.v[i];
+    one.hit.Ng_x = packet.hit.Ng_x[i]; one.hit.Ng_y = packet.hit.Ng_y[i]; one.hit.Ng_z = packet.hit.Ng_z[i];
+    hits.keep(one);
+    one.hit.geomID = shadows.tfar[i] < 0 ? 1000 : RTC_INVALID_GEOMETRY_ID;
+    one.hit.primID = 0; one.hit.u = one.hit.v = 0;
+    hits.keep(one);
+  }
+}
+
+void Program::shoot(RTCScene scene, Queries& queries)
+{
+  for (const RTCRayHit& ray : rays) {
+    RTCRayHit one = ray;
+    rtcIntersect1(scene, &one, &queries.intersect);
+    hits.keep(one);
+    RTCRay shadow = ray.ray;
+    rtcOccluded1(scene, &shadow, &queries.occluded);
+    one = ray;
+    if (shadow.tfar < 0) one.hit.geomID = 1000;
+    one.hit.primID = 0;
+    hits.keep(one);
+  }
+  shootPackets<4>(scene, queries);
+  shootPackets<8>(scene, queries);
+  shootPackets<16>(scene, queries);
+}
+
+void Program::plain()
+{
+  const RTCGeometry geometry = newCube();
+  rtcSetGeometryUserData(geometry, &userData);
+  rtcCommitGeometry(geometry);
+  const RTCScene scene = newScene(geometry, 7);
+  CHECK(rtcGetGeometry(scene, 7) == geometry);
+  CHECK(rtcGetGeometryThreadSafe(scene, 7) == geometry);
+  CHECK(rtcGetGeometryUserData(geometry) == &userData);
+  CHECK(rtcGetGeometryUserDataFromScene(scene, 7) == &userData);
+  CHECK(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0) != nullptr);
+  CHECK(rtcGetGeometryNextHalfEdge(geometry, 3) == 0);
+  CHECK(rtcGetGeometryFace(geometry, 5) == 1);
+  rtcReleaseGeometry(geometry);   // the scene has it
+  float P[3] = {0, 0, 0};
+  rtcInterpolate0(rtcGetGeometry(scene, 7), 1, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX, 0, P, 3);
+  CHECK(P[2] > 0.3f && P[2] < 0.8f);
+  RTCBounds bounds;
+  rtcGetSceneBounds(scene, &bounds);
+  CHECK(bounds.lower_x < -0.4f && bounds.lower_x > -0.7f && bounds.upper_z > 0.4f && bounds.upper_z < 0.7f);
+  shoot(scene);
+  rtcReleaseScene(scene);
+}
+
+void Program::filters()
+{
+  const RTCGeometry geometry = newCube();
+  rtcSetGeometryUserData(geometry, &userData);
+  rtcSetGeometryIntersectFilterFunction(geometry, refuseOdd);
+  rtcSetGeometryOccludedFilterFunction(geometry, refuseOdd);
+  rtcCommitGeometry(geometry);
+  const RTCScene scene = rtcNewScene(device);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS);
+  CHECK(rtcAttachGeometry(scene, geometry) == 0);
+  rtcCommitScene(scene);
+
+  Queries ofGeometry;
+  shoot(scene, ofGeometry);
+  CHECK(ofGeometry.context.numCalls > 0);
+
+  Queries both, neither;
+  both.intersect.filter = both.occluded.filter = neither.intersect.filter = neither.occluded.filter = refuseLeft;
+  both.intersect.flags = both.occluded.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
+  shoot(scene, both);
+  shoot(scene, neither);   // it is not enabled
+
+  rtcSetGeometryIntersectFilterFunction(geometry, nullptr);
+  rtcSetGeometryOccludedFilterFunction(geometry, nullptr);
+  rtcSetGeometryEnableFilterFunctionFromArguments(geometry, true);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  Queries ofArguments;
+  ofArguments.intersect.filter = ofArguments.occluded.filter = refuseLeft;
+  shoot(scene, ofArguments);
+  CHECK(ofArguments.context.numCalls > 0);
+  rtcReleaseGeometry(geometry);
+  rtcReleaseScene(scene);
+}
+
+void Program::userGeometry()
+{
+  const RTCGeometry geometry = newCube(), square = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(square, 1);
+  rtcSetGeometryUserData(square, &squareData);
+  rtcSetGeometryBoundsFunction(square, boundSquare, nullptr);
+  rtcCommitGeometry(square);
+  const RTCScene scene = rtcNewScene(device);
+  rtcAttachGeometry(scene, square);
+  rtcAttachGeometry(scene, geometry);
+  rtcCommitScene(scene);
+  CHECK(rtcGetGeometry(scene, 0) == square && rtcGetGeometry(scene, 1) == geometry);
+  std::vector<unsigned> near;
+  RTCPointQuery point = {0.1f, 0.1f, 1, 0, 2};
+  RTCPointQueryContext pointContext;
+  rtcInitPointQueryContext(&pointContext);
+  rtcPointQuery(scene, &point, &pointContext, [](RTCPointQueryFunctionArguments* args) { ((std::vector<unsigned>*)args->userPtr)->push_back(args->geomID); return false; }, &near);
+  CHECK(near == std::vector<unsigned>{0});   // Embree does not tell of subdivision surfaces
+  Queries queries;
+  queries.intersect.intersect = intersectSquare;
+  queries.occluded.occluded = occludedSquare;
+  shoot(scene, queries);
+  rtcReleaseGeometry(square);
+  rtcReleaseGeometry(geometry);
+  rtcReleaseScene(scene);
+}
+
+void Program::masks()
+{
+  const RTCGeometry geometry = newCube();
+  rtcSetGeometryMask(geometry, 6);
+  rtcCommitGeometry(geometry);
+  const RTCScene scene = newScene(geometry);
+  const std::vector<RTCRayHit> all = rays;
+  for (size_t i = 0; i < rays.size(); i++) rays[i].ray.mask = 1u << (i % 4);
+  shoot(scene);
+  rays = all;
+  rtcSetGeometryMask(geometry, 1);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  shoot(scene);
+  rtcReleaseScene(scene);
+  rtcReleaseGeometry(geometry);
+}
+
+void Program::instances()
+{
+  const RTCGeometry geometry = newCube(), instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE), array = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE_ARRAY);
+  const RTCScene inner = newScene(geometry, 2), outer = rtcNewScene(device);
+  rtcReleaseGeometry(geometry);
+  const float place[12] = {0.5f, 0, 0, 0, 0.5f, 0, 0, 0, 0.5f, 0.4f, 0, 0};
+  rtcSetGeometryInstancedScene(instance, inner);
+  rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, place);
+  rtcSetGeometryMask(instance, ~0u);
+  rtcCommitGeometry(instance);
+  rtcSetGeometryInstancedScene(array, inner);
+  float* const places = (float*)rtcSetNewGeometryBuffer(array, RTC_BUFFER_TYPE_TRANSFORM, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, 48, 2);
+  for (int i = 0; i < 24; i++) places[i] = place[i % 12] - (i % 12 == 9 ? 0.9f : 0) + (i == 22 ? 0.8f : 0);
+  rtcSetGeometryMask(array, ~0u);
+  rtcCommitGeometry(array);
+  rtcReleaseScene(inner);   // the instances have it
+  rtcAttachGeometry(outer, instance);
+  rtcAttachGeometry(outer, array);
+  rtcReleaseGeometry(instance);
+  rtcReleaseGeometry(array);
+  rtcCommitScene(outer);
+  shoot(outer);
+  rtcReleaseScene(outer);
+}
+
+void Program::edits()
+{
+  const RTCGeometry geometry = newCube();
+  const RTCScene scene = newScene(geometry, 3), other = newScene(geometry, 5);
+  rtcAttachGeometryByID(scene, geometry, 9);   // and once more
+  rtcCommitScene(scene);
+  hits.numbersMatter = false;
+  shoot(scene);
+
+  float* const vertices = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  vertices[3] += 0.4f;
+  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcSetGeometryTessellationRate(geometry, 13);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  rtcCommitScene(other);
+  shoot(scene);
+  shoot(other);
+
+  hits.numbersMatter = true;
+  rtcDetachGeometry(scene, 3);
+  rtcDisableGeometry(geometry);
+  rtcCommitScene(scene);
+  shoot(scene);
+  rtcEnableGeometry(geometry);
+  rtcCommitScene(scene);
+  shoot(scene);
+
+  /* what is left to Embree, and comes back */
+  unsigned* const indices = (unsigned*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0);
+  CHECK(indices[4] == 4);
+  unsigned* const faces = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 5);
+  for (int i = 0; i < 5; i++) faces[i] = 4;   // a side is open
+  for (const RTCSubdivisionMode mode : {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_CORNERS, RTC_SUBDIVISION_MODE_NO_BOUNDARY}) {
+    rtcSetGeometrySubdivisionMode(geometry, 0, mode);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    CHECK(rtcGetGeometry(scene, 9) == geometry);
+    shoot(scene);
+  }
+  rtcCommitScene(other);
+  shoot(other);
+  rtcReleaseGeometry(geometry);
+  rtcReleaseScene(scene);
+  rtcReleaseScene(other);
+}
+
+void Program::motion()
+{
+  const host::Cube cube;
+  const RTCGeometry geometry = newCube();
+  rtcSetGeometryTimeStepCount(geometry, 2);
+  rtcSetGeometryTimeRange(geometry, 0, 1);   // Embree 4.3.3 itself draws subdivision surfaces outside of others, too
+  for (unsigned i = 0; i < 2; i++) rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, cube.vertices[i].data(), 0, 12, 8);
+  rtcCommitGeometry(geometry);
+  const RTCScene scene = newScene(geometry);
+  shoot(scene);
+  rtcReleaseGeometry(geometry);
+  rtcReleaseScene(scene);
+}
+
+void Program::cancelling()
+{
+  const RTCGeometry geometry = newCube(200);
+  const RTCScene scene = rtcNewScene(device);
+  rtcAttachGeometry(scene, geometry);
+  bool goesOn = false;
+  rtcSetSceneProgressMonitorFunction(scene, [](void* goesOn, double) { return *(bool*)goesOn; }, &goesOn);
+  rtcCommitScene(scene);
+  CHECK(rtcGetDeviceError(device) == RTC_ERROR_CANCELLED);
+  goesOn = true;
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  shoot(scene);
+  rtcReleaseGeometry(geometry);
+  rtcReleaseScene(scene);
+}
+
+/* A sheet of 200 x 200 quads, as a grid, as quads, and as triangles: what the interposer takes where it is asked to. */
+void Program::meshes()
+{
+  const unsigned size = 200, width = size + 1;
+  std::vector<Vec> vertices;
+  for (unsigned y = 0; y < width; y++)
+    for (unsigned x = 0; x < width; x++) {
+      const float s = 2*float(x)/float(size) - 1, t = 2*float(y)/float(size) - 1;
+      vertices.push_back({s, t, 0.2f*std::sin(5*s)*std::cos(4*t)});
+    }
+  vertices.push_back({0, 0, 0}); // what is read behind the last one
+  for (const RTCGeometryType type : {RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD, RTC_GEOMETRY_TYPE_TRIANGLE}) {
+    const RTCGeometry geometry = rtcNewGeometry(device, type);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, 12, width*width);
+    if (type == RTC_GEOMETRY_TYPE_GRID) *(RTCGrid*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), 1) = {0, width, width, width};
+    else {
+      const bool isQuad = type == RTC_GEOMETRY_TYPE_QUAD;
+      unsigned* indices = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, isQuad ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, isQuad ? 16 : 12, (isQuad ? 1 : 2)*size*size);
+      for (unsigned y = 0; y < size; y++)
+        for (unsigned x = 0; x < size; x++) {
+          const unsigned a = y*width + x, quad[4] = {a, a + 1, a + width + 1, a + width}, triangles[6] = {a, a + 1, a + width, a + width + 1, a + width, a + 1};
+          for (unsigned i = 0; i < (isQuad ? 4u : 6u); i++) *indices++ = isQuad ? quad[i] : triangles[i];
+        }
+    }
+    rtcSetGeometryMask(geometry, ~0u);
+    rtcCommitGeometry(geometry);
+    const RTCScene scene = newScene(geometry, 4);
+    CHECK(rtcGetGeometry(scene, 4) == geometry);
+    shoot(scene);
+    rtcReleaseGeometry(geometry);
+    rtcReleaseScene(scene);
+  }
+}
+
+/* Whoever lets go last, all goes. */
+void Program::releases()
+{
+  const auto peak = [] {
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  long before = 0;
+  for (int i = 0; i < 400; i++) {
+    if (i == 100) before = peak();
+    const RTCGeometry geometry = newCube(120), instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    const RTCScene inner = newScene(geometry), outer = rtcNewScene(device);
+    rtcSetGeometryInstancedScene(instance, inner);
+    rtcCommitGeometry(instance);
+    rtcAttachGeometry(outer, instance);
+    rtcCommitScene(outer);
+    rtcRetainGeometry(geometry);
+    rtcRetainScene(inner);
+    rtcReleaseGeometry(geometry);
+    if (i % 2) { rtcReleaseScene(inner); rtcReleaseScene(inner); rtcReleaseGeometry(geometry); }
+    if (i % 3 == 0) rtcDetachGeometry(outer, 0);
+    rtcReleaseGeometry(instance);
+    rtcReleaseScene(outer);
+    if (i % 2 == 0) { rtcDetachGeometry(inner, 0); rtcReleaseScene(inner); rtcReleaseGeometry(geometry); rtcReleaseScene(inner); }
+  }
+  CHECK(peak() - before < 16 << 10);   // KiB: a third of what three hundred take
+}
+
+void Program::threads()
+{
+  std::vector<std::thread> all;
+  std::vector<RTCScene> scenes(4);
+  const RTCGeometry shared = newCube();
+  for (int k = 0; k < 4; k++)
+    all.emplace_back([&, k] {
+      for (int i = 0; i < 20; i++) {
+        const RTCGeometry own = newCube(float(4 + k));
+        const RTCScene scene = rtcNewScene(device);
+        rtcAttachGeometry(scene, k % 2 ? own : shared);
+        rtcCommitScene(scene);
+        rtcReleaseGeometry(own);
+        if (i < 19) rtcReleaseScene(scene);
+        else scenes[size_t(k)] = scene;
+      }
+    });
+  for (std::thread& thread : all) thread.join();
+  all.clear();
+  rtcReleaseGeometry(shared);
+  for (const RTCScene scene : scenes) {
+    shoot(scene);
+    rtcReleaseScene(scene);
+  }
+  /* one commit of several threads */
+  const RTCGeometry geometry = newCube();
+  const RTCScene scene = rtcNewScene(device);
+  rtcAttachGeometry(scene, geometry);
+  for (int k = 0; k < 4; k++) all.emplace_back([scene] { rtcJoinCommitScene(scene); });
+  for (std::thread& thread : all) thread.join();
+  shoot(scene);
+  rtcReleaseGeometry(geometry);
+  rtcReleaseScene(scene);
+}
+
+void Program::run()
+{
+  const std::pair<const char*, void (Program::*)()> uses[] = {
+    {"plain", &Program::plain}, {"filters", &Program::filters}, {"user geometry", &Program::userGeometry}, {"masks", &Program::masks}, {"instances", &Program::instances},
+    {"edits", &Program::edits}, {"motion", &Program::motion}, {"meshes", &Program::meshes}, {"threads", &Program::threads}, {"cancelling", &Program::cancelling}};
+  releases();
+  for (const auto& use : uses) {
+    hits.begin(use.first);
+    (this->*use.second)();
+    CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
+  }
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+  if (argc != 2) return 2;
+  Hits hits(argv[1]);
+  const RTCDevice device = rtcNewDevice("threads=2");
+  Program(device, hits).run();
+  hits.conclude();
+  CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
+  rtcReleaseDevice(device);
+  return host::conclude("the same calls");
+}
