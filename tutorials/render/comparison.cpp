@@ -75,8 +75,8 @@ Camera cameraOf(const Options& options, const Model& model, unsigned threads)
 
 std::vector<Ray> firstSamples(const Options& options, const Camera& camera)
 {
-  std::vector<Ray> rays = primaryRays(camera);
-  setTimes(rays, options.shutter, 0);
+  std::vector<Ray> rays = primaryRays(camera, options.crop);
+  setTimes(rays, options.shutter, 0, options.crop, options.size.width);
   return rays;
 }
 
@@ -91,7 +91,7 @@ public:
   explicit Run(const Options& options)
     : options(options), threads(threadCount(options.build.threads)), model(loadModel(options)),
       plan(planOf(options, model)), camera(cameraOf(options, model, threads)), primary(firstSamples(options, camera)),
-      build(options.build), files(options.output, model.name, options.size, options.colors, options.samples)
+      build(options.build), files(options.output, model.name, options.size, options.crop, options.colors, options.samples)
   {
     build.pixelBound = {options.maxPixelError, camera.eye(), camera.footprint()};
     if (options.trueHits && model.poses.empty()) // the true surface stands still
@@ -147,8 +147,11 @@ private:
   {
     const Representation& r = scene.representation();
     Phase phase(r.label() + ": picture");
-    const std::string path = files.writePicture(
-      r, sampledPicture(scene, camera, model.view.up, primary, hits, options.samples, options.shutter, options.colors, threads));
+    const SampledPicture picture =
+      sampledPicture(scene, camera, options.crop, model.view.up, primary, hits, options.samples, options.shutter, options.colors, threads);
+    const std::string path = files.writePicture(r, picture.image());
+    if (options.exr)
+      files.writeExr(r, picture.linear(), primary, hits);
     if (!options.compares())
       writeStandardOutput(path + "\n");
   }
@@ -160,7 +163,7 @@ private:
       BounceSettings bounce;
       bounce.count = options.rays;
       bounce.offset = options.rayOffset * scene.bounds().diagonal();
-      sets[Coherent] = coherentRays(primary, options.size, options.rays);
+      sets[Coherent] = coherentRays(primary, options.crop.size(), options.rays);
       sets[Incoherent] = bounceRays(primary, hits, bounce);
     }
     sample = sampleOfHits(hits, options.trueHits, sampleSeed);
@@ -226,8 +229,6 @@ private:
   {
     const Representation& r = scene.representation();
     Phase phase(r.label() + ": files");
-    if (options.exr)
-      files.writeHits(r, primary, hits);
     if (compared)
       files.writeErrors(r, pixelErrors(reference, hits, camera.footprint()));
     if (!options.ambientRays)

@@ -16,7 +16,7 @@ namespace {
 struct Words
 {
   std::vector<std::string> files;
-  std::string representations = wordOf(RepresentationKind::CVert), frameLevel = "auto", size = "1024x1024";
+  std::string representations = wordOf(RepresentationKind::CVert), frameLevel = "auto", size = "1024x1024", crop;
   std::string colors = "neutral", shutter = "0,1";
   bool compare = false;
   std::optional<size_t> trueHits; // none: not said
@@ -42,6 +42,10 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
     ->type_name("P")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
+  app.add_option("--crop", words.crop,
+                 "render this part of the picture alone, in pixels from the upper left, without column x1 and row y1: what is joined of parts "
+                 "is the whole picture. Files of --exr have it as their data window, a PNG is only as large as the part")
+    ->type_name("x0,y0,x1,y1");
   app.add_option("--samples", o.samples, "samples a pixel of shaded pictures; maps of errors and all figures have one")
     ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
   addShutterOption(app, words.shutter);
@@ -52,7 +56,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--output", o.output, "folder for the pictures, made if need be")
     ->type_name("DIR")->capture_default_str();
   app.add_option("--export", o.exportPath, "write the surface there, too, as cvert stores it, OBJ: quads that --mesh reads")->type_name("FILE");
-  app.add_flag("--exr", o.exr, "write the hits there, too: position, distance, normal, u, v and primID");
+  app.add_flag("--exr", o.exr, "write linear colours and the hits there, too, OpenEXR: position, distance, normal, u, v and primID");
 }
 
 void declareMeasurement(CLI::App& app, Options& o, Words& words)
@@ -93,6 +97,7 @@ void read(const Words& words, Options& o)
   o.scene.threads = o.build.threads;
   o.colors = words.colors == "sides" ? HitColors::Sides : HitColors::Neutral;
   o.size = parseImageSize(words.size);
+  o.crop = parseCrop(words.crop, o.size);
   o.shutter = parseShutter(words.shutter);
   const bool isMesh = !o.scene.meshPath.empty();
   const std::string compared = isMesh ? wordOf(RepresentationKind::Grid) + "," + wordOf(RepresentationKind::CVert) : defaultRepresentations();
@@ -103,6 +108,8 @@ void read(const Words& words, Options& o)
   const bool hasVert = std::any_of(o.representations.begin(), o.representations.end(), [](const Representation& r) { return r.kind == RepresentationKind::CVert; });
   if (!o.exportPath.empty() && !hasVert)
     throw Error("--export writes what cvert stores, which is not among the representations");
+  if (!words.crop.empty() && (o.compares() || o.speed || o.ambientRays || words.trueHits.value_or(0)))
+    throw Error("--crop is for parts of one picture: what is compared or measured, and --ambient, are of whole ones");
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
 }

@@ -10,6 +10,7 @@
 #include "pictures/shading.h"
 #include "scenes/catalogue.h"
 #include "tracing/camera.h"
+#include "tracing/crop.h"
 #include "tracing/shutter.h"
 
 #include <optional>
@@ -25,11 +26,12 @@ struct Options
   BuildSettings build;
   std::string view = "full";     // full, close, or ex,ey,ez,lx,ly,lz,fov
   ImageSize size;
+  Crop crop;                     // the part of the picture that is rendered
   std::string output = "cbvh_render_output";
   HitColors colors = HitColors::Neutral;
   int samples = 16;              // a pixel, of shaded pictures
   Shutter shutter;               // of models that move
-  bool exr = false;              // write the hits, too
+  bool exr = false;              // write linear colours and hits, too
   bool details = false;          // all rows of the table
   std::string json;              // also write the numbers there
   std::string exportPath;        // where the surface goes as cVERT stores it, OBJ
