@@ -16,8 +16,9 @@ namespace {
 struct Words
 {
   std::vector<std::string> files;
-  std::string representations = wordOf(RepresentationKind::CVert), frameLevel = "auto", size = "1024x1024", crop;
+  std::string representations = wordOf(RepresentationKind::CVert), size = "1024x1024", crop;
   std::string colors = "neutral", shutter = "0,1";
+  LevelWords levels;
   bool compare = false;
   std::optional<size_t> trueHits; // none: not said
 };
@@ -36,10 +37,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
                    "compared: errors are measured against grid and naive, where those are among them")
       ->type_name("LIST")->capture_default_str();
   app.add_flag("--compare", words.compare, "compares " + defaultRepresentations() + "; of --mesh grid,cvert")->excludes(list);
-  addLevelOptions(app, o.build.level, words.frameLevel);
-  app.add_option("--max-pixel-error", o.maxPixelError,
-                 "spacing of cVERT's vertices in pixels of the view, at most; 0 for 1/36 of a quad's edge")
-    ->type_name("P")->capture_default_str();
+  addViewLevelOptions(app, words.levels);
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
   app.add_option("--crop", words.crop,
@@ -85,15 +83,32 @@ void declareMeasurement(CLI::App& app, Options& o, Words& words)
   app.add_option("--json", o.json, "write all numbers there, too")->type_name("FILE");
 }
 
-void read(const Words& words, Options& o)
+/* What is compared has one level, unless auto is asked for: it is the same whatever the view. */
+void chooseLevel(const CLI::App& app, const Words& words, Options& o)
+{
+  const bool isGiven = app.count("--level") != 0;
+  const bool hasNaive = std::any_of(o.representations.begin(), o.representations.end(), [](const Representation& r) { return r.kind == RepresentationKind::Naive; });
+  if (o.autoLevel && isGiven && hasNaive)
+    throw Error("--level auto has no naive, whose triangles have one level for all edges");
+  if (!isGiven && (o.compares() || hasNaive || o.speed))
+    o.autoLevel = false;
+  if (!o.scene.meshPath.empty())
+    o.autoLevel = false;
+  if (!o.autoLevel && app.count("--quad-size"))
+    throw Error("--quad-size belongs to --level auto");
+  o.quadSize = words.levels.quadSize;
+  o.maxPixelError = words.levels.maxPixelError.value_or(o.autoLevel ? autoPixelError : 0.0f);
+}
+
+void read(const CLI::App& app, const Words& words, Options& o)
 {
   nameFiles(words.files, o.scene);
   validateScene(o.scene);
+  o.autoLevel = readLevel(words.levels, o.build.level);
   validateBuild(o.build);
   if (o.repeat < 1)
     throw Error("--repeat must be at least 1");
   requireNotNegative("--ray-offset", o.rayOffset);
-  requireNotNegative("--max-pixel-error", o.maxPixelError);
   o.scene.threads = o.build.threads;
   o.colors = words.colors == "sides" ? HitColors::Sides : HitColors::Neutral;
   o.size = parseImageSize(words.size);
@@ -101,7 +116,8 @@ void read(const Words& words, Options& o)
   o.shutter = parseShutter(words.shutter);
   const bool isMesh = !o.scene.meshPath.empty();
   const std::string compared = isMesh ? wordOf(RepresentationKind::Grid) + "," + wordOf(RepresentationKind::CVert) : defaultRepresentations();
-  o.representations = parseRepresentationOptions(words.compare ? compared : words.representations, words.frameLevel);
+  o.representations = parseRepresentationOptions(words.compare ? compared : words.representations, words.levels.frameLevel);
+  chooseLevel(app, words, o);
   o.trueHits = words.trueHits.value_or(o.compares() && !isMesh ? 20000 : 0);
   if (isMesh && o.trueHits)
     throw Error("--true-surface belongs to cages: a mesh is its own surface");
@@ -127,7 +143,7 @@ std::optional<Options> parseOptions(int argc, char** argv)
   declareMeasurement(app, o, words);
   if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
-  read(words, o);
+  read(app, words, o);
   return o;
 }
 

@@ -38,6 +38,8 @@ struct Options
   size_t rays = 500000;          // at most, a set, for speed
   int repeat = 5;
   bool speed = false;
+  bool autoLevel = false;        // rates by the view, in place of build.level
+  float quadSize = 1;            // in pixels, then
   float maxPixelError = 0;       // bound on the spacing of cVERT, in pixels of the view, 0 for none
   float rayOffset = 1e-4f;       // of bounced rays, in bounding-box diagonals
   unsigned ambientRays = 0;      // a pixel, for pictures of ambient occlusion; 0: none
