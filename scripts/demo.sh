@@ -23,7 +23,7 @@ render() {
 phase "packages" install_packages "what follows the demo"
 phase "configure, get upstream" configure demo
 phase "build for this machine alone" build demo embree cbvh_render
-phase "render trex" render . trex
+phase "render trex" render . trex --level 6
 phase "compare trex" render trex trex --compare --speed --exr
 phase "compare trex from near" render trex_close trex --view close --compare --exr
 phase "compare cube" render cube cube --compare --speed --exr

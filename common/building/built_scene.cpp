@@ -69,7 +69,7 @@ void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name, 
 
 /* contexts: as many as copies, whose capture is set already or is none; outlive the
  * scene. poses: of the model, or none where it is to stand still. */
-void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, const std::vector<std::vector<Vec3f>>& poses, int level,
+void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, const std::vector<std::vector<Vec3f>>& poses, int level, const EdgeRates* rates,
                   std::vector<DisplacementContext>& contexts, const RTCCompressionArguments* compression = nullptr)
 {
   contexts.resize(model.copies.size());
@@ -78,6 +78,11 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, cons
   {
     contexts[i].displacement = model.displacement.get();
     contexts[i].level = level;
+    if (rates)
+    {
+      contexts[i].rates = rates;
+      contexts[i].copy = &rates->copies[i];
+    }
     rtcAttachGeometry(scene, topology.makeGeometry(model.copies[i], contexts[i], compression).get());
     throwIfCancelled();
   }
@@ -89,7 +94,7 @@ void captureVertices(const Model& model, const BuildSettings& settings, std::vec
 {
   EmbreeDevice device(deviceConfig({RepresentationKind::Grid}, settings));
   const SceneHandle scene(rtcNewScene(device.handle()));
-  attachCopies(device, scene.get(), model, {}, settings.level, captures);
+  attachCopies(device, scene.get(), model, {}, settings.level, nullptr, captures);
   commitScene(device, scene.get(), phase, model.layout(settings.level).numQuads(), captures);
 }
 
@@ -107,7 +112,7 @@ void validateBuild(const BuildSettings& settings)
 }
 
 BuiltScene::BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings)
-  : what(representation), name(settings.name.empty() ? what.label() : settings.name), patches(model.layout(settings.level)),
+  : what(representation), name(settings.name.empty() ? what.label() : settings.name), patches(model.layout(settings.level)), rates(settings.rates),
     facesOfCopy(model.cage.numFaces()), quadsOfCopy(patches.numQuads() / model.copies.size()), numGeometries(model.copies.size())
 {
   BuildSettings own = settings;
@@ -120,11 +125,13 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
   device->check("making a scene");
   if (model.isMesh)
     buildMesh(model, settings);
+  else if (representation.kind == RepresentationKind::Naive && rates)
+    throw Error("the triangles of naive have one --level for all edges");
   else if (representation.kind == RepresentationKind::Naive)
     buildTriangles(model, settings);
   else
     buildSubdivision(model, settings);
-  built.quads = patches.numQuads();
+  built.quads = rates ? rates->quads : patches.numQuads();
   embreeTracer = std::make_unique<EmbreeTracer>(scene.get());
   if (settings.device != "cpu")
   {
@@ -139,7 +146,7 @@ void BuiltScene::commit(const char* doing)
 {
   const auto start = std::chrono::steady_clock::now();
   std::vector<DisplacementContext> none; // whose tessellation nobody waits for
-  commitScene(*device, scene.get(), name + ": " + doing, patches.numQuads(), what.isCompressed() ? none : contexts);
+  commitScene(*device, scene.get(), name + ": " + doing, rates ? rates->quads : patches.numQuads(), what.isCompressed() ? none : contexts);
   built.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   built.liveBytes = device->memory().live();
   built.peakBytes = device->memory().peak();
@@ -149,7 +156,7 @@ void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& setti
 {
   const auto start = std::chrono::steady_clock::now();
   const RTCCompressionArguments arguments = compressionArguments(settings);
-  attachCopies(*device, scene.get(), model, model.poses, settings.level, contexts, what.isCompressed() ? &arguments : nullptr);
+  attachCopies(*device, scene.get(), model, model.poses, settings.level, rates.get(), contexts, what.isCompressed() ? &arguments : nullptr);
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");
   askForStatistics();

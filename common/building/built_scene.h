@@ -5,6 +5,7 @@
 
 /* A model built in one representation, with what that took. */
 
+#include "building/edge_rates.h"
 #include "building/embree_device.h"
 #include "building/representation.h"
 #include "building/subdivision_geometry.h"
@@ -42,6 +43,7 @@ struct PixelBound
 struct BuildSettings
 {
   int level = 6;
+  std::shared_ptr<const EdgeRates> rates; // in place of it, of a model's edges; not for NAIVE nor meshes
   int threads = 0;     // of Embree's build, 0 for all
   float maxError = 0;  // bound on cVERT's spacing, and on the thickness of leaves where frame levels are automatic, 0 for none
   PixelBound pixelBound;
@@ -121,6 +123,7 @@ private:
   Representation what;
   std::string name; // in lines of progress
   PatchLayout patches;
+  std::shared_ptr<const EdgeRates> rates; // of contexts
   size_t facesOfCopy, quadsOfCopy, numGeometries;
   std::vector<DisplacementContext> contexts; // one a copy
   std::unique_ptr<EmbreeDevice> device;

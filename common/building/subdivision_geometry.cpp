@@ -58,13 +58,19 @@ void displace(const RTCDisplacementFunctionNArguments* args)
 {
   throwIfCancelled(); // Embree asks its progress monitor only now and then; see EmbreeDevice::check
   const DisplacementContext& context = *static_cast<const DisplacementContext*>(args->geometryUserPtr);
-  float u[batch], v[batch];
+  float u[batch], v[batch], levels[batch];
   for (size_t begin = 0; context.displacement && begin < args->N; begin += batch)
   {
     const size_t n = std::min<size_t>(batch, args->N - begin);
     std::transform(args->u + begin, args->u + begin + n, u, snap);
     std::transform(args->v + begin, args->v + begin + n, v, snap);
-    const SurfacePoints points{args->primID, context.level, n, u, v};
+    SurfacePoints points{args->primID, context.level, n, u, v};
+    if (context.rates)
+    {
+      for (size_t i = 0; i < n; i++)
+        levels[i] = context.rates->level(*context.copy, args->primID, u[i], v[i]);
+      points.levels = levels;
+    }
     if (context.displacement->isAlongNormals())
       displaceAlongNormals(args, context, begin, points);
     else
@@ -161,6 +167,11 @@ GeometryHandle SharedTopology::makeGeometry(const Placement& placement, Displace
   context.placement = placement;
   rtcSetGeometrySubdivisionMode(geometry, 0, subdivisionMode(cage.boundary));
   rtcSetGeometryTessellationRate(geometry, float(1 << context.level));
+  if (context.rates)
+  {
+    const std::vector<float>& rates = context.copy->rates;
+    std::copy(rates.begin(), rates.end(), newBuffer<float>(device, geometry, RTC_BUFFER_TYPE_LEVEL, RTC_FORMAT_FLOAT, rates.size(), "allocating rates of edges"));
+  }
   rtcSetGeometryUserData(geometry, &context);
   rtcSetGeometryDisplacementFunction(geometry, displace);
   if (compression)

@@ -6,6 +6,7 @@
 /* Cages as Embree subdivision geometries at a uniform edge rate. */
 
 #include "basics/progress.h"
+#include "building/edge_rates.h"
 #include "building/embree_device.h"
 #include "surface/model.h"
 
@@ -37,6 +38,8 @@ struct DisplacementContext
 {
   const Displacement* displacement = nullptr;
   int level = 0;          // of the subdivision
+  const EdgeRates* rates = nullptr;      // if set, in place of it,
+  const EdgeRates::Copy* copy = nullptr; // and which of them
   Placement placement;    // of the copy, and so of its displacement
 
   /* If set, every vertex that Embree tessellates is also written here, in the order
@@ -65,7 +68,7 @@ public:
 
   /* Makes a geometry at a place, committed, not yet attached to a scene.
    *
-   * context: displacement, level (the edge rate is 2^level) and capture;
+   * context: displacement, level (the edge rate is 2^level) or rates, and capture;
    * compression: read during the call, null for the device's settings.
    * Errors: throws Error. */
   GeometryHandle makeGeometry(const Placement& placement, DisplacementContext& context,

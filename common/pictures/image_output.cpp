@@ -11,6 +11,8 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenImageIO/imageio.h>
 
+#include <cstdint>
+
 namespace cbvh {
 
 void writePng(const std::string& path, const Image& image)
@@ -26,11 +28,11 @@ void writePng(const std::string& path, const Image& image)
   file.commit();
 }
 
-void writeHitsExr(const std::string& path, ImageSize size, const std::vector<Ray>& rays,
-                  const std::vector<SurfaceHit>& hits)
+void writeExr(const std::string& path, ImageSize whole, const Crop& part, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays,
+              const std::vector<SurfaceHit>& hits)
 {
-  constexpr int floats = 9;
-  static const char* const names[floats] = {"P.X", "P.Y", "P.Z", "Z", "N.X", "N.Y", "N.Z", "u", "v"};
+  constexpr int floats = 12;
+  static const char* const names[floats] = {"P.X", "P.Y", "P.Z", "Z", "N.X", "N.Y", "N.Z", "u", "v", "R", "G", "B"};
   std::vector<float> values(hits.size() * floats, 0.0f);
   std::vector<unsigned> faces(hits.size());
   for (size_t i = 0; i < hits.size(); i++)
@@ -38,6 +40,9 @@ void writeHitsExr(const std::string& path, ImageSize size, const std::vector<Ray
     float* out = &values[i * floats];
     faces[i] = hits[i].face;
     out[3] = hits[i].t;
+    out[9] = colors[i].x;
+    out[10] = colors[i].y;
+    out[11] = colors[i].z;
     if (!hits[i].hit())
       continue;
     const Vec3f p = rays[i].origin + hits[i].t * rays[i].direction, n = normalize(hits[i].normal);
@@ -54,16 +59,22 @@ void writeHitsExr(const std::string& path, ImageSize size, const std::vector<Ray
   PendingFile file(path);
   try
   {
-    Imf::Header header(size.width, size.height);
+    const ImageSize size = part.size();
+    const Imath::Box2i display({0, 0}, {whole.width - 1, whole.height - 1}), data({part.x0, part.y0}, {part.x1 - 1, part.y1 - 1});
+    Imf::Header header(display, data);
+    /* slices begin at pixel (0,0) of the whole; as numbers, for there is nothing of ours */
+    const auto origin = [&](void* first, size_t stride) {
+      return reinterpret_cast<char*>(intptr_t(first) - (intptr_t(part.y0) * size.width + part.x0) * intptr_t(stride));
+    };
     Imf::FrameBuffer frame;
     for (int i = 0; i < floats; i++)
     {
       header.channels().insert(names[i], Imf::Channel(Imf::FLOAT));
-      frame.insert(names[i], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(&values[i]), sizeof(float) * floats,
+      frame.insert(names[i], Imf::Slice(Imf::FLOAT, origin(&values[i], sizeof(float) * floats), sizeof(float) * floats,
                                         sizeof(float) * floats * size_t(size.width)));
     }
     header.channels().insert("primID", Imf::Channel(Imf::UINT));
-    frame.insert("primID", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(faces.data()), sizeof(unsigned),
+    frame.insert("primID", Imf::Slice(Imf::UINT, origin(faces.data(), sizeof(unsigned)), sizeof(unsigned),
                                       sizeof(unsigned) * size_t(size.width)));
     Imf::OutputFile output(file.temporary().c_str(), header);
     output.setFrameBuffer(frame);

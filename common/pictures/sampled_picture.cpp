@@ -20,8 +20,13 @@ Vec2f sampleOffset(int i)
 }
 
 SampledPicture::SampledPicture(const Camera& camera, Vec3f up, HitColors colors)
-  : size(camera.size()), shader(camera.direction(float(size.width / 2), float(size.height / 2)), up, colors),
-    sums(size_t(size.width) * size_t(size.height))
+  : SampledPicture(camera, Crop(camera.size()), up, colors)
+{
+}
+
+SampledPicture::SampledPicture(const Camera& camera, const Crop& part, Vec3f up, HitColors colors)
+  : part(part), height(camera.size().height),
+    shader(camera.direction(float(camera.size().width / 2), float(height / 2)), up, colors), sums(part.numPixels())
 {
 }
 
@@ -38,29 +43,37 @@ void SampledPicture::add(const std::vector<Ray>& rays, const std::vector<Surface
 void SampledPicture::addTo(size_t pixel, const Ray& ray, const SurfaceHit& hit)
 {
   sums[pixel] = sums[pixel] + (hit.hit() ? shader.color(ray, hit)
-                                         : backgroundColor(float(pixel / size_t(size.width)) / float(size.height)));
+                                         : backgroundColor(float(part.row(pixel)) / float(height)));
 }
 
 Image SampledPicture::image() const
 {
-  Image image(size);
+  Image image(part.size());
   for (size_t i = 0; i < sums.size(); i++)
     image.set(i, mean(i));
   return image;
 }
 
-Image sampledPicture(const BuiltScene& scene, const Camera& camera, Vec3f up, const std::vector<Ray>& first, const std::vector<SurfaceHit>& hits,
+std::vector<Vec3f> SampledPicture::linear() const
+{
+  std::vector<Vec3f> colors(sums.size());
+  for (size_t i = 0; i < sums.size(); i++)
+    colors[i] = mean(i);
+  return colors;
+}
+
+SampledPicture sampledPicture(const BuiltScene& scene, const Camera& camera, const Crop& part, Vec3f up, const std::vector<Ray>& first, const std::vector<SurfaceHit>& hits,
                      int samples, const Shutter& shutter, HitColors colors, unsigned threads)
 {
-  SampledPicture picture(camera, up, colors);
+  SampledPicture picture(camera, part, up, colors);
   picture.add(first, hits, threads);
   for (int i = 1; i < samples; i++)
   {
-    std::vector<Ray> rays = primaryRays(camera, sampleOffset(i));
-    setTimes(rays, shutter, i);
+    std::vector<Ray> rays = primaryRays(camera, part, sampleOffset(i));
+    setTimes(rays, shutter, i, part, camera.size().width);
     picture.add(rays, traceClosest(scene, rays, threads), threads);
   }
-  return picture.image();
+  return picture;
 }
 
 } // namespace cbvh

@@ -10,6 +10,7 @@
 #include "pictures/image.h"
 #include "pictures/shading.h"
 #include "tracing/camera.h"
+#include "tracing/crop.h"
 #include "tracing/shutter.h"
 
 #include <vector>
@@ -24,11 +25,15 @@ class SampledPicture
 public:
   SampledPicture(const Camera& camera, Vec3f up, HitColors colors = HitColors::Neutral);
 
+  /* A part of it, with the colours that it has in the whole. */
+  SampledPicture(const Camera& camera, const Crop& part, Vec3f up, HitColors colors = HitColors::Neutral);
+
   /* One sample more of each pixel. rays, hits: one a pixel, in rows. Throws Cancelled. */
   void add(const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, unsigned threads = 1);
 
   /* The mean of the samples, before the background. */
   Image image() const;
+  std::vector<Vec3f> linear() const;
 
   /* The same pixel by pixel, for callers with loops of their own: different pixels may be on different threads.
    * Every pixel gets its sample before endSample says that all have it. */
@@ -37,14 +42,15 @@ public:
   Vec3f mean(size_t pixel) const { return (1.0f / float(samples)) * sums[pixel]; } // linear
 
 private:
-  ImageSize size;
+  Crop part;
+  int height; // of the whole
   HitShader shader;
   std::vector<Vec3f> sums; // linear
   int samples = 0;
 };
 
-/* The picture that a scene makes. rays, hits: of primaryRays, with times, which are the first samples. Throws Cancelled. */
-Image sampledPicture(const BuiltScene& scene, const Camera& camera, Vec3f up, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits,
+/* The picture that a scene makes, or a part of it. rays, hits: of primaryRays, with times, which are the first samples. Throws Cancelled. */
+SampledPicture sampledPicture(const BuiltScene& scene, const Camera& camera, const Crop& part, Vec3f up, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits,
                      int samples, const Shutter& shutter, HitColors colors, unsigned threads);
 
 } // namespace cbvh

@@ -14,7 +14,9 @@
 #include <CLI/CLI.hpp>
 #include <embree3/rtcore_compression.h>
 
+#include <charconv>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,6 +66,48 @@ inline void requireNotNegative(const std::string& option, float value)
 {
   if (!(value >= 0.0f) || !std::isfinite(value))
     throw Error(option + " must be finite and not negative");
+}
+
+/* --level as a word, "auto" or a number. */
+struct LevelWords
+{
+  std::string level = "auto", frameLevel = "auto";
+  float quadSize = 1;
+  std::optional<float> maxPixelError; // none: not said
+};
+
+/* Of --level auto, where none is given. A quarter of a pixel moves nothing that one sees move, but quads are as small, and so their normals turn: smooth
+ * surfaces get rings and grain. With 1/32 these are gone, for a tenth more memory. */
+constexpr float autoPixelError = 1.0f / 32.0f;
+constexpr int fixedLevel = 6;           // where representations are compared and no level is given
+
+/* --level with auto, --frame-level, --quad-size and --max-pixel-error. */
+inline void addViewLevelOptions(CLI::App& app, LevelWords& words)
+{
+  app.add_option("--level", words.level, "tessellation level, " + levelRange() + ": 2^L x 2^L quads a face; auto: edges get as many as the view needs")
+    ->type_name("L|auto")->capture_default_str();
+  app.add_option("--quad-size", words.quadSize, "length of quads' edges with --level auto, in pixels, about")->type_name("P")->capture_default_str();
+  app.add_option("--frame-level", words.frameLevel, "frame level, at which local frames start: " + levelRange() + ", or auto")
+    ->type_name("N")->capture_default_str();
+  app.add_option("--max-pixel-error", words.maxPixelError,
+                 "spacing of cVERT's vertices in pixels of the view, at most; 0 for 1/36 of a quad's edge [" + shortNumber(autoPixelError) + " with --level auto, else 0]")
+    ->type_name("P");
+}
+
+/* Reads it. Returns whether the level is auto; else sets it. Throws Error that names the option. */
+inline bool readLevel(const LevelWords& words, int& level)
+{
+  if (!(words.quadSize > 0.0f) || !std::isfinite(words.quadSize))
+    throw Error("--quad-size must be finite and more than 0");
+  if (words.maxPixelError)
+    requireNotNegative("--max-pixel-error", *words.maxPixelError);
+  if (words.level == "auto")
+    return true;
+  const char* const end = words.level.data() + words.level.size();
+  const auto [next, code] = std::from_chars(words.level.data(), end, level);
+  if (code != std::errc() || next != end)
+    throw Error("--level '" + words.level + "' is neither auto nor a number, " + levelRange());
+  return false;
 }
 
 /* --level and --frame-level. */

@@ -87,6 +87,28 @@ ImageSize parseImageSize(const std::string& text)
   throw Error("--size '" + text + "' is not WIDTHxHEIGHT with 1 to 16384 pixels each");
 }
 
+Crop parseCrop(const std::string& text, ImageSize whole)
+{
+  if (text.empty())
+    return Crop(whole);
+  int x[4];
+  const char* p = text.data();
+  const char* const end = p + text.size();
+  for (int i = 0; i < 4; i++)
+  {
+    const auto [next, code] = std::from_chars(p, end, x[i]);
+    if (code != std::errc() || (i < 3 ? next == end || *next != ',' : next != end))
+      throw Error("--crop '" + text + "' is not x0,y0,x1,y1, in pixels");
+    p = next + 1;
+  }
+  const Crop crop(x[0], x[1], x[2], x[3]);
+  if (crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
+    throw Error("--crop '" + text + "' is empty: x1 and y1 are the first column and row behind it, and above x0 and y0");
+  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > whole.width || crop.y1 > whole.height)
+    throw Error("--crop '" + text + "' is not inside of the picture, " + std::to_string(whole.width) + "x" + std::to_string(whole.height));
+  return crop;
+}
+
 Camera parseView(const std::string& text, Vec3f up, ImageSize size)
 {
   float x[7];

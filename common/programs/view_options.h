@@ -7,6 +7,7 @@
 
 #include "building/built_scene.h"
 #include "tracing/camera.h"
+#include "tracing/crop.h"
 #include "tracing/shutter.h"
 
 #include <string>
@@ -15,6 +16,9 @@ namespace cbvh {
 
 /* Reads "WIDTHxHEIGHT". Throws Error. */
 ImageSize parseImageSize(const std::string& text);
+
+/* Reads "x0,y0,x1,y1"; the whole picture if empty. Throws Error for what is no part of a picture of that size. */
+Crop parseCrop(const std::string& text, ImageSize whole);
 
 /* Reads "0,1": two times from 0 to 1, the first not above the second. Throws Error. */
 Shutter parseShutter(const std::string& text);

@@ -25,16 +25,18 @@ public:
     for (size_t i = 0; i < points.n; i++)
     {
       const FacePoint p{points.face, points.u[i], points.v[i]};
-      float h = height(p, points.level);
+      float h = height(p, points.levelAt(i));
       const FaceBorders::Place at = borders.place(p);
       if (at.edge >= 0 && map->isSeam(p.face, at))
-        h = borders.mean(p.face, at, h, [&](const FacePoint& q) { return height(q, points.level); });
+        h = borders.mean(p.face, at, h, [&](const FacePoint& q) { return height(q, points.levelAt(i)); });
       out[i] = scale * (h - midLevel);
     }
   }
 
+  float texelsAlong(unsigned face, unsigned edge) const override { return map->texelsAlong(face, edge); }
+
 private:
-  float height(const FacePoint& p, int level) const
+  float height(const FacePoint& p, float level) const
   {
     float h = midLevel;
     map->sample(p, level, &h);
@@ -46,6 +48,11 @@ private:
 };
 
 } // namespace
+
+float Displacement::texelsAlong(unsigned, unsigned) const
+{
+  return INFINITY;
+}
 
 void Displacement::vectors(const SurfacePoints& points, const Vec3f* normals, Vec3f* vectors) const
 {

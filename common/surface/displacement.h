@@ -28,6 +28,9 @@ struct SurfacePoints
   size_t n;
   const float* u;    // n
   const float* v;    // n
+  const float* levels = nullptr; // of each, in place of level, where rates of edges differ: not whole numbers, 0 to finestLevel
+
+  float levelAt(size_t i) const { return levels ? levels[i] : float(level); }
 };
 
 /* A level beyond all spacings of texels: heights as they are in the map. */
@@ -53,6 +56,9 @@ public:
    * normals: points.n of length 1. vectors: points.n, written.
    * Thread safety: callable from any number of threads. */
   virtual void vectors(const SurfacePoints& points, const Vec3f* normals, Vec3f* vectors) const;
+
+  /* Texels of a map along an edge of a face, from that corner to the next; infinity where there is no map. */
+  virtual float texelsAlong(unsigned face, unsigned edge) const;
 };
 
 /* scale * (height - neutral level) with the neutral level at 0.5. */

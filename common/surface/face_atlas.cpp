@@ -54,13 +54,28 @@ public:
 
   void offsets(const SurfacePoints& points, float* out) const override
   {
-    /* The coarsest mip level with texels no wider than the spacing. */
-    size_t k = 0;
-    while (k + 1 < levels.size() && levels[k].atlas.tileSize > (1 << std::min(points.level, finestLevel)))
-      k++;
+    const Level* level = &levels[levelFor(points.level)];
+    const auto heightAt = [&](size_t i) { return level->height(points.face, points.u[i], points.v[i]); };
     for (size_t i = 0; i < points.n; i++)
-      out[i] = scale * (levels[k].height(points.face, points.u[i], points.v[i]) - neutralHeight);
+    {
+      if (!points.levels)
+      {
+        out[i] = scale * (heightAt(i) - neutralHeight);
+        continue;
+      }
+      const float whole = std::floor(points.levels[i]), part = points.levels[i] - whole;
+      level = &levels[levelFor(int(whole))];
+      float height = heightAt(i);
+      if (part > 0.0f)
+      {
+        level = &levels[levelFor(int(whole) + 1)];
+        height = height * (1.0f - part) + heightAt(i) * part;
+      }
+      out[i] = scale * (height - neutralHeight);
+    }
   }
+
+  float texelsAlong(unsigned, unsigned) const override { return float(levels[0].atlas.tileSize); }
 
 private:
   struct Level
@@ -82,6 +97,15 @@ private:
                     int(p.face) / atlas.tilesPerRow * side + int(std::lround(p.v * float(atlas.tileSize))));
     }
   };
+
+  /* The coarsest mip level with texels no wider than the spacing. */
+  size_t levelFor(int level) const
+  {
+    size_t k = 0;
+    while (k + 1 < levels.size() && levels[k].atlas.tileSize > (1 << std::min(level, finestLevel)))
+      k++;
+    return k;
+  }
 
   /* Each border texel is the mean of what its sides had, so all are read first. */
   static void closeBorders(Level& level, const FaceBorders& borders)

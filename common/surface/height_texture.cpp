@@ -113,6 +113,15 @@ void HeightTexture::fillCache() const
 
 HeightTexture::~HeightTexture() = default;
 
+Vec2f HeightTexture::size(unsigned image) const
+{
+  const TextureImage& file = implementation->images[image];
+  int size[2] = {0, 0};
+  implementation->system->get_texture_info(file.handle, nullptr, file.subimage, OIIO::ustring("resolution"),
+                                           OIIO::TypeDesc(OIIO::TypeDesc::INT, 2), size);
+  return {float(size[0]), float(size[1])};
+}
+
 bool HeightTexture::looksLikeNormals() const
 {
   constexpr int places = 64;        // looked at along each axis

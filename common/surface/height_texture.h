@@ -6,6 +6,8 @@
 /* Maps of heights and of vectors through OpenImageIO's texture system: tiles as they are
  * needed, a mip level by the width asked for. */
 
+#include "basics/vec.h"
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,6 +37,9 @@ public:
 
   /* One a file, or one a face in a Ptex file and in a TIFF or EXR of parts. */
   unsigned numImages() const { return images; }
+
+  /* Texels of an image along s and t. image: less than numImages(). */
+  Vec2f size(unsigned image) const;
 
   /* Whether the first image has one value all along its border. */
   bool hasConstantBorder() const { return constantBorder; }

@@ -12,9 +12,9 @@
 namespace cbvh {
 namespace {
 
-float spacing(int level)
+float spacing(float level)
 {
-  return std::ldexp(1.0f, -level);
+  return std::exp2(-level); // exact for whole levels
 }
 
 TextureChannels channelsOf(const DisplacementMap& map)
@@ -58,7 +58,7 @@ public:
     findSeams(cage);
   }
 
-  void sample(const FacePoint& p, int level, float* values) const override
+  void sample(const FacePoint& p, float level, float* values) const override
   {
     const int image = tiles.imageOf(p.face);
     if (image < 0)
@@ -67,6 +67,17 @@ public:
     const Vec2f uv = at.uv - tiles.originOf(p.face);
     const float h = spacing(level);
     texture.sample(unsigned(image), uv.x, 1.0f - uv.y, h * at.width.x, h * at.width.y, values);
+  }
+
+  float texelsAlong(unsigned face, unsigned edge) const override
+  {
+    const int image = tiles.imageOf(face);
+    if (image < 0)
+      return 1.0f;
+    const unsigned n = faceBorders.size(face);
+    const Vec2f d = corners[faceBorders.corner(face, (edge + 1) % n)].uv - corners[faceBorders.corner(face, edge)].uv;
+    const Vec2f size = texture.size(unsigned(image));
+    return std::hypot(size.x * d.x, size.y * d.y);
   }
 
   bool isSeam(unsigned face, FaceBorders::Place at) const override
@@ -166,7 +177,7 @@ public:
                        ", and the mean of both sides on its borders, as the border of the map is not of one height");
   }
 
-  void sample(const FacePoint& p, int level, float* values) const override
+  void sample(const FacePoint& p, float level, float* values) const override
   {
     float u = p.u, v = p.v, h = spacing(level);
     unsigned corner = 0;
@@ -177,6 +188,14 @@ public:
     }
     texture.sample(texture.numImages() > 1 ? firstImage[p.face] + corner : 0, repeat.x * u, repeat.y * v, repeat.x * h,
                    repeat.y * h, values);
+  }
+
+  float texelsAlong(unsigned face, unsigned edge) const override
+  {
+    const unsigned n = faceBorders.size(face);
+    const Vec2f size = texture.size(texture.numImages() > 1 ? firstImage[face] + (n == 4 ? 0 : edge) : 0);
+    const Vec2f texels{repeat.x * size.x, repeat.y * size.y};
+    return n != 4 ? 2.0f * std::max(texels.x, texels.y) : edge % 2 == 0 ? texels.x : texels.y;
   }
 
   bool isSeam(unsigned, FaceBorders::Place) const override { return true; }

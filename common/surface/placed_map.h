@@ -24,7 +24,10 @@ public:
 
   /* values: one, or three of vectors, written; left alone where there is no map. level: of
    * the tessellation, to whose spacing the map is filtered. */
-  virtual void sample(const FacePoint& p, int level, float* values) const = 0;
+  virtual void sample(const FacePoint& p, float level, float* values) const = 0;
+
+  /* Texels along an edge of a face, from that corner to the next. */
+  virtual float texelsAlong(unsigned face, unsigned edge) const = 0;
 
   /* Whether sides read different values at a place of a face's border. */
   virtual bool isSeam(unsigned face, FaceBorders::Place at) const = 0;

@@ -86,7 +86,7 @@ public:
     for (size_t i = 0; i < points.n; i++)
     {
       const FacePoint p{points.face, points.u[i], points.v[i]};
-      const auto vectorAt = [&](const FacePoint& q) { return vector(q, points.level, normals[i]); };
+      const auto vectorAt = [&](const FacePoint& q) { return vector(q, points.levelAt(i), normals[i]); };
       out[i] = vectorAt(p);
       const FaceBorders::Place at = borders.place(p);
       if (at.edge >= 0)
@@ -94,8 +94,10 @@ public:
     }
   }
 
+  float texelsAlong(unsigned face, unsigned edge) const override { return map->texelsAlong(face, edge); }
+
 private:
-  Vec3f vector(const FacePoint& p, int level, Vec3f normal) const
+  Vec3f vector(const FacePoint& p, float level, Vec3f normal) const
   {
     float v[3] = {midLevel, midLevel, midLevel};
     map->sample(p, level, v);

@@ -26,6 +26,9 @@ public:
   /* Direction through the centre of a pixel, of length 1. */
   Vec3f direction(float pixelX, float pixelY) const;
 
+  Vec3f viewDirection() const { return forward; } // into the middle of the picture, of length 1
+  Vec3f upDirection() const { return -down; }     // of the picture, likewise
+
   /* Width of a pixel at a distance of 1; that at distance t is t times this. */
   float footprint() const { return pixel; }
 

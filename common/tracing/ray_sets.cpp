@@ -30,10 +30,15 @@ Ray primaryRay(const Camera& camera, int x, int y, Vec2f offset)
 
 std::vector<Ray> primaryRays(const Camera& camera, Vec2f offset)
 {
+  return primaryRays(camera, Crop(camera.size()), offset);
+}
+
+std::vector<Ray> primaryRays(const Camera& camera, const Crop& part, Vec2f offset)
+{
   std::vector<Ray> rays;
-  rays.reserve(size_t(camera.size().width) * camera.size().height);
-  for (int y = 0; y < camera.size().height; y++)
-    for (int x = 0; x < camera.size().width; x++)
+  rays.reserve(part.numPixels());
+  for (int y = part.y0; y < part.y1; y++)
+    for (int x = part.x0; x < part.x1; x++)
       rays.push_back(primaryRay(camera, x, y, offset));
   return rays;
 }

@@ -8,6 +8,7 @@
 
 #include "building/surface_hit.h"
 #include "tracing/camera.h"
+#include "tracing/crop.h"
 #include "tracing/ray.h"
 
 #include <cstdint>
@@ -25,6 +26,9 @@ Ray primaryRay(const Camera& camera, int x, int y, Vec2f offset = {});
 
 /* One ray a pixel, in rows. offset: from its centre, in pixels. */
 std::vector<Ray> primaryRays(const Camera& camera, Vec2f offset = {});
+
+/* The same rays of a part of the picture. */
+std::vector<Ray> primaryRays(const Camera& camera, const Crop& part, Vec2f offset = {});
 
 /* Coherent set: primary rays in tiles of 8 x 8 pixels, each tile in rows. With fewer
  * rays wanted than there are pixels, whole tiles spread evenly over the image.

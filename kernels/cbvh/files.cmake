@@ -9,6 +9,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/rtcore_compression.cpp
   cbvh/api/rtcore_compressed_triangles.cpp
   cbvh/api/rtcore_compressed_clusters.cpp
+  cbvh/api/rtcore_dicing.cpp
   cbvh/scene/flat_scene.cpp
   cbvh/scene/builder.cpp
   cbvh/scene/stored_triangles.cpp

@@ -73,7 +73,8 @@ case $library in "$work"/prefix/*) ;; *) fail "what pkg-config gives runs on $li
 
 # --- manual pages: one for each function of our headers ---------------------------------------------
 
-for function in $(sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' "$work/prefix/include/embree3/rtcore_compression.h" "$work/prefix/include/embree3/rtcore_compressed_triangles.h" "$work/prefix/include/embree3/rtcore_compressed_clusters.h"); do
+for function in $(cd "$work/prefix/include/embree3" && sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h \
+    rtcore_dicing.h); do
   page=$work/prefix/share/man/man3/$function.3embree3
   [ -s "$page" ] || fail "$function has no manual page"
   grep -q "$function" "$page" || fail "$page does not name it"

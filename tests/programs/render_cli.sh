@@ -65,6 +65,13 @@ refuses "colour" --scene cube --colour red
 refuses "level" --scene cube --level six
 refuses "cannot be made an output folder" --scene cube --output "$folder/text.png/out"
 
+for wrong in 0 -1 nan inf; do
+  refuses "quad-size must be finite and more than 0" --scene cube "--quad-size=$wrong"
+done
+refuses "quad-size belongs to --level auto" --scene cube --level 3 --quad-size 2
+refuses "level auto has no naive" --scene cube --level auto --representation naive
+refuses "max-pixel-error must be finite" --scene cube --max-pixel-error nan
+
 refuses "height-repeat 'many'" --cage "$folder/quad.obj" --height "$folder/text.png" --height-repeat many
 refuses "mid-level needs a height map" --cage "$folder/quad.obj" --mid-level 0.2
 refuses "vectors" --cage "$folder/quad.obj" --height "$folder/text.png" --vectors world
@@ -204,6 +211,16 @@ run one_sample --scene cube --representation cleaf --samples 1
 cmp -s "$folder/one_sample.out/cube_cleaf.png" "$folder/alone.out/cube_cleaf.png" && complain "one sample and sixteen are the same"
 run frames --scene cube --representation cleaf^0,cleaf --json "$folder/frames.json"
 [ "$(grep -c '"blocks": 6,' "$folder/frames.json")" = 2 ] || complain "blocks of level 3 are not those of the library: $(grep '"blocks"' "$folder/frames.json")"
+
+# Without a level quads are as large as asked for; what is compared has level 6.
+for quad in 4 16; do
+  "$program" --scene cube --size 64x48 --quad-size $quad --json "$folder/quad$quad.json" --output "$folder/quad$quad" >"$folder/quad$quad.txt" 2>&1 ||
+    complain "--quad-size $quad: $(cat "$folder/quad$quad.txt")"
+  grep -q "level auto" "$folder/quad$quad.txt" || complain "the level is not auto: $(cat "$folder/quad$quad.txt")"
+done
+quads() { grep -o '"quads": [0-9]*' "$folder/$1.json" | tail -1 | grep -o '[0-9]*$'; }
+[ "$(quads quad4)" -ge $((8 * $(quads quad16))) ] || complain "$(quads quad4) quads of 4 pixels, $(quads quad16) of 16"
+"$program" --scene cube --size 64x48 --representation grid,cvert --true-surface 0 --output "$folder/fixed" 2>&1 | grep -q "level 6" || complain "another level than 6 is compared"
 
 # What faces away is magenta in a mode of its own.
 sed 's/^f.*/f 4\/4 3\/3 2\/2 1\/1/' "$folder/quad.obj" >"$folder/back.obj"

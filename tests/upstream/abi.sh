@@ -35,6 +35,6 @@ for header in /usr/include/embree3/*; do
 done
 # Ours is for C and C++.
 for language in c c++; do
-  printf '#include <embree3/rtcore.h>\n#include <embree3/rtcore_compression.h>\n#include <embree3/rtcore_compressed_triangles.h>\n#include <embree3/rtcore_compressed_clusters.h>\n' |
+  printf '#include <embree3/%s.h>\n' rtcore rtcore_compression rtcore_compressed_triangles rtcore_compressed_clusters rtcore_dicing |
     cc -x "$language" -Wall -Werror -fsyntax-only -I "${headers%/*}" -
 done

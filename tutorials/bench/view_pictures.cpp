@@ -33,7 +33,7 @@ void ViewPictures::write(const View& view, const Variant& variant, const BuiltSc
 
 Image ViewPictures::shaded(const View& view, const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const
 {
-  return sampledPicture(scene, view.camera, up, primaryRays(view.camera), hits, options.samples, Shutter(), HitColors::Neutral, threadCount(options.buildThreads));
+  return sampledPicture(scene, view.camera, view.camera.size(), up, primaryRays(view.camera), hits, options.samples, Shutter(), HitColors::Neutral, threadCount(options.buildThreads)).image();
 }
 
 bool ViewPictures::wanted() const

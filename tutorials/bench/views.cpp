@@ -28,7 +28,7 @@ View makeView(const BenchOptions& options, const Camera& camera, const BuiltScen
   const unsigned threads = threadCount(options.buildThreads);
   View view(camera);
   if (moves)
-    setTimes(view.primary, Shutter(), 0);
+    setTimes(view.primary, Shutter(), 0, view.camera.size(), view.camera.size().width);
   view.gridHits = traceClosest(grid, view.primary, threads);
   view.sample = sampleOfHits(view.gridHits, options.trueHits, options.seed);
   view.away = hitsAwayFromSilhouettes(view.primary, view.gridHits, camera);
@@ -63,7 +63,7 @@ std::vector<ReferenceView> traceReference(const BenchOptions& options, const Mod
     const Camera camera = chooseCamera(name, model, grid, options.size, threads);
     std::vector<Ray> primary = primaryRays(camera);
     if (!model.poses.empty())
-      setTimes(primary, Shutter(), 0);
+      setTimes(primary, Shutter(), 0, camera.size(), camera.size().width);
     views.push_back({camera, traceClosest(grid, primary, threads)});
   }
   return views;

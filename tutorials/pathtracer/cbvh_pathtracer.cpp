@@ -10,6 +10,7 @@
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "basics/progress.h"
+#include "building/view_dicing.h"
 #include "programs/run_program.h"
 #include "programs/view_options.h"
 #include "programs/warnings.h"
@@ -36,6 +37,15 @@ Camera findCamera(const PathTracerOptions& options, const Model& model)
   settings.level = std::min(settings.level, coarse);
   const BuiltScene grid(model, {RepresentationKind::Grid}, settings);
   return chooseCamera(options.view, model, grid, options.size, threadCount(options.build.threads));
+}
+
+BuildSettings settingsFor(const PathTracerOptions& options, const Model& model, const Camera& camera)
+{
+  BuildSettings build = options.build;
+  build.pixelBound = {options.maxPixelError, camera.eye(), camera.footprint()};
+  if (options.autoLevel)
+    build.rates = diceByView(model, camera, {options.quadSize, highestRate({options.representation})}, options.build);
+  return build;
 }
 
 std::unique_ptr<PathTracer> makePathTracer(const PathTracerOptions& options, const BuiltScene& scene, const PathView& view)
@@ -84,7 +94,7 @@ int run(int argc, char** argv)
   installCancelHandler();
   const Model model = loadModel(*options);
   const Camera camera = findCamera(*options, model);
-  const BuiltScene scene(model, options->representation, options->build);
+  const BuiltScene scene(model, options->representation, settingsFor(*options, model, camera));
   const std::unique_ptr<PathTracer> tracer =
     makePathTracer(*options, scene, makePathView(camera, model.view.up, options->bounces, options->shutter));
   if (options->window)

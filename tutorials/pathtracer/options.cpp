@@ -41,7 +41,7 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
 {
   PathTracerOptions o;
   std::vector<std::string> files;
-  std::string representation = wordOf(RepresentationKind::CVert), frameLevel = "auto", size = "512x512", device = "auto", shutter = "0,1";
+  std::string representation = wordOf(RepresentationKind::CVert), size = "512x512", device = "auto", shutter = "0,1";
 
   CLI::App app("Renders a displaced subdivision surface by path tracing, all of it in a shader on a Vulkan device, or\n"
                "with the same random numbers on the processor: into a file, or in a window, sample by sample.",
@@ -53,7 +53,8 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   app.add_option("--representation", representation,
                  listOfRepresentations(", ", " or ") + ", a frame level of its own after ^ or :")
     ->type_name("NAME")->capture_default_str();
-  addLevelOptions(app, o.build.level, frameLevel);
+  LevelWords levels;
+  addViewLevelOptions(app, levels);
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", size, "picture size")->type_name("WxH")->capture_default_str();
   app.add_option("--samples", o.samples, "paths a pixel")->type_name("N")->check(CLI::Range(1, 1 << 24))->capture_default_str();
@@ -74,6 +75,7 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
 
   nameFiles(files, o.scene);
   validateScene(o.scene);
+  o.autoLevel = readLevel(levels, o.build.level);
   validateBuild(o.build);
   o.scene.threads = o.build.threads;
   o.size = parseImageSize(size);
@@ -81,10 +83,16 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   o.device = device == "auto" ? chooseDevice() : libraryName(device);
   if (o.byRayQuery && o.onCpu())
     throw Error("--ray-query needs a Vulkan device, --device is cpu");
-  const std::vector<Representation> representations = parseRepresentationOptions(representation, frameLevel);
+  const std::vector<Representation> representations = parseRepresentationOptions(representation, levels.frameLevel);
   if (representations.size() != 1)
     throw Error("--representation '" + representation + "' names more than one");
   o.representation = representations[0];
+  if (!o.scene.meshPath.empty() || (o.representation.kind == RepresentationKind::Naive && app.count("--level") == 0))
+    o.autoLevel = false; // they have none
+  if (o.autoLevel && o.representation.kind == RepresentationKind::Naive)
+    throw Error("--level auto has no naive, whose triangles have one level for all edges");
+  o.quadSize = levels.quadSize;
+  o.maxPixelError = levels.maxPixelError.value_or(o.autoLevel ? autoPixelError : 0.0f);
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
   if (o.output.empty() && !o.window)

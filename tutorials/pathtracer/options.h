@@ -21,6 +21,9 @@ struct PathTracerOptions
   SceneSettings scene;
   Representation representation;
   BuildSettings build;
+  bool autoLevel = false;     // rates by the view, in place of build.level
+  float quadSize = 1;         // in pixels, then
+  float maxPixelError = 0;    // bound on the spacing of cVERT, in pixels of the view, 0 for none
   std::string view = "full";  // full, close, or ex,ey,ez,lx,ly,lz,fov
   ImageSize size;
   unsigned samples = 64;      // a pixel

@@ -19,6 +19,7 @@
 #include "basics/file_output.h"
 #include "basics/parallel.h"
 #include "building/memory.h"
+#include "building/view_dicing.h"
 #include "measure/self_shadow.h"
 #include "pictures/sampled_picture.h"
 #include "programs/view_options.h"
@@ -42,9 +43,14 @@ Model loadModel(const Options& options)
   return model;
 }
 
-MemoryPlan planOf(const Options& options, const Model& model)
+BuildSize sizeOf(const Model& model, const BuildSettings& build)
 {
-  MemoryPlan plan = planMemory(options.representations, {model, options.build.level}, availableMemory());
+  return build.rates ? BuildSize(build.rates->quads, 1 + model.poses.size()) : BuildSize(model, build.level);
+}
+
+MemoryPlan planOf(const Options& options, const Model& model, const BuildSettings& build)
+{
+  MemoryPlan plan = planMemory(options.representations, sizeOf(model, build), availableMemory());
   const auto isStill = [](const Representation& r) { return r.kind == RepresentationKind::Naive; };
   if (!model.poses.empty() && std::any_of(plan.built.begin(), plan.built.end(), isStill))
   {
@@ -73,10 +79,20 @@ Camera cameraOf(const Options& options, const Model& model, unsigned threads)
   return chooseCamera(options.view, model, BuiltScene(model, {RepresentationKind::Grid}, coarse), options.size, threads);
 }
 
+/* Of the whole picture, whatever part of it is rendered. */
+BuildSettings settingsFor(const Options& options, const Model& model, const Camera& camera)
+{
+  BuildSettings build = options.build;
+  build.pixelBound = {options.maxPixelError, camera.eye(), camera.footprint()};
+  if (options.autoLevel)
+    build.rates = diceByView(model, camera, {options.quadSize, highestRate(options.representations)}, options.build);
+  return build;
+}
+
 std::vector<Ray> firstSamples(const Options& options, const Camera& camera)
 {
-  std::vector<Ray> rays = primaryRays(camera);
-  setTimes(rays, options.shutter, 0);
+  std::vector<Ray> rays = primaryRays(camera, options.crop);
+  setTimes(rays, options.shutter, 0, options.crop, options.size.width);
   return rays;
 }
 
@@ -90,10 +106,9 @@ class Run
 public:
   explicit Run(const Options& options)
     : options(options), threads(threadCount(options.build.threads)), model(loadModel(options)),
-      plan(planOf(options, model)), camera(cameraOf(options, model, threads)), primary(firstSamples(options, camera)),
-      build(options.build), files(options.output, model.name, options.size, options.colors, options.samples)
+      camera(cameraOf(options, model, threads)), primary(firstSamples(options, camera)),
+      build(settingsFor(options, model, camera)), plan(planOf(options, model, build)), files(options.output, model.name, options.size, options.crop, options.colors, options.samples)
   {
-    build.pixelBound = {options.maxPixelError, camera.eye(), camera.footprint()};
     if (options.trueHits && model.poses.empty()) // the true surface stands still
       surface.emplace(model);
   }
@@ -147,8 +162,11 @@ private:
   {
     const Representation& r = scene.representation();
     Phase phase(r.label() + ": picture");
-    const std::string path = files.writePicture(
-      r, sampledPicture(scene, camera, model.view.up, primary, hits, options.samples, options.shutter, options.colors, threads));
+    const SampledPicture picture =
+      sampledPicture(scene, camera, options.crop, model.view.up, primary, hits, options.samples, options.shutter, options.colors, threads);
+    const std::string path = files.writePicture(r, picture.image());
+    if (options.exr)
+      files.writeExr(r, picture.linear(), primary, hits);
     if (!options.compares())
       writeStandardOutput(path + "\n");
   }
@@ -160,7 +178,7 @@ private:
       BounceSettings bounce;
       bounce.count = options.rays;
       bounce.offset = options.rayOffset * scene.bounds().diagonal();
-      sets[Coherent] = coherentRays(primary, options.size, options.rays);
+      sets[Coherent] = coherentRays(primary, options.crop.size(), options.rays);
       sets[Incoherent] = bounceRays(primary, hits, bounce);
     }
     sample = sampleOfHits(hits, options.trueHits, sampleSeed);
@@ -226,8 +244,6 @@ private:
   {
     const Representation& r = scene.representation();
     Phase phase(r.label() + ": files");
-    if (options.exr)
-      files.writeHits(r, primary, hits);
     if (compared)
       files.writeErrors(r, pixelErrors(reference, hits, camera.footprint()));
     if (!options.ambientRays)
@@ -252,6 +268,7 @@ private:
     comparison.faces = model.numFaces();
     comparison.vertices = model.numVertices();
     comparison.build = options.build;
+    comparison.quadSize = options.autoLevel ? options.quadSize : 0.0f;
     comparison.isMesh = model.isMesh;
     comparison.size = options.size;
     comparison.camera = camera.description();
@@ -279,10 +296,10 @@ private:
   const Options& options;
   unsigned threads;
   Model model;
-  MemoryPlan plan;
   Camera camera;
   std::vector<Ray> primary;
   BuildSettings build;
+  MemoryPlan plan;
   PictureFiles files;
   RaySets sets;
   SpeedInTurns speed{sets, options.repeat};

@@ -43,6 +43,7 @@ struct Comparison
   size_t primaryHits = 0;
   size_t rays[numRaySets] = {0, 0};
   bool speed = false;
+  float quadSize = 0;         // in pixels where levels follow from the view, else 0
   bool isMesh = false;        // without levels
   bool compares = false;      // several representations
   std::string reference;      // what the errors are measured against, empty for no errors

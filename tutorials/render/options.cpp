@@ -16,8 +16,9 @@ namespace {
 struct Words
 {
   std::vector<std::string> files;
-  std::string representations = wordOf(RepresentationKind::CVert), frameLevel = "auto", size = "1024x1024";
+  std::string representations = wordOf(RepresentationKind::CVert), size = "1024x1024", crop;
   std::string colors = "neutral", shutter = "0,1";
+  LevelWords levels;
   bool compare = false;
   std::optional<size_t> trueHits; // none: not said
 };
@@ -36,12 +37,13 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
                    "compared: errors are measured against grid and naive, where those are among them")
       ->type_name("LIST")->capture_default_str();
   app.add_flag("--compare", words.compare, "compares " + defaultRepresentations() + "; of --mesh grid,cvert")->excludes(list);
-  addLevelOptions(app, o.build.level, words.frameLevel);
-  app.add_option("--max-pixel-error", o.maxPixelError,
-                 "spacing of cVERT's vertices in pixels of the view, at most; 0 for 1/36 of a quad's edge")
-    ->type_name("P")->capture_default_str();
+  addViewLevelOptions(app, words.levels);
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
+  app.add_option("--crop", words.crop,
+                 "render this part of the picture alone, in pixels from the upper left, without column x1 and row y1: what is joined of parts "
+                 "is the whole picture. Files of --exr have it as their data window, a PNG is only as large as the part")
+    ->type_name("x0,y0,x1,y1");
   app.add_option("--samples", o.samples, "samples a pixel of shaded pictures; maps of errors and all figures have one")
     ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
   addShutterOption(app, words.shutter);
@@ -52,7 +54,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--output", o.output, "folder for the pictures, made if need be")
     ->type_name("DIR")->capture_default_str();
   app.add_option("--export", o.exportPath, "write the surface there, too, as cvert stores it, OBJ: quads that --mesh reads")->type_name("FILE");
-  app.add_flag("--exr", o.exr, "write the hits there, too: position, distance, normal, u, v and primID");
+  app.add_flag("--exr", o.exr, "write linear colours and the hits there, too, OpenEXR: position, distance, normal, u, v and primID");
 }
 
 void declareMeasurement(CLI::App& app, Options& o, Words& words)
@@ -81,28 +83,49 @@ void declareMeasurement(CLI::App& app, Options& o, Words& words)
   app.add_option("--json", o.json, "write all numbers there, too")->type_name("FILE");
 }
 
-void read(const Words& words, Options& o)
+/* What is compared has one level, unless auto is asked for: it is the same whatever the view. */
+void chooseLevel(const CLI::App& app, const Words& words, Options& o)
+{
+  const bool isGiven = app.count("--level") != 0;
+  const bool hasNaive = std::any_of(o.representations.begin(), o.representations.end(), [](const Representation& r) { return r.kind == RepresentationKind::Naive; });
+  if (o.autoLevel && isGiven && hasNaive)
+    throw Error("--level auto has no naive, whose triangles have one level for all edges");
+  if (!isGiven && (o.compares() || hasNaive || o.speed))
+    o.autoLevel = false;
+  if (!o.scene.meshPath.empty())
+    o.autoLevel = false;
+  if (!o.autoLevel && app.count("--quad-size"))
+    throw Error("--quad-size belongs to --level auto");
+  o.quadSize = words.levels.quadSize;
+  o.maxPixelError = words.levels.maxPixelError.value_or(o.autoLevel ? autoPixelError : 0.0f);
+}
+
+void read(const CLI::App& app, const Words& words, Options& o)
 {
   nameFiles(words.files, o.scene);
   validateScene(o.scene);
+  o.autoLevel = readLevel(words.levels, o.build.level);
   validateBuild(o.build);
   if (o.repeat < 1)
     throw Error("--repeat must be at least 1");
   requireNotNegative("--ray-offset", o.rayOffset);
-  requireNotNegative("--max-pixel-error", o.maxPixelError);
   o.scene.threads = o.build.threads;
   o.colors = words.colors == "sides" ? HitColors::Sides : HitColors::Neutral;
   o.size = parseImageSize(words.size);
+  o.crop = parseCrop(words.crop, o.size);
   o.shutter = parseShutter(words.shutter);
   const bool isMesh = !o.scene.meshPath.empty();
   const std::string compared = isMesh ? wordOf(RepresentationKind::Grid) + "," + wordOf(RepresentationKind::CVert) : defaultRepresentations();
-  o.representations = parseRepresentationOptions(words.compare ? compared : words.representations, words.frameLevel);
+  o.representations = parseRepresentationOptions(words.compare ? compared : words.representations, words.levels.frameLevel);
+  chooseLevel(app, words, o);
   o.trueHits = words.trueHits.value_or(o.compares() && !isMesh ? 20000 : 0);
   if (isMesh && o.trueHits)
     throw Error("--true-surface belongs to cages: a mesh is its own surface");
   const bool hasVert = std::any_of(o.representations.begin(), o.representations.end(), [](const Representation& r) { return r.kind == RepresentationKind::CVert; });
   if (!o.exportPath.empty() && !hasVert)
     throw Error("--export writes what cvert stores, which is not among the representations");
+  if (!words.crop.empty() && (o.compares() || o.speed || o.ambientRays || words.trueHits.value_or(0)))
+    throw Error("--crop is for parts of one picture: what is compared or measured, and --ambient, are of whole ones");
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
 }
@@ -120,7 +143,7 @@ std::optional<Options> parseOptions(int argc, char** argv)
   declareMeasurement(app, o, words);
   if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
-  read(words, o);
+  read(app, words, o);
   return o;
 }
 

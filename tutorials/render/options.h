@@ -10,6 +10,7 @@
 #include "pictures/shading.h"
 #include "scenes/catalogue.h"
 #include "tracing/camera.h"
+#include "tracing/crop.h"
 #include "tracing/shutter.h"
 
 #include <optional>
@@ -25,17 +26,20 @@ struct Options
   BuildSettings build;
   std::string view = "full";     // full, close, or ex,ey,ez,lx,ly,lz,fov
   ImageSize size;
+  Crop crop;                     // the part of the picture that is rendered
   std::string output = "cbvh_render_output";
   HitColors colors = HitColors::Neutral;
   int samples = 16;              // a pixel, of shaded pictures
   Shutter shutter;               // of models that move
-  bool exr = false;              // write the hits, too
+  bool exr = false;              // write linear colours and hits, too
   bool details = false;          // all rows of the table
   std::string json;              // also write the numbers there
   std::string exportPath;        // where the surface goes as cVERT stores it, OBJ
   size_t rays = 500000;          // at most, a set, for speed
   int repeat = 5;
   bool speed = false;
+  bool autoLevel = false;        // rates by the view, in place of build.level
+  float quadSize = 1;            // in pixels, then
   float maxPixelError = 0;       // bound on the spacing of cVERT, in pixels of the view, 0 for none
   float rayOffset = 1e-4f;       // of bounced rays, in bounding-box diagonals
   unsigned ambientRays = 0;      // a pixel, for pictures of ambient occlusion; 0: none

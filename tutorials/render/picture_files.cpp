@@ -15,9 +15,9 @@ std::string PictureFiles::writePicture(const Representation& r, const Image& ima
   return path(r, ".png");
 }
 
-void PictureFiles::writeHits(const Representation& r, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits)
+void PictureFiles::writeExr(const Representation& r, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits)
 {
-  writeHitsExr(path(r, ".exr"), size, rays, hits);
+  cbvh::writeExr(path(r, ".exr"), whole, part, colors, rays, hits);
   exr.push_back(r.fileStem());
 }
 
@@ -56,7 +56,7 @@ std::string PictureFiles::legend(const std::string& reference) const
          line(shaded, ".png",
               std::string(colors == HitColors::Sides ? "shaded, magenta where the normal points away from the camera" : "shaded") +
                 ", " + std::to_string(samples) + (samples == 1 ? " sample" : " samples") + " a pixel") +
-         line(exr, ".exr", "position, distance, normal, u, v and primID of the hits") +
+         line(exr, ".exr", "linear colours, and position, distance, normal, u, v and primID of the hits at the pixels' centres") +
          line(errorMaps, "_error.png",
               "distance from " + reference +
                 " at the pixel's centre, from blue (none) to pink (5 pixels and more); black: a false hit, orange: a miss") +

@@ -9,7 +9,7 @@
 #include "building/surface_hit.h"
 #include "pictures/image.h"
 #include "pictures/shading.h"
-#include "tracing/image_size.h"
+#include "tracing/crop.h"
 #include "tracing/ray.h"
 
 #include <string>
@@ -21,16 +21,16 @@ class PictureFiles
 {
 public:
   /* samples: a pixel, of shaded pictures. */
-  PictureFiles(std::string folder, std::string model, ImageSize size, HitColors colors, int samples)
-    : folder(std::move(folder)), model(std::move(model)), size(size), colors(colors), samples(samples)
+  PictureFiles(std::string folder, std::string model, ImageSize whole, Crop part, HitColors colors, int samples)
+    : folder(std::move(folder)), model(std::move(model)), whole(whole), part(part), size(part.size()), colors(colors), samples(samples)
   {
   }
 
   /* Returns the path, as all that write throws Error with the path. */
   std::string writePicture(const Representation& r, const Image& image);
 
-  /* hits: one a ray. */
-  void writeHits(const Representation& r, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits);
+  /* colors: linear. hits: one a ray. */
+  void writeExr(const Representation& r, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits);
 
   /* errors: as pixelErrors makes them. */
   void writeErrors(const Representation& r, const std::vector<float>& errors);
@@ -46,7 +46,9 @@ private:
   std::string names(const std::vector<std::string>& stems, const std::string& ending) const;
 
   std::string folder, model;
-  ImageSize size;
+  ImageSize whole;
+  Crop part;
+  ImageSize size; // of the part
   HitColors colors;
   int samples;
   std::vector<std::string> shaded, exr, errorMaps, ambient, ambientBesideGrid; // stems of representations

@@ -263,7 +263,7 @@ void addDetails(Table& table, const Comparison& c)
 std::string modelLine(const Comparison& c)
 {
   const size_t quads = c.results[0].build.quads;
-  return c.model + ": " + std::to_string(c.faces) + " faces, " + (c.isMesh ? "traced as they are, " : "level " + std::to_string(c.build.level) + ", ") +
+  return c.model + ": " + std::to_string(c.faces) + " faces, " + (c.isMesh ? "traced as they are, " : c.quadSize > 0 ? "level auto, " : "level " + std::to_string(c.build.level) + ", ") +
          (quads < 100000 ? std::to_string(quads) : number(double(quads) * 1e-6, 2) + " million") + " quads; " +
          std::to_string(c.size.width) + " x " + std::to_string(c.size.height) + " pixels from " + c.camera + ", " +
          std::to_string(c.primaryHits) + " hit\n";

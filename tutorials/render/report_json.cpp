@@ -56,7 +56,13 @@ std::string formatJson(const Comparison& c)
   json out;
   out["model"] = c.model;
   out["faces"] = c.faces;
-  out["level"] = c.build.level;
+  if (c.quadSize > 0)
+  {
+    out["level"] = "auto";
+    out["quad_size"] = c.quadSize;
+  }
+  else
+    out["level"] = c.build.level;
   out["device"] = c.build.device;
   if (!c.results.empty() && c.results[0].build.onDevice)
     out["device_name"] = c.results[0].build.onDevice->device;

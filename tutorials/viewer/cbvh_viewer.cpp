@@ -18,9 +18,11 @@ namespace {
 void writeScreenshot(const ViewerOptions& options)
 {
   Worker worker;
-  Document document(loadModel(options.scene, options), options.build, worker);
+  Document document(loadModel(options.scene, options), options, worker);
   printWarnings("cbvh_viewer", document.loaded->warnings);
-  const ViewState state{options.representations, options.build.level, options.mode};
+  ViewState state{options.representations, options.autoLevel ? autoLevel : options.build.level, options.mode, std::nullopt};
+  if (options.autoLevel && !document.model().isMesh)
+    state.camera = document.loaded->start;
   document.store.request(state.scenes());
   document.store.finish();
   PictureSettings settings;

@@ -27,7 +27,7 @@ std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const 
   loaded->source = withStrength(source);
   loaded->model = loadScene(loaded->source, loaded->warnings);
   BuildSettings settings = options.build;
-  settings.level = coarseLevel(loaded->model, settings.level);
+  settings.level = coarseLevel(loaded->model, settings.level); // whatever the view
   settings.device = "cpu";
   loaded->preview = std::make_unique<BuiltScene>(loaded->model, Representation{RepresentationKind::Grid}, settings);
   loaded->start = chooseCamera(options.view, loaded->model, *loaded->preview, options.size,

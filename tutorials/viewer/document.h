@@ -30,9 +30,12 @@ std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const 
 
 struct Document
 {
-  Document(std::unique_ptr<const LoadedModel> loaded, const BuildSettings& settings, Worker& worker)
-    : loaded(std::move(loaded)), store(this->loaded->model, settings, worker)
+  Document(std::unique_ptr<const LoadedModel> loaded, const ViewerOptions& options, Worker& worker)
+    : loaded(std::move(loaded)), store(this->loaded->model, options.build, worker)
   {
+    ViewDicing dicing;
+    dicing.quadSize = options.quadSize;
+    store.setDicing(dicing, options.maxPixelError);
   }
 
   const Model& model() const { return loaded->model; }

@@ -33,7 +33,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
 {
   ViewerOptions o;
   std::vector<std::string> files;
-  std::string representations = "cvert", frameLevel = "auto", size = "1024x768", mode = "shading";
+  std::string representations = "cvert", size = "1024x768", mode = "shading";
 
   CLI::App app("Shows a displaced subdivision surface in one representation, or in two side by side, in a window\n"
                "that lists its keys and opens what is dropped on it, or in a picture with --screenshot.",
@@ -46,7 +46,8 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
                  listOfRepresentations(", ", " or ") + ", a frame level of its own after ^ or :; "
                  "two of them, with a comma between, for a split screen")
     ->type_name("LIST")->capture_default_str();
-  addLevelOptions(app, o.build.level, frameLevel);
+  LevelWords levels;
+  addViewLevelOptions(app, levels);
   app.add_option("--mode", mode, "what is shown: " + listOfModes())->type_name("MODE")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", size, "size of window and picture")->type_name("WxH")->capture_default_str();
@@ -69,7 +70,12 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   if (!empty || !o.screenshot.empty()) // a window may start empty
     validateScene(o.scene);
   requireCage(o.scene.cagePath);
+  o.autoLevel = readLevel(levels, o.build.level);
   validateBuild(o.build);
+  if (!o.autoLevel && levels.maxPixelError)
+    throw Error("--max-pixel-error belongs to --level auto");
+  o.quadSize = levels.quadSize;
+  o.maxPixelError = levels.maxPixelError.value_or(autoPixelError);
   o.scene.threads = o.build.threads;
   o.size = parseImageSize(size);
   bool known = false;
@@ -81,7 +87,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
     }
   if (!known)
     throw Error("unknown --mode '" + mode + "', known are " + listOfModes());
-  o.representations = parseRepresentationOptions(representations, frameLevel);
+  o.representations = parseRepresentationOptions(representations, levels.frameLevel);
   if (o.representations.size() > 2)
     throw Error("--representation '" + representations + "' names more than two");
   if (o.view != "full" && o.view != "close")

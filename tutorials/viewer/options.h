@@ -19,6 +19,9 @@ struct ViewerOptions
   SceneSettings scene;                         // none named: the window starts empty
   std::vector<Representation> representations; // one, or two for a split screen
   BuildSettings build;
+  bool autoLevel = false;                   // rates by the view where the window starts, in place of build.level
+  float quadSize = 1;                       // in pixels, then
+  float maxPixelError = 0;                  // bound on the spacing of cVERT in pixels, then; 0 for none
   PictureMode mode = PictureMode::Shading;
   std::string view = "full";
   int samples = 16;                         // a pixel, in PictureMode::Shading; a window gathers them while nothing moves

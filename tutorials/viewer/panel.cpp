@@ -177,7 +177,7 @@ void Panel::drawCaptions(const Rectangle& area)
   const std::vector<Pane> panes = viewer.panes();
   constexpr float gap = 8;
   const auto caption = [&](size_t i) {
-    return panes[i].scene->representation().label() + ", level " + std::to_string(viewer.shownLevel());
+    return panes[i].scene->representation().label() + ", level " + levelText(viewer.shownLevel());
   };
   const std::string left = caption(0), right = caption(1);
   const float widths[] = {ImGui::CalcTextSize(left.c_str()).x, ImGui::CalcTextSize(right.c_str()).x};
@@ -225,7 +225,7 @@ void Panel::drawSettings()
   }
   int mode = int(state.mode);
   ImGui::PushItemWidth(itemWidth);
-  ImGui::SliderInt("level", &state.level, 0, maxLevel);
+  ImGui::SliderInt("level", &state.level, autoLevel, maxLevel, state.level == autoLevel ? "auto" : "%d");
   if (ImGui::Combo("mode", &mode, "shading\0normals\0error\0leaf cells\0blocks\0"))
     state.mode = PictureMode(mode);
   viewer.want(state);
@@ -294,8 +294,8 @@ void Panel::drawReports()
     const PaneReport& report = picture->reports()[i];
     const BuildReport& b = panes[i].scene->report();
     ImGui::Separator();
-    ImGui::Text("%s%s, level %d", panes.size() < 2 ? "" : i ? "right: " : "left: ",
-                panes[i].scene->representation().label().c_str(), viewer.shownLevel());
+    ImGui::Text("%s%s, level %s", panes.size() < 2 ? "" : i ? "right: " : "left: ",
+                panes[i].scene->representation().label().c_str(), levelText(viewer.shownLevel()).c_str());
     ImGui::Text("%.2f bytes a quad, %s quads", b.bytesPerQuad(), quadsText(b.quads).c_str());
     ImGui::Text("%s, built in %.2f s", bytesText(b.liveBytes).c_str(), b.seconds);
     ImGui::Text("%.2f million hits a second, of %.2f rays", report.mhits(), report.mrays());

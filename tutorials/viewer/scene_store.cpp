@@ -18,14 +18,26 @@ constexpr size_t maxEntries = 6;
 
 std::string name(const SceneKey& key)
 {
-  return key.representation.label() + ", level " + std::to_string(key.level);
+  return key.representation.label() + ", level " + levelText(key.level);
 }
 
 } // namespace
 
+std::string levelText(int level)
+{
+  return level == autoLevel ? "auto" : std::to_string(level);
+}
+
+bool isSameView(const std::optional<Camera>& a, const std::optional<Camera>& b)
+{
+  if (!a || !b)
+    return !a && !b;
+  return a->description() == b->description() && a->size().width == b->size().width && a->size().height == b->size().height;
+}
+
 bool operator==(const SceneKey& a, const SceneKey& b)
 {
-  return a.level == b.level && a.representation.kind == b.representation.kind &&
+  return a.level == b.level && isSameView(a.camera, b.camera) && a.representation.kind == b.representation.kind &&
          (!a.representation.isCompressed() || a.representation.frameLevel == b.representation.frameLevel);
 }
 
@@ -66,7 +78,7 @@ void SceneStore::request(const std::vector<SceneKey>& keys)
 
 void SceneStore::makeRoom(const SceneKey& key)
 {
-  const size_t needed = estimatedPeakBytes(key.representation.kind, {model, key.level});
+  const size_t needed = key.camera ? 0 : estimatedPeakBytes(key.representation.kind, {model, key.level == autoLevel ? BuildSettings().level : key.level}); // of a view it is known when it is diced
   while (!entries.empty() && !isRequested(entries.back().key) &&
          (entries.size() + 1 > maxEntries || needed > availableMemory()))
     entries.pop_back();
@@ -97,13 +109,25 @@ void SceneStore::start()
       return;
     }
     underWay = key;
-    BuildSettings own = settings;
-    own.level = key.level;
-    worker.start("building " + name(key), [this, key, own] {
-      built = std::make_unique<BuiltScene>(model, key.representation, own);
-    });
+    worker.start("building " + name(key), [this, key] { built = build(key); });
     return;
   }
+}
+
+std::unique_ptr<BuiltScene> SceneStore::build(const SceneKey& key) const
+{
+  BuildSettings own = settings;
+  own.level = key.level == autoLevel ? BuildSettings().level : key.level;
+  if (key.camera)
+  {
+    ViewDicing how = dicing;
+    how.maxRate = highestRate({key.representation});
+    own.rates = diceByView(model, *key.camera, how, settings);
+    own.pixelBound = {pixelError, key.camera->eye(), key.camera->footprint()};
+    if (estimatedPeakBytes(key.representation.kind, BuildSize(own.rates->quads, 1 + model.poses.size())) > availableMemory())
+      throw Error("not enough memory for " + std::to_string(own.rates->quads / 1000000) + " million quads: give a larger --quad-size");
+  }
+  return std::make_unique<BuiltScene>(model, key.representation, own);
 }
 
 void SceneStore::poll()

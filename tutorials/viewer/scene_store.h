@@ -11,6 +11,7 @@
  * next call of request. */
 
 #include "building/built_scene.h"
+#include "building/view_dicing.h"
 #include "worker.h"
 
 #include <list>
@@ -21,11 +22,20 @@
 
 namespace cbvh {
 
+constexpr int autoLevel = -1; // rates by a view
+
+/* "auto", or the number. */
+std::string levelText(int level);
+
 struct SceneKey
 {
   Representation representation;
   int level = 6;
+  std::optional<Camera> camera; // of autoLevel; none of what has one level whatever the view, meshes and NAIVE
 };
+
+/* Whether both are the same, or none. */
+bool isSameView(const std::optional<Camera>& a, const std::optional<Camera>& b);
 
 /* Frame levels count where there are frames only. */
 bool operator==(const SceneKey& a, const SceneKey& b);
@@ -37,6 +47,13 @@ public:
   /* settings: its level is overruled by those of the keys. worker: builds; outlives
    * the store. */
   SceneStore(const Model& model, const BuildSettings& settings, Worker& worker);
+
+  /* How scenes of autoLevel are built. maxPixelError: on the spacing of cVERT, 0 for none. */
+  void setDicing(const ViewDicing& how, float maxPixelError)
+  {
+    dicing = how;
+    pixelError = maxPixelError;
+  }
 
   /* Stops a build that is under way. */
   ~SceneStore();
@@ -68,9 +85,12 @@ private:
   void start();
   void take();
   void makeRoom(const SceneKey& key);
+  std::unique_ptr<BuiltScene> build(const SceneKey& key) const;
 
   const Model& model;
   BuildSettings settings;
+  ViewDicing dicing;
+  float pixelError = 0;
   std::list<Entry> entries; // requested last, first
   std::vector<SceneKey> requested;
   Worker& worker;

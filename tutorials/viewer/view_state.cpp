@@ -5,13 +5,18 @@
 
 namespace cbvh {
 
+SceneKey ViewState::key(const Representation& r) const
+{
+  return {r, level, level == autoLevel && r.kind != RepresentationKind::Naive ? camera : std::nullopt};
+}
+
 std::vector<SceneKey> ViewState::scenes() const
 {
   std::vector<SceneKey> keys;
   for (const Representation& r : representations)
-    keys.push_back({r, level});
+    keys.push_back(key(r));
   if (mode == PictureMode::Error)
-    keys.push_back({{RepresentationKind::Grid}, level});
+    keys.push_back(key({RepresentationKind::Grid}));
   return keys;
 }
 
@@ -21,8 +26,8 @@ std::vector<Pane> findPanes(const ViewState& state, const SceneStore& store)
   for (const Representation& r : state.representations)
   {
     Pane pane;
-    pane.scene = store.find({r, state.level});
-    pane.reference = store.find({{RepresentationKind::Grid}, state.level});
+    pane.scene = store.find(state.key(r));
+    pane.reference = store.find(state.key({RepresentationKind::Grid}));
     if (!pane.scene || (state.mode == PictureMode::Error && !pane.reference))
       return {};
     panes.push_back(pane);
@@ -35,7 +40,7 @@ bool operator==(const ViewState& a, const ViewState& b)
   if (a.representations.size() != b.representations.size() || a.level != b.level || a.mode != b.mode)
     return false;
   for (size_t i = 0; i < a.representations.size(); i++)
-    if (SceneKey{a.representations[i], a.level} != SceneKey{b.representations[i], b.level})
+    if (a.key(a.representations[i]) != b.key(b.representations[i]))
       return false;
   return true;
 }

@@ -16,8 +16,12 @@ namespace cbvh {
 struct ViewState
 {
   std::vector<Representation> representations; // one, or two for a split screen
-  int level = 6;
+  int level = 6;                               // or autoLevel
   PictureMode mode = PictureMode::Shading;
+  std::optional<Camera> camera;                // that autoLevel is for; none of meshes
+
+  /* How a representation is built. */
+  SceneKey key(const Representation& r) const;
 
   /* What has to be built, GRID for its errors included. */
   std::vector<SceneKey> scenes() const;

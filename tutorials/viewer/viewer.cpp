@@ -40,7 +40,7 @@ Viewer::Viewer(const ViewerOptions& options) : options(options), shownTime(optio
 {
   worker.listen();
   wanted.representations = options.representations;
-  wanted.level = options.build.level;
+  wanted.level = options.autoLevel ? autoLevel : options.build.level;
   wanted.mode = options.mode;
   shown = wanted;
   if (!options.scene.scene.empty() || !options.scene.cagePath.empty() || !options.scene.meshPath.empty())
@@ -129,7 +129,7 @@ void Viewer::takeLoaded()
 void Viewer::showLoaded()
 {
   const bool otherCage = !document || !sameCage(document->loaded->source, loaded->source);
-  document = std::make_unique<Document>(std::move(loaded), options.build, worker);
+  document = std::make_unique<Document>(std::move(loaded), options, worker);
   if (otherCage)
   {
     upAxis = document->model().up;
@@ -142,6 +142,8 @@ void Viewer::showLoaded()
     stepLength = 0.02f * viewpoint->distance();
   }
   rendered.reset();
+  wanted.camera.reset();
+  latestCamera.reset();
   shown = wanted;
   printWarnings("cbvh_viewer", document->loaded->warnings);
   lastMessage = linesAfter("warning: ", document->loaded->warnings);
@@ -157,12 +159,31 @@ void Viewer::update()
     document->store.poll();
   if (toLoad && !worker.busy())
     load();
+  followCamera();
   if (document && shown != wanted && (isPreview() || !findPanes(wanted, document->store).empty()))
   {
     shown = wanted;
     requestScenes();
     rendered.reset();
   }
+}
+
+/* Rates by the view are those of the view where the camera rests. */
+void Viewer::followCamera()
+{
+  constexpr std::chrono::milliseconds rest(300);
+  if (!needsCamera() || !latestCamera || toLoad || loading)
+    return;
+  const std::optional<Camera> now = viewpoint->camera(size);
+  if (!isSameView(now, latestCamera))
+  {
+    latestCamera = now;
+    cameraMoved = std::chrono::steady_clock::now();
+  }
+  if (isSameView(now, wanted.camera) || (wanted.camera && std::chrono::steady_clock::now() - cameraMoved < rest))
+    return;
+  wanted.camera = now;
+  requestScenes();
 }
 
 std::vector<Pane> Viewer::panes() const
@@ -187,6 +208,8 @@ bool Viewer::refresh(ImageSize now)
   if (framing && (framedSize.width != size.width || framedSize.height != size.height))
     frame(ViewHints(*framing));
   const Camera camera = viewpoint->camera(size);
+  if (!latestCamera)
+    latestCamera = camera;
   const std::string description = camera.description();
   const bool same = rendered && rendered->image().size.width == size.width && rendered->image().size.height == size.height &&
                     description == renderedCamera && splitPosition == renderedSplit && shownTime == renderedTime && sameScenes(what, renderedPanes);
@@ -229,6 +252,8 @@ void Viewer::requestScenes()
 {
   if (!document || toLoad || loading)
     return; // asked for when that has ended
+  if (needsCamera() && !wanted.camera)
+    return; // asked for when the size of the picture is known
   std::vector<SceneKey> keys = wanted.scenes();
   if (!isPreview())
     for (const SceneKey& key : shown.scenes())

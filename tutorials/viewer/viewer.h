@@ -14,6 +14,8 @@
 #include "viewpoint.h"
 #include "worker.h"
 
+#include <chrono>
+
 namespace cbvh {
 
 class Viewer
@@ -123,6 +125,8 @@ private:
   void frame(const ViewHints& from);
   void leaveFrame() { framing.reset(); }
   void requestScenes();
+  void followCamera();
+  bool needsCamera() const { return document && wanted.level == autoLevel && !document->model().isMesh; }
   std::vector<Pane> panesOrPreview() const;
   std::optional<Vec3f> pointAt(Vec2f pixel) const;
   Vec3f pointOrTargetAt(Vec2f pixel) const;
@@ -150,6 +154,8 @@ private:
   std::string renderedCamera; // what it was rendered with,
   float renderedSplit = 0.5f, renderedTime = 0.0f;
   std::vector<Pane> renderedPanes;
+  std::optional<Camera> latestCamera;                // of the last frame,
+  std::chrono::steady_clock::time_point cameraMoved; // and since when it has been there
   std::string lastMessage;
 };
 

@@ -251,7 +251,7 @@ private:
     if (key >= GLFW_KEY_1 && key < GLFW_KEY_1 + int(kinds.size()))
       (shift ? state.representations.back() : state.representations[0]).kind = kinds[size_t(key - GLFW_KEY_1)];
     else if (key == GLFW_KEY_L)
-      state.level = std::clamp(state.level + step, 0, maxLevel);
+      state.level = std::clamp(state.level + step, autoLevel, maxLevel);
     else if (key == GLFW_KEY_N)
       for (Representation& r : state.representations)
         r.frameLevel = std::clamp(r.frameLevel + step, autoFrameLevel, maxLevel);

@@ -1,0 +1,113 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "building/view_dicing.h"
+#include "basics/parallel.h"
+#include "basics/progress.h"
+#include "building/subdivision_geometry.h"
+
+#include <embree3/rtcore_dicing.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace cbvh {
+namespace {
+
+/* A face bends by a right angle or so, of which 64 quads leave 1/4000 of its length between it and its edges. */
+constexpr float smoothRate = 64.0f;
+
+RTCDicingArguments argumentsOf(const Camera& camera, const ViewDicing& dicing)
+{
+  RTCDicingArguments args;
+  rtcInitDicingArguments(&args);
+  const auto set = [](float* out, Vec3f v) {
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+  };
+  set(args.position, camera.eye());
+  set(args.direction, camera.viewDirection());
+  set(args.up, camera.upDirection());
+  args.pixelSize = camera.footprint();
+  args.width = float(camera.size().width);
+  args.height = float(camera.size().height);
+  args.quadSize = dicing.quadSize;
+  args.maxRate = dicing.maxRate;
+  return args;
+}
+
+std::vector<float> highestRates(const Model& model)
+{
+  std::vector<float> highest;
+  for (unsigned face = 0; face < model.cage.numFaces(); face++)
+    for (unsigned edge = 0; edge < model.cage.faceSizes[face]; edge++)
+      highest.push_back(std::max(smoothRate, model.displacement ? model.displacement->texelsAlong(face, edge) : INFINITY));
+  return highest;
+}
+
+class Dicer
+{
+public:
+  Dicer(const Model& model, const Camera& camera, const ViewDicing& dicing, const BuildSettings& settings)
+    : model(model), args(argumentsOf(camera, dicing)), highest(highestRates(model)),
+      device("threads=" + std::to_string(threadCount(settings.threads)) + (settings.isa.empty() ? "" : ",isa=" + settings.isa)),
+      topology(device, model.cage, model.poses)
+  {
+    args.maxRates = highest.data();
+  }
+
+  /* displaced: filtered to rates that are there already. */
+  void dice(EdgeRates& rates, bool displaced)
+  {
+    rates.copies.resize(model.copies.size());
+    for (size_t i = 0; i < model.copies.size(); i++)
+    {
+      throwIfCancelled();
+      DisplacementContext context;
+      if (displaced)
+      {
+        context.displacement = model.displacement.get();
+        context.rates = &rates;
+        context.copy = &rates.copies[i];
+      }
+      const GeometryHandle geometry = topology.makeGeometry(model.copies[i], context);
+      rtcDiceGeometry(geometry.get(), &args);
+      device.check("dicing by the view");
+      const float* const levels = static_cast<const float*>(rtcGetGeometryBufferData(geometry.get(), RTC_BUFFER_TYPE_LEVEL, 0));
+      rates.copies[i].rates.assign(levels, levels + model.cage.faceIndices.size());
+    }
+    setLevels(model.cage, rates);
+  }
+
+private:
+  const Model& model;
+  RTCDicingArguments args;
+  std::vector<float> highest;
+  EmbreeDevice device;
+  SharedTopology topology;
+};
+
+} // namespace
+
+std::shared_ptr<const EdgeRates> diceByView(const Model& model, const Camera& camera, const ViewDicing& dicing, const BuildSettings& settings)
+{
+  Phase phase("rates by the view");
+  auto rates = std::make_shared<EdgeRates>();
+  Dicer dicer(model, camera, dicing, settings);
+  dicer.dice(*rates, false);
+  if (model.displacement)
+    dicer.dice(*rates, true); // as long as it is, filtered about as it will be
+  return rates;
+}
+
+float highestRate(const std::vector<Representation>& representations)
+{
+  float highest = 4096;
+  for (const Representation& r : representations)
+    if (r.kind != RepresentationKind::CVert)
+      highest = float(1 << maxLevel);
+  return highest;
+}
+
+} // namespace cbvh

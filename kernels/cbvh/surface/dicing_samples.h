@@ -1,0 +1,127 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* How many quads a patch needs along its edges, from points of it. Patches are sampled finer and finer until there is a point for four quads or so. */
+
+#include "dicing_view.h"
+
+namespace embree
+{
+  class DicingSamples
+  {
+  public:
+    DicingSamples (SubdivMesh* mesh, const DicingView& view) : mesh(mesh), view(view) {}
+
+    /*! Quads along the edges of a patch at a time step: along u at v = 0, along v at u = 1, along u at v = 1, along v at u = 0.
+     *  (u0,v0): where the face has the patch's corner, whose parameters are 1 wide. */
+    void measure (unsigned primID, unsigned step, float u0, float v0, float quads[4])
+    {
+      const unsigned fewest = 2, most = 64;
+      for (unsigned n=fewest; ; )
+      {
+        sample(primID,step,u0,v0,n);
+        need(n,quads);
+        const float highest = max(max(quads[0],quads[1]),max(quads[2],quads[3]));
+        unsigned wanted = n;
+        while (wanted < most && float(4*wanted) < highest) wanted *= 2;
+        if (wanted == n) return;
+        n = wanted;
+      }
+    }
+
+  private:
+    /*! (n+1) x (n+1) points, row by row */
+    void sample (unsigned primID, unsigned step, float u0, float v0, unsigned n)
+    {
+      const unsigned count = (n+1)*(n+1), padded = (count+15) & ~15u;
+      values.resize(14*size_t(padded));
+      faces.assign(padded,primID);
+      float* a = values.data();
+      float *u = a, *v = a+padded, *P = a+2*padded, *dPdu = a+5*padded, *dPdv = a+8*padded, *N = a+11*padded;
+      for (unsigned i=0; i<padded; i++) {
+        const unsigned k = min(i,count-1);
+        u[i] = u0 + float(k%(n+1))/float(n);
+        v[i] = v0 + float(k/(n+1))/float(n);
+      }
+      RTCInterpolateNArguments args;
+      memset(&args,0,sizeof(args));
+      args.geometry = (RTCGeometry) mesh;
+      args.primIDs = faces.data();
+      args.u = u;
+      args.v = v;
+      args.N = padded;
+      args.bufferType = RTC_BUFFER_TYPE_VERTEX;
+      args.bufferSlot = step;
+      args.P = P;
+      args.dPdu = dPdu;
+      args.dPdv = dPdv;
+      args.valueCount = 3;
+      mesh->interpolateN(&args);
+      if (mesh->displFunc)
+      {
+        for (unsigned i=0; i<padded; i++) {
+          const Vec3f n = normalize_safe(cross(Vec3f(dPdu[i],dPdu[padded+i],dPdu[2*padded+i]),Vec3f(dPdv[i],dPdv[padded+i],dPdv[2*padded+i])));
+          N[i] = n.x; N[padded+i] = n.y; N[2*padded+i] = n.z;
+        }
+        RTCDisplacementFunctionNArguments displacement;
+        displacement.geometryUserPtr = mesh->userPtr;
+        displacement.geometry = (RTCGeometry) mesh;
+        displacement.primID = primID;
+        displacement.timeStep = step;
+        displacement.u = u;
+        displacement.v = v;
+        displacement.Ng_x = N;
+        displacement.Ng_y = N+padded;
+        displacement.Ng_z = N+2*padded;
+        displacement.P_x = P;
+        displacement.P_y = P+padded;
+        displacement.P_z = P+2*padded;
+        displacement.N = count;
+        mesh->displFunc(&displacement);
+      }
+      points.resize(count);
+      for (unsigned i=0; i<count; i++) points[i] = view.toWorld(Vec3f(P[i],P[padded+i],P[2*padded+i]));
+    }
+
+    /*! The patch is cut into up to 4 x 4 parts. What a part needs is the quadratic mean over it: steep displacement has quads that are longer than others, as quads are even in
+     *  parameters. Of parts, which a camera may see at different distances, the one that needs most counts: its half for the edge that is next to it. */
+    void need (unsigned n, float quads[4]) const
+    {
+      const unsigned parts = min(n,4u), cells = n/parts;
+      for (int i=0; i<4; i++) quads[i] = 1.0f;
+      for (unsigned py=0; py<parts; py++)
+        for (unsigned px=0; px<parts; px++)
+        {
+          double sum[2] = { 0,0 };
+          size_t count = 0;
+          for (unsigned y=py*cells; y<(py+1)*cells; y++)
+            for (unsigned x=px*cells; x<(px+1)*cells; x++)
+            {
+              const Vec3f corners[4] = { at(n,x,y),at(n,x+1,y),at(n,x,y+1),at(n,x+1,y+1) };
+              const float perUnit = float(n)*view.quadsPerUnit(corners);
+              const float u = perUnit*perUnit*0.5f*(squared(corners[0],corners[1])+squared(corners[2],corners[3]));
+              const float v = perUnit*perUnit*0.5f*(squared(corners[0],corners[2])+squared(corners[1],corners[3]));
+              if (!(u < float(inf)) || !(v < float(inf))) continue; // not finite, or at the eye, where the cells around say enough
+              sum[0] += u; sum[1] += v; count++;
+            }
+          if (!count) continue;
+          const float u = float(std::sqrt(sum[0]/double(count))), v = float(std::sqrt(sum[1]/double(count)));
+          if (2*py   <  parts) quads[0] = max(quads[0],u);
+          if (2*py+2 >  parts) quads[2] = max(quads[2],u);
+          if (2*px   <  parts) quads[3] = max(quads[3],v);
+          if (2*px+2 >  parts) quads[1] = max(quads[1],v);
+        }
+    }
+
+    const Vec3f& at (unsigned n, unsigned x, unsigned y) const { return points[y*(n+1)+x]; }
+    static float squared (const Vec3f& a, const Vec3f& b) { const Vec3f d = b-a; return dot(d,d); }
+
+    SubdivMesh* mesh;
+    const DicingView& view;
+    std::vector<float> values;
+    std::vector<unsigned> faces;
+    std::vector<Vec3f> points;
+  };
+}

@@ -1,0 +1,275 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Rates of edges by a camera: rtcDiceGeometry. */
+
+#include "support/closed.h"
+#include "support/edge_rates.h"
+
+#include <embree3/rtcore_dicing.h>
+
+#include <limits>
+
+namespace cbvh::test {
+namespace {
+
+const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+
+// Looks along -z from a height, at pictures of 512 x 512 pixels and 90 degrees.
+RTCDicingArguments cameraAt(float x, float y, float z)
+{
+  RTCDicingArguments args;
+  rtcInitDicingArguments(&args);
+  args.position[0] = x;
+  args.position[1] = y;
+  args.position[2] = z;
+  args.direction[2] = -1;
+  args.width = args.height = 512;
+  args.pixelSize = 2.0f/512;
+  return args;
+}
+
+struct Surface
+{
+  Surface(Device& device, const Cage& cage, RTCDisplacementFunctionN displacement = nullptr) : device(device), cage(cage)
+  {
+    SurfaceSettings settings;
+    geometry = newSurface(device, cage, settings);
+    rtcSetGeometryDisplacementFunction(geometry, displacement);
+    rtcCommitGeometry(geometry);
+  }
+  ~Surface() { rtcReleaseGeometry(geometry); }
+
+  std::vector<float> rates(const RTCDicingArguments& args)
+  {
+    rtcDiceGeometry(geometry, &args);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    const float* const levels = (const float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0);
+    rtcCommitGeometry(geometry);
+    return std::vector<float>(levels, levels + cage.indices.size());
+  }
+
+  Device& device;
+  const Cage cage;
+  RTCGeometry geometry;
+};
+
+void expectPowersOfTwo(const std::vector<float>& rates)
+{
+  for (float rate : rates) {
+    EXPECT_GE(rate, 1.0f);
+    EXPECT_LE(rate, 4096.0f);
+    EXPECT_EQ(std::log2(rate), std::round(std::log2(rate))) << rate;
+  }
+}
+
+void expectAgreement(const Cage& cage, const std::vector<float>& rates)
+{
+  std::map<std::pair<unsigned, unsigned>, float> rateOf;
+  size_t begin = 0;
+  for (unsigned n : cage.faces) {
+    for (unsigned i = 0; i < n; i++) {
+      const unsigned a = cage.indices[begin + i], b = cage.indices[begin + (i + 1)%n];
+      const float rate = rateOf.emplace(std::minmax(a, b), rates[begin + i]).first->second;
+      EXPECT_EQ(rate, rates[begin + i]) << "edge " << a << ", " << b;
+    }
+    begin += n;
+  }
+}
+
+TEST(Dicing, QuadsAreAboutAsLargeAsAskedFor)
+{
+  Device device;
+  Surface surface(device, quadCage()); // 1 x 1
+  for (float height : {0.5f, 1.0f, 3.0f, 10.0f})
+    for (float size : {0.5f, 1.0f, 7.0f}) {
+      RTCDicingArguments args = cameraAt(0.5f, 0.5f, height);
+      args.quadSize = size;
+      const std::vector<float> rates = surface.rates(args);
+      expectPowersOfTwo(rates);
+      const float wanted = 1/(height*args.pixelSize*size); // below the camera; farther off quads look smaller
+      for (float rate : rates) {
+        EXPECT_LE(rate, 1.5f*wanted) << height << ", " << size;
+        EXPECT_GE(rate, wanted/2.2f) << height << ", " << size; // corners are 1.22 times as far away
+      }
+    }
+}
+
+TEST(Dicing, NeighboursAgreeAndWhatIsNearerIsFiner)
+{
+  Device device;
+  for (const auto& c : closedCages) {
+    SCOPED_TRACE(c.name);
+    Surface surface(device, c.cage);
+    const std::vector<float> rates = surface.rates(cameraAt(0.3f, 0.2f, 1.3f));
+    expectPowersOfTwo(rates);
+    expectAgreement(c.cage, rates);
+    EXPECT_LT(*std::min_element(rates.begin(), rates.end()), *std::max_element(rates.begin(), rates.end()));
+    const std::vector<float> farther = surface.rates(cameraAt(0.3f, 0.2f, 20));
+    for (size_t i = 0; i < rates.size(); i++) EXPECT_LT(farther[i], rates[i]);
+  }
+}
+
+TEST(Dicing, WhatIsOutsideOfThePictureIsCoarserUpToABound)
+{
+  Device device;
+  Surface surface(device, quadCage());
+  RTCDicingArguments all = cameraAt(0.5f, 0.5f, 2), behind = all;
+  all.width = all.height = 0; // all around
+  behind.direction[2] = 1;    // it is behind the camera
+  const float seen = surface.rates(all)[0];
+  for (float outside : {1.0f, 4.0f, 16.0f}) {
+    behind.outside = outside;
+    EXPECT_EQ(surface.rates(behind)[0], seen/outside);
+  }
+}
+
+// The picture shows a small part of a face whose border is far outside of it.
+TEST(Dicing, AFaceIsAsFineAsThePartOfItThatIsSeen)
+{
+  Device device;
+  Surface surface(device, quadCage(20));
+  const RTCDicingArguments args = cameraAt(9.3f, 8.6f, 1);
+  const std::vector<float> rates = surface.rates(args);
+  for (int i = 0; i < 2; i++) // of edges that are opposite the higher one is that of the face's quads
+    EXPECT_GE(std::max(rates[i], rates[i + 2]), 0.5f*std::min(4096.0f, 20/args.pixelSize));
+}
+
+TEST(Dicing, TheLengthOfTheDisplacedSurfaceCounts)
+{
+  Device device;
+  const auto waves = [](const RTCDisplacementFunctionNArguments* args) {
+    for (unsigned i = 0; i < args->N; i++) args->P_z[i] += 0.2f*std::sin(30*args->u[i])*std::sin(float(M_PI)*args->v[i]); // none on the border
+  };
+  const RTCDicingArguments args = cameraAt(0.5f, 0.5f, 4);
+  Surface flat(device, quadCage()), displaced(device, quadCage(), waves);
+  EXPECT_GE(displaced.rates(args)[0], 2*flat.rates(args)[0]);
+}
+
+TEST(Dicing, ABoundOfAnEdgeHolds)
+{
+  Device device;
+  Surface surface(device, cubeCage());
+  RTCDicingArguments args = cameraAt(0, 0, 3);
+  std::vector<float> bounds(24, 8.0f);
+  args.maxRates = bounds.data();
+  for (float rate : surface.rates(args)) EXPECT_LE(rate, 8.0f);
+  args.maxRates = nullptr;
+  args.maxRate = 13; // no power of two
+  for (float rate : surface.rates(args)) EXPECT_LE(rate, 8.0f);
+}
+
+TEST(Dicing, AnOrthographicCameraSeesAllAlike)
+{
+  Device device;
+  Surface surface(device, quadCage());
+  RTCDicingArguments args = cameraAt(0.5f, 0.5f, 1);
+  args.orthographic = true;
+  const std::vector<float> near = surface.rates(args);
+  args.position[2] = 1000;
+  EXPECT_EQ(surface.rates(args), near);
+  EXPECT_EQ(near, std::vector<float>(4, 256)); // pixels are 1/256
+}
+
+TEST(Dicing, AnInstanceIsWhereItsTransformPutsIt)
+{
+  Device device;
+  Surface surface(device, quadCage());
+  RTCDicingArguments args = cameraAt(0.5f, 0.5f, 2);
+  const std::vector<float> here = surface.rates(args);
+  const float moved[12] = {0,3,0, -3,0,0, 0,0,3, 10,20,30}; // turned, three times as large
+  args.transform = moved;
+  args.position[0] = 10 - 1.5f;
+  args.position[1] = 20 + 1.5f;
+  args.position[2] = 30 + 6;
+  EXPECT_EQ(surface.rates(args), here);
+}
+
+TEST(Dicing, ACameraOnTheSurfaceAndVerticesThatAreNotFiniteGiveRates)
+{
+  Device device;
+  Surface cube(device, cubeCage());
+  for (float z : {0.0f, 0.5f, 0.7f, 0.8f, 1.0f}) expectPowersOfTwo(cube.rates(cameraAt(0, 0, z)));
+  for (float bad : {nan, inf, 1e30f}) {
+    Cage cage = cubeCage();
+    cage.positions[3][1] = bad;
+    Surface surface(device, cage);
+    const std::vector<float> rates = surface.rates(cameraAt(0, 0, 3));
+    expectPowersOfTwo(rates);
+    expectAgreement(cage, rates);
+  }
+}
+
+// What is diced by a view has no hole.
+TEST(Dicing, ClosedSurfacesStayClosed)
+{
+  Device device("subdiv_accel=cbvh.vert");
+  for (const auto& c : closedCages) {
+    SCOPED_TRACE(c.name);
+    Surface surface(device, c.cage);
+    RTCDicingArguments args = cameraAt(0.4f, 0.3f, 1.2f);
+    args.pixelSize = 0.02f;
+    surface.rates(args);
+    const Scene scene(device);
+    rtcAttachGeometry(scene, surface.geometry);
+    rtcCommitScene(scene);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    Random random(71);
+    std::vector<RTCRayHit> rays;
+    for (int i = 0; i < 20000; i++) {
+      const unsigned a = random.below(unsigned(c.cage.indices.size())), b = random.below(unsigned(c.cage.indices.size()));
+      RTCRayHit ray = rayFromMiddle(random, c.cage.positions[c.cage.indices[a]], c.cage.positions[c.cage.indices[b]]);
+      ray.ray.org_x *= 0.1f; // prisms of triangles are slim
+      ray.ray.org_y *= 0.1f;
+      ray.ray.org_z *= 0.1f;
+      rays.push_back(ray);
+    }
+    expectNoneMisses(scene, rays);
+  }
+}
+
+TEST(Dicing, WrongArgumentsAreRefusedByName)
+{
+  Device device;
+  Surface surface(device, quadCage());
+  const auto refuses = [&](const char* name, const std::function<void(RTCDicingArguments&)>& change) {
+    RTCDicingArguments args = cameraAt(0, 0, 1);
+    change(args);
+    rtcDiceGeometry(surface.geometry, &args);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << name;
+    EXPECT_NE(device.message.find(name), std::string::npos) << device.message;
+    EXPECT_EQ(rtcGetGeometryBufferData(surface.geometry, RTC_BUFFER_TYPE_LEVEL, 0), nullptr) << name;
+  };
+  for (float bad : {0.0f, -1.0f, nan, inf}) {
+    refuses("pixelSize", [=](RTCDicingArguments& a) { a.pixelSize = bad; });
+    refuses("quadSize", [=](RTCDicingArguments& a) { a.quadSize = bad; });
+    refuses("outside", [=](RTCDicingArguments& a) { a.outside = bad; });
+    refuses("maxRate", [=](RTCDicingArguments& a) { a.maxRate = bad; });
+  }
+  refuses("maxRate", [](RTCDicingArguments& a) { a.maxRate = 4097; });
+  for (float bad : {nan, inf}) {
+    refuses("position", [=](RTCDicingArguments& a) { a.position[1] = bad; });
+    refuses("direction", [=](RTCDicingArguments& a) { a.direction[1] = bad; });
+    refuses("up", [=](RTCDicingArguments& a) { a.up[1] = bad; });
+    const std::vector<float> transform(12, bad);
+    refuses("transform", [&](RTCDicingArguments& a) { a.transform = transform.data(); });
+  }
+  refuses("up", [](RTCDicingArguments& a) { a.up[1] = 0; a.up[2] = 5; });
+  refuses("width", [](RTCDicingArguments& a) { a.width = -1; });
+  const std::vector<float> bounds = {1, 2, nan, 4};
+  refuses("maxRates", [&](RTCDicingArguments& a) { a.maxRates = bounds.data(); });
+
+  rtcDiceGeometry(surface.geometry, nullptr);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  const RTCDicingArguments args = cameraAt(0, 0, 1);
+  RTCGeometry other = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcDiceGeometry(other, &args);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  rtcReleaseGeometry(other);
+  rtcUpdateGeometryBuffer(surface.geometry, RTC_BUFFER_TYPE_VERTEX, 0); // not committed since
+  rtcDiceGeometry(surface.geometry, &args);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+}
+
+} // namespace
+} // namespace cbvh::test

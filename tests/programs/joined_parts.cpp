@@ -1,0 +1,102 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Joins parts of a picture as their data windows say, and compares that with the whole, bit for bit: all channels of OpenEXR files, and the PNGs
+ * beside them, of the same names but for the ending.
+ *
+ * usage: joined_parts WHOLE.exr PART.exr... */
+
+#include <OpenImageIO/imageio.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace {
+
+struct File
+{
+  OIIO::ImageSpec spec;
+  std::vector<char> bytes; // as they are stored
+
+  explicit File(const std::string& path)
+  {
+    const auto input = OIIO::ImageInput::open(path);
+    if (!input)
+      throw std::runtime_error(path + ": " + OIIO::geterror());
+    spec = input->spec();
+    bytes.resize(spec.image_bytes(true));
+    if (!input->read_image(0, 0, 0, -1, OIIO::TypeDesc::UNKNOWN, bytes.data()))
+      throw std::runtime_error(path + ": " + input->geterror());
+  }
+};
+
+void fail(const std::string& what)
+{
+  throw std::runtime_error(what);
+}
+
+/* Copies a part to where it belongs. x, y: of its first pixel. seen: how often pixels were there. */
+void paste(File& whole, const File& part, int x, int y, std::vector<int>& seen)
+{
+  const size_t pixel = whole.spec.pixel_bytes(true);
+  if (part.spec.pixel_bytes(true) != pixel)
+    fail("other channels");
+  for (int row = 0; row < part.spec.height; row++)
+  {
+    const size_t at = size_t(y + row) * whole.spec.width + x;
+    std::memcpy(&whole.bytes[at * pixel], &part.bytes[size_t(row) * part.spec.width * pixel], part.spec.width * pixel);
+    for (int i = 0; i < part.spec.width; i++)
+      seen[at + i]++;
+  }
+}
+
+std::string pngOf(const std::string& exr)
+{
+  return exr.substr(0, exr.size() - 3) + "png";
+}
+
+void compare(int argc, char** argv)
+{
+  const File whole(argv[1]), wholePng(pngOf(argv[1]));
+  File joined = whole, joinedPng = wholePng;
+  joined.bytes.assign(joined.bytes.size(), 0x55);
+  joinedPng.bytes.assign(joinedPng.bytes.size(), 0x55);
+  std::vector<int> seen(size_t(whole.spec.width) * whole.spec.height), seenPng = seen;
+  for (int i = 2; i < argc; i++)
+  {
+    const File part(argv[i]), png(pngOf(argv[i]));
+    if (part.spec.full_x != 0 || part.spec.full_y != 0 || part.spec.full_width != whole.spec.width || part.spec.full_height != whole.spec.height)
+      fail(std::string(argv[i]) + ": the display window is not the whole picture");
+    if (png.spec.width != part.spec.width || png.spec.height != part.spec.height)
+      fail(std::string(argv[i]) + ": its PNG has another size");
+    paste(joined, part, part.spec.x, part.spec.y, seen);
+    paste(joinedPng, png, part.spec.x, part.spec.y, seenPng);
+  }
+  for (int count : seen)
+    if (count != 1)
+      fail("the parts are no partition");
+  if (joined.bytes != whole.bytes)
+    fail("OpenEXR: the parts are not the whole");
+  if (joinedPng.bytes != wholePng.bytes)
+    fail("PNG: the parts are not the whole");
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+try
+{
+  if (argc < 3)
+    fail("usage: joined_parts WHOLE.exr PART.exr...");
+  compare(argc, argv);
+  return 0;
+}
+catch (const std::exception& e)
+{
+  std::fprintf(stderr, "joined_parts: %s\n", e.what());
+  return 1;
+}

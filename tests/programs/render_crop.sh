@@ -1,0 +1,56 @@
+#!/bin/bash
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+# Parts of a picture are the whole one, bit for bit: of models that stand still and that move, in PNG and in OpenEXR, whose data window says where a
+# part belongs.
+#
+# usage: render_crop.sh PATH/TO/cbvh_render PATH/TO/joined_parts
+
+set -u
+program=$1
+join=$2
+. "$(dirname -- "$0")/cli.sh"
+
+picture=(--size 61x47 --samples 5 --exr) # neither a multiple of tiles nor of packets
+crops=(0,0,30,20 30,0,61,20 0,20,30,47 30,20,61,47)
+
+# render NAME OPTION...
+render() {
+  local name=$1
+  shift
+  "$program" "${picture[@]}" --output "$folder/$name" "$@" >"$folder/$name.txt" 2>&1 || complain "$name: $(cat "$folder/$name.txt")"
+}
+
+scenes=(still moving)
+options_still=(--scene cube)
+options_moving=(--scene frog --motion twist --shutter 0.2,0.9)
+for scene in "${scenes[@]}"; do
+  declare -n options=options_$scene
+  render "$scene" "${options[@]}"
+  for crop in "${crops[@]}"; do
+    render "$scene.$crop" "${options[@]}" --crop "$crop"
+  done
+  "$join" "$folder/$scene"/*.exr "$folder/$scene".*/*.exr || complain "$scene: parts are not the whole"
+done
+
+# README's way to join them.
+if command -v oiiotool >/dev/null; then
+  oiiotool "$folder"/still.*/*.exr --paste:all=1:mergeroi=1 auto -o "$folder/joined.exr" &&
+    oiiotool --diff "$folder/joined.exr" "$folder/still/cube_cvert.exr" >"$folder/diff.txt" || complain "oiiotool: $(cat "$folder/diff.txt")"
+fi
+
+for wrong in 0,0,30 0,0,30,20,1 0,0,30,x 0.5,0,30,20; do
+  expect_refusal "crop '$wrong' is not x0,y0,x1,y1" --scene cube "${picture[@]}" --crop "$wrong" --output "$folder/none"
+done
+for empty in 30,0,30,20 30,0,20,20 0,20,30,19; do
+  expect_refusal "crop '$empty' is empty" --scene cube "${picture[@]}" --crop "$empty" --output "$folder/none"
+done
+for outside in 0,0,62,20 0,0,61,48 -1,0,30,20 61,0,62,1; do
+  expect_refusal "crop '$outside' is not inside of the picture, 61x47" --scene cube "${picture[@]}" "--crop=$outside" --output "$folder/none"
+done
+expect_refusal "crop is for parts of one picture" --scene cube "${picture[@]}" --crop 0,0,30,20 --compare --output "$folder/none"
+[ -z "$(ls -A "$folder/none" 2>/dev/null)" ] || complain "files were written"
+
+[ $failures = 0 ] && echo "all well"
+exit $((failures != 0))
