@@ -34,7 +34,7 @@ install(FILES "${CMAKE_BINARY_DIR}/pkgconfig/embree_cbvh.pc" DESTINATION "${CMAK
 
 find_package(Python3 QUIET COMPONENTS Interpreter)
 if(Python3_Interpreter_FOUND)
-  set(headers "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_compression.h" "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_compressed_triangles.h")
+  set(headers "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_compression.h" "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_compressed_triangles.h" "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_compressed_files.h")
   if(TARGET embree_vulkan)
     list(APPEND headers "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_vulkan.h")
   endif()
