@@ -123,6 +123,7 @@ namespace embree
 
     FileWriter::FileWriter (const std::string& name) : path(name), file(-1)
     {
+      if (path.empty()) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"path is empty");
       /* what a link leads to is replaced, not the link */
       if (char* real = realpath(name.c_str(),nullptr)) { path = real; free(real); }
       struct stat status;
