@@ -109,6 +109,20 @@ TEST(FileFormat, NumbersOfThePageAreThoseOfTheCode)
   EXPECT_EQ(crc32c("123456789", 9), 0xE3069283u);
 }
 
+TEST(FileFormat, ChecksumsAreThoseOfThePageInEachForm)
+{
+  Random random(3);
+  std::string bytes;
+  for (int i = 0; i < 1000; i++) bytes += char(random.below(256));
+  for (size_t begin : {0, 1, 5})
+    for (size_t count : {0, 1, 7, 8, 9, 63, 64, 900})
+      for (bool isPortable : {false, true}) {
+        const char* const data = bytes.data() + begin;
+        ASSERT_EQ(fileChecksum(data, count, 0, isPortable), crc32c(data, count));
+        ASSERT_EQ(fileChecksum(data + count/3, count - count/3, fileChecksum(data, count/3, 0, !isPortable), isPortable), crc32c(data, count)) << "in two parts";
+      }
+}
+
 // By the page alone: offsets as it has them, and what it says of children.
 class Reader
 {

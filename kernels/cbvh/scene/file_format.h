@@ -80,8 +80,8 @@ namespace embree
     };
     static_assert(sizeof(FileEntry) == 32,"entry of a file");
 
-    /*! CRC-32C, as of iSCSI; before: of the bytes before */
-    uint32_t fileChecksum (const void* data, size_t bytes, uint32_t before = 0);
+    /*! CRC-32C, as of iSCSI. before: of the bytes before; isPortable: without an instruction for it */
+    uint32_t fileChecksum (const void* data, size_t bytes, uint32_t before = 0, bool isPortable = false);
 
     /*! Calls closure(count) for the counts of a surface's statistics, in the order of FileGeometry::counts. */
     template<typename Statistics, typename Closure>
