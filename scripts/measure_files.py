@@ -80,23 +80,24 @@ def main():
         subprocess.run([options.program, "--scene", options.scene, "--save", path, "--samples", "1", "--output", folder / "save"], check=True, stdout=subprocess.DEVNULL)
     mib = 1 << 20
     print(f"{path.name}: {path.stat().st_size / mib:.1f} MiB\n")
-    print("| view | file | processes | opened, ms | first ray, ms | mapped and met, MiB a process | its part of that, MiB | in memory of the file, MiB |")
-    print("|:--|:--|--:|--:|--:|--:|--:|--:|")
+    print("| view | file | processes | opened, ms | - on processors | first ray, ms | mapped and met, MiB a process | its part of that, MiB | in memory of the file, MiB |")
+    print("|:--|:--|--:|--:|--:|--:|--:|--:|--:|")
     for view in VIEWS:
         for isCold in (False, True):
             for processes in (1, 4):
-                opened, first, rss, pss, inMemory = [], [], [], [], []
+                opened, used, first, rss, pss, inMemory = [], [], [], [], [], []
                 for _ in range(options.repeat):
                     if isCold:
                         letGo(path)
                     records, seen = load(options.program, path, folder, processes, view)
                     opened += [r["openSeconds"] for r in records]
+                    used += [r["openProcessorSeconds"] for r in records]
                     first += [r["firstRaySeconds"] for r in records]
                     rss += [s["Rss"] for s in seen if s]
                     pss += [s["Pss"] for s in seen if s]
                     inMemory.append(cached(path))
                 middle = statistics.median
-                print(f"| {view} | {'cold' if isCold else 'warm'} | {processes} | {1e3 * middle(opened):.1f} | {1e3 * middle(first):.1f} | "
+                print(f"| {view} | {'cold' if isCold else 'warm'} | {processes} | {1e3 * middle(opened):.1f} | {1e3 * middle(used):.1f} | {1e3 * middle(first):.1f} | "
                       f"{middle(rss) / mib:.1f} | {middle(pss) / mib:.1f} | {middle(inMemory) / mib:.1f} |" if rss else "| the processes ended before they were seen |")
 
 

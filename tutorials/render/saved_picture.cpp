@@ -104,7 +104,7 @@ void renderSaved(const Options& options)
   if (options.json.empty())
     return;
   const nlohmann::json json = {{"file", options.loadPath}, {"geometries", scene.geometries().size()}, {"quads", scene.quads()}, {"bytes", scene.bytes()},
-                               {"openSeconds", scene.seconds()}, {"firstRaySeconds", scene.seconds() + firstRay}, {"liveBytes", scene.liveBytes()}};
+                               {"openSeconds", scene.seconds()}, {"openProcessorSeconds", scene.processorSeconds()}, {"firstRaySeconds", scene.seconds() + firstRay}, {"liveBytes", scene.liveBytes()}};
   writeTextFile(options.json, json.dump(2) + "\n");
 }
 
