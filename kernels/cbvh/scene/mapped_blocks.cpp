@@ -29,19 +29,36 @@ namespace embree
       {
         uint64_t generation = 0;
         std::shared_ptr<const All> all;
+        const MappedBlocks* last = nullptr; //!< whose block was the last that was asked for
       };
-      thread_local Known known;
+      __thread Known* known __attribute__((tls_model("initial-exec"))) = nullptr;
+
+      bool find (const void* block, bool isVert)
+      {
+        struct Owner { ~Owner () { delete known; known = nullptr; } };
+        if (!known) {
+          static thread_local Owner owner; // ends with the thread
+          (void)owner;
+          known = new Known;
+        }
+        if (known->generation != generation.load(std::memory_order_acquire)) {
+          Lock<MutexSys> lock(mutex);
+          known->all = all;
+          known->generation = generation.load(std::memory_order_relaxed);
+          known->last = nullptr;
+        }
+        const All& list = *known->all;
+        const auto next = std::upper_bound(list.begin(),list.end(),block,[](const void* block, const MappedBlocks* blocks) { return (const char*)block < blocks->first(); });
+        if (next == list.begin() || !(*(next-1))->holds(block)) return true;
+        known->last = *(next-1);
+        return known->last->isGood(block,isVert);
+      }
 
       bool isGood (const void* block, bool isVert)
       {
-        if (known.generation != generation.load(std::memory_order_acquire)) {
-          Lock<MutexSys> lock(mutex);
-          known.all = all;
-          known.generation = generation.load(std::memory_order_relaxed);
-        }
-        const All& list = *known.all;
-        const auto next = std::upper_bound(list.begin(),list.end(),block,[](const void* block, const MappedBlocks* blocks) { return (const char*)block < blocks->first(); });
-        return next == list.begin() || !(*(next-1))->holds(block) || (*(next-1))->isGood(block,isVert);
+        const Known* const mine = known;
+        if (likely(mine && mine->generation == generation.load(std::memory_order_acquire) && mine->last && mine->last->holds(block))) return mine->last->isGood(block,isVert);
+        return find(block,isVert);
       }
 
       /*! with the mutex; the addresses that others read hold all blocks at any moment */
@@ -138,11 +155,8 @@ namespace embree
       if (limits.surface != limits.number) ((std::atomic<uint32_t>*)&surface)->store(limits.number,std::memory_order_relaxed);
     }
 
-    bool MappedBlocks::isGood (const void* block, bool isVert) const
+    bool MappedBlocks::check (size_t offset, bool isVert) const
     {
-      const size_t offset = size_t((const char*)block-begin), place = offset/16;
-      const uint64_t bit = uint64_t(1) << (place % 64);
-      if (good[place/64].load(std::memory_order_relaxed) & bit) return true;
       if (const char* error = errorOf(offset,isVert,false)) {
         if (!isReported.exchange(true)) {
           const std::string message = name + ": the block at " + std::to_string(offset) + " is damaged, and maybe others: " + error + "; rays do not meet it";
@@ -151,7 +165,7 @@ namespace embree
         return false;
       }
       number(offset,isVert);
-      good[place/64].fetch_or(bit,std::memory_order_relaxed);
+      good[offset/(16*64)].fetch_or(uint64_t(1) << (offset/16 % 64),std::memory_order_relaxed);
       return true;
     }
   }

@@ -42,7 +42,11 @@ namespace embree
       const char* errorOf (size_t offset, bool isVert, bool moves) const;
 
       /*! The same of a block at an address, with a memory, and with an error for the device the first time that one is not. */
-      bool isGood (const void* block, bool isVert) const;
+      bool isGood (const void* block, bool isVert) const
+      {
+        const size_t offset = size_t((const char*)block-begin);
+        return likely(((good[offset/(16*64)].load(std::memory_order_relaxed) >> (offset/16 % 64)) & 1) != 0) || check(offset,isVert);
+      }
 
       /*! Gives a block the number of its surface, if it has another. */
       void number (size_t offset, bool isVert) const;
@@ -51,6 +55,8 @@ namespace embree
       const char* first () const { return begin; }
 
     private:
+      bool check (size_t offset, bool isVert) const;
+
       Device* device;
       std::shared_ptr<const MappedFile> file;
       char* const begin;
