@@ -5,6 +5,7 @@
 #include "basics/error.h"
 #include "basics/progress.h"
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 #include <filesystem>
@@ -52,15 +53,13 @@ SavedScene::SavedScene(const std::string& path, const std::string& config) : dev
   device->check("opening a file");
   scene.reset(rtcNewScene(device->handle()));
   descriptions.resize(rtcGetCompressedFileGeometryCount(file.get()));
-  unsigned faces = 0;
   for (unsigned i = 0; i < descriptions.size(); i++)
   {
     rtcGetCompressedFileGeometry(file.get(), i, &descriptions[i]);
     const GeometryHandle geometry(rtcNewGeometryFromCompressedFile(file.get(), i));
     device->check("opening a file");
     rtcAttachGeometry(scene.get(), geometry.get());
-    firstFaces.push_back(faces);
-    faces += descriptions[i].primitiveCount;
+    mostFaces = std::max(mostFaces, descriptions[i].primitiveCount);
   }
   rtcCommitScene(scene.get());
   device->check("opening a file");
@@ -99,7 +98,7 @@ SurfaceHit SavedScene::surfaceHit(const RTCRayHit& ray) const
   hit.t = ray.ray.tfar;
   hit.u = ray.hit.u;
   hit.v = ray.hit.v;
-  hit.face = firstFaces[ray.hit.geomID] + ray.hit.primID;
+  hit.face = ray.hit.geomID * mostFaces + ray.hit.primID;
   hit.normal = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
   return hit;
 }

@@ -35,8 +35,9 @@ public:
   size_t quads() const;
   size_t bytes() const; // in the file, of all geometries
 
-  /* As BuiltScene, with the faces of all geometries counted one after the other. */
+  /* As BuiltScene: the faces of geometry i begin at i times the number that the one with most of them has. */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const;
+  unsigned facesOfCopy() const { return mostFaces; }
 
   /* From before the file was opened until the scene was there; the device was there before. */
   double seconds() const { return opening; }
@@ -52,7 +53,7 @@ private:
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device
   std::vector<RTCCompressedFileGeometry> descriptions;
-  std::vector<unsigned> firstFaces;
+  unsigned mostFaces = 1;
   double opening = 0, openingOnProcessors = 0;
 };
 

@@ -41,11 +41,18 @@ public:
   embree::cbvh::FileGeometry& record(size_t i) { return *(embree::cbvh::FileGeometry*)&bytes[header().directory + i*sizeof(embree::cbvh::FileGeometry)]; }
   size_t size() { return header().numGeometries; }
 
+  // Whether the directory can be read where it is said to be.
+  bool hasDirectory()
+  {
+    const uint64_t at = header().directory;
+    return at % 8 == 0 && at <= bytes.size() && size() != 0 && (bytes.size() - at)/sizeof(embree::cbvh::FileGeometry) >= size();
+  }
+
   // Makes the checksums of trees, directory and header those of what there is now; those of blocks stay.
   void fitChecksums()
   {
     using namespace embree::cbvh;
-    if (header().directory <= bytes.size() && bytes.size() - header().directory >= sizeof(FileGeometry)*uint64_t(size())) {
+    if (hasDirectory()) {
       for (size_t i = 0; i < size(); i++) {
         FileGeometry& g = record(i);
         if (g.tree <= bytes.size() && g.treeBytes <= bytes.size() - g.tree) g.treeChecksum = crc32c(&bytes[g.tree], g.treeBytes);
@@ -89,7 +96,7 @@ inline std::string mutated(Random& random, const std::string& sound)
   const uint32_t times = 1 + random.below(4);
   bool fits = false;
   for (uint32_t n = 0; n < times; n++) {
-    if (file.header().directory + sizeof(FileGeometry) > file.bytes.size() || file.size() == 0) break;
+    if (!file.hasDirectory()) break;
     FileGeometry& g = file.record(0);
     const bool hasParts = g.tree <= file.bytes.size() && g.treeBytes <= file.bytes.size() - g.tree && g.blocks <= file.bytes.size() && g.blockBytes <= file.bytes.size() - g.blocks;
     switch (random.below(8)) {
