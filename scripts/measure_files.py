@@ -18,7 +18,7 @@ import subprocess
 import time
 from pathlib import Path
 
-VIEWS = {"all of it": ("full", "512x512"), "one claw": ("0.55,0.2,0.9,0.35,0.05,0.5,6", "256x256")}
+VIEWS = {"all of it": ("full", "512x512"), "one claw": ("0.55,0.2,0.9,0.35,0.05,0.5,6", "768x768")}
 
 
 def letGo(path):
