@@ -102,6 +102,9 @@ public:
   const PatchLayout& layout() const { return patches; }
   Box3f bounds() const;
 
+  /* Saves all of a compressed scene to a file (saved_scene.h). Throws Error. */
+  void save(const std::string& path) const;
+
   /* Translates what Embree reports; NAIVE's triangles become faces and (u,v). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const;
 

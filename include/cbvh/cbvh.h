@@ -200,6 +200,16 @@ CBVH_API unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface);
 /* Evaluates an attribute of a cage at a hit: `width` floats, and their derivatives; NULL for what is not wanted. */
 CBVH_API enum CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, float v, unsigned int attribute, float* P, float* dPdu, float* dPdv);
 
+/* Saves a committed surface to a file, which cbvhLoadSurface maps, and rtcLoadCompressedGeometry of Embree CBVH; not its mask and its attributes. A file that is
+ * there is replaced when all is written: a crash or a full disk leaves it as it was. */
+CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
+
+/* Makes a surface of a file, committed, without its cage: rays are traced at once, with the same hits to the bit, what none meets stays on disk, and processes
+ * share the memory. The file may be replaced or removed meanwhile, but not written into. Foreign, truncated, altered, older and newer files are
+ * refused, CBVH_ERROR_INVALID_ARGUMENT, with the reason; blocks that are damaged are left out when rays meet them, which the error function is told
+ * once. surface: written if there is no error. */
+CBVH_API enum CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface);
+
 /* --- groups: surfaces that rays meet together ------------------------------------------ */
 
 typedef struct CbvhGroupTy* CbvhGroup;

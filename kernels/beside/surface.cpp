@@ -5,6 +5,7 @@
 
 #include <embree3/rtcore_compression.h>
 #include <embree3/rtcore_compressed_clusters.h>
+#include <embree3/rtcore_compressed_files.h>
 #include <embree3/rtcore_compressed_triangles.h>
 
 #include <cmath>
@@ -225,6 +226,30 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
   if (failure.code != CBVH_OK) throw failure;
 }
 
+void CbvhSurfaceTy::save(const char* path) const
+{
+  rtcSaveCompressedGeometry(committed().geometry, path);
+  context->check();
+}
+
+void CbvhSurfaceTy::load(const char* path)
+{
+  struct File
+  {
+    RTCCompressedFile file;
+    ~File() { if (file) rtcReleaseCompressedFile(file); }
+  } opened = {rtcOpenCompressedFile(context->device, path)};
+  context->check();
+  RTCCompressedFileGeometry description;
+  require(rtcGetCompressedFileGeometryCount(opened.file) == 1, "the file has several geometries");
+  rtcGetCompressedFileGeometry(opened.file, 0, &description);
+  const RTCGeometry geometry = rtcNewGeometryFromCompressedFile(opened.file, 0);
+  context->check();
+  current.reset(new Input(geometry));
+  current->numPrimitives = description.primitiveCount;
+  current->isMesh = description.type == RTC_GEOMETRY_TYPE_QUAD || description.type == RTC_GEOMETRY_TYPE_TRIANGLE;
+}
+
 const Input& CbvhSurfaceTy::committed() const
 {
   if (!current) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface was not committed"};
@@ -254,6 +279,22 @@ CbvhError cbvhSetMesh(CbvhSurface surface, const CbvhMesh* mesh) { return onSurf
 CbvhError cbvhSetAccuracy(CbvhSurface surface, const CbvhAccuracy* accuracy) { return onSurface(surface, [&] { surface->set(accuracy ? *accuracy : CbvhAccuracy()); }); }
 CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mask) { return onSurface(surface, [&] { surface->setMask(mask); }); }
 CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr) { return onSurface(surface, [&] { surface->commit(progress, userPtr); }); }
+
+CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path) { return onSurface(surface, [&] { require(path, "path is NULL"); surface->save(path); }); }
+
+CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface)
+{
+  if (!context || !path || !surface) return refuse("context, path or surface is NULL");
+  return guarded(context, [&] {
+    struct Made
+    {
+      CbvhSurface surface;
+      ~Made() { if (surface) surface->release(); }
+    } made = {new CbvhSurfaceTy(context)};
+    made.surface->load(path);
+    *surface = std::exchange(made.surface, nullptr);
+  });
+}
 
 unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface) { return surface && surface->last() ? surface->last()->numPrimitives : 0; }
 

@@ -23,6 +23,7 @@ struct Input
   std::vector<unsigned int> widths;   // of attributes
 
   Input(RTCDevice device, RTCGeometryType type) : geometry(rtcNewGeometry(device, type)) {}
+  explicit Input(RTCGeometry geometry) : geometry(geometry) {} // which it releases
   ~Input() { rtcReleaseGeometry(geometry); }
   Input(const Input&) = delete;
   Input& operator=(const Input&) = delete;
@@ -40,6 +41,8 @@ struct CbvhSurfaceTy : embree::beside::Counted
   void set(const CbvhAccuracy& accuracy);
   void setMask(unsigned int mask);
   void commit(CbvhProgressFunction progress, void* userPtr);
+  void save(const char* path) const;
+  void load(const char* path);
 
   /* Throws where it was not committed. */
   const embree::beside::Input& committed() const;

@@ -10,6 +10,12 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/rtcore_compressed_triangles.cpp
   cbvh/api/rtcore_compressed_clusters.cpp
   cbvh/api/rtcore_dicing.cpp
+  cbvh/api/rtcore_compressed_files.cpp
+  cbvh/api/loaded_geometry.cpp
+  cbvh/scene/file_checksum.cpp
+  cbvh/scene/file_writer.cpp
+  cbvh/scene/mapped_blocks.cpp
+  cbvh/scene/mapped_file.cpp
   cbvh/scene/flat_scene.cpp
   cbvh/scene/builder.cpp
   cbvh/scene/stored_triangles.cpp

@@ -5,6 +5,7 @@
 
 #include "support/diced_mesh.h"
 #include "support/moving_surface.h"
+#include "support/saved.h"
 
 #include <cbvh/cbvh.h>
 #include <embree3/rtcore_compressed_clusters.h>
@@ -284,6 +285,47 @@ TEST(Beside, WhatWasDicedHasTheHitsOfOurEmbree)
       ASSERT_NO_FATAL_FAILURE(compare(newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, timeSteps), surface, rays));
     }
   }
+}
+
+// Of both libraries, either opens what the other saved.
+TEST(Beside, FilesAreThoseOfOurEmbree)
+{
+  Random random(93);
+  Folder folder;
+  Context context;
+  for (const Saveable& saveable : allSaveable()) {
+    if (!saveable.hasTriangles || saveable.name.find("cGRID") == 0) continue; // cVERT
+    SCOPED_TRACE(saveable.name);
+    Device device;
+    RTCGeometry geometry = saveable.make(device);
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"ours").c_str())) << device.message;
+    Scene scene(device);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    CbvhSurface surface = nullptr;
+    ASSERT_EQ(cbvhLoadSurface(context, (folder/"ours").c_str(), &surface), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_GT(cbvhGetSurfacePrimitiveCount(surface), 0u);
+    EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
+    {
+      const Group group(context, {surface});
+      EXPECT_EQ(group.committed, CBVH_OK);
+      ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, timedRays(random, 500)));
+    }
+    ASSERT_EQ(cbvhSaveSurface(surface, (folder/"beside").c_str()), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(bytesOf(folder/"ours"), bytesOf(folder/"beside"));
+    cbvhReleaseSurface(surface);
+  }
+  EXPECT_TRUE(context.told.empty());
+
+  CbvhSurface none = nullptr;
+  writeBytes(folder/"ours", bytesOf(folder/"ours").substr(0, 5000));
+  context.expect(cbvhLoadSurface(context, (folder/"ours").c_str(), &none), CBVH_ERROR_INVALID_ARGUMENT, "truncated");
+  context.expect(cbvhLoadSurface(context, (folder/"none").c_str(), &none), CBVH_ERROR_INVALID_ARGUMENT, "No such file");
+  EXPECT_EQ(cbvhLoadSurface(context, nullptr, &none), CBVH_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(none, nullptr);
+  const Surface empty(context);
+  context.expect(cbvhSaveSurface(empty, (folder/"empty").c_str()), CBVH_ERROR_INVALID_OPERATION, "not committed");
+  context.expect(cbvhSaveSurface(empty, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "path is NULL");
 }
 
 TEST(Beside, AMeshThatLiesInNoGridsIsAnError)

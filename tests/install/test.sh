@@ -18,7 +18,7 @@ trap 'rm -rf "$work"' EXIT
 mv "$work/first" "$work/prefix"
 unset LD_LIBRARY_PATH EMBREE_CBVH
 [ -e "$work"/prefix/lib/libembree3.so.3 ]
-for header in rtcore.h rtcore_compression.h rtcore_compression_version.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h; do
+for header in rtcore.h rtcore_compression.h rtcore_compression_version.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h rtcore_dicing.h rtcore_compressed_files.h; do
   [ -f "$work/prefix/include/embree3/$header" ]
 done
 if [ -e "$build/kernels/vulkan/libembree3_vulkan.so.3" ]; then
@@ -74,7 +74,7 @@ case $library in "$work"/prefix/*) ;; *) fail "what pkg-config gives runs on $li
 # --- manual pages: one for each function of our headers ---------------------------------------------
 
 for function in $(cd "$work/prefix/include/embree3" && sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h \
-    rtcore_dicing.h); do
+    rtcore_dicing.h rtcore_compressed_files.h); do
   page=$work/prefix/share/man/man3/$function.3embree3
   [ -s "$page" ] || fail "$function has no manual page"
   grep -q "$function" "$page" || fail "$page does not name it"

@@ -130,6 +130,15 @@ if command -v iinfo >/dev/null; then
   done
 fi
 
+# A file: the same picture, without the model.
+run saved --scene cube --representation cvert --view 3,2,4,0,0,0,40 --save "$folder/cube.cbvh"
+run loaded --load "$folder/cube.cbvh" --view 3,2,4,0,0,0,40
+cmp "$folder/saved.out/cube_cvert.png" "$folder/loaded.out/cube_cvert.png" || complain "another picture from the file"
+grep -q "opened in" "$folder/loaded" || complain "not a word on how long opening took"
+refuses "no file of compressed surfaces\|only" --load "$folder/text.png"
+refuses "load is in place of" --scene cube --load "$folder/cube.cbvh"
+refuses "save takes one representation" --scene cube --representation grid --save "$folder/none.cbvh"
+
 run details --scene cube --representation "$representations" --speed --details
 expect_rows details "- leaves" "coherent, closest hit" "incoherent, any hit" "against the mesh: error, pixels, median" "- the paper.s RMSE" \
   "against the true surface" "- false hits" "- misses" "- flipped normals"

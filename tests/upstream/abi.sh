@@ -21,8 +21,12 @@ symbols "$ours" > "$work/ours"
 comm -23 "$work/stock" "$work/ours" > "$work/removed"
 comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
 [ ! -s "$work/removed" ] || { echo "removed:"; cat "$work/removed"; exit 1; }
-# those of rtcore_compression.h, rtcore_compressed_triangles.h and rtcore_compressed_clusters.h, and of kernels/cbvh/scene/flat_scene.h for libembree3_vulkan
-printf '%s\n' rtcFlattenScene rtcForEachCompressedCluster rtcForEachCompressedPart rtcForEachCompressedPartAtTime rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcRaiseDeviceError rtcReleaseFlatScene rtcSetGeometryCompression > "$work/api"
+# those of the headers of ours, below, and of kernels/cbvh/scene/flat_scene.h for libembree3_vulkan
+printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFile rtcDiceGeometry rtcFlattenScene rtcForEachCompressedCluster rtcForEachCompressedPart \
+  rtcForEachCompressedPartAtTime rtcGetCompressedFileGeometry rtcGetCompressedFileGeometryCount rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime \
+  rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcLoadCompressedGeometry rtcNewCompressedFileWriter \
+  rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError rtcReleaseCompressedFile rtcReleaseCompressedFileWriter \
+  rtcReleaseFlatScene rtcSaveCompressedGeometry rtcSetGeometryCompression rtcVerifyCompressedFile > "$work/api"
 diff "$work/api" "$work/added" || { echo "added symbols are not those of our headers" >&2; exit 1; }
 
 soname() { readelf -d "$1" | sed -n 's/.*soname: //p'; }
@@ -35,6 +39,6 @@ for header in /usr/include/embree3/*; do
 done
 # Ours is for C and C++.
 for language in c c++; do
-  printf '#include <embree3/%s.h>\n' rtcore rtcore_compression rtcore_compressed_triangles rtcore_compressed_clusters rtcore_dicing |
+  printf '#include <embree3/%s.h>\n' rtcore rtcore_compression rtcore_compressed_triangles rtcore_compressed_clusters rtcore_dicing rtcore_compressed_files |
     cc -x "$language" -Wall -Werror -fsyntax-only -I "${headers%/*}" -
 done

@@ -10,6 +10,7 @@
 #include "basics/parallel.h"
 #include "building/built_scene.h"
 #include "building/memory.h"
+#include "building/saved_scene.h"
 #include "measure/hit_metrics.h"
 #include "measure/true_errors.h"
 #include "programs/compression_json.h"
@@ -43,6 +44,15 @@ struct Scene
   std::shared_ptr<const Model> model; // outlives what is built
   int level;
   BuiltScene built;
+};
+
+/* What a file has: no model. */
+struct LoadedScene
+{
+  LoadedScene(const std::string& path, int threads) : path(path), saved(path, "threads=" + std::to_string(threads)) {}
+
+  std::string path;
+  SavedScene saved;
 };
 
 void requireNotNegative(float value, const char* argument)
@@ -170,6 +180,44 @@ Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int>
   choice(view, "view", {"full", "close"});
   const ImageSize image = imageSize(size);
   return interruptible(py::none(), [&] { return chooseCamera(view, *scene.model, scene.built, image, threadCount(0)); });
+}
+
+/* --- files ----------------------------------------------------------------------- */
+
+void save(const Scene& scene, const std::string& path)
+{
+  if (!scene.built.representation().isCompressed())
+    refuse("path", "takes what is compressed, this is " + scene.built.representation().label());
+  interruptible(py::none(), [&] { scene.built.save(path); return 0; });
+}
+
+std::shared_ptr<LoadedScene> loadFile(const std::string& path, int threads)
+{
+  const unsigned n = threadsOf(threads);
+  return interruptible(py::none(), [&] { return std::make_shared<LoadedScene>(path, int(n)); });
+}
+
+Hits intersectLoaded(const LoadedScene& scene, const py::object& origins, const py::object& directions, const py::object& tnear,
+                     const py::object& tfar, const py::object& time, int threads)
+{
+  constexpr size_t chunk = 4096;
+  const unsigned n = threadsOf(threads);
+  Rays rays = readRays(origins, directions, tnear, tfar, time);
+  return interruptible(py::none(), [&] {
+    const EmbreeTracer tracer(scene.saved.handle());
+    std::vector<SurfaceHit> hits(rays.rays.size());
+    parallelFor(hits.size(), chunk, n, [&](size_t begin, size_t end) {
+      const FastDenormals denormals;
+      std::vector<RTCRayHit> batch(end - begin);
+      for (size_t i = begin; i < end; i++)
+        load(rays.rays[i], batch[i - begin]);
+      tracer.intersect(batch.data(), batch.size());
+      for (size_t i = begin; i < end; i++)
+        hits[i] = scene.saved.surfaceHit(batch[i - begin]);
+    });
+    scene.saved.check();
+    return Hits{std::move(rays.shape), std::move(hits), scene.saved.facesOfCopy(), scene.saved.facesOfCopy() * scene.saved.geometries().size()};
+  });
 }
 
 /* --- what it is ---------------------------------------------------------------- */
@@ -347,6 +395,17 @@ Where blocks of up to 16 x 16 quads meet, vertices come twice, as the same float
 
 Of cvert and cgrid; Error for other representations.)";
 
+constexpr const char* saveText = R"(Saves what is compressed to a file, which load() opens at once, as cbvh_render --load does.
+
+path: of the file. One that is there is replaced when all is written.)";
+
+constexpr const char* loadText = R"(Opens what Scene.save or `cbvh_render --save` wrote, as a LoadedScene: without its model, with the same hits to the bit. The
+file is mapped: what no ray meets stays on disk. Raises Error, with the reason, for a file that is none, truncated, altered, or of
+another version.
+
+path: of the file, which is not to be written into meanwhile.
+threads: of the device, 0 for all.)";
+
 constexpr const char* errorsText = R"(How far hits are from a reference, a dict with the names of `cbvh_render --json`.
 
 hits: of this scene. reference: of the same rays in another representation of the same model.
@@ -387,6 +446,7 @@ void defineScene(py::module_& module)
     .def("statistics", &statistics, statisticsText)
     .def("triangles", &trianglesOf, arg("hits"), py::kw_only(), arg("time") = 0.0f, trianglesText)
     .def("tessellation", &tessellation, py::kw_only(), arg("time") = 0.0f, tessellationText)
+    .def("save", &save, arg("path"), saveText)
     .def("errors", &errorsOf, arg("hits"), arg("reference"), arg("footprint"), errorsText)
     .def("true_errors", &trueErrorsOf, arg("hits"), arg("origins"), arg("directions"), arg("footprint"), py::kw_only(),
          arg("count") = 2000, arg("seed") = 1, arg("threads") = 0, arg("progress") = py::none(), trueErrorsText)
@@ -404,6 +464,20 @@ void defineScene(py::module_& module)
       return std::string(text);
     });
 
+  py::class_<LoadedScene, std::shared_ptr<LoadedScene>>(module, "LoadedScene", "What a file of compressed geometry has, see load().")
+    .def("intersect", &intersectLoaded, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
+         py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
+    .def_property_readonly("quads", [](const LoadedScene& s) { return s.saved.quads(); }, "Of all geometries.")
+    .def_property_readonly("geometries", [](const LoadedScene& s) { return s.saved.geometries().size(); }, "How many there are.")
+    .def_property_readonly("open_seconds", [](const LoadedScene& s) { return s.saved.seconds(); }, "From the file's name to the scene.")
+    .def_property_readonly("bounds", [](const LoadedScene& s) {
+      const RTCBounds b = s.saved.bounds();
+      return arrayOf(Box3f{{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}});
+    }, "(2, 3) float32: lower and upper corner of the box of the surface, world units.")
+    .def("__repr__", [](const LoadedScene& s) {
+      return "<LoadedScene '" + s.path + "': " + std::to_string(s.saved.geometries().size()) + " geometries, " + std::to_string(s.saved.quads()) + " quads>";
+    });
+  module.def("load", &loadFile, arg("path"), py::kw_only(), arg("threads") = 0, loadText);
   module.def("build", &build, arg("model"), arg("representation") = "cvert", arg("level") = 6, py::kw_only(),
              arg("frame_level") = py::none(), arg("max_error") = 0.0f, arg("max_pixel_error") = 0.0f,
              arg("camera") = py::none(), arg("threads") = 0, arg("isa") = "",

@@ -7,6 +7,7 @@
 #include "comparison.h"
 #include "options.h"
 #include "report.h"
+#include "saved_picture.h"
 #include "basics/file_output.h"
 #include "basics/progress.h"
 #include "programs/run_program.h"
@@ -21,6 +22,11 @@ int run(int argc, char** argv)
   cbvh::installCancelHandler();
   cbvh::endSoonAfterCancel("cbvh_render");
   cbvh::prepareOutputFolder(options->output);
+  if (!options->loadPath.empty())
+  {
+    cbvh::renderSaved(*options);
+    return 0;
+  }
   const cbvh::Comparison comparison = cbvh::runComparison(*options);
   if (!options->json.empty())
     cbvh::writeTextFile(options->json, cbvh::formatJson(comparison));

@@ -147,6 +147,8 @@ private:
     if (kind != RepresentationKind::Grid && !reference.empty() && !isReferenceItself(kind))
       result.errors = compareHits(reference, hits, camera.footprint(), scene.layout());
     writeOthers(scene, hits, result.errors.has_value());
+    if (!options.savePath.empty())
+      scene.save(options.savePath);
     if (kind == RepresentationKind::CVert && !options.exportPath.empty())
     {
       const StoredMesh mesh = scene.storedMesh();

@@ -54,6 +54,8 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--output", o.output, "folder for the pictures, made if need be")
     ->type_name("DIR")->capture_default_str();
   app.add_option("--export", o.exportPath, "write the surface there, too, as cvert stores it, OBJ: quads that --mesh reads")->type_name("FILE");
+  app.add_option("--save", o.savePath, "write the compressed scene there, too, which --load opens at once")->type_name("FILE");
+  app.add_option("--load", o.loadPath, "instead of files and scenes, what --save wrote, as it was compressed")->type_name("FILE");
   app.add_flag("--exr", o.exr, "write linear colours and the hits there, too, OpenEXR: position, distance, normal, u, v and primID");
 }
 
@@ -102,8 +104,15 @@ void chooseLevel(const CLI::App& app, const Words& words, Options& o)
 
 void read(const CLI::App& app, const Words& words, Options& o)
 {
-  nameFiles(words.files, o.scene);
-  validateScene(o.scene);
+  if (!o.loadPath.empty() && !(words.files.empty() && o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty()))
+    throw Error("--load is in place of files, --scene, --cage and --mesh");
+  if (!o.loadPath.empty() && (!o.savePath.empty() || !o.exportPath.empty() || o.exr || o.speed || o.ambientRays || o.build.device != "cpu"))
+    throw Error("--load makes a picture on the processor: --save, --export, --exr, --speed, --ambient and --device belong to models");
+  if (o.loadPath.empty())
+  {
+    nameFiles(words.files, o.scene);
+    validateScene(o.scene);
+  }
   o.autoLevel = readLevel(words.levels, o.build.level);
   validateBuild(o.build);
   if (o.repeat < 1)
@@ -126,6 +135,8 @@ void read(const CLI::App& app, const Words& words, Options& o)
     throw Error("--export writes what cvert stores, which is not among the representations");
   if (!words.crop.empty() && (o.compares() || o.speed || o.ambientRays || words.trueHits.value_or(0)))
     throw Error("--crop is for parts of one picture: what is compared or measured, and --ambient, are of whole ones");
+  if (!o.savePath.empty() && (o.compares() || !o.representations[0].isCompressed()))
+    throw Error("--save takes one representation, which is neither grid nor naive");
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
 }

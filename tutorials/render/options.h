@@ -34,6 +34,7 @@ struct Options
   bool exr = false;              // write linear colours and hits, too
   bool details = false;          // all rows of the table
   std::string json;              // also write the numbers there
+  std::string savePath, loadPath; // file that the compressed scene goes to, or, in place of a scene, comes from
   std::string exportPath;        // where the surface goes as cVERT stores it, OBJ
   size_t rays = 500000;          // at most, a set, for speed
   int repeat = 5;

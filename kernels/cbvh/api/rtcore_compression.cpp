@@ -6,6 +6,7 @@
 #include "../embree/scene.h"
 #include "../base/kinds.h"
 #include "factory.h"
+#include "loaded_geometry.h"
 #include "../../../include/embree3/rtcore_compression.h"
 #include <cmath>
 #include <cstring>
@@ -45,6 +46,8 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
   CompressibleGeometry* const compressible = embree::compressible(geometry);
   if (!compressible)
     throw_RTCError(RTC_ERROR_INVALID_OPERATION,"only geometry of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or RTC_GEOMETRY_TYPE_TRIANGLE can be compressed");
+  if (dynamic_cast<LoadedGeometry*>(geometry))
+    throw_RTCError(RTC_ERROR_INVALID_OPERATION,LoadedGeometry::whyNot);
   int compression; // an enumeration may not hold what the application may have written
   memcpy(&compression,&args->compression,sizeof(compression));
   cbvh::Kind kind;

@@ -6,6 +6,7 @@
 #include "../embree/scene.h"
 #include "../framed/block.h"
 #include "../vert/motion_format.h"
+#include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
 #include "flat_scene.h"
 #include "surface_blocks.h"
@@ -132,6 +133,8 @@ namespace embree
             return reference(root->root(),root,index(out.ownBlocks.size()-1),above);
           }
           const bool moves = type == MOVING_VERT_BLOCK, isVert = type == VERT_BLOCK || moves;
+          if (!moves && !isUsable(data,isVert))
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the file of one of the scene's geometries is damaged: one of its blocks is none");
           const uint32_t kind = isVert ? kindVert : kindOf(((const BlockHeader*)data)->info);
           const uint32_t surface = isVert ? ((const VertHeader*)data)->surface : ((const BlockHeader*)data)->surface;
           const uint32_t referenceType = moves ? movingBlockReference : blockReference(kind);

@@ -61,6 +61,7 @@ namespace embree
       {
         using namespace cbvh;
         if (type == VERT_BLOCK) return VertIntersectorK<K,Rays>::intersect(valid,rays,context,vert,(const VertHeader*)prim);
+        if (unlikely(!isUsable(prim,false))) return vbool<K>(false);
         framed.set(rays);
         switch (kindOf(((const Block*)prim)->info)) {
         case kindLeaf : return BlockIntersectorK<K,LeafVisitorK >::intersect(valid,rays,context,framed,(const Block*)prim);

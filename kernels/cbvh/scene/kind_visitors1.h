@@ -5,6 +5,7 @@
 
 /* The intersector of each kind of leaves, by the type of the primitive and the kind in its header. */
 
+#include "../base/mapped_blocks.h"
 #include "../framed/block_intersector1.h"
 #include "../vert/intersector1.h"
 #include "../base/primitive_type.h"
@@ -22,6 +23,7 @@ namespace embree
         const Block* block = (const Block*)prim;
         if (type == VERT_BLOCK) { found = intersectVert(ray,context,vertRay,(const VertHeader*)prim); return true; }
         if (type != FRAMED_BLOCK) return false;
+        if (unlikely(!isUsable(prim,false))) { found = false; return true; }
         state.set(ray);
         switch (kindOf(block->info)) {
         case kindLeaf : found = BlockIntersector1<LeafVisitor1 >::intersect(ray,context,state,block); return true;

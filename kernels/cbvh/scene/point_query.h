@@ -7,6 +7,7 @@
  * their blocks are; for those of a block that numbers its quads, if the primitive's own box is. As in Embree, they see grids,
  * quads and triangles, where they are at the query's time, and no subdivision surfaces. */
 
+#include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
 #include "../base/world.h"
 #include "../embree/scene.h"
@@ -94,6 +95,7 @@ namespace embree
           const void* block = leaf.leaf(type);
           if (type != VERT_BLOCK && type != MOVING_VERT_BLOCK) return false;
           const VertHeader* header = (const VertHeader*)block;
+          if (type == VERT_BLOCK && !embree::cbvh::isUsable(block,true)) return false;
           const uint32_t geomID = context->scene->surfaceIDs[header->surface];
           Geometry* const geometry = context->scene->get(geomID);
           if (compressible(geometry)->ownType == Geometry::GTY_SUBDIV_MESH || !embree::cbvh::VerticesAtTime::isThere(header,time())) return false;

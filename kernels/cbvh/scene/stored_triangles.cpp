@@ -4,6 +4,7 @@
 /* Compiled for the library's lowest ISA only. */
 
 #include "stored_triangles.h"
+#include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
 #include "../embree/scene.h"
 #include "vertices_at_time.h"
@@ -31,6 +32,8 @@ namespace embree
         size_t type;
         const void* block = ref.leaf(type);
         const bool isVert = type == VERT_BLOCK || type == MOVING_VERT_BLOCK;
+        if (type != MOVING_VERT_BLOCK && !isUsable(block,isVert))
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry's file is damaged: one of its blocks is none");
         if (!isVert && (type != FRAMED_BLOCK || ((const Block*)block)->kind() != Kind::GRID))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is not stored as cVERT or cGRID as a whole: only those hand out triangles");
         closure(StoredBlock{ block,isVert });

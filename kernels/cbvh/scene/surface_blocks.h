@@ -14,7 +14,14 @@
 
 namespace embree
 {
-  namespace cbvh { class BlockIndex; }
+  namespace cbvh
+  {
+    class BlockIndex;
+    class MappedBlocks;
+
+    /*! Numbers from here on are those that blocks have in files. */
+    static const uint32_t firstFileNumber = 1u << 30;
+  }
 
   struct SurfaceBlocks
   {
@@ -35,6 +42,7 @@ namespace embree
     BBox3fa bounds;           //!< of all that a ray may hit
     size_t numPrimitives;     //!< blocks and grids
     cbvh::SurfaceStatistics statistics;
+    std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< where the blocks lie if they came from a file, else null
 
     /*! of the blocks, for who looks triangles up; made with the first call */
     const cbvh::BlockIndex& index () const;
@@ -50,6 +58,9 @@ namespace embree
 
     /*! Makes the table of a scene that takes numbers to IDs. Any thread may call it, also while others do. */
     void nameSurfaces (Scene* scene);
+
+    /*! A number that blocks of a file have, or, where another surface has it now, one that is free: those of others are below. */
+    std::shared_ptr<const SurfaceNumber> numberOfFile (uint32_t number);
 
     /*! of a geometry; made with the first call */
     std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry);

@@ -3,6 +3,7 @@
 
 /* Compiled for the library's lowest ISA only. */
 
+#include "../base/mapped_blocks.h"
 #include "../framed/node_cache.h"
 #include "../vert/motion_cache.h"
 #include <mm_malloc.h>
@@ -13,6 +14,10 @@ namespace embree
   namespace cbvh
   {
     std::atomic<unsigned> cacheGeneration(0);
+
+    /* set by who maps blocks, so that codecs need nothing else of the library */
+    std::atomic<size_t> mappedBegin(0), mappedBytes(0);
+    std::atomic<bool (*) (const void* block, bool isVert)> isMappedBlockGood(nullptr);
 
     void outdateThreadCaches () { cacheGeneration.fetch_add(1); }
 

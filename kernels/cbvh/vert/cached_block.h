@@ -6,6 +6,7 @@
 /* A block of cVERT as the thread's cache has it, or gets it now. What it refers to lasts until a hit is
  * reported: a filter may trace rays. */
 
+#include "../base/mapped_blocks.h"
 #include "boxes.h"
 #include "decoder.h"
 
@@ -51,7 +52,8 @@ namespace embree
            * that is waited for then is not hidden by anything. */
           for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
           slot.block = block;
-          VertDecoder(block).decode(slot);
+          if (likely(isUsable(block,true))) VertDecoder(block).decode(slot);
+          else VertDecoder::decodeNothing(slot);
         }
 
         __noinline void decode (uint32_t lane, VertQuads& at) const

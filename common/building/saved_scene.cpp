@@ -1,0 +1,106 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "building/saved_scene.h"
+#include "basics/error.h"
+#include "basics/progress.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+
+namespace cbvh {
+namespace {
+
+struct FileRelease
+{
+  void operator()(RTCCompressedFile file) const { rtcReleaseCompressedFile(file); }
+};
+struct WriterRelease
+{
+  void operator()(RTCCompressedFileWriter writer) const { rtcReleaseCompressedFileWriter(writer); }
+};
+
+} // namespace
+
+bool isSavedScene(const std::string& path)
+{
+  return std::filesystem::path(path).extension() == ".cbvh";
+}
+
+void saveScene(EmbreeDevice& device, RTCScene scene, unsigned count, const std::string& path)
+{
+  const std::unique_ptr<RTCCompressedFileWriterTy, WriterRelease> writer(rtcNewCompressedFileWriter(device.handle(), path.c_str()));
+  device.check("saving");
+  Phase phase(path);
+  for (unsigned i = 0; i < count; i++)
+  {
+    rtcAppendCompressedGeometry(writer.get(), rtcGetGeometry(scene, i));
+    device.check("saving");
+    phase.update(double(i + 1) / count);
+    throwIfCancelled();
+  }
+  rtcCommitCompressedFile(writer.get());
+  device.check("saving");
+}
+
+SavedScene::SavedScene(const std::string& path, const std::string& config) : device(std::make_unique<EmbreeDevice>(config))
+{
+  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t used = std::clock();
+  const std::unique_ptr<RTCCompressedFileTy, FileRelease> file(rtcOpenCompressedFile(device->handle(), path.c_str()));
+  device->check("opening a file");
+  scene.reset(rtcNewScene(device->handle()));
+  descriptions.resize(rtcGetCompressedFileGeometryCount(file.get()));
+  for (unsigned i = 0; i < descriptions.size(); i++)
+  {
+    rtcGetCompressedFileGeometry(file.get(), i, &descriptions[i]);
+    const GeometryHandle geometry(rtcNewGeometryFromCompressedFile(file.get(), i));
+    device->check("opening a file");
+    rtcAttachGeometry(scene.get(), geometry.get());
+    mostFaces = std::max(mostFaces, descriptions[i].primitiveCount);
+  }
+  rtcCommitScene(scene.get());
+  device->check("opening a file");
+  openingOnProcessors = double(std::clock() - used) / CLOCKS_PER_SEC;
+  opening = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+RTCBounds SavedScene::bounds() const
+{
+  RTCBounds bounds;
+  rtcGetSceneBounds(scene.get(), &bounds);
+  return bounds;
+}
+
+size_t SavedScene::quads() const
+{
+  size_t sum = 0;
+  for (const RTCCompressedFileGeometry& geometry : descriptions)
+    sum += geometry.statistics.numQuads;
+  return sum;
+}
+
+size_t SavedScene::bytes() const
+{
+  size_t sum = 0;
+  for (const RTCCompressedFileGeometry& geometry : descriptions)
+    sum += geometry.bytes;
+  return sum;
+}
+
+SurfaceHit SavedScene::surfaceHit(const RTCRayHit& ray) const
+{
+  SurfaceHit hit;
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    return hit;
+  hit.t = ray.ray.tfar;
+  hit.u = ray.hit.u;
+  hit.v = ray.hit.v;
+  hit.face = ray.hit.geomID * mostFaces + ray.hit.primID;
+  hit.normal = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
+  return hit;
+}
+
+} // namespace cbvh

@@ -1,0 +1,60 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Compressed scenes in files: saved, and opened without the model that they were made of. */
+
+#include "building/embree_device.h"
+#include "building/scene_tracer.h"
+#include "building/surface_hit.h"
+
+#include <embree3/rtcore_compressed_files.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+/* Whether a file is one by its name: ".cbvh". */
+bool isSavedScene(const std::string& path);
+
+/* Saves the geometries 0 to count-1 of a committed scene. Throws Error, and leaves what was there. */
+void saveScene(EmbreeDevice& device, RTCScene scene, unsigned count, const std::string& path);
+
+class SavedScene
+{
+public:
+  /* Opens a file and commits a scene of all that is in it. config: of the device. Throws Error with the reason. */
+  SavedScene(const std::string& path, const std::string& config);
+
+  RTCScene handle() const { return scene.get(); }
+  const std::vector<RTCCompressedFileGeometry>& geometries() const { return descriptions; }
+  RTCBounds bounds() const;
+  size_t quads() const;
+  size_t bytes() const; // in the file, of all geometries
+
+  /* As BuiltScene: the faces of geometry i begin at i times the number that the one with most of them has. */
+  SurfaceHit surfaceHit(const RTCRayHit& ray) const;
+  unsigned facesOfCopy() const { return mostFaces; }
+
+  /* From before the file was opened until the scene was there; the device was there before. */
+  double seconds() const { return opening; }
+  double processorSeconds() const { return openingOnProcessors; } // which others do not slow down
+
+  /* What the device has allocated: trees, without what is mapped. */
+  size_t liveBytes() const { return device->memory().live(); }
+
+  /* Throws Error where a block that rays met was found to be damaged. */
+  void check() const { device->check("tracing"); }
+
+private:
+  std::unique_ptr<EmbreeDevice> device;
+  SceneHandle scene; // released before its device
+  std::vector<RTCCompressedFileGeometry> descriptions;
+  unsigned mostFaces = 1;
+  double opening = 0, openingOnProcessors = 0;
+};
+
+} // namespace cbvh

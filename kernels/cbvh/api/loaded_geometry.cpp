@@ -1,0 +1,54 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "loaded_geometry.h"
+#include "../embree/scene.h"
+#include "../scene/surface_blocks.h"
+
+namespace embree
+{
+  const char* const LoadedGeometry::whyNot = "the geometry was loaded from a file: it has compressed blocks, and no cage, vertices or indices that could be read, interpolated or changed";
+
+  static Geometry::GType typeOf (const cbvh::FileGeometry& record)
+  {
+    switch (record.source) {
+    case cbvh::FILE_GRIDS: return Geometry::GTY_GRID_MESH;
+    case cbvh::FILE_QUADS: return Geometry::GTY_QUAD_MESH;
+    case cbvh::FILE_TRIANGLES: return Geometry::GTY_TRIANGLE_MESH;
+    default: return Geometry::GTY_SUBDIV_MESH;
+    }
+  }
+
+  LoadedGeometry::LoadedGeometry (Device* device, const cbvh::FileGeometry& record, const std::shared_ptr<const SurfaceBlocks>& blocks)
+    : CompressibleGeometry(device,typeOf(record),record.numPrimitives,record.numTimeSteps), ownTimes(record.numTimeSteps > 1 ? BBox1f(record.begin,record.end) : BBox1f(0.0f,1.0f))
+  {
+    setCompressed(true);
+    if (numTimeSteps > 1) time_range = ownTimes;
+    compression.compression = RTCCompression(record.compression);
+    surface.number = blocks->number;
+    surface.blocks = blocks;
+    surface.inputReleased = true;
+    LoadedGeometry::commit();
+  }
+
+  void LoadedGeometry::refuse () { throw_RTCError(RTC_ERROR_INVALID_OPERATION,whyNot); }
+
+  void LoadedGeometry::commit ()
+  {
+    if (numTimeSteps > 1 && (time_range.lower != ownTimes.lower || time_range.upper != ownTimes.upper))
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry was loaded from a file, where its time steps are from " + std::to_string(ownTimes.lower) + " to " + std::to_string(ownTimes.upper) + ": its time range cannot be changed");
+    Geometry::commit();
+    surface.commit(modCounter_);
+  }
+
+  void LoadedGeometry::setMask (unsigned mask)
+  {
+    this->mask = mask;
+    surface.changeVisibility(1);
+    Geometry::update();
+  }
+
+  void LoadedGeometry::setNumTimeSteps (unsigned numTimeSteps) {
+    if (numTimeSteps != this->numTimeSteps) refuse();
+  }
+}

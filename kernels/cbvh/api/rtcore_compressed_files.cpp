@@ -1,0 +1,225 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#define RTC_EXPORT_API
+
+#include "../../../include/embree3/rtcore_compressed_files.h"
+#include "../embree/scene.h"
+#include "../scene/file_writer.h"
+#include "../scene/mapped_file.h"
+#include "../scene/surface_blocks.h"
+#include "loaded_geometry.h"
+
+using namespace embree;
+
+namespace
+{
+  /*! what a handle stands for, with the device that has its errors */
+  template<typename T>
+  struct Held : public RefCount
+  {
+    Held (Device* device, T&& thing) : device(device), thing(std::move(thing)) { device->refInc(); }
+    ~Held () { device->refDec(); }
+
+    Device* device;
+    T thing;
+  };
+  typedef Held<std::shared_ptr<const cbvh::MappedFile>> OpenFile;
+  typedef Held<std::unique_ptr<cbvh::FileWriter>> Writer;
+
+  void require (const void* argument, const char* name) {
+    if (!argument) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(name) + " is NULL");
+  }
+
+  /*! with its blocks */
+  const CompressibleGeometry* compressedOf (Geometry* geometry, std::shared_ptr<const SurfaceBlocks>& blocks)
+  {
+    const CompressibleGeometry* const compressible = embree::compressible(geometry);
+    if (compressible) blocks = cbvh::blocksOf(compressible);
+    if (!blocks)
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
+    if (geometry->state != unsigned(Geometry::State::COMMITTED))
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry was changed since it was committed");
+    return compressible;
+  }
+
+  void append (cbvh::FileWriter& writer, Geometry* geometry)
+  {
+    std::shared_ptr<const SurfaceBlocks> blocks;
+    const CompressibleGeometry* const compressed = compressedOf(geometry,blocks);
+    writer.add(compressed,*blocks);
+  }
+
+  RTCGeometry load (const std::shared_ptr<const cbvh::MappedFile>& file, Device* device, size_t i) {
+    return (RTCGeometry)(new LoadedGeometry(device,file->geometry(i),cbvh::MappedFile::load(file,device,i)))->refInc();
+  }
+
+  enum RTCGeometryType typeOf (const cbvh::FileGeometry& record)
+  {
+    switch (record.source) {
+    case cbvh::FILE_GRIDS: return RTC_GEOMETRY_TYPE_GRID;
+    case cbvh::FILE_QUADS: return RTC_GEOMETRY_TYPE_QUAD;
+    case cbvh::FILE_TRIANGLES: return RTC_GEOMETRY_TYPE_TRIANGLE;
+    default: return RTC_GEOMETRY_TYPE_SUBDIVISION;
+    }
+  }
+}
+
+RTC_NAMESPACE_BEGIN;
+
+RTC_API bool rtcSaveCompressedGeometry (RTCGeometry hgeometry, const char* path)
+{
+  Geometry* geometry = (Geometry*) hgeometry;
+  RTC_CATCH_BEGIN;
+  require(geometry,"geometry");
+  require(path,"path");
+  std::shared_ptr<const SurfaceBlocks> blocks;
+  const CompressibleGeometry* const compressed = compressedOf(geometry,blocks); // before a file is begun
+  cbvh::FileWriter writer(path);
+  writer.add(compressed,*blocks);
+  writer.commit();
+  return true;
+  RTC_CATCH_END2(geometry);
+  return false;
+}
+
+RTC_API RTCGeometry rtcLoadCompressedGeometry (RTCDevice hdevice, const char* path)
+{
+  Device* device = (Device*) hdevice;
+  RTC_CATCH_BEGIN;
+  require(device,"device");
+  require(path,"path");
+  const std::shared_ptr<const cbvh::MappedFile> file = std::make_shared<cbvh::MappedFile>(path);
+  if (file->size() != 1)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(path) + ": has " + std::to_string(file->size()) + " geometries, which rtcOpenCompressedFile opens");
+  return load(file,device,0);
+  RTC_CATCH_END(device);
+  return nullptr;
+}
+
+RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter (RTCDevice hdevice, const char* path)
+{
+  Device* device = (Device*) hdevice;
+  RTC_CATCH_BEGIN;
+  require(device,"device");
+  require(path,"path");
+  return (RTCCompressedFileWriter)(new Writer(device,std::unique_ptr<cbvh::FileWriter>(new cbvh::FileWriter(path))))->refInc();
+  RTC_CATCH_END(device);
+  return nullptr;
+}
+
+RTC_API bool rtcAppendCompressedGeometry (RTCCompressedFileWriter hwriter, RTCGeometry hgeometry)
+{
+  Writer* writer = (Writer*) hwriter;
+  RTC_CATCH_BEGIN;
+  require(writer,"writer");
+  require(hgeometry,"geometry");
+  append(*writer->thing,(Geometry*)hgeometry);
+  return true;
+  RTC_CATCH_END2(writer);
+  return false;
+}
+
+RTC_API bool rtcCommitCompressedFile (RTCCompressedFileWriter hwriter)
+{
+  Writer* writer = (Writer*) hwriter;
+  RTC_CATCH_BEGIN;
+  require(writer,"writer");
+  writer->thing->commit();
+  return true;
+  RTC_CATCH_END2(writer);
+  return false;
+}
+
+RTC_API void rtcReleaseCompressedFileWriter (RTCCompressedFileWriter hwriter)
+{
+  Writer* writer = (Writer*) hwriter;
+  RTC_CATCH_BEGIN;
+  require(writer,"writer");
+  writer->refDec();
+  RTC_CATCH_END(nullptr);
+}
+
+RTC_API RTCCompressedFile rtcOpenCompressedFile (RTCDevice hdevice, const char* path)
+{
+  Device* device = (Device*) hdevice;
+  RTC_CATCH_BEGIN;
+  require(device,"device");
+  require(path,"path");
+  return (RTCCompressedFile)(new OpenFile(device,std::make_shared<cbvh::MappedFile>(path)))->refInc();
+  RTC_CATCH_END(device);
+  return nullptr;
+}
+
+RTC_API unsigned int rtcGetCompressedFileGeometryCount (RTCCompressedFile hfile)
+{
+  OpenFile* file = (OpenFile*) hfile;
+  RTC_CATCH_BEGIN;
+  require(file,"file");
+  return unsigned(file->thing->size());
+  RTC_CATCH_END2(file);
+  return 0;
+}
+
+RTC_API bool rtcGetCompressedFileGeometry (RTCCompressedFile hfile, unsigned int index, struct RTCCompressedFileGeometry* description)
+{
+  OpenFile* file = (OpenFile*) hfile;
+  RTC_CATCH_BEGIN;
+  require(file,"file");
+  require(description,"description");
+  if (index >= file->thing->size())
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"index " + std::to_string(index) + ": the file has " + std::to_string(file->thing->size()) + " geometries");
+  const cbvh::FileGeometry& record = file->thing->geometry(index);
+  *description = RTCCompressedFileGeometry();
+  description->type = typeOf(record);
+  description->compression = RTCCompression(record.compression);
+  description->primitiveCount = record.numPrimitives;
+  description->timeStepCount = record.numTimeSteps;
+  description->begin = record.begin;
+  description->end = record.end;
+  for (int k=0; k<3; k++) { description->lower[k] = record.lower[k]; description->upper[k] = record.upper[k]; }
+  cbvh::SurfaceStatistics statistics;
+  size_t n = 0;
+  cbvh::forEachCount(statistics,[&](size_t& count) { count = size_t(record.counts[n++]); });
+  n = 0;
+  cbvh::forEachMeasure(statistics,[&](float& measure) { measure = record.measures[n++]; });
+  description->statistics = statistics.sums;
+  description->bytes = size_t(record.treeBytes + record.blockBytes);
+  return true;
+  RTC_CATCH_END2(file);
+  return false;
+}
+
+RTC_API RTCGeometry rtcNewGeometryFromCompressedFile (RTCCompressedFile hfile, unsigned int index)
+{
+  OpenFile* file = (OpenFile*) hfile;
+  RTC_CATCH_BEGIN;
+  require(file,"file");
+  if (index >= file->thing->size())
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"index " + std::to_string(index) + ": the file has " + std::to_string(file->thing->size()) + " geometries");
+  return load(file->thing,file->device,index);
+  RTC_CATCH_END2(file);
+  return nullptr;
+}
+
+RTC_API bool rtcVerifyCompressedFile (RTCCompressedFile hfile)
+{
+  OpenFile* file = (OpenFile*) hfile;
+  RTC_CATCH_BEGIN;
+  require(file,"file");
+  cbvh::MappedFile::verify(file->thing,file->device);
+  return true;
+  RTC_CATCH_END2(file);
+  return false;
+}
+
+RTC_API void rtcReleaseCompressedFile (RTCCompressedFile hfile)
+{
+  OpenFile* file = (OpenFile*) hfile;
+  RTC_CATCH_BEGIN;
+  require(file,"file");
+  file->refDec();
+  RTC_CATCH_END(nullptr);
+}
+
+RTC_NAMESPACE_END

@@ -1,0 +1,273 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Compiled for the library's lowest ISA only. */
+
+#include "file_writer.h"
+#include "../base/kinds.h"
+#include "../base/mapped_blocks.h"
+#include "../base/primitive_type.h"
+#include "../embree/scene.h"
+#include "../vert/motion_format.h"
+#include "surface_blocks.h"
+#include <atomic>
+#include <cerrno>
+#include <climits>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    namespace
+    {
+      /*! The tree of a surface as a file has it, and its blocks in the file's order. */
+      class Layout
+      {
+      public:
+        std::vector<char> tree;
+        std::vector<const void*> blocks;
+        std::vector<uint64_t> offsets; //!< of each, and the end
+        std::vector<bool> isVert;      //!< of each
+
+        explicit Layout (const SurfaceBlocks& surface)
+        {
+          offsets.push_back(0);
+          form = surface.moving.size() ? FILE_MOVING : surface.root != BVH4::emptyNode ? FILE_TREE : FILE_LIST;
+          if (form == FILE_TREE) node(surface.root);
+          if (form == FILE_LIST)
+            for (const PrimRef& part : surface.parts) entry(part.bounds(),BVH4::NodeRef(part.ID()));
+          if (form == FILE_MOVING)
+            for (size_t ref : surface.moving) entry(BBox3fa(Vec3fa(zero),Vec3fa(zero)),BVH4::NodeRef(ref));
+        }
+
+        FileForm form;
+
+      private:
+        uint64_t leaf (BVH4::NodeRef ref)
+        {
+          size_t type;
+          const void* const block = ref.leaf(type);
+          if (!isBlock(type))
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"a part of the geometry is left to GRID, for its edge rates or because it has no good frame: only compressed blocks can be saved, which cVERT has of all");
+          const bool moves = type == MOVING_VERT_BLOCK, vert = type != FRAMED_BLOCK;
+          if (!moves && !isUsable(block,vert))
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry's own file is damaged: one of its blocks is none");
+          const uint64_t begin = offsets.back();
+          const uint64_t bytes = vert ? vertBytes((const VertHeader*)block) : ((const Block*)block)->layout().bytes;
+          blocks.push_back(block);
+          isVert.push_back(vert);
+          offsets.push_back((begin + bytes + blockAlignment-1) & ~uint64_t(blockAlignment-1));
+          return begin | (moves ? FILE_MOVING_VERT : vert ? FILE_VERT : FILE_FRAMED);
+        }
+
+        uint64_t child (BVH4::NodeRef ref)
+        {
+          if (ref == BVH4::emptyNode) return FILE_NONE;
+          return ref.isLeaf() ? leaf(ref) : node(ref);
+        }
+
+        uint64_t node (BVH4::NodeRef ref)
+        {
+          const BVH4::AABBNode* const from = ref.getAABBNode();
+          const size_t begin = tree.size();
+          tree.resize(begin + sizeof(FileNode));
+          FileNode to;
+          const vfloat4* const planes[3][2] = { { &from->lower_x,&from->upper_x },{ &from->lower_y,&from->upper_y },{ &from->lower_z,&from->upper_z } };
+          for (size_t i=0; i<4; i++) {
+            to.children[i] = child(from->child(i));
+            for (int k=0; k<3; k++)
+              for (int side=0; side<2; side++) to.planes[k][side][i] = to.children[i] == FILE_NONE ? 0.0f : (*planes[k][side])[i];
+          }
+          memcpy(tree.data()+begin,&to,sizeof(to));
+          return begin | FILE_NODE;
+        }
+
+        void entry (const BBox3fa& bounds, BVH4::NodeRef ref)
+        {
+          if (!ref.isLeaf()) throw_RTCError(RTC_ERROR_UNKNOWN,"a list of blocks has a node");
+          FileEntry to;
+          for (int k=0; k<3; k++) { to.lower[k] = bounds.lower[k]; to.upper[k] = bounds.upper[k]; }
+          to.child = leaf(ref);
+          tree.insert(tree.end(),(const char*)&to,(const char*)(&to+1));
+        }
+      };
+
+      uint32_t sourceOf (const CompressibleGeometry* geometry)
+      {
+        switch (geometry->ownType) {
+        case Geometry::GTY_GRID_MESH: return FILE_GRIDS;
+        case Geometry::GTY_QUAD_MESH: return FILE_QUADS;
+        case Geometry::GTY_TRIANGLE_MESH: return FILE_TRIANGLES;
+        default: return FILE_CAGE;
+        }
+      }
+
+      /*! of a file that is written beside the one that it becomes */
+      std::string temporaryName (const std::string& path)
+      {
+        static std::atomic<unsigned> count(0);
+        return path + ".part-" + std::to_string(getpid()) + "-" + std::to_string(count++);
+      }
+
+      std::string folderOf (const std::string& path)
+      {
+        const size_t slash = path.rfind('/');
+        return slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0,slash);
+      }
+    }
+
+    FileWriter::FileWriter (const std::string& name) : path(name), file(-1)
+    {
+      if (path.empty()) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"path is empty");
+      /* what a link leads to is replaced, not the link */
+      if (char* real = realpath(name.c_str(),nullptr)) { path = real; free(real); }
+      struct stat status;
+      const bool exists = stat(path.c_str(),&status) == 0;
+      if (exists && !S_ISREG(status.st_mode))
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,path + ": is no file");
+      temporary = temporaryName(path);
+      file = ::open(temporary.c_str(),O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC,0666);
+      if (file < 0)
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,path + ": cannot be written: " + std::strerror(errno));
+      if (exists) (void)!fchmod(file,status.st_mode & 07777); // as it was; else what new files get
+      try {
+        const FileHeader none = FileHeader();
+        write(&none,sizeof(none));
+        padTo(filePage);
+      }
+      catch (...) { ::close(file); ::unlink(temporary.c_str()); throw; } // no destructor runs
+    }
+
+    FileWriter::~FileWriter ()
+    {
+      if (file < 0) return;
+      ::close(file);
+      ::unlink(temporary.c_str());
+    }
+
+    void FileWriter::fail (const std::string& what)
+    {
+      failed = true;
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": " + what);
+    }
+
+    void FileWriter::write (const void* data, size_t bytes)
+    {
+      const char* p = (const char*)data;
+      while (bytes)
+      {
+        const ssize_t n = ::write(file,p,std::min(bytes,size_t(1) << 30));
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) fail(std::string("cannot be written: ") + (n < 0 ? std::strerror(errno) : "nothing is taken"));
+        p += n;
+        bytes -= size_t(n);
+        at += uint64_t(n);
+      }
+    }
+
+    void FileWriter::padTo (uint64_t alignment)
+    {
+      static const char zeros[filePage] = {};
+      if (at % alignment) write(zeros,size_t(alignment - at % alignment));
+    }
+
+    uint32_t FileWriter::numberOf (const FileGeometry& record, bool moves)
+    {
+      /* the same file for the same surface; for others most likely another number */
+      const uint32_t count = firstFileNumber-1; // the last number with bit 31 is no surface's
+      uint32_t number = fileChecksum(&record,sizeof(record)) % count;
+      while (!numbers.insert(number).second) number = (number+1) % count;
+      return number | firstFileNumber | (moves ? movingSurface : 0);
+    }
+
+    void FileWriter::add (const CompressibleGeometry* geometry, const SurfaceBlocks& surface)
+    {
+      if (file < 0) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": was committed");
+      if (failed) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": could not be written before");
+      const Layout layout(surface);
+      FileGeometry record = FileGeometry();
+      record.form = layout.form;
+      record.source = sourceOf(geometry);
+      record.numPrimitives = geometry->numPrimitives;
+      record.numTimeSteps = geometry->numTimeSteps;
+      record.begin = geometry->time_range.lower;
+      record.end = geometry->time_range.upper;
+      record.compression = layout.form == FILE_MOVING || record.source != FILE_CAGE ? RTC_COMPRESSION_VERT : geometry->compression.resolve(geometry->device->compression).compression;
+      for (int k=0; k<3; k++) { record.lower[k] = surface.bounds.lower[k]; record.upper[k] = surface.bounds.upper[k]; }
+      record.numBlocks = layout.blocks.size();
+      size_t n = 0;
+      forEachCount(surface.statistics,[&](size_t count) { record.counts[n++] = count; });
+      n = 0;
+      forEachMeasure(surface.statistics,[&](float measure) { record.measures[n++] = measure; });
+      record.treeBytes = layout.tree.size();
+      record.blockBytes = layout.offsets.back();
+      record.treeChecksum = fileChecksum(layout.tree.data(),layout.tree.size());
+      record.surface = numberOf(record,layout.form == FILE_MOVING);
+
+      record.tree = at;
+      write(layout.tree.data(),layout.tree.size());
+      padTo(filePage);
+      record.blocks = at;
+      std::vector<char> piece;
+      auto flush = [&] {
+        record.blocksChecksum = fileChecksum(piece.data(),piece.size(),record.blocksChecksum);
+        write(piece.data(),piece.size());
+        piece.clear();
+      };
+      for (size_t i=0; i<layout.blocks.size(); i++)
+      {
+        const size_t begin = piece.size();
+        const bool vert = layout.isVert[i];
+        piece.resize(begin + size_t(layout.offsets[i+1]-layout.offsets[i]));
+        const size_t bytes = vert ? vertBytes((const VertHeader*)layout.blocks[i]) : ((const Block*)layout.blocks[i])->layout().bytes;
+        memcpy(piece.data()+begin,layout.blocks[i],bytes);
+        memcpy(piece.data()+begin + (vert ? offsetof(VertHeader,surface) : offsetof(BlockHeader,surface)),&record.surface,sizeof(record.surface));
+        if (piece.size() >= size_t(1) << 20) flush();
+      }
+      flush();
+      const uint64_t end = at;
+      padTo(filePage);
+      if (at-end < fileReadBehind) { const char zeros[fileReadBehind] = {}; write(zeros,sizeof(zeros)); padTo(filePage); }
+      directory.push_back(record);
+    }
+
+    void FileWriter::commit ()
+    {
+      if (file < 0) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": was committed");
+      if (failed) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": could not be written before");
+      if (directory.empty()) fail("no geometry was added");
+      FileHeader header = FileHeader();
+      memcpy(header.magic,fileMagic,sizeof(header.magic));
+      header.byteOrder = fileByteOrder;
+      header.version = fileVersion;
+      header.vertVersion = vertFormatVersion;
+      header.framedVersion = formatVersion;
+      header.numGeometries = uint32_t(directory.size());
+      header.recordBytes = sizeof(FileGeometry);
+      header.directory = at;
+      const size_t bytes = directory.size()*sizeof(FileGeometry);
+      header.directoryChecksum = fileChecksum(directory.data(),bytes);
+      write(directory.data(),bytes);
+      header.fileBytes = at;
+      header.checksum = fileChecksum(&header,offsetof(FileHeader,checksum));
+      if (::lseek(file,0,SEEK_SET) != 0) fail(std::string("cannot be written: ") + std::strerror(errno));
+      write(&header,sizeof(header));
+      if (::fsync(file) != 0) fail(std::string("cannot be written: ") + std::strerror(errno));
+      const int closed = ::close(file);
+      file = -1;
+      if (closed != 0 || ::rename(temporary.c_str(),path.c_str()) != 0) {
+        const std::string why = std::strerror(errno);
+        ::unlink(temporary.c_str());
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": cannot be written: " + why);
+      }
+      /* that it has its name is on the disk, too, where the folder can be read */
+      const int folder = ::open(folderOf(path).c_str(),O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      if (folder >= 0) { (void)!::fsync(folder); ::close(folder); }
+    }
+  }
+}

@@ -1,0 +1,105 @@
+#!/usr/bin/python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Measures the table of files in kernels/cbvh/PERFORMANCE.md: how long a saved scene takes to open, and what memory.
+
+    scripts/measure_files.py PATH/TO/cbvh_render FOLDER [--repeat N]
+
+The scene is saved to the folder first, if it is not there. A cold file has no page in memory: what is on disk is written, and then
+let go (posix_fadvise). Memory is that of the mapping, as the kernel says of each process (/proc/PID/smaps).
+"""
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import time
+from pathlib import Path
+
+VIEWS = {"all of it": ("full", "512x512"), "one claw": ("0.55,0.2,0.9,0.35,0.05,0.5,6", "768x768")}
+
+
+def letGo(path):
+    with open(path, "rb") as file:
+        os.fsync(file.fileno())
+        os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+
+
+def mappingOf(pid, path):
+    """Rss and Pss of a file in a process, in bytes."""
+    sums = {"Rss": 0, "Pss": 0}
+    inside = False
+    try:
+        for line in Path(f"/proc/{pid}/smaps").read_text().split("\n"):
+            words = line.split()
+            if len(words) > 1 and "-" in words[0] and not words[0].endswith(":"):
+                inside = line.endswith(str(path))
+            elif inside and words and words[0].rstrip(":") in sums:
+                sums[words[0].rstrip(":")] += 1024 * int(words[1])
+    except (OSError, ProcessLookupError):
+        return None
+    return sums if sums["Rss"] else None
+
+
+def cached(path):
+    return int(subprocess.run(["fincore", "--bytes", "--noheadings", "--output", "RES", str(path)], capture_output=True, text=True, check=True).stdout)
+
+
+def load(program, path, folder, processes, view):
+    """Records of processes at once, with the last that was seen of their mappings while all were there."""
+    runs = []
+    for i in range(processes):
+        record = folder / f"load-{i}.json"
+        command = [program, "--load", path, "--view", VIEWS[view][0], "--size", VIEWS[view][1], "--samples", "4", "--threads", "1", "--output", folder / f"load-{i}", "--json", record]
+        runs.append((subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL), record))
+    seen = [None] * processes
+    while all(run.poll() is None for run, _ in runs):
+        now = [mappingOf(run.pid, path) for run, _ in runs]
+        if all(now):
+            seen = now
+        time.sleep(0.01)
+    for run, _ in runs:
+        if run.wait() != 0:
+            raise SystemExit(f"{program} --load {path} failed")
+    return [json.loads(record.read_text()) for _, record in runs], seen
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--scene", default="trex")
+    parser.add_argument("--repeat", type=int, default=7)
+    options = parser.parse_args()
+    folder = options.folder.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{options.scene}.cbvh"
+    if not path.exists():
+        subprocess.run([options.program, "--scene", options.scene, "--save", path, "--samples", "1", "--output", folder / "save"], check=True, stdout=subprocess.DEVNULL)
+    mib = 1 << 20
+    print(f"{path.name}: {path.stat().st_size / mib:.1f} MiB\n")
+    print("| view | file | processes | opened, ms | - on processors | first ray, ms | mapped and met, MiB a process | its part of that, MiB | in memory of the file, MiB |")
+    print("|:--|:--|--:|--:|--:|--:|--:|--:|--:|")
+    for view in VIEWS:
+        for isCold in (False, True):
+            for processes in (1, 4):
+                opened, used, first, rss, pss, inMemory = [], [], [], [], [], []
+                for _ in range(options.repeat):
+                    if isCold:
+                        letGo(path)
+                    records, seen = load(options.program, path, folder, processes, view)
+                    opened += [r["openSeconds"] for r in records]
+                    used += [r["openProcessorSeconds"] for r in records]
+                    first += [r["firstRaySeconds"] for r in records]
+                    rss += [s["Rss"] for s in seen if s]
+                    pss += [s["Pss"] for s in seen if s]
+                    inMemory.append(cached(path))
+                middle = statistics.median
+                print(f"| {view} | {'cold' if isCold else 'warm'} | {processes} | {1e3 * middle(opened):.1f} | {1e3 * middle(used):.1f} | {1e3 * middle(first):.1f} | "
+                      f"{middle(rss) / mib:.1f} | {middle(pss) / mib:.1f} | {middle(inMemory) / mib:.1f} |" if rss else "| the processes ended before they were seen |")
+
+
+if __name__ == "__main__":
+    main()

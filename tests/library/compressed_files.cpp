@@ -1,0 +1,391 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Files of compressed geometry: what is loaded is what was saved. */
+
+#include "support/query_forms.h"
+#include "support/saved.h"
+
+#include <embree3/rtcore_compressed_triangles.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <thread>
+
+namespace cbvh::test {
+namespace {
+
+std::vector<RTCRayHit> timedRays(Random& random, unsigned count, bool moves)
+{
+  std::vector<RTCRayHit> rays = raysAt(random, count);
+  for (RTCRayHit& ray : rays) ray.ray.time = moves ? float(random.uniform(0, 1)) : 0;
+  return rays;
+}
+
+// All of rays and hits that the library writes.
+void expectSameToTheBit(const std::vector<RTCRayHit>& expected, const std::vector<RTCRayHit>& found)
+{
+  ASSERT_EQ(expected.size(), found.size());
+  for (size_t i = 0; i < expected.size(); i++) {
+    SCOPED_TRACE(testing::Message() << "ray " << i);
+    const RTCRayHit &e = expected[i], &f = found[i];
+    ASSERT_EQ(std::memcmp(&e.ray.tfar, &f.ray.tfar, sizeof(float)), 0);
+    ASSERT_EQ(e.hit.geomID, f.hit.geomID);
+    if (isHit(e)) ASSERT_EQ(std::memcmp(&e.hit, &f.hit, offsetof(RTCHit, instID) + sizeof(e.hit.instID)), 0);
+  }
+}
+
+size_t hitsOf(const std::vector<RTCRayHit>& rays) { return size_t(std::count_if(rays.begin(), rays.end(), isHit)); }
+
+void expectSameStatistics(const RTCCompressionStatistics& a, const RTCCompressionStatistics& b, bool withTopLevel)
+{
+  RTCCompressionStatistics c = a, d = b;
+  if (!withTopLevel) c.topLevelBytes = d.topLevelBytes = 0;
+  EXPECT_EQ(std::memcmp(&c, &d, sizeof(c)), 0);
+}
+
+// Triangles of all parts, in the order of vertices.
+std::vector<std::array<float, 3>> verticesOf(RTCGeometry geometry, float time)
+{
+  std::vector<std::array<float, 3>> all;
+  rtcForEachCompressedPartAtTime(geometry, time, [](void* self, const RTCCompressedPart* part) {
+    for (unsigned i = 0; i < part->width*part->height; i++)
+      ((std::vector<std::array<float, 3>>*)self)->push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
+    return true;
+  }, &all);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+class OneGeometry : public Scene
+{
+public:
+  OneGeometry(RTCDevice device, RTCGeometry geometry) : Scene(device), geometry(geometry)
+  {
+    if (!geometry) return;
+    attach(*this, geometry);
+    rtcCommitScene(*this);
+  }
+  RTCGeometry geometry;
+};
+
+TEST(CompressedFiles, LoadedSurfacesAreThoseThatWereSaved)
+{
+  for (const Saveable& saveable : allSaveable()) {
+    SCOPED_TRACE(saveable.name);
+    Random random(33);
+    Folder folder;
+    Device device;
+    const std::vector<RTCRayHit> rays = timedRays(random, 500, saveable.moves);
+    std::vector<std::vector<RTCRayHit>> expected, occluded;
+    RTCCompressionStatistics statistics;
+    RTCBounds bounds;
+    std::vector<std::array<float, 3>> vertices;
+    {
+      OneGeometry scene(device, saveable.make(device));
+      ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder/"surface.cbvh").c_str())) << device.message;
+      for (QueryForm form : allQueryForms) {
+        expected.push_back(closestHits(scene, rays, form));
+        occluded.push_back(QueryRun(scene, form, true)(rays));
+      }
+      statistics = statisticsOf(scene);
+      rtcGetSceneBounds(scene, &bounds);
+      if (saveable.hasTriangles) vertices = verticesOf(scene.geometry, 0.5f);
+      EXPECT_GT(hitsOf(expected[0]), rays.size()/8);
+    }
+    OneGeometry scene(device, rtcLoadCompressedGeometry(device, (folder/"surface.cbvh").c_str()));
+    ASSERT_NE(scene.geometry, nullptr) << device.message;
+    for (size_t i = 0; i < expected.size(); i++) {
+      SCOPED_TRACE(nameOf(allQueryForms[i]));
+      expectSameToTheBit(expected[i], closestHits(scene, rays, allQueryForms[i]));
+      expectSameToTheBit(occluded[i], QueryRun(scene, allQueryForms[i], true)(rays));
+    }
+    expectSameStatistics(statistics, statisticsOf(scene), true);
+    RTCBounds loaded;
+    rtcGetSceneBounds(scene, &loaded);
+    EXPECT_EQ(std::memcmp(&bounds.lower_x, &loaded.lower_x, 3*sizeof(float)), 0);
+    EXPECT_EQ(std::memcmp(&bounds.upper_x, &loaded.upper_x, 3*sizeof(float)), 0);
+    if (saveable.hasTriangles) {
+      EXPECT_EQ(vertices, verticesOf(scene.geometry, 0.5f));
+      size_t found = 0;
+      const auto hits = closestHits(scene, rays, QueryForm::Single);
+      for (const RTCRayHit& r : hits) {
+        RTCCompressedTriangle triangle;
+        if (isHit(r)) found += rtcGetCompressedTriangleAtTime(scene.geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &triangle);
+      }
+      EXPECT_EQ(found, hitsOf(hits));
+    }
+    RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"surface.cbvh").c_str());
+    EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
+    rtcReleaseCompressedFile(file);
+    EXPECT_EQ(device.errors, 0u) << device.message;
+  }
+}
+
+TEST(CompressedFiles, ALoadedSurfaceIsSavedAsTheSameBytes)
+{
+  for (const Saveable& saveable : allSaveable()) {
+    SCOPED_TRACE(saveable.name);
+    Folder folder;
+    Device device;
+    RTCGeometry geometry = saveable.make(device);
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) << device.message;
+    rtcReleaseGeometry(geometry);
+    geometry = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
+    ASSERT_NE(geometry, nullptr) << device.message;
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"b").c_str())) << device.message;
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) << "the file that it comes from: " << device.message;
+    rtcReleaseGeometry(geometry);
+    EXPECT_EQ(bytesOf(folder/"a"), bytesOf(folder/"b"));
+    EXPECT_EQ(folder.names().size(), 2u);
+  }
+}
+
+TEST(CompressedFiles, OneFileHoldsManyGeometriesWhoseInputIsGone)
+{
+  Folder folder;
+  Device device;
+  Random random(7);
+  const std::vector<Saveable> all = allSaveable();
+  const std::vector<RTCRayHit> rays = timedRays(random, 2000, true);
+  std::vector<RTCRayHit> expected;
+  {
+    Scene scene(device);
+    for (const Saveable& saveable : all) attach(scene, saveable.make(device));
+    rtcCommitScene(scene);
+    expected = closestHits(scene, rays, QueryForm::Single);
+  }
+  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder/"all").c_str());
+  ASSERT_NE(writer, nullptr) << device.message;
+  for (const Saveable& saveable : all) {
+    RTCGeometry geometry = saveable.make(device);
+    ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << saveable.name << ": " << device.message;
+    rtcReleaseGeometry(geometry);
+  }
+  EXPECT_EQ(access((folder/"all").c_str(), F_OK), -1) << "it is there before it is whole";
+  ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+  EXPECT_FALSE(rtcCommitCompressedFile(writer));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  rtcReleaseCompressedFileWriter(writer);
+  device.errors = 0;
+
+  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"all").c_str());
+  ASSERT_NE(file, nullptr) << device.message;
+  ASSERT_EQ(rtcGetCompressedFileGeometryCount(file), all.size());
+  Scene scene(device);
+  size_t quads = 0;
+  for (unsigned i = 0; i < all.size(); i++) {
+    RTCCompressedFileGeometry description;
+    ASSERT_TRUE(rtcGetCompressedFileGeometry(file, i, &description));
+    EXPECT_EQ(description.timeStepCount > 1, all[i].moves);
+    EXPECT_GT(description.primitiveCount, 0u);
+    quads += description.statistics.numQuads;
+    attach(scene, rtcNewGeometryFromCompressedFile(file, i));
+  }
+  rtcReleaseCompressedFile(file);
+  rtcCommitScene(scene);
+  expectSameToTheBit(expected, closestHits(scene, rays, QueryForm::Single));
+  std::set<unsigned> geomIDs;
+  for (const RTCRayHit& r : expected) geomIDs.insert(r.hit.geomID);
+  EXPECT_GT(geomIDs.size(), 4u);
+  EXPECT_EQ(statisticsOf(scene).numQuads, quads);
+  EXPECT_EQ(device.errors, 0u) << device.message;
+  EXPECT_EQ(rtcLoadCompressedGeometry(device, (folder/"all").c_str()), nullptr) << "there are several";
+}
+
+TEST(CompressedFiles, AGeometryIsLoadedSeveralTimesInOneScene)
+{
+  for (const Saveable& saveable : allSaveable()) {
+    SCOPED_TRACE(saveable.name);
+    Folder folder;
+    Device device;
+    Random random(8);
+    RTCGeometry geometry = saveable.make(device);
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
+    const std::string before = bytesOf(folder/"a");
+    // the first is masked away from half of the rays, the second from the others
+    Scene scene(device);
+    for (unsigned mask : {1u, 2u, 4u}) {
+      RTCGeometry loaded = mask == 4 ? geometry : rtcLoadCompressedGeometry(device, (folder/"a").c_str());
+      ASSERT_NE(loaded, nullptr) << device.message;
+      rtcSetGeometryMask(loaded, mask);
+      rtcSetGeometryUserData(loaded, (void*)size_t(mask));
+      if (mask != 4) rtcCommitGeometry(loaded);
+      attach(scene, loaded);
+    }
+    rtcDisableGeometry(rtcGetGeometry(scene, 2)); // whose input is gone, so that a mask cannot be committed
+    rtcCommitScene(scene);
+    std::vector<RTCRayHit> rays = timedRays(random, 300, saveable.moves), single;
+    for (size_t i = 0; i < rays.size(); i++) rays[i].ray.mask = 1 + i % 2;
+    OneGeometry alone(device, rtcLoadCompressedGeometry(device, (folder/"a").c_str()));
+    single = closestHits(alone, rays, QueryForm::Single);
+    size_t hits = 0;
+    for (QueryForm form : {QueryForm::Single, QueryForm::Packet8}) {
+      const std::vector<RTCRayHit> found = closestHits(scene, rays, form);
+      for (size_t i = 0; i < rays.size(); i++) {
+        ASSERT_EQ(isHit(single[i]), isHit(found[i]));
+        if (!isHit(found[i])) continue;
+        hits++;
+#if defined(EMBREE_RAY_MASK)
+        ASSERT_EQ(found[i].hit.geomID, unsigned(i % 2));
+#endif
+        ASSERT_LT(found[i].hit.geomID, 2u);
+        ASSERT_EQ(rtcGetGeometryUserData(rtcGetGeometry(scene, found[i].hit.geomID)), (void*)size_t(1 + found[i].hit.geomID));
+      }
+    }
+    EXPECT_GT(hits, 50u);
+    EXPECT_EQ(before, bytesOf(folder/"a")) << "the file was written into";
+    EXPECT_EQ(device.errors, 0u) << device.message;
+  }
+}
+
+TEST(CompressedFiles, FiltersInstancesAndOtherDevices)
+{
+  Folder folder;
+  {
+    Device device;
+    RTCGeometry geometry = allSaveable()[0].make(device);
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
+    rtcReleaseGeometry(geometry);
+  }
+  Device device("subdiv_accel=cbvh.leaf,cbvh_frame_level=1");
+  RTCGeometry geometry = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
+  ASSERT_NE(geometry, nullptr) << device.message;
+  struct Seen { size_t calls = 0; } seen;
+  rtcSetGeometryUserData(geometry, &seen);
+  rtcSetGeometryIntersectFilterFunction(geometry, [](const RTCFilterFunctionNArguments* args) { ((Seen*)args->geometryUserPtr)->calls++; args->valid[0] = 0; });
+  rtcCommitGeometry(geometry);
+  OneGeometry inner(device, geometry);
+  Scene outer(device);
+  RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(instance, inner);
+  const float transform[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+  rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
+  rtcCommitGeometry(instance);
+  attach(outer, instance);
+  rtcCommitScene(outer);
+  Random random(4);
+  const std::vector<RTCRayHit> rays = raysAt(random, 200);
+  EXPECT_EQ(hitsOf(closestHits(outer, rays, QueryForm::Single)), 0u);
+  EXPECT_GT(seen.calls, 200u);
+  rtcSetGeometryIntersectFilterFunction(geometry, nullptr);
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(inner);
+  rtcCommitScene(outer);
+  const auto found = closestHits(outer, rays, QueryForm::Single);
+  EXPECT_GT(hitsOf(found), 150u);
+  for (const RTCRayHit& r : found)
+    if (isHit(r)) ASSERT_EQ(r.hit.instID[0], 0u);
+  rtcDisableGeometry(geometry);
+  rtcCommitScene(inner);
+  EXPECT_EQ(hitsOf(closestHits(inner, rays, QueryForm::Single)), 0u);
+  EXPECT_EQ(device.errors, 0u) << device.message;
+}
+
+TEST(CompressedFiles, WhatNeedsACageIsRefusedWithTheReason)
+{
+  Folder folder;
+  Device device;
+  for (const Saveable& saveable : allSaveable()) {
+    SCOPED_TRACE(saveable.name);
+    RTCGeometry geometry = saveable.make(device);
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
+    rtcReleaseGeometry(geometry);
+    geometry = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
+    ASSERT_NE(geometry, nullptr);
+    float P[3];
+    const std::function<void()> edits[] = {
+      [&] { rtcInterpolate0(geometry, 0, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX, 0, P, 3); },
+      [&] { rtcInterpolate0(geometry, 0, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0, P, 3); },
+      [&] { rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 4); },
+      [&] { rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0); },
+      [&] { rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0); },
+      [&] { rtcSetGeometryTessellationRate(geometry, 4); },
+      [&] { rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_PIN_ALL); },
+      [&] { rtcSetGeometryDisplacementFunction(geometry, Displacement::apply); },
+      [&] { rtcSetGeometryVertexAttributeCount(geometry, 1); },
+      [&] { rtcSetGeometryTopologyCount(geometry, 2); },
+      [&] { rtcSetGeometryTimeStepCount(geometry, 7); },
+      [&] { rtcGetGeometryFirstHalfEdge(geometry, 0); },
+      [&] { RTCCompressionArguments args; rtcInitCompressionArguments(&args); args.compression = RTC_COMPRESSION_NONE; rtcSetGeometryCompression(geometry, &args); }};
+    for (const auto& edit : edits) {
+      SCOPED_TRACE(&edit - edits);
+      edit();
+      EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+      EXPECT_NE(device.message.find("loaded from a file"), std::string::npos) << device.message;
+    }
+    // as it was
+    rtcCommitGeometry(geometry);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    if (saveable.moves) {
+      rtcSetGeometryTimeRange(geometry, 0, 2);
+      rtcCommitGeometry(geometry);
+      EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+    }
+    rtcReleaseGeometry(geometry);
+  }
+}
+
+TEST(CompressedFiles, WhatIsNotCompressedIsNotSaved)
+{
+  Folder folder;
+  Device device;
+  const auto refused = [&](RTCGeometry geometry, const std::string& why) {
+    EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
+    EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
+    EXPECT_NE(device.message.find(why), std::string::npos) << device.message;
+    EXPECT_TRUE(folder.names().empty());
+  };
+  EXPECT_FALSE(rtcSaveCompressedGeometry(nullptr, (folder/"a").c_str()));
+  EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_VERT;
+  RTCGeometry geometry = newSurface(device, cubeCage(), settings);
+  refused(geometry, "has not been compressed");
+  Scene scene(device);
+  attach(scene, geometry);
+  rtcCommitScene(scene);
+  rtcSetGeometryMask(geometry, 3);
+  refused(geometry, "changed since");
+  settings.compression = RTC_COMPRESSION_LEAF;
+  settings.rate = 300;
+  OneGeometry high(device, newSurface(device, quadCage(), settings));
+  refused(high.geometry, "GRID");
+  RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  refused(instance, "has not been compressed");
+  rtcReleaseGeometry(instance);
+}
+
+// Threads that trace while others load, save and release the same files.
+TEST(CompressedFiles, ManyThreadsLoadAndTraceAtATime)
+{
+  Folder folder;
+  Device device;
+  Random random(12);
+  const std::vector<Saveable> all = allSaveable();
+  std::vector<std::vector<RTCRayHit>> expected;
+  const std::vector<RTCRayHit> rays = timedRays(random, 200, true);
+  for (size_t i = 0; i < 4; i++) {
+    OneGeometry scene(device, all[i].make(device));
+    ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder/std::to_string(i)).c_str()));
+    expected.push_back(closestHits(scene, rays, QueryForm::Single));
+  }
+  std::vector<std::thread> threads;
+  for (size_t t = 0; t < 4; t++)
+    threads.emplace_back([&, t] {
+      for (size_t round = 0; round < 12; round++) {
+        const size_t i = (t + round) % 4;
+        OneGeometry scene(device, rtcLoadCompressedGeometry(device, (folder/std::to_string(i)).c_str()));
+        ASSERT_NE(scene.geometry, nullptr);
+        expectSameToTheBit(expected[i], closestHits(scene, rays, QueryForm::Single));
+        ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder/(std::to_string(t) + "-saved")).c_str()));
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(device.errors, 0u) << device.message;
+  for (size_t t = 0; t < 4; t++) EXPECT_EQ(bytesOf(folder/(std::to_string(t) + "-saved")), bytesOf(folder/std::to_string((t + 11) % 4)));
+}
+
+} // namespace
+} // namespace cbvh::test

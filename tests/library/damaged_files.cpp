@@ -1,0 +1,287 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Files of compressed geometry that are not what they should be, and disks that take none. */
+
+#include "support/file_mutations.h"
+#include "support/random_rounds.h"
+
+#include <csignal>
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+namespace cbvh::test {
+namespace {
+
+class DamagedFiles : public testing::Test
+{
+protected:
+  DamagedFiles()
+  {
+    RTCGeometry geometry = allSaveable()[0].make(device);
+    EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+    rtcReleaseGeometry(geometry);
+    sound = bytesOf(path);
+  }
+
+  void expectRefused(const std::string& bytes, const std::string& why)
+  {
+    writeBytes(path, bytes);
+    EXPECT_EQ(rtcLoadCompressedGeometry(device, path.c_str()), nullptr);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+    EXPECT_NE(device.message.find(why), std::string::npos) << device.message;
+    EXPECT_NE(device.message.find(path), std::string::npos) << "the file is not named: " << device.message;
+  }
+
+  Folder folder;
+  Device device;
+  const std::string path = folder/"surface.cbvh";
+  std::string sound;
+};
+
+TEST_F(DamagedFiles, AreRefusedWithTheReason)
+{
+  expectRefused("", "only 0 bytes");
+  expectRefused("mesh", "only 4 bytes");
+  expectRefused(std::string(100000, 'x'), "no file of compressed surfaces");
+  for (size_t bytes = 64; bytes < sound.size(); bytes += 1 + sound.size()/50) expectRefused(sound.substr(0, bytes), "truncated");
+  expectRefused(sound.substr(0, sound.size() - 1), "truncated");
+  expectRefused(sound + "x", "behind its end");
+  expectRefused("\r" + sound, "no file of compressed surfaces");
+  std::remove(path.c_str());
+  EXPECT_EQ(rtcOpenCompressedFile(device, path.c_str()), nullptr);
+  EXPECT_NE(device.message.find("No such file"), std::string::npos) << device.message;
+  EXPECT_EQ(rtcOpenCompressedFile(device, folder.path.c_str()), nullptr);
+  EXPECT_NE(device.message.find("is no file"), std::string::npos) << device.message;
+}
+
+TEST_F(DamagedFiles, OfOtherVersionsAreRefused)
+{
+  FileBytes file(sound);
+  const auto with = [&](auto member, uint32_t value) {
+    FileBytes other(sound);
+    other.header().*member = value;
+    other.fitHeader();
+    return other.bytes;
+  };
+  using Header = embree::cbvh::FileHeader;
+  expectRefused(with(&Header::version, file.header().version + 1), "newer version of these files");
+  expectRefused(with(&Header::version, file.header().version - 1), "older version of these files");
+  expectRefused(with(&Header::vertVersion, file.header().vertVersion + 1), "newer version of cVERT");
+  expectRefused(with(&Header::vertVersion, file.header().vertVersion - 1), "older version of cVERT");
+  expectRefused(with(&Header::framedVersion, file.header().framedVersion + 1), "newer version of blocks with frames");
+  expectRefused(with(&Header::byteOrder, __builtin_bswap32(file.header().byteOrder)), "order of bytes");
+}
+
+TEST_F(DamagedFiles, AnyAlteredByteIsFound)
+{
+  Random random(21);
+  FileBytes file(sound);
+  const auto& record = file.record(0);
+  const auto alter = [&](size_t begin, size_t end, size_t count, bool isRefused) {
+    for (size_t i = 0; i < count; i++) {
+      std::string bytes = sound;
+      bytes[count >= end - begin ? begin + i % (end - begin) : begin + random.below(uint32_t(end - begin))] ^= char(1 << random.below(8));
+      if (isRefused) { expectRefused(bytes, ""); continue; }
+      writeBytes(path, bytes);
+      RTCCompressedFile opened = rtcOpenCompressedFile(device, path.c_str());
+      ASSERT_NE(opened, nullptr) << device.message;
+      EXPECT_FALSE(rtcVerifyCompressedFile(opened));
+      EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+      rtcReleaseCompressedFile(opened);
+    }
+  };
+  alter(0, sizeof(embree::cbvh::FileHeader), sizeof(embree::cbvh::FileHeader), true);
+  alter(file.header().directory, sound.size(), sound.size() - file.header().directory, true);
+  alter(record.tree, record.tree + record.treeBytes, 300, true);
+  alter(record.blocks, record.blocks + record.blockBytes, 100, false);
+}
+
+TEST_F(DamagedFiles, ABlockThatIsNoneIsLeftOutWithOneError)
+{
+  Random random(5);
+  const std::vector<RTCRayHit> rays = raysAt(random, 400);
+  const auto trace = [&] {
+    Scene scene(device);
+    RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+    EXPECT_NE(geometry, nullptr) << device.message;
+    if (geometry) attach(scene, geometry);
+    rtcCommitScene(scene);
+    return closestHits(scene, rays, QueryForm::Single);
+  };
+  const std::vector<RTCRayHit> before = trace();
+  FileBytes file(sound);
+  const auto& record = file.record(0);
+  // primitive 3 of the cube becomes one that it does not have
+  size_t altered = 0;
+  for (uint64_t i = 0; i < record.treeBytes; i += 8) {
+    uint64_t child;
+    std::memcpy(&child, &file.bytes[record.tree + i], sizeof(child));
+    if (i % 128 >= 32 || (child & 15) != embree::cbvh::FILE_VERT) continue;
+    embree::cbvh::VertHeader& block = *(embree::cbvh::VertHeader*)&file.bytes[record.blocks + (child & ~uint64_t(15))];
+    if (block.primID == 3) { block.primID = record.numPrimitives; altered++; }
+  }
+  ASSERT_GT(altered, 4u);
+  writeBytes(path, file.bytes);
+  device.errors = 0;
+  const std::vector<RTCRayHit> after = trace();
+  EXPECT_EQ(device.errors, 1u);
+  EXPECT_NE(device.message.find("a primitive that the geometry has not"), std::string::npos) << device.message;
+  size_t others = 0;
+  for (size_t i = 0; i < rays.size(); i++) {
+    if (isHit(after[i])) ASSERT_NE(after[i].hit.primID, 3u);
+    if (!isHit(before[i]) || before[i].hit.primID == 3) continue;
+    others++;
+    ASSERT_EQ(after[i].hit.primID, before[i].hit.primID);
+    ASSERT_EQ(after[i].ray.tfar, before[i].ray.tfar);
+  }
+  EXPECT_GT(others, 100u);
+}
+
+TEST_F(DamagedFiles, AnyIsRefusedOrTracedWithoutHarm)
+{
+  size_t loaded = 0, refused = 0, hits = 0, withErrors = 0;
+  const std::vector<Saveable> all = allSaveable();
+  for (size_t kind = 0; kind < all.size(); kind++) {
+    SCOPED_TRACE(all[kind].name);
+    RTCGeometry geometry = all[kind].make(device);
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+    rtcReleaseGeometry(geometry);
+    const std::string bytes = bytesOf(path);
+    Random random(uint32_t(100 + kind));
+    for (size_t round = 0; round < randomRounds(40); round++) {
+      writeBytes(path, mutated(random, bytes));
+      const Trial trial = tryFile(device, path, folder/"copy", random);
+      (trial.isLoaded ? loaded : refused)++;
+      hits += trial.hits;
+      withErrors += trial.isLoaded && trial.errors;
+    }
+  }
+  // each is met, or the test says little
+  EXPECT_GT(loaded, all.size());
+  EXPECT_GT(refused, all.size());
+  EXPECT_GT(hits, 1000u);
+  EXPECT_GT(withErrors, 10u);
+}
+
+// --- disks -------------------------------------------------------------------------------------------
+
+// Runs in a process of its own, which a signal may end; its exit status.
+template<typename Closure>
+int statusOfChild(const Closure& closure)
+{
+  const pid_t child = fork();
+  if (child == 0) _exit(closure());
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
+TEST_F(DamagedFiles, AFullDiskLeavesTheOldFile)
+{
+  const std::string old = "what was there before";
+  for (size_t limit : {0ul, 100ul, 5000ul, sound.size()/2, sound.size() - 100}) {
+    SCOPED_TRACE(limit);
+    writeBytes(path, sound);
+    RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+    ASSERT_NE(geometry, nullptr);
+    writeBytes(folder/"other", old);
+    const int status = statusOfChild([&] {
+      signal(SIGXFSZ, SIG_IGN);
+      const rlimit full = {limit, limit};
+      setrlimit(RLIMIT_FSIZE, &full);
+      if (rtcSaveCompressedGeometry(geometry, (folder/"other").c_str())) return 1;
+      return device.message.find("cannot be written") == std::string::npos ? 2 : device.takeError() == RTC_ERROR_INVALID_OPERATION ? 0 : 3;
+    });
+    EXPECT_EQ(status, 0);
+    EXPECT_EQ(bytesOf(folder/"other"), old);
+    EXPECT_EQ(folder.names().size(), 2u) << "something is left";
+    rtcReleaseGeometry(geometry);
+  }
+}
+
+TEST_F(DamagedFiles, AKillWhileSavingLeavesTheOldFile)
+{
+  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+  ASSERT_NE(geometry, nullptr);
+  const std::string old = "what was there before";
+  // once at each size that is written, by the signal of a limit
+  size_t killed = 0;
+  for (size_t limit : {100ul, 5000ul, sound.size()/2, sound.size() - 100}) {
+    writeBytes(folder/"other", old);
+    const int status = statusOfChild([&] {
+      signal(SIGXFSZ, SIG_DFL);
+      const rlimit none = {0, 0}, full = {limit, limit};
+      setrlimit(RLIMIT_CORE, &none);
+      setrlimit(RLIMIT_FSIZE, &full);
+      rtcSaveCompressedGeometry(geometry, (folder/"other").c_str());
+      return 1;
+    });
+    killed += WIFSIGNALED(status) != 0;
+    EXPECT_EQ(bytesOf(folder/"other"), old);
+  }
+  EXPECT_EQ(killed, 4u);
+  // and what is left is in nobody's way
+  EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"other").c_str())) << device.message;
+  EXPECT_EQ(bytesOf(folder/"other"), sound);
+  rtcReleaseGeometry(geometry);
+}
+
+TEST_F(DamagedFiles, FoldersThatTakeNoFileAreNamed)
+{
+  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+  ASSERT_NE(geometry, nullptr);
+  for (const std::string& to : {folder/"none/file", folder/"surface.cbvh/file", std::string("/proc/surface.cbvh"), std::string("/dev/null"), folder.path, std::string()}) {
+    EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, to.c_str()));
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << to;
+    EXPECT_NE(device.message.find(to), std::string::npos) << device.message;
+  }
+  EXPECT_EQ(folder.names().size(), 1u);
+  if (geteuid() != 0) { // whom permissions stop
+    chmod(folder.path.c_str(), 0555);
+    EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+    EXPECT_NE(device.message.find("Permission denied"), std::string::npos) << device.message;
+    chmod(folder.path.c_str(), 0755);
+  }
+  EXPECT_EQ(bytesOf(path), sound);
+  rtcReleaseGeometry(geometry);
+}
+
+TEST_F(DamagedFiles, AFileThatOnlyMayBeReadIsOpenedAndKeepsItsMode)
+{
+  chmod(path.c_str(), 0440);
+  // a second geometry of it writes into pages of its own
+  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str()), second = rtcLoadCompressedGeometry(device, path.c_str());
+  ASSERT_NE(geometry, nullptr) << device.message;
+  ASSERT_NE(second, nullptr) << device.message;
+  ASSERT_EQ(symlink("surface.cbvh", (folder/"link").c_str()), 0);
+  EXPECT_TRUE(rtcSaveCompressedGeometry(second, (folder/"link").c_str())) << device.message;
+  struct stat status;
+  ASSERT_EQ(lstat((folder/"link").c_str(), &status), 0);
+  EXPECT_TRUE(S_ISLNK(status.st_mode)) << "the link was replaced";
+  ASSERT_EQ(stat(path.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0440u);
+  EXPECT_EQ(bytesOf(path), sound);
+  rtcReleaseGeometry(geometry);
+  rtcReleaseGeometry(second);
+}
+
+TEST_F(DamagedFiles, AWriterThatIsReleasedLeavesNothing)
+{
+  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, path.c_str());
+  EXPECT_TRUE(rtcAppendCompressedGeometry(writer, geometry));
+  rtcReleaseCompressedFileWriter(writer);
+  writer = rtcNewCompressedFileWriter(device, path.c_str());
+  EXPECT_FALSE(rtcCommitCompressedFile(writer)) << "without a geometry";
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+  rtcReleaseCompressedFileWriter(writer);
+  EXPECT_EQ(folder.names().size(), 1u);
+  EXPECT_EQ(bytesOf(path), sound);
+  rtcReleaseGeometry(geometry);
+}
+
+} // namespace
+} // namespace cbvh::test

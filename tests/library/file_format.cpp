@@ -1,0 +1,249 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* FILE.md against the code: its tables, and a reader that knows nothing but what the page says. */
+
+#include "support/file_mutations.h"
+
+#include <functional>
+#include <map>
+#include <regex>
+#include <set>
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+
+struct Field { size_t offset, bytes; };
+
+// Fields of the table below a heading, by name.
+std::map<std::string, Field> tableOf(const std::string& heading)
+{
+  std::string page = bytesOf(FILE_MD);
+  const size_t begin = page.find("## " + heading + "\n");
+  EXPECT_NE(begin, std::string::npos) << heading;
+  page = page.substr(begin, page.find("\n## ", begin + 1) - begin);
+  const std::regex row("\\| ([0-9]+) \\| (?:([0-9]+) )?(bytes|u32|u64|f32) \\| `([a-zA-Z]+)` \\|");
+  std::map<std::string, Field> fields;
+  for (std::sregex_iterator i(page.begin(), page.end(), row), end; i != end; ++i) {
+    const size_t count = (*i)[2].matched ? std::stoul((*i)[2]) : 1, width = (*i)[3] == "u64" ? 8 : (*i)[3] == "bytes" ? 1 : 4;
+    fields[(*i)[4]] = {std::stoul((*i)[1]), count*width};
+  }
+  return fields;
+}
+
+#define EXPECT_FIELD(table, Struct, field) \
+  do { \
+    ASSERT_EQ(table.count(#field), 1u) << #field; \
+    EXPECT_EQ(table[#field].offset, offsetof(Struct, field)) << #field; \
+    EXPECT_EQ(table[#field].bytes, sizeof(Struct::field)) << #field; \
+    table.erase(#field); \
+  } while (false)
+
+TEST(FileFormat, TheHeaderIsThatOfThePage)
+{
+  auto table = tableOf("Header");
+  EXPECT_FIELD(table, FileHeader, magic);
+  EXPECT_FIELD(table, FileHeader, byteOrder);
+  EXPECT_FIELD(table, FileHeader, version);
+  EXPECT_FIELD(table, FileHeader, vertVersion);
+  EXPECT_FIELD(table, FileHeader, framedVersion);
+  EXPECT_FIELD(table, FileHeader, numGeometries);
+  EXPECT_FIELD(table, FileHeader, recordBytes);
+  EXPECT_FIELD(table, FileHeader, fileBytes);
+  EXPECT_FIELD(table, FileHeader, directory);
+  EXPECT_FIELD(table, FileHeader, directoryChecksum);
+  EXPECT_FIELD(table, FileHeader, reserved);
+  EXPECT_FIELD(table, FileHeader, checksum);
+  EXPECT_TRUE(table.empty()) << table.begin()->first;
+}
+
+TEST(FileFormat, ARecordIsThatOfThePage)
+{
+  auto table = tableOf("Directory");
+  EXPECT_FIELD(table, FileGeometry, tree);
+  EXPECT_FIELD(table, FileGeometry, treeBytes);
+  EXPECT_FIELD(table, FileGeometry, blocks);
+  EXPECT_FIELD(table, FileGeometry, blockBytes);
+  EXPECT_FIELD(table, FileGeometry, treeChecksum);
+  EXPECT_FIELD(table, FileGeometry, blocksChecksum);
+  EXPECT_FIELD(table, FileGeometry, form);
+  EXPECT_FIELD(table, FileGeometry, source);
+  EXPECT_FIELD(table, FileGeometry, compression);
+  EXPECT_FIELD(table, FileGeometry, surface);
+  EXPECT_FIELD(table, FileGeometry, numPrimitives);
+  EXPECT_FIELD(table, FileGeometry, numTimeSteps);
+  EXPECT_FIELD(table, FileGeometry, begin);
+  EXPECT_FIELD(table, FileGeometry, end);
+  EXPECT_FIELD(table, FileGeometry, lower);
+  EXPECT_FIELD(table, FileGeometry, upper);
+  EXPECT_FIELD(table, FileGeometry, numBlocks);
+  EXPECT_FIELD(table, FileGeometry, measures);
+  EXPECT_FIELD(table, FileGeometry, counts);
+  EXPECT_FIELD(table, FileGeometry, reserved);
+  EXPECT_TRUE(table.empty()) << table.begin()->first;
+}
+
+TEST(FileFormat, NumbersOfThePageAreThoseOfTheCode)
+{
+  const std::string page = std::regex_replace(bytesOf(FILE_MD), std::regex("\\s+"), " ");
+  const auto has = [&](const std::string& sentence) { EXPECT_NE(page.find(sentence), std::string::npos) << sentence; };
+  has("This page is version " + std::to_string(fileVersion) + " of the file");
+  has("| `version` | " + std::to_string(fileVersion) + " |");
+  has("of blocks of cVERT: " + std::to_string(vertFormatVersion) + " |");
+  has("of blocks with frames: " + std::to_string(formatVersion) + " |");
+  has("of the directory: " + std::to_string(sizeof(FileGeometry)) + " |");
+  has("A record of " + std::to_string(sizeof(FileGeometry)) + " bytes");
+  has("begin at a multiple of " + std::to_string(filePage));
+  has("At least " + std::to_string(fileReadBehind) + " bytes follow");
+  has("A node has " + std::to_string(sizeof(FileNode)) + " bytes: four children, and from offset " + std::to_string(offsetof(FileNode, planes)));
+  has("entries of " + std::to_string(sizeof(FileEntry)) + " bytes");
+  has("0 none, 1 a node, 2 a block with a frame, 3 a block of cVERT, 4 a block of cVERT that moves");
+  EXPECT_EQ(FILE_NONE, 0u); EXPECT_EQ(FILE_NODE, 1u); EXPECT_EQ(FILE_FRAMED, 2u); EXPECT_EQ(FILE_VERT, 3u); EXPECT_EQ(FILE_MOVING_VERT, 4u);
+  has("of the tree: 0 nodes, 1 a list of blocks, 2 a list of blocks that move");
+  EXPECT_EQ(FILE_TREE, 0u); EXPECT_EQ(FILE_LIST, 1u); EXPECT_EQ(FILE_MOVING, 2u);
+  has("0 a cage, 1 grids, 2 quads, 3 triangles");
+  EXPECT_EQ(FILE_CAGE, 0u); EXPECT_EQ(FILE_GRIDS, 1u); EXPECT_EQ(FILE_QUADS, 2u); EXPECT_EQ(FILE_TRIANGLES, 3u);
+  has("That of the nine characters `123456789` is 0xE3069283");
+  EXPECT_EQ(crc32c("123456789", 9), 0xE3069283u);
+}
+
+TEST(FileFormat, ChecksumsAreThoseOfThePageInEachForm)
+{
+  Random random(3);
+  std::string bytes;
+  for (int i = 0; i < 1000; i++) bytes += char(random.below(256));
+  for (size_t begin : {0, 1, 5})
+    for (size_t count : {0, 1, 7, 8, 9, 63, 64, 900})
+      for (bool isPortable : {false, true}) {
+        const char* const data = bytes.data() + begin;
+        ASSERT_EQ(fileChecksum(data, count, 0, isPortable), crc32c(data, count));
+        ASSERT_EQ(fileChecksum(data + count/3, count - count/3, fileChecksum(data, count/3, 0, !isPortable), isPortable), crc32c(data, count)) << "in two parts";
+      }
+}
+
+// By the page alone: offsets as it has them, and what it says of children.
+class Reader
+{
+public:
+  explicit Reader(const std::string& bytes) : bytes(bytes) {}
+
+  template<typename T> T at(uint64_t offset) const
+  {
+    T value = T();
+    EXPECT_LE(offset + sizeof(T), bytes.size());
+    if (offset + sizeof(T) <= bytes.size()) std::memcpy(&value, &bytes[offset], sizeof(T));
+    return value;
+  }
+  uint32_t u32(uint64_t offset) const { return at<uint32_t>(offset); }
+  uint64_t u64(uint64_t offset) const { return at<uint64_t>(offset); }
+
+  void checkHeader() const
+  {
+    EXPECT_EQ(bytes.substr(0, 8), std::string("\x63\x62\x76\x68\x0d\x0a\x1a\x00", 8));
+    EXPECT_EQ(u32(8), 0x01020304u);
+    EXPECT_EQ(u64(32), bytes.size());
+    EXPECT_EQ(u32(60), crc32c(&bytes[0], 60));
+    EXPECT_EQ(u32(48), crc32c(&bytes[u64(40)], u32(24)*u32(28)));
+  }
+
+  // Offsets of blocks in the order of the tree, with what they are.
+  std::vector<std::pair<uint64_t, uint64_t>> blocksOf(uint64_t record)
+  {
+    const uint64_t tree = u64(record), treeBytes = u64(record + 8);
+    EXPECT_EQ(tree % 4096, 0u);
+    EXPECT_EQ(u64(record + 16) % 4096, 0u);
+    EXPECT_EQ(u32(record + 32), crc32c(&bytes[tree], treeBytes));
+    EXPECT_EQ(u32(record + 36), crc32c(&bytes[u64(record + 16)], u64(record + 24)));
+    found.clear();
+    if (u32(record + 40) == 0) {
+      nextNode = 0;
+      visit(tree, 1, 1);
+      EXPECT_EQ(nextNode, treeBytes);
+    }
+    else for (uint64_t i = 0; i < treeBytes; i += 32) take(u64(tree + i + 24));
+    return found;
+  }
+
+private:
+  void visit(uint64_t tree, uint64_t child, unsigned depth)
+  {
+    EXPECT_LE(depth, 40u);
+    const uint64_t at = child & ~uint64_t(15);
+    ASSERT_EQ(at, nextNode);
+    nextNode += 128;
+    for (int i = 0; i < 4; i++) {
+      const uint64_t below = u64(tree + at + 8*i);
+      for (int k = 0; k < 3 && below; k++)
+        EXPECT_LE(this->at<float>(tree + at + 32 + 32*k + 4*i), this->at<float>(tree + at + 32 + 32*k + 16 + 4*i));
+      if ((below & 15) == 1) visit(tree, below, depth + 1);
+      else if (below) take(below);
+    }
+  }
+
+  void take(uint64_t child)
+  {
+    const uint64_t offset = child & ~uint64_t(15);
+    if (!found.empty()) EXPECT_GT(offset, found.back().first);
+    found.emplace_back(offset, child & 15);
+  }
+
+  const std::string& bytes;
+  uint64_t nextNode = 0;
+  std::vector<std::pair<uint64_t, uint64_t>> found;
+};
+
+TEST(FileFormat, AReaderThatKnowsThePageFindsAllBlocks)
+{
+  Folder folder;
+  Device device;
+  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder/"all").c_str());
+  std::vector<size_t> quads;
+  const std::vector<Saveable> all = allSaveable();
+  for (const Saveable& saveable : all) {
+    Scene scene(device);
+    RTCGeometry geometry = saveable.make(device);
+    EXPECT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    quads.push_back(statisticsOf(scene).numQuads);
+  }
+  ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+  rtcReleaseCompressedFileWriter(writer);
+  const std::string bytes = bytesOf(folder/"all");
+  Reader reader(bytes);
+  reader.checkHeader();
+  ASSERT_EQ(reader.u32(24), all.size());
+  std::set<uint32_t> surfaces;
+  std::set<uint32_t> forms;
+  for (size_t i = 0; i < all.size(); i++) {
+    SCOPED_TRACE(all[i].name);
+    const uint64_t record = reader.u64(40) + i*reader.u32(28), blocks = reader.u64(record + 16), blockBytes = reader.u64(record + 24);
+    const uint32_t surface = reader.u32(record + 52);
+    forms.insert(reader.u32(record + 40));
+    EXPECT_TRUE(surface >> 30 & 1);
+    EXPECT_EQ(surface >> 31 != 0, all[i].moves);
+    EXPECT_TRUE(surfaces.insert(surface).second);
+    const auto found = reader.blocksOf(record);
+    EXPECT_EQ(found.size(), reader.u64(record + 96));
+    EXPECT_LE(blocks + blockBytes + 64, bytes.size());
+    size_t sum = 0;
+    for (const auto& block : found) {
+      const uint64_t at = blocks + block.first;
+      const bool isVert = block.second != 2;
+      EXPECT_LT(block.first, blockBytes);
+      EXPECT_EQ(reader.u32(at + (isVert ? 16 : 12)), surface); // FORMAT_VERT.md, FORMAT.md
+      EXPECT_LT(reader.u32(at + (isVert ? 20 : 64)), reader.u32(record + 56));
+      const uint32_t region = reader.u32(at + 24), height = reader.u32(at + 68) >> 4 & 15;
+      sum += isVert ? ((region & 15) + 1)*((region >> 4 & 15) + 1) : size_t(1) << 2*height;
+    }
+    EXPECT_EQ(sum, quads[i]);
+    EXPECT_EQ(reader.u64(record + 120 + 8*6), quads[i]) << "the seventh of RTCCompressionStatistics";
+  }
+  EXPECT_EQ(forms.size(), 3u);
+  EXPECT_EQ(device.errors, 0u) << device.message;
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,111 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "saved_picture.h"
+#include "picture_files.h"
+
+#include "basics/error.h"
+#include "basics/file_output.h"
+#include "basics/parallel.h"
+#include "basics/progress.h"
+#include "building/saved_scene.h"
+#include "pictures/sampled_picture.h"
+#include "programs/view_options.h"
+#include "tracing/camera.h"
+#include "tracing/ray_conversion.h"
+#include "tracing/ray_sets.h"
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+namespace cbvh {
+namespace {
+
+constexpr float fieldOfView = 35; // degrees
+
+/* Corners of the bounds stand for a cage. */
+Camera cameraOf(const Options& options, const SavedScene& scene, const std::string& name)
+{
+  const RTCBounds b = scene.bounds();
+  if (!(b.lower_x <= b.upper_x))
+    throw Error(options.loadPath + ": nothing is in it that could be seen");
+  Model model;
+  model.name = name;
+  for (int i = 0; i < 8; i++)
+    model.cage.positions.push_back({i & 1 ? b.upper_x : b.lower_x, i & 2 ? b.upper_y : b.lower_y, i & 4 ? b.upper_z : b.lower_z});
+  if (options.view == "close")
+    throw Error("--view close needs a model, which --load has not: give full or numbers");
+  if (options.view != "full")
+    return parseView(options.view, model.view.up, options.size);
+  return fitCamera(model, {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}}, model.view, fieldOfView, options.size);
+}
+
+std::vector<SurfaceHit> trace(const SavedScene& scene, const std::vector<Ray>& rays, unsigned threads)
+{
+  std::vector<SurfaceHit> hits(rays.size());
+  const EmbreeTracer tracer(scene.handle());
+  parallelFor(rays.size(), 4096, threads, [&](size_t begin, size_t end) {
+    const FastDenormals denormals;
+    std::vector<RTCRayHit> batch(end - begin);
+    for (size_t i = begin; i < end; i++)
+      load(rays[i], batch[i - begin]);
+    tracer.intersect(batch.data(), batch.size());
+    for (size_t i = begin; i < end; i++)
+      hits[i] = scene.surfaceHit(batch[i - begin]);
+  });
+  return hits;
+}
+
+/* From the eye through the middle of the picture, with what a thread's first ray needs. */
+double firstRaySeconds(const Options& options, const SavedScene& scene, const Camera& camera)
+{
+  const std::vector<Ray> rays = primaryRays(camera);
+  RTCRayHit ray;
+  load(rays[rays.size() / 2 + size_t(options.size.width) / 2], ray);
+  const auto start = std::chrono::steady_clock::now();
+  EmbreeTracer(scene.handle()).intersect(&ray, 1);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+} // namespace
+
+void renderSaved(const Options& options)
+{
+  const unsigned threads = threadCount(options.build.threads);
+  const std::string name = std::filesystem::path(options.loadPath).stem().string();
+  const SavedScene scene(options.loadPath, "threads=" + std::to_string(threads) + (options.build.isa.empty() ? "" : ",isa=" + options.build.isa));
+  const Camera camera = cameraOf(options, scene, name);
+  const double firstRay = firstRaySeconds(options, scene, camera);
+
+  SampledPicture picture(camera, {0, 1, 0}, options.colors);
+  {
+    Phase phase(name + ": picture");
+    for (int i = 0; i < options.samples; i++)
+    {
+      std::vector<Ray> rays = i == 0 ? primaryRays(camera) : primaryRays(camera, sampleOffset(i));
+      setTimes(rays, options.shutter, i);
+      picture.add(rays, trace(scene, rays, threads), threads);
+      phase.update(double(i + 1) / options.samples);
+    }
+  }
+  scene.check();
+  PictureFiles files(options.output, name, options.size, options.colors, options.samples);
+  const Representation representation{RepresentationKind(scene.geometries()[0].compression)};
+  const std::string path = files.writePicture(representation, picture.image());
+  char line[256];
+  std::snprintf(line, sizeof(line), "%zu geometr%s, %.2f million quads, %.1f MiB; opened in %.1f ms, first ray after %.1f ms; %.1f MiB are not mapped\n",
+                scene.geometries().size(), scene.geometries().size() == 1 ? "y" : "ies", double(scene.quads()) * 1e-6, double(scene.bytes()) / (1 << 20),
+                1e3 * scene.seconds(), 1e3 * (scene.seconds() + firstRay), double(scene.liveBytes()) / (1 << 20));
+  writeStandardOutput(path + "\n" + options.loadPath + ": " + line);
+  if (options.json.empty())
+    return;
+  const nlohmann::json json = {{"file", options.loadPath}, {"geometries", scene.geometries().size()}, {"quads", scene.quads()}, {"bytes", scene.bytes()},
+                               {"openSeconds", scene.seconds()}, {"openProcessorSeconds", scene.processorSeconds()}, {"firstRaySeconds", scene.seconds() + firstRay}, {"liveBytes", scene.liveBytes()}};
+  writeTextFile(options.json, json.dump(2) + "\n");
+}
+
+} // namespace cbvh
