@@ -34,6 +34,14 @@ for scene in "${scenes[@]}"; do
   "$join" "$folder/$scene"/*.exr "$folder/$scene".*/*.exr || complain "$scene: parts are not the whole"
 done
 
+# From a file, which is what many machines share.
+"$program" --scene cube --level 5 --size 64x64 --output "$folder/saved" --save "$folder/cube.cbvh" >/dev/null 2>&1 || complain "--save"
+render loaded --load "$folder/cube.cbvh"
+for crop in "${crops[@]}"; do
+  render "loaded.$crop" --load "$folder/cube.cbvh" --crop "$crop"
+done
+"$join" "$folder/loaded"/*.exr "$folder/loaded".*/*.exr || complain "parts of what is loaded are not the whole"
+
 # README's way to join them.
 if command -v oiiotool >/dev/null; then
   oiiotool "$folder"/still.*/*.exr --paste:all=1:mergeroi=1 auto -o "$folder/joined.exr" &&

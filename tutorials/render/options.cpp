@@ -106,8 +106,8 @@ void read(const CLI::App& app, const Words& words, Options& o)
 {
   if (!o.loadPath.empty() && !(words.files.empty() && o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty()))
     throw Error("--load is in place of files, --scene, --cage and --mesh");
-  if (!o.loadPath.empty() && (!o.savePath.empty() || !o.exportPath.empty() || o.exr || o.speed || o.ambientRays || o.build.device != "cpu"))
-    throw Error("--load makes a picture on the processor: --save, --export, --exr, --speed, --ambient and --device belong to models");
+  if (!o.loadPath.empty() && (!o.savePath.empty() || !o.exportPath.empty() || o.speed || o.ambientRays || o.build.device != "cpu"))
+    throw Error("--load makes a picture on the processor: --save, --export, --speed, --ambient and --device belong to models");
   if (o.loadPath.empty())
   {
     nameFiles(words.files, o.scene);

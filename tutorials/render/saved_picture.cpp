@@ -81,21 +81,31 @@ void renderSaved(const Options& options)
   const Camera camera = cameraOf(options, scene, name);
   const double firstRay = firstRaySeconds(options, scene, camera);
 
-  SampledPicture picture(camera, {0, 1, 0}, options.colors);
+  SampledPicture picture(camera, options.crop, {0, 1, 0}, options.colors);
+  std::vector<Ray> firstRays;
+  std::vector<SurfaceHit> firstHits;
   {
     Phase phase(name + ": picture");
     for (int i = 0; i < options.samples; i++)
     {
-      std::vector<Ray> rays = i == 0 ? primaryRays(camera) : primaryRays(camera, sampleOffset(i));
-      setTimes(rays, options.shutter, i);
-      picture.add(rays, trace(scene, rays, threads), threads);
+      std::vector<Ray> rays = primaryRays(camera, options.crop, sampleOffset(i));
+      setTimes(rays, options.shutter, i, options.crop, options.size.width);
+      std::vector<SurfaceHit> hits = trace(scene, rays, threads);
+      picture.add(rays, hits, threads);
+      if (i == 0 && options.exr)
+      {
+        firstRays = std::move(rays);
+        firstHits = std::move(hits);
+      }
       phase.update(double(i + 1) / options.samples);
     }
   }
   scene.check();
-  PictureFiles files(options.output, name, options.size, options.colors, options.samples);
+  PictureFiles files(options.output, name, options.size, options.crop, options.colors, options.samples);
   const Representation representation{RepresentationKind(scene.geometries()[0].compression)};
   const std::string path = files.writePicture(representation, picture.image());
+  if (options.exr)
+    files.writeExr(representation, picture.linear(), firstRays, firstHits);
   char line[256];
   std::snprintf(line, sizeof(line), "%zu geometr%s, %.2f million quads, %.1f MiB; opened in %.1f ms, first ray after %.1f ms; %.1f MiB are not mapped\n",
                 scene.geometries().size(), scene.geometries().size() == 1 ? "y" : "ies", double(scene.quads()) * 1e-6, double(scene.bytes()) / (1 << 20),
