@@ -1,0 +1,61 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* What is loaded from a file has the hits on the device that it had before it was saved: in compute shaders, with blocks that are copied and
+ * that are used where the file is mapped, and by ray queries. */
+
+#include "small_scenes.h"
+#include "vulkan_tracer.h"
+#include "support/moving_surface.h"
+#include "support/saved.h"
+
+namespace cbvh::test {
+namespace {
+
+class VulkanFiles : public VulkanTest
+{
+protected:
+  Random random{103};
+
+  std::vector<RTCRayHit> traced(const VulkanScene& scene, const std::vector<RTCRayHit>& rays)
+  {
+    EXPECT_NE(scene, nullptr) << embree.message;
+    return scene ? traceAll(scene.get(), rays) : std::vector<RTCRayHit>();
+  }
+};
+
+TEST_F(VulkanFiles, WhatIsLoadedHasTheHitsOfWhatWasSaved)
+{
+  const Folder folder;
+  const std::string path = folder/"surface.cbvh";
+  for (const Saveable& form : allSaveable()) {
+    SCOPED_TRACE(form.name);
+    Scene saved(embree), loaded(embree);
+    RTCGeometry geometry = form.make(embree);
+    rtcSaveCompressedGeometry(geometry, path.c_str());
+    ASSERT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
+    attach(saved, geometry);
+    RTCGeometry from = rtcLoadCompressedGeometry(embree, path.c_str());
+    ASSERT_NE(from, nullptr) << embree.message;
+    rtcCommitGeometry(from);
+    attach(loaded, from);
+    rtcCommitScene(saved);
+    rtcCommitScene(loaded);
+
+    const std::vector<RTCRayHit> rays = timedRays(random, 1000);
+    const std::vector<RTCRayHit> expected = traced(newVulkanScene(device, saved), rays);
+    size_t hits = 0;
+    for (const RTCRayHit& ray : expected) hits += isHit(ray);
+    EXPECT_GT(hits, rays.size()/20);
+    EXPECT_TRUE(areSame(expected, traced(newVulkanScene(device, loaded, RTC_VULKAN_MEMORY_COPY), rays)));
+    if (vulkan->handles.hasHostImport) { EXPECT_TRUE(areSame(expected, traced(newVulkanScene(device, loaded, RTC_VULKAN_MEMORY_IMPORT), rays))); }
+    if (!vulkan->handles.hasRayQuery) continue;
+    const std::vector<RTCRayHit> byQuery = traced(newQueryScene(device, loaded), rays);
+    size_t others = 0;
+    for (size_t i = 0; i < rays.size() && i < byQuery.size(); i++) others += std::memcmp(&expected[i], &byQuery[i], sizeof(RTCRayHit)) != 0;
+    EXPECT_LE(others, 1u); // blocks of cVOXEL overlap
+  }
+}
+
+} // namespace
+} // namespace cbvh::test
