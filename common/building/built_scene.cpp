@@ -5,7 +5,6 @@
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "basics/progress.h"
-#include "building/saved_scene.h"
 #include "surface/mesh.h"
 
 #include <cstdint>
@@ -275,11 +274,6 @@ void BuiltScene::fillTriangles(RTCGeometry triangles, const PatchLayout& layout,
         }
     }
   });
-}
-
-void BuiltScene::save(const std::string& path) const
-{
-  saveScene(*device, scene.get(), unsigned(numGeometries), path);
 }
 
 Box3f BuiltScene::bounds() const

@@ -102,7 +102,7 @@ public:
   const PatchLayout& layout() const { return patches; }
   Box3f bounds() const;
 
-  /* Saves all of a compressed scene to a file (saved_scene.h). Throws Error. */
+  /* Saves all of a compressed scene to a file (saved_scene.h), or leaves what was there. Throws Error. */
   void save(const std::string& path) const;
 
   /* Translates what Embree reports; NAIVE's triangles become faces and (u,v). */

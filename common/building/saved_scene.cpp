@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "building/saved_scene.h"
+#include "building/built_scene.h"
 #include "basics/error.h"
 #include "basics/progress.h"
 
@@ -29,20 +30,21 @@ bool isSavedScene(const std::string& path)
   return std::filesystem::path(path).extension() == ".cbvh";
 }
 
-void saveScene(EmbreeDevice& device, RTCScene scene, unsigned count, const std::string& path)
+/* Here, so that programs which save nothing need none of these functions of the library, as older ones do not have. */
+void BuiltScene::save(const std::string& path) const
 {
-  const std::unique_ptr<RTCCompressedFileWriterTy, WriterRelease> writer(rtcNewCompressedFileWriter(device.handle(), path.c_str()));
-  device.check("saving");
+  const std::unique_ptr<RTCCompressedFileWriterTy, WriterRelease> writer(rtcNewCompressedFileWriter(device->handle(), path.c_str()));
+  device->check("saving");
   Phase phase(path);
-  for (unsigned i = 0; i < count; i++)
+  for (size_t i = 0; i < numGeometries; i++)
   {
-    rtcAppendCompressedGeometry(writer.get(), rtcGetGeometry(scene, i));
-    device.check("saving");
-    phase.update(double(i + 1) / count);
+    rtcAppendCompressedGeometry(writer.get(), rtcGetGeometry(scene.get(), unsigned(i)));
+    device->check("saving");
+    phase.update(double(i + 1) / double(numGeometries));
     throwIfCancelled();
   }
   rtcCommitCompressedFile(writer.get());
-  device.check("saving");
+  device->check("saving");
 }
 
 SavedScene::SavedScene(const std::string& path, const std::string& config) : device(std::make_unique<EmbreeDevice>(config))

@@ -20,9 +20,6 @@ namespace cbvh {
 /* Whether a file is one by its name: ".cbvh". */
 bool isSavedScene(const std::string& path);
 
-/* Saves the geometries 0 to count-1 of a committed scene. Throws Error, and leaves what was there. */
-void saveScene(EmbreeDevice& device, RTCScene scene, unsigned count, const std::string& path);
-
 class SavedScene
 {
 public:

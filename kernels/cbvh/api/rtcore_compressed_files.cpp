@@ -207,7 +207,7 @@ RTC_API bool rtcVerifyCompressedFile (RTCCompressedFile hfile)
   OpenFile* file = (OpenFile*) hfile;
   RTC_CATCH_BEGIN;
   require(file,"file");
-  cbvh::MappedFile::verify(file->thing,file->device);
+  cbvh::MappedFile::verifyAll(file->thing,file->device);
   return true;
   RTC_CATCH_END2(file);
   return false;

@@ -256,7 +256,7 @@ namespace embree
       return surface;
     }
 
-    void MappedFile::verify (const std::shared_ptr<const MappedFile>& file, Device* device)
+    void MappedFile::verifyAll (const std::shared_ptr<const MappedFile>& file, Device* device)
     {
       for (size_t i=0; i<file->size(); i++)
       {

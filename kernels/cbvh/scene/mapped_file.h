@@ -33,7 +33,7 @@ namespace embree
       static std::shared_ptr<const SurfaceBlocks> load (const std::shared_ptr<const MappedFile>& file, Device* device, size_t i);
 
       /*! Reads all. Throws where a checksum says that something was altered, or a block is none. */
-      static void verify (const std::shared_ptr<const MappedFile>& file, Device* device);
+      static void verifyAll (const std::shared_ptr<const MappedFile>& file, Device* device);
 
       const std::string path;
 
