@@ -1,0 +1,31 @@
+#!/bin/sh
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# The binary interface of libembree_cbvh: types and functions of its header are those that were written down in libembree_cbvh.abi, or more. What is
+# compared are functions without content, made of the header, so that types are known without debug information in the library. A change
+# that programs have to be built again for is an error, unless it is meant: write it down then, and raise the version.
+#
+#   abi.sh HEADER VERSION-SCRIPT [--write]
+set -eu
+header=$1 versions=$2 here=$(cd -- "$(dirname -- "$0")" && pwd)
+command -v abidiff > /dev/null || { echo "abidiff is not installed (Debian: abigail-tools)"; exit 77; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+{
+  echo '#include "cbvh/cbvh.h"'
+  sed -n 's/^CBVH_API \(.*\);$/\1 { __builtin_trap(); }/p' "$header"
+} > "$work/stubs.c"
+cc -g -O0 -w -fPIC -shared -I "$(dirname -- "$header")/.." -Wl,-soname,libembree_cbvh.so.0 -Wl,--version-script="$versions" "$work/stubs.c" -o "$work/libembree_cbvh.so.0"
+abidw --no-corpus-path --no-comp-dir-path --no-show-locs --out-file "$work/now.abi" "$work/libembree_cbvh.so.0"
+[ "${3:-}" != --write ] || { sed "s|path='[^']*/|path='|" "$work/now.abi" > "$here/libembree_cbvh.abi"; exit 0; }
+functions=$(grep -c '<function-decl' "$here/libembree_cbvh.abi")
+status=0
+abidiff "$here/libembree_cbvh.abi" "$work/now.abi" > "$work/report" || status=$?
+[ $((status & 3)) = 0 ] || { cat "$work/report"; echo "abidiff failed"; exit 1; }
+if [ $((status & 8)) != 0 ] || grep -q "^[1-9][0-9]* .*[Cc]hanged\|^  \[C\]" "$work/report"; then
+  cat "$work/report"
+  echo "FAILED: programs would have to be built again"
+  exit 1
+fi
+echo "$functions functions as they were written down"
