@@ -69,14 +69,6 @@ bool isInvertible(const FlatGeometry& instance)
   return std::all_of(instance.worldToLocal, instance.worldToLocal + 12, [](float x) { return std::isfinite(x); });
 }
 
-VkTransformMatrixKHR matrixOf(const float* columns)
-{
-  VkTransformMatrixKHR out;
-  for (int row = 0; row < 3; row++)
-    for (int column = 0; column < 4; column++) out.matrix[row][column] = columns[3*column + row];
-  return out;
-}
-
 } // namespace
 
 /* Everything that is made once. */
@@ -314,40 +306,6 @@ private:
     return blocks[type == cellReference ? cells[index][0] : index].geomID;
   }
 
-  /* A bottom level of boxes, in their own space or where an instance takes them. Returns its index in wanted. */
-  size_t addLevel(const LeafBoxes& boxes, const QueryStructures::Place& from, const std::function<Bounds(const Bounds&)>& place)
-  {
-    const std::vector<VkAabbPositionsKHR> forDriver = boxes.forDriver(place);
-    WantedLevel want = {keyOf(forDriver), 0, nullptr, nullptr};
-    if (!device.structures.find(want.key)) {
-      const Slice input = buildInput->take(forDriver.size()*sizeof(forDriver[0]), "boxes to build structures from");
-      uploader.write(input, 0, forDriver.data(), forDriver.size()*sizeof(forDriver[0]));
-      want.boxes = input.address();
-    }
-    if (options.previous) {
-      const auto& before = options.previous->structures.levels;
-      const auto found = before.find(from);
-      if (found != before.end() && found->second->key.count == want.key.count) want.previous = found->second;
-    }
-    wanted.push_back(want);
-    levelFrom.push_back(from);
-    out.statistics.numBoxes += boxes.boxes.size();
-    return wanted.size() - 1;
-  }
-
-  void addInstance(size_t level, const float* transform, const PlacedBoxes& place)
-  {
-    if (places.size() >= device.capabilities.maxInstances)
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has too many instances for ray queries: " + std::to_string(device.capabilities.maxInstances) + " at most");
-    VkAccelerationStructureInstanceKHR instance = {};
-    instance.transform = matrixOf(transform);
-    instance.instanceCustomIndex = uint32_t(places.size());
-    instance.mask = 0xFF;
-    instance.accelerationStructureReference = level;   // its index in wanted, until they are built
-    out.structures.instances.push_back(instance);
-    places.push_back(place);
-  }
-
   /* Boxes of a geometry of a part. */
   struct PartBoxes
   {
@@ -358,17 +316,16 @@ private:
 
   /* Bottom levels of all parts, and where instances place them. An instance that moves has bottom levels of its own, with boxes of
    * where it is at any time. */
-  void placeBoxes()
+  void placeBoxes(QueryStructuresBuilder& builder)
   {
     const float identity[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
     const auto where = [](const Bounds& b) { return b; };
-    buildInput.reset(new Arena(device));
     std::vector<std::vector<PartBoxes>> ofParts(parts.size());
     for (size_t p = 0; p < parts.size(); p++)
       for (LeafBoxes& boxes : leafBoxesOf(tree, parts[p].tree, [&](uint32_t reference) { return geomIDOf(reference); })) {
         const VkDeviceAddress address = writeArray(boxes.boxes.data(), boxes.boxes.size(), "boxes of blocks").address();
-        const size_t level = addLevel(boxes, QueryStructures::Place(p, boxes.geomID, RTC_INVALID_GEOMETRY_ID), where);
-        if (p == 0) addInstance(level, identity, {address, RTC_INVALID_GEOMETRY_ID, 0});
+        const size_t level = builder.addLevel(boxes, QueryStructures::Place(p, boxes.geomID, RTC_INVALID_GEOMETRY_ID), where);
+        if (p == 0) builder.addInstance(level, identity, {address, RTC_INVALID_GEOMETRY_ID, 0});
         else ofParts[p].push_back({std::move(boxes), address, level});
       }
     const FlatScene& top = *parts[0].flat;
@@ -381,29 +338,10 @@ private:
       for (const PartBoxes& some : ofParts[p])
       {
         const PlacedBoxes place = {some.address, uint32_t(i), parts[p].firstGeometry};
-        if (instance.timeSteps == 1) addInstance(some.level, instance.localToWorld, place);
-        else addInstance(addLevel(some.boxes, QueryStructures::Place(p, some.boxes.geomID, uint32_t(i)), [&](const Bounds& b) { return transformed(instance, b.lower, b.upper); }), identity, place);
+        if (instance.timeSteps == 1) builder.addInstance(some.level, instance.localToWorld, place);
+        else builder.addInstance(builder.addLevel(some.boxes, QueryStructures::Place(p, some.boxes.geomID, uint32_t(i)), [&](const Bounds& b) { return transformed(instance, b.lower, b.upper); }), identity, place);
       }
     }
-  }
-
-  void buildStructures()
-  {
-    const BuildCounts counts = buildBottomLevels(device, wanted);
-    buildInput.reset();
-    out.statistics.numBuiltBoxes = counts.built;
-    out.statistics.numUpdatedBoxes = counts.updated;
-    std::map<const Structure*, size_t> bytes;
-    for (size_t i = 0; i < wanted.size(); i++) {
-      out.structures.levels[levelFrom[i]] = wanted[i].level;
-      bytes[wanted[i].level->structure.get()] = wanted[i].level->structure->bytes;
-    }
-    for (auto& instance : out.structures.instances) instance.accelerationStructureReference = wanted[instance.accelerationStructureReference].level->structure->address;
-    const Slice instances = writeArray(out.structures.instances.data(), out.structures.instances.size(), "instances for ray queries");
-    uploader.flush();
-    out.structures.topLevel = buildTopLevel(device, instances.address(), out.structures.instances.size());
-    out.statistics.structureBytes = out.structures.topLevel->bytes;
-    for (const auto& entry : bytes) out.statistics.structureBytes += entry.second;
   }
 
   void write()
@@ -428,10 +366,10 @@ private:
     data.cells = writeArray(cells.data(), cells.size(), "leaves").address();
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
     if (out.byQuery) {
-      placeBoxes();
-      data.placed = writeArray(places.data(), places.size(), "places of boxes").address();
-      uploader.flush();
-      buildStructures();
+      QueryStructuresBuilder builder(device, uploader, options.previous ? &options.previous->structures : nullptr);
+      placeBoxes(builder);
+      data.placed = writeArray(builder.placedBoxes().data(), builder.placedBoxes().size(), "places of boxes").address();
+      builder.build(out.arena, out.structures, out.statistics);
       data.topLevel = out.structures.topLevel->address;
     }
     data.root = parts[0].tree.root;
@@ -466,10 +404,6 @@ private:
   Tree tree;
   std::vector<std::array<uint32_t, 2>> cells;
   std::vector<Firsts> firsts;
-  std::unique_ptr<Arena> buildInput;  // gone when the structures are built
-  std::vector<WantedLevel> wanted;
-  std::vector<QueryStructures::Place> levelFrom;   // of each
-  std::vector<PlacedBoxes> places;    // one for each instance
 };
 
 Scene::Scene(Device& device, RTCScene scene, const SceneOptions& options) : device(device), held(device), byQuery(options.byQuery), arena(device)

@@ -6,21 +6,11 @@
 /* A committed scene on a device. */
 
 #include "blocks.h"
-#include "leaf_boxes.h"
+#include "query_structures.h"
 #include "tree.h"
 #include "../scene_layout.h"
 
 namespace embree { namespace vulkan {
-
-/* What ray queries need of a scene. */
-struct QueryStructures
-{
-  /* Where a bottom level comes from: 0 for the scene or the number of an instanced one, geomID there, and the ID of the instance, if that moves. */
-  typedef std::tuple<size_t, uint32_t, uint32_t> Place;
-  std::map<Place, std::shared_ptr<const BottomLevel>> levels;
-  std::vector<VkAccelerationStructureInstanceKHR> instances;
-  std::shared_ptr<Structure> topLevel;
-};
 
 struct SceneOptions
 {

@@ -154,7 +154,6 @@ BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted)
   std::map<BoxesKey, size_t> buildOf;
   for (WantedLevel& want : wanted)
   {
-    want.level = device.structures.find(want.key);
     if (want.level || buildOf.count(want.key)) continue;
     if (want.key.count > device.capabilities.maxBoxes)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a geometry has " + std::to_string(want.key.count) + " blocks, and the device's maxPrimitiveCount is " + std::to_string(device.capabilities.maxBoxes));

@@ -72,12 +72,12 @@ struct WantedLevel
   BoxesKey key;
   VkDeviceAddress boxes;                               // VkAabbPositionsKHR each
   std::shared_ptr<const BottomLevel> previous;         // of as many boxes, to update; or NULL
-  std::shared_ptr<const BottomLevel> level;            // set by buildBottomLevels
+  std::shared_ptr<const BottomLevel> level;            // where the device has it; else set by buildBottomLevels
 };
 
 struct BuildCounts { size_t built = 0, updated = 0; }; // boxes
 
-/* Finds, updates or builds. Boxes are on the device. Throws VulkanError. */
+/* Updates or builds those that there are not. Boxes are on the device. Throws VulkanError. */
 BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted);
 
 /* Builds. instances: their address on the device. */
