@@ -77,7 +77,7 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{options.scene}.cbvh"
     if not path.exists():
-        subprocess.run([options.program, "--scene", options.scene, "--save", path, "--samples", "1", "--output", folder / "save"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([options.program, "--scene", options.scene, "--level", "6", "--save", path, "--samples", "1", "--output", folder / "save"], check=True, stdout=subprocess.DEVNULL)
     mib = 1 << 20
     print(f"{path.name}: {path.stat().st_size / mib:.1f} MiB\n")
     print("| view | file | processes | opened, ms | - on processors | first ray, ms | mapped and met, MiB a process | its part of that, MiB | in memory of the file, MiB |")
