@@ -31,6 +31,12 @@ namespace
     if (!argument) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(name) + " is NULL");
   }
 
+  void requireGeometry (const cbvh::MappedFile& file, size_t index)
+  {
+    if (index >= file.size())
+      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"index " + std::to_string(index) + ": the file has " + std::to_string(file.size()) + " geometries");
+  }
+
   /*! with its blocks */
   const CompressibleGeometry* compressedOf (Geometry* geometry, std::shared_ptr<const SurfaceBlocks>& blocks)
   {
@@ -167,8 +173,7 @@ RTC_API bool rtcGetCompressedFileGeometry (RTCCompressedFile hfile, unsigned int
   RTC_CATCH_BEGIN;
   require(file,"file");
   require(description,"description");
-  if (index >= file->thing->size())
-    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"index " + std::to_string(index) + ": the file has " + std::to_string(file->thing->size()) + " geometries");
+  requireGeometry(*file->thing,index);
   const cbvh::FileGeometry& record = file->thing->geometry(index);
   *description = RTCCompressedFileGeometry();
   description->type = typeOf(record);
@@ -178,12 +183,7 @@ RTC_API bool rtcGetCompressedFileGeometry (RTCCompressedFile hfile, unsigned int
   description->begin = record.begin;
   description->end = record.end;
   for (int k=0; k<3; k++) { description->lower[k] = record.lower[k]; description->upper[k] = record.upper[k]; }
-  cbvh::SurfaceStatistics statistics;
-  size_t n = 0;
-  cbvh::forEachCount(statistics,[&](size_t& count) { count = size_t(record.counts[n++]); });
-  n = 0;
-  cbvh::forEachMeasure(statistics,[&](float& measure) { measure = record.measures[n++]; });
-  description->statistics = statistics.sums;
+  description->statistics = cbvh::statisticsOf(record).sums;
   description->bytes = size_t(record.treeBytes + record.blockBytes);
   return true;
   RTC_CATCH_END2(file);
@@ -195,8 +195,7 @@ RTC_API RTCGeometry rtcNewGeometryFromCompressedFile (RTCCompressedFile hfile, u
   OpenFile* file = (OpenFile*) hfile;
   RTC_CATCH_BEGIN;
   require(file,"file");
-  if (index >= file->thing->size())
-    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"index " + std::to_string(index) + ": the file has " + std::to_string(file->thing->size()) + " geometries");
+  requireGeometry(*file->thing,index);
   return load(file->thing,file->device,index);
   RTC_CATCH_END2(file);
   return nullptr;

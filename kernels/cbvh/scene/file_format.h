@@ -7,6 +7,7 @@
  * directory of the geometries at the end. Offsets are from the file's start; numbers are little-endian. Nothing is an address, so that a
  * file is traced as it lies on disk. */
 
+#include "../base/surface_statistics.h"
 #include "../framed/block.h"
 #include "../vert/format.h"
 #include <cstddef>
@@ -97,6 +98,22 @@ namespace embree
     void forEachMeasure (Statistics& s, const Closure& closure)
     {
       closure(s.sums.maxLeafThickness); closure(s.sums.maxVertexSpacing); closure(s.sums.maxVertexDeviation); closure(s.sums.maxBorderGap);
+    }
+
+    /*! Statistics of a record. */
+    inline SurfaceStatistics statisticsOf (const FileGeometry& record)
+    {
+      SurfaceStatistics statistics;
+      size_t n = 0, m = 0;
+      forEachCount(statistics,[&](size_t& count) { count = size_t(record.counts[n++]); });
+      forEachMeasure(statistics,[&](float& measure) { measure = record.measures[m++]; });
+      return statistics;
+    }
+    inline void setStatistics (FileGeometry& record, const SurfaceStatistics& statistics)
+    {
+      size_t n = 0, m = 0;
+      forEachCount(statistics,[&](size_t count) { record.counts[n++] = count; });
+      forEachMeasure(statistics,[&](float measure) { record.measures[m++] = measure; });
     }
   }
 }

@@ -8,7 +8,7 @@
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
 #include "../embree/scene.h"
-#include "../vert/motion_format.h"
+#include "block_bytes.h"
 #include "surface_blocks.h"
 #include <atomic>
 #include <cerrno>
@@ -58,10 +58,9 @@ namespace embree
           if (!moves && !isUsable(block,vert))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry's own file is damaged: one of its blocks is none");
           const uint64_t begin = offsets.back();
-          const uint64_t bytes = vert ? vertBytes((const VertHeader*)block) : ((const Block*)block)->layout().bytes;
           blocks.push_back(block);
           isVert.push_back(vert);
-          offsets.push_back((begin + bytes + blockAlignment-1) & ~uint64_t(blockAlignment-1));
+          offsets.push_back((begin + bytesOfBlock(block,vert) + blockAlignment-1) & ~uint64_t(blockAlignment-1));
           return begin | (moves ? FILE_MOVING_VERT : vert ? FILE_VERT : FILE_FRAMED);
         }
 
@@ -200,10 +199,7 @@ namespace embree
       record.compression = layout.form == FILE_MOVING || record.source != FILE_CAGE ? RTC_COMPRESSION_VERT : geometry->compression.resolve(geometry->device->compression).compression;
       for (int k=0; k<3; k++) { record.lower[k] = surface.bounds.lower[k]; record.upper[k] = surface.bounds.upper[k]; }
       record.numBlocks = layout.blocks.size();
-      size_t n = 0;
-      forEachCount(surface.statistics,[&](size_t count) { record.counts[n++] = count; });
-      n = 0;
-      forEachMeasure(surface.statistics,[&](float measure) { record.measures[n++] = measure; });
+      setStatistics(record,surface.statistics);
       record.treeBytes = layout.tree.size();
       record.blockBytes = layout.offsets.back();
       record.treeChecksum = fileChecksum(layout.tree.data(),layout.tree.size());
@@ -224,8 +220,7 @@ namespace embree
         const size_t begin = piece.size();
         const bool vert = layout.isVert[i];
         piece.resize(begin + size_t(layout.offsets[i+1]-layout.offsets[i]));
-        const size_t bytes = vert ? vertBytes((const VertHeader*)layout.blocks[i]) : ((const Block*)layout.blocks[i])->layout().bytes;
-        memcpy(piece.data()+begin,layout.blocks[i],bytes);
+        memcpy(piece.data()+begin,layout.blocks[i],bytesOfBlock(layout.blocks[i],vert));
         memcpy(piece.data()+begin + (vert ? offsetof(VertHeader,surface) : offsetof(BlockHeader,surface)),&record.surface,sizeof(record.surface));
         if (piece.size() >= size_t(1) << 20) flush();
       }

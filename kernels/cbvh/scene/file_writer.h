@@ -37,8 +37,6 @@ namespace embree
       /*! All is written, to the disk, and gets its name. */
       void commit ();
 
-      bool isCommitted () const { return file < 0; }
-
     private:
       void write (const void* data, size_t bytes);
       void padTo (uint64_t alignment);

@@ -8,6 +8,7 @@
 #include "../vert/motion_format.h"
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
+#include "block_bytes.h"
 #include "flat_scene.h"
 #include "surface_blocks.h"
 #include <limits>
@@ -30,12 +31,6 @@ namespace embree
         std::vector<FlatGeometry> ownGeometries;
         std::vector<std::unique_ptr<float[]>> ownTransforms;
       };
-
-      uint32_t bytesOfBlock (uint32_t kind, const void* data)
-      {
-        if (kind == kindVert) return vertBytes((const VertHeader*)data);
-        return blockLayout(kind,heightOf(((const BlockHeader*)data)->info)).bytes;
-      }
 
       void copyVector (const Vec3fa& from, float* to) { to[0] = from.x; to[1] = from.y; to[2] = from.z; }
 
@@ -138,7 +133,7 @@ namespace embree
           const uint32_t kind = isVert ? kindVert : kindOf(((const BlockHeader*)data)->info);
           const uint32_t surface = isVert ? ((const VertHeader*)data)->surface : ((const BlockHeader*)data)->surface;
           const uint32_t referenceType = moves ? movingBlockReference : blockReference(kind);
-          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(kind,data),referenceType,ids[surface] });
+          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(data,isVert),referenceType,ids[surface] });
           return makeReference(referenceType,index(out.ownBlocks.size()-1));
         }
 

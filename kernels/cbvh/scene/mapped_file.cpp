@@ -28,6 +28,9 @@ namespace embree
     {
       [[noreturn]] void refuse (const std::string& path, const std::string& why) { throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,path + ": " + why); }
 
+      /*! the begin of what is wrong with a geometry */
+      std::string damaged (size_t geometry) { return "is damaged: geometry " + std::to_string(geometry) + ": "; }
+
       bool areBounds (const float lower[3], const float upper[3]) {
         return isFinite(lower) && isFinite(upper) && lower[0] <= upper[0] && lower[1] <= upper[1] && lower[2] <= upper[2];
       }
@@ -100,7 +103,7 @@ namespace embree
       if (h.directoryChecksum != fileChecksum(data+h.directory,h.numGeometries*sizeof(FileGeometry))) return "is damaged: the directory's checksum is another";
       for (size_t i=0; i<h.numGeometries; i++) {
         const std::string error = errorOf(geometry(i));
-        if (!error.empty()) return "is damaged: geometry " + std::to_string(i) + ": " + error;
+        if (!error.empty()) return damaged(i) + error;
       }
       return std::string();
     }
@@ -132,7 +135,7 @@ namespace embree
     {
     public:
       SurfaceLoader (const MappedFile& file, const FileGeometry& record, size_t i, const MappedBlocks& mapped, SurfaceBlocks& surface)
-        : path(file.path), name(": is damaged: geometry " + std::to_string(i) + ": "), record(record), tree(file.data+record.tree), mapped(mapped), surface(surface) {}
+        : path(file.path), name(damaged(i)), record(record), tree(file.data+record.tree), mapped(mapped), surface(surface) {}
 
       void run ()
       {
@@ -143,7 +146,7 @@ namespace embree
       }
 
     private:
-      [[noreturn]] void fail (const std::string& why) const { refuse(path,name.substr(2) + why); }
+      [[noreturn]] void fail (const std::string& why) const { refuse(path,name + why); }
 
       /*! a block, which comes behind those before it */
       BVH4::NodeRef leaf (uint64_t child)
@@ -246,10 +249,7 @@ namespace embree
       const bool isEmpty = !areBounds(record.lower,record.upper);
       surface->bounds = isEmpty ? BBox3fa(empty) : BBox3fa(Vec3fa(record.lower[0],record.lower[1],record.lower[2]),Vec3fa(record.upper[0],record.upper[1],record.upper[2]));
       surface->numPrimitives = size_t(record.numBlocks);
-      size_t n = 0;
-      forEachCount(surface->statistics,[&](size_t& count) { count = size_t(record.counts[n++]); });
-      n = 0;
-      forEachMeasure(surface->statistics,[&](float& measure) { measure = record.measures[n++]; });
+      surface->statistics = statisticsOf(record);
       SurfaceLoader(*file,record,i,*mapped,*surface).run();
       surface->memory.end();
       outdateThreadCaches(); // others may have lain here
@@ -261,7 +261,7 @@ namespace embree
       for (size_t i=0; i<file->size(); i++)
       {
         const FileGeometry& record = file->geometry(i);
-        const std::string name = "is damaged: geometry " + std::to_string(i) + ": ";
+        const std::string name = damaged(i);
         if (record.blocksChecksum != fileChecksum(file->data+record.blocks,size_t(record.blockBytes))) refuse(file->path,name + "the blocks' checksum is another");
         const std::shared_ptr<const SurfaceBlocks> surface = load(file,device,i);
         if (record.form == FILE_MOVING) continue; // each block was looked at
