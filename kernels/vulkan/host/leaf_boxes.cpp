@@ -51,7 +51,17 @@ class Leaves
 public:
   explicit Leaves(const Tree& tree) : tree(tree) {}
 
-  std::map<uint32_t, Bounds> bounds;   // by reference: one that moves may have several places in the tree
+  /* By reference: one that moves may have several places in the tree, and becomes one box. */
+  std::vector<std::pair<uint32_t, Bounds>> joined()
+  {
+    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    size_t n = 0;
+    for (const auto& leaf : found)
+      if (n && found[n - 1].first == leaf.first) found[n - 1].second.extend(leaf.second);
+      else found[n++] = leaf;
+    found.resize(n);
+    return std::move(found);
+  }
 
   void gather(uint32_t reference, const Bounds& b)
   {
@@ -61,11 +71,12 @@ public:
       for (int i = 0; i < 4; i++) gather(tree.nodes[index].children[i], boundsOfChild(tree.nodes[index], i));
     else if (type == movingNodeReference)
       for (int i = 0; i < 4; i++) gather(tree.movingNodes[index].atZero.children[i], boundsOfChild(tree.movingNodes[index], i));
-    else bounds.emplace(reference, Bounds::empty()).first->second.extend(b);
+    else found.push_back({reference, b});
   }
 
 private:
   const Tree& tree;
+  std::vector<std::pair<uint32_t, Bounds>> found;
 };
 
 /* every third of 63 bits */
@@ -148,7 +159,7 @@ std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree, con
   Leaves leaves(tree);
   leaves.gather(subtree.root, subtree.bounds);
   std::map<uint32_t, std::vector<LeafBox>> byGeometry;
-  for (const auto& leaf : leaves.bounds) {
+  for (const auto& leaf : leaves.joined()) {
     LeafBox box = LeafBox();
     std::copy(leaf.second.lower, leaf.second.lower + 3, box.lower);
     std::copy(leaf.second.upper, leaf.second.upper + 3, box.upper);

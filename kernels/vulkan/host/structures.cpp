@@ -172,12 +172,13 @@ BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted)
   }
   buildAll(device, builds);
   device.structures.clean();
+  std::vector<std::shared_ptr<const BottomLevel>> built(builds.size());
   for (const auto& entry : buildOf) {
-    const auto level = std::make_shared<const BottomLevel>(BottomLevel{entry.first, builds[entry.second].structure});
-    device.structures.add(level);
-    for (WantedLevel& want : wanted)
-      if (want.key == entry.first) want.level = level;
+    built[entry.second] = std::make_shared<const BottomLevel>(BottomLevel{entry.first, builds[entry.second].structure});
+    device.structures.add(built[entry.second]);
   }
+  for (WantedLevel& want : wanted)
+    if (!want.level) want.level = built[buildOf[want.key]];
   return counts;
 }
 

@@ -44,7 +44,6 @@ struct BoxesKey
 {
   uint64_t count, sum;
   bool operator<(const BoxesKey& other) const { return count < other.count || (count == other.count && sum < other.sum); }
-  bool operator==(const BoxesKey& other) const { return count == other.count && sum == other.sum; }
 };
 
 struct BottomLevel
