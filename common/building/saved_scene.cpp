@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
-#include <filesystem>
 
 namespace cbvh {
 namespace {
@@ -24,11 +23,6 @@ struct WriterRelease
 };
 
 } // namespace
-
-bool isSavedScene(const std::string& path)
-{
-  return std::filesystem::path(path).extension() == ".cbvh";
-}
 
 /* Here, so that programs which save nothing need none of these functions of the library, as older ones do not have. */
 void BuiltScene::save(const std::string& path) const

@@ -17,9 +17,6 @@
 
 namespace cbvh {
 
-/* Whether a file is one by its name: ".cbvh". */
-bool isSavedScene(const std::string& path);
-
 class SavedScene
 {
 public:

@@ -101,6 +101,14 @@ std::shared_ptr<const EdgeRates> diceByView(const Model& model, const Camera& ca
   return rates;
 }
 
+BuildSettings settingsForView(BuildSettings settings, const Model& model, const Camera& camera, const std::optional<ViewDicing>& dicing, float maxPixelError)
+{
+  settings.pixelBound = {maxPixelError, camera.eye(), camera.footprint()};
+  if (dicing)
+    settings.rates = diceByView(model, camera, *dicing, settings);
+  return settings;
+}
+
 float highestRate(const std::vector<Representation>& representations)
 {
   float highest = 4096;

@@ -84,7 +84,7 @@ constexpr int fixedLevel = 6;           // where representations are compared an
 /* --level with auto, --frame-level, --quad-size and --max-pixel-error. */
 inline void addViewLevelOptions(CLI::App& app, LevelWords& words)
 {
-  app.add_option("--level", words.level, "tessellation level, " + levelRange() + ": 2^L x 2^L quads a face; auto: edges get as many as the view needs")
+  app.add_option("--level", words.level, "tessellation level, " + levelRange() + ": 2^L x 2^L quads a face; auto: edges get as many as the view needs, at most 4096, and above 64 as the map has texels")
     ->type_name("L|auto")->capture_default_str();
   app.add_option("--quad-size", words.quadSize, "length of quads' edges with --level auto, in pixels, about")->type_name("P")->capture_default_str();
   app.add_option("--frame-level", words.frameLevel, "frame level, at which local frames start: " + levelRange() + ", or auto")

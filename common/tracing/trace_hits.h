@@ -12,6 +12,8 @@
 
 namespace cbvh {
 
+class SavedScene;
+
 /* Closest hits of n rays, on the calling thread.
  *
  * rays, hits: n each; hits are written. */
@@ -19,6 +21,9 @@ void traceClosest(const BuiltScene& scene, size_t n, const Ray* rays, SurfaceHit
 
 /* Closest hits, one a ray. Throws Cancelled. */
 std::vector<SurfaceHit> traceClosest(const BuiltScene& scene, const std::vector<Ray>& rays, unsigned threads);
+
+/* The same of a scene from a file. */
+std::vector<SurfaceHit> traceClosest(const SavedScene& scene, const std::vector<Ray>& rays, unsigned threads);
 
 /* Number of rays for which any-hit and the given closest hits disagree on whether
  * something is hit. Throws Cancelled. */

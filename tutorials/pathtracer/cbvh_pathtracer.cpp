@@ -41,11 +41,10 @@ Camera findCamera(const PathTracerOptions& options, const Model& model)
 
 BuildSettings settingsFor(const PathTracerOptions& options, const Model& model, const Camera& camera)
 {
-  BuildSettings build = options.build;
-  build.pixelBound = {options.maxPixelError, camera.eye(), camera.footprint()};
+  std::optional<ViewDicing> dicing;
   if (options.autoLevel)
-    build.rates = diceByView(model, camera, {options.quadSize, highestRate({options.representation})}, options.build);
-  return build;
+    dicing = ViewDicing{options.quadSize, highestRate({options.representation})};
+  return settingsForView(options.build, model, camera, dicing, options.maxPixelError);
 }
 
 std::unique_ptr<PathTracer> makePathTracer(const PathTracerOptions& options, const BuiltScene& scene, const PathView& view)

@@ -200,21 +200,10 @@ std::shared_ptr<LoadedScene> loadFile(const std::string& path, int threads)
 Hits intersectLoaded(const LoadedScene& scene, const py::object& origins, const py::object& directions, const py::object& tnear,
                      const py::object& tfar, const py::object& time, int threads)
 {
-  constexpr size_t chunk = 4096;
   const unsigned n = threadsOf(threads);
   Rays rays = readRays(origins, directions, tnear, tfar, time);
   return interruptible(py::none(), [&] {
-    const EmbreeTracer tracer(scene.saved.handle());
-    std::vector<SurfaceHit> hits(rays.rays.size());
-    parallelFor(hits.size(), chunk, n, [&](size_t begin, size_t end) {
-      const FastDenormals denormals;
-      std::vector<RTCRayHit> batch(end - begin);
-      for (size_t i = begin; i < end; i++)
-        load(rays.rays[i], batch[i - begin]);
-      tracer.intersect(batch.data(), batch.size());
-      for (size_t i = begin; i < end; i++)
-        hits[i] = scene.saved.surfaceHit(batch[i - begin]);
-    });
+    std::vector<SurfaceHit> hits = traceClosest(scene.saved, rays.rays, n);
     scene.saved.check();
     return Hits{std::move(rays.shape), std::move(hits), scene.saved.facesOfCopy(), scene.saved.facesOfCopy() * scene.saved.geometries().size()};
   });

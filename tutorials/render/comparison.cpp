@@ -82,11 +82,10 @@ Camera cameraOf(const Options& options, const Model& model, unsigned threads)
 /* Of the whole picture, whatever part of it is rendered. */
 BuildSettings settingsFor(const Options& options, const Model& model, const Camera& camera)
 {
-  BuildSettings build = options.build;
-  build.pixelBound = {options.maxPixelError, camera.eye(), camera.footprint()};
+  std::optional<ViewDicing> dicing;
   if (options.autoLevel)
-    build.rates = diceByView(model, camera, {options.quadSize, highestRate(options.representations)}, options.build);
-  return build;
+    dicing = ViewDicing{options.quadSize, highestRate(options.representations)};
+  return settingsForView(options.build, model, camera, dicing, options.maxPixelError);
 }
 
 std::vector<Ray> firstSamples(const Options& options, const Camera& camera)

@@ -14,6 +14,7 @@
 #include "tracing/camera.h"
 #include "tracing/ray_conversion.h"
 #include "tracing/ray_sets.h"
+#include "tracing/trace_hits.h"
 
 #include <nlohmann/json.hpp>
 
@@ -42,22 +43,6 @@ Camera cameraOf(const Options& options, const SavedScene& scene, const std::stri
   if (options.view != "full")
     return parseView(options.view, model.view.up, options.size);
   return fitCamera(model, {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}}, model.view, fieldOfView, options.size);
-}
-
-std::vector<SurfaceHit> trace(const SavedScene& scene, const std::vector<Ray>& rays, unsigned threads)
-{
-  std::vector<SurfaceHit> hits(rays.size());
-  const EmbreeTracer tracer(scene.handle());
-  parallelFor(rays.size(), 4096, threads, [&](size_t begin, size_t end) {
-    const FastDenormals denormals;
-    std::vector<RTCRayHit> batch(end - begin);
-    for (size_t i = begin; i < end; i++)
-      load(rays[i], batch[i - begin]);
-    tracer.intersect(batch.data(), batch.size());
-    for (size_t i = begin; i < end; i++)
-      hits[i] = scene.surfaceHit(batch[i - begin]);
-  });
-  return hits;
 }
 
 /* From the eye through the middle of the picture, with what a thread's first ray needs. */
@@ -90,7 +75,7 @@ void renderSaved(const Options& options)
     {
       std::vector<Ray> rays = primaryRays(camera, options.crop, sampleOffset(i));
       setTimes(rays, options.shutter, i, options.crop, options.size.width);
-      std::vector<SurfaceHit> hits = trace(scene, rays, threads);
+      std::vector<SurfaceHit> hits = traceClosest(scene, rays, threads);
       picture.add(rays, hits, threads);
       if (i == 0 && options.exr)
       {

@@ -122,8 +122,7 @@ std::unique_ptr<BuiltScene> SceneStore::build(const SceneKey& key) const
   {
     ViewDicing how = dicing;
     how.maxRate = highestRate({key.representation});
-    own.rates = diceByView(model, *key.camera, how, settings);
-    own.pixelBound = {pixelError, key.camera->eye(), key.camera->footprint()};
+    own = settingsForView(own, model, *key.camera, how, pixelError);
     if (estimatedPeakBytes(key.representation.kind, BuildSize(own.rates->quads, 1 + model.poses.size())) > availableMemory())
       throw Error("not enough memory for " + std::to_string(own.rates->quads / 1000000) + " million quads: give a larger --quad-size");
   }
