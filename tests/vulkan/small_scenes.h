@@ -5,6 +5,7 @@
 
 /* Scenes that are quickly built, and rays at them. */
 
+#include "support/random.h"
 #include "validated_device.h"
 
 namespace cbvh::test {
@@ -41,6 +42,41 @@ inline SurfaceSettings smallSurface(RTCCompression compression)
   settings.compression = compression;
   settings.frameLevel = 1;
   return settings;
+}
+
+const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
+
+// With displacement, which outlives what is made.
+inline SurfaceSettings displacedSettings(Displacement& displacement, RTCCompression compression, float rate)
+{
+  SurfaceSettings settings;
+  settings.displacement = &displacement;
+  settings.compression = compression;
+  settings.frameLevel = 1;
+  settings.rate = rate;
+  return settings;
+}
+
+// 30 instances of 1 to 4 time steps, some of a part of the time, with masks of one bit of four.
+inline void attachMovingInstances(RTCDevice device, RTCScene scene, RTCScene inside, Random& random)
+{
+  for (unsigned i = 0; i < 30; i++) {
+    const unsigned timeSteps = 1 + i % 4;
+    RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(instance, inside);
+    rtcSetGeometryTimeStepCount(instance, timeSteps);
+    if (timeSteps > 1 && i % 3 == 0) rtcSetGeometryTimeRange(instance, 0.2f, 0.7f);
+    float transform[12];
+    for (int k = 0; k < 9; k++) transform[k] = (k % 4 == 0 ? 0.35f : 0) + float(0.06*random.normal()); // not nearly flat
+    for (int k = 9; k < 12; k++) transform[k] = float(random.uniform(-1.2, 1.2));
+    for (unsigned t = 0; t < timeSteps; t++) {
+      for (float& x : transform) x += float(0.05*random.normal());
+      rtcSetGeometryTransform(instance, t, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
+    }
+    rtcSetGeometryMask(instance, 1u << (i % 4));
+    rtcCommitGeometry(instance);
+    attach(scene, instance);
+  }
 }
 
 // Geometry 0 is a compressed surface around z = 0, geometry 1 a triangle at z = 1 over a half of it.

@@ -13,22 +13,12 @@
 namespace cbvh::test {
 namespace {
 
-const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
-
 class VulkanHits : public VulkanAgreement
 {
 protected:
   Displacement displacement;
 
-  SurfaceSettings settings(RTCCompression compression, float rate = 16)
-  {
-    SurfaceSettings s;
-    s.displacement = &displacement;
-    s.compression = compression;
-    s.frameLevel = 1;
-    s.rate = rate;
-    return s;
-  }
+  SurfaceSettings settings(RTCCompression compression, float rate = 16) { return displacedSettings(displacement, compression, rate); }
 };
 
 struct NamedCage

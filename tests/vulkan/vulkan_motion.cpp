@@ -136,23 +136,7 @@ TEST_F(VulkanMotion, OfInstancesIsTheProcessors)
   addSurface(embree, inside, cubeCage(), settings(3));
   addSurface(embree, inside, sheetCage(3), still);
   rtcCommitScene(inside);
-  for (unsigned i = 0; i < 30; i++) {
-    const unsigned timeSteps = 1 + i % 4;
-    RTCGeometry instance = rtcNewGeometry(embree, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(instance, inside);
-    rtcSetGeometryTimeStepCount(instance, timeSteps);
-    if (timeSteps > 1 && i % 3 == 0) rtcSetGeometryTimeRange(instance, 0.2f, 0.7f);
-    float transform[12];
-    for (int k = 0; k < 9; k++) transform[k] = (k % 4 == 0 ? 0.35f : 0) + float(0.06*random.normal()); // not nearly flat
-    for (int k = 9; k < 12; k++) transform[k] = float(random.uniform(-1.2, 1.2));
-    for (unsigned t = 0; t < timeSteps; t++) {
-      for (float& x : transform) x += float(0.05*random.normal());
-      rtcSetGeometryTransform(instance, t, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
-    }
-    rtcSetGeometryMask(instance, 1u << (i % 4));
-    rtcCommitGeometry(instance);
-    attach(scene, instance);
-  }
+  attachMovingInstances(embree, scene, inside, random);
   rtcCommitScene(scene);
   std::vector<RTCRayHit> rays = timedRays(random, 20000);
   for (size_t i = 0; i < rays.size(); i += 2) rays[i].ray.mask = unsigned(random.below(16));

@@ -15,8 +15,6 @@
 namespace cbvh::test {
 namespace {
 
-const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
-
 // Rays by both ways of one scene.
 struct Differences
 {
@@ -38,15 +36,7 @@ protected:
     if (vulkan && !vulkan->handles.hasRayQuery) GTEST_SKIP() << vulkan->name << " has no ray queries";
   }
 
-  SurfaceSettings settings(RTCCompression compression, float rate = 16)
-  {
-    SurfaceSettings s;
-    s.displacement = &displacement;
-    s.compression = compression;
-    s.frameLevel = 1;
-    s.rate = rate;
-    return s;
-  }
+  SurfaceSettings settings(RTCCompression compression, float rate = 16) { return displacedSettings(displacement, compression, rate); }
 
   Differences compare(RTCScene scene, const std::vector<RTCRayHit>& rays)
   {
@@ -185,10 +175,11 @@ TEST_F(VulkanRayQuery, RaysFromFarAwayHitWhatTheyAimAt)
     std::vector<RTCRayHit> rays;
     for (int i = 0; i < 20000; i++) {
       Vec d, target, org;
+      for (float& x : d) x = float(random.normal());
+      const float distance = 20*std::max(1.f, offset)/std::sqrt(d[0]*d[0] + d[1]*d[1] + d[2]*d[2]);
       for (int k = 0; k < 3; k++) {
-        d[k] = float(random.normal());
         target[k] = displacement.offset[k] + float(random.uniform(-0.7, 0.7));
-        org[k] = target[k] + std::max(1.f, offset)*5*d[k];
+        org[k] = target[k] + distance*d[k];
       }
       rays.push_back(makeRay(org, {target[0] - org[0], target[1] - org[1], target[2] - org[2]}));
     }
@@ -204,22 +195,7 @@ TEST_F(VulkanRayQuery, HitsOfInstancesAreThoseOfComputeShaders)
   attach(inside, newTriangle(embree, 0.3f));
   rtcCommitScene(inside);
   addSurface(embree, scene, prismCage(5), settings(RTC_COMPRESSION_VERT));
-  for (unsigned i = 0; i < 30; i++) {
-    const unsigned timeSteps = 1 + i % 3;
-    RTCGeometry instance = rtcNewGeometry(embree, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(instance, inside);
-    rtcSetGeometryTimeStepCount(instance, timeSteps);
-    float transform[12];
-    for (int k = 0; k < 9; k++) transform[k] = (k % 4 == 0 ? 0.35f : 0) + float(0.06*random.normal()); // not nearly flat
-    for (int k = 9; k < 12; k++) transform[k] = float(random.uniform(-1.2, 1.2));
-    for (unsigned t = 0; t < timeSteps; t++) {
-      for (float& x : transform) x += float(0.05*random.normal());
-      rtcSetGeometryTransform(instance, t, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
-    }
-    rtcSetGeometryMask(instance, 1u << (i % 4));
-    rtcCommitGeometry(instance);
-    attach(scene, instance);
-  }
+  attachMovingInstances(embree, scene, inside, random);
   rtcCommitScene(scene);
   std::vector<RTCRayHit> rays = timedRays(random, 20000);
   for (size_t i = 0; i < rays.size(); i += 2) rays[i].ray.mask = unsigned(random.below(16));
