@@ -98,8 +98,14 @@ void setPhaseListener(PhaseListener listener)
   phaseListener = std::move(listener);
 }
 
-Phase::Phase(const std::string& name)
-  : name(name), start(std::chrono::steady_clock::now()), terminal(isatty(STDERR_FILENO))
+std::string timeLeft(double seconds, double fraction)
+{
+  const double left = seconds / fraction - seconds;
+  return left < 90 ? "about " + std::to_string(int(left + 0.5)) + " s" : "about " + std::to_string(int(left / 60 + 0.5)) + " min";
+}
+
+Phase::Phase(const std::string& name, Says says)
+  : name(name), says(says), start(std::chrono::steady_clock::now()), terminal(isatty(STDERR_FILENO))
 {
   throwIfCancelled();
   print(false);
@@ -117,6 +123,7 @@ void Phase::update(double fraction)
   if (now <= percent)
     return;
   percent = now;
+  done = std::min(1.0, fraction);
   print(false);
 }
 
@@ -138,7 +145,8 @@ void Phase::print(bool final)
     return;
   const char* back = terminal ? "\r\033[K" : "";
   if (!final)
-    std::fprintf(stderr, "%s  %s %d%%", back, name.c_str(), percent);
+    std::fprintf(stderr, "%s  %s %d%%%s", back, name.c_str(), percent,
+                 says == SaysTimeLeft && percent ? (", " + timeLeft(seconds(), done) + " left").c_str() : "");
   else if (stopped)
     std::fprintf(stderr, "%s  %s: stopped after %.1f s\n", back, name.c_str(), seconds());
   else

@@ -13,37 +13,6 @@
 namespace cbvh {
 namespace {
 
-std::string deviceConfig(const Representation& representation, const BuildSettings& settings)
-{
-  std::string config = representation.deviceConfig();
-  auto add = [&](const std::string& item) { config += (config.empty() ? "" : ",") + item; };
-  add("threads=" + std::to_string(threadCount(settings.threads)));
-  if (representation.isCompressed() && settings.maxError > 0.0f)
-  {
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.9g", double(settings.maxError));
-    add(std::string("cbvh_max_error=") + text);
-  }
-  if (!settings.isa.empty())
-    add("isa=" + settings.isa);
-  return config;
-}
-
-RTCCompressionArguments compressionArguments(const BuildSettings& settings)
-{
-  const PixelBound& bound = settings.pixelBound;
-  RTCCompressionArguments args;
-  rtcInitCompressionArguments(&args);
-  if (bound.pixels > 0.0f)
-  {
-    args.maxPixelError = bound.pixels;
-    args.pixelSize = bound.footprint;
-    const float eye[3] = {bound.eye.x, bound.eye.y, bound.eye.z};
-    std::copy(eye, eye + 3, args.cameraPosition);
-  }
-  return args;
-}
-
 bool onProgress(void* phase, double fraction)
 {
   static_cast<Phase*>(phase)->update(fraction);
@@ -99,6 +68,37 @@ void captureVertices(const Model& model, const BuildSettings& settings, std::vec
 }
 
 } // namespace
+
+std::string deviceConfig(const Representation& representation, const BuildSettings& settings)
+{
+  std::string config = representation.deviceConfig();
+  auto add = [&](const std::string& item) { config += (config.empty() ? "" : ",") + item; };
+  add("threads=" + std::to_string(threadCount(settings.threads)));
+  if (representation.isCompressed() && settings.maxError > 0.0f)
+  {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.9g", double(settings.maxError));
+    add(std::string("cbvh_max_error=") + text);
+  }
+  if (!settings.isa.empty())
+    add("isa=" + settings.isa);
+  return config;
+}
+
+RTCCompressionArguments compressionArguments(const BuildSettings& settings)
+{
+  const PixelBound& bound = settings.pixelBound;
+  RTCCompressionArguments args;
+  rtcInitCompressionArguments(&args);
+  if (bound.pixels > 0.0f)
+  {
+    args.maxPixelError = bound.pixels;
+    args.pixelSize = bound.footprint;
+    const float eye[3] = {bound.eye.x, bound.eye.y, bound.eye.z};
+    std::copy(eye, eye + 3, args.cameraPosition);
+  }
+  return args;
+}
 
 void validateBuild(const BuildSettings& settings)
 {

@@ -56,6 +56,10 @@ struct BuildSettings
 /* Throws Error that names the option, --level, --threads, --isa or --device, and its value. */
 void validateBuild(const BuildSettings& settings);
 
+/* What a device and its geometries are told of them. */
+std::string deviceConfig(const Representation& representation, const BuildSettings& settings);
+RTCCompressionArguments compressionArguments(const BuildSettings& settings);
+
 /* The part of a scene's quads in blocks that cLEAF stores exactly, as cVERT: 0 to 1. */
 inline double exactQuadShare(const RTCCompressionStatistics& s)
 {

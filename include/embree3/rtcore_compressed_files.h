@@ -56,6 +56,22 @@ RTC_API RTCGeometry rtcLoadCompressedGeometry(RTCDevice device, const char* path
  * Errors: as rtcSaveCompressedGeometry. Thread safety: a writer is used by one thread at a time. */
 RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter(RTCDevice device, const char* path);
 
+/* Begins a file whose geometries take long to make, or goes on with one. What is appended is kept beside the file, under its name with ".part" behind, when
+ * the writer is released, or the process ends, without a commit. The next writer of the same path and key goes on behind it: it has rtcGetCompressedFileWriterCount
+ * geometries, and takes those that follow. A process that is killed loses the last geometry, or the last 64 MiB of smaller ones; a released writer loses none.
+ *
+ * device, path: as rtcNewCompressedFileWriter.
+ * key: a number for what the geometries are made from, so that files of different input are not mixed.
+ *
+ * Returns the writer, or NULL.
+ *
+ * Errors: as rtcNewCompressedFileWriter; also RTC_ERROR_INVALID_ARGUMENT where what is there was begun with another key or by another version of the
+ * library, or is damaged, and while another writer has it. */
+RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter(RTCDevice device, const char* path, unsigned long long key);
+
+/* Returns how many geometries a writer has; 0 for NULL. */
+RTC_API unsigned int rtcGetCompressedFileWriterCount(RTCCompressedFileWriter writer);
+
 /* Appends a geometry, which may be released then: so a scene that memory does not hold is saved while it is built. Their order is that of the
  * indices in the file.
  *
@@ -76,7 +92,7 @@ RTC_API bool rtcAppendCompressedGeometry(RTCCompressedFileWriter writer, RTCGeom
  * Errors and thread safety: as above. */
 RTC_API bool rtcCommitCompressedFile(RTCCompressedFileWriter writer);
 
-/* Releases a writer. What was not committed is removed. */
+/* Releases a writer. What was not committed is removed, or, of rtcResumeCompressedFileWriter, kept. */
 RTC_API void rtcReleaseCompressedFileWriter(RTCCompressedFileWriter writer);
 
 /* Opens a file with any number of geometries. Arguments, errors and thread safety: as rtcLoadCompressedGeometry.

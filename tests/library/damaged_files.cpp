@@ -3,6 +3,7 @@
 
 /* Files of compressed geometry that are not what they should be, and disks that take none. */
 
+#include "support/child_process.h"
 #include "support/file_mutations.h"
 #include "support/random_rounds.h"
 
@@ -167,17 +168,6 @@ TEST_F(DamagedFiles, AnyIsRefusedOrTracedWithoutHarm)
 }
 
 // --- disks -------------------------------------------------------------------------------------------
-
-// Runs in a process of its own, which a signal may end; its exit status.
-template<typename Closure>
-int statusOfChild(const Closure& closure)
-{
-  const pid_t child = fork();
-  if (child == 0) _exit(closure());
-  int status = 0;
-  waitpid(child, &status, 0);
-  return status;
-}
 
 TEST_F(DamagedFiles, AFullDiskLeavesTheOldFile)
 {

@@ -54,7 +54,7 @@ TEST(FileFormat, TheHeaderIsThatOfThePage)
   EXPECT_FIELD(table, FileHeader, fileBytes);
   EXPECT_FIELD(table, FileHeader, directory);
   EXPECT_FIELD(table, FileHeader, directoryChecksum);
-  EXPECT_FIELD(table, FileHeader, reserved);
+  EXPECT_FIELD(table, FileHeader, key);
   EXPECT_FIELD(table, FileHeader, checksum);
   EXPECT_TRUE(table.empty()) << table.begin()->first;
 }

@@ -135,6 +135,16 @@ run saved --scene cube --representation cvert --view 3,2,4,0,0,0,40 --save "$fol
 run loaded --load "$folder/cube.cbvh" --view 3,2,4,0,0,0,40
 cmp "$folder/saved.out/cube_cvert.png" "$folder/loaded.out/cube_cvert.png" || complain "another picture from the file"
 grep -q "opened in" "$folder/loaded" || complain "not a word on how long opening took"
+# A herd goes there copy by copy, and its picture comes from there; what was begun of something else is left.
+herd="--scene herd --count 2"
+run herd $herd
+run herd_saved $herd --save "$folder/herd.cbvh"
+cmp "$folder/herd.out/herd_cvert.png" "$folder/herd_saved.out/herd_cvert.png" || complain "another picture of a herd from its file"
+grep -q "2 geometries, 0 of them from a build that was stopped" "$folder/herd_saved" || complain "not a word on the build"
+[ ! -e "$folder/herd.cbvh.part" ] || complain "something is left beside the file"
+refuses "save of a herd" $herd --save "$folder/herd.cbvh" --speed
+echo mesh > "$folder/herd.cbvh.part"
+refuses "no file of compressed surfaces" $herd --save "$folder/herd.cbvh"
 refuses "no file of compressed surfaces\|only" --load "$folder/text.png"
 refuses "load is in place of" --scene cube --load "$folder/cube.cbvh"
 refuses "save takes one representation" --scene cube --representation grid --save "$folder/none.cbvh"

@@ -23,10 +23,10 @@ comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
 [ ! -s "$work/removed" ] || { echo "removed:"; cat "$work/removed"; exit 1; }
 # those of the headers of ours, below, and of kernels/cbvh/scene/flat_scene.h for libembree3_vulkan
 printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFile rtcDiceGeometry rtcFlattenScene rtcForEachCompressedCluster rtcForEachCompressedPart \
-  rtcForEachCompressedPartAtTime rtcGetCompressedFileGeometry rtcGetCompressedFileGeometryCount rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime \
+  rtcForEachCompressedPartAtTime rtcGetCompressedFileGeometry rtcGetCompressedFileGeometryCount rtcGetCompressedFileWriterCount rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime \
   rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcLoadCompressedGeometry rtcNewCompressedFileWriter \
   rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError rtcReleaseCompressedFile rtcReleaseCompressedFileWriter \
-  rtcReleaseFlatScene rtcSaveCompressedGeometry rtcSetGeometryCompression rtcVerifyCompressedFile > "$work/api"
+  rtcReleaseFlatScene rtcResumeCompressedFileWriter rtcSaveCompressedGeometry rtcSetGeometryCompression rtcVerifyCompressedFile > "$work/api"
 diff "$work/api" "$work/added" || { echo "added symbols are not those of our headers" >&2; exit 1; }
 
 soname() { readelf -d "$1" | sed -n 's/.*soname: //p'; }

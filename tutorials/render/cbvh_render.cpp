@@ -27,7 +27,13 @@ int run(int argc, char** argv)
     cbvh::renderSaved(*options);
     return 0;
   }
-  const cbvh::Comparison comparison = cbvh::runComparison(*options);
+  const cbvh::ModelView view(*options);
+  if (!options->savePath.empty() && view.model.copies.size() > 1)
+  {
+    cbvh::saveAndRender(*options, view);
+    return 0;
+  }
+  const cbvh::Comparison comparison = cbvh::runComparison(*options, view);
   if (!options->json.empty())
     cbvh::writeTextFile(options->json, cbvh::formatJson(comparison));
   cbvh::writeStandardOutput(cbvh::formatTable(comparison, options->details));

@@ -19,11 +19,9 @@
 #include "basics/file_output.h"
 #include "basics/parallel.h"
 #include "building/memory.h"
-#include "building/view_dicing.h"
 #include "measure/self_shadow.h"
 #include "pictures/sampled_picture.h"
 #include "programs/view_options.h"
-#include "programs/warnings.h"
 #include "surface/mesh.h"
 #include "tracing/trace_hits.h"
 
@@ -34,14 +32,6 @@ namespace cbvh {
 namespace {
 
 constexpr uint32_t sampleSeed = 1; // any: the same hits in every run
-
-Model loadModel(const Options& options)
-{
-  std::string warnings;
-  Model model = loadScene(options.scene, warnings);
-  printWarnings("cbvh_render", warnings);
-  return model;
-}
 
 BuildSize sizeOf(const Model& model, const BuildSettings& build)
 {
@@ -64,30 +54,6 @@ MemoryPlan planOf(const Options& options, const Model& model, const BuildSetting
   return plan;
 }
 
-/* The same for every representation and alone: fitted to a GRID, which is dropped, of as
- * fine a level as is made in no time. */
-Camera cameraOf(const Options& options, const Model& model, unsigned threads)
-{
-  constexpr size_t mostQuads = 4000000;
-  BuildSettings coarse = options.build;
-  if (model.isMesh)
-    coarse.level = 0; // it has no others
-  while (coarse.level > 0 && model.layout(coarse.level).numQuads() > mostQuads)
-    coarse.level--;
-  coarse.device = "cpu";
-  coarse.name = "view";
-  return chooseCamera(options.view, model, BuiltScene(model, {RepresentationKind::Grid}, coarse), options.size, threads);
-}
-
-/* Of the whole picture, whatever part of it is rendered. */
-BuildSettings settingsFor(const Options& options, const Model& model, const Camera& camera)
-{
-  std::optional<ViewDicing> dicing;
-  if (options.autoLevel)
-    dicing = ViewDicing{options.quadSize, highestRate(options.representations)};
-  return settingsForView(options.build, model, camera, dicing, options.maxPixelError);
-}
-
 std::vector<Ray> firstSamples(const Options& options, const Camera& camera)
 {
   std::vector<Ray> rays = primaryRays(camera, options.crop);
@@ -103,10 +69,9 @@ bool isKind(const Result& result, RepresentationKind kind)
 class Run
 {
 public:
-  explicit Run(const Options& options)
-    : options(options), threads(threadCount(options.build.threads)), model(loadModel(options)),
-      camera(cameraOf(options, model, threads)), primary(firstSamples(options, camera)),
-      build(settingsFor(options, model, camera)), plan(planOf(options, model, build)), files(options.output, model.name, options.size, options.crop, options.colors, options.samples)
+  Run(const Options& options, const ModelView& view)
+    : options(options), threads(threadCount(options.build.threads)), model(view.model), camera(view.camera), primary(firstSamples(options, camera)),
+      build(view.build), plan(planOf(options, model, build)), files(options.output, model.name, options.size, options.crop, options.colors, options.samples)
   {
     if (options.trueHits && model.poses.empty()) // the true surface stands still
       surface.emplace(model);
@@ -296,10 +261,10 @@ private:
 
   const Options& options;
   unsigned threads;
-  Model model;
-  Camera camera;
+  const Model& model;
+  const Camera camera;
   std::vector<Ray> primary;
-  BuildSettings build;
+  const BuildSettings build;
   MemoryPlan plan;
   PictureFiles files;
   RaySets sets;
@@ -313,9 +278,9 @@ private:
 
 } // namespace
 
-Comparison runComparison(const Options& options)
+Comparison runComparison(const Options& options, const ModelView& view)
 {
-  return Run(options).run();
+  return Run(options, view).run();
 }
 
 } // namespace cbvh

@@ -6,7 +6,7 @@
 /* The run: builds one representation after the other, traces the same rays through each,
  * and collects what the table says. */
 
-#include "options.h"
+#include "model_view.h"
 #include "measure/hit_metrics.h"
 #include "measure/true_errors.h"
 #include "tracing/trace_timing.h"
@@ -53,6 +53,6 @@ struct Comparison
 };
 
 /* Runs everything and writes the pictures. Throws Error, Cancelled. */
-Comparison runComparison(const Options& options);
+Comparison runComparison(const Options& options, const ModelView& view);
 
 } // namespace cbvh

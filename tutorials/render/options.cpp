@@ -54,7 +54,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--output", o.output, "folder for the pictures, made if need be")
     ->type_name("DIR")->capture_default_str();
   app.add_option("--export", o.exportPath, "write the surface there, too, as cvert stores it, OBJ: quads that --mesh reads")->type_name("FILE");
-  app.add_option("--save", o.savePath, "write the compressed scene there, too, which --load opens at once")->type_name("FILE");
+  app.add_option("--save", o.savePath, "write the compressed scene there, too, which --load opens at once; a herd goes there copy by copy, and what was stopped goes on where it was")->type_name("FILE");
   app.add_option("--load", o.loadPath, "instead of files and scenes, what --save wrote, as it was compressed")->type_name("FILE");
   app.add_flag("--exr", o.exr, "write linear colours and the hits there, too, OpenEXR: position, distance, normal, u, v and primID");
 }
@@ -108,6 +108,8 @@ void read(const CLI::App& app, const Words& words, Options& o)
     throw Error("--load is in place of files, --scene, --cage and --mesh");
   if (!o.loadPath.empty() && (!o.savePath.empty() || !o.exportPath.empty() || o.speed || o.ambientRays || o.build.device != "cpu"))
     throw Error("--load makes a picture on the processor: --save, --export, --speed, --ambient and --device belong to models");
+  if (!o.savePath.empty() && o.scene.scene == "herd" && (!o.exportPath.empty() || o.speed || o.ambientRays || o.build.device != "cpu"))
+    throw Error("--save of a herd builds one of it after the other into the file, and makes a picture of that on the processor: --export, --speed, --ambient and --device belong to scenes in memory");
   if (o.loadPath.empty())
   {
     nameFiles(words.files, o.scene);

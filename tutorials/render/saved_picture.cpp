@@ -9,6 +9,7 @@
 #include "basics/parallel.h"
 #include "basics/progress.h"
 #include "building/saved_scene.h"
+#include "building/scene_file_builder.h"
 #include "pictures/sampled_picture.h"
 #include "programs/view_options.h"
 #include "tracing/camera.h"
@@ -56,17 +57,15 @@ double firstRaySeconds(const Options& options, const SavedScene& scene, const Ca
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-} // namespace
-
-void renderSaved(const Options& options)
+/* What is in a file, from a camera that the scene gives, if there is none. */
+void render(const Options& options, const std::string& file, const std::string& name, const Camera* given, Vec3f up, nlohmann::json json)
 {
   const unsigned threads = threadCount(options.build.threads);
-  const std::string name = std::filesystem::path(options.loadPath).stem().string();
-  const SavedScene scene(options.loadPath, "threads=" + std::to_string(threads) + (options.build.isa.empty() ? "" : ",isa=" + options.build.isa));
-  const Camera camera = cameraOf(options, scene, name);
+  const SavedScene scene(file, "threads=" + std::to_string(threads) + (options.build.isa.empty() ? "" : ",isa=" + options.build.isa));
+  const Camera camera = given ? *given : cameraOf(options, scene, name);
   const double firstRay = firstRaySeconds(options, scene, camera);
 
-  SampledPicture picture(camera, options.crop, {0, 1, 0}, options.colors);
+  SampledPicture picture(camera, options.crop, up, options.colors);
   std::vector<Ray> firstRays;
   std::vector<SurfaceHit> firstHits;
   {
@@ -95,12 +94,30 @@ void renderSaved(const Options& options)
   std::snprintf(line, sizeof(line), "%zu geometr%s, %.2f million quads, %.1f MiB; opened in %.1f ms, first ray after %.1f ms; %.1f MiB are not mapped\n",
                 scene.geometries().size(), scene.geometries().size() == 1 ? "y" : "ies", double(scene.quads()) * 1e-6, double(scene.bytes()) / (1 << 20),
                 1e3 * scene.seconds(), 1e3 * (scene.seconds() + firstRay), double(scene.liveBytes()) / (1 << 20));
-  writeStandardOutput(path + "\n" + options.loadPath + ": " + line);
+  writeStandardOutput(path + "\n" + file + ": " + line);
   if (options.json.empty())
     return;
-  const nlohmann::json json = {{"file", options.loadPath}, {"geometries", scene.geometries().size()}, {"quads", scene.quads()}, {"bytes", scene.bytes()},
-                               {"openSeconds", scene.seconds()}, {"openProcessorSeconds", scene.processorSeconds()}, {"firstRaySeconds", scene.seconds() + firstRay}, {"liveBytes", scene.liveBytes()}};
+  json.update({{"file", file}, {"geometries", scene.geometries().size()}, {"quads", scene.quads()}, {"bytes", scene.bytes()}, {"openSeconds", scene.seconds()},
+               {"openProcessorSeconds", scene.processorSeconds()}, {"firstRaySeconds", scene.seconds() + firstRay}, {"liveBytes", scene.liveBytes()}});
   writeTextFile(options.json, json.dump(2) + "\n");
+}
+
+} // namespace
+
+void renderSaved(const Options& options)
+{
+  render(options, options.loadPath, std::filesystem::path(options.loadPath).stem().string(), nullptr, {0, 1, 0}, nlohmann::json::object());
+}
+
+void saveAndRender(const Options& options, const ModelView& view)
+{
+  const FileBuildReport built = buildToFile(view.model, options.representations[0], view.build, options.savePath);
+  char line[256];
+  std::snprintf(line, sizeof(line), "%zu geometries, %zu of them from a build that was stopped; the others, %.1f million quads, took %.1f s, %.2f million a second, with %.1f MiB at most\n",
+                built.geometries, built.found, double(built.quads) * 1e-6, built.seconds, double(built.quads) * 1e-6 / built.seconds, double(built.peakBytes) / (1 << 20));
+  writeStandardOutput(options.savePath + ": " + line);
+  render(options, options.savePath, view.model.name, &view.camera, view.model.view.up,
+         {{"found", built.found}, {"buildSeconds", built.seconds}, {"builtQuads", built.quads}, {"buildPeakBytes", built.peakBytes}});
 }
 
 } // namespace cbvh

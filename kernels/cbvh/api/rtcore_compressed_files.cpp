@@ -114,6 +114,27 @@ RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter (RTCDevice hdevice, c
   return nullptr;
 }
 
+RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter (RTCDevice hdevice, const char* path, unsigned long long key)
+{
+  Device* device = (Device*) hdevice;
+  RTC_CATCH_BEGIN;
+  require(device,"device");
+  require(path,"path");
+  return (RTCCompressedFileWriter)(new Writer(device,std::unique_ptr<cbvh::FileWriter>(new cbvh::FileWriter(path,key))))->refInc();
+  RTC_CATCH_END(device);
+  return nullptr;
+}
+
+RTC_API unsigned int rtcGetCompressedFileWriterCount (RTCCompressedFileWriter hwriter)
+{
+  Writer* writer = (Writer*) hwriter;
+  RTC_CATCH_BEGIN;
+  require(writer,"writer");
+  return (unsigned int)writer->thing->size();
+  RTC_CATCH_END(nullptr);
+  return 0;
+}
+
 RTC_API bool rtcAppendCompressedGeometry (RTCCompressedFileWriter hwriter, RTCGeometry hgeometry)
 {
   Writer* writer = (Writer*) hwriter;

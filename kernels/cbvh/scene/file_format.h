@@ -35,7 +35,8 @@ namespace embree
       uint32_t vertVersion, framedVersion;   //!< of the blocks: vertFormatVersion, formatVersion
       uint32_t numGeometries, recordBytes;   //!< sizeof(FileGeometry)
       uint64_t fileBytes, directory;         //!< the size of all, and where the geometries' records are
-      uint32_t directoryChecksum, reserved[2];
+      uint32_t directoryChecksum;
+      uint32_t key[2];                       //!< of what a writer that goes on with the file makes it from, the lower half first; else 0
       uint32_t checksum;                     //!< of the bytes before it
     };
     static_assert(sizeof(FileHeader) == 64,"header of a file");

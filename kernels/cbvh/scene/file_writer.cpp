@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -120,33 +121,89 @@ namespace embree
       }
     }
 
-    FileWriter::FileWriter (const std::string& name) : path(name), file(-1)
+    void FileWriter::findPlace (const std::string& name)
     {
+      path = name;
       if (path.empty()) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"path is empty");
       /* what a link leads to is replaced, not the link */
       if (char* real = realpath(name.c_str(),nullptr)) { path = real; free(real); }
       struct stat status;
-      const bool exists = stat(path.c_str(),&status) == 0;
-      if (exists && !S_ISREG(status.st_mode))
+      if (stat(path.c_str(),&status) == 0 && !S_ISREG(status.st_mode))
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,path + ": is no file");
+    }
+
+    FileWriter::FileWriter (const std::string& name)
+    {
+      findPlace(name);
       temporary = temporaryName(path);
       file = ::open(temporary.c_str(),O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC,0666);
       if (file < 0)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,path + ": cannot be written: " + std::strerror(errno));
-      if (exists) (void)!fchmod(file,status.st_mode & 07777); // as it was; else what new files get
-      try {
-        const FileHeader none = FileHeader();
-        write(&none,sizeof(none));
-        padTo(filePage);
-      }
+      try { begin(); }
       catch (...) { ::close(file); ::unlink(temporary.c_str()); throw; } // no destructor runs
+    }
+
+    FileWriter::FileWriter (const std::string& name, uint64_t key) : keeps(true), key(key)
+    {
+      findPlace(name);
+      temporary = path + ".part";
+      file = ::open(temporary.c_str(),O_RDWR | O_CREAT | O_CLOEXEC,0666);
+      if (file < 0)
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,temporary + ": cannot be written: " + std::strerror(errno));
+      try { resume(); }
+      catch (...) { ::close(file); throw; }
     }
 
     FileWriter::~FileWriter ()
     {
       if (file < 0) return;
+      try { if (keeps && !failed && !directory.empty() && at != saved) writeDirectory(); }
+      catch (...) {} // what was saved before is still there
+      if (!keeps || directory.empty()) ::unlink(temporary.c_str());
       ::close(file);
-      ::unlink(temporary.c_str());
+    }
+
+    void FileWriter::begin ()
+    {
+      struct stat status;
+      if (stat(path.c_str(),&status) == 0) (void)!fchmod(file,status.st_mode & 07777); // as it was; else what new files get
+      const FileHeader none = FileHeader();
+      write(&none,sizeof(none));
+      padTo(filePage);
+    }
+
+    void FileWriter::resume ()
+    {
+      auto refuse = [&](const std::string& why) { throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,temporary + ": " + why); };
+      /* who had it before may have given it its name meanwhile */
+      struct stat status, named;
+      if (::flock(file,LOCK_EX | LOCK_NB) != 0 || ::fstat(file,&status) != 0 || ::stat(temporary.c_str(),&named) != 0 || status.st_ino != named.st_ino || status.st_dev != named.st_dev)
+        refuse("another writer has it");
+      if (!S_ISREG(status.st_mode)) refuse("is no file");
+      FileHeader header = FileHeader();
+      const FileHeader none = FileHeader();
+      if (::pread(file,&header,sizeof(header),0) != ssize_t(sizeof(header)) || memcmp(&header,&none,sizeof(none)) == 0)
+      {
+        /* nothing was saved in it, unless it is another's */
+        if (memcmp(&header,&none,sizeof(none)) != 0) refuse("is no file of compressed surfaces");
+        if (::ftruncate(file,0) != 0) refuse(std::string("cannot be written: ") + std::strerror(errno));
+        return begin();
+      }
+      const std::string anew = "; without it the file is begun anew";
+      if (memcmp(header.magic,fileMagic,sizeof(fileMagic)) != 0) refuse("is no file of compressed surfaces");
+      if (header.byteOrder != fileByteOrder || header.version != fileVersion || header.vertVersion != vertFormatVersion || header.framedVersion != formatVersion)
+        refuse("was begun by another version of the library" + anew);
+      const uint64_t count = header.numGeometries;
+      if (header.checksum != fileChecksum(&header,offsetof(FileHeader,checksum)) || header.recordBytes != sizeof(FileGeometry) || header.fileBytes > uint64_t(status.st_size) ||
+          header.directory > header.fileBytes || header.fileBytes-header.directory != count*sizeof(FileGeometry))
+        refuse("is damaged" + anew);
+      if (header.key[0] != uint32_t(key) || header.key[1] != uint32_t(key >> 32)) refuse("was begun with something else" + anew);
+      directory.resize(size_t(count));
+      const size_t bytes = directory.size()*sizeof(FileGeometry);
+      if (::pread(file,directory.data(),bytes,off_t(header.directory)) != ssize_t(bytes) || header.directoryChecksum != fileChecksum(directory.data(),bytes)) refuse("is damaged" + anew);
+      for (const FileGeometry& record : directory) numbers.insert(record.surface & ~(firstFileNumber | movingSurface));
+      at = saved = header.fileBytes;
+      if (::ftruncate(file,off_t(at)) != 0 || ::lseek(file,off_t(at),SEEK_SET) < 0) refuse(std::string("cannot be written: ") + std::strerror(errno));
     }
 
     void FileWriter::fail (const std::string& what)
@@ -189,6 +246,8 @@ namespace embree
       if (file < 0) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": was committed");
       if (failed) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": could not be written before");
       const Layout layout(surface);
+      if (keeps && at-saved >= checkpointBytes) writeDirectory();
+      padTo(filePage); // behind a directory
       FileGeometry record = FileGeometry();
       record.form = layout.form;
       record.source = sourceOf(geometry);
@@ -229,13 +288,11 @@ namespace embree
       padTo(filePage);
       if (at-end < fileReadBehind) { const char zeros[fileReadBehind] = {}; write(zeros,sizeof(zeros)); padTo(filePage); }
       directory.push_back(record);
+      if (keeps) (void)!::sync_file_range(file,off_t(saved),0,SYNC_FILE_RANGE_WRITE); // so that the next checkpoint need not wait
     }
 
-    void FileWriter::commit ()
+    void FileWriter::writeDirectory ()
     {
-      if (file < 0) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": was committed");
-      if (failed) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": could not be written before");
-      if (directory.empty()) fail("no geometry was added");
       FileHeader header = FileHeader();
       memcpy(header.magic,fileMagic,sizeof(header.magic));
       header.byteOrder = fileByteOrder;
@@ -244,15 +301,27 @@ namespace embree
       header.framedVersion = formatVersion;
       header.numGeometries = uint32_t(directory.size());
       header.recordBytes = sizeof(FileGeometry);
+      padTo(filePage);
       header.directory = at;
       const size_t bytes = directory.size()*sizeof(FileGeometry);
       header.directoryChecksum = fileChecksum(directory.data(),bytes);
       write(directory.data(),bytes);
       header.fileBytes = at;
+      header.key[0] = uint32_t(key);
+      header.key[1] = uint32_t(key >> 32);
       header.checksum = fileChecksum(&header,offsetof(FileHeader,checksum));
-      if (::lseek(file,0,SEEK_SET) != 0) fail(std::string("cannot be written: ") + std::strerror(errno));
-      write(&header,sizeof(header));
-      if (::fsync(file) != 0) fail(std::string("cannot be written: ") + std::strerror(errno));
+      /* a header is only of what is on the disk */
+      if (::fsync(file) != 0 || ::pwrite(file,&header,sizeof(header),0) != ssize_t(sizeof(header)) || ::fsync(file) != 0)
+        fail(std::string("cannot be written: ") + std::strerror(errno));
+      saved = at;
+    }
+
+    void FileWriter::commit ()
+    {
+      if (file < 0) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": was committed");
+      if (failed) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": could not be written before");
+      if (directory.empty()) fail("no geometry was added");
+      if (at != saved) writeDirectory();
       const int closed = ::close(file);
       file = -1;
       if (closed != 0 || ::rename(temporary.c_str(),path.c_str()) != 0) {

@@ -25,7 +25,11 @@ namespace embree
       /*! Throws where the folder takes no file. */
       explicit FileWriter (const std::string& path);
 
-      /*! Takes what was written away, if it was not committed. */
+      /*! Goes on with what such a writer left, or begins. key: of what the geometries are made from. Throws where what is there is of another key, or
+       *  another process writes it. */
+      FileWriter (const std::string& path, uint64_t key);
+
+      /*! Takes what was written away, if it was not committed; of a writer with a key it stays, to be gone on with. */
       ~FileWriter ();
 
       FileWriter (const FileWriter&) = delete;
@@ -37,7 +41,20 @@ namespace embree
       /*! All is written, to the disk, and gets its name. */
       void commit ();
 
+      /*! of geometries that were added, those of writers before included */
+      size_t size () const { return directory.size(); }
+
     private:
+      /*! how much may be lost where the process ends */
+      static const uint64_t checkpointBytes = uint64_t(64) << 20;
+
+      void findPlace (const std::string& name);
+      void begin ();
+      void resume ();
+
+      /*! Puts the directory behind what was written, and both on the disk; then the header says so. */
+      void writeDirectory ();
+
       void write (const void* data, size_t bytes);
       void padTo (uint64_t alignment);
       [[noreturn]] void fail (const std::string& what);
@@ -46,9 +63,10 @@ namespace embree
       uint32_t numberOf (const FileGeometry& record, bool moves);
 
       std::string path, temporary;
-      int file;
-      bool failed = false;
-      uint64_t at = 0;
+      int file = -1;
+      bool failed = false, keeps = false; //!< keeps: what is not committed
+      uint64_t key = 0;
+      uint64_t at = 0, saved = 0;         //!< saved: what the header on the disk knows of
       std::vector<FileGeometry> directory;
       std::set<uint32_t> numbers;
     };

@@ -1,0 +1,139 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "building/scene_file_builder.h"
+#include "basics/progress.h"
+
+#include <embree3/rtcore_compressed_files.h>
+
+#include <chrono>
+#include <cstring>
+
+namespace cbvh {
+namespace {
+
+struct WriterRelease
+{
+  void operator()(RTCCompressedFileWriter writer) const { rtcReleaseCompressedFileWriter(writer); }
+};
+
+/* FNV-1a, of what a file is made from. */
+class InputKey
+{
+public:
+  template<typename T>
+  void add(const std::vector<T>& values)
+  {
+    add(values.size());
+    addBytes(values.data(), values.size() * sizeof(T));
+  }
+  template<typename T>
+  void add(T value)
+  {
+    addBytes(&value, sizeof(value));
+  }
+  void add(Vec3f v) { add(v.x), add(v.y), add(v.z); }
+
+  unsigned long long key() const { return hash; }
+
+private:
+  void addBytes(const void* data, size_t bytes)
+  {
+    for (size_t i = 0; i < bytes; i++)
+      hash = (hash ^ static_cast<const unsigned char*>(data)[i]) * 0x100000001B3ull;
+  }
+
+  uint64_t hash = 0xCBF29CE484222325ull;
+};
+
+/* Of the displacement a few points of each face speak. */
+void addDisplacement(InputKey& key, const Model& model, int level)
+{
+  constexpr size_t n = 4;
+  const float u[n] = {0.5f, 0.25f, 0.625f, 0.8125f}, v[n] = {0.5f, 0.375f, 0.125f, 0.6875f};
+  const Vec3f normals[n] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 0}};
+  for (unsigned face = 0; model.displacement && face < model.cage.numFaces(); face++)
+  {
+    const SurfacePoints points{face, level, n, u, v};
+    float offsets[n];
+    Vec3f vectors[n];
+    if (model.displacement->isAlongNormals())
+    {
+      model.displacement->offsets(points, offsets);
+      for (float offset : offsets)
+        key.add(offset);
+      continue;
+    }
+    model.displacement->vectors(points, normals, vectors);
+    for (Vec3f vector : vectors)
+      key.add(vector);
+  }
+}
+
+unsigned long long keyOf(const Model& model, const Representation& representation, const BuildSettings& settings)
+{
+  InputKey key;
+  const std::string label = representation.label();
+  key.add(std::vector<char>(label.begin(), label.end()));
+  key.add(settings.level);
+  key.add(settings.maxError);
+  key.add(settings.pixelBound.pixels);
+  key.add(settings.pixelBound.eye);
+  key.add(settings.pixelBound.footprint);
+  for (size_t i = 0; settings.rates && i < settings.rates->copies.size(); i++)
+    key.add(settings.rates->copies[i].rates);
+  key.add(model.cage.faceSizes);
+  key.add(model.cage.faceIndices);
+  key.add(model.cage.holes);
+  key.add(model.cage.creaseSharpness);
+  key.add(model.cage.cornerSharpness);
+  key.add(model.poses.size());
+  for (Vec3f p : model.positions())
+    key.add(p);
+  addDisplacement(key, model, settings.level);
+  return key.key();
+}
+
+} // namespace
+
+FileBuildReport buildToFile(const Model& model, const Representation& representation, const BuildSettings& settings, const std::string& path)
+{
+  EmbreeDevice device(deviceConfig(representation, settings));
+  RTCCompressionArguments arguments = compressionArguments(settings);
+  arguments.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT; // compressed by its own commit
+  const SharedTopology topology(device, model.cage, model.poses);
+  const std::unique_ptr<RTCCompressedFileWriterTy, WriterRelease> writer(rtcResumeCompressedFileWriter(device.handle(), path.c_str(), keyOf(model, representation, settings)));
+  device.check("saving");
+  FileBuildReport report;
+  report.geometries = model.copies.size();
+  report.found = rtcGetCompressedFileWriterCount(writer.get());
+  const size_t quads = settings.rates ? settings.rates->quads : model.layout(settings.level).numQuads(), left = report.geometries - report.found;
+  report.quads = size_t(double(quads) * double(left) / double(report.geometries));
+  const auto start = std::chrono::steady_clock::now();
+  {
+    Phase phase(path + (report.found ? ", from geometry " + std::to_string(report.found) + " on" : ""), Phase::SaysTimeLeft);
+    for (size_t i = report.found; i < report.geometries; i++)
+    {
+      DisplacementContext context;
+      context.displacement = model.displacement.get();
+      context.level = settings.level;
+      if (settings.rates)
+      {
+        context.rates = settings.rates.get();
+        context.copy = &settings.rates->copies[i];
+      }
+      const GeometryHandle geometry = topology.makeGeometry(model.copies[i], context, &arguments);
+      rtcAppendCompressedGeometry(writer.get(), geometry.get());
+      device.check("saving");
+      phase.update(double(i + 1 - report.found) / double(left));
+      throwIfCancelled();
+    }
+    rtcCommitCompressedFile(writer.get());
+    device.check("saving");
+  }
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.peakBytes = device.memory().peak();
+  return report;
+}
+
+} // namespace cbvh

@@ -1,0 +1,209 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Files that are written in several goes: rtcResumeCompressedFileWriter. */
+
+#include "support/child_process.h"
+#include "support/file_mutations.h"
+#include "support/query_forms.h"
+
+#include <csignal>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+namespace cbvh::test {
+namespace {
+
+class ResumedFiles : public testing::Test
+{
+protected:
+  static constexpr unsigned long long key = 0x123456789abcdef0ull;
+
+  RTCCompressedFileWriter resume(unsigned long long of = key) { return rtcResumeCompressedFileWriter(device, path.c_str(), of); }
+
+  /* Geometry i of those that there are. */
+  void append(RTCCompressedFileWriter writer, size_t i)
+  {
+    RTCGeometry geometry = all[i].make(device);
+    ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
+    rtcReleaseGeometry(geometry);
+  }
+
+  void expectRefused(const std::string& why, unsigned long long of = key)
+  {
+    EXPECT_EQ(resume(of), nullptr);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+    EXPECT_NE(device.message.find(why), std::string::npos) << device.message;
+    EXPECT_NE(device.message.find(part), std::string::npos) << "the file is not named: " << device.message;
+  }
+
+  /* That the file has the first n geometries: rays hit the same in each as in what it was made of, to the bit. */
+  void expectWhole(size_t n)
+  {
+    RTCCompressedFile file = rtcOpenCompressedFile(device, path.c_str());
+    ASSERT_NE(file, nullptr) << device.message;
+    EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
+    ASSERT_EQ(rtcGetCompressedFileGeometryCount(file), n);
+    std::vector<RTCRayHit> rays = raysAt(random, 500);
+    for (RTCRayHit& ray : rays) ray.ray.time = float(random.uniform(0, 1));
+    for (unsigned i = 0; i < n; i++) {
+      Scene from(device), made(device);
+      RTCGeometry geometry = rtcNewGeometryFromCompressedFile(file, i);
+      ASSERT_NE(geometry, nullptr) << device.message;
+      attach(from, geometry);
+      attach(made, all[i].make(device));
+      rtcCommitScene(from);
+      rtcCommitScene(made);
+      const std::vector<RTCRayHit> expected = closestHits(made, rays, QueryForm::Single), hits = closestHits(from, rays, QueryForm::Single);
+      for (size_t k = 0; k < rays.size(); k++) ASSERT_TRUE(std::memcmp(&hits[k].ray.tfar, &expected[k].ray.tfar, sizeof(float)) == 0 && hits[k].hit.primID == expected[k].hit.primID &&
+                                                       std::memcmp(&hits[k].hit.u, &expected[k].hit.u, 2*sizeof(float)) == 0) << all[i].name << ", ray " << k;
+    }
+    rtcReleaseCompressedFile(file);
+  }
+
+  Folder folder;
+  Device device;
+  Random random{7};
+  const std::vector<Saveable> all = allSaveable();
+  const std::string path = folder/"all.cbvh", part = path + ".part";
+};
+
+TEST_F(ResumedFiles, AWriterThatIsReleasedIsGoneOnWith)
+{
+  for (size_t i = 0; i < all.size(); i++) { // each in a go of its own
+    RTCCompressedFileWriter writer = resume();
+    ASSERT_NE(writer, nullptr) << device.message;
+    EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), i);
+    append(writer, i);
+    EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), i + 1);
+    rtcReleaseCompressedFileWriter(writer);
+    EXPECT_EQ(access(path.c_str(), F_OK), -1) << "it is there before it is whole";
+  }
+  RTCCompressedFileWriter writer = resume();
+  ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+  rtcReleaseCompressedFileWriter(writer);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"all.cbvh"});
+  expectWhole(all.size());
+}
+
+TEST_F(ResumedFiles, InOneGoAFileIsThatOfAPlainWriterButForItsKey)
+{
+  auto write = [&](RTCCompressedFileWriter writer) {
+    ASSERT_NE(writer, nullptr) << device.message;
+    append(writer, 0);
+    ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+    rtcReleaseCompressedFileWriter(writer);
+  };
+  write(resume(0));
+  const std::string resumed = bytesOf(path);
+  write(rtcNewCompressedFileWriter(device, path.c_str()));
+  EXPECT_EQ(resumed == bytesOf(path), true);
+}
+
+TEST_F(ResumedFiles, AKillLosesWhatCameAfterTheLastGo)
+{
+  RTCCompressedFileWriter writer = resume();
+  append(writer, 0);
+  rtcReleaseCompressedFileWriter(writer);
+  const size_t saved = bytesOf(part).size();
+  RTCGeometry second = all[1].make(device);
+  size_t killed = 0;
+  for (size_t more : {0ul, 100ul, 4000ul, 5000ul}) { // written before the process is killed, by the signal of a limit
+    const int status = statusOfChild([&] {
+      signal(SIGXFSZ, SIG_DFL);
+      const rlimit none = {0, 0}, full = {saved + more, saved + more};
+      setrlimit(RLIMIT_CORE, &none);
+      setrlimit(RLIMIT_FSIZE, &full);
+      rtcAppendCompressedGeometry(resume(), second);
+      return 1;
+    });
+    killed += WIFSIGNALED(status) != 0;
+  }
+  rtcReleaseGeometry(second);
+  EXPECT_EQ(killed, 4u);
+  writer = resume();
+  ASSERT_NE(writer, nullptr) << device.message;
+  EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 1u);
+  append(writer, 1);
+  ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+  rtcReleaseCompressedFileWriter(writer);
+  expectWhole(2);
+}
+
+TEST_F(ResumedFiles, AFullDiskKeepsWhatWasSaved)
+{
+  RTCCompressedFileWriter writer = resume();
+  append(writer, 0);
+  rtcReleaseCompressedFileWriter(writer);
+  const size_t saved = bytesOf(part).size();
+  RTCGeometry second = all[1].make(device);
+  const int status = statusOfChild([&] {
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit full = {saved + 5000, saved + 5000};
+    setrlimit(RLIMIT_FSIZE, &full);
+    RTCCompressedFileWriter writer = resume();
+    if (rtcAppendCompressedGeometry(writer, second)) return 1;
+    if (device.takeError() != RTC_ERROR_INVALID_OPERATION) return 2;
+    if (rtcCommitCompressedFile(writer)) return 3;
+    rtcReleaseCompressedFileWriter(writer);
+    return 0;
+  });
+  EXPECT_EQ(status, 0);
+  rtcReleaseGeometry(second);
+  writer = resume();
+  ASSERT_NE(writer, nullptr) << device.message;
+  EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 1u);
+  append(writer, 1);
+  ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+  rtcReleaseCompressedFileWriter(writer);
+  expectWhole(2);
+}
+
+TEST_F(ResumedFiles, WhatIsNotOursToGoOnWithIsRefusedAndLeft)
+{
+  RTCCompressedFileWriter writer = resume();
+  append(writer, 0);
+  expectRefused("another writer has it");
+  rtcReleaseCompressedFileWriter(writer);
+  const std::string sound = bytesOf(part);
+  expectRefused("begun with something else", key + 1);
+  expectRefused("begun with something else", key ^ (1ull << 63));
+  EXPECT_EQ(bytesOf(part), sound);
+  auto expectAltered = [&](size_t at, const std::string& why) {
+    std::string bytes = sound;
+    bytes[at] ^= 1;
+    writeBytes(part, bytes);
+    expectRefused(why);
+    EXPECT_EQ(bytesOf(part), bytes);
+  };
+  expectAltered(0, "no file of compressed surfaces");
+  expectAltered(12, "another version");
+  expectAltered(16, "another version");
+  expectAltered(24, "is damaged");
+  expectAltered(sound.size() - 1, "is damaged"); // of the directory
+  for (const std::string& bytes : {sound.substr(0, sound.size() - 1), sound.substr(0, 64)}) {
+    writeBytes(part, bytes);
+    expectRefused("is damaged");
+  }
+  writeBytes(part, "mesh");
+  expectRefused("no file of compressed surfaces");
+  /* what was begun, and nothing saved in it, is begun anew */
+  for (const std::string& bytes : {std::string(), std::string(4096, '\0'), std::string(64, '\0') + "x"}) {
+    writeBytes(part, bytes);
+    writer = resume();
+    ASSERT_NE(writer, nullptr) << device.message;
+    EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 0u);
+    rtcReleaseCompressedFileWriter(writer);
+    EXPECT_TRUE(folder.names().empty()) << "of nothing nothing is left";
+  }
+}
+
+TEST_F(ResumedFiles, NullIsRefused)
+{
+  EXPECT_EQ(rtcResumeCompressedFileWriter(device, nullptr, key), nullptr);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(rtcGetCompressedFileWriterCount(nullptr), 0u);
+}
+
+} // namespace
+} // namespace cbvh::test

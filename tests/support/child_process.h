@@ -1,0 +1,22 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace cbvh::test {
+
+// Runs in a process of its own, which a signal may end; its exit status.
+template<typename Closure>
+int statusOfChild(const Closure& closure)
+{
+  const pid_t child = fork();
+  if (child == 0) _exit(closure());
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
+} // namespace cbvh::test
