@@ -63,6 +63,7 @@ bool isSound(const Block* block)
   for (int i = 0; i < 8; i++) {
     Double3 corner;
     ok &= unproject(map, i & 1, (i >> 1) & 1, i >> 2, corner);
+    ok = ok && std::fmax(std::fmax(std::fabs(corner.x), std::fabs(corner.y)), std::fabs(corner.z)) <= 64*double(maxCoordinate); // a frame is wider than what is in it, not by much
     const double W = ok ? map.W(corner) : 0;
     ok &= W > 1/(2.5*maxWRatio) && W < 2.5*maxWRatio; // rounding took some of fitBox's 2
   }
