@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Hashes of keys of a few words, for containers. */
+/* Hashes of keys of a few words, for containers, and of any bytes, for names and keys of files. */
 
 #include <array>
 #include <cstddef>
@@ -22,5 +22,14 @@ struct HashOfWords
     return size_t(h);
   }
 };
+
+/* FNV-1a. before: hash of the bytes before these. */
+constexpr uint64_t hashOfNothing = 14695981039346656037ull;
+inline uint64_t hashOfBytes(const void* data, size_t bytes, uint64_t before = hashOfNothing)
+{
+  for (size_t i = 0; i < bytes; i++)
+    before = (before ^ static_cast<const unsigned char*>(data)[i]) * 1099511628211ull;
+  return before;
+}
 
 } // namespace cbvh

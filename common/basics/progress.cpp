@@ -44,6 +44,13 @@ void onGraceOver(int)
   _exit(cancelledStatus);
 }
 
+/* "about 12 min" or "about 40 s", of what is left after that time. fraction: that is done, above 0. */
+std::string timeLeft(double seconds, double fraction)
+{
+  const double left = seconds / fraction - seconds;
+  return left < 90 ? "about " + std::to_string(int(left + 0.5)) + " s" : "about " + std::to_string(int(left / 60 + 0.5)) + " min";
+}
+
 } // namespace
 
 void installCancelHandler()
@@ -98,12 +105,6 @@ void setPhaseListener(PhaseListener listener)
   phaseListener = std::move(listener);
 }
 
-std::string timeLeft(double seconds, double fraction)
-{
-  const double left = seconds / fraction - seconds;
-  return left < 90 ? "about " + std::to_string(int(left + 0.5)) + " s" : "about " + std::to_string(int(left / 60 + 0.5)) + " min";
-}
-
 Phase::Phase(const std::string& name, Says says)
   : name(name), says(says), start(std::chrono::steady_clock::now()), terminal(isatty(STDERR_FILENO))
 {
@@ -123,7 +124,6 @@ void Phase::update(double fraction)
   if (now <= percent)
     return;
   percent = now;
-  done = std::min(1.0, fraction);
   print(false);
 }
 
@@ -146,7 +146,7 @@ void Phase::print(bool final)
   const char* back = terminal ? "\r\033[K" : "";
   if (!final)
     std::fprintf(stderr, "%s  %s %d%%%s", back, name.c_str(), percent,
-                 says == SaysTimeLeft && percent ? (", " + timeLeft(seconds(), done) + " left").c_str() : "");
+                 says == SaysTimeLeft && percent ? (", " + timeLeft(seconds(), 0.01 * percent) + " left").c_str() : "");
   else if (stopped)
     std::fprintf(stderr, "%s  %s: stopped after %.1f s\n", back, name.c_str(), seconds());
   else

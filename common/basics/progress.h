@@ -48,16 +48,13 @@ using PhaseListener = std::function<void(const std::string& name, double fractio
 /* Empty: stderr again. Called while no phase runs. */
 void setPhaseListener(PhaseListener listener);
 
-/* "about 12 min" or "about 40 s", of what is left after that time. fraction: that is done, above 0. */
-std::string timeLeft(double seconds, double fraction);
-
 /* One line a phase: its name, percents while it runs if stderr is a terminal, and
  * its time at the end. Only one phase runs at a time; update may come from any
  * thread. */
 class Phase
 {
 public:
-  enum Says { SaysPercents, SaysTimeLeft }; // SaysTimeLeft: too, for phases that go at an even speed
+  enum Says { SaysPercents, SaysTimeLeft }; // the latter besides percents, for phases that go at an even speed
 
   explicit Phase(const std::string& name, Says says = SaysPercents);
   ~Phase();
@@ -76,7 +73,6 @@ private:
   bool terminal;
   std::mutex mutex;
   int percent = 0;
-  double done = 0;
 };
 
 } // namespace cbvh

@@ -45,13 +45,7 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, cons
   const SharedTopology topology(device, model.cage, poses);
   for (size_t i = 0; i < contexts.size(); i++)
   {
-    contexts[i].displacement = model.displacement.get();
-    contexts[i].level = level;
-    if (rates)
-    {
-      contexts[i].rates = rates;
-      contexts[i].copy = &rates->copies[i];
-    }
+    setSurface(contexts[i], model, i, level, rates);
     rtcAttachGeometry(scene, topology.makeGeometry(model.copies[i], contexts[i], compression).get());
     throwIfCancelled();
   }

@@ -17,17 +17,12 @@ struct FileRelease
 {
   void operator()(RTCCompressedFile file) const { rtcReleaseCompressedFile(file); }
 };
-struct WriterRelease
-{
-  void operator()(RTCCompressedFileWriter writer) const { rtcReleaseCompressedFileWriter(writer); }
-};
-
 } // namespace
 
 /* Here, so that programs which save nothing need none of these functions of the library, as older ones do not have. */
 void BuiltScene::save(const std::string& path) const
 {
-  const std::unique_ptr<RTCCompressedFileWriterTy, WriterRelease> writer(rtcNewCompressedFileWriter(device->handle(), path.c_str()));
+  const FileWriterHandle writer(rtcNewCompressedFileWriter(device->handle(), path.c_str()));
   device->check("saving");
   Phase phase(path);
   for (size_t i = 0; i < numGeometries; i++)

@@ -17,6 +17,12 @@
 
 namespace cbvh {
 
+struct FileWriterRelease
+{
+  void operator()(RTCCompressedFileWriter writer) const { rtcReleaseCompressedFileWriter(writer); }
+};
+using FileWriterHandle = std::unique_ptr<RTCCompressedFileWriterTy, FileWriterRelease>;
+
 class SavedScene
 {
 public:

@@ -2,22 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "building/scene_file_builder.h"
+#include "basics/hash.h"
 #include "basics/progress.h"
-
-#include <embree3/rtcore_compressed_files.h>
+#include "building/saved_scene.h"
 
 #include <chrono>
-#include <cstring>
 
 namespace cbvh {
 namespace {
 
-struct WriterRelease
-{
-  void operator()(RTCCompressedFileWriter writer) const { rtcReleaseCompressedFileWriter(writer); }
-};
-
-/* FNV-1a, of what a file is made from. */
+/* Of what a file is made from. */
 class InputKey
 {
 public:
@@ -37,13 +31,9 @@ public:
   unsigned long long key() const { return hash; }
 
 private:
-  void addBytes(const void* data, size_t bytes)
-  {
-    for (size_t i = 0; i < bytes; i++)
-      hash = (hash ^ static_cast<const unsigned char*>(data)[i]) * 0x100000001B3ull;
-  }
+  void addBytes(const void* data, size_t bytes) { hash = hashOfBytes(data, bytes, hash); }
 
-  uint64_t hash = 0xCBF29CE484222325ull;
+  uint64_t hash = hashOfNothing;
 };
 
 /* Of the displacement a few points of each face speak. */
@@ -85,8 +75,11 @@ unsigned long long keyOf(const Model& model, const Representation& representatio
   key.add(model.cage.faceSizes);
   key.add(model.cage.faceIndices);
   key.add(model.cage.holes);
+  key.add(model.cage.creaseEdges);
   key.add(model.cage.creaseSharpness);
+  key.add(model.cage.cornerVertices);
   key.add(model.cage.cornerSharpness);
+  key.add(model.cage.boundary);
   key.add(model.poses.size());
   for (Vec3f p : model.positions())
     key.add(p);
@@ -102,7 +95,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
   RTCCompressionArguments arguments = compressionArguments(settings);
   arguments.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT; // compressed by its own commit
   const SharedTopology topology(device, model.cage, model.poses);
-  const std::unique_ptr<RTCCompressedFileWriterTy, WriterRelease> writer(rtcResumeCompressedFileWriter(device.handle(), path.c_str(), keyOf(model, representation, settings)));
+  const FileWriterHandle writer(rtcResumeCompressedFileWriter(device.handle(), path.c_str(), keyOf(model, representation, settings)));
   device.check("saving");
   FileBuildReport report;
   report.geometries = model.copies.size();
@@ -115,13 +108,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
     for (size_t i = report.found; i < report.geometries; i++)
     {
       DisplacementContext context;
-      context.displacement = model.displacement.get();
-      context.level = settings.level;
-      if (settings.rates)
-      {
-        context.rates = settings.rates.get();
-        context.copy = &settings.rates->copies[i];
-      }
+      setSurface(context, model, i, settings.level, settings.rates.get());
       const GeometryHandle geometry = topology.makeGeometry(model.copies[i], context, &arguments);
       rtcAppendCompressedGeometry(writer.get(), geometry.get());
       device.check("saving");

@@ -117,6 +117,14 @@ void TessellationProgress::add(size_t points)
     phase.update(double(before + points) / (pointsOfQuad * double(quads)));
 }
 
+void setSurface(DisplacementContext& context, const Model& model, size_t copy, int level, const EdgeRates* rates)
+{
+  context.displacement = model.displacement.get();
+  context.level = level;
+  context.rates = rates;
+  context.copy = rates ? &rates->copies[copy] : nullptr;
+}
+
 template<typename T>
 void SharedTopology::add(RTCBufferType type, RTCFormat format, const std::vector<T>& data)
 {

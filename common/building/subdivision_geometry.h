@@ -50,6 +50,9 @@ struct DisplacementContext
   TessellationProgress* progress = nullptr; // if set, hears of what is displaced
 };
 
+/* Names the displacement of a copy of a model. rates: of all copies, null for the level. Both outlive the context. */
+void setSurface(DisplacementContext& context, const Model& model, size_t copy, int level, const EdgeRates* rates);
+
 struct BufferRelease
 {
   void operator()(RTCBuffer buffer) const { rtcReleaseBuffer(buffer); }

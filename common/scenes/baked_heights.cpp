@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "scenes/baked_heights.h"
+#include "basics/hash.h"
 #include "basics/parallel.h"
 #include "building/subdivision_geometry.h"
 #include "scenes/uv_charts.h"
@@ -161,13 +162,8 @@ std::shared_ptr<const Displacement> displaceByBake(const Cage& cage, int tileSiz
 
 std::string fingerprint(const Cage& cage)
 {
-  uint64_t h = 14695981039346656037ull; // FNV-1a
-  const auto add = [&](const void* data, size_t bytes) {
-    for (size_t i = 0; i < bytes; i++)
-      h = (h ^ static_cast<const unsigned char*>(data)[i]) * 1099511628211ull;
-  };
-  add(cage.positions.data(), cage.positions.size() * sizeof(Vec3f));
-  add(cage.faceIndices.data(), cage.faceIndices.size() * sizeof(unsigned));
+  uint64_t h = hashOfBytes(cage.positions.data(), cage.positions.size() * sizeof(Vec3f));
+  h = hashOfBytes(cage.faceIndices.data(), cage.faceIndices.size() * sizeof(unsigned), h);
   char text[20];
   std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(h));
   return text;

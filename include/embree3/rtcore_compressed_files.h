@@ -58,7 +58,8 @@ RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter(RTCDevice device, con
 
 /* Begins a file whose geometries take long to make, or goes on with one. What is appended is kept beside the file, under its name with ".part" behind, when
  * the writer is released, or the process ends, without a commit. The next writer of the same path and key goes on behind it: it has rtcGetCompressedFileWriterCount
- * geometries, and takes those that follow. A process that is killed loses the last geometry, or the last 64 MiB of smaller ones; a released writer loses none.
+ * geometries, and takes those that follow. A released writer loses none; a process that is killed, and a disk that is full, lose the last geometry, or the last
+ * 64 MiB of smaller ones.
  *
  * device, path: as rtcNewCompressedFileWriter.
  * key: a number for what the geometries are made from, so that files of different input are not mixed.

@@ -61,6 +61,27 @@ protected:
     rtcReleaseCompressedFile(file);
   }
 
+  /* With the first geometry alone. Returns the bytes that there are then. */
+  size_t begin()
+  {
+    RTCCompressedFileWriter writer = resume();
+    append(writer, 0);
+    rtcReleaseCompressedFileWriter(writer);
+    return bytesOf(part).size();
+  }
+
+  /* That the first is still there, and the second makes the file whole. */
+  void finish()
+  {
+    RTCCompressedFileWriter writer = resume();
+    ASSERT_NE(writer, nullptr) << device.message;
+    EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 1u);
+    append(writer, 1);
+    ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+    rtcReleaseCompressedFileWriter(writer);
+    expectWhole(2);
+  }
+
   Folder folder;
   Device device;
   Random random{7};
@@ -102,10 +123,7 @@ TEST_F(ResumedFiles, InOneGoAFileIsThatOfAPlainWriterButForItsKey)
 
 TEST_F(ResumedFiles, AKillLosesWhatCameAfterTheLastGo)
 {
-  RTCCompressedFileWriter writer = resume();
-  append(writer, 0);
-  rtcReleaseCompressedFileWriter(writer);
-  const size_t saved = bytesOf(part).size();
+  const size_t saved = begin();
   RTCGeometry second = all[1].make(device);
   size_t killed = 0;
   for (size_t more : {0ul, 100ul, 4000ul, 5000ul}) { // written before the process is killed, by the signal of a limit
@@ -121,21 +139,12 @@ TEST_F(ResumedFiles, AKillLosesWhatCameAfterTheLastGo)
   }
   rtcReleaseGeometry(second);
   EXPECT_EQ(killed, 4u);
-  writer = resume();
-  ASSERT_NE(writer, nullptr) << device.message;
-  EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 1u);
-  append(writer, 1);
-  ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
-  rtcReleaseCompressedFileWriter(writer);
-  expectWhole(2);
+  finish();
 }
 
 TEST_F(ResumedFiles, AFullDiskKeepsWhatWasSaved)
 {
-  RTCCompressedFileWriter writer = resume();
-  append(writer, 0);
-  rtcReleaseCompressedFileWriter(writer);
-  const size_t saved = bytesOf(part).size();
+  const size_t saved = begin();
   RTCGeometry second = all[1].make(device);
   const int status = statusOfChild([&] {
     signal(SIGXFSZ, SIG_IGN);
@@ -150,13 +159,7 @@ TEST_F(ResumedFiles, AFullDiskKeepsWhatWasSaved)
   });
   EXPECT_EQ(status, 0);
   rtcReleaseGeometry(second);
-  writer = resume();
-  ASSERT_NE(writer, nullptr) << device.message;
-  EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 1u);
-  append(writer, 1);
-  ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
-  rtcReleaseCompressedFileWriter(writer);
-  expectWhole(2);
+  finish();
 }
 
 TEST_F(ResumedFiles, WhatIsNotOursToGoOnWithIsRefusedAndLeft)

@@ -4,7 +4,7 @@
 #include "benchmark.h"
 
 #include "group_run.h"
-#include "programs/warnings.h"
+#include "programs/program_scene.h"
 
 namespace cbvh {
 namespace {
@@ -13,11 +13,9 @@ Model loadModel(const BenchOptions& options, const BenchScene& bench)
 {
   SceneSettings settings = bench.settings;
   settings.threads = options.buildThreads;
-  std::string warnings;
-  Model model = loadScene(settings, warnings);
+  Model model = loadSceneOf("cbvh_bench", settings);
   for (Placement& copy : model.copies)
     copy.origin += options.position;
-  printWarnings("cbvh_bench", warnings);
   return model;
 }
 

@@ -12,22 +12,14 @@
 #include "basics/progress.h"
 #include "building/view_dicing.h"
 #include "programs/run_program.h"
+#include "programs/program_scene.h"
 #include "programs/view_options.h"
-#include "programs/warnings.h"
 
 #include <chrono>
 #include <cstdio>
 
 namespace cbvh {
 namespace {
-
-Model loadModel(const PathTracerOptions& options)
-{
-  std::string warnings;
-  Model model = loadScene(options.scene, warnings);
-  printWarnings("cbvh_pathtracer", warnings);
-  return model;
-}
 
 /* The views are fitted to GRID. A coarse one is quick to build and does. */
 Camera findCamera(const PathTracerOptions& options, const Model& model)
@@ -91,7 +83,7 @@ int run(int argc, char** argv)
   if (options->window)
     requireWindows();
   installCancelHandler();
-  const Model model = loadModel(*options);
+  const Model model = loadSceneOf("cbvh_pathtracer", options->scene);
   const Camera camera = findCamera(*options, model);
   const BuiltScene scene(model, options->representation, settingsFor(*options, model, camera));
   const std::unique_ptr<PathTracer> tracer =

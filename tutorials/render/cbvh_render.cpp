@@ -28,7 +28,7 @@ int run(int argc, char** argv)
     return 0;
   }
   const cbvh::ModelView view(*options);
-  if (!options->savePath.empty() && view.model.copies.size() > 1)
+  if (options->savesCopyByCopy())
   {
     cbvh::saveAndRender(*options, view);
     return 0;

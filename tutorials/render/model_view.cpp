@@ -5,19 +5,11 @@
 
 #include "basics/parallel.h"
 #include "building/view_dicing.h"
+#include "programs/program_scene.h"
 #include "programs/view_options.h"
-#include "programs/warnings.h"
 
 namespace cbvh {
 namespace {
-
-Model loadModel(const Options& options)
-{
-  std::string warnings;
-  Model model = loadScene(options.scene, warnings);
-  printWarnings("cbvh_render", warnings);
-  return model;
-}
 
 /* The same for every representation and alone: fitted to a GRID, which is dropped, of as
  * fine a level as is made in no time. */
@@ -46,7 +38,7 @@ BuildSettings settingsFor(const Options& options, const Model& model, const Came
 } // namespace
 
 ModelView::ModelView(const Options& options)
-  : model(loadModel(options)), camera(cameraOf(options, model, threadCount(options.build.threads))), build(settingsFor(options, model, camera))
+  : model(loadSceneOf("cbvh_render", options.scene)), camera(cameraOf(options, model, threadCount(options.build.threads))), build(settingsFor(options, model, camera))
 {
 }
 

@@ -46,6 +46,9 @@ struct Options
   unsigned ambientRays = 0;      // a pixel, for pictures of ambient occlusion; 0: none
   size_t trueHits = 0;           // at most, that are compared with the true surface
 
+  /* Whether the scene goes into its file copy by copy, and its picture comes from there. */
+  bool savesCopyByCopy() const { return !savePath.empty() && scene.scene == "herd"; }
+
   /* Whether there is something to compare, and not only a picture to make. */
   bool compares() const { return representations.size() > 1; }
 };

@@ -159,7 +159,7 @@ namespace embree
       if (file < 0) return;
       try { if (keeps && !failed && !directory.empty() && at != saved) writeDirectory(); }
       catch (...) {} // what was saved before is still there
-      if (!keeps || directory.empty()) ::unlink(temporary.c_str());
+      if (!keeps || saved == 0) ::unlink(temporary.c_str());
       ::close(file);
     }
 
@@ -301,7 +301,6 @@ namespace embree
       header.framedVersion = formatVersion;
       header.numGeometries = uint32_t(directory.size());
       header.recordBytes = sizeof(FileGeometry);
-      padTo(filePage);
       header.directory = at;
       const size_t bytes = directory.size()*sizeof(FileGeometry);
       header.directoryChecksum = fileChecksum(directory.data(),bytes);
@@ -310,8 +309,8 @@ namespace embree
       header.key[0] = uint32_t(key);
       header.key[1] = uint32_t(key >> 32);
       header.checksum = fileChecksum(&header,offsetof(FileHeader,checksum));
-      /* a header is only of what is on the disk */
-      if (::fsync(file) != 0 || ::pwrite(file,&header,sizeof(header),0) != ssize_t(sizeof(header)) || ::fsync(file) != 0)
+      /* where the file may be gone on with, a header is only of what is on the disk */
+      if ((keeps && ::fsync(file) != 0) || ::pwrite(file,&header,sizeof(header),0) != ssize_t(sizeof(header)) || ::fsync(file) != 0)
         fail(std::string("cannot be written: ") + std::strerror(errno));
       saved = at;
     }
@@ -326,7 +325,7 @@ namespace embree
       file = -1;
       if (closed != 0 || ::rename(temporary.c_str(),path.c_str()) != 0) {
         const std::string why = std::strerror(errno);
-        ::unlink(temporary.c_str());
+        if (!keeps) ::unlink(temporary.c_str());
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": cannot be written: " + why);
       }
       /* that it has its name is on the disk, too, where the folder can be read */
