@@ -18,6 +18,7 @@
 #include "kernels/cbvh/vert/validate.h"
 #include "kernels/cbvh/scene/kind_visitors1.h"
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -34,7 +35,7 @@ using embree::isa::cbvh::VertRay;
 constexpr size_t alignment = 16;
 constexpr size_t readBehind = 16; // as VertPatchBuilder has it
 
-// bytes of the block, or 0 where there are fewer
+// bytes of the block, with a table of numbers wherever it lies, or 0 where there are fewer
 size_t blockBytes(const uint8_t* data, size_t size)
 {
   VertHeader header;
@@ -45,13 +46,17 @@ size_t blockBytes(const uint8_t* data, size_t size)
   }
   const VertLayout layout = vertLayout(header.region, header.boxForm);
   if (size < layout.margins || (hasEdges(header.boxForm) && hasNumbers(header.boxForm))) return 0;
+  size_t tableEnd = 0;
   if (hasNumbers(header.boxForm)) {
     if (patternOfNumbers(header.patchQuads) > numbersInTable || turnOfTriangle(header.patchQuads, false) > 2 || turnOfTriangle(header.patchQuads, true) > 2) return 0;
     const VertNumbers numbers = numbersOf((const VertHeader*)data);
-    const bool isTable = patternOfNumbers(header.patchQuads) == numbersInTable;
-    if (isTable && (numbers.y > 32 || numbers.x + size_t(bytesOfNumberTable(vertQuadsX(header.region)*vertQuadsY(header.region), numbers.y)) > size)) return 0;
+    if (patternOfNumbers(header.patchQuads) == numbersInTable) {
+      if (numbers.y > 32) return 0;
+      tableEnd = size_t(numbers.x) + bytesOfNumberTable(vertQuadsX(header.region)*vertQuadsY(header.region), numbers.y);
+    }
   }
-  if (isRaw(header.boxForm)) return layout.rawBytes <= size ? layout.rawBytes : 0;
+  if (tableEnd > size) return 0;
+  if (isRaw(header.boxForm)) return layout.rawBytes <= size ? std::max(size_t(layout.rawBytes), tableEnd) : 0;
   size_t bytes = layout.cell + cellBytes(header.word);
   if (bytes > size) return 0;
   for (uint32_t g = 0; g < layout.groups; g++) {
@@ -59,7 +64,7 @@ size_t blockBytes(const uint8_t* data, size_t size)
     memcpy(&low, data + layout.words + 2*g, sizeof(low));
     bytes += cellBytes(low);
   }
-  return bytes <= size ? bytes : 0;
+  return bytes <= size ? std::max(bytes, tableEnd) : 0;
 }
 
 // Embree gives rays of other kinds no hits, or any.
@@ -164,6 +169,24 @@ void writeMovingSeeds(const std::string& name, const VertEncoder& still, uint32_
   for (const RayBytes& ray : seedRays) writeSeed(name + "-" + std::to_string(&ray - seedRays), ray, block, bytes);
 }
 
+// The vertices of an encoder, in a block that numbers its quads by a table, which lies behind its other bytes and a gap.
+void writeNumberedSeeds(const std::string& name, VertEncoder& encoder, float spacing, uint32_t quadsX, uint32_t quadsY)
+{
+  constexpr uint32_t bits = 9, gap = 256;
+  const uint32_t table = bytesOfNumberTable(quadsX*quadsY, bits);
+  std::vector<Vec3fa> memory((VertEncoder::maxBytes + gap + table)/sizeof(Vec3fa) + 2);
+  uint8_t* const data = (uint8_t*)memory.data();
+  VertStatistics statistics;
+  const size_t bytes = encoder.encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), numbersInTable, VertNumbers{0, bits}), spacing, data, statistics);
+  if (bytes == 0) return;
+  VertHeader* block = (VertHeader*)data;
+  block->surface = block->primID = 0;
+  const VertNumbers numbers = {uint32_t(bytes) + gap, bits};
+  memcpy(block + 1, &numbers, sizeof(numbers));
+  for (uint32_t i = 0; i < table; i++) data[numbers.x + i] = uint8_t(37*i);
+  for (const RayBytes& ray : seedRays) writeSeed(name + "-" + std::to_string(&ray - seedRays), ray, block, numbers.x + table);
+}
+
 void writeSeeds(const std::string& directory)
 {
   const float spacing = 1.0f/4096;
@@ -186,6 +209,7 @@ void writeSeeds(const std::string& directory)
         VertHeader* block = (VertHeader*)memory.data();
         block->surface = block->primID = 0;
         writeMovingSeeds(directory + "/moving-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface), *encoder, block->region, spacing);
+        writeNumberedSeeds(directory + "/numbers-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface), *encoder, spacing, quadsX, quadsY);
         for (const RayBytes& ray : seedRays)
           writeSeed(directory + "/" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - seedRays), ray, block, bytes);
       }
