@@ -274,6 +274,7 @@ TEST(VertFormat, NumbersAreThoseOfThePage)
     if ((1234u >> b) & 1) block[128 + (bit + b)/8] |= uint8_t(1u << ((bit + b) % 8));
   EXPECT_EQ(numberOfQuad(&header, 2, 1), 2234u);
   EXPECT_EQ(numberOfQuad(&header, 1, 1), 1000u);
+  EXPECT_EQ(numberOfQuad(&header, 3, 15), 2234u) << "the last quad's, of one outside";
 
   // (w1,w2), (w2,w0) or (w0,w1)
   const float a = 0.25f, b = 0.125f, w[] = {1 - a - b, a, b}, second[] = {1 - (1 - a) - (1 - b), 1 - a, 1 - b};

@@ -221,13 +221,15 @@ inline VertMotion motionOf (const VertHeader* block)
   return motion;
 }
 
-/*! of quad x, y of such a block */
+/*! Of quad x, y of such a block. Hits of a damaged block can be at quads that it does not have: they get the number of a quad that it has. */
 inline uint32_t numberOfQuad (const VertHeader* block, uint32_t x, uint32_t y)
 {
   const VertNumbers numbers = numbersOf(block);
-  const uint32_t form = block->patchQuads;
+  const uint32_t form = block->patchQuads, quadsX = vertQuadsX(block->region), quadsY = vertQuadsY(block->region);
+  if (x >= quadsX) x = quadsX-1u;
+  if (y >= quadsY) y = quadsY-1u;
   if (patternOfNumbers(form) != numbersInTable) return block->primID + patternNumber(form,numbers,x,y);
-  const uint32_t bit = numbers.y*(y*vertQuadsX(block->region) + x);
+  const uint32_t bit = numbers.y*(y*quadsX + x);
   uint64_t bits;
   std::memcpy(&bits,(const uint8_t*)block + numbers.x + bit/8,sizeof(bits));
   return block->primID + uint32_t((bits >> (bit % 8)) & ((uint64_t(1) << numbers.y)-1));

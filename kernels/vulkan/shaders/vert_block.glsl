@@ -119,10 +119,13 @@ vec2 cbvhVertParameters (CbvhVertBlock block, uint x, uint y, bool second, QuadP
               faceParameterOfQuad(cornerV, float(y), position.b, patchQuadsY(patchQuads)));
 }
 
-/* The primitive of quad x, y of a block that numbers its quads, and the parameters of it at a position. */
+/* The primitive of quad x, y of a block that numbers its quads, and the parameters of it at a position. Hits of a damaged block
+ * can be at quads that it does not have: they get the number of a quad that it has. */
 uint cbvhOwnParameters (CbvhVertBlock block, uint x, uint y, bool second, QuadPosition position, out vec2 uv)
 {
   uint form = cbvhWord(block.at, 7u), number = cbvhWord(block.at, 5u);
+  x = min(x, block.quadsX - 1u);
+  y = min(y, block.quadsY - 1u);
   VertNumbers numbers = VertNumbers(cbvhWord(block.at, 16u), cbvhWord(block.at, 17u));
   if (patternOfNumbers(form) == numbersInTable) {
     uint read = cbvhBits(block.at, 8u*numbers.x + numbers.y*(y*block.quadsX + x));
