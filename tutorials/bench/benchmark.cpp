@@ -28,11 +28,11 @@ void runBenchmark(const BenchOptions& options, const std::function<void(const Gr
     options.libraries.front().use();
     const Model model = loadModel(options, bench);
     const std::vector<ReferenceView> reference = traceReference(options, model);
-    std::optional<TrueSurfaces> surfaces;
+    std::optional<TrueSurface> surface;
     if (options.trueHits && model.poses.empty()) // it is that of the first step
-      surfaces.emplace(model);
+      surface.emplace(model);
     for (int level : options.levels)
-      done(runGroup({options, bench.label, model, surfaces ? &*surfaces : nullptr, reference, level}));
+      done(runGroup({options, bench.label, model, surface ? &*surface : nullptr, reference, level}));
   }
 }
 
