@@ -46,7 +46,7 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, cons
   for (size_t i = 0; i < contexts.size(); i++)
   {
     setSurface(contexts[i], model, i, level, rates);
-    rtcAttachGeometry(scene, topology.makeGeometry(model.copies[i], contexts[i], compression).get());
+    rtcAttachGeometry(scene, topology.makeGeometry(model.copies[i], contexts[i], compression, model.shapeOf(i)).get());
     throwIfCancelled();
   }
 }

@@ -109,7 +109,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
     {
       DisplacementContext context;
       setSurface(context, model, i, settings.level, settings.rates.get());
-      const GeometryHandle geometry = topology.makeGeometry(model.copies[i], context, &arguments);
+      const GeometryHandle geometry = topology.makeGeometry(model.copies[i], context, &arguments, model.shapeOf(i));
       rtcAppendCompressedGeometry(writer.get(), geometry.get());
       device.check("saving");
       phase.update(double(i + 1 - report.found) / double(left));

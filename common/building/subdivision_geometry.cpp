@@ -147,7 +147,8 @@ SharedTopology::SharedTopology(EmbreeDevice& device, const Cage& cage, const std
   add(RTC_BUFFER_TYPE_HOLE, RTC_FORMAT_UINT, cage.holes);
 }
 
-void SharedTopology::setVertices(RTCGeometry geometry, unsigned step, const Placement& placement, const std::vector<Vec3f>& positions) const
+void SharedTopology::setVertices(RTCGeometry geometry, unsigned step, const Placement& placement, const std::vector<Vec3f>& positions,
+                                 const std::vector<Vec3f>* shape) const
 {
   /* Embree loads 16 bytes of a vertex and wants all four numbers valid, so what comes
    * after the last one matters, and rtcSetNewGeometryBuffer leaves it as it was. */
@@ -155,21 +156,22 @@ void SharedTopology::setVertices(RTCGeometry geometry, unsigned step, const Plac
   const BufferHandle vertices(rtcNewBuffer(device.handle(), (n + 1) * sizeof(Vec3f)));
   device.check("allocating the vertices of a cage");
   auto* out = static_cast<Vec3f*>(rtcGetBufferData(vertices.get()));
-  std::transform(positions.begin(), positions.end(), out, [&](Vec3f p) { return placement.apply(p); });
+  for (size_t i = 0; i < n; i++)
+    out[i] = placement.apply(Model::inShape(positions[i], shape, cage, i));
   out[n] = Vec3f();
   rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, vertices.get(), 0, sizeof(Vec3f), n);
 }
 
 GeometryHandle SharedTopology::makeGeometry(const Placement& placement, DisplacementContext& context,
-                                            const RTCCompressionArguments* compression) const
+                                            const RTCCompressionArguments* compression, const std::vector<Vec3f>* shape) const
 {
   GeometryHandle handle(rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SUBDIVISION));
   device.check("making a geometry");
   const RTCGeometry geometry = handle.get();
   rtcSetGeometryTimeStepCount(geometry, unsigned(1 + poses.size()));
-  setVertices(geometry, 0, placement, cage.positions);
+  setVertices(geometry, 0, placement, cage.positions, shape);
   for (size_t i = 0; i < poses.size(); i++)
-    setVertices(geometry, unsigned(1 + i), placement, poses[i]);
+    setVertices(geometry, unsigned(1 + i), placement, poses[i], shape);
   for (const Buffer& b : buffers)
     rtcSetGeometryBuffer(geometry, b.type, 0, b.format, b.handle.get(), 0, b.stride, b.count);
   context.placement = placement;

@@ -72,10 +72,10 @@ public:
   /* Makes a geometry at a place, committed, not yet attached to a scene.
    *
    * context: displacement, level (the edge rate is 2^level) or rates, and capture;
-   * compression: read during the call, null for the device's settings.
+   * compression: read during the call, null for the device's settings; shape: of a copy that is not the cage's, see Model.
    * Errors: throws Error. */
   GeometryHandle makeGeometry(const Placement& placement, DisplacementContext& context,
-                              const RTCCompressionArguments* compression = nullptr) const;
+                              const RTCCompressionArguments* compression = nullptr, const std::vector<Vec3f>* shape = nullptr) const;
 
 private:
   struct Buffer
@@ -85,7 +85,7 @@ private:
     size_t stride, count;
     BufferHandle handle;
   };
-  void setVertices(RTCGeometry geometry, unsigned step, const Placement& placement, const std::vector<Vec3f>& positions) const;
+  void setVertices(RTCGeometry geometry, unsigned step, const Placement& placement, const std::vector<Vec3f>& positions, const std::vector<Vec3f>* shape) const;
   template<typename T>
   void add(RTCBufferType type, RTCFormat format, const std::vector<T>& data);
 

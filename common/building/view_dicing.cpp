@@ -71,7 +71,7 @@ public:
         context.rates = &rates;
         context.copy = &rates.copies[i];
       }
-      const GeometryHandle geometry = topology.makeGeometry(model.copies[i], context);
+      const GeometryHandle geometry = topology.makeGeometry(model.copies[i], context, nullptr, model.shapeOf(i));
       rtcDiceGeometry(geometry.get(), &args);
       device.check("dicing by the view");
       const float* const levels = static_cast<const float*>(rtcGetGeometryBufferData(geometry.get(), RTC_BUFFER_TYPE_LEVEL, 0));

@@ -20,6 +20,7 @@ Vec3d normalOf(const Corners& c)
 struct Tessellation
 {
   const TrueView& view;
+  const TrueSurface& surface;
   PatchPoint patch;
   unsigned resolution;
   int level;
@@ -27,10 +28,10 @@ struct Tessellation
   Vec3d vertex(unsigned i, unsigned j, bool displaced) const
   {
     const PatchPoint p{patch.face, patch.subPatch, double(i) / resolution, double(j) / resolution};
-    const LimitSample s = view.surface.limitSurface().evaluate(p);
+    const LimitSample s = surface.limitSurface().evaluate(p);
     if (!displaced || !view.model.displacement)
       return s.p;
-    const FacePoint q = view.surface.patches().toEmbree(p);
+    const FacePoint q = surface.patches().toEmbree(p);
     float offset;
     view.model.displacement->offsets({q.face, level, 1, &q.u, &q.v}, &offset);
     return s.p + double(offset) * normalize(cross(s.du, s.dv));
@@ -49,12 +50,13 @@ float heightBin(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
 {
   const unsigned faces = unsigned(view.model.cage.numFaces());
   const FacePoint reported{hit.face % faces, hit.u, hit.v};
-  if (!hit.hit() || !view.surface.has(reported.face))
+  if (!hit.hit() || !view.surfaces[hit.face / faces].has(reported.face))
     return NAN;
+  const TrueSurface& surface = view.surfaces[hit.face / faces];
   const Placement& copy = view.model.copies[hit.face / faces];
-  const PatchPoint at = view.surface.patches().fromEmbree(reported);
+  const PatchPoint at = surface.patches().fromEmbree(reported);
   const unsigned resolution = blocks.layout.find(hit.face, hit.u, hit.v).resolution;
-  const Tessellation patch{view, at, resolution, blocks.level};
+  const Tessellation patch{view, surface, at, resolution, blocks.level};
 
   const unsigned block = std::min(resolution, unsigned(blocks.blockWidth()));
   const unsigned i = std::min(unsigned(at.u * resolution), resolution - 1);

@@ -24,8 +24,11 @@ Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
   constexpr double crossingTolerance = 1e-3; // pixels
   Measure result;
   const unsigned faces = unsigned(view.model.cage.numFaces());
+  if (!hit.hit())
+    return result;
   const FacePoint reported{hit.face % faces, hit.u, hit.v};
-  if (!hit.hit() || !view.surface.has(reported.face))
+  const TrueSurface& surface = view.surfaces[hit.face / faces];
+  if (!surface.has(reported.face))
     return result;
   result.measured = true;
   const Placement& copy = view.model.copies[hit.face / faces];
@@ -33,13 +36,13 @@ Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
   const double pixel = double(view.footprint) * hit.t;
   const Vec3d origin = copy.pointToCage(toDouble(ray.origin)), direction = copy.directionToCage(toDouble(ray.direction));
   const Vec3d x = origin + direction * (hit.t / copy.scale);
-  const PatchPoint start = view.surface.patches().fromEmbree(reported);
+  const PatchPoint start = surface.patches().fromEmbree(reported);
   const double resolution = layout.find(hit.face, hit.u, hit.v).resolution;
-  const TruePoint foot = view.surface.nearest(x, start, 1.0 / resolution);
+  const TruePoint foot = surface.nearest(x, start, 1.0 / resolution);
   result.world = float(length(foot.position - x) * copy.scale);
   result.distance = float(result.world / pixel);
 
-  const auto met = view.surface.crossing(origin, direction, foot, 1.0 / resolution,
+  const auto met = surface.crossing(origin, direction, foot, 1.0 / resolution,
                                          crossingTolerance * pixel / copy.scale);
   result.along = met ? float(dot(x - met->position, direction) * copy.scale / pixel) : INFINITY;
   result.apart = std::abs(result.along) > farOffPixels;

@@ -36,7 +36,7 @@ std::vector<size_t> sampleOfHits(const std::vector<SurfaceHit>& hits, size_t cou
 struct TrueView
 {
   const Model& model;
-  const TrueSurface& surface;          // of the model
+  const TrueSurfaces& surfaces;        // of the model
   const std::vector<Ray>& rays;        // primary
   std::vector<size_t> sample;          // of the rays
   float footprint;                     // width of a pixel at distance 1

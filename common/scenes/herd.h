@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Many copies of `trex`, none an instance: for scale. */
+/* Many copies of `trex`, none an instance and each in a pose of its own: for scale. */
 
 #include "scenes/trex.h"
 

@@ -53,19 +53,23 @@ void validateMotion(const MotionSettings& settings)
     throw Error("--steps: " + std::to_string(settings.steps) + " time steps: expected 2 to 129");
 }
 
+std::vector<Vec3f> posed(const std::string& name, const std::vector<Vec3f>& positions, float degrees)
+{
+  Box3f bounds;
+  for (const Vec3f& p : positions)
+    bounds.extend(p);
+  std::vector<Vec3f> result;
+  for (const Vec3f& p : positions)
+    result.push_back(pose(name, p, bounds, float(M_PI) / 180 * degrees));
+  return result;
+}
+
 void addMotion(Model& model, const MotionSettings& settings)
 {
   validateMotion(settings);
-  const Box3f bounds = model.cage.bounds();
   model.poses.clear();
   for (int i = 1; i < settings.steps; i++)
-  {
-    const float angle = float(M_PI) / 180 * settings.degrees * float(i) / float(settings.steps - 1);
-    std::vector<Vec3f> positions;
-    for (const Vec3f& p : model.cage.positions)
-      positions.push_back(pose(settings.name, p, bounds, angle));
-    model.poses.push_back(std::move(positions));
-  }
+    model.poses.push_back(posed(settings.name, model.cage.positions, settings.degrees * float(i) / float(settings.steps - 1)));
 }
 
 } // namespace cbvh

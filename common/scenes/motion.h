@@ -26,6 +26,9 @@ const std::vector<std::string>& motionNames();
 /* Throws Error for an unknown name or a number of steps that is none. */
 void validateMotion(const MotionSettings& settings);
 
+/* Positions of the vertices of a cage in a pose, a named motion's after so many degrees. */
+std::vector<Vec3f> posed(const std::string& name, const std::vector<Vec3f>& positions, float degrees);
+
 /* Gives a model poses; likewise. */
 void addMotion(Model& model, const MotionSettings& settings);
 

@@ -55,6 +55,7 @@ struct Model
   float spacing = 0;                                // of a lattice that all vertices of a mesh lie on, 0 if there is none
   std::shared_ptr<const Displacement> displacement; // none: the limit surface itself
   std::vector<Placement> copies{Placement()};       // each a geometry of its own, no instances
+  std::vector<std::vector<Vec3f>> shapes;           // a copy each: where its vertices are, before it is placed; empty: all have the cage's
   ViewHints view;
   std::string up = "y";                             // the axis that view is for, see up_axis.h
   bool isUpGuessed = false;
@@ -63,19 +64,27 @@ struct Model
   size_t numVertices() const { return cage.positions.size() * copies.size(); }
   PatchLayout layout(int level) const { return PatchLayout(cage, isMesh ? 0 : level, copies.size()); }
 
+  /* Null where a copy has the cage's. */
+  const std::vector<Vec3f>* shapeOf(size_t copy) const { return shapes.empty() ? nullptr : &shapes[copy]; }
+
+  /* Of a vertex of the cage, which a pose puts at p: a copy of a shape of its own moves as the cage does. */
+  static Vec3f inShape(Vec3f p, const std::vector<Vec3f>* shape, const Cage& cage, size_t vertex)
+  {
+    return shape ? (*shape)[vertex] + (p - cage.positions[vertex]) : p;
+  }
+
   /* Control points of all copies, at all time steps. */
   std::vector<Vec3f> positions() const
   {
     std::vector<Vec3f> all;
     all.reserve(numVertices() * (1 + poses.size()));
-    for (const Placement& copy : copies)
-    {
-      for (const Vec3f& p : cage.positions)
-        all.push_back(copy.apply(p));
-      for (const std::vector<Vec3f>& pose : poses)
-        for (const Vec3f& p : pose)
-          all.push_back(copy.apply(p));
-    }
+    for (size_t i = 0; i < copies.size(); i++)
+      for (size_t step = 0; step <= poses.size(); step++)
+      {
+        const std::vector<Vec3f>& pose = step ? poses[step - 1] : cage.positions;
+        for (size_t vertex = 0; vertex < pose.size(); vertex++)
+          all.push_back(copies[i].apply(inShape(pose[vertex], shapeOf(i), cage, vertex)));
+      }
     return all;
   }
 };

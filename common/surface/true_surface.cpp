@@ -40,11 +40,27 @@ struct Step
  * derivatives say. */
 constexpr double longestStep = 4.0;
 
+Cage cageOf(const Model& model, size_t copy)
+{
+  Cage cage = model.cage;
+  if (const std::vector<Vec3f>* shape = model.shapeOf(copy))
+    cage.positions = *shape;
+  return cage;
+}
+
 } // namespace
 
-TrueSurface::TrueSurface(const Model& model)
-  : displacement(model.displacement), limit(model.cage), walk(model.cage, [&](unsigned face) { return limit.has(face); })
+TrueSurface::TrueSurface(const Model& model, size_t copy) : TrueSurface(model, cageOf(model, copy)) {}
+
+TrueSurface::TrueSurface(const Model& model, const Cage& cage)
+  : displacement(model.displacement), limit(cage), walk(cage, [&](unsigned face) { return limit.has(face); })
 {
+}
+
+TrueSurfaces::TrueSurfaces(const Model& model)
+{
+  for (size_t copy = 0; copy < std::max<size_t>(model.shapes.size(), 1); copy++)
+    surfaces.emplace_back(model, copy);
 }
 
 TruePoint TrueSurface::evaluate(const PatchPoint& p) const

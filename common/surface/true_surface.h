@@ -16,6 +16,7 @@
 #include "surface/model.h"
 #include "surface/patch_walk.h"
 
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -28,13 +29,13 @@ struct TruePoint
   Vec3d du, dv; // of position; their cross product is the geometric normal
 };
 
-/* All in the frame of the model's cage; placing copies is the caller's. Thread safety:
+/* That of one copy. All in the frame of the model's cage; placing copies is the caller's. Thread safety:
  * callable from any number of threads. */
 class TrueSurface
 {
 public:
   /* Displacement is the model's, and shared with it; none: the limit surface itself. */
-  explicit TrueSurface(const Model& model);
+  explicit TrueSurface(const Model& model, size_t copy = 0);
 
   bool has(unsigned face) const { return limit.has(face); }
   const PatchWalk& patches() const { return walk; }
@@ -59,6 +60,7 @@ public:
 private:
   struct Window;
 
+  TrueSurface(const Model& model, const Cage& cage);
   TruePoint evaluateAlongNormal(const PatchPoint& p) const;
   TruePoint evaluateByVectors(const PatchPoint& p) const;
   Vec3d vectorAt(const PatchPoint& p, const LimitSample& s) const;
@@ -70,6 +72,18 @@ private:
   std::shared_ptr<const Displacement> displacement;
   LimitSurface limit;
   PatchWalk walk;
+};
+
+/* Those of all copies: one, or as many as there are shapes. Thread safety: likewise. */
+class TrueSurfaces
+{
+public:
+  explicit TrueSurfaces(const Model& model);
+
+  const TrueSurface& operator[](size_t copy) const { return surfaces.size() == 1 ? surfaces.front() : surfaces[copy]; }
+
+private:
+  std::deque<TrueSurface> surfaces;
 };
 
 } // namespace cbvh

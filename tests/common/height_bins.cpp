@@ -39,7 +39,7 @@ Model plane(float rise, Placement placement = {})
 /* Of one ray with a direction that meets the middle of the plane. */
 HeightBins bins(const Model& model, Vec3f direction, int frameLevel)
 {
-  const TrueSurface surface(model);
+  const TrueSurfaces surfaces(model);
   SurfaceHit hit;
   hit.t = distance;
   hit.face = 0;
@@ -47,7 +47,7 @@ HeightBins bins(const Model& model, Vec3f direction, int frameLevel)
   Ray ray;
   ray.direction = normalize(direction);
   const std::vector<Ray> rays = {ray};
-  return heightBins({model, surface, rays, {0}, footprint}, {hit}, {model.layout(level), level, frameLevel}, 1);
+  return heightBins({model, surfaces, rays, {0}, footprint}, {hit}, {model.layout(level), level, frameLevel}, 1);
 }
 
 /* A bin of the box of one of 16 x 16 quads, in pixels. */

@@ -7,13 +7,17 @@
 #include "scenes/catalogue.h"
 #include "scenes/cube.h"
 #include "scenes/frog.h"
+#include "scenes/herd.h"
 #include "scenes/knee.h"
+#include "scenes/motion.h"
 #include "scenes/scythe.h"
 #include "scenes/trex_cage.h"
 #include "scenes/trex_skin.h"
 #include "scenes/uv_charts.h"
 #include "surface/cage_validation.h"
 #include "surface/face_borders.h"
+#include "measure/true_errors.h"
+#include "tracing/ray_sets.h"
 #include "tracing/trace_hits.h"
 
 #include <gtest/gtest.h>
@@ -254,6 +258,52 @@ TEST(Herd, CopiesStandWhereTheyArePlacedInEveryRepresentation)
       EXPECT_NEAR((rays[i].origin.y - hits[i].t) / model.copies[i].scale, (rays[0].origin.y - hits[0].t), 0.05f);
     }
   }
+}
+
+/* No two have quads in common, and what is hit of each lies on its own true surface. */
+TEST(Herd, CopiesOfTheirOwnShapesAreHitThere)
+{
+  Model model = makeCube();
+  model.displacement = nullptr;
+  model.copies = {{{0, 0, 0}, 0.0f, 1.0f}, {{9, 0, 0}, 0.6f, 1.5f}};
+  model.shapes = {posed("twist", model.cage.positions, 30), posed("bend", model.cage.positions, -20)};
+  BuildSettings settings;
+  settings.level = 5;
+  const BuiltScene scene(model, {RepresentationKind::CVert}, settings);
+  const Camera camera = Camera::fit(model.positions(), 0, model.view, 40, {64, 64});
+  const std::vector<Ray> rays = primaryRays(camera);
+  const std::vector<SurfaceHit> hits = traceClosest(scene, rays, 1);
+  const TrueSurfaces surfaces(model);
+  const TrueView view{model, surfaces, rays, sampleOfHits(hits, 500, 1), camera.footprint()};
+  const TrueErrors errors = compareToTrueSurface(view, hits, scene.layout(), 1);
+  EXPECT_GT(errors.hits, 400u);
+  EXPECT_LT(errors.p99World, 2e-3f);
+
+  model.shapes[0].swap(model.shapes[1]); // the wrong ones
+  const TrueSurfaces swapped(model);
+  const TrueErrors others = compareToTrueSurface({model, swapped, rays, view.sample, view.footprint}, hits, scene.layout(), 1);
+  EXPECT_GT(others.medianWorld, 1e-2f);
+}
+
+TEST(Herd, EachIsInAPoseOfItsOwnAndMovesFromThere)
+{
+  TrexSettings settings;
+  Model model = makeHerd(settings, 5);
+  ASSERT_EQ(model.shapes.size(), 5u);
+  for (size_t i = 0; i < 5; i++)
+    for (size_t j = 0; j < i; j++)
+    {
+      size_t equal = 0;
+      for (size_t k = 0; k < model.cage.positions.size(); k++)
+        equal += length(model.shapes[i][k] - model.shapes[j][k]) < 1e-6f;
+      EXPECT_LT(equal, model.cage.positions.size() / 20) << i << " and " << j;
+    }
+  addMotion(model, {"bend", 2, 15});
+  const std::vector<Vec3f> positions = model.positions();
+  const size_t n = model.cage.positions.size();
+  ASSERT_EQ(positions.size(), 5 * 2 * n);
+  const Vec3f moved = model.poses[0][7] - model.cage.positions[7];
+  EXPECT_LT(length(positions[7 * n + 7] - model.copies[3].apply(model.shapes[3][7] + moved)), 1e-4f);
 }
 
 std::string complaint(const SceneSettings& settings)

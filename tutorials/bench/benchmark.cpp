@@ -28,11 +28,11 @@ void runBenchmark(const BenchOptions& options, const std::function<void(const Gr
     options.libraries.front().use();
     const Model model = loadModel(options, bench);
     const std::vector<ReferenceView> reference = traceReference(options, model);
-    std::optional<TrueSurface> surface;
+    std::optional<TrueSurfaces> surfaces;
     if (options.trueHits && model.poses.empty()) // it is that of the first step
-      surface.emplace(model);
+      surfaces.emplace(model);
     for (int level : options.levels)
-      done(runGroup({options, bench.label, model, surface ? &*surface : nullptr, reference, level}));
+      done(runGroup({options, bench.label, model, surfaces ? &*surfaces : nullptr, reference, level}));
   }
 }
 

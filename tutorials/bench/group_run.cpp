@@ -66,7 +66,7 @@ public:
   /* grid: the first baseline. The settings outlive this. Describes grid and views in the
    * group. */
   Comparisons(const GroupSettings& settings, const BuildSettings& build, const BuiltScene& grid, Group& group)
-    : errors{settings.model, settings.surface, settings.level, threadCount(build.threads)},
+    : errors{settings.model, settings.surfaces, settings.level, threadCount(build.threads)},
       all(makeViews(settings.options, settings.model, grid, settings.reference)),
       pictures(settings.options, settings.scene, settings.model, settings.level),
       robustness(settings.model, build, frameLevels(settings.options.representations), settings.options.checks,

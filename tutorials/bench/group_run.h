@@ -17,7 +17,7 @@ struct GroupSettings
   const BenchOptions& options;
   std::string scene;                           // its label
   const Model& model;
-  const TrueSurface* surface;                  // of the model, null for no errors against it
+  const TrueSurfaces* surfaces;                // of the model, null for no errors against it
   const std::vector<ReferenceView>& reference; // of the model
   int level;
 };

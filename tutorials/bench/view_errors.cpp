@@ -27,7 +27,7 @@ void addErrorsToTrueSurface(const ErrorSettings& settings, const View& view, con
                             const std::vector<SurfaceHit>& hits, ViewResult& result)
 {
   const auto trueView = [&](const std::vector<size_t>& sample) {
-    return TrueView{settings.model, *settings.surface, view.primary, sample, view.camera.footprint()};
+    return TrueView{settings.model, *settings.surfaces, view.primary, sample, view.camera.footprint()};
   };
   result.toTrue = compareToTrueSurface(trueView(view.sample), hits, scene.layout(), settings.threads);
   if (!hasBins(scene.representation()))
@@ -54,7 +54,7 @@ ViewResult errorsInView(const ErrorSettings& settings, const View& view, const B
   result.away = compare(picked(view.gridHits, view.away), picked(hits, view.away));
   if (view.reference)
     result.toReference = compare(view.reference->gridHits, hits);
-  if (settings.surface)
+  if (settings.surfaces)
     addErrorsToTrueSurface(settings, view, scene, hits, result);
   result.bounced = compare(view.bouncedGridHits, traceClosest(scene, view.sets[Incoherent], settings.threads));
   return result;

@@ -14,8 +14,8 @@ namespace cbvh {
 struct ErrorSettings
 {
   const Model& model;
-  const TrueSurface* surface; // of the model, null for no errors against it
-  int level;                  // of the group
+  const TrueSurfaces* surfaces; // of the model, null for no errors against it
+  int level;                    // of the group
   unsigned threads;
 };
 

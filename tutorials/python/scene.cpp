@@ -268,8 +268,8 @@ py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& 
   const Rays rays = readRays(origins, directions);
   requireRays(hits, "hits", rays.rays.size(), "origins and directions");
   return objectOf(errorsJson(interruptible(progress, [&] {
-    const TrueSurface surface(*scene.model);
-    const TrueView view{*scene.model, surface, rays.rays, sampleOfHits(hits.hits, count, seed), footprint};
+    const TrueSurfaces surfaces(*scene.model);
+    const TrueView view{*scene.model, surfaces, rays.rays, sampleOfHits(hits.hits, count, seed), footprint};
     return compareToTrueSurface(view, hits.hits, scene.built.layout(), n);
   })));
 }

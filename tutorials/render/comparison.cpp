@@ -74,7 +74,7 @@ public:
       build(view.build), plan(planOf(options, model, build)), files(options.output, model.name, options.size, options.crop, options.colors, options.samples)
   {
     if (options.trueHits && model.poses.empty()) // the true surface stands still
-      surface.emplace(model);
+      surfaces.emplace(model);
   }
 
   Comparison run()
@@ -199,11 +199,11 @@ private:
 
   void compareToTruth(const BuiltScene& scene, const std::vector<SurfaceHit>& hits, Result& result) const
   {
-    if (!surface)
+    if (!surfaces)
       return;
     Phase phase(scene.representation().label() + ": distance to the true surface");
     result.trueErrors =
-      compareToTrueSurface({model, *surface, primary, sample, camera.footprint()}, hits, scene.layout(), threads);
+      compareToTrueSurface({model, *surfaces, primary, sample, camera.footprint()}, hits, scene.layout(), threads);
   }
 
   void writeOthers(const BuiltScene& scene, const std::vector<SurfaceHit>& hits, bool compared)
@@ -271,7 +271,7 @@ private:
   SpeedInTurns speed{sets, options.repeat};
   std::vector<SurfaceHit> reference, gridHits;
   std::vector<float> gridAmbient;
-  std::optional<TrueSurface> surface;
+  std::optional<TrueSurfaces> surfaces;
   std::vector<size_t> sample; // of the primary rays, compared with the true surface
   Comparison comparison;
 };
