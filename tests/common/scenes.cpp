@@ -270,7 +270,7 @@ TEST(Herd, CopiesOfTheirOwnShapesAreHitThere)
   BuildSettings settings;
   settings.level = 5;
   const BuiltScene scene(model, {RepresentationKind::CVert}, settings);
-  const Camera camera = Camera::fit(model.positions(), 0, model.view, 40, {64, 64});
+  const Camera camera = Camera::fit(model.positions(), 0, model.view, 40, {128, 128});
   const std::vector<Ray> rays = primaryRays(camera);
   const std::vector<SurfaceHit> hits = traceClosest(scene, rays, 1);
   const TrueSurfaces surfaces(model);

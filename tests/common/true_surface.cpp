@@ -203,20 +203,20 @@ Traced trace(const Model& model, int level)
   return {std::move(scene), std::move(rays), std::move(hits), camera.footprint()};
 }
 
-TrueErrors errorsOf(const Model& model, const TrueSurface& surface, const Traced& t)
+TrueErrors errorsOf(const Model& model, const TrueSurfaces& surfaces, const Traced& t)
 {
   const std::vector<size_t> sample = sampleOfHits(t.hits, 3000, 1);
-  return compareToTrueSurface({model, surface, t.rays, sample, t.footprint}, t.hits, t.scene.layout(), 1);
+  return compareToTrueSurface({model, surfaces, t.rays, sample, t.footprint}, t.hits, t.scene.layout(), 1);
 }
 
 TEST(TrueErrors, OfATessellationFallByFourALevel)
 {
   const Model model = makeCube(0.0f);
-  const TrueSurface surface(model);
+  const TrueSurfaces surfaces(model);
   TrueErrors last;
   for (int level = 2; level <= 6; level++)
   {
-    const TrueErrors e = errorsOf(model, surface, trace(model, level));
+    const TrueErrors e = errorsOf(model, surfaces, trace(model, level));
     if (level > 2)
     {
       EXPECT_NEAR(last.rmse / e.rmse, 4, 0.4) << "level " << level;
@@ -231,25 +231,25 @@ TEST(TrueErrors, OfATessellationFallByFourALevel)
 TEST(TrueErrors, ABiasHasItsSizeAndSign)
 {
   const Model model = makeCube(0.0f);
-  const TrueSurface surface(model);
+  const TrueSurfaces surfaces(model);
   Traced traced = trace(model, 6);
   const std::vector<SurfaceHit> hits = traced.hits;
-  const double own = errorsOf(model, surface, traced).bias;
+  const double own = errorsOf(model, surfaces, traced).bias;
   for (double pixels : {-1.5, -0.1, 0.1, 1.5})
   {
     for (size_t i = 0; i < hits.size(); i++)
       traced.hits[i].t = hits[i].t * float(1 + pixels * traced.footprint);
     /* A hit that moves off the silhouette is no longer within 5 pixels of it. */
-    EXPECT_NEAR(errorsOf(model, surface, traced).bias, own + pixels, 0.02) << pixels;
+    EXPECT_NEAR(errorsOf(model, surfaces, traced).bias, own + pixels, 0.02) << pixels;
   }
 }
 
 TEST(TrueErrors, CopiesAreMeasuredWhereTheyStand)
 {
   Model model = makeCube(0.01f);
-  const TrueErrors alone = errorsOf(model, TrueSurface(model), trace(model, 4));
+  const TrueErrors alone = errorsOf(model, TrueSurfaces(model), trace(model, 4));
   model.copies = {{{1, 2, 3}, 0.7f, 2.0f}, {{9, 2, 3}, -0.4f, 3.0f}};
-  const TrueErrors both = errorsOf(model, TrueSurface(model), trace(model, 4));
+  const TrueErrors both = errorsOf(model, TrueSurfaces(model), trace(model, 4));
   EXPECT_LT(both.rmseWorld, 4 * alone.rmseWorld) << "of scale 2 and 3";
   EXPECT_GT(both.rmseWorld, alone.rmseWorld);
   EXPECT_LT(both.normalMedian, 1.5 * alone.normalMedian);
