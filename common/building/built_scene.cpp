@@ -270,13 +270,6 @@ void BuiltScene::fillTriangles(RTCGeometry triangles, const PatchLayout& layout,
   });
 }
 
-Box3f BuiltScene::bounds() const
-{
-  RTCBounds b;
-  rtcGetSceneBounds(scene.get(), &b);
-  return {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
-}
-
 SurfaceHit BuiltScene::surfaceHit(const RTCRayHit& ray) const
 {
   SurfaceHit result;

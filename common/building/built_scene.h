@@ -9,7 +9,7 @@
 #include "building/embree_device.h"
 #include "building/representation.h"
 #include "building/subdivision_geometry.h"
-#include "building/surface_hit.h"
+#include "building/traced_scene.h"
 #include "building/vulkan_tracer.h"
 #include "surface/model.h"
 
@@ -88,29 +88,26 @@ struct BuildReport
   double exactShare() const { return exactQuadShare(compression); }
 };
 
-class BuiltScene
+class BuiltScene : public TracedScene
 {
 public:
   /* Builds. Shows progress, and stops with Cancelled on Ctrl-C.
    * The model outlives the scene. Errors: throws Error with Embree's message. */
   BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings);
 
-  RTCScene handle() const { return scene.get(); }
-
-  /* What traces the scene, and, if a Vulkan device does, the same, else NULL. */
-  const SceneTracer& tracer() const { return vulkanTracer ? static_cast<const SceneTracer&>(*vulkanTracer) : *embreeTracer; }
-  const VulkanTracer* vulkan() const { return vulkanTracer.get(); }
+  RTCScene handle() const override { return scene.get(); }
+  const SceneTracer& tracer() const override { return vulkanTracer ? static_cast<const SceneTracer&>(*vulkanTracer) : *embreeTracer; }
+  const VulkanTracer* vulkan() const override { return vulkanTracer.get(); }
 
   const Representation& representation() const { return what; }
   const BuildReport& report() const { return built; }
   const PatchLayout& layout() const { return patches; }
-  Box3f bounds() const;
 
   /* Saves all of a compressed scene to a file (saved_scene.h), or leaves what was there. Throws Error. */
   void save(const std::string& path) const;
 
   /* Translates what Embree reports; NAIVE's triangles become faces and (u,v). */
-  SurfaceHit surfaceHit(const RTCRayHit& ray) const;
+  SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
 
   /* The vertices of the triangle that a hit is on, as they are stored; false where there is none. time: of the ray, of a model that moves.
    * Of cVERT and cGRID; throws Error of others. */

@@ -54,15 +54,9 @@ SavedScene::SavedScene(const std::string& path, const std::string& config) : dev
   }
   rtcCommitScene(scene.get());
   device->check("opening a file");
+  embreeTracer = std::make_unique<EmbreeTracer>(scene.get());
   openingOnProcessors = double(std::clock() - used) / CLOCKS_PER_SEC;
   opening = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-RTCBounds SavedScene::bounds() const
-{
-  RTCBounds bounds;
-  rtcGetSceneBounds(scene.get(), &bounds);
-  return bounds;
 }
 
 size_t SavedScene::quads() const

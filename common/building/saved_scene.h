@@ -6,8 +6,7 @@
 /* Compressed scenes in files: saved, and opened without the model that they were made of. */
 
 #include "building/embree_device.h"
-#include "building/scene_tracer.h"
-#include "building/surface_hit.h"
+#include "building/traced_scene.h"
 
 #include <embree3/rtcore_compressed_files.h>
 
@@ -23,20 +22,20 @@ struct FileWriterRelease
 };
 using FileWriterHandle = std::unique_ptr<RTCCompressedFileWriterTy, FileWriterRelease>;
 
-class SavedScene
+class SavedScene : public TracedScene
 {
 public:
   /* Opens a file and commits a scene of all that is in it. config: of the device. Throws Error with the reason. */
   SavedScene(const std::string& path, const std::string& config);
 
-  RTCScene handle() const { return scene.get(); }
+  RTCScene handle() const override { return scene.get(); }
+  const SceneTracer& tracer() const override { return *embreeTracer; }
   const std::vector<RTCCompressedFileGeometry>& geometries() const { return descriptions; }
-  RTCBounds bounds() const;
   size_t quads() const;
   size_t bytes() const; // in the file, of all geometries
 
   /* As BuiltScene: the faces of geometry i begin at i times the number that the one with most of them has. */
-  SurfaceHit surfaceHit(const RTCRayHit& ray) const;
+  SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
   unsigned facesOfCopy() const { return mostFaces; }
 
   /* From before the file was opened until the scene was there; the device was there before. */
@@ -52,6 +51,7 @@ public:
 private:
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device
+  std::unique_ptr<EmbreeTracer> embreeTracer;
   std::vector<RTCCompressedFileGeometry> descriptions;
   unsigned mostFaces = 1;
   double opening = 0, openingOnProcessors = 0;

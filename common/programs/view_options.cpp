@@ -15,11 +15,11 @@ constexpr float fieldOfView = 35.0f;
 
 /* The close view stands before the point that the full view shows at a given place
  * of the picture, or at the nearest one to it where there is surface. */
-Camera closeCamera(const Camera& full, const BuiltScene& grid, const ViewHints& hints, unsigned threads)
+Camera closeCamera(const Camera& full, const TracedScene& scene, const ViewHints& hints, unsigned threads)
 {
   const ImageSize size = full.size();
   const std::vector<Ray> rays = primaryRays(full);
-  const std::vector<SurfaceHit> hits = traceClosest(grid, rays, threads);
+  const std::vector<SurfaceHit> hits = traceClosest(scene, rays, threads);
   const float cx = hints.closePoint.x * float(size.width), cy = hints.closePoint.y * float(size.height);
   float best = INFINITY;
   size_t pixel = 0;
@@ -35,9 +35,12 @@ Camera closeCamera(const Camera& full, const BuiltScene& grid, const ViewHints& 
   if (best == INFINITY)
     throw Error("the full view shows no surface to look at closely");
   const Vec3f target = rays[pixel].origin + hits[pixel].t * rays[pixel].direction;
-  const float distance = hints.closeDistance * grid.bounds().diagonal();
+  const float distance = hints.closeDistance * scene.bounds().diagonal();
   return Camera(target - distance * rays[pixel].direction, target, hints.up, full.fov(), size);
 }
+
+/* A scene without any has a box from infinity to its opposite. */
+bool hasSurface(const Box3f& bounds) { return isFinite(bounds.lower) && isFinite(bounds.upper); }
 
 /* Whether text is n finite numbers with commas between them. */
 bool parseNumbers(const std::string& text, float* x, int n)
@@ -128,15 +131,27 @@ Camera fitCamera(const Model& model, const Box3f& surface, const ViewHints& hint
   return Camera::fit(positions, beyond, hints, fov, size);
 }
 
-Camera chooseCamera(const std::string& view, const Model& model, const BuiltScene& grid, ImageSize size,
+Camera chooseCamera(const std::string& view, const Model& model, const TracedScene& scene, ImageSize size,
                     unsigned threads)
 {
-  if (grid.report().quads == 0 || !isFinite(grid.bounds().lower) || !isFinite(grid.bounds().upper))
+  const Box3f bounds = scene.bounds();
+  if (!hasSurface(bounds))
     throw Error(model.name + ": Embree makes no surface of this cage");
   if (view != "full" && view != "close")
     return parseView(view, model.view.up, size);
-  const Camera full = fitCamera(model, grid.bounds(), model.view, fieldOfView, size);
-  return view == "full" ? full : closeCamera(full, grid, model.view, threads);
+  const Camera full = fitCamera(model, bounds, model.view, fieldOfView, size);
+  return view == "full" ? full : closeCamera(full, scene, model.view, threads);
+}
+
+Camera chooseCamera(const std::string& view, const TracedScene& scene, ImageSize size, unsigned threads)
+{
+  const Box3f b = scene.bounds();
+  if (!hasSurface(b))
+    throw Error("nothing is in it that could be seen");
+  Model corners;
+  for (int i = 0; i < 8; i++)
+    corners.cage.positions.push_back({i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z});
+  return chooseCamera(view, corners, scene, size, threads);
 }
 
 } // namespace cbvh

@@ -5,7 +5,8 @@
 
 /* The views that programs take on command lines: full, close, or numbers. */
 
-#include "building/built_scene.h"
+#include "building/traced_scene.h"
+#include "surface/model.h"
 #include "tracing/camera.h"
 #include "tracing/crop.h"
 #include "tracing/shutter.h"
@@ -35,9 +36,12 @@ Camera fitCamera(const Model& model, const Box3f& surface, const ViewHints& hint
 
 /* Camera of a view: "full" shows the whole model, "close" stands before the point of
  * it that the model's hints name, anything else goes to parseView.
- * grid: the model as GRID, whose surface both are fitted to. threads: to trace it.
+ * scene: the model as GRID, whose surface both are fitted to. threads: to trace it.
  * Throws Error, also when there is no surface; Cancelled. */
-Camera chooseCamera(const std::string& view, const Model& model, const BuiltScene& grid, ImageSize size,
+Camera chooseCamera(const std::string& view, const Model& model, const TracedScene& scene, ImageSize size,
                     unsigned threads);
+
+/* The same of a scene without a model: its box is seen as models are that have no hints. */
+Camera chooseCamera(const std::string& view, const TracedScene& scene, ImageSize size, unsigned threads);
 
 } // namespace cbvh

@@ -50,7 +50,7 @@ bool sameSurface(const KeptHit& a, const KeptHit& b)
 
 } // namespace
 
-std::vector<KeptHit> keepHits(const BuiltScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings)
+std::vector<KeptHit> keepHits(const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings)
 {
   std::vector<KeptHit> hits(rays.size());
   const Kernel<HitStore> kernel = kernelOf<HitStore>(settings.mode, settings.query);

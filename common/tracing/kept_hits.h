@@ -6,7 +6,7 @@
 /* What Embree says of every ray, kept as it is: whether two builds of it say the same can be
  * seen to the last bit. */
 
-#include "building/built_scene.h"
+#include "building/traced_scene.h"
 #include "tracing/trace_timing.h"
 
 #include <vector>
@@ -23,7 +23,7 @@ struct KeptHit
 
 /* Traces the rays as timeTrace does with the same settings, but once; not for a Vulkan device.
  * Throws Cancelled. */
-std::vector<KeptHit> keepHits(const BuiltScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
+std::vector<KeptHit> keepHits(const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
 
 /* Rays that two libraries see differently, each counted by the first thing that differs. */
 struct HitDifferences

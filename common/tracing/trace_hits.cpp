@@ -2,26 +2,38 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "tracing/trace_hits.h"
-#include "tracing/closest_hits.h"
+#include "basics/parallel.h"
+#include "tracing/ray_conversion.h"
 
 namespace cbvh {
 namespace {
 
 /* Rays of a call; a Vulkan device has threads of its own. */
-constexpr size_t vulkanChunk = size_t(1) << 20;
+constexpr size_t embreeChunk = 4096, vulkanChunk = size_t(1) << 20;
 
-size_t chunkOf(const BuiltScene& scene) { return scene.vulkan() ? vulkanChunk : raysAtOnce; }
+size_t chunkOf(const TracedScene& scene) { return scene.vulkan() ? vulkanChunk : embreeChunk; }
 
 } // namespace
 
-void traceClosest(const BuiltScene& scene, size_t n, const Ray* rays, SurfaceHit* hits) { closestHits(scene, scene.tracer(), n, rays, hits); }
-
-std::vector<SurfaceHit> traceClosest(const BuiltScene& scene, const std::vector<Ray>& rays, unsigned threads)
+void traceClosest(const TracedScene& scene, size_t n, const Ray* rays, SurfaceHit* hits)
 {
-  return closestHits(scene, scene.tracer(), rays, chunkOf(scene), threads);
+  const FastDenormals denormals;
+  std::vector<RTCRayHit> batch(n);
+  for (size_t i = 0; i < n; i++)
+    load(rays[i], batch[i]);
+  scene.tracer().intersect(batch.data(), n);
+  for (size_t i = 0; i < n; i++)
+    hits[i] = scene.surfaceHit(batch[i]);
 }
 
-size_t countAnyHitDisagreements(const BuiltScene& scene, const std::vector<Ray>& rays,
+std::vector<SurfaceHit> traceClosest(const TracedScene& scene, const std::vector<Ray>& rays, unsigned threads)
+{
+  std::vector<SurfaceHit> hits(rays.size());
+  parallelFor(rays.size(), chunkOf(scene), threads, [&](size_t begin, size_t end) { traceClosest(scene, end - begin, &rays[begin], &hits[begin]); });
+  return hits;
+}
+
+size_t countAnyHitDisagreements(const TracedScene& scene, const std::vector<Ray>& rays,
                                 const std::vector<SurfaceHit>& hits, unsigned threads)
 {
   std::atomic<size_t> count{0};

@@ -4,6 +4,7 @@
 #include "tracing/trace_timing.h"
 #include "basics/error.h"
 #include "basics/progress.h"
+#include "building/vulkan_tracer.h"
 #include "tracing/trace_kernels.h"
 
 #include <algorithm>
@@ -72,7 +73,7 @@ TraceTiming timeOnDevice(const VulkanTracer& tracer, const std::vector<Ray>& ray
 
 } // namespace
 
-TraceTiming timeTrace(const BuiltScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings)
+TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings)
 {
   if (scene.vulkan())
     return timeOnDevice(*scene.vulkan(), rays, settings);

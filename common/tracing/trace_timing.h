@@ -5,7 +5,7 @@
 
 /* Tracing ray sets for the clock, through every entrance of Embree's API. */
 
-#include "building/built_scene.h"
+#include "building/traced_scene.h"
 #include "tracing/ray_sets.h"
 #include "tracing/trace_modes.h"
 
@@ -32,6 +32,6 @@ struct TraceTiming
 };
 
 /* Traces all rays; mode, coherence and threads are without meaning for a Vulkan device. Throws Cancelled. */
-TraceTiming timeTrace(const BuiltScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
+TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
 
 } // namespace cbvh

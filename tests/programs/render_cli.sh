@@ -135,6 +135,11 @@ run saved --scene cube --representation cvert --view 3,2,4,0,0,0,40 --save "$fol
 run loaded --load "$folder/cube.cbvh" --view 3,2,4,0,0,0,40
 cmp "$folder/saved.out/cube_cvert.png" "$folder/loaded.out/cube_cvert.png" || complain "another picture from the file"
 grep -q "opened in" "$folder/loaded" || complain "not a word on how long opening took"
+run loaded_close --load "$folder/cube.cbvh" --view close --speed --rays 2000 --repeat 1 --json "$folder/loaded.json"
+grep -q "speed: one thread, single rays: [0-9.]*[1-9][0-9.]* million coherent rays" "$folder/loaded_close" || complain "no speed from the file: $(cat "$folder/loaded_close")"
+for key in speed incoherent mrays_per_second pictureSeconds; do
+  grep -q "\"$key\"" "$folder/loaded.json" || complain "no $key of the file"
+done
 # A herd goes there copy by copy, and its picture comes from there; what was begun of something else is left.
 herd="--scene herd --count 2"
 run herd $herd
@@ -142,7 +147,7 @@ run herd_saved $herd --save "$folder/herd.cbvh"
 cmp "$folder/herd.out/herd_cvert.png" "$folder/herd_saved.out/herd_cvert.png" || complain "another picture of a herd from its file"
 grep -q "2 geometries, 0 of them from a build that was stopped" "$folder/herd_saved" || complain "not a word on the build"
 [ ! -e "$folder/herd.cbvh.part" ] || complain "something is left beside the file"
-refuses "save of a herd" $herd --save "$folder/herd.cbvh" --speed
+refuses "save of a herd" $herd --save "$folder/herd.cbvh" --ambient 4
 echo mesh > "$folder/herd.cbvh.part"
 refuses "no file of compressed surfaces" $herd --save "$folder/herd.cbvh"
 refuses "no file of compressed surfaces\|only" --load "$folder/text.png"

@@ -459,10 +459,8 @@ void defineScene(py::module_& module)
     .def_property_readonly("quads", [](const LoadedScene& s) { return s.saved.quads(); }, "Of all geometries.")
     .def_property_readonly("geometries", [](const LoadedScene& s) { return s.saved.geometries().size(); }, "How many there are.")
     .def_property_readonly("open_seconds", [](const LoadedScene& s) { return s.saved.seconds(); }, "From the file's name to the scene.")
-    .def_property_readonly("bounds", [](const LoadedScene& s) {
-      const RTCBounds b = s.saved.bounds();
-      return arrayOf(Box3f{{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}});
-    }, "(2, 3) float32: lower and upper corner of the box of the surface, world units.")
+    .def_property_readonly("bounds", [](const LoadedScene& s) { return arrayOf(s.saved.bounds()); },
+                           "(2, 3) float32: lower and upper corner of the box of the surface, world units.")
     .def("__repr__", [](const LoadedScene& s) {
       return "<LoadedScene '" + s.path + "': " + std::to_string(s.saved.geometries().size()) + " geometries, " + std::to_string(s.saved.quads()) + " quads>";
     });

@@ -13,7 +13,6 @@
 #include "comparison.h"
 #include "memory_plan.h"
 #include "picture_files.h"
-#include "speed.h"
 
 #include "basics/error.h"
 #include "basics/file_output.h"
@@ -119,7 +118,7 @@ private:
       writeObj(options.exportPath, mesh.vertices, mesh.quads);
     }
     if (options.speed && kind != RepresentationKind::Grid)
-      speed.measure(scene, grid, result);
+      result.speed = speed.measure(scene.representation().label(), scene, grid);
     comparison.results.push_back(result);
   }
 
@@ -140,13 +139,7 @@ private:
   void makeRays(const BuiltScene& scene, const std::vector<SurfaceHit>& hits)
   {
     if (options.speed || options.compares())
-    {
-      BounceSettings bounce;
-      bounce.count = options.rays;
-      bounce.offset = options.rayOffset * scene.bounds().diagonal();
-      sets[Coherent] = coherentRays(primary, options.crop.size(), options.rays);
-      sets[Incoherent] = bounceRays(primary, hits, bounce);
-    }
+      makeRaySets(options, scene, primary, hits, sets);
     sample = sampleOfHits(hits, options.trueHits, sampleSeed);
     for (const SurfaceHit& hit : hits)
       comparison.primaryHits += hit.hit();
@@ -177,8 +170,8 @@ private:
     if (!options.speed)
       return;
     if (comparison.results.size() == 1)
-      speed.measure(grid, nullptr, result);
-    speed.noteGrid(result);
+      result.speed = speed.measure(grid.representation().label(), grid, nullptr);
+    speed.noteGrid(result.speed);
   }
 
   Result* find(RepresentationKind kind)

@@ -7,21 +7,15 @@
  * and collects what the table says. */
 
 #include "model_view.h"
+#include "speed.h"
 #include "measure/hit_metrics.h"
 #include "measure/true_errors.h"
-#include "tracing/trace_timing.h"
 
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace cbvh {
-
-struct Speed
-{
-  double mrays = 0;             // millions of rays a second, median
-  std::optional<double> toGrid; // speed over that of GRID measured in turns with it, none without GRID
-};
 
 struct Result
 {
@@ -30,7 +24,7 @@ struct Result
   std::optional<HitErrors> errors; // none for the reference itself, nor without one
   std::optional<TrueErrors> trueErrors;
   size_t anyDisagreements[numRaySets] = {0, 0};
-  Speed speed[numRaySets][numQueries];
+  Speeds speed;
 };
 
 struct Comparison

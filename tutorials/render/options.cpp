@@ -106,10 +106,10 @@ void read(const CLI::App& app, const Words& words, Options& o)
 {
   if (!o.loadPath.empty() && !(words.files.empty() && o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty()))
     throw Error("--load is in place of files, --scene, --cage and --mesh");
-  if (!o.loadPath.empty() && (!o.savePath.empty() || !o.exportPath.empty() || o.speed || o.ambientRays || words.trueHits.value_or(0) || o.build.device != "cpu"))
-    throw Error("--load makes a picture on the processor: --save, --export, --speed, --ambient, --true-surface and --device belong to models");
-  if (o.savesCopyByCopy() && (!o.exportPath.empty() || o.speed || o.ambientRays || words.trueHits.value_or(0) || o.build.device != "cpu"))
-    throw Error("--save of a herd builds it copy by copy into the file, and makes a picture of that on the processor: --export, --speed, --ambient, --true-surface and --device belong to scenes in memory");
+  if (!o.loadPath.empty() && (!o.savePath.empty() || !o.exportPath.empty() || o.ambientRays || words.trueHits.value_or(0) || o.build.device != "cpu"))
+    throw Error("--load makes a picture on the processor: --save, --export, --ambient, --true-surface and --device belong to models");
+  if (o.savesCopyByCopy() && (!o.exportPath.empty() || o.ambientRays || words.trueHits.value_or(0) || o.build.device != "cpu"))
+    throw Error("--save of a herd builds it copy by copy into the file, and makes a picture of that on the processor: --export, --ambient, --true-surface and --device belong to scenes in memory");
   if (o.loadPath.empty())
   {
     nameFiles(words.files, o.scene);

@@ -28,20 +28,11 @@ json resultJson(const Result& r, bool compared, bool speed)
                       {"imported_bytes", r.build.onDevice->importedBytes}};
   if (r.representation.isCompressed())
     j["compression"] = compressionJson(r.build.compression);
-  for (RaySet set : {Coherent, Incoherent})
-  {
-    const char* const name = raySetName(set);
-    if (compared)
-      j["any_hit_disagreements"][name] = r.anyDisagreements[set];
-    for (Query query : {Closest, Any})
-      if (speed)
-      {
-        json& measured = j["speed"][name][queryName(query)];
-        measured["mrays_per_second"] = r.speed[set][query].mrays;
-        if (r.speed[set][query].toGrid)
-          measured["relative_to_grid"] = *r.speed[set][query].toGrid;
-      }
-  }
+  if (compared)
+    for (RaySet set : {Coherent, Incoherent})
+      j["any_hit_disagreements"][raySetName(set)] = r.anyDisagreements[set];
+  if (speed)
+    j["speed"] = speedJson(r.speed);
   if (r.errors)
     j["errors"] = errorsJson(*r.errors);
   if (r.trueErrors)

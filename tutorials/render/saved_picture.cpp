@@ -3,6 +3,7 @@
 
 #include "saved_picture.h"
 #include "picture_files.h"
+#include "speed.h"
 
 #include "basics/error.h"
 #include "basics/file_output.h"
@@ -27,23 +28,16 @@
 namespace cbvh {
 namespace {
 
-constexpr float fieldOfView = 35; // degrees
-
-/* Corners of the bounds stand for a cage. */
-Camera cameraOf(const Options& options, const SavedScene& scene, const std::string& name)
+Camera cameraOf(const Options& options, const SavedScene& scene)
 {
-  const RTCBounds b = scene.bounds();
-  if (!(b.lower_x <= b.upper_x))
-    throw Error(options.loadPath + ": nothing is in it that could be seen");
-  Model model;
-  model.name = name;
-  for (int i = 0; i < 8; i++)
-    model.cage.positions.push_back({i & 1 ? b.upper_x : b.lower_x, i & 2 ? b.upper_y : b.lower_y, i & 4 ? b.upper_z : b.lower_z});
-  if (options.view == "close")
-    throw Error("--view close needs a model, which --load has not: give full or numbers");
-  if (options.view != "full")
-    return parseView(options.view, model.view.up, options.size);
-  return fitCamera(model, {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}}, model.view, fieldOfView, options.size);
+  try
+  {
+    return chooseCamera(options.view, scene, options.size, threadCount(options.build.threads));
+  }
+  catch (const Error& error)
+  {
+    throw Error(options.loadPath + ": " + error.what());
+  }
 }
 
 /* From the eye through the middle of the picture, with what a thread's first ray needs. */
@@ -57,32 +51,49 @@ double firstRaySeconds(const Options& options, const SavedScene& scene, const Ca
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/* Speed of one thread and single rays, as that of scenes in memory; the first round brings the pages that are met. */
+Speeds measureSpeed(const Options& options, const std::string& name, const SavedScene& scene, const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits)
+{
+  RaySets sets;
+  makeRaySets(options, scene, primary, hits, sets);
+  const Speeds speeds = SpeedInTurns(sets, options.repeat).measure(name, scene, nullptr);
+  scene.check();
+  char line[256];
+  std::snprintf(line, sizeof(line), "speed: one thread, single rays: %.2f million coherent rays a second and %.2f million incoherent ones; any hit %.2f and %.2f\n",
+                speeds[Coherent][Closest].mrays, speeds[Incoherent][Closest].mrays, speeds[Coherent][Any].mrays, speeds[Incoherent][Any].mrays);
+  writeStandardOutput(line);
+  return speeds;
+}
+
 /* What is in a file, from a camera that the scene gives, if there is none. */
 void render(const Options& options, const std::string& file, const std::string& name, const Camera* given, Vec3f up, nlohmann::json json)
 {
   const unsigned threads = threadCount(options.build.threads);
   const SavedScene scene(file, "threads=" + std::to_string(threads) + (options.build.isa.empty() ? "" : ",isa=" + options.build.isa));
-  const Camera camera = given ? *given : cameraOf(options, scene, name);
+  const Camera camera = given ? *given : cameraOf(options, scene);
   const double firstRay = firstRaySeconds(options, scene, camera);
 
   SampledPicture picture(camera, options.crop, up, options.colors);
   std::vector<Ray> firstRays;
   std::vector<SurfaceHit> firstHits;
+  double pictureSeconds = 0;
   {
     Phase phase(name + ": picture");
+    const auto start = std::chrono::steady_clock::now();
     for (int i = 0; i < options.samples; i++)
     {
       std::vector<Ray> rays = primaryRays(camera, options.crop, sampleOffset(i));
       setTimes(rays, options.shutter, i, options.crop, options.size.width);
       std::vector<SurfaceHit> hits = traceClosest(scene, rays, threads);
       picture.add(rays, hits, threads);
-      if (i == 0 && options.exr)
+      if (i == 0 && (options.exr || options.speed))
       {
         firstRays = std::move(rays);
         firstHits = std::move(hits);
       }
       phase.update(double(i + 1) / options.samples);
     }
+    pictureSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   scene.check();
   PictureFiles files(options.output, name, options.size, options.crop, options.colors, options.samples);
@@ -91,14 +102,16 @@ void render(const Options& options, const std::string& file, const std::string& 
   if (options.exr)
     files.writeExr(representation, picture.linear(), firstRays, firstHits);
   char line[256];
-  std::snprintf(line, sizeof(line), "%zu geometr%s, %.2f million quads, %.1f MiB; opened in %.1f ms, first ray after %.1f ms; %.1f MiB are not mapped\n",
+  std::snprintf(line, sizeof(line), "%zu geometr%s, %.2f million quads, %.1f MiB; opened in %.1f ms, first ray after %.1f ms, the picture took %.2f s; %.1f MiB are not mapped\n",
                 scene.geometries().size(), scene.geometries().size() == 1 ? "y" : "ies", double(scene.quads()) * 1e-6, double(scene.bytes()) / (1 << 20),
-                1e3 * scene.seconds(), 1e3 * (scene.seconds() + firstRay), double(scene.liveBytes()) / (1 << 20));
+                1e3 * scene.seconds(), 1e3 * (scene.seconds() + firstRay), pictureSeconds, double(scene.liveBytes()) / (1 << 20));
   writeStandardOutput(path + "\n" + file + ": " + line);
+  if (options.speed)
+    json["speed"] = speedJson(measureSpeed(options, name, scene, firstRays, firstHits));
   if (options.json.empty())
     return;
   json.update({{"file", file}, {"geometries", scene.geometries().size()}, {"quads", scene.quads()}, {"bytes", scene.bytes()}, {"openSeconds", scene.seconds()},
-               {"openProcessorSeconds", scene.processorSeconds()}, {"firstRaySeconds", scene.seconds() + firstRay}, {"liveBytes", scene.liveBytes()}});
+               {"openProcessorSeconds", scene.processorSeconds()}, {"firstRaySeconds", scene.seconds() + firstRay}, {"pictureSeconds", pictureSeconds}, {"liveBytes", scene.liveBytes()}});
   writeTextFile(options.json, json.dump(2) + "\n");
 }
 

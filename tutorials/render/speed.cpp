@@ -6,12 +6,39 @@
 #include "basics/progress.h"
 #include "measure/quantiles.h"
 
+#include <nlohmann/json.hpp>
+
 namespace cbvh {
 
-/* GRID goes first in every other round. */
-void SpeedInTurns::measure(const BuiltScene& scene, const BuiltScene* grid, Result& result)
+void makeRaySets(const Options& options, const TracedScene& scene, const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits, RaySets& sets)
 {
-  Phase phase(scene.representation().label() + ": speed");
+  BounceSettings bounce;
+  bounce.count = options.rays;
+  bounce.offset = options.rayOffset * scene.bounds().diagonal();
+  sets[Coherent] = coherentRays(primary, options.crop.size(), options.rays);
+  sets[Incoherent] = bounceRays(primary, hits, bounce);
+}
+
+nlohmann::json speedJson(const Speeds& speeds)
+{
+  nlohmann::json j;
+  for (RaySet set : {Coherent, Incoherent})
+    for (Query query : {Closest, Any})
+    {
+      const Speed& speed = speeds[set][query];
+      nlohmann::json& measured = j[raySetName(set)][queryName(query)];
+      measured["mrays_per_second"] = speed.mrays;
+      if (speed.toGrid)
+        measured["relative_to_grid"] = *speed.toGrid;
+    }
+  return j;
+}
+
+/* GRID goes first in every other round. */
+Speeds SpeedInTurns::measure(const std::string& name, const TracedScene& scene, const TracedScene* grid)
+{
+  Phase phase(name + ": speed");
+  Speeds speeds;
   for (int set = 0; set < numRaySets; set++)
     for (int query = 0; query < numQueries; query++)
     {
@@ -26,26 +53,27 @@ void SpeedInTurns::measure(const BuiltScene& scene, const BuiltScene* grid, Resu
           own.push_back(time(scene, set, query));
         phase.update(double((set * numQueries + query) * repeat + i + 1) / double(numRaySets * numQueries * repeat));
       }
-      Speed& speed = result.speed[set][query];
+      Speed& speed = speeds[set][query];
       speed.mrays = mrays(set, own);
       if (grid)
         speed.toGrid = median(base) / median(own);
       gridSeconds[set][query].insert(gridSeconds[set][query].end(), base.begin(), base.end());
     }
+  return speeds;
 }
 
-void SpeedInTurns::noteGrid(Result& result) const
+void SpeedInTurns::noteGrid(Speeds& speeds) const
 {
   for (int set = 0; set < numRaySets; set++)
     for (int query = 0; query < numQueries; query++)
     {
-      result.speed[set][query].toGrid = 1.0;
+      speeds[set][query].toGrid = 1.0;
       if (!gridSeconds[set][query].empty())
-        result.speed[set][query].mrays = mrays(set, gridSeconds[set][query]);
+        speeds[set][query].mrays = mrays(set, gridSeconds[set][query]);
     }
 }
 
-double SpeedInTurns::time(const BuiltScene& scene, int set, int query) const
+double SpeedInTurns::time(const TracedScene& scene, int set, int query) const
 {
   TraceSettings settings;
   settings.query = Query(query);

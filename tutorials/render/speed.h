@@ -5,14 +5,31 @@
 
 /* Speed, in turns with GRID where that is there, so that both see the same machine. */
 
-#include "comparison.h"
-#include "building/built_scene.h"
+#include "options.h"
+#include "tracing/trace_timing.h"
 
+#include <nlohmann/json_fwd.hpp>
+
+#include <array>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace cbvh {
 
 using RaySets = std::vector<Ray>[numRaySets];
+
+/* As many as the options ask for. hits: of the primary rays. */
+void makeRaySets(const Options& options, const TracedScene& scene, const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits, RaySets& sets);
+
+struct Speed
+{
+  double mrays = 0;             // millions of rays a second, median
+  std::optional<double> toGrid; // speed over that of GRID measured in turns with it, none without GRID
+};
+using Speeds = std::array<std::array<Speed, numQueries>, numRaySets>;
+
+nlohmann::json speedJson(const Speeds& speeds);
 
 class SpeedInTurns
 {
@@ -21,14 +38,15 @@ public:
    * median counts. */
   SpeedInTurns(const RaySets& sets, int repeat) : sets(sets), repeat(repeat) {}
 
-  /* grid: measured in turns with the scene, null for the scene alone. Throws Cancelled. */
-  void measure(const BuiltScene& scene, const BuiltScene* grid, Result& result);
+  /* grid: measured in turns with the scene, null for the scene alone. name: in the line of progress.
+   * Throws Cancelled. */
+  Speeds measure(const std::string& name, const TracedScene& scene, const TracedScene* grid);
 
   /* GRID's own speed, over all its turns so far; unchanged without any. */
-  void noteGrid(Result& result) const;
+  void noteGrid(Speeds& speeds) const;
 
 private:
-  double time(const BuiltScene& scene, int set, int query) const;
+  double time(const TracedScene& scene, int set, int query) const;
   double mrays(int set, const std::vector<double>& seconds) const;
 
   const RaySets& sets;

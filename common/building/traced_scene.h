@@ -1,0 +1,40 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A committed scene as rays see it, whether built of a model or opened from a file. */
+
+#include "building/scene_tracer.h"
+#include "building/surface_hit.h"
+#include "basics/vec.h"
+
+#include <embree3/rtcore.h>
+
+namespace cbvh {
+
+class VulkanTracer;
+
+class TracedScene
+{
+public:
+  virtual ~TracedScene() = default;
+
+  virtual RTCScene handle() const = 0;
+
+  /* What traces the scene, and, if a Vulkan device does, the same, else NULL. */
+  virtual const SceneTracer& tracer() const = 0;
+  virtual const VulkanTracer* vulkan() const { return nullptr; }
+
+  /* Translates what the tracer reports. */
+  virtual SurfaceHit surfaceHit(const RTCRayHit& ray) const = 0;
+
+  Box3f bounds() const
+  {
+    RTCBounds b;
+    rtcGetSceneBounds(handle(), &b);
+    return {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+  }
+};
+
+} // namespace cbvh
