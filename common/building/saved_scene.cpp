@@ -36,6 +36,11 @@ void BuiltScene::save(const std::string& path) const
   device->check("saving");
 }
 
+std::string savedSceneConfig(unsigned threads, const std::string& isa)
+{
+  return "threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa);
+}
+
 SavedScene::SavedScene(const std::string& path, const std::string& config) : device(std::make_unique<EmbreeDevice>(config))
 {
   const auto start = std::chrono::steady_clock::now();

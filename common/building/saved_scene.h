@@ -22,6 +22,9 @@ struct FileWriterRelease
 };
 using FileWriterHandle = std::unique_ptr<RTCCompressedFileWriterTy, FileWriterRelease>;
 
+/* What a device for one is told. isa: Embree's name of the widest instruction set to use, empty for the host's best. */
+std::string savedSceneConfig(unsigned threads, const std::string& isa);
+
 class SavedScene : public TracedScene
 {
 public:

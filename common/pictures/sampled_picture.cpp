@@ -62,7 +62,7 @@ std::vector<Vec3f> SampledPicture::linear() const
   return colors;
 }
 
-SampledPicture sampledPicture(const BuiltScene& scene, const Camera& camera, const Crop& part, Vec3f up, const std::vector<Ray>& first, const std::vector<SurfaceHit>& hits,
+SampledPicture sampledPicture(const TracedScene& scene, const Camera& camera, const Crop& part, Vec3f up, const std::vector<Ray>& first, const std::vector<SurfaceHit>& hits,
                      int samples, const Shutter& shutter, HitColors colors, unsigned threads)
 {
   SampledPicture picture(camera, part, up, colors);

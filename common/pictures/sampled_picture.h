@@ -6,7 +6,7 @@
 /* A shaded picture of several samples a pixel. Where quads are smaller than pixels, one sample shows one of them,
  * and fine displacement looks like salt and pepper. */
 
-#include "building/built_scene.h"
+#include "building/traced_scene.h"
 #include "pictures/image.h"
 #include "pictures/shading.h"
 #include "tracing/camera.h"
@@ -50,7 +50,7 @@ private:
 };
 
 /* The picture that a scene makes, or a part of it. rays, hits: of primaryRays, with times, which are the first samples. Throws Cancelled. */
-SampledPicture sampledPicture(const BuiltScene& scene, const Camera& camera, const Crop& part, Vec3f up, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits,
+SampledPicture sampledPicture(const TracedScene& scene, const Camera& camera, const Crop& part, Vec3f up, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits,
                      int samples, const Shutter& shutter, HitColors colors, unsigned threads);
 
 } // namespace cbvh

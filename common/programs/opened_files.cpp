@@ -10,10 +10,13 @@
 namespace cbvh {
 namespace {
 
-bool isCage(const std::string& path)
+bool endsIn(const char* extension, const std::string& path)
 {
-  return lowerCase(std::filesystem::path(path).extension().string()) == ".obj";
+  return lowerCase(std::filesystem::path(path).extension().string()) == extension;
 }
+
+bool isCage(const std::string& path) { return endsIn(".obj", path); }
+bool isSavedScene(const std::string& path) { return endsIn(".cbvh", path); }
 
 /* How a map was read that is gone, or how strong a generated scene was. */
 void forgetMap(SceneSettings& settings)
@@ -34,6 +37,15 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
   std::string cage, height;
   for (const std::string& path : paths)
   {
+    if (isSavedScene(path))
+    {
+      if (paths.size() > 1)
+        throw Error(path + ": a file of compressed surfaces is opened alone");
+      SceneSettings saved;
+      saved.savedPath = path;
+      saved.threads = current.threads;
+      return saved;
+    }
     std::string& place = isCage(path) ? cage : height;
     if (!place.empty())
       throw Error(place + " and " + path + ": only one " + (isCage(path) ? "cage" : "height map") + " can be opened at a time");
@@ -44,6 +56,7 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
   {
     opened.cagePath = cage;
     opened.meshPath.clear();
+    opened.savedPath.clear();
     opened.scene.clear();
     opened.rough = false;
     opened.mapping.clear();
@@ -64,11 +77,15 @@ void nameFiles(const std::vector<std::string>& files, SceneSettings& scene)
   named.cagePath = scene.cagePath; // a height map alone goes on it
   if (!files.empty())
     named = openFiles(files, named);
+  if (!named.savedPath.empty() && !(scene.scene.empty() && scene.cagePath.empty() && scene.meshPath.empty() && scene.heightPath.empty()))
+    throw Error(named.savedPath + ": a file of compressed surfaces is opened without a model");
+  scene.savedPath = named.savedPath;
   if (named.cagePath != scene.cagePath && !(scene.scene.empty() && scene.cagePath.empty()))
     throw Error(named.cagePath + ": there is a --scene or a --cage already");
   if (!named.heightPath.empty() && !scene.heightPath.empty())
     throw Error(named.heightPath + ": there is a --height already");
-  scene.cagePath = named.cagePath;
+  if (named.savedPath.empty())
+    scene.cagePath = named.cagePath;
   if (!named.heightPath.empty())
     scene.heightPath = named.heightPath;
 }

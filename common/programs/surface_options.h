@@ -74,9 +74,24 @@ inline void addMapOptions(CLI::App& app, SceneSettings& settings)
 }
 
 /* Files without an option before them, for nameFiles (opened_files.h). */
-inline void addFiles(CLI::App& app, std::vector<std::string>& files)
+/* saved: whether the program shows files of compressed surfaces, too. */
+inline void addFiles(CLI::App& app, std::vector<std::string>& files, bool saved = false)
 {
-  app.add_option("files", files, "a control cage (OBJ) and a height map, as with --cage and --height")->type_name("FILE");
+  app.add_option("files", files, std::string("a control cage (OBJ) and a height map, as with --cage and --height") +
+                 (saved ? "; or compressed surfaces (.cbvh), as cbvh_render --save writes them" : ""))->type_name("FILE");
+}
+
+/* Throws Error for options that say how a model is made or built, beside a file of compressed surfaces. */
+inline void refuseModelOptions(const CLI::App& app, const std::string& path)
+{
+  for (const char* name : {"--representation", "--level", "--quad-size", "--max-pixel-error", "--frame-level", "--device", "--height", "--amplitude",
+                           "--height-scale", "--mid-level", "--channel", "--height-repeat", "--vectors", "--up", "--rough", "--mapping", "--count",
+                           "--cage-end", "--motion", "--steps", "--maps"})
+  {
+    const CLI::Option* const option = app.get_option_no_throw(name);
+    if (option && option->count())
+      throw Error(path + ": " + name + " belongs to models, and a file has none");
+  }
 }
 
 /* A mesh in place of a scene. */

@@ -143,15 +143,15 @@ Camera chooseCamera(const std::string& view, const Model& model, const TracedSce
   return view == "full" ? full : closeCamera(full, scene, model.view, threads);
 }
 
-Camera chooseCamera(const std::string& view, const TracedScene& scene, ImageSize size, unsigned threads)
+Model modelOfBox(const std::string& name, const Box3f& b)
 {
-  const Box3f b = scene.bounds();
   if (!hasSurface(b))
-    throw Error("nothing is in it that could be seen");
-  Model corners;
+    throw Error(name + ": nothing is in it that could be seen");
+  Model model;
+  model.name = name;
   for (int i = 0; i < 8; i++)
-    corners.cage.positions.push_back({i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z});
-  return chooseCamera(view, corners, scene, size, threads);
+    model.cage.positions.push_back({i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z});
+  return model;
 }
 
 } // namespace cbvh

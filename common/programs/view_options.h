@@ -41,7 +41,7 @@ Camera fitCamera(const Model& model, const Box3f& surface, const ViewHints& hint
 Camera chooseCamera(const std::string& view, const Model& model, const TracedScene& scene, ImageSize size,
                     unsigned threads);
 
-/* The same of a scene without a model: its box is seen as models are that have no hints. */
-Camera chooseCamera(const std::string& view, const TracedScene& scene, ImageSize size, unsigned threads);
+/* Of a scene without a model, one to see it by: no more than a name and the corners of its box. Throws Error where there is no surface. */
+Model modelOfBox(const std::string& name, const Box3f& bounds);
 
 } // namespace cbvh

@@ -175,6 +175,8 @@ std::string listOfScenes()
 
 void validateScene(const SceneSettings& s)
 {
+  if (!s.savedPath.empty())
+    throw Error(s.savedPath + ": a file of compressed surfaces has no model; cbvh_render and cbvh_viewer show it");
   if (int(!s.scene.empty()) + int(!s.cagePath.empty()) + int(!s.meshPath.empty()) != 1)
     throw Error("give either --scene NAME, one of " + listOfScenes() + ", --cage FILE or --mesh FILE");
   if (!s.meshPath.empty() && !s.heightPath.empty())

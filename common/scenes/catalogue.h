@@ -18,6 +18,7 @@ struct SceneSettings
   std::string scene;              // one of sceneNames(); empty: a cage
   std::string cagePath;           // OBJ
   std::string meshPath;           // OBJ, of a mesh that is traced as it is
+  std::string savedPath;          // file of compressed surfaces, without the model that they were made of; for programs that open such files
   std::string up;                 // axis of the cage that points upwards, one of upAxes(); empty or "auto": guessed
   std::string heightPath;         // map of the cage's displacement, empty: not displaced
   MapValues mapValues = MapValues::Heights;

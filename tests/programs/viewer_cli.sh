@@ -29,6 +29,13 @@ refuses "cannot be opened" --cage "$folder/missing.obj"
 refuses "$folder/missing.obj: cannot be opened" "$folder/missing.obj"
 refuses "one cage can be opened" "$folder/quad.obj" "$folder/other.obj"
 refuses "needs a cage" "$folder/heights.png"
+refuses "$folder/missing.cbvh: cannot be opened" "$folder/missing.cbvh"
+refuses "opened alone" "$folder/quad.obj" "$folder/quad.cbvh"
+refuses "opened without a model" --scene cube "$folder/quad.cbvh"
+echo "no surfaces" > "$folder/text.cbvh"
+refuses "text.cbvh.*no file of compressed surfaces" "$folder/text.cbvh"
+refuses "level belongs to models" "$folder/text.cbvh" --level 3
+refuses "mode blocks needs a model" "$folder/text.cbvh" --mode blocks
 refuses "there is a --scene or a --cage already" --scene cube "$folder/quad.obj"
 refuses "there is a --height already" "$folder/quad.obj" "$folder/heights.png" --height "$folder/heights.png"
 refuses "unknown representation 'mesh'" --scene cube --representation mesh
@@ -62,6 +69,17 @@ for mode in shading normals error cells blocks; do
       complain "$mode, $representation: no picture of 65 x 47"
   done
 done
+# What a file shows is what its scene shows, moved or not, and a window would take it, too.
+"$render" --scene cube --level 3 --motion turn --representation cvert --size 65x47 --output "$folder/saved" --save "$folder/cube.cbvh" >/dev/null 2>&1 || complain "cube.cbvh is not written"
+for mode in shading normals; do
+  for view in "full --time 0.5" "3,2,4,0,0,0,40"; do
+    "$program" --scene cube --level 3 --motion turn --size 65x47 --mode $mode --view $view --screenshot "$folder/built.ppm" 2>"$folder/stderr" || complain "built: $(cat "$folder/stderr")"
+    "$program" "$folder/cube.cbvh" --size 65x47 --mode $mode --view $view --screenshot "$folder/opened.ppm" 2>"$folder/stderr" || complain "opened: $(cat "$folder/stderr")"
+    [ "$view" = "full --time 0.5" ] || cmp "$folder/built.ppm" "$folder/opened.ppm" || complain "another picture from a file, $mode"
+    [ "$(tail -c $((65 * 47 * 3)) "$folder/opened.ppm" | od -An -v -tu1 -w3 | sort -u | wc -l)" -gt 50 ] || complain "nothing to see in a file, $mode, $view"
+  done
+done
+
 # Maps that are made go to the user's cache, and nothing to the working directory.
 mkdir "$folder/work"
 (cd "$folder/work" && "$program" --scene trex --mapping atlas --level 0 --size 64x64 --screenshot "$folder/trex.ppm" 2>"$folder/stderr") ||

@@ -338,11 +338,30 @@ TEST(OpenedFiles, BothInAnyOrder)
   }
 }
 
+TEST(OpenFiles, CompressedSurfacesComeWithoutAModelAndGoWithTheNext)
+{
+  SceneSettings trex;
+  trex.scene = "trex";
+  trex.amplitude = 0.01f;
+  trex.threads = 3;
+  const SceneSettings saved = openFiles({"a/Herd.CBVH"}, trex);
+  EXPECT_EQ(saved.savedPath, "a/Herd.CBVH");
+  EXPECT_TRUE(saved.scene.empty() && saved.cagePath.empty() && !saved.amplitude);
+  EXPECT_EQ(saved.threads, 3);
+  EXPECT_THROW(openFiles({"skin.png"}, saved), Error);
+  EXPECT_THROW(validateScene(saved), Error);
+  const SceneSettings next = openFiles({"head.obj"}, saved);
+  EXPECT_EQ(next.cagePath, "head.obj");
+  EXPECT_TRUE(next.savedPath.empty());
+}
+
 TEST(OpenedFiles, RefusesWhatItCannotPutTogether)
 {
   SceneSettings trex;
   trex.scene = "trex";
   EXPECT_THROW(openFiles({"skin.png"}, {}), Error);
+  EXPECT_THROW(openFiles({"a.obj", "b.cbvh"}, {}), Error);
+  EXPECT_THROW(openFiles({"a.cbvh", "b.cbvh"}, {}), Error);
   EXPECT_THROW(openFiles({"skin.png"}, trex), Error);
   EXPECT_THROW(openFiles({"a.obj", "b.obj"}, {}), Error);
   EXPECT_THROW(openFiles({"a.obj", "b.png", "c.png"}, {}), Error);

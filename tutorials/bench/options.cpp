@@ -229,7 +229,7 @@ std::vector<BenchScene> readScenes(const Words& words)
 {
   SceneSettings settings = words.settings;
   nameFiles(words.files, settings);
-  if (words.scenes.empty() || !settings.cagePath.empty())
+  if (words.scenes.empty() || !settings.cagePath.empty() || !settings.savedPath.empty())
   {
     settings.scene = words.scenes;
     validateScene(settings);

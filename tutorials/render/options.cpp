@@ -27,7 +27,7 @@ struct Words
 
 void declarePictures(CLI::App& app, Options& o, Words& words)
 {
-  addFiles(app, words.files);
+  addFiles(app, words.files, true);
   app.add_option("--scene", o.scene.scene, "instead of files, a generated scene: " + listOfScenes())->type_name("NAME");
   addMeshOption(app, o.scene);
   addSceneOptions(app, o.scene);
@@ -55,7 +55,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
     ->type_name("DIR")->capture_default_str();
   app.add_option("--export", o.exportPath, "write the surface there, too, as cvert stores it, OBJ: quads that --mesh reads")->type_name("FILE");
   app.add_option("--save", o.savePath, "write the compressed scene there, too, which --load opens at once; a herd goes there copy by copy, and what was stopped goes on where it was")->type_name("FILE");
-  app.add_option("--load", o.loadPath, "instead of files and scenes, what --save wrote, as it was compressed")->type_name("FILE");
+  app.add_option("--load", o.loadPath, "instead of files and scenes, what --save wrote, as it was compressed, whatever its name")->type_name("FILE");
   app.add_flag("--exr", o.exr, "write linear colours and the hits there, too, OpenEXR: position, distance, normal, u, v and primID");
 }
 
@@ -104,17 +104,21 @@ void chooseLevel(const CLI::App& app, const Words& words, Options& o)
 
 void read(const CLI::App& app, const Words& words, Options& o)
 {
-  if (!o.loadPath.empty() && !(words.files.empty() && o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty()))
+  if (o.loadPath.empty())
+  {
+    nameFiles(words.files, o.scene);
+    o.loadPath = o.scene.savedPath;
+  }
+  else if (!(words.files.empty() && o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty()))
     throw Error("--load is in place of files, --scene, --cage and --mesh");
   if (!o.loadPath.empty() && (!o.savePath.empty() || !o.exportPath.empty() || o.ambientRays || words.trueHits.value_or(0) || o.build.device != "cpu"))
     throw Error("--load makes a picture on the processor: --save, --export, --ambient, --true-surface and --device belong to models");
   if (o.savesCopyByCopy() && (!o.exportPath.empty() || o.ambientRays || words.trueHits.value_or(0) || o.build.device != "cpu"))
     throw Error("--save of a herd builds it copy by copy into the file, and makes a picture of that on the processor: --export, --ambient, --true-surface and --device belong to scenes in memory");
   if (o.loadPath.empty())
-  {
-    nameFiles(words.files, o.scene);
     validateScene(o.scene);
-  }
+  else
+    refuseModelOptions(app, o.loadPath);
   o.autoLevel = readLevel(words.levels, o.build.level);
   validateBuild(o.build);
   if (o.repeat < 1)

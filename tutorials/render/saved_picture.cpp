@@ -28,18 +28,6 @@
 namespace cbvh {
 namespace {
 
-Camera cameraOf(const Options& options, const SavedScene& scene)
-{
-  try
-  {
-    return chooseCamera(options.view, scene, options.size, threadCount(options.build.threads));
-  }
-  catch (const Error& error)
-  {
-    throw Error(options.loadPath + ": " + error.what());
-  }
-}
-
 /* From the eye through the middle of the picture, with what a thread's first ray needs. */
 double firstRaySeconds(const Options& options, const SavedScene& scene, const Camera& camera)
 {
@@ -69,8 +57,8 @@ Speeds measureSpeed(const Options& options, const std::string& name, const Saved
 void render(const Options& options, const std::string& file, const std::string& name, const Camera* given, Vec3f up, nlohmann::json json)
 {
   const unsigned threads = threadCount(options.build.threads);
-  const SavedScene scene(file, "threads=" + std::to_string(threads) + (options.build.isa.empty() ? "" : ",isa=" + options.build.isa));
-  const Camera camera = given ? *given : cameraOf(options, scene);
+  const SavedScene scene(file, savedSceneConfig(threads, options.build.isa));
+  const Camera camera = given ? *given : chooseCamera(options.view, modelOfBox(name, scene.bounds()), scene, options.size, threads);
   const double firstRay = firstRaySeconds(options, scene, camera);
 
   SampledPicture picture(camera, options.crop, up, options.colors);

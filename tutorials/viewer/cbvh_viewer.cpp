@@ -23,7 +23,8 @@ void writeScreenshot(const ViewerOptions& options)
   ViewState state{options.representations, options.autoLevel ? autoLevel : options.build.level, options.mode, std::nullopt};
   if (options.autoLevel && !document.model().isMesh)
     state.camera = document.loaded->start;
-  document.store.request(state.scenes());
+  if (!document.loaded->saved)
+    document.store.request(state.scenes());
   document.store.finish();
   PictureSettings settings;
   settings.mode = options.mode;
@@ -31,7 +32,7 @@ void writeScreenshot(const ViewerOptions& options)
   settings.threads = threadCount(options.build.threads);
   settings.samples = options.samples;
   settings.time = options.time;
-  writePng(options.screenshot, renderPicture(*document.loaded->start, findPanes(state, document.store), settings));
+  writePng(options.screenshot, renderPicture(*document.loaded->start, findPanes(state, document), settings));
 }
 
 int run(int argc, char** argv)

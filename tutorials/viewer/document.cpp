@@ -5,6 +5,9 @@
 #include "basics/parallel.h"
 #include "programs/view_options.h"
 
+#include <algorithm>
+#include <filesystem>
+
 namespace cbvh {
 namespace {
 
@@ -19,10 +22,30 @@ int coarseLevel(const Model& model, int level)
   return level;
 }
 
+std::unique_ptr<const LoadedModel> openSaved(const SceneSettings& source, const ViewerOptions& options)
+{
+  auto loaded = std::make_unique<LoadedModel>();
+  loaded->source = source;
+  const unsigned threads = threadCount(options.build.threads);
+  loaded->saved = std::make_unique<SavedScene>(source.savedPath, savedSceneConfig(threads, options.build.isa));
+  loaded->model = modelOfBox(std::filesystem::path(source.savedPath).stem().string(), loaded->saved->bounds());
+  loaded->start = chooseCamera(options.view, loaded->model, *loaded->saved, options.size, threads);
+  return loaded;
+}
+
 } // namespace
+
+bool LoadedModel::moves() const
+{
+  if (!saved)
+    return !model.poses.empty();
+  return std::any_of(saved->geometries().begin(), saved->geometries().end(), [](const RTCCompressedFileGeometry& g) { return g.timeStepCount > 1; });
+}
 
 std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const ViewerOptions& options)
 {
+  if (!source.savedPath.empty())
+    return openSaved(source, options);
   auto loaded = std::make_unique<LoadedModel>();
   loaded->source = withStrength(source);
   loaded->model = loadScene(loaded->source, loaded->warnings);

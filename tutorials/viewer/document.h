@@ -4,7 +4,8 @@
 #pragma once
 
 /* What a viewer has opened: a model, the view that it starts with, a coarse scene to
- * show at once, and the scenes that are built of it. */
+ * show at once, and the scenes that are built of it. Of a file of compressed surfaces: the scene
+ * that is in it, and a model that has no more than its name and the corners of its box. */
 
 #include "options.h"
 #include "scene_store.h"
@@ -21,10 +22,14 @@ struct LoadedModel
   Model model;
   std::string warnings;                // a line each
   std::optional<Camera> start;
-  std::unique_ptr<BuiltScene> preview; // GRID at a low level, always on the CPU
+  std::unique_ptr<BuiltScene> preview; // GRID at a low level, always on the CPU; or, of a file,
+  std::unique_ptr<SavedScene> saved;   // all there is to show
+
+  const TracedScene& first() const { return saved ? static_cast<const TracedScene&>(*saved) : *preview; }
+  bool moves() const;
 };
 
-/* Reads or makes the model and fits the view of the options to it: long work, for the
+/* Opens the file, or reads or makes the model, and fits the view of the options to it: long work, for the
  * background. The preview refers to the model beside it. Throws Error, Cancelled. */
 std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const ViewerOptions& options);
 

@@ -21,7 +21,7 @@ std::string listOfModes()
 }
 
 /* A mistyped name is reported where it was typed, not in a window. */
-void requireCage(const std::string& path)
+void requireFile(const std::string& path)
 {
   if (!path.empty() && !std::ifstream(path))
     throw Error(path + ": cannot be opened");
@@ -38,7 +38,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   CLI::App app("Shows a displaced subdivision surface in one representation, or in two side by side, in a window\n"
                "that lists its keys and opens what is dropped on it, or in a picture with --screenshot.",
                "cbvh_viewer");
-  addFiles(app, files);
+  addFiles(app, files, true);
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addMeshOption(app, o.scene);
   addSceneOptions(app, o.scene);
@@ -67,9 +67,16 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
 
   nameFiles(files, o.scene);
   const bool empty = o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty() && o.scene.heightPath.empty();
-  if (!empty || !o.screenshot.empty()) // a window may start empty
+  if (!o.scene.savedPath.empty())
+  {
+    refuseModelOptions(app, o.scene.savedPath);
+    if (mode != "shading" && mode != "normals")
+      throw Error("--mode " + mode + " needs a model, which " + o.scene.savedPath + " has not");
+  }
+  else if (!empty || !o.screenshot.empty()) // a window may start empty
     validateScene(o.scene);
-  requireCage(o.scene.cagePath);
+  requireFile(o.scene.cagePath);
+  requireFile(o.scene.savedPath);
   o.autoLevel = readLevel(levels, o.build.level);
   validateBuild(o.build);
   if (!o.autoLevel && levels.maxPixelError)

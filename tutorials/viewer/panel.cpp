@@ -158,7 +158,7 @@ void Panel::drawKeys()
   line(("1 to " + std::to_string(representationKinds().size())).c_str(), kinds + "; right half: Shift");
   for (const auto& [keys, effect] : keyHelp)
     line(keys, effect);
-  ImGui::TextUnformatted("Drop a cage (OBJ), a height map or both here to open them.");
+  ImGui::TextUnformatted("Drop a cage (OBJ), a height map or both here, or compressed surfaces (.cbvh), to open them.");
 }
 
 /* Always as high, so that nothing moves under the mouse when something begins or ends. */
@@ -177,7 +177,7 @@ void Panel::drawCaptions(const Rectangle& area)
   const std::vector<Pane> panes = viewer.panes();
   constexpr float gap = 8;
   const auto caption = [&](size_t i) {
-    return panes[i].scene->representation().label() + ", level " + levelText(viewer.shownLevel());
+    return panes[i].built->representation().label() + ", level " + levelText(viewer.shownLevel());
   };
   const std::string left = caption(0), right = caption(1);
   const float widths[] = {ImGui::CalcTextSize(left.c_str()).x, ImGui::CalcTextSize(right.c_str()).x};
@@ -205,7 +205,8 @@ void Panel::drawCaptions(const Rectangle& area)
 void Panel::drawSettings()
 {
   ViewState state = viewer.state();
-  for (size_t i = 0; i < state.representations.size(); i++)
+  const bool isFile = viewer.isFile();
+  for (size_t i = 0; !isFile && i < state.representations.size(); i++)
   {
     Representation& r = state.representations[i];
     ImGui::PushID(int(i));
@@ -223,10 +224,11 @@ void Panel::drawSettings()
     ImGui::PopItemWidth();
     ImGui::PopID();
   }
-  int mode = int(state.mode);
+  int mode = int(isFile ? viewer.picturedMode() : state.mode);
   ImGui::PushItemWidth(itemWidth);
-  ImGui::SliderInt("level", &state.level, autoLevel, maxLevel, state.level == autoLevel ? "auto" : "%d");
-  if (ImGui::Combo("mode", &mode, "shading\0normals\0error\0leaf cells\0blocks\0"))
+  if (!isFile)
+    ImGui::SliderInt("level", &state.level, autoLevel, maxLevel, state.level == autoLevel ? "auto" : "%d");
+  if (ImGui::Combo("mode", &mode, isFile ? "shading\0normals\0" : "shading\0normals\0error\0leaf cells\0blocks\0"))
     state.mode = PictureMode(mode);
   viewer.want(state);
   drawStrength();
@@ -234,9 +236,12 @@ void Panel::drawSettings()
   drawUp();
   ImGui::PopItemWidth();
   bool split = viewer.isSplit();
-  if (ImGui::Checkbox("split screen", &split))
-    viewer.setSplit(split);
-  ImGui::SameLine();
+  if (!isFile)
+  {
+    if (ImGui::Checkbox("split screen", &split))
+      viewer.setSplit(split);
+    ImGui::SameLine();
+  }
   ImGui::Checkbox("without pause", &viewer.continuous);
 }
 
@@ -280,6 +285,23 @@ void Panel::drawStrength()
     ImGui::SetTooltip("drag, or double-click and type");
 }
 
+void Panel::drawBuilt(const BuiltScene& scene, const char* side)
+{
+  const BuildReport& b = scene.report();
+  ImGui::Text("%s%s, level %s", side, scene.representation().label().c_str(), levelText(viewer.shownLevel()).c_str());
+  ImGui::Text("%.2f bytes a quad, %s quads", b.bytesPerQuad(), quadsText(b.quads).c_str());
+  ImGui::Text("%s, built in %.2f s", bytesText(b.liveBytes).c_str(), b.seconds);
+}
+
+void Panel::drawSaved(const SavedScene& scene)
+{
+  const size_t count = scene.geometries().size(), quads = scene.quads();
+  ImGui::Text("a file of %zu geometr%s, opened in %.1f ms", count, count == 1 ? "y" : "ies", 1e3 * scene.seconds());
+  ImGui::Text("%.2f bytes a quad, %s quads", quads ? double(scene.bytes()) / double(quads) : 0.0, quadsText(quads).c_str());
+  ImGui::Text("%s of surfaces, mapped", bytesText(scene.bytes()).c_str());
+  ImGui::Text("%s in memory beside them", bytesText(scene.liveBytes()).c_str());
+}
+
 void Panel::drawReports()
 {
   const std::vector<Pane> panes = viewer.panes();
@@ -292,21 +314,20 @@ void Panel::drawReports()
   for (size_t i = 0; picture && i < panes.size() && i < picture->reports().size(); i++)
   {
     const PaneReport& report = picture->reports()[i];
-    const BuildReport& b = panes[i].scene->report();
     ImGui::Separator();
-    ImGui::Text("%s%s, level %s", panes.size() < 2 ? "" : i ? "right: " : "left: ",
-                panes[i].scene->representation().label().c_str(), levelText(viewer.shownLevel()).c_str());
-    ImGui::Text("%.2f bytes a quad, %s quads", b.bytesPerQuad(), quadsText(b.quads).c_str());
-    ImGui::Text("%s, built in %.2f s", bytesText(b.liveBytes).c_str(), b.seconds);
+    if (panes[i].built)
+      drawBuilt(*panes[i].built, panes.size() < 2 ? "" : i ? "right: " : "left: ");
+    else
+      drawSaved(*panes[i].saved);
     ImGui::Text("%.2f million hits a second, of %.2f rays", report.mhits(), report.mrays());
     ImGui::Text("on %u thread%s", threads, threads == 1 ? "" : "s");
-    if (panes[i].reference && viewer.shownMode() == PictureMode::Error)
+    if (panes[i].reference && viewer.picturedMode() == PictureMode::Error)
     {
       ImGui::Text("error in pixels: median %.3f, 99th percentile %.3f", report.median, report.p99);
       ImGui::Text("%zu false hits, %zu misses", report.falseHits, report.misses);
     }
   }
-  if (viewer.shownMode() == PictureMode::Error && !panes.empty())
+  if (viewer.picturedMode() == PictureMode::Error && !panes.empty())
     drawLegend();
 }
 
@@ -376,7 +397,8 @@ void Panel::drawMiddle()
   else
   {
     ImGui::TextUnformatted("Drop a cage (OBJ) here,");
-    ImGui::TextUnformatted("and a height map if it has one.");
+    ImGui::TextUnformatted("and a height map if it has one,");
+    ImGui::TextUnformatted("or compressed surfaces (.cbvh).");
   }
   ImGui::End();
 }

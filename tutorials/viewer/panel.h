@@ -41,6 +41,8 @@ private:
   void drawKeys();
   void drawFooter();
   void drawStrength();
+  void drawBuilt(const BuiltScene& scene, const char* side);
+  void drawSaved(const SavedScene& scene);
   void drawReports();
   void drawSamples();
   void drawLegend();

@@ -42,7 +42,7 @@ void forTiles(const Region& region, const Body& body)
 }
 
 /* hits: one a pixel of the region, written. */
-void traceRegion(const Camera& camera, const Region& region, const BuiltScene& scene, Vec2f offset, float time,
+void traceRegion(const Camera& camera, const Region& region, const TracedScene& scene, Vec2f offset, float time,
                  std::vector<SurfaceHit>& hits)
 {
   forTiles(region, [&](int x0, int x1, int y0, int y1) {
@@ -211,10 +211,10 @@ private:
       return 0.5f * (n + Vec3f{1, 1, 1});
     /* Colours of places keep a little of the shape. */
     const float facing = 0.4f + 0.6f * std::abs(dot(n, ray.direction));
-    const Cell cell = findCell(pane.scene->layout(), hit);
+    const Cell cell = findCell(pane.built->layout(), hit);
     if (settings.mode == PictureMode::Cells)
       return facing * cellColor(cell);
-    const Representation& what = pane.scene->representation();
+    const Representation& what = pane.built->representation();
     return facing * blockColor(cell, effectiveFrameLevel(what, cell.resolution), what.isCompressed());
   }
 
@@ -239,6 +239,13 @@ const char* pictureModeName(PictureMode mode)
 {
   static const char* const names[] = {"shading", "normals", "error", "cells", "blocks"};
   return names[size_t(mode)];
+}
+
+bool Pane::canShow(PictureMode mode) const
+{
+  if (mode == PictureMode::Error)
+    return reference;
+  return built || mode == PictureMode::Shading || mode == PictureMode::Normals;
 }
 
 int effectiveFrameLevel(const Representation& representation, unsigned resolution)

@@ -10,6 +10,7 @@
  * else is of one hit, which has no mean: errors, places and normals, and all figures. */
 
 #include "building/built_scene.h"
+#include "building/saved_scene.h"
 #include "pictures/sampled_picture.h"
 
 #include <optional>
@@ -35,7 +36,16 @@ const char* pictureModeName(PictureMode mode);
 /* What a part of the picture shows. */
 struct Pane
 {
-  const BuiltScene* scene = nullptr;
+  Pane() = default;
+  explicit Pane(const BuiltScene* built) : scene(built), built(built) {}
+  explicit Pane(const SavedScene* saved) : scene(saved), saved(saved) {}
+
+  /* Whether it has what a mode shows: errors need a reference, places a model. */
+  bool canShow(PictureMode mode) const;
+
+  const TracedScene* scene = nullptr;
+  const BuiltScene* built = nullptr;     // the same, one of these two
+  const SavedScene* saved = nullptr;
   const BuiltScene* reference = nullptr; // GRID at the same level, for PictureMode::Error only
 };
 

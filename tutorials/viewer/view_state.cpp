@@ -20,13 +20,15 @@ std::vector<SceneKey> ViewState::scenes() const
   return keys;
 }
 
-std::vector<Pane> findPanes(const ViewState& state, const SceneStore& store)
+std::vector<Pane> findPanes(const ViewState& state, const Document& document)
 {
+  if (document.loaded->saved)
+    return {Pane(document.loaded->saved.get())};
+  const SceneStore& store = document.store;
   std::vector<Pane> panes;
   for (const Representation& r : state.representations)
   {
-    Pane pane;
-    pane.scene = store.find(state.key(r));
+    Pane pane(store.find(state.key(r)));
     pane.reference = store.find(state.key({RepresentationKind::Grid}));
     if (!pane.scene || (state.mode == PictureMode::Error && !pane.reference))
       return {};

@@ -6,8 +6,8 @@
 /* What is looked at, as far as it can be switched while running, and the scenes that
  * this takes. */
 
+#include "document.h"
 #include "picture.h"
-#include "scene_store.h"
 
 #include <vector>
 
@@ -27,8 +27,8 @@ struct ViewState
   std::vector<SceneKey> scenes() const;
 };
 
-/* Empty until all scenes of the state are built. */
-std::vector<Pane> findPanes(const ViewState& state, const SceneStore& store);
+/* Empty until all scenes of the state are built; of a file always what is in it. */
+std::vector<Pane> findPanes(const ViewState& state, const Document& document);
 
 bool operator==(const ViewState& a, const ViewState& b);
 inline bool operator!=(const ViewState& a, const ViewState& b) { return !(a == b); }

@@ -20,12 +20,12 @@ namespace {
 
 std::string nameOf(const SceneSettings& source)
 {
-  return source.scene.empty() ? std::filesystem::path(source.cagePath + source.meshPath).filename().string() : source.scene;
+  return source.scene.empty() ? std::filesystem::path(source.cagePath + source.meshPath + source.savedPath).filename().string() : source.scene;
 }
 
 bool sameCage(const SceneSettings& a, const SceneSettings& b)
 {
-  return a.scene == b.scene && a.cagePath == b.cagePath && a.meshPath == b.meshPath;
+  return a.scene == b.scene && a.cagePath == b.cagePath && a.meshPath == b.meshPath && a.savedPath == b.savedPath;
 }
 
 bool sameScenes(const std::vector<Pane>& a, const std::vector<Pane>& b)
@@ -43,7 +43,7 @@ Viewer::Viewer(const ViewerOptions& options) : options(options), shownTime(optio
   wanted.level = options.autoLevel ? autoLevel : options.build.level;
   wanted.mode = options.mode;
   shown = wanted;
-  if (!options.scene.scene.empty() || !options.scene.cagePath.empty() || !options.scene.meshPath.empty())
+  if (!options.scene.scene.empty() || !options.scene.cagePath.empty() || !options.scene.meshPath.empty() || !options.scene.savedPath.empty())
     open(options.scene);
 }
 
@@ -160,7 +160,7 @@ void Viewer::update()
   if (toLoad && !worker.busy())
     load();
   followCamera();
-  if (document && shown != wanted && (isPreview() || !findPanes(wanted, document->store).empty()))
+  if (document && shown != wanted && (isPreview() || !findPanes(wanted, *document).empty()))
   {
     shown = wanted;
     requestScenes();
@@ -188,7 +188,7 @@ void Viewer::followCamera()
 
 std::vector<Pane> Viewer::panes() const
 {
-  return document ? findPanes(shown, document->store) : std::vector<Pane>();
+  return document ? findPanes(shown, *document) : std::vector<Pane>();
 }
 
 std::vector<Pane> Viewer::panesOrPreview() const
@@ -196,7 +196,13 @@ std::vector<Pane> Viewer::panesOrPreview() const
   const std::vector<Pane> found = panes();
   if (!found.empty() || !document)
     return found;
-  return {Pane{document->loaded->preview.get(), nullptr}};
+  return {Pane(document->loaded->preview.get())};
+}
+
+PictureMode Viewer::picturedMode() const
+{
+  const std::vector<Pane> what = panesOrPreview();
+  return what.empty() || what[0].canShow(shown.mode) ? shown.mode : PictureMode::Shading;
 }
 
 bool Viewer::refresh(ImageSize now)
@@ -221,7 +227,7 @@ bool Viewer::refresh(ImageSize now)
     return true;
   }
   PictureSettings settings;
-  settings.mode = shown.mode == PictureMode::Error && !what[0].reference ? PictureMode::Shading : shown.mode;
+  settings.mode = picturedMode();
   settings.up = hints.up;
   settings.split = splitPosition;
   settings.threads = threadCount(options.build.threads);
@@ -244,13 +250,15 @@ void Viewer::want(const ViewState& state)
     return;
   wanted = state;
   lastMessage.clear();
+  if (isFile() && !panes()[0].canShow(wanted.mode))
+    lastMessage = "mode " + std::string(pictureModeName(wanted.mode)) + " needs the model, which a file has not";
   requestScenes();
 }
 
 /* What is shown stays until what is wanted is there. */
 void Viewer::requestScenes()
 {
-  if (!document || toLoad || loading)
+  if (!document || toLoad || loading || isFile())
     return; // asked for when that has ended
   if (needsCamera() && !wanted.camera)
     return; // asked for when the size of the picture is known
@@ -263,7 +271,7 @@ void Viewer::requestScenes()
 
 void Viewer::setSplit(bool split)
 {
-  if (split == isSplit())
+  if (split == isSplit() || isFile())
     return;
   ViewState state = wanted;
   if (split)
@@ -295,7 +303,7 @@ void Viewer::stop()
   else if (document)
   {
     wanted = shown;
-    document->store.request(isPreview() ? std::vector<SceneKey>() : shown.scenes());
+    document->store.request(isPreview() || isFile() ? std::vector<SceneKey>() : shown.scenes());
   }
 }
 
@@ -331,7 +339,7 @@ void Viewer::frame(const ViewHints& from)
 {
   framing = from;
   framedSize = size;
-  viewpoint->set(fitCamera(document->model(), document->loaded->preview->bounds(), from, viewpoint->fov(), size));
+  viewpoint->set(fitCamera(document->model(), document->loaded->first().bounds(), from, viewpoint->fov(), size));
 }
 
 void Viewer::resetView()

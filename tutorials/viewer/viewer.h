@@ -36,6 +36,9 @@ public:
    * is what was given. Nothing for what has no displacement. */
   void setStrength(float strength);
 
+  /* Whether what is opened is a file of compressed surfaces: its kinds and levels are those that it was written with. */
+  bool isFile() const { return document && document->loaded->saved; }
+
   /* Null while there is none yet. */
   const LoadedModel* opened() const { return document ? document->loaded.get() : nullptr; }
 
@@ -59,7 +62,7 @@ public:
   /* --- what is wanted --- */
 
   const ViewState& state() const { return wanted; }
-  PictureMode shownMode() const { return shown.mode; }
+  PictureMode picturedMode() const; // shading where there is not what the mode takes
   int shownLevel() const { return shown.level; }
   void want(const ViewState& state);
   bool isSplit() const { return wanted.representations.size() == 2; }
@@ -70,7 +73,7 @@ public:
   void moveSplit(float position);
 
   /* When the model is shown, from 0 to 1, if it moves. */
-  bool moves() const { return document && !document->model().poses.empty(); }
+  bool moves() const { return document && document->loaded->moves(); }
   float time() const { return shownTime; }
   void setTime(float time);
 
@@ -126,7 +129,7 @@ private:
   void leaveFrame() { framing.reset(); }
   void requestScenes();
   void followCamera();
-  bool needsCamera() const { return document && wanted.level == autoLevel && !document->model().isMesh; }
+  bool needsCamera() const { return document && wanted.level == autoLevel && !document->model().isMesh && !isFile(); }
   std::vector<Pane> panesOrPreview() const;
   std::optional<Vec3f> pointAt(Vec2f pixel) const;
   Vec3f pointOrTargetAt(Vec2f pixel) const;
