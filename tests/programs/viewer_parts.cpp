@@ -338,7 +338,7 @@ TEST(OpenedFiles, BothInAnyOrder)
   }
 }
 
-TEST(OpenFiles, CompressedSurfacesComeWithoutAModelAndGoWithTheNext)
+TEST(OpenedFiles, CompressedSurfacesComeWithoutAModelAndGoWithTheNext)
 {
   SceneSettings trex;
   trex.scene = "trex";

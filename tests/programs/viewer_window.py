@@ -5,7 +5,7 @@
 are opened, what nobody waits for stops, and the window shows and saves, to the byte, what
 --screenshot writes without one.
 
-usage: viewer_window.py PATH/TO/cbvh_viewer"""
+usage: viewer_window.py PATH/TO/cbvh_viewer PATH/TO/cbvh_render"""
 
 import importlib.util
 import math
@@ -358,6 +358,17 @@ def test_files(session):
     shown_from_its_start("another amplitude", strong)
     if "box" not in session.title():
         fail(f"the title is '{session.title()}'")
+
+    # Compressed surfaces, whose kind and level no key changes, and a cage after them.
+    compressed = os.path.join(session.folder, "box.cbvh")
+    session.render(box, "--level", "4", "--save", compressed)
+    saved = session.screenshot("compressed", "--samples", "1", scene=(compressed,))
+    drop(compressed)
+    shown_from_its_start("compressed surfaces", saved)
+    session.key("x", "l", "1")
+    shown_from_its_start("them, whatever keys say of models", saved)
+    drop(box)
+    wait_for("the cage is not shown again", lambda: session.title().endswith(" - box with spaces"))
     session.key("q")
     session.ends(0)
 
@@ -440,7 +451,7 @@ def test_background(session):
 
 
 def main():
-    program = os.path.abspath(sys.argv[1])
+    program, render = map(os.path.abspath, sys.argv[1:3])
     missing = [tool for tool in ("Xvfb", "xdotool") if not shutil.which(tool)]
     if not importlib.util.find_spec("Xlib"):
         missing.append("Xlib for Python")
@@ -448,7 +459,7 @@ def main():
         print(f"skipped: no {' and no '.join(missing)}, see scripts/packages")
         return 77
     folder = tempfile.mkdtemp()
-    session = Session(program, folder)
+    session = Session(program, folder, render)
     try:
         for test in test_switching, test_samples, test_camera, test_panel_and_end, test_wide_window, test_up, test_files, test_background:
             print(f"--- {test.__name__}", flush=True)

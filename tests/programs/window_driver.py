@@ -60,8 +60,8 @@ def wait_for(what, condition):
 
 
 class Session:
-    def __init__(self, program, folder):
-        self.program, self.folder = program, folder
+    def __init__(self, program, folder, renderer):
+        self.program, self.folder, self.renderer = program, folder, renderer
         read, write = os.pipe()
         self.server = subprocess.Popen(
             # which without -noreset starts anew when the last program ends, and refuses one that comes just then
@@ -97,6 +97,13 @@ class Session:
         if done.returncode:
             raise SystemExit(f"FAILED: no screenshot of {name}: {done.stderr}")
         return read_ppm(path)
+
+    def render(self, *options):
+        """cbvh_render with a small picture."""
+        done = subprocess.run([self.renderer, *options, "--size", "16x16", "--output", os.path.join(self.folder, "rendered")],
+                              env=self.environment, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+        if done.returncode:
+            raise SystemExit(f"FAILED: cbvh_render {' '.join(options)}: {done.stderr}")
 
     def read(self, name):
         with open(os.path.join(self.folder, name)) as file:
