@@ -9,6 +9,7 @@
     scripts/report.py DIR --against OTHER_DIR      says, too, how far two runs are apart
     scripts/report.py DIR --gpu FILE_OR_DIR        and speed and memory on a GPU, measured here or elsewhere
     scripts/report.py DIR --beside OTHER_DIR       and speed on another machine or instruction set
+    scripts/report.py DIR --scale OTHER_DIR        and the scene of ten billion quads, and levels by the view
     scripts/report.py DIR --tables FILE            the tables go there: tutorials/bench/RESULTS.md is made so
 """
 
@@ -31,6 +32,7 @@ import report_memory as memory  # noqa: E402
 import report_page as p  # noqa: E402
 import report_paper as paper  # noqa: E402
 import report_run  # noqa: E402
+import report_scale as scale  # noqa: E402
 import report_summary as summary  # noqa: E402
 import report_tables as tables  # noqa: E402
 import report_tradeoffs as tradeoffs  # noqa: E402
@@ -40,7 +42,7 @@ from report_robustness import robustness  # noqa: E402
 ROOT = Path(__file__).resolve().parent.parent
 
 
-def make_page(data, against, source):
+def make_page(data, against, source, scale_folder=None):
     """The result first, then what it was weighed against, then the paper; what few look for is at the end."""
     contents = {
         "Results": {
@@ -61,6 +63,7 @@ def make_page(data, against, source):
         "More": {
             "bins": ("What 4 bits can give", report_bins.section(data)),
             "growth": ("Growth", growth.section(data)),
+            "scale": ("Scale", scale.section(scale_folder)),
             "entrances": ("Packets and streams", tables.entrances(data)),
             "robustness": ("Leaks and shadows", robustness(data)),
             "hard": ("Hard cases", hard_cases.section(ROOT / "build/release/tests/hard_cases")),
@@ -129,12 +132,15 @@ def main():
         "--beside", action="append", default=[], metavar="DIR",
         help="records of another machine or instruction set, for their section; may be repeated",
     )
+    parser.add_argument("--scale", metavar="DIR", help="what scripts/measure_scale.py measured (default: output/benchmark/scale, if it is there)")
     options = parser.parse_args()
+    if options.scale and not scale.read(options.scale):
+        raise SystemExit(f"report.py: {options.scale}: no {scale.RECORD} in it; scripts/measure_scale.py makes it")
     data = read(options.folder, options.gpu, options.beside)
     against = read(options.against) if options.against else None
     output = Path(options.output) if options.output else Path(options.folder) / "report.html"
     tables_file = Path(options.tables) if options.tables else output.with_name("tables.md")
-    write(output, make_page(data, against, Path(options.folder).name))
+    write(output, make_page(data, against, Path(options.folder).name, options.scale or ROOT / "output/benchmark/scale"))
     write(tables_file, markdown.results(data))
     print(f"{output} ({output.stat().st_size / 2**20:.1f} MiB), {tables_file}")
     return 0

@@ -35,10 +35,10 @@ def charts(parts):
     return f'<div class="charts" style="max-width: {34 * len(parts)}rem">{"".join(parts)}</div>'
 
 
-def image(content, caption, text):
+def image(content, caption, text, kind="webp"):
     """caption: HTML."""
     return (
-        f'<figure><img src="{data_url("image/webp", content)}" alt="{escape(text)}" loading="lazy">'
+        f'<figure><img src="{data_url("image/" + kind, content)}" alt="{escape(text)}" loading="lazy">'
         f"<figcaption>{caption}</figcaption></figure>"
     )
 

@@ -30,6 +30,7 @@ import report_labels  # noqa: E402
 import report_levels  # noqa: E402
 import report_markdown  # noqa: E402
 import report_memory  # noqa: E402
+import report_scale  # noqa: E402
 import report_summary  # noqa: E402
 import report_tradeoffs  # noqa: E402
 from report_relations import relations  # noqa: E402
@@ -379,6 +380,33 @@ class Report(unittest.TestCase):
         self.assertIn("cVOXEL^3", [row[0] for row in rows])
         six = next(row for row in data.rows if (row.label, row.level) == ("cLEAF^3", 6))
         self.assertIn(["cLEAF^3", f"{six.memory['bytes_per_quad']:.2f}"], [[row[0], row[2]] for row in rows])
+
+    def test_scale_stands_in_the_page_where_it_was_measured(self):
+        speed = {ray_set: {"closest": {"mrays_per_second": rays}} for ray_set, rays in (("coherent", 1.5), ("incoherent", 0.75))}
+        opened = {"openSeconds": 0.25, "pictureSeconds": 40, "quads": 2 * 10**9, "speed": speed}
+        herd = {
+            "count": 62, "level": "6", "quads": 2 * 10**9, "fileBytes": 5 * 2**30, "found": 41, "lastQuads": 6 * 10**8, "lastSeconds": 30,
+            "stops": [{"seconds": 40, "bytes": 2**30, "signal": "SIGINT"}, {"seconds": 20, "bytes": 3 * 2**30, "signal": "SIGKILL"}],
+            "buildSeconds": 90, "ownBytes": 2**27, "cold": opened, "warm": opened, "coldMapped": 2**30, "warmMapped": 2**30, "renderOwnBytes": 2**28,
+            "size": "64x48", "samples": 4, "picture": "none.png", "threads": 2, "memory": 2**34, "commands": ["render the herd"],
+            "beside": [{"count": 2, "representation": "GRID", "quads": 10**8, "bytes": 4 * 10**9, "peak": 5 * 10**9, "buildSeconds": 9,
+                        "speed": speed, "command": "render GRID"}],
+        }  # fmt: skip
+        level = {"scene": "trex", "view": "full", "level": "auto", "quads": 10**6, "live_bytes": 2**22, "build_seconds": 0.5, "speed": speed,
+                 "errors_to_true_surface": {"median_pixels": 0.125, "p99_pixels": 0.5}, "command": "render levels"}  # fmt: skip
+        folder = Path(self.temporary.name) / "scale"
+        folder.mkdir()
+        (folder / report_scale.RECORD).write_text(json.dumps({"herd": herd, "levels": [level]}))
+        text = "\n".join(report_scale.markdown(report_scale.read(folder)))
+        for found in ("20.0 million quads a second", "74.5 GiB, reckoned from 40.0 bytes a quad", "interrupted at 1.0 GiB and killed at 3.0 GiB",
+                      "0.34 billion", "| trex, full | auto | 1.00 | 4.0 |"):  # fmt: skip
+            self.assertIn(found, text)
+        page = Path(self.temporary.name) / "scale.html"
+        self.assertEqual(self.run_script(self.records, "--scale", folder, "--output", page).returncode, 0)
+        for found in ("reckoned from 40.0 bytes a quad", "Levels by the view", "render GRID"):
+            self.assertIn(found, page.read_text())
+        done = self.run_script(self.records, "--scale", self.records, "--output", page)
+        self.assertIn("measure_scale.py makes it", done.stderr)
 
     def test_bad_folders_get_one_line(self):
         empty = Path(self.temporary.name) / "empty"

@@ -1,0 +1,178 @@
+#!/usr/bin/python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Measures what a scene of ten billion quads takes on one machine, and what levels by the view are worth.
+
+    scripts/measure_scale.py PATH/TO/cbvh_render FOLDER             both; 30 GB of disk, and half an hour on two cores
+    scripts/measure_scale.py PATH/TO/cbvh_render FOLDER --only levels
+
+The herd is built copy by copy into FOLDER/herd.cbvh, interrupted after a third of it and killed after two, taken up again
+each time, and then opened, cold and warm, rendered and traced for speed. GRID and NAIVE trace as much of the same herd as
+--memory holds. The file is removed unless --keep is given. Records and pictures go to FOLDER, tables to standard output;
+scripts/report.py --scale FOLDER has them in the report.
+"""
+
+import argparse
+import datetime
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import report_scale  # noqa: E402
+from measure_files import letGo, mappingOf  # noqa: E402
+
+GIB = 2**30
+LEVELS = ("auto", "6", "7")
+FILE_BYTES_A_QUAD = 3  # the disk that is asked for beforehand
+# Bytes a quad that GRID and NAIVE take while they are built, for the largest herd that is tried.
+PEAK_BYTES_A_QUAD = {"grid": 40, "naive": 260}
+
+
+class Run:
+    """A program as it runs: seconds, highest resident memory and record of it."""
+
+    def __init__(self, command, record=None, mapped=None):
+        self.command = [str(word) for word in command] + (["--json", str(record)] if record else [])
+        self.record, self.mapped, self.most_mapped, self.peak = record, mapped, 0, 0
+        self.start = time.monotonic()
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, text=True)
+        self.watcher = threading.Thread(target=self.watch, daemon=True)
+        self.watcher.start()
+
+    def watch(self):
+        """Memory of the process that is its own, and what it has mapped of the file."""
+        while self.process.poll() is None:
+            try:
+                status = Path(f"/proc/{self.process.pid}/status").read_text()
+                self.peak = max([self.peak] + [1024 * int(line.split()[1]) for line in status.split("\n") if line.startswith("RssAnon:")])
+            except (OSError, ValueError):
+                pass
+            if self.mapped:
+                self.most_mapped = max(self.most_mapped, (mappingOf(self.process.pid, self.mapped) or {"Rss": 0})["Rss"])
+            time.sleep(0.1)
+
+    def finish(self, *, stopped=False):
+        self.process.communicate()
+        self.watcher.join()
+        self.seconds = time.monotonic() - self.start
+        if (self.process.returncode == 0) == stopped:
+            raise SystemExit(f"{' '.join(self.command)}: {'ended before it was stopped' if stopped else 'failed'}")
+        return json.loads(Path(self.record).read_text()) if self.record else None
+
+
+def stop_at(program, options, path, bytes_of_part, how):
+    """Builds until the part has so many bytes."""
+    run = Run([program, *options, "--save", path])
+    part = Path(str(path) + ".part")
+    while run.process.poll() is None and not (part.exists() and part.stat().st_size >= bytes_of_part):
+        time.sleep(0.2)
+    run.process.send_signal(how)
+    run.finish(stopped=True)
+    return {"seconds": run.seconds, "bytes": part.stat().st_size, "signal": how.name}
+
+
+def beside(program, folder, kind, count, options):
+    """As many copies in another representation, with its speed."""
+    run = Run([program, "--scene", "herd", "--count", count, "--level", options.level, "--representation", kind, "--speed", "--samples", 1,
+               "--size", options.size, "--output", folder / kind], folder / f"{kind}.json")  # fmt: skip
+    record = run.finish()
+    (result,) = record["results"]
+    return {"count": count, "representation": result["representation"], "quads": result["quads"], "bytes": result["live_bytes"],
+            "peak": result["peak_bytes"], "buildSeconds": result["build_seconds"], "speed": result["speed"], "command": " ".join(run.command)}  # fmt: skip
+
+
+def quads_of_a_copy(program, folder, level):
+    run = Run([program, "--scene", "herd", "--count", 1, "--level", level, "--representation", "cvert", "--samples", 1, "--size", "64x64",
+               "--output", folder / "one"], folder / "one.json")  # fmt: skip
+    (result,) = run.finish()["results"]
+    return result["quads"]
+
+
+def measure_herd(program, folder, options):
+    path = folder / "herd.cbvh"
+    copy = quads_of_a_copy(program, folder, options.level)
+    count = options.count or -(-options.quads // copy)
+    free = os.statvfs(folder).f_bavail * os.statvfs(folder).f_frsize
+    if free < FILE_BYTES_A_QUAD * count * copy:
+        raise SystemExit(f"{folder}: {free / GIB:.0f} GiB are free, and about {FILE_BYTES_A_QUAD * count * copy / GIB:.0f} wanted")
+    scene = ["--scene", "herd", "--count", count, "--level", options.level, "--representation", "cvert"]
+    small = [*scene, "--size", "64x64", "--samples", 1, "--output", folder / "build"]
+    for old in (path, Path(str(path) + ".part")):
+        old.unlink(missing_ok=True)
+    expected = 2.8 * count * copy
+    stops = [stop_at(program, small, path, expected / 3, signal.SIGINT), stop_at(program, small, path, expected * 2 / 3, signal.SIGKILL)]
+    build = Run([program, *small, "--save", path], folder / "build.json")
+    built = build.finish()
+    view = ["--load", path, "--size", options.size, "--view", options.view, "--output", folder / "picture"]
+    letGo(path)
+    cold = Run([program, *view, "--samples", options.samples], folder / "cold.json", path)
+    opened_cold = cold.finish()
+    warm = Run([program, *view, "--samples", 1, "--speed"], folder / "warm.json", path)
+    opened = warm.finish()
+    Run([program, *view, "--samples", options.samples]).finish()
+    (picture,) = (folder / "picture").glob("*.png")
+    record = {
+        "count": count, "level": options.level, "quads": opened["quads"], "fileBytes": path.stat().st_size,
+        "stops": stops, "found": built["found"], "lastQuads": built["builtQuads"], "lastSeconds": built["buildSeconds"],
+        "deviceBytes": built["buildPeakBytes"], "buildSeconds": sum(s["seconds"] for s in stops) + built["buildSeconds"], "ownBytes": build.peak,
+        "cold": opened_cold, "coldMapped": cold.most_mapped, "warm": opened, "warmMapped": warm.most_mapped, "renderOwnBytes": max(cold.peak, warm.peak),
+        "size": options.size, "samples": options.samples, "picture": picture.name, "threads": os.cpu_count(),
+        "memory": options.memory * GIB, "commands": [" ".join(run.command) for run in (build, cold, warm)],
+    }  # fmt: skip
+    if not options.keep:
+        path.unlink()
+    record["beside"] = [beside(program, folder, kind, max(1, int(options.memory * GIB / (bytes_a_quad * copy))), options)
+                        for kind, bytes_a_quad in PEAK_BYTES_A_QUAD.items()]  # fmt: skip
+    return record
+
+
+def measure_levels(program, folder, options):
+    rows = []
+    for scene in options.scenes.split(","):
+        for view in ("full", "close"):
+            for level in LEVELS:
+                run = Run([program, "--scene", scene, "--level", level, "--view", view, "--representation", "cvert", "--size", options.size,
+                           "--samples", 1, "--speed", "--true-surface", 20000, "--output", folder / f"{scene}-{view}-{level}"],
+                          folder / f"{scene}-{view}-{level}.json")  # fmt: skip
+                (result,) = run.finish()["results"]
+                rows.append({"scene": scene, "view": view, "level": level, "size": options.size, "command": " ".join(run.command), **result})
+    return rows
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--only", choices=("herd", "levels"))
+    parser.add_argument("--quads", type=int, default=10**10, help="of the herd, at least")
+    parser.add_argument("--count", type=int, help="of its copies, in place of that")
+    parser.add_argument("--level", default="6", help="of the herd")
+    parser.add_argument("--size", default="1920x1080")
+    parser.add_argument("--samples", type=int, default=16, help="a pixel, of the picture")
+    parser.add_argument("--view", default="full", help="of the herd's file: full, close or ex,ey,ez,lx,ly,lz,fov")
+    parser.add_argument("--memory", type=float, default=0.8 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB, help="GiB that GRID and NAIVE may take")
+    parser.add_argument("--scenes", default="trex,frog,knee", help="of the levels")
+    parser.add_argument("--keep", action="store_true", help="do not remove the herd's file")
+    options = parser.parse_args()
+    folder = options.folder.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / report_scale.RECORD
+    record = json.loads(path.read_text()) if path.exists() else {}
+    record["date"] = datetime.date.today().isoformat()
+    if options.only != "levels":
+        record["herd"] = measure_herd(options.program, folder, options)
+    if options.only != "herd":
+        record["levels"] = measure_levels(options.program, folder, options)
+    path.write_text(json.dumps(record, indent=1) + "\n")
+    print("\n".join(report_scale.markdown(record)))
+
+
+if __name__ == "__main__":
+    main()
