@@ -221,6 +221,12 @@ struct Cube
 class Group
 {
 public:
+  // Of one surface.
+  Group(CbvhContext context, CbvhSurface surface)
+  {
+    OK(cbvhNewGroup(context, &surface, 1, &group));
+    OK(cbvhCommitGroup(group));
+  }
   explicit Group(CbvhContext context, float rate = 32, unsigned count = 1, unsigned numSteps = 1, int first = -1)
   {
     std::vector<CbvhSurface> surfaces;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* How fast a displaced cube of libembree_cbvh is through the user geometry of the Embree that is around, of its own rays and of that Embree's own
- * subdivision surface: rays a second of one thread, medians of turns. beside_speed [--rays N] [--rate R] [--turns N] */
+ * subdivision surface, and from a file: rays a second of one thread, medians of turns. beside_speed [--rays N] [--rate R] [--turns N] */
 
 #include "host.h"
 
@@ -10,7 +10,10 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
+#include <unistd.h>
 
 using namespace host;
 
@@ -61,6 +64,32 @@ void measure(const char* what, const std::vector<RTCRayHit>& rays, std::vector<C
   for (const Contender& contender : contenders) std::printf(" %6.2f |", double(rays.size())/median(contender.seconds)*1e-6);
   for (size_t i = 1; i < contenders.size(); i++) std::printf(" %5.2f |", isOfFirst ? first/median(contenders[i].seconds) : median(contenders[i].seconds)/first);
   std::printf("\n");
+}
+
+/* The cube as it was made, and as it comes from a file. */
+void measureFile(RTCDevice device, CbvhContext context, float rate, size_t count, unsigned turns)
+{
+  const std::string path = std::string(std::getenv("TMPDIR") ? std::getenv("TMPDIR") : "/tmp") + "/beside_speed_" + std::to_string(getpid()) + ".cbvh";
+  const Cube cube;
+  const CbvhCage cage = cube.cage(rate, 1);
+  CbvhSurface made = nullptr, opened = nullptr;
+  OK(cbvhNewSurface(context, &made));
+  OK(cbvhSetCage(made, &cage));
+  OK(cbvhCommitSurface(made, nullptr, nullptr));
+  OK(cbvhSaveSurface(made, path.c_str()));
+  const double seconds = secondsOf([&] { OK(cbvhLoadSurface(context, path.c_str(), &opened)); });
+  std::remove(path.c_str());
+  {
+    const Group inMemory(context, made), fromFile(context, opened);
+    const Scene madeScene(device, inMemory), openedScene(device, fromFile);
+    const auto single = [](RTCScene in) { return [in](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) intersect(in, r); }; };
+    std::printf("\n| opened in %.1f ms, million a second | as it was made | from a file | file of made |\n|:--|--:|--:|--:|\n", 1e3*seconds);
+    std::mt19937 random(3);
+    for (bool areCoherent : {true, false})
+      measure(areCoherent ? "coherent, closest" : "incoherent, closest", randomRays(random, count, areCoherent), {{"", single(madeScene), {}}, {"", single(openedScene), {}}}, turns, true);
+  }
+  cbvhReleaseSurface(made);
+  cbvhReleaseSurface(opened);
 }
 
 } // namespace
@@ -135,6 +164,7 @@ int main(int argc, char** argv)
     for (bool areCoherent : {true, false})
       measure(areCoherent ? "coherent, closest" : "incoherent, closest", randomRays(random, count, areCoherent, 0.6f), {{"", alone, {}}, {"", single(asOne), {}}, {"", single(asMany), {}}}, turns, true);
   }
+  measureFile(device, context, rate, count, turns);
   rtcReleaseDevice(device);
   cbvhReleaseContext(context);
   return failures ? 1 : 0;
