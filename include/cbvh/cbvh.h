@@ -160,6 +160,22 @@ struct CbvhMesh
   struct CbvhVertices vertices;
 };
 
+/* A camera, and how large quads may be in its picture. Zeros but for the position and pixelSize: quads of a pixel, and all that is around counts as in the picture. */
+struct CbvhDicing
+{
+  float position[3];                /* world space; of an orthographic camera only pixelSize and what lies in the picture matter */
+  float direction[3];               /* into the middle of the picture, of any length */
+  float up[3];                      /* of the picture, of any length, not along direction */
+  int orthographic;                 /* 0: a perspective camera */
+  float pixelSize;                  /* width of a pixel at distance 1; of an orthographic camera anywhere */
+  float width, height;              /* of the picture in pixels. 0: direction and up do not matter */
+  const float* transform;           /* surface to world, 12 floats, column by column; NULL: it is in world space */
+  float quadSize;                   /* length of quads' edges in pixels, about; 0: 1 */
+  float outside;                    /* so many times as large far outside of the picture, and behind the camera; 0: 8 */
+  float maxRate;                    /* quads along an edge, 1 to 4096; 0: 4096 */
+  const float* maxRates;            /* of each edge, likewise, one an index, for example the texels along it; NULL: maxRate alone */
+};
+
 /* How near to its vertices a surface is stored. Zeros: a spacing of 1/36 of the quads' edges, or less. */
 struct CbvhAccuracy
 {
@@ -179,6 +195,11 @@ CBVH_API void cbvhReleaseSurface(CbvhSurface surface);
 CBVH_API enum CbvhError cbvhSetCage(CbvhSurface surface, const struct CbvhCage* cage);
 CBVH_API enum CbvhError cbvhSetGrids(CbvhSurface surface, const struct CbvhGrids* grids);
 CBVH_API enum CbvhError cbvhSetMesh(CbvhSurface surface, const struct CbvhMesh* mesh);
+
+/* Sets the rates of a cage's edges, for the next commit, so that its quads are about as large in a picture as is asked for: after cbvhSetCage, in place of
+ * the rates that it had. Edges are measured on the displaced surface, for which the displacement function is called by several threads, and each gets
+ * a power of two. rates: written, one an index; NULL: not wanted. */
+CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDicing* dicing, float* rates);
 
 /* Sets how the next commit stores it. NULL: as by default. */
 CBVH_API enum CbvhError cbvhSetAccuracy(CbvhSurface surface, const struct CbvhAccuracy* accuracy);

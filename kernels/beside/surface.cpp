@@ -7,6 +7,7 @@
 #include <embree3/rtcore_compressed_clusters.h>
 #include <embree3/rtcore_compressed_files.h>
 #include <embree3/rtcore_compressed_triangles.h>
+#include <embree3/rtcore_dicing.h>
 
 #include <cmath>
 #include <cstddef>
@@ -103,6 +104,7 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
   Owned input(new Input(context->device, RTC_GEOMETRY_TYPE_SUBDIVISION));
   const RTCGeometry geometry = input->geometry;
   input->numPrimitives = unsigned(cage.numFaces);
+  input->numEdges = cage.numIndices;
   setVertices(geometry, cage.vertices, true);
   copyTo(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, cage.faceVertices, cage.numFaces);
   copyTo(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, cage.indices, cage.numIndices);
@@ -167,6 +169,30 @@ void CbvhSurfaceTy::set(const CbvhMesh& mesh)
   setVertices(input->geometry, mesh.vertices, false);
   copyTo(input->geometry, RTC_BUFFER_TYPE_INDEX, 0, isOfQuads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, mesh.indices, 4*mesh.corners, 4*mesh.corners, mesh.count);
   keep(std::move(input));
+}
+
+void CbvhSurfaceTy::dice(const CbvhDicing& dicing, float* rates)
+{
+  if (!pending || !pending->numEdges) throw Failure{CBVH_ERROR_INVALID_OPERATION, "there is no cage to dice: set it before"};
+  RTCDicingArguments args;
+  rtcInitDicingArguments(&args);
+  std::memcpy(args.position, dicing.position, sizeof(args.position));
+  std::memcpy(args.direction, dicing.direction, sizeof(args.direction));
+  std::memcpy(args.up, dicing.up, sizeof(args.up));
+  args.orthographic = dicing.orthographic != 0;
+  args.pixelSize = dicing.pixelSize;
+  args.width = dicing.width;
+  args.height = dicing.height;
+  args.transform = dicing.transform;
+  if (dicing.quadSize != 0) args.quadSize = dicing.quadSize;
+  if (dicing.outside != 0) args.outside = dicing.outside;
+  if (dicing.maxRate != 0) args.maxRate = dicing.maxRate;
+  args.maxRates = dicing.maxRates;
+  const RTCGeometry geometry = pending->geometry;
+  rtcCommitGeometry(geometry); // its topology: nothing is compressed before commit() says so
+  rtcDiceGeometry(geometry, &args);
+  context->check();
+  if (rates) std::memcpy(rates, rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0), pending->numEdges*sizeof(float));
 }
 
 void CbvhSurfaceTy::set(const CbvhAccuracy& to)
@@ -276,6 +302,7 @@ CbvhError onSurface(CbvhSurface surface, const Closure& closure) { return surfac
 CbvhError cbvhSetCage(CbvhSurface surface, const CbvhCage* cage) { return onSurface(surface, [&] { require(cage, "cage is NULL"); surface->set(*cage); }); }
 CbvhError cbvhSetGrids(CbvhSurface surface, const CbvhGrids* grids) { return onSurface(surface, [&] { require(grids, "grids are NULL"); surface->set(*grids); }); }
 CbvhError cbvhSetMesh(CbvhSurface surface, const CbvhMesh* mesh) { return onSurface(surface, [&] { require(mesh, "mesh is NULL"); surface->set(*mesh); }); }
+CbvhError cbvhDiceSurface(CbvhSurface surface, const CbvhDicing* dicing, float* rates) { return onSurface(surface, [&] { require(dicing, "dicing is NULL"); surface->dice(*dicing, rates); }); }
 CbvhError cbvhSetAccuracy(CbvhSurface surface, const CbvhAccuracy* accuracy) { return onSurface(surface, [&] { surface->set(accuracy ? *accuracy : CbvhAccuracy()); }); }
 CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mask) { return onSurface(surface, [&] { surface->setMask(mask); }); }
 CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr) { return onSurface(surface, [&] { surface->commit(progress, userPtr); }); }

@@ -18,6 +18,7 @@ struct Input
   RTCGeometry geometry;
   unsigned int numPrimitives = 0;
   bool isMesh = false;
+  size_t numEdges = 0;                // one an index; none but of cages
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementPtr = nullptr;
   std::vector<unsigned int> widths;   // of attributes
@@ -38,6 +39,7 @@ struct CbvhSurfaceTy : embree::beside::Counted
   void set(const CbvhCage& cage);
   void set(const CbvhGrids& grids);
   void set(const CbvhMesh& mesh);
+  void dice(const CbvhDicing& dicing, float* rates);
   void set(const CbvhAccuracy& accuracy);
   void setMask(unsigned int mask);
   void commit(CbvhProgressFunction progress, void* userPtr);

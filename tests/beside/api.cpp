@@ -3,12 +3,14 @@
 
 /* The API of libembree_cbvh: the hits of our libembree3 to the bit, input that is let go, errors that are told, commits that are cancelled. */
 
+#include "support/closed.h"
 #include "support/diced_mesh.h"
 #include "support/moving_surface.h"
 #include "support/saved.h"
 
 #include <cbvh/cbvh.h>
 #include <embree3/rtcore_compressed_clusters.h>
+#include <embree3/rtcore_dicing.h>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -326,6 +328,63 @@ TEST(Beside, FilesAreThoseOfOurEmbree)
   const Surface empty(context);
   context.expect(cbvhSaveSurface(empty, (folder/"empty").c_str()), CBVH_ERROR_INVALID_OPERATION, "not committed");
   context.expect(cbvhSaveSurface(empty, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "path is NULL");
+}
+
+// As rtcDiceGeometry, whose tests say what rates are.
+TEST(Beside, ACageIsDicedByTheView)
+{
+  Random random(94);
+  Context context;
+  Device device;
+  for (unsigned steps : {1u, 3u})
+    for (const auto& c : closedCages) {
+      SCOPED_TRACE(c.name);
+      Displacement displacement;
+      CageInput input(c.cage, settingsOf(displacement, steps, 4));
+      RTCDicingArguments args;
+      rtcInitDicingArguments(&args);
+      CbvhDicing dicing = CbvhDicing();
+      const float position[3] = {0.3f, 0.2f, 2}, ahead[3] = {0, 0, -1}, up[3] = {0, 1, 0};
+      std::copy_n(position, 3, args.position);
+      std::copy_n(position, 3, dicing.position);
+      std::copy_n(ahead, 3, args.direction);
+      std::copy_n(ahead, 3, dicing.direction);
+      std::copy_n(up, 3, args.up);
+      std::copy_n(up, 3, dicing.up);
+      args.pixelSize = dicing.pixelSize = 0.03f;
+      args.width = dicing.width = args.height = dicing.height = 40;
+
+      RTCGeometry geometry = newSurface(device, c.cage, settingsOf(displacement, steps, 4));
+      rtcCommitGeometry(geometry);
+      rtcDiceGeometry(geometry, &args);
+      const float* const levels = (const float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0);
+      const std::vector<float> expected(levels, levels + input.cage.numIndices);
+      rtcReleaseGeometry(geometry);
+
+      const Surface surface(context), given(context);
+      std::vector<float> rates(expected.size());
+      ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
+      ASSERT_EQ(cbvhDiceSurface(surface, &dicing, rates.data()), CBVH_OK) << cbvhGetErrorText();
+      EXPECT_EQ(rates, expected);
+      EXPECT_LT(*std::min_element(rates.begin(), rates.end()), *std::max_element(rates.begin(), rates.end()));
+      ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+      input.cage.rates = expected.data();
+      ASSERT_EQ(cbvhSetCage(given, &input.cage), CBVH_OK);
+      ASSERT_EQ(cbvhCommitSurface(given, nullptr, nullptr), CBVH_OK);
+      const Folder folder;
+      ASSERT_EQ(cbvhSaveSurface(surface, (folder/"diced").c_str()), CBVH_OK);
+      ASSERT_EQ(cbvhSaveSurface(given, (folder/"given").c_str()), CBVH_OK);
+      EXPECT_EQ(bytesOf(folder/"diced"), bytesOf(folder/"given")) << "whoever says the rates";
+
+      dicing.pixelSize = 0;
+      context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_OPERATION, "no cage to dice"); // it has let it go
+      ASSERT_EQ(cbvhSetCage(given, &input.cage), CBVH_OK);
+      context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "pixelSize");
+      context.expect(cbvhDiceSurface(given, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "dicing is NULL");
+      ASSERT_EQ(cbvhCommitSurface(given, nullptr, nullptr), CBVH_OK) << "a refused view changes nothing";
+      ASSERT_EQ(cbvhSaveSurface(given, (folder/"given").c_str()), CBVH_OK);
+      EXPECT_EQ(bytesOf(folder/"diced"), bytesOf(folder/"given"));
+    }
 }
 
 TEST(Beside, AMeshThatLiesInNoGridsIsAnError)
