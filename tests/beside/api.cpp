@@ -3,8 +3,8 @@
 
 /* The API of libembree_cbvh: the hits of our libembree3 to the bit, input that is let go, errors that are told, commits that are cancelled. */
 
-#include "support/closed.h"
 #include "support/diced_mesh.h"
+#include "support/edge_rates.h"
 #include "support/moving_surface.h"
 #include "support/saved.h"
 

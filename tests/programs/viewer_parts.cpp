@@ -194,7 +194,7 @@ protected:
 
 TEST_F(Pictures, CountAllRaysAndTheirHits)
 {
-  Picture picture(*camera, {{&*grid, nullptr}}, {});
+  Picture picture(*camera, {Pane(&*grid)}, {});
   picture.addSample();
   const std::vector<SurfaceHit> hits = traceClosest(*grid, primaryRays(*camera), 1);
   const auto isHit = [](const SurfaceHit& hit) { return hit.hit(); };
@@ -211,7 +211,7 @@ TEST_F(Pictures, HaveTheErrorsOfAllOtherPrograms)
 {
   PictureSettings settings;
   settings.mode = PictureMode::Error;
-  Picture picture(*camera, {{&*coarse, &*grid}}, settings);
+  Picture picture(*camera, {Pane(&*coarse, &*grid)}, settings);
   picture.addSample();
   const std::vector<Ray> rays = primaryRays(*camera);
   const HitErrors errors = compareHits(traceClosest(*grid, rays, 1), traceClosest(*coarse, rays, 1), camera->footprint(),
@@ -228,7 +228,7 @@ TEST_F(Pictures, GatherSamplesAndKeepTheFiguresOfTheFirst)
 {
   PictureSettings settings;
   settings.samples = 4;
-  Picture picture(*camera, {{&*coarse, nullptr}}, settings);
+  Picture picture(*camera, {Pane(&*coarse)}, settings);
   picture.addSample();
   const std::vector<uint8_t> first = picture.image().rgb;
   const double seconds = picture.reports().at(0).seconds;
@@ -251,7 +251,7 @@ TEST_F(Pictures, AreOfOneRayWhereHitsHaveNoMean)
     PictureSettings settings;
     settings.mode = mode;
     settings.samples = 4;
-    EXPECT_EQ(Picture(*camera, {{&*coarse, &*grid}}, settings).wantedSamples(), mode == PictureMode::Shading ? 4 : 1);
+    EXPECT_EQ(Picture(*camera, {Pane(&*coarse, &*grid)}, settings).wantedSamples(), mode == PictureMode::Shading ? 4 : 1);
   }
 }
 
@@ -260,7 +260,7 @@ TEST_F(Pictures, AverageLinearColour)
 {
   PictureSettings settings;
   settings.samples = 3;
-  const Image image = renderPicture(*camera, {{&*grid, nullptr}}, settings);
+  const Image image = renderPicture(*camera, {Pane(&*grid)}, settings);
   const HitShader shader(camera->direction(48, 32), settings.up);
   std::vector<Vec3f> sums(96 * 64);
   for (int i = 0; i < 3; i++)

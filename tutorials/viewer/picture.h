@@ -37,7 +37,7 @@ const char* pictureModeName(PictureMode mode);
 struct Pane
 {
   Pane() = default;
-  explicit Pane(const BuiltScene* built) : scene(built), built(built) {}
+  explicit Pane(const BuiltScene* built, const BuiltScene* reference = nullptr) : scene(built), built(built), reference(reference) {}
   explicit Pane(const SavedScene* saved) : scene(saved), saved(saved) {}
 
   /* Whether it has what a mode shows: errors need a reference, places a model. */

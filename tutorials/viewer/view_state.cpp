@@ -28,8 +28,7 @@ std::vector<Pane> findPanes(const ViewState& state, const Document& document)
   std::vector<Pane> panes;
   for (const Representation& r : state.representations)
   {
-    Pane pane(store.find(state.key(r)));
-    pane.reference = store.find(state.key({RepresentationKind::Grid}));
+    const Pane pane(store.find(state.key(r)), store.find(state.key({RepresentationKind::Grid})));
     if (!pane.scene || (state.mode == PictureMode::Error && !pane.reference))
       return {};
     panes.push_back(pane);
