@@ -37,7 +37,7 @@ def herd_table(herd):
              mrays(herd["warm"]["speed"], "coherent"), mrays(herd["warm"]["speed"], "incoherent")]]  # fmt: skip
     for other in herd["beside"]:
         each = other["bytes"] / other["quads"]
-        rows.append([other["representation"], f"{other['quads'] / 1e9:.2f} billion", f"{gib(each * quads)}, reckoned from {each:.1f} bytes a quad",
+        rows.append([f"{other['representation']}, {other['count']} copies in memory", f"{other['quads'] / 1e9:.2f} billion", f"{gib(each * quads)}, reckoned from {each:.1f} bytes a quad",
                      f"{herd['memory'] / (other['peak'] / other['quads']) / 1e9:.2f} billion", mrays(other["speed"], "coherent"), mrays(other["speed"], "incoherent")])  # fmt: skip
     return heads, rows
 
@@ -53,7 +53,7 @@ def herd_text(herd):
         f"the program's own memory; {stops}, and taken up again each time.",
         f"Opened in {1e3 * cold['openSeconds']:.0f} ms with nothing of it in memory, and in {1e3 * warm['openSeconds']:.0f} ms again. A picture of {herd['size']} with "
         f"{herd['samples']} samples a pixel takes {cold['pictureSeconds']:.1f} s from the first opening; rays meet {gib(herd['coldMapped'])} of the file.",
-        f"{gib(herd['memory'])} are what GRID and NAIVE may take here while they are built; their speeds are of as many copies, in the same view. One thread, single rays.",
+        f"In memory there are as many copies as GRID and NAIVE can build in {gib(herd['memory'])}, each larger in its picture than in that of all. Speeds are of one thread and single rays.",
     ]
 
 
