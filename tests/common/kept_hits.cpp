@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "tracing/kept_hits.h"
+#include "building/built_scene.h"
 #include "scenes/cube.h"
 #include "tracing/trace_hits.h"
 

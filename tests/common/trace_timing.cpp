@@ -3,6 +3,7 @@
 
 #include "tracing/trace_timing.h"
 #include "basics/error.h"
+#include "building/built_scene.h"
 #include "scenes/cube.h"
 #include "tracing/trace_hits.h"
 

@@ -5,6 +5,7 @@
  * whose error is known. */
 
 #include "measure/true_errors.h"
+#include "building/built_scene.h"
 #include "scenes/cube.h"
 #include "support/random_cages.h"
 #include "tracing/trace_hits.h"

@@ -9,6 +9,7 @@
 #include "support/near_side.h"
 
 #include "basics/parallel.h"
+#include "building/built_scene.h"
 #include "programs/view_options.h"
 #include "scenes/catalogue.h"
 #include "tracing/camera.h"

@@ -6,6 +6,7 @@
  * the processor's do not. */
 
 #include "basics/parallel.h"
+#include "building/built_scene.h"
 #include "measure/leak_rays.h"
 #include "measure/sheet_crossings.h"
 #include "programs/view_options.h"
