@@ -100,6 +100,11 @@ run() {
   "$program" --level 3 --size 64x48 --rays 2000 --repeat 1 --output "$folder/$name.out" "$@" \
     >"$folder/$name" 2>"$folder/$name.err" || complain "$name: $(cat "$folder/$name.err")"
 }
+run_file() { # a file has a level
+  local name=$1
+  shift
+  "$program" --size 64x48 --output "$folder/$name.out" "$@" >"$folder/$name" 2>"$folder/$name.err" || complain "$name: $(cat "$folder/$name.err")"
+}
 expect_rows() {
   local table=$1
   shift
@@ -132,10 +137,10 @@ fi
 
 # A file: the same picture, without the model.
 run saved --scene cube --representation cvert --view 3,2,4,0,0,0,40 --save "$folder/cube.cbvh"
-run loaded --load "$folder/cube.cbvh" --view 3,2,4,0,0,0,40
+run_file loaded --load "$folder/cube.cbvh" --view 3,2,4,0,0,0,40
 cmp "$folder/saved.out/cube_cvert.png" "$folder/loaded.out/cube_cvert.png" || complain "another picture from the file"
 grep -q "opened in" "$folder/loaded" || complain "not a word on how long opening took"
-run loaded_close --load "$folder/cube.cbvh" --view close --speed --rays 2000 --repeat 1 --json "$folder/loaded.json"
+run_file loaded_close "$folder/cube.cbvh" --view close --speed --rays 2000 --repeat 1 --json "$folder/loaded.json"
 grep -q "speed: one thread, single rays: [0-9.]*[1-9][0-9.]* million coherent rays" "$folder/loaded_close" || complain "no speed from the file: $(cat "$folder/loaded_close")"
 for key in speed incoherent mrays_per_second pictureSeconds; do
   grep -q "\"$key\"" "$folder/loaded.json" || complain "no $key of the file"
@@ -151,6 +156,8 @@ refuses "save of a herd" $herd --save "$folder/herd.cbvh" --ambient 4
 echo mesh > "$folder/herd.cbvh.part"
 refuses "no file of compressed surfaces" $herd --save "$folder/herd.cbvh"
 refuses "no file of compressed surfaces\|only" --load "$folder/text.png"
+refuses "level belongs to models" --load "$folder/cube.cbvh" --level 3
+refuses "opened without a model" --scene cube "$folder/cube.cbvh"
 refuses "load is in place of" --scene cube --load "$folder/cube.cbvh"
 refuses "save takes one representation" --scene cube --representation grid --save "$folder/none.cbvh"
 

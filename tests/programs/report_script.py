@@ -49,6 +49,7 @@ SECTIONS = (
     "figure17",
     "bins",
     "growth",
+    "scale",
     "entrances",
     "robustness",
     "hard",
