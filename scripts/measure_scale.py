@@ -156,7 +156,7 @@ def main():
     parser.add_argument("--level", default="6", help="of the herd")
     parser.add_argument("--size", default="1920x1080")
     parser.add_argument("--samples", type=int, default=16, help="a pixel, of the picture")
-    parser.add_argument("--view", default="full", help="of the herd's file: full, close or ex,ey,ez,lx,ly,lz,fov")
+    parser.add_argument("--view", default="17,9,9,-30,-4,-6,40", help="of the herd's file: full, close or ex,ey,ez,lx,ly,lz,fov")
     parser.add_argument("--memory", type=float, default=0.8 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB, help="GiB that GRID and NAIVE may take")
     parser.add_argument("--scenes", default="trex,frog,knee", help="of the levels")
     parser.add_argument("--keep", action="store_true", help="do not remove the herd's file")
