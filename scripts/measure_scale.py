@@ -75,7 +75,7 @@ def stop_at(program, options, path, bytes_of_part, how):
         time.sleep(0.2)
     run.process.send_signal(how)
     run.finish(stopped=True)
-    return {"seconds": run.seconds, "bytes": part.stat().st_size, "signal": how.name}
+    return {"seconds": run.seconds, "bytes": part.stat().st_size, "signal": how.name, "ownBytes": run.peak}
 
 
 def beside(program, folder, kind, count, options):
@@ -121,7 +121,7 @@ def measure_herd(program, folder, options):
     record = {
         "count": count, "level": options.level, "quads": opened["quads"], "fileBytes": path.stat().st_size,
         "stops": stops, "found": built["found"], "lastQuads": built["builtQuads"], "lastSeconds": built["buildSeconds"],
-        "deviceBytes": built["buildPeakBytes"], "buildSeconds": sum(s["seconds"] for s in stops) + built["buildSeconds"], "ownBytes": build.peak,
+        "deviceBytes": built["buildPeakBytes"], "buildSeconds": sum(s["seconds"] for s in stops) + built["buildSeconds"], "ownBytes": max(s["ownBytes"] for s in stops),
         "cold": opened_cold, "coldMapped": cold.most_mapped, "warm": opened, "warmMapped": warm.most_mapped, "renderOwnBytes": max(cold.peak, warm.peak),
         "size": options.size, "samples": options.samples, "picture": picture.name, "threads": os.cpu_count(),
         "memory": options.memory * GIB, "commands": [" ".join(run.command) for run in (build, cold, warm)],

@@ -50,7 +50,7 @@ def herd_text(herd):
     return [
         f"{herd['count']} T-rexes, each in a pose of its own, at level {herd['level']}: {herd['quads']:,} quads, {herd['fileBytes'] / herd['quads']:.2f} bytes each.",
         f"Built in {herd['buildSeconds'] / 60:.1f} minutes on {herd['threads']} threads, {rate:.1f} million quads a second, with {herd['ownBytes'] / MIB:,.0f} MiB of "
-        f"the program's own memory; {stops}, and taken up again each time.",
+        f"the program's own memory at most; {stops}, and taken up again each time.",
         f"Opened in {1e3 * cold['openSeconds']:.0f} ms with nothing of it in memory, and in {1e3 * warm['openSeconds']:.0f} ms again. A picture of {herd['size']} with "
         f"{herd['samples']} samples a pixel takes {cold['pictureSeconds']:.1f} s from the first opening; rays meet {gib(herd['coldMapped'])} of the file.",
         f"In memory there are as many copies as GRID and NAIVE can build in {gib(herd['memory'])}, each larger in its picture than in that of all. Speeds are of one thread and single rays.",

@@ -4,6 +4,7 @@
 #include "building/saved_scene.h"
 #include "building/built_scene.h"
 #include "basics/error.h"
+#include "basics/parallel.h"
 #include "basics/progress.h"
 
 #include <algorithm>
@@ -36,12 +37,9 @@ void BuiltScene::save(const std::string& path) const
   device->check("saving");
 }
 
-std::string savedSceneConfig(unsigned threads, const std::string& isa)
-{
-  return "threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa);
-}
-
-SavedScene::SavedScene(const std::string& path, const std::string& config) : device(std::make_unique<EmbreeDevice>(config))
+/* Geometries are opened by all threads at once: of each its tree is read. */
+SavedScene::SavedScene(const std::string& path, unsigned threads, const std::string& isa)
+  : device(std::make_unique<EmbreeDevice>("threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa)))
 {
   const auto start = std::chrono::steady_clock::now();
   const std::clock_t used = std::clock();
@@ -49,14 +47,16 @@ SavedScene::SavedScene(const std::string& path, const std::string& config) : dev
   device->check("opening a file");
   scene.reset(rtcNewScene(device->handle()));
   descriptions.resize(rtcGetCompressedFileGeometryCount(file.get()));
-  for (unsigned i = 0; i < descriptions.size(); i++)
-  {
+  parallelFor(descriptions.size(), 1, std::min(threads, unsigned(descriptions.size())), [&](size_t begin, size_t) {
+    const unsigned i = unsigned(begin);
     rtcGetCompressedFileGeometry(file.get(), i, &descriptions[i]);
     const GeometryHandle geometry(rtcNewGeometryFromCompressedFile(file.get(), i));
     device->check("opening a file");
-    rtcAttachGeometry(scene.get(), geometry.get());
-    mostFaces = std::max(mostFaces, descriptions[i].primitiveCount);
-  }
+    if (geometry) // what another failed by may have been told here
+      rtcAttachGeometryByID(scene.get(), geometry.get(), i);
+  });
+  for (const RTCCompressedFileGeometry& geometry : descriptions)
+    mostFaces = std::max(mostFaces, geometry.primitiveCount);
   rtcCommitScene(scene.get());
   device->check("opening a file");
   embreeTracer = std::make_unique<EmbreeTracer>(scene.get());

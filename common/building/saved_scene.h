@@ -22,14 +22,12 @@ struct FileWriterRelease
 };
 using FileWriterHandle = std::unique_ptr<RTCCompressedFileWriterTy, FileWriterRelease>;
 
-/* What a device for one is told. isa: Embree's name of the widest instruction set to use, empty for the host's best. */
-std::string savedSceneConfig(unsigned threads, const std::string& isa);
-
 class SavedScene : public TracedScene
 {
 public:
-  /* Opens a file and commits a scene of all that is in it. config: of the device. Throws Error with the reason. */
-  SavedScene(const std::string& path, const std::string& config);
+  /* Opens a file and commits a scene of all that is in it. isa: Embree's name of the widest instruction set to use, empty
+   * for the host's best. Throws Error with the reason, Cancelled. */
+  SavedScene(const std::string& path, unsigned threads, const std::string& isa = "");
 
   RTCScene handle() const override { return scene.get(); }
   const SceneTracer& tracer() const override { return *embreeTracer; }

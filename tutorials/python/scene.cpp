@@ -49,7 +49,7 @@ struct Scene
 /* What a file has: no model. */
 struct LoadedScene
 {
-  LoadedScene(const std::string& path, int threads) : path(path), saved(path, "threads=" + std::to_string(threads)) {}
+  LoadedScene(const std::string& path, unsigned threads) : path(path), saved(path, threads) {}
 
   std::string path;
   SavedScene saved;
@@ -194,7 +194,7 @@ void save(const Scene& scene, const std::string& path)
 std::shared_ptr<LoadedScene> loadFile(const std::string& path, int threads)
 {
   const unsigned n = threadsOf(threads);
-  return interruptible(py::none(), [&] { return std::make_shared<LoadedScene>(path, int(n)); });
+  return interruptible(py::none(), [&] { return std::make_shared<LoadedScene>(path, n); });
 }
 
 Hits intersectLoaded(const LoadedScene& scene, const py::object& origins, const py::object& directions, const py::object& tnear,

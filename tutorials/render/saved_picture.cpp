@@ -57,7 +57,7 @@ Speeds measureSpeed(const Options& options, const std::string& name, const Saved
 void render(const Options& options, const std::string& file, const std::string& name, const Camera* given, Vec3f up, nlohmann::json json)
 {
   const unsigned threads = threadCount(options.build.threads);
-  const SavedScene scene(file, savedSceneConfig(threads, options.build.isa));
+  const SavedScene scene(file, threads, options.build.isa);
   const Camera camera = given ? *given : chooseCamera(options.view, modelOfBox(name, scene.bounds()), scene, options.size, threads);
   const double firstRay = firstRaySeconds(options, scene, camera);
 

@@ -27,7 +27,7 @@ std::unique_ptr<const LoadedModel> openSaved(const SceneSettings& source, const 
   auto loaded = std::make_unique<LoadedModel>();
   loaded->source = source;
   const unsigned threads = threadCount(options.build.threads);
-  loaded->saved = std::make_unique<SavedScene>(source.savedPath, savedSceneConfig(threads, options.build.isa));
+  loaded->saved = std::make_unique<SavedScene>(source.savedPath, threads, options.build.isa);
   loaded->model = modelOfBox(std::filesystem::path(source.savedPath).stem().string(), loaded->saved->bounds());
   loaded->start = chooseCamera(options.view, loaded->model, *loaded->saved, options.size, threads);
   return loaded;
