@@ -58,6 +58,20 @@ std::string frameLevelEntries()
   return entries;
 }
 
+/* Kinds of the surfaces in a file, with commas between. */
+std::string kindsIn(const SavedScene& scene)
+{
+  std::string kinds;
+  for (RepresentationKind kind : representationKinds())
+    for (const RTCCompressedFileGeometry& geometry : scene.geometries())
+      if (RepresentationKind(geometry.compression) == kind)
+      {
+        kinds += (kinds.empty() ? "" : ", ") + labelOf(kind);
+        break;
+      }
+  return kinds;
+}
+
 std::string quadsText(size_t quads)
 {
   char text[32];
@@ -296,7 +310,8 @@ void Panel::drawBuilt(const BuiltScene& scene, const char* side)
 void Panel::drawSaved(const SavedScene& scene)
 {
   const size_t count = scene.geometries().size(), quads = scene.quads();
-  ImGui::Text("a file of %zu geometr%s, opened in %.1f ms", count, count == 1 ? "y" : "ies", 1e3 * scene.seconds());
+  ImGui::Text("%s, a file of %zu geometr%s", kindsIn(scene).c_str(), count, count == 1 ? "y" : "ies");
+  ImGui::Text("opened in %.1f ms", 1e3 * scene.seconds());
   ImGui::Text("%.2f bytes a quad, %s quads", quads ? double(scene.bytes()) / double(quads) : 0.0, quadsText(quads).c_str());
   ImGui::Text("%s of surfaces, mapped", bytesText(scene.bytes()).c_str());
   ImGui::Text("%s in memory beside them", bytesText(scene.liveBytes()).c_str());
