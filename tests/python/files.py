@@ -31,6 +31,11 @@ class Files(unittest.TestCase):
                 self.assertTrue(hits.hit.any())
                 for field in ("t", "u", "v", "Ng", "primID", "geomID", "hit"):
                     self.assertEqual(getattr(hits, field).tobytes(), getattr(found, field).tobytes(), field)
+                np.testing.assert_array_equal(loaded.occluded(origins, directions), hits.hit)
+                self.assertGreater(loaded.trace_seconds(origins, directions), 0)
+                for view in ("full", "close"):
+                    seen = loaded.intersect(*cbvh.primary_rays(loaded.camera(view, (32, 24))))
+                    self.assertTrue(seen.hit.any(), view)
                 np.testing.assert_array_equal(loaded.bounds, scene.bounds)
                 self.assertEqual(loaded.quads, scene.statistics()["quads"])
                 self.assertIn("sheet.cbvh", repr(loaded))

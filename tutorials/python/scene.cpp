@@ -36,6 +36,8 @@ struct Scene
   {
   }
 
+  const TracedScene& traced() const { return built; }
+
   Hits hitsOf(Shape shape, std::vector<SurfaceHit> hits) const
   {
     return {std::move(shape), std::move(hits), model->cage.numFaces(), model->numFaces()};
@@ -49,6 +51,8 @@ struct Scene
 /* What a file has: no model. */
 struct LoadedScene
 {
+  const TracedScene& traced() const { return saved; }
+
   LoadedScene(const std::string& path, unsigned threads) : path(path), saved(path, threads) {}
 
   std::string path;
@@ -135,7 +139,7 @@ Hits intersect(const Scene& scene, const py::object& origins, const py::object& 
   });
 }
 
-std::vector<char> anyHits(const BuiltScene& scene, const std::vector<Ray>& rays, unsigned threads)
+std::vector<char> anyHits(const TracedScene& scene, const std::vector<Ray>& rays, unsigned threads)
 {
   constexpr size_t chunk = 4096;
   std::vector<char> hit(rays.size());
@@ -151,16 +155,19 @@ std::vector<char> anyHits(const BuiltScene& scene, const std::vector<Ray>& rays,
   return hit;
 }
 
-py::array_t<bool> occluded(const Scene& scene, const py::object& origins, const py::object& directions,
+/* Of a Scene or a LoadedScene, likewise the next. */
+template<typename Traced>
+py::array_t<bool> occluded(const Traced& scene, const py::object& origins, const py::object& directions,
                            const py::object& tnear, const py::object& tfar, const py::object& time, int threads)
 {
   const unsigned n = threadsOf(threads);
   const Rays rays = readRays(origins, directions, tnear, tfar, time);
-  const std::vector<char> hit = interruptible(py::none(), [&] { return anyHits(scene.built, rays.rays, n); });
+  const std::vector<char> hit = interruptible(py::none(), [&] { return anyHits(scene.traced(), rays.rays, n); });
   return arrayOf<bool>(rays.shape, [&](size_t i) { return hit[i] != 0; });
 }
 
-double traceSeconds(const Scene& scene, const py::object& origins, const py::object& directions,
+template<typename Traced>
+double traceSeconds(const Traced& scene, const py::object& origins, const py::object& directions,
                     const std::string& query, const std::string& mode, bool coherent, int threads, unsigned passes)
 {
   TraceSettings settings;
@@ -172,7 +179,7 @@ double traceSeconds(const Scene& scene, const py::object& origins, const py::obj
   if (passes < 1)
     refuse("passes", "is 0, not 1 or more");
   const Rays rays = readRays(origins, directions);
-  return interruptible(py::none(), [&] { return timeTrace(scene.built, rays.rays, settings).seconds; });
+  return interruptible(py::none(), [&] { return timeTrace(scene.traced(), rays.rays, settings).seconds; });
 }
 
 Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int> size)
@@ -207,6 +214,13 @@ Hits intersectLoaded(const LoadedScene& scene, const py::object& origins, const 
     scene.saved.check();
     return Hits{std::move(rays.shape), std::move(hits), scene.saved.facesOfCopy(), scene.saved.facesOfCopy() * scene.saved.geometries().size()};
   });
+}
+
+Camera cameraOfLoaded(const LoadedScene& scene, const std::string& view, std::pair<int, int> size)
+{
+  choice(view, "view", {"full", "close"});
+  const ImageSize image = imageSize(size);
+  return interruptible(py::none(), [&] { return chooseCamera(view, modelOfBox(scene.path, scene.saved.bounds()), scene.saved, image, threadCount(0)); });
 }
 
 /* --- what it is ---------------------------------------------------------------- */
@@ -427,9 +441,9 @@ void defineScene(py::module_& module)
   py::class_<Scene, std::shared_ptr<Scene>>(module, "Scene", "A model built in one representation, see build().")
     .def("intersect", &intersect, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
          py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
-    .def("occluded", &occluded, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
+    .def("occluded", &occluded<Scene>, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
          py::kw_only(), arg("time") = zero, arg("threads") = 0, occludedText)
-    .def("trace_seconds", &traceSeconds, arg("origins"), arg("directions"), py::kw_only(), arg("query") = "closest",
+    .def("trace_seconds", &traceSeconds<Scene>, arg("origins"), arg("directions"), py::kw_only(), arg("query") = "closest",
          arg("mode") = "single", arg("coherent") = false, arg("threads") = 1, arg("passes") = 1, secondsText)
     .def("camera", &cameraOf, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
     .def("statistics", &statistics, statisticsText)
@@ -456,6 +470,11 @@ void defineScene(py::module_& module)
   py::class_<LoadedScene, std::shared_ptr<LoadedScene>>(module, "LoadedScene", "What a file of compressed geometry has, see load().")
     .def("intersect", &intersectLoaded, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
          py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
+    .def("occluded", &occluded<LoadedScene>, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
+         py::kw_only(), arg("time") = zero, arg("threads") = 0, occludedText)
+    .def("trace_seconds", &traceSeconds<LoadedScene>, arg("origins"), arg("directions"), py::kw_only(), arg("query") = "closest",
+         arg("mode") = "single", arg("coherent") = false, arg("threads") = 1, arg("passes") = 1, secondsText)
+    .def("camera", &cameraOfLoaded, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
     .def_property_readonly("quads", [](const LoadedScene& s) { return s.saved.quads(); }, "Of all geometries.")
     .def_property_readonly("geometries", [](const LoadedScene& s) { return s.saved.geometries().size(); }, "How many there are.")
     .def_property_readonly("open_seconds", [](const LoadedScene& s) { return s.saved.seconds(); }, "From the file's name to the scene.")
