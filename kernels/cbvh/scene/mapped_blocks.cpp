@@ -17,7 +17,16 @@ namespace embree
   {
     namespace
     {
-      typedef std::vector<const MappedBlocks*> All;
+      /*! Where blocks lie, by value: other threads may delete blocks of geometries that this one does not trace, and those that it traces stay. */
+      struct Place
+      {
+        const char* begin;
+        size_t bytes;
+        const MappedBlocks* blocks;
+
+        bool holds (const void* block) const { return size_t((const char*)block-begin) < bytes; }
+      };
+      typedef std::vector<Place> All;
 
       MutexSys mutex;                          //!< of the next two
       std::shared_ptr<const All> all;          //!< by address
@@ -29,7 +38,7 @@ namespace embree
       {
         uint64_t generation = 0;
         std::shared_ptr<const All> all;
-        const MappedBlocks* last = nullptr; //!< whose block was the last that was asked for
+        Place last = { nullptr, 0, nullptr }; //!< whose block was the last that was asked for
       };
       __thread Known* known __attribute__((tls_model("initial-exec"))) = nullptr;
 
@@ -45,19 +54,19 @@ namespace embree
           Lock<MutexSys> lock(mutex);
           known->all = all;
           known->generation = generation.load(std::memory_order_relaxed);
-          known->last = nullptr;
+          known->last = Place{ nullptr, 0, nullptr };
         }
         const All& list = *known->all;
-        const auto next = std::upper_bound(list.begin(),list.end(),block,[](const void* block, const MappedBlocks* blocks) { return (const char*)block < blocks->first(); });
-        if (next == list.begin() || !(*(next-1))->holds(block)) return true;
+        const auto next = std::upper_bound(list.begin(),list.end(),block,[](const void* block, const Place& place) { return (const char*)block < place.begin; });
+        if (next == list.begin() || !(next-1)->holds(block)) return true;
         known->last = *(next-1);
-        return known->last->isGood(block,isVert);
+        return known->last.blocks->isGood(block,isVert);
       }
 
       bool isGood (const void* block, bool isVert)
       {
         const Known* const mine = known;
-        if (likely(mine && mine->generation == generation.load(std::memory_order_acquire) && mine->last && mine->last->holds(block))) return mine->last->isGood(block,isVert);
+        if (likely(mine && mine->generation == generation.load(std::memory_order_acquire) && mine->last.holds(block))) return mine->last.blocks->isGood(block,isVert);
         return find(block,isVert);
       }
 
@@ -87,7 +96,8 @@ namespace embree
         std::shared_ptr<All> next = std::make_shared<All>();
         Lock<MutexSys> lock(mutex);
         if (all) *next = *all;
-        next->insert(std::upper_bound(next->begin(),next->end(),this,[](const MappedBlocks* a, const MappedBlocks* b) { return a->begin < b->begin; }),this);
+        const Place place = { begin, bytes, this };
+        next->insert(std::upper_bound(next->begin(),next->end(),place,[](const Place& a, const Place& b) { return a.begin < b.begin; }),place);
         all = next;
         isMappedBlockGood.store(cbvh::isGood);
         hullBegin = std::min(hullBegin,size_t(begin));
@@ -103,8 +113,8 @@ namespace embree
       {
         std::shared_ptr<All> next = std::make_shared<All>();
         Lock<MutexSys> lock(mutex);
-        for (const MappedBlocks* blocks : *all)
-          if (blocks != this) next->push_back(blocks);
+        for (const Place& place : *all)
+          if (place.blocks != this) next->push_back(place);
         all = next;
         setHull(*next);
         generation.fetch_add(1);

@@ -51,8 +51,8 @@ namespace embree
       /*! Gives a block the number of its surface, if it has another. */
       void number (size_t offset, bool isVert) const;
 
-      bool holds (const void* block) const { return size_t((const char*)block-begin) < bytes; }
       const char* first () const { return begin; }
+
 
     private:
       bool check (size_t offset, bool isVert) const;
