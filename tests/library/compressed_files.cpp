@@ -357,7 +357,7 @@ TEST(CompressedFiles, WhatIsNotCompressedIsNotSaved)
   rtcReleaseGeometry(instance);
 }
 
-// Threads that trace while others load, save and release the same files.
+// Threads that trace while others load, save and release the same files, and make geometries of one that is open.
 TEST(CompressedFiles, ManyThreadsLoadAndTraceAtATime)
 {
   Folder folder;
@@ -371,6 +371,8 @@ TEST(CompressedFiles, ManyThreadsLoadAndTraceAtATime)
     ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder/std::to_string(i)).c_str()));
     expected.push_back(closestHits(scene, rays, QueryForm::Single));
   }
+  RTCCompressedFile open = rtcOpenCompressedFile(device, (folder/"0").c_str());
+  ASSERT_NE(open, nullptr);
   std::vector<std::thread> threads;
   for (size_t t = 0; t < 4; t++)
     threads.emplace_back([&, t] {
@@ -380,9 +382,13 @@ TEST(CompressedFiles, ManyThreadsLoadAndTraceAtATime)
         ASSERT_NE(scene.geometry, nullptr);
         expectSameToTheBit(expected[i], closestHits(scene, rays, QueryForm::Single));
         ASSERT_TRUE(rtcSaveCompressedGeometry(scene.geometry, (folder/(std::to_string(t) + "-saved")).c_str()));
+        OneGeometry another(device, rtcNewGeometryFromCompressedFile(open, 0));
+        ASSERT_NE(another.geometry, nullptr);
+        expectSameToTheBit(expected[0], closestHits(another, rays, QueryForm::Single));
       }
     });
   for (std::thread& thread : threads) thread.join();
+  rtcReleaseCompressedFile(open);
   EXPECT_EQ(device.errors, 0u) << device.message;
   for (size_t t = 0; t < 4; t++) EXPECT_EQ(bytesOf(folder/(std::to_string(t) + "-saved")), bytesOf(folder/std::to_string((t + 11) % 4)));
 }

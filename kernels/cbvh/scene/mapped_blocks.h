@@ -53,7 +53,6 @@ namespace embree
 
       const char* first () const { return begin; }
 
-
     private:
       bool check (size_t offset, bool isVert) const;
 
