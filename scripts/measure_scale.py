@@ -88,6 +88,18 @@ def beside(program, folder, kind, count, options):
             "peak": result["peak_bytes"], "buildSeconds": result["build_seconds"], "speed": result["speed"], "command": " ".join(run.command)}  # fmt: skip
 
 
+def from_file(program, folder, count, options):
+    """As many copies of cVERT from a file, in the view of those in memory."""
+    path = folder / "some.cbvh"
+    path.unlink(missing_ok=True)
+    run = Run([program, "--scene", "herd", "--count", count, "--level", options.level, "--representation", "cvert", "--speed", "--samples", 1,
+               "--size", options.size, "--output", folder / "some", "--save", path], folder / "some.json")  # fmt: skip
+    record = run.finish()
+    path.unlink()
+    return {"count": count, "quads": record["quads"], "bytes": record["liveBytes"], "fileBytes": record["bytes"], "speed": record["speed"],
+            "command": " ".join(run.command)}  # fmt: skip
+
+
 def quads_of_a_copy(program, folder, level):
     run = Run([program, "--scene", "herd", "--count", 1, "--level", level, "--representation", "cvert", "--samples", 1, "--size", "64x64",
                "--output", folder / "one"], folder / "one.json")  # fmt: skip
@@ -114,7 +126,7 @@ def measure_herd(program, folder, options):
     letGo(path)
     cold = Run([program, *view, "--samples", options.samples], folder / "cold.json", path)
     opened_cold = cold.finish()
-    warm = Run([program, *view, "--samples", 1, "--speed"], folder / "warm.json", path)
+    warm = Run([program, *view, "--samples", 1, "--speed"], folder / "warm.json")
     opened = warm.finish()
     Run([program, *view, "--samples", options.samples]).finish()
     (picture,) = (folder / "picture").glob("*.png")
@@ -122,10 +134,11 @@ def measure_herd(program, folder, options):
         "count": count, "level": options.level, "quads": opened["quads"], "fileBytes": path.stat().st_size,
         "stops": stops, "found": built["found"], "lastQuads": built["builtQuads"], "lastSeconds": built["buildSeconds"],
         "deviceBytes": built["buildPeakBytes"], "buildSeconds": sum(s["seconds"] for s in stops) + built["buildSeconds"], "ownBytes": max(s["ownBytes"] for s in stops),
-        "cold": opened_cold, "coldMapped": cold.most_mapped, "warm": opened, "warmMapped": warm.most_mapped, "renderOwnBytes": max(cold.peak, warm.peak),
+        "cold": opened_cold, "coldMapped": cold.most_mapped, "warm": opened, "renderOwnBytes": max(cold.peak, warm.peak),
         "size": options.size, "samples": options.samples, "picture": picture.name, "threads": os.cpu_count(),
         "memory": options.memory * GIB, "commands": [" ".join(run.command) for run in (build, cold, warm)],
     }  # fmt: skip
+    record["some"] = from_file(program, folder, max(1, int(options.memory * GIB / (PEAK_BYTES_A_QUAD["cvert"] * copy))), options)
     if not options.keep:
         path.unlink()
     record["beside"] = [beside(program, folder, kind, max(1, int(options.memory * GIB / (bytes_a_quad * copy))), options)
@@ -157,7 +170,7 @@ def main():
     parser.add_argument("--size", default="1920x1080")
     parser.add_argument("--samples", type=int, default=16, help="a pixel, of the picture")
     parser.add_argument("--view", default="17,9,9,-30,-4,-6,40", help="of the herd's file: full, close or ex,ey,ez,lx,ly,lz,fov")
-    parser.add_argument("--memory", type=float, default=0.8 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB, help="GiB that GRID and NAIVE may take")
+    parser.add_argument("--memory", type=float, default=0.8 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB, help="GiB that GRID and NAIVE may take while they are built (default: 0.8 of what there is)")
     parser.add_argument("--scenes", default="trex,frog,knee", help="of the levels")
     parser.add_argument("--keep", action="store_true", help="do not remove the herd's file")
     options = parser.parse_args()

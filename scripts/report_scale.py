@@ -30,11 +30,13 @@ def gib(count):
 
 def herd_table(herd):
     """Heads and rows: the file, and what GRID and NAIVE would take, of what they took for the copies that fitted."""
-    heads = ["", "quads", "memory for all of the herd", "quads in the machine's memory", "million coherent rays a second", "incoherent"]
+    heads = ["", "quads", "memory for all of the herd", f"quads that can be built in {gib(herd['memory'])}", "million coherent rays a second", "incoherent"]
     quads = herd["quads"]
     own = herd["renderOwnBytes"]
     rows = [["cVERT, from a file", f"{quads / 1e9:.2f} billion", f"{gib(own)}, and {gib(herd['fileBytes'])} on disk", "whatever the disk holds",
              mrays(herd["warm"]["speed"], "coherent"), mrays(herd["warm"]["speed"], "incoherent")]]  # fmt: skip
+    some = herd["some"]
+    rows.append([f"cVERT, {some['count']} copies from a file", f"{some['quads'] / 1e9:.2f} billion", "-", "-", mrays(some["speed"], "coherent"), mrays(some["speed"], "incoherent")])
     for other in herd["beside"]:
         each = other["bytes"] / other["quads"]
         rows.append([f"{other['representation']}, {other['count']} copies in memory", f"{other['quads'] / 1e9:.2f} billion", f"{gib(each * quads)}, reckoned from {each:.1f} bytes a quad",
@@ -50,10 +52,10 @@ def herd_text(herd):
     return [
         f"{herd['count']} T-rexes, each in a pose of its own, at level {herd['level']}: {herd['quads']:,} quads, {herd['fileBytes'] / herd['quads']:.2f} bytes each.",
         f"Built in {herd['buildSeconds'] / 60:.1f} minutes on {herd['threads']} threads, {rate:.1f} million quads a second, with {herd['ownBytes'] / MIB:,.0f} MiB of "
-        f"the program's own memory at most; {stops}, and taken up again each time.",
+        f"the program's own memory at most, {herd['deviceBytes'] / MIB:,.0f} MiB of them the kernels'; {stops}, and taken up again each time.",
         f"Opened in {1e3 * cold['openSeconds']:.0f} ms with nothing of it in memory, and in {1e3 * warm['openSeconds']:.0f} ms again. A picture of {herd['size']} with "
-        f"{herd['samples']} samples a pixel takes {cold['pictureSeconds']:.1f} s from the first opening; rays meet {gib(herd['coldMapped'])} of the file.",
-        f"In memory there are as many copies as GRID and NAIVE can build in {gib(herd['memory'])}, each larger in its picture than in that of all. Speeds are of one thread and single rays.",
+        f"{herd['samples']} samples a pixel then takes {cold['pictureSeconds']:.1f} s the first time; rays meet {gib(herd['coldMapped'])} of the file.",
+        f"In memory there are as many copies as GRID and NAIVE can build in {gib(herd['memory'])}, each larger in its picture than in that of all, and as many from a file beside them. Speeds are of one thread and single rays.",
     ]
 
 
@@ -94,13 +96,13 @@ def section(folder):
     if "herd" in record:
         herd = record["herd"]
         heads, rows = herd_table(herd)
-        body += f"<p>{escape(' '.join(herd_text(herd)))}</p>" + p.table(heads, [[escape(cell) for cell in row] for row in rows], (0, 2, 3))
+        body += f"<p>{escape(' '.join(herd_text(herd)))} Measured on {escape(record['date'])}.</p>" + p.table(heads, [[escape(cell) for cell in row] for row in rows], (0, 2, 3))
         picture = Path(folder) / "picture" / herd["picture"]
         if picture.exists():
             body += p.image(picture.read_bytes(), f"{herd['quads'] / 1e9:.1f} billion quads, from a file", "many T-rexes on the move", "png")
-        commands += herd["commands"] + [other["command"] for other in herd["beside"]]
+        commands += [*herd["commands"], herd["some"]["command"]] + [other["command"] for other in herd["beside"]]
     if "levels" in record:
-        body += "<h3>Levels by the view</h3><p>Level auto gives each edge as many quads as the picture needs, about one a pixel; cVERT's lattice follows it.</p>"
+        body += f"<h3>Levels by the view</h3><p>Level auto gives each edge as many quads as the picture ({escape(record['levels'][0]['size'])}) needs, about one a pixel; cVERT's lattice follows it.</p>"
         body += p.table(LEVEL_HEADS, [[escape(cell) for cell in row] for row in level_rows(record["levels"])], (0, 1))
         commands += [row["command"] for row in record["levels"]]
     return p.section("scale", "Scale", body, commands=commands)

@@ -46,8 +46,7 @@ public:
   /* What the device has allocated: trees, without what is mapped. */
   size_t liveBytes() const { return device->memory().live(); }
 
-  /* Throws Error where a block that rays met was found to be damaged. */
-  void check() const { device->check("tracing"); }
+  void check() const override { device->check("tracing"); }
 
 private:
   std::unique_ptr<EmbreeDevice> device;

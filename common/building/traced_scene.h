@@ -29,6 +29,9 @@ public:
   /* Translates what the tracer reports. */
   virtual SurfaceHit surfaceHit(const RTCRayHit& ray) const = 0;
 
+  /* Throws Error where rays met blocks of a file that were found to be damaged: they had no hits there. */
+  virtual void check() const {}
+
   Box3f bounds() const
   {
     RTCBounds b;

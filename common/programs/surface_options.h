@@ -85,7 +85,7 @@ inline void addFiles(CLI::App& app, std::vector<std::string>& files, bool saved 
 inline void refuseModelOptions(const CLI::App& app, const std::string& path)
 {
   for (const char* name : {"--representation", "--level", "--quad-size", "--max-pixel-error", "--frame-level", "--device", "--height", "--amplitude",
-                           "--height-scale", "--mid-level", "--channel", "--height-repeat", "--vectors", "--up", "--rough", "--mapping", "--count",
+                           "--height-scale", "--mid-level", "--channel", "--height-repeat", "--vectors", "--compare", "--details", "--rough", "--mapping", "--count",
                            "--cage-end", "--motion", "--steps", "--maps"})
   {
     const CLI::Option* const option = app.get_option_no_throw(name);

@@ -3,6 +3,7 @@
 
 #include "programs/view_options.h"
 #include "basics/error.h"
+#include "surface/up_axis.h"
 #include "tracing/trace_hits.h"
 
 #include <algorithm>
@@ -143,12 +144,17 @@ Camera chooseCamera(const std::string& view, const Model& model, const TracedSce
   return view == "full" ? full : closeCamera(full, scene, model.view, threads);
 }
 
-Model modelOfBox(const std::string& name, const Box3f& b)
+Model modelOfBox(const std::string& name, const Box3f& b, const std::string& up)
 {
   if (!hasSurface(b))
     throw Error(name + ": nothing is in it that could be seen");
   Model model;
   model.name = name;
+  if (!up.empty() && up != "auto")
+  {
+    model.up = up;
+    model.view = turnedFromY(model.view, up);
+  }
   for (int i = 0; i < 8; i++)
     model.cage.positions.push_back({i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z});
   return model;

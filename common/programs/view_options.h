@@ -36,12 +36,13 @@ Camera fitCamera(const Model& model, const Box3f& surface, const ViewHints& hint
 
 /* Camera of a view: "full" shows the whole model, "close" stands before the point of
  * it that the model's hints name, anything else goes to parseView.
- * scene: the model as GRID, whose surface both are fitted to. threads: to trace it.
+ * scene: of the model, as GRID or from a file; both are fitted to its surface. threads: to trace it.
  * Throws Error, also when there is no surface; Cancelled. */
 Camera chooseCamera(const std::string& view, const Model& model, const TracedScene& scene, ImageSize size,
                     unsigned threads);
 
-/* Of a scene without a model, one to see it by: no more than a name and the corners of its box. Throws Error where there is no surface. */
-Model modelOfBox(const std::string& name, const Box3f& bounds);
+/* Of a scene without a model, one to see it by: no more than a name and the corners of its box. up: its axis, one of upAxes(), empty
+ * or "auto" for y. Throws Error where there is no surface. */
+Model modelOfBox(const std::string& name, const Box3f& bounds, const std::string& up = "");
 
 } // namespace cbvh

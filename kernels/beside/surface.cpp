@@ -173,7 +173,7 @@ void CbvhSurfaceTy::set(const CbvhMesh& mesh)
 
 void CbvhSurfaceTy::dice(const CbvhDicing& dicing, float* rates)
 {
-  if (!pending || !pending->numEdges) throw Failure{CBVH_ERROR_INVALID_OPERATION, "there is no cage to dice: set it before"};
+  if (!pending || !pending->numEdges) throw Failure{CBVH_ERROR_INVALID_OPERATION, "there is no cage to dice: cbvhSetCage comes first, also after a commit"};
   RTCDicingArguments args;
   rtcInitDicingArguments(&args);
   std::memcpy(args.position, dicing.position, sizeof(args.position));

@@ -145,6 +145,9 @@ grep -q "speed: one thread, single rays: [0-9.]*[1-9][0-9.]* million coherent ra
 for key in speed incoherent mrays_per_second pictureSeconds; do
   grep -q "\"$key\"" "$folder/loaded.json" || complain "no $key of the file"
 done
+run_file loaded_up --load "$folder/cube.cbvh" --up z
+run_file loaded_full --load "$folder/cube.cbvh"
+cmp -s "$folder/loaded_up.out/cube_cvert.png" "$folder/loaded_full.out/cube_cvert.png" && complain "--up turns nothing in a file"
 # A herd goes there copy by copy, and its picture comes from there; what was begun of something else is left.
 herd="--scene herd --count 2"
 run herd $herd
@@ -156,6 +159,7 @@ refuses "save of a herd" $herd --save "$folder/herd.cbvh" --ambient 4
 echo mesh > "$folder/herd.cbvh.part"
 refuses "no file of compressed surfaces" $herd --save "$folder/herd.cbvh"
 refuses "no file of compressed surfaces\|only" --load "$folder/text.png"
+refuses "compare belongs to models" "$folder/cube.cbvh" --compare
 refuses "level belongs to models" --load "$folder/cube.cbvh" --level 3
 refuses "opened without a model" --scene cube "$folder/cube.cbvh"
 refuses "load is in place of" --scene cube --load "$folder/cube.cbvh"

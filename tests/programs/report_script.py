@@ -388,16 +388,17 @@ class Report(unittest.TestCase):
         herd = {
             "count": 62, "level": "6", "quads": 2 * 10**9, "fileBytes": 5 * 2**30, "found": 41, "lastQuads": 6 * 10**8, "lastSeconds": 30,
             "stops": [{"seconds": 40, "bytes": 2**30, "signal": "SIGINT"}, {"seconds": 20, "bytes": 3 * 2**30, "signal": "SIGKILL"}],
-            "buildSeconds": 90, "ownBytes": 2**27, "cold": opened, "warm": opened, "coldMapped": 2**30, "warmMapped": 2**30, "renderOwnBytes": 2**28,
+            "buildSeconds": 90, "ownBytes": 2**27, "cold": opened, "warm": opened, "coldMapped": 2**30, "renderOwnBytes": 2**28,
             "size": "64x48", "samples": 4, "picture": "none.png", "threads": 2, "memory": 2**34, "commands": ["render the herd"],
+            "deviceBytes": 2**26, "some": {"count": 2, "quads": 10**8, "bytes": 2**24, "fileBytes": 2**28, "speed": speed, "command": "render some"},
             "beside": [{"count": 2, "representation": "GRID", "quads": 10**8, "bytes": 4 * 10**9, "peak": 5 * 10**9, "buildSeconds": 9,
                         "speed": speed, "command": "render GRID"}],
         }  # fmt: skip
         level = {"scene": "trex", "view": "full", "level": "auto", "quads": 10**6, "live_bytes": 2**22, "build_seconds": 0.5, "speed": speed,
-                 "errors_to_true_surface": {"median_pixels": 0.125, "p99_pixels": 0.5}, "command": "render levels"}  # fmt: skip
+                 "errors_to_true_surface": {"median_pixels": 0.125, "p99_pixels": 0.5}, "size": "64x48", "command": "render levels"}  # fmt: skip
         folder = Path(self.temporary.name) / "scale"
         folder.mkdir()
-        (folder / report_scale.RECORD).write_text(json.dumps({"herd": herd, "levels": [level]}))
+        (folder / report_scale.RECORD).write_text(json.dumps({"date": "2026-01-01", "herd": herd, "levels": [level]}))
         text = "\n".join(report_scale.markdown(report_scale.read(folder)))
         for found in ("20.0 million quads a second", "74.5 GiB, reckoned from 40.0 bytes a quad", "interrupted at 1.0 GiB and killed at 3.0 GiB",
                       "0.34 billion", "| trex, full | auto | 1.00 | 4.0 |"):  # fmt: skip

@@ -40,6 +40,22 @@ class Files(unittest.TestCase):
                 self.assertEqual(loaded.quads, scene.statistics()["quads"])
                 self.assertIn("sheet.cbvh", repr(loaded))
 
+    def test_damage_that_rays_meet_is_told_by_whoever_sends_them(self):
+        origins, directions = rays_from_above()
+        cbvh.build(bumpy_model(), "cvert", 6).save(self.path)
+        with open(self.path, "r+b") as file:
+            size = file.seek(0, os.SEEK_END)
+            file.seek(size // 2)
+            file.write(bytes(b ^ 255 for b in range(256)) * (size // 1024))
+        calls = (
+            lambda scene: scene.intersect(origins, directions),
+            lambda scene: scene.occluded(origins, directions),
+            lambda scene: scene.trace_seconds(origins, directions),
+        )
+        for call in calls:
+            with self.assertRaisesRegex(cbvh.Error, "damaged"):
+                call(cbvh.load(self.path))
+
     def test_what_cannot_be_saved_or_loaded_says_so(self):
         with self.assertRaisesRegex(ValueError, "compressed"):
             cbvh.build(bumpy_model(), "grid", 3).save(self.path)

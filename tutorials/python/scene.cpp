@@ -162,7 +162,11 @@ py::array_t<bool> occluded(const Traced& scene, const py::object& origins, const
 {
   const unsigned n = threadsOf(threads);
   const Rays rays = readRays(origins, directions, tnear, tfar, time);
-  const std::vector<char> hit = interruptible(py::none(), [&] { return anyHits(scene.traced(), rays.rays, n); });
+  const std::vector<char> hit = interruptible(py::none(), [&] {
+    const std::vector<char> hits = anyHits(scene.traced(), rays.rays, n);
+    scene.traced().check();
+    return hits;
+  });
   return arrayOf<bool>(rays.shape, [&](size_t i) { return hit[i] != 0; });
 }
 
@@ -179,7 +183,11 @@ double traceSeconds(const Traced& scene, const py::object& origins, const py::ob
   if (passes < 1)
     refuse("passes", "is 0, not 1 or more");
   const Rays rays = readRays(origins, directions);
-  return interruptible(py::none(), [&] { return timeTrace(scene.traced(), rays.rays, settings).seconds; });
+  return interruptible(py::none(), [&] {
+    const double seconds = timeTrace(scene.traced(), rays.rays, settings).seconds;
+    scene.traced().check();
+    return seconds;
+  });
 }
 
 Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int> size)
@@ -220,7 +228,11 @@ Camera cameraOfLoaded(const LoadedScene& scene, const std::string& view, std::pa
 {
   choice(view, "view", {"full", "close"});
   const ImageSize image = imageSize(size);
-  return interruptible(py::none(), [&] { return chooseCamera(view, modelOfBox(scene.path, scene.saved.bounds()), scene.saved, image, threadCount(0)); });
+  return interruptible(py::none(), [&] {
+    const Camera camera = chooseCamera(view, modelOfBox(scene.path, scene.saved.bounds()), scene.saved, image, threadCount(0));
+    scene.saved.check();
+    return camera;
+  });
 }
 
 /* --- what it is ---------------------------------------------------------------- */
@@ -481,7 +493,7 @@ void defineScene(py::module_& module)
     .def_property_readonly("bounds", [](const LoadedScene& s) { return arrayOf(s.saved.bounds()); },
                            "(2, 3) float32: lower and upper corner of the box of the surface, world units.")
     .def("__repr__", [](const LoadedScene& s) {
-      return "<LoadedScene '" + s.path + "': " + std::to_string(s.saved.geometries().size()) + " geometries, " + std::to_string(s.saved.quads()) + " quads>";
+      return "<LoadedScene '" + s.path + "': " + std::to_string(s.saved.geometries().size()) + (s.saved.geometries().size() == 1 ? " geometry, " : " geometries, ") + std::to_string(s.saved.quads()) + " quads>";
     });
   module.def("load", &loadFile, arg("path"), py::kw_only(), arg("threads") = 0, loadText);
   module.def("build", &build, arg("model"), arg("representation") = "cvert", arg("level") = 6, py::kw_only(),

@@ -54,7 +54,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
   app.add_option("--output", o.output, "folder for the pictures, made if need be")
     ->type_name("DIR")->capture_default_str();
   app.add_option("--export", o.exportPath, "write the surface there, too, as cvert stores it, OBJ: quads that --mesh reads")->type_name("FILE");
-  app.add_option("--save", o.savePath, "write the compressed scene there, too, which --load opens at once; a herd goes there copy by copy, and what was stopped goes on where it was")->type_name("FILE");
+  app.add_option("--save", o.savePath, "write the compressed scene there, too, which --load opens at once; a herd goes there copy by copy, and what was stopped goes on where it was; named .cbvh, programs take it like a cage")->type_name("FILE");
   app.add_option("--load", o.loadPath, "instead of files and scenes, what --save wrote, as it was compressed, whatever its name")->type_name("FILE");
   app.add_flag("--exr", o.exr, "write linear colours and the hits there, too, OpenEXR: position, distance, normal, u, v and primID");
 }
@@ -112,7 +112,7 @@ void read(const CLI::App& app, const Words& words, Options& o)
   else if (!(words.files.empty() && o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty()))
     throw Error("--load is in place of files, --scene, --cage and --mesh");
   if (!o.loadPath.empty() && (!o.savePath.empty() || !o.exportPath.empty() || o.ambientRays || words.trueHits.value_or(0) || o.build.device != "cpu"))
-    throw Error("--load makes a picture on the processor: --save, --export, --ambient, --true-surface and --device belong to models");
+    throw Error(o.loadPath + ": a file is traced on the processor, and has no model: --save, --export, --ambient, --true-surface and --device belong to models");
   if (o.savesCopyByCopy() && (!o.exportPath.empty() || o.ambientRays || words.trueHits.value_or(0) || o.build.device != "cpu"))
     throw Error("--save of a herd builds it copy by copy into the file, and makes a picture of that on the processor: --export, --ambient, --true-surface and --device belong to scenes in memory");
   if (o.loadPath.empty())

@@ -58,10 +58,11 @@ void render(const Options& options, const std::string& file, const std::string& 
 {
   const unsigned threads = threadCount(options.build.threads);
   const SavedScene scene(file, threads, options.build.isa);
-  const Camera camera = given ? *given : chooseCamera(options.view, modelOfBox(name, scene.bounds()), scene, options.size, threads);
+  const Model box = given ? Model() : modelOfBox(name, scene.bounds(), options.scene.up);
+  const Camera camera = given ? *given : chooseCamera(options.view, box, scene, options.size, threads);
   const double firstRay = firstRaySeconds(options, scene, camera);
 
-  SampledPicture picture(camera, options.crop, up, options.colors);
+  SampledPicture picture(camera, options.crop, given ? up : box.view.up, options.colors);
   std::vector<Ray> firstRays;
   std::vector<SurfaceHit> firstHits;
   double pictureSeconds = 0;
@@ -107,7 +108,7 @@ void render(const Options& options, const std::string& file, const std::string& 
 
 void renderSaved(const Options& options)
 {
-  render(options, options.loadPath, std::filesystem::path(options.loadPath).stem().string(), nullptr, {0, 1, 0}, nlohmann::json::object());
+  render(options, options.loadPath, std::filesystem::path(options.loadPath).stem().string(), nullptr, {}, nlohmann::json::object());
 }
 
 void saveAndRender(const Options& options, const ModelView& view)

@@ -32,7 +32,10 @@ void writeScreenshot(const ViewerOptions& options)
   settings.threads = threadCount(options.build.threads);
   settings.samples = options.samples;
   settings.time = options.time;
-  writePng(options.screenshot, renderPicture(*document.loaded->start, findPanes(state, document), settings));
+  const Image image = renderPicture(*document.loaded->start, findPanes(state, document), settings);
+  if (document.loaded->saved)
+    document.loaded->saved->check();
+  writePng(options.screenshot, image);
 }
 
 int run(int argc, char** argv)

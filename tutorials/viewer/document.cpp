@@ -28,7 +28,7 @@ std::unique_ptr<const LoadedModel> openSaved(const SceneSettings& source, const 
   loaded->source = source;
   const unsigned threads = threadCount(options.build.threads);
   loaded->saved = std::make_unique<SavedScene>(source.savedPath, threads, options.build.isa);
-  loaded->model = modelOfBox(std::filesystem::path(source.savedPath).stem().string(), loaded->saved->bounds());
+  loaded->model = modelOfBox(std::filesystem::path(source.savedPath).stem().string(), loaded->saved->bounds(), source.up);
   loaded->start = chooseCamera(options.view, loaded->model, *loaded->saved, options.size, threads);
   return loaded;
 }

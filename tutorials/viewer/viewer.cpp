@@ -199,6 +199,22 @@ std::vector<Pane> Viewer::panesOrPreview() const
   return {Pane(document->loaded->preview.get())};
 }
 
+/* What is damaged is told once, and the rest is shown. */
+void Viewer::checkFile()
+{
+  if (!isFile())
+    return;
+  try
+  {
+    document->loaded->saved->check();
+  }
+  catch (const Error& e)
+  {
+    std::fprintf(stderr, "cbvh_viewer: %s\n", e.what());
+    lastMessage = e.what();
+  }
+}
+
 PictureMode Viewer::picturedMode() const
 {
   const std::vector<Pane> what = panesOrPreview();
@@ -224,6 +240,7 @@ bool Viewer::refresh(ImageSize now)
     if (rendered->isComplete())
       return false;
     rendered->addSample();
+    checkFile();
     return true;
   }
   PictureSettings settings;
@@ -235,6 +252,7 @@ bool Viewer::refresh(ImageSize now)
   settings.time = shownTime;
   rendered.emplace(camera, what, settings);
   rendered->addSample();
+  checkFile();
   renderedCamera = description;
   renderedSplit = splitPosition;
   renderedTime = shownTime;
@@ -248,7 +266,18 @@ void Viewer::want(const ViewState& state)
 {
   if (state == wanted)
     return;
-  wanted = state;
+  if (isFile())
+  {
+    const PictureMode mode = state.mode;
+    if (mode == wanted.mode)
+    {
+      lastMessage = "a file shows what is in it, at the level that it was written with";
+      return;
+    }
+    wanted.mode = mode;
+  }
+  else
+    wanted = state;
   lastMessage.clear();
   if (isFile() && !panes()[0].canShow(wanted.mode))
     lastMessage = "mode " + std::string(pictureModeName(wanted.mode)) + " needs the model, which a file has not";
@@ -365,7 +394,7 @@ std::string Viewer::viewOptions() const
 {
   if (!viewpoint)
     return "";
-  const bool turned = upAxis != document->model().up && !document->loaded->source.cagePath.empty();
+  const bool turned = upAxis != document->model().up && (isFile() || !document->loaded->source.cagePath.empty());
   return "--view " + viewpoint->camera(size).description() + (turned ? " --up " + upAxis : "");
 }
 

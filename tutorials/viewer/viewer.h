@@ -126,6 +126,7 @@ private:
   void takeLoaded();
   void showLoaded();
   void frame(const ViewHints& from);
+  void checkFile();
   void leaveFrame() { framing.reset(); }
   void requestScenes();
   void followCamera();
