@@ -46,7 +46,9 @@ class Files(unittest.TestCase):
         with open(self.path, "r+b") as file:
             size = file.seek(0, os.SEEK_END)
             file.seek(size // 2)
-            file.write(bytes(b ^ 255 for b in range(256)) * (size // 1024))
+            there = file.read(size // 4)
+            file.seek(size // 2)
+            file.write(bytes(byte ^ 255 for byte in there))
         calls = (
             lambda scene: scene.intersect(origins, directions),
             lambda scene: scene.occluded(origins, directions),
