@@ -122,13 +122,12 @@ def measure_herd(program, folder, options):
     stops = [stop_at(program, small, path, expected / 3, signal.SIGINT), stop_at(program, small, path, expected * 2 / 3, signal.SIGKILL)]
     build = Run([program, *small, "--save", path], folder / "build.json")
     built = build.finish()
-    view = ["--load", path, "--size", options.size, "--view", options.view, "--output", folder / "picture"]
+    view = ["--load", path, "--size", options.size, "--view", options.view]
     letGo(path)
-    cold = Run([program, *view, "--samples", options.samples], folder / "cold.json", path)
+    cold = Run([program, *view, "--output", folder / "picture", "--samples", options.samples], folder / "cold.json", path)
     opened_cold = cold.finish()
-    warm = Run([program, *view, "--samples", 1, "--speed"], folder / "warm.json")
+    warm = Run([program, *view, "--output", folder / "warm", "--samples", 1, "--speed"], folder / "warm.json")
     opened = warm.finish()
-    Run([program, *view, "--samples", options.samples]).finish()
     (picture,) = (folder / "picture").glob("*.png")
     record = {
         "count": count, "level": options.level, "quads": opened["quads"], "fileBytes": path.stat().st_size,

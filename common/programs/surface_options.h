@@ -73,8 +73,8 @@ inline void addMapOptions(CLI::App& app, SceneSettings& settings)
     ->check(CLI::IsMember({"object", "tangent"}));
 }
 
-/* Files without an option before them, for nameFiles (opened_files.h). */
-/* saved: whether the program shows files of compressed surfaces, too. */
+/* Files without an option before them, for nameFiles (opened_files.h).
+ * saved: whether the program shows files of compressed surfaces, too. */
 inline void addFiles(CLI::App& app, std::vector<std::string>& files, bool saved = false)
 {
   app.add_option("files", files, std::string("a control cage (OBJ) and a height map, as with --cage and --height") +

@@ -197,8 +197,8 @@ CBVH_API enum CbvhError cbvhSetGrids(CbvhSurface surface, const struct CbvhGrids
 CBVH_API enum CbvhError cbvhSetMesh(CbvhSurface surface, const struct CbvhMesh* mesh);
 
 /* Sets the rates of a cage's edges, for the next commit, so that its quads are about as large in a picture as is asked for: after cbvhSetCage, in place of
- * the rates that it had. A commit lets the cage go: another view needs cbvhSetCage again. Edges are measured on the displaced surface, for which the displacement function is called by several threads, and each gets
- * a power of two. rates: written, one an index; NULL: not wanted. */
+ * the rates that it had. A commit lets the cage go: another view needs cbvhSetCage again. Edges are measured on the displaced surface, for which the
+ * displacement function is called by several threads, and each gets a power of two. rates: written, one an index; NULL: not wanted. */
 CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDicing* dicing, float* rates);
 
 /* Sets how the next commit stores it. NULL: as by default. */
