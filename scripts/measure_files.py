@@ -2,7 +2,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures the table of files in kernels/cbvh/PERFORMANCE.md: how long a saved scene takes to open, and what memory.
+"""Measures the table of files in docs/performance.md: how long a saved scene takes to open, and what memory.
 
     scripts/measure_files.py PATH/TO/cbvh_render FOLDER [--repeat N]
 

@@ -2,7 +2,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures the table of kernels/cbvh/PERFORMANCE.md, all of it in one run of cbvh_bench, and writes it there.
+"""Measures the table of docs/performance.md, all of it in one run of cbvh_bench, and writes it there.
 
     scripts/performance.py                  on the widest instruction set, some six minutes
     scripts/performance.py --record FILE    from what cbvh_bench --json wrote, with those options at least
@@ -19,7 +19,7 @@ from report_data import Row
 from report_markdown import table
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "kernels/cbvh/PERFORMANCE.md"
+PAGE = ROOT / "docs/performance.md"
 BEGIN, END = "<!-- begin: scripts/performance.py -->\n", "<!-- end -->\n"
 
 SCENES, VIEWS = ("trex", "frog", "knee", "cube"), ("full", "close")

@@ -361,7 +361,7 @@ typedef int (*CbvhPartFunction)(void* userPtr, const struct CbvhPart* part);
 /* Hands out all of a surface as it is stored, as it is at a time. */
 CBVH_API enum CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction function, void* userPtr);
 
-/* --- clusters that GPUs read: kernels/beside/CLUSTERS.md has what is in them, and from which specification ---- */
+/* --- clusters that GPUs read: docs/formats/clusters.md describes them and names the specifications ---- */
 
 enum CbvhClusterFormat
 {

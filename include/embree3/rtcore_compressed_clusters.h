@@ -4,7 +4,7 @@
 #pragma once
 
 /* Compressed surfaces out again as clusters that GPUs read: the triangles that rays hit here, with vertices that are the same floats. What is in clusters, and
- * from which specification, stands in kernels/beside/CLUSTERS.md. */
+ * from which specification, is in docs/formats/clusters.md. */
 
 #include "rtcore_compressed_triangles.h"
 

@@ -5,8 +5,8 @@
  * (Those of cVERT have no frame, see vert/format.h.) It is a header, then
  * the words of a complete quadtree level by level, each level in Morton order, then the
  * leaves in Morton order (cLEAF) or the vertices row by row (cGRID). Nothing points
- * anywhere: positions, parameters and vertex indices follow from the index. FORMAT.md has
- * the table of bytes.
+ * anywhere: positions, parameters and vertex indices follow from the index.
+ * docs/formats/framed_block.md has the table of bytes.
  *
  * Only layout lives here; local_ray.h, node.h and leaf.h give the bytes their meaning. */
 

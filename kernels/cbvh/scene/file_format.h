@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Layout of files of compressed surfaces, which FILE.md describes: a header, for each geometry its tree and its blocks, and a
- * directory of the geometries at the end. Offsets are from the file's start; numbers are little-endian. Nothing is an address, so that a
- * file is traced as it lies on disk. */
+/* Layout of files of compressed surfaces, specified in docs/formats/file.md. A file contains a header, then the tree and
+ * the blocks of each geometry, then a directory of the geometries. Offsets are relative to the start of the file; numbers
+ * are little-endian. A file contains no addresses, so it is traced as it lies on disk. */
 
 #include "../base/surface_statistics.h"
 #include "../framed/block.h"
@@ -17,7 +17,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! of what is described here and in FILE.md; blocks have versions of their own */
+    /*! Version of the layout that this header and docs/formats/file.md describe; blocks have versions of their own */
     static const uint32_t fileVersion = 1;
     static const char fileMagic[8] = { 'c','b','v','h','\r','\n','\x1a','\0' }; // which transfers as text spoil
     static const uint32_t fileByteOrder = 0x01020304u;

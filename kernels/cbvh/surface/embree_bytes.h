@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* What Embree's own kernels take for geometry that was diced, about, besides vertices and indices. PERFORMANCE.md has what was seen. */
+/* Estimates of the bytes that Embree's own kernels use for diced geometry, without vertices and indices.
+ * docs/performance.md has the measurements. */
 
 #include <cstddef>
 

@@ -64,7 +64,7 @@ namespace embree
       }
 
       /*! Frame level without an error bound. Of all levels and scenes that were measured, blocks of 16 x 16 quads
-       *  cost least in bytes times time, or nearly so (PERFORMANCE.md): smaller ones are hardly faster, and their
+       *  cost least in bytes times time, or nearly so (docs/paper.md): smaller ones are hardly faster, and their
        *  frames outweigh what leaves save; larger ones save little and are slower. */
       unsigned frameLevel (unsigned level) const
       {

@@ -30,7 +30,7 @@
 
 CBVH_BEGIN
 
-/*! of the bytes described here and in FORMAT_VERT.md; a change that readers have to know of counts up */
+/*! Version of the bytes that this header and docs/formats/block.md describe. A change that affects readers increments it. */
 CBVH_CONSTANT uint32_t vertFormatVersion = 4u;
 
 CBVH_CONSTANT uint32_t groupQuads = 4u;         //!< along a side of a group

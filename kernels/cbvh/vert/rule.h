@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The rule by which rays hit the triangles of cVERT, as FORMAT_VERT.md ("Rays") states it: one text for single
+/* The rule by which rays hit the triangles of cVERT, which docs/formats/rays.md specifies: one text for single
  * rays, packets, shaders and tests. It is, in the order in which a ray needs it,
  *
  *   boxes        how far they are widened, as they only cull

@@ -3,7 +3,7 @@
 
 /* Where a ray hits the surface of a cLEAF block: the decision alone. How a ray crosses a
  * leaf is measured elsewhere (crossing.h; of decoded leaves: framed/leaf/crossing1.h), and what becomes
- * of a hit, too. FORMAT.md has the rule as tables, which a test compares with this code.
+ * of a hit, too. docs/formats/framed_hits.md has the rule as tables, which a test compares with this code.
  *
  * Along a ray
  *

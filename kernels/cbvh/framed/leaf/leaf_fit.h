@@ -7,7 +7,7 @@
  * frame, and what is not one it holds badly: a wall that stands on end in the frame gets the
  * normal of something else, a fold is a thick plane or a whole box, and where the surface
  * ends or bends the box goes on. Patches with many such quads are better stored exactly, as
- * cVERT; DESIGN.md has what the limits below were chosen by. */
+ * cVERT; docs/paper.md has the measurements behind the limits below. */
 
 #include "../block_geometry.h"
 #include "../normal.h"
