@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Draws which folders include headers of which, and writes the picture into docs/architecture.md.
+
+    scripts/draw_rooms.py            writes the Mermaid diagram between the page's two markers
+    scripts/draw_rooms.py --check    exits with 1 if the page has another diagram
+
+An arrow means "includes". An arrow that follows from two others is left out, so that the order remains readable.
+"""
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs/architecture.md"
+BEGIN, END = "<!-- begin: scripts/draw_rooms.py -->", "<!-- end -->"
+
+# Folder and what it is for, from the application down. A file belongs to the longest folder that contains it.
+ROOMS = {
+    "tutorials": "programs, Python module, examples",
+    "common": "cages, maps, cameras, ray sets, metrics, images",
+    "kernels/beside/interposer": "subdivision geometry of Embree 4 programs",
+    "kernels/beside": "libembree_cbvh.so",
+    "kernels/vulkan": "libembree3_vulkan.so and shaders",
+    "include": "public headers",
+    "kernels/cbvh/api": "settings, checks, entry points",
+    "kernels/cbvh/scene": "sources, builder, top level, traversal, files",
+    "kernels/cbvh/export": "clusters for GPUs",
+    "kernels/cbvh/vert": "cVERT: format, encoder, decoder, ray rule",
+    "kernels/cbvh/framed": "cGRID, cVOXEL, cLEAF",
+    "kernels/cbvh/surface": "vertices, patches, lattices, shared borders",
+    "kernels/cbvh/base": "language, lanes, memory, IDs",
+    "kernels/cbvh/embree": "the only door to Embree's internals",
+}
+
+
+def room_of(path):
+    """The room of a path relative to the repository, or None."""
+    inside = [room for room in ROOMS if path.startswith(room + "/")]
+    return max(inside, key=len, default=None)
+
+
+def target_of(file, include):
+    """The repository path that an include of a file names, or None where it is none of the repository's."""
+    folders = (file.parent, ROOT, ROOT / "include", ROOT / "common", ROOT / "kernels", ROOT / "kernels/vulkan")
+    for folder in folders:
+        path = (folder / include).resolve()
+        if path.is_file() and path.is_relative_to(ROOT):
+            return str(path.relative_to(ROOT))
+    # The patched tree links include/embree3 and kernels/cbvh into Embree's own folders.
+    name = re.sub(r"^(\.\./)+", "", include)
+    for prefix in ("", "include/", "kernels/"):
+        if (ROOT / (prefix + name)).is_file():
+            return prefix + name
+    return None
+
+
+def arrows():
+    """Pairs of different rooms of which the first includes a header of the second."""
+    found = set()
+    for room in ROOMS:
+        for file in sorted((ROOT / room).rglob("*")):
+            if file.suffix not in (".h", ".cpp", ".glsl", ".comp"):
+                continue
+            source = room_of(str(file.relative_to(ROOT)))
+            for include in re.findall(r'^\s*#include [<"]([^>"]+)[>"]', file.read_text(), re.MULTILINE):
+                target = target_of(file, include)
+                other = room_of(target) if target else None
+                if other and other != source:
+                    found.add((source, other))
+    return found
+
+
+def reaches(graph, start, end):
+    """True if a path of arrows leads from start to end."""
+    todo, seen = [start], set()
+    while todo:
+        room = todo.pop()
+        for source, target in graph:
+            if source == room and target not in seen:
+                if target == end:
+                    return True
+                seen.add(target)
+                todo.append(target)
+    return False
+
+
+def without_implied(graph):
+    """The arrows that do not follow from the others."""
+    return {arrow for arrow in graph if not reaches(graph - {arrow}, *arrow)}
+
+
+def diagram():
+    """The picture as a Mermaid flowchart."""
+    names = {room: re.sub(r"\W", "_", room) for room in ROOMS}
+    lines = ["```mermaid", "flowchart TD"]
+    lines += [f'  {names[room]}["<b>{room}</b><br>{purpose}"]' for room, purpose in ROOMS.items()]
+    order = list(ROOMS)
+    drawn = sorted(without_implied(arrows()), key=lambda arrow: tuple(map(order.index, arrow)))
+    lines += [f"  {names[source]} --> {names[target]}" for source, target in drawn]
+    return "\n".join([*lines, "```"])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="only compare the page with the code")
+    options = parser.parse_args()
+    page = PAGE.read_text()
+    before, rest = page.split(BEGIN)
+    after = rest.split(END, 1)[1]
+    drawn = f"{before}{BEGIN}\n\n{diagram()}\n\n{END}{after}"
+    if not options.check:
+        PAGE.write_text(drawn)
+    elif drawn != page:
+        sys.exit(f"{PAGE.relative_to(ROOT)}: the diagram differs from the includes of the code, run scripts/draw_rooms.py")
+
+
+if __name__ == "__main__":
+    main()
