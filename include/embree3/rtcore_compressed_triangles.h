@@ -6,7 +6,7 @@
 /* Compressed surfaces out again: the triangles that rays hit, for renderers that offset rays from what they really hit, and for
  * bakes, exports and other renderers. Of geometry that is stored as cVERT or cGRID, whose triangles are what is stored. */
 
-#include "rtcore_geometry.h"
+#include "rtcore.h"
 
 RTC_NAMESPACE_BEGIN
 

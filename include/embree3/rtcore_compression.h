@@ -31,9 +31,8 @@
  * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression
  * Scheme for Ray Tracing Subdivision Surfaces with Displacement", 2018. */
 
+#include "rtcore.h"
 #include "rtcore_compression_version.h"
-#include "rtcore_geometry.h"
-#include "rtcore_scene.h"
 
 RTC_NAMESPACE_BEGIN
 

@@ -5,7 +5,7 @@
 
 /* Subdivision surfaces as fine as a picture of them needs: the rate of each edge by how large the camera sees what lies along it. */
 
-#include "rtcore_geometry.h"
+#include "rtcore.h"
 
 RTC_NAMESPACE_BEGIN
 
