@@ -30,6 +30,8 @@ extern "C" {
 #define CBVH_API __attribute__((visibility("default")))
 #define CBVH_ALIGNED __attribute__((aligned(16)))
 
+/* The result of a call. CBVH_OK: the call did what it is for. Anything else: it failed, and cbvhGetErrorText returns the
+ * reason as a text. */
 enum CbvhError
 {
   CBVH_OK = 0,

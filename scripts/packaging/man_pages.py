@@ -2,82 +2,146 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Manual pages of the functions that our public headers add, laid out as Embree's own.
+"""Manual pages of the functions that our public headers declare, laid out as Embree's own.
 
-A page is the comment above a function, and the types among its arguments that the same header
-declares. Functions that follow one another under one comment share a page: the others lead to that
-of the first. A function without a comment is an error.
+    man_pages.py VERSION FOLDER HEADER...
+
+A page is made of the comment above a function and of all types that its declaration leads to, each with its own comment.
+Functions that follow each other under one comment share a page; the others' pages refer to it. A function without a comment
+is an error. What every function of a header returns, such as an error code, has a page of its own.
+
+Paragraphs of a comment have a place by how they begin:
+
+    name: ...            an argument, or several (u, v: ...), if the functions have arguments of these names
+    Returns ...          RETURN VALUE
+    Errors: ...          ERRORS
+    Thread safety: ...   NOTES
+    - ...                an entry of a list
 """
 
 import argparse
 import os
 import re
 import sys
+from dataclasses import dataclass
 
-DECLARATION = re.compile(r"^(?:RTC_API|RTC_FORCEINLINE|CBVH_API)\s+(?P<returns>[\w\s*]+?)\s*(?P<name>(?:rtc|cbvh)\w+)\s*\((?P<arguments>[^)]*)\)")
-TYPE = re.compile(r"^(?:struct|enum) (?:CBVH_ALIGNED )?(\w+)\n\{.*?^\};", re.S | re.M)
-ITEM = re.compile(r"^(?:- |[a-z]\w*(?:, [a-z]\w*)*: )")
+FUNCTION = re.compile(
+    r"^(?:RTC_API|RTC_FORCEINLINE|CBVH_API)\s+(?P<returns>[\w\s*]+?)\s*(?P<name>(?:rtc|cbvh)\w+)\s*\((?P<arguments>[^)]*)\)"
+)
+TYPE = re.compile(
+    r"(?P<comment>^/\*(?:(?!\*/).)*\*/\n)?(?P<text>^(?:struct|enum) (?:CBVH_ALIGNED )?(?P<name>\w+)\n\{.*?^\};"
+    r"|^typedef [^;{]*?\(\*\s*(?P<callback>\w+)\)\([^;]*\);)",
+    re.S | re.M,
+)
+LABEL = re.compile(r"^(?P<names>[A-Za-z]\w*(?:, [A-Za-z]\w*)*):\s+(?P<text>.*)", re.S)
+SECTIONS = {"Returns ": "RETURN VALUE", "Errors: ": "ERRORS", "Thread safety: ": "NOTES"}
 
-# By the folder of a header: the section of its pages, and what they say of failures.
-SECTIONS = {"embree3": "3embree3", "cbvh": "3cbvh"}
-FAILURES = {
-    "embree3": "On failure an error code is set that can be queried using rtcGetDeviceError.",
-    "cbvh": "What returns enum CbvhError returns CBVH_OK, or on failure a code of which cbvhGetErrorText says more.",
+
+@dataclass(frozen=True)
+class Library:
+    """What the pages of the headers in one folder have in common."""
+
+    section: str
+    failures: str = ""  # said of every function, as Embree's own pages do
+    own_pages: tuple = ()  # types that have a page of their own
+
+
+LIBRARIES = {
+    "embree3": Library("3embree3", "On failure an error code is set that can be queried using rtcGetDeviceError."),
+    "cbvh": Library("3cbvh", own_pages=("CbvhError",)),
 }
 
 
-def comment_text(lines):
+@dataclass(frozen=True)
+class Type:
+    """A struct, an enumeration or a callback of a header, as it is declared, with the comment above it."""
+
+    name: str
+    comment: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Group:
+    """Functions that follow each other under one comment."""
+
+    comment: list  # its lines
+    names: list
+    declarations: list
+    arguments: set  # names of the arguments of all of them
+
+
+def comment_lines(text):
     """The lines of a /* comment */ without what makes them one."""
-    text = re.sub(r"^/\*|\*/$", "", "\n".join(lines).strip())
+    text = re.sub(r"^/\*|\*/$", "", text.strip())
     return [re.sub(r"^ ?\*? ?", "", line).rstrip() for line in text.strip().split("\n")]
 
 
-def paragraphs(lines):
-    """Joined lines: a paragraph ends at an empty line, before an argument and before a list's entry."""
-    result = []
-    begin = True
-    for line in lines:
-        text = line.strip()
-        if not text:
-            begin = True
-        elif begin or ITEM.match(text):
-            result.append(text)
-            begin = False
+def paragraphs(lines, arguments):
+    """Joined lines. A paragraph ends at an empty line, and before an argument, a section or an entry of a list."""
+    result, begins = [], True
+    for line in map(str.strip, "\n".join(lines).replace(" Thread safety: ", "\nThread safety: ").split("\n")):
+        label = LABEL.match(line)
+        is_argument = label and set(label["names"].split(", ")) <= arguments
+        if not line:
+            begins = True
+        elif begins or is_argument or line.startswith(("- ", "Errors: ", "Thread safety: ")):
+            result.append(line)
+            begins = False
         else:
-            result[-1] += " " + text
+            result[-1] += " " + line
     return result
 
 
-def functions_of(header):
-    """[(comment, [(name, declaration)])]: what each comment is of."""
-    result = []
-    comment, functions = None, []
+def types_of(header):
+    """All types of a header by name."""
+    found = (Type(m["name"] or m["callback"], m["comment"] or "", m["text"]) for m in TYPE.finditer(header))
+    return {type_.name: type_ for type_ in found}
+
+
+def groups_of(header):
+    """All documented functions of a header."""
+    result, comment, group = [], None, None
     lines = header.split("\n")
     i = 0
     while i < len(lines):
-        line = lines[i]
-        if line.startswith("/*"):
+        function = FUNCTION.match(lines[i])
+        if lines[i].startswith("/*"):
             begin = i
             while "*/" not in lines[i]:
                 i += 1
-            comment, functions = comment_text(lines[begin:i + 1]), []
-        elif DECLARATION.match(line):
-            found = DECLARATION.match(line)
+            comment, group = comment_lines("\n".join(lines[begin : i + 1])), None
+        elif function:
             if comment is None:
-                raise ValueError(found["name"] + " has no comment")
-            if not functions:
-                result.append((comment, functions))
-            functions.append((found["name"], declaration(found)))
-        elif not line.strip():
-            # Functions after an empty line are not the comment's; a body that follows is skipped.
-            comment = None
+                raise ValueError(function["name"] + " has no comment")
+            if group is None:
+                group = Group(comment, [], [], set())
+                result.append(group)
+            arguments = [" ".join(argument.split()) for argument in function["arguments"].split(",")]
+            group.names.append(function["name"])
+            returns = " ".join(function["returns"].split())
+            group.declarations.append("%s %s(\n  %s\n);" % (returns, function["name"], ",\n  ".join(arguments)))
+            group.arguments.update(re.sub(r"\[\d*\]$", "", argument).split(" ")[-1].strip("*") for argument in arguments)
+        elif not lines[i].strip():
+            comment = None  # functions after an empty line have a comment of their own
         i += 1
     return result
 
 
-def declaration(found):
-    arguments = [" ".join(argument.split()) for argument in found["arguments"].split(",")]
-    return "%s %s(\n  %s\n);" % (" ".join(found["returns"].split()), found["name"], ",\n  ".join(arguments))
+def types_used(texts, types, without):
+    """The types that declarations lead to, each after those that it needs."""
+    result = []
+
+    def visit(text):
+        for name, type_ in types.items():
+            if name not in without and type_ not in result and re.search(r"\b%s\b" % name, text) and type_.text != text:
+                visit(type_.text)
+                if type_ not in result:
+                    result.append(type_)
+
+    for text in texts:
+        visit(text)
+    return result
 
 
 def escaped(text):
@@ -89,26 +153,60 @@ def code(text):
     return [".IP", ".nf", "\\f[C]"] + [escaped(line) for line in text.split("\n")] + ["\\f[R]", ".fi"]
 
 
-def page(name, version, folder, include, comment, declarations, types, others):
-    texts = paragraphs(comment)
-    errors = [text for text in texts if text.startswith("Errors: ")]
-    described = [text for text in texts if text not in errors]
-    summary = re.split(r"[.:;] |\.$|, which ", described[0])[0]
-    out = ['.TH "%s" "3" "" "Embree CBVH %s" "Embree Ray Tracing Kernels 3"' % (name, version), ".hy"]
-    out += [".SS NAME"] + code("%s - %s" % (name, summary[0].lower() + summary[1:]))
-    out += [".SS SYNOPSIS"] + code("\n\n".join(["#include <%s/%s>" % (folder, include)] + types + declarations))
-    out += [".SS DESCRIPTION"]
-    for text in described:
-        if ITEM.match(text):
-            mark, rest = re.match(r"(- |\w+(?:, \w+)*: )(.*)", text).groups()
-            out += ['.IP "%s" 4' % ("\\(bu" if mark == "- " else mark.strip(": ")), escaped(rest)]
+def prose(texts, arguments):
+    out = []
+    for text in texts:
+        label = LABEL.match(text)
+        if text.startswith("- "):
+            out += ['.IP "\\(bu" 4', escaped(text[2:])]
+        elif label and set(label["names"].split(", ")) <= arguments:
+            out += ['.IP "%s" 4' % label["names"], escaped(label["text"])]
         else:
             out += [".PP", escaped(text)]
-    out += [".SS EXIT STATUS", ".PP", FAILURES[folder]]
-    for text in errors:
-        out += [".PP", escaped(text[len("Errors: "):][0].upper() + text[len("Errors: ") + 1:])]
-    out += [".SS SEE ALSO", ".PP", escaped(", ".join("[%s]" % other for other in others if other != name))]
-    return "\n".join(out) + "\n"
+    return out
+
+
+def head(name, version, summary, include, synopsis):
+    out = ['.TH "%s" "3" "" "Embree CBVH %s" "Embree Ray Tracing Kernels 3"' % (name, version), ".hy"]
+    out += [".SS NAME"] + code("%s - %s" % (name, summary[0].lower() + summary[1:]))
+    return out + [".SS SYNOPSIS"] + code("\n\n".join(["#include <%s>" % include] + synopsis))
+
+
+def summary_of(text):
+    return re.split(r"[.:;] |\.$|, which ", text)[0]
+
+
+def see_also(names, section):
+    return [".SS SEE ALSO", ".PP", escaped(", ".join("%s(%s)" % (name, section) for name in names))]
+
+
+def page_of(group, version, include, library, types, others):
+    texts = paragraphs(group.comment, group.arguments)
+    parts = {section: [] for section in ("DESCRIPTION", *SECTIONS.values())}
+    for text in texts:
+        begin = next((begin for begin in SECTIONS if text.startswith(begin)), None)
+        # The first paragraph says what the function does, even if that is to return something.
+        section = SECTIONS[begin] if begin and text != texts[0] else "DESCRIPTION"
+        if section in ("ERRORS", "NOTES"):
+            text = text.split(": ", 1)[1] if section == "ERRORS" else text
+            text = text[0].upper() + text[1:]
+        parts[section].append(text)
+    if library.failures:
+        parts["ERRORS"].insert(0, library.failures)
+    used = types_used(group.declarations, types, library.own_pages)
+    synopsis = [type_.comment + type_.text for type_ in used] + group.declarations
+    out = head(group.names[0], version, summary_of(texts[0]), include, synopsis)
+    for section, found in parts.items():
+        if found:
+            out += [".SS " + section] + prose(found, group.arguments)
+    named = [name for name in library.own_pages if re.search(r"\b%s\b" % name, "\n".join(group.declarations))]
+    return "\n".join(out + see_also(named + [name for name in others if name != group.names[0]], library.section)) + "\n"
+
+
+def page_of_type(type_, version, include, library, others):
+    texts = paragraphs(comment_lines(type_.comment), set()) if type_.comment else [type_.name]
+    out = head(type_.name, version, summary_of(texts[0]), include, [type_.text])
+    return "\n".join(out + [".SS DESCRIPTION"] + prose(texts, set()) + see_also(others, library.section)) + "\n"
 
 
 def write(folder, name, section, text):
@@ -127,20 +225,18 @@ def main():
     for path in arguments.headers:
         with open(path, encoding="utf-8") as file:
             header = file.read()
-        include = os.path.basename(os.path.dirname(path))
-        section = SECTIONS[include]
-        types = {found[1]: found[0] for found in TYPE.finditer(header)}
-        documented = functions_of(header)
-        others = [functions[0][0] for _, functions in documented]
-        for comment, functions in documented:
-            declarations = [text for _, text in functions]
-            used = [types[name] for name in types if re.search(r"\b%s\b" % name, "\n".join(declarations))]
-            # an enumeration that only a structure names
-            used = [types[name] for name in types if types[name] not in used and re.search(r"\b%s\b" % name, "\n".join(used))] + used
-            first = functions[0][0]
-            write(folder, first, section, page(first, version, include, os.path.basename(path), comment, declarations, used, others))
-            for name, _ in functions[1:]:
-                write(folder, name, section, ".so man3/%s.%s\n" % (first, section))
+        name = os.path.basename(os.path.dirname(path))
+        library, include = LIBRARIES[name], "%s/%s" % (name, os.path.basename(path))
+        types, groups = types_of(header), groups_of(header)
+        others = [group.names[0] for group in groups]
+        for group in groups:
+            first = group.names[0]
+            write(folder, first, library.section, page_of(group, version, include, library, types, others))
+            for other in group.names[1:]:
+                write(folder, other, library.section, ".so man3/%s.%s\n" % (first, library.section))
+        for own in library.own_pages:
+            if own in types:
+                write(folder, own, library.section, page_of_type(types[own], version, include, library, others))
 
 
 if __name__ == "__main__":

@@ -62,7 +62,8 @@ cat >> in_scene.c <<'EOF'
   if (ray.hit.geomID == 0) printf("face %u, distance %g\n", ray.hit.primID, ray.ray.tfar);
 }
 EOF
-# Debian's Embree first: pkg-config's folder has our headers and our library of that name, too.
-cc -std=c99 in_scene.c -I"$work/opt/include" "$work/opt/lib/libembree_cbvh.so" "$stock/libembree3.so.3" -lm -o in_scene
-[ "$(LD_LIBRARY_PATH=$stock:$work/opt/lib ./in_scene)" = "$said" ] || fail "in a scene of Embree the ray hits something else"
-LD_LIBRARY_PATH=$stock:$work/opt/lib ldd ./in_scene | grep -q "libembree3.so.3 => $stock" || fail "it runs on an Embree that is not the machine's"
+export PKG_CONFIG_PATH="$work/opt/lib/pkgconfig" LD_LIBRARY_PATH="$work/opt/lib/embree_cbvh"
+# shellcheck disable=SC2046
+cc -std=c99 in_scene.c $(pkg-config --cflags --libs embree_cbvh) "$stock/libembree3.so.3" -lm -o in_scene
+[ "$(./in_scene)" = "$said" ] || fail "in a scene of Embree the ray hits something else"
+ldd ./in_scene | grep -q "libembree3.so.3 => .*$stock" || fail "it runs on an Embree that is not the machine's"

@@ -36,7 +36,8 @@ for link in $(find "$work/prefix" -type l); do
 done
 
 cp "$here/CMakeLists.txt" "$here"/*.cpp "$work/"
-"$cmake" -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" > "$work/log.configure" ||
+# Without TBB's CMake files: who links the shared library needs none.
+"$cmake" -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON > "$work/log.configure" ||
   { cat "$work/log.configure"; exit 1; }
 "$cmake" --build "$work/build" > "$work/log" || { cat "$work/log"; exit 1; }
 grep -q "Embree 3.13.5, of Embree CBVH $version\$" "$work/log.configure" ||
@@ -52,7 +53,10 @@ fi
 
 # --- the library beside any Embree: a program on Debian's own --------------------------------------
 
-[ -e "$work/prefix/lib/libembree_cbvh.so.0" ] || fail "libembree_cbvh is not installed"
+[ -e "$work/prefix/lib/embree_cbvh/libembree_cbvh.so.0" ] || fail "libembree_cbvh is not installed"
+for folder in $(PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig" pkg-config --cflags-only-I --libs-only-L embree_cbvh); do
+  [ -z "$(find "${folder#-?}" -name 'embree3*' -o -name 'libembree3*')" ] || fail "pkg-config embree_cbvh leads to our Embree"
+done
 mkdir "$work/beside"
 cp "$here/beside/CMakeLists.txt" "$here"/../../tutorials/beside/*.cpp "$here"/../../tutorials/beside/*.h "$work/beside/"
 "$cmake" -S "$work/beside" -B "$work/beside/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DSTOCK_DIRECTORY="$stock" > "$work/log" && "$cmake" --build "$work/beside/build" >> "$work/log" 2>&1 ||
@@ -71,6 +75,16 @@ c++ "$here/renderer.cpp" -o "$work/renderer" $(pkg-config --cflags --libs embree
 library=$(LD_LIBRARY_PATH=$work/prefix/lib "$work/renderer")
 case $library in "$work"/prefix/*) ;; *) fail "what pkg-config gives runs on $library" ;; esac
 
+# --- examples, which compile where they are -------------------------------------------------------------
+
+examples=$(find "$work/prefix/share/doc" -type d -name examples)
+for example in displaced_cage diced_grids; do
+  # shellcheck disable=SC2046
+  c++ -std=c++17 "$examples/beside/$example.cpp" $(pkg-config --cflags --libs embree_cbvh) "$stock/libembree3.so.3" -o "$work/$example" ||
+    fail "the installed example $example does not compile"
+done
+[ -f "$examples/python/skin_triangles.py" ] || fail "the examples for Python are not installed"
+
 # --- manual pages: one for each function of our headers ---------------------------------------------
 
 for function in $(cd "$work/prefix/include/embree3" && sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h \
@@ -79,7 +93,7 @@ for function in $(cd "$work/prefix/include/embree3" && sed -n 's/^RTC_[A-Z]* .*\
   [ -s "$page" ] || fail "$function has no manual page"
   grep -q "$function" "$page" || fail "$page does not name it"
 done
-for function in $(grep -o '^CBVH_API .*' "$work/prefix/include/cbvh/cbvh.h" | grep -o 'cbvh[A-Za-z0-9]*(' | tr -d '('); do
+for function in $(grep -o '^CBVH_API .*' "$work/prefix/include/embree_cbvh/cbvh/cbvh.h" | grep -o 'cbvh[A-Za-z0-9]*(' | tr -d '('); do
   [ -s "$work/prefix/share/man/man3/$function.3cbvh" ] || fail "$function has no manual page"
 done
 if command -v help2man > /dev/null; then

@@ -1,0 +1,131 @@
+#!/usr/bin/python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Properties of the manual pages of functions, read back from the pages that scripts/packaging/man_pages.py makes of a
+header with known declarations, and of the public headers.
+
+    man_pages.py
+"""
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+SCRIPT = ROOT / "scripts/packaging/man_pages.py"
+HEADERS = sorted([*(ROOT / "include/embree3").glob("*.h"), ROOT / "include/cbvh/cbvh.h"])
+
+HEADER = """
+/* The result of a call. */
+enum CbvhError
+{
+  CBVH_OK = 0
+};
+
+/* A pair of numbers: both finite. */
+struct CbvhPair
+{
+  float a, b; /* first, second */
+};
+
+/* Called for each pair. */
+typedef int (*CbvhPairFunction)(void* userPtr, const struct CbvhPair* pair);
+
+/* Visits all pairs.
+ * primitive: v0, v1 are no arguments: this is prose.
+ *
+ * function: called once per pair.
+ * u, v:     where.
+ *
+ * Returns CBVH_OK or an error.
+ *
+ * Errors: CBVH_ERROR_UNKNOWN for a NULL function. Thread safety: any thread. */
+CBVH_API enum CbvhError cbvhVisit(float u, float v[2], CbvhPairFunction function, void* userPtr);
+CBVH_API enum CbvhError cbvhVisitAgain(float u);
+
+/* Returns the number of pairs. */
+CBVH_API unsigned int cbvhCount(void);
+"""
+
+
+def made(folder, *headers):
+    subprocess.run([sys.executable, "-B", SCRIPT, "1.2.3", folder, *headers], check=True)
+    return {page.name: page.read_text() for page in Path(folder).iterdir()}
+
+
+def section(page, name):
+    found = re.search(rf"^\.SS {name}\n(.*?)(?=^\.SS |\Z)", page, re.S | re.M)
+    return found[1].replace("\\-", "-") if found else None
+
+
+class KnownHeader(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        header = Path(self.folder.name) / "cbvh" / "known.h"
+        header.parent.mkdir()
+        header.write_text(HEADER)
+        self.pages = made(Path(self.folder.name) / "man", header)
+        self.visit = self.pages["cbvhVisit.3cbvh"]
+
+    def test_only_arguments_are_listed_as_arguments(self):
+        description = section(self.visit, "DESCRIPTION")
+        self.assertEqual(re.findall(r'^\.IP "([^"]*)"', description, re.M), ["function", "u, v"])
+        self.assertIn("primitive: v0, v1 are no arguments: this is prose.", description)
+
+    def test_types_and_callbacks_have_their_comments(self):
+        synopsis = section(self.visit, "SYNOPSIS")
+        order = ["A pair of numbers", "struct CbvhPair\n{", "Called for each pair", "typedef int (*CbvhPairFunction)", "enum CbvhError cbvhVisit("]
+        places = [synopsis.find(text) for text in order]
+        self.assertEqual(places, sorted(places))
+        self.assertGreaterEqual(min(places), 0)
+
+    def test_the_error_has_one_page(self):
+        self.assertNotIn("CBVH_OK = 0", self.visit)
+        self.assertIn("CbvhError(3cbvh)", section(self.visit, "SEE ALSO"))
+        self.assertIn("CBVH_OK = 0", section(self.pages["CbvhError.3cbvh"], "SYNOPSIS"))
+        self.assertNotIn("CbvhError", section(self.pages["cbvhCount.3cbvh"], "SEE ALSO"))
+
+    def test_results_errors_and_threads_have_their_sections(self):
+        self.assertEqual(section(self.visit, "RETURN VALUE"), ".PP\nReturns CBVH_OK or an error.\n")
+        self.assertEqual(section(self.visit, "ERRORS"), ".PP\nCBVH_ERROR_UNKNOWN for a NULL function.\n")
+        self.assertEqual(section(self.visit, "NOTES"), ".PP\nThread safety: any thread.\n")
+        self.assertIsNone(section(self.visit, "EXIT STATUS"))
+
+    def test_functions_of_one_comment_share_a_page(self):
+        self.assertEqual(self.pages["cbvhVisitAgain.3cbvh"], ".so man3/cbvhVisit.3cbvh\n")
+
+    def test_a_function_without_a_comment_is_an_error(self):
+        header = Path(self.folder.name) / "cbvh" / "bare.h"
+        header.write_text("CBVH_API int cbvhBare(void);\n")
+        done = subprocess.run([sys.executable, "-B", SCRIPT, "1", self.folder.name, header], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr), (1, "man_pages.py: cbvhBare has no comment\n"))
+
+
+class PublicHeaders(unittest.TestCase):
+    def test_references_lead_to_pages_and_no_page_has_warnings(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pages = made(folder, *HEADERS)
+            self.assertGreater(len(pages), 80)
+            for name, page in pages.items():
+                for other in re.findall(r"(\w+)\((3\w+)\)", page):
+                    self.assertIn(".".join(other), pages, name)
+                if not page.startswith(".so") and shutil.which("groff"):
+                    done = subprocess.run(["groff", "-man", "-ww", "-z", Path(folder) / name], capture_output=True, text=True)
+                    self.assertEqual(done.stderr, "", name)
+
+    def test_types_of_each_page_are_declared_before_they_are_used(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, page in made(folder, *HEADERS).items():
+                if not page.startswith(".so"):
+                    declared = re.findall(r"^(?:struct|enum) (?:CBVH_ALIGNED )?(\w+)$", section(page, "SYNOPSIS"), re.M)
+                    self.assertEqual(len(declared), len(set(declared)), name)
+
+
+if __name__ == "__main__":
+    unittest.main()
