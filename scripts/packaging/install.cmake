@@ -74,11 +74,9 @@ if(HELP2MAN AND NOT CBVH_SANITIZE)
   install(FILES ${pages} DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT examples)
 endif()
 
-# --- pages, and the examples that they name ------------------------------------------------------
+# --- pages, and examples beside those of Python ---------------------------------------------------
 
-install(DIRECTORY "${CMAKE_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT devel)
-install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/beside/" DESTINATION "${CMAKE_INSTALL_DOCDIR}/examples/beside" COMPONENT beside_devel
-  FILES_MATCHING PATTERN "*.c" PATTERN "*.cpp" PATTERN "*.h")
-install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/python/" DESTINATION "${CMAKE_INSTALL_DOCDIR}/examples/python" COMPONENT examples
-  FILES_MATCHING PATTERN "*.py")
+install(DIRECTORY "${CMAKE_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh" COMPONENT devel)
+install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/beside/" DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh/examples"
+  COMPONENT beside_devel FILES_MATCHING PATTERN "*.c" PATTERN "*.cpp" PATTERN "*.h")
 install(FILES "${CMAKE_SOURCE_DIR}/CHANGELOG.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT lib)
