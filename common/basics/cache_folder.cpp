@@ -3,6 +3,7 @@
 
 #include "basics/cache_folder.h"
 #include "basics/error.h"
+#include "basics/setting_name.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -20,7 +21,7 @@ std::string userCacheFolder()
   {
     const std::filesystem::path home = variable("HOME");
     if (!home.is_absolute())
-      throw Error("there is no cache directory: set HOME or XDG_CACHE_HOME, or give --maps DIR");
+      throw Error("there is no cache directory: set HOME or XDG_CACHE_HOME, or give " + settingName("maps") + " DIR");
     caches = home / ".cache";
   }
   return (caches / "embree-cbvh").string();

@@ -5,6 +5,7 @@
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "basics/progress.h"
+#include "basics/setting_name.h"
 #include "surface/mesh.h"
 
 #include <cstdint>
@@ -97,11 +98,12 @@ RTCCompressionArguments compressionArguments(const BuildSettings& settings)
 void validateBuild(const BuildSettings& settings)
 {
   if (settings.level < 0 || settings.level > maxLevel)
-    throw Error("--level " + std::to_string(settings.level) + " is out of range, " + levelRange());
+    throw Error(settingName("level") + " " + std::to_string(settings.level) + " is out of range, " + levelRange());
   if (settings.threads < 0)
-    throw Error("--threads must not be negative");
+    throw Error(settingName("threads") + " must not be negative");
   if (!std::set<std::string>{"", "sse2", "sse4.2", "avx", "avx2", "avx512"}.count(settings.isa))
-    throw Error("unknown --isa '" + settings.isa + "', known are sse2, sse4.2, avx, avx2 and avx512");
+    throw Error("unknown " + settingName("isa") + " '" + settings.isa +
+                "', known are sse2, sse4.2, avx, avx2 and avx512");
   validateTraceDevice(settings.device);
 }
 
@@ -120,7 +122,7 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
   if (model.isMesh)
     buildMesh(model, settings);
   else if (representation.kind == RepresentationKind::Naive && rates)
-    throw Error("the triangles of naive have one --level for all edges");
+    throw Error("the triangles of naive have one " + settingName("level") + " for all edges");
   else if (representation.kind == RepresentationKind::Naive)
     buildTriangles(model, settings);
   else
@@ -168,7 +170,8 @@ void BuiltScene::askForStatistics()
 void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
 {
   if (what.kind != RepresentationKind::Grid && what.kind != RepresentationKind::CVert)
-    throw Error("--mesh has no " + what.label() + ": it is traced as grid, by Embree's own kernel of quads or triangles, or as cvert");
+    throw Error(settingName("mesh") + " has no " + what.label() +
+                ": it is traced as grid, by Embree's own kernel of quads or triangles, or as cvert");
   const Cage& mesh = model.cage;
   bool ofTriangles = true;
   for (size_t face = 0; face < mesh.numFaces(); face++)

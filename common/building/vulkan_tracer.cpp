@@ -3,6 +3,7 @@
 
 #include "building/vulkan_tracer.h"
 #include "basics/error.h"
+#include "basics/setting_name.h"
 #include "building/embree_device.h"
 
 #ifdef CBVH_VULKAN
@@ -26,9 +27,11 @@ void validateTraceDevice(const std::string& name)
     return;
   const std::string way = name.substr(0, name.find(':'));
   if (way != "vulkan" && way != rayQueryName)
-    throw Error("unknown --device '" + name + "', known are cpu, vulkan, and ray-query, the last two alone or with : and an index or a part of a name");
+    throw Error("unknown " + settingName("device") + " '" + name +
+                "', known are cpu, vulkan, and ray-query, the last two alone or with : and an index or a part of a name");
 #ifndef CBVH_VULKAN
-  throw Error("--device " + name + ": this build is without Vulkan, which needs its headers, glslc and Python");
+  throw Error(settingName("device") + " " + name +
+              ": this build is without Vulkan, which needs its headers, glslc and Python");
 #endif
 }
 

@@ -4,6 +4,7 @@
 #include "scenes/catalogue.h"
 #include "basics/cache_folder.h"
 #include "basics/error.h"
+#include "basics/setting_name.h"
 #include "scenes/cube.h"
 #include "scenes/frog.h"
 #include "scenes/herd.h"
@@ -45,7 +46,8 @@ void chooseUp(Model& model, const SceneSettings& settings, const std::string& pa
     const UpGuess guess = guessUp(model.cage);
     model.up = guess.axis;
     if (!guess.reason.empty())
-      warnings += path + ": " + guess.axis + " is taken for up, as " + guess.reason + "; if it is not, give --up y\n";
+      warnings += path + ": " + guess.axis + " is taken for up, as " + guess.reason + "; if it is not, give " +
+                  settingName("up") + " y\n";
   }
   else
     model.up = settings.up;
@@ -132,23 +134,24 @@ const SceneEntry* findScene(const std::string& name)
 /* How a map is read. */
 void validateMap(const SceneSettings& s)
 {
-  const std::pair<const char*, bool> given[] = {{"--amplitude", s.amplitude && !s.cagePath.empty()},
-                                                {"--height-scale", s.mapScale.has_value()},
-                                                {"--mid-level", s.midLevel.has_value()},
-                                                {"--channel", !s.channel.empty()},
-                                                {"--height-repeat", s.repeat.x != 1.0f || s.repeat.y != 1.0f},
-                                                {"--vectors", s.mapValues != MapValues::Heights}};
+  const std::pair<std::string, bool> given[] = {{settingName("amplitude"), s.amplitude && !s.cagePath.empty()},
+                                                {settingName("height-scale"), s.mapScale.has_value()},
+                                                {settingName("mid-level"), s.midLevel.has_value()},
+                                                {settingName("channel"), !s.channel.empty()},
+                                                {settingName("height-repeat"), s.repeat.x != 1.0f || s.repeat.y != 1.0f},
+                                                {settingName("vectors"), s.mapValues != MapValues::Heights}};
   for (const auto& [option, isGiven] : given)
     if (isGiven && s.heightPath.empty())
-      throw Error(std::string(option) + " needs a height map, give --height FILE");
+      throw Error(option + " needs a height map, give " + settingName("height") + " FILE");
   if (s.amplitude && s.mapScale)
-    throw Error("--amplitude and --height-scale say the same in different units, give one");
+    throw Error(settingName("amplitude") + " and " + settingName("height-scale") +
+                " say the same in different units, give one");
   if (s.mapScale && !std::isfinite(*s.mapScale))
-    throw Error("--height-scale must be finite");
+    throw Error(settingName("height-scale") + " must be finite");
   if (s.midLevel && !std::isfinite(*s.midLevel))
-    throw Error("--mid-level must be finite");
+    throw Error(settingName("mid-level") + " must be finite");
   if (isUdimPath(s.heightPath) && (s.repeat.x != 1.0f || s.repeat.y != 1.0f))
-    throw Error("--height-repeat does not go with <UDIM>, whose tiles are not repeated");
+    throw Error(settingName("height-repeat") + " does not go with <UDIM>, whose tiles are not repeated");
 }
 
 } // namespace
@@ -178,36 +181,40 @@ void validateScene(const SceneSettings& s)
   if (!s.savedPath.empty())
     throw Error(s.savedPath + ": a file of compressed surfaces has no model; cbvh_render and cbvh_viewer show it");
   if (int(!s.scene.empty()) + int(!s.cagePath.empty()) + int(!s.meshPath.empty()) != 1)
-    throw Error("give either --scene NAME, one of " + listOfScenes() + ", --cage FILE or --mesh FILE");
+    throw Error("give either " + settingName("scene") + " NAME, one of " + listOfScenes() + ", " +
+                settingName("cage") + " FILE or " + settingName("mesh") + " FILE");
   if (!s.meshPath.empty() && !s.heightPath.empty())
-    throw Error("--height belongs to --cage, a mesh is traced as it is");
+    throw Error(settingName("height") + " belongs to " + settingName("cage") + ", a mesh is traced as it is");
   if (!s.scene.empty() && !findScene(s.scene))
-    throw Error("unknown --scene '" + s.scene + "', known are " + listOfScenes());
+    throw Error("unknown " + settingName("scene") + " '" + s.scene + "', known are " + listOfScenes());
   if (!s.scene.empty() && !s.heightPath.empty())
-    throw Error("--height belongs to --cage, generated scenes bring their own displacement");
+    throw Error(settingName("height") + " belongs to " + settingName("cage") +
+                ", generated scenes bring their own displacement");
   const bool isTrex = s.scene == "trex" || s.scene == "herd";
   if (s.rough && !isTrex)
-    throw Error("--rough belongs to --scene trex or herd");
+    throw Error(settingName("rough") + " belongs to " + settingName("scene") + " trex or herd");
   if (!s.mapping.empty() && !isTrex)
-    throw Error("--mapping belongs to --scene trex or herd");
+    throw Error(settingName("mapping") + " belongs to " + settingName("scene") + " trex or herd");
   if (!s.mapping.empty() && s.mapping != "faces" && s.mapping != "atlas")
-    throw Error("unknown --mapping '" + s.mapping + "', known are faces and atlas");
+    throw Error("unknown " + settingName("mapping") + " '" + s.mapping + "', known are faces and atlas");
   if (s.count && s.scene != "herd")
-    throw Error("--count belongs to --scene herd");
+    throw Error(settingName("count") + " belongs to " + settingName("scene") + " herd");
   if (s.count && (*s.count < 1 || *s.count > herdMostCount))
-    throw Error("--count " + std::to_string(*s.count) + " is out of range, 1 to " + std::to_string(herdMostCount));
+    throw Error(settingName("count") + " " + std::to_string(*s.count) + " is out of range, 1 to " +
+                std::to_string(herdMostCount));
   if (!s.up.empty() && s.cagePath.empty() && s.meshPath.empty())
-    throw Error("--up belongs to --cage and --mesh");
+    throw Error(settingName("up") + " belongs to " + settingName("cage") + " and " + settingName("mesh"));
   if (s.amplitude && !std::isfinite(*s.amplitude))
-    throw Error("--amplitude must be finite");
+    throw Error(settingName("amplitude") + " must be finite");
   if (!s.cageEnds.empty() && s.cagePath.empty())
-    throw Error("--cage-end belongs to --cage, generated scenes have --motion");
+    throw Error(settingName("cage-end") + " belongs to " + settingName("cage") + ", generated scenes have " +
+                settingName("motion"));
   if (!s.cageEnds.empty() && !s.motion.empty())
-    throw Error("--cage-end and --motion both say how the cage moves, give one");
+    throw Error(settingName("cage-end") + " and " + settingName("motion") + " both say how the cage moves, give one");
   if (!s.motion.empty() && !s.meshPath.empty())
-    throw Error("--motion belongs to cages and generated scenes");
+    throw Error(settingName("motion") + " belongs to cages and generated scenes");
   if (s.steps && s.motion.empty())
-    throw Error("--steps belongs to --motion");
+    throw Error(settingName("steps") + " belongs to " + settingName("motion"));
   if (!s.motion.empty())
     validateMotion(motionOf(s));
   validateMap(s);

@@ -3,6 +3,7 @@
 
 #include "scenes/motion.h"
 #include "basics/error.h"
+#include "basics/setting_name.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,9 +49,9 @@ void validateMotion(const MotionSettings& settings)
 {
   const std::vector<std::string>& names = motionNames();
   if (std::find(names.begin(), names.end(), settings.name) == names.end())
-    throw Error("--motion: unknown motion '" + settings.name + "': expected turn, bend, twist or walk");
+    throw Error(settingName("motion") + ": unknown motion '" + settings.name + "': expected turn, bend, twist or walk");
   if (settings.steps < 2 || settings.steps > 129)
-    throw Error("--steps: " + std::to_string(settings.steps) + " time steps: expected 2 to 129");
+    throw Error(settingName("steps") + ": " + std::to_string(settings.steps) + " time steps: expected 2 to 129");
 }
 
 std::vector<Vec3f> posed(const std::string& name, const std::vector<Vec3f>& positions, float degrees)

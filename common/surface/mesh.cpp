@@ -6,6 +6,7 @@
 #include "basics/file_output.h"
 #include "basics/hash.h"
 #include "basics/progress.h"
+#include "basics/setting_name.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -37,7 +38,8 @@ void makeQuads(Cage& cage, const std::string& path)
   {
     const unsigned size = cage.faceSizes[face], *v = &cage.faceIndices[first];
     if (size > 4)
-      throw Error(path + ": face " + std::to_string(face) + " has " + std::to_string(size) + " vertices: a mesh has quads and triangles, give --cage to subdivide it");
+      throw Error(path + ": face " + std::to_string(face) + " has " + std::to_string(size) +
+                  " vertices: a mesh has quads and triangles, give " + settingName("cage") + " to subdivide it");
     if (!isHole[face])
       indices.insert(indices.end(), {v[0], v[1], v[2], v[size - 1]});
     first += size;

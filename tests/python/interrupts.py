@@ -147,6 +147,27 @@ class Threads(unittest.TestCase):
             np.testing.assert_array_equal(found[name], t)
         self.assertEqual(phases, {"grid": {"GRID: build"}, "cvert": {"cVERT: build"}, "cleaf": {"cLEAF: build"}})
 
+    def test_a_program_ends_while_daemon_threads_build_and_trace(self):
+        program = """
+import sys, threading, time
+sys.path.insert(0, %r)
+import embree_cbvh as cbvh
+from sheets import bumpy_model, rays_from_above
+model, rays = bumpy_model(40), rays_from_above()
+begun = threading.Barrier(4)
+def work():
+    begun.wait()
+    while True:
+        cbvh.build(model, "cvert", 6).intersect(*rays)
+for _ in range(3):
+    threading.Thread(target=work, daemon=True).start()
+begun.wait()
+time.sleep(float(sys.argv[1]))
+""" % os.path.dirname(os.path.abspath(__file__))
+        for seconds in ("0", "0.02", "0.3"):
+            done = subprocess.run([sys.executable, "-c", program, seconds], capture_output=True, text=True, timeout=120)
+            self.assertEqual((done.returncode, done.stderr), (0, ""), seconds)
+
 
 if __name__ == "__main__":
     unittest.main()

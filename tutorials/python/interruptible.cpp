@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "interruptible.h"
+#include "basics/error.h"
 #include "basics/progress.h"
 
 #include <atomic>
@@ -22,6 +23,27 @@ constexpr auto patience = std::chrono::milliseconds(50);
 std::timed_mutex turn;
 std::atomic<std::thread::id> whoseTurn;
 
+/* Threads that are in runInterruptible, and whether the interpreter is about to end. Both change with the interpreter's
+ * lock only. */
+std::atomic<int> inside{0};
+std::atomic<bool> ending{false};
+
+/* Counts the calling thread, unless the interpreter is about to end: a daemon thread that waits for the interpreter's lock
+ * after the interpreter has ended is unwound through destructors, which ends the process by std::terminate. */
+class Inside
+{
+public:
+  Inside()
+  {
+    if (ending)
+      throw Cancelled();
+    inside++;
+  }
+  ~Inside() { inside--; }
+  Inside(const Inside&) = delete;
+  Inside& operator=(const Inside&) = delete;
+};
+
 void throwIfSignalled()
 {
   if (PyErr_CheckSignals())
@@ -40,6 +62,8 @@ std::unique_lock<std::timed_mutex> takeTurn()
       if (lock.try_lock_for(patience))
         break;
     }
+    if (ending)
+      throw Cancelled();
     throwIfSignalled();
   }
   whoseTurn = std::this_thread::get_id();
@@ -140,8 +164,22 @@ void runInterruptible(const py::object& progress, const std::function<void()>& w
 {
   if (!progress.is_none() && !PyCallable_Check(progress.ptr()))
     throw py::type_error("progress: is neither None nor callable");
+  const Inside counted;
   const std::unique_lock<std::timed_mutex> mine = takeTurn();
   Task(work).wait(progress);
+}
+
+bool interpreterEnds() { return ending; }
+
+void cancelAllAtExit()
+{
+  ending = true;
+  while (inside > 0)
+  {
+    requestCancel(); // again and again, as a task that ends clears it
+    const py::gil_scoped_release released;
+    std::this_thread::sleep_for(patience);
+  }
 }
 
 } // namespace cbvh::python

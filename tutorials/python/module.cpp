@@ -5,15 +5,15 @@
 
 #include "classes.h"
 #include "hits.h"
+#include "interruptible.h"
 
 #include "basics/error.h"
+#include "basics/setting_name.h"
 
 #include <embree3/rtcore_compression.h>
 #include <pybind11/pybind11.h>
 
 #include <exception>
-#include <regex>
-#include <string>
 
 namespace cbvh::python {
 namespace {
@@ -31,21 +31,6 @@ constexpr const char* moduleText = R"(Displaced subdivision surfaces in the repr
 
 Long calls let other threads of Python run, and Ctrl-C stops them.)";
 
-/* Messages of common/ name options of command lines, --frame-level; here they are frame_level. */
-std::string inPython(std::string message)
-{
-  static const std::regex option("--([a-z]+(-[a-z]+)*)");
-  std::string result;
-  for (std::smatch found; std::regex_search(message, found, option); message = found.suffix())
-  {
-    std::string name = found[1];
-    for (char& c : name)
-      c = c == '-' ? '_' : c;
-    result += found.prefix().str() + name;
-  }
-  return result + message;
-}
-
 PyObject* errorType = nullptr; // the module's, which keeps it
 
 void translate(std::exception_ptr thrown)
@@ -57,11 +42,11 @@ void translate(std::exception_ptr thrown)
   }
   catch (const Cancelled&)
   {
-    PyErr_SetNone(PyExc_KeyboardInterrupt);
+    PyErr_SetNone(interpreterEnds() ? PyExc_SystemExit : PyExc_KeyboardInterrupt); // a thread ends without a word by the former
   }
   catch (const Error& e)
   {
-    PyErr_SetString(errorType, inPython(e.what()).c_str());
+    PyErr_SetString(errorType, e.what());
   }
 }
 
@@ -71,6 +56,7 @@ void translate(std::exception_ptr thrown)
 PYBIND11_MODULE(embree_cbvh, module)
 {
   using namespace cbvh::python;
+  cbvh::setSettingNames(cbvh::SettingNames::Arguments);
   module.doc() = moduleText;
   module.attr("__version__") = RTC_COMPRESSION_VERSION_STRING;
   errorType = PyErr_NewExceptionWithDoc("embree_cbvh.Error",
@@ -80,6 +66,7 @@ PYBIND11_MODULE(embree_cbvh, module)
     throw py::error_already_set();
   module.attr("Error") = py::handle(errorType);
   py::register_exception_translator(translate);
+  py::module_::import("atexit").attr("register")(py::cpp_function(cancelAllAtExit));
   defineHits(module);
   defineCage(module);
   defineModel(module);
