@@ -110,6 +110,32 @@ TEST(ClusterCodec, Compressed1GivesVerticesBack)
   }
 }
 
+// The largest floats are 2^128 less one of the 24 bits of a float: 8,388,607 steps of 2^105, and half a step more.
+TEST(ClusterCodec, TheLargestFloatsStayFinite)
+{
+  Random random(183);
+  std::unique_ptr<LatticePoints> points(new LatticePoints);
+  for (int sign : {1, -1}) {
+    Grid grid(4, 4);
+    for (Vertex& v : grid.vertices)
+      for (float& x : v) x = std::ldexp(float(sign*(8388607 - int(random.below(65535)))), 105);
+    grid.at(0, 0)[0] = std::ldexp(float(sign*8388607), 105);
+    const QuadTriangles triangles(grid.points(), grid.width, {0, 0, 4, 4}, false);
+    ASSERT_TRUE(place(grid, *points));
+    ASSERT_EQ(points->exponent, 232u);
+    LatticeSpan span;
+    for (unsigned i = 0; i < triangles.numVertices; i++) span.add(points->at[triangles.vertices[i]]);
+    ASSERT_TRUE(span.fits());
+    std::vector<uint32_t> data(compressed1Bytes(81)/4 + 1);
+    const size_t bytes = putCompressed1(*points, span, triangles.vertices, triangles.numVertices, (uint8_t*)data.data());
+    const DecodedCluster decoded = decodeCompressed1(data.data(), bytes, triangles.numVertices);
+    for (unsigned i = 0; i < triangles.numVertices; i++) ASSERT_EQ(decoded.vertices[i], grid.vertices[triangles.vertices[i]]);
+  }
+  Grid grid(1, 1);
+  grid.at(0, 0)[0] = std::ldexp(16777215.0f, 104);
+  EXPECT_FALSE(place(grid, *points)) << "half steps have a finer lattice, on which they are beyond 2^23 steps";
+}
+
 typedef std::array<Vertex, 3> Triangle;
 
 Triangle turned(const Triangle& t) { return std::min({t, Triangle{t[1], t[2], t[0]}, Triangle{t[2], t[0], t[1]}}); }

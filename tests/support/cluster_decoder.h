@@ -5,7 +5,8 @@
 
 /* Decoders of clusters, written from the public specifications alone, bit by bit, and without a line of the kernels:
  *
- * - COMPRESSED1: DirectX Raytracing Functional Spec, Part 2, v0.19, "Compressed1 position encoding"
+ * - COMPRESSED1: DirectX Raytracing Functional Spec, Part 2, v0.19, "Compressed1 position encoding", and from
+ *   v0.28 that vertices are finite: with exponent 232 anchor plus offset lies within +-8,388,607
  * - DGF1: the Vulkan specification, VK_AMDX_dense_geometry_format, "Dense Geometry Format Version 1"
  *
  * They throw where a rule of these is broken. */
@@ -73,7 +74,9 @@ struct LatticeHeader
     const float scale = std::ldexp(1.0f, int(exponent) - 127);
     std::array<float, 3> v;
     for (int k = 0; k < 3; k++) {
-      v[k] = float(anchor[k] + int32_t(from.read(position, bits[k])))*scale;
+      const int32_t steps = anchor[k] + int32_t(from.read(position, bits[k]));
+      demand(exponent < 232 || (steps >= -8388607 && steps <= 8388607), "a vertex is not finite");
+      v[k] = float(steps)*scale;
       position += bits[k];
     }
     return v;

@@ -5,7 +5,9 @@
 
 /* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1: a header of 12 bytes, and offsets from its anchor without a bit between them.
  *
- * Based on: DirectX Raytracing Functional Spec, Part 2, v0.19, "Compressed1 position encoding", Microsoft 2026. */
+ * Based on: DirectX Raytracing Functional Spec, Part 2, v0.28, "Compressed1 position encoding", Microsoft 2026. With exponent
+ * 232 the specification requires that anchor plus offset lies within +-8,388,607, so that vertices are finite. That always
+ * holds here: a vertex is a finite float, and 8,388,608 steps of 2^105 are 2^128, which is none. */
 
 #include "lattice_points.h"
 
