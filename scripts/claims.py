@@ -2,14 +2,15 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures what README.md claims on all generated scenes: how much smaller cVERT and cGRID are than GRID, and how many pixels of cVERT differ.
+"""Measures on all generated scenes how much smaller cVERT and cGRID are than GRID (docs/performance.md), and how many pixels of
+cVERT differ (docs/accuracy.md).
 
     scripts/claims.py                            all scenes, some minutes on two cores, and 7 GB for NAIVE of the largest
     scripts/claims.py --scene cube rough         those: rough is trex with five times the displacement
     scripts/claims.py --cage body.obj --height skin.png    yours
 
-A pixel differs where one of its colours is more than 5% (or 25%) of white away from GRID's, of shaded pictures at level 6. NAIVE
-has GRID's triangles, and differs by rounding alone: what it differs by, nobody can tell apart.
+A pixel differs if one of its colors is more than 5% (or 25%) of white away from GRID's, in shaded pictures at level 6. NAIVE has
+GRID's triangles and differs by rounding alone.
 """
 
 import argparse

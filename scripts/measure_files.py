@@ -2,12 +2,12 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures the table of files in docs/performance.md: how long a saved scene takes to open, and what memory.
+"""Measures the table of files in docs/scale.md: how long a saved scene takes to open, and what memory.
 
     scripts/measure_files.py PATH/TO/cbvh_render FOLDER [--repeat N]
 
-The scene is saved to the folder first, if it is not there. A cold file has no page in memory: what is on disk is written, and then
-let go (posix_fadvise). Memory is that of the mapping, as the kernel says of each process (/proc/PID/smaps).
+The scene is saved to the folder first, if it is not there. No page of a cold file is in memory: the file is flushed to the disk and
+evicted from the page cache (posix_fadvise). Memory is that of the mapping of each process (/proc/PID/smaps).
 """
 
 import argparse
@@ -80,7 +80,7 @@ def main():
         subprocess.run([options.program, "--scene", options.scene, "--level", "6", "--save", path, "--samples", "1", "--output", folder / "save"], check=True, stdout=subprocess.DEVNULL)
     mib = 1 << 20
     print(f"{path.name}: {path.stat().st_size / mib:.1f} MiB\n")
-    print("| view | file | processes | opened, ms | - on processors | first ray, ms | mapped and met, MiB a process | its part of that, MiB | in memory of the file, MiB |")
+    print("| view | file | processes | open, ms | processor time, ms | first ray, ms | mapped, MiB | share, MiB | cached, MiB |")
     print("|:--|:--|--:|--:|--:|--:|--:|--:|--:|")
     for view in VIEWS:
         for isCold in (False, True):

@@ -73,10 +73,7 @@ def lines_of(rows):
                 kind = kind if name.startswith("-") else name
                 cells.append(cell(kinds[kind], view, shown))
             out.append([f"{scene}, {view}", *cells])
-    source = (
-        f"{run['cpu']}, {isa.upper()}, {run['date'][:10]}, commit {run['commit']}: `cbvh_bench {OPTIONS} --isa {isa} "
-        f"--mode single,{PACKETS[isa]}`"
-    )
+    source = f"{run['cpu']}, {isa.upper()}, {run['date'][:10]}, commit {run['commit']}."
     return [*table(["", *(name for name, _ in COLUMNS)], out), source, ""]
 
 
