@@ -239,7 +239,6 @@ TEST(VertBlock, WhatIsOffTheLatticeIsRaw)
   EXPECT_EQ(decoded->vertices[40][2], encoder->vertices[40][2]);
 }
 
-// Rows "| offset | `bytes` | meaning |" of FORMAT_VERT.md's last section.
 TEST(VertBlock, BlocksOf2To14StepsAreRaw)
 {
   auto encoder = std::make_unique<VertEncoder>();
@@ -254,9 +253,10 @@ TEST(VertBlock, BlocksOf2To14StepsAreRaw)
   }
 }
 
+// Rows "| offset | `bytes` | meaning |" of the page's last section.
 TEST(VertBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
 {
-  std::ifstream file(FORMAT_VERT_MD);
+  std::ifstream file(FORMATS "/block_example.md");
   std::vector<int> annotated;
   bool inside = false;
   for (std::string line; std::getline(file, line);) {

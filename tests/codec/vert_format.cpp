@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What FORMAT_VERT.md says in numbers: each is read from its sentence or table, and compared with what the code
- * does, so the two cannot drift. vert_block.cpp has the block that the page shows byte by byte. */
+/* The tables of the pages about cVERT blocks against the code: constants, offsets of fields, and bits of words. A table of
+ * constants is generated here and found in its page as it stands. vert_block.cpp has the block that block_example.md shows. */
 
 #include "kernels/cbvh/base/primitive_type.h"
 #include "kernels/cbvh/framed/block.h"
@@ -19,6 +19,7 @@
 #include <iterator>
 #include <map>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -27,74 +28,64 @@ namespace {
 
 using namespace embree::cbvh;
 
-std::string page()
+// FORMATS is the folder of the pages.
+std::string page(const std::string& name)
 {
-  std::ifstream file(FORMAT_VERT_MD);
-  return std::string(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  std::ifstream file(FORMATS "/" + name);
+  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  EXPECT_FALSE(text.empty()) << name;
+  return text;
 }
 
-// The page on one line, so that sentences may be broken anywhere.
-std::string text()
+struct Constant
 {
-  return std::regex_replace(page(), std::regex("\\s+"), " ");
+  const char* name;
+  double value;
+};
+
+// That the page has a table of just these constants.
+void expectConstants(const std::string& name, const std::vector<Constant>& constants)
+{
+  std::ostringstream table;
+  table << "| constant | value |\n|:--|--:|\n";
+  for (const Constant& constant : constants) table << "| " << constant.name << " | " << constant.value << " |\n";
+  EXPECT_NE(page(name).find("-->\n\n" + table.str() + "\n"), std::string::npos) << name << " has to have\n" << table.str();
 }
 
-/* The numbers of the only sentence that has this form, in which # is a number. */
-std::vector<double> numbersOf(std::string form)
+TEST(VertFormat, ConstantsAreThoseOfTheCode)
 {
-  form = std::regex_replace(form, std::regex("[.^()*+?\\[\\]{}|`]"), "\\$&");
-  form = std::regex_replace(form, std::regex("#"), "(-?[0-9]+)");
-  const std::string all = text();
-  const std::regex pattern(form);
-  std::vector<double> numbers;
-  size_t sentences = 0;
-  for (std::sregex_iterator i(all.begin(), all.end(), pattern), end; i != end; ++i, sentences++)
-    for (size_t n = 1; n < i->size(); n++) numbers.push_back(std::stod((*i)[n]));
-  EXPECT_EQ(sentences, 1u) << "sentences of the form " << form;
-  return numbers;
+  const double side = 1u << maxVertHeight;
+  EXPECT_EQ(maxVertGroups, (side/groupQuads)*(side/groupQuads));
+  EXPECT_EQ(double(vertBlockQuads), side);
+  EXPECT_EQ(double(sizeof(VertNumbers)), double(vertEdgesBytes));
+  expectConstants("block.md", {
+    {"format version, `vertFormatVersion`", vertFormatVersion}, {"alignment of a block, bytes", blockAlignment},
+    {"bytes after a block that decoders may read", 16}, {"type of a block in the tree", VERT_BLOCK},
+    {"type of a moving block in the tree", MOVING_VERT_BLOCK}, {"quads along a side of a block, at most", side},
+    {"quads along a side of a group, at most", groupQuads}, {"bytes of the header", vertHeaderBytes},
+    {"bytes of edges or numbers", vertEdgesBytes}, {"bits of a coordinate", std::log2(double(maxExtent))},
+    {"bits of a field, above which it is stored in three parts", maxFieldBits}});
+  expectConstants("motion.md", {
+    {"bytes of the motion section", vertMotionBytes}, {"bytes of the header of a step", vertStepBytes},
+    {"time steps, at most", maxTimeSteps}});
+  // The least speed along the normal of the triangle (0,0,0), (1,0,0), (0,1,0), by the sum of |n[i] dir[i]|, which is 3.
+  const WideTriangle<double> triangle = {{{0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
+  const double org[3] = {0.25, 0.25, -1}, dir[3] = {0.5, 0, 3};
+  const auto at = meetPlane(triangle, normalOf(triangle), org, dir);
+  EXPECT_EQ(at.speed, 3);
+  expectConstants("rays.md", {
+    {"ulps by which boxes are widened", slackUlps}, {"ulps by which sheared planes are widened", shearedSlackUlps},
+    {"a plane contains the ray up to this part of the sum", at.least/3}});
 }
 
-typedef std::vector<double> Numbers;
-
-TEST(VertFormat, TheVersionIsTheOneOfThePage)
-{
-  EXPECT_EQ(numbersOf("This is format version # (`vertFormatVersion`"), Numbers{vertFormatVersion});
-}
-
-TEST(VertFormat, SizesAreThoseOfThePage)
-{
-  const double side = 1u << maxVertHeight, group = groupQuads;
-  EXPECT_EQ(numbersOf("A block starts at a multiple of # bytes"), Numbers{blockAlignment});
-  EXPECT_EQ(numbersOf("its type in the top-level BVH is #, or # if it moves."), (Numbers{double(VERT_BLOCK), double(MOVING_VERT_BLOCK)}));
-  EXPECT_EQ(numbersOf("Behind header and edges or numbers it has # bytes:"), Numbers{vertMotionBytes});
-  EXPECT_EQ(numbersOf("| `numSteps` | 2 to #, at even times"), Numbers{maxTimeSteps});
-  EXPECT_EQ(numbersOf("step, # bytes | margins of groups"), Numbers{vertStepBytes});
-  EXPECT_EQ(numbersOf("**Block.** Up to # x # quads of a patch"), (Numbers{side, side}));
-  EXPECT_EQ(numbersOf("A patch is cut every # quads, so its last blocks"), Numbers{side});
-  EXPECT_EQ(numbersOf("**Group.** Up to # x # quads of a block. A block is cut every # quads"), (Numbers{group, group, group}));
-  EXPECT_EQ(maxVertGroups, (side/group)*(side/group));
-  const Numbers bits = numbersOf("A **coordinate** is an integer of # bits"), power = numbersOf("that are wider than #^# steps");
-  ASSERT_EQ(bits.size(), 1u);
-  ASSERT_EQ(power.size(), 2u);
-  EXPECT_EQ(std::exp2(bits[0]), double(maxExtent));
-  EXPECT_EQ(std::pow(power[0], power[1]), double(maxExtent));
-  EXPECT_EQ(numbersOf("Where that is more than # bits, the b0 bits of all"), Numbers{maxFieldBits});
-}
-
-// The rule of the page, of a median edge of 1.
+// The rule of accuracy.md, of a median edge of 1: parts of it, quads below which it shrinks, and the diagonal's part.
 TEST(VertFormat, TheDefaultSpacingIsThatOfThePage)
 {
-  const Numbers edge = numbersOf("largest power of two that is at most #/# of the median edge"),
-                full = numbersOf("and with q < # quads there at most q/# of that"),
-                diagonal = numbersOf("Nor is it more than #/# of the diagonal of the cage's bounds"),
-                finest = numbersOf("but for that it is not less than #/# of that edge");
-  ASSERT_TRUE(edge.size() == 2 && full.size() == 2 && diagonal.size() == 2 && finest.size() == 2);
-  ASSERT_EQ(full[0], full[1]);
-  const double ofEdge = edge[0]/edge[1], ofDiagonal = diagonal[0]/diagonal[1], least = finest[0]/finest[1];
-  ASSERT_LT(least, ofEdge);
-  for (unsigned quads = 1; quads < unsigned(full[0]); quads++)
-    for (double size : {0.0, 1e9}) EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, size), ofEdge*quads/full[0]) << quads << " quads";
-  for (unsigned quads : {unsigned(full[0]), 100u}) {
+  const double ofEdge = 1.0/36, least = 1.0/96, ofDiagonal = 1.0/32768;
+  const unsigned full = 16;
+  for (unsigned quads = 1; quads < full; quads++)
+    for (double size : {0.0, 1e9}) EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, size), ofEdge*quads/full) << quads << " quads";
+  for (unsigned quads : {full, 100u}) {
     EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, 1e9), ofEdge);
     EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, 0), least);
     const double between = 0.5*(ofEdge + least); // the diagonal's
@@ -102,35 +93,16 @@ TEST(VertFormat, TheDefaultSpacingIsThatOfThePage)
   }
 }
 
-TEST(VertFormat, LatticesAreThoseOfThePage)
+TEST(VertFormat, LatticesHaveAtLeastTwoToTheMinus23OfTheLargestCoordinate)
 {
-  const Numbers finest = numbersOf("A lattice is not finer than #^# of the face's largest coordinate");
-  ASSERT_EQ(finest.size(), 2u);
+  const double finest = std::exp2(-23);
   for (double largest : {1.0, 1.5, 1.99, 1000.0}) {
     const double spacing = std::ldexp(1.0, latticeExponent(1e-30, largest));
-    EXPECT_GE(spacing, std::pow(finest[0], finest[1])*largest);
-    EXPECT_LE(spacing, 2*std::pow(finest[0], finest[1])*largest);
+    EXPECT_GE(spacing, finest*largest);
+    EXPECT_LE(spacing, 2*finest*largest);
   }
   EXPECT_EQ(latticeExponent(0.99, 1), -1);
   EXPECT_EQ(latticeExponent(1, 1), 0);
-}
-
-TEST(VertFormat, RaysAreWidenedAsThePageSays)
-{
-  EXPECT_EQ(numbersOf("both widened by # ulps of the distance to the farthest plane"), Numbers{slackUlps});
-  EXPECT_EQ(numbersOf("between planes of h by # ulps of the three distances"), Numbers{shearedSlackUlps});
-}
-
-// The triangle (0,0,0), (1,0,0), (0,1,0), seen along (x,y,1).
-TEST(VertFormat, RaysLieInPlanesAsThePageSays)
-{
-  const Numbers least = numbersOf("(|n.dir| is at most #^# of the sum of |n[i] dir[i]|)");
-  ASSERT_EQ(least.size(), 2u);
-  const WideTriangle<double> triangle = {{{0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
-  const double org[3] = {0.25, 0.25, -1}, dir[3] = {0.5, 0, 3};
-  const auto at = meetPlane(triangle, normalOf(triangle), org, dir);
-  EXPECT_EQ(at.speed, 3);
-  EXPECT_FLOAT_EQ(float(at.least), float(3*std::pow(least[0], least[1])));
 }
 
 struct Row
@@ -139,13 +111,13 @@ struct Row
   std::string field;
 };
 
-// Rows "| offset | type | `field` | meaning |" between two places of the page.
-std::vector<Row> rowsOf(const std::string& from, const std::string& to)
+// Rows "| offset | type | `field` | meaning |" of a section.
+std::vector<Row> rowsOf(const std::string& name, const std::string& heading)
 {
   const std::map<std::string, size_t> bytesOf = {{"float", 4}, {"float[3]", 12}, {"uint32", 4}, {"uint16[4][3]", 24}, {"uint16[4]", 8}, {"int8[8]", 8}, {"uint32[2]", 8}};
-  const std::string all = page();
-  const size_t begin = all.find(from), end = all.find(to, begin);
-  EXPECT_TRUE(begin != std::string::npos && end != std::string::npos) << from;
+  const std::string all = page(name);
+  const size_t begin = all.find("\n## " + heading + "\n"), end = all.find("\n## ", begin + 1);
+  EXPECT_NE(begin, std::string::npos) << heading;
   const std::string part = all.substr(begin, end - begin);
   const std::regex row("\\| ([0-9]+) \\| ([a-z0-9\\[\\]]+) \\| `([A-Za-z]+)` \\|");
   std::vector<Row> rows;
@@ -167,45 +139,114 @@ void expectRows(const std::vector<Row>& rows, const std::map<std::string, size_t
   EXPECT_EQ(end, size);
 }
 
+// Bits "| first-last | meaning |" of the table whose head is "| bits of WORD | meaning |", in order.
+struct Bits
+{
+  uint32_t first, count;
+};
+std::vector<Bits> bitsOf(const std::string& name, const std::string& word)
+{
+  const std::string all = page(name), head = "| bits of " + word + " | meaning |\n|---|---|\n";
+  const size_t begin = all.find(head);
+  EXPECT_NE(begin, std::string::npos) << name << ": " << word;
+  std::istringstream lines(all.substr(begin + head.size()));
+  std::vector<Bits> bits;
+  uint32_t end = 0;
+  for (std::string line; std::getline(lines, line) && line.compare(0, 1, "|") == 0;) {
+    unsigned first = 0, last = 0;
+    if (std::sscanf(line.c_str(), "| %u-%u |", &first, &last) != 2) last = first;
+    EXPECT_EQ(first, end) << "a gap, or an overlap: " << line;
+    bits.push_back({first, last - first + 1});
+    end = last + 1;
+  }
+  return bits;
+}
+
+uint32_t onesOf(const Bits& bits) { return bits.count == 32 ? ~0u : (1u << bits.count) - 1; }
+
+// Each field in the bits that its row names: wordOf(field, ones) has the value of all ones there, other fields none.
+void expectFields(const std::vector<Bits>& bits, const std::function<uint32_t(size_t field, uint32_t ones)>& wordOf)
+{
+  for (size_t field = 0; field < bits.size(); field++)
+    EXPECT_EQ(wordOf(field, onesOf(bits[field])), onesOf(bits[field]) << bits[field].first) << "field " << field;
+}
+
+// Each row with just one bit is what a question is asked about.
+void expectFlag(const Bits& bits, bool (*isSet)(uint32_t))
+{
+  EXPECT_EQ(bits.count, 1u);
+  EXPECT_TRUE(isSet(1u << bits.first) && !isSet(~(1u << bits.first))) << "bit " << bits.first;
+}
+
 TEST(VertFormat, TheHeaderIsThatOfThePage)
 {
-  expectRows(rowsOf("## Header", "A **coordinate**"), {
+  expectRows(rowsOf("block.md", "Header"), {
     {"origin", offsetof(VertHeader, origin)}, {"reach", offsetof(VertHeader, reach)}, {"surface", offsetof(VertHeader, surface)},
     {"primID", offsetof(VertHeader, primID)}, {"region", offsetof(VertHeader, region)}, {"patchQuads", offsetof(VertHeader, patchQuads)},
     {"corners", offsetof(VertHeader, corners)}, {"boxForm", offsetof(VertHeader, boxForm)}, {"word", offsetof(VertHeader, word)}}, 0, vertHeaderBytes);
-  expectRows(rowsOf("## Edges", "## Numbers"), {{"edges", vertHeaderBytes}}, vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
-  expectRows(rowsOf("## Numbers", "The form, in"), {{"numbers", vertHeaderBytes}}, vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
-  EXPECT_EQ(numbersOf("Header, # bytes"), Numbers{vertHeaderBytes});
-  EXPECT_EQ(numbersOf("Edges, # bytes"), Numbers{vertEdgesBytes});
-  EXPECT_EQ(numbersOf("Numbers, # bytes"), Numbers{sizeof(VertNumbers)});
+  expectRows(rowsOf("block.md", "Edges"), {{"edges", vertHeaderBytes}}, vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
+  expectRows(rowsOf("mesh_numbers.md", "When does a block have numbers?"), {{"numbers", vertHeaderBytes}}, vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
+}
+
+TEST(VertFormat, FieldsAreWhereThePageSays)
+{
+  expectFields(bitsOf("block.md", "`region`"), [](size_t field, uint32_t ones) {
+    return vertRegion(1 + (field == 0)*ones, 1 + (field == 1)*ones, (field == 2)*ones*vertBlockQuads, (field == 3)*ones*vertBlockQuads);
+  });
+  expectFields(bitsOf("block.md", "`patchQuads`"), [](size_t field, uint32_t ones) { return vertPatch(1 + (field == 0)*ones, 1 + (field == 1)*ones); });
+  expectFields(bitsOf("block.md", "`edges`"), [](size_t field, uint32_t ones) { return vertEdges(1 + (field == 0)*ones, 1, 1, 1, (field == 1)*ones, 0).low; });
+  const std::vector<Bits> form = bitsOf("block.md", "`boxForm`");
+  ASSERT_EQ(form.size(), 11u);
+  for (int k = 0; k < 3; k++) EXPECT_EQ(marginShift(5u << form[size_t(k)].first, k), 5u);
+  EXPECT_EQ(shearedAxis(2u << form[3].first), 2);
+  for (int i = 0; i < 2; i++) EXPECT_EQ(shearSlope(uint32_t(-7 & 31) << form[size_t(4 + i)].first, 1 + i), -7) << i;
+  expectFlag(form[6], isRaw);
+  EXPECT_EQ(reachStep(5u << form[7].first), 32u);
+  expectFlag(form[8], hasEdges);
+  expectFlag(form[9], hasNumbers);
+  expectFlag(form[10], isMoving);
+  const std::vector<Bits> word = bitsOf("block.md", "`word`");
+  ASSERT_EQ(word.size(), 2u);
+  EXPECT_EQ(vertSpacing(127u << word[1].first), 1.0f);
+  EXPECT_EQ(vertSpacing(130u << word[1].first | onesOf(word[0])), 8.0f);
+  // b0, b1, b2, main axis, slopes
+  const std::vector<Bits> cell = bitsOf("block.md", "a word");
+  ASSERT_EQ(cell.size(), 6u);
+  for (int i = 0; i < 3; i++) EXPECT_EQ(cellBits(9u << cell[size_t(i)].first, i), 9) << i;
+  EXPECT_EQ(cellMainAxis(2u << cell[3].first), 2);
+  for (int i = 0; i < 2; i++) EXPECT_EQ(cellSlope(uint32_t(-7 & 31) << cell[size_t(4 + i)].first, 1 + i), -7) << i;
 }
 
 TEST(VertFormat, MotionIsThatOfThePage)
 {
-  expectRows(rowsOf("## Motion", "A later step begins"), {
+  expectRows(rowsOf("motion.md", "The motion section"), {
     {"begin", offsetof(VertMotion, begin)}, {"end", offsetof(VertMotion, end)}, {"numSteps", offsetof(VertMotion, numSteps)}, {"steps", offsetof(VertMotion, steps)}}, 0, vertMotionBytes);
-  expectRows(rowsOf("A later step begins", "**Boxes** belong to segments"), {
+  expectRows(rowsOf("motion.md", "A later step"), {
     {"origin", offsetof(VertStep, origin)}, {"boxForm", offsetof(VertStep, boxForm)}, {"word", offsetof(VertStep, word)}, {"corners", offsetof(VertStep, corners)},
     {"turned", offsetof(VertStep, turned)}, {"turn", offsetof(VertStep, turn)}, {"reach", offsetof(VertStep, reach)}, {"endReach", offsetof(VertStep, endReach)}}, 0, vertStepBytes);
-  EXPECT_EQ(numbersOf("of the segment that begins with the step; #: the step is raw; #: the first cell is turned; #: groups have the upper # bits of words; #: it has margins, "
-                      "as all but the last have; #-#: the step of `reach` is #^this"), (Numbers{24, 25, 26, 8, 27, 28, 31, 2}));
-  EXPECT_TRUE(isRaw(1u << 24) && isFirstCellTurned(1u << 25) && hasUpperBits(1u << 26) && hasMargins(1u << 27));
-  EXPECT_EQ(beginReachStep(5u << 28), 32u);
-  EXPECT_EQ(numbersOf("bits #-#: groups that are turned; #-#: the matrix's scale q; #-#: the step of `endReach` is #^this; #: #; #-#: the matrix's last entry"),
-            (Numbers{0, 15, 16, 18, 19, 22, 2, 23, 0, 24, 31}));
+  const std::vector<Bits> form = bitsOf("motion.md", "a step's `boxForm`");
+  ASSERT_EQ(form.size(), 6u);
+  expectFlag(form[1], isRaw);
+  expectFlag(form[2], isFirstCellTurned);
+  expectFlag(form[3], hasUpperBits);
+  expectFlag(form[4], hasMargins);
+  EXPECT_EQ(beginReachStep(5u << form[5].first), 32u);
+  const std::vector<Bits> turned = bitsOf("motion.md", "`turned`");
+  ASSERT_EQ(turned.size(), 5u);
+  EXPECT_EQ(turned[0].count, 16u);
   EXPECT_TRUE(isTurned(1u << 9, 9) && !isTurned(~(1u << 9), 9));
-  EXPECT_EQ(endReachStep(5u << 19), 32u);
+  EXPECT_EQ(turnShift(3u << turned[1].first), 4u);
+  EXPECT_EQ(endReachStep(5u << turned[2].first), 32u);
   VertStep step = {};
-  step.turned = 3u << 16 | uint32_t(uint8_t(-100)) << 24;
+  step.turned = 3u << turned[1].first | uint32_t(uint8_t(-100)) << turned[4].first;
   for (int i = 0; i < 8; i++) ((int8_t*)step.turn)[i] = int8_t(11*i - 40);
   for (int i = 0; i < 9; i++) EXPECT_EQ(turnEntry(step, uint32_t(i)), i < 8 ? 11*i - 40 : -100);
 
-  const Numbers formula = numbersOf("floor((M[a][0] r[0] + M[a][1] r[1] + M[a][2] r[2] + #^(#-q)) / #^(#-q))");
-  ASSERT_EQ(formula.size(), 4u);
+  // floor((M r + 2^(6-q)) / 2^(7-q))
   for (uint32_t q = 0; q <= 6; q++)
     for (int x = -50; x <= 50; x++) {
       const double sum = 91.0*x - 17*3.0 + 5*x*x;
-      EXPECT_EQ(turnedResidual(91, -17, 5, x, 3, x*x, turnShift(q << 16)), std::floor((sum + std::pow(formula[0], formula[1] - q))/std::pow(formula[2], formula[3] - q)));
+      EXPECT_EQ(turnedResidual(91, -17, 5, x, 3, x*x, turnShift(q << 16)), std::floor((sum + std::exp2(6.0 - q))/std::exp2(7.0 - q)));
     }
   VertMotion motion = {0.25f, 0.75f, 5, 0};
   EXPECT_TRUE(isThere(motion, 0.25f) && isThere(motion, 0.75f) && !isThere(motion, 0.2f) && !isThere(motion, 0.8f));
@@ -215,44 +256,18 @@ TEST(VertFormat, MotionIsThatOfThePage)
   EXPECT_EQ(timeInMotion(motion, 0.4375f).fraction, 0.5f);
 }
 
-// Each field of a word in the bits that its row names: `field` has the value of all ones there, others none.
-void expectFields(const Numbers& bits, const std::function<uint32_t(size_t field, uint32_t ones)>& wordOf)
-{
-  for (size_t field = 0; 2*field < bits.size(); field++) {
-    const uint32_t first = uint32_t(bits[2*field]), count = uint32_t(bits[2*field + 1]) - first + 1, ones = (1u << count) - 1;
-    EXPECT_EQ(wordOf(field, ones), ones << first) << "field " << field;
-  }
-}
-
-TEST(VertFormat, FieldsAreWhereThePageSays)
-{
-  const Numbers place = numbersOf("bits #-#: w - 1; #-#: h - 1; #-# and #-#: the block's first quad in the patch along u and v, in blocks of # quads");
-  ASSERT_EQ(place.size(), 9u);
-  EXPECT_EQ(place[8], vertBlockQuads);
-  expectFields(Numbers(place.begin(), place.end() - 1), [](size_t field, uint32_t ones) {
-    return vertRegion(1 + (field == 0)*ones, 1 + (field == 1)*ones, (field == 2)*ones*vertBlockQuads, (field == 3)*ones*vertBlockQuads);
-  });
-  const Numbers quads = numbersOf("quads of the patch along u and v, less 1: bits #-# and #-#");
-  ASSERT_EQ(quads.size(), 4u);
-  expectFields(quads, [](size_t field, uint32_t ones) { return vertPatch(1 + (field == 0)*ones, 1 + (field == 1)*ones); });
-  const Numbers edges = numbersOf("bits #-#: the rate less 1 that its vertices have; #-#: of the first two, u and v of the face");
-  ASSERT_EQ(edges.size(), 4u);
-  expectFields(edges, [](size_t field, uint32_t ones) { return vertEdges(1 + (field == 0)*ones, 1, 1, 1, (field == 1)*ones, 0).low; });
-  EXPECT_EQ(numbersOf("#: the block has edges; #: it has numbers, and not both; #: it moves"), (Numbers{29, 30, 31}));
-  EXPECT_TRUE(isMoving(1u << 31) && !isMoving(~(1u << 31)));
-  EXPECT_TRUE(hasEdges(1u << 29) && !hasEdges(~(1u << 29)));
-  EXPECT_TRUE(hasNumbers(1u << 30) && !hasNumbers(~(1u << 30)));
-}
-
 TEST(VertFormat, NumbersAreThoseOfThePage)
 {
-  EXPECT_EQ(numbersOf("The form, in `patchQuads`: bits #-#: the pattern; #: the mesh is of triangles; #: the first triangle has no second one"), (Numbers{0, 1, 2, 3}));
-  EXPECT_TRUE(isOfTriangles(1u << 2) && !isOfTriangles(~(1u << 2)) && isOneTriangle(1u << 3) && !isOneTriangle(~(1u << 3)));
-  EXPECT_EQ(numbersOf("#-# and #-#: by how many corners the first and the second triangle are turned; #-#: C; #-#: 0"), (Numbers{4, 5, 6, 7, 8, 15, 16, 31}));
-  EXPECT_EQ(formOfTurns(3, 0), 3u << 4);
-  EXPECT_EQ(formOfTurns(0, 3), 3u << 6);
-  EXPECT_EQ(turnOfTriangle(2u << 4, false), 2u);
-  EXPECT_EQ(turnOfTriangle(2u << 6, true), 2u);
+  const std::vector<Bits> form = bitsOf("mesh_numbers.md", "the form");
+  ASSERT_EQ(form.size(), 7u);
+  EXPECT_EQ(form[0].count, 2u);
+  expectFlag(form[1], isOfTriangles);
+  expectFlag(form[2], isOneTriangle);
+  EXPECT_EQ(formOfTurns(3, 0), 3u << form[3].first);
+  EXPECT_EQ(formOfTurns(0, 3), 3u << form[4].first);
+  EXPECT_EQ(turnOfTriangle(2u << form[3].first, false), 2u);
+  EXPECT_EQ(turnOfTriangle(2u << form[4].first, true), 2u);
+  EXPECT_EQ(patternNumber(numbersRecursive | 0xA5u << form[5].first, VertNumbers{0, 0}, 5, 8), 0xA5u);
 
   // rows: X x + Y y
   EXPECT_EQ(patternNumber(numbersInRows, VertNumbers{3u, ~0u}, 5, 4), 11u);
