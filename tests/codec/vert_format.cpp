@@ -9,6 +9,7 @@
 #include "kernels/cbvh/vert/motion_format.h"
 #include "kernels/cbvh/surface/lattice.h"
 #include "kernels/cbvh/vert/rule.h"
+#include "kernels/cbvh/vert/validate.h"
 
 #include <gtest/gtest.h>
 
@@ -60,7 +61,7 @@ TEST(VertFormat, ConstantsAreThoseOfTheCode)
   EXPECT_EQ(double(sizeof(VertNumbers)), double(vertEdgesBytes));
   expectConstants("block.md", {
     {"format version, `vertFormatVersion`", vertFormatVersion}, {"alignment of a block, bytes", blockAlignment},
-    {"bytes after a block that decoders may read", 16}, {"type of a block in the tree", VERT_BLOCK},
+    {"bytes after a block that decoders may read", readBehindVert}, {"type of a block in the tree", VERT_BLOCK},
     {"type of a moving block in the tree", MOVING_VERT_BLOCK}, {"quads along a side of a block, at most", side},
     {"quads along a side of a group, at most", groupQuads}, {"bytes of the header", vertHeaderBytes},
     {"bytes of edges or numbers", vertEdgesBytes}, {"bits of a coordinate", std::log2(double(maxExtent))},
@@ -74,15 +75,18 @@ TEST(VertFormat, ConstantsAreThoseOfTheCode)
   const auto at = meetPlane(triangle, normalOf(triangle), org, dir);
   EXPECT_EQ(at.speed, 3);
   expectConstants("rays.md", {
-    {"ulps by which boxes are widened", slackUlps}, {"ulps by which sheared planes are widened", shearedSlackUlps},
-    {"a plane contains the ray up to this part of the sum", at.least/3}});
+    {"ulps by which boxes are widened, `slackUlps`", slackUlps}, {"ulps by which sheared planes are widened, `shearedSlackUlps`", shearedSlackUlps},
+    {"a plane contains the ray up to this part of the sum, `minCosine`", at.least/3},
+    {"median edge / default spacing", 1/spacingOfEdge}, {"median edge / spacing that the diagonal asks for, at most", 1/finestOfEdge},
+    {"diagonal / spacing that the diagonal asks for", 1/spacingOfDiagonal}, {"quads along u or v, below which the default spacing shrinks", fullQuads},
+    {"bits of a face's coordinates, at most", maxCoordinateBits}});
 }
 
-// The rule of accuracy.md, of a median edge of 1: parts of it, quads below which it shrinks, and the diagonal's part.
+// The rule that accuracy.md describes, for a median edge of 1. The numbers are those of the table of rays.md.
 TEST(VertFormat, TheDefaultSpacingIsThatOfThePage)
 {
-  const double ofEdge = 1.0/36, least = 1.0/96, ofDiagonal = 1.0/32768;
-  const unsigned full = 16;
+  const double ofEdge = spacingOfEdge, least = finestOfEdge, ofDiagonal = spacingOfDiagonal;
+  const unsigned full = fullQuads;
   for (unsigned quads = 1; quads < full; quads++)
     for (double size : {0.0, 1e9}) EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, size), ofEdge*quads/full) << quads << " quads";
   for (unsigned quads : {full, 100u}) {
@@ -95,7 +99,7 @@ TEST(VertFormat, TheDefaultSpacingIsThatOfThePage)
 
 TEST(VertFormat, LatticesHaveAtLeastTwoToTheMinus23OfTheLargestCoordinate)
 {
-  const double finest = std::exp2(-23);
+  const double finest = std::exp2(-maxCoordinateBits);
   for (double largest : {1.0, 1.5, 1.99, 1000.0}) {
     const double spacing = std::ldexp(1.0, latticeExponent(1e-30, largest));
     EXPECT_GE(spacing, finest*largest);
