@@ -1,10 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Layout of blocks: sizes and offsets as FORMAT.md states them, and the blocks that
+/* Layout of blocks: sizes and offsets as framed_block.md states them, and the blocks that
  * it shows byte by byte. The tables there are read, so the two cannot drift. */
 
 #include "support/encoded_block.h"
+
+#include "kernels/cbvh/base/primitive_type.h"
 
 #include <gtest/gtest.h>
 
@@ -113,33 +115,37 @@ TEST(BlockFormat, VerticesOfCGridAreKeptToTheBitAndNaNWhereTheyAreNotFinite)
   }
 }
 
-// The lines of a section of FORMAT.md, up to the next heading.
-std::vector<std::string> section(const std::string& heading)
+// The lines of a section of a page, up to the next heading. FORMATS is the folder of the pages.
+std::vector<std::string> section(const std::string& page, const std::string& heading)
 {
-  std::ifstream file(FORMAT_MD);
+  std::ifstream file(FORMATS "/" + page);
   std::vector<std::string> lines;
   bool inside = false;
   for (std::string line; std::getline(file, line);) {
     if (line.compare(0, 1, "#") == 0) inside = line == heading;
     else if (inside) lines.push_back(line);
   }
-  EXPECT_FALSE(lines.empty()) << "no section " << heading;
+  EXPECT_FALSE(lines.empty()) << page << " has no section " << heading;
   return lines;
 }
 
-TEST(BlockFormat, TheVersionIsTheOneOfThePage)
+// The table of constants, generated.
+TEST(BlockFormat, ConstantsAreThoseOfTheCode)
 {
-  const std::string text = "This is format version " + std::to_string(formatVersion) + " ";
-  bool found = false;
-  for (const std::string& line : section("# Format of a compressed block")) found |= line.find(text) != std::string::npos;
-  EXPECT_TRUE(found) << text;
+  std::ostringstream table;
+  table << "| format version, `formatVersion` | " << formatVersion << " |\n| alignment of a block, bytes | " << blockAlignment
+        << " |\n| type of a block in the tree | " << FRAMED_BLOCK << " |\n| bytes of the header | " << blockHeaderBytes
+        << " |\n| height of a block, at most | " << maxLevel << " |\n";
+  std::string text;
+  for (const std::string& line : section("framed_block.md", "# Format of a block with a frame")) text += line + "\n";
+  EXPECT_NE(text.find("| constant | value |\n|:--|--:|\n" + table.str() + "\n"), std::string::npos) << "the page has to have\n" << table.str();
 }
 
 // Rows "| h | cGRID | cVOXEL | cLEAF |".
 TEST(BlockFormat, SizesAreThoseOfThePage)
 {
   uint32_t rows = 0;
-  for (const std::string& line : section("## Sizes")) {
+  for (const std::string& line : section("framed_block.md", "## Sizes")) {
     unsigned height, bytes[3];
     if (std::sscanf(line.c_str(), "| %u | %u | %u | %u |", &height, bytes, bytes + 1, bytes + 2) != 4) continue;
     EXPECT_EQ(height, rows++);
@@ -152,7 +158,7 @@ TEST(BlockFormat, SizesAreThoseOfThePage)
 std::vector<uint8_t> annotatedBytes(const std::string& heading)
 {
   std::vector<uint8_t> bytes;
-  for (const std::string& line : section(heading)) {
+  for (const std::string& line : section("framed_example.md", heading)) {
     unsigned offset;
     if (std::sscanf(line.c_str(), "| %u | `", &offset) != 1) continue;
     EXPECT_EQ(offset, bytes.size()) << line;
@@ -176,7 +182,7 @@ std::string wordsOf(const std::vector<uint8_t>& bytes)
   return text.str();
 }
 
-// Vertices (i, j, z), row by row, in the block that FORMAT.md's section describes.
+// Vertices (i, j, z), row by row, in the block that a section of framed_example.md describes.
 void expectAnnotated(const std::string& heading, uint32_t height, const std::vector<float>& z)
 {
   const uint32_t quads = 1u << height, width = quads + 1;
@@ -196,12 +202,12 @@ void expectAnnotated(const std::string& heading, uint32_t height, const std::vec
 
 TEST(BlockFormat, TheAnnotatedLatticeIsWhatTheEncoderWrites)
 {
-  expectAnnotated("### A lattice", 1, {0, 0, 0,  0, 1, 2,  0, 2, 4});
+  expectAnnotated("## A lattice", 1, {0, 0, 0,  0, 1, 2,  0, 2, 4});
 }
 
 TEST(BlockFormat, TheAnnotatedLooseGroupIsWhatTheEncoderWrites)
 {
-  expectAnnotated("### A loose group", 1, {0, 0.25f, 1.5f,  0.5f, 1, 0,  1, 1.75f, NAN});
+  expectAnnotated("## A loose group", 1, {0, 0.25f, 1.5f,  0.5f, 1, 0,  1, 1.75f, NAN});
 }
 
 TEST(BlockFormat, TheAnnotatedBlockOfTwoLevelsIsWhatTheEncoderWrites)
@@ -209,7 +215,7 @@ TEST(BlockFormat, TheAnnotatedBlockOfTwoLevelsIsWhatTheEncoderWrites)
   std::vector<float> z;
   for (int j = 0; j <= 4; j++)
     for (int i = 0; i <= 4; i++) z.push_back(float(i*i + 2*j)/4);
-  expectAnnotated("### Two levels of words", 2, z);
+  expectAnnotated("## Two levels of words", 2, z);
 }
 
 } // namespace

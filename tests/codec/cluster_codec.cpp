@@ -302,7 +302,7 @@ TEST(ClusterCodec, TilesCoverEachQuadOnceAndHaveRoom)
   }
 }
 
-// Two quads beside each other, as CLUSTERS.md lists the bytes.
+// Two quads beside each other, as clusters.md lists the bytes.
 TEST(ClusterCodec, BytesAreThoseOfTheAnnotatedClusters)
 {
   Grid grid(2, 1);
@@ -322,7 +322,7 @@ TEST(ClusterCodec, BytesAreThoseOfTheAnnotatedClusters)
     text.clear();
     for (size_t i = 0; i < count; i++) { std::snprintf(hex, sizeof(hex), "%02x", from[i]); text += (i ? " " : "") + std::string(hex); }
   };
-  std::ifstream file(CLUSTERS_MD);
+  std::ifstream file(FORMATS "/clusters.md");
   const std::string document((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   print((const uint8_t*)data.data(), bytes);
   for (size_t i = 0; i < text.size(); i += 48) EXPECT_NE(document.find(text.substr(i, 47)), std::string::npos) << text;

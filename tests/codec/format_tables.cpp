@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The tables of FORMAT.md, code by code, through the decoders. An encoder uses the same
+/* The tables of framed_block.md, code by code, through the decoders. An encoder uses the same
  * tables as they do: if both changed, every other test would pass, and blocks written
  * before would mean something else. */
 

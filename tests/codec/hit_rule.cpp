@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The tables of FORMAT.md, section "Hit rule of cLEAF", against framed/leaf/hit_rule.h: the rows are
+/* The tables of framed_hits.md against framed/leaf/hit_rule.h: the rows are
  * read, and for every combination of state and event the first one whose conditions hold has to
  * say what the code does. */
 
@@ -48,10 +48,10 @@ struct Table
   // The only table under a heading; outcomes begin at the column `first`.
   Table(const std::string& heading, const std::string& first)
   {
-    std::ifstream file(FORMAT_MD);
+    std::ifstream file(FORMATS "/framed_hits.md");
     bool inside = false;
     for (std::string line; std::getline(file, line);) {
-      if (!line.empty() && line[0] == '#') inside = line == "#### " + heading;
+      if (!line.empty() && line[0] == '#') inside = line == "## " + heading;
       if (!inside || line.empty() || line[0] != '|' || line[1] == '-') continue;
       const std::vector<std::string> cells = cellsOf(line);
       if (columns.empty()) {
@@ -65,7 +65,7 @@ struct Table
       for (size_t i = 0; i < columns.size() && i < cells.size(); i++) row[columns[i]] = cells[i];
       rows.push_back(row);
     }
-    EXPECT_FALSE(rows.empty()) << FORMAT_MD << " has no table under " << heading;
+    EXPECT_FALSE(rows.empty()) << "framed_hits.md has no table under " << heading;
     used.assign(rows.size(), 0);
   }
 
@@ -92,7 +92,7 @@ struct Table
   }
 };
 
-// What the cells of a row may say of the ray, by the names that FORMAT.md gives.
+// What the cells of a row may say of the ray, by the names that framed_leaves.md gives.
 struct Facts
 {
   std::map<std::string, bool> yes;         // columns of "yes" and "no"
@@ -262,9 +262,9 @@ TEST(HitRule, AcceptedHitsChangeTheStateAsTheTableSays)
 }
 
 // "at first", in the table of what a ray remembers.
-TEST(HitRule, AWalkStartsAsFormatSays)
+TEST(HitRule, AWalkStartsAsThePageSays)
 {
-  Table table("What a ray remembers", "at first");
+  Table table("What does the ray remember?", "at first");
   const WalkState state = startOfWalk();
   const Facts facts = factsOf(state);
   ASSERT_EQ(table.rows.size(), facts.sides.size() + facts.yes.size());

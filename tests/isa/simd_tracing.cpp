@@ -449,7 +449,7 @@ struct BothSegments
 
 enum Encounter { MISSES, MEETS, PASSES_ABOVE, PASSES_BELOW, ENCOUNTERS };
 
-// FORMAT.md, "Walk".
+// framed_rays.md, "Walk".
 Encounter encounter(const Segment<double>& segment, const NodeBox& box)
 {
   if (isOnSegment(rangeInBox(segment, box, 3))) return MEETS;

@@ -129,7 +129,7 @@ bool isSameVertex(const Vec& a, const Vec& b)
   return same;
 }
 
-/* A border whose edge has a rate below the patch's, FORMAT.md's "Edges of a lower rate": its own
+/* A border whose edge has a rate below the patch's, framed_rays.md's "Edges of a lower rate": its own
  * vertices, each the nearest of the patch; those between on the straight line, evenly, but for 2^-20
  * outward. */
 void expectPolyline(const PatchVertices& patch, unsigned side, const std::vector<Vec>& own)

@@ -18,7 +18,7 @@
 
 namespace cbvh::test {
 
-// CRC-32C bit by bit, as FILE.md has it.
+// CRC-32C bit by bit, as docs/formats/file.md has it.
 inline uint32_t crc32c(const char* data, size_t bytes)
 {
   uint32_t crc = 0xFFFFFFFFu;

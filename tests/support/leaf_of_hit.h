@@ -4,7 +4,7 @@
 #pragma once
 
 /* The leaves of a scene's blocks that a hit may lie in, by its parameters, and what they
- * decode to, by the kind of their block: FORMAT.md. */
+ * decode to, by the kind of their block: docs/formats/framed_block.md. */
 
 #include "kernels/cbvh/framed/tree.h"
 #include <embree3/rtcore.h>
