@@ -74,6 +74,7 @@ void checkBelow(const unsigned int* values, size_t count, size_t bound, const ch
 /* Embree would read and write past the buffers. */
 void checkTopology(const CbvhCage& cage)
 {
+  require(cage.vertices.count > 0, "there are no vertices");
   size_t sum = 0;
   for (size_t f = 0; f < cage.numFaces; f++) {
     if (cage.faceVertices[f] < 3) refuseValue(of("face", f, "has", cage.faceVertices[f]) + " vertices: expected 3 or more");
