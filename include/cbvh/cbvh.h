@@ -228,6 +228,19 @@ CBVH_API unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface);
  * parameters of the face, as hits have them: 0 to 1 on a face of four corners, otherwise on one of its sub-patches. */
 CBVH_API enum CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, float v, unsigned int attribute, float* P, float* dPdu, float* dPdv);
 
+/* Points of one face, for which an attribute is evaluated, as by cbvhInterpolate. */
+struct CbvhInterpolation
+{
+  unsigned int primID, attribute;
+  size_t count;
+  const float *u, *v;             /* `count` of each, as a displacement function has them */
+  float *P, *dPdu, *dPdv;         /* written, `width` floats for each point, point by point; NULL for what is not wanted */
+};
+
+/* Evaluates an attribute of a cage at many points of a face. If one of them has no valid u, v, an error is returned that names it, and nothing is
+ * written. A displacement function looks up its height map with it: the points of a call are all on one face. */
+CBVH_API enum CbvhError cbvhInterpolatePoints(CbvhSurface surface, const struct CbvhInterpolation* points);
+
 /* Saves a committed surface to a file, which cbvhLoadSurface maps, and rtcLoadCompressedGeometry of Embree CBVH; not its mask and its attributes. A file that is
  * there is replaced when all is written: a crash or a full disk leaves it as it was. */
 CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);

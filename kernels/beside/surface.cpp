@@ -448,6 +448,23 @@ CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, flo
   });
 }
 
+CbvhError cbvhInterpolatePoints(CbvhSurface surface, const CbvhInterpolation* points)
+{
+  return onSurface(surface, [&] {
+    require(points, "points are NULL");
+    require(points->count == 0 || (points->u && points->v), "u or v is NULL");
+    const std::shared_ptr<const Input> input = surface->interpolated();
+    require(points->attribute < input->widths.size(), "the surface has no such attribute");
+    const unsigned int width = input->widths[points->attribute];
+    for (size_t i = 0; i < points->count; i++) input->checkParameters(points->primID, points->u[i], points->v[i]);
+    const auto at = [&](float* out, size_t i) { return out ? out + i*width : nullptr; };
+    for (size_t i = 0; i < points->count; i++)
+      rtcInterpolate1(input->geometry, points->primID, points->u[i], points->v[i], RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, points->attribute,
+                      at(points->P, i), at(points->dPdu, i), at(points->dPdv, i), width);
+    surface->context->check();
+  });
+}
+
 int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng, CbvhTriangle* triangle)
 {
   int found = 0;

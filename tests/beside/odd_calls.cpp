@@ -107,6 +107,9 @@ TEST_F(OddCalls, NullIsRefusedByEveryFunction)
     {"cbvhInterpolate", [&] { return cbvhInterpolate(nullptr, 0, 0, 0, 0, P, nullptr, nullptr); }},
     {"cbvhInterpolate", [&] { return cbvhInterpolate(surface, 6, 0, 0, 0, P, nullptr, nullptr); }},
     {"cbvhInterpolate", [&] { return cbvhInterpolate(surface, 0, 0, 0, 1, P, nullptr, nullptr); }},
+    {"cbvhInterpolatePoints", [&] { const CbvhInterpolation none = CbvhInterpolation(); return cbvhInterpolatePoints(nullptr, &none); }},
+    {"cbvhInterpolatePoints", [&] { return cbvhInterpolatePoints(surface, nullptr); }},
+    {"cbvhInterpolatePoints", [&] { const CbvhInterpolation null = {0, 0, 1, nullptr, P, P, nullptr, nullptr}; return cbvhInterpolatePoints(surface, &null); }},
     {"cbvhSaveSurface", [&] { return cbvhSaveSurface(nullptr, "/dev/null/none"); }},
     {"cbvhSaveSurface", [&] { return cbvhSaveSurface(surface, nullptr); }},
     {"cbvhLoadSurface", [&] { return cbvhLoadSurface(nullptr, "none", &noSurface); }},
@@ -273,6 +276,38 @@ TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface)
   EXPECT_EQ(attempts.refused, 4*attempts.calls);
   EXPECT_GT(attempts.interpolated, 6u) << "attributes are there while the cage is displaced";
   EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "changes are possible again";
+}
+
+// A displacement function that looks up texture coordinates moves the surface as one that knows them.
+TEST_F(OddCalls, PointsHaveTheirTextureCoordinatesWhileTheyAreDisplaced)
+{
+  const unsigned own[] = {0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3};
+  const CbvhAttribute unit = {corners, 4, 8, 2, own, CBVH_BOUNDARY_PIN_ALL}; // equal to u and v
+  struct State { CbvhSurface surface; std::atomic<size_t> points{0}, wrong{0}; } state{surface};
+  CbvhCage cage = cube();
+  cage.attributes = &unit;
+  cage.displacementPtr = &state;
+  cage.displacement = [](const CbvhDisplacementArguments* args) {
+    State& state = *(State*)args->userPtr;
+    std::vector<float> uv(2*args->count, -9), du(uv), dv(uv);
+    const CbvhInterpolation points = {args->primID, 0, args->count, args->u, args->v, uv.data(), du.data(), dv.data()};
+    if (cbvhInterpolatePoints(state.surface, &points) != CBVH_OK) { state.wrong += args->count; return; }
+    for (unsigned i = 0; i < args->count; i++) {
+      state.points++;
+      state.wrong += !(std::fabs(uv[2*i] - args->u[i]) < 1e-4f && std::fabs(uv[2*i+1] - args->v[i]) < 1e-4f && std::fabs(du[2*i] - 1) < 1e-3f && std::fabs(dv[2*i+1] - 1) < 1e-3f);
+    }
+  };
+  ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
+  float P[2];
+  EXPECT_EQ(cbvhInterpolate(surface, 0, 0.5f, 0.5f, 0, P, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION) << "not committed";
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  EXPECT_GE(state.points, 6u*9*9);
+  EXPECT_EQ(state.wrong, 0u);
+  const float u[] = {0.5f, NAN}, v[] = {0.5f, 0.5f};
+  P[0] = -9;
+  const CbvhInterpolation points = {0, 0, 2, u, v, P, nullptr, nullptr};
+  EXPECT_EQ(cbvhInterpolatePoints(surface, &points), CBVH_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(P[0], -9) << "nothing is written";
 }
 
 TEST_F(OddCalls, APartFunctionMayReleaseTheLastReference)
