@@ -56,8 +56,9 @@ typedef struct CbvhContextTy* CbvhContext;
 /* Is told of each error, by the thread that it happens to, before the call returns. */
 typedef void (*CbvhErrorFunction)(void* userPtr, enum CbvhError code, const char* text);
 
-/* Makes a context, and counts its references. settings: as of Embree's devices, "threads=4,isa=avx2", or NULL. function: may be NULL. context: written if there is
- * no error. */
+/* Creates a context with a reference count of 1. `settings` has the syntax of Embree's device configuration, for example "threads=4,isa=avx2"; NULL
+ * selects the defaults. An unknown key or instruction set is an error, whose text names the nearest one. `function` may be NULL. `context` is written
+ * if there is no error. */
 CBVH_API enum CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr, CbvhContext* context);
 CBVH_API void cbvhRetainContext(CbvhContext context);
 CBVH_API void cbvhReleaseContext(CbvhContext context);
@@ -206,10 +207,12 @@ CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDi
 /* Sets how the next commit stores it. NULL: as by default. */
 CBVH_API enum CbvhError cbvhSetAccuracy(CbvhSurface surface, const struct CbvhAccuracy* accuracy);
 
-/* Rays see a surface if their mask shares a bit with its own, all bits by default. From the next cbvhCommitGroup on. */
+/* Sets the mask of a surface, all bits by default: rays see the surface if their mask shares a bit with it. The mask takes effect with the next
+ * cbvhCommitGroup of a group that contains the surface, then for all of its groups. */
 CBVH_API enum CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mask);
 
-/* Is told how much of a commit is done, 0 to 1, by any thread. 0 cancels. */
+/* Called with the part of a commit that is done, 0 to 1, on any thread. Returning 0 cancels the commit. Like displacement functions, it must not
+ * change its surface: functions that do so return CBVH_ERROR_INVALID_OPERATION. */
 typedef int (*CbvhProgressFunction)(void* userPtr, double done);
 
 /* Tessellates and compresses with all threads of the context. Returns CBVH_ERROR_CANCELLED where progress said so: the surface is as before,
@@ -220,8 +223,23 @@ CBVH_API enum CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunct
 /* Number of primitives of what was set last. */
 CBVH_API unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface);
 
-/* Evaluates an attribute of a cage at a hit: `width` floats, and their derivatives; NULL for what is not wanted. */
+/* Evaluates an attribute of a cage at a hit: `width` floats, and their derivatives; NULL for what is not wanted. A displacement function may call it
+ * for its own surface, during cbvhCommitSurface and cbvhDiceSurface: the attributes are then those of the cage that is displaced. u and v must be
+ * parameters of the face, as hits have them: 0 to 1 on a face of four corners, otherwise on one of its sub-patches. */
 CBVH_API enum CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, float v, unsigned int attribute, float* P, float* dPdu, float* dPdv);
+
+/* Points of one face, for which an attribute is evaluated, as by cbvhInterpolate. */
+struct CbvhInterpolation
+{
+  unsigned int primID, attribute;
+  size_t count;
+  const float *u, *v;             /* `count` of each, as a displacement function has them */
+  float *P, *dPdu, *dPdv;         /* written, `width` floats for each point, point by point; NULL for what is not wanted */
+};
+
+/* Evaluates an attribute of a cage at many points of a face. If one of them has no valid u, v, an error is returned that names it, and nothing is
+ * written. A displacement function looks up its height map with it: the points of a call are all on one face. */
+CBVH_API enum CbvhError cbvhInterpolatePoints(CbvhSurface surface, const struct CbvhInterpolation* points);
 
 /* Saves a committed surface to a file, which cbvhLoadSurface maps, and rtcLoadCompressedGeometry of Embree CBVH; not its mask and its attributes. A file that is
  * there is replaced when all is written: a crash or a full disk leaves it as it was. */
@@ -255,8 +273,9 @@ CBVH_API CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index);
 CBVH_API void cbvhSetGroupUserPtr(CbvhGroup group, void* userPtr);
 CBVH_API void* cbvhGetGroupUserPtr(CbvhGroup group);
 
-/* Numbers the primitives of all surfaces through, one surface behind the other: where those of a surface begin, and which one a number is. Returns
- * whether there is one. */
+/* Number the primitives of all surfaces consecutively. cbvhGetGroupFirstPrimitive returns the number of the first primitive of a surface; for
+ * index cbvhGetGroupSize, the number of all primitives; 0 for an index after that. It returns at most 4294967295. cbvhFindGroupPrimitive writes the
+ * surface and the primitive of a number and returns 1, or returns 0 if no primitive has the number. */
 CBVH_API unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index);
 CBVH_API int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, unsigned int* primID);
 

@@ -3,6 +3,8 @@
 
 #include "context.h"
 
+#include "../cbvh/api/device_string.h"
+
 #include <embree3/rtcore_compression.h>
 
 using namespace embree::beside;
@@ -31,7 +33,10 @@ void keepError(void*, RTCError code, const char* text) { ofEmbree = {codeOf(code
 
 CbvhContextTy::CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr) : device(rtcNewDevice(settings)), function(function), userPtr(userPtr)
 {
-  if (!device) throw Failure{codeOf(rtcGetDeviceError(nullptr)), std::string("a context cannot be made of the settings '") + (settings ? settings : "") + "'"};
+  if (!device) {
+    const std::string reason = embree::takeSettingError();
+    throw Failure{codeOf(rtcGetDeviceError(nullptr)), std::string("a context cannot be made of the settings '") + (settings ? settings : "") + "'" + (reason.empty() ? "" : ": " + reason)};
+  }
   rtcSetDeviceErrorFunction(device, keepError, nullptr);
 }
 
@@ -42,18 +47,23 @@ void CbvhContextTy::check() const
   rtcGetDeviceError(device); // which forgets it
   if (ofEmbree.code == CBVH_OK) return;
   const Failure failure = ofEmbree;
-  forgetErrors();
+  ofEmbree = {CBVH_OK, ""};
   throw failure;
 }
 
-CbvhError CbvhContextTy::report(const Failure& failure) const
+CbvhError CbvhContextTy::report(const Failure& failure) const { return tell(failure, function, userPtr); }
+
+OwnErrors::OwnErrors() : outer(ofEmbree) { ofEmbree = {CBVH_OK, ""}; }
+OwnErrors::~OwnErrors() { ofEmbree = outer; }
+
+CbvhError embree::beside::tell(const Failure& failure, CbvhErrorFunction function, void* userPtr)
 {
   lastText = failure.text;
-  if (function) function(userPtr, failure.code, lastText.c_str());
+  if (!function) return failure.code;
+  function(userPtr, failure.code, failure.text.c_str());
+  lastText = failure.text; // an error that the function caused does not replace this one
   return failure.code;
 }
-
-void embree::beside::forgetErrors() { ofEmbree = {CBVH_OK, ""}; }
 
 CbvhError embree::beside::refuse(const char* text)
 {
@@ -67,19 +77,17 @@ unsigned int cbvhGetVersion() { return RTC_COMPRESSION_VERSION; }
 CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr, CbvhContext* context)
 {
   if (!context) return refuse("context is NULL");
+  Failure failure = {CBVH_OK, ""};
   try {
+    const std::string wrong = embree::whatIsWrongWith(settings);
+    if (!wrong.empty()) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, std::string("settings '") + settings + "': " + wrong};
     *context = new CbvhContextTy(settings, function, userPtr);
     return CBVH_OK;
   }
-  catch (const Failure& failure) {
-    lastText = failure.text;
-    if (function) function(userPtr, failure.code, lastText.c_str());
-    return failure.code;
-  }
-  catch (const std::bad_alloc&) {
-    lastText = "out of memory";
-    return CBVH_ERROR_OUT_OF_MEMORY;
-  }
+  catch (const Failure& f) { failure = f; }
+  catch (const std::bad_alloc&) { failure = {CBVH_ERROR_OUT_OF_MEMORY, "out of memory"}; }
+  catch (const std::exception& e) { failure = {CBVH_ERROR_UNKNOWN, e.what()}; }
+  return tell(failure, function, userPtr);
 }
 
 void cbvhRetainContext(CbvhContext context) { if (context) context->retain(); }

@@ -84,15 +84,28 @@ private:
 
 namespace embree { namespace beside {
 
-/* What Embree's error function was told in this thread before does not count, as of rays. */
-void forgetErrors();
+/* Starts without errors of Embree's functions in this thread, as those of rays. Restores at its end what was there: a callback may call
+ * functions of this library while an outer call has an error that it has not read yet. */
+class OwnErrors
+{
+public:
+  OwnErrors();
+  ~OwnErrors();
+
+private:
+  const Failure outer;
+};
+
+/* Stores the text of an error for cbvhGetErrorText and calls an error function, which may be NULL. The function may cause errors itself. */
+CbvhError tell(const Failure& failure, CbvhErrorFunction function, void* userPtr);
 
 /* What all functions of the API that may fail are made of: their errors become a code. */
 template<typename Closure>
-CbvhError guarded(const CbvhContextTy* context, const Closure& closure)
+CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 {
+  const Held<CbvhContextTy> held(context); // callbacks may release the application's references
   Failure failure = {CBVH_OK, ""};
-  forgetErrors();
+  const OwnErrors errors;
   try {
     closure();
     return CBVH_OK;

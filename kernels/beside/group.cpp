@@ -10,6 +10,12 @@
 
 using namespace embree::beside;
 
+namespace {
+
+constexpr size_t maxPrimitive = 0xFFFFFFFFu; // numbers of primitives have 32 bits
+
+} // namespace
+
 CbvhGroupTy::CbvhGroupTy(CbvhContext context, const CbvhSurface* from, size_t count)
   : context(context), scene(rtcNewScene(context->device)), firstPrimitive(count + 1, 0), attached(count, nullptr)
 {
@@ -22,15 +28,34 @@ CbvhGroupTy::~CbvhGroupTy() { rtcReleaseScene(scene); }
 void CbvhGroupTy::commit()
 {
   for (size_t i = 0; i < surfaces.size(); i++) {
-    const RTCGeometry geometry = surfaces[i]->committed().geometry;
+    const RTCGeometry geometry = surfaces[i]->committed()->geometry;
+    surfaces[i]->applyMask();
     if (geometry == attached[i]) continue;
     if (attached[i]) rtcDetachGeometry(scene, unsigned(i));
     rtcAttachGeometryByID(scene, geometry, unsigned(i));
     attached[i] = geometry;
   }
-  for (size_t i = 0; i < surfaces.size(); i++) firstPrimitive[i + 1] = firstPrimitive[i] + surfaces[i]->committed().numPrimitives;
+  for (size_t i = 0; i < surfaces.size(); i++) firstPrimitive[i + 1] = firstPrimitive[i] + surfaces[i]->committed()->numPrimitives;
   rtcCommitScene(scene);
+  Failure failure = {CBVH_OK, ""};
+  try { context->check(); } catch (const Failure& f) { failure = f; }
+  isCommitted = false;
+  try { keepStatistics(); } catch (const Failure& f) { if (failure.code == CBVH_OK) failure = f; }
+  if (failure.code != CBVH_OK) throw failure;
+}
+
+/* A later change of a surface's mask makes Embree ask for a commit of every scene that has it, also of those that are not concerned. */
+void CbvhGroupTy::keepStatistics()
+{
+  RTCCompressionStatistics all = RTCCompressionStatistics();
+  rtcGetSceneCompressionStatistics(scene, &all);
   context->check();
+  statistics.bytes = all.topLevelBytes + all.frameBytes + all.nodeBytes + all.leafBytes + all.gridBytes;
+  statistics.numQuads = all.numQuads + all.numGridQuads;
+  statistics.numMovingQuads = all.numMovingQuads;
+  statistics.numInvalidQuads = all.numInvalidQuads;
+  statistics.maxVertexDeviation = all.maxVertexDeviation;
+  isCommitted = true;
 }
 
 CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t count, CbvhGroup* group)
@@ -49,7 +74,12 @@ CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t 
 void cbvhRetainGroup(CbvhGroup group) { if (group) group->retain(); }
 void cbvhReleaseGroup(CbvhGroup group) { if (group) group->release(); }
 
-CbvhError cbvhCommitGroup(CbvhGroup group) { return group ? guarded(group->context.get(), [&] { group->commit(); }) : refuse("group is NULL"); }
+CbvhError cbvhCommitGroup(CbvhGroup group)
+{
+  if (!group) return refuse("group is NULL");
+  const Held<CbvhGroupTy> held(group);
+  return guarded(group->context.get(), [&] { group->commit(); });
+}
 
 size_t cbvhGetGroupSize(CbvhGroup group) { return group ? group->surfaces.size() : 0; }
 CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index) { return group && index < group->surfaces.size() ? group->surfaces[index].get() : nullptr; }
@@ -57,38 +87,41 @@ CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index) { return group &&
 void cbvhSetGroupUserPtr(CbvhGroup group, void* userPtr) { if (group) group->userPtr = userPtr; }
 void* cbvhGetGroupUserPtr(CbvhGroup group) { return group ? group->userPtr : nullptr; }
 
-unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index) { return group->firstPrimitive[index]; }
+unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index)
+{
+  if (!group) { refuse("group is NULL"); return 0; }
+  if (index >= group->firstPrimitive.size()) { refuse("the group has no surface of that index"); return 0; }
+  return unsigned(std::min(group->firstPrimitive[index], maxPrimitive));
+}
 
 int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, unsigned int* primID)
 {
-  const std::vector<unsigned int>& first = group->firstPrimitive;
+  if (!group || !index || !primID) { refuse("group, index or primID is NULL"); return 0; }
+  const std::vector<size_t>& first = group->firstPrimitive;
   const size_t i = size_t(std::upper_bound(first.begin(), first.end(), number) - first.begin()) - 1;
   if (i >= group->surfaces.size()) return 0;
   *index = i;
-  *primID = number - first[i];
+  *primID = unsigned(number - first[i]);
   return 1;
 }
 
 void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3])
 {
   RTCBounds bounds = {INFINITY, INFINITY, INFINITY, 0, -INFINITY, -INFINITY, -INFINITY, 0};
-  if (group) rtcGetSceneBounds(group->scene, &bounds);
+  if (group) {
+    const OwnErrors errors; // without a commit there is nothing yet
+    rtcGetSceneBounds(group->scene, &bounds);
+  }
   const float l[3] = {bounds.lower_x, bounds.lower_y, bounds.lower_z}, u[3] = {bounds.upper_x, bounds.upper_y, bounds.upper_z};
-  std::copy(l, l + 3, lower);
-  std::copy(u, u + 3, upper);
+  if (lower) std::copy(l, l + 3, lower);
+  if (upper) std::copy(u, u + 3, upper);
 }
 
 CbvhError cbvhGetGroupStatistics(CbvhGroup group, CbvhStatistics* statistics)
 {
   if (!group || !statistics) return refuse("group or statistics are NULL");
   return guarded(group->context.get(), [&] {
-    RTCCompressionStatistics all = RTCCompressionStatistics();
-    rtcGetSceneCompressionStatistics(group->scene, &all);
-    group->context->check();
-    statistics->bytes = all.topLevelBytes + all.frameBytes + all.nodeBytes + all.leafBytes + all.gridBytes;
-    statistics->numQuads = all.numQuads + all.numGridQuads;
-    statistics->numMovingQuads = all.numMovingQuads;
-    statistics->numInvalidQuads = all.numInvalidQuads;
-    statistics->maxVertexDeviation = all.maxVertexDeviation;
+    if (!group->isCommitted) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the group was not committed: cbvhCommitGroup comes first"};
+    *statistics = group->statistics;
   });
 }

@@ -16,11 +16,15 @@ struct CbvhGroupTy : embree::beside::Counted
   const embree::beside::Held<CbvhContextTy> context;
   const RTCScene scene;
   std::vector<embree::beside::Held<CbvhSurfaceTy>> surfaces;
-  std::vector<unsigned int> firstPrimitive;   // by surface, and of all
+  std::vector<size_t> firstPrimitive;   // by surface, and of all
+  CbvhStatistics statistics = CbvhStatistics(); // of the last commit
+  bool isCommitted = false;
   void* userPtr = nullptr;
 
 private:
   ~CbvhGroupTy() override;
+
+  void keepStatistics();
 
   std::vector<RTCGeometry> attached;   // by surface
 };

@@ -48,6 +48,7 @@ struct AllRays
 template<unsigned int K>
 unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
+  if (!group || !rays) { embree::beside::refuse("group or rays are NULL"); return 0; }
   typename Kernels<K>::RayHits& packet = *(typename Kernels<K>::RayHits*)rays;
   static const AllRays<K> all;
   if (!valid) valid = all.valid;
@@ -70,6 +71,7 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
 template<unsigned int K>
 unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
+  if (!group || !rays) { embree::beside::refuse("group or rays are NULL"); return 0; }
   typename Kernels<K>::Rays& packet = *(typename Kernels<K>::Rays*)rays;
   static const AllRays<K> all;
   if (!valid) valid = all.valid;
@@ -85,6 +87,7 @@ unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQ
 
 int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 {
+  if (!group || !ray) { embree::beside::refuse("group or ray is NULL"); return 0; }
   RTCRayHit* const ours = (RTCRayHit*)ray;
   const unsigned int geomID = ours->hit.geomID, instID = ours->hit.instID[0];
   ours->hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -98,6 +101,7 @@ int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 
 int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query)
 {
+  if (!group || !ray) { embree::beside::refuse("group or ray is NULL"); return 0; }
   if (ray->tfar < 0) return 0;
   Query context(query);
   rtcOccluded1(group->scene, &context.context, (RTCRay*)ray);

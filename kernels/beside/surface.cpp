@@ -9,6 +9,7 @@
 #include <embree3/rtcore_compressed_triangles.h>
 #include <embree3/rtcore_dicing.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -54,16 +55,63 @@ RTCSubdivisionMode modeOf(CbvhBoundary boundary)
   throw Failure{CBVH_ERROR_INVALID_ARGUMENT, "a boundary that is none"};
 }
 
-/* What is told how far a commit is. */
-struct Progress
+bool tellProgress(void* self, double done)
 {
-  CbvhProgressFunction function;
-  void* userPtr;
+  const Input& input = *(const Input*)self;
+  return !input.progress || input.progress(input.progressPtr, done) != 0;
+}
 
-  static bool tell(void* self, double done) { return ((const Progress*)self)->function(((const Progress*)self)->userPtr, done) != 0; }
-};
+std::string of(const char* what, size_t i, const char* has, size_t value) { return std::string(what) + " " + std::to_string(i) + " " + has + " " + std::to_string(value); }
+
+[[noreturn]] void refuseValue(const std::string& text) { throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
+
+void checkBelow(const unsigned int* values, size_t count, size_t bound, const char* what, const char* named, const char* of)
+{
+  for (size_t i = 0; i < count; i++)
+    if (values[i] >= bound) refuseValue(std::string(what) + " " + std::to_string(i) + " is " + named + " " + std::to_string(values[i]) + ": the cage has " + std::to_string(bound) + " " + of);
+}
+
+/* Embree would read and write past the buffers. */
+void checkTopology(const CbvhCage& cage)
+{
+  require(cage.vertices.count > 0, "there are no vertices");
+  size_t sum = 0;
+  for (size_t f = 0; f < cage.numFaces; f++) {
+    if (cage.faceVertices[f] < 3) refuseValue(of("face", f, "has", cage.faceVertices[f]) + " vertices: expected 3 or more");
+    sum += cage.faceVertices[f];
+    if (sum > cage.numIndices) refuseValue(of("face", f, "ends at index", sum) + ", but there are " + std::to_string(cage.numIndices) + " indices");
+  }
+  if (sum != cage.numIndices) refuseValue("the faces have " + std::to_string(sum) + " vertices together, but there are " + std::to_string(cage.numIndices) + " indices: expected as many");
+  checkBelow(cage.indices, cage.numIndices, cage.vertices.count, "index", "vertex", "vertices");
+  checkBelow(cage.creases, 2*cage.numCreases, cage.vertices.count, "crease index", "vertex", "vertices");
+  checkBelow(cage.corners, cage.numCorners, cage.vertices.count, "corner", "vertex", "vertices");
+  checkBelow(cage.holes, cage.numHoles, cage.numFaces, "hole", "face", "faces");
+}
 
 } // namespace
+
+/* Sub-patches of a face without four corners are numbered by u and v: sub-patch i + 4 j is at u from 2 i, v from 2 j. */
+void Input::checkParameters(unsigned int primID, float u, float v) const
+{
+  require(primID < numPrimitives, "the surface has no such face");
+  const std::string given = "u " + std::to_string(u) + ", v " + std::to_string(v) + " of face " + std::to_string(primID) + ": ";
+  const auto other = std::lower_bound(otherFaces.begin(), otherFaces.end(), std::make_pair(primID, 0u));
+  if (other == otherFaces.end() || other->first != primID) {
+    const float rounding = 1e-3f; // of hits
+    if (!(u >= -rounding && u <= 1 + rounding && v >= -rounding && v <= 1 + rounding)) refuseValue(given + "expected 0 to 1");
+    return;
+  }
+  const unsigned int corners = other->second, most = 16; // Embree tessellates no face of more
+  if (corners > most) refuseValue(given + "the face has " + std::to_string(corners) + " corners and is left out: expected a face of 16 or fewer");
+  if (!(u >= 0 && u < 8 && v >= 0 && v < 8) || unsigned(u/2) + 4*unsigned(v/2) >= corners)
+    refuseValue(given + "expected one of its " + std::to_string(corners) + " sub-patches, as hits number them");
+}
+
+CbvhSurfaceTy::Change::Change(CbvhSurfaceTy& surface) : surface(surface)
+{
+  if (surface.isChanging.exchange(true))
+    throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface is being changed, committed or diced: its callbacks, and other threads, must not change it"};
+}
 
 /* copies: or they stay where they are until the commit */
 void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies)
@@ -91,6 +139,7 @@ void CbvhSurfaceTy::keep(Owned input)
 
 void CbvhSurfaceTy::set(const CbvhCage& cage)
 {
+  const Change change(*this);
   require(cage.numFaces > 0 && cage.faceVertices && cage.indices, "the cage has no faces, or no indices");
   require(cage.numFaces < 0xFFFFFFFFu && cage.numIndices < 0xFFFFFFFFu, "the cage has more faces or indices than 32 bits count");
   const size_t numRates = cage.rates ? cage.numIndices : 1;
@@ -100,11 +149,14 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
   require(cage.numCorners == 0 || (cage.corners && cage.cornerSharpness), "corners without vertices or sharpness");
   require(cage.numHoles == 0 || cage.holes, "holes without faces");
   require(cage.numAttributes == 0 || cage.attributes, "attributes that are NULL");
+  checkTopology(cage);
 
   Owned input(new Input(context->device, RTC_GEOMETRY_TYPE_SUBDIVISION));
   const RTCGeometry geometry = input->geometry;
   input->numPrimitives = unsigned(cage.numFaces);
   input->numEdges = cage.numIndices;
+  for (size_t f = 0; cage.numAttributes && f < cage.numFaces; f++)
+    if (cage.faceVertices[f] != 4) input->otherFaces.emplace_back(unsigned(f), cage.faceVertices[f]);
   setVertices(geometry, cage.vertices, true);
   copyTo(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, cage.faceVertices, cage.numFaces);
   copyTo(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, cage.indices, cage.numIndices);
@@ -147,6 +199,7 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
 
 void CbvhSurfaceTy::set(const CbvhGrids& grids)
 {
+  const Change change(*this);
   require(grids.count > 0 && grids.grids, "there are no grids");
   require(grids.count < 0xFFFFFFFFu, "there are more grids than 32 bits count");
   Owned input(new Input(context->device, RTC_GEOMETRY_TYPE_GRID));
@@ -159,6 +212,7 @@ void CbvhSurfaceTy::set(const CbvhGrids& grids)
 
 void CbvhSurfaceTy::set(const CbvhMesh& mesh)
 {
+  const Change change(*this);
   require(mesh.corners == 3 || mesh.corners == 4, "a mesh is of triangles or of quads");
   require(mesh.count > 0 && mesh.indices, "the mesh has no indices");
   require(mesh.count < 0xFFFFFFFFu, "the mesh has more primitives than 32 bits count");
@@ -171,8 +225,21 @@ void CbvhSurfaceTy::set(const CbvhMesh& mesh)
   keep(std::move(input));
 }
 
+namespace {
+
+/* While callbacks of the pending input may be called. */
+struct Work
+{
+  explicit Work(std::atomic<bool>& flag) : flag(flag) { flag = true; }
+  ~Work() { flag = false; }
+  std::atomic<bool>& flag;
+};
+
+} // namespace
+
 void CbvhSurfaceTy::dice(const CbvhDicing& dicing, float* rates)
 {
+  const Change change(*this);
   if (!pending || !pending->numEdges) throw Failure{CBVH_ERROR_INVALID_OPERATION, "there is no cage to dice: cbvhSetCage comes first, also after a commit"};
   RTCDicingArguments args;
   rtcInitDicingArguments(&args);
@@ -189,7 +256,9 @@ void CbvhSurfaceTy::dice(const CbvhDicing& dicing, float* rates)
   if (dicing.maxRate != 0) args.maxRate = dicing.maxRate;
   args.maxRates = dicing.maxRates;
   const RTCGeometry geometry = pending->geometry;
+  const Work work(isWorking);
   rtcCommitGeometry(geometry); // its topology: nothing is compressed before commit() says so
+  context->check();
   rtcDiceGeometry(geometry, &args);
   context->check();
   if (rates) std::memcpy(rates, rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0), pending->numEdges*sizeof(float));
@@ -197,45 +266,79 @@ void CbvhSurfaceTy::dice(const CbvhDicing& dicing, float* rates)
 
 void CbvhSurfaceTy::set(const CbvhAccuracy& to)
 {
+  const Change change(*this);
   require(std::isfinite(to.maxError) && to.maxError >= 0 && std::isfinite(to.maxPixelError) && to.maxPixelError >= 0, "an error that is negative, or not finite");
   require(to.maxPixelError == 0 || (to.pixelSize > 0 && std::isfinite(to.pixelSize)), "a bound in pixels needs their size");
-  hasNewAccuracy = std::memcmp(&accuracy, &to, sizeof(to)) != 0;
   accuracy = to;
 }
 
 void CbvhSurfaceTy::setMask(unsigned int to)
 {
+  const Change change(*this);
   mask = to;
-  if (!current) return;
+}
+
+void CbvhSurfaceTy::applyMask()
+{
+  if (mask == appliedMask) return;
+  const Change change(*this);
   rtcSetGeometryMask(current->geometry, mask);
   rtcCommitGeometry(current->geometry);
   context->check();
+  appliedMask = mask;
 }
 
 void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
 {
+  const Change change(*this);
   if (!pending) {
     if (!current) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface has no cage, grids or mesh"};
-    if (hasNewAccuracy) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the accuracy was changed after the surface let its input go: set that again"};
+    if (std::memcmp(&accuracy, &committedAccuracy, sizeof(accuracy)) != 0) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the accuracy was changed after the surface let its input go: set that again"};
     return;
   }
+  /* Whatever happens, the input is as before unless the surface has it: it neither asks to be compressed nor knows the callback. */
+  struct Restore
+  {
+    const std::shared_ptr<Input> input;
+    bool isKept;
+
+    ~Restore()
+    {
+      input->progress = nullptr;
+      if (isKept) return;
+      const OwnErrors errors;
+      RTCCompressionArguments none;
+      rtcInitCompressionArguments(&none);
+      rtcSetGeometryCompression(input->geometry, &none);
+    }
+  } restore = {pending, false};
+  pending->progress = progress;
+  pending->progressPtr = userPtr;
+  commitInput();
+  restore.isKept = true;
+}
+
+void CbvhSurfaceTy::commitInput()
+{
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
-  Progress told = {progress, userPtr};
   args.compression = RTC_COMPRESSION_VERT;
   args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
   if (accuracy.maxError > 0) args.maxError = accuracy.maxError;
   args.maxPixelError = accuracy.maxPixelError;
   std::memcpy(args.cameraPosition, accuracy.cameraPosition, sizeof(args.cameraPosition));
   args.pixelSize = accuracy.pixelSize;
-  if (progress) {
-    args.progress = Progress::tell;
-    args.progressUserPtr = &told;
+  if (pending->progress) {
+    args.progress = tellProgress;
+    args.progressUserPtr = pending.get();
   }
   const RTCGeometry geometry = pending->geometry;
   rtcSetGeometryCompression(geometry, &args);
   rtcSetGeometryMask(geometry, mask);
-  rtcCommitGeometry(geometry);
+  {
+    const Work work(isWorking);
+    rtcCommitGeometry(geometry);
+  }
   Failure failure = {CBVH_OK, ""};
   try { context->check(); } catch (const Failure& f) { failure = f; }
 
@@ -248,13 +351,15 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
     throw failure;
   }
   current = std::move(pending);
-  hasNewAccuracy = false;
+  committedAccuracy = accuracy;
+  appliedMask = mask;
   if (failure.code != CBVH_OK) throw failure;
 }
 
 void CbvhSurfaceTy::save(const char* path) const
 {
-  rtcSaveCompressedGeometry(committed().geometry, path);
+  const std::shared_ptr<const Input> input = committed();
+  rtcSaveCompressedGeometry(input->geometry, path);
   context->check();
 }
 
@@ -276,11 +381,13 @@ void CbvhSurfaceTy::load(const char* path)
   current->isMesh = description.type == RTC_GEOMETRY_TYPE_QUAD || description.type == RTC_GEOMETRY_TYPE_TRIANGLE;
 }
 
-const Input& CbvhSurfaceTy::committed() const
+std::shared_ptr<const Input> CbvhSurfaceTy::committed() const
 {
   if (!current) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface was not committed"};
-  return *current;
+  return current;
 }
+
+std::shared_ptr<const Input> CbvhSurfaceTy::interpolated() const { return isWorking ? pending : committed(); }
 
 /* --- the API --------------------------------------------------------------------------- */
 
@@ -295,7 +402,12 @@ void cbvhReleaseSurface(CbvhSurface surface) { if (surface) surface->release(); 
 namespace {
 
 template<typename Closure>
-CbvhError onSurface(CbvhSurface surface, const Closure& closure) { return surface ? guarded(surface->context.get(), closure) : refuse("surface is NULL"); }
+CbvhError onSurface(CbvhSurface surface, const Closure& closure)
+{
+  if (!surface) return refuse("surface is NULL");
+  const Held<CbvhSurfaceTy> held(surface); // callbacks may release the application's references
+  return guarded(surface->context.get(), closure);
+}
 
 } // namespace
 
@@ -328,10 +440,27 @@ unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface) { return surface 
 CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, float v, unsigned int attribute, float* P, float* dPdu, float* dPdv)
 {
   return onSurface(surface, [&] {
-    const Input& input = surface->committed();
-    require(attribute < input.widths.size(), "the surface has no such attribute");
-    require(primID < input.numPrimitives, "the surface has no such face");
-    rtcInterpolate1(input.geometry, primID, u, v, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, attribute, P, dPdu, dPdv, input.widths[attribute]);
+    const std::shared_ptr<const Input> input = surface->interpolated();
+    require(attribute < input->widths.size(), "the surface has no such attribute");
+    input->checkParameters(primID, u, v);
+    rtcInterpolate1(input->geometry, primID, u, v, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, attribute, P, dPdu, dPdv, input->widths[attribute]);
+    surface->context->check();
+  });
+}
+
+CbvhError cbvhInterpolatePoints(CbvhSurface surface, const CbvhInterpolation* points)
+{
+  return onSurface(surface, [&] {
+    require(points, "points are NULL");
+    require(points->count == 0 || (points->u && points->v), "u or v is NULL");
+    const std::shared_ptr<const Input> input = surface->interpolated();
+    require(points->attribute < input->widths.size(), "the surface has no such attribute");
+    const unsigned int width = input->widths[points->attribute];
+    for (size_t i = 0; i < points->count; i++) input->checkParameters(points->primID, points->u[i], points->v[i]);
+    const auto at = [&](float* out, size_t i) { return out ? out + i*width : nullptr; };
+    for (size_t i = 0; i < points->count; i++)
+      rtcInterpolate1(input->geometry, points->primID, points->u[i], points->v[i], RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, points->attribute,
+                      at(points->P, i), at(points->dPdu, i), at(points->dPdv, i), width);
     surface->context->check();
   });
 }
@@ -340,9 +469,10 @@ int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float 
 {
   int found = 0;
   if (!surface || !triangle) { refuse("surface or triangle is NULL"); return 0; }
-  guarded(surface->context.get(), [&] {
+  onSurface(surface, [&] {
     static_assert(sizeof(CbvhTriangle) == sizeof(RTCCompressedTriangle), "layout of a triangle");
-    found = rtcGetCompressedTriangleAtTime(surface->committed().geometry, time, primID, u, v, Ng, (RTCCompressedTriangle*)triangle);
+    const std::shared_ptr<const Input> input = surface->committed();
+    found = rtcGetCompressedTriangleAtTime(input->geometry, time, primID, u, v, Ng, (RTCCompressedTriangle*)triangle);
     surface->context->check();
   });
   return found;
@@ -354,7 +484,8 @@ CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction func
     require(function, "function is NULL");
     static_assert(sizeof(CbvhPart) == sizeof(RTCCompressedPart), "layout of a part");
     struct Call { CbvhPartFunction function; void* userPtr; } call = {function, userPtr};
-    rtcForEachCompressedPartAtTime(surface->committed().geometry, time, [](void* of, const RTCCompressedPart* part) {
+    const std::shared_ptr<const Input> input = surface->committed();
+    rtcForEachCompressedPartAtTime(input->geometry, time, [](void* of, const RTCCompressedPart* part) {
       return ((const Call*)of)->function(((const Call*)of)->userPtr, (const CbvhPart*)part) != 0;
     }, &call);
     surface->context->check();
@@ -372,7 +503,8 @@ CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat 
     const RTCCompressedClusterFunction hand = [](void* of, const RTCCompressedCluster* cluster) {
       return ((const Call*)of)->function(((const Call*)of)->userPtr, (const CbvhCluster*)cluster) != 0;
     };
-    rtcForEachCompressedCluster(surface->committed().geometry, time, RTCClusterFormat(format), function ? hand : nullptr, &call, (RTCCompressedClusterReport*)report);
+    const std::shared_ptr<const Input> input = surface->committed();
+    rtcForEachCompressedCluster(input->geometry, time, RTCClusterFormat(format), function ? hand : nullptr, &call, (RTCCompressedClusterReport*)report);
     surface->context->check();
   });
 }

@@ -7,7 +7,9 @@
 
 #include "context.h"
 
+#include <atomic>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace embree { namespace beside {
@@ -22,6 +24,12 @@ struct Input
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementPtr = nullptr;
   std::vector<unsigned int> widths;   // of attributes
+  std::vector<std::pair<unsigned int, unsigned int>> otherFaces; // of cages with attributes: faces that have not 4 corners, and how many they have
+  CbvhProgressFunction progress = nullptr; // during a commit
+  void* progressPtr = nullptr;
+
+  /* Throws unless the face exists and u, v are parameters of it, as hits have them. */
+  void checkParameters(unsigned int primID, float u, float v) const;
 
   Input(RTCDevice device, RTCGeometryType type) : geometry(rtcNewGeometry(device, type)) {}
   explicit Input(RTCGeometry geometry) : geometry(geometry) {} // which it releases
@@ -42,24 +50,44 @@ struct CbvhSurfaceTy : embree::beside::Counted
   void dice(const CbvhDicing& dicing, float* rates);
   void set(const CbvhAccuracy& accuracy);
   void setMask(unsigned int mask);
+
+  /* Gives the committed geometry the mask that was set last. */
+  void applyMask();
+
   void commit(CbvhProgressFunction progress, void* userPtr);
   void save(const char* path) const;
   void load(const char* path);
 
-  /* Throws where it was not committed. */
-  const embree::beside::Input& committed() const;
+  /* Throws if it was not committed. The caller keeps the input alive: a callback may commit or release the surface. */
+  std::shared_ptr<const embree::beside::Input> committed() const;
+
+  /* What attributes are interpolated of: during a commit or dicing the cage that is worked on. */
+  std::shared_ptr<const embree::beside::Input> interpolated() const;
   const embree::beside::Input* last() const { return pending ? pending.get() : current.get(); }
 
   const embree::beside::Held<CbvhContextTy> context;
 
 private:
-  typedef std::unique_ptr<embree::beside::Input> Owned;
+  typedef std::shared_ptr<embree::beside::Input> Owned;
+
+  /* A change of the surface. Throws if there is one already, as in the callbacks of a commit. */
+  class Change
+  {
+  public:
+    explicit Change(CbvhSurfaceTy& surface);
+    ~Change() { surface.isChanging = false; }
+
+  private:
+    CbvhSurfaceTy& surface;
+  };
+
+  void commitInput();
 
   void setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies);
   void keep(Owned input);
 
   Owned current, pending;    // as it was committed, and what the next commit takes
-  CbvhAccuracy accuracy = CbvhAccuracy();
-  bool hasNewAccuracy = false;
-  unsigned int mask = ~0u;
+  CbvhAccuracy accuracy = CbvhAccuracy(), committedAccuracy = CbvhAccuracy();
+  unsigned int mask = ~0u, appliedMask = ~0u; // as set, and of the committed geometry
+  std::atomic<bool> isChanging{false}, isWorking{false}; // isWorking: callbacks of the pending input may be called
 };

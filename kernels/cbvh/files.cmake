@@ -4,6 +4,7 @@
 # Files of the library, compiled once for the lowest ISA.
 list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/settings.cpp
+  cbvh/api/device_string.cpp
   cbvh/api/factory.cpp
   cbvh/api/geometry_commit.cpp
   cbvh/api/rtcore_compression.cpp

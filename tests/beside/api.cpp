@@ -438,12 +438,6 @@ TEST(Beside, BadInputIsAnErrorThatNamesIt)
   const CbvhAccuracy negative = {-1, 0, {0, 0, 0}, 0};
   context.expect(cbvhSetAccuracy(surface, &negative), CBVH_ERROR_INVALID_ARGUMENT, "negative");
 
-  /* an index behind the vertices: the commit's error */
-  CageInput input(cubeCage(), settingsOf(displacement, 1, 4));
-  input.indices[3] = 77;
-  ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
-  context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "vertex 77");
-
   EXPECT_EQ(cbvhNewSurface(nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(cbvhCommitGroup(nullptr), CBVH_ERROR_INVALID_ARGUMENT);
   CbvhGroup group = nullptr;

@@ -31,7 +31,7 @@ preload=LD_PRELOAD=/root/interposer/libembree_cbvh_interposer.so
 
 # --- calls: hits that are kept without it are those that there are with it -------------------
 inside "./calls hits > /dev/null && $preload ./calls hits" || fail "hits are others"
-inside "$preload EMBREE_CBVH=verbose,max_error=0.00001,grids=1,quads=1,triangles=1 ./calls hits > meshes.log" || { tail "$work/meshes.log"; fail "hits of grids, quads and triangles are others"; }
+inside "$preload EMBREE_CBVH=verbose,max_error=0.00001,grids=1,quads=1,triangles=1 ./calls hits > meshes.log 2>&1" || { tail "$work/meshes.log"; fail "hits of grids, quads and triangles are others"; }
 [ "$(grep -c ': 40000 quads' "$work/meshes.log")" -eq 3 ] || fail "not each of grids, quads and triangles is taken"
 inside "EMBREE_CBVH=0 $preload ./calls hits > /dev/null" || fail "hits where it is turned off are others"
 inside "EMBREE_CBVH=grids=1,nonsense $preload ./calls hits 2>&1 > /dev/null" | grep -q 'EMBREE_CBVH: "nonsense" is left out' || fail "nonsense is not told"

@@ -709,17 +709,37 @@ TEST(Dynamic, SettingsTakeEffectWithTheNextCommit)
   }
 }
 
+// Embree ignores unknown keys; one that asks for compression must not be.
+TEST(DeviceString, AKeyThatIsNoneIsNamedWithTheNearest)
+{
+  for (const char* config : {"subdiv_acel=cbvh", "threds=1,subdiv_accel=cbvh.vert"}) {
+    testing::internal::CaptureStderr();
+    RTCDevice device = rtcNewDevice(config);
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(device, nullptr) << config;
+    EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
+    const bool isAccel = config[0] == 's';
+    EXPECT_NE(said.find(isAccel ? "\"subdiv_acel\"" : "\"threds\""), std::string::npos) << said;
+    EXPECT_NE(said.find(isAccel ? "did you mean subdiv_accel?" : "did you mean threads?"), std::string::npos) << said;
+  }
+  RTCDevice device = rtcNewDevice("threds=1,unknown,grid_accel=default"); // as stock Embree
+  ASSERT_NE(device, nullptr);
+  rtcReleaseDevice(device);
+}
+
 // A line on each commit: what was compressed, what GRID would take, what was left to it and why.
 TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldTake)
 {
   const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings, const Cage& cage = cubeCage()) {
     std::unique_ptr<Environment> set(environment ? new Environment(environment) : nullptr);
     testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
     {
       Device device(config);
       const SurfaceScene scene(device, cage, settings);
     }
-    const std::string text = testing::internal::GetCapturedStdout();
+    const std::string text = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(testing::internal::GetCapturedStdout().find("compression:"), std::string::npos) << "programs write pictures there";
     const size_t begin = text.find("compression: 1 surface");
     return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
   };

@@ -5,6 +5,7 @@
 
 #include "support/closed.h"
 #include "support/edge_rates.h"
+#include "support/saved.h"
 
 #include <embree3/rtcore_dicing.h>
 
@@ -269,6 +270,60 @@ TEST(Dicing, WrongArgumentsAreRefusedByName)
   rtcUpdateGeometryBuffer(surface.geometry, RTC_BUFFER_TYPE_VERTEX, 0); // not committed since
   rtcDiceGeometry(surface.geometry, &args);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+}
+
+// There is no cage to measure, or to walk on.
+TEST(Dicing, GeometriesWithoutACageAreRefused)
+{
+  Device device;
+  const Folder folder;
+  const RTCDicingArguments args = cameraAt(0, 0, 5);
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_VERT;
+  RTCGeometry geometry = newSurface(device, cubeCage(), settings);
+  RTCCompressionArguments compression;
+  rtcInitCompressionArguments(&compression);
+  compression.compression = RTC_COMPRESSION_VERT;
+  compression.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
+  rtcSetGeometryCompression(geometry, &compression);
+  rtcCommitGeometry(geometry);
+  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"cage").c_str())) << device.message;
+  RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder/"cage").c_str());
+  ASSERT_NE(loaded, nullptr) << device.message;
+  ASSERT_EQ(device.takeError(), RTC_ERROR_NONE);
+  for (RTCGeometry without : {geometry, loaded}) {
+    SCOPED_TRACE(without == loaded ? "loaded" : "released");
+    rtcDiceGeometry(without, &args);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << device.message;
+    for (unsigned id : {0u, 5u, 23u, 24u, ~0u}) {
+      rtcGetGeometryFace(without, id);
+      EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
+      rtcGetGeometryFirstHalfEdge(without, id);
+      EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
+      rtcGetGeometryNextHalfEdge(without, id);
+      EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
+      rtcGetGeometryPreviousHalfEdge(without, id);
+      EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
+      rtcGetGeometryOppositeHalfEdge(without, 0, id);
+      EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
+    }
+    rtcReleaseGeometry(without);
+  }
+}
+
+TEST(Dicing, ACageWithAnIndexPastItsVerticesIsRefused)
+{
+  Device device;
+  Cage cage = cubeCage();
+  cage.indices[13] = 1000;
+  RTCGeometry geometry = newSurface(device, cage, SurfaceSettings());
+  rtcCommitGeometry(geometry);
+  device.takeError();
+  const RTCDicingArguments args = cameraAt(0, 0, 5);
+  rtcDiceGeometry(geometry, &args);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(device.message.find("vertex 1000"), std::string::npos) << device.message;
+  rtcReleaseGeometry(geometry);
 }
 
 } // namespace

@@ -19,7 +19,7 @@ void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool c
   Device stock;
   for (const char* kind : {"grid", "voxel", "leaf"}) {
     SCOPED_TRACE(testing::Message() << kind << ", rate " << rate << ", " << edgeRates.size() << " edge rates");
-    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
     Device device(std::string("verbose=1,cbvh_exact_faces=0,subdiv_accel=cbvh.") + kind);
     SurfaceSettings settings;
     settings.displacement = &displacement;
@@ -27,7 +27,7 @@ void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool c
     settings.timeSteps = timeSteps;
     settings.edgeRates = edgeRates;
     const SurfaceScene a(stock, cubeCage(), settings), b(device, cubeCage(), settings);
-    const std::string output = testing::internal::GetCapturedStdout();
+    const std::string output = testing::internal::GetCapturedStderr();
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     const RTCCompressionStatistics stats = statisticsOf(b);
     EXPECT_EQ(stats.numQuads != 0, compressed);

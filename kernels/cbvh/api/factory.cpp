@@ -117,15 +117,15 @@ namespace embree
       const CompressionSettings settings = geometry->compression.resolve(scene->device->compression);
       if (settings.compression == RTC_COMPRESSION_NONE) continue;
       Lock<MutexSys> lock(g_printMutex);
-      std::cout << "compression: geometry " << geomID << ": " << compressionName(settings.compression);
+      std::cerr << "compression: geometry " << geomID << ": " << compressionName(settings.compression);
       if (moves && settings.compression != RTC_COMPRESSION_VERT)
-        std::cout << " asked for, but it has motion blur: " << compressionName(RTC_COMPRESSION_VERT);
+        std::cerr << " asked for, but it has motion blur: " << compressionName(RTC_COMPRESSION_VERT);
       else if (settings.compression != RTC_COMPRESSION_VERT) { // which has no frames
-        if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cout << ", frame level auto";
-        else std::cout << ", frame level " << settings.frameLevel;
+        if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cerr << ", frame level auto";
+        else std::cerr << ", frame level " << settings.frameLevel;
       }
-      if (moves) std::cout << ", " << geometry->numTimeSteps << " time steps";
-      std::cout << std::endl;
+      if (moves) std::cerr << ", " << geometry->numTimeSteps << " time steps";
+      std::cerr << std::endl;
     }
   }
 

@@ -10,6 +10,7 @@
 #include "../surface/plan.h"
 #include "../surface/quad_regions.h"
 #include "../vert/format.h"
+#include "cage_check.h"
 
 namespace embree
 {
@@ -121,7 +122,7 @@ namespace embree
     {
       if (!geometry->device->verbosity(1) && !environmentAsksForCommitLines()) return;
       Lock<MutexSys> lock(g_printMutex);
-      std::cout << "compression: " << what << std::endl;
+      std::cerr << "compression: " << what << std::endl;
     }
 
     /*! Takes a geometry from Embree's kernels if it asks for that and there is no reason not to. An empty reason is not worth a message. */
@@ -143,29 +144,6 @@ namespace embree
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"a time range from " + std::to_string(mesh->time_range.lower) + " to " + std::to_string(mesh->time_range.upper));
     }
 
-    /*! Throws where a face has indices or vertices that are not there: Embree reads them. */
-    void checkIndices (const SubdivMesh* mesh)
-    {
-      checkTimeSteps(mesh);
-      const BufferView<unsigned>& indices = mesh->topology[0].vertexIndices;
-      const size_t numVertices = mesh->vertices[0].size(), none = ~size_t(0);
-      const size_t firstWrong = parallel_reduce(size_t(0),indices.size(),size_t(1) << 16,none,[&](const range<size_t>& r) {
-          for (size_t i=r.begin(); i!=r.end(); i++)
-            if (indices[i] >= numVertices) return i;
-          return none;
-        },[](size_t a, size_t b) { return min(a,b); });
-      size_t begin = 0;
-      for (size_t f=0; f<mesh->faceVertices.size(); f++)
-      {
-        const size_t end = begin + mesh->faceVertices[f];
-        if (end <= indices.size() && end <= firstWrong) { begin = end; continue; }
-        const std::string face = "face " + std::to_string(f) + " of " + std::to_string(mesh->faceVertices[f]) + " vertices: ";
-        if (end > indices.size())
-          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,face + "the index buffer ends after " + std::to_string(indices.size()) + " indices");
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,face + "index " + std::to_string(firstWrong-begin) + " is vertex " + std::to_string(indices[firstWrong]) + " of " + std::to_string(numVertices));
-      }
-    }
-
     /*! whether it has blocks now, and its input may go */
     bool compressNow (CompressibleGeometry* geometry)
     {
@@ -176,6 +154,28 @@ namespace embree
       runAsCommit([&] { symbols.buildBlocksOfGeometry(geometry); });
       geometry->surface.inputReleased = true;
       return true;
+    }
+  }
+
+  void checkIndices (const SubdivMesh* mesh)
+  {
+    checkTimeSteps(mesh);
+    const BufferView<unsigned>& indices = mesh->topology[0].vertexIndices;
+    const size_t numVertices = mesh->vertices[0].size(), none = ~size_t(0);
+    const size_t firstWrong = parallel_reduce(size_t(0),indices.size(),size_t(1) << 16,none,[&](const range<size_t>& r) {
+        for (size_t i=r.begin(); i!=r.end(); i++)
+          if (indices[i] >= numVertices) return i;
+        return none;
+      },[](size_t a, size_t b) { return min(a,b); });
+    size_t begin = 0;
+    for (size_t f=0; f<mesh->faceVertices.size(); f++)
+    {
+      const size_t end = begin + mesh->faceVertices[f];
+      if (end <= indices.size() && end <= firstWrong) { begin = end; continue; }
+      const std::string face = "face " + std::to_string(f) + " of " + std::to_string(mesh->faceVertices[f]) + " vertices: ";
+      if (end > indices.size())
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,face + "the index buffer ends after " + std::to_string(indices.size()) + " indices");
+      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,face + "index " + std::to_string(firstWrong-begin) + " is vertex " + std::to_string(indices[firstWrong]) + " of " + std::to_string(numVertices));
     }
   }
 
@@ -273,6 +273,7 @@ namespace embree
     mesh->levels = BufferView<float>();
     mesh->holes = BufferView<unsigned>();
     mesh->halfEdgeFace.clear();
+    mesh->numHalfEdges = 0; // functions that number half-edges report errors
     if (hasAttributes) return;
     mesh->faceStartEdge.clear();
     mesh->invalid_face.clear();

@@ -5,6 +5,8 @@
 
 #include "../surface/dicing_samples.h"
 #include "../embree/scene.h"
+#include "cage_check.h"
+#include "loaded_geometry.h"
 
 using namespace embree;
 
@@ -121,9 +123,11 @@ RTC_API void rtcDiceGeometry (RTCGeometry hgeometry, const RTCDicingArguments* a
   if (geometry == nullptr) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"geometry is NULL");
   const CompressibleGeometry* const own = compressible(geometry);
   if (!own || own->ownType != Geometry::GTY_SUBDIV_MESH) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is no subdivision surface");
+  if (dynamic_cast<const LoadedGeometry*>(geometry)) throw_RTCError(RTC_ERROR_INVALID_OPERATION,LoadedGeometry::whyNot);
   SubdivMesh* const mesh = (SubdivMesh*) geometry;
   if (Geometry::State(geometry->state) != Geometry::State::COMMITTED || mesh->topology[0].halfEdges.size() < mesh->numEdges() || !mesh->vertices[0])
     throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is not committed");
+  checkIndices(mesh); // a commit of what is not compressed has not
   validate(args,mesh->numEdges());
   std::vector<float> rates;
   dice(mesh,*args,rates);

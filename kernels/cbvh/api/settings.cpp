@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "../embree/scene.h"
+#include "device_string.h"
 #include "factory.h"
 #include "settings.h"
 #include "../base/environment.h"
@@ -22,6 +23,7 @@ namespace embree
   {
     const std::string message = "invalid value \"" + value + "\" of " + name + ": " + expected;
     std::cerr << "Embree: Invalid argument, (" << message << ")" << std::endl;
+    keepSettingError(message);
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,message);
   }
 
@@ -41,24 +43,6 @@ namespace embree
     return false;
   }
 
-  /*! how many letters to insert, to delete or to replace make one word of the other */
-  static size_t distance (const std::string& a, const std::string& b)
-  {
-    std::vector<size_t> row(b.size()+1);
-    for (size_t j=0; j<=b.size(); j++) row[j] = j;
-    for (size_t i=0; i<a.size(); i++)
-    {
-      size_t diagonal = row[0];
-      row[0] = i+1;
-      for (size_t j=0; j<b.size(); j++) {
-        const size_t replaced = diagonal + (a[i] != b[j]);
-        diagonal = row[j+1];
-        row[j+1] = std::min(replaced,std::min(row[j],row[j+1])+1);
-      }
-    }
-    return row[b.size()];
-  }
-
   static bool parseSubdivAccel (const std::string& name, RTCCompression& compression)
   {
     const std::string lower = lowerCase(name);
@@ -76,13 +60,8 @@ namespace embree
 
   static bool isKey (const std::string& word) { return std::find(std::begin(keys),std::end(keys),word) != std::end(keys); }
 
-  /*! what one may have meant by a word that is no key: what it begins, or what is most like it */
-  static std::string nearestKey (const std::string& word)
-  {
-    for (const std::string& key : keys)
-      if (!word.empty() && key.compare(0,word.size(),word) == 0) return key;
-    return *std::min_element(std::begin(keys),std::end(keys),[&](const char* a, const char* b) { return distance(word,a) < distance(word,b); });
-  }
+  /*! the keys of a device string that nobody knows, until verify(), and their values */
+  static thread_local std::vector<std::pair<std::string,std::string>> strayKeys;
 
   /*! "cbvh.grid, cbvh.voxel or cbvh.leaf" */
   static std::string kindKeys (const std::string& prefix)
@@ -96,7 +75,7 @@ namespace embree
   static void unknownKey (const std::string& where, const std::string& key, const std::string& prefix)
   {
     const bool hasPrefix = key.compare(0,prefix.size(),prefix) == 0;
-    invalid(where,key,"there is no such key, did you mean " + prefix + nearestKey(hasPrefix ? key.substr(prefix.size()) : key) + "?");
+    invalid(where,key,"there is no such key, did you mean " + prefix + nearestWord(hasPrefix ? key.substr(prefix.size()) : key,{ std::begin(keys),std::end(keys) }) + "?");
   }
 
   void CompressionSettings::setFrameLevel (const std::string& name, const std::string& value)
@@ -150,7 +129,13 @@ namespace embree
   {
     std::string key;
     try { key = token.Identifier(); } catch (const std::exception&) { return false; }
-    if (key.compare(0,4,"cbvh") != 0) return false;
+    if (key.compare(0,4,"cbvh") != 0)
+    {
+      if (isDeviceKey(key)) return false; // Embree's, which the patched function tests after ours
+      strayKeys.push_back({ key,"" });
+      if (stream.trySymbol("=")) strayKeys.back().second = valueText(stream.get());
+      return true;
+    }
     std::string value;
     if (stream.trySymbol("=")) value = valueText(stream.get());
     const std::string prefix = "cbvh_";
@@ -161,6 +146,7 @@ namespace embree
 
   void CompressionSettings::parseEnvironment ()
   {
+    strayKeys.clear();
     for (const std::string& item : environmentItems())
     {
       const size_t equals = item.find('=');
@@ -187,12 +173,17 @@ namespace embree
 
   void CompressionSettings::verify (const std::string& subdivAccel, bool verbose)
   {
+    RTCCompression ofString;
     if (!parseSubdivAccel(subdivAccel,compression)) {
       if (lowerCase(subdivAccel).compare(0,4,"cbvh") == 0)
         invalid("subdiv_accel",subdivAccel,"expected cbvh, " + kindKeys("cbvh."));
       if (subdivAccel != "default")
         compression = RTC_COMPRESSION_NONE;
     }
+    /* Embree ignores what it does not know, and so do we unless compression is asked for. */
+    for (const auto& stray : strayKeys)
+      if (parseSubdivAccel(subdivAccel,ofString) || lowerCase(stray.second).compare(0,4,"cbvh") == 0)
+        invalid("the device string",stray.first,"there is no such key, did you mean " + nearestDeviceKey(stray.first) + "?");
 
     if (verbose)
       std::cout << std::endl << "Embree CBVH " << RTC_COMPRESSION_VERSION_STRING << std::endl

@@ -197,7 +197,7 @@ namespace embree
           line.addGeometry(plan.compresses(),plan.compresses() ? plan.kind() : cbvh::Kind::VERT);
         }
         Lock<MutexSys> lock(g_printMutex);
-        std::cout << line.text(report->statistics,all) << std::endl;
+        std::cerr << line.text(report->statistics,all) << std::endl;
       }
 
       /*! what of a compressed geometry is stored otherwise than asked for */
@@ -208,23 +208,23 @@ namespace embree
         const std::string geometry = "compression: geometry " + std::to_string(surface.geomID) + ": ";
         Lock<MutexSys> lock(g_printMutex);
         if (total.highRateQuads)
-          std::cout << geometry << total.highRateQuads << " quads of faces with edge rates above "
+          std::cerr << geometry << total.highRateQuads << " quads of faces with edge rates above "
                     << (planOf(surface).sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxLevel) << " are traced by GRID" << std::endl;
         if (total.refusedQuads)
-          std::cout << geometry << total.refusedQuads << " quads of blocks that have no good frame (lines, outliers) keep full precision" << std::endl;
+          std::cerr << geometry << total.refusedQuads << " quads of blocks that have no good frame (lines, outliers) keep full precision" << std::endl;
         if (total.sums.numExactQuads)
-          std::cout << geometry << total.sums.numExactQuads
+          std::cerr << geometry << total.sums.numExactQuads
                     << " quads of faces that leaves hold badly (borders, creases, walls, folds) are stored as cVERT" << std::endl;
         if (total.sums.numRawBlocks)
-          std::cout << geometry << total.sums.numRawBlocks
+          std::cerr << geometry << total.sums.numRawBlocks
                     << " blocks of cVERT keep floats (a vertex that is not finite, a spacing too fine for their width, or a neighbour that GRID traces)" << std::endl;
         if (total.sums.numInvalidQuads && surface.isDiced())
-          std::cout << geometry << total.sums.numInvalidQuads << " quads with vertices that are not finite are left out" << std::endl;
+          std::cerr << geometry << total.sums.numInvalidQuads << " quads with vertices that are not finite are left out" << std::endl;
         if (total.sums.numMeshQuads)
-          std::cout << geometry << total.sums.numMeshQuads - total.sums.numLooseQuads << " of " << total.sums.numMeshQuads << " quads lie in grids, "
+          std::cerr << geometry << total.sums.numMeshQuads - total.sums.numLooseQuads << " of " << total.sums.numMeshQuads << " quads lie in grids, "
                     << total.sums.numLooseQuads << " are stored in blocks of fewer than " << looseSide << " quads along a side" << std::endl;
         if (total.quadsForHoles)
-          std::cout << geometry << total.quadsForHoles << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;
+          std::cerr << geometry << total.quadsForHoles << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;
       }
 
       static std::string describeInvalid (const Surface& surface)

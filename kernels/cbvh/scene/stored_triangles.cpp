@@ -259,6 +259,7 @@ namespace embree
 
     bool BlockIndex::find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng, RTCCompressedTriangle& triangle) const
     {
+      if (!(std::isfinite(u) && std::isfinite(v) && std::isfinite(time.time))) return false; // nothing lies there
       Search search(time,u,v,Ng,triangle);
       if (!blockOf.empty()) {
         if (primID < blockOf.size() && blockOf[primID] != none) search.look(blocks[blockOf[primID]],primID);

@@ -1,0 +1,160 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "device_string.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace embree
+{
+  namespace
+  {
+    /*! What the value of a key is checked for here. Embree checks the names of accelerators and builders when it builds. */
+    enum class Value { Any, Number, Isa, Frequency, Quality, SceneFlags };
+
+    struct Key { const char* name; Value value; };
+
+    /*! of State::parse in kernels/common/state.cpp, and of CompressionSettings::parse */
+    const Key keys[] = {
+      { "threads",Value::Number },{ "user_threads",Value::Number },{ "set_affinity",Value::Number },{ "affinity",Value::Number },{ "start_threads",Value::Number },
+      { "isa",Value::Isa },{ "max_isa",Value::Isa },{ "max_builder_isa",Value::Isa },{ "frequency_level",Value::Frequency },
+      { "enable_selockmemoryprivilege",Value::Number },{ "hugepages",Value::Number },{ "float_exceptions",Value::Number },
+      { "accel",Value::Any },{ "builder",Value::Any },{ "traverser",Value::Any },{ "accel_mb",Value::Any },{ "builder_mb",Value::Any },{ "traverser_mb",Value::Any },
+      { "tri_accel",Value::Any },{ "tri_builder",Value::Any },{ "tri_traverser",Value::Any },
+      { "tri_accel_mb",Value::Any },{ "tri_builder_mb",Value::Any },{ "tri_traverser_mb",Value::Any },
+      { "quad_accel",Value::Any },{ "quad_builder",Value::Any },{ "quad_traverser",Value::Any },
+      { "quad_accel_mb",Value::Any },{ "quad_builder_mb",Value::Any },{ "quad_traverser_mb",Value::Any },
+      { "line_accel",Value::Any },{ "line_builder",Value::Any },{ "line_traverser",Value::Any },
+      { "line_accel_mb",Value::Any },{ "line_builder_mb",Value::Any },{ "line_traverser_mb",Value::Any },
+      { "hair_accel",Value::Any },{ "hair_builder",Value::Any },{ "hair_traverser",Value::Any },
+      { "hair_accel_mb",Value::Any },{ "hair_builder_mb",Value::Any },{ "hair_traverser_mb",Value::Any },
+      { "object_accel",Value::Any },{ "object_builder",Value::Any },{ "object_accel_min_leaf_size",Value::Number },{ "object_accel_max_leaf_size",Value::Number },
+      { "object_accel_mb",Value::Any },{ "object_builder_mb",Value::Any },{ "object_accel_mb_min_leaf_size",Value::Number },{ "object_accel_mb_max_leaf_size",Value::Number },
+      { "instancing_open_min",Value::Number },{ "instancing_block_size",Value::Number },{ "instancing_open_max_depth",Value::Number },
+      { "instancing_open_factor",Value::Number },{ "instancing_open_max",Value::Number },
+      { "subdiv_accel",Value::Any },{ "subdiv_accel_mb",Value::Any },{ "grid_accel",Value::Any },{ "grid_accel_mb",Value::Any },
+      { "verbose",Value::Number },{ "benchmark",Value::Number },{ "quality",Value::Quality },{ "scene_flags",Value::SceneFlags },
+      { "max_spatial_split_replications",Value::Number },{ "presplits",Value::Number },{ "tessellation_cache_size",Value::Number },{ "cache_size",Value::Number },
+      { "alloc_main_block_size",Value::Number },{ "alloc_num_main_slots",Value::Number },{ "alloc_thread_block_size",Value::Number },{ "alloc_single_thread_alloc",Value::Number },
+      { "cbvh_frame_level",Value::Any },{ "cbvh_max_error",Value::Any },{ "cbvh_exact_faces",Value::Any },
+      { "cbvh_grids",Value::Any },{ "cbvh_quads",Value::Any },{ "cbvh_triangles",Value::Any }
+    };
+
+    const Key* find (const std::string& name)
+    {
+      const Key* const key = std::find_if(std::begin(keys),std::end(keys),[&](const Key& k) { return name == k.name; });
+      return key == std::end(keys) ? nullptr : key;
+    }
+
+    /*! how many letters to insert, to delete or to replace make one word of the other */
+    size_t distance (const std::string& a, const std::string& b)
+    {
+      std::vector<size_t> row(b.size()+1);
+      for (size_t j=0; j<=b.size(); j++) row[j] = j;
+      for (size_t i=0; i<a.size(); i++)
+      {
+        size_t diagonal = row[0];
+        row[0] = i+1;
+        for (size_t j=0; j<b.size(); j++) {
+          const size_t replaced = diagonal + (a[i] != b[j]);
+          diagonal = row[j+1];
+          row[j+1] = std::min(replaced,std::min(row[j],row[j+1])+1);
+        }
+      }
+      return row[b.size()];
+    }
+
+    std::vector<std::string> wordsOf (Value value)
+    {
+      switch (value) {
+      case Value::Isa: return { "sse","sse2","sse3","ssse3","sse41","sse4.1","sse42","sse4.2","avx","avxi","avx2","avx512" };
+      case Value::Frequency: return { "simd128","simd256","simd512" };
+      case Value::Quality: return { "low","medium","high" };
+      case Value::SceneFlags: return { "dynamic","compact","robust" };
+      default: return {};
+      }
+    }
+
+    bool isNumber (const std::string& text)
+    {
+      const size_t sign = !text.empty() && (text[0] == '-' || text[0] == '+');
+      return text.size() > sign && text.find_first_not_of("0123456789.eE+-",sign) == std::string::npos && std::strchr("0123456789.",text[sign]);
+    }
+
+    std::string whatIsWrongWith (const Key& key, std::string value)
+    {
+      const std::string begin = "invalid value \"" + value + "\" of " + key.name + ": ";
+      if (value.empty()) return begin + "expected " + key.name + "=<value>";
+      if (key.value == Value::Number) return isNumber(value) ? "" : begin + "expected a number";
+      const std::vector<std::string> words = wordsOf(key.value);
+      if (words.empty()) return "";
+      for (char& c : value) if (key.value == Value::Isa && c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a'); // as Embree reads it
+      for (size_t at = 0; at <= value.size(); ) {
+        const size_t end = key.value == Value::SceneFlags ? std::min(value.find('|',at),value.size()) : value.size();
+        const std::string word = value.substr(at,end-at);
+        at = end+1;
+        if (std::find(words.begin(),words.end(),word) != words.end()) continue;
+        std::string all;
+        for (const std::string& w : words) all += (all.empty() ? "" : ", ") + w;
+        return begin + "did you mean " + nearestWord(word,words) + "? Accepted are " + all;
+      }
+      return "";
+    }
+
+    thread_local std::string lastError;
+  }
+
+  std::string nearestWord (const std::string& word, const std::vector<std::string>& words)
+  {
+    for (const std::string& w : words)
+      if (!word.empty() && w.compare(0,word.size(),word) == 0) return w;
+    return *std::min_element(words.begin(),words.end(),[&](const std::string& a, const std::string& b) { return distance(word,a) < distance(word,b); });
+  }
+
+  bool isDeviceKey (const std::string& key) { return find(key) != nullptr; }
+
+  std::string nearestDeviceKey (const std::string& word)
+  {
+    std::vector<std::string> names;
+    for (const Key& key : keys) names.push_back(key.name);
+    return nearestWord(word,names);
+  }
+
+  std::string whatIsWrongWith (const char* deviceString)
+  {
+    const std::string text = deviceString ? deviceString : "";
+    const char* const blanks = " \t\r\n";
+    for (size_t at = text.find_first_not_of(" \t\r\n,"); at != std::string::npos; at = text.find_first_not_of(" \t\r\n,",at))
+    {
+      const size_t end = std::min(text.find_first_of(" \t\r\n,=",at),text.size());
+      const std::string name = text.substr(at,end-at);
+      const Key* const key = find(name);
+      if (!key) return "unknown key \"" + name + "\": did you mean " + nearestDeviceKey(name) + "?";
+      at = std::min(text.find_first_not_of(blanks,end),text.size());
+      std::string value;
+      if (at < text.size() && text[at] == '=') {
+        /* up to the next comma or blank, but for blanks around | */
+        for (at++; at < text.size() && text[at] != ','; at++) {
+          if (!std::strchr(blanks,text[at])) { value += text[at]; continue; }
+          const size_t next = text.find_first_not_of(blanks,at);
+          if (next == std::string::npos) { at = text.size(); break; }
+          if (!value.empty() && value.back() != '|' && text[next] != '|') break;
+          at = next-1;
+        }
+      }
+      const std::string wrong = whatIsWrongWith(*key,value);
+      if (!wrong.empty()) return wrong;
+    }
+    return "";
+  }
+
+  void keepSettingError (const std::string& message) { lastError = message; }
+
+  std::string takeSettingError ()
+  {
+    std::string error;
+    error.swap(lastError);
+    return error;
+  }
+}

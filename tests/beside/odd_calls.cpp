@@ -1,0 +1,433 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* libembree_cbvh and callers that make mistakes: NULL for every pointer, indices past the end, numbers that are not finite, cages that contradict
+ * themselves, callbacks that change what is being worked on, settings with typing errors. */
+
+#include <cbvh/cbvh.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cfloat>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace cbvh::test {
+namespace {
+
+const float cubeVertices[] = {-1,-1,-1, 1,-1,-1, -1,1,-1, 1,1,-1, -1,-1,1, 1,-1,1, -1,1,1, 1,1,1, 0};
+const unsigned cubeFaces[] = {4,4,4,4,4,4}, cubeIndices[] = {0,2,3,1, 4,5,7,6, 0,1,5,4, 2,6,7,3, 0,4,6,2, 1,3,7,5};
+const float* const cubeSteps[] = {cubeVertices};
+const float corners[] = {0,0, 1,0, 1,1, 0,1, 0,0, 1,0, 1,1, 0,1};
+const CbvhAttribute attribute = {corners, 8, 8, 2, nullptr, CBVH_BOUNDARY_SMOOTH};
+
+CbvhCage cube()
+{
+  CbvhCage cage = CbvhCage();
+  cage.numFaces = 6;
+  cage.faceVertices = cubeFaces;
+  cage.numIndices = 24;
+  cage.indices = cubeIndices;
+  cage.vertices = {8, 12, cubeSteps, 1, 0, 1};
+  cage.rate = 8;
+  cage.numAttributes = 1;
+  cage.attributes = &attribute;
+  return cage;
+}
+
+struct OddCalls : ::testing::Test
+{
+  CbvhContext context = nullptr;
+  CbvhSurface surface = nullptr;
+  CbvhGroup group = nullptr;
+
+  OddCalls()
+  {
+    EXPECT_EQ(cbvhNewContext(nullptr, nullptr, nullptr, &context), CBVH_OK);
+    EXPECT_EQ(cbvhNewSurface(context, &surface), CBVH_OK);
+    const CbvhCage cage = cube();
+    EXPECT_EQ(cbvhSetCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
+  }
+  ~OddCalls() override { cbvhReleaseGroup(group); cbvhReleaseSurface(surface); cbvhReleaseContext(context); }
+
+  void commit()
+  {
+    ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    ASSERT_EQ(cbvhNewGroup(context, &surface, 1, &group), CBVH_OK);
+    ASSERT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
+  }
+
+  static CbvhRayHit ray()
+  {
+    CbvhRayHit r = CbvhRayHit();
+    r.ray.org_x = r.ray.org_y = 0.01f; r.ray.org_z = 5; r.ray.dir_z = -1; r.ray.tfar = INFINITY; r.ray.mask = 1;
+    return r;
+  }
+  bool isSeen(CbvhGroup by) const { CbvhRayHit r = ray(); return cbvhIntersect1(by, &r, nullptr) != 0; }
+};
+
+TEST_F(OddCalls, NullIsRefusedByEveryFunction)
+{
+  commit();
+  CbvhDicing dicing = CbvhDicing();
+  CbvhStatistics statistics;
+  CbvhTriangle triangle;
+  CbvhSurface noSurface = nullptr;
+  CbvhGroup noGroup = nullptr;
+  const CbvhCage cage = cube();
+  const CbvhGrids grids = CbvhGrids();
+  const CbvhMesh mesh = CbvhMesh();
+  CbvhRayHit r = ray();
+  alignas(64) float packet[16*20] = {};
+  size_t index = 0;
+  unsigned primID = 0;
+  float P[3], lower[3], upper[3];
+  const auto part = [](void*, const CbvhPart*) { return 1; };
+  const std::vector<std::pair<const char*, std::function<CbvhError()>>> refused = {
+    {"cbvhNewContext", [&] { return cbvhNewContext(nullptr, nullptr, nullptr, nullptr); }},
+    {"cbvhNewSurface", [&] { return cbvhNewSurface(nullptr, &noSurface); }},
+    {"cbvhNewSurface", [&] { return cbvhNewSurface(context, nullptr); }},
+    {"cbvhSetCage", [&] { return cbvhSetCage(nullptr, &cage); }},
+    {"cbvhSetCage", [&] { return cbvhSetCage(surface, nullptr); }},
+    {"cbvhSetGrids", [&] { return cbvhSetGrids(nullptr, &grids); }},
+    {"cbvhSetGrids", [&] { return cbvhSetGrids(surface, nullptr); }},
+    {"cbvhSetGrids", [&] { return cbvhSetGrids(surface, &grids); }},
+    {"cbvhSetMesh", [&] { return cbvhSetMesh(nullptr, &mesh); }},
+    {"cbvhSetMesh", [&] { return cbvhSetMesh(surface, nullptr); }},
+    {"cbvhSetMesh", [&] { return cbvhSetMesh(surface, &mesh); }},
+    {"cbvhDiceSurface", [&] { return cbvhDiceSurface(nullptr, &dicing, nullptr); }},
+    {"cbvhDiceSurface", [&] { return cbvhDiceSurface(surface, nullptr, nullptr); }},
+    {"cbvhSetAccuracy", [&] { return cbvhSetAccuracy(nullptr, nullptr); }},
+    {"cbvhSetSurfaceMask", [&] { return cbvhSetSurfaceMask(nullptr, 1); }},
+    {"cbvhCommitSurface", [&] { return cbvhCommitSurface(nullptr, nullptr, nullptr); }},
+    {"cbvhInterpolate", [&] { return cbvhInterpolate(nullptr, 0, 0, 0, 0, P, nullptr, nullptr); }},
+    {"cbvhInterpolate", [&] { return cbvhInterpolate(surface, 6, 0, 0, 0, P, nullptr, nullptr); }},
+    {"cbvhInterpolate", [&] { return cbvhInterpolate(surface, 0, 0, 0, 1, P, nullptr, nullptr); }},
+    {"cbvhInterpolatePoints", [&] { const CbvhInterpolation none = CbvhInterpolation(); return cbvhInterpolatePoints(nullptr, &none); }},
+    {"cbvhInterpolatePoints", [&] { return cbvhInterpolatePoints(surface, nullptr); }},
+    {"cbvhInterpolatePoints", [&] { const CbvhInterpolation null = {0, 0, 1, nullptr, P, P, nullptr, nullptr}; return cbvhInterpolatePoints(surface, &null); }},
+    {"cbvhSaveSurface", [&] { return cbvhSaveSurface(nullptr, "/dev/null/none"); }},
+    {"cbvhSaveSurface", [&] { return cbvhSaveSurface(surface, nullptr); }},
+    {"cbvhLoadSurface", [&] { return cbvhLoadSurface(nullptr, "none", &noSurface); }},
+    {"cbvhLoadSurface", [&] { return cbvhLoadSurface(context, nullptr, &noSurface); }},
+    {"cbvhLoadSurface", [&] { return cbvhLoadSurface(context, "none", nullptr); }},
+    {"cbvhNewGroup", [&] { return cbvhNewGroup(nullptr, &surface, 1, &noGroup); }},
+    {"cbvhNewGroup", [&] { return cbvhNewGroup(context, nullptr, 1, &noGroup); }},
+    {"cbvhNewGroup", [&] { return cbvhNewGroup(context, &surface, 0, &noGroup); }},
+    {"cbvhNewGroup", [&] { return cbvhNewGroup(context, &surface, 1, nullptr); }},
+    {"cbvhCommitGroup", [&] { return cbvhCommitGroup(nullptr); }},
+    {"cbvhGetGroupStatistics", [&] { return cbvhGetGroupStatistics(nullptr, &statistics); }},
+    {"cbvhGetGroupStatistics", [&] { return cbvhGetGroupStatistics(group, nullptr); }},
+    {"cbvhForEachPart", [&] { return cbvhForEachPart(nullptr, 0, part, nullptr); }},
+    {"cbvhForEachPart", [&] { return cbvhForEachPart(surface, 0, nullptr, nullptr); }},
+    {"cbvhForEachCluster", [&] { return cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_FLOAT3, nullptr, nullptr, nullptr); }},
+  };
+  for (const auto& call : refused) {
+    EXPECT_EQ(call.second(), CBVH_ERROR_INVALID_ARGUMENT) << call.first;
+    EXPECT_STRNE(cbvhGetErrorText(), "") << call.first;
+  }
+  const std::vector<std::pair<const char*, std::function<size_t()>>> nothing = {
+    {"cbvhGetSurfacePrimitiveCount", [&] { return cbvhGetSurfacePrimitiveCount(nullptr); }},
+    {"cbvhGetGroupSize", [&] { return cbvhGetGroupSize(nullptr); }},
+    {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(nullptr, 0)); }},
+    {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(group, 1)); }},
+    {"cbvhGetGroupSurface", [&] { return size_t(cbvhGetGroupSurface(group, ~size_t(0))); }},
+    {"cbvhGetGroupUserPtr", [&] { return size_t(cbvhGetGroupUserPtr(nullptr)); }},
+    {"cbvhGetGroupFirstPrimitive", [&] { return cbvhGetGroupFirstPrimitive(nullptr, 0); }},
+    {"cbvhGetGroupFirstPrimitive", [&] { return cbvhGetGroupFirstPrimitive(group, 2); }},
+    {"cbvhGetGroupFirstPrimitive", [&] { return cbvhGetGroupFirstPrimitive(group, ~size_t(0)); }},
+    {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(nullptr, 0, &index, &primID); }},
+    {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, 0, nullptr, &primID); }},
+    {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, 0, &index, nullptr); }},
+    {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, 6, &index, &primID); }},
+    {"cbvhFindGroupPrimitive", [&] { return cbvhFindGroupPrimitive(group, ~0u, &index, &primID); }},
+    {"cbvhIntersect1", [&] { return cbvhIntersect1(nullptr, &r, nullptr); }},
+    {"cbvhIntersect1", [&] { return cbvhIntersect1(group, nullptr, nullptr); }},
+    {"cbvhOccluded1", [&] { return cbvhOccluded1(nullptr, &r.ray, nullptr); }},
+    {"cbvhOccluded1", [&] { return cbvhOccluded1(group, nullptr, nullptr); }},
+    {"cbvhIntersect4", [&] { return cbvhIntersect4(nullptr, nullptr, packet, nullptr) + cbvhIntersect4(group, nullptr, nullptr, nullptr); }},
+    {"cbvhIntersect8", [&] { return cbvhIntersect8(nullptr, nullptr, packet, nullptr) + cbvhIntersect8(group, nullptr, nullptr, nullptr); }},
+    {"cbvhIntersect16", [&] { return cbvhIntersect16(nullptr, nullptr, packet, nullptr) + cbvhIntersect16(group, nullptr, nullptr, nullptr); }},
+    {"cbvhOccluded4", [&] { return cbvhOccluded4(nullptr, nullptr, packet, nullptr) + cbvhOccluded4(group, nullptr, nullptr, nullptr); }},
+    {"cbvhOccluded8", [&] { return cbvhOccluded8(nullptr, nullptr, packet, nullptr) + cbvhOccluded8(group, nullptr, nullptr, nullptr); }},
+    {"cbvhOccluded16", [&] { return cbvhOccluded16(nullptr, nullptr, packet, nullptr) + cbvhOccluded16(group, nullptr, nullptr, nullptr); }},
+    {"cbvhGetTriangle", [&] { return cbvhGetTriangle(nullptr, 0, 0, 0, 0, nullptr, &triangle); }},
+    {"cbvhGetTriangle", [&] { return cbvhGetTriangle(surface, 0, 0, 0, 0, nullptr, nullptr); }},
+  };
+  for (const auto& call : nothing) EXPECT_EQ(call.second(), 0u) << call.first;
+  cbvhRetainContext(nullptr); cbvhReleaseContext(nullptr);
+  cbvhRetainSurface(nullptr); cbvhReleaseSurface(nullptr);
+  cbvhRetainGroup(nullptr); cbvhReleaseGroup(nullptr);
+  cbvhSetGroupUserPtr(nullptr, nullptr);
+  cbvhGetGroupBounds(group, nullptr, upper);
+  cbvhGetGroupBounds(group, lower, nullptr);
+  EXPECT_LT(lower[0], upper[0]);
+  cbvhGetGroupBounds(nullptr, lower, upper);
+  EXPECT_GT(lower[0], upper[0]);
+  EXPECT_TRUE(isSeen(group)) << "nothing was changed";
+}
+
+TEST_F(OddCalls, CagesThatContradictThemselvesAreRefusedWhenTheyAreSet)
+{
+  const unsigned few[] = {4,4,4,4,4,3}, many[] = {4,4,4,4,4,400}, flat[] = {4,4,4,4,6,2};
+  std::vector<unsigned> past(cubeIndices, cubeIndices + 24);
+  past[13] = 8;
+  const unsigned crease[] = {0,9}, seven[] = {7};
+  const float sharp[] = {INFINITY};
+  const auto refuse = [&](const char* text, const std::function<void(CbvhCage&)>& spoil) {
+    CbvhCage cage = cube();
+    spoil(cage);
+    EXPECT_EQ(cbvhSetCage(surface, &cage), CBVH_ERROR_INVALID_ARGUMENT) << text;
+    EXPECT_NE(std::string(cbvhGetErrorText()).find(text), std::string::npos) << cbvhGetErrorText();
+  };
+  refuse("23 vertices together", [&](CbvhCage& c) { c.faceVertices = few; });
+  refuse("face 5 ends at index 420", [&](CbvhCage& c) { c.faceVertices = many; });
+  refuse("face 5 has 2 vertices", [&](CbvhCage& c) { c.faceVertices = flat; });
+  refuse("index 13 is vertex 8", [&](CbvhCage& c) { c.indices = past.data(); });
+  refuse("vertex 9", [&](CbvhCage& c) { c.numCreases = 1; c.creases = crease; c.creaseSharpness = sharp; });
+  refuse("corner 0 is vertex 9", [&](CbvhCage& c) { c.numCorners = 1; c.corners = crease + 1; c.cornerSharpness = sharp; });
+  refuse("face 7", [&](CbvhCage& c) { c.numHoles = 1; c.holes = seven; });
+  CbvhDicing dicing = CbvhDicing();
+  dicing.position[2] = 5;
+  dicing.pixelSize = 0.1f;
+  EXPECT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << "the cage that was set before";
+  commit();
+  EXPECT_TRUE(isSeen(group));
+}
+
+const float oddNumbers[] = {-1, -0.01f, 1.5f, 8, 1e7f, -1e7f, 1e30f, -1e30f, INFINITY, -INFINITY, NAN, FLT_MAX, -FLT_MAX};
+
+TEST_F(OddCalls, QueriesAreRefusedParametersThatAreNone)
+{
+  commit();
+  CbvhTriangle triangle;
+  float uv[2], du[2], dv[2];
+  for (float odd : oddNumbers)
+    for (const auto& at : {std::make_pair(odd, 0.5f), std::make_pair(0.5f, odd), std::make_pair(odd, odd)}) {
+      EXPECT_EQ(cbvhInterpolate(surface, 0, at.first, at.second, 0, uv, du, dv), CBVH_ERROR_INVALID_ARGUMENT) << at.first << " " << at.second;
+      EXPECT_EQ(cbvhGetTriangle(surface, 0, 0, at.first, at.second, nullptr, &triangle), 0) << at.first << " " << at.second;
+    }
+  for (float odd : {INFINITY, -INFINITY, float(NAN)}) EXPECT_EQ(cbvhGetTriangle(surface, odd, 0, 0.5f, 0.5f, nullptr, &triangle), 0);
+  EXPECT_EQ(cbvhInterpolate(surface, 0, 1, 0, 0, uv, du, dv), CBVH_OK);
+  EXPECT_EQ(cbvhGetTriangle(surface, 0, 0, 1, 0, nullptr, &triangle), 1);
+}
+
+// A face of 5 corners has the sub-patches 0 to 4.
+TEST_F(OddCalls, SubPatchesThatAFaceDoesNotHaveAreRefused)
+{
+  const unsigned faces[] = {5}, indices[] = {0,1,2,3,4};
+  CbvhCage cage = cube();
+  cage.numFaces = 1;
+  cage.faceVertices = faces;
+  cage.numIndices = 5;
+  cage.indices = indices;
+  ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK);
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  float uv[2];
+  for (unsigned i = 0; i < 16; i++) {
+    const float u = 1 + 2.0f*(i%4), v = 1 + 2.0f*(i/4);
+    uv[0] = uv[1] = NAN;
+    const CbvhError found = cbvhInterpolate(surface, 0, u, v, 0, uv, nullptr, nullptr);
+    EXPECT_EQ(found, i < 5 ? CBVH_OK : CBVH_ERROR_INVALID_ARGUMENT) << i;
+    EXPECT_EQ(std::isfinite(uv[0]) && std::isfinite(uv[1]), i < 5) << i;
+  }
+  for (float odd : oddNumbers)
+    if (!(odd >= 0 && odd < 8)) EXPECT_EQ(cbvhInterpolate(surface, 0, odd, 1, 0, uv, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT) << odd;
+}
+
+struct Attempts
+{
+  CbvhSurface surface;
+  std::atomic<unsigned> calls{0}, refused{0}, interpolated{0};
+
+  void make()
+  {
+    const CbvhCage cage = cube();
+    const CbvhError errors[] = {cbvhSetCage(surface, &cage), cbvhCommitSurface(surface, nullptr, nullptr), cbvhSetAccuracy(surface, nullptr), cbvhSetSurfaceMask(surface, 3)};
+    calls++;
+    for (CbvhError error : errors) refused += error == CBVH_ERROR_INVALID_OPERATION;
+  }
+};
+
+TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface)
+{
+  Attempts attempts{surface};
+  CbvhCage cage = cube();
+  cage.displacementPtr = &attempts;
+  cage.displacement = [](const CbvhDisplacementArguments* args) {
+    Attempts& attempts = *(Attempts*)args->userPtr;
+    attempts.make();
+    float uv[2] = {-9, -9};
+    if (cbvhInterpolate(attempts.surface, args->primID, args->u[0], args->v[0], 0, uv, nullptr, nullptr) == CBVH_OK && uv[0] >= 0 && uv[0] <= 1) attempts.interpolated++;
+  };
+  ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK);
+  CbvhDicing dicing = CbvhDicing();
+  dicing.position[2] = 5;
+  dicing.pixelSize = 0.1f;
+  ASSERT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << cbvhGetErrorText();
+  const unsigned diced = attempts.calls;
+  EXPECT_GT(diced, 0u);
+  ASSERT_EQ(cbvhCommitSurface(surface, [](void* self, double) { ((Attempts*)self)->make(); return 1; }, &attempts), CBVH_OK) << cbvhGetErrorText();
+  EXPECT_GT(attempts.calls, diced);
+  EXPECT_EQ(attempts.refused, 4*attempts.calls);
+  EXPECT_GT(attempts.interpolated, 6u) << "attributes are there while the cage is displaced";
+  EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "changes are possible again";
+}
+
+// A displacement function that looks up texture coordinates moves the surface as one that knows them.
+TEST_F(OddCalls, PointsHaveTheirTextureCoordinatesWhileTheyAreDisplaced)
+{
+  const unsigned own[] = {0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3};
+  const CbvhAttribute unit = {corners, 4, 8, 2, own, CBVH_BOUNDARY_PIN_ALL}; // equal to u and v
+  struct State { CbvhSurface surface; std::atomic<size_t> points{0}, wrong{0}; } state{surface};
+  CbvhCage cage = cube();
+  cage.attributes = &unit;
+  cage.displacementPtr = &state;
+  cage.displacement = [](const CbvhDisplacementArguments* args) {
+    State& state = *(State*)args->userPtr;
+    std::vector<float> uv(2*args->count, -9), du(uv), dv(uv);
+    const CbvhInterpolation points = {args->primID, 0, args->count, args->u, args->v, uv.data(), du.data(), dv.data()};
+    if (cbvhInterpolatePoints(state.surface, &points) != CBVH_OK) { state.wrong += args->count; return; }
+    for (unsigned i = 0; i < args->count; i++) {
+      state.points++;
+      state.wrong += !(std::fabs(uv[2*i] - args->u[i]) < 1e-4f && std::fabs(uv[2*i+1] - args->v[i]) < 1e-4f && std::fabs(du[2*i] - 1) < 1e-3f && std::fabs(dv[2*i+1] - 1) < 1e-3f);
+    }
+  };
+  ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
+  float P[2];
+  EXPECT_EQ(cbvhInterpolate(surface, 0, 0.5f, 0.5f, 0, P, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION) << "not committed";
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  EXPECT_GE(state.points, 6u*9*9);
+  EXPECT_EQ(state.wrong, 0u);
+  const float u[] = {0.5f, NAN}, v[] = {0.5f, 0.5f};
+  P[0] = -9;
+  const CbvhInterpolation points = {0, 0, 2, u, v, P, nullptr, nullptr};
+  EXPECT_EQ(cbvhInterpolatePoints(surface, &points), CBVH_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(P[0], -9) << "nothing is written";
+}
+
+TEST_F(OddCalls, APartFunctionMayReleaseTheLastReference)
+{
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
+  const auto release = [](void* self, const CbvhPart* part) {
+    CbvhSurface& surface = *(CbvhSurface*)self;
+    cbvhReleaseSurface(surface);
+    surface = nullptr;
+    return int(part->width == 0);
+  };
+  EXPECT_EQ(cbvhForEachPart(surface, 0, release, &surface), CBVH_OK);
+  EXPECT_EQ(surface, nullptr);
+}
+
+// After each of them the surface can be diced and committed.
+TEST_F(OddCalls, CommitsThatEndEarlyLeaveTheSurfaceAsItWas)
+{
+  static std::atomic<bool> throws;
+  CbvhCage cage = cube();
+  cage.rate = 64;
+  cage.displacement = [](const CbvhDisplacementArguments*) { if (throws) throw std::runtime_error("no such texture"); };
+  CbvhDicing dicing = CbvhDicing();
+  dicing.position[2] = 5;
+  dicing.pixelSize = 0.1f;
+  ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK);
+  for (int round = 0; round < 3; round++) {
+    throws = round == 1;
+    if (round == 0) { EXPECT_EQ(cbvhCommitSurface(surface, [](void*, double) { return 0; }, nullptr), CBVH_ERROR_CANCELLED); }
+    else if (round == 1) { EXPECT_NE(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK); EXPECT_NE(std::string(cbvhGetErrorText()).find("no such texture"), std::string::npos) << cbvhGetErrorText(); }
+    else { throws = true; EXPECT_NE(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK); }
+    throws = false;
+    EXPECT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << round << cbvhGetErrorText();
+  }
+  commit();
+  EXPECT_TRUE(isSeen(group));
+}
+
+TEST_F(OddCalls, AMaskCountsFromTheNextCommitOfAGroup)
+{
+  commit();
+  CbvhStatistics before, after;
+  ASSERT_EQ(cbvhGetGroupStatistics(group, &before), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceMask(surface, 2), CBVH_OK);
+  EXPECT_TRUE(isSeen(group));
+  EXPECT_EQ(cbvhGetGroupStatistics(group, &after), CBVH_OK) << cbvhGetErrorText();
+  EXPECT_EQ(before.bytes, after.bytes);
+  ASSERT_EQ(cbvhCommitGroup(group), CBVH_OK);
+  EXPECT_FALSE(isSeen(group));
+  ASSERT_EQ(cbvhSetSurfaceMask(surface, 3), CBVH_OK);
+  ASSERT_EQ(cbvhCommitGroup(group), CBVH_OK);
+  EXPECT_TRUE(isSeen(group));
+}
+
+TEST_F(OddCalls, StatisticsOfAnotherGroupStayAvailable)
+{
+  commit();
+  CbvhGroup other = nullptr;
+  ASSERT_EQ(cbvhNewGroup(context, &surface, 1, &other), CBVH_OK);
+  CbvhStatistics statistics;
+  EXPECT_EQ(cbvhGetGroupStatistics(other, &statistics), CBVH_ERROR_INVALID_OPERATION) << "not committed";
+  ASSERT_EQ(cbvhCommitGroup(other), CBVH_OK);
+  ASSERT_EQ(cbvhSetSurfaceMask(surface, 2), CBVH_OK);
+  ASSERT_EQ(cbvhCommitGroup(other), CBVH_OK);
+  EXPECT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK) << cbvhGetErrorText();
+  EXPECT_EQ(statistics.numQuads, 6u*8*8);
+  cbvhReleaseGroup(other);
+}
+
+TEST_F(OddCalls, AccuracyThatCannotBeAppliedStaysAnError)
+{
+  commit();
+  const CbvhAccuracy fine = {0.001f, 0, {0, 0, 0}, 0};
+  for (int i = 0; i < 2; i++) {
+    ASSERT_EQ(cbvhSetAccuracy(surface, &fine), CBVH_OK);
+    EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION);
+  }
+  ASSERT_EQ(cbvhSetAccuracy(surface, nullptr), CBVH_OK);
+  EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "as it is stored";
+}
+
+TEST(OddContexts, AnErrorFunctionMayCauseErrors)
+{
+  struct Told { CbvhContext context = nullptr; std::string before, after; } told;
+  const auto tell = [](void* self, CbvhError, const char* text) {
+    Told& told = *(Told*)self;
+    if (!told.before.empty()) return;
+    told.before = text;
+    CbvhSurface none = nullptr;
+    for (int i = 0; i < 100; i++) cbvhLoadSurface(told.context, ("/no/such/file/with/a/long/name/" + std::to_string(i)).c_str(), &none);
+    told.after = text;
+  };
+  ASSERT_EQ(cbvhNewContext(nullptr, tell, &told, &told.context), CBVH_OK);
+  CbvhSurface none = nullptr;
+  EXPECT_EQ(cbvhLoadSurface(told.context, "/no/such/folder/of/the/application/first.cbvh", &none), CBVH_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(told.before.find("first.cbvh"), std::string::npos);
+  EXPECT_EQ(told.after, told.before);
+  EXPECT_EQ(cbvhGetErrorText(), told.before);
+  cbvhReleaseContext(told.context);
+}
+
+TEST(OddContexts, SettingsWithErrorsNameTheKeyAndTheNearest)
+{
+  const char* const wrong[][3] = {
+    {"thread=2", "\"thread\"", "threads"}, {"isa=avx9", "\"avx9\"", "avx2"}, {"max_isa=bogus", "\"bogus\"", "max_isa"}, {"threads=two", "\"two\"", "a number"},
+    {"threads", "threads=<value>", ""}, {"verbos=1,threads=2", "\"verbos\"", "verbose"}, {"threads=2, cbvh_grid=1", "\"cbvh_grid\"", "cbvh_grids"},
+    {"subdiv_acel=cbvh", "\"subdiv_acel\"", "subdiv_accel"}, {"cbvh_max_error=-1", "cbvh_max_error", "0 or more"}, {"scene_flags=robust|fast", "robust|fast", "dynamic"}
+  };
+  for (const auto& w : wrong) {
+    CbvhContext context = nullptr;
+    EXPECT_EQ(cbvhNewContext(w[0], nullptr, nullptr, &context), CBVH_ERROR_INVALID_ARGUMENT) << w[0];
+    EXPECT_EQ(context, nullptr) << w[0];
+    for (int i : {1, 2}) EXPECT_NE(std::string(cbvhGetErrorText()).find(w[i]), std::string::npos) << cbvhGetErrorText();
+  }
+  for (const char* right : {"", "threads=2", "threads = 2 , verbose=0", "scene_flags = robust | compact, threads=1", "tri_accel=default,cbvh_max_error=0.5", "tessellation_cache_size=0.5"}) {
+    CbvhContext context = nullptr;
+    EXPECT_EQ(cbvhNewContext(right, nullptr, nullptr, &context), CBVH_OK) << right << cbvhGetErrorText();
+    cbvhReleaseContext(context);
+  }
+}
+
+} // namespace
+} // namespace cbvh::test
