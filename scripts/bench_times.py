@@ -5,6 +5,8 @@
 
 import json
 
+import whole_file
+
 FILE = "job_times"  # JSON beside the records of a set, and none of them
 
 
@@ -50,9 +52,7 @@ class Times:
         """Of a job that was measured, all of it."""
         own = read(self.path)
         own[key(job, levels)] = {"seconds": round(seconds, 1), "planned": round(planned(job, levels), 1)}
-        part = self.path.with_name(f".tmp-{FILE}")
         try:
-            part.write_text(json.dumps(own, indent=1) + "\n", encoding="utf-8")
-            part.replace(self.path)
+            whole_file.write(self.path, json.dumps(own, indent=1) + "\n")
         except OSError:
-            part.unlink(missing_ok=True)  # who has no room for a record is told of that
+            pass  # a record that finds no room is reported

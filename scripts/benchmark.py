@@ -60,6 +60,10 @@ def read_arguments():
     parser.add_argument("--cage", metavar="FILE", help="measure this OBJ instead of the set's scenes")
     parser.add_argument("--height", metavar="FILE", help="height map of the cage")
     parser.add_argument("--amplitude", metavar="A", help="displacement of the cage, in diagonals of its bounding box")
+    parser.add_argument(
+        "--level", metavar="LIST",
+        help="levels of the cage, with commas between them (default: 4,5 in the set quick, else 4,5,6)",
+    )
     parser.add_argument("--output", metavar="DIR", help="folder of the records (default: output/benchmark/SET, or the name of the cage)")
     parser.add_argument("--bench", metavar="FILE", help="program (default: build/release/tutorials/bench/cbvh_bench)")
     parser.add_argument("--device", metavar="NAME", help="Vulkan device of the sets for one: its index or a part of its name")
@@ -89,6 +93,31 @@ def fits(job, name):
     return fnmatch.fnmatchcase(job.name, name)
 
 
+MAX_LEVEL = 8
+
+
+def levels_of(text):
+    """The levels of --level, in ascending order."""
+    try:
+        levels = sorted({int(word) for word in text.split(",")})
+    except ValueError:
+        levels = []
+    if not levels or levels[0] < 0 or levels[-1] > MAX_LEVEL:
+        raise Failure(f"--level '{text}': expected levels from 0 to {MAX_LEVEL} with commas between them, as in 4,5,6")
+    return levels
+
+
+def faces_of(path):
+    """About how many faces of four corners a cage has: a face of another number of corners becomes as many quads."""
+    count = 0
+    with open(path, encoding="utf-8", errors="replace") as file:
+        for line in file:
+            if line.startswith("f "):
+                corners = len(line.split()) - 1
+                count += 1 if corners == 4 else corners / 4
+    return count
+
+
 def choose_jobs(options, build):
     """The jobs of the command line; what this build cannot show is left out with a line."""
     if options.set not in sets.NAMES:
@@ -100,9 +129,11 @@ def choose_jobs(options, build):
         words = ["--cage", options.cage]
         for name in ("height", "amplitude"):
             words += ["--" + name, getattr(options, name)] if getattr(options, name) else []
-        return [sets.own_cage(Path(options.cage).stem, shlex.join(words), options.set == "quick")]
-    if options.height or options.amplitude:
-        raise Failure("--height and --amplitude belong to --cage")
+        levels = levels_of(options.level) if options.level else [4, 5] if options.set == "quick" else [4, 5, 6]
+        return [sets.own_cage(Path(options.cage).stem, shlex.join(words), levels, faces_of(options.cage))]
+    for name in ("height", "amplitude", "level"):
+        if getattr(options, name):
+            raise Failure(f"--{name} belongs to --cage: a set has its own")
     jobs = sets.jobs_of(options.set, build["isas"])
     for name in options.scene or []:
         if name not in build["scenes"]:
@@ -305,7 +336,12 @@ def print_list(jobs, times, cage):
 
 def run(options):
     bench = Path(options.bench) if options.bench else ROOT / "build/release/tutorials/bench/cbvh_bench"
-    build = about(bench)
+    shows_only = options.list or options.print_commands
+    if shows_only and not options.bench and not bench.is_file():
+        print(f"there is no build yet, at {bench}: what a build lacks is listed, too", file=sys.stderr)
+        build = {"scenes": sets.scenes_of(options.set) if options.set in sets.NAMES else [], "isas": list(sets.ISAS)}
+    else:
+        build = about(bench)
     jobs = choose_jobs(options, build)
     where = options.output or f"output/benchmark/{Path(options.cage).stem if options.cage else options.set}"
     folder = Path(where) if options.output else ROOT / where

@@ -170,14 +170,27 @@ def frames(measure):
             for scene, seconds in (("cube", 90), ("trex", 900))]
 
 
-def own_cage(name, options, short):
-    """What is measured of a cage of the user's."""
-    levels = [4, 5] if short else [4, 5, 6]
-    return Job(name, "your cage", "", levels, f"--representation {FINE_FRAMES},naive --view full,close {options}", 66)
+# Seconds of one's own cage on two cores: rays and pictures at each level, and builds by the million quads.
+OWN_SECONDS_A_LEVEL = 58
+OWN_SECONDS_A_MILLION_QUADS = 24
 
 
+def own_cage(name, options, levels, faces):
+    """What is measured of a cage of the user's. faces: of four corners, for the estimate."""
+    quads = faces * sum(4**level for level in levels)
+    seconds = OWN_SECONDS_A_LEVEL * len(levels) + OWN_SECONDS_A_MILLION_QUADS * 1e-6 * quads
+    words = f"--representation {FINE_FRAMES},naive --view full,close {options}"
+    return Job(name, "your cage", "", levels, words, seconds, heavy=True)
+
+
+ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")
 NAMES = ("quick", "full", "paper", "gpu", "gpu-quick")
 
 
 def jobs_of(name, isas):
     return {"quick": quick, "paper": paper, "full": lambda: full(isas), "gpu": gpu, "gpu-quick": gpu_quick}[name]()
+
+
+def scenes_of(name):
+    """What a set shows, by name, in the order of its jobs."""
+    return list(dict.fromkeys(job.scene.split(":")[0] for job in jobs_of(name, ISAS)))

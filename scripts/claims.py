@@ -20,7 +20,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-from matplotlib.image import imread
+try:
+    from matplotlib.image import imread
+except ModuleNotFoundError as error:
+    package = "install the package python3-matplotlib"
+    raise SystemExit(f"claims.py: matplotlib is not installed for this Python: {package}") from error
 from report_markdown import table
 
 ROOT = Path(__file__).resolve().parent.parent

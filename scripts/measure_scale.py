@@ -26,6 +26,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import report_scale  # noqa: E402
+import whole_file  # noqa: E402
 from measure_files import letGo, mappingOf  # noqa: E402
 
 GIB = 2**30
@@ -182,7 +183,7 @@ def main():
         record["herd"] = measure_herd(options.program, folder, options)
     if options.only != "herd":
         record["levels"] = measure_levels(options.program, folder, options)
-    path.write_text(json.dumps(record, indent=1) + "\n")
+    whole_file.write(path, json.dumps(record, indent=1) + "\n")
     print("\n".join(report_scale.markdown(record)))
 
 

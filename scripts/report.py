@@ -14,8 +14,8 @@
 """
 
 import argparse
-import os
 import sys
+from html import escape
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -36,10 +36,15 @@ import report_scale as scale  # noqa: E402
 import report_summary as summary  # noqa: E402
 import report_tables as tables  # noqa: E402
 import report_tradeoffs as tradeoffs  # noqa: E402
-from report_relations import relations  # noqa: E402
+import whole_file  # noqa: E402
+from report_relations import shown_relations  # noqa: E402
 from report_robustness import robustness  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
+
+
+def without_empty(sections):
+    return {name: entry for name, entry in sections.items() if not p.is_empty(entry[1])}
 
 
 def make_page(data, against, source, scale_folder=None):
@@ -53,7 +58,7 @@ def make_page(data, against, source, scale_folder=None):
             "errors": ("Errors", report_errors.errors(data)),
         },
         "The paper": {
-            "relations": ("Its relations", tables.relation_section(relations(data))),
+            "relations": ("Its relations", tables.relation_section(shown_relations(data))),
             "figure10": ("Figure 10", paper.figure_10(data)),
             "figure11": ("Figure 11", paper.figure_11(data)),
             "pictures": ("Figures 12 to 15, 18", paper.figures_12_to_18(data)),
@@ -71,22 +76,33 @@ def make_page(data, against, source, scale_folder=None):
             "run": ("The run, and its noise", report_run.section(data, against, source)),
         },
     }
-    head = (
-        '<p class="soft">Compressed subdivision surfaces in Embree: the evaluation of Lier, Martinek, Stamminger and '
-        "Selgrad (2018), made again by one command.</p>" + summary.first_screen(data)
-    )
-    return p.page("Embree CBVH: benchmark report", head, contents)
+    evaluation = "the evaluation of Lier, Martinek, Stamminger and Selgrad (2018), made again by one command."
+    if data.is_own():
+        evaluation = "what they save and cost for " + escape(", ".join(data.scenes())) + "."
+        contents = {group: without_empty(sections) for group, sections in contents.items()}
+    head = f'<p class="soft">Compressed subdivision surfaces in Embree: {evaluation}</p>' + summary.first_screen(data)
+    return p.page("Embree CBVH: benchmark report", head, {group: found for group, found in contents.items() if found})
 
 
 def write(path, text):
     """Whole or not at all."""
-    temporary = path.with_name(f".tmp-{os.getpid()}-{path.name}")
     try:
-        temporary.write_text(text, encoding="utf-8")
-        temporary.replace(path)
+        whole_file.write(path, text)
     except OSError as error:
-        temporary.unlink(missing_ok=True)
         raise SystemExit(f"report.py: {path}: cannot be written: {error.strerror}") from error
+
+
+def check_outputs(outputs, folders):
+    """Refuses to write over a record that is read, or two texts into one file."""
+    records = []
+    for folder in map(Path, folders):
+        records += folder.glob("*.json") if folder.is_dir() else [folder]
+    for output in outputs:
+        record = whole_file.would_replace(output, records)
+        if record:
+            raise SystemExit(f"report.py: {output}: would replace the record {record.name}; give another name")
+    if len({path.resolve() for path in outputs}) < len(outputs):
+        raise SystemExit(f"report.py: {outputs[0]}: is the file of --output and of --tables; give another name")
 
 
 def read(folder, gpu_paths=(), beside=()):
@@ -140,9 +156,12 @@ def main():
     against = read(options.against) if options.against else None
     output = Path(options.output) if options.output else Path(options.folder) / "report.html"
     tables_file = Path(options.tables) if options.tables else output.with_name("tables.md")
+    folders = [options.folder, options.against, *options.gpu, *options.beside, options.scale]
+    check_outputs((output, tables_file), filter(None, folders))
     write(output, make_page(data, against, Path(options.folder).name, options.scale or ROOT / "output/benchmark/scale"))
     write(tables_file, markdown.results(data))
-    print(f"{output} ({output.stat().st_size / 2**20:.1f} MiB), {tables_file}")
+    size = f" ({output.stat().st_size / 2**20:.1f} MiB)" if output.is_file() else ""
+    print(f"{output}{size}, {tables_file}")
     return 0
 
 

@@ -13,6 +13,12 @@ KINDS = ("NAIVE", "GRID", "cGRID", "cVOXEL", "cLEAF", "cLEAF-only", "cVERT")
 ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")
 
 
+def period(runs):
+    """From the start of the first run to the end of the last, in words. Older records have no end."""
+    begin, end = min(run["date"] for run in runs), max(run.get("end", run["date"]) for run in runs)
+    return begin if begin == end else f"{begin} to {end}"
+
+
 def device_of(record, result):
     """Name of the Vulkan device that a result is of; empty: of the processor."""
     asked = record["run"].get("settings", {}).get("device", "cpu")
@@ -25,6 +31,7 @@ class Row:
     def __init__(self, record, job, folder, group, result):
         self.run = record["run"]
         self.job, self.folder = job, folder
+        self.is_generated = "--scene " in self.run["command"]
         self.scene, self.level, self.quads = group["scene"], group["level"], group["quads"]
         self.label, self.kind, self.isa = result["representation"], result["kind"], result["isa"]
         self.frame_level = result.get("frame_level")
@@ -155,6 +162,15 @@ class Data:
                         self.checked.append(row)
                     if row.speeds or not job.startswith("checks_"):
                         self.rows.append(row)
+
+    def is_own(self):
+        """Whether all that was measured is of the user's own cages."""
+        return bool(self.rows) and not any(row.is_generated for row in self.rows)
+
+    def picture_level(self):
+        """The level of the paper's pictures, or of one's own cage the finest below it."""
+        levels = self.levels(self.main_scene()) if self.is_own() else []
+        return 6 if 6 in levels or not levels else max([level for level in levels if level < 6] or levels)
 
     def scenes(self):
         return sorted({row.scene for row in self.rows})

@@ -7,7 +7,10 @@ numbers. Charts are small: side by side on a desk, one below the other on a phon
 import io
 import math
 
-import matplotlib
+try:
+    import matplotlib
+except ModuleNotFoundError as error:
+    raise SystemExit("matplotlib is not installed for this Python: install the package python3-matplotlib") from error
 
 matplotlib.use("svg")
 import matplotlib.image  # noqa: E402

@@ -324,8 +324,7 @@ def device_checks(device):
 
 def facts(device):
     run, commits = device.run, sorted({row.run["commit"] for row in device.rows})
-    dates = sorted({row.run["date"] for row in device.rows})
-    when = dates[0] + (f" to {dates[-1]}" if len(dates) > 1 else "")
+    when = d.period([row.run for row in device.rows])
     return (
         f'<p class="soft">Measured {escape(when)}, commit {escape(", ".join(commits))}; its '
         f"machine has a processor {escape(run['cpu'])} with {run['hardware_threads']} threads.</p>"

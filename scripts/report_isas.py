@@ -6,6 +6,7 @@
 import re
 from html import escape
 
+import report_data as d
 import report_figures as f
 import report_page as p
 from report_data import ISAS
@@ -58,7 +59,7 @@ def machines(data):
     for row in data.rows + data.elsewhere:
         runs.setdefault(row.run["cpu"], []).append(row.run)
     return [
-        f"{cpu}: measured {min(run['date'] for run in of_cpu)} to {max(run['date'] for run in of_cpu)}, commit "
+        f"{cpu}: measured {d.period(of_cpu)}, commit "
         + ", ".join(sorted({run["commit"] for run in of_cpu}))
         for cpu, of_cpu in sorted(runs.items())
     ]

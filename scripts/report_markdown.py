@@ -11,7 +11,7 @@ import report_gpu as gpu
 import report_isas
 import report_levels
 import report_summary
-from report_relations import relations
+from report_relations import shown_relations
 
 RAY_SETS = ("coherent", "incoherent")
 
@@ -45,7 +45,7 @@ def run(data):
     for r in {(r["cpu"], r["commit"], r["compiler"], r["flags"]): r for r in data.runs}.values():
         same = [other for other in data.runs if (other["cpu"], other["commit"]) == (r["cpu"], r["commit"])]
         lines.append(
-            f"Measured from {min(o['date'] for o in same)} to {max(o['date'] for o in same)} on {r['cpu']} "
+            f"Measured from {d.period(same)} on {r['cpu']} "
             f"({r['hardware_threads']} threads, {r['memory_bytes'] / 2**30:.0f} GiB), commit {r['commit']}, "
             f"{r['compiler']} {r['flags']}."
         )
@@ -135,7 +135,10 @@ def isas_part(data):
 
 
 def relations_part(data):
-    rows = [[r.claim, r.paper, r.ours, verdict(r) + (": " + r.reason if r.reason else "")] for r in relations(data)]
+    shown = shown_relations(data)
+    rows = [[r.claim, r.paper, r.ours, verdict(r) + (": " + r.reason if r.reason else "")] for r in shown]
+    if not rows:
+        return []
     return ["## The paper's relations", "", *table(["relation", "paper", "ours", "verdict"], rows, 4)]
 
 

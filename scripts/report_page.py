@@ -47,6 +47,11 @@ def missing(what):
     return f'<p class="missing">No data: {escape(what)}</p>'
 
 
+def is_empty(html):
+    """Whether a section shows nothing that was measured."""
+    return "No data: " in html and not any(tag in html for tag in ("<table", "<picture", "<img", "<svg"))
+
+
 def folded(title, body, kind=""):
     """body: HTML."""
     return f'<details{kind}><summary>{escape(title)}</summary>{body}</details>' if body else ""

@@ -97,7 +97,11 @@ def figure_10(data):
 def figure_11(data):
     main = data.main_scene()
     fine = max([level for level in data.levels(main) if data.pick(main, level, "cVOXEL^4", "close")] or [8])
-    wanted = [(main, 6, "cVOXEL^3", "close"), (main, 6, "cLEAF-only^2", "close"), (main, fine, "cVOXEL^4", "close")]
+    level = data.picture_level()
+    shown = ((level, "cVOXEL^3"), (level, "cLEAF-only^2"), (fine, "cVOXEL^4"))
+    wanted = [(main, of, name, "close") for of, name in shown]
+    if data.is_own():
+        wanted = [picture for picture in wanted if data.pick(*picture)]
     images, commands = error_images(data, wanted)
     return p.section(
         "figure11",
@@ -124,7 +128,9 @@ def figures_12_to_18(data):
         ("15", "knee", ("GRID", "cVOXEL^3", "cLEAF-only^2"), "close"),
         ("18, five-fold displacement", "cube:0.45", ("GRID", "cVOXEL^3", "cLEAF-only^3"), "full"),
     ):
-        row, made_by = picture_row(data, scene, 6, names, view)
+        if data.is_own() and scene != main:
+            continue
+        row, made_by = picture_row(data, scene, data.picture_level(), names, view)
         parts += [f"<h3>Figure {escape(number)}: {escape(scene)}</h3>", row]
         commands += made_by
     return p.section("pictures", "Figures 12 to 15 and 18: side by side", *parts, commands=commands)

@@ -201,3 +201,8 @@ def relations(data):
         fine_frames_are_slower(data, main),
     ]
     return table
+
+
+def shown_relations(data):
+    """All of them, but of one's own cage those that were measured."""
+    return [r for r in relations(data) if r.holds is not None or not data.is_own()]

@@ -62,27 +62,40 @@ def shadows_table(rows):
     return p.table(heads, table, (0, 1, 2))
 
 
+LEAKS = (
+    "<p>Rays from inside of closed surfaces; three of four aim at vertices and edges of quads, at borders of "
+    "blocks and faces, straight on or grazing. They start farther from the surface than it is thick. "
+    "<i>Closest</i> and <i>any hit</i> count rays that find nothing, <i>through</i> those that pass the wall in "
+    "front of them and hit the outside of another. cGRID tests GRID's triangles, which let some rays slip "
+    "between them; both do.</p>"
+)
+SHEETS = (
+    "<p>Rays from one side of a displaced sheet to the other, each of which has to hit it: sheets of random "
+    "amplitude, sideways displacement, frequency, level, frame level and edge rates, with GRID as the judge. "
+    "<i>GRID, too</i> counts rays that GRID lets through as well.</p>"
+)
+SHADOWS = (
+    "<p>Secondary rays with a cosine distribution from the hits of primary rays, each representation's own, "
+    "against GRID's from GRID's hits: of a thousand, how many are <i>wrong</i>: dark where GRID has light, or "
+    "bright. <i>Same place</i>: of those whose primary hits agree to a pixel. <i>Turned</i>: the part of wrong "
+    "ones that starts at a normal which is seen from behind. <i>Control</i>: GRID's rays from the "
+    "representation's hits. <i>Short</i> rays end after a tenth of the diagonal.</p>"
+)
+BY_CHECKS = "jobs of scripts/benchmark.py whose names begin with checks"
+PARTS = (
+    ("leaks", LEAKS, leaks_table, "leaks: " + BY_CHECKS),
+    ("sheets", SHEETS, sheets_table, "crossed sheets: job checks_sheets of scripts/benchmark.py"),
+    ("shadows", SHADOWS, shadows_table, "shadows: " + BY_CHECKS),
+)
+
+
 def robustness(data):
+    """Of one's own cage only the parts that were measured."""
     rows = sorted(data.checked, key=order)
-    leaks, sheets, shadows = ([row for row in rows if getattr(row, what)] for what in ("leaks", "sheets", "shadows"))
-    return p.section(
-        "robustness",
-        "Leaks and self-shadowing",
-        "<p>Rays from inside of closed surfaces; three of four aim at vertices and edges of quads, at borders of "
-        "blocks and faces, straight on or grazing. They start farther from the surface than it is thick. "
-        "<i>Closest</i> and <i>any hit</i> count rays that find nothing, <i>through</i> those that pass the wall in "
-        "front of them and hit the outside of another. cGRID tests GRID's triangles, which let some rays slip "
-        "between them; both do.</p>",
-        leaks_table(leaks) if leaks else p.missing("leaks: jobs of scripts/benchmark.py whose names begin with checks"),
-        "<p>Rays from one side of a displaced sheet to the other, each of which has to hit it: sheets of random "
-        "amplitude, sideways displacement, frequency, level, frame level and edge rates, with GRID as the judge. "
-        "<i>GRID, too</i> counts rays that GRID lets through as well.</p>",
-        sheets_table(sheets) if sheets else p.missing("crossed sheets: job checks_sheets of scripts/benchmark.py"),
-        "<p>Secondary rays with a cosine distribution from the hits of primary rays, each representation's own, "
-        "against GRID's from GRID's hits: of a thousand, how many are <i>wrong</i>: dark where GRID has light, or "
-        "bright. <i>Same place</i>: of those whose primary hits agree to a pixel. <i>Turned</i>: the part of wrong "
-        "ones that starts at a normal which is seen from behind. <i>Control</i>: GRID's rays from the "
-        "representation's hits. <i>Short</i> rays end after a tenth of the diagonal.</p>",
-        shadows_table(shadows) if shadows else p.missing("shadows: jobs of scripts/benchmark.py whose names begin with checks"),
-        commands=[row.command for row in rows],
-    )
+    body = []
+    for what, text, table, absent in PARTS:
+        found = [row for row in rows if getattr(row, what)]
+        if found or not data.is_own():
+            body += [text, table(found) if found else p.missing(absent)]
+    body = body or [p.missing(BY_CHECKS)]
+    return p.section("robustness", "Leaks and self-shadowing", *body, commands=[row.command for row in rows])

@@ -17,7 +17,7 @@ def facts(data, source):
     """(name, HTML) of each."""
     runs = data.runs
     loads = [run["load_before"] for run in runs]
-    dates = [f"{min(run['date'] for run in runs)} to {max(run['date'] for run in runs)}"] if runs else []
+    dates = [d.period(runs)] if runs else []
     processors = [
         f"{run['cpu']}, {run['hardware_threads']} threads, {run['memory_bytes'] / 2**30:.0f} GiB" for run in runs
     ]

@@ -72,7 +72,9 @@ def relation_section(table):
         "The paper's relations",
         "<p>Parts of GRID and speeds hold when ours are at least as good as "
         "the paper's; comparisons hold when ours go the same way.</p>",
-        p.table(["relation", "paper", "ours", "verdict"], rows, (0, 1, 2, 3)),
+        p.table(["relation", "paper", "ours", "verdict"], rows, (0, 1, 2, 3))
+        if rows
+        else p.missing("scenes of the paper"),
         commands=[r.row.command for r in table if r.row],
     )
 

@@ -3,74 +3,164 @@
 
 #include "basics/file_output.h"
 #include "basics/error.h"
+#include "basics/input_files.h"
 #include "basics/progress.h"
+#include "kernels/cbvh/base/unfinished_file.h"
 
-#include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <fcntl.h>
 #include <filesystem>
-#include <fstream>
-#include <unistd.h>
+#include <sys/mman.h>
+#include <vector>
 
 namespace cbvh {
 
 namespace fs = std::filesystem;
+using embree::cbvh::OutputPath;
+using embree::cbvh::UnfinishedFile;
 
 namespace {
 
-/* Has the contents on disk before the name is: what a crash leaves is whole. */
-void synchronise(const std::string& path)
+/* A descriptor that is closed. Throws std::system_error where there is none. */
+class Descriptor
 {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0)
-    return;
-  fsync(file);
-  close(file);
+public:
+  explicit Descriptor(int number) : number(number)
+  {
+    if (number < 0)
+      embree::cbvh::throwErrno(errno);
+  }
+  ~Descriptor() { close(number); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  const int number;
+};
+
+/* What is written into a device or a pipe: in memory until all is there, as writers of images go back and forth. */
+struct Stream
+{
+  explicit Stream(const OutputPath& output)
+    : target(output.descriptor >= 0 ? fcntl(output.descriptor, F_DUPFD_CLOEXEC, 0)
+                                    : open(output.path.c_str(), O_WRONLY | O_TRUNC | O_NOCTTY | O_CLOEXEC)),
+      memory(memfd_create("output", MFD_CLOEXEC)), name("/proc/self/fd/" + std::to_string(memory.number))
+  {
+  }
+
+  void copy() const
+  {
+    std::fflush(stdout); // which may be the target
+    std::vector<char> piece(1 << 20);
+    for (off_t at = 0;;)
+    {
+      const ssize_t bytes = pread(memory.number, piece.data(), piece.size(), at);
+      if (bytes == 0)
+        return;
+      const int error = bytes < 0 ? errno : embree::cbvh::writeAll(target.number, piece.data(), size_t(bytes));
+      if (error)
+        embree::cbvh::throwErrno(error);
+      at += bytes;
+    }
+  }
+
+  const Descriptor target, memory;
+  const std::string name;
+};
+
+Error cannotBeWritten(const std::string& path, const std::string& why)
+{
+  return Error(path + ": cannot be written: " + why);
 }
 
 } // namespace
 
-PendingFile::PendingFile(const std::string& path) : final(path)
+struct PendingFile::Place
 {
-  const fs::path p(path);
-  temp = (p.parent_path() / (".tmp-" + std::to_string(getpid()) + "-" + p.stem().string() + p.extension().string()))
-           .string();
-  setUnfinishedFile(temp);
+  explicit Place(const OutputPath& output)
+  {
+    if (output.kind == OutputPath::STREAM)
+      stream = std::make_unique<Stream>(output);
+    else
+    {
+      file = std::make_unique<UnfinishedFile>(output);
+      file->takeOver();
+    }
+  }
+
+  int descriptor() const { return file ? file->descriptor() : stream->memory.number; }
+
+  std::unique_ptr<UnfinishedFile> file; // or
+  std::unique_ptr<Stream> stream;
+  int error = 0;
+};
+
+PendingFile::PendingFile(const std::string& path) : path(path)
+{
+  requireNoInputFile(path);
+  try
+  {
+    place = std::make_unique<Place>(OutputPath(path));
+  }
+  catch (const std::system_error& e)
+  {
+    throw cannotBeWritten(path, e.code().message());
+  }
+  if (place->file)
+    setUnfinishedFile(temporary());
 }
 
 PendingFile::~PendingFile()
 {
+  place.reset();
   setUnfinishedFile("");
-  std::error_code ignored;
-  if (!done)
-    fs::remove(temp, ignored);
+}
+
+const std::string& PendingFile::temporary() const
+{
+  return place->file ? place->file->path() : place->stream->name;
+}
+
+bool PendingFile::write(const void* data, size_t bytes, uint64_t offset) noexcept
+{
+  const int error = embree::cbvh::writeAllAt(place->descriptor(), data, bytes, offset);
+  if (!place->error)
+    place->error = error;
+  return error == 0;
+}
+
+std::string PendingFile::error() const
+{
+  return place->error ? std::strerror(place->error) : "";
 }
 
 void PendingFile::commit()
 {
-  std::error_code code;
-  fs::rename(temp, final, code);
-  if (code)
-    throw Error(final + ": cannot be written: " + code.message());
-  done = true;
+  try
+  {
+    if (place->error)
+      embree::cbvh::throwErrno(place->error);
+    if (place->file)
+      place->file->commit();
+    else
+      place->stream->copy();
+  }
+  catch (const std::system_error& e)
+  {
+    throw cannotBeWritten(path, e.code().message());
+  }
 }
 
 void writeTextFile(const std::string& path, const std::string& text)
 {
   PendingFile file(path);
-  std::ofstream stream(file.temporary(), std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream)
-    throw Error(path + ": cannot be written");
-  synchronise(file.temporary());
+  file.write(text.data(), text.size(), 0);
   file.commit();
 }
 
 void writeStandardOutput(const std::string& text)
 {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+  const bool isWritten = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) || !isWritten)
     throw Error(std::string("standard output cannot be written: ") + std::strerror(errno));
 }
 
@@ -81,10 +171,14 @@ void prepareOutputFolder(const std::string& path)
   if (code || !fs::is_directory(path, code))
     throw Error(path + ": cannot be made an output folder" + (code ? ": " + code.message() : ""));
   /* Asking for permissions lies on some file systems; a file does not. */
-  PendingFile probe((fs::path(path) / "probe").string());
-  std::ofstream stream(probe.temporary());
-  if (!stream)
-    throw Error(path + ": files cannot be written there");
+  try
+  {
+    const UnfinishedFile probe(OutputPath((fs::path(path) / "cbvh-probe").string()));
+  }
+  catch (const std::system_error& e)
+  {
+    throw Error(path + ": files cannot be written there: " + e.code().message());
+  }
 }
 
 } // namespace cbvh

@@ -3,9 +3,12 @@
 
 #pragma once
 
-/* Files that are there whole or not at all: written under a temporary name beside
- * the final one, then renamed. */
+/* Files that are there whole or not at all: they are written under a temporary name next to the final one, then
+ * renamed. What a rename would destroy is written into instead: devices, pipes, and descriptors of the process such as
+ * /dev/stdout. */
 
+#include <cstdint>
+#include <memory>
 #include <string>
 
 namespace cbvh {
@@ -14,6 +17,7 @@ namespace cbvh {
 class PendingFile
 {
 public:
+  /* Throws Error, also if an input of the run has this path, see input_files.h. */
   explicit PendingFile(const std::string& path);
 
   /* Removes the temporary file if it was not committed. */
@@ -22,15 +26,22 @@ public:
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
 
-  /* Same folder and extension as the final file: writers choose their format by it. */
-  const std::string& temporary() const { return temp; }
+  /* Name for writers that open the file themselves. It has no extension. */
+  const std::string& temporary() const;
 
-  /* Gives the file its name. Throws Error. */
+  /* Returns false where that fails. commit() then throws, so nobody else has to look. Throws nothing itself. */
+  bool write(const void* data, size_t bytes, uint64_t offset) noexcept;
+
+  /* Of the first write that failed, in words; empty for none. */
+  std::string error() const;
+
+  /* Gives the file its name, with the permissions of the file that it replaces. Throws Error. */
   void commit();
 
 private:
-  std::string final, temp;
-  bool done = false;
+  struct Place;
+  std::string path;
+  std::unique_ptr<Place> place;
 };
 
 /* Writes a text. Throws Error. */

@@ -4,6 +4,7 @@
 #include "building/saved_scene.h"
 #include "building/built_scene.h"
 #include "basics/error.h"
+#include "basics/input_files.h"
 #include "basics/parallel.h"
 #include "basics/progress.h"
 
@@ -23,6 +24,7 @@ struct FileRelease
 /* Here, so that programs which save nothing need none of these functions of the library, as older ones do not have. */
 void BuiltScene::save(const std::string& path) const
 {
+  requireNoInputFile(path);
   const FileWriterHandle writer(rtcNewCompressedFileWriter(device->handle(), path.c_str()));
   device->check("saving");
   Phase phase(path);

@@ -3,6 +3,7 @@
 
 #include "building/scene_file_builder.h"
 #include "basics/hash.h"
+#include "basics/input_files.h"
 #include "basics/progress.h"
 #include "building/saved_scene.h"
 
@@ -91,6 +92,7 @@ unsigned long long keyOf(const Model& model, const Representation& representatio
 
 FileBuildReport buildToFile(const Model& model, const Representation& representation, const BuildSettings& settings, const std::string& path)
 {
+  requireNoInputFile(path);
   EmbreeDevice device(deviceConfig(representation, settings));
   RTCCompressionArguments arguments = compressionArguments(settings);
   arguments.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT; // compressed by its own commit

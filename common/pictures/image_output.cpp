@@ -2,14 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "pictures/image_output.h"
-#include "basics/error.h"
-#include "basics/file_output.h"
+#include "basics/image_file.h"
+#include "pictures/exr_file.h"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfOutputFile.h>
-#include <OpenImageIO/imageio.h>
 
 #include <cstdint>
 
@@ -17,15 +15,8 @@ namespace cbvh {
 
 void writePng(const std::string& path, const Image& image)
 {
-  PendingFile file(path);
-  const auto output = OIIO::ImageOutput::create(file.temporary());
-  if (!output)
-    throw Error(path + ": " + OIIO::geterror());
   const OIIO::ImageSpec spec(image.size.width, image.size.height, 3, OIIO::TypeDesc::UINT8);
-  if (!output->open(file.temporary(), spec) || !output->write_image(OIIO::TypeDesc::UINT8, image.rgb.data()) ||
-      !output->close())
-    throw Error(path + ": cannot be written: " + output->geterror());
-  file.commit();
+  writeImageFile(path, spec, OIIO::TypeDesc::UINT8, image.rgb.data());
 }
 
 void writeExr(const std::string& path, ImageSize whole, const Crop& part, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays,
@@ -56,35 +47,25 @@ void writeExr(const std::string& path, ImageSize whole, const Crop& part, const 
     out[8] = hits[i].v;
   }
 
-  PendingFile file(path);
-  try
+  const ImageSize size = part.size();
+  const Imath::Box2i display({0, 0}, {whole.width - 1, whole.height - 1});
+  const Imath::Box2i data({part.x0, part.y0}, {part.x1 - 1, part.y1 - 1});
+  Imf::Header header(display, data);
+  /* slices begin at pixel (0,0) of the whole; as numbers, for there is nothing of ours */
+  const auto origin = [&](void* first, size_t stride) {
+    return reinterpret_cast<char*>(intptr_t(first) - (intptr_t(part.y0) * size.width + part.x0) * intptr_t(stride));
+  };
+  Imf::FrameBuffer frame;
+  for (int i = 0; i < floats; i++)
   {
-    const ImageSize size = part.size();
-    const Imath::Box2i display({0, 0}, {whole.width - 1, whole.height - 1}), data({part.x0, part.y0}, {part.x1 - 1, part.y1 - 1});
-    Imf::Header header(display, data);
-    /* slices begin at pixel (0,0) of the whole; as numbers, for there is nothing of ours */
-    const auto origin = [&](void* first, size_t stride) {
-      return reinterpret_cast<char*>(intptr_t(first) - (intptr_t(part.y0) * size.width + part.x0) * intptr_t(stride));
-    };
-    Imf::FrameBuffer frame;
-    for (int i = 0; i < floats; i++)
-    {
-      header.channels().insert(names[i], Imf::Channel(Imf::FLOAT));
-      frame.insert(names[i], Imf::Slice(Imf::FLOAT, origin(&values[i], sizeof(float) * floats), sizeof(float) * floats,
-                                        sizeof(float) * floats * size_t(size.width)));
-    }
-    header.channels().insert("primID", Imf::Channel(Imf::UINT));
-    frame.insert("primID", Imf::Slice(Imf::UINT, origin(faces.data(), sizeof(unsigned)), sizeof(unsigned),
-                                      sizeof(unsigned) * size_t(size.width)));
-    Imf::OutputFile output(file.temporary().c_str(), header);
-    output.setFrameBuffer(frame);
-    output.writePixels(size.height);
+    header.channels().insert(names[i], Imf::Channel(Imf::FLOAT));
+    frame.insert(names[i], Imf::Slice(Imf::FLOAT, origin(&values[i], sizeof(float) * floats), sizeof(float) * floats,
+                                      sizeof(float) * floats * size_t(size.width)));
   }
-  catch (const std::exception& e)
-  {
-    throw Error(path + ": cannot be written: " + e.what());
-  }
-  file.commit();
+  header.channels().insert("primID", Imf::Channel(Imf::UINT));
+  frame.insert("primID", Imf::Slice(Imf::UINT, origin(faces.data(), sizeof(unsigned)), sizeof(unsigned),
+                                    sizeof(unsigned) * size_t(size.width)));
+  writeExrFile(path, header, frame, size.height);
 }
 
 } // namespace cbvh

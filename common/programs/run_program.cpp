@@ -3,7 +3,9 @@
 
 #include "programs/run_program.h"
 #include "basics/error.h"
+#include "basics/file_output.h"
 
+#include <csignal>
 #include <cstdio>
 #include <new>
 
@@ -11,9 +13,12 @@ namespace cbvh {
 
 int runProgram(const char* name, const std::function<int()>& run)
 {
+  std::signal(SIGXFSZ, SIG_IGN); // a limit on file sizes is an error of the write that exceeds it
   try
   {
-    return run();
+    const int status = run();
+    writeStandardOutput(""); // what was printed without a look at errors
+    return status;
   }
   catch (const Cancelled&)
   {

@@ -4,6 +4,7 @@
 #include "scenes/catalogue.h"
 #include "basics/cache_folder.h"
 #include "basics/error.h"
+#include "basics/input_files.h"
 #include "basics/setting_name.h"
 #include "scenes/cube.h"
 #include "scenes/frog.h"
@@ -54,10 +55,18 @@ void chooseUp(Model& model, const SceneSettings& settings, const std::string& pa
   model.view = turnedFromY(model.view, model.up);
 }
 
+/* A cage, or a mesh, that no output of the run replaces. */
+Cage readInput(const std::string& path, std::string& warnings)
+{
+  Cage cage = readObj(path, warnings);
+  noteInputFile(path);
+  return cage;
+}
+
 /* The cage's vertices in another file, in the same order. */
 std::vector<Vec3f> poseIn(const std::string& path, const Cage& cage, const std::string& cagePath, std::string& warnings)
 {
-  Cage end = readObj(path, warnings);
+  Cage end = readInput(path, warnings);
   if (end.positions.size() != cage.positions.size() || end.faceIndices != cage.faceIndices)
     throw Error(path + ": " + std::to_string(end.positions.size()) + " vertices and " + std::to_string(end.numFaces()) + " faces are not those of " + cagePath +
                 ", which has " + std::to_string(cage.positions.size()) + " and " + std::to_string(cage.numFaces()) + ", in the same order");
@@ -75,14 +84,17 @@ MotionSettings motionOf(const SceneSettings& settings)
 Model loadCage(const SceneSettings& settings, std::string& warnings)
 {
   Model model;
-  model.cage = readObj(settings.cagePath, warnings);
+  model.cage = readInput(settings.cagePath, warnings);
   model.name = std::filesystem::path(settings.cagePath).stem().string();
   for (const std::string& path : settings.cageEnds)
     model.poses.push_back(poseIn(path, model.cage, settings.cagePath, warnings));
   validateCage(model.cage, warnings);
   chooseUp(model, settings, settings.cagePath, warnings);
   if (!settings.heightPath.empty())
+  {
     model.displacement = displaceByMap(model.cage, mapOf(settings, model.cage), warnings);
+    noteMapFiles(model.cage, settings.heightPath);
+  }
   return model;
 }
 
@@ -90,7 +102,7 @@ Model loadMesh(const SceneSettings& settings, std::string& warnings)
 {
   Model model;
   model.isMesh = true;
-  model.cage = readObj(settings.meshPath, warnings);
+  model.cage = readInput(settings.meshPath, warnings);
   model.name = std::filesystem::path(settings.meshPath).stem().string();
   makeQuads(model.cage, settings.meshPath);
   model.spacing = latticeSpacing(model.cage.positions);

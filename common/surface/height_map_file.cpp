@@ -3,7 +3,7 @@
 
 #include "surface/height_map.h"
 #include "basics/error.h"
-#include "basics/file_output.h"
+#include "basics/image_file.h"
 #include "basics/progress.h"
 
 #include <OpenImageIO/imageio.h>
@@ -197,19 +197,12 @@ std::string HeightMap::recipeOf(const std::string& path)
 
 void HeightMap::write(const std::string& path, const std::string& recipe) const
 {
-  PendingFile file(path);
-  const auto output = OIIO::ImageOutput::create(file.temporary());
-  if (!output)
-    throw Error(path + ": " + OIIO::geterror());
   OIIO::ImageSpec spec(w, h, 1, OIIO::TypeDesc::FLOAT);
   spec.channelnames = {"Y"};
   spec.attribute("compression", "none"); // noise hardly shrinks, and takes long to try
   if (!recipe.empty())
     spec.attribute(recipeAttribute, recipe);
-  if (!output->open(file.temporary(), spec) || !output->write_image(OIIO::TypeDesc::FLOAT, texels.data()) ||
-      !output->close())
-    throw Error(path + ": cannot be written: " + output->geterror());
-  file.commit();
+  writeImageFile(path, spec, OIIO::TypeDesc::FLOAT, texels.data());
 }
 
 } // namespace cbvh

@@ -3,6 +3,7 @@
 
 #include "surface/udim_tiles.h"
 #include "basics/error.h"
+#include "basics/input_files.h"
 
 #include <cmath>
 #include <filesystem>
@@ -90,6 +91,14 @@ std::string faces(size_t n)
 bool isUdimPath(const std::string& path)
 {
   return path.find(placeholder) != std::string::npos;
+}
+
+void noteMapFiles(const Cage& cage, const std::string& path)
+{
+  std::string ignored;
+  const bool isUdim = isUdimPath(path);
+  for (const std::string& file : isUdim ? UdimTiles::find(cage, path, ignored).paths : std::vector<std::string>{path})
+    noteInputFile(file);
 }
 
 UdimTiles UdimTiles::find(const Cage& cage, const std::string& path, std::string& warnings)

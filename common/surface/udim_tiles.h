@@ -16,6 +16,9 @@ namespace cbvh {
 /* Whether a path has <UDIM> in it. */
 bool isUdimPath(const std::string& path);
 
+/* Notes the files of a map as inputs of the run, see basics/input_files.h. */
+void noteMapFiles(const Cage& cage, const std::string& path);
+
 struct UdimTiles
 {
   std::vector<std::string> paths; // of the files that there are and faces lie on; the path itself without <UDIM>

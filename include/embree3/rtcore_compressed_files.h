@@ -19,20 +19,25 @@ typedef struct RTCCompressedFileTy* RTCCompressedFile;
  * geometry: compressed, in a scene that was committed, or by its own commit (RTC_COMPRESSION_FLAG_RELEASE_INPUT), and not changed since.
  *           What is saved is its surface: blocks, tree, time steps, primitives, statistics. Not saved are mask, filters, user data, vertex
  *           attributes and the cage.
- * path: of the file. One that is there is replaced when all is written, in one step: whatever happens before, it stays as it was. A
- *       process that is killed leaves a file beside it, whose name goes on with ".part-" and numbers.
+ * path: of the file. A file that has the name is replaced when all is written, in one step: whatever happens before, it
+ *       stays as it was. Symbolic links are followed, and the file's permissions are kept. A process that is killed
+ *       leaves a file next to it, whose name goes on with ".cbvh-part-" and digits. The next save to the same path
+ *       removes it, but no file that another process still writes.
  *
  * Returns whether it was saved.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a path that cannot be written; RTC_ERROR_INVALID_OPERATION for a geometry that is not
- * compressed, or not as a whole (faces of edge rates that only GRID takes), and where writing ends, as on a full disk. Thread safety: geometries are
- * saved at a time while they are traced; one is not to be committed meanwhile. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a path that cannot be written or leads to a device or a pipe;
+ * RTC_ERROR_INVALID_OPERATION for a geometry that is not compressed, or not as a whole (faces of edge rates that only
+ * GRID takes), and where writing ends, as on a full disk or at a limit on file sizes (SIGXFSZ does not reach the
+ * application). Thread safety: geometries are saved at a time while they are traced; one is not to be committed
+ * meanwhile. */
 RTC_API bool rtcSaveCompressedGeometry(RTCGeometry geometry, const char* path);
 
 /* Makes a geometry of a file with one.
  *
  * device: of the geometry, whatever device saved it.
- * path: of the file, which is neither to be written into nor to be cut while the geometry lives; it may be replaced or removed.
+ * path: of a regular file, which is neither to be written into nor to be cut while the geometry lives; it may be
+ *       replaced or removed.
  *
  * Returns the geometry, which is committed, or NULL. It is attached to scenes, instanced, given a mask, filters and user data, and traced as any
  * other, with the same hits to the bit. It has no cage: rtcInterpolate, buffers, displacement, edge rates, time steps and compression are

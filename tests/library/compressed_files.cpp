@@ -357,6 +357,107 @@ TEST(CompressedFiles, WhatIsNotCompressedIsNotSaved)
   rtcReleaseGeometry(instance);
 }
 
+// Cages whose faces are all holes, or all at a border that is not subdivided.
+TEST(CompressedFiles, SurfacesWithoutAFaceAreSavedAndLoaded)
+{
+  Folder folder;
+  Device device;
+  Cage holes = cubeCage(), border = quadCage();
+  for (unsigned face = 0; face < holes.faces.size(); face++) holes.holes.push_back(face);
+  border.mode = RTC_SUBDIVISION_MODE_NO_BOUNDARY;
+  std::vector<RTCGeometry> geometries = {allSaveable()[0].make(device)};
+  for (const Cage& cage : {holes, border})
+    for (unsigned timeSteps : {1u, 2u, 5u})
+      for (RTCCompression compression : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF}) {
+        SurfaceSettings settings;
+        settings.timeSteps = timeSteps;
+        if (timeSteps > 1) { settings.begin = 0.25f; settings.end = 1.5f; }
+        geometries.push_back(releasing(newSurface(device, cage, settings), compression));
+      }
+  RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, (folder/"all").c_str());
+  for (RTCGeometry geometry : geometries) ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
+  ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+  rtcReleaseCompressedFileWriter(writer);
+  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"all").c_str());
+  ASSERT_NE(file, nullptr) << "one geometry makes all of them unopenable: " << device.message;
+  EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
+  Scene scene(device);
+  for (unsigned i = 0; i < geometries.size(); i++) {
+    SCOPED_TRACE(i);
+    RTCGeometry loaded = rtcNewGeometryFromCompressedFile(file, i);
+    ASSERT_NE(loaded, nullptr) << device.message;
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometries[i], (folder/"one").c_str())) << device.message;
+    ASSERT_TRUE(rtcSaveCompressedGeometry(loaded, (folder/"again").c_str())) << device.message;
+    EXPECT_EQ(bytesOf(folder/"one"), bytesOf(folder/"again"));
+    RTCGeometry alone = rtcLoadCompressedGeometry(device, (folder/"one").c_str());
+    EXPECT_NE(alone, nullptr) << device.message;
+    if (alone) rtcReleaseGeometry(alone);
+    attach(scene, loaded);
+    rtcReleaseGeometry(geometries[i]);
+  }
+  rtcReleaseCompressedFile(file);
+  rtcCommitScene(scene);
+  Random random(3);
+  EXPECT_GT(hitsOf(closestHits(scene, timedRays(random, 200, true), QueryForm::Single)), 50u);
+  EXPECT_EQ(device.errors, 0u) << device.message;
+}
+
+// Whatever a save accepts, a load accepts.
+TEST(CompressedFiles, WhatCannotBeLoadedIsNotSaved)
+{
+  const float infinity = std::numeric_limits<float>::infinity(), largest = std::numeric_limits<float>::max();
+  Device device;
+  size_t refused = 0;
+  for (float begin : {-infinity, -largest, 0.0f})
+    for (float end : {1.0f, largest, infinity})
+      for (float size : {1.0f, 1e-38f, 0.4f*largest, largest})
+        for (unsigned timeSteps : {1u, 3u}) {
+          SCOPED_TRACE(testing::Message() << timeSteps << " steps, " << begin << " to " << end << ", size " << size);
+          Folder folder;
+          Cage cage = cubeCage();
+          for (Vec& p : cage.positions)
+            for (float& x : p) x *= size;
+          SurfaceSettings settings;
+          settings.rate = 8;
+          settings.timeSteps = timeSteps;
+          settings.begin = begin;
+          settings.end = end;
+          RTCGeometry geometry = releasing(newSurface(device, cage, settings), RTC_COMPRESSION_VERT);
+          if (rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) {
+            RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
+            EXPECT_NE(loaded, nullptr) << device.message;
+            if (loaded) rtcReleaseGeometry(loaded);
+          }
+          else {
+            refused++;
+            EXPECT_TRUE(folder.names().empty());
+          }
+          rtcReleaseGeometry(geometry);
+        }
+  EXPECT_GT(refused, 0u);
+  EXPECT_LT(refused, 60u);
+}
+
+// A scene that compresses others has a tree of it, too, without a block that GRID would trace.
+TEST(CompressedFiles, WhatAsksForNoCompressionIsNotSavedThoughItHasNoFace)
+{
+  Folder folder;
+  Device device;
+  Cage holes = cubeCage();
+  for (unsigned face = 0; face < holes.faces.size(); face++) holes.holes.push_back(face);
+  Scene scene(device);
+  attach(scene, allSaveable()[0].make(device));
+  SurfaceSettings settings;
+  settings.compression = RTC_COMPRESSION_NONE;
+  RTCGeometry geometry = newSurface(device, holes, settings);
+  attach(scene, geometry);
+  rtcCommitScene(scene);
+  ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
+  EXPECT_NE(device.message.find("asks for no compression"), std::string::npos) << device.message;
+  EXPECT_TRUE(folder.names().empty());
+}
+
 // Threads that trace while others load, save and release the same files, and make geometries of one that is open.
 TEST(CompressedFiles, ManyThreadsLoadAndTraceAtATime)
 {

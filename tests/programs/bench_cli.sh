@@ -65,7 +65,7 @@ for word in commit isa thread; do
 done
 grep -q "^  cLEAF^1 .*% of the quads stored exactly.* error median 0.* p99 " "$folder/stdout" || complain "no word on quads stored exactly"
 grep -q "RMSE" "$folder/stdout" && complain "an RMSE, which is the paper's alone"
-[ -z "$(find "$folder" -name '.tmp-*')" ] || complain "temporary files are left"
+[ -z "$(find "$folder" -name '*cbvh-part*')" ] || complain "temporary files are left"
 /usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "the record is not right"
 import json, os, sys
 folder = sys.argv[1]

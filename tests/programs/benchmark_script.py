@@ -11,6 +11,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -33,8 +34,9 @@ if words == ["--about"]:
     sys.exit(0)
 value = lambda name: words[words.index(name) + 1]
 device = value("--device") if "--device" in words else ""
+scene = value("--scene") if "--scene" in words else os.path.basename(value("--cage"))
 with open(folder + "/calls", "a") as calls:
-    calls.write(value("--scene") + " " + value("--level") + (" " + device if device else "") + "\\n")
+    calls.write(scene + " " + value("--level") + (" " + device if device else "") + "\\n")
 if device and mode == "no device":
     print("cbvh_bench: Vulkan has no driver", file=sys.stderr)
     sys.exit(1)
@@ -63,7 +65,7 @@ for level in levels:
             resource.prlimit(process, resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
         print("  cube: 0.1 s\\ncbvh_bench: " + value("--json") + ": cannot be written", file=sys.stderr)
         sys.exit(1)
-    groups.append({"scene": value("--scene"), "level": level, "quads": 1, "results": results})
+    groups.append({"scene": scene, "level": level, "quads": 1, "results": results})
     record = {"format": "cbvh-bench", "version": 2, "complete": level == levels[-1], "groups": groups,
               "run": {"commit": open(folder + "/commit").read(), "command": "cbvh_bench " + " ".join(words)}}
     with open(value("--json"), "w") as file:
@@ -196,7 +198,7 @@ class Benchmark(unittest.TestCase):
             (["quick", "--scene", "teapot"], "unknown scene 'teapot'"),
             (["--cage", "missing.obj"], "missing.obj: no such file"),
             (["--cage", str(SCRIPT), "--height", "missing.exr"], "missing.exr: no such file"),
-            (["--height", "x.exr"], "belong to --cage"),
+            (["--height", "x.exr"], "--height belongs to --cage"),
             (["--bench", "nothing"], "no such program"),
         ):
             command = self.command() + words if "--bench" in words else self.command(*words)
@@ -236,6 +238,50 @@ class Benchmark(unittest.TestCase):
         for damaged in ("", "[1]", '{"x": {"seconds": "fast"}}'):
             times.write_text(damaged)
             self.assertIn("as planned", self.run_script("quick", "--list").stdout, damaged)
+
+    def test_the_list_needs_no_build(self):
+        scripts = self.folder / "tree/scripts"
+        shutil.copytree(SCRIPT.parent, scripts, ignore=shutil.ignore_patterns("__pycache__"))
+        for words in (["--list"], ["paper", "--list"], ["full", "--scene", "trex", "--list"], ["--print-commands"]):
+            command = [sys.executable, "-B", str(scripts / "benchmark.py"), *words]
+            done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("there is no build yet", done.stderr)
+            self.assertIn("trex", done.stdout)
+            self.assertNotIn("left out", done.stdout)
+        for words in ([], ["--list", "--bench", str(self.folder / "none")]):
+            command = [sys.executable, "-B", str(scripts / "benchmark.py"), *words]
+            done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), words)
+            self.assertIn("no such program", done.stderr)
+
+    def cage(self, faces):
+        path = self.folder / f"own_{faces}.obj"
+        path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n" + "f 1 2 3 4\n" * faces)
+        return str(path)
+
+    def test_a_cage_of_one_s_own_has_levels(self):
+        for words, levels in (([], "4,5"), (["--level", "3"], "3"), (["--level", "6,2"], "2,6"), (["full"], "4,5,6")):
+            done = self.run_script("--cage", self.cage(6), *words)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            self.assertEqual(self.calls(), [f"own_6.obj {levels}"])
+            shutil.rmtree(self.output)
+        for text in ("", "six", "-1", "9", "4,,5", "4.5"):
+            done = self.run_script("--cage", self.cage(6), f"--level={text}")
+            if text:
+                self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), text)
+                self.assertIn(f"--level '{text}': expected levels from 0 to 8", done.stderr)
+        self.assertIn("--level belongs to --cage", self.run_script("quick", "--level", "4").stderr)
+
+    def test_a_cage_of_one_s_own_takes_as_long_as_it_is_large(self):
+        def seconds(*words):
+            minutes, rest = re.search(r"jobs, about (\d+):(\d\d)", self.run_script("--list", *words).stdout).groups()
+            return 60 * int(minutes) + int(rest)
+
+        small, large = seconds("--cage", self.cage(6)), seconds("--cage", self.cage(20000))
+        self.assertGreater(large, 3 * small)
+        finer, coarser = (seconds("--cage", self.cage(20000), "--level", level) for level in "65")
+        self.assertGreater(finer, 2 * coarser)
 
     def test_a_gpu_is_measured_beside_the_processor(self):
         done = self.run_script("gpu-quick", "--scene", "cube")

@@ -45,7 +45,7 @@ for output in picture.exr picture.png; do
   [ -s "$folder/$output" ] || complain "no $output"
 done
 grep -q "2 samples of 65 x 47 pixels" "$folder/stdout" || complain "says '$(cat "$folder/stdout")'"
-[ -z "$(find "$folder" -name '.tmp-*')" ] || complain "temporary files are left"
+[ -z "$(find "$folder" -name '*cbvh-part*')" ] || complain "temporary files are left"
 
 # One thread or two: the same picture.
 for threads in 1 2; do

@@ -123,7 +123,7 @@ for representation in ${representations//,/ }; do
   done
   [ "$stem" = grid ] || [ -s "$out/cube_${stem}_error.png" ] || complain "no error map of $stem"
 done
-[ -z "$(find "$out" -name '.tmp-*')" ] || complain "temporary files are left"
+[ -z "$(find "$out" -name '*cbvh-part*')" ] || complain "temporary files are left"
 expect_rows good "bytes a quad" "quads stored exactly, %.* [0-9.]* |     *- |$" "peak of the build" "build, s" "coherent rays" "incoherent rays" "error against the mesh" \
   "error against the true surface, pixels: median, p99" "false hits + misses" "flipped normals"
 [ "$(rows good)" -le 11 ] || complain "$(rows good) rows"
@@ -328,7 +328,7 @@ status=$?
 [ $status = 130 ] || complain "exit status $status after Ctrl-C: $(cat "$folder/stderr")"
 grep -q cancelled "$folder/stderr" || complain "no word on the cancellation"
 [ -z "$(ls -A "$folder/cancelled")" ] || complain "files are left after Ctrl-C"
-ls -A "$folder/cache/embree-cbvh" | grep -q tmp && complain "half a map is left after Ctrl-C"
+ls -A "$folder/cache/embree-cbvh" | grep -q part && complain "half a map is left after Ctrl-C"
 
 [ $failures = 0 ] && echo "all well"
 exit $((failures != 0))

@@ -7,6 +7,7 @@ usage: report_script.py PATH/TO/cbvh_bench
 """
 
 import json
+import os
 import random
 import re
 import shutil
@@ -409,6 +410,90 @@ class Report(unittest.TestCase):
             self.assertIn(found, page.read_text())
         done = self.run_script(self.records, "--scale", self.records, "--output", page)
         self.assertIn("measure_scale.py makes it", done.stderr)
+
+    def own_records(self, name):
+        """The records as if they were of a cage of the user's."""
+        folder = Path(self.temporary.name) / name
+        shutil.copytree(self.records, folder)
+        record = self.record()
+        record["run"]["command"] = record["run"]["command"].replace("--scene cube", "--cage sofa.obj")
+        for group in record["groups"]:
+            group["scene"] = "sofa"
+        (folder / "cube_L2-6.json").write_text(json.dumps(record))
+        (folder / "cube_L2-6.json").rename(folder / "sofa_L2-6.json")
+        (folder / "pictures/cube").rename(folder / "pictures/sofa")
+        return folder
+
+    def test_a_cage_of_one_s_own_gets_no_empty_sections(self):
+        folder = self.own_records("own")
+        done = self.run_script(folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        html = (folder / "report.html").read_text()
+        self.assertEqual(re.findall("No data: [^<]*", html), [])
+        page = Page(html)
+        for reference in page.references:
+            self.assertTrue(reference.startswith("data:") or reference[1:] in page.ids, reference[:60])
+        shown = [name for name in page.ids if name in SECTIONS]
+        for name in ("tradeoffs", "levels", "errors", "figure16", "figure17", "growth", "robustness", "all", "run"):
+            self.assertIn(name, shown)
+        for name in ("figure10", "scale", "isas", "gpu"):
+            self.assertNotIn(name, shown)
+        for other in ("frog", "scythe", "knee", "trex"):
+            self.assertNotIn(f": {other}<", html)
+        self.assertNotIn("not measured |", (folder / "tables.md").read_text())
+
+    def test_the_measurement_has_a_start_and_an_end(self):
+        run = self.record()["run"]
+        self.assertGreater(run["end"], run["date"])
+        self.assertEqual(report_data.period([run]), f"{run['date']} to {run['end']}")
+        older, later = {"date": "2026-01-02T00:00:00Z"}, {"date": "2026-01-01T00:00:00Z", "end": "2026-01-03T00:00:00Z"}
+        self.assertEqual(report_data.period([older]), older["date"])
+        self.assertEqual(report_data.period([older, later]), f"{later['date']} to {later['end']}")
+        page = Path(self.temporary.name) / "period.html"
+        self.assertEqual(self.run_script(self.records, "--output", page).returncode, 0)
+        for text in (page.read_text(), page.with_name("tables.md").read_text()):
+            self.assertIn(f"{run['date']} to {run['end']}", text)
+
+    def test_a_missing_matplotlib_is_one_line_that_names_the_package(self):
+        without = Path(self.temporary.name) / "no_matplotlib"
+        (without / "matplotlib").mkdir(parents=True)
+        (without / "matplotlib/__init__.py").write_text("raise ModuleNotFoundError(name='matplotlib')\n")
+        environment = {**os.environ, "PYTHONPATH": str(without)}
+        for script in (SCRIPT, SCRIPT.with_name("claims.py")):
+            command = [sys.executable, "-B", str(script), str(self.records)]
+            done = subprocess.run(command, capture_output=True, text=True, timeout=60, env=environment)
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertIn("python3-matplotlib", done.stderr)
+
+    def test_the_page_goes_through_links_and_into_devices_and_over_no_record(self):
+        folder = Path(self.temporary.name) / "outputs"
+        shutil.copytree(self.records, folder)
+        before = {path: path.read_bytes() for path in folder.glob("*.json")}
+        (folder / "store").mkdir()
+        (folder / "link.html").symlink_to("store/page.html")
+        (folder / "null").symlink_to("/dev/null")
+        done = self.run_script(folder, "--output", folder / "link.html", "--tables", folder / "null")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue((folder / "link.html").is_symlink() and (folder / "null").is_symlink())
+        self.assertIn("<h1>", (folder / "store/page.html").read_text())
+        self.assertEqual(len(list(folder.iterdir())), 3 + len(before) + 1, "a part is left")
+        (folder / "store/page.html").chmod(0o604)
+        done = self.run_script(folder, "--output", folder / "link.html", "--tables", "/dev/stdout")
+        self.assertIn("| relation | paper |", done.stdout)
+        self.assertEqual((folder / "store/page.html").stat().st_mode & 0o7777, 0o604)
+        (folder / "same.html").symlink_to("cube_L2-6.json")
+        for words in (
+            ["--output", folder / "cube_L2-6.json"],
+            ["--tables", folder / "same.html"],
+            ["--against", self.records, "--output", self.records / "cube_L2-6.json"],
+        ):
+            done = self.run_script(folder, *words)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+            self.assertIn("would replace the record cube_L2-6.json", done.stderr)
+        done = self.run_script(folder, "--output", folder / "one", "--tables", folder / "./one")
+        self.assertIn("is the file of --output and of --tables", done.stderr)
+        self.assertEqual(before, {path: path.read_bytes() for path in before})
 
     def test_bad_folders_get_one_line(self):
         empty = Path(self.temporary.name) / "empty"

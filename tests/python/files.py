@@ -71,6 +71,28 @@ class Files(unittest.TestCase):
         with self.assertRaisesRegex(cbvh.Error, "cannot be written"):
             cbvh.build(bumpy_model(), "cvert", 3).save(os.path.join(self.path, "none"))
 
+    def test_a_scene_is_not_saved_over_its_own_cage_or_map(self):
+        cage_path, map_path = self.path + ".obj", self.path + ".pgm"
+        cage = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n"
+        heights = b"P5\n4 4\n255\n0123456789abcdef"
+        with open(cage_path, "w", encoding="ascii") as file:
+            file.write(cage)
+        with open(map_path, "wb") as file:
+            file.write(heights)
+        model = cbvh.Model(cbvh.Cage.load(cage_path), map_path, amplitude=0.1)
+        scene = cbvh.build(model, "cvert", 3)
+        for path in (cage_path, map_path):
+            with self.assertRaisesRegex(cbvh.Error, "would replace an input of this run"):
+                scene.save(path)
+        with open(cage_path, encoding="ascii") as file:
+            self.assertEqual(file.read(), cage)
+        with open(map_path, "rb") as file:
+            self.assertEqual(file.read(), heights)
+        scene.save(self.path)
+        loaded = cbvh.load(self.path)
+        scene.save(self.path)  # what is mapped stays the old one
+        self.assertEqual(loaded.quads, scene.statistics()["quads"])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -246,6 +246,7 @@ json runJson(const BenchOptions& options, const Machine& m)
 {
   json run = {{"command", options.command},
               {"date", m.date},
+              {"end", dateNow()},
               {"commit", m.commit},
               {"compiler", m.compiler},
               {"flags", m.flags},

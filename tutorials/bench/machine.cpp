@@ -66,11 +66,16 @@ Machine describeMachine()
   m.flags = CBVH_BUILD_FLAGS;
   m.buildType = CBVH_BUILD_TYPE;
   m.isas = split(CBVH_BUILD_ISAS);
+  m.date = dateNow();
+  return m;
+}
+
+std::string dateNow()
+{
   char text[32];
   const std::time_t now = std::time(nullptr);
   std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
-  m.date = text;
-  return m;
+  return text;
 }
 
 std::vector<std::string> usableIsas(const Machine& machine)

@@ -21,10 +21,13 @@ struct Machine
   std::string commit;           // of what was built; "+changes" for a changed working tree
   std::string compiler, flags, buildType;
   std::vector<std::string> isas; // that the library was built for
-  std::string date;             // UTC, ISO 8601
+  std::string date;             // as dateNow(), of the start
 };
 
 Machine describeMachine();
+
+/* UTC, ISO 8601. */
+std::string dateNow();
 
 /* What both library and processor have, narrowest first. */
 std::vector<std::string> usableIsas(const Machine& machine);

@@ -7,6 +7,7 @@
 #include "basics/parallel.h"
 #include "programs/command_line.h"
 #include "programs/opened_files.h"
+#include "programs/outputs.h"
 #include "programs/view_options.h"
 
 #include <algorithm>
@@ -339,6 +340,8 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
   readLibraries(words, o);
   readCombinations(words, machine, o);
   validateNumbers(o);
+  for (const BenchScene& scene : o.scenes)
+    validateOutputs(scene.settings, {{"--json", o.json}});
   o.command = commandLine(argc, argv);
   return o;
 }

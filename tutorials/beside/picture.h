@@ -13,6 +13,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <vector>
 
@@ -53,10 +54,12 @@ inline double writePicture(RTCScene scene, const char* path, int size, int sampl
       }
       pixels.push_back((unsigned char)(255*std::fmin(light/float(samples), 1.0f)));
     }
-  if (FILE* file = std::fopen(path, "wb")) {
-    std::fprintf(file, "P5\n%d %d\n255\n", size, size);
-    std::fwrite(pixels.data(), 1, pixels.size(), file);
-    std::fclose(file);
+  FILE* const file = std::fopen(path, "wb");
+  bool isWritten = file && std::fprintf(file, "P5\n%d %d\n255\n", size, size) > 0;
+  isWritten = isWritten && std::fwrite(pixels.data(), 1, pixels.size(), file) == pixels.size();
+  if (!file || std::fclose(file) != 0 || !isWritten) {
+    std::perror(path);
+    std::exit(1);
   }
   return double(hits)/(double(size)*size*samples);
 }

@@ -5,6 +5,7 @@
 #include "picture_file.h"
 #include "programs/command_line.h"
 #include "programs/opened_files.h"
+#include "programs/outputs.h"
 #include "programs/view_options.h"
 
 #include <embree3/rtcore_vulkan.h>
@@ -99,6 +100,7 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
     o.output = "cbvh_pathtracer.png";
   if (!o.output.empty())
     validatePicturePath(o.output);
+  validateOutputs(o.scene, {{"--output", o.output}});
   return o;
 }
 

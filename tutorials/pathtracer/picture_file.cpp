@@ -3,13 +3,12 @@
 
 #include "picture_file.h"
 #include "basics/error.h"
-#include "basics/file_output.h"
+#include "pictures/exr_file.h"
 #include "pictures/image_output.h"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfOutputFile.h>
 
 #include <filesystem>
 
@@ -24,27 +23,16 @@ bool isExr(const std::string& path)
 void writeExr(const std::string& path, ImageSize size, const std::vector<Vec3f>& pixels)
 {
   static const char* const names[3] = {"R", "G", "B"};
-  PendingFile file(path);
-  try
+  Imf::Header header(size.width, size.height);
+  Imf::FrameBuffer frame;
+  std::vector<Vec3f> copy = pixels; // OpenEXR's slices are not const
+  for (size_t i = 0; i < 3; i++)
   {
-    Imf::Header header(size.width, size.height);
-    Imf::FrameBuffer frame;
-    std::vector<Vec3f> copy = pixels; // OpenEXR's slices are not const
-    for (size_t i = 0; i < 3; i++)
-    {
-      header.channels().insert(names[i], Imf::Channel(Imf::FLOAT));
-      frame.insert(names[i], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(copy.data()) + i * sizeof(float), sizeof(Vec3f),
-                                        sizeof(Vec3f) * size_t(size.width)));
-    }
-    Imf::OutputFile output(file.temporary().c_str(), header);
-    output.setFrameBuffer(frame);
-    output.writePixels(size.height);
+    header.channels().insert(names[i], Imf::Channel(Imf::FLOAT));
+    frame.insert(names[i], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(copy.data()) + i * sizeof(float), sizeof(Vec3f),
+                                      sizeof(Vec3f) * size_t(size.width)));
   }
-  catch (const std::exception& e)
-  {
-    throw Error(path + ": cannot be written: " + e.what());
-  }
-  file.commit();
+  writeExrFile(path, header, frame, size.height);
 }
 
 } // namespace

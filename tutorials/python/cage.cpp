@@ -5,6 +5,7 @@
 #include "classes.h"
 #include "warning.h"
 
+#include "basics/input_files.h"
 #include "surface/cage.h"
 #include "surface/cage_validation.h"
 #include "surface/obj_reader.h"
@@ -124,6 +125,7 @@ std::shared_ptr<Cage> loadCage(const std::filesystem::path& path)
 {
   std::string warnings;
   auto cage = std::make_shared<Cage>(readObj(path.string(), warnings));
+  noteInputFile(path.string());
   warn(warnings);
   return checked(std::move(cage));
 }

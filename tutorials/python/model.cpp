@@ -11,6 +11,7 @@
 #include "scenes/catalogue.h"
 #include "surface/height_map.h"
 #include "surface/model.h"
+#include "surface/udim_tiles.h"
 
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -91,7 +92,11 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
 {
   map.path = heights.path;
   if (!map.path.empty())
-    return displaceByMap(cage, map, warnings);
+  {
+    std::shared_ptr<const Displacement> displacement = displaceByMap(cage, map, warnings);
+    noteMapFiles(cage, map.path);
+    return displacement;
+  }
   const std::shared_ptr<ArrayDisplacement> kept(new ArrayDisplacement{MapFile(heights.map), nullptr});
   map.path = kept->file.path();
   kept->displacement = displaceByMap(cage, map, warnings);

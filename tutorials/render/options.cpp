@@ -5,6 +5,7 @@
 #include "basics/error.h"
 #include "programs/command_line.h"
 #include "programs/opened_files.h"
+#include "programs/outputs.h"
 #include "programs/view_options.h"
 
 #include <algorithm>
@@ -145,6 +146,9 @@ void read(const CLI::App& app, const Words& words, Options& o)
     throw Error("--save takes one representation, which is neither grid nor naive");
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
+  SceneSettings inputs = o.scene;
+  inputs.savedPath = o.loadPath;
+  validateOutputs(inputs, {{"--save", o.savePath}, {"--export", o.exportPath}, {"--json", o.json}});
 }
 
 } // namespace

@@ -5,9 +5,10 @@
 #include "basics/error.h"
 #include "programs/command_line.h"
 #include "programs/opened_files.h"
+#include "programs/outputs.h"
 #include "programs/view_options.h"
 
-#include <fstream>
+#include <unistd.h>
 
 namespace cbvh {
 namespace {
@@ -20,10 +21,10 @@ std::string listOfModes()
   return list;
 }
 
-/* A mistyped name is reported where it was typed, not in a window. */
+/* A mistyped name is reported where it was typed, not in a window. To open a FIFO would wait for its writer. */
 void requireFile(const std::string& path)
 {
-  if (!path.empty() && !std::ifstream(path))
+  if (!path.empty() && access(path.c_str(), R_OK) != 0)
     throw Error(path + ": cannot be opened");
 }
 
@@ -99,6 +100,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
     throw Error("--representation '" + representations + "' names more than two");
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
+  validateOutputs(o.scene, {{"--screenshot", o.screenshot}, {"--picture", o.picture}});
   return o;
 }
 

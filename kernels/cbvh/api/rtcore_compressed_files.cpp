@@ -42,7 +42,12 @@ namespace
   {
     const CompressibleGeometry* const compressible = embree::compressible(geometry);
     if (compressible) blocks = cbvh::blocksOf(compressible);
-    if (!blocks)
+    /* a scene that compresses others has trees of surfaces that do not ask for it, too */
+    const auto asks = [&] {
+      const CompressionSettings settings = compressible->compression.resolve(compressible->device->compression);
+      return settings.compression != RTC_COMPRESSION_NONE;
+    };
+    if (!blocks || !asks())
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
     if (geometry->state != unsigned(Geometry::State::COMMITTED))
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry was changed since it was committed");

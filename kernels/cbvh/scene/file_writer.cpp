@@ -4,21 +4,14 @@
 /* Compiled for the library's lowest ISA only. */
 
 #include "file_writer.h"
-#include "../base/kinds.h"
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
 #include "../embree/scene.h"
 #include "block_bytes.h"
+#include "file_record.h"
 #include "surface_blocks.h"
-#include <atomic>
 #include <cerrno>
-#include <climits>
-#include <cstdlib>
 #include <cstring>
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 namespace embree
 {
@@ -35,10 +28,10 @@ namespace embree
         std::vector<uint64_t> offsets; //!< of each, and the end
         std::vector<bool> isVert;      //!< of each
 
-        explicit Layout (const SurfaceBlocks& surface)
+        Layout (const SurfaceBlocks& surface, bool moves)
         {
           offsets.push_back(0);
-          form = surface.moving.size() ? FILE_MOVING : surface.root != BVH4::emptyNode ? FILE_TREE : FILE_LIST;
+          form = moves ? FILE_MOVING : surface.root != BVH4::emptyNode ? FILE_TREE : FILE_LIST;
           if (form == FILE_TREE) node(surface.root);
           if (form == FILE_LIST)
             for (const PrimRef& part : surface.parts) entry(part.bounds(),BVH4::NodeRef(part.ID()));
@@ -82,9 +75,19 @@ namespace embree
             to.children[i] = child(from->child(i));
             for (int k=0; k<3; k++)
               for (int side=0; side<2; side++) to.planes[k][side][i] = to.children[i] == FILE_NONE ? 0.0f : (*planes[k][side])[i];
+            if (to.children[i] == FILE_NONE) continue;
+            float lower[3], upper[3];
+            for (int k=0; k<3; k++) { lower[k] = to.planes[k][0][i]; upper[k] = to.planes[k][1][i]; }
+            requireBounds(lower,upper);
           }
           memcpy(tree.data()+begin,&to,sizeof(to));
           return begin | FILE_NODE;
+        }
+
+        /*! files with others are not loaded */
+        static void requireBounds (const float lower[3], const float upper[3]) {
+          if (areBounds(lower,upper)) return;
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"blocks without finite bounds cannot be saved");
         }
 
         void entry (const BBox3fa& bounds, BVH4::NodeRef ref)
@@ -92,6 +95,7 @@ namespace embree
           if (!ref.isLeaf()) throw_RTCError(RTC_ERROR_UNKNOWN,"a list of blocks has a node");
           FileEntry to;
           for (int k=0; k<3; k++) { to.lower[k] = bounds.lower[k]; to.upper[k] = bounds.upper[k]; }
+          requireBounds(to.lower,to.upper);
           to.child = leaf(ref);
           tree.insert(tree.end(),(const char*)&to,(const char*)(&to+1));
         }
@@ -106,67 +110,52 @@ namespace embree
         default: return FILE_CAGE;
         }
       }
-
-      /*! of a file that is written beside the one that it becomes */
-      std::string temporaryName (const std::string& path)
-      {
-        static std::atomic<unsigned> count(0);
-        return path + ".part-" + std::to_string(getpid()) + "-" + std::to_string(count++);
-      }
-
-      std::string folderOf (const std::string& path)
-      {
-        const size_t slash = path.rfind('/');
-        return slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0,slash);
-      }
     }
 
-    void FileWriter::findPlace (const std::string& name)
+    void FileWriter::open (const std::string& ending)
     {
-      path = name;
       if (path.empty()) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"path is empty");
-      /* what a link leads to is replaced, not the link */
-      if (char* real = realpath(name.c_str(),nullptr)) { path = real; free(real); }
-      struct stat status;
-      if (stat(path.c_str(),&status) == 0 && !S_ISREG(status.st_mode))
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,path + ": is no file");
+      std::string name = path;
+      try
+      {
+        const OutputPath place(path);
+        if (place.kind == OutputPath::STREAM)
+          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
+                         path + ": is a device, a pipe or open already: compressed surfaces need a regular file");
+        name = place.path + ending;
+        file.reset(ending.empty() ? new UnfinishedFile(place) : new UnfinishedFile(place,ending));
+      }
+      catch (const std::system_error& error)
+      {
+        const bool isTaken = error.code().value() == EWOULDBLOCK;
+        if (isTaken) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,name + ": another writer has it");
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,name + ": cannot be written: " + error.code().message());
+      }
     }
 
-    FileWriter::FileWriter (const std::string& name)
+    FileWriter::FileWriter (const std::string& path) : path(path), keeps(false)
     {
-      findPlace(name);
-      temporary = temporaryName(path);
-      file = ::open(temporary.c_str(),O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC,0666);
-      if (file < 0)
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,path + ": cannot be written: " + std::strerror(errno));
-      try { begin(); }
-      catch (...) { ::close(file); ::unlink(temporary.c_str()); throw; } // no destructor runs
+      open("");
+      begin();
     }
 
-    FileWriter::FileWriter (const std::string& name, uint64_t key) : keeps(true), key(key)
+    FileWriter::FileWriter (const std::string& path, uint64_t key) : path(path), keeps(true), key(key)
     {
-      findPlace(name);
-      temporary = path + ".part";
-      file = ::open(temporary.c_str(),O_RDWR | O_CREAT | O_CLOEXEC,0666);
-      if (file < 0)
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,temporary + ": cannot be written: " + std::strerror(errno));
-      try { resume(); }
-      catch (...) { ::close(file); throw; }
+      open(".part");
+      resume();
     }
 
     FileWriter::~FileWriter ()
     {
-      if (file < 0) return;
-      try { if (keeps && !failed && !directory.empty() && at != saved) writeDirectory(); }
+      if (!file || !keeps) return;
+      try { if (!failed && !directory.empty() && at != saved) writeDirectory(); }
       catch (...) {} // what was saved before is still there
-      if (!keeps || saved == 0) ::unlink(temporary.c_str());
-      ::close(file);
+      file->keep(saved != 0);
     }
 
     void FileWriter::begin ()
     {
-      struct stat status;
-      if (stat(path.c_str(),&status) == 0) (void)!fchmod(file,status.st_mode & 07777); // as it was; else what new files get
+      file->takeOver();
       const FileHeader none = FileHeader();
       write(&none,sizeof(none));
       padTo(filePage);
@@ -174,19 +163,19 @@ namespace embree
 
     void FileWriter::resume ()
     {
-      auto refuse = [&](const std::string& why) { throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,temporary + ": " + why); };
-      /* who had it before may have given it its name meanwhile */
-      struct stat status, named;
-      if (::flock(file,LOCK_EX | LOCK_NB) != 0 || ::fstat(file,&status) != 0 || ::stat(temporary.c_str(),&named) != 0 || status.st_ino != named.st_ino || status.st_dev != named.st_dev)
-        refuse("another writer has it");
-      if (!S_ISREG(status.st_mode)) refuse("is no file");
+      const int part = file->descriptor();
+      auto refuse = [&](const std::string& why) {
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,file->path() + ": " + why);
+      };
+      struct stat status;
+      if (::fstat(part,&status) != 0 || !S_ISREG(status.st_mode)) refuse("is not a regular file");
       FileHeader header = FileHeader();
       const FileHeader none = FileHeader();
-      if (::pread(file,&header,sizeof(header),0) != ssize_t(sizeof(header)) || memcmp(&header,&none,sizeof(none)) == 0)
+      if (::pread(part,&header,sizeof(header),0) != ssize_t(sizeof(header)) || memcmp(&header,&none,sizeof(none)) == 0)
       {
         /* nothing was saved in it, unless it is another's */
         if (memcmp(&header,&none,sizeof(none)) != 0) refuse("is no file of compressed surfaces");
-        if (::ftruncate(file,0) != 0) refuse(std::string("cannot be written: ") + std::strerror(errno));
+        if (::ftruncate(part,0) != 0) refuse(std::string("cannot be written: ") + std::strerror(errno));
         return begin();
       }
       const std::string anew = "; without it the file is begun anew";
@@ -200,10 +189,12 @@ namespace embree
       if (header.key[0] != uint32_t(key) || header.key[1] != uint32_t(key >> 32)) refuse("was begun with something else" + anew);
       directory.resize(size_t(count));
       const size_t bytes = directory.size()*sizeof(FileGeometry);
-      if (::pread(file,directory.data(),bytes,off_t(header.directory)) != ssize_t(bytes) || header.directoryChecksum != fileChecksum(directory.data(),bytes)) refuse("is damaged" + anew);
+      const bool isRead = ::pread(part,directory.data(),bytes,off_t(header.directory)) == ssize_t(bytes);
+      if (!isRead || header.directoryChecksum != fileChecksum(directory.data(),bytes)) refuse("is damaged" + anew);
       for (const FileGeometry& record : directory) numbers.insert(record.surface & ~(firstFileNumber | movingSurface));
       at = saved = header.fileBytes;
-      if (::ftruncate(file,off_t(at)) != 0 || ::lseek(file,off_t(at),SEEK_SET) < 0) refuse(std::string("cannot be written: ") + std::strerror(errno));
+      if (::ftruncate(part,off_t(at)) != 0 || ::lseek(part,off_t(at),SEEK_SET) < 0)
+        refuse(std::string("cannot be written: ") + std::strerror(errno));
     }
 
     void FileWriter::fail (const std::string& what)
@@ -214,16 +205,9 @@ namespace embree
 
     void FileWriter::write (const void* data, size_t bytes)
     {
-      const char* p = (const char*)data;
-      while (bytes)
-      {
-        const ssize_t n = ::write(file,p,std::min(bytes,size_t(1) << 30));
-        if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) fail(std::string("cannot be written: ") + (n < 0 ? std::strerror(errno) : "nothing is taken"));
-        p += n;
-        bytes -= size_t(n);
-        at += uint64_t(n);
-      }
+      const int error = writeAll(file->descriptor(),data,bytes);
+      if (error) fail(std::string("cannot be written: ") + std::strerror(error));
+      at += bytes;
     }
 
     void FileWriter::padTo (uint64_t alignment)
@@ -243,9 +227,9 @@ namespace embree
 
     void FileWriter::add (const CompressibleGeometry* geometry, const SurfaceBlocks& surface)
     {
-      if (file < 0) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": was committed");
+      if (!file) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": was committed");
       if (failed) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": could not be written before");
-      const Layout layout(surface);
+      const Layout layout(surface,geometry->numTimeSteps != 1);
       if (keeps && at-saved >= checkpointBytes) writeDirectory();
       padTo(filePage); // behind a directory
       FileGeometry record = FileGeometry();
@@ -263,6 +247,9 @@ namespace embree
       record.blockBytes = layout.offsets.back();
       record.treeChecksum = fileChecksum(layout.tree.data(),layout.tree.size());
       record.surface = numberOf(record,layout.form == FILE_MOVING);
+      const std::string error = errorOfRecord(record);
+      if (!error.empty())
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry cannot be saved: its record would have " + error);
 
       record.tree = at;
       write(layout.tree.data(),layout.tree.size());
@@ -288,7 +275,8 @@ namespace embree
       padTo(filePage);
       if (at-end < fileReadBehind) { const char zeros[fileReadBehind] = {}; write(zeros,sizeof(zeros)); padTo(filePage); }
       directory.push_back(record);
-      if (keeps) (void)!::sync_file_range(file,off_t(saved),0,SYNC_FILE_RANGE_WRITE); // so that the next checkpoint need not wait
+      /* so that the next checkpoint need not wait */
+      if (keeps) (void)!::sync_file_range(file->descriptor(),off_t(saved),0,SYNC_FILE_RANGE_WRITE);
     }
 
     void FileWriter::writeDirectory ()
@@ -310,27 +298,24 @@ namespace embree
       header.key[1] = uint32_t(key >> 32);
       header.checksum = fileChecksum(&header,offsetof(FileHeader,checksum));
       /* where the file may be gone on with, a header is only of what is on the disk */
-      if ((keeps && ::fsync(file) != 0) || ::pwrite(file,&header,sizeof(header),0) != ssize_t(sizeof(header)) || ::fsync(file) != 0)
-        fail(std::string("cannot be written: ") + std::strerror(errno));
+      int error = keeps && ::fsync(file->descriptor()) != 0 ? errno : 0;
+      if (!error) error = writeAllAt(file->descriptor(),&header,sizeof(header),0);
+      if (!error && ::fsync(file->descriptor()) != 0) error = errno;
+      if (error) fail(std::string("cannot be written: ") + std::strerror(error));
       saved = at;
     }
 
     void FileWriter::commit ()
     {
-      if (file < 0) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": was committed");
+      if (!file) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": was committed");
       if (failed) throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": could not be written before");
       if (directory.empty()) fail("no geometry was added");
       if (at != saved) writeDirectory();
-      const int closed = ::close(file);
-      file = -1;
-      if (closed != 0 || ::rename(temporary.c_str(),path.c_str()) != 0) {
-        const std::string why = std::strerror(errno);
-        if (!keeps) ::unlink(temporary.c_str());
-        throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": cannot be written: " + why);
+      try { file->commit(); }
+      catch (const std::system_error& error) {
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,path + ": cannot be written: " + error.code().message());
       }
-      /* that it has its name is on the disk, too, where the folder can be read */
-      const int folder = ::open(folderOf(path).c_str(),O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-      if (folder >= 0) { (void)!::fsync(folder); ::close(folder); }
+      file.reset();
     }
   }
 }

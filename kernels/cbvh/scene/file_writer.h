@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Writes a file of compressed surfaces, one after the other. It comes to have its name when all is written, in one step: until then what was
- * there under that name stays. */
+/* Writes a file of compressed surfaces, one after the other. The file gets its name when all of it is written, in one
+ * step: until then the file that had the name stays. */
 
+#include "../base/unfinished_file.h"
 #include "file_format.h"
 #include <memory>
 #include <set>
@@ -22,7 +23,7 @@ namespace embree
     class FileWriter
     {
     public:
-      /*! Throws where the folder takes no file. */
+      /*! Throws if the folder or the path accepts no file. */
       explicit FileWriter (const std::string& path);
 
       /*! Goes on with what such a writer left, or begins. key: of what the geometries are made from. Throws where what is there is of another key, or
@@ -48,7 +49,9 @@ namespace embree
       /*! how much may be lost where the process ends */
       static const uint64_t checkpointBytes = uint64_t(64) << 20;
 
-      void findPlace (const std::string& name);
+      /*! Opens the file that is written. ending: after the name of the path, for a file that another writer may go on
+       *  with; else empty. */
+      void open (const std::string& ending);
       void begin ();
       void resume ();
 
@@ -62,9 +65,10 @@ namespace embree
       /*! so that no two geometries of the file have the same */
       uint32_t numberOf (const FileGeometry& record, bool moves);
 
-      std::string path, temporary;
-      int file = -1;
-      bool failed = false, keeps = false; //!< keeps: what is not committed
+      const std::string path;
+      std::unique_ptr<UnfinishedFile> file; //!< null after commit
+      const bool keeps;                     //!< what is not committed
+      bool failed = false;
       uint64_t key = 0;
       uint64_t at = 0, saved = 0;         //!< saved: what the header on the disk knows of
       std::vector<FileGeometry> directory;

@@ -6,9 +6,8 @@
 #include "mapped_file.h"
 #include "../base/primitive_type.h"
 #include "../base/thread_cache.h"
-#include "../base/world.h"
 #include "../embree/scene.h"
-#include "../vert/motion_format.h"
+#include "file_record.h"
 #include "mapped_blocks.h"
 #include "surface_blocks.h"
 #include "tree.h"
@@ -31,8 +30,8 @@ namespace embree
       /*! the begin of what is wrong with a geometry */
       std::string damaged (size_t geometry) { return "is damaged: geometry " + std::to_string(geometry) + ": "; }
 
-      bool areBounds (const float lower[3], const float upper[3]) {
-        return isFinite(lower) && isFinite(upper) && lower[0] <= upper[0] && lower[1] <= upper[1] && lower[2] <= upper[2];
+      const char* kindOfFile (mode_t mode) {
+        return S_ISDIR(mode) ? "a folder" : S_ISFIFO(mode) ? "a pipe" : S_ISSOCK(mode) ? "a socket" : "a device";
       }
 
       /*! pages of a file that its own file writes into, each when it is written into */
@@ -56,13 +55,16 @@ namespace embree
       };
     }
 
-    MappedFile::MappedFile (const std::string& path) : path(path), file(::open(path.c_str(),O_RDONLY | O_CLOEXEC))
+    /* Without O_NONBLOCK a FIFO would wait for its writer. */
+    MappedFile::MappedFile (const std::string& path)
+      : path(path), file(::open(path.c_str(),O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC))
     {
       if (file < 0) refuse(path,std::string("cannot be opened: ") + std::strerror(errno));
       std::string error;
       struct stat status;
       if (::fstat(file,&status) != 0) error = std::strerror(errno);
-      else if (!S_ISREG(status.st_mode)) error = "is no file";
+      else if (!S_ISREG(status.st_mode))
+        error = std::string("is ") + kindOfFile(status.st_mode) + ": expected a regular file";
       else if (size_t(status.st_size) < sizeof(FileHeader)) error = "is no file of compressed surfaces: it has only " + std::to_string(status.st_size) + " bytes";
       else {
         bytes = size_t(status.st_size);
@@ -114,20 +116,7 @@ namespace embree
         return begin % filePage == 0 && begin <= bytes && size <= bytes-begin && behind <= bytes-begin-size;
       };
       if (!isPart(g.tree,g.treeBytes,0) || !isPart(g.blocks,g.blockBytes,fileReadBehind)) return "parts outside of the file";
-      if (g.form > FILE_MOVING || g.source > FILE_TRIANGLES) return "a form that is none";
-      Kind kind;
-      if (!findKind(int(g.compression),kind)) return "a compression that is none";
-      const size_t of = g.form == FILE_TREE ? sizeof(FileNode) : sizeof(FileEntry);
-      if (g.treeBytes % of != 0 || (g.form == FILE_TREE && g.treeBytes == 0)) return "a tree that is none";
-      if (g.numBlocks > g.treeBytes/of*(g.form == FILE_TREE ? 4 : 1)) return "fewer leaves than blocks";
-      const bool moves = g.form == FILE_MOVING;
-      if (moves != (g.numTimeSteps != 1) || g.numTimeSteps == 0 || g.numTimeSteps > maxTimeSteps) return "a number of time steps that is none";
-      if (moves && (!std::isfinite(g.begin) || !std::isfinite(g.end) || !(g.begin < g.end))) return "a time range that is none";
-      if ((g.surface & firstFileNumber) == 0 || ((g.surface & movingSurface) != 0) != moves || g.surface == ~0u) return "a number of its surface that is none";
-      const bool isEmpty = !(g.lower[0] <= g.upper[0] && g.lower[1] <= g.upper[1] && g.lower[2] <= g.upper[2]);
-      if (g.numBlocks && !isEmpty && !areBounds(g.lower,g.upper)) return "bounds that are none";
-      if (g.numBlocks && isEmpty && !moves) return "no bounds";
-      return std::string();
+      return errorOfRecord(g);
     }
 
     /*! Makes the tree of a geometry of what the file has. */

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "device.h"
+#include "kernels/cbvh/base/unfinished_file.h"
 
 #include <chrono>
 #include <algorithm>
@@ -320,15 +321,13 @@ void Device::writeCache() const
   const std::string folder = path.substr(0, path.rfind('/'));
   mkdir(folder.substr(0, folder.rfind('/')).c_str(), 0755);
   mkdir(folder.c_str(), 0755);
-  /* whole, or not at all; other devices and processes write theirs at the same time */
-  static std::atomic<unsigned> count{0};
-  const std::string part = path + "." + std::to_string(getpid()) + "." + std::to_string(count++);
   const uint64_t sum = checksum(data);
-  std::ofstream file(part, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(&sum), sizeof(sum));
-  file.write(data.data(), std::streamsize(bytes));
-  file.close();
-  if (!file || std::rename(part.c_str(), path.c_str()) != 0) std::remove(part.c_str());
+  try {
+    cbvh::UnfinishedFile file{cbvh::OutputPath(path)};
+    const int error = cbvh::writeAll(file.descriptor(), &sum, sizeof(sum));
+    if (!error && cbvh::writeAll(file.descriptor(), data.data(), bytes) == 0) file.commit();
+  }
+  catch (const std::exception&) {} // drivers compile again without it
 }
 
 }} // namespace embree::vulkan

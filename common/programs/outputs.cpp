@@ -1,0 +1,54 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "programs/outputs.h"
+#include "basics/error.h"
+#include "basics/input_files.h"
+
+#include <filesystem>
+#include <map>
+
+namespace cbvh {
+namespace {
+
+namespace fs = std::filesystem;
+
+/* Which two outputs must not share; empty for devices and pipes. */
+std::string placeOf(const std::string& path)
+{
+  std::error_code code;
+  const fs::file_status status = fs::status(path, code);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    return "";
+  return fs::weakly_canonical(fs::absolute(path, code), code).string();
+}
+
+} // namespace
+
+void validateOutputs(const SceneSettings& model, const std::vector<Output>& outputs)
+{
+  for (const std::string& path : {model.cagePath, model.meshPath, model.savedPath, model.heightPath})
+    noteInputFile(path);
+  for (const std::string& path : model.cageEnds)
+    noteInputFile(path);
+  std::map<std::string, std::string> optionOf;
+  for (const Output& output : outputs)
+  {
+    if (output.path.empty())
+      continue;
+    try
+    {
+      requireNoInputFile(output.path);
+    }
+    catch (const Error& e)
+    {
+      throw Error(output.option + " " + e.what());
+    }
+    const std::string place = placeOf(output.path);
+    const auto [other, isNew] = optionOf.try_emplace(place, output.option);
+    if (!isNew && !place.empty())
+      throw Error(output.option + " " + output.path + ": is the file of " + other->second + ", too; give another name");
+  }
+}
+
+} // namespace cbvh

@@ -1,0 +1,263 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "basics/file_output.h"
+#include "basics/error.h"
+#include "basics/input_files.h"
+#include "pictures/image_output.h"
+#include "surface/height_map.h"
+#include "surface/mesh.h"
+#include "support/child_process.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fcntl.h>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <thread>
+
+namespace cbvh::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string textOf(const std::string& path)
+{
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+class FileOutput : public testing::Test
+{
+protected:
+  FileOutput()
+  {
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  ~FileOutput() { fs::remove_all(folder); }
+
+  std::string at(const std::string& name) const { return (folder / name).string(); }
+  size_t files() const { return size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator())); }
+
+  /* That it is refused, in a line with this in it. */
+  static void expectError(const std::function<void()>& write, const std::string& what)
+  {
+    try
+    {
+      write();
+      ADD_FAILURE() << "nothing is wrong, but expected: " << what;
+    }
+    catch (const Error& e)
+    {
+      EXPECT_NE(std::string(e.what()).find(what), std::string::npos) << e.what();
+    }
+  }
+
+  const fs::path folder = fs::temp_directory_path() / ("cbvh_file_output_" + std::to_string(getpid()));
+};
+
+/* --- where it goes -------------------------------------------------------------------- */
+
+TEST_F(FileOutput, AFileIsReplacedAndKeepsItsPermissions)
+{
+  writeTextFile(at("a"), "old");
+  ASSERT_EQ(chmod(at("a").c_str(), 0604), 0);
+  std::ifstream before(at("a"));
+  writeTextFile(at("a"), "new");
+  EXPECT_EQ(textOf(at("a")), "new");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(before), {}), "old") << "it was written into";
+  struct stat status;
+  ASSERT_EQ(stat(at("a").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07777, 0604u);
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(FileOutput, LinksStayAndLeadToTheOutput)
+{
+  fs::create_directory(folder / "store");
+  fs::create_symlink("store/a", folder / "link");
+  fs::create_symlink(at("link"), folder / "another");
+  for (const char* text : {"first", "second"}) // where the target is not there yet, and where it is
+  {
+    writeTextFile(at("another"), text);
+    EXPECT_TRUE(fs::is_symlink(folder / "another") && fs::is_symlink(folder / "link"));
+    EXPECT_EQ(textOf(at("store/a")), text);
+  }
+  EXPECT_EQ(files(), 3u);
+}
+
+TEST_F(FileOutput, DevicesAndPipesAreWrittenInto)
+{
+  ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
+  fs::create_symlink("pipe", folder / "link");
+  const std::string text(1 << 18, 'x'); // more than a pipe holds
+  for (const char* name : {"pipe", "link"})
+  {
+    std::string found;
+    std::thread reader([&] { found = textOf(at(name)); });
+    writeTextFile(at(name), text);
+    reader.join();
+    EXPECT_TRUE(found == text) << found.size() << " bytes";
+    EXPECT_EQ(fs::symlink_status(folder / "pipe").type(), fs::file_type::fifo);
+  }
+  fs::create_symlink("/dev/null", folder / "null");
+  writeTextFile(at("null"), text);
+  writeTextFile("/dev/null", text);
+  EXPECT_TRUE(fs::is_symlink(folder / "null"));
+  EXPECT_EQ(fs::status("/dev/null").type(), fs::file_type::character);
+  fs::create_symlink("/dev/full", folder / "full");
+  expectError([&] { writeTextFile(at("full"), text); }, "full: cannot be written: No space left on device");
+  EXPECT_EQ(files(), 4u);
+}
+
+/* As >(command) of a shell, and /dev/stdout where that goes to a file. */
+TEST_F(FileOutput, DescriptorsOfTheProcessAreWrittenInto)
+{
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  writeTextFile("/dev/fd/" + std::to_string(ends[1]), "through a pipe");
+  close(ends[1]);
+  char text[64] = "";
+  EXPECT_EQ(read(ends[0], text, sizeof(text)), 14);
+  EXPECT_STREQ(text, "through a pipe");
+  close(ends[0]);
+
+  const int log = open(at("log").c_str(), O_WRONLY | O_CREAT, 0600);
+  ASSERT_EQ(write(log, "one ", 4), 4);
+  writeTextFile("/proc/self/fd/" + std::to_string(log), "two ");
+  ASSERT_EQ(write(log, "three", 5), 5);
+  close(log);
+  EXPECT_EQ(textOf(at("log")), "one two three");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(FileOutput, TheFileOfStandardOutputIsWrittenInto)
+{
+  const int status = statusOfChild([&] {
+    dup2(open(at("log").c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
+    std::printf("one ");
+    writeTextFile(at("log"), "two ");
+    std::printf("three ");
+    std::fflush(stdout);
+    writeTextFile("/dev/stdout", "four");
+    return 0;
+  });
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(textOf(at("log")), "one two three four");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(FileOutput, ImagesGoIntoPipesToo)
+{
+  Image image(ImageSize{40, 30});
+  writePng(at("picture.png"), image);
+  ASSERT_EQ(mkfifo(at("pipe.png").c_str(), 0600), 0);
+  std::string found;
+  std::thread reader([&] { found = textOf(at("pipe.png")); });
+  writePng(at("pipe.png"), image);
+  reader.join();
+  EXPECT_TRUE(!found.empty() && found == textOf(at("picture.png")));
+}
+
+TEST_F(FileOutput, WhatCannotBeWrittenIsNamedAndNothingIsLeft)
+{
+  expectError([&] { writeTextFile(at("missing/a"), "x"); }, "missing/a: cannot be written: No such file or directory");
+  expectError([&] { writeTextFile(at(""), "x"); }, "cannot be written: Is a directory");
+  expectError([&] { writeTextFile(at(std::string(256, 'n')), "x"); }, "File name too long");
+  writeTextFile(at(std::string(255, 'n')), "x");
+  EXPECT_EQ(files(), 1u);
+}
+
+/* --- full disks and limits --------------------------------------------------------------- */
+
+/* Each writer at each size that the file may have: an error, and nothing in the folder. */
+TEST_F(FileOutput, LimitsOnFileSizesAreErrorsOfEachWriter)
+{
+  const ImageSize size{64, 48};
+  const Crop whole{0, 0, size.width, size.height};
+  const size_t pixels = size_t(size.width) * size_t(size.height);
+  Image image(size);
+  HeightMap map(64, 64);
+  for (size_t i = 0; i < pixels; i++)
+  {
+    const float grey = float(i * 7919 % 997) / 997.0f; // hardly compressible
+    image.set(i, Vec3f{grey, 1.0f - grey, grey * grey});
+  }
+  const std::vector<Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  const std::vector<std::array<unsigned, 4>> quads(500, std::array<unsigned, 4>{0, 1, 2, 3});
+  const std::pair<const char*, std::function<void(const std::string&)>> writers[] = {
+    {"a.txt", [&](const std::string& path) { writeTextFile(path, std::string(10000, 'x')); }},
+    {"a.png", [&](const std::string& path) { writePng(path, image); }},
+    {"a.exr", [&](const std::string& path) {
+       const std::vector<SurfaceHit> hits(pixels);
+       writeExr(path, size, whole, std::vector<Vec3f>(pixels), std::vector<Ray>(pixels), hits);
+     }},
+    {"map.exr", [&](const std::string& path) { map.write(path); }},
+    {"a.obj", [&](const std::string& path) { writeObj(path, vertices, quads); }}};
+  for (const auto& [name, write] : writers)
+  {
+    const std::string path = at(name);
+    write(path);
+    const size_t bytes = fs::file_size(path);
+    fs::remove(path);
+    ASSERT_GT(bytes, 1000u) << name;
+    for (size_t limit : {size_t(0), bytes / 2, bytes - 1})
+    {
+      SCOPED_TRACE(std::string(name) + ", " + std::to_string(limit) + " of " + std::to_string(bytes) + " bytes");
+      const auto handler = std::signal(SIGXFSZ, SIG_IGN); // as runProgram
+      rlimit before;
+      ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+      const rlimit most = {limit, before.rlim_max};
+      setrlimit(RLIMIT_FSIZE, &most);
+      std::string error = "none";
+      try
+      {
+        write(path);
+      }
+      catch (const Error& e)
+      {
+        error = e.what();
+      }
+      setrlimit(RLIMIT_FSIZE, &before);
+      std::signal(SIGXFSZ, handler);
+      EXPECT_EQ(error.find(path + ": "), 0u) << error;
+      EXPECT_NE(error.find("File too large"), std::string::npos) << error;
+      EXPECT_EQ(files(), 0u) << name;
+    }
+  }
+}
+
+/* --- inputs ----------------------------------------------------------------------------- */
+
+TEST_F(FileOutput, InputsAreNotReplaced)
+{
+  writeTextFile(at("skin.png"), "heights");
+  writeTextFile(at("other.png"), "");
+  fs::create_symlink("skin.png", folder / "link.png");
+  fs::create_hard_link(folder / "skin.png", folder / "same.png");
+  noteInputFile(at("skin.png"));
+  noteInputFile(at("missing.png"));
+  noteInputFile("/dev/null");
+  for (const char* name : {"skin.png", "link.png", "same.png", "./skin.png"})
+  {
+    expectError([&] { requireNoInputFile(at(name)); }, "would replace");
+    expectError([&] { writeTextFile(at(name), "x"); }, "would replace");
+    expectError([&] { writePng(at(name), Image(ImageSize{4, 4})); }, at("skin.png"));
+  }
+  EXPECT_EQ(textOf(at("skin.png")), "heights");
+  writeTextFile(at("other.png"), "x");
+  writeTextFile(at("missing.png"), "x");
+  writeTextFile("/dev/null", "x");
+  /* what has the inode of an input that is gone is none */
+  fs::rename(folder / "skin.png", folder / "moved.png");
+  writeTextFile(at("moved.png"), "x");
+  EXPECT_EQ(textOf(at("moved.png")), "x");
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,268 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* What a save does with what lies at its path and next to it: links, devices, files of killed writers, and writers at
+ * the same time. */
+
+#include "support/child_process.h"
+#include "support/file_calls.h"
+#include "support/saved.h"
+
+#include <algorithm>
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+namespace cbvh::test {
+namespace {
+
+class ReplacedFiles : public testing::Test
+{
+protected:
+  ReplacedFiles() : geometry(newOne()) {}
+  ~ReplacedFiles() { rtcReleaseGeometry(geometry); }
+
+  // A few blocks.
+  RTCGeometry newOne()
+  {
+    SurfaceSettings settings;
+    settings.rate = 4;
+    return releasing(newSurface(device, quadCage(), settings), RTC_COMPRESSION_VERT);
+  }
+
+  bool save(const std::string& to) { return rtcSaveCompressedGeometry(geometry, to.c_str()); }
+
+  void expectLoadable(const std::string& from)
+  {
+    RTCCompressedFile file = rtcOpenCompressedFile(device, from.c_str());
+    ASSERT_NE(file, nullptr) << device.message;
+    EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
+    rtcReleaseCompressedFile(file);
+  }
+
+  void expectError(const std::string& what)
+  {
+    EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
+    EXPECT_NE(device.message.find(what), std::string::npos) << device.message;
+  }
+
+  std::vector<std::string> names() const
+  {
+    std::vector<std::string> all = folder.names();
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+
+  static struct stat linkStatus(const std::string& of)
+  {
+    struct stat status;
+    EXPECT_EQ(lstat(of.c_str(), &status), 0) << of;
+    return status;
+  }
+
+  Folder folder;
+  Device device;
+  RTCGeometry geometry;
+  const std::string path = folder/"a.cbvh";
+};
+
+TEST_F(ReplacedFiles, ALinkStaysAndWhatItLeadsToIsReplaced)
+{
+  writeBytes(folder/"target", "old");
+  ASSERT_EQ(chmod((folder/"target").c_str(), 0640), 0);
+  ASSERT_EQ(symlink("target", (folder/"link").c_str()), 0);
+  ASSERT_EQ(symlink("link", path.c_str()), 0);
+  ASSERT_TRUE(save(path)) << device.message;
+  EXPECT_TRUE(S_ISLNK(linkStatus(path).st_mode) && S_ISLNK(linkStatus(folder/"link").st_mode));
+  EXPECT_EQ(linkStatus(folder/"target").st_mode & 07777, 0640u);
+  expectLoadable(folder/"target");
+  EXPECT_EQ(names(), (std::vector<std::string>{"a.cbvh", "link", "target"}));
+}
+
+TEST_F(ReplacedFiles, ALinkToNothingStaysAndItsTargetIsMade)
+{
+  ASSERT_EQ(symlink("target", path.c_str()), 0);
+  ASSERT_TRUE(save(path)) << device.message;
+  EXPECT_TRUE(S_ISLNK(linkStatus(path).st_mode));
+  EXPECT_TRUE(S_ISREG(linkStatus(folder/"target").st_mode));
+  expectLoadable(path);
+  ASSERT_EQ(symlink("round", (folder/"round").c_str()), 0);
+  EXPECT_FALSE(save(folder/"round"));
+  expectError("symbolic links");
+}
+
+TEST_F(ReplacedFiles, WhatIsNoFileIsRefusedAndStays)
+{
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  EXPECT_FALSE(save(path));
+  expectError("need a regular file");
+  EXPECT_TRUE(S_ISFIFO(linkStatus(path).st_mode));
+  ASSERT_EQ(symlink("/dev/null", (folder/"link").c_str()), 0);
+  EXPECT_FALSE(save(folder/"link"));
+  expectError("need a regular file");
+  EXPECT_TRUE(S_ISLNK(linkStatus(folder/"link").st_mode) && S_ISCHR(linkStatus("/dev/null").st_mode));
+  EXPECT_FALSE(save(folder.path));
+  expectError("Is a directory");
+  /* as /dev/stdout with a file behind it, which others go on writing into */
+  writeBytes(folder/"log", "begin\n");
+  const int log = open((folder/"log").c_str(), O_WRONLY | O_APPEND);
+  EXPECT_FALSE(save("/dev/fd/" + std::to_string(log)));
+  expectError("need a regular file");
+  close(log);
+  EXPECT_EQ(bytesOf(folder/"log"), "begin\n");
+  EXPECT_EQ(names(), (std::vector<std::string>{"a.cbvh", "link", "log"}));
+}
+
+TEST_F(ReplacedFiles, WhatIsNoFileIsNotWaitedFor)
+{
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  alarm(20); // a FIFO without a writer would be waited for for ever
+  EXPECT_EQ(rtcLoadCompressedGeometry(device, path.c_str()), nullptr);
+  expectError("is a pipe: expected a regular file");
+  EXPECT_EQ(rtcOpenCompressedFile(device, path.c_str()), nullptr);
+  expectError("is a pipe: expected a regular file");
+  ASSERT_EQ(rename(path.c_str(), (path + ".part").c_str()), 0);
+  EXPECT_EQ(rtcResumeCompressedFileWriter(device, path.c_str(), 1), nullptr);
+  expectError("is not a regular file");
+  EXPECT_EQ(rtcLoadCompressedGeometry(device, "/dev/zero"), nullptr);
+  expectError("is a device: expected a regular file");
+  alarm(0);
+}
+
+TEST_F(ReplacedFiles, FilesOfKilledWritersAreRemovedAndThoseOfOthersStay)
+{
+  const auto beginInChild = [&](const std::string& to) {
+    EXPECT_TRUE(WIFSIGNALED(statusOfChild([&] {
+      rtcNewCompressedFileWriter(device, to.c_str());
+      return raise(SIGKILL);
+    })));
+  };
+  beginInChild(path);
+  const std::vector<std::string> killed = names();
+  ASSERT_EQ(killed.size(), 1u) << "the writer has no file";
+  beginInChild(folder/"b.cbvh");
+  writeBytes(folder/"a.cbvh.part-1-0", "another program's");
+  writeBytes(folder/"a.cbvh.cbvh-part-readme", "another program's");
+  RTCCompressedFileWriter alive = rtcNewCompressedFileWriter(device, path.c_str());
+  ASSERT_NE(alive, nullptr);
+  EXPECT_NE(access((folder/killed[0]).c_str(), F_OK), 0) << "the killed writer's file is still there";
+  EXPECT_EQ(names().size(), 4u) << "one of the other path, two of other programs, one that is written";
+  ASSERT_TRUE(save(path)) << device.message;
+  EXPECT_EQ(names().size(), 5u);
+  ASSERT_TRUE(rtcAppendCompressedGeometry(alive, geometry) && rtcCommitCompressedFile(alive)) << device.message;
+  rtcReleaseCompressedFileWriter(alive);
+  EXPECT_EQ(names().size(), 4u);
+  expectLoadable(path);
+}
+
+// As two containers do in which each writer is process 1.
+TEST_F(ReplacedFiles, ANameThatIsTakenDoesNotStopASave)
+{
+  const auto take = [&](int process, int count) {
+    writeBytes(path + ".part-" + std::to_string(process) + "-" + std::to_string(count), "");
+  };
+  for (int process = 1; process < 40000; process += process < 100 ? 1 : 397)
+    for (int count = 0; count < 4; count++) take(process, count);
+  for (int count = 0; count < 1000; count++) take(getpid(), count);
+  const size_t before = names().size();
+  EXPECT_TRUE(save(path)) << device.message;
+  EXPECT_EQ(names().size(), before + 1);
+}
+
+TEST_F(ReplacedFiles, NamesAreAsLongAsTheFileSystemTakes)
+{
+  const auto nameOf = [](size_t bytes) { return std::string(bytes, 'n'); };
+  for (size_t bytes : {228u, 229u, 245u, 250u, 251u, 255u}) {
+    SCOPED_TRACE(bytes);
+    const std::string to = folder/nameOf(bytes);
+    ASSERT_TRUE(save(to)) << device.message;
+    RTCCompressedFileWriter writer = rtcResumeCompressedFileWriter(device, to.c_str(), 1);
+    ASSERT_NE(writer, nullptr) << device.message;
+    ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << device.message;
+    rtcReleaseCompressedFileWriter(writer);
+    EXPECT_EQ(names().size(), 2u);
+    writer = rtcResumeCompressedFileWriter(device, to.c_str(), 1);
+    ASSERT_NE(writer, nullptr) << device.message;
+    EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 1u) << "it begins anew";
+    ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
+    rtcReleaseCompressedFileWriter(writer);
+    expectLoadable(to);
+    EXPECT_EQ(names(), std::vector<std::string>{nameOf(bytes)});
+    std::remove(to.c_str());
+  }
+  const std::string tooLong = folder/nameOf(256);
+  EXPECT_EQ(rtcNewCompressedFileWriter(device, tooLong.c_str()), nullptr) << "not only when all is written";
+  expectError("File name too long");
+  /* two long names that differ in their last byte do not share a file */
+  RTCCompressedFileWriter writers[2];
+  for (int i = 0; i < 2; i++) {
+    writers[i] = rtcResumeCompressedFileWriter(device, (folder/(nameOf(254) + std::to_string(i))).c_str(), 1);
+    EXPECT_NE(writers[i], nullptr) << device.message;
+  }
+  for (RTCCompressedFileWriter writer : writers) rtcReleaseCompressedFileWriter(writer);
+  EXPECT_TRUE(names().empty());
+}
+
+TEST_F(ReplacedFiles, ALimitOnFileSizesIsAnErrorAndLeavesNothing)
+{
+  ASSERT_TRUE(save(path));
+  const size_t whole = bytesOf(path).size();
+  std::remove(path.c_str());
+  for (size_t limit : {size_t(0), size_t(100), size_t(4096), whole - 100}) {
+    SCOPED_TRACE(limit);
+    const int status = statusOfChild([&] {
+      signal(SIGXFSZ, SIG_DFL);
+      const rlimit none = {0, 0}, full = {limit, limit};
+      setrlimit(RLIMIT_CORE, &none);
+      setrlimit(RLIMIT_FSIZE, &full);
+      if (save(path)) return 1;
+      return device.message.find(path + ": cannot be written: File too large") != std::string::npos ? 0 : 2;
+    });
+    EXPECT_EQ(status, 0) << "a signal, if below 128";
+    EXPECT_TRUE(names().empty());
+  }
+}
+
+// A process that has the lock of a part must not lose it before the part has its final name.
+TEST_F(ReplacedFiles, ProcessesThatResumeOnePathCommitWholeFiles)
+{
+  constexpr int processes = 3, rounds = 40;
+  std::vector<pid_t> children;
+  for (int p = 0; p < processes; p++) {
+    const pid_t child = fork();
+    if (child != 0) { children.push_back(child); continue; }
+    renameDelay = 2000;
+    int commits = 0, spoiled = 0;
+    for (int tries = 0; commits < rounds && tries < 100000; tries++) {
+      RTCCompressedFileWriter writer = rtcResumeCompressedFileWriter(device, path.c_str(), 7);
+      if (!writer) { usleep(200); continue; } // another has it
+      commits++;
+      const bool isNew = rtcGetCompressedFileWriterCount(writer) == 0;
+      const bool isWhole = isNew && rtcAppendCompressedGeometry(writer, geometry) && rtcCommitCompressedFile(writer);
+      spoiled += !isWhole;
+      rtcReleaseCompressedFileWriter(writer);
+    }
+    _exit(commits < rounds || renameCalls < rounds ? 101 : std::min(spoiled, 100));
+  }
+  size_t opened = 0, damaged = 0, ended = 0;
+  while (ended < children.size()) {
+    if (access(path.c_str(), F_OK) == 0) {
+      RTCCompressedFile file = rtcOpenCompressedFile(device, path.c_str());
+      opened++;
+      damaged += !file || !rtcVerifyCompressedFile(file);
+      if (file) rtcReleaseCompressedFile(file);
+    }
+    int status = 0;
+    const pid_t child = waitpid(-1, &status, WNOHANG);
+    if (child <= 0) continue;
+    ended++;
+    EXPECT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 0) << "commits that failed, or found a part that was begun";
+  }
+  EXPECT_EQ(damaged, 0u) << "of " << opened << ": " << device.message;
+  EXPECT_GT(opened, 100u);
+  EXPECT_EQ(names(), std::vector<std::string>{"a.cbvh"});
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,39 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Calls of the C library in which a test has a hand: the loader finds the program's before libc's, so the library's
+ * calls come here. Included by one file of a program. */
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+namespace cbvh::test {
+
+inline std::atomic<long> bytesUntilKill{-1}; // written before the process kills itself; negative: it does not
+inline std::atomic<unsigned> renameDelay{0}; // microseconds
+inline std::atomic<unsigned> renameCalls{0};
+
+} // namespace cbvh::test
+
+extern "C" ssize_t write(int file, const void* data, size_t bytes)
+{
+  using cbvh::test::bytesUntilKill;
+  if (bytesUntilKill >= 0 && long(bytes) > bytesUntilKill) {
+    (void)!syscall(SYS_write, file, data, size_t(bytesUntilKill));
+    raise(SIGKILL);
+  }
+  if (bytesUntilKill >= 0) bytesUntilKill -= long(bytes);
+  return syscall(SYS_write, file, data, bytes);
+}
+
+extern "C" int rename(const char* from, const char* to) noexcept
+{
+  cbvh::test::renameCalls++;
+  usleep(cbvh::test::renameDelay);
+  return int(syscall(SYS_renameat, -100 /* AT_FDCWD */, from, -100, to));
+}
