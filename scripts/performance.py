@@ -9,8 +9,10 @@
 """
 
 import argparse
+import re
 import subprocess
 import tempfile
+import textwrap
 from pathlib import Path
 
 import bench_records as records
@@ -78,45 +80,41 @@ def lines_of(rows):
     return [*table(["", *(name for name, _ in COLUMNS)], out), source, ""]
 
 
-def speed(row, view, ray_set):
-    return row.speed(view, ray_set)["mrays_per_second"]["median"]
-
-
-def ratio(row, view, ray_set):
-    return row.speed(view, ray_set)["relative_to_grid"]["median"]
+def speeds_of_page():
+    """Speeds of cVERT's single rays as docs/performance.md has them: (coherent, incoherent) by "scene, view"."""
+    rows = re.findall(r"^\| (\w+, \w+) \| ([\d.]+) ([\d.]+) \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    return {name: (coherent, incoherent) for name, coherent, incoherent in rows}
 
 
 def front_table(rows):
     """GRID beside cVERT in full views of three scenes."""
-    heads = ["scene", "quads", "", "memory, MiB", "build, s", "coherent rays, M/s", "incoherent, M/s", "error, pixels"]
-    out = []
+    heads = ["scene", "million quads", "MiB: GRID", "cVERT", "build, s: GRID", "cVERT", "coherent rays", "incoherent rays", "error, pixels"]
+    by, speeds, out = {(row.scene, row.kind): row for row in rows}, speeds_of_page(), []
     for scene in FRONT_SCENES:
-        for row in (row for kind in ("GRID", "cVERT") for row in rows if (row.scene, row.kind) == (scene, kind)):
-            is_grid = row.kind == "GRID"
-            cells = [scene if is_grid else "", f"{row.quads / 1e6:.2f} M" if is_grid else "", row.kind]
-            cells += [f"{row.bytes / 2**20:.1f}", f"{row.build_seconds:.2f}"]
-            cells += [f"{speed(row, 'full', ray_set):.2f}" for ray_set in ("coherent", "incoherent")]
-            out.append([*cells, "" if is_grid else f"{row.errors('full')['p99_pixels']:.3f}"])
-    run, isa = rows[0].run, rows[0].isa
+        pair = [by[scene, kind] for kind in ("GRID", "cVERT")]
+        cells = [scene, f"{pair[0].quads / 1e6:.2f}", *(f"{row.bytes / 2**20:.2f}" for row in pair)]
+        cells += [f"{row.build_seconds:.3f}" for row in pair]
+        out.append([*cells, *speeds[f"{scene}, full"], f"{pair[1].errors('full')['p99_pixels']:.3f}"])
+    run = rows[0].run
     source = (
-        f"Level 6 (64 x 64 quads per face), single rays of one thread; builds use {run['hardware_threads']} threads. Error: 99 of "
-        f"100 rays hit closer to\nGRID's hit. {run['cpu']}, {isa.upper()}, {run['date'][:10]}, commit {run['commit'][:12]}, "
-        "`scripts/performance.py`."
+        f"Level 6 (64 x 64 quads per face). Memory, build on {run['hardware_threads']} threads and error (99 of 100 rays hit closer to GRID's "
+        f"hit): {run['cpu']}, {run['date'][:10]}, commit {run['commit'][:12]}. Rays: times the speed of GRID, single rays of one thread, from "
+        "[performance.md](docs/performance.md#how-fast-are-rays). `scripts/performance.py` writes this table."
     )
-    return [*table(heads, out, 3), source, ""]
+    return [*table(heads, out), *textwrap.wrap(source, 116, break_long_words=False, break_on_hyphens=False), ""]
 
 
 def headline(rows):
-    """The two ranges that matter, over all scenes and views."""
+    """The two ranges that matter: memory over all scenes of the record, speed over all scenes and views of the page."""
     by = {(row.scene, row.kind): row for row in rows}
-    smaller = [by[scene, "GRID"].bytes / by[scene, "cVERT"].bytes for scene in SCENES]
-    faster = [ratio(by[scene, "cVERT"], view, rays) for scene in SCENES for view in VIEWS for rays in ("coherent", "incoherent")]
-    return [
-        f"**{min(smaller):.0f} to {max(smaller):.0f} times less memory than Embree's subdivision surfaces; single rays at "
-        f"{min(faster):.1f} to {max(faster):.1f} times their\nspeed** ({len(SCENES)} models, full and close views; "
-        "[measurements](docs/performance.md#how-fast-are-rays)).",
-        "",
-    ]
+    scenes = sorted({row.scene for row in rows})
+    smaller = [by[scene, "GRID"].bytes / by[scene, "cVERT"].bytes for scene in scenes]
+    faster = [float(speed) for pair in speeds_of_page().values() for speed in pair]
+    text = (
+        f"**{min(smaller):.0f} to {max(smaller):.0f} times less memory than Embree's own subdivision surfaces; single rays at {min(faster):.2f} to "
+        f"{max(faster):.2f} times their speed** ({len(scenes)} models; [measurements](docs/performance.md#how-fast-are-rays))."
+    )
+    return [*textwrap.wrap(text, 116, break_long_words=False, break_on_hyphens=False), ""]
 
 
 def write(page, name, lines):
@@ -131,9 +129,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bench", type=Path, default=ROOT / "build/release/tutorials/bench/cbvh_bench", help="the program that measures")
     parser.add_argument("--record", metavar="FILE")
+    parser.add_argument("--front-only", action="store_true", help="write README.md alone, with the speeds that docs/performance.md has")
     options = parser.parse_args()
     rows = rows_of(records.read(options.record) if options.record else measured(options.bench))
-    write(PAGE, TABLE, lines_of(rows))
+    if not options.front_only:
+        write(PAGE, TABLE, lines_of(rows))
     write(FRONT, TABLE, front_table(rows))
     write(FRONT, HEADLINE, headline(rows))
 

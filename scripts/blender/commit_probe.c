@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Preloaded into a program on Embree 3: prints how long each commit of a scene takes, by how many bytes it grows what Embree's
- * memory monitor reports, and how many bytes are allocated after it, geometry buffers included. Works with any
- * libembree3.so.3. Supports one device and any number of threads. */
+/* Preloaded into a program on Embree 3: after each commit of a scene it prints the seconds that all commits of geometries and
+ * scenes took so far, the bytes that Embree's memory monitor reports, and how many of them are geometry buffers that Embree
+ * allocated. Works with any libembree3.so.3. Supports one device and any number of threads. */
 
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -15,7 +15,8 @@
 
 typedef bool (*Monitor)(void* userPtr, ssize_t bytes, bool after);
 
-static atomic_llong live;
+static atomic_llong live, buffers, nanoseconds;
+static _Thread_local bool allocatesBuffer;
 static Monitor applications;
 static void* applicationsPtr;
 
@@ -23,6 +24,7 @@ static bool count(void* userPtr, ssize_t bytes, bool after)
 {
   (void)userPtr;
   atomic_fetch_add(&live, bytes);
+  if (allocatesBuffer) atomic_fetch_add(&buffers, bytes);
   return applications ? applications(applicationsPtr, bytes, after) : true;
 }
 
@@ -42,20 +44,29 @@ void* rtcNewDevice(const char* settings)
   return device;
 }
 
-static double seconds(void)
+void* rtcSetNewGeometryBuffer(void* geometry, int type, unsigned int slot, int format, size_t stride, size_t count)
 {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec + 1e-9*now.tv_nsec;
+  void* (*real)(void*, int, unsigned int, int, size_t, size_t) = dlsym(RTLD_NEXT, "rtcSetNewGeometryBuffer");
+  allocatesBuffer = true;
+  void* const buffer = real(geometry, type, slot, format, stride, count);
+  allocatesBuffer = false;
+  return buffer;
 }
+
+static void commit(const char* name, void* object)
+{
+  void (*real)(void*) = dlsym(RTLD_NEXT, name);
+  struct timespec begin, end;
+  clock_gettime(CLOCK_MONOTONIC, &begin);
+  real(object);
+  clock_gettime(CLOCK_MONOTONIC, &end);
+  atomic_fetch_add(&nanoseconds, 1000000000ll*(end.tv_sec - begin.tv_sec) + (end.tv_nsec - begin.tv_nsec));
+}
+
+void rtcCommitGeometry(void* geometry) { commit("rtcCommitGeometry", geometry); }
 
 void rtcCommitScene(void* scene)
 {
-  void (*real)(void*) = dlsym(RTLD_NEXT, "rtcCommitScene");
-  const long long before = atomic_load(&live);
-  const double begin = seconds();
-  real(scene);
-  const double took = seconds() - begin;
-  const long long after = atomic_load(&live);
-  fprintf(stderr, "commit: %.3f s, %lld bytes more, %lld bytes in all\n", took, after - before, after);
+  commit("rtcCommitScene", scene);
+  fprintf(stderr, "commit: %.3f s, %lld bytes, %lld of them buffers\n", 1e-9*atomic_load(&nanoseconds), atomic_load(&live), atomic_load(&buffers));
 }
