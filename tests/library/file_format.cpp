@@ -3,9 +3,11 @@
 
 /* docs/formats/file.md against the code: its tables, and a reader that knows nothing but what the page says. */
 
+#include "kernels/cbvh/vert/motion_format.h"
 #include "support/file_mutations.h"
 
 #include <functional>
+#include <iomanip>
 #include <map>
 #include <regex>
 #include <set>
@@ -86,27 +88,52 @@ TEST(FileFormat, ARecordIsThatOfThePage)
   EXPECT_TRUE(table.empty()) << table.begin()->first;
 }
 
-// The table of constants, generated; types and forms by number.
-TEST(FileFormat, ConstantsOfThePageAreThoseOfTheCode)
+std::string hexadecimal(uint32_t number)
 {
-  std::ostringstream table;
-  table << "| constant | value |\n|:--|--:|\n";
-  const std::pair<const char*, size_t> constants[] = {
-    {"version of the file", fileVersion}, {"version of cVERT blocks", vertFormatVersion}, {"version of blocks with frames", formatVersion},
-    {"bytes of the header", sizeof(FileHeader)}, {"bytes of a record of the directory", sizeof(FileGeometry)},
-    {"alignment of trees and blocks, bytes", filePage}, {"bytes after the blocks of a geometry, at least", fileReadBehind},
-    {"bytes of a node", sizeof(FileNode)}, {"offset of the boxes in a node", offsetof(FileNode, planes)},
-    {"bytes of an entry of a list", sizeof(FileEntry)}};
-  for (const auto& [name, value] : constants) table << "| " << name << " | " << value << " |\n";
-  const std::string page = bytesOf(FILE_MD);
-  EXPECT_NE(page.find("-->\n\n" + table.str() + "\n"), std::string::npos) << "the page has to have\n" << table.str();
+  std::ostringstream text;
+  text << "0x" << std::hex << std::setw(8) << std::setfill('0') << number;
+  return text.str();
+}
 
-  std::ostringstream types;
-  types << "| type | child |\n|---|---|\n| " << FILE_NONE << " | none |\n| " << FILE_NODE << " | a node |\n| " << FILE_FRAMED << " | a block with a frame |\n| "
-        << FILE_VERT << " | a cVERT block |\n| " << FILE_MOVING_VERT << " | a moving cVERT block |\n\n";
-  EXPECT_NE(page.find(types.str()), std::string::npos) << "the page has to have\n" << types.str();
+// Expects the page to contain a table with these rows and no others. Prints the table to paste if it does not.
+void expectTable(const std::string& head, const std::vector<std::pair<std::string, std::string>>& rows)
+{
+  std::string table = head;
+  for (const auto& [left, right] : rows) table += "| " + left + " | " + right + " |\n";
+  EXPECT_NE(bytesOf(FILE_MD).find("\n\n" + table + "\n"), std::string::npos) << "file.md must contain\n" << table;
+}
+
+TEST(FileFormat, TheTablesOfNumbersAreGeneratedFromTheCode)
+{
+  const auto text = [](uint64_t number) { return std::to_string(number); };
+  expectTable("| constant | value |\n|:--|--:|\n", {
+    {"version of the file", text(fileVersion)},
+    {"version of cVERT blocks", text(vertFormatVersion)},
+    {"version of blocks with frames", text(formatVersion)},
+    {"bytes of the header", text(sizeof(FileHeader))},
+    {"bytes of a record of the directory", text(sizeof(FileGeometry))},
+    {"alignment of trees and blocks, bytes", text(filePage)},
+    {"bytes after the blocks of a geometry, at least", text(fileReadBehind)},
+    {"bytes of a node", text(sizeof(FileNode))},
+    {"offset of the boxes in a node", text(offsetof(FileNode, planes))},
+    {"bytes of an entry of a list", text(sizeof(FileEntry))},
+    {"time steps of a geometry, at most", text(maxTimeSteps)},
+    {"`byteOrder`", hexadecimal(fileByteOrder)},
+    {"checksum of the characters `123456789`", hexadecimal(fileChecksum("123456789", 9))}});
+  expectTable("| `form` | the tree consists of |\n|--:|---|\n", {
+    {text(FILE_TREE), "nodes"}, {text(FILE_LIST), "a list of blocks"}, {text(FILE_MOVING), "a list of moving blocks"}});
+  expectTable("| `source` | the geometry was made from |\n|--:|---|\n", {
+    {text(FILE_CAGE), "a cage"}, {text(FILE_GRIDS), "grids"}, {text(FILE_QUADS), "quads"},
+    {text(FILE_TRIANGLES), "triangles"}});
+  expectTable("| type | child |\n|---|---|\n", {
+    {text(FILE_NONE), "none"}, {text(FILE_NODE), "a node"}, {text(FILE_FRAMED), "a block with a frame"},
+    {text(FILE_VERT), "a cVERT block"}, {text(FILE_MOVING_VERT), "a moving cVERT block"}});
+
+  // Files that exist have these numbers.
   EXPECT_EQ(FILE_TREE, 0u); EXPECT_EQ(FILE_LIST, 1u); EXPECT_EQ(FILE_MOVING, 2u);
   EXPECT_EQ(FILE_CAGE, 0u); EXPECT_EQ(FILE_GRIDS, 1u); EXPECT_EQ(FILE_QUADS, 2u); EXPECT_EQ(FILE_TRIANGLES, 3u);
+  EXPECT_EQ(FILE_NONE, 0u); EXPECT_EQ(FILE_NODE, 1u); EXPECT_EQ(FILE_FRAMED, 2u); EXPECT_EQ(FILE_VERT, 3u);
+  EXPECT_EQ(FILE_MOVING_VERT, 4u);
   EXPECT_EQ(crc32c("123456789", 9), 0xE3069283u);
 }
 
