@@ -9,8 +9,10 @@
 #include "basics/error.h"
 #include "basics/progress.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <set>
@@ -31,29 +33,62 @@ public:
   Cage run()
   {
     cage.name = name;
-    std::string line;
-    while (std::getline(stream, line))
+    for (std::string line; readLine(line);)
     {
-      if (lineNumber++ % 4096 == 0)
-        throwIfCancelled();
-      while (!line.empty() && line.back() == '\\') // continued on the next line
+      if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0)
+        line.erase(0, 3); // a byte order mark, as Windows programs write it
+      while (continues(line))
       {
         line.back() = ' ';
         std::string more;
-        if (!std::getline(stream, more))
+        if (!readLine(more))
           break;
-        lineNumber++;
         line += more;
       }
       statement(line);
     }
-    if (stream.bad())
-      throw Error(name + ": read error");
     finish();
     return std::move(cage);
   }
 
 private:
+  /* Reads a line that ends in LF, CR LF or CR, without its end and without blanks before that. Returns false at the end. */
+  bool readLine(std::string& line)
+  {
+    line.clear();
+    try
+    {
+      std::streambuf& from = *stream.rdbuf();
+      int c = from.sbumpc();
+      if (c == EOF)
+        return false;
+      for (; c != EOF && c != '\n' && c != '\r'; c = from.sbumpc())
+        line += char(c);
+      if (c == '\r' && from.sgetc() == '\n')
+        from.sbumpc();
+    }
+    catch (const std::ios_base::failure&)
+    {
+      throw Error(name + ": read error");
+    }
+    line.erase(line.find_last_not_of(" \t") + 1);
+    if (lineNumber++ % 4096 == 0)
+      throwIfCancelled();
+    return true;
+  }
+
+  /* True if the next line belongs to this one. Statements with names end with their line, as comments do: a name may be a
+   * path of Windows that ends in a backslash. */
+  static bool continues(std::string_view line)
+  {
+    if (line.empty() || line.back() != '\\' || line.find('#') != std::string_view::npos)
+      return false;
+    static const std::set<std::string_view> named = {"g", "o", "usemtl", "mtllib", "usemap", "maplib"};
+    const size_t begin = line.find_first_not_of(" \t");
+    const std::string_view kind = line.substr(begin, std::min(line.find_first_of(" \t\\", begin), line.size()) - begin);
+    return !named.count(kind);
+  }
+
   [[noreturn]] void fail(const std::string& what) const
   {
     throw Error(name + ":" + std::to_string(lineNumber) + ": " + what);
@@ -144,9 +179,9 @@ private:
     }
     else if (kind == "vt")
     {
-      if (words.size() < 3)
-        fail("a texture coordinate needs two numbers");
-      cage.uvs.push_back({coordinate(words[1]), coordinate(words[2])});
+      if (words.size() < 2)
+        fail("a texture coordinate needs one number or two");
+      cage.uvs.push_back({coordinate(words[1]), words.size() < 3 ? 0.0f : coordinate(words[2])}); // v is 0 if it is left out
     }
     else if (kind == "f")
       face(words);

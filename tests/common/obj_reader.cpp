@@ -86,6 +86,39 @@ TEST(ObjReader, WindowsLineEndsCommentsAndContinuations)
   EXPECT_EQ(cage.faceSizes, (std::vector<unsigned>{3}));
 }
 
+// Each of them is the square with one face; what differs is how programs write it.
+TEST(ObjReader, DialectsOfPrograms)
+{
+  const std::string face = "f 1 2 3 4\n";
+  const std::pair<const char*, std::string> dialects[] = {
+    {"byte order mark", "\xEF\xBB\xBF" + square + face},
+    {"byte order mark before a comment", "\xEF\xBB\xBF# exported\n" + square + face},
+    {"comment that ends in a backslash", square + "# C:\\models\\\n" + face},
+    {"comment after a statement that ends in a backslash", "v 0 0 0 # C:\\\n" + square.substr(8) + face},
+    {"material that ends in a backslash", square + "usemtl C:\\skin\\\n" + face},
+    {"object that ends in a backslash", square + "o C:\\body\\\n" + face},
+    {"group and library that end in a backslash", "mtllib C:\\\n" + square + "g a\\\n" + face},
+    {"continuation with blanks after the backslash", square + "f 1 2 \\ \t\n3 4\n"},
+    {"continuation with CR LF", square + "f 1 2 \\\r\n3 4\r\n"},
+    {"continuation of a normal", square + "vn 0 \\\n0 1\n" + face},
+    {"continuation over three lines", square + "f 1 \\\n2 \\\n3 4\n"},
+    {"continuation at the end of the file", square + "f 1 2 3 4 \\"},
+    {"no line end at the end of the file", square + "f 1 2 3 4"},
+    {"CR line ends", "# square\rv 0 0 0\rv 1 0 0\rv 1 1 0\rv 0 1 0\rf 1 2 3 4\r"},
+    {"one texture coordinate", square + "vt 0.5\nf 1/1 2/1 3/1 4/1\n"},
+    {"blanks and empty lines", "\n \t\n" + square + "  f  1\t2 3 4  \n\n"},
+  };
+  for (const auto& [name, text] : dialects)
+  {
+    SCOPED_TRACE(name);
+    const Cage cage = read(text);
+    EXPECT_EQ(cage.positions.size(), 4u);
+    EXPECT_EQ(cage.faceIndices, (std::vector<unsigned>{0, 1, 2, 3}));
+  }
+  EXPECT_EQ(read(square + "vt 0.5\nf 1/1 2/1 3/1 4/1\n").uvs[0].y, 0.0f);
+  EXPECT_EQ(errorOf(square + "# a\\\n# b\\\r\nf 1 2 9\n"), "test.obj:7: vertex index 9 is out of range, there are 4");
+}
+
 TEST(ObjReader, CoordinatesNextToNothingAreZero)
 {
   const Cage cage = read("v 0 1e-60 -4e-320\nv 1 1e-999 0\nv 1 1 0\nf 1 2 3\n");
