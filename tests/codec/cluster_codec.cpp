@@ -89,6 +89,18 @@ TEST(ClusterCodec, WhatIsOutsideOfTheFormatsDoesNotFit)
   EXPECT_TRUE(fits(0.0f, -0.0f));
 }
 
+// That placed vertices survive COMPRESSED1 to the bit.
+void expectVerticesBack(const Grid& grid, const QuadTriangles& triangles, const LatticePoints& points)
+{
+  LatticeSpan span;
+  for (unsigned i = 0; i < triangles.numVertices; i++) span.add(points.at[triangles.vertices[i]]);
+  ASSERT_TRUE(span.fits());
+  std::vector<uint32_t> data(compressed1Bytes(81)/4 + 1);
+  const size_t bytes = putCompressed1(points, span, triangles.vertices, triangles.numVertices, (uint8_t*)data.data());
+  const DecodedCluster decoded = decodeCompressed1(data.data(), bytes, triangles.numVertices);
+  for (unsigned i = 0; i < triangles.numVertices; i++) ASSERT_EQ(decoded.vertices[i], grid.vertices[triangles.vertices[i]]);
+}
+
 TEST(ClusterCodec, Compressed1GivesVerticesBack)
 {
   Random random(182);
@@ -100,13 +112,7 @@ TEST(ClusterCodec, Compressed1GivesVerticesBack)
     const QuadTriangles triangles(grid.points(), grid.width, all, false);
     if (triangles.numVertices == 0) continue;
     ASSERT_TRUE(place(grid, *points));
-    LatticeSpan span;
-    for (unsigned i = 0; i < triangles.numVertices; i++) span.add(points->at[triangles.vertices[i]]);
-    ASSERT_TRUE(span.fits());
-    std::vector<uint32_t> data(compressed1Bytes(81)/4 + 1);
-    const size_t bytes = putCompressed1(*points, span, triangles.vertices, triangles.numVertices, (uint8_t*)data.data());
-    const DecodedCluster decoded = decodeCompressed1(data.data(), bytes, triangles.numVertices);
-    for (unsigned i = 0; i < triangles.numVertices; i++) ASSERT_EQ(decoded.vertices[i], grid.vertices[triangles.vertices[i]]);
+    expectVerticesBack(grid, triangles, *points);
   }
 }
 
@@ -123,13 +129,7 @@ TEST(ClusterCodec, TheLargestFloatsStayFinite)
     const QuadTriangles triangles(grid.points(), grid.width, {0, 0, 4, 4}, false);
     ASSERT_TRUE(place(grid, *points));
     ASSERT_EQ(points->exponent, 232u);
-    LatticeSpan span;
-    for (unsigned i = 0; i < triangles.numVertices; i++) span.add(points->at[triangles.vertices[i]]);
-    ASSERT_TRUE(span.fits());
-    std::vector<uint32_t> data(compressed1Bytes(81)/4 + 1);
-    const size_t bytes = putCompressed1(*points, span, triangles.vertices, triangles.numVertices, (uint8_t*)data.data());
-    const DecodedCluster decoded = decodeCompressed1(data.data(), bytes, triangles.numVertices);
-    for (unsigned i = 0; i < triangles.numVertices; i++) ASSERT_EQ(decoded.vertices[i], grid.vertices[triangles.vertices[i]]);
+    expectVerticesBack(grid, triangles, *points);
   }
   Grid grid(1, 1);
   grid.at(0, 0)[0] = std::ldexp(16777215.0f, 104);
