@@ -66,4 +66,5 @@ export PKG_CONFIG_PATH="$work/opt/lib/pkgconfig" LD_LIBRARY_PATH="$work/opt/lib/
 # shellcheck disable=SC2046
 cc -std=c99 in_scene.c $(pkg-config --cflags --libs embree_cbvh) "$stock/libembree3.so.3" -lm -o in_scene
 [ "$(./in_scene)" = "$said" ] || fail "in a scene of Embree the ray hits something else"
-ldd ./in_scene | grep -q "libembree3.so.3 => .*$stock" || fail "it runs on an Embree that is not the machine's"
+ldd ./in_scene | sed -n 's/.*libembree3.so.3 => \([^ ]*\).*/\1/p' > library
+[ "$(realpath "$(cat library)")" = "$(realpath "$stock/libembree3.so.3")" ] || fail "it runs on $(cat library), not on the machine's Embree"
