@@ -190,6 +190,10 @@ struct RTCCompressionStatistics
   size_t numLooseQuads;         // those in none of the meshes' grids of 4 x 4 quads and more
   size_t numMovingQuads;        // quads with several time steps
   size_t motionBytes;           // of leafBytes: all their time steps but the first
+  size_t numUnsupportedFaces;   // faces of cages left out because Embree's subdivision does not support them: more than
+                                // 16 corners, more than 64 faces at a vertex, or such a face at one of their vertices
+  size_t inputBytes;            // buffers of the compressed geometries that Embree allocated and that were not released,
+                                // and its own copies of their topology
 };
 
 /* Reports what the last commit of a scene compressed. All zero when the scene

@@ -13,6 +13,7 @@ namespace {
 
 thread_local std::string lastText;       // of cbvhGetErrorText
 thread_local Failure ofEmbree = {CBVH_OK, ""}; // what its error function was told, and nobody took
+thread_local bool isTaken = false;             // whether this thread is in a function that takes it
 
 CbvhError codeOf(RTCError code)
 {
@@ -27,7 +28,13 @@ CbvhError codeOf(RTCError code)
   }
 }
 
-void keepError(void*, RTCError code, const char* text) { ofEmbree = {codeOf(code), text ? text : ""}; }
+/* Functions that return an error take it. Rays that find damaged blocks do not: then the application is told at once. */
+void keepError(void* context, RTCError code, const char* text)
+{
+  const Failure failure = {codeOf(code), text ? text : ""};
+  if (isTaken) ofEmbree = failure;
+  else ((const CbvhContextTy*)context)->report(failure);
+}
 
 } // namespace
 
@@ -37,10 +44,14 @@ CbvhContextTy::CbvhContextTy(const char* settings, CbvhErrorFunction function, v
     const std::string reason = embree::takeSettingError();
     throw Failure{codeOf(rtcGetDeviceError(nullptr)), std::string("a context cannot be made of the settings '") + (settings ? settings : "") + "'" + (reason.empty() ? "" : ": " + reason)};
   }
-  rtcSetDeviceErrorFunction(device, keepError, nullptr);
+  rtcSetDeviceErrorFunction(device, keepError, this);
 }
 
-CbvhContextTy::~CbvhContextTy() { rtcReleaseDevice(device); }
+CbvhContextTy::~CbvhContextTy()
+{
+  rtcSetDeviceErrorFunction(device, nullptr, nullptr);
+  rtcReleaseDevice(device);
+}
 
 void CbvhContextTy::check() const
 {
@@ -53,8 +64,17 @@ void CbvhContextTy::check() const
 
 CbvhError CbvhContextTy::report(const Failure& failure) const { return tell(failure, function, userPtr); }
 
-OwnErrors::OwnErrors() : outer(ofEmbree) { ofEmbree = {CBVH_OK, ""}; }
-OwnErrors::~OwnErrors() { ofEmbree = outer; }
+OwnErrors::OwnErrors(bool areTaken) : outer(ofEmbree), wereTaken(isTaken)
+{
+  ofEmbree = {CBVH_OK, ""};
+  isTaken = areTaken;
+}
+
+OwnErrors::~OwnErrors()
+{
+  ofEmbree = outer;
+  isTaken = wereTaken;
+}
 
 CbvhError embree::beside::tell(const Failure& failure, CbvhErrorFunction function, void* userPtr)
 {

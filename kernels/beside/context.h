@@ -84,16 +84,18 @@ private:
 
 namespace embree { namespace beside {
 
-/* Starts without errors of Embree's functions in this thread, as those of rays. Restores at its end what was there: a callback may call
- * functions of this library while an outer call has an error that it has not read yet. */
+/* For a function of this library: errors of Embree's functions in this thread wait for CbvhContextTy::check(), beginning
+ * without any. For a callback of the application, areTaken is false: errors of rays that it traces are reported at once, and do
+ * not become those of the function that called it. The destructor restores what was there. */
 class OwnErrors
 {
 public:
-  OwnErrors();
+  explicit OwnErrors(bool areTaken = true);
   ~OwnErrors();
 
 private:
   const Failure outer;
+  const bool wereTaken;
 };
 
 /* Stores the text of an error for cbvhGetErrorText and calls an error function, which may be NULL. The function may cause errors itself. */

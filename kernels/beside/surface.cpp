@@ -41,6 +41,7 @@ void displace(const RTCDisplacementFunctionNArguments* args)
   const Input& input = *(const Input*)args->geometryUserPtr;
   const CbvhDisplacementArguments ours = {input.displacementPtr, args->primID, args->timeStep, args->u, args->v, args->Ng_x, args->Ng_y, args->Ng_z,
                                           args->P_x, args->P_y, args->P_z, args->N};
+  const OwnErrors errors(false);
   input.displacement(&ours);
 }
 
@@ -58,7 +59,9 @@ RTCSubdivisionMode modeOf(CbvhBoundary boundary)
 bool tellProgress(void* self, double done)
 {
   const Input& input = *(const Input*)self;
-  return !input.progress || input.progress(input.progressPtr, done) != 0;
+  if (!input.progress) return true;
+  const OwnErrors errors(false);
+  return input.progress(input.progressPtr, done) != 0;
 }
 
 std::string of(const char* what, size_t i, const char* has, size_t value) { return std::string(what) + " " + std::to_string(i) + " " + has + " " + std::to_string(value); }
@@ -486,6 +489,7 @@ CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction func
     struct Call { CbvhPartFunction function; void* userPtr; } call = {function, userPtr};
     const std::shared_ptr<const Input> input = surface->committed();
     rtcForEachCompressedPartAtTime(input->geometry, time, [](void* of, const RTCCompressedPart* part) {
+      const OwnErrors errors(false);
       return ((const Call*)of)->function(((const Call*)of)->userPtr, (const CbvhPart*)part) != 0;
     }, &call);
     surface->context->check();
@@ -501,6 +505,7 @@ CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat 
     static_assert(int(CBVH_CLUSTER_RAW) == RTC_CLUSTER_RAW && int(CBVH_CLUSTER_MOVING) == RTC_CLUSTER_MOVING && int(CBVH_CLUSTER_RANGE) == RTC_CLUSTER_RANGE, "reasons");
     struct Call { CbvhClusterFunction function; void* userPtr; } call = {function, userPtr};
     const RTCCompressedClusterFunction hand = [](void* of, const RTCCompressedCluster* cluster) {
+      const OwnErrors errors(false);
       return ((const Call*)of)->function(((const Call*)of)->userPtr, (const CbvhCluster*)cluster) != 0;
     };
     const std::shared_ptr<const Input> input = surface->committed();

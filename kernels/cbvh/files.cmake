@@ -7,6 +7,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/device_string.cpp
   cbvh/api/factory.cpp
   cbvh/api/geometry_commit.cpp
+  cbvh/api/input_bytes.cpp
   cbvh/api/rtcore_compression.cpp
   cbvh/api/rtcore_compressed_triangles.cpp
   cbvh/api/rtcore_compressed_clusters.cpp

@@ -185,6 +185,75 @@ TEST(CompressionStatistics, CountWhatMoves)
   }
 }
 
+// The spacing follows the edges of each time step, and the statistics have the largest.
+TEST(CompressionStatistics, HaveTheSpacingOfEveryTimeStep)
+{
+  Device device;
+  const auto spacing = [&](unsigned timeSteps, const std::function<float(unsigned)>& scale) {
+    SurfaceSettings settings;
+    settings.compression = RTC_COMPRESSION_VERT;
+    settings.timeSteps = timeSteps;
+    settings.motion = [&](const Vec& p, unsigned step) { return Vec{scale(step)*p[0], scale(step)*p[1], scale(step)*p[2]}; };
+    const SurfaceScene scene(device, cubeCage(), settings);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    return statisticsOf(scene).maxVertexSpacing;
+  };
+  const float still = spacing(1, [](unsigned) { return 1.0f; });
+  EXPECT_GT(still, 0);
+  for (unsigned large : {0u, 1u, 2u, 3u}) EXPECT_EQ(spacing(4, [&](unsigned step) { return step == large ? 64.0f : 1.0f; }), 64*still) << large;
+}
+
+// What Embree's subdivision does not evaluate is counted and named, once for each change.
+TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
+{
+  const auto fan = [](unsigned faces, unsigned corners) { // around vertex 0
+    Cage cage;
+    cage.positions.push_back({0, 0, 0});
+    for (unsigned i = 0; i < faces*(corners - 2); i++) {
+      const double a = 2*M_PI*i/double(faces*(corners - 2));
+      cage.positions.push_back({float(std::cos(a)), float(std::sin(a)), 0});
+    }
+    const unsigned rim = unsigned(cage.positions.size()) - 1;
+    for (unsigned f = 0; f < faces; f++) {
+      cage.faces.push_back(corners);
+      cage.indices.push_back(0);
+      for (unsigned i = 0; i + 1 < corners; i++) cage.indices.push_back(1 + (f*(corners - 2) + i)%rim);
+    }
+    return cage;
+  };
+  Cage large = prismCage(20), tiny = sheetCage(4);
+  tiny.addFace({0, 1});
+  struct Case { const char* name; Cage cage; size_t unsupported; bool hasOthers; } cases[] = {
+    {"64 quads at a vertex", fan(64, 4), 0, true}, {"65 quads at a vertex", fan(65, 4), 65, false},
+    {"16 corners", prismCage(16), 0, true}, {"20 corners, at which all quads are", large, 22, false}, {"2 corners", tiny, 0, true}};
+  for (const Case& c : cases)
+    for (RTCCompression compression : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF}) {
+      SCOPED_TRACE(testing::Message() << c.name << ", " << kindName(compression));
+      Device device;
+      SurfaceSettings settings;
+      settings.rate = 4;
+      settings.compression = compression;
+      Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+      RTCGeometry geometry = newSurface(device, c.cage, settings);
+      rtcAttachGeometry(scene, geometry);
+      rtcCommitScene(scene);
+      const RTCCompressionStatistics stats = statisticsOf(scene);
+      EXPECT_EQ(stats.numQuads + stats.numGridQuads > 0, c.hasOthers);
+      if (c.unsupported) EXPECT_EQ(stats.numUnsupportedFaces, c.unsupported);
+      EXPECT_EQ(device.errors, stats.numUnsupportedFaces ? 1u : 0u) << device.message;
+      if (stats.numUnsupportedFaces) EXPECT_NE(device.message.find("more than 16 corners"), std::string::npos) << device.message;
+      rtcSetGeometryMask(geometry, 3);
+      rtcCommitGeometry(geometry);
+      rtcCommitScene(scene);
+      EXPECT_EQ(device.errors, stats.numUnsupportedFaces ? 1u : 0u) << "told again without a change";
+      rtcReleaseGeometry(geometry);
+    }
+  /* without compression as Embree: silent */
+  Device device;
+  const SurfaceScene scene(device, large, SurfaceSettings());
+  EXPECT_EQ(device.errors, 0u);
+}
+
 // The frame level of a face is that of its roughest sub-patch, whichever of them that is.
 TEST(CompressionStatistics, KeepTheErrorBoundInEverySubPatch)
 {

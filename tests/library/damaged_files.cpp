@@ -142,6 +142,72 @@ TEST_F(DamagedFiles, ABlockThatIsNoneIsLeftOutWithOneError)
   EXPECT_GT(others, 100u);
 }
 
+// A page of zeros, as of a disk that lost it: its blocks are no surface, and say so, whatever traces them.
+TEST_F(DamagedFiles, APageOfZerosIsReported)
+{
+  Random random(6);
+  const std::vector<RTCRayHit> rays = raysAt(random, 3000);
+  for (const Saveable& saveable : allSaveable()) {
+    if (saveable.moves) continue; // checked when the file is opened
+    RTCGeometry geometry = saveable.make(device);
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+    rtcReleaseGeometry(geometry);
+    FileBytes file(bytesOf(path));
+    const size_t bytes = std::min<size_t>(4096, file.record(0).blockBytes), first = file.record(0).blocks + (file.record(0).blockBytes - bytes)/2/16*16;
+    std::fill_n(file.bytes.begin() + ptrdiff_t(first), bytes, '\0');
+    writeBytes(path, file.bytes);
+    for (QueryForm form : {QueryForm::Single, QueryForm::Packet8, QueryForm::CoherentStream}) {
+      SCOPED_TRACE(testing::Message() << saveable.name << ", " << nameOf(form));
+      Scene scene(device);
+      geometry = rtcLoadCompressedGeometry(device, path.c_str());
+      ASSERT_NE(geometry, nullptr) << device.message;
+      attach(scene, geometry);
+      rtcCommitScene(scene);
+      device.errors = 0;
+      closestHits(scene, rays, form);
+      EXPECT_EQ(device.errors, 1u);
+      EXPECT_NE(device.message.find("is damaged"), std::string::npos) << device.message;
+      RTCCompressedFile opened = rtcOpenCompressedFile(device, path.c_str());
+      ASSERT_NE(opened, nullptr) << device.message;
+      EXPECT_FALSE(rtcVerifyCompressedFile(opened));
+      rtcReleaseCompressedFile(opened);
+    }
+  }
+}
+
+// Parameters of hits come from where the patch lies in its face.
+TEST_F(DamagedFiles, ABlockOutsideOfItsFaceIsLeftOut)
+{
+  Random random(7);
+  const std::vector<RTCRayHit> rays = raysAt(random, 2000);
+  for (RTCCompression compression : {RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_GRID})
+    for (const auto& [u, v] : {std::make_pair(150u, 0u), std::make_pair(0u, 2u), std::make_pair(17u, 1u), std::make_pair(1u, 0u)}) {
+      SCOPED_TRACE(testing::Message() << kindName(compression) << " at " << u << ", " << v);
+      SurfaceSettings settings;
+      settings.rate = 16;
+      RTCGeometry geometry = releasing(newSurface(device, cubeCage(), settings), compression, 0, 0);
+      ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+      rtcReleaseGeometry(geometry);
+      FileBytes file(bytesOf(path));
+      const auto& record = file.record(0);
+      const size_t stride = record.blockBytes/6;
+      for (size_t i = 0; i < 6; i++) {
+        embree::cbvh::BlockHeader& block = *(embree::cbvh::BlockHeader*)&file.bytes[record.blocks + i*stride];
+        block.tiling = embree::cbvh::blockTiling(0, 0, u, v);
+      }
+      writeBytes(path, file.bytes);
+      Scene scene(device);
+      geometry = rtcLoadCompressedGeometry(device, path.c_str());
+      ASSERT_NE(geometry, nullptr) << device.message;
+      attach(scene, geometry);
+      rtcCommitScene(scene);
+      device.errors = 0;
+      for (const RTCRayHit& hit : closestHits(scene, rays, QueryForm::Single)) ASSERT_FALSE(isHit(hit));
+      EXPECT_EQ(device.errors, 1u);
+      EXPECT_NE(device.message.find("outside of its face"), std::string::npos) << device.message;
+    }
+}
+
 TEST_F(DamagedFiles, AnyIsRefusedOrTracedWithoutHarm)
 {
   size_t loaded = 0, refused = 0, hits = 0, withErrors = 0;

@@ -229,6 +229,32 @@ TEST(Dicing, ClosedSurfacesStayClosed)
   }
 }
 
+// A model and its camera have the same rates at any scale, and lengths of directions mean nothing.
+TEST(Dicing, RatesDoNotDependOnTheScale)
+{
+  Device device;
+  const auto ratesAt = [&](float scale, float length, bool orthographic) {
+    Cage cage = prismCage(5);
+    for (Vec& p : cage.positions) for (float& x : p) x *= scale;
+    RTCDicingArguments args = cameraAt(0.3f*scale, 0.2f*scale, 3*scale);
+    args.direction[2] = -length;
+    for (float& x : args.up) x *= length;
+    args.orthographic = orthographic;
+    if (orthographic) args.pixelSize *= scale;
+    return Surface(device, cage).rates(args);
+  };
+  for (bool orthographic : {false, true}) {
+    const std::vector<float> rates = ratesAt(1, 1, orthographic);
+    EXPECT_GT(*std::max_element(rates.begin(), rates.end()), 8.0f);
+    for (int exponent : {-60, -40, -20, 20, 40, 63}) {
+      EXPECT_EQ(ratesAt(std::ldexp(1.0f, exponent), 1, orthographic), rates) << "scaled by 2^" << exponent;
+      EXPECT_EQ(ratesAt(1, std::ldexp(1.0f, exponent), orthographic), rates) << "directions of length 2^" << exponent;
+    }
+    EXPECT_EQ(ratesAt(1, 1e-20f, orthographic), rates);
+    EXPECT_EQ(ratesAt(1, 1e20f, orthographic), rates);
+  }
+}
+
 TEST(Dicing, WrongArgumentsAreRefusedByName)
 {
   Device device;

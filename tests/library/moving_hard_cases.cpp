@@ -4,6 +4,7 @@
 /* Surfaces that move and are hard: closed ones let no ray through at any time, and vertices that are not finite at one step, steps in opposite
  * order, surfaces that turn inside out, collapse, or go far away neither crash nor vanish. */
 
+#include "support/diced_mesh.h"
 #include "support/moving_surface.h"
 
 #include <gtest/gtest.h>
@@ -180,6 +181,124 @@ TEST(MovingHardCases, TimesAtStepsAreThoseOfTheSteps)
       if (isHit(a)) { ASSERT_NEAR(a.ray.tfar, b.ray.tfar, 1e-3*a.ray.tfar) << "step " << s; }
     }
   }
+}
+
+enum class Size { Primitive, Block, Many };
+
+// Surfaces of every type with two time steps.
+std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device, Size size, float begin, float end)
+{
+  std::vector<std::pair<std::string, RTCGeometry>> all;
+  const DicedMotion motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.25f*float(step)}; };
+  Diced grids = size == Size::Primitive ? dicedSheet(1, 2) : dicedSheet(size == Size::Block ? 1 : 4, 16);
+  grids.motion = motion;
+  Random random(3);
+  DicedMesh mesh = meshOf(grids, QuadOrder::Rows, random);
+  if (size == Size::Primitive) mesh.quads.resize(1);
+  mesh.motion = motion;
+  SurfaceSettings settings;
+  settings.rate = size == Size::Many ? 24 : 4;
+  settings.timeSteps = 2;
+  settings.motion = motion;
+  all.push_back({"cage", newSurface(device, size == Size::Many ? cubeCage() : quadCage(), settings)});
+  all.push_back({"grids", newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, 2)});
+  all.push_back({"quads", newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, 2)});
+  all.push_back({"triangles", newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_INHERIT, 0, 2)});
+  for (const auto& [name, geometry] : all) {
+    rtcSetGeometryTimeRange(geometry, begin, end);
+    rtcCommitGeometry(geometry);
+  }
+  return all;
+}
+
+// Time ranges that end before 0, begin after 1, or touch them: such a surface is nowhere, and nothing is read that is not there.
+TEST(MovingHardCases, TimeRangesOutsideOfThoseOfRaysCommit)
+{
+  const float times[] = {-3, -1, -1e-5f, 0, 1e-5f, 0.5f, 0.99995f, 1, 1.00001f, 1.5f, 2};
+  size_t commits = 0;
+  for (const char* config : {"", "subdiv_accel=cbvh"}) {
+    Device device(config);
+    Random random(seed + 7);
+    const std::vector<RTCRayHit> rays = raysAt(random, 200);
+    for (Size size : {Size::Primitive, Size::Block, Size::Many})
+      for (size_t b = 0; b < std::size(times); b++)
+        for (size_t e = b + 1; e < std::size(times); e++)
+          for (const auto& [name, geometry] : movingSurfaces(device, size, times[b], times[e])) {
+            SCOPED_TRACE(testing::Message() << name << ", size " << int(size) << ", from " << times[b] << " to " << times[e] << ", " << config);
+            Scene scene(device);
+            attach(scene, geometry);
+            rtcCommitScene(scene);
+            ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+            commits++;
+            if (times[e] > 0 && times[b] < 1) continue;
+            for (RTCRayHit ray : rays) {
+              ray.ray.time = times[e] <= 0 ? 0.25f : 0.75f;
+              ASSERT_FALSE(isHit(intersect(scene, ray)));
+            }
+          }
+  }
+  EXPECT_EQ(commits, 2u*3*55*4);
+}
+
+// One of them beside a surface that is there at all times.
+TEST(MovingHardCases, ASurfaceOutsideOfTheTimesOfRaysHidesNoOther)
+{
+  for (const char* config : {"", "subdiv_accel=cbvh"}) {
+    Device device(config);
+    Random places(seed + 8);
+    const std::vector<RTCRayHit> rays = raysAt(places, 400);
+    const auto trace = [&](bool hasOther) {
+      Random random(1);
+      Scene scene(device);
+      for (const auto& [name, geometry] : movingSurfaces(device, Size::Many, 0, 1)) attach(scene, geometry);
+      if (hasOther)
+        for (Size size : {Size::Primitive, Size::Block})
+          for (const auto& [name, geometry] : movingSurfaces(device, size, 1.25f, 2)) attach(scene, geometry);
+      rtcCommitScene(scene);
+      std::vector<RTCRayHit> hits;
+      for (RTCRayHit ray : rays) {
+        ray.ray.time = float(random.uniform(0, 1));
+        hits.push_back(intersect(scene, ray));
+      }
+      return hits;
+    };
+    const std::vector<RTCRayHit> alone = trace(false);
+    const std::vector<RTCRayHit> beside = trace(true);
+    size_t hits = 0;
+    for (size_t i = 0; i < rays.size(); i++) {
+      hits += isHit(alone[i]);
+      ASSERT_EQ(alone[i].ray.tfar, beside[i].ray.tfar);
+      ASSERT_EQ(alone[i].hit.geomID, beside[i].hit.geomID);
+    }
+    EXPECT_GT(hits, 100u);
+  }
+}
+
+// Surfaces without a primitive that can be hit have empty bounds.
+TEST(MovingHardCases, EmptySurfacesHaveEmptyBounds)
+{
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const char* config : {"", "subdiv_accel=cbvh"})
+    for (const DicedMotion& motion : {DicedMotion([=](const Vec& p, unsigned) { return Vec{p[0], nan, p[2]}; }), DicedMotion([=](const Vec& p, unsigned step) { return Vec{p[0], step ? nan : p[1], p[2]}; })}) {
+      Device device(config);
+      Random random(3);
+      Diced grids = dicedSheet(4, 16);
+      DicedMesh mesh = meshOf(grids, QuadOrder::Rows, random);
+      grids.motion = mesh.motion = motion;
+      SurfaceSettings settings;
+      settings.timeSteps = 2;
+      settings.motion = motion;
+      for (RTCGeometry geometry : {newSurface(device, cubeCage(), settings), newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, 2),
+                                   newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, 2), newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_INHERIT, 0, 2)}) {
+        Scene scene(device);
+        attach(scene, geometry);
+        rtcCommitScene(scene);
+        RTCBounds bounds;
+        rtcGetSceneBounds(scene, &bounds);
+        EXPECT_TRUE(bounds.lower_x > bounds.upper_x && bounds.lower_y > bounds.upper_y && bounds.lower_z > bounds.upper_z)
+          << config << ": " << bounds.lower_x << " to " << bounds.upper_x << ", " << bounds.lower_y << " to " << bounds.upper_y << ", " << bounds.lower_z << " to " << bounds.upper_z;
+      }
+    }
 }
 
 } // namespace

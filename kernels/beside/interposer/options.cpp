@@ -3,6 +3,8 @@
 
 #include "options.h"
 
+#include "device_string.h"
+
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
@@ -42,12 +44,15 @@ static bool parseSwitch(const std::string& text, bool& value)
   return text == "0" || text == "1";
 }
 
-/* Whether the item is understood. */
+/* Keys and words of EMBREE_CBVH, as Embree CBVH itself has them, that matter here. */
+static const std::vector<std::string> words = {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
+
+/* Returns false if the item is not understood. */
 static bool parse(const std::string& item, Options& options)
 {
   const size_t equals = item.find('=');
   if (equals == std::string::npos) {
-    if (item == "verbose") return true; // the library tells
+    if (item == "verbose" || item == "release_input") return true; // the library writes the lines, and never keeps input
     if (item == "0" || item == "none") options.isOn = false;
     else return item == "1" || item == "vert" || item == "cvert" || item == "cbvh.vert";
     return true;
@@ -57,7 +62,7 @@ static bool parse(const std::string& item, Options& options)
   if (key == "grids") return parseSwitch(value, options.takesGrids);
   if (key == "quads") return parseSwitch(value, options.takesQuads);
   if (key == "triangles") return parseSwitch(value, options.takesTriangles);
-  return false;
+  return key == "release_input" && (value == "0" || value == "1");
 }
 
 const Options& options()
@@ -72,7 +77,8 @@ const Options& options()
       if (begin == std::string::npos) continue;
       item = item.substr(begin, end - begin + 1);
       if (!parse(item, read))
-        tellOnce("EMBREE_CBVH: \"%s\" is left out; there are max_error=<distance>, grids=1, quads=1, triangles=1, verbose, and 0", item.c_str());
+        tellOnce("EMBREE_CBVH: \"%s\" is ignored, did you mean %s? Accepted are max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, and 0",
+                 item.c_str(), embree::nearestWord(item.substr(0, item.find('=')), words).c_str());
     }
     return read;
   }();

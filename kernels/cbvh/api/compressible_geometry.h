@@ -70,6 +70,9 @@ namespace embree
     return surface && (surface->isCompressed() || (!moves && surface->getType() == Geometry::GTY_SUBDIV_MESH)) ? surface : nullptr;
   }
 
+  /*! Returns the data of a buffer. Throws if there is none because the input was released. */
+  void* requireBuffer (Geometry* geometry, void* data);
+
   /*! Whether the surface is to be taken from its buffers again. Throws where they were let go. */
   bool beginCommit (SubdivMesh* mesh);
   bool beginCommit (GridMesh* mesh);

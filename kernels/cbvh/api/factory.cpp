@@ -147,11 +147,15 @@ namespace embree
     if (!cbvh::hasCompressedGeometry(scene,moves)) return nullptr;
     reportCompression(scene,moves);
     const Symbols symbols(scene->device->enabled_cpu_features,scene->device->enabled_builder_cpu_features);
-    BVH4* bvh = new CompressedTree(SubdivPatch1::type,scene);
-    CompressionReport* report = new CompressionReport;
-    Builder* builder = moves ? symbols.BVH4CompressedMotionBuilder(bvh,scene,report) : symbols.BVH4CompressedSubdivBuilder(bvh,scene,report);
-    Accel::Intersectors intersectors = symbols.intersectors(bvh,moves);
-    return new CompressedAccel(bvh,builder,intersectors,report,moves);
+    std::unique_ptr<BVH4> bvh(new CompressedTree(SubdivPatch1::type,scene));
+    std::unique_ptr<CompressionReport> report(new CompressionReport);
+    std::unique_ptr<Builder> builder(moves ? symbols.BVH4CompressedMotionBuilder(bvh.get(),scene,report.get()) : symbols.BVH4CompressedSubdivBuilder(bvh.get(),scene,report.get()));
+    Accel::Intersectors intersectors = symbols.intersectors(bvh.get(),moves);
+    CompressedAccel* const accel = new CompressedAccel(bvh.get(),builder.get(),intersectors,report.get(),moves);
+    bvh.release();
+    report.release();
+    builder.release();
+    return accel;
   }
 
   Accel* createCompressedAccel (Scene* scene)

@@ -65,13 +65,17 @@ namespace embree
       return geometry->compression.resolve(device).compression != RTC_COMPRESSION_NONE;
     }
 
+    const char* const inputWasReleased = "the input of the geometry was released when it was compressed (RTC_COMPRESSION_FLAG_RELEASE_INPUT, or release_input in the device string or EMBREE_CBVH)";
+
+    bool releasesInput (const CompressibleGeometry* geometry) { return geometry->compression.resolve(geometry->device->compression).releasesInput; }
+
     /*! hasInput: all that a surface is made of; missing: what to set again where it is not */
     bool begin (CompressibleGeometry* geometry, bool hasInput, const char* missing)
     {
       SurfaceState& surface = geometry->surface;
       if (surface.isKept(geometry->modCounter_)) return false;
       if (surface.inputReleased && !hasInput)
-        throw_RTCError(RTC_ERROR_INVALID_OPERATION,std::string("the geometry has let its input go (RTC_COMPRESSION_FLAG_RELEASE_INPUT): set ") + missing + " again before it is committed");
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,std::string(inputWasReleased) + ": set " + missing + " again before it is committed");
       surface.inputReleased = false;
       surface.blocks.reset();
       std::atomic_store(&surface.regions,std::shared_ptr<const QuadRegions>());
@@ -125,11 +129,13 @@ namespace embree
       std::cerr << "compression: " << what << std::endl;
     }
 
-    /*! Takes a geometry from Embree's kernels if it asks for that and there is no reason not to. An empty reason is not worth a message. */
+    /*! Takes a geometry from Embree's kernels if it asks for that and there is no reason not to. An empty reason is not worth
+     *  a message. */
     void choose (CompressibleGeometry* geometry, bool asks, const char* whyNot, const char* primitives)
     {
       geometry->setCompressed(asks && !whyNot);
-      if (asks && whyNot && *whyNot) say(geometry,std::to_string(geometry->size()) + " " + primitives + whyNot + ": left to Embree's kernel of " + primitives);
+      geometry->surface.whyNot = asks ? whyNot : nullptr;
+      if (asks && whyNot && *whyNot) say(geometry,"not compressed: " + std::to_string(geometry->size()) + " " + primitives + " that " + whyNot);
     }
 
     /*! Throws where a time step has fewer vertices than the first. */
@@ -144,12 +150,31 @@ namespace embree
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"a time range from " + std::to_string(mesh->time_range.lower) + " to " + std::to_string(mesh->time_range.upper));
     }
 
+    /*! Throws for a grid with more vertices along a side than Embree's own kernel counts in 15 bits. */
+    void checkSides (const GridMesh* mesh)
+    {
+      const unsigned most = 32767;
+      for (size_t i=0; i<mesh->grids.size(); i++)
+        if (max(mesh->grid(i).resX,mesh->grid(i).resY) > most)
+          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"grid " + std::to_string(i) + " has " + std::to_string(mesh->grid(i).resX) + " x " + std::to_string(mesh->grid(i).resY)
+                         + " vertices: uncompressed grids have at most " + std::to_string(most) + " along a side");
+    }
+
+    /*! Throws for a grid of many rows that are all the same vertices: it may have billions of quads, none of which has an area. */
+    void checkStrides (const GridMesh* mesh)
+    {
+      for (size_t i=0; i<mesh->grids.size(); i++)
+        if (mesh->grid(i).lineVtxOffset == 0 && mesh->grid(i).resY > 1)
+          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"grid " + std::to_string(i) + " of " + std::to_string(mesh->grid(i).resX) + " x " + std::to_string(mesh->grid(i).resY)
+                         + " vertices has a stride of 0: expected at least 1, the number of vertices from one row to the next");
+    }
+
     /*! whether it has blocks now, and its input may go */
     bool compressNow (CompressibleGeometry* geometry)
     {
       geometry->surface.commit(geometry->modCounter_);
       const bool isOfTree = geometry->isCompressed() || (geometry->numTimeSteps == 1 && geometry->ownType == Geometry::GTY_SUBDIV_MESH);
-      if (!geometry->compression.releasesInput || geometry->surface.blocks || !isOfTree || !asksForCompression(geometry)) return false;
+      if (!releasesInput(geometry) || geometry->surface.blocks || !isOfTree || !asksForCompression(geometry)) return false;
       const Symbols symbols(geometry->device->enabled_builder_cpu_features);
       runAsCommit([&] { symbols.buildBlocksOfGeometry(geometry); });
       geometry->surface.inputReleased = true;
@@ -185,7 +210,7 @@ namespace embree
     if (!isChanged) return false;
     const bool asks = asksForCompression(mesh), moves = mesh->numTimeSteps != 1;
     if (asks) checkIndices(mesh);
-    choose(mesh,asks && moves,isa::CompressionPlan::takesMotion(mesh) ? nullptr : " have motion blur, and are not to be stored exactly","faces");
+    choose(mesh,asks && moves,isa::CompressionPlan::takesMotion(mesh) ? nullptr : "have motion blur, because exact_faces is 0","faces");
     return true;
   }
 
@@ -195,9 +220,11 @@ namespace embree
     if (!isChanged) return false;
     const bool asks = asksForCompression(mesh);
     if (asks) checkTimeSteps(mesh);
-    const char* const whyNot = !mesh->compression.releasesInput && asks && !takeLessAsBlocks(mesh)
-      ? " are so small that Embree's own kernel takes less memory for them" : nullptr;
+    if (asks) checkStrides(mesh);
+    const char* const whyNot = !releasesInput(mesh) && asks && !takeLessAsBlocks(mesh)
+      ? "are so small that Embree's own kernel needs less memory for them" : nullptr;
     choose(mesh,asks,whyNot,"grids");
+    if (!mesh->isCompressed()) checkSides(mesh);
     return true;
   }
 
@@ -220,11 +247,11 @@ namespace embree
     const bool asks = asksForCompression(mesh);
     if (asks && hasInput) checkTimeSteps(mesh);
     const char* whyNot = !hasInput || mesh->size() == 0 ? ""
-      : mesh->quality == RTC_BUILD_QUALITY_REFIT ? " are to be refitted" : mesh->size() < fewPrimitives ? " are too few to matter" : nullptr;
+      : mesh->quality == RTC_BUILD_QUALITY_REFIT ? "are to be refitted" : mesh->size() < fewPrimitives ? "are too few to matter" : nullptr;
     if (asks && !whyNot)
     {
       const std::shared_ptr<const QuadRegions> regions = findRegions(mesh);
-      whyNot = !regions || (!regions->isOutOfMemory && 4*bytesOfBlocks(*regions) > 3*bytesInEmbree*mesh->size()) ? " do not lie in grids" : nullptr;
+      whyNot = !regions || (!regions->isOutOfMemory && 4*bytesOfBlocks(*regions) > 3*bytesInEmbree*mesh->size()) ? "do not lie in grids" : nullptr;
       if (!whyNot) std::atomic_store(&mesh->surface.regions,regions);
       if (!whyNot && regions->numLeftOut) say(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " " + primitives + " have indices that are no vertices: left out");
     }
@@ -232,8 +259,8 @@ namespace embree
     return true;
   }
 
-  bool beginCommit (QuadMesh* mesh) { return beginCommitOfMesh(mesh,bytesOfQuadInEmbree,mesh->vertices[0] && mesh->quads,"quads"); }
-  bool beginCommit (TriangleMesh* mesh) { return beginCommitOfMesh(mesh,bytesOfTriangleInEmbree,mesh->vertices[0] && mesh->triangles,"triangles"); }
+  bool beginCommit (QuadMesh* mesh) { return beginCommitOfMesh(mesh,bytesOfQuadInEmbree(1),mesh->vertices[0] && mesh->quads,"quads"); }
+  bool beginCommit (TriangleMesh* mesh) { return beginCommitOfMesh(mesh,bytesOfTriangleInEmbree(1),mesh->vertices[0] && mesh->triangles,"triangles"); }
 
   void endCommit (SubdivMesh* mesh) {
     if (compressNow(mesh)) releaseInput(mesh);
@@ -281,7 +308,13 @@ namespace embree
 
   void CompressibleGeometry::requireInput (RTCBufferType type) const
   {
-    if (surface.inputReleased && type == RTC_BUFFER_TYPE_VERTEX)
-      throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has let its vertices go (RTC_COMPRESSION_FLAG_RELEASE_INPUT)");
+    if (surface.inputReleased && type == RTC_BUFFER_TYPE_VERTEX) throw_RTCError(RTC_ERROR_INVALID_OPERATION,inputWasReleased);
+  }
+
+  void* requireBuffer (Geometry* geometry, void* data)
+  {
+    const CompressibleGeometry* const own = compressible(geometry);
+    if (!data && own && own->surface.inputReleased) throw_RTCError(RTC_ERROR_INVALID_OPERATION,inputWasReleased);
+    return data;
   }
 }

@@ -56,7 +56,7 @@ namespace embree
     return parseSubdivAccel(subdivAccel,compression);
   }
 
-  static const char* const keys[] = { "frame_level","max_error","exact_faces","grids","quads","triangles" };
+  static const char* const keys[] = { "frame_level","max_error","exact_faces","grids","quads","triangles","release_input" };
 
   static bool isKey (const std::string& word) { return std::find(std::begin(keys),std::end(keys),word) != std::end(keys); }
 
@@ -113,7 +113,8 @@ namespace embree
     else if (key == "exact_faces") exactFaces = parseSwitch(name,value);
     else if (key == "grids")       takesGrids = parseSwitch(name,value);
     else if (key == "quads")       takesQuads = parseSwitch(name,value);
-    else                           takesTriangles = parseSwitch(name,value);
+    else if (key == "triangles")   takesTriangles = parseSwitch(name,value);
+    else                           releasesInput = parseSwitch(name,value);
   }
 
   /*! text of a value, whatever type the tokenizer gave it */
@@ -154,9 +155,10 @@ namespace embree
       const std::string value = equals == std::string::npos ? "" : item.substr(equals+1);
       if (equals == std::string::npos) {
         if (key == "verbose") {} // commits ask for it
+        else if (key == "release_input") releasesInput = true;
         else if (key == "none" || key == "0") compression = RTC_COMPRESSION_NONE;
         else if (key == "1") compression = bestCompression;
-        else if (!parseKind(key,compression)) invalid("EMBREE_CBVH",item,"expected 1, 0, none, verbose, " + kindKeys(""));
+        else if (!parseKind(key,compression)) invalid("EMBREE_CBVH",item,"expected 1, 0, none, verbose, release_input, " + kindKeys(""));
       }
       else if (key == "level") setFrameLevel("EMBREE_CBVH level",value);
       else if (isKey(key)) set("EMBREE_CBVH " + key,key,value);
@@ -201,6 +203,7 @@ namespace embree
     if (r.maxError < 0.0f) r.maxError = 0.0f;
     if (r.exactFaces < 0) r.exactFaces = device.exactFaces;
     if (r.exactFaces < 0) r.exactFaces = 1;
+    r.releasesInput |= device.releasesInput;
     return r;
   }
 }

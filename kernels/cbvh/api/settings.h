@@ -22,13 +22,13 @@ namespace embree
     float maxError = -1.0f; //!< world units, 0 for no bound, negative to inherit
     float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< only a geometry's
     int exactFaces = -1;    //!< 0 or 1, negative to inherit
-    bool releasesInput = false; //!< only a geometry's, as are the next two
+    bool releasesInput = false; //!< of a geometry if it or its device says so
     bool takesGrids = true, takesQuads = true, takesTriangles = true; //!< only a device's: types that are compressed if they do not ask
-    RTCProgressMonitorFunction progress = nullptr;
+    RTCProgressMonitorFunction progress = nullptr; //!< only a geometry's
     void* progressUserPtr = nullptr;
 
-    /*! Takes cbvh_frame_level, cbvh_max_error, cbvh_exact_faces, cbvh_grids, cbvh_quads and cbvh_triangles out of a device string; false for any
-     *  other key. Throws rtcore_error naming key and value. */
+    /*! Takes cbvh_frame_level, cbvh_max_error, cbvh_exact_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
+     *  cbvh_release_input out of a device string; false for any other key. Throws rtcore_error naming key and value. */
     bool parse (const Token& key, TokenStream& stream);
 
     /*! What EMBREE_CBVH=1 and subdiv_accel=cbvh stand for: a fifth of cGRID's memory, smaller and more exact than

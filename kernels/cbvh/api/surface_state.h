@@ -18,7 +18,8 @@ namespace embree
     std::shared_ptr<const cbvh::SurfaceNumber> number; //!< null until a scene or a commit needs it
     std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until they are built, and when the surface was changed
     std::shared_ptr<const QuadRegions> regions;        //!< of quads and triangles, from the commit until blocks are built
-    bool inputReleased = false;                        //!< RTC_COMPRESSION_FLAG_RELEASE_INPUT
+    bool inputReleased = false;                        //!< RTC_COMPRESSION_FLAG_RELEASE_INPUT, or the key release_input
+    const char* whyNot = nullptr;                      //!< of a geometry that asks for compression and is not compressed
 
     /*! Who sees the surface was changed. counted: how often Embree counts that as a modification of the geometry */
     void changeVisibility (unsigned counted) { visibilityChanged = true; visibilityChanges += counted; }
@@ -27,9 +28,9 @@ namespace embree
     void change () { changed = true; }
 
     /*! Whether, since the last commit, something was changed, and nothing but who sees the surface. Where nothing was that the library
-     *  sees, a displacement may answer otherwise. */
+     *  sees, a displacement may answer otherwise; but not without the input. */
     bool isKept (unsigned modCounter) const {
-      return visibilityChanged && !changed && modCounter - committedModCounter == visibilityChanges;
+      return (visibilityChanged || (inputReleased && blocks)) && !changed && modCounter - committedModCounter == visibilityChanges;
     }
 
     void commit (unsigned modCounter)

@@ -23,6 +23,12 @@ namespace embree
         firstInvalidFace = std::min(firstInvalidFace,face);
       }
 
+      void addUnsupportedFace (size_t face)
+      {
+        sums.numUnsupportedFaces++;
+        firstUnsupportedFace = std::min(firstUnsupportedFace,face);
+      }
+
       /*! own: as its face evaluates it */
       void addVertex (const float own[3], const float stored[3]) { addDeviation(distance2(own,stored)); }
 
@@ -54,9 +60,10 @@ namespace embree
         refusedQuads += other.refusedQuads;
         refusedInGrid += other.refusedInGrid;
         quadsForHoles += other.quadsForHoles;
-        bytesInGrid += other.bytesInGrid;
+        bytesInEmbree += other.bytesInEmbree;
         invalidFaces += other.invalidFaces;
         firstInvalidFace = std::min(firstInvalidFace,other.firstInvalidFace);
+        firstUnsupportedFace = std::min(firstUnsupportedFace,other.firstUnsupportedFace);
       }
 
     private:

@@ -11,8 +11,9 @@
 
 CBVH_BEGIN
 
-/*! The vertex of an edge of that rate on which vertex x of a border of that many quads lies. */
-CBVH_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) { return (2u*x + 1u)*rate/(2u*quads); }
+/*! The vertex of an edge of that rate on which vertex x of a border of that many quads lies. The rate is at most
+ *  maxVertRate, so that the product has 32 bits, or it is the number of quads: then vertices are not moved. */
+CBVH_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) { return rate == quads ? x : (2u*x + 1u)*rate/(2u*quads); }
 
 CBVH_END
 

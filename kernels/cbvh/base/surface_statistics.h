@@ -34,6 +34,8 @@ namespace embree
       sums.numLooseQuads += other.numLooseQuads;
       sums.numMovingQuads += other.numMovingQuads;
       sums.motionBytes += other.motionBytes;
+      sums.numUnsupportedFaces += other.numUnsupportedFaces;
+      sums.inputBytes += other.inputBytes;
       sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,other.maxVertexSpacing);
       sums.maxVertexDeviation = std::max(sums.maxVertexDeviation,other.maxVertexDeviation);
       sums.maxBorderGap = std::max(sums.maxBorderGap,other.maxBorderGap);
@@ -48,8 +50,9 @@ namespace embree
       size_t refusedInGrid = 0;    //!< those of them that GRID traces
       size_t quadsForHoles = 0;    //!< of patches that holes make another kind, as theirs cannot leave a quad out
       size_t invalidFaces = 0;     //!< with quads that are left out
-      size_t bytesInGrid = 0;      //!< that it would take in GRID, about
+      size_t bytesInEmbree = 0;    //!< that Embree's own kernels would use, about
       size_t firstInvalidFace = std::numeric_limits<size_t>::max();
+      size_t firstUnsupportedFace = std::numeric_limits<size_t>::max();
     };
   }
 }

@@ -4,6 +4,7 @@
 /* Builder of a scene's compressed surfaces, those that move, or those that do not: blocks of the geometries that changed
  * (surface_builder.h), and one tree over the parts of all, or over the blocks that move (motion_tree.h). */
 
+#include "../api/input_bytes.h"
 #include "../base/environment.h"
 #include "../base/thread_cache.h"
 #include "cage_source.h"
@@ -73,7 +74,11 @@ namespace embree
         const double t0 = bvh->preBuild(moves ? TOSTRING(isa) "::BVH4CompressedMotionBuilder" : TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
         buildBlocks(surfaces);
         cbvh::BuildStatistics all;
-        for (const Surface& surface : surfaces) add(surface,all);
+        std::set<const void*> counted;
+        for (const Surface& surface : surfaces) {
+          add(surface,all);
+          if (planOf(surface).compresses()) all.sums.inputBytes += bytesOfInput(surface.geometry,counted);
+        }
         if (!keepsTree) {
           treeBytes = moves ? buildMotionTree() : buildTopLevel()*sizeof(BVH4::AABBNode);
           treeOf = buildsOf(surfaces);
@@ -140,8 +145,9 @@ namespace embree
         all.add(surface.blocks->statistics);
         reportAtVerbosity1(surface);
         /* a surface that did not change since the last commit was reported then */
-        if (surface.blocks->statistics.invalidFaces && scene->isGeometryModified(surface.geomID))
-          report->errors.push_back(describeInvalid(surface));
+        if (!scene->isGeometryModified(surface.geomID)) return;
+        if (surface.blocks->statistics.invalidFaces) report->errors.push_back(describeInvalid(surface));
+        if (surface.blocks->statistics.sums.numUnsupportedFaces) report->errors.push_back(describeUnsupported(surface));
       }
 
       /*! nodes that are its own */
@@ -194,7 +200,12 @@ namespace embree
         CommitLine line;
         for (const Surface& surface : surfaces) {
           const CompressionPlan plan = planOf(surface);
-          line.addGeometry(plan.compresses(),plan.compresses() ? plan.kind() : cbvh::Kind::VERT);
+          if (plan.compresses()) line.addCompressed(surface.geometry,plan.kind());
+          else line.addLeft(surface.geometry);
+        }
+        for (size_t i=0; i<scene->size(); i++) {
+          const CompressibleGeometry* const geometry = scene->get(i) && scene->get(i)->isEnabled() ? compressible(scene->get(i)) : nullptr;
+          if (geometry && !geometry->isCompressed() && geometry->surface.whyNot) line.addLeft(geometry);
         }
         Lock<MutexSys> lock(g_printMutex);
         std::cerr << line.text(report->statistics,all) << std::endl;
@@ -225,6 +236,14 @@ namespace embree
                     << total.sums.numLooseQuads << " are stored in blocks of fewer than " << looseSide << " quads along a side" << std::endl;
         if (total.quadsForHoles)
           std::cerr << geometry << total.quadsForHoles << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;
+      }
+
+      static std::string describeUnsupported (const Surface& surface)
+      {
+        const cbvh::SurfaceStatistics& total = surface.blocks->statistics;
+        return "geometry " + std::to_string(surface.geomID) + ", face " + std::to_string(total.firstUnsupportedFace) + ": it, or a face at one of its vertices, has fewer than 3 or more than "
+          + std::to_string(MAX_PATCH_VALENCE) + " corners, or a vertex has more than " + std::to_string(MAX_RING_FACE_VALENCE) + " faces, which Embree's subdivision does not support; left out: "
+          + std::to_string(total.sums.numUnsupportedFaces) + " face(s)";
       }
 
       static std::string describeInvalid (const Surface& surface)

@@ -9,6 +9,7 @@
 #include "../base/tasks.h"
 #include "../framed/writer.h"
 #include "../surface/cage_patch.h"
+#include "../surface/embree_bytes.h"
 #include "../vert/writer.h"
 
 namespace embree
@@ -70,8 +71,12 @@ namespace embree
       /*! A displacement returned what is not finite; where the cage's own vertices are not, the face has no surface. */
       bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
 
+      bool isUnsupported (size_t face) const { return !hasSurface(mesh,face) && isa::isUnsupported(mesh,face); }
+
       /*! what Embree takes for it */
-      static size_t bytesInEmbree (const SurfacePatch& patch) { return GridWriter::bytesInGrid(Vec2i(int(patch.quads[0]),int(patch.quads[1]))); }
+      size_t bytesInEmbree (const SurfacePatch& patch) const {
+        return bytesOfMovingGrids(GridWriter::bytesInGrid(Vec2i(int(patch.quads[0]),int(patch.quads[1]))),plan.numTimeSteps);
+      }
 
       /*! writes patches, for one task */
       class Writer

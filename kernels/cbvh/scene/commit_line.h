@@ -3,12 +3,15 @@
 
 #pragma once
 
-/* What a commit compressed, in a line: how else does one know in a closed renderer that it works? */
+/* A line about a commit of a scene, for users of programs that they cannot change: what is compressed, what is not and why,
+ * and how much memory each needs. */
 
+#include "../api/compressible_geometry.h"
 #include "../base/build_statistics.h"
 #include "../base/kinds.h"
 #include <iomanip>
 #include <locale>
+#include <map>
 #include <sstream>
 
 namespace embree
@@ -18,22 +21,30 @@ namespace embree
     class CommitLine
     {
     public:
-      /*! a geometry of a kind, or of GRID where it asks for no compression */
-      void addGeometry (bool compresses, cbvh::Kind kind) { geometries[compresses ? uint32_t(kind) : notCompressed]++; }
+      void addCompressed (const CompressibleGeometry* geometry, cbvh::Kind kind) { compressed[{ geometry->ownType == Geometry::GTY_SUBDIV_MESH ? 0u : 1u,cbvh::describe(kind).name,nounOf(geometry) }]++; }
+
+      /*! a geometry of which nothing is compressed, in the scene's own accelerators or in those of Embree */
+      void addLeft (const CompressibleGeometry* geometry)
+      {
+        if (geometry->ownType == Geometry::GTY_SUBDIV_MESH && !geometry->surface.whyNot) notAsked++;
+        else if (geometry->surface.whyNot && *geometry->surface.whyNot) left[{ primitivesOf(geometry),geometry->surface.whyNot }] += geometry->size();
+      }
 
       std::string text (const RTCCompressionStatistics& sums, const cbvh::BuildStatistics& all) const
       {
         std::ostringstream line;
         line.imbue(std::locale::classic());
         const size_t bytes = sums.topLevelBytes + sums.frameBytes + sums.nodeBytes + sums.leafBytes + sums.gridBytes;
-        const size_t quads = sums.numQuads + sums.numGridQuads;
-        line << "compression: " << kinds() << ": " << quads << " quads in " << mebibytes(bytes) << " MiB, GRID would take about " << mebibytes(all.bytesInGrid) << " MiB; left to GRID: ";
-        const char* between = "";
-        auto left = [&](size_t n, const std::string& what) { if (n) { line << between << n << what; between = ", "; } };
-        left(geometries[notCompressed],geometries[notCompressed] == 1 ? " surface that asks for no compression" : " surfaces that ask for no compression");
-        left(all.highRateQuads," quads for their edge rates");
-        left(all.refusedInGrid," quads of blocks without a good frame");
-        if (*between == 0) line << "nothing";
+        line << "compression: " << geometries() << ": " << sums.numQuads + sums.numGridQuads << " quads in " << mebibytes(bytes) << " MiB, Embree would use about "
+             << mebibytes(all.bytesInEmbree) << " MiB";
+        if (sums.inputBytes) line << "; buffers that stay: " << mebibytes(sums.inputBytes) << " MiB";
+        const char* between = "; not compressed: ";
+        auto add = [&](size_t n, const std::string& what) { if (n) { line << between << n << what; between = ", "; } };
+        add(notAsked,notAsked == 1 ? " subdivision surface that does not ask for it" : " subdivision surfaces that do not ask for it");
+        add(all.highRateQuads," quads with too high edge rates");
+        add(all.refusedInGrid," quads of blocks without a good frame");
+        add(sums.numUnsupportedFaces," faces that Embree does not support");
+        for (const auto& entry : left) add(entry.second," " + entry.first.first + " that " + entry.first.second);
         return line.str();
       }
 
@@ -46,21 +57,46 @@ namespace embree
         return text.str();
       }
 
-      /*! "2 surfaces as cVERT, 1 as cLEAF" */
-      std::string kinds () const
+      static const char* nounOf (const CompressibleGeometry* geometry)
       {
-        std::string text;
-        for (uint32_t k=0; k<cbvh::numKinds; k++) {
-          const size_t n = geometries[uint32_t(cbvh::kindDescriptions[k].kind)];
-          if (n == 0) continue;
-          text += text.empty() ? std::to_string(n) + (n == 1 ? " surface as " : " surfaces as ") : ", " + std::to_string(n) + " as ";
-          text += cbvh::kindDescriptions[k].name;
+        switch (geometry->ownType) {
+        case Geometry::GTY_GRID_MESH: return "grid geometry";
+        case Geometry::GTY_QUAD_MESH: return "quad mesh";
+        case Geometry::GTY_TRIANGLE_MESH: return "triangle mesh";
+        default: return "subdivision surface";
         }
-        return text;
       }
 
-      static const uint32_t notCompressed = cbvh::maxKinds;
-      size_t geometries[cbvh::maxKinds+1] = {};
+      static const char* primitivesOf (const CompressibleGeometry* geometry)
+      {
+        switch (geometry->ownType) {
+        case Geometry::GTY_GRID_MESH: return "grids";
+        case Geometry::GTY_QUAD_MESH: return "quads";
+        case Geometry::GTY_TRIANGLE_MESH: return "triangles";
+        default: return "faces";
+        }
+      }
+
+      static std::string plural (const std::string& noun)
+      {
+        if (noun.back() == 'y') return noun.substr(0,noun.size()-1) + "ies";
+        return noun + (noun.back() == 'h' ? "es" : "s");
+      }
+
+      /*! "2 subdivision surfaces as cVERT, 1 quad mesh as cVERT" */
+      std::string geometries () const
+      {
+        std::string text;
+        for (const auto& entry : compressed) {
+          const std::string noun = std::get<2>(entry.first);
+          text += (text.empty() ? "" : ", ") + std::to_string(entry.second) + " " + (entry.second == 1 ? noun : plural(noun)) + " as " + std::get<1>(entry.first);
+        }
+        return text.empty() ? "nothing" : text;
+      }
+
+      std::map<std::tuple<unsigned,std::string,std::string>,size_t> compressed; //!< how many of each kind and type
+      std::map<std::pair<std::string,std::string>,size_t> left;                 //!< primitives, by what they are and why they are not compressed
+      size_t notAsked = 0;                                                      //!< subdivision surfaces of the scene's tree
     };
   }
 }

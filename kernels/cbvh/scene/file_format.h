@@ -93,7 +93,7 @@ namespace embree
       closure(s.sums.numBlocks); closure(s.sums.numQuads); closure(s.sums.numGridQuads); closure(s.sums.numInvalidQuads); closure(s.sums.numAffineBlocks);
       closure(s.sums.numSolidLeaves); closure(s.sums.numRawBlocks); closure(s.sums.numExactQuads); closure(s.sums.numFlippedQuads);
       closure(s.sums.numMeshQuads); closure(s.sums.numLooseQuads); closure(s.sums.numMovingQuads); closure(s.sums.motionBytes);
-      closure(s.highRateQuads); closure(s.refusedQuads); closure(s.refusedInGrid); closure(s.quadsForHoles); closure(s.bytesInGrid);
+      closure(s.highRateQuads); closure(s.refusedQuads); closure(s.refusedInGrid); closure(s.quadsForHoles); closure(s.bytesInEmbree);
     }
     template<typename Statistics, typename Closure>
     void forEachMeasure (Statistics& s, const Closure& closure)

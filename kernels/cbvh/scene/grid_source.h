@@ -48,6 +48,8 @@ namespace embree
       /*! Vertices that are not finite are left out without an error, as Embree does it. */
       bool isInvalid (size_t grid, bool) const { return Grids::reportsInvalid && !vertices.isValid(grid); }
 
+      bool isUnsupported (size_t) const { return false; }
+
       template<typename Closure>
       void forEachPatch (size_t grid, Scratch& scratch, const Closure& closure) const
       {
@@ -56,7 +58,7 @@ namespace embree
         closure(patch);
       }
 
-      static size_t bytesInEmbree (const SurfacePatch& patch) { return Grids::bytesInEmbree(patch.quads[0],patch.quads[1]); }
+      size_t bytesInEmbree (const SurfacePatch& patch) const { return Grids::bytesInEmbree(patch.quads[0],patch.quads[1],plan.numTimeSteps); }
 
       /*! writes grids, for one task */
       class Writer

@@ -7,6 +7,7 @@
  * so that what no ray meets stays on disk; a bit for each 16 bytes remembers it. Whatever the bytes of a block are, one that is good is decoded and
  * traced without a step outside of it, and what hits say of it are numbers that the geometry has. */
 
+#include "../base/atomic_ref.h"
 #include "../base/mapped_blocks.h"
 #include <cstdint>
 #include <memory>
@@ -45,7 +46,7 @@ namespace embree
       bool isGood (const void* block, bool isVert) const
       {
         const size_t offset = size_t((const char*)block-begin);
-        return likely(((good[offset/(16*64)].load(std::memory_order_relaxed) >> (offset/16 % 64)) & 1) != 0) || check(offset,isVert);
+        return likely(((good[offset/(16*64)].load(std::memory_order_acquire) >> (offset/16 % 64)) & 1) != 0) || check(offset,isVert);
       }
 
       /*! Gives a block the number of its surface, if it has another. */
@@ -54,7 +55,11 @@ namespace embree
       const char* first () const { return begin; }
 
     private:
+      friend class MappedPlaces;
+
       bool check (size_t offset, bool isVert) const;
+      AtomicRef<uint32_t> surfaceOf (size_t offset, bool isVert) const;
+      bool isOwnSurface (size_t offset, bool isVert) const;
 
       Device* device;
       std::shared_ptr<const MappedFile> file;
@@ -64,6 +69,7 @@ namespace embree
       const std::string name;
       std::atomic<uint64_t>* good; //!< a bit for each place where a block may begin
       mutable std::atomic<bool> isReported;
+      MappedBlocks* next, * previous; //!< of all that live
     };
   }
 }

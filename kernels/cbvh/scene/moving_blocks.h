@@ -27,6 +27,7 @@ namespace embree
       template<typename Progress>
       void add (const SurfaceBlocks& surface, const Progress& progress)
       {
+        if (surface.moving.empty() || !isInTimesOfRays(surface.moving.front())) return;
         const size_t begin = blocks.size();
         blocks.resize(begin + surface.moving.size());
         size_t numBoxes = 0;
@@ -51,6 +52,13 @@ namespace embree
 
     private:
       typedef std::shared_ptr<const mvector<cbvh::StepBox>> Boxes;
+
+      /*! False for blocks of a geometry that no ray can hit, whose time is 0 to 1. Embree's builder does not support them. */
+      static bool isInTimesOfRays (BVH4::NodeRef leaf)
+      {
+        const cbvh::VertMotion motion = cbvh::motionOf(headerOf(leaf));
+        return motion.begin <= 1.0f && motion.end >= 0.0f;
+      }
 
       /*! of the blocks from one on */
       template<typename Progress>

@@ -15,6 +15,7 @@
  *   Scratch, Writer, Patch               of a task
  *   forEachPatch (primitive, scratch, closure(patch))
  *   isInvalid (primitive, hasInvalidQuads)   whether an error is to name it
+ *   isUnsupported (primitive)            whether it has no patches because Embree's subdivision cannot evaluate it
  *   bytesInEmbree (patch)                that Embree takes without compression */
 
 #include "../base/grid_writer.h"
@@ -105,11 +106,12 @@ namespace embree
                 first = i;
                 firstPatch = number+1;
               }
-              statistics.bytesInGrid += Source::bytesInEmbree(patch);
+              statistics.bytesInEmbree += source.bytesInEmbree(patch);
               quads += size_t(patch.quads[0])*size_t(patch.quads[1]);
               number++;
             });
           if (source.isInvalid(i,statistics.sums.numInvalidQuads != invalid)) statistics.addInvalidFace(i);
+          if (plan.compresses() && source.isUnsupported(i)) statistics.addUnsupportedFace(i);
           if (quads >= progressQuads || i+1 == primitives.end()) {
             progress(ofGeometry*double(i+1-reported));
             reported = i+1;

@@ -71,14 +71,14 @@ namespace embree
       /*! vertices outside of their buffer are errors, as of no other of Embree's types */
       static const bool reportsInvalid = true;
 
-      static size_t bytesInEmbree (size_t quadsX, size_t quadsY) { return bytesOfGridInEmbree(quadsX,quadsY); }
+      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned) { return bytesOfGridInEmbree(quadsX,quadsY); }
 
     private:
       const GridMesh* mesh;
     };
 
     /*! Quads: QuadsOfMesh or PairsOfMesh */
-    template<typename MeshType, typename Quads, size_t bytesOfQuad>
+    template<typename MeshType, typename Quads, size_t (*bytesOfQuad)(unsigned numTimeSteps)>
     class GridsOfRegions
     {
       struct Corners
@@ -122,7 +122,7 @@ namespace embree
       /*! Embree leaves out quads with indices that are no vertices, and reports none. */
       static const bool reportsInvalid = false;
 
-      static size_t bytesInEmbree (size_t quadsX, size_t quadsY) { return bytesOfQuad*quadsX*quadsY; }
+      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps) { return bytesOfQuad(numTimeSteps)*quadsX*quadsY; }
 
     private:
       static QuadsOfMesh quadsOf (const QuadMesh* mesh, const QuadRegions&) { return QuadsOfMesh{ mesh }; }
@@ -143,6 +143,6 @@ namespace embree
     };
 
     typedef GridsOfRegions<QuadMesh,QuadsOfMesh,bytesOfQuadInEmbree> GridsOfQuadMesh;
-    typedef GridsOfRegions<TriangleMesh,PairsOfMesh,2*bytesOfTriangleInEmbree> GridsOfTriangleMesh;
+    typedef GridsOfRegions<TriangleMesh,PairsOfMesh,bytesOfPairInEmbree> GridsOfTriangleMesh;
   }
 }

@@ -3,16 +3,23 @@
 
 #pragma once
 
-/* Estimates of the bytes that Embree's own kernels use for diced geometry, without vertices and indices.
+/* Estimates of the bytes that Embree's own kernels use for a surface, without vertices and indices.
  * docs/performance.md has the measurements. */
 
 #include <cstddef>
 
 namespace embree
 {
-  /*! of grids, which it stores by 2 x 2 quads */
+  /*! of grids, which it stores by 2 x 2 quads, whether they move or not */
   inline size_t bytesOfGridInEmbree (size_t quadsX, size_t quadsY) { return 68*((quadsX+1)/2)*((quadsY+1)/2); }
 
-  /*! of a quad of a quad mesh, and of a triangle; of triangles less than was seen */
-  static const size_t bytesOfQuadInEmbree = 85, bytesOfTriangleInEmbree = 60;
+  /*! of a quad of a quad mesh */
+  inline size_t bytesOfQuadInEmbree (unsigned numTimeSteps) { return numTimeSteps == 1 ? 85 : numTimeSteps == 2 ? 56 : 64; }
+
+  /*! of a triangle; at one time step less than was seen */
+  inline size_t bytesOfTriangleInEmbree (unsigned numTimeSteps) { return numTimeSteps == 1 ? 60 : numTimeSteps == 2 ? 52 : 80; }
+  inline size_t bytesOfPairInEmbree (unsigned numTimeSteps) { return 2*bytesOfTriangleInEmbree(numTimeSteps); }
+
+  /*! of a subdivision surface's grids with several time steps. still: the same at one step */
+  inline size_t bytesOfMovingGrids (size_t still, unsigned numTimeSteps) { return numTimeSteps == 1 ? still : size_t(double(still)*(0.85*numTimeSteps-0.4)); }
 }

@@ -15,6 +15,7 @@
  *
  * Grids that move have a lattice for each time step. Who shares what is found at the first step, and holds if it does so at all others. */
 
+#include "../base/atomic_ref.h"
 #include "../base/exact_vector.h"
 #include "../base/tasks.h"
 #include "diced_grids.h"
@@ -201,10 +202,9 @@ namespace embree
                 const Entry entry = table.find(*this,vertex);
                 for (unsigned step=1; step<numSteps; step++)
                 {
-                  static_assert(sizeof(std::atomic<int8_t>) == sizeof(int8_t),"exponents are taken as atomics while they are filled");
-                  std::atomic<int8_t>& of = reinterpret_cast<std::atomic<int8_t>&>(later[(step-1)*table.size() + entry]);
+                  const cbvh::AtomicRef<int8_t> of(later[(step-1)*table.size() + entry]);
                   const int8_t own = int8_t(exponent(i,step));
-                  for (int8_t found=of.load(); found < own && !of.compare_exchange_weak(found,own); ) {}
+                  for (int8_t found=of.load(std::memory_order_relaxed); found < own && !of.exchangeWeak(found,own,std::memory_order_relaxed); ) {}
                 }
               });
           });

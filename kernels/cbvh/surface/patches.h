@@ -24,6 +24,37 @@ namespace embree
       return false;
     }
 
+    /*! True if Embree cannot evaluate the surface at the vertex where an edge begins: one of the vertex's faces has fewer than 3
+     *  or more than 16 corners, or there are more than 64 of them. */
+    inline bool isUnsupportedAtVertex(const HalfEdge* edge)
+    {
+      size_t faceValence = 0, edgeValence = 0;
+      edge->calculateFaceValenceAndEdgeValence(faceValence,edgeValence);
+      if (faceValence > MAX_RING_FACE_VALENCE || edgeValence > MAX_RING_EDGE_VALENCE) return true;
+      const HalfEdge* around = edge; // back around the vertex, and at a border on from its other end
+      do {
+        const unsigned corners = around->numEdges();
+        if (corners < 3 || corners > MAX_PATCH_VALENCE) return true;
+        around = around->prev();
+        if (around->hasOpposite()) around = around->opposite();
+        else for (around = edge; around->hasOpposite(); ) around = around->opposite()->next();
+      } while (around != edge);
+      return false;
+    }
+
+    /*! True if Embree cannot evaluate a face whatever the vertices are, and the face is no hole. */
+    inline bool isUnsupported(const SubdivMesh* mesh, size_t face)
+    {
+      if (!hasEdges(mesh,face)) return false;
+      const HalfEdge* const first = mesh->getHalfEdge(0,face);
+      const HalfEdge* edge = first;
+      while (!isUnsupportedAtVertex(edge))
+        if ((edge = edge->next()) == first) return false;
+      for (size_t i=0; i<mesh->holes.size(); i++)
+        if (mesh->holes[i] == face) return false;
+      return true;
+    }
+
     /*! what is known of a patch before it is evaluated */
     struct PatchOfFace
     {

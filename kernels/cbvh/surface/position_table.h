@@ -7,8 +7,8 @@
  * step. Filled by all threads at once. */
 
 #include "lattice.h"
+#include "../base/atomic_ref.h"
 #include "../embree/scene.h"
-#include <atomic>
 #include <functional>
 
 namespace embree
@@ -46,13 +46,13 @@ namespace embree
         const uint64_t h = hashOf(p), mine = slotOf(vertex,exponent,h);
         for (size_t at=h & mask(); ; at=(at+1) & mask())
         {
-          std::atomic<uint64_t>& slot = atomic(at);
+          const cbvh::AtomicRef<uint64_t> slot(slots[at]);
           uint64_t found = slot.load(std::memory_order_relaxed);
-          if (found == 0 && slot.compare_exchange_strong(found,mine)) return;
+          if (found == 0 && slot.exchange(found,mine,std::memory_order_relaxed)) return;
           if (!isSame(positions,found,vertex,p,h)) continue;
           for (;;) {
             const uint64_t joined = (found & ~exponentBits) | std::max(found & exponentBits,mine & exponentBits) | sharedBit;
-            if (joined == found || slot.compare_exchange_weak(found,joined)) return;
+            if (joined == found || slot.exchangeWeak(found,joined,std::memory_order_relaxed)) return;
           }
         }
       }
@@ -95,9 +95,7 @@ namespace embree
       static const int exponentShift = 33, exponentBias = 128, tagShift = 44;
       static const uint64_t indexBits = (uint64_t(1) << exponentShift)-1, exponentBits = uint64_t(255) << exponentShift;
       static const uint64_t sharedBit = uint64_t(1) << 41, markBit = uint64_t(1) << 42, usedBit = uint64_t(1) << 43;
-      static_assert(sizeof(std::atomic<uint64_t>) == sizeof(uint64_t),"slots are taken as atomics while they are filled");
 
-      std::atomic<uint64_t>& atomic (size_t at) { return reinterpret_cast<std::atomic<uint64_t>&>(slots[at]); }
       size_t mask () const { return slots.size()-1; }
 
       static uint64_t slotOf (size_t vertex, int exponent, uint64_t hash) {

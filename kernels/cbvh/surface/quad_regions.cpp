@@ -4,6 +4,7 @@
 /* Compiled for the library's lowest ISA only. */
 
 #include "quad_regions.h"
+#include "../base/atomic_ref.h"
 #include "../base/exact_vector.h"
 #include <algorithm>
 #include <atomic>
@@ -105,9 +106,9 @@ namespace embree
             {
               const Quad q = quad(unsigned(i));
               if (!isValid(q)) { n++; continue; }
-              std::atomic<unsigned>& slot = reinterpret_cast<std::atomic<unsigned>&>(begins[q.v[0]-lowest]);
+              const cbvh::AtomicRef<unsigned> slot(begins[q.v[0]-lowest]);
               unsigned found = slot.load(std::memory_order_relaxed);
-              while (q.index < found && !slot.compare_exchange_weak(found,q.index,std::memory_order_relaxed));
+              while (q.index < found && !slot.exchangeWeak(found,q.index,std::memory_order_relaxed));
             }
             if (n) numLeftOut += n;
           });
@@ -178,7 +179,7 @@ namespace embree
           });
       }
 
-      void mark (unsigned index, Flags flag) { reinterpret_cast<std::atomic<uint8_t>&>(flags[index]).fetch_or(flag,std::memory_order_relaxed); }
+      void mark (unsigned index, Flags flag) { cbvh::AtomicRef<uint8_t>(flags[index]).fetchOr(flag,std::memory_order_relaxed); }
 
       bool isSeed (unsigned index, Seeds seeds) const
       {

@@ -25,12 +25,16 @@ namespace embree
         /*! its boxes, or null if they are not decoded */
         __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
-        /*! Whether a ray may meet the block between tNear and tFar, before anything is decoded. */
+        /*! Returns false if a ray misses the bounds of the block between tNear and tFar. Decodes nothing; the block
+         *  must be usable. */
         __forceinline bool mayMeet (const VertRayAxes<float>& ray, float tNear, float tFar) const {
           return unlikely(isRaw(block->boxForm)) || meetsBounds<float>(ray,block,tNear,tFar);
         }
 
-        /*! corners and boxes of groups */
+        /*! Returns false if the block is damaged: nothing of it may be read, not even its header. */
+        __forceinline bool isUsable () const { return cbvh::isUsable(block,true); }
+
+        /*! corners and boxes of groups of a usable block */
         __forceinline const VertBoxes& boxes () const
         {
           if (unlikely(slot.block != block)) decode();
@@ -52,8 +56,7 @@ namespace embree
            * that is waited for then is not hidden by anything. */
           for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
           slot.block = block;
-          if (likely(isUsable(block,true))) VertDecoder(block).decode(slot);
-          else VertDecoder::decodeNothing(slot);
+          VertDecoder(block).decode(slot);
         }
 
         __noinline void decode (uint32_t lane, VertQuads& at) const

@@ -23,15 +23,6 @@ namespace embree
         __forceinline VertDecoder (const VertHeader* block)
           : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), spacing(vertSpacing(block->word)) {}
 
-        /*! as of a block that has no groups */
-        static void decodeNothing (VertBoxes& out)
-        {
-          const void* const block = out.block;
-          memset(&out,0,sizeof(out));
-          out.block = block;
-          out.axis = 3;
-        }
-
         /*! everything that all groups need */
         __forceinline void decode (VertBoxes& out) const
         {

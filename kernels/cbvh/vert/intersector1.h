@@ -72,7 +72,7 @@ namespace embree
         {
           const GroupBoxes* boxes = cached.decodedBoxes();
           if (unlikely(boxes == nullptr)) {
-            if (!cached.mayMeet(vertRay,ray.tnear(),ray.tfar)) return false;
+            if (!cached.isUsable() || !cached.mayMeet(vertRay,ray.tnear(),ray.tfar)) return false;
             boxes = &cached.boxes();
           }
           uint32_t open = meetBoxes(*boxes);

@@ -36,8 +36,9 @@ namespace embree
         __forceinline vbool<K> run (vbool<K> valid)
         {
           vint<K> form = vertRays.form;
-          if (unlikely(cached.decodedBoxes() == nullptr) && likely(!isRaw(block->boxForm))) {
-            valid &= meetsBounds<vfloat<K>>(vertRays,block,rays.tnear(),rays.tfar);
+          if (unlikely(cached.decodedBoxes() == nullptr)) {
+            if (!cached.isUsable()) return vbool<K>(false);
+            if (likely(!isRaw(block->boxForm))) valid &= meetsBounds<vfloat<K>>(vertRays,block,rays.tnear(),rays.tfar);
             if (none(valid)) return valid;
           }
           const VertBoxes& boxes = cached.boxes();

@@ -31,7 +31,10 @@ namespace embree
           return likely(cache.slot(block,segment).key == key) ? &boxes() : nullptr;
         }
 
-        /*! Whether a ray may meet the block between tNear and tFar, before anything is decoded. */
+        /*! Moving blocks are checked when their file is loaded. */
+        __forceinline bool isUsable () const { return true; }
+
+        /*! Returns false if a ray misses the bounds of the block between tNear and tFar. Decodes nothing. */
         __forceinline bool mayMeet (const VertRayAxes<float>& ray, float tNear, float tFar) const
         {
           const SegmentReach reach(block,segment);

@@ -16,6 +16,10 @@ namespace embree
     /*! bytes that decoders may read behind a block */
     static constexpr size_t readBehindVert = 16;
 
+    /*! True if a patch's corner, in halves, is that of a face with four corners, or of a sub-patch of another face, as
+     *  Embree places them: from 1/2, two units from one to the next, up to 4 in a row. */
+    inline bool isPatchCorner(uint32_t u, uint32_t v) { return (u == 0 && v == 0) || (u % 4 == 1 && v % 4 == 1 && u <= 13 && v <= 13); }
+
     class VertValidation
     {
     public:
@@ -137,6 +141,7 @@ namespace embree
         if (vertX(header.region) + vertQuadsX(header.region) > quads[0] || vertY(header.region) + vertQuadsY(header.region) > quads[1]) return "a place outside of its patch";
         if (!hasEdges(header.boxForm)) return nullptr;
         const VertEdges edges = edgesOf(&header);
+        if (!isPatchCorner(vertCornerU(edges),vertCornerV(edges))) return "a patch whose corner is outside of its face";
         for (int s=0; s<4; s++)
           if (vertRate(edges,s) > quads[s & 1]) return "an edge of a higher rate than its patch has quads";
         return nullptr;

@@ -159,6 +159,7 @@ namespace embree
         }
         statistics.sums.numMovingQuads += size_t(w)*h;
         statistics.sums.motionBytes += block.stepBytes;
+        for (unsigned step=1; step<plan.numTimeSteps; step++) addSpacing(cbvh::stepOf((const cbvh::VertHeader*)bytes,step)->word);
         end(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::MOVING_VERT_BLOCK);
       }
 
@@ -204,9 +205,12 @@ namespace embree
         sums.numRawBlocks += block.raw;
         sums.numQuads += quads;
         sums.numInvalidQuads += block.invalidQuads;
-        sums.maxVertexSpacing = max(sums.maxVertexSpacing,cbvh::vertSpacing(header->word));
+        addSpacing(header->word);
         if (plan.kind() != cbvh::Kind::VERT) sums.numExactQuads += quads;
       }
+
+      /*! word: of the first cell, of a block or of a time step */
+      void addSpacing (uint32_t word) { statistics.sums.maxVertexSpacing = max(statistics.sums.maxVertexSpacing,cbvh::vertSpacing(word)); }
 
       void addMeshQuads (const SurfacePatch& patch, size_t quads)
       {

@@ -201,12 +201,13 @@ void Device::wait(const Submission& submission) const
 
 bool Device::isDone(const Submission& submission) const { return vk.GetFenceStatus(handles.device, submission.fence) != VK_NOT_READY; }
 
-/* A wait can fail for want of the host's memory while the device goes on, and what it uses must not be freed then.
- * Who has no memory for a second is believed to have lost the device. */
+/* A wait can fail because the host is out of memory. The device goes on meanwhile, and nothing that it uses may be freed:
+ * neither the fence and the commands, nor the caller's buffers. So this returns only when the device has ended the work, or
+ * is lost. */
 void Device::recycle(const Submission& submission)
 {
   auto hasEnded = [](VkResult result) { return result == VK_SUCCESS || result == VK_ERROR_DEVICE_LOST; };
-  for (int attempts = 100; attempts > 0 && !hasEnded(vk.GetFenceStatus(handles.device, submission.fence)); attempts--)
+  while (!hasEnded(vk.GetFenceStatus(handles.device, submission.fence)))
     if (!hasEnded(vk.WaitForFences(handles.device, 1, &submission.fence, VK_TRUE, UINT64_MAX)))
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
   std::lock_guard<std::mutex> lock(mutex);

@@ -1,0 +1,49 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Atomic access to a plain object, as std::atomic_ref of C++20. Use it for tables that several threads fill at the same
+ * time and that are plain memory afterwards. As long as one thread accesses an object through an AtomicRef, no other
+ * thread may access it in another way. */
+
+#include <atomic>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    template<typename T>
+    class AtomicRef
+    {
+    public:
+      explicit AtomicRef (T& object) : object(object) {}
+
+      T load (std::memory_order order) const { return __atomic_load_n(&object,int(order)); }
+      void store (T value, std::memory_order order) const { __atomic_store_n(&object,value,int(order)); }
+      T fetchOr (T bits, std::memory_order order) const { return __atomic_fetch_or(&object,bits,int(order)); }
+
+      /*! Replaces the expected value. Otherwise returns false and sets `expected` to the value that is there; may fail
+       *  spuriously. */
+      bool exchangeWeak (T& expected, T value, std::memory_order order) const {
+        return __atomic_compare_exchange_n(&object,&expected,value,true,int(order),onFailure(order));
+      }
+
+      /*! The same, without spurious failures. */
+      bool exchange (T& expected, T value, std::memory_order order) const {
+        return __atomic_compare_exchange_n(&object,&expected,value,false,int(order),onFailure(order));
+      }
+
+    private:
+      static_assert(__atomic_always_lock_free(sizeof(T),nullptr),"plain objects have no lock");
+
+      static int onFailure (std::memory_order order)
+      {
+        if (order == std::memory_order_acq_rel) return __ATOMIC_ACQUIRE;
+        return order == std::memory_order_release ? __ATOMIC_RELAXED : int(order);
+      }
+
+      T& object;
+    };
+  }
+}
