@@ -19,7 +19,7 @@ float spacing(float level)
 
 TextureChannels channelsOf(const DisplacementMap& map)
 {
-  return {map.channel, map.values == MapValues::Heights ? 1 : 3};
+  return {map.channel, map.values == MapValues::Heights ? 1 : 3, midLevelOf(map)};
 }
 
 void warn(std::string& warnings, const std::string& line)
@@ -50,7 +50,7 @@ class MapByCoordinates : public PlacedMap
 public:
   MapByCoordinates(const Cage& cage, const DisplacementMap& map, std::string& warnings)
     : PlacedMap(cage), tiles(UdimTiles::find(cage, map.path, warnings)),
-      texture(tiles.paths, channelsOf(map), tiles.isUdim() ? TextureWrap::Clamp : TextureWrap::Repeat),
+      texture(tiles.paths, channelsOf(map), tiles.isUdim() ? TextureWrap::Clamp : TextureWrap::Repeat, warnings),
       corners(cage.faceIndices.size()), edgeDiffers(corners.size()), cornerDiffers(corners.size())
   {
     warnOfNormals(texture, map, warnings);
@@ -159,7 +159,8 @@ class MapByFaces : public PlacedMap
 {
 public:
   MapByFaces(const Cage& cage, const DisplacementMap& map, std::string& warnings)
-    : PlacedMap(cage), texture({map.path}, channelsOf(map), isRepeated(map) ? TextureWrap::Repeat : TextureWrap::Clamp),
+    : PlacedMap(cage),
+      texture({map.path}, channelsOf(map), isRepeated(map) ? TextureWrap::Repeat : TextureWrap::Clamp, warnings),
       repeat(map.repeat)
   {
     warnOfNormals(texture, map, warnings);

@@ -244,8 +244,10 @@ constexpr const char* modelText = R"(A displaced subdivision surface: a cage, an
 
 constexpr const char* makeText = R"(Makes a model of a cage, displaced by a height map if there is one.
 
-height: path of an image that OpenImageIO reads (<UDIM> in it stands for the number of a tile), or an array (rows, columns) of finite numbers whose row 0 is the top of
-  the image. Looked up by the cage's texture coordinates; a cage without them gets the whole map on every face.
+height: path of an image that OpenImageIO reads (<UDIM> or <UVTILE> in it stands for a tile), or an array (rows, columns)
+  of finite numbers whose row 0 is the top of the image. Looked up by the cage's texture coordinates; a cage without
+  them gets the whole map on every face. Unsigned integers of a file become 0 to 1, signed integers -1 to 1. Texels
+  without a value (NaN, -3.4e38, GDAL's nodata) and outside of a data window move nothing.
 amplitude: displacement from height 0 to height 1 as a fraction of the diagonal of the cage's bounding box, 0.006 if it
   is not given; vectors are in world units then.
 mid_level: height that leaves the surface where it is, 0.5 if it is not given, 0 of vectors.
