@@ -245,6 +245,54 @@ TEST_F(Displacing, UdimTilesAreReadByTheMiddleOfAFace)
   }
 }
 
+TEST_F(Displacing, UdimTilesAreNamedInTheWaysOfPrograms)
+{
+  const std::pair<const char*, std::pair<const char*, const char*>> spellings[] = {
+    {"skin.<UDIM>.exr", {"skin.1001.exr", "skin.1002.exr"}},
+    {"skin.<udim>.exr", {"skin.1001.exr", "skin.1002.exr"}},
+    {"skin.%(UDIM)d.exr", {"skin.1001.exr", "skin.1002.exr"}},
+    {"skin_<UVTILE>.exr", {"skin_u1_v1.exr", "skin_u2_v1.exr"}},
+    {"skin_<uvtile>.exr", {"skin_u0_v0.exr", "skin_u1_v0.exr"}},
+    {"<U>_<V>.exr", {"u1_v1.exr", "u2_v1.exr"}},
+    {"<u>_<v>.exr", {"u0_v0.exr", "u1_v0.exr"}},
+    {"<UDIM>_<UDIM>.exr", {"1001_1001.exr", "1002_1002.exr"}}};
+  for (const auto& [spelling, files] : spellings)
+  {
+    SCOPED_TRACE(spelling);
+    path(flat(8, 0.75f), files.first);
+    path(flat(8, 1.5f), files.second);
+    const std::string map = (folder / spelling).string();
+    EXPECT_EQ(warningsOf(quadsOnTiles(), map), "");
+    const auto d = displaced(quadsOnTiles(), map, 1.0f);
+    EXPECT_FLOAT_EQ(offset(*d, 0, 0.5f, 0.5f), 0.25f);
+    EXPECT_FLOAT_EQ(offset(*d, 1, 0.5f, 0.5f), 1.0f);
+    std::filesystem::remove(folder / files.first);
+    std::filesystem::remove(folder / files.second);
+    EXPECT_THROW(displaced(quadsOnTiles(), map, 1.0f), Error);
+  }
+}
+
+TEST_F(Displacing, MissingTexelsDisplaceNothing)
+{
+  const std::string file = constantImage(folder / "missing.exr", {NAN, 0.2f, -0.3f}, OIIO::TypeDesc::FLOAT);
+  DisplacementMap map;
+  map.path = file;
+  map.scale = 2.0f;
+  map.midLevel = 0.125f;
+  std::string warnings;
+  EXPECT_EQ(offset(*displaceByMap(twoQuads(), map, warnings), 0, 0.5f, 0.5f), 0.0f);
+  map.channel = "G";
+  EXPECT_FLOAT_EQ(offset(*displaceByMap(twoQuads(), map, warnings), 0, 0.5f, 0.5f), 0.15f);
+  EXPECT_EQ(warnings, file + ": 64 texels have no value and displace nothing\n");
+  map.channel.clear();
+  map.values = MapValues::ObjectVectors;
+  const float u = 0.4f, v = 0.7f;
+  const Vec3f normal{0, 0, 1};
+  Vec3f moved{1, 1, 1};
+  displaceByMap(twoQuads(), map, warnings)->vectors({0, finestLevel, 1, &u, &v}, &normal, &moved);
+  EXPECT_EQ(length(moved), 0.0f) << "a vector without one of its channels";
+}
+
 TEST_F(Displacing, FacesWithoutAUdimTileStayAsTheyAre)
 {
   path(flat(8, 0.75f), "skin.1001.exr");
