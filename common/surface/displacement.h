@@ -100,7 +100,8 @@ float midLevelOf(const DisplacementMap& map);
  *
  * warnings: lines on what is likely not meant are added to it, each with its end.
  * Errors: throws Error for a file that cannot be read or has too few images or channels, and
- * for vectors in tangent space and <UDIM> without texture coordinates; Cancelled. */
+ * for vectors in tangent space and <UDIM> without texture coordinates, and for texture
+ * coordinates on some faces only; Cancelled. */
 std::unique_ptr<Displacement> displaceByMap(const Cage& cage, const DisplacementMap& map, std::string& warnings);
 
 } // namespace cbvh

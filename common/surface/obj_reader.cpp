@@ -7,6 +7,7 @@
 
 #include "surface/obj_reader.h"
 #include "basics/error.h"
+#include "basics/pipe_input.h"
 #include "basics/progress.h"
 
 #include <algorithm>
@@ -210,6 +211,7 @@ private:
     const size_t corners = words.size() - 1;
     if (corners < 3)
       fail("a face needs at least three vertices, this one has " + std::to_string(corners));
+    std::vector<unsigned> uvs; // of the corners that have one
     for (size_t i = 1; i <= corners; i++)
     {
       const std::string_view word = words[i];
@@ -222,11 +224,23 @@ private:
         uv = uv.substr(0, uv.find('/'));
       }
       if (!uv.empty())
-        cage.uvIndices.push_back(index(uv, cage.uvs.size(), "texture coordinate"));
+        uvs.push_back(index(uv, cage.uvs.size(), "texture coordinate"));
     }
     cage.faceSizes.push_back(unsigned(corners));
-    if (!cage.uvIndices.empty() && cage.uvIndices.size() != cage.faceIndices.size())
+    addTextureCoordinates(uvs, corners);
+  }
+
+  /* uvIndices stays empty up to the first face with texture coordinates. */
+  void addTextureCoordinates(const std::vector<unsigned>& uvs, size_t corners)
+  {
+    if (!uvs.empty() && uvs.size() != corners)
       fail("some corners have texture coordinates and some have none");
+    if (uvs.empty() && cage.lineWithoutUVs == 0)
+      cage.lineWithoutUVs = lineNumber;
+    if (uvs.empty() && cage.uvIndices.empty())
+      return;
+    cage.uvIndices.resize(cage.faceIndices.size() - uvs.size(), Cage::noUV);
+    cage.uvIndices.insert(cage.uvIndices.end(), uvs.begin(), uvs.end());
   }
 
   /* t NAME INTS/FLOATS/STRINGS and as many values. */
@@ -338,7 +352,10 @@ private:
     if (cage.faceSizes.empty())
       throw Error(name + ": no faces");
     if (cage.uvIndices.empty())
+    {
       cage.uvs.clear();
+      cage.lineWithoutUVs = 0;
+    }
     auto check = [&](unsigned value, size_t count, const char* what) {
       if (value >= count)
         throw Error(name + ": tag refers to " + what + " " + std::to_string(value) + ", there are " +
@@ -372,6 +389,12 @@ Cage readObj(std::istream& stream, const std::string& name, std::string& warning
 
 Cage readObj(const std::string& path, std::string& warnings)
 {
+  if (isPipe(path))
+  {
+    PipeInput pipe(path);
+    std::istream stream(&pipe);
+    return readObj(stream, path, warnings);
+  }
   std::ifstream stream(path);
   if (!stream)
     throw Error(path + ": cannot be opened");

@@ -209,10 +209,23 @@ private:
   std::vector<unsigned> firstImage;
 };
 
+/* Throws Error if some faces have texture coordinates and others have none. */
+void requireAllUVs(const Cage& cage, const DisplacementMap& map)
+{
+  const size_t without = cage.numFacesWithoutUVs();
+  if (!cage.hasUVs() || without == 0)
+    return;
+  const std::string place = cage.lineWithoutUVs ? cage.name + ":" + std::to_string(cage.lineWithoutUVs) : cage.name;
+  throw Error(place + ": " + (cage.lineWithoutUVs ? "this face has" : "there are faces that have") +
+              " no texture coordinates, and " + map.path + " needs them on all faces; " + std::to_string(without) +
+              " of " + std::to_string(cage.numFaces()) + (without == 1 ? " has" : " have") + " none");
+}
+
 } // namespace
 
 std::unique_ptr<PlacedMap> PlacedMap::create(const Cage& cage, const DisplacementMap& map, std::string& warnings)
 {
+  requireAllUVs(cage, map);
   if (cage.hasUVs())
     return std::make_unique<MapByCoordinates>(cage, map, warnings);
   if (isUdimPath(map.path))

@@ -7,11 +7,13 @@
 #include "scenes/cube.h"
 #include "surface/face_atlas.h"
 #include "surface/face_borders.h"
+#include "surface/obj_reader.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <sstream>
 #include <unistd.h>
 
 namespace cbvh::test {
@@ -269,6 +271,24 @@ TEST_F(Displacing, UdimTilesAreNamedInTheWaysOfPrograms)
     std::filesystem::remove(folder / files.first);
     std::filesystem::remove(folder / files.second);
     EXPECT_THROW(displaced(quadsOnTiles(), map, 1.0f), Error);
+  }
+}
+
+TEST_F(Displacing, TextureCoordinatesOnSomeFacesOnlyAreAnError)
+{
+  std::istringstream stream("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\nf 1 3 4\nf 1 2 4\n");
+  std::string warnings;
+  const Cage cage = readObj(stream, "body.obj", warnings);
+  const std::string map = path(flat(4, 0.5f));
+  try
+  {
+    displaced(cage, map, 1.0f);
+    FAIL() << "displaced without an error";
+  }
+  catch (const Error& e)
+  {
+    EXPECT_EQ(std::string(e.what()), "body.obj:7: this face has no texture coordinates, and " + map +
+                                       " needs them on all faces; 2 of 3 have none");
   }
 }
 

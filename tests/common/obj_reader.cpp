@@ -3,10 +3,18 @@
 
 #include "surface/obj_reader.h"
 #include "basics/error.h"
+#include "basics/progress.h"
+#include "surface/cage_validation.h"
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <sstream>
+#include <sys/stat.h>
+#include <thread>
+#include <unistd.h>
 
 namespace cbvh::test {
 namespace {
@@ -64,6 +72,90 @@ TEST(ObjReader, OneVertexMayHaveSeveralUVs)
 {
   const Cage cage = read(square + "vt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 1/2 3/2 4/2\n");
   EXPECT_EQ(cage.uvIndices, (std::vector<unsigned>{0, 0, 0, 1, 1, 1}));
+}
+
+TEST(ObjReader, SomeFacesMayHaveNoTextureCoordinates)
+{
+  constexpr unsigned none = Cage::noUV;
+  const std::string with = "f 1/1 2/1 3/1\n", without = "f 1 3 4\n", uv = "vt 0.5 0.5\nvn 0 0 1\n";
+  const Cage last = read(square + uv + with + without), first = read(square + uv + without + "f 1//1 3//1 4//1\n" + with);
+  EXPECT_EQ(last.uvIndices, (std::vector<unsigned>{0, 0, 0, none, none, none}));
+  EXPECT_EQ(last.numFacesWithoutUVs(), 1u);
+  EXPECT_EQ(last.lineWithoutUVs, 8u);
+  EXPECT_EQ(first.uvIndices, (std::vector<unsigned>{none, none, none, none, none, none, 0, 0, 0}));
+  EXPECT_EQ(first.numFacesWithoutUVs(), 2u);
+  EXPECT_EQ(first.lineWithoutUVs, 7u);
+  EXPECT_TRUE(last.hasUVs() && first.hasUVs());
+  const Cage all = read(square + uv + with), no = read(square + uv + without);
+  EXPECT_EQ(all.numFacesWithoutUVs(), 0u);
+  EXPECT_EQ(no.numFacesWithoutUVs(), 1u);
+  EXPECT_FALSE(no.hasUVs());
+  EXPECT_EQ(no.lineWithoutUVs, 0u);
+}
+
+TEST(ObjReader, CagesWithSomeTextureCoordinatesAreValid)
+{
+  Cage cage = read(square + "v 2 0 0\nv 2 1 0\nvt 0 0\nf 1/1 2/1 3/1 4/1\nf 2 5 6 3\n");
+  std::string warnings;
+  validateCage(cage, warnings);
+  EXPECT_EQ(warnings, "");
+  EXPECT_TRUE(cage.holes.empty());
+}
+
+/* A named pipe in a folder that goes at the end. */
+struct NamedPipe
+{
+  NamedPipe() : folder(std::filesystem::temp_directory_path() / ("cbvh_obj_pipe_" + std::to_string(::getpid())))
+  {
+    std::filesystem::create_directories(folder);
+    path = (folder / "cage.obj").string();
+    EXPECT_EQ(mkfifo(path.c_str(), 0600), 0);
+  }
+  ~NamedPipe() { std::filesystem::remove_all(folder); }
+
+  std::filesystem::path folder;
+  std::string path;
+};
+
+TEST(ObjReader, ReadsPipesWhoseWriterComesLaterAndRests)
+{
+  const NamedPipe pipe;
+  std::thread writer([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    std::ofstream stream(pipe.path);
+    stream << square << std::flush;
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    for (int i = 0; i < 20000; i++) // more than a pipe holds
+      stream << "f 1 2 3 4\n";
+  });
+  std::string warnings;
+  const Cage cage = readObj(pipe.path, warnings);
+  writer.join();
+  EXPECT_EQ(cage.numFaces(), 20000u);
+}
+
+TEST(ObjReader, PipesWithoutAWriterAreReported)
+{
+  const NamedPipe pipe;
+  std::string warnings, error;
+  try
+  {
+    readObj(pipe.path, warnings);
+  }
+  catch (const Error& e)
+  {
+    error = e.what();
+  }
+  EXPECT_EQ(error, pipe.path + ": is a pipe, and no program opened it for writing within 10 seconds");
+}
+
+TEST(ObjReader, CancellingEndsTheWaitForAWriter)
+{
+  const NamedPipe pipe;
+  std::string warnings;
+  requestCancel();
+  EXPECT_THROW(readObj(pipe.path, warnings), Cancelled);
+  clearCancel();
 }
 
 TEST(ObjReader, ReadsTags)

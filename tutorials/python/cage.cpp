@@ -182,7 +182,7 @@ take.)")
                            "(sum(face_sizes),) uint32: vertices of the faces, one after the other.")
     .def_property_readonly("uvs", array<float>(&Cage::uvs), "(m, 2) float32: texture coordinates; (0, 2) without.")
     .def_property_readonly("uv_indices", array<unsigned>(&Cage::uvIndices),
-                           "Parallel to indices, uint32: into uvs; (0,) without.")
+                           "Parallel to indices, uint32: into uvs, 4294967295 on faces without; (0,) without.")
     .def_property_readonly("crease_edges", array<unsigned>(&Cage::creaseEdges), "(c, 2) uint32: vertices of creases.")
     .def_property_readonly("crease_sharpness", array<float>(&Cage::creaseSharpness), "(c,) float32: inf for hard ones.")
     .def_property_readonly("corner_vertices", array<unsigned>(&Cage::cornerVertices), "(c,) uint32: sharp vertices.")
