@@ -31,6 +31,7 @@ struct HeightTexture::Implementation
 };
 HeightTexture::HeightTexture(const std::vector<std::string>& paths, const TextureChannels&, TextureWrap, std::string&) { refuse(paths.front()); }
 HeightTexture::~HeightTexture() = default;
+Vec2f HeightTexture::size(unsigned) const { return {0, 0}; }
 bool HeightTexture::looksLikeNormals() const { return false; }
 void HeightTexture::sample(unsigned, float, float, float, float, float*) const {}
 
