@@ -7,13 +7,13 @@
 
 #include <cstdint>
 #include <fstream>
+#include <set>
 
 namespace cbvh {
 namespace {
 
 constexpr unsigned nodataTag = 42113, asciiType = 2;
-constexpr uint64_t longestText = 64;    // of a number
-constexpr size_t mostPages = 1u << 16;  // a malformed file may refer to a page twice
+constexpr uint64_t longestText = 64; // of a number
 
 class TiffReader
 {
@@ -23,8 +23,9 @@ public:
   std::vector<std::string> run()
   {
     std::vector<std::string> pages;
+    std::set<uint64_t> known; // a malformed file may refer to a page twice
     uint64_t directory = readHeader();
-    while (directory != 0 && pages.size() < mostPages)
+    while (directory != 0 && known.insert(directory).second)
     {
       std::string text;
       directory = readDirectory(directory, text);

@@ -29,6 +29,7 @@ public:
   struct FileInfo
   {
     unsigned images = 0;         // one a face in Ptex files; pages of a TIFF, parts of an EXR
+    std::vector<int> numbers;    // of the images within the file: a TIFF also has smaller copies and masks
     int firstChannel = 0;        // of those asked for
     int channels = 0;            // that the first image has
     bool constantBorder = false; // of the first

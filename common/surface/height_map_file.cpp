@@ -178,11 +178,14 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
   const QuietStderr quiet;
   const auto input = openImage(path);
   FileInfo info;
-  while (input->seek_subimage(int(info.images), 0))
+  for (int number = 0; input->seek_subimage(number, 0); number++)
   {
+    if (input->isCopyOrMask())
+      continue;
+    info.numbers.push_back(number);
     const int first = findChannel(input->spec(), channel, count, path);
     input->setReading({first, count, neutral});
-    const Texels texels = readImage(*input, int(info.images), first, count, path);
+    const Texels texels = readImage(*input, number, first, count, path);
     info.isPlain &= input->isPlain();
     if (info.images++ > 0)
       continue;
@@ -191,7 +194,9 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
     info.constantBorder = texels.hasConstantBorder();
   }
   if (!input->refusal().empty())
-    throw unreadable(path, "image " + std::to_string(info.images) + ": " + input->refusal());
+    throw unreadable(path, "image " + std::to_string(input->current_subimage()) + ": " + input->refusal());
+  if (info.images == 0)
+    throw unreadable(path, "it has only copies of reduced resolution or masks");
   info.missing = input->numMissing();
   info.isPlain &= info.missing == 0;
   return info;

@@ -43,7 +43,8 @@ struct HeightTexture::Implementation
       OIIO::ImageCache::destroy(cache);
   }
 
-  void open(const std::string& path, unsigned subimages, const HeightMap::FileInfo& info, const TextureChannels& read)
+  /* count: of the file's images that belong to the texture. */
+  void open(const std::string& path, size_t count, const HeightMap::FileInfo& info, const TextureChannels& read)
   {
     if (!info.isPlain)
     {
@@ -53,8 +54,8 @@ struct HeightTexture::Implementation
     OIIO::TextureSystem::TextureHandle* handle = system->get_texture_handle(OIIO::ustring(path));
     if (!handle || !system->good(handle))
       throw Error(path + ": OpenImageIO makes no texture of it: " + system->geterror());
-    for (unsigned i = 0; i < subimages; i++)
-      images.push_back({handle, int(i)});
+    for (size_t i = 0; i < count; i++)
+      images.push_back({handle, info.numbers[i]});
   }
 
   void lookUp(unsigned image, OIIO::TextureOpt opt, float s, float t, float widthS, float widthT, int count,
@@ -89,7 +90,7 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
     }
     else if (info.firstChannel != implementation->options.firstchannel)
       throw Error(path + ": has its channels in another order than " + paths.front());
-    implementation->open(path, paths.size() == 1 ? info.images : 1, info, channels);
+    implementation->open(path, paths.size() == 1 ? info.numbers.size() : 1, info, channels);
     if (info.missing)
       warnings += path + ": " + std::to_string(info.missing) + (info.missing == 1 ? " texel has" : " texels have") +
                   " no value and " + (info.missing == 1 ? "displaces" : "displace") + " nothing\n";

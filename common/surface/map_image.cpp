@@ -21,6 +21,9 @@ constexpr const char* neutralAttribute = "cbvh:neutral";
 /* Values of TIFF's PhotometricInterpretation. */
 enum Photometric { WhiteIsZero = 0, BlackIsZero = 1, Rgb = 2 };
 
+/* Bits of TIFF's NewSubfileType. */
+enum SubfileType { ReducedResolution = 1, Mask = 4 };
+
 /* Programs store the lowest float for "no value", some of them rounded. */
 constexpr float lowestHeight = -3.4e38f;
 
@@ -158,6 +161,7 @@ bool MapImage::describe()
   const OIIO::ImageSpec& from = source->spec();
   const std::string format = source->format_name();
   const int photometric = format == "tiff" ? from.get_int_attribute("tiff:PhotometricInterpretation", -1) : -1;
+  copyOrMask = (from.get_int_attribute("tiff:subfiletype", 0) & (ReducedResolution | Mask)) != 0;
   isFloating = from.format.is_floating_point();
   isInverted = photometric == WhiteIsZero && from.format != OIIO::TypeDesc::UINT8;
   refused = refusalOf(from, format, isInverted);

@@ -42,6 +42,9 @@ public:
   /* True if the texture system can read the current image from the file itself, provided that no texel is missing. */
   bool isPlain() const { return plain; }
 
+  /* True if the current image is a smaller copy of another one, or a mask, as GDAL stores them in a TIFF. */
+  bool isCopyOrMask() const { return copyOrMask; }
+
   /* Number of missing texels among all that were read. */
   size_t numMissing() const { return missing; }
 
@@ -76,7 +79,7 @@ private:
   int image = -1;
   OIIO::ROI window; // that is shown, in the coordinates of the source
   std::optional<double> nodata;
-  bool plain = false, isInverted = false, isFloating = false;
+  bool plain = false, copyOrMask = false, isInverted = false, isFloating = false;
 };
 
 } // namespace cbvh

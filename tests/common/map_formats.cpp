@@ -507,6 +507,34 @@ TEST_F(MapFormats, EachPageHasItsOwnMissingValue)
   EXPECT_EQ(warnings, path + ": 400 texels have no value and displace nothing\n");
 }
 
+TEST_F(MapFormats, SmallerCopiesAndMasksAreNoImages)
+{
+  for (unsigned tile : {0u, 16u})
+  {
+    TiffWriter writer(false, false);
+    for (unsigned page = 0; page < 2; page++)
+      for (unsigned subfile : {0u, 1u, 1u, 4u, 5u}) // a page, two copies of it, its mask and a copy of that
+      {
+        TiffLayout t;
+        t.width = t.height = size;
+        t.tile = tile;
+        t.subfile = subfile;
+        writer.page(t, repeated(std::string(1, char(subfile ? 99 : 10 + page))));
+      }
+    const std::string path = pathOf("overviews.tif");
+    writer.save(path);
+    std::string warnings;
+    const HeightTexture texture({path}, {}, TextureWrap::Clamp, warnings);
+    ASSERT_EQ(texture.numImages(), 2u);
+    for (unsigned page = 0; page < 2; page++)
+    {
+      float height = 0;
+      texture.sample(page, 0.5f, 0.5f, 0.0f, 0.0f, &height);
+      EXPECT_FLOAT_EQ(height, float(10 + page) / 255);
+    }
+  }
+}
+
 TEST_F(MapFormats, APageThatCannotBeReadRefusesTheFile)
 {
   TiffWriter writer(false, false);

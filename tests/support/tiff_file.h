@@ -28,6 +28,7 @@ struct TiffLayout
   int extra = -1;            // ExtraSamples of the last sample: 0 unspecified, 1 associated alpha, 2 unassociated alpha
   std::vector<uint16_t> colors; // of a palette: all red, all green, all blue values
   std::string nodata;        // GDAL's tag 42113, left out if empty
+  unsigned subfile = 0;      // NewSubfileType: 1 a smaller copy of the page before, 4 a mask
   bool isBigEndian = false, isBigTiff = false;
 };
 
@@ -60,6 +61,8 @@ public:
     }
     bytes.resize((bytes.size() + 7) / 8 * 8);
     entries.clear();
+    if (t.subfile)
+      entry(254, 4, {t.subfile});
     entry(256, 4, {t.width});
     entry(257, 4, {t.height});
     entry(258, 3, std::vector<uint64_t>(t.samples, t.bits));
