@@ -7,6 +7,7 @@
 #include <OpenImageIO/half.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -192,8 +193,8 @@ std::optional<double> MapImage::nodataOf(const OIIO::ImageSpec& from) const
   double value = 0;
   if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc())
     return {};
-  if (isFloating)
-    return value;
+  if (isFloating) // a float cannot hold the lowest double
+    return from.format == OIIO::TypeDesc::DOUBLE || std::abs(value) <= FLT_MAX ? value : std::copysign(INFINITY, value);
   const int bits = from.get_int_attribute("oiio:BitsPerSample", int(8 * from.format.size()));
   const double most = std::ldexp(1.0, isUnsigned(from.format) ? bits : bits - 1) - 1;
   const double least = isUnsigned(from.format) ? 0 : -most - 1;

@@ -426,6 +426,7 @@ TEST_F(MapFormats, MissingTexelsAreNeutralAndCounted)
     {"float that is not exact", 32, 3, 1, "0.1", f(0.1f), f(0.9), 0.9f},
     {"float with blanks and a sign", 32, 3, 1, " +1e+20 ", f(1e20), f(0.9), 0.9f},
     {"infinity", 32, 3, 1, "-inf", f(-INFINITY), f(0.9), 0.9f},
+    {"lowest double for floats", 32, 3, 1, "-1.7976931348623157e+308", f(-INFINITY), f(0.9), 0.9f},
     {"nan in the tag", 32, 3, 1, "nan", f(NAN), f(0.9), 0.9f},
     {"double", 64, 3, 1, "-1.7976931348623157e+308", f64(-1.7976931348623157e308), f64(0.9), 0.9f},
     {"half", 16, 3, 1, "-9999", pixelOf<half>({-10000}), pixelOf<half>({0.75}), 0.75f},

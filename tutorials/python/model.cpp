@@ -99,9 +99,25 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
   }
   const std::shared_ptr<ArrayDisplacement> kept(new ArrayDisplacement{MapFile(heights.map), nullptr});
   map.path = kept->file.path();
-  kept->displacement = displaceByMap(cage, map, warnings);
-  for (size_t named; (named = warnings.find(map.path)) != std::string::npos;)
-    warnings.replace(named, map.path.size(), "height");
+  /* users know the argument, not its file */
+  const auto named = [&](std::string text) {
+    for (size_t at; (at = text.find(map.path)) != std::string::npos;)
+      text.replace(at, map.path.size(), "height");
+    return text;
+  };
+  try
+  {
+    kept->displacement = displaceByMap(cage, map, warnings);
+  }
+  catch (const Cancelled&)
+  {
+    throw;
+  }
+  catch (const Error& e)
+  {
+    throw Error(named(e.what()));
+  }
+  warnings = named(warnings);
   return {kept, kept->displacement.get()};
 }
 
