@@ -191,8 +191,8 @@ std::optional<double> MapImage::nodataOf(const OIIO::ImageSpec& from) const
   std::string_view text = nodataTexts[size_t(image)];
   text.remove_prefix(std::min(text.find_first_not_of(" +"), text.size()));
   double value = 0;
-  if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc())
-    return {};
+  if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc() || std::isnan(value))
+    return {}; // NaN is missing without the tag
   if (isFloating) // a float cannot hold the lowest double
     return from.format == OIIO::TypeDesc::DOUBLE || std::abs(value) <= FLT_MAX ? value : std::copysign(INFINITY, value);
   const int bits = from.get_int_attribute("oiio:BitsPerSample", int(8 * from.format.size()));

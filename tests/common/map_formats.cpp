@@ -480,8 +480,12 @@ TEST_F(MapFormats, ValuesThatOnlyLookMissingAreHeights)
   }
   t.bits = 32;
   t.format = 3;
-  writeTiff(path, t, repeated(bytesOf(std::vector<float>{INFINITY})));
-  EXPECT_NE(sampleAt(path, 0.5f, 0.5f).error.find("is not finite"), std::string::npos);
+  for (const char* nodata : {"", "nan", "-9999"})
+  {
+    t.nodata = nodata;
+    writeTiff(path, t, repeated(bytesOf(std::vector<float>{INFINITY})));
+    EXPECT_NE(sampleAt(path, 0.5f, 0.5f).error.find("is not finite"), std::string::npos) << nodata;
+  }
 }
 
 TEST_F(MapFormats, EachPageHasItsOwnMissingValue)
