@@ -3,6 +3,7 @@
 
 #include "programs/opened_files.h"
 #include "basics/error.h"
+#include "basics/pipe_input.h"
 #include "basics/text.h"
 
 #include <filesystem>
@@ -15,7 +16,8 @@ bool endsIn(const char* extension, const std::string& path)
   return lowerCase(std::filesystem::path(path).extension().string()) == extension;
 }
 
-bool isCage(const std::string& path) { return endsIn(".obj", path); }
+/* A pipe has no extension of use, and maps are never read from pipes. */
+bool isCage(const std::string& path) { return endsIn(".obj", path) || isPipe(path); }
 bool isSavedScene(const std::string& path) { return endsIn(".cbvh", path); }
 
 /* How a map was read that is gone, or how strong a generated scene was. */

@@ -47,7 +47,8 @@ inline std::string shortNumber(float value)
 inline void addMapOptions(CLI::App& app, SceneSettings& settings)
 {
   app.add_option("--height", settings.heightPath,
-                 "height map of the cage, any image that OpenImageIO reads; skin.<UDIM>.png for a file a UDIM tile")
+                 "height map of the cage, any image that OpenImageIO reads, integers as 0 to 1, "
+                 "signed ones as -1 to 1; skin.<UDIM>.png for a file per UDIM tile")
     ->type_name("FILE");
   app.add_option("--amplitude", settings.amplitude,
                  "displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding box [" +

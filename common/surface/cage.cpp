@@ -13,6 +13,19 @@ Box3f Cage::bounds() const
   return box;
 }
 
+size_t Cage::numFacesWithoutUVs() const
+{
+  if (!hasUVs())
+    return numFaces();
+  size_t count = 0, first = 0;
+  for (unsigned size : faceSizes)
+  {
+    count += uvIndices[first] == noUV;
+    first += size;
+  }
+  return count;
+}
+
 PatchLayout::PatchLayout(const Cage& cage, int level, size_t copies)
 {
   std::vector<char> isHole(cage.numFaces(), 0);

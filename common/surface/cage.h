@@ -41,10 +41,12 @@ struct Cage
   std::vector<unsigned> faceSizes;   // vertices a face, at least 3
   std::vector<unsigned> faceIndices; // concatenated, into positions
 
-  /* Face-varying texture coordinates: uvIndices runs parallel to faceIndices.
-   * Both empty for a cage without. */
+  /* Face-varying texture coordinates: uvIndices runs parallel to faceIndices. It is noUV at
+   * all corners of a face without coordinates. Both are empty if no face has some. */
   std::vector<Vec2f> uvs;
   std::vector<unsigned> uvIndices;
+  size_t lineWithoutUVs = 0; // of the first face without, if others have some; 0 for a cage that is from no file
+  static constexpr unsigned noUV = ~0u;
 
   std::vector<std::pair<unsigned, unsigned>> creaseEdges; // vertex pairs
   std::vector<float> creaseSharpness;                     // infinity: a hard edge
@@ -55,7 +57,8 @@ struct Cage
   CreaseRule creaseRule = CreaseRule::Uniform;            // OpenSubdiv's default; see crease_rules.h on Embree's
 
   size_t numFaces() const { return faceSizes.size(); }
-  bool hasUVs() const { return !uvIndices.empty(); }
+  bool hasUVs() const { return !uvIndices.empty(); } // on some faces at least
+  size_t numFacesWithoutUVs() const;
   Box3f bounds() const;
 };
 

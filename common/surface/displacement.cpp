@@ -62,12 +62,17 @@ void Displacement::vectors(const SurfacePoints& points, const Vec3f* normals, Ve
     vectors[i] = along[i] * normals[i];
 }
 
+float midLevelOf(const DisplacementMap& map)
+{
+  return map.midLevel.value_or(map.values == MapValues::Heights ? neutralHeight : 0.0f);
+}
+
 std::unique_ptr<Displacement> displaceByMap(const Cage& cage, const DisplacementMap& map, std::string& warnings)
 {
   Phase phase("displacement map");
   std::unique_ptr<PlacedMap> placed = PlacedMap::create(cage, map, warnings);
   if (map.values == MapValues::Heights)
-    return std::make_unique<HeightDisplacement>(std::move(placed), map.scale, map.midLevel.value_or(neutralHeight));
+    return std::make_unique<HeightDisplacement>(std::move(placed), map.scale, midLevelOf(map));
   return displaceByVectors(cage, std::move(placed), map);
 }
 

@@ -75,13 +75,16 @@ enum class MapValues
 /* A map in a file, and how it is read. */
 struct DisplacementMap
 {
-  std::string path;              // <UDIM> in it stands for the number of a tile of texture coordinates
+  std::string path;              // <UDIM> in it stands for a tile of texture coordinates, see udim_tiles.h
   float scale = 1.0f;            // world units that a difference of 1 moves by
   MapValues values = MapValues::Heights;
   std::optional<float> midLevel; // value that moves nothing; none: neutralHeight of heights, 0 of vectors
   std::string channel;           // the first that counts, by name or number from 0; empty for the first of the file
   Vec2f repeat{1, 1};            // copies of the map in a unit of texture coordinates, or on a face
 };
+
+/* The value of a map that moves nothing. */
+float midLevelOf(const DisplacementMap& map);
 
 /* Through the cage's own texture coordinates where it has some, else on its faces.
  *
@@ -97,7 +100,8 @@ struct DisplacementMap
  *
  * warnings: lines on what is likely not meant are added to it, each with its end.
  * Errors: throws Error for a file that cannot be read or has too few images or channels, and
- * for vectors in tangent space and <UDIM> without texture coordinates; Cancelled. */
+ * for vectors in tangent space and <UDIM> without texture coordinates, and for texture
+ * coordinates on some faces only; Cancelled. */
 std::unique_ptr<Displacement> displaceByMap(const Cage& cage, const DisplacementMap& map, std::string& warnings);
 
 } // namespace cbvh

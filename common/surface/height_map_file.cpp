@@ -5,6 +5,7 @@
 #include "basics/error.h"
 #include "basics/image_file.h"
 #include "basics/progress.h"
+#include "surface/map_image.h"
 
 #include <OpenImageIO/imageio.h>
 
@@ -59,20 +60,29 @@ Error unreadable(const std::string& path, std::string reason)
   return Error(path + ": cannot be read as a height map: " + (reason.empty() ? "unknown reason" : reason));
 }
 
-std::unique_ptr<OIIO::ImageInput> openImage(const std::string& path)
+/* A pipe without a writer blocks whoever opens it, and OpenImageIO opens a file several times. */
+void requireFile(const std::string& path)
 {
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored))
-    throw Error(path + ": no such height map");
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (!std::filesystem::exists(status))
+    throw Error(path + ": no such height map" +
+                (path.find('<') == std::string::npos ? "" : "; tiles are named by <UDIM>, %(UDIM)d or <UVTILE>"));
+  if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status))
+    throw Error(path + ": is a pipe or a device, and a height map is read more than once: give a regular file");
+}
+
+std::unique_ptr<MapImage> openImage(const std::string& path)
+{
+  requireFile(path);
   const std::string extension = std::filesystem::path(path).extension().string();
   const std::string formats = "," + std::string(OIIO::get_string_attribute("input_format_list")) + ",";
   if ((extension == ".ptx" || extension == ".ptex") && formats.find(",ptex,") == std::string::npos)
     throw Error(path + ": this OpenImageIO is built without its Ptex reader; a TIFF of one page a face serves as well");
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1); // else colours come multiplied by alpha
-  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path, &config);
-  if (!input)
-    throw unreadable(path, OIIO::geterror());
+  auto input = std::make_unique<MapImage>();
+  OIIO::ImageSpec spec;
+  if (!input->open(path, spec, MapImage::configuration({})))
+    throw unreadable(path, input->geterror());
   return input;
 }
 
@@ -105,18 +115,15 @@ bool isCancelled(void*, float)
 }
 
 /* The image that the input is at. */
-Texels readImage(OIIO::ImageInput& input, int image, int first, int count, const std::string& path)
+Texels readImage(MapImage& input, int image, int first, int count, const std::string& path)
 {
   const OIIO::ImageSpec& spec = input.spec();
-  if (spec.width < 1 || spec.height < 1)
-    throw unreadable(path, "it is empty");
   Texels texels{spec.width, spec.height, count, {}};
   texels.values.resize(size_t(spec.width) * size_t(spec.height) * size_t(count));
   const bool read = input.read_image(image, 0, first, first + count, OIIO::TypeDesc::FLOAT, texels.values.data(),
                                      OIIO::AutoStride, OIIO::AutoStride, OIIO::AutoStride, isCancelled);
   throwIfCancelled();
-  /* Some readers fill what a truncated file lacks and only leave a message. */
-  if (!read || input.has_error())
+  if (!read)
     throw unreadable(path, input.geterror());
   const auto bad = std::find_if(texels.values.begin(), texels.values.end(), [](float x) { return !std::isfinite(x); });
   if (bad == texels.values.end())
@@ -156,7 +163,9 @@ int findChannel(const OIIO::ImageSpec& spec, const std::string& channel, int cou
 HeightMap HeightMap::read(const std::string& path)
 {
   const QuietStderr quiet;
-  Texels texels = readImage(*openImage(path), 0, 0, 1, path);
+  const auto input = openImage(path);
+  input->setReading({0, 1, NAN}); // a missing height is not finite
+  Texels texels = readImage(*input, 0, 0, 1, path);
   HeightMap map;
   map.w = texels.width;
   map.h = texels.height;
@@ -164,28 +173,39 @@ HeightMap HeightMap::read(const std::string& path)
   return map;
 }
 
-HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::string& channel, int count)
+HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::string& channel, int count, float neutral)
 {
   const QuietStderr quiet;
   const auto input = openImage(path);
   FileInfo info;
-  while (input->seek_subimage(int(info.images), 0))
+  for (int number = 0; input->seek_subimage(number, 0); number++)
   {
+    if (input->isCopyOrMask())
+      continue;
+    info.numbers.push_back(number);
     const int first = findChannel(input->spec(), channel, count, path);
-    const Texels texels = readImage(*input, int(info.images), first, count, path);
+    input->setReading({first, count, neutral});
+    const Texels texels = readImage(*input, number, first, count, path);
+    info.isPlain &= input->isPlain();
     if (info.images++ > 0)
       continue;
     info.firstChannel = first;
     info.channels = input->spec().nchannels;
     info.constantBorder = texels.hasConstantBorder();
   }
+  if (!input->refusal().empty())
+    throw unreadable(path, "image " + std::to_string(input->current_subimage()) + ": " + input->refusal());
+  if (info.images == 0)
+    throw unreadable(path, "it has only copies of reduced resolution or masks");
+  info.missing = input->numMissing();
+  info.isPlain &= info.missing == 0;
   return info;
 }
 
 std::string HeightMap::recipeOf(const std::string& path)
 {
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored))
+  if (!std::filesystem::is_regular_file(path, ignored))
     return "";
   const QuietStderr quiet;
   const auto input = OIIO::ImageInput::open(path);

@@ -5,7 +5,9 @@
 #include "basics/error.h"
 #include "basics/progress.h"
 #include "surface/height_map.h"
+#include "surface/map_image.h"
 
+#include <OpenImageIO/imagecache.h>
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/texture.h>
 
@@ -26,6 +28,7 @@ struct TextureImage
 
 struct HeightTexture::Implementation
 {
+  OIIO::ImageCache* cache = nullptr;
   OIIO::TextureSystem* system = nullptr;
   std::vector<TextureImage> images;
   OIIO::TextureOpt options;
@@ -36,15 +39,23 @@ struct HeightTexture::Implementation
   {
     if (system)
       OIIO::TextureSystem::destroy(system);
+    if (cache)
+      OIIO::ImageCache::destroy(cache);
   }
 
-  void open(const std::string& path, unsigned subimages)
+  /* count: of the file's images that belong to the texture. */
+  void open(const std::string& path, size_t count, const HeightMap::FileInfo& info, const TextureChannels& read)
   {
+    if (!info.isPlain)
+    {
+      const OIIO::ImageSpec config = MapImage::configuration({info.firstChannel, read.count, read.neutral});
+      cache->add_file(OIIO::ustring(path), [] { return static_cast<OIIO::ImageInput*>(new MapImage); }, &config);
+    }
     OIIO::TextureSystem::TextureHandle* handle = system->get_texture_handle(OIIO::ustring(path));
     if (!handle || !system->good(handle))
       throw Error(path + ": OpenImageIO makes no texture of it: " + system->geterror());
-    for (unsigned i = 0; i < subimages; i++)
-      images.push_back({handle, int(i)});
+    for (size_t i = 0; i < count; i++)
+      images.push_back({handle, info.numbers[i]});
   }
 
   void lookUp(unsigned image, OIIO::TextureOpt opt, float s, float t, float widthS, float widthT, int count,
@@ -56,19 +67,21 @@ struct HeightTexture::Implementation
   }
 };
 
-HeightTexture::HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap)
+HeightTexture::HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap,
+                             std::string& warnings)
   : implementation(std::make_unique<Implementation>())
 {
   /* A system of its own: its cache goes with it. Texels stay in the file's type, so mip
    * levels are rounded to it: with "forcefloat" 2.4.7 runs into an assertion of its own. */
-  OIIO::TextureSystem* system = implementation->system = OIIO::TextureSystem::create(false);
+  implementation->cache = OIIO::ImageCache::create(false);
+  OIIO::TextureSystem* system = implementation->system = OIIO::TextureSystem::create(false, implementation->cache);
   system->attribute("automip", 1);           // mip levels of files that have none
   system->attribute("autotile", tileSize);   // and tiles
   system->attribute("unassociatedalpha", 1); // colours are not multiplied by alpha
   system->attribute("max_memory_MB", 4096.0f);
   for (const std::string& path : paths)
   {
-    const HeightMap::FileInfo info = HeightMap::inspect(path, channels.first, channels.count);
+    const HeightMap::FileInfo info = HeightMap::inspect(path, channels.first, channels.count, channels.neutral);
     if (path == paths.front())
     {
       constantBorder = info.constantBorder;
@@ -77,7 +90,10 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
     }
     else if (info.firstChannel != implementation->options.firstchannel)
       throw Error(path + ": has its channels in another order than " + paths.front());
-    implementation->open(path, paths.size() == 1 ? info.images : 1);
+    implementation->open(path, paths.size() == 1 ? info.numbers.size() : 1, info, channels);
+    if (info.missing)
+      warnings += path + ": " + std::to_string(info.missing) + (info.missing == 1 ? " texel has" : " texels have") +
+                  " no value and " + (info.missing == 1 ? "displaces" : "displace") + " nothing\n";
   }
   images = unsigned(implementation->images.size());
   implementation->channels = channels.count;

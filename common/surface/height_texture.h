@@ -21,6 +21,7 @@ struct TextureChannels
 {
   std::string first; // name, or number from 0; empty for the first of the file
   int count = 1;     // 1 for heights, 3 for vectors
+  float neutral = 0; // read for texels without a value
 };
 
 class HeightTexture
@@ -28,9 +29,10 @@ class HeightTexture
 public:
   /* Opens files and reads all of them once to see that they can be read and are finite.
    * paths: one file, whose images are then those of the texture, or several of which the
-   * first image counts.
+   * first image counts. warnings: a line is added for each file with texels without a value.
    * Errors: throws Error, one line that starts with the path; Cancelled. */
-  HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap);
+  HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap,
+                std::string& warnings);
   ~HeightTexture();
   HeightTexture(const HeightTexture&) = delete;
   HeightTexture& operator=(const HeightTexture&) = delete;

@@ -3,10 +3,17 @@
 
 /* See obj_reader.h. Tags as in OpenSubdiv's regression shapes: `t name
  * ints/floats/strings` followed by that many values, vertex and face numbers of
- * tags counted from 0. */
+ * tags counted from 0.
+ *
+ * Why not tinyobjloader: version 2.0.0rc10 of Debian 12 reads the tags, but it misreads files
+ * without an error. It drops the first vertex after a byte order mark, reads `v 1 x 2` and
+ * NaN as vertices, skips statements that it does not know, and keeps 8 bits of the number of
+ * corners of a face. An index out of range is a warning without the index. It rejects faces
+ * that a backslash continues on the next line. This reader is also faster. */
 
 #include "surface/obj_reader.h"
 #include "basics/error.h"
+#include "basics/pipe_input.h"
 #include "basics/progress.h"
 
 #include <algorithm>
@@ -52,7 +59,8 @@ public:
   }
 
 private:
-  /* Reads a line that ends in LF, CR LF or CR, without its end and without blanks before that. Returns false at the end. */
+  /* Reads a line that ends in LF, CR LF or CR, without its end and without blanks before that. Returns false at the end
+   * of the file. */
   bool readLine(std::string& line)
   {
     line.clear();
@@ -77,13 +85,14 @@ private:
     return true;
   }
 
-  /* True if the next line belongs to this one. Statements with names end with their line, as comments do: a name may be a
-   * path of Windows that ends in a backslash. */
+  /* True if the next line belongs to this one. Statements with names end with their line, as comments do: a name may be
+   * a path of Windows that ends in a backslash. */
   static bool continues(std::string_view line)
   {
     if (line.empty() || line.back() != '\\' || line.find('#') != std::string_view::npos)
       return false;
-    static const std::set<std::string_view> named = {"g", "o", "usemtl", "mtllib", "usemap", "maplib"};
+    static const std::set<std::string_view> named = {"g", "o", "usemtl", "mtllib", "usemap", "maplib",
+                                                     "shadow_obj", "trace_obj"};
     const size_t begin = line.find_first_not_of(" \t");
     const std::string_view kind = line.substr(begin, std::min(line.find_first_of(" \t\\", begin), line.size()) - begin);
     return !named.count(kind);
@@ -102,23 +111,25 @@ private:
       const size_t begin = line.find_first_not_of(" \t\r\n", i);
       if (begin == std::string_view::npos || line[begin] == '#')
         break;
-      const size_t end = std::min(line.find_first_of(" \t\r\n", begin), line.size());
+      const size_t end = std::min(line.find_first_of(" \t\r\n#", begin), line.size());
       words.push_back(line.substr(begin, end - begin));
       i = end;
     }
     return words;
   }
 
-  /* For messages, also where the file is none of text. */
-  static std::string quoted(std::string_view word)
+  /* For messages: printable also if the file holds no text. */
+  static std::string printable(std::string_view word)
   {
     constexpr size_t longest = 32;
     std::string text(word.substr(0, longest));
     for (char& c : text)
       if (c < ' ' || c > '~')
         c = '?';
-    return "'" + text + (word.size() > longest ? "..." : "") + "'";
+    return text + (word.size() > longest ? "..." : "");
   }
+
+  static std::string quoted(std::string_view word) { return "'" + printable(word) + "'"; }
 
   template<typename T>
   T number(std::string_view word) const
@@ -181,7 +192,8 @@ private:
     {
       if (words.size() < 2)
         fail("a texture coordinate needs one number or two");
-      cage.uvs.push_back({coordinate(words[1]), words.size() < 3 ? 0.0f : coordinate(words[2])}); // v is 0 if it is left out
+      const float v = words.size() < 3 ? 0.0f : coordinate(words[2]); // 0 if it is left out
+      cage.uvs.push_back({coordinate(words[1]), v});
     }
     else if (kind == "f")
       face(words);
@@ -190,7 +202,8 @@ private:
     else
     {
       static const std::set<std::string_view> skipped = {"vn", "vp", "g",  "o",  "s",     "l",
-                                                         "p",  "usemtl", "mtllib", "usemap", "maplib"};
+                                                         "p",  "usemtl", "mtllib", "usemap", "maplib", "mg", "lod",
+                                                         "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
       if (!skipped.count(kind))
         fail("unknown statement " + quoted(kind) + (lineNumber == 1 ? ", is this an OBJ file?" : ""));
     }
@@ -210,6 +223,7 @@ private:
     const size_t corners = words.size() - 1;
     if (corners < 3)
       fail("a face needs at least three vertices, this one has " + std::to_string(corners));
+    std::vector<unsigned> uvs; // of the corners that have one
     for (size_t i = 1; i <= corners; i++)
     {
       const std::string_view word = words[i];
@@ -222,11 +236,23 @@ private:
         uv = uv.substr(0, uv.find('/'));
       }
       if (!uv.empty())
-        cage.uvIndices.push_back(index(uv, cage.uvs.size(), "texture coordinate"));
+        uvs.push_back(index(uv, cage.uvs.size(), "texture coordinate"));
     }
     cage.faceSizes.push_back(unsigned(corners));
-    if (!cage.uvIndices.empty() && cage.uvIndices.size() != cage.faceIndices.size())
+    addTextureCoordinates(uvs, corners);
+  }
+
+  /* uvIndices stays empty up to the first face with texture coordinates. */
+  void addTextureCoordinates(const std::vector<unsigned>& uvs, size_t corners)
+  {
+    if (!uvs.empty() && uvs.size() != corners)
       fail("some corners have texture coordinates and some have none");
+    if (uvs.empty() && cage.lineWithoutUVs == 0)
+      cage.lineWithoutUVs = lineNumber;
+    if (uvs.empty() && cage.uvIndices.empty())
+      return;
+    cage.uvIndices.resize(cage.faceIndices.size() - uvs.size(), Cage::noUV);
+    cage.uvIndices.insert(cage.uvIndices.end(), uvs.begin(), uvs.end());
   }
 
   /* t NAME INTS/FLOATS/STRINGS and as many values. */
@@ -256,7 +282,7 @@ private:
       rest = rest.substr(slash + 1);
     }
     if (words.size() != 3 + counts[0] + counts[1] + counts[2])
-      fail("tag '" + std::string(words[1]) + "' announces " + std::string(words[2]) + " values and has " +
+      fail("tag " + quoted(words[1]) + " announces " + printable(words[2]) + " values and has " +
            std::to_string(words.size() - 3));
     Tag tag;
     tag.name = words[1];
@@ -325,11 +351,11 @@ private:
     else if (tag.name == "smoothtriangles")
     {
       if (rule(tag) != "normal" && rule(tag) != "catmark")
-        warnings += name + ":" + std::to_string(lineNumber) + ": tag 'smoothtriangles " + rule(tag) +
+        warnings += name + ":" + std::to_string(lineNumber) + ": tag 'smoothtriangles " + printable(rule(tag)) +
                     "' is not obeyed: Embree has the normal rule only\n";
     }
     else if (tag.name.substr(0, 11) != "facevarying") // how UVs are smoothed: ours are not
-      fail("unknown tag '" + tag.name + "'");
+      fail("unknown tag " + quoted(tag.name));
   }
 
   /* Tags may come before what they refer to, so their ranges are checked last. */
@@ -338,7 +364,10 @@ private:
     if (cage.faceSizes.empty())
       throw Error(name + ": no faces");
     if (cage.uvIndices.empty())
+    {
       cage.uvs.clear();
+      cage.lineWithoutUVs = 0;
+    }
     auto check = [&](unsigned value, size_t count, const char* what) {
       if (value >= count)
         throw Error(name + ": tag refers to " + what + " " + std::to_string(value) + ", there are " +
@@ -372,6 +401,12 @@ Cage readObj(std::istream& stream, const std::string& name, std::string& warning
 
 Cage readObj(const std::string& path, std::string& warnings)
 {
+  if (isPipe(path))
+  {
+    PipeInput pipe(path);
+    std::istream stream(&pipe);
+    return readObj(stream, path, warnings);
+  }
   std::ifstream stream(path);
   if (!stream)
     throw Error(path + ": cannot be opened");

@@ -18,12 +18,12 @@ namespace cbvh {
 
 /* Reads a cage.
  *
- * path: file to read. warnings: a line is added on the tag smoothtriangles, as Embree has no
- * such rule.
+ * path: file to read, or a pipe that some program opens for writing within 10 seconds.
+ * warnings: a line is added on the tag smoothtriangles, as Embree has no such rule.
  * Errors: throws Error, one line with path and line number, for a file that cannot
  * be read or has no faces, a face of fewer than 3 vertices, an index out of range,
  * a number that is none or not finite, an unknown statement, a malformed tag, and
- * texture coordinates on some corners but not on all. */
+ * a face with texture coordinates on some of its corners only. */
 Cage readObj(const std::string& path, std::string& warnings);
 
 /* The same from a stream; name stands for the path in messages. */

@@ -19,7 +19,7 @@ float spacing(float level)
 
 TextureChannels channelsOf(const DisplacementMap& map)
 {
-  return {map.channel, map.values == MapValues::Heights ? 1 : 3};
+  return {map.channel, map.values == MapValues::Heights ? 1 : 3, midLevelOf(map)};
 }
 
 void warn(std::string& warnings, const std::string& line)
@@ -50,7 +50,7 @@ class MapByCoordinates : public PlacedMap
 public:
   MapByCoordinates(const Cage& cage, const DisplacementMap& map, std::string& warnings)
     : PlacedMap(cage), tiles(UdimTiles::find(cage, map.path, warnings)),
-      texture(tiles.paths, channelsOf(map), tiles.isUdim() ? TextureWrap::Clamp : TextureWrap::Repeat),
+      texture(tiles.paths, channelsOf(map), tiles.isUdim() ? TextureWrap::Clamp : TextureWrap::Repeat, warnings),
       corners(cage.faceIndices.size()), edgeDiffers(corners.size()), cornerDiffers(corners.size())
   {
     warnOfNormals(texture, map, warnings);
@@ -159,7 +159,8 @@ class MapByFaces : public PlacedMap
 {
 public:
   MapByFaces(const Cage& cage, const DisplacementMap& map, std::string& warnings)
-    : PlacedMap(cage), texture({map.path}, channelsOf(map), isRepeated(map) ? TextureWrap::Repeat : TextureWrap::Clamp),
+    : PlacedMap(cage),
+      texture({map.path}, channelsOf(map), isRepeated(map) ? TextureWrap::Repeat : TextureWrap::Clamp, warnings),
       repeat(map.repeat)
   {
     warnOfNormals(texture, map, warnings);
@@ -208,10 +209,23 @@ private:
   std::vector<unsigned> firstImage;
 };
 
+/* Throws Error if some faces have texture coordinates and others have none. */
+void requireAllUVs(const Cage& cage, const DisplacementMap& map)
+{
+  const size_t without = cage.numFacesWithoutUVs();
+  if (!cage.hasUVs() || without == 0)
+    return;
+  const std::string place = cage.lineWithoutUVs ? cage.name + ":" + std::to_string(cage.lineWithoutUVs) : cage.name;
+  throw Error(place + ": " + (cage.lineWithoutUVs ? "this face has" : "there are faces that have") +
+              " no texture coordinates, and " + map.path + " needs them on all faces; " + std::to_string(without) +
+              " of " + std::to_string(cage.numFaces()) + (without == 1 ? " has" : " have") + " none");
+}
+
 } // namespace
 
 std::unique_ptr<PlacedMap> PlacedMap::create(const Cage& cage, const DisplacementMap& map, std::string& warnings)
 {
+  requireAllUVs(cage, map);
   if (cage.hasUVs())
     return std::make_unique<MapByCoordinates>(cage, map, warnings);
   if (isUdimPath(map.path))

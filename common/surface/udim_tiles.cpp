@@ -5,15 +5,38 @@
 #include "basics/error.h"
 #include "basics/input_files.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <map>
 
 namespace cbvh {
 namespace {
 
-constexpr const char* placeholder = "<UDIM>";
+constexpr const char* placeholder = "<UDIM>"; // that messages name
 constexpr int columns = 10;
+
+/* Spellings of programs, with OpenImageIO's meaning of each. */
+struct Placeholder
+{
+  const char* spelling;
+  std::string (*text)(int column, int row);
+};
+
+std::string udim(int column, int row) { return std::to_string(1001 + column + columns * row); }
+
+const Placeholder placeholders[] = {
+  {"<UDIM>", udim},
+  {"<udim>", udim},
+  {"%(UDIM)d", udim},
+  {"<UVTILE>", [](int x, int y) { return "u" + std::to_string(x + 1) + "_v" + std::to_string(y + 1); }},
+  {"<uvtile>", [](int x, int y) { return "u" + std::to_string(x) + "_v" + std::to_string(y); }},
+  {"<U>", [](int x, int) { return "u" + std::to_string(x + 1); }},
+  {"<V>", [](int, int y) { return "v" + std::to_string(y + 1); }},
+  {"<u>", [](int x, int) { return "u" + std::to_string(x); }},
+  {"<v>", [](int, int y) { return "v" + std::to_string(y); }},
+};
 
 /* Where a face lies in texture coordinates. */
 struct FaceExtent
@@ -47,11 +70,16 @@ std::vector<FaceExtent> extentsOf(const Cage& cage)
   return extents;
 }
 
-std::string pathOfTile(const std::string& path, int number)
+std::string pathOfTile(std::string path, int number)
 {
-  std::string result = path;
-  const size_t at = path.find(placeholder);
-  return result.replace(at, std::string(placeholder).size(), std::to_string(number));
+  for (const Placeholder& p : placeholders)
+  {
+    const std::string text = p.text((number - 1001) % columns, (number - 1001) / columns);
+    const size_t length = std::string(p.spelling).size();
+    for (size_t at = path.find(p.spelling); at != std::string::npos; at = path.find(p.spelling, at + text.size()))
+      path.replace(at, length, text);
+  }
+  return path;
 }
 
 /* 0 for what is no tile of UDIM. */
@@ -90,7 +118,8 @@ std::string faces(size_t n)
 
 bool isUdimPath(const std::string& path)
 {
-  return path.find(placeholder) != std::string::npos;
+  return std::any_of(std::begin(placeholders), std::end(placeholders),
+                     [&](const Placeholder& p) { return path.find(p.spelling) != std::string::npos; });
 }
 
 void noteMapFiles(const Cage& cage, const std::string& path)

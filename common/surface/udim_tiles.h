@@ -4,7 +4,10 @@
 #pragma once
 
 /* UDIM: a map of several files, one a unit square of texture coordinates. Tile
- * 1001 + column + 10 row, ten columns. */
+ * 1001 + column + 10 row, ten columns.
+ *
+ * A path names the tile by <UDIM>, <udim> or %(UDIM)d (1001), <UVTILE> or <U>_<V> (u1_v1),
+ * or <uvtile> or <u>_<v>, which count from 0 (u0_v0). */
 
 #include "surface/cage.h"
 
@@ -13,7 +16,7 @@
 
 namespace cbvh {
 
-/* Whether a path has <UDIM> in it. */
+/* True if a path names tiles in one of these ways. */
 bool isUdimPath(const std::string& path);
 
 /* Notes the files of a map as inputs of the run, see basics/input_files.h. */
@@ -21,7 +24,7 @@ void noteMapFiles(const Cage& cage, const std::string& path);
 
 struct UdimTiles
 {
-  std::vector<std::string> paths; // of the files that there are and faces lie on; the path itself without <UDIM>
+  std::vector<std::string> paths; // of the files that there are and faces lie on; the path itself if it names no tiles
 
   /* Looks for the tiles on which faces have their middles.
    * warnings: lines are added on tiles without a file, on faces that reach over the border
@@ -38,7 +41,7 @@ struct UdimTiles
   Vec2f originOf(unsigned face) const { return isUdim() ? origins[face] : Vec2f{0, 0}; }
 
 private:
-  std::vector<int> images;    // a face each, empty without <UDIM>
+  std::vector<int> images;    // a face each, empty if the path names no tiles
   std::vector<Vec2f> origins; // likewise
 };
 

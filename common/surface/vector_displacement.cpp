@@ -67,7 +67,7 @@ class VectorDisplacement : public Displacement
 {
 public:
   VectorDisplacement(const Cage& cage, std::unique_ptr<PlacedMap> placed, const DisplacementMap& description)
-    : map(std::move(placed)), scale(description.scale), midLevel(description.midLevel.value_or(0.0f))
+    : map(std::move(placed)), scale(description.scale), midLevel(midLevelOf(description))
   {
     if (description.values == MapValues::TangentVectors)
       tangents = findTangents(cage, map->borders());

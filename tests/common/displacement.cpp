@@ -7,11 +7,13 @@
 #include "scenes/cube.h"
 #include "surface/face_atlas.h"
 #include "surface/face_borders.h"
+#include "surface/obj_reader.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <sstream>
 #include <unistd.h>
 
 namespace cbvh::test {
@@ -243,6 +245,72 @@ TEST_F(Displacing, UdimTilesAreReadByTheMiddleOfAFace)
     EXPECT_FLOAT_EQ(offset(*d, 0, 1.0f, float(i) / 16), 0.625f) << i;
     EXPECT_EQ(offset(*d, 0, 1.0f, float(i) / 16), offset(*d, 1, 0.0f, float(i) / 16)) << i;
   }
+}
+
+TEST_F(Displacing, UdimTilesAreNamedInTheWaysOfPrograms)
+{
+  const std::pair<const char*, std::pair<const char*, const char*>> spellings[] = {
+    {"skin.<UDIM>.exr", {"skin.1001.exr", "skin.1002.exr"}},
+    {"skin.<udim>.exr", {"skin.1001.exr", "skin.1002.exr"}},
+    {"skin.%(UDIM)d.exr", {"skin.1001.exr", "skin.1002.exr"}},
+    {"skin_<UVTILE>.exr", {"skin_u1_v1.exr", "skin_u2_v1.exr"}},
+    {"skin_<uvtile>.exr", {"skin_u0_v0.exr", "skin_u1_v0.exr"}},
+    {"<U>_<V>.exr", {"u1_v1.exr", "u2_v1.exr"}},
+    {"<u>_<v>.exr", {"u0_v0.exr", "u1_v0.exr"}},
+    {"<UDIM>_<UDIM>.exr", {"1001_1001.exr", "1002_1002.exr"}}};
+  for (const auto& [spelling, files] : spellings)
+  {
+    SCOPED_TRACE(spelling);
+    path(flat(8, 0.75f), files.first);
+    path(flat(8, 1.5f), files.second);
+    const std::string map = (folder / spelling).string();
+    EXPECT_EQ(warningsOf(quadsOnTiles(), map), "");
+    const auto d = displaced(quadsOnTiles(), map, 1.0f);
+    EXPECT_FLOAT_EQ(offset(*d, 0, 0.5f, 0.5f), 0.25f);
+    EXPECT_FLOAT_EQ(offset(*d, 1, 0.5f, 0.5f), 1.0f);
+    std::filesystem::remove(folder / files.first);
+    std::filesystem::remove(folder / files.second);
+    EXPECT_THROW(displaced(quadsOnTiles(), map, 1.0f), Error);
+  }
+}
+
+TEST_F(Displacing, TextureCoordinatesOnSomeFacesOnlyAreAnError)
+{
+  std::istringstream stream("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\nf 1 3 4\nf 1 2 4\n");
+  std::string warnings;
+  const Cage cage = readObj(stream, "body.obj", warnings);
+  const std::string map = path(flat(4, 0.5f));
+  try
+  {
+    displaced(cage, map, 1.0f);
+    FAIL() << "displaced without an error";
+  }
+  catch (const Error& e)
+  {
+    EXPECT_EQ(std::string(e.what()), "body.obj:7: this face has no texture coordinates, and " + map +
+                                       " needs them on all faces; 2 of 3 have none");
+  }
+}
+
+TEST_F(Displacing, MissingTexelsDisplaceNothing)
+{
+  const std::string file = constantImage(folder / "missing.exr", {NAN, 0.2f, -0.3f}, OIIO::TypeDesc::FLOAT);
+  DisplacementMap map;
+  map.path = file;
+  map.scale = 2.0f;
+  map.midLevel = 0.125f;
+  std::string warnings;
+  EXPECT_EQ(offset(*displaceByMap(twoQuads(), map, warnings), 0, 0.5f, 0.5f), 0.0f);
+  map.channel = "G";
+  EXPECT_FLOAT_EQ(offset(*displaceByMap(twoQuads(), map, warnings), 0, 0.5f, 0.5f), 0.15f);
+  EXPECT_EQ(warnings, file + ": 64 texels have no value and displace nothing\n");
+  map.channel.clear();
+  map.values = MapValues::ObjectVectors;
+  const float u = 0.4f, v = 0.7f;
+  const Vec3f normal{0, 0, 1};
+  Vec3f moved{1, 1, 1};
+  displaceByMap(twoQuads(), map, warnings)->vectors({0, finestLevel, 1, &u, &v}, &normal, &moved);
+  EXPECT_EQ(length(moved), 0.0f) << "a vector without one of its channels";
 }
 
 TEST_F(Displacing, FacesWithoutAUdimTileStayAsTheyAre)

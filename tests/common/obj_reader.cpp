@@ -3,10 +3,19 @@
 
 #include "surface/obj_reader.h"
 #include "basics/error.h"
+#include "basics/progress.h"
+#include "support/obj_dialects.h"
+#include "surface/cage_validation.h"
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <sstream>
+#include <sys/stat.h>
+#include <thread>
+#include <unistd.h>
 
 namespace cbvh::test {
 namespace {
@@ -66,6 +75,91 @@ TEST(ObjReader, OneVertexMayHaveSeveralUVs)
   EXPECT_EQ(cage.uvIndices, (std::vector<unsigned>{0, 0, 0, 1, 1, 1}));
 }
 
+TEST(ObjReader, SomeFacesMayHaveNoTextureCoordinates)
+{
+  constexpr unsigned none = Cage::noUV;
+  const std::string with = "f 1/1 2/1 3/1\n", without = "f 1 3 4\n", uv = "vt 0.5 0.5\nvn 0 0 1\n";
+  const Cage last = read(square + uv + with + without);
+  const Cage first = read(square + uv + without + "f 1//1 3//1 4//1\n" + with);
+  EXPECT_EQ(last.uvIndices, (std::vector<unsigned>{0, 0, 0, none, none, none}));
+  EXPECT_EQ(last.numFacesWithoutUVs(), 1u);
+  EXPECT_EQ(last.lineWithoutUVs, 8u);
+  EXPECT_EQ(first.uvIndices, (std::vector<unsigned>{none, none, none, none, none, none, 0, 0, 0}));
+  EXPECT_EQ(first.numFacesWithoutUVs(), 2u);
+  EXPECT_EQ(first.lineWithoutUVs, 7u);
+  EXPECT_TRUE(last.hasUVs() && first.hasUVs());
+  const Cage all = read(square + uv + with), no = read(square + uv + without);
+  EXPECT_EQ(all.numFacesWithoutUVs(), 0u);
+  EXPECT_EQ(no.numFacesWithoutUVs(), 1u);
+  EXPECT_FALSE(no.hasUVs());
+  EXPECT_EQ(no.lineWithoutUVs, 0u);
+}
+
+TEST(ObjReader, CagesWithSomeTextureCoordinatesAreValid)
+{
+  Cage cage = read(square + "v 2 0 0\nv 2 1 0\nvt 0 0\nf 1/1 2/1 3/1 4/1\nf 2 5 6 3\n");
+  std::string warnings;
+  validateCage(cage, warnings);
+  EXPECT_EQ(warnings, "");
+  EXPECT_TRUE(cage.holes.empty());
+}
+
+/* A named pipe in a folder that goes at the end. */
+struct NamedPipe
+{
+  NamedPipe() : folder(std::filesystem::temp_directory_path() / ("cbvh_obj_pipe_" + std::to_string(::getpid())))
+  {
+    std::filesystem::create_directories(folder);
+    path = (folder / "cage.obj").string();
+    EXPECT_EQ(mkfifo(path.c_str(), 0600), 0);
+  }
+  ~NamedPipe() { std::filesystem::remove_all(folder); }
+
+  std::filesystem::path folder;
+  std::string path;
+};
+
+TEST(ObjReader, ReadsPipesWhoseWriterComesLaterAndRests)
+{
+  const NamedPipe pipe;
+  std::thread writer([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    std::ofstream stream(pipe.path);
+    stream << square << std::flush;
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    for (int i = 0; i < 20000; i++) // more than a pipe holds
+      stream << "f 1 2 3 4\n";
+  });
+  std::string warnings;
+  const Cage cage = readObj(pipe.path, warnings);
+  writer.join();
+  EXPECT_EQ(cage.numFaces(), 20000u);
+}
+
+TEST(ObjReader, PipesWithoutAWriterAreReported)
+{
+  const NamedPipe pipe;
+  std::string warnings, error;
+  try
+  {
+    readObj(pipe.path, warnings);
+  }
+  catch (const Error& e)
+  {
+    error = e.what();
+  }
+  EXPECT_EQ(error, pipe.path + ": is a pipe, and no program opened it for writing within 10 seconds");
+}
+
+TEST(ObjReader, CancellingEndsTheWaitForAWriter)
+{
+  const NamedPipe pipe;
+  std::string warnings;
+  requestCancel();
+  EXPECT_THROW(readObj(pipe.path, warnings), Cancelled);
+  clearCancel();
+}
+
 TEST(ObjReader, ReadsTags)
 {
   const Cage cage = read("t interpolateboundary 1/0/0 1\n" + square +
@@ -119,6 +213,24 @@ TEST(ObjReader, DialectsOfPrograms)
   EXPECT_EQ(errorOf(square + "# a\\\n# b\\\r\nf 1 2 9\n"), "test.obj:7: vertex index 9 is out of range, there are 4");
 }
 
+TEST(ObjReader, FilesOfManyProgramsHaveTheirFaces)
+{
+  for (const ObjDialect& dialect : objDialects())
+  {
+    SCOPED_TRACE(dialect.name);
+    std::istringstream stream(dialect.text);
+    std::string warnings;
+    Cage cage;
+    EXPECT_NO_THROW(cage = readObj(stream, "test.obj", warnings)) << errorOf(dialect.text);
+    EXPECT_EQ(warnings, "");
+    EXPECT_EQ(cage.positions.size(), dialect.vertices);
+    EXPECT_EQ(cage.numFaces(), dialect.faces);
+    EXPECT_EQ(cage.numFacesWithoutUVs(), dialect.facesWithoutUVs);
+    ASSERT_GT(cage.positions.size(), 2u);
+    EXPECT_EQ(cage.positions[2].x + cage.positions[2].y - cage.positions[2].z, 2.0f);
+  }
+}
+
 TEST(ObjReader, CoordinatesNextToNothingAreZero)
 {
   const Cage cage = read("v 0 1e-60 -4e-320\nv 1 1e-999 0\nv 1 1 0\nf 1 2 3\n");
@@ -143,14 +255,21 @@ TEST(ObjReader, RefusesBadInputWithItsLine)
     {"f 1 2 99999999999999999999\n", "test.obj:5: '99999999999999999999' is too large"},
     {"vt 0 0\nf 1/1 2/1 3\n", "test.obj:6: some corners have texture coordinates and some have none"},
     {"surf 1\n", "test.obj:5: unknown statement 'surf'"},
+    {"curv 0 1 1 2\n", "test.obj:5: unknown statement 'curv'"},
+    {"v 0,5 1 2\n", "test.obj:5: '0,5' is not a number"},
+    {"v 1 2 3d0\n", "test.obj:5: '3d0' is not a number"},
     {"t crease 2/1/0 0 1\n", "test.obj:5: tag 'crease' announces 2/1/0 values and has 2"},
     {"f 1 2 3\nt crease 2/1/0 0 4 1\n", "test.obj: tag refers to vertex 4, there are 4"},
     {"f 1 2 3\nt hole 1/0/0 1\n", "test.obj: tag refers to face 1, there are 1"},
     {"t corner 1/1/0 0 -1\nf 1 2 3\n", "test.obj:5: sharpness must not be negative"},
+    {"t corn\x84 0/0/0\n", "test.obj:5: unknown tag 'corn?'"},
+    {"t \x84 1/0/0/\x84\n", "test.obj:5: tag '?' announces 1/0/0/? values and has 0"},
     {"", "test.obj: no faces"},
   };
   for (const auto& [text, message] : cases)
     EXPECT_EQ(errorOf(square + text), message) << text;
+  const std::string utf16("\xFF\xFEv\0 \0", 6);
+  EXPECT_EQ(errorOf(utf16), "test.obj:1: unknown statement '" + std::string(2, '?') + "v?', is this an OBJ file?");
   const std::string binary = "\x89PNG" + std::string(40, '\x01');
   EXPECT_EQ(errorOf(binary), "test.obj:1: unknown statement '?PNG" + std::string(28, '?') + "...', is this an OBJ file?");
   std::string warnings;

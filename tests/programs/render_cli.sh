@@ -86,6 +86,8 @@ refuses "samples" --scene cube --samples 0
 refuses "representation excludes --compare" --scene cube --compare --representation grid
 refuses "there is a --scene or a --cage already" --scene cube "$folder/quad.obj"
 refuses "a height map needs a cage" "$folder/text.png"
+mkfifo "$folder/pipe.png"
+refuses "is a pipe or a device" --cage "$folder/quad.obj" --height "$folder/pipe.png"
 
 if [ "$(id -u)" != 0 ]; then
   mkdir -p "$folder/closed" && chmod a-w "$folder/closed"
@@ -134,6 +136,11 @@ if command -v iinfo >/dev/null; then
     iinfo -v "$out/cube_grid.exr" | grep "channel list" | grep -q "\b$channel\b" || complain "no channel $channel"
   done
 fi
+
+# A cage from a pipe: the same picture.
+run from_file "$folder/quad.obj" --representation cvert
+run from_pipe <(cat "$folder/quad.obj") --representation cvert
+cmp "$folder"/from_file.out/*_cvert.png "$folder"/from_pipe.out/*_cvert.png || complain "another picture from the pipe"
 
 # A file: the same picture, without the model.
 run saved --scene cube --representation cvert --view 3,2,4,0,0,0,40 --save "$folder/cube.cbvh"

@@ -61,6 +61,22 @@ class Cages(unittest.TestCase):
         of_a, of_b = (cbvh.Model(cage).tessellate(3)[0] for cage in (a, b))
         np.testing.assert_array_equal(of_a, of_b)
 
+    def test_some_faces_may_have_no_texture_coordinates(self):
+        none = 2**32 - 1
+        a = self.load(CUBE.replace("f 6/1 5/2 8/3 7/4", "f 6 5 8 7"))
+        b = cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=a.uv_indices)
+        np.testing.assert_array_equal(a.uv_indices[:8], [0, 1, 2, 3, none, none, none, none])
+        np.testing.assert_array_equal(a.uv_indices, b.uv_indices)
+        cbvh.Model(b).tessellate(1)
+        for cage, text in ((a, r"cube.obj:14: this face has no texture coordinates, and height needs .*1 of 6"),
+                           (b, "there are faces that have no texture coordinates, and height needs")):
+            with self.assertRaisesRegex(cbvh.Error, text):
+                cbvh.Model(cage, np.zeros((4, 4)))
+        with self.assertRaisesRegex(ValueError, "uv_indices: face 0 has texture coordinates on some corners only"):
+            cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=np.roll(a.uv_indices, -6))
+        without = cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=np.full(24, none))
+        self.assertEqual(without.uv_indices.shape, (0,))
+
     def test_creases_shape_the_surface(self):
         edges = [[0, 1], [1, 2], [2, 3], [3, 0]]
         smooth, hard, soft = ({}, {"crease_edges": edges}, {"crease_edges": edges, "crease_sharpness": 0.5})

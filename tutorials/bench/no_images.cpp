@@ -20,7 +20,7 @@ namespace {
 } // namespace
 
 HeightMap HeightMap::read(const std::string& path) { refuse(path); }
-HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::string&, int) { refuse(path); }
+HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::string&, int, float) { refuse(path); }
 
 /* Not kept for another run. */
 void HeightMap::write(const std::string&, const std::string&) const {}
@@ -29,8 +29,9 @@ std::string HeightMap::recipeOf(const std::string&) { return ""; }
 struct HeightTexture::Implementation
 {
 };
-HeightTexture::HeightTexture(const std::vector<std::string>& paths, const TextureChannels&, TextureWrap) { refuse(paths.front()); }
+HeightTexture::HeightTexture(const std::vector<std::string>& paths, const TextureChannels&, TextureWrap, std::string&) { refuse(paths.front()); }
 HeightTexture::~HeightTexture() = default;
+Vec2f HeightTexture::size(unsigned) const { return {0, 0}; }
 bool HeightTexture::looksLikeNormals() const { return false; }
 void HeightTexture::sample(unsigned, float, float, float, float, float*) const {}
 

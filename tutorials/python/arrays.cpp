@@ -107,7 +107,8 @@ Vec3f vec3(const py::object& value, const std::string& argument)
   return v;
 }
 
-std::vector<unsigned> indices(const py::object& value, const std::string& argument, size_t limit, Shape& shape)
+std::vector<unsigned> indices(const py::object& value, const std::string& argument, size_t limit, Shape& shape,
+                              std::optional<unsigned> none)
 {
   const Integers array(numbers(value, argument, "iu", "integers"));
   shape = shapeOf(array);
@@ -115,7 +116,7 @@ std::vector<unsigned> indices(const py::object& value, const std::string& argume
   for (size_t i = 0; i < result.size(); i++)
   {
     const int64_t index = array.data()[i];
-    if (index < 0 || uint64_t(index) >= limit)
+    if ((index < 0 || uint64_t(index) >= limit) && !(none && index == *none))
       refuse(argument, "holds " + std::to_string(index) + ", which is not from 0 to " +
                          std::to_string(int64_t(limit) - 1));
     result[i] = unsigned(index);

@@ -12,6 +12,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,8 +42,9 @@ std::vector<Vec3f> vec3Vector(const py::object& value, const std::string& argume
 /* Of shape (3,), finite. */
 Vec3f vec3(const py::object& value, const std::string& argument);
 
-/* Integers from 0 to limit - 1; shape: set to that of the argument. */
-std::vector<unsigned> indices(const py::object& value, const std::string& argument, size_t limit, Shape& shape);
+/* Integers from 0 to limit - 1, or `none`; shape: set to that of the argument. */
+std::vector<unsigned> indices(const py::object& value, const std::string& argument, size_t limit, Shape& shape,
+                              std::optional<unsigned> none = {});
 
 /* The same of shape (n,), and of (n, 2). */
 std::vector<unsigned> indexVector(const py::object& value, const std::string& argument, size_t limit);

@@ -69,10 +69,20 @@ void readUVs(const py::object& uvs, const py::object& uvIndices, Cage& cage)
     return;
   }
   Shape shape;
-  cage.uvIndices = indices(uvIndices, "uv_indices", cage.uvs.size(), shape);
+  cage.uvIndices = indices(uvIndices, "uv_indices", cage.uvs.size(), shape, Cage::noUV);
   if (cage.uvIndices.size() != cage.faceIndices.size())
     refuse("uv_indices", "are " + std::to_string(cage.uvIndices.size()) + ", indices are " +
                            std::to_string(cage.faceIndices.size()));
+  size_t first = 0;
+  for (size_t face = 0; face < cage.numFaces(); first += cage.faceSizes[face++])
+    for (size_t corner = first; corner < first + cage.faceSizes[face]; corner++)
+      if ((cage.uvIndices[corner] == Cage::noUV) != (cage.uvIndices[first] == Cage::noUV))
+        refuse("uv_indices", "face " + std::to_string(face) + " has texture coordinates on some corners only");
+  if (cage.numFacesWithoutUVs() == cage.numFaces())
+  {
+    cage.uvs.clear();
+    cage.uvIndices.clear();
+  }
 }
 
 /* One for each of n edges or corners, or one for all; none: hard. */
@@ -148,7 +158,8 @@ indices: (f, k) integers, the vertices of f faces of k corners; or, with face_si
   all faces one after the other. Up to 16 corners a face, 64 faces around a vertex.
 face_sizes: (f,) integers, corners of each face, 3 or more.
 uvs: (m, 2), texture coordinates, (0, 0) at the lower left of an image, (1, 1) at the upper right.
-uv_indices: like indices, the texture coordinates of corners; without it uvs is one a vertex.
+uv_indices: like indices, the texture coordinates of corners, 4294967295 at all corners of a face without; without it
+  uvs is one a vertex.
 crease_edges: (c, 2) integers, the vertices of edges.
 crease_sharpness: (c,) or one number, 0 or more, inf for hard ones, which all are without it.
 corner_vertices, corner_sharpness: (c,) each, the same for vertices.
@@ -182,7 +193,7 @@ take.)")
                            "(sum(face_sizes),) uint32: vertices of the faces, one after the other.")
     .def_property_readonly("uvs", array<float>(&Cage::uvs), "(m, 2) float32: texture coordinates; (0, 2) without.")
     .def_property_readonly("uv_indices", array<unsigned>(&Cage::uvIndices),
-                           "Parallel to indices, uint32: into uvs; (0,) without.")
+                           "Parallel to indices, uint32: into uvs, 4294967295 on faces without; (0,) without.")
     .def_property_readonly("crease_edges", array<unsigned>(&Cage::creaseEdges), "(c, 2) uint32: vertices of creases.")
     .def_property_readonly("crease_sharpness", array<float>(&Cage::creaseSharpness), "(c,) float32: inf for hard ones.")
     .def_property_readonly("corner_vertices", array<unsigned>(&Cage::cornerVertices), "(c,) uint32: sharp vertices.")

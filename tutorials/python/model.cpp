@@ -99,9 +99,25 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
   }
   const std::shared_ptr<ArrayDisplacement> kept(new ArrayDisplacement{MapFile(heights.map), nullptr});
   map.path = kept->file.path();
-  kept->displacement = displaceByMap(cage, map, warnings);
-  for (size_t named; (named = warnings.find(map.path)) != std::string::npos;)
-    warnings.replace(named, map.path.size(), "height");
+  /* users know the argument, not its file */
+  const auto named = [&](std::string text) {
+    for (size_t at; (at = text.find(map.path)) != std::string::npos;)
+      text.replace(at, map.path.size(), "height");
+    return text;
+  };
+  try
+  {
+    kept->displacement = displaceByMap(cage, map, warnings);
+  }
+  catch (const Cancelled&)
+  {
+    throw;
+  }
+  catch (const Error& e)
+  {
+    throw Error(named(e.what()));
+  }
+  warnings = named(warnings);
   return {kept, kept->displacement.get()};
 }
 
@@ -244,8 +260,10 @@ constexpr const char* modelText = R"(A displaced subdivision surface: a cage, an
 
 constexpr const char* makeText = R"(Makes a model of a cage, displaced by a height map if there is one.
 
-height: path of an image that OpenImageIO reads (<UDIM> in it stands for the number of a tile), or an array (rows, columns) of finite numbers whose row 0 is the top of
-  the image. Looked up by the cage's texture coordinates; a cage without them gets the whole map on every face.
+height: path of an image that OpenImageIO reads (<UDIM> or <UVTILE> in it stands for a tile), or an array (rows, columns)
+  of finite numbers whose row 0 is the top of the image. Looked up by the cage's texture coordinates; a cage without
+  them gets the whole map on every face. Unsigned integers of a file become 0 to 1, signed integers -1 to 1. Texels
+  without a value (NaN, -3.4e38, GDAL's nodata) and outside of a data window move nothing.
 amplitude: displacement from height 0 to height 1 as a fraction of the diagonal of the cage's bounding box, 0.006 if it
   is not given; vectors are in world units then.
 mid_level: height that leaves the surface where it is, 0.5 if it is not given, 0 of vectors.

@@ -1,0 +1,17 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The value that marks missing samples in a TIFF: tag 42113 of GDAL, which OpenImageIO does not report. */
+
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+/* Returns the text of the tag for each page of a TIFF or BigTIFF, empty for a page without it. Stops at the first
+ * malformed page, and returns nothing for a file that is no TIFF: OpenImageIO reports what is wrong with it. */
+std::vector<std::string> readGdalNodata(const std::string& path);
+
+} // namespace cbvh

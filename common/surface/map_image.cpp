@@ -1,0 +1,290 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "surface/map_image.h"
+#include "surface/gdal_nodata.h"
+
+#include <OpenImageIO/half.h>
+
+#include <algorithm>
+#include <cfloat>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+namespace cbvh {
+namespace {
+
+constexpr const char* firstAttribute = "cbvh:first";
+constexpr const char* countAttribute = "cbvh:count";
+constexpr const char* neutralAttribute = "cbvh:neutral";
+
+/* Values of TIFF's PhotometricInterpretation. */
+enum Photometric { WhiteIsZero = 0, BlackIsZero = 1, Rgb = 2 };
+
+/* Bits of TIFF's NewSubfileType. */
+enum SubfileType { ReducedResolution = 1, Mask = 4 };
+
+/* Programs store the lowest float for "no value", some of them rounded. */
+constexpr float lowestHeight = -3.4e38f;
+
+bool isMissing(float height)
+{
+  return std::isnan(height) || (height <= lowestHeight && std::isfinite(height));
+}
+
+/* The types whose texels the texture system samples as they are. */
+bool isSampledNatively(OIIO::TypeDesc type)
+{
+  return type == OIIO::TypeDesc::UINT8 || type == OIIO::TypeDesc::UINT16 || type == OIIO::TypeDesc::HALF ||
+         type == OIIO::TypeDesc::FLOAT;
+}
+
+bool isUnsigned(OIIO::TypeDesc type)
+{
+  return type == OIIO::TypeDesc::UINT8 || type == OIIO::TypeDesc::UINT16 || type == OIIO::TypeDesc::UINT32;
+}
+
+/* The part of the image that is shown. In other formats than OpenEXR, a display window of the size of the data at
+ * another place comes from a position on a page, and the image is the data. */
+OIIO::ROI displayWindow(const OIIO::ImageSpec& spec, const std::string& format)
+{
+  const OIIO::ROI data = spec.roi(), full = spec.roi_full();
+  const bool isOnPage = format != "openexr" && full.width() == data.width() && full.height() == data.height();
+  return isOnPage || full.width() < 1 || full.height() < 1 ? data : full;
+}
+
+/* Empty for an image that can be read. */
+std::string refusalOf(const OIIO::ImageSpec& spec, const std::string& format, bool isInverted)
+{
+  if (spec.deep)
+    return "it is a deep image, with many values per texel";
+  if (spec.width < 1 || spec.height < 1)
+    return "it is empty";
+  if (spec.depth > 1)
+    return "it is a volume of " + std::to_string(spec.depth) + " slices";
+  if (isInverted && !isUnsigned(spec.format))
+    return "white is zero in it, which has no meaning for samples of type " + std::string(spec.format.c_str()) +
+           ": expected black as zero";
+  /* OpenImageIO 2.4 reports success and leaves its buffer as it was. */
+  if (format == "tiff" && spec.format == OIIO::TypeDesc::DOUBLE && spec.tile_width)
+    return "it has tiles of type double, which OpenImageIO does not read: expected strips, or type float";
+  return "";
+}
+
+template<typename T>
+void compare(const void* samples, double value, std::vector<char>& equals)
+{
+  const T* const all = static_cast<const T*>(samples);
+  for (size_t i = 0; i < equals.size(); i++)
+    equals[i] = all[i] == T(value);
+}
+
+/* Which samples have a value, before any conversion. The value is one of the type. */
+void compareSamples(OIIO::TypeDesc type, const void* samples, double value, std::vector<char>& equals)
+{
+  switch (type.basetype)
+  {
+  case OIIO::TypeDesc::UINT8: return compare<uint8_t>(samples, value, equals);
+  case OIIO::TypeDesc::INT8: return compare<int8_t>(samples, value, equals);
+  case OIIO::TypeDesc::UINT16: return compare<uint16_t>(samples, value, equals);
+  case OIIO::TypeDesc::INT16: return compare<int16_t>(samples, value, equals);
+  case OIIO::TypeDesc::UINT32: return compare<uint32_t>(samples, value, equals);
+  case OIIO::TypeDesc::INT32: return compare<int32_t>(samples, value, equals);
+  case OIIO::TypeDesc::HALF: return compare<half>(samples, value, equals);
+  case OIIO::TypeDesc::FLOAT: return compare<float>(samples, value, equals);
+  case OIIO::TypeDesc::DOUBLE: return compare<double>(samples, value, equals);
+  default: return;
+  }
+}
+
+} // namespace
+
+OIIO::ImageSpec MapImage::configuration(const MapReading& reading)
+{
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1); // else colors come multiplied by alpha
+  config.attribute(firstAttribute, reading.first);
+  config.attribute(countAttribute, reading.count);
+  config.attribute(neutralAttribute, reading.neutral);
+  return config;
+}
+
+bool MapImage::open(const std::string& path, OIIO::ImageSpec& spec, const OIIO::ImageSpec& config)
+{
+  close();
+  reading.first = config.get_int_attribute(firstAttribute, reading.first);
+  reading.count = config.get_int_attribute(countAttribute, reading.count);
+  reading.neutral = config.get_float_attribute(neutralAttribute, reading.neutral);
+  source = OIIO::ImageInput::open(path, &config);
+  if (!source)
+  {
+    errorfmt("{}", OIIO::geterror());
+    return false;
+  }
+  if (std::string(source->format_name()) == "tiff")
+    nodataTexts = readGdalNodata(path);
+  image = 0;
+  if (!describe())
+    return false;
+  spec = m_spec;
+  return true;
+}
+
+bool MapImage::close()
+{
+  source.reset();
+  nodataTexts.clear();
+  refused.clear();
+  image = -1;
+  return true;
+}
+
+bool MapImage::seek_subimage(int subimage, int miplevel)
+{
+  const lock_guard lock(*this);
+  if (!source || miplevel != 0)
+    return false;
+  if (subimage == image)
+    return refused.empty();
+  if (!source->seek_subimage(subimage, 0))
+  {
+    source->geterror(); // that there are no more images
+    return false;
+  }
+  image = subimage;
+  return describe();
+}
+
+/* Reads what is to be known of the image that the source is at. */
+bool MapImage::describe()
+{
+  const OIIO::ImageSpec& from = source->spec();
+  const std::string format = source->format_name();
+  const int photometric = format == "tiff" ? from.get_int_attribute("tiff:PhotometricInterpretation", -1) : -1;
+  copyOrMask = (from.get_int_attribute("tiff:subfiletype", 0) & (ReducedResolution | Mask)) != 0;
+  isFloating = from.format.is_floating_point();
+  isInverted = photometric == WhiteIsZero && from.format != OIIO::TypeDesc::UINT8;
+  refused = refusalOf(from, format, isInverted);
+  if (!refused.empty())
+  {
+    errorfmt("{}", refused);
+    return false;
+  }
+  window = displayWindow(from, format);
+  nodata = nodataOf(from);
+  plain = isSampledNatively(from.format) && !isInverted && window == from.roi() && window.xbegin == 0 &&
+          window.ybegin == 0;
+  m_spec = OIIO::ImageSpec(window.width(), window.height(), from.nchannels, OIIO::TypeDesc::FLOAT);
+  m_spec.channelnames = from.channelnames;
+  m_spec.alpha_channel = from.alpha_channel;
+  return true;
+}
+
+/* The value of GDAL's tag as OpenImageIO delivers it in the type of the samples. */
+std::optional<double> MapImage::nodataOf(const OIIO::ImageSpec& from) const
+{
+  const int photometric = from.get_int_attribute("tiff:PhotometricInterpretation", -1);
+  if (size_t(image) >= nodataTexts.size() || !from.channelformats.empty() || photometric < WhiteIsZero ||
+      photometric > Rgb) // samples of palettes and other color spaces are converted
+    return {};
+  std::string_view text = nodataTexts[size_t(image)];
+  text.remove_prefix(std::min(text.find_first_not_of(" +"), text.size()));
+  double value = 0;
+  if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc() || std::isnan(value))
+    return {}; // NaN is missing without the tag
+  if (isFloating) // a float cannot hold the lowest double
+    return from.format == OIIO::TypeDesc::DOUBLE || std::abs(value) <= FLT_MAX ? value : std::copysign(INFINITY, value);
+  const int bits = from.get_int_attribute("oiio:BitsPerSample", int(8 * from.format.size()));
+  const double most = std::ldexp(1.0, isUnsigned(from.format) ? bits : bits - 1) - 1;
+  const double least = isUnsigned(from.format) ? 0 : -most - 1;
+  if (!(value >= least && value <= most) || value != std::floor(value))
+    return {}; // no sample has it
+  if (isUnsigned(from.format))
+    value = std::floor(value * (std::ldexp(1.0, int(8 * from.format.size())) - 1) / most); // 1 to 7 and 9 to 15 bits
+  return photometric == WhiteIsZero && !isInverted ? 255 - value : value;
+}
+
+bool MapImage::read_native_scanlines(int subimage, int miplevel, int yBegin, int yEnd, int, void* data)
+{
+  const lock_guard lock(*this);
+  if (!seek_subimage(subimage, miplevel))
+    return false;
+  float* const out = static_cast<float*>(data);
+  const size_t channels = size_t(m_spec.nchannels), rowFloats = size_t(m_spec.width) * channels;
+  std::fill(out, out + rowFloats * size_t(yEnd - yBegin), reading.neutral);
+  const OIIO::ROI from = source->spec().roi();
+  const int top = std::max(yBegin + window.ybegin, from.ybegin), bottom = std::min(yEnd + window.ybegin, from.yend);
+  const int left = std::max(window.xbegin, from.xbegin), right = std::min(window.xend, from.xend);
+  if (top >= bottom || left >= right)
+    return true;
+  std::vector<float> rows;
+  if (!readRows(top, bottom, rows))
+    return false;
+  for (int y = top; y < bottom; y++)
+  {
+    const float* const row = &rows[size_t(y - top) * size_t(from.width()) * channels];
+    std::copy(row + size_t(left - from.xbegin) * channels, row + size_t(right - from.xbegin) * channels,
+              out + rowFloats * size_t(y - window.ybegin - yBegin) + size_t(left - window.xbegin) * channels);
+  }
+  return true;
+}
+
+/* Rows of the source's data window, all channels. */
+bool MapImage::readRows(int yBegin, int yEnd, std::vector<float>& rows)
+{
+  const OIIO::ImageSpec& from = source->spec();
+  const size_t rowSamples = size_t(from.width) * size_t(from.nchannels);
+  int begin = yBegin, end = yEnd; // whole tiles
+  if (from.tile_width)
+  {
+    begin = from.y + (yBegin - from.y) / from.tile_height * from.tile_height;
+    end = from.y + (yEnd - from.y + from.tile_height - 1) / from.tile_height * from.tile_height;
+    end = std::min(end, from.y + from.height);
+  }
+  const OIIO::TypeDesc type = nodata ? from.format : OIIO::TypeDesc(OIIO::TypeDesc::FLOAT);
+  std::vector<char> samples(size_t(end - begin) * rowSamples * type.size());
+  const bool isRead = from.tile_width
+                        ? source->read_tiles(image, 0, from.x, from.x + from.width, begin, end, from.z, from.z + 1, 0,
+                                             from.nchannels, type, samples.data())
+                        : source->read_scanlines(image, 0, begin, end, from.z, 0, from.nchannels, type, samples.data());
+  /* Some readers fill what a truncated file lacks and only leave a message. */
+  if (!isRead || source->has_error())
+  {
+    errorfmt("{}", source->geterror());
+    return false;
+  }
+  const char* const first = &samples[size_t(yBegin - begin) * rowSamples * type.size()];
+  rows.resize(size_t(yEnd - yBegin) * rowSamples);
+  std::vector<char> equalsNodata(nodata ? rows.size() : 0);
+  if (nodata)
+    compareSamples(type, first, *nodata, equalsNodata);
+  for (size_t i = 0; i < rows.size(); i += rowSamples)
+    OIIO::convert_pixel_values(type, first + i * type.size(), OIIO::TypeDesc::FLOAT, &rows[i], int(rowSamples));
+  if (isInverted)
+    for (size_t i = 0; i < rows.size(); i++)
+      if (int(i % size_t(from.nchannels)) != from.alpha_channel)
+        rows[i] = 1.0f - rows[i];
+  if (isFloating || nodata)
+    replaceMissing(rows, equalsNodata);
+  return true;
+}
+
+/* Replaces all channels of the map where one of them is missing. */
+void MapImage::replaceMissing(std::vector<float>& rows, const std::vector<char>& equalsNodata)
+{
+  const size_t channels = size_t(m_spec.nchannels), first = size_t(reading.first);
+  const size_t last = std::min(first + size_t(reading.count), channels);
+  for (size_t i = 0; i < rows.size(); i += channels)
+  {
+    bool isMissingTexel = false;
+    for (size_t c = first; c < last; c++)
+      isMissingTexel |= (isFloating && isMissing(rows[i + c])) || (!equalsNodata.empty() && equalsNodata[i + c]);
+    if (!isMissingTexel)
+      continue;
+    missing++;
+    std::fill(rows.begin() + ptrdiff_t(i + first), rows.begin() + ptrdiff_t(i + last), reading.neutral);
+  }
+}
+
+} // namespace cbvh

@@ -1,0 +1,85 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A file of heights or vectors as the texture system is to see it: images of floats that fill their display windows.
+ *
+ * OpenImageIO 2.4 reads the files, and this class corrects what its readers or its texture system do not handle:
+ * - Integers of other types than uint8 and uint16, and doubles, become floats: the texture system asserts on them.
+ *   Unsigned integers are divided by the greatest value of their type and become 0..1; so are signed integers, which
+ *   become -1..1. This is OpenImageIO's own conversion.
+ * - The texture system wraps over the data window. Here an image is its display window, and texels outside of the data
+ *   window are neutral.
+ * - TIFF with white as zero is inverted for all unsigned types; OpenImageIO does so for 8 bits only.
+ * - Missing texels become neutral: NaN, -3.4e38 and below, and the value of GDAL's tag in a TIFF. */
+
+#include <OpenImageIO/imageio.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+/* The channels in which missing texels are replaced, and by which value. */
+struct MapReading
+{
+  int first = 0;
+  int count = 0;
+  float neutral = 0.0f; // displaces nothing
+};
+
+class MapImage final : public OIIO::ImageInput
+{
+public:
+  /* A configuration for open() by which the image reads like this. */
+  static OIIO::ImageSpec configuration(const MapReading& reading);
+
+  void setReading(const MapReading& r) { reading = r; }
+
+  /* True if the texture system can read the current image from the file itself, provided that no texel is missing. */
+  bool isPlain() const { return plain; }
+
+  /* True if the current image is a smaller copy of another one, or a mask, as GDAL stores them in a TIFF. */
+  bool isCopyOrMask() const { return copyOrMask; }
+
+  /* Number of missing texels among all that were read. */
+  size_t numMissing() const { return missing; }
+
+  /* Why the current image cannot be read; empty if it can. */
+  const std::string& refusal() const { return refused; }
+
+  const char* format_name() const override { return "map"; }
+  bool open(const std::string& path, OIIO::ImageSpec& spec) override { return open(path, spec, OIIO::ImageSpec()); }
+  bool open(const std::string& path, OIIO::ImageSpec& spec, const OIIO::ImageSpec& config) override;
+  bool close() override;
+  int current_subimage() const override { return image; }
+  bool seek_subimage(int subimage, int miplevel) override;
+  bool read_native_scanline(int subimage, int miplevel, int y, int z, void* data) override
+  {
+    return read_native_scanlines(subimage, miplevel, y, y + 1, z, data);
+  }
+  bool read_native_scanlines(int subimage, int miplevel, int yBegin, int yEnd, int z, void* data) override;
+
+private:
+  bool describe();
+  std::optional<double> nodataOf(const OIIO::ImageSpec& from) const;
+  bool readRows(int yBegin, int yEnd, std::vector<float>& rows);
+  void replaceMissing(std::vector<float>& rows, const std::vector<char>& equalsNodata);
+
+  std::unique_ptr<OIIO::ImageInput> source;
+  std::vector<std::string> nodataTexts; // one per page of a TIFF
+  MapReading reading;
+  std::string refused;
+  size_t missing = 0;
+
+  /* of the current image */
+  int image = -1;
+  OIIO::ROI window; // that is shown, in the coordinates of the source
+  std::optional<double> nodata;
+  bool plain = false, copyOrMask = false, isInverted = false, isFloating = false;
+};
+
+} // namespace cbvh

@@ -1,0 +1,215 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Writes small TIFF files of layouts that OpenImageIO's writer does not produce: signed integers, white as zero,
+ * palettes, bilevel, CMYK, GDAL's tag for missing values, both byte orders and BigTIFF. Uncompressed. */
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace cbvh::test {
+
+/* The values of the tags that the writer uses, from the TIFF 6.0 specification. */
+struct TiffLayout
+{
+  unsigned width = 0, height = 0;
+  unsigned bits = 8;
+  unsigned format = 1;       // SampleFormat: 1 unsigned, 2 signed, 3 floating point, 5 and 6 complex
+  unsigned photometric = 1;  // 0 white is zero, 1 black is zero, 2 RGB, 3 palette, 5 CMYK, 6 YCbCr, 8 CIELab
+  unsigned samples = 1;      // per pixel
+  bool isPlanar = false;     // one plane per sample
+  unsigned tile = 0;         // edge of the tiles, a multiple of 16; 0: one strip
+  int extra = -1;            // ExtraSamples of the last sample: 0 unspecified, 1 associated alpha, 2 unassociated alpha
+  std::vector<uint16_t> colors; // of a palette: all red, all green, all blue values
+  std::string nodata;        // GDAL's tag 42113, left out if empty
+  unsigned subfile = 0;      // NewSubfileType: 1 a smaller copy of the page before, 4 a mask
+  bool isBigEndian = false, isBigTiff = false;
+};
+
+class TiffWriter
+{
+public:
+  explicit TiffWriter(bool isBigEndian, bool isBigTiff) : isBigEndian(isBigEndian), isBigTiff(isBigTiff)
+  {
+    bytes = isBigEndian ? "MM" : "II";
+    put(isBigTiff ? 43 : 42, 2);
+    if (isBigTiff)
+    {
+      put(8, 2);
+      put(0, 2);
+    }
+    link = bytes.size();
+    put(0, offsetBytes());
+  }
+
+  /* Appends a page. samples: the pixels row by row, all samples of a pixel together, as native bytes of `bits`; rows of
+   * bilevel images are padded to bytes. */
+  void page(const TiffLayout& t, const std::string& samples)
+  {
+    std::vector<uint64_t> offsets, sizes;
+    for (const std::string& chunk : chunks(t, samples))
+    {
+      offsets.push_back(bytes.size());
+      sizes.push_back(chunk.size());
+      bytes += chunk;
+    }
+    bytes.resize((bytes.size() + 7) / 8 * 8);
+    entries.clear();
+    if (t.subfile)
+      entry(254, 4, {t.subfile});
+    entry(256, 4, {t.width});
+    entry(257, 4, {t.height});
+    entry(258, 3, std::vector<uint64_t>(t.samples, t.bits));
+    entry(259, 3, {1});
+    entry(262, 3, {t.photometric});
+    if (!t.tile)
+      entry(273, 4, offsets);
+    entry(277, 3, {t.samples});
+    if (!t.tile)
+    {
+      entry(278, 4, {t.height});
+      entry(279, 4, sizes);
+    }
+    entry(284, 3, {t.isPlanar ? 2u : 1u});
+    if (!t.colors.empty())
+      entry(320, 3, {t.colors.begin(), t.colors.end()});
+    if (t.tile)
+    {
+      entry(322, 4, {t.tile});
+      entry(323, 4, {t.tile});
+      entry(324, 4, offsets);
+      entry(325, 4, sizes);
+    }
+    if (t.extra >= 0)
+      entry(338, 3, {unsigned(t.extra)});
+    entry(339, 3, std::vector<uint64_t>(t.samples, t.format));
+    if (t.photometric == 6)
+      entry(530, 3, {1, 1}); // chroma is not subsampled
+    if (!t.nodata.empty())
+    {
+      std::vector<uint64_t> text(t.nodata.begin(), t.nodata.end());
+      text.push_back(0);
+      entry(42113, 2, text);
+    }
+    writeDirectory();
+  }
+
+  void save(const std::string& path) const { std::ofstream(path, std::ios::binary) << bytes; }
+
+private:
+  struct Entry
+  {
+    unsigned tag, type;
+    std::vector<uint64_t> values;
+  };
+
+  unsigned offsetBytes() const { return isBigTiff ? 8 : 4; }
+
+  static std::string number(uint64_t value, unsigned size, bool isBigEndian)
+  {
+    std::string text;
+    for (unsigned i = 0; i < size; i++)
+      text += char(value >> 8 * (isBigEndian ? size - 1 - i : i));
+    return text;
+  }
+
+  void put(uint64_t value, unsigned size) { bytes += number(value, size, isBigEndian); }
+
+  void entry(unsigned tag, unsigned type, const std::vector<uint64_t>& values)
+  {
+    entries.push_back({tag, type, values});
+  }
+
+  static unsigned typeBytes(unsigned type) { return type == 2 ? 1 : type == 3 ? 2 : 4; }
+
+  std::string valuesOf(const Entry& e) const
+  {
+    std::string text;
+    for (uint64_t value : e.values)
+      text += number(value, typeBytes(e.type), isBigEndian);
+    return text;
+  }
+
+  void writeDirectory()
+  {
+    std::vector<uint64_t> places(entries.size());
+    for (size_t i = 0; i < entries.size(); i++)
+    {
+      const std::string values = valuesOf(entries[i]);
+      places[i] = bytes.size();
+      if (values.size() > offsetBytes())
+        bytes += values + std::string(values.size() % 2, '\0');
+    }
+    const std::string start = number(bytes.size(), offsetBytes(), isBigEndian);
+    std::copy(start.begin(), start.end(), bytes.begin() + ptrdiff_t(link));
+    put(entries.size(), isBigTiff ? 8 : 2);
+    for (size_t i = 0; i < entries.size(); i++)
+    {
+      put(entries[i].tag, 2);
+      put(entries[i].type, 2);
+      put(entries[i].values.size(), offsetBytes());
+      std::string values = valuesOf(entries[i]);
+      if (values.size() > offsetBytes())
+        values = number(places[i], offsetBytes(), isBigEndian);
+      values.resize(offsetBytes());
+      bytes += values;
+    }
+    link = bytes.size();
+    put(0, offsetBytes());
+  }
+
+  /* The strips or tiles, in the byte order of the file. */
+  std::vector<std::string> chunks(const TiffLayout& t, std::string samples) const
+  {
+    const unsigned size = t.bits / 8;
+    if (isBigEndian && size > 1)
+      for (size_t i = 0; i + size <= samples.size(); i += size)
+        std::reverse(samples.begin() + ptrdiff_t(i), samples.begin() + ptrdiff_t(i + size));
+    if (!t.isPlanar && !t.tile)
+      return {samples};
+    std::vector<std::string> all;
+    const unsigned step = t.isPlanar ? 1 : t.samples, w = t.tile ? t.tile : t.width, h = t.tile ? t.tile : t.height;
+    for (unsigned first = 0; first < t.samples; first += step)
+      for (unsigned y0 = 0; y0 < t.height; y0 += h)
+        for (unsigned x0 = 0; x0 < t.width; x0 += w)
+        {
+          std::string chunk;
+          for (unsigned y = y0; y < y0 + h; y++)
+            for (unsigned x = x0; x < x0 + w; x++)
+            {
+              const size_t pixel = size_t(std::min(y, t.height - 1)) * t.width + std::min(x, t.width - 1);
+              chunk += samples.substr((pixel * t.samples + first) * size, size_t(step) * size);
+            }
+          all.push_back(chunk);
+        }
+    return all;
+  }
+
+  bool isBigEndian, isBigTiff;
+  std::string bytes;
+  size_t link = 0; // of the offset of the next directory
+  std::vector<Entry> entries;
+};
+
+/* Writes a TIFF of one page. */
+inline void writeTiff(const std::string& path, const TiffLayout& layout, const std::string& samples)
+{
+  TiffWriter writer(layout.isBigEndian, layout.isBigTiff);
+  writer.page(layout, samples);
+  writer.save(path);
+}
+
+/* The native bytes of samples. */
+template<typename T>
+std::string bytesOf(const std::vector<T>& samples)
+{
+  return std::string(reinterpret_cast<const char*>(samples.data()), samples.size() * sizeof(T));
+}
+
+} // namespace cbvh::test
