@@ -7,6 +7,7 @@
 
 #include "basics/error.h"
 #include "basics/file_output.h"
+#include "basics/nearest_word.h"
 #include "building/loaded_library.h"
 #include "building/representation.h"
 #include "programs/surface_options.h"
@@ -21,6 +22,15 @@
 #include <vector>
 
 namespace cbvh {
+
+/* The option of a program that is most like a word with two hyphens. */
+inline std::string nearestOption(const CLI::App& app, const std::string& word)
+{
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return nearestWord(word, names);
+}
 
 /* False after --help and --version, which have been printed then. Throws Error for what CLI11 refuses. */
 inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
@@ -46,6 +56,13 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
     const std::string text = e.what(), mark = ": At Most 1 required but received ";
     const size_t at = text.find(mark);
     throw Error(at == std::string::npos ? text : text.substr(0, at) + " is given " + text.substr(at + mark.size()) + " times");
+  }
+  catch (const CLI::ExtrasError& e)
+  {
+    for (const std::string& word : app.remaining())
+      if (word.compare(0, 2, "--") == 0)
+        throw Error("unknown option " + word.substr(0, word.find('=')) + ", did you mean " + nearestOption(app, word.substr(0, word.find('='))) + "? --help lists all options");
+    throw Error(e.what());
   }
   catch (const CLI::ParseError& e)
   {

@@ -250,13 +250,15 @@ static inline void cbvhBoundGeometry(const struct RTCBoundsFunctionArguments* ar
 }
 
 /* Makes a geometry of a group, committed. flags: of CbvhGeometryFlags. The geometry's user data is the group: what an application keeps with it goes to
- * cbvhSetGroupUserPtr. The caller releases the geometry, and the group behind it. NULL where Embree makes none, with its device's error. */
+ * cbvhSetGroupUserPtr. The caller releases the geometry, and the group behind it. Returns NULL if Embree makes none, with its device's error, and if
+ * the group has more primitives than primID of a hit counts, 2^32. */
 static inline RTCGeometry cbvhNewGeometry(RTCDevice device, CbvhGroup group, unsigned int flags)
 {
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   RTCIntersectFunctionN intersect = cbvhIntersectPlain;
   RTCOccludedFunctionN occluded = cbvhOccludedPlain;
   if (!geometry) return NULL;
+  if (cbvhGetGroupFirstPrimitive(group, cbvhGetGroupSize(group)) == 0xFFFFFFFFu) { rtcReleaseGeometry(geometry); return NULL; }
   if (flags == CBVH_GEOMETRY_FILTERS) { intersect = cbvhIntersectFiltered; occluded = cbvhOccludedFiltered; }
 #if RTC_VERSION_MAJOR >= 4
   if (flags == CBVH_GEOMETRY_CONTEXT_FILTERS) { intersect = cbvhIntersectContext; occluded = cbvhOccludedContext; }

@@ -83,6 +83,10 @@ for example in displaced_cage diced_grids; do
   c++ -std=c++17 "$examples/$example.cpp" $(pkg-config --cflags --libs embree_cbvh) "$stock/libembree3.so.3" -o "$work/$example" ||
     fail "the installed example $example does not compile"
 done
+# shellcheck disable=SC2046
+cc -std=c99 -Wall -Wextra -Werror -pedantic "$examples/displacement_map.c" $(pkg-config --cflags --libs embree_cbvh) -lm -o "$work/displacement_map" ||
+  fail "the installed example displacement_map does not compile"
+(cd "$work" && LD_LIBRARY_PATH=$work/prefix/lib/embree_cbvh ./displacement_map) || fail "the installed example displacement_map does not run"
 
 # --- manual pages: one for each function of our headers ---------------------------------------------
 

@@ -3,6 +3,7 @@
 
 /* Settings, statistics, memory, progress and rebuilding, as a program sees them. */
 
+#include "support/environment.h"
 #include "support/memory.h"
 #include "support/random.h"
 #include "support/scene.h"
@@ -16,13 +17,6 @@
 
 namespace cbvh::test {
 namespace {
-
-class Environment
-{
-public:
-  explicit Environment(const char* value) { setenv("EMBREE_CBVH", value, 1); }
-  ~Environment() { unsetenv("EMBREE_CBVH"); }
-};
 
 // What a scene's statistics say of the representation of a cube.
 std::string representationOf(RTCScene scene)
@@ -725,60 +719,6 @@ TEST(DeviceString, AKeyThatIsNoneIsNamedWithTheNearest)
   RTCDevice device = rtcNewDevice("threds=1,unknown,grid_accel=default"); // as stock Embree
   ASSERT_NE(device, nullptr);
   rtcReleaseDevice(device);
-}
-
-// A line on each commit: what was compressed, what GRID would take, what was left to it and why.
-TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldTake)
-{
-  const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings, const Cage& cage = cubeCage()) {
-    std::unique_ptr<Environment> set(environment ? new Environment(environment) : nullptr);
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
-    {
-      Device device(config);
-      const SurfaceScene scene(device, cage, settings);
-    }
-    const std::string text = testing::internal::GetCapturedStderr();
-    EXPECT_EQ(testing::internal::GetCapturedStdout().find("compression:"), std::string::npos) << "programs write pictures there";
-    const size_t begin = text.find("compression: 1 surface");
-    return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
-  };
-  SurfaceSettings settings;
-  settings.rate = 64;
-  for (const char* environment : {"1,verbose", "verbose,cvert"}) {
-    const std::string line = lineOf(environment, "", settings);
-    EXPECT_NE(line.find("1 subdivision surface as cVERT: 24576 quads in 0.0"), std::string::npos) << line;
-    EXPECT_EQ(line.find("not compressed"), std::string::npos) << line;
-    /* what GRID would take is what GRID takes, but for the allocator's rounding */
-    Memory memory;
-    Device grid("subdiv_accel=bvh4.grid.eager");
-    rtcSetDeviceMemoryMonitorFunction(grid, Memory::monitor, &memory);
-    Scene scene(grid);
-    addSurface(grid, scene, cubeCage(), settings);
-    const ssize_t input = memory.live;
-    rtcCommitScene(scene);
-    const size_t at = line.find("about ");
-    ASSERT_NE(at, std::string::npos) << line;
-    const double mebibytes = std::stod(line.substr(at + 6)), taken = double(memory.live - input)/(1 << 20);
-    EXPECT_GT(mebibytes, 0.85*taken);
-    EXPECT_LT(mebibytes, 1.1*taken);
-  }
-  EXPECT_NE(lineOf(nullptr, "verbose=1,subdiv_accel=cbvh.voxel", settings).find("1 surface as cVOXEL"), std::string::npos);
-  EXPECT_EQ(lineOf("1", "", settings), "");
-  EXPECT_EQ(lineOf("verbose", "", settings), "");
-  settings.edgeRates.assign(24, 8);
-  settings.edgeRates[0] = 300;
-  const std::string line = lineOf("voxel,verbose", "", settings);
-  EXPECT_NE(line.find("left to GRID: 2400 quads for their edge rates"), std::string::npos) << line;
-  /* a needle has no good frame: GRID traces it, or where its sides have different rates, cGRID */
-  Cage needle = quadCage();
-  for (Vec& p : needle.positions) p[1] *= 0x1p-20f;
-  settings.edgeRates.assign(4, 8);
-  const std::string refused = lineOf("voxel,verbose", "", settings, needle);
-  EXPECT_NE(refused.find("left to GRID: 64 quads of blocks without a good frame"), std::string::npos) << refused;
-  settings.edgeRates[0] = 16;
-  const std::string kept = lineOf("voxel,verbose", "", settings, needle);
-  EXPECT_NE(kept.find("left to GRID: nothing"), std::string::npos) << kept;
 }
 
 } // namespace

@@ -10,8 +10,10 @@
 #include "support/same_hits.h"
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 #include <set>
+#include <unistd.h>
 
 namespace cbvh::test {
 namespace {
@@ -327,6 +329,66 @@ TEST(GridSurfaces, TheSmallestAreLeftAlone)
   EXPECT_EQ(quads(0), 0u) << "most are small";
   diced.add(201, 201, [](unsigned x, unsigned y) { return Vec{0.01f*float(x), 0.01f*float(y), -1}; });
   EXPECT_EQ(quads(0), 400u + 400 + 40000);
+}
+
+// More than 46,341 vertices on a side: products of two such numbers do not fit into 32 bits.
+TEST(GridSurfaces, LongSidesHaveTheirHits)
+{
+  for (const auto& [width, height] : {std::make_pair(50000u, 3u), std::make_pair(3u, 50000u), std::make_pair(65535u, 2u), std::make_pair(46342u, 18u)}) {
+    SCOPED_TRACE(testing::Message() << width << " x " << height);
+    Device device;
+    Diced diced;
+    diced.grids.push_back({0, width, (unsigned short)width, (unsigned short)height});
+    for (unsigned y = 0; y < height; y++)
+      for (unsigned x = 0; x < width; x++) diced.vertices.push_back({float(x), float(y), 0});
+    const GridScene scene(device, diced);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    EXPECT_EQ(statisticsOf(scene).numQuads, size_t(width - 1)*(height - 1));
+    Random random(9);
+    for (int i = 0; i < 2000; i++) {
+      const float x = float(random.uniform(0.01, width - 1.01)), y = float(random.uniform(0.01, height - 1.01));
+      const RTCRayHit hit = intersect(scene, makeRay({x, y, 5}, {0, 0, -1}));
+      ASSERT_TRUE(isHit(hit)) << x << ", " << y;
+      ASSERT_NEAR(hit.ray.tfar, 5, 1e-3) << x << ", " << y;
+      ASSERT_NEAR(hit.hit.u*float(width - 1), x, 0.02) << x << ", " << y;
+      ASSERT_NEAR(hit.hit.v*float(height - 1), y, 0.02) << x << ", " << y;
+    }
+  }
+}
+
+TEST(GridSurfaces, RowsThatAreAllTheSameVerticesAreAnError)
+{
+  Device device;
+  Diced diced = dicedSheet(2, 16);
+  diced.grids.push_back({0, 0, 65535, 65535});
+  for (unsigned i = 0; i < 65535; i++) diced.vertices.push_back({0, 0, 0});
+  rtcReleaseGeometry(newGrids(device, diced, RTC_COMPRESSION_VERT));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(device.message.find("grid 4 of 65535 x 65535 vertices has a stride of 0"), std::string::npos) << device.message;
+}
+
+// Rows that overlap make four billion quads of 131,069 vertices; their commit ends when it is told to.
+TEST(GridSurfaces, ACommitOfRowsThatOverlapCanBeCancelled)
+{
+  Device device;
+  Diced diced;
+  diced.grids.push_back({0, 1, 65535, 65535});
+  for (unsigned i = 0; i < 2*65535u - 1; i++) diced.vertices.push_back({float(i), float(i % 7), 0});
+  RTCGeometry geometry = newGrids(device, diced);
+  RTCCompressionArguments args;
+  rtcInitCompressionArguments(&args);
+  std::atomic<unsigned> calls(0);
+  args.compression = RTC_COMPRESSION_VERT;
+  args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
+  args.progressUserPtr = &calls;
+  args.progress = [](void* calls, double) { return ++*(std::atomic<unsigned>*)calls < 4; };
+  rtcSetGeometryCompression(geometry, &args);
+  alarm(120);
+  rtcCommitGeometry(geometry);
+  alarm(0);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_CANCELLED) << device.message;
+  EXPECT_GE(calls, 4u);
+  rtcReleaseGeometry(geometry);
 }
 
 TEST(GridSurfaces, LetTheirInputGo)

@@ -57,7 +57,7 @@ TEST(UncompressedSurfaces, RatesAbove256EqualStock)
 
 TEST(UncompressedSurfaces, MotionBlurEqualsStock)
 {
-  compareUncompressed(8, {}, false, "6 faces have motion blur, and are not to be stored exactly: left to Embree's kernel of faces", 2);
+  compareUncompressed(8, {}, false, "not compressed: 6 faces that have motion blur, because exact_faces is 0", 2);
 }
 
 // Compressed faces beside others, in one BVH.

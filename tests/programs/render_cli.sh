@@ -48,6 +48,7 @@ if command -v oiiotool >/dev/null; then
   refuses "cannot be read as a height map" --cage "$folder/quad.obj" --height "$folder/half.png"
 fi
 refuses "unknown representation 'mesh'" --scene cube --representation grid,mesh
+refuses "unknown option --representaton, did you mean --representation" --scene cube --representaton grid
 refuses "unknown --scene 'teapot', known are cube, frog" --scene teapot
 refuses "count 0 is out of range" --scene herd --count 0
 refuses "count belongs to --scene herd" --scene frog --count 3

@@ -13,9 +13,13 @@
 # %%
 import statistics
 
-import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.ticker import LogLocator, NullFormatter
+
+try:
+    import matplotlib.pyplot as plt
+    from matplotlib.ticker import LogLocator, NullFormatter
+except ImportError as error:
+    raise SystemExit("matplotlib is not installed for this Python: install the package python3-matplotlib") from error
 
 import embree_cbvh as cbvh
 

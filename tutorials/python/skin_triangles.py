@@ -12,8 +12,12 @@
 # beside where it is started.
 
 # %%
-import matplotlib.pyplot as plt
 import numpy as np
+
+try:
+    import matplotlib.pyplot as plt
+except ImportError as error:
+    raise SystemExit("matplotlib is not installed for this Python: install the package python3-matplotlib") from error
 
 import embree_cbvh as cbvh
 

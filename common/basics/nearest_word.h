@@ -1,0 +1,40 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The word that a user may have meant. */
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+/* Levenshtein's distance: the fewest letters to insert, delete or replace that make b of a. */
+inline size_t editDistance(const std::string& a, const std::string& b)
+{
+  std::vector<size_t> costs(b.size() + 1), previous(b.size() + 1);
+  for (size_t j = 0; j < costs.size(); j++) costs[j] = j;
+  for (size_t i = 1; i <= a.size(); i++) {
+    costs.swap(previous);
+    costs[0] = i;
+    for (size_t j = 1; j < costs.size(); j++)
+      costs[j] = std::min({previous[j] + 1, costs[j - 1] + 1, previous[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+  }
+  return costs.back();
+}
+
+/* The nearest word, of two equally near the first; empty if there are none. */
+inline std::string nearestWord(const std::string& word, const std::vector<std::string>& words)
+{
+  std::string nearest;
+  size_t distance = ~size_t(0);
+  for (const std::string& candidate : words) {
+    const size_t d = editDistance(word, candidate);
+    if (d < distance) { distance = d; nearest = candidate; }
+  }
+  return nearest;
+}
+
+} // namespace cbvh

@@ -1,0 +1,157 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Damage in a file that rays of libembree_cbvh find: the error function of the context is called with it, once, whatever traces. */
+
+#include "support/file_mutations.h"
+
+#include <cbvh/cbvh.h>
+#include <gtest/gtest.h>
+
+namespace cbvh::test {
+namespace {
+
+struct Told
+{
+  unsigned errors = 0;
+  CbvhError code = CBVH_OK;
+  std::string text;
+
+  static void function(void* self, CbvhError code, const char* text)
+  {
+    Told& told = *(Told*)self;
+    told.errors++;
+    told.code = code;
+    told.text = text;
+    cbvhReleaseContext(nullptr); // functions of the library may be called here
+  }
+};
+
+struct Damaged : testing::Test
+{
+  Told told;
+  CbvhContext context = nullptr;
+  Folder folder;
+  const std::string path = folder/"surface.cbvh";
+
+  Damaged()
+  {
+    EXPECT_EQ(cbvhNewContext(nullptr, Told::function, &told, &context), CBVH_OK);
+    const Cage cage = cubeCage();
+    const float* const steps[] = {cage.positions[0].data()};
+    CbvhCage input = CbvhCage();
+    input.numFaces = cage.faces.size();
+    input.faceVertices = cage.faces.data();
+    input.numIndices = cage.indices.size();
+    input.indices = cage.indices.data();
+    input.vertices = {cage.positions.size(), sizeof(Vec), steps, 1, 0, 1};
+    input.rate = 64;
+    CbvhSurface surface = nullptr;
+    EXPECT_EQ(cbvhNewSurface(context, &surface), CBVH_OK);
+    EXPECT_EQ(cbvhSetCage(surface, &input), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhSaveSurface(surface, path.c_str()), CBVH_OK) << cbvhGetErrorText();
+    cbvhReleaseSurface(surface);
+    FileBytes file(bytesOf(path));
+    std::fill_n(file.bytes.begin() + ptrdiff_t(file.record(0).blocks), file.record(0).blockBytes/2, '\0');
+    writeBytes(path, file.bytes);
+  }
+  ~Damaged() override { cbvhReleaseContext(context); }
+
+  CbvhGroup load()
+  {
+    CbvhSurface surface = nullptr;
+    CbvhGroup group = nullptr;
+    EXPECT_EQ(cbvhLoadSurface(context, path.c_str(), &surface), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhNewGroup(context, &surface, 1, &group), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
+    cbvhReleaseSurface(surface);
+    EXPECT_EQ(told.errors, 0u) << told.text;
+    return group;
+  }
+
+  void expectOne(const char* by)
+  {
+    EXPECT_EQ(told.errors, 1u) << by;
+    EXPECT_EQ(told.code, CBVH_ERROR_INVALID_ARGUMENT) << by;
+    EXPECT_NE(told.text.find("is damaged"), std::string::npos) << by << ": " << told.text;
+    EXPECT_NE(told.text.find(path), std::string::npos) << by << ": " << told.text;
+    EXPECT_NE(std::string(cbvhGetErrorText()).find("is damaged"), std::string::npos) << by;
+    told = Told();
+  }
+
+  static std::vector<RTCRayHit> rays()
+  {
+    Random random(3);
+    return raysAt(random, 2000);
+  }
+};
+
+void traceSingle(CbvhGroup group, const std::vector<RTCRayHit>& rays)
+{
+  for (const RTCRayHit& r : rays) {
+    CbvhRayHit hit;
+    std::memset(&hit, 0, sizeof(hit));
+    hit.ray.org_x = r.ray.org_x; hit.ray.org_y = r.ray.org_y; hit.ray.org_z = r.ray.org_z;
+    hit.ray.dir_x = r.ray.dir_x; hit.ray.dir_y = r.ray.dir_y; hit.ray.dir_z = r.ray.dir_z;
+    hit.ray.tfar = r.ray.tfar;
+    hit.ray.mask = ~0u;
+    cbvhIntersect1(group, &hit, nullptr);
+  }
+}
+
+void tracePackets(CbvhGroup group, const std::vector<RTCRayHit>& rays)
+{
+  for (size_t first = 0; first + 8 <= rays.size(); first += 8) {
+    RTCRay8 packet;
+    std::memset(&packet, 0, sizeof(packet));
+    int valid[8];
+    for (size_t i = 0; i < 8; i++) {
+      const RTCRay& r = rays[first + i].ray;
+      valid[i] = -1;
+      packet.org_x[i] = r.org_x; packet.org_y[i] = r.org_y; packet.org_z[i] = r.org_z;
+      packet.dir_x[i] = r.dir_x; packet.dir_y[i] = r.dir_y; packet.dir_z[i] = r.dir_z;
+      packet.tfar[i] = r.tfar;
+      packet.mask[i] = ~0u;
+    }
+    cbvhOccluded8(group, valid, &packet, nullptr);
+  }
+}
+
+TEST_F(Damaged, IsToldByRays)
+{
+  for (const auto& [name, trace] : {std::make_pair("single rays", traceSingle), std::make_pair("packets, any hit", tracePackets)}) {
+    CbvhGroup group = load();
+    trace(group, rays());
+    expectOne(name);
+    cbvhReleaseGroup(group);
+  }
+}
+
+// Rays that a callback traces while something else is committed: that succeeds.
+TEST_F(Damaged, DoesNotFailTheCallThatACallbackIsOf)
+{
+  struct Callback { CbvhGroup group; std::vector<RTCRayHit> rays; } callback = {load(), rays()};
+  const float vertices[] = {0,0,0, 1,0,0, 1,1,0, 0,1,0, 0};
+  const float* const steps[] = {vertices};
+  const unsigned faces[] = {4}, indices[] = {0, 1, 2, 3};
+  CbvhCage input = CbvhCage();
+  input.numFaces = 1;
+  input.faceVertices = faces;
+  input.numIndices = 4;
+  input.indices = indices;
+  input.vertices = {4, sizeof(Vec), steps, 1, 0, 1};
+  input.rate = 16;
+  CbvhSurface surface = nullptr;
+  ASSERT_EQ(cbvhNewSurface(context, &surface), CBVH_OK);
+  ASSERT_EQ(cbvhSetCage(surface, &input), CBVH_OK) << cbvhGetErrorText();
+  const CbvhProgressFunction progress = [](void* ptr, double) { traceSingle(((Callback*)ptr)->group, ((Callback*)ptr)->rays); return 1; };
+  EXPECT_EQ(cbvhCommitSurface(surface, progress, &callback), CBVH_OK) << cbvhGetErrorText();
+  EXPECT_EQ(told.errors, 1u);
+  EXPECT_NE(told.text.find("is damaged"), std::string::npos) << told.text;
+  cbvhReleaseSurface(surface);
+  cbvhReleaseGroup(callback.group);
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,74 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Loaded geometries are released while the heap is exhausted: nothing ends the process, and others are traced as before. */
+
+#include "support/file_mutations.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+namespace {
+thread_local bool isExhausted = false;
+thread_local unsigned refused = 0;
+}
+
+// In place of the C++ library's own, for the libraries that this program loads, too.
+void* operator new(std::size_t bytes)
+{
+  if (isExhausted) { refused++; throw std::bad_alloc(); }
+  if (void* p = std::malloc(bytes ? bytes : 1)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+namespace cbvh::test {
+namespace {
+
+TEST(ExhaustedHeap, LoadedGeometriesAreReleased)
+{
+  Folder folder;
+  Device device;
+  const std::string path = folder/"a.cbvh", damaged = folder/"b.cbvh";
+  RTCGeometry geometry = allSaveable()[0].make(device);
+  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
+  rtcReleaseGeometry(geometry);
+  FileBytes file(bytesOf(path));
+  std::fill_n(file.bytes.begin() + ptrdiff_t(file.record(0).blocks), file.record(0).blockBytes, '\0');
+  writeBytes(damaged, file.bytes);
+  Random random(1);
+  const std::vector<RTCRayHit> rays = raysAt(random, 500);
+  const auto load = [&](const std::string& from) {
+    RTCGeometry loaded = rtcLoadCompressedGeometry(device, from.c_str());
+    EXPECT_NE(loaded, nullptr) << device.message;
+    return loaded;
+  };
+  const auto countHits = [&](RTCGeometry of) {
+    Scene scene(device);
+    rtcAttachGeometry(scene, of);
+    rtcCommitScene(scene);
+    size_t hits = 0;
+    for (const RTCRayHit& ray : rays) hits += isHit(intersect(scene, ray));
+    return hits;
+  };
+  RTCGeometry first = load(path), second = load(path), third = load(damaged);
+  const size_t hits = countHits(first);
+  EXPECT_GT(hits, 100u);
+  isExhausted = true;
+  rtcReleaseGeometry(first);
+  isExhausted = false;
+  EXPECT_GT(refused, 0u) << "nothing was asked for, so nothing is tested";
+  EXPECT_EQ(countHits(second), hits);
+  EXPECT_EQ(device.errors, 0u);
+  EXPECT_EQ(countHits(third), 0u) << "damaged blocks are still found";
+  EXPECT_EQ(device.errors, 1u);
+  RTCGeometry fourth = load(path);
+  EXPECT_EQ(countHits(fourth), hits);
+  for (RTCGeometry other : {second, third, fourth}) rtcReleaseGeometry(other);
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,100 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Buffers that a geometry releases when it is compressed, where a setting asks for it, and those that stay. */
+
+#include "support/diced_mesh.h"
+#include "support/environment.h"
+#include "support/memory.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace cbvh::test {
+namespace {
+
+// Programs that cannot be changed: their buffers go when they commit a geometry, and what they ask of them then is an error.
+TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
+{
+  for (bool byEnvironment : {true, false}) {
+    std::unique_ptr<Environment> set(byEnvironment ? new Environment("1, release_input") : nullptr);
+    Memory memory;
+    Device device(byEnvironment ? "" : "subdiv_accel=cbvh,cbvh_release_input=1");
+    ASSERT_TRUE(bool(device));
+    rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+    Random random(1);
+    const Diced grids = dicedSheet(4, 32);
+    const DicedMesh mesh = meshOf(grids, QuadOrder::Rows, random);
+    SurfaceSettings settings;
+    settings.rate = 32;
+    const std::pair<RTCBufferType, std::function<RTCGeometry()>> types[] = {
+      {RTC_BUFFER_TYPE_FACE, [&] { return newSurface(device, sheetCage(8), settings); }},
+      {RTC_BUFFER_TYPE_GRID, [&] { return newGrids(device, grids); }},
+      {RTC_BUFFER_TYPE_INDEX, [&] { return newMesh(device, mesh); }},
+      {RTC_BUFFER_TYPE_INDEX, [&] { return newMesh(device, trianglesOf(mesh)); }}};
+    for (const auto& [indices, make] : types) {
+      SCOPED_TRACE(testing::Message() << "buffer type " << indices << (byEnvironment ? ", environment" : ", device string"));
+      const ssize_t before = memory.live;
+      RTCGeometry geometry = make();
+      Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
+      rtcAttachGeometry(scene, geometry);
+      rtcCommitScene(scene);
+      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      const RTCCompressionStatistics stats = statisticsOf(scene);
+      EXPECT_GT(stats.numQuads, 10000u);
+      EXPECT_EQ(stats.inputBytes, 0u);
+      EXPECT_LT(double(memory.live - before), 5*double(stats.numQuads));
+      const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
+      EXPECT_TRUE(isHit(intersect(scene, down)));
+      // a commit without a change, and of what does not concern the surface
+      rtcCommitGeometry(geometry);
+      rtcSetGeometryMask(geometry, 1);
+      rtcCommitGeometry(geometry);
+      rtcCommitScene(scene);
+      EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      EXPECT_TRUE(isHit(intersect(scene, down)));
+      // what needs the buffers
+      for (RTCBufferType type : {RTC_BUFFER_TYPE_VERTEX, indices}) {
+        EXPECT_EQ(rtcGetGeometryBufferData(geometry, type, 0), nullptr);
+        EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+        EXPECT_NE(device.message.find("release_input"), std::string::npos) << device.message;
+      }
+      float P[3];
+      rtcInterpolate0(geometry, 0, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX, 0, P, 3);
+      EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+      rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+      rtcCommitGeometry(geometry);
+      EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+      EXPECT_NE(device.message.find("release_input"), std::string::npos) << device.message;
+      rtcReleaseGeometry(geometry);
+    }
+  }
+}
+
+// Without it the statistics have the buffers, each once, and none that the application shares.
+TEST(ReleaseInput, StatisticsHaveTheBuffersThatStay)
+{
+  Memory memory;
+  Device device("subdiv_accel=cbvh");
+  rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+  Random random(1);
+  const DicedMesh mesh = meshOf(dicedSheet(4, 32), QuadOrder::Rows, random);
+  const size_t bytes = sizeof(Vec)*mesh.vertices.size() + 16*mesh.quads.size();
+  Scene scene(device);
+  RTCGeometry geometry = newMesh(device, mesh);
+  rtcAttachGeometry(scene, geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcCommitScene(scene);
+  EXPECT_EQ(statisticsOf(scene).inputBytes, bytes);
+  std::vector<Vec> vertices = mesh.vertices;
+  vertices.push_back({0, 0, 0});
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, sizeof(Vec), mesh.vertices.size());
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  EXPECT_EQ(statisticsOf(scene).inputBytes, 16*mesh.quads.size());
+  rtcReleaseGeometry(geometry);
+}
+
+} // namespace
+} // namespace cbvh::test
