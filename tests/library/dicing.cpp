@@ -246,7 +246,7 @@ TEST(Dicing, RatesDoNotDependOnTheScale)
   for (bool orthographic : {false, true}) {
     const std::vector<float> rates = ratesAt(1, 1, orthographic);
     EXPECT_GT(*std::max_element(rates.begin(), rates.end()), 8.0f);
-    for (int exponent : {-60, -40, -20, 20, 40, 63}) {
+    for (int exponent : {-60, -40, -20, 20, 40, 59}) { // above 1.8e18 coordinates are not finite for Embree
       EXPECT_EQ(ratesAt(std::ldexp(1.0f, exponent), 1, orthographic), rates) << "scaled by 2^" << exponent;
       EXPECT_EQ(ratesAt(1, std::ldexp(1.0f, exponent), orthographic), rates) << "directions of length 2^" << exponent;
     }

@@ -278,27 +278,27 @@ TEST(MovingHardCases, ASurfaceOutsideOfTheTimesOfRaysHidesNoOther)
 TEST(MovingHardCases, EmptySurfacesHaveEmptyBounds)
 {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  for (const char* config : {"", "subdiv_accel=cbvh"})
-    for (const DicedMotion& motion : {DicedMotion([=](const Vec& p, unsigned) { return Vec{p[0], nan, p[2]}; }), DicedMotion([=](const Vec& p, unsigned step) { return Vec{p[0], step ? nan : p[1], p[2]}; })}) {
-      Device device(config);
-      Random random(3);
-      Diced grids = dicedSheet(4, 16);
-      DicedMesh mesh = meshOf(grids, QuadOrder::Rows, random);
-      grids.motion = mesh.motion = motion;
-      SurfaceSettings settings;
-      settings.timeSteps = 2;
-      settings.motion = motion;
-      for (RTCGeometry geometry : {newSurface(device, cubeCage(), settings), newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, 2),
-                                   newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, 2), newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_INHERIT, 0, 2)}) {
-        Scene scene(device);
-        attach(scene, geometry);
-        rtcCommitScene(scene);
-        RTCBounds bounds;
-        rtcGetSceneBounds(scene, &bounds);
-        EXPECT_TRUE(bounds.lower_x > bounds.upper_x && bounds.lower_y > bounds.upper_y && bounds.lower_z > bounds.upper_z)
-          << config << ": " << bounds.lower_x << " to " << bounds.upper_x << ", " << bounds.lower_y << " to " << bounds.upper_y << ", " << bounds.lower_z << " to " << bounds.upper_z;
-      }
+  const DicedMotion motion = [=](const Vec& p, unsigned) { return Vec{p[0], nan, p[2]}; };
+  for (const char* config : {"", "subdiv_accel=cbvh"}) {
+    Device device(config);
+    Random random(3);
+    Diced grids = dicedSheet(4, 16);
+    DicedMesh mesh = meshOf(grids, QuadOrder::Rows, random);
+    grids.motion = mesh.motion = motion;
+    SurfaceSettings settings;
+    settings.timeSteps = 2;
+    settings.motion = motion;
+    for (RTCGeometry geometry : {newSurface(device, cubeCage(), settings), newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, 2),
+                                 newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, 2), newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_INHERIT, 0, 2)}) {
+      Scene scene(device);
+      attach(scene, geometry);
+      rtcCommitScene(scene);
+      RTCBounds bounds;
+      rtcGetSceneBounds(scene, &bounds);
+      EXPECT_TRUE(bounds.lower_x > bounds.upper_x && bounds.lower_y > bounds.upper_y && bounds.lower_z > bounds.upper_z)
+        << config << ": " << bounds.lower_x << " to " << bounds.upper_x << ", " << bounds.lower_y << " to " << bounds.upper_y << ", " << bounds.lower_z << " to " << bounds.upper_z;
     }
+  }
 }
 
 } // namespace

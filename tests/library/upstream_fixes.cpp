@@ -324,7 +324,7 @@ TEST(UpstreamFixes, CoherentOcclusionOfPacketsEnds)
         const std::vector<RTCRayHit> rays = raysAt(random, 64);
         for (size_t first = 0; first < rays.size(); first += 16) {
           RTCRay16 packet;
-          int valid[16];
+          alignas(64) int valid[16];
           for (size_t i = 0; i < 16; i++) {
             const RTCRay& r = rays[first + i].ray;
             valid[i] = -1;

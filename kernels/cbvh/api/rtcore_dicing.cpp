@@ -41,7 +41,7 @@ namespace
     if (!(args->width > 0.0f && args->height > 0.0f)) return;
     requireFinite("direction",args->direction,3);
     requireFinite("up",args->up,3);
-    const Vec3d direction(args->direction[0],args->direction[1],args->direction[2]), up(args->up[0],args->up[1],args->up[2]);
+    const Double3 direction = { args->direction[0],args->direction[1],args->direction[2] }, up = { args->up[0],args->up[1],args->up[2] };
     const double lengths2 = dot(direction,direction)*dot(up,up), right2 = dot(cross(direction,up),cross(direction,up));
     if (!(right2 > 1e-14*lengths2)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid direction or up: both have a length, and are not parallel");
   }

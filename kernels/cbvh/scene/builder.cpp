@@ -68,6 +68,7 @@ namespace embree
         report->clear();
         std::vector<Surface> surfaces = findSurfaces();
         ((CompressedTree*)bvh)->hasGrids = std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.isDiced(); });
+        const std::vector<uint64_t> before = treeOf;
         const bool keepsTree = !surfaces.empty() && treeOf == buildsOf(surfaces);
         if (!keepsTree) clear();
         if (surfaces.empty()) return;
@@ -77,6 +78,7 @@ namespace embree
         std::set<const void*> counted;
         for (const Surface& surface : surfaces) {
           add(surface,all);
+          if (std::find(before.begin(),before.end(),surface.blocks->build) == before.end()) reportErrors(surface);
           if (planOf(surface).compresses()) all.sums.inputBytes += bytesOfInput(surface.geometry,counted);
         }
         if (!keepsTree) {
@@ -86,7 +88,7 @@ namespace embree
         all.sums.topLevelBytes += treeBytes;
         report->statistics = all.sums;
         cbvh::nameSurfaces(scene);
-        reportCommit(surfaces,all);
+        reportCommit(surfaces);
         cbvh::outdateThreadCaches();
         bvh->cleanup();
         bvh->postBuild(t0);
@@ -144,7 +146,11 @@ namespace embree
         report->surfaces.push_back(surface.blocks);
         all.add(surface.blocks->statistics);
         reportAtVerbosity1(surface);
-        /* a surface that did not change since the last commit was reported then */
+      }
+
+      /*! of blocks that the last tree had not: others were reported then */
+      void reportErrors (const Surface& surface) const
+      {
         if (!scene->isGeometryModified(surface.geomID)) return;
         if (surface.blocks->statistics.invalidFaces) report->errors.push_back(describeInvalid(surface));
         if (surface.blocks->statistics.sums.numUnsupportedFaces) report->errors.push_back(describeUnsupported(surface));
@@ -194,13 +200,13 @@ namespace embree
 
       static CompressionPlan planOf (const Surface& surface) { return CompressionPlan(surface.geometry,*surface.number); }
 
-      void reportCommit (const std::vector<Surface>& surfaces, const cbvh::BuildStatistics& all) const
+      void reportCommit (const std::vector<Surface>& surfaces) const
       {
         if (!scene->device->verbosity(1) && !environmentAsksForCommitLines()) return;
         CommitLine line;
         for (const Surface& surface : surfaces) {
           const CompressionPlan plan = planOf(surface);
-          if (plan.compresses()) line.addCompressed(surface.geometry,plan.kind());
+          if (plan.compresses()) line.addCompressed(surface.geometry,plan.kind(),surface.blocks->statistics);
           else line.addLeft(surface.geometry);
         }
         for (size_t i=0; i<scene->size(); i++) {
@@ -208,7 +214,7 @@ namespace embree
           if (geometry && !geometry->isCompressed() && geometry->surface.whyNot) line.addLeft(geometry);
         }
         Lock<MutexSys> lock(g_printMutex);
-        std::cerr << line.text(report->statistics,all) << std::endl;
+        std::cerr << line.text(treeBytes,report->statistics.inputBytes) << std::endl;
       }
 
       /*! what of a compressed geometry is stored otherwise than asked for */

@@ -21,7 +21,11 @@ namespace embree
     class CommitLine
     {
     public:
-      void addCompressed (const CompressibleGeometry* geometry, cbvh::Kind kind) { compressed[{ geometry->ownType == Geometry::GTY_SUBDIV_MESH ? 0u : 1u,cbvh::describe(kind).name,nounOf(geometry) }]++; }
+      void addCompressed (const CompressibleGeometry* geometry, cbvh::Kind kind, const cbvh::SurfaceStatistics& statistics)
+      {
+        compressed[std::make_pair(std::string(nounOf(geometry)),std::string(cbvh::describe(kind).name))]++;
+        all.add(statistics);
+      }
 
       /*! a geometry of which nothing is compressed, in the scene's own accelerators or in those of Embree */
       void addLeft (const CompressibleGeometry* geometry)
@@ -30,14 +34,16 @@ namespace embree
         else if (geometry->surface.whyNot && *geometry->surface.whyNot) left[{ primitivesOf(geometry),geometry->surface.whyNot }] += geometry->size();
       }
 
-      std::string text (const RTCCompressionStatistics& sums, const cbvh::BuildStatistics& all) const
+      /*! treeBytes: of the scene's own tree; inputBytes: of buffers that the geometries keep */
+      std::string text (size_t treeBytes, size_t inputBytes) const
       {
+        const RTCCompressionStatistics& sums = all.sums;
         std::ostringstream line;
         line.imbue(std::locale::classic());
-        const size_t bytes = sums.topLevelBytes + sums.frameBytes + sums.nodeBytes + sums.leafBytes + sums.gridBytes;
+        const size_t bytes = treeBytes + sums.topLevelBytes + sums.frameBytes + sums.nodeBytes + sums.leafBytes + sums.gridBytes;
         line << "compression: " << geometries() << ": " << sums.numQuads + sums.numGridQuads << " quads in " << mebibytes(bytes) << " MiB, Embree would use about "
              << mebibytes(all.bytesInEmbree) << " MiB";
-        if (sums.inputBytes) line << "; buffers that stay: " << mebibytes(sums.inputBytes) << " MiB";
+        if (inputBytes) line << "; buffers that stay: " << mebibytes(inputBytes) << " MiB";
         const char* between = "; not compressed: ";
         auto add = [&](size_t n, const std::string& what) { if (n) { line << between << n << what; between = ", "; } };
         add(notAsked,notAsked == 1 ? " subdivision surface that does not ask for it" : " subdivision surfaces that do not ask for it");
@@ -83,20 +89,21 @@ namespace embree
         return noun + (noun.back() == 'h' ? "es" : "s");
       }
 
-      /*! "2 subdivision surfaces as cVERT, 1 quad mesh as cVERT" */
+      /*! "1 quad mesh as cVERT, 2 subdivision surfaces as cVERT" */
       std::string geometries () const
       {
         std::string text;
         for (const auto& entry : compressed) {
-          const std::string noun = std::get<2>(entry.first);
-          text += (text.empty() ? "" : ", ") + std::to_string(entry.second) + " " + (entry.second == 1 ? noun : plural(noun)) + " as " + std::get<1>(entry.first);
+          const std::string& noun = entry.first.first;
+          text += (text.empty() ? "" : ", ") + std::to_string(entry.second) + " " + (entry.second == 1 ? noun : plural(noun)) + " as " + entry.first.second;
         }
         return text.empty() ? "nothing" : text;
       }
 
-      std::map<std::tuple<unsigned,std::string,std::string>,size_t> compressed; //!< how many of each kind and type
-      std::map<std::pair<std::string,std::string>,size_t> left;                 //!< primitives, by what they are and why they are not compressed
-      size_t notAsked = 0;                                                      //!< subdivision surfaces of the scene's tree
+      std::map<std::pair<std::string,std::string>,size_t> compressed; //!< how many geometries of each type and kind
+      cbvh::BuildStatistics all;                                      //!< of them
+      std::map<std::pair<std::string,std::string>,size_t> left;       //!< primitives, by what they are and why they are not compressed
+      size_t notAsked = 0;                                            //!< subdivision surfaces of the scene's tree
     };
   }
 }

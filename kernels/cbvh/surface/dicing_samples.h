@@ -62,7 +62,7 @@ namespace embree
       if (mesh->displFunc)
       {
         for (unsigned i=0; i<padded; i++) {
-          const Vec3d n = cross(Vec3d(dPdu[i],dPdu[padded+i],dPdu[2*padded+i]),Vec3d(dPdv[i],dPdv[padded+i],dPdv[2*padded+i]));
+          const Double3 n = cross(Double3{ dPdu[i],dPdu[padded+i],dPdu[2*padded+i] },Double3{ dPdv[i],dPdv[padded+i],dPdv[2*padded+i] });
           const double length2 = dot(n,n), scale = length2 > 0.0 ? 1.0/std::sqrt(length2) : 1.0;
           N[i] = float(scale*n.x); N[padded+i] = float(scale*n.y); N[2*padded+i] = float(scale*n.z);
         }
@@ -83,7 +83,7 @@ namespace embree
         mesh->displFunc(&displacement);
       }
       points.resize(count);
-      for (unsigned i=0; i<count; i++) points[i] = view.toWorld(Vec3d(P[i],P[padded+i],P[2*padded+i]));
+      for (unsigned i=0; i<count; i++) points[i] = view.toWorld(Double3{ P[i],P[padded+i],P[2*padded+i] });
     }
 
     /*! The patch is cut into up to 4 x 4 parts. What a part needs is the quadratic mean over it: steep displacement has quads that are longer than others, as quads are even in
@@ -100,7 +100,7 @@ namespace embree
           for (unsigned y=py*cells; y<(py+1)*cells; y++)
             for (unsigned x=px*cells; x<(px+1)*cells; x++)
             {
-              const Vec3d corners[4] = { at(n,x,y),at(n,x+1,y),at(n,x,y+1),at(n,x+1,y+1) };
+              const Double3 corners[4] = { at(n,x,y),at(n,x+1,y),at(n,x,y+1),at(n,x+1,y+1) };
               const double perUnit = double(n)*view.quadsPerUnit(corners);
               const double u = perUnit*perUnit*0.5*(squared(corners[0],corners[1])+squared(corners[2],corners[3]));
               const double v = perUnit*perUnit*0.5*(squared(corners[0],corners[2])+squared(corners[1],corners[3]));
@@ -118,13 +118,13 @@ namespace embree
 
     static constexpr double mostSquared = 1e38; //!< quads that a part may need
 
-    const Vec3d& at (unsigned n, unsigned x, unsigned y) const { return points[y*(n+1)+x]; }
-    static double squared (const Vec3d& a, const Vec3d& b) { const Vec3d d = b-a; return dot(d,d); }
+    const Double3& at (unsigned n, unsigned x, unsigned y) const { return points[y*(n+1)+x]; }
+    static double squared (const Double3& a, const Double3& b) { const Double3 d = b-a; return dot(d,d); }
 
     SubdivMesh* mesh;
     const DicingView& view;
     std::vector<float> values;
     std::vector<unsigned> faces;
-    std::vector<Vec3d> points;
+    std::vector<Double3> points;
   };
 }

@@ -7,49 +7,50 @@
  * squares of lengths that a scene may have, 1e-20 to 1e20, overflow or underflow in floats. */
 
 #include "../embree/scene.h"
+#include "../base/world.h"
 #include "../../../include/embree3/rtcore_dicing.h"
 
 namespace embree
 {
-  typedef Vec3<double> Vec3d;
+  using cbvh::Double3; // Embree's vectors compute in floats, whatever they are of
 
-  inline Vec3d normalized (const Vec3d& v) { return (1.0/std::sqrt(dot(v,v)))*v; }
+  inline Double3 normalized (const Double3& v) { return (1.0/std::sqrt(dot(v,v)))*v; }
 
   class DicingView
   {
   public:
     /*! of arguments that were found valid */
     explicit DicingView (const RTCDicingArguments& args)
-      : eye(args.position[0],args.position[1],args.position[2]), orthographic(args.orthographic), pixelSize(double(args.pixelSize)*args.quadSize), outside(args.outside),
+      : eye{ args.position[0],args.position[1],args.position[2] }, orthographic(args.orthographic), pixelSize(double(args.pixelSize)*args.quadSize), outside(args.outside),
         hasPicture(args.width > 0.0 && args.height > 0.0)
     {
       for (int i=0; i<12; i++) transform[i] = args.transform ? args.transform[i] : i % 4 == 0 ? 1.0 : 0.0;
       if (!hasPicture) return;
-      const Vec3d forward = normalized(Vec3d(args.direction[0],args.direction[1],args.direction[2]));
-      const Vec3d right = normalized(cross(forward,Vec3d(args.up[0],args.up[1],args.up[2])));
-      const Vec3d down = cross(forward,right);
+      const Double3 forward = normalized(Double3{ args.direction[0],args.direction[1],args.direction[2] });
+      const Double3 right = normalized(cross(forward,Double3{ args.up[0],args.up[1],args.up[2] }));
+      const Double3 down = cross(forward,right);
       const double halfWidth = 0.5*args.width*args.pixelSize, halfHeight = 0.5*args.height*args.pixelSize;
       size = max(halfWidth,halfHeight);
       if (orthographic) {
-        const Vec3d axes[4] = { right,-right,down,-down };
+        const Double3 axes[4] = { right,-1.0*right,down,-1.0*down };
         for (int i=0; i<4; i++) { normals[i] = axes[i]; offsets[i] = i < 2 ? halfWidth : halfHeight; }
         return;
       }
-      const Vec3d axes[4] = { right-halfWidth*forward,-right-halfWidth*forward,down-halfHeight*forward,-down-halfHeight*forward };
+      const Double3 axes[4] = { right-halfWidth*forward,-1.0*right-halfWidth*forward,down-halfHeight*forward,-1.0*down-halfHeight*forward };
       for (int i=0; i<4; i++) { normals[i] = normalized(axes[i]); offsets[i] = 0.0; }
     }
 
-    Vec3d toWorld (const Vec3d& p) const
+    Double3 toWorld (const Double3& p) const
     {
       const double* m = transform;
-      return Vec3d(m[0]*p.x+m[3]*p.y+m[6]*p.z+m[9],m[1]*p.x+m[4]*p.y+m[7]*p.z+m[10],m[2]*p.x+m[5]*p.y+m[8]*p.z+m[11]);
+      return Double3{ m[0]*p.x+m[3]*p.y+m[6]*p.z+m[9],m[1]*p.x+m[4]*p.y+m[7]*p.z+m[10],m[2]*p.x+m[5]*p.y+m[8]*p.z+m[11] };
     }
 
-    /*! Quads of the size that is asked for in a unit of length, on a cell with such corners; infinite at the eye. Of the cell what is nearest counts: its borders, its diagonals, and whether any of
-     *  the ball around it is in the picture. */
-    double quadsPerUnit (const Vec3d corners[4]) const
+    /*! Quads of the size that is asked for in a unit of length, on a cell with such corners; infinite at the eye. Of the cell
+     *  what is nearest counts: its borders, its diagonals, and whether any of the ball around it is in the picture. */
+    double quadsPerUnit (const Double3 corners[4]) const
     {
-      const Vec3d center = 0.25*(corners[0]+corners[1]+corners[2]+corners[3]);
+      const Double3 center = 0.25*(corners[0]+corners[1]+corners[2]+corners[3]);
       double distance = 1.0;
       if (!orthographic)
       {
@@ -61,16 +62,16 @@ namespace embree
     }
 
   private:
-    double squaredDistance (const Vec3d& a, const Vec3d& b) const
+    double squaredDistance (const Double3& a, const Double3& b) const
     {
-      const Vec3d d = b-a, e = eye-a;
+      const Double3 d = b-a, e = eye-a;
       const double length2 = dot(d,d), t = length2 > 0.0 ? clamp(dot(d,e)/length2,0.0,1.0) : 0.0;
       return sqr_length(e-t*d);
     }
 
     /*! By how much quads may be larger than in the picture: more and more outside of it, up to where a line to them is 60 degrees off its border. Without a
      *  step, as faces beside each other are to be alike. */
-    double growth (const Vec3d corners[4], const Vec3d& center) const
+    double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;
       double radius = 0.0, beyond = 0.0;
@@ -81,15 +82,15 @@ namespace embree
       return beyond > 0.0 ? 1.0 + (outside-1.0)*min(1.0,1.15*beyond/scale) : 1.0;
     }
 
-    static double sqr_length (const Vec3d& v) { return dot(v,v); }
+    static double sqr_length (const Double3& v) { return dot(v,v); }
 
-    Vec3d eye;
+    Double3 eye;
     bool orthographic;
     double pixelSize, outside;
     bool hasPicture;
     double transform[12];
     double size = 0.0;
-    Vec3d normals[4];   //!< of the picture's borders, outwards
+    Double3 normals[4];   //!< of the picture's borders, outwards
     double offsets[4];
   };
 }
