@@ -7,7 +7,6 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/device_string.cpp
   cbvh/api/factory.cpp
   cbvh/api/geometry_commit.cpp
-  cbvh/api/input_bytes.cpp
   cbvh/api/rtcore_compression.cpp
   cbvh/api/rtcore_compressed_triangles.cpp
   cbvh/api/rtcore_compressed_clusters.cpp
@@ -16,6 +15,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/loaded_geometry.cpp
   cbvh/scene/file_checksum.cpp
   cbvh/scene/file_writer.cpp
+  cbvh/scene/input_bytes.cpp
   cbvh/scene/mapped_blocks.cpp
   cbvh/scene/mapped_file.cpp
   cbvh/scene/flat_scene.cpp

@@ -37,6 +37,16 @@ protected:
     EXPECT_NE(device.message.find(path), std::string::npos) << "the file is not named: " << device.message;
   }
 
+  // Forgets the errors that there were.
+  void loadInto(RTCScene scene)
+  {
+    RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+    ASSERT_NE(geometry, nullptr) << device.message;
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    device.errors = 0;
+  }
+
   Folder folder;
   Device device;
   const std::string path = folder/"surface.cbvh";
@@ -159,11 +169,7 @@ TEST_F(DamagedFiles, APageOfZerosIsReported)
     for (QueryForm form : {QueryForm::Single, QueryForm::Packet8, QueryForm::CoherentStream}) {
       SCOPED_TRACE(testing::Message() << saveable.name << ", " << nameOf(form));
       Scene scene(device);
-      geometry = rtcLoadCompressedGeometry(device, path.c_str());
-      ASSERT_NE(geometry, nullptr) << device.message;
-      attach(scene, geometry);
-      rtcCommitScene(scene);
-      device.errors = 0;
+      loadInto(scene);
       closestHits(scene, rays, form);
       EXPECT_EQ(device.errors, 1u);
       EXPECT_NE(device.message.find("is damaged"), std::string::npos) << device.message;
@@ -197,11 +203,7 @@ TEST_F(DamagedFiles, ABlockOutsideOfItsFaceIsLeftOut)
       }
       writeBytes(path, file.bytes);
       Scene scene(device);
-      geometry = rtcLoadCompressedGeometry(device, path.c_str());
-      ASSERT_NE(geometry, nullptr) << device.message;
-      attach(scene, geometry);
-      rtcCommitScene(scene);
-      device.errors = 0;
+      loadInto(scene);
       for (const RTCRayHit& hit : closestHits(scene, rays, QueryForm::Single)) ASSERT_FALSE(isHit(hit));
       EXPECT_EQ(device.errors, 1u);
       EXPECT_NE(device.message.find("outside of its face"), std::string::npos) << device.message;

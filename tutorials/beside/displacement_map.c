@@ -59,7 +59,8 @@ static void loadMap(struct HeightMap* map, const char* path)
   size = map->width*map->height;
   map->heights = malloc(sizeof(float)*(size_t)size);
   if (!map->heights) exit(1);
-  for (i = 0; i < size; i++) map->heights[i] = 0.5f + 0.25f*sinf((float)(i%256)*0.245437f) + 0.25f*sinf((float)(i/256)*0.147262f);
+  /* the same along all edges, so that faces beside each other agree */
+  for (i = 0; i < size; i++) map->heights[i] = 0.5f + 0.25f*cosf(((float)(i%256) + 0.5f)*0.196350f) + 0.25f*cosf(((float)(i/256) + 0.5f)*0.196350f);
 }
 
 /* Bilinear, and repeated outside of 0 to 1. */
@@ -117,9 +118,9 @@ static unsigned int writePicture(CbvhGroup group, const char* path, int size)
       int grey = 0;
       memset(&ray, 0, sizeof(ray));
       ray.ray.org_x = 2; ray.ray.org_y = -3; ray.ray.org_z = 2;
-      ray.ray.dir_x = -2 + 1.3f*0.832f*a - 0.6f*b;
-      ray.ray.dir_y = 3 + 1.3f*0.555f*a + 0.9f*b;
-      ray.ray.dir_z = -2 + 1.5f*b;
+      ray.ray.dir_x = -2 + 1.25f*a - 0.40f*b;
+      ray.ray.dir_y = 3 + 0.83f*a + 0.61f*b;
+      ray.ray.dir_z = -2 + 1.31f*b;
       ray.ray.tfar = INFINITY;
       ray.ray.mask = ~0u;
       if (cbvhIntersect1(group, &ray, NULL)) {

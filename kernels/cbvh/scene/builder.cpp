@@ -4,13 +4,13 @@
 /* Builder of a scene's compressed surfaces, those that move, or those that do not: blocks of the geometries that changed
  * (surface_builder.h), and one tree over the parts of all, or over the blocks that move (motion_tree.h). */
 
-#include "../api/input_bytes.h"
 #include "../base/environment.h"
 #include "../base/thread_cache.h"
 #include "cage_source.h"
 #include "commit_line.h"
 #include "compressed_tree.h"
 #include "grid_source.h"
+#include "input_bytes.h"
 #include "moving_blocks.h"
 #include "report.h"
 #include "surface_builder.h"

@@ -6,9 +6,9 @@
 /* A line about a commit of a scene, for users of programs that they cannot change: what is compressed, what is not and why,
  * and how much memory each needs. */
 
-#include "../api/compressible_geometry.h"
 #include "../base/build_statistics.h"
 #include "../base/kinds.h"
+#include "../embree/scene.h"
 #include <iomanip>
 #include <locale>
 #include <map>
@@ -23,7 +23,9 @@ namespace embree
     public:
       void addCompressed (const CompressibleGeometry* geometry, cbvh::Kind kind, const cbvh::SurfaceStatistics& statistics)
       {
-        compressed[std::make_pair(std::string(nounOf(geometry)),std::string(cbvh::describe(kind).name))]++;
+        Compressed& of = compressed[std::make_pair(std::string(namesOf(geometry).geometry),kind)];
+        of.names = namesOf(geometry);
+        of.count++;
         all.add(statistics);
       }
 
@@ -31,7 +33,7 @@ namespace embree
       void addLeft (const CompressibleGeometry* geometry)
       {
         if (geometry->ownType == Geometry::GTY_SUBDIV_MESH && !geometry->surface.whyNot) notAsked++;
-        else if (geometry->surface.whyNot && *geometry->surface.whyNot) left[{ primitivesOf(geometry),geometry->surface.whyNot }] += geometry->size();
+        else if (geometry->surface.whyNot && *geometry->surface.whyNot) left[{ namesOf(geometry).primitives,geometry->surface.whyNot }] += geometry->size();
       }
 
       /*! treeBytes: of the scene's own tree; inputBytes: of buffers that the geometries keep */
@@ -63,30 +65,16 @@ namespace embree
         return text.str();
       }
 
-      static const char* nounOf (const CompressibleGeometry* geometry)
+      struct Names { const char *geometry, *geometries, *primitives; };
+
+      static Names namesOf (const CompressibleGeometry* geometry)
       {
         switch (geometry->ownType) {
-        case Geometry::GTY_GRID_MESH: return "grid geometry";
-        case Geometry::GTY_QUAD_MESH: return "quad mesh";
-        case Geometry::GTY_TRIANGLE_MESH: return "triangle mesh";
-        default: return "subdivision surface";
+        case Geometry::GTY_GRID_MESH: return { "grid geometry","grid geometries","grids" };
+        case Geometry::GTY_QUAD_MESH: return { "quad mesh","quad meshes","quads" };
+        case Geometry::GTY_TRIANGLE_MESH: return { "triangle mesh","triangle meshes","triangles" };
+        default: return { "subdivision surface","subdivision surfaces","faces" };
         }
-      }
-
-      static const char* primitivesOf (const CompressibleGeometry* geometry)
-      {
-        switch (geometry->ownType) {
-        case Geometry::GTY_GRID_MESH: return "grids";
-        case Geometry::GTY_QUAD_MESH: return "quads";
-        case Geometry::GTY_TRIANGLE_MESH: return "triangles";
-        default: return "faces";
-        }
-      }
-
-      static std::string plural (const std::string& noun)
-      {
-        if (noun.back() == 'y') return noun.substr(0,noun.size()-1) + "ies";
-        return noun + (noun.back() == 'h' ? "es" : "s");
       }
 
       /*! "1 quad mesh as cVERT, 2 subdivision surfaces as cVERT" */
@@ -94,16 +82,17 @@ namespace embree
       {
         std::string text;
         for (const auto& entry : compressed) {
-          const std::string& noun = entry.first.first;
-          text += (text.empty() ? "" : ", ") + std::to_string(entry.second) + " " + (entry.second == 1 ? noun : plural(noun)) + " as " + entry.first.second;
+          const Compressed& of = entry.second;
+          text += (text.empty() ? "" : ", ") + std::to_string(of.count) + " " + (of.count == 1 ? of.names.geometry : of.names.geometries) + " as " + cbvh::describe(entry.first.second).name;
         }
         return text.empty() ? "nothing" : text;
       }
 
-      std::map<std::pair<std::string,std::string>,size_t> compressed; //!< how many geometries of each type and kind
-      cbvh::BuildStatistics all;                                      //!< of them
-      std::map<std::pair<std::string,std::string>,size_t> left;       //!< primitives, by what they are and why they are not compressed
-      size_t notAsked = 0;                                            //!< subdivision surfaces of the scene's tree
+      struct Compressed { Names names; size_t count = 0; };
+      std::map<std::pair<std::string,cbvh::Kind>,Compressed> compressed; //!< geometries of each type and kind
+      cbvh::BuildStatistics all;                                         //!< of them
+      std::map<std::pair<std::string,std::string>,size_t> left;          //!< primitives, by what they are and why they are not compressed
+      size_t notAsked = 0;                                               //!< subdivision surfaces of the scene's tree
     };
   }
 }

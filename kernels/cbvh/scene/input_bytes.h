@@ -3,12 +3,12 @@
 
 #pragma once
 
-#include "compressible_geometry.h"
+#include "../embree/scene.h"
 #include <set>
 
 namespace embree
 {
   /*! Returns the bytes of the buffers that Embree allocated for a geometry and that the geometry still has, and of its
    *  half-edges. counted: buffers that were counted before, which are not counted again. */
-  size_t bytesOfInput (CompressibleGeometry* geometry, std::set<const void*>& counted);
+  size_t bytesOfInput (const CompressibleGeometry* geometry, std::set<const void*>& counted);
 }

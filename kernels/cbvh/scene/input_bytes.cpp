@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "input_bytes.h"
-#include "../embree/scene.h"
-#include "loaded_geometry.h"
 
 namespace embree
 {
@@ -53,16 +51,14 @@ namespace embree
     };
   }
 
-  size_t bytesOfInput (CompressibleGeometry* geometry, std::set<const void*>& counted)
+  size_t bytesOfInput (const CompressibleGeometry* geometry, std::set<const void*>& counted)
   {
-    if (dynamic_cast<const LoadedGeometry*>(geometry)) return 0;
     InputBytes input(counted);
-    switch (geometry->ownType) {
-    case Geometry::GTY_SUBDIV_MESH: input.addCage((const SubdivMesh*)geometry); break;
-    case Geometry::GTY_GRID_MESH: input.addVertices((const GridMesh*)geometry); input.add(((const GridMesh*)geometry)->grids); break;
-    case Geometry::GTY_QUAD_MESH: input.addVertices((const QuadMesh*)geometry); input.add(((const QuadMesh*)geometry)->quads); break;
-    default: input.addVertices((const TriangleMesh*)geometry); input.add(((const TriangleMesh*)geometry)->triangles); break;
-    }
+    /* what was loaded from a file is none of these, whatever its type is */
+    if (const SubdivMesh* cage = dynamic_cast<const SubdivMesh*>(geometry)) input.addCage(cage);
+    else if (const GridMesh* grids = dynamic_cast<const GridMesh*>(geometry)) { input.addVertices(grids); input.add(grids->grids); }
+    else if (const QuadMesh* quads = dynamic_cast<const QuadMesh*>(geometry)) { input.addVertices(quads); input.add(quads->quads); }
+    else if (const TriangleMesh* triangles = dynamic_cast<const TriangleMesh*>(geometry)) { input.addVertices(triangles); input.add(triangles->triangles); }
     return input.bytes;
   }
 }
