@@ -260,9 +260,10 @@ CBVH_API enum CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* sur
 CBVH_API void cbvhRetainGroup(CbvhGroup group);
 CBVH_API void cbvhReleaseGroup(CbvhGroup group);
 
-/* Takes its surfaces as they are now: to be called before the first ray, and after commits of surfaces. Where the displacement of a surface returned what is
- * not finite, or a grid has vertices outside of its buffer, the rest is there, and CBVH_ERROR_INVALID_ARGUMENT is returned, once, whose text names the
- * surface, as "geometry" and its index, and its first face or grid. */
+/* Takes the surfaces as they are now: call it before the first ray, and after commits of surfaces. If a displacement function returned numbers that are
+ * not finite, or a grid has vertices outside of its buffer, the rest is committed, and CBVH_ERROR_INVALID_ARGUMENT is returned, once, whose text names the
+ * surface, as "geometry" and its index, and its first face or grid. The same is returned, with their number, if faces are left out because they have more
+ * than 16 corners, or a vertex has more than 64 faces. */
 CBVH_API enum CbvhError cbvhCommitGroup(CbvhGroup group);
 
 /* Its surfaces: how many they are, and one of them, or NULL. They stay the group's. */

@@ -56,6 +56,10 @@ void CbvhGroupTy::keepStatistics()
   statistics.numInvalidQuads = all.numInvalidQuads;
   statistics.maxVertexDeviation = all.maxVertexDeviation;
   isCommitted = true;
+  const size_t reported = unsupportedFaces;
+  unsupportedFaces = all.numUnsupportedFaces;
+  if (unsupportedFaces != 0 && unsupportedFaces != reported)
+    throw Failure{CBVH_ERROR_INVALID_ARGUMENT, std::to_string(unsupportedFaces) + " faces are left out: they, or faces at their vertices, have more than 16 corners, or a vertex has more than 64 faces, which subdivision does not support here"};
 }
 
 CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t count, CbvhGroup* group)

@@ -27,4 +27,5 @@ private:
   void keepStatistics();
 
   std::vector<RTCGeometry> attached;   // by surface
+  size_t unsupportedFaces = 0;         // of the last commit
 };

@@ -339,6 +339,43 @@ void testEdits(RTCDevice device, CbvhContext context)
 
 } // namespace
 
+// primID has 32 bits: a group of more primitives is no geometry of Embree's.
+void testTooManyPrimitives(RTCDevice device, CbvhContext context)
+{
+  const unsigned side = 1449; // vertices
+  std::vector<Vec> vertices;
+  std::vector<unsigned> indices;
+  for (unsigned y = 0; y < side; y++)
+    for (unsigned x = 0; x < side; x++) {
+      vertices.push_back({float(x), float(y), 0});
+      if (x + 1 == side || y + 1 == side) continue;
+      const unsigned a = y*side + x;
+      for (unsigned i : {a, a + 1, a + side, a + side + 1, a + side, a + 1}) indices.push_back(i);
+    }
+  vertices.push_back({0, 0, 0}); // what is read behind the last one
+  const float* const steps[] = {vertices[0].data()};
+  CbvhMesh mesh = CbvhMesh();
+  mesh.corners = 3;
+  mesh.count = indices.size()/3;
+  mesh.indices = indices.data();
+  mesh.vertices = {vertices.size() - 1, sizeof(Vec), steps, 1, 0, 0};
+  CbvhSurface surface = nullptr;
+  OK(cbvhNewSurface(context, &surface));
+  OK(cbvhSetMesh(surface, &mesh));
+  OK(cbvhCommitSurface(surface, nullptr, nullptr));
+  for (size_t count : {2, 1025}) {
+    const std::vector<CbvhSurface> surfaces(count, surface);
+    CbvhGroup group = nullptr;
+    OK(cbvhNewGroup(context, surfaces.data(), count, &group));
+    OK(cbvhCommitGroup(group));
+    RTCGeometry geometry = cbvhNewGeometry(device, group, 0);
+    CHECK((geometry != nullptr) == (count*mesh.count < 0xFFFFFFFFu));
+    if (geometry) rtcReleaseGeometry(geometry);
+    cbvhReleaseGroup(group);
+  }
+  cbvhReleaseSurface(surface);
+}
+
 int main()
 {
   RTCDevice device = rtcNewDevice(nullptr);
@@ -353,6 +390,7 @@ int main()
   testSurface(device, context);
   testManySurfaces(device, context);
   testEdits(device, context);
+  testTooManyPrimitives(device, context);
   CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
   rtcReleaseDevice(device);
   cbvhReleaseContext(context);

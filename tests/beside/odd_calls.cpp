@@ -429,5 +429,46 @@ TEST(OddContexts, SettingsWithErrorsNameTheKeyAndTheNearest)
   }
 }
 
+// A prism of 20 sides: neither its caps nor the faces at them can be subdivided. It is said once, and not again without a change.
+TEST_F(OddCalls, FacesOfTooManyCornersAreToldOnce)
+{
+  std::vector<float> vertices;
+  std::vector<unsigned> faces = {20, 20}, indices;
+  for (unsigned k = 0; k < 2; k++)
+    for (unsigned i = 0; i < 20; i++) {
+      const float a = 0.314159f*float(i);
+      vertices.insert(vertices.end(), {std::cos(a), std::sin(a), float(k)});
+      indices.push_back(20*k + (k ? i : 19 - i));
+    }
+  for (unsigned i = 0; i < 20; i++) {
+    faces.push_back(4);
+    indices.insert(indices.end(), {i, (i + 1)%20, 20 + (i + 1)%20, 20 + i});
+  }
+  vertices.push_back(0);
+  const float* const steps[] = {vertices.data()};
+  CbvhCage cage = CbvhCage();
+  cage.numFaces = faces.size();
+  cage.faceVertices = faces.data();
+  cage.numIndices = indices.size();
+  cage.indices = indices.data();
+  cage.vertices = {40, 12, steps, 1, 0, 1};
+  cage.rate = 4;
+  CbvhSurface prism = nullptr;
+  ASSERT_EQ(cbvhNewSurface(context, &prism), CBVH_OK);
+  ASSERT_EQ(cbvhSetCage(prism, &cage), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhCommitSurface(prism, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  const CbvhSurface both[] = {prism, surface};
+  ASSERT_EQ(cbvhNewGroup(context, both, 2, &group), CBVH_OK);
+  EXPECT_EQ(cbvhCommitGroup(group), CBVH_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(cbvhGetErrorText()).find("22 faces are left out"), std::string::npos) << cbvhGetErrorText();
+  CbvhStatistics statistics;
+  EXPECT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK) << "the rest is there";
+  EXPECT_EQ(statistics.numQuads, 6u*64);
+  EXPECT_EQ(cbvhSetSurfaceMask(prism, 1), CBVH_OK);
+  EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
+  cbvhReleaseSurface(prism);
+}
+
 } // namespace
 } // namespace cbvh::test

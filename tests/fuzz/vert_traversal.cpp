@@ -204,7 +204,7 @@ void writeSeeds(const std::string& directory)
           if (surface == HOLES && (i + 2*j) % 5 == 1) encoder->vertices[j*(quadsX + 1) + i][2] = NAN;
         }
         VertStatistics statistics;
-        const size_t bytes = encoder->encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 0)), spacing, (uint8_t*)memory.data(), statistics);
+        const size_t bytes = encoder->encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 5)), spacing, (uint8_t*)memory.data(), statistics);
         if (bytes == 0) continue;
         VertHeader* block = (VertHeader*)memory.data();
         block->surface = block->primID = 0;

@@ -203,7 +203,7 @@ TEST(CompressionStatistics, HaveTheSpacingOfEveryTimeStep)
   for (unsigned large : {0u, 1u, 2u, 3u}) EXPECT_EQ(spacing(4, [&](unsigned step) { return step == large ? 64.0f : 1.0f; }), 64*still) << large;
 }
 
-// What Embree's subdivision does not evaluate is counted and named, once for each change.
+// What Embree's subdivision does not evaluate is counted.
 TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
 {
   const auto fan = [](unsigned faces, unsigned corners) { // around vertex 0
@@ -240,18 +240,9 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
       const RTCCompressionStatistics stats = statisticsOf(scene);
       EXPECT_EQ(stats.numQuads + stats.numGridQuads > 0, c.hasOthers);
       if (c.unsupported) EXPECT_EQ(stats.numUnsupportedFaces, c.unsupported);
-      EXPECT_EQ(device.errors, stats.numUnsupportedFaces ? 1u : 0u) << device.message;
-      if (stats.numUnsupportedFaces) EXPECT_NE(device.message.find("more than 16 corners"), std::string::npos) << device.message;
-      rtcSetGeometryMask(geometry, 3);
-      rtcCommitGeometry(geometry);
-      rtcCommitScene(scene);
-      EXPECT_EQ(device.errors, stats.numUnsupportedFaces ? 1u : 0u) << "told again without a change";
+      EXPECT_EQ(device.errors, 0u) << "Embree says nothing, and programs rely on it: " << device.message;
       rtcReleaseGeometry(geometry);
     }
-  /* without compression as Embree: silent */
-  Device device;
-  const SurfaceScene scene(device, large, SurfaceSettings());
-  EXPECT_EQ(device.errors, 0u);
 }
 
 // The frame level of a face is that of its roughest sub-patch, whichever of them that is.

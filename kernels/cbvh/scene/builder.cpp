@@ -153,7 +153,6 @@ namespace embree
       {
         if (!scene->isGeometryModified(surface.geomID)) return;
         if (surface.blocks->statistics.invalidFaces) report->errors.push_back(describeInvalid(surface));
-        if (surface.blocks->statistics.sums.numUnsupportedFaces) report->errors.push_back(describeUnsupported(surface));
       }
 
       /*! nodes that are its own */
@@ -237,19 +236,14 @@ namespace embree
                     << " blocks of cVERT keep floats (a vertex that is not finite, a spacing too fine for their width, or a neighbour that GRID traces)" << std::endl;
         if (total.sums.numInvalidQuads && surface.isDiced())
           std::cerr << geometry << total.sums.numInvalidQuads << " quads with vertices that are not finite are left out" << std::endl;
+        if (total.sums.numUnsupportedFaces) // no error: Embree leaves them out in silence, and programs rely on it
+          std::cerr << geometry << total.sums.numUnsupportedFaces << " faces, the first of them face " << total.firstUnsupportedFace << ", are left out: they, or faces at their vertices, have fewer than 3 or more than "
+                    << MAX_PATCH_VALENCE << " corners, or a vertex has more than " << MAX_RING_FACE_VALENCE << " faces, which Embree's subdivision does not support" << std::endl;
         if (total.sums.numMeshQuads)
           std::cerr << geometry << total.sums.numMeshQuads - total.sums.numLooseQuads << " of " << total.sums.numMeshQuads << " quads lie in grids, "
                     << total.sums.numLooseQuads << " are stored in blocks of fewer than " << looseSide << " quads along a side" << std::endl;
         if (total.quadsForHoles)
           std::cerr << geometry << total.quadsForHoles << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;
-      }
-
-      static std::string describeUnsupported (const Surface& surface)
-      {
-        const cbvh::SurfaceStatistics& total = surface.blocks->statistics;
-        return "geometry " + std::to_string(surface.geomID) + ", face " + std::to_string(total.firstUnsupportedFace) + ": it, or a face at one of its vertices, has fewer than 3 or more than "
-          + std::to_string(MAX_PATCH_VALENCE) + " corners, or a vertex has more than " + std::to_string(MAX_RING_FACE_VALENCE) + " faces, which Embree's subdivision does not support; left out: "
-          + std::to_string(total.sums.numUnsupportedFaces) + " face(s)";
       }
 
       static std::string describeInvalid (const Surface& surface)
