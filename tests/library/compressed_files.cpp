@@ -422,7 +422,10 @@ TEST(CompressedFiles, WhatCannotBeLoadedIsNotSaved)
           settings.timeSteps = timeSteps;
           settings.begin = begin;
           settings.end = end;
-          RTCGeometry geometry = releasing(newSurface(device, cage, settings), RTC_COMPRESSION_VERT);
+          device.takeError();
+          RTCGeometry geometry = newSurface(device, cage, settings);
+          refused += device.takeError() != RTC_ERROR_NONE; // a time range of no finite length
+          releasing(geometry, RTC_COMPRESSION_VERT);
           if (rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) {
             RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
             EXPECT_NE(loaded, nullptr) << device.message;

@@ -160,11 +160,12 @@ namespace embree
                          + " vertices: uncompressed grids have at most " + std::to_string(most) + " along a side");
     }
 
-    /*! Throws for a grid of many rows that are all the same vertices: it may have billions of quads, none of which has an area. */
+    /*! Throws for a large grid whose rows are all the same vertices: it may have billions of quads, none of which has an area. */
     void checkStrides (const GridMesh* mesh)
     {
+      const size_t large = size_t(1) << 24; // quads
       for (size_t i=0; i<mesh->grids.size(); i++)
-        if (mesh->grid(i).lineVtxOffset == 0 && mesh->grid(i).resY > 1)
+        if (mesh->grid(i).lineVtxOffset == 0 && size_t(mesh->grid(i).resX)*mesh->grid(i).resY > large)
           throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"grid " + std::to_string(i) + " of " + std::to_string(mesh->grid(i).resX) + " x " + std::to_string(mesh->grid(i).resY)
                          + " vertices has a stride of 0: expected at least 1, the number of vertices from one row to the next");
     }

@@ -188,7 +188,7 @@ namespace embree
         invalid("the device string",stray.first,"there is no such key, did you mean " + nearestDeviceKey(stray.first) + "?");
 
     if (verbose)
-      std::cerr << "Embree CBVH " << RTC_COMPRESSION_VERSION_STRING << std::endl
+      std::cout << std::endl << "Embree CBVH " << RTC_COMPRESSION_VERSION_STRING << std::endl
                 << "  Subdivision surfaces: " << nameOf(compression) << ", where a geometry does not say otherwise" << std::endl;
   }
 

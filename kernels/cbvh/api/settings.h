@@ -39,7 +39,7 @@ namespace embree
     void parseEnvironment ();
 
     /*! Takes the device string's subdiv_accel once it is known; "default" says nothing.
-     *  Throws rtcore_error for an unknown "cbvh." kind. Where `verbose`, prints what we are, on stderr. */
+     *  Throws rtcore_error for an unknown "cbvh." kind. Where `verbose`, prints what we are, above Embree's banner. */
     void verify (const std::string& subdivAccel, bool verbose);
 
     /*! what holds for a geometry with these settings on that device: nothing inherits any more */
