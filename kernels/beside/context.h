@@ -84,9 +84,10 @@ private:
 
 namespace embree { namespace beside {
 
-/* For a function of this library: errors of Embree's functions in this thread wait for CbvhContextTy::check(), beginning
- * without any. For a callback of the application, areTaken is false: errors of rays that it traces are reported at once, and do
- * not become those of the function that called it. The destructor restores what was there. */
+/* Decides what happens to errors of Embree's functions on this thread. A function of this library creates one: errors are
+ * then kept until CbvhContextTy::check() throws them. Around a callback of the application, areTaken is false: errors of rays
+ * that the callback traces are reported at once, and the function that called the callback does not fail because of them.
+ * The destructor restores the previous state. */
 class OwnErrors
 {
 public:

@@ -352,7 +352,7 @@ void testTooManyPrimitives(RTCDevice device, CbvhContext context)
       const unsigned a = y*side + x;
       for (unsigned i : {a, a + 1, a + side, a + side + 1, a + side, a + 1}) indices.push_back(i);
     }
-  vertices.push_back({0, 0, 0}); // what is read behind the last one
+  vertices.push_back({0, 0, 0}); // the library reads 4 bytes after the last vertex
   const float* const steps[] = {vertices[0].data()};
   CbvhMesh mesh = CbvhMesh();
   mesh.corners = 3;

@@ -295,7 +295,8 @@ TEST(UpstreamFixes, MovingCagesAreTheSameOnEveryDevice)
     }
 }
 
-// GCC before 14 reads 64 bits of masks of which it stored 16: what is behind them on the stack decides.
+// GCC before 14 stores 16 bits of a mask on the stack and reads back 64. This fills the stack, so that the other 48 bits are
+// not zero by chance.
 [[gnu::noinline]] void fillStack()
 {
   volatile unsigned char bytes[1 << 17];

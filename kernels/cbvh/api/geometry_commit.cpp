@@ -160,7 +160,8 @@ namespace embree
                          + " vertices: uncompressed grids have at most " + std::to_string(most) + " along a side");
     }
 
-    /*! Throws for a large grid whose rows are all the same vertices: it may have billions of quads, none of which has an area. */
+    /*! Throws for a large grid whose rows are all the same vertices. Its quads have no area, but there may be billions
+     *  of them. */
     void checkStrides (const GridMesh* mesh)
     {
       const size_t large = size_t(1) << 24; // quads

@@ -20,7 +20,6 @@ namespace embree
       explicit AtomicRef (T& object) : object(object) {}
 
       T load (std::memory_order order) const { return __atomic_load_n(&object,int(order)); }
-      void store (T value, std::memory_order order) const { __atomic_store_n(&object,value,int(order)); }
       T fetchOr (T bits, std::memory_order order) const { return __atomic_fetch_or(&object,bits,int(order)); }
 
       /*! Replaces the expected value. Otherwise returns false and sets `expected` to the value that is there; may fail

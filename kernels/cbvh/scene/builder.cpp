@@ -78,7 +78,7 @@ namespace embree
         std::set<const void*> counted;
         for (const Surface& surface : surfaces) {
           add(surface,all);
-          if (std::find(before.begin(),before.end(),surface.blocks->build) == before.end()) reportErrors(surface);
+          reportInvalid(surface,before);
           if (planOf(surface).compresses()) all.sums.inputBytes += bytesOfInput(surface.geometry,counted);
         }
         if (!keepsTree) {
@@ -148,11 +148,12 @@ namespace embree
         reportAtVerbosity1(surface);
       }
 
-      /*! of blocks that the last tree had not: others were reported then */
-      void reportErrors (const Surface& surface) const
+      /*! Reports faces that are left out, unless the previous commit reported them: its tree had the same blocks.
+       *  before: the builds of those blocks. */
+      void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const
       {
-        if (!scene->isGeometryModified(surface.geomID)) return;
-        if (surface.blocks->statistics.invalidFaces) report->errors.push_back(describeInvalid(surface));
+        const bool isNew = surface.blocks->statistics.invalidFaces && scene->isGeometryModified(surface.geomID);
+        if (isNew && std::find(before.begin(),before.end(),surface.blocks->build) == before.end()) report->errors.push_back(describeInvalid(surface));
       }
 
       /*! nodes that are its own */

@@ -29,7 +29,7 @@ namespace embree
         all.add(statistics);
       }
 
-      /*! a geometry of which nothing is compressed, in the scene's own accelerators or in those of Embree */
+      /*! Adds a geometry that is not compressed at all, whichever acceleration structure holds it. */
       void addLeft (const CompressibleGeometry* geometry)
       {
         if (geometry->ownType == Geometry::GTY_SUBDIV_MESH && !geometry->surface.whyNot) notAsked++;

@@ -32,7 +32,7 @@ namespace embree
       const BlockHeader& header = *(const BlockHeader*)data;
       if (kindOf(header.info) != kind) return "another kind";
       if (heightOf(header.info) > maxLevel) return "a height that is none";
-      if (!isFrame(header)) return "a frame that is none";
+      if (!isFrame(header)) return "a frame that is not finite, or that maps all points to one";
       if (!isPatchCorner(cornerUOf(header.tiling),cornerVOf(header.tiling))) return "a patch whose corner is outside of its face";
       if (blockXOf(header.info) > lastXOf(header.tiling) || blockYOf(header.info) > lastYOf(header.tiling)) return "a place outside of its patch";
       return bytes < blockLayout(kind,heightOf(header.info)).bytes ? "fewer bytes than its nodes and leaves have" : nullptr;
