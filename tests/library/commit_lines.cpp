@@ -48,7 +48,9 @@ TEST(CommitLine, ComparesWithEmbreesOwnKernelOfTheSameType)
       {"1 grid geometry as cVERT: ", [&](RTCDevice device) { return newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
       {"1 quad mesh as cVERT: ", [&](RTCDevice device) { return newMesh(device, quads, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
       {"1 triangle mesh as cVERT: ", [&](RTCDevice device) { return newMesh(device, triangles, RTC_COMPRESSION_INHERIT, 0, timeSteps); }}};
-    for (const auto& [name, make] : types) {
+    for (const auto& type : types) {
+      const auto& name = type.first;
+      const auto& make = type.second;
       SCOPED_TRACE(testing::Message() << name << timeSteps << " time steps");
       const std::string line = commitLineOf("", [&](RTCDevice device, RTCScene scene) { attach(scene, make(device)); });
       EXPECT_NE(line.find(name), std::string::npos) << line;
