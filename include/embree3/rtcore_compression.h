@@ -98,16 +98,16 @@ struct RTCCompressionArguments
    * setting, which is AUTO where nobody gives one. Without meaning for VERT, which has no frames. */
   int frameLevel;
 
-  /* In world units, 0 for none, negative to inherit the device's setting.
+  /* In world units, negative to inherit the device's setting.
    *
-   * RTC_COMPRESSION_VERT: spacing of the lattice that vertices are moved to, at most. None of them
-   * is moved by more than 0.866 of it (half a diagonal of the lattice's cubes). With 0 it is 1/36 of
-   * the median edge of the quads of each face or grid, or less. Spacings are powers of 2, not below what floats at
-   * the face resolve.
+   * RTC_COMPRESSION_VERT: spacing of the lattice that vertices are moved to, at most. No vertex moves by more than half of it on any axis, 0.866 of it
+   * in space, and none moves on an axis where floats are coarser than the lattice. Spacings are powers of 2. 0 is lossless: the vertices of grids, quads
+   * and triangles are stored as they are, to the bit, those of cages as Embree evaluates them. Where nobody gives one, it is 1/36 of the median edge of
+   * the quads of each face or grid, or less.
    *
    * RTC_COMPRESSION_VOXEL and LEAF: upper bound of a leaf's thickness. Honoured when frameLevel is
    * AUTO: a face is split into finer frames until its leaves meet the bound or a block has one quad
-   * left. Without meaning for RTC_COMPRESSION_GRID. */
+   * left. 0 is no bound. Without meaning for RTC_COMPRESSION_GRID. */
   float maxError;
 
   /* RTC_COMPRESSION_VERT: the same bound in pixels of a camera, 0 for none: a face at distance d, from

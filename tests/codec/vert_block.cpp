@@ -8,6 +8,7 @@
 #include "kernels/cbvh/surface/lattice.h"
 #include "kernels/cbvh/vert/encoder.h"
 #include "kernels/cbvh/vert/scalar_block.h"
+#include "kernels/cbvh/vert/validate.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ struct Encoded
   size_t size = 0;
   VertStatistics statistics;
 
-  Encoded(VertEncoder& encoder, const VertPlacement& at, float spacing) { size = encoder.encode(at, spacing, bytes, statistics); }
+  Encoded(VertEncoder& encoder, const VertPlacement& at) { size = encoder.encode(at, bytes, statistics); }
   const VertHeader* block() const { return (const VertHeader*)bytes; }
 };
 
@@ -83,6 +84,8 @@ float shearedCoordinate(const VertHeader* block, const float* p)
              + shearSlope(block->boxForm, 2)/16.0*(double(p[b]) - block->origin[b]));
 }
 
+float spacingOf(const VertHeader* block, int axis) { return vertSpacing(block->word, block->corners).at[axis]; }
+
 bool sameFloat(float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0); }
 
 TEST(VertBlock, VerticesAreTheSameFloats)
@@ -93,7 +96,7 @@ TEST(VertBlock, VerticesAreTheSameFloats)
   for (int i = 0; i < 4000; i++) {
     const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16), std::vector<double>{0, 0.05, 0.5, 5, 40}[i % 5]);
     sheet.fill(*encoder);
-    const Encoded encoded(*encoder, i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY), sheet.spacing);
+    const Encoded encoded(*encoder, i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY));
     ASSERT_GT(encoded.size, sizeof(VertHeader));
     const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
     ASSERT_EQ(decoded->quadsX, sheet.quadsX);
@@ -121,7 +124,7 @@ TEST(VertBlock, AFlatPartTakesNoFields)
       float* v = encoder->vertices[17*y + x];
       v[0] = 32.0f*float(x); v[1] = 32.0f*float(y); v[2] = 16.0f*float(x) - 48.0f*float(y);
     }
-  const Encoded encoded(*encoder, whole(16, 16), 1.0f);
+  const Encoded encoded(*encoder, whole(16, 16));
   EXPECT_EQ(encoded.statistics.fieldBytes, 0u);
   EXPECT_EQ(encoded.size, vertLayout(encoded.block()->region, encoded.block()->boxForm).cell);
 }
@@ -137,7 +140,7 @@ TEST(VertBlock, BoxesContainTheirGroups)
     const bool hole = i % 5 == 0;
     if (hole) encoder->vertices[0][i % 3] = i % 2 ? NAN : INFINITY;
     const VertPlacement place = i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY);
-    const Encoded encoded(*encoder, place, sheet.spacing);
+    const Encoded encoded(*encoder, place);
     const VertLayout layout = vertLayout(place.region, place.form());
     const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
     for (uint32_t g = 0; g < layout.groups; g++) {
@@ -161,10 +164,10 @@ TEST(VertBlock, BoxesContainTheirGroups)
           ASSERT_EQ(upper[k], greatest) << "sheet " << i << ", group " << g;
           continue;
         }
-        const float step = vertSpacing(encoded.block()->word)*float(1u << marginShift(encoded.block()->boxForm, k));
+        const float spacing = spacingOf(encoded.block(), k), step = spacing*float(1u << marginShift(encoded.block()->boxForm, k));
         planes += 2;
         // margins are whole coordinates, sheared ones sixteenths
-        const float most = isSheared ? step + vertSpacing(encoded.block()->word) : step;
+        const float most = isSheared ? step + spacing : step;
         loose += (least - lower[k] >= most) + (upper[k] - greatest >= most);
       }
     }
@@ -181,13 +184,13 @@ TEST(VertBlock, ReachContainsTheBlock)
   for (int i = 0; i < 2000; i++) {
     const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16), std::vector<double>{0, 0.05, 0.5, 5}[i % 4]);
     sheet.fill(*encoder);
-    const Encoded encoded(*encoder, whole(sheet.quadsX, sheet.quadsY), sheet.spacing);
+    const Encoded encoded(*encoder, whole(sheet.quadsX, sheet.quadsY));
     if (encoded.statistics.raw) continue;
     blocks++;
     const VertHeader* block = encoded.block();
     const auto decoded = std::make_unique<ScalarVertBlock>(block);
-    const float step = float(reachStep(block->boxForm))*vertSpacing(block->word);
     const int m = shearedAxis(block->boxForm);
+    auto stepOn = [&](int k) { return float(reachStep(block->boxForm))*spacingOf(block, k); };
     float least[3] = {INFINITY, INFINITY, INFINITY}, greatest[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (uint32_t v = 0; v < (sheet.quadsX + 1)*(sheet.quadsY + 1); v++) {
       const float* p = decoded->vertices[v];
@@ -197,6 +200,7 @@ TEST(VertBlock, ReachContainsTheBlock)
     ASSERT_EQ(least[0], 0);
     ASSERT_EQ(least[1], 0);
     for (int k = 0; k < 3; k++) {
+      const float step = stepOn(k < 2 ? (m + 1 + k) % 3 : m);
       const float upper = float(reachOf(block->reach, k < 2 ? k : 3))*step, lower = k < 2 ? 0 : float(reachOf(block->reach, 2))*step;
       ASSERT_LE(lower, least[k]);
       ASSERT_GE(upper, greatest[k]);
@@ -215,7 +219,7 @@ TEST(VertBlock, VerticesThatAreNotFiniteAreRawAndNaN)
   for (float bad : {NAN, INFINITY, -INFINITY, 3e18f}) {
     sheet.fill(*encoder);
     encoder->vertices[17*5 + 5][1] = bad;
-    const Encoded encoded(*encoder, whole(16, 16), sheet.spacing);
+    const Encoded encoded(*encoder, whole(16, 16));
     EXPECT_TRUE(encoded.statistics.raw);
     EXPECT_EQ(encoded.statistics.invalidQuads, 4u);
     const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
@@ -223,33 +227,122 @@ TEST(VertBlock, VerticesThatAreNotFiniteAreRawAndNaN)
     for (int k = 0; k < 3; k++) EXPECT_EQ(decoded->vertex(6, 5)[k], sheet.vertices[17*5 + 6][k]);
   }
   for (auto& v : encoder->vertices) v[0] = NAN;
-  EXPECT_EQ(Encoded(*encoder, whole(16, 16), 1).size, 0u) << "a block without a vertex";
+  EXPECT_EQ(Encoded(*encoder, whole(16, 16)).size, 0u) << "a block without a vertex";
 }
 
-TEST(VertBlock, WhatIsOffTheLatticeIsRaw)
+// Sheets of floats on no lattice: somewhere, of any size, with other units on each axis, through zero or far from it, smooth or rough.
+void fillWithFloats(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, int i)
+{
+  double unit[3], place[3], axis[2][3];
+  for (int k = 0; k < 3; k++) {
+    unit[k] = std::ldexp(random.uniform(1, 2), int(random.below(60)) - 30);
+    if (i % 3 && k > 0) unit[k] = unit[0];
+    place[k] = std::vector<double>{0, 0, 3, 1000, 1e6}[random.below(5)]*random.uniform(-1, 1);
+    for (auto& a : axis) a[k] = random.uniform(-0.06, 0.06);
+  }
+  const double roughness = std::vector<double>{0, 1e-4, 0.01, 0.3}[i % 4];
+  for (uint32_t y = 0; y <= quadsY; y++)
+    for (uint32_t x = 0; x <= quadsX; x++)
+      for (int k = 0; k < 3; k++)
+        encoder.vertices[y*(quadsX + 1) + x][k] = float(unit[k]*(place[k] + x*axis[0][k] + y*axis[1][k] + 1e-3*(double(x)*x - y*x) + roughness*random.normal()));
+}
+
+TEST(VertBlock, AnyFloatsAreTheSame)
 {
   Random random(seed + 3);
   auto encoder = std::make_unique<VertEncoder>();
-  const Sheet sheet(random, 8, 8, 0.5);
-  sheet.fill(*encoder);
-  encoder->vertices[40][2] += 0.5f*sheet.spacing;
-  if (encoder->vertices[40][2] == sheet.vertices[40][2]) encoder->vertices[40][2] = std::nextafter(sheet.vertices[40][2], INFINITY);
-  const Encoded encoded(*encoder, whole(8, 8), sheet.spacing);
-  const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
-  EXPECT_EQ(decoded->vertices[40][2], encoder->vertices[40][2]);
+  size_t raw = 0, withRemainders = 0, sheared = 0;
+  for (int i = 0; i < 4000; i++) {
+    const uint32_t quadsX = 1 + random.below(16), quadsY = 1 + random.below(16);
+    fillWithFloats(random, *encoder, quadsX, quadsY, i);
+    std::vector<std::array<float, 3>> given;
+    for (uint32_t v = 0; v < (quadsX + 1)*(quadsY + 1); v++) given.push_back({encoder->vertices[v][0], encoder->vertices[v][1], encoder->vertices[v][2]});
+    const Encoded encoded(*encoder, i % 4 == 0 ? withEdges(quadsX, quadsY) : whole(quadsX, quadsY));
+    const VertHeader* const block = encoded.block();
+    ASSERT_STREQ(VertValidation::errorOf(block, encoded.size), nullptr) << "sheet " << i;
+    ASSERT_LE(encoded.size, (vertLayout(block->region, block->boxForm).rawBytes + 3) & ~3u) << "more than a raw block has";
+    const auto decoded = std::make_unique<ScalarVertBlock>(block);
+    for (size_t v = 0; v < given.size(); v++)
+      for (int k = 0; k < 3; k++) ASSERT_TRUE(sameFloat(decoded->vertices[v][k], given[v][k])) << "sheet " << i << ", vertex " << v << ", axis " << k;
+    raw += encoded.statistics.raw;
+    withRemainders += hasRemainders(block->boxForm);
+    if (encoded.statistics.raw) continue;
+    ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "bytes that nobody reads";
+    sheared += shearSlope(block->boxForm, 1) != 0;
+    // boxes and bounds, in long double, of what is stored
+    const int m = shearedAxis(block->boxForm);
+    auto coordinate = [&](const float* p, int k) {
+      if (k != m) return (long double)p[k];
+      long double h = (long double)p[m] - block->origin[m];
+      for (int n : {1, 2}) h += shearSlope(block->boxForm, n)/16.0L*((long double)p[(m + n) % 3] - block->origin[(m + n) % 3]);
+      return h;
+    };
+    const VertLayout layout = vertLayout(block->region, block->boxForm);
+    for (uint32_t g = 0; g < layout.groups; g++) {
+      float lower[3], upper[3];
+      decoded->groupBox(g, lower, upper);
+      const uint32_t x0 = groupQuads*(g % layout.groupsX), y0 = groupQuads*(g/layout.groupsX);
+      for (uint32_t y = y0; y <= std::min(y0 + groupQuads, quadsY); y++)
+        for (uint32_t x = x0; x <= std::min(x0 + groupQuads, quadsX); x++)
+          for (int k = 0; k < 3; k++) {
+            const long double c = coordinate(decoded->vertex(x, y), k);
+            ASSERT_TRUE(lower[k] <= c && c <= upper[k]) << "sheet " << i << ", group " << g << ", axis " << k;
+            const long double step = (long double)spacingOf(block, k)*reachStep(block->boxForm), from = k == m ? c : c - block->origin[k];
+            const int of = k == m ? 3 : (k - m + 2) % 3;
+            ASSERT_TRUE((k == m ? step*reachOf(block->reach, 2) : 0) <= from && from <= step*reachOf(block->reach, of)) << "sheet " << i << ", axis " << k;
+          }
+    }
+  }
+  EXPECT_LT(raw, 1200u);
+  EXPECT_GT(withRemainders, 1500u);
+  EXPECT_GT(sheared, 500u);
 }
 
-TEST(VertBlock, BlocksOf2To14StepsAreRaw)
+TEST(VertBlock, ASheetOfFloatsTakesFewerBytesThanFloats)
+{
+  Random random(seed + 4);
+  auto encoder = std::make_unique<VertEncoder>();
+  // heights with all bits over a plane whose vertices are whole numbers, far away: as a terrain has them
+  for (uint32_t y = 0; y <= 16; y++)
+    for (uint32_t x = 0; x <= 16; x++) {
+      float* v = encoder->vertices[17*y + x];
+      v[0] = float(2700000 + 2*x); v[1] = float(1180000 + 2*y); v[2] = float(431.7 + 0.4*x - 0.1*y + 0.01*random.normal());
+    }
+  const Encoded encoded(*encoder, whole(16, 16));
+  EXPECT_LT(encoded.size, 256*2.6);
+  const VertHeader* const block = encoded.block();
+  EXPECT_GE(spacingOf(block, 0), 0.25f);
+  EXPECT_LE(spacingOf(block, 2), std::ldexp(1.0f, -9));
+}
+
+TEST(VertBlock, AStrayVertexIsRawAlone)
+{
+  auto encoder = std::make_unique<VertEncoder>();
+  for (float stray : {1e6f, 1e12f, 1e18f}) {
+    for (int v = 0; v < 17*17; v++)
+      for (int k = 0; k < 3; k++) encoder->vertices[v][k] = float((k == 0 ? v % 17 : k == 1 ? v/17 : (v*v) % 7) + 0.1*k)*0.01f;
+    encoder->vertices[100][1] = stray;
+    const float beside = encoder->vertices[101][1];
+    const Encoded encoded(*encoder, whole(16, 16));
+    const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
+    EXPECT_EQ(decoded->vertices[100][1], stray);
+    EXPECT_EQ(decoded->vertices[101][1], beside);
+  }
+}
+
+TEST(VertBlock, CoordinatesBeyond14BitsHaveRemainders)
 {
   auto encoder = std::make_unique<VertEncoder>();
   for (int width : {16383, 16384}) {
-    for (int v = 0; v < 4; v++) {
-      encoder->vertices[v][0] = v & 1 ? float(width) : 0;
-      encoder->vertices[v][1] = v & 2 ? 8.0f : 0;
+    for (int v = 0; v < 9*9; v++) {
+      encoder->vertices[v][0] = float(v % 9)*0.125f*float(width - 1) + float(v == 8);
+      encoder->vertices[v][1] = float(v/9);
       encoder->vertices[v][2] = 0;
     }
-    const Encoded encoded(*encoder, whole(1, 1), 1);
-    EXPECT_EQ(encoded.statistics.raw, width == 16384) << width;
+    encoder->vertices[8][0] = float(width);
+    const Encoded encoded(*encoder, whole(8, 8));
+    EXPECT_FALSE(encoded.statistics.raw);
+    EXPECT_TRUE(hasRemainders(encoded.block()->boxForm)) << width; // eighths: 17 bits
   }
 }
 
@@ -274,7 +367,7 @@ TEST(VertBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
       float* v = encoder->vertices[6*j + i];
       v[0] = float(100 + 8*i); v[1] = float(8*j); v[2] = float(i*i - (i == 1 && j == 1 ? 12 : 0));
     }
-  Encoded encoded(*encoder, {vertRegion(5, 2, 16, 0), vertPatch(21, 2), vertEdges(21, 2, 7, 2, 0, 0)}, 1);
+  Encoded encoded(*encoder, {vertRegion(5, 2, 16, 0), vertPatch(21, 2), vertEdges(21, 2, 7, 2, 0, 0)});
   VertHeader* block = (VertHeader*)encoded.bytes;
   block->surface = 3;
   block->primID = 5;
@@ -315,19 +408,40 @@ TEST(VertCell, SlopesAreSixteenthsRoundedToTheNearest)
     for (int main = -300; main <= 300; main++) EXPECT_EQ(slopeResidual(slope, main), int(std::floor(slope*main/16.0 + 0.5)));
 }
 
-// As stitch() of upstream's tessellation.h, whose vertices GRID's are.
-// The spacing asked for or a finer one, but coordinates of a face fit into 23 bits.
-TEST(WorldLattice, ExponentsAreThoseAskedForUnlessCoordinatesHaveTooManyBits)
+// The spacing asked for or a finer one, wherever.
+TEST(WorldLattice, ExponentsAreThoseAskedFor)
 {
-  EXPECT_EQ(latticeExponent(0.25, 1), -2);
-  EXPECT_EQ(latticeExponent(0.3, 1), -2);
-  EXPECT_EQ(latticeExponent(1e-9, 1000), 10 - maxCoordinateBits);
-  EXPECT_EQ(latticeExponent(1e-9, 1024), 11 - maxCoordinateBits);
-  EXPECT_EQ(latticeExponent(0, 1000), 10 - maxCoordinateBits);
-  EXPECT_EQ(latticeExponent(0, 0), minLatticeExponent);
-  EXPECT_EQ(latticeExponent(1e38, 1), maxLatticeExponent);
+  EXPECT_EQ(latticeExponent(0.25), -2);
+  EXPECT_EQ(latticeExponent(0.3), -2);
+  EXPECT_EQ(latticeExponent(0), minLatticeExponent);
+  EXPECT_EQ(latticeExponent(1e-38), minLatticeExponent);
+  EXPECT_EQ(latticeExponent(1e38), maxLatticeExponent);
 }
 
+// In long double, whose multiples of the spacing are exact.
+TEST(WorldLattice, MovesByHalfASpacingAtMostWhereverAVertexIs)
+{
+  Random random(seed + 6);
+  for (int i = 0; i < 200000; i++) {
+    const int exponent = minLatticeExponent + int(random.below(maxLatticeExponent - minLatticeExponent + 1));
+    const float x = float(std::ldexp(random.uniform(-1, 1), std::max(exponent - 10 + int(random.below(60)), -120)));
+    if (!std::isfinite(x)) continue;
+    const WorldLattice lattice(exponent);
+    const long double spacing = std::ldexp(1.0L, exponent), snapped = lattice.snap(x);
+    ASSERT_LE(std::fabs(snapped - x), spacing/2) << x << " on 2^" << exponent;
+    ASSERT_EQ(std::fmod(snapped, spacing), 0.0L) << x << " on 2^" << exponent;
+    float four[4];
+    lattice.snap(Float4(x)).store(four);
+    ASSERT_EQ(four[0], float(snapped));
+  }
+}
+
+TEST(WorldLattice, ExactVerticesStay)
+{
+  for (float x : {0.1f, 1e-30f, -3e-38f, 1e30f, INFINITY}) EXPECT_EQ(WorldLattice(exactLattice).snap(x), x);
+}
+
+// As stitch() of upstream's tessellation.h, whose vertices GRID's are.
 TEST(VertParameters, StitchedVerticesAreThoseOfEmbree)
 {
   for (uint32_t quads = 1; quads <= 256; quads += quads < 20 ? 1 : 17)

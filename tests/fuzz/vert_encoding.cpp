@@ -54,7 +54,7 @@ std::vector<uint8_t> bytesOf(const Steps& steps, const VertPlacement& at, float 
     encoder->begin(at, 0, 1, uint32_t(steps.size()), block);
     for (const auto& step : steps) {
       for (size_t v = 0; v < step.size(); v++) std::copy(step[v].begin(), step[v].end(), encoder->vertices()[v]);
-      encoder->addStep(spacing);
+      encoder->addStep();
     }
     MotionStatistics statistics;
     const size_t size = encoder->finish(statistics);
@@ -65,7 +65,7 @@ std::vector<uint8_t> bytesOf(const Steps& steps, const VertPlacement& at, float 
   for (size_t v = 0; v < steps[0].size(); v++) std::copy(steps[0][v].begin(), steps[0][v].end(), encoder->vertices[v]);
   std::vector<uint8_t> bytes(VertEncoder::maxBytes, 0xA5);
   VertStatistics statistics;
-  bytes.resize(encoder->encode(at, spacing, bytes.data(), statistics));
+  bytes.resize(encoder->encode(at, bytes.data(), statistics));
   return bytes;
 }
 

@@ -160,7 +160,7 @@ void writeMovingSeeds(const std::string& name, const VertEncoder& still, uint32_
       const float q[3] = {p[0], p[1] + 0.1f*float(step)*p[2], p[2] - 0.1f*float(step)*p[1]};
       for (int k = 0; k < 3; k++) encoder->vertices()[v][k] = std::round(q[k]/unit)*unit;
     }
-    encoder->addStep(unit);
+    encoder->addStep();
   }
   MotionStatistics statistics;
   const size_t bytes = encoder->finish(statistics);
@@ -177,7 +177,7 @@ void writeNumberedSeeds(const std::string& name, VertEncoder& encoder, float spa
   std::vector<Vec3fa> memory((VertEncoder::maxBytes + gap + table)/sizeof(Vec3fa) + 2);
   uint8_t* const data = (uint8_t*)memory.data();
   VertStatistics statistics;
-  const size_t bytes = encoder.encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), numbersInTable, VertNumbers{0, bits}), spacing, data, statistics);
+  const size_t bytes = encoder.encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), numbersInTable, VertNumbers{0, bits}), data, statistics);
   if (bytes == 0) return;
   VertHeader* block = (VertHeader*)data;
   block->surface = block->primID = 0;
@@ -204,7 +204,7 @@ void writeSeeds(const std::string& directory)
           if (surface == HOLES && (i + 2*j) % 5 == 1) encoder->vertices[j*(quadsX + 1) + i][2] = NAN;
         }
         VertStatistics statistics;
-        const size_t bytes = encoder->encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 5)), spacing, (uint8_t*)memory.data(), statistics);
+        const size_t bytes = encoder->encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 5)), (uint8_t*)memory.data(), statistics);
         if (bytes == 0) continue;
         VertHeader* block = (VertHeader*)memory.data();
         block->surface = block->primID = 0;

@@ -54,7 +54,7 @@ void writeMovingSeed(const std::string& path, uint32_t quads, bool isRawBlock)
       encoder->vertices()[v][1] = float(16*y) + float(step*(x*y % 5));
       encoder->vertices()[v][2] = isRawBlock && v == 0 && step == 1 ? NAN : float(x*y % 5);
     }
-    encoder->addStep(1);
+    encoder->addStep();
   }
   MotionStatistics statistics;
   const size_t size = encoder->finish(statistics);
@@ -84,7 +84,7 @@ void writeSeeds(const std::string& folder)
         VertPlacement at(vertRegion(quads, quads, 0, 0), vertPatch(quads, quads));
         if (hasEdges) at = VertPlacement(at.region, at.patchQuads, vertEdges(1, quads, quads, quads, 1, 5));
         VertStatistics statistics;
-        const size_t size = encoder->encode(at, 1, bytes.data(), statistics);
+        const size_t size = encoder->encode(at, bytes.data(), statistics);
         REQUIRE(VertValidation::errorOf(bytes.data(), size) == nullptr);
         REQUIRE(VertValidation::errorOf(bytes.data(), size - 4) != nullptr);
         FILE* file = std::fopen((folder + "/" + std::to_string(n++)).c_str(), "wb");

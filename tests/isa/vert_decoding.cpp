@@ -23,8 +23,8 @@ namespace {
 
 using namespace embree::cbvh;
 
-// Vertices on a lattice, at every scale of residuals; some blocks are raw.
-void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, double roughness, float spacing)
+// Vertices at every scale of residuals; some blocks are raw. spacing: of the lattice that they are on, if isSnapped
+void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, double roughness, float spacing, bool isSnapped)
 {
   double axis[3][3], origin[3];
   for (int k = 0; k < 3; k++) {
@@ -34,8 +34,9 @@ void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_
   for (uint32_t y = 0; y <= quadsY; y++)
     for (uint32_t x = 0; x <= quadsX; x++) {
       const double h = roughness*random.normal();
-      for (int k = 0; k < 3; k++) // 20: not along a normal any more
-        encoder.vertices[y*(quadsX + 1) + x][k] = float((origin[k] + std::floor(x*axis[0][k] + y*axis[1][k] + (roughness == 20 ? 1000*random.normal() : h*axis[2][k])))*spacing);
+      auto place = [&](int k) { return x*axis[0][k] + y*axis[1][k] + (roughness == 20 ? 1000*random.normal() : h*axis[2][k]); }; // 20: not along a normal any more
+      for (int k = 0; k < 3; k++)
+        encoder.vertices[y*(quadsX + 1) + x][k] = float((isSnapped ? origin[k] + std::floor(place(k)) : 0.01*origin[k] + place(k))*spacing);
     }
   if (random.chance(0.1)) encoder.vertices[random.below((quadsX + 1)*(quadsY + 1))][0] = INFINITY;
 }
@@ -56,18 +57,19 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
   auto encoder = std::make_unique<VertEncoder>();
   std::vector<uint8_t> memory(VertEncoder::maxBytes + 32);
   uint8_t* bytes = (uint8_t*)((uintptr_t(memory.data()) + 15) & ~uintptr_t(15));
-  unsigned raw = 0, packed = 0, sheared = 0, byAxis = 0;
+  unsigned raw = 0, packed = 0, sheared = 0, byAxis = 0, withRemainders = 0;
   for (int i = 0; i < 3000; i++) {
     const uint32_t quadsX = 1 + random.below(16), quadsY = 1 + random.below(16);
     VertPlacement place(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY));
     if (i % 3 == 0) place = VertPlacement(place.region, place.patchQuads, vertEdges(1, 2, 3, 4, 1, 0));
     const float spacing = std::ldexp(1.0f, int(random.below(20)) - 10);
-    fillRandomly(random, *encoder, quadsX, quadsY, std::vector<double>{0, 0.1, 1, 10, 20}[i % 5], spacing);
+    fillRandomly(random, *encoder, quadsX, quadsY, std::vector<double>{0, 0.1, 1, 10, 20}[i % 5], spacing, i % 7 < 5);
     VertStatistics statistics;
-    ASSERT_GT(encoder->encode(place, spacing, bytes, statistics), 0u);
+    ASSERT_GT(encoder->encode(place, bytes, statistics), 0u);
     (statistics.raw ? raw : packed)++;
     const VertHeader* block = (const VertHeader*)bytes;
     byAxis += !statistics.raw && isByAxis(block->word);
+    withRemainders += hasRemainders(block->boxForm);
     const auto expected = std::make_unique<ScalarVertBlock>(block);
     const VertLayout layout = vertLayout(place.region, place.form());
     const VertDecoder decoder(block);
@@ -108,6 +110,7 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
   EXPECT_GT(packed, 2000u);
   EXPECT_GT(sheared, 500u);
   EXPECT_GT(byAxis, 100u);
+  EXPECT_GT(withRemainders, 500u);
 }
 
 // Of a group whose vertices are on few lattice points, so that many are equal, on lines and in planes with the

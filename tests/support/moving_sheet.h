@@ -31,6 +31,9 @@ struct MovingSheet
   {
     if (i % 7 == 0) steps[random.below(uint32_t(steps.size()))][random.below(uint32_t(steps[0].size()))][i % 3] = i % 2 ? NAN : INFINITY;
     if (i % 31 == 0) std::fill(steps[i % 2].begin(), steps[i % 2].end(), std::array<float, 3>{NAN, 0, 0});
+    if (i % 13 == 5) // on no lattice
+      for (auto& p : steps[random.below(uint32_t(steps.size()))])
+        for (float& c : p) c *= 0.7123f;
     if (i % 11 == 0) snap(uint32_t(steps.size()) - 1, std::ldexp(spacings[0], int(random.below(9)) - 4));
   }
 
@@ -103,7 +106,7 @@ struct EncodedMotion
     encoder.begin(at, 0.0f, 1.0f, uint32_t(sheet.steps.size()), (uint8_t*)block());
     for (size_t s = 0; s < sheet.steps.size(); s++) {
       for (size_t v = 0; v < sheet.steps[s].size(); v++) std::copy(sheet.steps[s][v].begin(), sheet.steps[s][v].end(), encoder.vertices()[v]);
-      encoder.addStep(sheet.spacings[s]);
+      encoder.addStep();
     }
     size = encoder.finish(statistics);
   }

@@ -200,7 +200,6 @@ namespace embree
     if (r.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_INHERIT) r.frameLevel = device.frameLevel;
     if (r.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_INHERIT) r.frameLevel = RTC_COMPRESSION_FRAME_LEVEL_AUTO;
     if (r.maxError < 0.0f) r.maxError = device.maxError;
-    if (r.maxError < 0.0f) r.maxError = 0.0f;
     if (r.exactFaces < 0) r.exactFaces = device.exactFaces;
     if (r.exactFaces < 0) r.exactFaces = 1;
     r.releasesInput |= device.releasesInput;

@@ -102,7 +102,7 @@ namespace embree
         if (!table.isMarked(entry)) { found.exponent = exponentOf(entry,step); return found; }
         const cbvh::Double3 onEdge = stored(entry,step);
         found.position[0] = float(onEdge.x); found.position[1] = float(onEdge.y); found.position[2] = float(onEdge.z);
-        found.exponent = cbvh::minLatticeExponent;
+        found.exponent = cbvh::exactLattice;
         return found;
       }
 
@@ -194,7 +194,7 @@ namespace embree
       void shareLaterLattices (size_t gridsPerTask, const Progress& progress)
       {
         cbvh::resizeExactly(later,(numSteps-1)*table.size());
-        std::fill(later.begin(),later.end(),int8_t(cbvh::minLatticeExponent));
+        std::fill(later.begin(),later.end(),int8_t(cbvh::exactLattice));
         if (numSteps == 1) return;
         forGrids(gridsPerTask,progress,[&](size_t i, const Grid& grid) {
             forBorder(grid,[&](size_t vertex) {

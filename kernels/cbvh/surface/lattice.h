@@ -7,8 +7,8 @@
  * of every finer one, so a vertex that faces share lies on the coarsest of theirs and is a
  * point of all of them.
  *
- * Snapping works on floats and is exact: a coordinate that is so large that floats are not
- * finer than the lattice is a multiple already. */
+ * Snapping works on floats and is exact: a coordinate that is so large that floats are not finer than the lattice is a multiple already. So a
+ * lattice is as fine far from the origin as near it, as far as floats are. */
 
 #include "../base/lanes.h"
 #include "../base/world.h"
@@ -43,22 +43,26 @@ namespace embree
       return std::min(median*spacingOfEdge,std::max(diagonal*spacingOfDiagonal,median*finestOfEdge));
     }
 
-    /*! Coordinates of a face take at most this many bits, one less than floats have: sums with
-     *  a block's origin stay exact. */
-    static constexpr int maxCoordinateBits = 23;
+    /*! Coordinates that are this many bits larger than the spacing are multiples of it, as floats have no more bits. */
+    static constexpr int floatBits = 23;
 
     /*! spacings whose reciprocal is a normal float */
-    static constexpr int minLatticeExponent = -100, maxLatticeExponent = 100;
+    static constexpr int minLatticeExponent = -125, maxLatticeExponent = 100;
+
+    /*! Of vertices that stay where they are. It is finer than all others: where surfaces share a vertex, the coarsest counts. */
+    static constexpr int exactLattice = -126;
 
     /*! of a face without a lattice: nobody shares its vertices */
     static constexpr int noLattice = -1000;
 
     struct WorldLattice
     {
-      float spacing, reciprocal, limit;
+      float spacing;   //!< 0 of exactLattice
+      float reciprocal, limit;
 
       explicit WorldLattice (int exponent)
-        : spacing(powerOfTwo(exponent)), reciprocal(powerOfTwo(-exponent)), limit(powerOfTwo(std::min(exponent+maxCoordinateBits,127))) {}
+        : spacing(exponent == exactLattice ? 0.0f : powerOfTwo(exponent)), reciprocal(powerOfTwo(-exponent)),
+          limit(exponent == exactLattice ? 0.0f : powerOfTwo(std::min(exponent+floatBits,127))) {}
 
       /*! of exponents of normal floats */
       static float powerOfTwo (int exponent) { return _mm_cvtss_f32(_mm_castsi128_ps(_mm_cvtsi32_si128((exponent+127) << 23))); }
@@ -76,13 +80,9 @@ namespace embree
       }
     };
 
-    /*! Largest power of two that is not above a spacing, but not so fine that the largest
-     *  coordinate of a face would have too many bits. */
-    inline int latticeExponent(double spacing, double maxCoordinate)
-    {
-      int resolution = minLatticeExponent;
-      if (maxCoordinate > 0) resolution = std::max(resolution,std::ilogb(maxCoordinate) + 1 - maxCoordinateBits);
-      return std::min(spacing > 0 ? std::max(resolution,std::ilogb(spacing)) : resolution,maxLatticeExponent);
+    /*! largest power of two that is not above a spacing */
+    inline int latticeExponent(double spacing) {
+      return spacing > 0 ? std::min(std::max(std::ilogb(spacing),minLatticeExponent),maxLatticeExponent) : minLatticeExponent;
     }
 
     /*! median of the edges along lines of vertices, and their bounds */

@@ -26,20 +26,20 @@ namespace embree
       /*! diagonal: of the geometry */
       int exponent (const CompressionPlan& plan, double diagonal)
       {
+        if (plan.isLossless()) return cbvh::exactLattice;
         /* quads may be much longer than wide: the shorter side counts */
-        double spacing = 0, lower[3], upper[3], maxCoordinate = 0;
+        double spacing = 0, lower[3], upper[3];
         for (int k=0; k<3; k++)
         {
           lower[k] = min(min(samples[0].lower[k],samples[1].lower[k]),min(coarse[0].lower[k],coarse[1].lower[k]));
           upper[k] = max(max(samples[0].upper[k],samples[1].upper[k]),max(coarse[0].upper[k],coarse[1].upper[k]));
-          if (lower[k] <= upper[k]) maxCoordinate = max(maxCoordinate,max(std::fabs(lower[k]),std::fabs(upper[k])));
         }
         for (int d=0; d<2; d++) {
           const double median = (samples[d].empty() ? coarse[d] : samples[d]).median();
           const double wanted = cbvh::defaultSpacing(median,fewest[d],diagonal);
           if (wanted > 0) spacing = spacing > 0 ? min(spacing,wanted) : wanted;
         }
-        return cbvh::latticeExponent(spacingAskedFor(plan,lower,upper,spacing),maxCoordinate);
+        return cbvh::latticeExponent(spacingAskedFor(plan,lower,upper,spacing));
       }
 
     private:

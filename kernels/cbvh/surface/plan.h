@@ -34,6 +34,9 @@ namespace embree
 
       bool moves () const { return numTimeSteps != 1; }
 
+      /*! whether vertices are stored as they come */
+      bool isLossless () const { return kind() == cbvh::Kind::VERT && settings.maxError == 0.0f; }
+
       /*! only if compresses() */
       cbvh::Kind kind () const { return blockKind; }
 

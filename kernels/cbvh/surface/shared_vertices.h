@@ -360,7 +360,7 @@ namespace embree
       /*! of a face whose vertices of the cage are not finite at that step */
       void keepNothing (size_t f, Step& step)
       {
-        step.exponents[f] = cbvh::minLatticeExponent;
+        step.exponents[f] = cbvh::exactLattice;
         if (firstKept.size())
           forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
               const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
@@ -455,7 +455,7 @@ namespace embree
       /*! the coarsest of all faces that share, and none where GRID traces one */
       void findLattices (Step& step)
       {
-        const SharedLattices none = { int8_t(cbvh::minLatticeExponent),int8_t(cbvh::minLatticeExponent) };
+        const SharedLattices none = { int8_t(cbvh::exactLattice),int8_t(cbvh::exactLattice) };
         cbvh::resizeExactly(step.shared,edges.size());
         std::fill(step.shared.begin(),step.shared.end(),none);
         forEachShare([&](Edge& edge) {

@@ -17,6 +17,18 @@ namespace embree
     {
       using namespace embree::cbvh;
 
+      /*! vertSpacing(), by vectors */
+      __forceinline VertSpacing spacingOf (uint32_t word, const uint32_t corners[6])
+      {
+        const __m128i values = _mm_loadu_si128((const __m128i*)corners);
+        const uint32_t bits = uint32_t(_mm_movemask_epi8(_mm_packs_epi16(values,_mm_slli_epi16(values,1)))); // signs: bits 15, then bits 14
+        VertSpacing spacing;
+        spacing.at[0] = floatOfBits((word >> 24) << 23);
+        spacing.at[1] = floatOfBits((bits & 255u) << 23);
+        spacing.at[2] = floatOfBits((bits >> 8) << 23);
+        return spacing;
+      }
+
       /*! the shear of boxes; the axes are those of the world if there is none */
       __forceinline void setShear (uint32_t form, bool isSheared, VertAxes& axes)
       {
@@ -30,9 +42,10 @@ namespace embree
       __forceinline void setAxes (const VertHeader* block, VertAxes& axes)
       {
         setShear(block->boxForm,!isRaw(block->boxForm),axes);
+        const float extent = vertExtent(spacingOf(block->word,block->corners));
         for (int k=0; k<3; k++) {
           axes.origin[k] = block->origin[k];
-          axes.extent[k] = float(maxExtent)*vertSpacing(block->word);
+          axes.extent[k] = extent;
         }
       }
     }

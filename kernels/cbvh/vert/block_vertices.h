@@ -3,7 +3,11 @@
 
 #pragma once
 
-/* The vertices of a block of cVERT at one time, and their coordinates on its lattice. */
+/* The vertices of a block of cVERT at one time, and what format.h makes of them: coordinates and remainders.
+ *
+ * Nothing is rounded here. On each axis the vertices are multiples of a power of two, the step, which is found in the floats themselves: vertices
+ * that were snapped to a lattice are multiples of its spacing, those of a regular terrain of the size of its cells, any others of the last bit of a
+ * float. The block's spacing is at least the step. Where it is more, a vertex has a remainder. */
 
 #include "format.h"
 #include "cell_encoder.h"
@@ -23,10 +27,13 @@ namespace embree
       float vertices[maxVertices][3]; //!< row by row, (quadsX+1) (quadsY+1) of them
       float lower[3], upper[3];       //!< of the finite ones; if there is none, infinity and -infinity
       bool allFinite;
-      float spacing;                  //!< of the lattice that the coordinates are of
 
       uint32_t quads[2], width;
+      int exponent[3];                 //!< of the spacings
+      uint32_t remainderBits[3];
+      float origin[3];
       int coordinates[3][maxVertices]; //!< behind the last, to whole vectors, those of the first
+      uint32_t remainders[3][maxVertices];
 
       void setSize (uint32_t region) { quads[0] = vertQuadsX(region); quads[1] = vertQuadsY(region); width = quads[0]+1; }
 
@@ -56,29 +63,50 @@ namespace embree
         return n;
       }
 
-      /*! coordinates on the lattice relative to the lower bounds; false where one is too large */
-      bool locate (float spacing)
+      bool hasRemainders () const { return (remainderBits[0] | remainderBits[1] | remainderBits[2]) != 0; }
+
+      /*! a spacing */
+      float spacing (int k) const { return std::ldexp(1.0f,exponent[k]); }
+
+      /*! Finds the steps, and the least spacings. All vertices must be finite. False where one of them takes too many bits: the block is raw. */
+      bool measure ()
       {
-        for (int k=0; k<3; k++)
-          if (!((double(upper[k])-double(lower[k])) < double(maxExtent)*spacing)) return false;
-        this->spacing = spacing;
-        const Float4 unit = spacing, reciprocal = 1.0f/spacing; // a power of two
-        uint32_t off = 0; // this lattice
-        auto locate = [&](Float4 x) {
-          const Int4 c = truncated(x*reciprocal);
-          off |= ~lanesEqual(toFloat(c)*unit,x);
-          return c;
-        };
-        const Int4 first[3] = { locate(lower[0]),locate(lower[1]),locate(lower[2]) };
         for (uint32_t i=numVertices(); i % 4 != 0; i++) memcpy(vertices[i],vertices[0],sizeof(vertices[0]));
+        int size = minExponent; // power of two that is above what the block spans, on any axis
+        for (int k=0; k<3; k++) {
+          const double span = double(upper[k])-double(lower[k]);
+          if (span > 0) size = std::max(size,std::ilogb(span)+1);
+        }
+        if (!findSteps()) return false;
+        /* An axis on which all vertices are the same has no step. */
+        for (int k=0; k<3; k++) exponent[k] = std::max(leastExponent(k),std::min(step[k],size-1));
+        return setRemainders();
+      }
+
+      /*! Makes spacings coarser, so that residuals lose `bits` bits on each axis to remainders. False where remainders would have too many. */
+      bool coarsen (const int bits[3])
+      {
+        for (int k=0; k<3; k++) exponent[k] += bits[k];
+        return setRemainders();
+      }
+
+      /*! origin, coordinates and remainders */
+      void place ()
+      {
+        for (int k=0; k<3; k++) {
+          const double unit = std::ldexp(1.0,-exponent[k]);
+          origin[k] = float(std::floor(lower[k]*unit)/unit);
+        }
+        const Float4 units[3] = { std::ldexp(1.0f,-exponent[0]),std::ldexp(1.0f,-exponent[1]),std::ldexp(1.0f,-exponent[2]) };
         for (uint32_t i=0; i<numVertices(); i+=4)
         {
           const Vertices4 p(vertices+i);
-          (locate(p.x)-first[0]).store(coordinates[0]+i);
-          (locate(p.y)-first[1]).store(coordinates[1]+i);
-          (locate(p.z)-first[2]).store(coordinates[2]+i);
+          truncated((p.x-Float4(origin[0]))*units[0]).store(coordinates[0]+i);
+          truncated((p.y-Float4(origin[1]))*units[1]).store(coordinates[1]+i);
+          truncated((p.z-Float4(origin[2]))*units[2]).store(coordinates[2]+i);
         }
-        return (off & 15) == 0;
+        for (int k=0; k<3; k++)
+          if (remainderBits[k] != 0) placeWithRemainders(k);
       }
 
       /*! of the vertices of a cell; those behind the last are the last */
@@ -100,11 +128,135 @@ namespace embree
           for (int k=0; k<3; k++) out[i][k] = isFinite(vertices[i]) ? vertices[i][k] : NAN;
       }
 
-      static uint32_t exponentBits (float spacing)
+      static void writeVersion (uint32_t corners[6]) {
+        for (uint32_t i=0; i<4; i++) corners[4+(i >> 1)] |= ((vertFormatVersion >> i) & 1u) << (15+16*(i & 1));
+      }
+
+      /*! Writes what a header, of a block or of a step, has of coordinates, into bits that are 0. */
+      void write (float origin[3], uint32_t corners[6], uint32_t& word) const
+      {
+        memcpy(origin,this->origin,sizeof(this->origin));
+        word |= uint32_t(exponent[0]+127) << 24;
+        const uint32_t y = uint32_t(exponent[1]+127), z = uint32_t(exponent[2]+127);
+        for (uint32_t i=0; i<8; i++) corners[i >> 1] |= (((y >> i) & 1u) << 15 | ((z >> i) & 1u) << 14) << (16*(i & 1));
+        for (uint32_t c=0; c<4; c++)
+          for (int k=0; k<3; k++)
+            corners[cornerPair(int(c),k)] |= uint32_t(coordinates[k][(c >> 1)*quads[1]*width + (c & 1)*quads[0]]) << (16*((3*c+uint32_t(k)) & 1));
+      }
+
+      /*! Writes remainders to `out`, which is that many bytes behind the start of a block or of a step; returns their end. word: written */
+      uint8_t* writeRemainders (uint8_t* out, uint32_t offset, uint32_t& word) const
+      {
+        word = remainderBits[0] | remainderBits[1] << 5 | remainderBits[2] << 10 | offset << 16;
+        BitWriter writer = { out };
+        for (uint32_t i=0; i<numVertices(); i++)
+          for (int k=0; k<3; k++)
+            if (remainderBits[k] != 0) writer.put(remainders[k][i],int(remainderBits[k]));
+        return writer.end();
+      }
+
+    private:
+      static const int minExponent = -126, maxExponent = 126;
+
+      /*! bits of an axis's integers, before the step is taken out of them: differences have 31 at most */
+      static const int integerBits = 29;
+
+      int step[3]; //!< as an exponent
+
+      static int exponentOf (float x)
       {
         uint32_t bits;
-        memcpy(&bits,&spacing,sizeof(bits));
-        return (bits >> 23) << 24;
+        memcpy(&bits,&x,sizeof(bits));
+        return int((bits >> 23) & 255u) - 127;
+      }
+
+      bool findSteps ()
+      {
+        Float4 scale[3];
+        Int4 first[3], any[3] = { 0,0,0 };
+        int exponents[3];
+        for (int k=0; k<3; k++) {
+          exponents[k] = std::max(exponentOf(std::max(std::fabs(lower[k]),std::fabs(upper[k])))-integerBits,minExponent);
+          scale[k] = std::ldexp(1.0f,-exponents[k]);
+          first[k] = truncated(Float4(vertices[0][k])*scale[k]);
+        }
+        uint32_t integral[3] = { 15,15,15 };
+        for (uint32_t i=0; i<numVertices(); i+=4)
+        {
+          const Vertices4 p(vertices+i);
+          auto add = [&](int k, Float4 x) {
+            const Float4 scaled = x*scale[k];
+            const Int4 n = truncated(scaled);
+            integral[k] &= lanesEqual(toFloat(n),scaled);
+            any[k] = any[k] | (n-first[k]);
+          };
+          add(0,p.x); add(1,p.y); add(2,p.z);
+        }
+        for (int k=0; k<3; k++) {
+          const unsigned differences = integral[k] == 15 ? unsigned(anyOf(any[k])) : 0;
+          if (differences != 0) {
+            /* The origin is a multiple, too. */
+            const float vertex = vertices[0][k];
+            step[k] = std::min(exponents[k] + __builtin_ctz(differences),vertex != 0 ? lowestBit(vertex) : maxExponent);
+          }
+          else if (!findStepOfFloats(k)) return false;
+        }
+        return true;
+      }
+
+      /*! of a float that is not 0, as an exponent; less than minExponent where readers may take the float for 0 */
+      static int lowestBit (float x)
+      {
+        uint32_t bits;
+        memcpy(&bits,&x,sizeof(bits));
+        const uint32_t stored = (bits >> 23) & 255u;
+        return stored == 0 ? minExponent-1 : int(stored)-150+__builtin_ctz((bits & 0x7FFFFFu) | 0x800000u);
+      }
+
+      /*! where all are the same, or some are that much smaller than the largest */
+      bool findStepOfFloats (int k)
+      {
+        step[k] = maxExponent;
+        const uint32_t count = lower[k] == upper[k] ? 1 : numVertices();
+        for (uint32_t i=0; i<count; i++)
+          if (vertices[i][k] != 0) step[k] = std::min(step[k],lowestBit(vertices[i][k]));
+        return step[k] >= minExponent;
+      }
+
+      /*! Of a spacing on an axis: coordinates fit into their bits, and planes of boxes, which are up to maxExtent outside, are floats. */
+      int leastExponent (int k) const
+      {
+        const double largest = std::max(std::fabs(double(lower[k])),std::fabs(double(upper[k])));
+        const double span = double(upper[k])-double(lower[k]);
+        int e = minExponent;
+        if (largest > 0) e = std::max(e,std::ilogb(largest)-23);
+        if (span > 0) e = std::max(e,std::ilogb(span)-13);
+        for (;; e++) {
+          const double unit = std::ldexp(1.0,-e);
+          if (largest*unit <= double((1 << 24) - 2*maxExtent) && upper[k]*unit - std::floor(lower[k]*unit) < maxExtent) return e;
+        }
+      }
+
+      bool setRemainders ()
+      {
+        for (int k=0; k<3; k++)
+        {
+          const int bits = std::max(exponent[k]-step[k],0);
+          if (bits > int(maxRemainderBits) || exponent[k] > maxExponent) return false;
+          remainderBits[k] = uint32_t(bits);
+        }
+        return true;
+      }
+
+      void placeWithRemainders (int k)
+      {
+        const double unit = std::ldexp(1.0,-exponent[k]), first = double(origin[k])*unit, ofRemainder = std::ldexp(1.0,int(remainderBits[k]));
+        for (uint32_t i=0; i<((numVertices()+3u) & ~3u); i++)
+        {
+          const double at = double(vertices[i][k])*unit - first, whole = std::floor(at);
+          coordinates[k][i] = int(whole);
+          remainders[k][i] = uint32_t((at-whole)*ofRemainder);
+        }
       }
     };
   }}

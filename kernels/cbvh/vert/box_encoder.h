@@ -22,8 +22,6 @@ namespace embree
         numEnds = second ? 2 : 1;
         groupsX = groupsOf(first.quads[0]); groups = groupsX*groupsOf(first.quads[1]);
         shear = chooseShear();
-        for (uint32_t e=0; e<numEnds; e++)
-          if (!shear.isStraight()) setHeights(e,shear);
         memset(margins,0,sizeof(margins));
       }
 
@@ -35,11 +33,12 @@ namespace embree
         for (uint32_t k=0; k<3; k++)
         {
           const bool isSheared = k == shear.axis && !shear.isStraight();
-          const int* const values = isSheared ? heights[end] : of.coordinates[k]; // in 1/16, or in whole steps
+          const Heights& h = heights[end];
+          const int* const values = isSheared ? h.at : of.coordinates[k];
           const Span span = group.span(values), corners = group.corners(values);
           const int lower = corners.lower - span.lower, upper = span.upper - corners.upper;
-          margins[0][k][g] = std::max(margins[0][k][g],isSheared ? stepsUp(lower,4) : lower);
-          margins[1][k][g] = std::max(margins[1][k][g],isSheared ? stepsUp(upper,4) : upper);
+          margins[0][k][g] = std::max(margins[0][k][g],isSheared ? stepsUp(lower+h.below,h.shift) : lower);
+          margins[1][k][g] = std::max(margins[1][k][g],isSheared ? stepsUp(upper+h.above,h.shift) : upper + remainder(of,k));
         }
       }
 
@@ -62,12 +61,22 @@ namespace embree
       uint32_t reach (uint32_t end, uint32_t& shift) const
       {
         const BlockVertices& of = *ends[end];
+        const Heights& of16 = heights[end];
         int bounds[4];
-        for (uint32_t i=0; i<2; i++) bounds[i] = spanOf(of.coordinates[(shear.axis+1+i)%3],of.numVertices()).upper;
-        const Span h = spanOf(shear.isStraight() ? of.coordinates[shear.axis] : heights[end],of.numVertices());
-        const int scale = shear.isStraight() ? 16 : 1;
-        bounds[2] = (scale*h.lower) >> 4; // down
-        bounds[3] = stepsUp(scale*h.upper,4);
+        for (uint32_t i=0; i<2; i++) {
+          const uint32_t k = (shear.axis+1+i)%3;
+          bounds[i] = spanOf(of.coordinates[k],of.numVertices()).upper + remainder(of,k);
+        }
+        if (shear.isStraight()) {
+          const Span h = spanOf(of.coordinates[shear.axis],of.numVertices());
+          bounds[2] = h.lower;
+          bounds[3] = h.upper + remainder(of,shear.axis);
+        }
+        else {
+          const Span h = spanOf(of16.at,of.numVertices());
+          bounds[2] = (h.lower-of16.below) >> of16.shift; // down
+          bounds[3] = stepsUp(h.upper+of16.above,of16.shift);
+        }
         shift = 0;
         while (stepsUp(bounds[0],shift) > 255 || stepsUp(bounds[1],shift) > 255 || (bounds[2] >> shift) < -128 || stepsUp(bounds[3],shift) > 127) shift++;
         return uint32_t(stepsUp(bounds[0],shift)) | uint32_t(stepsUp(bounds[1],shift)) << 8
@@ -84,15 +93,46 @@ namespace embree
         bool isStraight () const { return slopes[0] == 0 && slopes[1] == 0; }
       };
 
-      void setHeights (uint32_t end, const Shear& shear)
+      /*! Sheared coordinates of a block's vertices, without remainders, as integers: in 2^-shift of the spacing on the sheared axis. */
+      struct Heights
       {
-        const BlockVertices& of = *ends[end];
-        const int* along = of.coordinates[shear.axis];
-        const int* a = of.coordinates[(shear.axis+1)%3];
-        const int* b = of.coordinates[(shear.axis+2)%3];
-        for (uint32_t i=0; i<of.numVertices(); i+=4)
-          ((Int4::load(along+i) << 4) + Int4(shear.slopes[0])*Int4::load(a+i) + Int4(shear.slopes[1])*Int4::load(b+i)).store(heights[end]+i);
-      }
+        uint32_t shift;
+        int below, above;  //!< what remainders may take away, or add
+        int at[BlockVertices::maxVertices];
+
+        /*! False where they are no floats, with margins: decoders add them up as such. */
+        bool set (const BlockVertices& of, const Shear& shear)
+        {
+          const uint32_t m = shear.axis, next[2] = { (m+1)%3,(m+2)%3 };
+          int behind[2]; // bits by which a spacing is larger than that of the sheared axis
+          shift = 4;
+          for (int i=0; i<2; i++) {
+            behind[i] = shear.slopes[i] == 0 ? 0 : of.exponent[next[i]] - of.exponent[m];
+            shift = uint32_t(std::max(int(shift),4-behind[i]));
+          }
+          double largest = std::ldexp(coordinatesOf(of,m),int(shift));
+          for (int i=0; i<2; i++) largest += std::abs(shear.slopes[i])*std::ldexp(coordinatesOf(of,next[i]),int(shift)+behind[i]-4);
+          if (!(largest < double(1 << 22))) return false;
+
+          const int factors[2] = { shear.slopes[0]*(1 << (int(shift)-4+behind[0])),shear.slopes[1]*(1 << (int(shift)-4+behind[1])) };
+          below = 0;
+          above = remainder(of,m) << shift;
+          for (int i=0; i<2; i++) {
+            below += remainder(of,next[i])*std::max(-factors[i],0);
+            above += remainder(of,next[i])*std::max(factors[i],0);
+          }
+          for (uint32_t i=0; i<of.numVertices(); i+=4)
+            ((Int4::load(of.coordinates[m]+i) << int(shift)) + Int4(factors[0])*Int4::load(of.coordinates[next[0]]+i) + Int4(factors[1])*Int4::load(of.coordinates[next[1]]+i)).store(at+i);
+          return true;
+        }
+
+      private:
+        /*! more than any coordinate on an axis */
+        static double coordinatesOf (const BlockVertices& of, uint32_t k) { return std::ldexp(double(of.upper[k])-double(of.origin[k]),-of.exponent[k]) + 1; }
+      };
+
+      /*! what a remainder adds to a coordinate, at most */
+      static int remainder (const BlockVertices& of, uint32_t k) { return of.remainderBits[k] != 0 ? 1 : 0; }
 
       struct Span { int lower, upper; };
 
@@ -149,30 +189,34 @@ namespace embree
       /*! Along the mean normal of the quads, where groups are flatter then. */
       Shear chooseShear ()
       {
-        int64_t n[3] = { 0,0,0 };
+        double n[3] = { 0,0,0 };
         for (uint32_t e=0; e<numEnds; e++) addNormals(*ends[e],n);
-        Shear straight, shear;
-        const int64_t x = std::abs(n[0]), y = std::abs(n[1]), z = std::abs(n[2]);
-        straight.axis = shear.axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-        if (n[shear.axis] == 0) return straight;
+        Shear straight;
+        const double x = std::fabs(n[0]), y = std::fabs(n[1]), z = std::fabs(n[2]);
+        straight.axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+        const uint32_t m = straight.axis;
+        if (n[m] == 0) return straight;
+        Shear shear = straight;
         for (uint32_t i=0; i<2; i++) {
-          const double slope = std::floor(16*double(n[(shear.axis+1+i)%3])/double(n[shear.axis]) + 0.5);
+          const double slope = std::floor(16*n[(m+1+i)%3]/n[m] + 0.5);
           shear.slopes[i] = int(std::min(std::max(slope,-15.0),15.0));
         }
         if (shear.isStraight()) return straight;
-        int64_t sheared = 0, upright = 0;
+        double sheared = 0, upright = 0; // in the world
         for (uint32_t e=0; e<numEnds; e++) {
-          setHeights(e,shear);
-          sheared += thickness(*ends[e],heights[e]);
-          upright += thickness(*ends[e],ends[e]->coordinates[straight.axis]);
+          const BlockVertices& of = *ends[e];
+          if (!heights[e].set(of,shear)) return straight;
+          sheared += std::ldexp(double(thickness(of,heights[e].at)),of.exponent[m]-int(heights[e].shift));
+          upright += std::ldexp(double(thickness(of,of.coordinates[m])),of.exponent[m]);
         }
-        return sheared < 16*upright ? shear : straight;
+        return sheared < upright ? shear : straight;
       }
 
       /*! twice the areas of the quads along the axes: what the border encloses */
-      static void addNormals (const BlockVertices& of, int64_t n[3])
+      static void addNormals (const BlockVertices& of, double sum[3])
       {
         const uint32_t width = of.width;
+        int64_t n[3] = { 0,0,0 };
         auto add = [&](uint32_t from, uint32_t to) {
           const int* const (&c)[3] = { of.coordinates[0],of.coordinates[1],of.coordinates[2] };
           for (int k=0; k<3; k++) n[k] += int64_t(c[(k+1)%3][from])*c[(k+2)%3][to] - int64_t(c[(k+2)%3][from])*c[(k+1)%3][to];
@@ -180,6 +224,7 @@ namespace embree
         const uint32_t last = of.quads[1]*width;
         for (uint32_t x=0; x<of.quads[0]; x++) { add(x,x+1); add(last+x+1,last+x); }
         for (uint32_t y=0; y<of.quads[1]; y++) { add(y*width+of.quads[0],(y+1)*width+of.quads[0]); add((y+1)*width,y*width); }
+        for (int k=0; k<3; k++) sum[k] += std::ldexp(double(n[k]),of.exponent[(k+1)%3]+of.exponent[(k+2)%3]);
       }
 
       /*! sum over groups of their spans */
@@ -211,7 +256,7 @@ namespace embree
       uint32_t numEnds, groupsX, groups;
       Shear shear;
       int margins[2][3][maxVertGroups];
-      int heights[2][BlockVertices::maxVertices]; //!< sheared coordinates, in 1/16, if the shear is not straight
+      Heights heights[2];         //!< at the ends, if the shear is not straight
     };
   }}
 }

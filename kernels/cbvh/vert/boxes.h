@@ -68,10 +68,11 @@ namespace embree
       {
         BlockBounds bounds;
         setAxes(block,bounds);
-        const float step = float(reachStep(block->boxForm))*vertSpacing(block->word);
+        const VertSpacing spacing = spacingOf(block->word,block->corners);
+        const float step = float(reachStep(block->boxForm)), sheared = step*spacing.at[bounds.axis];
         for (int i=0; i<2; i++) {
-          bounds.upper[i] = float(reachOf(block->reach,i))*step;
-          bounds.sheared[i] = float(reachOf(block->reach,2+i))*step;
+          bounds.upper[i] = float(reachOf(block->reach,i))*step*spacing.at[axisAfter(bounds.axis,1+i)];
+          bounds.sheared[i] = float(reachOf(block->reach,2+i))*sheared;
         }
         for (float& slack : bounds.slack) slack = 0.0f;
         return meetsBounds<Real>(ray,bounds,tNear,tFar);

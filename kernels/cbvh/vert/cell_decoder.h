@@ -20,6 +20,12 @@ namespace embree
         return vfloat4(vint4(_mm_unpacklo_epi16(_mm_loadl_epi64((const __m128i*)p),_mm_setzero_si128())));
       }
 
+      /*! of a corner of a block, whose words have other bits, too */
+      __forceinline vfloat4 cornerAt (const uint32_t corners[6], int c) {
+        const __m128i coordinates = _mm_and_si128(_mm_loadl_epi64((const __m128i*)((const uint16_t*)corners + 3*c)),_mm_set1_epi16(16383));
+        return vfloat4(vint4(_mm_unpacklo_epi16(coordinates,_mm_setzero_si128())));
+      }
+
       /*! component of residuals before slopes; without any bits a shift by 32 makes 0 */
       __forceinline vfloatV residualOf (const vintV& fields, int shift, int bits) {
         return vfloatV((fields << (bits == 0 ? 32 : 32-bits-shift)) >> (32-bits));
@@ -88,10 +94,11 @@ namespace embree
       struct WorldOfCell
       {
         QuadCorners& out;
-        const float spacing;
+        const VertSpacing& spacing;
         const float* origin;
 
-        __forceinline void put (int axis, const CellVector& v) const { store(out,axis,madd(v,spacing,origin[axis])); }
+        __forceinline void put (int axis, const CellVector& v) const { store(axis,madd(v,spacing.at[axis],origin[axis])); }
+        __forceinline void store (int axis, const CellVector& v) const { store(out,axis,v); }
 
         /*! vertices in the world */
         static __forceinline void store (QuadCorners& out, int axis, const CellVector& v)

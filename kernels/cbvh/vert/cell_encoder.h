@@ -8,6 +8,7 @@
 
 #include "cell.h"
 #include "../base/lanes.h"
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -18,6 +19,34 @@ namespace embree
   {
     /*! a cell's vertices and three more: seven times four */
     static const int paddedVertices = 28;
+
+    /*! Writes numbers of up to 31 bits one behind the other, the lowest bit first. */
+    struct BitWriter
+    {
+      uint8_t* out;
+      uint64_t pending = 0;
+      int count = 0;
+
+      BitWriter (uint8_t* out) : out(out) {}
+
+      void put (uint32_t field, int bits)
+      {
+        pending |= uint64_t(field) << count; // at most 31 + 32 bits
+        count += bits;
+        if (count < 32) return;
+        const uint32_t word = uint32_t(pending);
+        memcpy(out,&word,4);
+        out += 4;
+        pending >>= 32;
+        count -= 32;
+      }
+
+      uint8_t* end ()
+      {
+        for (; count > 0; count -= 8) { *out++ = uint8_t(pending); pending >>= 8; }
+        return out;
+      }
+    };
 
     class CellEncoder
     {
@@ -56,8 +85,7 @@ namespace embree
         int bits[3] = { bitsOf(r[0]),0,0 };
         int slopes[3] = { 0,0,0 };
         for (int i=1; i<3; i++) slopes[i] = removeSlope(r[0],squares[main],others[i],r[i],bits[i]);
-        for (int i=0; i<3; i++)
-          if (bits[i] > maxResidualBits) return false;
+        if (!fits(bits,main)) return false;
         word = uint32_t(bits[0]) | uint32_t(bits[1]) << 4 | uint32_t(bits[2]) << 8 | uint32_t(main) << 12
              | (uint32_t(slopes[1]) & 31u) << 14 | (uint32_t(slopes[2]) & 31u) << 19;
         return true;
@@ -66,16 +94,14 @@ namespace embree
       /*! The same without a main axis and slopes: for residuals that are noise. */
       bool encodeNoise ()
       {
-        word = 0;
-        for (int k=0; k<3; k++) {
-          const int bits = bitsOf(residuals[k]);
-          if (bits > maxResidualBits) return false;
-          word |= uint32_t(bits) << (4*k);
-        }
+        const int bits[3] = { bitsOf(residuals[0]),bitsOf(residuals[1]),bitsOf(residuals[2]) };
+        if (!fits(bits,0)) return false;
+        word = uint32_t(bits[0]) | uint32_t(bits[1]) << 4 | uint32_t(bits[2]) << 8;
         return true;
       }
 
       uint32_t word;
+      int excess[3]; //!< by axis: bits that residuals have too many, where encode fails
 
       /*! the fields of the cell that encode took; returns the end */
       uint8_t* write (uint8_t* out) const
@@ -105,32 +131,12 @@ namespace embree
       }
 
     private:
-      struct BitWriter
+      /*! bits: along the main axis and the next ones */
+      bool fits (const int bits[3], int main)
       {
-        uint8_t* out;
-        uint64_t pending = 0;
-        int count = 0;
-
-        BitWriter (uint8_t* out) : out(out) {}
-
-        void put (uint32_t field, int bits)
-        {
-          pending |= uint64_t(field) << count; // at most 31 + 32 bits
-          count += bits;
-          if (count < 32) return;
-          const uint32_t word = uint32_t(pending);
-          memcpy(out,&word,4);
-          out += 4;
-          pending >>= 32;
-          count -= 32;
-        }
-
-        uint8_t* end ()
-        {
-          for (; count > 0; count -= 8) { *out++ = uint8_t(pending); pending >>= 8; }
-          return out;
-        }
-      };
+        for (int i=0; i<3; i++) excess[axisAfter(main,i)] = std::max(bits[i]-maxResidualBits,0);
+        return (excess[0] | excess[1] | excess[2]) == 0;
+      }
 
       static bool isCorner (int v) { return v == 0 || v == 4 || v == 20 || v == 24; }
 

@@ -9,6 +9,7 @@
 #include "axes.h"
 #include "group_words.h"
 #include "planes_decoder.h"
+#include "remainders.h"
 #include "../embree/ray.h"
 
 namespace embree
@@ -21,7 +22,7 @@ namespace embree
       {
       public:
         __forceinline VertDecoder (const VertHeader* block)
-          : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), spacing(vertSpacing(block->word)) {}
+          : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), spacing(spacingOf(block->word,block->corners)) {}
 
         /*! everything that all groups need */
         __forceinline void decode (VertBoxes& out) const
@@ -49,7 +50,13 @@ namespace embree
           }
           auto corner = [&](int c) { return coordinatesAt(boxes.corners.at[vertTables.corners[lane][c]]); };
           const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
-          decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),CellBase(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy)),WorldOfCell{ out,spacing,block->origin });
+          const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
+          if (unlikely(hasRemainders(block->boxForm))) {
+            const CellRemainders remainders(block,layout.remainders,spacing,block->region,gx,gy);
+            decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),base,WithRemainders<WorldOfCell>{ { out,spacing,block->origin },remainders });
+            return;
+          }
+          decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),base,WorldOfCell{ out,spacing,block->origin });
         }
 
         /*! coordinates are less than maxExtent */
@@ -68,7 +75,7 @@ namespace embree
         /*! corners of groups, in coordinates */
         __forceinline void decodeCorners (CellVertices& out) const
         {
-          auto corner = [&](int c) { return coordinatesAt((const uint16_t*)block->corners + 3*c); };
+          auto corner = [&](int c) { return cornerAt(block->corners,c); };
           const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
           decodeCell(block->word,bytes(layout.cell),CellBase(prediction,false,quadsX,quadsY),CoordinatesOfCell{ out });
         }
@@ -102,7 +109,7 @@ namespace embree
         const VertHeader* block;
         const VertLayout layout;
         const uint32_t quadsX, quadsY;
-        const float spacing;
+        const VertSpacing spacing;
       };
     }
   }

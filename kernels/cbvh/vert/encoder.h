@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encoder of a block of cVERT, vert/format.h. It loses nothing: vertices come snapped to
- * their lattices (surface/lattice.h), and each is the same floats when it is decoded. */
+/* Encoder of a block of cVERT, vert/format.h. It loses nothing: vertices come as they are to be stored, snapped to
+ * their lattices (surface/lattice.h) or not, and each is the same floats when it is decoded. */
 
 #include "box_encoder.h"
 
@@ -40,76 +40,59 @@ namespace embree
     {
     public:
       /*! room for any block */
-      static const size_t maxBytes = vertHeaderBytes + vertEdgesBytes + vertMotionBytes + sizeof(float)*(3*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
+      static const size_t maxBytes = vertHeaderBytes + vertEdgesBytes + vertMotionBytes + vertRemaindersBytes + sizeof(float)*(6*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
 
-      /*! spacing: of the lattice that the vertices lie on. Returns the
-       *  number of bytes written to block, a multiple of 4; 0 where no vertex is finite. */
-      size_t encode (const VertPlacement& at, float spacing, uint8_t* block, VertStatistics& statistics)
+      /*! Returns the number of bytes written to block, a multiple of 4; 0 where no vertex is finite. */
+      size_t encode (const VertPlacement& at, uint8_t* block, VertStatistics& statistics)
       {
         setSize(at.region);
         bound();
         if (!allFinite) statistics.invalidQuads += countInvalidQuads();
         if (!anyFinite()) return 0;
-        VertHeader& header = begin(at,at.form(),block);
-        const bool packed = allFinite && locate(spacing) && pack(header,block,statistics);
-        if (!packed) packRaw(header,spacing,block);
-        header.boxForm |= at.form();
+        const bool packed = allFinite && measure() && pack(at,at.form(),block,[](int, const CellEncoder&) {});
+        if (packed) {
+          VertHeader& header = *(VertHeader*)block;
+          boxes.begin(*this);
+          boxes.addGroups();
+          header.boxForm |= boxes.write(block+layout.margins);
+          uint32_t shift;
+          header.reach = boxes.reach(0,shift);
+          header.boxForm |= shift << 25;
+          statistics.fieldBytes += uint32_t(end - (block+layout.cell));
+        }
+        else packRaw(at,at.form(),block);
         statistics.raw = !packed;
-        while (size_t(end-block) % 4 != 0) *end++ = 0;
+        fill(block);
         return size_t(end-block);
       }
 
     protected:
-      /*! what a block has in common with raw ones */
-      VertHeader& begin (const VertPlacement& at, uint32_t form, uint8_t* block)
-      {
-        layout = vertLayout(at.region,form);
-        memset(block,0,layout.cell);
-        VertHeader& header = *(VertHeader*)block;
-        header.region = at.region;
-        header.patchQuads = at.patchQuads;
-        if (at.hasEdges) memcpy(&header+1,&at.edges,sizeof(at.edges));
-        if (at.hasNumbers) memcpy(&header+1,&at.numbers,sizeof(at.numbers));
-        return header;
-      }
-
-      /*! Origin, corners, words and fields; false where residuals need too many bits. Calls onCell(g,cell) for each group, and before that
-       *  for the first cell, with g = -1, before it is encoded. */
+      /*! Header, words, fields and remainders, of vertices that were measured; not boxes. False where a raw block takes fewer bytes. Calls
+       *  onCell(g,cell) for each group, and before that for the first cell, with g = -1, before it is encoded; of an attempt that fails in vain. */
       template<typename OnCell>
-      bool packCells (VertHeader& header, uint8_t* block, const OnCell& onCell)
+      bool pack (const VertPlacement& at, uint32_t form, uint8_t* block, const OnCell& onCell)
       {
-        for (int k=0; k<3; k++) header.origin[k] = lower[k];
-        gatherCell(0,0,groupQuads);
-        cell.predict(quads,groupQuads);
-        onCell(-1,cell);
-        if (!cell.encode()) return false;
-        header.word = cell.word | exponentBits(spacing);
-        end = cell.write(block+layout.cell);
-        for (int c=0; c<4; c++)
-          for (int k=0; k<3; k++)
-            header.corners[cornerPair(c,k)] |= uint32_t(cell.vertices[k][(c & 1)*4 + (c >> 1)*20]) << (16*((3*c+k) & 1));
-        for (uint32_t g=0; g<layout.groups; g++)
+        for (;;)
         {
-          const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
-          gatherCell(groupQuads*gx,groupQuads*gy,1);
-          const uint32_t sides[2] = { quadsOfGroup(quads[0],gx), quadsOfGroup(quads[1],gy) };
-          cell.predict(sides,1);
-          onCell(int(g),cell);
-          if (!cell.encode()) return false;
-          const uint16_t low = uint16_t(cell.word);
-          memcpy(block+layout.words+2*g,&low,sizeof(low));
-          block[layout.wordsHigh+g] = uint8_t(cell.word >> 16);
-          end = cell.write(end);
+          place();
+          VertHeader& header = begin(at,form | uint32_t(hasRemainders()) << 24,block);
+          if (packCells(header,block,onCell)) break;
+          if (!coarsen(cell.excess)) return false;
         }
-        return true;
+        if (hasRemainders()) {
+          uint32_t word;
+          end = writeRemainders(end,uint32_t(end-block),word);
+          memcpy(block+layout.remainders,&word,sizeof(word));
+        }
+        return size_t(end-block) < layout.rawBytes;
       }
 
-      void packRaw (VertHeader& header, float spacing, uint8_t* block)
+      /*! Zeros up to a multiple of 4 bytes. */
+      void fill (const uint8_t* start) { while ((end-start) % 4 != 0) *end++ = 0; }
+
+      void packRaw (const VertPlacement& at, uint32_t form, uint8_t* block)
       {
-        header.reach = 0;
-        header.word = exponentBits(spacing);
-        memset(header.corners,0,sizeof(header.corners));
-        header.boxForm = 1u << 24;
+        VertHeader& header = begin(at,form | rawForm,block);
         copyTo((float(*)[3])(block+layout.vertices));
         float* boxes = (float*)(block+layout.boxes);
         for (int k=0; k<3; k++)
@@ -131,20 +114,49 @@ namespace embree
       BoxEncoder boxes;
 
     private:
+      /*! what a block has in common with raw ones */
+      VertHeader& begin (const VertPlacement& at, uint32_t form, uint8_t* block)
+      {
+        layout = vertLayout(at.region,form);
+        memset(block,0,layout.cell);
+        VertHeader& header = *(VertHeader*)block;
+        header.region = at.region;
+        header.patchQuads = at.patchQuads;
+        header.boxForm = form;
+        writeVersion(header.corners);
+        if (at.hasEdges) memcpy(&header+1,&at.edges,sizeof(at.edges));
+        if (at.hasNumbers) memcpy(&header+1,&at.numbers,sizeof(at.numbers));
+        return header;
+      }
+
       void gatherCell (uint32_t x0, uint32_t y0, uint32_t step) {
         for (int k=0; k<3; k++) gather(coordinates[k],x0,y0,step,cell.vertices[k]);
       }
 
-      bool pack (VertHeader& header, uint8_t* block, VertStatistics& statistics)
+      /*! Origin, corners, words and fields; false where residuals need too many bits. */
+      template<typename OnCell>
+      bool packCells (VertHeader& header, uint8_t* block, const OnCell& onCell)
       {
-        boxes.begin(*this);
-        if (!packCells(header,block,[](int, const CellEncoder&) {})) return false;
-        boxes.addGroups();
-        header.boxForm = boxes.write(block+layout.margins);
-        uint32_t shift;
-        header.reach = boxes.reach(0,shift);
-        header.boxForm |= shift << 25;
-        statistics.fieldBytes += uint32_t(end - (block+layout.cell));
+        gatherCell(0,0,groupQuads);
+        cell.predict(quads,groupQuads);
+        onCell(-1,cell);
+        if (!cell.encode()) return false;
+        header.word = cell.word;
+        write(header.origin,header.corners,header.word);
+        end = cell.write(block+layout.cell);
+        for (uint32_t g=0; g<layout.groups; g++)
+        {
+          const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
+          gatherCell(groupQuads*gx,groupQuads*gy,1);
+          const uint32_t sides[2] = { quadsOfGroup(quads[0],gx), quadsOfGroup(quads[1],gy) };
+          cell.predict(sides,1);
+          onCell(int(g),cell);
+          if (!cell.encode()) return false;
+          const uint16_t low = uint16_t(cell.word);
+          memcpy(block+layout.words+2*g,&low,sizeof(low));
+          block[layout.wordsHigh+g] = uint8_t(cell.word >> 16);
+          end = cell.write(end);
+        }
         return true;
       }
 

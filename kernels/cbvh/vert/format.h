@@ -1,22 +1,26 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A block of cVERT: up to 16 x 16 quads whose vertices lie on a lattice of the world, in up to
- * 4 x 4 groups of 4 x 4 quads. It is
+/* A block of cVERT: up to 16 x 16 quads in up to 4 x 4 groups of 4 x 4 quads. It is
  *
- *   header | edges of the patch, or numbers of quads | margins of groups | words of groups | fields of the first cell | fields of groups | table of numbers
+ *   header | edges of the patch, or numbers of quads | remainders' word | margins of groups | words of groups |
+ *   fields of the first cell | fields of groups | remainders | table of numbers
  *
- * What blocks that move have besides is in motion_format.h.
+ * What moving blocks have besides is in motion_format.h.
  *
- * The lattice is the multiples of the spacing, a power of two, on all three axes. Vertices are
- * stored relative to the block's lowest lattice point and are exact floats in the world: a
- * vertex that blocks share is the same three floats in each, so that surfaces are closed as
- * the triangles are. There is no frame. A group's box is that of its four corners, which the first
- * cell has, grown by margins of 4 bits a side. It lies between planes of two of the world's axes and those of a third that is sheared along the block: a sheet
- * that is inclined has flat boxes, without a frame.
+ * On each axis a vertex is
  *
- * A raw block stores its vertices and boxes as floats in place of all that: where one of them is
- * not finite, or too far from the others for the lattice's integers.
+ *   origin + coordinate * spacing + remainder * spacing / 2^bits,
+ *
+ * where the spacing is a power of two. Coordinates have 14 bits and are coded in cells (cell.h). Most blocks have no remainders. A block whose
+ * vertices need more than 14 bits stores the lower ones as remainders, bit for bit. A vertex is exact in float, in two fused or unfused
+ * multiply-adds: the origin is a multiple of the spacing, and so is the sum before the remainder. So blocks that share a vertex have the same
+ * three floats, and surfaces are closed as the triangles are. There is no frame.
+ *
+ * The box of a group is that of its four corners, which the first cell has, grown by margins of 4 bits a side. It lies between planes of two
+ * of the world's axes and those of a third that is sheared along the block: a sheet that is inclined has flat boxes, without a frame.
+ *
+ * A raw block stores its vertices and boxes as floats in place of all that: where a vertex is not finite, or where that takes fewer bytes.
  *
  * Only layout lives here; cell.h gives words and fields their meaning. */
 
@@ -31,7 +35,7 @@
 CBVH_BEGIN
 
 /*! Version of the bytes that this header and docs/formats/block.md describe. A change that affects readers increments it. */
-CBVH_CONSTANT uint32_t vertFormatVersion = 4u;
+CBVH_CONSTANT uint32_t vertFormatVersion = 5u;
 
 CBVH_CONSTANT uint32_t groupQuads = 4u;         //!< along a side of a group
 CBVH_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^this quads along a side
@@ -41,20 +45,22 @@ CBVH_CONSTANT uint32_t maxVertGroups = 16u;
 CBVH_CONSTANT uint32_t vertHeaderBytes = 64u;
 CBVH_CONSTANT uint32_t vertEdgesBytes = 8u;
 CBVH_CONSTANT uint32_t vertMotionBytes = 16u;
+CBVH_CONSTANT uint32_t vertRemaindersBytes = 4u;
+CBVH_CONSTANT uint32_t maxRemainderBits = 24u;  //!< along an axis: as many as a float has
 CBVH_CONSTANT uint32_t maxMargin = 15u;         //!< in steps
 CBVH_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: x, y, z lower, then x, y, z upper
 
 struct VertHeader
 {
-  float origin[3];        //!< world position of the block's lowest lattice point
+  float origin[3];        //!< world position of the block's lowest coordinates
   uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
   uint32_t surface;       //!< number of the geometry's surface, surface_ids.h
   uint32_t primID;        //!< or what the numbers of quads count from: base/quad_numbers.h
-  uint32_t region;         //!< size and position: see the accessors
+  uint32_t region;        //!< size and position: see the accessors
   uint32_t patchQuads;    //!< of the patch along u and v, less 1, 16 bits each; or the form of numbers
-  uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 16 bits each: x, y, z of 00 first
-  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..23: shear of boxes, 25..28: shift of reach, see below; 24: raw; 29: has edges; 30: numbers its quads; 31: moves
-  uint32_t word;          //!< of the first cell; bits 24..31: exponent of the lattice's spacing
+  uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first; see cornerBits for the other bits
+  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..13: sheared axis, or 3: raw, 14..23: shear of boxes, 24: has remainders, 25..28: shift of reach, see below; 29: has edges; 30: numbers its quads; 31: moves
+  uint32_t word;          //!< of the first cell; bits 24..31: exponent of the spacing on x
 };
 
 /*! x, y: first quad in the patch, multiples of vertBlockQuads */
@@ -136,10 +142,76 @@ CBVH_FUNCTION int reachOf (uint32_t reach, int i)
   return i >= 2 && bits >= 128 ? bits-256 : bits;
 }
 
-/*! spacing of the lattice: a power of two, whose exponent the word of the first cell has as a float has it */
-CBVH_FUNCTION float vertSpacing (uint32_t word) { return floatOfBits((word >> 24) << 23); }
+CBVH_CONSTANT uint32_t rawForm = 3u << 12; //!< boxForm of a raw block
+CBVH_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 3u; }
 
-CBVH_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
+/* Corners leave two bits of each of their 12 values: of the value i, counted corner by corner,
+ *
+ *   i = 0 to 7    bit 15: bit i of the exponent of the spacing on y, bit 14: that on z
+ *   i = 8 to 11   bit 15: bit i-8 of the version of the block's format, bit 14: reserved, 0 */
+
+/*! bit `at` (14 or 15) of the two values of a word of corners */
+CBVH_FUNCTION uint32_t cornerBits (uint32_t pair, uint32_t at) { return ((pair >> at) & 1u) | ((pair >> (at+15u)) & 2u); }
+
+/*! the same of four words, as a byte */
+CBVH_FUNCTION uint32_t cornerBits (uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3, uint32_t at) {
+  return cornerBits(c0,at) | cornerBits(c1,at) << 2 | cornerBits(c2,at) << 4 | cornerBits(c3,at) << 6;
+}
+
+/*! of the last two words; 0 of the steps of a block that moves */
+CBVH_FUNCTION uint32_t versionOfCorners (uint32_t c4, uint32_t c5) { return cornerBits(c4,15u) | cornerBits(c5,15u) << 2; }
+CBVH_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) { return cornerBits(c4,14u) | cornerBits(c5,14u) << 2; }
+
+/*! by axis: a power of two each, stored as the exponent of a float */
+struct VertSpacing { float at[3]; };
+
+/*! word: of the first cell; c0 to c3: words of corners */
+CBVH_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3)
+{
+  VertSpacing spacing;
+  spacing.at[0] = floatOfBits((word >> 24) << 23);
+  spacing.at[1] = floatOfBits(cornerBits(c0,c1,c2,c3,15u) << 23);
+  spacing.at[2] = floatOfBits(cornerBits(c0,c1,c2,c3,14u) << 23);
+  return spacing;
+}
+
+CBVH_FUNCTION float largestSpacing (VertSpacing spacing) { return greater(spacing.at[0],greater(spacing.at[1],spacing.at[2])); }
+
+/*! how far a block reaches from its origin, at most: the same on all axes, as a ray's shear mixes their rounding */
+CBVH_FUNCTION float vertExtent (VertSpacing spacing) { return float(maxExtent)*largestSpacing(spacing); }
+
+/*! What a coordinate on the axis m+i (i = 1 or 2) counts in the sheared one, in spacings of m. */
+CBVH_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
+{
+  int slope = shearSlope(boxForm,i), m = shearedAxis(boxForm);
+  return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
+}
+
+/* Remainders have a word behind the header, and edges, numbers and motion if it has any: bits 0..4, 5..9, 10..14: bits of a remainder along x, y and z;
+ * 16..31: where remainders begin, in bytes from the block's start. They are x, y, z of each vertex, row by row, without gaps, the lowest bit first. */
+
+CBVH_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
+CBVH_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
+CBVH_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
+
+/*! of a vertex */
+CBVH_FUNCTION uint32_t remainderStride (uint32_t remainders) { return remainderBits(remainders,0) + remainderBits(remainders,1) + remainderBits(remainders,2); }
+
+/*! first bit of a remainder; vertex: its number, row by row */
+CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
+{
+  uint32_t bit = 8u*remainderOffset(remainders) + vertex*remainderStride(remainders);
+  if (axis > 0) bit += remainderBits(remainders,0);
+  if (axis > 1) bit += remainderBits(remainders,1);
+  return bit;
+}
+
+/*! what a remainder is multiplied with, from the spacing: 2^-bits of it */
+CBVH_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
+
+CBVH_FUNCTION uint32_t bytesOfRemainders (uint32_t remainders, uint32_t region) {
+  return ((vertQuadsX(region)+1u)*(vertQuadsY(region)+1u)*remainderStride(remainders) + 7u)/8u;
+}
 
 /*! margins of a group on an axis, in coordinates, from their byte */
 CBVH_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }
@@ -148,12 +220,13 @@ CBVH_FUNCTION int upperMargin (uint32_t margins, uint32_t shift) { return int((m
 /*! Corner c (column + 2 row) of the block: its coordinate along an axis. pair: the word of
  *  corners that has it, cornerPair(c,axis). */
 CBVH_FUNCTION int cornerPair (int c, int axis) { return (3*c + axis) >> 1; }
-CBVH_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) { return int((pair >> (16*((3*c + axis) & 1))) & 65535u); }
+CBVH_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) { return int((pair >> (16*((3*c + axis) & 1))) & 16383u); }
 
 /*! offsets in bytes from the block's start; group g is row by row */
 struct VertLayout
 {
   uint32_t groupsX, groupsY, groups;
+  uint32_t remainders; //!< the word of remainders, if it has any
   uint32_t margins;   //!< axis by axis, a byte a group: lower, then upper bits
   uint32_t words;     //!< lower 16 bits of each group's word
   uint32_t wordsHigh; //!< upper 8 bits
@@ -171,7 +244,8 @@ CBVH_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
   offsets.groupsX = groupsOf(vertQuadsX(region));
   offsets.groupsY = groupsOf(vertQuadsY(region));
   offsets.groups = offsets.groupsX*offsets.groupsY;
-  offsets.margins = begin;
+  offsets.remainders = begin;
+  offsets.margins = begin + (hasRemainders(boxForm) ? vertRemaindersBytes : 0u);
   offsets.words = offsets.margins + ((3u*offsets.groups + 1u) & ~1u);
   offsets.wordsHigh = offsets.words + 2u*offsets.groups;
   offsets.cell = offsets.wordsHigh + offsets.groups;
@@ -235,11 +309,34 @@ inline uint32_t numberOfQuad (const VertHeader* block, uint32_t x, uint32_t y)
   return block->primID + uint32_t((bits >> (bit % 8)) & ((uint64_t(1) << numbers.y)-1));
 }
 
+/*! spacings from the word of the first cell and corners, of a block or of a step */
+inline VertSpacing vertSpacing (uint32_t word, const uint32_t corners[6]) { return vertSpacing(word,corners[0],corners[1],corners[2],corners[3]); }
+
+/*! the word of remainders at an offset from a block's or a step's start */
+inline uint32_t remaindersAt (const void* start, uint32_t offset)
+{
+  uint32_t remainders;
+  std::memcpy(&remainders,(const uint8_t*)start + offset,sizeof(remainders));
+  return remainders;
+}
+
+/*! a remainder; bit: where it begins, from a block's or a step's start. Reads up to 8 bytes from there. */
+inline uint32_t remainderAt (const void* start, uint32_t bit, uint32_t bits)
+{
+  uint64_t read;
+  std::memcpy(&read,(const uint8_t*)start + (bit >> 3),sizeof(read));
+  return uint32_t(read >> (bit & 7u)) & ((1u << bits) - 1u);
+}
+
 /*! bytes of a block at its first step, without the numbers of quads, and without those that fill it up */
 inline uint32_t vertFirstStepSize (const VertHeader* block)
 {
   const VertLayout layout = vertLayout(block->region,block->boxForm);
   if (isRaw(block->boxForm)) return layout.rawBytes;
+  if (hasRemainders(block->boxForm)) {
+    const uint32_t remainders = remaindersAt(block,layout.remainders);
+    return remainderOffset(remainders) + bytesOfRemainders(remainders,block->region);
+  }
   const uint8_t* data = (const uint8_t*)block;
   uint32_t bytes = layout.cell + cellBytes(block->word);
   for (uint32_t g=0; g<layout.groups; g++)

@@ -53,10 +53,11 @@ namespace embree
       struct WorldVerticesOfCell
       {
         CellVertices& out;
-        const float spacing;
+        const VertSpacing& spacing;
         const float* origin;
 
-        __forceinline void put (int axis, const CellVector& v) const { CoordinatesOfCell{ out }.put(axis,madd(v,spacing,origin[axis])); }
+        __forceinline void put (int axis, const CellVector& v) const { store(axis,madd(v,spacing.at[axis],origin[axis])); }
+        __forceinline void store (int axis, const CellVector& v) const { CoordinatesOfCell{ out }.put(axis,v); }
       };
 
       class MotionDecoder
@@ -73,7 +74,7 @@ namespace embree
           for (int e=0; e<2; e++)
             for (int k=0; k<3; k++) {
               out.origins[e][k] = steps[e].origin[k];
-              const float extent = float(maxExtent)*steps[e].spacing();
+              const float extent = vertExtent(steps[e].spacing);
               out.extent[k] = e == 0 ? extent : max(out.extent[k],extent);
             }
           const bool isSheared = !steps[0].raw && !steps[1].raw;
@@ -86,7 +87,7 @@ namespace embree
             decodeCorners(step,corners);
             VertDecoder::pack(corners,out.steps[e].corners);
             decodeGroupWords(step.data+step.words,step.hasHigh ? step.data+step.wordsHigh : nullptr,step.cell + cellBytes(step.word),layout,out.steps[e].words,out.steps[e].fields);
-            if (likely(isSheared)) PlanesDecoder(steps[0].form,steps[0].margins,layout,step.spacing(),step.origin).decode(corners,out.ends[e]);
+            if (likely(isSheared)) PlanesDecoder(steps[0].form,steps[0].margins,layout,step.spacing,step.origin).decode(corners,out.ends[e]);
           }
           if (likely(isSheared)) widenSheared(out);
           else for (int e=0; e<2; e++) boxesOfVertices(segment+e,e,out);
@@ -108,15 +109,18 @@ namespace embree
             auto corner = [&](int c) { return coordinatesAt(cells.corners.at[vertTables.corners[lane][c]]); };
             const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
             const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
-            const WorldVerticesOfCell world = { out.ends[e],step.spacing(),step.origin };
+            const WorldVerticesOfCell world = { out.ends[e],step.spacing,step.origin };
             const uint8_t* fields = step.data + cells.fields[lane];
-            if (step.later && isTurned(step.later->turned,gy*layout.groupsX+gx))
-            {
-              if (!hasFirst) residualsOfFirst(boxes,lane,first);
+            const bool turns = step.later && isTurned(step.later->turned,gy*layout.groupsX+gx);
+            if (turns && !hasFirst) {
+              residualsOfFirst(boxes,lane,first);
               hasFirst = true;
-              decodeCell(cells.words[lane],fields,TurnedBase(base,*step.later,first),world);
             }
-            else decodeCell(cells.words[lane],fields,base,world);
+            if (unlikely(hasRemainders(step.form))) {
+              const CellRemainders remainders(step.data,step.remainders,step.spacing,block->region,gx,gy);
+              decodeGroup(step,cells.words[lane],fields,base,turns ? &first : nullptr,WithRemainders<WorldVerticesOfCell>{ world,remainders });
+            }
+            else decodeGroup(step,cells.words[lane],fields,base,turns ? &first : nullptr,world);
           }
         }
 
@@ -129,7 +133,8 @@ namespace embree
           const float* origin;
           const uint32_t* corners;
           uint32_t form, word;
-          uint32_t words, wordsHigh, cell; //!< offsets
+          VertSpacing spacing;
+          uint32_t remainders, words, wordsHigh, cell; //!< offsets
           const uint8_t* margins;
           const uint8_t* floats;  //!< vertices, if it is raw
           bool raw, hasHigh;
@@ -140,7 +145,7 @@ namespace embree
               later = nullptr;
               data = (const uint8_t*)block;
               origin = block->origin; corners = block->corners; form = block->boxForm; word = block->word;
-              words = layout.words; wordsHigh = layout.wordsHigh; cell = layout.cell;
+              remainders = layout.remainders; words = layout.words; wordsHigh = layout.wordsHigh; cell = layout.cell;
               margins = data + layout.margins;
               floats = data + layout.vertices;
               hasHigh = true;
@@ -150,15 +155,14 @@ namespace embree
               const VertStepLayout at = vertStepLayout(block->region,later->boxForm);
               data = (const uint8_t*)later;
               origin = later->origin; corners = later->corners; form = later->boxForm; word = later->word;
-              words = at.words; wordsHigh = at.wordsHigh; cell = at.cell;
+              remainders = at.remainders; words = at.words; wordsHigh = at.wordsHigh; cell = at.cell;
               margins = data + at.margins;
               floats = data + at.vertices;
               hasHigh = hasUpperBits(form);
             }
             raw = cbvh::isRaw(form);
+            spacing = spacingOf(word,corners);
           }
-
-          __forceinline float spacing () const { return vertSpacing(word); }
 
           __forceinline uint32_t wordOf (uint32_t g) const
           {
@@ -168,10 +172,18 @@ namespace embree
           }
         };
 
+        /*! first: residuals of the first step, which are turned, or null */
+        template<typename Out>
+        static __forceinline void decodeGroup (const Step& step, uint32_t word, const uint8_t* fields, const CellBase& base, const CellVertices* first, const Out& out)
+        {
+          if (first) decodeCell(word,fields,TurnedBase(base,*step.later,*first),out);
+          else decodeCell(word,fields,base,out);
+        }
+
         /*! corners of groups, in coordinates */
         void decodeCorners (const Step& step, CellVertices& out) const
         {
-          auto corner = [&](int c) { return coordinatesAt((const uint16_t*)step.corners + 3*c); };
+          auto corner = [&](int c) { return cornerAt(step.corners,c); };
           const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
           const CellBase base(prediction,false,quadsX,quadsY);
           if (step.later && isFirstCellTurned(step.form)) {

@@ -25,13 +25,13 @@ namespace embree
     public:
       /*! room for any block of so many steps */
       static size_t maxBytes (size_t numSteps) {
-        return VertEncoder::maxBytes + (numSteps-1)*(sizeof(uint32_t) + vertStepBytes + 3*maxVertGroups + 3*maxVertGroups + sizeof(float)*3*maxSide*maxSide + 64);
+        return VertEncoder::maxBytes + (numSteps-1)*(sizeof(uint32_t) + vertStepBytes + vertRemaindersBytes + 3*maxVertGroups + 3*maxVertGroups + sizeof(float)*6*maxSide*maxSide + 64);
       }
 
       /*! a step's vertices, to be filled: row by row, (quadsX+1) (quadsY+1) of them */
       float (*vertices ())[3] { return current().vertices; }
 
-      /*! Begins a block of vertices that lie on a lattice of that spacing at the first step. out: memory of maxBytes */
+      /*! Begins a block. out: memory of maxBytes */
       void begin (const VertPlacement& at, float begin, float end, uint32_t numSteps, uint8_t* out)
       {
         this->at = at;
@@ -43,17 +43,16 @@ namespace embree
         invalid.assign(size_t(vertQuadsX(at.region))*vertQuadsY(at.region),false);
       }
 
-      /*! Adds a step, whose vertices were filled. spacing: of their lattice */
-      void addStep (float spacing)
+      /*! Adds a step, whose vertices were filled. */
+      void addStep ()
       {
         BlockVertices& now = current();
         now.setSize(at.region);
         now.bound();
-        now.spacing = spacing;
         isEmpty &= !now.anyFinite();
         if (!now.allFinite) markInvalid(now);
         if (step == 0) packFirst(); else packStep(now);
-        while ((end-block) % 4 != 0) *end++ = 0;
+        fill(block);
         step++;
       }
 
@@ -87,14 +86,14 @@ namespace embree
 
       void packFirst ()
       {
-        VertHeader& header = VertEncoder::begin(at,at.form() | 1u << 31,block);
-        bool packed = allFinite && locate(spacing);
-        if (packed) packed = packCells(header,block,[&](int g, const CellEncoder& cell) { memcpy(first[g < 0 ? firstCell : uint32_t(g)],cell.residuals,sizeof(Residuals)); });
+        const uint32_t form = at.form() | 1u << 31;
+        const bool packed = allFinite && measure()
+          && pack(at,form,block,[&](int g, const CellEncoder& cell) { memcpy(first[g < 0 ? firstCell : uint32_t(g)],cell.residuals,sizeof(Residuals)); });
         if (packed) statistics.fieldBytes = uint32_t(end - (block+layout.cell));
-        else packRaw(header,spacing,block);
-        header.boxForm |= at.form() | 1u << 31;
+        else packRaw(at,form,block);
+        VertHeader& header = *(VertHeader*)block;
         statistics.raw = wasRaw = isFirstRaw = !packed;
-        while ((end-block) % 4 != 0) *end++ = 0;
+        fill(block);
         motion.steps = uint32_t(end-block);
         memcpy(block+motionOffset(&header),&motion,sizeof(motion));
         end += sizeof(uint32_t)*(motion.numSteps-1);
@@ -109,17 +108,20 @@ namespace embree
         const uint32_t offset = uint32_t(end-block);
         memcpy(block+motion.steps+4*(step-1),&offset,sizeof(offset));
         VertStep& header = *(VertStep*)end;
-        memset(end,0,vertStepBytes);
-        for (int k=0; k<3; k++) header.origin[k] = now.anyFinite() ? now.lower[k] : 0.0f;
-        header.word = exponentBits(now.spacing);
-        const bool packed = now.allFinite && now.locate(now.spacing) && packCellsOfStep(now,header);
+        bool packed = now.allFinite && now.measure() && packCellsOfStep(now,header);
+        if (packed && now.hasRemainders()) {
+          uint32_t word;
+          end = now.writeRemainders(end,uint32_t(end-(uint8_t*)&header),word);
+          memcpy((uint8_t*)&header + vertStepBytes,&word,sizeof(word));
+        }
+        const size_t rawBytes = vertStepLayout(at.region,rawForm).rawBytes;
+        packed = packed && size_t(end-(uint8_t*)&header) < rawBytes;
         if (!packed) {
-          header.boxForm = 1u << 24;
-          header.turned = header.turn[0] = header.turn[1] = 0;
-          memset(header.corners,0,sizeof(header.corners));
-          header.word = exponentBits(now.spacing);
+          memset(&header,0,vertStepBytes);
+          for (int k=0; k<3; k++) header.origin[k] = now.anyFinite() ? now.lower[k] : 0.0f;
+          header.boxForm = rawForm;
           now.copyTo((float(*)[3])((uint8_t*)&header+vertStepBytes));
-          end = (uint8_t*)&header + vertStepLayout(at.region,header.boxForm).rawBytes;
+          end = (uint8_t*)&header + rawBytes;
         }
         statistics.raw |= !packed;
         /* the boxes of the segment that ends here */
@@ -134,14 +136,24 @@ namespace embree
           header.turned |= shift << 19;
         }
         wasRaw = !packed;
-        marginsOfSegment = (uint8_t*)&header + vertStepBytes;
+        marginsOfSegment = (uint8_t*)&header + vertStepLayout(at.region,header.boxForm).margins;
         formOfSegment = &header.boxForm;
         reachOfSegment = &header.reach;
         statistics.stepBytes += uint32_t(end - (uint8_t*)&header) + sizeof(uint32_t);
       }
 
-      /*! Corners, words and fields; false where residuals need too many bits. */
-      bool packCellsOfStep (const BlockVertices& now, VertStep& header)
+      /*! Origin, corners, words and fields of vertices that were measured; false where residuals need too many bits. */
+      bool packCellsOfStep (BlockVertices& now, VertStep& header)
+      {
+        for (;;) {
+          now.place();
+          memset(&header,0,vertStepBytes);
+          if (tryCellsOfStep(now,header)) return true;
+          if (!now.coarsen(cell.excess)) return false;
+        }
+      }
+
+      bool tryCellsOfStep (const BlockVertices& now, VertStep& header)
       {
         const uint32_t groups = layout.groups;
         for (uint32_t g=0; g<=groups; g++)
@@ -162,11 +174,9 @@ namespace embree
             statistics.turnedGroups += areTurned[g];
           }
         }
-        header.boxForm = uint32_t(areTurned[firstCell]) << 25 | uint32_t(haveSlopes) << 26 | uint32_t(step+1 < motion.numSteps) << 27;
-        header.word = words[firstCell] | exponentBits(now.spacing);
-        for (int c=0; c<4; c++)
-          for (int k=0; k<3; k++)
-            header.corners[cornerPair(c,k)] |= uint32_t(now.coordinates[k][(c >> 1)*now.quads[1]*now.width + (c & 1)*now.quads[0]]) << (16*((3*c+k) & 1));
+        header.boxForm = uint32_t(now.hasRemainders()) << 24 | uint32_t(areTurned[firstCell]) << 25 | uint32_t(haveSlopes) << 26 | uint32_t(step+1 < motion.numSteps) << 27;
+        header.word = words[firstCell];
+        now.write(header.origin,header.corners,header.word);
         const VertStepLayout to = vertStepLayout(at.region,header.boxForm);
         uint8_t* const data = (uint8_t*)&header;
         memset(data+to.margins,0,to.words-to.margins);

@@ -9,7 +9,7 @@
  * corners, and cells as a block has them. A cell's residuals may be predicted from those that it has in step 0: what stands out from a
  * surface turns with it, so all residuals of the block are turned by one matrix, and only what that misses is stored.
  *
- *   step: VertStep | margins of the segment that begins | words of groups | fields of the first cell | fields of groups
+ *   step: VertStep | remainders' word | margins of the segment that begins | words of groups | fields of the first cell | fields of groups | remainders
  *
  * A raw step has its vertices as floats behind VertStep. Where one of its ends is raw, a segment has no margins that count, and its boxes
  * are those of the decoded vertices. */
@@ -27,9 +27,9 @@ CBVH_CONSTANT uint32_t vertStepBytes = 64u;
 struct VertStep
 {
   float origin[3];        //!< as of a block
-  uint32_t boxForm;       //!< bits 0..23: of the segment that begins, as of a block; 24: raw; 25: the first cell is turned; 26: groups have upper bits of words; 27: has margins; 28..31: shift of reach
-  uint32_t word;          //!< of the first cell, and the exponent of the spacing
-  uint32_t corners[6];
+  uint32_t boxForm;       //!< bits 0..23: of the segment that begins, as of a block, 3 in bits 12..13 where the step is raw; 24: has remainders; 25: the first cell is turned; 26: groups have upper bits of words; 27: has margins; 28..31: shift of reach
+  uint32_t word;          //!< of the first cell, and the exponent of the spacing on x
+  uint32_t corners[6];    //!< with the exponents on y and z, as of a block
   uint32_t turned;        //!< bits 0..15: groups whose residuals are turned; 16..18: the matrix's shift; 19..22: shift of endReach; 24..31: its last entry
   uint32_t turn[2];       //!< its other entries, a byte each, row by row: what x, y, z become
   uint32_t reach;         //!< bounds at this step, as of a block, in the shear of the segment that begins
@@ -79,6 +79,7 @@ CBVH_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
 /*! offsets in bytes from the step's start */
 struct VertStepLayout
 {
+  uint32_t remainders;         //!< the word of remainders, if it has any
   uint32_t margins, words, wordsHigh, cell;
   uint32_t vertices, rawBytes; //!< of a raw step
 };
@@ -87,7 +88,8 @@ CBVH_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
 {
   uint32_t groups = groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region));
   VertStepLayout offsets;
-  offsets.margins = vertStepBytes;
+  offsets.remainders = vertStepBytes;
+  offsets.margins = vertStepBytes + (hasRemainders(boxForm) ? vertRemaindersBytes : 0u);
   offsets.words = offsets.margins + (hasMargins(boxForm) ? (3u*groups + 1u) & ~1u : 0u);
   offsets.wordsHigh = offsets.words + 2u*groups;
   offsets.cell = offsets.wordsHigh + (hasUpperBits(boxForm) ? groups : 0u);
@@ -128,6 +130,10 @@ inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
 {
   const VertStepLayout layout = vertStepLayout(region,step->boxForm);
   if (isRaw(step->boxForm)) return layout.rawBytes;
+  if (hasRemainders(step->boxForm)) {
+    const uint32_t remainders = remaindersAt(step,layout.remainders);
+    return remainderOffset(remainders) + bytesOfRemainders(remainders,region);
+  }
   uint32_t bytes = layout.cell + cellBytes(step->word);
   const uint32_t groups = groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region));
   for (uint32_t g=0; g<groups; g++) bytes += cellBytes(wordOfGroup(step,layout,g));

@@ -19,7 +19,7 @@ namespace embree
       {
       public:
         /*! form: shear and shifts of margins, as of a block */
-        __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& groups, float spacing, const float* origin)
+        __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& groups, const VertSpacing& spacing, const float* origin)
           : form(form), margins(margins), groups(groups), spacing(spacing), origin(origin) {}
 
         /*! corners: of groups, in coordinates; planes: by axis */
@@ -30,7 +30,7 @@ namespace embree
             if (k != m) decode(k,corners.at[k],origin[k],planes[k]);
 
           const int m1 = axisAfter(m,1), m2 = axisAfter(m,2);
-          const vfloatV s1(float(shearSlope(form,1))*(1.0f/16.0f)), s2(float(shearSlope(form,2))*(1.0f/16.0f));
+          const vfloatV s1(shearFactor(form,1,spacing)), s2(shearFactor(form,2,spacing));
           alignas(64) float sheared[VertTables::lanes];
           for (int c=0; c<cellVectors; c++) {
             const int n = vectorWidth*c;
@@ -44,7 +44,7 @@ namespace embree
         {
           alignas(16) uint8_t expanded[24]; // 8 are read at a time
           const uint8_t* ofAxis = expandRows(margins + k*groups.groups,expanded);
-          const vfloatV spacing(this->spacing), origin(from), step(float(1u << marginShift(form,k)));
+          const vfloatV spacing(this->spacing.at[k]), origin(from), step(float(1u << marginShift(form,k)));
           const QuadCornersV corners{CellVector(vertices)};
           for (int j=0; j<QuadCornersV::vectors; j++) {
             const vfloatV c[4] = { corners.at(j,0),corners.at(j,1),corners.at(j,2),corners.at(j,3) };
@@ -76,7 +76,7 @@ namespace embree
         const uint32_t form;
         const uint8_t* margins;
         const VertLayout& groups;
-        const float spacing;
+        const VertSpacing& spacing;
         const float* origin;
       };
     }

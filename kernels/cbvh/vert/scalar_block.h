@@ -7,7 +7,6 @@
  * block is wanted and nothing else. */
 
 #include "motion_format.h"
-#include <cstring>
 
 namespace embree
 {
@@ -30,6 +29,7 @@ namespace embree
         for (int k=0; k<3; k++)
           for (int c=0; c<4; c++)
             corners[k][c] = cornerCoordinate(cells.corners[cornerPair(c,k)],c,k);
+        const VertSpacing spacing = cells.spacing();
         const Cells zero = cellsOf(block,0);
         const uint8_t* data = cells.data, *dataOfZero = zero.data;
         decodeCell(cells.isTurned(-1) ? &zero : nullptr,-1,data,dataOfZero,corners,groupQuads,quadsX,quadsY,first);
@@ -44,9 +44,12 @@ namespace embree
           for (uint32_t j=0; j<=quadsOfGroup(quadsY,gy); j++)
             for (uint32_t i=0; i<=quadsOfGroup(quadsX,gx); i++)
               for (int k=0; k<3; k++)
-                vertices[(groupQuads*gy+j)*(quadsX+1) + groupQuads*gx+i][k] = cells.origin[k] + float(group[k][5*j+i])*vertSpacing(cells.first);
+                vertices[(groupQuads*gy+j)*(quadsX+1) + groupQuads*gx+i][k] = cells.origin[k] + float(group[k][5*j+i])*spacing.at[k];
         }
         end = data;
+        if (!cells.remainders) return;
+        addRemainders(spacing);
+        end = (const uint8_t*)cells.start + remainderOffset(cells.remainders) + bytesOfRemainders(cells.remainders,block->region);
       }
 
       /*! Box of a group in the world: lower, upper; on the sheared axis between sheared coordinates times
@@ -64,16 +67,17 @@ namespace embree
           }
           const uint32_t ofAxis = margins[k*layout.groups+g], shift = marginShift(form,k);
           const bool isSheared = k == shearedAxis(form);
-          int lo = 0, hi = 0; // in 1/16
+          const VertSpacing spacing = cells.spacing();
+          float lo = 0, hi = 0;
           for (uint32_t c=0; c<4; c++) {
             const uint32_t corner = 5*(gy+(c >> 1)) + gx+(c & 1);
-            const int v = isSheared ? sheared(form,corner) : 16*first[k][corner];
+            const float v = isSheared ? sheared(form,corner) : float(first[k][corner]);
             lo = c == 0 || v < lo ? v : lo;
             hi = c == 0 || v > hi ? v : hi;
           }
           const float origin = isSheared ? 0.0f : cells.origin[k];
-          lower[k] = origin + float(lo-16*lowerMargin(ofAxis,shift))*(1.0f/16.0f)*vertSpacing(cells.first);
-          upper[k] = origin + float(hi+16*upperMargin(ofAxis,shift))*(1.0f/16.0f)*vertSpacing(cells.first);
+          lower[k] = origin + (lo-float(lowerMargin(ofAxis,shift)))*spacing.at[k];
+          upper[k] = origin + (hi+float(upperMargin(ofAxis,shift)))*spacing.at[k];
         }
       }
 
@@ -106,6 +110,10 @@ namespace embree
         const uint8_t* high;     //!< or null
         const uint8_t* data;     //!< fields, or vertices if it is raw
         const VertStep* step;    //!< null of the first
+        const void* start;       //!< of the block or of the step
+        uint32_t remainders;     //!< their word; 0 if there are none
+
+        VertSpacing spacing() const { return vertSpacing(first,corners); }
 
         uint32_t word(int g) const
         {
@@ -123,22 +131,35 @@ namespace embree
           const VertLayout layout = vertLayout(block->region,block->boxForm);
           const uint8_t* data = (const uint8_t*)block;
           const bool raw = cbvh::isRaw(block->boxForm);
-          return { raw,block->origin,block->corners,block->word,data+layout.words,data+layout.wordsHigh,data + (raw ? layout.vertices : layout.cell),nullptr };
+          return { raw,block->origin,block->corners,block->word,data+layout.words,data+layout.wordsHigh,data + (raw ? layout.vertices : layout.cell),nullptr,
+                   block,hasRemainders(block->boxForm) ? remaindersAt(block,layout.remainders) : 0 };
         }
         const VertStep* of = stepOf(block,step);
         const VertStepLayout layout = vertStepLayout(block->region,of->boxForm);
         const uint8_t* data = (const uint8_t*)of;
         const bool raw = cbvh::isRaw(of->boxForm);
-        return { raw,of->origin,of->corners,of->word,data+layout.words,hasUpperBits(of->boxForm) ? data+layout.wordsHigh : nullptr,data + (raw ? layout.vertices : layout.cell),of };
+        return { raw,of->origin,of->corners,of->word,data+layout.words,hasUpperBits(of->boxForm) ? data+layout.wordsHigh : nullptr,data + (raw ? layout.vertices : layout.cell),of,
+                 of,hasRemainders(of->boxForm) ? remaindersAt(of,layout.remainders) : 0 };
       }
 
       const uint8_t* bytes(uint32_t offset) const { return (const uint8_t*)block + offset; }
 
-      /*! of a corner of groups, in 1/16 */
-      int sheared(uint32_t form, uint32_t corner) const
+      /*! to vertices that are decoded without them */
+      void addRemainders(const VertSpacing& spacing)
+      {
+        for (uint32_t i=0; i<(quadsX+1)*(quadsY+1); i++)
+          for (int k=0; k<3; k++) {
+            const uint32_t bits = remainderBits(cells.remainders,k);
+            vertices[i][k] += float(remainderAt(cells.start,remainderBegin(cells.remainders,i,k),bits))*remainderSpacing(spacing.at[k],bits);
+          }
+      }
+
+      /*! of a corner of groups, in spacings of the sheared axis */
+      float sheared(uint32_t form, uint32_t corner) const
       {
         const int m = shearedAxis(form);
-        return 16*first[m][corner] + shearSlope(form,1)*first[(m+1)%3][corner] + shearSlope(form,2)*first[(m+2)%3][corner];
+        const VertSpacing spacing = cells.spacing();
+        return float(first[m][corner]) + shearFactor(form,1,spacing)*float(first[(m+1)%3][corner]) + shearFactor(form,2,spacing)*float(first[(m+2)%3][corner]);
       }
 
       /*! Vertices of a cell, by axis; data goes to the next one's. zero: the first step, from which it is turned, or null */

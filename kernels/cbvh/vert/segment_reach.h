@@ -19,7 +19,8 @@ namespace embree
         struct End
         {
           const float* origin;
-          float spacing, step;
+          VertSpacing spacing;
+          float step;
           uint32_t reach;
         };
         End ends[2];
@@ -33,14 +34,14 @@ namespace embree
           const VertStep* const end = stepOf(block,segment+1);
           if (likely(segment == 0)) {
             form = block->boxForm;
-            set(ends[0],block->origin,block->word,reachStep(form),block->reach);
+            set(ends[0],block->origin,spacingOf(block->word,block->corners),reachStep(form),block->reach);
           }
           else {
             const VertStep* const begin = stepOf(block,segment);
             form = begin->boxForm;
-            set(ends[0],begin->origin,begin->word,beginReachStep(form),begin->reach);
+            set(ends[0],begin->origin,spacingOf(begin->word,begin->corners),beginReachStep(form),begin->reach);
           }
-          set(ends[1],end->origin,end->word,endReachStep(end->turned),end->endReach);
+          set(ends[1],end->origin,spacingOf(end->word,end->corners),endReachStep(end->turned),end->endReach);
           raw = isRaw(form) || isRaw(end->boxForm);
         }
 
@@ -52,7 +53,7 @@ namespace embree
           float size = 0.0f;
           for (int k=0; k<3; k++) {
             out.origin[k] = e*ends[0].origin[k] + f*ends[1].origin[k];
-            out.extent[k] = float(maxExtent)*max(ends[0].spacing,ends[1].spacing);
+            out.extent[k] = max(vertExtent(ends[0].spacing),vertExtent(ends[1].spacing));
             /* as MotionDecoder::widenSheared */
             const float ofAxis = (max(std::fabs(ends[0].origin[k]),std::fabs(ends[1].origin[k])) + 2.0f*out.extent[k])*(1.0f/(1 << 20));
             out.slack[k] = ofAxis;
@@ -60,21 +61,22 @@ namespace embree
           }
           out.slack[out.axis] = size;
           for (int i=0; i<2; i++) {
-            out.upper[i] = e*at(0,i) + f*at(1,i);
-            out.sheared[i] = e*at(0,2+i) + f*at(1,2+i);
+            const int k = axisAfter(out.axis,1+i);
+            out.upper[i] = e*at(0,i,k) + f*at(1,i,k);
+            out.sheared[i] = e*at(0,2+i,out.axis) + f*at(1,2+i,out.axis);
           }
         }
 
       private:
-        static __forceinline void set (End& end, const float* origin, uint32_t word, uint32_t step, uint32_t reach)
+        static __forceinline void set (End& end, const float* origin, const VertSpacing& spacing, uint32_t step, uint32_t reach)
         {
           end.origin = origin;
-          end.spacing = vertSpacing(word);
-          end.step = float(step)*end.spacing;
+          end.spacing = spacing;
+          end.step = float(step);
           end.reach = reach;
         }
 
-        __forceinline float at (int end, int i) const { return float(reachOf(ends[end].reach,i))*ends[end].step; }
+        __forceinline float at (int end, int i, int axis) const { return float(reachOf(ends[end].reach,i))*ends[end].step*ends[end].spacing.at[axis]; }
       };
     }
   }

@@ -7,7 +7,6 @@
  * the memory that there is. Fields may be anything: they are vertices somewhere. */
 
 #include "motion_format.h"
-#include "../surface/lattice.h"
 
 namespace embree
 {
@@ -28,6 +27,8 @@ namespace embree
       {
         if (bytes < vertHeaderBytes) return "fewer bytes than a header has";
         const VertHeader& header = *(const VertHeader*)data;
+        if (versionOfCorners(header.corners[4],header.corners[5]) != vertFormatVersion) return "a version of the format that this library does not read";
+        if (reservedOfCorners(header.corners[4],header.corners[5]) != 0) return "parts of a later format";
         if (hasEdges(header.boxForm) && hasNumbers(header.boxForm)) return "parts of a later format";
         for (float x : header.origin)
           if (!std::isfinite(x)) return "an origin that is not finite";
@@ -47,11 +48,9 @@ namespace embree
 
       static const char* errorOfCells(uint32_t word, const uint32_t corners[6])
       {
-        const int exponent = int(word >> 24) - 127;
-        if (exponent < minLatticeExponent || exponent > maxLatticeExponent) return "a spacing out of range";
-        for (int c=0; c<4; c++)
-          for (int k=0; k<3; k++)
-            if (cornerCoordinate(corners[cornerPair(c,k)],c,k) >= maxExtent) return "a corner out of range";
+        const VertSpacing spacing = vertSpacing(word,corners);
+        for (float x : spacing.at)
+          if (!(x >= std::numeric_limits<float>::min() && x < infinity)) return "a spacing out of range";
         return isForm(word) ? nullptr : "a main axis or a slope of the first cell that is none";
       }
 
@@ -71,7 +70,22 @@ namespace embree
           if (!isForm(word)) return "a main axis or a slope of a group that is none";
           end += cellBytes(word);
         }
-        return bytes < end ? "fewer bytes than its fields have" : nullptr;
+        if (bytes < end) return "fewer bytes than its fields have";
+        return hasRemainders(header.boxForm) ? errorOfRemainders(vertSpacing(header.word,header.corners),remaindersAt(block,layout.remainders),header.region,bytes,end) : nullptr;
+      }
+
+      /*! end: of fields, then of remainders */
+      static const char* errorOfRemainders(const VertSpacing& spacing, uint32_t remainders, uint32_t region, size_t bytes, size_t& end)
+      {
+        if (remainders & 0x8000u) return "parts of a later format";
+        for (int k=0; k<3; k++) {
+          const uint32_t bits = remainderBits(remainders,k);
+          if (bits > maxRemainderBits) return "a remainder of too many bits";
+          if (!(remainderSpacing(spacing.at[k],bits) >= std::numeric_limits<float>::min())) return "remainders out of range";
+        }
+        if (remainderOffset(remainders) < end) return "remainders on other parts of the block";
+        end = size_t(remainderOffset(remainders)) + bytesOfRemainders(remainders,region);
+        return bytes < end ? "fewer bytes than its remainders have" : nullptr;
       }
 
       /*! end: of the first step, then of the last */
@@ -104,6 +118,7 @@ namespace embree
         end = at.rawBytes;
         if (isRaw(step.boxForm)) return bytes < end ? "fewer bytes than a step's vertices have" : nullptr;
         if (const char* error = errorOfCells(step.word,step.corners)) return error;
+        if (versionOfCorners(step.corners[4],step.corners[5]) != 0 || reservedOfCorners(step.corners[4],step.corners[5]) != 0) return "parts of a later format";
         if (!isForm(step.boxForm)) return "a sheared axis or a slope that is none";
         if (isRaw(header.boxForm) && ((step.turned & 65535u) || isFirstCellTurned(step.boxForm))) return "a cell that is turned from a step that has none";
         if (((step.turned >> 16) & 7u) == 7u) return "a matrix's scale that is none";
@@ -114,7 +129,8 @@ namespace embree
           if (!isForm(word)) return "a main axis or a slope of a group that is none";
           end += cellBytes(word);
         }
-        return bytes < end ? "fewer bytes than a step's fields have" : nullptr;
+        if (bytes < end) return "fewer bytes than a step's fields have";
+        return hasRemainders(step.boxForm) ? errorOfRemainders(vertSpacing(step.word,step.corners),remaindersAt(&step,at.remainders),header.region,bytes,end) : nullptr;
       }
 
       static const char* errorOfNumbers(const VertHeader& header)

@@ -70,11 +70,10 @@ namespace embree
         else
         {
           VertexGrid& grid = evaluate(strip,0);
-          const cbvh::WorldLattice lattice(patch.latticeExponent());
-          statistics.sums.numFlippedQuads += snapVertices(patch,0,strip,lattice,grid);
+          statistics.sums.numFlippedQuads += snapVertices(patch,0,strip,latticeOf(patch,0),grid);
           forBlocks(patch,strip,[&](unsigned x, unsigned y, unsigned w, unsigned h) {
               copyBlock(grid.displaced(),grid.width,x,y-strip.y0,w,h,encoder.vertices);
-              writeBlock(patch,x,y,w,h,lattice.spacing);
+              writeBlock(patch,x,y,w,h);
             });
         }
         store.flushIfFull();
@@ -91,14 +90,13 @@ namespace embree
         for (unsigned step=0; step<plan.numTimeSteps; step++)
         {
           VertexGrid& grid = evaluate(strip,step);
-          flipped = max(flipped,snapVertices(patch,step,strip,cbvh::WorldLattice(patch.latticeExponent(step)),grid));
+          flipped = max(flipped,snapVertices(patch,step,strip,latticeOf(patch,step),grid));
           memcpy(ofStep(step),grid.displaced(),count*sizeof(float[3]));
         }
         statistics.sums.numFlippedQuads += flipped;
         forBlocks(patch,strip,[&](unsigned x, unsigned y, unsigned w, unsigned h) {
             writeMovingBlock(patch,x,y,w,h,[&](unsigned step, float (*out)[3]) {
                 copyBlock(ofStep(step),width,x,y-strip.y0,w,h,out);
-                return cbvh::WorldLattice::powerOfTwo(patch.latticeExponent(step));
               });
           });
       }
@@ -117,12 +115,12 @@ namespace embree
         for (unsigned r=0; r<=h; r++) memcpy(out[r*(w+1)],vertices[(y+r)*width+x],(w+1)*sizeof(float[3]));
       }
 
-      void writeBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h, float spacing)
+      void writeBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
       {
         const cbvh::VertPlacement at = place(patch,x,y,w,h);
         cbvh::VertStatistics block;
         uint8_t* const bytes = store.begin(cbvh::VertEncoder::maxBytes + NumbersEncoder::maxBytes);
-        const size_t size = encoder.encode(at,spacing,bytes,block);
+        const size_t size = encoder.encode(at,bytes,block);
         if (size == 0) {
           statistics.sums.numInvalidQuads += size_t(w)*h;
           return;
@@ -132,7 +130,7 @@ namespace embree
         end(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::VERT_BLOCK);
       }
 
-      /*! copy(step,vertices): a step's vertices of the block; returns the spacing of their lattice */
+      /*! copy(step,vertices): a step's vertices of the block */
       template<typename Copy>
       void writeMovingBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h, const Copy& copy)
       {
@@ -143,7 +141,8 @@ namespace embree
         const size_t firstBox = store.boxes.size();
         movingEncoder->begin(at,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps,bytes);
         for (unsigned step=0; step<plan.numTimeSteps; step++) {
-          movingEncoder->addStep(copy(step,movingEncoder->vertices()));
+          copy(step,movingEncoder->vertices());
+          movingEncoder->addStep();
           const cbvh::BlockVertices& vertices = movingEncoder->last();
           extend(bounds,vertices);
           cbvh::StepBox box;
@@ -159,7 +158,6 @@ namespace embree
         }
         statistics.sums.numMovingQuads += size_t(w)*h;
         statistics.sums.motionBytes += block.stepBytes;
-        for (unsigned step=1; step<plan.numTimeSteps; step++) addSpacing(cbvh::stepOf((const cbvh::VertHeader*)bytes,step)->word);
         end(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::MOVING_VERT_BLOCK);
       }
 
@@ -205,12 +203,17 @@ namespace embree
         sums.numRawBlocks += block.raw;
         sums.numQuads += quads;
         sums.numInvalidQuads += block.invalidQuads;
-        addSpacing(header->word);
         if (plan.kind() != cbvh::Kind::VERT) sums.numExactQuads += quads;
       }
 
-      /*! word: of the first cell, of a block or of a time step */
-      void addSpacing (uint32_t word) { statistics.sums.maxVertexSpacing = max(statistics.sums.maxVertexSpacing,cbvh::vertSpacing(word)); }
+      /*! of a patch's own vertices at a step */
+      template<typename Patch>
+      cbvh::WorldLattice latticeOf (const Patch& patch, unsigned step)
+      {
+        const cbvh::WorldLattice lattice(patch.latticeExponent(step));
+        statistics.sums.maxVertexSpacing = max(statistics.sums.maxVertexSpacing,lattice.spacing);
+        return lattice;
+      }
 
       void addMeshQuads (const SurfacePatch& patch, size_t quads)
       {
