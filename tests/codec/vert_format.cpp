@@ -64,7 +64,8 @@ TEST(VertFormat, ConstantsAreThoseOfTheCode)
     {"bytes after a block that decoders may read", readBehindVert}, {"type of a block in the tree", VERT_BLOCK},
     {"type of a moving block in the tree", MOVING_VERT_BLOCK}, {"quads along a side of a block, at most", side},
     {"quads along a side of a group, at most", groupQuads}, {"bytes of the header", vertHeaderBytes},
-    {"bytes of edges or numbers", vertEdgesBytes}, {"bits of a coordinate", std::log2(double(maxExtent))},
+    {"bytes of edges or numbers", vertEdgesBytes}, {"bytes of the remainders' word", vertRemaindersBytes},
+    {"bits of a remainder along an axis, at most", maxRemainderBits}, {"bits of a coordinate", std::log2(double(maxExtent))},
     {"bits of a field, above which it is stored in three parts", maxFieldBits}});
   expectConstants("motion.md", {
     {"bytes of the motion section", vertMotionBytes}, {"bytes of the header of a step", vertStepBytes},
@@ -78,8 +79,7 @@ TEST(VertFormat, ConstantsAreThoseOfTheCode)
     {"ulps by which boxes are widened, `slackUlps`", slackUlps}, {"ulps by which sheared planes are widened, `shearedSlackUlps`", shearedSlackUlps},
     {"a plane contains the ray up to this part of the sum, `minCosine`", at.least/3},
     {"median edge / default spacing", 1/spacingOfEdge}, {"median edge / spacing that the diagonal asks for, at most", 1/finestOfEdge},
-    {"diagonal / spacing that the diagonal asks for", 1/spacingOfDiagonal}, {"quads along u or v, below which the default spacing shrinks", fullQuads},
-    {"bits of a face's coordinates, at most", maxCoordinateBits}});
+    {"diagonal / spacing that the diagonal asks for", 1/spacingOfDiagonal}, {"quads along u or v, below which the default spacing shrinks", fullQuads}});
 }
 
 // The rule that accuracy.md describes, for a median edge of 1. The numbers are those of the table of rays.md.
@@ -95,18 +95,6 @@ TEST(VertFormat, TheDefaultSpacingIsThatOfThePage)
     const double between = 0.5*(ofEdge + least); // the diagonal's
     EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, between/ofDiagonal), between);
   }
-}
-
-TEST(VertFormat, LatticesHaveAtLeastTwoToTheMinus23OfTheLargestCoordinate)
-{
-  const double finest = std::exp2(-maxCoordinateBits);
-  for (double largest : {1.0, 1.5, 1.99, 1000.0}) {
-    const double spacing = std::ldexp(1.0, latticeExponent(1e-30, largest));
-    EXPECT_GE(spacing, finest*largest);
-    EXPECT_LE(spacing, 2*finest*largest);
-  }
-  EXPECT_EQ(latticeExponent(0.99, 1), -1);
-  EXPECT_EQ(latticeExponent(1, 1), 0);
 }
 
 struct Row
@@ -204,15 +192,41 @@ TEST(VertFormat, FieldsAreWhereThePageSays)
   for (int k = 0; k < 3; k++) EXPECT_EQ(marginShift(5u << form[size_t(k)].first, k), 5u);
   EXPECT_EQ(shearedAxis(2u << form[3].first), 2);
   for (int i = 0; i < 2; i++) EXPECT_EQ(shearSlope(uint32_t(-7 & 31) << form[size_t(4 + i)].first, 1 + i), -7) << i;
-  expectFlag(form[6], isRaw);
+  EXPECT_TRUE(isRaw(3u << form[3].first) && !isRaw(~(1u << form[3].first)));
+  expectFlag(form[6], hasRemainders);
   EXPECT_EQ(reachStep(5u << form[7].first), 32u);
   expectFlag(form[8], hasEdges);
   expectFlag(form[9], hasNumbers);
   expectFlag(form[10], isMoving);
   const std::vector<Bits> word = bitsOf("block.md", "`word`");
   ASSERT_EQ(word.size(), 2u);
-  EXPECT_EQ(vertSpacing(127u << word[1].first), 1.0f);
-  EXPECT_EQ(vertSpacing(130u << word[1].first | onesOf(word[0])), 8.0f);
+  const uint32_t none[6] = {};
+  EXPECT_EQ(vertSpacing(127u << word[1].first, none).at[0], 1.0f);
+  EXPECT_EQ(vertSpacing(130u << word[1].first | onesOf(word[0]), none).at[0], 8.0f);
+  // exponents on y and z, the version, and what is reserved, a bit in each value of corners
+  const std::vector<Bits> value = bitsOf("block.md", "value i");
+  ASSERT_EQ(value.size(), 3u);
+  for (uint32_t i = 0; i < 12; i++) {
+    uint32_t corners[6] = {};
+    uint16_t* const values = (uint16_t*)corners;
+    auto set = [&](size_t field) { std::memset(corners, 0, sizeof(corners)); values[i] = uint16_t(onesOf(value[field]) << value[field].first); };
+    auto spacing = [&](int k) { return bitsOfFloat(vertSpacing(0, corners).at[k]); };
+    set(0);
+    EXPECT_EQ(cornerCoordinate(corners[cornerPair(int(i/3), int(i % 3))], int(i/3), int(i % 3)), int(onesOf(value[0])));
+    EXPECT_EQ(spacing(1) | spacing(2) | versionOfCorners(corners[4], corners[5]) | reservedOfCorners(corners[4], corners[5]), 0u);
+    set(1);
+    EXPECT_EQ(spacing(2), i < 8 ? 1u << (23 + i) : 0u);
+    EXPECT_EQ(spacing(1), 0u);
+    EXPECT_EQ(reservedOfCorners(corners[4], corners[5]), i < 8 ? 0u : 1u << (i - 8));
+    set(2);
+    EXPECT_EQ(spacing(1), i < 8 ? 1u << (23 + i) : 0u);
+    EXPECT_EQ(spacing(2), 0u);
+    EXPECT_EQ(versionOfCorners(corners[4], corners[5]), i < 8 ? 0u : 1u << (i - 8));
+  }
+  const std::vector<Bits> remainders = bitsOf("block.md", "the remainders' word");
+  ASSERT_EQ(remainders.size(), 5u);
+  for (int k = 0; k < 3; k++) EXPECT_EQ(remainderBits(19u << remainders[size_t(k)].first, k), 19u);
+  EXPECT_EQ(remainderOffset(300u << remainders[4].first), 300u);
   // b0, b1, b2, main axis, slopes
   const std::vector<Bits> cell = bitsOf("block.md", "a word");
   ASSERT_EQ(cell.size(), 6u);
@@ -230,7 +244,7 @@ TEST(VertFormat, MotionIsThatOfThePage)
     {"turned", offsetof(VertStep, turned)}, {"turn", offsetof(VertStep, turn)}, {"reach", offsetof(VertStep, reach)}, {"endReach", offsetof(VertStep, endReach)}}, 0, vertStepBytes);
   const std::vector<Bits> form = bitsOf("motion.md", "a step's `boxForm`");
   ASSERT_EQ(form.size(), 6u);
-  expectFlag(form[1], isRaw);
+  expectFlag(form[1], hasRemainders);
   expectFlag(form[2], isFirstCellTurned);
   expectFlag(form[3], hasUpperBits);
   expectFlag(form[4], hasMargins);

@@ -45,7 +45,7 @@ vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, CbvhRow row, uint gx, 
 {
   if (moves) return cbvhVerticesNow[5*j + i];
   if (block.hasRaw) return cbvhRawVertex(block, block.first, gx, gy, i, j);
-  return block.first.origin + vec3(cbvhRowVertex(block.at, cell, row, i, j))*block.first.spacing;
+  return cbvhWorldVertex(block, block.first, gx, gy, i, j, cbvhRowVertex(block.at, cell, row, i, j));
 }
 
 vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, uint gx, uint gy, int i, int j, const bool moves) {
@@ -248,12 +248,13 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
   CbvhVertAxes axes = CbvhVertAxes(0u, vec3(0.0), 0.0, 0.0, 0.0, 0.0);
   CbvhCell first = cbvhNoCell();
   if (!block.hasRaw) {
-    axes = cbvhVertAxes(block.boxForm, block.first.origin, float(maxExtent)*block.first.spacing, ray, vert);
-    vec4 reach = cbvhReach(block.reach, float(reachStep(block.boxForm))*block.first.spacing);
+    axes = cbvhVertAxes(block.boxForm, block.first.origin, vertExtent(block.first.spacing), ray, vert);
+    vec4 reach = cbvhReach(block.boxForm, block.reach, float(reachStep(block.boxForm)), block.first.spacing);
     if (!cbvhMeetsBounds(ray, vert, axes, reach, vec3(0.0), hit.t)) return false;
     first = cbvhFirstCell(block, block.first);
   }
-  uint mirror = cbvhMirror(ray, vec3(first.c10 - first.c00), vec3(first.c01 - first.c00));
+  vec3 spacing = cbvhSpacing(block.first);
+  uint mirror = cbvhMirror(ray, vec3(first.c10 - first.c00)*spacing, vec3(first.c01 - first.c00)*spacing);
   uint open = cbvhGroups(block, first, ray, vert, axes, hit.t, mirror);
   bool found = false;
   while (open != 0u && !(anyHit && found))
@@ -290,7 +291,8 @@ bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const
   uint mirror = 0u;
   if (!block.hasRaw) {
     ivec3 corner = cbvhCornersAtEnds[0][0];
-    mirror = cbvhMirror(ray, vec3(cbvhCornersAtEnds[0][block.groupsX] - corner), vec3(cbvhCornersAtEnds[0][5u*block.groupsY] - corner));
+    vec3 spacing = cbvhSpacing(segment.begin);
+    mirror = cbvhMirror(ray, vec3(cbvhCornersAtEnds[0][block.groupsX] - corner)*spacing, vec3(cbvhCornersAtEnds[0][5u*block.groupsY] - corner)*spacing);
   }
   bool found = false;
   [[dont_unroll]] for (uint i = 0u; i < maxVertGroups && !(anyHit && found); i++)

@@ -61,9 +61,13 @@ void cbvhClip (inout float tNear, inout float tFar, float lower, float upper, fl
 
 float cbvhSlack (CbvhVertAxes axes, CbvhTravel ray, int k) { return boxSlack(ray.org[k], axes.origin[k], axes.extent); }
 
-/* the four planes of a block's reach: VertHeader */
-vec4 cbvhReach (uint reach, float step_) {
-  return vec4(float(reachOf(reach, 0)), float(reachOf(reach, 1)), float(reachOf(reach, 2)), float(reachOf(reach, 3)))*step_;
+/* the four planes of a block's reach: VertHeader. step_: in spacings */
+vec4 cbvhReach (uint boxForm, uint reach, float step_, VertSpacing spacing)
+{
+  int m = shearedAxis(boxForm);
+  float sheared = step_*spacing.at[m];
+  return vec4(float(reachOf(reach, 0))*step_*spacing.at[cbvhNextAxis(m, 1)], float(reachOf(reach, 1))*step_*spacing.at[cbvhNextAxis(m, 2)],
+              float(reachOf(reach, 2))*sheared, float(reachOf(reach, 3))*sheared);
 }
 
 /* Whether the ray meets the bounds of a block. slack: what they may be too small by, on each axis */
@@ -92,12 +96,12 @@ vec2 cbvhPlanes (uint boxForm, CbvhVertStep step_, vec3 c00, vec3 c10, vec3 c01,
   vec4 corners = vec4(c00[k], c10[k], c01[k], c11[k]);
   if (k == m) {
     int n = cbvhNextAxis(m, 1), l = cbvhNextAxis(m, 2);
-    corners += float(shearSlope(boxForm, 1))*(1.0/16.0)*vec4(c00[n], c10[n], c01[n], c11[n])
-             + float(shearSlope(boxForm, 2))*(1.0/16.0)*vec4(c00[l], c10[l], c01[l], c11[l]);
+    corners += shearFactor(boxForm, 1, step_.spacing)*vec4(c00[n], c10[n], c01[n], c11[n])
+             + shearFactor(boxForm, 2, step_.spacing)*vec4(c00[l], c10[l], c01[l], c11[l]);
   }
   float origin = k == m ? 0.0 : step_.origin[k];
-  return vec2((cbvhLeast(corners) - float(lowerMargin(margins, shift)))*step_.spacing + origin,
-              (cbvhGreatest(corners) + float(upperMargin(margins, shift)))*step_.spacing + origin);
+  return vec2((cbvhLeast(corners) - float(lowerMargin(margins, shift)))*step_.spacing.at[k] + origin,
+              (cbvhGreatest(corners) + float(upperMargin(margins, shift)))*step_.spacing.at[k] + origin);
 }
 
 /* clips the ray by such planes */

@@ -52,9 +52,10 @@ CbvhVertStep cbvhLaterStep (CbvhVertBlock block, uint steps, uint i, out uint tu
   later.origin = vec3(cbvhFloat(later.at, 0u), cbvhFloat(later.at, 1u), cbvhFloat(later.at, 2u));
   later.boxForm = cbvhWord(later.at, 3u);
   later.word = cbvhWord(later.at, 4u);
-  later.spacing = vertSpacing(later.word);
   later.corners = 5u;
+  later.spacing = cbvhReadSpacing(later);
   VertStepLayout offsets = vertStepLayout(block.region, later.boxForm);
+  later.remainders = hasRemainders(later.boxForm) ? cbvhWord(later.at, offsets.remainders/4u) : 0u;
   later.margins = offsets.margins;
   later.words = offsets.words;
   later.wordsHigh = offsets.wordsHigh;
@@ -166,7 +167,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
       else {
         ivec3 vertex = cbvhCellVertex(step_.at, cell, i, j);
         if (turns && field >= 0) vertex += cbvhTurned(step_, segment.turned[e], cbvhResidual(block.at, firstWord, firstData, field));
-        at = step_.origin + vec3(vertex)*step_.spacing;
+        at = cbvhWorldVertex(block, step_, gx, gy, i, j, vertex);
       }
       if (e == 0) cbvhVerticesNow[v] = at;
       else cbvhVerticesNow[v] = cbvhBetween(cbvhVerticesNow[v], at, segment.fraction);
@@ -178,7 +179,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
 
 CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert)
 {
-  float extent = float(maxExtent)*max(segment.begin.spacing, segment.end.spacing);
+  float extent = max(vertExtent(segment.begin.spacing), vertExtent(segment.end.spacing));
   return cbvhVertAxes(segment.begin.boxForm, cbvhBetween(segment.begin.origin, segment.end.origin, segment.fraction), extent, ray, vert);
 }
 
@@ -195,9 +196,10 @@ vec3 cbvhMotionSlack (CbvhSegment segment, CbvhVertAxes axes)
 /* whether the ray meets the bounds of a block */
 bool cbvhMeetsBlockNow (CbvhVertBlock block, CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack, float tfar)
 {
-  vec4 begin = cbvhReach(block.reach, float(reachStep(block.boxForm))*block.first.spacing);
-  if (cbvhIsLater(segment.begin)) begin = cbvhReach(cbvhWord(segment.begin.at, 14u), float(beginReachStep(segment.begin.boxForm))*segment.begin.spacing);
-  vec4 end = cbvhReach(cbvhWord(segment.end.at, 15u), float(endReachStep(segment.turned[1]))*segment.end.spacing);
+  uint form = axes.boxForm;
+  vec4 begin = cbvhReach(form, block.reach, float(reachStep(block.boxForm)), block.first.spacing);
+  if (cbvhIsLater(segment.begin)) begin = cbvhReach(form, cbvhWord(segment.begin.at, 14u), float(beginReachStep(segment.begin.boxForm)), segment.begin.spacing);
+  vec4 end = cbvhReach(form, cbvhWord(segment.end.at, 15u), float(endReachStep(segment.turned[1])), segment.end.spacing);
   return cbvhMeetsBounds(ray, vert, axes, (1.0 - segment.fraction)*begin + segment.fraction*end, slack, tfar);
 }
 

@@ -14,7 +14,8 @@ struct CbvhVertStep
 {
   CbvhPointer at;                       // where it begins
   vec3 origin;
-  float spacing;
+  VertSpacing spacing;
+  uint remainders;                      // their word; 0 if there are none
   uint boxForm, word;
   uint corners;                         // word of its first corner
   uint margins, words, wordsHigh, cell; // bytes from where it begins
@@ -30,6 +31,14 @@ struct CbvhVertBlock
   bool hasRaw;                          // a step that the ray sees is raw
 };
 
+VertSpacing cbvhReadSpacing (CbvhVertStep step_)
+{
+  uint i = step_.corners;
+  return vertSpacing(step_.word, cbvhWord(step_.at, i), cbvhWord(step_.at, i + 1u), cbvhWord(step_.at, i + 2u), cbvhWord(step_.at, i + 3u));
+}
+
+vec3 cbvhSpacing (CbvhVertStep step_) { return vec3(step_.spacing.at[0], step_.spacing.at[1], step_.spacing.at[2]); }
+
 CbvhVertStep cbvhFirstStep (CbvhPointer at, vec3 origin, uint region, uint boxForm)
 {
   VertLayout offsets = vertLayout(region, boxForm);
@@ -38,8 +47,9 @@ CbvhVertStep cbvhFirstStep (CbvhPointer at, vec3 origin, uint region, uint boxFo
   first.origin = origin;
   first.boxForm = boxForm;
   first.word = cbvhWord(at, 15u);
-  first.spacing = vertSpacing(first.word);
   first.corners = 8u;
+  first.spacing = cbvhReadSpacing(first);
+  first.remainders = hasRemainders(boxForm) ? cbvhWord(at, offsets.remainders/4u) : 0u;
   first.margins = offsets.margins;
   first.words = offsets.words;
   first.wordsHigh = offsets.wordsHigh;
@@ -190,6 +200,21 @@ CbvhCell cbvhGroupCell (CbvhVertBlock block, CbvhCell first, uint gx, uint gy)
   cell.quadsX = int(quadsOfGroup(block.quadsX, gx));
   cell.quadsY = int(quadsOfGroup(block.quadsY, gy));
   return cell;
+}
+
+/* Vertex i, j of group gx, gy of a step that is not raw in the world, from its coordinates. Both sums are exact: format.h */
+vec3 cbvhWorldVertex (CbvhVertBlock block, CbvhVertStep step_, uint gx, uint gy, int i, int j, ivec3 coordinates)
+{
+  precise vec3 at = step_.origin + vec3(coordinates)*cbvhSpacing(step_);
+  if (step_.remainders == 0u) return at;
+  uint x = min(groupQuads*gx + uint(i), block.quadsX), y = min(groupQuads*gy + uint(j), block.quadsY);
+  for (int k = 0; k < 3; k++) {
+    uint bits = remainderBits(step_.remainders, k);
+    if (bits == 0u) continue;
+    uint remainder = cbvhBits(step_.at, remainderBegin(step_.remainders, y*(block.quadsX + 1u) + x, k)) & ((1u << bits) - 1u);
+    at[k] += float(remainder)*remainderSpacing(step_.spacing.at[k], bits);
+  }
+  return at;
 }
 
 /* vertex i, j of group gx, gy of a raw step in the world */
