@@ -69,7 +69,7 @@ std::string deviceConfig(const Representation& representation, const BuildSettin
   std::string config = representation.deviceConfig();
   auto add = [&](const std::string& item) { config += (config.empty() ? "" : ",") + item; };
   add("threads=" + std::to_string(threadCount(settings.threads)));
-  if (representation.isCompressed() && settings.maxError > 0.0f)
+  if (representation.isCompressed() && settings.maxError >= 0.0f)
   {
     char text[32];
     std::snprintf(text, sizeof(text), "%.9g", double(settings.maxError));
@@ -112,7 +112,7 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
     facesOfCopy(model.cage.numFaces()), quadsOfCopy(patches.numQuads() / model.copies.size()), numGeometries(model.copies.size())
 {
   BuildSettings own = settings;
-  if (model.isMesh && own.maxError == 0.0f)
+  if (model.isMesh && own.maxError < 0.0f && model.spacing > 0.0f)
     own.maxError = model.spacing; // vertices that lie on a lattice stay where they are
   device = std::make_unique<EmbreeDevice>(deviceConfig(representation, own));
   scene.reset(rtcNewScene(device->handle()));

@@ -179,10 +179,10 @@ struct CbvhDicing
   const float* maxRates;            /* of each edge, likewise, one an index, for example the texels along it; NULL: maxRate alone */
 };
 
-/* How near to its vertices a surface is stored. Zeros: a spacing of 1/36 of the quads' edges, or less. */
+/* How near to its vertices a surface is stored. Zeros: a spacing of 1/36 of the quads' edges, or less; see also cbvhSetLossless. */
 struct CbvhAccuracy
 {
-  float maxError;                   /* world units: spacing of the lattice, at most; no vertex is moved by more than 0.866 of it */
+  float maxError;                   /* world units: spacing of the lattice, at most; no vertex moves by more than half of it on an axis, 0.866 of it in space */
   float maxPixelError;              /* the same in pixels of a camera */
   float cameraPosition[3];
   float pixelSize;                  /* width of a pixel at distance 1 */
@@ -206,6 +206,10 @@ CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDi
 
 /* Sets how the next commit stores it. NULL: as by default. */
 CBVH_API enum CbvhError cbvhSetAccuracy(CbvhSurface surface, const struct CbvhAccuracy* accuracy);
+
+/* Sets whether the next commit stores vertices as they are, to the bit, whatever cbvhSetAccuracy says: those of grids and meshes, and those that Embree
+ * evaluates of a cage. lossless: 1 or 0, which it is by default. */
+CBVH_API enum CbvhError cbvhSetLossless(CbvhSurface surface, int lossless);
 
 /* Sets the mask of a surface, all bits by default: rays see the surface if their mask shares a bit with it. The mask takes effect with the next
  * cbvhCommitGroup of a group that contains the surface, then for all of its groups. */

@@ -275,6 +275,12 @@ void CbvhSurfaceTy::set(const CbvhAccuracy& to)
   accuracy = to;
 }
 
+void CbvhSurfaceTy::setLossless(bool to)
+{
+  const Change change(*this);
+  isLossless = to;
+}
+
 void CbvhSurfaceTy::setMask(unsigned int to)
 {
   const Change change(*this);
@@ -296,7 +302,7 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
   const Change change(*this);
   if (!pending) {
     if (!current) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface has no cage, grids or mesh"};
-    if (std::memcmp(&accuracy, &committedAccuracy, sizeof(accuracy)) != 0) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the accuracy was changed after the surface let its input go: set that again"};
+    if (std::memcmp(&accuracy, &committedAccuracy, sizeof(accuracy)) != 0 || isLossless != committedLossless) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the accuracy was changed after the surface let its input go: set that again"};
     return;
   }
   /* Whatever happens, the input is as before unless the surface has it: it neither asks to be compressed nor knows the callback. */
@@ -327,7 +333,8 @@ void CbvhSurfaceTy::commitInput()
   rtcInitCompressionArguments(&args);
   args.compression = RTC_COMPRESSION_VERT;
   args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
-  if (accuracy.maxError > 0) args.maxError = accuracy.maxError;
+  if (isLossless) args.maxError = 0;
+  else if (accuracy.maxError > 0) args.maxError = accuracy.maxError;
   args.maxPixelError = accuracy.maxPixelError;
   std::memcpy(args.cameraPosition, accuracy.cameraPosition, sizeof(args.cameraPosition));
   args.pixelSize = accuracy.pixelSize;
@@ -355,6 +362,7 @@ void CbvhSurfaceTy::commitInput()
   }
   current = std::move(pending);
   committedAccuracy = accuracy;
+  committedLossless = isLossless;
   appliedMask = mask;
   if (failure.code != CBVH_OK) throw failure;
 }
@@ -418,6 +426,8 @@ CbvhError cbvhSetCage(CbvhSurface surface, const CbvhCage* cage) { return onSurf
 CbvhError cbvhSetGrids(CbvhSurface surface, const CbvhGrids* grids) { return onSurface(surface, [&] { require(grids, "grids are NULL"); surface->set(*grids); }); }
 CbvhError cbvhSetMesh(CbvhSurface surface, const CbvhMesh* mesh) { return onSurface(surface, [&] { require(mesh, "mesh is NULL"); surface->set(*mesh); }); }
 CbvhError cbvhDiceSurface(CbvhSurface surface, const CbvhDicing* dicing, float* rates) { return onSurface(surface, [&] { require(dicing, "dicing is NULL"); surface->dice(*dicing, rates); }); }
+CbvhError cbvhSetLossless(CbvhSurface surface, int lossless) { return onSurface(surface, [&] { surface->setLossless(lossless != 0); }); }
+
 CbvhError cbvhSetAccuracy(CbvhSurface surface, const CbvhAccuracy* accuracy) { return onSurface(surface, [&] { surface->set(accuracy ? *accuracy : CbvhAccuracy()); }); }
 CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mask) { return onSurface(surface, [&] { surface->setMask(mask); }); }
 CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr) { return onSurface(surface, [&] { surface->commit(progress, userPtr); }); }

@@ -49,6 +49,7 @@ struct CbvhSurfaceTy : embree::beside::Counted
   void set(const CbvhMesh& mesh);
   void dice(const CbvhDicing& dicing, float* rates);
   void set(const CbvhAccuracy& accuracy);
+  void setLossless(bool lossless);
   void setMask(unsigned int mask);
 
   /* Gives the committed geometry the mask that was set last. */
@@ -88,6 +89,7 @@ private:
 
   Owned current, pending;    // as it was committed, and what the next commit takes
   CbvhAccuracy accuracy = CbvhAccuracy(), committedAccuracy = CbvhAccuracy();
+  bool isLossless = false, committedLossless = false;
   unsigned int mask = ~0u, appliedMask = ~0u; // as set, and of the committed geometry
   std::atomic<bool> isChanging{false}, isWorking{false}; // isWorking: callbacks of the pending input may be called
 };

@@ -39,7 +39,8 @@ BuildSettings buildSettings(const GroupSettings& settings)
   build.level = settings.level;
   build.threads = settings.options.buildThreads;
   build.device = settings.options.device;
-  build.maxError = settings.options.maxError * settings.model.cage.bounds().diagonal();
+  if (settings.options.maxError)
+    build.maxError = *settings.options.maxError * settings.model.cage.bounds().diagonal();
   return build;
 }
 

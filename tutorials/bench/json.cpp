@@ -237,7 +237,7 @@ json settingsJson(const BenchOptions& options)
           {"check_rays", options.checks.rays},
           {"check_packets", options.checks.packets},
           {"position", {options.position.x, options.position.y, options.position.z}},
-          {"max_error_diagonals", options.maxError},
+          {"max_error_diagonals", options.maxError ? json(*options.maxError) : json()},
           {"reference_level", options.referenceLevel >= 0 ? json(options.referenceLevel) : json()}};
 }
 

@@ -206,7 +206,7 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, Words& words)
   app.add_flag("--check-packets", o.checks.packets, "these rays go in packets as wide as the instruction set, and are said to be coherent");
   app.add_option("--position", words.position, "moves models there: x,y,z")->type_name("P");
   app.add_option("--max-error", o.maxError, "bound on the thickness of leaves where the frame level is auto, and on cVERT's spacing, in\n"
-                 "bounding-box diagonals of the cage")->type_name("E");
+                 "bounding-box diagonals of the cage; 0: cVERT stores vertices exactly")->type_name("E");
   app.add_option("--reference-level", o.referenceLevel,
                  "measure errors against GRID at this level, too, which also fixes the view for all levels")
     ->type_name("L");
@@ -261,7 +261,8 @@ void readSurfaces(const Words& words, BenchOptions& o)
     throw Error("--check is of models that stand still: leave out --motion and --cage-end");
   if (!words.position.empty())
     o.position = parsePosition(words.position);
-  requireNotNegative("--max-error", o.maxError);
+  if (o.maxError)
+    requireNotNegative("--max-error", *o.maxError);
   o.representations = parseAll(words.representations, words.frameLevels);
 }
 

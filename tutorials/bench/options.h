@@ -48,7 +48,7 @@ struct BenchOptions
   uint32_t seed = 1;         // of bounced rays and of the hits compared with the true surface
   Checks checks;
   Vec3f position;            // that models are moved to
-  float maxError = 0.0f;     // of leaves, in bounding-box diagonals; 0: no bound
+  std::optional<float> maxError; // in bounding-box diagonals; 0: lossless cVERT; none: as the library chooses
   std::string pictures;      // folder, empty for none
   int samples = 16;          // a pixel, of shaded pictures
   std::vector<int> pictureLevels; // levels that get pictures; empty: all

@@ -29,7 +29,7 @@ struct Options
   std::vector<std::string> scenes{"cube", "trex", "frog", "scythe", "knee"};
   SceneSettings cage; // in their place, if it has a path
   int level = 6;
-  float maxError = 0;
+  float maxError = -1; // negative: the library's
   Vec3f away{0, 0, 0};
   float scale = 1;
   bool check = false;
@@ -61,7 +61,7 @@ size_t measure(const Options& options, Model& model)
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
   args.compression = RTC_COMPRESSION_VERT;
-  if (options.maxError > 0)
+  if (options.maxError >= 0)
     args.maxError = options.maxError;
   const size_t before = device.memory().live();
   const GeometryHandle geometry = topology.makeGeometry(Placement(), context, &args);
@@ -98,7 +98,7 @@ int run(int argc, char** argv)
   CLI::App app("Stores scenes as cVERT and cuts them into clusters of formats for GPUs: bytes a triangle, of vertices and of indices that are not those of a whole grid, and clusters that come as floats because the format cannot hold them.", "cbvh_clusters");
   app.add_option("--scene", options.scenes, "comma list of " + listOfScenes())->delimiter(',')->capture_default_str();
   app.add_option("--level", options.level, "of tessellation: faces have 2^L x 2^L quads")->capture_default_str();
-  app.add_option("--max-error", options.maxError, "spacing of the lattice [the library's]");
+  app.add_option("--max-error", options.maxError, "spacing of the lattice, 0: none, vertices stay [the library's]");
   app.add_option("--away", options.away.x, "moves scenes so far along x, and half of that along y");
   app.add_option("--scale", options.scale, "of the cage, before that; its displacement stays as it is")->capture_default_str();
   app.add_flag("--check", options.check, "decodes all clusters, as their specifications say, and compares triangles and vertices with those that rays hit");

@@ -109,16 +109,18 @@ PixelBound readPixelBound(float pixels, const std::optional<Camera>& camera)
 }
 
 std::shared_ptr<Scene> build(const std::shared_ptr<Model>& model, const std::string& name, int level,
-                             const py::object& frameLevel, float maxError, float maxPixelError,
+                             const py::object& frameLevel, const std::optional<float>& maxError, float maxPixelError,
                              const std::optional<Camera>& camera, int threads, const std::string& isa,
                              const std::string& device, const py::object& progress)
 {
   const Representation representation = readRepresentation(name, frameLevel);
-  requireNotNegative(maxError, "max_error");
+  if (maxError)
+    requireNotNegative(*maxError, "max_error");
   BuildSettings settings;
   settings.level = level;
   settings.threads = threads;
-  settings.maxError = maxError;
+  if (maxError)
+    settings.maxError = *maxError;
   settings.pixelBound = readPixelBound(maxPixelError, camera);
   settings.isa = isa;
   settings.device = device;
@@ -351,8 +353,8 @@ representation: compressed is one of )" + wordsOf(&Representation::isCompressed,
 level: )" + levelRange() + R"(, 2**level x 2**level quads a face.
 frame_level: )" + levelRange() + R"(, or "auto": 4**frame_level frames a face of )" + wordsOf(&Representation::hasFrames, "") + R"(, "auto" if it is
   not given.
-max_error: world units, 0 for none: bound on the spacing of cvert's lattice, and on the thickness of leaves where
-  frame_level is "auto".
+max_error: world units: bound on the spacing of cvert's lattice, where 0 stores vertices exactly, and on the thickness of
+  leaves where frame_level is "auto". None: as the library chooses.
 max_pixel_error: bound on the spacing of cvert's lattice in pixels of camera, 0 for none.
 threads: for building, 0 for all.
 isa: widest instruction set to use: "sse2", "sse4.2", "avx", "avx2" or "avx512"; the best there is by default.
@@ -497,7 +499,7 @@ void defineScene(py::module_& module)
     });
   module.def("load", &loadFile, arg("path"), py::kw_only(), arg("threads") = 0, loadText);
   module.def("build", &build, arg("model"), arg("representation") = "cvert", arg("level") = 6, py::kw_only(),
-             arg("frame_level") = py::none(), arg("max_error") = 0.0f, arg("max_pixel_error") = 0.0f,
+             arg("frame_level") = py::none(), arg("max_error") = py::none(), arg("max_pixel_error") = 0.0f,
              arg("camera") = py::none(), arg("threads") = 0, arg("isa") = "",
              arg("device") = "cpu", arg("progress") = py::none(), buildText().c_str());
   module.def("pixel_errors", &pixelErrorsOf, arg("hits"), arg("reference"), arg("footprint"), pixelErrorsText);

@@ -116,6 +116,7 @@ void Substituted::buildSurface(const Progress& progress)
   const CbvhContext context = contextOf(settings);
   const auto check = [](CbvhError error) { if (error != CBVH_OK) throw Unsupported(cbvhGetErrorText()); };
   check(cbvhNewSurface(context, &surface));
+  if (options().maxError == 0) check(cbvhSetLossless(surface, 1));
   if (options().maxError > 0) {
     CbvhAccuracy accuracy = CbvhAccuracy();
     accuracy.maxError = options().maxError;

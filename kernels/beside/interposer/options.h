@@ -14,7 +14,7 @@ struct Options
 {
   bool isOn = true;
   bool takesGrids = false, takesQuads = false, takesTriangles = false;
-  float maxError = 0;          // world units; 0: as the library chooses
+  float maxError = -1;         // world units; 0: lossless, negative: as the library chooses
 
   bool takes(RTCGeometryType type) const;
 };
