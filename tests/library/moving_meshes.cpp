@@ -87,6 +87,24 @@ TEST_P(MovingMeshes, HitsAreEmbrees)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
+TEST_P(MovingMeshes, WithoutLossHitsAreEmbrees)
+{
+  Device device(GetParam() + std::string(",cbvh_max_error=0"));
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  Random random(3142);
+  for (unsigned timeSteps : {2u, 5u}) {
+    SCOPED_TRACE(testing::Message() << timeSteps << " steps");
+    Diced diced = dicedSheet(2, 33);
+    diced.motion = bent;
+    ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newGrids, diced, random, timeSteps));
+    DicedMesh mesh = meshOf(dicedSheet(2, 16), QuadOrder::Rows, random);
+    mesh.motion = bent;
+    ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newMesh, mesh, random, timeSteps));
+    ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newMesh, trianglesOf(mesh, 1, 2), random, timeSteps));
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
 // Behind filters, and in an instance that moves itself.
 template<typename Make, typename Mesh>
 void expectFiltered(const Device& device, const Make& make, const Mesh& mesh, Random& random)
