@@ -33,7 +33,7 @@ namespace embree
       void addVertex (const float own[3], const float stored[3]) { addDeviation(distance2(own,stored)); }
 
       /*! square of how far a vertex is moved */
-      void addDeviation (float square) { deviation2 = std::max(deviation2,square); }
+      void addDeviation (double square) { deviation2 = std::max(deviation2,square); }
 
       /*! shared: as the face evaluates it that owns it */
       void addBorderVertex (const float own[3], const float shared[3], const float stored[3])
@@ -48,8 +48,8 @@ namespace embree
         add(other);
         deviation2 = std::max(deviation2,other.deviation2);
         gap2 = std::max(gap2,other.gap2);
-        sums.maxVertexDeviation = std::sqrt(deviation2);
-        sums.maxBorderGap = std::sqrt(gap2);
+        sums.maxVertexDeviation = float(std::sqrt(deviation2));
+        sums.maxBorderGap = float(std::sqrt(gap2));
       }
 
       /*! a surface that was built */
@@ -68,14 +68,14 @@ namespace embree
 
     private:
       /*! of a vertex that is not finite 0 */
-      static float distance2 (const float a[3], const float b[3])
+      static double distance2 (const float a[3], const float b[3])
       {
-        const float x = a[0]-b[0], y = a[1]-b[1], z = a[2]-b[2];
-        const float d2 = x*x + y*y + z*z;
-        return d2 < std::numeric_limits<float>::max() ? d2 : 0.0f;
+        const double x = double(a[0])-b[0], y = double(a[1])-b[1], z = double(a[2])-b[2];
+        const double d2 = x*x + y*y + z*z;
+        return d2 < std::numeric_limits<double>::max() ? d2 : 0.0;
       }
 
-      float deviation2 = 0, gap2 = 0; //!< squares of maxVertexDeviation and maxBorderGap
+      double deviation2 = 0, gap2 = 0; //!< squares of maxVertexDeviation and maxBorderGap
     };
   }}
 }

@@ -45,6 +45,7 @@ namespace embree
         const size_t bytes = treeBytes + sums.topLevelBytes + sums.frameBytes + sums.nodeBytes + sums.leafBytes + sums.gridBytes;
         line << "compression: " << geometries() << ": " << sums.numQuads + sums.numGridQuads << " quads in " << mebibytes(bytes) << " MiB, Embree would use about "
              << mebibytes(all.bytesInEmbree) << " MiB";
+        if (sums.maxVertexDeviation > 0) line << "; vertices move by up to " << std::setprecision(3) << sums.maxVertexDeviation;
         if (inputBytes) line << "; buffers that stay: " << mebibytes(inputBytes) << " MiB";
         const char* between = "; not compressed: ";
         auto add = [&](size_t n, const std::string& what) { if (n) { line << between << n << what; between = ", "; } };

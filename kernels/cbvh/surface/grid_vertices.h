@@ -11,7 +11,7 @@
  *     p-----------------------q      coarse
  *     p-----m-----m-----m-----q      fine
  *
- * They are put onto the edge between p and q as those are stored, and on no lattice (blocks there are raw).
+ * They are put onto the edge between p and q as those are stored, and on no lattice. What is stored without loss is left where it is.
  *
  * Grids that move have a lattice for each time step. Who shares what is found at the first step, and holds if it does so at all others. */
 
@@ -71,7 +71,7 @@ namespace embree
       {
         cbvh::resizeExactly(exponents,numSteps*size());
         for (unsigned step=0; step<numSteps; step++) chooseLattices(step,gridsPerTask,progress);
-        if (size() < 2) return;
+        if (size() < 2 || plan.isLossless()) return;
         table.reserve(reduceRanges(size(),4*gridsPerTask,size_t(0),[&](const range<size_t>& r) {
               size_t n = 0;
               forEachValid(r,[&](size_t, const Grid& grid) { n += 2*(size_t(grid.quads(0))+grid.quads(1)); });

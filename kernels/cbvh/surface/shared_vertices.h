@@ -15,7 +15,7 @@
  *           face B             leaves it, of those around it that are reached over edges.
  *
  * What is shared with a face that GRID traces, for its edge rates, is that face's, and on no
- * lattice: GRID does not know of any. (Blocks there are raw.)
+ * lattice: GRID does not know of any.
  *
  * An n-gon is a patch at each corner: its centre and the spokes from there to the middles
  * of its edges are shared by its own patches, and owned by it.

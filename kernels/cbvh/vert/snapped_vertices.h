@@ -14,13 +14,13 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Snaps four vertices; returns the largest square of how far one moved, of those that are finite. */
+    /*! Snaps four vertices; returns the largest square of how far one moved, in spacings, of those that are finite. */
     inline float snapFour(const WorldLattice& lattice, const float (*own)[3], float (*stored)[3])
     {
       Float4 square[3];
       for (int i=0; i<3; i++)
       {
-        const Float4 p = Float4::load(&own[0][0]+4*i), q = lattice.snap(p), d = p-q;
+        const Float4 p = Float4::load(&own[0][0]+4*i), q = lattice.snap(p), d = (p-q)*lattice.reciprocal;
         q.store(&stored[0][0]+4*i);
         square[i] = d*d;
       }

@@ -243,7 +243,7 @@ namespace embree
         {
           size_t i = y*grid.width + 1;
           const size_t end = i + grid.width-2;
-          for (; i+4 <= end; i+=4) statistics.addDeviation(cbvh::snapFour(lattice,own+i,p+i));
+          for (; i+4 <= end; i+=4) statistics.addDeviation(cbvh::snapFour(lattice,own+i,p+i)*double(lattice.spacing)*double(lattice.spacing));
           for (; i<end; i++)
           {
             for (int k=0; k<3; k++) p[i][k] = lattice.snap(own[i][k]);
