@@ -8,6 +8,7 @@
 
 #include "quad_corners.h"
 #include "cache.h"
+#include "format.h"
 
 namespace embree
 {
