@@ -161,6 +161,26 @@ TEST_F(VulkanHits, OfCompressedMeshesAreTheProcessors)
   sum.expect();
 }
 
+// Vertices with all bits of floats: blocks with remainders.
+TEST_F(VulkanHits, OfWhatIsStoredWithoutLossAreTheProcessors)
+{
+  const Device exact("cbvh_max_error=0");
+  Agreement sum;
+  for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(6, 8), dicedBall(2, 16)}) {
+    Scene scene(exact);
+    attach(scene, newGrids(exact, diced, RTC_COMPRESSION_VERT));
+    rtcCommitScene(scene);
+    ASSERT_EQ(statisticsOf(scene).maxVertexSpacing, 0);
+    compare(scene, raysAt(random, 3000), sum);
+  }
+  for (const NamedCage& c : cagesOfEverySort()) {
+    SCOPED_TRACE(c.name);
+    const SurfaceScene scene(exact, c.cage, settings(RTC_COMPRESSION_VERT, 16));
+    compare(scene, raysAt(random, 2000), sum);
+  }
+  sum.expect();
+}
+
 TEST_F(VulkanHits, OfTrianglesAreTheProcessorsRobustOrNot)
 {
   for (RTCSceneFlags flags : {RTC_SCENE_FLAG_NONE, RTC_SCENE_FLAG_ROBUST}) {

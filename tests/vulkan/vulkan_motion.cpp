@@ -60,6 +60,18 @@ TEST_F(VulkanMotion, OfNoiseIsTheProcessors)
   sum.expect();
 }
 
+TEST_F(VulkanMotion, OfWhatIsStoredWithoutLossIsTheProcessors)
+{
+  const Device exact("cbvh_max_error=0");
+  Agreement sum;
+  for (unsigned timeSteps : {2u, 5u}) {
+    const SurfaceScene scene(exact, cubeCage(), settings(timeSteps, 16));
+    ASSERT_EQ(statisticsOf(scene).maxVertexSpacing, 0);
+    compare(scene, timedRays(random, 3000), sum);
+  }
+  sum.expect();
+}
+
 // With times before, at and behind the ends of ranges, and some that are no numbers.
 TEST_F(VulkanMotion, IsWithinItsTimes)
 {
