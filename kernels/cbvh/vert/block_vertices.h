@@ -18,6 +18,9 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
+    /*! of spacings of blocks: so their reciprocals are normal floats */
+    static const int minSpacingExponent = -126, maxSpacingExponent = 126;
+
     class BlockVertices
     {
     public:
@@ -72,7 +75,7 @@ namespace embree
       bool measure ()
       {
         for (uint32_t i=numVertices(); i % 4 != 0; i++) memcpy(vertices[i],vertices[0],sizeof(vertices[0]));
-        int size = minExponent; // power of two that is above what the block spans, on any axis
+        int size = minSpacingExponent; // power of two that is above what the block spans, on any axis
         for (int k=0; k<3; k++) {
           const double span = double(upper[k])-double(lower[k]);
           if (span > 0) size = std::max(size,std::ilogb(span)+1);
@@ -156,7 +159,6 @@ namespace embree
       }
 
     private:
-      static const int minExponent = -126, maxExponent = 126;
 
       /*! bits of an axis's integers, before the step is taken out of them: differences have 31 at most */
       static const int integerBits = 29;
@@ -176,7 +178,7 @@ namespace embree
         Int4 first[3], any[3] = { 0,0,0 };
         int exponents[3];
         for (int k=0; k<3; k++) {
-          exponents[k] = std::max(exponentOf(std::max(std::fabs(lower[k]),std::fabs(upper[k])))-integerBits,minExponent);
+          exponents[k] = std::max(exponentOf(std::max(std::fabs(lower[k]),std::fabs(upper[k])))-integerBits,minSpacingExponent);
           scale[k] = std::ldexp(1.0f,-exponents[k]);
           first[k] = truncated(Float4(vertices[0][k])*scale[k]);
         }
@@ -197,30 +199,30 @@ namespace embree
           if (differences != 0) {
             /* The origin is a multiple, too. */
             const float vertex = vertices[0][k];
-            step[k] = std::min(exponents[k] + __builtin_ctz(differences),vertex != 0 ? lowestBit(vertex) : maxExponent);
+            step[k] = std::min(exponents[k] + __builtin_ctz(differences),vertex != 0 ? lowestBit(vertex) : maxSpacingExponent);
           }
           else if (!findStepOfFloats(k)) return false;
         }
         return true;
       }
 
-      /*! of a float that is not 0, as an exponent; less than minExponent where readers may take the float for 0 */
+      /*! of a float that is not 0, as an exponent; less than minSpacingExponent where readers may take the float for 0 */
       static int lowestBit (float x)
       {
         uint32_t bits;
         memcpy(&bits,&x,sizeof(bits));
         const uint32_t stored = (bits >> 23) & 255u;
-        return stored == 0 ? minExponent-1 : int(stored)-150+__builtin_ctz((bits & 0x7FFFFFu) | 0x800000u);
+        return stored == 0 ? minSpacingExponent-1 : int(stored)-150+__builtin_ctz((bits & 0x7FFFFFu) | 0x800000u);
       }
 
       /*! where all are the same, or some are that much smaller than the largest */
       bool findStepOfFloats (int k)
       {
-        step[k] = maxExponent;
+        step[k] = maxSpacingExponent;
         const uint32_t count = lower[k] == upper[k] ? 1 : numVertices();
         for (uint32_t i=0; i<count; i++)
           if (vertices[i][k] != 0) step[k] = std::min(step[k],lowestBit(vertices[i][k]));
-        return step[k] >= minExponent;
+        return step[k] >= minSpacingExponent;
       }
 
       /*! Of a spacing on an axis: coordinates fit into their bits, and planes of boxes, which are up to maxExtent outside, are floats. */
@@ -228,7 +230,7 @@ namespace embree
       {
         const double largest = std::max(std::fabs(double(lower[k])),std::fabs(double(upper[k])));
         const double span = double(upper[k])-double(lower[k]);
-        int e = minExponent;
+        int e = minSpacingExponent;
         if (largest > 0) e = std::max(e,std::ilogb(largest)-23);
         if (span > 0) e = std::max(e,std::ilogb(span)-13);
         for (;; e++) {
@@ -242,7 +244,7 @@ namespace embree
         for (int k=0; k<3; k++)
         {
           const int bits = std::max(exponent[k]-step[k],0);
-          if (bits > int(maxRemainderBits) || exponent[k] > maxExponent) return false;
+          if (bits > int(maxRemainderBits) || exponent[k] > maxSpacingExponent) return false;
           remainderBits[k] = uint32_t(bits);
         }
         return true;
