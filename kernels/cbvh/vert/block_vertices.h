@@ -80,7 +80,7 @@ namespace embree
           const double span = double(upper[k])-double(lower[k]);
           if (span > 0) size = std::max(size,std::ilogb(span)+1);
         }
-        if (!findSteps()) return false;
+        findSteps();
         /* An axis on which all vertices are the same has no step. */
         for (int k=0; k<3; k++) exponent[k] = std::max(leastExponent(k),std::min(step[k],size-1));
         return setRemainders();
@@ -154,11 +154,13 @@ namespace embree
         BitWriter writer = { out };
         for (uint32_t i=0; i<numVertices(); i++)
           for (int k=0; k<3; k++)
-            if (remainderBits[k] != 0) writer.put(remainders[k][i],int(remainderBits[k]));
+            if (remainderBits[k] != 0) writer.put(remainders[k][i],int(storedRemainderBits(word,k)));
         return writer.end();
       }
 
     private:
+
+      static const int unitsOfFloats = 6; //!< a block spans 2^this coordinates, or twice as many, where it has floats beside them
 
       /*! bits of an axis's integers, before the step is taken out of them: differences have 31 at most */
       static const int integerBits = 29;
@@ -172,7 +174,7 @@ namespace embree
         return int((bits >> 23) & 255u) - 127;
       }
 
-      bool findSteps ()
+      void findSteps ()
       {
         Float4 scale[3];
         Int4 first[3], any[3] = { 0,0,0 };
@@ -201,9 +203,8 @@ namespace embree
             const float vertex = vertices[0][k];
             step[k] = std::min(exponents[k] + __builtin_ctz(differences),vertex != 0 ? lowestBit(vertex) : maxSpacingExponent);
           }
-          else if (!findStepOfFloats(k)) return false;
+          else findStepOfFloats(k);
         }
-        return true;
       }
 
       /*! of a float that is not 0, as an exponent; less than minSpacingExponent where readers may take the float for 0 */
@@ -216,13 +217,13 @@ namespace embree
       }
 
       /*! where all are the same, or some are that much smaller than the largest */
-      bool findStepOfFloats (int k)
+      void findStepOfFloats (int k)
       {
         step[k] = maxSpacingExponent;
         const uint32_t count = lower[k] == upper[k] ? 1 : numVertices();
         for (uint32_t i=0; i<count; i++)
           if (vertices[i][k] != 0) step[k] = std::min(step[k],lowestBit(vertices[i][k]));
-        return step[k] >= minSpacingExponent;
+        if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits); // too fine for remainders
       }
 
       /*! Of a spacing on an axis: coordinates fit into their bits, and planes of boxes, which are up to maxExtent outside, are floats. */
@@ -243,9 +244,12 @@ namespace embree
       {
         for (int k=0; k<3; k++)
         {
+          if (exponent[k] > maxSpacingExponent) return false;
           const int bits = std::max(exponent[k]-step[k],0);
-          if (bits > int(maxRemainderBits) || exponent[k] > maxSpacingExponent) return false;
-          remainderBits[k] = uint32_t(bits);
+          remainderBits[k] = bits > int(maxRemainderBits) ? remaindersAreFloats : uint32_t(bits);
+          /* Then coordinates are for boxes alone. */
+          const double span = double(upper[k])-double(lower[k]);
+          if (remainderBits[k] == remaindersAreFloats && span > 0) exponent[k] = std::max(exponent[k],std::ilogb(span)-unitsOfFloats);
         }
         return true;
       }
@@ -257,7 +261,8 @@ namespace embree
         {
           const double at = double(vertices[i][k])*unit - first, whole = std::floor(at);
           coordinates[k][i] = int(whole);
-          remainders[k][i] = uint32_t((at-whole)*ofRemainder);
+          if (remainderBits[k] == remaindersAreFloats) memcpy(&remainders[k][i],&vertices[i][k],sizeof(float));
+          else remainders[k][i] = uint32_t((at-whole)*ofRemainder);
         }
       }
     };

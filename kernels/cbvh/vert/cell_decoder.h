@@ -98,8 +98,7 @@ namespace embree
         const VertSpacing& spacing;
         const float* origin;
 
-        __forceinline void put (int axis, const CellVector& v) const { store(axis,madd(v,spacing.at[axis],origin[axis])); }
-        __forceinline void store (int axis, const CellVector& v) const { store(out,axis,v); }
+        __forceinline void put (int axis, const CellVector& v) const { store(out,axis,madd(v,spacing.at[axis],origin[axis])); }
 
         /*! vertices in the world */
         static __forceinline void store (QuadCorners& out, int axis, const CellVector& v)

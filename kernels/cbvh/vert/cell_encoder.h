@@ -20,7 +20,7 @@ namespace embree
     /*! a cell's vertices and three more: seven times four */
     static const int paddedVertices = 28;
 
-    /*! Writes numbers of up to 31 bits one behind the other, the lowest bit first. */
+    /*! Writes numbers of up to 32 bits one behind the other, the lowest bit first. */
     struct BitWriter
     {
       uint8_t* out;

@@ -52,8 +52,10 @@ namespace embree
           const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
           const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
           if (unlikely(hasRemainders(block->boxForm))) {
-            const CellRemainders remainders(block,layout.remainders,spacing,block->region,gx,gy);
-            decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),base,WithRemainders<WorldOfCell>{ { out,spacing,block->origin },remainders });
+            CellVertices vertices;
+            decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),base,WorldVerticesOfCell{ vertices,spacing,block->origin });
+            addRemainders(block,layout.remainders,spacing,block->region,gx,gy,vertices);
+            for (int k=0; k<3; k++) WorldOfCell::store(out,k,CellVector(vertices.at[k]));
             return;
           }
           decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),base,WorldOfCell{ out,spacing,block->origin });

@@ -13,7 +13,8 @@
  *   origin + coordinate * spacing + remainder * spacing / 2^bits,
  *
  * where the spacing is a power of two. Coordinates have 14 bits and are coded in cells (cell.h). Most blocks have no remainders. A block whose
- * vertices need more than 14 bits stores the lower ones as remainders, bit for bit. A vertex is exact in float, in two fused or unfused
+ * vertices need more than 14 bits stores the lower ones as remainders, bit for bit; on an axis where they are too many, it stores floats in
+ * their place. A vertex is exact in float, in two fused or unfused
  * multiply-adds: the origin is a multiple of the spacing, and so is the sum before the remainder. So blocks that share a vertex have the same
  * three floats, and surfaces are closed as the triangles are. There is no frame.
  *
@@ -47,6 +48,7 @@ CBVH_CONSTANT uint32_t vertEdgesBytes = 8u;
 CBVH_CONSTANT uint32_t vertMotionBytes = 16u;
 CBVH_CONSTANT uint32_t vertRemaindersBytes = 4u;
 CBVH_CONSTANT uint32_t maxRemainderBits = 24u;  //!< along an axis: as many as a float has
+CBVH_CONSTANT uint32_t remaindersAreFloats = 31u; //!< in place of a number of bits
 CBVH_CONSTANT uint32_t maxMargin = 15u;         //!< in steps
 CBVH_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: x, y, z lower, then x, y, z upper
 
@@ -187,22 +189,29 @@ CBVH_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
   return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
 }
 
-/* Remainders have a word behind the header, and edges, numbers and motion if it has any: bits 0..4, 5..9, 10..14: bits of a remainder along x, y and z;
- * 16..31: where remainders begin, in bytes from the block's start. They are x, y, z of each vertex, row by row, without gaps, the lowest bit first. */
+/* Remainders have a word behind the header, and edges, numbers and motion if it has any: bits 0..4, 5..9, 10..14: bits of a remainder along x, y and z,
+ * or remaindersAreFloats; 16..31: where remainders begin, in bytes from the block's start. They are x, y, z of each vertex, row by row, without gaps, the lowest bit first. */
 
 CBVH_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
 CBVH_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
 CBVH_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
 
+/*! bits that are stored for an axis of a vertex: of a remainder, or 32 of the vertex itself, as a float */
+CBVH_FUNCTION uint32_t storedRemainderBits (uint32_t remainders, int axis)
+{
+  uint32_t bits = remainderBits(remainders,axis);
+  return bits == remaindersAreFloats ? 32u : bits;
+}
+
 /*! of a vertex */
-CBVH_FUNCTION uint32_t remainderStride (uint32_t remainders) { return remainderBits(remainders,0) + remainderBits(remainders,1) + remainderBits(remainders,2); }
+CBVH_FUNCTION uint32_t remainderStride (uint32_t remainders) { return storedRemainderBits(remainders,0) + storedRemainderBits(remainders,1) + storedRemainderBits(remainders,2); }
 
 /*! first bit of a remainder; vertex: its number, row by row */
 CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
 {
   uint32_t bit = 8u*remainderOffset(remainders) + vertex*remainderStride(remainders);
-  if (axis > 0) bit += remainderBits(remainders,0);
-  if (axis > 1) bit += remainderBits(remainders,1);
+  if (axis > 0) bit += storedRemainderBits(remainders,0);
+  if (axis > 1) bit += storedRemainderBits(remainders,1);
   return bit;
 }
 
@@ -320,12 +329,16 @@ inline uint32_t remaindersAt (const void* start, uint32_t offset)
   return remainders;
 }
 
-/*! a remainder; bit: where it begins, from a block's or a step's start. Reads up to 8 bytes from there. */
-inline uint32_t remainderAt (const void* start, uint32_t bit, uint32_t bits)
+/*! Adds the remainder of a vertex on an axis to it, or replaces it. start: of the block or of the step; vertex: its number, row by row;
+ *  without: the vertex without its remainder. Reads up to 8 bytes from where the remainder begins. */
+inline float withRemainder (const void* start, uint32_t remainders, uint32_t vertex, int axis, float spacing, float without)
 {
+  const uint32_t bits = remainderBits(remainders,axis), bit = remainderBegin(remainders,vertex,axis);
   uint64_t read;
   std::memcpy(&read,(const uint8_t*)start + (bit >> 3),sizeof(read));
-  return uint32_t(read >> (bit & 7u)) & ((1u << bits) - 1u);
+  const uint32_t word = uint32_t(read >> (bit & 7u));
+  if (bits == remaindersAreFloats) return floatOfBits(word);
+  return without + float(word & ((1u << bits) - 1u))*remainderSpacing(spacing,bits);
 }
 
 /*! bytes of a block at its first step, without the numbers of quads, and without those that fill it up */

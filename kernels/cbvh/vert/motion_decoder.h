@@ -49,17 +49,6 @@ namespace embree
         float turn[9];
       };
 
-      /*! vertices of a cell in the world */
-      struct WorldVerticesOfCell
-      {
-        CellVertices& out;
-        const VertSpacing& spacing;
-        const float* origin;
-
-        __forceinline void put (int axis, const CellVector& v) const { store(axis,madd(v,spacing.at[axis],origin[axis])); }
-        __forceinline void store (int axis, const CellVector& v) const { CoordinatesOfCell{ out }.put(axis,v); }
-      };
-
       class MotionDecoder
       {
       public:
@@ -116,11 +105,9 @@ namespace embree
               residualsOfFirst(boxes,lane,first);
               hasFirst = true;
             }
-            if (unlikely(hasRemainders(step.form))) {
-              const CellRemainders remainders(step.data,step.remainders,step.spacing,block->region,gx,gy);
-              decodeGroup(step,cells.words[lane],fields,base,turns ? &first : nullptr,WithRemainders<WorldVerticesOfCell>{ world,remainders });
-            }
-            else decodeGroup(step,cells.words[lane],fields,base,turns ? &first : nullptr,world);
+            if (turns) decodeCell(cells.words[lane],fields,TurnedBase(base,*step.later,first),world);
+            else decodeCell(cells.words[lane],fields,base,world);
+            if (unlikely(hasRemainders(step.form))) addRemainders(step.data,step.remainders,step.spacing,block->region,gx,gy,out.ends[e]);
           }
         }
 
@@ -171,14 +158,6 @@ namespace embree
             return hasHigh ? uint32_t(low) | uint32_t(data[wordsHigh+g]) << 16 : uint32_t(low);
           }
         };
-
-        /*! first: residuals of the first step, which are turned, or null */
-        template<typename Out>
-        static __forceinline void decodeGroup (const Step& step, uint32_t word, const uint8_t* fields, const CellBase& base, const CellVertices* first, const Out& out)
-        {
-          if (first) decodeCell(word,fields,TurnedBase(base,*step.later,*first),out);
-          else decodeCell(word,fields,base,out);
-        }
 
         /*! corners of groups, in coordinates */
         void decodeCorners (const Step& step, CellVertices& out) const

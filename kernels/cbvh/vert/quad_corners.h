@@ -55,16 +55,6 @@ namespace embree
         return a.with([&](const vfloatV& x) { return madd(x,vfloatV(b),vfloatV(c)); });
       }
 
-      __forceinline CellVector operator+ (const CellVector& a, const CellVector& b)
-      {
-        CellVector r;
-        for (int n=0; n<fieldVectors; n++) r.at[n] = a.at[n]+b.at[n];
-#if !defined(__AVX512F__)
-        r.last = a.last+b.last;
-#endif
-        return r;
-      }
-
       /*! the four corners of the 4 x 4 quads that a cell's vertices make, one coordinate, in vectors of quads */
       class QuadCornersV
       {

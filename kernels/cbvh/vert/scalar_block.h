@@ -148,10 +148,7 @@ namespace embree
       void addRemainders(const VertSpacing& spacing)
       {
         for (uint32_t i=0; i<(quadsX+1)*(quadsY+1); i++)
-          for (int k=0; k<3; k++) {
-            const uint32_t bits = remainderBits(cells.remainders,k);
-            vertices[i][k] += float(remainderAt(cells.start,remainderBegin(cells.remainders,i,k),bits))*remainderSpacing(spacing.at[k],bits);
-          }
+          for (int k=0; k<3; k++) vertices[i][k] = withRemainder(cells.start,cells.remainders,i,k,spacing.at[k],vertices[i][k]);
       }
 
       /*! of a corner of groups, in spacings of the sheared axis */

@@ -80,6 +80,7 @@ namespace embree
         if (remainders & 0x8000u) return "parts of a later format";
         for (int k=0; k<3; k++) {
           const uint32_t bits = remainderBits(remainders,k);
+          if (bits == remaindersAreFloats) continue;
           if (bits > maxRemainderBits) return "a remainder of too many bits";
           if (!(remainderSpacing(spacing.at[k],bits) >= std::numeric_limits<float>::min())) return "remainders out of range";
         }

@@ -211,8 +211,9 @@ vec3 cbvhWorldVertex (CbvhVertBlock block, CbvhVertStep step_, uint gx, uint gy,
   for (int k = 0; k < 3; k++) {
     uint bits = remainderBits(step_.remainders, k);
     if (bits == 0u) continue;
-    uint remainder = cbvhBits(step_.at, remainderBegin(step_.remainders, y*(block.quadsX + 1u) + x, k)) & ((1u << bits) - 1u);
-    at[k] += float(remainder)*remainderSpacing(step_.spacing.at[k], bits);
+    uint word = cbvhBits(step_.at, remainderBegin(step_.remainders, y*(block.quadsX + 1u) + x, k));
+    if (bits == remaindersAreFloats) at[k] = uintBitsToFloat(word);
+    else at[k] += float(word & ((1u << bits) - 1u))*remainderSpacing(step_.spacing.at[k], bits);
   }
   return at;
 }
