@@ -72,12 +72,19 @@ namespace embree
       template<typename OnCell>
       bool pack (const VertPlacement& at, uint32_t form, uint8_t* block, const OnCell& onCell)
       {
-        for (;;)
+        for (bool isBalanced=false; ; )
         {
           place();
           VertHeader& header = begin(at,form | uint32_t(hasRemainders()) << 24,block);
-          if (packCells(header,block,onCell)) break;
-          if (!coarsen(cell.excess)) return false;
+          if (!packCells(header,block,onCell)) {
+            if (!coarsen(cell.excess)) return false;
+            continue;
+          }
+          if (isBalanced || !hasRemainders()) break;
+          int bits[3];
+          if (!findMovable(bits)) break;
+          isBalanced = true;
+          if (!coarsen(bits)) return false;
         }
         if (hasRemainders()) {
           uint32_t word;
@@ -112,8 +119,25 @@ namespace embree
       uint8_t* end;
       CellEncoder cell;
       BoxEncoder boxes;
+      uint32_t residualBits[3]; //!< by axis: of a field, summed over groups
 
     private:
+      /*! Residuals of noise have as few bits as this where there are remainders: 21 of 25 vertices of a cell have one, and those of a block's
+       *  border are in one cell, those of groups' in two; a remainder is stored once. */
+      static const int bitsOfNoise = 5;
+
+      /*! by axis: bits that may go from residuals to remainders; false if there are none */
+      bool findMovable (int bits[3]) const
+      {
+        bool any = false;
+        for (int k=0; k<3; k++) {
+          const int mean = int(residualBits[k]/layout.groups);
+          bits[k] = remainderBits[k] == remaindersAreFloats ? 0 : std::max(mean-bitsOfNoise,0);
+          any |= bits[k] > 0;
+        }
+        return any;
+      }
+
       /*! what a block has in common with raw ones */
       VertHeader& begin (const VertPlacement& at, uint32_t form, uint8_t* block)
       {
@@ -144,6 +168,7 @@ namespace embree
         header.word = cell.word;
         write(header.origin,header.corners,header.word);
         end = cell.write(block+layout.cell);
+        for (uint32_t& sum : residualBits) sum = 0;
         for (uint32_t g=0; g<layout.groups; g++)
         {
           const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
@@ -152,6 +177,7 @@ namespace embree
           cell.predict(sides,1);
           onCell(int(g),cell);
           if (!cell.encode()) return false;
+          for (int i=0; i<3; i++) residualBits[cellAxis(cell.word,i)] += uint32_t(cellBits(cell.word,i));
           const uint16_t low = uint16_t(cell.word);
           memcpy(block+layout.words+2*g,&low,sizeof(low));
           block[layout.wordsHigh+g] = uint8_t(cell.word >> 16);
