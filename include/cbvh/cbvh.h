@@ -179,7 +179,8 @@ struct CbvhDicing
   const float* maxRates;            /* of each edge, likewise, one an index, for example the texels along it; NULL: maxRate alone */
 };
 
-/* How near to its vertices a surface is stored. Zeros: a spacing of 1/36 of the quads' edges, or less; see also cbvhSetLossless. */
+/* How near to its vertices a surface is stored. Zeros: a spacing of 1/36 of the quads' edges, or less, of
+ * a cage, of 1/512 of grids and meshes; see also cbvhSetLossless. */
 struct CbvhAccuracy
 {
   float maxError;                   /* world units: spacing of the lattice, at most; no vertex moves by more than half of it on an axis, 0.866 of it in space */

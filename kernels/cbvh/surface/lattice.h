@@ -36,6 +36,10 @@ namespace embree
      *  a cell's fields. */
     static constexpr double finestOfEdge = 1.0/96;
 
+    /*! Default spacing of vertices that an application hands over, as a part of that edge. It knows them: rays that it starts at them, 1/200 of an edge
+     *  above the surface, start above what is stored, too, on slopes of up to 45 degrees; and what it shades at them has no shadow of its own. */
+    static constexpr double spacingOfGivenEdge = 1.0/512;
+
     /*! median: of edges along u or v, of that many quads; diagonal: of the geometry's bounds */
     inline double defaultSpacing(double median, unsigned quads, double diagonal)
     {

@@ -15,6 +15,11 @@ namespace embree
     class LatticeChoice
     {
     public:
+      /*! of vertices that are evaluated, or of those of an application */
+      enum Vertices { EVALUATED, GIVEN };
+
+      explicit LatticeChoice (Vertices vertices) : vertices(vertices) {}
+
       /*! of so many quads along u and v */
       void addPatch (const unsigned quads[2]) { for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]); }
 
@@ -36,7 +41,7 @@ namespace embree
         }
         for (int d=0; d<2; d++) {
           const double median = (samples[d].empty() ? coarse[d] : samples[d]).median();
-          const double wanted = cbvh::defaultSpacing(median,fewest[d],diagonal);
+          const double wanted = vertices == GIVEN ? median*cbvh::spacingOfGivenEdge : cbvh::defaultSpacing(median,fewest[d],diagonal);
           if (wanted > 0) spacing = spacing > 0 ? min(spacing,wanted) : wanted;
         }
         return cbvh::latticeExponent(spacingAskedFor(plan,lower,upper,spacing));
@@ -63,6 +68,7 @@ namespace embree
         return spacing < INFINITY ? spacing : byDefault;
       }
 
+      const Vertices vertices;
       cbvh::EdgeSample samples[2], coarse[2]; //!< along u, v
       unsigned fewest[2] = { ~0u,~0u };       //!< quads
     };
