@@ -104,7 +104,7 @@ float skyViewFactor(const Options& options, const Terrain& terrain, Vec3f from, 
   double sum = 0;
   for (int i = 0; i < options.azimuths; i++)
   {
-    const double azimuth = 2 * M_PI * i / options.azimuths;
+    const double azimuth = 2 * M_PI * (i + 0.5) / options.azimuths; // not along an axis: such rays run in the border's plane
     const auto isOccluded = [&](double degrees) {
       rays++;
       const double angle = degrees * M_PI / 180;
@@ -162,7 +162,8 @@ void measure(const Options& options, Elevation& elevation, Terrain& terrain)
       sum += double(factor), valid++;
   std::printf("%d x %d cells with %d azimuths: %.1f million rays in %.1f s, %.2f million per second; mean sky-view factor %.4f\n",
               w, h, options.azimuths, double(rays) * 1e-6, seconds, double(rays) * 1e-6 / seconds, valid ? sum / double(valid) : NAN);
-  writeImageFile(options.output, OIIO::ImageSpec(w, h, 1, OIIO::TypeDesc::FLOAT), OIIO::TypeDesc::FLOAT, factors.data());
+  const bool isPng = options.output.size() > 4 && options.output.substr(options.output.size() - 4) == ".png";
+  writeImageFile(options.output, OIIO::ImageSpec(w, h, 1, isPng ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::FLOAT), OIIO::TypeDesc::FLOAT, factors.data());
 }
 
 int run(int argc, char** argv)
