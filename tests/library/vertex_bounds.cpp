@@ -1,0 +1,353 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* How far cVERT moves vertices: on each axis by at most half a spacing, and the spacing is never coarser than RTCCompressionArguments::maxError
+ * asks for, except on an axis where floats themselves are coarser, and there never coarser than the step between floats. Vertices are compared
+ * with the application's own floats, in long double; no rule of the library is repeated here. */
+
+#include "support/scene.h"
+
+#include <embree3/rtcore_compressed_triangles.h>
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace cbvh::test {
+namespace {
+
+// --- surfaces ------------------------------------------------------------------------------------
+
+// width x height vertices, row by row, at each time step. Quads lie between neighbors.
+struct Sheet
+{
+  unsigned width, height;
+  std::vector<std::vector<Vec>> steps;
+
+  size_t quads() const { return size_t(width - 1)*(height - 1); }
+};
+
+// A bumpy sheet of about [-1,1]^2, of vertices in general position; it bends and drifts from step to step.
+Sheet bumpySheet(unsigned side, unsigned numSteps, double scale = 1, const std::array<double, 3>& offset = {0, 0, 0})
+{
+  Random random(5);
+  Sheet sheet = {side, side, {}};
+  std::vector<std::array<double, 3>> jitter(size_t(side)*side);
+  for (auto& j : jitter) for (double& x : j) x = random.uniform(-0.1, 0.1)*2/(side - 1);
+  for (unsigned step = 0; step < numSteps; step++) {
+    std::vector<Vec> vertices;
+    for (unsigned y = 0; y < side; y++)
+      for (unsigned x = 0; x < side; x++) {
+        const auto& j = jitter[size_t(y)*side + x];
+        const double u = 2.0*x/(side - 1) - 1, v = 2.0*y/(side - 1) - 1;
+        const double p[3] = {u + j[0] + 0.07*step, v + j[1] - 0.03*step*u, 0.1*std::sin(7*u + 3*v)*std::cos(5*v) + j[2] + 0.05*step*v};
+        Vec vertex;
+        for (int k = 0; k < 3; k++) vertex[k] = float(offset[k] + scale*p[k]);
+        vertices.push_back(vertex);
+      }
+    sheet.steps.push_back(vertices);
+  }
+  return sheet;
+}
+
+enum class Kind { Grids, Quads, Triangles, Cage };
+constexpr Kind allKinds[] = {Kind::Grids, Kind::Quads, Kind::Triangles, Kind::Cage};
+const char* nameOf(Kind kind) { return kind == Kind::Grids ? "grids" : kind == Kind::Quads ? "quads" : kind == Kind::Triangles ? "triangles" : "cage"; }
+
+constexpr unsigned patchQuads = 16; // along a side of grids and faces of the cage, if the sheet has as many
+
+// A sheet as a compressed geometry of a kind, with what is stored of it.
+class Stored
+{
+public:
+  Stored(const Sheet& sheet, Kind kind, float maxError, unsigned quadsOfPatch = patchQuads) : sheet(sheet), kind(kind), quadsOfPatch(quadsOfPatch), scene(device)
+  {
+    const unsigned numSteps = unsigned(sheet.steps.size()), w = sheet.width;
+    geometry = rtcNewGeometry(device, kind == Kind::Grids ? RTC_GEOMETRY_TYPE_GRID : kind == Kind::Quads ? RTC_GEOMETRY_TYPE_QUAD
+                                    : kind == Kind::Triangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_SUBDIVISION);
+    rtcSetGeometryTimeStepCount(geometry, numSteps);
+    for (unsigned step = 0; step < numSteps; step++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, kind == Kind::Cage ? cageVertices() : sheet.steps[step]);
+    if (kind == Kind::Grids) {
+      std::vector<RTCGrid> grids;
+      for (unsigned y = 0; y + 1 < sheet.height; y += quadsOfPatch)
+        for (unsigned x = 0; x + 1 < w; x += quadsOfPatch) grids.push_back({y*w + x, w, (unsigned short)(quadsOfPatch + 1), (unsigned short)(quadsOfPatch + 1)});
+      setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids);
+    } else if (kind == Kind::Cage) {
+      std::vector<std::array<unsigned, 4>> faces;
+      const unsigned n = patches();
+      for (unsigned y = 0; y < n; y++)
+        for (unsigned x = 0; x < n; x++) faces.push_back({y*(n + 1) + x, y*(n + 1) + x + 1, (y + 1)*(n + 1) + x + 1, (y + 1)*(n + 1) + x});
+      setBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, std::vector<unsigned>(n*n, 4));
+      unsigned* const indices = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 4*faces.size());
+      std::memcpy(indices, faces.data(), 16*faces.size());
+      rtcSetGeometryTessellationRate(geometry, float(quadsOfPatch));
+      rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_PIN_ALL);
+      rtcSetGeometryUserData(geometry, this);
+      rtcSetGeometryDisplacementFunction(geometry, displace);
+    } else if (kind == Kind::Quads) {
+      std::vector<std::array<unsigned, 4>> quads;
+      forEachQuad([&](unsigned a, unsigned b, unsigned c, unsigned d) { quads.push_back({a, b, d, c}); });
+      setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, quads);
+    } else {
+      std::vector<std::array<unsigned, 3>> triangles;
+      forEachQuad([&](unsigned a, unsigned b, unsigned c, unsigned d) { triangles.push_back({a, b, c}); triangles.push_back({d, c, b}); });
+      setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles);
+    }
+    RTCCompressionArguments args;
+    rtcInitCompressionArguments(&args);
+    args.compression = RTC_COMPRESSION_VERT;
+    args.maxError = maxError;
+    rtcSetGeometryCompression(geometry, &args);
+    rtcCommitGeometry(geometry);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    statistics = statisticsOf(scene);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  }
+
+  // All vertices at a time step, in the order of the sheet; NaN where none was found. Empty for a mesh that is left to Embree, with its own floats.
+  std::vector<Vec> at(unsigned step)
+  {
+    if (statistics.numQuads == 0) return {};
+    vertices.assign(sheet.steps[0].size(), {NAN, NAN, NAN});
+    const float time = sheet.steps.size() > 1 ? float(step)/float(sheet.steps.size() - 1) : 0;
+    if (kind == Kind::Grids || kind == Kind::Cage) rtcForEachCompressedPartAtTime(geometry, time, addPart, this);
+    else {
+      unsigned primID = 0;
+      const auto add = [&](float u, float v, unsigned a, unsigned b, unsigned c) {
+        RTCCompressedTriangle triangle;
+        if (!rtcGetCompressedTriangleAtTime(geometry, time, primID, u, v, nullptr, &triangle)) return;
+        const unsigned corners[3] = {a, b, c};
+        for (int i = 0; i < 3; i++) set(corners[i], triangle.vertices[i]);
+      };
+      forEachQuad([&](unsigned a, unsigned b, unsigned c, unsigned d) {
+        add(0.25f, 0.25f, a, b, c);
+        if (kind == Kind::Triangles) primID++;
+        const float second = kind == Kind::Triangles ? 0.25f : 0.75f;
+        add(second, second, d, c, b);
+        primID++;
+      });
+    }
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    return vertices;
+  }
+
+  RTCCompressionStatistics statistics;
+
+private:
+  unsigned patches() const { return (sheet.width - 1)/quadsOfPatch; }
+
+  std::vector<Vec> cageVertices() const
+  {
+    std::vector<Vec> corners;
+    for (unsigned y = 0; y <= patches(); y++)
+      for (unsigned x = 0; x <= patches(); x++) corners.push_back({float(x), float(y), 0});
+    return corners;
+  }
+
+  template<typename Function>
+  void forEachQuad(const Function& function) const
+  {
+    for (unsigned y = 0; y + 1 < sheet.height; y++)
+      for (unsigned x = 0; x + 1 < sheet.width; x++) {
+        const unsigned a = y*sheet.width + x;
+        function(a, a + 1, a + sheet.width, a + sheet.width + 1);
+      }
+  }
+
+  size_t indexOf(unsigned primID, float u, float v) const
+  {
+    const unsigned x = primID % patches()*quadsOfPatch + unsigned(std::lround(u*float(quadsOfPatch)));
+    const unsigned y = primID/patches()*quadsOfPatch + unsigned(std::lround(v*float(quadsOfPatch)));
+    return size_t(y)*sheet.width + x;
+  }
+
+  // The sheet's own floats in place of the cage's surface: faces have the same for what they share.
+  static void displace(const RTCDisplacementFunctionNArguments* args)
+  {
+    const Stored& self = *(const Stored*)args->geometryUserPtr;
+    for (unsigned i = 0; i < args->N; i++) {
+      const Vec& p = self.sheet.steps[args->timeStep][self.indexOf(args->primID, args->u[i], args->v[i])];
+      args->P_x[i] = p[0]; args->P_y[i] = p[1]; args->P_z[i] = p[2];
+    }
+  }
+
+  static bool addPart(void* ptr, const RTCCompressedPart* part)
+  {
+    Stored& self = *(Stored*)ptr;
+    for (unsigned i = 0; i < part->width*part->height; i++)
+      self.set(self.indexOf(part->primID, part->parameters[2*i], part->parameters[2*i + 1]), part->vertices + 3*i);
+    return true;
+  }
+
+  void set(size_t index, const float* p)
+  {
+    Vec& vertex = vertices.at(index);
+    EXPECT_TRUE(std::isnan(vertex[0]) || std::equal(p, p + 3, vertex.begin())) << "two places of vertex " << index;
+    std::copy_n(p, 3, vertex.begin());
+  }
+
+  const Sheet& sheet;
+  const Kind kind;
+  const unsigned quadsOfPatch;
+  Device device;
+  Scene scene;
+  RTCGeometry geometry;
+  std::vector<Vec> vertices;
+};
+
+// --- what is promised -------------------------------------------------------------------------------
+
+// From a magnitude to the next float above it.
+long double floatStep(float magnitude) { return (long double)std::nextafter(magnitude, INFINITY) - (long double)magnitude; }
+
+typedef std::function<bool(unsigned x, unsigned y)> Exempt; // vertices in blocks with an outlier
+
+// Measures all vertices at all steps. spacing: asked for.
+void expectBounds(const Sheet& sheet, Kind kind, float spacing, float maxError, unsigned quadsOfPatch = patchQuads, const Exempt& isExempt = nullptr, bool mustMove = false)
+{
+  SCOPED_TRACE(testing::Message() << nameOf(kind) << ", " << sheet.steps.size() << " steps, spacing " << spacing);
+  Stored stored(sheet, kind, maxError, quadsOfPatch);
+  const auto isCounted = [&](size_t i) { return !isExempt || !isExempt(unsigned(i % sheet.width), unsigned(i/sheet.width)); };
+  long double allowed[3] = {}, most[3] = {}, mostDistance = 0, largest = 0;
+  for (int k = 0; k < 3; k++) {
+    float magnitude = 0;
+    for (const auto& vertices : sheet.steps)
+      for (size_t i = 0; i < vertices.size(); i++) if (isCounted(i)) magnitude = std::max(magnitude, std::fabs(vertices[i][k]));
+    allowed[k] = std::max((long double)spacing, floatStep(magnitude))/2;
+    largest = std::max(largest, (long double)magnitude);
+  }
+  size_t missing = 0;
+  for (unsigned step = 0; step < sheet.steps.size(); step++) {
+    const std::vector<Vec> found = stored.at(step);
+    if (found.empty()) continue;
+    for (size_t i = 0; i < found.size(); i++) {
+      long double square = 0;
+      missing += !(std::isfinite(found[i][0]) && std::isfinite(found[i][1]) && std::isfinite(found[i][2]));
+      for (int k = 0; k < 3; k++) {
+        const long double moved = std::fabs((long double)found[i][k] - (long double)sheet.steps[step][i][k]);
+        if (isCounted(i)) most[k] = std::max(most[k], moved);
+        square += moved*moved;
+      }
+      mostDistance = std::max(mostDistance, std::sqrt(square));
+    }
+  }
+  EXPECT_EQ(missing, 0u);
+  for (int k = 0; k < 3; k++) EXPECT_LE(double(most[k]/allowed[k]), 1) << "of half a spacing, on axis " << "xyz"[k] << ", where a spacing of " << double(2*allowed[k]) << " is allowed";
+  if (mustMove) {
+    EXPECT_EQ(stored.statistics.numQuads, sheet.quads()) << "compressed";
+    EXPECT_GT(most[0] + most[1] + most[2], 0) << "on a lattice";
+  }
+
+  /* the statistics report what was measured, rounded to a float */
+  const long double reported = stored.statistics.maxVertexDeviation;
+  EXPECT_GE(reported, mostDistance*(1 - 4*(long double)FLT_EPSILON)) << "maxVertexDeviation";
+  EXPECT_LE(reported, mostDistance*(1 + 16*(long double)FLT_EPSILON) + std::numeric_limits<float>::denorm_min()) << "maxVertexDeviation";
+}
+
+std::string nameOfCase(const testing::TestParamInfo<Kind>& info) { return nameOf(info.param); }
+
+class VertexBounds : public testing::TestWithParam<Kind> {};
+
+// --- the cases --------------------------------------------------------------------------------------
+
+// Spacings from a quad's edge down to 1/4096 of it.
+TEST_P(VertexBounds, HoldForAllSpacings)
+{
+  for (unsigned numSteps : {1u, 3u}) {
+    const Sheet sheet = bumpySheet(33, numSteps);
+    for (double part = 1; part < 5000; part *= 3) {
+      const float spacing = float(0.0625/part);
+      expectBounds(sheet, GetParam(), spacing, spacing, patchQuads, nullptr, part > 2 && part < 100);
+    }
+  }
+}
+
+// Without a spacing of the application's it is at most 1/36 of the quads' edges.
+TEST_P(VertexBounds, HoldForTheDefaultSpacing)
+{
+  for (unsigned numSteps : {1u, 3u})
+    for (double scale : {1.0, 3e-5, 7e4}) {
+      const Sheet sheet = bumpySheet(33, numSteps, scale);
+      double longest = 0;
+      for (const auto& vertices : sheet.steps)
+        for (size_t i = 0; i + sheet.width < vertices.size(); i++) {
+          double square = 0;
+          for (int k = 0; k < 3; k++) square += std::pow(double(vertices[i + sheet.width][k]) - double(vertices[i][k]), 2);
+          longest = std::max(longest, std::sqrt(square));
+        }
+      expectBounds(sheet, GetParam(), float(longest/36), 0, patchQuads, nullptr, true);
+    }
+}
+
+TEST_P(VertexBounds, HoldAtEveryScale)
+{
+  for (unsigned numSteps : {1u, 3u})
+    for (int decade = -30; decade <= 30; decade++) {
+      SCOPED_TRACE(testing::Message() << "scale 1e" << decade);
+      const double scale = std::pow(10.0, decade);
+      const float spacing = float(scale*0.001);
+      expectBounds(bumpySheet(33, numSteps, scale), GetParam(), spacing, spacing, patchQuads, nullptr, true);
+    }
+}
+
+// An axis far from the origin does not coarsen the others.
+TEST_P(VertexBounds, HoldFarFromTheOrigin)
+{
+  for (unsigned numSteps : {1u, 3u})
+    for (double distance : {528980.0, -4.5e6, 1e7, 1e12})
+      for (unsigned axes = 1; axes < 8; axes++) {
+        SCOPED_TRACE(testing::Message() << distance << " along " << (axes & 1 ? "x" : "") << (axes & 2 ? "y" : "") << (axes & 4 ? "z" : ""));
+        const std::array<double, 3> offset = {axes & 1 ? distance : 0, axes & 2 ? distance : 0, axes & 4 ? distance : 0};
+        for (double scale : {1.0, 1000.0}) expectBounds(bumpySheet(33, numSteps, scale, offset), GetParam(), float(0.001*scale), float(0.001*scale));
+      }
+}
+
+// As on a national grid: easting and northing are far, heights are not.
+TEST_P(VertexBounds, HoldOnANationalGrid)
+{
+  for (const auto& corner : {std::array<double, 3>{528980, 183526, 40}, std::array<double, 3>{4.5e6, 5.4e6, 300}})
+    for (float spacing : {0.01f, 0.05f}) expectBounds(bumpySheet(33, 1, 33, corner), GetParam(), spacing, spacing);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, VertexBounds, testing::ValuesIn(allKinds), nameOfCase);
+
+// --- outliers -------------------------------------------------------------------------------------------
+
+/* A block has at most 16 x 16 quads: vertices that are further than 16 quads from the outlier, along either side, are in none with it. The
+ * outlier is far along one axis or along all. */
+void expectBoundsNextToOutlier(Kind kind, unsigned side, unsigned quadsOfPatch, unsigned numSteps)
+{
+  const unsigned outlierX = side*2/3, outlierY = side/3;
+  const Exempt isNear = [&](unsigned x, unsigned y) { return std::max(x, outlierX) - std::min(x, outlierX) <= 16 && std::max(y, outlierY) - std::min(y, outlierY) <= 16; };
+  const float spacing = 2.0f/float(side - 1)/20;
+  for (float distance : {1e6f, 1e7f, 1e30f})
+    for (unsigned axes : {4u, 7u}) {
+      SCOPED_TRACE(testing::Message() << side << " x " << side << " vertices, one at " << distance << (axes == 7 ? " along all axes" : " along z"));
+      Sheet sheet = bumpySheet(side, numSteps);
+      for (int k = 0; k < 3; k++) if (axes >> k & 1) sheet.steps.back()[size_t(outlierY)*side + outlierX][k] = distance;
+      expectBounds(sheet, kind, spacing, spacing, quadsOfPatch, isNear);
+    }
+}
+
+TEST(VertexBoundsNextToAnOutlier, OneGrid) { expectBoundsNextToOutlier(Kind::Grids, 401, 400, 1); }
+TEST(VertexBoundsNextToAnOutlier, ManyGrids) { expectBoundsNextToOutlier(Kind::Grids, 401, 16, 1); }
+TEST(VertexBoundsNextToAnOutlier, MovingGrids) { expectBoundsNextToOutlier(Kind::Grids, 321, 64, 2); }
+TEST(VertexBoundsNextToAnOutlier, Quads) { expectBoundsNextToOutlier(Kind::Quads, 321, 0, 1); }
+TEST(VertexBoundsNextToAnOutlier, Triangles) { expectBoundsNextToOutlier(Kind::Triangles, 321, 0, 1); }
+TEST(VertexBoundsNextToAnOutlier, Cage) { expectBoundsNextToOutlier(Kind::Cage, 321, 320, 1); }
+
+TEST(VertexBoundsNextToAnOutlier, AMillionVertices)
+{
+  const unsigned side = 1001;
+  Sheet sheet = bumpySheet(side, 1);
+  sheet.steps[0][size_t(500)*side + 700][2] = 1e7f;
+  const Exempt isNear = [](unsigned x, unsigned y) { return x >= 684 && x <= 716 && y >= 484 && y <= 516; };
+  expectBounds(sheet, Kind::Grids, 1e-4f, 1e-4f, 1000, isNear);
+}
+
+} // namespace
+} // namespace cbvh::test
