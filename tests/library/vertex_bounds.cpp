@@ -113,24 +113,8 @@ public:
   {
     if (statistics.numQuads == 0) return {};
     vertices.assign(sheet.steps[0].size(), {NAN, NAN, NAN});
-    const float time = sheet.steps.size() > 1 ? float(step)/float(sheet.steps.size() - 1) : 0;
-    if (kind == Kind::Grids || kind == Kind::Cage) rtcForEachCompressedPartAtTime(geometry, time, addPart, this);
-    else {
-      unsigned primID = 0;
-      const auto add = [&](float u, float v, unsigned a, unsigned b, unsigned c) {
-        RTCCompressedTriangle triangle;
-        if (!rtcGetCompressedTriangleAtTime(geometry, time, primID, u, v, nullptr, &triangle)) return;
-        const unsigned corners[3] = {a, b, c};
-        for (int i = 0; i < 3; i++) set(corners[i], triangle.vertices[i]);
-      };
-      forEachQuad([&](unsigned a, unsigned b, unsigned c, unsigned d) {
-        add(0.25f, 0.25f, a, b, c);
-        if (kind == Kind::Triangles) primID++;
-        const float second = kind == Kind::Triangles ? 0.25f : 0.75f;
-        add(second, second, d, c, b);
-        primID++;
-      });
-    }
+    timeOfStep = sheet.steps.size() > 1 ? float(step)/float(sheet.steps.size() - 1) : 0;
+    rtcForEachCompressedPartAtTime(geometry, timeOfStep, addPart, this);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     return vertices;
   }
@@ -178,9 +162,57 @@ private:
   static bool addPart(void* ptr, const RTCCompressedPart* part)
   {
     Stored& self = *(Stored*)ptr;
+    if (part->primitivesPerQuad) {
+      self.addMeshPart(*part);
+      return true;
+    }
     for (unsigned i = 0; i < part->width*part->height; i++)
       self.set(self.indexOf(part->primID, part->parameters[2*i], part->parameters[2*i + 1]), part->vertices + 3*i);
     return true;
+  }
+
+  /* A part of a mesh may be turned and mirrored: neighboring quads show how. Looks quads up one by one where there are none, which is slow. */
+  void addMeshPart(const RTCCompressedPart& part)
+  {
+    const unsigned w = part.width - 1, h = part.height - 1, columns = sheet.width - 1;
+    const auto quadAt = [&](unsigned x, unsigned y) {
+      const unsigned quad = part.primIDs[(size_t(y)*w + x)*part.primitivesPerQuad]/part.primitivesPerQuad;
+      return std::array<int, 2>{int(quad % columns), int(quad/columns)};
+    };
+    const auto at = [&](unsigned x, unsigned y) { return part.vertices + 3*(size_t(y)*part.width + x); };
+    const auto first = quadAt(0, 0);
+    bool isRegular = w > 1 && h > 1;
+    int du[2] = {}, dv[2] = {};
+    if (isRegular) {
+      for (int k : {0, 1}) { du[k] = quadAt(1, 0)[k] - first[k]; dv[k] = quadAt(0, 1)[k] - first[k]; }
+      isRegular = std::abs(du[0]) + std::abs(du[1]) == 1 && std::abs(dv[0]) + std::abs(dv[1]) == 1 && du[0]*dv[0] + du[1]*dv[1] == 0;
+    }
+    for (unsigned y = 0; y < h && isRegular; y++)
+      for (unsigned x = 0; x < w && isRegular; x++)
+        for (int k : {0, 1}) isRegular &= quadAt(x, y)[k] == first[k] + int(x)*du[k] + int(y)*dv[k];
+    if (!isRegular) {
+      for (unsigned y = 0; y < h; y++)
+        for (unsigned x = 0; x < w; x++) lookUp(unsigned(quadAt(x, y)[0]), unsigned(quadAt(x, y)[1]));
+      return;
+    }
+    for (unsigned y = 0; y < part.height; y++)
+      for (unsigned x = 0; x < part.width; x++) {
+        int place[2];
+        for (int k : {0, 1}) place[k] = (2*first[k] + 1 + (2*int(x) - 1)*du[k] + (2*int(y) - 1)*dv[k])/2;
+        set(size_t(place[1])*sheet.width + size_t(place[0]), at(x, y));
+      }
+  }
+
+  void lookUp(unsigned x, unsigned y)
+  {
+    const unsigned quad = y*(sheet.width - 1) + x, a = y*sheet.width + x, b = a + 1, c = a + sheet.width, d = c + 1;
+    const unsigned corners[2][3] = {{a, b, c}, {d, c, b}};
+    for (unsigned i : {0u, 1u}) {
+      RTCCompressedTriangle triangle;
+      const float u = kind == Kind::Quads && i ? 0.75f : 0.25f;
+      if (!rtcGetCompressedTriangleAtTime(geometry, timeOfStep, kind == Kind::Quads ? quad : 2*quad + i, u, u, nullptr, &triangle)) continue;
+      for (int k = 0; k < 3; k++) set(corners[i][k], triangle.vertices[k]);
+    }
   }
 
   void set(size_t index, const float* p)
@@ -196,6 +228,7 @@ private:
   Device device;
   Scene scene;
   RTCGeometry geometry;
+  float timeOfStep = 0;
   std::vector<Vec> vertices;
 };
 
