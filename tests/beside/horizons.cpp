@@ -1,11 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Horizons as programs find them that compute sky-view factors of elevation models: any-hit rays start 0.01 m above the grid's own vertices
- * and rise until they miss. The default accuracy must serve such programs: a vertex that is stored above its ray's start hides the whole sky.
- * The same rays through exact triangles, by Embree's robust kernel, give the horizons to compare with.
+/* Finds horizons as programs do that compute sky-view factors of elevation models: any-hit rays start 0.01 m above the
+ * grid's own vertices and rise until they miss. The default accuracy must serve such programs: a vertex that is stored
+ * above its ray's start hides the whole sky. The expected horizons come from the same rays through the exact triangles,
+ * in Embree's robust mode.
  *
- *   beside_horizons [--max-error E] [--searches N]      prints a line per terrain; E: of cbvhSetAccuracy, 0 for the default */
+ *   beside_horizons [--max-error E] [--searches N]
+ *
+ * Prints a line per terrain. E is maxError of cbvhSetAccuracy, 0 for the default. */
 
 #include "host.h"
 
@@ -47,7 +50,8 @@ double heightAt(double x, double y)
     const int i = int(std::floor(u)), j = int(std::floor(v));
     const auto smooth = [](double t) { return t*t*(3 - 2*t); };
     const double a = smooth(u - i), b = smooth(v - j);
-    sum += amplitude*((1 - b)*((1 - a)*valueAt(i, j, octave) + a*valueAt(i + 1, j, octave)) + b*((1 - a)*valueAt(i, j + 1, octave) + a*valueAt(i + 1, j + 1, octave)));
+    sum += amplitude*((1 - b)*((1 - a)*valueAt(i, j, octave) + a*valueAt(i + 1, j, octave))
+        + b*((1 - a)*valueAt(i, j + 1, octave) + a*valueAt(i + 1, j + 1, octave)));
   }
   return sum;
 }
@@ -61,7 +65,8 @@ struct Terrain
   Terrain(unsigned side, double x0, double y0, double z0) : side(side)
   {
     for (unsigned y = 0; y < side; y++)
-      for (unsigned x = 0; x < side; x++) vertices.push_back({float(x0 + cell*x), float(y0 + cell*y), float(z0 + heightAt(x, y))});
+      for (unsigned x = 0; x < side; x++)
+        vertices.push_back({float(x0 + cell*x), float(y0 + cell*y), float(z0 + heightAt(x, y))});
     vertices.push_back({0, 0, 0}); // may be read
   }
 };
@@ -117,11 +122,17 @@ public:
     const unsigned side = terrain.side;
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); // else rays pass between triangles
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec), size_t(side)*side), terrain.vertices.data(), sizeof(Vec)*size_t(side)*side);
-    unsigned* index = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, 2*size_t(side - 1)*(side - 1));
+    const size_t count = size_t(side)*side;
+    void* const copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec), count);
+    std::memcpy(copy, terrain.vertices.data(), sizeof(Vec)*count);
+    unsigned* index = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
+        2*size_t(side - 1)*(side - 1));
     for (unsigned y = 0; y + 1 < side; y++)
       for (unsigned x = 0; x + 1 < side; x++)
-        for (unsigned corner : {y*side + x, y*side + x + 1, (y + 1)*side + x, (y + 1)*side + x, y*side + x + 1, (y + 1)*side + x + 1}) *index++ = corner;
+      {
+        const unsigned a = y*side + x, b = a + 1, c = a + side, d = c + 1;
+        for (unsigned corner : {a, b, c, c, b, d}) *index++ = corner;
+      }
     rtcSetGeometryMask(geometry, ~0u); // Embree 4 begins with 1
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
@@ -176,7 +187,8 @@ template<typename Surface>
 bool isOccludedAt(const Surface& surface, const Vec& from, double azimuth, double elevation)
 {
   const double degree = M_PI/180;
-  RTCRayHit ray = makeRay(from, {float(std::sin(azimuth)*std::cos(elevation*degree)), float(std::cos(azimuth)*std::cos(elevation*degree)), float(std::sin(elevation*degree))});
+  RTCRayHit ray = makeRay(from, {float(std::sin(azimuth)*std::cos(elevation*degree)),
+      float(std::cos(azimuth)*std::cos(elevation*degree)), float(std::sin(elevation*degree))});
   return surface.isOccluded(ray.ray);
 }
 
@@ -202,7 +214,8 @@ void testTerrain(RTCDevice device, CbvhContext context, const Accuracy& accuracy
     from[2] += lift;
     const IsOccluded ours = [&](double elevation) { return isOccludedAt(compressed, from, azimuth, elevation); };
     const IsOccluded theirs = [&](double elevation) { return isOccludedAt(exact, from, azimuth, elevation); };
-    const double found[2] = {discreteSearch(ours), binarySearch(ours)}, expected[2] = {discreteSearch(theirs), binarySearch(theirs)};
+    const double found[2] = {discreteSearch(ours), binarySearch(ours)};
+    const double expected[2] = {discreteSearch(theirs), binarySearch(theirs)};
     CHECK(expected[0] < 90);
     result.unended += found[0] >= 90;
     for (int k : {0, 1}) {
@@ -212,9 +225,13 @@ void testTerrain(RTCDevice device, CbvhContext context, const Accuracy& accuracy
     }
   }
   const Vec& corner = terrain.vertices[0];
-  std::printf("%u x %u from (%.2f, %.2f, %.2f) on: vertices moved by up to %.4f m, %.2f bytes per quad; of %zu searches %zu without an end; off by more than %.2f degrees: "
-              "%zu discrete (most %.2f), %zu binary (most %.2f)\n", side, side, double(corner[0]), double(corner[1]), double(corner[2]), double(compressed.statistics.maxVertexDeviation),
-              double(compressed.statistics.bytes)/double(compressed.statistics.numQuads), searches, result.unended, agreement,
+  std::printf("%u x %u from (%.2f, %.2f, %.2f) on: vertices moved by up to %.4f m, %.2f bytes per quad; "
+              "of %zu searches %zu without an end; off by more than %.2f degrees: "
+              "%zu discrete (most %.2f), %zu binary (most %.2f)\n",
+              side, side, double(corner[0]), double(corner[1]), double(corner[2]),
+              double(compressed.statistics.maxVertexDeviation),
+              double(compressed.statistics.bytes)/double(compressed.statistics.numQuads),
+              searches, result.unended, agreement,
               result.others[0], result.most[0], result.others[1], result.most[1]);
   CHECK(compressed.statistics.numQuads == size_t(side - 1)*(side - 1));
   CHECK(result.unended == 0);

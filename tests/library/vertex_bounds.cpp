@@ -1,9 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* How far cVERT moves vertices: on each axis by at most half a spacing, and the spacing is never coarser than RTCCompressionArguments::maxError
- * asks for, except on an axis where floats themselves are coarser, and there never coarser than the step between floats. Vertices are compared
- * with the application's own floats, in long double; no rule of the library is repeated here. */
+/* How far cVERT moves vertices: on each axis by at most half a spacing. The spacing is never coarser than
+ * RTCCompressionArguments::maxError asks for, except on an axis where floats themselves are coarser, and there it is
+ * never coarser than the step between floats. Vertices are compared with the application's own floats, in long double;
+ * no rule of the library is repeated here. */
 
 #include "support/scene.h"
 
@@ -43,7 +44,8 @@ Sheet bumpySheet(unsigned side, unsigned numSteps, double scale = 1, const std::
       for (unsigned x = 0; x < side; x++) {
         const auto& j = jitter[size_t(y)*side + x];
         const double u = 2.0*x/(side - 1) - 1, v = 2.0*y/(side - 1) - 1;
-        const double p[3] = {u + j[0] + 0.07*step, v + j[1] - 0.03*step*u, 0.1*std::sin(7*u + 3*v)*std::cos(5*v) + j[2] + 0.05*step*v};
+        const double p[3] = {u + j[0] + 0.07*step, v + j[1] - 0.03*step*u,
+            0.1*std::sin(7*u + 3*v)*std::cos(5*v) + j[2] + 0.05*step*v};
         Vec vertex;
         for (int k = 0; k < 3; k++) vertex[k] = float(offset[k] + scale*p[k]);
         vertices.push_back(vertex);
@@ -55,7 +57,10 @@ Sheet bumpySheet(unsigned side, unsigned numSteps, double scale = 1, const std::
 
 enum class Kind { Grids, Quads, Triangles, Cage };
 constexpr Kind allKinds[] = {Kind::Grids, Kind::Quads, Kind::Triangles, Kind::Cage};
-const char* nameOf(Kind kind) { return kind == Kind::Grids ? "grids" : kind == Kind::Quads ? "quads" : kind == Kind::Triangles ? "triangles" : "cage"; }
+const char* nameOf(Kind kind)
+{
+  return kind == Kind::Grids ? "grids" : kind == Kind::Quads ? "quads" : kind == Kind::Triangles ? "triangles" : "cage";
+}
 
 constexpr unsigned patchQuads = 16; // along a side of grids and faces of the cage, if the sheet has as many
 
@@ -63,25 +68,35 @@ constexpr unsigned patchQuads = 16; // along a side of grids and faces of the ca
 class Stored
 {
 public:
-  Stored(const Sheet& sheet, Kind kind, float maxError, unsigned quadsOfPatch = patchQuads) : sheet(sheet), kind(kind), quadsOfPatch(quadsOfPatch), scene(device)
+  Stored(const Sheet& sheet, Kind kind, float maxError, unsigned quadsOfPatch = patchQuads)
+    : sheet(sheet), kind(kind), quadsOfPatch(quadsOfPatch), scene(device)
   {
     const unsigned numSteps = unsigned(sheet.steps.size()), w = sheet.width;
-    geometry = rtcNewGeometry(device, kind == Kind::Grids ? RTC_GEOMETRY_TYPE_GRID : kind == Kind::Quads ? RTC_GEOMETRY_TYPE_QUAD
-                                    : kind == Kind::Triangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_SUBDIVISION);
+    const RTCGeometryType types[] = {RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD, RTC_GEOMETRY_TYPE_TRIANGLE,
+                                     RTC_GEOMETRY_TYPE_SUBDIVISION};
+    geometry = rtcNewGeometry(device, types[int(kind)]);
     rtcSetGeometryTimeStepCount(geometry, numSteps);
-    for (unsigned step = 0; step < numSteps; step++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, kind == Kind::Cage ? cageVertices() : sheet.steps[step]);
+    for (unsigned step = 0; step < numSteps; step++) {
+      const std::vector<Vec> vertices = kind == Kind::Cage ? cageVertices() : sheet.steps[step];
+      setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, vertices);
+    }
     if (kind == Kind::Grids) {
       std::vector<RTCGrid> grids;
       for (unsigned y = 0; y + 1 < sheet.height; y += quadsOfPatch)
-        for (unsigned x = 0; x + 1 < w; x += quadsOfPatch) grids.push_back({y*w + x, w, (unsigned short)(quadsOfPatch + 1), (unsigned short)(quadsOfPatch + 1)});
+        for (unsigned x = 0; x + 1 < w; x += quadsOfPatch)
+          grids.push_back({y*w + x, w, (unsigned short)(quadsOfPatch + 1), (unsigned short)(quadsOfPatch + 1)});
       setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids);
     } else if (kind == Kind::Cage) {
       std::vector<std::array<unsigned, 4>> faces;
       const unsigned n = patches();
       for (unsigned y = 0; y < n; y++)
-        for (unsigned x = 0; x < n; x++) faces.push_back({y*(n + 1) + x, y*(n + 1) + x + 1, (y + 1)*(n + 1) + x + 1, (y + 1)*(n + 1) + x});
+        for (unsigned x = 0; x < n; x++) {
+          const unsigned corner = y*(n + 1) + x;
+          faces.push_back({corner, corner + 1, corner + n + 2, corner + n + 1});
+        }
       setBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, std::vector<unsigned>(n*n, 4));
-      unsigned* const indices = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 4*faces.size());
+      unsigned* const indices = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
+          RTC_FORMAT_UINT, 4, 4*faces.size());
       std::memcpy(indices, faces.data(), 16*faces.size());
       rtcSetGeometryTessellationRate(geometry, float(quadsOfPatch));
       rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_PIN_ALL);
@@ -93,7 +108,10 @@ public:
       setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, quads);
     } else {
       std::vector<std::array<unsigned, 3>> triangles;
-      forEachQuad([&](unsigned a, unsigned b, unsigned c, unsigned d) { triangles.push_back({a, b, c}); triangles.push_back({d, c, b}); });
+      forEachQuad([&](unsigned a, unsigned b, unsigned c, unsigned d) {
+        triangles.push_back({a, b, c});
+        triangles.push_back({d, c, b});
+      });
       setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles);
     }
     RTCCompressionArguments args;
@@ -108,7 +126,8 @@ public:
     error = device.takeError();
   }
 
-  // All vertices at a time step, in the order of the sheet; NaN where none was found. Empty for a mesh that is left to Embree, with its own floats.
+  // All vertices at a time step, in the order of the sheet; NaN where none was found. Empty for a mesh that is left
+  // to Embree, with its own floats.
   std::vector<Vec> at(unsigned step)
   {
     if (statistics.numQuads == 0) return {};
@@ -172,7 +191,8 @@ private:
     return true;
   }
 
-  /* A part of a mesh may be turned and mirrored: neighboring quads show how. Looks quads up one by one where there are none, which is slow. */
+  /* A part of a mesh may be turned and mirrored: neighboring quads show how. Without neighbors, quads are looked up one
+   * by one, which is slow. */
   void addMeshPart(const RTCCompressedPart& part)
   {
     const unsigned w = part.width - 1, h = part.height - 1, columns = sheet.width - 1;
@@ -186,7 +206,8 @@ private:
     int du[2] = {}, dv[2] = {};
     if (isRegular) {
       for (int k : {0, 1}) { du[k] = quadAt(1, 0)[k] - first[k]; dv[k] = quadAt(0, 1)[k] - first[k]; }
-      isRegular = std::abs(du[0]) + std::abs(du[1]) == 1 && std::abs(dv[0]) + std::abs(dv[1]) == 1 && du[0]*dv[0] + du[1]*dv[1] == 0;
+      isRegular = std::abs(du[0]) + std::abs(du[1]) == 1 && std::abs(dv[0]) + std::abs(dv[1]) == 1
+          && du[0]*dv[0] + du[1]*dv[1] == 0;
     }
     for (unsigned y = 0; y < h && isRegular; y++)
       for (unsigned x = 0; x < w && isRegular; x++)
@@ -211,7 +232,8 @@ private:
     for (unsigned i : {0u, 1u}) {
       RTCCompressedTriangle triangle;
       const float u = kind == Kind::Quads && i ? 0.75f : 0.25f;
-      if (!rtcGetCompressedTriangleAtTime(geometry, timeOfStep, kind == Kind::Quads ? quad : 2*quad + i, u, u, nullptr, &triangle)) continue;
+      const unsigned primID = kind == Kind::Quads ? quad : 2*quad + i;
+      if (!rtcGetCompressedTriangleAtTime(geometry, timeOfStep, primID, u, u, nullptr, &triangle)) continue;
       for (int k = 0; k < 3; k++) set(corners[i][k], triangle.vertices[k]);
     }
   }
@@ -236,11 +258,15 @@ private:
 // --- what is promised -------------------------------------------------------------------------------
 
 // From a magnitude to the next float above it.
-long double floatStep(float magnitude) { return (long double)std::nextafter(magnitude, INFINITY) - (long double)magnitude; }
+long double floatStep(float magnitude)
+{
+  return (long double)std::nextafter(magnitude, INFINITY) - (long double)magnitude;
+}
 
 typedef std::function<bool(unsigned x, unsigned y)> Exempt; // vertices in blocks with an outlier
 
-// Embree, compressed or not, leaves out what has a vertex beyond 1.844e18. A vertex that is a little nearer may be rounded to one beyond.
+// Embree, compressed or not, leaves out what has a vertex beyond 1.844e18. A vertex that is a little nearer may be
+// rounded to one beyond.
 constexpr float mostOfEmbree = 1.8e18f;
 
 // Whether each vertex is in a quad that Embree does not leave out.
@@ -263,19 +289,23 @@ std::vector<bool> vertexIsUsed(const Sheet& sheet)
 enum class Expected { Bounds, Lattice }; // Lattice: and that it is compressed, and some vertex moves
 
 // Measures all vertices at all steps. spacing: asked for, by maxError or by default.
-void expectBounds(const Sheet& sheet, Kind kind, float spacing, float maxError, Expected expected = Expected::Bounds, unsigned quadsOfPatch = patchQuads, const Exempt& isExempt = nullptr)
+void expectBounds(const Sheet& sheet, Kind kind, float spacing, float maxError, Expected expected = Expected::Bounds,
+    unsigned quadsOfPatch = patchQuads, const Exempt& isExempt = nullptr)
 {
   SCOPED_TRACE(testing::Message() << nameOf(kind) << ", " << sheet.steps.size() << " steps, spacing " << spacing);
   Stored stored(sheet, kind, maxError, quadsOfPatch);
   const std::vector<bool> isUsed = vertexIsUsed(sheet);
   const bool areAllUsed = std::find(isUsed.begin(), isUsed.end(), false) == isUsed.end();
   EXPECT_EQ(stored.error, kind == Kind::Cage && !areAllUsed ? RTC_ERROR_INVALID_ARGUMENT : RTC_ERROR_NONE);
-  const auto isCounted = [&](size_t i) { return isUsed[i] && !(isExempt && isExempt(unsigned(i % sheet.width), unsigned(i/sheet.width))); };
+  const auto isCounted = [&](size_t i) {
+    return isUsed[i] && !(isExempt && isExempt(unsigned(i % sheet.width), unsigned(i/sheet.width)));
+  };
   long double allowed[3] = {}, most[3] = {}, mostDistance = 0;
   for (int k = 0; k < 3; k++) {
     float magnitude = 0;
     for (const auto& vertices : sheet.steps)
-      for (size_t i = 0; i < vertices.size(); i++) if (isCounted(i)) magnitude = std::max(magnitude, std::fabs(vertices[i][k]));
+      for (size_t i = 0; i < vertices.size(); i++)
+        if (isCounted(i)) magnitude = std::max(magnitude, std::fabs(vertices[i][k]));
     allowed[k] = std::max((long double)spacing, floatStep(magnitude))/2;
   }
   size_t missing = 0;
@@ -298,7 +328,8 @@ void expectBounds(const Sheet& sheet, Kind kind, float spacing, float maxError, 
   }
   EXPECT_EQ(missing, 0u);
   for (int k = 0; k < 3; k++)
-    EXPECT_LE(double(most[k]/allowed[k]), 1) << "of half a spacing, on axis " << "xyz"[k] << ", where a spacing of " << double(2*allowed[k]) << " is allowed";
+    EXPECT_LE(double(most[k]/allowed[k]), 1) << "of half a spacing, on axis " << "xyz"[k] << ", where a spacing of "
+        << double(2*allowed[k]) << " is allowed";
   if (expected == Expected::Lattice) {
     EXPECT_EQ(stored.statistics.numQuads, sheet.quads()) << "compressed";
     EXPECT_GT(most[0] + most[1] + most[2], 0) << "on a lattice";
@@ -308,7 +339,8 @@ void expectBounds(const Sheet& sheet, Kind kind, float spacing, float maxError, 
   const long double reported = stored.statistics.maxVertexDeviation;
   EXPECT_GE(reported, mostDistance*(1 - 4*(long double)FLT_EPSILON)) << "maxVertexDeviation";
   if (areAllUsed) {
-    EXPECT_LE(reported, mostDistance*(1 + 16*(long double)FLT_EPSILON) + std::numeric_limits<float>::denorm_min()) << "maxVertexDeviation";
+    EXPECT_LE(reported, mostDistance*(1 + 16*(long double)FLT_EPSILON) + std::numeric_limits<float>::denorm_min())
+        << "maxVertexDeviation";
   }
 }
 
@@ -340,7 +372,8 @@ TEST_P(VertexBounds, HoldForTheDefaultSpacing)
       for (const auto& vertices : sheet.steps)
         for (size_t i = 0; i + sheet.width < vertices.size(); i++) {
           double square = 0;
-          for (int k = 0; k < 3; k++) square += std::pow(double(vertices[i + sheet.width][k]) - double(vertices[i][k]), 2);
+          const Vec &a = vertices[i], &b = vertices[i + sheet.width];
+          for (int k = 0; k < 3; k++) square += std::pow(double(b[k]) - double(a[k]), 2);
           longest = std::max(longest, std::sqrt(square));
         }
       expectBounds(sheet, GetParam(), float(longest/36), 0, Expected::Lattice);
@@ -354,7 +387,8 @@ TEST_P(VertexBounds, HoldAtEveryScale)
       SCOPED_TRACE(testing::Message() << "scale 1e" << decade);
       const double scale = std::pow(10.0, decade);
       const float spacing = float(scale*0.001);
-      expectBounds(bumpySheet(33, numSteps, scale), GetParam(), spacing, spacing, std::abs(decade) < 18 ? Expected::Lattice : Expected::Bounds);
+      expectBounds(bumpySheet(33, numSteps, scale), GetParam(), spacing, spacing,
+          std::abs(decade) < 18 ? Expected::Lattice : Expected::Bounds);
     }
 }
 
@@ -364,9 +398,12 @@ TEST_P(VertexBounds, HoldFarFromTheOrigin)
   for (unsigned numSteps : {1u, 3u})
     for (double distance : {528980.0, -4.5e6, 1e7, 1e12})
       for (unsigned axes = 1; axes < 8; axes++) {
-        SCOPED_TRACE(testing::Message() << distance << " along " << (axes & 1 ? "x" : "") << (axes & 2 ? "y" : "") << (axes & 4 ? "z" : ""));
-        const std::array<double, 3> offset = {axes & 1 ? distance : 0, axes & 2 ? distance : 0, axes & 4 ? distance : 0};
-        for (double scale : {1.0, 1000.0}) expectBounds(bumpySheet(33, numSteps, scale, offset), GetParam(), float(0.001*scale), float(0.001*scale));
+        SCOPED_TRACE(testing::Message() << distance << " along " << (axes & 1 ? "x" : "") << (axes & 2 ? "y" : "")
+            << (axes & 4 ? "z" : ""));
+        const std::array<double, 3> offset = {axes & 1 ? distance : 0, axes & 2 ? distance : 0,
+            axes & 4 ? distance : 0};
+        for (float spacing : {0.001f, 1.0f})
+          expectBounds(bumpySheet(33, numSteps, 1000*double(spacing), offset), GetParam(), spacing, spacing);
       }
 }
 
@@ -381,13 +418,16 @@ INSTANTIATE_TEST_SUITE_P(Kinds, VertexBounds, testing::ValuesIn(allKinds), nameO
 
 // --- outliers -------------------------------------------------------------------------------------------
 
-// A block has at most 16 x 16 quads: vertices that are further than 16 quads from the outlier, along either side, are in none with it.
+// A block has at most 16 x 16 quads: vertices that are further than 16 quads from the outlier, along either side, are
+// in none with it.
 Exempt nearTo(unsigned x0, unsigned y0)
 {
-  return [=](unsigned x, unsigned y) { return std::max(x, x0) - std::min(x, x0) <= 16 && std::max(y, y0) - std::min(y, y0) <= 16; };
+  const auto areNear = [](unsigned a, unsigned b) { return std::max(a, b) - std::min(a, b) <= 16; };
+  return [=](unsigned x, unsigned y) { return areNear(x, x0) && areNear(y, y0); };
 }
 
-// quadsOfPatch: 16 or all, so that the outlier is inside of a block, between blocks, on the border of a patch, and on its corner.
+// quadsOfPatch: 16 or all, so that the outlier is inside of a block, between blocks, on the border of a patch, and on
+// its corner.
 void expectBoundsNextToOutlier(Kind kind, unsigned side, unsigned quadsOfPatch, unsigned numSteps)
 {
   const Sheet sheet = bumpySheet(side, numSteps);
@@ -395,7 +435,8 @@ void expectBoundsNextToOutlier(Kind kind, unsigned side, unsigned quadsOfPatch, 
   for (const std::array<unsigned, 2>& at : {std::array<unsigned, 2>{267, 133}, {256, 133}, {side - 1, 133}, {0, 0}})
     for (float distance : {1e6f, -1e7f, 1e30f}) {
       const unsigned axes = distance == 1e6f ? 7 : 4;
-      SCOPED_TRACE(testing::Message() << side << " x " << side << " vertices, that at (" << at[0] << "," << at[1] << ") is " << distance << (axes == 7 ? " along all axes" : " along z"));
+      SCOPED_TRACE(testing::Message() << side << " x " << side << " vertices, that at (" << at[0] << "," << at[1]
+          << ") is " << distance << (axes == 7 ? " along all axes" : " along z"));
       Sheet withOutlier = sheet;
       for (int k = 0; k < 3; k++) if (axes >> k & 1) withOutlier.steps.back()[size_t(at[1])*side + at[0]][k] = distance;
       expectBounds(withOutlier, kind, spacing, spacing, Expected::Lattice, quadsOfPatch, nearTo(at[0], at[1]));

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* cbvh_terrain from the outside: sky-view factors of terrains whose factor is known, whatever the tiles are, and what it refuses. */
+/* cbvh_terrain from the outside: sky-view factors of terrains whose factor is known, tiles that are one surface, and
+ * arguments that the program rejects. */
 
 #include "basics/image_file.h"
 
@@ -53,9 +54,11 @@ protected:
   /* Runs the program, and returns what it wrote as floats. */
   Picture run(const std::string& arguments, const std::string& extension = ".tif")
   {
-    const std::string path = folder + "/factors" + std::to_string(files++) + extension, command = std::string(PROGRAM) + " " + arguments + " -o " + path;
+    const std::string path = folder + "/factors" + std::to_string(files++) + extension;
+    const std::string command = std::string(PROGRAM) + " " + arguments + " -o " + path;
     Picture picture;
-    EXPECT_EQ(std::system((command + " >" + folder + "/stdout 2>" + folder + "/stderr").c_str()), 0) << command << "\n" << textOf("/stderr");
+    EXPECT_EQ(std::system((command + " >" + folder + "/stdout 2>" + folder + "/stderr").c_str()), 0) << command
+        << "\n" << textOf("/stderr");
     if (const auto input = OIIO::ImageInput::open(path))
     {
       isFloat = input->spec().format == OIIO::TypeDesc::FLOAT;
@@ -75,7 +78,8 @@ protected:
 
   void expectRefusal(const std::string& arguments, const std::string& text)
   {
-    const int status = std::system((std::string(PROGRAM) + " " + arguments + " -o " + folder + "/none.tif >/dev/null 2>" + folder + "/stderr").c_str());
+    const int status = std::system((std::string(PROGRAM) + " " + arguments + " -o " + folder
+        + "/none.tif >/dev/null 2>" + folder + "/stderr").c_str());
     EXPECT_EQ(WEXITSTATUS(status), 1) << arguments;
     EXPECT_NE(textOf("/stderr").find(text), std::string::npos) << textOf("/stderr");
   }
@@ -85,13 +89,18 @@ protected:
   bool isFloat = false;
 };
 
-double hills(int x, int y) { return 40 * std::sin(0.11 * x + 0.03 * y) * std::cos(0.07 * y) + 9 * std::sin(0.7 * x) * std::sin(0.5 * y + 0.2 * x); }
+double hills(int x, int y)
+{
+  const double large = 40 * std::sin(0.11 * x + 0.03 * y) * std::cos(0.07 * y);
+  return large + 9 * std::sin(0.7 * x) * std::sin(0.5 * y + 0.2 * x);
+}
 
 TEST_F(Terrain, AFlatOneSeesAllOfTheSky)
 {
   for (double height : {0.0, -3.0, 1234.5})
   {
-    const Picture picture = run(write<float>(OIIO::TypeDesc::FLOAT, 201, 201, [=](int, int) { return height; }) + " --tile 64");
+    const Picture picture = run(write<float>(OIIO::TypeDesc::FLOAT, 201, 201, [=](int, int) { return height; })
+        + " --tile 64");
     EXPECT_TRUE(isFloat);
     ASSERT_EQ(picture.values.size(), 201u * 201u);
     for (float factor : picture.values)
@@ -99,8 +108,8 @@ TEST_F(Terrain, AFlatOneSeesAllOfTheSky)
   }
 }
 
-/* A round hole of radius R and depth D with a level floor: from its middle all horizons are at atan(D/R), so the factor is
- * R^2/(R^2 + D^2). The wall is one cell wide. */
+/* A round hole of radius R and depth D with a level floor. From its middle all horizons are at atan(D/R), so the factor
+ * is R^2/(R^2 + D^2). The wall is one cell wide. */
 TEST_F(Terrain, APitSeesWhatItsRimLeaves)
 {
   const int radius = 80, middle = 100;
@@ -108,10 +117,13 @@ TEST_F(Terrain, APitSeesWhatItsRimLeaves)
   {
     const int cell = depth == 20 ? 1 : 5;
     const double expected = 1.0 * radius * radius / (radius * radius + depth * depth);
-    const auto heightAt = [=](int x, int y) { return std::hypot(x - middle, y - middle) < radius ? 1000 : 1000 + depth * cell; };
+    const auto heightAt = [=](int x, int y) {
+      return std::hypot(x - middle, y - middle) < radius ? 1000 : 1000 + depth * cell;
+    };
     const std::string options = " --azimuths 32 --tile 33 --window 100,100,101,101 --cell " + std::to_string(cell);
     const Picture ofUnsigned = run(write<uint16_t>(OIIO::TypeDesc::UINT16, 201, 201, heightAt) + options);
-    const std::string path = write<int16_t>(OIIO::TypeDesc::INT16, 201, 201, [=](int x, int y) { return heightAt(x, y) - 2000; });
+    const std::string path = write<int16_t>(OIIO::TypeDesc::INT16, 201, 201,
+        [=](int x, int y) { return heightAt(x, y) - 2000; });
     const Picture ofSigned = run(path + options), in16Bits = run(path + options, ".png");
     ASSERT_EQ(ofUnsigned.values.size(), 1u);
     EXPECT_NEAR(ofUnsigned.at(0, 0), expected, 0.01) << "depth " << depth;
@@ -140,8 +152,11 @@ TEST_F(Terrain, TilesAreOneSurface)
 /* The quads are flat, so that their diagonals, which are not mirrored, do not matter. */
 TEST_F(Terrain, CopiesAreMirrored)
 {
-  const auto heightAt = [](int x, int y) { return 20 * std::sin(0.21 * x) + 11 * std::cos(0.4 * y) + 5 * std::sin(0.9 * x); };
-  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 41, 31, heightAt) + " --cell 3 --azimuths 8 --max-error 0.001 --repeat 2,3";
+  const auto heightAt = [](int x, int y) {
+    return 20 * std::sin(0.21 * x) + 5 * std::sin(0.9 * x) + 11 * std::cos(0.4 * y);
+  };
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 41, 31, heightAt)
+      + " --cell 3 --azimuths 8 --max-error 0.001 --repeat 2,3";
   const Picture plain = run(path + " --detail 0"), noisy = run(path);
   ASSERT_EQ(plain.width, 81);
   ASSERT_EQ(plain.height, 91);
@@ -157,7 +172,8 @@ TEST_F(Terrain, CopiesAreMirrored)
 
 TEST_F(Terrain, MissingSamplesAreHoles)
 {
-  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 51, 51, [](int x, int y) { return x == 20 && y > 10 ? -9999.0 : y == 3 ? NAN : hills(x, y); });
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 51, 51,
+      [](int x, int y) { return x == 20 && y > 10 ? -9999.0 : y == 3 ? NAN : hills(x, y); });
   const Picture picture = run(path + " --nodata -9999 --azimuths 4 --tile 20");
   ASSERT_EQ(picture.values.size(), 51u * 51u);
   for (int y = 0; y < 51; y++)

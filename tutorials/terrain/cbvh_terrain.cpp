@@ -16,6 +16,7 @@
 #include <sys/resource.h>
 
 #include <cstdio>
+#include <memory>
 
 namespace cbvh {
 namespace {
@@ -104,13 +105,16 @@ float skyViewFactor(const Options& options, const Terrain& terrain, Vec3f from, 
   double sum = 0;
   for (int i = 0; i < options.azimuths; i++)
   {
-    const double azimuth = 2 * M_PI * (i + 0.5) / options.azimuths; // not along an axis: such rays run in the border's plane
+    // not along an axis: such rays run in the border's plane
+    const double azimuth = 2 * M_PI * (i + 0.5) / options.azimuths;
     const auto isOccluded = [&](double degrees) {
       rays++;
       const double angle = degrees * M_PI / 180;
-      CbvhRay ray = CbvhRay();
+      CbvhRay ray{};
       ray.org_x = from.x; ray.org_y = from.y; ray.org_z = from.z;
-      ray.dir_x = float(std::sin(azimuth) * std::cos(angle)); ray.dir_y = float(std::cos(azimuth) * std::cos(angle)); ray.dir_z = float(std::sin(angle));
+      ray.dir_x = float(std::sin(azimuth) * std::cos(angle));
+      ray.dir_y = float(std::cos(azimuth) * std::cos(angle));
+      ray.dir_z = float(std::sin(angle));
       ray.tfar = INFINITY;
       ray.mask = ~0u;
       return terrain.isOccluded(ray);
@@ -133,9 +137,11 @@ void measure(const Options& options, Elevation& elevation, Terrain& terrain)
   const double buildSeconds = secondsOf([&] { build(options, elevation, terrain); });
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
-  std::printf("%d x %d samples, %.2f million quads: built in %.1f s, %.1f MiB, %.2f bytes per quad, peak of the process %.1f MiB\n"
-              "largest distance by which a vertex moved: %g\n", elevation.width(), elevation.height(), double(terrain.numQuads()) * 1e-6, buildSeconds, double(terrain.bytes()) / (1 << 20),
-              double(terrain.bytes()) / double(terrain.numQuads()), double(usage.ru_maxrss) / 1024, double(terrain.maxDeviation()));
+  const double quads = double(terrain.numQuads()), mebibyte = 1 << 20;
+  std::printf("%d x %d samples, %.2f million quads: built in %.1f s, %.1f MiB, %.2f bytes per quad, "
+              "peak of the process %.1f MiB\nlargest distance by which a vertex moved: %g\n",
+              elevation.width(), elevation.height(), quads * 1e-6, buildSeconds, double(terrain.bytes()) / mebibyte,
+              double(terrain.bytes()) / quads, double(usage.ru_maxrss) / 1024, double(terrain.maxDeviation()));
   std::fflush(stdout);
 
   const int x0 = options.window[0], y0 = options.window[1], w = options.window[2] - x0, h = options.window[3] - y0;
@@ -160,10 +166,13 @@ void measure(const Options& options, Elevation& elevation, Terrain& terrain)
   for (float factor : factors)
     if (std::isfinite(factor))
       sum += double(factor), valid++;
-  std::printf("%d x %d cells with %d azimuths: %.1f million rays in %.1f s, %.2f million per second; mean sky-view factor %.4f\n",
-              w, h, options.azimuths, double(rays) * 1e-6, seconds, double(rays) * 1e-6 / seconds, valid ? sum / double(valid) : NAN);
+  const double million = double(rays) * 1e-6;
+  std::printf("%d x %d cells with %d azimuths: %.1f million rays in %.1f s, %.2f million per second; "
+              "mean sky-view factor %.4f\n",
+              w, h, options.azimuths, million, seconds, million / seconds, valid ? sum / double(valid) : NAN);
   const bool isPng = options.output.size() > 4 && options.output.substr(options.output.size() - 4) == ".png";
-  writeImageFile(options.output, OIIO::ImageSpec(w, h, 1, isPng ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::FLOAT), OIIO::TypeDesc::FLOAT, factors.data());
+  const OIIO::ImageSpec spec(w, h, 1, isPng ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::FLOAT);
+  writeImageFile(options.output, spec, OIIO::TypeDesc::FLOAT, factors.data());
 }
 
 int run(int argc, char** argv)
@@ -175,15 +184,9 @@ int run(int argc, char** argv)
   Elevation elevation(options.elevation);
   setWindow(options, elevation);
   if (options.embree.empty())
-  {
-    CompressedTerrain terrain(options);
-    measure(options, elevation, terrain);
-  }
+    measure(options, elevation, *std::make_unique<CompressedTerrain>(options));
   else
-  {
-    EmbreeTerrain terrain(options.embree);
-    measure(options, elevation, terrain);
-  }
+    measure(options, elevation, *std::make_unique<EmbreeTerrain>(options.embree));
   return 0;
 }
 

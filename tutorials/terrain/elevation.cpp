@@ -58,7 +58,8 @@ Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
   if (sourceWidth < 2 || sourceHeight < 2)
     throw Error(settings.path + ": the raster has " + std::to_string(sourceWidth) + " x " +
                 std::to_string(sourceHeight) + " samples: expected at least 2 x 2");
-  if (std::min(repeatX, repeatY) < 1 || double(std::max(repeatX * double(sourceWidth), repeatY * double(sourceHeight))) > 1e6)
+  const double most = std::max(double(repeatX) * sourceWidth, double(repeatY) * sourceHeight);
+  if (std::min(repeatX, repeatY) < 1 || most > 1e6)
     throw Error("--repeat " + std::to_string(repeatX) + "," + std::to_string(repeatY) +
                 ": expected copies from 1 on, and at most 1000000 samples along each side");
 }
@@ -103,8 +104,10 @@ std::vector<float> Elevation::heights(int x0, int y0, int w, int h, unsigned thr
       for (int column = 0; column < w; column++)
       {
         const int x = x0 + column, y = y0 + int(row);
-        const size_t place = size_t(mirrored(y, sourceHeight) - firstRow) * size_t(sourceWidth) + size_t(mirrored(x, sourceWidth));
-        heights[row * size_t(w) + size_t(column)] = rows[place] + (isRepeated && settings.detail > 0 ? noiseAt(x, y) : 0);
+        const size_t place = size_t(mirrored(y, sourceHeight) - firstRow) * size_t(sourceWidth)
+            + size_t(mirrored(x, sourceWidth));
+        heights[row * size_t(w) + size_t(column)] = rows[place]
+            + (isRepeated && settings.detail > 0 ? noiseAt(x, y) : 0);
       }
   });
   return heights;

@@ -19,7 +19,8 @@ struct TerrainTile
   std::vector<Vec3f> vertices; // row by row, and one more, because libraries may read 16 bytes per vertex
 };
 
-/* The sample in column x and row y of the raster. The terrain's x points east and its y north: row 0 is the northern edge. */
+/* The sample in column x and row y of the raster. The terrain's x points east and its y north: row 0 is the northern
+ * edge. */
 Vec3f vertexAt(const Options& options, const Elevation& elevation, int x, int y, float height);
 
 /* The tile from column x0 and row y0 on. Neighboring tiles both contain the row or column of vertices between them. */
