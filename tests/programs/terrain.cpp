@@ -1,0 +1,196 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* cbvh_terrain from the outside: sky-view factors of terrains whose factor is known, tiles that are one surface, and
+ * arguments that the program rejects. */
+
+#include "basics/image_file.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+namespace cbvh {
+namespace {
+
+struct Picture
+{
+  int width = 0, height = 0;
+  std::vector<float> values;
+
+  float at(int x, int y) const { return values.at(size_t(y) * size_t(width) + size_t(x)); }
+};
+
+class Terrain : public testing::Test
+{
+protected:
+  Terrain()
+  {
+    char name[] = "/tmp/cbvh-terrain-XXXXXX";
+    folder = mkdtemp(name);
+  }
+  ~Terrain() { std::system(("rm -rf " + folder).c_str()); }
+
+  /* A raster of a type that OpenImageIO converts from floats without a change, but for the scale of integers. */
+  template<typename T>
+  std::string write(OIIO::TypeDesc type, int width, int height, const std::function<double(int x, int y)>& heightAt)
+  {
+    std::vector<T> samples;
+    for (int y = 0; y < height; y++)
+      for (int x = 0; x < width; x++)
+        samples.push_back(T(heightAt(x, y)));
+    const std::string path = folder + "/raster" + std::to_string(files++) + ".tif";
+    writeImageFile(path, OIIO::ImageSpec(width, height, 1, type), type, samples.data());
+    return path;
+  }
+
+  /* Runs the program, and returns what it wrote as floats. */
+  Picture run(const std::string& arguments, const std::string& extension = ".tif")
+  {
+    const std::string path = folder + "/factors" + std::to_string(files++) + extension;
+    const std::string command = std::string(PROGRAM) + " " + arguments + " -o " + path;
+    Picture picture;
+    EXPECT_EQ(std::system((command + " >" + folder + "/stdout 2>" + folder + "/stderr").c_str()), 0) << command
+        << "\n" << textOf("/stderr");
+    if (const auto input = OIIO::ImageInput::open(path))
+    {
+      isFloat = input->spec().format == OIIO::TypeDesc::FLOAT;
+      picture.width = input->spec().width;
+      picture.height = input->spec().height;
+      picture.values.resize(size_t(picture.width) * size_t(picture.height));
+      EXPECT_TRUE(input->read_image(0, 0, 0, 1, OIIO::TypeDesc::FLOAT, picture.values.data()));
+    }
+    return picture;
+  }
+
+  std::string textOf(const std::string& name)
+  {
+    std::ifstream file(folder + name);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  void expectRefusal(const std::string& arguments, const std::string& text)
+  {
+    const int status = std::system((std::string(PROGRAM) + " " + arguments + " -o " + folder
+        + "/none.tif >/dev/null 2>" + folder + "/stderr").c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 1) << arguments;
+    EXPECT_NE(textOf("/stderr").find(text), std::string::npos) << textOf("/stderr");
+  }
+
+  std::string folder;
+  int files = 0;
+  bool isFloat = false;
+};
+
+double hills(int x, int y)
+{
+  const double large = 40 * std::sin(0.11 * x + 0.03 * y) * std::cos(0.07 * y);
+  return large + 9 * std::sin(0.7 * x) * std::sin(0.5 * y + 0.2 * x);
+}
+
+TEST_F(Terrain, AFlatOneSeesAllOfTheSky)
+{
+  for (double height : {0.0, -3.0, 1234.5})
+  {
+    const Picture picture = run(write<float>(OIIO::TypeDesc::FLOAT, 201, 201, [=](int, int) { return height; })
+        + " --tile 64");
+    EXPECT_TRUE(isFloat);
+    ASSERT_EQ(picture.values.size(), 201u * 201u);
+    for (float factor : picture.values)
+      ASSERT_EQ(factor, 1.0f);
+  }
+}
+
+/* A round hole of radius R and depth D with a level floor. From its middle all horizons are at atan(D/R), so the factor
+ * is R^2/(R^2 + D^2). The wall is one cell wide. */
+TEST_F(Terrain, APitSeesWhatItsRimLeaves)
+{
+  const int radius = 80, middle = 100;
+  for (int depth : {20, 160})
+  {
+    const int cell = depth == 20 ? 1 : 5;
+    const double expected = 1.0 * radius * radius / (radius * radius + depth * depth);
+    const auto heightAt = [=](int x, int y) {
+      return std::hypot(x - middle, y - middle) < radius ? 1000 : 1000 + depth * cell;
+    };
+    const std::string options = " --azimuths 32 --tile 33 --window 100,100,101,101 --cell " + std::to_string(cell);
+    const Picture ofUnsigned = run(write<uint16_t>(OIIO::TypeDesc::UINT16, 201, 201, heightAt) + options);
+    const std::string path = write<int16_t>(OIIO::TypeDesc::INT16, 201, 201,
+        [=](int x, int y) { return heightAt(x, y) - 2000; });
+    const Picture ofSigned = run(path + options), in16Bits = run(path + options, ".png");
+    ASSERT_EQ(ofUnsigned.values.size(), 1u);
+    EXPECT_NEAR(ofUnsigned.at(0, 0), expected, 0.01) << "depth " << depth;
+    EXPECT_NEAR(ofSigned.at(0, 0), expected, 0.01) << "depth " << depth;
+    EXPECT_NEAR(in16Bits.at(0, 0), ofSigned.at(0, 0), 1.0 / 65535);
+  }
+}
+
+/* Tiles share their borders: no ray passes between two of them, and every one has the hits of an undivided terrain. */
+TEST_F(Terrain, TilesAreOneSurface)
+{
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 121, 101, hills) + " --cell 2 --azimuths 8";
+  const Picture whole = run(path), tiles = run(path + " --tile 17"), kernel = run(path + " --embree triangle");
+  ASSERT_EQ(whole.values.size(), 121u * 101u);
+  EXPECT_EQ(whole.values, tiles.values);
+  double mean = 0, difference = 0;
+  for (size_t i = 0; i < whole.values.size(); i++)
+  {
+    mean += whole.values[i] / double(whole.values.size());
+    difference += std::abs(whole.values[i] - kernel.values.at(i)) / double(whole.values.size());
+  }
+  EXPECT_LT(mean, 0.8) << "the hills hide some of the sky";
+  EXPECT_LT(difference, 0.005);
+}
+
+/* The quads are flat, so that their diagonals, which are not mirrored, do not matter. */
+TEST_F(Terrain, CopiesAreMirrored)
+{
+  const auto heightAt = [](int x, int y) {
+    return 20 * std::sin(0.21 * x) + 5 * std::sin(0.9 * x) + 11 * std::cos(0.4 * y);
+  };
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 41, 31, heightAt)
+      + " --cell 3 --azimuths 8 --max-error 0.001 --repeat 2,3";
+  const Picture plain = run(path + " --detail 0"), noisy = run(path);
+  ASSERT_EQ(plain.width, 81);
+  ASSERT_EQ(plain.height, 91);
+  size_t same = 0;
+  for (int y = 0; y < 91; y++)
+    for (int x = 0; x < 81; x++)
+    {
+      EXPECT_NEAR(plain.at(x, y), plain.at(80 - x, y), 0.004);
+      same += noisy.at(x, y) == noisy.at(80 - x, y);
+    }
+  EXPECT_LT(same, plain.values.size() / 4);
+}
+
+TEST_F(Terrain, MissingSamplesAreHoles)
+{
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 51, 51,
+      [](int x, int y) { return x == 20 && y > 10 ? -9999.0 : y == 3 ? NAN : hills(x, y); });
+  const Picture picture = run(path + " --nodata -9999 --azimuths 4 --tile 20");
+  ASSERT_EQ(picture.values.size(), 51u * 51u);
+  for (int y = 0; y < 51; y++)
+    for (int x = 0; x < 51; x++)
+      ASSERT_EQ(std::isnan(picture.at(x, y)), (x == 20 && y > 10) || y == 3) << x << ", " << y;
+}
+
+TEST_F(Terrain, WrongArgumentsAreRefused)
+{
+  const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills);
+  expectRefusal(path + " --window 0,0,22,21", "0,0,21,21");
+  expectRefusal(path + " --cell 0", "--cell 0");
+  expectRefusal(path + " --repeat 0", "--repeat 0,0");
+  expectRefusal(path + " --embree nothing", "--embree");
+  expectRefusal(folder + "/missing.tif", "missing.tif");
+  expectRefusal(write<float>(OIIO::TypeDesc::FLOAT, 1, 21, hills), "1 x 21");
+}
+
+} // namespace
+} // namespace cbvh

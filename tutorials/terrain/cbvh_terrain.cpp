@@ -1,0 +1,199 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Sky-view factors of an elevation raster. Shows how an application with more geometry than memory uses libembree_cbvh:
+ * it builds one surface per tile, frees the tile's vertices, and traces all tiles as one group. See --help. */
+
+#include "elevation.h"
+#include "embree_terrain.h"
+#include "options.h"
+#include "basics/error.h"
+#include "basics/image_file.h"
+#include "basics/parallel.h"
+#include "basics/seconds.h"
+#include "programs/run_program.h"
+
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <memory>
+
+namespace cbvh {
+namespace {
+
+void check(CbvhError error)
+{
+  if (error != CBVH_OK)
+    throw Error(std::string("libembree_cbvh: ") + cbvhGetErrorText());
+}
+
+class CompressedTerrain
+{
+public:
+  explicit CompressedTerrain(const Options& options)
+  {
+    check(cbvhNewContext(("threads=" + std::to_string(options.threads)).c_str(), nullptr, nullptr, &context));
+    /* One spacing for all tiles: a vertex that two tiles share then lies on the same lattice in both, and is stored as
+     * the same floats. The default spacing follows the quads of each grid, and would leave cracks between tiles. */
+    accuracy.maxError = options.maxError;
+  }
+  ~CompressedTerrain()
+  {
+    cbvhReleaseGroup(group);
+    for (CbvhSurface surface : surfaces)
+      cbvhReleaseSurface(surface);
+    cbvhReleaseContext(context);
+  }
+  CompressedTerrain(const CompressedTerrain&) = delete;
+  CompressedTerrain& operator=(const CompressedTerrain&) = delete;
+
+  /* Compresses a tile. Its vertices may be freed afterwards. */
+  void add(const TerrainTile& tile)
+  {
+    surfaces.push_back(nullptr);
+    check(cbvhNewSurface(context, &surfaces.back()));
+    check(cbvhSetAccuracy(surfaces.back(), &accuracy));
+    const CbvhGrid grid = {0, unsigned(tile.width), (unsigned short)tile.width, (unsigned short)tile.height};
+    const float* const steps[1] = {&tile.vertices[0].x};
+    CbvhGrids grids = CbvhGrids();
+    grids.count = 1;
+    grids.grids = &grid;
+    grids.vertices = {tile.vertices.size() - 1, sizeof(Vec3f), steps, 1, 0, 0};
+    check(cbvhSetGrids(surfaces.back(), &grids));
+    check(cbvhCommitSurface(surfaces.back(), nullptr, nullptr));
+  }
+
+  void commit()
+  {
+    check(cbvhNewGroup(context, surfaces.data(), surfaces.size(), &group));
+    check(cbvhCommitGroup(group));
+    check(cbvhGetGroupStatistics(group, &statistics));
+  }
+
+  bool isOccluded(CbvhRay ray) const { return cbvhOccluded1(group, &ray, nullptr) != 0; }
+  size_t bytes() const { return statistics.bytes; }
+  size_t numQuads() const { return statistics.numQuads; }
+  float maxDeviation() const { return statistics.maxVertexDeviation; }
+
+private:
+  CbvhContext context = nullptr;
+  std::vector<CbvhSurface> surfaces;
+  CbvhGroup group = nullptr;
+  CbvhAccuracy accuracy{};
+  CbvhStatistics statistics{};
+};
+
+template<typename Terrain>
+void build(const Options& options, Elevation& elevation, Terrain& terrain)
+{
+  Phase phase("compressing tiles");
+  for (int y0 = 0; y0 < elevation.height() - 1; y0 += options.tile)
+    for (int x0 = 0; x0 < elevation.width() - 1; x0 += options.tile)
+    {
+      throwIfCancelled();
+      terrain.add(makeTile(options, elevation, x0, y0));
+      phase.update((double(y0) + double(x0) / elevation.width() * options.tile) / elevation.height());
+    }
+  terrain.commit();
+}
+
+/* The share of a horizontal surface's diffuse light that the sky above its horizon sends: the mean of cos^2 of the
+ * horizon's elevation over all azimuths. Below its horizon a terrain without overhangs occludes every ray. */
+template<typename Terrain>
+float skyViewFactor(const Options& options, const Terrain& terrain, Vec3f from, size_t& rays)
+{
+  double sum = 0;
+  for (int i = 0; i < options.azimuths; i++)
+  {
+    // not along an axis: such rays run in the border's plane
+    const double azimuth = 2 * M_PI * (i + 0.5) / options.azimuths;
+    const auto isOccluded = [&](double degrees) {
+      rays++;
+      const double angle = degrees * M_PI / 180;
+      CbvhRay ray{};
+      ray.org_x = from.x; ray.org_y = from.y; ray.org_z = from.z;
+      ray.dir_x = float(std::sin(azimuth) * std::cos(angle));
+      ray.dir_y = float(std::cos(azimuth) * std::cos(angle));
+      ray.dir_z = float(std::sin(angle));
+      ray.tfar = INFINITY;
+      ray.mask = ~0u;
+      return terrain.isOccluded(ray);
+    };
+    double low = 0, high = isOccluded(0) ? 90 : 0;
+    while (high - low > options.accuracy)
+    {
+      const double middle = (low + high) / 2;
+      (isOccluded(middle) ? low : high) = middle;
+    }
+    const double cosine = std::cos((low + high) / 2 * M_PI / 180);
+    sum += cosine * cosine;
+  }
+  return float(sum / options.azimuths);
+}
+
+template<typename Terrain>
+void measure(const Options& options, Elevation& elevation, Terrain& terrain)
+{
+  const double buildSeconds = secondsOf([&] { build(options, elevation, terrain); });
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  const double quads = double(terrain.numQuads()), mebibyte = 1 << 20;
+  std::printf("%d x %d samples, %.2f million quads: built in %.1f s, %.1f MiB, %.2f bytes per quad, "
+              "peak of the process %.1f MiB\nlargest distance by which a vertex moved: %g\n",
+              elevation.width(), elevation.height(), quads * 1e-6, buildSeconds, double(terrain.bytes()) / mebibyte,
+              double(terrain.bytes()) / quads, double(usage.ru_maxrss) / 1024, double(terrain.maxDeviation()));
+  std::fflush(stdout);
+
+  const int x0 = options.window[0], y0 = options.window[1], w = options.window[2] - x0, h = options.window[3] - y0;
+  const std::vector<float> heights = elevation.heights(x0, y0, w, h, threadCount(options.threads));
+  std::vector<float> factors(heights.size());
+  std::atomic<size_t> rays{0}, done{0};
+  const double seconds = secondsOf([&] {
+    Phase phase("tracing horizons", Phase::SaysTimeLeft);
+    parallelFor(factors.size(), 64, threadCount(options.threads), [&](size_t begin, size_t end) {
+      size_t traced = 0;
+      for (size_t i = begin; i < end; i++)
+      {
+        const Vec3f from = vertexAt(options, elevation, x0 + int(i) % w, y0 + int(i) / w, heights[i] + options.lift);
+        factors[i] = std::isfinite(from.z) ? skyViewFactor(options, terrain, from, traced) : NAN;
+      }
+      rays += traced;
+      phase.update(double(done += end - begin) / double(factors.size()));
+    });
+  });
+  double sum = 0;
+  size_t valid = 0;
+  for (float factor : factors)
+    if (std::isfinite(factor))
+      sum += double(factor), valid++;
+  const double million = double(rays) * 1e-6;
+  std::printf("%d x %d cells with %d azimuths: %.1f million rays in %.1f s, %.2f million per second; "
+              "mean sky-view factor %.4f\n",
+              w, h, options.azimuths, million, seconds, million / seconds, valid ? sum / double(valid) : NAN);
+  const bool isPng = options.output.size() > 4 && options.output.substr(options.output.size() - 4) == ".png";
+  const OIIO::ImageSpec spec(w, h, 1, isPng ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::FLOAT);
+  writeImageFile(options.output, spec, OIIO::TypeDesc::FLOAT, factors.data());
+}
+
+int run(int argc, char** argv)
+{
+  Options options;
+  if (!parseOptions(options, argc, argv))
+    return 0;
+  installCancelHandler();
+  Elevation elevation(options.elevation);
+  setWindow(options, elevation);
+  if (options.embree.empty())
+    measure(options, elevation, *std::make_unique<CompressedTerrain>(options));
+  else
+    measure(options, elevation, *std::make_unique<EmbreeTerrain>(options.embree));
+  return 0;
+}
+
+} // namespace
+} // namespace cbvh
+
+int main(int argc, char** argv)
+{
+  return cbvh::runProgram("cbvh_terrain", [=] { return cbvh::run(argc, argv); });
+}

@@ -1,0 +1,116 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "elevation.h"
+#include "basics/error.h"
+#include "basics/input_files.h"
+#include "basics/parallel.h"
+#include "scenes/noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cbvh {
+namespace {
+
+/* The noise has features of 256 samples down to 4; each octave is half as high as the one before it. */
+constexpr float longestWave = 256;
+constexpr int octaves = 7;
+
+/* The place in a raster of n samples that a mirrored sequence of copies shows at i. */
+int mirrored(int i, int n)
+{
+  const int period = 2 * (n - 1), place = i % period;
+  return place < n ? place : period - place;
+}
+
+/* The factor by which MapImage, like OpenImageIO, divides the samples of a file. */
+float unitOf(OIIO::TypeDesc type)
+{
+  switch (type.basetype)
+  {
+  case OIIO::TypeDesc::UINT8: return std::numeric_limits<uint8_t>::max();
+  case OIIO::TypeDesc::INT8: return std::numeric_limits<int8_t>::max();
+  case OIIO::TypeDesc::UINT16: return std::numeric_limits<uint16_t>::max();
+  case OIIO::TypeDesc::INT16: return std::numeric_limits<int16_t>::max();
+  case OIIO::TypeDesc::UINT32: return float(std::numeric_limits<uint32_t>::max());
+  case OIIO::TypeDesc::INT32: return float(std::numeric_limits<int32_t>::max());
+  default: return 1;
+  }
+}
+
+} // namespace
+
+Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
+{
+  noteInputFile(settings.path);
+  const auto native = OIIO::ImageInput::open(settings.path);
+  OIIO::ImageSpec spec;
+  if (!native || !image.open(settings.path, spec, MapImage::configuration({0, 1, NAN})))
+    throw Error(settings.path + ": cannot be read as an elevation raster: " +
+                (native ? image.geterror() : OIIO::geterror()));
+  unit = unitOf(native->spec().format);
+  sourceWidth = spec.width;
+  sourceHeight = spec.height;
+  repeatX = settings.repeat.front();
+  repeatY = settings.repeat.back();
+  if (sourceWidth < 2 || sourceHeight < 2)
+    throw Error(settings.path + ": the raster has " + std::to_string(sourceWidth) + " x " +
+                std::to_string(sourceHeight) + " samples: expected at least 2 x 2");
+  const double most = std::max(double(repeatX) * sourceWidth, double(repeatY) * sourceHeight);
+  if (std::min(repeatX, repeatY) < 1 || most > 1e6)
+    throw Error("--repeat " + std::to_string(repeatX) + "," + std::to_string(repeatY) +
+                ": expected copies from 1 on, and at most 1000000 samples along each side");
+}
+
+/* Rows of the file. Repeated rasters are small and stay in memory as a whole. */
+void Elevation::readRows(int begin, int end)
+{
+  if (repeatX > 1 || repeatY > 1)
+  {
+    begin = 0;
+    end = sourceHeight;
+  }
+  if (begin >= firstRow && end <= firstRow + int(rows.size() / size_t(sourceWidth)))
+    return;
+  rows.resize(size_t(sourceWidth) * size_t(end - begin));
+  firstRow = begin;
+  if (!image.read_scanlines(0, 0, begin, end, 0, 0, 1, OIIO::TypeDesc::FLOAT, rows.data()))
+    throw Error(settings.path + ": cannot be read: " + image.geterror());
+  for (float& height : rows)
+  {
+    height = unit == 1 ? height : std::round(height * unit);
+    if (settings.nodata && height == *settings.nodata)
+      height = NAN;
+  }
+}
+
+float Elevation::noiseAt(int x, int y) const
+{
+  float sum = 0, amplitude = settings.detail, frequency = 1 / longestWave;
+  for (int octave = 0; octave < octaves; octave++, amplitude *= 0.5f, frequency *= 2)
+    sum += amplitude * gradientNoise({float(x) * frequency, float(y) * frequency, 0.5f}, uint32_t(octave));
+  return sum;
+}
+
+std::vector<float> Elevation::heights(int x0, int y0, int w, int h, unsigned threads)
+{
+  const bool isRepeated = repeatX > 1 || repeatY > 1;
+  readRows(y0, y0 + h);
+  std::vector<float> heights(size_t(w) * size_t(h));
+  parallelFor(size_t(h), 16, threads, [&](size_t begin, size_t end) {
+    for (size_t row = begin; row < end; row++)
+      for (int column = 0; column < w; column++)
+      {
+        const int x = x0 + column, y = y0 + int(row);
+        const size_t place = size_t(mirrored(y, sourceHeight) - firstRow) * size_t(sourceWidth)
+            + size_t(mirrored(x, sourceWidth));
+        heights[row * size_t(w) + size_t(column)] = rows[place]
+            + (isRepeated && settings.detail > 0 ? noiseAt(x, y) : 0);
+      }
+  });
+  return heights;
+}
+
+} // namespace cbvh

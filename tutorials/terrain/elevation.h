@@ -1,0 +1,51 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* An elevation raster of which only some rows are in memory. Each sample is a vertex of the terrain. */
+
+#include "surface/map_image.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cbvh {
+
+struct ElevationSettings
+{
+  std::string path;
+  std::optional<float> nodata;  // samples of this value are missing, next to NaN and the value of GDAL's tag
+  std::vector<int> repeat{1};   // copies along x and along y; one number stands for both
+  float detail = 0;             // height of the largest feature of the noise that is added, in the raster's unit
+};
+
+class Elevation
+{
+public:
+  /* Opens the raster and reads its size. Throws Error with the path. */
+  explicit Elevation(const ElevationSettings& settings);
+
+  /* Number of samples. Neighboring copies are mirrored and share a row or column, so the terrain has no steps. */
+  int width() const { return (sourceWidth - 1) * repeatX + 1; }
+  int height() const { return (sourceHeight - 1) * repeatY + 1; }
+
+  /* Returns the heights of w x h samples from (x0,y0) on, row by row, in the raster's unit; NaN for a missing sample.
+   * Row 0 is the top of the image. Reads the rows that the last call did not read. Throws Error, Cancelled. */
+  std::vector<float> heights(int x0, int y0, int w, int h, unsigned threads);
+
+private:
+  void readRows(int begin, int end);
+  float noiseAt(int x, int y) const;
+
+  const ElevationSettings settings;
+  MapImage image;
+  float unit = 1; // of a sample in the file: MapImage maps integers to -1..1 or 0..1
+  int sourceWidth = 0, sourceHeight = 0, repeatX = 1, repeatY = 1;
+  int firstRow = 0;
+  std::vector<float> rows; // of the file, from firstRow on
+};
+
+} // namespace cbvh

@@ -1,0 +1,41 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The same terrain in Embree's own kernels, for comparison. */
+
+#include "terrain_tile.h"
+#include "building/embree_device.h"
+
+#include <cbvh/cbvh.h>
+
+#include <string>
+
+namespace cbvh {
+
+class EmbreeTerrain
+{
+public:
+  /* kernel: grid, quad or triangle. */
+  explicit EmbreeTerrain(const std::string& kernel);
+
+  /* Copies a tile into a geometry of its own, whose buffers stay: Embree reads them when it traces or rebuilds. */
+  void add(const TerrainTile& tile);
+
+  /* Builds the tree, in Embree's compact and robust modes. Throws Error. */
+  void commit();
+
+  bool isOccluded(CbvhRay ray) const;
+  size_t bytes() { return device.memory().live(); }
+  size_t numQuads() const { return quads; }
+  float maxDeviation() const { return 0; }
+
+private:
+  EmbreeDevice device;
+  SceneHandle scene; // released before its device
+  std::string kernel;
+  size_t quads = 0;
+};
+
+} // namespace cbvh
