@@ -208,8 +208,10 @@ TEST(VertFormat, FieldsAreWhereThePageSays)
   ASSERT_EQ(value.size(), 3u);
   for (uint32_t i = 0; i < 12; i++) {
     uint32_t corners[6] = {};
-    uint16_t* const values = (uint16_t*)corners;
-    auto set = [&](size_t field) { std::memset(corners, 0, sizeof(corners)); values[i] = uint16_t(onesOf(value[field]) << value[field].first); };
+    auto set = [&](size_t field) {
+      std::memset(corners, 0, sizeof(corners));
+      corners[i/2] = (onesOf(value[field]) << value[field].first) << 16*(i % 2);
+    };
     auto spacing = [&](int k) { return bitsOfFloat(vertSpacing(0, corners).at[k]); };
     set(0);
     EXPECT_EQ(cornerCoordinate(corners[cornerPair(int(i/3), int(i % 3))], int(i/3), int(i % 3)), int(onesOf(value[0])));
