@@ -21,7 +21,7 @@ enum RTCClusterFormat
 enum RTCClusterReason
 {
   RTC_CLUSTER_FITS = 0,   /* it has not */
-  RTC_CLUSTER_RAW = 1,    /* its vertices are stored as floats: of cGRID, and of blocks of cVERT that kept full precision */
+  RTC_CLUSTER_RAW = 1,    /* its vertices are stored as floats, or with as many bits: of cGRID, and of blocks of cVERT that kept full precision */
   RTC_CLUSTER_MOVING = 2, /* they are between two time steps, and so on no lattice */
   RTC_CLUSTER_RANGE = 3   /* on a lattice, but further from the origin than 2^23 of its steps, or with steps below 2^-126 */
 };

@@ -40,7 +40,7 @@ size_t blockBytes(const uint8_t* data, size_t size)
 {
   VertHeader header;
   memcpy(&header, data, sizeof(header));
-  if (isMoving(header.boxForm)) {
+  if (isMoving(header.boxForm) || hasRemainders(header.boxForm)) { // what has offsets is checked before rays meet it
     const ExactMemory aligned(data, size, alignment);
     return VertValidation::errorOf(aligned.get(), size) ? 0 : vertBytes((const VertHeader*)aligned.get());
   }

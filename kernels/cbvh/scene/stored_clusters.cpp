@@ -28,7 +28,7 @@ namespace embree
         bool cut (const StoredBlock& block, const RTCCompressedPart& part)
         {
           this->part = &part;
-          whyFloats = !block.isVert ? RTC_CLUSTER_RAW : isMoving(block.vert()->boxForm) ? RTC_CLUSTER_MOVING : isRaw(block.vert()->boxForm) ? RTC_CLUSTER_RAW : RTC_CLUSTER_RANGE;
+          whyFloats = !block.isVert ? RTC_CLUSTER_RAW : isMoving(block.vert()->boxForm) ? RTC_CLUSTER_MOVING : isRaw(block.vert()->boxForm) || hasRemainders(block.vert()->boxForm) ? RTC_CLUSTER_RAW : RTC_CLUSTER_RANGE;
           const QuadRectangle all = { 0,0,part.width-1,part.height-1 };
           if (format == RTC_CLUSTER_FORMAT_DGF1) {
             bool goesOn = true;

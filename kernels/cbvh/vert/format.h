@@ -218,6 +218,13 @@ CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int
 /*! what a remainder is multiplied with, from the spacing: 2^-bits of it */
 CBVH_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
 
+/*! A vertex on an axis, from what it is without its remainder, and from a word that begins with the remainder. bits: remainderBits, not 0 */
+CBVH_FUNCTION float withRemainder (float without, uint32_t word, uint32_t bits, float spacing)
+{
+  if (bits == remaindersAreFloats) return floatOfBits(word);
+  return without + float(word & ((1u << bits) - 1u))*remainderSpacing(spacing,bits);
+}
+
 CBVH_FUNCTION uint32_t bytesOfRemainders (uint32_t remainders, uint32_t region) {
   return ((vertQuadsX(region)+1u)*(vertQuadsY(region)+1u)*remainderStride(remainders) + 7u)/8u;
 }
@@ -329,17 +336,6 @@ inline uint32_t remaindersAt (const void* start, uint32_t offset)
   return remainders;
 }
 
-/*! Adds the remainder of a vertex on an axis to it, or replaces it. start: of the block or of the step; vertex: its number, row by row;
- *  without: the vertex without its remainder. Reads up to 8 bytes from where the remainder begins. */
-inline float withRemainder (const void* start, uint32_t remainders, uint32_t vertex, int axis, float spacing, float without)
-{
-  const uint32_t bits = remainderBits(remainders,axis), bit = remainderBegin(remainders,vertex,axis);
-  uint64_t read;
-  std::memcpy(&read,(const uint8_t*)start + (bit >> 3),sizeof(read));
-  const uint32_t word = uint32_t(read >> (bit & 7u));
-  if (bits == remaindersAreFloats) return floatOfBits(word);
-  return without + float(word & ((1u << bits) - 1u))*remainderSpacing(spacing,bits);
-}
 
 /*! bytes of a block at its first step, without the numbers of quads, and without those that fill it up */
 inline uint32_t vertFirstStepSize (const VertHeader* block)

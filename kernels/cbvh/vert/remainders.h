@@ -29,12 +29,16 @@ namespace embree
         const uint32_t remainders = remaindersAt(start,offset), quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
         for (int k=0; k<3; k++)
         {
-          if (remainderBits(remainders,k) == 0) continue;
+          const uint32_t bits = remainderBits(remainders,k);
+          if (bits == 0) continue;
           for (uint32_t j=0; j<5; j++)
             for (uint32_t i=0; i<5; i++) {
               const uint32_t vertex = min(groupQuads*gy+j,quadsY)*(quadsX+1) + min(groupQuads*gx+i,quadsX);
+              const uint32_t bit = remainderBegin(remainders,vertex,k);
+              uint64_t word; // of which up to 39 bits are used: a block has more bytes behind it
+              memcpy(&word,(const uint8_t*)start + (bit >> 3),sizeof(word));
               float& x = vertices.at[k][laneOfVertex(i,j)];
-              x = withRemainder(start,remainders,vertex,k,spacing.at[k],x);
+              x = withRemainder(x,uint32_t(word >> (bit & 7u)),bits,spacing.at[k]);
             }
 #if !defined(__AVX512F__)
           for (int l=cellVertices; l<VertTables::lanes; l++) vertices.at[k][l] = vertices.at[k][cellVertices-1];

@@ -148,7 +148,12 @@ namespace embree
       void addRemainders(const VertSpacing& spacing)
       {
         for (uint32_t i=0; i<(quadsX+1)*(quadsY+1); i++)
-          for (int k=0; k<3; k++) vertices[i][k] = withRemainder(cells.start,cells.remainders,i,k,spacing.at[k],vertices[i][k]);
+          for (int k=0; k<3; k++) {
+            const uint32_t bits = remainderBits(cells.remainders,k);
+            if (bits == 0) continue;
+            const uint32_t word = bitsAt((const uint8_t*)cells.start,remainderBegin(cells.remainders,i,k),storedRemainderBits(cells.remainders,k));
+            vertices[i][k] = withRemainder(vertices[i][k],word,bits,spacing.at[k]);
+          }
       }
 
       /*! of a corner of groups, in spacings of the sheared axis */
@@ -184,6 +189,14 @@ namespace embree
             }
       }
 
+      /*! up to 32 bits, from a bit on; reads no byte that has none of them */
+      static uint32_t bitsAt(const uint8_t* data, uint32_t begin, uint32_t count)
+      {
+        uint32_t bits = 0;
+        for (uint32_t b=0; b<count; b++) bits |= uint32_t((data[(begin+b) >> 3] >> ((begin+b) & 7)) & 1) << b;
+        return bits;
+      }
+
       /*! by axis */
       static void decodeResiduals(uint32_t word, const uint8_t* data, int out[3][cellVertices])
       {
@@ -196,9 +209,7 @@ namespace embree
             if (f >= 0) {
               for (int c=0, before=0; c<3; before+=bits[c++]) {
                 const int begin = isByAxis(word) ? cellFields*before + f*bits[c] : f*sum + before;
-                uint32_t field = 0;
-                for (int b=0; b<bits[c]; b++) field |= uint32_t((data[(begin+b) >> 3] >> ((begin+b) & 7)) & 1) << b;
-                residual[c] = cellResidual(field,0,bits[c]) + (c == 0 ? 0 : slopeResidual(cellSlope(word,c),residual[0]));
+                residual[c] = cellResidual(bitsAt(data,uint32_t(begin),uint32_t(bits[c])),0,bits[c]) + (c == 0 ? 0 : slopeResidual(cellSlope(word,c),residual[0]));
               }
             }
             for (int c=0; c<3; c++) out[cellAxis(word,c)][5*j+i] = residual[c];

@@ -211,9 +211,7 @@ vec3 cbvhWorldVertex (CbvhVertBlock block, CbvhVertStep step_, uint gx, uint gy,
   for (int k = 0; k < 3; k++) {
     uint bits = remainderBits(step_.remainders, k);
     if (bits == 0u) continue;
-    uint word = cbvhBits(step_.at, remainderBegin(step_.remainders, y*(block.quadsX + 1u) + x, k));
-    if (bits == remaindersAreFloats) at[k] = uintBitsToFloat(word);
-    else at[k] += float(word & ((1u << bits) - 1u))*remainderSpacing(step_.spacing.at[k], bits);
+    at[k] = withRemainder(at[k], cbvhBits(step_.at, remainderBegin(step_.remainders, y*(block.quadsX + 1u) + x, k)), bits, step_.spacing.at[k]);
   }
   return at;
 }
