@@ -185,8 +185,8 @@ TEST(MovingHardCases, TimesAtStepsAreThoseOfTheSteps)
 
 enum class Size { Primitive, Block, Many };
 
-// Surfaces of every type with two time steps.
-std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device, Size size, float begin, float end)
+// Surfaces of every type.
+std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device, Size size, float begin, float end, unsigned timeSteps = 2)
 {
   std::vector<std::pair<std::string, RTCGeometry>> all;
   const DicedMotion motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.25f*float(step)}; };
@@ -198,12 +198,12 @@ std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device
   mesh.motion = motion;
   SurfaceSettings settings;
   settings.rate = size == Size::Many ? 24 : 4;
-  settings.timeSteps = 2;
+  settings.timeSteps = timeSteps;
   settings.motion = motion;
   all.push_back({"cage", newSurface(device, size == Size::Many ? cubeCage() : quadCage(), settings)});
-  all.push_back({"grids", newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, 2)});
-  all.push_back({"quads", newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, 2)});
-  all.push_back({"triangles", newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_INHERIT, 0, 2)});
+  all.push_back({"grids", newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, timeSteps)});
+  all.push_back({"quads", newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, timeSteps)});
+  all.push_back({"triangles", newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_INHERIT, 0, timeSteps)});
   for (const auto& [name, geometry] : all) {
     rtcSetGeometryTimeRange(geometry, begin, end);
     rtcCommitGeometry(geometry);
@@ -238,6 +238,38 @@ TEST(MovingHardCases, TimeRangesOutsideOfThoseOfRaysCommit)
           }
   }
   EXPECT_EQ(commits, 2u*3*55*4);
+}
+
+// Surfaces that are there one after the other. Time is split until there are parts of it without any.
+TEST(MovingHardCases, SurfacesAreHitOnlyWhileTheyAreThere)
+{
+  const unsigned parts = 6;
+  for (const char* config : {"", "subdiv_accel=cbvh"})
+    for (Size size : {Size::Primitive, Size::Block, Size::Many}) {
+      Device device(config);
+      Scene scene(device);
+      std::vector<std::pair<float, float>> ranges;
+      for (unsigned i = 0; i < parts; i++) {
+        const float begin = float(i)/parts, end = begin + 0.5f/parts;
+        for (const auto& [name, geometry] : movingSurfaces(device, size, begin, end, 9)) {
+          attach(scene, geometry);
+          ranges.push_back({begin, end});
+        }
+      }
+      rtcCommitScene(scene);
+      ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      Random random(seed + 9);
+      size_t hits = 0;
+      for (RTCRayHit ray : raysAt(random, 2000)) {
+        ray.ray.time = float(random.uniform(0, 1));
+        const RTCRayHit hit = intersect(scene, ray);
+        if (!isHit(hit)) continue;
+        hits++;
+        const auto& [begin, end] = ranges[hit.hit.geomID];
+        ASSERT_TRUE(ray.ray.time >= begin - 1e-4f && ray.ray.time <= end + 1e-4f) << "time " << ray.ray.time << ", geometry " << hit.hit.geomID << ", " << config;
+      }
+      EXPECT_GT(hits, 50u) << int(size) << ", " << config;
+    }
 }
 
 // One of them beside a surface that is there at all times.

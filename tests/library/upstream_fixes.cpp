@@ -119,6 +119,84 @@ TEST(UpstreamFixes, BuffersThatEndOutsideOfTheirMemoryAreErrors)
   }
   rtcReleaseGeometry(geometry);
   rtcReleaseBuffer(buffer);
+  for (size_t less : {0, 1, 15, 30}) { // the size that is allocated would wrap around to a few bytes
+    EXPECT_EQ(rtcNewBuffer(device, ~size_t(0) - less), nullptr);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_OUT_OF_MEMORY) << less;
+  }
+}
+
+TEST(UpstreamFixes, FacesOutsideOfTheirVerticesAreLeftOut)
+{
+  for (unsigned timeSteps : {1u, 2u}) {
+    const Cage cage = sheetCage(8);
+    const unsigned numVertices = unsigned(cage.positions.size());
+    std::vector<float> positions;
+    for (const Vec& p : cage.positions) positions.insert(positions.end(), {p[0], p[1], p[2], 0});
+    const BeforeUnreadable vertices(positions);
+    for (unsigned index : {numVertices, numVertices + 100, ~0u}) {
+      Device device;
+      SurfaceSettings settings;
+      settings.rate = 4;
+      settings.timeSteps = timeSteps;
+      RTCGeometry geometry = newSurface(device, cage, settings);
+      for (unsigned t = 0; t < timeSteps; t++)
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, vertices.values, 0, 16, numVertices);
+      ((unsigned*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0))[1] = index;
+      rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0);
+      rtcCommitGeometry(geometry);
+      Scene scene(device);
+      attach(scene, geometry);
+      rtcCommitScene(scene);
+      EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      Random random(6);
+      size_t hits = 0;
+      for (const RTCRayHit& ray : raysAt(random, 500)) {
+        const RTCRayHit hit = intersect(scene, ray);
+        hits += isHit(hit);
+        if (isHit(hit)) { ASSERT_NE(hit.hit.primID, 0u) << "vertex " << index; }
+      }
+      EXPECT_GT(hits, 100u);
+    }
+  }
+}
+
+TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors)
+{
+  struct Case { const char* message; std::function<void(Cage&, SurfaceSettings&)> change; } cases[] = {
+    {"face 5 of 5 vertices: the index buffer ends after 24 indices", [](Cage& cage, SurfaceSettings&) { cage.faces[5] = 5; }},
+    {"face 0 of 4294967295 vertices: the index buffer ends after 24 indices", [](Cage& cage, SurfaceSettings&) { cage.faces[0] = ~0u; }},
+    {"there are 23 levels: expected at least 24, one per edge of a face", [](Cage&, SurfaceSettings& settings) { settings.edgeRates.assign(23, 4.0f); }},
+    {"there are 1 edge crease weights: expected at least 2, one per edge crease", [](Cage& cage, SurfaceSettings&) { cage.creases = {{0, 1}, {1, 3}}; cage.creaseWeights = {1}; }},
+    {"there are 0 edge crease weights: expected at least 1, one per edge crease", [](Cage& cage, SurfaceSettings&) { cage.creases = {{0, 1}}; }},
+    {"there are 1 vertex crease weights: expected at least 3, one per vertex crease", [](Cage& cage, SurfaceSettings&) { cage.corners = {0, 1, 2}; cage.cornerWeights = {1}; }}};
+  for (const Case& c : cases)
+    for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT}) {
+      Device device;
+      Cage cage = cubeCage();
+      SurfaceSettings settings;
+      settings.compression = compression;
+      c.change(cage, settings);
+      rtcReleaseGeometry(newSurface(device, cage, settings));
+      EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << c.message;
+      EXPECT_EQ(device.message, c.message) << kindName(compression);
+    }
+
+  Device device;
+  RTCGeometry geometry = newSurface(device, cubeCage(), SurfaceSettings());
+  rtcSetGeometryTopologyCount(geometry, 2);
+  setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 1, RTC_FORMAT_UINT, std::vector<unsigned>(20, 0));
+  rtcCommitGeometry(geometry);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(device.message, "there are 20 indices of topology 1: expected at least 24, one per corner of a face");
+  rtcReleaseGeometry(geometry);
+  geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
+  rtcSetGeometryTopologyCount(geometry, 2);
+  setBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, cubeCage().faces);
+  setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 1, RTC_FORMAT_UINT, cubeCage().indices);
+  rtcCommitGeometry(geometry);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(device.message, "face 0 of 4 vertices: the index buffer ends after 0 indices");
+  rtcReleaseGeometry(geometry);
 }
 
 TEST(UpstreamFixes, AttributesThatDoNotExistAreNotInterpolated)

@@ -184,9 +184,35 @@ namespace embree
     }
   }
 
+  static std::string nameOf (const SubdivMesh* mesh, size_t face) {
+    return "face " + std::to_string(face) + " of " + std::to_string(mesh->faceVertices[face]) + " vertices: ";
+  }
+
+  /*! Throws for buffers of a cage that are shorter than its faces and creases require: Embree would read, and write, past their ends. */
+  static void checkSizes (const SubdivMesh* mesh)
+  {
+    const size_t numIndices = mesh->topology[0].vertexIndices.size();
+    size_t corners = 0;
+    for (size_t f=0; f<mesh->faceVertices.size(); f++)
+      if ((corners += mesh->faceVertices[f]) > numIndices)
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,nameOf(mesh,f) + "the index buffer ends after " + std::to_string(numIndices) + " indices");
+
+    auto require = [](size_t size, size_t expected, const std::string& values, const char* perWhat) {
+      if (size < expected)
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"there are " + std::to_string(size) + " " + values + ": expected at least " + std::to_string(expected) + ", one per " + perWhat);
+    };
+    for (size_t i=1; i<mesh->topology.size(); i++)
+      if (mesh->topology[i].vertexIndices)
+        require(mesh->topology[i].vertexIndices.size(),corners,"indices of topology " + std::to_string(i),"corner of a face");
+    if (mesh->levels) require(mesh->levels.size(),corners,"levels","edge of a face");
+    require(mesh->edge_crease_weights.size(),mesh->edge_creases.size(),"edge crease weights","edge crease");
+    require(mesh->vertex_crease_weights.size(),mesh->vertex_creases.size(),"vertex crease weights","vertex crease");
+  }
+
   void checkIndices (const SubdivMesh* mesh)
   {
     checkTimeSteps(mesh);
+    checkSizes(mesh);
     const BufferView<unsigned>& indices = mesh->topology[0].vertexIndices;
     const size_t numVertices = mesh->vertices[0].size(), none = ~size_t(0);
     const size_t firstWrong = parallel_reduce(size_t(0),indices.size(),size_t(1) << 16,none,[&](const range<size_t>& r) {
@@ -195,15 +221,9 @@ namespace embree
         return none;
       },[](size_t a, size_t b) { return min(a,b); });
     size_t begin = 0;
-    for (size_t f=0; f<mesh->faceVertices.size(); f++)
-    {
-      const size_t end = begin + mesh->faceVertices[f];
-      if (end <= indices.size() && end <= firstWrong) { begin = end; continue; }
-      const std::string face = "face " + std::to_string(f) + " of " + std::to_string(mesh->faceVertices[f]) + " vertices: ";
-      if (end > indices.size())
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,face + "the index buffer ends after " + std::to_string(indices.size()) + " indices");
-      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,face + "index " + std::to_string(firstWrong-begin) + " is vertex " + std::to_string(indices[firstWrong]) + " of " + std::to_string(numVertices));
-    }
+    for (size_t f=0; f<mesh->faceVertices.size(); begin+=mesh->faceVertices[f++])
+      if (begin + mesh->faceVertices[f] > firstWrong)
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,nameOf(mesh,f) + "index " + std::to_string(firstWrong-begin) + " is vertex " + std::to_string(indices[firstWrong]) + " of " + std::to_string(numVertices));
   }
 
   bool beginCommit (SubdivMesh* mesh)
@@ -212,6 +232,7 @@ namespace embree
     if (!isChanged) return false;
     const bool asks = asksForCompression(mesh), moves = mesh->numTimeSteps != 1;
     if (asks) checkIndices(mesh);
+    else if (std::any_of(mesh->topology.begin(),mesh->topology.end(),[](const SubdivMesh::Topology& t) { return bool(t.vertexIndices); })) checkSizes(mesh);
     choose(mesh,asks && moves,isa::CompressionPlan::takesMotion(mesh) ? nullptr : "have motion blur, because exact_faces is 0","faces");
     return true;
   }

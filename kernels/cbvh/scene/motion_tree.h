@@ -173,6 +173,9 @@ namespace embree
             (isUpper ? out.bounds0.upper : out.bounds0.lower)[k] = outwards(from + slope*(begin-positions[0]),isUpper);
             (isUpper ? out.bounds1.upper : out.bounds1.lower)[k] = outwards(from + slope*(end-positions[0]),isUpper);
           }
+        // the lines may cross where the block is not there: the builder compares areas
+        out.bounds0.upper = max(out.bounds0.upper,out.bounds0.lower);
+        out.bounds1.upper = max(out.bounds1.upper,out.bounds1.lower);
         return out;
       }
 

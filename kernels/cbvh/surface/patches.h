@@ -28,9 +28,6 @@ namespace embree
      *  or more than 16 corners, or there are more than 64 of them. */
     inline bool isUnsupportedAtVertex(const HalfEdge* edge)
     {
-      size_t faceValence = 0, edgeValence = 0;
-      edge->calculateFaceValenceAndEdgeValence(faceValence,edgeValence);
-      if (faceValence > MAX_RING_FACE_VALENCE || edgeValence > MAX_RING_EDGE_VALENCE) return true;
       const HalfEdge* around = edge; // back around the vertex, and at a border on from its other end
       do {
         const unsigned corners = around->numEdges();
@@ -39,7 +36,9 @@ namespace embree
         if (around->hasOpposite()) around = around->opposite();
         else for (around = edge; around->hasOpposite(); ) around = around->opposite()->next();
       } while (around != edge);
-      return false;
+      size_t faceValence = 0, edgeValence = 0; // counted after the corners: the count requires faces of at least 3
+      edge->calculateFaceValenceAndEdgeValence(faceValence,edgeValence);
+      return faceValence > MAX_RING_FACE_VALENCE || edgeValence > MAX_RING_EDGE_VALENCE;
     }
 
     /*! True if Embree cannot evaluate a face whatever the vertices are, and the face is no hole. */
