@@ -278,13 +278,17 @@ TEST(VertBlock, AnyFloatsAreTheSame)
       return h;
     };
     const VertLayout layout = vertLayout(block->region, block->boxForm);
+    const float extent = vertExtent(block->boxForm, block->reach, reachStep(block->boxForm), vertSpacing(block->word, block->corners));
     for (uint32_t g = 0; g < layout.groups; g++) {
       float lower[3], upper[3];
       decoded->groupBox(g, lower, upper);
+      for (int k = 0; k < 3; k++)
+        for (float plane : {lower[k], upper[k]}) ASSERT_LE(std::fabs((long double)plane - (k == m ? 0 : block->origin[k])), extent) << "sheet " << i;
       const uint32_t x0 = groupQuads*(g % layout.groupsX), y0 = groupQuads*(g/layout.groupsX);
       for (uint32_t y = y0; y <= std::min(y0 + groupQuads, quadsY); y++)
         for (uint32_t x = x0; x <= std::min(x0 + groupQuads, quadsX); x++)
           for (int k = 0; k < 3; k++) {
+            ASSERT_LE(std::fabs((long double)decoded->vertex(x, y)[k] - block->origin[k]), extent) << "sheet " << i;
             const long double c = coordinate(decoded->vertex(x, y), k);
             ASSERT_TRUE(lower[k] <= c && c <= upper[k]) << "sheet " << i << ", group " << g << ", axis " << k;
             const long double step = (long double)spacingOf(block, k)*reachStep(block->boxForm), from = k == m ? c : c - block->origin[k];

@@ -41,8 +41,9 @@ namespace embree
       /*! Not the extent of a raw block, which is that of its planes. */
       __forceinline void setAxes (const VertHeader* block, VertAxes& axes)
       {
-        setShear(block->boxForm,!isRaw(block->boxForm),axes);
-        const float extent = vertExtent(spacingOf(block->word,block->corners));
+        const bool raw = isRaw(block->boxForm);
+        const float extent = unlikely(raw) ? 0.0f : vertExtent(block->boxForm,block->reach,reachStep(block->boxForm),spacingOf(block->word,block->corners));
+        setShear(block->boxForm,!raw,axes);
         for (int k=0; k<3; k++) {
           axes.origin[k] = block->origin[k];
           axes.extent[k] = extent;

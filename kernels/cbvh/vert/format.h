@@ -177,10 +177,15 @@ CBVH_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, 
   return spacing;
 }
 
-CBVH_FUNCTION float largestSpacing (VertSpacing spacing) { return greater(spacing.at[0],greater(spacing.at[1],spacing.at[2])); }
-
-/*! how far a block reaches from its origin, at most: the same on all axes, as a ray's shear mixes their rounding */
-CBVH_FUNCTION float vertExtent (VertSpacing spacing) { return float(maxExtent)*largestSpacing(spacing); }
+/*! How far a block reaches from its origin on any axis, at most, with the planes of its boxes: the same on all axes, as a ray's shear mixes
+ *  their rounding. Slopes are less than 1, so that no coordinate is more than the sum of the bounds; margins may double it. step: of reach, in
+ *  spacings */
+CBVH_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing)
+{
+  int m = shearedAxis(boxForm), below = -reachOf(reach,2), above = reachOf(reach,3);
+  float along = float(below > above ? below : above)*spacing.at[m];
+  return 2.0f*float(step)*(along + float(reachOf(reach,0))*spacing.at[axisAfter(m,1)] + float(reachOf(reach,1))*spacing.at[axisAfter(m,2)]);
+}
 
 /*! What a coordinate on the axis m+i (i = 1 or 2) counts in the sheared one, in spacings of m. */
 CBVH_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)

@@ -9,6 +9,7 @@
 #include "decoder.h"
 #include "motion_cache.h"
 #include "scalar_block.h"
+#include "segment_reach.h"
 
 namespace embree
 {
@@ -63,10 +64,10 @@ namespace embree
           for (int e=0; e<2; e++)
             for (int k=0; k<3; k++) {
               out.origins[e][k] = steps[e].origin[k];
-              const float extent = vertExtent(steps[e].spacing);
-              out.extent[k] = e == 0 ? extent : max(out.extent[k],extent);
             }
           const bool isSheared = !steps[0].raw && !steps[1].raw;
+          const float extent = likely(isSheared) ? SegmentReach(block,segment).extent() : 0.0f;
+          for (int k=0; k<3; k++) out.extent[k] = extent;
           setShear(steps[0].form,isSheared,out);
           for (int e=0; e<2; e++)
           {

@@ -20,8 +20,7 @@ namespace embree
         {
           const float* origin;
           VertSpacing spacing;
-          float step;
-          uint32_t reach;
+          uint32_t step, reach;
         };
         End ends[2];
         uint32_t form;
@@ -45,6 +44,13 @@ namespace embree
           raw = isRaw(form) || isRaw(end->boxForm);
         }
 
+        /*! of a segment without a raw end, at both ends */
+        __forceinline float extent () const
+        {
+          auto of = [&](const End& end) { return vertExtent(form,end.reach,end.step,end.spacing); };
+          return max(of(ends[0]),of(ends[1]));
+        }
+
         /*! at a fraction of the segment */
         __forceinline void set (float f, BlockBounds& out) const
         {
@@ -53,7 +59,7 @@ namespace embree
           float size = 0.0f;
           for (int k=0; k<3; k++) {
             out.origin[k] = e*ends[0].origin[k] + f*ends[1].origin[k];
-            out.extent[k] = max(vertExtent(ends[0].spacing),vertExtent(ends[1].spacing));
+            out.extent[k] = extent();
             /* as MotionDecoder::widenSheared */
             const float ofAxis = (max(std::fabs(ends[0].origin[k]),std::fabs(ends[1].origin[k])) + 2.0f*out.extent[k])*(1.0f/(1 << 20));
             out.slack[k] = ofAxis;
@@ -72,11 +78,11 @@ namespace embree
         {
           end.origin = origin;
           end.spacing = spacing;
-          end.step = float(step);
+          end.step = step;
           end.reach = reach;
         }
 
-        __forceinline float at (int end, int i, int axis) const { return float(reachOf(ends[end].reach,i))*ends[end].step*ends[end].spacing.at[axis]; }
+        __forceinline float at (int end, int i, int axis) const { return float(reachOf(ends[end].reach,i))*float(ends[end].step)*ends[end].spacing.at[axis]; }
       };
     }
   }

@@ -248,7 +248,7 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
   CbvhVertAxes axes = CbvhVertAxes(0u, vec3(0.0), 0.0, 0.0, 0.0, 0.0);
   CbvhCell first = cbvhNoCell();
   if (!block.hasRaw) {
-    axes = cbvhVertAxes(block.boxForm, block.first.origin, vertExtent(block.first.spacing), ray, vert);
+    axes = cbvhVertAxes(block.boxForm, block.first.origin, vertExtent(block.boxForm, block.reach, reachStep(block.boxForm), block.first.spacing), ray, vert);
     vec4 reach = cbvhReach(block.boxForm, block.reach, float(reachStep(block.boxForm)), block.first.spacing);
     if (!cbvhMeetsBounds(ray, vert, axes, reach, vec3(0.0), hit.t)) return false;
     first = cbvhFirstCell(block, block.first);

@@ -179,8 +179,11 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
 
 CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert)
 {
-  float extent = max(vertExtent(segment.begin.spacing), vertExtent(segment.end.spacing));
-  return cbvhVertAxes(segment.begin.boxForm, cbvhBetween(segment.begin.origin, segment.end.origin, segment.fraction), extent, ray, vert);
+  uint form = segment.begin.boxForm;
+  float extent = vertExtent(form, cbvhWord(segment.end.at, 15u), endReachStep(segment.turned[1]), segment.end.spacing);
+  if (cbvhIsLater(segment.begin)) extent = max(extent, vertExtent(form, cbvhWord(segment.begin.at, 14u), beginReachStep(form), segment.begin.spacing));
+  else extent = max(extent, vertExtent(form, cbvhWord(segment.begin.at, 3u), reachStep(form), segment.begin.spacing));
+  return cbvhVertAxes(form, cbvhBetween(segment.begin.origin, segment.end.origin, segment.fraction), extent, ray, vert);
 }
 
 /* What vertices and origins between the ends are rounded by, on each axis; on the sheared one three are rounded apart. */
