@@ -6,17 +6,21 @@
 
     blender_shadows.py BLENDER LIBRARY [--samples N] [--edge LENGTH] [--keep FOLDER]
 
-LIBRARY is the folder of our libembree3.so.3. Cycles shades points of the triangles that Blender keeps, but its shadow rays hit
-the triangles that Embree stores. If compression moves them, a shadow ray that starts next to an edge may hit the neighbor of
-its triangle ("shadow acne", dark dashes along edges). The share of such rays is proportional to the spacing of the lattice.
+LIBRARY is the folder of our libembree3.so.3. Cycles shades points of the triangles that Blender keeps, but its shadow
+rays hit the triangles that Embree stores. If compression moves them, a shadow ray that starts next to an edge may hit
+the neighbor of its triangle ("shadow acne", dark dashes along edges). The share of such rays is proportional to the
+spacing of the lattice.
 
-The test renders bumpy_sheet.py with several spacings and compares each picture with one that is not compressed. It requires:
- - The default and 1/512 of an edge darken at most MOST_DARK pixels by more than 5%, and none by more than MOST_DARKENING.
+The test renders bumpy_sheet.py with several spacings and compares each picture with one that is not compressed. It
+requires:
+ - The default and 1/512 of an edge darken at most MOST_DARK pixels by more than 5%, and none by more than
+   MOST_DARKENING.
  - Lossless compression darkens no pixel by more than 5%. Neither does another build of Embree, if the system has one.
  - 1/36 of an edge darkens at least 10 times MOST_DARK pixels. Otherwise the scene does not show the effect.
  - No spacing brightens a pixel by more than 5%: no light leaks.
 
 The limits hold for the default options. With fewer samples each shadowed ray darkens its pixel by more.
+
 Exits with 77 if Blender is missing or its Cycles does not load Embree 3.
 """
 
@@ -64,19 +68,21 @@ class Picture:
         """Pixels darker by more than 5%, pixels brighter by more than 5%, the largest difference, and the mean one."""
         differences = [b / a - 1 for a, b in zip(plain.pixels, self.pixels)]
         sizes = [abs(d) for d in differences]
-        return sum(d < -0.05 for d in differences), sum(d > 0.05 for d in differences), max(sizes), sum(sizes) / len(sizes)
+        dark, bright = sum(d < -0.05 for d in differences), sum(d > 0.05 for d in differences)
+        return dark, bright, max(sizes), sum(sizes) / len(sizes)
 
 
 def render(options, folder, library, compressions):
-    """A picture for each compression, and the path of the library that Blender loaded. library: its folder, None for the
-    system's."""
+    """A picture for each compression, and the path of the library that Blender loaded. `library` is the folder of ours;
+    None selects the system's."""
     environment = {name: value for name, value in os.environ.items() if name not in ("EMBREE_CBVH", "LD_LIBRARY_PATH")}
     if library:
         environment["LD_LIBRARY_PATH"] = str(library)
     folder.mkdir(parents=True, exist_ok=True)
     words = [options.blender, "-b", "--python-exit-code", "1", "--python", SCENE, "--",
              folder, options.samples, options.edge, *compressions]
-    done = subprocess.run(list(map(str, words)), env=environment, capture_output=True, text=True, check=False)
+    words = [str(word) for word in words]
+    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
     loaded = re.search(r"^library: *(.*)", done.stderr, re.MULTILINE)
     if done.returncode or not loaded:
         raise SystemExit(f"FAILED: blender exits with {done.returncode}:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
@@ -94,23 +100,26 @@ def check(options, folder):
     if plain.line or system.line:
         complain("the picture to compare with is compressed")
     print(f"{options.samples} samples per pixel, {len(plain.pixels)} pixels")
-    print("| spacing | darker by > 5% | brighter by > 5% | largest difference | mean difference | MiB of blocks | render |")
+    print("| spacing | darker by > 5% | brighter by > 5% | largest | mean | MiB of blocks | render |")
     print("|:--|--:|--:|--:|--:|--:|--:|")
-    rows = [(name if name in ("default", "lossless") else f"edge/{name}", picture) for name, picture in zip(COMPRESSIONS, pictures)]
+    names = [f"edge/{name}" if name.isdigit() else name for name in COMPRESSIONS]
+    rows = list(zip(names, pictures))
+    system_name = f"not compressed, {system_library}"
     dark = {}
-    for name, picture in [("not compressed", plain), (f"not compressed, {system_library}", system), *rows]:
+    for name, picture in [("not compressed", plain), (system_name, system), *rows]:
         dark[name], bright, largest, mean = picture.compare(plain)
         blocks = "" if picture.mebibytes is None else f"{picture.mebibytes:.2f}"
-        print(f"| {name} | {dark[name]} | {bright} | {100 * largest:.2f}% | {100 * mean:.4f}% | {blocks} | {picture.seconds:.1f} s |")
+        print(f"| {name} | {dark[name]} | {bright} | {100 * largest:.2f}% | {100 * mean:.4f}% | {blocks} "
+              f"| {picture.seconds:.1f} s |")
         if bright:
             complain(f"{name}: {bright} pixels are brighter by more than 5%, none may be")
         if name in ("default", "edge/512") and largest > MOST_DARKENING:
-            complain(f"{name}: a pixel differs by {100 * largest:.0f}%, at most {100 * MOST_DARKENING:.0f}% are allowed")
+            complain(f"{name}: a pixel differs by {100 * largest:.0f}%, more than {100 * MOST_DARKENING:.0f}%")
     for name, picture in rows:
         print(f"{name}: {picture.line}")
         if not re.search(r"1 triangle mesh as cVERT: 1000000 quads", picture.line):
             complain(f"{name}: the sheet is not compressed as 1000000 quads")
-    for name, most in (("default", MOST_DARK), ("edge/512", MOST_DARK), ("lossless", 0), (f"not compressed, {system_library}", 0)):
+    for name, most in {"default": MOST_DARK, "edge/512": MOST_DARK, "lossless": 0, system_name: 0}.items():
         if dark[name] > most:
             complain(f"{name}: {dark[name]} pixels are darker by more than 5%, at most {most} may be")
     if dark["edge/36"] < 10 * MOST_DARK:

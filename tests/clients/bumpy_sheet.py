@@ -5,10 +5,11 @@
 
     blender -b --python-exit-code 1 --python bumpy_sheet.py -- FOLDER SAMPLES EDGE COMPRESSION ...
 
-EDGE is the length of the quads' edges in the plane of the sheet. Renders a picture for each COMPRESSION: "plain" for none,
-"default", "lossless", or a number N for a spacing of 1/N of the median edge. Writes each as FOLDER/COMPRESSION.exr, and as
-FOLDER/COMPRESSION.floats: one 32-bit float per pixel, in rows from the bottom to the top. The scene is gray, so one channel
-suffices. Cycles makes an Embree device for each picture, which then reads EMBREE_CBVH.
+EDGE is the length of the quads' edges in the plane of the sheet. Renders a picture for each COMPRESSION: "plain" for
+none, "default", "lossless", or a number N for a spacing of 1/N of the median edge. Writes each as
+FOLDER/COMPRESSION.exr, and as FOLDER/COMPRESSION.floats: one 32-bit float per pixel, in rows from the bottom to the
+top. The scene is gray, so one channel suffices. Cycles creates an Embree device for each picture, which then reads
+EMBREE_CBVH.
 """
 
 import os
@@ -33,7 +34,8 @@ assert len(mesh.polygons) == QUADS * QUADS
 vertices = np.empty((len(mesh.vertices), 3), np.float32)
 mesh.vertices.foreach_get("co", vertices.ravel())
 x, y = (vertices[:, :2].astype(np.float64) / edge).T  # in quads
-vertices[:, 2] = edge * (2.0 * np.sin(x / 13) * np.cos(y / 17) + 0.5 * np.sin((x + 2 * y) / 9) + 0.2 * np.sin((3 * x - y) / 11))
+waves = 2.0 * np.sin(x / 13) * np.cos(y / 17) + 0.5 * np.sin((x + 2 * y) / 9) + 0.2 * np.sin((3 * x - y) / 11)
+vertices[:, 2] = edge * waves
 mesh.vertices.foreach_set("co", vertices.ravel())
 mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), bool))
 mesh.update()
