@@ -180,7 +180,7 @@ struct CbvhDicing
 };
 
 /* How near to its vertices a surface is stored. Zeros: a spacing of 1/36 of the quads' edges, or less, of
- * a cage, of 1/512 of grids and meshes; see also cbvhSetLossless. */
+ * a cage, of 1/512 of grids, of 1/2048 of meshes; see also cbvhSetLossless. */
 struct CbvhAccuracy
 {
   float maxError;                   /* world units: spacing of the lattice, at most; no vertex moves by more than half of it on an axis, 0.866 of it in space */

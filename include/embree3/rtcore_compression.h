@@ -103,7 +103,7 @@ struct RTCCompressionArguments
    * RTC_COMPRESSION_VERT: spacing of the lattice that vertices are moved to, at most. No vertex moves by more than half of it on any axis, 0.866 of it
    * in space, and none moves on an axis where floats are coarser than the lattice. Spacings are powers of 2. 0 is lossless: the vertices of grids, quads
    * and triangles are stored as they are, to the bit, those of cages as Embree evaluates them. Where nobody gives one, it is 1/36 of the median edge of
-   * the quads of each face of a cage, or less, and 1/512 of that of each grid, of quads and of triangles.
+   * the quads of each face of a cage, or less, 1/512 of that of each grid, and 1/2048 of that of quads and triangles.
    *
    * RTC_COMPRESSION_VOXEL and LEAF: upper bound of a leaf's thickness. Honoured when frameLevel is
    * AUTO: a face is split into finer frames until its leaves meet the bound or a block has one quad

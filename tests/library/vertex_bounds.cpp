@@ -376,7 +376,7 @@ TEST_P(VertexBounds, HoldForTheDefaultSpacing)
           for (int k = 0; k < 3; k++) square += std::pow(double(b[k]) - double(a[k]), 2);
           longest = std::max(longest, std::sqrt(square));
         }
-      const double part = GetParam() == Kind::Cage ? 36 : 512; // vertices of an application are stored more exactly
+      const double part = GetParam() == Kind::Cage ? 36 : GetParam() == Kind::Grids ? 512 : 2048; // vertices of an application are stored more exactly
       expectBounds(sheet, GetParam(), float(longest/part), -1, Expected::Lattice);
     }
 }

@@ -13,6 +13,7 @@
  *   bool number (i, QuadNumbers&)      whether each of its quads is a primitive of its own, and which */
 
 #include "embree_bytes.h"
+#include "lattice.h"
 #include "quad_regions.h"
 #include "source.h"
 
@@ -51,6 +52,7 @@ namespace embree
 
     public:
       typedef GridMesh Mesh;
+      static double spacingOfEdge () { return cbvh::spacingOfGridEdge; } //!< by default
       typedef DicedGrid<Rows> Grid;
 
       explicit GridsOfGridMesh (const GridMesh* mesh) : mesh(mesh) {}
@@ -98,6 +100,7 @@ namespace embree
 
     public:
       typedef MeshType Mesh;
+      static double spacingOfEdge () { return cbvh::spacingOfMeshEdge; }
       typedef DicedGrid<Corners> Grid;
 
       explicit GridsOfRegions (const MeshType* mesh) : regions(regionsOf(mesh)), mesh(mesh), quads(quadsOf(mesh,*regions)) {}

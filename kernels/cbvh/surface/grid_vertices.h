@@ -181,7 +181,7 @@ namespace embree
         forRanges(size(),gridsPerTask,[&](const range<size_t>& r) {
             std::vector<float> memory;
             forEachValid(r,[&](size_t i, const Grid& grid) {
-                LatticeChoice lattice(LatticeChoice::GIVEN);
+                LatticeChoice lattice(Grids::spacingOfEdge());
                 forLines(grid,step,memory,[&](bool alongU, const float (*line)[3], size_t count) { lattice.addLine(alongU,line,count); });
                 exponents[step*size() + i] = lattice.exponent(plan,diagonal);
               });

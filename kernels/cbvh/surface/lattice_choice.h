@@ -15,10 +15,8 @@ namespace embree
     class LatticeChoice
     {
     public:
-      /*! of vertices that are evaluated, or of those of an application */
-      enum Vertices { EVALUATED, GIVEN };
-
-      explicit LatticeChoice (Vertices vertices) : vertices(vertices) {}
+      /*! ofEdge: default spacing as a part of the median edge, of vertices of an application; 0 of those that are evaluated */
+      explicit LatticeChoice (double ofEdge = 0) : ofEdge(ofEdge) {}
 
       /*! of so many quads along u and v */
       void addPatch (const unsigned quads[2]) { for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]); }
@@ -41,7 +39,7 @@ namespace embree
         }
         for (int d=0; d<2; d++) {
           const double median = (samples[d].empty() ? coarse[d] : samples[d]).median();
-          const double wanted = vertices == GIVEN ? median*cbvh::spacingOfGivenEdge : cbvh::defaultSpacing(median,fewest[d],diagonal);
+          const double wanted = ofEdge > 0 ? median*ofEdge : cbvh::defaultSpacing(median,fewest[d],diagonal);
           if (wanted > 0) spacing = spacing > 0 ? min(spacing,wanted) : wanted;
         }
         return cbvh::latticeExponent(spacingAskedFor(plan,lower,upper,spacing));
@@ -68,7 +66,7 @@ namespace embree
         return spacing < INFINITY ? spacing : byDefault;
       }
 
-      const Vertices vertices;
+      const double ofEdge;
       cbvh::EdgeSample samples[2], coarse[2]; //!< along u, v
       unsigned fewest[2] = { ~0u,~0u };       //!< quads
     };

@@ -331,7 +331,7 @@ namespace embree
         Step& step = *steps[s];
         const bool isValid = mesh->valid(f,s);
         if (!isValid) return keepNothing(f,step);
-        LatticeChoice lattice(LatticeChoice::EVALUATED);
+        LatticeChoice lattice;
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
             const SubdivPatch1Base base = patch.make(mesh,plan.surface,f,s);
             const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
