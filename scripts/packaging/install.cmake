@@ -59,7 +59,12 @@ if(HELP2MAN AND NOT CBVH_SANITIZE)
   set(about_cbvh_viewer "displaced subdivision surfaces in a window")
   set(about_cbvh_bench "speed, memory and errors of representations of displaced subdivision surfaces")
   set(about_cbvh_pathtracer "path tracing of displaced subdivision surfaces on a GPU or a processor")
-  foreach(program cbvh_render cbvh_viewer cbvh_bench cbvh_pathtracer)
+  set(about_cbvh_terrain "sky-view factors of elevation rasters")
+  set(programs cbvh_render cbvh_viewer cbvh_bench cbvh_pathtracer)
+  if(NOT CBVH_PACKAGES)
+    list(APPEND programs cbvh_terrain) # which is in no package
+  endif()
+  foreach(program ${programs})
     if(TARGET ${program})
       set(page "${CMAKE_BINARY_DIR}/man/man1/${program}.1")
       add_custom_command(OUTPUT "${page}"

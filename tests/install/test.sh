@@ -102,7 +102,9 @@ done
 if command -v help2man > /dev/null; then
   for program in "$work"/prefix/bin/cbvh_*; do
     page=$work/prefix/share/man/man1/$(basename "$program").1
-    grep -qF -- '\-\-level' "$page" || fail "$(basename "$program") has no manual page of its options"
+    option=level
+    [ "$(basename "$program")" != cbvh_terrain ] || option=cell
+    grep -qF -- "\\-\\-$option" "$page" || fail "$(basename "$program") has no manual page of its options"
   done
 fi
 [ -e "$work/prefix/share/man/man3/rtcNewDevice.3embree3" ] || fail "Embree's own manual pages are missing"
