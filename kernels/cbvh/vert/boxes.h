@@ -67,12 +67,17 @@ namespace embree
       __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar) -> decltype(tNear <= tFar)
       {
         BlockBounds bounds;
-        setAxes(block,bounds);
+        setShear(block->boxForm,true,bounds);
         const VertSpacing spacing = spacingOf(block->word,block->corners);
         const float step = float(reachStep(block->boxForm)), sheared = step*spacing.at[bounds.axis];
         for (int i=0; i<2; i++) {
           bounds.upper[i] = float(reachOf(block->reach,i))*step*spacing.at[axisAfter(bounds.axis,1+i)];
           bounds.sheared[i] = float(reachOf(block->reach,2+i))*sheared;
+        }
+        const float extent = 2.0f*(max(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]); // as vertExtent
+        for (int k=0; k<3; k++) {
+          bounds.origin[k] = block->origin[k];
+          bounds.extent[k] = extent;
         }
         for (float& slack : bounds.slack) slack = 0.0f;
         return meetsBounds<Real>(ray,bounds,tNear,tFar);
