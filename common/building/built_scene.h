@@ -45,7 +45,9 @@ struct BuildSettings
   int level = 6;
   std::shared_ptr<const EdgeRates> rates; // in place of it, of a model's edges; not for NAIVE nor meshes
   int threads = 0;     // of Embree's build, 0 for all
-  float maxError = -1; // bound on cVERT's spacing, 0: lossless; on the thickness of leaves where frame levels are automatic, 0: none; negative: as the library chooses
+  // Largest spacing of cVERT, 0: lossless; largest thickness of leaves where frame levels are automatic, 0: no bound. Negative: the library's
+  // default.
+  float maxError = -1;
   PixelBound pixelBound;
   bool filters = false;    // of contexts are called
   std::string isa;     // Embree's name of the widest instruction set to use, empty for the host's best

@@ -183,7 +183,7 @@ struct CbvhDicing
  * a cage, of 1/512 of grids, of 1/2048 of meshes; see also cbvhSetLossless. */
 struct CbvhAccuracy
 {
-  float maxError;                   /* world units: spacing of the lattice, at most; no vertex moves by more than half of it on an axis, 0.866 of it in space */
+  float maxError;                   /* world units; the largest spacing of the lattice. A vertex moves by at most half of it on each axis, 0.866 in space. */
   float maxPixelError;              /* the same in pixels of a camera */
   float cameraPosition[3];
   float pixelSize;                  /* width of a pixel at distance 1 */

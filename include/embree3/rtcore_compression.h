@@ -100,10 +100,10 @@ struct RTCCompressionArguments
 
   /* In world units, negative to inherit the device's setting.
    *
-   * RTC_COMPRESSION_VERT: spacing of the lattice that vertices are moved to, at most. No vertex moves by more than half of it on any axis, 0.866 of it
-   * in space, and none moves on an axis where floats are coarser than the lattice. Spacings are powers of 2. 0 is lossless: the vertices of grids, quads
-   * and triangles are stored as they are, to the bit, those of cages as Embree evaluates them. Where nobody gives one, it is 1/36 of the median edge of
-   * the quads of each face of a cage, or less, 1/512 of that of each grid, and 1/2048 of that of quads and triangles.
+   * RTC_COMPRESSION_VERT: the largest spacing of the lattice to which vertices are moved. Spacings are powers of 2. A vertex moves by at most half
+   * a spacing on each axis, 0.866 in space; on an axis where floats are coarser than the lattice it does not move. 0 is lossless: vertices of
+   * grids, quads and triangles are stored to the bit, those of cages as Embree evaluates them. The default is 1/36 of the median edge of a
+   * cage's quads, face by face, or less; 1/512 for a grid; 1/2048 for quads and triangles.
    *
    * RTC_COMPRESSION_VOXEL and LEAF: upper bound of a leaf's thickness. Honoured when frameLevel is
    * AUTO: a face is split into finer frames until its leaves meet the bound or a block has one quad

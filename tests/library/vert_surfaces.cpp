@@ -190,6 +190,23 @@ double largestDeviation(RTCScene scene, const EveryVertex& grid)
   return largest;
 }
 
+// A cage as GRID has it, with all vertices recorded, and the settings that make cVERT of the same vertices.
+struct Recorded
+{
+  EveryVertex grid;
+  Scene reference;
+  SurfaceSettings settings;
+
+  Recorded(RTCDevice device, const Cage& cage) : reference(device)
+  {
+    settings.rate = 16;
+    settings.compression = RTC_COMPRESSION_NONE;
+    grid.build(device, reference, cage, settings);
+    settings.displacement = &grid;
+    settings.compression = RTC_COMPRESSION_VERT;
+  }
+};
+
 TEST(VertSurfaces, NoVertexIsFartherFromGridsThanPromised)
 {
   Device device;
@@ -197,16 +214,9 @@ TEST(VertSurfaces, NoVertexIsFartherFromGridsThanPromised)
   for (const auto& cage : closedCages)
     for (float maxError : {0.0f, 0.05f, 0.001f, 3e-5f, 1e-6f}) { // 0: the default
       SCOPED_TRACE(testing::Message() << cage.name << ", bound " << maxError);
-      EveryVertex grid;
-      SurfaceSettings settings;
-      settings.rate = 16;
-      settings.compression = RTC_COMPRESSION_NONE;
-      Scene reference(device);
-      grid.build(device, reference, cage.cage, settings);
-      settings.displacement = &grid;
-      settings.compression = RTC_COMPRESSION_VERT;
-      settings.maxError = maxError;
-      const SurfaceScene scene(device, cage.cage, settings);
+      Recorded recorded(device, cage.cage);
+      recorded.settings.maxError = maxError;
+      const SurfaceScene scene(device, cage.cage, recorded.settings);
       const RTCCompressionStatistics stats = statisticsOf(scene);
       if (maxError > 0) {
         EXPECT_LE(stats.maxVertexSpacing, maxError);
@@ -215,7 +225,7 @@ TEST(VertSurfaces, NoVertexIsFartherFromGridsThanPromised)
       EXPECT_GT(stats.maxVertexDeviation, 0);
       EXPECT_LE(stats.maxVertexDeviation, halfDiagonal*stats.maxVertexSpacing);
       // faces evaluate what they share some ulps apart
-      const double largest = largestDeviation(scene, grid);
+      const double largest = largestDeviation(scene, recorded.grid);
       EXPECT_LE(largest, stats.maxVertexDeviation + stats.maxBorderGap + 1e-6);
       EXPECT_LE(stats.maxBorderGap, 1e-5f);
       EXPECT_LE(largest, halfDiagonal*stats.maxVertexSpacing + 1e-5);
@@ -228,20 +238,13 @@ TEST(VertSurfaces, WithoutLossTheyHaveTheVerticesThatGridEvaluates)
   Device device("cbvh_max_error=0");
   for (const auto& cage : closedCages) {
     SCOPED_TRACE(cage.name);
-    EveryVertex grid;
-    SurfaceSettings settings;
-    settings.rate = 16;
-    settings.compression = RTC_COMPRESSION_NONE;
-    Scene reference(device);
-    grid.build(device, reference, cage.cage, settings);
-    settings.displacement = &grid;
-    settings.compression = RTC_COMPRESSION_VERT;
-    const SurfaceScene scene(device, cage.cage, settings);
+    const Recorded recorded(device, cage.cage);
+    const SurfaceScene scene(device, cage.cage, recorded.settings);
     const RTCCompressionStatistics stats = statisticsOf(scene);
     EXPECT_EQ(stats.maxVertexDeviation, 0);
     EXPECT_EQ(stats.maxVertexSpacing, 0);
     EXPECT_EQ(stats.numFlippedQuads, 0u);
-    EXPECT_LE(largestDeviation(scene, grid), stats.maxBorderGap*1.0001) << "but for borders, which faces evaluate some ulps apart";
+    EXPECT_LE(largestDeviation(scene, recorded.grid), stats.maxBorderGap*1.0001) << "but for borders, which faces evaluate some ulps apart";
     EXPECT_LE(stats.maxBorderGap, 1e-5f);
     EXPECT_EQ(countOpenEdges(vertTriangles(scene)), 0u);
   }

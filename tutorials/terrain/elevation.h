@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* An elevation raster of which only some rows are in memory. Each sample is a vertex of the terrain. */
+/* An elevation raster. Only the rows in use are in memory. Each sample is a vertex of the terrain. */
 
 #include "surface/map_image.h"
 

@@ -19,7 +19,7 @@ namespace embree
   {
     RTCCompression compression = RTC_COMPRESSION_INHERIT;
     int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
-    float maxError = -1.0f; //!< world units; 0: vertices of cVERT are stored as they are; negative to inherit, and where nobody says otherwise the default
+    float maxError = -1.0f; //!< world units; 0: cVERT is lossless; negative: inherited, or the default
     float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< only a geometry's
     int exactFaces = -1;    //!< 0 or 1, negative to inherit
     bool releasesInput = false; //!< of a geometry if it or its device says so

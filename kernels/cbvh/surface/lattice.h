@@ -7,8 +7,8 @@
  * of every finer one, so a vertex that faces share lies on the coarsest of theirs and is a
  * point of all of them.
  *
- * Snapping works on floats and is exact: a coordinate that is so large that floats are not finer than the lattice is a multiple already. So a
- * lattice is as fine far from the origin as near it, as far as floats are. */
+ * Snapping works on floats and is exact. Far from the origin, where floats are coarser than the lattice, every float lies on it already, and
+ * does not move. */
 
 #include "../base/lanes.h"
 #include "../base/world.h"
@@ -36,13 +36,13 @@ namespace embree
      *  a cell's fields. */
     static constexpr double finestOfEdge = 1.0/96;
 
-    /*! Default spacing of grids that an application hands over, as a part of that edge. It knows its vertices: rays that it starts at them, 1/200 of
-     *  an edge above the surface, start above what is stored, too, on slopes of up to 45 degrees. */
+    /*! Default spacing for grids of an application, as a part of that edge. The application may start rays at its own vertices. If they start
+     *  1/200 of an edge above the surface, they start above the stored surface, too, on slopes of up to 45 degrees. */
     static constexpr double spacingOfGridEdge = 1.0/512;
 
-    /*! The same of quads and triangles. Renderers shade points of these, and what lies a little before such a point shades it: in a picture of a
-     *  smooth sheet that light grazes, in which a quad is 6 pixels wide, 2055 pixels in 230400 are darker by more than 5% at 1/512 of an edge,
-     *  172 at 1/2048, and 51 at 1/4096 (tests/clients). */
+    /*! The same for quads and triangles. Renderers shade points on their own triangles; the stored surface, if it lies a little in front of such a
+     *  point, puts it into shadow. tests/clients counts the pixels of a grazingly lit, smooth sheet that become darker by more than 5%: of 230400
+     *  pixels 2055 at 1/512 of an edge, 172 at 1/2048, and 51 at 1/4096. */
     static constexpr double spacingOfMeshEdge = 1.0/2048;
 
     /*! median: of edges along u or v, of that many quads; diagonal: of the geometry's bounds */
@@ -52,13 +52,13 @@ namespace embree
       return std::min(median*spacingOfEdge,std::max(diagonal*spacingOfDiagonal,median*finestOfEdge));
     }
 
-    /*! Coordinates that are this many bits larger than the spacing are multiples of it, as floats have no more bits. */
+    /*! A coordinate of 2^this spacings or more is a multiple of the spacing: floats have no finer bits there. */
     static constexpr int floatBits = 23;
 
     /*! spacings whose reciprocal is a normal float */
     static constexpr int minLatticeExponent = -125, maxLatticeExponent = 100;
 
-    /*! Of vertices that stay where they are. It is finer than all others: where surfaces share a vertex, the coarsest counts. */
+    /*! Stands for no lattice: vertices stay where they are. It is less than all others, because the coarsest lattice of a shared vertex counts. */
     static constexpr int exactLattice = -126;
 
     /*! of a face without a lattice: nobody shares its vertices */

@@ -5,9 +5,9 @@
 
 /* The vertices of a block of cVERT at one time, and what format.h makes of them: coordinates and remainders.
  *
- * Nothing is rounded here. On each axis the vertices are multiples of a power of two, the step, which is found in the floats themselves: vertices
- * that were snapped to a lattice are multiples of its spacing, those of a regular terrain of the size of its cells, any others of the last bit of a
- * float. The block's spacing is at least the step. Where it is more, a vertex has a remainder. */
+ * Nothing is rounded here. On each axis all vertices are multiples of some power of two, the step. It is found in the floats themselves: for
+ * vertices on a lattice it is at least the spacing of the lattice, for a regular terrain the size of a cell, for any other vertices the last
+ * bit of a float. The block's spacing is the step or a larger power of two. If it is larger, vertices have remainders. */
 
 #include "format.h"
 #include "cell_encoder.h"
@@ -68,10 +68,8 @@ namespace embree
 
       bool hasRemainders () const { return (remainderBits[0] | remainderBits[1] | remainderBits[2]) != 0; }
 
-      /*! a spacing */
-      float spacing (int k) const { return std::ldexp(1.0f,exponent[k]); }
-
-      /*! Finds the steps, and the least spacings. All vertices must be finite. False where one of them takes too many bits: the block is raw. */
+      /*! Finds the steps and the smallest spacings that are possible. All vertices must be finite. Returns false if there are none: the block
+       *  must be raw. */
       bool measure ()
       {
         for (uint32_t i=numVertices(); i % 4 != 0; i++) memcpy(vertices[i],vertices[0],sizeof(vertices[0]));
@@ -81,12 +79,13 @@ namespace embree
           if (span > 0) size = std::max(size,std::ilogb(span)+1);
         }
         findSteps();
-        /* An axis on which all vertices are the same has no step. */
+        /* If all vertices are 0 on an axis, it has no step. */
         for (int k=0; k<3; k++) exponent[k] = std::max(leastExponent(k),std::min(step[k],size-1));
         return setRemainders();
       }
 
-      /*! Makes spacings coarser, so that residuals lose `bits` bits on each axis to remainders. False where remainders would have too many. */
+      /*! Makes spacings larger by 2^bits on each axis: residuals become that much shorter, and remainders longer. Returns false if a spacing
+       *  would be too large. */
       bool coarsen (const int bits[3])
       {
         for (int k=0; k<3; k++) exponent[k] += bits[k];
@@ -147,7 +146,7 @@ namespace embree
             corners[cornerPair(int(c),k)] |= uint32_t(coordinates[k][(c >> 1)*quads[1]*width + (c & 1)*quads[0]]) << (16*((3*c+uint32_t(k)) & 1));
       }
 
-      /*! Writes remainders to `out`, which is that many bytes behind the start of a block or of a step; returns their end. word: written */
+      /*! Writes the remainders to `out` and their word to `word`. offset: of `out` from the start of the block or step. Returns the end. */
       uint8_t* writeRemainders (uint8_t* out, uint32_t offset, uint32_t& word) const
       {
         word = remainderBits[0] | remainderBits[1] << 5 | remainderBits[2] << 10 | offset << 16;
@@ -159,10 +158,10 @@ namespace embree
       }
 
     private:
+      /*! On an axis that is stored as floats, coordinates serve only boxes: the block spans 2^this of them, up to twice as many. */
+      static const int unitsOfFloats = 6;
 
-      static const int unitsOfFloats = 6; //!< a block spans 2^this coordinates, or twice as many, where it has floats beside them
-
-      /*! bits of an axis's integers, before the step is taken out of them: differences have 31 at most */
+      /*! Bits of an axis's integers before they are divided by the step. Their differences have at most 31. */
       static const int integerBits = 29;
 
       int step[3]; //!< as an exponent
@@ -216,7 +215,7 @@ namespace embree
         return stored == 0 ? minSpacingExponent-1 : int(stored)-150+__builtin_ctz((bits & 0x7FFFFFu) | 0x800000u);
       }
 
-      /*! where all are the same, or some are that much smaller than the largest */
+      /*! For axes on which all vertices are equal, or some are too small beside the largest for the integers of findSteps. */
       void findStepOfFloats (int k)
       {
         step[k] = maxSpacingExponent;
@@ -226,7 +225,8 @@ namespace embree
         if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits); // too fine for remainders
       }
 
-      /*! Of a spacing on an axis: coordinates fit into their bits, and planes of boxes, which are up to maxExtent outside, are floats. */
+      /*! The smallest spacing on an axis for which coordinates have at most 14 bits, and planes of boxes, up to maxExtent spacings outside of the
+       *  vertices, are exact as floats. */
       int leastExponent (int k) const
       {
         const double largest = std::max(std::fabs(double(lower[k])),std::fabs(double(upper[k])));
@@ -247,7 +247,6 @@ namespace embree
           if (exponent[k] > maxSpacingExponent) return false;
           const int bits = std::max(exponent[k]-step[k],0);
           remainderBits[k] = bits > int(maxRemainderBits) ? remaindersAreFloats : uint32_t(bits);
-          /* Then coordinates are for boxes alone. */
           const double span = double(upper[k])-double(lower[k]);
           if (remainderBits[k] == remaindersAreFloats && span > 0) exponent[k] = std::max(exponent[k],std::ilogb(span)-unitsOfFloats);
         }

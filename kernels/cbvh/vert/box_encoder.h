@@ -61,7 +61,7 @@ namespace embree
       uint32_t reach (uint32_t end, uint32_t& shift) const
       {
         const BlockVertices& of = *ends[end];
-        const Heights& of16 = heights[end];
+        const Heights& sheared = heights[end];
         int bounds[4];
         for (uint32_t i=0; i<2; i++) {
           const uint32_t k = (shear.axis+1+i)%3;
@@ -73,9 +73,9 @@ namespace embree
           bounds[3] = h.upper + remainder(of,shear.axis);
         }
         else {
-          const Span h = spanOf(of16.at,of.numVertices());
-          bounds[2] = (h.lower-of16.below) >> of16.shift; // down
-          bounds[3] = stepsUp(h.upper+of16.above,of16.shift);
+          const Span h = spanOf(sheared.at,of.numVertices());
+          bounds[2] = (h.lower-sheared.below) >> sheared.shift; // down
+          bounds[3] = stepsUp(h.upper+sheared.above,sheared.shift);
         }
         shift = 0;
         while (stepsUp(bounds[0],shift) > 255 || stepsUp(bounds[1],shift) > 255 || (bounds[2] >> shift) < -128 || stepsUp(bounds[3],shift) > 127) shift++;
@@ -93,14 +93,15 @@ namespace embree
         bool isStraight () const { return slopes[0] == 0 && slopes[1] == 0; }
       };
 
-      /*! Sheared coordinates of a block's vertices, without remainders, as integers: in 2^-shift of the spacing on the sheared axis. */
+      /*! The sheared coordinates of a block's vertices, without remainders, as integers. Their unit is the spacing on the sheared axis,
+       *  divided by 2^shift. */
       struct Heights
       {
         uint32_t shift;
         int below, above;  //!< what remainders may take away, or add
         int at[BlockVertices::maxVertices];
 
-        /*! False where they are no floats, with margins: decoders add them up as such. */
+        /*! Returns false if decoders, which add them up in float, would have to round. */
         bool set (const BlockVertices& of, const Shear& shear)
         {
           const uint32_t m = shear.axis, next[2] = { (m+1)%3,(m+2)%3 };

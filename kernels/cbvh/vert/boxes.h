@@ -74,7 +74,7 @@ namespace embree
           bounds.upper[i] = float(reachOf(block->reach,i))*step*spacing.at[axisAfter(bounds.axis,1+i)];
           bounds.sheared[i] = float(reachOf(block->reach,2+i))*sheared;
         }
-        const float extent = 2.0f*(max(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]); // as vertExtent
+        const float extent = extentOfBounds(bounds.upper[0],bounds.upper[1],bounds.sheared[0],bounds.sheared[1]);
         for (int k=0; k<3; k++) {
           bounds.origin[k] = block->origin[k];
           bounds.extent[k] = extent;

@@ -67,8 +67,9 @@ namespace embree
       }
 
     protected:
-      /*! Header, words, fields and remainders, of vertices that were measured; not boxes. False where a raw block takes fewer bytes. Calls
-       *  onCell(g,cell) for each group, and before that for the first cell, with g = -1, before it is encoded; of an attempt that fails in vain. */
+      /*! Writes header, words, fields and remainders, but no boxes. The vertices must have been measured. Returns false if a raw block takes
+       *  fewer bytes. Before a cell is encoded, onCell(g,cell) is called: first for the first cell, with g = -1, then for each group. If the
+       *  spacings turn out too fine, all of this is repeated with coarser ones, including the calls. */
       template<typename OnCell>
       bool pack (const VertPlacement& at, uint32_t form, uint8_t* block, const OnCell& onCell)
       {
@@ -86,12 +87,17 @@ namespace embree
           isBalanced = true;
           if (!coarsen(bits)) return false;
         }
-        if (hasRemainders()) {
-          uint32_t word;
-          end = writeRemainders(end,uint32_t(end-block),word);
-          memcpy(block+layout.remainders,&word,sizeof(word));
-        }
+        appendRemainders(*this,block,layout.remainders);
         return size_t(end-block) < layout.rawBytes;
+      }
+
+      /*! Appends the remainders of vertices, if there are any, to the block or step that begins at start; writes their word at an offset from there. */
+      void appendRemainders (const BlockVertices& of, uint8_t* start, uint32_t wordOffset)
+      {
+        if (!of.hasRemainders()) return;
+        uint32_t word;
+        end = of.writeRemainders(end,uint32_t(end-start),word);
+        memcpy(start+wordOffset,&word,sizeof(word));
       }
 
       /*! Zeros up to a multiple of 4 bytes. */
@@ -122,8 +128,8 @@ namespace embree
       uint32_t residualBits[3]; //!< by axis: of a field, summed over groups
 
     private:
-      /*! Residuals of noise have as few bits as this where there are remainders: 21 of 25 vertices of a cell have one, and those of a block's
-       *  border are in one cell, those of groups' in two; a remainder is stored once. */
+      /*! If a block has remainders, residuals keep about this many bits, and the rest of them becomes remainders. That takes fewer bytes: a
+       *  vertex on the border between groups has a residual in the cell of each, but only one remainder. */
       static const int bitsOfNoise = 5;
 
       /*! by axis: bits that may go from residuals to remainders; false if there are none */

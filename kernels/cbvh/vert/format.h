@@ -60,8 +60,10 @@ struct VertHeader
   uint32_t primID;        //!< or what the numbers of quads count from: base/quad_numbers.h
   uint32_t region;        //!< size and position: see the accessors
   uint32_t patchQuads;    //!< of the patch along u and v, less 1, 16 bits each; or the form of numbers
-  uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first; see cornerBits for the other bits
-  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..13: sheared axis, or 3: raw, 14..23: shear of boxes, 24: has remainders, 25..28: shift of reach, see below; 29: has edges; 30: numbers its quads; 31: moves
+  uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first;
+                          //!< see cornerBits for the other bits
+  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..13: sheared axis, or 3: raw, 14..23: shear of boxes,
+                          //!< 24: has remainders, 25..28: shift of reach, see below; 29: has edges; 30: numbers its quads; 31: moves
   uint32_t word;          //!< of the first cell; bits 24..31: exponent of the spacing on x
 };
 
@@ -177,14 +179,17 @@ CBVH_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, 
   return spacing;
 }
 
-/*! How far a block reaches from its origin on any axis, at most, with the planes of its boxes: the same on all axes, as a ray's shear mixes
- *  their rounding. Slopes are less than 1, so that no coordinate is more than the sum of the bounds; margins may double it. step: of reach, in
- *  spacings */
+/*! An upper limit of how far a block and the planes of its boxes lie from its origin on any axis, from the block's bounds: upper1 and upper2 on
+ *  the axes m+1 and m+2, and the sheared coordinates lower and upper. Slopes are less than 1, so no vertex lies farther away than the sum of the
+ *  bounds; margins may double that. It is one number for all axes because the shear of a ray mixes their rounding errors. */
+CBVH_FUNCTION float extentOfBounds (float upper1, float upper2, float lower, float upper) { return 2.0f*(greater(-lower,upper) + upper1 + upper2); }
+
+/*! The same from a block's `reach`, in units of step spacings. */
 CBVH_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing)
 {
-  int m = shearedAxis(boxForm), below = -reachOf(reach,2), above = reachOf(reach,3);
-  float along = float(below > above ? below : above)*spacing.at[m];
-  return 2.0f*float(step)*(along + float(reachOf(reach,0))*spacing.at[axisAfter(m,1)] + float(reachOf(reach,1))*spacing.at[axisAfter(m,2)]);
+  int m = shearedAxis(boxForm);
+  return float(step)*extentOfBounds(float(reachOf(reach,0))*spacing.at[axisAfter(m,1)], float(reachOf(reach,1))*spacing.at[axisAfter(m,2)],
+                                    float(reachOf(reach,2))*spacing.at[m], float(reachOf(reach,3))*spacing.at[m]);
 }
 
 /*! What a coordinate on the axis m+i (i = 1 or 2) counts in the sheared one, in spacings of m. */
@@ -194,8 +199,12 @@ CBVH_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
   return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
 }
 
-/* Remainders have a word behind the header, and edges, numbers and motion if it has any: bits 0..4, 5..9, 10..14: bits of a remainder along x, y and z,
- * or remaindersAreFloats; 16..31: where remainders begin, in bytes from the block's start. They are x, y, z of each vertex, row by row, without gaps, the lowest bit first. */
+/* The word of remainders follows the header, edges or numbers, and motion:
+ *
+ *   bits 0..4, 5..9, 10..14    bits of a remainder on x, y and z, or remaindersAreFloats
+ *   bits 16..31                where the remainders begin, in bytes from the start of the block
+ *
+ * There the remainders of all vertices follow each other, row by row: x, y and z of each, without gaps, the lowest bit first. */
 
 CBVH_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
 CBVH_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
@@ -223,7 +232,7 @@ CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int
 /*! what a remainder is multiplied with, from the spacing: 2^-bits of it */
 CBVH_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
 
-/*! A vertex on an axis, from what it is without its remainder, and from a word that begins with the remainder. bits: remainderBits, not 0 */
+/*! Adds its remainder to a vertex on an axis. without: the vertex before; word: begins with the remainder; bits: remainderBits, not 0 */
 CBVH_FUNCTION float withRemainder (float without, uint32_t word, uint32_t bits, float spacing)
 {
   if (bits == remaindersAreFloats) return floatOfBits(word);
@@ -340,7 +349,6 @@ inline uint32_t remaindersAt (const void* start, uint32_t offset)
   std::memcpy(&remainders,(const uint8_t*)start + offset,sizeof(remainders));
   return remainders;
 }
-
 
 /*! bytes of a block at its first step, without the numbers of quads, and without those that fill it up */
 inline uint32_t vertFirstStepSize (const VertHeader* block)

@@ -62,9 +62,7 @@ namespace embree
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
           const Step steps[2] = { Step(block,layout,segment),Step(block,layout,segment+1) };
           for (int e=0; e<2; e++)
-            for (int k=0; k<3; k++) {
-              out.origins[e][k] = steps[e].origin[k];
-            }
+            for (int k=0; k<3; k++) out.origins[e][k] = steps[e].origin[k];
           const bool isSheared = !steps[0].raw && !steps[1].raw;
           const float extent = likely(isSheared) ? SegmentReach(block,segment).extent() : 0.0f;
           for (int k=0; k<3; k++) out.extent[k] = extent;

@@ -109,11 +109,7 @@ namespace embree
         memcpy(block+motion.steps+4*(step-1),&offset,sizeof(offset));
         VertStep& header = *(VertStep*)end;
         bool packed = now.allFinite && now.measure() && packCellsOfStep(now,header);
-        if (packed && now.hasRemainders()) {
-          uint32_t word;
-          end = now.writeRemainders(end,uint32_t(end-(uint8_t*)&header),word);
-          memcpy((uint8_t*)&header + vertStepBytes,&word,sizeof(word));
-        }
+        if (packed) appendRemainders(now,(uint8_t*)&header,vertStepBytes);
         const size_t rawBytes = vertStepLayout(at.region,rawForm).rawBytes;
         packed = packed && size_t(end-(uint8_t*)&header) < rawBytes;
         if (!packed) {
@@ -171,9 +167,9 @@ namespace embree
           if (i < groups) {
             haveSlopes |= (words[g] >> 14) != 0;
             header.turned |= uint32_t(areTurned[g]) << g;
-            statistics.turnedGroups += areTurned[g];
           }
         }
+        for (uint32_t g=0; g<groups; g++) statistics.turnedGroups += areTurned[g];
         header.boxForm = uint32_t(now.hasRemainders()) << 24 | uint32_t(areTurned[firstCell]) << 25 | uint32_t(haveSlopes) << 26 | uint32_t(step+1 < motion.numSteps) << 27;
         header.word = words[firstCell];
         now.write(header.origin,header.corners,header.word);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Remainders of the vertices of a group, vert/format.h. Few blocks have them: they are added one by one, to vertices in the world. */
+/* Adds the remainders of vert/format.h to the decoded vertices of a group, in the world, one after the other: few blocks have any. */
 
 #include "cell_decoder.h"
 
@@ -13,7 +13,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! where vertices in the world go first, which have remainders */
+      /*! Receives the vertices of a cell in the world. */
       struct WorldVerticesOfCell
       {
         CellVertices& out;
@@ -23,8 +23,9 @@ namespace embree
         __forceinline void put (int axis, const CellVector& v) const { CoordinatesOfCell{ out }.put(axis,madd(v,spacing.at[axis],origin[axis])); }
       };
 
-      /*! start: of a block or of a step; offset: of the word of remainders behind it; gx, gy: of the group */
-      __noinline inline void addRemainders (const void* start, uint32_t offset, const VertSpacing& spacing, uint32_t region, uint32_t gx, uint32_t gy, CellVertices& vertices)
+      /*! Adds their remainders to the vertices of group (gx,gy). start: of the block or step; offset: from there to the word of remainders */
+      __noinline inline void addRemainders (const void* start, uint32_t offset, const VertSpacing& spacing, uint32_t region, uint32_t gx, uint32_t gy,
+                                            CellVertices& vertices)
       {
         const uint32_t remainders = remaindersAt(start,offset), quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
         for (int k=0; k<3; k++)
@@ -35,7 +36,7 @@ namespace embree
             for (uint32_t i=0; i<5; i++) {
               const uint32_t vertex = min(groupQuads*gy+j,quadsY)*(quadsX+1) + min(groupQuads*gx+i,quadsX);
               const uint32_t bit = remainderBegin(remainders,vertex,k);
-              uint64_t word; // of which up to 39 bits are used: a block has more bytes behind it
+              uint64_t word; // may extend past the block, by less than readBehindVert
               memcpy(&word,(const uint8_t*)start + (bit >> 3),sizeof(word));
               float& x = vertices.at[k][laneOfVertex(i,j)];
               x = withRemainder(x,uint32_t(word >> (bit & 7u)),bits,spacing.at[k]);

@@ -285,7 +285,7 @@ bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const
   if (!block.hasRaw) {
     axes = cbvhAxesNow(segment, ray, vert);
     slack = cbvhMotionSlack(segment, axes);
-    if (!cbvhMeetsBlockNow(block, segment, ray, vert, axes, slack, hit.t)) return false;
+    if (!cbvhMeetsBlockNow(segment, ray, vert, axes, slack, hit.t)) return false;
   }
   cbvhDecodeCorners(block, segment);
   uint mirror = 0u;

@@ -177,12 +177,25 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
 
 /* --- boxes, of segments without a raw end ---------------------------------------------- */
 
+/* The bounds of a block at an end of a segment, in the shear of the segment. */
+struct CbvhEndReach
+{
+  uint reach, step_;
+};
+
+CbvhEndReach cbvhReachOfEnd (CbvhSegment segment, int e)
+{
+  if (e == 1) return CbvhEndReach(cbvhWord(segment.end.at, 15u), endReachStep(segment.turned[1]));
+  uint form = segment.begin.boxForm;
+  if (cbvhIsLater(segment.begin)) return CbvhEndReach(cbvhWord(segment.begin.at, 14u), beginReachStep(form));
+  return CbvhEndReach(cbvhWord(segment.begin.at, 3u), reachStep(form));
+}
+
 CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert)
 {
   uint form = segment.begin.boxForm;
-  float extent = vertExtent(form, cbvhWord(segment.end.at, 15u), endReachStep(segment.turned[1]), segment.end.spacing);
-  if (cbvhIsLater(segment.begin)) extent = max(extent, vertExtent(form, cbvhWord(segment.begin.at, 14u), beginReachStep(form), segment.begin.spacing));
-  else extent = max(extent, vertExtent(form, cbvhWord(segment.begin.at, 3u), reachStep(form), segment.begin.spacing));
+  CbvhEndReach begin = cbvhReachOfEnd(segment, 0), end = cbvhReachOfEnd(segment, 1);
+  float extent = max(vertExtent(form, begin.reach, begin.step_, segment.begin.spacing), vertExtent(form, end.reach, end.step_, segment.end.spacing));
   return cbvhVertAxes(form, cbvhBetween(segment.begin.origin, segment.end.origin, segment.fraction), extent, ray, vert);
 }
 
@@ -197,12 +210,11 @@ vec3 cbvhMotionSlack (CbvhSegment segment, CbvhVertAxes axes)
 }
 
 /* whether the ray meets the bounds of a block */
-bool cbvhMeetsBlockNow (CbvhVertBlock block, CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack, float tfar)
+bool cbvhMeetsBlockNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack, float tfar)
 {
-  uint form = axes.boxForm;
-  vec4 begin = cbvhReach(form, block.reach, float(reachStep(block.boxForm)), block.first.spacing);
-  if (cbvhIsLater(segment.begin)) begin = cbvhReach(form, cbvhWord(segment.begin.at, 14u), float(beginReachStep(segment.begin.boxForm)), segment.begin.spacing);
-  vec4 end = cbvhReach(form, cbvhWord(segment.end.at, 15u), float(endReachStep(segment.turned[1])), segment.end.spacing);
+  CbvhEndReach atBegin = cbvhReachOfEnd(segment, 0), atEnd = cbvhReachOfEnd(segment, 1);
+  vec4 begin = cbvhReach(axes.boxForm, atBegin.reach, float(atBegin.step_), segment.begin.spacing);
+  vec4 end = cbvhReach(axes.boxForm, atEnd.reach, float(atEnd.step_), segment.end.spacing);
   return cbvhMeetsBounds(ray, vert, axes, (1.0 - segment.fraction)*begin + segment.fraction*end, slack, tfar);
 }
 
