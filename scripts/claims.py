@@ -25,7 +25,7 @@ try:
 except ModuleNotFoundError as error:
     package = "install the package python3-matplotlib"
     raise SystemExit(f"claims.py: matplotlib is not installed for this Python: {package}") from error
-from report_markdown import table
+from reporting.formats import Table
 
 ROOT = Path(__file__).resolve().parent.parent
 LEVELS = (4, 5, 6)
@@ -94,7 +94,7 @@ def main():
         rows.append([name, *(f"{ratios['cVERT', level]:.1f}" for level in LEVELS), str(hits), *cells])
         print(" ".join(rows[-1]), file=sys.stderr)  # what is there if the next one is cancelled
     heads = ["", *(f"level {level}" for level in LEVELS), "pixels", *(f"{kind}, {n}" for n in ("1 sample", "16 samples") for kind in ("NAIVE", "cVERT"))]
-    print("\n".join(table(heads, rows)))
+    print(Table(heads, rows).markdown())
     for (kind, level), found in all_ratios.items():
         print(f"{kind}, level {level}: {min(found):.1f} to {max(found):.1f} times smaller than GRID")
 

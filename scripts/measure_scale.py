@@ -25,9 +25,9 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-import report_scale  # noqa: E402
 import whole_file  # noqa: E402
 from measure_files import letGo, mappingOf  # noqa: E402
+from reporting import scale  # noqa: E402
 
 GIB = 2**30
 LEVELS = ("auto", "6", "7")
@@ -176,7 +176,7 @@ def main():
     options = parser.parse_args()
     folder = options.folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / report_scale.RECORD
+    path = folder / scale.RECORD
     record = json.loads(path.read_text()) if path.exists() else {}
     record["date"] = datetime.date.today().isoformat()
     if options.only != "levels":
@@ -184,7 +184,8 @@ def main():
     if options.only != "herd":
         record["levels"] = measure_levels(options.program, folder, options)
     whole_file.write(path, json.dumps(record, indent=1) + "\n")
-    print("\n".join(report_scale.markdown(record)))
+    for part in scale.tables(record):
+        print(part if isinstance(part, str) else part.markdown(), end="\n\n")
 
 
 if __name__ == "__main__":

@@ -17,8 +17,8 @@ from pathlib import Path
 
 import bench_records as records
 from benchmark import about
-from report_data import Row
-from report_markdown import table
+from reporting.formats import Table
+from reporting.records import as_table, rows_of_record
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE, FRONT = ROOT / "docs/performance.md", ROOT / "README.md"
@@ -52,32 +52,38 @@ def measured(bench):
 
 
 def rows_of(record):
-    """Of several libraries the last one's."""
-    rows = [(result.get("library"), Row(record, "", ROOT, group, result)) for group in record["groups"] for result in group["results"]]
-    return [row for library, row in rows if library == rows[-1][0]]
+    """The pandas table of a record; of several libraries the last one's."""
+    rows = rows_of_record(record, "")
+    return as_table([row for row in rows if row.get("library") == rows[-1].get("library")])
 
 
-def cell(row, view, shown):
+def cell(rows, shown):
+    """rows: of a scene, a kind and a view."""
     ratios = []
     for ray_set, query, together in shown:
-        speed = row.speed(view, ray_set, query, PACKETS[row.isa] if together else "single")
-        ratios.append(f"{speed['relative_to_grid']['median']:.2f}")
+        modes = rows.isa.map(PACKETS) if together else "single"
+        found = rows[(rows["set"] == ray_set) & (rows["query"] == query) & (rows["mode"] == modes) & (rows.threads == 1)]
+        ratios.append(f"{found.relative_to_grid_median.iloc[0]:.2f}")
     return " ".join(ratios)
 
 
 def lines_of(rows):
-    run, isa = rows[0].run, rows[0].isa
-    out = []
+    first, out = rows.iloc[0], []
     for scene in SCENES:
-        kinds = {row.kind: row for row in rows if row.scene == scene}
         for view in VIEWS:
             cells, kind = [], ""
             for name, shown in COLUMNS:
                 kind = kind if name.startswith("-") else name
-                cells.append(cell(kinds[kind], view, shown))
+                cells.append(cell(rows[(rows.scene == scene) & (rows.kind == kind) & (rows["view"] == view)], shown))
             out.append([f"{scene}, {view}", *cells])
-    source = f"{run['cpu']}, {isa.upper()}, {run['date'][:10]}, commit {run['commit']}."
-    return [*table(["", *(name for name, _ in COLUMNS)], out), source, ""]
+    source = f"{first.run_cpu}, {first.isa.upper()}, {first.run_date[:10]}, commit {first.run_commit}."
+    return [*Table(["", *(name for name, _ in COLUMNS)], out).markdown().split("\n"), source, ""]
+
+
+def full_views(rows):
+    """{(scene, kind): row} of full views."""
+    rows = rows[rows["view"] == "full"].drop_duplicates(["scene", "kind"], keep="last")
+    return {(row.scene, row.kind): row for _, row in rows.iterrows()}
 
 
 def speeds_of_page():
@@ -89,27 +95,26 @@ def speeds_of_page():
 def front_table(rows):
     """GRID beside cVERT in full views of three scenes."""
     heads = ["scene", "million quads", "MiB: GRID", "cVERT", "build, s: GRID", "cVERT", "coherent rays", "incoherent rays", "error, pixels"]
-    by, speeds, out = {(row.scene, row.kind): row for row in rows}, speeds_of_page(), []
+    by, speeds, out = full_views(rows), speeds_of_page(), []
     for scene in FRONT_SCENES:
         pair = [by[scene, kind] for kind in ("GRID", "cVERT")]
-        cells = [scene, f"{pair[0].quads / 1e6:.2f}", *(f"{row.bytes / 2**20:.2f}" for row in pair)]
+        cells = [scene, f"{pair[0].quads / 1e6:.2f}", *(f"{row.memory_live_bytes / 2**20:.2f}" for row in pair)]
         cells += [f"{row.build_seconds:.3f}" for row in pair]
-        out.append([*cells, *speeds[f"{scene}, full"], f"{pair[1].errors('full')['p99_pixels']:.3f}"])
-    run = rows[0].run
+        out.append([*cells, *speeds[f"{scene}, full"], f"{pair[1].errors_p99_pixels:.3f}"])
+    run = rows.iloc[0]
     source = (
         f"Level 6 (64 x 64 quads per face), full views. Error: 99 of 100 rays hit within this many pixels of GRID's hit. Memory, build "
-        f"({run['hardware_threads']} threads) and error were measured on an {run['cpu']}, {run['date'][:10]}, commit {run['commit'][:12]}. Ray "
+        f"({run.run_hardware_threads} threads) and error were measured on an {run.run_cpu}, {run.run_date[:10]}, commit {run.run_commit[:12]}. Ray "
         "speeds are multiples of GRID's, single rays of one thread, from [performance.md](docs/performance.md#how-fast-are-rays). "
         "`scripts/performance.py` writes this table."
     )
-    return [*table(heads, out), *textwrap.wrap(source, 116, break_long_words=False, break_on_hyphens=False), ""]
+    return [*Table(heads, out).markdown().split("\n"), *textwrap.wrap(source, 116, break_long_words=False, break_on_hyphens=False), ""]
 
 
 def headline(rows):
     """The two ranges that matter: memory over all scenes of the record, speed over all scenes and views of the page."""
-    by = {(row.scene, row.kind): row for row in rows}
-    scenes = sorted({row.scene for row in rows})
-    smaller = [by[scene, "GRID"].bytes / by[scene, "cVERT"].bytes for scene in scenes]
+    by, scenes = full_views(rows), sorted(set(rows.scene))
+    smaller = [by[scene, "GRID"].memory_live_bytes / by[scene, "cVERT"].memory_live_bytes for scene in scenes]
     faster = [float(speed) for pair in speeds_of_page().values() for speed in pair]
     text = (
         f"**{min(smaller):.0f} to {max(smaller):.0f} times less memory than Embree's own subdivision surfaces; single rays at {min(faster):.2f} to "

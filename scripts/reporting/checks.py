@@ -1,0 +1,95 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Leaks, crossed sheets and self-shadowing of the benchmark, and the hard cases of the tests: scripts/test.sh leaves an
+XML file of GoogleTest for each case, representation and instruction set; the sentence of a case is the test's own."""
+
+import xml.etree.ElementTree as xml
+from pathlib import Path
+
+from .data import in_order
+from .formats import Table, table
+
+# The tests' name of a kind, and ours: their cLEAF has leaves for all faces.
+COMPRESSED = {"cGRID": "cGRID", "cVOXEL": "cVOXEL", "cLEAF": "cLEAF-only", "cVERT": "cVERT"}
+COMMAND = "scripts/test.sh -R 'hard_cases|invalid_vertices'"
+
+
+def where(row):
+    position = row.run_settings_position
+    far = " at " + ", ".join(f"{x:.0f}" for x in position) if any(position) else ""
+    return f"{row.scene} {row.representation}, level {row.level}{far}"
+
+
+def of_thousand(errors, rays="rays", keys=("false_occlusions", "false_passes")):
+    """A function that returns how many of a thousand rays have errors of these keys."""
+    return lambda row: 1000 * sum(row[f"shadow_{errors}_{key}"] for key in keys) / max(1, row[f"shadow_{rays}"])
+
+
+WAYS = {"closest": "closest", "any hit": "any", "through": "through"}
+LEAKS = [("", where, str), ("rays", "leaks_rays", "{:,.0f}")]
+LEAKS += [(head, f"leaks_missed_{key}", "{:.0f}") for head, key in WAYS.items()]
+LEAKS += [(f"GRID: {head}", f"leaks_missed_by_grid_{key}", "{:.0f}") for head, key in WAYS.items()]
+CROSSED = {"sheets": "sheets", "rays": "rays", "closest": "closest", "any hit": "any", "GRID, too": "missed_by_grid"}
+SHEETS = [("", "representation", str), *((head, f"sheets_{key}", "{:,.0f}") for head, key in CROSSED.items())]
+WRONG = {
+    "wrong": ("errors",), "dark": ("errors", "rays", ["false_occlusions"]), "bright": ("errors", "rays", ["false_passes"]),
+    "same place": ("same_place_errors", "same_place_rays"), "turned": ("turned_errors",), "control": ("control_errors",),
+}  # fmt: skip
+SHADOWS = [("", where, str), ("offset", "shadow_offset", str)]
+SHADOWS += [("rays", lambda row: "short" if row.shadow_length > 0 else "infinite", str)]
+SHADOWS += [(head, of_thousand(*errors), "{:.3f}") for head, errors in WRONG.items()]
+
+
+def tables(frame):
+    """Tables of leaks, sheets and shadows, where these were checked."""
+    rows = in_order(frame, "scene", "level", "representation", "job")
+    once = rows.drop_duplicates("result")
+    found = [
+        table(once[once.leaks_rays.notna()], LEAKS, 1, "Leaks"), table(once[once.sheets_rays.notna()], SHEETS, 1, "Crossed sheets"),
+        table(rows[rows.what == "shadow"], SHADOWS, 3, "Shadows, of a thousand rays"),
+    ]  # fmt: skip
+    return [one for one in found if one.rows]
+
+
+def section(data):
+    rows = data.table[(data.table.origin == "here") & (data.table.what != "skipped")]
+    rows = rows[rows.leaks_rays.notna() | rows.sheets_rays.notna() | (rows.what == "shadow")]
+    return tables(rows), rows.command
+
+
+def read_tests(folder):
+    """{(case, sentence): {(kind, instruction set): passed, failed or skipped}}; of tests of no kind these are ("", "")."""
+    cases = {}
+    for path in sorted(Path(folder).rglob("*.xml")):
+        try:
+            tests = list(xml.parse(path).getroot().iter("testcase"))
+        except xml.ParseError:
+            continue  # a test that was stopped while it wrote: as if not run
+        for test in [test for test in tests if test.find("./properties/property[@name='property']") is not None]:
+            name, _, tracer = test.get("name").partition("/")
+            kind, _, isa = tracer.partition("_")
+            results = {"failed": test.find("failure"), "skipped": test.find("skipped"), "passed": test}
+            case = test.get("classname").split("/")[-1], name, test.find("./properties/property").get("value")
+            result = next(name for name, found in results.items() if found is not None)
+            cases.setdefault((".".join(case[:2]), case[2]), {})[kind, isa] = result
+    return dict(sorted(cases.items()))
+
+
+def cell(results, kind):
+    """Whether a case holds for a kind, and on how many instruction sets."""
+    found = {isa: result for (of, isa), result in results.items() if of in (kind, "")}
+    failed, passed = ([isa for isa, result in found.items() if result == what] for what in ("failed", "passed"))
+    if failed:
+        return "fails" + (f": {', '.join(failed)}" if failed[0] else "")
+    return ("holds" + (f" ({len(passed)})" if passed[0] else "")) if passed else "not run"
+
+
+def hard_cases(folder):
+    cases = read_tests(folder)
+    results = [result for case in cases.values() for result in case.values()]
+    isas = sorted({isa for case in cases.values() for _, isa in case if isa})
+    counts = ", ".join(f"{results.count(what)} {what}" for what in ("passed", "failed", "skipped"))
+    text = f"{len(cases)} cases, {len(results)} tests on {', '.join(isas)}: {counts}."
+    rows = [[name, sentence, *(cell(found, kind) for kind in COMPRESSED)] for (name, sentence), found in cases.items()]
+    return [text, Table(["case", "property", *COMPRESSED.values()], rows, 2)] if cases else [], [COMMAND]

@@ -1,0 +1,105 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""What the sections ask for: the table of all records, and of several rows that measured the same the one with most
+rounds, most views, errors against the true surface, or the latest date."""
+
+from pathlib import Path
+
+from . import records
+
+KINDS = ("NAIVE", "GRID", "cGRID", "cVOXEL", "cLEAF", "cLEAF-only", "cVERT")
+ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")
+RAY_SETS = ("coherent", "incoherent")
+WEIGHT = ["run_settings_repeat", "view_count", "run_settings_true_surface_hits", "run_date"]
+
+
+def label_order(label):
+    kind, _, frame = label.partition("^")
+    return (KINDS.index(kind) if kind in KINDS else len(KINDS), frame)
+
+
+def in_order(frame, *keys):
+    """The frame sorted by the keys; representations in the order of KINDS."""
+    ranks = {label: rank for rank, label in enumerate(sorted(set(frame.representation), key=label_order))}
+    return frame.sort_values([*keys], key=lambda column: column.map(ranks) if column.name == "representation" else column)
+
+
+def with_speeds(table):
+    """A row for each result and view. Speeds of single rays of one thread are columns: coherent, incoherent, coherent_any
+    and incoherent_any in millions per second; coherent_of_grid and so on as multiples of GRID's."""
+    views = table[table.what.isin(("speed", "view")) & table["view"].notna()].drop_duplicates(["result", "view"])
+    single = table[(table.what == "speed") & (table["mode"] == "single") & (table.threads == 1)]
+    names = single["set"].astype(str) + single["query"].map({"any": "_any"}).fillna("")
+    for column, ending in (("mrays_per_second_median", ""), ("relative_to_grid_median", "_of_grid")):
+        wide = single.assign(name=names + ending).pivot_table(column, ["result", "view"], "name", aggfunc="first")
+        wanted = [f"{rays}{query}{ending}" for rays in RAY_SETS for query in ("", "_any")]
+        views = views.merge(wide.reindex(columns=wanted).reset_index(), "left", ["result", "view"])
+    return views.assign(mib=views.memory_live_bytes / 2**20)
+
+
+class Data:
+    """Records of a folder. table: all rows; those of Vulkan devices and of other machines have other origins than the rows
+    in `here`, so that only their own sections show them. full: a row for each scene, level and representation in the full
+    view on the widest instruction set."""
+
+    def __init__(self, folder, gpu=(), beside=()):
+        rows, self.runs, self.problems = records.read(Path(folder), "here")
+        for origin, where, paths in (("gpu", "a Vulkan device", gpu), ("elsewhere", "a processor", beside)):
+            for path in map(Path, paths):
+                found, _, problems = records.read(path, origin)
+                found = [row for row in found if origin == "gpu" or row["origin"] == origin]
+                if not problems and not any(row["origin"] == origin for row in found):
+                    problems = [f"{path.name}: nothing in it was measured on {where}"]
+                rows, self.problems = rows + found, self.problems + problems
+        self.table = records.as_table(rows)
+        self.every_view = with_speeds(self.table)
+        here = self.table[(self.table.origin == "here") & (self.table.what != "skipped")]
+        self.here = here[(here["speeds"] > 0) | ~here.job.astype(str).str.startswith("checks_")]
+        self.isa = max(set(self.here.isa) & set(ISAS), key=ISAS.index, default="")
+        self.of_isa = self.here[self.here.isa == self.isa]
+        self.full = self.views("full")
+        keys = ["scene", "level", "representation", "view"]
+        self.found = {tuple(row[key] for key in keys): row for _, row in self.views().iterrows()}
+
+    def views(self, view=None, scene=None, job=None):
+        """A row for each scene, level, representation and view; those of a view, a scene or a job alone."""
+        frame, keys = self.every_view[self.every_view.result.isin(self.of_isa.result)], ["scene", "level", "representation"]
+        for column, value in (("view", view), ("scene", scene), ("job", job)):
+            frame = frame if value is None else frame[frame[column] == value]
+        frame = frame.sort_values(WEIGHT, kind="stable").drop_duplicates([*keys, "view"], keep="last")
+        return in_order(frame, *keys, "view")
+
+    def pick(self, scene, level, label, view="full"):
+        """The row of a representation in a view, or None."""
+        return self.found.get((scene, level, label, view))
+
+    def scenes(self):
+        """The main one first: trex, or else the largest."""
+        sizes = self.here.groupby("scene").quads.max().to_dict()
+        return sorted(sizes, key=lambda scene: (scene != "trex", -sizes[scene], scene))
+
+    def main_scene(self):
+        return next(iter(self.scenes()), "trex")
+
+    def levels(self, scene):
+        return sorted(set(self.here[self.here.scene == scene].level))
+
+    def finest(self, scene):
+        """The finest level up to 6, or else the finest."""
+        levels = self.levels(scene)
+        return max([level for level in levels if level <= 6] or levels)
+
+    def is_own(self):
+        """Whether all that was measured is of the user's own cages."""
+        return len(self.here) > 0 and not self.here.run_command.str.contains("--scene ", regex=False).any()
+
+    def picture_level(self):
+        """The level of the paper's pictures, or of one's own cage the finest below it."""
+        return self.finest(self.main_scene()) if self.is_own() else 6
+
+    def skipped(self, *origins):
+        """Lines on what was not measured."""
+        rows = self.table[(self.table.what == "skipped") & self.table.origin.isin(origins)]
+        places = zip(rows.scene, rows.level, rows.representation, rows.device, rows.skipped)
+        return [f"{scene}, level {level}, {label} {device}: {why}" for scene, level, label, device, why in places]

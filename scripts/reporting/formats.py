@@ -1,0 +1,97 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Numbers as text, and tables of text out of pandas frames."""
+
+import math
+from dataclasses import dataclass
+
+from .data import in_order
+
+EXACT = 1e-3  # pixels: smaller errors are rounding
+
+
+def is_known(value):
+    return value is not None and not (isinstance(value, float) and math.isnan(value))
+
+
+def pixels(value):
+    """An error; less than a tenth of EXACT is not shown."""
+    if value < EXACT / 10:
+        return "0" if value == 0 else f"<{EXACT / 10:.4f}"
+    return f"{value:.{4 if value < 1 else 3 if value < 10 else 1}f}"
+
+
+def signed(value):
+    """With four digits and its sign, which rounding to nothing does not leave behind."""
+    text = f"{value:+.4f}"
+    return text if float(text) else "0.0000"
+
+
+def digits(value):
+    """Three digits."""
+    return f"{value:.{3 if value < 1 else 2 if value < 10 else 1 if value < 100 else 0}f}"
+
+
+def ratio(value):
+    """Two digits after the point, but three digits of large ratios."""
+    return f"{value:.2f}" if value < 10 else digits(value)
+
+
+def percent(value):
+    return f"{100 * value:.1f}%"
+
+
+def mib(count):
+    return f"{digits(count / 2**20)} MiB"
+
+
+def spans(values, form):
+    """From the smallest to the largest known value; a dash without one."""
+    found = sorted(value for value in values if is_known(value))
+    return " to ".join(dict.fromkeys(form(value) for value in found[:1] + found[-1:])) or "-"
+
+
+@dataclass
+class Table:
+    """Text. words: columns of words, from the left."""
+
+    heads: list
+    rows: list
+    words: int = 1
+    title: str = ""
+
+    def markdown(self):
+        lines = [f"| {' | '.join(cells)} |" for cells in [self.heads, *self.rows]]
+        rule = "|".join(":--" if i < self.words else "--:" for i in range(len(self.heads)))
+        return "\n".join([lines[0], f"|{rule}|", *lines[1:]]) + "\n"
+
+
+@dataclass
+class Fold:
+    """Parts of a section that the page shows on demand. in_markdown: whether tables in Markdown have them."""
+
+    title: str
+    parts: list
+    in_markdown: bool = False
+
+
+def cells_of(row, columns):
+    """Texts of a row. columns: (head, name of a column or function of a row, format or function)."""
+    values = [what(row) if callable(what) else row[what] for _, what, _ in columns]
+    forms = [form.format if isinstance(form, str) else form for *_, form in columns]
+    return [form(value) if is_known(value) else "-" for form, value in zip(forms, values)]
+
+
+def table(frame, columns, words=1, title=""):
+    """A Table with a row for each of the frame. columns: as of cells_of."""
+    return Table([head for head, *_ in columns], [cells_of(row, columns) for _, row in frame.iterrows()], words, title)
+
+
+def pivoted(frame, across, columns, name, title):
+    """A Table with a row for each representation, and these columns for each value of a column, called name(value)."""
+    values, none = sorted(set(frame[across])), ["-"] * len(columns)
+    cells = {(row.representation, row[across]): cells_of(row, columns) for _, row in frame.iterrows()}
+    labels = in_order(frame, "representation").representation.drop_duplicates()
+    rows = [[label, *(cell for value in values for cell in cells.get((label, value), none))] for label in labels]
+    return Table(["", *(name(value) + head for value in values for head, *_ in columns)], rows, 1, title)

@@ -1,0 +1,124 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Speed and memory on Vulkan devices. A device is one on one machine; ratios to the processor are to one thread of the
+same machine, in the same pictures."""
+
+from . import checks
+from . import figures as f
+from .data import in_order
+from .formats import Fold, digits, pixels, ratio, spans, table
+from .noise import noise
+
+RAYS = {"coherent": "coherent", "incoherent": "incoherent", "coherent_any": "coherent, any hit"}
+RAYS |= {"incoherent_any": "incoherent, any hit"}
+SHARED_BUFFER = 2**20  # bytes of a buffer that many things share: Arena in kernels/vulkan/host/memory.cpp
+MACHINE, PLACE = ["run_cpu", "run_hardware_threads"], ["scene", "view", "level", "quads"]
+SAME = [*PLACE, *MACHINE, "representation", "position"]
+SAME += [f"run_settings_{key}" for key in ("width", "height", "max_error_diagonals")]
+COLUMNS = [
+    ("level", "level", str), ("", "representation", str), ("million quads", lambda row: row.quads / 1e6, "{:.2f}"),
+    ("device, MiB", lambda row: row.on_device_device_bytes / 2**20, digits),
+    ("imported, MiB", lambda row: row.on_device_imported_bytes / 2**20, digits),
+    ("bytes per quad", "held_per_quad", digits), ("of GRID", "part", ratio),
+]  # fmt: skip
+SPEEDS = {"Mrays/s": ("", digits), "of GRID": ("_of_grid", ratio), "of NAIVE": ("_of_naive", ratio), "of CPU": ("_of_cpu", ratio)}
+BUILDS = [
+    ("in Embree, bytes per quad", "memory_bytes_per_quad", digits), ("build, s", "build_seconds", "{:.2f}"),
+    ("copy, s", "on_device_upload_seconds", "{:.2f}"), ("error: median", "errors_median_pixels", pixels),
+    ("error: p99", "errors_p99_pixels", pixels),
+]  # fmt: skip
+
+
+def measured(data):
+    """Views that devices measured, with bytes that these hold, and ratios to GRID, to NAIVE and to one thread."""
+    views = data.every_view.assign(position=data.every_view.run_settings_position.map(str))
+    views = views.sort_values(["run_settings_repeat", "run_date"], kind="stable")
+    rows = views[(views.origin == "gpu") & views.on_device_device_bytes.notna() & (views["speeds"] > 0)]
+    rows = rows.drop_duplicates([*SAME, "device"], keep="last")
+    cpu = views[views.origin.isin(("here", "beside gpu"))].drop_duplicates(SAME, keep="last")[[*SAME, *RAYS]]
+    rows = rows.merge(cpu, "left", SAME, suffixes=("", "_cpu"))
+    rows["held_bytes"] = rows.on_device_device_bytes + rows.on_device_imported_bytes
+    rows["held_per_quad"] = rows.held_bytes / rows.quads
+    keys = ["device", *MACHINE, *PLACE]
+    for kind in ("GRID", "NAIVE"):
+        others = rows[rows.kind == kind].drop_duplicates(keys, keep="last")
+        others = others[[*keys, "held_per_quad", *(f"{rays}_of_grid" for rays in RAYS)]]
+        rows = rows.merge(others, "left", keys, suffixes=("", f"_{kind}"))
+    for rays in RAYS:
+        rows[f"{rays}_of_naive"] = rows[f"{rays}_of_grid"] / rows[f"{rays}_of_grid_NAIVE"]
+        rows[f"{rays}_of_cpu"] = rows[rays] / rows[f"{rays}_cpu"]
+    return rows.assign(part=rows.held_per_quad / rows.held_per_quad_GRID)
+
+
+def smallest(rows):
+    """Those that need least memory, up to buffers that are not full; none if GRID or all rows are among them."""
+    found = rows[rows.held_bytes < rows.held_bytes.min() + SHARED_BUFFER]
+    return found[:0] if "GRID" in set(found.kind) or len(found) == len(rows) else found
+
+
+def draw(axes, rows, title, rays):
+    """A line for each representation, a mark with its number for each level."""
+    seen = set()
+    for label, found in rows.sort_values("level").groupby("representation", sort=False):
+        kind = found.kind.iloc[0]
+        color, mark = f.KINDS[kind]
+        style = {"color": color, "marker": mark, "mfc": "none" if kind in seen else color, "linewidth": 1}
+        axes.plot(found.held_per_quad, found[rays], label=f.math_label(label), **style)
+        seen.add(kind)
+        for x, y, level in zip(found.held_per_quad, found[rays], found.level):
+            axes.annotate(level, (x, y), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8)
+    f.log_axis(axes, "x", rows.held_per_quad.min() / 1.5, rows.held_per_quad.max() * 1.5)
+    axes.set_ylim(0, 1.12 * rows[rays].max())
+    f.names(axes, title, "bytes per quad, on the device and imported", "million rays per second")
+
+
+def facts(rows, known):
+    """A sentence on the smallest, the fastest, and the ratio to one thread. known: ray sets that were measured."""
+    small, words = smallest(rows), []
+    if len(small):
+        times = ", ".join(f"{spans(small[f'{rays}_of_grid'], ratio)} ({RAYS[rays]})" for rays in known)
+        words += [f"smallest: {', '.join(small.representation)} with {spans(small.held_per_quad, digits)} bytes per quad, "
+                  f"{spans(100 * small.part, '{:.0f}%'.format)} of GRID, at {times} times GRID's speed"]  # fmt: skip
+    else:
+        words += ["memory is that of a few buffers, and does not tell representations apart"]
+    for rays in known[:2]:
+        best = rows.loc[rows[f"{rays}_of_grid"].idxmax()]
+        words += [f"fastest with {RAYS[rays]} rays: {best.representation} ({ratio(best[f'{rays}_of_grid'])} times GRID)"]
+    cpu = [value for rays in known for value in rows[f"{rays}_of_cpu"].dropna()]
+    return "; ".join(words + [f"{spans(cpu, ratio)} times the speed of one thread of the processor"] * bool(cpu)) + "."
+
+
+def of_scene(rows, name):
+    """Facts at the finest level with most representations, charts where memory tells these apart, and the table."""
+    rows, known = in_order(rows, "level", "quads", "representation"), [rays for rays in RAYS if rows[rays].notna().any()]
+    counts = rows.groupby(["level", "quads"]).representation.nunique()
+    level, quads = max(counts.index, key=lambda size: (counts[size], size))
+    main, charts, speeds = rows[(rows.level == level) & (rows.quads == quads)], [], []
+    for rays in known:
+        title, text = f"{name}, {RAYS[rays]}", f"Speed against memory on a GPU, {name}, {RAYS[rays]}"
+        shown = len(smallest(main)) and rays != "coherent_any"
+        charts += [f.chart(text, 3.9, draw, rows[rows[rays].notna()], title, rays)] if shown else []
+        ends = [(head, rays + end, form) for head, (end, form) in SPEEDS.items()]
+        speeds += [(f"{RAYS[rays]}: {head}", column, form) for head, column, form in ends if rows[column].notna().any()]
+    sentence = f"{name}, level {level}, {quads / 1e6:.3g} million quads: {facts(main, known)}"
+    return [sentence, charts, table(rows, [*COLUMNS, *speeds, *BUILDS], 2, f"{name}: memory, speed, builds and errors")]
+
+
+def section(data):
+    """Devices: GPUs before devices in software; of each its scenes: trex first, or else the largest."""
+    rows, parts, every = measured(data), [], data.table[data.table.on_device_device_bytes.notna()]
+    every = every.assign(software=every.device.str.contains("llvmpipe"))
+    for (_, device, cpu, threads), found in every.groupby(["software", "device", *MACHINE]):
+        end, commits = found.run_end.fillna(found.run_date).max(), ", ".join(sorted(set(found.run_commit)))
+        parts += [f"{device}: measured {found.run_date.min()} to {end}, commit {commits}, processor {cpu}, {threads} threads."]
+        own = rows[(rows.device == device) & (rows.run_cpu == cpu) & (rows.run_hardware_threads == threads)]
+        scenes = [(scene != "trex", -part.quads.max(), scene, view != "full", view, part)
+                  for (scene, view), part in own.groupby(["scene", "view"])]  # fmt: skip
+        for i, (*_, scene, _, view, part) in enumerate(sorted(scenes, key=lambda scene: scene[:-1])):
+            name = scene + ("" if view == "full" else f", {view} view")
+            shown = of_scene(part, name)
+            parts += [noise(found), *shown] if i == 0 else [Fold(name, shown)]
+        parts += [Fold("Leaks, sheets and shadows on the device", checks.tables(found))]
+    commands = data.table[data.table.origin.isin(("gpu", "beside gpu"))].command
+    return parts + data.skipped("gpu", "beside gpu") if parts else [], commands

@@ -1,0 +1,38 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""The page in HTML and the tables in Markdown, by the templates beside this file."""
+
+import re
+from pathlib import Path
+
+import jinja2
+from markupsafe import Markup, escape
+
+from .formats import Fold, Table, mib, pixels, ratio
+
+VERDICTS = {"holds": "yes", "does not hold": "no", "fails": "no", "not measured": "none", "not run": "none"}
+
+
+def raised(text):
+    """Words whose frame levels are raised: cLEAF^2."""
+    return Markup(re.sub(r"\^(\w+)", r"<sup>\1</sup>", str(escape(text))))
+
+
+def verdict_of(cell):
+    """The style of a cell that says whether something holds."""
+    return next((style for words, style in VERDICTS.items() if str(cell).startswith(words)), "")
+
+
+def kind_of(part):
+    """How a template shows a part of a section."""
+    if isinstance(part, str):
+        return "missing" if part.startswith("No data") else "text"
+    return {Table: "table", Fold: "fold", list: "pictures", dict: "facts"}[type(part)]
+
+
+def render(template, **names):
+    templates = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
+    environment = jinja2.Environment(loader=templates, autoescape=template.endswith("html"), trim_blocks=True, lstrip_blocks=True)
+    environment.filters |= {"raised": raised, "verdict": verdict_of, "kind": kind_of, "mib": mib, "px": pixels, "ratio": ratio}
+    return environment.get_template(template).render(**names)

@@ -1,0 +1,88 @@
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Scale: the herd of ten billion quads, and levels by the view, as scripts/measure_scale.py measured them."""
+
+import json
+from pathlib import Path
+
+import pandas
+
+from .data import RAY_SETS
+from .figures import Picture
+from .formats import Table, table
+
+RECORD = "scale.json"
+GIB = 2**30
+SPEEDS = [(f"million {rays} rays per second", f"speed_{rays}_closest_mrays_per_second", "{:.2f}") for rays in RAY_SETS]
+LEVELS = [
+    ("", lambda row: f"{row.scene}, {row['view']}", str), ("level", "level", str),
+    ("million quads", lambda row: row.quads / 1e6, "{:.2f}"), ("MiB", lambda row: row.live_bytes / 2**20, "{:.1f}"),
+    ("build, s", "build_seconds", "{:.2f}"),
+    ("error to the true surface, pixels: median", "errors_to_true_surface_median_pixels", "{:.3f}"),
+    ("p99", "errors_to_true_surface_p99_pixels", "{:.3f}"), *SPEEDS,
+]  # fmt: skip
+
+
+def read(folder):
+    """The record, or None."""
+    path = Path(folder) / RECORD
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+
+
+def gib(count):
+    return f"{count / GIB:,.1f} GiB" if count < 1000 * GIB else f"{count / GIB / 1024:,.1f} TiB"
+
+
+def herd_table(herd):
+    """The file, and what GRID and NAIVE need for the whole herd by what their copies that fitted needed."""
+    some, memory, rows = herd["some"], herd["memory"], []
+    own = f"{gib(herd['renderOwnBytes'])}, and {gib(herd['fileBytes'])} on disk"
+    found = [("cVERT, from a file", herd, own, "whatever the disk holds", herd["warm"]["speed"])]
+    found += [(f"cVERT, {some['count']} copies from a file", some, "-", "-", some["speed"])]
+    for other in herd["beside"]:
+        each, name = other["bytes"] / other["quads"], f"{other['representation']}, {other['count']} copies in memory"
+        total = f"{gib(each * herd['quads'])}, computed from {each:.1f} bytes per quad"
+        most = f"{memory / (other['peak'] / other['quads']) / 1e9:.2f} billion"
+        found.append((name, other, total, most, other["speed"]))
+    for name, of, total, most, speed in found:
+        speeds = [f"{speed[rays]['closest']['mrays_per_second']:.2f}" for rays in RAY_SETS]
+        rows.append([name, f"{of['quads'] / 1e9:.2f} billion", total, most, *speeds])
+    heads = ["", "quads", "memory for the whole herd", f"quads that can be built in {gib(memory)}"]
+    return Table(heads + [head for head, *_ in SPEEDS], rows)
+
+
+def herd_text(herd):
+    cold, warm = herd["cold"], herd["warm"]
+    ends = {"SIGINT": "interrupted", "SIGKILL": "killed"}
+    stops = " and ".join(f"{ends[stop['signal']]} at {gib(stop['bytes'])}" for stop in herd["stops"])
+    return (
+        f"{herd['count']} T-rexes, each in a pose of its own, at level {herd['level']}: {herd['quads']:,} quads, "
+        f"{herd['fileBytes'] / herd['quads']:.2f} bytes each. Built in {herd['buildSeconds'] / 60:.1f} minutes on "
+        f"{herd['threads']} threads, {herd['lastQuads'] / herd['lastSeconds'] / 1e6:.1f} million quads per second, with at "
+        f"most {herd['ownBytes'] / 2**20:,.0f} MiB of the program's own memory, the kernels' {herd['deviceBytes'] / 2**20:,.0f} "
+        f"MiB among them; {stops}, and resumed each time. Opened in {1e3 * cold['openSeconds']:.0f} ms with nothing of it in "
+        f"memory, and in {1e3 * warm['openSeconds']:.0f} ms again. A picture of {herd['size']} with {herd['samples']} samples "
+        f"per pixel then takes {cold['pictureSeconds']:.1f} s the first time; rays meet {gib(herd['coldMapped'])} of the file. "
+        f"GRID and NAIVE have as many copies as they can build in {gib(herd['memory'])}. Speeds: one thread, single rays."
+    )
+
+
+def tables(record):
+    """Texts and tables of a record."""
+    parts = [herd_text(record["herd"]), herd_table(record["herd"])] if "herd" in record else []
+    title = "Levels by the view: level auto gives each edge about one quad per pixel"
+    return parts + [table(pandas.json_normalize(record.get("levels", []), sep="_"), LEVELS, 2, title)] * ("levels" in record)
+
+
+def section(folder):
+    record, commands, photos = read(folder), [], []
+    if not record:
+        return [], []
+    if "herd" in record:
+        herd = record["herd"]
+        commands += [*herd["commands"], herd["some"]["command"], *(other["command"] for other in herd["beside"])]
+        path = Path(folder) / "picture" / herd["picture"]
+        photos = [[Picture("T-rexes", "png", path.read_bytes(), f"{herd['quads'] / 1e9:.1f} billion quads")]] if path.exists() else []
+    commands += [row["command"] for row in record.get("levels", ())]
+    return [f"Measured on {record['date']}.", *tables(record), *photos], commands
