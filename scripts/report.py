@@ -4,14 +4,7 @@
 
 """Makes one self-contained HTML page, tables in Markdown and a table of all records of what benchmark.py measured.
 
-    scripts/report.py                              output/benchmark/quick to report.html and tables.md in it
-    scripts/report.py DIR --output FILE            another folder of records, another page
-    scripts/report.py DIR --against OTHER_DIR      says, too, how far two runs are apart
-    scripts/report.py DIR --gpu FILE_OR_DIR        and speed and memory on a GPU, measured here or elsewhere
-    scripts/report.py DIR --beside OTHER_DIR       and speed on another machine or instruction set
-    scripts/report.py DIR --scale OTHER_DIR        and the scene of ten billion quads, and levels by the view
-    scripts/report.py DIR --tables FILE            the tables go there
-    scripts/report.py DIR --csv FILE               the table of all records goes there
+    scripts/report.py        output/benchmark/quick to report.html, tables.md and records.csv in it
 """
 
 import argparse
@@ -70,7 +63,7 @@ def arguments():
     default = ROOT / "output/benchmark/quick"
     parser.add_argument("folder", nargs="?", type=Path, default=default, metavar="DIR", help="records of benchmark.py")
     parser.add_argument("--output", type=Path, metavar="FILE", help="the page (default: report.html in DIR)")
-    parser.add_argument("--tables", type=Path, metavar="FILE", help="tables in Markdown (default: tables.md beside the page)")
+    parser.add_argument("--tables", type=Path, metavar="FILE", help="Markdown (default: tables.md beside the page)")
     parser.add_argument("--csv", type=Path, metavar="FILE", help="all records (default: records.csv beside the page)")
     parser.add_argument("--against", type=Path, metavar="DIR", help="records of another run on the same machine")
     text = "record of a Vulkan device, or a folder of them; may be repeated"

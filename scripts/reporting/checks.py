@@ -21,7 +21,10 @@ def where(row):
     return f"{row.scene} {row.representation}, level {row.level}{far}"
 
 
-def of_thousand(errors, rays="rays", keys=("false_occlusions", "false_passes")):
+DARK = ("false_occlusions", "false_passes")
+
+
+def of_thousand(errors, rays="rays", keys=DARK):
     """A function that returns how many of a thousand rays have errors of these keys."""
     return lambda row: 1000 * sum(row[f"shadow_{errors}_{key}"] for key in keys) / max(1, row[f"shadow_{rays}"])
 
@@ -32,10 +35,9 @@ LEAKS += [(head, f"leaks_missed_{key}", "{:.0f}") for head, key in WAYS.items()]
 LEAKS += [(f"GRID: {head}", f"leaks_missed_by_grid_{key}", "{:.0f}") for head, key in WAYS.items()]
 CROSSED = {"sheets": "sheets", "rays": "rays", "closest": "closest", "any hit": "any", "GRID, too": "missed_by_grid"}
 SHEETS = [("", "representation", str), *((head, f"sheets_{key}", "{:,.0f}") for head, key in CROSSED.items())]
-WRONG = {
-    "wrong": ("errors",), "dark": ("errors", "rays", ["false_occlusions"]), "bright": ("errors", "rays", ["false_passes"]),
-    "same place": ("same_place_errors", "same_place_rays"), "turned": ("turned_errors",), "control": ("control_errors",),
-}  # fmt: skip
+WRONG = {"wrong": ("errors",), "dark": ("errors", "rays", DARK[:1]), "bright": ("errors", "rays", DARK[1:])}
+WRONG |= {"same place": ("same_place_errors", "same_place_rays")}
+WRONG |= {"turned": ("turned_errors",), "control": ("control_errors",)}
 SHADOWS = [("", where, str), ("offset", "shadow_offset", str)]
 SHADOWS += [("rays", lambda row: "short" if row.shadow_length > 0 else "infinite", str)]
 SHADOWS += [(head, of_thousand(*errors), "{:.3f}") for head, errors in WRONG.items()]
@@ -44,12 +46,10 @@ SHADOWS += [(head, of_thousand(*errors), "{:.3f}") for head, errors in WRONG.ite
 def tables(frame):
     """Tables of leaks, sheets and shadows, where these were checked."""
     rows = in_order(frame, "scene", "level", "representation", "job")
-    once = rows.drop_duplicates("result")
-    found = [
-        table(once[once.leaks_rays.notna()], LEAKS, 1, "Leaks"), table(once[once.sheets_rays.notna()], SHEETS, 1, "Crossed sheets"),
-        table(rows[rows.what == "shadow"], SHADOWS, 3, "Shadows, of a thousand rays"),
-    ]  # fmt: skip
-    return [one for one in found if one.rows]
+    once, shadows = rows.drop_duplicates("result"), rows[rows.what == "shadow"]
+    found = [table(once[once.leaks_rays.notna()], LEAKS, 1, "Leaks")]
+    found += [table(once[once.sheets_rays.notna()], SHEETS, 1, "Crossed sheets")]
+    return [one for one in [*found, table(shadows, SHADOWS, 3, "Shadows, of a thousand rays")] if one.rows]
 
 
 def section(data):
@@ -59,7 +59,7 @@ def section(data):
 
 
 def read_tests(folder):
-    """{(case, sentence): {(kind, instruction set): passed, failed or skipped}}; of tests of no kind these are ("", "")."""
+    """{(case, sentence): {(kind, instruction set): passed, failed or skipped}}, of tests of no kind ("", "")."""
     cases = {}
     for path in sorted(Path(folder).rglob("*.xml")):
         try:

@@ -11,6 +11,7 @@ from . import records
 KINDS = ("NAIVE", "GRID", "cGRID", "cVOXEL", "cLEAF", "cLEAF-only", "cVERT")
 ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")
 RAY_SETS = ("coherent", "incoherent")
+SAME = ["scene", "level", "representation"]
 WEIGHT = ["run_settings_repeat", "view_count", "run_settings_true_surface_hits", "run_date"]
 
 
@@ -22,12 +23,12 @@ def label_order(label):
 def in_order(frame, *keys):
     """The frame sorted by the keys; representations in the order of KINDS."""
     ranks = {label: rank for rank, label in enumerate(sorted(set(frame.representation), key=label_order))}
-    return frame.sort_values([*keys], key=lambda column: column.map(ranks) if column.name == "representation" else column)
+    return frame.sort_values([*keys], key=lambda column: column.map(ranks) if column.name == SAME[2] else column)
 
 
 def with_speeds(table):
-    """A row for each result and view. Speeds of single rays of one thread are columns: coherent, incoherent, coherent_any
-    and incoherent_any in millions per second; coherent_of_grid and so on as multiples of GRID's."""
+    """A row for each result and view. Speeds of single rays of one thread are columns: coherent, incoherent,
+    coherent_any and incoherent_any in millions per second; coherent_of_grid and so on as multiples of GRID's."""
     views = table[table.what.isin(("speed", "view")) & table["view"].notna()].drop_duplicates(["result", "view"])
     single = table[(table.what == "speed") & (table["mode"] == "single") & (table.threads == 1)]
     names = single["set"].astype(str) + single["query"].map({"any": "_any"}).fillna("")
@@ -39,9 +40,9 @@ def with_speeds(table):
 
 
 class Data:
-    """Records of a folder. table: all rows; those of Vulkan devices and of other machines have other origins than the rows
-    in `here`, so that only their own sections show them. full: a row for each scene, level and representation in the full
-    view on the widest instruction set."""
+    """Records of a folder. table: all rows; those of Vulkan devices and of other machines have other origins than the
+    rows in `here`, so that only their own sections show them. full: a row for each scene, level and representation in
+    the full view on the widest instruction set."""
 
     def __init__(self, folder, gpu=(), beside=()):
         rows, self.runs, self.problems = records.read(Path(folder), "here")
@@ -59,16 +60,15 @@ class Data:
         self.isa = max(set(self.here.isa) & set(ISAS), key=ISAS.index, default="")
         self.of_isa = self.here[self.here.isa == self.isa]
         self.full = self.views("full")
-        keys = ["scene", "level", "representation", "view"]
-        self.found = {tuple(row[key] for key in keys): row for _, row in self.views().iterrows()}
+        self.found = {tuple(row[key] for key in [*SAME, "view"]): row for _, row in self.views().iterrows()}
 
     def views(self, view=None, scene=None, job=None):
         """A row for each scene, level, representation and view; those of a view, a scene or a job alone."""
-        frame, keys = self.every_view[self.every_view.result.isin(self.of_isa.result)], ["scene", "level", "representation"]
+        frame = self.every_view[self.every_view.result.isin(self.of_isa.result)]
         for column, value in (("view", view), ("scene", scene), ("job", job)):
             frame = frame if value is None else frame[frame[column] == value]
-        frame = frame.sort_values(WEIGHT, kind="stable").drop_duplicates([*keys, "view"], keep="last")
-        return in_order(frame, *keys, "view")
+        frame = frame.sort_values(WEIGHT, kind="stable").drop_duplicates([*SAME, "view"], keep="last")
+        return in_order(frame, *SAME, "view")
 
     def pick(self, scene, level, label, view="full"):
         """The row of a representation in a view, or None."""

@@ -22,10 +22,10 @@ KINDS = {
 }  # fmt: skip
 BLUE, ORANGE, INK, LINES = "#0072B2", "#E69F00", "#1c2733", "#d9dee4"
 STYLE = {
-    "font.size": 10, "font.family": "DejaVu Sans", "axes.titlesize": 11, "legend.fontsize": 8.5, "legend.frameon": False,
+    "font.size": 10, "font.family": "DejaVu Sans", "axes.titlesize": 11, "legend.fontsize": 8.5, "grid.color": LINES,
     "text.color": INK, "axes.labelcolor": INK, "xtick.color": INK, "ytick.color": INK, "axes.edgecolor": LINES,
-    "grid.color": LINES, "axes.grid": True, "axes.axisbelow": True, "axes.spines.top": False, "svg.hashsalt": "cbvh",
-    "axes.spines.right": False,
+    "axes.grid": True, "axes.axisbelow": True, "axes.spines.top": False, "axes.spines.right": False,
+    "legend.frameon": False, "svg.hashsalt": "cbvh",
 }  # fmt: skip
 
 

@@ -52,6 +52,10 @@ def spans(values, form):
     return " to ".join(dict.fromkeys(form(value) for value in found[:1] + found[-1:])) or "-"
 
 
+class Title(str):
+    """A heading among the parts of a section."""
+
+
 @dataclass
 class Table:
     """Text. words: columns of words, from the left."""

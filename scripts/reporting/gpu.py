@@ -7,7 +7,7 @@ same machine, in the same pictures."""
 from . import checks
 from . import figures as f
 from .data import in_order
-from .formats import Fold, digits, pixels, ratio, spans, table
+from .formats import Fold, Title, digits, pixels, ratio, spans, table
 from .noise import noise
 
 RAYS = {"coherent": "coherent", "incoherent": "incoherent", "coherent_any": "coherent, any hit"}
@@ -22,7 +22,7 @@ COLUMNS = [
     ("imported, MiB", lambda row: row.on_device_imported_bytes / 2**20, digits),
     ("bytes per quad", "held_per_quad", digits), ("of GRID", "part", ratio),
 ]  # fmt: skip
-SPEEDS = {"Mrays/s": ("", digits), "of GRID": ("_of_grid", ratio), "of NAIVE": ("_of_naive", ratio), "of CPU": ("_of_cpu", ratio)}
+SPEEDS = {"Mrays/s": ("", digits)} | {f"of {name}": (f"_of_{name.lower()}", ratio) for name in ("GRID", "NAIVE", "CPU")}
 BUILDS = [
     ("in Embree, bytes per quad", "memory_bytes_per_quad", digits), ("build, s", "build_seconds", "{:.2f}"),
     ("copy, s", "on_device_upload_seconds", "{:.2f}"), ("error: median", "errors_median_pixels", pixels),
@@ -78,20 +78,22 @@ def facts(rows, known):
     small, words = smallest(rows), []
     if len(small):
         times = ", ".join(f"{spans(small[f'{rays}_of_grid'], ratio)} ({RAYS[rays]})" for rays in known)
-        words += [f"smallest: {', '.join(small.representation)} with {spans(small.held_per_quad, digits)} bytes per quad, "
-                  f"{spans(100 * small.part, '{:.0f}%'.format)} of GRID, at {times} times GRID's speed"]  # fmt: skip
+        size, part = spans(small.held_per_quad, digits), spans(100 * small.part, "{:.0f}%".format)
+        names = ", ".join(small.representation)
+        words += [f"smallest: {names} with {size} bytes per quad, {part} of GRID, at {times} times GRID's speed"]
     else:
         words += ["memory is that of a few buffers, and does not tell representations apart"]
     for rays in known[:2]:
-        best = rows.loc[rows[f"{rays}_of_grid"].idxmax()]
-        words += [f"fastest with {RAYS[rays]} rays: {best.representation} ({ratio(best[f'{rays}_of_grid'])} times GRID)"]
+        speeds = rows.set_index("representation")[f"{rays}_of_grid"]
+        words += [f"fastest with {RAYS[rays]} rays: {speeds.idxmax()} ({ratio(speeds.max())} times GRID)"]
     cpu = [value for rays in known for value in rows[f"{rays}_of_cpu"].dropna()]
     return "; ".join(words + [f"{spans(cpu, ratio)} times the speed of one thread of the processor"] * bool(cpu)) + "."
 
 
 def of_scene(rows, name):
     """Facts at the finest level with most representations, charts where memory tells these apart, and the table."""
-    rows, known = in_order(rows, "level", "quads", "representation"), [rays for rays in RAYS if rows[rays].notna().any()]
+    rows = in_order(rows, "level", "quads", "representation")
+    known = [rays for rays in RAYS if rows[rays].notna().any()]
     counts = rows.groupby(["level", "quads"]).representation.nunique()
     level, quads = max(counts.index, key=lambda size: (counts[size], size))
     main, charts, speeds = rows[(rows.level == level) & (rows.quads == quads)], [], []
@@ -111,7 +113,8 @@ def section(data):
     every = every.assign(software=every.device.str.contains("llvmpipe"))
     for (_, device, cpu, threads), found in every.groupby(["software", "device", *MACHINE]):
         end, commits = found.run_end.fillna(found.run_date).max(), ", ".join(sorted(set(found.run_commit)))
-        parts += [f"{device}: measured {found.run_date.min()} to {end}, commit {commits}, processor {cpu}, {threads} threads."]
+        dates = f"{found.run_date.min()} to {end}, commit {commits}"
+        parts += [Title(device), f"Measured {dates}, processor {cpu}, {threads} threads."]
         own = rows[(rows.device == device) & (rows.run_cpu == cpu) & (rows.run_hardware_threads == threads)]
         scenes = [(scene != "trex", -part.quads.max(), scene, view != "full", view, part)
                   for (scene, view), part in own.groupby(["scene", "view"])]  # fmt: skip

@@ -33,7 +33,7 @@ TABLES |= {f"speed, {rays} rays": (speed(rays), "{:.2f}") for rays in RAY_SETS}
 
 
 def section(data):
-    """Of scenes with several levels, or several frame levels of one kind. What cLEAF stores exactly is its table alone."""
+    """Of scenes with several levels, or frame levels of one kind. What cLEAF stores exactly is a table of cLEAF."""
     parts, commands = [], []
     for scene in data.scenes():
         rows = data.full[data.full.scene == scene]
@@ -52,7 +52,7 @@ def draw(axes, title, unit, column, is_log, rows):
     scenes, seen = dict(zip(sorted(set(rows.scene)), list(STYLES) * len(rows))), set()
     for (scene, label), found in rows.groupby(["scene", "representation"], sort=False):
         color, mark = f.KINDS[found.kind.iloc[0]]
-        style = {"color": color, "marker": mark, "markersize": 4.5, "linewidth": 1.2, "linestyle": STYLES[scenes[scene]]}
+        style = {"color": color, "marker": mark, "markersize": 4.5, "linestyle": STYLES[scenes[scene]]}
         axes.plot(found.quads, found[column], label=None if label in seen else f.math_label(label), **style)
         seen.add(label)
     f.log_axis(axes, "x")
@@ -61,7 +61,8 @@ def draw(axes, title, unit, column, is_log, rows):
 
 
 def growth(data):
-    rows, charts, commands = data.full[data.full.representation.isin(GROWING)].sort_values("quads", kind="stable"), [], []
+    charts, commands = [], []
+    rows = data.full[data.full.representation.isin(GROWING)].sort_values("quads", kind="stable")
     for title, (unit, column, is_log) in CHARTS.items():
         found = rows[rows[column] > 0]
         found = found[found.groupby(["scene", "representation"])["level"].transform("count") > 1]
@@ -72,8 +73,8 @@ def growth(data):
 
 
 def compared(data):
-    """Frames by scene and level of what was measured on several instruction sets or processors, here and elsewhere. What
-    the job on most instruction sets measured comes first."""
+    """Frames by scene and level of what was measured on several instruction sets or processors, here and elsewhere.
+    Of several rows of the same the one stays whose job measured most instruction sets."""
     rows, keys = data.every_view, ["scene", "level", "run_cpu", "isa", "representation"]
     rows = rows[(rows.origin == "elsewhere") | rows.result.isin(data.here.result)]
     rows = rows[(rows["view"] == "full") & (rows["speeds"] > 0)]

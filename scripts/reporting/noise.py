@@ -33,8 +33,8 @@ def noise(table):
     return (
         f"Noise: the middle half of the ratios to GRID of a combination spreads by {spread.median():.1%} (median of "
         f"{len(spread)} combinations; the worst {spread.max():.0%}, {beyond} beyond 5%): "
-        f"{'a quiet run' if beyond < 0.1 * len(spread) else noisy}. By that, a median is good to {unsure.median():.1%}, 95 of "
-        f"100 to {unsure.quantile(0.95):.1%}, and ratios that are closer do not differ."
+        f"{'a quiet run' if beyond < 0.1 * len(spread) else noisy}. By that, medians are good to {unsure.median():.1%}, "
+        f"95 of 100 to {unsure.quantile(0.95):.1%}, and ratios that are closer do not differ."
     )
 
 
@@ -50,7 +50,8 @@ def section(data, against, source):
     runs, loads = data.runs, [run["load_before"] for run in data.runs] or [0.0]
     found = {
         "measured": [period(runs)] if runs else [], "commit": [run["commit"] for run in runs],
-        "processor": [f"{r['cpu']}, {r['hardware_threads']} threads, {r['memory_bytes'] / 2**30:.0f} GiB" for r in runs],
+        "processor": ["{cpu}, {hardware_threads} threads".format(**run) for run in runs],
+        "memory": [f"{run['memory_bytes'] / 2**30:.0f} GiB" for run in runs],
         "compiler": [f"{run['compiler']}, {run['build_type']} {run['flags']}" for run in runs],
         "load before": [f"{min(loads):.1f} to {max(loads):.1f} runnable threads"], "instruction set": [data.isa],
         "records": [f"{len(runs)} in {source}, made by scripts/benchmark.py"],
@@ -59,9 +60,7 @@ def section(data, against, source):
     parts = [facts, *(f"No data: {problem}; left out" for problem in data.problems), noise(data.here)]
     apart = compare_runs(data.here, against.here) if against else None
     if apart is not None:
-        parts.append(
-            f"Two runs: medians of ratios to GRID of {len(apart)} combinations differ by {apart.median():.1%} (median), 95 "
-            f"of 100 by less than {apart.quantile(0.95):.1%}, and at most {apart.max():.1%}: {(apart > 0.05).sum()} by more "
-            "than 5%." if len(apart) else "Two runs: they have no measurement in common."
-        )  # fmt: skip
+        ends = f"{apart.quantile(0.95):.1%}, and at most {apart.max():.1%}: {(apart > 0.05).sum()} by more than 5%."
+        text = f"Two runs: medians of ratios of {len(apart)} combinations differ by {apart.median():.1%} (median)"
+        parts.append(f"{text}, 95 of 100 by less than {ends}" if len(apart) else "Two runs have nothing in common.")
     return parts, []

@@ -9,7 +9,7 @@ from pathlib import Path
 import jinja2
 from markupsafe import Markup, escape
 
-from .formats import Fold, Table, mib, pixels, ratio
+from .formats import Fold, Table, Title
 
 VERDICTS = {"holds": "yes", "does not hold": "no", "fails": "no", "not measured": "none", "not run": "none"}
 
@@ -26,13 +26,14 @@ def verdict_of(cell):
 
 def kind_of(part):
     """How a template shows a part of a section."""
-    if isinstance(part, str):
+    if type(part) is str:
         return "missing" if part.startswith("No data") else "text"
-    return {Table: "table", Fold: "fold", list: "pictures", dict: "facts"}[type(part)]
+    return {Title: "title", Table: "table", Fold: "fold", list: "pictures", dict: "facts"}[type(part)]
 
 
 def render(template, **names):
     templates = jinja2.FileSystemLoader(Path(__file__).parent / "templates")
-    environment = jinja2.Environment(loader=templates, autoescape=template.endswith("html"), trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"raised": raised, "verdict": verdict_of, "kind": kind_of, "mib": mib, "px": pixels, "ratio": ratio}
+    layout = {"autoescape": template.endswith("html"), "trim_blocks": True, "lstrip_blocks": True}
+    environment = jinja2.Environment(loader=templates, **layout)
+    environment.filters |= {"raised": raised, "verdict": verdict_of, "kind": kind_of}
     return environment.get_template(template).render(**names)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from . import figures as f
 from .data import RAY_SETS
-from .formats import Table, mib, percent, pixels
+from .formats import Table, Title, mib, percent, pixels
 from .memory import LABELS, LEVELS
 from .relations import ratios
 
@@ -70,7 +70,8 @@ def portraits(data):
     for number, scene, view, labels in shown:
         if scene == main or not data.is_own():
             found, made_by = pictures(data, [(scene, data.picture_level(), label, view) for label in labels], "picture")
-            parts, commands = [*parts, f"Figure {number}: {scene}", *found], commands + made_by
+            parts += [Title(f"Figure {number}: {scene}"), *found] if found else []
+            commands += made_by
     return parts, commands
 
 

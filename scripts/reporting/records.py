@@ -66,8 +66,8 @@ def rows_of_record(record, job, numbers=count()):
 
 
 def read(path, origin):
-    """Rows of a record or of a folder of them, the runs, and a line about each record that cannot be read. The origin of
-    what a device measured is "gpu" in any case, of what the processor measured for comparison with it "beside gpu"."""
+    """Rows of a record or of a folder of them, the runs, and a line about each record that cannot be read. The origin
+    of what a device measured is "gpu", of what the processor measured for comparison with it "beside gpu"."""
     rows, runs, problems = [], [], []
     for file in sorted(path.glob("*.json")) if path.is_dir() else [path]:
         try:

@@ -58,7 +58,7 @@ def fine_frames(data, scene):
     """Of cVOXEL^4 at the levels that were measured, the paper's at level 8."""
     levels = [level for level in data.levels(scene) if data.pick(scene, level, VOXEL4) is not None]
     claim = f"{scene}: {VOXEL4} (levels {levels}) is slower than {LEAF} (levels 4 to 6), relative to GRID"
-    found = {2: ratios(data, "cVOXEL", scene, levels, (2,)).mean(), 4: ratios(data, "cVOXEL", scene, levels, (4,)).mean()}
+    found = {frames: ratios(data, "cVOXEL", scene, levels, (frames,)).mean() for frames in (2, 4)}
     coarse, none = ratios(data, "cLEAF-only", scene, frame_levels=(2,)).mean(), Relation(claim, "mean 68% against 80%")
     if not (found[4] > 0 and coarse > 0):
         return none
@@ -70,7 +70,7 @@ def blocks_cost_little(leaf, voxel):
     """The reason if leaves need more memory than four times as many blocks."""
     few, many = (row.memory_compression_frame_bytes + row.memory_compression_top_level_bytes for row in (leaf, voxel))
     return (
-        f"a block has {many / voxel.memory_compression_blocks:.0f} bytes of frame and upper tree here, so the finer frames "
+        f"a block has {many / voxel.memory_compression_blocks:.0f} bytes of frame and upper tree here, so finer frames "
         f"of {VOXEL3} add {mib(many - few)}, and the leaves of {LEAF} {mib(leaf.memory_compression_leaf_bytes)}"
     )
 

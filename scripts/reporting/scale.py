@@ -53,26 +53,29 @@ def herd_table(herd):
 
 
 def herd_text(herd):
-    cold, warm = herd["cold"], herd["warm"]
-    ends = {"SIGINT": "interrupted", "SIGKILL": "killed"}
+    """A paragraph on how the herd was built and opened."""
+    ends, mib = {"SIGINT": "interrupted", "SIGKILL": "killed"}, 2**20
     stops = " and ".join(f"{ends[stop['signal']]} at {gib(stop['bytes'])}" for stop in herd["stops"])
+    cold, warm = (herd[state]["openSeconds"] * 1e3 for state in ("cold", "warm"))
     return (
         f"{herd['count']} T-rexes, each in a pose of its own, at level {herd['level']}: {herd['quads']:,} quads, "
         f"{herd['fileBytes'] / herd['quads']:.2f} bytes each. Built in {herd['buildSeconds'] / 60:.1f} minutes on "
-        f"{herd['threads']} threads, {herd['lastQuads'] / herd['lastSeconds'] / 1e6:.1f} million quads per second, with at "
-        f"most {herd['ownBytes'] / 2**20:,.0f} MiB of the program's own memory, the kernels' {herd['deviceBytes'] / 2**20:,.0f} "
-        f"MiB among them; {stops}, and resumed each time. Opened in {1e3 * cold['openSeconds']:.0f} ms with nothing of it in "
-        f"memory, and in {1e3 * warm['openSeconds']:.0f} ms again. A picture of {herd['size']} with {herd['samples']} samples "
-        f"per pixel then takes {cold['pictureSeconds']:.1f} s the first time; rays meet {gib(herd['coldMapped'])} of the file. "
-        f"GRID and NAIVE have as many copies as they can build in {gib(herd['memory'])}. Speeds: one thread, single rays."
+        f"{herd['threads']} threads, {herd['lastQuads'] / herd['lastSeconds'] / 1e6:.1f} million quads per second, with "
+        f"at most {herd['ownBytes'] / mib:,.0f} MiB of the program's memory, {herd['deviceBytes'] / mib:,.0f} of them "
+        f"the kernels'; {stops}, and resumed each time. Opened in {cold:.0f} ms with nothing of it in memory, and in "
+        f"{warm:.0f} ms again. A picture of {herd['size']} with {herd['samples']} samples per pixel then takes "
+        f"{herd['cold']['pictureSeconds']:.1f} s; rays meet {gib(herd['coldMapped'])} of the file. GRID and NAIVE have "
+        f"as many copies as they can build in {gib(herd['memory'])}. Speeds: one thread, single rays."
     )
 
 
 def tables(record):
     """Texts and tables of a record."""
     parts = [herd_text(record["herd"]), herd_table(record["herd"])] if "herd" in record else []
-    title = "Levels by the view: level auto gives each edge about one quad per pixel"
-    return parts + [table(pandas.json_normalize(record.get("levels", []), sep="_"), LEVELS, 2, title)] * ("levels" in record)
+    if "levels" in record:
+        title = "Levels by the view: level auto gives each edge about one quad per pixel"
+        parts.append(table(pandas.json_normalize(record["levels"], sep="_"), LEVELS, 2, title))
+    return parts
 
 
 def section(folder):
@@ -83,6 +86,7 @@ def section(folder):
         herd = record["herd"]
         commands += [*herd["commands"], herd["some"]["command"], *(other["command"] for other in herd["beside"])]
         path = Path(folder) / "picture" / herd["picture"]
-        photos = [[Picture("T-rexes", "png", path.read_bytes(), f"{herd['quads'] / 1e9:.1f} billion quads")]] if path.exists() else []
+        text = f"{herd['quads'] / 1e9:.1f} billion quads, from a file"
+        photos = [[Picture("T-rexes", "png", path.read_bytes(), text)]] if path.exists() else []
     commands += [row["command"] for row in record.get("levels", ())]
     return [f"Measured on {record['date']}.", *tables(record), *photos], commands

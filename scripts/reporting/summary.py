@@ -9,7 +9,7 @@ from .data import RAY_SETS
 from .formats import is_known, mib, percent, pixels, ratio, spans, table
 from .levels import exact_share
 
-FIRST = ("cVERT", "cLEAF^2", "cLEAF-only^2", "cLEAF-only^3", "cVOXEL^3", "cVOXEL^2", "cGRID^2")  # the first one measured
+FIRST = ("cVERT", "cLEAF^2", "cLEAF-only^2", "cLEAF-only^3", "cVOXEL^3", "cVOXEL^2", "cGRID^2")  # in order
 SHOWN = ("GRID", "cGRID^2", "cVOXEL^2", "cVOXEL^3", "cLEAF^2", "cLEAF-only^2", "cLEAF-only^3", "cVERT")
 PLACES = [("scene", "scene", str), ("level", "level", str), ("view", "view", str), ("times smaller", "smaller", ratio)]
 PLACES += [(f"{rays} rays, times GRID's", f"{rays}_of_grid", ratio) for rays in RAY_SETS]
@@ -17,13 +17,14 @@ PLACES += [("p99, pixels", "errors_p99_pixels", pixels)]
 
 
 def places(data):
-    """Rows of one representation in all scenes, levels and views, with GRID's values there in columns that end in _grid.
+    """Rows of one representation in all scenes, levels and views, with GRID's values in columns that end in _grid.
     First is the main scene at the finest level up to 6, in the full view. Empty if nothing was compressed."""
     views, keys = data.views(), ["scene", "level", "view"]
     views = views.merge(views[views.kind == "GRID"], "inner", keys, suffixes=("", "_grid"))
     views["smaller"] = views.memory_live_bytes_grid / views.memory_live_bytes
     order = {"other": views.scene != data.main_scene(), "fine": views.level > 6, "coarse": -views.level}
-    order |= {"part": views["view"] != "full", "rank": views.representation.map({name: i for i, name in enumerate(FIRST)})}
+    ranks = dict(zip(FIRST, range(len(FIRST))))
+    order |= {"part": views["view"] != "full", "rank": views.representation.map(ranks)}
     views = views.assign(**order)[order["rank"].notna()].sort_values(list(order), kind="stable")
     return views[views.representation == next(iter(views.representation), None)]
 
@@ -38,19 +39,21 @@ def statements(row, found):
     )
     rays = [rays for rays in RAY_SETS if is_known(row[f"{rays}_of_grid"])]
     traced = [f"{row[name]:.3g} million {name} rays (GRID: {row[f'{name}_grid']:.3g})" for name in rays]
+    traced = f"One thread traces {' and '.join(traced) or 'an unknown number of rays'}"
     error_text = (
-        f"99% of the hits are closer than that to GRID's (p99). The median is {pixels(row.errors_median_pixels)} pixels; "
+        f"99% of the hits are closer to GRID's (p99). The median is {pixels(row.errors_median_pixels)} pixels; "
         f"{row.errors_beyond_5_pixels:.0f} of {row.errors_rays:,.0f} rays hit more than 5 pixels away."
     )
     true = [row[f"{errors.TRUE}_p99_pixels{end}"] for end in ("", "_grid")]
     if all(map(is_known, true)):
         error_text += f" To the true surface p99 is {pixels(true[0])}, and {pixels(true[1])} for GRID."
     times, speeds = "times GRID's speed", " and ".join(ratio(row[f"{name}_of_grid"]) for name in rays)
+    errors_of_all = spans(found.errors_p99_pixels, pixels)
     of_all = spans([*found.coherent_of_grid, *found.incoherent_of_grid], ratio)
     return [
         (f"{ratio(row.smaller)} times smaller", memory_text, f"{spans(found.smaller, ratio)} times smaller"),
-        (f"{speeds} {times}", f"One thread traces {' and '.join(traced)} per second.", f"{of_all} {times}"),
-        (f"{pixels(row.errors_p99_pixels)} pixels of error", error_text, f"{spans(found.errors_p99_pixels, pixels)} pixels"),
+        (f"{speeds} {times}" if rays else "no speed", f"{traced} per second.", f"{of_all} {times}"),
+        (f"{pixels(row.errors_p99_pixels)} pixels of error", error_text, f"{errors_of_all} pixels"),
     ]
 
 
@@ -67,7 +70,7 @@ def draw_speed(axes, rows):
 
 
 def first_screen(data):
-    """What the templates show: the row of the headline, ranges over all places, charts of all representations beside it."""
+    """What the templates show: the row of the headline, statements on it, and charts of all representations."""
     found = places(data)
     if found.empty:
         return {"on_gpu": (data.table.origin == "gpu").any()}
@@ -77,10 +80,12 @@ def first_screen(data):
     per_quad = (memory.stack, rows, "Memory", "bytes per quad", lambda row: 1 / row.quads, texts)
     charts = [f.chart("Bytes per quad", height, *per_quad), f.chart("Speed relative to GRID", height, draw_speed, rows)]
     charts.append(f.chart("Error", height, errors.draw, rows, "Error", [errors.MESH]))
-    exact = [f"{row.representation} stores {percent(exact_share(row))} of its quads exactly." for row in rows if exact_share(row)]
+    shares = [(row.representation, exact_share(row)) for row in rows if exact_share(row)]
+    exact = [f"{label} stores {percent(share)} of its quads exactly." for label, share in shares]
     caption = (
-        f"{row.scene}, level {row.level}, full view, single rays, one thread of {row.run_cpu} ({data.isa}). Errors are "
+        f"{row.scene}, level {row.level}, {row['view']} view, single rays, one thread of {row.run_cpu} ({data.isa}). Errors are "
         f"distances to GRID's hits: p99, hollow the median. {' '.join(exact)}"
     )
     everywhere = table(found.sort_values(["scene", "level", "view"]), PLACES, 3)
-    return {"row": row, "statements": statements(row, found), "charts": charts, "caption": caption, "places": everywhere}
+    found = {"statements": statements(row, found), "charts": charts, "caption": caption, "places": everywhere}
+    return {"row": row, **found}
