@@ -33,8 +33,8 @@ def noise(table):
     return (
         f"Noise: the middle half of the ratios to GRID of a combination spreads by {spread.median():.1%} (median of "
         f"{len(spread)} combinations; the worst {spread.max():.0%}, {beyond} beyond 5%): "
-        f"{'a quiet run' if beyond < 0.1 * len(spread) else noisy}. By that, medians are good to {unsure.median():.1%}, "
-        f"95 of 100 to {unsure.quantile(0.95):.1%}, and ratios that are closer do not differ."
+        f"{'a quiet run' if beyond < 0.1 * len(spread) else noisy}. By that, medians are good to {unsure.median():.1%}"
+        f", 95 of 100 to {unsure.quantile(0.95):.1%}, and ratios that are closer do not differ."
     )
 
 

@@ -83,8 +83,8 @@ def first_screen(data):
     shares = [(row.representation, exact_share(row)) for row in rows if exact_share(row)]
     exact = [f"{label} stores {percent(share)} of its quads exactly." for label, share in shares]
     caption = (
-        f"{row.scene}, level {row.level}, {row['view']} view, single rays, one thread of {row.run_cpu} ({data.isa}). Errors are "
-        f"distances to GRID's hits: p99, hollow the median. {' '.join(exact)}"
+        f"{row.scene}, level {row.level}, {row['view']} view, single rays, one thread of {row.run_cpu} ({data.isa}). "
+        f"Errors are distances to GRID's hits: p99, hollow the median. {' '.join(exact)}"
     )
     everywhere = table(found.sort_values(["scene", "level", "view"]), PLACES, 3)
     found = {"statements": statements(row, found), "charts": charts, "caption": caption, "places": everywhere}
