@@ -62,8 +62,8 @@ def herd_text(herd):
         f"{herd['fileBytes'] / herd['quads']:.2f} bytes each. Built in {herd['buildSeconds'] / 60:.1f} minutes on "
         f"{herd['threads']} threads, {herd['lastQuads'] / herd['lastSeconds'] / 1e6:.1f} million quads per second, "
         f"with at most {herd['ownBytes'] / mib:,.0f} MiB of the program's memory, {herd['deviceBytes'] / mib:,.0f} of "
-        f"them the kernels'; {stops}, and resumed each time. Opened in {cold:.0f} ms with nothing of it in memory, and in "
-        f"{warm:.0f} ms again. A picture of {herd['size']} with {herd['samples']} samples per pixel then takes "
+        f"them the kernels'; {stops}, and resumed each time. Opened in {cold:.0f} ms with nothing of it in memory, and "
+        f"in {warm:.0f} ms again. A picture of {herd['size']} with {herd['samples']} samples per pixel then takes "
         f"{herd['cold']['pictureSeconds']:.1f} s; rays meet {gib(herd['coldMapped'])} of the file. GRID and NAIVE have "
         f"as many copies as they can build in {gib(herd['memory'])}. Speeds: one thread, single rays."
     )
