@@ -74,12 +74,12 @@ def growth(data):
 
 def compared(data):
     """Frames by scene and level of what was measured on several instruction sets or processors, here and elsewhere.
-    Of several rows of the same the one stays whose job measured most instruction sets."""
+    Of each processor they have the job that measured most instruction sets, in turns in one process."""
     rows, keys = data.every_view, ["scene", "level", "run_cpu", "isa", "representation"]
     rows = rows[(rows.origin == "elsewhere") | rows.result.isin(data.here.result)]
     rows = rows[(rows["view"] == "full") & (rows["speeds"] > 0)]
     rows = rows.assign(isas=rows.groupby(["scene", "level", "run_cpu", "job"]).isa.transform("nunique"))
-    rows = rows.sort_values("isas", ascending=False, kind="stable").drop_duplicates(keys)
+    rows = rows[rows.isas == rows.groupby(["scene", "level", "run_cpu"]).isas.transform("max")].drop_duplicates(keys)
     frames = {key: found for key, found in rows.groupby(["scene", "level"])}
     return {key: found for key, found in frames.items() if len(found[["isa", "run_cpu"]].drop_duplicates()) > 1}
 
