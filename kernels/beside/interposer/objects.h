@@ -40,7 +40,7 @@ struct Scene
   std::mutex committing;
   RTCProgressMonitorFunction progress = nullptr;
   void* progressPtr = nullptr;
-  bool isCancelled = false;
+  std::atomic<bool> isCancelled{false};  // a thread may join a commit whose progress another reads
 };
 
 class Objects

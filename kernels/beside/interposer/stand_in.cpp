@@ -10,7 +10,7 @@
 
 namespace interposer {
 
-StandInRange standInRange = {0, 0};
+StandInRange standInRange = {{0}, {0}};
 
 namespace {
 
@@ -34,11 +34,12 @@ StandIn* newStandIn()
   if (standInRange.size == 0) {
     void* const base = mmap(nullptr, maxStandIns*sizeof(StandIn), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (base == MAP_FAILED) return nullptr;
-    standInRange = {uintptr_t(base), maxStandIns*sizeof(StandIn)};
+    standInRange.begin.store(uintptr_t(base), std::memory_order_relaxed);
+    standInRange.size.store(maxStandIns*sizeof(StandIn), std::memory_order_release);
   }
   StandIn* standIn = (StandIn*)firstFree;
   if (firstFree) firstFree = firstFree->next;
-  else if (numUsed < maxStandIns) standIn = (StandIn*)standInRange.begin + numUsed++;
+  else if (numUsed < maxStandIns) standIn = (StandIn*)standInRange.begin.load() + numUsed++;
   else return nullptr;
   std::memset((void*)standIn, 0, sizeof(StandIn));
   hasAny = true;

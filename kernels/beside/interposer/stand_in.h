@@ -7,6 +7,7 @@
 
 #include "real.h"
 
+#include <atomic>
 #include <cbvh/cbvh.h>
 #include <cstddef>
 #include <cstdint>
@@ -22,14 +23,20 @@ struct StandIn
   bool takesArgumentFilters;     // rtcSetGeometryEnableFilterFunctionFromArguments
 };
 
-/* All of them lie in one range of addresses, so that it takes two comparisons to tell the user data of ours from an application's. */
+/* All of them lie in one range of addresses, so that it takes two comparisons to tell the user data of ours from an
+ * application's. A thread may ask while another makes the first stand-in: readers read the size first, and it is 0 until
+ * begin is stored. */
 struct StandInRange
 {
-  uintptr_t begin, size;
+  std::atomic<uintptr_t> begin, size;
 };
 extern StandInRange standInRange;
 
-inline StandIn* asStandIn(void* userData) { return uintptr_t(userData) - standInRange.begin < standInRange.size ? (StandIn*)userData : nullptr; }
+inline StandIn* asStandIn(void* userData)
+{
+  const uintptr_t size = standInRange.size.load(std::memory_order_acquire);
+  return uintptr_t(userData) - standInRange.begin.load(std::memory_order_relaxed) < size ? (StandIn*)userData : nullptr;
+}
 
 /* NULL where there is no more room. */
 StandIn* newStandIn();
