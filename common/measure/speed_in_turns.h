@@ -22,15 +22,15 @@ namespace cbvh {
 
 enum class TimedQuery { Single, Packets, AnyHit };
 
-/* Seconds; hits: of the rays. */
+/* Processor time of the calling thread, in seconds. hits: of the rays. */
 inline double traceTimed(RTCScene scene, const std::vector<RTCRayHit>& rays, std::vector<RTCRayHit>& hits, TimedQuery query)
 {
   hits = rays;
   if (query == TimedQuery::Packets)
-    return secondsOf([&] { PacketTracer(scene).intersect(hits.data(), hits.size()); });
+    return processorSecondsOf(CLOCK_THREAD_CPUTIME_ID, [&] { PacketTracer(scene).intersect(hits.data(), hits.size()); });
   if (query == TimedQuery::Single)
-    return secondsOf([&] { EmbreeTracer(scene).intersect(hits.data(), hits.size()); });
-  return secondsOf([&] {
+    return processorSecondsOf(CLOCK_THREAD_CPUTIME_ID, [&] { EmbreeTracer(scene).intersect(hits.data(), hits.size()); });
+  return processorSecondsOf(CLOCK_THREAD_CPUTIME_ID, [&] {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     for (RTCRayHit& r : hits)
@@ -38,9 +38,9 @@ inline double traceTimed(RTCScene scene, const std::vector<RTCRayHit>& rays, std
   });
 }
 
-/* How many times as fast `ours` is as `theirs`, the median of `repeat` turns. hits: theirs and ours of the last. */
-inline double speedInTurns(RTCScene theirs, RTCScene ours, const std::vector<RTCRayHit>& rays, TimedQuery query, unsigned repeat,
-                           std::vector<RTCRayHit> hits[2])
+/* Speed of `ours` in multiples of `theirs`, in each of `repeat` turns. hits: theirs and ours of the last turn. */
+inline std::vector<double> speedsInTurns(RTCScene theirs, RTCScene ours, const std::vector<RTCRayHit>& rays,
+                                         TimedQuery query, unsigned repeat, std::vector<RTCRayHit> hits[2])
 {
   std::vector<double> ratios;
   for (unsigned i = 0; i < repeat; i++)
@@ -48,7 +48,14 @@ inline double speedInTurns(RTCScene theirs, RTCScene ours, const std::vector<RTC
     const double before = traceTimed(theirs, rays, hits[0], query), now = traceTimed(ours, rays, hits[1], query);
     ratios.push_back(before / now);
   }
-  return median(ratios);
+  return ratios;
+}
+
+/* The median of speedsInTurns. */
+inline double speedInTurns(RTCScene theirs, RTCScene ours, const std::vector<RTCRayHit>& rays, TimedQuery query,
+                           unsigned repeat, std::vector<RTCRayHit> hits[2])
+{
+  return median(speedsInTurns(theirs, ours, rays, query, repeat, hits));
 }
 
 inline bool isHit(const RTCRayHit& r) { return r.hit.geomID != RTC_INVALID_GEOMETRY_ID; }

@@ -289,6 +289,48 @@ TEST(Beside, WhatWasDicedHasTheHitsOfOurEmbree)
   }
 }
 
+// No vertex moves. Without cbvhSetLossless surfaces are stored as by default again.
+TEST(Beside, LosslessSurfacesHaveTheHitsOfOurEmbree)
+{
+  Random random(95);
+  Device exact("cbvh_max_error=0"), device;
+  Context context;
+  Displacement displacement;
+  Diced diced = dicedSheet(2, 33);
+  diced.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
+  std::vector<CbvhGrid> grids;
+  for (const RTCGrid& g : diced.grids) grids.push_back({g.startVertexID, g.stride, g.width, g.height});
+  for (unsigned timeSteps : {1u, 3u}) {
+    const SurfaceSettings settings = settingsOf(displacement, timeSteps, 29);
+    const CageInput cage(prismCage(5), settings);
+    const Steps steps(diced.vertices, diced.motion, timeSteps);
+    const CbvhGrids ofGrids = {grids.size(), grids.data(), steps.get()};
+    for (bool isCage : {true, false}) {
+      SCOPED_TRACE(testing::Message() << (isCage ? "a cage, " : "grids, ") << timeSteps << " time steps");
+      const Surface surface(context);
+      for (int lossless : {1, 0}) {
+        ASSERT_EQ(isCage ? cbvhSetCage(surface, &cage.cage) : cbvhSetGrids(surface, &ofGrids), CBVH_OK)
+            << cbvhGetErrorText();
+        ASSERT_EQ(cbvhSetLossless(surface, lossless), CBVH_OK);
+        ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+        const Group group(context, {surface});
+        EXPECT_EQ(group.committed, CBVH_OK);
+        CbvhStatistics statistics;
+        ASSERT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK);
+        EXPECT_EQ(statistics.maxVertexDeviation == 0, lossless == 1);
+        const RTCDevice of = lossless ? exact : device;
+        Scene scene(of);
+        attach(scene, isCage ? newSurface(of, prismCage(5), settings)
+                             : newGrids(of, diced, RTC_COMPRESSION_VERT, 0, timeSteps));
+        rtcCommitScene(scene);
+        EXPECT_EQ(statisticsOf(scene).maxVertexDeviation, statistics.maxVertexDeviation);
+        ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, timedRays(random, 1500)));
+      }
+    }
+  }
+  EXPECT_TRUE(context.told.empty());
+}
+
 // Of both libraries, either opens what the other saved.
 TEST(Beside, FilesAreThoseOfOurEmbree)
 {

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Through the user geometry of an Embree that is not ours rays have the hits that libembree_cbvh gives them, to the bit, under the
- * names that the application knows: single rays, packets, any hit, masks, filters of both sorts, instances, many surfaces, motion. */
+ * names that the application knows: single rays, packets, any hit, masks, filters of both sorts, instances, many surfaces, motion.
+ * Hits of lossless surfaces are those of that Embree's own kernels. */
 
 #include "host.h"
 
@@ -40,8 +41,10 @@ bool isAnyHit(RTCScene scene, const RTCRay& ray, const Query& query = {})
   return any.tfar < 0;
 }
 
+// isNative: whether the host has packets of N. Otherwise Embree 3 traces their inactive lanes, too.
 template<unsigned N>
-void checkPackets(CbvhGroup group, RTCScene scene, const std::vector<RTCRayHit>& rays, bool isCoherent)
+void checkPackets(CbvhGroup group, RTCScene scene, const std::vector<RTCRayHit>& rays, bool isCoherent,
+    bool isNative = true)
 {
   std::uniform_int_distribution<int> some(0, 3);
   for (size_t first = 0; first + N <= rays.size(); first += N)
@@ -49,7 +52,7 @@ void checkPackets(CbvhGroup group, RTCScene scene, const std::vector<RTCRayHit>&
     typename Packet<N>::RayHits packet;
     typename Packet<N>::Rays any;
     alignas(64) int valid[N];
-    const bool isSparse = first/N % 4 == 3;
+    const bool isSparse = isNative && first/N % 4 == 3;
     for (unsigned i = 0; i < N; i++) {
       valid[i] = isSparse && some(generator) ? 0 : -1;
       setRay(&packet, N, i, rays[first + i]);
@@ -85,7 +88,8 @@ void testHits(RTCDevice device, CbvhContext context)
         CHECK(hits > 500);
         checkPackets<4>(group, scene, rays, areCoherent);
         if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) checkPackets<8>(group, scene, rays, areCoherent);
-        checkPackets<16>(group, scene, rays, areCoherent);
+        const bool has16 = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
+        checkPackets<16>(group, scene, rays, areCoherent, has16);
       }
     }
 }
@@ -337,6 +341,129 @@ void testEdits(RTCDevice device, CbvhContext context)
   CHECK(isAnyHit(scene, makeRay({5.1f, 0.2f, 5}, {0, 0, -1}).ray));
 }
 
+// --- lossless surfaces and the host's own kernels -------------------------------------------------------
+
+void setHostBuffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCFormat format, size_t stride,
+    size_t count, const void* data)
+{
+  std::memcpy(rtcSetNewGeometryBuffer(geometry, type, slot, format, stride, count), data, stride*count);
+}
+
+void setHostVertices(RTCGeometry geometry, const CbvhVertices& vertices)
+{
+  rtcSetGeometryTimeStepCount(geometry, vertices.numSteps);
+  for (unsigned i = 0; i < vertices.numSteps; i++)
+    setHostBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, sizeof(Vec), vertices.count,
+        vertices.steps[i]);
+}
+
+double cosineOf(const RTCRayHit& r)
+{
+  const double d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z}, n[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z};
+  double dn = 0, dd = 0, nn = 0;
+  for (int k = 0; k < 3; k++) { dn += d[k]*n[k]; dd += d[k]*d[k]; nn += n[k]*n[k]; }
+  return std::fabs(dn)/std::sqrt(dd*nn);
+}
+
+/* Hits of both have the same primitive, and distances and parameters that differ by rounding, which is larger where
+ * rays graze. GRID keeps 13 bits of parameters. A ray that passes close to an edge may hit its other side; few rays do.
+ * geometry: is committed and released here. */
+void checkHostsHits(RTCDevice device, CbvhContext context, CbvhSurface surface, RTCGeometry geometry, const char* what)
+{
+  OK(cbvhSetLossless(surface, 1));
+  OK(cbvhCommitSurface(surface, nullptr, nullptr));
+  const Group group(context, surface);
+  CbvhStatistics statistics;
+  OK(cbvhGetGroupStatistics(group, &statistics));
+  CHECK(statistics.numQuads > 0);
+  CHECK(statistics.maxVertexDeviation == 0);
+  const Scene ours(device, group);
+  const Scene hosts(device, nullptr);
+  rtcSetGeometryMask(geometry, ~0u); // Embree 4 begins with 1
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(hosts, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(hosts);
+  size_t hits = 0, others = 0;
+  for (bool areCoherent : {false, true})
+    for (const RTCRayHit& ray : randomRays(generator, 8000, areCoherent)) {
+      RTCRayHit found = ray, expected = ray;
+      intersect(ours, found);
+      intersect(hosts, expected);
+      CHECK(isAnyHit(ours, ray.ray) == isHit(found));
+      if (!isHit(expected) && !isHit(found)) continue;
+      hits++;
+      const double grazing = isHit(expected) ? std::max(1.0, 0.1/cosineOf(expected)) : 1;
+      others += isHit(expected) != isHit(found) || expected.hit.primID != found.hit.primID
+          || std::fabs(expected.ray.tfar - found.ray.tfar) > 1e-5*expected.ray.tfar*grazing
+          || std::fabs(expected.hit.u - found.hit.u) > 2e-3*grazing
+          || std::fabs(expected.hit.v - found.hit.v) > 2e-3*grazing;
+    }
+  CHECK(hits > 3000);
+  CHECK(others <= hits/1000);
+  if (failures) std::fprintf(stderr, "%s: %zu of %zu hits are others\n", what, others, hits);
+}
+
+void testLossless(RTCDevice device, CbvhContext context)
+{
+  const unsigned side = 65; // vertices, in four grids
+  std::vector<Vec> vertices[2];
+  std::vector<unsigned> quads, triangles;
+  for (unsigned step = 0; step < 2; step++)
+    for (unsigned y = 0; y < side; y++)
+      for (unsigned x = 0; x < side; x++) {
+        const float u = 2*float(x)/float(side - 1) - 1, v = 2*float(y)/float(side - 1) - 1;
+        const float s = float(step);
+        vertices[step].push_back({u + 0.1f*s*v, v - 0.05f*s*u, 0.2f*std::sin(5*u + s)*std::cos(4*v)});
+      }
+  for (auto& step : vertices) step.push_back({0, 0, 0}); // the library reads 4 bytes after the last vertex
+  for (unsigned y = 0; y + 1 < side; y++)
+    for (unsigned x = 0; x + 1 < side; x++) {
+      const unsigned a = y*side + x, b = a + 1, c = a + side, d = c + 1;
+      for (unsigned i : {a, b, d, c}) quads.push_back(i);
+      for (unsigned i : {a, b, c, d, c, b}) triangles.push_back(i);
+    }
+  const float* const steps[] = {vertices[0][0].data(), vertices[1][0].data()};
+  const Cube cube;
+  for (unsigned numSteps : {1u, 2u}) {
+    CbvhVertices input = {size_t(side)*side, sizeof(Vec), steps, numSteps, 0, 1};
+    CbvhSurface surface = nullptr;
+    OK(cbvhNewSurface(context, &surface));
+
+    const CbvhCage cage = cube.cage(32, numSteps);
+    OK(cbvhSetCage(surface, &cage));
+    RTCGeometry geometry = cube.newInHost(device, 32, numSteps);
+    checkHostsHits(device, context, surface, geometry, "a cage");
+
+    std::vector<CbvhGrid> grids;
+    std::vector<RTCGrid> hostGrids;
+    for (unsigned y : {0u, 32u})
+      for (unsigned x : {0u, 32u}) {
+        grids.push_back({y*side + x, side, 33, 33});
+        hostGrids.push_back({y*side + x, side, 33, 33});
+      }
+    const CbvhGrids ofGrids = {grids.size(), grids.data(), input};
+    OK(cbvhSetGrids(surface, &ofGrids));
+    geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
+    setHostVertices(geometry, input);
+    setHostBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), hostGrids.size(),
+        hostGrids.data());
+    checkHostsHits(device, context, surface, geometry, "grids");
+
+    for (unsigned corners : {4u, 3u}) {
+      const std::vector<unsigned>& indices = corners == 4 ? quads : triangles;
+      const CbvhMesh mesh = {corners, indices.size()/corners, indices.data(), input};
+      OK(cbvhSetMesh(surface, &mesh));
+      geometry = rtcNewGeometry(device, corners == 4 ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
+      setHostVertices(geometry, input);
+      const RTCFormat format = corners == 4 ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3;
+      setHostBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, format, 4*corners, mesh.count, mesh.indices);
+      checkHostsHits(device, context, surface, geometry, corners == 4 ? "quads" : "triangles");
+    }
+    cbvhReleaseSurface(surface);
+  }
+}
+
 } // namespace
 
 // primID has 32 bits: a group of more primitives is no geometry of Embree's.
@@ -383,6 +510,7 @@ int main()
   CbvhContext context = nullptr;
   OK(cbvhNewContext(nullptr, nullptr, nullptr, &context));
   testHits(device, context);
+  testLossless(device, context);
   testScenes(device, context);
   testMasks(device, context);
   testFilters(device, context);

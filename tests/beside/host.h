@@ -203,10 +203,14 @@ struct Cube
   }
 
   // The same by the Embree around.
-  RTCGeometry newInHost(RTCDevice device, float rate) const
+  RTCGeometry newInHost(RTCDevice device, float rate, unsigned numSteps = 1) const
   {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
-    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 8), steps[0], 96);
+    rtcSetGeometryTimeStepCount(geometry, numSteps);
+    for (unsigned i = 0; i < numSteps; i++) {
+      void* const data = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, 12, 8);
+      std::memcpy(data, steps[i], 96);
+    }
     std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 6), faceVertices.data(), 24);
     std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 24), indices.data(), 96);
     rtcSetGeometryTessellationRate(geometry, rate);

@@ -42,8 +42,8 @@ namespace embree
       /*! as vert/moving_block.h has it for vectors */
       static float between (float a, float b, float f, bool isFused)
       {
-        const float first = (1.0f-f)*a;
-        return isFused ? std::fma(f,b,first) : f*b + first;
+        const float last = f*b;
+        return isFused ? std::fma(1.0f-f,a,last) : (1.0f-f)*a + last;
       }
     };
   }

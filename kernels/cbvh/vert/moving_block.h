@@ -78,7 +78,8 @@ namespace embree
         {
           const vfloatV before, after;
           __forceinline explicit Between (float fraction) : before(1.0f-fraction), after(fraction) {}
-          __forceinline vfloatV operator() (const vfloatV& a, const vfloatV& b) const { return madd(after,b,before*a); }
+          /*! as Embree's lerp: the same floats as in its own kernels */
+          __forceinline vfloatV operator() (const vfloatV& a, const vfloatV& b) const { return madd(before,a,after*b); }
         };
 
         __forceinline const SegmentBoxes& segmentBoxes () const

@@ -26,8 +26,8 @@ vec3 cbvhVerticesNow[cellVertices];
 float cbvhBetween (float a, float b, float fraction)
 {
   precise float before = 1.0 - fraction;
-  precise float first = before*a;
-  precise float between = fma(fraction, b, first);
+  precise float last = fraction*b;
+  precise float between = fma(before, a, last);
   return between;
 }
 vec3 cbvhBetween (vec3 a, vec3 b, float fraction) {

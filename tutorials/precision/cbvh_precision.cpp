@@ -1,0 +1,466 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Measures the cost of each precision of cVERT: memory, commits and rays, compared with Embree's own kernel for the
+ * same geometry, and how far vertices move. See --help. */
+
+#include "building/diced_surface.h"
+#include "building/subdivision_geometry.h"
+#include "measure/quantiles.h"
+#include "measure/speed_in_turns.h"
+#include "programs/command_line.h"
+#include "programs/compared_scenes.h"
+#include "programs/run_program.h"
+#include "scenes/motion.h"
+#include "scenes/noise.h"
+
+#include <CLI/CLI.hpp>
+#include <embree3/rtcore.h>
+#include <embree3/rtcore_compressed_triangles.h>
+#include <embree3/rtcore_compression.h>
+
+#include <array>
+#include <cstdio>
+#include <functional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace cbvh {
+namespace {
+
+struct Options
+{
+  ComparedScenes compared;
+  std::vector<std::string> sources{"terrain", "national", "scan", "model", "cage"};
+  std::vector<std::string> inputs{"grids", "triangles"};
+  std::string motion = "bend"; // of models
+  std::vector<int> steps{1, 2};
+  int sheetQuads = 1536;       // along a side
+  int gridQuads = 512;         // likewise
+};
+
+// --- sources --------------------------------------------------------------------------------------
+
+/* Commits a geometry whose input is set. */
+using Commit = std::function<GeometryHandle(const RTCCompressionArguments&)>;
+
+struct Source
+{
+  std::string name;
+  size_t numQuads = 0;
+  unsigned steps = 1;
+  bool isCage = false;
+  Model model; // for the camera
+  std::function<Commit(EmbreeDevice&)> prepare;
+};
+
+/* Vertices and their order, as an application passes them. */
+struct Diced
+{
+  std::vector<std::vector<Vec3f>> steps; // vertices
+  std::vector<RTCGrid> grids;            // if there are any, else a mesh
+  std::vector<std::array<unsigned, 4>> quads;
+};
+
+template<typename T>
+void fill(EmbreeDevice& device, RTCGeometry geometry, RTCBufferType type, RTCFormat format,
+          const std::vector<T>& values, unsigned slot = 0)
+{
+  void* const data = rtcSetNewGeometryBuffer(geometry, type, slot, format, sizeof(T), values.size());
+  device.check("allocating a buffer");
+  std::copy(values.begin(), values.end(), static_cast<T*>(data));
+}
+
+/* input: grids, quads or triangles. */
+GeometryHandle makeGeometry(EmbreeDevice& device, const Diced& diced, const std::string& input)
+{
+  const RTCGeometryType type = input == "grids" ? RTC_GEOMETRY_TYPE_GRID
+      : input == "quads" ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE;
+  GeometryHandle geometry(rtcNewGeometry(device.handle(), type));
+  rtcSetGeometryTimeStepCount(geometry.get(), unsigned(diced.steps.size()));
+  for (unsigned i = 0; i < diced.steps.size(); i++)
+    fill(device, geometry.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, diced.steps[i], i);
+  if (type == RTC_GEOMETRY_TYPE_GRID)
+    fill(device, geometry.get(), RTC_BUFFER_TYPE_GRID, RTC_FORMAT_GRID, diced.grids);
+  else if (type == RTC_GEOMETRY_TYPE_QUAD)
+    fill(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, diced.quads);
+  else
+  {
+    std::vector<std::array<unsigned, 3>> triangles;
+    for (const auto& q : diced.quads)
+    {
+      triangles.push_back({q[0], q[1], q[3]});
+      triangles.push_back({q[1], q[2], q[3]});
+    }
+    fill(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, triangles);
+  }
+  return geometry;
+}
+
+std::string motionLabel(unsigned steps) { return steps > 1 ? ", " + std::to_string(steps) + " time steps" : ""; }
+
+/* diced outlives the source. */
+Source sourceOf(const std::string& name, const Diced& diced, const std::string& input, size_t numQuads)
+{
+  Source source;
+  source.name = name + ", " + input + motionLabel(unsigned(diced.steps.size()));
+  source.numQuads = numQuads;
+  source.steps = unsigned(diced.steps.size());
+  source.prepare = [&diced, input](EmbreeDevice& device) -> Commit {
+    const std::shared_ptr<RTCGeometryTy> geometry(makeGeometry(device, diced, input).release(), GeometryRelease());
+    return [geometry](const RTCCompressionArguments& args) {
+      rtcSetGeometryCompression(geometry.get(), &args);
+      rtcCommitGeometry(geometry.get());
+      rtcRetainGeometry(geometry.get());
+      return GeometryHandle(geometry.get());
+    };
+  };
+  return source;
+}
+
+/* side x side quads in grids, and as a mesh. */
+template<typename Place>
+Diced dicedSheet(const Options& options, unsigned steps, const Place& place)
+{
+  const unsigned side = unsigned(options.sheetQuads), tile = unsigned(options.gridQuads), width = side + 1;
+  Diced diced;
+  for (unsigned step = 0; step < steps; step++)
+  {
+    diced.steps.emplace_back();
+    for (unsigned y = 0; y <= side; y++)
+      for (unsigned x = 0; x <= side; x++)
+        diced.steps.back().push_back(place(int(x), int(y), step));
+  }
+  for (unsigned y = 0; y < side; y += tile)
+    for (unsigned x = 0; x < side; x += tile)
+    {
+      const unsigned w = std::min(tile, side - x) + 1, h = std::min(tile, side - y) + 1;
+      diced.grids.push_back({y * width + x, width, static_cast<unsigned short>(w), static_cast<unsigned short>(h)});
+    }
+  for (unsigned y = 0; y < side; y++)
+    for (unsigned x = 0; x < side; x++)
+    {
+      const unsigned a = y * width + x;
+      diced.quads.push_back({a, a + 1, a + width + 1, a + width});
+    }
+  return diced;
+}
+
+/* Octaves from `wave` quads down to 4, each half as high as the one before it. */
+double fractalNoise(double x, double y, double z, double wave)
+{
+  double sum = 0, amplitude = 1;
+  for (uint32_t octave = 0; wave >= 4; octave++, wave /= 2, amplitude /= 2)
+    sum += amplitude * double(gradientNoise({float(x / wave), float(y / wave), float(z)}, octave));
+  return sum;
+}
+
+/* Hills of up to about 100 m, well above sea level: floats close to 0 are finer, and cost more bytes if lossless. */
+Vec3f terrainAt(Vec3d corner, double cell, int x, int y)
+{
+  return {float(corner.x + cell * x), float(corner.y + cell * y), float(corner.z + 100 * fractalNoise(x, y, 0.5, 256))};
+}
+
+/* Vertex of a depth image, in meters, of a surface 2 m away, with a field of view of 53 degrees. Each depth has white
+ * noise with a standard deviation of a tenth of a quad. At the next time step the surface has moved, and the noise is
+ * new. */
+Vec3f scannedAt(int side, int x, int y, unsigned step)
+{
+  const double pixel = 1.0 / side, edge = 2 * pixel, u = (x - 0.5 * side) * pixel, v = (y - 0.5 * side) * pixel;
+  double sum = 0; // of 4, uniform from 0 to 1: nearly normal
+  for (uint32_t i = 0; i < 4; i++)
+    sum += double(hashCell(x, y, int(step), 7 + i) >> 8) * 0x1p-24;
+  const double noise = (sum - 2) * std::sqrt(3.0) * 0.1 * edge;
+  const double depth = 2 + 0.2 * fractalNoise(x, y, 0.5 + 0.2 * step, 0.25 * side) + noise;
+  return {float(u * depth), float(v * depth), float(depth)};
+}
+
+/* Model of every 64th vertex at all time steps, to which a camera can be fitted. */
+Model outlineOf(const std::string& name, const Diced& diced, ViewHints view)
+{
+  Model model;
+  model.name = name;
+  model.view = view;
+  for (const auto& vertices : diced.steps)
+    for (size_t i = 0; i < vertices.size(); i += 64)
+      model.cage.positions.push_back(vertices[i]);
+  return model;
+}
+
+template<typename Measure>
+void forEachSheet(const Options& options, const std::string& name, unsigned steps, const Measure& measure)
+{
+  Diced diced;
+  ViewHints view;
+  if (name == "scan")
+  {
+    diced = dicedSheet(options, steps, [&](int x, int y, unsigned step) {
+      return scannedAt(options.sheetQuads, x, y, step);
+    });
+    view.direction = {0.2f, 0.1f, 1};
+  }
+  else
+  {
+    const bool isNational = name == "national";
+    diced = dicedSheet(options, 1, [&](int x, int y, unsigned) {
+      return isNational ? terrainAt({4.5e6, 5.4e6, 300}, 1, x, y) : terrainAt({0, 0, 300}, 2, x, y);
+    });
+    view.direction = {0.5f, 0.7f, -0.6f};
+    view.up = {0, 0, 1};
+  }
+  for (const std::string& input : options.inputs)
+  {
+    Source source = sourceOf(name, diced, input, diced.quads.size());
+    source.model = outlineOf(name, diced, view);
+    measure(source);
+  }
+}
+
+/* Dices and welds the model at each time step. */
+template<typename Measure>
+void forEachDicedModel(const Options& options, const Model& model, const Measure& measure)
+{
+  BuildSettings settings;
+  settings.level = options.compared.level;
+  Diced diced;
+  for (size_t step = 0; step <= model.poses.size(); step++)
+  {
+    Model posed = model;
+    posed.poses.clear();
+    if (step)
+      posed.cage.positions = model.poses[step - 1];
+    QuadMesh mesh = DicedSurface(posed, settings).mesh(DicedInput::Rows);
+    diced.steps.push_back(std::move(mesh.vertices));
+    diced.quads = std::move(mesh.quads);
+  }
+  for (const std::string& input : options.inputs)
+  {
+    if (input == "grids")
+      continue; // models are welded
+    Source source = sourceOf(model.name, diced, input, diced.quads.size());
+    source.model = model;
+    measure(source);
+  }
+}
+
+Source cageOf(const Options& options, const Model& model)
+{
+  Source source;
+  source.name = model.name + ", cage" + motionLabel(1 + unsigned(model.poses.size()));
+  source.numQuads = model.layout(options.compared.level).numQuads();
+  source.steps = 1 + unsigned(model.poses.size());
+  source.isCage = true;
+  source.model = model;
+  source.prepare = [&model, level = options.compared.level](EmbreeDevice& device) -> Commit {
+    const auto topology = std::make_shared<SharedTopology>(device, model.cage, model.poses);
+    const auto context = std::make_shared<DisplacementContext>();
+    context->displacement = model.displacement.get();
+    context->level = level;
+    return [=](const RTCCompressionArguments& args) { return topology->makeGeometry(Placement(), *context, &args); };
+  };
+  return source;
+}
+
+// --- measurements ------------------------------------------------------------------------------
+
+class Built
+{
+public:
+  Built(const Source& source, const ComparedScenes& compared, RTCCompression compression, float maxError)
+    : device(compared.deviceConfig())
+  {
+    RTCCompressionArguments args;
+    rtcInitCompressionArguments(&args);
+    args.compression = compression;
+    args.maxError = maxError;
+    for (unsigned i = 0; i < compared.repeat; i++)
+    {
+      scene.reset();
+      geometry.reset();
+      commit = source.prepare(device);
+      const size_t before = device.memory().live();
+      seconds.push_back(processorSecondsOf(CLOCK_PROCESS_CPUTIME_ID, [&] {
+        geometry = commit(args);
+        scene.reset(rtcNewScene(device.handle()));
+        rtcAttachGeometry(scene.get(), geometry.get());
+        rtcCommitScene(scene.get());
+      }));
+      device.check("committing");
+      bytes = double(device.memory().live() - before);
+    }
+    rtcGetSceneCompressionStatistics(scene.get(), &statistics);
+    device.check("asking for statistics");
+    if ((compression == RTC_COMPRESSION_VERT) != (statistics.numQuads == source.numQuads))
+      throw Error(source.name + ": " + std::to_string(statistics.numQuads) + " of " + std::to_string(source.numQuads)
+                  + " quads are compressed");
+  }
+
+  RTCScene handle() const { return scene.get(); }
+
+  /* All stored vertices at all time steps, in an order that does not depend on the precision. */
+  std::vector<Vec3f> vertices(unsigned steps)
+  {
+    std::vector<Vec3f> all;
+    for (unsigned i = 0; i < steps; i++)
+    {
+      std::vector<Part> parts;
+      rtcForEachCompressedPartAtTime(geometry.get(), steps > 1 ? float(i) / float(steps - 1) : 0, add, &parts);
+      std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.name < b.name; });
+      for (const Part& part : parts)
+        all.insert(all.end(), part.vertices.begin(), part.vertices.end());
+    }
+    device.check("reading vertices");
+    return all;
+  }
+
+private:
+  /* Primitive and parameters of the first vertex. */
+  using PartName = std::tuple<unsigned, float, float>;
+  struct Part
+  {
+    PartName name;
+    std::vector<Vec3f> vertices;
+  };
+
+  static bool add(void* out, const RTCCompressedPart* part)
+  {
+    const bool isMesh = part->primitivesPerQuad > 0;
+    Part copy;
+    copy.name = isMesh ? PartName{part->primIDs[0], 0, 0} : PartName{part->primID, part->parameters[0], part->parameters[1]};
+    const float* p = part->vertices;
+    for (unsigned i = 0; i < part->width * part->height; i++, p += 3)
+      copy.vertices.push_back({p[0], p[1], p[2]});
+    static_cast<std::vector<Part>*>(out)->push_back(std::move(copy));
+    return true;
+  }
+
+  EmbreeDevice device;
+  Commit commit;
+  GeometryHandle geometry;
+  SceneHandle scene; // released before its device
+
+public:
+  std::vector<double> seconds; // of commits, processor time of all threads
+  double bytes = 0;            // besides the application's buffers
+  RTCCompressionStatistics statistics{};
+};
+
+/* Median length of edges along u. Includes the distances from the end of each row to the next, which are few. */
+double medianEdge(Built& built)
+{
+  std::vector<float> edges;
+  const std::vector<Vec3f> vertices = built.vertices(1);
+  for (size_t i = 1; i < vertices.size(); i++)
+    edges.push_back(length(vertices[i] - vertices[i - 1]));
+  return quantile(edges, 0.5);
+}
+
+void printSpread(std::vector<double> values)
+{
+  std::printf(" %.2f ±%.2f |", median(values), 0.5 * interquartileRange(values));
+}
+
+void measure(const Options& options, const Source& source)
+{
+  const ComparedScenes& compared = options.compared;
+  Built embree(source, compared, RTC_COMPRESSION_NONE, -1), exact(source, compared, RTC_COMPRESSION_VERT, 0);
+  const std::vector<Vec3f> expected = exact.vertices(source.steps);
+  const double edge = medianEdge(exact), quads = double(source.numQuads);
+  const PictureRays picture(source.model, embree.handle(), compared.side, source.steps > 1);
+  const std::pair<std::string, double> precisions[] =
+    {{source.isCage ? "1/512" : "1/36", edge / (source.isCage ? 512 : 36)}, {"default", -1}, {"lossless", 0}};
+  for (const auto& precision : precisions)
+  {
+    std::unique_ptr<Built> other;
+    if (precision.second != 0)
+      other = std::make_unique<Built>(source, compared, RTC_COMPRESSION_VERT, float(precision.second));
+    Built& built = other ? *other : exact;
+    std::printf("| %s | %.2f | %s | %.1f | %.2f |", source.name.c_str(), quads * 1e-6, precision.first.c_str(),
+                embree.bytes / quads, built.bytes / quads);
+    const std::pair<TimedQuery, const std::vector<RTCRayHit>&> sets[] = {{TimedQuery::Single, picture.primary},
+        {TimedQuery::Single, picture.bounces}, {TimedQuery::AnyHit, picture.bounces}};
+    {
+      const FastDenormals fast;
+      std::vector<RTCRayHit> hits[2];
+      for (const auto& set : sets)
+        printSpread(speedsInTurns(embree.handle(), built.handle(), set.second, set.first, compared.repeat, hits));
+    }
+    std::vector<double> times;
+    for (double seconds : built.seconds)
+      times.push_back(seconds / median(embree.seconds));
+    printSpread(times);
+    const std::vector<Vec3f> found = built.vertices(source.steps);
+    if (found.size() != expected.size())
+      throw Error(source.name + ": precisions have other blocks");
+    std::vector<float> moved;
+    for (size_t i = 0; i < found.size(); i++)
+      moved.push_back(float(double(length(found[i] - expected[i])) / edge));
+    const double p99 = quantile(moved, 0.99), most = quantile(moved, 1);
+    std::printf(" %.5f | %.5f |\n", p99, most);
+    std::fflush(stdout);
+  }
+}
+
+int run(int argc, char** argv)
+{
+  Options options;
+  CLI::App app("Compares precisions of cVERT with Embree's own kernel for the same geometry. Prints bytes per quad, "
+               "without the application's buffers; the speed of rays and the time of commits in multiples of Embree's, "
+               "as medians and half of their interquartile ranges; and how far vertices move, in median edges: the "
+               "99th percentile and the maximum.", "cbvh_precision");
+  options.compared.scenes = {"trex"};
+  options.compared.level = 5;
+  options.compared.addOptions(app, "--cage,--mesh");
+  app.add_option("--source", options.sources, "comma list: terrain, a raster with cells of 2 m; national, a raster "
+      "with cells of 1 m at (4.5e6, 5.4e6); scan, a noisy depth image; model, a diced --scene; cage, a --scene")
+      ->delimiter(',')->check(CLI::IsMember({"terrain", "national", "scan", "model", "cage"}))->capture_default_str();
+  app.add_option("--input", options.inputs, "comma list of geometry types for diced sources: grids, quads, triangles; "
+      "models have no grids")
+      ->delimiter(',')->check(CLI::IsMember({"grids", "quads", "triangles"}))->capture_default_str();
+  app.add_option("--steps", options.steps, "comma list of numbers of time steps; terrains do not move")
+      ->delimiter(',')->check(CLI::Range(1, 129))->capture_default_str();
+  app.add_option("--motion", options.motion, "motion of models: turn, bend, twist, walk")->capture_default_str();
+  app.add_option("--quads", options.sheetQuads, "quads along a side of terrains and scans")
+      ->check(CLI::Range(16, 30000))->capture_default_str();
+  if (!parseCommandLine(app, argc, argv))
+    return 0;
+  std::printf("| source | million quads | precision | Embree, bytes | cVERT | coherent | incoherent | any hit "
+              "| build | moved, p99 | largest |\n"
+              "|:--|--:|:--|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+  const auto measured = [&](const Source& source) { measure(options, source); };
+  for (const std::string& source : options.sources)
+    for (int steps : options.steps)
+    {
+      const bool isTerrain = source == "terrain" || source == "national";
+      if (isTerrain && steps > 1)
+        continue;
+      if (isTerrain || source == "scan")
+      {
+        forEachSheet(options, source, unsigned(steps), measured);
+        continue;
+      }
+      options.compared.forEach([&](Model& model) {
+        if (steps > 1)
+        {
+          MotionSettings motion;
+          motion.name = options.motion;
+          motion.steps = steps;
+          addMotion(model, motion);
+        }
+        if (source == "cage")
+          measured(cageOf(options, model));
+        else
+          forEachDicedModel(options, model, measured);
+      });
+    }
+  return 0;
+}
+
+} // namespace
+} // namespace cbvh
+
+int main(int argc, char** argv)
+{
+  return cbvh::runProgram("cbvh_precision", [=] { return cbvh::run(argc, argv); });
+}
