@@ -5,7 +5,7 @@
 #include "basics/error.h"
 #include "basics/input_files.h"
 #include "basics/progress.h"
-#include "kernels/cbvh/base/unfinished_file.h"
+#include "kernels/cvert/file/unfinished_file.h"
 
 #include <cstdio>
 #include <cstring>
@@ -16,8 +16,8 @@
 namespace cbvh {
 
 namespace fs = std::filesystem;
-using embree::cbvh::OutputPath;
-using embree::cbvh::UnfinishedFile;
+using cvert::OutputPath;
+using cvert::UnfinishedFile;
 
 namespace {
 
@@ -28,7 +28,7 @@ public:
   explicit Descriptor(int number) : number(number)
   {
     if (number < 0)
-      embree::cbvh::throwErrno(errno);
+      cvert::throwErrno(errno);
   }
   ~Descriptor() { close(number); }
   Descriptor(const Descriptor&) = delete;
@@ -56,9 +56,9 @@ struct Stream
       const ssize_t bytes = pread(memory.number, piece.data(), piece.size(), at);
       if (bytes == 0)
         return;
-      const int error = bytes < 0 ? errno : embree::cbvh::writeAll(target.number, piece.data(), size_t(bytes));
+      const int error = bytes < 0 ? errno : cvert::writeAll(target.number, piece.data(), size_t(bytes));
       if (error)
-        embree::cbvh::throwErrno(error);
+        cvert::throwErrno(error);
       at += bytes;
     }
   }
@@ -122,7 +122,7 @@ const std::string& PendingFile::temporary() const
 
 bool PendingFile::write(const void* data, size_t bytes, uint64_t offset) noexcept
 {
-  const int error = embree::cbvh::writeAllAt(place->descriptor(), data, bytes, offset);
+  const int error = cvert::writeAllAt(place->descriptor(), data, bytes, offset);
   if (!place->error)
     place->error = error;
   return error == 0;
@@ -138,7 +138,7 @@ void PendingFile::commit()
   try
   {
     if (place->error)
-      embree::cbvh::throwErrno(place->error);
+      cvert::throwErrno(place->error);
     if (place->file)
       place->file->commit();
     else

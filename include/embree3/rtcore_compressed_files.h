@@ -47,8 +47,8 @@ RTC_API bool rtcSaveCompressedGeometry(RTCGeometry geometry, const char* path);
  * one when rays meet them first: one that is damaged is left out, with an error for the device the first time. rtcVerifyCompressedFile
  * checks all.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and, with the reason, for a file that is not there, is another's, truncated, altered, or of
- * an older or newer version; RTC_ERROR_OUT_OF_MEMORY. Thread safety: as rtcNewGeometry. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and, with the reason, for a file that does not exist, is foreign, truncated, altered, or of a
+ * newer version; RTC_ERROR_OUT_OF_MEMORY. Thread safety: as rtcNewGeometry. */
 RTC_API RTCGeometry rtcLoadCompressedGeometry(RTCDevice device, const char* path);
 
 /* Begins a file of any number of geometries.

@@ -13,29 +13,37 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/rtcore_dicing.cpp
   cbvh/api/rtcore_compressed_files.cpp
   cbvh/api/loaded_geometry.cpp
-  cbvh/scene/file_checksum.cpp
-  cbvh/scene/file_writer.cpp
-  cbvh/scene/input_bytes.cpp
-  cbvh/scene/mapped_blocks.cpp
-  cbvh/scene/mapped_file.cpp
-  cbvh/scene/flat_scene.cpp
-  cbvh/scene/builder.cpp
-  cbvh/scene/stored_triangles.cpp
-  cbvh/scene/stored_clusters.cpp
-  cbvh/scene/surface_blocks.cpp
+  cvert/basics/reason.cpp
+  cvert/file/checksum.cpp
+  cvert/file/file.cpp
+  cvert/file/record.cpp
+  cvert/file/writer.cpp
+  cbvh/files/saved_surface.cpp
+  cbvh/building/input_bytes.cpp
+  cbvh/files/mapped_blocks.cpp
+  cbvh/files/loaded_surface.cpp
+  cbvh/flat/flat_scene.cpp
+  cbvh/building/builder.cpp
+  cbvh/stored/stored_triangles.cpp
+  cbvh/stored/stored_clusters.cpp
+  cbvh/stored/surface_blocks.cpp
   cbvh/surface/quad_regions.cpp
-  cbvh/framed/node_tables.cpp
   cbvh/vert/tables.cpp
-  cbvh/scene/thread_cache.cpp
-  cbvh/scene/intersector1.cpp
-  cbvh/scene/intersectorK.cpp)
+  cbvh/traversal/thread_cache.cpp
+  cbvh/traversal/intersector1.cpp
+  cbvh/traversal/intersectorK.cpp
+  cbvh/traversal/point_query.cpp)
+
+if(NOT EMBREE_CBVH_NO_PAPER)
+  list(APPEND EMBREE_LIBRARY_FILES cbvh/framed/node_tables.cpp)
+endif()
 
 # Files of one ISA, appended to the list that `target` names.
 macro(cbvh_files target isa)
-  list(APPEND ${target} cbvh/scene/intersector1.cpp cbvh/scene/intersectorK.cpp)
+  list(APPEND ${target} cbvh/traversal/intersector1.cpp cbvh/traversal/intersectorK.cpp cbvh/traversal/point_query.cpp)
   # As upstream's subdivision builder, which is chosen among the lowest ISA and AVX.
   if(${isa} EQUAL ${AVX})
-    list(APPEND ${target} cbvh/scene/builder.cpp)
+    list(APPEND ${target} cbvh/building/builder.cpp)
   endif()
   # The library compiles the files of the lowest ISA already: not twice.
   if(${isa} EQUAL ${ISA_LOWEST})

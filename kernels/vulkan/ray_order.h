@@ -10,12 +10,12 @@
 
 CBVH_BEGIN
 
-CBVH_CONSTANT uint32_t orderThreads = 256u;                   //!< of a workgroup
-CBVH_CONSTANT uint32_t orderKeys = 16u;                       //!< of a thread
-CBVH_CONSTANT uint32_t orderTile = orderThreads*orderKeys;    //!< of a workgroup
-CBVH_CONSTANT uint32_t orderDigitBits = 4u;
-CBVH_CONSTANT uint32_t orderDigits = 16u;
-CBVH_CONSTANT uint32_t orderPasses = 8u;                      //!< keys have 30 bits; an even number ends where it began
+CVERT_CONSTANT uint32_t orderThreads = 256u;                   //!< of a workgroup
+CVERT_CONSTANT uint32_t orderKeys = 16u;                       //!< of a thread
+CVERT_CONSTANT uint32_t orderTile = orderThreads*orderKeys;    //!< of a workgroup
+CVERT_CONSTANT uint32_t orderDigitBits = 4u;
+CVERT_CONSTANT uint32_t orderDigits = 16u;
+CVERT_CONSTANT uint32_t orderPasses = 8u;                      //!< keys have 30 bits; an even number ends where it began
 
 CBVH_END
 

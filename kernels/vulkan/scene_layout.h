@@ -18,10 +18,10 @@
 CBVH_BEGIN
 
 /*! bytes of a node: four lower and four upper planes an axis, four references */
-CBVH_CONSTANT uint32_t nodeBytes = 112u;
+CVERT_CONSTANT uint32_t nodeBytes = 112u;
 
 /*! of one whose children move: besides the differences of planes over time, and when children are there */
-CBVH_CONSTANT uint32_t movingNodeBytes = 240u;
+CVERT_CONSTANT uint32_t movingNodeBytes = 240u;
 
 struct SceneData
 {
@@ -45,7 +45,7 @@ struct LeafBox
   uint32_t reference;        //!< reference.h; of the scene, not of a part
   uint32_t padding;
 };
-CBVH_CONSTANT uint32_t leafBoxBytes = 32u;
+CVERT_CONSTANT uint32_t leafBoxBytes = 32u;
 
 /*! Boxes in one place of the driver's top level. */
 struct PlacedBoxes
@@ -54,7 +54,7 @@ struct PlacedBoxes
   uint32_t instID;           //!< the instance that places them, or all bits: then they are the scene's own
   uint32_t firstGeometry;    //!< as GeometryData has it
 };
-CBVH_CONSTANT uint32_t placedBoxesBytes = 16u;
+CVERT_CONSTANT uint32_t placedBoxesBytes = 16u;
 
 /*! of a block, or of a grid of GRID */
 struct BlockData
@@ -81,7 +81,7 @@ struct GeometryData
   uint32_t padding;
   CBVH_ADDRESS transforms;   //!< 12 floats each, as worldToLocal, but to the world
 };
-CBVH_CONSTANT uint32_t geometryBytes = 112u;
+CVERT_CONSTANT uint32_t geometryBytes = 112u;
 
 CBVH_END
 

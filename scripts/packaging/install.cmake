@@ -82,6 +82,8 @@ endif()
 # --- pages, and examples beside those of Python ---------------------------------------------------
 
 install(DIRECTORY "${CMAKE_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh" COMPONENT devel)
+install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/codec" DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh/examples"
+  COMPONENT devel FILES_MATCHING PATTERN "*.cpp")
 install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/beside/" DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh/examples"
   COMPONENT beside_devel FILES_MATCHING PATTERN "*.c" PATTERN "*.cpp" PATTERN "*.h")
 install(FILES "${CMAKE_SOURCE_DIR}/CHANGELOG.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT lib)

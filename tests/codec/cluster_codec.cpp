@@ -6,8 +6,8 @@
 #include "support/cluster_decoder.h"
 #include "support/random.h"
 
-#include "kernels/cbvh/export/compressed1.h"
-#include "kernels/cbvh/export/dgf_tiling.h"
+#include "kernels/cvert/clusters/compressed1.h"
+#include "kernels/cvert/clusters/dgf_tiling.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 #include <memory>
 #include <set>
 
-using namespace embree::cbvh;
+using namespace cvert;
 
 namespace cbvh::test {
 namespace {

@@ -5,7 +5,7 @@
 # glsl.sh GLSLC KERNELS SHADER...
 #
 # Compiles as GLSL: each header below the folder KERNELS that is written in the language of
-# base/language.h (it has CBVH_BEGIN), by itself, and the shaders.
+# cvert/basics/language.h (it has CVERT_BEGIN or CBVH_BEGIN), by itself, and the shaders.
 
 set -u
 glslc=$1
@@ -26,14 +26,14 @@ compile() {
 }
 
 count=0
-for header in $(cd "$kernels" && grep -rl '^CBVH_BEGIN' . | sort); do
+for header in $(cd "$kernels" && grep -rlE '^C(VERT|BVH)_BEGIN' cvert cbvh | sort); do
   count=$((count + 1))
   compile "$header" <<END
 #version 460
 #include "$header"
 #include "$header"
-#ifndef CBVH_LANGUAGE_H
-#error $header has CBVH_BEGIN and does not include language.h, neither itself nor by others
+#ifndef CVERT_LANGUAGE_H
+#error $header has CVERT_BEGIN or CBVH_BEGIN and does not include language.h, neither itself nor by others
 #endif
 layout(local_size_x = 1) in;
 void main() {}

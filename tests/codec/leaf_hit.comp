@@ -6,9 +6,9 @@
  * Morton order, hence what it finds is no answer. It is compiled, not run. */
 
 #version 460
-#include "framed/leaf/crossing.h"
-#include "framed/normal.h"
-#include "framed/tree.h"
+#include "cbvh/framed/leaf/crossing.h"
+#include "cbvh/framed/normal.h"
+#include "cbvh/framed/tree.h"
 
 layout(local_size_x = 64) in;
 

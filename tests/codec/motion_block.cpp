@@ -4,10 +4,10 @@
 /* Blocks of cVERT that move lose nothing: vertices are the same floats at every step, boxes of a segment contain their groups at both
  * of its ends, and what turns, bends or grows is stored as little. */
 
-#include "kernels/cbvh/surface/lattice.h"
-#include "kernels/cbvh/vert/motion_encoder.h"
-#include "kernels/cbvh/vert/scalar_block.h"
-#include "kernels/cbvh/vert/validate.h"
+#include "kernels/cvert/encoder/lattice.h"
+#include "kernels/cvert/encoder/motion_encoder.h"
+#include "kernels/cvert/decoder/decoded_block.h"
+#include "kernels/cvert/decoder/validate.h"
 #include "support/moving_sheet.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace cbvh::test {
 namespace {
 
-using namespace embree::cbvh;
+using namespace cvert;
 
 constexpr uint32_t seed = 311;
 
@@ -47,7 +47,7 @@ void expectBoxesContain(const EncodedMotion& encoded, uint32_t segment)
   const uint8_t* const margins = marginsOf(block, segment, form);
   if (!margins) return;
   for (uint32_t step : {segment, segment + 1}) {
-    const auto decoded = std::make_unique<ScalarVertBlock>(block, step);
+    const auto decoded = std::make_unique<DecodedBlock>(block, step);
     const float* const origin = step ? stepOf(block, step)->origin : block->origin;
     const uint32_t groupsX = groupsOf(decoded->quadsX), groups = groupsX*groupsOf(decoded->quadsY);
     for (uint32_t g = 0; g < groups; g++) {
@@ -76,10 +76,10 @@ TEST(MotionBlock, VerticesAreTheSameFloatsAtEveryStep)
     ASSERT_GT(encoded.size, sizeof(VertHeader));
     ASSERT_LE(encoded.size, MotionEncoder::maxBytes(sheet.steps.size()));
     ASSERT_EQ((vertBytes(encoded.block()) + 3) & ~3u, encoded.size) << "bytes that nobody reads";
-    ASSERT_STREQ(VertValidation::errorOf(encoded.block(), encoded.size), nullptr);
+    ASSERT_EQ(validateVert(encoded.block(), encoded.size).message(), "");
     ASSERT_EQ(motionOf(encoded.block()).numSteps, sheet.steps.size());
     for (uint32_t s = 0; s < sheet.steps.size(); s++) {
-      const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block(), s);
+      const auto decoded = std::make_unique<DecodedBlock>(encoded.block(), s);
       for (size_t v = 0; v < sheet.steps[s].size(); v++)
         for (int k = 0; k < 3; k++) {
           const auto& p = sheet.steps[s][v];

@@ -5,10 +5,10 @@
  * the same floats after encoding and scalar decoding, and boxes contain their groups in the
  * floats of the traversal. */
 
-#include "kernels/cbvh/surface/lattice.h"
-#include "kernels/cbvh/vert/encoder.h"
-#include "kernels/cbvh/vert/scalar_block.h"
-#include "kernels/cbvh/vert/validate.h"
+#include "kernels/cvert/encoder/lattice.h"
+#include "kernels/cvert/encoder/block_encoder.h"
+#include "kernels/cvert/decoder/decoded_block.h"
+#include "kernels/cvert/decoder/validate.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@
 namespace cbvh::test {
 namespace {
 
-using namespace embree::cbvh;
+using namespace cvert;
 
 constexpr uint32_t seed = 71;
 
@@ -98,7 +98,7 @@ TEST(VertBlock, VerticesAreTheSameFloats)
     sheet.fill(*encoder);
     const Encoded encoded(*encoder, i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY));
     ASSERT_GT(encoded.size, sizeof(VertHeader));
-    const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
+    const auto decoded = std::make_unique<DecodedBlock>(encoded.block());
     ASSERT_EQ(decoded->quadsX, sheet.quadsX);
     ASSERT_EQ(decoded->quadsY, sheet.quadsY);
     for (size_t v = 0; v < sheet.vertices.size(); v++)
@@ -142,7 +142,7 @@ TEST(VertBlock, BoxesContainTheirGroups)
     const VertPlacement place = i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY);
     const Encoded encoded(*encoder, place);
     const VertLayout layout = vertLayout(place.region, place.form());
-    const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
+    const auto decoded = std::make_unique<DecodedBlock>(encoded.block());
     for (uint32_t g = 0; g < layout.groups; g++) {
       float lower[3], upper[3];
       decoded->groupBox(g, lower, upper);
@@ -188,7 +188,7 @@ TEST(VertBlock, ReachContainsTheBlock)
     if (encoded.statistics.raw) continue;
     blocks++;
     const VertHeader* block = encoded.block();
-    const auto decoded = std::make_unique<ScalarVertBlock>(block);
+    const auto decoded = std::make_unique<DecodedBlock>(block);
     const int m = shearedAxis(block->boxForm);
     auto stepOn = [&](int k) { return float(reachStep(block->boxForm))*spacingOf(block, k); };
     float least[3] = {INFINITY, INFINITY, INFINITY}, greatest[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -222,7 +222,7 @@ TEST(VertBlock, VerticesThatAreNotFiniteAreRawAndNaN)
     const Encoded encoded(*encoder, whole(16, 16));
     EXPECT_TRUE(encoded.statistics.raw);
     EXPECT_EQ(encoded.statistics.invalidQuads, 4u);
-    const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
+    const auto decoded = std::make_unique<DecodedBlock>(encoded.block());
     for (int k = 0; k < 3; k++) EXPECT_TRUE(std::isnan(decoded->vertex(5, 5)[k]));
     for (int k = 0; k < 3; k++) EXPECT_EQ(decoded->vertex(6, 5)[k], sheet.vertices[17*5 + 6][k]);
   }
@@ -259,9 +259,9 @@ TEST(VertBlock, AnyFloatsAreTheSame)
     for (uint32_t v = 0; v < (quadsX + 1)*(quadsY + 1); v++) given.push_back({encoder->vertices[v][0], encoder->vertices[v][1], encoder->vertices[v][2]});
     const Encoded encoded(*encoder, i % 4 == 0 ? withEdges(quadsX, quadsY) : whole(quadsX, quadsY));
     const VertHeader* const block = encoded.block();
-    ASSERT_STREQ(VertValidation::errorOf(block, encoded.size), nullptr) << "sheet " << i;
+    ASSERT_EQ(validateVert(block, encoded.size).message(), "") << "sheet " << i;
     ASSERT_LE(encoded.size, (vertLayout(block->region, block->boxForm).rawBytes + 3) & ~3u) << "more than a raw block has";
-    const auto decoded = std::make_unique<ScalarVertBlock>(block);
+    const auto decoded = std::make_unique<DecodedBlock>(block);
     for (size_t v = 0; v < given.size(); v++)
       for (int k = 0; k < 3; k++) ASSERT_TRUE(sameFloat(decoded->vertices[v][k], given[v][k])) << "sheet " << i << ", vertex " << v << ", axis " << k;
     raw += encoded.statistics.raw;
@@ -328,7 +328,7 @@ TEST(VertBlock, AStrayVertexIsRawAlone)
     encoder->vertices[100][1] = stray;
     const float beside = encoder->vertices[101][1];
     const Encoded encoded(*encoder, whole(16, 16));
-    const auto decoded = std::make_unique<ScalarVertBlock>(encoded.block());
+    const auto decoded = std::make_unique<DecodedBlock>(encoded.block());
     EXPECT_EQ(decoded->vertices[100][1], stray);
     EXPECT_EQ(decoded->vertices[101][1], beside);
   }

@@ -8,7 +8,7 @@
  * every machine, and so are the bytes: whatever processor and instruction set, nothing is skipped. block_bytes.cpp
  * has the kinds with frames, whose vertices Embree evaluates. */
 
-#include "kernels/cbvh/vert/encoder.h"
+#include "kernels/cvert/encoder/block_encoder.h"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@
 namespace cbvh::test {
 namespace {
 
-using namespace embree::cbvh;
+using namespace cvert;
 
 // Knuth's MMIX generator, its upper bits.
 class Integers

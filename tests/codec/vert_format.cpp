@@ -6,10 +6,10 @@
 
 #include "kernels/cbvh/base/primitive_type.h"
 #include "kernels/cbvh/framed/block.h"
-#include "kernels/cbvh/vert/motion_format.h"
-#include "kernels/cbvh/surface/lattice.h"
-#include "kernels/cbvh/vert/rule.h"
-#include "kernels/cbvh/vert/validate.h"
+#include "kernels/cvert/format/motion.h"
+#include "kernels/cvert/encoder/lattice.h"
+#include "kernels/cvert/rule/rule.h"
+#include "kernels/cvert/decoder/validate.h"
 
 #include <gtest/gtest.h>
 
@@ -28,6 +28,8 @@ namespace cbvh::test {
 namespace {
 
 using namespace embree::cbvh;
+
+using namespace cvert;
 
 // FORMATS is the folder of the pages.
 std::string page(const std::string& name)

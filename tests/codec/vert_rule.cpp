@@ -4,7 +4,7 @@
 /* cVERT's ray rule by itself: what a device without 64-bit floats computes equals what doubles do, and of any two hits one
  * counts. */
 
-#include "kernels/cbvh/vert/rule.h"
+#include "kernels/cvert/rule/rule.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace cbvh::test {
 namespace {
 
-using namespace embree::cbvh;
+using namespace cvert;
 
 // Any finite float; every third is like another one, so that products are nearly or exactly equal.
 float drawn(Random& random, float like)

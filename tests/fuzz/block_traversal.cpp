@@ -17,7 +17,7 @@
 
 #include "fuzz_support.h"
 #include "kernels/cbvh/framed/block_encoder.h"
-#include "kernels/cbvh/scene/kind_visitors1.h"
+#include "kernels/cbvh/traversal/kind_visitors1.h"
 
 #include <vector>
 

@@ -6,10 +6,10 @@
 
 #include "fuzz_support.h"
 
-#include "kernels/cbvh/vert/motion_encoder.h"
-#include "kernels/cbvh/surface/lattice.h"
-#include "kernels/cbvh/vert/validate.h"
-#include "kernels/cbvh/vert/scalar_block.h"
+#include "kernels/cvert/encoder/motion_encoder.h"
+#include "kernels/cvert/encoder/lattice.h"
+#include "kernels/cvert/decoder/validate.h"
+#include "kernels/cvert/decoder/decoded_block.h"
 
 #include <algorithm>
 #include <memory>
@@ -17,7 +17,7 @@
 namespace cbvh::test {
 namespace {
 
-using namespace embree::cbvh;
+using namespace cvert;
 
 // What comes in front of the vertices.
 struct Input
@@ -104,10 +104,10 @@ void encode(const uint8_t* data, size_t size)
   if (first.empty()) return;
   const ExactMemory exact(first.data(), first.size(), 16);
   const VertHeader* block = (const VertHeader*)exact.get();
-  REQUIRE(VertValidation::errorOf(block, first.size()) == nullptr);
+  REQUIRE(!validateVert(block, first.size()));
   REQUIRE(((vertBytes(block) + 3) & ~3u) == first.size());
   for (uint32_t s = 0; s < numSteps; s++) {
-    const auto decoded = std::make_unique<ScalarVertBlock>(block, s);
+    const auto decoded = std::make_unique<DecodedBlock>(block, s);
     for (uint32_t v = 0; v < count; v++)
       for (int k = 0; k < 3; k++)
         REQUIRE(isFinite(steps[s][v].data()) ? sameVertex(decoded->vertices[v][k], steps[s][v][k]) : std::isnan(decoded->vertices[v][k]));

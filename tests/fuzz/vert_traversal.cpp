@@ -14,9 +14,9 @@
  * --seeds=DIRECTORY writes blocks of the encoder, with rays, for a corpus to start from. */
 
 #include "fuzz_support.h"
-#include "kernels/cbvh/vert/motion_encoder.h"
-#include "kernels/cbvh/vert/validate.h"
-#include "kernels/cbvh/scene/kind_visitors1.h"
+#include "kernels/cvert/encoder/motion_encoder.h"
+#include "kernels/cvert/decoder/validate.h"
+#include "kernels/cbvh/traversal/kind_visitors1.h"
 
 #include <algorithm>
 #include <memory>
@@ -28,6 +28,7 @@ namespace {
 using namespace embree;
 using namespace embree::isa;
 using namespace embree::cbvh;
+using namespace cvert;
 using embree::isa::cbvh::intersectMovingVert;
 using embree::isa::cbvh::intersectVert;
 using embree::isa::cbvh::VertRay;
@@ -42,7 +43,7 @@ size_t blockBytes(const uint8_t* data, size_t size)
   memcpy(&header, data, sizeof(header));
   if (isMoving(header.boxForm) || hasRemainders(header.boxForm)) { // what has offsets is checked before rays meet it
     const ExactMemory aligned(data, size, alignment);
-    return VertValidation::errorOf(aligned.get(), size) ? 0 : vertBytes((const VertHeader*)aligned.get());
+    return validateVert(aligned.get(), size) ? 0 : vertBytes((const VertHeader*)aligned.get());
   }
   const VertLayout layout = vertLayout(header.region, header.boxForm);
   if (size < layout.margins || (hasEdges(header.boxForm) && hasNumbers(header.boxForm))) return 0;

@@ -88,6 +88,18 @@ cc -std=c99 -Wall -Wextra -Werror -pedantic "$examples/displacement_map.c" $(pkg
   fail "the installed example displacement_map does not compile"
 (cd "$work" && LD_LIBRARY_PATH=$work/prefix/lib/embree_cbvh ./displacement_map) || fail "the installed example displacement_map does not run"
 
+# --- the codec, without any Embree ------------------------------------------------------------------
+
+mkdir "$work/codec"
+cp "$here/codec/CMakeLists.txt" "$examples"/codec/*.cpp "$work/codec/"
+"$cmake" -S "$work/codec" -B "$work/codec/build" -DCMAKE_PREFIX_PATH="$work/prefix" > "$work/log" && "$cmake" --build "$work/codec/build" >> "$work/log" 2>&1 ||
+  { cat "$work/log"; fail "find_package has no cvert"; }
+"$here/../codec/examples.sh" "$work/codec/build/encode_grid" "$work/codec/build/file_to_obj"
+# Whatever instruction set a program is compiled for, it links the same library.
+"$cmake" -S "$work/codec" -B "$work/codec/wide" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_FLAGS=-mavx2 > "$work/log" && "$cmake" --build "$work/codec/wide" >> "$work/log" 2>&1 ||
+  { cat "$work/log"; fail "a program compiled with -mavx2 does not link cvert"; }
+! ldd "$work/codec/build/file_to_obj" | grep -iE "embree|tbb" || fail "the codec needs Embree or TBB"
+
 # --- manual pages: one for each function of our headers ---------------------------------------------
 
 for function in $(cd "$work/prefix/include/embree3" && sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h \

@@ -48,7 +48,7 @@ TEST(MotionDecoding, SegmentsEqualTheScalarDecoder)
     const MotionDecoder decoder(block);
     boxes->key = {block, segment, 0};
     decoder.decode(segment, *boxes);
-    const auto before = std::make_unique<ScalarVertBlock>(block, segment), after = std::make_unique<ScalarVertBlock>(block, segment + 1);
+    const auto before = std::make_unique<DecodedBlock>(block, segment), after = std::make_unique<DecodedBlock>(block, segment + 1);
     raw += boxes->axis == 3;
     sheared += boxes->axis < 3 && boxes->shear[(boxes->axis + 1) % 3] != 0;
     const float fraction = i % 3 == 0 ? float(i % 2) : float(random.uniform());

@@ -1,12 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The traversal's decoder of cVERT against the scalar one, vert/scalar_block.h: random blocks of
+/* The traversal's decoder of cVERT against the scalar one, cvert/decoder/decoded_block.h: random blocks of
  * every size, all groups, to the last bit, as nothing rounds. Compiled once for every ISA, outside
  * of the library. */
 
-#include "kernels/cbvh/vert/encoder.h"
-#include "kernels/cbvh/vert/scalar_block.h"
+#include "kernels/cvert/encoder/block_encoder.h"
+#include "kernels/cvert/decoder/decoded_block.h"
 #include "kernels/cbvh/vert/decoder.h"
 #include "kernels/cbvh/vert/triangles.h"
 #include "support/random.h"
@@ -22,6 +22,8 @@ namespace cbvh::test {
 namespace {
 
 using namespace embree::cbvh;
+
+using namespace cvert;
 
 // Vertices at every scale of residuals; some blocks are raw. spacing: of the lattice that they are on, if isSnapped
 void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, double roughness, float spacing, bool isSnapped)
@@ -70,7 +72,7 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
     const VertHeader* block = (const VertHeader*)bytes;
     byAxis += !statistics.raw && isByAxis(block->word);
     withRemainders += hasRemainders(block->boxForm);
-    const auto expected = std::make_unique<ScalarVertBlock>(block);
+    const auto expected = std::make_unique<DecodedBlock>(block);
     const VertLayout layout = vertLayout(place.region, place.form());
     const VertDecoder decoder(block);
     VertBoxes boxes;

@@ -3,7 +3,7 @@
 
 /* docs/formats/file.md against the code: its tables, and a reader that knows nothing but what the page says. */
 
-#include "kernels/cbvh/vert/motion_format.h"
+#include "kernels/cvert/format/motion.h"
 #include "support/file_mutations.h"
 
 #include <functional>
@@ -16,7 +16,7 @@
 namespace cbvh::test {
 namespace {
 
-using namespace embree::cbvh;
+using namespace cvert;
 
 struct Field { size_t offset, bytes; };
 
@@ -109,7 +109,7 @@ TEST(FileFormat, TheTablesOfNumbersAreGeneratedFromTheCode)
   expectTable("| constant | value |\n|:--|--:|\n", {
     {"version of the file", text(fileVersion)},
     {"version of cVERT blocks", text(vertFormatVersion)},
-    {"version of blocks with frames", text(formatVersion)},
+    {"version of blocks with frames", text(fileFramedVersion)},
     {"bytes of the header", text(sizeof(FileHeader))},
     {"bytes of a record of the directory", text(sizeof(FileGeometry))},
     {"alignment of trees and blocks, bytes", text(filePage)},

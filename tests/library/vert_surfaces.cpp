@@ -355,12 +355,12 @@ TEST(VertSurfaces, SpacingIsAtMostTheBoundInPixelsOfACamera)
   rtcCommitScene(scene);
   ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   float finest = INFINITY, coarsest = 0;
-  for (const embree::cbvh::VertHeader* block : sceneVertBlocks(scene)) {
-    const embree::cbvh::ScalarVertBlock decoded(block);
+  for (const cvert::VertHeader* block : sceneVertBlocks(scene)) {
+    const cvert::DecodedBlock decoded(block);
     double nearest = INFINITY;
     for (uint32_t i = 0; i < (decoded.quadsX + 1)*(decoded.quadsY + 1); i++)
       nearest = std::min(nearest, std::hypot(decoded.vertices[i][0] + 2, decoded.vertices[i][1], decoded.vertices[i][2] - 0.3));
-    const embree::cbvh::VertSpacing spacings = embree::cbvh::vertSpacing(block->word, block->corners);
+    const cvert::VertSpacing spacings = cvert::vertSpacing(block->word, block->corners);
     const float spacing = *std::min_element(spacings.at, spacings.at + 3);
     EXPECT_LE(spacing, 0.5*0.002*nearest);
     finest = std::min(finest, spacing);

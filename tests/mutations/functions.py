@@ -3,7 +3,7 @@
 
 """The functions that mutate.py breaks, how often, and the tests that have to notice.
 
-A function is named as scanner.Function.is_called says, wherever below kernels/cbvh it is defined. Tests
+A function is named as scanner.Function.is_called says, wherever below kernels/cvert or kernels/cbvh it is defined. Tests
 are "unit" or "unit Suite.Name:Suite.Other", as test_unit --gtest_filter takes it, those that build fastest first.
 What nothing can notice is explained: a part of the mutant's name (mutate.py --list), and why.
 """
@@ -160,6 +160,6 @@ FUNCTIONS = (
     Entry("ThreadCache", 2, ("vert_surfaces VertCache.*", "threads")),
     # settings
     Entry("setMaxError", 2, SETTINGS),
-    Entry("verify", 2, SETTINGS),
+    Entry("CompressionSettings::verify", 2, SETTINGS),
     Entry("resolve", 2, SETTINGS + ("exact_faces ExactFaces.Geometry*",)),
 )

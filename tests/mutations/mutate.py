@@ -33,7 +33,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-KERNELS = "kernels/cbvh"
+KERNELS = ("kernels/cvert", "kernels/cbvh")
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(HERE))
 import scanner  # noqa: E402
@@ -69,7 +69,7 @@ def read_arguments():
 
 def read_kernels():
     """Functions and text of every file: [(file, text, [Function])]."""
-    files = sorted(p for p in (ROOT / KERNELS).rglob("*") if p.suffix in (".h", ".cpp"))
+    files = sorted(p for kernels in KERNELS for p in (ROOT / kernels).rglob("*") if p.suffix in (".h", ".cpp"))
     texts = [(str(path.relative_to(ROOT)), path.read_text(encoding="utf-8")) for path in files]
     return [(file, text, scanner.functions_of(text)) for file, text in texts]
 
@@ -233,7 +233,7 @@ def build_all(copy, tries, kernels):
         if not log:
             return left
         # lines are of the file itself or of the link to it in the build
-        named = re.findall(r"(kernels/cbvh/[\w/.]+):(\d+):\d+: (?:fatal )?error:", log)
+        named = re.findall(r"(kernels/c(?:vert|bvh)/[\w/.]+):(\d+):\d+: (?:fatal )?error:", log)
         bad = {numbers[os.path.normpath(file)].get(int(line)) for file, line in named} - {None}
         if not bad:
             raise Failure(f"the tests cannot be built, see {copy.log}")

@@ -6,7 +6,7 @@
 /* Files of compressed surfaces, altered: anywhere, or where a field is, with checksums that fit again, so that what comes behind them is
  * reached. And what may be done with such a file: it is refused with a reason, or traced without harm. */
 
-#include "kernels/cbvh/scene/file_format.h"
+#include "kernels/cvert/file/format.h"
 #include "support/query_forms.h"
 #include "support/saved.h"
 
@@ -37,21 +37,21 @@ public:
 
   std::string bytes;
 
-  embree::cbvh::FileHeader& header() { return *(embree::cbvh::FileHeader*)&bytes[0]; }
-  embree::cbvh::FileGeometry& record(size_t i) { return *(embree::cbvh::FileGeometry*)&bytes[header().directory + i*sizeof(embree::cbvh::FileGeometry)]; }
+  cvert::FileHeader& header() { return *(cvert::FileHeader*)&bytes[0]; }
+  cvert::FileGeometry& record(size_t i) { return *(cvert::FileGeometry*)&bytes[header().directory + i*sizeof(cvert::FileGeometry)]; }
   size_t size() { return header().numGeometries; }
 
   // Whether the directory can be read where it is said to be.
   bool hasDirectory()
   {
     const uint64_t at = header().directory;
-    return at % 8 == 0 && at <= bytes.size() && size() != 0 && (bytes.size() - at)/sizeof(embree::cbvh::FileGeometry) >= size();
+    return at % 8 == 0 && at <= bytes.size() && size() != 0 && (bytes.size() - at)/sizeof(cvert::FileGeometry) >= size();
   }
 
   // Makes the checksums of trees, directory and header those of what there is now; those of blocks stay.
   void fitChecksums()
   {
-    using namespace embree::cbvh;
+    using namespace cvert;
     if (hasDirectory()) {
       for (size_t i = 0; i < size(); i++) {
         FileGeometry& g = record(i);
@@ -61,7 +61,7 @@ public:
     }
     fitHeader();
   }
-  void fitHeader() { header().checksum = crc32c(bytes.data(), offsetof(embree::cbvh::FileHeader, checksum)); }
+  void fitHeader() { header().checksum = crc32c(bytes.data(), offsetof(cvert::FileHeader, checksum)); }
 };
 
 inline uint64_t oddNumber(Random& random, uint64_t old)
@@ -91,7 +91,7 @@ inline void alterWord(Random& random, std::string& bytes, size_t begin, size_t e
 // Of a file that is sound.
 inline std::string mutated(Random& random, const std::string& sound)
 {
-  using namespace embree::cbvh;
+  using namespace cvert;
   FileBytes file(sound);
   const uint32_t times = 1 + random.below(4);
   bool fits = false;

@@ -5,8 +5,8 @@
 
 /* Sheets of quads that move, on lattices: what blocks of cVERT that move are made of. */
 
-#include "kernels/cbvh/surface/lattice.h"
-#include "kernels/cbvh/vert/motion_encoder.h"
+#include "kernels/cvert/encoder/lattice.h"
+#include "kernels/cvert/encoder/motion_encoder.h"
 #include "support/random.h"
 
 #include <array>
@@ -74,7 +74,7 @@ struct MovingSheet
   void snap(uint32_t step, float spacing)
   {
     spacings[step] = spacing;
-    const embree::cbvh::WorldLattice lattice(std::ilogb(spacing));
+    const cvert::WorldLattice lattice(std::ilogb(spacing));
     for (auto& p : steps[step])
       for (float& c : p) c = lattice.snap(c);
   }
@@ -95,14 +95,14 @@ struct EncodedMotion
 {
   std::vector<uint64_t> words; // aligned
   size_t size = 0;
-  embree::cbvh::MotionStatistics statistics;
+  cvert::MotionStatistics statistics;
 
-  EncodedMotion(embree::cbvh::MotionEncoder& encoder, const MovingSheet& sheet)
-    : EncodedMotion(encoder, sheet, {embree::cbvh::vertRegion(sheet.quadsX, sheet.quadsY, 0, 0), embree::cbvh::vertPatch(sheet.quadsX, sheet.quadsY)}) {}
+  EncodedMotion(cvert::MotionEncoder& encoder, const MovingSheet& sheet)
+    : EncodedMotion(encoder, sheet, {cvert::vertRegion(sheet.quadsX, sheet.quadsY, 0, 0), cvert::vertPatch(sheet.quadsX, sheet.quadsY)}) {}
 
-  EncodedMotion(embree::cbvh::MotionEncoder& encoder, const MovingSheet& sheet, const embree::cbvh::VertPlacement& at)
+  EncodedMotion(cvert::MotionEncoder& encoder, const MovingSheet& sheet, const cvert::VertPlacement& at)
   {
-    words.resize(embree::cbvh::MotionEncoder::maxBytes(sheet.steps.size())/8 + 4);
+    words.resize(cvert::MotionEncoder::maxBytes(sheet.steps.size())/8 + 4);
     encoder.begin(at, 0.0f, 1.0f, uint32_t(sheet.steps.size()), (uint8_t*)block());
     for (size_t s = 0; s < sheet.steps.size(); s++) {
       for (size_t v = 0; v < sheet.steps[s].size(); v++) std::copy(sheet.steps[s][v].begin(), sheet.steps[s][v].end(), encoder.vertices()[v]);
@@ -111,8 +111,8 @@ struct EncodedMotion
     size = encoder.finish(statistics);
   }
 
-  embree::cbvh::VertHeader* block() { return (embree::cbvh::VertHeader*)((uintptr_t(words.data()) + 15) & ~uintptr_t(15)); }
-  const embree::cbvh::VertHeader* block() const { return (const embree::cbvh::VertHeader*)((uintptr_t(words.data()) + 15) & ~uintptr_t(15)); }
+  cvert::VertHeader* block() { return (cvert::VertHeader*)((uintptr_t(words.data()) + 15) & ~uintptr_t(15)); }
+  const cvert::VertHeader* block() const { return (const cvert::VertHeader*)((uintptr_t(words.data()) + 15) & ~uintptr_t(15)); }
 
   size_t firstStepBytes() const { return size - statistics.stepBytes; }
 };

@@ -14,7 +14,7 @@ namespace cbvh::test {
 namespace {
 
 using embree::cbvh::Block;
-using embree::cbvh::Double3;
+using cvert::Double3;
 using embree::cbvh::FrameMap;
 using embree::cbvh::frameMap;
 using ReferenceIntersector = embree::cbvh::ScalarIntersector<double>;

@@ -95,7 +95,7 @@ namespace embree
         case Kind::GRID : gridLeaf(m); break;
         case Kind::VOXEL: voxelLeaf(m,box); break;
         case Kind::LEAF : patchLeaf(m); break;
-        case Kind::VERT : break; // vert/scalar_block.h
+        case Kind::VERT : break; // cvert/decoder/decoded_block.h
         }
       }
 

@@ -41,7 +41,7 @@ std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene)
   return blocks;
 }
 
-std::vector<const embree::cbvh::VertHeader*> sceneVertBlocks(RTCScene scene)
+std::vector<const cvert::VertHeader*> sceneVertBlocks(RTCScene scene)
 {
   using namespace embree::cbvh;
   std::vector<const VertHeader*> blocks;

@@ -8,7 +8,7 @@
  * structures, which have the layout of the patched tree that both are built from. */
 
 #include "kernels/cbvh/framed/block.h"
-#include "kernels/cbvh/vert/format.h"
+#include "kernels/cvert/format/block.h"
 #include <embree3/rtcore.h>
 
 #include <vector>
@@ -21,7 +21,7 @@ namespace cbvh::test {
 std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene);
 
 // The same of cVERT, whose blocks have another form.
-std::vector<const embree::cbvh::VertHeader*> sceneVertBlocks(RTCScene scene);
+std::vector<const cvert::VertHeader*> sceneVertBlocks(RTCScene scene);
 
 // ID of the geometry that a block is of, by the number in its header.
 unsigned geometryOf(RTCScene scene, uint32_t surface);

@@ -5,7 +5,7 @@
 
 /* The triangles that a scene of cVERT holds, decoded from its blocks by scalar code. */
 
-#include "kernels/cbvh/vert/scalar_block.h"
+#include "kernels/cvert/decoder/decoded_block.h"
 #include "support/scene_blocks.h"
 
 #include <algorithm>
@@ -27,10 +27,10 @@ struct VertTriangle
 
 inline std::vector<VertTriangle> vertTriangles(RTCScene scene)
 {
-  using namespace embree::cbvh;
+  using namespace cvert;
   std::vector<VertTriangle> triangles;
   for (const VertHeader* block : sceneVertBlocks(scene)) {
-    const auto decoded = std::make_unique<ScalarVertBlock>(block);
+    const auto decoded = std::make_unique<DecodedBlock>(block);
     const double quadsX = patchQuadsX(block->patchQuads), quadsY = patchQuadsY(block->patchQuads);
     const VertEdges edges = edgesOf(block);
     for (uint32_t y = 0; y < decoded->quadsY; y++)

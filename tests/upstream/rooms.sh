@@ -2,7 +2,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Rooms of the kernels include headers of rooms below them only. Lists what does not.
+# Rooms of the kernels and of the codec include headers of rooms below them only. Lists the includes that do not.
 #
 #   rooms.sh KERNELS
 
@@ -10,22 +10,52 @@ set -eu
 cd "$1"
 failed=0
 
-# check ROOM LOWER...: what else it includes
+# within HOUSE: its folders are the rooms of the following checks
+within() { house=$1 rooms= ; }
+
+# check ROOM LOWER...
 check() {
   room=$1; shift
-  allowed=$(echo "$room $*" | tr ' ' '|')
-  [ -d "$room" ] || { echo "there is no room $room"; failed=1; }
-  others=$(grep -rnE '#include "(\.\./)+(api|scene|export|framed|vert|surface|base|embree)/' "$room" | grep -vE "#include \"(\.\./)+($allowed)/" || true)
-  [ -z "$others" ] || { echo "$others"; failed=1; }
+  rooms="$rooms|$room"
+  [ -d "$house/$room" ] || { echo "there is no room $house/$room"; failed=1; }
+  for folder in "$house"/*/; do
+    other=$(basename "$folder")
+    case " $room $* " in *" $other "*) continue ;; esac
+    found=$(grep -rnE "#include \"(\.\./)+($house/)?$other/" "$house/$room" || true)
+    [ -z "$found" ] || { echo "$found"; failed=1; }
+  done
 }
 
+# All folders of the house have been checked.
+end() {
+  for folder in "$house"/*/; do
+    case "$rooms|" in *"|$(basename "$folder")|"*) ;; *) echo "no check of $folder"; failed=1 ;; esac
+  done
+}
+
+within cvert
+check basics
+check format basics
+check rule format basics
+check decoder format basics
+check encoder format basics
+check file decoder format basics
+check clusters
+end
+
+within cbvh
 check embree
+check state embree
 check base embree
 check surface base embree
 check vert surface base embree
 check framed surface base embree
-check export
-check scene export vert framed surface base embree
-check api scene export vert framed surface base embree
-[ "$(find . -name "*.h" | cut -d/ -f2 | sort -u | wc -l)" = 8 ] || { echo "a room is missing here"; failed=1; }
+check stored framed base embree
+check files stored framed base embree
+check flat stored framed base embree
+check building stored vert framed surface base embree
+check traversal stored vert framed base embree
+check api building traversal files flat stored vert framed surface base state embree
+end
+
 exit $failed

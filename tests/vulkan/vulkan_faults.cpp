@@ -6,7 +6,7 @@
 
 #include "faults_fixture.h"
 
-#include "kernels/cbvh/scene/flat_scene.h"
+#include "kernels/cbvh/flat/flat_scene.h"
 
 #include <vulkan/vulkan.h>
 

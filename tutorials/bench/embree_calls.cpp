@@ -31,7 +31,7 @@
   EACH(rtcOccluded1) EACH(rtcOccluded4) EACH(rtcOccluded8) EACH(rtcOccluded16) EACH(rtcOccluded1M)
 
 /* A slot, and the function that jumps there, whatever its arguments are. */
-#define CBVH_FUNCTION(name)                     \
+#define CVERT_FUNCTION(name)                     \
   extern "C" void* cbvh_slot_##name;            \
   void* cbvh_slot_##name = nullptr;             \
   asm(".pushsection .text\n"                    \
@@ -41,7 +41,7 @@
       #name ": jmp *cbvh_slot_" #name "(%rip)\n" \
       ".size " #name ", . - " #name "\n"        \
       ".popsection\n");
-CBVH_EMBREE_FUNCTIONS(CBVH_FUNCTION)
+CBVH_EMBREE_FUNCTIONS(CVERT_FUNCTION)
 
 namespace cbvh {
 namespace {

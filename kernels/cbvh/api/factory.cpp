@@ -5,7 +5,7 @@
 #include "../base/environment.h"
 #include "../base/kinds.h"
 #include "../embree/scene.h"
-#include "../scene/compressed_tree.h"
+#include "../stored/compressed_tree.h"
 
 namespace embree
 {

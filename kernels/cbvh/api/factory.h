@@ -4,7 +4,7 @@
 #pragma once
 
 #include "../embree/scene.h"
-#include "../scene/report.h"
+#include "../stored/report.h"
 
 namespace embree
 {

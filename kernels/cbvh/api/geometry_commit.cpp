@@ -5,11 +5,11 @@
 
 #include "../embree/scene.h"
 #include "../base/environment.h"
-#include "../scene/surface_blocks.h"
+#include "../stored/surface_blocks.h"
 #include "../surface/embree_bytes.h"
 #include "../surface/plan.h"
 #include "../surface/quad_regions.h"
-#include "../vert/format.h"
+#include "../../cvert/format/block.h"
 #include "cage_check.h"
 
 namespace embree

@@ -3,13 +3,13 @@
 
 #include "loaded_geometry.h"
 #include "../embree/scene.h"
-#include "../scene/surface_blocks.h"
+#include "../stored/surface_blocks.h"
 
 namespace embree
 {
   const char* const LoadedGeometry::whyNot = "the geometry was loaded from a file: it has compressed blocks, and no cage, vertices or indices that could be read, interpolated or changed";
 
-  static Geometry::GType typeOf (const cbvh::FileGeometry& record)
+  static Geometry::GType typeOf (const cvert::FileGeometry& record)
   {
     switch (record.source) {
     case cbvh::FILE_GRIDS: return Geometry::GTY_GRID_MESH;
@@ -19,7 +19,7 @@ namespace embree
     }
   }
 
-  LoadedGeometry::LoadedGeometry (Device* device, const cbvh::FileGeometry& record, const std::shared_ptr<const SurfaceBlocks>& blocks)
+  LoadedGeometry::LoadedGeometry (Device* device, const cvert::FileGeometry& record, const std::shared_ptr<const SurfaceBlocks>& blocks)
     : CompressibleGeometry(device,typeOf(record),record.numPrimitives,record.numTimeSteps), ownTimes(record.numTimeSteps > 1 ? BBox1f(record.begin,record.end) : BBox1f(0.0f,1.0f))
   {
     setCompressed(true);

@@ -6,8 +6,9 @@
 /* A geometry that came from a file: it has blocks, and nothing that they were made from. It has a mask, filters and user data, is enabled or
  * not, and is attached and instanced as any other. What asks for a cage, or would change it, is refused. */
 
-#include "compressible_geometry.h"
-#include "../scene/file_format.h"
+#include "../state/compressible_geometry.h"
+#include "../base/codec.h"
+#include "../../cvert/file/format.h"
 
 namespace embree
 {
@@ -16,7 +17,7 @@ namespace embree
   public:
     static const char* const whyNot; //!< it cannot be edited
 
-    LoadedGeometry (Device* device, const cbvh::FileGeometry& record, const std::shared_ptr<const SurfaceBlocks>& blocks);
+    LoadedGeometry (Device* device, const cvert::FileGeometry& record, const std::shared_ptr<const SurfaceBlocks>& blocks);
 
     void commit () override;
     void setMask (unsigned mask) override;

@@ -4,7 +4,7 @@
 #define RTC_EXPORT_API
 
 #include "../embree/scene.h"
-#include "../scene/stored_clusters.h"
+#include "../stored/stored_clusters.h"
 #include "stored_blocks.h"
 
 using namespace embree;

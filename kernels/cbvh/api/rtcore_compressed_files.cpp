@@ -5,9 +5,11 @@
 
 #include "../../../include/embree3/rtcore_compressed_files.h"
 #include "../embree/scene.h"
-#include "../scene/file_writer.h"
-#include "../scene/mapped_file.h"
-#include "../scene/surface_blocks.h"
+#include "../files/codec_errors.h"
+#include "../files/file_statistics.h"
+#include "../files/loaded_surface.h"
+#include "../files/saved_surface.h"
+#include "../stored/surface_blocks.h"
 #include "loaded_geometry.h"
 
 using namespace embree;
@@ -24,14 +26,14 @@ namespace
     Device* device;
     T thing;
   };
-  typedef Held<std::shared_ptr<const cbvh::MappedFile>> OpenFile;
-  typedef Held<std::unique_ptr<cbvh::FileWriter>> Writer;
+  typedef Held<std::shared_ptr<const cvert::File>> OpenFile;
+  typedef Held<std::unique_ptr<cvert::FileWriter>> Writer;
 
   void require (const void* argument, const char* name) {
     if (!argument) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(name) + " is NULL");
   }
 
-  void requireGeometry (const cbvh::MappedFile& file, size_t index)
+  void requireGeometry (const cvert::File& file, size_t index)
   {
     if (index >= file.size())
       throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"index " + std::to_string(index) + ": the file has " + std::to_string(file.size()) + " geometries");
@@ -54,23 +56,38 @@ namespace
     return compressible;
   }
 
-  void append (cbvh::FileWriter& writer, Geometry* geometry)
+  void add (cvert::FileWriter& writer, const CompressibleGeometry* geometry, const SurfaceBlocks& blocks)
+  {
+    writer.requireOpen();
+    cvert::FileSurface surface = cbvh::savedSurface(geometry,blocks);
+    writer.add(surface);
+  }
+
+  void append (cvert::FileWriter& writer, Geometry* geometry)
   {
     std::shared_ptr<const SurfaceBlocks> blocks;
     const CompressibleGeometry* const compressed = compressedOf(geometry,blocks);
-    writer.add(compressed,*blocks);
+    add(writer,compressed,*blocks);
   }
 
-  RTCGeometry load (const std::shared_ptr<const cbvh::MappedFile>& file, Device* device, size_t i) {
-    return (RTCGeometry)(new LoadedGeometry(device,file->geometry(i),cbvh::MappedFile::load(file,device,i)))->refInc();
+  std::shared_ptr<const cvert::File> open (const char* path) { return cbvh::withEmbreeErrors([&] { return std::make_shared<const cvert::File>(path); }); }
+
+  template<typename New>
+  RTCCompressedFileWriter newWriter (Device* device, const New& make) {
+    return (RTCCompressedFileWriter)(new Writer(device,std::unique_ptr<cvert::FileWriter>(cbvh::withEmbreeErrors(make))))->refInc();
   }
 
-  enum RTCGeometryType typeOf (const cbvh::FileGeometry& record)
+  RTCGeometry load (const std::shared_ptr<const cvert::File>& file, Device* device, size_t i) {
+    const std::shared_ptr<const SurfaceBlocks> blocks = cbvh::withEmbreeErrors([&] { return cbvh::loadSurface(file,device,i); });
+    return (RTCGeometry)(new LoadedGeometry(device,file->geometry(i),blocks))->refInc();
+  }
+
+  enum RTCGeometryType typeOf (const cvert::FileGeometry& record)
   {
     switch (record.source) {
-    case cbvh::FILE_GRIDS: return RTC_GEOMETRY_TYPE_GRID;
-    case cbvh::FILE_QUADS: return RTC_GEOMETRY_TYPE_QUAD;
-    case cbvh::FILE_TRIANGLES: return RTC_GEOMETRY_TYPE_TRIANGLE;
+    case cvert::FILE_GRIDS: return RTC_GEOMETRY_TYPE_GRID;
+    case cvert::FILE_QUADS: return RTC_GEOMETRY_TYPE_QUAD;
+    case cvert::FILE_TRIANGLES: return RTC_GEOMETRY_TYPE_TRIANGLE;
     default: return RTC_GEOMETRY_TYPE_SUBDIVISION;
     }
   }
@@ -86,9 +103,11 @@ RTC_API bool rtcSaveCompressedGeometry (RTCGeometry hgeometry, const char* path)
   require(path,"path");
   std::shared_ptr<const SurfaceBlocks> blocks;
   const CompressibleGeometry* const compressed = compressedOf(geometry,blocks); // before a file is begun
-  cbvh::FileWriter writer(path);
-  writer.add(compressed,*blocks);
-  writer.commit();
+  cbvh::withEmbreeErrors([&] {
+    cvert::FileWriter writer(path);
+    add(writer,compressed,*blocks);
+    writer.commit();
+  });
   return true;
   RTC_CATCH_END2(geometry);
   return false;
@@ -100,7 +119,7 @@ RTC_API RTCGeometry rtcLoadCompressedGeometry (RTCDevice hdevice, const char* pa
   RTC_CATCH_BEGIN;
   require(device,"device");
   require(path,"path");
-  const std::shared_ptr<const cbvh::MappedFile> file = std::make_shared<cbvh::MappedFile>(path);
+  const std::shared_ptr<const cvert::File> file = open(path);
   if (file->size() != 1)
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(path) + ": has " + std::to_string(file->size()) + " geometries, which rtcOpenCompressedFile opens");
   return load(file,device,0);
@@ -114,7 +133,7 @@ RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter (RTCDevice hdevice, c
   RTC_CATCH_BEGIN;
   require(device,"device");
   require(path,"path");
-  return (RTCCompressedFileWriter)(new Writer(device,std::unique_ptr<cbvh::FileWriter>(new cbvh::FileWriter(path))))->refInc();
+  return newWriter(device,[&] { return new cvert::FileWriter(path); });
   RTC_CATCH_END(device);
   return nullptr;
 }
@@ -125,7 +144,7 @@ RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter (RTCDevice hdevice
   RTC_CATCH_BEGIN;
   require(device,"device");
   require(path,"path");
-  return (RTCCompressedFileWriter)(new Writer(device,std::unique_ptr<cbvh::FileWriter>(new cbvh::FileWriter(path,key))))->refInc();
+  return newWriter(device,[&] { return new cvert::FileWriter(path,key); });
   RTC_CATCH_END(device);
   return nullptr;
 }
@@ -146,7 +165,7 @@ RTC_API bool rtcAppendCompressedGeometry (RTCCompressedFileWriter hwriter, RTCGe
   RTC_CATCH_BEGIN;
   require(writer,"writer");
   require(hgeometry,"geometry");
-  append(*writer->thing,(Geometry*)hgeometry);
+  cbvh::withEmbreeErrors([&] { append(*writer->thing,(Geometry*)hgeometry); });
   return true;
   RTC_CATCH_END2(writer);
   return false;
@@ -157,7 +176,7 @@ RTC_API bool rtcCommitCompressedFile (RTCCompressedFileWriter hwriter)
   Writer* writer = (Writer*) hwriter;
   RTC_CATCH_BEGIN;
   require(writer,"writer");
-  writer->thing->commit();
+  cbvh::withEmbreeErrors([&] { writer->thing->commit(); });
   return true;
   RTC_CATCH_END2(writer);
   return false;
@@ -178,7 +197,7 @@ RTC_API RTCCompressedFile rtcOpenCompressedFile (RTCDevice hdevice, const char* 
   RTC_CATCH_BEGIN;
   require(device,"device");
   require(path,"path");
-  return (RTCCompressedFile)(new OpenFile(device,std::make_shared<cbvh::MappedFile>(path)))->refInc();
+  return (RTCCompressedFile)(new OpenFile(device,open(path)))->refInc();
   RTC_CATCH_END(device);
   return nullptr;
 }
@@ -200,7 +219,7 @@ RTC_API bool rtcGetCompressedFileGeometry (RTCCompressedFile hfile, unsigned int
   require(file,"file");
   require(description,"description");
   requireGeometry(*file->thing,index);
-  const cbvh::FileGeometry& record = file->thing->geometry(index);
+  const cvert::FileGeometry& record = file->thing->geometry(index);
   *description = RTCCompressedFileGeometry();
   description->type = typeOf(record);
   description->compression = RTCCompression(record.compression);
@@ -232,7 +251,7 @@ RTC_API bool rtcVerifyCompressedFile (RTCCompressedFile hfile)
   OpenFile* file = (OpenFile*) hfile;
   RTC_CATCH_BEGIN;
   require(file,"file");
-  cbvh::MappedFile::verifyAll(file->thing,file->device);
+  cbvh::withEmbreeErrors([&] { cbvh::verifyFile(*file->thing); });
   return true;
   RTC_CATCH_END2(file);
   return false;

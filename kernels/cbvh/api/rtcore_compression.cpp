@@ -52,7 +52,7 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
   memcpy(&compression,&args->compression,sizeof(compression));
   cbvh::Kind kind;
   if (compression != RTC_COMPRESSION_INHERIT && compression != RTC_COMPRESSION_NONE && !cbvh::findKind(compression,kind))
-    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown compression " + std::to_string(compression));
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,(compression >= RTC_COMPRESSION_GRID && compression <= RTC_COMPRESSION_LEAF ? "this library was built without compression " : "unknown compression ") + std::to_string(compression));
   if (args->frameLevel < RTC_COMPRESSION_FRAME_LEVEL_INHERIT || args->frameLevel > int(cbvh::maxLevel))
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid frameLevel " + std::to_string(args->frameLevel) + ": expected 0 to " + std::to_string(cbvh::maxLevel) + ", AUTO or INHERIT");
   if (!std::isfinite(args->maxError))

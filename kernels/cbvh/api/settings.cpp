@@ -4,7 +4,7 @@
 #include "../embree/scene.h"
 #include "device_string.h"
 #include "factory.h"
-#include "settings.h"
+#include "../state/settings.h"
 #include "../base/environment.h"
 #include "../base/kinds.h"
 #include <algorithm>

@@ -6,8 +6,8 @@
 /* The blocks of a geometry for functions of the API that hand out what is stored. */
 
 #include "../embree/scene.h"
-#include "../scene/stored_triangles.h"
-#include "../scene/surface_blocks.h"
+#include "../stored/stored_triangles.h"
+#include "../stored/surface_blocks.h"
 
 namespace embree
 {

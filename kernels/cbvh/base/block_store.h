@@ -11,7 +11,8 @@
 #include "kinds.h"
 #include "primitive_type.h"
 #include "step_box.h"
-#include "world.h"
+#include "codec.h"
+#include "../../cvert/basics/world.h"
 
 namespace embree
 {

@@ -5,7 +5,7 @@
 
 /* Sums of what a build compressed. Every task fills one and merges it; writers add their blocks. */
 
-#include "isa_namespace.h"
+#include "codec.h"
 #include "surface_statistics.h"
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
  * value of RTCCompression, and by the rows below keys of device strings and the words of programs.
  *
  * A kind that goes takes with it its number and its rows here, its row where the encoder and the intersectors
- * choose (block_encoder.h, kind_visitors1.h, intersectorK.cpp, cbvh.glsl and framed_block.glsl), and its folder. The
+ * choose (block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl), and its folder. The
  * numbers of others stay: blocks have them. framed/writer.h gives cGRID the blocks that no frame fits, and
  * cLEAF the patches with holes of kinds that take none. */
 
@@ -14,29 +14,24 @@
 #define CBVH_KINDS_H
 
 #include "language.h"
+#include "../../cvert/format/limits.h"
 
 CBVH_BEGIN
 
-CBVH_CONSTANT uint32_t kindGrid = 0u;
-CBVH_CONSTANT uint32_t kindVoxel = 1u;
-CBVH_CONSTANT uint32_t kindLeaf = 2u;
-CBVH_CONSTANT uint32_t kindVert = 3u;
+CVERT_CONSTANT uint32_t kindGrid = 0u;
+CVERT_CONSTANT uint32_t kindVoxel = 1u;
+CVERT_CONSTANT uint32_t kindLeaf = 2u;
+CVERT_CONSTANT uint32_t kindVert = 3u;
 
 /*! numbers that references have room for, and, of those, headers of blocks with frames */
-CBVH_CONSTANT uint32_t maxKinds = 18u;
-CBVH_CONSTANT uint32_t maxFramedKinds = 16u;
+CVERT_CONSTANT uint32_t maxKinds = 18u;
+CVERT_CONSTANT uint32_t maxFramedKinds = 16u;
 
 /*! bits of the numbers of those with frames */
-CBVH_CONSTANT uint32_t framedKinds = (1u << kindGrid) | (1u << kindVoxel) | (1u << kindLeaf);
+CVERT_CONSTANT uint32_t framedKinds = (1u << kindGrid) | (1u << kindVoxel) | (1u << kindLeaf);
 
 /*! quads of a patch in blocks with frames are at most 2^maxLevel along a side */
-CBVH_CONSTANT uint32_t maxLevel = 8u;
-
-/*! those of cVERT, and the rates of its edges, at most this */
-CBVH_CONSTANT uint32_t maxVertRate = 4096u;
-
-/*! of a block in memory */
-CBVH_CONSTANT uint32_t blockAlignment = 16u;
+CVERT_CONSTANT uint32_t maxLevel = 8u;
 
 /*! what the layout of a block with a frame depends on */
 struct KindFormat
@@ -49,8 +44,8 @@ struct KindFormat
 };
 
 /*! by number, zeros where it is no kind's */
-CBVH_CONSTANT uint32_t numKindFormats = 3u;
-CBVH_CONSTANT KindFormat kindFormats[numKindFormats] = {
+CVERT_CONSTANT uint32_t numKindFormats = 3u;
+CVERT_CONSTANT KindFormat kindFormats[numKindFormats] = {
   /* cGRID: a leaf is 2 x 2 quads, as GRID's own; vectors that read its last row read 3 floats more */
   { 1u, 0u, 0u, 12u, 12u },
   /* cVOXEL */
@@ -85,9 +80,11 @@ struct KindDescription
 /*! Heights are best stored along the normal of the smooth surface; boxes are tightest around what
  *  they bound. */
 static constexpr KindDescription kindDescriptions[] = {
+#if !defined(EMBREE_CBVH_NO_PAPER)
   { Kind::GRID,  "grid",  "cGRID",  false, true,  false },
   { Kind::VOXEL, "voxel", "cVOXEL", false, false, true  },
   { Kind::LEAF,  "leaf",  "cLEAF",  true,  true,  true  },
+#endif
   { Kind::VERT,  "vert",  "cVERT",  false, true,  false }
 };
 static constexpr uint32_t numKinds = sizeof(kindDescriptions)/sizeof(kindDescriptions[0]);
@@ -97,6 +94,7 @@ static_assert(RTC_COMPRESSION_VOXEL - RTC_COMPRESSION_GRID == kindVoxel, "a valu
 static_assert(RTC_COMPRESSION_LEAF  - RTC_COMPRESSION_GRID == kindLeaf,  "a value of RTCCompression follows from the kind");
 static_assert(RTC_COMPRESSION_VERT  - RTC_COMPRESSION_GRID == kindVert,  "a value of RTCCompression follows from the kind");
 
+/*! kind: one that this library was built with */
 inline const KindDescription& describe (Kind kind)
 {
   uint32_t row = 0;

@@ -1,121 +1,34 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What lets the headers of this folder compile as C++11 and as GLSL 4.60: they are the
- * one description of the format and of the hit rule, for the CPU's scalar path, for the
- * SIMD path as far as it is scalar, for the tests, and for shaders.
- *
- * Shared code is free functions on plain values. It has no references and pointers, no
- * member functions, no 64-bit integers, no recursion, and no braces around
- * values but in the initializers of constants.
- *
- * Quantities whose precision the user chooses are of type Real: CBVH_REAL comes before
- * a function or a struct of such, CBVH_OF(Type) names a struct of the same precision, CBVH_BOOL(Type) what
- * comparisons give. In GLSL Real is float; in C++ it is float, double (the scalar path) or, in some
- * functions, a vector of Embree.
- *
- * Wide, with CBVH_WIDE and CBVH_OF_WIDE(Type), is the same for quantities in which products of floats are exact:
- * double, in C++ also a vector of doubles. Shaders without CBVH_FLOAT64 make do with float. */
+/* The codec's language, cvert/basics/language.h, for headers of the kernels that are C++ and GLSL, too. */
 
 #ifndef CBVH_LANGUAGE_H
 #define CBVH_LANGUAGE_H
 
-#ifdef VULKAN // as glslc defines it
+#include "../../cvert/basics/language.h"
 
+#ifdef VULKAN
 #define CBVH_BEGIN
 #define CBVH_END
-#define CBVH_FUNCTION
-#define CBVH_CONSTANT const
-#define CBVH_REAL
-#define CBVH_OF(Type) Type
-#define CBVH_BOOL(Type) bool
-#define CBVH_AS_FLOAT(Function) Function
-#define CBVH_INLINE
-#define CBVH_LIKELY(condition) (condition)
-#define CBVH_WIDE
-#define CBVH_OF_WIDE(Type) Type
-#define Real float
-#define uint32_t uint
-#ifdef CBVH_FLOAT64
-#define Wide double
 #else
-#define Wide float
-#endif
+#include "codec.h"
 
-#else
-
-#include "isa_namespace.h"
-#include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <limits>
-#include <utility>
+namespace embree
+{
+  namespace cbvh
+  {
+    /* Found next to the functions of the same names for Embree's vectors. */
+    using cvert::lesser;
+    using cvert::greater;
+    using cvert::magnitude;
+    using cvert::choose;
+    using cvert::product;
+  }
+}
 
 #define CBVH_BEGIN namespace embree { namespace cbvh { inline namespace CBVH_ISA {
 #define CBVH_END }}}
-#define CBVH_FUNCTION inline
-#define CBVH_CONSTANT static constexpr
-#define CBVH_REAL template<typename Real>
-#define CBVH_OF(Type) Type<Real>
-#define CBVH_BOOL(Type) decltype(std::declval<Type>() < std::declval<Type>())
-#define CBVH_AS_FLOAT(Function) Function<float>
-#define CBVH_INLINE inline __attribute__((always_inline))
-#define CBVH_LIKELY(condition) __builtin_expect(condition,1)
-#define CBVH_WIDE template<typename Wide>
-#define CBVH_OF_WIDE(Type) Type<Wide>
-
 #endif
-
-CBVH_BEGIN
-
-/* Not by the names of the standard library or of GLSL: NaN and equal operands are the same
- * everywhere, and in C++ no call is made. */
-CBVH_REAL CBVH_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
-CBVH_REAL CBVH_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
-CBVH_REAL CBVH_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
-CBVH_REAL CBVH_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
-CBVH_REAL CBVH_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
-
-/* Of what comparisons give; and products that are not fused with a sum. */
-#ifdef VULKAN
-bool both (bool a, bool b) { return a && b; }
-bool either (bool a, bool b) { return a || b; }
-float squareRoot (float a) { return sqrt(a); }
-float floatOfBits (uint bits) { return uintBitsToFloat(bits); }
-uint bitsOfFloat (float f) { return floatBitsToUint(f); }
-float product (float a, float b) { precise float p = a*b; return p; }
-const float infinity = 1.0/0.0;
-#ifdef CBVH_FLOAT64
-double lesser (double a, double b) { return a < b ? a : b; }
-double greater (double a, double b) { return a > b ? a : b; }
-double magnitude (double a) { return a < 0.0 ? -a : a; }
-double product (double a, double b) { precise double p = a*b; return p; }
-#endif
-#else
-template<typename Bool> CBVH_INLINE Bool both (Bool a, Bool b) { return a & b; }
-template<typename Bool> CBVH_INLINE Bool either (Bool a, Bool b) { return a | b; }
-inline float magnitude (float a) { return std::fabs(a); }
-inline double magnitude (double a) { return std::fabs(a); }
-CBVH_REAL inline Real squareRoot (Real a) { return std::sqrt(a); }
-inline float floatOfBits (uint32_t bits) { float f; std::memcpy(&f,&bits,sizeof(f)); return f; }
-inline uint32_t bitsOfFloat (float f) { uint32_t bits; std::memcpy(&bits,&f,sizeof(f)); return bits; }
-static constexpr float infinity = std::numeric_limits<float>::infinity();
-/* -ffp-contract=off would do for whole files, but cGRID's leaves have to fuse products as GRID's do, to the bit. */
-template<typename Scalar>
-CBVH_INLINE Scalar unfused (Scalar p)
-{
-#if defined(__GNUC__) && defined(__SSE2__)
-  asm("" : "+x"(p));
-#endif
-  return p;
-}
-CBVH_INLINE float product (float a, float b) { return unfused(a*b); }
-CBVH_INLINE double product (double a, double b) { return unfused(a*b); }
-#endif
-
-/*! relative spacing of floats */
-CBVH_CONSTANT float floatUlp = 1.1920929e-7f;
-
-CBVH_END
 
 #endif

@@ -8,7 +8,7 @@
  * as blocks. Embree's reference has 3 bits for it, too few for a type a kind: a type is a form of
  * blocks, and where several kinds have one form the block's header has the kind. */
 
-#include "isa_namespace.h"
+#include "codec.h"
 #include <cstddef>
 #include <cstdint>
 
@@ -21,8 +21,8 @@ namespace embree
       GRID_SOA_QUADS = 0,
       GRID_SOA_ROOT = 1,
       FRAMED_BLOCK = 2,   //!< framed/block.h, whose info has the kind
-      VERT_BLOCK = 3,     //!< vert/format.h
-      MOVING_VERT_BLOCK = 4 //!< vert/motion_format.h; in a tree of its own
+      VERT_BLOCK = 3,     //!< cvert/format/block.h
+      MOVING_VERT_BLOCK = 4 //!< cvert/format/motion.h; in a tree of its own
     };
 
     /*! whether it is none of Embree's own */

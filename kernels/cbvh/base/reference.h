@@ -11,37 +11,37 @@
 
 CBVH_BEGIN
 
-CBVH_CONSTANT uint32_t referenceShift = 27u;
-CBVH_CONSTANT uint32_t referenceMask = 0x7FFFFFFu;
+CVERT_CONSTANT uint32_t referenceShift = 27u;
+CVERT_CONSTANT uint32_t referenceMask = 0x7FFFFFFu;
 
-CBVH_CONSTANT uint32_t nodeReference = 0u;       //!< so that the reference is the index
-CBVH_CONSTANT uint32_t cellReference = 1u;       //!< 2 x 2 quads of a grid of GRID
-CBVH_CONSTANT uint32_t instanceReference = 2u;
-CBVH_CONSTANT uint32_t movingNodeReference = 3u; //!< a node whose children move
-CBVH_CONSTANT uint32_t triangleReference = 4u;   //!< 4 to 7: 1 to 4 triangles that follow each other, from the index on
-CBVH_CONSTANT uint32_t firstBlockReference = 8u; //!< and the number of the kind
-CBVH_CONSTANT uint32_t movingBlockReference = firstBlockReference + maxKinds; //!< of cVERT
-CBVH_CONSTANT uint32_t numReferenceTypes = movingBlockReference + 1u;
+CVERT_CONSTANT uint32_t nodeReference = 0u;       //!< so that the reference is the index
+CVERT_CONSTANT uint32_t cellReference = 1u;       //!< 2 x 2 quads of a grid of GRID
+CVERT_CONSTANT uint32_t instanceReference = 2u;
+CVERT_CONSTANT uint32_t movingNodeReference = 3u; //!< a node whose children move
+CVERT_CONSTANT uint32_t triangleReference = 4u;   //!< 4 to 7: 1 to 4 triangles that follow each other, from the index on
+CVERT_CONSTANT uint32_t firstBlockReference = 8u; //!< and the number of the kind
+CVERT_CONSTANT uint32_t movingBlockReference = firstBlockReference + maxKinds; //!< of cVERT
+CVERT_CONSTANT uint32_t numReferenceTypes = movingBlockReference + 1u;
 
 /*! a child that is none; its type is no other's */
-CBVH_CONSTANT uint32_t emptyReference = 0xFFFFFFFFu;
+CVERT_CONSTANT uint32_t emptyReference = 0xFFFFFFFFu;
 
-CBVH_FUNCTION uint32_t makeReference (uint32_t type, uint32_t index) { return (type << referenceShift) | index; }
-CBVH_FUNCTION uint32_t referenceType (uint32_t reference) { return reference >> referenceShift; }
-CBVH_FUNCTION uint32_t referenceIndex (uint32_t reference) { return reference & referenceMask; }
-CBVH_FUNCTION uint32_t blockReference (uint32_t kind) { return firstBlockReference + kind; }
+CVERT_FUNCTION uint32_t makeReference (uint32_t type, uint32_t index) { return (type << referenceShift) | index; }
+CVERT_FUNCTION uint32_t referenceType (uint32_t reference) { return reference >> referenceShift; }
+CVERT_FUNCTION uint32_t referenceIndex (uint32_t reference) { return reference & referenceMask; }
+CVERT_FUNCTION uint32_t blockReference (uint32_t kind) { return firstBlockReference + kind; }
 
 /*! of a run of 1 to maxTriangleRun triangles */
-CBVH_CONSTANT uint32_t maxTriangleRun = 4u;
-CBVH_FUNCTION uint32_t runReference (uint32_t first, uint32_t count) { return makeReference(triangleReference + count-1u,first); }
-CBVH_FUNCTION bool isRunType (uint32_t type) { return (type & ~(maxTriangleRun-1u)) == triangleReference; }
-CBVH_FUNCTION uint32_t countOfRun (uint32_t type) { return type - triangleReference + 1u; }
+CVERT_CONSTANT uint32_t maxTriangleRun = 4u;
+CVERT_FUNCTION uint32_t runReference (uint32_t first, uint32_t count) { return makeReference(triangleReference + count-1u,first); }
+CVERT_FUNCTION bool isRunType (uint32_t type) { return (type & ~(maxTriangleRun-1u)) == triangleReference; }
+CVERT_FUNCTION uint32_t countOfRun (uint32_t type) { return type - triangleReference + 1u; }
 
 /* A grid of GRID, Embree's GridSOA, in words: vertices along u and along v, vertices in all, IDs, and how
  * many bytes behind the data's begin are four planes: x, y, z, and u and v in 16 bits each, of which 1 is
  * an eighth. */
-CBVH_CONSTANT uint32_t gridWidthWord = 3u, gridHeightWord = 4u, gridPlaneWord = 5u, gridGeometryWord = 6u, gridPrimitiveWord = 7u;
-CBVH_CONSTANT uint32_t gridOffsetWord = 9u, gridDataWord = 12u;
+CVERT_CONSTANT uint32_t gridWidthWord = 3u, gridHeightWord = 4u, gridPlaneWord = 5u, gridGeometryWord = 6u, gridPrimitiveWord = 7u;
+CVERT_CONSTANT uint32_t gridOffsetWord = 9u, gridDataWord = 12u;
 
 CBVH_END
 

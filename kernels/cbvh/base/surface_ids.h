@@ -7,6 +7,8 @@
  * hold a number that is the process's, and each scene has a table of its own that takes it to the geometry's ID there. Surfaces that
  * move have a bit more in theirs, so that it is no ID: beside them Embree may trace surfaces that do not move, whose grids have IDs. */
 
+#include "codec.h"
+#include "../../cvert/format/limits.h"
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -29,9 +31,6 @@ namespace embree
     private:
       uint32_t value;
     };
-
-    /*! added to the number of a surface that moves */
-    static const uint32_t movingSurface = 0x80000000u;
 
     /*! IDs of the geometries of a scene by the numbers of their surfaces; looked up for each hit. */
     class SurfaceIDs

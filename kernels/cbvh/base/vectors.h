@@ -3,12 +3,12 @@
 
 #pragma once
 
-/* The functions of base/language.h for Embree's vectors, so that shared code takes rays of a packet and
+/* The functions of cvert/basics/language.h for Embree's vectors, so that shared code takes rays of a packet and
  * quads of a group in lanes; and products that are fused with a sum, or not, as is written: elsewhere the compiler may do it
  * in one way here and in another there. */
 
 #include "language.h"
-#include "reciprocal.h"
+#include "../../cvert/rule/reciprocal.h"
 #include "../embree/simd.h"
 
 namespace embree

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* A block of cGRID, cVOXEL or cLEAF: 2^height x 2^height quads of a patch in one local frame.
- * (Those of cVERT have no frame, see vert/format.h.) It is a header, then
+ * (Those of cVERT have no frame, see cvert/format/block.h.) It is a header, then
  * the words of a complete quadtree level by level, each level in Morton order, then the
  * leaves in Morton order (cLEAF) or the vertices row by row (cGRID). Nothing points
  * anywhere: positions, parameters and vertex indices follow from the index.
@@ -19,14 +19,14 @@
 CBVH_BEGIN
 
 /*! of the bytes described here; a change that readers have to know of counts up */
-CBVH_CONSTANT uint32_t formatVersion = 1u;
+CVERT_CONSTANT uint32_t formatVersion = 1u;
 
 /*! whether a block has words of groups, leaf.h, for its last level of nodes */
-CBVH_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
+CVERT_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
 
 /* --- sizes --------------------------------------------------------------------------- */
 
-CBVH_CONSTANT uint32_t blockHeaderBytes = 76u;
+CVERT_CONSTANT uint32_t blockHeaderBytes = 76u;
 
 /*! sizes and offsets in bytes of everything behind the header */
 struct BlockLayout
@@ -40,7 +40,7 @@ struct BlockLayout
   uint32_t stride;      //!< distance between blocks that follow each other
 };
 
-CBVH_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
+CVERT_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
 {
   uint32_t leafLevels = kindFormats[kind].leafLevels;
   uint32_t width = (1u << height) + 1u;
@@ -71,34 +71,34 @@ struct BlockHeader
   uint32_t tiling;      //!< where the patch is in its face, and its last block
 };
 
-CBVH_FUNCTION uint32_t blockInfo (uint32_t kind, uint32_t height, uint32_t x, uint32_t y) {
+CVERT_FUNCTION uint32_t blockInfo (uint32_t kind, uint32_t height, uint32_t x, uint32_t y) {
   return kind | (height << 4) | (x << 8) | (y << 16);
 }
-CBVH_FUNCTION uint32_t kindOf (uint32_t info) { return info & 15u; }
-CBVH_FUNCTION uint32_t heightOf (uint32_t info) { return (info >> 4) & 15u; }
-CBVH_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }  //!< position in the patch, in blocks
-CBVH_FUNCTION uint32_t blockYOf (uint32_t info) { return (info >> 16) & 255u; }
+CVERT_FUNCTION uint32_t kindOf (uint32_t info) { return info & 15u; }
+CVERT_FUNCTION uint32_t heightOf (uint32_t info) { return (info >> 4) & 15u; }
+CVERT_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }  //!< position in the patch, in blocks
+CVERT_FUNCTION uint32_t blockYOf (uint32_t info) { return (info >> 16) & 255u; }
 
 /*! cLEAF: edges on the border of the block are within this part of their leaves' boxes,
  *  from the outer side */
-CBVH_FUNCTION float borderWidthOf (uint32_t info) { return float((info >> 28)+1u)*(1.0f/16.0f); }
+CVERT_FUNCTION float borderWidthOf (uint32_t info) { return float((info >> 28)+1u)*(1.0f/16.0f); }
 
 /*! lastX, lastY: position of the patch's last block; u0, v0: face parameters of the patch's
  *  corner (0,0), in halves, as the sub-patches of an n-gon have them */
-CBVH_FUNCTION uint32_t blockTiling (uint32_t lastX, uint32_t lastY, uint32_t u0, uint32_t v0) {
+CVERT_FUNCTION uint32_t blockTiling (uint32_t lastX, uint32_t lastY, uint32_t u0, uint32_t v0) {
   return lastX | (lastY << 8) | (u0 << 16) | (v0 << 24);
 }
-CBVH_FUNCTION uint32_t lastXOf (uint32_t tiling) { return tiling & 255u; }
-CBVH_FUNCTION uint32_t lastYOf (uint32_t tiling) { return (tiling >> 8) & 255u; }
-CBVH_FUNCTION uint32_t cornerUOf (uint32_t tiling) { return (tiling >> 16) & 255u; }
-CBVH_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
+CVERT_FUNCTION uint32_t lastXOf (uint32_t tiling) { return tiling & 255u; }
+CVERT_FUNCTION uint32_t lastYOf (uint32_t tiling) { return (tiling >> 8) & 255u; }
+CVERT_FUNCTION uint32_t cornerUOf (uint32_t tiling) { return (tiling >> 16) & 255u; }
+CVERT_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
 /*! A parameter of the face, of a point at x quads from the block's corner along its axis.
  *  corner: of the patch, in halves; block, last: position of the block and of the patch's
  *  last one. Divided, not multiplied by a reciprocal, so that the patch ends at 1. */
-CBVH_REAL CBVH_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
+CVERT_REAL CVERT_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
 {
   return Real(0.5f*float(corner)) + (Real(float(block << height)) + x)/Real(float((last+1u) << height));
 }

@@ -14,7 +14,8 @@
  * A ray that meets these bounds may hit what reaches past them. The bounds of the scene hold
  * that too: applications clip their rays to them. */
 
-#include "../base/world.h"
+#include "../base/codec.h"
+#include "../../cvert/basics/world.h"
 #include "tree.h"
 #include "block_geometry.h"
 

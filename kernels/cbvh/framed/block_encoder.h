@@ -55,7 +55,7 @@ namespace embree
         case Kind::GRID : encodeWith(GridEncoder (geometry,block,statistics),block); break;
         case Kind::VOXEL: encodeWith(VoxelEncoder(geometry,block,statistics),block); break;
         case Kind::LEAF : encodeWith(LeafEncoder (geometry,block,sharpSides,statistics),block); break;
-        case Kind::VERT : break; // has no frame: vert/encoder.h
+        case Kind::VERT : break; // has no frame: cvert/encoder/block_encoder.h
         }
       }
 

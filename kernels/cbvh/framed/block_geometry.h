@@ -11,7 +11,8 @@
 #include "leaf/format.h"
 #include "frame_fit.h"
 #include "node_encoder.h"
-#include "../base/vertices4.h"
+#include "../base/codec.h"
+#include "../../cvert/basics/vertices4.h"
 #include <algorithm>
 #include <cstring>
 

@@ -7,8 +7,9 @@
  * encoding, and for whoever wants to know where in the world a box is. */
 
 #include "block.h"
-#include "../base/lanes.h"
-#include "../base/world.h"
+#include "../base/codec.h"
+#include "../../cvert/basics/double4.h"
+#include "../../cvert/basics/world.h"
 
 namespace embree
 {

@@ -30,33 +30,33 @@
 CBVH_BEGIN
 
 /*! ulps of the distance between ray and block, and of 1, that a ray is displaced by */
-CBVH_CONSTANT float distanceUlps = 4.0f;
-CBVH_CONSTANT float unitUlps = 8.0f;
+CVERT_CONSTANT float distanceUlps = 4.0f;
+CVERT_CONSTANT float unitUlps = 8.0f;
 
 /*! How far a box reaches from its centre, in parts of 1/(the least stretch of x, y and z). Where
  *  its sides are at right angles it is at most sqrt(3) of that long, and reaches sqrt(3)/2 of its
  *  length: the 3/2 ulps that are lost there are less than distanceUlps of this. */
-CBVH_CONSTANT float reachOfBox = 0.75f;
+CVERT_CONSTANT float reachOfBox = 0.75f;
 
 /*! farther than any parameter of a ray */
-CBVH_CONSTANT float beyondAll = 3.0e38f;
+CVERT_CONSTANT float beyondAll = 3.0e38f;
 
 /*! part of a line */
-CBVH_REAL struct Range
+CVERT_REAL struct Range
 {
   Real lower, upper;
 };
 
-CBVH_REAL CBVH_FUNCTION CBVH_OF(Range) makeRange (Real lower, Real upper)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) makeRange (Real lower, Real upper)
 {
-  CBVH_OF(Range) range;
+  CVERT_OF(Range) range;
   range.lower = lower;
   range.upper = upper;
   return range;
 }
 
 /*! keeps the part of a range of s where o + s d >= 0 */
-CBVH_REAL CBVH_FUNCTION CBVH_OF(Range) clipRange (CBVH_OF(Range) range, Real o, Real d)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) clipRange (CVERT_OF(Range) range, Real o, Real d)
 {
   if (d > Real(0)) range.lower = greater(range.lower,-o/d);
   else if (d < Real(0)) range.upper = lesser(range.upper,-o/d);
@@ -65,14 +65,14 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(Range) clipRange (CBVH_OF(Range) range, Real o, 
 }
 
 /*! a ray in the world, from tnear to tfar in units of dir */
-CBVH_REAL struct WorldRay
+CVERT_REAL struct WorldRay
 {
   Real org[3], dir[3];
   Real tnear, tfar;
 };
 
 /*! part of a ray in the frame */
-CBVH_REAL struct Segment
+CVERT_REAL struct Segment
 {
   Real P0[3], P1[3];
   Real epsilon[3];   //!< see above
@@ -85,7 +85,7 @@ CBVH_REAL struct Segment
 
 /*! What bounds are widened by, times W: lane k from the frame's columns and the largest
  *  component of the ray's origin relative to the centre. */
-CBVH_REAL CBVH_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int k)
+CVERT_REAL CVERT_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int k)
 {
   Real shortest = Real(beyondAll), stretchK = Real(0), stretchW = Real(0);
   for (int j=0; j<4; j++)
@@ -102,7 +102,7 @@ CBVH_REAL CBVH_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int k
 
 /*! Clips a ray to the box of a block and takes it to the frame.
  *  widening: of epsilon, 1 as in the SIMD path. */
-CBVH_REAL CBVH_FUNCTION CBVH_OF(Segment) enterBlock (BlockHeader block, CBVH_OF(WorldRay) ray, Real widening)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_OF(WorldRay) ray, Real widening)
 {
   Real o[3], od = Real(0), dd = Real(0), distance = Real(0);
   for (int i=0; i<3; i++) {
@@ -124,9 +124,9 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(Segment) enterBlock (BlockHeader block, CBVH_OF(
     }
   }
 
-  CBVH_OF(Segment) segment;
+  CVERT_OF(Segment) segment;
   /* clip to X >= 0 and W-X >= 0, and so on: linear in the parameter */
-  CBVH_OF(Range) inBox = makeRange(Real(-beyondAll),Real(beyondAll));
+  CVERT_OF(Range) inBox = makeRange(Real(-beyondAll),Real(beyondAll));
   for (int k=0; k<3; k++) {
     segment.epsilon[k] = widening*rayEpsilon(block,distance,k);
     inBox = clipRange(inBox,O[k]+segment.epsilon[k],D[k]);
@@ -150,32 +150,32 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(Segment) enterBlock (BlockHeader block, CBVH_OF(
 }
 
 /*! world parameter of s: how far from t0 to t1 */
-CBVH_REAL CBVH_FUNCTION Real worldShare (Real w0, Real w1, Real s)
+CVERT_REAL CVERT_FUNCTION Real worldShare (Real w0, Real w1, Real s)
 {
   Real sw = s*w0;
   return sw/(w1*(Real(1)-s) + sw);
 }
 
 /*! s of a world parameter, given how far from t0 to t1 it is: the inverse */
-CBVH_REAL CBVH_FUNCTION Real localShare (Real w0, Real w1, Real tau)
+CVERT_REAL CVERT_FUNCTION Real localShare (Real w0, Real w1, Real tau)
 {
   Real tw = tau*w1;
   return tw/(w0*(Real(1)-tau) + tw);
 }
 
-CBVH_REAL CBVH_FUNCTION Real worldT (CBVH_OF(Segment) segment, Real s) {
+CVERT_REAL CVERT_FUNCTION Real worldT (CVERT_OF(Segment) segment, Real s) {
   return segment.t0 + worldShare(segment.w0,segment.w1,s)*(segment.t1-segment.t0);
 }
 
 /*! a coordinate at s */
-CBVH_REAL CBVH_FUNCTION Real segmentAt (CBVH_OF(Segment) segment, int axis, Real s) {
+CVERT_REAL CVERT_FUNCTION Real segmentAt (CVERT_OF(Segment) segment, int axis, Real s) {
   return segment.P0[axis] + s*(segment.P1[axis]-segment.P0[axis]);
 }
 
 /*! part of the segment's line within the first axes (2 or 3) of a box, widened by epsilon */
-CBVH_REAL CBVH_FUNCTION CBVH_OF(Range) rangeInBox (CBVH_OF(Segment) segment, NodeBox box, int axes)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment, NodeBox box, int axes)
 {
-  CBVH_OF(Range) range = makeRange(Real(-beyondAll),Real(beyondAll));
+  CVERT_OF(Range) range = makeRange(Real(-beyondAll),Real(beyondAll));
   for (int k=0; k<axes; k++) {
     Real d = segment.P1[k]-segment.P0[k];
     range = clipRange(range,segment.P0[k]-Real(box.lower[k])+segment.epsilon[k],d);
@@ -185,7 +185,7 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(Range) rangeInBox (CBVH_OF(Segment) segment, Nod
 }
 
 /*! whether a part of the segment's line has some of the segment */
-CBVH_REAL CBVH_FUNCTION bool isOnSegment (CBVH_OF(Range) range) {
+CVERT_REAL CVERT_FUNCTION bool isOnSegment (CVERT_OF(Range) range) {
   return greater(range.lower,Real(0)) <= lesser(range.upper,Real(1));
 }
 

@@ -36,31 +36,31 @@ struct NodeBox
   float extent[3];
 };
 
-CBVH_FUNCTION NodeBox rootBox ()
+CVERT_FUNCTION NodeBox rootBox ()
 {
   NodeBox box;
   for (int k=0; k<3; k++) { box.lower[k] = 0.0f; box.extent[k] = 1.0f; }
   return box;
 }
 
-CBVH_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + box.extent[axis]; }
+CVERT_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + box.extent[axis]; }
 
 /*! distance that decoded planes keep from the geometry, see above */
-CBVH_CONSTANT float containmentSlack = 1.0f/1048576.0f;
+CVERT_CONSTANT float containmentSlack = 1.0f/1048576.0f;
 
 /* Books are numbers of 8 bits packed into words: a GPU would read a table from memory. */
 
 /*! number i of eight, four in each word */
-CBVH_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) { return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u; }
+CVERT_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) { return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u; }
 
 /*! Outer planes: distance from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. They only win back
  *  what the parent's own rounding lost, hence small steps. */
-CBVH_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
+CVERT_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
 
 /*! Inner planes: position of column 0's upper plane; column 1's lower plane mirrors it: 116, 125, 130, 136, 144,
  *  160, 192 or 256 of 256 (packed less 1). Fine around the middle, where patch-aligned frames put it, and 1 for
  *  surfaces that fold over their neighbour. */
-CBVH_FUNCTION float innerPosition (uint32_t code) { return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f); }
+CVERT_FUNCTION float innerPosition (uint32_t code) { return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f); }
 
 /*! z intervals in parent extents; the first one always contains. The others make the mean
  *  logarithm of a child's height smallest over blocks of real and of analytic
@@ -69,7 +69,7 @@ CBVH_FUNCTION float innerPosition (uint32_t code) { return float(packedByte(0x87
  *    lower  0  7  2 16 11  7 14  0
  *    upper 32 26 20 32 23 19 28 15 */
 struct Interval { float lower, upper; };
-CBVH_FUNCTION Interval zInterval (uint32_t code)
+CVERT_FUNCTION Interval zInterval (uint32_t code)
 {
   Interval z;
   z.lower = float(packedByte(0x10020700u,0x000E070Bu,code))*(1.0f/32.0f);
@@ -84,26 +84,26 @@ CBVH_FUNCTION Interval zInterval (uint32_t code)
  *   bits 10..14  y lower planes of rows 0 and 1
  *   bits 15..19  y upper planes of rows 1 and 0
  *   bits 20..31  z interval of children 0 to 3, 3 bits each */
-CBVH_CONSTANT int planePairBits = 5;
-CBVH_CONSTANT uint32_t planePairMask = 31u;
-CBVH_CONSTANT int zShift = 20;
-CBVH_CONSTANT int zBits = 3;
+CVERT_CONSTANT int planePairBits = 5;
+CVERT_CONSTANT uint32_t planePairMask = 31u;
+CVERT_CONSTANT int zShift = 20;
+CVERT_CONSTANT int zBits = 3;
 
-CBVH_FUNCTION int lowerShift (int axis) { return axis*2*planePairBits; }
-CBVH_FUNCTION int upperShift (int axis) { return axis*2*planePairBits + planePairBits; }
+CVERT_FUNCTION int lowerShift (int axis) { return axis*2*planePairBits; }
+CVERT_FUNCTION int upperShift (int axis) { return axis*2*planePairBits + planePairBits; }
 
 /*! lower (upper) plane of a column, in parent extents, from the 5 bits of its pair */
-CBVH_FUNCTION float lowerPlane (uint32_t pair, int column) {
+CVERT_FUNCTION float lowerPlane (uint32_t pair, int column) {
   return column == 0 ? outerOffset(pair & 3u) : 1.0f - innerPosition((pair >> 2) & 7u);
 }
-CBVH_FUNCTION float upperPlane (uint32_t pair, int column) {
+CVERT_FUNCTION float upperPlane (uint32_t pair, int column) {
   return column == 1 ? 1.0f - outerOffset(pair & 3u) : innerPosition((pair >> 2) & 7u);
 }
 
-CBVH_FUNCTION uint32_t zCode (uint32_t word, int child) { return (word >> (zShift + zBits*child)) & 7u; }
+CVERT_FUNCTION uint32_t zCode (uint32_t word, int child) { return (word >> (zShift + zBits*child)) & 7u; }
 
 /*! bounds of a child, from its parent's word and bounds */
-CBVH_FUNCTION NodeBox decodeChild (uint32_t word, int child, NodeBox parent)
+CVERT_FUNCTION NodeBox decodeChild (uint32_t word, int child, NodeBox parent)
 {
   NodeBox box;
   for (int axis=0; axis<2; axis++)

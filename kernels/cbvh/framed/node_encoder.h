@@ -6,7 +6,8 @@
 /* Encoder of node words, framed/node.h. In double, as it must not round inwards. */
 
 #include "node.h"
-#include "../base/lanes.h"
+#include "../base/codec.h"
+#include "../../cvert/basics/double4.h"
 #include <algorithm>
 
 namespace embree

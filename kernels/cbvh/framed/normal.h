@@ -11,7 +11,7 @@
 
 CBVH_BEGIN
 
-CBVH_REAL struct Vector
+CVERT_REAL struct Vector
 {
   Real x[3];
 };
@@ -19,9 +19,9 @@ CBVH_REAL struct Vector
 /*! World normal, not of unit length, of the plane z = slopeX x + slopeY y + const through a
  *  point of the frame. A plane (a,b,c,d) of homogeneous frame coordinates is the plane
  *  (a,b,c,d) M of the world: no inverse is needed. */
-CBVH_REAL CBVH_FUNCTION CBVH_OF(Vector) worldNormal (BlockHeader block, CBVH_OF(Vector) p, Real slopeX, Real slopeY)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT_OF(Vector) p, Real slopeX, Real slopeY)
 {
-  CBVH_OF(Vector) normal;
+  CVERT_OF(Vector) normal;
   Real k = p.x[2] - slopeX*p.x[0] - slopeY*p.x[1];
   for (int i=0; i<3; i++)
     normal.x[i] = Real(block.columns[i][2]) - slopeX*Real(block.columns[i][0]) - slopeY*Real(block.columns[i][1]) - k*Real(block.columns[i][3]);
@@ -31,11 +31,11 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(Vector) worldNormal (BlockHeader block, CBVH_OF(
 /*! Square of the sine of 30 degrees. Where a ray meets a step behind a silhouette the surface
  *  there may face away from the side that the ray comes from: a normal that does so by less
  *  is mirrored across the ray. */
-CBVH_CONSTANT float turnedSine2 = 0.25f;
+CVERT_CONSTANT float turnedSine2 = 0.25f;
 
 /*! Whether a normal is to be mirrored across the ray. along: dot product of normal and
  *  direction; normal2, direction2: squares of their lengths; from: side, hit_rule.h. */
-CBVH_REAL CBVH_FUNCTION bool isTurned (Real along, Real normal2, Real direction2, uint32_t from)
+CVERT_REAL CVERT_FUNCTION bool isTurned (Real along, Real normal2, Real direction2, uint32_t from)
 {
   bool away = (from == sideAbove && along > Real(0)) || (from == sideBelow && along < Real(0));
   return away && along*along < Real(turnedSine2)*normal2*direction2;

@@ -12,11 +12,11 @@
 CBVH_BEGIN
 
 /*! whether the words of a level are those of groups, leaf.h */
-CBVH_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLevels) { return hasGroups(kind) && level+1u == nodeLevels; }
+CVERT_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLevels) { return hasGroups(kind) && level+1u == nodeLevels; }
 
 /*! Decoded bounds of a child. group: whether the word is that of a group, whose heights are
  *  without meaning else. */
-CBVH_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
+CVERT_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (group) return decodeLeaf(word,heights,child,parent).box;
   return decodeChild(word,child,parent);

@@ -13,7 +13,8 @@
  *   bool number (i, QuadNumbers&)      whether each of its quads is a primitive of its own, and which */
 
 #include "embree_bytes.h"
-#include "lattice.h"
+#include "../base/codec.h"
+#include "../../cvert/encoder/lattice.h"
 #include "quad_regions.h"
 #include "source.h"
 
@@ -68,7 +69,7 @@ namespace embree
       }
 
       const float* position (size_t vertex, unsigned step) const { return (const float*)mesh->vertices[step].getPtr(vertex); }
-      bool number (size_t, QuadNumbers&) const { return false; }
+      bool number (size_t, cbvh::QuadNumbers&) const { return false; }
 
       /*! vertices outside of their buffer are errors, as of no other of Embree's types */
       static const bool reportsInvalid = true;
@@ -111,7 +112,7 @@ namespace embree
       bool isValid (size_t) const { return true; }
       const float* position (size_t vertex, unsigned step) const { return (const float*)mesh->vertices[step].getPtr(vertex); }
 
-      bool number (size_t i, QuadNumbers& out) const
+      bool number (size_t i, cbvh::QuadNumbers& out) const
       {
         const QuadRegions::Region& r = regions->regions[i];
         const unsigned* const of = regions->quads.data()+r.first;

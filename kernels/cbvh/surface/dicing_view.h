@@ -7,7 +7,8 @@
  * squares of lengths that a scene may have, 1e-20 to 1e20, overflow or underflow in floats. */
 
 #include "../embree/scene.h"
-#include "../base/world.h"
+#include "../base/codec.h"
+#include "../../cvert/basics/world.h"
 #include "../../../include/embree3/rtcore_dicing.h"
 
 namespace embree

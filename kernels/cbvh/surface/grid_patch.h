@@ -24,7 +24,7 @@ namespace embree
       {
         explicit Scratch (Device* device) : VertexGrid(device) {}
         void setSize (size_t w, size_t h) { width = w; height = h; resize(); }
-        QuadNumbers numbers;
+        cbvh::QuadNumbers numbers;
       };
 
       GridPatch (const Vertices& vertices, uint32_t surface, size_t grid, Scratch& scratch)

@@ -60,7 +60,7 @@ namespace embree
         }
         return true;
       }
-      bool number (size_t i, QuadNumbers& out) const { return grids.number(i,out); }
+      bool number (size_t i, cbvh::QuadNumbers& out) const { return grids.number(i,out); }
 
       /*! of a grid's lattice */
       int exponent (size_t grid, unsigned step) const { return exponents[step*size() + grid]; }

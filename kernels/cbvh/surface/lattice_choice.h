@@ -5,7 +5,8 @@
 
 /* The lattice of a face, or of a grid, from lines of its vertices: its borders, and the middles of its patches. */
 
-#include "lattice.h"
+#include "../base/codec.h"
+#include "../../cvert/encoder/lattice.h"
 #include "plan.h"
 
 namespace embree

@@ -21,7 +21,10 @@ namespace embree
       CompressionSettings settings;  //!< resolved
 
       CompressionPlan (const CompressibleGeometry* geometry, uint32_t number)
-        : surface(number | (geometry->numTimeSteps != 1 ? cbvh::movingSurface : 0)), numTimeSteps(geometry->numTimeSteps), timeRange(geometry->time_range), settings(geometry->compression.resolve(geometry->device->compression)), isCompressed(cbvh::findKind(settings.compression,blockKind)) {
+        : surface(number | (geometry->numTimeSteps != 1 ? cbvh::movingSurface : 0)), numTimeSteps(geometry->numTimeSteps), timeRange(geometry->time_range),
+          settings(geometry->compression.resolve(geometry->device->compression))
+      {
+        isCompressed = cbvh::findKind(settings.compression,blockKind);
         if (geometry->isCompressed() || moves()) blockKind = cbvh::Kind::VERT;
       }
 

@@ -6,7 +6,8 @@
 /* Vertices by where they are: all that are equal as floats, at all time steps, are one entry, which has the coarsest lattice of all at the first
  * step. Filled by all threads at once. */
 
-#include "lattice.h"
+#include "../base/codec.h"
+#include "../../cvert/encoder/lattice.h"
 #include "../base/atomic_ref.h"
 #include "../embree/scene.h"
 #include <functional>

@@ -12,7 +12,8 @@
  *     v0 --- v1 --- .       triangles as in their mesh, and a vertex of a region is one of the mesh, whichever quad is asked. */
 
 #include "../embree/scene.h"
-#include "../base/quad_numbers.h"
+#include "../base/codec.h"
+#include "../../cvert/format/quad_numbers.h"
 #include <memory>
 
 namespace embree
@@ -28,7 +29,7 @@ namespace embree
     /*! primID, and that of its second triangle less 1 */
     unsigned number (size_t quad) const { return unsigned(quad); }
 
-    /*! see base/quad_numbers.h */
+    /*! see cvert/format/quad_numbers.h */
     unsigned form (size_t) const { return 0; }
   };
 

@@ -6,8 +6,9 @@
 /* The border of a patch as its face shares it with others: the positions that
  * the owners have, on the lattices that all have in common (shared_vertices.h, grid_vertices.h). */
 
-#include "../base/stitching.h"
-#include "lattice.h"
+#include "../base/codec.h"
+#include "../../cvert/format/stitching.h"
+#include "../../cvert/encoder/lattice.h"
 #include "vertex_grid.h"
 
 namespace embree

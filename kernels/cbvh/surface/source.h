@@ -16,8 +16,9 @@
  *   int latticeExponent (unsigned step)
  *       Of the lattice of the patch's own vertices. */
 
+#include "../base/codec.h"
+#include "../../cvert/encoder/numbers_encoder.h"
 #include "vertex_grid.h"
-#include <vector>
 
 namespace embree
 {
@@ -47,14 +48,6 @@ namespace embree
 
     static const unsigned looseSide = 4; //!< quads of a mesh that lie in no grid of so many along each side are loose
 
-    /*! Quads that are primitives of their own, base/quad_numbers.h. */
-    struct QuadNumbers
-    {
-      uint32_t form;                 //!< without a pattern
-      unsigned width;                //!< in quads
-      std::vector<uint32_t> numbers; //!< row by row
-    };
-
     struct SurfacePatch
     {
       uint32_t surface;     //!< its number, surface_ids.h
@@ -62,7 +55,7 @@ namespace embree
       unsigned corner[2];   //!< parameters of the primitive at the patch's corner, in halves
       unsigned quads[2];    //!< along u and v: the higher rate of two opposite edges
       const float* rate;    //!< of the edges v = 0, u = 1, v = 1, u = 0
-      const QuadNumbers* numbers = nullptr; //!< null where the patch is of one primitive
+      const cbvh::QuadNumbers* numbers = nullptr; //!< null where the patch is of one primitive
     };
   }
 }

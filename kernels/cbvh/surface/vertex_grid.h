@@ -20,7 +20,8 @@
  * to another block, and parameters are those of the regular grid but for half a quad
  * along the border. */
 
-#include "../base/vertices4.h"
+#include "../base/codec.h"
+#include "../../cvert/basics/vertices4.h"
 #include "../embree/scene.h"
 #include <cmath>
 

@@ -6,7 +6,8 @@
 /* The axes of the boxes of a block of cVERT, from its header. */
 
 #include "cache.h"
-#include "format.h"
+#include "../base/codec.h"
+#include "../../cvert/format/block.h"
 #include "../embree/simd.h"
 
 namespace embree

@@ -71,8 +71,8 @@ namespace embree
         const VertSpacing spacing = spacingOf(block->word,block->corners);
         const float step = float(reachStep(block->boxForm)), sheared = step*spacing.at[bounds.axis];
         for (int i=0; i<2; i++) {
-          bounds.upper[i] = float(reachOf(block->reach,i))*step*spacing.at[axisAfter(bounds.axis,1+i)];
-          bounds.sheared[i] = float(reachOf(block->reach,2+i))*sheared;
+          bounds.upper[i] = float(cvert::reachOf(block->reach,i))*step*spacing.at[axisAfter(bounds.axis,1+i)];
+          bounds.sheared[i] = float(cvert::reachOf(block->reach,2+i))*sheared;
         }
         const float extent = extentOfBounds(bounds.upper[0],bounds.upper[1],bounds.sheared[0],bounds.sheared[1]);
         for (int k=0; k<3; k++) {

@@ -3,12 +3,13 @@
 
 #pragma once
 
-/* Decoder of a cell of cVERT, vert/cell.h, all vertices of an axis at a time. Floats hold
+/* Decoder of a cell of cVERT, cvert/format/cell.h, all vertices of an axis at a time. Floats hold
  * every number here exactly, so this equals the codec's integers, fused or not. */
 
 #include "quad_corners.h"
 #include "cache.h"
-#include "format.h"
+#include "../base/codec.h"
+#include "../../cvert/format/block.h"
 
 namespace embree
 {

@@ -3,11 +3,12 @@
 
 #pragma once
 
-/* Fields of a cell of cVERT, vert/cell.h, out of their bits: all of them at a time. */
+/* Fields of a cell of cVERT, cvert/format/cell.h, out of their bits: all of them at a time. */
 
 #include "tables.h"
 #include "../base/wide_vector.h"
-#include "cell.h"
+#include "../base/codec.h"
+#include "../../cvert/format/cell.h"
 
 namespace embree
 {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Decoder of a block of cVERT, vert/format.h: what its groups have in common, then a group at a time. */
+/* Decoder of a block of cVERT, cvert/format/block.h: what its groups have in common, then a group at a time. */
 
 #include "cell_decoder.h"
 #include "axes.h"

@@ -5,7 +5,8 @@
 
 /* Words of the groups of a block of cVERT, and where their fields are: behind those of the groups before. */
 
-#include "format.h"
+#include "../base/codec.h"
+#include "../../cvert/format/block.h"
 #include "../embree/simd.h"
 
 namespace embree

@@ -6,7 +6,8 @@
 /* hits1.h for the rays of a packet: those that pass inside of the edges of one triangle, as most do, together,
  * and the others, and where anything is not clear, one by one. */
 
-#include "../base/lanes.h"
+#include "../base/codec.h"
+#include "../../cvert/basics/double4.h"
 #include "hits1.h"
 #include "../base/epilogues.h"
 

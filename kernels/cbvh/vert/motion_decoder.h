@@ -3,12 +3,13 @@
 
 #pragma once
 
-/* Decoder of a segment of a block of cVERT that moves, vert/motion_format.h: what its groups have in common, then a group at a time; at both
+/* Decoder of a segment of a block of cVERT that moves, cvert/format/motion.h: what its groups have in common, then a group at a time; at both
  * ends. */
 
 #include "decoder.h"
 #include "motion_cache.h"
-#include "scalar_block.h"
+#include "../base/codec.h"
+#include "../../cvert/decoder/decoded_block.h"
 #include "segment_reach.h"
 
 namespace embree
@@ -60,22 +61,22 @@ namespace embree
         void decode (uint32_t segment, SegmentBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
-          const Step steps[2] = { Step(block,layout,segment),Step(block,layout,segment+1) };
+          const StepView steps[2] = { StepView(block,layout,segment),StepView(block,layout,segment+1) };
           for (int e=0; e<2; e++)
             for (int k=0; k<3; k++) out.origins[e][k] = steps[e].origin[k];
-          const bool isSheared = !steps[0].raw && !steps[1].raw;
+          const bool isSheared = !steps[0].isRaw() && !steps[1].isRaw();
           const float extent = likely(isSheared) ? SegmentReach(block,segment).extent() : 0.0f;
           for (int k=0; k<3; k++) out.extent[k] = extent;
           setShear(steps[0].form,isSheared,out);
           for (int e=0; e<2; e++)
           {
-            const Step& step = steps[e];
-            if (unlikely(step.raw)) continue;
+            const StepView& step = steps[e];
+            if (unlikely(step.isRaw())) continue;
             CellVertices corners;
             decodeCorners(step,corners);
             VertDecoder::pack(corners,out.steps[e].corners);
-            decodeGroupWords(step.data+step.words,step.hasHigh ? step.data+step.wordsHigh : nullptr,step.cell + cellBytes(step.word),layout,out.steps[e].words,out.steps[e].fields);
-            if (likely(isSheared)) PlanesDecoder(steps[0].form,steps[0].margins,layout,step.spacing,step.origin).decode(corners,out.ends[e]);
+            decodeGroupWords(step.data+step.words,step.hasHigh() ? step.data+step.wordsHigh : nullptr,step.cell + cellBytes(step.word),layout,out.steps[e].words,out.steps[e].fields);
+            if (likely(isSheared)) PlanesDecoder(steps[0].form,steps[0].data+steps[0].margins,layout,spacingOf(step.word,step.corners),step.origin).decode(corners,out.ends[e]);
           }
           if (likely(isSheared)) widenSheared(out);
           else for (int e=0; e<2; e++) boxesOfVertices(segment+e,e,out);
@@ -90,81 +91,35 @@ namespace embree
           bool hasFirst = false;
           for (uint32_t e=0; e<2; e++)
           {
-            const Step step(block,layout,boxes.key.segment+e);
+            const StepView step(block,layout,boxes.key.segment+e);
             const uint32_t gx = lane & 3, gy = lane >> 2;
-            if (unlikely(step.raw)) { copy(step,gx,gy,out.ends[e]); continue; }
+            if (unlikely(step.isRaw())) { copy(step,gx,gy,out.ends[e]); continue; }
             const StepCells& cells = boxes.steps[e];
             auto corner = [&](int c) { return coordinatesAt(cells.corners.at[vertTables.corners[lane][c]]); };
             const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
             const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
-            const WorldVerticesOfCell world = { out.ends[e],step.spacing,step.origin };
+            const VertSpacing spacing = spacingOf(step.word,step.corners);
+            const WorldVerticesOfCell world = { out.ends[e],spacing,step.origin };
             const uint8_t* fields = step.data + cells.fields[lane];
-            const bool turns = step.later && isTurned(step.later->turned,gy*layout.groupsX+gx);
+            const bool turns = step.isTurned(int(gy*layout.groupsX+gx));
             if (turns && !hasFirst) {
               residualsOfFirst(boxes,lane,first);
               hasFirst = true;
             }
             if (turns) decodeCell(cells.words[lane],fields,TurnedBase(base,*step.later,first),world);
             else decodeCell(cells.words[lane],fields,base,world);
-            if (unlikely(hasRemainders(step.form))) addRemainders(step.data,step.remainders,step.spacing,block->region,gx,gy,out.ends[e]);
+            if (unlikely(hasRemainders(step.form))) addRemainders(step.data,step.remainders,spacing,block->region,gx,gy,out.ends[e]);
           }
         }
 
       private:
-        /*! a step's parts */
-        struct Step
-        {
-          const uint8_t* data;    //!< its start
-          const VertStep* later;  //!< null of the first
-          const float* origin;
-          const uint32_t* corners;
-          uint32_t form, word;
-          VertSpacing spacing;
-          uint32_t remainders, words, wordsHigh, cell; //!< offsets
-          const uint8_t* margins;
-          const uint8_t* floats;  //!< vertices, if it is raw
-          bool raw, hasHigh;
-
-          __forceinline Step (const VertHeader* block, const VertLayout& layout, uint32_t step)
-          {
-            if (step == 0) {
-              later = nullptr;
-              data = (const uint8_t*)block;
-              origin = block->origin; corners = block->corners; form = block->boxForm; word = block->word;
-              remainders = layout.remainders; words = layout.words; wordsHigh = layout.wordsHigh; cell = layout.cell;
-              margins = data + layout.margins;
-              floats = data + layout.vertices;
-              hasHigh = true;
-            }
-            else {
-              later = stepOf(block,step);
-              const VertStepLayout at = vertStepLayout(block->region,later->boxForm);
-              data = (const uint8_t*)later;
-              origin = later->origin; corners = later->corners; form = later->boxForm; word = later->word;
-              remainders = at.remainders; words = at.words; wordsHigh = at.wordsHigh; cell = at.cell;
-              margins = data + at.margins;
-              floats = data + at.vertices;
-              hasHigh = hasUpperBits(form);
-            }
-            raw = cbvh::isRaw(form);
-            spacing = spacingOf(word,corners);
-          }
-
-          __forceinline uint32_t wordOf (uint32_t g) const
-          {
-            uint16_t low;
-            memcpy(&low,data+words+2*g,sizeof(low));
-            return hasHigh ? uint32_t(low) | uint32_t(data[wordsHigh+g]) << 16 : uint32_t(low);
-          }
-        };
-
         /*! corners of groups, in coordinates */
-        void decodeCorners (const Step& step, CellVertices& out) const
+        void decodeCorners (const StepView& step, CellVertices& out) const
         {
           auto corner = [&](int c) { return cornerAt(step.corners,c); };
           const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
           const CellBase base(prediction,false,quadsX,quadsY);
-          if (step.later && isFirstCellTurned(step.form)) {
+          if (step.isTurned(-1)) {
             CellVertices first;
             decodeCell(block->word,(const uint8_t*)block+layout.cell,NoBase(),CoordinatesOfCell{ first });
             decodeCell(step.word,step.data+step.cell,TurnedBase(base,*step.later,first),CoordinatesOfCell{ out });
@@ -179,11 +134,9 @@ namespace embree
             decodeCell(boxes.steps[0].words[lane],(const uint8_t*)block + boxes.steps[0].fields[lane],NoBase(),CoordinatesOfCell{ out });
             return;
           }
-          const Step first(block,layout,0);
-          const uint32_t g = (lane >> 2)*layout.groupsX + (lane & 3);
-          uint32_t at = first.cell + cellBytes(first.word);
-          for (uint32_t before=0; before<g; before++) at += cellBytes(first.wordOf(before));
-          decodeCell(first.wordOf(g),first.data+at,NoBase(),CoordinatesOfCell{ out });
+          const StepView first(block,layout,0);
+          const int g = int((lane >> 2)*layout.groupsX + (lane & 3));
+          decodeCell(first.wordOf(g),first.data+first.fieldsOf(g),NoBase(),CoordinatesOfCell{ out });
         }
 
         /*! Vertices between the ends are rounded, each coordinate by less than 3 times 2^-24 of itself, and so is the origin, and planes by as much. */
@@ -203,7 +156,7 @@ namespace embree
         /*! of a segment with a raw end */
         __noinline void boxesOfVertices (uint32_t step, int end, SegmentBoxes& out) const
         {
-          const ScalarVertBlock vertices(block,step);
+          const DecodedBlock vertices(block,step);
           for (uint32_t l=0; l<16; l++)
           {
             if (!((out.lanes >> l) & 1)) continue;
@@ -226,9 +179,9 @@ namespace embree
         }
 
         /*! of a raw step */
-        void copy (const Step& step, uint32_t gx, uint32_t gy, CellVertices& out) const
+        void copy (const StepView& step, uint32_t gx, uint32_t gy, CellVertices& out) const
         {
-          const float (*v)[3] = (const float (*)[3])step.floats;
+          const float (*v)[3] = (const float (*)[3])(step.data+step.vertices);
           for (uint32_t j=0; j<5; j++)
             for (uint32_t i=0; i<5; i++) {
               const uint32_t x = min(groupQuads*gx + i,quadsX), y = min(groupQuads*gy + j,quadsY);

@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Decoder of the boxes of groups of cVERT, vert/format.h: those of their corners, grown by margins. */
+/* Decoder of the boxes of groups of cVERT, cvert/format/block.h: those of their corners, grown by margins. */
 
-#include "format.h"
+#include "../base/codec.h"
+#include "../../cvert/format/block.h"
 #include "quad_corners.h"
 #include "cache.h"
 

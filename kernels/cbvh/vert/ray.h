@@ -8,7 +8,8 @@
 
 #include "../base/surface_ids.h"
 #include "../base/vectors.h"
-#include "rule.h"
+#include "../base/codec.h"
+#include "../../cvert/rule/rule.h"
 #include "../embree/ray.h"
 
 namespace embree

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Adds the remainders of vert/format.h to the decoded vertices of a group, in the world, one after the other: few blocks have any. */
+/* Adds the remainders of cvert/format/block.h to the decoded vertices of a group, in the world, one after the other: few blocks have any. */
 
 #include "cell_decoder.h"
 

@@ -6,7 +6,8 @@
 /* The bounds of a block of cVERT in a segment of its motion, straight from its steps. */
 
 #include "boxes.h"
-#include "motion_format.h"
+#include "../base/codec.h"
+#include "../../cvert/format/motion.h"
 
 namespace embree
 {
@@ -82,7 +83,7 @@ namespace embree
           end.reach = reach;
         }
 
-        __forceinline float at (int end, int i, int axis) const { return float(reachOf(ends[end].reach,i))*float(ends[end].step)*ends[end].spacing.at[axis]; }
+        __forceinline float at (int end, int i, int axis) const { return float(cvert::reachOf(ends[end].reach,i))*float(ends[end].step)*ends[end].spacing.at[axis]; }
       };
     }
   }

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "tables.h"
-#include "format.h"
+#include "../base/codec.h"
+#include "../../cvert/format/block.h"
 
 #include <algorithm>
 

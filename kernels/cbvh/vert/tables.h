@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What is known beforehand of the 25 vertices of a cell of cVERT, vert/cell.h, a lane
+/* What is known beforehand of the 25 vertices of a cell of cVERT, cvert/format/cell.h, a lane
  * each. Behind the last come lanes without a meaning, so that vectors of any width fit. */
 
 #include "../embree/simd.h"

@@ -13,10 +13,11 @@
 #include "../surface/plan.h"
 #include "../surface/source.h"
 #include "../surface/shared_border.h"
-#include "motion_encoder.h"
-#include "numbers_encoder.h"
-#include "snapped_vertices.h"
-#include "validate.h"
+#include "../base/codec.h"
+#include "../../cvert/encoder/motion_encoder.h"
+#include "../../cvert/encoder/numbers_encoder.h"
+#include "../../cvert/encoder/snapped_vertices.h"
+#include "../../cvert/decoder/validate.h"
 
 namespace embree
 {
@@ -119,7 +120,7 @@ namespace embree
       {
         const cbvh::VertPlacement at = place(patch,x,y,w,h);
         cbvh::VertStatistics block;
-        uint8_t* const bytes = store.begin(cbvh::VertEncoder::maxBytes + NumbersEncoder::maxBytes);
+        uint8_t* const bytes = store.begin(cbvh::VertEncoder::maxBytes + cbvh::NumbersEncoder::maxBytes);
         const size_t size = encoder.encode(at,bytes,block);
         if (size == 0) {
           statistics.sums.numInvalidQuads += size_t(w)*h;
@@ -136,7 +137,7 @@ namespace embree
       {
         if (!movingEncoder) movingEncoder.reset(new cbvh::MotionEncoder);
         const cbvh::VertPlacement at = place(patch,x,y,w,h);
-        uint8_t* const bytes = store.begin(cbvh::MotionEncoder::maxBytes(plan.numTimeSteps) + NumbersEncoder::maxBytes);
+        uint8_t* const bytes = store.begin(cbvh::MotionEncoder::maxBytes(plan.numTimeSteps) + cbvh::NumbersEncoder::maxBytes);
         cbvh::WorldBounds bounds;
         const size_t firstBox = store.boxes.size();
         movingEncoder->begin(at,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps,bytes);
@@ -290,7 +291,7 @@ namespace embree
       unsigned sideRates[4];        //!< of the patch, as its faces share them
       cbvh::VertEncoder encoder;
       std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null until a block that moves is written
-      NumbersEncoder numbers;
+      cbvh::NumbersEncoder numbers;
     };
   }
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "blocks.h"
-#include "kernels/cbvh/scene/validate_block.h"
+#include "kernels/cbvh/files/validate_framed.h"
 
 #include <algorithm>
 #include <cstring>
@@ -24,9 +24,14 @@ void requireValid(const FlatBlock& block)
 {
   if (block.type == cellReference) return;
   const bool moves = block.type == movingBlockReference;
-  const char* error = validateBlock(moves ? kindVert : block.type - firstBlockReference, block.data, block.bytes);
-  if (!error && moves && !isMoving(((const VertHeader*)block.data)->boxForm)) error = "it has one time step, among those that move";
-  if (error) throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("a block of the scene is not valid: ") + error);
+  const uint32_t kind = moves ? kindVert : block.type - firstBlockReference;
+  cvert::Reason reason = kind == kindVert ? cvert::validateVert(block.data, block.bytes) : validateFramedBlock(block.data, block.bytes);
+  if (!reason && kind != kindVert && kindOf(((const BlockHeader*)block.data)->info) != kind)
+    reason = {cvert::ErrorCode::DAMAGED, "its kind differs from that of its reference"};
+  if (!reason && moves && !isMoving(((const VertHeader*)block.data)->boxForm))
+    reason = {cvert::ErrorCode::DAMAGED, "it has one time step, and its geometry has several"};
+  if (reason)
+    throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a block of the scene is not valid: " + reason.message());
 }
 
 bool isVert(const FlatBlock& block) { return block.type == blockReference(kindVert) || block.type == movingBlockReference; }

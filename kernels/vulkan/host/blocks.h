@@ -7,7 +7,7 @@
  * surface changes; the others belong to the scene that sends them. */
 
 #include "memory.h"
-#include "kernels/cbvh/scene/flat_scene.h"
+#include "kernels/cbvh/flat/flat_scene.h"
 
 namespace embree { namespace vulkan {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "device.h"
-#include "kernels/cbvh/base/unfinished_file.h"
+#include "kernels/cvert/file/unfinished_file.h"
 
 #include <chrono>
 #include <algorithm>
@@ -324,9 +324,9 @@ void Device::writeCache() const
   mkdir(folder.c_str(), 0755);
   const uint64_t sum = checksum(data);
   try {
-    cbvh::UnfinishedFile file{cbvh::OutputPath(path)};
-    const int error = cbvh::writeAll(file.descriptor(), &sum, sizeof(sum));
-    if (!error && cbvh::writeAll(file.descriptor(), data.data(), bytes) == 0) file.commit();
+    cvert::UnfinishedFile file{cvert::OutputPath(path)};
+    const int error = cvert::writeAll(file.descriptor(), &sum, sizeof(sum));
+    if (!error && cvert::writeAll(file.descriptor(), data.data(), bytes) == 0) file.commit();
   }
   catch (const std::exception&) {} // drivers compile again without it
 }

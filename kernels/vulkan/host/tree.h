@@ -7,7 +7,7 @@
  * rtcBuildBVH the same over triangles and instances. */
 
 #include "error.h"
-#include "kernels/cbvh/scene/flat_scene.h"
+#include "kernels/cbvh/flat/flat_scene.h"
 
 #include <array>
 #include <cstdint>

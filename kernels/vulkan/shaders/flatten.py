@@ -6,15 +6,15 @@
 
 Makes the one file that applications include out of SHADER and all that it includes: as GLSL alone,
 without what is C++, and with a prefix before every name, so that it gets along with an
-application's own. The headers of kernels/cbvh stay the source; nothing is written twice.
+application's own. The headers of kernels/cvert and kernels/cbvh stay the source; nothing is written twice.
 """
 
 import os
 import re
 import sys
 
-# Names of the language that headers share with C++ (base/language.h), and what they are in GLSL.
-LANGUAGE = {"CBVH_BEGIN": "", "CBVH_END": "", "CBVH_FUNCTION": "", "CBVH_REAL": "", "CBVH_CONSTANT": "const", "Real": "float",
+# Names of the language that headers share with C++ (cvert/basics/language.h), and what they are in GLSL.
+LANGUAGE = {"CBVH_BEGIN": "", "CBVH_END": "", "CVERT_BEGIN": "", "CVERT_END": "", "CVERT_FUNCTION": "", "CVERT_REAL": "", "CVERT_CONSTANT": "const", "Real": "float",
             "uint32_t": "uint", "CBVH_ADDRESS": "uvec2"}
 
 HEAD = """// Copyright 2026 The Embree CBVH authors
@@ -66,13 +66,13 @@ def gather(path, seen):
 
 def without_language(text):
     """Without the macros that make a header two languages."""
-    text = re.sub(r"^#define (?:%s|CBVH_OF)\b.*\n" % "|".join(LANGUAGE), "", text, flags=re.M)
+    text = re.sub(r"^#define (?:%s|CVERT_OF)\b.*\n" % "|".join(LANGUAGE), "", text, flags=re.M)
     text = re.sub(r"/\* What lets the headers of this folder.*?\*/\n", "", text, flags=re.S)
-    text = re.sub(r"CBVH_OF\((\w+)\)", r"\1", text)
+    text = re.sub(r"CVERT_OF\((\w+)\)", r"\1", text)
     for name, value in LANGUAGE.items():
         text = re.sub(r"\b%s\b ?(?=\w)" % name if not value else r"\b%s\b" % name, value, text)
         text = re.sub(r"^%s\n" % name, "", text, flags=re.M)
-    return text
+    return re.sub(r"\bCVERT_", "CBVH_", text)  # one prefix in the application's shader
 
 
 def with_prefix(text):

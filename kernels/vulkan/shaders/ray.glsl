@@ -50,7 +50,7 @@ struct CbvhTravel
   uint firstGeometry;
 };
 
-/* Reciprocal of a component of a direction, whose largest is given, as in kernels/cbvh/base/reciprocal.h, but of the
+/* Reciprocal of a component of a direction, whose largest is given, as in kernels/cvert/rule/reciprocal.h, but of the
  * sign of its zero. */
 float cbvhReciprocal (float d, float largest)
 {

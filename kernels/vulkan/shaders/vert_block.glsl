@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray through a block of cVERT: kernels/cbvh/vert/rule.h says by which rule its triangles are hit. Vertices of a block that does
+/* A ray through a block of cVERT: kernels/cvert/rule/rule.h says by which rule its triangles are hit. Vertices of a block that does
  * not move are decoded a row at a time, and tested as they come; those of one that moves are kept, a group at a time. What a ray may hit is
  * then looked at again, exactly. */
 

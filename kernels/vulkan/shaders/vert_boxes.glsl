@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* A ray and the bounds of a block of cVERT, and the boxes of its groups. They only cull: planes are exact, or linear between exact ones, and
- * are widened as kernels/cbvh/vert/rule.h says. */
+ * are widened as kernels/cvert/rule/rule.h says. */
 
 #ifndef CBVH_VERT_BOXES_GLSL
 #define CBVH_VERT_BOXES_GLSL
 
 #include "ray.glsl"
 #include "vert_vertices.glsl"
-#include "../../cbvh/vert/rule.h"
+#include "../../cvert/rule/rule.h"
 
 /* What of a ray all blocks need. */
 struct CbvhVertRay

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A block of cVERT that moves as it is at a time: kernels/cbvh/vert/motion_format.h. Two steps are decoded, and what is between them
+/* A block of cVERT that moves as it is at a time: kernels/cvert/format/motion.h. Two steps are decoded, and what is between them
  * is interpolated, vertices and planes by the same expression, each of whose operations rounds monotonically: a plane that bounds vertices at
  * both ends bounds them between. */
 

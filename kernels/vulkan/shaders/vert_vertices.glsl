@@ -1,14 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Vertices of a block of cVERT at a time step: kernels/cbvh/vert/format.h, cell.h and motion_format.h say what the bytes are. A block that does not
+/* Vertices of a block of cVERT at a time step: kernels/cvert/format/block.h, cell.h and motion.h say what the bytes are. A block that does not
  * move has one step. */
 
 #ifndef CBVH_VERT_VERTICES_GLSL
 #define CBVH_VERT_VERTICES_GLSL
 
 #include "memory.glsl"
-#include "../../cbvh/vert/motion_format.h"
+#include "../../cvert/format/motion.h"
 
 struct CbvhVertStep
 {

@@ -16,17 +16,17 @@ CBVH_BEGIN
 /* --- height of a ray over a bilinear patch ------------------------------------------- */
 
 /*! f(k) = f0 + k (f1-f0) + saddle k (1-k), k from 0 at the entry to 1 at the exit */
-CBVH_REAL struct Parabola
+CVERT_REAL struct Parabola
 {
   Real f0, f1, saddle;
 };
 
-CBVH_REAL CBVH_FUNCTION Real parabolaAt (CBVH_OF(Parabola) f, Real k) {
+CVERT_REAL CVERT_FUNCTION Real parabolaAt (CVERT_OF(Parabola) f, Real k) {
   return f.f0 + k*(f.f1-f.f0) + f.saddle*k*(Real(1)-k);
 }
 
 /*! k where f changes sign; the end nearer to the patch if both have the same */
-CBVH_REAL CBVH_FUNCTION Real parabolaRoot (CBVH_OF(Parabola) f)
+CVERT_REAL CVERT_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
 {
   if ((f.f0 < Real(0)) == (f.f1 < Real(0))) return magnitude(f.f0) < magnitude(f.f1) ? Real(0) : Real(1);
   /* saddle k^2 - b k - f0 = 0; q does not cancel, and exactly one root is between */
@@ -43,13 +43,13 @@ CBVH_REAL CBVH_FUNCTION Real parabolaRoot (CBVH_OF(Parabola) f)
 
 /*! what closes one side of a block: up to reach below the patch, within width of that side;
  *  epsilon: of z */
-CBVH_REAL struct Lip
+CVERT_REAL struct Lip
 {
   Real width, reach, epsilon;
 };
 
 /*! where a ray meets a lip */
-CBVH_REAL struct LipMeeting
+CVERT_REAL struct LipMeeting
 {
   bool met;
   Real k;  //!< a place within reach, or the first one near the side
@@ -58,9 +58,9 @@ CBVH_REAL struct LipMeeting
 /*! Whether a ray meets the lip of a side. p0, p1: the ray's position at entry and exit, from
  *  0 at that side to 1 at the other. Over the part near the side f is largest and smallest at
  *  its ends or at its vertex. */
-CBVH_REAL CBVH_FUNCTION CBVH_OF(LipMeeting) meetLip (CBVH_OF(Parabola) f, Real p0, Real p1, CBVH_OF(Lip) lip)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLip (CVERT_OF(Parabola) f, Real p0, Real p1, CVERT_OF(Lip) lip)
 {
-  CBVH_OF(LipMeeting) at;
+  CVERT_OF(LipMeeting) at;
   at.met = false;
   at.k = Real(0);
   Real k0 = Real(0), k1 = Real(1);
@@ -92,7 +92,7 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(LipMeeting) meetLip (CBVH_OF(Parabola) f, Real p
 
 /* --- patches ------------------------------------------------------------------------- */
 
-CBVH_REAL CBVH_FUNCTION Real patchZ (LeafPatch leaf, Real u, Real v)
+CVERT_REAL CVERT_FUNCTION Real patchZ (LeafPatch leaf, Real u, Real v)
 {
   Real z0 = Real(leaf.z[0]), z1 = Real(leaf.z[1]), z2 = Real(leaf.z[2]), z3 = Real(leaf.z[3]);
   return z0 + u*(z1-z0) + v*(z2-z0) + u*v*(z0-z1-z2+z3);
@@ -100,7 +100,7 @@ CBVH_REAL CBVH_FUNCTION Real patchZ (LeafPatch leaf, Real u, Real v)
 
 /*! slope of the patch along an axis, in frame units, at u (axis 1) or v (axis 0); solid
  *  leaves are flat */
-CBVH_REAL CBVH_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
+CVERT_REAL CVERT_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
 {
   if (leaf.solid) return Real(0);
   Real z0 = Real(leaf.z[0]), z1 = Real(leaf.z[1]), z2 = Real(leaf.z[2]), z3 = Real(leaf.z[3]);
@@ -108,23 +108,23 @@ CBVH_REAL CBVH_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
 }
 
 /*! position in a box along an axis, from 0 to 1 */
-CBVH_REAL CBVH_FUNCTION Real positionInBox (CBVH_OF(Segment) segment, NodeBox box, int axis, Real s) {
+CVERT_REAL CVERT_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox box, int axis, Real s) {
   return clampToUnit((segmentAt(segment,axis,s)-Real(box.lower[axis]))/Real(box.extent[axis]));
 }
 
 /*! a ray in the box of a leaf */
-CBVH_REAL struct Crossing
+CVERT_REAL struct Crossing
 {
   Real s0, s1;                //!< entry and exit, on the segment
   Real u0, v0, u1, v1;        //!< where, in the box
-  CBVH_OF(Parabola) f;
+  CVERT_OF(Parabola) f;
   LeafEvent event;
 };
 
-CBVH_REAL CBVH_FUNCTION CBVH_OF(Crossing) crossPatch (CBVH_OF(Segment) segment, LeafPatch leaf)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segment, LeafPatch leaf)
 {
-  CBVH_OF(Crossing) x;
-  CBVH_OF(Range) inBox = rangeInBox(segment,leaf.box,3), inColumn = rangeInBox(segment,leaf.box,2);
+  CVERT_OF(Crossing) x;
+  CVERT_OF(Range) inBox = rangeInBox(segment,leaf.box,3), inColumn = rangeInBox(segment,leaf.box,2);
   x.s0 = greater(inBox.lower,Real(0));
   x.s1 = lesser(inBox.upper,Real(1));
   x.u0 = positionInBox(segment,leaf.box,0,x.s0);
@@ -157,9 +157,9 @@ CBVH_REAL CBVH_FUNCTION CBVH_OF(Crossing) crossPatch (CBVH_OF(Segment) segment, 
 
 /*! Whether a ray meets a lip of leaf (leafX,leafY), and where, from entry to exit.
  *  last: leaf of a side of the block */
-CBVH_REAL CBVH_FUNCTION CBVH_OF(LipMeeting) meetLipsOfLeaf (CBVH_OF(Crossing) x, uint32_t leafX, uint32_t leafY, uint32_t last, CBVH_OF(Lip) lip)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX, uint32_t leafY, uint32_t last, CVERT_OF(Lip) lip)
 {
-  CBVH_OF(LipMeeting) at;
+  CVERT_OF(LipMeeting) at;
   at.met = false;
   at.k = Real(0);
   for (int side=0; side<4; side++)

@@ -40,16 +40,16 @@ struct Heights
   uint32_t high;  //!< bytes 4 to 7
 };
 
-CBVH_FUNCTION bool isLoose (Heights heights) { return (heights.high >> 31) != 0u; }
+CVERT_FUNCTION bool isLoose (Heights heights) { return (heights.high >> 31) != 0u; }
 
 /* --- lattices ------------------------------------------------------------------------ */
 
-CBVH_CONSTANT int latticeBins = 128;
-CBVH_CONSTANT float latticeRange = 1.5f; //!< of the bins, in heights of the parent's box: patches are extrapolated to the corners
+CVERT_CONSTANT int latticeBins = 128;
+CVERT_CONSTANT float latticeRange = 1.5f; //!< of the bins, in heights of the parent's box: patches are extrapolated to the corners
 
-CBVH_FUNCTION int latticeByte (int vertex) { return vertex < 4 ? vertex : vertex-1; }
+CVERT_FUNCTION int latticeByte (int vertex) { return vertex < 4 ? vertex : vertex-1; }
 
-CBVH_FUNCTION int latticeHeight (Heights heights, int vertex)
+CVERT_FUNCTION int latticeHeight (Heights heights, int vertex)
 {
   if (vertex != 4) {
     int i = latticeByte(vertex);
@@ -63,23 +63,23 @@ CBVH_FUNCTION int latticeHeight (Heights heights, int vertex)
 
 /* Word of a lattice: 15 bits an axis, of 5 bits each the outer planes' distances from the
  * parent's, lower and upper, and the middle plane; then the thickness. */
-CBVH_CONSTANT uint32_t latticePlaneMask = 31u;
-CBVH_CONSTANT int latticeThicknessShift = 30;
-CBVH_FUNCTION int latticeShift (int axis) { return 15*axis; }
+CVERT_CONSTANT uint32_t latticePlaneMask = 31u;
+CVERT_CONSTANT int latticeThicknessShift = 30;
+CVERT_FUNCTION int latticeShift (int axis) { return 15*axis; }
 
 /*! outer planes, in parent extents: fine steps for what the parent's own rounding lost, up
  *  to a third for quads that do not fill their parent */
-CBVH_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
+CVERT_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
 
 /*! the middle plane bounds nothing, it is the nearest */
-CBVH_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
+CVERT_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
 /*! thickness in bins: heights are rounded by up to half a bin either way, the rest is how
  *  far edges are from straight over the lattice */
-CBVH_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); } //!< 1, 2, 5 or 16
+CVERT_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); } //!< 1, 2, 5 or 16
 
 /*! plane 0, 1 or 2 of a lattice along an axis */
-CBVH_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox parent)
+CVERT_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox parent)
 {
   uint32_t bits = word >> latticeShift(axis);
   float at = plane == 0 ? latticeOuter(bits & latticePlaneMask)
@@ -92,17 +92,17 @@ CBVH_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox pa
 
 /* Heights of loose leaves: 15 bits a child, 5 bits each for corners (0,0), (1,0) and (0,1)
  * of its box, and from bit 60 the thickness. */
-CBVH_CONSTANT int looseBits = 15;
-CBVH_CONSTANT uint32_t looseMask = 0x7FFFu;
-CBVH_CONSTANT uint32_t solidLeaf = 0x7FFFu;
-CBVH_CONSTANT uint32_t emptyLeaf = 0x7FFEu;
-CBVH_CONSTANT int looseBins = 32;
-CBVH_CONSTANT float looseRange = 2.0f; //!< of the bins, in heights of the leaf's box
-CBVH_CONSTANT int looseThicknessShift = 60;
+CVERT_CONSTANT int looseBits = 15;
+CVERT_CONSTANT uint32_t looseMask = 0x7FFFu;
+CVERT_CONSTANT uint32_t solidLeaf = 0x7FFFu;
+CVERT_CONSTANT uint32_t emptyLeaf = 0x7FFEu;
+CVERT_CONSTANT int looseBins = 32;
+CVERT_CONSTANT float looseRange = 2.0f; //!< of the bins, in heights of the leaf's box
+CVERT_CONSTANT int looseThicknessShift = 60;
 /*! in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12 */
-CBVH_FUNCTION float looseThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
+CVERT_FUNCTION float looseThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
 
-CBVH_FUNCTION uint32_t looseLeaf (Heights heights, int child)
+CVERT_FUNCTION uint32_t looseLeaf (Heights heights, int child)
 {
   int shift = looseBits*child; // 0, 15, 30, 45: the third lies across both halves
   if (shift >= 32) return (heights.high >> (shift-32)) & looseMask;
@@ -111,15 +111,15 @@ CBVH_FUNCTION uint32_t looseLeaf (Heights heights, int child)
   return bits & looseMask;
 }
 
-CBVH_FUNCTION int looseHeight (uint32_t leaf, int corner) { return int((leaf >> (5*corner)) & 31u); }
-CBVH_FUNCTION float looseThicknessOf (Heights heights) { return looseThickness((heights.high >> (looseThicknessShift-32)) & 7u); }
+CVERT_FUNCTION int looseHeight (uint32_t leaf, int corner) { return int((leaf >> (5*corner)) & 31u); }
+CVERT_FUNCTION float looseThicknessOf (Heights heights) { return looseThickness((heights.high >> (looseThicknessShift-32)) & 7u); }
 
 /* --- surfaces ------------------------------------------------------------------------ */
 
 /*! bins of heights: the range is centred on the box, height q is at lower + (q+1/2) size */
 struct HeightBins { float lower, size; };
 
-CBVH_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
+CVERT_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
 {
   HeightBins bins;
   bins.lower = box.lower[2] - 0.5f*(range-1.0f)*box.extent[2];
@@ -127,7 +127,7 @@ CBVH_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
   return bins;
 }
 
-CBVH_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.lower + (height+0.5f)*bins.size; }
+CVERT_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.lower + (height+0.5f)*bins.size; }
 
 /*! a leaf: its box, and the surface in it */
 struct LeafPatch
@@ -139,7 +139,7 @@ struct LeafPatch
   bool empty;       //!< there is none
 };
 
-CBVH_FUNCTION LeafPatch decodeLooseLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
+CVERT_FUNCTION LeafPatch decodeLooseLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   LeafPatch leaf;
   leaf.box = decodeChild(word,child,parent);
@@ -153,7 +153,7 @@ CBVH_FUNCTION LeafPatch decodeLooseLeaf (uint32_t word, Heights heights, int chi
   return leaf;
 }
 
-CBVH_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
+CVERT_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   LeafPatch leaf;
   leaf.solid = false;
@@ -181,7 +181,7 @@ CBVH_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int c
 }
 
 /*! leaf of a group, from its word, its heights and the decoded bounds of the group */
-CBVH_FUNCTION LeafPatch decodeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
+CVERT_FUNCTION LeafPatch decodeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (isLoose(heights)) return decodeLooseLeaf(word,heights,child,parent);
   return decodeLatticeLeaf(word,heights,child,parent);

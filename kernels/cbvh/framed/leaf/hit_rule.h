@@ -64,7 +64,7 @@
 CBVH_BEGIN
 
 /* sides of the surface, in the frame */
-CBVH_CONSTANT uint32_t sideUnknown = 0u, sideBelow = 1u, sideAbove = 2u;
+CVERT_CONSTANT uint32_t sideUnknown = 0u, sideBelow = 1u, sideAbove = 2u;
 
 /*! what a ray remembers from leaf to leaf of one block */
 struct WalkState
@@ -75,7 +75,7 @@ struct WalkState
   bool found;       //!< a hit was accepted
 };
 
-CBVH_FUNCTION WalkState startOfWalk ()
+CVERT_FUNCTION WalkState startOfWalk ()
 {
   WalkState state;
   state.side = sideUnknown;
@@ -98,12 +98,12 @@ struct LeafEvent
 };
 
 /* where in a leaf a ray hits */
-CBVH_CONSTANT uint32_t hitNone = 0u;
-CBVH_CONSTANT uint32_t hitBox  = 1u; //!< at the entry, the box is the surface
-CBVH_CONSTANT uint32_t hitStep = 2u; //!< at the entry, behind a step
-CBVH_CONSTANT uint32_t hitRoot = 3u; //!< where f changes sign
-CBVH_CONSTANT uint32_t hitLip  = 4u; //!< in a lip, if the ray meets one
-CBVH_CONSTANT uint32_t hitExit = 5u; //!< where the ray left the leaf before
+CVERT_CONSTANT uint32_t hitNone = 0u;
+CVERT_CONSTANT uint32_t hitBox  = 1u; //!< at the entry, the box is the surface
+CVERT_CONSTANT uint32_t hitStep = 2u; //!< at the entry, behind a step
+CVERT_CONSTANT uint32_t hitRoot = 3u; //!< where f changes sign
+CVERT_CONSTANT uint32_t hitLip  = 4u; //!< in a lip, if the ray meets one
+CVERT_CONSTANT uint32_t hitExit = 5u; //!< where the ray left the leaf before
 
 struct Verdict
 {
@@ -112,7 +112,7 @@ struct Verdict
   WalkState next;   //!< without the hit: none, or not accepted
 };
 
-CBVH_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
+CVERT_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
 {
   Verdict v;
   v.hit = hit;
@@ -122,7 +122,7 @@ CBVH_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
 }
 
 /*! the walk goes on after a hit that was accepted: a nearer one may follow */
-CBVH_FUNCTION WalkState afterHit (WalkState state)
+CVERT_FUNCTION WalkState afterHit (WalkState state)
 {
   state.found = true;
   state.pending = false;
@@ -130,7 +130,7 @@ CBVH_FUNCTION WalkState afterHit (WalkState state)
 }
 
 /*! a ray in a leaf */
-CBVH_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
+CVERT_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
 {
   bool crosses = leaf.enter != leaf.leave || leaf.changes;
   bool entersBox = leaf.solid && !leaf.started;
@@ -159,11 +159,11 @@ CBVH_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
 }
 
 /*! whether boxes that a ray passes say anything */
-CBVH_FUNCTION bool wantsPassed (WalkState state) { return state.pending || (state.side == sideUnknown && !state.found); }
+CVERT_FUNCTION bool wantsPassed (WalkState state) { return state.pending || (state.side == sideUnknown && !state.found); }
 
 /*! A ray that passes over (under) a box, sharing its x and y without meeting it; only if
  *  wantsPassed. */
-CBVH_FUNCTION Verdict passBox (WalkState state, bool above)
+CVERT_FUNCTION Verdict passBox (WalkState state, bool above)
 {
   WalkState next = state;
   next.side = above ? sideAbove : sideBelow;

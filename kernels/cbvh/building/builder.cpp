@@ -1,0 +1,276 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Builder of a scene's compressed surfaces, those that move, or those that do not: blocks of the geometries that changed
+ * (surface_builder.h), and one tree over the parts of all, or over the blocks that move (motion_tree.h). */
+
+#include "../base/environment.h"
+#include "../base/thread_cache.h"
+#include "cage_source.h"
+#include "commit_line.h"
+#include "../stored/compressed_tree.h"
+#include "grid_source.h"
+#include "input_bytes.h"
+#include "moving_blocks.h"
+#include "../stored/report.h"
+#include "surface_builder.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    static std::unique_ptr<SurfaceBuilder> newSurfaceBuilder (CompressibleGeometry* geometry, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
+    {
+      switch (geometry->ownType) {
+      case Geometry::GTY_GRID_MESH: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource<GridsOfGridMesh>>((GridMesh*)geometry,number));
+      case Geometry::GTY_QUAD_MESH: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource<GridsOfQuadMesh>>((QuadMesh*)geometry,number));
+      case Geometry::GTY_TRIANGLE_MESH: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource<GridsOfTriangleMesh>>((TriangleMesh*)geometry,number));
+      default: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<CageSource>((SubdivMesh*)geometry,number));
+      }
+    }
+
+    class CompressedBuilder : public Builder
+    {
+      ALIGNED_CLASS_(64);
+
+      static const size_t surfacesPerTask = 16; //!< small ones
+
+      BVH4* bvh;
+      Scene* scene;
+      CompressionReport* report;
+      const bool moves;
+      std::vector<uint64_t> treeOf; //!< builds of the blocks that the tree stands over; empty if there is none
+      size_t treeBytes = 0;
+
+      /*! a geometry of the scene */
+      struct Surface
+      {
+        CompressibleGeometry* geometry;
+        unsigned geomID;
+        std::shared_ptr<const cbvh::SurfaceNumber> number;
+        std::shared_ptr<const SurfaceBlocks> blocks; //!< null until they are built
+
+        /*! whether it came as grids, quads or triangles */
+        bool isDiced () const { return geometry->ownType != Geometry::GTY_SUBDIV_MESH; }
+      };
+
+    public:
+      CompressedBuilder (BVH4* bvh, Scene* scene, CompressionReport* report, bool moves) : bvh(bvh), scene(scene), report(report), moves(moves) {}
+
+      void clear ()
+      {
+        treeOf.clear();
+        bvh->set(BVH4::emptyNode,empty,0);
+      }
+
+      void build ()
+      {
+        report->clear();
+        std::vector<Surface> surfaces = findSurfaces();
+        ((CompressedTree*)bvh)->hasGrids = std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.isDiced(); });
+        const std::vector<uint64_t> before = treeOf;
+        const bool keepsTree = !surfaces.empty() && treeOf == buildsOf(surfaces);
+        if (!keepsTree) clear();
+        if (surfaces.empty()) return;
+        const double t0 = bvh->preBuild(moves ? TOSTRING(isa) "::BVH4CompressedMotionBuilder" : TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
+        buildBlocks(surfaces);
+        cbvh::BuildStatistics all;
+        std::set<const void*> counted;
+        for (const Surface& surface : surfaces) {
+          add(surface,all);
+          reportInvalid(surface,before);
+          if (planOf(surface).compresses()) all.sums.inputBytes += bytesOfInput(surface.geometry,counted);
+        }
+        if (!keepsTree) {
+          treeBytes = moves ? buildMotionTree() : buildTopLevel()*sizeof(BVH4::AABBNode);
+          treeOf = buildsOf(surfaces);
+        }
+        all.sums.topLevelBytes += treeBytes;
+        report->statistics = all.sums;
+        cbvh::nameSurfaces(scene);
+        reportCommit(surfaces);
+        cbvh::outdateThreadCaches();
+        bvh->cleanup();
+        bvh->postBuild(t0);
+      }
+
+    private:
+      std::vector<Surface> findSurfaces () const
+      {
+        std::vector<Surface> surfaces;
+        for (size_t i=0; i<scene->size(); i++)
+        {
+          CompressibleGeometry* const geometry = geometryOfTree(scene->get(i),moves);
+          if (geometry && geometry->size() != 0) surfaces.push_back(Surface{ geometry,unsigned(i),cbvh::numberOf(geometry),cbvh::blocksOf(geometry) });
+        }
+        return surfaces;
+      }
+
+      /*! 0 for blocks that are to be built */
+      static std::vector<uint64_t> buildsOf (const std::vector<Surface>& surfaces)
+      {
+        std::vector<uint64_t> builds;
+        for (const Surface& surface : surfaces) builds.push_back(surface.blocks ? surface.blocks->build : 0);
+        return builds;
+      }
+
+      /*! Beside each other, but large ones one after the other: each uses all threads, and takes memory while it is built. */
+      void buildBlocks (std::vector<Surface>& surfaces)
+      {
+        std::vector<std::unique_ptr<SurfaceBuilder>> builders(surfaces.size());
+        parallel_for(size_t(0),surfaces.size(),surfacesPerTask,[&](const range<size_t>& r) {
+            for (size_t i=r.begin(); i!=r.end(); i++)
+            {
+              if (surfaces[i].blocks) { scene->progressMonitor(double(surfaces[i].geometry->size())); continue; }
+              builders[i] = newSurfaceBuilder(surfaces[i].geometry,surfaces[i].number);
+              if (builders[i]->isSmall()) build(surfaces[i],builders[i]);
+            }
+          });
+        parallel_for(size_t(0),surfaces.size(),size_t(1),[&](const range<size_t>& r) {
+            for (size_t i=r.begin(); i!=r.end(); i++)
+              if (builders[i] && !builders[i]->isLarge()) build(surfaces[i],builders[i]);
+          });
+        for (size_t i=0; i<surfaces.size(); i++)
+          if (builders[i]) build(surfaces[i],builders[i]);
+      }
+
+      void build (Surface& surface, std::unique_ptr<SurfaceBuilder>& builder)
+      {
+        surface.blocks = cbvh::keepBlocks(surface.geometry,builder->build([&](double primitives) { scene->progressMonitor(primitives); }));
+        builder.reset();
+      }
+
+      /*! what the scene has of a surface besides its tree */
+      void add (const Surface& surface, cbvh::BuildStatistics& all)
+      {
+        report->surfaces.push_back(surface.blocks);
+        all.add(surface.blocks->statistics);
+        reportAtVerbosity1(surface);
+      }
+
+      /*! Reports faces that are left out, unless the previous commit reported them: its tree had the same blocks.
+       *  before: the builds of those blocks. */
+      void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const
+      {
+        const bool isNew = surface.blocks->statistics.invalidFaces && scene->isGeometryModified(surface.geomID);
+        if (isNew && std::find(before.begin(),before.end(),surface.blocks->build) == before.end()) report->errors.push_back(describeInvalid(surface));
+      }
+
+      /*! nodes that are its own */
+      size_t buildTopLevel ()
+      {
+        BBox3fa bounds(empty);
+        size_t numParts = 0, numPrimitives = 0;
+        for (const auto& surface : report->surfaces) {
+          bounds.extend(surface->bounds);
+          numParts += surface->parts.size();
+          numPrimitives += surface->numPrimitives;
+        }
+        if (numParts == 0) return 0;
+        if (report->surfaces.size() == 1 && report->surfaces[0]->root != BVH4::emptyNode) {
+          bvh->set(report->surfaces[0]->root,LBBox3fa(bounds),numPrimitives);
+          return 0;
+        }
+        mvector<PrimRef> parts(scene->device,numParts);
+        size_t n = 0;
+        for (const auto& surface : report->surfaces)
+          for (const PrimRef& part : surface->parts) parts[n++] = part;
+        bvh->alloc.init_estimate(numParts*sizeof(BVH4::AABBNode)/2);
+        size_t nodes = 0;
+        const BVH4::NodeRef root = isa::buildTree(bvh->alloc,parts,[&] { scene->progressMonitor(0.0); },nodes);
+        bvh->set(isa::moveLargestNodes(root,nodes,bvh->alloc),LBBox3fa(bounds),numPrimitives);
+        return nodes;
+      }
+
+      /*! bytes of its nodes */
+      size_t buildMotionTree ()
+      {
+        MovingBlocks blocks(scene->device);
+        size_t numBlocks = 0;
+        for (const auto& surface : report->surfaces) numBlocks += surface->moving.size();
+        blocks.reserve(numBlocks);
+        for (const auto& surface : report->surfaces) blocks.add(*surface,[&] { scene->progressMonitor(0.0); });
+        bvh->alloc.init_estimate(blocks.size()*sizeof(BVH4::AABBNodeMB)/2);
+        MotionTree tree;
+        const BVH4::NodeRef root = tree.build(scene->device,bvh->alloc,blocks.all(),[&] { scene->progressMonitor(0.0); });
+        bvh->set(root,tree.bounds,blocks.size());
+        for (const auto& surface : report->surfaces) std::atomic_store(&surface->boxes,std::shared_ptr<const mvector<cbvh::StepBox>>());
+        return tree.bytes;
+      }
+
+      static CompressionPlan planOf (const Surface& surface) { return CompressionPlan(surface.geometry,*surface.number); }
+
+      void reportCommit (const std::vector<Surface>& surfaces) const
+      {
+        if (!scene->device->verbosity(1) && !environmentAsksForCommitLines()) return;
+        CommitLine line;
+        for (const Surface& surface : surfaces) {
+          const CompressionPlan plan = planOf(surface);
+          if (plan.compresses()) line.addCompressed(surface.geometry,plan.kind(),surface.blocks->statistics);
+          else line.addLeft(surface.geometry);
+        }
+        for (size_t i=0; i<scene->size(); i++) {
+          const CompressibleGeometry* const geometry = scene->get(i) && scene->get(i)->isEnabled() ? compressible(scene->get(i)) : nullptr;
+          if (geometry && !geometry->isCompressed() && geometry->surface.whyNot) line.addLeft(geometry);
+        }
+        Lock<MutexSys> lock(g_printMutex);
+        std::cerr << line.text(treeBytes,report->statistics.inputBytes) << std::endl;
+      }
+
+      /*! what of a compressed geometry is stored otherwise than asked for */
+      void reportAtVerbosity1 (const Surface& surface) const
+      {
+        if (!scene->device->verbosity(1)) return;
+        const cbvh::SurfaceStatistics& total = surface.blocks->statistics;
+        const std::string geometry = "compression: geometry " + std::to_string(surface.geomID) + ": ";
+        Lock<MutexSys> lock(g_printMutex);
+        if (total.highRateQuads)
+          std::cerr << geometry << total.highRateQuads << " quads of faces with edge rates above "
+                    << (planOf(surface).sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxLevel) << " are traced by GRID" << std::endl;
+        if (total.refusedQuads)
+          std::cerr << geometry << total.refusedQuads << " quads of blocks that have no good frame (lines, outliers) keep full precision" << std::endl;
+        if (total.sums.numExactQuads)
+          std::cerr << geometry << total.sums.numExactQuads
+                    << " quads of faces that leaves hold badly (borders, creases, walls, folds) are stored as cVERT" << std::endl;
+        if (total.sums.numRawBlocks)
+          std::cerr << geometry << total.sums.numRawBlocks
+                    << " blocks of cVERT keep floats (a vertex that is not finite, a spacing too fine for their width, or a neighbour that GRID traces)" << std::endl;
+        if (total.sums.numInvalidQuads && surface.isDiced())
+          std::cerr << geometry << total.sums.numInvalidQuads << " quads with vertices that are not finite are left out" << std::endl;
+        if (total.sums.numUnsupportedFaces) // no error: Embree leaves them out in silence, and programs rely on it
+          std::cerr << geometry << total.sums.numUnsupportedFaces << " faces, the first of them face " << total.firstUnsupportedFace << ", are left out: they, or faces at their vertices, have fewer than 3 or more than "
+                    << MAX_PATCH_VALENCE << " corners, or a vertex has more than " << MAX_RING_FACE_VALENCE << " faces, which Embree's subdivision does not support" << std::endl;
+        if (total.sums.numMeshQuads)
+          std::cerr << geometry << total.sums.numMeshQuads - total.sums.numLooseQuads << " of " << total.sums.numMeshQuads << " quads lie in grids, "
+                    << total.sums.numLooseQuads << " are stored in blocks of fewer than " << looseSide << " quads along a side" << std::endl;
+        if (total.quadsForHoles)
+          std::cerr << geometry << total.quadsForHoles << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;
+      }
+
+      static std::string describeInvalid (const Surface& surface)
+      {
+        const cbvh::SurfaceStatistics& total = surface.blocks->statistics;
+        if (surface.isDiced())
+          return "geometry " + std::to_string(surface.geomID) + ", grid " + std::to_string(total.firstInvalidFace) + ": it has no quads, or vertices outside of their buffer; left out: "
+            + std::to_string(total.invalidFaces) + " grid(s)";
+        return "geometry " + std::to_string(surface.geomID) + ", face " + std::to_string(total.firstInvalidFace) + ": vertices are not finite; left out of "
+          + std::to_string(total.invalidFaces) + " face(s): " + std::to_string(total.sums.numInvalidQuads) + " quads";
+      }
+    };
+
+    Builder* BVH4CompressedSubdivBuilder (void* bvh, Scene* scene, CompressionReport* report) { return new CompressedBuilder((BVH4*)bvh,scene,report,false); }
+    Builder* BVH4CompressedMotionBuilder (void* bvh, Scene* scene, CompressionReport* report) { return new CompressedBuilder((BVH4*)bvh,scene,report,true); }
+
+    void buildBlocksOfGeometry (CompressibleGeometry* geometry)
+    {
+      const CompressionSettings& settings = geometry->compression;
+      std::atomic<size_t> done(0);
+      cbvh::keepBlocks(geometry,newSurfaceBuilder(geometry,cbvh::numberOf(geometry))->build([&](double primitives) {
+          done += size_t(primitives);
+          if (settings.progress && !settings.progress(settings.progressUserPtr,min(1.0,double(done)/double(geometry->size()))))
+            throw_RTCError(RTC_ERROR_CANCELLED,"progress monitor forced termination");
+        }));
+      cbvh::outdateThreadCaches();
+    }
+  }
+}

@@ -1,0 +1,167 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Faces of a cage, for surface_builder.h. Every patch is evaluated where it is written, as blocks of the kind that is asked for, as
+ * cVERT, or, where its edge rates are such that no block takes it, and of geometries that opt out, as Embree's own grids. */
+
+#include "../base/tasks.h"
+#include "../surface/cage_patch.h"
+#include "../surface/embree_bytes.h"
+#include "../vert/writer.h"
+#if defined(EMBREE_CBVH_NO_PAPER)
+#include "no_framed_writer.h"
+#else
+#include "../framed/writer.h"
+#endif
+
+namespace embree
+{
+  namespace isa
+  {
+    class CageSource
+    {
+    public:
+      typedef CagePatch Patch;
+      typedef PatchGrid Scratch;
+
+      static const bool answersAlike = false; //!< a displacement may be another one each time
+
+      CageSource (SubdivMesh* mesh, const CompressionPlan& plan)
+        : mesh(mesh), plan(plan), frameLevel(mesh->device,plan.boundsError() ? mesh->size() : 0) {}
+
+      size_t size () const { return mesh->size(); }
+
+      /*! if no frame level follows from an error bound and no patch is stored exactly instead */
+      size_t estimateBlocks () const
+      {
+        return reduceRanges(mesh->size(),size_t(64),size_t(0),[&](const range<size_t>& faces) {
+            size_t n = 0;
+            for (size_t f=faces.begin(); f!=faces.end(); f++)
+              if (hasSurface(mesh,f))
+                isa::forEachPatch(mesh,f,[&](const PatchOfFace& patch) { n += estimateBlocks(patch); });
+            return n;
+          },std::plus<size_t>());
+      }
+
+      /*! a face is worth milliseconds at high levels, and those of one geometry may differ a lot; of small ones all */
+      size_t perTask (bool isSmall) const {
+        return isSmall ? max(mesh->size(),size_t(1)) : clamp(mesh->size()/(4*TaskScheduler::threadCount()),size_t(1),size_t(8));
+      }
+
+      template<typename Progress>
+      void prepare (size_t perTask, const Progress& progress)
+      {
+        if (plan.sharesBorders()) {
+          shared.reset(new SharedVertices(mesh,plan));
+          shared->build(perTask,[&] { progress(0.0); });
+        }
+        if (plan.boundsError()) chooseFrameLevels(perTask,progress);
+      }
+
+      void release () { shared.reset(); }
+
+      template<typename Closure>
+      void forEachPatch (size_t face, PatchGrid& grid, const Closure& closure) const
+      {
+        if (!hasSurface(mesh,face)) return;
+        isa::forEachPatch(mesh,face,[&](const PatchOfFace& patch) {
+            CagePatch ofCage(mesh,plan.surface,face,patch,shared.get(),grid);
+            closure(ofCage);
+          });
+      }
+
+      /*! A displacement returned what is not finite; where the cage's own vertices are not, the face has no surface. */
+      bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
+
+      bool isUnsupported (size_t face) const { return !hasSurface(mesh,face) && isa::isUnsupported(mesh,face); }
+
+      /*! what Embree takes for it */
+      size_t bytesInEmbree (const SurfacePatch& patch) const {
+        return bytesOfMovingGrids(GridWriter::bytesInGrid(Vec2i(int(patch.quads[0]),int(patch.quads[1]))),plan.numTimeSteps);
+      }
+
+      /*! writes patches, for one task */
+      class Writer
+      {
+      public:
+        Writer (const CageSource& source, BlockStore& store, cbvh::BuildStatistics& statistics)
+          : source(source), plan(source.plan), store(store), statistics(statistics), framed(plan,source.mesh,store,statistics),
+            exact(plan,source.mesh->device,store,statistics), grids(source.mesh,store,statistics) {}
+
+        /*! false for a patch that is to be written in strips */
+        bool write (size_t face, CagePatch& patch)
+        {
+          switch (plan.storage(patch.rate)) {
+          case CompressionPlan::GRIDS:
+            store.flush();
+            grids.write(patch.ofEmbree());
+            if (plan.compresses()) statistics.highRateQuads += size_t(patch.quads[0])*size_t(patch.quads[1]);
+            break;
+          case CompressionPlan::FRAMED:
+            if (!framed.write(patch,source.tilingOf(face,patch.rate))) exact.write(patch,[&](unsigned) { return framed.evaluated(patch.quads[0],patch.quads[1]); });
+            break;
+          case CompressionPlan::EXACT:
+            if (patch.quads[1] > VertWriter::rowsOfStrip(patch,plan.numTimeSteps)) return false;
+            exact.write(patch,[&](unsigned step) { return patch.evaluated(step); });
+            break;
+          }
+          return true;
+        }
+
+      private:
+        const CageSource& source;
+        const CompressionPlan& plan;
+        BlockStore& store;
+        cbvh::BuildStatistics& statistics;
+        FramedWriter framed;
+        VertWriter exact;
+        const GridWriter grids;
+      };
+
+    private:
+      size_t estimateBlocks (const PatchOfFace& patch) const
+      {
+        const CompressionPlan::Storage storage = plan.storage(patch.rate);
+        if (storage == CompressionPlan::FRAMED) return isa::tilingOf(plan.kind(),patch.rate,plan.frameLevel(levelOf(patch.rate))).size();
+        const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
+        const unsigned side = storage == CompressionPlan::EXACT ? cbvh::vertBlockQuads : GridWriter::gridQuads;
+        return size_t(unsigned(size.x-2)/side+1)*size_t(unsigned(size.y-2)/side+1);
+      }
+
+      PatchTiling tilingOf (size_t f, const float rate[4]) const {
+        return isa::tilingOf(plan.kind(),rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(levelOf(rate)));
+      }
+
+      /*! the least levels that keep to the bound; asked once, as a displacement may answer differently */
+      template<typename Progress>
+      void chooseFrameLevels (size_t perTask, const Progress& progress)
+      {
+        forRanges(frameLevel.size(),perTask,[&](const range<size_t>& faces) {
+            PatchGrid grid(mesh->device);
+            BlockStore nowhere(mesh->device,nullptr);
+            cbvh::BuildStatistics ofTrials;
+            FramedWriter trial(plan,mesh,nowhere,ofTrials);
+            size_t quads = 0;
+            for (size_t f=faces.begin(); f!=faces.end(); f++)
+            {
+              unsigned n = 0;
+              forEachPatch(f,grid,[&](CagePatch& patch) {
+                  if (plan.storage(patch.rate) != CompressionPlan::FRAMED) return;
+                  n = max(n,trial.boundedFrameLevel(patch));
+                  quads += size_t(patch.quads[0])*size_t(patch.quads[1]);
+                });
+              frameLevel[f] = (unsigned char)n;
+              if (quads >= progressQuads) { progress(0.0); quads = 0; }
+            }
+          });
+      }
+
+      SubdivMesh* mesh;
+      const CompressionPlan& plan;
+      mvector<unsigned char> frameLevel;      //!< by face; empty unless the plan bounds errors
+      std::unique_ptr<SharedVertices> shared; //!< of faces that share their borders, while it is needed
+    };
+  }
+}

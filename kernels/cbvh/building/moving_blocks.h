@@ -1,0 +1,163 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The blocks of a scene that move, with their boxes at each time step, for the tree above them. The first scene that traces a geometry finds the
+ * boxes with its blocks, and lets them go; others find them again. */
+
+#include "../vert/motion_decoder.h"
+#include "motion_tree.h"
+#include "../stored/surface_blocks.h"
+#include <memory>
+
+namespace embree
+{
+  namespace isa
+  {
+    class MovingBlocks
+    {
+    public:
+      explicit MovingBlocks (Device* device) : device(device), blocks(device,0) {}
+
+      /*! room for so many */
+      void reserve (size_t numBlocks) { blocks.reserve(numBlocks); }
+
+      /*! calls progress() now and then, which may cancel */
+      template<typename Progress>
+      void add (const SurfaceBlocks& surface, const Progress& progress)
+      {
+        if (surface.moving.empty() || !isInTimesOfRays(surface.moving.front())) return;
+        const size_t begin = blocks.size();
+        blocks.resize(begin + surface.moving.size());
+        size_t numBoxes = 0;
+        for (size_t i=0; i<surface.moving.size(); i++)
+        {
+          MotionTree::Block& block = blocks[begin+i];
+          block.leaf = BVH4::NodeRef(surface.moving[i]);
+          const cbvh::VertMotion motion = cbvh::motionOf(headerOf(block.leaf));
+          block.range = BBox1f(motion.begin,motion.end);
+          block.segments = motion.numSteps-1;
+          numBoxes += motion.numSteps;
+        }
+        Boxes own = std::atomic_load(&surface.boxes);
+        if (!own) own = findBoxes(begin,numBoxes,progress);
+        boxes.push_back(own);
+        size_t n = 0;
+        for (size_t i=begin; i<blocks.size(); i++) { blocks[i].boxes = own->data()+n; n += blocks[i].segments+1; }
+      }
+
+      size_t size () const { return blocks.size(); }
+      const mvector<MotionTree::Block>& all () const { return blocks; }
+
+    private:
+      typedef std::shared_ptr<const mvector<cbvh::StepBox>> Boxes;
+
+      /*! False for blocks of a geometry that no ray can hit, whose time is 0 to 1. Embree's builder does not support them. */
+      static bool isInTimesOfRays (BVH4::NodeRef leaf)
+      {
+        const cbvh::VertMotion motion = cbvh::motionOf(headerOf(leaf));
+        return motion.begin <= 1.0f && motion.end >= 0.0f;
+      }
+
+      /*! of the blocks from one on */
+      template<typename Progress>
+      Boxes findBoxes (size_t begin, size_t numBoxes, const Progress& progress) const
+      {
+        std::shared_ptr<mvector<cbvh::StepBox>> found = std::make_shared<mvector<cbvh::StepBox>>(device,numBoxes);
+        std::vector<size_t> firsts; // of every 64 blocks
+        size_t n = 0;
+        for (size_t i=begin; i<blocks.size(); i++) {
+          if ((i-begin) % 64 == 0) firsts.push_back(n);
+          n += blocks[i].segments+1;
+        }
+        parallel_for(size_t(0),firsts.size(),[&](const range<size_t>& r) {
+            std::unique_ptr<Decoded> decoded(new Decoded);
+            for (size_t k=r.begin(); k!=r.end(); k++)
+            {
+              size_t at = firsts[k];
+              for (size_t i=begin+64*k; i<min(begin+64*(k+1),blocks.size()); i++) {
+                decoded->bound(headerOf(blocks[i].leaf),blocks[i].segments,found->data()+at);
+                at += blocks[i].segments+1;
+              }
+              progress();
+            }
+          });
+        return found;
+      }
+
+      static const cbvh::VertHeader* headerOf (BVH4::NodeRef leaf)
+      {
+        size_t type;
+        return (const cbvh::VertHeader*)leaf.leaf(type);
+      }
+
+      /*! a block's vertices, two steps at a time */
+      class alignas(64) Decoded
+      {
+        ALIGNED_CLASS_(64);
+
+      public:
+        /*! boxes: of each step */
+        void bound (const cbvh::VertHeader* block, unsigned segments, cbvh::StepBox* boxes)
+        {
+          for (unsigned s=0; s<=segments; s+=2)
+          {
+            const unsigned segment = min(s,segments-1);
+            cbvh::MotionDecoder decoder(block);
+            shared.key = { block,segment,0 };
+            decoder.decode(segment,shared);
+            Bounds bounds[2];
+            for (uint32_t rest=shared.lanes; rest; rest&=rest-1) {
+              decoder.vertices(shared,uint32_t(bsf(rest)),group);
+              for (unsigned e=0; e<2; e++) bounds[e].extend(group.ends[e]);
+            }
+            for (unsigned e=0; e<2; e++) boxes[segment+e] = decoder.isRaw(segment+e) ? boundRaw(block,segment+e) : bounds[e].box();
+          }
+        }
+
+      private:
+        struct Bounds
+        {
+          vfloat4 lower[3] = { pos_inf,pos_inf,pos_inf }, upper[3] = { neg_inf,neg_inf,neg_inf };
+
+          void extend (const cbvh::CellVertices& v)
+          {
+            for (int k=0; k<3; k++)
+            {
+              const vfloat4 last(v.at[k][cbvh::cellVertices-1]);
+              lower[k] = min(lower[k],last);
+              upper[k] = max(upper[k],last);
+              for (int l=0; l<cbvh::cellVertices-1; l+=4) {
+                const vfloat4 x = vfloat4::load(v.at[k]+l);
+                lower[k] = min(lower[k],x);
+                upper[k] = max(upper[k],x);
+              }
+            }
+          }
+
+          cbvh::StepBox box () const
+          {
+            cbvh::StepBox box;
+            for (int k=0; k<3; k++) { box.lower[k] = reduce_min(lower[k]); box.upper[k] = reduce_max(upper[k]); }
+            return box;
+          }
+        };
+
+        static cbvh::StepBox boundRaw (const cbvh::VertHeader* block, unsigned step)
+        {
+          cbvh::StepBox box;
+          cbvh::DecodedBlock(block,step).bounds(box.lower,box.upper);
+          return box;
+        }
+
+        cbvh::SegmentBoxes shared;
+        cbvh::SegmentVertices group;
+      };
+
+      Device* const device;
+      mvector<MotionTree::Block> blocks;
+      std::vector<Boxes> boxes; //!< that blocks point to
+    };
+  }
+}

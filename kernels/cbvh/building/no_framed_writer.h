@@ -1,0 +1,30 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The writer of a library without the paper's representations, framed/writer.h: no plan stores a patch in blocks with frames, so it is never
+ * called. */
+
+#include "../base/grid_writer.h"
+#include "../surface/cage_patch.h"
+#include "../surface/plan.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    struct PatchTiling { size_t size () const { return 0; } };
+
+    inline unsigned levelOf (const float*) { return 0; }
+    inline PatchTiling tilingOf (cbvh::Kind, const float*, unsigned) { return PatchTiling(); }
+
+    struct FramedWriter
+    {
+      FramedWriter (const CompressionPlan&, SubdivMesh*, BlockStore&, cbvh::BuildStatistics&) {}
+      unsigned boundedFrameLevel (CagePatch&) { return 0; }
+      bool write (CagePatch&, const PatchTiling&) { return false; }
+      const float (*evaluated (unsigned, unsigned) const)[3] { return nullptr; }
+    };
+  }
+}

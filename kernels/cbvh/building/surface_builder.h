@@ -1,0 +1,188 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Builds the blocks of one geometry. Every task takes primitives, or a strip of a large patch, encodes their blocks into the
+ * surface's own memory and drops the vertices. Above them comes Embree's binned SAH BVH4, whose lower trees are what scenes build theirs of.
+ *
+ * What the primitives are is the source's (cage_source.h, grid_source.h), which has besides their patches
+ *
+ *   size_t size ()                       of primitives
+ *   size_t estimateBlocks ()             roughly
+ *   size_t perTask (bool isSmall)        primitives that one task takes
+ *   prepare (perTask, progress)          what is to know of all primitives before one is written
+ *   Scratch, Writer, Patch               of a task
+ *   forEachPatch (primitive, scratch, closure(patch))
+ *   isInvalid (primitive, hasInvalidQuads)   whether an error is to name it
+ *   isUnsupported (primitive)            whether it has no patches because Embree's subdivision cannot evaluate it
+ *   bytesInEmbree (patch)                that Embree takes without compression */
+
+#include "../base/grid_writer.h"
+#include "../base/tasks.h"
+#include "../vert/writer.h"
+#include "build_results.h"
+#include "../stored/surface_blocks.h"
+#include "../stored/tree.h"
+#include <functional>
+
+namespace embree
+{
+  namespace isa
+  {
+    class SurfaceBuilder
+    {
+    public:
+      virtual ~SurfaceBuilder () {}
+
+      /*! whether it is built in no time, and takes no memory worth mention meanwhile */
+      virtual bool isSmall () const = 0;
+
+      /*! whether it takes all threads, and memory worth mention meanwhile */
+      virtual bool isLarge () const = 0;
+
+      /*! progress(primitives): those of the geometry that are through, or 0; it may throw, which ends the build */
+      virtual std::shared_ptr<const SurfaceBlocks> build (const std::function<void(double)>& progress) = 0;
+    };
+
+    /*! bytes that are reserved for each block: those of cLEAF with 16 x 16 quads, more than most blocks of cVERT take */
+    static const size_t expectedBlockBytes = 928;
+
+    template<typename Source>
+    class BuilderOf final : public SurfaceBuilder
+    {
+      typedef typename Source::Patch Patch;
+      typedef std::function<void(double)> Progress;
+
+    public:
+      template<typename Mesh>
+      BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
+        : device(mesh->device), number(number), plan(mesh,*number), source(mesh,plan), ofGeometry(double(mesh->size())/double(max(source.size(),size_t(1)))),
+          estimatedBlocks(source.estimateBlocks()), perTask(source.perTask(isSmall())) {}
+
+      bool isSmall () const override { return estimatedBlocks <= isa::blocksOfPart; }
+      bool isLarge () const override { return estimatedBlocks > 4096; }
+
+      std::shared_ptr<const SurfaceBlocks> build (const Progress& progress) override
+      {
+        std::shared_ptr<SurfaceBlocks> blocks = std::make_shared<SurfaceBlocks>(device,number);
+        blocks->memory.expect(isSmall() ? 0 : estimatedBlocks*(sizeof(BVH4::AABBNode)/2 + expectedBlockBytes));
+        source.prepare(perTask,progress);
+        mvector<PrimRef> prims(device,0);
+        {
+          BuildResults results;
+          buildPrimitives(*blocks,results,progress);
+          source.release();
+          std::shared_ptr<mvector<cbvh::StepBox>> boxes = std::make_shared<mvector<cbvh::StepBox>>(device,0);
+          results.collect(prims,*boxes);
+          if (plan.moves()) blocks->boxes = boxes;
+        }
+        buildTree(*blocks,prims,progress);
+        blocks->memory.end();
+        return blocks;
+      }
+
+    private:
+      void buildPrimitives (SurfaceBlocks& blocks, BuildResults& results, const Progress& progress)
+      {
+        forRanges(source.size(),perTask,[&](const range<size_t>& primitives) { buildPrimitives(primitives,blocks.memory,results,progress); });
+        blocks.statistics = results.statistics;
+        blocks.bounds = results.hitBounds.isEmpty() ? BBox3fa(empty) : toBBox(results.hitBounds);
+      }
+
+      void buildPrimitives (const range<size_t>& primitives, cbvh::BlockMemory& memory, BuildResults& results, const Progress& progress)
+      {
+        typename Source::Scratch scratch(device);
+        BlockStore store(device,&memory);
+        cbvh::BuildStatistics statistics;
+        typename Source::Writer writer(source,store,statistics);
+        size_t reported = primitives.begin(), quads = 0, first = primitives.begin();
+        unsigned firstPatch = 0; // of those whose primitives the store has
+        for (size_t i=primitives.begin(); i!=primitives.end(); i++)
+        {
+          const size_t invalid = statistics.sums.numInvalidQuads;
+          unsigned number = 0;
+          source.forEachPatch(i,scratch,[&](Patch& patch) {
+              if (!writer.write(i,patch)) {
+                results.add(first,firstPatch,0,store);
+                buildStrips(i,number,patch,memory,results,statistics,progress);
+                first = i;
+                firstPatch = number+1;
+              }
+              statistics.bytesInEmbree += source.bytesInEmbree(patch);
+              quads += size_t(patch.quads[0])*size_t(patch.quads[1]);
+              number++;
+            });
+          if (source.isInvalid(i,statistics.sums.numInvalidQuads != invalid)) statistics.addInvalidFace(i);
+          if (plan.compresses() && source.isUnsupported(i)) statistics.addUnsupportedFace(i);
+          if (quads >= progressQuads || i+1 == primitives.end()) {
+            progress(ofGeometry*double(i+1-reported));
+            reported = i+1;
+            quads = 0;
+          }
+        }
+        results.add(first,firstPatch,0,store);
+        results.add(statistics);
+      }
+
+      /*! A patch of so many quads that several tasks write it. */
+      void buildStrips (size_t primitive, unsigned number, const Patch& patch, cbvh::BlockMemory& memory, BuildResults& results,
+                        cbvh::BuildStatistics& statistics, const Progress& progress)
+      {
+        const unsigned rows = VertWriter::rowsOfStrip(patch,plan.numTimeSteps), quadsX = patch.quads[0], quadsY = patch.quads[1], strips = (quadsY+rows-1)/rows;
+        const size_t width = quadsX+1, ofSeam = width*plan.numTimeSteps;
+        mvector<float> seams(device,Source::answersAlike ? 0 : 3*ofSeam*(strips-1)); // rows between strips, at each time step
+        auto seam = [&](unsigned s) { return Source::answersAlike ? nullptr : (float(*)[3])(seams.data() + 3*ofSeam*s); };
+        if (!Source::answersAlike)
+          parallel_for(1u,strips,1u,[&](const range<unsigned>& r) {
+              typename Source::Scratch scratch(device);
+              Patch own(patch,scratch);
+              for (unsigned s=r.begin(); s!=r.end(); s++)
+                for (unsigned step=0; step<plan.numTimeSteps; step++)
+                  memcpy(seam(s-1) + width*step,own.evaluate(quadsX,quadsY,PatchPart{ 0,quadsX,s*rows,s*rows },step).displaced(),width*sizeof(float[3]));
+            });
+        MutexSys mutex;
+        parallel_for(0u,strips,1u,[&](const range<unsigned>& r) {
+            typename Source::Scratch scratch(device);
+            Patch own(patch,scratch);
+            cbvh::BuildStatistics ofStrips;
+            for (unsigned s=r.begin(); s!=r.end(); s++) {
+              BlockStore store(device,&memory);
+              const PatchPart strip = { 0,quadsX,s*rows,min((s+1)*rows,quadsY) };
+              VertWriter(plan,device,store,ofStrips).write(own,strip,s == 0 ? nullptr : seam(s-1),s+1 == strips ? nullptr : seam(s));
+              results.add(primitive,number,s+1,store);
+              progress(0.0);
+            }
+            Lock<MutexSys> lock(mutex);
+            statistics.merge(ofStrips);
+          });
+      }
+
+      /*! few primitives are left to the trees of scenes, and those that move */
+      void buildTree (SurfaceBlocks& blocks, mvector<PrimRef>& prims, const Progress& progress)
+      {
+        blocks.numPrimitives = prims.size();
+        for (const PrimRef& prim : prims) blocks.bounds.extend(prim.bounds());
+        if (plan.moves()) {
+          cbvh::resizeExactly(blocks.moving,prims.size());
+          for (size_t i=0; i<prims.size(); i++) blocks.moving[i] = prims[i].ID();
+          return;
+        }
+        if (!blocks.memory.pool() || prims.size() <= isa::blocksOfPart) { blocks.parts = std::move(prims); return; }
+        size_t nodes = 0;
+        FastAllocator& memory = *blocks.memory.pool();
+        blocks.root = isa::moveLargestNodes(isa::buildTree(memory,prims,[&] { progress(0.0); },nodes),nodes,memory);
+        blocks.statistics.sums.topLevelBytes = nodes*sizeof(BVH4::AABBNode);
+        isa::TreeCutter(blocks.parts).cut(blocks.root,blocks.bounds);
+      }
+
+      Device* device;
+      const std::shared_ptr<const cbvh::SurfaceNumber> number;
+      const CompressionPlan plan;
+      Source source;
+      const double ofGeometry; //!< its primitives, for each of the source's
+      const size_t estimatedBlocks;
+      const size_t perTask;
+    };
+  }
+}

@@ -1,0 +1,151 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Compiled for the library's lowest ISA only. */
+
+#include "loaded_surface.h"
+#include "../base/primitive_type.h"
+#include "../base/thread_cache.h"
+#include "../embree/scene.h"
+#include "../stored/surface_blocks.h"
+#include "../stored/tree.h"
+#include "../../cvert/file/tree_reader.h"
+#include "file_statistics.h"
+#include "mapped_blocks.h"
+#include "validate_framed.h"
+#include <sys/mman.h>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    namespace
+    {
+      /*! Private pages of a part of a file, allocated when they are written. */
+      struct PrivatePages
+      {
+        char* const data;
+        const size_t bytes;
+
+        PrivatePages (int file, uint64_t offset, size_t bytes)
+          : data((char*)::mmap(nullptr,bytes,PROT_READ | PROT_WRITE,MAP_PRIVATE | MAP_NORESERVE,file,off_t(offset))), bytes(bytes) {
+          if (data == MAP_FAILED) throw std::bad_alloc();
+        }
+        ~PrivatePages () { ::munmap(data,bytes); }
+      };
+
+      /*! the file that contains the blocks of a geometry, and their private pages, if there are any */
+      struct FileAndPages
+      {
+        std::shared_ptr<const File> file;
+        std::unique_ptr<PrivatePages> pages;
+      };
+
+      BBox3fa boundsOf (const float lower[3], const float upper[3]) { return BBox3fa(Vec3fa(lower[0],lower[1],lower[2]),Vec3fa(upper[0],upper[1],upper[2])); }
+
+      /*! Makes Embree's tree of the tree of a file: a sink of TreeReader. */
+      class SurfaceLoader
+      {
+      public:
+        typedef BVH4::NodeRef Ref;
+
+        SurfaceLoader (const File& file, size_t i, const MappedBlocks& mapped, SurfaceBlocks& surface) : file(file), i(i), mapped(mapped), surface(surface)
+        {
+          const FileGeometry& record = file.geometry(i);
+          if (record.form == FILE_TREE) surface.memory.expect(size_t(record.treeBytes/sizeof(FileNode))*sizeof(BVH4::AABBNode));
+        }
+
+        Ref leaf (FileChild type, uint64_t offset)
+        {
+          if (type == FILE_MOVING_VERT) { // its boxes are decoded at once
+            if (const Reason reason = mapped.validate(size_t(offset),true)) file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
+            mapped.number(size_t(offset),true);
+          }
+#if defined(EMBREE_CBVH_NO_PAPER)
+          if (type == FILE_FRAMED) file.failUnsupported(i,"it has blocks with frames, and this library was built without the paper's representations");
+#endif
+          return BVH4::encodeTypedLeaf((void*)(mapped.first()+offset),type == FILE_MOVING_VERT ? MOVING_VERT_BLOCK : type == FILE_VERT ? VERT_BLOCK : FRAMED_BLOCK);
+        }
+
+        BVH4::AABBNode* beginNode ()
+        {
+          BVH4::AABBNode* const node = (BVH4::AABBNode*)surface.memory.pool()->getCachedAllocator().malloc0(sizeof(BVH4::AABBNode),BVH4::byteNodeAlignment);
+          node->clear();
+          return node;
+        }
+
+        static void setChild (BVH4::AABBNode* node, unsigned i, const float lower[3], const float upper[3], Ref ref)
+        {
+          node->setBounds(i,boundsOf(lower,upper));
+          node->setRef(i,ref);
+        }
+
+        static Ref endNode (BVH4::AABBNode* node) { return BVH4::encodeNode(node); }
+
+        void entry (const FileEntry& entry, Ref ref)
+        {
+          if (file.geometry(i).form == FILE_MOVING) surface.moving.push_back(ref);
+          else surface.parts.push_back(PrimRef(boundsOf(entry.lower,entry.upper),size_t(ref)));
+        }
+
+      private:
+        const File& file;
+        const size_t i;
+        const MappedBlocks& mapped;
+        SurfaceBlocks& surface;
+      };
+      static_assert(TreeReader<SurfaceLoader>::maxDepth <= BVH4::maxBuildDepthLeaf,"traversal has room for the trees of files");
+    }
+
+    std::shared_ptr<const SurfaceBlocks> loadSurface (const std::shared_ptr<const File>& file, Device* device, size_t i)
+    {
+      const FileGeometry& record = file->geometry(i);
+      const uint32_t moving = record.surface & movingSurface;
+      const std::shared_ptr<const SurfaceNumber> number = numberOfFile(record.surface & ~movingSurface);
+      const std::shared_ptr<SurfaceBlocks> surface = std::make_shared<SurfaceBlocks>(device,number);
+      const uint32_t ownNumber = *number | moving;
+
+      /* A second surface of the same blocks has pages of its own: its number is written into the blocks. */
+      std::shared_ptr<FileAndPages> memory = std::make_shared<FileAndPages>();
+      memory->file = file;
+      char* first = (char*)file->blocks(i);
+      if (ownNumber != record.surface && record.blockBytes) {
+        memory->pages.reset(new PrivatePages(file->descriptor(),record.blocks,size_t(record.blockBytes+fileReadBehind)));
+        first = memory->pages->data;
+      }
+      const std::shared_ptr<const File> owner(memory,file.get());
+      const std::shared_ptr<const MappedBlocks> mapped = std::make_shared<MappedBlocks>(device,owner,first,record,ownNumber,file->path + ": geometry " + std::to_string(i));
+      surface->mapped = mapped;
+      surface->bounds = areBounds(record.lower,record.upper) ? boundsOf(record.lower,record.upper) : BBox3fa(empty);
+      surface->numPrimitives = size_t(record.numBlocks);
+      surface->statistics = statisticsOf(record);
+      SurfaceLoader loader(*file,i,*mapped,*surface);
+      BVH4::NodeRef root;
+      TreeReader<SurfaceLoader> reader(record,file->tree(i),loader);
+      if (const Reason reason = reader.read(root)) file->failAt(i,reason.message());
+      if (record.form == FILE_TREE) {
+        surface->root = isa::moveLargestNodes(root,size_t(reader.numNodes()),*surface->memory.pool());
+        isa::TreeCutter(surface->parts).cut(surface->root,surface->bounds);
+      }
+      surface->memory.end();
+      outdateThreadCaches(); // others may have lain here
+      return surface;
+    }
+
+    void verifyFile (const File& file)
+    {
+      file.verify();
+      for (size_t i=0; i<file.size(); i++)
+      {
+        const FileGeometry& record = file.geometry(i);
+        forEachBlock(record,file.tree(i),[&](FileChild type, uint64_t offset) {
+            if (type != FILE_FRAMED) return;
+            const BlockHeader* const block = (const BlockHeader*)(file.blocks(i)+offset);
+            Reason reason = validateFramedBlock(block,size_t(record.blockBytes-offset),record.numPrimitives);
+            if (!reason && block->surface != record.surface) reason = Reason(ErrorCode::DAMAGED,"it belongs to another surface");
+            if (reason) file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
+          });
+      }
+    }
+  }
+}

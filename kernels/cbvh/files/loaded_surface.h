@@ -1,0 +1,27 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Surfaces of a file, as scenes trace them. The tree of a surface is read and checked when it is loaded, its blocks when rays first hit them
+ * (mapped_blocks.h). */
+
+#include "../base/codec.h"
+#include "../../cvert/file/file.h"
+#include <memory>
+
+namespace embree
+{
+  class Device;
+  struct SurfaceBlocks;
+
+  namespace cbvh
+  {
+    /*! Returns the blocks of geometry i of a file, and the tree above them. Throws cvert::Error if the tree is damaged, or if a block of a surface
+     *  that moves is. */
+    std::shared_ptr<const SurfaceBlocks> loadSurface (const std::shared_ptr<const cvert::File>& file, Device* device, size_t i);
+
+    /*! Reads all of a file. Throws cvert::Error if a checksum differs or a block is damaged. */
+    void verifyFile (const cvert::File& file);
+  }
+}

@@ -1,0 +1,210 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Compiled for the library's lowest ISA only. */
+
+#include "mapped_blocks.h"
+#include "../embree/scene.h"
+#include "validate_framed.h"
+#include "../../cvert/file/record.h"
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    /*! The places of all mapped blocks of the process. */
+    class MappedPlaces
+    {
+      /*! Where blocks lie, by value: other threads may delete blocks of geometries that this one does not trace, and those
+       *  that it traces stay. */
+      struct Place
+      {
+        const char* begin;
+        size_t bytes;
+        const MappedBlocks* blocks;
+
+        bool holds (const void* block) const { return size_t((const char*)block-begin) < bytes; }
+      };
+      typedef std::vector<Place> List; //!< by address
+
+    public:
+      /*! Throws std::bad_alloc, and then changes nothing. */
+      static void add (MappedBlocks* blocks)
+      {
+        Lock<MutexSys> lock(mutex);
+        std::shared_ptr<const List> next = listOf(blocks);
+        blocks->previous = nullptr;
+        blocks->next = first;
+        if (first) first->previous = blocks;
+        first = blocks;
+        list = std::move(next);
+        isMappedBlockGood.store(isGood);
+        hullBegin = std::min(hullBegin,size_t(blocks->begin));
+        hullEnd = std::max(hullEnd,size_t(blocks->begin)+blocks->bytes);
+        changed();
+      }
+
+      /*! Without memory for a new list there is none until the next one is made, and threads look at all blocks. */
+      static void remove (MappedBlocks* blocks)
+      {
+        Lock<MutexSys> lock(mutex);
+        (blocks->previous ? blocks->previous->next : first) = blocks->next;
+        if (blocks->next) blocks->next->previous = blocks->previous;
+        try { list = listOf(nullptr); }
+        catch (const std::bad_alloc&) { list.reset(); }
+        changed();
+      }
+
+    private:
+      /*! What the calling thread knows of them: a list is used while a geometry of it is traced, and another may be added to a new one. */
+      struct Known
+      {
+        uint64_t generation = 0;
+        std::shared_ptr<const List> list;
+        Place last = { nullptr, 0, nullptr }; //!< whose block was the last that was asked for
+      };
+
+      static bool isGood (const void* block, bool isVert)
+      {
+        const Known* const mine = known;
+        if (likely(mine && mine->generation == generation.load(std::memory_order_acquire) && mine->last.holds(block))) return mine->last.blocks->isGood(block,isVert);
+        return find(block,isVert);
+      }
+
+      static bool find (const void* block, bool isVert)
+      {
+        struct Owner { ~Owner () { delete known; known = nullptr; } };
+        if (!known) {
+          static thread_local Owner owner; // ends with the thread
+          (void)owner;
+          known = new Known;
+        }
+        if (known->generation != generation.load(std::memory_order_acquire)) {
+          Lock<MutexSys> lock(mutex);
+          known->list = list;
+          known->generation = generation.load(std::memory_order_relaxed);
+          known->last = Place{ nullptr, 0, nullptr };
+        }
+        const Place place = known->list ? placeIn(*known->list,block) : placeOfLiving(block);
+        if (!place.blocks) return true;
+        known->last = place;
+        return place.blocks->isGood(block,isVert);
+      }
+
+      static Place placeOf (const MappedBlocks* blocks) { return Place{ blocks->begin, blocks->bytes, blocks }; }
+
+      static Place placeIn (const List& list, const void* block)
+      {
+        const auto next = std::upper_bound(list.begin(),list.end(),block,[](const void* block, const Place& place) { return (const char*)block < place.begin; });
+        return next == list.begin() || !(next-1)->holds(block) ? Place{ nullptr, 0, nullptr } : *(next-1);
+      }
+
+      static Place placeOfLiving (const void* block)
+      {
+        Lock<MutexSys> lock(mutex);
+        for (const MappedBlocks* blocks=first; blocks; blocks=blocks->next)
+          if (placeOf(blocks).holds(block)) return placeOf(blocks);
+        return Place{ nullptr, 0, nullptr };
+      }
+
+      /*! With the mutex: a list of those that live, and of one more. */
+      static std::shared_ptr<const List> listOf (const MappedBlocks* another)
+      {
+        const std::shared_ptr<List> made = std::make_shared<List>();
+        if (another) made->push_back(placeOf(another));
+        for (const MappedBlocks* blocks=first; blocks; blocks=blocks->next) made->push_back(placeOf(blocks));
+        std::sort(made->begin(),made->end(),[](const Place& a, const Place& b) { return a.begin < b.begin; });
+        return made;
+      }
+
+      /*! With the mutex. The addresses that others read hold all blocks at any moment. */
+      static void changed ()
+      {
+        if (!first) {
+          mappedBytes.store(0);
+          hullBegin = ~size_t(0);
+          hullEnd = 0;
+        }
+        else {
+          mappedBytes.store(~size_t(0));
+          mappedBegin.store(hullBegin,std::memory_order_release);
+          mappedBytes.store(hullEnd-hullBegin);
+        }
+        generation.fetch_add(1);
+      }
+
+      static MutexSys mutex;                    //!< of the next three
+      static MappedBlocks* first;
+      static std::shared_ptr<const List> list;  //!< null if there was no memory for it
+      static size_t hullBegin, hullEnd;
+      static std::atomic<uint64_t> generation;  //!< of them
+      static __thread Known* known __attribute__((tls_model("initial-exec")));
+    };
+
+    MutexSys MappedPlaces::mutex;
+    MappedBlocks* MappedPlaces::first = nullptr;
+    std::shared_ptr<const MappedPlaces::List> MappedPlaces::list;
+    size_t MappedPlaces::hullBegin = ~size_t(0), MappedPlaces::hullEnd = 0;
+    std::atomic<uint64_t> MappedPlaces::generation(0);
+    __thread MappedPlaces::Known* MappedPlaces::known = nullptr;
+
+    MappedBlocks::MappedBlocks (Device* device, const std::shared_ptr<const File>& file, char* begin, const FileGeometry& record, uint32_t number, const std::string& name)
+      : device(device), file(file), begin(begin), record(record), bytes(size_t(record.blockBytes)), surfaceNumber(number), name(name), good(nullptr), isReported(false)
+    {
+      static_assert(sizeof(std::atomic<uint64_t>) == sizeof(uint64_t),"zeros are bits");
+      /* pages of zeros, which take memory where blocks are met */
+      good = (std::atomic<uint64_t>*)calloc(bytes/(16*64)+1,sizeof(uint64_t));
+      if (!good) throw std::bad_alloc();
+      try { MappedPlaces::add(this); }
+      catch (...) { free(good); throw; }
+    }
+
+    MappedBlocks::~MappedBlocks ()
+    {
+      MappedPlaces::remove(this);
+      free(good);
+    }
+
+    Reason MappedBlocks::validate (size_t offset, bool isVert) const
+    {
+      if (offset >= bytes || offset % blockAlignment) return Reason(ErrorCode::DAMAGED,"no block can be at %",offset);
+      const Reason reason = isVert ? validateVertBlock(record,begin+offset,bytes-offset) : validateFramedBlock(begin+offset,bytes-offset,record.numPrimitives);
+      if (reason) return reason;
+      return isOwnSurface(offset,isVert) ? Reason() : Reason(ErrorCode::DAMAGED,"it belongs to another surface");
+    }
+
+    AtomicRef<uint32_t> MappedBlocks::surfaceOf (size_t offset, bool isVert) const {
+      return AtomicRef<uint32_t>(isVert ? ((VertHeader*)(begin+offset))->surface : ((BlockHeader*)(begin+offset))->surface);
+    }
+
+    bool MappedBlocks::isOwnSurface (size_t offset, bool isVert) const
+    {
+      const uint32_t surface = surfaceOf(offset,isVert).load(std::memory_order_acquire);
+      return surface == record.surface || surface == surfaceNumber;
+    }
+
+    void MappedBlocks::number (size_t offset, bool isVert) const
+    {
+      /* Several threads may check a block at the same time; one of them writes, before any of them calls it good. */
+      uint32_t expected = record.surface;
+      if (record.surface != surfaceNumber) surfaceOf(offset,isVert).exchange(expected,surfaceNumber,std::memory_order_acq_rel);
+    }
+
+    bool MappedBlocks::check (size_t offset, bool isVert) const
+    {
+      if (const Reason reason = validate(offset,isVert)) {
+        if (!isReported.exchange(true)) {
+          const std::string message = name + ": the block at " + std::to_string(offset) + " is damaged, and maybe others: " + reason.message() + "; rays miss it";
+          Device::process_error(device,RTC_ERROR_INVALID_ARGUMENT,message.c_str());
+        }
+        return false;
+      }
+      number(offset,isVert);
+      good[offset/(16*64)].fetch_or(uint64_t(1) << (offset/16 % 64),std::memory_order_release);
+      return true;
+    }
+  }
+}

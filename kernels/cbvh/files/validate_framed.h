@@ -1,0 +1,55 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Checks blocks with frames. */
+
+#include "../framed/block.h"
+#include "../base/codec.h"
+#include "../../cvert/decoder/validate.h"
+#include "../../cvert/basics/reason.h"
+
+namespace embree
+{
+  namespace cbvh { inline namespace CBVH_ISA
+  {
+    /*! False for frames that are not finite, and for those that map all points to one, such as that of a header of zeros. */
+    inline bool isFrame(const BlockHeader& header)
+    {
+      bool isZero = true;
+      for (int i=0; i<3; i++) {
+        if (!std::isfinite(header.centre[i])) return false;
+        for (int k=0; k<4; k++) {
+          if (!std::isfinite(header.columns[i][k])) return false;
+          isZero &= k == 3 || header.columns[i][k] == 0.0f;
+        }
+      }
+      return !isZero;
+    }
+
+    /*! Checks a block that starts at data and takes at most that many bytes. Whatever its fields are, decoders then read only the block. */
+    inline Reason validateFramedBlock(const void* data, size_t bytes)
+    {
+      auto damaged = [](const char* text, uint64_t first, uint64_t second) { return Reason(ErrorCode::DAMAGED,text,first,second); };
+      if (bytes < blockHeaderBytes) return damaged("it has % bytes: its header needs %",bytes,blockHeaderBytes);
+      const BlockHeader& header = *(const BlockHeader*)data;
+      const uint32_t kind = kindOf(header.info), height = heightOf(header.info);
+      if (kind >= numKindFormats || !((framedKinds >> kind) & 1)) return damaged("its kind % is unknown",kind,0);
+      if (height > maxLevel) return damaged("its height % is out of range: expected 0 to %",height,maxLevel);
+      if (!isFrame(header)) return damaged("its frame is not finite, or maps all points to one",0,0);
+      if (!isPatchCorner(cornerUOf(header.tiling),cornerVOf(header.tiling))) return damaged("its patch starts outside of its face",0,0);
+      if (blockXOf(header.info) > lastXOf(header.tiling) || blockYOf(header.info) > lastYOf(header.tiling)) return damaged("it lies outside of its patch",0,0);
+      const size_t needed = blockLayout(kind,height).bytes;
+      return bytes < needed ? damaged("it has % bytes: its nodes and leaves need %",bytes,needed) : Reason();
+    }
+
+    /*! The same for a block of a geometry with that many primitives. */
+    inline Reason validateFramedBlock(const void* data, size_t bytes, uint32_t numPrimitives)
+    {
+      if (const Reason reason = validateFramedBlock(data,bytes)) return reason;
+      const uint32_t primID = ((const BlockHeader*)data)->primID;
+      return primID < numPrimitives ? Reason() : Reason(ErrorCode::DAMAGED,"primitive % is out of range: the geometry has %",primID,numPrimitives);
+    }
+  }}
+}

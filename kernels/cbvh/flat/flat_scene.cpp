@@ -1,0 +1,299 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#define RTC_EXPORT_API
+
+#include "../embree/scene.h"
+#include "../framed/block.h"
+#include "../../cvert/format/motion.h"
+#include "../base/mapped_blocks.h"
+#include "../base/primitive_type.h"
+#include "../stored/block_bytes.h"
+#include "flat_scene.h"
+#include "../stored/surface_blocks.h"
+#include <limits>
+#include <memory>
+#include <vector>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    namespace
+    {
+      /*! what a FlatScene points to */
+      struct OwnedScene : public FlatScene
+      {
+        std::vector<FlatNode> ownNodes;
+        std::vector<FlatMovingNode> ownMovingNodes;
+        std::vector<FlatBlock> ownBlocks;
+        std::vector<FlatCell> ownCells;
+        std::vector<FlatGeometry> ownGeometries;
+        std::vector<std::unique_ptr<float[]>> ownTransforms;
+      };
+
+      void copyVector (const Vec3fa& from, float* to) { to[0] = from.x; to[1] = from.y; to[2] = from.z; }
+
+      /*! Copies a tree of surfaces, that of each grid included. */
+      class TreeCopy
+      {
+      public:
+        TreeCopy (OwnedScene& out, const SurfaceIDs& ids) : out(out), ids(ids) {}
+
+        FlatTree copy (const BVH4* bvh)
+        {
+          depth = 0;
+          FlatTree tree;
+          tree.root = reference(bvh->root,nullptr,0);
+          tree.depth = depth;
+          const BBox3fa bounds = merge(bvh->bounds.bounds0,bvh->bounds.bounds1);
+          copyVector(bounds.lower,tree.lower);
+          copyVector(bounds.upper,tree.upper);
+          return tree;
+        }
+
+      private:
+        typedef isa::GridSOA GridSOA;
+        static_assert(offsetof(GridSOA,width) == 4*gridWidthWord && offsetof(GridSOA,height) == 4*gridHeightWord && offsetof(GridSOA,dim_offset) == 4*gridPlaneWord &&
+                      offsetof(GridSOA,_geomID) == 4*gridGeometryWord && offsetof(GridSOA,_primID) == 4*gridPrimitiveWord &&
+                      offsetof(GridSOA,gridOffset) == 4*gridOffsetWord && offsetof(GridSOA,data) == 4*gridDataWord,"layout of a grid");
+
+        /*! grid: that a node belongs to, index gridIndex of blocks, or null above the grids */
+        uint32_t reference (BVH4::NodeRef ref, const GridSOA* grid, uint32_t gridIndex, uint32_t above = 0)
+        {
+          if (ref == BVH4::emptyNode) return emptyReference;
+          if (ref.isLeaf()) return leaf(ref,grid,gridIndex,above);
+          depth = max(depth,above+1);
+          return ref.isAABBNode() ? node(ref.getAABBNode(),grid,gridIndex,above) : movingNode(ref,above);
+        }
+
+        uint32_t node (const BVH4::AABBNode* from, const GridSOA* grid, uint32_t gridIndex, uint32_t above)
+        {
+          const size_t n = out.ownNodes.size();
+          out.ownNodes.emplace_back();
+          uint32_t children[4];
+          for (size_t i=0; i<4; i++) children[i] = reference(from->child(i),grid,gridIndex,above+1);
+          copyPlanes(&from->lower_x,children,out.ownNodes[n]);
+          return makeReference(nodeReference,index(n));
+        }
+
+        uint32_t movingNode (BVH4::NodeRef ref, uint32_t above)
+        {
+          const BVH4::AABBNodeMB* const from = ref.getAABBNodeMB();
+          const size_t n = out.ownMovingNodes.size();
+          out.ownMovingNodes.emplace_back();
+          uint32_t children[4];
+          for (size_t i=0; i<4; i++) children[i] = reference(from->child(i),nullptr,0,above+1);
+          FlatMovingNode& to = out.ownMovingNodes[n];
+          copyPlanes(&from->lower_x,children,to.atZero);
+          const vfloat4* const differences = &from->lower_dx;
+          for (size_t i=0; i<4; i++)
+          {
+            const bool isEmpty = children[i] == emptyReference, splitsTime = ref.isAABBNodeMB4D();
+            for (size_t k=0; k<3; k++) {
+              to.lowerDifference[k][i] = isEmpty ? 0.0f : differences[2*k][i];
+              to.upperDifference[k][i] = isEmpty ? 0.0f : differences[2*k+1][i];
+            }
+            const float largest = std::numeric_limits<float>::max();
+            to.begin[i] = splitsTime && !isEmpty ? ref.getAABBNodeMB4D()->lower_t[i] : -largest;
+            to.end[i] = splitsTime && !isEmpty ? ref.getAABBNodeMB4D()->upper_t[i] : largest;
+          }
+          return makeReference(movingNodeReference,index(n));
+        }
+
+        /*! planes: lower and upper of each axis, as Embree's nodes have them */
+        static void copyPlanes (const vfloat4* planes, const uint32_t children[4], FlatNode& to)
+        {
+          for (size_t i=0; i<4; i++) {
+            to.children[i] = children[i];
+            const bool isEmpty = children[i] == emptyReference;
+            for (size_t k=0; k<3; k++) {
+              to.lower[k][i] = isEmpty ? std::numeric_limits<float>::infinity() : planes[2*k][i];
+              to.upper[k][i] = isEmpty ? std::numeric_limits<float>::infinity() : planes[2*k+1][i];
+            }
+          }
+        }
+
+        uint32_t leaf (BVH4::NodeRef ref, const GridSOA* grid, uint32_t gridIndex, uint32_t above)
+        {
+          size_t type;
+          const char* data = ref.leaf(type);
+          if (grid) {
+            out.ownCells.push_back(FlatCell{ gridIndex,uint32_t((size_t(data) >> 4) - 1) });
+            return makeReference(cellReference,index(out.ownCells.size()-1));
+          }
+          if (type == GRID_SOA_ROOT) {
+            const GridSOA* root = (const GridSOA*)data;
+            out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,cellReference,ids[root->geomID()] });
+            return reference(root->root(),root,index(out.ownBlocks.size()-1),above);
+          }
+          const bool moves = type == MOVING_VERT_BLOCK, isVert = type == VERT_BLOCK || moves;
+          if (!moves && !isUsable(data,isVert))
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the file of one of the scene's geometries is damaged: one of its blocks is none");
+          const uint32_t kind = isVert ? kindVert : kindOf(((const BlockHeader*)data)->info);
+          const uint32_t surface = isVert ? ((const VertHeader*)data)->surface : ((const BlockHeader*)data)->surface;
+          const uint32_t referenceType = moves ? movingBlockReference : blockReference(kind);
+          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(data,isVert),referenceType,ids[surface] });
+          return makeReference(referenceType,index(out.ownBlocks.size()-1));
+        }
+
+        static uint32_t index (size_t i)
+        {
+          if (i > referenceMask) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the scene has more than " + std::to_string(size_t(referenceMask)+1) + " nodes, blocks or leaves of grids");
+          return uint32_t(i);
+        }
+
+        OwnedScene& out;
+        const SurfaceIDs& ids;
+        uint32_t depth = 0;
+      };
+
+      void copyTransform (const AffineSpace3fa& from, float* to)
+      {
+        copyVector(from.l.vx,to); copyVector(from.l.vy,to+3); copyVector(from.l.vz,to+6); copyVector(from.p,to+9);
+      }
+
+      const char* nameOfType (Geometry::GType type)
+      {
+        switch (int(type)) {
+        case Geometry::GTY_SUBDIV_MESH: return "a subdivision surface";
+        case CompressibleGeometry::GTY_COMPRESSED: return "a compressed mesh";
+        case Geometry::GTY_TRIANGLE_MESH: return "a triangle mesh";
+        case Geometry::GTY_INSTANCE_CHEAP: case Geometry::GTY_INSTANCE_EXPENSIVE: return "an instance";
+        case Geometry::GTY_QUAD_MESH: return "a quad mesh";
+        case Geometry::GTY_GRID_MESH: return "a grid mesh";
+        case Geometry::GTY_USER_GEOMETRY: return "user geometry";
+        default: return "of curves or points";
+        }
+      }
+
+      FlatGeometry describe (Geometry* geometry, OwnedScene& scene)
+      {
+        FlatGeometry out = FlatGeometry();
+        if (!geometry || !geometry->isEnabled()) return out;
+        out.typeName = nameOfType(geometry->getType());
+        out.mask = geometry->mask;
+        out.timeSteps = geometry->numTimeSteps;
+        out.isTraced = out.timeSteps == 1 || geometryOfTree(geometry,true) != nullptr;
+        out.hasFilter = geometry->hasFilterFunctions();
+        switch (int(geometry->getType()))
+        {
+        case Geometry::GTY_SUBDIV_MESH: case CompressibleGeometry::GTY_COMPRESSED: {
+          const auto blocks = blocksOf((const CompressibleGeometry*)geometry);
+          out.type = FLAT_SURFACE;
+          out.build = blocks ? blocks->build : 0;
+          break;
+        }
+        case Geometry::GTY_TRIANGLE_MESH: {
+          const TriangleMesh* mesh = (const TriangleMesh*)geometry;
+          out.type = FLAT_TRIANGLES;
+          out.vertices = mesh->vertices0.getPtr();
+          out.vertexStride = mesh->vertices0.getStride();
+          out.numVertices = mesh->vertices0.size();
+          out.indices = mesh->triangles.getPtr();
+          out.indexStride = mesh->triangles.getStride();
+          out.numTriangles = mesh->triangles.size();
+          break;
+        }
+        case Geometry::GTY_INSTANCE_CHEAP: case Geometry::GTY_INSTANCE_EXPENSIVE: {
+          Instance* instance = (Instance*)geometry;
+          out.type = FLAT_INSTANCE;
+          out.isTraced = out.timeSteps == 1 || instance->gsubtype != Geometry::GTY_SUBTYPE_INSTANCE_QUATERNION;
+          scene.ownTransforms.emplace_back(new float[12*out.timeSteps]);
+          if (out.timeSteps == 1) {
+            copyTransform(instance->getWorld2Local(),out.worldToLocal);
+            copyTransform(instance->getLocal2World(),scene.ownTransforms.back().get());
+          }
+          else for (uint32_t i=0; i<out.timeSteps; i++) copyTransform(AffineSpace3fa(instance->local2world[i]),scene.ownTransforms.back().get()+12*i);
+          out.localToWorld = scene.ownTransforms.back().get();
+          out.begin = instance->time_range.lower;
+          out.end = instance->time_range.upper;
+          out.instanced = (RTCScene)dynamic_cast<Scene*>(instance->object);
+          if (instance->object) {
+            const BBox3fa bounds = instance->object->getBounds();
+            copyVector(bounds.lower,out.lower);
+            copyVector(bounds.upper,out.upper);
+          }
+          break;
+        }
+        default: out.type = FLAT_OTHER;
+        }
+        return out;
+      }
+
+      /*! whether a tree is of surfaces that move */
+      bool moves (BVH4::NodeRef root)
+      {
+        if (root == BVH4::emptyNode || !root.isLeaf()) return root != BVH4::emptyNode && !root.isAABBNode();
+        size_t type;
+        root.leaf(type);
+        return type == MOVING_VERT_BLOCK;
+      }
+
+      std::unique_ptr<OwnedScene> flatten (Scene* scene)
+      {
+        std::unique_ptr<OwnedScene> flat(new OwnedScene);
+        static_cast<FlatScene&>(*flat) = FlatScene();
+        flat->version = flatSceneVersion;
+        flat->still.root = flat->moving.root = emptyReference;
+        flat->isRobust = scene->isRobustAccel();
+        bool isAllTraced = true;
+        for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i),*flat));
+
+        /* what uses this names the geometry */
+        for (const FlatGeometry& geometry : flat->ownGeometries)
+          isAllTraced &= geometry.type == FLAT_NONE || geometry.isTraced;
+
+        for (Accel* accel : scene->accels)
+        {
+          if (!isAllTraced) break;
+          const AccelData* data = (const AccelData*)accel->intersectors.ptr;
+          if (!data || data->type != AccelData::TY_BVH4 || ((const BVH4*)data)->primTy != &SubdivPatch1::type) continue;
+          const BVH4* const bvh = (const BVH4*)data;
+          (moves(bvh->root) ? flat->moving : flat->still) = TreeCopy(*flat,scene->surfaceIDs).copy(bvh);
+        }
+
+        flat->nodes = flat->ownNodes.data();
+        flat->numNodes = flat->ownNodes.size();
+        flat->movingNodes = flat->ownMovingNodes.data();
+        flat->numMovingNodes = flat->ownMovingNodes.size();
+        flat->blocks = flat->ownBlocks.data();
+        flat->numBlocks = flat->ownBlocks.size();
+        flat->cells = flat->ownCells.data();
+        flat->numCells = flat->ownCells.size();
+        flat->geometries = flat->ownGeometries.data();
+        flat->numGeometries = flat->ownGeometries.size();
+        return flat;
+      }
+    }
+  }
+}
+
+using namespace embree;
+
+RTC_NAMESPACE_BEGIN;
+
+RTC_API const cbvh::FlatScene* rtcFlattenScene (RTCScene hscene, unsigned int version)
+{
+  Scene* scene = (Scene*) hscene;
+  RTC_CATCH_BEGIN;
+  if (hscene == nullptr)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"scene is NULL");
+  if (version != cbvh::flatSceneVersion)
+    throw_RTCError(RTC_ERROR_INVALID_OPERATION,"libembree3 and libembree3_vulkan are of different builds: one has scenes of version "
+                   + std::to_string(cbvh::flatSceneVersion) + ", the other of " + std::to_string(version));
+  bool modified = scene->isModified();
+  for (size_t i=0; i<scene->size(); i++)
+    modified |= scene->get(i) && scene->get(i)->isEnabled() && scene->isGeometryModified(i);
+  if (modified)
+    throw_RTCError(RTC_ERROR_INVALID_OPERATION,"scene not committed");
+  return cbvh::flatten(scene).release();
+  RTC_CATCH_END2(scene);
+  return nullptr;
+}
+
+RTC_API void rtcRaiseDeviceError (RTCDevice device, enum RTCError code, const char* message) { Device::process_error((Device*)device,code,message); }
+
+RTC_API void rtcReleaseFlatScene (const cbvh::FlatScene* flat) { delete static_cast<const cbvh::OwnedScene*>(flat); }
+
+RTC_NAMESPACE_END

@@ -1,0 +1,53 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The paper's representations as traversal of single rays sees them. traversal/no_framed_rays1.h has the same interface for a library
+ * without them. */
+
+#include "../base/primitive_type.h"
+#include "block_intersector1.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! A ray that is traced through blocks with frames. */
+      class FramedRay
+      {
+      public:
+        __forceinline explicit FramedRay (float tfar) : state(tfar) {}
+
+        /*! True for a leaf that is a block with a frame. */
+        static __forceinline bool isFramed (size_t type) { return type == FRAMED_BLOCK; }
+
+        /*! t: where the ray enters the bounds of the next block */
+        __forceinline void setEnter (float t) { state.enter = t; }
+
+        /*! Returns true if a hit was accepted. */
+        template<typename RayType>
+        __forceinline bool intersect (RayType& ray, IntersectContext* context, const void* prim)
+        {
+          if (unlikely(!isUsable(prim,false))) return false;
+          const Block* const block = (const Block*)prim;
+          state.set(ray);
+          switch (kindOf(block->info)) {
+          case kindLeaf : return BlockIntersector1<LeafVisitor1 >::intersect(ray,context,state,block);
+          case kindVoxel: return BlockIntersector1<VoxelVisitor1>::intersect(ray,context,state,block);
+          case kindGrid : return BlockIntersector1<GridVisitor1 >::intersect(ray,context,state,block);
+          default       : return false;
+          }
+        }
+
+        /*! Returns the ray's tfar once everything is traced. */
+        __forceinline float end (float tfar) const { return state.nearest.end(tfar); }
+
+      private:
+        RayState state;
+      };
+    }
+  }
+}

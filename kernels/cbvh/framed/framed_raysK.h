@@ -1,0 +1,49 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The paper's representations as traversal of packets sees them. traversal/no_framed_raysK.h has the same interface for a library without
+ * them. */
+
+#include "block_intersectorK.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! The rays of a packet that are traced through blocks with frames. */
+      template<int K>
+      class FramedRaysK
+      {
+      public:
+        __forceinline explicit FramedRaysK (const vfloat<K>& tfar) : state(tfar) {}
+
+        __forceinline void setEnter (const vfloat<K>& t) { state.enter = t; }
+
+        /*! Returns the rays that accepted a hit. */
+        template<typename Rays>
+        __forceinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context, const void* prim)
+        {
+          if (unlikely(!isUsable(prim,false))) return vbool<K>(false);
+          const Block* const block = (const Block*)prim;
+          state.set(rays);
+          switch (kindOf(block->info)) {
+          case kindLeaf : return BlockIntersectorK<K,LeafVisitorK >::intersect(valid,rays,context,state,block);
+          case kindVoxel: return BlockIntersectorK<K,VoxelVisitorK>::intersect(valid,rays,context,state,block);
+          case kindGrid : return BlockIntersectorK<K,GridVisitorK >::intersect(valid,rays,context,state,block);
+          default       : return vbool<K>(false);
+          }
+        }
+
+        /*! Sets tfar of the rays once everything is traced. */
+        __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const { state.end(valid,tfar); }
+
+      private:
+        RayStates<K> state;
+      };
+    }
+  }
+}

@@ -1,0 +1,168 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Compiled for the library's lowest ISA only. */
+
+#include "stored_clusters.h"
+#include "../embree/scene.h"
+#include "../../cvert/clusters/compressed1.h"
+#include "../../cvert/clusters/dgf_tiling.h"
+#include "surface_blocks.h"
+#include <algorithm>
+#include <memory>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    namespace
+    {
+      /*! cuts parts into clusters, one after the other */
+      class Cutter
+      {
+      public:
+        Cutter (RTCClusterFormat format, const std::function<bool(const RTCCompressedCluster&)>& closure, RTCCompressedClusterReport& report)
+          : format(format), closure(closure), report(report) {}
+
+        /*! Returns false if the closure did. */
+        bool cut (const StoredBlock& block, const RTCCompressedPart& part)
+        {
+          this->part = &part;
+          whyFloats = !block.isVert ? RTC_CLUSTER_RAW : isMoving(block.vert()->boxForm) ? RTC_CLUSTER_MOVING : isRaw(block.vert()->boxForm) || hasRemainders(block.vert()->boxForm) ? RTC_CLUSTER_RAW : RTC_CLUSTER_RANGE;
+          const QuadRectangle all = { 0,0,part.width-1,part.height-1 };
+          if (format == RTC_CLUSTER_FORMAT_DGF1) {
+            bool goesOn = true;
+            if (cutIntoDgf(all,goesOn)) return goesOn;
+            return forEachSquare(all,[&](const QuadRectangle& square) { return cutIntoDgf(square,goesOn) ? goesOn : handOutFloats(square,whyFloats); });
+          }
+          return forEachSquare(all,[&](const QuadRectangle& square) { return handOutVertices(square); });
+        }
+
+      private:
+        /*! clusters of up to 8 x 8 quads */
+        template<typename Closure>
+        static bool forEachSquare (const QuadRectangle& of, const Closure& closure)
+        {
+          const uint32_t side = QuadTriangles::maxQuads;
+          for (uint32_t y=0; y<of.height; y+=side)
+            for (uint32_t x=0; x<of.width; x+=side) {
+              const QuadRectangle square = { of.x+x,of.y+y,std::min(side,of.width-x),std::min(side,of.height-y) };
+              if (!closure(square)) return false;
+            }
+          return true;
+        }
+
+        bool place (LatticePoints& points, const QuadRectangle& of) const {
+          return points.place(part->vertices + 3*(size_t(of.y)*part->width + of.x),part->width,of.width+1,of.height+1);
+        }
+
+        /*! in COMPRESSED1, or as floats */
+        bool handOutVertices (const QuadRectangle& square)
+        {
+          if (format == RTC_CLUSTER_FORMAT_FLOAT3) return handOutFloats(square,RTC_CLUSTER_FITS);
+          const QuadTriangles triangles(part->vertices,part->width,square,false);
+          if (triangles.numTriangles == 0) return true;
+          LatticeSpan span;
+          if (place(points,square))
+            for (uint32_t i=0; i<triangles.numVertices; i++) span.add(points.at[triangles.vertices[i]]);
+          if (span.isEmpty() || !span.fits()) return handOutFloats(square,whyFloats);
+          std::fill_n(data,sizeof(data)/sizeof(data[0]),0u);
+          const size_t bytes = putCompressed1(points,span,triangles.vertices,triangles.numVertices,(uint8_t*)data);
+          return handOut(square,triangles,RTC_CLUSTER_FORMAT_COMPRESSED1,RTC_CLUSTER_FITS,bytes);
+        }
+
+        bool handOutFloats (const QuadRectangle& square, RTCClusterReason reason)
+        {
+          const QuadTriangles triangles(part->vertices,part->width,square,false);
+          if (triangles.numTriangles == 0) return true;
+          for (uint32_t i=0; i<triangles.numVertices; i++) {
+            const uint32_t v = triangles.vertices[i], x = v % (square.width+1), y = v / (square.width+1);
+            memcpy(data+3*i,part->vertices + 3*(size_t(square.y+y)*part->width + square.x+x),12);
+          }
+          return handOut(square,triangles,RTC_CLUSTER_FORMAT_FLOAT3,reason,12*triangles.numVertices);
+        }
+
+        /*! Returns false if one of the quads is none for a block of DGF: then nothing was handed out. */
+        bool cutIntoDgf (const QuadRectangle& of, bool& goesOn)
+        {
+          if (of.width >= LatticePoints::maxSide || of.height >= LatticePoints::maxSide || !place(points,of)) return false;
+          const dgf::Tiling tiling(points,of.width,of.height);
+          if (!tiling.isPossible) return false;
+          tiling.forEach([&](uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
+              const QuadRectangle piece = { of.x+x,of.y+y,width,height };
+              if (goesOn) goesOn = handOutDgf(of,piece);
+            });
+          return true;
+        }
+
+        /*! points: of a rectangle that has the piece */
+        bool handOutDgf (const QuadRectangle& of, const QuadRectangle& piece)
+        {
+          QuadTriangles triangles(part->vertices,part->width,piece,true);
+          if (triangles.numTriangles == 0) return true;
+          for (uint32_t i=0; i<triangles.numVertices; i++) {
+            const uint32_t v = triangles.vertices[i], x = v % (piece.width+1), y = v / (piece.width+1);
+            triangles.vertices[i] = (piece.y-of.y+y)*points.width + piece.x-of.x+x;
+          }
+          if (report.numTriangles + triangles.numTriangles > dgf::maxPrimitives)
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has more triangles than the primitive indices of DGF count, which have 29 bits");
+          if (!block.write(triangles,points,uint32_t(report.numTriangles)))
+          {
+            /* where triangles are left out the strip begins more than once */
+            QuadRectangle halves[2] = { piece,piece };
+            if (piece.width >= piece.height) { halves[0].width /= 2; halves[1].x += halves[0].width; halves[1].width -= halves[0].width; }
+            else { halves[0].height /= 2; halves[1].y += halves[0].height; halves[1].height -= halves[0].height; }
+            return handOutDgf(of,halves[0]) && handOutDgf(of,halves[1]);
+          }
+          triangles.isWhole = false;
+          triangles.numVertices = block.numVertices;
+          memcpy(triangles.indices,block.indices,3*triangles.numTriangles);
+          memcpy(data,block.bytes,sizeof(block.bytes));
+          return handOut(piece,triangles,RTC_CLUSTER_FORMAT_DGF1,RTC_CLUSTER_FITS,sizeof(block.bytes));
+        }
+
+        bool handOut (const QuadRectangle& square, const QuadTriangles& triangles, RTCClusterFormat format, RTCClusterReason reason, size_t bytes)
+        {
+          RTCCompressedCluster cluster = RTCCompressedCluster();
+          cluster.format = format;
+          cluster.reason = reason;
+          cluster.numVertices = triangles.numVertices;
+          cluster.numTriangles = triangles.numTriangles;
+          cluster.data = data;
+          cluster.bytes = bytes;
+          cluster.indices = triangles.indices[0];
+          cluster.triangles = triangles.triangles;
+          cluster.firstTriangle = unsigned(report.numTriangles);
+          if (triangles.isWhole) { cluster.width = square.width+1; cluster.height = square.height+1; }
+          cluster.part = part;
+          report.numClusters++;
+          report.numTriangles += cluster.numTriangles;
+          report.numVertices += cluster.numVertices;
+          report.bytes += bytes;
+          if (!triangles.isWhole && format != RTC_CLUSTER_FORMAT_DGF1) report.indexBytes += 3*cluster.numTriangles;
+          report.numClustersOf[reason]++;
+          report.numTrianglesOf[reason] += cluster.numTriangles;
+          return closure(cluster);
+        }
+
+        const RTCClusterFormat format;
+        const std::function<bool(const RTCCompressedCluster&)>& closure;
+        RTCCompressedClusterReport& report;
+        const RTCCompressedPart* part = nullptr;
+        RTCClusterReason whyFloats = RTC_CLUSTER_FITS; //!< if a cluster of the part has them
+        LatticePoints points;
+        dgf::Block block;
+        uint32_t data[3*QuadTriangles::maxVertices];   //!< of a cluster
+      };
+
+      static_assert(compressed1Bytes(QuadTriangles::maxVertices) <= 12*QuadTriangles::maxVertices,"COMPRESSED1 has room where floats have");
+    }
+
+    void forEachCluster (const SurfaceBlocks& blocks, const TraversalTime& time, RTCClusterFormat format,
+                         const std::function<bool(const RTCCompressedCluster&)>& closure, RTCCompressedClusterReport& report)
+    {
+      const std::unique_ptr<Cutter> cutter(new Cutter(format,closure,report));
+      forEachPart(blocks,time,[&](const StoredBlock& block, const RTCCompressedPart& part) { return cutter->cut(block,part); });
+    }
+  }
+}

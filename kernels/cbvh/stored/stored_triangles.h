@@ -1,0 +1,65 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The triangles of a surface as its blocks hold them, for who asks for them outside of traversal. */
+
+#include "../framed/block.h"
+#include "../base/codec.h"
+#include "../../cvert/format/block.h"
+#include "../../../include/embree3/rtcore_compressed_triangles.h"
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace embree
+{
+  struct SurfaceBlocks;
+
+  namespace cbvh
+  {
+    /*! When rays are traced that triangles are looked up for, and how: whether their device multiplies and adds at once. */
+    struct TraversalTime
+    {
+      float time;   //!< as of rays
+      bool isFused;
+    };
+
+    /*! a block of cVERT or cGRID */
+    struct StoredBlock
+    {
+      const void* data;
+      bool isVert;
+
+      const VertHeader* vert () const { return (const VertHeader*)data; }
+      const Block* framed () const { return (const Block*)data; }
+
+      uint32_t primID () const { return isVert ? vert()->primID : framed()->primID; }
+
+      /*! whether each of its quads is a primitive */
+      bool numbersQuads () const { return isVert && hasNumbers(vert()->boxForm); }
+    };
+
+    /*! Blocks of a surface by their primitives. */
+    class BlockIndex
+    {
+    public:
+      /*! Throws where a block is neither cVERT nor cGRID. */
+      explicit BlockIndex (const SurfaceBlocks& blocks);
+
+      /*! see rtcGetCompressedTriangle */
+      bool find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng, RTCCompressedTriangle& triangle) const;
+
+    private:
+      enum : uint32_t { none = 0xFFFFFFFFu };
+
+      std::vector<StoredBlock> blocks; //!< in the order of primitives
+      std::vector<uint32_t> blockOf;   //!< of each primitive, if blocks number their quads; empty if they do not
+    };
+
+    /*! Calls closure(block, part) for the blocks of a surface until it returns false. Throws where one is neither cVERT nor cGRID. */
+    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time, const std::function<bool(const StoredBlock&, const RTCCompressedPart&)>& closure);
+  }
+}

@@ -1,0 +1,51 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The vertices of a block of cVERT at a time, as rays meet them: the same floats. */
+
+#include "../base/codec.h"
+#include "../../cvert/decoder/decoded_block.h"
+#include "stored_triangles.h"
+#include <cmath>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    class VerticesAtTime
+    {
+    public:
+      float vertices[DecodedBlock::maxSide*DecodedBlock::maxSide][3]; //!< row by row
+      const uint32_t width;
+
+      VerticesAtTime (const VertHeader* block, const TraversalTime& at) : width(vertQuadsX(block->region)+1)
+      {
+        const size_t bytes = sizeof(vertices[0])*width*(vertQuadsY(block->region)+1);
+        if (!isMoving(block->boxForm)) {
+          memcpy(vertices,DecodedBlock(block).vertices,bytes);
+          return;
+        }
+        const TimeInMotion in = timeInMotion(motionOf(block),at.time);
+        const DecodedBlock before(block,in.segment);
+        const DecodedBlock after(block,in.segment+1);
+        for (size_t i=0; i<bytes/sizeof(float); i++)
+          (&vertices[0][0])[i] = between((&before.vertices[0][0])[i],(&after.vertices[0][0])[i],in.fraction,at.isFused);
+      }
+
+      const float* vertex (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
+
+      /*! Whether a block is there at a time: always if it does not move. */
+      static bool isThere (const VertHeader* block, const TraversalTime& at) { return !isMoving(block->boxForm) || cbvh::isThere(motionOf(block),at.time); }
+
+    private:
+      /*! as vert/moving_block.h has it for vectors */
+      static float between (float a, float b, float f, bool isFused)
+      {
+        const float last = f*b;
+        return isFused ? std::fma(1.0f-f,a,last) : (1.0f-f)*a + last;
+      }
+    };
+  }
+}

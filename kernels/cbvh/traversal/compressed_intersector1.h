@@ -1,0 +1,105 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* BVH4 traversal of single rays over blocks and grids. A leaf of the top-level BVH says by its type what
+ * it refers to. */
+
+#include "top_level1.h"
+#include "kind_visitors1.h"
+#include "point_query.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    struct CompressedSubdivIntersector1
+    {
+      typedef void Primitive;
+
+      struct State : public SubdivPatch1Intersector1::Precalculations
+      {
+        __forceinline State (const Ray& ray, const void* ptr)
+          : SubdivPatch1Intersector1::Precalculations(ray,ptr), framed(ray.tfar) {}
+
+        cbvh::FramedRay framed;
+        cbvh::VertRay vert;
+      };
+
+      template<int N, bool robust>
+      static __forceinline void intersect (const Accel::Intersectors* This, State& state, RayHit& ray, IntersectContext* context,
+                                           const Primitive* prim, size_t type, const TravRay<N,robust>& tray, size_t& lazyNode)
+      {
+        bool found;
+        if (!cbvh::intersectBlock(type,ray,context,state.framed,state.vert,prim,found))
+          SubdivPatch1Intersector1::intersect(This,state,ray,context,(const GridSOA*)prim,type,tray,lazyNode);
+      }
+
+      template<int N, bool robust>
+      static __forceinline bool occluded (const Accel::Intersectors* This, State& state, Ray& ray, IntersectContext* context,
+                                          const Primitive* prim, size_t type, const TravRay<N,robust>& tray, size_t& lazyNode)
+      {
+        bool found;
+        if (cbvh::intersectBlock(type,ray,context,state.framed,state.vert,prim,found)) return found;
+        return SubdivPatch1Intersector1::occluded(This,state,ray,context,(const GridSOA*)prim,type,tray,lazyNode);
+      }
+    };
+
+    struct CompressedSubdivTraversal1
+    {
+      static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
+      {
+        const BVH4* bvh = (const BVH4*)This->ptr;
+        if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::mayHit(ray))) return;
+        const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
+        Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::State(ray,bvh),isFiltered };
+        cbvh::traverseClosestHit1(bvh->root,cbvh::StillNodes(),ray,leaves);
+        ray.tfar = leaves.state.framed.end(ray.tfar);
+      }
+
+      static void occluded (const Accel::Intersectors* This, Ray& ray, IntersectContext* context)
+      {
+        const BVH4* bvh = (const BVH4*)This->ptr;
+        if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::mayHit(ray))) return; // before 0: it has ended
+        CompressedSubdivIntersector1::State state(ray,bvh);
+        const bool isOccluded = cbvh::traverseAnyHit1(bvh->root,cbvh::StillNodes(),ray,[&](BVH4::NodeRef leaf, const TravRay<4,true>& tray, size_t& lazyNode) {
+            size_t type;
+            const void* prim = leaf.leaf(type);
+            return CompressedSubdivIntersector1::occluded(This,state,ray,context,prim,type,tray,lazyNode);
+          });
+        if (isOccluded) ray.tfar = neg_inf;
+      }
+
+      static bool pointQuery (const Accel::Intersectors* This, PointQuery* query, PointQueryContext* context) {
+        return cbvh::queryPoint((const BVH4*)This->ptr,query,context);
+      }
+
+    private:
+      struct Leaves
+      {
+        const Accel::Intersectors* This;
+        RayHit& ray;
+        IntersectContext* context;
+        CompressedSubdivIntersector1::State state;
+        bool isSorted;
+
+        static __forceinline bool hasFrame (BVH4::NodeRef leaf)
+        {
+          size_t type;
+          leaf.leaf(type);
+          return cbvh::FramedRay::isFramed(type);
+        }
+
+        __forceinline void setEnter (float t) { state.framed.setEnter(t); }
+
+        __forceinline void intersect (BVH4::NodeRef leaf, const TravRay<4,true>& tray, size_t& lazyNode)
+        {
+          size_t type;
+          const void* prim = leaf.leaf(type);
+          CompressedSubdivIntersector1::intersect(This,state,ray,context,prim,type,tray,lazyNode);
+        }
+      };
+    };
+  }
+}

@@ -1,0 +1,195 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Packets and streams, instantiated for one ISA. Hits are those of single rays. Rays that are said to be
+ * coherent go together through the top-level BVH and through blocks, all others one by one, and so do all through blocks that move: each has
+ * a time of its own. */
+
+#include "../embree/traversal.h"
+#include "compressed_intersector1.h"
+#include "motion_intersector1.h"
+#include "packet_traversal.h"
+#include "../vert/intersectorK.h"
+#include "../base/primitive_type.h"
+#if defined(EMBREE_CBVH_NO_PAPER)
+#include "no_framed_raysK.h"
+#else
+#include "../framed/framed_raysK.h"
+#endif
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! Blocks, and GRID's own leaves where a face is not compressed, at the rays of a packet. */
+    template<int K, typename Rays>
+    class CompressedSubdivLeavesK
+    {
+      typedef SubdivPatch1IntersectorK<K> Grids;
+      typedef TravRayK<K,true> Tray;
+      static const bool isAnyHit = cbvh::IsAnyHit<Rays>::value;
+
+    public:
+      vfloat<K> tfar; //!< where rays end
+
+      __forceinline CompressedSubdivLeavesK (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays, IntersectContext* context)
+        : tfar(rays.tfar), This(This), rays(rays), context(context), grids(valid,rays), framed(rays.tfar) {}
+
+      __forceinline void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& enter, const Tray& tray, size_t& lazyNode)
+      {
+        framed.setEnter(enter);
+        size_t type;
+        const void* prim = leaf.leaf(type);
+        if (likely(cbvh::isBlock(type))) accept(intersectBlock(valid,type,prim));
+        else accept(intersectGrid(valid,rays,(const GridSOA*)prim,type,tray,lazyNode));
+      }
+
+      /*! once all is traced */
+      __forceinline void end (const vbool<K>& valid) { if (!isAnyHit) framed.end(valid,rays.tfar); }
+
+    private:
+      __forceinline void accept (const vbool<K>& hit) {
+        tfar = isAnyHit ? select(hit,vfloat<K>(neg_inf),tfar) : vfloat<K>(rays.tfar);
+      }
+
+      vbool<K> intersectGrid (const vbool<K>& valid, RayHitK<K>& rays, const GridSOA* prim, size_t type, const Tray& tray, size_t& lazyNode) {
+        Grids::intersect(valid,This,grids,rays,context,prim,type,tray,lazyNode);
+        return valid;
+      }
+      vbool<K> intersectGrid (const vbool<K>& valid, RayK<K>& rays, const GridSOA* prim, size_t type, const Tray& tray, size_t& lazyNode) {
+        return Grids::occluded(valid,This,grids,rays,context,prim,type,tray,lazyNode) & valid;
+      }
+
+      /*! which rays accepted a hit */
+      __forceinline vbool<K> intersectBlock (const vbool<K>& valid, size_t type, const void* prim)
+      {
+        using namespace cbvh;
+        if (type == VERT_BLOCK) return VertIntersectorK<K,Rays>::intersect(valid,rays,context,vert,(const VertHeader*)prim);
+        return framed.intersect(valid,rays,context,prim);
+      }
+
+      const Accel::Intersectors* This;
+      Rays& rays;
+      IntersectContext* context;
+      typename Grids::Precalculations grids;
+      cbvh::FramedRaysK<K> framed;
+      cbvh::VertRays<K> vert;
+    };
+
+    /*! Rays of a packet one by one; alone: bits of them. intersect(ray), occluded(ray): trace one. */
+    template<int K, typename Intersect>
+    __forceinline void traceAlone (uint32_t alone, RayHitK<K>& rays, const Intersect& intersect)
+    {
+      for (; alone; alone&=alone-1) {
+        const size_t k = bsf(alone);
+        RayHit ray;
+        rays.get(k,ray);
+        intersect(ray);
+        rays.set(k,ray);
+      }
+    }
+    template<int K, typename Occluded>
+    __forceinline void traceAlone (uint32_t alone, RayK<K>& rays, const Occluded& occluded)
+    {
+      for (; alone; alone&=alone-1) {
+        const size_t k = bsf(alone);
+        Ray ray;
+        rays.get(k,ray);
+        occluded(ray);
+        rays.tfar[k] = ray.tfar;
+      }
+    }
+
+    /*! rays of a packet that may hit anything */
+    template<int K>
+    __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays) { return (mask == vint<K>(-1)) & cbvh::mayHit(rays); }
+
+    template<int K>
+    struct CompressedMotionIntersectorK
+    {
+      static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context) {
+        const BVH4* bvh = (const BVH4*)This->ptr;
+        traceAlone<K>(thatMayMeet(*mask,bvh,rays),rays,[&](RayHit& ray) { CompressedMotionTraversal1::intersectTree(bvh,ray,context); });
+      }
+      static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context) {
+        const BVH4* bvh = (const BVH4*)This->ptr;
+        const uint32_t ended = uint32_t(movemask(rays.tfar < vfloat<K>(zero)));
+        traceAlone<K>(thatMayMeet(*mask,bvh,rays) & ~ended,rays,[&](Ray& ray) { CompressedMotionTraversal1::occludedTree(bvh,ray,context); });
+      }
+
+    private:
+      /*! bits of rays that may meet something which moves */
+      static __forceinline uint32_t thatMayMeet (const vint<K>& mask, const BVH4* bvh, const RayK<K>& rays)
+      {
+        const vbool<K> valid = validOf<K>(mask,rays);
+        return none(valid) ? 0 : uint32_t(movemask(valid & cbvh::mayMeet(rays,CompressedMotionTraversal1::boxOf(bvh))));
+      }
+    };
+
+    template<int K>
+    struct CompressedSubdivIntersectorK
+    {
+      static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context)
+      {
+        const vbool<K> valid = validOf<K>(*mask,rays);
+        traceAlone<K>(together(valid,This,rays,context).alone,rays,[&](RayHit& ray) { CompressedSubdivTraversal1::intersect(This,ray,context); });
+      }
+
+      static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context)
+      {
+        const Traced traced = together(validOf<K>(*mask,rays),This,rays,context);
+        traceAlone<K>(traced.alone,rays,[&](Ray& ray) { CompressedSubdivTraversal1::occluded(This,ray,context); });
+        vfloat<K>::store(traced.ended,&rays.tfar,vfloat<K>(neg_inf));
+      }
+
+    private:
+      struct Traced
+      {
+        uint32_t alone; //!< rays that are left
+        vbool<K> ended; //!< rays that any hit ended
+      };
+
+      /*! traces rays that go one way */
+      template<typename Rays>
+      static __noinline Traced together (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays, IntersectContext* context)
+      {
+        Traced traced = { uint32_t(movemask(valid)),vbool<K>(false) };
+        const BVH4::NodeRef root = ((const BVH4*)This->ptr)->root;
+        if (!context->isCoherent() || root == BVH4::emptyNode) return traced;
+        CompressedSubdivLeavesK<K,Rays> leaves(valid,This,rays,context);
+        cbvh::TopLevelRays<K> tray(valid,rays);
+        uint32_t descends[3], alone = 0;
+        for (int axis=0; axis<3; axis++) descends[axis] = uint32_t(movemask(tray.rdir[axis] < vfloat<K>(zero)));
+        for (uint32_t rest=traced.alone; rest;)
+        {
+          const uint32_t k = uint32_t(bsf(rest));
+          uint32_t same = rest;
+          for (int axis=0; axis<3; axis++) same &= (descends[axis] >> k) & 1u ? descends[axis] : ~descends[axis];
+          rest &= ~same;
+          if (popcnt(same) <= 2) alone |= same;
+          else cbvh::PacketTraversal<K,CompressedSubdivLeavesK<K,Rays>>::run(vbool<K>(int(same)),k,root,rays,tray,leaves);
+        }
+        leaves.end(valid);
+        traced.alone = alone;
+        traced.ended = valid & (leaves.tfar == vfloat<K>(neg_inf));
+        return traced;
+      }
+    };
+
+#if defined(EMBREE_RAY_PACKETS)
+    DEFINE_INTERSECTOR4(BVH4CompressedSubdivIntersector4,CompressedSubdivIntersectorK<4>);
+    DEFINE_INTERSECTOR4(BVH4CompressedMotionIntersector4,CompressedMotionIntersectorK<4>);
+#if defined(__AVX__)
+    DEFINE_INTERSECTOR8(BVH4CompressedSubdivIntersector8,CompressedSubdivIntersectorK<8>);
+    DEFINE_INTERSECTOR8(BVH4CompressedMotionIntersector8,CompressedMotionIntersectorK<8>);
+#endif
+#if defined(__AVX512F__)
+    DEFINE_INTERSECTOR16(BVH4CompressedSubdivIntersector16,CompressedSubdivIntersectorK<16>);
+    DEFINE_INTERSECTOR16(BVH4CompressedMotionIntersector16,CompressedMotionIntersectorK<16>);
+#endif
+    /* streams: Embree's own fallback, which hands over packets */
+    DEFINE_INTERSECTORN(BVH4CompressedSubdivIntersectorN,BVHNIntersectorStreamPacketFallback<4>);
+    DEFINE_INTERSECTORN(BVH4CompressedMotionIntersectorN,BVHNIntersectorStreamPacketFallback<4>);
+#endif
+  }
+}

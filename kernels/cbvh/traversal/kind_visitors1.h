@@ -1,0 +1,34 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The intersector of each kind of leaves, by the type of the primitive and the kind in its header. */
+
+#include "../base/mapped_blocks.h"
+#include "../base/primitive_type.h"
+#include "../vert/intersector1.h"
+#if defined(EMBREE_CBVH_NO_PAPER)
+#include "no_framed_rays1.h"
+#else
+#include "../framed/framed_rays1.h"
+#endif
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! Returns false for a primitive that is not a block. found: whether a hit was accepted */
+      template<typename RayType>
+      __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, FramedRay& framed, VertRay& vertRay, const void* prim, bool& found)
+      {
+        if (type == VERT_BLOCK) { found = intersectVert(ray,context,vertRay,(const VertHeader*)prim); return true; }
+        if (type != FRAMED_BLOCK) return false;
+        found = framed.intersect(ray,context,prim);
+        return true;
+      }
+    }
+  }
+}

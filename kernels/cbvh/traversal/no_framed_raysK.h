@@ -1,0 +1,27 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Packets of a library without the paper's representations, framed/framed_raysK.h. */
+
+#include "../embree/ray.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      template<int K>
+      struct FramedRaysK
+      {
+        __forceinline explicit FramedRaysK (const vfloat<K>&) {}
+        __forceinline void setEnter (const vfloat<K>&) {}
+        template<typename Rays>
+        __forceinline vbool<K> intersect (const vbool<K>&, Rays&, IntersectContext*, const void*) { return vbool<K>(false); }
+        __forceinline void end (const vbool<K>&, vfloat<K>&) const {}
+      };
+    }
+  }
+}

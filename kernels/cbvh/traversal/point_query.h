@@ -1,0 +1,18 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include "../embree/scene.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! Answers a point query by the blocks of a CompressedTree. Returns true if a call of the application's function changed the query. */
+      bool queryPoint (const BVH4* bvh, PointQuery* query, PointQueryContext* context);
+    }
+  }
+}

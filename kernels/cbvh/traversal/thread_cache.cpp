@@ -1,0 +1,50 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Compiled for the library's lowest ISA only. */
+
+#include "../base/mapped_blocks.h"
+#if !defined(EMBREE_CBVH_NO_PAPER)
+#include "../framed/node_cache.h"
+#endif
+#include "../vert/motion_cache.h"
+#include <mm_malloc.h>
+#include <new>
+
+namespace embree
+{
+  namespace cbvh
+  {
+    std::atomic<unsigned> cacheGeneration(0);
+
+    /* set by who maps blocks, so that codecs need nothing else of the library */
+    std::atomic<size_t> mappedBegin(0), mappedBytes(0);
+    std::atomic<bool (*) (const void* block, bool isVert)> isMappedBlockGood(nullptr);
+
+    void outdateThreadCaches () { cacheGeneration.fetch_add(1); }
+
+    template<typename Entries>
+    __thread ThreadCache<Entries>* ThreadCache<Entries>::current = nullptr;
+
+    template<typename Entries>
+    ThreadCache<Entries>& ThreadCache<Entries>::renew (unsigned now)
+    {
+      struct Owner { ~Owner () { _mm_free(current); current = nullptr; } };
+      if (current == nullptr) {
+        static thread_local Owner owner; // ends with the thread
+        (void)owner;
+        current = (ThreadCache*)_mm_malloc(sizeof(ThreadCache),64);
+        if (current == nullptr) throw std::bad_alloc();
+      }
+      current->clear();
+      current->made = now;
+      return *current;
+    }
+
+#if !defined(EMBREE_CBVH_NO_PAPER)
+    template class ThreadCache<NodeEntries>;
+#endif
+    template class ThreadCache<VertEntries>;
+    template class ThreadCache<MotionEntries>;
+  }
+}

@@ -1,0 +1,119 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Rays as the top-level BVH is traversed by them: Embree's, but for two things.
+ *
+ * Rays that are not finite hit nothing, and are left out before traversal: a comparison with what is not a number would
+ * take children for met that are not there, and a packet would be bounded by no number.
+ *
+ * Embree's reciprocal of a component below 1e-18 is 1e18, however short the direction. Of a direction of length 1e-12 with a
+ * zero in it that is a tilt of 1e-6, by which rays miss boxes of what they hit. Here it is relative (cvert/rule/reciprocal.h).
+ * It is also never 0: so nothing in traversal of finite rays and boxes is not a number, and children that are
+ * not there, whose bounds begin at infinity and end at -infinity, are met by none. */
+
+#include "../base/vectors.h"
+#include "../embree/traversal.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! Whether a ray may hit anything: its origin and direction are finite, and tnear is at most tfar. */
+      __forceinline bool mayHit (const Ray& ray)
+      {
+        const Vec3fa bound(pos_inf);
+        return all(lt_mask(abs(Vec3fa(ray.org)),bound) & lt_mask(abs(Vec3fa(ray.dir)),bound)) & (ray.tnear() <= ray.tfar);
+      }
+
+      template<int K>
+      __forceinline vbool<K> mayHit (const RayK<K>& rays)
+      {
+        vbool<K> finite = rays.tnear() <= rays.tfar;
+        for (int axis=0; axis<3; axis++) finite &= (abs(rays.org[axis]) < vfloat<K>(pos_inf)) & (abs(rays.dir[axis]) < vfloat<K>(pos_inf));
+        return finite;
+      }
+
+      /*! What distances to planes are multiplied by, in x, y and z: near makes them less than they are, far makes them more. */
+      struct PlaneFactors
+      {
+        const vfloat4 rdir, near, far;
+
+        __forceinline explicit PlaneFactors (const Vec3fa& dir)
+          : rdir(directionReciprocals(vfloat4(dir.m128))), near(vfloat4(1.0f-3.0f*float(ulp))*rdir), far(vfloat4(1.0f+3.0f*float(ulp))*rdir) {}
+      };
+
+      /*! Whether a ray may meet anything in a box, by TopLevelRay's arithmetic: boxes in it are met by no other rays. */
+      __forceinline bool mayMeet (const Ray& ray, const BBox3fa& box)
+      {
+        const PlaneFactors factors{ Vec3fa(ray.dir) };
+        const vbool4 descends = factors.rdir < vfloat4(zero);
+        const vfloat4 org(ray.org.m128), lower(box.lower.m128), upper(box.upper.m128);
+        const Vec3fa enter((select(descends,upper,lower)-org)*factors.near), leave((select(descends,lower,upper)-org)*factors.far);
+        return max(reduce_max(enter),max(ray.tnear(),0.0f)) <= min(reduce_min(leave),max(ray.tfar,0.0f));
+      }
+
+      /*! The same of a packet's. */
+      template<int K>
+      __forceinline vbool<K> mayMeet (const RayK<K>& rays, const BBox3fa& box)
+      {
+        const vfloat<K> largest = max(max(abs(rays.dir.x),abs(rays.dir.y)),abs(rays.dir.z));
+        vfloat<K> enter = max(rays.tnear(),vfloat<K>(zero)), leave = max(rays.tfar,vfloat<K>(zero));
+        for (int axis=0; axis<3; axis++)
+        {
+          const vfloat<K> rdir = directionReciprocal(rays.dir[axis],largest), lower(box.lower[axis]), upper(box.upper[axis]);
+          const vbool<K> descends = rdir < vfloat<K>(zero);
+          enter = max(enter,(select(descends,upper,lower)-rays.org[axis])*(vfloat<K>(1.0f-3.0f*float(ulp))*rdir));
+          leave = min(leave,(select(descends,lower,upper)-rays.org[axis])*(vfloat<K>(1.0f+3.0f*float(ulp))*rdir));
+        }
+        return enter <= leave;
+      }
+
+      struct TopLevelRay : public TravRay<4,true>
+      {
+        __forceinline explicit TopLevelRay (const Ray& ray)
+        {
+          const Vec3fa o = ray.org, d = ray.dir;
+          const PlaneFactors factors(d);
+          const vfloat4 near = factors.near, far = factors.far;
+          org_xyz = o;
+          dir_xyz = d;
+          org = Vec3vf<4>(o.x,o.y,o.z);
+          dir = Vec3vf<4>(d.x,d.y,d.z);
+          rdir_near = Vec3vf<4>(shuffle<0>(near),shuffle<1>(near),shuffle<2>(near));
+          rdir_far = Vec3vf<4>(shuffle<0>(far),shuffle<1>(far),shuffle<2>(far));
+          const size_t descends = size_t(movemask(factors.rdir < vfloat4(zero)));
+          nearX = sizeof(vfloat4)*(0 + (descends & 1));
+          nearY = sizeof(vfloat4)*(2 + ((descends >> 1) & 1));
+          nearZ = sizeof(vfloat4)*(4 + ((descends >> 2) & 1));
+          farX = nearX ^ sizeof(vfloat4);
+          farY = nearY ^ sizeof(vfloat4);
+          farZ = nearZ ^ sizeof(vfloat4);
+          tnear = max(ray.tnear(),0.0f);
+          tfar = max(ray.tfar,0.0f);
+        }
+      };
+
+      /*! Rays of a packet. Lanes that are off hold numbers, too; tnear and tfar are left open. */
+      template<int K>
+      struct TopLevelRays : public TravRayK<K,true>
+      {
+        __forceinline TopLevelRays (const vbool<K>& valid, const RayK<K>& rays)
+        {
+          for (int axis=0; axis<3; axis++) {
+            this->org[axis] = select(valid,rays.org[axis],vfloat<K>(zero));
+            this->dir[axis] = select(valid,rays.dir[axis],vfloat<K>(one));
+          }
+          const vfloat<K> largest = max(max(abs(this->dir.x),abs(this->dir.y)),abs(this->dir.z));
+          for (int axis=0; axis<3; axis++) {
+            this->rdir[axis] = directionReciprocal(this->dir[axis],largest);
+            this->nearXYZ[axis] = select(this->rdir[axis] < vfloat<K>(zero),vint<K>(int(sizeof(vfloat4))*(2*axis+1)),vint<K>(int(sizeof(vfloat4))*2*axis));
+          }
+        }
+      };
+    }
+  }
+}

@@ -1,0 +1,123 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* What lets the headers of this folder compile as C++11 and as GLSL 4.60: they are the
+ * one description of the format and of the hit rule, for the CPU's scalar path, for the
+ * SIMD path as far as it is scalar, for the tests, and for shaders.
+ *
+ * Shared code is free functions on plain values. It has no references and pointers, no
+ * member functions, no 64-bit integers, no recursion, and no braces around
+ * values but in the initializers of constants.
+ *
+ * Quantities whose precision the user chooses are of type Real: CVERT_REAL comes before
+ * a function or a struct of such, CVERT_OF(Type) names a struct of the same precision, CVERT_BOOL(Type) what
+ * comparisons give. In GLSL Real is float; in C++ it is float, double (the scalar path) or, in some
+ * functions, a vector of Embree.
+ *
+ * Wide, with CVERT_WIDE and CVERT_OF_WIDE(Type), is the same for quantities in which products of floats are exact:
+ * double, in C++ also a vector of doubles. Shaders without CBVH_FLOAT64 make do with float. */
+
+#ifndef CVERT_LANGUAGE_H
+#define CVERT_LANGUAGE_H
+
+#ifdef VULKAN // as glslc defines it
+
+#define CVERT_BEGIN
+#define CVERT_END
+#define CVERT_FUNCTION
+#define CVERT_CONSTANT const
+#define CVERT_REAL
+#define CVERT_OF(Type) Type
+#define CVERT_BOOL(Type) bool
+#define CVERT_AS_FLOAT(Function) Function
+#define CVERT_INLINE
+#define CVERT_LIKELY(condition) (condition)
+#define CVERT_WIDE
+#define CVERT_OF_WIDE(Type) Type
+#define Real float
+#define uint32_t uint
+#ifdef CBVH_FLOAT64
+#define Wide double
+#else
+#define Wide float
+#endif
+
+#else
+
+#include "isa_namespace.h"
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#define CVERT_BEGIN namespace cvert { inline namespace CVERT_ISA {
+#define CVERT_END }}
+#define CVERT_FUNCTION inline
+#define CVERT_CONSTANT static constexpr
+#define CVERT_REAL template<typename Real>
+#define CVERT_OF(Type) Type<Real>
+#define CVERT_BOOL(Type) decltype(std::declval<Type>() < std::declval<Type>())
+#define CVERT_AS_FLOAT(Function) Function<float>
+#define CVERT_INLINE inline __attribute__((always_inline))
+#define CVERT_LIKELY(condition) __builtin_expect(condition,1)
+#define CVERT_WIDE template<typename Wide>
+#define CVERT_OF_WIDE(Type) Type<Wide>
+
+#endif
+
+CVERT_BEGIN
+
+/* Not by the names of the standard library or of GLSL: NaN and equal operands are the same
+ * everywhere, and in C++ no call is made. */
+CVERT_REAL CVERT_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
+CVERT_REAL CVERT_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
+CVERT_REAL CVERT_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
+CVERT_REAL CVERT_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
+CVERT_REAL CVERT_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
+
+/* Of what comparisons give; and products that are not fused with a sum. */
+#ifdef VULKAN
+bool both (bool a, bool b) { return a && b; }
+bool either (bool a, bool b) { return a || b; }
+float squareRoot (float a) { return sqrt(a); }
+float floatOfBits (uint bits) { return uintBitsToFloat(bits); }
+uint bitsOfFloat (float f) { return floatBitsToUint(f); }
+float product (float a, float b) { precise float p = a*b; return p; }
+const float infinity = 1.0/0.0;
+#ifdef CBVH_FLOAT64
+double lesser (double a, double b) { return a < b ? a : b; }
+double greater (double a, double b) { return a > b ? a : b; }
+double magnitude (double a) { return a < 0.0 ? -a : a; }
+double product (double a, double b) { precise double p = a*b; return p; }
+#endif
+#else
+template<typename Bool> CVERT_INLINE Bool both (Bool a, Bool b) { return a & b; }
+template<typename Bool> CVERT_INLINE Bool either (Bool a, Bool b) { return a | b; }
+inline float magnitude (float a) { return std::fabs(a); }
+inline double magnitude (double a) { return std::fabs(a); }
+CVERT_REAL inline Real squareRoot (Real a) { return std::sqrt(a); }
+inline float floatOfBits (uint32_t bits) { float f; std::memcpy(&f,&bits,sizeof(f)); return f; }
+inline uint32_t bitsOfFloat (float f) { uint32_t bits; std::memcpy(&bits,&f,sizeof(f)); return bits; }
+static constexpr float infinity = std::numeric_limits<float>::infinity();
+/* -ffp-contract=off would do for whole files, but cGRID's leaves have to fuse products as GRID's do, to the bit. */
+template<typename Scalar>
+CVERT_INLINE Scalar unfused (Scalar p)
+{
+#if defined(__GNUC__) && defined(__SSE2__)
+  asm("" : "+x"(p));
+#elif defined(__GNUC__) && defined(__aarch64__)
+  asm("" : "+w"(p));
+#endif
+  return p;
+}
+CVERT_INLINE float product (float a, float b) { return unfused(a*b); }
+CVERT_INLINE double product (double a, double b) { return unfused(a*b); }
+#endif
+
+/*! relative spacing of floats */
+CVERT_CONSTANT float floatUlp = 1.1920929e-7f;
+
+CVERT_END
+
+#endif

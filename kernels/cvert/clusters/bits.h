@@ -1,0 +1,26 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Numbers of a few bits one behind the other, the lowest bits of the first byte first. */
+
+#include <cstddef>
+#include <cstdint>
+
+namespace cvert
+{
+  /*! how many bits a number takes: 0 of 0 */
+  inline uint32_t bitsOf (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
+
+  /*! Puts `count` bits at a position of bytes that are zeros. */
+  inline void putBits (uint8_t* bytes, size_t position, uint32_t count, uint32_t value)
+  {
+    bytes += position/8;
+    for (uint64_t rest=uint64_t(value & uint32_t((uint64_t(1) << count)-1)) << position%8; rest; rest>>=8) *bytes++ |= uint8_t(rest);
+  }
+
+  inline void putWord (uint8_t* bytes, uint32_t word) {
+    for (int i=0; i<4; i++) bytes[i] = uint8_t(word >> 8*i);
+  }
+}

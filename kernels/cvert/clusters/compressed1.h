@@ -1,0 +1,35 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1: a header of 12 bytes, and offsets from its anchor without a bit between them.
+ *
+ * Based on: DirectX Raytracing Functional Spec, Part 2, v0.28, "Compressed1 position encoding", Microsoft 2026. With exponent
+ * 232 the specification requires that anchor plus offset lies within +-8,388,607, so that vertices are finite. That always
+ * holds here: a vertex is a finite float, and 8,388,608 steps of 2^105 are 2^128, which is none. */
+
+#include "lattice_points.h"
+
+namespace cvert
+{
+  /*! Writes vertices that fit, see LatticeSpan, to zeros; returns the bytes that they take, filled up to a multiple of 4. order: number of each vertex among the points.
+   *  out: at least compressed1Bytes(count). */
+  inline size_t putCompressed1 (const LatticePoints& points, const LatticeSpan& span, const uint32_t* order, uint32_t count, uint8_t* out)
+  {
+    const uint32_t bits[3] = { span.bits(0),span.bits(1),span.bits(2) };
+    putWord(out,points.exponent | uint32_t(span.lower[0]) << 8);
+    putWord(out+4,(bits[0]-1) | (bits[1]-1) << 4 | uint32_t(span.lower[1]) << 8);
+    putWord(out+8,(bits[2]-1) | uint32_t(span.lower[2]) << 8);
+    size_t position = 8*12;
+    for (uint32_t i=0; i<count; i++)
+      for (int k=0; k<3; k++) {
+        putBits(out,position,bits[k],uint32_t(points.at[order[i]][k]-span.lower[k]));
+        position += bits[k];
+      }
+    return (position + 31)/32*4;
+  }
+
+  /*! at most */
+  constexpr size_t compressed1Bytes (size_t count) { return 12 + 6*count + 4; }
+}

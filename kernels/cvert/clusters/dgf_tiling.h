@@ -1,0 +1,99 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* How a rectangle of quads is cut into blocks of DGF: into bands of rows, and each band into pieces as wide as blocks have room for. Of all bands those are taken
+ * that make the fewest blocks. */
+
+#include "dgf.h"
+
+namespace cvert
+{
+  namespace dgf
+  {
+    class Tiling
+    {
+    public:
+      /*! of up to 16 x 16 quads */
+      Tiling (const LatticePoints& points, uint32_t quadsX, uint32_t quadsY) : points(points), quadsX(quadsX), quadsY(quadsY)
+      {
+        const uint32_t none = ~0u;
+        for (uint32_t y=1; y<=quadsY; y++) blocks[y] = none;
+        blocks[0] = 0;
+        for (uint32_t y=0; y<quadsY; y++)
+        {
+          if (blocks[y] == none) continue;
+          Columns columns(points,quadsX,y);
+          for (uint32_t height=1; y+height<=quadsY; height++)
+          {
+            columns.add(y+height);
+            uint32_t count = 0;
+            if (!forEachPiece(columns,height,[&](uint32_t, uint32_t) { count++; })) break;
+            if (blocks[y]+count >= blocks[y+height]) continue;
+            blocks[y+height] = blocks[y]+count;
+            heights[y+height] = height;
+          }
+        }
+        isPossible = blocks[quadsY] != none;
+      }
+
+      bool isPossible; //!< or a quad is too large for a block
+
+      /*! Calls closure(x, y, width, height) for all pieces. */
+      template<typename Closure>
+      void forEach (const Closure& closure) const
+      {
+        uint32_t ends[LatticePoints::maxSide], n = 0;
+        for (uint32_t y=quadsY; y>0; y-=heights[y]) ends[n++] = y;
+        while (n-- > 0)
+        {
+          const uint32_t height = heights[ends[n]], y = ends[n]-height;
+          Columns columns(points,quadsX,y);
+          for (uint32_t i=1; i<=height; i++) columns.add(y+i);
+          forEachPiece(columns,height,[&](uint32_t x, uint32_t width) { closure(x,y,width,height); });
+        }
+      }
+
+    private:
+      /*! what the columns of a band span */
+      struct Columns
+      {
+        LatticeSpan spans[LatticePoints::maxSide];
+        const LatticePoints& points;
+        const uint32_t count;
+
+        Columns (const LatticePoints& points, uint32_t quadsX, uint32_t y) : points(points), count(quadsX+1) { add(y); }
+
+        void add (uint32_t y)
+        {
+          for (uint32_t x=0; x<count; x++)
+            if (points.isThere[y*points.width+x]) spans[x].add(points.at[y*points.width+x]);
+        }
+      };
+
+      /*! Returns false if a column of quads is too large. */
+      template<typename Closure>
+      bool forEachPiece (const Columns& columns, uint32_t height, const Closure& closure) const
+      {
+        for (uint32_t x=0, width; x<quadsX; x+=width)
+        {
+          LatticeSpan span = columns.spans[x];
+          for (width=0; x+width<quadsX; width++) {
+            LatticeSpan wider = span;
+            wider.add(columns.spans[x+width+1]);
+            if (!hasRoomForQuads(width+1,height,wider)) break;
+            span = wider;
+          }
+          if (width == 0) return false;
+          closure(x,width);
+        }
+        return true;
+      }
+
+      const LatticePoints& points;
+      const uint32_t quadsX, quadsY;
+      uint32_t blocks[LatticePoints::maxSide], heights[LatticePoints::maxSide]; //!< of the rows below, and of the last band of them
+    };
+  }
+}

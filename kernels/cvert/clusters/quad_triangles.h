@@ -1,0 +1,92 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The triangles of a rectangle of quads of a part, with the vertices that they need. Where edges are stitched neighbours lie on one point, and are one vertex. */
+
+#include <cstddef>
+#include <cstdint>
+#include <cmath>
+
+namespace cvert
+{
+  /*! quads of a part */
+  struct QuadRectangle
+  {
+    uint32_t x, y, width, height;
+  };
+
+  class QuadTriangles
+  {
+  public:
+    static const uint32_t maxQuads = 8;         //!< along a side of a cluster
+    static const uint32_t maxVertices = 81, maxTriangles = 128;
+
+    uint32_t numVertices, numTriangles;
+    uint32_t vertices[maxVertices];             //!< numbers of vertices in the rectangle, row by row
+    uint8_t indices[maxTriangles][3];           //!< of vertices
+    uint32_t triangles[maxTriangles];           //!< numbers in the part: 2 (quads a row y + x), and 1 more for the second of a quad
+    bool isWhole;                               //!< no vertex and no triangle is missing
+
+    /*! points: of the part, whose rows have `stride` vertices. isStrip: rows go to and fro, so that triangles that follow each other have a common edge. */
+    QuadTriangles (const float* points, uint32_t stride, const QuadRectangle& of, bool isStrip)
+      : numVertices(0), numTriangles(0), points(points + 3*(size_t(of.y)*stride + of.x)), stride(stride), width(of.width+1)
+    {
+      const uint32_t count = width*(of.height+1);
+      bool isFused = false;
+      for (uint32_t i=0; i<count; i++)
+      {
+        const uint32_t x = i % width;
+        number[i] = uint8_t(x > 0 && areSame(i,i-1) ? number[i-1] : i >= width && areSame(i,i-width) ? number[i-width] : i);
+        isFused |= number[i] != i;
+        isUsed[i] = false;
+      }
+      for (uint32_t y=0; y<of.height; y++)
+        for (uint32_t n=0; n<of.width; n++)
+        {
+          const bool isBack = isStrip && (y & 1);
+          const uint32_t x = isBack ? of.width-1-n : n;
+          const uint32_t id = 2*((of.y + y)*(stride-1) + of.x + x), a = y*width + x;
+          /* up on the right a strip enters by the first triangle of a quad, goes to the second, and comes back; then it enters by the second */
+          const bool isSecondFirst = isBack && n > 0;
+          for (uint32_t t=0; t<2; t++)
+            if (isSecondFirst == (t == 0)) add(a+width,a+1,a+width+1,id+1);
+            else add(a,a+1,a+width,id);
+        }
+      uint8_t position[maxVertices];
+      for (uint32_t i=0; i<count; i++)
+        if (isUsed[i]) {
+          position[i] = uint8_t(numVertices);
+          vertices[numVertices++] = i;
+        }
+      for (uint32_t t=0; t<numTriangles; t++)
+        for (int c=0; c<3; c++) indices[t][c] = position[indices[t][c]];
+      isWhole = !isFused && numTriangles == 2*of.width*of.height;
+    }
+
+  private:
+    const float* at (uint32_t i) const { return points + 3*(size_t(i/width)*stride + i%width); }
+
+    bool areSame (uint32_t i, uint32_t j) const
+    {
+      const float* a = at(i), *b = at(j);
+      return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+    }
+
+    bool isFinite (uint32_t i) const { return std::isfinite(at(i)[0]) && std::isfinite(at(i)[1]) && std::isfinite(at(i)[2]); }
+
+    void add (uint32_t a, uint32_t b, uint32_t c, uint32_t id)
+    {
+      if (!isFinite(a) || !isFinite(b) || !isFinite(c) || areSame(a,b) || areSame(b,c) || areSame(c,a)) return;
+      const uint32_t corners[3] = { a,b,c };
+      for (int i=0; i<3; i++) isUsed[indices[numTriangles][i] = number[corners[i]]] = true;
+      triangles[numTriangles++] = id;
+    }
+
+    const float* const points;
+    const uint32_t stride, width;
+    uint8_t number[maxVertices];                //!< of the vertex in whose place another one is
+    bool isUsed[maxVertices];
+  };
+}

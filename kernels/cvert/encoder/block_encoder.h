@@ -1,0 +1,202 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of a block of cVERT, cvert/format/block.h. It loses nothing: vertices come as they are to be stored, snapped to
+ * their lattices (cvert/encoder/lattice.h) or not, and each is the same floats when it is decoded. */
+
+#include "box_encoder.h"
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  struct VertStatistics
+  {
+    uint32_t invalidQuads = 0;  //!< with a vertex that is not finite
+    uint32_t fieldBytes = 0;
+    bool raw = false;
+  };
+
+  /*! where a block is in its patch, and what it has of that */
+  struct VertPlacement
+  {
+    uint32_t region, patchQuads;     //!< vertRegion(), vertPatch()
+    bool hasEdges = false, hasNumbers = false;
+    VertEdges edges = { 0,0 };      //!< if it has any
+    VertNumbers numbers = { 0,0 };
+
+    VertPlacement (uint32_t region, uint32_t patchQuads) : region(region), patchQuads(patchQuads) {}
+    VertPlacement (uint32_t region, uint32_t patchQuads, const VertEdges& edges) : region(region), patchQuads(patchQuads), hasEdges(true), edges(edges) {}
+
+    /*! of quads of their own: form of their numbers in place of the patch's size */
+    VertPlacement (uint32_t region, uint32_t form, const VertNumbers& numbers) : region(region), patchQuads(form), hasNumbers(true), numbers(numbers) {}
+
+    uint32_t form () const { return uint32_t(hasEdges) << 29 | uint32_t(hasNumbers) << 30; }
+  };
+
+  class VertEncoder : public BlockVertices
+  {
+  public:
+    /*! room for any block */
+    static const size_t maxBytes = vertHeaderBytes + vertEdgesBytes + vertMotionBytes + vertRemaindersBytes + sizeof(float)*(6*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
+
+    /*! Returns the number of bytes written to block, a multiple of 4; 0 where no vertex is finite. */
+    size_t encode (const VertPlacement& at, uint8_t* block, VertStatistics& statistics)
+    {
+      setSize(at.region);
+      bound();
+      if (!allFinite) statistics.invalidQuads += countInvalidQuads();
+      if (!anyFinite()) return 0;
+      const bool packed = allFinite && measure() && pack(at,at.form(),block,[](int, const CellEncoder&) {});
+      if (packed) {
+        VertHeader& header = *(VertHeader*)block;
+        boxes.begin(*this);
+        boxes.addGroups();
+        header.boxForm |= boxes.write(block+layout.margins);
+        uint32_t shift;
+        header.reach = boxes.reach(0,shift);
+        header.boxForm |= shift << 25;
+        statistics.fieldBytes += uint32_t(end - (block+layout.cell));
+      }
+      else packRaw(at,at.form(),block);
+      statistics.raw = !packed;
+      fill(block);
+      return size_t(end-block);
+    }
+
+  protected:
+    /*! Writes header, words, fields and remainders, but no boxes. The vertices must have been measured. Returns false if a raw block takes
+     *  fewer bytes. Before a cell is encoded, onCell(g,cell) is called: first for the first cell, with g = -1, then for each group. If the
+     *  spacings turn out too fine, all of this is repeated with coarser ones, including the calls. */
+    template<typename OnCell>
+    bool pack (const VertPlacement& at, uint32_t form, uint8_t* block, const OnCell& onCell)
+    {
+      for (bool isBalanced=false; ; )
+      {
+        place();
+        VertHeader& header = begin(at,form | uint32_t(hasRemainders()) << 24,block);
+        if (!packCells(header,block,onCell)) {
+          if (!coarsen(cell.excess)) return false;
+          continue;
+        }
+        if (isBalanced || !hasRemainders()) break;
+        int bits[3];
+        if (!findMovable(bits)) break;
+        isBalanced = true;
+        if (!coarsen(bits)) return false;
+      }
+      appendRemainders(*this,block,layout.remainders);
+      return size_t(end-block) < layout.rawBytes;
+    }
+
+    /*! Appends the remainders of vertices, if there are any, to the block or step that begins at start; writes their word at an offset from there. */
+    void appendRemainders (const BlockVertices& of, uint8_t* start, uint32_t wordOffset)
+    {
+      if (!of.hasRemainders()) return;
+      uint32_t word;
+      end = of.writeRemainders(end,uint32_t(end-start),word);
+      memcpy(start+wordOffset,&word,sizeof(word));
+    }
+
+    /*! Zeros up to a multiple of 4 bytes. */
+    void fill (const uint8_t* start) { while ((end-start) % 4 != 0) *end++ = 0; }
+
+    void packRaw (const VertPlacement& at, uint32_t form, uint8_t* block)
+    {
+      VertHeader& header = begin(at,form | rawForm,block);
+      copyTo((float(*)[3])(block+layout.vertices));
+      float* boxes = (float*)(block+layout.boxes);
+      for (int k=0; k<3; k++)
+      {
+        header.origin[k] = anyFinite() ? lower[k] : 0.0f;
+        for (uint32_t g=0; g<layout.groups; g++) {
+          float lo = INFINITY, hi = -INFINITY; // what a group without a finite vertex keeps
+          extendByGroup(g,k,lo,hi);
+          boxes[k*layout.groups+g] = lo;
+          boxes[(3+k)*layout.groups+g] = hi;
+        }
+      }
+      end = block + layout.rawBytes;
+    }
+
+    VertLayout layout;
+    uint8_t* end;
+    CellEncoder cell;
+    BoxEncoder boxes;
+    uint32_t residualBits[3]; //!< by axis: of a field, summed over groups
+
+  private:
+    /*! If a block has remainders, residuals keep about this many bits, and the rest of them becomes remainders. That takes fewer bytes: a
+     *  vertex on the border between groups has a residual in the cell of each, but only one remainder. */
+    static const int bitsOfNoise = 5;
+
+    /*! by axis: bits that may go from residuals to remainders; false if there are none */
+    bool findMovable (int bits[3]) const
+    {
+      bool any = false;
+      for (int k=0; k<3; k++) {
+        const int mean = int(residualBits[k]/layout.groups);
+        bits[k] = remainderBits[k] == remaindersAreFloats ? 0 : std::max(mean-bitsOfNoise,0);
+        any |= bits[k] > 0;
+      }
+      return any;
+    }
+
+    /*! what a block has in common with raw ones */
+    VertHeader& begin (const VertPlacement& at, uint32_t form, uint8_t* block)
+    {
+      layout = vertLayout(at.region,form);
+      memset(block,0,layout.cell);
+      VertHeader& header = *(VertHeader*)block;
+      header.region = at.region;
+      header.patchQuads = at.patchQuads;
+      header.boxForm = form;
+      writeVersion(header.corners);
+      if (at.hasEdges) memcpy(&header+1,&at.edges,sizeof(at.edges));
+      if (at.hasNumbers) memcpy(&header+1,&at.numbers,sizeof(at.numbers));
+      return header;
+    }
+
+    void gatherCell (uint32_t x0, uint32_t y0, uint32_t step) {
+      for (int k=0; k<3; k++) gather(coordinates[k],x0,y0,step,cell.vertices[k]);
+    }
+
+    /*! Origin, corners, words and fields; false where residuals need too many bits. */
+    template<typename OnCell>
+    bool packCells (VertHeader& header, uint8_t* block, const OnCell& onCell)
+    {
+      gatherCell(0,0,groupQuads);
+      cell.predict(quads,groupQuads);
+      onCell(-1,cell);
+      if (!cell.encode()) return false;
+      header.word = cell.word;
+      write(header.origin,header.corners,header.word);
+      end = cell.write(block+layout.cell);
+      for (uint32_t& sum : residualBits) sum = 0;
+      for (uint32_t g=0; g<layout.groups; g++)
+      {
+        const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
+        gatherCell(groupQuads*gx,groupQuads*gy,1);
+        const uint32_t sides[2] = { quadsOfGroup(quads[0],gx), quadsOfGroup(quads[1],gy) };
+        cell.predict(sides,1);
+        onCell(int(g),cell);
+        if (!cell.encode()) return false;
+        for (int i=0; i<3; i++) residualBits[cellAxis(cell.word,i)] += uint32_t(cellBits(cell.word,i));
+        const uint16_t low = uint16_t(cell.word);
+        memcpy(block+layout.words+2*g,&low,sizeof(low));
+        block[layout.wordsHigh+g] = uint8_t(cell.word >> 16);
+        end = cell.write(end);
+      }
+      return true;
+    }
+
+    void extendByGroup (uint32_t g, int axis, float& lo, float& hi) const
+    {
+      const uint32_t x0 = groupQuads*(g % layout.groupsX), y0 = groupQuads*(g / layout.groupsX);
+      for (uint32_t y=y0; y<=std::min(y0+groupQuads,quads[1]); y++)
+        for (uint32_t x=x0; x<=std::min(x0+groupQuads,quads[0]); x++)
+          if (isFinite(vertexAt(x,y))) { lo = std::min(lo,vertexAt(x,y)[axis]); hi = std::max(hi,vertexAt(x,y)[axis]); }
+    }
+
+  };
+}}

@@ -1,0 +1,266 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The vertices of a block of cVERT at one time, and what format/block.h makes of them: coordinates and remainders.
+ *
+ * Nothing is rounded here. On each axis all vertices are multiples of some power of two, the step. It is found in the floats themselves: for
+ * vertices on a lattice it is at least the spacing of the lattice, for a regular terrain the size of a cell, for any other vertices the last
+ * bit of a float. The block's spacing is the step or a larger power of two. If it is larger, vertices have remainders. */
+
+#include "../format/block.h"
+#include "cell_encoder.h"
+#include "../basics/vertices4.h"
+#include <algorithm>
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  /*! of spacings of blocks: so their reciprocals are normal floats */
+  static const int minSpacingExponent = -126, maxSpacingExponent = 126;
+
+  class BlockVertices
+  {
+  public:
+    static const uint32_t maxSide = (1u << maxVertHeight) + 1u;
+    static const uint32_t maxVertices = maxSide*maxSide + 3; //!< with whole vectors of four
+
+    float vertices[maxVertices][3]; //!< row by row, (quadsX+1) (quadsY+1) of them
+    float lower[3], upper[3];       //!< of the finite ones; if there is none, infinity and -infinity
+    bool allFinite;
+
+    uint32_t quads[2], width;
+    int exponent[3];                 //!< of the spacings
+    uint32_t remainderBits[3];
+    float origin[3];
+    int coordinates[3][maxVertices]; //!< behind the last, to whole vectors, those of the first
+    uint32_t remainders[3][maxVertices];
+
+    void setSize (uint32_t region) { quads[0] = vertQuadsX(region); quads[1] = vertQuadsY(region); width = quads[0]+1; }
+
+    uint32_t numVertices () const { return width*(quads[1]+1); }
+    const float* vertexAt (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
+    bool anyFinite () const { return lower[0] <= upper[0]; }
+
+    void bound ()
+    {
+      allFinite = boundVertices(vertices,numVertices(),lower,upper);
+      if (allFinite) return;
+      for (int k=0; k<3; k++) { lower[k] = INFINITY; upper[k] = -INFINITY; }
+      for (uint32_t i=0; i<numVertices(); i++)
+      {
+        if (!isFinite(vertices[i])) continue;
+        for (int k=0; k<3; k++) { lower[k] = std::min(lower[k],vertices[i][k]); upper[k] = std::max(upper[k],vertices[i][k]); }
+      }
+    }
+
+    /*! with a vertex that is not finite */
+    uint32_t countInvalidQuads () const
+    {
+      uint32_t n = 0;
+      for (uint32_t y=0; y<quads[1]; y++)
+        for (uint32_t x=0; x<quads[0]; x++)
+          n += !(isFinite(vertexAt(x,y)) && isFinite(vertexAt(x+1,y)) && isFinite(vertexAt(x,y+1)) && isFinite(vertexAt(x+1,y+1)));
+      return n;
+    }
+
+    bool hasRemainders () const { return (remainderBits[0] | remainderBits[1] | remainderBits[2]) != 0; }
+
+    /*! Finds the steps and the smallest spacings that are possible. All vertices must be finite. Returns false if there are none: the block
+     *  must be raw. */
+    bool measure ()
+    {
+      for (uint32_t i=numVertices(); i % 4 != 0; i++) memcpy(vertices[i],vertices[0],sizeof(vertices[0]));
+      int size = minSpacingExponent; // power of two that is above what the block spans, on any axis
+      for (int k=0; k<3; k++) {
+        const double span = double(upper[k])-double(lower[k]);
+        if (span > 0) size = std::max(size,std::ilogb(span)+1);
+      }
+      findSteps();
+      /* If all vertices are 0 on an axis, it has no step. */
+      for (int k=0; k<3; k++) exponent[k] = std::max(leastExponent(k),std::min(step[k],size-1));
+      return setRemainders();
+    }
+
+    /*! Makes spacings larger by 2^bits on each axis: residuals become that much shorter, and remainders longer. Returns false if a spacing
+     *  would be too large. */
+    bool coarsen (const int bits[3])
+    {
+      for (int k=0; k<3; k++) exponent[k] += bits[k];
+      return setRemainders();
+    }
+
+    /*! origin, coordinates and remainders */
+    void place ()
+    {
+      for (int k=0; k<3; k++) {
+        const double unit = std::ldexp(1.0,-exponent[k]);
+        origin[k] = float(std::floor(lower[k]*unit)/unit);
+      }
+      const Float4 units[3] = { std::ldexp(1.0f,-exponent[0]),std::ldexp(1.0f,-exponent[1]),std::ldexp(1.0f,-exponent[2]) };
+      for (uint32_t i=0; i<numVertices(); i+=4)
+      {
+        const Vertices4 p(vertices+i);
+        truncated((p.x-Float4(origin[0]))*units[0]).store(coordinates[0]+i);
+        truncated((p.y-Float4(origin[1]))*units[1]).store(coordinates[1]+i);
+        truncated((p.z-Float4(origin[2]))*units[2]).store(coordinates[2]+i);
+      }
+      for (int k=0; k<3; k++)
+        if (remainderBits[k] != 0) placeWithRemainders(k);
+    }
+
+    /*! of the vertices of a cell; those behind the last are the last */
+    void gather (const int* values, uint32_t x0, uint32_t y0, uint32_t step, int out[paddedVertices]) const
+    {
+      for (uint32_t j=0; j<5; j++)
+      {
+        const int* row = values + std::min(y0+step*j,quads[1])*width;
+        if (step == 1 && x0+4 <= quads[0]) { memcpy(out+5*j,row+x0,5*sizeof(*row)); continue; }
+        for (uint32_t i=0; i<5; i++) out[5*j+i] = row[std::min(x0+step*i,quads[0])];
+      }
+      for (int v=cellVertices; v<paddedVertices; v++) out[v] = out[cellVertices-1];
+    }
+
+    /*! Vertices as floats; what is not finite is not a number: a triangle with that is never hit, one with infinity might be. */
+    void copyTo (float (*out)[3]) const
+    {
+      for (uint32_t i=0; i<numVertices(); i++)
+        for (int k=0; k<3; k++) out[i][k] = isFinite(vertices[i]) ? vertices[i][k] : NAN;
+    }
+
+    static void writeVersion (uint32_t corners[6]) {
+      for (uint32_t i=0; i<4; i++) corners[4+(i >> 1)] |= ((vertFormatVersion >> i) & 1u) << (15+16*(i & 1));
+    }
+
+    /*! Writes what a header, of a block or of a step, has of coordinates, into bits that are 0. */
+    void write (float origin[3], uint32_t corners[6], uint32_t& word) const
+    {
+      memcpy(origin,this->origin,sizeof(this->origin));
+      word |= uint32_t(exponent[0]+127) << 24;
+      const uint32_t y = uint32_t(exponent[1]+127), z = uint32_t(exponent[2]+127);
+      for (uint32_t i=0; i<8; i++) corners[i >> 1] |= (((y >> i) & 1u) << 15 | ((z >> i) & 1u) << 14) << (16*(i & 1));
+      for (uint32_t c=0; c<4; c++)
+        for (int k=0; k<3; k++)
+          corners[cornerPair(int(c),k)] |= uint32_t(coordinates[k][(c >> 1)*quads[1]*width + (c & 1)*quads[0]]) << (16*((3*c+uint32_t(k)) & 1));
+    }
+
+    /*! Writes the remainders to `out` and their word to `word`. offset: of `out` from the start of the block or step. Returns the end. */
+    uint8_t* writeRemainders (uint8_t* out, uint32_t offset, uint32_t& word) const
+    {
+      word = remainderBits[0] | remainderBits[1] << 5 | remainderBits[2] << 10 | offset << 16;
+      BitWriter writer = { out };
+      for (uint32_t i=0; i<numVertices(); i++)
+        for (int k=0; k<3; k++)
+          if (remainderBits[k] != 0) writer.put(remainders[k][i],int(storedRemainderBits(word,k)));
+      return writer.end();
+    }
+
+  private:
+    /*! On an axis that is stored as floats, coordinates serve only boxes: the block spans 2^this of them, up to twice as many. */
+    static const int unitsOfFloats = 6;
+
+    /*! Bits of an axis's integers before they are divided by the step. Their differences have at most 31. */
+    static const int integerBits = 29;
+
+    int step[3]; //!< as an exponent
+
+    static int exponentOf (float x)
+    {
+      uint32_t bits;
+      memcpy(&bits,&x,sizeof(bits));
+      return int((bits >> 23) & 255u) - 127;
+    }
+
+    void findSteps ()
+    {
+      Float4 scale[3];
+      Int4 first[3], any[3] = { 0,0,0 };
+      int exponents[3];
+      for (int k=0; k<3; k++) {
+        exponents[k] = std::max(exponentOf(std::max(std::fabs(lower[k]),std::fabs(upper[k])))-integerBits,minSpacingExponent);
+        scale[k] = std::ldexp(1.0f,-exponents[k]);
+        first[k] = truncated(Float4(vertices[0][k])*scale[k]);
+      }
+      uint32_t integral[3] = { 15,15,15 };
+      for (uint32_t i=0; i<numVertices(); i+=4)
+      {
+        const Vertices4 p(vertices+i);
+        auto add = [&](int k, Float4 x) {
+          const Float4 scaled = x*scale[k];
+          const Int4 n = truncated(scaled);
+          integral[k] &= lanesEqual(toFloat(n),scaled);
+          any[k] = any[k] | (n-first[k]);
+        };
+        add(0,p.x); add(1,p.y); add(2,p.z);
+      }
+      for (int k=0; k<3; k++) {
+        const unsigned differences = integral[k] == 15 ? unsigned(anyOf(any[k])) : 0;
+        if (differences != 0) {
+          /* The origin is a multiple, too. */
+          const float vertex = vertices[0][k];
+          step[k] = std::min(exponents[k] + __builtin_ctz(differences),vertex != 0 ? lowestBit(vertex) : maxSpacingExponent);
+        }
+        else findStepOfFloats(k);
+      }
+    }
+
+    /*! of a float that is not 0, as an exponent; less than minSpacingExponent where readers may take the float for 0 */
+    static int lowestBit (float x)
+    {
+      uint32_t bits;
+      memcpy(&bits,&x,sizeof(bits));
+      const uint32_t stored = (bits >> 23) & 255u;
+      return stored == 0 ? minSpacingExponent-1 : int(stored)-150+__builtin_ctz((bits & 0x7FFFFFu) | 0x800000u);
+    }
+
+    /*! For axes on which all vertices are equal, or some are too small beside the largest for the integers of findSteps. */
+    void findStepOfFloats (int k)
+    {
+      step[k] = maxSpacingExponent;
+      const uint32_t count = lower[k] == upper[k] ? 1 : numVertices();
+      for (uint32_t i=0; i<count; i++)
+        if (vertices[i][k] != 0) step[k] = std::min(step[k],lowestBit(vertices[i][k]));
+      if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits); // too fine for remainders
+    }
+
+    /*! The smallest spacing on an axis for which coordinates have at most 14 bits, and planes of boxes, up to maxExtent spacings outside of the
+     *  vertices, are exact as floats. */
+    int leastExponent (int k) const
+    {
+      const double largest = std::max(std::fabs(double(lower[k])),std::fabs(double(upper[k])));
+      const double span = double(upper[k])-double(lower[k]);
+      int e = minSpacingExponent;
+      if (largest > 0) e = std::max(e,std::ilogb(largest)-23);
+      if (span > 0) e = std::max(e,std::ilogb(span)-13);
+      for (;; e++) {
+        const double unit = std::ldexp(1.0,-e);
+        if (largest*unit <= double((1 << 24) - 2*maxExtent) && upper[k]*unit - std::floor(lower[k]*unit) < maxExtent) return e;
+      }
+    }
+
+    bool setRemainders ()
+    {
+      for (int k=0; k<3; k++)
+      {
+        if (exponent[k] > maxSpacingExponent) return false;
+        const int bits = std::max(exponent[k]-step[k],0);
+        remainderBits[k] = bits > int(maxRemainderBits) ? remaindersAreFloats : uint32_t(bits);
+        const double span = double(upper[k])-double(lower[k]);
+        if (remainderBits[k] == remaindersAreFloats && span > 0) exponent[k] = std::max(exponent[k],std::ilogb(span)-unitsOfFloats);
+      }
+      return true;
+    }
+
+    void placeWithRemainders (int k)
+    {
+      const double unit = std::ldexp(1.0,-exponent[k]), first = double(origin[k])*unit, ofRemainder = std::ldexp(1.0,int(remainderBits[k]));
+      for (uint32_t i=0; i<((numVertices()+3u) & ~3u); i++)
+      {
+        const double at = double(vertices[i][k])*unit - first, whole = std::floor(at);
+        coordinates[k][i] = int(whole);
+        if (remainderBits[k] == remaindersAreFloats) memcpy(&remainders[k][i],&vertices[i][k],sizeof(float));
+        else remainders[k][i] = uint32_t((at-whole)*ofRemainder);
+      }
+    }
+  };
+}}

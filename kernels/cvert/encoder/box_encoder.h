@@ -1,0 +1,260 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of the boxes of a block of cVERT, cvert/format/block.h: margins of groups, in a shear that makes groups flat. Boxes of a segment
+ * of a block that moves hold at both of its ends. */
+
+#include "block_vertices.h"
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  class BoxEncoder
+  {
+  public:
+    /*! of a block, or of a block at both ends of a segment */
+    void begin (const BlockVertices& first, const BlockVertices* second = nullptr)
+    {
+      ends[0] = &first; ends[1] = second ? second : &first;
+      numEnds = second ? 2 : 1;
+      groupsX = groupsOf(first.quads[0]); groups = groupsX*groupsOf(first.quads[1]);
+      shear = chooseShear();
+      memset(margins,0,sizeof(margins));
+    }
+
+    /*! group g at an end */
+    void addGroup (uint32_t end, uint32_t g)
+    {
+      const BlockVertices& of = *ends[end];
+      const Group group(of,g % groupsX,g / groupsX);
+      for (uint32_t k=0; k<3; k++)
+      {
+        const bool isSheared = k == shear.axis && !shear.isStraight();
+        const Heights& h = heights[end];
+        const int* const values = isSheared ? h.at : of.coordinates[k];
+        const Span span = group.span(values), corners = group.corners(values);
+        const int lower = corners.lower - span.lower, upper = span.upper - corners.upper;
+        margins[0][k][g] = std::max(margins[0][k][g],isSheared ? stepsUp(lower+h.below,h.shift) : lower);
+        margins[1][k][g] = std::max(margins[1][k][g],isSheared ? stepsUp(upper+h.above,h.shift) : upper + remainder(of,k));
+      }
+    }
+
+    /*! all groups of both ends */
+    void addGroups ()
+    {
+      for (uint32_t e=0; e<numEnds; e++)
+        for (uint32_t g=0; g<groups; g++) addGroup(e,g);
+    }
+
+    /*! bits 0 to 23 of boxForm; out: margins of groups */
+    uint32_t write (uint8_t* out) const
+    {
+      uint32_t boxForm = shear.axis << 12 | (uint32_t(shear.slopes[0]) & 31u) << 14 | (uint32_t(shear.slopes[1]) & 31u) << 19;
+      for (int k=0; k<3; k++) boxForm |= writeMargins(out+k*groups,margins[0][k],margins[1][k]) << (4*k);
+      return boxForm;
+    }
+
+    /*! The bounds of the block at an end: see reachStep; in steps of the least power of two that does, whose exponent is shift. */
+    uint32_t reach (uint32_t end, uint32_t& shift) const
+    {
+      const BlockVertices& of = *ends[end];
+      const Heights& sheared = heights[end];
+      int bounds[4];
+      for (uint32_t i=0; i<2; i++) {
+        const uint32_t k = (shear.axis+1+i)%3;
+        bounds[i] = spanOf(of.coordinates[k],of.numVertices()).upper + remainder(of,k);
+      }
+      if (shear.isStraight()) {
+        const Span h = spanOf(of.coordinates[shear.axis],of.numVertices());
+        bounds[2] = h.lower;
+        bounds[3] = h.upper + remainder(of,shear.axis);
+      }
+      else {
+        const Span h = spanOf(sheared.at,of.numVertices());
+        bounds[2] = (h.lower-sheared.below) >> sheared.shift; // down
+        bounds[3] = stepsUp(h.upper+sheared.above,sheared.shift);
+      }
+      shift = 0;
+      while (stepsUp(bounds[0],shift) > 255 || stepsUp(bounds[1],shift) > 255 || (bounds[2] >> shift) < -128 || stepsUp(bounds[3],shift) > 127) shift++;
+      return uint32_t(stepsUp(bounds[0],shift)) | uint32_t(stepsUp(bounds[1],shift)) << 8
+           | (uint32_t(bounds[2] >> shift) & 255u) << 16 | (uint32_t(stepsUp(bounds[3],shift)) & 255u) << 24;
+    }
+
+  private:
+    /*! the sheared coordinate of boxes */
+    struct Shear
+    {
+      uint32_t axis = 0;
+      int slopes[2] = { 0,0 };  //!< of the next axes, in 1/16
+
+      bool isStraight () const { return slopes[0] == 0 && slopes[1] == 0; }
+    };
+
+    /*! The sheared coordinates of a block's vertices, without remainders, as integers. Their unit is the spacing on the sheared axis,
+     *  divided by 2^shift. */
+    struct Heights
+    {
+      uint32_t shift;
+      int below, above;  //!< what remainders may take away, or add
+      int at[BlockVertices::maxVertices];
+
+      /*! Returns false if decoders, which add them up in float, would have to round. */
+      bool set (const BlockVertices& of, const Shear& shear)
+      {
+        const uint32_t m = shear.axis, next[2] = { (m+1)%3,(m+2)%3 };
+        int behind[2]; // bits by which a spacing is larger than that of the sheared axis
+        shift = 4;
+        for (int i=0; i<2; i++) {
+          behind[i] = shear.slopes[i] == 0 ? 0 : of.exponent[next[i]] - of.exponent[m];
+          shift = uint32_t(std::max(int(shift),4-behind[i]));
+        }
+        double largest = std::ldexp(coordinatesOf(of,m),int(shift));
+        for (int i=0; i<2; i++) largest += std::abs(shear.slopes[i])*std::ldexp(coordinatesOf(of,next[i]),int(shift)+behind[i]-4);
+        if (!(largest < double(1 << 22))) return false;
+
+        const int factors[2] = { shear.slopes[0]*(1 << (int(shift)-4+behind[0])),shear.slopes[1]*(1 << (int(shift)-4+behind[1])) };
+        below = 0;
+        above = remainder(of,m) << shift;
+        for (int i=0; i<2; i++) {
+          below += remainder(of,next[i])*std::max(-factors[i],0);
+          above += remainder(of,next[i])*std::max(factors[i],0);
+        }
+        for (uint32_t i=0; i<of.numVertices(); i+=4)
+          ((Int4::load(of.coordinates[m]+i) << int(shift)) + Int4(factors[0])*Int4::load(of.coordinates[next[0]]+i) + Int4(factors[1])*Int4::load(of.coordinates[next[1]]+i)).store(at+i);
+        return true;
+      }
+
+    private:
+      /*! more than any coordinate on an axis */
+      static double coordinatesOf (const BlockVertices& of, uint32_t k) { return std::ldexp(double(of.upper[k])-double(of.origin[k]),-of.exponent[k]) + 1; }
+    };
+
+    /*! what a remainder adds to a coordinate, at most */
+    static int remainder (const BlockVertices& of, uint32_t k) { return of.remainderBits[k] != 0 ? 1 : 0; }
+
+    struct Span { int lower, upper; };
+
+    /*! of whole vectors */
+    static Span spanOf (const int* values, uint32_t count)
+    {
+      Int4 lower = Int4::load(values), upper = lower;
+      for (uint32_t i=4; i<count; i+=4) {
+        const Int4 x = Int4::load(values+i);
+        lower = min(lower,x);
+        upper = max(upper,x);
+      }
+      return { least(lower),greatest(upper) };
+    }
+
+    /*! the vertices of a group */
+    class Group
+    {
+    public:
+      Group (const BlockVertices& of, uint32_t gx, uint32_t gy)
+        : width(of.width), first(groupQuads*(gy*of.width + gx)), x(std::min(groupQuads,of.quads[0]-groupQuads*gx)), y(std::min(groupQuads,of.quads[1]-groupQuads*gy)) {}
+
+      Span span (const int* values) const
+      {
+        const int* const begin = values+first;
+        if (x == groupQuads)
+        {
+          Int4 lower = Int4::load(begin), upper = lower;
+          for (uint32_t j=0; j<=y; j++) {
+            const Int4 left = Int4::load(begin+j*width), right = Int4::load(begin+j*width+1);
+            lower = min(lower,min(left,right));
+            upper = max(upper,max(left,right));
+          }
+          return { least(lower),greatest(upper) };
+        }
+        Span span = { *begin,*begin };
+        for (uint32_t j=0; j<=y; j++)
+          for (uint32_t i=0; i<=x; i++) { span.lower = std::min(span.lower,begin[j*width+i]); span.upper = std::max(span.upper,begin[j*width+i]); }
+        return span;
+      }
+
+      /*! of its four corners */
+      Span corners (const int* values) const
+      {
+        const int* const begin = values+first;
+        const int c[] = { begin[0],begin[x],begin[y*width],begin[y*width+x] };
+        return { std::min(std::min(c[0],c[1]),std::min(c[2],c[3])),std::max(std::max(c[0],c[1]),std::max(c[2],c[3])) };
+      }
+
+    private:
+      const uint32_t width, first, x, y; //!< x, y: quads
+    };
+
+    /*! Along the mean normal of the quads, where groups are flatter then. */
+    Shear chooseShear ()
+    {
+      double n[3] = { 0,0,0 };
+      for (uint32_t e=0; e<numEnds; e++) addNormals(*ends[e],n);
+      Shear straight;
+      const double x = std::fabs(n[0]), y = std::fabs(n[1]), z = std::fabs(n[2]);
+      straight.axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+      const uint32_t m = straight.axis;
+      if (n[m] == 0) return straight;
+      Shear shear = straight;
+      for (uint32_t i=0; i<2; i++) {
+        const double slope = std::floor(16*n[(m+1+i)%3]/n[m] + 0.5);
+        shear.slopes[i] = int(std::min(std::max(slope,-15.0),15.0));
+      }
+      if (shear.isStraight()) return straight;
+      double sheared = 0, upright = 0; // in the world
+      for (uint32_t e=0; e<numEnds; e++) {
+        const BlockVertices& of = *ends[e];
+        if (!heights[e].set(of,shear)) return straight;
+        sheared += std::ldexp(double(thickness(of,heights[e].at)),of.exponent[m]-int(heights[e].shift));
+        upright += std::ldexp(double(thickness(of,of.coordinates[m])),of.exponent[m]);
+      }
+      return sheared < upright ? shear : straight;
+    }
+
+    /*! twice the areas of the quads along the axes: what the border encloses */
+    static void addNormals (const BlockVertices& of, double sum[3])
+    {
+      const uint32_t width = of.width;
+      int64_t n[3] = { 0,0,0 };
+      auto add = [&](uint32_t from, uint32_t to) {
+        const int* const (&c)[3] = { of.coordinates[0],of.coordinates[1],of.coordinates[2] };
+        for (int k=0; k<3; k++) n[k] += int64_t(c[(k+1)%3][from])*c[(k+2)%3][to] - int64_t(c[(k+2)%3][from])*c[(k+1)%3][to];
+      };
+      const uint32_t last = of.quads[1]*width;
+      for (uint32_t x=0; x<of.quads[0]; x++) { add(x,x+1); add(last+x+1,last+x); }
+      for (uint32_t y=0; y<of.quads[1]; y++) { add(y*width+of.quads[0],(y+1)*width+of.quads[0]); add((y+1)*width,y*width); }
+      for (int k=0; k<3; k++) sum[k] += std::ldexp(double(n[k]),of.exponent[(k+1)%3]+of.exponent[(k+2)%3]);
+    }
+
+    /*! sum over groups of their spans */
+    int64_t thickness (const BlockVertices& of, const int* values) const
+    {
+      int64_t sum = 0;
+      for (uint32_t g=0; g<groups; g++) {
+        const Span span = Group(of,g % groupsX,g / groupsX).span(values);
+        sum += span.upper-span.lower;
+      }
+      return sum;
+    }
+
+    /*! in steps of the least power of two that does, which is returned as its exponent */
+    uint32_t writeMargins (uint8_t* out, const int* lowerMargins, const int* upperMargins) const
+    {
+      int largest = 0;
+      for (uint32_t g=0; g<groups; g++) largest = std::max(largest,std::max(lowerMargins[g],upperMargins[g]));
+      uint32_t shift = 0;
+      while (stepsUp(largest,shift) > int(maxMargin)) shift++;
+      for (uint32_t g=0; g<groups; g++)
+        out[g] = uint8_t(stepsUp(lowerMargins[g],shift) | stepsUp(upperMargins[g],shift) << 4);
+      return shift;
+    }
+
+    static int stepsUp (int x, uint32_t shift) { return (x + (1 << shift) - 1) >> shift; }
+
+    const BlockVertices* ends[2];
+    uint32_t numEnds, groupsX, groups;
+    Shear shear;
+    int margins[2][3][maxVertGroups];
+    Heights heights[2];         //!< at the ends, if the shear is not straight
+  };
+}}

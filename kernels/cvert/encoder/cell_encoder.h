@@ -1,0 +1,208 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of a cell of cVERT, cvert/format/cell.h: 5 x 5 vertices of integers become a word
+ * and fields. */
+
+#include "../format/cell.h"
+#include "../basics/lanes.h"
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  /*! a cell's vertices and three more: seven times four */
+  static const int paddedVertices = 28;
+
+  /*! Writes numbers of up to 32 bits one behind the other, the lowest bit first. */
+  struct BitWriter
+  {
+    uint8_t* out;
+    uint64_t pending = 0;
+    int count = 0;
+
+    BitWriter (uint8_t* out) : out(out) {}
+
+    void put (uint32_t field, int bits)
+    {
+      pending |= uint64_t(field) << count; // at most 31 + 32 bits
+      count += bits;
+      if (count < 32) return;
+      const uint32_t word = uint32_t(pending);
+      memcpy(out,&word,4);
+      out += 4;
+      pending >>= 32;
+      count -= 32;
+    }
+
+    uint8_t* end ()
+    {
+      for (; count > 0; count -= 8) { *out++ = uint8_t(pending); pending >>= 8; }
+      return out;
+    }
+  };
+
+  class CellEncoder
+  {
+  public:
+    /*! coordinates by axis, row by row; less than maxExtent, not negative; those behind the last are the last */
+    int vertices[3][paddedVertices];
+
+    int residuals[3][paddedVertices]; //!< by axis, as they are predicted; encode changes them
+
+    /*! Residuals of the vertices. quads: along u and v; step: of them from one vertex to the next */
+    void predict (const uint32_t quads[2], uint32_t step)
+    {
+      setWeights(quads,step);
+      for (int k=0; k<3; k++)
+      {
+        const int* c = vertices[k];
+        const int c00 = c[0], c10 = c[4], c01 = c[20], c11 = c[24];
+        const Int4 alongX = 16*(c10-c00), alongY = 16*(c01-c00), twist = c11-c10-c01+c00;
+        for (int v=0; v<paddedVertices; v+=4) // as cellPrediction
+        {
+          const Int4 x = Int4::load(weightX+v), y = Int4::load(weightY+v);
+          const Int4 sum = x*alongX + y*alongY + x*y*twist;
+          (Int4::load(c+v) - (Int4(c00) + shiftSigned(sum+Int4(128),8))).store(residuals[k]+v);
+        }
+      }
+    }
+
+    /*! The word for the residuals. False where one takes more bits than a cell has. */
+    bool encode ()
+    {
+      float squares[3], others[3];
+      sumProducts(residuals[0],residuals[0],residuals[1],residuals[1],residuals[2],residuals[2],squares);
+      const int main = squares[0] >= squares[1] && squares[0] >= squares[2] ? 0 : squares[1] >= squares[2] ? 1 : 2; // along which residuals are largest
+      int* const r[3] = { residuals[main],residuals[axisAfter(main,1)],residuals[axisAfter(main,2)] };
+      sumProducts(r[0],r[0],r[0],r[1],r[0],r[2],others);
+      int bits[3] = { bitsOf(r[0]),0,0 };
+      int slopes[3] = { 0,0,0 };
+      for (int i=1; i<3; i++) slopes[i] = removeSlope(r[0],squares[main],others[i],r[i],bits[i]);
+      if (!fits(bits,main)) return false;
+      word = uint32_t(bits[0]) | uint32_t(bits[1]) << 4 | uint32_t(bits[2]) << 8 | uint32_t(main) << 12
+           | (uint32_t(slopes[1]) & 31u) << 14 | (uint32_t(slopes[2]) & 31u) << 19;
+      return true;
+    }
+
+    /*! The same without a main axis and slopes: for residuals that are noise. */
+    bool encodeNoise ()
+    {
+      const int bits[3] = { bitsOf(residuals[0]),bitsOf(residuals[1]),bitsOf(residuals[2]) };
+      if (!fits(bits,0)) return false;
+      word = uint32_t(bits[0]) | uint32_t(bits[1]) << 4 | uint32_t(bits[2]) << 8;
+      return true;
+    }
+
+    uint32_t word;
+    int excess[3]; //!< by axis: bits that residuals have too many, where encode fails
+
+    /*! the fields of the cell that encode took; returns the end */
+    uint8_t* write (uint8_t* out) const
+    {
+      const int main = cellMainAxis(word), sum = cellFieldBits(word);
+      const int bits[3] = { cellBits(word,0),cellBits(word,1),cellBits(word,2) };
+      const int* component[3] = { residuals[main],residuals[cellAxis(word,1)],residuals[cellAxis(word,2)] };
+      BitWriter writer = { out };
+      alignas(16) uint32_t fields[paddedVertices];
+      auto residual = [&](int i, int v) { return Int4::load(component[i]+v) & Int4(int((1u << bits[i])-1u)); };
+      auto put = [&](int width) {
+        for (int v=0; v<cellVertices; v++)
+          if (!isCorner(v)) writer.put(fields[v],width);
+      };
+      if (isByAxis(word)) {
+        for (int i=0; i<3; i++) {
+          for (int v=0; v<paddedVertices; v+=4) residual(i,v).store(fields+v);
+          put(bits[i]);
+        }
+      }
+      else {
+        for (int v=0; v<paddedVertices; v+=4)
+          (residual(0,v) | (residual(1,v) << bits[0]) | (residual(2,v) << (bits[0]+bits[1]))).store(fields+v);
+        put(sum);
+      }
+      return writer.end();
+    }
+
+  private:
+    /*! bits: along the main axis and the next ones */
+    bool fits (const int bits[3], int main)
+    {
+      for (int i=0; i<3; i++) excess[axisAfter(main,i)] = std::max(bits[i]-maxResidualBits,0);
+      return (excess[0] | excess[1] | excess[2]) == 0;
+    }
+
+    static bool isCorner (int v) { return v == 0 || v == 4 || v == 20 || v == 24; }
+
+    /*! Most cells of a block have the same. */
+    void setWeights (const uint32_t quads[2], uint32_t step)
+    {
+      const uint32_t key[3] = { quads[0],quads[1],step };
+      if (memcmp(key,weightsOf,sizeof(key)) == 0) return;
+      memcpy(weightsOf,key,sizeof(key));
+      for (int i=0; i<5; i++)
+      {
+        const int x = weight(i,int(step),int(quads[0])), y = weight(i,int(step),int(quads[1]));
+        for (int j=0; j<5; j++) { weightX[5*j+i] = x; weightY[5*i+j] = y; }
+      }
+      for (int v=cellVertices; v<paddedVertices; v++) { weightX[v] = weightX[cellVertices-1]; weightY[v] = weightY[cellVertices-1]; }
+    }
+
+    /*! cellWeight, which divides, where that is not known */
+    static int weight (int i, int step, int quads) { return step*i >= quads ? 16 : i == 0 ? 0 : cellWeight(i,step,quads); }
+
+    /*! Sums of a b, c d and e f, in order: the same for every ISA. */
+    static void sumProducts (const int* a, const int* b, const int* c, const int* d, const int* e, const int* f, float sums[3])
+    {
+      float products[3][paddedVertices];
+      auto multiply = [](const int* x, const int* y, float* out) {
+        for (int v=0; v<paddedVertices; v+=4) (toFloat(Int4::load(x+v))*toFloat(Int4::load(y+v))).store(out+v);
+      };
+      multiply(a,b,products[0]);
+      multiply(c,d,products[1]);
+      multiply(e,f,products[2]);
+      float sum0 = 0, sum1 = 0, sum2 = 0; // side by side, as each waits for the one before
+      for (int v=0; v<cellVertices; v++) { sum0 += products[0][v]; sum1 += products[1][v]; sum2 += products[2][v]; }
+      sums[0] = sum0; sums[1] = sum1; sums[2] = sum2;
+    }
+
+    /*! bits of the largest residual; those of corners are 0 */
+    static int bitsOf (const int r[paddedVertices])
+    {
+      Int4 used = 0, any = 0;
+      for (int v=0; v<paddedVertices; v+=4) {
+        const Int4 x = Int4::load(r+v);
+        used = used | (x ^ shiftSigned(x,31));
+        any = any | x;
+      }
+      const int bits = anyOf(used);
+      return bits ? 33-__builtin_clz(unsigned(bits)) : anyOf(any) ? 1 : 0;
+    }
+
+    /*! Takes the slope that fits best out of a component, if that saves bits; returns it. squares, products: sums of main times main, and
+     *  times it. */
+    static int removeSlope (const int main[paddedVertices], float squares, float products, int r[paddedVertices], int& bits)
+    {
+      bits = bitsOf(r);
+      if (!(squares > 0) || bits == 0) return 0;
+      const float fit = 16*products/squares;
+      const int slope = fit < -maxSlope ? -maxSlope : fit > maxSlope ? maxSlope : int(std::floor(fit+0.5f));
+      if (slope == 0) return 0;
+      int rest[paddedVertices];
+      for (int v=0; v<paddedVertices; v+=4) // as slopeResidual
+        (Int4::load(r+v) - shiftSigned(Int4(slope)*Int4::load(main+v) + Int4(8),4)).store(rest+v);
+      const int restBits = bitsOf(rest);
+      if (restBits >= bits) return 0;
+      memcpy(r,rest,sizeof(rest));
+      bits = restBits;
+      return slope;
+    }
+
+    int weightX[paddedVertices], weightY[paddedVertices]; //!< of upper corners, in 1/16
+    uint32_t weightsOf[3] = { 0,0,0 };                    //!< quads and step that they are of
+  };
+}}

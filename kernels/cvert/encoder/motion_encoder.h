@@ -1,0 +1,245 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of a block of cVERT that moves, cvert/format/motion.h, step by step. It loses nothing either. */
+
+#include "block_encoder.h"
+#include "../format/motion.h"
+#include "turn_fit.h"
+#include <vector>
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  struct MotionStatistics : public VertStatistics
+  {
+    uint32_t stepBytes = 0;    //!< of all steps but the first
+    uint32_t turnedGroups = 0; //!< of steps
+  };
+
+  class MotionEncoder : private VertEncoder
+  {
+  public:
+    /*! room for any block of so many steps */
+    static size_t maxBytes (size_t numSteps) {
+      return VertEncoder::maxBytes + (numSteps-1)*(sizeof(uint32_t) + vertStepBytes + vertRemaindersBytes + 3*maxVertGroups + 3*maxVertGroups + sizeof(float)*6*maxSide*maxSide + 64);
+    }
+
+    /*! a step's vertices, to be filled: row by row, (quadsX+1) (quadsY+1) of them */
+    float (*vertices ())[3] { return current().vertices; }
+
+    /*! Begins a block. out: memory of maxBytes */
+    void begin (const VertPlacement& at, float begin, float end, uint32_t numSteps, uint8_t* out)
+    {
+      this->at = at;
+      motion = { begin,end,numSteps,0 };
+      block = out;
+      step = 0;
+      isEmpty = true;
+      statistics = MotionStatistics();
+      invalid.assign(size_t(vertQuadsX(at.region))*vertQuadsY(at.region),false);
+    }
+
+    /*! Adds a step, whose vertices were filled. */
+    void addStep ()
+    {
+      BlockVertices& now = current();
+      now.setSize(at.region);
+      now.bound();
+      isEmpty &= !now.anyFinite();
+      if (!now.allFinite) markInvalid(now);
+      if (step == 0) packFirst(); else packStep(now);
+      fill(block);
+      step++;
+    }
+
+    /*! of vertices() before addStep took the next one: bounds of the finite ones of the last step that was added */
+    const BlockVertices& last () const { return (step-1) % 2 ? other : *this; }
+
+    /*! Returns the number of bytes, a multiple of 4; 0 where no vertex is finite at any step. */
+    size_t finish (MotionStatistics& out)
+    {
+      for (bool isInvalid : invalid) statistics.invalidQuads += isInvalid;
+      out = statistics;
+      return isEmpty ? 0 : size_t(end-block);
+    }
+
+  private:
+    static const uint32_t firstCell = maxVertGroups; //!< among the cells of a block
+
+    /*! residuals of a cell by axis */
+    typedef int Residuals[3][paddedVertices];
+
+    BlockVertices& current () { return step % 2 ? other : *this; }
+    BlockVertices& before () { return step % 2 ? *this : other; }
+
+    void markInvalid (const BlockVertices& now)
+    {
+      for (uint32_t y=0; y<now.quads[1]; y++)
+        for (uint32_t x=0; x<now.quads[0]; x++)
+          if (!(isFinite(now.vertexAt(x,y)) && isFinite(now.vertexAt(x+1,y)) && isFinite(now.vertexAt(x,y+1)) && isFinite(now.vertexAt(x+1,y+1))))
+            invalid[y*now.quads[0]+x] = true;
+    }
+
+    void packFirst ()
+    {
+      const uint32_t form = at.form() | 1u << 31;
+      const bool packed = allFinite && measure()
+        && pack(at,form,block,[&](int g, const CellEncoder& cell) { memcpy(first[g < 0 ? firstCell : uint32_t(g)],cell.residuals,sizeof(Residuals)); });
+      if (packed) statistics.fieldBytes = uint32_t(end - (block+layout.cell));
+      else packRaw(at,form,block);
+      VertHeader& header = *(VertHeader*)block;
+      statistics.raw = wasRaw = isFirstRaw = !packed;
+      fill(block);
+      motion.steps = uint32_t(end-block);
+      memcpy(block+motionOffset(&header),&motion,sizeof(motion));
+      end += sizeof(uint32_t)*(motion.numSteps-1);
+      marginsOfSegment = block+layout.margins;
+      formOfSegment = &header.boxForm;
+      reachOfSegment = &header.reach;
+      turns.setFirst(first,layout.groups);
+    }
+
+    void packStep (BlockVertices& now)
+    {
+      const uint32_t offset = uint32_t(end-block);
+      memcpy(block+motion.steps+4*(step-1),&offset,sizeof(offset));
+      VertStep& header = *(VertStep*)end;
+      bool packed = now.allFinite && now.measure() && packCellsOfStep(now,header);
+      if (packed) appendRemainders(now,(uint8_t*)&header,vertStepBytes);
+      const size_t rawBytes = vertStepLayout(at.region,rawForm).rawBytes;
+      packed = packed && size_t(end-(uint8_t*)&header) < rawBytes;
+      if (!packed) {
+        memset(&header,0,vertStepBytes);
+        for (int k=0; k<3; k++) header.origin[k] = now.anyFinite() ? now.lower[k] : 0.0f;
+        header.boxForm = rawForm;
+        now.copyTo((float(*)[3])((uint8_t*)&header+vertStepBytes));
+        end = (uint8_t*)&header + rawBytes;
+      }
+      statistics.raw |= !packed;
+      /* the boxes of the segment that ends here */
+      if (packed && !wasRaw) {
+        boxes.begin(before(),&now);
+        boxes.addGroups();
+        const uint32_t shiftAt = step == 1 ? 25 : 28;
+        uint32_t shift;
+        *reachOfSegment = boxes.reach(0,shift);
+        *formOfSegment = (*formOfSegment & ~(0xFFFFFFu | 15u << shiftAt)) | boxes.write(marginsOfSegment) | shift << shiftAt;
+        header.endReach = boxes.reach(1,shift);
+        header.turned |= shift << 19;
+      }
+      wasRaw = !packed;
+      marginsOfSegment = (uint8_t*)&header + vertStepLayout(at.region,header.boxForm).margins;
+      formOfSegment = &header.boxForm;
+      reachOfSegment = &header.reach;
+      statistics.stepBytes += uint32_t(end - (uint8_t*)&header) + sizeof(uint32_t);
+    }
+
+    /*! Origin, corners, words and fields of vertices that were measured; false where residuals need too many bits. */
+    bool packCellsOfStep (BlockVertices& now, VertStep& header)
+    {
+      for (;;) {
+        now.place();
+        memset(&header,0,vertStepBytes);
+        if (tryCellsOfStep(now,header)) return true;
+        if (!now.coarsen(cell.excess)) return false;
+      }
+    }
+
+    bool tryCellsOfStep (const BlockVertices& now, VertStep& header)
+    {
+      const uint32_t groups = layout.groups;
+      for (uint32_t g=0; g<=groups; g++)
+        predict(now,g < groups ? g : firstCell);
+      if (!isFirstRaw) {
+        turns.fit(own);
+        turns.write(header);
+      }
+      /* words are known before it is known where fields begin */
+      uint32_t words[maxVertGroups+1];
+      bool areTurned[maxVertGroups+1], haveSlopes = false;
+      for (uint32_t i=0; i<=groups; i++) {
+        const uint32_t g = i < groups ? i : firstCell;
+        if (!encodeCell(g,words[g],areTurned[g])) return false;
+        if (i < groups) {
+          haveSlopes |= (words[g] >> 14) != 0;
+          header.turned |= uint32_t(areTurned[g]) << g;
+        }
+      }
+      for (uint32_t g=0; g<groups; g++) statistics.turnedGroups += areTurned[g];
+      header.boxForm = uint32_t(now.hasRemainders()) << 24 | uint32_t(areTurned[firstCell]) << 25 | uint32_t(haveSlopes) << 26 | uint32_t(step+1 < motion.numSteps) << 27;
+      header.word = words[firstCell];
+      now.write(header.origin,header.corners,header.word);
+      const VertStepLayout to = vertStepLayout(at.region,header.boxForm);
+      uint8_t* const data = (uint8_t*)&header;
+      memset(data+to.margins,0,to.words-to.margins);
+      for (uint32_t g=0; g<groups; g++) {
+        const uint16_t low = uint16_t(words[g]);
+        memcpy(data+to.words+2*g,&low,sizeof(low));
+        if (haveSlopes) data[to.wordsHigh+g] = uint8_t(words[g] >> 16);
+      }
+      end = write(firstCell,words[firstCell],data+to.cell);
+      for (uint32_t g=0; g<groups; g++) end = write(g,words[g],end);
+      return true;
+    }
+
+    /*! residuals of a cell of a step into `own` */
+    void predict (const BlockVertices& now, uint32_t g)
+    {
+      const bool isGroup = g != firstCell;
+      const uint32_t gx = isGroup ? g % layout.groupsX : 0, gy = isGroup ? g / layout.groupsX : 0, distance = isGroup ? 1 : groupQuads;
+      for (int k=0; k<3; k++) now.gather(now.coordinates[k],groupQuads*gx,groupQuads*gy,distance,cell.vertices[k]);
+      const uint32_t sides[2] = { isGroup ? quadsOfGroup(now.quads[0],gx) : now.quads[0], isGroup ? quadsOfGroup(now.quads[1],gy) : now.quads[1] };
+      cell.predict(sides,distance);
+      memcpy(own[g],cell.residuals,sizeof(Residuals));
+    }
+
+    /*! The word of a cell, whose residuals to store are in `own` then: as they are, or as turning those of the first step misses them. */
+    bool encodeCell (uint32_t g, uint32_t& word, bool& turned)
+    {
+      turned = false;
+      int bits = maxFieldBits*2;
+      Residuals rest;
+      if (!isFirstRaw) {
+        turns.subtract(first[g],own[g],rest);
+        memcpy(cell.residuals,rest,sizeof(rest));
+        turned = cell.encodeNoise();
+        if (turned) { word = cell.word; bits = cellFieldBits(word); }
+      }
+      if (bits > fewBits) {
+        memcpy(cell.residuals,own[g],sizeof(Residuals));
+        if (cell.encode() && cellFieldBits(cell.word) < bits) {
+          word = cell.word;
+          turned = false;
+          memcpy(own[g],cell.residuals,sizeof(Residuals));
+          return true;
+        }
+      }
+      if (turned) memcpy(own[g],rest,sizeof(rest));
+      return turned;
+    }
+
+    uint8_t* write (uint32_t g, uint32_t word, uint8_t* out)
+    {
+      cell.word = word;
+      memcpy(cell.residuals,own[g],sizeof(Residuals));
+      return cell.write(out);
+    }
+
+    static const int fewBits = 6; //!< of a field, below which nothing else is tried
+
+    VertPlacement at = VertPlacement(0,0);
+    VertMotion motion;
+    uint8_t* block;
+    uint32_t step;
+    bool isEmpty, isFirstRaw, wasRaw;
+    uint8_t* marginsOfSegment;  //!< that begins with the step before
+    uint32_t* formOfSegment, * reachOfSegment;
+    MotionStatistics statistics;
+    std::vector<bool> invalid;  //!< quads, at any step
+    BlockVertices other;        //!< of odd steps
+    Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< of the first step; of the one that is written
+    TurnFit turns;
+  };
+}}

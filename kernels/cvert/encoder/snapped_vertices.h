@@ -1,0 +1,46 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Vertices of a patch before and after they were snapped to a lattice, four at a time: how far they
+ * moved, and which triangles that turned over. */
+
+#include "../basics/vertices4.h"
+#include "lattice.h"
+#include <limits>
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  /*! Snaps four vertices; returns the largest square of how far one moved, in spacings, of those that are finite. */
+  inline float snapFour(const WorldLattice& lattice, const float (*own)[3], float (*stored)[3])
+  {
+    Float4 square[3];
+    for (int i=0; i<3; i++)
+    {
+      const Float4 p = Float4::load(&own[0][0]+4*i), q = lattice.snap(p), d = (p-q)*lattice.reciprocal;
+      q.store(&stored[0][0]+4*i);
+      square[i] = d*d;
+    }
+    const Vertices4 s(square[0],square[1],square[2],true);
+    const Float4 distance2 = s.x+s.y+s.z;
+    return greatest(below(distance2,std::numeric_limits<float>::max()) & distance2);
+  }
+
+  /*! Of four quads beside each other, with triangles (00,10,01) and (10,11,01): how many have one that is
+   *  turned by more than 90 degrees. width: distance of the rows, in vertices. */
+  inline uint32_t countFlippedOfFour(const float (*own)[3], const float (*stored)[3], size_t width)
+  {
+    struct Normals
+    {
+      Vertices4 lower, upper;
+
+      Normals(const float (*p)[3], size_t width) : Normals(Vertices4(p),Vertices4(p+1),Vertices4(p+width),Vertices4(p+width+1)) {}
+      Normals(const Vertices4& a, const Vertices4& b, const Vertices4& c, const Vertices4& d)
+        : lower(cross(b-a,c-a)), upper(cross(d-b,c-b)) {}
+    };
+    const Normals n(own,width), m(stored,width);
+    const uint32_t flipped = lanesBelow(dot(n.lower,m.lower),0.0f) | lanesBelow(dot(n.upper,m.upper),0.0f);
+    return uint32_t(uint64_t(0x4332322132212110u) >> (4*flipped)) & 15u; // its bits, counted
+  }
+}}

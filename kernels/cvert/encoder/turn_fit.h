@@ -1,0 +1,103 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The matrix that takes the residuals of a block's first step to those of a later one, cvert/format/motion.h: least squares over its groups.
+ * What a surface does between the two steps, it turns, bends, grows, is nearly linear over a block. */
+
+#include "../format/motion.h"
+#include "cell_encoder.h"
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  class TurnFit
+  {
+  public:
+    /*! residuals of the first step's groups, by axis */
+    void setFirst (const int (*residuals)[3][paddedVertices], uint32_t groups)
+    {
+      first = residuals;
+      this->groups = groups;
+      double s[3][3];
+      sum(first,s);
+      /* along an axis without residuals nothing is known, and nothing matters */
+      for (int a=0; a<3; a++) s[a][a] += 0.001*cellFields*groups;
+      invert(s,inverse);
+    }
+
+    /*! later: residuals of the same groups in another step */
+    void fit (const int (*later)[3][paddedVertices])
+    {
+      double s[3][3], turn[3][3], largest = 0;
+      sum(later,s);
+      for (int a=0; a<3; a++)
+        for (int b=0; b<3; b++) {
+          turn[a][b] = s[a][0]*inverse[0][b] + s[a][1]*inverse[1][b] + s[a][2]*inverse[2][b];
+          largest = std::max(largest,std::fabs(turn[a][b]));
+        }
+      scale = 0;
+      while (scale < 6 && largest*(1 << (7-scale)) > 127.0) scale++;
+      for (int a=0; a<3; a++)
+        for (int b=0; b<3; b++)
+          entries[a][b] = int(std::floor(std::min(std::max(turn[a][b]*(1 << (7-scale)),-127.0),127.0) + 0.5));
+    }
+
+    /*! what turning misses of a cell's residuals */
+    void subtract (const int from[3][paddedVertices], const int to[3][paddedVertices], int rest[3][paddedVertices]) const
+    {
+      const int shift = int(7-scale);
+      for (int a=0; a<3; a++)
+        for (int v=0; v<paddedVertices; v+=4) { // as turnedResidual
+          const Int4 sum = Int4(entries[a][0])*Int4::load(from[0]+v) + Int4(entries[a][1])*Int4::load(from[1]+v) + Int4(entries[a][2])*Int4::load(from[2]+v);
+          (Int4::load(to[a]+v) - shiftSigned(sum + Int4(1 << (shift-1)),shift)).store(rest[a]+v);
+        }
+    }
+
+    void write (VertStep& step) const
+    {
+      uint32_t bytes[3] = { 0,0,0 };
+      for (int i=0; i<9; i++) bytes[i/4] |= (uint32_t(entries[i/3][i%3]) & 255u) << (8*(i % 4));
+      step.turn[0] = bytes[0]; step.turn[1] = bytes[1];
+      step.turned = scale << 16 | bytes[2] << 24;
+    }
+
+  private:
+    /*! sums of products with the first step's residuals, over all vertices */
+    void sum (const int (*of)[3][paddedVertices], double s[3][3]) const
+    {
+      for (int a=0; a<3; a++)
+        for (int b=0; b<3; b++) {
+          double total = 0;
+          for (uint32_t g=0; g<groups; g++)
+          {
+            Float4 four = 0.0f;
+            for (int v=0; v<paddedVertices; v+=4) four = four + toFloat(Int4::load(of[g][a]+v))*toFloat(Int4::load(first[g][b]+v));
+            float lanes[4];
+            four.store(lanes);
+            total += double(lanes[0])+lanes[1]+lanes[2]+lanes[3];
+          }
+          s[a][b] = total;
+        }
+    }
+
+    /*! of a matrix that is symmetric and positive definite */
+    static void invert (const double m[3][3], double out[3][3])
+    {
+      double cofactor[3][3];
+      for (int a=0; a<3; a++)
+        for (int b=0; b<3; b++)
+          cofactor[a][b] = m[(a+1)%3][(b+1)%3]*m[(a+2)%3][(b+2)%3] - m[(a+1)%3][(b+2)%3]*m[(a+2)%3][(b+1)%3];
+      const double determinant = m[0][0]*cofactor[0][0] + m[0][1]*cofactor[0][1] + m[0][2]*cofactor[0][2];
+      for (int a=0; a<3; a++)
+        for (int b=0; b<3; b++)
+          out[a][b] = cofactor[b][a]/determinant;
+    }
+
+    const int (*first)[3][paddedVertices] = nullptr;
+    uint32_t groups = 0;
+    double inverse[3][3];
+    int entries[3][3];
+    uint32_t scale = 0;
+  };
+}}

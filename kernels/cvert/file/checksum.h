@@ -1,0 +1,14 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace cvert
+{
+  /*! Returns the CRC-32C of bytes, as in iSCSI. before: the checksum of the bytes before them; isPortable: does not use the processor's
+   *  instruction for it. */
+  uint32_t fileChecksum (const void* data, size_t bytes, uint32_t before = 0, bool isPortable = false);
+}

@@ -1,0 +1,118 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "file.h"
+#include "tree_reader.h"
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace cvert
+{
+  namespace
+  {
+    const char* kindOfFile (mode_t mode) {
+      return S_ISDIR(mode) ? "a folder" : S_ISFIFO(mode) ? "a pipe" : S_ISSOCK(mode) ? "a socket" : "a device";
+    }
+
+    Reason damaged (const char* text, uint64_t first = 0, uint64_t second = 0) { return Reason(ErrorCode::DAMAGED,text,first,second); }
+
+    Reason checkVersion (uint32_t found, uint32_t oldest, uint32_t newest, const char* tooOld, const char* tooNew)
+    {
+      if (found < oldest) return Reason(ErrorCode::UNSUPPORTED,tooOld,found,oldest);
+      if (found > newest) return Reason(ErrorCode::UNSUPPORTED,tooNew,found,newest);
+      return Reason();
+    }
+  }
+
+  /* Without O_NONBLOCK the opening of a FIFO would wait for its writer. */
+  File::File (const std::string& path) : path(path), file(::open(path.c_str(),O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC))
+  {
+    if (file < 0) throw Error(ErrorCode::INVALID_ARGUMENT,path + ": cannot be opened: " + std::strerror(errno));
+    try {
+      map();
+      if (const Reason reason = validate()) throw Error(reason.code,path + ": " + reason.message());
+    }
+    catch (...) { unmap(); throw; }
+  }
+
+  File::~File () { unmap(); }
+
+  void File::map ()
+  {
+    auto fail = [&](const std::string& why) { throw Error(ErrorCode::INVALID_ARGUMENT,path + ": " + why); };
+    struct stat status;
+    if (::fstat(file,&status) != 0) fail(std::strerror(errno));
+    if (!S_ISREG(status.st_mode)) fail(std::string("is ") + kindOfFile(status.st_mode) + ": expected a regular file");
+    bytes = uint64_t(status.st_size);
+    if (bytes < sizeof(FileHeader)) fail("is no file of compressed surfaces: it has only " + std::to_string(bytes) + " bytes");
+    void* const mapped = ::mmap(nullptr,size_t(bytes),PROT_READ,MAP_PRIVATE,file,0);
+    if (mapped == MAP_FAILED) fail(std::string("cannot be mapped: ") + std::strerror(errno));
+    data = (const char*)mapped;
+  }
+
+  void File::unmap ()
+  {
+    if (data) ::munmap((void*)data,size_t(bytes));
+    ::close(file);
+  }
+
+  Reason File::validate () const
+  {
+    const FileHeader& h = *header();
+    if (memcmp(h.magic,fileMagic,sizeof(fileMagic)) != 0) return damaged("is no file of compressed surfaces");
+    if (h.byteOrder != fileByteOrder) return damaged("was written by a machine with another order of bytes, or is damaged");
+    if (const Reason reason = checkVersion(h.version,fileVersion,fileVersion,"is of an older version of these files, %; this library reads % and later",
+                                           "is of a newer version of these files, %; this library reads versions up to %"))
+      return reason;
+    if (h.checksum != fileChecksum(&h,offsetof(FileHeader,checksum))) return damaged("is damaged: the checksum of its header differs");
+    if (const Reason reason = checkVersion(h.vertVersion,oldestVertVersion,vertFormatVersion,"has blocks of an older version of cVERT, %; this library reads % and later",
+                                           "has blocks of a newer version of cVERT, %; this library reads versions up to %"))
+      return reason;
+    if (const Reason reason = checkVersion(h.framedVersion,fileFramedVersion,fileFramedVersion,"has blocks with frames of an older version, %; this library reads % and later",
+                                           "has blocks with frames of a newer version, %; this library reads versions up to %"))
+      return reason;
+    if (h.fileBytes > bytes) return damaged("is truncated: it has % bytes of %",bytes,h.fileBytes);
+    if (h.fileBytes < bytes) return damaged("has something after its end: it has % bytes, expected %",bytes,h.fileBytes);
+    if (h.recordBytes != sizeof(FileGeometry) || h.numGeometries == 0 || h.directory > bytes || h.directory % 16 != 0 || (bytes-h.directory)/sizeof(FileGeometry) < h.numGeometries)
+      return damaged("is damaged: its directory of % geometries does not fit",h.numGeometries);
+    if (h.directoryChecksum != fileChecksum(data+h.directory,h.numGeometries*sizeof(FileGeometry))) return damaged("is damaged: the checksum of its directory differs");
+    for (size_t i=0; i<h.numGeometries; i++)
+    {
+      const FileGeometry& g = geometry(i);
+      auto isPart = [&](uint64_t begin, uint64_t size, uint64_t after) {
+        return begin % filePage == 0 && begin <= bytes && size <= bytes-begin && after <= bytes-begin-size;
+      };
+      if (!isPart(g.tree,g.treeBytes,0)) failAt(i,"its tree is outside of the file");
+      if (!isPart(g.blocks,g.blockBytes,fileReadBehind)) failAt(i,"its blocks are outside of the file");
+      if (const Reason reason = validateRecord(g)) failAt(i,reason.message());
+    }
+    return Reason();
+  }
+
+  void File::failAt (size_t i, const std::string& why) const {
+    throw Error(ErrorCode::DAMAGED,path + ": is damaged: geometry " + std::to_string(i) + ": " + why);
+  }
+
+  void File::failUnsupported (size_t i, const std::string& why) const {
+    throw Error(ErrorCode::UNSUPPORTED,path + ": geometry " + std::to_string(i) + ": " + why);
+  }
+
+  void File::verify () const { for (size_t i=0; i<size(); i++) verifyGeometry(i); }
+
+  void File::verifyGeometry (size_t i) const
+  {
+    const FileGeometry& record = geometry(i);
+    if (record.blocksChecksum != fileChecksum(blocks(i),size_t(record.blockBytes))) failAt(i,"the checksum of its blocks differs");
+    const Reason reason = forEachBlock(record,tree(i),[&](FileChild type, uint64_t offset) {
+        if (type == FILE_FRAMED) return;
+        const VertHeader* const block = (const VertHeader*)(blocks(i)+offset);
+        if (const Reason reason = validateVertBlock(record,block,size_t(record.blockBytes-offset))) failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
+        if (block->surface != record.surface) failAt(i,"the block at " + std::to_string(offset) + ": it belongs to another surface");
+      });
+    if (reason) failAt(i,reason.message());
+  }
+}

@@ -1,0 +1,58 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A file of compressed surfaces, mapped for reading. Opening it checks the header and the directory. The trees and the blocks are not read
+ * until they are used: see TreeReader and validateVertBlock. */
+
+#include "../basics/reason.h"
+#include "format.h"
+#include <string>
+
+namespace cvert
+{
+  /*! Immutable; any number of threads may read it. */
+  class File
+  {
+  public:
+    /*! Throws Error with a message that names the path if there is no such file, or if it is not a valid file of compressed surfaces. */
+    explicit File (const std::string& path);
+    ~File ();
+    File (const File&) = delete;
+    File& operator= (const File&) = delete;
+
+    /*! Number of geometries. */
+    size_t size () const { return header()->numGeometries; }
+    const FileGeometry& geometry (size_t i) const { return ((const FileGeometry*)(data+header()->directory))[i]; }
+
+    /*! First byte of the tree and of the blocks of a geometry. */
+    const char* tree (size_t i) const { return data+geometry(i).tree; }
+    const char* blocks (size_t i) const { return data+geometry(i).blocks; }
+
+    /*! Reads all bytes of the file. Throws Error if a checksum differs, or if a tree or a cVERT block is damaged. */
+    void verify () const;
+
+    /*! Throws Error: geometry i is damaged. */
+    [[noreturn]] void failAt (size_t i, const std::string& why) const;
+
+    /*! Throws Error: this program does not support geometry i. */
+    [[noreturn]] void failUnsupported (size_t i, const std::string& why) const;
+
+    /*! Open as long as this exists. */
+    int descriptor () const { return file; }
+
+    const std::string path;
+
+  private:
+    const FileHeader* header () const { return (const FileHeader*)data; }
+    void map ();
+    void unmap ();
+    Reason validate () const;
+    void verifyGeometry (size_t i) const;
+
+    int file;
+    const char* data = nullptr;
+    uint64_t bytes = 0;
+  };
+}

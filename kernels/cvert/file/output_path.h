@@ -1,0 +1,105 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Finds what a path of output leads to: a file that can be replaced, or something that must be written into, such as a
+ * device, a pipe or a descriptor of this process. Needs nothing but POSIX, so that the programs use the same rule as
+ * the library. */
+
+#include <cctype>
+#include <cerrno>
+#include <climits>
+#include <cstdlib>
+#include <string>
+#include <system_error>
+#include <sys/stat.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+namespace cvert
+{
+  /*! what() is the text of errno */
+  [[noreturn]] inline void throwErrno (int error) { throw std::system_error(error,std::generic_category()); }
+
+  inline std::string folderOf (const std::string& path)
+  {
+    const size_t slash = path.rfind('/');
+    return slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0,slash);
+  }
+
+  inline std::string nameOf (const std::string& path) { return path.substr(path.rfind('/')+1); } // npos+1 is 0
+
+  struct OutputPath
+  {
+    /*! A file is replaced when the output is complete. A stream is written into: a rename would put a file in its
+     *  place. */
+    enum Kind { NEW, REGULAR, STREAM };
+
+    /*! Throws std::system_error for a folder, and for what cannot be looked up. */
+    explicit OutputPath (const std::string& given) : path(given)
+    {
+      if (given.empty()) throwErrno(ENOENT);
+      if (followLinks()) { kind = STREAM; return; }
+      if (::lstat(path.c_str(),&status) != 0) {
+        if (errno != ENOENT) throwErrno(errno);
+        return;
+      }
+      if (S_ISDIR(status.st_mode)) throwErrno(EISDIR);
+      descriptor = standardDescriptor(status);
+      kind = S_ISREG(status.st_mode) && descriptor < 0 ? REGULAR : STREAM;
+    }
+
+    static bool isSame (const struct stat& a, const struct stat& b) {
+      return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+    }
+
+    std::string path;     //!< with symbolic links followed, also one to a file that is not there yet
+    Kind kind = NEW;
+    int descriptor = -1;  //!< of this process that the path names, as /dev/stdout does
+    struct stat status;   //!< of the file; undefined for a new one
+
+  private:
+    /*! Returns true at a link of /proc to an open file, whose text is no path. */
+    bool followLinks ()
+    {
+      for (int links=0; ; links++)
+      {
+        char target[PATH_MAX];
+        const ssize_t size = ::readlink(path.c_str(),target,sizeof(target));
+        if (size < 0) return false;
+        if (isOpenFile(path)) { descriptor = ownDescriptor(path); return true; }
+        if (links == 40 || size == ssize_t(sizeof(target))) throwErrno(ELOOP);
+        const std::string next(target,size_t(size));
+        path = next[0] == '/' ? next : folderOf(path) + "/" + next;
+      }
+    }
+
+    /*! Whether a link is one of /proc/PID/fd. */
+    static bool isOpenFile (const std::string& path)
+    {
+      const long proc = 0x9fa0; // PROC_SUPER_MAGIC
+      struct statfs system;
+      const bool isNumber = isdigit((unsigned char)nameOf(path)[0]);
+      return isNumber && ::statfs(folderOf(path).c_str(),&system) == 0 && system.f_type == proc;
+    }
+
+    /*! N of /proc/self/fd/N, whatever links lead to that folder; -1 for another process */
+    static int ownDescriptor (const std::string& path)
+    {
+      char* const real = ::realpath(folderOf(path).c_str(),nullptr);
+      const std::string folder = real ? real : "";
+      ::free(real);
+      return folder == "/proc/" + std::to_string(::getpid()) + "/fd" ? std::atoi(nameOf(path).c_str()) : -1;
+    }
+
+    /*! Standard output or standard error, if one of them goes to the file: a rename would lose what is printed. */
+    static int standardDescriptor (const struct stat& file)
+    {
+      struct stat open;
+      for (int standard : { STDOUT_FILENO,STDERR_FILENO })
+        if (::fstat(standard,&open) == 0 && isSame(open,file)) return standard;
+      return -1;
+    }
+  };
+}

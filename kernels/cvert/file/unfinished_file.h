@@ -1,0 +1,213 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A file that is written next to its place and renamed into it when it is complete. It is locked until then, so that
+ * another process can tell it from what a killed process left. Needs nothing but POSIX, so that the programs replace
+ * files in the same way as the library. */
+
+#include "output_path.h"
+#include <algorithm>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
+#include <dirent.h>
+#include <fcntl.h>
+#include <random>
+#include <sys/file.h>
+
+namespace cvert
+{
+  /*! While one exists, a write by this thread beyond the limit on file sizes fails with EFBIG; SIGXFSZ does not end
+   *  the process. */
+  class FileSizeLimit
+  {
+  public:
+    FileSizeLimit ()
+    {
+      sigemptyset(&signal);
+      sigaddset(&signal,SIGXFSZ);
+      pthread_sigmask(SIG_BLOCK,&signal,&before);
+    }
+    ~FileSizeLimit ()
+    {
+      if (sigismember(&before,SIGXFSZ)) return;
+      const int error = errno;
+      const timespec now = { 0,0 };
+      while (sigtimedwait(&signal,nullptr,&now) == SIGXFSZ || errno == EINTR) {}
+      pthread_sigmask(SIG_SETMASK,&before,nullptr);
+      errno = error;
+    }
+    FileSizeLimit (const FileSizeLimit&) = delete;
+    FileSizeLimit& operator= (const FileSizeLimit&) = delete;
+
+  private:
+    sigset_t signal, before;
+  };
+
+  /*! Writes all of it by put(data, bytes, done), a system call that writes a part. Returns 0, else the error. */
+  template<typename Put>
+  int putAll (const void* data, size_t bytes, const Put& put)
+  {
+    const FileSizeLimit limit;
+    for (size_t done=0; done<bytes; )
+    {
+      const ssize_t n = put((const char*)data+done,std::min(bytes-done,size_t(1) << 30),done);
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return n < 0 ? errno : ENOSPC;
+      done += size_t(n);
+    }
+    return 0;
+  }
+  inline int writeAll (int file, const void* data, size_t bytes) {
+    return putAll(data,bytes,[&](const char* p, size_t n, size_t) { return ::write(file,p,n); });
+  }
+  inline int writeAllAt (int file, const void* data, size_t bytes, uint64_t offset) {
+    return putAll(data,bytes,[&](const char* p, size_t n, size_t done) {
+        return ::pwrite(file,p,n,off_t(offset+done));
+      });
+  }
+
+  class UnfinishedFile
+  {
+  public:
+    /*! For one that is lost unless it is committed. Removes what killed writers of the same place left. Throws
+     *  std::system_error. */
+    explicit UnfinishedFile (const OutputPath& place) : place(place)
+    {
+      const std::string mark = ".cbvh-part-";
+      const std::string begin = fitted(mark.size()+16) + mark, folder = folderOf(place.path);
+      for (int tries=0; !open(folder + "/" + begin + randomDigits(),O_EXCL); tries++)
+        if (tries == 100) throwErrno(EEXIST);
+      removeStale(folder,begin);
+    }
+
+    /*! For one that a later process goes on with: its name is the place's and `ending`. Throws std::system_error,
+     *  with EWOULDBLOCK if another writer has it. */
+    UnfinishedFile (const OutputPath& place, const std::string& ending) : place(place), keeps(true)
+    {
+      const std::string path = folderOf(place.path) + "/" + fitted(ending.size()) + ending;
+      for (int tries=0; !open(path,0); tries++)
+        if (tries == 100) throwErrno(EWOULDBLOCK);
+    }
+
+    /*! Removes the file unless it was committed or is to be kept. */
+    ~UnfinishedFile ()
+    {
+      if (file < 0) return;
+      if (!keeps) ::unlink(name.c_str());
+      ::close(file);
+    }
+
+    UnfinishedFile (const UnfinishedFile&) = delete;
+    UnfinishedFile& operator= (const UnfinishedFile&) = delete;
+
+    int descriptor () const { return file; } //!< -1 after commit
+    const std::string& path () const { return name; }
+    void keep (bool isKept) { keeps = isKept; }
+
+    /*! Gives it the permissions of the file that it replaces, if there is one, and its owner, if this process may. */
+    void takeOver ()
+    {
+      if (place.kind != OutputPath::REGULAR) return;
+      const struct stat& status = place.status;
+      const bool owns = ::fchown(file,status.st_uid,status.st_gid) == 0
+        || ::fchown(file,uid_t(-1),status.st_gid) == 0;
+      (void)!::fchmod(file,status.st_mode & (owns ? 07777 : 0777));
+    }
+
+    /*! Puts the file in its place, on the disk, too. The lock is held until then: nobody else may write what has the
+     *  final name. Throws std::system_error; the file stays as it was then. */
+    void commit ()
+    {
+      if (::fsync(file) != 0 && errno != EINVAL && errno != EROFS) throwErrno(errno);
+      if (::rename(name.c_str(),place.path.c_str()) != 0) throwErrno(errno);
+      ::close(file);
+      file = -1;
+      const int folder = ::open(folderOf(place.path).c_str(),O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      if (folder >= 0) { (void)!::fsync(folder); ::close(folder); }
+    }
+
+  private:
+    /*! Creates and locks it. Returns false where that has to be tried again: the name is taken, or a writer that had
+     *  the file before has renamed or removed it. */
+    bool open (const std::string& path, int flags)
+    {
+      const int opened = ::open(path.c_str(),O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | flags,0666);
+      if (opened < 0) {
+        if (errno == EEXIST) return false;
+        throwErrno(errno);
+      }
+      /* a file system without locks has none to respect */
+      const int error = ::flock(opened,LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
+      if ((error == EWOULDBLOCK && !(flags & O_EXCL)) || !isNamed(opened,path) || error == EWOULDBLOCK) {
+        ::close(opened);
+        if (error == EWOULDBLOCK && !(flags & O_EXCL)) throwErrno(error);
+        return false;
+      }
+      file = opened;
+      name = path;
+      return true;
+    }
+
+    static bool isNamed (int file, const std::string& path)
+    {
+      struct stat open, named;
+      return ::fstat(file,&open) == 0 && ::lstat(path.c_str(),&named) == 0 && OutputPath::isSame(open,named);
+    }
+
+    /*! The place's name, cut where `more` bytes would not fit; then a checksum of the name tells it from others. */
+    std::string fitted (size_t more) const
+    {
+      const std::string all = nameOf(place.path);
+      const long limit = ::pathconf(folderOf(place.path).c_str(),_PC_NAME_MAX);
+      const size_t most = limit > 0 ? size_t(limit) : NAME_MAX;
+      if (all.size()+more <= most) return all;
+      uint64_t sum = 0xcbf29ce484222325; // FNV-1a
+      for (char c : all) sum = (sum ^ (unsigned char)c)*0x100000001b3;
+      size_t left = most > more+17 ? std::min(all.size(),most-more-17) : 0;
+      while (left > 0 && (all[left] & 0xC0) == 0x80) left--; // no part of a character of UTF-8
+      return all.substr(0,left) + "-" + digitsOf(sum);
+    }
+
+    static std::string digitsOf (uint64_t number)
+    {
+      char text[17];
+      std::snprintf(text,sizeof(text),"%016llx",(unsigned long long)number);
+      return text;
+    }
+
+    static std::string randomDigits ()
+    {
+      std::random_device random;
+      return digitsOf((uint64_t(random()) << 32) | random());
+    }
+
+    /*! Removes files of the folder that begin so and end in random digits, unless they are locked. */
+    void removeStale (const std::string& folder, const std::string& begin) const
+    {
+      DIR* const entries = ::opendir(folder.c_str());
+      if (!entries) return;
+      while (const dirent* entry = ::readdir(entries))
+      {
+        const std::string found = entry->d_name, path = folder + "/" + found;
+        if (found.size() != begin.size()+16 || found.compare(0,begin.size(),begin) != 0 || path == name) continue;
+        if (found.find_first_not_of("0123456789abcdef",begin.size()) != std::string::npos) continue;
+        const int stale = ::open(path.c_str(),O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        if (stale < 0) continue;
+        struct stat status;
+        const bool isFile = ::fstat(stale,&status) == 0 && S_ISREG(status.st_mode);
+        if (isFile && ::flock(stale,LOCK_EX | LOCK_NB) == 0 && isNamed(stale,path)) ::unlink(path.c_str());
+        ::close(stale);
+      }
+      ::closedir(entries);
+    }
+
+    const OutputPath place;
+    std::string name;
+    int file = -1;
+    bool keeps = false;
+  };
+}

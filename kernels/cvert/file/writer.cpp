@@ -1,0 +1,251 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "writer.h"
+#include "../decoder/decoded_block.h"
+#include "record.h"
+#include <cerrno>
+#include <cstring>
+
+namespace cvert
+{
+  uint64_t FileSurface::append (FileChild type, const void* data, uint32_t bytes, uint32_t surface)
+  {
+    const uint64_t begin = end;
+    blocks.push_back({ data,bytes,surface });
+    end = (begin + bytes + blockAlignment-1) & ~uint64_t(blockAlignment-1);
+    return begin | type;
+  }
+
+  void FileSurface::appendToList (const void* data, uint32_t bytes)
+  {
+    if (record.form != FILE_LIST && record.form != FILE_MOVING)
+      throw Error(ErrorCode::INVALID_ARGUMENT,"the surface's record has form " + std::to_string(record.form) + ": expected FILE_LIST or FILE_MOVING");
+    const VertHeader* const block = (const VertHeader*)data;
+    if (const Reason reason = validateVertBlock(record,block,bytes)) throw Error(reason.code,"the block cannot be saved: " + reason.message());
+    const bool moves = isMoving(block->boxForm);
+    if (blocks.empty())
+      for (int k=0; k<3; k++) { record.lower[k] = infinity; record.upper[k] = -infinity; }
+    FileEntry entry = FileEntry();
+    for (uint32_t step=0; step<(moves ? motionOf(block).numSteps : 1); step++)
+    {
+      float lower[3], upper[3];
+      if (!DecodedBlock(block,step).bounds(lower,upper)) {
+        if (moves) continue;
+        throw Error(ErrorCode::INVALID_ARGUMENT,"the block cannot be saved: it has no finite vertex");
+      }
+      for (int k=0; k<3; k++) {
+        record.lower[k] = lesser(lower[k],record.lower[k]);
+        record.upper[k] = greater(upper[k],record.upper[k]);
+        if (!moves) { entry.lower[k] = lower[k]; entry.upper[k] = upper[k]; }
+      }
+    }
+    entry.child = append(moves ? FILE_MOVING_VERT : FILE_VERT,block,bytes,offsetof(VertHeader,surface));
+    tree.insert(tree.end(),(const char*)&entry,(const char*)(&entry+1));
+  }
+
+  void FileWriter::open (const std::string& ending)
+  {
+    if (path.empty()) throw Error(ErrorCode::INVALID_ARGUMENT,"path is empty");
+    std::string name = path;
+    try
+    {
+      const OutputPath place(path);
+      if (place.kind == OutputPath::STREAM)
+        throw Error(ErrorCode::INVALID_ARGUMENT,
+                       path + ": is a device, a pipe or open already: compressed surfaces need a regular file");
+      name = place.path + ending;
+      file.reset(ending.empty() ? new UnfinishedFile(place) : new UnfinishedFile(place,ending));
+    }
+    catch (const std::system_error& error)
+    {
+      const bool isTaken = error.code().value() == EWOULDBLOCK;
+      if (isTaken) throw Error(ErrorCode::INVALID_ARGUMENT,name + ": another writer has it");
+      throw Error(ErrorCode::INVALID_ARGUMENT,name + ": cannot be written: " + error.code().message());
+    }
+  }
+
+  FileWriter::FileWriter (const std::string& path) : path(path), keeps(false)
+  {
+    open("");
+    begin();
+  }
+
+  FileWriter::FileWriter (const std::string& path, uint64_t key) : path(path), keeps(true), key(key)
+  {
+    open(".part");
+    resume();
+  }
+
+  FileWriter::~FileWriter ()
+  {
+    if (!file || !keeps) return;
+    try { if (!failed && !directory.empty() && at != saved) writeDirectory(); }
+    catch (...) {} // what was saved before is still there
+    file->keep(saved != 0);
+  }
+
+  void FileWriter::begin ()
+  {
+    file->takeOver();
+    const FileHeader none = FileHeader();
+    write(&none,sizeof(none));
+    padTo(filePage);
+  }
+
+  void FileWriter::resume ()
+  {
+    const int part = file->descriptor();
+    auto refuse = [&](const std::string& why) {
+      throw Error(ErrorCode::INVALID_ARGUMENT,file->path() + ": " + why);
+    };
+    struct stat status;
+    if (::fstat(part,&status) != 0 || !S_ISREG(status.st_mode)) refuse("is not a regular file");
+    FileHeader header = FileHeader();
+    const FileHeader none = FileHeader();
+    if (::pread(part,&header,sizeof(header),0) != ssize_t(sizeof(header)) || memcmp(&header,&none,sizeof(none)) == 0)
+    {
+      /* nothing was saved in it, unless it is another's */
+      if (memcmp(&header,&none,sizeof(none)) != 0) refuse("is no file of compressed surfaces");
+      if (::ftruncate(part,0) != 0) refuse(std::string("cannot be written: ") + std::strerror(errno));
+      return begin();
+    }
+    const std::string anew = "; without it the file is begun anew";
+    if (memcmp(header.magic,fileMagic,sizeof(fileMagic)) != 0) refuse("is no file of compressed surfaces");
+    if (header.byteOrder != fileByteOrder || header.version != fileVersion || header.vertVersion != vertFormatVersion || header.framedVersion != fileFramedVersion)
+      refuse("was begun by another version of the library" + anew);
+    const uint64_t count = header.numGeometries;
+    if (header.checksum != fileChecksum(&header,offsetof(FileHeader,checksum)) || header.recordBytes != sizeof(FileGeometry) || header.fileBytes > uint64_t(status.st_size) ||
+        header.directory > header.fileBytes || header.fileBytes-header.directory != count*sizeof(FileGeometry))
+      refuse("is damaged" + anew);
+    if (header.key[0] != uint32_t(key) || header.key[1] != uint32_t(key >> 32)) refuse("was begun with something else" + anew);
+    directory.resize(size_t(count));
+    const size_t bytes = directory.size()*sizeof(FileGeometry);
+    const bool isRead = ::pread(part,directory.data(),bytes,off_t(header.directory)) == ssize_t(bytes);
+    if (!isRead || header.directoryChecksum != fileChecksum(directory.data(),bytes)) refuse("is damaged" + anew);
+    for (const FileGeometry& record : directory) numbers.insert(record.surface & ~(firstFileNumber | movingSurface));
+    at = saved = header.fileBytes;
+    if (::ftruncate(part,off_t(at)) != 0 || ::lseek(part,off_t(at),SEEK_SET) < 0)
+      refuse(std::string("cannot be written: ") + std::strerror(errno));
+  }
+
+  void FileWriter::fail (const std::string& what)
+  {
+    failed = true;
+    throw Error(ErrorCode::INVALID_OPERATION,path + ": " + what);
+  }
+
+  void FileWriter::failToWrite (int error) { fail(std::string("cannot be written: ") + std::strerror(error)); }
+
+  void FileWriter::write (const void* data, size_t bytes)
+  {
+    const int error = writeAll(file->descriptor(),data,bytes);
+    if (error) failToWrite(error);
+    at += bytes;
+  }
+
+  void FileWriter::padTo (uint64_t alignment)
+  {
+    static const char zeros[filePage] = {};
+    if (at % alignment) write(zeros,size_t(alignment - at % alignment));
+  }
+
+  uint32_t FileWriter::numberOf (const FileGeometry& record)
+  {
+    /* the same file for the same surfaces; surfaces of other files most likely have other numbers */
+    const uint32_t count = firstFileNumber-1; // the last number with bit 31 is reserved
+    uint32_t number = fileChecksum(&record,sizeof(record)) % count;
+    while (!numbers.insert(number).second) number = (number+1) % count;
+    return number | firstFileNumber | (record.form == FILE_MOVING ? movingSurface : 0);
+  }
+
+  void FileWriter::requireOpen () const
+  {
+    if (!file) throw Error(ErrorCode::INVALID_OPERATION,path + ": was committed");
+    if (failed) throw Error(ErrorCode::INVALID_OPERATION,path + ": could not be written before");
+  }
+
+  void FileWriter::add (FileSurface& surface)
+  {
+    requireOpen();
+    if (keeps && at-saved >= checkpointBytes) writeDirectory();
+    padTo(filePage);
+    FileGeometry& record = surface.record;
+    record.tree = record.blocks = 0;
+    record.surface = record.blocksChecksum = 0;
+    record.numBlocks = surface.blocks.size();
+    record.treeBytes = surface.tree.size();
+    record.blockBytes = surface.end;
+    record.treeChecksum = fileChecksum(surface.tree.data(),surface.tree.size());
+    record.surface = numberOf(record);
+    if (const Reason reason = validateRecord(record)) throw Error(ErrorCode::INVALID_OPERATION,"the geometry cannot be saved: " + reason.message());
+    record.tree = at;
+    write(surface.tree.data(),surface.tree.size());
+    padTo(filePage);
+    record.blocks = at;
+    writeBlocks(surface);
+    const uint64_t end = at;
+    padTo(filePage);
+    if (at-end < fileReadBehind) { const char zeros[fileReadBehind] = {}; write(zeros,sizeof(zeros)); padTo(filePage); }
+    directory.push_back(record);
+    /* starts writing to the disk, so that the next checkpoint need not wait */
+    if (keeps) (void)!::sync_file_range(file->descriptor(),off_t(saved),0,SYNC_FILE_RANGE_WRITE);
+  }
+
+  void FileWriter::writeBlocks (FileSurface& surface)
+  {
+    std::vector<char> piece;
+    auto flush = [&] {
+      surface.record.blocksChecksum = fileChecksum(piece.data(),piece.size(),surface.record.blocksChecksum);
+      write(piece.data(),piece.size());
+      piece.clear();
+    };
+    for (const FileSurface::Block& block : surface.blocks)
+    {
+      const size_t begin = piece.size();
+      piece.resize(begin + ((block.bytes + blockAlignment-1) & ~size_t(blockAlignment-1)));
+      memcpy(piece.data()+begin,block.data,block.bytes);
+      memcpy(piece.data()+begin+block.surface,&surface.record.surface,sizeof(surface.record.surface));
+      if (piece.size() >= size_t(1) << 20) flush();
+    }
+    flush();
+  }
+
+  void FileWriter::writeDirectory ()
+  {
+    FileHeader header = FileHeader();
+    memcpy(header.magic,fileMagic,sizeof(header.magic));
+    header.byteOrder = fileByteOrder;
+    header.version = fileVersion;
+    header.vertVersion = vertFormatVersion;
+    header.framedVersion = fileFramedVersion;
+    header.numGeometries = uint32_t(directory.size());
+    header.recordBytes = sizeof(FileGeometry);
+    header.directory = at;
+    const size_t bytes = directory.size()*sizeof(FileGeometry);
+    header.directoryChecksum = fileChecksum(directory.data(),bytes);
+    write(directory.data(),bytes);
+    header.fileBytes = at;
+    header.key[0] = uint32_t(key);
+    header.key[1] = uint32_t(key >> 32);
+    header.checksum = fileChecksum(&header,offsetof(FileHeader,checksum));
+    /* where the file may be gone on with, a header is only of what is on the disk */
+    int error = keeps && ::fsync(file->descriptor()) != 0 ? errno : 0;
+    if (!error) error = writeAllAt(file->descriptor(),&header,sizeof(header),0);
+    if (!error && ::fsync(file->descriptor()) != 0) error = errno;
+    if (error) failToWrite(error);
+    saved = at;
+  }
+
+  void FileWriter::commit ()
+  {
+    requireOpen();
+    if (directory.empty()) fail("no geometry was added");
+    if (at != saved) writeDirectory();
+    try { file->commit(); }
+    catch (const std::system_error& error) {
+      throw Error(ErrorCode::INVALID_OPERATION,path + ": cannot be written: " + error.code().message());
+    }
+    file.reset();
+  }
+}

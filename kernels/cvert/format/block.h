@@ -1,0 +1,378 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A block of cVERT: up to 16 x 16 quads in up to 4 x 4 groups of 4 x 4 quads. It is
+ *
+ *   header | edges of the patch, or numbers of quads | remainders' word | margins of groups | words of groups |
+ *   fields of the first cell | fields of groups | remainders | table of numbers
+ *
+ * What moving blocks have besides is in motion.h.
+ *
+ * On each axis a vertex is
+ *
+ *   origin + coordinate * spacing + remainder * spacing / 2^bits,
+ *
+ * where the spacing is a power of two. Coordinates have 14 bits and are coded in cells (cell.h). Most blocks have no remainders. A block whose
+ * vertices need more than 14 bits stores the lower ones as remainders, bit for bit; on an axis where they are too many, it stores floats in
+ * their place. A vertex is exact in float, in two fused or unfused
+ * multiply-adds: the origin is a multiple of the spacing, and so is the sum before the remainder. So blocks that share a vertex have the same
+ * three floats, and surfaces are closed as the triangles are. There is no frame.
+ *
+ * The box of a group is that of its four corners, which the first cell has, grown by margins of 4 bits a side. It lies between planes of two
+ * of the world's axes and those of a third that is sheared along the block: a sheet that is inclined has flat boxes, without a frame.
+ *
+ * A raw block stores its vertices and boxes as floats in place of all that: where a vertex is not finite, or where that takes fewer bytes.
+ *
+ * Only layout lives here; cell.h gives words and fields their meaning. */
+
+#ifndef CVERT_VERT_FORMAT_H
+#define CVERT_VERT_FORMAT_H
+
+#include "cell.h"
+#include "limits.h"
+#include "quad_numbers.h"
+#include "stitching.h"
+
+CVERT_BEGIN
+
+/*! Version of the bytes that this header and docs/formats/block.md describe. A change that affects readers increments it. */
+CVERT_CONSTANT uint32_t vertFormatVersion = 5u;
+
+/*! Oldest version that decoders read. All versions from this one on are decoded for ever. */
+CVERT_CONSTANT uint32_t oldestVertVersion = 5u;
+
+/*! Decoders read at most this many bytes after a block. */
+CVERT_CONSTANT uint32_t readBehindVert = 16u;
+
+CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< along a side of a group
+CVERT_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^this quads along a side
+CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< so blocks of a patch begin at multiples of this
+CVERT_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
+CVERT_CONSTANT uint32_t maxVertGroups = 16u;
+CVERT_CONSTANT uint32_t vertHeaderBytes = 64u;
+CVERT_CONSTANT uint32_t vertEdgesBytes = 8u;
+CVERT_CONSTANT uint32_t vertMotionBytes = 16u;
+CVERT_CONSTANT uint32_t vertRemaindersBytes = 4u;
+CVERT_CONSTANT uint32_t maxRemainderBits = 24u;  //!< along an axis: as many as a float has
+CVERT_CONSTANT uint32_t remaindersAreFloats = 31u; //!< in place of a number of bits
+CVERT_CONSTANT uint32_t maxMargin = 15u;         //!< in steps
+CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: x, y, z lower, then x, y, z upper
+
+struct VertHeader
+{
+  float origin[3];        //!< world position of the block's lowest coordinates
+  uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
+  uint32_t surface;       //!< number of the geometry's surface, limits.h
+  uint32_t primID;        //!< or what the numbers of quads count from: cvert/format/quad_numbers.h
+  uint32_t region;        //!< size and position: see the accessors
+  uint32_t patchQuads;    //!< of the patch along u and v, less 1, 16 bits each; or the form of numbers
+  uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first;
+                          //!< see cornerBits for the other bits
+  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..13: sheared axis, or 3: raw, 14..23: shear of boxes,
+                          //!< 24: has remainders, 25..28: shift of reach, see below; 29: has edges; 30: numbers its quads; 31: moves
+  uint32_t word;          //!< of the first cell; bits 24..31: exponent of the spacing on x
+};
+
+/*! x, y: first quad in the patch, multiples of vertBlockQuads */
+CVERT_FUNCTION uint32_t vertRegion (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
+  return (quadsX-1u) | ((quadsY-1u) << 4) | ((x/vertBlockQuads) << 8) | ((y/vertBlockQuads) << 20);
+}
+CVERT_FUNCTION uint32_t vertQuadsX (uint32_t region) { return (region & 15u) + 1u; }
+CVERT_FUNCTION uint32_t vertQuadsY (uint32_t region) { return ((region >> 4) & 15u) + 1u; }
+CVERT_FUNCTION uint32_t vertX (uint32_t region) { return ((region >> 8) & 4095u)*vertBlockQuads; }
+CVERT_FUNCTION uint32_t vertY (uint32_t region) { return (region >> 20)*vertBlockQuads; }
+
+CVERT_FUNCTION uint32_t vertPatch (uint32_t quadsX, uint32_t quadsY) { return (quadsX-1u) | ((quadsY-1u) << 16); }
+CVERT_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads & 65535u) + 1u; }
+CVERT_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >> 16) + 1u; }
+
+/*! The edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. Of each the lower 12 bits are the rate less 1 that
+ *  its vertices have, which may be lower than the patch's quads there; the upper 4 of the first two are the parameters u and v
+ *  of the face at the patch's corner, in halves. A block has them behind its header, bit 29 of boxForm, if its patch does not begin
+ *  at the corner of its face, or has a lower rate at an edge that the block touches. */
+struct VertEdges
+{
+  uint32_t low, high; //!< of the first two, and of the others
+};
+
+CVERT_FUNCTION bool hasEdges (uint32_t boxForm) { return ((boxForm >> 29) & 1u) != 0u; }
+
+CVERT_FUNCTION VertEdges vertEdges (uint32_t rate0, uint32_t rate1, uint32_t rate2, uint32_t rate3, uint32_t cornerU, uint32_t cornerV)
+{
+  VertEdges edges;
+  edges.low = (rate0-1u) | (cornerU << 12) | ((rate1-1u) << 16) | (cornerV << 28);
+  edges.high = (rate2-1u) | ((rate3-1u) << 16);
+  return edges;
+}
+CVERT_FUNCTION uint32_t vertRate (VertEdges edges, int edge) { return (((edge < 2 ? edges.low : edges.high) >> (16*(edge & 1))) & 4095u) + 1u; }
+CVERT_FUNCTION uint32_t vertCornerU (VertEdges edges) { return (edges.low >> 12) & 15u; }
+CVERT_FUNCTION uint32_t vertCornerV (VertEdges edges) { return edges.low >> 28; }
+
+/*! Of a block that moves, behind its header, and edges or numbers if it has any. */
+struct VertMotion
+{
+  float begin, end;  //!< time of the first step and of the last
+  uint32_t numSteps; //!< from 2
+  uint32_t steps;    //!< where the offsets of all steps but the first begin, 4 bytes each; all are in bytes from the block's start
+};
+
+CVERT_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
+
+CVERT_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
+
+/*! quads along a side of group g of a row */
+CVERT_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
+{
+  uint32_t rest = quads - groupQuads*g;
+  return rest < groupQuads ? rest : groupQuads;
+}
+
+/* Boxes have planes on two axes of the world, and on a third, m, of the sheared coordinate
+ *
+ *   h = c[m] + (s1 c[m+1] + s2 c[m+2])/16,    axes counted round,
+ *
+ * which is the same all over a plane of the block's slope. Shifts, axis and slopes are where a
+ * cell's word has bits, main axis and slopes; slopes of 0 make boxes of the world's axes. */
+
+/*! a step of margins on an axis is 2^this */
+CVERT_FUNCTION uint32_t marginShift (uint32_t boxForm, int axis) { return (boxForm >> (4*axis)) & 15u; }
+
+CVERT_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); }
+
+/*! in 1/16, of the next axis (i = 1) and the one after it (i = 2) */
+CVERT_FUNCTION int shearSlope (uint32_t boxForm, int i) { return cellSlope(boxForm,i); }
+
+/*! Bounds of the block, in coordinates, are steps of this: bits 0..7 and 8..15 of its reach are those
+ *  on the axes m+1 and m+2, where it begins at 0; 16..23 and 24..31, signed, the sheared coordinates
+ *  that it lies between. */
+CVERT_FUNCTION uint32_t reachStep (uint32_t boxForm) { return 1u << ((boxForm >> 25) & 15u); }
+CVERT_FUNCTION int reachOf (uint32_t reach, int i)
+{
+  int bits = int((reach >> (8*i)) & 255u);
+  return i >= 2 && bits >= 128 ? bits-256 : bits;
+}
+
+CVERT_CONSTANT uint32_t rawForm = 3u << 12; //!< boxForm of a raw block
+CVERT_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 3u; }
+
+/* Corners leave two bits of each of their 12 values: of the value i, counted corner by corner,
+ *
+ *   i = 0 to 7    bit 15: bit i of the exponent of the spacing on y, bit 14: that on z
+ *   i = 8 to 11   bit 15: bit i-8 of the version of the block's format, bit 14: reserved, 0 */
+
+/*! bit `at` (14 or 15) of the two values of a word of corners */
+CVERT_FUNCTION uint32_t cornerBits (uint32_t pair, uint32_t at) { return ((pair >> at) & 1u) | ((pair >> (at+15u)) & 2u); }
+
+/*! the same of four words, as a byte */
+CVERT_FUNCTION uint32_t cornerBits (uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3, uint32_t at) {
+  return cornerBits(c0,at) | cornerBits(c1,at) << 2 | cornerBits(c2,at) << 4 | cornerBits(c3,at) << 6;
+}
+
+/*! of the last two words; 0 of the steps of a block that moves */
+CVERT_FUNCTION uint32_t versionOfCorners (uint32_t c4, uint32_t c5) { return cornerBits(c4,15u) | cornerBits(c5,15u) << 2; }
+CVERT_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) { return cornerBits(c4,14u) | cornerBits(c5,14u) << 2; }
+
+/*! by axis: a power of two each, stored as the exponent of a float */
+struct VertSpacing { float at[3]; };
+
+/*! word: of the first cell; c0 to c3: words of corners */
+CVERT_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3)
+{
+  VertSpacing spacing;
+  spacing.at[0] = floatOfBits((word >> 24) << 23);
+  spacing.at[1] = floatOfBits(cornerBits(c0,c1,c2,c3,15u) << 23);
+  spacing.at[2] = floatOfBits(cornerBits(c0,c1,c2,c3,14u) << 23);
+  return spacing;
+}
+
+/*! An upper limit of how far a block and the planes of its boxes lie from its origin on any axis, from the block's bounds: upper1 and upper2 on
+ *  the axes m+1 and m+2, and the sheared coordinates lower and upper. Slopes are less than 1, so no vertex lies farther away than the sum of the
+ *  bounds; margins may double that. It is one number for all axes because the shear of a ray mixes their rounding errors. */
+CVERT_FUNCTION float extentOfBounds (float upper1, float upper2, float lower, float upper) { return 2.0f*(greater(-lower,upper) + upper1 + upper2); }
+
+/*! The same from a block's `reach`, in units of step spacings. */
+CVERT_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing)
+{
+  int m = shearedAxis(boxForm);
+  return float(step)*extentOfBounds(float(reachOf(reach,0))*spacing.at[axisAfter(m,1)], float(reachOf(reach,1))*spacing.at[axisAfter(m,2)],
+                                    float(reachOf(reach,2))*spacing.at[m], float(reachOf(reach,3))*spacing.at[m]);
+}
+
+/*! What a coordinate on the axis m+i (i = 1 or 2) counts in the sheared one, in spacings of m. */
+CVERT_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
+{
+  int slope = shearSlope(boxForm,i), m = shearedAxis(boxForm);
+  return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
+}
+
+/* The word of remainders follows the header, edges or numbers, and motion:
+ *
+ *   bits 0..4, 5..9, 10..14    bits of a remainder on x, y and z, or remaindersAreFloats
+ *   bits 16..31                where the remainders begin, in bytes from the start of the block
+ *
+ * There the remainders of all vertices follow each other, row by row: x, y and z of each, without gaps, the lowest bit first. */
+
+CVERT_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
+CVERT_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
+CVERT_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
+
+/*! bits that are stored for an axis of a vertex: of a remainder, or 32 of the vertex itself, as a float */
+CVERT_FUNCTION uint32_t storedRemainderBits (uint32_t remainders, int axis)
+{
+  uint32_t bits = remainderBits(remainders,axis);
+  return bits == remaindersAreFloats ? 32u : bits;
+}
+
+/*! of a vertex */
+CVERT_FUNCTION uint32_t remainderStride (uint32_t remainders) { return storedRemainderBits(remainders,0) + storedRemainderBits(remainders,1) + storedRemainderBits(remainders,2); }
+
+/*! first bit of a remainder; vertex: its number, row by row */
+CVERT_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
+{
+  uint32_t bit = 8u*remainderOffset(remainders) + vertex*remainderStride(remainders);
+  if (axis > 0) bit += storedRemainderBits(remainders,0);
+  if (axis > 1) bit += storedRemainderBits(remainders,1);
+  return bit;
+}
+
+/*! what a remainder is multiplied with, from the spacing: 2^-bits of it */
+CVERT_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
+
+/*! Adds its remainder to a vertex on an axis. without: the vertex before; word: begins with the remainder; bits: remainderBits, not 0 */
+CVERT_FUNCTION float withRemainder (float without, uint32_t word, uint32_t bits, float spacing)
+{
+  if (bits == remaindersAreFloats) return floatOfBits(word);
+  return without + float(word & ((1u << bits) - 1u))*remainderSpacing(spacing,bits);
+}
+
+CVERT_FUNCTION uint32_t bytesOfRemainders (uint32_t remainders, uint32_t region) {
+  return ((vertQuadsX(region)+1u)*(vertQuadsY(region)+1u)*remainderStride(remainders) + 7u)/8u;
+}
+
+/*! margins of a group on an axis, in coordinates, from their byte */
+CVERT_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }
+CVERT_FUNCTION int upperMargin (uint32_t margins, uint32_t shift) { return int((margins >> 4) << shift); }
+
+/*! Corner c (column + 2 row) of the block: its coordinate along an axis. pair: the word of
+ *  corners that has it, cornerPair(c,axis). */
+CVERT_FUNCTION int cornerPair (int c, int axis) { return (3*c + axis) >> 1; }
+CVERT_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) { return int((pair >> (16*((3*c + axis) & 1))) & 16383u); }
+
+/*! offsets in bytes from the block's start; group g is row by row */
+struct VertLayout
+{
+  uint32_t groupsX, groupsY, groups;
+  uint32_t remainders; //!< the word of remainders, if it has any
+  uint32_t margins;   //!< axis by axis, a byte a group: lower, then upper bits
+  uint32_t words;     //!< lower 16 bits of each group's word
+  uint32_t wordsHigh; //!< upper 8 bits
+  uint32_t cell;      //!< fields of the first cell
+  /* of a raw block */
+  uint32_t vertices;  //!< x, y, z of each, row by row
+  uint32_t boxes;     //!< plane by plane, a float a group
+  uint32_t rawBytes;
+};
+
+CVERT_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
+{
+  uint32_t begin = vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u) + (isMoving(boxForm) ? vertMotionBytes : 0u);
+  VertLayout offsets;
+  offsets.groupsX = groupsOf(vertQuadsX(region));
+  offsets.groupsY = groupsOf(vertQuadsY(region));
+  offsets.groups = offsets.groupsX*offsets.groupsY;
+  offsets.remainders = begin;
+  offsets.margins = begin + (hasRemainders(boxForm) ? vertRemaindersBytes : 0u);
+  offsets.words = offsets.margins + ((3u*offsets.groups + 1u) & ~1u);
+  offsets.wordsHigh = offsets.words + 2u*offsets.groups;
+  offsets.cell = offsets.wordsHigh + offsets.groups;
+  offsets.vertices = begin;
+  offsets.boxes = offsets.vertices + 12u*(vertQuadsX(region)+1u)*(vertQuadsY(region)+1u);
+  offsets.rawBytes = offsets.boxes + 4u*boxPlanes*offsets.groups;
+  return offsets;
+}
+
+/*! Parameter of the patch at vertex x of a row (column) of quads quads: that of GRID's
+ *  vertex. rate: of the edge that the row lies on, or quads inside of the patch. */
+CVERT_REAL CVERT_FUNCTION Real vertParameter (uint32_t x, uint32_t quads, uint32_t rate) {
+  return Real(float(stitchedVertex(x,quads,rate)))/Real(float(rate));
+}
+
+CVERT_END
+
+#ifndef VULKAN
+#include <cstddef>
+static_assert(sizeof(cvert::VertHeader) == cvert::vertHeaderBytes, "header of a block of cVERT");
+
+CVERT_BEGIN
+
+/*! edges of a block's patch; of a block that has none those of a regular patch at the corner of its face */
+inline VertEdges edgesOf (const VertHeader* block)
+{
+  VertEdges edges = { 0,0 };
+  if (hasEdges(block->boxForm)) std::memcpy(&edges,block+1,sizeof(edges));
+  return edges;
+}
+
+/*! of a block that has them */
+inline VertNumbers numbersOf (const VertHeader* block)
+{
+  VertNumbers numbers;
+  std::memcpy(&numbers,block+1,sizeof(numbers));
+  return numbers;
+}
+
+/*! offset of the motion of a block that moves */
+inline uint32_t motionOffset (const VertHeader* block) { return vertHeaderBytes + (hasEdges(block->boxForm) || hasNumbers(block->boxForm) ? vertEdgesBytes : 0u); }
+
+inline VertMotion motionOf (const VertHeader* block)
+{
+  VertMotion motion;
+  std::memcpy(&motion,(const uint8_t*)block + motionOffset(block),sizeof(motion));
+  return motion;
+}
+
+/*! Of quad x, y of such a block. Hits of a damaged block can be at quads that it does not have: they get the number of a quad that it has. */
+inline uint32_t numberOfQuad (const VertHeader* block, uint32_t x, uint32_t y)
+{
+  const VertNumbers numbers = numbersOf(block);
+  const uint32_t form = block->patchQuads, quadsX = vertQuadsX(block->region), quadsY = vertQuadsY(block->region);
+  if (x >= quadsX) x = quadsX-1u;
+  if (y >= quadsY) y = quadsY-1u;
+  if (patternOfNumbers(form) != numbersInTable) return block->primID + patternNumber(form,numbers,x,y);
+  const uint32_t bit = numbers.y*(y*quadsX + x);
+  uint64_t bits;
+  std::memcpy(&bits,(const uint8_t*)block + numbers.x + bit/8,sizeof(bits));
+  return block->primID + uint32_t((bits >> (bit % 8)) & ((uint64_t(1) << numbers.y)-1));
+}
+
+/*! spacings from the word of the first cell and corners, of a block or of a step */
+inline VertSpacing vertSpacing (uint32_t word, const uint32_t corners[6]) { return vertSpacing(word,corners[0],corners[1],corners[2],corners[3]); }
+
+/*! the word of remainders at an offset from a block's or a step's start */
+inline uint32_t remaindersAt (const void* start, uint32_t offset)
+{
+  uint32_t remainders;
+  std::memcpy(&remainders,(const uint8_t*)start + offset,sizeof(remainders));
+  return remainders;
+}
+
+/*! bytes of a block at its first step, without the numbers of quads, and without those that fill it up */
+inline uint32_t vertFirstStepSize (const VertHeader* block)
+{
+  const VertLayout layout = vertLayout(block->region,block->boxForm);
+  if (isRaw(block->boxForm)) return layout.rawBytes;
+  if (hasRemainders(block->boxForm)) {
+    const uint32_t remainders = remaindersAt(block,layout.remainders);
+    return remainderOffset(remainders) + bytesOfRemainders(remainders,block->region);
+  }
+  const uint8_t* data = (const uint8_t*)block;
+  uint32_t bytes = layout.cell + cellBytes(block->word);
+  for (uint32_t g=0; g<layout.groups; g++)
+    bytes += cellBytes(uint32_t(data[layout.words+2*g]) | uint32_t(data[layout.words+2*g+1]) << 8);
+  return bytes;
+}
+
+CVERT_END
+#endif
+
+#endif

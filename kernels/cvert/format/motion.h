@@ -1,0 +1,158 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A block of cVERT that moves: a block as it is at its first time step, block.h, with all other steps behind it.
+ *
+ *   block of step 0, whose margins are of segment 0 | offsets of steps | step 1 | step 2 | ... | table of numbers
+ *
+ * A segment is the time between two steps; vertices and planes of boxes are linear in it. A step has its own lattice, origin and
+ * corners, and cells as a block has them. A cell's residuals may be predicted from those that it has in step 0: what stands out from a
+ * surface turns with it, so all residuals of the block are turned by one matrix, and only what that misses is stored.
+ *
+ *   step: VertStep | remainders' word | margins of the segment that begins | words of groups | fields of the first cell | fields of groups | remainders
+ *
+ * A raw step has its vertices as floats behind VertStep. Where one of its ends is raw, a segment has no margins that count, and its boxes
+ * are those of the decoded vertices. */
+
+#ifndef CVERT_VERT_MOTION_FORMAT_H
+#define CVERT_VERT_MOTION_FORMAT_H
+
+#include "block.h"
+
+CVERT_BEGIN
+
+CVERT_CONSTANT uint32_t maxTimeSteps = 129u;
+CVERT_CONSTANT uint32_t vertStepBytes = 64u;
+
+struct VertStep
+{
+  float origin[3];        //!< as of a block
+  uint32_t boxForm;       //!< bits 0..23: of the segment that begins, as of a block, 3 in bits 12..13 where the step is raw; 24: has remainders; 25: the first cell is turned; 26: groups have upper bits of words; 27: has margins; 28..31: shift of reach
+  uint32_t word;          //!< of the first cell, and the exponent of the spacing on x
+  uint32_t corners[6];    //!< with the exponents on y and z, as of a block
+  uint32_t turned;        //!< bits 0..15: groups whose residuals are turned; 16..18: the matrix's shift; 19..22: shift of endReach; 24..31: its last entry
+  uint32_t turn[2];       //!< its other entries, a byte each, row by row: what x, y, z become
+  uint32_t reach;         //!< bounds at this step, as of a block, in the shear of the segment that begins
+  uint32_t endReach;      //!< the same in that of the segment that ends
+};
+
+/*! bounds of a block at an end of a segment are in steps of this */
+CVERT_FUNCTION uint32_t beginReachStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
+CVERT_FUNCTION uint32_t endReachStep (uint32_t turned) { return 1u << ((turned >> 19) & 15u); }
+
+CVERT_FUNCTION bool isFirstCellTurned (uint32_t boxForm) { return ((boxForm >> 25) & 1u) != 0u; }
+CVERT_FUNCTION bool hasUpperBits (uint32_t boxForm) { return ((boxForm >> 26) & 1u) != 0u; }
+CVERT_FUNCTION bool hasMargins (uint32_t boxForm) { return ((boxForm >> 27) & 1u) != 0u; }
+CVERT_FUNCTION bool isTurned (uint32_t turned, uint32_t g) { return ((turned >> g) & 1u) != 0u; }
+
+/*! entries of the matrix are in units of 2^-this, 1 to 7 */
+CVERT_FUNCTION uint32_t turnShift (uint32_t turned) { return 7u - ((turned >> 16) & 7u); }
+
+/*! a byte of three words, signed */
+CVERT_FUNCTION int turnEntry (uint32_t word, uint32_t byte) { return int(word << (24u - 8u*byte)) >> 24; }
+
+/*! what a row of the matrix makes of a residual, rounded to the nearest, up where two are near */
+CVERT_FUNCTION int turnedResidual (int a, int b, int c, int x, int y, int z, uint32_t shift) {
+  return (a*x + b*y + c*z + (1 << (shift-1u))) >> shift;
+}
+
+/*! Whether a block is there at a time: from its first step to its last, both included. */
+CVERT_FUNCTION bool isThere (VertMotion motion, float time) { return time >= motion.begin && time <= motion.end; }
+
+/*! where a time is: behind which step, and how much of the way to the next, from 0 to 1, as Embree computes it */
+struct TimeInMotion
+{
+  uint32_t segment;
+  float fraction;
+};
+
+CVERT_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
+{
+  float steps = (time-motion.begin)/(motion.end-motion.begin)*float(motion.numSteps-1u);
+  TimeInMotion at;
+  at.segment = uint32_t(steps);
+  if (at.segment > motion.numSteps-2u) at.segment = motion.numSteps-2u;
+  at.fraction = steps - float(at.segment);
+  return at;
+}
+
+/*! offsets in bytes from the step's start */
+struct VertStepLayout
+{
+  uint32_t remainders;         //!< the word of remainders, if it has any
+  uint32_t margins, words, wordsHigh, cell;
+  uint32_t vertices, rawBytes; //!< of a raw step
+};
+
+CVERT_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
+{
+  uint32_t groups = groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region));
+  VertStepLayout offsets;
+  offsets.remainders = vertStepBytes;
+  offsets.margins = vertStepBytes + (hasRemainders(boxForm) ? vertRemaindersBytes : 0u);
+  offsets.words = offsets.margins + (hasMargins(boxForm) ? (3u*groups + 1u) & ~1u : 0u);
+  offsets.wordsHigh = offsets.words + 2u*groups;
+  offsets.cell = offsets.wordsHigh + (hasUpperBits(boxForm) ? groups : 0u);
+  offsets.vertices = vertStepBytes;
+  offsets.rawBytes = offsets.vertices + 12u*(vertQuadsX(region)+1u)*(vertQuadsY(region)+1u);
+  return offsets;
+}
+
+CVERT_END
+
+#ifndef VULKAN
+static_assert(sizeof(cvert::VertStep) == cvert::vertStepBytes, "step of a block that moves");
+
+CVERT_BEGIN
+
+/*! entry of a step's matrix, row by row */
+inline int turnEntry (const VertStep& step, uint32_t i) { return i < 8 ? turnEntry(step.turn[i >> 2],i & 3) : turnEntry(step.turned,3); }
+
+/*! step 1 and later */
+inline const VertStep* stepOf (const VertHeader* block, uint32_t step)
+{
+  const VertMotion motion = motionOf(block);
+  uint32_t offset;
+  std::memcpy(&offset,(const uint8_t*)block + motion.steps + 4*(step-1),sizeof(offset));
+  return (const VertStep*)((const uint8_t*)block + offset);
+}
+
+/*! of a group in a step */
+inline uint32_t wordOfGroup (const VertStep* step, const VertStepLayout& layout, uint32_t g)
+{
+  const uint8_t* data = (const uint8_t*)step;
+  const uint32_t low = uint32_t(data[layout.words+2*g]) | uint32_t(data[layout.words+2*g+1]) << 8;
+  return hasUpperBits(step->boxForm) ? low | uint32_t(data[layout.wordsHigh+g]) << 16 : low;
+}
+
+/*! bytes of a step, without those that fill it up */
+inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
+{
+  const VertStepLayout layout = vertStepLayout(region,step->boxForm);
+  if (isRaw(step->boxForm)) return layout.rawBytes;
+  if (hasRemainders(step->boxForm)) {
+    const uint32_t remainders = remaindersAt(step,layout.remainders);
+    return remainderOffset(remainders) + bytesOfRemainders(remainders,region);
+  }
+  uint32_t bytes = layout.cell + cellBytes(step->word);
+  const uint32_t groups = groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region));
+  for (uint32_t g=0; g<groups; g++) bytes += cellBytes(wordOfGroup(step,layout,g));
+  return bytes;
+}
+
+/*! bytes of a block, without those that fill it up */
+inline uint32_t vertBytes (const VertHeader* block)
+{
+  if (hasNumbers(block->boxForm) && patternOfNumbers(block->patchQuads) == numbersInTable) {
+    const VertNumbers numbers = numbersOf(block);
+    return numbers.x + bytesOfNumberTable(vertQuadsX(block->region)*vertQuadsY(block->region),numbers.y);
+  }
+  if (!isMoving(block->boxForm)) return vertFirstStepSize(block);
+  const VertStep* last = stepOf(block,motionOf(block).numSteps-1);
+  return uint32_t((const uint8_t*)last - (const uint8_t*)block) + vertStepSize(last,block->region);
+}
+
+CVERT_END
+#endif
+
+#endif

@@ -1,0 +1,25 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Reciprocal of a component of a direction, by which distances to planes become distances along the ray. */
+
+#ifndef CVERT_RECIPROCAL_H
+#define CVERT_RECIPROCAL_H
+
+#include "../basics/language.h"
+
+CVERT_BEGIN
+
+/*! What is less than 1e-18 of the largest component counts as that much: as of none is left out in a float, whatever the
+ *  direction's length. The result is neither 0 nor infinite nor denormal, so that its product with a distance is a number, also
+ *  where that is 0 or infinite. d and largest are finite. */
+CVERT_REAL CVERT_INLINE Real directionReciprocal (Real d, Real largest)
+{
+  Real least = greater(Real(1e-18f)*largest,Real(1.17549435e-38f));
+  Real size = lesser(greater(magnitude(d),least),Real(4.25352959e37f));
+  return Real(1.0f)/choose(d < Real(0.0f),-size,size);
+}
+
+CVERT_END
+
+#endif

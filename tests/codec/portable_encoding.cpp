@@ -1,0 +1,16 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The encoder in plain C++, as it is compiled where there is no SSE; for portable_bytes.cpp.
+
+#define CVERT_PORTABLE
+#define HERE portable
+#include "encode_here.h"
+
+namespace cbvh::test {
+
+std::vector<uint8_t> encodePortably(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height, int exponent) {
+  return portable::encode(steps, width, height, exponent);
+}
+
+} // namespace cbvh::test

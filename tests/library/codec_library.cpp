@@ -1,0 +1,233 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* The codec alone, kernels/cvert, and Embree's library read each other's files. */
+
+#include "cvert/decoder/decoded_block.h"
+#include "cvert/encoder/block_encoder.h"
+#include "cvert/encoder/motion_encoder.h"
+#include "cvert/file/file.h"
+#include "cvert/file/tree_reader.h"
+#include "cvert/file/writer.h"
+#include "support/query_forms.h"
+#include "support/saved.h"
+
+#include <embree3/rtcore_compressed_triangles.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <memory>
+
+namespace cbvh::test {
+namespace {
+
+using cvert::ErrorCode;
+
+typedef std::array<float, 3> Vertex;
+
+// The vertices of the parts of a geometry at a time, as Embree's library reports them.
+std::vector<std::vector<Vertex>> partsOf(RTCGeometry geometry)
+{
+  std::vector<std::vector<Vertex>> parts;
+  rtcForEachCompressedPart(geometry, [](void* user, const RTCCompressedPart* part) {
+    std::vector<Vertex> vertices;
+    for (size_t i = 0; i < size_t(part->width)*part->height; i++) vertices.push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
+    ((std::vector<std::vector<Vertex>>*)user)->push_back(vertices);
+    return true;
+  }, &parts);
+  return parts;
+}
+
+// Compares bits: raw blocks have NaN.
+bool isSame(const std::vector<Vertex>& vertices, const cvert::DecodedBlock& decoded) {
+  return std::memcmp(vertices.data(), decoded.vertices, vertices.size()*sizeof(Vertex)) == 0;
+}
+
+TEST(CodecLibrary, ReadsTheVerticesThatEmbreeTraces)
+{
+  Folder folder;
+  size_t numBlocks = 0;
+  for (const Saveable& saveable : allSaveable()) {
+    SCOPED_TRACE(saveable.name);
+    Device device;
+    RTCGeometry geometry = saveable.make(device);
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"one").c_str())) << device.message;
+    const cvert::File file(folder/"one");
+    ASSERT_EQ(file.size(), 1u);
+    EXPECT_NO_THROW(file.verify());
+    std::vector<const cvert::VertHeader*> blocks;
+    bool hasFramed = false;
+    const cvert::Reason reason = cvert::forEachBlock(file.geometry(0), file.tree(0), [&](cvert::FileChild type, uint64_t offset) {
+      if (type == cvert::FILE_FRAMED) hasFramed = true;
+      else blocks.push_back((const cvert::VertHeader*)(file.blocks(0) + offset));
+    });
+    EXPECT_EQ(reason.message(), "");
+    if (!hasFramed) {
+      EXPECT_EQ(blocks.size(), file.geometry(0).numBlocks);
+      const std::vector<std::vector<Vertex>> parts = partsOf(geometry);
+      ASSERT_EQ(parts.size(), blocks.size());
+      std::vector<bool> isFound(parts.size());
+      for (const cvert::VertHeader* block : blocks) {
+        const auto decoded = std::make_unique<cvert::DecodedBlock>(block);
+        size_t i = 0;
+        while (i < parts.size() && (isFound[i] || parts[i].size() != size_t(decoded->quadsX + 1)*(decoded->quadsY + 1) || !isSame(parts[i], *decoded))) i++;
+        ASSERT_LT(i, parts.size()) << "a block whose vertices Embree does not have";
+        isFound[i] = true;
+        numBlocks++;
+      }
+    }
+    rtcReleaseGeometry(geometry);
+  }
+  EXPECT_GT(numBlocks, 100u);
+}
+
+// A sheet over [0,32] x [0,32], of 2 x 2 blocks of 16 x 16 quads.
+struct Sheet
+{
+  static const unsigned quads = 32;
+  std::vector<std::vector<uint64_t>> blocks;
+  cvert::FileSurface surface;
+
+  explicit Sheet(unsigned numSteps)
+  {
+    surface.record.form = numSteps > 1 ? cvert::FILE_MOVING : cvert::FILE_LIST;
+    surface.record.source = cvert::FILE_GRIDS;
+    surface.record.compression = cvert::FILE_COMPRESSION_VERT;
+    surface.record.numPrimitives = 1;
+    surface.record.numTimeSteps = numSteps;
+    surface.record.end = 1;
+    for (unsigned y = 0; y < quads; y += 16)
+      for (unsigned x = 0; x < quads; x += 16) add(x, y, numSteps);
+  }
+
+  // A multiple of 1/8.
+  static float heightAt(unsigned x, unsigned y, unsigned step) { return float((x*x + 3*y) % 7)/8 + float(step); }
+
+private:
+  static void fill(float (*vertices)[3], unsigned x, unsigned y, unsigned step)
+  {
+    for (unsigned v = 0; v < 17*17; v++) {
+      vertices[v][0] = float(x + v % 17);
+      vertices[v][1] = float(y + v/17);
+      vertices[v][2] = heightAt(x + v % 17, y + v/17, step);
+    }
+  }
+
+  void add(unsigned x, unsigned y, unsigned numSteps)
+  {
+    const cvert::VertPlacement place(cvert::vertRegion(16, 16, x, y), cvert::vertPatch(quads, quads));
+    blocks.emplace_back(cvert::MotionEncoder::maxBytes(numSteps)/8 + 1);
+    uint8_t* const data = (uint8_t*)blocks.back().data();
+    size_t bytes;
+    if (numSteps > 1) {
+      const auto encoder = std::make_unique<cvert::MotionEncoder>();
+      encoder->begin(place, 0, 1, numSteps, data);
+      for (unsigned step = 0; step < numSteps; step++) {
+        fill(encoder->vertices(), x, y, step);
+        encoder->addStep();
+      }
+      cvert::MotionStatistics statistics;
+      bytes = encoder->finish(statistics);
+    }
+    else {
+      const auto encoder = std::make_unique<cvert::VertEncoder>();
+      fill(encoder->vertices, x, y, 0);
+      cvert::VertStatistics statistics;
+      bytes = encoder->encode(place, data, statistics);
+    }
+    surface.appendToList(data, uint32_t(bytes));
+  }
+};
+
+TEST(CodecLibrary, WritesFilesThatEmbreeTraces)
+{
+  Folder folder;
+  for (unsigned numSteps : {1u, 3u}) {
+    SCOPED_TRACE(numSteps);
+    const std::string path = folder/"sheet";
+    {
+      Sheet sheet(numSteps);
+      cvert::FileWriter writer(path);
+      writer.add(sheet.surface);
+      writer.commit();
+    }
+    Device device;
+    RTCCompressedFile file = rtcOpenCompressedFile(device, path.c_str());
+    ASSERT_TRUE(file) << device.message;
+    EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
+    Scene scene(device);
+    attach(scene, rtcNewGeometryFromCompressedFile(file, 0));
+    rtcCommitScene(scene);
+    for (unsigned y = 0; y < Sheet::quads; y += 3)
+      for (unsigned x = 0; x < Sheet::quads; x += 3)
+        for (unsigned step = 0; step < numSteps; step++) {
+          RTCRayHit ray = makeRay({float(x), float(y), 10}, {0, 0, -1});
+          ray.ray.time = numSteps > 1 ? float(step)/float(numSteps - 1) : 0;
+          const RTCRayHit r = intersect(scene, ray);
+          ASSERT_TRUE(isHit(r)) << x << ", " << y;
+          EXPECT_NEAR(10 - r.ray.tfar, Sheet::heightAt(x, y, step), 1e-5) << x << ", " << y << ", step " << step;
+          EXPECT_EQ(r.hit.primID, 0u);
+          EXPECT_NEAR(r.hit.u, float(x)/Sheet::quads, 1e-6);
+          EXPECT_NEAR(r.hit.v, float(y)/Sheet::quads, 1e-6);
+        }
+    rtcReleaseCompressedFile(file);
+    EXPECT_EQ(device.errors, 0u) << device.message;
+  }
+}
+
+ErrorCode codeOf(const std::function<void()>& call)
+{
+  try { call(); }
+  catch (const cvert::Error& error) { EXPECT_STRNE(error.what(), ""); return error.code; }
+  return ErrorCode::NONE;
+}
+
+TEST(CodecLibrary, ReportsWhatIsWrong)
+{
+  Folder folder;
+  EXPECT_EQ(codeOf([&] { cvert::File file(folder/"none"); }), ErrorCode::INVALID_ARGUMENT);
+  EXPECT_EQ(codeOf([&] { cvert::File file(folder.path); }), ErrorCode::INVALID_ARGUMENT);
+  EXPECT_EQ(codeOf([&] { cvert::FileWriter writer(folder/"no/folder"); }), ErrorCode::INVALID_ARGUMENT);
+  {
+    cvert::FileWriter writer(folder/"empty");
+    EXPECT_EQ(codeOf([&] { writer.commit(); }), ErrorCode::INVALID_OPERATION) << "without a geometry";
+    EXPECT_EQ(codeOf([&] { writer.requireOpen(); }), ErrorCode::INVALID_OPERATION) << "after a failure";
+  }
+  Sheet sheet(1);
+  {
+    cvert::FileWriter writer(folder/"sheet");
+    writer.add(sheet.surface);
+    writer.commit();
+    EXPECT_EQ(codeOf([&] { writer.add(sheet.surface); }), ErrorCode::INVALID_OPERATION) << "after a commit";
+  }
+  const std::string sound = bytesOf(folder/"sheet");
+  std::string newer = sound;
+  newer[offsetof(cvert::FileHeader, version)] = char(cvert::fileVersion + 1);
+  writeBytes(folder/"newer", newer);
+  EXPECT_EQ(codeOf([&] { cvert::File file(folder/"newer"); }), ErrorCode::UNSUPPORTED);
+  writeBytes(folder/"short", sound.substr(0, sound.size() - 1));
+  EXPECT_EQ(codeOf([&] { cvert::File file(folder/"short"); }), ErrorCode::DAMAGED);
+  std::string altered = sound;
+  altered[2*4096 + 100] ^= 1; // in the blocks, which are not read when the file is opened
+  writeBytes(folder/"altered", altered);
+  const cvert::File file(folder/"altered");
+  EXPECT_EQ(codeOf([&] { file.verify(); }), ErrorCode::DAMAGED);
+
+  // blocks
+  std::vector<uint64_t> block = sheet.blocks[0];
+  cvert::VertHeader* const header = (cvert::VertHeader*)block.data();
+  const size_t bytes = 8*block.size();
+  EXPECT_EQ(cvert::validateVert(header, bytes).code, ErrorCode::NONE);
+  EXPECT_EQ(cvert::validateVert(header, 63).message(), "it has 63 bytes: its header needs 64");
+  header->corners[4] ^= 1u << 15; // version 4
+  EXPECT_EQ(cvert::validateVert(header, bytes).message(), "it is of version 4 of the format: this library reads 5 and later");
+  EXPECT_EQ(cvert::validateVert(header, bytes).code, ErrorCode::UNSUPPORTED);
+  EXPECT_EQ(codeOf([&] { sheet.surface.appendToList(header, uint32_t(bytes)); }), ErrorCode::UNSUPPORTED);
+  cvert::FileSurface hasTree;
+  EXPECT_EQ(codeOf([&] { hasTree.appendToList(sheet.blocks[0].data(), uint32_t(bytes)); }), ErrorCode::INVALID_ARGUMENT) << "to a surface that is a tree";
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,58 @@
+#!/usr/bin/python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""The library compiles without the paper's representations (EMBREE_CBVH_PAPER=OFF), and then includes of their folder only the layout of
+their blocks. Also, a ray through cVERT alone includes few files of ours.
+
+    without_paper.py COMPILE_COMMANDS
+
+Takes the commands of the build from compile_commands.json and checks syntax only.
+"""
+
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+
+SOURCES = ("traversal/intersector1.cpp", "traversal/intersectorK.cpp", "traversal/thread_cache.cpp", "building/builder.cpp", "files/loaded_surface.cpp", "api/rtcore_compression.cpp",
+           "api/settings.cpp")
+LAYOUT = {"block.h", "morton.h"}  # of framed/: what a file with such blocks is recognized by
+MOST_FILES_OF_A_RAY = 56  # still and moving
+
+
+def command_of(commands, source):
+    """The compiler's arguments for the first build of a source, to check its syntax without the paper's representations."""
+    entry = next(entry for entry in commands if entry["file"].endswith("/kernels/cbvh/" + source))
+    arguments = shlex.split(entry["command"])
+    output = arguments.index("-o")
+    del arguments[output:output + 2]
+    compiler = next(i for i, word in enumerate(arguments) if re.search(r"(\+\+|clang|gcc|cc)(-[\d.]+)?$", word))
+    return entry["directory"], arguments[compiler:] + ["-O0", "-fsyntax-only", "-H", "-DEMBREE_CBVH_NO_PAPER"]
+
+
+def main():
+    with open(sys.argv[1], encoding="utf-8") as file:
+        commands = json.load(file)
+    failures = []
+    for source in SOURCES:
+        directory, command = command_of(commands, source)
+        run = subprocess.run(command, cwd=directory, capture_output=True, text=True, check=False)
+        if run.returncode != 0:
+            errors = [line for line in run.stderr.splitlines() if not line.startswith((".", "/usr/"))]
+            failures.append(f"{source} does not compile:\n" + "\n".join(errors[:20]))
+        paths = map(os.path.normpath, re.findall(r"^\.+ (\S+)$", run.stderr, re.MULTILINE))
+        ours = {match.group(1) for match in (re.search(r"/kernels/(c(?:bvh|vert)/.*)$", path) for path in paths) if match}
+        framed = sorted(path for path in ours if "/framed/" in path and path.rsplit("/", 1)[1] not in LAYOUT)
+        if framed:
+            failures.append(f"{source} includes {', '.join(framed)}")
+        print(f"{source}: {len(ours)} files of ours")
+        if source == "traversal/intersector1.cpp" and len(ours) > MOST_FILES_OF_A_RAY:
+            failures.append(f"{source} includes {len(ours)} files of ours, at most {MOST_FILES_OF_A_RAY}:\n" + " ".join(sorted(ours)))
+    print("\n".join(failures))
+    sys.exit(bool(failures))
+
+
+main()
