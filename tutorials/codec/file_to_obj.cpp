@@ -1,0 +1,72 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Writes the quads of a file of compressed surfaces as an OBJ, with the codec alone: no Embree is needed.
+//
+//   file_to_obj FILE.cbvh > FILE.obj
+
+#include <cvert/decoder/decoded_block.h>
+#include <cvert/file/file.h>
+#include <cvert/file/tree_reader.h>
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+namespace {
+
+bool isFinite(const float* p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
+
+// Appends the block's quads; a quad with a vertex that is not finite is a hole. Returns the number of vertices so far.
+unsigned writeBlock(const cvert::VertHeader* block, unsigned numVertices)
+{
+  const auto decoded = std::make_unique<cvert::DecodedBlock>(block); // at its first time step
+  const unsigned width = decoded->quadsX + 1, height = decoded->quadsY + 1;
+  for (unsigned i = 0; i < width*height; i++) {
+    const float* p = decoded->vertices[i];
+    if (isFinite(p))
+      std::printf("v %.9g %.9g %.9g\n", p[0], p[1], p[2]);
+    else
+      std::printf("v 0 0 0\n");
+  }
+  for (unsigned y = 0; y < decoded->quadsY; y++)
+    for (unsigned x = 0; x < decoded->quadsX; x++) {
+      const unsigned corners[4] = {y*width + x, y*width + x + 1, (y + 1)*width + x + 1, (y + 1)*width + x};
+      bool isThere = true;
+      for (unsigned corner : corners)
+        isThere &= isFinite(decoded->vertices[corner]);
+      if (isThere) {
+        const unsigned first = numVertices + 1; // OBJ counts from 1
+        std::printf("f %u %u %u %u\n", first + corners[0], first + corners[1], first + corners[2], first + corners[3]);
+      }
+    }
+  return numVertices + width*height;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: %s FILE.cbvh > FILE.obj\n", argv[0]);
+    return 2;
+  }
+  try {
+    const cvert::File file(argv[1]);
+    file.verify();
+    unsigned numVertices = 0;
+    for (size_t i = 0; i < file.size(); i++) {
+      std::printf("o geometry%zu\n", i);
+      cvert::forEachBlock(file.geometry(i), file.tree(i), [&](cvert::FileChild type, uint64_t offset) {
+        if (type == cvert::FILE_FRAMED)
+          throw cvert::Error(cvert::ErrorCode::UNSUPPORTED, file.path + ": has blocks that are not cVERT's");
+        numVertices = writeBlock((const cvert::VertHeader*)(file.blocks(i) + offset), numVertices);
+      });
+    }
+  }
+  catch (const cvert::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return std::fflush(stdout) == 0 && !std::ferror(stdout) ? 0 : 1;
+}
