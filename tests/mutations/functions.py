@@ -160,6 +160,6 @@ FUNCTIONS = (
     Entry("ThreadCache", 2, ("vert_surfaces VertCache.*", "threads")),
     # settings
     Entry("setMaxError", 2, SETTINGS),
-    Entry("CompressionSettings::verify", 2, SETTINGS),
+    Entry("::verify", 2, SETTINGS),
     Entry("resolve", 2, SETTINGS + ("exact_faces ExactFaces.Geometry*",)),
 )

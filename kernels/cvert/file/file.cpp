@@ -101,8 +101,6 @@ namespace cvert
     throw Error(ErrorCode::UNSUPPORTED,path + ": geometry " + std::to_string(i) + ": " + why);
   }
 
-  void File::verify () const { for (size_t i=0; i<size(); i++) verifyGeometry(i); }
-
   void File::verifyGeometry (size_t i) const
   {
     const FileGeometry& record = geometry(i);

@@ -31,7 +31,7 @@ namespace cvert
     const char* blocks (size_t i) const { return data+geometry(i).blocks; }
 
     /*! Reads all bytes of the file. Throws Error if a checksum differs, or if a tree or a cVERT block is damaged. */
-    void verify () const;
+    void verify () const { for (size_t i=0; i<size(); i++) verifyGeometry(i); }
 
     /*! Throws Error: geometry i is damaged. */
     [[noreturn]] void failAt (size_t i, const std::string& why) const;
