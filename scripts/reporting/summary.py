@@ -20,7 +20,7 @@ def places(data):
     """Rows of one representation in all scenes, levels and views, with GRID's values in columns that end in _grid.
     First is the main scene at the finest level up to 6, in the full view. Empty if nothing was compressed."""
     views, keys = data.views(), ["scene", "level", "view"]
-    views = views.merge(views[views.kind == "GRID"], "inner", keys, suffixes=("", "_grid"))
+    views = views.merge(views[views.kind == "GRID"], "inner", keys, suffixes=("", "_grid")).copy()  # in one piece
     views["smaller"] = views.memory_live_bytes_grid / views.memory_live_bytes
     order = {"other": views.scene != data.main_scene(), "fine": views.level > 6, "coarse": -views.level}
     ranks = dict(zip(FIRST, range(len(FIRST))))
