@@ -62,7 +62,7 @@ def figure_11(data):
 
 
 def portraits(data):
-    """Figures 12 to 15 and 18, each after a title; of one's own cage those of the main scene."""
+    """Figures 12 to 15 and 18, each after a title; for one's own cage, the figures of the main scene."""
     main, parts, commands = data.main_scene(), [], []
     shown = [("12", main, "close", PORTRAIT), ("12, whole", main, "full", PORTRAIT), ("13", "frog", "close", PORTRAIT)]
     shown += [("14", "scythe", "close", PORTRAIT), ("15", "knee", "close", PORTRAIT)]

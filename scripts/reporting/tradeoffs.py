@@ -28,7 +28,7 @@ def points(data, scene, column):
 
 
 def front_of(frame, low):
-    """The rows that no other beats in both, by error; errors below EXACT are alike. low: lower values are better."""
+    """The rows that no other beats in both, by error; errors below EXACT are equal. low: lower values are better."""
     ordered = frame.assign(error=frame.error.clip(lower=EXACT)).sort_values(["error", "value"], ascending=[True, low])
     best = ordered.value.cummin() if low else ordered.value.cummax()
     return frame.loc[ordered[best != best.shift()].index]

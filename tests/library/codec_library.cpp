@@ -45,6 +45,8 @@ bool isSame(const std::vector<Vertex>& vertices, const cvert::DecodedBlock& deco
   return std::memcmp(vertices.data(), decoded.vertices, vertices.size()*sizeof(Vertex)) == 0;
 }
 
+// Files have the same blocks and vertices for both. Embree's parts come from the same scalar decoder; tests/isa compares it with those that
+// trace.
 TEST(CodecLibrary, ReadsTheVerticesThatEmbreeTraces)
 {
   Folder folder;

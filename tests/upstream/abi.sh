@@ -21,7 +21,7 @@ symbols "$ours" > "$work/ours"
 comm -23 "$work/stock" "$work/ours" > "$work/removed"
 comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
 [ ! -s "$work/removed" ] || { echo "removed:"; cat "$work/removed"; exit 1; }
-# those of the headers of ours, below, and of kernels/cbvh/flat/flat_scene.h for libembree3_vulkan
+# the functions of our headers, below, and of kernels/cbvh/flat/flat_scene.h for libembree3_vulkan
 printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFile rtcDiceGeometry rtcFlattenScene rtcForEachCompressedCluster rtcForEachCompressedPart \
   rtcForEachCompressedPartAtTime rtcGetCompressedFileGeometry rtcGetCompressedFileGeometryCount rtcGetCompressedFileWriterCount rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime \
   rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcLoadCompressedGeometry rtcNewCompressedFileWriter \

@@ -2,7 +2,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The library compiles without the paper's representations (EMBREE_CBVH_PAPER=OFF), and then includes of their folder only the layout of
+"""The sources that choose by representation compile without the paper's (EMBREE_CBVH_PAPER=OFF), and then include of their folder only the layout of
 their blocks. Also, a ray through cVERT alone includes few files of ours.
 
     without_paper.py COMPILE_COMMANDS

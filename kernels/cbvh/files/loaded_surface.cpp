@@ -142,7 +142,7 @@ namespace embree
             if (type != FILE_FRAMED) return;
             const BlockHeader* const block = (const BlockHeader*)(file.blocks(i)+offset);
             Reason reason = validateFramedBlock(block,size_t(record.blockBytes-offset),record.numPrimitives);
-            if (!reason && block->surface != record.surface) reason = Reason(ErrorCode::DAMAGED,"it belongs to another surface");
+            if (!reason && block->surface != record.surface) reason = Reason::damaged("it belongs to another surface");
             if (reason) file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
           });
       }

@@ -170,10 +170,10 @@ namespace embree
 
     Reason MappedBlocks::validate (size_t offset, bool isVert) const
     {
-      if (offset >= bytes || offset % blockAlignment) return Reason(ErrorCode::DAMAGED,"no block can be at %",offset);
+      if (offset >= bytes || offset % blockAlignment) return Reason::damaged("no block can be at %",offset);
       const Reason reason = isVert ? validateVertBlock(record,begin+offset,bytes-offset) : validateFramedBlock(begin+offset,bytes-offset,record.numPrimitives);
       if (reason) return reason;
-      return isOwnSurface(offset,isVert) ? Reason() : Reason(ErrorCode::DAMAGED,"it belongs to another surface");
+      return isOwnSurface(offset,isVert) ? Reason() : Reason::damaged("it belongs to another surface");
     }
 
     AtomicRef<uint32_t> MappedBlocks::surfaceOf (size_t offset, bool isVert) const {

@@ -31,17 +31,16 @@ namespace embree
     /*! Checks a block that starts at data and takes at most that many bytes. Whatever its fields are, decoders then read only the block. */
     inline Reason validateFramedBlock(const void* data, size_t bytes)
     {
-      auto damaged = [](const char* text, uint64_t first, uint64_t second) { return Reason(ErrorCode::DAMAGED,text,first,second); };
-      if (bytes < blockHeaderBytes) return damaged("it has % bytes: its header needs %",bytes,blockHeaderBytes);
+      if (bytes < blockHeaderBytes) return Reason::damaged("it has % bytes: its header needs %",bytes,blockHeaderBytes);
       const BlockHeader& header = *(const BlockHeader*)data;
       const uint32_t kind = kindOf(header.info), height = heightOf(header.info);
-      if (kind >= numKindFormats || !((framedKinds >> kind) & 1)) return damaged("its kind % is unknown",kind,0);
-      if (height > maxLevel) return damaged("its height % is out of range: expected 0 to %",height,maxLevel);
-      if (!isFrame(header)) return damaged("its frame is not finite, or maps all points to one",0,0);
-      if (!isPatchCorner(cornerUOf(header.tiling),cornerVOf(header.tiling))) return damaged("its patch starts outside of its face",0,0);
-      if (blockXOf(header.info) > lastXOf(header.tiling) || blockYOf(header.info) > lastYOf(header.tiling)) return damaged("it lies outside of its patch",0,0);
+      if (kind >= numKindFormats || !((framedKinds >> kind) & 1)) return Reason::damaged("its kind % is unknown",kind);
+      if (height > maxLevel) return Reason::damaged("its height % is out of range: expected 0 to %",height,maxLevel);
+      if (!isFrame(header)) return Reason::damaged("its frame is not finite, or maps all points to one");
+      if (!isPatchCorner(cornerUOf(header.tiling),cornerVOf(header.tiling))) return Reason::damaged("its patch starts outside of its face");
+      if (blockXOf(header.info) > lastXOf(header.tiling) || blockYOf(header.info) > lastYOf(header.tiling)) return Reason::damaged("it lies outside of its patch");
       const size_t needed = blockLayout(kind,height).bytes;
-      return bytes < needed ? damaged("it has % bytes: its nodes and leaves need %",bytes,needed) : Reason();
+      return bytes < needed ? Reason::damaged("it has % bytes: its nodes and leaves need %",bytes,needed) : Reason();
     }
 
     /*! The same for a block of a geometry with that many primitives. */
@@ -49,7 +48,7 @@ namespace embree
     {
       if (const Reason reason = validateFramedBlock(data,bytes)) return reason;
       const uint32_t primID = ((const BlockHeader*)data)->primID;
-      return primID < numPrimitives ? Reason() : Reason(ErrorCode::DAMAGED,"primitive % is out of range: the geometry has %",primID,numPrimitives);
+      return primID < numPrimitives ? Reason() : Reason::damaged("primitive % is out of range: the geometry has %",primID,numPrimitives);
     }
   }}
 }

@@ -30,6 +30,9 @@ namespace cvert
     /*! text: of static storage; each % in it stands for the next value */
     Reason (ErrorCode code, const char* text, uint64_t first = 0, uint64_t second = 0) : code(code), text(text), values{ first,second } {}
 
+    static Reason damaged (const char* text, uint64_t first = 0, uint64_t second = 0) { return Reason(ErrorCode::DAMAGED,text,first,second); }
+    static Reason unsupported (const char* text, uint64_t first = 0, uint64_t second = 0) { return Reason(ErrorCode::UNSUPPORTED,text,first,second); }
+
     /*! True if something is wrong. */
     explicit operator bool () const { return code != ErrorCode::NONE; }
 

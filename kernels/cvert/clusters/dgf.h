@@ -36,7 +36,7 @@ namespace cvert
     /*! of reused vertices */
     inline uint32_t indexBits (uint32_t highest) { return highest < 8 ? 3 : bitsOf(highest); }
 
-    /*! whether a block has room for that much: the indices of a strip, of which `reused` are none of new vertices */
+    /*! Returns true if a block has room for a strip. reused: number of its indices that refer to earlier vertices */
     inline bool hasRoom (uint32_t vertices, uint32_t triangles, uint32_t vertexBits, uint32_t indices, uint32_t reused, uint32_t bitsOfIndex)
     {
       const uint32_t front = (vertices*vertexBits + 7)/8;

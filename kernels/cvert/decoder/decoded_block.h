@@ -47,7 +47,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Box of a group in the world. On the sheared axis, lower and upper are sheared coordinates times the spacing, without the origin.
-     *  form, margins: of the segment that begins or ends with this step; by default those of the block */
+     *  form, margins: of the segment that begins or ends with this step; the block's own if they are left out */
     void groupBox(uint32_t g, float lower[3], float upper[3]) const { groupBox(g,block->boxForm,(const uint8_t*)block + layout.margins,lower,upper); }
     void groupBox(uint32_t g, uint32_t form, const uint8_t* margins, float lower[3], float upper[3]) const
     {

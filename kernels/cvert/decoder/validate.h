@@ -21,13 +21,13 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Returns what is wrong with the block at data, which must be aligned and may have up to that many bytes. Reads no other bytes. */
     static Reason validate(const void* data, size_t bytes)
     {
-      if (bytes < vertHeaderBytes) return damaged("it has % bytes: its header needs %",bytes,vertHeaderBytes);
+      if (bytes < vertHeaderBytes) return Reason::damaged("it has % bytes: its header needs %",bytes,vertHeaderBytes);
       const VertHeader& header = *(const VertHeader*)data;
       if (const Reason reason = validateVersion(header)) return reason;
       for (float x : header.origin)
-        if (!std::isfinite(x)) return damaged("its origin is not finite");
+        if (!std::isfinite(x)) return Reason::damaged("its origin is not finite");
       const VertLayout layout = vertLayout(header.region,header.boxForm);
-      if (bytes < layout.margins) return damaged("it has % bytes: header, edges and motion need %",bytes,layout.margins);
+      if (bytes < layout.margins) return Reason::damaged("it has % bytes: header, edges and motion need %",bytes,layout.margins);
       if (const Reason reason = hasNumbers(header.boxForm) ? validateNumbers(header) : validatePatch(header)) return reason;
       size_t end;
       if (const Reason reason = validateFirstStep(header,layout,bytes,end)) return reason;
@@ -37,16 +37,13 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    static Reason damaged(const char* text, uint64_t first = 0, uint64_t second = 0) { return Reason(ErrorCode::DAMAGED,text,first,second); }
-    static Reason unsupported(const char* text, uint64_t first = 0, uint64_t second = 0) { return Reason(ErrorCode::UNSUPPORTED,text,first,second); }
-
     static Reason validateVersion(const VertHeader& header)
     {
       const uint32_t version = versionOfCorners(header.corners[4],header.corners[5]);
-      if (version < oldestVertVersion) return unsupported("it is of version % of the format: this library reads % and later",version,oldestVertVersion);
-      if (version > vertFormatVersion) return unsupported("it is of version % of the format: this library reads versions up to %",version,vertFormatVersion);
-      if (reservedOfCorners(header.corners[4],header.corners[5]) != 0) return unsupported("reserved bits of its corners are set");
-      if (hasEdges(header.boxForm) && hasNumbers(header.boxForm)) return unsupported("it has both edges and numbers");
+      if (version < oldestVertVersion) return Reason::unsupported("it is of version % of the format: this library reads % and later",version,oldestVertVersion);
+      if (version > vertFormatVersion) return Reason::unsupported("it is of version % of the format: this library reads versions up to %",version,vertFormatVersion);
+      if (reservedOfCorners(header.corners[4],header.corners[5]) != 0) return Reason::unsupported("reserved bits of its corners are set");
+      if (hasEdges(header.boxForm) && hasNumbers(header.boxForm)) return Reason::unsupported("it has both edges and numbers");
       return Reason();
     }
 
@@ -57,60 +54,60 @@ namespace cvert { inline namespace CVERT_ISA
     {
       const VertSpacing spacing = vertSpacing(word,corners);
       for (float x : spacing.at)
-        if (!(x >= std::numeric_limits<float>::min() && x < infinity)) return damaged("a spacing is out of range");
-      return isForm(word) ? Reason() : damaged("the main axis or a slope of its first cell is out of range");
+        if (!(x >= std::numeric_limits<float>::min() && x < infinity)) return Reason::damaged("a spacing is out of range");
+      return isForm(word) ? Reason() : Reason::damaged("the main axis or a slope of its first cell is out of range");
     }
 
     /*! end: of the step */
     static Reason validateFirstStep(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
     {
       end = layout.rawBytes;
-      if (isRaw(header.boxForm)) return bytes < end ? damaged("it has % bytes: its vertices and boxes need %",bytes,end) : Reason();
+      if (isRaw(header.boxForm)) return bytes < end ? Reason::damaged("it has % bytes: its vertices and boxes need %",bytes,end) : Reason();
       if (const Reason reason = validateCells(header.word,header.corners)) return reason;
-      if (!isForm(header.boxForm)) return damaged("its sheared axis or a slope of its boxes is out of range");
-      if (bytes < layout.cell) return damaged("it has % bytes: header, margins and words need %",bytes,layout.cell);
+      if (!isForm(header.boxForm)) return Reason::damaged("its sheared axis or a slope of its boxes is out of range");
+      if (bytes < layout.cell) return Reason::damaged("it has % bytes: header, margins and words need %",bytes,layout.cell);
       const uint8_t* block = (const uint8_t*)&header;
       end = layout.cell + cellBytes(header.word);
       for (uint32_t g=0; g<layout.groups; g++)
       {
         const uint32_t word = uint32_t(block[layout.words+2*g]) | uint32_t(block[layout.words+2*g+1]) << 8 | uint32_t(block[layout.wordsHigh+g]) << 16;
-        if (!isForm(word)) return damaged("the main axis or a slope of group % is out of range",g);
+        if (!isForm(word)) return Reason::damaged("the main axis or a slope of group % is out of range",g);
         end += cellBytes(word);
       }
-      if (bytes < end) return damaged("it has % bytes: its fields need %",bytes,end);
+      if (bytes < end) return Reason::damaged("it has % bytes: its fields need %",bytes,end);
       return hasRemainders(header.boxForm) ? validateRemainders(vertSpacing(header.word,header.corners),remaindersAt(block,layout.remainders),header.region,bytes,end) : Reason();
     }
 
     /*! end: of fields, then of remainders */
     static Reason validateRemainders(const VertSpacing& spacing, uint32_t remainders, uint32_t region, size_t bytes, size_t& end)
     {
-      if (remainders & 0x8000u) return unsupported("a reserved bit of its remainders is set");
+      if (remainders & 0x8000u) return Reason::unsupported("a reserved bit of its remainders is set");
       for (int k=0; k<3; k++) {
         const uint32_t bits = remainderBits(remainders,k);
         if (bits == remaindersAreFloats) continue;
-        if (bits > maxRemainderBits) return damaged("its remainders have % bits: expected at most %",bits,maxRemainderBits);
-        if (!(remainderSpacing(spacing.at[k],bits) >= std::numeric_limits<float>::min())) return damaged("the spacing of its remainders is too small for a float");
+        if (bits > maxRemainderBits) return Reason::damaged("its remainders have % bits: expected at most %",bits,maxRemainderBits);
+        if (!(remainderSpacing(spacing.at[k],bits) >= std::numeric_limits<float>::min())) return Reason::damaged("the spacing of its remainders is too small for a float");
       }
-      if (remainderOffset(remainders) < end) return damaged("its remainders at % overlap what ends at %",remainderOffset(remainders),end);
+      if (remainderOffset(remainders) < end) return Reason::damaged("its remainders at % overlap what ends at %",remainderOffset(remainders),end);
       end = size_t(remainderOffset(remainders)) + bytesOfRemainders(remainders,region);
-      return bytes < end ? damaged("it has % bytes: its remainders need %",bytes,end) : Reason();
+      return bytes < end ? Reason::damaged("it has % bytes: its remainders need %",bytes,end) : Reason();
     }
 
     /*! end: of the first step, then of the last */
     static Reason validateMotion(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
     {
       const VertMotion motion = motionOf(&header);
-      if (!std::isfinite(motion.begin) || !(motion.begin < motion.end) || !std::isfinite(motion.end)) return damaged("its time range is empty or not finite");
-      if (motion.numSteps < 2 || motion.numSteps > maxTimeSteps) return damaged("it has % time steps: expected 2 to %",motion.numSteps,maxTimeSteps);
-      if (motion.steps < end || motion.steps % 4 != 0) return damaged("the offsets of its time steps at % overlap what ends at %, or are not aligned",motion.steps,end);
+      if (!std::isfinite(motion.begin) || !(motion.begin < motion.end) || !std::isfinite(motion.end)) return Reason::damaged("its time range is empty or not finite");
+      if (motion.numSteps < 2 || motion.numSteps > maxTimeSteps) return Reason::damaged("it has % time steps: expected 2 to %",motion.numSteps,maxTimeSteps);
+      if (motion.steps < end || motion.steps % 4 != 0) return Reason::damaged("the offsets of its time steps at % overlap what ends at %, or are not aligned",motion.steps,end);
       end = size_t(motion.steps) + 4*(motion.numSteps-1);
-      if (bytes < end) return damaged("it has % bytes: the offsets of its time steps need %",bytes,end);
+      if (bytes < end) return Reason::damaged("it has % bytes: the offsets of its time steps need %",bytes,end);
       for (uint32_t s=1; s<motion.numSteps; s++)
       {
         const VertStep* const step = stepOf(&header,s);
         const size_t begin = size_t((const uint8_t*)step - (const uint8_t*)&header);
-        if (begin < end || begin % 4 != 0) return damaged("a time step at % overlaps what ends at %, or is not aligned",begin,end);
-        if (bytes < begin + vertStepBytes) return damaged("it has % bytes: the header of a time step needs %",bytes,begin+vertStepBytes);
+        if (begin < end || begin % 4 != 0) return Reason::damaged("a time step at % overlaps what ends at %, or is not aligned",begin,end);
+        if (bytes < begin + vertStepBytes) return Reason::damaged("it has % bytes: the header of a time step needs %",bytes,begin+vertStepBytes);
         if (const Reason reason = validateStep(header,layout,*step,bytes-begin,end)) return reason;
         end += begin;
       }
@@ -121,32 +118,32 @@ namespace cvert { inline namespace CVERT_ISA
     static Reason validateStep(const VertHeader& header, const VertLayout& layout, const VertStep& step, size_t bytes, size_t& end)
     {
       for (float x : step.origin)
-        if (!std::isfinite(x)) return damaged("the origin of a time step is not finite");
+        if (!std::isfinite(x)) return Reason::damaged("the origin of a time step is not finite");
       const VertStepLayout at = vertStepLayout(header.region,step.boxForm);
       end = at.rawBytes;
-      if (isRaw(step.boxForm)) return bytes < end ? damaged("a time step has % bytes: its vertices need %",bytes,end) : Reason();
+      if (isRaw(step.boxForm)) return bytes < end ? Reason::damaged("a time step has % bytes: its vertices need %",bytes,end) : Reason();
       if (const Reason reason = validateCells(step.word,step.corners)) return reason;
       if (versionOfCorners(step.corners[4],step.corners[5]) != 0 || reservedOfCorners(step.corners[4],step.corners[5]) != 0)
-        return unsupported("reserved bits of a time step's corners are set");
-      if (!isForm(step.boxForm)) return damaged("the sheared axis or a slope of a time step's boxes is out of range");
-      if (isRaw(header.boxForm) && ((step.turned & 65535u) || isFirstCellTurned(step.boxForm))) return damaged("a time step turns a cell of the first step, which is raw");
-      if (((step.turned >> 16) & 7u) == 7u) return damaged("the scale of a time step's matrix is 7: expected 0 to 6");
-      if (bytes < at.cell) return damaged("a time step has % bytes: its margins and words need %",bytes,at.cell);
+        return Reason::unsupported("reserved bits of a time step's corners are set");
+      if (!isForm(step.boxForm)) return Reason::damaged("the sheared axis or a slope of a time step's boxes is out of range");
+      if (isRaw(header.boxForm) && ((step.turned & 65535u) || isFirstCellTurned(step.boxForm))) return Reason::damaged("a time step turns a cell of the first step, which is raw");
+      if (((step.turned >> 16) & 7u) == 7u) return Reason::damaged("the scale of a time step's matrix is 7: expected 0 to 6");
+      if (bytes < at.cell) return Reason::damaged("a time step has % bytes: its margins and words need %",bytes,at.cell);
       end = at.cell + cellBytes(step.word);
       for (uint32_t g=0; g<layout.groups; g++) {
         const uint32_t word = wordOfGroup(&step,at,g);
-        if (!isForm(word)) return damaged("the main axis or a slope of group % of a time step is out of range",g);
+        if (!isForm(word)) return Reason::damaged("the main axis or a slope of group % of a time step is out of range",g);
         end += cellBytes(word);
       }
-      if (bytes < end) return damaged("a time step has % bytes: its fields need %",bytes,end);
+      if (bytes < end) return Reason::damaged("a time step has % bytes: its fields need %",bytes,end);
       return hasRemainders(step.boxForm) ? validateRemainders(vertSpacing(step.word,step.corners),remaindersAt(&step,at.remainders),header.region,bytes,end) : Reason();
     }
 
     static Reason validateNumbers(const VertHeader& header)
     {
-      if (header.patchQuads >> 16 || patternOfNumbers(header.patchQuads) > numbersInTable) return unsupported("the form of its numbers, %, is unknown",header.patchQuads);
+      if (header.patchQuads >> 16 || patternOfNumbers(header.patchQuads) > numbersInTable) return Reason::unsupported("the form of its numbers, %, is unknown",header.patchQuads);
       for (bool isSecond : { false,true })
-        if (turnOfTriangle(header.patchQuads,isSecond) > 2) return damaged("a triangle starts with corner 3: expected 0 to 2");
+        if (turnOfTriangle(header.patchQuads,isSecond) > 2) return Reason::damaged("a triangle starts with corner 3: expected 0 to 2");
       return Reason();
     }
 
@@ -155,22 +152,22 @@ namespace cvert { inline namespace CVERT_ISA
     {
       if (!hasNumbers(header.boxForm) || patternOfNumbers(header.patchQuads) != numbersInTable) return Reason();
       const VertNumbers numbers = numbersOf(&header);
-      if (numbers.x < end) return damaged("its table of numbers at % overlaps what ends at %",numbers.x,end);
-      if (numbers.y > 32u) return damaged("its table of numbers has % bits per number: expected at most 32",numbers.y);
+      if (numbers.x < end) return Reason::damaged("its table of numbers at % overlaps what ends at %",numbers.x,end);
+      if (numbers.y > 32u) return Reason::damaged("its table of numbers has % bits per number: expected at most 32",numbers.y);
       const size_t needed = size_t(numbers.x) + bytesOfNumberTable(vertQuadsX(header.region)*vertQuadsY(header.region),numbers.y);
-      return bytes < needed ? damaged("it has % bytes: its table of numbers needs %",bytes,needed) : Reason();
+      return bytes < needed ? Reason::damaged("it has % bytes: its table of numbers needs %",bytes,needed) : Reason();
     }
 
     static Reason validatePatch(const VertHeader& header)
     {
       const uint32_t quads[2] = { patchQuadsX(header.patchQuads),patchQuadsY(header.patchQuads) };
       if (vertX(header.region) + vertQuadsX(header.region) > quads[0] || vertY(header.region) + vertQuadsY(header.region) > quads[1])
-        return damaged("it lies outside of its patch of % x % quads",quads[0],quads[1]);
+        return Reason::damaged("it lies outside of its patch of % x % quads",quads[0],quads[1]);
       if (!hasEdges(header.boxForm)) return Reason();
       const VertEdges edges = edgesOf(&header);
-      if (!isPatchCorner(vertCornerU(edges),vertCornerV(edges))) return damaged("its patch starts outside of its face");
+      if (!isPatchCorner(vertCornerU(edges),vertCornerV(edges))) return Reason::damaged("its patch starts outside of its face");
       for (int s=0; s<4; s++)
-        if (vertRate(edges,s) > quads[s & 1]) return damaged("an edge has a rate of %: its patch has % quads there",vertRate(edges,s),quads[s & 1]);
+        if (vertRate(edges,s) > quads[s & 1]) return Reason::damaged("an edge has a rate of %: its patch has % quads there",vertRate(edges,s),quads[s & 1]);
       return Reason();
     }
   };

@@ -33,7 +33,7 @@ namespace cvert { inline namespace CVERT_ISA
     int exponent[3];                 //!< of the spacings
     uint32_t remainderBits[3];
     float origin[3];
-    int coordinates[3][maxVertices]; //!< behind the last, to whole vectors, those of the first
+    int coordinates[3][maxVertices]; //!< by axis; the first is repeated up to whole vectors
     uint32_t remainders[3][maxVertices];
 
     void setSize (uint32_t region) { quads[0] = vertQuadsX(region); quads[1] = vertQuadsY(region); width = quads[0]+1; }
@@ -109,7 +109,7 @@ namespace cvert { inline namespace CVERT_ISA
         if (remainderBits[k] != 0) placeWithRemainders(k);
     }
 
-    /*! of the vertices of a cell; those behind the last are the last */
+    /*! Coordinates of the vertices of a cell; the last is repeated up to whole vectors. */
     void gather (const int* values, uint32_t x0, uint32_t y0, uint32_t step, int out[paddedVertices]) const
     {
       for (uint32_t j=0; j<5; j++)

@@ -49,7 +49,7 @@ namespace cvert { inline namespace CVERT_ISA
   class CellEncoder
   {
   public:
-    /*! coordinates by axis, row by row; less than maxExtent, not negative; those behind the last are the last */
+    /*! coordinates by axis, row by row; from 0 to less than maxExtent; the last is repeated up to whole vectors */
     int vertices[3][paddedVertices];
 
     int residuals[3][paddedVertices]; //!< by axis, as they are predicted; encode changes them

@@ -195,7 +195,8 @@ namespace cvert { inline namespace CVERT_ISA
       memcpy(own[g],cell.residuals,sizeof(Residuals));
     }
 
-    /*! The word of a cell, whose residuals to store are in `own` then: as they are, or as turning those of the first step misses them. */
+    /*! Chooses how to store a cell: its residuals, or their difference from the turned residuals of the first step.
+     *  Leaves the chosen ones in `own`. Returns false if both have too many bits. word, turned: of the cell */
     bool encodeCell (uint32_t g, uint32_t& word, bool& turned)
     {
       turned = false;

@@ -26,7 +26,7 @@ namespace cvert { inline namespace CVERT_ISA
     static const size_t maxBytes = 4*vertBlockQuads*vertBlockQuads + 8;
 
     uint32_t form;             //!< VertHeader::patchQuads
-    VertNumbers pattern; //!< behind the header
+    VertNumbers pattern; //!< after the header
 
     /*! of width x height quads of a patch, from x0, y0 on */
     void set (const QuadNumbers& of, unsigned x0, unsigned y0, unsigned width, unsigned height)

@@ -18,12 +18,10 @@ namespace cvert
       return S_ISDIR(mode) ? "a folder" : S_ISFIFO(mode) ? "a pipe" : S_ISSOCK(mode) ? "a socket" : "a device";
     }
 
-    Reason damaged (const char* text, uint64_t first = 0, uint64_t second = 0) { return Reason(ErrorCode::DAMAGED,text,first,second); }
-
     Reason checkVersion (uint32_t found, uint32_t oldest, uint32_t newest, const char* tooOld, const char* tooNew)
     {
-      if (found < oldest) return Reason(ErrorCode::UNSUPPORTED,tooOld,found,oldest);
-      if (found > newest) return Reason(ErrorCode::UNSUPPORTED,tooNew,found,newest);
+      if (found < oldest) return Reason::unsupported(tooOld,found,oldest);
+      if (found > newest) return Reason::unsupported(tooNew,found,newest);
       return Reason();
     }
   }
@@ -63,23 +61,23 @@ namespace cvert
   Reason File::validate () const
   {
     const FileHeader& h = *header();
-    if (memcmp(h.magic,fileMagic,sizeof(fileMagic)) != 0) return damaged("is no file of compressed surfaces");
-    if (h.byteOrder != fileByteOrder) return damaged("was written by a machine with another order of bytes, or is damaged");
+    if (memcmp(h.magic,fileMagic,sizeof(fileMagic)) != 0) return Reason::damaged("is no file of compressed surfaces");
+    if (h.byteOrder != fileByteOrder) return Reason::damaged("was written by a machine with another order of bytes, or is damaged");
     if (const Reason reason = checkVersion(h.version,fileVersion,fileVersion,"is of an older version of these files, %; this library reads % and later",
                                            "is of a newer version of these files, %; this library reads versions up to %"))
       return reason;
-    if (h.checksum != fileChecksum(&h,offsetof(FileHeader,checksum))) return damaged("is damaged: the checksum of its header differs");
+    if (h.checksum != fileChecksum(&h,offsetof(FileHeader,checksum))) return Reason::damaged("is damaged: the checksum of its header differs");
     if (const Reason reason = checkVersion(h.vertVersion,oldestVertVersion,vertFormatVersion,"has blocks of an older version of cVERT, %; this library reads % and later",
                                            "has blocks of a newer version of cVERT, %; this library reads versions up to %"))
       return reason;
     if (const Reason reason = checkVersion(h.framedVersion,fileFramedVersion,fileFramedVersion,"has blocks with frames of an older version, %; this library reads % and later",
                                            "has blocks with frames of a newer version, %; this library reads versions up to %"))
       return reason;
-    if (h.fileBytes > bytes) return damaged("is truncated: it has % bytes of %",bytes,h.fileBytes);
-    if (h.fileBytes < bytes) return damaged("has something after its end: it has % bytes, expected %",bytes,h.fileBytes);
+    if (h.fileBytes > bytes) return Reason::damaged("is truncated: it has % bytes of %",bytes,h.fileBytes);
+    if (h.fileBytes < bytes) return Reason::damaged("has something after its end: it has % bytes, expected %",bytes,h.fileBytes);
     if (h.recordBytes != sizeof(FileGeometry) || h.numGeometries == 0 || h.directory > bytes || h.directory % 16 != 0 || (bytes-h.directory)/sizeof(FileGeometry) < h.numGeometries)
-      return damaged("is damaged: its directory of % geometries does not fit",h.numGeometries);
-    if (h.directoryChecksum != fileChecksum(data+h.directory,h.numGeometries*sizeof(FileGeometry))) return damaged("is damaged: the checksum of its directory differs");
+      return Reason::damaged("is damaged: its directory of % geometries does not fit",h.numGeometries);
+    if (h.directoryChecksum != fileChecksum(data+h.directory,h.numGeometries*sizeof(FileGeometry))) return Reason::damaged("is damaged: the checksum of its directory differs");
     for (size_t i=0; i<h.numGeometries; i++)
     {
       const FileGeometry& g = geometry(i);

@@ -33,7 +33,7 @@ namespace cvert
     /*! Returns what is wrong with the tree. root: set if the geometry has a tree and not a list */
     Reason read (typename Sink::Ref& root)
     {
-      if (record.treeChecksum != fileChecksum(tree,size_t(record.treeBytes))) return damaged("the checksum of its tree differs");
+      if (record.treeChecksum != fileChecksum(tree,size_t(record.treeBytes))) return Reason::damaged("the checksum of its tree differs");
       if (record.form == FILE_TREE) {
         root = node(0,1);
         if (!reason && used*sizeof(FileNode) != record.treeBytes) fail("its tree has % nodes that no other node refers to",record.treeBytes/sizeof(FileNode)-used);
@@ -48,8 +48,7 @@ namespace cvert
   private:
     typedef typename Sink::Ref Ref;
 
-    static Reason damaged (const char* text, uint64_t first = 0, uint64_t second = 0) { return Reason(ErrorCode::DAMAGED,text,first,second); }
-    Ref fail (const char* text, uint64_t first = 0, uint64_t second = 0) { reason = damaged(text,first,second); return Ref(); }
+    Ref fail (const char* text, uint64_t first = 0, uint64_t second = 0) { reason = Reason::damaged(text,first,second); return Ref(); }
 
     Ref leaf (uint64_t child)
     {
