@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 
 namespace cbvh::test {
@@ -13,6 +14,13 @@ inline size_t randomRounds(size_t byDefault)
 {
   const char* const many = std::getenv("CBVH_RANDOM_GEOMETRIES");
   return many ? std::strtoull(many, nullptr, 10) : byDefault;
+}
+
+// The seed of a test's random input: another one for each CBVH_RANDOM_SEED, so that several processes share a long run.
+inline uint32_t randomSeed(uint32_t byDefault)
+{
+  const char* const other = std::getenv("CBVH_RANDOM_SEED");
+  return byDefault + (other ? uint32_t(std::strtoul(other, nullptr, 10))*0x9E3779B9u : 0);
 }
 
 } // namespace cbvh::test
