@@ -34,7 +34,9 @@ inside "./calls hits > /dev/null && $preload ./calls hits" || fail "hits are oth
 inside "$preload EMBREE_CBVH=verbose,max_error=0.00001,grids=1,quads=1,triangles=1 ./calls hits > meshes.log 2>&1" || { tail "$work/meshes.log"; fail "hits of grids, quads and triangles are others"; }
 [ "$(grep -c ': 40000 quads' "$work/meshes.log")" -eq 3 ] || fail "not each of grids, quads and triangles is taken"
 inside "EMBREE_CBVH=0 $preload ./calls hits > /dev/null" || fail "hits where it is turned off are others"
-inside "EMBREE_CBVH=grids=1,nonsense $preload ./calls hits 2>&1 > /dev/null" | grep -q 'EMBREE_CBVH: "nonsense" is left out' || fail "nonsense is not told"
+inside "EMBREE_CBVH=grids=1,nonsense $preload ./calls hits 2> nonsense.log > /dev/null" || fail "hits with a setting that is not known are others"
+[ "$(grep -c '"nonsense"' "$work/nonsense.log")" -eq 1 ] || { cat "$work/nonsense.log"; fail "the unknown setting is not named once"; }
+inside "EMBREE_CBVH=leaf,frame_level=2,verbose $preload ./calls hits 2>&1 > /dev/null" | grep -q 'quads' || fail "settings without effect turn compression off"
 
 # --- pictures ------------------------------------------------------------------------------------
 # row NAME OPTIONS PROGRAM, with PICTURE where that is: renders it both ways, and prints a row of the table

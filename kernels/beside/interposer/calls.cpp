@@ -56,14 +56,13 @@ bool tellProgress(void* scene, double done)
   return !of.isCancelled && (!of.progress || of.progress(of.progressPtr, done));
 }
 
+/* Builds what a commit of a scene is to find, and attaches it. */
 void prepare(Scene& scene)
 {
-  const std::lock_guard<std::mutex> lock(scene.committing);
   Objects& objects = Objects::get();
   const auto all = objects.substitutedOf(scene);
   size_t count = 0, done = 0;
   for (const auto& one : all) count += one.second->substituted->wantsBuild();
-  scene.isCancelled = false;
   for (const auto& one : all) {
     Substituted& geometry = *one.second->substituted;
     const bool wantsBuild = geometry.wantsBuild();
@@ -78,11 +77,36 @@ void prepare(Scene& scene)
   objects.releaseAll(all);
 }
 
-void prepare(RTCScene scene)
+/* A thread in the commit of a scene. The first thread begins the commit; one that joins it later finds it cancelled if it
+ * was. */
+class Commit
 {
-  Scene* const found = isActive() && scene ? Objects::get().find(scene) : nullptr;
-  if (found) prepare(*found);
-}
+public:
+  explicit Commit(RTCScene handle) : scene(isActive() && handle ? Objects::get().find(handle) : nullptr)
+  {
+    if (!scene) return;
+    const std::lock_guard<std::mutex> lock(scene->committing);
+    if (scene->numCommitting++ == 0) scene->isCancelled = false;
+  }
+  ~Commit()
+  {
+    if (!scene) return;
+    const std::lock_guard<std::mutex> lock(scene->committing);
+    scene->numCommitting--;
+  }
+  Commit(const Commit&) = delete;
+  Commit& operator=(const Commit&) = delete;
+
+  void prepare()
+  {
+    if (!scene) return;
+    const std::lock_guard<std::mutex> lock(scene->committing);
+    ::prepare(*scene);
+  }
+
+private:
+  Scene* const scene;
+};
 
 } // namespace
 
@@ -156,13 +180,15 @@ RTC_API void* rtcGetGeometryUserDataFromScene(RTCScene scene, unsigned int geomI
 
 RTC_API void rtcCommitScene(RTCScene scene)
 {
-  prepare(scene);
+  Commit commit(scene);
+  commit.prepare();
   REAL(rtcCommitScene)(scene);
 }
 
 RTC_API void rtcJoinCommitScene(RTCScene scene)
 {
-  prepare(scene);
+  Commit commit(scene);
+  commit.prepare();
   REAL(rtcJoinCommitScene)(scene);
 }
 

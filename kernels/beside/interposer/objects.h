@@ -37,10 +37,11 @@ struct Scene
   RTCScene handle;
   size_t references = 1;
   std::map<unsigned int, Attachment> attached;
-  std::mutex committing;
   RTCProgressMonitorFunction progress = nullptr;
   void* progressPtr = nullptr;
-  std::atomic<bool> isCancelled{false};  // a thread may join a commit whose progress another reads
+  std::mutex committing;
+  size_t numCommitting = 0;              // threads in one commit; guarded by committing
+  std::atomic<bool> isCancelled{false};  // the commit, for all threads that have joined it
 };
 
 class Objects

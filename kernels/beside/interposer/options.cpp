@@ -9,6 +9,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <locale>
 #include <mutex>
 #include <set>
@@ -47,6 +48,18 @@ static bool parseSwitch(const std::string& text, bool& value)
 /* Keys and words of EMBREE_CBVH, as Embree CBVH itself has them, that matter here. */
 static const std::vector<std::string> words = {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
 
+/* Whether an item is one of the paper's representations or of their settings. */
+static bool isOfFrames(const std::string& item)
+{
+  static const std::set<std::string> names = {"grid", "voxel", "leaf"};
+  for (const char* prefix : {"cbvh.", "c", ""}) {
+    const size_t length = std::strlen(prefix);
+    if (item.compare(0, length, prefix) == 0 && names.count(item.substr(length)) != 0) return true;
+  }
+  const std::string key = item.substr(0, item.find('='));
+  return key != item && (key == "frame_level" || key == "level" || key == "exact_faces");
+}
+
 /* Returns false if the item is not understood. */
 static bool parse(const std::string& item, Options& options)
 {
@@ -76,9 +89,15 @@ const Options& options()
       const size_t begin = item.find_first_not_of(" \t"), end = item.find_last_not_of(" \t");
       if (begin == std::string::npos) continue;
       item = item.substr(begin, end - begin + 1);
-      if (!parse(item, read))
-        tellOnce("EMBREE_CBVH: \"%s\" is ignored, did you mean %s? Accepted are max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, and 0",
-                 item.c_str(), embree::nearestWord(item.substr(0, item.find('=')), words).c_str());
+      if (parse(item, read)) continue;
+      if (isOfFrames(item)) {
+        tellOnce("EMBREE_CBVH: \"%s\" has no effect: geometry is stored as cVERT", item.c_str());
+        continue;
+      }
+      read.isOn = false; // the library refuses the item too
+      tellOnce("EMBREE_CBVH: \"%s\" is not known, did you mean %s? Nothing is compressed. Accepted are "
+               "max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, and 0",
+               item.c_str(), embree::nearestWord(item.substr(0, item.find('=')), words).c_str());
     }
     return read;
   }();

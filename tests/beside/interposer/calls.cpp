@@ -8,6 +8,8 @@
 
 #include "../host.h"
 
+#include <atomic>
+#include <chrono>
 #include <sys/resource.h>
 #include <thread>
 
@@ -445,6 +447,33 @@ void Program::cancelling()
   rtcCommitScene(scene);
   CHECK(rtcGetDeviceError(device) == RTC_ERROR_CANCELLED);
   goesOn = true;
+  rtcCommitGeometry(geometry);
+  rtcCommitScene(scene);
+  shoot(scene);
+
+  /* A commit of several threads is cancelled for all: those that wait for the one that builds do not begin again. */
+  struct Joined
+  {
+    std::atomic<int> waiting{0}, calls{0}, cancelled{0};
+  } joined;
+  rtcSetSceneProgressMonitorFunction(scene, [](void* ptr, double) {
+    Joined& joined = *(Joined*)ptr;
+    if (joined.calls++ > 0) return true;
+    while (joined.waiting < 4) std::this_thread::yield();
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    return false;
+  }, &joined);
+  rtcCommitGeometry(geometry);
+  std::vector<std::thread> all;
+  for (int k = 0; k < 4; k++)
+    all.emplace_back([&] {
+      joined.waiting++;
+      rtcJoinCommitScene(scene);
+      if (rtcGetDeviceError(device) == RTC_ERROR_CANCELLED) joined.cancelled++;
+    });
+  for (std::thread& thread : all) thread.join();
+  CHECK(joined.cancelled > 0);
+  rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
   shoot(scene);
