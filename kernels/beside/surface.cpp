@@ -55,8 +55,9 @@ RTCSubdivisionMode modeOf(CbvhBoundary boundary)
   throw Failure{CBVH_ERROR_INVALID_ARGUMENT, "a boundary that is none"};
 }
 
-bool tellProgress(const Input& input, double done)
+bool tellProgress(void* self, double done)
 {
+  const Input& input = *(const Input*)self;
   if (!input.progress) return true;
   const OwnErrors errors(false);
   return input.progress(input.progressPtr, done) != 0;
@@ -322,7 +323,10 @@ embree::CompressionSettings CbvhSurfaceTy::settingsOf(const CbvhAccuracy& accura
 void CbvhSurfaceTy::commitInput()
 {
   embree::CompressionSettings settings = settingsOf(accuracy, isLossless);
-  if (pending->progress) settings.progress = [input = pending.get()](double done) { return tellProgress(*input, done); };
+  if (pending->progress) {
+    settings.progress = tellProgress;
+    settings.progressUserPtr = pending.get();
+  }
   core::setCompression(pending->inner(), settings);
   rtcSetGeometryMask(pending->geometry, mask);
   {

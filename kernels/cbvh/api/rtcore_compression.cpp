@@ -23,9 +23,8 @@ namespace
     settings.pixelSize = args.pixelSize;
     settings.exactFaces = args.exactFaces;
     settings.releasesInput = (args.flags & RTC_COMPRESSION_FLAG_RELEASE_INPUT) != 0;
-    const RTCProgressMonitorFunction progress = args.progress;
-    void* const userPtr = args.progressUserPtr;
-    if (progress) settings.progress = [=](double done) { return progress(userPtr,done); };
+    settings.progress = args.progress;
+    settings.progressUserPtr = args.progressUserPtr;
     return settings;
   }
 }

@@ -267,7 +267,7 @@ namespace embree
       std::atomic<size_t> done(0);
       cbvh::keepBlocks(geometry,newSurfaceBuilder(geometry,cbvh::numberOf(geometry))->build([&](double primitives) {
           done += size_t(primitives);
-          if (settings.progress && !settings.progress(min(1.0,double(done)/double(geometry->size()))))
+          if (settings.progress && !settings.progress(settings.progressUserPtr,min(1.0,double(done)/double(geometry->size()))))
             throw_RTCError(RTC_ERROR_CANCELLED,"progress monitor forced termination");
         }));
       cbvh::outdateThreadCaches();

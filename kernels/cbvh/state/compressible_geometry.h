@@ -43,7 +43,7 @@ namespace embree
     void addToCount (GeometryCounts& counts) const { (numTimeSteps == 1 ? counts.numSubdivPatches : counts.numMBSubdivPatches) += numPrimitives; }
 
     const GType ownType;             //!< that it was made as
-    CompressionSettings compression; //!< set by core::setCompression
+    CompressionSettings compression; //!< set by rtcSetGeometryCompression
     SurfaceState surface;
 
   protected:

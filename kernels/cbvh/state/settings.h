@@ -8,7 +8,6 @@
  * environment, default; resolve() closes the chain. */
 
 #include "../../../include/embree3/rtcore_compression.h"
-#include <functional>
 #include <string>
 
 namespace embree
@@ -25,10 +24,8 @@ namespace embree
     int exactFaces = -1;    //!< 0 or 1, negative to inherit
     bool releasesInput = false; //!< of a geometry if it or its device says so
     bool takesGrids = true, takesQuads = true, takesTriangles = true; //!< only a device's: types that are compressed if they do not ask
-
-    /*! Only a geometry's, with releasesInput: called by its commit with the part that is done, from 0 to 1, on any thread. Returning false
-     *  cancels the commit. */
-    std::function<bool(double)> progress;
+    RTCProgressMonitorFunction progress = nullptr; //!< only a geometry's
+    void* progressUserPtr = nullptr;
 
     /*! Takes cbvh_frame_level, cbvh_max_error, cbvh_exact_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
      *  cbvh_release_input out of a device string; false for any other key. Throws rtcore_error naming key and value. */
