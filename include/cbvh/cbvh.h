@@ -21,18 +21,19 @@
  * Thread safety: of one object one thread may change something at a time, and nobody trace it meanwhile; otherwise any
  * thread may call any function.
  *
- * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the struct as it was
- * compiled. In C++ a default member initializer does so; in C write {.structSize = sizeof(cage)}. Versions only append members:
+ * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
+ * struct as it was compiled. In C++ a default member initializer does so; in C write {.structSize = sizeof(cage)}.
+ * Versions only append members:
  *
- * - Of a struct that the library reads, members that the application's version lacks count as zero. A struct that is larger than the
- *   library's own is accepted if all bytes after the members that the library knows are zero.
- * - Of a struct that the library writes, it writes the members that both versions have, and sets the other bytes of the application's
- *   to zero. structSize keeps its value.
+ * - Of a struct that the library reads, members that the application's version lacks count as zero. A struct that is
+ *   larger than the library's own is accepted if all bytes after the members that the library knows are zero.
+ * - Of a struct that the library writes, it writes the members that both versions have, and sets the other bytes of
+ *   the application's to zero. structSize keeps its value.
  * - A structSize of 0, below the size in the first version, or above 4096 is an error: CBVH_ERROR_INVALID_ARGUMENT.
  *
- * Structs without structSize never grow if an application passes them: CbvhVertices, CbvhAttribute, CbvhGrid, rays, hits and CbvhTriangle.
- * Those that the library passes to callbacks may grow at their end: CbvhDisplacementArguments, CbvhFilterArguments, CbvhPart and
- * CbvhCluster. Do not store arrays of them. */
+ * Structs without structSize never grow if an application passes them: CbvhVertices, CbvhAttribute, CbvhGrid, rays,
+ * hits and CbvhTriangle. Those that the library passes to callbacks may grow at their end: CbvhDisplacementArguments,
+ * CbvhFilterArguments, CbvhPart and CbvhCluster. Do not store arrays of them. */
 
 #include <stddef.h>
 

@@ -66,8 +66,9 @@ typedef bool (*RTCCompressedClusterFunction)(void* userPtr, const struct RTCComp
  * function: NULL: nothing but the report is wanted.
  * report: what was handed out, written when the function returns; may be NULL. structSize is read.
  *
- * Errors: as rtcForEachCompressedPart; RTC_ERROR_INVALID_ARGUMENT for an unknown format and a wrong structSize; RTC_ERROR_INVALID_OPERATION where DGF has more triangles
- * than the 29 bits of its primitive indices count. Thread safety: as rtcInterpolate. */
+ * Errors: as rtcForEachCompressedPart; RTC_ERROR_INVALID_ARGUMENT for an unknown format and a wrong structSize;
+ * RTC_ERROR_INVALID_OPERATION where DGF has more triangles than the 29 bits of its primitive indices count. Thread
+ * safety: as rtcInterpolate. */
 RTC_API void rtcForEachCompressedCluster(RTCGeometry geometry, float time, enum RTCClusterFormat format, RTCCompressedClusterFunction function, void* userPtr, struct RTCCompressedClusterReport* report);
 
 RTC_NAMESPACE_END

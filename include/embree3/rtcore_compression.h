@@ -28,18 +28,19 @@
  * the vertices that they share apart: all take those of the face that owns the edge or corner. Grids of
  * one geometry are closed where they have the same vertices on their borders, by index or as the same floats.
  *
- * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the struct as it was
- * compiled. In C++ a default member initializer does so. In C the application writes {.structSize = sizeof(args)}, or calls the
- * rtcInit function of the struct. Versions only append members:
+ * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
+ * struct as it was compiled. In C++ a default member initializer does so. In C the application writes {.structSize =
+ * sizeof(args)}, or calls the rtcInit function of the struct. Versions only append members:
  *
- * - Of a struct that the library reads, members that the application's version lacks count as zero. A struct that is larger than the
- *   library's own is accepted if all bytes after the members that the library knows are zero.
- * - Of a struct that the library writes, it writes the members that both versions have, and sets the other bytes of the application's
- *   to zero. structSize keeps its value.
+ * - Of a struct that the library reads, members that the application's version lacks count as zero. A struct that is
+ *   larger than the library's own is accepted if all bytes after the members that the library knows are zero.
+ * - Of a struct that the library writes, it writes the members that both versions have, and sets the other bytes of
+ *   the application's to zero. structSize keeps its value.
  * - A structSize of 0, below the size in the first version, or above 4096 is an error: RTC_ERROR_INVALID_ARGUMENT.
  *
- * Structs without structSize that an application passes, such as RTCCompressedTriangle, never grow. Structs that the library passes
- * to callbacks, such as RTCCompressedPart and RTCCompressedCluster, may grow at their end: do not store arrays of them.
+ * Structs without structSize that an application passes, such as RTCCompressedTriangle, never grow. Structs that the
+ * library passes to callbacks, such as RTCCompressedPart and RTCCompressedCluster, may grow at their end: do not
+ * store arrays of them.
  *
  * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression
  * Scheme for Ray Tracing Subdivision Surfaces with Displacement", 2018. */

@@ -59,8 +59,10 @@ RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args)
  *
  * Vertices that are not finite count as if they were not there; holes need nothing.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for a wrong structSize, and for numbers that are not finite or out of the ranges above,
- * with their names; RTC_ERROR_INVALID_OPERATION for other geometry and for a geometry that is not committed. The geometry keeps its levels then. Thread safety: as rtcSetGeometryTessellationRate. Displacement functions are called by several threads. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for a wrong structSize, and for numbers that are not finite or out of
+ * the ranges above, with their names; RTC_ERROR_INVALID_OPERATION for other geometry and for a geometry that is not
+ * committed. The geometry keeps its levels then. Thread safety: as rtcSetGeometryTessellationRate. Displacement
+ * functions are called by several threads. */
 RTC_API void rtcDiceGeometry(RTCGeometry geometry, const struct RTCDicingArguments* args);
 
 RTC_NAMESPACE_END

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Contexts, and how errors of the kernels become errors of this library. What Embree has (geometries, buffers, scenes, rays) is called through its own
- * API, which is the kernels' own in this library, and which nobody outside sees; its errors go to a device's error function. What Embree does not
- * have is called in kernels/cbvh/core, which throws. */
+/* Contexts, and how errors of the kernels become errors of this library. What Embree has (geometries, buffers, scenes,
+ * rays) is called through its own API, which is the kernels' own in this library, and which nobody outside sees; its
+ * errors go to a device's error function. What Embree does not have is called in kernels/cbvh/core, which throws. */
 
 #include "cbvh/cbvh.h"
 #include "cbvh/core/errors.h"
@@ -100,10 +100,10 @@ private:
 
 namespace embree { namespace beside {
 
-/* Decides what happens to errors of Embree's functions on this thread. A function of this library creates one: errors are
- * then kept until CbvhContextTy::check() throws them. Around a callback of the application, areTaken is false: errors of rays
- * that the callback traces are reported at once, and the function that called the callback does not fail because of them.
- * The destructor restores the previous state. */
+/* Decides what happens to errors of Embree's functions on this thread. A function of this library creates one: errors
+ * are then kept until CbvhContextTy::check() throws them. Around a callback of the application, areTaken is false:
+ * errors of rays that the callback traces are reported at once, and the function that called the callback does not fail
+ * because of them. The destructor restores the previous state. */
 class OwnErrors
 {
 public:
@@ -115,7 +115,8 @@ private:
   const bool wereTaken;
 };
 
-/* Stores the text of an error for cbvhGetErrorText and calls an error function, which may be NULL. The function may cause errors itself. */
+/* Stores the text of an error for cbvhGetErrorText and calls an error function, which may be NULL. The function may
+ * cause errors itself. */
 CbvhError tell(const Failure& failure, CbvhErrorFunction function, void* userPtr);
 
 /* What all functions of the API that may fail are made of: their errors become a code. */

@@ -39,10 +39,13 @@ inline bool isKnown(const CbvhQuery* query) { return !query || query->structSize
 
 /* Calls trace(query) with a query of another version as this one knows it. Returns 0 if there is an error. */
 template<typename Trace>
-__attribute__((noinline)) unsigned int asKnown(CbvhGroup group, const CbvhQuery* query, const Trace& trace)
+__attribute__((noinline)) auto asKnown(CbvhGroup group, const CbvhQuery* query, const Trace& trace)
+    -> decltype(trace(query))
 {
   CbvhQuery known;
-  if (embree::beside::guarded(group->context.get(), [&] { known = embree::core::readStruct(*query); }) != CBVH_OK) return 0;
+  const CbvhContext context = group->context.get();
+  const CbvhError error = embree::beside::guarded(context, [&] { known = embree::core::readStruct(*query); });
+  if (error != CBVH_OK) return 0;
   return trace(&known);
 }
 
@@ -62,7 +65,8 @@ template<unsigned int K>
 unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
   if (!group || !rays) { embree::beside::refuse("group or rays are NULL"); return 0; }
-  if (!isKnown(query)) return asKnown(group, query, [&](const CbvhQuery* known) { return intersect<K>(group, valid, rays, known); });
+  if (!isKnown(query))
+    return asKnown(group, query, [&](const CbvhQuery* known) { return intersect<K>(group, valid, rays, known); });
   typename Kernels<K>::RayHits& packet = *(typename Kernels<K>::RayHits*)rays;
   static const AllRays<K> all;
   if (!valid) valid = all.valid;
@@ -86,7 +90,8 @@ template<unsigned int K>
 unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
   if (!group || !rays) { embree::beside::refuse("group or rays are NULL"); return 0; }
-  if (!isKnown(query)) return asKnown(group, query, [&](const CbvhQuery* known) { return occluded<K>(group, valid, rays, known); });
+  if (!isKnown(query))
+    return asKnown(group, query, [&](const CbvhQuery* known) { return occluded<K>(group, valid, rays, known); });
   typename Kernels<K>::Rays& packet = *(typename Kernels<K>::Rays*)rays;
   static const AllRays<K> all;
   if (!valid) valid = all.valid;
@@ -103,7 +108,8 @@ unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQ
 int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 {
   if (!group || !ray) { embree::beside::refuse("group or ray is NULL"); return 0; }
-  if (!isKnown(query)) return int(asKnown(group, query, [&](const CbvhQuery* known) { return cbvhIntersect1(group, ray, known); }));
+  if (!isKnown(query))
+    return asKnown(group, query, [&](const CbvhQuery* known) { return cbvhIntersect1(group, ray, known); });
   RTCRayHit* const ours = (RTCRayHit*)ray;
   const unsigned int geomID = ours->hit.geomID, instID = ours->hit.instID[0];
   ours->hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -118,7 +124,8 @@ int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query)
 {
   if (!group || !ray) { embree::beside::refuse("group or ray is NULL"); return 0; }
-  if (!isKnown(query)) return int(asKnown(group, query, [&](const CbvhQuery* known) { return cbvhOccluded1(group, ray, known); }));
+  if (!isKnown(query))
+    return asKnown(group, query, [&](const CbvhQuery* known) { return cbvhOccluded1(group, ray, known); });
   if (ray->tfar < 0) return 0;
   Query context(query);
   rtcOccluded1(group->scene, &context.context, (RTCRay*)ray);

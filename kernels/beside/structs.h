@@ -63,14 +63,17 @@ inline CbvhPart asPublic(const cbvh::StoredPart& part)
   return {part.primID, part.width, part.height, part.vertices, part.parameters, part.primIDs, part.primitivesPerQuad};
 }
 
-static_assert(CBVH_CLUSTER_COMPRESSED1 == int(cbvh::ClusterFormat::COMPRESSED1) && CBVH_CLUSTER_DGF1 == int(cbvh::ClusterFormat::DGF1), "formats");
-static_assert(CBVH_CLUSTER_RAW == int(cbvh::ClusterReason::RAW) && CBVH_CLUSTER_MOVING == int(cbvh::ClusterReason::MOVING) &&
-              CBVH_CLUSTER_RANGE == int(cbvh::ClusterReason::RANGE), "reasons");
+static_assert(CBVH_CLUSTER_COMPRESSED1 == int(cbvh::ClusterFormat::COMPRESSED1)
+    && CBVH_CLUSTER_DGF1 == int(cbvh::ClusterFormat::DGF1), "formats");
+static_assert(CBVH_CLUSTER_RAW == int(cbvh::ClusterReason::RAW)
+    && CBVH_CLUSTER_MOVING == int(cbvh::ClusterReason::MOVING)
+    && CBVH_CLUSTER_RANGE == int(cbvh::ClusterReason::RANGE), "reasons");
 
 inline CbvhCluster asPublic(const cbvh::StoredCluster& cluster, const CbvhPart& part)
 {
-  return {CbvhClusterFormat(cluster.format), CbvhClusterReason(cluster.reason), cluster.numVertices, cluster.numTriangles, cluster.data, cluster.bytes,
-          cluster.indices, cluster.triangles, cluster.firstTriangle, cluster.width, cluster.height, &part};
+  return {CbvhClusterFormat(cluster.format), CbvhClusterReason(cluster.reason), cluster.numVertices,
+          cluster.numTriangles, cluster.data, cluster.bytes, cluster.indices, cluster.triangles,
+          cluster.firstTriangle, cluster.width, cluster.height, &part};
 }
 
 inline CbvhClusterReport asPublic(const cbvh::ClusterReport& report)

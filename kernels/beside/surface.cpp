@@ -253,7 +253,8 @@ void CbvhSurfaceTy::dice(const CbvhDicing& dicing, float* rates)
 void CbvhSurfaceTy::set(const CbvhAccuracy& to)
 {
   const Change change(*this);
-  if (!(std::isfinite(to.maxError) && to.maxError >= 0)) refuseValue("maxError " + std::to_string(to.maxError) + " is negative or not finite");
+  if (!(std::isfinite(to.maxError) && to.maxError >= 0))
+    refuseValue("maxError " + std::to_string(to.maxError) + " is negative or not finite");
   core::validate(settingsOf(to, false));
   accuracy = to;
 }
@@ -337,7 +338,8 @@ void CbvhSurfaceTy::commitInput()
   if (!core::hasBlocks(pending->inner())) {
     if (failure) throw failure;
     const char* const why = core::whyNotCompressed(pending->inner());
-    throw Failure{CBVH_ERROR_INVALID_OPERATION, why ? std::string("the mesh is not stored: its quads or triangles ") + why : "the surface is not stored"};
+    if (!why) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface is not stored"};
+    throw Failure{CBVH_ERROR_INVALID_OPERATION, std::string("the mesh is not stored: its quads or triangles ") + why};
   }
   current = std::move(pending);
   committedAccuracy = accuracy;
@@ -398,9 +400,21 @@ CbvhError withStruct(CbvhSurface surface, const T* from, const char* name, const
 
 } // namespace
 
-CbvhError cbvhSetCage(CbvhSurface surface, const CbvhCage* cage) { return withStruct(surface, cage, "cage", [&](const CbvhCage& known) { surface->set(known); }); }
-CbvhError cbvhSetGrids(CbvhSurface surface, const CbvhGrids* grids) { return withStruct(surface, grids, "grids", [&](const CbvhGrids& known) { surface->set(known); }); }
-CbvhError cbvhSetMesh(CbvhSurface surface, const CbvhMesh* mesh) { return withStruct(surface, mesh, "mesh", [&](const CbvhMesh& known) { surface->set(known); }); }
+CbvhError cbvhSetCage(CbvhSurface surface, const CbvhCage* cage)
+{
+  return withStruct(surface, cage, "cage", [&](const CbvhCage& known) { surface->set(known); });
+}
+
+CbvhError cbvhSetGrids(CbvhSurface surface, const CbvhGrids* grids)
+{
+  return withStruct(surface, grids, "grids", [&](const CbvhGrids& known) { surface->set(known); });
+}
+
+CbvhError cbvhSetMesh(CbvhSurface surface, const CbvhMesh* mesh)
+{
+  return withStruct(surface, mesh, "mesh", [&](const CbvhMesh& known) { surface->set(known); });
+}
+
 
 CbvhError cbvhDiceSurface(CbvhSurface surface, const CbvhDicing* dicing, float* rates)
 {
@@ -456,8 +470,8 @@ CbvhError cbvhInterpolatePoints(CbvhSurface surface, const CbvhInterpolation* of
     for (size_t i = 0; i < points.count; i++) input->checkParameters(points.primID, points.u[i], points.v[i]);
     const auto at = [&](float* out, size_t i) { return out ? out + i*width : nullptr; };
     for (size_t i = 0; i < points.count; i++)
-      rtcInterpolate1(input->geometry, points.primID, points.u[i], points.v[i], RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, points.attribute,
-                      at(points.P, i), at(points.dPdu, i), at(points.dPdv, i), width);
+      rtcInterpolate1(input->geometry, points.primID, points.u[i], points.v[i], RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE,
+                      points.attribute, at(points.P, i), at(points.dPdu, i), at(points.dPdv, i), width);
     surface->context->check();
   });
 }
@@ -493,7 +507,8 @@ CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat 
     if (report) core::requireStruct(*report);
     const std::shared_ptr<const Input> input = surface->committed();
     embree::cbvh::ClusterReport sums;
-    core::forEachCluster(input->inner(), time, embree::cbvh::ClusterFormat(format), [&](const embree::cbvh::StoredCluster& cluster) {
+    core::forEachCluster(input->inner(), time, embree::cbvh::ClusterFormat(format),
+        [&](const embree::cbvh::StoredCluster& cluster) {
       if (!function) return true;
       const OwnErrors errors(false);
       const CbvhPart part = asPublic(*cluster.part);

@@ -109,7 +109,8 @@ TEST_F(OddCalls, NullIsRefusedByEveryFunction)
     {"cbvhInterpolate", [&] { return cbvhInterpolate(surface, 0, 0, 0, 1, P, nullptr, nullptr); }},
     {"cbvhInterpolatePoints", [&] { const CbvhInterpolation none = CbvhInterpolation(); return cbvhInterpolatePoints(nullptr, &none); }},
     {"cbvhInterpolatePoints", [&] { return cbvhInterpolatePoints(surface, nullptr); }},
-    {"cbvhInterpolatePoints", [&] { const CbvhInterpolation null = {sizeof(CbvhInterpolation), 0, 0, 1, nullptr, P, P, nullptr, nullptr}; return cbvhInterpolatePoints(surface, &null); }},
+    {"cbvhInterpolatePoints", [&] { const CbvhInterpolation null = {sizeof(CbvhInterpolation), 0, 0, 1, nullptr, P, P,
+        nullptr, nullptr}; return cbvhInterpolatePoints(surface, &null); }},
     {"cbvhSaveSurface", [&] { return cbvhSaveSurface(nullptr, "/dev/null/none"); }},
     {"cbvhSaveSurface", [&] { return cbvhSaveSurface(surface, nullptr); }},
     {"cbvhLoadSurface", [&] { return cbvhLoadSurface(nullptr, "none", &noSurface); }},
@@ -290,7 +291,8 @@ TEST_F(OddCalls, PointsHaveTheirTextureCoordinatesWhileTheyAreDisplaced)
   cage.displacement = [](const CbvhDisplacementArguments* args) {
     State& state = *(State*)args->userPtr;
     std::vector<float> uv(2*args->count, -9), du(uv), dv(uv);
-    const CbvhInterpolation points = {sizeof(CbvhInterpolation), args->primID, 0, args->count, args->u, args->v, uv.data(), du.data(), dv.data()};
+    const CbvhInterpolation points = {sizeof(CbvhInterpolation), args->primID, 0, args->count, args->u, args->v,
+        uv.data(), du.data(), dv.data()};
     if (cbvhInterpolatePoints(state.surface, &points) != CBVH_OK) { state.wrong += args->count; return; }
     for (unsigned i = 0; i < args->count; i++) {
       state.points++;

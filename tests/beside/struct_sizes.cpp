@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Public structs that begin with structSize, of both interfaces, as applications of older and newer versions pass them. */
+/* Public structs that begin with structSize, of both interfaces, as applications of older and newer versions pass
+ * them. */
 
 #include "kernels/cbvh/core/errors.h"
 #include "kernels/cbvh/core/struct_size.h"
@@ -28,7 +29,8 @@ struct Grown
 };
 CBVH_GROWING_STRUCT(Grown, b);
 
-void invalidArgument(const std::string& text) { throw std::invalid_argument(text); } // of the library, which does not export it
+// of the library, which does not export it
+void invalidArgument(const std::string& text) { throw std::invalid_argument(text); }
 
 }} // namespace embree::core
 
@@ -55,7 +57,8 @@ struct Case
 template<typename T>
 Case caseOf(const char* name, bool isWritten, const T& valid, const std::function<std::string(T*)>& call)
 {
-  return {name, isWritten, Bytes((const char*)&valid, (const char*)(&valid + 1)), [=](void* bytes) { return call((T*)bytes); }};
+  return {name, isWritten, Bytes((const char*)&valid, (const char*)(&valid + 1)),
+      [=](void* bytes) { return call((T*)bytes); }};
 }
 
 // What the calls need: a surface that is committed and traced, and a geometry that is committed and saved.
@@ -145,20 +148,38 @@ struct StructSizes : ::testing::Test
     rtcInitDicingArguments(&dicing);
     dicing.pixelSize = 0.1f;
     cases.push_back(caseOf<RTCDicingArguments>("RTCDicingArguments", false, dicing,
-      [=](RTCDicingArguments* args) { rtcDiceGeometry(cage, args); const std::string text = error(); rtcCommitGeometry(cage); return text; }));
+      [=](RTCDicingArguments* args) {
+        rtcDiceGeometry(cage, args);
+        const std::string text = error();
+        rtcCommitGeometry(cage);
+        return text;
+      }));
     cases.push_back(caseOf<RTCCompressionStatistics>("RTCCompressionStatistics", true, {},
-      [=](RTCCompressionStatistics* statistics) { rtcGetSceneCompressionStatistics(scene, statistics); return error(); }));
+      [=](RTCCompressionStatistics* statistics) {
+        rtcGetSceneCompressionStatistics(scene, statistics);
+        return error();
+      }));
     cases.push_back(caseOf<RTCCompressionStatistics>("RTCCompressionStatistics", true, {},
-      [=](RTCCompressionStatistics* statistics) { rtcGetCompressedFileGeometryStatistics(file, 0, statistics); return error(); }));
+      [=](RTCCompressionStatistics* statistics) {
+        rtcGetCompressedFileGeometryStatistics(file, 0, statistics);
+        return error();
+      }));
     cases.push_back(caseOf<RTCCompressedFileGeometry>("RTCCompressedFileGeometry", true, {},
-      [=](RTCCompressedFileGeometry* description) { rtcGetCompressedFileGeometry(file, 0, description); return error(); }));
+      [=](RTCCompressedFileGeometry* description) {
+        rtcGetCompressedFileGeometry(file, 0, description);
+        return error();
+      }));
     cases.push_back(caseOf<RTCCompressedClusterReport>("RTCCompressedClusterReport", true, {},
-      [=](RTCCompressedClusterReport* report) { rtcForEachCompressedCluster(geometry, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, report); return error(); }));
+      [=](RTCCompressedClusterReport* report) {
+        rtcForEachCompressedCluster(geometry, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, report);
+        return error();
+      }));
   }
 
   void addCasesBeside()
   {
-    cases.push_back(caseOf<CbvhCage>("CbvhCage", false, cube(), [=](CbvhCage* input) { return error(cbvhSetCage(other, input)); }));
+    cases.push_back(caseOf<CbvhCage>("CbvhCage", false, cube(),
+      [=](CbvhCage* input) { return error(cbvhSetCage(other, input)); }));
     static const CbvhGrid grid = {0, 2, 2, 4};
     cases.push_back(caseOf<CbvhGrids>("CbvhGrids", false, {sizeof(CbvhGrids), 1, &grid, cube().vertices},
       [=](CbvhGrids* input) { return error(cbvhSetGrids(other, input)); }));
@@ -171,10 +192,12 @@ struct StructSizes : ::testing::Test
       EXPECT_EQ(cbvhSetCage(other, &again), CBVH_OK);
       return error(cbvhDiceSurface(other, input, nullptr));
     }));
-    cases.push_back(caseOf<CbvhAccuracy>("CbvhAccuracy", false, {}, [=](CbvhAccuracy* input) { return error(cbvhSetAccuracy(other, input)); }));
+    cases.push_back(caseOf<CbvhAccuracy>("CbvhAccuracy", false, {},
+        [=](CbvhAccuracy* input) { return error(cbvhSetAccuracy(other, input)); }));
     static const float uv[1] = {0.5f};
     static float P[2];
-    cases.push_back(caseOf<CbvhInterpolation>("CbvhInterpolation", false, {sizeof(CbvhInterpolation), 0, 0, 1, uv, uv, P, nullptr, nullptr},
+    cases.push_back(caseOf<CbvhInterpolation>("CbvhInterpolation", false,
+        {sizeof(CbvhInterpolation), 0, 0, 1, uv, uv, P, nullptr, nullptr},
       [=](CbvhInterpolation* points) { return error(cbvhInterpolatePoints(surface, points)); }));
     const auto trace = [=](bool isOcclusion) {
       return [=](CbvhQuery* query) {
@@ -196,16 +219,20 @@ struct StructSizes : ::testing::Test
           rays.ray.org_x[i] = rays.ray.org_y[i] = 0.01f; rays.ray.org_z[i] = 5; rays.ray.dir_z[i] = -1;
           rays.ray.tfar[i] = INFINITY; rays.ray.mask[i] = 1;
         }
-        const unsigned hits = isOcclusion ? cbvhOccluded4(group, nullptr, &rays, query) : cbvhIntersect4(group, nullptr, &rays, query);
+        const unsigned hits = isOcclusion ? cbvhOccluded4(group, nullptr, &rays, query)
+            : cbvhIntersect4(group, nullptr, &rays, query);
         EXPECT_EQ(hits, told.empty() ? 15u : 0u) << told;
         return told;
       };
     };
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, packet(false)));
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, packet(true)));
-    cases.push_back(caseOf<CbvhStatistics>("CbvhStatistics", true, {}, [=](CbvhStatistics* statistics) { return error(cbvhGetGroupStatistics(group, statistics)); }));
+    cases.push_back(caseOf<CbvhStatistics>("CbvhStatistics", true, {},
+        [=](CbvhStatistics* statistics) { return error(cbvhGetGroupStatistics(group, statistics)); }));
     cases.push_back(caseOf<CbvhClusterReport>("CbvhClusterReport", true, {},
-      [=](CbvhClusterReport* report) { return error(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, report)); }));
+      [=](CbvhClusterReport* report) {
+        return error(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, report));
+      }));
   }
 
   // A struct of another version: tail bytes are appended, and structSize is set.

@@ -12,13 +12,16 @@ namespace
 {
   using cbvh::ClusterFormat;
   using cbvh::ClusterReason;
-  static_assert(int(ClusterFormat::COMPRESSED1) == RTC_CLUSTER_FORMAT_COMPRESSED1 && int(ClusterFormat::DGF1) == RTC_CLUSTER_FORMAT_DGF1,"formats");
-  static_assert(int(ClusterReason::RAW) == RTC_CLUSTER_RAW && int(ClusterReason::MOVING) == RTC_CLUSTER_MOVING && int(ClusterReason::RANGE) == RTC_CLUSTER_RANGE,"reasons");
+  static_assert(int(ClusterFormat::COMPRESSED1) == RTC_CLUSTER_FORMAT_COMPRESSED1
+      && int(ClusterFormat::DGF1) == RTC_CLUSTER_FORMAT_DGF1,"formats");
+  static_assert(int(ClusterReason::RAW) == RTC_CLUSTER_RAW && int(ClusterReason::MOVING) == RTC_CLUSTER_MOVING
+      && int(ClusterReason::RANGE) == RTC_CLUSTER_RANGE,"reasons");
 
   RTCCompressedCluster asPublic (const cbvh::StoredCluster& cluster, const RTCCompressedPart& part)
   {
-    return RTCCompressedCluster{ RTCClusterFormat(cluster.format),RTCClusterReason(cluster.reason),cluster.numVertices,cluster.numTriangles,cluster.data,
-                                 cluster.bytes,cluster.indices,cluster.triangles,cluster.firstTriangle,cluster.width,cluster.height,&part };
+    return RTCCompressedCluster{ RTCClusterFormat(cluster.format),RTCClusterReason(cluster.reason),cluster.numVertices,
+                                 cluster.numTriangles,cluster.data,cluster.bytes,cluster.indices,cluster.triangles,
+                                 cluster.firstTriangle,cluster.width,cluster.height,&part };
   }
 
   RTCCompressedClusterReport asPublic (const cbvh::ClusterReport& report)

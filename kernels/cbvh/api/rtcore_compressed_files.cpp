@@ -33,7 +33,8 @@ RTC_API RTCGeometry rtcLoadCompressedGeometry (RTCDevice hdevice, const char* pa
   require(path,"path");
   const File file(device,path);
   if (file.size() != 1)
-    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(path) + ": has " + std::to_string(file.size()) + " geometries, which rtcOpenCompressedFile opens");
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(path) + ": has " + std::to_string(file.size())
+        + " geometries, which rtcOpenCompressedFile opens");
   return (RTCGeometry) file.load(0);
   RTC_CATCH_END(device);
   return nullptr;
@@ -146,7 +147,8 @@ RTC_API bool rtcGetCompressedFileGeometry (RTCCompressedFile hfile, unsigned int
   return false;
 }
 
-RTC_API bool rtcGetCompressedFileGeometryStatistics (RTCCompressedFile hfile, unsigned int index, struct RTCCompressionStatistics* statistics)
+RTC_API bool rtcGetCompressedFileGeometryStatistics (RTCCompressedFile hfile, unsigned int index,
+    struct RTCCompressionStatistics* statistics)
 {
   File* file = (File*) hfile;
   RTC_CATCH_BEGIN;

@@ -15,7 +15,8 @@ namespace
     if (args.flags & ~unsigned(RTC_COMPRESSION_FLAG_RELEASE_INPUT))
       throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown flags " + std::to_string(args.flags));
     CompressionSettings settings;
-    memcpy(&settings.compression,&args.compression,sizeof(settings.compression)); // which may be no value of the enumeration
+    // which may be no value of the enumeration
+    memcpy(&settings.compression,&args.compression,sizeof(settings.compression));
     settings.frameLevel = args.frameLevel;
     settings.maxError = args.maxError;
     settings.maxPixelError = args.maxPixelError;

@@ -30,13 +30,15 @@ namespace embree
   }
 
   inline RTCCompressedPart asPublic (const cbvh::StoredPart& part) {
-    return RTCCompressedPart{ part.primID,part.width,part.height,part.vertices,part.parameters,part.primIDs,part.primitivesPerQuad };
+    return RTCCompressedPart{ part.primID,part.width,part.height,part.vertices,part.parameters,part.primIDs,
+        part.primitivesPerQuad };
   }
 
   inline RTCCompressionStatistics asPublic (const cbvh::CompressionStatistics& statistics)
   {
     RTCCompressionStatistics to = RTCCompressionStatistics();
-    cbvh::forEachMember(to,statistics,[](size_t& to, size_t value) { to = value; },[](float& to, float value) { to = value; });
+    cbvh::forEachMember(to,statistics,[](size_t& to, size_t value) { to = value; },
+        [](float& to, float value) { to = value; });
     return to;
   }
 }

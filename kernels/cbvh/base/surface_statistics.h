@@ -29,21 +29,24 @@ namespace embree
       size_t numSolidLeaves = 0;       //!< cLEAF: leaves that heights cannot bound: their box is the surface
       size_t numRawBlocks = 0;         //!< cVERT: blocks that store floats
       size_t numExactQuads = 0;        //!< cLEAF: quads of faces that are stored as cVERT
-      size_t numFlippedQuads = 0;      //!< whose traced normal differs by more than 90 degrees from the normal of their vertices
+      /*! Whose traced normal differs by more than 90 degrees from the normal of their vertices */
+      size_t numFlippedQuads = 0;
       size_t numMeshQuads = 0;         //!< quads of quad meshes, and pairs of triangles, in blocks
       size_t numLooseQuads = 0;        //!< of numMeshQuads: in none of the meshes' grids of 4 x 4 quads and more
       size_t numMovingQuads = 0;       //!< with several time steps
       size_t motionBytes = 0;          //!< of leafBytes: all time steps but the first
       size_t numUnsupportedFaces = 0;  //!< left out because Embree's subdivision does not support them
-      size_t inputBytes = 0;           //!< buffers of compressed geometries that Embree allocated and that were not released
+      /*! Buffers of compressed geometries that Embree allocated and that were not released */
+      size_t inputBytes = 0;
       float maxLeafThickness = 0;      //!< largest distance between the two bounds of a leaf, over its quad
       float maxVertexSpacing = 0;      //!< cVERT: largest spacing of a lattice
       float maxVertexDeviation = 0;    //!< cVERT, borders of cLEAF: largest distance of a vertex from the evaluated one
-      float maxBorderGap = 0;          //!< cVERT, cLEAF: largest distance, before it is closed, between evaluations of a shared vertex
+      /*! cVERT, cLEAF: largest distance, before it is closed, between evaluations of a shared vertex */
+      float maxBorderGap = 0;
     };
 
-    /*! Calls sum(a.x,b.x) for each member x that adds up over surfaces, and largest(a.x,b.x) for each that is a maximum. A and B are
-     *  CompressionStatistics, or structs of an interface with members of the same names. */
+    /*! Calls sum(a.x,b.x) for each member x that adds up over surfaces, and largest(a.x,b.x) for each that is a
+     *  maximum. A and B are CompressionStatistics, or structs of an interface with members of the same names. */
     template<typename A, typename B, typename Sum, typename Largest>
     void forEachMember (A& a, const B& b, const Sum& sum, const Largest& largest)
     {
@@ -75,7 +78,8 @@ namespace embree
 
     inline void add (CompressionStatistics& sums, const CompressionStatistics& other)
     {
-      forEachMember(sums,other,[](size_t& sum, size_t value) { sum += value; },[](float& most, float value) { most = std::max(most,value); });
+      forEachMember(sums,other,[](size_t& sum, size_t value) { sum += value; },
+          [](float& most, float value) { most = std::max(most,value); });
     }
 
     struct SurfaceStatistics

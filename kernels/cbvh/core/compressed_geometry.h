@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Which geometries the functions of this folder accept. For their sources only: interfaces do not include Embree's internals. */
+/* Which geometries the functions of this folder accept. For their sources only: interfaces do not include Embree's
+ * internals. */
 
 #include "../embree/scene.h"
 #include "../stored/surface_blocks.h"
@@ -14,7 +15,9 @@ namespace embree
   namespace core
   {
     [[noreturn]] inline void notCompressed () {
-      throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+          "the geometry has not been compressed: it asks for no compression, or neither it nor its scene was "
+          "committed");
     }
 
     /*! Returns the blocks of a geometry, which keeps them until its next commit. Throws if it has none. */
@@ -27,7 +30,8 @@ namespace embree
 
     /*! Throws for a geometry of a file. */
     inline void requireEditable (Geometry* geometry) {
-      if (dynamic_cast<const LoadedGeometry*>(geometry)) throw_RTCError(RTC_ERROR_INVALID_OPERATION,LoadedGeometry::whyNot);
+      if (dynamic_cast<const LoadedGeometry*>(geometry)) throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+          LoadedGeometry::whyNot);
     }
   }
 }

@@ -19,27 +19,34 @@ namespace embree
         int compression; // an enumeration may not hold what the application wrote
         std::memcpy(&compression,&value,sizeof(compression));
         cbvh::Kind kind;
-        if (compression == RTC_COMPRESSION_INHERIT || compression == RTC_COMPRESSION_NONE || cbvh::findKind(compression,kind)) return;
+        if (compression == RTC_COMPRESSION_INHERIT || compression == RTC_COMPRESSION_NONE
+            || cbvh::findKind(compression,kind)) return;
         const bool isOfPaper = compression >= RTC_COMPRESSION_GRID && compression <= RTC_COMPRESSION_LEAF;
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,(isOfPaper ? "this library was built without compression " : "unknown compression ") + std::to_string(compression));
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,(isOfPaper ? "this library was built without compression "
+            : "unknown compression ") + std::to_string(compression));
       }
 
       /*! name: of the member */
       template<typename T>
       void require (bool isValid, const char* name, T value, const std::string& expected) {
-        if (!isValid) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + " " + std::to_string(value) + ": expected " + expected);
+        if (!isValid) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + " "
+            + std::to_string(value) + ": expected " + expected);
       }
     }
 
     void validate (const CompressionSettings& settings)
     {
       validateCompression(settings.compression);
-      require(settings.frameLevel >= RTC_COMPRESSION_FRAME_LEVEL_INHERIT && settings.frameLevel <= int(cbvh::maxLevel),"frameLevel",settings.frameLevel,
+      require(settings.frameLevel >= RTC_COMPRESSION_FRAME_LEVEL_INHERIT && settings.frameLevel <= int(cbvh::maxLevel),
+          "frameLevel",settings.frameLevel,
               "0 to " + std::to_string(cbvh::maxLevel) + ", AUTO or INHERIT");
-      require(std::isfinite(settings.maxError),"maxError",settings.maxError,"a distance, or a negative number to inherit");
-      require(std::isfinite(settings.maxPixelError) && settings.maxPixelError >= 0.0f,"maxPixelError",settings.maxPixelError,"a number of pixels, or 0 for no bound");
+      require(std::isfinite(settings.maxError),"maxError",settings.maxError,
+          "a distance, or a negative number to inherit");
+      require(std::isfinite(settings.maxPixelError) && settings.maxPixelError >= 0.0f,"maxPixelError",
+          settings.maxPixelError,"a number of pixels, or 0 for no bound");
       if (settings.maxPixelError > 0.0f) {
-        require(std::isfinite(settings.pixelSize) && settings.pixelSize > 0.0f,"pixelSize",settings.pixelSize,"the width of a pixel at distance 1");
+        require(std::isfinite(settings.pixelSize) && settings.pixelSize > 0.0f,"pixelSize",settings.pixelSize,
+            "the width of a pixel at distance 1");
         for (float x : settings.cameraPosition) require(std::isfinite(x),"cameraPosition",x,"a position in the world");
       }
       require(settings.exactFaces <= 1,"exactFaces",settings.exactFaces,"0, 1, or a negative number to inherit");
@@ -48,7 +55,8 @@ namespace embree
     void setCompression (Geometry* geometry, const CompressionSettings& settings)
     {
       CompressibleGeometry* const surface = compressible(geometry);
-      if (!surface) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"only subdivision surfaces, grids, quads and triangles can be compressed");
+      if (!surface) throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+          "only subdivision surfaces, grids, quads and triangles can be compressed");
       requireEditable(geometry);
       validate(settings);
       surface->compression = settings;

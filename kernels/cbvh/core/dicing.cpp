@@ -15,13 +15,15 @@ namespace embree
       void requireFinite (const char* name, const float* values, size_t n)
       {
         for (size_t i=0; i<n; i++)
-          if (!std::isfinite(values[i])) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + ": " + std::to_string(values[i]) + " is not finite");
+          if (!std::isfinite(values[i])) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + ": "
+              + std::to_string(values[i]) + " is not finite");
       }
 
       void requireAbove (const char* name, float value, float bound, bool orEqual)
       {
         if (!std::isfinite(value) || !(orEqual ? value >= bound : value > bound))
-          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + " " + std::to_string(value) + ": expected " + (orEqual ? "at least " : "more than ") + (bound == 1.0f ? "1" : "0"));
+          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + " " + std::to_string(value)
+              + ": expected " + (orEqual ? "at least " : "more than ") + (bound == 1.0f ? "1" : "0"));
       }
 
       void validate (const DicingCamera& camera, size_t numEdges)
@@ -33,22 +35,32 @@ namespace embree
         requireAbove("quadSize",camera.quadSize,0.0f,false);
         requireAbove("outside",camera.outside,1.0f,true);
         requireAbove("maxRate",camera.maxRate,1.0f,true);
-        if (camera.maxRate > 4096.0f) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxRate " + std::to_string(camera.maxRate) + ": expected 1 to 4096");
+        if (camera.maxRate > 4096.0f) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxRate "
+            + std::to_string(camera.maxRate) + ": expected 1 to 4096");
         if (camera.transform) requireFinite("transform",camera.transform,12);
         if (camera.maxRates) for (size_t i=0; i<numEdges; i++)
-          if (!(camera.maxRates[i] >= 1.0f)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxRates: " + std::to_string(camera.maxRates[i]) + " of index " + std::to_string(i) + ": expected at least 1");
+          if (!(camera.maxRates[i] >= 1.0f)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxRates: "
+              + std::to_string(camera.maxRates[i]) + " of index " + std::to_string(i) + ": expected at least 1");
         if (!(camera.width > 0.0f && camera.height > 0.0f)) return;
         requireFinite("direction",camera.direction,3);
         requireFinite("up",camera.up,3);
-        const Double3 direction = { camera.direction[0],camera.direction[1],camera.direction[2] }, up = { camera.up[0],camera.up[1],camera.up[2] };
-        const double lengths2 = dot(direction,direction)*dot(up,up), right2 = dot(cross(direction,up),cross(direction,up));
-        if (!(right2 > 1e-14*lengths2)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid direction or up: both have a length, and are not parallel");
+        const Double3 direction = { camera.direction[0],camera.direction[1],camera.direction[2] },
+            up = { camera.up[0],camera.up[1],camera.up[2] };
+        const double lengths2 = dot(direction,direction)*dot(up,up);
+        const double right2 = dot(cross(direction,up),cross(direction,up));
+        if (!(right2 > 1e-14*lengths2)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
+            "invalid direction or up: both have a length, and are not parallel");
       }
 
       /*! of both faces, and of any number of them: what the neediest wants. rates: one an index */
       void agree (const SubdivMesh* mesh, std::vector<float>& rates)
       {
-        struct Edge { uint64_t vertices; uint32_t index; bool operator< (const Edge& e) const { return vertices < e.vertices; } };
+        struct Edge
+        {
+          uint64_t vertices;
+          uint32_t index;
+          bool operator< (const Edge& e) const { return vertices < e.vertices; }
+        };
         const BufferView<unsigned>& indices = mesh->topology[0].vertexIndices;
         std::vector<Edge> edges(rates.size());
         for (size_t f=0, e=0; f<mesh->numFaces(); f++)
@@ -64,7 +76,8 @@ namespace embree
         for (size_t i=0, j; i<edges.size(); i=j)
         {
           float highest = 1.0f;
-          for (j=i; j<edges.size() && edges[j].vertices == edges[i].vertices; j++) highest = max(highest,rates[edges[j].index]);
+          for (j=i; j<edges.size() && edges[j].vertices == edges[i].vertices; j++)
+            highest = max(highest,rates[edges[j].index]);
           for (size_t k=i; k<j; k++) rates[edges[k].index] = highest;
         }
       }
@@ -97,7 +110,8 @@ namespace embree
                   samples.measure(unsigned(f),step,0.0f,0.0f,quads);
                   for (int i=0; i<4; i++) out[i] = max(out[i],quads[i]);
                 }
-                /* A patch a corner, of half an edge ahead and half an edge behind; what is opposite of them follows from both. Embree numbers 16. */
+                /* A patch a corner, of half an edge ahead and half an edge behind; what is opposite of them follows
+                 * from both. Embree numbers 16. */
                 else for (unsigned i=0; i<min(n,16u); i++) {
                   samples.measure(unsigned(f),step,0.5f+2.0f*float(i%4),0.5f+2.0f*float(i/4),quads);
                   float &ahead = out[i], &behind = out[(i+n-1)%n];
@@ -117,10 +131,12 @@ namespace embree
     std::vector<float> dice (Geometry* geometry, const DicingCamera& camera)
     {
       const CompressibleGeometry* const own = compressible(geometry);
-      if (!own || own->ownType != Geometry::GTY_SUBDIV_MESH) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is no subdivision surface");
+      if (!own || own->ownType != Geometry::GTY_SUBDIV_MESH) throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+          "the geometry is no subdivision surface");
       requireEditable(geometry);
       SubdivMesh* const mesh = (SubdivMesh*) geometry;
-      if (Geometry::State(geometry->state) != Geometry::State::COMMITTED || mesh->topology[0].halfEdges.size() < mesh->numEdges() || !mesh->vertices[0])
+      if (Geometry::State(geometry->state) != Geometry::State::COMMITTED
+          || mesh->topology[0].halfEdges.size() < mesh->numEdges() || !mesh->vertices[0])
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is not committed");
       checkIndices(mesh); // a commit of what is not compressed has not
       validate(camera,mesh->numEdges());

@@ -12,6 +12,8 @@ namespace embree
 {
   namespace core
   {
+    using cbvh::withEmbreeErrors;
+
     namespace
     {
       /*! A geometry that can be saved, and its blocks. */
@@ -24,7 +26,10 @@ namespace embree
         {
           if (geometry) blocks = cbvh::blocksOf(geometry);
           /* a scene that compresses others has trees of surfaces that do not ask for it, too */
-          if (!blocks || geometry->compression.resolve(geometry->device->compression).compression == RTC_COMPRESSION_NONE) notCompressed();
+          const auto asks = [&] {
+            return geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
+          };
+          if (!blocks || !asks()) notCompressed();
           if (of->state != unsigned(Geometry::State::COMMITTED))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry was changed since it was committed");
         }
@@ -50,7 +55,8 @@ namespace embree
       const cvert::FileGeometry& recordOf (const cvert::File& file, size_t index)
       {
         if (index >= file.size())
-          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"index " + std::to_string(index) + ": the file has " + std::to_string(file.size()) + " geometries");
+          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"index " + std::to_string(index) + ": the file has "
+              + std::to_string(file.size()) + " geometries");
         return file.geometry(index);
       }
     }
@@ -58,7 +64,7 @@ namespace embree
     void saveGeometry (Geometry* geometry, const char* path)
     {
       const Saved saved(geometry); // before a file is begun
-      cbvh::withEmbreeErrors([&] {
+      withEmbreeErrors([&] {
         cvert::FileWriter writer(path);
         saved.addTo(writer);
         writer.commit();
@@ -66,17 +72,28 @@ namespace embree
     }
 
     CompressedFileWriter::CompressedFileWriter (Device* device, const char* path)
-      : device(device), writer(cbvh::withEmbreeErrors([&] { return new cvert::FileWriter(path); })) { device->refInc(); }
+      : device(device), writer(withEmbreeErrors([&] { return new cvert::FileWriter(path); }))
+    {
+      device->refInc();
+    }
     CompressedFileWriter::CompressedFileWriter (Device* device, const char* path, uint64_t key)
-      : device(device), writer(cbvh::withEmbreeErrors([&] { return new cvert::FileWriter(path,key); })) { device->refInc(); }
+      : device(device), writer(withEmbreeErrors([&] { return new cvert::FileWriter(path,key); }))
+    {
+      device->refInc();
+    }
     CompressedFileWriter::~CompressedFileWriter () { device->refDec(); }
 
     size_t CompressedFileWriter::size () const { return writer->size(); }
-    void CompressedFileWriter::append (Geometry* geometry) { cbvh::withEmbreeErrors([&] { Saved(geometry).addTo(*writer); }); }
-    void CompressedFileWriter::commit () { cbvh::withEmbreeErrors([&] { writer->commit(); }); }
+    void CompressedFileWriter::append (Geometry* geometry) {
+      withEmbreeErrors([&] { Saved(geometry).addTo(*writer); });
+    }
+    void CompressedFileWriter::commit () { withEmbreeErrors([&] { writer->commit(); }); }
 
     CompressedFile::CompressedFile (Device* device, const char* path)
-      : device(device), file(cbvh::withEmbreeErrors([&] { return std::make_shared<const cvert::File>(path); })) { device->refInc(); }
+      : device(device), file(withEmbreeErrors([&] { return std::make_shared<const cvert::File>(path); }))
+    {
+      device->refInc();
+    }
     CompressedFile::~CompressedFile () { device->refDec(); }
 
     size_t CompressedFile::size () const { return file->size(); }
@@ -96,16 +113,19 @@ namespace embree
       return description;
     }
 
-    cbvh::CompressionStatistics CompressedFile::statistics (size_t index) const { return cbvh::statisticsOf(recordOf(*file,index)).sums; }
+    cbvh::CompressionStatistics CompressedFile::statistics (size_t index) const {
+      return cbvh::statisticsOf(recordOf(*file,index)).sums;
+    }
 
     Geometry* CompressedFile::load (size_t index) const
     {
       const cvert::FileGeometry& record = recordOf(*file,index);
-      Ref<Geometry> geometry = new LoadedGeometry(device,record,cbvh::withEmbreeErrors([&] { return cbvh::loadSurface(file,device,index); }));
+      Ref<Geometry> geometry = new LoadedGeometry(device,record,
+          withEmbreeErrors([&] { return cbvh::loadSurface(file,device,index); }));
       geometry->refInc(); // the caller's
       return geometry.ptr;
     }
 
-    void CompressedFile::verify () const { cbvh::withEmbreeErrors([&] { cbvh::verifyFile(*file); }); }
+    void CompressedFile::verify () const { withEmbreeErrors([&] { cbvh::verifyFile(*file); }); }
   }
 }

@@ -15,15 +15,18 @@ namespace embree
     size_t corners = 0;
     for (size_t f=0; f<mesh->faceVertices.size(); f++)
       if ((corners += mesh->faceVertices[f]) > numIndices)
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,nameOf(mesh,f) + "the index buffer ends after " + std::to_string(numIndices) + " indices");
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,nameOf(mesh,f) + "the index buffer ends after "
+            + std::to_string(numIndices) + " indices");
 
     auto require = [](size_t size, size_t expected, const std::string& values, const char* perWhat) {
       if (size < expected)
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"there are " + std::to_string(size) + " " + values + ": expected at least " + std::to_string(expected) + ", one per " + perWhat);
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"there are " + std::to_string(size) + " " + values
+            + ": expected at least " + std::to_string(expected) + ", one per " + perWhat);
     };
     for (size_t i=1; i<mesh->topology.size(); i++)
       if (mesh->topology[i].vertexIndices)
-        require(mesh->topology[i].vertexIndices.size(),corners,"indices of topology " + std::to_string(i),"corner of a face");
+        require(mesh->topology[i].vertexIndices.size(),corners,"indices of topology " + std::to_string(i),
+            "corner of a face");
     if (mesh->levels) require(mesh->levels.size(),corners,"levels","edge of a face");
     require(mesh->edge_crease_weights.size(),mesh->edge_creases.size(),"edge crease weights","edge crease");
     require(mesh->vertex_crease_weights.size(),mesh->vertex_creases.size(),"vertex crease weights","vertex crease");
@@ -35,7 +38,8 @@ namespace embree
     checkSizes(mesh);
     const BufferView<unsigned>& indices = mesh->topology[0].vertexIndices;
     const size_t numVertices = mesh->vertices[0].size(), none = ~size_t(0);
-    const size_t firstWrong = parallel_reduce(size_t(0),indices.size(),size_t(1) << 16,none,[&](const range<size_t>& r) {
+    const size_t firstWrong = parallel_reduce(size_t(0),indices.size(),size_t(1) << 16,none,
+        [&](const range<size_t>& r) {
         for (size_t i=r.begin(); i!=r.end(); i++)
           if (indices[i] >= numVertices) return i;
         return none;
@@ -43,7 +47,8 @@ namespace embree
     size_t begin = 0;
     for (size_t f=0; f<mesh->faceVertices.size(); begin+=mesh->faceVertices[f++])
       if (begin + mesh->faceVertices[f] > firstWrong)
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,nameOf(mesh,f) + "index " + std::to_string(firstWrong-begin) + " is vertex " + std::to_string(indices[firstWrong]) + " of " + std::to_string(numVertices));
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,nameOf(mesh,f) + "index " + std::to_string(firstWrong-begin)
+            + " is vertex " + std::to_string(indices[firstWrong]) + " of " + std::to_string(numVertices));
   }
 
   void checkSides (const GridMesh* mesh)
@@ -51,7 +56,8 @@ namespace embree
     const unsigned most = 32767;
     for (size_t i=0; i<mesh->grids.size(); i++)
       if (max(mesh->grid(i).resX,mesh->grid(i).resY) > most)
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"grid " + std::to_string(i) + " has " + std::to_string(mesh->grid(i).resX) + " x " + std::to_string(mesh->grid(i).resY)
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"grid " + std::to_string(i) + " has "
+            + std::to_string(mesh->grid(i).resX) + " x " + std::to_string(mesh->grid(i).resY)
                        + " vertices: uncompressed grids have at most " + std::to_string(most) + " along a side");
   }
 
@@ -60,7 +66,8 @@ namespace embree
     const size_t large = size_t(1) << 24; // quads
     for (size_t i=0; i<mesh->grids.size(); i++)
       if (mesh->grid(i).lineVtxOffset == 0 && size_t(mesh->grid(i).resX)*mesh->grid(i).resY > large)
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"grid " + std::to_string(i) + " of " + std::to_string(mesh->grid(i).resX) + " x " + std::to_string(mesh->grid(i).resY)
-                       + " vertices has a stride of 0: expected at least 1, the number of vertices from one row to the next");
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"grid " + std::to_string(i) + " of "
+            + std::to_string(mesh->grid(i).resX) + " x " + std::to_string(mesh->grid(i).resY)
+            + " vertices has a stride of 0: expected at least 1, the number of vertices from one row to the next");
   }
 }

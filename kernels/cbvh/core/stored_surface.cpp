@@ -18,20 +18,24 @@ namespace embree
 
     float firstTime (Geometry* geometry) { return geometry->time_range.lower; }
 
-    bool findTriangle (Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng, cbvh::StoredTriangle& triangle) {
+    bool findTriangle (Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
+        cbvh::StoredTriangle& triangle) {
       return requireBlocks(geometry).index().find(traversalTime(geometry,time),primID,u,v,Ng,triangle);
     }
 
     void forEachPart (Geometry* geometry, float time, const std::function<bool(const cbvh::StoredPart&)>& closure) {
-      cbvh::forEachPart(requireBlocks(geometry),traversalTime(geometry,time),[&](const cbvh::StoredBlock&, const cbvh::StoredPart& part) { return closure(part); });
+      cbvh::forEachPart(requireBlocks(geometry),traversalTime(geometry,time),
+          [&](const cbvh::StoredBlock&, const cbvh::StoredPart& part) { return closure(part); });
     }
 
-    void forEachCluster (Geometry* geometry, float time, cbvh::ClusterFormat format, const std::function<bool(const cbvh::StoredCluster&)>& closure,
+    void forEachCluster (Geometry* geometry, float time, cbvh::ClusterFormat format,
+        const std::function<bool(const cbvh::StoredCluster&)>& closure,
                          cbvh::ClusterReport& report)
     {
       report = cbvh::ClusterReport();
       const SurfaceBlocks& blocks = requireBlocks(geometry);
-      if (format != cbvh::ClusterFormat::FLOAT3 && format != cbvh::ClusterFormat::COMPRESSED1 && format != cbvh::ClusterFormat::DGF1)
+      if (format != cbvh::ClusterFormat::FLOAT3 && format != cbvh::ClusterFormat::COMPRESSED1
+          && format != cbvh::ClusterFormat::DGF1)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown format of clusters: " + std::to_string(int(format)));
       cbvh::forEachCluster(blocks,traversalTime(geometry,time),format,closure,report);
     }

@@ -24,8 +24,9 @@ namespace embree
     {
       const size_t size = structSizeOf(data);
       if (size < known.firstSize || size > maxStructSize)
-        invalidArgument(std::string(known.name) + ": invalid structSize " + std::to_string(size) + ": expected sizeof(struct " + known.name + "), which is "
-                        + std::to_string(known.size) + " in this version and at least " + std::to_string(known.firstSize));
+        invalidArgument(std::string(known.name) + ": invalid structSize " + std::to_string(size)
+                        + ": expected sizeof(struct " + known.name + "), which is " + std::to_string(known.size)
+                        + " in this version and at least " + std::to_string(known.firstSize));
     }
 
     void copyFromApplication (const KnownStruct& known, const void* from, void* to)
@@ -35,8 +36,9 @@ namespace embree
       const char* const bytes = (const char*)from;
       const char* const stray = std::find_if(bytes+common,bytes+size,[](char byte) { return byte != 0; });
       if (stray != bytes+size)
-        invalidArgument(std::string(known.name) + ": structSize is " + std::to_string(size) + ", and byte " + std::to_string(stray-bytes)
-                        + " is not zero: expected zeros after the " + std::to_string(known.size) + " bytes that this version of the library knows");
+        invalidArgument(std::string(known.name) + ": structSize is " + std::to_string(size) + ", and byte "
+                        + std::to_string(stray-bytes) + " is not zero: expected zeros after the "
+                        + std::to_string(known.size) + " bytes that this version of the library knows");
       std::memcpy(to,from,common);
       std::memset((char*)to+common,0,known.size-common);
       std::memcpy(to,&known.size,sizeof(size_t));

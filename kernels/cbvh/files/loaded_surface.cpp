@@ -136,7 +136,8 @@ namespace embree
     {
       file.verify([](const FileGeometry& record, const void* block, size_t bytes) {
           const Reason reason = validateFramedBlock(block,bytes,record.numPrimitives);
-          return !reason && ((const BlockHeader*)block)->surface != record.surface ? Reason::damaged("it belongs to another surface") : reason;
+          return !reason && ((const BlockHeader*)block)->surface != record.surface
+              ? Reason::damaged("it belongs to another surface") : reason;
         });
     }
   }

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Clusters of a surface in formats that GPUs read: plain data, which includes nothing of Embree. docs/formats/clusters.md describes the formats. */
+/* Clusters of a surface in formats that GPUs read: plain data, which includes nothing of Embree.
+ * docs/formats/clusters.md describes the formats. */
 
 #include "part.h"
 #include <cstddef>
@@ -15,7 +16,8 @@ namespace embree
     enum class ClusterFormat : int
     {
       FLOAT3 = 0,      //!< x, y, z of each vertex as floats
-      COMPRESSED1 = 1, //!< D3D12_VERTEX_FORMAT_COMPRESSED1 of DirectX Raytracing: its header and vertices, filled up to 4 bytes
+      /*! D3D12_VERTEX_FORMAT_COMPRESSED1 of DirectX Raytracing: its header and vertices, filled up to 4 bytes */
+      COMPRESSED1 = 1,
       DGF1 = 2         //!< a block of 128 bytes of AMD's Dense Geometry Format, with its topology
     };
 
@@ -38,9 +40,12 @@ namespace embree
       const void* data;            //!< aligned to 4 bytes
       size_t bytes;                //!< of data
       const uint8_t* indices;      //!< of three vertices of each triangle; for DGF in the order of a decoder
-      const uint32_t* triangles;   //!< index of each triangle in the part: 2 ((width-1) y + x) for quad x, y, and 1 more for its second triangle
-      uint32_t firstTriangle;      //!< number of triangles in the clusters before; for DGF the first primitive index of the block
-      /*! In vertices, if the cluster is a whole grid, row by row: all clusters of one size then have the same indices. 0, 0 otherwise, and for DGF. */
+      /*! Index of each triangle in the part: 2 ((width-1) y + x) for quad x, y, and 1 more for its second triangle */
+      const uint32_t* triangles;
+      /*! Number of triangles in the clusters before; for DGF the first primitive index of the block */
+      uint32_t firstTriangle;
+      /*! In vertices, if the cluster is a whole grid, row by row: all clusters of one size then have the same indices.
+       *  0, 0 otherwise, and for DGF. */
       uint32_t width, height;
       const StoredPart* part;      //!< that the cluster is cut from
     };

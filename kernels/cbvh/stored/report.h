@@ -26,10 +26,12 @@ namespace embree
     }
   };
 
-  /*! accelerator of a scene's compressed surfaces that move, or of its subdivision surfaces that do not, at least one of which is compressed */
+  /*! accelerator of a scene's compressed surfaces that move, or of its subdivision surfaces that do not, at least one
+   *  of which is compressed */
   struct CompressedAccel : public AccelInstance
   {
-    CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report, bool moves)
+    CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report,
+        bool moves)
       : AccelInstance(accel,builder,intersectors), report(report), moves(moves) {}
 
     std::unique_ptr<CompressionReport> report; //!< of the last build

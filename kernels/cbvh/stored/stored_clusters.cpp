@@ -28,7 +28,9 @@ namespace embree
         bool cut (const StoredBlock& block, const StoredPart& part)
         {
           this->part = &part;
-          whyFloats = !block.isVert ? ClusterReason::RAW : isMoving(block.vert()->boxForm) ? ClusterReason::MOVING : isRaw(block.vert()->boxForm) || hasRemainders(block.vert()->boxForm) ? ClusterReason::RAW : ClusterReason::RANGE;
+          whyFloats = !block.isVert ? ClusterReason::RAW : isMoving(block.vert()->boxForm) ? ClusterReason::MOVING
+              : isRaw(block.vert()->boxForm) || hasRemainders(block.vert()->boxForm) ? ClusterReason::RAW
+              : ClusterReason::RANGE;
           const QuadRectangle all = { 0,0,part.width-1,part.height-1 };
           if (format == ClusterFormat::DGF1) {
             bool goesOn = true;
@@ -121,7 +123,8 @@ namespace embree
           return handOut(piece,triangles,ClusterFormat::DGF1,ClusterReason::FITS,sizeof(block.bytes));
         }
 
-        bool handOut (const QuadRectangle& square, const QuadTriangles& triangles, ClusterFormat format, ClusterReason reason, size_t bytes)
+        bool handOut (const QuadRectangle& square, const QuadTriangles& triangles, ClusterFormat format,
+            ClusterReason reason, size_t bytes)
         {
           StoredCluster cluster = StoredCluster();
           cluster.format = format;
@@ -162,7 +165,9 @@ namespace embree
                          const std::function<bool(const StoredCluster&)>& closure, ClusterReport& report)
     {
       const std::unique_ptr<Cutter> cutter(new Cutter(format,closure,report));
-      forEachPart(blocks,time,[&](const StoredBlock& block, const StoredPart& part) { return cutter->cut(block,part); });
+      forEachPart(blocks,time,[&](const StoredBlock& block, const StoredPart& part) {
+          return cutter->cut(block,part);
+        });
     }
   }
 }

@@ -117,7 +117,8 @@ namespace embree
       class Search
       {
       public:
-        Search (const TraversalTime& time, float u, float v, const float* Ng, StoredTriangle& best) : time(time), u(u), v(v), Ng(Ng), best(best) {}
+        Search (const TraversalTime& time, float u, float v, const float* Ng, StoredTriangle& best) : time(time), u(u),
+            v(v), Ng(Ng), best(best) {}
 
         bool found () const { return hasBest; }
 
@@ -257,7 +258,8 @@ namespace embree
       blockOf.shrink_to_fit();
     }
 
-    bool BlockIndex::find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng, StoredTriangle& triangle) const
+    bool BlockIndex::find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
+        StoredTriangle& triangle) const
     {
       if (!(std::isfinite(u) && std::isfinite(v) && std::isfinite(time.time))) return false; // nothing lies there
       Search search(time,u,v,Ng,triangle);
@@ -271,7 +273,8 @@ namespace embree
       return search.found();
     }
 
-    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time, const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
+    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
+        const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {
       bool goesOn = true;
       forEachBlock(blocks,[&](const StoredBlock& block) {

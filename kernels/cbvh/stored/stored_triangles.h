@@ -50,7 +50,8 @@ namespace embree
       explicit BlockIndex (const SurfaceBlocks& blocks);
 
       /*! see core/stored_surface.h */
-      bool find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng, StoredTriangle& triangle) const;
+      bool find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
+          StoredTriangle& triangle) const;
 
     private:
       enum : uint32_t { none = 0xFFFFFFFFu };
@@ -60,6 +61,7 @@ namespace embree
     };
 
     /*! Calls closure(block, part) for the blocks of a surface until it returns false. Throws where one is neither cVERT nor cGRID. */
-    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time, const std::function<bool(const StoredBlock&, const StoredPart&)>& closure);
+    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
+        const std::function<bool(const StoredBlock&, const StoredPart&)>& closure);
   }
 }

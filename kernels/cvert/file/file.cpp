@@ -107,8 +107,10 @@ namespace cvert
         if (type == FILE_FRAMED && !other) return;
         const char* const block = blocks(i)+offset;
         const size_t bytes = size_t(record.blockBytes-offset);
-        Reason reason = type == FILE_FRAMED ? other(record,block,bytes) : validateVertBlock(record,(const VertHeader*)block,bytes);
-        if (!reason && type != FILE_FRAMED && ((const VertHeader*)block)->surface != record.surface) reason = Reason::damaged("it belongs to another surface");
+        Reason reason = type == FILE_FRAMED ? other(record,block,bytes)
+            : validateVertBlock(record,(const VertHeader*)block,bytes);
+        if (!reason && type != FILE_FRAMED && ((const VertHeader*)block)->surface != record.surface)
+          reason = Reason::damaged("it belongs to another surface");
         if (reason) failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
       });
     if (reason) failAt(i,reason.message());
