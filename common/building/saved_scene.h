@@ -53,6 +53,7 @@ private:
   SceneHandle scene; // released before its device
   std::unique_ptr<EmbreeTracer> embreeTracer;
   std::vector<RTCCompressedFileGeometry> descriptions;
+  std::vector<RTCCompressionStatistics> statistics;
   unsigned mostFaces = 1;
   double opening = 0, openingOnProcessors = 0;
 };

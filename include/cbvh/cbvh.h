@@ -19,7 +19,21 @@
  *
  * Functions return an error, CBVH_OK if there is none; cbvhGetErrorText says more of the last one. Objects are made with one reference.
  * Thread safety: of one object one thread may change something at a time, and nobody trace it meanwhile; otherwise any
- * thread may call any function. */
+ * thread may call any function.
+ *
+ * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
+ * struct as it was compiled. In C++ a default member initializer does so; in C write {.structSize = sizeof(cage)}.
+ * Versions only append members:
+ *
+ * - Of a struct that the library reads, members that the application's version lacks count as zero. A struct that is
+ *   larger than the library's own is accepted if all bytes after the members that the library knows are zero.
+ * - Of a struct that the library writes, it writes the members that both versions have, and sets the other bytes of
+ *   the application's to zero. structSize keeps its value.
+ * - A structSize of 0, below the size in the first version, or above 4096 is an error: CBVH_ERROR_INVALID_ARGUMENT.
+ *
+ * Structs without structSize never grow if an application passes them: CbvhVertices, CbvhAttribute, CbvhGrid, rays,
+ * hits and CbvhTriangle. Those that the library passes to callbacks may grow at their end: CbvhDisplacementArguments,
+ * CbvhFilterArguments, CbvhPart and CbvhCluster. Do not store arrays of them. */
 
 #include <stddef.h>
 
@@ -29,6 +43,13 @@ extern "C" {
 
 #define CBVH_API __attribute__((visibility("default")))
 #define CBVH_ALIGNED __attribute__((aligned(16)))
+
+/* Default value of structSize in C++. C has none. */
+#if defined(__cplusplus)
+#  define CBVH_SIZE_OF(type) = sizeof(type)
+#else
+#  define CBVH_SIZE_OF(type)
+#endif
 
 /* The result of a call. CBVH_OK: the call did what it is for. Anything else: it failed, and cbvhGetErrorText returns the
  * reason as a text. */
@@ -110,9 +131,10 @@ struct CbvhAttribute
   enum CbvhBoundary boundary;
 };
 
-/* A control cage, which Catmull-Clark subdivision makes a surface of. Fill with zeros first. */
+/* A control cage, which Catmull-Clark subdivision makes a surface of. Fill with zeros first, but for structSize. */
 struct CbvhCage
 {
+  size_t structSize CBVH_SIZE_OF(CbvhCage);
   size_t numFaces;
   const unsigned int* faceVertices;  /* vertices of each face, from 3 */
   size_t numIndices;                 /* the sum of these */
@@ -148,6 +170,7 @@ struct CbvhGrid
 
 struct CbvhGrids
 {
+  size_t structSize CBVH_SIZE_OF(CbvhGrids);
   size_t count;
   const struct CbvhGrid* grids;
   struct CbvhVertices vertices;
@@ -157,6 +180,7 @@ struct CbvhGrids
  * other make a quad. */
 struct CbvhMesh
 {
+  size_t structSize CBVH_SIZE_OF(CbvhMesh);
   unsigned int corners;             /* 4: quads, 3: triangles */
   size_t count;                     /* of them */
   const unsigned int* indices;
@@ -166,6 +190,7 @@ struct CbvhMesh
 /* A camera, and how large quads may be in its picture. Zeros but for the position and pixelSize: quads of a pixel, and all that is around counts as in the picture. */
 struct CbvhDicing
 {
+  size_t structSize CBVH_SIZE_OF(CbvhDicing);
   float position[3];                /* world space; of an orthographic camera only pixelSize and what lies in the picture matter */
   float direction[3];               /* into the middle of the picture, of any length */
   float up[3];                      /* of the picture, of any length, not along direction */
@@ -183,6 +208,7 @@ struct CbvhDicing
  * a cage, of 1/512 of grids, of 1/2048 of meshes; see also cbvhSetLossless. */
 struct CbvhAccuracy
 {
+  size_t structSize CBVH_SIZE_OF(CbvhAccuracy);
   float maxError;                   /* world units; the largest spacing of the lattice. A vertex moves by at most half of it on each axis, 0.866 in space. */
   float maxPixelError;              /* the same in pixels of a camera */
   float cameraPosition[3];
@@ -236,6 +262,7 @@ CBVH_API enum CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID
 /* Points of one face, for which an attribute is evaluated, as by cbvhInterpolate. */
 struct CbvhInterpolation
 {
+  size_t structSize CBVH_SIZE_OF(CbvhInterpolation);
   unsigned int primID, attribute;
   size_t count;
   const float *u, *v;             /* `count` of each, as a displacement function has them */
@@ -291,6 +318,7 @@ CBVH_API void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3]
 /* Sizes in bytes. */
 struct CbvhStatistics
 {
+  size_t structSize CBVH_SIZE_OF(CbvhStatistics);
   size_t bytes;                 /* all that the group keeps, with what other groups share */
   size_t numQuads;              /* of the tessellation */
   size_t numMovingQuads;        /* of them those with several time steps */
@@ -341,6 +369,7 @@ enum CbvhQueryFlags
 
 struct CbvhQuery
 {
+  size_t structSize CBVH_SIZE_OF(CbvhQuery);
   unsigned int flags;
   CbvhFilterFunction filter;   /* NULL: every hit counts */
   void* filterPtr;
@@ -424,6 +453,7 @@ struct CbvhCluster
 /* Sums over clusters. */
 struct CbvhClusterReport
 {
+  size_t structSize CBVH_SIZE_OF(CbvhClusterReport);
   size_t numClusters, numTriangles;
   size_t numVertices;            /* those that clusters share count in each */
   size_t bytes;                  /* of data */

@@ -152,6 +152,7 @@ static inline unsigned int cbvhFlagsOfPacket(void* rays, unsigned int N, const i
 static inline void cbvhStartQuery(struct CbvhQuery* query, struct CbvhFilterCall* call, const void* args, CbvhGroup group, unsigned int geomID, CbvhRTCContext* context,
                                   unsigned int flags, int isOcclusion)
 {
+  query->structSize = sizeof(*query);
   query->flags = 0;
   query->filter = flags ? cbvhFilterHits : NULL;
   query->filterPtr = call;

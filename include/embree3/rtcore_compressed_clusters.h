@@ -7,6 +7,7 @@
  * from which specification, is in docs/formats/clusters.md. */
 
 #include "rtcore_compressed_triangles.h"
+#include "rtcore_compression.h"
 
 RTC_NAMESPACE_BEGIN
 
@@ -26,7 +27,7 @@ enum RTCClusterReason
   RTC_CLUSTER_RANGE = 3   /* on a lattice, but further from the origin than 2^23 of its steps, or with steps below 2^-126 */
 };
 
-/* Up to 8 x 8 quads: 81 vertices and 128 triangles; of DGF 64 of both. */
+/* Up to 8 x 8 quads: 81 vertices and 128 triangles; of DGF 64 of both. Later versions may append members. */
 struct RTCCompressedCluster
 {
   enum RTCClusterFormat format; /* of data: what was asked for, or RTC_CLUSTER_FORMAT_FLOAT3 */
@@ -44,6 +45,7 @@ struct RTCCompressedCluster
 /* Sums over clusters. */
 struct RTCCompressedClusterReport
 {
+  size_t structSize RTC_SIZE_OF(RTCCompressedClusterReport); /* see rtcore_compression.h */
   size_t numClusters, numTriangles;
   size_t numVertices;           /* those that clusters share count in each */
   size_t bytes;                 /* of data */
@@ -62,10 +64,11 @@ typedef bool (*RTCCompressedClusterFunction)(void* userPtr, const struct RTCComp
  * geometry: stored as cVERT or cGRID, as for rtcForEachCompressedPart.
  * time: as rays have it; without meaning for what does not move. At a time step vertices are on their lattice.
  * function: NULL: nothing but the report is wanted.
- * report: what was handed out; may be NULL.
+ * report: what was handed out, written when the function returns; may be NULL. structSize is read.
  *
- * Errors: as rtcForEachCompressedPart; RTC_ERROR_INVALID_ARGUMENT for an unknown format; RTC_ERROR_INVALID_OPERATION where DGF has more triangles
- * than the 29 bits of its primitive indices count. Thread safety: as rtcInterpolate. */
+ * Errors: as rtcForEachCompressedPart; RTC_ERROR_INVALID_ARGUMENT for an unknown format and a wrong structSize;
+ * RTC_ERROR_INVALID_OPERATION where DGF has more triangles than the 29 bits of its primitive indices count. Thread
+ * safety: as rtcInterpolate. */
 RTC_API void rtcForEachCompressedCluster(RTCGeometry geometry, float time, enum RTCClusterFormat format, RTCCompressedClusterFunction function, void* userPtr, struct RTCCompressedClusterReport* report);
 
 RTC_NAMESPACE_END

@@ -112,25 +112,36 @@ RTC_API unsigned int rtcGetCompressedFileGeometryCount(RTCCompressedFile file);
 /* What a file says of a geometry. */
 struct RTCCompressedFileGeometry
 {
+  size_t structSize RTC_SIZE_OF(RTCCompressedFileGeometry); /* see rtcore_compression.h */
   enum RTCGeometryType type;                  /* that it was made as */
   enum RTCCompression compression;            /* that it was stored as */
   unsigned int primitiveCount, timeStepCount;
   float begin, end;                           /* times of the first step and of the last */
   float lower[3], upper[3];                   /* of all that a ray may hit, at all times; lower is above upper if that is nothing */
   size_t bytes;                               /* in the file */
-  struct RTCCompressionStatistics statistics; /* of the geometry alone */
 };
 
 /* Describes a geometry of a file, without loading it.
  *
  * file: open.
  * index: below rtcGetCompressedFileGeometryCount.
- * description: written during the call, not NULL.
+ * description: written during the call, not NULL; structSize is read.
  *
  * Returns whether it was written.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for an index that is none. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for an index out of range, and for a wrong structSize. */
 RTC_API bool rtcGetCompressedFileGeometry(RTCCompressedFile file, unsigned int index, struct RTCCompressedFileGeometry* description);
+
+/* Reports the compression of one geometry of a file, as its last commit before it was saved did, without loading it.
+ *
+ * file: open.
+ * index: below rtcGetCompressedFileGeometryCount.
+ * statistics: of the geometry alone. Written during the call, not NULL; structSize is read.
+ *
+ * Returns whether they were written.
+ *
+ * Errors: as rtcGetCompressedFileGeometry. */
+RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile file, unsigned int index, struct RTCCompressionStatistics* statistics);
 
 /* Makes a geometry of one in an open file, as rtcLoadCompressedGeometry. The file may be released before it. Each call makes another geometry: a
  * second one that lives beside the first has copies of its own of what rays meet, so an instance is better.

@@ -10,7 +10,7 @@
 
 RTC_NAMESPACE_BEGIN
 
-/* A triangle as it is stored. */
+/* A triangle as it is stored. The struct never grows. */
 struct RTCCompressedTriangle
 {
   float vertices[3][3]; /* x, y, z in the geometry's space */
@@ -39,7 +39,7 @@ RTC_API bool rtcGetCompressedTriangle(RTCGeometry geometry, unsigned int primID,
 RTC_API bool rtcGetCompressedTriangleAtTime(RTCGeometry geometry, float time, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle);
 
 /* Up to 16 x 16 quads, of cGRID up to 256 x 256. Neighbouring parts have the vertices that they share as the same floats; of
- * cGRID those of one face have. */
+ * cGRID those of one face have. Later versions may append members. */
 struct RTCCompressedPart
 {
   unsigned int primID;        /* that all quads are of, where primitivesPerQuad is 0 */

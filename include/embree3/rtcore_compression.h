@@ -28,11 +28,32 @@
  * the vertices that they share apart: all take those of the face that owns the edge or corner. Grids of
  * one geometry are closed where they have the same vertices on their borders, by index or as the same floats.
  *
+ * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
+ * struct as it was compiled. In C++ a default member initializer does so. In C the application writes {.structSize =
+ * sizeof(args)}, or calls the rtcInit function of the struct. Versions only append members:
+ *
+ * - Of a struct that the library reads, members that the application's version lacks count as zero. A struct that is
+ *   larger than the library's own is accepted if all bytes after the members that the library knows are zero.
+ * - Of a struct that the library writes, it writes the members that both versions have, and sets the other bytes of
+ *   the application's to zero. structSize keeps its value.
+ * - A structSize of 0, below the size in the first version, or above 4096 is an error: RTC_ERROR_INVALID_ARGUMENT.
+ *
+ * Structs without structSize that an application passes, such as RTCCompressedTriangle, never grow. Structs that the
+ * library passes to callbacks, such as RTCCompressedPart and RTCCompressedCluster, may grow at their end: do not
+ * store arrays of them.
+ *
  * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression
  * Scheme for Ray Tracing Subdivision Surfaces with Displacement", 2018. */
 
 #include "rtcore.h"
 #include "rtcore_compression_version.h"
+
+/* Default value of structSize in C++. C has none. */
+#if defined(__cplusplus)
+#  define RTC_SIZE_OF(type) = sizeof(type)
+#else
+#  define RTC_SIZE_OF(type)
+#endif
 
 RTC_NAMESPACE_BEGIN
 
@@ -88,6 +109,8 @@ enum RTCCompressionFlags
 /* Settings of one geometry. Fill with rtcInitCompressionArguments first. */
 struct RTCCompressionArguments
 {
+  size_t structSize RTC_SIZE_OF(RTCCompressionArguments);
+
   enum RTCCompression compression;
 
   /* Number of uniform subdivisions of a face before local frames start: a face tessellated
@@ -133,6 +156,7 @@ struct RTCCompressionArguments
 /* Sets every argument to inherit the setting of the device. */
 RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments* args)
 {
+  args->structSize = sizeof(*args);
   args->compression = RTC_COMPRESSION_INHERIT;
   args->frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
   args->maxError = -1.0f;
@@ -155,16 +179,17 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
  *           RTC_GEOMETRY_TYPE_TRIANGLE.
  * args:     read during the call, not NULL.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, an unknown compression, a frame
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, a wrong structSize, an unknown compression, a frame
  * level outside -2..8, a maxError that is not finite, a maxPixelError that is negative or not
  * finite, a camera without which it means nothing, an exactFaces above 1, or unknown flags;
  * RTC_ERROR_INVALID_OPERATION for a geometry of another type. The geometry keeps
  * its setting then. Thread safety: as rtcSetGeometryTessellationRate. */
 RTC_API void rtcSetGeometryCompression(RTCGeometry geometry, const struct RTCCompressionArguments* args);
 
-/* What a committed scene holds in compressed form. Sizes in bytes. */
+/* What a committed scene, or a geometry of a file, holds in compressed form. Sizes in bytes. */
 struct RTCCompressionStatistics
 {
+  size_t structSize RTC_SIZE_OF(RTCCompressionStatistics);
   size_t topLevelBytes;         // full-precision BVH over blocks and grids
   size_t frameBytes;            // headers of all blocks: frame, IDs, parametrisation
   size_t nodeBytes;             // compressed inner nodes
@@ -200,9 +225,9 @@ struct RTCCompressionStatistics
  * has no compressed geometry.
  *
  * scene: committed. Geometry inside instanced scenes belongs to those scenes.
- * stats: written during the call, not NULL.
+ * stats: written during the call, not NULL; structSize is read.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, RTC_ERROR_INVALID_OPERATION when
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize, RTC_ERROR_INVALID_OPERATION when
  * the scene or one of its geometries was modified since its last commit. Thread safety: as rtcGetSceneBounds. */
 RTC_API void rtcGetSceneCompressionStatistics(RTCScene scene, struct RTCCompressionStatistics* stats);
 

@@ -5,13 +5,15 @@
 
 /* Subdivision surfaces as fine as a picture of them needs: the rate of each edge by how large the camera sees what lies along it. */
 
-#include "rtcore.h"
+#include "rtcore_compression.h"
 
 RTC_NAMESPACE_BEGIN
 
 /* A camera, and how large quads may be in its picture. Fill with rtcInitDicingArguments first. */
 struct RTCDicingArguments
 {
+  size_t structSize RTC_SIZE_OF(RTCDicingArguments); /* see rtcore_compression.h */
+
   /* World space. Of an orthographic camera only pixelSize and what lies in the picture matter. */
   float position[3];
   float direction[3];      /* into the middle of the picture, of any length */
@@ -31,6 +33,7 @@ struct RTCDicingArguments
 /* Sets a camera at the origin without a picture, pixelSize to 0, which has to be set, and all else to what stands above. */
 RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args)
 {
+  args->structSize = sizeof(*args);
   for (int i = 0; i < 3; i++)
     args->position[i] = args->direction[i] = args->up[i] = 0.0f;
   args->direction[2] = args->up[1] = 1.0f;
@@ -54,9 +57,12 @@ RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args)
  * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION, committed since its buffers were last changed. Of several time steps the one that needs most counts.
  * args: read during the call, not NULL.
  *
- * Vertices that are not finite count as if they were not there; holes need nothing. Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for numbers that are not
- * finite or out of the ranges above, with their names; RTC_ERROR_INVALID_OPERATION for other geometry and for what is not
- * committed. The geometry keeps its levels then. Thread safety: as rtcSetGeometryTessellationRate. Displacement functions are called by several threads. */
+ * Vertices that are not finite count as if they were not there; holes need nothing.
+ *
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for a wrong structSize, and for numbers that are not finite or out of
+ * the ranges above, with their names; RTC_ERROR_INVALID_OPERATION for other geometry and for a geometry that is not
+ * committed. The geometry keeps its levels then. Thread safety: as rtcSetGeometryTessellationRate. Displacement
+ * functions are called by several threads. */
 RTC_API void rtcDiceGeometry(RTCGeometry geometry, const struct RTCDicingArguments* args);
 
 RTC_NAMESPACE_END

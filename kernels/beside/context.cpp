@@ -3,9 +3,11 @@
 
 #include "context.h"
 
-#include "../cbvh/api/device_string.h"
+#include "cbvh/core/device_string.h"
 
 #include <embree3/rtcore_compression.h>
+
+#include <utility>
 
 using namespace embree::beside;
 
@@ -53,16 +55,29 @@ CbvhContextTy::~CbvhContextTy()
   rtcReleaseDevice(device);
 }
 
-void CbvhContextTy::check() const
+Failure CbvhContextTy::takeError() const
 {
   rtcGetDeviceError(device); // which forgets it
-  if (ofEmbree.code == CBVH_OK) return;
-  const Failure failure = ofEmbree;
-  ofEmbree = {CBVH_OK, ""};
-  throw failure;
+  return std::exchange(ofEmbree, Failure{CBVH_OK, ""});
+}
+
+void CbvhContextTy::check() const
+{
+  const Failure failure = takeError();
+  if (failure) throw failure;
 }
 
 CbvhError CbvhContextTy::report(const Failure& failure) const { return tell(failure, function, userPtr); }
+
+Failure embree::beside::caughtFailure()
+{
+  try { throw; }
+  catch (const Failure& failure) { return failure; }
+  catch (...) {
+    const embree::core::CaughtError error = embree::core::caughtError();
+    return {codeOf(error.code), error.text};
+  }
+}
 
 OwnErrors::OwnErrors(bool areTaken) : outer(ofEmbree), wereTaken(isTaken)
 {
@@ -97,16 +112,14 @@ unsigned int cbvhGetVersion() { return RTC_COMPRESSION_VERSION; }
 CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr, CbvhContext* context)
 {
   if (!context) return refuse("context is NULL");
-  Failure failure = {CBVH_OK, ""};
+  Failure failure;
   try {
     const std::string wrong = embree::whatIsWrongWith(settings);
     if (!wrong.empty()) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, std::string("settings '") + settings + "': " + wrong};
     *context = new CbvhContextTy(settings, function, userPtr);
     return CBVH_OK;
   }
-  catch (const Failure& f) { failure = f; }
-  catch (const std::bad_alloc&) { failure = {CBVH_ERROR_OUT_OF_MEMORY, "out of memory"}; }
-  catch (const std::exception& e) { failure = {CBVH_ERROR_UNKNOWN, e.what()}; }
+  catch (...) { failure = caughtFailure(); }
   return tell(failure, function, userPtr);
 }
 

@@ -3,10 +3,12 @@
 
 #pragma once
 
-/* Contexts, and how calls of Embree's API become errors of ours. Everything here goes through that API: it is the kernels' own, in this
- * library, and nobody outside sees it. */
+/* Contexts, and how errors of the kernels become errors of this library. What Embree has (geometries, buffers, scenes,
+ * rays) is called through its own API, which is the kernels' own in this library, and which nobody outside sees; its
+ * errors go to a device's error function. What Embree does not have is called in kernels/cbvh/core, which throws. */
 
 #include "cbvh/cbvh.h"
+#include "cbvh/core/errors.h"
 
 #include <embree3/rtcore.h>
 
@@ -15,14 +17,23 @@
 #include <new>
 #include <string>
 
-namespace embree { namespace beside {
+namespace embree {
+
+class Device;
+
+namespace beside {
 
 /* An error on its way out of a function. */
 struct Failure
 {
   CbvhError code;
   std::string text;
+
+  explicit operator bool() const { return code != CBVH_OK; }
 };
+
+/* The exception that is being handled: a Failure, or one of the core. */
+Failure caughtFailure();
 
 /* Counts its references; made with one. */
 class Counted
@@ -67,9 +78,14 @@ struct CbvhContextTy : embree::beside::Counted
 {
   CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr);
 
+  embree::Device* inner() const { return (embree::Device*)device; }
+
   RTCDevice device;
 
-  /* Throws Failure if a call of Embree's API set an error since the last call of this, of this thread. */
+  /* Returns the error that calls of Embree's API caused on this thread since the last call of this, and forgets it. */
+  embree::beside::Failure takeError() const;
+
+  /* Throws that error, if there is one. */
   void check() const;
 
   /* Keeps an error for cbvhGetErrorText, and tells the application. */
@@ -84,10 +100,10 @@ private:
 
 namespace embree { namespace beside {
 
-/* Decides what happens to errors of Embree's functions on this thread. A function of this library creates one: errors are
- * then kept until CbvhContextTy::check() throws them. Around a callback of the application, areTaken is false: errors of rays
- * that the callback traces are reported at once, and the function that called the callback does not fail because of them.
- * The destructor restores the previous state. */
+/* Decides what happens to errors of Embree's functions on this thread. A function of this library creates one: errors
+ * are then kept until CbvhContextTy::check() throws them. Around a callback of the application, areTaken is false:
+ * errors of rays that the callback traces are reported at once, and the function that called the callback does not fail
+ * because of them. The destructor restores the previous state. */
 class OwnErrors
 {
 public:
@@ -99,7 +115,8 @@ private:
   const bool wereTaken;
 };
 
-/* Stores the text of an error for cbvhGetErrorText and calls an error function, which may be NULL. The function may cause errors itself. */
+/* Stores the text of an error for cbvhGetErrorText and calls an error function, which may be NULL. The function may
+ * cause errors itself. */
 CbvhError tell(const Failure& failure, CbvhErrorFunction function, void* userPtr);
 
 /* What all functions of the API that may fail are made of: their errors become a code. */
@@ -107,15 +124,13 @@ template<typename Closure>
 CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 {
   const Held<CbvhContextTy> held(context); // callbacks may release the application's references
-  Failure failure = {CBVH_OK, ""};
   const OwnErrors errors;
+  Failure failure;
   try {
     closure();
     return CBVH_OK;
   }
-  catch (const Failure& f) { failure = f; }
-  catch (const std::bad_alloc&) { failure = {CBVH_ERROR_OUT_OF_MEMORY, "out of memory"}; }
-  catch (const std::exception& e) { failure = {CBVH_ERROR_UNKNOWN, e.what()}; }
+  catch (...) { failure = caughtFailure(); }
   return context ? context->report(failure) : failure.code;
 }
 

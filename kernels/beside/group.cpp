@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "group.h"
+#include "structs.h"
 
-#include <embree3/rtcore_compression.h>
+#include "cbvh/core/compression.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,19 +38,16 @@ void CbvhGroupTy::commit()
   }
   for (size_t i = 0; i < surfaces.size(); i++) firstPrimitive[i + 1] = firstPrimitive[i] + surfaces[i]->committed()->numPrimitives;
   rtcCommitScene(scene);
-  Failure failure = {CBVH_OK, ""};
-  try { context->check(); } catch (const Failure& f) { failure = f; }
+  const Failure failure = context->takeError();
   isCommitted = false;
-  try { keepStatistics(); } catch (const Failure& f) { if (failure.code == CBVH_OK) failure = f; }
-  if (failure.code != CBVH_OK) throw failure;
+  try { keepStatistics(); } catch (...) { if (!failure) throw; }
+  if (failure) throw failure;
 }
 
 /* A later change of a surface's mask makes Embree ask for a commit of every scene that has it, also of those that are not concerned. */
 void CbvhGroupTy::keepStatistics()
 {
-  RTCCompressionStatistics all = RTCCompressionStatistics();
-  rtcGetSceneCompressionStatistics(scene, &all);
-  context->check();
+  const embree::cbvh::CompressionStatistics all = embree::core::statisticsOf((embree::Scene*)scene);
   statistics.bytes = all.topLevelBytes + all.frameBytes + all.nodeBytes + all.leafBytes + all.gridBytes;
   statistics.numQuads = all.numQuads + all.numGridQuads;
   statistics.numMovingQuads = all.numMovingQuads;
@@ -125,7 +123,8 @@ CbvhError cbvhGetGroupStatistics(CbvhGroup group, CbvhStatistics* statistics)
 {
   if (!group || !statistics) return refuse("group or statistics are NULL");
   return guarded(group->context.get(), [&] {
+    embree::core::requireStruct(*statistics);
     if (!group->isCommitted) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the group was not committed: cbvhCommitGroup comes first"};
-    *statistics = group->statistics;
+    embree::core::writeStruct(*statistics, group->statistics);
   });
 }

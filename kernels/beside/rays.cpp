@@ -4,6 +4,7 @@
 /* Rays of groups. The kernels write IDs of their own into hits; what was there says afterwards whether anything was hit. */
 
 #include "group.h"
+#include "structs.h"
 
 #include <cstring>
 
@@ -33,6 +34,21 @@ struct Query
   }
 };
 
+/* One comparison per call. */
+inline bool isKnown(const CbvhQuery* query) { return !query || query->structSize == sizeof(CbvhQuery); }
+
+/* Calls trace(query) with a query of another version as this one knows it. Returns 0 if there is an error. */
+template<typename Trace>
+__attribute__((noinline)) auto asKnown(CbvhGroup group, const CbvhQuery* query, const Trace& trace)
+    -> decltype(trace(query))
+{
+  CbvhQuery known;
+  const CbvhContext context = group->context.get();
+  const CbvhError error = embree::beside::guarded(context, [&] { known = embree::core::readStruct(*query); });
+  if (error != CBVH_OK) return 0;
+  return trace(&known);
+}
+
 template<unsigned int K> struct Kernels;
 template<> struct Kernels<4> { typedef RTCRayHit4 RayHits; typedef RTCRay4 Rays; static constexpr auto intersect = rtcIntersect4; static constexpr auto occluded = rtcOccluded4; };
 template<> struct Kernels<8> { typedef RTCRayHit8 RayHits; typedef RTCRay8 Rays; static constexpr auto intersect = rtcIntersect8; static constexpr auto occluded = rtcOccluded8; };
@@ -49,6 +65,8 @@ template<unsigned int K>
 unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
   if (!group || !rays) { embree::beside::refuse("group or rays are NULL"); return 0; }
+  if (!isKnown(query))
+    return asKnown(group, query, [&](const CbvhQuery* known) { return intersect<K>(group, valid, rays, known); });
   typename Kernels<K>::RayHits& packet = *(typename Kernels<K>::RayHits*)rays;
   static const AllRays<K> all;
   if (!valid) valid = all.valid;
@@ -72,6 +90,8 @@ template<unsigned int K>
 unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
   if (!group || !rays) { embree::beside::refuse("group or rays are NULL"); return 0; }
+  if (!isKnown(query))
+    return asKnown(group, query, [&](const CbvhQuery* known) { return occluded<K>(group, valid, rays, known); });
   typename Kernels<K>::Rays& packet = *(typename Kernels<K>::Rays*)rays;
   static const AllRays<K> all;
   if (!valid) valid = all.valid;
@@ -88,6 +108,8 @@ unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQ
 int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 {
   if (!group || !ray) { embree::beside::refuse("group or ray is NULL"); return 0; }
+  if (!isKnown(query))
+    return asKnown(group, query, [&](const CbvhQuery* known) { return cbvhIntersect1(group, ray, known); });
   RTCRayHit* const ours = (RTCRayHit*)ray;
   const unsigned int geomID = ours->hit.geomID, instID = ours->hit.instID[0];
   ours->hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -102,6 +124,8 @@ int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query)
 {
   if (!group || !ray) { embree::beside::refuse("group or ray is NULL"); return 0; }
+  if (!isKnown(query))
+    return asKnown(group, query, [&](const CbvhQuery* known) { return cbvhOccluded1(group, ray, known); });
   if (ray->tfar < 0) return 0;
   Query context(query);
   rtcOccluded1(group->scene, &context.context, (RTCRay*)ray);

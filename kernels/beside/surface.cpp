@@ -2,21 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "surface.h"
+#include "structs.h"
 
-#include <embree3/rtcore_compression.h>
-#include <embree3/rtcore_compressed_clusters.h>
-#include <embree3/rtcore_compressed_files.h>
-#include <embree3/rtcore_compressed_triangles.h>
-#include <embree3/rtcore_dicing.h>
+#include "cbvh/core/dicing.h"
+#include "cbvh/core/files.h"
+#include "cbvh/core/stored_surface.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstring>
 #include <string>
 #include <utility>
 
 using namespace embree::beside;
+namespace core = embree::core;
 
 namespace {
 
@@ -244,34 +243,19 @@ void CbvhSurfaceTy::dice(const CbvhDicing& dicing, float* rates)
 {
   const Change change(*this);
   if (!pending || !pending->numEdges) throw Failure{CBVH_ERROR_INVALID_OPERATION, "there is no cage to dice: cbvhSetCage comes first, also after a commit"};
-  RTCDicingArguments args;
-  rtcInitDicingArguments(&args);
-  std::memcpy(args.position, dicing.position, sizeof(args.position));
-  std::memcpy(args.direction, dicing.direction, sizeof(args.direction));
-  std::memcpy(args.up, dicing.up, sizeof(args.up));
-  args.orthographic = dicing.orthographic != 0;
-  args.pixelSize = dicing.pixelSize;
-  args.width = dicing.width;
-  args.height = dicing.height;
-  args.transform = dicing.transform;
-  if (dicing.quadSize != 0) args.quadSize = dicing.quadSize;
-  if (dicing.outside != 0) args.outside = dicing.outside;
-  if (dicing.maxRate != 0) args.maxRate = dicing.maxRate;
-  args.maxRates = dicing.maxRates;
-  const RTCGeometry geometry = pending->geometry;
   const Work work(isWorking);
-  rtcCommitGeometry(geometry); // its topology: nothing is compressed before commit() says so
+  rtcCommitGeometry(pending->geometry); // its topology: nothing is compressed before commit() says so
   context->check();
-  rtcDiceGeometry(geometry, &args);
-  context->check();
-  if (rates) std::memcpy(rates, rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0), pending->numEdges*sizeof(float));
+  const std::vector<float> levels = core::dice(pending->inner(), cameraOf(dicing));
+  if (rates) std::copy(levels.begin(), levels.end(), rates);
 }
 
 void CbvhSurfaceTy::set(const CbvhAccuracy& to)
 {
   const Change change(*this);
-  require(std::isfinite(to.maxError) && to.maxError >= 0 && std::isfinite(to.maxPixelError) && to.maxPixelError >= 0, "an error that is negative, or not finite");
-  require(to.maxPixelError == 0 || (to.pixelSize > 0 && std::isfinite(to.pixelSize)), "a bound in pixels needs their size");
+  if (!(std::isfinite(to.maxError) && to.maxError >= 0))
+    refuseValue("maxError " + std::to_string(to.maxError) + " is negative or not finite");
+  core::validate(settingsOf(to, false));
   accuracy = to;
 }
 
@@ -315,10 +299,7 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
     {
       input->progress = nullptr;
       if (isKept) return;
-      const OwnErrors errors;
-      RTCCompressionArguments none;
-      rtcInitCompressionArguments(&none);
-      rtcSetGeometryCompression(input->geometry, &none);
+      core::setCompression(input->inner(), embree::CompressionSettings());
     }
   } restore = {pending, false};
   pending->progress = progress;
@@ -327,67 +308,54 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
   restore.isKept = true;
 }
 
+embree::CompressionSettings CbvhSurfaceTy::settingsOf(const CbvhAccuracy& accuracy, bool isLossless)
+{
+  embree::CompressionSettings settings;
+  settings.compression = RTC_COMPRESSION_VERT;
+  settings.releasesInput = true;
+  if (isLossless) settings.maxError = 0;
+  else if (accuracy.maxError > 0) settings.maxError = accuracy.maxError;
+  settings.maxPixelError = accuracy.maxPixelError;
+  std::copy_n(accuracy.cameraPosition, 3, settings.cameraPosition);
+  settings.pixelSize = accuracy.pixelSize;
+  return settings;
+}
+
 void CbvhSurfaceTy::commitInput()
 {
-  RTCCompressionArguments args;
-  rtcInitCompressionArguments(&args);
-  args.compression = RTC_COMPRESSION_VERT;
-  args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
-  if (isLossless) args.maxError = 0;
-  else if (accuracy.maxError > 0) args.maxError = accuracy.maxError;
-  args.maxPixelError = accuracy.maxPixelError;
-  std::memcpy(args.cameraPosition, accuracy.cameraPosition, sizeof(args.cameraPosition));
-  args.pixelSize = accuracy.pixelSize;
+  embree::CompressionSettings settings = settingsOf(accuracy, isLossless);
   if (pending->progress) {
-    args.progress = tellProgress;
-    args.progressUserPtr = pending.get();
+    settings.progress = tellProgress;
+    settings.progressUserPtr = pending.get();
   }
-  const RTCGeometry geometry = pending->geometry;
-  rtcSetGeometryCompression(geometry, &args);
-  rtcSetGeometryMask(geometry, mask);
+  core::setCompression(pending->inner(), settings);
+  rtcSetGeometryMask(pending->geometry, mask);
   {
     const Work work(isWorking);
-    rtcCommitGeometry(geometry);
+    rtcCommitGeometry(pending->geometry);
   }
-  Failure failure = {CBVH_OK, ""};
-  try { context->check(); } catch (const Failure& f) { failure = f; }
-
-  /* whether it has blocks: what was left out is told, and the rest is there */
-  rtcForEachCompressedPart(geometry, [](void*, const RTCCompressedPart*) { return false; }, nullptr);
-  bool isCompressed = true;
-  try { context->check(); } catch (const Failure&) { isCompressed = false; }
-  if (!isCompressed) {
-    if (failure.code == CBVH_OK) failure = {CBVH_ERROR_INVALID_OPERATION, "the mesh is not stored: its quads or triangles do not lie in grids"};
-    throw failure;
+  const Failure failure = context->takeError(); // also of what is left out of a surface that is stored
+  if (!core::hasBlocks(pending->inner())) {
+    if (failure) throw failure;
+    const char* const why = core::whyNotCompressed(pending->inner());
+    if (!why) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface is not stored"};
+    throw Failure{CBVH_ERROR_INVALID_OPERATION, std::string("the mesh is not stored: its quads or triangles ") + why};
   }
   current = std::move(pending);
   committedAccuracy = accuracy;
   committedLossless = isLossless;
   appliedMask = mask;
-  if (failure.code != CBVH_OK) throw failure;
+  if (failure) throw failure;
 }
 
-void CbvhSurfaceTy::save(const char* path) const
-{
-  const std::shared_ptr<const Input> input = committed();
-  rtcSaveCompressedGeometry(input->geometry, path);
-  context->check();
-}
+void CbvhSurfaceTy::save(const char* path) const { core::saveGeometry(committed()->inner(), path); }
 
 void CbvhSurfaceTy::load(const char* path)
 {
-  struct File
-  {
-    RTCCompressedFile file;
-    ~File() { if (file) rtcReleaseCompressedFile(file); }
-  } opened = {rtcOpenCompressedFile(context->device, path)};
-  context->check();
-  RTCCompressedFileGeometry description;
-  require(rtcGetCompressedFileGeometryCount(opened.file) == 1, "the file has several geometries");
-  rtcGetCompressedFileGeometry(opened.file, 0, &description);
-  const RTCGeometry geometry = rtcNewGeometryFromCompressedFile(opened.file, 0);
-  context->check();
-  current.reset(new Input(geometry));
+  const core::CompressedFile file(context->inner(), path);
+  require(file.size() == 1, "the file has several geometries");
+  const core::FileDescription description = file.describe(0);
+  current.reset(new Input((RTCGeometry)file.load(0)));
   current->numPrimitives = description.primitiveCount;
   current->isMesh = description.type == RTC_GEOMETRY_TYPE_QUAD || description.type == RTC_GEOMETRY_TYPE_TRIANGLE;
 }
@@ -420,15 +388,46 @@ CbvhError onSurface(CbvhSurface surface, const Closure& closure)
   return guarded(surface->context.get(), closure);
 }
 
+/* Calls closure(struct) with a struct of the application as this version knows it. */
+template<typename T, typename Closure>
+CbvhError withStruct(CbvhSurface surface, const T* from, const char* name, const Closure& closure)
+{
+  return onSurface(surface, [&] {
+    if (!from) refuseValue(std::string(name) + " is NULL");
+    closure(core::readStruct(*from));
+  });
+}
+
 } // namespace
 
-CbvhError cbvhSetCage(CbvhSurface surface, const CbvhCage* cage) { return onSurface(surface, [&] { require(cage, "cage is NULL"); surface->set(*cage); }); }
-CbvhError cbvhSetGrids(CbvhSurface surface, const CbvhGrids* grids) { return onSurface(surface, [&] { require(grids, "grids are NULL"); surface->set(*grids); }); }
-CbvhError cbvhSetMesh(CbvhSurface surface, const CbvhMesh* mesh) { return onSurface(surface, [&] { require(mesh, "mesh is NULL"); surface->set(*mesh); }); }
-CbvhError cbvhDiceSurface(CbvhSurface surface, const CbvhDicing* dicing, float* rates) { return onSurface(surface, [&] { require(dicing, "dicing is NULL"); surface->dice(*dicing, rates); }); }
+CbvhError cbvhSetCage(CbvhSurface surface, const CbvhCage* cage)
+{
+  return withStruct(surface, cage, "cage", [&](const CbvhCage& known) { surface->set(known); });
+}
+
+CbvhError cbvhSetGrids(CbvhSurface surface, const CbvhGrids* grids)
+{
+  return withStruct(surface, grids, "grids", [&](const CbvhGrids& known) { surface->set(known); });
+}
+
+CbvhError cbvhSetMesh(CbvhSurface surface, const CbvhMesh* mesh)
+{
+  return withStruct(surface, mesh, "mesh", [&](const CbvhMesh& known) { surface->set(known); });
+}
+
+
+CbvhError cbvhDiceSurface(CbvhSurface surface, const CbvhDicing* dicing, float* rates)
+{
+  return withStruct(surface, dicing, "dicing", [&](const CbvhDicing& known) { surface->dice(known, rates); });
+}
+
+CbvhError cbvhSetAccuracy(CbvhSurface surface, const CbvhAccuracy* accuracy)
+{
+  return onSurface(surface, [&] { surface->set(accuracy ? core::readStruct(*accuracy) : CbvhAccuracy()); });
+}
+
 CbvhError cbvhSetLossless(CbvhSurface surface, int lossless) { return onSurface(surface, [&] { surface->setLossless(lossless != 0); }); }
 
-CbvhError cbvhSetAccuracy(CbvhSurface surface, const CbvhAccuracy* accuracy) { return onSurface(surface, [&] { surface->set(accuracy ? *accuracy : CbvhAccuracy()); }); }
 CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mask) { return onSurface(surface, [&] { surface->setMask(mask); }); }
 CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr) { return onSurface(surface, [&] { surface->commit(progress, userPtr); }); }
 
@@ -461,65 +460,61 @@ CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, flo
   });
 }
 
-CbvhError cbvhInterpolatePoints(CbvhSurface surface, const CbvhInterpolation* points)
+CbvhError cbvhInterpolatePoints(CbvhSurface surface, const CbvhInterpolation* of)
 {
-  return onSurface(surface, [&] {
-    require(points, "points are NULL");
-    require(points->count == 0 || (points->u && points->v), "u or v is NULL");
+  return withStruct(surface, of, "points", [&](const CbvhInterpolation& points) {
+    require(points.count == 0 || (points.u && points.v), "u or v is NULL");
     const std::shared_ptr<const Input> input = surface->interpolated();
-    require(points->attribute < input->widths.size(), "the surface has no such attribute");
-    const unsigned int width = input->widths[points->attribute];
-    for (size_t i = 0; i < points->count; i++) input->checkParameters(points->primID, points->u[i], points->v[i]);
+    require(points.attribute < input->widths.size(), "the surface has no such attribute");
+    const unsigned int width = input->widths[points.attribute];
+    for (size_t i = 0; i < points.count; i++) input->checkParameters(points.primID, points.u[i], points.v[i]);
     const auto at = [&](float* out, size_t i) { return out ? out + i*width : nullptr; };
-    for (size_t i = 0; i < points->count; i++)
-      rtcInterpolate1(input->geometry, points->primID, points->u[i], points->v[i], RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, points->attribute,
-                      at(points->P, i), at(points->dPdu, i), at(points->dPdv, i), width);
+    for (size_t i = 0; i < points.count; i++)
+      rtcInterpolate1(input->geometry, points.primID, points.u[i], points.v[i], RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE,
+                      points.attribute, at(points.P, i), at(points.dPdu, i), at(points.dPdv, i), width);
     surface->context->check();
   });
 }
 
 int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng, CbvhTriangle* triangle)
 {
-  int found = 0;
+  bool isFound = false;
   if (!surface || !triangle) { refuse("surface or triangle is NULL"); return 0; }
   onSurface(surface, [&] {
-    static_assert(sizeof(CbvhTriangle) == sizeof(RTCCompressedTriangle), "layout of a triangle");
-    const std::shared_ptr<const Input> input = surface->committed();
-    found = rtcGetCompressedTriangleAtTime(input->geometry, time, primID, u, v, Ng, (RTCCompressedTriangle*)triangle);
-    surface->context->check();
+    embree::cbvh::StoredTriangle stored;
+    isFound = core::findTriangle(surface->committed()->inner(), time, primID, u, v, Ng, stored);
+    if (isFound) *triangle = asPublic(stored);
   });
-  return found;
+  return isFound;
 }
 
 CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction function, void* userPtr)
 {
   return onSurface(surface, [&] {
     require(function, "function is NULL");
-    static_assert(sizeof(CbvhPart) == sizeof(RTCCompressedPart), "layout of a part");
-    struct Call { CbvhPartFunction function; void* userPtr; } call = {function, userPtr};
     const std::shared_ptr<const Input> input = surface->committed();
-    rtcForEachCompressedPartAtTime(input->geometry, time, [](void* of, const RTCCompressedPart* part) {
+    core::forEachPart(input->inner(), time, [&](const embree::cbvh::StoredPart& part) {
       const OwnErrors errors(false);
-      return ((const Call*)of)->function(((const Call*)of)->userPtr, (const CbvhPart*)part) != 0;
-    }, &call);
-    surface->context->check();
+      const CbvhPart handed = asPublic(part);
+      return function(userPtr, &handed) != 0;
+    });
   });
 }
 
 CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat format, CbvhClusterFunction function, void* userPtr, CbvhClusterReport* report)
 {
   return onSurface(surface, [&] {
-    static_assert(sizeof(CbvhCluster) == sizeof(RTCCompressedCluster) && offsetof(CbvhCluster, part) == offsetof(RTCCompressedCluster, part), "layout of a cluster");
-    static_assert(sizeof(CbvhClusterReport) == sizeof(RTCCompressedClusterReport), "layout of a report");
-    static_assert(int(CBVH_CLUSTER_COMPRESSED1) == RTC_CLUSTER_FORMAT_COMPRESSED1 && int(CBVH_CLUSTER_DGF1) == RTC_CLUSTER_FORMAT_DGF1, "formats");
-    static_assert(int(CBVH_CLUSTER_RAW) == RTC_CLUSTER_RAW && int(CBVH_CLUSTER_MOVING) == RTC_CLUSTER_MOVING && int(CBVH_CLUSTER_RANGE) == RTC_CLUSTER_RANGE, "reasons");
-    struct Call { CbvhClusterFunction function; void* userPtr; } call = {function, userPtr};
-    const RTCCompressedClusterFunction hand = [](void* of, const RTCCompressedCluster* cluster) {
-      const OwnErrors errors(false);
-      return ((const Call*)of)->function(((const Call*)of)->userPtr, (const CbvhCluster*)cluster) != 0;
-    };
+    if (report) core::requireStruct(*report);
     const std::shared_ptr<const Input> input = surface->committed();
-    rtcForEachCompressedCluster(input->geometry, time, RTCClusterFormat(format), function ? hand : nullptr, &call, (RTCCompressedClusterReport*)report);
-    surface->context->check();
+    embree::cbvh::ClusterReport sums;
+    core::forEachCluster(input->inner(), time, embree::cbvh::ClusterFormat(format),
+        [&](const embree::cbvh::StoredCluster& cluster) {
+      if (!function) return true;
+      const OwnErrors errors(false);
+      const CbvhPart part = asPublic(*cluster.part);
+      const CbvhCluster handed = asPublic(cluster, part);
+      return function(userPtr, &handed) != 0;
+    }, sums);
+    if (report) core::writeStruct(*report, asPublic(sums));
   });
 }

@@ -7,6 +7,8 @@
 
 #include "context.h"
 
+#include "cbvh/core/compression.h"
+
 #include <atomic>
 #include <memory>
 #include <utility>
@@ -27,6 +29,9 @@ struct Input
   std::vector<std::pair<unsigned int, unsigned int>> otherFaces; // of cages with attributes: faces that have not 4 corners, and how many they have
   CbvhProgressFunction progress = nullptr; // during a commit
   void* progressPtr = nullptr;
+
+  /* The geometry, for functions of the core. */
+  embree::Geometry* inner() const { return (embree::Geometry*)geometry; }
 
   /* Throws unless the face exists and u, v are parameters of it, as hits have them. */
   void checkParameters(unsigned int primID, float u, float v) const;
@@ -83,6 +88,9 @@ private:
   };
 
   void commitInput();
+
+  /* How the next commit stores the surface. */
+  static embree::CompressionSettings settingsOf(const CbvhAccuracy& accuracy, bool isLossless);
 
   void setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies);
   void keep(Owned input);

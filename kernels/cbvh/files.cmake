@@ -4,7 +4,6 @@
 # Files of the library, compiled once for the lowest ISA.
 list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/settings.cpp
-  cbvh/api/device_string.cpp
   cbvh/api/factory.cpp
   cbvh/api/geometry_commit.cpp
   cbvh/api/rtcore_compression.cpp
@@ -12,7 +11,15 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/rtcore_compressed_clusters.cpp
   cbvh/api/rtcore_dicing.cpp
   cbvh/api/rtcore_compressed_files.cpp
-  cbvh/api/loaded_geometry.cpp
+  cbvh/core/compression.cpp
+  cbvh/core/device_string.cpp
+  cbvh/core/dicing.cpp
+  cbvh/core/errors.cpp
+  cbvh/core/files.cpp
+  cbvh/core/input_checks.cpp
+  cbvh/core/loaded_geometry.cpp
+  cbvh/core/stored_surface.cpp
+  cbvh/core/struct_size.cpp
   cvert/basics/reason.cpp
   cvert/file/checksum.cpp
   cvert/file/file.cpp

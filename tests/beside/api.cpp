@@ -267,7 +267,7 @@ TEST(Beside, WhatWasDicedHasTheHitsOfOurEmbree)
       auto steps = std::make_unique<Steps>(diced.vertices, motion, timeSteps);
       std::vector<CbvhGrid> grids;
       for (const RTCGrid& g : diced.grids) grids.push_back({g.startVertexID, g.stride, g.width, g.height});
-      const CbvhGrids input = {grids.size(), grids.data(), steps->get()};
+      const CbvhGrids input = {sizeof(CbvhGrids), grids.size(), grids.data(), steps->get()};
       ASSERT_EQ(cbvhSetGrids(surface, &input), CBVH_OK);
       grids.clear();
       ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
@@ -280,7 +280,7 @@ TEST(Beside, WhatWasDicedHasTheHitsOfOurEmbree)
       const Surface surface(context);
       auto steps = std::make_unique<Steps>(mesh.vertices, motion, timeSteps);
       const unsigned* const indices = mesh.isOfTriangles() ? mesh.triangles[0].data() : mesh.quads[0].data();
-      const CbvhMesh input = {mesh.isOfTriangles() ? 3u : 4u, mesh.size(), indices, steps->get()};
+      const CbvhMesh input = {sizeof(CbvhMesh), mesh.isOfTriangles() ? 3u : 4u, mesh.size(), indices, steps->get()};
       ASSERT_EQ(cbvhSetMesh(surface, &input), CBVH_OK);
       ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
       steps.reset();
@@ -304,7 +304,7 @@ TEST(Beside, LosslessSurfacesHaveTheHitsOfOurEmbree)
     const SurfaceSettings settings = settingsOf(displacement, timeSteps, 29);
     const CageInput cage(prismCage(5), settings);
     const Steps steps(diced.vertices, diced.motion, timeSteps);
-    const CbvhGrids ofGrids = {grids.size(), grids.data(), steps.get()};
+    const CbvhGrids ofGrids = {sizeof(CbvhGrids), grids.size(), grids.data(), steps.get()};
     for (bool isCage : {true, false}) {
       SCOPED_TRACE(testing::Message() << (isCage ? "a cage, " : "grids, ") << timeSteps << " time steps");
       const Surface surface(context);
@@ -441,7 +441,7 @@ TEST(Beside, AMeshThatLiesInNoGridsIsAnError)
     if (i >= 3) triangles.push_back({random.below(i), random.below(i), random.below(i)});
   }
   const Steps steps(vertices, nullptr, 1);
-  const CbvhMesh input = {3, triangles.size(), triangles[0].data(), steps.get()};
+  const CbvhMesh input = {sizeof(CbvhMesh), 3, triangles.size(), triangles[0].data(), steps.get()};
   ASSERT_EQ(cbvhSetMesh(surface, &input), CBVH_OK);
   context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION, "do not lie in grids");
 }
@@ -477,7 +477,7 @@ TEST(Beside, BadInputIsAnErrorThatNamesIt)
   const CbvhAttribute attribute = {&value, 1, 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH};
   refuse("past its values", [&](CbvhCage& c) { c.numAttributes = 1; c.attributes = &attribute; });
   context.expect(cbvhSetCage(surface, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "NULL");
-  const CbvhAccuracy negative = {-1, 0, {0, 0, 0}, 0};
+  const CbvhAccuracy negative = {sizeof(CbvhAccuracy), -1, 0, {0, 0, 0}, 0};
   context.expect(cbvhSetAccuracy(surface, &negative), CBVH_ERROR_INVALID_ARGUMENT, "negative");
 
   EXPECT_EQ(cbvhNewSurface(nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT);

@@ -442,7 +442,7 @@ void testLossless(RTCDevice device, CbvhContext context)
         grids.push_back({y*side + x, side, 33, 33});
         hostGrids.push_back({y*side + x, side, 33, 33});
       }
-    const CbvhGrids ofGrids = {grids.size(), grids.data(), input};
+    const CbvhGrids ofGrids = {sizeof(CbvhGrids), grids.size(), grids.data(), input};
     OK(cbvhSetGrids(surface, &ofGrids));
     geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
     setHostVertices(geometry, input);
@@ -452,7 +452,7 @@ void testLossless(RTCDevice device, CbvhContext context)
 
     for (unsigned corners : {4u, 3u}) {
       const std::vector<unsigned>& indices = corners == 4 ? quads : triangles;
-      const CbvhMesh mesh = {corners, indices.size()/corners, indices.data(), input};
+      const CbvhMesh mesh = {sizeof(CbvhMesh), corners, indices.size()/corners, indices.data(), input};
       OK(cbvhSetMesh(surface, &mesh));
       geometry = rtcNewGeometry(device, corners == 4 ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
       setHostVertices(geometry, input);

@@ -190,8 +190,7 @@ struct Cube
 
   CbvhCage cage(float rate, unsigned numSteps = 1) const
   {
-    CbvhCage cage;
-    std::memset(&cage, 0, sizeof(cage));
+    CbvhCage cage = CbvhCage();
     cage.numFaces = faceVertices.size();
     cage.faceVertices = faceVertices.data();
     cage.numIndices = indices.size();

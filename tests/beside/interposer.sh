@@ -16,7 +16,7 @@ work=$root/root/interposer
 rm -rf "$work"
 mkdir -p "$work/include" "$work/tests/interposer"
 cp -rL "$build/include/cbvh" "$work/include/"
-cp "$build/kernels/beside/libembree_cbvh.so.0" "$here"/../../kernels/beside/interposer/*.cpp "$here"/../../kernels/beside/interposer/*.h "$here"/../../kernels/cbvh/api/device_string.* "$work/"
+cp "$build/kernels/beside/libembree_cbvh.so.0" "$here"/../../kernels/beside/interposer/*.cpp "$here"/../../kernels/beside/interposer/*.h "$here"/../../kernels/cbvh/core/device_string.* "$work/"
 cp "$here/host.h" "$work/tests/"
 cp "$here"/interposer/*.c* "$work/tests/interposer/"
 inside() { chroot "$root" sh -c "cd /root/interposer && $*"; }

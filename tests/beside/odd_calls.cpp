@@ -109,7 +109,8 @@ TEST_F(OddCalls, NullIsRefusedByEveryFunction)
     {"cbvhInterpolate", [&] { return cbvhInterpolate(surface, 0, 0, 0, 1, P, nullptr, nullptr); }},
     {"cbvhInterpolatePoints", [&] { const CbvhInterpolation none = CbvhInterpolation(); return cbvhInterpolatePoints(nullptr, &none); }},
     {"cbvhInterpolatePoints", [&] { return cbvhInterpolatePoints(surface, nullptr); }},
-    {"cbvhInterpolatePoints", [&] { const CbvhInterpolation null = {0, 0, 1, nullptr, P, P, nullptr, nullptr}; return cbvhInterpolatePoints(surface, &null); }},
+    {"cbvhInterpolatePoints", [&] { const CbvhInterpolation null = {sizeof(CbvhInterpolation), 0, 0, 1, nullptr, P, P,
+        nullptr, nullptr}; return cbvhInterpolatePoints(surface, &null); }},
     {"cbvhSaveSurface", [&] { return cbvhSaveSurface(nullptr, "/dev/null/none"); }},
     {"cbvhSaveSurface", [&] { return cbvhSaveSurface(surface, nullptr); }},
     {"cbvhLoadSurface", [&] { return cbvhLoadSurface(nullptr, "none", &noSurface); }},
@@ -290,7 +291,8 @@ TEST_F(OddCalls, PointsHaveTheirTextureCoordinatesWhileTheyAreDisplaced)
   cage.displacement = [](const CbvhDisplacementArguments* args) {
     State& state = *(State*)args->userPtr;
     std::vector<float> uv(2*args->count, -9), du(uv), dv(uv);
-    const CbvhInterpolation points = {args->primID, 0, args->count, args->u, args->v, uv.data(), du.data(), dv.data()};
+    const CbvhInterpolation points = {sizeof(CbvhInterpolation), args->primID, 0, args->count, args->u, args->v,
+        uv.data(), du.data(), dv.data()};
     if (cbvhInterpolatePoints(state.surface, &points) != CBVH_OK) { state.wrong += args->count; return; }
     for (unsigned i = 0; i < args->count; i++) {
       state.points++;
@@ -305,7 +307,7 @@ TEST_F(OddCalls, PointsHaveTheirTextureCoordinatesWhileTheyAreDisplaced)
   EXPECT_EQ(state.wrong, 0u);
   const float u[] = {0.5f, NAN}, v[] = {0.5f, 0.5f};
   P[0] = -9;
-  const CbvhInterpolation points = {0, 0, 2, u, v, P, nullptr, nullptr};
+  const CbvhInterpolation points = {sizeof(CbvhInterpolation), 0, 0, 2, u, v, P, nullptr, nullptr};
   EXPECT_EQ(cbvhInterpolatePoints(surface, &points), CBVH_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(P[0], -9) << "nothing is written";
 }
@@ -380,7 +382,7 @@ TEST_F(OddCalls, StatisticsOfAnotherGroupStayAvailable)
 TEST_F(OddCalls, AccuracyThatCannotBeAppliedStaysAnError)
 {
   commit();
-  const CbvhAccuracy fine = {0.001f, 0, {0, 0, 0}, 0};
+  const CbvhAccuracy fine = {sizeof(CbvhAccuracy), 0.001f, 0, {0, 0, 0}, 0};
   for (int i = 0; i < 2; i++) {
     ASSERT_EQ(cbvhSetAccuracy(surface, &fine), CBVH_OK);
     EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION);

@@ -180,7 +180,9 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWhoseInputIsGone)
     ASSERT_TRUE(rtcGetCompressedFileGeometry(file, i, &description));
     EXPECT_EQ(description.timeStepCount > 1, all[i].moves);
     EXPECT_GT(description.primitiveCount, 0u);
-    quads += description.statistics.numQuads;
+    RTCCompressionStatistics statistics;
+    ASSERT_TRUE(rtcGetCompressedFileGeometryStatistics(file, i, &statistics));
+    quads += statistics.numQuads;
     attach(scene, rtcNewGeometryFromCompressedFile(file, i));
   }
   rtcReleaseCompressedFile(file);

@@ -267,7 +267,7 @@ TEST(FileFormat, AReaderThatKnowsThePageFindsAllBlocks)
       sum += isVert ? ((region & 15) + 1)*((region >> 4 & 15) + 1) : size_t(1) << 2*height;
     }
     EXPECT_EQ(sum, quads[i]);
-    EXPECT_EQ(reader.u64(record + 120 + 8*6), quads[i]) << "the seventh of RTCCompressionStatistics";
+    EXPECT_EQ(reader.u64(record + 120 + 8*6), quads[i]) << "numQuads of RTCCompressionStatistics";
   }
   EXPECT_EQ(forms.size(), 3u);
   EXPECT_EQ(device.errors, 0u) << device.message;

@@ -76,6 +76,7 @@ public:
   ClusterJudge(RTCGeometry geometry, float time, RTCClusterFormat format) : format(format)
   {
     std::memset(&report, 0xFF, sizeof(report));
+    report.structSize = sizeof(report);
     rtcForEachCompressedPartAtTime(geometry, time, addPart, this);
     rtcForEachCompressedCluster(geometry, time, format, addCluster, this, &report);
     if (!failure.empty()) throw std::runtime_error(failure);

@@ -23,7 +23,9 @@ comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
 [ ! -s "$work/removed" ] || { echo "removed:"; cat "$work/removed"; exit 1; }
 # the functions of our headers, below, and of kernels/cbvh/flat/flat_scene.h for libembree3_vulkan
 printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFile rtcDiceGeometry rtcFlattenScene rtcForEachCompressedCluster rtcForEachCompressedPart \
-  rtcForEachCompressedPartAtTime rtcGetCompressedFileGeometry rtcGetCompressedFileGeometryCount rtcGetCompressedFileWriterCount rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime \
+  rtcForEachCompressedPartAtTime rtcGetCompressedFileGeometry rtcGetCompressedFileGeometryCount \
+  rtcGetCompressedFileGeometryStatistics \
+  rtcGetCompressedFileWriterCount rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime \
   rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcLoadCompressedGeometry rtcNewCompressedFileWriter \
   rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError rtcReleaseCompressedFile rtcReleaseCompressedFileWriter \
   rtcReleaseFlatScene rtcResumeCompressedFileWriter rtcSaveCompressedGeometry rtcSetGeometryCompression rtcVerifyCompressedFile > "$work/api"

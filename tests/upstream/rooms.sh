@@ -55,7 +55,8 @@ check files stored framed base embree
 check flat stored framed base embree
 check building stored vert framed surface base embree
 check traversal stored vert framed base embree
-check api building traversal files flat stored vert framed surface base state embree
+check core files stored framed surface base state embree
+check api core building traversal files flat stored vert framed surface base state embree
 end
 
 exit $failed

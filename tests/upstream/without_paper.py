@@ -17,8 +17,8 @@ import shlex
 import subprocess
 import sys
 
-SOURCES = ("traversal/intersector1.cpp", "traversal/intersectorK.cpp", "traversal/thread_cache.cpp", "building/builder.cpp", "files/loaded_surface.cpp", "api/rtcore_compression.cpp",
-           "api/settings.cpp")
+SOURCES = ("traversal/intersector1.cpp", "traversal/intersectorK.cpp", "traversal/thread_cache.cpp", "building/builder.cpp", "files/loaded_surface.cpp",
+           "core/compression.cpp", "api/settings.cpp")
 LAYOUT = {"block.h", "morton.h"}  # of framed/: what a file with such blocks is recognized by
 MOST_FILES_OF_A_RAY = 56  # still and moving
 

@@ -83,6 +83,7 @@ static void displace(const struct CbvhDisplacementArguments* args)
   for (first = 0; first < args->count; first += 64) {
     struct CbvhInterpolation points;
     memset(&points, 0, sizeof(points));
+    points.structSize = sizeof(points);
     points.primID = args->primID;
     points.count = args->count - first < 64 ? args->count - first : 64;
     points.u = args->u + first;
@@ -166,6 +167,7 @@ int main(int argc, char** argv)
   uv.boundary = CBVH_BOUNDARY_PIN_ALL;
 
   memset(&cage, 0, sizeof(cage));
+  cage.structSize = sizeof(cage);
   cage.numFaces = 6;
   cage.faceVertices = faceVertices;
   cage.numIndices = 24;
@@ -184,6 +186,7 @@ int main(int argc, char** argv)
   check(cbvhNewGroup(context, &map.surface, 1, &group));
   check(cbvhCommitGroup(group));
 
+  statistics.structSize = sizeof(statistics);
   check(cbvhGetGroupStatistics(group, &statistics));
   hits = writePicture(group, argc > 1 ? argv[1] : "displacement_map.pgm", 512);
   printf("%.2f million quads in %.2f MiB; %u rays hit\n", (double)statistics.numQuads*1e-6, (double)statistics.bytes/(1 << 20), hits);

@@ -10,16 +10,6 @@ namespace embree
 {
   class Scene;
 
-  /*! accelerator of a scene's compressed surfaces that move, or of its subdivision surfaces that do not, at least one of which is compressed */
-  struct CompressedAccel : public AccelInstance
-  {
-    CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report, bool moves)
-      : AccelInstance(accel,builder,intersectors), report(report), moves(moves) {}
-
-    std::unique_ptr<CompressionReport> report; //!< of the last build
-    const bool moves;
-  };
-
   /*! Whether that value of subdiv_accel is one of ours: "cbvh", "cbvh.vert", "cvert", in any case of letters. */
   bool isNameOfOurs (const std::string& subdivAccel);
 

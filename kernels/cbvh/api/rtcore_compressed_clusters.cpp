@@ -3,11 +3,40 @@
 
 #define RTC_EXPORT_API
 
-#include "../embree/scene.h"
-#include "../stored/stored_clusters.h"
-#include "stored_blocks.h"
+#include "structs.h"
+#include "../core/stored_surface.h"
 
 using namespace embree;
+
+namespace
+{
+  using cbvh::ClusterFormat;
+  using cbvh::ClusterReason;
+  static_assert(int(ClusterFormat::COMPRESSED1) == RTC_CLUSTER_FORMAT_COMPRESSED1
+      && int(ClusterFormat::DGF1) == RTC_CLUSTER_FORMAT_DGF1,"formats");
+  static_assert(int(ClusterReason::RAW) == RTC_CLUSTER_RAW && int(ClusterReason::MOVING) == RTC_CLUSTER_MOVING
+      && int(ClusterReason::RANGE) == RTC_CLUSTER_RANGE,"reasons");
+
+  RTCCompressedCluster asPublic (const cbvh::StoredCluster& cluster, const RTCCompressedPart& part)
+  {
+    return RTCCompressedCluster{ RTCClusterFormat(cluster.format),RTCClusterReason(cluster.reason),cluster.numVertices,
+                                 cluster.numTriangles,cluster.data,cluster.bytes,cluster.indices,cluster.triangles,
+                                 cluster.firstTriangle,cluster.width,cluster.height,&part };
+  }
+
+  RTCCompressedClusterReport asPublic (const cbvh::ClusterReport& report)
+  {
+    RTCCompressedClusterReport to;
+    to.numClusters = report.numClusters;
+    to.numTriangles = report.numTriangles;
+    to.numVertices = report.numVertices;
+    to.bytes = report.bytes;
+    to.indexBytes = report.indexBytes;
+    std::copy_n(report.numClustersOf,4,to.numClustersOf);
+    std::copy_n(report.numTrianglesOf,4,to.numTrianglesOf);
+    return to;
+  }
+}
 
 RTC_NAMESPACE_BEGIN;
 
@@ -16,13 +45,18 @@ RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enu
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
-  const SurfaceBlocks& blocks = storedBlocksOf(hgeometry);
-  if (format != RTC_CLUSTER_FORMAT_FLOAT3 && format != RTC_CLUSTER_FORMAT_COMPRESSED1 && format != RTC_CLUSTER_FORMAT_DGF1)
-    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown format of clusters: " + std::to_string(int(format)));
-  RTCCompressedClusterReport own = RTCCompressedClusterReport();
-  RTCCompressedClusterReport& sums = report ? *report : own;
-  sums = own;
-  cbvh::forEachCluster(blocks,traversalTime(geometry,time),format,[&](const RTCCompressedCluster& cluster) { return !function || function(userPtr,&cluster); },sums);
+  require(geometry,"geometry");
+  if (report) core::requireStruct(*report);
+  int value; // an enumeration may not hold what the application may have passed
+  memcpy(&value,&format,sizeof(value));
+  cbvh::ClusterReport sums;
+  core::forEachCluster(geometry,time,ClusterFormat(value),[&](const cbvh::StoredCluster& cluster) {
+      if (!function) return true;
+      const RTCCompressedPart part = embree::asPublic(*cluster.part);
+      const RTCCompressedCluster handed = asPublic(cluster,part);
+      return function(userPtr,&handed);
+    },sums);
+  if (report) core::writeStruct(*report,asPublic(sums));
   RTC_CATCH_END2(geometry);
 }
 

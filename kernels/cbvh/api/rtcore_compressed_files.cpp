@@ -3,95 +3,13 @@
 
 #define RTC_EXPORT_API
 
-#include "../../../include/embree3/rtcore_compressed_files.h"
-#include "../embree/scene.h"
-#include "../files/codec_errors.h"
-#include "../files/file_statistics.h"
-#include "../files/loaded_surface.h"
-#include "../files/saved_surface.h"
-#include "../stored/surface_blocks.h"
-#include "loaded_geometry.h"
+#include "structs.h"
+#include "../core/files.h"
 
 using namespace embree;
 
-namespace
-{
-  /*! what a handle stands for, with the device that has its errors */
-  template<typename T>
-  struct Held : public RefCount
-  {
-    Held (Device* device, T&& thing) : device(device), thing(std::move(thing)) { device->refInc(); }
-    ~Held () { device->refDec(); }
-
-    Device* device;
-    T thing;
-  };
-  typedef Held<std::shared_ptr<const cvert::File>> OpenFile;
-  typedef Held<std::unique_ptr<cvert::FileWriter>> Writer;
-
-  void require (const void* argument, const char* name) {
-    if (!argument) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(name) + " is NULL");
-  }
-
-  void requireGeometry (const cvert::File& file, size_t index)
-  {
-    if (index >= file.size())
-      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"index " + std::to_string(index) + ": the file has " + std::to_string(file.size()) + " geometries");
-  }
-
-  /*! with its blocks */
-  const CompressibleGeometry* compressedOf (Geometry* geometry, std::shared_ptr<const SurfaceBlocks>& blocks)
-  {
-    const CompressibleGeometry* const compressible = embree::compressible(geometry);
-    if (compressible) blocks = cbvh::blocksOf(compressible);
-    /* a scene that compresses others has trees of surfaces that do not ask for it, too */
-    const auto asks = [&] {
-      const CompressionSettings settings = compressible->compression.resolve(compressible->device->compression);
-      return settings.compression != RTC_COMPRESSION_NONE;
-    };
-    if (!blocks || !asks())
-      throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
-    if (geometry->state != unsigned(Geometry::State::COMMITTED))
-      throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry was changed since it was committed");
-    return compressible;
-  }
-
-  void add (cvert::FileWriter& writer, const CompressibleGeometry* geometry, const SurfaceBlocks& blocks)
-  {
-    writer.requireOpen();
-    cvert::FileSurface surface = cbvh::savedSurface(geometry,blocks);
-    writer.add(surface);
-  }
-
-  void append (cvert::FileWriter& writer, Geometry* geometry)
-  {
-    std::shared_ptr<const SurfaceBlocks> blocks;
-    const CompressibleGeometry* const compressed = compressedOf(geometry,blocks);
-    add(writer,compressed,*blocks);
-  }
-
-  std::shared_ptr<const cvert::File> open (const char* path) { return cbvh::withEmbreeErrors([&] { return std::make_shared<const cvert::File>(path); }); }
-
-  template<typename New>
-  RTCCompressedFileWriter newWriter (Device* device, const New& make) {
-    return (RTCCompressedFileWriter)(new Writer(device,std::unique_ptr<cvert::FileWriter>(cbvh::withEmbreeErrors(make))))->refInc();
-  }
-
-  RTCGeometry load (const std::shared_ptr<const cvert::File>& file, Device* device, size_t i) {
-    const std::shared_ptr<const SurfaceBlocks> blocks = cbvh::withEmbreeErrors([&] { return cbvh::loadSurface(file,device,i); });
-    return (RTCGeometry)(new LoadedGeometry(device,file->geometry(i),blocks))->refInc();
-  }
-
-  enum RTCGeometryType typeOf (const cvert::FileGeometry& record)
-  {
-    switch (record.source) {
-    case cvert::FILE_GRIDS: return RTC_GEOMETRY_TYPE_GRID;
-    case cvert::FILE_QUADS: return RTC_GEOMETRY_TYPE_QUAD;
-    case cvert::FILE_TRIANGLES: return RTC_GEOMETRY_TYPE_TRIANGLE;
-    default: return RTC_GEOMETRY_TYPE_SUBDIVISION;
-    }
-  }
-}
+typedef core::CompressedFile File;
+typedef core::CompressedFileWriter Writer;
 
 RTC_NAMESPACE_BEGIN;
 
@@ -101,13 +19,7 @@ RTC_API bool rtcSaveCompressedGeometry (RTCGeometry hgeometry, const char* path)
   RTC_CATCH_BEGIN;
   require(geometry,"geometry");
   require(path,"path");
-  std::shared_ptr<const SurfaceBlocks> blocks;
-  const CompressibleGeometry* const compressed = compressedOf(geometry,blocks); // before a file is begun
-  cbvh::withEmbreeErrors([&] {
-    cvert::FileWriter writer(path);
-    add(writer,compressed,*blocks);
-    writer.commit();
-  });
+  core::saveGeometry(geometry,path);
   return true;
   RTC_CATCH_END2(geometry);
   return false;
@@ -119,10 +31,11 @@ RTC_API RTCGeometry rtcLoadCompressedGeometry (RTCDevice hdevice, const char* pa
   RTC_CATCH_BEGIN;
   require(device,"device");
   require(path,"path");
-  const std::shared_ptr<const cvert::File> file = open(path);
-  if (file->size() != 1)
-    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(path) + ": has " + std::to_string(file->size()) + " geometries, which rtcOpenCompressedFile opens");
-  return load(file,device,0);
+  const File file(device,path);
+  if (file.size() != 1)
+    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(path) + ": has " + std::to_string(file.size())
+        + " geometries, which rtcOpenCompressedFile opens");
+  return (RTCGeometry) file.load(0);
   RTC_CATCH_END(device);
   return nullptr;
 }
@@ -133,7 +46,7 @@ RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter (RTCDevice hdevice, c
   RTC_CATCH_BEGIN;
   require(device,"device");
   require(path,"path");
-  return newWriter(device,[&] { return new cvert::FileWriter(path); });
+  return (RTCCompressedFileWriter) new Writer(device,path);
   RTC_CATCH_END(device);
   return nullptr;
 }
@@ -144,7 +57,7 @@ RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter (RTCDevice hdevice
   RTC_CATCH_BEGIN;
   require(device,"device");
   require(path,"path");
-  return newWriter(device,[&] { return new cvert::FileWriter(path,key); });
+  return (RTCCompressedFileWriter) new Writer(device,path,key);
   RTC_CATCH_END(device);
   return nullptr;
 }
@@ -154,7 +67,7 @@ RTC_API unsigned int rtcGetCompressedFileWriterCount (RTCCompressedFileWriter hw
   Writer* writer = (Writer*) hwriter;
   RTC_CATCH_BEGIN;
   require(writer,"writer");
-  return (unsigned int)writer->thing->size();
+  return (unsigned int)writer->size();
   RTC_CATCH_END(nullptr);
   return 0;
 }
@@ -165,7 +78,7 @@ RTC_API bool rtcAppendCompressedGeometry (RTCCompressedFileWriter hwriter, RTCGe
   RTC_CATCH_BEGIN;
   require(writer,"writer");
   require(hgeometry,"geometry");
-  cbvh::withEmbreeErrors([&] { append(*writer->thing,(Geometry*)hgeometry); });
+  writer->append((Geometry*)hgeometry);
   return true;
   RTC_CATCH_END2(writer);
   return false;
@@ -176,7 +89,7 @@ RTC_API bool rtcCommitCompressedFile (RTCCompressedFileWriter hwriter)
   Writer* writer = (Writer*) hwriter;
   RTC_CATCH_BEGIN;
   require(writer,"writer");
-  cbvh::withEmbreeErrors([&] { writer->thing->commit(); });
+  writer->commit();
   return true;
   RTC_CATCH_END2(writer);
   return false;
@@ -184,10 +97,9 @@ RTC_API bool rtcCommitCompressedFile (RTCCompressedFileWriter hwriter)
 
 RTC_API void rtcReleaseCompressedFileWriter (RTCCompressedFileWriter hwriter)
 {
-  Writer* writer = (Writer*) hwriter;
   RTC_CATCH_BEGIN;
-  require(writer,"writer");
-  writer->refDec();
+  require(hwriter,"writer");
+  delete (Writer*) hwriter;
   RTC_CATCH_END(nullptr);
 }
 
@@ -197,39 +109,52 @@ RTC_API RTCCompressedFile rtcOpenCompressedFile (RTCDevice hdevice, const char* 
   RTC_CATCH_BEGIN;
   require(device,"device");
   require(path,"path");
-  return (RTCCompressedFile)(new OpenFile(device,open(path)))->refInc();
+  return (RTCCompressedFile) new File(device,path);
   RTC_CATCH_END(device);
   return nullptr;
 }
 
 RTC_API unsigned int rtcGetCompressedFileGeometryCount (RTCCompressedFile hfile)
 {
-  OpenFile* file = (OpenFile*) hfile;
+  File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
   require(file,"file");
-  return unsigned(file->thing->size());
+  return unsigned(file->size());
   RTC_CATCH_END2(file);
   return 0;
 }
 
 RTC_API bool rtcGetCompressedFileGeometry (RTCCompressedFile hfile, unsigned int index, struct RTCCompressedFileGeometry* description)
 {
-  OpenFile* file = (OpenFile*) hfile;
+  File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
   require(file,"file");
   require(description,"description");
-  requireGeometry(*file->thing,index);
-  const cvert::FileGeometry& record = file->thing->geometry(index);
-  *description = RTCCompressedFileGeometry();
-  description->type = typeOf(record);
-  description->compression = RTCCompression(record.compression);
-  description->primitiveCount = record.numPrimitives;
-  description->timeStepCount = record.numTimeSteps;
-  description->begin = record.begin;
-  description->end = record.end;
-  for (int k=0; k<3; k++) { description->lower[k] = record.lower[k]; description->upper[k] = record.upper[k]; }
-  description->statistics = cbvh::statisticsOf(record).sums;
-  description->bytes = size_t(record.treeBytes + record.blockBytes);
+  const core::FileDescription known = file->describe(index);
+  RTCCompressedFileGeometry to = RTCCompressedFileGeometry();
+  to.type = known.type;
+  to.compression = known.compression;
+  to.primitiveCount = known.primitiveCount;
+  to.timeStepCount = known.timeStepCount;
+  to.begin = known.begin;
+  to.end = known.end;
+  std::copy_n(known.lower,3,to.lower);
+  std::copy_n(known.upper,3,to.upper);
+  to.bytes = known.bytes;
+  core::writeStruct(*description,to);
+  return true;
+  RTC_CATCH_END2(file);
+  return false;
+}
+
+RTC_API bool rtcGetCompressedFileGeometryStatistics (RTCCompressedFile hfile, unsigned int index,
+    struct RTCCompressionStatistics* statistics)
+{
+  File* file = (File*) hfile;
+  RTC_CATCH_BEGIN;
+  require(file,"file");
+  require(statistics,"statistics");
+  core::writeStruct(*statistics,asPublic(file->statistics(index)));
   return true;
   RTC_CATCH_END2(file);
   return false;
@@ -237,21 +162,20 @@ RTC_API bool rtcGetCompressedFileGeometry (RTCCompressedFile hfile, unsigned int
 
 RTC_API RTCGeometry rtcNewGeometryFromCompressedFile (RTCCompressedFile hfile, unsigned int index)
 {
-  OpenFile* file = (OpenFile*) hfile;
+  File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
   require(file,"file");
-  requireGeometry(*file->thing,index);
-  return load(file->thing,file->device,index);
+  return (RTCGeometry) file->load(index);
   RTC_CATCH_END2(file);
   return nullptr;
 }
 
 RTC_API bool rtcVerifyCompressedFile (RTCCompressedFile hfile)
 {
-  OpenFile* file = (OpenFile*) hfile;
+  File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
   require(file,"file");
-  cbvh::withEmbreeErrors([&] { cbvh::verifyFile(*file->thing); });
+  file->verify();
   return true;
   RTC_CATCH_END2(file);
   return false;
@@ -259,10 +183,9 @@ RTC_API bool rtcVerifyCompressedFile (RTCCompressedFile hfile)
 
 RTC_API void rtcReleaseCompressedFile (RTCCompressedFile hfile)
 {
-  OpenFile* file = (OpenFile*) hfile;
   RTC_CATCH_BEGIN;
-  require(file,"file");
-  file->refDec();
+  require(hfile,"file");
+  delete (File*) hfile;
   RTC_CATCH_END(nullptr);
 }
 

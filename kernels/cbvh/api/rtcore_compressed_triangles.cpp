@@ -3,14 +3,14 @@
 
 #define RTC_EXPORT_API
 
-#include "stored_blocks.h"
+#include "structs.h"
+#include "../core/stored_surface.h"
 
 using namespace embree;
 
 namespace
 {
-  /*! of a geometry's first time step */
-  float firstTime (RTCGeometry geometry) { return geometry ? ((Geometry*)geometry)->time_range.lower : 0.0f; }
+  float firstTime (RTCGeometry geometry) { return geometry ? core::firstTime((Geometry*)geometry) : 0.0f; }
 }
 
 RTC_NAMESPACE_BEGIN;
@@ -19,10 +19,13 @@ RTC_API bool rtcGetCompressedTriangleAtTime (RTCGeometry hgeometry, float time, 
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
-  const SurfaceBlocks& blocks = storedBlocksOf(hgeometry);
-  if (triangle == nullptr)
-    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"triangle is NULL");
-  return blocks.index().find(traversalTime(geometry,time),primID,u,v,Ng,*triangle);
+  require(geometry,"geometry");
+  require(triangle,"triangle");
+  cbvh::StoredTriangle found;
+  if (!core::findTriangle(geometry,time,primID,u,v,Ng,found)) return false;
+  static_assert(sizeof(*triangle) == sizeof(found),"a triangle never grows");
+  memcpy(triangle,&found,sizeof(found));
+  return true;
   RTC_CATCH_END2(geometry);
   return false;
 }
@@ -31,10 +34,12 @@ RTC_API void rtcForEachCompressedPartAtTime (RTCGeometry hgeometry, float time, 
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
-  const SurfaceBlocks& blocks = storedBlocksOf(hgeometry);
-  if (function == nullptr)
-    throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"function is NULL");
-  cbvh::forEachPart(blocks,traversalTime(geometry,time),[&](const cbvh::StoredBlock&, const RTCCompressedPart& part) { return function(userPtr,&part); });
+  require(geometry,"geometry");
+  require((const void*)function,"function");
+  core::forEachPart(geometry,time,[&](const cbvh::StoredPart& part) {
+      const RTCCompressedPart handed = asPublic(part);
+      return function(userPtr,&handed);
+    });
   RTC_CATCH_END2(geometry);
 }
 

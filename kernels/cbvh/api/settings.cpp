@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "../embree/scene.h"
-#include "device_string.h"
+#include "../core/device_string.h"
 #include "factory.h"
 #include "../state/settings.h"
 #include "../base/environment.h"

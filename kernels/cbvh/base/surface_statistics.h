@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* What there is to say of a surface that was built. Plain data: the library's parts of all instruction sets share it. */
+/* What is known of a surface that was built. Plain data: the library's parts of all instruction sets share it. */
 
-#include "../../../include/embree3/rtcore_compression.h"
 #include <algorithm>
 #include <cstddef>
 #include <limits>
@@ -14,37 +13,78 @@ namespace embree
 {
   namespace cbvh
   {
-    inline void add (RTCCompressionStatistics& sums, const RTCCompressionStatistics& other)
+    /*! What scenes and geometries hold in compressed form. Sizes in bytes, lengths in world units. */
+    struct CompressionStatistics
     {
-      sums.topLevelBytes += other.topLevelBytes;
-      sums.frameBytes += other.frameBytes;
-      sums.nodeBytes += other.nodeBytes;
-      sums.leafBytes += other.leafBytes;
-      sums.gridBytes += other.gridBytes;
-      sums.numBlocks += other.numBlocks;
-      sums.numQuads += other.numQuads;
-      sums.numGridQuads += other.numGridQuads;
-      sums.numInvalidQuads += other.numInvalidQuads;
-      sums.numAffineBlocks += other.numAffineBlocks;
-      sums.numSolidLeaves += other.numSolidLeaves;
-      sums.numRawBlocks += other.numRawBlocks;
-      sums.numExactQuads += other.numExactQuads;
-      sums.numFlippedQuads += other.numFlippedQuads;
-      sums.numMeshQuads += other.numMeshQuads;
-      sums.numLooseQuads += other.numLooseQuads;
-      sums.numMovingQuads += other.numMovingQuads;
-      sums.motionBytes += other.motionBytes;
-      sums.numUnsupportedFaces += other.numUnsupportedFaces;
-      sums.inputBytes += other.inputBytes;
-      sums.maxVertexSpacing = std::max(sums.maxVertexSpacing,other.maxVertexSpacing);
-      sums.maxVertexDeviation = std::max(sums.maxVertexDeviation,other.maxVertexDeviation);
-      sums.maxBorderGap = std::max(sums.maxBorderGap,other.maxBorderGap);
-      sums.maxLeafThickness = std::max(sums.maxLeafThickness,other.maxLeafThickness);
+      size_t topLevelBytes = 0;        //!< full-precision BVH over blocks and grids
+      size_t frameBytes = 0;           //!< headers of all blocks: frame, IDs, parametrization
+      size_t nodeBytes = 0;            //!< compressed inner nodes
+      size_t leafBytes = 0;            //!< leaves: heights (cLEAF), vertices (cGRID), none (cVOXEL)
+      size_t gridBytes = 0;            //!< grids of what is not compressed, see numGridQuads
+      size_t numBlocks = 0;
+      size_t numQuads = 0;             //!< in blocks
+      size_t numGridQuads = 0;         //!< in the same BVH, but traced by GRID
+      size_t numInvalidQuads = 0;      //!< left out because a vertex is not finite
+      size_t numAffineBlocks = 0;      //!< blocks whose projective frame fell back to an affine one
+      size_t numSolidLeaves = 0;       //!< cLEAF: leaves that heights cannot bound: their box is the surface
+      size_t numRawBlocks = 0;         //!< cVERT: blocks that store floats
+      size_t numExactQuads = 0;        //!< cLEAF: quads of faces that are stored as cVERT
+      /*! Whose traced normal differs by more than 90 degrees from the normal of their vertices */
+      size_t numFlippedQuads = 0;
+      size_t numMeshQuads = 0;         //!< quads of quad meshes, and pairs of triangles, in blocks
+      size_t numLooseQuads = 0;        //!< of numMeshQuads: in none of the meshes' grids of 4 x 4 quads and more
+      size_t numMovingQuads = 0;       //!< with several time steps
+      size_t motionBytes = 0;          //!< of leafBytes: all time steps but the first
+      size_t numUnsupportedFaces = 0;  //!< left out because Embree's subdivision does not support them
+      /*! Buffers of compressed geometries that Embree allocated and that were not released */
+      size_t inputBytes = 0;
+      float maxLeafThickness = 0;      //!< largest distance between the two bounds of a leaf, over its quad
+      float maxVertexSpacing = 0;      //!< cVERT: largest spacing of a lattice
+      float maxVertexDeviation = 0;    //!< cVERT, borders of cLEAF: largest distance of a vertex from the evaluated one
+      /*! cVERT, cLEAF: largest distance, before it is closed, between evaluations of a shared vertex */
+      float maxBorderGap = 0;
+    };
+
+    /*! Calls sum(a.x,b.x) for each member x that adds up over surfaces, and largest(a.x,b.x) for each that is a
+     *  maximum. A and B are CompressionStatistics, or structs of an interface with members of the same names. */
+    template<typename A, typename B, typename Sum, typename Largest>
+    void forEachMember (A& a, const B& b, const Sum& sum, const Largest& largest)
+    {
+      sum(a.topLevelBytes,b.topLevelBytes);
+      sum(a.frameBytes,b.frameBytes);
+      sum(a.nodeBytes,b.nodeBytes);
+      sum(a.leafBytes,b.leafBytes);
+      sum(a.gridBytes,b.gridBytes);
+      sum(a.numBlocks,b.numBlocks);
+      sum(a.numQuads,b.numQuads);
+      sum(a.numGridQuads,b.numGridQuads);
+      sum(a.numInvalidQuads,b.numInvalidQuads);
+      sum(a.numAffineBlocks,b.numAffineBlocks);
+      sum(a.numSolidLeaves,b.numSolidLeaves);
+      sum(a.numRawBlocks,b.numRawBlocks);
+      sum(a.numExactQuads,b.numExactQuads);
+      sum(a.numFlippedQuads,b.numFlippedQuads);
+      sum(a.numMeshQuads,b.numMeshQuads);
+      sum(a.numLooseQuads,b.numLooseQuads);
+      sum(a.numMovingQuads,b.numMovingQuads);
+      sum(a.motionBytes,b.motionBytes);
+      sum(a.numUnsupportedFaces,b.numUnsupportedFaces);
+      sum(a.inputBytes,b.inputBytes);
+      largest(a.maxLeafThickness,b.maxLeafThickness);
+      largest(a.maxVertexSpacing,b.maxVertexSpacing);
+      largest(a.maxVertexDeviation,b.maxVertexDeviation);
+      largest(a.maxBorderGap,b.maxBorderGap);
+    }
+
+    inline void add (CompressionStatistics& sums, const CompressionStatistics& other)
+    {
+      forEachMember(sums,other,[](size_t& sum, size_t value) { sum += value; },
+          [](float& most, float value) { most = std::max(most,value); });
     }
 
     struct SurfaceStatistics
     {
-      RTCCompressionStatistics sums = RTCCompressionStatistics();
+      CompressionStatistics sums;
       size_t highRateQuads = 0;    //!< traced by GRID for their edge rates
       size_t refusedQuads = 0;     //!< at full precision as their block has no good frame
       size_t refusedInGrid = 0;    //!< those of them that GRID traces

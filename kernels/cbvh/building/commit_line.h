@@ -39,7 +39,7 @@ namespace embree
       /*! treeBytes: of the scene's own tree; inputBytes: of buffers that the geometries keep */
       std::string text (size_t treeBytes, size_t inputBytes) const
       {
-        const RTCCompressionStatistics& sums = all.sums;
+        const cbvh::CompressionStatistics& sums = all.sums;
         std::ostringstream line;
         line.imbue(std::locale::classic());
         const size_t bytes = treeBytes + sums.topLevelBytes + sums.frameBytes + sums.nodeBytes + sums.leafBytes + sums.gridBytes;

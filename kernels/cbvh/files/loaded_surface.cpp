@@ -134,18 +134,11 @@ namespace embree
 
     void verifyFile (const File& file)
     {
-      file.verify();
-      for (size_t i=0; i<file.size(); i++)
-      {
-        const FileGeometry& record = file.geometry(i);
-        forEachBlock(record,file.tree(i),[&](FileChild type, uint64_t offset) {
-            if (type != FILE_FRAMED) return;
-            const BlockHeader* const block = (const BlockHeader*)(file.blocks(i)+offset);
-            Reason reason = validateFramedBlock(block,size_t(record.blockBytes-offset),record.numPrimitives);
-            if (!reason && block->surface != record.surface) reason = Reason::damaged("it belongs to another surface");
-            if (reason) file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
-          });
-      }
+      file.verify([](const FileGeometry& record, const void* block, size_t bytes) {
+          const Reason reason = validateFramedBlock(block,bytes,record.numPrimitives);
+          return !reason && ((const BlockHeader*)block)->surface != record.surface
+              ? Reason::damaged("it belongs to another surface") : reason;
+        });
     }
   }
 }

@@ -212,7 +212,7 @@ namespace embree
 
       static void addBlock (cbvh::BuildStatistics& statistics, const Encoding& e, const cbvh::BlockStatistics& block)
       {
-        RTCCompressionStatistics& sums = statistics.sums;
+        cbvh::CompressionStatistics& sums = statistics.sums;
         sums.frameBytes += cbvh::blockHeaderBytes;
         sums.nodeBytes += e.layout.leafOffset - cbvh::blockHeaderBytes;
         sums.leafBytes += e.layout.stride - e.layout.leafOffset;

@@ -13,16 +13,28 @@ namespace embree
   struct CompressionReport
   {
     std::vector<std::shared_ptr<const SurfaceBlocks>> surfaces; //!< whose parts the BVH is made of
-    RTCCompressionStatistics statistics = RTCCompressionStatistics();
+    cbvh::CompressionStatistics statistics;
     std::vector<std::string> errors; //!< that did not stop it, for reportBuildErrors
     MutexSys mutex;                  //!< of errors, which any thread that joins a commit may fetch
 
     void clear ()
     {
       surfaces.clear();
-      statistics = RTCCompressionStatistics();
+      statistics = cbvh::CompressionStatistics();
       Lock<MutexSys> lock(mutex);
       errors.clear();
     }
+  };
+
+  /*! accelerator of a scene's compressed surfaces that move, or of its subdivision surfaces that do not, at least one
+   *  of which is compressed */
+  struct CompressedAccel : public AccelInstance
+  {
+    CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report,
+        bool moves)
+      : AccelInstance(accel,builder,intersectors), report(report), moves(moves) {}
+
+    std::unique_ptr<CompressionReport> report; //!< of the last build
+    const bool moves;
   };
 }

@@ -21,16 +21,18 @@ namespace embree
       class Cutter
       {
       public:
-        Cutter (RTCClusterFormat format, const std::function<bool(const RTCCompressedCluster&)>& closure, RTCCompressedClusterReport& report)
+        Cutter (ClusterFormat format, const std::function<bool(const StoredCluster&)>& closure, ClusterReport& report)
           : format(format), closure(closure), report(report) {}
 
         /*! Returns false if the closure did. */
-        bool cut (const StoredBlock& block, const RTCCompressedPart& part)
+        bool cut (const StoredBlock& block, const StoredPart& part)
         {
           this->part = &part;
-          whyFloats = !block.isVert ? RTC_CLUSTER_RAW : isMoving(block.vert()->boxForm) ? RTC_CLUSTER_MOVING : isRaw(block.vert()->boxForm) || hasRemainders(block.vert()->boxForm) ? RTC_CLUSTER_RAW : RTC_CLUSTER_RANGE;
+          whyFloats = !block.isVert ? ClusterReason::RAW : isMoving(block.vert()->boxForm) ? ClusterReason::MOVING
+              : isRaw(block.vert()->boxForm) || hasRemainders(block.vert()->boxForm) ? ClusterReason::RAW
+              : ClusterReason::RANGE;
           const QuadRectangle all = { 0,0,part.width-1,part.height-1 };
-          if (format == RTC_CLUSTER_FORMAT_DGF1) {
+          if (format == ClusterFormat::DGF1) {
             bool goesOn = true;
             if (cutIntoDgf(all,goesOn)) return goesOn;
             return forEachSquare(all,[&](const QuadRectangle& square) { return cutIntoDgf(square,goesOn) ? goesOn : handOutFloats(square,whyFloats); });
@@ -59,7 +61,7 @@ namespace embree
         /*! in COMPRESSED1, or as floats */
         bool handOutVertices (const QuadRectangle& square)
         {
-          if (format == RTC_CLUSTER_FORMAT_FLOAT3) return handOutFloats(square,RTC_CLUSTER_FITS);
+          if (format == ClusterFormat::FLOAT3) return handOutFloats(square,ClusterReason::FITS);
           const QuadTriangles triangles(part->vertices,part->width,square,false);
           if (triangles.numTriangles == 0) return true;
           LatticeSpan span;
@@ -68,10 +70,10 @@ namespace embree
           if (span.isEmpty() || !span.fits()) return handOutFloats(square,whyFloats);
           std::fill_n(data,sizeof(data)/sizeof(data[0]),0u);
           const size_t bytes = putCompressed1(points,span,triangles.vertices,triangles.numVertices,(uint8_t*)data);
-          return handOut(square,triangles,RTC_CLUSTER_FORMAT_COMPRESSED1,RTC_CLUSTER_FITS,bytes);
+          return handOut(square,triangles,ClusterFormat::COMPRESSED1,ClusterReason::FITS,bytes);
         }
 
-        bool handOutFloats (const QuadRectangle& square, RTCClusterReason reason)
+        bool handOutFloats (const QuadRectangle& square, ClusterReason reason)
         {
           const QuadTriangles triangles(part->vertices,part->width,square,false);
           if (triangles.numTriangles == 0) return true;
@@ -79,7 +81,7 @@ namespace embree
             const uint32_t v = triangles.vertices[i], x = v % (square.width+1), y = v / (square.width+1);
             memcpy(data+3*i,part->vertices + 3*(size_t(square.y+y)*part->width + square.x+x),12);
           }
-          return handOut(square,triangles,RTC_CLUSTER_FORMAT_FLOAT3,reason,12*triangles.numVertices);
+          return handOut(square,triangles,ClusterFormat::FLOAT3,reason,12*triangles.numVertices);
         }
 
         /*! Returns false if one of the quads is none for a block of DGF: then nothing was handed out. */
@@ -118,12 +120,13 @@ namespace embree
           triangles.numVertices = block.numVertices;
           memcpy(triangles.indices,block.indices,3*triangles.numTriangles);
           memcpy(data,block.bytes,sizeof(block.bytes));
-          return handOut(piece,triangles,RTC_CLUSTER_FORMAT_DGF1,RTC_CLUSTER_FITS,sizeof(block.bytes));
+          return handOut(piece,triangles,ClusterFormat::DGF1,ClusterReason::FITS,sizeof(block.bytes));
         }
 
-        bool handOut (const QuadRectangle& square, const QuadTriangles& triangles, RTCClusterFormat format, RTCClusterReason reason, size_t bytes)
+        bool handOut (const QuadRectangle& square, const QuadTriangles& triangles, ClusterFormat format,
+            ClusterReason reason, size_t bytes)
         {
-          RTCCompressedCluster cluster = RTCCompressedCluster();
+          StoredCluster cluster = StoredCluster();
           cluster.format = format;
           cluster.reason = reason;
           cluster.numVertices = triangles.numVertices;
@@ -139,17 +142,17 @@ namespace embree
           report.numTriangles += cluster.numTriangles;
           report.numVertices += cluster.numVertices;
           report.bytes += bytes;
-          if (!triangles.isWhole && format != RTC_CLUSTER_FORMAT_DGF1) report.indexBytes += 3*cluster.numTriangles;
-          report.numClustersOf[reason]++;
-          report.numTrianglesOf[reason] += cluster.numTriangles;
+          if (!triangles.isWhole && format != ClusterFormat::DGF1) report.indexBytes += 3*cluster.numTriangles;
+          report.numClustersOf[int(reason)]++;
+          report.numTrianglesOf[int(reason)] += cluster.numTriangles;
           return closure(cluster);
         }
 
-        const RTCClusterFormat format;
-        const std::function<bool(const RTCCompressedCluster&)>& closure;
-        RTCCompressedClusterReport& report;
-        const RTCCompressedPart* part = nullptr;
-        RTCClusterReason whyFloats = RTC_CLUSTER_FITS; //!< if a cluster of the part has them
+        const ClusterFormat format;
+        const std::function<bool(const StoredCluster&)>& closure;
+        ClusterReport& report;
+        const StoredPart* part = nullptr;
+        ClusterReason whyFloats = ClusterReason::FITS; //!< if a cluster of the part has them
         LatticePoints points;
         dgf::Block block;
         uint32_t data[3*QuadTriangles::maxVertices];   //!< of a cluster
@@ -158,11 +161,13 @@ namespace embree
       static_assert(compressed1Bytes(QuadTriangles::maxVertices) <= 12*QuadTriangles::maxVertices,"COMPRESSED1 has room where floats have");
     }
 
-    void forEachCluster (const SurfaceBlocks& blocks, const TraversalTime& time, RTCClusterFormat format,
-                         const std::function<bool(const RTCCompressedCluster&)>& closure, RTCCompressedClusterReport& report)
+    void forEachCluster (const SurfaceBlocks& blocks, const TraversalTime& time, ClusterFormat format,
+                         const std::function<bool(const StoredCluster&)>& closure, ClusterReport& report)
     {
       const std::unique_ptr<Cutter> cutter(new Cutter(format,closure,report));
-      forEachPart(blocks,time,[&](const StoredBlock& block, const RTCCompressedPart& part) { return cutter->cut(block,part); });
+      forEachPart(blocks,time,[&](const StoredBlock& block, const StoredPart& part) {
+          return cutter->cut(block,part);
+        });
     }
   }
 }

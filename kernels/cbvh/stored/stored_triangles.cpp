@@ -117,7 +117,8 @@ namespace embree
       class Search
       {
       public:
-        Search (const TraversalTime& time, float u, float v, const float* Ng, RTCCompressedTriangle& best) : time(time), u(u), v(v), Ng(Ng), best(best) {}
+        Search (const TraversalTime& time, float u, float v, const float* Ng, StoredTriangle& best) : time(time), u(u),
+            v(v), Ng(Ng), best(best) {}
 
         bool found () const { return hasBest; }
 
@@ -234,7 +235,7 @@ namespace embree
         const TraversalTime time;
         const float u, v;
         const float* const Ng;
-        RTCCompressedTriangle& best;
+        StoredTriangle& best;
         bool hasBest = false;
         double slack = 0, bestTurned = 0;
       };
@@ -257,7 +258,8 @@ namespace embree
       blockOf.shrink_to_fit();
     }
 
-    bool BlockIndex::find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng, RTCCompressedTriangle& triangle) const
+    bool BlockIndex::find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
+        StoredTriangle& triangle) const
     {
       if (!(std::isfinite(u) && std::isfinite(v) && std::isfinite(time.time))) return false; // nothing lies there
       Search search(time,u,v,Ng,triangle);
@@ -271,12 +273,13 @@ namespace embree
       return search.found();
     }
 
-    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time, const std::function<bool(const StoredBlock&, const RTCCompressedPart&)>& closure)
+    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
+        const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {
       bool goesOn = true;
       forEachBlock(blocks,[&](const StoredBlock& block) {
           if (!goesOn || (block.isVert && !VerticesAtTime::isThere(block.vert(),time))) return;
-          RTCCompressedPart part = RTCCompressedPart();
+          StoredPart part = StoredPart();
           part.primID = block.primID();
           const Place place(block);
           part.width = place.quads[0]+1;

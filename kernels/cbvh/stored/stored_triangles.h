@@ -8,7 +8,7 @@
 #include "../framed/block.h"
 #include "../base/codec.h"
 #include "../../cvert/format/block.h"
-#include "../../../include/embree3/rtcore_compressed_triangles.h"
+#include "part.h"
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -49,8 +49,9 @@ namespace embree
       /*! Throws where a block is neither cVERT nor cGRID. */
       explicit BlockIndex (const SurfaceBlocks& blocks);
 
-      /*! see rtcGetCompressedTriangle */
-      bool find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng, RTCCompressedTriangle& triangle) const;
+      /*! see core/stored_surface.h */
+      bool find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
+          StoredTriangle& triangle) const;
 
     private:
       enum : uint32_t { none = 0xFFFFFFFFu };
@@ -60,6 +61,7 @@ namespace embree
     };
 
     /*! Calls closure(block, part) for the blocks of a surface until it returns false. Throws where one is neither cVERT nor cGRID. */
-    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time, const std::function<bool(const StoredBlock&, const RTCCompressedPart&)>& closure);
+    void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
+        const std::function<bool(const StoredBlock&, const StoredPart&)>& closure);
   }
 }

@@ -9,7 +9,7 @@
 #include "../embree/scene.h"
 #include "../base/codec.h"
 #include "../../cvert/basics/world.h"
-#include "../../../include/embree3/rtcore_dicing.h"
+#include "dicing_camera.h"
 
 namespace embree
 {
@@ -20,17 +20,18 @@ namespace embree
   class DicingView
   {
   public:
-    /*! of arguments that were found valid */
-    explicit DicingView (const RTCDicingArguments& args)
-      : eye{ args.position[0],args.position[1],args.position[2] }, orthographic(args.orthographic), pixelSize(double(args.pixelSize)*args.quadSize), outside(args.outside),
-        hasPicture(args.width > 0.0 && args.height > 0.0)
+    /*! camera: found valid */
+    explicit DicingView (const DicingCamera& camera)
+      : eye{ camera.position[0],camera.position[1],camera.position[2] }, orthographic(camera.orthographic),
+          pixelSize(double(camera.pixelSize)*camera.quadSize), outside(camera.outside),
+        hasPicture(camera.width > 0.0 && camera.height > 0.0)
     {
-      for (int i=0; i<12; i++) transform[i] = args.transform ? args.transform[i] : i % 4 == 0 ? 1.0 : 0.0;
+      for (int i=0; i<12; i++) transform[i] = camera.transform ? camera.transform[i] : i % 4 == 0 ? 1.0 : 0.0;
       if (!hasPicture) return;
-      const Double3 forward = normalized(Double3{ args.direction[0],args.direction[1],args.direction[2] });
-      const Double3 right = normalized(cross(forward,Double3{ args.up[0],args.up[1],args.up[2] }));
+      const Double3 forward = normalized(Double3{ camera.direction[0],camera.direction[1],camera.direction[2] });
+      const Double3 right = normalized(cross(forward,Double3{ camera.up[0],camera.up[1],camera.up[2] }));
       const Double3 down = cross(forward,right);
-      const double halfWidth = 0.5*args.width*args.pixelSize, halfHeight = 0.5*args.height*args.pixelSize;
+      const double halfWidth = 0.5*camera.width*camera.pixelSize, halfHeight = 0.5*camera.height*camera.pixelSize;
       size = max(halfWidth,halfHeight);
       if (orthographic) {
         const Double3 axes[4] = { right,-1.0*right,down,-1.0*down };

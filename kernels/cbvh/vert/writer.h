@@ -196,7 +196,7 @@ namespace embree
         const size_t stride = (bytes + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
         const size_t nodesEnd = block.raw ? layout.margins : layout.cell;
         const size_t quads = size_t(cbvh::vertQuadsX(header->region))*size_t(cbvh::vertQuadsY(header->region));
-        RTCCompressionStatistics& sums = statistics.sums;
+        cbvh::CompressionStatistics& sums = statistics.sums;
         sums.frameBytes += layout.margins;
         sums.nodeBytes += nodesEnd - layout.margins;
         sums.leafBytes += stride - nodesEnd;

@@ -99,15 +99,19 @@ namespace cvert
     throw Error(ErrorCode::UNSUPPORTED,path + ": geometry " + std::to_string(i) + ": " + why);
   }
 
-  void File::verifyGeometry (size_t i) const
+  void File::verifyGeometry (size_t i, const BlockCheck& other) const
   {
     const FileGeometry& record = geometry(i);
     if (record.blocksChecksum != fileChecksum(blocks(i),size_t(record.blockBytes))) failAt(i,"the checksum of its blocks differs");
     const Reason reason = forEachBlock(record,tree(i),[&](FileChild type, uint64_t offset) {
-        if (type == FILE_FRAMED) return;
-        const VertHeader* const block = (const VertHeader*)(blocks(i)+offset);
-        if (const Reason reason = validateVertBlock(record,block,size_t(record.blockBytes-offset))) failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
-        if (block->surface != record.surface) failAt(i,"the block at " + std::to_string(offset) + ": it belongs to another surface");
+        if (type == FILE_FRAMED && !other) return;
+        const char* const block = blocks(i)+offset;
+        const size_t bytes = size_t(record.blockBytes-offset);
+        Reason reason = type == FILE_FRAMED ? other(record,block,bytes)
+            : validateVertBlock(record,(const VertHeader*)block,bytes);
+        if (!reason && type != FILE_FRAMED && ((const VertHeader*)block)->surface != record.surface)
+          reason = Reason::damaged("it belongs to another surface");
+        if (reason) failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
       });
     if (reason) failAt(i,reason.message());
   }

@@ -3,11 +3,12 @@
 
 #pragma once
 
-/* A file of compressed surfaces, mapped for reading. Opening it checks the header and the directory. The trees and the blocks are not read
- * until they are used: see TreeReader and validateVertBlock. */
+/* A file of compressed surfaces, mapped for reading. Opening it checks the header and the directory. The trees and the
+ * blocks are not read until they are used: see TreeReader and validateVertBlock. */
 
 #include "../basics/reason.h"
 #include "format.h"
+#include <functional>
 #include <string>
 
 namespace cvert
@@ -16,7 +17,8 @@ namespace cvert
   class File
   {
   public:
-    /*! Throws Error with a message that names the path if there is no such file, or if it is not a valid file of compressed surfaces. */
+    /*! Throws Error with a message that names the path if there is no such file, or if it is not a valid file of
+     *  compressed surfaces. */
     explicit File (const std::string& path);
     ~File ();
     File (const File&) = delete;
@@ -30,8 +32,15 @@ namespace cvert
     const char* tree (size_t i) const { return data+geometry(i).tree; }
     const char* blocks (size_t i) const { return data+geometry(i).blocks; }
 
-    /*! Reads all bytes of the file. Throws Error if a checksum differs, or if a tree or a cVERT block is damaged. */
-    void verify () const { for (size_t i=0; i<size(); i++) verifyGeometry(i); }
+    /*! Returns what is wrong with a block that is not cVERT, of a geometry with that record. bytes: from the block to
+     *  the end of the blocks */
+    typedef std::function<Reason (const FileGeometry& record, const void* block, size_t bytes)> BlockCheck;
+
+    /*! Reads all bytes of the file. Throws Error if a checksum differs, or if a tree or a block is damaged. other:
+     *  checks blocks that are not cVERT; without it only their checksum is compared. */
+    void verify (const BlockCheck& other = BlockCheck()) const {
+      for (size_t i=0; i<size(); i++) verifyGeometry(i,other);
+    }
 
     /*! Throws Error: geometry i is damaged. */
     [[noreturn]] void failAt (size_t i, const std::string& why) const;
@@ -49,7 +58,7 @@ namespace cvert
     void map ();
     void unmap ();
     Reason validate () const;
-    void verifyGeometry (size_t i) const;
+    void verifyGeometry (size_t i, const BlockCheck& other) const;
 
     int file;
     const char* data = nullptr;

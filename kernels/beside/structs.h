@@ -1,0 +1,92 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Structs of cbvh.h, and what they become in the core. */
+
+#include "cbvh/cbvh.h"
+
+#include "cbvh/core/struct_size.h"
+#include "cbvh/stored/cluster.h"
+#include "cbvh/surface/dicing_camera.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace embree {
+namespace core {
+
+CBVH_GROWING_STRUCT(CbvhCage, attributes);
+CBVH_GROWING_STRUCT(CbvhGrids, vertices);
+CBVH_GROWING_STRUCT(CbvhMesh, vertices);
+CBVH_GROWING_STRUCT(CbvhDicing, maxRates);
+CBVH_GROWING_STRUCT(CbvhAccuracy, pixelSize);
+CBVH_GROWING_STRUCT(CbvhInterpolation, dPdv);
+CBVH_GROWING_STRUCT(CbvhStatistics, maxVertexDeviation);
+CBVH_GROWING_STRUCT(CbvhQuery, filterPtr);
+CBVH_GROWING_STRUCT(CbvhClusterReport, numTrianglesOf);
+
+} // namespace core
+
+namespace beside {
+
+/* Zeros are defaults. */
+inline DicingCamera cameraOf(const CbvhDicing& dicing)
+{
+  DicingCamera camera;
+  std::copy_n(dicing.position, 3, camera.position);
+  std::copy_n(dicing.direction, 3, camera.direction);
+  std::copy_n(dicing.up, 3, camera.up);
+  camera.orthographic = dicing.orthographic != 0;
+  camera.pixelSize = dicing.pixelSize;
+  camera.width = dicing.width;
+  camera.height = dicing.height;
+  camera.transform = dicing.transform;
+  if (dicing.quadSize != 0) camera.quadSize = dicing.quadSize;
+  if (dicing.outside != 0) camera.outside = dicing.outside;
+  if (dicing.maxRate != 0) camera.maxRate = dicing.maxRate;
+  camera.maxRates = dicing.maxRates;
+  return camera;
+}
+
+inline CbvhTriangle asPublic(const cbvh::StoredTriangle& triangle)
+{
+  CbvhTriangle to;
+  static_assert(sizeof(to) == sizeof(triangle), "a triangle never grows");
+  std::memcpy(&to, &triangle, sizeof(to));
+  return to;
+}
+
+inline CbvhPart asPublic(const cbvh::StoredPart& part)
+{
+  return {part.primID, part.width, part.height, part.vertices, part.parameters, part.primIDs, part.primitivesPerQuad};
+}
+
+static_assert(CBVH_CLUSTER_COMPRESSED1 == int(cbvh::ClusterFormat::COMPRESSED1)
+    && CBVH_CLUSTER_DGF1 == int(cbvh::ClusterFormat::DGF1), "formats");
+static_assert(CBVH_CLUSTER_RAW == int(cbvh::ClusterReason::RAW)
+    && CBVH_CLUSTER_MOVING == int(cbvh::ClusterReason::MOVING)
+    && CBVH_CLUSTER_RANGE == int(cbvh::ClusterReason::RANGE), "reasons");
+
+inline CbvhCluster asPublic(const cbvh::StoredCluster& cluster, const CbvhPart& part)
+{
+  return {CbvhClusterFormat(cluster.format), CbvhClusterReason(cluster.reason), cluster.numVertices,
+          cluster.numTriangles, cluster.data, cluster.bytes, cluster.indices, cluster.triangles,
+          cluster.firstTriangle, cluster.width, cluster.height, &part};
+}
+
+inline CbvhClusterReport asPublic(const cbvh::ClusterReport& report)
+{
+  CbvhClusterReport to;
+  to.numClusters = report.numClusters;
+  to.numTriangles = report.numTriangles;
+  to.numVertices = report.numVertices;
+  to.bytes = report.bytes;
+  to.indexBytes = report.indexBytes;
+  std::copy_n(report.numClustersOf, 4, to.numClustersOf);
+  std::copy_n(report.numTrianglesOf, 4, to.numTrianglesOf);
+  return to;
+}
+
+}} // namespace embree::beside

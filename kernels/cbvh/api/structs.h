@@ -1,0 +1,44 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Structs of include/embree3, and what they become in the core. */
+
+#include "../core/struct_size.h"
+#include "../embree/scene.h"
+#include "../../../include/embree3/rtcore_compressed_clusters.h"
+#include "../../../include/embree3/rtcore_compressed_files.h"
+#include "../../../include/embree3/rtcore_dicing.h"
+#include "../base/surface_statistics.h"
+#include "../stored/part.h"
+
+namespace embree
+{
+  namespace core
+  {
+    CBVH_GROWING_STRUCT(RTCCompressionArguments,progressUserPtr);
+    CBVH_GROWING_STRUCT(RTCCompressionStatistics,inputBytes);
+    CBVH_GROWING_STRUCT(RTCCompressedFileGeometry,bytes);
+    CBVH_GROWING_STRUCT(RTCDicingArguments,maxRates);
+    CBVH_GROWING_STRUCT(RTCCompressedClusterReport,numTrianglesOf);
+  }
+
+  /*! Throws if an argument is null. */
+  inline void require (const void* argument, const char* name) {
+    if (!argument) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(name) + " is NULL");
+  }
+
+  inline RTCCompressedPart asPublic (const cbvh::StoredPart& part) {
+    return RTCCompressedPart{ part.primID,part.width,part.height,part.vertices,part.parameters,part.primIDs,
+        part.primitivesPerQuad };
+  }
+
+  inline RTCCompressionStatistics asPublic (const cbvh::CompressionStatistics& statistics)
+  {
+    RTCCompressionStatistics to = RTCCompressionStatistics();
+    cbvh::forEachMember(to,statistics,[](size_t& to, size_t value) { to = value; },
+        [](float& to, float value) { to = value; });
+    return to;
+  }
+}

@@ -1,0 +1,92 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "compression.h"
+#include "compressed_geometry.h"
+#include "../base/kinds.h"
+#include "../stored/report.h"
+#include <cmath>
+#include <cstring>
+
+namespace embree
+{
+  namespace core
+  {
+    namespace
+    {
+      void validateCompression (const RTCCompression& value)
+      {
+        int compression; // an enumeration may not hold what the application wrote
+        std::memcpy(&compression,&value,sizeof(compression));
+        cbvh::Kind kind;
+        if (compression == RTC_COMPRESSION_INHERIT || compression == RTC_COMPRESSION_NONE
+            || cbvh::findKind(compression,kind)) return;
+        const bool isOfPaper = compression >= RTC_COMPRESSION_GRID && compression <= RTC_COMPRESSION_LEAF;
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,(isOfPaper ? "this library was built without compression "
+            : "unknown compression ") + std::to_string(compression));
+      }
+
+      /*! name: of the member */
+      template<typename T>
+      void require (bool isValid, const char* name, T value, const std::string& expected) {
+        if (!isValid) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + " "
+            + std::to_string(value) + ": expected " + expected);
+      }
+    }
+
+    void validate (const CompressionSettings& settings)
+    {
+      validateCompression(settings.compression);
+      require(settings.frameLevel >= RTC_COMPRESSION_FRAME_LEVEL_INHERIT && settings.frameLevel <= int(cbvh::maxLevel),
+          "frameLevel",settings.frameLevel,
+              "0 to " + std::to_string(cbvh::maxLevel) + ", AUTO or INHERIT");
+      require(std::isfinite(settings.maxError),"maxError",settings.maxError,
+          "a distance, or a negative number to inherit");
+      require(std::isfinite(settings.maxPixelError) && settings.maxPixelError >= 0.0f,"maxPixelError",
+          settings.maxPixelError,"a number of pixels, or 0 for no bound");
+      if (settings.maxPixelError > 0.0f) {
+        require(std::isfinite(settings.pixelSize) && settings.pixelSize > 0.0f,"pixelSize",settings.pixelSize,
+            "the width of a pixel at distance 1");
+        for (float x : settings.cameraPosition) require(std::isfinite(x),"cameraPosition",x,"a position in the world");
+      }
+      require(settings.exactFaces <= 1,"exactFaces",settings.exactFaces,"0, 1, or a negative number to inherit");
+    }
+
+    void setCompression (Geometry* geometry, const CompressionSettings& settings)
+    {
+      CompressibleGeometry* const surface = compressible(geometry);
+      if (!surface) throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+          "only subdivision surfaces, grids, quads and triangles can be compressed");
+      requireEditable(geometry);
+      validate(settings);
+      surface->compression = settings;
+      geometry->Geometry::update();
+    }
+
+    bool hasBlocks (Geometry* geometry)
+    {
+      const CompressibleGeometry* const surface = compressible(geometry);
+      return surface && surface->surface.blocks;
+    }
+
+    const char* whyNotCompressed (Geometry* geometry)
+    {
+      const CompressibleGeometry* const surface = compressible(geometry);
+      return surface && surface->surface.whyNot && *surface->surface.whyNot ? surface->surface.whyNot : nullptr;
+    }
+
+    cbvh::CompressionStatistics statisticsOf (Scene* scene)
+    {
+      bool modified = scene->isModified();
+      for (size_t i=0; i<scene->size(); i++)
+        modified |= scene->get(i) && scene->get(i)->isEnabled() && scene->isGeometryModified(i);
+      if (modified)
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,"scene not committed");
+      cbvh::CompressionStatistics statistics;
+      for (Accel* accel : scene->accels)
+        if (const CompressedAccel* compressed = dynamic_cast<CompressedAccel*>(accel))
+          cbvh::add(statistics,compressed->report->statistics);
+      return statistics;
+    }
+  }
+}

@@ -1,0 +1,150 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "dicing.h"
+#include "compressed_geometry.h"
+#include "input_checks.h"
+#include "../surface/dicing_samples.h"
+
+namespace embree
+{
+  namespace core
+  {
+    namespace
+    {
+      void requireFinite (const char* name, const float* values, size_t n)
+      {
+        for (size_t i=0; i<n; i++)
+          if (!std::isfinite(values[i])) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + ": "
+              + std::to_string(values[i]) + " is not finite");
+      }
+
+      void requireAbove (const char* name, float value, float bound, bool orEqual)
+      {
+        if (!std::isfinite(value) || !(orEqual ? value >= bound : value > bound))
+          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + " " + std::to_string(value)
+              + ": expected " + (orEqual ? "at least " : "more than ") + (bound == 1.0f ? "1" : "0"));
+      }
+
+      void validate (const DicingCamera& camera, size_t numEdges)
+      {
+        requireFinite("position",camera.position,3);
+        requireAbove("pixelSize",camera.pixelSize,0.0f,false);
+        requireAbove("width",camera.width,0.0f,true);
+        requireAbove("height",camera.height,0.0f,true);
+        requireAbove("quadSize",camera.quadSize,0.0f,false);
+        requireAbove("outside",camera.outside,1.0f,true);
+        requireAbove("maxRate",camera.maxRate,1.0f,true);
+        if (camera.maxRate > 4096.0f) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxRate "
+            + std::to_string(camera.maxRate) + ": expected 1 to 4096");
+        if (camera.transform) requireFinite("transform",camera.transform,12);
+        if (camera.maxRates) for (size_t i=0; i<numEdges; i++)
+          if (!(camera.maxRates[i] >= 1.0f)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxRates: "
+              + std::to_string(camera.maxRates[i]) + " of index " + std::to_string(i) + ": expected at least 1");
+        if (!(camera.width > 0.0f && camera.height > 0.0f)) return;
+        requireFinite("direction",camera.direction,3);
+        requireFinite("up",camera.up,3);
+        const Double3 direction = { camera.direction[0],camera.direction[1],camera.direction[2] },
+            up = { camera.up[0],camera.up[1],camera.up[2] };
+        const double lengths2 = dot(direction,direction)*dot(up,up);
+        const double right2 = dot(cross(direction,up),cross(direction,up));
+        if (!(right2 > 1e-14*lengths2)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
+            "invalid direction or up: both have a length, and are not parallel");
+      }
+
+      /*! of both faces, and of any number of them: what the neediest wants. rates: one an index */
+      void agree (const SubdivMesh* mesh, std::vector<float>& rates)
+      {
+        struct Edge
+        {
+          uint64_t vertices;
+          uint32_t index;
+          bool operator< (const Edge& e) const { return vertices < e.vertices; }
+        };
+        const BufferView<unsigned>& indices = mesh->topology[0].vertexIndices;
+        std::vector<Edge> edges(rates.size());
+        for (size_t f=0, e=0; f<mesh->numFaces(); f++)
+        {
+          const unsigned n = mesh->faceVertices[f];
+          for (unsigned i=0; i<n; i++) {
+            const uint64_t a = indices[e+i], b = indices[e+(i+1)%n];
+            edges[e+i] = Edge{ min(a,b) << 32 | max(a,b),uint32_t(e+i) };
+          }
+          e += n;
+        }
+        std::sort(edges.begin(),edges.end());
+        for (size_t i=0, j; i<edges.size(); i=j)
+        {
+          float highest = 1.0f;
+          for (j=i; j<edges.size() && edges[j].vertices == edges[i].vertices; j++)
+            highest = max(highest,rates[edges[j].index]);
+          for (size_t k=i; k<j; k++) rates[edges[k].index] = highest;
+        }
+      }
+
+      /*! the power of two that is the nearest, in times, up to a bound, which may be none */
+      float rounded (float rate, float bound)
+      {
+        const float power = std::ldexp(1.0f,int(std::lround(std::log2(max(rate,1.0f)))));
+        return min(power,std::ldexp(1.0f,int(std::floor(std::log2(bound)))));
+      }
+
+      std::vector<float> ratesOf (SubdivMesh* mesh, const DicingCamera& camera)
+      {
+        const DicingView view(camera);
+        std::vector<uint32_t> first(mesh->numFaces());
+        uint32_t edges = 0;
+        for (size_t f=0; f<first.size(); f++) { first[f] = edges; edges += mesh->faceVertices[f]; }
+        std::vector<float> rates(mesh->numEdges(),1.0f);
+        parallel_for(size_t(0),mesh->numFaces(),size_t(16),[&](const range<size_t>& r) {
+            DicingSamples samples(mesh,view);
+            for (size_t f=r.begin(); f!=r.end(); f++)
+            {
+              const unsigned n = mesh->faceVertices[f];
+              float* const out = &rates[first[f]];
+              for (unsigned step=0; step<mesh->numTimeSteps; step++)
+              {
+                float quads[4];
+                if (!mesh->valid(f,step)) continue;
+                if (n == 4) {
+                  samples.measure(unsigned(f),step,0.0f,0.0f,quads);
+                  for (int i=0; i<4; i++) out[i] = max(out[i],quads[i]);
+                }
+                /* A patch a corner, of half an edge ahead and half an edge behind; what is opposite of them follows
+                 * from both. Embree numbers 16. */
+                else for (unsigned i=0; i<min(n,16u); i++) {
+                  samples.measure(unsigned(f),step,0.5f+2.0f*float(i%4),0.5f+2.0f*float(i/4),quads);
+                  float &ahead = out[i], &behind = out[(i+n-1)%n];
+                  ahead = max(ahead,2.0f*max(quads[0],quads[2]));
+                  behind = max(behind,2.0f*max(quads[1],quads[3]));
+                }
+              }
+              if (camera.maxRates) for (unsigned i=0; i<n; i++) out[i] = min(out[i],camera.maxRates[first[f]+i]);
+            }
+          });
+        agree(mesh,rates);
+        for (float& rate : rates) rate = rounded(rate,camera.maxRate);
+        return rates;
+      }
+    }
+
+    std::vector<float> dice (Geometry* geometry, const DicingCamera& camera)
+    {
+      const CompressibleGeometry* const own = compressible(geometry);
+      if (!own || own->ownType != Geometry::GTY_SUBDIV_MESH) throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+          "the geometry is no subdivision surface");
+      requireEditable(geometry);
+      SubdivMesh* const mesh = (SubdivMesh*) geometry;
+      if (Geometry::State(geometry->state) != Geometry::State::COMMITTED
+          || mesh->topology[0].halfEdges.size() < mesh->numEdges() || !mesh->vertices[0])
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is not committed");
+      checkIndices(mesh); // a commit of what is not compressed has not
+      validate(camera,mesh->numEdges());
+      const std::vector<float> rates = ratesOf(mesh,camera);
+      Ref<Buffer> levels = new Buffer(geometry->device,rates.size()*sizeof(float));
+      std::copy(rates.begin(),rates.end(),(float*)levels->data());
+      geometry->setBuffer(RTC_BUFFER_TYPE_LEVEL,0,RTC_FORMAT_FLOAT,levels,0,sizeof(float),unsigned(rates.size()));
+      return rates;
+    }
+  }
+}

@@ -1,0 +1,22 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "errors.h"
+#include "../embree/scene.h"
+
+namespace embree
+{
+  namespace core
+  {
+    CaughtError caughtError ()
+    {
+      try { throw; }
+      catch (const std::bad_alloc&) { return { RTC_ERROR_OUT_OF_MEMORY,"out of memory" }; }
+      catch (const rtcore_error& error) { return { error.error,error.what() }; }
+      catch (const std::exception& error) { return { RTC_ERROR_UNKNOWN,error.what() }; }
+      catch (...) { return { RTC_ERROR_UNKNOWN,"unknown exception caught" }; }
+    }
+
+    void invalidArgument (const std::string& text) { throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,text); }
+  }
+}

@@ -1,0 +1,131 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "files.h"
+#include "compressed_geometry.h"
+#include "../files/codec_errors.h"
+#include "../files/file_statistics.h"
+#include "../files/loaded_surface.h"
+#include "../files/saved_surface.h"
+
+namespace embree
+{
+  namespace core
+  {
+    using cbvh::withEmbreeErrors;
+
+    namespace
+    {
+      /*! A geometry that can be saved, and its blocks. */
+      struct Saved
+      {
+        const CompressibleGeometry* geometry;
+        std::shared_ptr<const SurfaceBlocks> blocks;
+
+        explicit Saved (Geometry* of) : geometry(compressible(of))
+        {
+          if (geometry) blocks = cbvh::blocksOf(geometry);
+          /* a scene that compresses others has trees of surfaces that do not ask for it, too */
+          const auto asks = [&] {
+            return geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
+          };
+          if (!blocks || !asks()) notCompressed();
+          if (of->state != unsigned(Geometry::State::COMMITTED))
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry was changed since it was committed");
+        }
+
+        void addTo (cvert::FileWriter& writer) const
+        {
+          writer.requireOpen();
+          cvert::FileSurface surface = cbvh::savedSurface(geometry,*blocks);
+          writer.add(surface);
+        }
+      };
+
+      RTCGeometryType typeOf (const cvert::FileGeometry& record)
+      {
+        switch (record.source) {
+        case cvert::FILE_GRIDS: return RTC_GEOMETRY_TYPE_GRID;
+        case cvert::FILE_QUADS: return RTC_GEOMETRY_TYPE_QUAD;
+        case cvert::FILE_TRIANGLES: return RTC_GEOMETRY_TYPE_TRIANGLE;
+        default: return RTC_GEOMETRY_TYPE_SUBDIVISION;
+        }
+      }
+
+      const cvert::FileGeometry& recordOf (const cvert::File& file, size_t index)
+      {
+        if (index >= file.size())
+          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"index " + std::to_string(index) + ": the file has "
+              + std::to_string(file.size()) + " geometries");
+        return file.geometry(index);
+      }
+    }
+
+    void saveGeometry (Geometry* geometry, const char* path)
+    {
+      const Saved saved(geometry); // before a file is begun
+      withEmbreeErrors([&] {
+        cvert::FileWriter writer(path);
+        saved.addTo(writer);
+        writer.commit();
+      });
+    }
+
+    CompressedFileWriter::CompressedFileWriter (Device* device, const char* path)
+      : device(device), writer(withEmbreeErrors([&] { return new cvert::FileWriter(path); }))
+    {
+      device->refInc();
+    }
+    CompressedFileWriter::CompressedFileWriter (Device* device, const char* path, uint64_t key)
+      : device(device), writer(withEmbreeErrors([&] { return new cvert::FileWriter(path,key); }))
+    {
+      device->refInc();
+    }
+    CompressedFileWriter::~CompressedFileWriter () { device->refDec(); }
+
+    size_t CompressedFileWriter::size () const { return writer->size(); }
+    void CompressedFileWriter::append (Geometry* geometry) {
+      withEmbreeErrors([&] { Saved(geometry).addTo(*writer); });
+    }
+    void CompressedFileWriter::commit () { withEmbreeErrors([&] { writer->commit(); }); }
+
+    CompressedFile::CompressedFile (Device* device, const char* path)
+      : device(device), file(withEmbreeErrors([&] { return std::make_shared<const cvert::File>(path); }))
+    {
+      device->refInc();
+    }
+    CompressedFile::~CompressedFile () { device->refDec(); }
+
+    size_t CompressedFile::size () const { return file->size(); }
+
+    FileDescription CompressedFile::describe (size_t index) const
+    {
+      const cvert::FileGeometry& record = recordOf(*file,index);
+      FileDescription description;
+      description.type = typeOf(record);
+      description.compression = RTCCompression(record.compression);
+      description.primitiveCount = record.numPrimitives;
+      description.timeStepCount = record.numTimeSteps;
+      description.begin = record.begin;
+      description.end = record.end;
+      for (int k=0; k<3; k++) { description.lower[k] = record.lower[k]; description.upper[k] = record.upper[k]; }
+      description.bytes = size_t(record.treeBytes + record.blockBytes);
+      return description;
+    }
+
+    cbvh::CompressionStatistics CompressedFile::statistics (size_t index) const {
+      return cbvh::statisticsOf(recordOf(*file,index)).sums;
+    }
+
+    Geometry* CompressedFile::load (size_t index) const
+    {
+      const cvert::FileGeometry& record = recordOf(*file,index);
+      Ref<Geometry> geometry = new LoadedGeometry(device,record,
+          withEmbreeErrors([&] { return cbvh::loadSurface(file,device,index); }));
+      geometry->refInc(); // the caller's
+      return geometry.ptr;
+    }
+
+    void CompressedFile::verify () const { withEmbreeErrors([&] { cbvh::verifyFile(*file); }); }
+  }
+}

@@ -1,0 +1,42 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Checks of the buffers of geometries, before Embree or the kernels read them. All throw rtcore_error, which names the
+ * first value that is wrong. */
+
+#include "../embree/scene.h"
+
+namespace embree
+{
+  /*! Throws if a time step has fewer vertices than the first, or if the time range is empty. */
+  template<typename Mesh>
+  void checkTimeSteps (const Mesh* mesh)
+  {
+    auto verticesAt = [&](size_t t) { return mesh->vertices[t] ? mesh->vertices[t].size() : size_t(0); };
+    for (size_t t=1; t<mesh->numTimeSteps; t++)
+      if (verticesAt(t) < verticesAt(0))
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,"time step " + std::to_string(t) + " has "
+            + std::to_string(verticesAt(t)) + " vertices, the first has "
+                       + std::to_string(verticesAt(0)));
+    if (mesh->numTimeSteps > 1 && !(mesh->time_range.lower < mesh->time_range.upper))
+      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"a time range from " + std::to_string(mesh->time_range.lower) + " to "
+          + std::to_string(mesh->time_range.upper));
+  }
+
+  /*! Throws if buffers of a cage are shorter than its faces and creases require: Embree would read, and write, past
+   *  their ends. */
+  void checkSizes (const SubdivMesh* mesh);
+
+  /*! Throws if a face of a cage refers to indices or vertices that do not exist: Embree would read them. Also checks
+   *  time steps and sizes. */
+  void checkIndices (const SubdivMesh* mesh);
+
+  /*! Throws for a grid with more vertices along a side than Embree's own kernel counts in 15 bits. */
+  void checkSides (const GridMesh* mesh);
+
+  /*! Throws for a large grid whose rows are all the same vertices. Its quads have no area, but there may be billions of
+   *  them. */
+  void checkStrides (const GridMesh* mesh);
+}

@@ -1,0 +1,43 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "stored_surface.h"
+#include "compressed_geometry.h"
+#include "../stored/stored_clusters.h"
+
+namespace embree
+{
+  namespace core
+  {
+    namespace
+    {
+      cbvh::TraversalTime traversalTime (Geometry* geometry, float time) {
+        return cbvh::TraversalTime{ time,(geometry->device->enabled_cpu_features & AVX2) == AVX2 };
+      }
+    }
+
+    float firstTime (Geometry* geometry) { return geometry->time_range.lower; }
+
+    bool findTriangle (Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
+        cbvh::StoredTriangle& triangle) {
+      return requireBlocks(geometry).index().find(traversalTime(geometry,time),primID,u,v,Ng,triangle);
+    }
+
+    void forEachPart (Geometry* geometry, float time, const std::function<bool(const cbvh::StoredPart&)>& closure) {
+      cbvh::forEachPart(requireBlocks(geometry),traversalTime(geometry,time),
+          [&](const cbvh::StoredBlock&, const cbvh::StoredPart& part) { return closure(part); });
+    }
+
+    void forEachCluster (Geometry* geometry, float time, cbvh::ClusterFormat format,
+        const std::function<bool(const cbvh::StoredCluster&)>& closure,
+                         cbvh::ClusterReport& report)
+    {
+      report = cbvh::ClusterReport();
+      const SurfaceBlocks& blocks = requireBlocks(geometry);
+      if (format != cbvh::ClusterFormat::FLOAT3 && format != cbvh::ClusterFormat::COMPRESSED1
+          && format != cbvh::ClusterFormat::DGF1)
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown format of clusters: " + std::to_string(int(format)));
+      cbvh::forEachCluster(blocks,traversalTime(geometry,time),format,closure,report);
+    }
+  }
+}

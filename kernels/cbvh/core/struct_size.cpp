@@ -1,0 +1,55 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "struct_size.h"
+#include "errors.h"
+#include <algorithm>
+#include <cstring>
+
+namespace embree
+{
+  namespace core
+  {
+    namespace
+    {
+      size_t structSizeOf (const void* data)
+      {
+        size_t size;
+        std::memcpy(&size,data,sizeof(size));
+        return size;
+      }
+    }
+
+    void checkStructSize (const KnownStruct& known, const void* data)
+    {
+      const size_t size = structSizeOf(data);
+      if (size < known.firstSize || size > maxStructSize)
+        invalidArgument(std::string(known.name) + ": invalid structSize " + std::to_string(size)
+                        + ": expected sizeof(struct " + known.name + "), which is " + std::to_string(known.size)
+                        + " in this version and at least " + std::to_string(known.firstSize));
+    }
+
+    void copyFromApplication (const KnownStruct& known, const void* from, void* to)
+    {
+      checkStructSize(known,from);
+      const size_t size = structSizeOf(from), common = std::min(size,known.size);
+      const char* const bytes = (const char*)from;
+      const char* const stray = std::find_if(bytes+common,bytes+size,[](char byte) { return byte != 0; });
+      if (stray != bytes+size)
+        invalidArgument(std::string(known.name) + ": structSize is " + std::to_string(size) + ", and byte "
+                        + std::to_string(stray-bytes) + " is not zero: expected zeros after the "
+                        + std::to_string(known.size) + " bytes that this version of the library knows");
+      std::memcpy(to,from,common);
+      std::memset((char*)to+common,0,known.size-common);
+      std::memcpy(to,&known.size,sizeof(size_t));
+    }
+
+    void copyToApplication (const KnownStruct& known, void* to, const void* from)
+    {
+      checkStructSize(known,to);
+      const size_t size = structSizeOf(to), common = std::min(size,known.size);
+      std::memcpy((char*)to+sizeof(size_t),(const char*)from+sizeof(size_t),common-sizeof(size_t));
+      std::memset((char*)to+common,0,size-common);
+    }
+  }
+}

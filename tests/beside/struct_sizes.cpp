@@ -1,0 +1,349 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Public structs that begin with structSize, of both interfaces, as applications of older and newer versions pass
+ * them. */
+
+#include "kernels/cbvh/core/errors.h"
+#include "kernels/cbvh/core/struct_size.h"
+#include "support/saved.h"
+
+#include <cbvh/cbvh.h>
+#include <embree3/rtcore_compressed_clusters.h>
+#include <embree3/rtcore_dicing.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <stdexcept>
+
+namespace embree { namespace core {
+
+/* What grows in the second version. */
+struct Grown
+{
+  size_t structSize;
+  int a, b;
+  double c;
+};
+CBVH_GROWING_STRUCT(Grown, b);
+
+// of the library, which does not export it
+void invalidArgument(const std::string& text) { throw std::invalid_argument(text); }
+
+}} // namespace embree::core
+
+namespace cbvh::test {
+namespace {
+
+using Bytes = std::vector<char>;
+
+const float cubeVertices[] = {-1,-1,-1, 1,-1,-1, -1,1,-1, 1,1,-1, -1,-1,1, 1,-1,1, -1,1,1, 1,1,1, 0};
+const unsigned cubeFaces[] = {4,4,4,4,4,4}, cubeIndices[] = {0,2,3,1, 4,5,7,6, 0,1,5,4, 2,6,7,3, 0,4,6,2, 1,3,7,5};
+const float* const cubeSteps[] = {cubeVertices};
+const float corners[] = {0,0, 1,0, 1,1, 0,1, 0,0, 1,0, 1,1, 0,1};
+const CbvhAttribute attribute = {corners, 8, 8, 2, nullptr, CBVH_BOUNDARY_SMOOTH};
+
+// A struct, and a function of the library that reads or writes it.
+struct Case
+{
+  std::string name;
+  bool isWritten;
+  Bytes valid;                              // as this version has it
+  std::function<std::string(void*)> call;   // returns the text of the error, empty if there is none
+};
+
+template<typename T>
+Case caseOf(const char* name, bool isWritten, const T& valid, const std::function<std::string(T*)>& call)
+{
+  return {name, isWritten, Bytes((const char*)&valid, (const char*)(&valid + 1)),
+      [=](void* bytes) { return call((T*)bytes); }};
+}
+
+// What the calls need: a surface that is committed and traced, and a geometry that is committed and saved.
+struct StructSizes : ::testing::Test
+{
+  CbvhContext context = nullptr;
+  CbvhSurface surface = nullptr, other = nullptr;
+  CbvhGroup group = nullptr;
+  std::string told;
+  Device device;
+  Scene scene{device};
+  Folder folder;
+  RTCGeometry geometry, cage;
+  RTCCompressedFile file = nullptr;
+  std::vector<Case> cases;
+
+  StructSizes()
+  {
+    const auto keep = [](void* self, CbvhError, const char* text) { *(std::string*)self = text; };
+    EXPECT_EQ(cbvhNewContext(nullptr, keep, &told, &context), CBVH_OK);
+    const CbvhCage input = cube();
+    for (CbvhSurface* s : {&surface, &other}) {
+      EXPECT_EQ(cbvhNewSurface(context, s), CBVH_OK);
+      EXPECT_EQ(cbvhSetCage(*s, &input), CBVH_OK) << cbvhGetErrorText();
+    }
+    EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhNewGroup(context, &surface, 1, &group), CBVH_OK);
+    EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
+
+    Displacement displacement;
+    SurfaceSettings settings;
+    settings.rate = 8;
+    settings.displacement = &displacement;
+    geometry = releasing(newSurface(device, cubeCage(), settings), RTC_COMPRESSION_VERT);
+    settings.displacement = nullptr;
+    cage = newSurface(device, cubeCage(), settings);
+    rtcCommitGeometry(cage);
+    rtcAttachGeometry(scene, geometry);
+    rtcCommitScene(scene);
+    EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"one").c_str())) << device.message;
+    file = rtcOpenCompressedFile(device, (folder/"one").c_str());
+    EXPECT_NE(file, nullptr) << device.message;
+    addCases();
+    addCasesBeside();
+  }
+
+  ~StructSizes() override
+  {
+    rtcReleaseCompressedFile(file);
+    rtcReleaseGeometry(cage);
+    rtcReleaseGeometry(geometry);
+    cbvhReleaseGroup(group);
+    cbvhReleaseSurface(other);
+    cbvhReleaseSurface(surface);
+    cbvhReleaseContext(context);
+  }
+
+  static CbvhCage cube()
+  {
+    CbvhCage cage = CbvhCage();
+    cage.numFaces = 6;
+    cage.faceVertices = cubeFaces;
+    cage.numIndices = 24;
+    cage.indices = cubeIndices;
+    cage.vertices = {8, 12, cubeSteps, 1, 0, 1};
+    cage.rate = 8;
+    cage.numAttributes = 1;
+    cage.attributes = &attribute;
+    return cage;
+  }
+
+  std::string error()
+  {
+    const bool isWrong = device.takeError() != RTC_ERROR_NONE;
+    return isWrong ? device.message : "";
+  }
+
+  static std::string error(CbvhError code) { return code == CBVH_OK ? "" : cbvhGetErrorText(); }
+
+  void addCases()
+  {
+    RTCCompressionArguments compression;
+    rtcInitCompressionArguments(&compression);
+    cases.push_back(caseOf<RTCCompressionArguments>("RTCCompressionArguments", false, compression,
+      [=](RTCCompressionArguments* args) { rtcSetGeometryCompression(cage, args); return error(); }));
+    RTCDicingArguments dicing;
+    rtcInitDicingArguments(&dicing);
+    dicing.pixelSize = 0.1f;
+    cases.push_back(caseOf<RTCDicingArguments>("RTCDicingArguments", false, dicing,
+      [=](RTCDicingArguments* args) {
+        rtcDiceGeometry(cage, args);
+        const std::string text = error();
+        rtcCommitGeometry(cage);
+        return text;
+      }));
+    cases.push_back(caseOf<RTCCompressionStatistics>("RTCCompressionStatistics", true, {},
+      [=](RTCCompressionStatistics* statistics) {
+        rtcGetSceneCompressionStatistics(scene, statistics);
+        return error();
+      }));
+    cases.push_back(caseOf<RTCCompressionStatistics>("RTCCompressionStatistics", true, {},
+      [=](RTCCompressionStatistics* statistics) {
+        rtcGetCompressedFileGeometryStatistics(file, 0, statistics);
+        return error();
+      }));
+    cases.push_back(caseOf<RTCCompressedFileGeometry>("RTCCompressedFileGeometry", true, {},
+      [=](RTCCompressedFileGeometry* description) {
+        rtcGetCompressedFileGeometry(file, 0, description);
+        return error();
+      }));
+    cases.push_back(caseOf<RTCCompressedClusterReport>("RTCCompressedClusterReport", true, {},
+      [=](RTCCompressedClusterReport* report) {
+        rtcForEachCompressedCluster(geometry, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, report);
+        return error();
+      }));
+  }
+
+  void addCasesBeside()
+  {
+    cases.push_back(caseOf<CbvhCage>("CbvhCage", false, cube(),
+      [=](CbvhCage* input) { return error(cbvhSetCage(other, input)); }));
+    static const CbvhGrid grid = {0, 2, 2, 4};
+    cases.push_back(caseOf<CbvhGrids>("CbvhGrids", false, {sizeof(CbvhGrids), 1, &grid, cube().vertices},
+      [=](CbvhGrids* input) { return error(cbvhSetGrids(other, input)); }));
+    cases.push_back(caseOf<CbvhMesh>("CbvhMesh", false, {sizeof(CbvhMesh), 4, 6, cubeIndices, cube().vertices},
+      [=](CbvhMesh* input) { return error(cbvhSetMesh(other, input)); }));
+    CbvhDicing dicing = CbvhDicing();
+    dicing.pixelSize = 0.1f;
+    cases.push_back(caseOf<CbvhDicing>("CbvhDicing", false, dicing, [=](CbvhDicing* input) {
+      const CbvhCage again = cube();
+      EXPECT_EQ(cbvhSetCage(other, &again), CBVH_OK);
+      return error(cbvhDiceSurface(other, input, nullptr));
+    }));
+    cases.push_back(caseOf<CbvhAccuracy>("CbvhAccuracy", false, {},
+        [=](CbvhAccuracy* input) { return error(cbvhSetAccuracy(other, input)); }));
+    static const float uv[1] = {0.5f};
+    static float P[2];
+    cases.push_back(caseOf<CbvhInterpolation>("CbvhInterpolation", false,
+        {sizeof(CbvhInterpolation), 0, 0, 1, uv, uv, P, nullptr, nullptr},
+      [=](CbvhInterpolation* points) { return error(cbvhInterpolatePoints(surface, points)); }));
+    const auto trace = [=](bool isOcclusion) {
+      return [=](CbvhQuery* query) {
+        told.clear();
+        CbvhRayHit r = CbvhRayHit();
+        r.ray.org_x = r.ray.org_y = 0.01f; r.ray.org_z = 5; r.ray.dir_z = -1; r.ray.tfar = INFINITY; r.ray.mask = 1;
+        const int isHit = isOcclusion ? cbvhOccluded1(group, &r.ray, query) : cbvhIntersect1(group, &r, query);
+        EXPECT_EQ(isHit != 0, told.empty()) << told;
+        return told;
+      };
+    };
+    cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, trace(false)));
+    cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, trace(true)));
+    const auto packet = [=](bool isOcclusion) {
+      return [=](CbvhQuery* query) {
+        told.clear();
+        alignas(16) RTCRayHit4 rays = RTCRayHit4();
+        for (int i = 0; i < 4; i++) {
+          rays.ray.org_x[i] = rays.ray.org_y[i] = 0.01f; rays.ray.org_z[i] = 5; rays.ray.dir_z[i] = -1;
+          rays.ray.tfar[i] = INFINITY; rays.ray.mask[i] = 1;
+        }
+        const unsigned hits = isOcclusion ? cbvhOccluded4(group, nullptr, &rays, query)
+            : cbvhIntersect4(group, nullptr, &rays, query);
+        EXPECT_EQ(hits, told.empty() ? 15u : 0u) << told;
+        return told;
+      };
+    };
+    cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, packet(false)));
+    cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, packet(true)));
+    cases.push_back(caseOf<CbvhStatistics>("CbvhStatistics", true, {},
+        [=](CbvhStatistics* statistics) { return error(cbvhGetGroupStatistics(group, statistics)); }));
+    cases.push_back(caseOf<CbvhClusterReport>("CbvhClusterReport", true, {},
+      [=](CbvhClusterReport* report) {
+        return error(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, report));
+      }));
+  }
+
+  // A struct of another version: tail bytes are appended, and structSize is set.
+  static Bytes withSize(const Case& of, size_t structSize, const Bytes& tail)
+  {
+    Bytes bytes = of.valid;
+    bytes.insert(bytes.end(), tail.begin(), tail.end());
+    std::memcpy(bytes.data(), &structSize, sizeof(structSize));
+    return bytes;
+  }
+
+  static void expectRefused(const Case& of, Bytes bytes, const char* what)
+  {
+    size_t size;
+    std::memcpy(&size, bytes.data(), sizeof(size));
+    const Bytes before = bytes;
+    const std::string text = of.call(bytes.data());
+    for (const std::string& part : {of.name, std::to_string(size), std::string("expected")})
+      EXPECT_NE(text.find(part), std::string::npos) << what << ": '" << text << "' lacks " << part;
+    EXPECT_EQ(bytes, before) << what;
+  }
+};
+
+TEST_F(StructSizes, DefaultsAreTheSizesOfThisVersion)
+{
+  for (const Case& c : cases) {
+    size_t size;
+    std::memcpy(&size, c.valid.data(), sizeof(size));
+    EXPECT_EQ(size, c.valid.size()) << c.name;
+  }
+}
+
+TEST_F(StructSizes, ZeroTooSmallAndHugeAreRefused)
+{
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    expectRefused(c, withSize(c, 0, {}), "zero");
+    expectRefused(c, withSize(c, 8, {}), "structSize alone");
+    expectRefused(c, withSize(c, c.valid.size() - 1, {}), "a byte less");
+    expectRefused(c, withSize(c, 4097, Bytes(4097)), "more than 4096");
+    expectRefused(c, withSize(c, ~size_t(0), {}), "all bits");
+  }
+}
+
+TEST_F(StructSizes, ThisVersionIsAccepted)
+{
+  for (const Case& c : cases) {
+    Bytes bytes = c.valid;
+    EXPECT_EQ(c.call(bytes.data()), "") << c.name;
+    EXPECT_EQ(bytes != c.valid, c.isWritten) << c.name;
+  }
+}
+
+TEST_F(StructSizes, NewerInputIsAcceptedIfItsNewMembersAreZero)
+{
+  for (const Case& c : cases) {
+    if (c.isWritten) continue;
+    SCOPED_TRACE(c.name);
+    const size_t size = c.valid.size() + 24;
+    Bytes zeros = withSize(c, size, Bytes(24));
+    EXPECT_EQ(c.call(zeros.data()), "");
+    for (size_t at : {0, 23}) {
+      Bytes tail(24);
+      tail[at] = 1;
+      expectRefused(c, withSize(c, size, tail), "a byte that is not zero");
+    }
+    Bytes most = withSize(c, 4096, Bytes(4096 - c.valid.size()));
+    EXPECT_EQ(c.call(most.data()), "");
+  }
+}
+
+TEST_F(StructSizes, NewerOutputIsFilledWithZeros)
+{
+  for (const Case& c : cases) {
+    if (!c.isWritten) continue;
+    SCOPED_TRACE(c.name);
+    Bytes expected = c.valid;
+    ASSERT_EQ(c.call(expected.data()), "");
+    const size_t known = expected.size(), size = known + 24;
+    Bytes bytes = withSize(c, size, Bytes(32, 7));
+    ASSERT_EQ(c.call(bytes.data()), "");
+    size_t kept;
+    std::memcpy(&kept, bytes.data(), sizeof(kept));
+    EXPECT_EQ(kept, size);
+    EXPECT_TRUE(std::equal(bytes.begin() + 8, bytes.begin() + known, expected.begin() + 8)) << "members";
+    EXPECT_EQ(Bytes(bytes.begin() + known, bytes.begin() + size), Bytes(24)) << "new members";
+    EXPECT_EQ(Bytes(bytes.begin() + size, bytes.end()), Bytes(8, 7)) << "what is not of the struct";
+  }
+}
+
+// The rule by a struct that has grown: an application of its first version.
+TEST(StructGrowth, MembersThatTheApplicationLacksAreZeroAndNotWritten)
+{
+  using embree::core::Grown;
+  Grown application = {16, 3, 4, 5.0};
+  const Grown read = embree::core::readStruct(application);
+  EXPECT_EQ(read.structSize, sizeof(Grown));
+  EXPECT_EQ(read.a, 3);
+  EXPECT_EQ(read.b, 4);
+  EXPECT_EQ(read.c, 0.0);
+  embree::core::writeStruct(application, Grown{sizeof(Grown), 6, 7, 8.0});
+  EXPECT_EQ(application.structSize, 16u);
+  EXPECT_EQ(application.a, 6);
+  EXPECT_EQ(application.b, 7);
+  EXPECT_EQ(application.c, 5.0) << "which is not the struct's";
+  application.structSize = 15;
+  EXPECT_THROW(embree::core::requireStruct(application), std::invalid_argument);
+  application.structSize = 20;
+  application.c = 1.0; // whose upper half is not read
+  EXPECT_EQ(embree::core::readStruct(application).c, 0.0);
+}
+
+} // namespace
+} // namespace cbvh::test
