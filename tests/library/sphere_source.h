@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* A source of vertices that has no buffers: a unit sphere, as the six faces of a cube whose points are normalized. A short
- * example of what kernels/cbvh/surface/source.h describes. Two faces compute the vertices of their common edge from the same
- * points of the cube, and all of them lie on one lattice, so there is nothing to prepare. */
+/* A source of vertices that has no buffers: a unit sphere, as the six faces of a cube whose points are normalized. A
+ * short example of what kernels/cbvh/surface/source.h describes. Two faces compute the vertices of their common edge
+ * from the same points of the cube, and all of them lie on one lattice, so there is nothing to prepare. */
 
 #include "kernels/cbvh/surface/source.h"
 #include "kernels/cbvh/vert/writer.h"
@@ -93,7 +93,7 @@ namespace embree
       SphereSource (const Mesh* mesh, const CompressionPlan& plan) : mesh(mesh), plan(plan) {}
 
       size_t size () const { return 6; }
-      size_t estimateBlocks () const { return 6*size_t(cbvh::vertBlocksAlong(mesh->quads))*cbvh::vertBlocksAlong(mesh->quads); }
+      size_t estimateBlocks () const { const size_t n = cbvh::vertBlocksAlong(mesh->quads); return 6*n*n; }
       size_t perTask (bool isSmall) const { return isSmall ? 6 : 1; }
       template<typename Progress> void prepare (size_t, const Progress&) {}
       void release () {}

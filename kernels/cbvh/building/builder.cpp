@@ -21,13 +21,20 @@ namespace embree
   {
     typedef std::shared_ptr<const cbvh::SurfaceNumber> Number;
 
-    static std::unique_ptr<SurfaceBuilder> newSurfaceBuilder (CompressibleGeometry* geometry, const Number& number, const CompressionPlan& plan)
+    typedef std::unique_ptr<SurfaceBuilder> BuilderPointer;
+
+    static BuilderPointer newSurfaceBuilder (CompressibleGeometry* geometry, const Number& number,
+                                             const CompressionPlan& plan)
     {
       switch (geometry->ownType) {
-      case Geometry::GTY_GRID_MESH: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource<GridsOfGridMesh>>((GridMesh*)geometry,number,plan));
-      case Geometry::GTY_QUAD_MESH: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource<GridsOfQuadMesh>>((QuadMesh*)geometry,number,plan));
-      case Geometry::GTY_TRIANGLE_MESH: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource<GridsOfTriangleMesh>>((TriangleMesh*)geometry,number,plan));
-      default: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<CageSource>((SubdivMesh*)geometry,number,plan));
+      case Geometry::GTY_GRID_MESH:
+        return BuilderPointer(new BuilderOf<GridSource<GridsOfGridMesh>>((GridMesh*)geometry,number,plan));
+      case Geometry::GTY_QUAD_MESH:
+        return BuilderPointer(new BuilderOf<GridSource<GridsOfQuadMesh>>((QuadMesh*)geometry,number,plan));
+      case Geometry::GTY_TRIANGLE_MESH:
+        return BuilderPointer(new BuilderOf<GridSource<GridsOfTriangleMesh>>((TriangleMesh*)geometry,number,plan));
+      default:
+        return BuilderPointer(new BuilderOf<CageSource>((SubdivMesh*)geometry,number,plan));
       }
     }
 
@@ -54,7 +61,8 @@ namespace embree
         std::shared_ptr<const SurfaceBlocks> blocks; //!< null until they are built
 
         Surface (CompressibleGeometry* geometry, unsigned geomID)
-          : geometry(geometry), geomID(geomID), number(cbvh::numberOf(geometry)), plan(geometry,*number), blocks(cbvh::blocksOf(geometry)) {}
+          : geometry(geometry), geomID(geomID), number(cbvh::numberOf(geometry)), plan(geometry,*number),
+            blocks(cbvh::blocksOf(geometry)) {}
 
         /*! whether it came as grids, quads or triangles */
         bool isDiced () const { return geometry->ownType != Geometry::GTY_SUBDIV_MESH; }
@@ -209,7 +217,8 @@ namespace embree
         if (!scene->device->verbosity(1) && !environmentAsksForCommitLines()) return;
         CommitLine line;
         for (const Surface& surface : surfaces) {
-          if (surface.plan.compresses()) line.addCompressed(surface.geometry,surface.plan.kind(),surface.blocks->statistics);
+          const CompressionPlan& plan = surface.plan;
+          if (plan.compresses()) line.addCompressed(surface.geometry,plan.kind(),surface.blocks->statistics);
           else line.addLeft(surface.geometry);
         }
         for (size_t i=0; i<scene->size(); i++) {
@@ -229,7 +238,8 @@ namespace embree
         Lock<MutexSys> lock(g_printMutex);
         if (total.highRateQuads)
           std::cerr << geometry << total.highRateQuads << " quads of faces with edge rates above "
-                    << (surface.plan.sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxLevel) << " are traced by GRID" << std::endl;
+                    << (surface.plan.sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxLevel)
+                    << " are traced by GRID" << std::endl;
         if (total.refusedQuads)
           std::cerr << geometry << total.refusedQuads << " quads of blocks that have no good frame (lines, outliers) keep full precision" << std::endl;
         if (total.sums.numExactQuads)

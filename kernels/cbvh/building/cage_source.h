@@ -79,7 +79,8 @@ namespace embree
 
       /*! what Embree takes for it */
       size_t bytesInEmbree (const SurfacePatch& patch) const {
-        return bytesOfMovingGrids(GridWriter::bytesInGrid(Vec2i(int(patch.quads[0]),int(patch.quads[1]))),plan.numTimeSteps);
+        const Vec2i quads(int(patch.quads[0]),int(patch.quads[1]));
+        return bytesOfMovingGrids(GridSOAWriter::bytesInGrid(quads),plan.numTimeSteps);
       }
 
       /*! writes patches, for one task */
@@ -100,7 +101,8 @@ namespace embree
             if (plan.compresses()) statistics.highRateQuads += size_t(patch.quads[0])*size_t(patch.quads[1]);
             break;
           case CompressionPlan::FRAMED:
-            if (!framed.write(patch,source.tilingOf(face,patch.rate))) vert.write(patch,[&](unsigned) { return framed.evaluated(patch.quads[0],patch.quads[1]); });
+            if (!framed.write(patch,source.tilingOf(face,patch.rate)))
+              vert.write(patch,[&](unsigned) { return framed.evaluated(patch.quads[0],patch.quads[1]); });
             break;
           case CompressionPlan::VERT:
             if (patch.quads[1] > VertWriter::rowsOfStrip(patch,plan.numTimeSteps)) return false;
@@ -117,7 +119,7 @@ namespace embree
         cbvh::BuildStatistics& statistics;
         FramedWriter framed;
         VertWriter vert;
-        const GridWriter grids;
+        const GridSOAWriter grids;
       };
 
     private:
@@ -126,7 +128,7 @@ namespace embree
         const CompressionPlan::Storage storage = plan.storage(patch.rate);
         if (storage == CompressionPlan::FRAMED) return isa::tilingOf(plan.kind(),patch.rate,plan.frameLevel(levelOf(patch.rate))).size();
         const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
-        const unsigned side = storage == CompressionPlan::VERT ? cbvh::vertBlockQuads : GridWriter::gridQuads;
+        const unsigned side = storage == CompressionPlan::VERT ? cbvh::vertBlockQuads : GridSOAWriter::gridQuads;
         return size_t(unsigned(size.x-2)/side+1)*size_t(unsigned(size.y-2)/side+1);
       }
 

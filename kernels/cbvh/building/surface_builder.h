@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* Builds the blocks of one geometry. The primitives are the source's (surface/source.h). Every task takes primitives, or a
- * strip of a large patch, encodes their blocks into the surface's own memory and drops the vertices. Embree's binned SAH BVH4
- * is built over the blocks; scenes build their trees over its lower parts. */
+/* Builds the blocks of one geometry. The primitives are the source's (surface/source.h). Every task takes primitives,
+ * or a strip of a large patch, encodes their blocks into the surface's own memory and drops the vertices. Embree's
+ * binned SAH BVH4 is built over the blocks; scenes build their trees over its lower parts. */
 
-#include "../base/grid_writer.h"
+#include "../base/grid_soa_writer.h"
 #include "../base/tasks.h"
 #include "../vert/writer.h"
 #include "build_results.h"
@@ -48,7 +48,8 @@ namespace embree
       /*! mesh and plan outlive it */
       template<typename Mesh>
       BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan)
-        : device(mesh->device), number(number), plan(plan), source(mesh,plan), ofGeometry(double(mesh->size())/double(max(source.size(),size_t(1)))),
+        : device(mesh->device), number(number), plan(plan), source(mesh,plan),
+          ofGeometry(double(mesh->size())/double(max(source.size(),size_t(1)))),
           estimatedBlocks(source.estimateBlocks()), perTask(source.perTask(isSmall())) {}
 
       bool isSmall () const override { return estimatedBlocks <= isa::blocksOfPart; }
@@ -122,8 +123,11 @@ namespace embree
       {
         const unsigned rows = VertWriter::rowsOfStrip(patch,plan.numTimeSteps), quadsX = patch.quads[0], quadsY = patch.quads[1], strips = (quadsY+rows-1)/rows;
         const size_t width = quadsX+1, ofSeam = width*plan.numTimeSteps;
-        mvector<float> seams(device,Source::isDeterministic ? 0 : 3*ofSeam*(strips-1)); // rows between strips, at each time step
-        auto seam = [&](unsigned s) { return Source::isDeterministic ? nullptr : (float(*)[3])(seams.data() + 3*ofSeam*s); };
+        /* rows between strips, at each time step */
+        mvector<float> seams(device,Source::isDeterministic ? 0 : 3*ofSeam*(strips-1));
+        auto seam = [&](unsigned s) {
+          return Source::isDeterministic ? nullptr : (float(*)[3])(seams.data() + 3*ofSeam*s);
+        };
         if (!Source::isDeterministic)
           parallel_for(1u,strips,1u,[&](const range<unsigned>& r) {
               typename Source::Scratch scratch(device);

@@ -50,8 +50,8 @@ namespace embree
       }
     }
 
-    /*! Spreads the vertices on stitched borders of a patch: `vertices`, displaced or not, has the size of `patch`. rate: of its
-     *  sides, in the order of SurfacePatch::rate, not above the patch's own. */
+    /*! Spreads the vertices on stitched borders of a patch: `vertices`, displaced or not, has the size of `patch`.
+     *  rate: of its sides, in the order of SurfacePatch::rate, not above the patch's own. */
     inline void spreadBorders (const float rate[4], const PatchVertices& patch, float (*vertices)[3])
     {
       const unsigned quadsX = unsigned(patch.width)-1, quadsY = unsigned(patch.height)-1;

@@ -9,7 +9,7 @@
 
 #include "block_encoder.h"
 #include "tiling.h"
-#include "../base/grid_writer.h"
+#include "../base/grid_soa_writer.h"
 #include "../surface/cage_patch.h"
 #include "spread_borders.h"
 
@@ -91,7 +91,8 @@ namespace embree
       /*! The vertices of the last patch as its face evaluates them, if it was evaluated as so many quads; else null.
        *  Of a writer whose faces share borders. */
       const float (*evaluated (unsigned quadsX, unsigned quadsY) const)[3] {
-        return patchVertices && patchVertices->width == quadsX+1 && patchVertices->height == quadsY+1 ? (const float(*)[3])own.data() : nullptr;
+        const bool isEvaluated = patchVertices && patchVertices->width == quadsX+1 && patchVertices->height == quadsY+1;
+        return isEvaluated ? (const float(*)[3])own.data() : nullptr;
       }
 
     private:
@@ -133,7 +134,8 @@ namespace embree
         const size_t count = 3*patchVertices->width*patchVertices->height;
         own.resize(count);
         memcpy(own.data(),patchVertices->displaced(),count*sizeof(float));
-        shareBorder(patch,0,tiling.quadsX(),tiling.quadsY(),all,(const float(*)[3])own.data(),patchVertices->displaced(),statistics);
+        shareBorder(patch,0,tiling.quadsX(),tiling.quadsY(),all,(const float(*)[3])own.data(),
+                    patchVertices->displaced(),statistics);
         float rate[4];
         for (int s=0; s<4; s++) rate[s] = float(patch.side(s,0).rate);
         spreadBorders(patch.rate,*patchVertices,patchVertices->undisplaced());
@@ -151,7 +153,8 @@ namespace embree
         scratch.resize((cbvh::BlockEncoder::scratchBytes(e.height)+sizeof(Vec3fa)-1)/sizeof(Vec3fa));
         for (size_t r=0; r<w; r++)
           memcpy(&vertices[3*r*w],patchVertices->displaced()[(y0+r)*patchVertices->width+x0],3*w*sizeof(float));
-        float (*aligned)[3] = cbvh::describe(e.kind).alignsToLimit ? patchVertices->undisplaced() : patchVertices->displaced();
+        const bool toLimit = cbvh::describe(e.kind).alignsToLimit;
+        float (*aligned)[3] = toLimit ? patchVertices->undisplaced() : patchVertices->displaced();
         for (size_t c=0; c<4; c++)
           memcpy(e.corners[c],aligned[(y0 + (c>>1)*(w-1))*patchVertices->width + x0 + (c&1)*(w-1)],sizeof(float[3]));
       }
@@ -230,7 +233,7 @@ namespace embree
       const bool shares;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
-      const GridWriter grids;
+      const GridSOAWriter grids;
       cbvh::LeafFit fit;             //!< of the patch
       PatchVertices* patchVertices = nullptr;    //!< vertices of the patch
       bool isStitched = false;       //!< whether an edge of the patch has a lower rate than its quads

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The lattices of the primitives of a geometry, and of the vertices that they share, at each time step: the third part of
- * the rule in shared_border.h. Which vertices these are is the topology's; it has
+/* The lattices of the primitives of a geometry, and of the vertices that they share, at each time step: the third part
+ * of the rule in shared_border.h. Which vertices these are is the topology's; it has
  *
  *   typedef Scratch
  *       Memory of a task, made of a Device*.
@@ -15,8 +15,8 @@
  *   void extendBounds (size_t primitive, unsigned step, BBox3fa& bounds)
  *       Extends bounds by the primitive. The diagonal of the geometry's bounds limits default spacings.
  *   bool addLines (size_t primitive, unsigned step, Scratch& scratch, LatticeChoice& choice)
- *       Adds the borders and the middles of the primitive's patches. False if it has no vertices at that step. It may keep
- *       vertices for later: it is called once per primitive and step, the steps of a primitive in order.
+ *       Adds the borders and the middles of the primitive's patches. False if it has no vertices at that step. It may
+ *       keep vertices for later: it is called once per primitive and step, the steps of a primitive in order.
  *   void forEachShared (size_t primitive, closure(uint32_t element, bool isTracedByGrid))
  *       Calls closure for each element that the primitive shares with others, or may share. An element is a number for
  *       vertices with one lattice: a corner, the interior of an edge, or one vertex.
@@ -38,39 +38,33 @@ namespace embree
     class LatticeChoice
     {
     public:
-      /*! ofEdge: default spacing as a part of the median edge, of vertices of an application; 0 of those that are evaluated */
+      /*! ofEdge: default spacing as a part of the median edge, for an application's vertices; 0 for evaluated ones */
       explicit LatticeChoice (double ofEdge = 0) : ofEdge(ofEdge) {}
 
-      /*! of so many quads along u and v */
+      /*! Adds the number of quads along u and v. */
       void addPatch (const unsigned quads[2]) { for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]); }
 
-      /*! Vertices along u, or v. isCoarse: on a border that has a lower rate than its patch */
+      /*! Adds vertices along u or v. isCoarse: on a border that has a lower rate than its patch */
       void addLine (bool alongU, const float (*vertices)[3], size_t count, bool isCoarse = false) {
-        (isCoarse ? coarse : samples)[alongU ? 0 : 1].add(vertices,count);
+        samples[alongU ? 0 : 1][isCoarse].add(vertices,count);
       }
 
       /*! diagonal: of the geometry */
       int exponent (const CompressionPlan& plan, double diagonal)
       {
         if (plan.isLossless()) return cbvh::exactLattice;
-        /* quads may be much longer than wide: the shorter side counts */
-        double spacing = 0, lower[3], upper[3];
-        for (int k=0; k<3; k++)
-        {
-          lower[k] = min(min(samples[0].lower[k],samples[1].lower[k]),min(coarse[0].lower[k],coarse[1].lower[k]));
-          upper[k] = max(max(samples[0].upper[k],samples[1].upper[k]),max(coarse[0].upper[k],coarse[1].upper[k]));
-        }
+        double spacing = 0; // quads may be much longer than wide: the shorter side counts
         for (int d=0; d<2; d++) {
-          const double median = (samples[d].empty() ? coarse[d] : samples[d]).median();
+          const double median = samples[d][samples[d][0].empty()].median();
           const double wanted = ofEdge > 0 ? median*ofEdge : cbvh::defaultSpacing(median,fewest[d],diagonal);
           if (wanted > 0) spacing = spacing > 0 ? min(spacing,wanted) : wanted;
         }
-        return cbvh::latticeExponent(spacingAskedFor(plan,lower,upper,spacing));
+        return cbvh::latticeExponent(spacingAskedFor(plan,spacing));
       }
 
     private:
-      /*! the default where nothing was asked for */
-      static double spacingAskedFor (const CompressionPlan& plan, const double lower[3], const double upper[3], double byDefault)
+      /*! Returns the default if the application did not ask for a bound. */
+      double spacingAskedFor (const CompressionPlan& plan, double byDefault) const
       {
         const CompressionSettings& settings = plan.settings;
         double spacing = settings.maxError > 0 ? double(settings.maxError) : INFINITY;
@@ -79,8 +73,11 @@ namespace embree
           double distance2 = 0;
           for (int k=0; k<3; k++)
           {
-            const double grow = 0.25*(upper[k]-lower[k]), c = settings.cameraPosition[k];
-            const double d = max(max(lower[k]-grow-c,c-upper[k]-grow),0.0);
+            double lower = INFINITY, upper = -INFINITY;
+            for (const auto& along : samples)
+              for (const cbvh::EdgeSample& s : along) { lower = min(lower,s.lower[k]); upper = max(upper,s.upper[k]); }
+            const double grow = 0.25*(upper-lower), c = settings.cameraPosition[k];
+            const double d = max(max(lower-grow-c,c-upper-grow),0.0);
             distance2 += d*d;
           }
           spacing = min(spacing,double(settings.maxPixelError)*settings.pixelSize*std::sqrt(distance2));
@@ -90,14 +87,15 @@ namespace embree
       }
 
       const double ofEdge;
-      cbvh::EdgeSample samples[2], coarse[2]; //!< along u, v
-      unsigned fewest[2] = { ~0u,~0u };       //!< quads
+      cbvh::EdgeSample samples[2][2];   //!< along u, v; of the patch's rate, of coarse borders
+      unsigned fewest[2] = { ~0u,~0u }; //!< quads
     };
 
     class BorderLattices
     {
     public:
-      BorderLattices (Device* device, const CompressionPlan& plan) : device(device), plan(plan), own(device,0), shared(device,0) {}
+      BorderLattices (Device* device, const CompressionPlan& plan)
+        : device(device), plan(plan), own(device,0), shared(device,0) {}
 
       /*! Chooses the lattices of all primitives. Calls progress() now and then, which may cancel by an exception. */
       template<typename Topology, typename Progress>
@@ -112,7 +110,8 @@ namespace embree
             for (size_t i=r.begin(); i!=r.end(); i++)
               for (unsigned step=0; step<plan.numTimeSteps; step++) {
                 LatticeChoice choice(topology.spacingOfEdge());
-                if (topology.addLines(i,step,scratch,choice)) own[i*plan.numTimeSteps + step] = int8_t(choice.exponent(plan,diagonals[step]));
+                if (topology.addLines(i,step,scratch,choice))
+                  own[i*plan.numTimeSteps + step] = int8_t(choice.exponent(plan,diagonals[step]));
               }
             progress();
           });
@@ -126,8 +125,9 @@ namespace embree
         forRanges(topology.size(),perTask,[&](const range<size_t>& r) {
             for (size_t i=r.begin(); i!=r.end(); i++)
               topology.forEachShared(i,[&](uint32_t element, bool isTracedByGrid) {
+                  int8_t* const at = &shared[size_t(element)*plan.numTimeSteps];
                   for (unsigned step=0; step<plan.numTimeSteps; step++)
-                    raise(shared[size_t(element)*plan.numTimeSteps + step],isTracedByGrid ? int8_t(ofGrid) : own[i*plan.numTimeSteps + step]);
+                    raise(at[step],isTracedByGrid ? int8_t(ofGrid) : own[i*plan.numTimeSteps + step]);
                 });
             progress();
           });
@@ -168,7 +168,8 @@ namespace embree
       static void raise (int8_t& exponent, int8_t value)
       {
         const cbvh::AtomicRef<int8_t> at(exponent);
-        for (int8_t found=at.load(std::memory_order_relaxed); found < value && !at.exchangeWeak(found,value,std::memory_order_relaxed); ) {}
+        int8_t found = at.load(std::memory_order_relaxed);
+        while (found < value && !at.exchangeWeak(found,value,std::memory_order_relaxed)) {}
       }
 
       Device* const device;

@@ -3,15 +3,15 @@
 
 #pragma once
 
-/* The borders of a cage's faces: shared_border.h has the rule, cage_topology.h the owners. Faces evaluate the same vertex
- * some ulps apart, and far apart where their normals differ or a height map jumps.
+/* The borders of a cage's faces: shared_border.h has the rule, cage_topology.h the owners. Faces evaluate the same
+ * vertex some ulps apart, and far apart where their normals differ or a height map jumps.
  *
- * An n-gon is a patch at each corner. Its center, and the spokes from there to the middles of its edges, are shared by its
- * own patches, and owned by it.
+ * An n-gon is a patch at each corner. Its center, and the spokes from there to the middles of its edges, are shared by
+ * its own patches, and owned by it.
  *
- * The owners' vertices are evaluated before any patch is encoded. A twentieth of the vertices is evaluated twice, and all
- * vertices of patches that have few. Until the build ends, the points of edges use 12 bytes each. A border of few vertices
- * costs no less than its patch, so all vertices of small surfaces are kept for their blocks. */
+ * The owners' vertices are evaluated before any patch is encoded. A twentieth of the vertices is evaluated twice, and
+ * all vertices of patches that have few. Until the build ends, the points of edges use 12 bytes each. A border of few
+ * vertices costs no less than its patch, so all vertices of small surfaces are kept for their blocks. */
 
 #include "border_lattices.h"
 #include "cage_side.h"
@@ -28,11 +28,11 @@ namespace embree
       typedef PatchEvaluator Scratch;
 
       CageBorders (const SubdivMesh* mesh, const CompressionPlan& plan)
-        : plan(plan), mesh(mesh), topology(mesh,plan), lattices(mesh->device,plan), firsts(mesh->device,0), points(mesh->device,0),
-          firstKept(mesh->device,0), kept(mesh->device,0) {}
+        : plan(plan), mesh(mesh), topology(mesh,plan), lattices(mesh->device,plan), firsts(mesh->device,0),
+          points(mesh->device,0), firstKept(mesh->device,0), kept(mesh->device,0) {}
 
-      /*! Finds owners, evaluates what they own and chooses all lattices. Calls progress() now and then, which may cancel by
-       *  an exception. */
+      /*! Finds owners, evaluates what they own and chooses all lattices. Calls progress() now and then, which may
+       *  cancel by an exception. */
       template<typename Progress>
       void build (size_t facesPerTask, const Progress& progress)
       {
@@ -87,8 +87,9 @@ namespace embree
             const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
             choice.addPatch(quads);
             float few[fewVertices][3];
-            float (*const all)[3] = roomFor(f,patch.subPatch,step);
-            PatchLines lines(mesh,base,evaluator,quads,all ? all : (quads[0]+1)*(quads[1]+1) <= fewVertices ? few : nullptr);
+            float (*all)[3] = roomFor(f,patch.subPatch,step);
+            if (!all && (quads[0]+1)*(quads[1]+1) <= fewVertices) all = few;
+            PatchLines lines(mesh,base,evaluator,quads,all);
             for (unsigned s=0; s<4; s++)
             {
               const bool alongU = s % 2 == 0;
@@ -124,13 +125,15 @@ namespace embree
       static uint32_t cornerElement (const CageTopology::Edge& edge) { return 2*edge.cornerOwner; }
       static uint32_t edgeElement (const CageTopology::Edge& edge) { return 2*edge.owner + 1; }
 
-      /* points of a half-edge: its corner and its edge if it owns them, its spoke, and behind the last of a face the center */
+      /* points of a half-edge: its corner and edge if it owns them, its spoke; after the last of a face the center */
       size_t edgePoints (uint32_t i) const { return topology.ownsEdge(i) ? topology.at(i).rate-1 : 0; }
       size_t spokePoints (const HalfEdge* h) const { return isQuad(h) ? 0 : topology.at(h).ownRate/2-1; }
       size_t cornerPoint (uint32_t owner) const { return firsts[owner]; }
       size_t firstEdgePoint (uint32_t owner) const { return firsts[owner] + topology.ownsCorner(owner); }
-      size_t firstSpokePoint (const HalfEdge* h) const { const uint32_t i = topology.indexOf(h); return firstEdgePoint(i) + edgePoints(i); }
-      size_t centerPoint (const HalfEdge* last) const { return firstSpokePoint(last) + spokePoints(last); }
+      size_t firstSpokePoint (uint32_t i) const { return firstEdgePoint(i) + edgePoints(i); }
+      size_t centerPoint (const HalfEdge* last) const {
+        return firstSpokePoint(topology.indexOf(last)) + spokePoints(last);
+      }
       float* point (size_t i, unsigned step) { return points.data() + 3*(step*numPoints + i); }
       const float* point (size_t i, unsigned step) const { return points.data() + 3*(step*numPoints + i); }
 
@@ -143,7 +146,8 @@ namespace embree
               numPoints = centerPoint(h) + (!isQuad(h) && h->next() == mesh->getHalfEdge(0,f));
             });
         cbvh::resizeToFit(points,3*numPoints*plan.numTimeSteps);
-        if (plan.moves()) std::fill(points.begin(),points.end(),std::numeric_limits<float>::quiet_NaN()); // what no face evaluates
+        if (plan.moves()) // no face evaluates all of them
+          std::fill(points.begin(),points.end(),std::numeric_limits<float>::quiet_NaN());
       }
 
       /*! of surfaces with few vertices */
@@ -172,8 +176,12 @@ namespace embree
       }
 
       /*! of the vertices of a patch that are kept */
-      size_t firstOf (size_t face, int subPatch) const { return firstKept[topology.indexOf(mesh->getHalfEdge(0,face)) + subPatch]; }
-      float (*roomFor (size_t face, int subPatch, unsigned step))[3] { return (float(*)[3])evaluated(face,subPatch,step); }
+      size_t firstOf (size_t face, int subPatch) const {
+        return firstKept[topology.indexOf(mesh->getHalfEdge(0,face)) + subPatch];
+      }
+      float (*roomFor (size_t face, int subPatch, unsigned step))[3] {
+        return (float(*)[3])evaluated(face,subPatch,step);
+      }
 
       /*! Of a face whose vertices of the cage are not finite at that step. */
       void keepNothing (size_t f, unsigned step)
@@ -186,26 +194,30 @@ namespace embree
       }
 
       /*! Keeps what a face owns of side s of a patch: of a line of fine+1 vertices along u or v. */
-      void ownLine (size_t f, const PatchOfFace& patch, unsigned s, const float (*line)[3], unsigned fine, unsigned step)
+      void ownLine (size_t f, const PatchOfFace& patch, unsigned s, const float (*line)[3], unsigned fine,
+                    unsigned step)
       {
         const unsigned own = unsigned(patch.rate[s]);
         const bool descends = s >= 2;
         /* vertex k of the side, counted around the patch: the first of those that are stitched to it */
-        auto keep = [&](size_t i, unsigned k) { memcpy(point(i,step),line[min(firstStitched(descends ? own-k : k,fine,own),fine)],sizeof(*line)); };
+        auto keep = [&](size_t i, unsigned k) {
+          memcpy(point(i,step),line[min(firstStitched(descends ? own-k : k,fine,own),fine)],sizeof(*line));
+        };
 
         const HalfEdge* h = mesh->getHalfEdge(0,f);
         const unsigned n = h->numEdges();
         const HalfEdge* const edge = n == 4 ? h+s : s < 2 ? h+patch.subPatch : h+(patch.subPatch+n-1)%n;
         const uint32_t e = topology.indexOf(edge);
         if (n != 4 && s == 1) {
-          for (unsigned k=1; k<own; k++) keep(firstSpokePoint(edge)+k-1,k);
+          for (unsigned k=1; k<own; k++) keep(firstSpokePoint(e)+k-1,k);
           if (patch.subPatch == 0) keep(centerPoint(h+n-1),own);
         }
         if (n != 4 && (s == 1 || s == 2)) return;
         if ((n == 4 || s == 0) && topology.ownsCorner(e)) keep(cornerPoint(e),0);
         if (!topology.ownsEdge(e)) return;
         /* a patch of an n-gon has half of the edge, and the first half has the middle */
-        const unsigned rate = n == 4 ? topology.at(e).rate : topology.at(e).rate/2, last = n != 4 && s == 0 ? rate : rate-1;
+        const unsigned rate = n == 4 ? topology.at(e).rate : topology.at(e).rate/2;
+        const unsigned last = n != 4 && s == 0 ? rate : rate-1;
         const size_t first = firstEdgePoint(e) + (n != 4 && s == 3 ? rate : 0);
         for (unsigned k=1; k<=last; k++) keep(first+k-1,nearestVertex(k,rate,own));
       }
@@ -223,7 +235,8 @@ namespace embree
         side.begin = corner(h,step);
         side.end = corner(h->next(),step);
         side.interior = (const float(*)[3])point(firstEdgePoint(edge.owner),step);
-        side.reversed = edge.owner != topology.indexOf(h) && topology.halfEdge(edge.owner)->getStartVertexIndex() != h->getStartVertexIndex();
+        side.reversed = edge.owner != topology.indexOf(h)
+          && topology.halfEdge(edge.owner)->getStartVertexIndex() != h->getStartVertexIndex();
         side.exponent = lattices.ofShared(edgeElement(edge),step);
         side.rate = edge.rate;
         return side;
@@ -236,10 +249,11 @@ namespace embree
         const CageSide edge = edgeOf(h,step);
         CageSide side;
         side.exponent = exponent(face,step);
-        const SharedVertex middle = edge[edge.rate/2], center = SharedVertex(point(centerPoint(start+start->numEdges()-1),step),side.exponent);
+        const SharedVertex middle = edge[edge.rate/2];
+        const SharedVertex center(point(centerPoint(start+start->numEdges()-1),step),side.exponent);
         side.begin = fromCenter ? center : middle;
         side.end = fromCenter ? middle : center;
-        side.interior = (const float(*)[3])point(firstSpokePoint(h),step);
+        side.interior = (const float(*)[3])point(firstSpokePoint(topology.indexOf(h)),step);
         side.reversed = fromCenter;
         side.rate = topology.at(h).ownRate/2;
         return side;

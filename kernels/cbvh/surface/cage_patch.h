@@ -16,7 +16,8 @@ namespace embree
     {
     public:
       /*! borders: of faces that share their borders, else null */
-      CagePatch (SubdivMesh* mesh, uint32_t surface, size_t face, const PatchOfFace& patch, const CageBorders* borders, PatchEvaluator& evaluator)
+      CagePatch (SubdivMesh* mesh, uint32_t surface, size_t face, const PatchOfFace& patch, const CageBorders* borders,
+                 PatchEvaluator& evaluator)
         : mesh(mesh), patch(patch), borders(borders), evaluator(evaluator), base(patch.make(mesh,surface,face))
       {
         this->surface = surface;
@@ -30,7 +31,8 @@ namespace embree
       }
 
       CagePatch (const CagePatch& other, PatchEvaluator& evaluator)
-        : SurfacePatch(other), mesh(other.mesh), patch(other.patch), borders(other.borders), evaluator(evaluator), base(other.base) {}
+        : SurfacePatch(other), mesh(other.mesh), patch(other.patch), borders(other.borders), evaluator(evaluator),
+          base(other.base) {}
 
       PatchVertices& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step)
       {

@@ -29,8 +29,8 @@ namespace embree
       }
 
       /*! First or second half of an edge. Embree gives edges of n-gons an even rate in all faces that it knows next to
-       *  them. On an edge of three faces a quad's rate may be odd. Then the vertex before the middle is the n-gon's, as in
-       *  Embree's stitching; if the rate is 1, the first half is a point. */
+       *  them. On an edge of three faces a quad's rate may be odd. Then the vertex before the middle is the n-gon's, as
+       *  in Embree's stitching; if the rate is 1, the first half is a point. */
       CageSide half (int which) const
       {
         CageSide side = *this;

@@ -3,15 +3,16 @@
 
 #pragma once
 
-/* Owners and rates of the edges and corners of a cage, from its half-edges: shared_border.h has the rule. Faces without a
- * surface do not take part.
+/* Owners and rates of the edges and corners of a cage, from its half-edges: shared_border.h has the rule. Faces without
+ * a surface do not take part.
  *
- *           face A             An edge belongs to A or B. A corner x belongs to one of the faces around it that are reached
+ *           face A             An edge belongs to A or B. A corner x belongs to one of the faces around it that are
+ *           reached
  *     x----o----o----o----x    over edges. The numbers of claims are those of half-edges.
  *           face B
  *
- * An edge of three faces or more has no opposite half-edges. Embree keeps its vertices where they are, so that all faces
- * have the same straight edge: they share it and its ends, whether GRID traces one of them or not. */
+ * An edge of three faces or more has no opposite half-edges. Embree keeps its vertices where they are, so that all
+ * faces have the same straight edge: they share it and its ends, whether GRID traces one of them or not. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -82,7 +83,7 @@ namespace embree
           });
       }
 
-      /*! Half-edges of faces, which findRates sets. The index buffer, and with it Embree's half-edges, may be longer. */
+      /*! Half-edges of faces, which findRates sets. The index buffer and Embree's half-edges may be longer. */
       size_t numHalfEdges () const
       {
         for (size_t f=mesh->size(); f-- > 0; )
@@ -152,7 +153,8 @@ namespace embree
       {
         std::vector<KeyedEdge> borders;
         for (uint32_t i=0; i<edges.size(); i++)
-          if (edges[i].ownRate != noRate && !first[i].hasOpposite()) borders.push_back({ uint64_t(first[i].getEdge()),i });
+          if (edges[i].ownRate != noRate && !first[i].hasOpposite())
+            borders.push_back({ uint64_t(first[i].getEdge()),i });
         std::sort(borders.begin(),borders.end());
         std::map<unsigned,std::set<uint32_t>> owners; // of corners, by vertex
         for (size_t begin=0, end=0; begin<borders.size(); begin=end)
@@ -166,9 +168,10 @@ namespace embree
         }
         if (owners.empty()) return;
         for (uint32_t i=0; i<edges.size(); i++) {
-          if (edges[i].ownRate == noRate) continue;
           const auto found = owners.find(first[i].getStartVertexIndex());
-          if (found != owners.end() && found->second.count(edges[i].cornerOwner)) edges[i].cornerOwner = *found->second.begin();
+          if (edges[i].ownRate == noRate || found == owners.end()) continue;
+          uint32_t& owner = edges[i].cornerOwner;
+          if (found->second.count(owner)) owner = *found->second.begin();
         }
       }
 

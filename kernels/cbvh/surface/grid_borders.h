@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* The borders of grids that an application diced, and of the regions of meshes: shared_border.h has the rule. Grids have no
- * topology. They share the vertices on their borders that have the same index, or that are equal as floats at all time
- * steps (position_table.h). So all owners have the same positions, and only the lattice of a vertex is to be chosen.
+/* The borders of grids that an application diced, and of the regions of meshes: shared_border.h has the rule. Grids
+ * have no topology. They share the vertices on their borders that have the same index, or that are equal as floats at
+ * all time steps (position_table.h). So all owners have the same positions, and only the lattice of a vertex is to be
+ * chosen.
  *
  * Lossless geometry has no lattices, and shares nothing: its vertices stay where they are. */
 
@@ -28,7 +29,8 @@ namespace embree
       typedef PatchVertices Scratch;
 
       GridBorders (const typename Grids::Mesh* mesh, const CompressionPlan& plan)
-        : grids(mesh), plan(plan), lattices(mesh->device,plan), table(mesh->device), stitched(mesh->device,*this,table,lattices,plan.numTimeSteps) {}
+        : grids(mesh), plan(plan), lattices(mesh->device,plan), table(mesh->device),
+          stitched(mesh->device,*this,table,lattices,plan.numTimeSteps) {}
       GridBorders (const GridBorders&) = delete;
 
       size_t size () const { return grids.size(); }
@@ -37,7 +39,8 @@ namespace embree
       const float* position (size_t vertex, unsigned step = 0) const { return grids.position(vertex,step); }
       bool number (size_t i, cbvh::QuadNumbers& out) const { return grids.number(i,out); }
 
-      /*! Finds shared vertices and chooses all lattices. Calls progress() now and then, which may cancel by an exception. */
+      /*! Finds shared vertices and chooses all lattices. Calls progress() now and then, which may cancel by an
+       *  exception. */
       template<typename Progress>
       void build (size_t gridsPerTask, const Progress& progress)
       {
@@ -121,14 +124,12 @@ namespace embree
         const Grid grid = (*this)[i];
         memory.setSize(max(grid.width,grid.height),1);
         float (*line)[3] = memory.displaced();
-        for (unsigned y : { 0u,grid.quads(1)/2,grid.quads(1) }) {
-          for (unsigned x=0; x<grid.width; x++) memcpy(line[x],position(grid.vertex(x,y),step),sizeof(*line));
-          choice.addLine(true,line,grid.width);
-        }
-        for (unsigned x : { 0u,grid.quads(0)/2,grid.quads(0) }) {
-          for (unsigned y=0; y<grid.height; y++) memcpy(line[y],position(grid.vertex(x,y),step),sizeof(*line));
-          choice.addLine(false,line,grid.height);
-        }
+        for (int d=0; d<2; d++)
+          for (unsigned across : { 0u,grid.quads(1-d)/2,grid.quads(1-d) }) {
+            for (unsigned i=0; i<=grid.quads(d); i++)
+              memcpy(line[i],position(d == 0 ? grid.vertex(i,across) : grid.vertex(across,i),step),sizeof(*line));
+            choice.addLine(d == 0,line,grid.quads(d)+1);
+          }
         return true;
       }
 
@@ -136,7 +137,9 @@ namespace embree
       void forEachShared (size_t i, const Closure& closure)
       {
         if (!isValid(i)) return;
-        forBorder((*this)[i],[&](size_t vertex) { if (cbvh::isFinite(position(vertex))) closure(table.add(*this,vertex),false); });
+        forBorder((*this)[i],[&](size_t vertex) {
+            if (cbvh::isFinite(position(vertex))) closure(table.add(*this,vertex),false);
+          });
       }
 
     private:

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* A grid that an application diced, as one patch: its vertices are the application's own. source.h describes its members. */
+/* A grid that an application diced, as one patch: its vertices are the application's own. source.h describes its
+ * members. */
 
 #include "grid_borders.h"
 #include "source.h"
@@ -37,7 +38,8 @@ namespace embree
         if (borders.number(grid,scratch.numbers)) numbers = &scratch.numbers;
       }
 
-      GridPatch (const GridPatch& other, Scratch& scratch) : GridPatch(other.borders,other.surface,other.primID,scratch) {}
+      GridPatch (const GridPatch& other, Scratch& scratch)
+        : GridPatch(other.borders,other.surface,other.primID,scratch) {}
 
       PatchVertices& evaluate (unsigned, unsigned, const PatchPart& part, unsigned step)
       {
@@ -54,7 +56,9 @@ namespace embree
         const GridPatch& patch;
         int s;
         unsigned step, rate;
-        SharedVertex operator[] (unsigned k) const { return patch.borders.shared(patch.grid.onSide(s,k),patch.latticeExponent(step),step); }
+        SharedVertex operator[] (unsigned k) const {
+          return patch.borders.shared(patch.grid.onSide(s,k),patch.latticeExponent(step),step);
+        }
       };
       Side side (int s, unsigned step) const { return Side{ *this,s,step,quads[s & 1] }; }
 

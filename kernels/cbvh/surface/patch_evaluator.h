@@ -4,9 +4,9 @@
 #pragma once
 
 /* Evaluates the vertices of a patch of a cage as GRID evaluates its subgrids (subdivpatch1base_eval.cpp): parameter by
- * parameter and operation by operation, so that both have the same floats. All vertices of a part are evaluated in one go,
- * so that irregular patches are subdivided once, and the displacement function is called once per part. Edges of lower
- * rates are stitched as Embree stitches them. */
+ * parameter and operation by operation, so that both have the same floats. All vertices of a part are evaluated in one
+ * go, so that irregular patches are subdivided once, and the displacement function is called once per part. Edges of
+ * lower rates are stitched as Embree stitches them. */
 
 #include "../embree/scene.h"
 #include "patch_vertices.h"
@@ -78,8 +78,8 @@ namespace embree
         }
       }
 
-      /*! As Embree's stitchUVGrid() does it for the whole grid; of a part, that would stitch columns to the rates of the edges
-       *  opposite. */
+      /*! As Embree's stitchUVGrid() does it for the whole grid; of a part, that would stitch columns to the rates of
+       *  the edges opposite. */
       void stitchParameters (const float rate[4], const Range& range, float* u, float* v) const
       {
         const PatchPart& part = range.part;
@@ -125,20 +125,8 @@ namespace embree
 
       void displace (const SubdivPatch1Base& patch, const SubdivMesh* mesh, float* P[3], float* N[3], float* u, float* v)
       {
-        RTCDisplacementFunctionNArguments args;
-        args.geometryUserPtr = mesh->userPtr;
-        args.geometry = (RTCGeometry)mesh;
-        args.primID = patch.primID();
-        args.timeStep = patch.time();
-        args.u = u;
-        args.v = v;
-        args.Ng_x = N[0];
-        args.Ng_y = N[1];
-        args.Ng_z = N[2];
-        args.P_x = P[0];
-        args.P_y = P[1];
-        args.P_z = P[2];
-        args.N = unsigned(count);
+        RTCDisplacementFunctionNArguments args = { mesh->userPtr,(RTCGeometry)mesh,patch.primID(),patch.time(),u,v,
+                                                   N[0],N[1],N[2],P[0],P[1],P[2],unsigned(count) };
         mesh->displFunc(&args);
       }
 
@@ -154,7 +142,8 @@ namespace embree
       struct Line { const float (*vertices)[3]; size_t count; };
 
       /*! all: room for the vertices of the patch, which are evaluated at once then, or null */
-      PatchLines (const SubdivMesh* mesh, const SubdivPatch1Base& base, PatchEvaluator& evaluator, const unsigned quads[2], float (*all)[3])
+      PatchLines (const SubdivMesh* mesh, const SubdivPatch1Base& base, PatchEvaluator& evaluator,
+                  const unsigned quads[2], float (*all)[3])
         : mesh(mesh), base(base), evaluator(evaluator), quads(quads), all(all)
       {
         if (!all) return;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The vertices of a patch, or of a part of it, row by row, before and after displacement. Sources fill them, and writers
- * of blocks read them. */
+/* The vertices of a patch, or of a part of it, row by row, before and after displacement. Sources fill them, and
+ * writers of blocks read them. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/vertices4.h"
@@ -32,7 +32,7 @@ namespace embree
       }
       void setSize (const PatchPart& part) { setSize(part.x1-part.x0+1,part.y1-part.y0+1); }
 
-      /*! Sets displaced vertices of quadsX x quadsY quads that were evaluated before. Undisplaced ones are undefined. */
+      /*! Sets the displaced vertices of quadsX x quadsY quads. Undisplaced ones are undefined. */
       void set (unsigned quadsX, unsigned quadsY, const float (*vertices)[3])
       {
         setSize(quadsX+1,quadsY+1);

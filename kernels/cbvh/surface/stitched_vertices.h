@@ -8,8 +8,8 @@
  *     p-----------------------q      coarse
  *     p-----m-----m-----m-----q      fine
  *
- * An edge on the border of one grid only, p to q, whose ends are shared, is followed along such edges of other grids. If
- * they lie on it and lead from p to q, the vertices between are stitched: they are stored on the edge from p to q as
+ * An edge on the border of one grid only, p to q, whose ends are shared, is followed along such edges of other grids.
+ * If they lie on it and lead from p to q, the vertices between are stitched: they are stored on the edge from p to q as
  * stored. They lie there at all time steps, except for the application's rounding, or nowhere. */
 
 #include "border_lattices.h"
@@ -21,7 +21,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: as for PositionTable, and size(), of grids, position(vertex,step) and forBorderEdges(grid,closure(a,b)) */
+    /*! Positions: as for PositionTable, and size(), of grids, position(vertex,step) and
+     *  forBorderEdges(grid,closure(a,b)) */
     template<typename Positions>
     class StitchedVertices
     {
@@ -30,7 +31,8 @@ namespace embree
     public:
       typedef typename Table::Entry Entry;
 
-      StitchedVertices (Device* device, const Positions& positions, Table& table, const BorderLattices& lattices, unsigned numSteps)
+      StitchedVertices (Device* device, const Positions& positions, Table& table, const BorderLattices& lattices,
+                        unsigned numSteps)
         : device(device), positions(positions), table(table), lattices(lattices), numSteps(numSteps) {}
 
       /*! Finds the vertices and marks them in the table. If all vertices on borders are shared, there are none. */
@@ -40,17 +42,20 @@ namespace embree
         if (!table.isAnyAlone()) return;
         const mvector<Edge> open = findOpenEdges(gridsPerTask,progress);
         for (const Edge& edge : open)
-          if (isBefore(edge.begin,edge.end) && table.isShared(edge.begin) && table.isShared(edge.end)) followEdge(edge,open);
+          if (isBefore(edge.begin,edge.end) && table.isShared(edge.begin) && table.isShared(edge.end))
+            followEdge(edge,open);
         std::sort(stitched.begin(),stitched.end(),[&](const Stitched& a, const Stitched& b) {
             if (a.vertex != b.vertex) return a.vertex < b.vertex;
-            return a.edge.begin != b.edge.begin ? isBefore(a.edge.begin,b.edge.begin) : a.edge.end != b.edge.end && isBefore(a.edge.end,b.edge.end);
+            if (a.edge.begin != b.edge.begin) return isBefore(a.edge.begin,b.edge.begin);
+            return a.edge.end != b.edge.end && isBefore(a.edge.end,b.edge.end);
           });
         for (const Stitched& s : stitched) table.mark(s.vertex);
       }
 
       void clear () { stitched.clear(); }
 
-      /*! Where grids store a vertex. Edges that end on other edges may do so again, and where grids overlap in a circle: not for ever. */
+      /*! Where grids store a vertex. Edges that end on other edges may do so again, and where grids overlap in a
+       *  circle: not for ever. */
       cbvh::Double3 stored (Entry entry, unsigned step, unsigned depth = 0) const
       {
         const cbvh::Double3 p = at(entry,step);
@@ -58,7 +63,8 @@ namespace embree
           const cbvh::WorldLattice lattice(lattices.ofShared(entry,step));
           return { lattice.snap(float(p.x)),lattice.snap(float(p.y)),lattice.snap(float(p.z)) };
         }
-        const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,[](const Stitched& s, Entry e) { return s.vertex < e; })->edge;
+        auto comesBefore = [](const Stitched& s, Entry e) { return s.vertex < e; };
+        const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,comesBefore)->edge;
         const cbvh::Double3 a = stored(edge.begin,step,depth+1);
         return a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a); // the same place on it at all steps
       }
@@ -130,7 +136,8 @@ namespace embree
         radix_sort_u64(edges.data(),room.data(),edges.size());
       }
 
-      /*! Follows open edges that lie on this one, from its begin. If they lead to its end, the vertices between are stitched. */
+      /*! Follows open edges that lie on this one, from its begin. If they lead to its end, the vertices between are
+       *  stitched. */
       void followEdge (const Edge& edge, const mvector<Edge>& open)
       {
         const size_t before = stitched.size();
@@ -139,11 +146,13 @@ namespace embree
         {
           Entry nearest = Table::none;
           double tNearest = 2.0;
-          for (const Edge* next=std::lower_bound(open.begin(),open.end(),Edge{ 0,from }); next != open.end() && next->begin == from; next++)
+          const Edge* next = std::lower_bound(open.begin(),open.end(),Edge{ 0,from });
+          for (; next != open.end() && next->begin == from; next++)
           {
-            if (from == edge.begin && next->end == edge.end) continue; // itself
-            const double s = next->end == edge.end ? 1.0 : parameterOn(edge,at(next->end));
-            if (s < tNearest && (next->end == edge.end || isOnEdge(edge,next->end,t,s))) { nearest = next->end; tNearest = s; }
+            const bool isLast = next->end == edge.end;
+            if (from == edge.begin && isLast) continue; // itself
+            const double s = isLast ? 1.0 : parameterOn(edge,at(next->end));
+            if (s < tNearest && (isLast || isOnEdge(edge,next->end,t,s))) { nearest = next->end; tNearest = s; }
           }
           if (nearest == Table::none) { stitched.resize(before); return; }
           from = nearest;
@@ -152,7 +161,8 @@ namespace embree
         }
       }
 
-      /*! True if a vertex with parameter s lies on the edge after parameter t at all time steps, except for rounding by the application. */
+      /*! True if a vertex with parameter s lies on the edge after parameter t at all time steps, except for rounding by
+       *  the application. */
       bool isOnEdge (const Edge& edge, Entry entry, double t, double s) const
       {
         if (!(t < s && s < 1.0)) return false;

@@ -4,9 +4,9 @@
 #pragma once
 
 /* Writer of cVERT. It rounds the vertices of a patch to the patch's lattice and those on its border to the shared ones
- * (shared_border.h); blocks store the result without loss. A patch is written in strips of rows, so that a patch of any rate
- * needs no more memory than one of 256 x 256 quads, and several tasks can write it. For geometry that moves, that is divided
- * by its time steps. The caller must flush the store after the last patch. */
+ * (shared_border.h); blocks store the result without loss. A patch is written in strips of rows, so that a patch of any
+ * rate needs no more memory than one of 256 x 256 quads, and several tasks can write it. For geometry that moves, that
+ * is divided by its time steps. The caller must flush the store after the last patch. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -37,7 +37,8 @@ namespace embree
       template<typename Patch, typename Evaluated>
       void write (Patch& patch, const Evaluated& evaluated)
       {
-        writeStrip(patch,{ 0,patch.quads[0],0,patch.quads[1] },[&](const PatchPart& all, unsigned step) -> PatchVertices& {
+        const PatchPart strip = { 0,patch.quads[0],0,patch.quads[1] };
+        writeStrip(patch,strip,[&](const PatchPart& all, unsigned step) -> PatchVertices& {
             const float (*vertices)[3] = evaluated(step);
             if (!vertices) return patch.evaluate(patch.quads[0],patch.quads[1],all,step);
             given.set(patch.quads[0],patch.quads[1],vertices);
@@ -53,7 +54,8 @@ namespace embree
         writeStrip(patch,strip,[&](const PatchPart& strip, unsigned step) -> PatchVertices& {
             PatchVertices& vertices = patch.evaluate(patch.quads[0],patch.quads[1],strip,step);
             if (begin) memcpy(vertices.displaced(),begin + step*vertices.width,vertices.width*sizeof(*begin));
-            if (end) memcpy(vertices.displaced()[(vertices.height-1)*vertices.width],end + step*vertices.width,vertices.width*sizeof(*end));
+            float (*last)[3] = vertices.displaced() + (vertices.height-1)*vertices.width;
+            if (end) memcpy(last,end + step*vertices.width,vertices.width*sizeof(*end));
             return vertices;
           });
       }
@@ -234,7 +236,8 @@ namespace embree
 
       /*! Returns how many quads that flipped. */
       template<typename Patch>
-      size_t snapVertices (const Patch& patch, unsigned step, const PatchPart& strip, const cbvh::WorldLattice& lattice, PatchVertices& vertices)
+      size_t snapVertices (const Patch& patch, unsigned step, const PatchPart& strip, const cbvh::WorldLattice& lattice,
+                           PatchVertices& vertices)
       {
         float (*p)[3] = vertices.displaced();
         memcpy(vertices.undisplaced(),p,vertices.width*vertices.height*sizeof(*p)); // as the face evaluates them
@@ -258,13 +261,14 @@ namespace embree
       static size_t countFlipped (const PatchVertices& vertices, const float (*own)[3], const float (*stored)[3])
       {
         size_t n = 0;
+        const size_t width = vertices.width;
         for (size_t y=0; y+1<vertices.height; y++)
         {
           size_t x = 0;
-          for (; x+4 < vertices.width; x+=4) n += cbvh::countFlippedOfFour(own+y*vertices.width+x,stored+y*vertices.width+x,vertices.width);
-          for (; x+1<vertices.width; x++)
+          for (; x+4 < width; x+=4) n += cbvh::countFlippedOfFour(own+y*width+x,stored+y*width+x,width);
+          for (; x+1<width; x++)
           {
-            const size_t a = y*vertices.width + x, b = a+1, c = a+vertices.width, d = c+1;
+            const size_t a = y*width + x, b = a+1, c = a+width, d = c+1;
             n += isFlipped(own,stored,a,b,c) || isFlipped(own,stored,b,d,c);
           }
         }
