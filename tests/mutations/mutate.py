@@ -6,7 +6,7 @@
 
     tests/mutations/mutate.py                              all that the list asks for
     tests/mutations/mutate.py --minutes 20                 those that are reached by then
-    tests/mutations/mutate.py --only cellWeight SharedVertices::
+    tests/mutations/mutate.py --only cellWeight CageTopology::
     tests/mutations/mutate.py --list                       says what there is
     tests/mutations/mutate.py --check build/dev            finds the functions and tests of the list, breaks nothing
 

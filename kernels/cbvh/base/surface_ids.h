@@ -18,17 +18,20 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! A number that no other has as long as this exists. The lowest that is free. */
+    /*! A number that no other surface has while this object exists. */
     class SurfaceNumber
     {
     public:
-      SurfaceNumber ();
+      /*! Takes the lowest number that is free, or `fileNumber`, a number that the blocks of a file have, unless another
+       *  surface has that one. Thread-safe. */
+      explicit SurfaceNumber (uint32_t fileNumber = none);
       ~SurfaceNumber ();
       SurfaceNumber (const SurfaceNumber&) = delete;
       SurfaceNumber& operator= (const SurfaceNumber&) = delete;
       operator uint32_t () const { return value; }
 
     private:
+      static const uint32_t none = ~0u;
       uint32_t value;
     };
 

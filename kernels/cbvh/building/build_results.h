@@ -7,7 +7,7 @@
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
-#include "../base/exact_vector.h"
+#include "../base/resize_to_fit.h"
 #include <tuple>
 
 namespace embree
@@ -47,7 +47,7 @@ namespace embree
       static mvector<T> takeAll (Device* device, mvector<T>& from)
       {
         mvector<T> all(device,0);
-        cbvh::resizeExactly(all,from.size());
+        cbvh::resizeToFit(all,from.size());
         std::copy(from.begin(),from.end(),all.begin());
         from.clear();
         return all;
@@ -65,8 +65,8 @@ namespace embree
         std::sort(lists.begin(),lists.end(),[](const std::unique_ptr<List>& a, const std::unique_ptr<List>& b) { return *a < *b; });
         size_t n = 0, b = 0;
         for (const auto& list : lists) { n += list->prims.size(); b += list->boxes.size(); }
-        cbvh::resizeExactly(prims,n);
-        cbvh::resizeExactly(boxes,b);
+        cbvh::resizeToFit(prims,n);
+        cbvh::resizeToFit(boxes,b);
         n = b = 0;
         for (auto& list : lists) {
           for (const PrimRef& prim : list->prims) prims[n++] = prim;

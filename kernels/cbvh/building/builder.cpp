@@ -19,13 +19,22 @@ namespace embree
 {
   namespace isa
   {
-    static std::unique_ptr<SurfaceBuilder> newSurfaceBuilder (CompressibleGeometry* geometry, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
+    typedef std::shared_ptr<const cbvh::SurfaceNumber> Number;
+
+    typedef std::unique_ptr<SurfaceBuilder> BuilderPointer;
+
+    static BuilderPointer newSurfaceBuilder (CompressibleGeometry* geometry, const Number& number,
+                                             const CompressionPlan& plan)
     {
       switch (geometry->ownType) {
-      case Geometry::GTY_GRID_MESH: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource<GridsOfGridMesh>>((GridMesh*)geometry,number));
-      case Geometry::GTY_QUAD_MESH: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource<GridsOfQuadMesh>>((QuadMesh*)geometry,number));
-      case Geometry::GTY_TRIANGLE_MESH: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<GridSource<GridsOfTriangleMesh>>((TriangleMesh*)geometry,number));
-      default: return std::unique_ptr<SurfaceBuilder>(new BuilderOf<CageSource>((SubdivMesh*)geometry,number));
+      case Geometry::GTY_GRID_MESH:
+        return BuilderPointer(new BuilderOf<GridSource<GridsOfGridMesh>>((GridMesh*)geometry,number,plan));
+      case Geometry::GTY_QUAD_MESH:
+        return BuilderPointer(new BuilderOf<GridSource<GridsOfQuadMesh>>((QuadMesh*)geometry,number,plan));
+      case Geometry::GTY_TRIANGLE_MESH:
+        return BuilderPointer(new BuilderOf<GridSource<GridsOfTriangleMesh>>((TriangleMesh*)geometry,number,plan));
+      default:
+        return BuilderPointer(new BuilderOf<CageSource>((SubdivMesh*)geometry,number,plan));
       }
     }
 
@@ -47,8 +56,13 @@ namespace embree
       {
         CompressibleGeometry* geometry;
         unsigned geomID;
-        std::shared_ptr<const cbvh::SurfaceNumber> number;
+        Number number;
+        CompressionPlan plan;                        //!< of the blocks, also for messages
         std::shared_ptr<const SurfaceBlocks> blocks; //!< null until they are built
+
+        Surface (CompressibleGeometry* geometry, unsigned geomID)
+          : geometry(geometry), geomID(geomID), number(cbvh::numberOf(geometry)), plan(geometry,*number),
+            blocks(cbvh::blocksOf(geometry)) {}
 
         /*! whether it came as grids, quads or triangles */
         bool isDiced () const { return geometry->ownType != Geometry::GTY_SUBDIV_MESH; }
@@ -79,7 +93,7 @@ namespace embree
         for (const Surface& surface : surfaces) {
           add(surface,all);
           reportInvalid(surface,before);
-          if (planOf(surface).compresses()) all.sums.inputBytes += bytesOfInput(surface.geometry,counted);
+          if (surface.plan.compresses()) all.sums.inputBytes += bytesOfInput(surface.geometry,counted);
         }
         if (!keepsTree) {
           treeBytes = moves ? buildMotionTree() : buildTopLevel()*sizeof(BVH4::AABBNode);
@@ -101,7 +115,7 @@ namespace embree
         for (size_t i=0; i<scene->size(); i++)
         {
           CompressibleGeometry* const geometry = geometryOfTree(scene->get(i),moves);
-          if (geometry && geometry->size() != 0) surfaces.push_back(Surface{ geometry,unsigned(i),cbvh::numberOf(geometry),cbvh::blocksOf(geometry) });
+          if (geometry && geometry->size() != 0) surfaces.emplace_back(geometry,unsigned(i));
         }
         return surfaces;
       }
@@ -122,7 +136,7 @@ namespace embree
             for (size_t i=r.begin(); i!=r.end(); i++)
             {
               if (surfaces[i].blocks) { scene->progressMonitor(double(surfaces[i].geometry->size())); continue; }
-              builders[i] = newSurfaceBuilder(surfaces[i].geometry,surfaces[i].number);
+              builders[i] = newSurfaceBuilder(surfaces[i].geometry,surfaces[i].number,surfaces[i].plan);
               if (builders[i]->isSmall()) build(surfaces[i],builders[i]);
             }
           });
@@ -198,14 +212,12 @@ namespace embree
         return tree.bytes;
       }
 
-      static CompressionPlan planOf (const Surface& surface) { return CompressionPlan(surface.geometry,*surface.number); }
-
       void reportCommit (const std::vector<Surface>& surfaces) const
       {
         if (!scene->device->verbosity(1) && !environmentAsksForCommitLines()) return;
         CommitLine line;
         for (const Surface& surface : surfaces) {
-          const CompressionPlan plan = planOf(surface);
+          const CompressionPlan& plan = surface.plan;
           if (plan.compresses()) line.addCompressed(surface.geometry,plan.kind(),surface.blocks->statistics);
           else line.addLeft(surface.geometry);
         }
@@ -226,7 +238,8 @@ namespace embree
         Lock<MutexSys> lock(g_printMutex);
         if (total.highRateQuads)
           std::cerr << geometry << total.highRateQuads << " quads of faces with edge rates above "
-                    << (planOf(surface).sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxLevel) << " are traced by GRID" << std::endl;
+                    << (surface.plan.sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxLevel)
+                    << " are traced by GRID" << std::endl;
         if (total.refusedQuads)
           std::cerr << geometry << total.refusedQuads << " quads of blocks that have no good frame (lines, outliers) keep full precision" << std::endl;
         if (total.sums.numExactQuads)
@@ -265,7 +278,9 @@ namespace embree
     {
       const CompressionSettings& settings = geometry->compression;
       std::atomic<size_t> done(0);
-      cbvh::keepBlocks(geometry,newSurfaceBuilder(geometry,cbvh::numberOf(geometry))->build([&](double primitives) {
+      const Number number = cbvh::numberOf(geometry);
+      const CompressionPlan plan(geometry,*number);
+      cbvh::keepBlocks(geometry,newSurfaceBuilder(geometry,number,plan)->build([&](double primitives) {
           done += size_t(primitives);
           if (settings.progress && !settings.progress(settings.progressUserPtr,min(1.0,double(done)/double(geometry->size()))))
             throw_RTCError(RTC_ERROR_CANCELLED,"progress monitor forced termination");

@@ -24,9 +24,9 @@ namespace embree
     {
     public:
       typedef CagePatch Patch;
-      typedef PatchGrid Scratch;
+      typedef PatchEvaluator Scratch;
 
-      static const bool answersAlike = false; //!< a displacement may be another one each time
+      static const bool isDeterministic = false; //!< a displacement function may return other values each time
 
       CageSource (SubdivMesh* mesh, const CompressionPlan& plan)
         : mesh(mesh), plan(plan), frameLevel(mesh->device,plan.boundsError() ? mesh->size() : 0) {}
@@ -54,20 +54,20 @@ namespace embree
       void prepare (size_t perTask, const Progress& progress)
       {
         if (plan.sharesBorders()) {
-          shared.reset(new SharedVertices(mesh,plan));
-          shared->build(perTask,[&] { progress(0.0); });
+          borders.reset(new CageBorders(mesh,plan));
+          borders->build(perTask,[&] { progress(0.0); });
         }
         if (plan.boundsError()) chooseFrameLevels(perTask,progress);
       }
 
-      void release () { shared.reset(); }
+      void release () { borders.reset(); }
 
       template<typename Closure>
-      void forEachPatch (size_t face, PatchGrid& grid, const Closure& closure) const
+      void forEachPatch (size_t face, PatchEvaluator& evaluator, const Closure& closure) const
       {
         if (!hasSurface(mesh,face)) return;
         isa::forEachPatch(mesh,face,[&](const PatchOfFace& patch) {
-            CagePatch ofCage(mesh,plan.surface,face,patch,shared.get(),grid);
+            CagePatch ofCage(mesh,plan.surface,face,patch,borders.get(),evaluator);
             closure(ofCage);
           });
       }
@@ -79,7 +79,8 @@ namespace embree
 
       /*! what Embree takes for it */
       size_t bytesInEmbree (const SurfacePatch& patch) const {
-        return bytesOfMovingGrids(GridWriter::bytesInGrid(Vec2i(int(patch.quads[0]),int(patch.quads[1]))),plan.numTimeSteps);
+        const Vec2i quads(int(patch.quads[0]),int(patch.quads[1]));
+        return bytesOfMovingGrids(GridSOAWriter::bytesInGrid(quads),plan.numTimeSteps);
       }
 
       /*! writes patches, for one task */
@@ -88,23 +89,24 @@ namespace embree
       public:
         Writer (const CageSource& source, BlockStore& store, cbvh::BuildStatistics& statistics)
           : source(source), plan(source.plan), store(store), statistics(statistics), framed(plan,source.mesh,store,statistics),
-            exact(plan,source.mesh->device,store,statistics), grids(source.mesh,store,statistics) {}
+            vert(plan,source.mesh->device,store,statistics), grids(source.mesh,store,statistics) {}
 
         /*! false for a patch that is to be written in strips */
         bool write (size_t face, CagePatch& patch)
         {
           switch (plan.storage(patch.rate)) {
-          case CompressionPlan::GRIDS:
+          case CompressionPlan::GRID:
             store.flush();
             grids.write(patch.ofEmbree());
             if (plan.compresses()) statistics.highRateQuads += size_t(patch.quads[0])*size_t(patch.quads[1]);
             break;
           case CompressionPlan::FRAMED:
-            if (!framed.write(patch,source.tilingOf(face,patch.rate))) exact.write(patch,[&](unsigned) { return framed.evaluated(patch.quads[0],patch.quads[1]); });
+            if (!framed.write(patch,source.tilingOf(face,patch.rate)))
+              vert.write(patch,[&](unsigned) { return framed.evaluated(patch.quads[0],patch.quads[1]); });
             break;
-          case CompressionPlan::EXACT:
+          case CompressionPlan::VERT:
             if (patch.quads[1] > VertWriter::rowsOfStrip(patch,plan.numTimeSteps)) return false;
-            exact.write(patch,[&](unsigned step) { return patch.evaluated(step); });
+            vert.write(patch,[&](unsigned step) { return patch.evaluated(step); });
             break;
           }
           return true;
@@ -116,8 +118,8 @@ namespace embree
         BlockStore& store;
         cbvh::BuildStatistics& statistics;
         FramedWriter framed;
-        VertWriter exact;
-        const GridWriter grids;
+        VertWriter vert;
+        const GridSOAWriter grids;
       };
 
     private:
@@ -126,7 +128,7 @@ namespace embree
         const CompressionPlan::Storage storage = plan.storage(patch.rate);
         if (storage == CompressionPlan::FRAMED) return isa::tilingOf(plan.kind(),patch.rate,plan.frameLevel(levelOf(patch.rate))).size();
         const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
-        const unsigned side = storage == CompressionPlan::EXACT ? cbvh::vertBlockQuads : GridWriter::gridQuads;
+        const unsigned side = storage == CompressionPlan::VERT ? cbvh::vertBlockQuads : GridSOAWriter::gridQuads;
         return size_t(unsigned(size.x-2)/side+1)*size_t(unsigned(size.y-2)/side+1);
       }
 
@@ -139,7 +141,7 @@ namespace embree
       void chooseFrameLevels (size_t perTask, const Progress& progress)
       {
         forRanges(frameLevel.size(),perTask,[&](const range<size_t>& faces) {
-            PatchGrid grid(mesh->device);
+            PatchEvaluator evaluator(mesh->device);
             BlockStore nowhere(mesh->device,nullptr);
             cbvh::BuildStatistics ofTrials;
             FramedWriter trial(plan,mesh,nowhere,ofTrials);
@@ -147,7 +149,7 @@ namespace embree
             for (size_t f=faces.begin(); f!=faces.end(); f++)
             {
               unsigned n = 0;
-              forEachPatch(f,grid,[&](CagePatch& patch) {
+              forEachPatch(f,evaluator,[&](CagePatch& patch) {
                   if (plan.storage(patch.rate) != CompressionPlan::FRAMED) return;
                   n = max(n,trial.boundedFrameLevel(patch));
                   quads += size_t(patch.quads[0])*size_t(patch.quads[1]);
@@ -161,7 +163,7 @@ namespace embree
       SubdivMesh* mesh;
       const CompressionPlan& plan;
       mvector<unsigned char> frameLevel;      //!< by face; empty unless the plan bounds errors
-      std::unique_ptr<SharedVertices> shared; //!< of faces that share their borders, while it is needed
+      std::unique_ptr<CageBorders> borders;   //!< of faces that share their borders, while it is needed
     };
   }
 }

@@ -21,15 +21,14 @@ namespace embree
     public:
       typedef GridPatch<Grids> Patch;
       typedef typename Patch::Scratch Scratch;
-
-      static const bool answersAlike = true; //!< buffers are as they are
-
       typedef typename Grids::Mesh Mesh;
 
-      GridSource (Mesh* mesh, const CompressionPlan& plan)
-        : mesh(mesh), plan(plan), vertices(mesh,plan) {}
+      static const bool isDeterministic = true;
 
-      size_t size () const { return vertices.size(); }
+      GridSource (Mesh* mesh, const CompressionPlan& plan)
+        : mesh(mesh), plan(plan), borders(mesh,plan) {}
+
+      size_t size () const { return borders.size(); }
 
       size_t estimateBlocks () const { return sumOverGrids([](const Grid& grid) { return size_t(cbvh::vertBlocksAlong(grid.quads(0)))*cbvh::vertBlocksAlong(grid.quads(1)); }); }
 
@@ -42,19 +41,19 @@ namespace embree
       }
 
       template<typename Progress>
-      void prepare (size_t perTask, const Progress& progress) { vertices.prepare(perTask,[&] { progress(0.0); }); }
-      void release () { vertices.release(); }
+      void prepare (size_t perTask, const Progress& progress) { borders.build(perTask,[&] { progress(0.0); }); }
+      void release () { borders.release(); }
 
       /*! Vertices that are not finite are left out without an error, as Embree does it. */
-      bool isInvalid (size_t grid, bool) const { return Grids::reportsInvalid && !vertices.isValid(grid); }
+      bool isInvalid (size_t grid, bool) const { return Grids::reportsInvalid && !borders.isValid(grid); }
 
       bool isUnsupported (size_t) const { return false; }
 
       template<typename Closure>
       void forEachPatch (size_t grid, Scratch& scratch, const Closure& closure) const
       {
-        if (!vertices.isValid(grid)) return;
-        Patch patch(vertices,plan.surface,grid,scratch);
+        if (!borders.isValid(grid)) return;
+        Patch patch(borders,plan.surface,grid,scratch);
         closure(patch);
       }
 
@@ -65,19 +64,19 @@ namespace embree
       {
       public:
         Writer (const GridSource& source, BlockStore& store, cbvh::BuildStatistics& statistics)
-          : source(source), exact(source.plan,source.mesh->device,store,statistics) {}
+          : source(source), vert(source.plan,source.mesh->device,store,statistics) {}
 
         /*! false for a grid that is to be written in strips */
         bool write (size_t, Patch& patch)
         {
           if (patch.quads[1] > VertWriter::rowsOfStrip(patch,source.plan.numTimeSteps)) return false;
-          exact.write(patch,[](unsigned) { return (const float (*)[3])nullptr; });
+          vert.write(patch,[](unsigned) { return (const float (*)[3])nullptr; });
           return true;
         }
 
       private:
         const GridSource& source;
-        VertWriter exact;
+        VertWriter vert;
       };
 
     private:
@@ -89,14 +88,14 @@ namespace embree
         return reduceRanges(size(),size_t(1024),size_t(0),[&](const range<size_t>& grids) {
             size_t n = 0;
             for (size_t i=grids.begin(); i!=grids.end(); i++)
-              if (vertices.isValid(i)) n += value(vertices[i]);
+              if (borders.isValid(i)) n += value(borders[i]);
             return n;
           },std::plus<size_t>());
       }
 
       Mesh* mesh;
       const CompressionPlan& plan;
-      GridVertices<Grids> vertices;
+      GridBorders<Grids> borders;
     };
   }
 }

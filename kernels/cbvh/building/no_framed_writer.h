@@ -6,7 +6,7 @@
 /* The writer of a library without the paper's representations, framed/writer.h: no plan stores a patch in blocks with frames, so it is never
  * called. */
 
-#include "../base/grid_writer.h"
+#include "../base/grid_soa_writer.h"
 #include "../surface/cage_patch.h"
 #include "../surface/plan.h"
 

@@ -3,22 +3,11 @@
 
 #pragma once
 
-/* Builds the blocks of one geometry. Every task takes primitives, or a strip of a large patch, encodes their blocks into the
- * surface's own memory and drops the vertices. Above them comes Embree's binned SAH BVH4, whose lower trees are what scenes build theirs of.
- *
- * What the primitives are is the source's (cage_source.h, grid_source.h), which has besides their patches
- *
- *   size_t size ()                       of primitives
- *   size_t estimateBlocks ()             roughly
- *   size_t perTask (bool isSmall)        primitives that one task takes
- *   prepare (perTask, progress)          what is to know of all primitives before one is written
- *   Scratch, Writer, Patch               of a task
- *   forEachPatch (primitive, scratch, closure(patch))
- *   isInvalid (primitive, hasInvalidQuads)   whether an error is to name it
- *   isUnsupported (primitive)            whether it has no patches because Embree's subdivision cannot evaluate it
- *   bytesInEmbree (patch)                that Embree takes without compression */
+/* Builds the blocks of one geometry. The primitives are the source's (surface/source.h). Every task takes primitives,
+ * or a strip of a large patch, encodes their blocks into the surface's own memory and drops the vertices. Embree's
+ * binned SAH BVH4 is built over the blocks; scenes build their trees over its lower parts. */
 
-#include "../base/grid_writer.h"
+#include "../base/grid_soa_writer.h"
 #include "../base/tasks.h"
 #include "../vert/writer.h"
 #include "build_results.h"
@@ -51,13 +40,16 @@ namespace embree
     template<typename Source>
     class BuilderOf final : public SurfaceBuilder
     {
+      static_assert(isSource<Source>(),"see surface/source.h");
       typedef typename Source::Patch Patch;
       typedef std::function<void(double)> Progress;
 
     public:
+      /*! mesh and plan outlive it */
       template<typename Mesh>
-      BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
-        : device(mesh->device), number(number), plan(mesh,*number), source(mesh,plan), ofGeometry(double(mesh->size())/double(max(source.size(),size_t(1)))),
+      BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan)
+        : device(mesh->device), number(number), plan(plan), source(mesh,plan),
+          ofGeometry(double(mesh->size())/double(max(source.size(),size_t(1)))),
           estimatedBlocks(source.estimateBlocks()), perTask(source.perTask(isSmall())) {}
 
       bool isSmall () const override { return estimatedBlocks <= isa::blocksOfPart; }
@@ -131,9 +123,12 @@ namespace embree
       {
         const unsigned rows = VertWriter::rowsOfStrip(patch,plan.numTimeSteps), quadsX = patch.quads[0], quadsY = patch.quads[1], strips = (quadsY+rows-1)/rows;
         const size_t width = quadsX+1, ofSeam = width*plan.numTimeSteps;
-        mvector<float> seams(device,Source::answersAlike ? 0 : 3*ofSeam*(strips-1)); // rows between strips, at each time step
-        auto seam = [&](unsigned s) { return Source::answersAlike ? nullptr : (float(*)[3])(seams.data() + 3*ofSeam*s); };
-        if (!Source::answersAlike)
+        /* rows between strips, at each time step */
+        mvector<float> seams(device,Source::isDeterministic ? 0 : 3*ofSeam*(strips-1));
+        auto seam = [&](unsigned s) {
+          return Source::isDeterministic ? nullptr : (float(*)[3])(seams.data() + 3*ofSeam*s);
+        };
+        if (!Source::isDeterministic)
           parallel_for(1u,strips,1u,[&](const range<unsigned>& r) {
               typename Source::Scratch scratch(device);
               Patch own(patch,scratch);
@@ -164,7 +159,7 @@ namespace embree
         blocks.numPrimitives = prims.size();
         for (const PrimRef& prim : prims) blocks.bounds.extend(prim.bounds());
         if (plan.moves()) {
-          cbvh::resizeExactly(blocks.moving,prims.size());
+          cbvh::resizeToFit(blocks.moving,prims.size());
           for (size_t i=0; i<prims.size(); i++) blocks.moving[i] = prims[i].ID();
           return;
         }
@@ -178,7 +173,7 @@ namespace embree
 
       Device* device;
       const std::shared_ptr<const cbvh::SurfaceNumber> number;
-      const CompressionPlan plan;
+      const CompressionPlan& plan;
       Source source;
       const double ofGeometry; //!< its primitives, for each of the source's
       const size_t estimatedBlocks;

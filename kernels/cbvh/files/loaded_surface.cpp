@@ -101,7 +101,7 @@ namespace embree
     {
       const FileGeometry& record = file->geometry(i);
       const uint32_t moving = record.surface & movingSurface;
-      const std::shared_ptr<const SurfaceNumber> number = numberOfFile(record.surface & ~movingSurface);
+      const auto number = std::make_shared<const SurfaceNumber>(record.surface & ~movingSurface);
       const std::shared_ptr<SurfaceBlocks> surface = std::make_shared<SurfaceBlocks>(device,number);
       const uint32_t ownNumber = *number | moving;
 

@@ -19,7 +19,7 @@ namespace embree
      *     +---+---+---+
      *     |   |   |   |    height 2: 3 x 2 blocks, 12 x 8 quads
      *   8 +---+---+---+ 5
-     *     |   |   |   |    Edges of a lower rate keep their own vertices (patch_grid.h).
+     *     |   |   |   |    Edges of a lower rate keep their own vertices (spread_borders.h).
      *     +---+---+---+
      *       rate 3                                                                 */
     struct PatchTiling

@@ -9,9 +9,9 @@
 
 #include "block_encoder.h"
 #include "tiling.h"
-#include "../base/grid_writer.h"
+#include "../base/grid_soa_writer.h"
 #include "../surface/cage_patch.h"
-#include "../surface/shared_border.h"
+#include "spread_borders.h"
 
 namespace embree
 {
@@ -56,7 +56,7 @@ namespace embree
         evaluate(patch,tiling);
         /* a node has no code for a child without surface: where quads are left out, leaves say so */
         float lower[3], upper[3];
-        const bool hasHoles = !grid->bound(lower,upper);
+        const bool hasHoles = !patchVertices->bound(lower,upper);
         const cbvh::Kind kind = hasHoles && !cbvh::describe(plan.kind()).takesHoles ? kindForHoles : plan.kind();
         const uint32_t sharpSides = patch.sharpSides();
         const size_t count = tiling.size(), stride = cbvh::blockLayout(uint32_t(kind),tiling.height).stride;
@@ -91,7 +91,8 @@ namespace embree
       /*! The vertices of the last patch as its face evaluates them, if it was evaluated as so many quads; else null.
        *  Of a writer whose faces share borders. */
       const float (*evaluated (unsigned quadsX, unsigned quadsY) const)[3] {
-        return grid && grid->width == quadsX+1 && grid->height == quadsY+1 ? (const float(*)[3])own.data() : nullptr;
+        const bool isEvaluated = patchVertices && patchVertices->width == quadsX+1 && patchVertices->height == quadsY+1;
+        return isEvaluated ? (const float(*)[3])own.data() : nullptr;
       }
 
     private:
@@ -122,23 +123,23 @@ namespace embree
       void evaluate (CagePatch& patch, const PatchTiling& tiling)
       {
         const PatchPart all = { 0,tiling.quadsX(),0,tiling.quadsY() };
-        grid = &patch.evaluate(tiling.quadsX(),tiling.quadsY(),all);
+        patchVertices = &patch.evaluate(tiling.quadsX(),tiling.quadsY(),all,0);
         isStitched = tiling.quadsX() != unsigned(min(patch.rate[0],patch.rate[2])) || tiling.quadsY() != unsigned(min(patch.rate[1],patch.rate[3]));
         if (!shares) {
           if (!isStitched) return;
-          grid->spreadBorders(patch.rate,grid->undisplaced());
-          grid->spreadBorders(patch.rate,grid->displaced());
+          spreadBorders(patch.rate,*patchVertices,patchVertices->undisplaced());
+          spreadBorders(patch.rate,*patchVertices,patchVertices->displaced());
           return;
         }
-        const size_t count = 3*grid->width*grid->height;
+        const size_t count = 3*patchVertices->width*patchVertices->height;
         own.resize(count);
-        memcpy(own.data(),grid->displaced(),count*sizeof(float));
-        shareBorder(patch,0,tiling.quadsX(),tiling.quadsY(),all,(const float(*)[3])own.data(),grid->displaced(),
-                    [&](const float mine[3], const float position[3], const float stored[3]) { statistics.addBorderVertex(mine,position,stored); });
+        memcpy(own.data(),patchVertices->displaced(),count*sizeof(float));
+        shareBorder(patch,0,tiling.quadsX(),tiling.quadsY(),all,(const float(*)[3])own.data(),
+                    patchVertices->displaced(),statistics);
         float rate[4];
-        for (int s=0; s<4; s++) rate[s] = float(patch.side(s).rate);
-        grid->spreadBorders(patch.rate,grid->undisplaced());
-        grid->spreadBorders(rate,grid->displaced());
+        for (int s=0; s<4; s++) rate[s] = float(patch.side(s,0).rate);
+        spreadBorders(patch.rate,*patchVertices,patchVertices->undisplaced());
+        spreadBorders(rate,*patchVertices,patchVertices->displaced());
       }
 
       const float (*vertexData () const)[3] { return (const float(*)[3])vertices.data(); }
@@ -151,10 +152,11 @@ namespace embree
         vertices.resize(3*w*w);
         scratch.resize((cbvh::BlockEncoder::scratchBytes(e.height)+sizeof(Vec3fa)-1)/sizeof(Vec3fa));
         for (size_t r=0; r<w; r++)
-          memcpy(&vertices[3*r*w],grid->displaced()[(y0+r)*grid->width+x0],3*w*sizeof(float));
-        float (*aligned)[3] = cbvh::describe(e.kind).alignsToLimit ? grid->undisplaced() : grid->displaced();
+          memcpy(&vertices[3*r*w],patchVertices->displaced()[(y0+r)*patchVertices->width+x0],3*w*sizeof(float));
+        const bool toLimit = cbvh::describe(e.kind).alignsToLimit;
+        float (*aligned)[3] = toLimit ? patchVertices->undisplaced() : patchVertices->displaced();
         for (size_t c=0; c<4; c++)
-          memcpy(e.corners[c],aligned[(y0 + (c>>1)*(w-1))*grid->width + x0 + (c&1)*(w-1)],sizeof(float[3]));
+          memcpy(e.corners[c],aligned[(y0 + (c>>1)*(w-1))*patchVertices->width + x0 + (c&1)*(w-1)],sizeof(float[3]));
       }
 
       size_t countFinite (const Encoding& e) const
@@ -231,9 +233,9 @@ namespace embree
       const bool shares;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
-      const GridWriter grids;
+      const GridSOAWriter grids;
       cbvh::LeafFit fit;             //!< of the patch
-      VertexGrid* grid = nullptr;    //!< vertices of the patch
+      PatchVertices* patchVertices = nullptr;    //!< vertices of the patch
       bool isStitched = false;       //!< whether an edge of the patch has a lower rate than its quads
       std::vector<BBox3fa> blocks;   //!< bounds of those that are encoded, by position in the tiling; of others empty
       mvector<float> own;            //!< vertices of a patch as its face evaluates them

@@ -20,14 +20,12 @@ namespace embree
       std::priority_queue<uint32_t,std::vector<uint32_t>,std::greater<uint32_t>> freeNumbers; //!< below usedNumbers
       uint32_t usedNumbers = 0;
       std::set<uint32_t> fileNumbers;    //!< that surfaces have
-      const uint32_t anyNumber = ~0u;
-      thread_local uint32_t wanted = anyNumber; //!< of the surface that is made
     }
 
-    SurfaceNumber::SurfaceNumber ()
+    SurfaceNumber::SurfaceNumber (uint32_t fileNumber)
     {
       Lock<MutexSys> lock(mutex);
-      if (wanted != anyNumber && fileNumbers.insert(wanted).second) { value = wanted; return; }
+      if (fileNumber != none && fileNumbers.insert(fileNumber).second) { value = fileNumber; return; }
       if (freeNumbers.empty()) { value = usedNumbers++; return; }
       value = freeNumbers.top();
       freeNumbers.pop();
@@ -38,16 +36,6 @@ namespace embree
       Lock<MutexSys> lock(mutex);
       if (value >= firstFileNumber) fileNumbers.erase(value);
       else freeNumbers.push(value);
-    }
-
-    std::shared_ptr<const SurfaceNumber> numberOfFile (uint32_t number)
-    {
-      struct Wanted
-      {
-        explicit Wanted (uint32_t number) { wanted = number; }
-        ~Wanted () { wanted = anyNumber; }
-      } scope(number);
-      return std::make_shared<SurfaceNumber>();
     }
 
     std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry)

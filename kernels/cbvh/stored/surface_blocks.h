@@ -56,9 +56,6 @@ namespace embree
     /*! Makes the table of a scene that takes numbers to IDs. Any thread may call it, also while others do. */
     void nameSurfaces (Scene* scene);
 
-    /*! A number that blocks of a file have, or, where another surface has it now, one that is free: those of others are below. */
-    std::shared_ptr<const SurfaceNumber> numberOfFile (uint32_t number);
-
     /*! of a geometry; made with the first call */
     std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry);
 

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Patches of a cage, as writers see them. */
+/* A patch of a cage's face. source.h describes its members. */
 
-#include "shared_vertices.h"
+#include "cage_borders.h"
 #include "source.h"
 
 namespace embree
@@ -15,9 +15,10 @@ namespace embree
     class CagePatch : public SurfacePatch
     {
     public:
-      /*! shared: of faces that share their borders, else null; grid: for vertices */
-      CagePatch (SubdivMesh* mesh, uint32_t surface, size_t face, const PatchOfFace& patch, const SharedVertices* shared, PatchGrid& grid)
-        : mesh(mesh), patch(patch), shared(shared), grid(grid), base(patch.make(mesh,surface,face))
+      /*! borders: of faces that share their borders, else null */
+      CagePatch (SubdivMesh* mesh, uint32_t surface, size_t face, const PatchOfFace& patch, const CageBorders* borders,
+                 PatchEvaluator& evaluator)
+        : mesh(mesh), patch(patch), borders(borders), evaluator(evaluator), base(patch.make(mesh,surface,face))
       {
         this->surface = surface;
         primID = unsigned(face);
@@ -29,35 +30,35 @@ namespace embree
         rate = patch.rate;
       }
 
-      /*! the same patch for another task, with a grid of its own */
-      CagePatch (const CagePatch& other, PatchGrid& grid)
-        : SurfacePatch(other), mesh(other.mesh), patch(other.patch), shared(other.shared), grid(grid), base(other.base) {}
+      CagePatch (const CagePatch& other, PatchEvaluator& evaluator)
+        : SurfacePatch(other), mesh(other.mesh), patch(other.patch), borders(other.borders), evaluator(evaluator),
+          base(other.base) {}
 
-      VertexGrid& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step = 0)
+      PatchVertices& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step)
       {
-        if (!mesh->valid(primID,step)) grid.setInvalid(part);
-        else if (step == 0) grid.evalPart(base,mesh,quadsX,quadsY,part);
-        else grid.evalPart(patch.make(mesh,surface,primID,step),mesh,quadsX,quadsY,part);
-        return grid;
+        if (!mesh->valid(primID,step)) evaluator.setInvalid(part);
+        else if (step == 0) evaluator.evalPart(base,mesh,quadsX,quadsY,part);
+        else evaluator.evalPart(patch.make(mesh,surface,primID,step),mesh,quadsX,quadsY,part);
+        return evaluator;
       }
 
-      /*! its vertices, if they are known, else null */
-      const float (*evaluated (unsigned step = 0) const)[3] { return shared->evaluated(primID,patch.subPatch,step); }
+      /*! All its vertices, row by row, if they were kept, else null. */
+      const float (*evaluated (unsigned step) const)[3] { return borders->evaluated(primID,patch.subPatch,step); }
 
-      SideVertices side (int s, unsigned step = 0) const { return shared->side(primID,patch.subPatch,s,step); }
-      int latticeExponent (unsigned step = 0) const { return shared->exponent(primID,step); }
+      CageSide side (int s, unsigned step) const { return borders->side(primID,patch.subPatch,s,step); }
+      int latticeExponent (unsigned step) const { return borders->exponent(primID,step); }
 
       /*! bits of sides where the surface ends, is creased, or bends by as much as at a crease */
       uint32_t sharpSides () const { return sharpSidesOf(mesh,primID,patch); }
 
-      /*! as Embree has it, for parts that are left to GRID */
+      /*! as Embree has it, for parts that GRID traces */
       const SubdivPatch1Base& ofEmbree () const { return base; }
 
     private:
       SubdivMesh* mesh;
       const PatchOfFace& patch;
-      const SharedVertices* shared;
-      PatchGrid& grid;
+      const CageBorders* borders;
+      PatchEvaluator& evaluator;
       const SubdivPatch1Base base;
     };
   }

@@ -3,14 +3,29 @@
 
 #pragma once
 
-/* Where grids that an application diced come from: a grid geometry has them, in a mesh of quads or of triangles they are regions
- * (quad_regions.h). Both have
+/* The grids that an application diced: those of a grid geometry, or the regions of a mesh of quads or triangles
+ * (quad_regions.h). GridSource (building/grid_source.h) makes patches of them. Both kinds have
  *
- *   size_t size ()                     grids
- *   bool isValid (i)                   whether a grid has quads, and its vertices are in their buffer
- *   Grid operator[] (i)                which vertices it has
- *   const float* position (vertex, step)  at a time step
- *   bool number (i, QuadNumbers&)      whether each of its quads is a primitive of its own, and which */
+ *   typedef Mesh, Grid
+ *       Embree's geometry, and a DicedGrid. Constructed from a const Mesh*, which outlives it and is not changed.
+ *   size_t size () const
+ *       Number of grids.
+ *   bool isValid (size_t i) const
+ *       True if grid i has quads, and its vertices are in their buffer. Nothing else is called for grids that are not.
+ *   Grid operator[] (size_t i) const
+ *       Which vertices a grid has.
+ *   const float* position (size_t vertex, unsigned step) const
+ *       Position of a vertex of the buffer at a time step; it may be not finite.
+ *   bool number (size_t i, QuadNumbers& out) const
+ *       False if all quads of the grid are one primitive, i. Otherwise sets their primIDs.
+ *   static double spacingOfEdge ()
+ *       Default spacing of lattices, as a part of the median edge.
+ *   static const bool reportsInvalid
+ *       True if a commit reports a grid that is not valid.
+ *   static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps)
+ *       Estimated bytes of Embree's own kernels for a grid.
+ *
+ * All are thread-safe. */
 
 #include "embree_bytes.h"
 #include "../base/codec.h"

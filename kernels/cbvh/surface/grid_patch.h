@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* A grid that an application diced, as writers see it: its vertices are the application's own. */
+/* A grid that an application diced, as one patch: its vertices are the application's own. source.h describes its
+ * members. */
 
-#include "grid_vertices.h"
+#include "grid_borders.h"
 #include "source.h"
 
 namespace embree
@@ -16,19 +17,17 @@ namespace embree
     template<typename Grids>
     class GridPatch : public SurfacePatch
     {
-      typedef GridVertices<Grids> Vertices;
+      typedef GridBorders<Grids> Borders;
 
     public:
-      /*! of a task */
-      struct Scratch : public VertexGrid
+      struct Scratch : public PatchVertices
       {
-        explicit Scratch (Device* device) : VertexGrid(device) {}
-        void setSize (size_t w, size_t h) { width = w; height = h; resize(); }
+        explicit Scratch (Device* device) : PatchVertices(device) {}
         cbvh::QuadNumbers numbers;
       };
 
-      GridPatch (const Vertices& vertices, uint32_t surface, size_t grid, Scratch& scratch)
-        : vertices(vertices), grid(vertices[grid]), scratch(scratch)
+      GridPatch (const Borders& borders, uint32_t surface, size_t grid, Scratch& scratch)
+        : borders(borders), grid(borders[grid]), scratch(scratch)
       {
         this->surface = surface;
         primID = unsigned(grid);
@@ -36,41 +35,38 @@ namespace embree
         for (int d=0; d<2; d++) quads[d] = this->grid.quads(d);
         for (int s=0; s<4; s++) rates[s] = float(quads[s & 1]);
         rate = rates;
-        if (vertices.number(grid,scratch.numbers)) numbers = &scratch.numbers;
+        if (borders.number(grid,scratch.numbers)) numbers = &scratch.numbers;
       }
 
-      /*! the same patch for another task */
-      GridPatch (const GridPatch& other, Scratch& scratch) : GridPatch(other.vertices,other.surface,other.primID,scratch) {}
+      GridPatch (const GridPatch& other, Scratch& scratch)
+        : GridPatch(other.borders,other.surface,other.primID,scratch) {}
 
-      VertexGrid& evaluate (unsigned, unsigned, const PatchPart& part, unsigned step = 0)
+      PatchVertices& evaluate (unsigned, unsigned, const PatchPart& part, unsigned step)
       {
-        scratch.setSize(part.x1-part.x0+1,part.y1-part.y0+1);
+        scratch.setSize(part);
         float (*out)[3] = scratch.displaced();
         for (unsigned y=part.y0; y<=part.y1; y++)
           for (unsigned x=part.x0; x<=part.x1; x++)
-            memcpy(*out++,vertices.position(grid.vertex(x,y),step),sizeof(*out));
+            memcpy(*out++,borders.position(grid.vertex(x,y),step),sizeof(*out));
         return scratch;
       }
 
-      class Side
+      struct Side
       {
-      public:
-        unsigned rate;
-        Side (const GridPatch& patch, int s, unsigned step) : rate(patch.quads[s & 1]), patch(patch), s(s), step(step) {}
-        typename Vertices::Shared operator[] (unsigned k) const { return patch.vertices.shared(patch.grid.onSide(s,k),patch.latticeExponent(step),step); }
-
-      private:
         const GridPatch& patch;
-        const int s;
-        const unsigned step;
+        int s;
+        unsigned step, rate;
+        SharedVertex operator[] (unsigned k) const {
+          return patch.borders.shared(patch.grid.onSide(s,k),patch.latticeExponent(step),step);
+        }
       };
-      Side side (int s, unsigned step = 0) const { return Side(*this,s,step); }
+      Side side (int s, unsigned step) const { return Side{ *this,s,step,quads[s & 1] }; }
 
-      int latticeExponent (unsigned step = 0) const { return vertices.exponent(primID,step); }
+      int latticeExponent (unsigned step) const { return borders.exponent(primID,step); }
 
     private:
-      const Vertices& vertices;
-      const typename Vertices::Grid grid;
+      const Borders& borders;
+      const typename Borders::Grid grid;
       Scratch& scratch;
       float rates[4];
     };

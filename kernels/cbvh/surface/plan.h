@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* What all patches of a geometry have in common, and by the edge rates of a patch how it is stored. Geometry that comes diced or moves is
- * stored exactly, as cVERT, whatever kind is asked for. */
+/* What all patches of a geometry have in common, and by the edge rates of a patch how it is stored. Geometry that comes
+ * diced or moves is stored as cVERT, whatever kind is asked for. */
 
 #include "../embree/scene.h"
 #include "../base/kinds.h"
@@ -43,7 +43,7 @@ namespace embree
       /*! only if compresses() */
       cbvh::Kind kind () const { return blockKind; }
 
-      /*! whether patches that frames hold badly are stored as cVERT */
+      /*! The setting exact_faces: patches that frames hold badly are stored as cVERT. */
       bool hasExactFaces () const { return compresses() && kind() == cbvh::Kind::LEAF && settings.exactFaces != 0; }
 
       /*! whether faces take the vertices of their borders from the face that owns them */
@@ -56,17 +56,17 @@ namespace embree
         return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses() && cbvh::describe(kind()).hasThickness;
       }
 
-      /*! how a patch is stored */
-      enum Storage { GRIDS, FRAMED, EXACT };
+      /*! How a patch is stored: as Embree's GRID, in blocks with frames, or as cVERT. */
+      enum Storage { GRID, FRAMED, VERT };
 
       Storage storage (const float rate[4]) const
       {
         const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
-        if (moves()) return EXACT; // Embree's highest rate is ours
-        if (!compresses()) return GRIDS;
-        if (kind() == cbvh::Kind::VERT) return highest <= float(cbvh::maxVertRate) ? EXACT : GRIDS;
+        if (moves()) return VERT; // Embree's highest rate is ours
+        if (!compresses()) return GRID;
+        if (kind() == cbvh::Kind::VERT) return highest <= float(cbvh::maxVertRate) ? VERT : GRID;
         if (highest <= float(1u << cbvh::maxLevel)) return FRAMED;
-        return hasExactFaces() && highest <= float(cbvh::maxVertRate) ? EXACT : GRIDS;
+        return hasExactFaces() && highest <= float(cbvh::maxVertRate) ? VERT : GRID;
       }
 
       /*! Frame level without an error bound. Of all levels and scenes that were measured, blocks of 16 x 16 quads

@@ -3,11 +3,10 @@
 
 #pragma once
 
-/* Vertices by where they are: all that are equal as floats, at all time steps, are one entry, which has the coarsest lattice of all at the first
- * step. Filled by all threads at once. */
+/* Vertices by position: all vertices that are equal as floats, at all time steps, are one entry. All threads may add at
+ * once. */
 
 #include "../base/codec.h"
-#include "../../cvert/encoder/lattice.h"
 #include "../base/atomic_ref.h"
 #include "../embree/scene.h"
 #include <functional>
@@ -16,8 +15,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: has const float* position(size_t vertex), of finite ones, at the first time step, and bool moveAlike(size_t, size_t), whether two
-     *  that are equal there are so at all others */
+    /*! Positions has const float* position(size_t vertex), finite and at the first time step, and bool
+     *  moveAlike(size_t, size_t): whether two vertices that are equal there are equal at all others. */
     template<typename Positions>
     class PositionTable
     {
@@ -27,7 +26,7 @@ namespace embree
 
       explicit PositionTable (Device* device) : slots(device,0) {}
 
-      /*! room for so many vertices, if none are equal */
+      /*! Makes room for so many vertices, if none are equal. */
       void reserve (size_t vertices)
       {
         size_t size = 16;
@@ -41,20 +40,18 @@ namespace embree
       bool isEmpty () const { return slots.empty(); }
       size_t size () const { return slots.size(); } //!< entries are less than this
 
-      void add (const Positions& positions, size_t vertex, int exponent)
+      Entry add (const Positions& positions, size_t vertex)
       {
         const float* p = positions.position(vertex);
-        const uint64_t h = hashOf(p), mine = slotOf(vertex,exponent,h);
+        const uint64_t h = hashOf(p), mine = uint64_t(vertex) | usedBit | (h >> tagShift) << tagShift;
         for (size_t at=h & mask(); ; at=(at+1) & mask())
         {
           const cbvh::AtomicRef<uint64_t> slot(slots[at]);
           uint64_t found = slot.load(std::memory_order_relaxed);
-          if (found == 0 && slot.exchange(found,mine,std::memory_order_relaxed)) return;
+          if (found == 0 && slot.exchange(found,mine,std::memory_order_relaxed)) return Entry(at);
           if (!isSame(positions,found,vertex,p,h)) continue;
-          for (;;) {
-            const uint64_t joined = (found & ~exponentBits) | std::max(found & exponentBits,mine & exponentBits) | sharedBit;
-            if (joined == found || slot.exchangeWeak(found,joined,std::memory_order_relaxed)) return;
-          }
+          if (!(found & sharedBit)) slot.fetchOr(sharedBit,std::memory_order_relaxed);
+          return Entry(at);
         }
       }
 
@@ -71,9 +68,6 @@ namespace embree
       /*! a vertex that is there */
       size_t vertexOf (Entry entry) const { return size_t(slots[entry] & indexBits); }
 
-      /*! of the coarsest lattice */
-      int exponent (Entry entry) const { return int((slots[entry] & exponentBits) >> exponentShift) - exponentBias; }
-
       /*! whether it was added more than once */
       bool isShared (Entry entry) const { return (slots[entry] & sharedBit) != 0; }
 
@@ -87,21 +81,17 @@ namespace embree
           },std::logical_or<bool>());
       }
 
-      /*! A mark for the user of the table; not by several threads. */
+      /*! A mark for the user of the table. Not thread-safe. */
       void mark (Entry entry) { slots[entry] |= markBit; }
       bool isMarked (Entry entry) const { return (slots[entry] & markBit) != 0; }
 
     private:
-      /* a slot: index of a vertex, exponent, three flags, and bits of the hash; 0 if it is free */
-      static const int exponentShift = 33, exponentBias = 128, tagShift = 44;
-      static const uint64_t indexBits = (uint64_t(1) << exponentShift)-1, exponentBits = uint64_t(255) << exponentShift;
-      static const uint64_t sharedBit = uint64_t(1) << 41, markBit = uint64_t(1) << 42, usedBit = uint64_t(1) << 43;
+      /* a slot: index of a vertex, three flags, and bits of the hash; 0 if it is free */
+      static const int tagShift = 36;
+      static const uint64_t indexBits = (uint64_t(1) << 33)-1;
+      static const uint64_t sharedBit = uint64_t(1) << 33, markBit = uint64_t(1) << 34, usedBit = uint64_t(1) << 35;
 
       size_t mask () const { return slots.size()-1; }
-
-      static uint64_t slotOf (size_t vertex, int exponent, uint64_t hash) {
-        return uint64_t(vertex) | uint64_t(exponent+exponentBias) << exponentShift | usedBit | (hash >> tagShift) << tagShift;
-      }
 
       static uint64_t hashOf (const float p[3])
       {

@@ -5,7 +5,7 @@
 
 #include "quad_regions.h"
 #include "../base/atomic_ref.h"
-#include "../base/exact_vector.h"
+#include "../base/resize_to_fit.h"
 #include <algorithm>
 #include <atomic>
 #include <tuple>
@@ -91,7 +91,7 @@ namespace embree
         lowest = range.first;
         const size_t size = size_t(range.second-range.first) + 1;
         if (size/16 > quads.size()) return false;
-        cbvh::resizeExactly(begins,size);
+        cbvh::resizeToFit(begins,size);
         std::fill(begins.begin(),begins.end(),unsigned(none));
         return true;
       }
@@ -165,7 +165,7 @@ namespace embree
 
       void findNeighbours ()
       {
-        cbvh::resizeExactly(flags,quads.size());
+        cbvh::resizeToFit(flags,quads.size());
         std::fill(flags.begin(),flags.end(),uint8_t(0));
         out.quads.reserve(quads.size());
         parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {

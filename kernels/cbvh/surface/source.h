@@ -3,49 +3,91 @@
 
 #pragma once
 
-/* What a source of surfaces gives to the writers of blocks: patches, each a grid of quads of one primitive, with their
- * vertices and what neighbours share. Cages are a source (cage_patch.h), and grids that an application diced (grid_patch.h). A writer
- * (vert/writer.h, framed/writer.h) takes a patch of any source; besides SurfacePatch it has
+/* Source and Patch: the interface between what an application hands over, a cage, grids or a mesh, and the code that
+ * makes blocks of it. A source enumerates the primitives of one geometry; a patch is a rectangle of quads of one
+ * primitive. They are template parameters, not base classes: BuilderOf (building/surface_builder.h) is compiled for
+ * each source, and the writers (vert/writer.h, framed/writer.h) for each patch. isSource<S>() checks a source when it
+ * is compiled; each of its messages names the member that is missing. CageSource and GridSource (building/) are
+ * sources; tests/library/sphere_source.h is a short one to begin with.
  *
- *   VertexGrid& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step)
- *       Vertices of a part of the patch at a time step, if that has quadsX x quadsY quads, not fewer than its own. Edges of a lower rate are
- *       stitched as Embree does it. What is returned is the caller's until the next call.
- *   side (int s, unsigned step)
- *       Vertices of a side, in the order of rate, as all primitives have them that share it: .rate, and of vertex [k], counted around
- *       the patch, .position and .exponent, of the lattice that it lies on.
- *   int latticeExponent (unsigned step)
- *       Of the lattice of the patch's own vertices. */
+ * UNITS. Positions are floats in the geometry's own space. Quads and rates are counts. A lattice is the exponent of its
+ * spacing (cvert/encoder/lattice.h). Time steps are numbered from 0 to plan.numTimeSteps-1.
+ *
+ * SIDES are numbered around the patch: v = 0, u = 1, v = 1, u = 0. Vertices of a side are counted in that direction.
+ *
+ * THREADS. The builder constructs a source, and calls prepare() and release(), on one thread at a time. prepare() may
+ * use all threads. Between these two calls, all const members are called by several threads at once. Scratch and
+ * Writer, and the patches made with them, belong to one task.
+ *
+ * ERRORS. Every member may throw: an rtcore_error, std::bad_alloc, or what progress() throws to cancel. The build ends
+ * then, and the geometry keeps its old blocks. No member reports a vertex that is not finite as an error: writers leave
+ * its quads out and count them.
+ *
+ * PATCH. A class derived from SurfacePatch, below, whose members it sets before it is handed out, and
+ *
+ *   Patch (const Patch& other, Scratch& scratch)
+ *       The same patch for another task. `other` outlives it.
+ *   PatchVertices& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step)
+ *       Evaluates a part of the patch as quadsX x quadsY quads, not fewer than `quads`, at a time step: the displaced
+ *       vertices, row by row, and the undisplaced ones if a writer of blocks with frames reads the patch. Edges of a
+ *       lower rate are stitched as Embree stitches them. The result is valid, and the caller may overwrite it, until
+ *       the next call with the same scratch.
+ *   Side side (int s, unsigned step) const
+ *       The vertices along a side, as all primitives have them that share it, by the rule in shared_border.h. A Side
+ *       has `unsigned rate`, at most the patch's quads there, and `SharedVertex operator[] (unsigned k) const` for k of
+ *       0 to rate.
+ *   int latticeExponent (unsigned step) const
+ *       The lattice of the vertices that the patch shares with no other; exactLattice if they stay where they are.
+ *
+ * SOURCE. A class with
+ *
+ *   typedef Patch, Scratch; class Writer
+ *       Scratch is the memory of a task, constructed from a Device*. It may be a PatchVertices.
+ *   static const bool isDeterministic
+ *       True if a vertex that is evaluated again is the same floats. Otherwise the builder evaluates rows that two
+ *       tasks share once for both.
+ *   Source (Mesh* mesh, const CompressionPlan& plan)
+ *       Both outlive the source. Mesh is the type that BuilderOf is constructed with, a CompressibleGeometry.
+ *   size_t size () const
+ *       Number of primitives. Blocks name them by 32 bits.
+ *   size_t estimateBlocks () const
+ *       Rough number of blocks: decides whether the surface is small or large, and how much memory is reserved. May be
+ *       called before prepare().
+ *   size_t perTask (bool isSmall) const
+ *       Primitives per task, at least 1. isSmall: the blocks are few; one task should take all. May be called before
+ *       prepare().
+ *   void prepare (size_t perTask, const Progress& progress)
+ *       Finds what must be known of all primitives before one of them is written: lattices and shared vertices. Calls
+ *       progress(0.0) now and then.
+ *   void release ()
+ *       Frees what prepare() allocated. No patch is used later.
+ *   void forEachPatch (size_t primitive, Scratch& scratch, const Closure& closure) const
+ *       Calls closure(Patch&) for the patches of a primitive, always in the same order. A primitive that cannot be
+ *       evaluated has none. A patch is valid during its call.
+ *   bool isInvalid (size_t primitive, bool hasInvalidQuads) const
+ *       True if the commit should report the primitive as invalid. hasInvalidQuads: a writer left quads of it out.
+ *   bool isUnsupported (size_t primitive) const
+ *       True if the primitive has no patches because Embree cannot evaluate it. It is counted, and no error.
+ *   size_t bytesInEmbree (const SurfacePatch& patch) const
+ *       Estimated bytes of Embree's own kernels for the patch, for the line that reports a commit.
+ *   Writer (const Source& source, BlockStore& store, cbvh::BuildStatistics& statistics)
+ *       Writes the patches of a task in their order, appends blocks to the store and counts them. All outlive it.
+ *   bool Writer::write (size_t primitive, Patch& patch)
+ *       Writes the blocks of a patch. Returns false, and writes nothing, if the patch has so many rows that the builder
+ *       should cut it into strips, one per task. */
 
-#include "../base/codec.h"
+#include "../base/block_store.h"
+#include "../base/build_statistics.h"
 #include "../../cvert/encoder/numbers_encoder.h"
-#include "vertex_grid.h"
+#include "plan.h"
+#include "shared_border.h"
+#include <functional>
+#include <type_traits>
 
 namespace embree
 {
   namespace isa
   {
-    /*! Vertices along one side of a patch, in its direction around the patch. */
-    struct SideVertices
-    {
-      struct Vertex
-      {
-        const float* position;
-        int exponent;          //!< of the lattice that it lies on
-      };
-      Vertex begin, end;
-      const float (*interior)[3]; //!< of rate-1
-      bool reversed;
-      int exponent;            //!< of the interior's
-      unsigned rate;
-
-      Vertex operator[] (unsigned k) const
-      {
-        if (k == 0) return begin;
-        if (k == rate) return end;
-        return { interior[(reversed ? rate-k : k) - 1], exponent };
-      }
-    };
-
     static const unsigned looseSide = 4; //!< quads of a mesh that lie in no grid of so many along each side are loose
 
     struct SurfacePatch
@@ -54,8 +96,77 @@ namespace embree
       unsigned primID;
       unsigned corner[2];   //!< parameters of the primitive at the patch's corner, in halves
       unsigned quads[2];    //!< along u and v: the higher rate of two opposite edges
-      const float* rate;    //!< of the edges v = 0, u = 1, v = 1, u = 0
-      const cbvh::QuadNumbers* numbers = nullptr; //!< null where the patch is of one primitive
+      const float* rate;    //!< of its four sides, integers
+      const cbvh::QuadNumbers* numbers = nullptr; //!< null if the patch is of one primitive
     };
+
+    /*! The expressions that builder and writers apply to a source S, as types; Has says whether they compile. */
+    namespace source_members
+    {
+      template<typename> struct Void { typedef void type; };
+      template<template<typename> class Member, typename S, typename = void> struct Has : std::false_type {};
+      template<template<typename> class Member, typename S>
+      struct Has<Member,S,typename Void<Member<S>>::type> : std::true_type {};
+
+      struct PatchClosure { template<typename Patch> void operator() (Patch&) const; };
+      typedef std::function<void(double)> Progress;
+      template<typename T> T& a (); // never called
+      template<typename S> const typename S::Patch& aPatch ();
+      template<typename S> typename S::Patch& aMutablePatch ();
+
+      template<typename S> using Scratch = decltype(typename S::Scratch(std::declval<Device*>()));
+      template<typename S> using Patch = decltype(static_cast<const SurfacePatch&>(a<typename S::Patch>()));
+      template<typename S> using PatchOfTask = decltype(typename S::Patch(aPatch<S>(),a<typename S::Scratch>()));
+      template<typename S> using Evaluated = decltype(aMutablePatch<S>().evaluate(1u,1u,PatchPart(),0u));
+      template<typename S> using Evaluate = decltype(static_cast<PatchVertices&>(a<Evaluated<S>>()));
+      template<typename S> using Side = decltype(unsigned(aPatch<S>().side(0,0u).rate));
+      template<typename S> using SideVertex = decltype(SharedVertex(aPatch<S>().side(0,0u)[0u]));
+      template<typename S> using Lattice = decltype(int(aPatch<S>().latticeExponent(0u)));
+      template<typename S> using IsDeterministic = std::integral_constant<bool,S::isDeterministic>;
+      template<typename S> using Size = decltype(size_t(a<const S>().size()));
+      template<typename S> using EstimateBlocks = decltype(size_t(a<const S>().estimateBlocks()));
+      template<typename S> using PerTask = decltype(size_t(a<const S>().perTask(true)));
+      template<typename S> using Prepare = decltype(a<S>().prepare(size_t(1),a<const Progress>()));
+      template<typename S> using Release = decltype(a<S>().release());
+      template<typename S> using ForEachPatch =
+        decltype(a<const S>().forEachPatch(size_t(0),a<typename S::Scratch>(),PatchClosure()));
+      template<typename S> using IsInvalid = decltype(bool(a<const S>().isInvalid(size_t(0),true)));
+      template<typename S> using IsUnsupported = decltype(bool(a<const S>().isUnsupported(size_t(0))));
+      template<typename S> using BytesInEmbree = decltype(size_t(a<const S>().bytesInEmbree(a<const SurfacePatch>())));
+      template<typename S> using Writer =
+        decltype(typename S::Writer(a<const S>(),a<BlockStore>(),a<cbvh::BuildStatistics>()));
+      template<typename S> using Write = decltype(bool(a<typename S::Writer>().write(size_t(0),aMutablePatch<S>())));
+    }
+
+    /*! True if S is a source; otherwise a message of the compiler names each member that is missing. */
+    template<typename S>
+    constexpr bool isSource ()
+    {
+      using namespace source_members;
+      static_assert(Has<Scratch,S>(),"a source needs a type Scratch with Scratch(Device*)");
+      static_assert(Has<Patch,S>(),"a source needs a type Patch derived from SurfacePatch");
+      static_assert(Has<PatchOfTask,S>(),"a source needs Patch(const Patch& other, Scratch& scratch)");
+      static_assert(Has<Evaluate,S>(),"a source needs PatchVertices& Patch::evaluate(unsigned quadsX, unsigned quadsY, "
+                                      "const PatchPart& part, unsigned step)");
+      static_assert(Has<Side,S>(),"a source needs Patch::side(int s, unsigned step) const, whose result has a rate");
+      static_assert(Has<SideVertex,S>(),"a source needs Patch::side(int s, unsigned step) const, whose result has "
+                                        "SharedVertex operator[](unsigned k) const");
+      static_assert(Has<Lattice,S>(),"a source needs int Patch::latticeExponent(unsigned step) const");
+      static_assert(Has<IsDeterministic,S>(),"a source needs static const bool isDeterministic");
+      static_assert(Has<Size,S>(),"a source needs size_t size() const");
+      static_assert(Has<EstimateBlocks,S>(),"a source needs size_t estimateBlocks() const");
+      static_assert(Has<PerTask,S>(),"a source needs size_t perTask(bool isSmall) const");
+      static_assert(Has<Prepare,S>(),"a source needs void prepare(size_t perTask, const Progress& progress)");
+      static_assert(Has<Release,S>(),"a source needs void release()");
+      static_assert(Has<ForEachPatch,S>(),"a source needs void forEachPatch(size_t primitive, Scratch& scratch, "
+                                          "const Closure& closure) const");
+      static_assert(Has<IsInvalid,S>(),"a source needs bool isInvalid(size_t primitive, bool hasInvalidQuads) const");
+      static_assert(Has<IsUnsupported,S>(),"a source needs bool isUnsupported(size_t primitive) const");
+      static_assert(Has<BytesInEmbree,S>(),"a source needs size_t bytesInEmbree(const SurfacePatch& patch) const");
+      static_assert(Has<Writer,S>(),"a source needs a type Writer with Writer(const Source&, BlockStore&, "
+                                    "cbvh::BuildStatistics&)");
+      static_assert(Has<Write,S>(),"a source needs bool Writer::write(size_t primitive, Patch& patch)");
+      return true;
+    }
   }
 }

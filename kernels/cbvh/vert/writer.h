@@ -3,16 +3,15 @@
 
 #pragma once
 
-/* Writer of cVERT: the vertices of a patch are snapped to their lattices, those on its border come from the faces
- * that own them, and blocks hold them exactly. A patch is written in strips of rows, so that a patch of any rate takes
- * no more memory than one of 256 x 256 quads, and several tasks may write it. Of geometry that moves, that is divided by its time
- * steps. Who writes flushes the store behind the last patch. */
+/* Writer of cVERT. It rounds the vertices of a patch to the patch's lattice and those on its border to the shared ones
+ * (shared_border.h); blocks store the result without loss. A patch is written in strips of rows, so that a patch of any
+ * rate needs no more memory than one of 256 x 256 quads, and several tasks can write it. For geometry that moves, that
+ * is divided by its time steps. The caller must flush the store after the last patch. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
 #include "../surface/plan.h"
 #include "../surface/source.h"
-#include "../surface/shared_border.h"
 #include "../base/codec.h"
 #include "../../cvert/encoder/motion_encoder.h"
 #include "../../cvert/encoder/numbers_encoder.h"
@@ -38,7 +37,8 @@ namespace embree
       template<typename Patch, typename Evaluated>
       void write (Patch& patch, const Evaluated& evaluated)
       {
-        writeStrip(patch,{ 0,patch.quads[0],0,patch.quads[1] },[&](const PatchPart& all, unsigned step) -> VertexGrid& {
+        const PatchPart strip = { 0,patch.quads[0],0,patch.quads[1] };
+        writeStrip(patch,strip,[&](const PatchPart& all, unsigned step) -> PatchVertices& {
             const float (*vertices)[3] = evaluated(step);
             if (!vertices) return patch.evaluate(patch.quads[0],patch.quads[1],all,step);
             given.set(patch.quads[0],patch.quads[1],vertices);
@@ -51,11 +51,12 @@ namespace embree
       template<typename Patch>
       void write (Patch& patch, const PatchPart& strip, const float (*begin)[3], const float (*end)[3])
       {
-        writeStrip(patch,strip,[&](const PatchPart& strip, unsigned step) -> VertexGrid& {
-            VertexGrid& grid = patch.evaluate(patch.quads[0],patch.quads[1],strip,step);
-            if (begin) memcpy(grid.displaced(),begin + step*grid.width,grid.width*sizeof(*begin));
-            if (end) memcpy(grid.displaced()[(grid.height-1)*grid.width],end + step*grid.width,grid.width*sizeof(*end));
-            return grid;
+        writeStrip(patch,strip,[&](const PatchPart& strip, unsigned step) -> PatchVertices& {
+            PatchVertices& vertices = patch.evaluate(patch.quads[0],patch.quads[1],strip,step);
+            if (begin) memcpy(vertices.displaced(),begin + step*vertices.width,vertices.width*sizeof(*begin));
+            float (*last)[3] = vertices.displaced() + (vertices.height-1)*vertices.width;
+            if (end) memcpy(last,end + step*vertices.width,vertices.width*sizeof(*end));
+            return vertices;
           });
       }
 
@@ -66,14 +67,14 @@ namespace embree
       template<typename Patch, typename Evaluate>
       void writeStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
       {
-        for (int s=0; s<4; s++) sideRates[s] = patch.side(s).rate;
+        for (int s=0; s<4; s++) sideRates[s] = patch.side(s,0).rate;
         if (plan.moves()) writeMovingStrip(patch,strip,evaluate);
         else
         {
-          VertexGrid& grid = evaluate(strip,0);
-          statistics.sums.numFlippedQuads += snapVertices(patch,0,strip,latticeOf(patch,0),grid);
+          PatchVertices& vertices = evaluate(strip,0);
+          statistics.sums.numFlippedQuads += snapVertices(patch,0,strip,latticeOf(patch,0),vertices);
           forBlocks(patch,strip,[&](unsigned x, unsigned y, unsigned w, unsigned h) {
-              copyBlock(grid.displaced(),grid.width,x,y-strip.y0,w,h,encoder.vertices);
+              copyBlock(vertices.displaced(),vertices.width,x,y-strip.y0,w,h,encoder.vertices);
               writeBlock(patch,x,y,w,h);
             });
         }
@@ -90,9 +91,9 @@ namespace embree
         size_t flipped = 0;
         for (unsigned step=0; step<plan.numTimeSteps; step++)
         {
-          VertexGrid& grid = evaluate(strip,step);
-          flipped = max(flipped,snapVertices(patch,step,strip,latticeOf(patch,step),grid));
-          memcpy(ofStep(step),grid.displaced(),count*sizeof(float[3]));
+          PatchVertices& vertices = evaluate(strip,step);
+          flipped = max(flipped,snapVertices(patch,step,strip,latticeOf(patch,step),vertices));
+          memcpy(ofStep(step),vertices.displaced(),count*sizeof(float[3]));
         }
         statistics.sums.numFlippedQuads += flipped;
         forBlocks(patch,strip,[&](unsigned x, unsigned y, unsigned w, unsigned h) {
@@ -235,15 +236,16 @@ namespace embree
 
       /*! Returns how many quads that flipped. */
       template<typename Patch>
-      size_t snapVertices (const Patch& patch, unsigned step, const PatchPart& strip, const cbvh::WorldLattice& lattice, VertexGrid& grid)
+      size_t snapVertices (const Patch& patch, unsigned step, const PatchPart& strip, const cbvh::WorldLattice& lattice,
+                           PatchVertices& vertices)
       {
-        float (*p)[3] = grid.displaced();
-        memcpy(grid.undisplaced(),p,grid.width*grid.height*sizeof(*p)); // as the face evaluates them
-        const float (*own)[3] = grid.undisplaced();
-        for (size_t y=strip.y0 == 0; y<grid.height - (strip.y1 == patch.quads[1]); y++)
+        float (*p)[3] = vertices.displaced();
+        memcpy(vertices.undisplaced(),p,vertices.width*vertices.height*sizeof(*p)); // as the face evaluates them
+        const float (*own)[3] = vertices.undisplaced();
+        for (size_t y=strip.y0 == 0; y<vertices.height - (strip.y1 == patch.quads[1]); y++)
         {
-          size_t i = y*grid.width + 1;
-          const size_t end = i + grid.width-2;
+          size_t i = y*vertices.width + 1;
+          const size_t end = i + vertices.width-2;
           for (; i+4 <= end; i+=4) statistics.addDeviation(cbvh::snapFour(lattice,own+i,p+i)*double(lattice.spacing)*double(lattice.spacing));
           for (; i<end; i++)
           {
@@ -251,23 +253,22 @@ namespace embree
             statistics.addVertex(own[i],p[i]);
           }
         }
-        shareBorder(patch,step,patch.quads[0],patch.quads[1],strip,own,p,[&](const float mine[3], const float position[3], const float stored[3]) {
-            statistics.addBorderVertex(mine,position,stored);
-          });
-        return countFlipped(grid,own,p);
+        shareBorder(patch,step,patch.quads[0],patch.quads[1],strip,own,p,statistics);
+        return countFlipped(vertices,own,p);
       }
 
       /*! quads with a triangle that the lattice turned by more than 90 degrees */
-      static size_t countFlipped (const VertexGrid& grid, const float (*own)[3], const float (*stored)[3])
+      static size_t countFlipped (const PatchVertices& vertices, const float (*own)[3], const float (*stored)[3])
       {
         size_t n = 0;
-        for (size_t y=0; y+1<grid.height; y++)
+        const size_t width = vertices.width;
+        for (size_t y=0; y+1<vertices.height; y++)
         {
           size_t x = 0;
-          for (; x+4 < grid.width; x+=4) n += cbvh::countFlippedOfFour(own+y*grid.width+x,stored+y*grid.width+x,grid.width);
-          for (; x+1<grid.width; x++)
+          for (; x+4 < width; x+=4) n += cbvh::countFlippedOfFour(own+y*width+x,stored+y*width+x,width);
+          for (; x+1<width; x++)
           {
-            const size_t a = y*grid.width + x, b = a+1, c = a+grid.width, d = c+1;
+            const size_t a = y*width + x, b = a+1, c = a+width, d = c+1;
             n += isFlipped(own,stored,a,b,c) || isFlipped(own,stored,b,d,c);
           }
         }
@@ -286,7 +287,7 @@ namespace embree
       const CompressionPlan& plan;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
-      VertexGrid given;             //!< vertices that were evaluated before
+      PatchVertices given;             //!< vertices that were evaluated before
       mvector<float> moved;         //!< a strip's, as they are stored, at all time steps
       unsigned sideRates[4];        //!< of the patch, as its faces share them
       cbvh::VertEncoder encoder;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Embree's vectors grow to a power of two; what is large and made once does not have to. */
+/* Embree's vectors grow to a power of two. A vector that is large and is sized once does not need the rest. */
 
 #include <cstddef>
 
@@ -11,9 +11,9 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! to that size, without room for more */
+    /*! Resizes an empty vector without room for more. */
     template<typename Vector>
-    void resizeExactly (Vector& vector, size_t size)
+    void resizeToFit (Vector& vector, size_t size)
     {
       vector.reserve(size);
       vector.resize(size);

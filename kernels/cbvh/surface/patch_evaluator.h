@@ -3,41 +3,29 @@
 
 #pragma once
 
-/* The vertices of a patch of a cage. Evaluated as GRID
- * evaluates its subgrids (subdivpatch1base_eval.cpp), parameter by parameter and
- * operation by operation, so that both hold the same floats; in one go, so that
- * irregular patches are subdivided once and the displacement function is called
- * once a part. Edges of lower rates are stitched as Embree does it. */
+/* Evaluates the vertices of a patch of a cage as GRID evaluates its subgrids (subdivpatch1base_eval.cpp): parameter by
+ * parameter and operation by operation, so that both have the same floats. All vertices of a part are evaluated in one
+ * go, so that irregular patches are subdivided once, and the displacement function is called once per part. Edges of
+ * lower rates are stitched as Embree stitches them. */
 
 #include "../embree/scene.h"
-#include "vertex_grid.h"
+#include "patch_vertices.h"
 
 namespace embree
 {
   namespace isa
   {
-    class PatchGrid : public VertexGrid
+    class PatchEvaluator : public PatchVertices
     {
     public:
-      explicit PatchGrid (Device* device) : VertexGrid(device), arrays(device,0) {}
+      explicit PatchEvaluator (Device* device) : PatchVertices(device), arrays(device,0) {}
 
-      /*! evaluates a patch as quadsX x quadsY quads, not less than its edges have, with lower
-       *  edges spread as above */
-      void eval (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY)
-      {
-        evalPart(patch,mesh,quadsX,quadsY,{ 0,quadsX,0,quadsY });
-        if (!stitched) return;
-        spreadBorders(patch.level,undisplaced());
-        spreadBorders(patch.level,displaced());
-      }
-
-      /*! evaluates a part of that, with lower edges stitched as Embree does it */
+      /*! Evaluates a part of a patch of quadsX x quadsY quads, not fewer than the rates of its edges. */
       void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY, const PatchPart& part)
       {
-        width = part.x1-part.x0+1; height = part.y1-part.y0+1;
+        setSize(part);
         const float* rate = patch.level;
         stitched = min(rate[0],rate[2]) < float(quadsX) || min(rate[1],rate[3]) < float(quadsY);
-        resize();
         stride = (count + 2*VSIZEX - 1) & ~size_t(VSIZEX-1); // room for full-width stores
         arrays.reserve(8*stride+16); // no more than that: vectors grow to a power of two
         arrays.resize(8*stride+16);
@@ -55,10 +43,8 @@ namespace embree
         interleave(displaced());
       }
 
-      bool stitched = false;        //!< whether an edge has a lower rate
-
     private:
-      /*! a part of a grid of that many vertices */
+      /*! a part of a patch of that many vertices */
       struct Range
       {
         unsigned width, height;
@@ -92,8 +78,8 @@ namespace embree
         }
       }
 
-      /*! As Embree's stitchUVGrid() does it for the whole grid; of a part, that would stitch columns to the rates of the edges
-       *  opposite. */
+      /*! As Embree's stitchUVGrid() does it for the whole grid; of a part, that would stitch columns to the rates of
+       *  the edges opposite. */
       void stitchParameters (const float rate[4], const Range& range, float* u, float* v) const
       {
         const PatchPart& part = range.part;
@@ -139,26 +125,53 @@ namespace embree
 
       void displace (const SubdivPatch1Base& patch, const SubdivMesh* mesh, float* P[3], float* N[3], float* u, float* v)
       {
-        RTCDisplacementFunctionNArguments args;
-        args.geometryUserPtr = mesh->userPtr;
-        args.geometry = (RTCGeometry)mesh;
-        args.primID = patch.primID();
-        args.timeStep = patch.time();
-        args.u = u;
-        args.v = v;
-        args.Ng_x = N[0];
-        args.Ng_y = N[1];
-        args.Ng_z = N[2];
-        args.P_x = P[0];
-        args.P_y = P[1];
-        args.P_z = P[2];
-        args.N = unsigned(count);
+        RTCDisplacementFunctionNArguments args = { mesh->userPtr,(RTCGeometry)mesh,patch.primID(),patch.time(),u,v,
+                                                   N[0],N[1],N[2],P[0],P[1],P[2],unsigned(count) };
         mesh->displFunc(&args);
       }
 
-    private:
       mvector<float> arrays;      //!< P, N, u, v, one after the other
       size_t stride = 0;
+      bool stitched = false;      //!< whether an edge has a lower rate
+    };
+
+    /*! Rows and columns of a patch: evaluated one by one, or taken from all vertices of the patch, evaluated first. */
+    class PatchLines
+    {
+    public:
+      struct Line { const float (*vertices)[3]; size_t count; };
+
+      /*! all: room for the vertices of the patch, which are evaluated at once then, or null */
+      PatchLines (const SubdivMesh* mesh, const SubdivPatch1Base& base, PatchEvaluator& evaluator,
+                  const unsigned quads[2], float (*all)[3])
+        : mesh(mesh), base(base), evaluator(evaluator), quads(quads), all(all)
+      {
+        if (!all) return;
+        evaluator.evalPart(base,mesh,quads[0],quads[1],{ 0,quads[0],0,quads[1] });
+        memcpy(all,evaluator.displaced(),size_t(quads[0]+1)*size_t(quads[1]+1)*sizeof(*all));
+      }
+
+      /*! Returns row `at`, or column `at` if not alongU. It is valid until the next call. */
+      Line operator() (bool alongU, unsigned at)
+      {
+        if (!all) {
+          const PatchPart row = { 0,quads[0],at,at }, column = { at,at,0,quads[1] };
+          evaluator.evalPart(base,mesh,quads[0],quads[1],alongU ? row : column);
+          return { evaluator.displaced(),evaluator.width*evaluator.height };
+        }
+        const size_t width = quads[0]+1, height = quads[1]+1;
+        if (alongU) return { all+at*width,width };
+        float (*column)[3] = evaluator.undisplaced(); // has room for all, and is not needed
+        for (size_t y=0; y<height; y++) memcpy(column[y],all[y*width+at],sizeof(*column));
+        return { column,height };
+      }
+
+    private:
+      const SubdivMesh* mesh;
+      const SubdivPatch1Base& base;
+      PatchEvaluator& evaluator;
+      const unsigned* quads;
+      float (*all)[3];
     };
   }
 }

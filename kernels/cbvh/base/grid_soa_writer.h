@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Embree's own grids, for what is not compressed. */
+/* Writes GridSOA, the grids of Embree's GRID, for patches that are not compressed. */
 
 #include "../embree/scene.h"
 #include "block_store.h"
@@ -13,13 +13,14 @@ namespace embree
 {
   namespace isa
   {
-    class GridWriter
+    class GridSOAWriter
     {
     public:
       /*! GRID cuts patches into grids of 8 x 8 quads */
       static const unsigned gridQuads = 8;
 
-      GridWriter (const SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics) : mesh(mesh), store(store), statistics(statistics) {}
+      GridSOAWriter (const SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
+        : mesh(mesh), store(store), statistics(statistics) {}
 
       /*! patch as stock Embree has it */
       void write (const SubdivPatch1Base& patch) const

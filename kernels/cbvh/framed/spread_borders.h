@@ -1,0 +1,65 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Borders of patches that are stored in blocks with frames, where an edge has a lower rate than the patch. Embree
+ * evaluates such a border at the parameters of the lower rate and gives each of its vertices to several of the patch;
+ * the quads between these collapse. Blocks with frames keep only the nearest one of these vertices, and spread the
+ * others over the straight line to the next:
+ *
+ *     x---x---x---x---x---x      x: vertices of the patch
+ *     |   |   |   |   |   |      o: vertices of an edge of rate 2 among them
+ *     o---x---x-o-x---x---o
+ *
+ * The border is the same polyline except for a lip of 2^-20. No quad collapses or leans over to another block, and
+ * parameters differ from those of the regular patch by at most half a quad along the border. */
+
+#include "../surface/shared_border.h"
+#include <cmath>
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! Moves a point of a border outward by the rounding that may leave a gap to a neighbor without a vertex there: the
+     *  rounding of the point and of the tests of triangles. */
+    inline cbvh::Double3 withLip (const cbvh::Double3& p, const cbvh::Double3& inner)
+    {
+      const cbvh::Double3 outward = p - inner;
+      const double distance = cbvh::length(outward);
+      const double size = cbvh::maximum(std::fabs(p.x),cbvh::maximum(std::fabs(p.y),std::fabs(p.z)));
+      const double lip = cbvh::minimum(size/(1 << 20),distance/16);
+      return distance > 0 ? p + (lip/distance)*outward : p; // not where it is NaN
+    }
+
+    /*! border: fine+1 vertices, along apart, stitched to the vertices of a lower rate; inward: to the next row */
+    inline void spreadBorder (float (*border)[3], ssize_t along, ssize_t inward, unsigned fine, unsigned coarse)
+    {
+      if (fine == coarse) return;
+      auto load = [](const float p[3]) { return cbvh::Double3{ p[0],p[1],p[2] }; };
+      for (unsigned k=0; k<coarse; k++)
+      {
+        const ssize_t begin = firstStitched(k,fine,coarse), end = firstStitched(k+1,fine,coarse);
+        const cbvh::Double3 a = load(border[begin*along]), b = load(border[end*along]);
+        for (ssize_t i=begin+1; i<end; i++) {
+          const cbvh::Double3 p = withLip(a + (double(i-begin)/double(end-begin))*(b-a),load(border[i*along+inward]));
+          float* const out = border[i*along];
+          out[0] = float(p.x); out[1] = float(p.y); out[2] = float(p.z);
+        }
+      }
+    }
+
+    /*! Spreads the vertices on stitched borders of a patch: `vertices`, displaced or not, has the size of `patch`.
+     *  rate: of its sides, in the order of SurfacePatch::rate, not above the patch's own. */
+    inline void spreadBorders (const float rate[4], const PatchVertices& patch, float (*vertices)[3])
+    {
+      const unsigned quadsX = unsigned(patch.width)-1, quadsY = unsigned(patch.height)-1;
+      const ssize_t row = ssize_t(patch.width);
+      spreadBorder(vertices,1,row,quadsX,unsigned(rate[0]));
+      spreadBorder(vertices+quadsX,row,-1,quadsY,unsigned(rate[1]));
+      spreadBorder(vertices+quadsY*row,1,-row,quadsX,unsigned(rate[2]));
+      spreadBorder(vertices,row,1,quadsY,unsigned(rate[3]));
+    }
+  }
+}

@@ -1,0 +1,273 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The borders of a cage's faces: shared_border.h has the rule, cage_topology.h the owners. Faces evaluate the same
+ * vertex some ulps apart, and far apart where their normals differ or a height map jumps.
+ *
+ * An n-gon is a patch at each corner. Its center, and the spokes from there to the middles of its edges, are shared by
+ * its own patches, and owned by it.
+ *
+ * The owners' vertices are evaluated before any patch is encoded. A twentieth of the vertices is evaluated twice, and
+ * all vertices of patches that have few. Until the build ends, the points of edges use 12 bytes each. A border of few
+ * vertices costs no less than its patch, so all vertices of small surfaces are kept for their blocks. */
+
+#include "border_lattices.h"
+#include "cage_side.h"
+#include "cage_topology.h"
+#include "patch_evaluator.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    class CageBorders
+    {
+    public:
+      typedef PatchEvaluator Scratch;
+
+      CageBorders (const SubdivMesh* mesh, const CompressionPlan& plan)
+        : plan(plan), mesh(mesh), topology(mesh,plan), lattices(mesh->device,plan), firsts(mesh->device,0),
+          points(mesh->device,0), firstKept(mesh->device,0), kept(mesh->device,0) {}
+
+      /*! Finds owners, evaluates what they own and chooses all lattices. Calls progress() now and then, which may
+       *  cancel by an exception. */
+      template<typename Progress>
+      void build (size_t facesPerTask, const Progress& progress)
+      {
+        topology.find(facesPerTask,progress);
+        placePoints();
+        if (plan.kind() == cbvh::Kind::VERT) placeKept();
+        lattices.choose(*this,facesPerTask,progress);
+        lattices.share(*this,2*topology.numEdges(),facesPerTask,progress);
+      }
+
+      /*! Exponent of a face's lattice at a time step. */
+      int exponent (size_t face, unsigned step) const { return lattices.ofPrimitive(face,step); }
+
+      /*! All vertices of a patch, row by row, or null if they were not kept. */
+      const float (*evaluated (size_t face, int subPatch, unsigned step) const)[3] {
+        return firstKept.size() ? (const float(*)[3])kept.data() + step*numKept + firstOf(face,subPatch) : nullptr;
+      }
+
+      /*! Vertices along a side of a patch; sides are in the order of PatchOfFace::rate. */
+      CageSide side (size_t face, int subPatch, int s, unsigned step) const
+      {
+        const HalfEdge* edge = edgeOfSide(mesh,face,subPatch,s);
+        if (isQuad(mesh->getHalfEdge(0,face))) return edgeOf(edge,step);
+        switch (s) {
+        case 0 : return edgeOf(edge,step).half(0);
+        case 1 : return spoke(face,edgeOfSide(mesh,face,subPatch,0),false,step);
+        case 2 : return spoke(face,edgeOfSide(mesh,face,subPatch,3),true,step);
+        default: return edgeOf(edge,step).half(1);
+        }
+      }
+
+      /* the topology of border_lattices.h; an element is the corner or the interior of an owned edge */
+
+      size_t size () const { return mesh->size(); }
+      double spacingOfEdge () const { return 0; }
+
+      void extendBounds (size_t f, unsigned step, BBox3fa& bounds) const
+      {
+        topology.forEachEdge(f,[&](const HalfEdge* h) {
+            const Vec3fa p = mesh->getVertexBuffer(step)[h->getStartVertexIndex()];
+            if (cbvh::isFinite(&p.x)) bounds.extend(p);
+          });
+      }
+
+      /*! Writes the points that a face owns, too. */
+      bool addLines (size_t f, unsigned step, PatchEvaluator& evaluator, LatticeChoice& choice)
+      {
+        if (!topology.takesPart(f)) return false;
+        if (!mesh->valid(f,step)) { keepNothing(f,step); return false; }
+        forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
+            const SubdivPatch1Base base = patch.make(mesh,plan.surface,f,step);
+            const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
+            choice.addPatch(quads);
+            float few[fewVertices][3];
+            float (*all)[3] = roomFor(f,patch.subPatch,step);
+            if (!all && (quads[0]+1)*(quads[1]+1) <= fewVertices) all = few;
+            PatchLines lines(mesh,base,evaluator,quads,all);
+            for (unsigned s=0; s<4; s++)
+            {
+              const bool alongU = s % 2 == 0;
+              const unsigned fine = quads[alongU ? 0 : 1], across = quads[alongU ? 1 : 0];
+              const PatchLines::Line line = lines(alongU,s == 1 || s == 2 ? across : 0);
+              choice.addLine(alongU,line.vertices,line.count,fine != unsigned(patch.rate[s]));
+              ownLine(f,patch,s,line.vertices,fine,step);
+            }
+            for (bool alongU : { true, false }) {
+              if (quads[alongU ? 1 : 0] < 2) continue;
+              const PatchLines::Line line = lines(alongU,quads[alongU ? 1 : 0]/2);
+              choice.addLine(alongU,line.vertices,line.count);
+            }
+          });
+        return true;
+      }
+
+      template<typename Closure>
+      void forEachShared (size_t f, const Closure& closure) const
+      {
+        topology.forEachEdge(f,[&](const HalfEdge* h) {
+            const CageTopology::Edge& edge = topology.at(h);
+            closure(cornerElement(edge),edge.isTracedByGrid);
+            closure(edgeElement(edge),edge.isTracedByGrid);
+          });
+      }
+
+    private:
+      static const size_t mostKept = 1 << 15; //!< vertices of a surface, of all time steps
+      static const size_t fewVertices = 9*9;  //!< of a patch whose lines cost no less than all of it
+
+      static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
+      static uint32_t cornerElement (const CageTopology::Edge& edge) { return 2*edge.cornerOwner; }
+      static uint32_t edgeElement (const CageTopology::Edge& edge) { return 2*edge.owner + 1; }
+
+      /* points of a half-edge: its corner and edge if it owns them, its spoke; after the last of a face the center */
+      size_t edgePoints (uint32_t i) const { return topology.ownsEdge(i) ? topology.at(i).rate-1 : 0; }
+      size_t spokePoints (const HalfEdge* h) const { return isQuad(h) ? 0 : topology.at(h).ownRate/2-1; }
+      size_t cornerPoint (uint32_t owner) const { return firsts[owner]; }
+      size_t firstEdgePoint (uint32_t owner) const { return firsts[owner] + topology.ownsCorner(owner); }
+      size_t firstSpokePoint (uint32_t i) const { return firstEdgePoint(i) + edgePoints(i); }
+      size_t centerPoint (const HalfEdge* last) const {
+        return firstSpokePoint(topology.indexOf(last)) + spokePoints(last);
+      }
+      float* point (size_t i, unsigned step) { return points.data() + 3*(step*numPoints + i); }
+      const float* point (size_t i, unsigned step) const { return points.data() + 3*(step*numPoints + i); }
+
+      void placePoints ()
+      {
+        cbvh::resizeToFit(firsts,topology.numEdges());
+        for (size_t f=0; f<mesh->size(); f++)
+          topology.forEachEdge(f,[&](const HalfEdge* h) {
+              firsts[topology.indexOf(h)] = numPoints;
+              numPoints = centerPoint(h) + (!isQuad(h) && h->next() == mesh->getHalfEdge(0,f));
+            });
+        cbvh::resizeToFit(points,3*numPoints*plan.numTimeSteps);
+        if (plan.moves()) // no face evaluates all of them
+          std::fill(points.begin(),points.end(),std::numeric_limits<float>::quiet_NaN());
+      }
+
+      /*! of surfaces with few vertices */
+      void placeKept ()
+      {
+        const size_t most = mostKept/plan.numTimeSteps;
+        if (mesh->size() > most/4) return;
+        mvector<uint32_t> places(mesh->device,topology.numEdges());
+        size_t n = 0;
+        for (size_t f=0; f<mesh->size() && n <= most; f++)
+          if (topology.takesPart(f))
+            forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
+                places[topology.indexOf(mesh->getHalfEdge(0,f)) + patch.subPatch] = uint32_t(n);
+                n += verticesOf(patch);
+              });
+        if (n > most) return;
+        numKept = n;
+        cbvh::resizeToFit(kept,3*n*plan.numTimeSteps);
+        firstKept = std::move(places);
+      }
+
+      static size_t verticesOf (const PatchOfFace& patch)
+      {
+        const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
+        return size_t(size.x)*size_t(size.y);
+      }
+
+      /*! of the vertices of a patch that are kept */
+      size_t firstOf (size_t face, int subPatch) const {
+        return firstKept[topology.indexOf(mesh->getHalfEdge(0,face)) + subPatch];
+      }
+      float (*roomFor (size_t face, int subPatch, unsigned step))[3] {
+        return (float(*)[3])evaluated(face,subPatch,step);
+      }
+
+      /*! Of a face whose vertices of the cage are not finite at that step. */
+      void keepNothing (size_t f, unsigned step)
+      {
+        if (firstKept.size())
+          forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
+              float* const all = roomFor(f,patch.subPatch,step)[0];
+              std::fill(all,all + 3*verticesOf(patch),std::numeric_limits<float>::quiet_NaN());
+            });
+      }
+
+      /*! Keeps what a face owns of side s of a patch: of a line of fine+1 vertices along u or v. */
+      void ownLine (size_t f, const PatchOfFace& patch, unsigned s, const float (*line)[3], unsigned fine,
+                    unsigned step)
+      {
+        const unsigned own = unsigned(patch.rate[s]);
+        const bool descends = s >= 2;
+        /* vertex k of the side, counted around the patch: the first of those that are stitched to it */
+        auto keep = [&](size_t i, unsigned k) {
+          memcpy(point(i,step),line[min(firstStitched(descends ? own-k : k,fine,own),fine)],sizeof(*line));
+        };
+
+        const HalfEdge* h = mesh->getHalfEdge(0,f);
+        const unsigned n = h->numEdges();
+        const HalfEdge* const edge = n == 4 ? h+s : s < 2 ? h+patch.subPatch : h+(patch.subPatch+n-1)%n;
+        const uint32_t e = topology.indexOf(edge);
+        if (n != 4 && s == 1) {
+          for (unsigned k=1; k<own; k++) keep(firstSpokePoint(e)+k-1,k);
+          if (patch.subPatch == 0) keep(centerPoint(h+n-1),own);
+        }
+        if (n != 4 && (s == 1 || s == 2)) return;
+        if ((n == 4 || s == 0) && topology.ownsCorner(e)) keep(cornerPoint(e),0);
+        if (!topology.ownsEdge(e)) return;
+        /* a patch of an n-gon has half of the edge, and the first half has the middle */
+        const unsigned rate = n == 4 ? topology.at(e).rate : topology.at(e).rate/2;
+        const unsigned last = n != 4 && s == 0 ? rate : rate-1;
+        const size_t first = firstEdgePoint(e) + (n != 4 && s == 3 ? rate : 0);
+        for (unsigned k=1; k<=last; k++) keep(first+k-1,nearestVertex(k,rate,own));
+      }
+
+      SharedVertex corner (const HalfEdge* h, unsigned step) const
+      {
+        const CageTopology::Edge& edge = topology.at(h);
+        return SharedVertex(point(cornerPoint(edge.cornerOwner),step),lattices.ofShared(cornerElement(edge),step));
+      }
+
+      CageSide edgeOf (const HalfEdge* h, unsigned step) const
+      {
+        const CageTopology::Edge& edge = topology.at(h);
+        CageSide side;
+        side.begin = corner(h,step);
+        side.end = corner(h->next(),step);
+        side.interior = (const float(*)[3])point(firstEdgePoint(edge.owner),step);
+        side.reversed = edge.owner != topology.indexOf(h)
+          && topology.halfEdge(edge.owner)->getStartVertexIndex() != h->getStartVertexIndex();
+        side.exponent = lattices.ofShared(edgeElement(edge),step);
+        side.rate = edge.rate;
+        return side;
+      }
+
+      /*! From the middle of an n-gon's edge to its center, or back. */
+      CageSide spoke (size_t face, const HalfEdge* h, bool fromCenter, unsigned step) const
+      {
+        const HalfEdge* start = mesh->getHalfEdge(0,face);
+        const CageSide edge = edgeOf(h,step);
+        CageSide side;
+        side.exponent = exponent(face,step);
+        const SharedVertex middle = edge[edge.rate/2];
+        const SharedVertex center(point(centerPoint(start+start->numEdges()-1),step),side.exponent);
+        side.begin = fromCenter ? center : middle;
+        side.end = fromCenter ? middle : center;
+        side.interior = (const float(*)[3])point(firstSpokePoint(topology.indexOf(h)),step);
+        side.reversed = fromCenter;
+        side.rate = topology.at(h).ownRate/2;
+        return side;
+      }
+
+      const CompressionPlan& plan;
+      const SubdivMesh* const mesh;
+      CageTopology topology;
+      BorderLattices lattices;
+      size_t numPoints = 0, numKept = 0; //!< of one time step
+      mvector<size_t> firsts;            //!< first point, by half-edge
+      mvector<float> points;             //!< step by step
+      mvector<uint32_t> firstKept;       //!< by the half-edge of a patch's corner; empty if the surface is not small
+      mvector<float> kept;               //!< vertices of patches of a small surface, step by step
+    };
+  }
+}

@@ -1,0 +1,194 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Owners and rates of the edges and corners of a cage, from its half-edges: shared_border.h has the rule. Faces without
+ * a surface do not take part.
+ *
+ *           face A             An edge belongs to A or B. A corner x belongs to one of the faces around it that are
+ *           reached
+ *     x----o----o----o----x    over edges. The numbers of claims are those of half-edges.
+ *           face B
+ *
+ * An edge of three faces or more has no opposite half-edges. Embree keeps its vertices where they are, so that all
+ * faces have the same straight edge: they share it and its ends, whether GRID traces one of them or not. */
+
+#include "../base/resize_to_fit.h"
+#include "../base/tasks.h"
+#include "patches.h"
+#include "plan.h"
+#include "shared_border.h"
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace embree
+{
+  namespace isa
+  {
+    class CageTopology
+    {
+    public:
+      struct Edge
+      {
+        unsigned ownRate;      //!< of its face; noRate if the face does not take part
+        unsigned rate;         //!< of all faces that have the edge
+        uint32_t owner;        //!< half-edge of the face that owns the edge
+        uint32_t cornerOwner;  //!< half-edge that begins at the same vertex, of the face that owns the corner
+        bool isTracedByGrid;   //!< at least one patch of the face
+      };
+
+      CageTopology (const SubdivMesh* mesh, const CompressionPlan& plan)
+        : mesh(mesh), plan(plan), first(mesh->topology[0].halfEdges.data()), edges(mesh->device,0) {}
+
+      /*! Finds rates and owners. Calls progress() now and then, which may cancel by an exception. */
+      template<typename Progress>
+      void find (size_t facesPerTask, const Progress& progress)
+      {
+        cbvh::resizeToFit(edges,numHalfEdges());
+        forFaces(facesPerTask,progress,[&](size_t f) { findRates(f); });
+        forFaces(facesPerTask,progress,[&](size_t f) { findOwners(f); });
+        joinNonManifold();
+      }
+
+      size_t numEdges () const { return edges.size(); } //!< half-edges
+      uint32_t indexOf (const HalfEdge* h) const { return uint32_t(h - first); }
+      const HalfEdge* halfEdge (uint32_t i) const { return first + i; }
+      const Edge& at (const HalfEdge* h) const { return edges[indexOf(h)]; }
+      const Edge& at (uint32_t i) const { return edges[i]; }
+      bool takesPart (size_t f) const { return hasEdges(mesh,f) && takesPart(mesh->getHalfEdge(0,f)); }
+      bool ownsCorner (uint32_t i) const { return edges[i].cornerOwner == i; }
+      bool ownsEdge (uint32_t i) const { return edges[i].owner == i; }
+
+      /*! Calls closure(half-edge) for the edges of a face that takes part. */
+      template<typename Closure>
+      void forEachEdge (size_t f, const Closure& closure) const
+      {
+        if (!takesPart(f)) return;
+        const HalfEdge* h = mesh->getHalfEdge(0,f);
+        for (unsigned i=0; i<h->numEdges(); i++) closure(h+i);
+      }
+
+    private:
+      static const unsigned noRate = 0;
+      typedef std::pair<uint64_t,uint32_t> KeyedEdge; //!< the two vertices of an edge, and a half-edge
+
+      template<typename Progress, typename Closure>
+      void forFaces (size_t facesPerTask, const Progress& progress, const Closure& closure) const
+      {
+        forRanges(mesh->size(),facesPerTask,[&](const range<size_t>& faces) {
+            for (size_t f=faces.begin(); f!=faces.end(); f++) closure(f);
+            progress();
+          });
+      }
+
+      /*! Half-edges of faces, which findRates sets. The index buffer and Embree's half-edges may be longer. */
+      size_t numHalfEdges () const
+      {
+        for (size_t f=mesh->size(); f-- > 0; )
+          if (hasEdges(mesh,f)) return indexOf(mesh->getHalfEdge(0,f)) + mesh->faceVertices[f];
+        return 0;
+      }
+
+      Edge& edge (const HalfEdge* h) { return edges[indexOf(h)]; }
+      bool takesPart (const HalfEdge* h) const { return at(h).ownRate != noRate; }
+
+      void findRates (size_t f)
+      {
+        if (!hasEdges(mesh,f)) return;
+        const HalfEdge* h = mesh->getHalfEdge(0,f);
+        const unsigned n = h->numEdges();
+        for (unsigned i=0; i<n; i++) edge(h+i) = Edge();
+        if (!hasSurface(mesh,f)) return;
+        bool isTracedByGrid = false;
+        forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
+            isTracedByGrid |= plan.storage(patch.rate) == CompressionPlan::GRID;
+            for (unsigned s=0; s<4; s++)
+              if (n == 4) edge(h+s).ownRate = unsigned(patch.rate[s]);
+              else if (s == 0) edge(h+patch.subPatch).ownRate = 2*unsigned(patch.rate[s]);
+          });
+        for (unsigned i=0; i<n; i++) edge(h+i).isTracedByGrid = isTracedByGrid;
+      }
+
+      uint64_t edgeClaim (const HalfEdge* h) const { return claimOf(at(h).isTracedByGrid,at(h).ownRate,indexOf(h)); }
+      uint64_t cornerClaim (const HalfEdge* h) const { return claimOf(at(h).isTracedByGrid,0,indexOf(h)); }
+      static uint32_t ownerOf (uint64_t claim) { return uint32_t(claim); }
+
+      void findOwners (size_t f)
+      {
+        forEachEdge(f,[&](const HalfEdge* e) {
+            Edge& of = edge(e);
+            uint64_t claim = edgeClaim(e);
+            of.rate = of.ownRate;
+            if (e->hasOpposite() && takesPart(e->opposite())) {
+              claim = min(claim,edgeClaim(e->opposite()));
+              of.rate = min(of.ownRate,at(e->opposite()).ownRate);
+            }
+            of.owner = ownerOf(claim);
+            claim = cornerClaim(e);
+            forEachAround(e,[&](const HalfEdge* a) { claim = min(claim,cornerClaim(a)); });
+            of.cornerOwner = ownerOf(claim);
+          });
+      }
+
+      /*! Calls closure for the half-edges that begin at the same vertex, of faces that take part. */
+      template<typename Closure>
+      void forEachAround (const HalfEdge* e, const Closure& closure) const
+      {
+        const HalfEdge* a = e;
+        do {
+          if (takesPart(a)) closure(a);
+          if (!a->hasOpposite()) break;
+          a = a->rotate();
+        } while (a != e);
+        if (a == e && e->hasOpposite()) return;
+        for (a = e; a->prev()->hasOpposite(); ) {
+          a = a->prev()->opposite();
+          if (takesPart(a)) closure(a);
+        }
+      }
+
+      void joinNonManifold ()
+      {
+        std::vector<KeyedEdge> borders;
+        for (uint32_t i=0; i<edges.size(); i++)
+          if (edges[i].ownRate != noRate && !first[i].hasOpposite())
+            borders.push_back({ uint64_t(first[i].getEdge()),i });
+        std::sort(borders.begin(),borders.end());
+        std::map<unsigned,std::set<uint32_t>> owners; // of corners, by vertex
+        for (size_t begin=0, end=0; begin<borders.size(); begin=end)
+        {
+          while (end < borders.size() && borders[end].first == borders[begin].first) end++;
+          if (end-begin < 3) continue;
+          joinEdges(borders.data()+begin,borders.data()+end);
+          for (size_t i=begin; i<end; i++)
+            for (const HalfEdge* h : { first+borders[i].second, first[borders[i].second].next() })
+              owners[h->getStartVertexIndex()].insert(at(h).cornerOwner);
+        }
+        if (owners.empty()) return;
+        for (uint32_t i=0; i<edges.size(); i++) {
+          const auto found = owners.find(first[i].getStartVertexIndex());
+          if (edges[i].ownRate == noRate || found == owners.end()) continue;
+          uint32_t& owner = edges[i].cornerOwner;
+          if (found->second.count(owner)) owner = *found->second.begin();
+        }
+      }
+
+      void joinEdges (const KeyedEdge* begin, const KeyedEdge* end)
+      {
+        uint64_t claim = ~uint64_t(0);
+        for (const KeyedEdge* i=begin; i<end; i++) claim = min(claim,claimOf(false,edges[i->second].ownRate,i->second));
+        for (const KeyedEdge* i=begin; i<end; i++) {
+          edges[i->second].owner = ownerOf(claim);
+          edges[i->second].rate = edges[ownerOf(claim)].ownRate;
+        }
+      }
+
+      const SubdivMesh* const mesh;
+      const CompressionPlan& plan;
+      const HalfEdge* const first;
+      mvector<Edge> edges; //!< by half-edge
+    };
+  }
+}

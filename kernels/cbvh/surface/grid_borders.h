@@ -1,0 +1,164 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The borders of grids that an application diced, and of the regions of meshes: shared_border.h has the rule. Grids
+ * have no topology. They share the vertices on their borders that have the same index, or that are equal as floats at
+ * all time steps (position_table.h). So all owners have the same positions, and only the lattice of a vertex is to be
+ * chosen.
+ *
+ * Lossless geometry has no lattices, and shares nothing: its vertices stay where they are. */
+
+#include "border_lattices.h"
+#include "diced_grids.h"
+#include "patch_vertices.h"
+#include "shared_border.h"
+#include "stitched_vertices.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! Grids: see diced_grids.h */
+    template<typename Grids>
+    class GridBorders
+    {
+    public:
+      typedef typename Grids::Grid Grid;
+      typedef PatchVertices Scratch;
+
+      GridBorders (const typename Grids::Mesh* mesh, const CompressionPlan& plan)
+        : grids(mesh), plan(plan), lattices(mesh->device,plan), table(mesh->device),
+          stitched(mesh->device,*this,table,lattices,plan.numTimeSteps) {}
+      GridBorders (const GridBorders&) = delete;
+
+      size_t size () const { return grids.size(); }
+      Grid operator[] (size_t i) const { return grids[i]; }
+      bool isValid (size_t i) const { return grids.isValid(i); }
+      const float* position (size_t vertex, unsigned step = 0) const { return grids.position(vertex,step); }
+      bool number (size_t i, cbvh::QuadNumbers& out) const { return grids.number(i,out); }
+
+      /*! Finds shared vertices and chooses all lattices. Calls progress() now and then, which may cancel by an
+       *  exception. */
+      template<typename Progress>
+      void build (size_t gridsPerTask, const Progress& progress)
+      {
+        lattices.choose(*this,gridsPerTask,progress);
+        if (size() < 2 || plan.isLossless()) return;
+        table.reserve(reduceRanges(size(),4*gridsPerTask,size_t(0),[&](const range<size_t>& r) {
+              size_t n = 0;
+              for (size_t i=r.begin(); i!=r.end(); i++)
+                if (isValid(i)) n += 2*(size_t((*this)[i].quads(0))+(*this)[i].quads(1));
+              return n;
+            },std::plus<size_t>()));
+        lattices.share(*this,table.size(),gridsPerTask,progress);
+        stitched.find(gridsPerTask,progress);
+      }
+
+      void release ()
+      {
+        table.clear();
+        lattices.clear();
+        stitched.clear();
+      }
+
+      /*! Exponent of a grid's lattice at a time step. */
+      int exponent (size_t grid, unsigned step) const { return lattices.ofPrimitive(grid,step); }
+
+      /*! Returns a vertex on the border of a grid. own: exponent of the grid's lattice */
+      SharedVertex shared (size_t vertex, int own, unsigned step) const
+      {
+        const float* p = position(vertex,step);
+        if (table.isEmpty() || !cbvh::isFinite(p) || !cbvh::isFinite(position(vertex))) return SharedVertex(p,own);
+        const Entry entry = table.find(*this,vertex);
+        if (!table.isMarked(entry)) return SharedVertex(p,lattices.ofShared(entry,step));
+        const cbvh::Double3 d = stitched.stored(entry,step);
+        const float onEdge[3] = { float(d.x),float(d.y),float(d.z) };
+        return SharedVertex(onEdge,cbvh::exactLattice);
+      }
+
+      /*! Of PositionTable. Values that are not numbers are equal. */
+      bool moveAlike (size_t a, size_t b) const
+      {
+        for (unsigned step=1; step<plan.numTimeSteps; step++) {
+          const float* p = position(a,step), * q = position(b,step);
+          for (int k=0; k<3; k++)
+            if (!(p[k] == q[k] || (std::isnan(p[k]) && std::isnan(q[k])))) return false;
+        }
+        return true;
+      }
+
+      /*! Of StitchedVertices: calls closure for the entries at the ends of each edge of a border that has a length. */
+      template<typename Closure>
+      void forBorderEdges (size_t i, const Closure& closure) const
+      {
+        for (int s=0; s<4 && isValid(i); s++) {
+          const Grid grid = (*this)[i];
+          Entry before = Table::none;
+          for (unsigned k=0; k<=grid.quads(s & 1); k++) {
+            const size_t vertex = grid.onSide(s,k);
+            const Entry entry = cbvh::isFinite(position(vertex)) ? table.find(*this,vertex) : Table::none;
+            if (before != Table::none && entry != Table::none && before != entry) closure(before,entry);
+            before = entry;
+          }
+        }
+      }
+
+      /* the topology of border_lattices.h; an element is an entry of the table */
+
+      double spacingOfEdge () const { return Grids::spacingOfEdge(); }
+
+      void extendBounds (size_t i, unsigned step, BBox3fa& bounds) const
+      {
+        if (!isValid(i)) return;
+        forBorder((*this)[i],[&](size_t vertex) {
+            const float* p = position(vertex,step);
+            if (cbvh::isFinite(p)) bounds.extend(Vec3fa(p[0],p[1],p[2]));
+          });
+      }
+
+      bool addLines (size_t i, unsigned step, PatchVertices& memory, LatticeChoice& choice) const
+      {
+        if (!isValid(i)) return false;
+        const Grid grid = (*this)[i];
+        memory.setSize(max(grid.width,grid.height),1);
+        float (*line)[3] = memory.displaced();
+        for (int d=0; d<2; d++)
+          for (unsigned across : { 0u,grid.quads(1-d)/2,grid.quads(1-d) }) {
+            for (unsigned i=0; i<=grid.quads(d); i++)
+              memcpy(line[i],position(d == 0 ? grid.vertex(i,across) : grid.vertex(across,i),step),sizeof(*line));
+            choice.addLine(d == 0,line,grid.quads(d)+1);
+          }
+        return true;
+      }
+
+      template<typename Closure>
+      void forEachShared (size_t i, const Closure& closure)
+      {
+        if (!isValid(i)) return;
+        forBorder((*this)[i],[&](size_t vertex) {
+            if (cbvh::isFinite(position(vertex))) closure(table.add(*this,vertex),false);
+          });
+      }
+
+    private:
+      typedef PositionTable<GridBorders> Table;
+      typedef typename Table::Entry Entry;
+
+      /*! Calls closure(vertex), each once. */
+      template<typename Closure>
+      static void forBorder (const Grid& grid, const Closure& closure)
+      {
+        for (int s=0; s<4; s++)
+          for (unsigned k=0; k<grid.quads(s & 1); k++) closure(grid.onSide(s,k));
+      }
+
+      const Grids grids;
+      const CompressionPlan& plan;
+      BorderLattices lattices;
+      Table table;                            //!< of vertices on borders; empty for a single grid
+      StitchedVertices<GridBorders> stitched; //!< of finer grids on edges of coarser ones
+    };
+  }
+}

@@ -1,0 +1,65 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The vertices of a patch, or of a part of it, row by row, before and after displacement. Sources fill them, and
+ * writers of blocks read them. */
+
+#include "../base/codec.h"
+#include "../../cvert/basics/vertices4.h"
+#include "../embree/scene.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! vertices x0 to x1 along u and y0 to y1 along v of a patch */
+    struct PatchPart { unsigned x0, x1, y0, y1; };
+
+    class PatchVertices
+    {
+    public:
+      explicit PatchVertices (Device* device) : interleaved(device,0) {}
+
+      /*! Makes room for width x height vertices. Their values are undefined. */
+      void setSize (size_t width, size_t height)
+      {
+        this->width = width; this->height = height;
+        count = width*height;
+        interleaved.reserve(6*count); // no more than that: vectors grow to a power of two
+        interleaved.resize(6*count);
+      }
+      void setSize (const PatchPart& part) { setSize(part.x1-part.x0+1,part.y1-part.y0+1); }
+
+      /*! Sets the displaced vertices of quadsX x quadsY quads. Undisplaced ones are undefined. */
+      void set (unsigned quadsX, unsigned quadsY, const float (*vertices)[3])
+      {
+        setSize(quadsX+1,quadsY+1);
+        memcpy(displaced(),vertices,count*sizeof(*vertices));
+      }
+
+      /*! Sets all vertices of a part to NaN. */
+      void setInvalid (const PatchPart& part)
+      {
+        setSize(part);
+        std::fill(interleaved.begin(),interleaved.end(),std::numeric_limits<float>::quiet_NaN());
+      }
+
+      /*! vertices row by row */
+      float (*undisplaced ())[3] { return (float(*)[3])interleaved.data(); }
+      float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }
+
+      /*! Bounds the displaced vertices. Returns false if one is not finite. */
+      bool bound (float lower[3], float upper[3]) { return cbvh::boundVertices(displaced(),count,lower,upper); }
+
+      size_t width = 0, height = 0; //!< in vertices
+
+    protected:
+      size_t count = 0;
+
+    private:
+      mvector<float> interleaved; //!< undisplaced and displaced vertices
+    };
+  }
+}

@@ -1,0 +1,186 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Vertices that an application put onto edges of coarser grids: the fourth part of the rule in shared_border.h.
+ *
+ *     p-----------------------q      coarse
+ *     p-----m-----m-----m-----q      fine
+ *
+ * An edge on the border of one grid only, p to q, whose ends are shared, is followed along such edges of other grids.
+ * If they lie on it and lead from p to q, the vertices between are stitched: they are stored on the edge from p to q as
+ * stored. They lie there at all time steps, except for the application's rounding, or nowhere. */
+
+#include "border_lattices.h"
+#include "position_table.h"
+#include <algorithm>
+#include <tuple>
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! Positions: as for PositionTable, and size(), of grids, position(vertex,step) and
+     *  forBorderEdges(grid,closure(a,b)) */
+    template<typename Positions>
+    class StitchedVertices
+    {
+      typedef PositionTable<Positions> Table;
+
+    public:
+      typedef typename Table::Entry Entry;
+
+      StitchedVertices (Device* device, const Positions& positions, Table& table, const BorderLattices& lattices,
+                        unsigned numSteps)
+        : device(device), positions(positions), table(table), lattices(lattices), numSteps(numSteps) {}
+
+      /*! Finds the vertices and marks them in the table. If all vertices on borders are shared, there are none. */
+      template<typename Progress>
+      void find (size_t gridsPerTask, const Progress& progress)
+      {
+        if (!table.isAnyAlone()) return;
+        const mvector<Edge> open = findOpenEdges(gridsPerTask,progress);
+        for (const Edge& edge : open)
+          if (isBefore(edge.begin,edge.end) && table.isShared(edge.begin) && table.isShared(edge.end))
+            followEdge(edge,open);
+        std::sort(stitched.begin(),stitched.end(),[&](const Stitched& a, const Stitched& b) {
+            if (a.vertex != b.vertex) return a.vertex < b.vertex;
+            if (a.edge.begin != b.edge.begin) return isBefore(a.edge.begin,b.edge.begin);
+            return a.edge.end != b.edge.end && isBefore(a.edge.end,b.edge.end);
+          });
+        for (const Stitched& s : stitched) table.mark(s.vertex);
+      }
+
+      void clear () { stitched.clear(); }
+
+      /*! Where grids store a vertex. Edges that end on other edges may do so again, and where grids overlap in a
+       *  circle: not for ever. */
+      cbvh::Double3 stored (Entry entry, unsigned step, unsigned depth = 0) const
+      {
+        const cbvh::Double3 p = at(entry,step);
+        if (!table.isMarked(entry) || depth == 8) {
+          const cbvh::WorldLattice lattice(lattices.ofShared(entry,step));
+          return { lattice.snap(float(p.x)),lattice.snap(float(p.y)),lattice.snap(float(p.z)) };
+        }
+        auto comesBefore = [](const Stitched& s, Entry e) { return s.vertex < e; };
+        const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,comesBefore)->edge;
+        const cbvh::Double3 a = stored(edge.begin,step,depth+1);
+        return a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a); // the same place on it at all steps
+      }
+
+    private:
+      /*! an edge on the border of one grid alone */
+      struct Edge
+      {
+        Entry end, begin;
+        operator uint64_t () const { return uint64_t(begin) << 32 | end; } // their order
+      };
+
+      /*! a vertex of a finer grid, and the edge of a coarser one that it lies on */
+      struct Stitched
+      {
+        Entry vertex;
+        Edge edge;
+      };
+
+      cbvh::Double3 at (Entry entry, unsigned step = 0) const
+      {
+        const float* p = positions.position(table.vertexOf(entry),step);
+        return { p[0],p[1],p[2] };
+      }
+
+      /*! in an order that is the same whichever thread was first */
+      bool isBefore (Entry a, Entry b) const
+      {
+        const cbvh::Double3 p = at(a), q = at(b);
+        return std::tie(p.x,p.y,p.z) < std::tie(q.x,q.y,q.z);
+      }
+
+      /*! 0 to 1, of the nearest position to p */
+      double parameterOn (const Edge& edge, const cbvh::Double3& p) const
+      {
+        const cbvh::Double3 a = at(edge.begin), d = at(edge.end)-a;
+        return dot(p-a,d)/dot(d,d);
+      }
+
+      /*! Returns edges of borders that no other border has, in both directions, in order. */
+      template<typename Progress>
+      mvector<Edge> findOpenEdges (size_t gridsPerTask, const Progress& progress) const
+      {
+        mvector<Edge> edges(device,0);
+        MutexSys mutex;
+        forRanges(positions.size(),gridsPerTask,[&](const range<size_t>& r) {
+            std::vector<Edge> ofTask;
+            for (size_t i=r.begin(); i!=r.end(); i++)
+              positions.forBorderEdges(i,[&](Entry a, Entry b) { ofTask.push_back(Edge{ max(a,b),min(a,b) }); });
+            progress();
+            Lock<MutexSys> lock(mutex);
+            for (const Edge& edge : ofTask) edges.push_back(edge);
+          });
+        sort(edges);
+        size_t n = 0;
+        for (size_t i=0, next; i<edges.size(); i=next) {
+          for (next=i+1; next<edges.size() && edges[next] == edges[i]; next++);
+          if (next == i+1) edges[n++] = edges[i];
+        }
+        edges.resize(2*n);
+        for (size_t i=0; i<n; i++) edges[n+i] = Edge{ edges[i].begin,edges[i].end };
+        sort(edges);
+        return edges;
+      }
+
+      void sort (mvector<Edge>& edges) const
+      {
+        mvector<Edge> room(device,edges.size());
+        radix_sort_u64(edges.data(),room.data(),edges.size());
+      }
+
+      /*! Follows open edges that lie on this one, from its begin. If they lead to its end, the vertices between are
+       *  stitched. */
+      void followEdge (const Edge& edge, const mvector<Edge>& open)
+      {
+        const size_t before = stitched.size();
+        double t = 0;
+        for (Entry from=edge.begin; from!=edge.end; )
+        {
+          Entry nearest = Table::none;
+          double tNearest = 2.0;
+          const Edge* next = std::lower_bound(open.begin(),open.end(),Edge{ 0,from });
+          for (; next != open.end() && next->begin == from; next++)
+          {
+            const bool isLast = next->end == edge.end;
+            if (from == edge.begin && isLast) continue; // itself
+            const double s = isLast ? 1.0 : parameterOn(edge,at(next->end));
+            if (s < tNearest && (isLast || isOnEdge(edge,next->end,t,s))) { nearest = next->end; tNearest = s; }
+          }
+          if (nearest == Table::none) { stitched.resize(before); return; }
+          from = nearest;
+          t = tNearest;
+          if (from != edge.end) stitched.push_back(Stitched{ from,edge });
+        }
+      }
+
+      /*! True if a vertex with parameter s lies on the edge after parameter t at all time steps, except for rounding by
+       *  the application. */
+      bool isOnEdge (const Edge& edge, Entry entry, double t, double s) const
+      {
+        if (!(t < s && s < 1.0)) return false;
+        for (unsigned step=0; step<numSteps; step++)
+        {
+          const cbvh::Double3 p = at(entry,step), a = at(edge.begin,step), d = at(edge.end,step)-a;
+          const double size = max(max(std::fabs(p.x),std::fabs(p.y)),std::fabs(p.z));
+          if (!(cbvh::length(a + s*d - p) <= max(1E-5*cbvh::length(d),4E-7*size))) return false;
+        }
+        return true;
+      }
+
+      Device* const device;
+      const Positions& positions;
+      Table& table;
+      const BorderLattices& lattices;
+      const unsigned numSteps;
+      std::vector<Stitched> stitched; //!< in the order of vertices
+    };
+  }
+}

@@ -1,0 +1,73 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A source that is none of the library's becomes blocks: through the builder, with the library's own object files, as
+ * the library hides what it does not export. */
+
+#include "sphere_source.h"
+#include "kernels/cbvh/building/surface_builder.h"
+#include "kernels/cvert/decoder/decoded_block.h"
+#include <gtest/gtest.h>
+#include <set>
+#include <tuple>
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! the vertices of all blocks below a node */
+    static void addVertices (BVH4::NodeRef ref, std::set<std::tuple<float,float,float>>& vertices)
+    {
+      if (ref == BVH4::emptyNode) return;
+      if (!ref.isLeaf()) {
+        for (size_t i=0; i<4; i++) addVertices(ref.getAABBNode()->child(i),vertices);
+        return;
+      }
+      size_t type;
+      const void* const block = ref.leaf(type);
+      ASSERT_EQ(type,size_t(cbvh::VERT_BLOCK));
+      const cbvh::DecodedBlock decoded((const cbvh::VertHeader*)block);
+      for (size_t i=0; i<(decoded.quadsX+1)*(decoded.quadsY+1); i++)
+        vertices.emplace(decoded.vertices[i][0],decoded.vertices[i][1],decoded.vertices[i][2]);
+    }
+
+    /*! faces of so many quads along a side: written in one piece, by several tasks, and in strips */
+    class SurfaceSource : public ::testing::TestWithParam<unsigned> {};
+
+    TEST_P(SurfaceSource,SphereIsClosedAndRound)
+    {
+      const size_t quads = GetParam();
+      const RTCDevice handle = rtcNewDevice(nullptr);
+      {
+        SphereSource::Mesh mesh((Device*)handle,unsigned(quads));
+        const std::shared_ptr<const cbvh::SurfaceNumber> number = std::make_shared<cbvh::SurfaceNumber>();
+        const CompressionPlan plan(&mesh,*number);
+        BuilderOf<SphereSource> builder(&mesh,number,plan);
+        double primitives = 0;
+        const std::shared_ptr<const SurfaceBlocks> blocks = builder.build([&](double n) { primitives += n; });
+        EXPECT_EQ(primitives,6.0);
+
+        const float spacing = std::ldexp(1.0f,SphereSource::exponent);
+        const RTCCompressionStatistics& sums = blocks->statistics.sums;
+        EXPECT_EQ(sums.numQuads,6*quads*quads);
+        EXPECT_EQ(sums.numInvalidQuads,0u);
+        EXPECT_EQ(sums.maxVertexSpacing,spacing);
+        EXPECT_EQ(sums.maxBorderGap,0.0f);
+
+        std::set<std::tuple<float,float,float>> vertices;
+        for (const PrimRef& part : blocks->parts) addVertices(BVH4::NodeRef(part.ID()),vertices);
+        EXPECT_EQ(vertices.size(),6*quads*quads + 2) << "vertices that faces share are not the same floats";
+        double farthest = 0;
+        for (const auto& v : vertices) {
+          const double x = std::get<0>(v), y = std::get<1>(v), z = std::get<2>(v);
+          farthest = std::max(farthest,std::fabs(std::sqrt(x*x+y*y+z*z) - 1.0));
+        }
+        EXPECT_LE(farthest,0.87*spacing) << "half of the diagonal of a cell of the lattice";
+        EXPECT_GT(farthest,0.0);
+      }
+      rtcReleaseDevice(handle);
+    }
+
+    INSTANTIATE_TEST_SUITE_P(Quads,SurfaceSource,::testing::Values(1u,5u,16u,40u,300u));
+  }
+}
