@@ -7,7 +7,7 @@
 
 #include "cache.h"
 #include "../base/codec.h"
-#include "../../cvert/format/block.h"
+#include "../../cvert/rule/rule.h"
 #include "../embree/simd.h"
 
 namespace embree
@@ -36,7 +36,7 @@ namespace embree
         axes.axis = likely(isSheared) ? shearedAxis(form) : 3;
         for (int k=0; k<3; k++) axes.shear[k] = 0.0f;
         if (likely(isSheared))
-          for (int i=0; i<3; i++) axes.shear[axisAfter(axes.axis,i)] = i == 0 ? 1.0f : float(shearSlope(form,i))*(1.0f/16.0f);
+          for (int i=0; i<3; i++) axes.shear[axisAfter(axes.axis,i)] = shearOf(form,i);
       }
 
       /*! Not the extent of a raw block, which is that of its planes. */

@@ -33,10 +33,8 @@ namespace embree
         }
       };
 
-      /*! Bounds of a block from its origin: on two axes up to a plane, on the sheared one between two. */
-      struct BlockBounds : public VertAxes
+      struct BlockBounds : public VertAxes, public BlockReach
       {
-        float upper[2], sheared[2];
         float slack[3];             //!< by axis: what they may be too small by
       };
 
@@ -45,21 +43,17 @@ namespace embree
       __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const BlockBounds& bounds, Real tNear, Real tFar) -> decltype(tNear <= tFar)
       {
         const int m = bounds.axis;
-        auto clip = [&](const Real& lower, const Real& upper, const Real& rcp) {
-          const Real a = lower*rcp, b = upper*rcp;
-          tNear = max(tNear,min(a,b));
-          tFar = min(tFar,max(b,a)); // not (a,b): the compiler would make one branch of both
-        };
+        RayInterval<Real> interval = { tNear,tFar };
         for (int i=0; i<2; i++)
         {
           const int k = axisAfter(m,1+i);
           const Real from = Real(bounds.origin[k])-ray.org[k], slack = boxSlack(ray.org[k],bounds.origin[k],bounds.extent[k]) + Real(bounds.slack[k]);
-          clip(from-slack,(from + Real(bounds.upper[i]))+slack,ray.rcp[k]);
+          interval = clipped(interval,from-slack,(from + Real(bounds.upper[i]))+slack,ray.rcp[k]);
         }
         const ShearedRay<Real> sheared(ray,bounds);
         const Real slack = sheared.error + Real(bounds.slack[m]);
-        clip((Real(bounds.sheared[0])-sheared.org)-slack,(Real(bounds.sheared[1])-sheared.org)+slack,sheared.rcp);
-        return tNear <= tFar;
+        interval = clipped(interval,(Real(bounds.sheared[0])-sheared.org)-slack,(Real(bounds.sheared[1])-sheared.org)+slack,sheared.rcp);
+        return interval.from <= interval.to;
       }
 
       /*! of a block that is not raw */
@@ -68,13 +62,8 @@ namespace embree
       {
         BlockBounds bounds;
         setShear(block->boxForm,true,bounds);
-        const VertSpacing spacing = spacingOf(block->word,block->corners);
-        const float step = float(reachStep(block->boxForm)), sheared = step*spacing.at[bounds.axis];
-        for (int i=0; i<2; i++) {
-          bounds.upper[i] = float(cvert::reachOf(block->reach,i))*step*spacing.at[axisAfter(bounds.axis,1+i)];
-          bounds.sheared[i] = float(cvert::reachOf(block->reach,2+i))*sheared;
-        }
-        const float extent = extentOfBounds(bounds.upper[0],bounds.upper[1],bounds.sheared[0],bounds.sheared[1]);
+        static_cast<BlockReach&>(bounds) = reachOfBlock(block->boxForm,block->reach,reachStep(block->boxForm),spacingOf(block->word,block->corners));
+        const float extent = extentOfReach(bounds);
         for (int k=0; k<3; k++) {
           bounds.origin[k] = block->origin[k];
           bounds.extent[k] = extent;

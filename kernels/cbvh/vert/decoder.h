@@ -54,7 +54,7 @@ namespace embree
           if (unlikely(hasRemainders(block->boxForm))) {
             CellVertices vertices;
             decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),base,WorldVerticesOfCell{ vertices,spacing,block->origin });
-            addRemainders(block,layout.remainders,spacing,block->region,gx,gy,vertices);
+            addRemainders(block,wordAt(block,layout.remainders/4),spacing,block->region,gx,gy,vertices);
             for (int k=0; k<3; k++) WorldOfCell::store(out,k,CellVector(vertices.at[k]));
             return;
           }

@@ -23,11 +23,11 @@ namespace embree
         __forceinline void put (int axis, const CellVector& v) const { CoordinatesOfCell{ out }.put(axis,madd(v,spacing.at[axis],origin[axis])); }
       };
 
-      /*! Adds their remainders to the vertices of group (gx,gy). start: of the block or step; offset: from there to the word of remainders */
-      __noinline inline void addRemainders (const void* start, uint32_t offset, const VertSpacing& spacing, uint32_t region, uint32_t gx, uint32_t gy,
+      /*! Adds their remainders to the vertices of group (gx,gy). start: of the block or step; remainders: their word */
+      __noinline inline void addRemainders (const void* start, uint32_t remainders, const VertSpacing& spacing, uint32_t region, uint32_t gx, uint32_t gy,
                                             CellVertices& vertices)
       {
-        const uint32_t remainders = remaindersAt(start,offset), quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
+        const uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
         for (int k=0; k<3; k++)
         {
           const uint32_t bits = remainderBits(remainders,k);

@@ -48,30 +48,24 @@ namespace embree
         /*! of a segment without a raw end, at both ends */
         __forceinline float extent () const
         {
-          auto of = [&](const End& end) { return vertExtent(form,end.reach,end.step,end.spacing); };
-          return max(of(ends[0]),of(ends[1]));
+          return max(extentOfReach(reachOf(ends[0])),extentOfReach(reachOf(ends[1])));
         }
 
         /*! at a fraction of the segment */
         __forceinline void set (float f, BlockBounds& out) const
         {
-          const float e = 1.0f-f;
           setShear(form,true,out);
-          float size = 0.0f;
+          const BlockReach begin = reachOf(ends[0]), end = reachOf(ends[1]);
+          static_cast<BlockReach&>(out) = reachBetween(begin,end,f);
+          const float e = 1.0f-f, extent = max(extentOfReach(begin),extentOfReach(end));
+          float sheared = 0.0f;
           for (int k=0; k<3; k++) {
             out.origin[k] = e*ends[0].origin[k] + f*ends[1].origin[k];
-            out.extent[k] = extent();
-            /* as MotionDecoder::widenSheared */
-            const float ofAxis = (max(std::fabs(ends[0].origin[k]),std::fabs(ends[1].origin[k])) + 2.0f*out.extent[k])*(1.0f/(1 << 20));
-            out.slack[k] = ofAxis;
-            size += std::fabs(out.shear[k])*ofAxis;
+            out.extent[k] = extent;
+            out.slack[k] = motionSlack(ends[0].origin[k],ends[1].origin[k],extent);
+            sheared += std::fabs(out.shear[k])*out.slack[k];
           }
-          out.slack[out.axis] = size;
-          for (int i=0; i<2; i++) {
-            const int k = axisAfter(out.axis,1+i);
-            out.upper[i] = e*at(0,i,k) + f*at(1,i,k);
-            out.sheared[i] = e*at(0,2+i,out.axis) + f*at(1,2+i,out.axis);
-          }
+          out.slack[out.axis] = sheared;
         }
 
       private:
@@ -83,7 +77,7 @@ namespace embree
           end.reach = reach;
         }
 
-        __forceinline float at (int end, int i, int axis) const { return float(cvert::reachOf(ends[end].reach,i))*float(ends[end].step)*ends[end].spacing.at[axis]; }
+        __forceinline BlockReach reachOf (const End& end) const { return reachOfBlock(form,end.reach,end.step,end.spacing); }
       };
     }
   }
