@@ -7,7 +7,7 @@
  * the owners have, on the lattices that all have in common (shared_vertices.h, grid_vertices.h). */
 
 #include "../base/codec.h"
-#include "../../cvert/format/stitching.h"
+#include "../../cvert/format/block.h"
 #include "../../cvert/encoder/lattice.h"
 #include "vertex_grid.h"
 

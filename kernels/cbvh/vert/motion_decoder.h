@@ -6,11 +6,10 @@
 /* Decoder of a segment of a block of cVERT that moves, cvert/format/motion.h: what its groups have in common, then a group at a time; at both
  * ends. */
 
+#include "boxes.h"
 #include "decoder.h"
-#include "motion_cache.h"
 #include "../base/codec.h"
-#include "../../cvert/decoder/decoded_block.h"
-#include "segment_reach.h"
+#include "../../cvert/decoder/step_view.h"
 
 namespace embree
 {
@@ -57,7 +56,7 @@ namespace embree
         __forceinline explicit MotionDecoder (const VertHeader* block)
           : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)) {}
 
-        /*! everything that all groups need in a segment */
+        /*! everything that all groups need in a segment, which out.key names */
         void decode (uint32_t segment, SegmentBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
@@ -79,7 +78,7 @@ namespace embree
             if (likely(isSheared)) PlanesDecoder(steps[0].form,steps[0].data+steps[0].margins,layout,spacingOf(step.word,cornersOf(step)),step.origin).decode(corners,out.ends[e]);
           }
           if (likely(isSheared)) widenSheared(out);
-          else for (int e=0; e<2; e++) boxesOfVertices(segment+e,e,out);
+          else boxesOfVertices(out);
         }
 
         bool isRaw (uint32_t step) const { return cbvh::isRaw(step == 0 ? block->boxForm : stepOf(block,step)->boxForm); }
@@ -155,27 +154,29 @@ namespace embree
             }
         }
 
-        /*! of a segment with a raw end */
-        __noinline void boxesOfVertices (uint32_t step, int end, SegmentBoxes& out) const
+        /*! of a segment with a raw end, whose steps' cells are decoded */
+        __noinline void boxesOfVertices (SegmentBoxes& out) const
         {
-          const DecodedBlock vertices(block,step);
-          for (uint32_t l=0; l<16; l++)
+          for (uint32_t rest=out.lanes; rest; rest&=rest-1)
           {
-            if (!((out.lanes >> l) & 1)) continue;
-            float lower[3] = { pos_inf,pos_inf,pos_inf }, upper[3] = { neg_inf,neg_inf,neg_inf };
-            const uint32_t x0 = groupQuads*(l & 3), y0 = groupQuads*(l >> 2);
-            for (uint32_t y=y0; y<=min(y0+groupQuads,quadsY); y++)
-              for (uint32_t x=x0; x<=min(x0+groupQuads,quadsX); x++)
+            const uint32_t l = uint32_t(bsf(rest));
+            SegmentVertices group;
+            vertices(out,l,group);
+            for (int end=0; end<2; end++)
+            {
+              float lower[3] = { pos_inf,pos_inf,pos_inf }, upper[3] = { neg_inf,neg_inf,neg_inf };
+              for (int v=0; v<cellVertices; v++)
               {
-                const float* p = vertices.vertex(x,y);
+                const float p[3] = { group.ends[end].at[0][v],group.ends[end].at[1][v],group.ends[end].at[2][v] };
                 if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
                 for (int k=0; k<3; k++) { lower[k] = min(lower[k],p[k]); upper[k] = max(upper[k],p[k]); }
               }
-            if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); continue; } // no quad is there between the ends
-            for (int k=0; k<3; k++) {
-              out.ends[end][k].at[0][l] = lower[k];
-              out.ends[end][k].at[1][l] = upper[k];
-              out.extent[k] = max(out.extent[k],upper[k]-out.origins[end][k]);
+              if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // no quad is there between the ends
+              for (int k=0; k<3; k++) {
+                out.ends[end][k].at[0][l] = lower[k];
+                out.ends[end][k].at[1][l] = upper[k];
+                out.extent[k] = max(out.extent[k],upper[k]-out.origins[end][k]);
+              }
             }
           }
         }

@@ -32,7 +32,6 @@
 #include "cell.h"
 #include "limits.h"
 #include "quad_numbers.h"
-#include "stitching.h"
 
 CVERT_BEGIN
 
@@ -327,6 +326,13 @@ CVERT_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
   offsets.rawBytes = offsets.boxes + 4u*boxPlanes*offsets.groups;
   return offsets;
 }
+
+/* Embree stitches the border of a patch whose quads are more than the rate of an edge: several vertices of the border lie on one vertex of the
+ * edge. */
+
+/*! The vertex of an edge of that rate on which vertex x of a border of that many quads lies. The rate is at most
+ *  maxVertRate, so that the product has 32 bits, or it is the number of quads: then vertices are not moved. */
+CVERT_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) { return rate == quads ? x : (2u*x + 1u)*rate/(2u*quads); }
 
 /*! Parameter of the patch at vertex x of a row (column) of quads quads: that of GRID's
  *  vertex. rate: of the edge that the row lies on, or quads inside of the patch. */
