@@ -89,7 +89,7 @@ CVERT_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, ui
 }
 
 /*! What a later step's matrix makes of a residual of the first step. */
-CVERT_FUNCTION Int3 turnedResidual (CVERT_IN(StepView) step, Int3 r)
+CVERT_FUNCTION Int3 turnedByStep (CVERT_IN(StepView) step, Int3 r)
 {
   uint32_t a = CVERT_AT(VertStep,step.data).turn[0], b = CVERT_AT(VertStep,step.data).turn[1], shift = turnShift(step.turned);
   return Int3(turnedResidual(turnEntry(a,0u),turnEntry(a,1u),turnEntry(a,2u),r.x,r.y,r.z,shift),

@@ -106,7 +106,7 @@ namespace cvert { inline namespace CVERT_ISA
         {
           Int3& vertex = out[5*j+i];
           vertex = vertexOfRow(view.data,cell,row,i,j);
-          if (first.isTurned && cellField(i,j) >= 0) vertex = vertex + turnedResidual(view,residualOfField(block,first.word,first.fields,cellField(i,j)));
+          if (first.isTurned && cellField(i,j) >= 0) vertex = vertex + turnedByStep(view,residualOfField(block,first.word,first.fields,cellField(i,j)));
         }
       }
     }

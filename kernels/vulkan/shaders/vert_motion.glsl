@@ -70,7 +70,7 @@ void cbvhDecodeCorners (CbvhVertBlock block, CbvhSegment segment)
     {
       int i = v % 5, j = v/5, field = cellField(i, j);
       ivec3 corner = vertexOfCell(step_.data, cell, i, j);
-      if (turns && field >= 0) corner += turnedResidual(step_, residualOfField(block.at, block.first.word, block.first.cell, field));
+      if (turns && field >= 0) corner += turnedByStep(step_, residualOfField(block.at, block.first.word, block.first.cell, field));
       cbvhCornersAtEnds[e][v] = corner;
     }
   }
@@ -102,7 +102,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
       if (raw) at = cbvhRawVertex(block, step_, gx, gy, i, j);
       else {
         ivec3 vertex = vertexOfCell(step_.data, cell, i, j);
-        if (turns && field >= 0) vertex += turnedResidual(step_, residualOfField(block.at, firstWord, firstFields, field));
+        if (turns && field >= 0) vertex += turnedByStep(step_, residualOfField(block.at, firstWord, firstFields, field));
         at = cbvhWorldVertex(block, step_, gx, gy, i, j, vertex);
       }
       if (e == 0) cbvhVerticesNow[v] = at;
