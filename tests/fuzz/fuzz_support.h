@@ -3,19 +3,12 @@
 
 #pragma once
 
-// What the fuzz targets share: a ray in front of the block's bytes, and a scene whose one geometry
+// What fuzz targets that trace share: a ray in front of the block's bytes, and a scene whose one geometry
 // the blocks belong to.
 
+#include "fuzz_input.h"
 #include "kernels/common/scene.h"
 #include <embree3/rtcore.h>
-
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <string>
-
-#define REQUIRE(condition) \
-  do { if (!(condition)) { std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); std::abort(); } } while (false)
 
 namespace cbvh::test {
 
@@ -49,39 +42,9 @@ const RayBytes seedRays[] = {
   {{0.4f, 0.6f, 3}, 0, {0.01f, -0.02f, -1}, INFINITY, 0.3f, {}}, {{-2, 0.5f, 0.1f}, 0, {1, 0.05f, 0.01f}, INFINITY, 0, {}},
   {{0.3f, 0.2f, 0.1f}, 0.001f, {0.5f, 0.7f, 0.1f}, 5, 0.7f, {}}, {{0.5f, 3, -0.2f}, 0, {0, -1, 0}, 1e6f, 1, {}}};
 
-// Calls writeSeeds(folder) for --seeds=FOLDER.
-template<typename WriteSeeds>
-int readArguments(int argc, char** argv, const WriteSeeds& writeSeeds)
-{
-  const std::string option = "--seeds=";
-  for (int i = 1; i < argc; i++)
-    if (option.compare(0, option.size(), argv[i], option.size()) == 0) writeSeeds(argv[i] + option.size());
-  return 0;
-}
-
 // A file of a corpus.
-inline void writeSeed(const std::string& path, const RayBytes& ray, const void* block, size_t bytes)
-{
-  FILE* file = std::fopen(path.c_str(), "wb");
-  REQUIRE(file && std::fwrite(&ray, sizeof(ray), 1, file) == 1 && std::fwrite(block, bytes, 1, file) == 1);
-  std::fclose(file);
+inline void writeSeed(const std::string& path, const RayBytes& ray, const void* block, size_t bytes) {
+  writeSeed(path, std::string((const char*)&ray, sizeof(ray)) + std::string((const char*)block, bytes));
 }
-
-// Memory of exactly that many bytes, so that any access beyond them is seen.
-class ExactMemory
-{
-public:
-  ExactMemory(const void* source, size_t bytes, size_t alignment)
-  {
-    REQUIRE(posix_memalign(&memory, alignment, bytes) == 0);
-    std::memcpy(memory, source, bytes);
-  }
-  ExactMemory(const ExactMemory&) = delete;
-  ~ExactMemory() { std::free(memory); }
-  void* get() const { return memory; }
-
-private:
-  void* memory = nullptr;
-};
 
 } // namespace cbvh::test

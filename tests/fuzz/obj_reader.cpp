@@ -4,7 +4,7 @@
 // Fuzz target: any bytes for an OBJ file. The reader returns a cage whose indices are in range and whose numbers are
 // finite, or throws an Error of one line that starts with the name of the file.
 
-#include "fuzz_support.h"
+#include "fuzz_input.h"
 #include "support/obj_dialects.h"
 
 #include "basics/error.h"

@@ -4,7 +4,7 @@
 // Fuzz target: any vertices for the encoder of cVERT, on a lattice or off it, of one time step or of several. The same vertices come
 // out at each step, to the bit, what is not finite as NaN; the block is valid and no longer than there is room; and encoding twice gives the same bytes.
 
-#include "fuzz_support.h"
+#include "fuzz_input.h"
 
 #include "kernels/cvert/encoder/motion_encoder.h"
 #include "kernels/cvert/encoder/lattice.h"
@@ -12,7 +12,9 @@
 #include "kernels/cvert/decoder/decoded_block.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
+#include <vector>
 
 namespace cbvh::test {
 namespace {

@@ -44,6 +44,14 @@ FUNCTIONS = (
     Entry("quadsOfGroup", 2, BLOCK, {"[< => <=] groupQuads": "both are the same then"}),
     Entry("stitchedVertex", 2, BLOCK),
     Entry("vertLayout", 3, BLOCK),
+    # its decoder for C++ and shaders
+    Entry("residualOfField", 4, BLOCK),
+    Entry("rowOfCell", 2, BLOCK),
+    Entry("cellOfGroup", 2, BLOCK),
+    Entry("vertexOfGroup", 2, BLOCK),
+    Entry("planesOfGroup", 3, BLOCK),
+    Entry("endOfFields", 1, BLOCK),
+    Entry("viewOfLaterStep", 2, MOTION),
     # its encoder
     Entry("CellEncoder::encode", 3, BLOCK),
     Entry("CellEncoder::write", 2, BLOCK),
@@ -143,12 +151,13 @@ FUNCTIONS = (
     # what a ray hits in cVERT
     Entry("meetPlane", 1, RAYS),
     Entry("normalOf", 1, RAYS),
+    Entry("placeOfHit", 3, RAYS),
     Entry("VertHits::isInRange", 3, RAYS),
     Entry("VertHits::reportNearest", 2, RAYS),
     Entry("positionInQuad", 1, RAYS),
     Entry("faceParameterOfQuad", 1, RAYS),
     Entry("parametersAtLowerEdge", 2, RULE),
-    Entry("meetsBounds", 2, RAYS, {"[min => max] ( tFar": "the boxes of groups are asked then"}),
+    Entry("meetsBounds", 2, RAYS),
     Entry("VertIntersector1::meetBoxes", 2, RAYS, {
         "open = [0 => 1]": "the triangles of a group that is not met are not hit",
         "[without] tNear": "boxes are met then that lie before the ray or behind it, and their triangles are not hit",

@@ -11,7 +11,8 @@
 struct Range { int a; };
 struct Vector { float x; };
 struct Real { float value; };
-float morton;
+struct WordsAt { uint a; };
+float morton, isInside, wordAt;
 
 #define CBVH_KINDS kinds
 layout(constant_id = 7) const uint kinds = 0xFFFFFFFFu;

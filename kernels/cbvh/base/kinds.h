@@ -110,6 +110,13 @@ inline bool findKind (int compression, Kind& kind)
   return false;
 }
 
+/*! Compression of a geometry in a file whose record has that one. A library that was built without it loads only files of cVERT blocks. */
+inline RTCCompression compressionOfLoaded (uint32_t compression)
+{
+  Kind kind;
+  return findKind(int(compression),kind) ? RTCCompression(compression) : RTC_COMPRESSION_VERT;
+}
+
 CBVH_END
 #endif
 

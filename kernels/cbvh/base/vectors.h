@@ -9,7 +9,7 @@
 
 #include "language.h"
 #include "../../cvert/rule/reciprocal.h"
-#include "../embree/simd.h"
+#include "../embree/ray.h"
 
 namespace embree
 {
@@ -33,6 +33,18 @@ namespace embree
     namespace cbvh
     {
       using namespace embree::cbvh;
+
+      /*! the widest vectors that the instruction set has, for sixteen things in a row */
+#if defined(__AVX512F__)
+      static const int vectorWidth = 16;
+#elif defined(__AVX__)
+      static const int vectorWidth = 8;
+#else
+      static const int vectorWidth = 4;
+#endif
+      typedef vfloat<vectorWidth> vfloatV;
+      typedef vint<vectorWidth> vintV;
+      typedef vboolf<vectorWidth> vboolV;
 
       /*! directionReciprocal of x, y and z of a direction. Components of about one size need no bound, and then nothing is waited for
        *  but the division. */

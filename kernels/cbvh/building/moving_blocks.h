@@ -8,6 +8,7 @@
 
 #include "../vert/motion_decoder.h"
 #include "motion_tree.h"
+#include "../../cvert/decoder/decoded_block.h"
 #include "../stored/surface_blocks.h"
 #include <memory>
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "loaded_geometry.h"
+#include "../base/kinds.h"
 #include "../embree/scene.h"
 #include "../stored/surface_blocks.h"
 
@@ -24,7 +25,7 @@ namespace embree
   {
     setCompressed(true);
     if (numTimeSteps > 1) time_range = ownTimes;
-    compression.compression = RTCCompression(record.compression);
+    compression.compression = cbvh::compressionOfLoaded(record.compression);
     surface.number = blocks->number;
     surface.blocks = blocks;
     surface.inputReleased = true;

@@ -3,7 +3,12 @@
 
 #pragma once
 
-/* Rays, single and in packets, hits, and the context of a query. */
+/* The door to Embree: the headers of this folder alone include what is Embree's own and not its API, so that they are what
+ * another version of Embree changes. This one: the platform, instruction sets, vectors of lanes, and what they hold of a query: rays, single and
+ * in packets, hits, and the context. */
 
-#include "simd.h"
+#include "../../common/isa.h"
+#include "../../../common/sys/platform.h"
+#include "../../../common/math/constants.h"
+#include "../../../common/simd/simd.h"
 #include "../../common/ray.h"

@@ -8,7 +8,6 @@
 
 #include "local_ray4.h"
 #include "node_cache.h"
-#include "../base/wide_vector.h"
 
 namespace embree
 {

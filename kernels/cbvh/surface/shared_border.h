@@ -28,7 +28,7 @@
 #include "../base/build_statistics.h"
 #include "../base/codec.h"
 #include "../../cvert/encoder/lattice.h"
-#include "../../cvert/format/stitching.h"
+#include "../../cvert/format/block.h"
 #include "patch_vertices.h"
 
 namespace embree

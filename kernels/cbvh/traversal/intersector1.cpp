@@ -4,7 +4,6 @@
 /* Single rays, instantiated for one ISA. */
 
 #include "compressed_intersector1.h"
-#include "motion_intersector1.h"
 
 namespace embree
 {

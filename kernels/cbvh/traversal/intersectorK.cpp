@@ -7,7 +7,6 @@
 
 #include "../embree/traversal.h"
 #include "compressed_intersector1.h"
-#include "motion_intersector1.h"
 #include "packet_traversal.h"
 #include "../vert/intersectorK.h"
 #include "../base/primitive_type.h"

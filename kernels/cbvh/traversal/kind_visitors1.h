@@ -8,9 +8,7 @@
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
 #include "../vert/intersector1.h"
-#if defined(EMBREE_CBVH_NO_PAPER)
-#include "no_framed_rays1.h"
-#else
+#if !defined(EMBREE_CBVH_NO_PAPER)
 #include "../framed/framed_rays1.h"
 #endif
 
@@ -20,6 +18,19 @@ namespace embree
   {
     namespace cbvh
     {
+#if defined(EMBREE_CBVH_NO_PAPER)
+      /*! What framed/framed_rays1.h has, of a library that traces no blocks with frames. */
+      struct FramedRay
+      {
+        __forceinline explicit FramedRay (float) {}
+        static __forceinline bool isFramed (size_t) { return false; }
+        __forceinline void setEnter (float) {}
+        template<typename RayType>
+        __forceinline bool intersect (RayType&, IntersectContext*, const void*) { return false; }
+        __forceinline float end (float tfar) const { return tfar; }
+      };
+#endif
+
       /*! Returns false for a primitive that is not a block. found: whether a hit was accepted */
       template<typename RayType>
       __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, FramedRay& framed, VertRay& vertRay, const void* prim, bool& found)

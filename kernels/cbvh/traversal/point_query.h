@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "../embree/scene.h"
+#include "../embree/traversal.h"
 
 namespace embree
 {

@@ -7,7 +7,7 @@
 #if !defined(EMBREE_CBVH_NO_PAPER)
 #include "../framed/node_cache.h"
 #endif
-#include "../vert/motion_cache.h"
+#include "../vert/cache.h"
 #include <mm_malloc.h>
 #include <new>
 

@@ -6,8 +6,9 @@
 /* Rays and the boxes of a block of cVERT, and its bounds. They only cull: planes are exact, and are widened as rule.h
  * says. Numbers are floats, of one ray, or vectors, of the rays of a packet. */
 
-#include "axes.h"
+#include "box_decoder.h"
 #include "ray.h"
+#include "../../cvert/format/motion.h"
 
 namespace embree
 {
@@ -33,10 +34,8 @@ namespace embree
         }
       };
 
-      /*! Bounds of a block from its origin: on two axes up to a plane, on the sheared one between two. */
-      struct BlockBounds : public VertAxes
+      struct BlockBounds : public VertAxes, public BlockReach
       {
-        float upper[2], sheared[2];
         float slack[3];             //!< by axis: what they may be too small by
       };
 
@@ -45,21 +44,17 @@ namespace embree
       __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const BlockBounds& bounds, Real tNear, Real tFar) -> decltype(tNear <= tFar)
       {
         const int m = bounds.axis;
-        auto clip = [&](const Real& lower, const Real& upper, const Real& rcp) {
-          const Real a = lower*rcp, b = upper*rcp;
-          tNear = max(tNear,min(a,b));
-          tFar = min(tFar,max(b,a)); // not (a,b): the compiler would make one branch of both
-        };
+        RayInterval<Real> interval = { tNear,tFar };
         for (int i=0; i<2; i++)
         {
           const int k = axisAfter(m,1+i);
           const Real from = Real(bounds.origin[k])-ray.org[k], slack = boxSlack(ray.org[k],bounds.origin[k],bounds.extent[k]) + Real(bounds.slack[k]);
-          clip(from-slack,(from + Real(bounds.upper[i]))+slack,ray.rcp[k]);
+          interval = clipped(interval,from-slack,(from + Real(bounds.upper[i]))+slack,ray.rcp[k]);
         }
         const ShearedRay<Real> sheared(ray,bounds);
         const Real slack = sheared.error + Real(bounds.slack[m]);
-        clip((Real(bounds.sheared[0])-sheared.org)-slack,(Real(bounds.sheared[1])-sheared.org)+slack,sheared.rcp);
-        return tNear <= tFar;
+        interval = clipped(interval,(Real(bounds.sheared[0])-sheared.org)-slack,(Real(bounds.sheared[1])-sheared.org)+slack,sheared.rcp);
+        return interval.from <= interval.to;
       }
 
       /*! of a block that is not raw */
@@ -68,13 +63,8 @@ namespace embree
       {
         BlockBounds bounds;
         setShear(block->boxForm,true,bounds);
-        const VertSpacing spacing = spacingOf(block->word,block->corners);
-        const float step = float(reachStep(block->boxForm)), sheared = step*spacing.at[bounds.axis];
-        for (int i=0; i<2; i++) {
-          bounds.upper[i] = float(cvert::reachOf(block->reach,i))*step*spacing.at[axisAfter(bounds.axis,1+i)];
-          bounds.sheared[i] = float(cvert::reachOf(block->reach,2+i))*sheared;
-        }
-        const float extent = extentOfBounds(bounds.upper[0],bounds.upper[1],bounds.sheared[0],bounds.sheared[1]);
+        static_cast<BlockReach&>(bounds) = reachOfBlock(block->boxForm,block->reach,reachStep(block->boxForm),spacingOf(block->word,block->corners));
+        const float extent = extentOfReach(bounds);
         for (int k=0; k<3; k++) {
           bounds.origin[k] = block->origin[k];
           bounds.extent[k] = extent;
@@ -82,6 +72,72 @@ namespace embree
         for (float& slack : bounds.slack) slack = 0.0f;
         return meetsBounds<Real>(ray,bounds,tNear,tFar);
       }
+
+      /*! The bounds of a block in a segment of its motion, straight from its steps. */
+      class SegmentReach
+      {
+        struct End
+        {
+          const float* origin;
+          VertSpacing spacing;
+          uint32_t step, reach;
+        };
+        End ends[2];
+        uint32_t form;
+
+      public:
+        bool raw; //!< an end is: there are no bounds
+
+        __forceinline SegmentReach (const VertHeader* block, uint32_t segment)
+        {
+          const VertStep* const end = stepOf(block,segment+1);
+          if (likely(segment == 0)) {
+            form = block->boxForm;
+            set(ends[0],block->origin,spacingOf(block->word,block->corners),reachStep(form),block->reach);
+          }
+          else {
+            const VertStep* const begin = stepOf(block,segment);
+            form = begin->boxForm;
+            set(ends[0],begin->origin,spacingOf(begin->word,begin->corners),beginReachStep(form),begin->reach);
+          }
+          set(ends[1],end->origin,spacingOf(end->word,end->corners),endReachStep(end->turned),end->endReach);
+          raw = isRaw(form) || isRaw(end->boxForm);
+        }
+
+        /*! of a segment without a raw end, at both ends */
+        __forceinline float extent () const
+        {
+          return max(extentOfReach(reachOf(ends[0])),extentOfReach(reachOf(ends[1])));
+        }
+
+        /*! at a fraction of the segment */
+        __forceinline void set (float f, BlockBounds& out) const
+        {
+          setShear(form,true,out);
+          const BlockReach begin = reachOf(ends[0]), end = reachOf(ends[1]);
+          static_cast<BlockReach&>(out) = reachBetween(begin,end,f);
+          const float e = 1.0f-f, extent = max(extentOfReach(begin),extentOfReach(end));
+          float sheared = 0.0f;
+          for (int k=0; k<3; k++) {
+            out.origin[k] = e*ends[0].origin[k] + f*ends[1].origin[k];
+            out.extent[k] = extent;
+            out.slack[k] = motionSlack(ends[0].origin[k],ends[1].origin[k],extent);
+            sheared += std::fabs(out.shear[k])*out.slack[k];
+          }
+          out.slack[out.axis] = sheared;
+        }
+
+      private:
+        static __forceinline void set (End& end, const float* origin, const VertSpacing& spacing, uint32_t step, uint32_t reach)
+        {
+          end.origin = origin;
+          end.spacing = spacing;
+          end.step = step;
+          end.reach = reach;
+        }
+
+        __forceinline BlockReach reachOf (const End& end) const { return reachOfBlock(form,end.reach,end.step,end.spacing); }
+      };
     }
   }
 }

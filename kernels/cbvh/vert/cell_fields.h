@@ -6,7 +6,7 @@
 /* Fields of a cell of cVERT, cvert/format/cell.h, out of their bits: all of them at a time. */
 
 #include "tables.h"
-#include "../base/wide_vector.h"
+#include "../base/vectors.h"
 #include "../base/codec.h"
 #include "../../cvert/format/cell.h"
 

@@ -15,16 +15,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Of triangle h of a group in a block that numbers its quads: the primitive, and the hit's parameters of it. */
-      __forceinline uint32_t setOwnParameters (const VertHeader* block, uint32_t g, uint32_t h, const QuadPosition<float>& at, SurfaceHit1& hit)
-      {
-        const uint32_t form = block->patchQuads, x = groupQuads*(g & 3) + ((h >> 1) & 3), y = groupQuads*(g >> 2) + (h >> 3);
-        const bool isSecond = h & 1;
-        const OwnParameters own = ownParameters(form,isSecond,inUnit(at.a),inUnit(at.b));
-        hit.u = own.u; hit.v = own.v;
-        return primitiveOfNumber(form,numberOfQuad(block,x,y),isSecond);
-      }
-
       /*! Target: the ray; it has tnear(), tfar(), report(block,primID,hit), which is true if the hit is accepted, isRead(block), which is
        *  false if nothing of it is looked at, and ids(), of the scene's surfaces. Cached: as in intersector1.h */
       template<typename Target, typename Cached>
@@ -97,11 +87,9 @@ namespace embree
         __forceinline bool isInRange (double exact, uint32_t number, float& t) const
         {
           t = float(exact);
-          if (!(exact >= double(target.tnear()))) return false;
           const float tfar = target.tfar();
-          if (likely(t < tfar)) return true;
-          if (nearest.block && nearest.t == tfar) return t == tfar && nearest.isBehind(block,number,target.ids());
-          return exact <= double(tfar);
+          const uint32_t place = placeOfHit(exact,target.tnear(),tfar,nearest.block && nearest.t == tfar);
+          return likely(place == hitIsNearest) || (place == hitIsTied && nearest.isBehind(block,number,target.ids()));
         }
 
         __forceinline bool reportHit (uint32_t g, const WideNormal<double>& normal, uint32_t h, float t, const VertTriangle::Sides& sides)
@@ -109,31 +97,11 @@ namespace embree
           SurfaceHit1 hit;
           hit.t = t;
           hit.Ng = VertTriangle::Ng(vertRay,normal);
-          const QuadPosition<float> at = positionInQuad(sides,bool(h & 1));
-          uint32_t primID = block->primID;
-          if (hasNumbers(block->boxForm)) primID = setOwnParameters(block,g,h,at,hit);
-          else setParameters(g,h >> 1,h & 1,at,hit);
-          if (!target.report(block,primID,hit)) return false;
+          const SurfacePoint point = surfacePoint(block,g,h,positionInQuad(sides,bool(h & 1)));
+          hit.u = point.u; hit.v = point.v;
+          if (!target.report(block,point.primID,hit)) return false;
           nearest = VertNearest(block,32*g+h,t);
           return true;
-        }
-
-        __forceinline void setParameters (uint32_t g, uint32_t quad, bool isSecond, const QuadPosition<float>& at, SurfaceHit1& hit) const
-        {
-          const uint32_t patchQuads = block->patchQuads, x = firstQuadX(block->region,g) + (quad & 3), y = firstQuadY(block->region,g) + (quad >> 2);
-          uint32_t cornerU = 0, cornerV = 0;
-          if (unlikely(hasEdges(block->boxForm)))
-          {
-            const VertEdges edges = edgesOf(block);
-            if (isAtLowerEdge(patchQuads,edges,x,y)) {
-              const FaceParameters parameters = parametersAtLowerEdge(patchQuads,edges,x,y,isSecond,at.a,at.b);
-              hit.u = parameters.u; hit.v = parameters.v;
-              return;
-            }
-            cornerU = vertCornerU(edges); cornerV = vertCornerV(edges);
-          }
-          hit.u = faceParameterOfQuad(cornerU,float(x),at.a,patchQuadsX(patchQuads));
-          hit.v = faceParameterOfQuad(cornerV,float(y),at.b,patchQuadsY(patchQuads));
         }
 
         const Target target;

@@ -192,8 +192,9 @@ namespace embree
             SurfaceHit1 hit;
             hit.t = t[k];
             hit.Ng = Vec3fa(Ng.x[k],Ng.y[k],Ng.z[k]);
-            const uint32_t primID = setOwnParameters(block,g,h,QuadPosition<float>{ at.a[k],at.b[k] },hit);
-            if (!cbvh::report(rays,k,context,block->surface,primID,hit)) continue;
+            const SurfacePoint point = pointOfNumberedQuad(block,g,h,QuadPosition<float>{ at.a[k],at.b[k] });
+            hit.u = point.u; hit.v = point.v;
+            if (!cbvh::report(rays,k,context,block->surface,point.primID,hit)) continue;
             vertRays.nearest(k) = VertNearest(block,32*g+h,t[k]);
             accepted |= 1u << k;
           }

@@ -6,11 +6,10 @@
 /* Decoder of a segment of a block of cVERT that moves, cvert/format/motion.h: what its groups have in common, then a group at a time; at both
  * ends. */
 
+#include "boxes.h"
 #include "decoder.h"
-#include "motion_cache.h"
 #include "../base/codec.h"
-#include "../../cvert/decoder/decoded_block.h"
-#include "segment_reach.h"
+#include "../../cvert/decoder/step_view.h"
 
 namespace embree
 {
@@ -57,29 +56,29 @@ namespace embree
         __forceinline explicit MotionDecoder (const VertHeader* block)
           : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)) {}
 
-        /*! everything that all groups need in a segment */
+        /*! everything that all groups need in a segment, which out.key names */
         void decode (uint32_t segment, SegmentBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
-          const StepView steps[2] = { StepView(block,layout,segment),StepView(block,layout,segment+1) };
+          const StepView steps[2] = { viewOfStep(block,layout,segment),viewOfStep(block,layout,segment+1) };
           for (int e=0; e<2; e++)
             for (int k=0; k<3; k++) out.origins[e][k] = steps[e].origin[k];
-          const bool isSheared = !steps[0].isRaw() && !steps[1].isRaw();
+          const bool isSheared = !cvert::isRaw(steps[0].form) && !cvert::isRaw(steps[1].form);
           const float extent = likely(isSheared) ? SegmentReach(block,segment).extent() : 0.0f;
           for (int k=0; k<3; k++) out.extent[k] = extent;
           setShear(steps[0].form,isSheared,out);
           for (int e=0; e<2; e++)
           {
             const StepView& step = steps[e];
-            if (unlikely(step.isRaw())) continue;
+            if (unlikely(cvert::isRaw(step.form))) continue;
             CellVertices corners;
             decodeCorners(step,corners);
             VertDecoder::pack(corners,out.steps[e].corners);
-            decodeGroupWords(step.data+step.words,step.hasHigh() ? step.data+step.wordsHigh : nullptr,step.cell + cellBytes(step.word),layout,out.steps[e].words,out.steps[e].fields);
-            if (likely(isSheared)) PlanesDecoder(steps[0].form,steps[0].data+steps[0].margins,layout,spacingOf(step.word,step.corners),step.origin).decode(corners,out.ends[e]);
+            decodeGroupWords(step.data+step.words,step.hasHigh ? step.data+step.wordsHigh : nullptr,step.cell + cellBytes(step.word),layout,out.steps[e].words,out.steps[e].fields);
+            if (likely(isSheared)) PlanesDecoder(steps[0].form,steps[0].data+steps[0].margins,layout,spacingOf(step.word,cornersOf(step)),step.origin).decode(corners,out.ends[e]);
           }
           if (likely(isSheared)) widenSheared(out);
-          else for (int e=0; e<2; e++) boxesOfVertices(segment+e,e,out);
+          else boxesOfVertices(out);
         }
 
         bool isRaw (uint32_t step) const { return cbvh::isRaw(step == 0 ? block->boxForm : stepOf(block,step)->boxForm); }
@@ -91,38 +90,41 @@ namespace embree
           bool hasFirst = false;
           for (uint32_t e=0; e<2; e++)
           {
-            const StepView step(block,layout,boxes.key.segment+e);
+            const StepView step = viewOfStep(block,layout,boxes.key.segment+e);
             const uint32_t gx = lane & 3, gy = lane >> 2;
-            if (unlikely(step.isRaw())) { copy(step,gx,gy,out.ends[e]); continue; }
+            if (unlikely(cvert::isRaw(step.form))) { copy(step,gx,gy,out.ends[e]); continue; }
             const StepCells& cells = boxes.steps[e];
             auto corner = [&](int c) { return coordinatesAt(cells.corners.at[vertTables.corners[lane][c]]); };
             const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
             const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
-            const VertSpacing spacing = spacingOf(step.word,step.corners);
+            const VertSpacing spacing = spacingOf(step.word,cornersOf(step));
             const WorldVerticesOfCell world = { out.ends[e],spacing,step.origin };
             const uint8_t* fields = step.data + cells.fields[lane];
-            const bool turns = step.isTurned(int(gy*layout.groupsX+gx));
+            const bool turns = isGroupTurned(step,gy*layout.groupsX+gx);
             if (turns && !hasFirst) {
               residualsOfFirst(boxes,lane,first);
               hasFirst = true;
             }
-            if (turns) decodeCell(cells.words[lane],fields,TurnedBase(base,*step.later,first),world);
+            if (turns) decodeCell(cells.words[lane],fields,TurnedBase(base,laterOf(step),first),world);
             else decodeCell(cells.words[lane],fields,base,world);
-            if (unlikely(hasRemainders(step.form))) addRemainders(step.data,step.remainders,spacing,block->region,gx,gy,out.ends[e]);
+            if (unlikely(step.remainders != 0)) addRemainders(step.data,step.remainders,spacing,block->region,gx,gy,out.ends[e]);
           }
         }
 
       private:
+        static __forceinline const uint32_t* cornersOf (const StepView& step) { return (const uint32_t*)(step.data+step.corners); }
+        static __forceinline const VertStep& laterOf (const StepView& step) { return *(const VertStep*)step.data; }
+
         /*! corners of groups, in coordinates */
         void decodeCorners (const StepView& step, CellVertices& out) const
         {
-          auto corner = [&](int c) { return cornerAt(step.corners,c); };
+          auto corner = [&](int c) { return cornerAt(cornersOf(step),c); };
           const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
           const CellBase base(prediction,false,quadsX,quadsY);
-          if (step.isTurned(-1)) {
+          if (isFirstCellTurned(step)) {
             CellVertices first;
             decodeCell(block->word,(const uint8_t*)block+layout.cell,NoBase(),CoordinatesOfCell{ first });
-            decodeCell(step.word,step.data+step.cell,TurnedBase(base,*step.later,first),CoordinatesOfCell{ out });
+            decodeCell(step.word,step.data+step.cell,TurnedBase(base,laterOf(step),first),CoordinatesOfCell{ out });
           }
           else decodeCell(step.word,step.data+step.cell,base,CoordinatesOfCell{ out });
         }
@@ -134,17 +136,16 @@ namespace embree
             decodeCell(boxes.steps[0].words[lane],(const uint8_t*)block + boxes.steps[0].fields[lane],NoBase(),CoordinatesOfCell{ out });
             return;
           }
-          const StepView first(block,layout,0);
-          const int g = int((lane >> 2)*layout.groupsX + (lane & 3));
-          decodeCell(first.wordOf(g),first.data+first.fieldsOf(g),NoBase(),CoordinatesOfCell{ out });
+          const StepView first = viewOfFirstStep(block,layout);
+          const uint32_t g = (lane >> 2)*layout.groupsX + (lane & 3);
+          decodeCell(wordOfGroup(first,g),first.data+fieldsOfGroup(first,g),NoBase(),CoordinatesOfCell{ out });
         }
 
-        /*! Vertices between the ends are rounded, each coordinate by less than 3 times 2^-24 of itself, and so is the origin, and planes by as much. */
         static void widenSheared (SegmentBoxes& out)
         {
-          float size = 0.0f;
-          for (int k=0; k<3; k++) size += std::fabs(out.shear[k])*(max(std::fabs(out.origins[0][k]),std::fabs(out.origins[1][k])) + 2.0f*out.extent[k]);
-          const vfloatV slack(size*(1.0f/(1 << 20)));
+          float sheared = 0.0f;
+          for (int k=0; k<3; k++) sheared += std::fabs(out.shear[k])*motionSlack(out.origins[0][k],out.origins[1][k],out.extent[k]);
+          const vfloatV slack(sheared);
           for (int e=0; e<2; e++)
             for (int l=0; l<16; l+=vectorWidth) {
               float (*at)[16] = out.ends[e][out.axis].at;
@@ -153,27 +154,29 @@ namespace embree
             }
         }
 
-        /*! of a segment with a raw end */
-        __noinline void boxesOfVertices (uint32_t step, int end, SegmentBoxes& out) const
+        /*! of a segment with a raw end, whose steps' cells are decoded */
+        __noinline void boxesOfVertices (SegmentBoxes& out) const
         {
-          const DecodedBlock vertices(block,step);
-          for (uint32_t l=0; l<16; l++)
+          for (uint32_t rest=out.lanes; rest; rest&=rest-1)
           {
-            if (!((out.lanes >> l) & 1)) continue;
-            float lower[3] = { pos_inf,pos_inf,pos_inf }, upper[3] = { neg_inf,neg_inf,neg_inf };
-            const uint32_t x0 = groupQuads*(l & 3), y0 = groupQuads*(l >> 2);
-            for (uint32_t y=y0; y<=min(y0+groupQuads,quadsY); y++)
-              for (uint32_t x=x0; x<=min(x0+groupQuads,quadsX); x++)
+            const uint32_t l = uint32_t(bsf(rest));
+            SegmentVertices group;
+            vertices(out,l,group);
+            for (int end=0; end<2; end++)
+            {
+              float lower[3] = { pos_inf,pos_inf,pos_inf }, upper[3] = { neg_inf,neg_inf,neg_inf };
+              for (int v=0; v<cellVertices; v++)
               {
-                const float* p = vertices.vertex(x,y);
+                const float p[3] = { group.ends[end].at[0][v],group.ends[end].at[1][v],group.ends[end].at[2][v] };
                 if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
                 for (int k=0; k<3; k++) { lower[k] = min(lower[k],p[k]); upper[k] = max(upper[k],p[k]); }
               }
-            if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); continue; } // no quad is there between the ends
-            for (int k=0; k<3; k++) {
-              out.ends[end][k].at[0][l] = lower[k];
-              out.ends[end][k].at[1][l] = upper[k];
-              out.extent[k] = max(out.extent[k],upper[k]-out.origins[end][k]);
+              if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // no quad is there between the ends
+              for (int k=0; k<3; k++) {
+                out.ends[end][k].at[0][l] = lower[k];
+                out.ends[end][k].at[1][l] = upper[k];
+                out.extent[k] = max(out.extent[k],upper[k]-out.origins[end][k]);
+              }
             }
           }
         }

@@ -10,7 +10,6 @@
  * between them. A vertex that quads share, in a block or in two, is the same floats at both ends and so it is at all times. */
 
 #include "motion_decoder.h"
-#include "segment_reach.h"
 
 namespace embree
 {

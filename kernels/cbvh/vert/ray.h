@@ -73,9 +73,7 @@ namespace embree
           const vfloat4 reciprocals = directionReciprocals(vfloat4(Vec3fa(ray.dir).m128));
           for (int k=0; k<3; k++) rcp[k] = reciprocals[k];
           const Vec3fa a = abs(Vec3fa(ray.dir));
-          /* no branches, which would not be foreseen; what is not a number counts as largest, as it does in packets */
-          const int isY = !(a.x >= a.y), isZ = (isY & !(a.y >= a.z)) | (!isY & !(a.x >= a.z));
-          kz = 2*isZ + (isY & !isZ);
+          kz = largestAxis(a.x,a.y,a.z);
           setAxes();
           const float sz = 1.0f/dir[kz];
           sx = dir[kx]*sz;

@@ -15,9 +15,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! corners of the quad that a triangle has: 0 or 1, as bits of GroupTriangles say */
-      __forceinline uint32_t cornerOfTriangle (uint32_t h, int vertex) { return vertex == 0 ? (h & 1 ? 2 : 0) : vertex == 1 ? 1 : (h & 1 ? 3 : 2); }
-
       /*! A triangle of a group, and a ray. */
       struct VertTriangle
       {

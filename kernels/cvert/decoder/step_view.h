@@ -1,76 +1,120 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-#pragma once
-
 /* A time step of a block: the block itself at its first step, VertStep at later ones. Both store the same parts in different places; a view
  * hides the difference. */
 
+#ifndef CVERT_STEP_VIEW_H
+#define CVERT_STEP_VIEW_H
+
 #include "../format/motion.h"
 
-namespace cvert { inline namespace CVERT_ISA
+CVERT_BEGIN
+
+struct StepView
 {
-  struct StepView
-  {
-    const uint8_t* data;      //!< start of the block or of the step
-    const VertStep* later;    //!< null at the first step
-    const float* origin;
-    const uint32_t* corners;
-    uint32_t form;            //!< boxForm
-    uint32_t word;            //!< of the first cell
-    uint32_t remainders, margins, words, wordsHigh, cell, vertices; //!< offsets from data, as in VertLayout
+  CVERT_POINTER(uint8_t) data; //!< start of the block or of the step
+  bool isLater;             //!< whether data is a VertStep
+  float origin[3];
+  VertSpacing spacing;
+  uint32_t form;            //!< boxForm
+  uint32_t word;            //!< of the first cell
+  uint32_t turned;          //!< VertStep::turned; 0 at the first step
+  uint32_t remainders;      //!< their word; 0 if there are none
+  bool hasHigh;             //!< whether words of groups have upper bits
+  uint32_t corners;         //!< offset from data of the six words of corners
+  uint32_t margins, words, wordsHigh, cell, vertices; //!< offsets from data, as in VertLayout
+};
 
-    /*! layout: of the block; step: less than its number of steps, 0 if it does not move */
-    CVERT_INLINE StepView (const VertHeader* block, const VertLayout& layout, uint32_t step)
-    {
-      if (step == 0) {
-        later = nullptr;
-        data = (const uint8_t*)block;
-        origin = block->origin; corners = block->corners; form = block->boxForm; word = block->word;
-        set(layout);
-        highMask = ~0u;
-      }
-      else {
-        later = stepOf(block,step);
-        data = (const uint8_t*)later;
-        origin = later->origin; corners = later->corners; form = later->boxForm; word = later->word;
-        set(vertStepLayout(block->region,form));
-        highMask = hasUpperBits(form) ? ~0u : 0u;
-        if (!hasUpperBits(form)) wordsHigh = words; // wordOf reads there and drops it
-      }
-    }
+/*! Returns the view with its spacing and its word of remainders, once everything else is set. remainders: offset of that word */
+CVERT_INLINE StepView withScales (StepView step, uint32_t remainders)
+{
+  uint32_t c = step.corners/4u;
+  step.spacing = vertSpacing(step.word,wordAt(step.data,c),wordAt(step.data,c+1u),wordAt(step.data,c+2u),wordAt(step.data,c+3u));
+  step.remainders = hasRemainders(step.form) ? wordAt(step.data,remainders/4u) : 0u;
+  return step;
+}
 
-    bool isRaw () const { return cvert::isRaw(form); }
-    bool hasHigh () const { return highMask != 0u; }
+/*! offsets: of the block */
+CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets)
+{
+  StepView step;
+  step.data = CVERT_AS(uint8_t,block);
+  step.isLater = false;
+  step.origin[0] = CVERT_AT(VertHeader,block).origin[0];
+  step.origin[1] = CVERT_AT(VertHeader,block).origin[1];
+  step.origin[2] = CVERT_AT(VertHeader,block).origin[2];
+  step.form = CVERT_AT(VertHeader,block).boxForm;
+  step.word = CVERT_AT(VertHeader,block).word;
+  step.turned = 0u;
+  step.hasHigh = true;
+  step.corners = vertCornersOffset;
+  step.margins = offsets.margins;
+  step.words = offsets.words;
+  step.wordsHigh = offsets.wordsHigh;
+  step.cell = offsets.cell;
+  step.vertices = offsets.vertices;
+  return withScales(step,offsets.remainders);
+}
 
-    /*! Returns the word of a group; g = -1 is the first cell. */
-    CVERT_INLINE uint32_t wordOf (int g) const
-    {
-      if (g < 0) return word;
-      uint16_t low;
-      std::memcpy(&low,data+words+2*g,sizeof(low));
-      return uint32_t(low) | (uint32_t(data[wordsHigh+uint32_t(g)]) << 16 & highMask);
-    }
+/*! step: from 1, less than the number of steps */
+CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t region, uint32_t number)
+{
+  CVERT_POINTER(VertStep) later = stepOf(block,number);
+  StepView step;
+  step.data = CVERT_AS(uint8_t,later);
+  step.isLater = true;
+  step.origin[0] = CVERT_AT(VertStep,later).origin[0];
+  step.origin[1] = CVERT_AT(VertStep,later).origin[1];
+  step.origin[2] = CVERT_AT(VertStep,later).origin[2];
+  step.form = CVERT_AT(VertStep,later).boxForm;
+  step.word = CVERT_AT(VertStep,later).word;
+  step.turned = CVERT_AT(VertStep,later).turned;
+  step.hasHigh = hasUpperBits(step.form);
+  step.corners = stepCornersOffset;
+  VertStepLayout offsets = vertStepLayout(region,step.form);
+  step.margins = offsets.margins;
+  step.words = offsets.words;
+  step.wordsHigh = offsets.wordsHigh;
+  step.cell = offsets.cell;
+  step.vertices = offsets.vertices;
+  return withScales(step,offsets.remainders);
+}
 
-    /*! True if the residuals of a cell are predicted from the first step. */
-    bool isTurned (int g) const { return later && (g < 0 ? isFirstCellTurned(form) : cvert::isTurned(later->turned,uint32_t(g))); }
+/*! offsets: of the block; number: less than its number of steps, 0 if it does not move */
+CVERT_INLINE StepView viewOfStep (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t number)
+{
+  if (number == 0u) return viewOfFirstStep(block,offsets);
+  return viewOfLaterStep(block,CVERT_AT(VertHeader,block).region,number);
+}
 
-    /*! Offset of the fields of a group. */
-    CVERT_INLINE uint32_t fieldsOf (int g) const
-    {
-      uint32_t at = cell;
-      for (int before=-1; before<g; before++) at += cellBytes(wordOf(before));
-      return at;
-    }
+/*! Word of corners i, 0 to 5. */
+CVERT_FUNCTION uint32_t cornerWord (CVERT_IN(StepView) step, int i) { return wordAt(step.data,step.corners/4u + uint32_t(i)); }
 
-  private:
-    template<typename Layout>
-    CVERT_INLINE void set (const Layout& layout)
-    {
-      remainders = layout.remainders; margins = layout.margins; words = layout.words; wordsHigh = layout.wordsHigh;
-      cell = layout.cell; vertices = layout.vertices;
-    }
+/*! Word of a group. */
+CVERT_FUNCTION uint32_t wordOfGroup (CVERT_IN(StepView) step, uint32_t g) { return wordOfGroup(step.data,step.words,step.wordsHigh,step.hasHigh,g); }
 
-    uint32_t highMask;
-  };
-}}
+/*! Offset of the fields of a group. */
+CVERT_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) { return endOfFields(step.data,step.cell,step.word,step.words,g); }
+
+/*! True if the residuals of the first cell, or of a group, are predicted from the first step. */
+CVERT_FUNCTION bool isFirstCellTurned (CVERT_IN(StepView) step) { return step.isLater && isFirstCellTurned(step.form); }
+CVERT_FUNCTION bool isGroupTurned (CVERT_IN(StepView) step, uint32_t g) { return isTurned(step.turned,g); }
+
+/* --- bounds in a segment, between two steps that are not raw ------------------------------ */
+
+/*! Bounds of the block at the step with which a segment begins. */
+CVERT_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
+{
+  uint32_t reach = step.isLater ? CVERT_AT(VertStep,step.data).reach : CVERT_AT(VertHeader,step.data).reach;
+  return reachOfBlock(step.form,reach,step.isLater ? beginReachStep(step.form) : reachStep(step.form),step.spacing);
+}
+
+/*! The same at the step with which it ends. form: of the step with which it begins */
+CVERT_FUNCTION BlockReach reachAtEnd (CVERT_IN(StepView) step, uint32_t form) {
+  return reachOfBlock(form,CVERT_AT(VertStep,step.data).endReach,endReachStep(step.turned),step.spacing);
+}
+
+CVERT_END
+
+#endif

@@ -70,12 +70,12 @@ namespace cvert { inline namespace CVERT_ISA
       end = layout.cell + cellBytes(header.word);
       for (uint32_t g=0; g<layout.groups; g++)
       {
-        const uint32_t word = uint32_t(block[layout.words+2*g]) | uint32_t(block[layout.words+2*g+1]) << 8 | uint32_t(block[layout.wordsHigh+g]) << 16;
+        const uint32_t word = wordOfGroup(block,layout.words,layout.wordsHigh,true,g);
         if (!isForm(word)) return Reason::damaged("the main axis or a slope of group % is out of range",g);
         end += cellBytes(word);
       }
       if (bytes < end) return Reason::damaged("it has % bytes: its fields need %",bytes,end);
-      return hasRemainders(header.boxForm) ? validateRemainders(vertSpacing(header.word,header.corners),remaindersAt(block,layout.remainders),header.region,bytes,end) : Reason();
+      return hasRemainders(header.boxForm) ? validateRemainders(vertSpacing(header.word,header.corners),wordAt(block,layout.remainders/4),header.region,bytes,end) : Reason();
     }
 
     /*! end: of fields, then of remainders */
@@ -131,12 +131,12 @@ namespace cvert { inline namespace CVERT_ISA
       if (bytes < at.cell) return Reason::damaged("a time step has % bytes: its margins and words need %",bytes,at.cell);
       end = at.cell + cellBytes(step.word);
       for (uint32_t g=0; g<layout.groups; g++) {
-        const uint32_t word = wordOfGroup(&step,at,g);
+        const uint32_t word = wordOfGroup(&step,at.words,at.wordsHigh,hasUpperBits(step.boxForm),g);
         if (!isForm(word)) return Reason::damaged("the main axis or a slope of group % of a time step is out of range",g);
         end += cellBytes(word);
       }
       if (bytes < end) return Reason::damaged("a time step has % bytes: its fields need %",bytes,end);
-      return hasRemainders(step.boxForm) ? validateRemainders(vertSpacing(step.word,step.corners),remaindersAt(&step,at.remainders),header.region,bytes,end) : Reason();
+      return hasRemainders(step.boxForm) ? validateRemainders(vertSpacing(step.word,step.corners),wordAt(&step,at.remainders/4),header.region,bytes,end) : Reason();
     }
 
     static Reason validateNumbers(const VertHeader& header)

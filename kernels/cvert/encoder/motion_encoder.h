@@ -93,7 +93,7 @@ namespace cvert { inline namespace CVERT_ISA
       statistics.raw = wasRaw = isFirstRaw = !packed;
       fill(block);
       motion.steps = uint32_t(end-block);
-      memcpy(block+motionOffset(&header),&motion,sizeof(motion));
+      memcpy(block+motionOffset(header.boxForm),&motion,sizeof(motion));
       end += sizeof(uint32_t)*(motion.numSteps-1);
       marginsOfSegment = block+layout.margins;
       formOfSegment = &header.boxForm;

@@ -28,10 +28,10 @@
 #ifndef CVERT_VERT_FORMAT_H
 #define CVERT_VERT_FORMAT_H
 
+#include "../basics/bytes.h"
 #include "cell.h"
 #include "limits.h"
 #include "quad_numbers.h"
-#include "stitching.h"
 
 CVERT_BEGIN
 
@@ -50,6 +50,7 @@ CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< so blocks of a patch begin
 CVERT_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
 CVERT_CONSTANT uint32_t maxVertGroups = 16u;
 CVERT_CONSTANT uint32_t vertHeaderBytes = 64u;
+CVERT_CONSTANT uint32_t vertCornersOffset = 32u; //!< in the header
 CVERT_CONSTANT uint32_t vertEdgesBytes = 8u;
 CVERT_CONSTANT uint32_t vertMotionBytes = 16u;
 CVERT_CONSTANT uint32_t vertRemaindersBytes = 4u;
@@ -72,6 +73,7 @@ struct VertHeader
                           //!< 24: has remainders, 25..28: shift of reach, see below; 29: has edges; 30: numbers its quads; 31: moves
   uint32_t word;          //!< of the first cell; bits 24..31: exponent of the spacing on x
 };
+CVERT_READABLE(VertHeader,16)
 
 /*! x, y: first quad in the patch, multiples of vertBlockQuads */
 CVERT_FUNCTION uint32_t vertRegion (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
@@ -94,6 +96,7 @@ struct VertEdges
 {
   uint32_t low, high; //!< of the first two, and of the others
 };
+CVERT_READABLE(VertEdges,4)
 
 CVERT_FUNCTION bool hasEdges (uint32_t boxForm) { return ((boxForm >> 29) & 1u) != 0u; }
 
@@ -115,8 +118,12 @@ struct VertMotion
   uint32_t numSteps; //!< from 2
   uint32_t steps;    //!< where the offsets of all steps but the first begin, 4 bytes each; all are in bytes from the block's start
 };
+CVERT_READABLE(VertMotion,4)
 
 CVERT_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
+
+/*! offset of the motion of a block that moves */
+CVERT_FUNCTION uint32_t motionOffset (uint32_t boxForm) { return vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u); }
 
 CVERT_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
 
@@ -185,17 +192,31 @@ CVERT_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1,
   return spacing;
 }
 
-/*! An upper limit of how far a block and the planes of its boxes lie from its origin on any axis, from the block's bounds: upper1 and upper2 on
- *  the axes m+1 and m+2, and the sheared coordinates lower and upper. Slopes are less than 1, so no vertex lies farther away than the sum of the
- *  bounds; margins may double that. It is one number for all axes because the shear of a ray mixes their rounding errors. */
-CVERT_FUNCTION float extentOfBounds (float upper1, float upper2, float lower, float upper) { return 2.0f*(greater(-lower,upper) + upper1 + upper2); }
+/*! Bounds of a block from its origin: on the axes m+1 and m+2 from 0 up to planes; the sheared coordinate lies between two. */
+struct BlockReach { float upper[2], sheared[2]; };
 
-/*! The same from a block's `reach`, in units of step spacings. */
-CVERT_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing)
+/*! From its `reach`; step: reachStep. The products are exact. */
+CVERT_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing)
 {
   int m = shearedAxis(boxForm);
-  return float(step)*extentOfBounds(float(reachOf(reach,0))*spacing.at[axisAfter(m,1)], float(reachOf(reach,1))*spacing.at[axisAfter(m,2)],
-                                    float(reachOf(reach,2))*spacing.at[m], float(reachOf(reach,3))*spacing.at[m]);
+  BlockReach bounds;
+  bounds.upper[0] = float(reachOf(reach,0))*float(step)*spacing.at[axisAfter(m,1)];
+  bounds.upper[1] = float(reachOf(reach,1))*float(step)*spacing.at[axisAfter(m,2)];
+  bounds.sheared[0] = float(reachOf(reach,2))*float(step)*spacing.at[m];
+  bounds.sheared[1] = float(reachOf(reach,3))*float(step)*spacing.at[m];
+  return bounds;
+}
+
+/*! An upper limit of how far a block and the planes of its boxes lie from its origin on any axis. Slopes are less than 1, so no vertex lies
+ *  farther away than the sum of the bounds; margins may double that. It is one number for all axes because the shear of a ray mixes their
+ *  rounding errors. */
+CVERT_FUNCTION float extentOfReach (BlockReach bounds) {
+  return 2.0f*(greater(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
+}
+
+/*! the same from a block's `reach` */
+CVERT_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing) {
+  return extentOfReach(reachOfBlock(boxForm,reach,step,spacing));
 }
 
 /*! What a coordinate on the axis m+i (i = 1 or 2) counts in the sheared one, in spacings of m. */
@@ -203,6 +224,21 @@ CVERT_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
 {
   int slope = shearSlope(boxForm,i), m = shearedAxis(boxForm);
   return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
+}
+
+/*! Word of a group. words, wordsHigh: offsets of its lower and upper bits; hasHigh: whether it has upper bits */
+CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHigh, uint32_t g)
+{
+  uint32_t low = halfAt(data,words+2u*g);
+  return hasHigh ? low | (byteAt(data,wordsHigh+g) << 16) : low;
+}
+
+/*! Offset where the fields of a number of groups end, and those of the next group begin. cell, word: of the first cell */
+CVERT_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words, uint32_t groups)
+{
+  uint32_t end = cell + cellBytes(word);
+  for (uint32_t g=0u; g<groups; g++) end += cellBytes(halfAt(data,words+2u*g)); // numbers of bits are in the lower half
+  return end;
 }
 
 /* The word of remainders follows the header, edges or numbers, and motion:
@@ -275,7 +311,7 @@ struct VertLayout
 
 CVERT_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
 {
-  uint32_t begin = vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u) + (isMoving(boxForm) ? vertMotionBytes : 0u);
+  uint32_t begin = motionOffset(boxForm) + (isMoving(boxForm) ? vertMotionBytes : 0u);
   VertLayout offsets;
   offsets.groupsX = groupsOf(vertQuadsX(region));
   offsets.groupsY = groupsOf(vertQuadsY(region));
@@ -291,70 +327,61 @@ CVERT_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
   return offsets;
 }
 
+/* Embree stitches the border of a patch whose quads are more than the rate of an edge: several vertices of the border lie on one vertex of the
+ * edge. */
+
+/*! The vertex of an edge of that rate on which vertex x of a border of that many quads lies. The rate is at most
+ *  maxVertRate, so that the product has 32 bits, or it is the number of quads: then vertices are not moved. */
+CVERT_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) { return rate == quads ? x : (2u*x + 1u)*rate/(2u*quads); }
+
 /*! Parameter of the patch at vertex x of a row (column) of quads quads: that of GRID's
  *  vertex. rate: of the edge that the row lies on, or quads inside of the patch. */
 CVERT_REAL CVERT_FUNCTION Real vertParameter (uint32_t x, uint32_t quads, uint32_t rate) {
   return Real(float(stitchedVertex(x,quads,rate)))/Real(float(rate));
 }
 
-CVERT_END
-
-#ifndef VULKAN
-#include <cstddef>
-static_assert(sizeof(cvert::VertHeader) == cvert::vertHeaderBytes, "header of a block of cVERT");
-
-CVERT_BEGIN
+/* --- what follows the header ----------------------------------------------------------- */
 
 /*! edges of a block's patch; of a block that has none those of a regular patch at the corner of its face */
-inline VertEdges edgesOf (const VertHeader* block)
+CVERT_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
 {
-  VertEdges edges = { 0,0 };
-  if (hasEdges(block->boxForm)) std::memcpy(&edges,block+1,sizeof(edges));
+  VertEdges edges;
+  edges.low = edges.high = 0u;
+  if (hasEdges(CVERT_AT(VertHeader,block).boxForm)) edges = CVERT_AT(VertEdges,bytesAfter(block,vertHeaderBytes));
   return edges;
 }
 
 /*! of a block that has them */
-inline VertNumbers numbersOf (const VertHeader* block)
-{
-  VertNumbers numbers;
-  std::memcpy(&numbers,block+1,sizeof(numbers));
-  return numbers;
+CVERT_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) { return CVERT_AT(VertNumbers,bytesAfter(block,vertHeaderBytes)); }
+
+CVERT_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
+  return CVERT_AT(VertMotion,bytesAfter(block,motionOffset(CVERT_AT(VertHeader,block).boxForm)));
 }
 
-/*! offset of the motion of a block that moves */
-inline uint32_t motionOffset (const VertHeader* block) { return vertHeaderBytes + (hasEdges(block->boxForm) || hasNumbers(block->boxForm) ? vertEdgesBytes : 0u); }
-
-inline VertMotion motionOf (const VertHeader* block)
+/*! Number of quad x, y of a block that numbers its quads. Hits of a damaged block can be at quads that it does not have: they get the number
+ *  of a quad that it has. */
+CVERT_FUNCTION uint32_t numberOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y)
 {
-  VertMotion motion;
-  std::memcpy(&motion,(const uint8_t*)block + motionOffset(block),sizeof(motion));
-  return motion;
+  VertNumbers numbers = numbersOf(block);
+  uint32_t form = CVERT_AT(VertHeader,block).patchQuads, region = CVERT_AT(VertHeader,block).region, first = CVERT_AT(VertHeader,block).primID;
+  uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
+  x = x < quadsX ? x : quadsX-1u;
+  y = y < quadsY ? y : quadsY-1u;
+  if (patternOfNumbers(form) != numbersInTable) return first + patternNumber(form,numbers,x,y);
+  uint32_t read = bitsAt(block,8u*numbers.x + numbers.y*(y*quadsX + x),numbers.y);
+  return first + (numbers.y < 32u ? read & ((1u << numbers.y) - 1u) : read);
 }
 
-/*! Of quad x, y of such a block. Hits of a damaged block can be at quads that it does not have: they get the number of a quad that it has. */
-inline uint32_t numberOfQuad (const VertHeader* block, uint32_t x, uint32_t y)
-{
-  const VertNumbers numbers = numbersOf(block);
-  const uint32_t form = block->patchQuads, quadsX = vertQuadsX(block->region), quadsY = vertQuadsY(block->region);
-  if (x >= quadsX) x = quadsX-1u;
-  if (y >= quadsY) y = quadsY-1u;
-  if (patternOfNumbers(form) != numbersInTable) return block->primID + patternNumber(form,numbers,x,y);
-  const uint32_t bit = numbers.y*(y*quadsX + x);
-  uint64_t bits;
-  std::memcpy(&bits,(const uint8_t*)block + numbers.x + bit/8,sizeof(bits));
-  return block->primID + uint32_t((bits >> (bit % 8)) & ((uint64_t(1) << numbers.y)-1));
-}
+CVERT_END
+
+#ifndef VULKAN
+#include <cstddef>
+static_assert(sizeof(cvert::VertHeader) == cvert::vertHeaderBytes && offsetof(cvert::VertHeader,corners) == cvert::vertCornersOffset, "header of a block of cVERT");
+
+CVERT_BEGIN
 
 /*! spacings from the word of the first cell and corners, of a block or of a step */
 inline VertSpacing vertSpacing (uint32_t word, const uint32_t corners[6]) { return vertSpacing(word,corners[0],corners[1],corners[2],corners[3]); }
-
-/*! the word of remainders at an offset from a block's or a step's start */
-inline uint32_t remaindersAt (const void* start, uint32_t offset)
-{
-  uint32_t remainders;
-  std::memcpy(&remainders,(const uint8_t*)start + offset,sizeof(remainders));
-  return remainders;
-}
 
 /*! bytes of a block at its first step, without the numbers of quads, and without those that fill it up */
 inline uint32_t vertFirstStepSize (const VertHeader* block)
@@ -362,14 +389,10 @@ inline uint32_t vertFirstStepSize (const VertHeader* block)
   const VertLayout layout = vertLayout(block->region,block->boxForm);
   if (isRaw(block->boxForm)) return layout.rawBytes;
   if (hasRemainders(block->boxForm)) {
-    const uint32_t remainders = remaindersAt(block,layout.remainders);
+    const uint32_t remainders = wordAt(block,layout.remainders/4);
     return remainderOffset(remainders) + bytesOfRemainders(remainders,block->region);
   }
-  const uint8_t* data = (const uint8_t*)block;
-  uint32_t bytes = layout.cell + cellBytes(block->word);
-  for (uint32_t g=0; g<layout.groups; g++)
-    bytes += cellBytes(uint32_t(data[layout.words+2*g]) | uint32_t(data[layout.words+2*g+1]) << 8);
-  return bytes;
+  return endOfFields(block,layout.cell,block->word,layout.words,layout.groups);
 }
 
 CVERT_END

@@ -23,6 +23,7 @@ CVERT_BEGIN
 
 CVERT_CONSTANT uint32_t maxTimeSteps = 129u;
 CVERT_CONSTANT uint32_t vertStepBytes = 64u;
+CVERT_CONSTANT uint32_t stepCornersOffset = 20u; //!< in a step
 
 struct VertStep
 {
@@ -35,6 +36,7 @@ struct VertStep
   uint32_t reach;         //!< bounds at this step, as of a block, in the shear of the segment that begins
   uint32_t endReach;      //!< the same in that of the segment that ends
 };
+CVERT_READABLE(VertStep,4)
 
 /*! bounds of a block at an end of a segment are in steps of this */
 CVERT_FUNCTION uint32_t beginReachStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
@@ -76,6 +78,22 @@ CVERT_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
   return at;
 }
 
+/*! Bounds of a block between two steps. fraction: of the way from the first to the second */
+CVERT_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fraction)
+{
+  float e = 1.0f-fraction;
+  BlockReach bounds;
+  bounds.upper[0] = e*a.upper[0] + fraction*b.upper[0];
+  bounds.upper[1] = e*a.upper[1] + fraction*b.upper[1];
+  bounds.sheared[0] = e*a.sheared[0] + fraction*b.sheared[0];
+  bounds.sheared[1] = e*a.sheared[1] + fraction*b.sheared[1];
+  return bounds;
+}
+
+/*! What planes of boxes have to be moved by on an axis between two steps: vertices there are rounded by less than 3 times 2^-24 of themselves,
+ *  and so are origins and planes. a, b: origins at the steps on that axis; extent: extentOfReach, the larger of the two */
+CVERT_FUNCTION float motionSlack (float a, float b, float extent) { return (greater(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f); }
+
 /*! offsets in bytes from the step's start */
 struct VertStepLayout
 {
@@ -98,32 +116,20 @@ CVERT_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
   return offsets;
 }
 
+/*! entry of a step's matrix, row by row */
+CVERT_FUNCTION int turnEntry (CVERT_IN(VertStep) step, uint32_t i) { return i < 8u ? turnEntry(step.turn[i >> 2],i & 3u) : turnEntry(step.turned,3u); }
+
+/*! step 1 and later */
+CVERT_FUNCTION CVERT_POINTER(VertStep) stepOf (CVERT_POINTER(VertHeader) block, uint32_t step) {
+  return CVERT_AS(VertStep,bytesAfter(block,wordAt(block,motionOf(block).steps/4u + step-1u)));
+}
+
 CVERT_END
 
 #ifndef VULKAN
-static_assert(sizeof(cvert::VertStep) == cvert::vertStepBytes, "step of a block that moves");
+static_assert(sizeof(cvert::VertStep) == cvert::vertStepBytes && offsetof(cvert::VertStep,corners) == cvert::stepCornersOffset, "step of a block that moves");
 
 CVERT_BEGIN
-
-/*! entry of a step's matrix, row by row */
-inline int turnEntry (const VertStep& step, uint32_t i) { return i < 8 ? turnEntry(step.turn[i >> 2],i & 3) : turnEntry(step.turned,3); }
-
-/*! step 1 and later */
-inline const VertStep* stepOf (const VertHeader* block, uint32_t step)
-{
-  const VertMotion motion = motionOf(block);
-  uint32_t offset;
-  std::memcpy(&offset,(const uint8_t*)block + motion.steps + 4*(step-1),sizeof(offset));
-  return (const VertStep*)((const uint8_t*)block + offset);
-}
-
-/*! of a group in a step */
-inline uint32_t wordOfGroup (const VertStep* step, const VertStepLayout& layout, uint32_t g)
-{
-  const uint8_t* data = (const uint8_t*)step;
-  const uint32_t low = uint32_t(data[layout.words+2*g]) | uint32_t(data[layout.words+2*g+1]) << 8;
-  return hasUpperBits(step->boxForm) ? low | uint32_t(data[layout.wordsHigh+g]) << 16 : low;
-}
 
 /*! bytes of a step, without those that fill it up */
 inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
@@ -131,13 +137,10 @@ inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
   const VertStepLayout layout = vertStepLayout(region,step->boxForm);
   if (isRaw(step->boxForm)) return layout.rawBytes;
   if (hasRemainders(step->boxForm)) {
-    const uint32_t remainders = remaindersAt(step,layout.remainders);
+    const uint32_t remainders = wordAt(step,layout.remainders/4);
     return remainderOffset(remainders) + bytesOfRemainders(remainders,region);
   }
-  uint32_t bytes = layout.cell + cellBytes(step->word);
-  const uint32_t groups = groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region));
-  for (uint32_t g=0; g<groups; g++) bytes += cellBytes(wordOfGroup(step,layout,g));
-  return bytes;
+  return endOfFields(step,layout.cell,step->word,layout.words,groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region)));
 }
 
 /*! bytes of a block, without those that fill it up */

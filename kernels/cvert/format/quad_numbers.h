@@ -17,7 +17,7 @@
 #ifndef CVERT_QUAD_NUMBERS_H
 #define CVERT_QUAD_NUMBERS_H
 
-#include "../basics/language.h"
+#include "../basics/bytes.h"
 
 CVERT_BEGIN
 
@@ -25,6 +25,7 @@ struct VertNumbers
 {
   uint32_t x, y; //!< rows: steps; recursive: 8 bits for each bit of x and y; table: offset from the block's start, bits a quad
 };
+CVERT_READABLE(VertNumbers,4)
 
 CVERT_FUNCTION bool hasNumbers (uint32_t boxForm) { return ((boxForm >> 30) & 1u) != 0u; }
 

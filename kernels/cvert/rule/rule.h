@@ -8,7 +8,7 @@
  *   sides        on which side of an edge the ray is, in the sheared space in which the ray is the z axis
  *   containment  whether the ray's line goes through a triangle: sides, and their exact signs where one rounded to 0
  *   distance     where it goes through: the triangle's plane, kept within the triangle's extent along the ray
- *   tie-break    which of two hits at the same distance counts
+ *   nearest hit  whether a hit is within the ray and nearer than the one before; which of two counts at the same distance
  *   parameters   (u,v) of a hit on the face
  *
  * A quad has the triangles of GRID, (00,10,01) and (01,10,11), and five edges:
@@ -74,7 +74,30 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
 /*! what is to be added to planes of the sheared coordinate */
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
+/*! What a world axis counts in the sheared coordinate of boxes: the sheared axis m (i = 0), the next axis (1) and the one after it (2). */
+CVERT_FUNCTION float shearOf (uint32_t boxForm, int i) { return i == 0 ? 1.0f : float(shearSlope(boxForm,i))*(1.0f/16.0f); }
+
+/*! part of a ray that is between planes */
+CVERT_REAL struct RayInterval { Real from, to; };
+
+/*! lower, upper: planes from the ray's origin; rcp: directionReciprocal */
+CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipped (CVERT_OF(RayInterval) interval, Real lower, Real upper, Real rcp)
+{
+  Real a = lower*rcp, b = upper*rcp;
+  interval.from = greater(interval.from,lesser(a,b));
+  interval.to = lesser(interval.to,greater(b,a)); // not (a,b): the compiler would make one branch of both
+  return interval;
+}
+
 /* --- sides --------------------------------------------------------------------------- */
+
+/*! Axis of a direction's largest component, of which the magnitudes are given; the first of equal ones. What is not a number counts as largest.
+ *  Without branches, which a processor would not foresee. */
+CVERT_FUNCTION int largestAxis (float x, float y, float z)
+{
+  int isY = int(!(x >= y)), isZ = (isY & int(!(y >= z))) | ((1-isY) & int(!(x >= z)));
+  return 2*isZ + (isY & (1-isZ));
+}
 
 /*! Side of the ray on which the edge from a to b lies, sheared. Seen from the edge's other triangle it is the exact
  *  negative, as products commute; and as rounding is monotonic, it may round to 0 but never to the wrong sign. */
@@ -296,7 +319,21 @@ CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triang
   return tnear <= span.farthest ? greater(t,tnear) : t;
 }
 
-/* --- tie-break ----------------------------------------------------------------------- */
+/* --- nearest hit --------------------------------------------------------------------- */
+
+/* whether a hit counts: see placeOfHit */
+CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< it does not
+CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< it does
+CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< it does if it comesBefore the hit that the ray has
+
+/*! exact: distance of the hit; tfar: the ray's, or the distance of the nearest hit so far; isOfHit: whether that is one of cVERT */
+CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar, bool isOfHit)
+{
+  float t = float(exact);
+  uint32_t farther = isOfHit ? (t == tfar ? hitIsTied : hitIsOutside) : exact <= Wide(tfar) ? hitIsNearest : hitIsOutside;
+  return !(exact >= Wide(tnear)) ? hitIsOutside : CVERT_LIKELY(t < tfar) ? hitIsNearest : farther;
+}
+
 
 /*! which triangle of a scene it is */
 struct TriangleName
@@ -314,6 +351,17 @@ CVERT_FUNCTION bool comesBefore (TriangleName a, TriangleName b)
   if (a.primID != b.primID) return a.primID < b.primID;
   return a.region != b.region ? a.region < b.region : a.triangle < b.triangle;
 }
+
+/*! corner of the quad that is a vertex of triangle h of a group: column + 2 row */
+CVERT_FUNCTION uint32_t cornerOfTriangle (uint32_t h, int vertex)
+{
+  bool isSecond = (h & 1u) != 0u;
+  return vertex == 0 ? (isSecond ? 2u : 0u) : vertex == 1 ? 1u : (isSecond ? 3u : 2u);
+}
+
+/*! quad of triangle h in its group */
+CVERT_FUNCTION uint32_t quadXOfTriangle (uint32_t h) { return (h >> 1) & 3u; }
+CVERT_FUNCTION uint32_t quadYOfTriangle (uint32_t h) { return h >> 3; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
@@ -377,6 +425,56 @@ CVERT_FUNCTION FaceParameters parametersAtLowerEdge (uint32_t patchQuads, VertEd
   parameters.u = 0.5f*float(vertCornerU(edges)) + greater(s,0.0f);
   parameters.v = 0.5f*float(vertCornerV(edges)) + greater(t,0.0f);
   return parameters;
+}
+
+/*! What a hit says of the surface: the primitive, and the parameters there. */
+struct SurfacePoint
+{
+  uint32_t primID;
+  float u, v;
+};
+
+/*! In a block that numbers its quads; h: triangle of the group in a lane. */
+CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h, CVERT_AS_FLOAT(QuadPosition) at)
+{
+  uint32_t form = CVERT_AT(VertHeader,block).patchQuads, x = groupQuads*(lane & 3u) + quadXOfTriangle(h), y = groupQuads*(lane >> 2) + quadYOfTriangle(h);
+  bool isSecond = (h & 1u) != 0u;
+  OwnParameters own = ownParameters(form,isSecond,inUnit(at.a),inUnit(at.b));
+  SurfacePoint point;
+  point.primID = primitiveOfNumber(form,numberOfQuad(block,x,y),isSecond);
+  point.u = own.u;
+  point.v = own.v;
+  return point;
+}
+
+/*! In a block of a patch. */
+CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h, CVERT_AS_FLOAT(QuadPosition) at)
+{
+  uint32_t patchQuads = CVERT_AT(VertHeader,block).patchQuads, region = CVERT_AT(VertHeader,block).region;
+  uint32_t x = firstQuadX(region,lane) + quadXOfTriangle(h), y = firstQuadY(region,lane) + quadYOfTriangle(h), cornerU = 0u, cornerV = 0u;
+  SurfacePoint point;
+  point.primID = CVERT_AT(VertHeader,block).primID;
+  if (!CVERT_LIKELY(!hasEdges(CVERT_AT(VertHeader,block).boxForm)))
+  {
+    VertEdges edges = edgesOf(block);
+    if (isAtLowerEdge(patchQuads,edges,x,y)) {
+      FaceParameters parameters = parametersAtLowerEdge(patchQuads,edges,x,y,(h & 1u) != 0u,at.a,at.b);
+      point.u = parameters.u;
+      point.v = parameters.v;
+      return point;
+    }
+    cornerU = vertCornerU(edges);
+    cornerV = vertCornerV(edges);
+  }
+  point.u = faceParameterOfQuad(cornerU,float(x),at.a,patchQuadsX(patchQuads));
+  point.v = faceParameterOfQuad(cornerV,float(y),at.b,patchQuadsY(patchQuads));
+  return point;
+}
+
+CVERT_INLINE SurfacePoint surfacePoint (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h, CVERT_AS_FLOAT(QuadPosition) at)
+{
+  if (hasNumbers(CVERT_AT(VertHeader,block).boxForm)) return pointOfNumberedQuad(block,lane,h,at);
+  return pointOfPatch(block,lane,h,at);
 }
 
 CVERT_END

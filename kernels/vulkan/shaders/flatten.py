@@ -13,9 +13,11 @@ import os
 import re
 import sys
 
-# Names of the language that headers share with C++ (cvert/basics/language.h), and what they are in GLSL.
-LANGUAGE = {"CBVH_BEGIN": "", "CBVH_END": "", "CVERT_BEGIN": "", "CVERT_END": "", "CVERT_FUNCTION": "", "CVERT_REAL": "", "CVERT_CONSTANT": "const", "Real": "float",
-            "uint32_t": "uint", "CBVH_ADDRESS": "uvec2"}
+# Names of the language that headers share with C++ (cvert/basics/language.h, bytes.h, int3.h), and what they are in GLSL.
+LANGUAGE = {"CBVH_BEGIN": "", "CBVH_END": "", "CVERT_BEGIN": "", "CVERT_END": "", "CVERT_FUNCTION": "", "CVERT_INLINE": "", "CVERT_REAL": "", "CVERT_WIDE": "",
+            "CVERT_CONSTANT": "const", "CVERT_PRECISE": "precise", "Real": "float", "uint32_t": "uint", "Int3": "ivec3", "CBVH_ADDRESS": "uvec2"}
+# Macros of types (also cvert/basics/bytes.h), and what they are.
+MACROS = {"CVERT_OF": r"\1", "CVERT_OF_WIDE": r"\1", "CVERT_IN": r"\1", "CVERT_AS_FLOAT": r"\1", "CVERT_BOOL": "bool", "CVERT_POINTER": "uvec2"}
 
 HEAD = """// Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
@@ -66,9 +68,10 @@ def gather(path, seen):
 
 def without_language(text):
     """Without the macros that make a header two languages."""
-    text = re.sub(r"^#define (?:%s|CVERT_OF)\b.*\n" % "|".join(LANGUAGE), "", text, flags=re.M)
+    text = re.sub(r"^#define (?:%s)\b.*\n" % "|".join([*LANGUAGE, *MACROS]), "", text, flags=re.M)
     text = re.sub(r"/\* What lets the headers of this folder.*?\*/\n", "", text, flags=re.S)
-    text = re.sub(r"CVERT_OF\((\w+)\)", r"\1", text)
+    for name, value in MACROS.items():
+        text = re.sub(r"\b%s\((\w+)\)" % name, value, text)
     for name, value in LANGUAGE.items():
         text = re.sub(r"\b%s\b ?(?=\w)" % name if not value else r"\b%s\b" % name, value, text)
         text = re.sub(r"^%s\n" % name, "", text, flags=re.M)
@@ -77,7 +80,7 @@ def without_language(text):
 
 def with_prefix(text):
     """Global names that have no prefix of their own get one."""
-    names = set(re.findall(r"^struct (\w+)", text, flags=re.M))
+    names = set(re.findall(r"(?:^struct|\bbuffer) (\w+)", text, flags=re.M)) - {"Type"}
     names |= set(re.findall(r"^(?:const )?\w+(?:\[\w*\])? (\w+) ?(?:\(|=|\[)", text, flags=re.M))
     # several in one declaration
     for declaration in re.findall(r"^const \w+ (\w+ =[^;]*);", text, flags=re.M):

@@ -24,7 +24,7 @@ CbvhShear cbvhShear (vec3 dir)
 {
   vec3 a = abs(dir);
   CbvhShear shear;
-  shear.kz = a.x >= a.y ? (a.x >= a.z ? 0 : 2) : (a.y >= a.z ? 1 : 2);
+  shear.kz = largestAxis(a.x, a.y, a.z);
   vec3 d = cbvhTurn(shear.kz, dir);
   float sz = 1.0/d.z;
   shear.sx = d.x*sz;
@@ -41,15 +41,15 @@ vec2 cbvhSheared (CbvhShear shear, vec3 org, vec3 vertex)
 }
 
 /* Vertex i, j of group gx, gy in the world. moves: whether the block does, a constant; its group is decoded then */
-vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, CbvhRow row, uint gx, uint gy, int i, int j, const bool moves)
+vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, CellRow row, uint gx, uint gy, int i, int j, const bool moves)
 {
   if (moves) return cbvhVerticesNow[5*j + i];
   if (block.hasRaw) return cbvhRawVertex(block, block.first, gx, gy, i, j);
-  return cbvhWorldVertex(block, block.first, gx, gy, i, j, cbvhRowVertex(block.at, cell, row, i, j));
+  return cbvhWorldVertex(block, block.first, gx, gy, i, j, vertexOfRow(block.at, cell, row, i, j));
 }
 
-vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, uint gx, uint gy, int i, int j, const bool moves) {
-  return cbvhGroupVertex(block, cell, cbvhRow(cell, j), gx, gy, i, j, moves);
+vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, uint gx, uint gy, int i, int j, const bool moves) {
+  return cbvhGroupVertex(block, cell, rowOfCell(cell, j), gx, gy, i, j, moves);
 }
 
 /* --- triangles ------------------------------------------------------------------------- */
@@ -57,17 +57,17 @@ vec3 cbvhGroupVertex (CbvhVertBlock block, CbvhCell cell, uint gx, uint gy, int 
 float cbvhSide (vec2 a, vec2 b) { return edgeSide(a.x, a.y, b.x, b.y); }
 
 /* Quads of a group whose triangles may have the ray's line in them: bit 2q + 0 or 1 of quad q. */
-uint cbvhTriangles (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, const bool moves)
+uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, const bool moves)
 {
   uint mask = 0u;
   int quadsX = int(quadsOfGroup(block.quadsX, gx)), quadsY = int(quadsOfGroup(block.quadsY, gy));
   vec2 below[5];
-  CbvhRow first = cbvhRow(cell, 0);
+  CellRow first = rowOfCell(cell, 0);
   [[unroll]] for (int i = 0; i < 5; i++) below[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, first, gx, gy, i, 0, moves));
   [[dont_unroll]] for (int j = 0; j < quadsY; j++)
   {
     vec2 row[5];
-    CbvhRow above = cbvhRow(cell, j + 1);
+    CellRow above = rowOfCell(cell, j + 1);
     [[unroll]] for (int i = 0; i < 5; i++) row[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, above, gx, gy, i, j + 1, moves));
     vec2 lower = min(below[0], row[0]), upper = max(below[0], row[0]);
     [[unroll]] for (int i = 1; i < 5; i++) {
@@ -102,41 +102,6 @@ WideTriangle cbvhWideTriangle (vec3 a, vec3 b, vec3 c)
   return triangle;
 }
 
-/* Parameters of the face at a position of quad x, y of the patch. */
-vec2 cbvhVertParameters (CbvhVertBlock block, uint x, uint y, bool second, QuadPosition position)
-{
-  uint patchQuads = cbvhWord(block.at, 7u), cornerU = 0u, cornerV = 0u;
-  if (hasEdges(block.boxForm)) {
-    VertEdges edges = VertEdges(cbvhWord(block.at, 16u), cbvhWord(block.at, 17u));
-    if (isAtLowerEdge(patchQuads, edges, x, y)) {
-      FaceParameters parameters = parametersAtLowerEdge(patchQuads, edges, x, y, second, position.a, position.b);
-      return vec2(parameters.u, parameters.v);
-    }
-    cornerU = vertCornerU(edges);
-    cornerV = vertCornerV(edges);
-  }
-  return vec2(faceParameterOfQuad(cornerU, float(x), position.a, patchQuadsX(patchQuads)),
-              faceParameterOfQuad(cornerV, float(y), position.b, patchQuadsY(patchQuads)));
-}
-
-/* The primitive of quad x, y of a block that numbers its quads, and the parameters of it at a position. Hits of a damaged block
- * can be at quads that it does not have: they get the number of a quad that it has. */
-uint cbvhOwnParameters (CbvhVertBlock block, uint x, uint y, bool second, QuadPosition position, out vec2 uv)
-{
-  uint form = cbvhWord(block.at, 7u), number = cbvhWord(block.at, 5u);
-  x = min(x, block.quadsX - 1u);
-  y = min(y, block.quadsY - 1u);
-  VertNumbers numbers = VertNumbers(cbvhWord(block.at, 16u), cbvhWord(block.at, 17u));
-  if (patternOfNumbers(form) == numbersInTable) {
-    uint read = cbvhBits(block.at, 8u*numbers.x + numbers.y*(y*block.quadsX + x));
-    number += numbers.y < 32u ? read & ((1u << numbers.y) - 1u) : read;
-  }
-  else number += patternNumber(form, numbers, x, y);
-  OwnParameters own = ownParameters(form, second, inUnit(position.a), inUnit(position.b));
-  uv = vec2(own.u, own.v);
-  return primitiveOfNumber(form, number, second);
-}
-
 /* The triangle of a ray's nearest hit, if that is one of cVERT: of hits at the same distance one counts, by its name. */
 struct CbvhVertNearest
 {
@@ -149,13 +114,15 @@ struct CbvhVertNearest
 CbvhVertNearest cbvhNoVertNearest () { return CbvhVertNearest(false, 0u, 0.0, TriangleName(0u, 0u, 0u, 0u)); }
 
 /* Triangle h of a group, bits as of cbvhTriangles; true if it is hit. */
-bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
+bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
-  int i = int((h >> 1) & 3u), j = int(h >> 3);
-  bool second = (h & 1u) != 0u;
-  vec3 a = cbvhGroupVertex(block, cell, gx, gy, i, second ? j + 1 : j, moves);
-  vec3 b = cbvhGroupVertex(block, cell, gx, gy, i + 1, j, moves);
-  vec3 c = cbvhGroupVertex(block, cell, gx, gy, second ? i + 1 : i, j + 1, moves);
+  int i = int(quadXOfTriangle(h)), j = int(quadYOfTriangle(h));
+  vec3 vertices[3];
+  [[unroll]] for (int v = 0; v < 3; v++) {
+    int corner = int(cornerOfTriangle(h, v));
+    vertices[v] = cbvhGroupVertex(block, cell, gx, gy, i + (corner & 1), j + (corner >> 1), moves);
+  }
+  vec3 a = vertices[0], b = vertices[1], c = vertices[2];
   if (block.hasRaw && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
   vec2 A = cbvhSheared(shear, ray.org, a), B = cbvhSheared(shear, ray.org, b), C = cbvhSheared(shear, ray.org, c);
   TriangleSides sides = triangleSides(A.x, A.y, B.x, B.y, C.x, C.y);
@@ -168,23 +135,16 @@ bool cbvhHitTriangle (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhSh
   for (int k = 0; k < 3; k++) { org[k] = Wide(ray.org[k]); dir[k] = Wide(ray.dir[k]); }
   TriangleSpan span = spanOf(triangle.at[kz][0], triangle.at[kz][1], triangle.at[kz][2], org[kz], dir[kz]);
   Wide exact = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
-  if (!(exact >= Wide(ray.tnear))) return false;
-  float t = float(exact);
-  TriangleName name = TriangleName(block.at.geomID, cbvhWord(block.at, 5u), block.region, 32u*(gx + 4u*gy) + h);
-  if (!(t < hit.t)) {
-    if (nearest.isSet && nearest.t == hit.t && nearest.instID == ray.instID) {
-      if (t != hit.t || !comesBefore(name, nearest.name)) return false;
-    }
-    else if (!(exact <= Wide(hit.t))) return false;
-  }
+  uint lane = gx + 4u*gy;
+  TriangleName name = TriangleName(block.geomID, CVERT_AT(VertHeader, block.at).primID, block.region, 32u*lane + h);
+  uint place = placeOfHit(exact, ray.tnear, hit.t, nearest.isSet && nearest.t == hit.t && nearest.instID == ray.instID);
+  if (place == hitIsOutside || (place == hitIsTied && !comesBefore(name, nearest.name))) return false;
 
-  uint x = groupQuads*gx + uint(i), y = groupQuads*gy + uint(j), primID = name.primID;
-  vec2 uv;
-  if (hasNumbers(block.boxForm)) primID = cbvhOwnParameters(block, x, y, second, positionInQuad(sides, second), uv);
-  else uv = cbvhVertParameters(block, vertX(block.region) + x, vertY(block.region) + y, second, positionInQuad(sides, second));
+  float t = float(exact);
+  SurfacePoint point = surfacePoint(block.at, lane, h, positionInQuad(sides, (h & 1u) != 0u));
   vec3 Ng = vec3(normal.at[0], normal.at[1], normal.at[2]);
   if (Ng == vec3(0.0)) Ng = -ray.dir;
-  cbvhSetHit(hit, ray, t, uv.x, uv.y, Ng, primID, name.geomID);
+  cbvhSetHit(hit, ray, t, point.u, point.v, Ng, point.primID, name.geomID);
   nearest = CbvhVertNearest(true, ray.instID, t, name);
   return true;
 }
@@ -195,7 +155,7 @@ uint cbvhMirror (CbvhTravel ray, vec3 alongX, vec3 alongY) {
 }
 
 /* groups of a block that does not move that the ray meets */
-uint cbvhGroups (CbvhVertBlock block, CbvhCell first, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint mirror)
+uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint mirror)
 {
   uint open = 0u;
   if (block.hasRaw) {
@@ -203,14 +163,14 @@ uint cbvhGroups (CbvhVertBlock block, CbvhCell first, CbvhTravel ray, CbvhVertRa
       if (cbvhMeetsRawGroup(block, ray, vert, tfar, g)) open |= 1u << ((g % block.groupsX + 4u*(g/block.groupsX)) ^ mirror);
     return open;
   }
-  vec3 below[5];
-  CbvhRow firstRow = cbvhRow(first, 0);
-  [[unroll]] for (int i = 0; i < 5; i++) below[i] = vec3(cbvhRowVertex(block.at, first, firstRow, i, 0));
+  ivec3 below[5];
+  CellRow firstRow = rowOfCell(first, 0);
+  [[unroll]] for (int i = 0; i < 5; i++) below[i] = vertexOfRow(block.at, first, firstRow, i, 0);
   [[dont_unroll]] for (uint gy = 0u; gy < block.groupsY; gy++)
   {
-    vec3 row[5];
-    CbvhRow above = cbvhRow(first, int(gy) + 1);
-    [[unroll]] for (int i = 0; i < 5; i++) row[i] = vec3(cbvhRowVertex(block.at, first, above, i, int(gy) + 1));
+    ivec3 row[5];
+    CellRow above = rowOfCell(first, int(gy) + 1);
+    [[unroll]] for (int i = 0; i < 5; i++) row[i] = vertexOfRow(block.at, first, above, i, int(gy) + 1);
     [[unroll]] for (int i = 0; i < 4; i++)
       if (uint(i) < block.groupsX &&
           cbvhMeetsGroup(block, ray, vert, axes, tfar, gy*block.groupsX + uint(i), below[i], below[i + 1], row[i], row[i + 1]))
@@ -222,7 +182,7 @@ uint cbvhGroups (CbvhVertBlock block, CbvhCell first, CbvhTravel ray, CbvhVertRa
 
 /* Triangles of a group; true if one is hit. There is one way out of loops here and below: lavapipe (Mesa 22.3) loses hits of
  * rays that return from several at once while others go on. */
-bool cbvhTraceGroup (CbvhVertBlock block, CbvhCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, const bool anyHit, const bool moves,
+bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, const bool anyHit, const bool moves,
                      inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   bool found = false;
@@ -246,12 +206,12 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
   CbvhShear shear = cbvhShear(ray.dir);
   CbvhVertRay vert = cbvhVertRay(ray);
   CbvhVertAxes axes = CbvhVertAxes(0u, vec3(0.0), 0.0, 0.0, 0.0, 0.0);
-  CbvhCell first = cbvhNoCell();
+  CodedCell first = cbvhNoCell();
   if (!block.hasRaw) {
-    axes = cbvhVertAxes(block.boxForm, block.first.origin, vertExtent(block.boxForm, block.reach, reachStep(block.boxForm), block.first.spacing), ray, vert);
-    vec4 reach = cbvhReach(block.boxForm, block.reach, float(reachStep(block.boxForm)), block.first.spacing);
+    BlockReach reach = reachAtBegin(block.first);
+    axes = cbvhVertAxes(block.boxForm, cbvhOrigin(block.first), extentOfReach(reach), ray, vert);
     if (!cbvhMeetsBounds(ray, vert, axes, reach, vec3(0.0), hit.t)) return false;
-    first = cbvhFirstCell(block, block.first);
+    first = firstCell(block.first, block.region);
   }
   vec3 spacing = cbvhSpacing(block.first);
   uint mirror = cbvhMirror(ray, vec3(first.c10 - first.c00)*spacing, vec3(first.c01 - first.c00)*spacing);
@@ -261,10 +221,10 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
   {
     uint lane = uint(findLSB(open)) ^ mirror, gx = lane & 3u, gy = lane >> 2;
     open &= open - 1u;
-    CbvhCell cell = first;
+    CodedCell cell = first;
     if (!block.hasRaw) {
       cell = cbvhGroupCell(block, first, gx, gy);
-      if (found && !cbvhMeetsGroup(block, ray, vert, axes, hit.t, gy*block.groupsX + gx, vec3(cell.c00), vec3(cell.c10), vec3(cell.c01), vec3(cell.c11))) continue;
+      if (found && !cbvhMeetsGroup(block, ray, vert, axes, hit.t, gy*block.groupsX + gx, cell.c00, cell.c10, cell.c01, cell.c11)) continue;
     }
     if (cbvhTraceGroup(block, cell, ray, shear, gx, gy, anyHit, false, hit, nearest)) found = true;
   }

@@ -1,0 +1,157 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Decodes the vertices of a step one by one: a cell's residuals out of their bits, its vertices as coordinates, and these in the world. */
+
+#ifndef CVERT_CELL_VERTICES_H
+#define CVERT_CELL_VERTICES_H
+
+#include "../basics/int3.h"
+#include "step_view.h"
+
+CVERT_BEGIN
+
+/*! A cell of a step that is not raw. */
+struct CodedCell
+{
+  uint32_t word;
+  uint32_t fields;           //!< offset of its fields from StepView::data
+  Int3 c00, c10, c01, c11;   //!< coordinates of its corners
+  int distance;              //!< of neighboring vertices, in quads
+  int quadsX, quadsY;        //!< along its sides
+};
+
+CVERT_FUNCTION Int3 cornerOfStep (CVERT_IN(StepView) step, int c)
+{
+  return Int3(cornerCoordinate(cornerWord(step,cornerPair(c,0)),c,0),cornerCoordinate(cornerWord(step,cornerPair(c,1)),c,1),
+              cornerCoordinate(cornerWord(step,cornerPair(c,2)),c,2));
+}
+
+/*! The cell whose vertices are the corners of groups. region: of the block */
+CVERT_FUNCTION CodedCell firstCell (CVERT_IN(StepView) step, uint32_t region)
+{
+  CodedCell cell;
+  cell.word = step.word;
+  cell.fields = step.cell;
+  cell.c00 = cornerOfStep(step,0);
+  cell.c10 = cornerOfStep(step,1);
+  cell.c01 = cornerOfStep(step,2);
+  cell.c11 = cornerOfStep(step,3);
+  cell.distance = int(groupQuads);
+  cell.quadsX = int(vertQuadsX(region));
+  cell.quadsY = int(vertQuadsY(region));
+  return cell;
+}
+
+/*! The cell of group gx, gy. c00 to c11: its corners, vertices of the first cell; fields: fieldsOfGroup */
+CVERT_FUNCTION CodedCell cellOfGroup (CVERT_IN(StepView) step, uint32_t region, uint32_t gx, uint32_t gy, uint32_t fields, Int3 c00, Int3 c10, Int3 c01, Int3 c11)
+{
+  CodedCell cell;
+  cell.word = wordOfGroup(step,gy*groupsOf(vertQuadsX(region)) + gx);
+  cell.fields = fields;
+  cell.c00 = c00;
+  cell.c10 = c10;
+  cell.c01 = c01;
+  cell.c11 = c11;
+  cell.distance = 1;
+  cell.quadsX = int(quadsOfGroup(vertQuadsX(region),gx));
+  cell.quadsY = int(quadsOfGroup(vertQuadsY(region),gy));
+  return cell;
+}
+
+/* --- residuals ------------------------------------------------------------------------- */
+
+CVERT_FUNCTION int componentOfResidual (CVERT_POINTER(void) data, uint32_t bit, int bits) {
+  return bits == 0 ? 0 : cellResidual(bitsAt(data,bit,uint32_t(bits)),0,bits);
+}
+
+/*! The residual in a field of a cell, by axis. word, fields: as in CodedCell */
+CVERT_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uint32_t fields, int field)
+{
+  int bits0 = cellBits(word,0), bits1 = cellBits(word,1), bits2 = cellBits(word,2), bits = bits0 + bits1 + bits2;
+  uint32_t begin = 8u*fields;
+  int r0, r1, r2;
+  if (isByAxis(word)) {
+    r0 = componentOfResidual(data,begin + uint32_t(field*bits0),bits0);
+    r1 = componentOfResidual(data,begin + uint32_t(cellFields*bits0 + field*bits1),bits1);
+    r2 = componentOfResidual(data,begin + uint32_t(cellFields*(bits0+bits1) + field*bits2),bits2);
+  }
+  else {
+    uint32_t residuals = bits == 0 ? 0u : bitsAt(data,begin + uint32_t(field*bits),uint32_t(bits));
+    r0 = cellResidual(residuals,0,bits0);
+    r1 = cellResidual(residuals,bits0,bits1);
+    r2 = cellResidual(residuals,bits0+bits1,bits2);
+  }
+  r1 += slopeResidual(cellSlope(word,1),r0);
+  r2 += slopeResidual(cellSlope(word,2),r0);
+  int axis = cellMainAxis(word);
+  return axis == 0 ? Int3(r0,r1,r2) : axis == 1 ? Int3(r2,r0,r1) : Int3(r1,r2,r0);
+}
+
+/*! What a later step's matrix makes of a residual of the first step. */
+CVERT_FUNCTION Int3 turnedByStep (CVERT_IN(StepView) step, Int3 r)
+{
+  uint32_t a = CVERT_AT(VertStep,step.data).turn[0], b = CVERT_AT(VertStep,step.data).turn[1], shift = turnShift(step.turned);
+  return Int3(turnedResidual(turnEntry(a,0u),turnEntry(a,1u),turnEntry(a,2u),r.x,r.y,r.z,shift),
+              turnedResidual(turnEntry(a,3u),turnEntry(b,0u),turnEntry(b,1u),r.x,r.y,r.z,shift),
+              turnedResidual(turnEntry(b,2u),turnEntry(b,3u),turnEntry(step.turned,3u),r.x,r.y,r.z,shift));
+}
+
+/* --- coordinates ----------------------------------------------------------------------- */
+
+/*! Predictions of a row of a cell: (start + weight slope) >> 8, which is cellPrediction of cell.h. */
+struct CellRow { Int3 start, slope; };
+
+CVERT_FUNCTION int weightInCell (int i, int distance, int quads) { return quads == 4*distance ? 4*i : cellWeight(i,distance,quads); }
+
+CVERT_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
+{
+  int weight = weightInCell(j,cell.distance,cell.quadsY);
+  CellRow row;
+  row.start = 256*cell.c00 + 16*weight*(cell.c01-cell.c00) + 128;
+  row.slope = 16*(cell.c10-cell.c00) + weight*(cell.c11-cell.c10-cell.c01+cell.c00);
+  return row;
+}
+
+/*! Coordinates of vertex i of row j; data: of the step */
+CVERT_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, CVERT_IN(CellRow) row, int i, int j)
+{
+  Int3 vertex = (row.start + weightInCell(i,cell.distance,cell.quadsX)*row.slope) >> 8;
+  int field = cellField(i,j);
+  if (field >= 0) vertex = vertex + residualOfField(data,cell.word,cell.fields,field);
+  return vertex;
+}
+
+CVERT_FUNCTION Int3 vertexOfCell (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, int i, int j) { return vertexOfRow(data,cell,rowOfCell(cell,j),i,j); }
+
+/* --- the world ------------------------------------------------------------------------- */
+
+/*! Number of vertex i, j of group gx, gy in the block, row by row. Where a group has fewer quads, its last vertices are one. */
+CVERT_FUNCTION uint32_t vertexOfGroup (uint32_t region, uint32_t gx, uint32_t gy, uint32_t i, uint32_t j)
+{
+  uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region), x = groupQuads*gx + i, y = groupQuads*gy + j;
+  return (y < quadsY ? y : quadsY)*(quadsX+1u) + (x < quadsX ? x : quadsX);
+}
+
+/*! A vertex of a step that is not raw on an axis in the world, without its remainder. The sum is exact: block.h */
+CVERT_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coordinate)
+{
+  CVERT_PRECISE float at = step.origin[axis] + float(coordinate)*step.spacing.at[axis];
+  return at;
+}
+
+/*! Adds the remainder of a vertex on an axis, in a step that has remainders. lattice: latticeVertex; vertex: vertexOfGroup */
+CVERT_FUNCTION float withRemainder (CVERT_IN(StepView) step, uint32_t vertex, int axis, float lattice)
+{
+  uint32_t bits = remainderBits(step.remainders,axis);
+  if (bits == 0u) return lattice;
+  uint32_t word = bitsAt(step.data,remainderBegin(step.remainders,vertex,axis),storedRemainderBits(step.remainders,axis));
+  return withRemainder(lattice,word,bits,step.spacing.at[axis]);
+}
+
+/*! A vertex of a raw step on an axis. */
+CVERT_FUNCTION float rawVertex (CVERT_IN(StepView) step, uint32_t vertex, int axis) { return floatAt(step.data,step.vertices/4u + 3u*vertex + uint32_t(axis)); }
+
+CVERT_END
+
+#endif

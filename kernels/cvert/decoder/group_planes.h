@@ -1,0 +1,52 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Planes of the boxes of groups: those of a group's corners, grown by margins. */
+
+#ifndef CVERT_GROUP_PLANES_H
+#define CVERT_GROUP_PLANES_H
+
+#include "../basics/int3.h"
+#include "step_view.h"
+
+CVERT_BEGIN
+
+/*! Planes of a box on an axis, in the world; on the sheared axis, sheared coordinates times the spacing, without the origin. */
+struct BoxPlanes { float lower, upper; };
+
+/*! Planes of a group of a step that is not raw. form: boxForm of the segment that begins or ends with the step; c00 to c11: the group's corners;
+ *  margins: their byte */
+CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, Int3 c00, Int3 c10, Int3 c01, Int3 c11, uint32_t margins, int axis)
+{
+  int m = shearedAxis(form);
+  float a = float(c00[axis]), b = float(c10[axis]), c = float(c01[axis]), d = float(c11[axis]);
+  if (axis == m) {
+    int k = axisAfter(m,1), l = axisAfter(m,2);
+    float s = shearFactor(form,1,step.spacing), t = shearFactor(form,2,step.spacing);
+    a = a + s*float(c00[k]) + t*float(c00[l]);
+    b = b + s*float(c10[k]) + t*float(c10[l]);
+    c = c + s*float(c01[k]) + t*float(c01[l]);
+    d = d + s*float(c11[k]) + t*float(c11[l]);
+  }
+  float least = CVERT_AS_FLOAT(lesser)(CVERT_AS_FLOAT(lesser)(a,b),CVERT_AS_FLOAT(lesser)(c,d));
+  float greatest = CVERT_AS_FLOAT(greater)(CVERT_AS_FLOAT(greater)(a,b),CVERT_AS_FLOAT(greater)(c,d));
+  uint32_t shift = marginShift(form,axis);
+  float origin = axis == m ? 0.0f : step.origin[axis], spacing = step.spacing.at[axis];
+  BoxPlanes planes;
+  planes.lower = origin + (least - float(lowerMargin(margins,shift)))*spacing;
+  planes.upper = origin + (greatest + float(upperMargin(margins,shift)))*spacing;
+  return planes;
+}
+
+/*! Planes of a group of a raw block on an axis of the world. offsets: of the block */
+CVERT_FUNCTION BoxPlanes rawPlanesOfGroup (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t g, int axis)
+{
+  BoxPlanes planes;
+  planes.lower = floatAt(block,offsets.boxes/4u + uint32_t(axis)*offsets.groups + g);
+  planes.upper = floatAt(block,offsets.boxes/4u + uint32_t(3+axis)*offsets.groups + g);
+  return planes;
+}
+
+CVERT_END
+
+#endif

@@ -1,0 +1,52 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+// What all fuzz targets share; it needs no library.
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#define REQUIRE(condition) \
+  do { if (!(condition)) { std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); std::abort(); } } while (false)
+
+namespace cbvh::test {
+
+// Calls writeSeeds(folder) for --seeds=FOLDER.
+template<typename WriteSeeds>
+int readArguments(int argc, char** argv, const WriteSeeds& writeSeeds)
+{
+  const std::string option = "--seeds=";
+  for (int i = 1; i < argc; i++)
+    if (option.compare(0, option.size(), argv[i], option.size()) == 0) writeSeeds(argv[i] + option.size());
+  return 0;
+}
+
+// Writes a file of a corpus.
+inline void writeSeed(const std::string& path, const std::string& bytes)
+{
+  FILE* file = std::fopen(path.c_str(), "wb");
+  REQUIRE(file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() && std::fclose(file) == 0);
+}
+
+// Memory of exactly that many bytes, so that any access beyond them is seen.
+class ExactMemory
+{
+public:
+  ExactMemory(const void* source, size_t bytes, size_t alignment)
+  {
+    REQUIRE(posix_memalign(&memory, alignment, bytes) == 0);
+    std::memcpy(memory, source, bytes);
+  }
+  ExactMemory(const ExactMemory&) = delete;
+  ~ExactMemory() { std::free(memory); }
+  void* get() const { return memory; }
+
+private:
+  void* memory = nullptr;
+};
+
+} // namespace cbvh::test
