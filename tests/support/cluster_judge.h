@@ -75,7 +75,7 @@ public:
   // Throws with what is wrong.
   ClusterJudge(RTCGeometry geometry, float time, RTCClusterFormat format) : format(format)
   {
-    std::memset(&report, 0xFF, sizeof(report));
+    std::memset((void*)&report, 0xFF, sizeof(report));
     report.structSize = sizeof(report);
     rtcForEachCompressedPartAtTime(geometry, time, addPart, this);
     rtcForEachCompressedCluster(geometry, time, format, addCluster, this, &report);

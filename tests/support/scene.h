@@ -297,7 +297,8 @@ private:
 inline RTCCompressionStatistics statisticsOf(RTCScene scene)
 {
   RTCCompressionStatistics stats;
-  std::memset(&stats, 0xFF, sizeof(stats));
+  std::memset((void*)&stats, 0xFF, sizeof(stats));
+  stats.structSize = sizeof(stats);
   rtcGetSceneCompressionStatistics(scene, &stats);
   return stats;
 }

@@ -175,7 +175,7 @@ RTC_API bool rtcVerifyCompressedFile (RTCCompressedFile hfile)
   File* file = (File*) hfile;
   RTC_CATCH_BEGIN;
   require(file,"file");
-  file->verify();
+  file->verifyAll();
   return true;
   RTC_CATCH_END2(file);
   return false;

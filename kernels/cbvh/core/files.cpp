@@ -126,6 +126,6 @@ namespace embree
       return geometry.ptr;
     }
 
-    void CompressedFile::verify () const { withEmbreeErrors([&] { cbvh::verifyFile(*file); }); }
+    void CompressedFile::verifyAll () const { withEmbreeErrors([&] { cbvh::verifyFile(*file); }); }
   }
 }

@@ -125,7 +125,7 @@ namespace embree
 
       /*! Reads all of the file. Errors: RTC_ERROR_INVALID_ARGUMENT with what is damaged: a checksum, a tree or a block.
        *  */
-      void verify () const;
+      void verifyAll () const;
 
       Device* const device;  //!< referenced
 
