@@ -18,7 +18,8 @@ TEST(KindsWithoutPaper, AreCvertAlone)
   EXPECT_EQ(kindDescriptions[0].kind, Kind::VERT);
 }
 
-// A file whose record names cLEAF may have cVERT blocks alone, by exactFaces: commits and verbosity 1 report what is traced, not GRID.
+// A file whose record names cLEAF may have cVERT blocks alone, by exactFaces: commits and verbosity 1 report what is
+// traced, not GRID.
 TEST(KindsWithoutPaper, LoadedGeometriesAreReportedAsWhatTheyHave)
 {
   for (uint32_t compression = RTC_COMPRESSION_GRID; compression <= RTC_COMPRESSION_VERT; compression++) {

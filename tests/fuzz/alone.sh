@@ -2,13 +2,13 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds a fuzz target that needs no library, in seconds, and runs it from its own seeds: with libFuzzer, AddressSanitizer and
-# UndefinedBehaviorSanitizer. Nothing has to be configured or built before.
+# Builds a fuzz target that needs no library, in seconds, and runs it from its own seeds: with libFuzzer,
+# AddressSanitizer and UndefinedBehaviorSanitizer. Nothing has to be configured or built before.
 #
 #   alone.sh CLANG TARGET FOLDER SECONDS [SOURCE-OR-FLAG...]
 #
-# TARGET is a source of this directory without .cpp, SOURCE another file to be compiled into it; the codec's sources always are. FOLDER keeps
-# the program and its corpus. For longer, from other seeds:
+# TARGET is a source of this directory without .cpp, SOURCE another file to be compiled into it; the codec's sources
+# always are. FOLDER keeps the program and its corpus. For longer, from other seeds:
 #
 #   FOLDER/TARGET -max_total_time=3600 FOLDER/TARGET.corpus
 
@@ -19,6 +19,8 @@ root=$(cd "$(dirname "$0")/../.." && pwd)
 corpus=$folder/$target.corpus
 mkdir -p "$corpus"
 # vptr needs the type information of whole programs
-"$clang" -std=c++17 -O1 -g1 -march=native -ffp-contract=off -fno-strict-aliasing -fno-sanitize-recover=all -fsanitize=fuzzer,address,undefined \
-  -fno-sanitize=vptr -I "$root" -I "$root/tests" "$root/tests/fuzz/$target.cpp" "$root"/kernels/cvert/*/*.cpp "$@" -o "$folder/$target"
-exec "$folder/$target" --seeds="$corpus" -seed=1 -max_len=65536 -timeout=20 -max_total_time="$seconds" -print_final_stats=1 "$corpus"
+"$clang" -std=c++17 -O1 -g1 -march=native -ffp-contract=off -fno-strict-aliasing -fno-sanitize-recover=all \
+  -fsanitize=fuzzer,address,undefined -fno-sanitize=vptr -I "$root" -I "$root/tests" \
+  "$root/tests/fuzz/$target.cpp" "$root"/kernels/cvert/*/*.cpp "$@" -o "$folder/$target"
+exec "$folder/$target" --seeds="$corpus" -seed=1 -max_len=65536 -timeout=20 -max_total_time="$seconds" \
+  -print_final_stats=1 "$corpus"

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Fuzz target of the codec alone: any bytes for a block of cVERT. Validation reads none but those, and what it passes decodes at every time
-// step, boxes and numbers of quads included, without a look at other bytes.
+// Fuzz target of the codec alone: any bytes for a block of cVERT. Validation reads none but those, and what it passes
+// decodes at every time step, boxes and numbers of quads included, without a look at other bytes.
 
 #include "block_seeds.h"
 #include "kernels/cvert/decoder/decoded_block.h"
@@ -35,7 +35,9 @@ void decode(const VertHeader* block, uint32_t step)
 } // namespace
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) { return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeBlockSeeds); }
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
+  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeBlockSeeds);
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

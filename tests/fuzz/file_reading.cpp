@@ -1,9 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Fuzz target of the codec alone: any bytes for a file of compressed surfaces, with checksums that are made right so that the checks behind them
-// run. A file that does not open, or does not verify, throws an Error that names it. Blocks decode if they are valid, whether or not the
-// file verifies, and a file that verifies has as many of them as its records say.
+// Fuzz target of the codec alone: any bytes for a file of compressed surfaces, with checksums that are made right so
+// that the checks behind them run. A file that does not open, or does not verify, throws an Error that names it.
+// Blocks decode if they are valid, whether or not the file verifies, and a file that verifies has as many of them as
+// its records say.
 
 #include "block_seeds.h"
 #include "kernels/cvert/decoder/decoded_block.h"
@@ -21,7 +22,8 @@ namespace {
 class MemoryFile
 {
 public:
-  explicit MemoryFile(const std::string& bytes) : file(memfd_create("fuzz", 0)), path("/proc/self/fd/" + std::to_string(file)) {
+  explicit MemoryFile(const std::string& bytes)
+    : file(memfd_create("fuzz", 0)), path("/proc/self/fd/" + std::to_string(file)) {
     REQUIRE(file >= 0 && write(file, bytes.data(), bytes.size()) == ssize_t(bytes.size()));
   }
   MemoryFile(const MemoryFile&) = delete;
@@ -36,10 +38,17 @@ public:
 
 // --- checksums -----------------------------------------------------------------------------
 
-bool isInside(uint64_t begin, uint64_t bytes, const std::string& file) { return begin <= file.size() && bytes <= file.size() - begin; }
+bool isInside(uint64_t begin, uint64_t bytes, const std::string& file) {
+  return begin <= file.size() && bytes <= file.size() - begin;
+}
 
 template<typename T>
-T at(const std::string& file, uint64_t offset) { T value; std::memcpy(&value, &file[offset], sizeof(value)); return value; }
+T at(const std::string& file, uint64_t offset)
+{
+  T value;
+  std::memcpy(&value, &file[offset], sizeof(value));
+  return value;
+}
 
 void seal(std::string& file)
 {
@@ -49,8 +58,10 @@ void seal(std::string& file)
     for (uint32_t i = 0; i < header.numGeometries; i++) {
       const uint64_t begin = header.directory + i*sizeof(FileGeometry);
       FileGeometry record = at<FileGeometry>(file, begin);
-      if (isInside(record.tree, record.treeBytes, file)) record.treeChecksum = fileChecksum(&file[record.tree], record.treeBytes);
-      if (isInside(record.blocks, record.blockBytes, file)) record.blocksChecksum = fileChecksum(&file[record.blocks], record.blockBytes);
+      if (isInside(record.tree, record.treeBytes, file))
+        record.treeChecksum = fileChecksum(&file[record.tree], record.treeBytes);
+      if (isInside(record.blocks, record.blockBytes, file))
+        record.blocksChecksum = fileChecksum(&file[record.blocks], record.blockBytes);
       std::memcpy(&file[begin], &record, sizeof(record));
     }
     header.directoryChecksum = fileChecksum(&file[header.directory], header.numGeometries*sizeof(FileGeometry));
@@ -147,7 +158,8 @@ void writeSeeds(const std::string& folder)
 
 void decode(const VertHeader* block)
 {
-  for (uint32_t step = 0; step < (isMoving(block->boxForm) ? motionOf(block).numSteps : 1); step++) std::make_unique<DecodedBlock>(block, step);
+  const uint32_t numSteps = isMoving(block->boxForm) ? motionOf(block).numSteps : 1;
+  for (uint32_t step = 0; step < numSteps; step++) std::make_unique<DecodedBlock>(block, step);
 }
 
 // Returns the number of valid blocks.
@@ -187,7 +199,9 @@ void read(const std::string& bytes)
 } // namespace
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) { return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds); }
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
+  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds);
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Fuzz target: any bytes for a block of cVERT. What validation passes decodes: the traversal's decoder stays within the block and what it may
-// read behind it. block_decoding.cpp is the same for the scalar decoder.
+// Fuzz target: any bytes for a block of cVERT. What validation passes decodes: the traversal's decoder stays within
+// the block and what it may read behind it. block_decoding.cpp is the same for the scalar decoder.
 
 #include "block_seeds.h"
 #include "kernels/cbvh/vert/motion_decoder.h"
@@ -40,7 +40,9 @@ void decode(const VertHeader* block)
 } // namespace
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) { return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeBlockSeeds); }
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
+  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeBlockSeeds);
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

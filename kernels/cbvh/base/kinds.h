@@ -110,7 +110,8 @@ inline bool findKind (int compression, Kind& kind)
   return false;
 }
 
-/*! Compression of a geometry in a file whose record has that one. A library that was built without it loads only files of cVERT blocks. */
+/*! Compression of a geometry in a file whose record has that one. A library that was built without it loads only
+ *  files of cVERT blocks. */
 inline RTCCompression compressionOfLoaded (uint32_t compression)
 {
   Kind kind;

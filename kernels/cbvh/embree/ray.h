@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* The door to Embree: the headers of this folder alone include what is Embree's own and not its API, so that they are what
- * another version of Embree changes. This one: the platform, instruction sets, vectors of lanes, and what they hold of a query: rays, single and
- * in packets, hits, and the context. */
+/* The door to Embree: the headers of this folder alone include what is Embree's own and not its API, so that they are
+ * what another version of Embree changes. This one: the platform, instruction sets, vectors of lanes, and what they
+ * hold of a query: rays, single and in packets, hits, and the context. */
 
 #include "../../common/isa.h"
 #include "../../../common/sys/platform.h"

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The paper's representations as traversal of single rays sees them. For a library without them, traversal/kind_visitors1.h has the same
- * interface. */
+/* The paper's representations as traversal of single rays sees them. For a library without them,
+ * traversal/kind_visitors1.h has the same interface. */
 
 #include "../base/primitive_type.h"
 #include "block_intersector1.h"

@@ -102,8 +102,8 @@ namespace embree
       };
     };
 
-    /*! The same over blocks that move. Rays are tested first against a box that holds all of them at all times, so that a scene's still surfaces
-     *  lose little by others that move elsewhere. */
+    /*! The same over blocks that move. Rays are tested first against a box that holds all of them at all times, so
+     *  that a scene's still surfaces lose little by others that move elsewhere. */
     struct CompressedMotionTraversal1
     {
       static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Decoder of the boxes of groups of cVERT, cvert/format/block.h: their axes, and their planes, which are those of their corners, grown by
- * margins. */
+/* Decoder of the boxes of groups of cVERT, cvert/format/block.h: their axes, and their planes, which are those of
+ * their corners, grown by margins. */
 
 #include "../base/codec.h"
 #include "../../cvert/rule/rule.h"

@@ -53,7 +53,8 @@ namespace embree
         }
         const ShearedRay<Real> sheared(ray,bounds);
         const Real slack = sheared.error + Real(bounds.slack[m]);
-        interval = clipped(interval,(Real(bounds.sheared[0])-sheared.org)-slack,(Real(bounds.sheared[1])-sheared.org)+slack,sheared.rcp);
+        interval = clipped(interval,(Real(bounds.sheared[0])-sheared.org)-slack,
+                           (Real(bounds.sheared[1])-sheared.org)+slack,sheared.rcp);
         return interval.from <= interval.to;
       }
 
@@ -63,7 +64,8 @@ namespace embree
       {
         BlockBounds bounds;
         setShear(block->boxForm,true,bounds);
-        static_cast<BlockReach&>(bounds) = reachOfBlock(block->boxForm,block->reach,reachStep(block->boxForm),spacingOf(block->word,block->corners));
+        static_cast<BlockReach&>(bounds) = reachOfBlock(block->boxForm,block->reach,reachStep(block->boxForm),
+                                                        spacingOf(block->word,block->corners));
         const float extent = extentOfReach(bounds);
         for (int k=0; k<3; k++) {
           bounds.origin[k] = block->origin[k];
@@ -136,7 +138,9 @@ namespace embree
           end.reach = reach;
         }
 
-        __forceinline BlockReach reachOf (const End& end) const { return reachOfBlock(form,end.reach,end.step,end.spacing); }
+        __forceinline BlockReach reachOf (const End& end) const {
+          return reachOfBlock(form,end.reach,end.step,end.spacing);
+        }
       };
     }
   }

@@ -185,9 +185,10 @@ namespace embree
       template<typename Base, typename Out>
       __forceinline void decodeCell (uint32_t word, const uint8_t* data, const Base& base, const Out& out) { CellDecoder<Base>(word,data,base).decode(out); }
 
-      /*! Adds their remainders, one after the other as few blocks have any, to the vertices of group (gx,gy). start: of the block or step; remainders: their word */
-      __noinline inline void addRemainders (const void* start, uint32_t remainders, const VertSpacing& spacing, uint32_t region, uint32_t gx, uint32_t gy,
-                                            CellVertices& vertices)
+      /*! Adds their remainders, one after the other as few blocks have any, to the vertices of group (gx,gy). start:
+       *  of the block or step; remainders: their word */
+      __noinline inline void addRemainders (const void* start, uint32_t remainders, const VertSpacing& spacing,
+                                            uint32_t region, uint32_t gx, uint32_t gy, CellVertices& vertices)
       {
         const uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
         for (int k=0; k<3; k++)

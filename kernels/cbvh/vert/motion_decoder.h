@@ -74,8 +74,13 @@ namespace embree
             CellVertices corners;
             decodeCorners(step,corners);
             VertDecoder::pack(corners,out.steps[e].corners);
-            decodeGroupWords(step.data+step.words,step.hasHigh ? step.data+step.wordsHigh : nullptr,step.cell + cellBytes(step.word),layout,out.steps[e].words,out.steps[e].fields);
-            if (likely(isSheared)) PlanesDecoder(steps[0].form,steps[0].data+steps[0].margins,layout,spacingOf(step.word,cornersOf(step)),step.origin).decode(corners,out.ends[e]);
+            const uint8_t* const high = step.hasHigh ? step.data+step.wordsHigh : nullptr;
+            decodeGroupWords(step.data+step.words,high,step.cell + cellBytes(step.word),layout,out.steps[e].words,
+                             out.steps[e].fields);
+            if (unlikely(!isSheared)) continue;
+            const VertSpacing spacing = spacingOf(step.word,cornersOf(step));
+            const PlanesDecoder planes(steps[0].form,steps[0].data+steps[0].margins,layout,spacing,step.origin);
+            planes.decode(corners,out.ends[e]);
           }
           if (likely(isSheared)) widenSheared(out);
           else boxesOfVertices(out);
@@ -107,12 +112,15 @@ namespace embree
             }
             if (turns) decodeCell(cells.words[lane],fields,TurnedBase(base,laterOf(step),first),world);
             else decodeCell(cells.words[lane],fields,base,world);
-            if (unlikely(step.remainders != 0)) addRemainders(step.data,step.remainders,spacing,block->region,gx,gy,out.ends[e]);
+            if (unlikely(step.remainders != 0))
+              addRemainders(step.data,step.remainders,spacing,block->region,gx,gy,out.ends[e]);
           }
         }
 
       private:
-        static __forceinline const uint32_t* cornersOf (const StepView& step) { return (const uint32_t*)(step.data+step.corners); }
+        static __forceinline const uint32_t* cornersOf (const StepView& step) {
+          return (const uint32_t*)(step.data+step.corners);
+        }
         static __forceinline const VertStep& laterOf (const StepView& step) { return *(const VertStep*)step.data; }
 
         /*! corners of groups, in coordinates */
@@ -144,7 +152,8 @@ namespace embree
         static void widenSheared (SegmentBoxes& out)
         {
           float sheared = 0.0f;
-          for (int k=0; k<3; k++) sheared += std::fabs(out.shear[k])*motionSlack(out.origins[0][k],out.origins[1][k],out.extent[k]);
+          for (int k=0; k<3; k++)
+            sheared += std::fabs(out.shear[k])*motionSlack(out.origins[0][k],out.origins[1][k],out.extent[k]);
           const vfloatV slack(sheared);
           for (int e=0; e<2; e++)
             for (int l=0; l<16; l+=vectorWidth) {

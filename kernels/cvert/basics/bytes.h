@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Memory as shared code reads it, next to language.h: words, bits and structs at an address. In C++ an address is a pointer. In GLSL it is
- * the address of a buffer, two words.
+/* Memory as shared code reads it, next to language.h: words, bits and structs at an address. In C++ an address is a
+ * pointer. In GLSL it is the address of a buffer, two words.
  *
  *   CVERT_POINTER(Type)       address of a struct; CVERT_POINTER(void) of any bytes
  *   CVERT_AS(Type,address)    the same address, as one of a struct
@@ -25,7 +25,8 @@
 #define CVERT_POINTER(Type) uvec2
 #define CVERT_AS(Type,address) (address)
 #define CVERT_AT(Type,address) Type##At(address).it
-#define CVERT_READABLE(Type,alignment) layout(buffer_reference, scalar, buffer_reference_align = alignment) readonly buffer Type##At { Type it; };
+#define CVERT_READABLE(Type,alignment) \
+  layout(buffer_reference, scalar, buffer_reference_align = alignment) readonly buffer Type##At { Type it; };
 #define CVERT_IN(Type) Type
 #define CVERT_PRECISE precise
 
@@ -79,8 +80,8 @@ CVERT_INLINE uint32_t halfAt (const void* at, uint32_t offset)
   return half;
 }
 
-/*! Returns up to 32 bits from a bit on; those above them may have any value. Reads only bytes that contain one of them; shaders also read the
- *  words that these are in, and the next one. */
+/*! Returns up to 32 bits from a bit on; those above them may have any value. Reads only bytes that contain one of
+ *  them; shaders also read the words that these are in, and the next one. */
 inline uint32_t bitsAt (const void* at, uint32_t bit, uint32_t count)
 {
   const uint8_t* const first = (const uint8_t*)at + (bit >> 3);

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Decodes the vertices of a step one by one: a cell's residuals out of their bits, its vertices as coordinates, and these in the world. */
+/* Decodes the vertices of a step one by one: a cell's residuals out of their bits, its vertices as coordinates, and
+ * these in the world. */
 
 #ifndef CVERT_CELL_VERTICES_H
 #define CVERT_CELL_VERTICES_H
@@ -23,7 +24,8 @@ struct CodedCell
 
 CVERT_FUNCTION Int3 cornerOfStep (CVERT_IN(StepView) step, int c)
 {
-  return Int3(cornerCoordinate(cornerWord(step,cornerPair(c,0)),c,0),cornerCoordinate(cornerWord(step,cornerPair(c,1)),c,1),
+  return Int3(cornerCoordinate(cornerWord(step,cornerPair(c,0)),c,0),
+              cornerCoordinate(cornerWord(step,cornerPair(c,1)),c,1),
               cornerCoordinate(cornerWord(step,cornerPair(c,2)),c,2));
 }
 
@@ -44,7 +46,8 @@ CVERT_FUNCTION CodedCell firstCell (CVERT_IN(StepView) step, uint32_t region)
 }
 
 /*! The cell of group gx, gy. c00 to c11: its corners, vertices of the first cell; fields: fieldsOfGroup */
-CVERT_FUNCTION CodedCell cellOfGroup (CVERT_IN(StepView) step, uint32_t region, uint32_t gx, uint32_t gy, uint32_t fields, Int3 c00, Int3 c10, Int3 c01, Int3 c11)
+CVERT_FUNCTION CodedCell cellOfGroup (CVERT_IN(StepView) step, uint32_t region, uint32_t gx, uint32_t gy,
+                                      uint32_t fields, Int3 c00, Int3 c10, Int3 c01, Int3 c11)
 {
   CodedCell cell;
   cell.word = wordOfGroup(step,gy*groupsOf(vertQuadsX(region)) + gx);
@@ -91,7 +94,8 @@ CVERT_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, ui
 /*! What a later step's matrix makes of a residual of the first step. */
 CVERT_FUNCTION Int3 turnedByStep (CVERT_IN(StepView) step, Int3 r)
 {
-  uint32_t a = CVERT_AT(VertStep,step.data).turn[0], b = CVERT_AT(VertStep,step.data).turn[1], shift = turnShift(step.turned);
+  uint32_t a = CVERT_AT(VertStep,step.data).turn[0], b = CVERT_AT(VertStep,step.data).turn[1];
+  uint32_t shift = turnShift(step.turned);
   return Int3(turnedResidual(turnEntry(a,0u),turnEntry(a,1u),turnEntry(a,2u),r.x,r.y,r.z,shift),
               turnedResidual(turnEntry(a,3u),turnEntry(b,0u),turnEntry(b,1u),r.x,r.y,r.z,shift),
               turnedResidual(turnEntry(b,2u),turnEntry(b,3u),turnEntry(step.turned,3u),r.x,r.y,r.z,shift));
@@ -102,7 +106,9 @@ CVERT_FUNCTION Int3 turnedByStep (CVERT_IN(StepView) step, Int3 r)
 /*! Predictions of a row of a cell: (start + weight slope) >> 8, which is cellPrediction of cell.h. */
 struct CellRow { Int3 start, slope; };
 
-CVERT_FUNCTION int weightInCell (int i, int distance, int quads) { return quads == 4*distance ? 4*i : cellWeight(i,distance,quads); }
+CVERT_FUNCTION int weightInCell (int i, int distance, int quads) {
+  return quads == 4*distance ? 4*i : cellWeight(i,distance,quads);
+}
 
 CVERT_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
 {
@@ -114,7 +120,8 @@ CVERT_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
 }
 
 /*! Coordinates of vertex i of row j; data: of the step */
-CVERT_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, CVERT_IN(CellRow) row, int i, int j)
+CVERT_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, CVERT_IN(CellRow) row, int i,
+                                 int j)
 {
   Int3 vertex = (row.start + weightInCell(i,cell.distance,cell.quadsX)*row.slope) >> 8;
   int field = cellField(i,j);
@@ -122,11 +129,14 @@ CVERT_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) c
   return vertex;
 }
 
-CVERT_FUNCTION Int3 vertexOfCell (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, int i, int j) { return vertexOfRow(data,cell,rowOfCell(cell,j),i,j); }
+CVERT_FUNCTION Int3 vertexOfCell (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, int i, int j) {
+  return vertexOfRow(data,cell,rowOfCell(cell,j),i,j);
+}
 
 /* --- the world ------------------------------------------------------------------------- */
 
-/*! Number of vertex i, j of group gx, gy in the block, row by row. Where a group has fewer quads, its last vertices are one. */
+/*! Number of vertex i, j of group gx, gy in the block, row by row. Where a group has fewer quads, its last vertices
+ *  are one. */
 CVERT_FUNCTION uint32_t vertexOfGroup (uint32_t region, uint32_t gx, uint32_t gy, uint32_t i, uint32_t j)
 {
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region), x = groupQuads*gx + i, y = groupQuads*gy + j;
@@ -140,17 +150,21 @@ CVERT_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coord
   return at;
 }
 
-/*! Adds the remainder of a vertex on an axis, in a step that has remainders. lattice: latticeVertex; vertex: vertexOfGroup */
+/*! Adds the remainder of a vertex on an axis, in a step that has remainders. lattice: latticeVertex; vertex:
+ *  vertexOfGroup */
 CVERT_FUNCTION float withRemainder (CVERT_IN(StepView) step, uint32_t vertex, int axis, float lattice)
 {
   uint32_t bits = remainderBits(step.remainders,axis);
   if (bits == 0u) return lattice;
-  uint32_t word = bitsAt(step.data,remainderBegin(step.remainders,vertex,axis),storedRemainderBits(step.remainders,axis));
+  uint32_t word = bitsAt(step.data,remainderBegin(step.remainders,vertex,axis),
+                         storedRemainderBits(step.remainders,axis));
   return withRemainder(lattice,word,bits,step.spacing.at[axis]);
 }
 
 /*! A vertex of a raw step on an axis. */
-CVERT_FUNCTION float rawVertex (CVERT_IN(StepView) step, uint32_t vertex, int axis) { return floatAt(step.data,step.vertices/4u + 3u*vertex + uint32_t(axis)); }
+CVERT_FUNCTION float rawVertex (CVERT_IN(StepView) step, uint32_t vertex, int axis) {
+  return floatAt(step.data,step.vertices/4u + 3u*vertex + uint32_t(axis));
+}
 
 CVERT_END
 

@@ -22,7 +22,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     /*! step: less than the number of steps of a block that moves, else 0 */
     explicit DecodedBlock(const VertHeader* block, uint32_t step = 0)
-      : quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), block(block), layout(vertLayout(block->region,block->boxForm)), view(viewOfStep(block,layout,step))
+      : quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), block(block),
+        layout(vertLayout(block->region,block->boxForm)), view(viewOfStep(block,layout,step))
     {
       if (isRaw(view.form)) std::memcpy(vertices,view.data+view.vertices,sizeof(vertices[0])*(quadsX+1)*(quadsY+1));
       else decode();
@@ -51,7 +52,8 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++)
       {
         const BoxPlanes planes = isRaw(view.form) ? rawPlanesOfGroup(block,layout,g,k)
-          : planesOfGroup(view,form,corners[cornerOfGroup(g,0)],corners[cornerOfGroup(g,1)],corners[cornerOfGroup(g,2)],corners[cornerOfGroup(g,3)],
+          : planesOfGroup(view,form,corners[cornerOfGroup(g,0)],corners[cornerOfGroup(g,1)],
+                          corners[cornerOfGroup(g,2)],corners[cornerOfGroup(g,3)],
                           margins[uint32_t(k)*layout.groups+g],k);
         lower[k] = planes.lower;
         upper[k] = planes.upper;
@@ -93,7 +95,8 @@ namespace cvert { inline namespace CVERT_ISA
           }
         at += cellBytes(cell.word);
       }
-      if (view.remainders != 0) at = remainderOffset(view.remainders) + bytesOfRemainders(view.remainders,block->region);
+      if (view.remainders != 0)
+        at = remainderOffset(view.remainders) + bytesOfRemainders(view.remainders,block->region);
       end = view.data + at;
     }
 
@@ -106,7 +109,8 @@ namespace cvert { inline namespace CVERT_ISA
         {
           Int3& vertex = out[5*j+i];
           vertex = vertexOfRow(view.data,cell,row,i,j);
-          if (first.isTurned && cellField(i,j) >= 0) vertex = vertex + turnedByStep(view,residualOfField(block,first.word,first.fields,cellField(i,j)));
+          if (first.isTurned && cellField(i,j) >= 0)
+            vertex = vertex + turnedByStep(view,residualOfField(block,first.word,first.fields,cellField(i,j)));
         }
       }
     }

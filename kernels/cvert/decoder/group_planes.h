@@ -11,12 +11,14 @@
 
 CVERT_BEGIN
 
-/*! Planes of a box on an axis, in the world; on the sheared axis, sheared coordinates times the spacing, without the origin. */
+/*! Planes of a box on an axis, in the world; on the sheared axis, sheared coordinates times the spacing, without the
+ *  origin. */
 struct BoxPlanes { float lower, upper; };
 
-/*! Planes of a group of a step that is not raw. form: boxForm of the segment that begins or ends with the step; c00 to c11: the group's corners;
- *  margins: their byte */
-CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, Int3 c00, Int3 c10, Int3 c01, Int3 c11, uint32_t margins, int axis)
+/*! Planes of a group of a step that is not raw. form: boxForm of the segment that begins or ends with the step; c00
+ *  to c11: the group's corners; margins: their byte */
+CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, Int3 c00, Int3 c10, Int3 c01,
+                                        Int3 c11, uint32_t margins, int axis)
 {
   int m = shearedAxis(form);
   float a = float(c00[axis]), b = float(c10[axis]), c = float(c01[axis]), d = float(c11[axis]);
@@ -39,7 +41,8 @@ CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, 
 }
 
 /*! Planes of a group of a raw block on an axis of the world. offsets: of the block */
-CVERT_FUNCTION BoxPlanes rawPlanesOfGroup (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t g, int axis)
+CVERT_FUNCTION BoxPlanes rawPlanesOfGroup (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t g,
+                                           int axis)
 {
   BoxPlanes planes;
   planes.lower = floatAt(block,offsets.boxes/4u + uint32_t(axis)*offsets.groups + g);

@@ -26,11 +26,13 @@ struct StepView
   uint32_t margins, words, wordsHigh, cell, vertices; //!< offsets from data, as in VertLayout
 };
 
-/*! Returns the view with its spacing and its word of remainders, once everything else is set. remainders: offset of that word */
+/*! Returns the view with its spacing and its word of remainders, once everything else is set. remainders: offset of
+ *  that word */
 CVERT_INLINE StepView withScales (StepView step, uint32_t remainders)
 {
   uint32_t c = step.corners/4u;
-  step.spacing = vertSpacing(step.word,wordAt(step.data,c),wordAt(step.data,c+1u),wordAt(step.data,c+2u),wordAt(step.data,c+3u));
+  step.spacing = vertSpacing(step.word,wordAt(step.data,c),wordAt(step.data,c+1u),wordAt(step.data,c+2u),
+                             wordAt(step.data,c+3u));
   step.remainders = hasRemainders(step.form) ? wordAt(step.data,remainders/4u) : 0u;
   return step;
 }
@@ -89,13 +91,19 @@ CVERT_INLINE StepView viewOfStep (CVERT_POINTER(VertHeader) block, CVERT_IN(Vert
 }
 
 /*! Word of corners i, 0 to 5. */
-CVERT_FUNCTION uint32_t cornerWord (CVERT_IN(StepView) step, int i) { return wordAt(step.data,step.corners/4u + uint32_t(i)); }
+CVERT_FUNCTION uint32_t cornerWord (CVERT_IN(StepView) step, int i) {
+  return wordAt(step.data,step.corners/4u + uint32_t(i));
+}
 
 /*! Word of a group. */
-CVERT_FUNCTION uint32_t wordOfGroup (CVERT_IN(StepView) step, uint32_t g) { return wordOfGroup(step.data,step.words,step.wordsHigh,step.hasHigh,g); }
+CVERT_FUNCTION uint32_t wordOfGroup (CVERT_IN(StepView) step, uint32_t g) {
+  return wordOfGroup(step.data,step.words,step.wordsHigh,step.hasHigh,g);
+}
 
 /*! Offset of the fields of a group. */
-CVERT_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) { return endOfFields(step.data,step.cell,step.word,step.words,g); }
+CVERT_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) {
+  return endOfFields(step.data,step.cell,step.word,step.words,g);
+}
 
 /*! True if the residuals of the first cell, or of a group, are predicted from the first step. */
 CVERT_FUNCTION bool isFirstCellTurned (CVERT_IN(StepView) step) { return step.isLater && isFirstCellTurned(step.form); }

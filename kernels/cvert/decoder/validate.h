@@ -75,7 +75,9 @@ namespace cvert { inline namespace CVERT_ISA
         end += cellBytes(word);
       }
       if (bytes < end) return Reason::damaged("it has % bytes: its fields need %",bytes,end);
-      return hasRemainders(header.boxForm) ? validateRemainders(vertSpacing(header.word,header.corners),wordAt(block,layout.remainders/4),header.region,bytes,end) : Reason();
+      if (!hasRemainders(header.boxForm)) return Reason();
+      return validateRemainders(vertSpacing(header.word,header.corners),wordAt(block,layout.remainders/4),
+                                header.region,bytes,end);
     }
 
     /*! end: of fields, then of remainders */
@@ -136,7 +138,9 @@ namespace cvert { inline namespace CVERT_ISA
         end += cellBytes(word);
       }
       if (bytes < end) return Reason::damaged("a time step has % bytes: its fields need %",bytes,end);
-      return hasRemainders(step.boxForm) ? validateRemainders(vertSpacing(step.word,step.corners),wordAt(&step,at.remainders/4),header.region,bytes,end) : Reason();
+      if (!hasRemainders(step.boxForm)) return Reason();
+      return validateRemainders(vertSpacing(step.word,step.corners),wordAt(&step,at.remainders/4),header.region,bytes,
+                                end);
     }
 
     static Reason validateNumbers(const VertHeader& header)

@@ -123,7 +123,9 @@ CVERT_READABLE(VertMotion,4)
 CVERT_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
 
 /*! offset of the motion of a block that moves */
-CVERT_FUNCTION uint32_t motionOffset (uint32_t boxForm) { return vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u); }
+CVERT_FUNCTION uint32_t motionOffset (uint32_t boxForm) {
+  return vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u);
+}
 
 CVERT_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
 
@@ -192,7 +194,8 @@ CVERT_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1,
   return spacing;
 }
 
-/*! Bounds of a block from its origin: on the axes m+1 and m+2 from 0 up to planes; the sheared coordinate lies between two. */
+/*! Bounds of a block from its origin: on the axes m+1 and m+2 from 0 up to planes; the sheared coordinate lies
+ *  between two. */
 struct BlockReach { float upper[2], sheared[2]; };
 
 /*! From its `reach`; step: reachStep. The products are exact. */
@@ -207,9 +210,9 @@ CVERT_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32
   return bounds;
 }
 
-/*! An upper limit of how far a block and the planes of its boxes lie from its origin on any axis. Slopes are less than 1, so no vertex lies
- *  farther away than the sum of the bounds; margins may double that. It is one number for all axes because the shear of a ray mixes their
- *  rounding errors. */
+/*! An upper limit of how far a block and the planes of its boxes lie from its origin on any axis. Slopes are less
+ *  than 1, so no vertex lies farther away than the sum of the bounds; margins may double that. It is one number for
+ *  all axes because the shear of a ray mixes their rounding errors. */
 CVERT_FUNCTION float extentOfReach (BlockReach bounds) {
   return 2.0f*(greater(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }
@@ -227,14 +230,17 @@ CVERT_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
 }
 
 /*! Word of a group. words, wordsHigh: offsets of its lower and upper bits; hasHigh: whether it has upper bits */
-CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHigh, uint32_t g)
+CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHigh,
+                                     uint32_t g)
 {
   uint32_t low = halfAt(data,words+2u*g);
   return hasHigh ? low | (byteAt(data,wordsHigh+g) << 16) : low;
 }
 
-/*! Offset where the fields of a number of groups end, and those of the next group begin. cell, word: of the first cell */
-CVERT_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words, uint32_t groups)
+/*! Offset where the fields of a number of groups end, and those of the next group begin. cell, word: of the first
+ *  cell */
+CVERT_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words,
+                                     uint32_t groups)
 {
   uint32_t end = cell + cellBytes(word);
   for (uint32_t g=0u; g<groups; g++) end += cellBytes(halfAt(data,words+2u*g)); // numbers of bits are in the lower half
@@ -327,8 +333,8 @@ CVERT_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
   return offsets;
 }
 
-/* Embree stitches the border of a patch whose quads are more than the rate of an edge: several vertices of the border lie on one vertex of the
- * edge. */
+/* Embree stitches the border of a patch whose quads are more than the rate of an edge: several vertices of the border
+ * lie on one vertex of the edge. */
 
 /*! The vertex of an edge of that rate on which vertex x of a border of that many quads lies. The rate is at most
  *  maxVertRate, so that the product has 32 bits, or it is the number of quads: then vertices are not moved. */
@@ -352,18 +358,21 @@ CVERT_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
 }
 
 /*! of a block that has them */
-CVERT_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) { return CVERT_AT(VertNumbers,bytesAfter(block,vertHeaderBytes)); }
+CVERT_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) {
+  return CVERT_AT(VertNumbers,bytesAfter(block,vertHeaderBytes));
+}
 
 CVERT_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertMotion,bytesAfter(block,motionOffset(CVERT_AT(VertHeader,block).boxForm)));
 }
 
-/*! Number of quad x, y of a block that numbers its quads. Hits of a damaged block can be at quads that it does not have: they get the number
- *  of a quad that it has. */
+/*! Number of quad x, y of a block that numbers its quads. Hits of a damaged block can be at quads that it does not
+ *  have: they get the number of a quad that it has. */
 CVERT_FUNCTION uint32_t numberOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y)
 {
   VertNumbers numbers = numbersOf(block);
-  uint32_t form = CVERT_AT(VertHeader,block).patchQuads, region = CVERT_AT(VertHeader,block).region, first = CVERT_AT(VertHeader,block).primID;
+  uint32_t form = CVERT_AT(VertHeader,block).patchQuads, first = CVERT_AT(VertHeader,block).primID;
+  uint32_t region = CVERT_AT(VertHeader,block).region;
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
   x = x < quadsX ? x : quadsX-1u;
   y = y < quadsY ? y : quadsY-1u;
@@ -376,7 +385,8 @@ CVERT_END
 
 #ifndef VULKAN
 #include <cstddef>
-static_assert(sizeof(cvert::VertHeader) == cvert::vertHeaderBytes && offsetof(cvert::VertHeader,corners) == cvert::vertCornersOffset, "header of a block of cVERT");
+static_assert(sizeof(cvert::VertHeader) == cvert::vertHeaderBytes
+              && offsetof(cvert::VertHeader,corners) == cvert::vertCornersOffset, "header of a block of cVERT");
 
 CVERT_BEGIN
 

@@ -90,9 +90,12 @@ CVERT_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fracti
   return bounds;
 }
 
-/*! What planes of boxes have to be moved by on an axis between two steps: vertices there are rounded by less than 3 times 2^-24 of themselves,
- *  and so are origins and planes. a, b: origins at the steps on that axis; extent: extentOfReach, the larger of the two */
-CVERT_FUNCTION float motionSlack (float a, float b, float extent) { return (greater(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f); }
+/*! What planes of boxes have to be moved by on an axis between two steps: vertices there are rounded by less than 3
+ *  times 2^-24 of themselves, and so are origins and planes. a, b: origins at the steps on that axis; extent:
+ *  extentOfReach, the larger of the two */
+CVERT_FUNCTION float motionSlack (float a, float b, float extent) {
+  return (greater(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f);
+}
 
 /*! offsets in bytes from the step's start */
 struct VertStepLayout
@@ -117,7 +120,9 @@ CVERT_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
 }
 
 /*! entry of a step's matrix, row by row */
-CVERT_FUNCTION int turnEntry (CVERT_IN(VertStep) step, uint32_t i) { return i < 8u ? turnEntry(step.turn[i >> 2],i & 3u) : turnEntry(step.turned,3u); }
+CVERT_FUNCTION int turnEntry (CVERT_IN(VertStep) step, uint32_t i) {
+  return i < 8u ? turnEntry(step.turn[i >> 2],i & 3u) : turnEntry(step.turned,3u);
+}
 
 /*! step 1 and later */
 CVERT_FUNCTION CVERT_POINTER(VertStep) stepOf (CVERT_POINTER(VertHeader) block, uint32_t step) {
@@ -127,7 +132,8 @@ CVERT_FUNCTION CVERT_POINTER(VertStep) stepOf (CVERT_POINTER(VertHeader) block, 
 CVERT_END
 
 #ifndef VULKAN
-static_assert(sizeof(cvert::VertStep) == cvert::vertStepBytes && offsetof(cvert::VertStep,corners) == cvert::stepCornersOffset, "step of a block that moves");
+static_assert(sizeof(cvert::VertStep) == cvert::vertStepBytes
+              && offsetof(cvert::VertStep,corners) == cvert::stepCornersOffset, "step of a block that moves");
 
 CVERT_BEGIN
 
@@ -140,7 +146,8 @@ inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
     const uint32_t remainders = wordAt(step,layout.remainders/4);
     return remainderOffset(remainders) + bytesOfRemainders(remainders,region);
   }
-  return endOfFields(step,layout.cell,step->word,layout.words,groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region)));
+  return endOfFields(step,layout.cell,step->word,layout.words,
+                     groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region)));
 }
 
 /*! bytes of a block, without those that fill it up */

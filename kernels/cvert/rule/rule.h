@@ -1,14 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The rule by which rays hit the triangles of cVERT, which docs/formats/rays.md specifies: one text for single
- * rays, packets, shaders and tests. It is, in the order in which a ray needs it,
+/* The rule by which rays hit the triangles of cVERT, which docs/formats/rays.md specifies: one text for single rays,
+ * packets, shaders and tests. It is, in the order in which a ray needs it,
  *
  *   boxes        how far they are widened, as they only cull
  *   sides        on which side of an edge the ray is, in the sheared space in which the ray is the z axis
  *   containment  whether the ray's line goes through a triangle: sides, and their exact signs where one rounded to 0
  *   distance     where it goes through: the triangle's plane, kept within the triangle's extent along the ray
- *   nearest hit  whether a hit is within the ray and nearer than the one before; which of two counts at the same distance
+ *   nearest hit  whether a hit is within the ray and nearer than the one before; of two at one distance, which counts
  *   parameters   (u,v) of a hit on the face
  *
  * A quad has the triangles of GRID, (00,10,01) and (01,10,11), and five edges:
@@ -74,8 +74,11 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
 /*! what is to be added to planes of the sheared coordinate */
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
-/*! What a world axis counts in the sheared coordinate of boxes: the sheared axis m (i = 0), the next axis (1) and the one after it (2). */
-CVERT_FUNCTION float shearOf (uint32_t boxForm, int i) { return i == 0 ? 1.0f : float(shearSlope(boxForm,i))*(1.0f/16.0f); }
+/*! What a world axis counts in the sheared coordinate of boxes: the sheared axis m (i = 0), the next axis (1) and the
+ *  one after it (2). */
+CVERT_FUNCTION float shearOf (uint32_t boxForm, int i) {
+  return i == 0 ? 1.0f : float(shearSlope(boxForm,i))*(1.0f/16.0f);
+}
 
 /*! part of a ray that is between planes */
 CVERT_REAL struct RayInterval { Real from, to; };
@@ -91,8 +94,8 @@ CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipped (CVERT_OF(RayInterval) int
 
 /* --- sides --------------------------------------------------------------------------- */
 
-/*! Axis of a direction's largest component, of which the magnitudes are given; the first of equal ones. What is not a number counts as largest.
- *  Without branches, which a processor would not foresee. */
+/*! Axis of a direction's largest component, of which the magnitudes are given; the first of equal ones. What is not a
+ *  number counts as largest. Without branches, which a processor would not foresee. */
 CVERT_FUNCTION int largestAxis (float x, float y, float z)
 {
   int isY = int(!(x >= y)), isZ = (isY & int(!(y >= z))) | ((1-isY) & int(!(x >= z)));
@@ -326,14 +329,15 @@ CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< it does not
 CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< it does
 CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< it does if it comesBefore the hit that the ray has
 
-/*! exact: distance of the hit; tfar: the ray's, or the distance of the nearest hit so far; isOfHit: whether that is one of cVERT */
+/*! exact: distance of the hit; tfar: the ray's, or the distance of the nearest hit so far; isOfHit: whether that is
+ *  one of cVERT */
 CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar, bool isOfHit)
 {
   float t = float(exact);
-  uint32_t farther = isOfHit ? (t == tfar ? hitIsTied : hitIsOutside) : exact <= Wide(tfar) ? hitIsNearest : hitIsOutside;
+  uint32_t farther = isOfHit ? (t == tfar ? hitIsTied : hitIsOutside)
+                             : (exact <= Wide(tfar) ? hitIsNearest : hitIsOutside);
   return !(exact >= Wide(tnear)) ? hitIsOutside : CVERT_LIKELY(t < tfar) ? hitIsNearest : farther;
 }
-
 
 /*! which triangle of a scene it is */
 struct TriangleName
@@ -435,9 +439,11 @@ struct SurfacePoint
 };
 
 /*! In a block that numbers its quads; h: triangle of the group in a lane. */
-CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h, CVERT_AS_FLOAT(QuadPosition) at)
+CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
+                                               CVERT_AS_FLOAT(QuadPosition) at)
 {
-  uint32_t form = CVERT_AT(VertHeader,block).patchQuads, x = groupQuads*(lane & 3u) + quadXOfTriangle(h), y = groupQuads*(lane >> 2) + quadYOfTriangle(h);
+  uint32_t form = CVERT_AT(VertHeader,block).patchQuads;
+  uint32_t x = groupQuads*(lane & 3u) + quadXOfTriangle(h), y = groupQuads*(lane >> 2) + quadYOfTriangle(h);
   bool isSecond = (h & 1u) != 0u;
   OwnParameters own = ownParameters(form,isSecond,inUnit(at.a),inUnit(at.b));
   SurfacePoint point;
@@ -448,10 +454,12 @@ CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, 
 }
 
 /*! In a block of a patch. */
-CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h, CVERT_AS_FLOAT(QuadPosition) at)
+CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
+                                        CVERT_AS_FLOAT(QuadPosition) at)
 {
   uint32_t patchQuads = CVERT_AT(VertHeader,block).patchQuads, region = CVERT_AT(VertHeader,block).region;
-  uint32_t x = firstQuadX(region,lane) + quadXOfTriangle(h), y = firstQuadY(region,lane) + quadYOfTriangle(h), cornerU = 0u, cornerV = 0u;
+  uint32_t x = firstQuadX(region,lane) + quadXOfTriangle(h), y = firstQuadY(region,lane) + quadYOfTriangle(h);
+  uint32_t cornerU = 0u, cornerV = 0u;
   SurfacePoint point;
   point.primID = CVERT_AT(VertHeader,block).primID;
   if (!CVERT_LIKELY(!hasEdges(CVERT_AT(VertHeader,block).boxForm)))
@@ -471,7 +479,8 @@ CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_
   return point;
 }
 
-CVERT_INLINE SurfacePoint surfacePoint (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h, CVERT_AS_FLOAT(QuadPosition) at)
+CVERT_INLINE SurfacePoint surfacePoint (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
+                                        CVERT_AS_FLOAT(QuadPosition) at)
 {
   if (hasNumbers(CVERT_AT(VertHeader,block).boxForm)) return pointOfNumberedQuad(block,lane,h,at);
   return pointOfPatch(block,lane,h,at);

@@ -11,7 +11,8 @@
 vec3 cbvhMeshVertex (GeometryData geometry, uint i)
 {
   uint first = i*geometry.vertexStride;
-  return vec3(floatAt(geometry.vertices, first), floatAt(geometry.vertices, first + 1u), floatAt(geometry.vertices, first + 2u));
+  return vec3(floatAt(geometry.vertices, first), floatAt(geometry.vertices, first + 1u),
+              floatAt(geometry.vertices, first + 2u));
 }
 
 /* True if a triangle of the run is hit; with anyHit the first one that is. */
@@ -24,8 +25,9 @@ bool cbvhTraceRun (SceneData scene, CbvhTravel ray, uint first, uint count, cons
     GeometryData geometry = CbvhGeometries(scene.geometries).at[ray.firstGeometry + id.x];
     if ((geometry.mask & ray.mask) == 0u) continue;
     uint k = id.y*geometry.indexStride;
-    vec3 a = cbvhMeshVertex(geometry, wordAt(geometry.indices, k)), b = cbvhMeshVertex(geometry, wordAt(geometry.indices, k + 1u)),
-         c = cbvhMeshVertex(geometry, wordAt(geometry.indices, k + 2u));
+    vec3 a = cbvhMeshVertex(geometry, wordAt(geometry.indices, k));
+    vec3 b = cbvhMeshVertex(geometry, wordAt(geometry.indices, k + 1u));
+    vec3 c = cbvhMeshVertex(geometry, wordAt(geometry.indices, k + 2u));
     CbvhTriangleHit at;
     bool met = geometry.isRobust != 0u ? cbvhPluecker(ray, hit.t, a, b, c, at) : cbvhMoellerTrumbore(ray, hit.t, a, b, c, at);
     if (!met) continue;

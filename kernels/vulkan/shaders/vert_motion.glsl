@@ -70,7 +70,8 @@ void cbvhDecodeCorners (CbvhVertBlock block, CbvhSegment segment)
     {
       int i = v % 5, j = v/5, field = cellField(i, j);
       ivec3 corner = vertexOfCell(step_.data, cell, i, j);
-      if (turns && field >= 0) corner += turnedByStep(step_, residualOfField(block.at, block.first.word, block.first.cell, field));
+      if (turns && field >= 0)
+        corner += turnedByStep(step_, residualOfField(block.at, block.first.word, block.first.cell, field));
       cbvhCornersAtEnds[e][v] = corner;
     }
   }
@@ -88,7 +89,8 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
     uint firstWord = 0u, firstFields = 0u;
     if (!raw) {
       int c = 5*int(gy) + int(gx);
-      cell = cellOfGroup(step_, block.region, gx, gy, fieldsOfGroup(step_, g), cbvhCornersAtEnds[e][c], cbvhCornersAtEnds[e][c + 1],
+      cell = cellOfGroup(step_, block.region, gx, gy, fieldsOfGroup(step_, g),
+                         cbvhCornersAtEnds[e][c], cbvhCornersAtEnds[e][c + 1],
                          cbvhCornersAtEnds[e][c + 5], cbvhCornersAtEnds[e][c + 6]);
     }
     if (turns) {
@@ -102,7 +104,8 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
       if (raw) at = cbvhRawVertex(block, step_, gx, gy, i, j);
       else {
         ivec3 vertex = vertexOfCell(step_.data, cell, i, j);
-        if (turns && field >= 0) vertex += turnedByStep(step_, residualOfField(block.at, firstWord, firstFields, field));
+        if (turns && field >= 0)
+          vertex += turnedByStep(step_, residualOfField(block.at, firstWord, firstFields, field));
         at = cbvhWorldVertex(block, step_, gx, gy, i, j, vertex);
       }
       if (e == 0) cbvhVerticesNow[v] = at;
@@ -117,7 +120,8 @@ CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert)
 {
   uint form = segment.begin.form;
   float extent = max(extentOfReach(reachAtBegin(segment.begin)), extentOfReach(reachAtEnd(segment.end, form)));
-  return cbvhVertAxes(form, cbvhBetween(cbvhOrigin(segment.begin), cbvhOrigin(segment.end), segment.fraction), extent, ray, vert);
+  return cbvhVertAxes(form, cbvhBetween(cbvhOrigin(segment.begin), cbvhOrigin(segment.end), segment.fraction), extent,
+                      ray, vert);
 }
 
 /* motionSlack on each axis; on the sheared one three are rounded apart */
@@ -150,10 +154,12 @@ bool cbvhMeetsGroupNow (CbvhVertBlock block, CbvhSegment segment, CbvhTravel ray
     uint margins = byteAt(segment.begin.data, segment.begin.margins + uint(k)*block.groups + gy*block.groupsX + gx);
     BoxPlanes planes = BoxPlanes(0.0, 0.0);
     [[dont_unroll]] for (int e = 0; e < 2; e++) {
-      BoxPlanes atEnd = planesOfGroup(cbvhEnd(segment, e), axes.boxForm, cbvhCornersAtEnds[e][c], cbvhCornersAtEnds[e][c + 1],
+      BoxPlanes atEnd = planesOfGroup(cbvhEnd(segment, e), axes.boxForm,
+                                      cbvhCornersAtEnds[e][c], cbvhCornersAtEnds[e][c + 1],
                                       cbvhCornersAtEnds[e][c + 5], cbvhCornersAtEnds[e][c + 6], margins, k);
       if (e == 0) planes = atEnd;
-      else planes = BoxPlanes(cbvhBetween(planes.lower, atEnd.lower, segment.fraction), cbvhBetween(planes.upper, atEnd.upper, segment.fraction));
+      else planes = BoxPlanes(cbvhBetween(planes.lower, atEnd.lower, segment.fraction),
+                              cbvhBetween(planes.upper, atEnd.upper, segment.fraction));
     }
     if (k == m) planes = BoxPlanes(planes.lower - slack[m], planes.upper + slack[m]);
     interval = cbvhClippedByPlanes(interval, ray, vert, axes, planes, k);

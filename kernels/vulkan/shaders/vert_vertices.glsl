@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Vertices of a block of cVERT at a time step, by the codec's own decoder: kernels/cvert/decoder. A block that does not move has one step. */
+/* Vertices of a block of cVERT at a time step, by the codec's own decoder: kernels/cvert/decoder. A block that does
+ * not move has one step. */
 
 #ifndef CBVH_VERT_VERTICES_GLSL
 #define CBVH_VERT_VERTICES_GLSL
@@ -61,7 +62,8 @@ CodedCell cbvhGroupCell (CbvhVertBlock block, CodedCell first, uint gx, uint gy)
 /* Vertex i, j of group gx, gy of a step that is not raw in the world, from its coordinates. */
 vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int i, int j, ivec3 coordinates)
 {
-  vec3 at = vec3(latticeVertex(step_, 0, coordinates.x), latticeVertex(step_, 1, coordinates.y), latticeVertex(step_, 2, coordinates.z));
+  vec3 at = vec3(latticeVertex(step_, 0, coordinates.x), latticeVertex(step_, 1, coordinates.y),
+                 latticeVertex(step_, 2, coordinates.z));
   if (step_.remainders == 0u) return at;
   uint vertex = vertexOfGroup(block.region, gx, gy, uint(i), uint(j));
   for (int k = 0; k < 3; k++) at[k] = withRemainder(step_, vertex, k, at[k]);
