@@ -5,6 +5,7 @@
  * between the ends boxes that contain what is in them, in the same floats. Compiled once for every ISA, outside of the library. */
 
 #include "kernels/cbvh/vert/moving_block.h"
+#include "kernels/cvert/decoder/decoded_block.h"
 #include "support/moving_sheet.h"
 
 #include <gtest/gtest.h>
