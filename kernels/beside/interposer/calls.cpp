@@ -77,22 +77,24 @@ void prepare(Scene& scene)
   objects.releaseAll(all);
 }
 
-/* A thread in the commit of a scene. The first thread begins the commit; one that joins it later finds it cancelled if it
- * was. */
+/* A thread in the commit of a scene. Threads that come before one has left join the commit, and find it cancelled if it
+ * was; the next one begins another. */
 class Commit
 {
 public:
   explicit Commit(RTCScene handle) : scene(isActive() && handle ? Objects::get().find(handle) : nullptr)
   {
     if (!scene) return;
-    const std::lock_guard<std::mutex> lock(scene->committing);
-    if (scene->numCommitting++ == 0) scene->isCancelled = false;
+    const std::lock_guard<std::mutex> lock(scene->joining);
+    if (scene->numJoined++ == 0 || scene->isEnding) scene->isCancelled = false;
+    scene->isEnding = false;
   }
   ~Commit()
   {
     if (!scene) return;
-    const std::lock_guard<std::mutex> lock(scene->committing);
-    scene->numCommitting--;
+    const std::lock_guard<std::mutex> lock(scene->joining);
+    scene->numJoined--;
+    scene->isEnding = true;
   }
   Commit(const Commit&) = delete;
   Commit& operator=(const Commit&) = delete;
@@ -100,7 +102,7 @@ public:
   void prepare()
   {
     if (!scene) return;
-    const std::lock_guard<std::mutex> lock(scene->committing);
+    const std::lock_guard<std::mutex> lock(scene->preparing);
     ::prepare(*scene);
   }
 

@@ -39,8 +39,10 @@ struct Scene
   std::map<unsigned int, Attachment> attached;
   RTCProgressMonitorFunction progress = nullptr;
   void* progressPtr = nullptr;
-  std::mutex committing;
-  size_t numCommitting = 0;              // threads in one commit; guarded by committing
+  std::mutex preparing;
+  std::mutex joining;
+  size_t numJoined = 0;                  // threads in a commit; guarded by joining
+  bool isEnding = true;                  // a thread has left the commit; guarded by joining
   std::atomic<bool> isCancelled{false};  // the commit, for all threads that have joined it
 };
 

@@ -473,6 +473,9 @@ void Program::cancelling()
     });
   for (std::thread& thread : all) thread.join();
   CHECK(joined.cancelled > 0);
+  RTCBounds bounds;
+  rtcGetSceneBounds(scene, &bounds);
+  CHECK(rtcGetDeviceError(device) == RTC_ERROR_INVALID_OPERATION); // the scene was not committed
   rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
