@@ -27,9 +27,10 @@
  *
  * - Of a struct that the library reads, members that the application's version lacks count as zero. A struct that is
  *   larger than the library's own is accepted if all bytes after the members that the library knows are zero.
- * - Of a struct that the library writes, it writes the members that both versions have, and sets the other bytes of
- *   the application's to zero. structSize keeps its value.
- * - A structSize of 0, below the size in the first version, or above 4096 is an error: CBVH_ERROR_INVALID_ARGUMENT.
+ * - Of a struct that the library writes, it writes the members that both versions have, and sets the remaining
+ *   bytes of the application's struct to zero. structSize keeps its value.
+ * - A structSize that is below the size in the first version, above 1024, or not a multiple of sizeof(size_t) is an
+ *   error: CBVH_ERROR_INVALID_ARGUMENT.
  *
  * Structs without structSize never grow if an application passes them: CbvhVertices, CbvhAttribute, CbvhGrid, rays,
  * hits and CbvhTriangle. Those that the library passes to callbacks may grow at their end: CbvhDisplacementArguments,
@@ -131,7 +132,7 @@ struct CbvhAttribute
   enum CbvhBoundary boundary;
 };
 
-/* A control cage, which Catmull-Clark subdivision makes a surface of. Fill with zeros first, but for structSize. */
+/* A control cage, which Catmull-Clark subdivision makes a surface of. Set structSize and zero all other members first; in C++ CbvhCage cage = CbvhCage() does so. */
 struct CbvhCage
 {
   size_t structSize CBVH_SIZE_OF(CbvhCage);

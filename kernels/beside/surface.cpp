@@ -299,7 +299,7 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
     {
       input->progress = nullptr;
       if (isKept) return;
-      core::setCompression(input->inner(), embree::CompressionSettings());
+      try { core::setCompression(input->inner(), embree::CompressionSettings()); } catch (...) {}
     }
   } restore = {pending, false};
   pending->progress = progress;
@@ -507,14 +507,18 @@ CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat 
     if (report) core::requireStruct(*report);
     const std::shared_ptr<const Input> input = surface->committed();
     embree::cbvh::ClusterReport sums;
-    core::forEachCluster(input->inner(), time, embree::cbvh::ClusterFormat(format),
-        [&](const embree::cbvh::StoredCluster& cluster) {
-      if (!function) return true;
-      const OwnErrors errors(false);
-      const CbvhPart part = asPublic(*cluster.part);
-      const CbvhCluster handed = asPublic(cluster, part);
-      return function(userPtr, &handed) != 0;
-    }, sums);
-    if (report) core::writeStruct(*report, asPublic(sums));
+    const auto finish = [&] { if (report) core::writeStruct(*report, asPublic(sums)); };
+    try {
+      core::forEachCluster(input->inner(), time, embree::cbvh::ClusterFormat(format),
+          [&](const embree::cbvh::StoredCluster& cluster) {
+        if (!function) return true;
+        const OwnErrors errors(false);
+        const CbvhPart part = asPublic(*cluster.part);
+        const CbvhCluster handed = asPublic(cluster, part);
+        return function(userPtr, &handed) != 0;
+      }, sums);
+    }
+    catch (...) { finish(); throw; } // of the clusters before the error
+    finish();
   });
 }

@@ -272,7 +272,7 @@ TEST_F(StructSizes, ZeroTooSmallAndHugeAreRefused)
     expectRefused(c, withSize(c, 0, {}), "zero");
     expectRefused(c, withSize(c, 8, {}), "structSize alone");
     expectRefused(c, withSize(c, c.valid.size() - 1, {}), "a byte less");
-    expectRefused(c, withSize(c, 4097, Bytes(4097)), "more than 4096");
+    expectRefused(c, withSize(c, 1032, Bytes(1032)), "more than 1024");
     expectRefused(c, withSize(c, ~size_t(0), {}), "all bits");
   }
 }
@@ -299,7 +299,7 @@ TEST_F(StructSizes, NewerInputIsAcceptedIfItsNewMembersAreZero)
       tail[at] = 1;
       expectRefused(c, withSize(c, size, tail), "a byte that is not zero");
     }
-    Bytes most = withSize(c, 4096, Bytes(4096 - c.valid.size()));
+    Bytes most = withSize(c, 1024, Bytes(1024 - c.valid.size()));
     EXPECT_EQ(c.call(most.data()), "");
   }
 }
@@ -340,9 +340,8 @@ TEST(StructGrowth, MembersThatTheApplicationLacksAreZeroAndNotWritten)
   EXPECT_EQ(application.c, 5.0) << "which is not the struct's";
   application.structSize = 15;
   EXPECT_THROW(embree::core::requireStruct(application), std::invalid_argument);
-  application.structSize = 20;
-  application.c = 1.0; // whose upper half is not read
-  EXPECT_EQ(embree::core::readStruct(application).c, 0.0);
+  application.structSize = 20; // which would cut a member
+  EXPECT_THROW(embree::core::readStruct(application), std::invalid_argument);
 }
 
 } // namespace

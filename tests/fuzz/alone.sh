@@ -19,7 +19,7 @@ root=$(cd "$(dirname "$0")/../.." && pwd)
 corpus=$folder/$target.corpus
 mkdir -p "$corpus"
 # vptr needs the type information of whole programs
-"$clang" -std=c++17 -O1 -g1 -march=native -ffp-contract=off -fno-strict-aliasing -fno-sanitize-recover=all \
+"$clang" -std=c++17 -O1 -g1 -march=native -fno-strict-aliasing -fno-sanitize-recover=all \
   -fsanitize=fuzzer,address,undefined -fno-sanitize=vptr -I "$root" -I "$root/tests" \
   "$root/tests/fuzz/$target.cpp" "$root"/kernels/cvert/*/*.cpp "$@" -o "$folder/$target"
 exec "$folder/$target" --seeds="$corpus" -seed=1 -max_len=65536 -timeout=20 -max_total_time="$seconds" \

@@ -50,13 +50,17 @@ RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enu
   int value; // an enumeration may not hold what the application may have passed
   memcpy(&value,&format,sizeof(value));
   cbvh::ClusterReport sums;
-  core::forEachCluster(geometry,time,ClusterFormat(value),[&](const cbvh::StoredCluster& cluster) {
-      if (!function) return true;
-      const RTCCompressedPart part = embree::asPublic(*cluster.part);
-      const RTCCompressedCluster handed = asPublic(cluster,part);
-      return function(userPtr,&handed);
-    },sums);
-  if (report) core::writeStruct(*report,asPublic(sums));
+  auto finish = [&] { if (report) core::writeStruct(*report,asPublic(sums)); };
+  try {
+    core::forEachCluster(geometry,time,ClusterFormat(value),[&](const cbvh::StoredCluster& cluster) {
+        if (!function) return true;
+        const RTCCompressedPart part = embree::asPublic(*cluster.part);
+        const RTCCompressedCluster handed = asPublic(cluster,part);
+        return function(userPtr,&handed);
+      },sums);
+  }
+  catch (...) { finish(); throw; } // of the clusters before the error
+  finish();
   RTC_CATCH_END2(geometry);
 }
 

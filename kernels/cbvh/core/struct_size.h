@@ -38,7 +38,7 @@ namespace embree
     };
 
     /*! A larger structSize is taken for memory that was not initialized. */
-    const size_t maxStructSize = 4096;
+    const size_t maxStructSize = 1024;
 
     void checkStructSize (const KnownStruct& known, const void* data);
     void copyFromApplication (const KnownStruct& known, const void* from, void* to);

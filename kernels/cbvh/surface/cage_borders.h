@@ -122,8 +122,8 @@ namespace embree
       static const size_t fewVertices = 9*9;  //!< of a patch whose lines cost no less than all of it
 
       static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
-      static uint32_t cornerElement (const CageTopology::Edge& edge) { return 2*edge.cornerOwner; }
-      static uint32_t edgeElement (const CageTopology::Edge& edge) { return 2*edge.owner + 1; }
+      static size_t cornerElement (const CageTopology::Edge& edge) { return 2*size_t(edge.cornerOwner); }
+      static size_t edgeElement (const CageTopology::Edge& edge) { return 2*size_t(edge.owner) + 1; }
 
       /* points of a half-edge: its corner and edge if it owns them, its spoke; after the last of a face the center */
       size_t edgePoints (uint32_t i) const { return topology.ownsEdge(i) ? topology.at(i).rate-1 : 0; }
@@ -217,9 +217,9 @@ namespace embree
         if (!topology.ownsEdge(e)) return;
         /* a patch of an n-gon has half of the edge, and the first half has the middle */
         const unsigned rate = n == 4 ? topology.at(e).rate : topology.at(e).rate/2;
-        const unsigned last = n != 4 && s == 0 ? rate : rate-1;
+        const unsigned end = n != 4 && s == 0 ? rate+1 : rate;
         const size_t first = firstEdgePoint(e) + (n != 4 && s == 3 ? rate : 0);
-        for (unsigned k=1; k<=last; k++) keep(first+k-1,nearestVertex(k,rate,own));
+        for (unsigned k=1; k<end; k++) keep(first+k-1,nearestVertex(k,rate,own));
       }
 
       SharedVertex corner (const HalfEdge* h, unsigned step) const

@@ -6,10 +6,9 @@
 /* Owners and rates of the edges and corners of a cage, from its half-edges: shared_border.h has the rule. Faces without
  * a surface do not take part.
  *
- *           face A             An edge belongs to A or B. A corner x belongs to one of the faces around it that are
- *           reached
- *     x----o----o----o----x    over edges. The numbers of claims are those of half-edges.
- *           face B
+ *           face A             An edge belongs to A or B. A corner x belongs to one of the
+ *     x----o----o----o----x    faces around it that are reached over edges. The
+ *           face B             numbers of claims are those of half-edges.
  *
  * An edge of three faces or more has no opposite half-edges. Embree keeps its vertices where they are, so that all
  * faces have the same straight edge: they share it and its ends, whether GRID traces one of them or not. */

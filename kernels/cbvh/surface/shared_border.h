@@ -22,6 +22,8 @@
  *     does not pass the value on, nor does it lose quads for the value of an owner.
  *  6. Time. Owners, rates and shared vertices are the same at all time steps; positions and lattices are not.
  *
+ * Grids need no owner and no common rate, because vertices that they share are equal floats.
+ *
  * Where the topology comes from is not part of the rule. Cages have half-edges: cage_topology.h finds owners and rates,
  * cage_borders.h evaluates what is owned. Grids and the regions of meshes have equal floats: grid_borders.h. */
 

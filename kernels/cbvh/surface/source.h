@@ -58,7 +58,7 @@
  *       prepare().
  *   void prepare (size_t perTask, const Progress& progress)
  *       Finds what must be known of all primitives before one of them is written: lattices and shared vertices. Calls
- *       progress(0.0) now and then.
+ *       progress(0.0) now and then, also from several threads at once.
  *   void release ()
  *       Frees what prepare() allocated. No patch is used later.
  *   void forEachPatch (size_t primitive, Scratch& scratch, const Closure& closure) const

@@ -149,6 +149,7 @@ namespace embree
           decodeCell(wordOfGroup(first,g),first.data+fieldsOfGroup(first,g),NoBase(),CoordinatesOfCell{ out });
         }
 
+        /*! Widens the sheared planes by what rounding moves vertices and origins between the ends: motionSlack. */
         static void widenSheared (SegmentBoxes& out)
         {
           float sheared = 0.0f;

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Three integers by axis, and the operations that GLSL has for its vectors. */
+/* Three integers by axis, and the operations that GLSL has for its vectors. Results are modulo 2^32, as in GLSL: damaged
+ * blocks may exceed the range of int. */
 
 #ifndef CVERT_INT3_H
 #define CVERT_INT3_H
@@ -25,10 +26,16 @@ struct Int3
   CVERT_INLINE Int3 (int x, int y, int z) : x(x), y(y), z(z) {}
   CVERT_INLINE int operator[] (int k) const { return k == 0 ? x : k == 1 ? y : z; }
 
-  friend CVERT_INLINE Int3 operator+ (const Int3& a, const Int3& b) { return Int3(a.x+b.x,a.y+b.y,a.z+b.z); }
-  friend CVERT_INLINE Int3 operator- (const Int3& a, const Int3& b) { return Int3(a.x-b.x,a.y-b.y,a.z-b.z); }
-  friend CVERT_INLINE Int3 operator+ (const Int3& a, int b) { return Int3(a.x+b,a.y+b,a.z+b); }
-  friend CVERT_INLINE Int3 operator* (int a, const Int3& b) { return Int3(a*b.x,a*b.y,a*b.z); }
+  friend CVERT_INLINE Int3 operator+ (const Int3& a, const Int3& b) {
+    return Int3(int(uint32_t(a.x)+uint32_t(b.x)),int(uint32_t(a.y)+uint32_t(b.y)),int(uint32_t(a.z)+uint32_t(b.z)));
+  }
+  friend CVERT_INLINE Int3 operator- (const Int3& a, const Int3& b) {
+    return Int3(int(uint32_t(a.x)-uint32_t(b.x)),int(uint32_t(a.y)-uint32_t(b.y)),int(uint32_t(a.z)-uint32_t(b.z)));
+  }
+  friend CVERT_INLINE Int3 operator+ (const Int3& a, int b) { return a + Int3(b); }
+  friend CVERT_INLINE Int3 operator* (int a, const Int3& b) {
+    return Int3(int(uint32_t(a)*uint32_t(b.x)),int(uint32_t(a)*uint32_t(b.y)),int(uint32_t(a)*uint32_t(b.z)));
+  }
   friend CVERT_INLINE Int3 operator>> (const Int3& a, int b) { return Int3(a.x >> b,a.y >> b,a.z >> b); }
 };
 

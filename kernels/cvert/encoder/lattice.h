@@ -60,9 +60,6 @@ namespace cvert { inline namespace CVERT_ISA
   /*! Stands for no lattice: vertices stay where they are. It is less than all others, because the coarsest lattice of a shared vertex counts. */
   static constexpr int exactLattice = -126;
 
-  /*! of a face without a lattice: nobody shares its vertices */
-  static constexpr int noLattice = -1000;
-
   struct WorldLattice
   {
     float spacing;   //!< 0 of exactLattice

@@ -23,7 +23,8 @@
  *
  * A raw block stores its vertices and boxes as floats in place of all that: where a vertex is not finite, or where that takes fewer bytes.
  *
- * Only layout lives here; cell.h gives words and fields their meaning. */
+ * This header has the layout, and reads words of the header, edges, numbers and group words; cell.h gives words and
+ * fields of cells their meaning. */
 
 #ifndef CVERT_VERT_FORMAT_H
 #define CVERT_VERT_FORMAT_H
@@ -377,7 +378,7 @@ CVERT_FUNCTION uint32_t numberOfQuad (CVERT_POINTER(VertHeader) block, uint32_t 
   x = x < quadsX ? x : quadsX-1u;
   y = y < quadsY ? y : quadsY-1u;
   if (patternOfNumbers(form) != numbersInTable) return first + patternNumber(form,numbers,x,y);
-  uint32_t read = bitsAt(block,8u*numbers.x + numbers.y*(y*quadsX + x),numbers.y);
+  uint32_t read = bitsAt(bytesAfter(block,numbers.x & ~3u),8u*(numbers.x & 3u) + numbers.y*(y*quadsX + x),numbers.y);
   return first + (numbers.y < 32u ? read & ((1u << numbers.y) - 1u) : read);
 }
 

@@ -69,7 +69,8 @@ def gather(path, seen):
 def without_language(text):
     """Without the macros that make a header two languages."""
     text = re.sub(r"^#define (?:%s)\b.*\n" % "|".join([*LANGUAGE, *MACROS]), "", text, flags=re.M)
-    text = re.sub(r"/\* What lets the headers of this folder.*?\*/\n", "", text, flags=re.S)
+    for begin in ("What lets the headers of this folder", "Memory as shared code reads it"):
+        text = re.sub(r"/\* %s.*?\*/\n" % begin, "", text, flags=re.S)
     for name, value in MACROS.items():
         text = re.sub(r"\b%s\((\w+)\)" % name, value, text)
     for name, value in LANGUAGE.items():
