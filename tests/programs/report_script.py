@@ -6,6 +6,8 @@
 usage: report_script.py PATH/TO/cbvh_bench
 """
 
+import contextlib
+import io
 import json
 import os
 import re
@@ -14,6 +16,8 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
+import warnings
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -22,6 +26,7 @@ BENCH = sys.argv.pop(1)
 sys.path.insert(0, str(SCRIPT.parent))
 import bench_records  # noqa: E402
 import pandas  # noqa: E402
+import report  # noqa: E402
 from reporting import (  # noqa: E402
     checks, contents, errors, figures, formats, gpu, levels, memory, noise, pages, relations, scale,
     summary, tradeoffs,
@@ -177,9 +182,29 @@ class Report(unittest.TestCase):
         cls.temporary.cleanup()
 
     def run_script(self, *words):
-        return subprocess.run(
-            [sys.executable, "-B", str(SCRIPT), *map(str, words)], capture_output=True, text=True, timeout=200
-        )
+        """The script's status and output. It runs in this process, because its imports take 1.5 seconds."""
+        out, errors = io.StringIO(), io.StringIO()
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(contextlib.redirect_stdout(out))
+            stack.enter_context(contextlib.redirect_stderr(errors))
+            stack.enter_context(unittest.mock.patch.object(sys, "argv", [str(SCRIPT), *map(str, words)]))
+            stack.enter_context(warnings.catch_warnings())
+            warnings.simplefilter("default")
+            try:
+                status = report.main()
+            except SystemExit as stopped:
+                status = stopped.code if isinstance(stopped.code, int) else 1
+                errors.write("" if isinstance(stopped.code, int) else f"{stopped.code}\n")
+        return subprocess.CompletedProcess(words, status, out.getvalue(), errors.getvalue())
+
+    def run_without_charts(self, *words):
+        """As run_script, for records whose charts another test draws: charts take most of the time."""
+        with unittest.mock.patch.object(figures, "chart", lambda text, *_: figures.Picture(text, "svg+xml", b"")):
+            return self.run_script(*words)
+
+    def run_process(self, *words):
+        command = [sys.executable, "-B", str(SCRIPT), *map(str, words)]
+        return subprocess.run(command, capture_output=True, text=True, timeout=200)
 
     def test_the_page_is_whole_and_refers_to_nothing_outside(self):
         # A damaged record is named in one line and left out.
@@ -187,7 +212,7 @@ class Report(unittest.TestCase):
         shutil.copytree(self.records, folder)
         text = (folder / "cube_L2-6.json").read_text()
         (folder / "short_L4.json").write_text(text[:1000])
-        done = self.run_script(folder)
+        done = self.run_process(folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stderr, "report.py: warning: short_L4.json: truncated or no JSON; left out\n")
 
@@ -227,7 +252,7 @@ class Report(unittest.TestCase):
         return {r["representation"]: r for r in self.record()["groups"][1]["results"]}
 
     def test_the_first_screen_is_the_result(self):
-        done = self.run_script(self.records, "--output", Path(self.temporary.name) / "first.html")
+        done = self.run_without_charts(self.records, "--output", Path(self.temporary.name) / "first.html")
         self.assertEqual(done.returncode, 0, done.stderr)
         first = (Path(self.temporary.name) / "first.html").read_text().split("<nav")[0]
         self.assertEqual(first.count("<img"), 3, "memory, speed and error")
@@ -279,7 +304,7 @@ class Report(unittest.TestCase):
 
     def test_errors_are_medians_and_p99_but_where_the_paper_s_stand(self):
         output = Path(self.temporary.name) / "errors.html"
-        done = self.run_script(self.records, "--output", output)
+        done = self.run_without_charts(self.records, "--output", output)
         self.assertEqual(done.returncode, 0, done.stderr)
         bodies = sections_of(output.read_text())
         for name in ("tradeoffs", "errors", "gpu", "levels", "growth"):
@@ -305,7 +330,7 @@ class Report(unittest.TestCase):
         (table,) = [part for part in parts if part.title == f"cube: {levels.EXACT}"]
         self.assertIn(("cLEAF^2", percent + "%"), [(row[0], row[2]) for row in table.rows])
         self.assertEqual({row[0] for row in table.rows}, {"cLEAF^2", "cLEAF^3"}, "no other has faces of two forms")
-        self.assertEqual(self.run_script(self.records).returncode, 0)
+        self.assertEqual(self.run_without_charts(self.records).returncode, 0)
         lines = (self.records / "tables.md").read_text().split("\n")
         lines = [line.split(" | ") for line in lines if line.startswith("| 6 | cLEAF")]
         self.assertIn((percent + "%", "-"), [(a[4], b[4]) for a in lines for b in lines if (a[1], b[1]) == ("cLEAF^2", "cLEAF-only^2")])
@@ -398,7 +423,7 @@ class Report(unittest.TestCase):
         self.assertIn(f" | {six} | ", text)
 
     def test_the_table_of_records_has_every_measurement(self):
-        self.assertEqual(self.run_script(self.records, "--csv", self.records / "all.csv").returncode, 0)
+        self.assertEqual(self.run_without_charts(self.records, "--csv", self.records / "all.csv").returncode, 0)
         table = pandas.read_csv(self.records / "all.csv")
         speeds = [speed for group in self.record()["groups"] for result in group["results"] for speed in result["speed"]]
         self.assertEqual((table.what == "speed").sum(), len(speeds))
@@ -417,7 +442,7 @@ class Report(unittest.TestCase):
         page = (SCRIPT.parents[1] / "docs/paper.md").read_text()
         (code,) = re.findall(r"^    import pandas\n(?:    .*\n)+", page, re.MULTILINE)
         self.assertLessEqual(code.count("\n"), 4)
-        self.assertEqual(self.run_script(self.records).returncode, 0)
+        self.assertEqual(self.run_without_charts(self.records).returncode, 0)
         code = re.sub(r"^    ", "", code, flags=re.MULTILINE).replace("output/benchmark/paper/records.csv", str(self.records / "records.csv"))
         found = {}
         exec(code, found)
@@ -445,7 +470,7 @@ class Report(unittest.TestCase):
                       "0.34 billion", "| trex, full | auto | 1.00 | 4.0 |"):  # fmt: skip
             self.assertIn(found, text)
         page = Path(self.temporary.name) / "scale.html"
-        self.assertEqual(self.run_script(self.records, "--scale", folder, "--output", page).returncode, 0)
+        self.assertEqual(self.run_without_charts(self.records, "--scale", folder, "--output", page).returncode, 0)
         for found in ("computed from 40.0 bytes per quad", "Levels by the view", "render GRID"):
             self.assertIn(found, page.read_text())
         done = self.run_script(self.records, "--scale", self.records, "--output", page)
@@ -490,7 +515,7 @@ class Report(unittest.TestCase):
         self.assertEqual(noise.period([older]), older["date"])
         self.assertEqual(noise.period([older, later]), f"{later['date']} to {later['end']}")
         page = Path(self.temporary.name) / "period.html"
-        self.assertEqual(self.run_script(self.records, "--output", page).returncode, 0)
+        self.assertEqual(self.run_without_charts(self.records, "--output", page).returncode, 0)
         for text in (page.read_text(), page.with_name("tables.md").read_text()):
             self.assertIn(f"{run['date']} to {run['end']}", text)
 
@@ -515,13 +540,13 @@ class Report(unittest.TestCase):
         (folder / "store").mkdir()
         (folder / "link.html").symlink_to("store/page.html")
         (folder / "null").symlink_to("/dev/null")
-        done = self.run_script(folder, "--output", folder / "link.html", "--tables", folder / "null")
+        done = self.run_without_charts(folder, "--output", folder / "link.html", "--tables", folder / "null")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue((folder / "link.html").is_symlink() and (folder / "null").is_symlink())
         self.assertIn("<h1>", (folder / "store/page.html").read_text())
         self.assertEqual({path.name for path in folder.iterdir()}, names, "a part is left")
         (folder / "store/page.html").chmod(0o604)
-        done = self.run_script(folder, "--output", folder / "link.html", "--tables", "/dev/stdout")
+        done = self.run_process(folder, "--output", folder / "link.html", "--tables", "/dev/stdout")
         self.assertIn("| relation | paper |", done.stdout)
         self.assertEqual((folder / "store/page.html").stat().st_mode & 0o7777, 0o604)
         (folder / "same.html").symlink_to("cube_L2-6.json")
@@ -708,11 +733,11 @@ class Report(unittest.TestCase):
         none = self.run_script(self.records, "--output", output, "--gpu", elsewhere / "none.json")
         self.assertEqual((none.returncode, none.stderr.count("\n")), (1, 1))
         self.assertIn("no such file or folder", none.stderr)
-        other = self.run_script(self.records, "--output", output, "--gpu", self.records)
+        other = self.run_without_charts(self.records, "--output", output, "--gpu", self.records)
         self.assertEqual(other.returncode, 0)
         self.assertEqual(other.stderr, "report.py: warning: records: nothing in it was measured on a Vulkan device; left out\n")
         (elsewhere / "short.json").write_text("{")
-        damaged = self.run_script(self.records, "--output", output, "--gpu", elsewhere)
+        damaged = self.run_without_charts(self.records, "--output", output, "--gpu", elsewhere)
         self.assertEqual((damaged.returncode, damaged.stderr.count("\n")), (0, 1))
         self.assertIn("short.json: truncated or no JSON", damaged.stderr)
 
