@@ -66,7 +66,7 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
 {
   if (!group || !rays) { embree::beside::refuse("group or rays are NULL"); return 0; }
   if (!isKnown(query))
-    return asKnown(group, query, [&](const CbvhQuery* known) { return intersect<K>(group, valid, rays, known); });
+    return asKnown(group, query, [=](const CbvhQuery* known) { return intersect<K>(group, valid, rays, known); });
   typename Kernels<K>::RayHits& packet = *(typename Kernels<K>::RayHits*)rays;
   static const AllRays<K> all;
   if (!valid) valid = all.valid;
@@ -91,7 +91,7 @@ unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQ
 {
   if (!group || !rays) { embree::beside::refuse("group or rays are NULL"); return 0; }
   if (!isKnown(query))
-    return asKnown(group, query, [&](const CbvhQuery* known) { return occluded<K>(group, valid, rays, known); });
+    return asKnown(group, query, [=](const CbvhQuery* known) { return occluded<K>(group, valid, rays, known); });
   typename Kernels<K>::Rays& packet = *(typename Kernels<K>::Rays*)rays;
   static const AllRays<K> all;
   if (!valid) valid = all.valid;
@@ -109,7 +109,7 @@ int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 {
   if (!group || !ray) { embree::beside::refuse("group or ray is NULL"); return 0; }
   if (!isKnown(query))
-    return asKnown(group, query, [&](const CbvhQuery* known) { return cbvhIntersect1(group, ray, known); });
+    return asKnown(group, query, [=](const CbvhQuery* known) { return cbvhIntersect1(group, ray, known); });
   RTCRayHit* const ours = (RTCRayHit*)ray;
   const unsigned int geomID = ours->hit.geomID, instID = ours->hit.instID[0];
   ours->hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -125,7 +125,7 @@ int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query)
 {
   if (!group || !ray) { embree::beside::refuse("group or ray is NULL"); return 0; }
   if (!isKnown(query))
-    return asKnown(group, query, [&](const CbvhQuery* known) { return cbvhOccluded1(group, ray, known); });
+    return asKnown(group, query, [=](const CbvhQuery* known) { return cbvhOccluded1(group, ray, known); });
   if (ray->tfar < 0) return 0;
   Query context(query);
   rtcOccluded1(group->scene, &context.context, (RTCRay*)ray);
