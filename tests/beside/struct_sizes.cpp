@@ -143,7 +143,12 @@ struct StructSizes : ::testing::Test
     RTCCompressionArguments compression;
     rtcInitCompressionArguments(&compression);
     cases.push_back(caseOf<RTCCompressionArguments>("RTCCompressionArguments", false, compression,
-      [=](RTCCompressionArguments* args) { rtcSetGeometryCompression(cage, args); return error(); }));
+      [=](RTCCompressionArguments* args) {
+        rtcSetGeometryCompression(cage, args);
+        const std::string text = error();
+        rtcCommitGeometry(cage);
+        return text;
+      }));
     RTCDicingArguments dicing;
     rtcInitDicingArguments(&dicing);
     dicing.pixelSize = 0.1f;
