@@ -17,7 +17,7 @@
  *   bool addLines (size_t primitive, unsigned step, Scratch& scratch, LatticeChoice& choice)
  *       Adds the borders and the middles of the primitive's patches. False if it has no vertices at that step. It may
  *       keep vertices for later: it is called once per primitive and step, the steps of a primitive in order.
- *   void forEachShared (size_t primitive, closure(uint32_t element, bool isTracedByGrid))
+ *   void forEachShared (size_t primitive, closure(size_t element, bool isTracedByGrid))
  *       Calls closure for each element that the primitive shares with others, or may share. An element is a number for
  *       vertices with one lattice: a corner, the interior of an edge, or one vertex.
  *
@@ -29,6 +29,7 @@
 #include "../base/tasks.h"
 #include "../../cvert/encoder/lattice.h"
 #include "plan.h"
+#include <algorithm>
 
 namespace embree
 {
@@ -117,15 +118,16 @@ namespace embree
           });
       }
 
-      /*! Chooses the lattices of shared elements, whose numbers are below numElements. */
+      /*! Chooses the lattices of shared elements, whose numbers are below numElements. All begin with the finest of all
+       *  primitives, which leaves few to be raised, and an element of no primitive with an arbitrary one. */
       template<typename Topology, typename Progress>
       void share (Topology& topology, size_t numElements, size_t perTask, const Progress& progress)
       {
-        fill(shared,numElements,int8_t(cbvh::exactLattice));
+        fill(shared,numElements,own.empty() ? int8_t(cbvh::exactLattice) : *std::min_element(own.begin(),own.end()));
         forRanges(topology.size(),perTask,[&](const range<size_t>& r) {
             for (size_t i=r.begin(); i!=r.end(); i++)
-              topology.forEachShared(i,[&](uint32_t element, bool isTracedByGrid) {
-                  int8_t* const at = &shared[size_t(element)*plan.numTimeSteps];
+              topology.forEachShared(i,[&](size_t element, bool isTracedByGrid) {
+                  int8_t* const at = &shared[element*plan.numTimeSteps];
                   for (unsigned step=0; step<plan.numTimeSteps; step++)
                     raise(at[step],isTracedByGrid ? int8_t(ofGrid) : own[i*plan.numTimeSteps + step]);
                 });

@@ -122,8 +122,8 @@ namespace embree
       static const size_t fewVertices = 9*9;  //!< of a patch whose lines cost no less than all of it
 
       static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
-      static uint32_t cornerElement (const CageTopology::Edge& edge) { return 2*edge.cornerOwner; }
-      static uint32_t edgeElement (const CageTopology::Edge& edge) { return 2*edge.owner + 1; }
+      static size_t cornerElement (const CageTopology::Edge& edge) { return 2*size_t(edge.cornerOwner); }
+      static size_t edgeElement (const CageTopology::Edge& edge) { return 2*size_t(edge.owner) + 1; }
 
       /* points of a half-edge: its corner and edge if it owns them, its spoke; after the last of a face the center */
       size_t edgePoints (uint32_t i) const { return topology.ownsEdge(i) ? topology.at(i).rate-1 : 0; }
