@@ -29,6 +29,7 @@
 #include "../base/tasks.h"
 #include "../../cvert/encoder/lattice.h"
 #include "plan.h"
+#include <algorithm>
 
 namespace embree
 {
@@ -117,11 +118,12 @@ namespace embree
           });
       }
 
-      /*! Chooses the lattices of shared elements, whose numbers are below numElements. */
+      /*! Chooses the lattices of shared elements, whose numbers are below numElements. All begin with the finest of all
+       *  primitives, which leaves few to be raised, and an element of no primitive with an arbitrary one. */
       template<typename Topology, typename Progress>
       void share (Topology& topology, size_t numElements, size_t perTask, const Progress& progress)
       {
-        fill(shared,numElements,int8_t(cbvh::exactLattice));
+        fill(shared,numElements,own.empty() ? int8_t(cbvh::exactLattice) : *std::min_element(own.begin(),own.end()));
         forRanges(topology.size(),perTask,[&](const range<size_t>& r) {
             for (size_t i=r.begin(); i!=r.end(); i++)
               topology.forEachShared(i,[&](size_t element, bool isTracedByGrid) {

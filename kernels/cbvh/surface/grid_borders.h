@@ -93,8 +93,9 @@ namespace embree
       template<typename Closure>
       void forBorderEdges (size_t i, const Closure& closure) const
       {
-        for (int s=0; s<4 && isValid(i); s++) {
-          const Grid grid = (*this)[i];
+        if (!isValid(i)) return;
+        const Grid grid = (*this)[i];
+        for (int s=0; s<4; s++) {
           Entry before = Table::none;
           for (unsigned k=0; k<=grid.quads(s & 1); k++) {
             const size_t vertex = grid.onSide(s,k);

@@ -33,7 +33,9 @@ namespace embree
         while (size < vertices + vertices/8) size *= 2;
         if (size > none) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"more than 2^31 vertices are on the borders of grids");
         slots.resize(size);
-        parallel_for(size_t(0),size,size_t(1) << 16,[&](const range<size_t>& r) { std::fill(slots.data()+r.begin(),slots.data()+r.end(),uint64_t(0)); });
+        parallel_for(size_t(0),size,size_t(1) << 16,[&](const range<size_t>& r) {
+            std::fill(slots.data()+r.begin(),slots.data()+r.end(),uint64_t(0));
+          });
       }
 
       void clear () { slots.clear(); }
@@ -110,6 +112,7 @@ namespace embree
       {
         if (((slot ^ hash) >> tagShift) != 0) return false;
         const size_t other = size_t(slot & indexBits);
+        if (other == vertex) return true;
         const float* q = positions.position(other);
         return p[0] == q[0] && p[1] == q[1] && p[2] == q[2] && positions.moveAlike(vertex,other);
       }
