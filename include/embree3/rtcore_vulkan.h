@@ -97,9 +97,11 @@ typedef struct RTCVulkanSceneTy* RTCVulkanScene;
 
 enum RTCVulkanMemory
 {
-  RTC_VULKAN_MEMORY_AUTO = 0,   /* import where the device's memory is the host's, else copy */
+  RTC_VULKAN_MEMORY_AUTO = 0,   /* imports if the memory of the device is the host's and can be imported, else copies */
   RTC_VULKAN_MEMORY_COPY = 1,   /* to memory of the device */
-  RTC_VULKAN_MEMORY_IMPORT = 2  /* blocks stay in the host's memory: needs VK_EXT_external_memory_host */
+  RTC_VULKAN_MEMORY_IMPORT = 2  /* blocks stay in the host's memory: needs VK_EXT_external_memory_host. An error if the
+                                   driver refuses the memory: some drivers do not import mapped files, in which
+                                   rtcLoadCompressedGeometry keeps blocks */
 };
 
 enum RTCVulkanTraversal

@@ -157,6 +157,28 @@ TEST_F(VulkanFaults, AnAllocationThatFailsIsNamed)
     EXPECT_TRUE(std::any_of(messages.begin(), messages.end(), [&](const std::string& message) { return has(message, std::string(" bytes for ") + what); })) << what;
 }
 
+// NVIDIA's driver refuses to import mapped files.
+TEST_F(VulkanFaults, BlocksThatTheDriverDoesNotImportAreCopied)
+{
+  if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "memory cannot be imported";
+  const SmallScene scene(embree, RTC_COMPRESSION_VERT);
+  faults->fail("GetMemoryHostPointerPropertiesEXT", 1, VK_ERROR_OUT_OF_DEVICE_MEMORY);
+  EXPECT_FALSE(newVulkanScene(device, scene, RTC_VULKAN_MEMORY_IMPORT));
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
+  for (const char* part : {"importing", "VK_ERROR_OUT_OF_DEVICE_MEMORY", "RTC_VULKAN_MEMORY_AUTO"})
+    EXPECT_TRUE(has(embree.message, part)) << embree.message;
+
+  faults->fail("GetMemoryHostPointerPropertiesEXT", 1, VK_ERROR_OUT_OF_DEVICE_MEMORY);
+  const VulkanScene uploaded = newVulkanScene(device, scene, RTC_VULKAN_MEMORY_AUTO);
+  faults->failNothing();
+  ASSERT_TRUE(uploaded) << embree.message;
+  RTCVulkanSceneStatistics statistics;
+  rtcGetVulkanSceneStatistics(uploaded.get(), &statistics);
+  EXPECT_EQ(statistics.importedBytes, 0u);
+  const std::vector<RTCRayHit> rays = raysFromAbove();
+  expectAsOnTheCPU(scene, rays, traceAll(uploaded.get(), rays));
+}
+
 TEST_F(VulkanFaults, ALimitOnAllocationsIsNamedWithItsValue)
 {
   size_t limit = 100000;

@@ -27,6 +27,7 @@ protected:
 TEST_F(VulkanFiles, WhatIsLoadedHasTheHitsOfWhatWasSaved)
 {
   const Folder folder;
+  std::string refused; // what the driver did not import: it need not import mapped files
   const std::string path = folder/"surface.cbvh";
   for (const Saveable& form : allSaveable()) {
     SCOPED_TRACE(form.name);
@@ -48,13 +49,26 @@ TEST_F(VulkanFiles, WhatIsLoadedHasTheHitsOfWhatWasSaved)
     for (const RTCRayHit& ray : expected) hits += isHit(ray);
     EXPECT_GT(hits, rays.size()/20);
     EXPECT_TRUE(areSame(expected, traced(newVulkanScene(device, loaded, RTC_VULKAN_MEMORY_COPY), rays)));
-    if (vulkan->handles.hasHostImport) { EXPECT_TRUE(areSame(expected, traced(newVulkanScene(device, loaded, RTC_VULKAN_MEMORY_IMPORT), rays))); }
+    EXPECT_TRUE(areSame(expected, traced(newVulkanScene(device, loaded), rays)));
+    if (vulkan->handles.hasHostImport) {
+      const VulkanScene imported = newVulkanScene(device, loaded, RTC_VULKAN_MEMORY_IMPORT);
+      if (imported) {
+        EXPECT_TRUE(areSame(expected, traced(imported, rays)));
+      }
+      else {
+        EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
+        EXPECT_NE(embree.message.find("importing"), std::string::npos) << embree.message;
+        refused = std::string(form.name) + ": " + embree.message;
+      }
+    }
     if (!vulkan->handles.hasRayQuery) continue;
     const std::vector<RTCRayHit> byQuery = traced(newQueryScene(device, loaded), rays);
     size_t others = 0;
     for (size_t i = 0; i < rays.size() && i < byQuery.size(); i++) others += std::memcmp(&expected[i], &byQuery[i], sizeof(RTCRayHit)) != 0;
     EXPECT_LE(others, 1u); // blocks of cVOXEL overlap
   }
+  if (!refused.empty() && !HasFailure())
+    GTEST_SKIP() << "hits of copied blocks are the same, but the driver does not import " << refused;
 }
 
 } // namespace

@@ -36,11 +36,16 @@ CVERT_BEGIN
 /* --- boxes --------------------------------------------------------------------------- */
 
 /*! Ulps that the sheared vertices, the boxes and the ray's distances to them may be off together: a difference is
- *  off by a half, a shear by three halves, a plane's distance by three, each of the two. */
+ *  off by a half, a shear by three halves, a plane's distance by three, each of the two. In shaders a quotient is off
+ *  by up to 2.5 ulps instead of a half: that adds 2 to the shear, and 2 to each of the two distances. */
+#ifdef VULKAN
+CVERT_CONSTANT float slackUlps = 14.0f;
+#else
 CVERT_CONSTANT float slackUlps = 8.0f;
+#endif
 
 /*! the same of the sheared coordinate, where the ray's start and its direction are sums of three */
-CVERT_CONSTANT float shearedSlackUlps = 16.0f;
+CVERT_CONSTANT float shearedSlackUlps = 2.0f*slackUlps;
 
 /*! what is to be added to planes of a world axis; extent: of the block from its origin, at least */
 CVERT_REAL CVERT_INLINE Real boxSlack (Real org, float origin, float extent) {
@@ -104,7 +109,11 @@ CVERT_FUNCTION int largestAxis (float x, float y, float z)
 
 /*! Side of the ray on which the edge from a to b lies, sheared. Seen from the edge's other triangle it is the exact
  *  negative, as products commute; and as rounding is monotonic, it may round to 0 but never to the wrong sign. */
-CVERT_REAL CVERT_INLINE Real edgeSide (Real ax, Real ay, Real bx, Real by) { return product(ax,by) - product(ay,bx); }
+CVERT_REAL CVERT_INLINE Real edgeSide (Real ax, Real ay, Real bx, Real by)
+{
+  CVERT_PRECISE Real side = product(ax,by) - product(ay,bx); // CVERT_PRECISE: no driver may fuse the difference either
+  return side;
+}
 
 /*! whether the ray is on one side of three edges, or on some of them: no triangle that has it is left out */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) isInside (Real a, Real b, Real c) {

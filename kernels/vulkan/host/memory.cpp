@@ -85,7 +85,7 @@ Buffer::Buffer(Device& device, void* begin, size_t bytes) : bytes(bytes), device
     info.pNext = &import;
     info.allocationSize = bytes;
     info.memoryTypeIndex = chooseType(device.capabilities, requirements.memoryTypeBits & pointer.memoryTypeBits, 0, 0, what);
-    allocate(info, what);
+    allocate(info, what, "importing ");
   } catch (...) {
     destroy();
     throw;
@@ -101,13 +101,14 @@ void Buffer::create(const void* next, const char* what)
   check(device.vk.CreateBuffer(device.handles.device, &info, nullptr, &handle), "creating a buffer of " + sizeText(bytes) + " for " + what);
 }
 
-void Buffer::allocate(VkMemoryAllocateInfo info, const char* what)
+void Buffer::allocate(VkMemoryAllocateInfo info, const char* what, const char* doing)
 {
   VkMemoryAllocateFlagsInfo flags = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
   flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
   flags.pNext = info.pNext;
   info.pNext = &flags;
-  check(device.vk.AllocateMemory(device.handles.device, &info, nullptr, &memory), "allocating " + sizeText(info.allocationSize) + " for " + what);
+  check(device.vk.AllocateMemory(device.handles.device, &info, nullptr, &memory),
+        doing + sizeText(info.allocationSize) + " for " + what);
   check(device.vk.BindBufferMemory(device.handles.device, handle, memory, 0), "binding " + sizeText(info.allocationSize) + " for " + what);
   VkBufferDeviceAddressInfo address = {VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
   address.buffer = handle;

@@ -39,7 +39,7 @@ public:
 
 private:
   void create(const void* next, const char* what);
-  void allocate(VkMemoryAllocateInfo info, const char* what);
+  void allocate(VkMemoryAllocateInfo info, const char* what, const char* doing = "allocating ");
   void destroy();
 
   Device& device;

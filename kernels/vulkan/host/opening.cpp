@@ -112,7 +112,10 @@ Machine::Machine()
     info.pApplicationInfo = &application;
     const VkResult result = create(&info, nullptr, &instance);
     if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-      throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU, "Vulkan has no driver on this machine (Debian: mesa-vulkan-drivers, or the vendor's)");
+      throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU,
+                        "Vulkan's loader found no driver that works: VK_ERROR_INCOMPATIBLE_DRIVER. "
+                        "Either none is installed (Debian: mesa-vulkan-drivers, or the vendor's), or it failed: "
+                        "with VK_LOADER_DEBUG=error the loader prints why");
     check(result, "creating an instance");
     vk = InstanceFunctions(getInstanceProcAddr, instance);
   } catch (...) {

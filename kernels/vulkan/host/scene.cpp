@@ -149,10 +149,22 @@ private:
         const FlatBlock& block = part.flat->blocks[i];
         placed.push_back({&block, part.flat->geometries[block.geomID].build});
       }
-    const bool import = memory == RTC_VULKAN_MEMORY_IMPORT || (memory == RTC_VULKAN_MEMORY_AUTO && !device.capabilities.info.isDiscrete && device.handles.hasHostImport);
+    const bool isRequired = memory == RTC_VULKAN_MEMORY_IMPORT;
+    const bool isShared = !device.capabilities.info.isDiscrete && device.handles.hasHostImport;
+    bool import = isRequired || (memory == RTC_VULKAN_MEMORY_AUTO && isShared);
     if (import && !device.handles.hasHostImport)
       throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("memory cannot be imported: the Vulkan device ") + device.capabilities.info.name + " has no VK_EXT_external_memory_host, or it is not enabled");
-    out.blocks = import ? importBlocks(device, placed) : copyBlocks(device, uploader, placed);
+    /* Drivers may refuse some memory: NVIDIA's refuses files that are mapped for reading only. */
+    if (import) {
+      try {
+        out.blocks = importBlocks(device, placed);
+      } catch (const VulkanError& error) {
+        if (isRequired)
+          throw VulkanError(error.code, error.what() + std::string("; RTC_VULKAN_MEMORY_AUTO copies such blocks"));
+        import = false;
+      }
+    }
+    if (!import) out.blocks = copyBlocks(device, uploader, placed);
     for (const PlacedBlock& block : placed) blocks.push_back(BlockData{block.address, block.block->geomID, 0});
   }
 

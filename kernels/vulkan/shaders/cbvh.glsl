@@ -77,6 +77,10 @@ CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isThere)
   return now;
 }
 
+/* Relative error of a distance to a plane: half an ulp each of the difference and the product, and 2.5 of the
+ * reciprocal, as Vulkan allows for quotients. Embree's robust traversal has 3 ulps, as its quotients are exact. */
+const float cbvhNodeSlack = 4.0*floatUlp;
+
 /* Children that the ray meets, nearest first: keys whose upper bits are the distance, and whose lower two say
  * the child, cbvhChildOfKey; those that it does not meet come last. Of two as near Embree takes the later one. */
 uvec4 cbvhSortChildren (CbvhNode node, bvec4 isThere, CbvhTravel ray, float tfar)
@@ -87,8 +91,7 @@ uvec4 cbvhSortChildren (CbvhNode node, bvec4 isThere, CbvhTravel ray, float tfar
     enter = max(enter, min(a, b));
     leave = min(leave, max(a, b));
   }
-  /* as Embree's robust traversal: what is lost to rounding */
-  bvec4 isMet = lessThanEqual(enter*(1.0 - 3.0*floatUlp), leave*(1.0 + 3.0*floatUlp));
+  bvec4 isMet = lessThanEqual(enter*(1.0 - cbvhNodeSlack), leave*(1.0 + cbvhNodeSlack));
   uvec4 keys = mix(uvec4(0xFFFFFFFFu), (floatBitsToUint(enter) & ~uvec4(3u)) | uvec4(3u, 2u, 1u, 0u), isMet);
   keys = mix(uvec4(0xFFFFFFFFu), keys, isThere);
   keys = uvec4(min(keys.xz, keys.yw), max(keys.xz, keys.yw)); // x,y: lesser of each pair; z,w: greater
@@ -99,14 +102,22 @@ uvec4 cbvhSortChildren (CbvhNode node, bvec4 isThere, CbvhTravel ray, float tfar
 uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
 float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & ~3u); }
 
-/* A leaf of the tree that is no instance; true if something nearer is hit. framed: see cbvhReport; nearest: of cVERT */
+/* Returns false if the ray misses the bounds that a leaf itself has. Reads at most the header of a block. */
+bool cbvhMayHitLeaf (SceneData scene, CbvhTravel ray, uint reference, float tfar)
+{
+  if (!cbvhHasKind(blockReference(kindVert)) || referenceType(reference) != blockReference(kindVert)) return true;
+  return cbvhMeetsVert(scene, cbvhPointer(scene, referenceIndex(reference)), ray, tfar);
+}
+
+/* True if something nearer is hit. reference: a leaf that is no instance, and for which cbvhMayHitLeaf is true;
+ * framed: see cbvhReport; nearest: of cVERT */
 bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit, inout vec2 framed, inout CbvhVertNearest nearest)
 {
   uint type = referenceType(reference), index = referenceIndex(reference);
   if (cbvhHasKind(cellReference) && type == cellReference) return cbvhTraceCell(scene, ray, index, anyHit, hit);
   if (cbvhHasKind(triangleReference) && isRunType(type)) return cbvhTraceRun(scene, ray, index, countOfRun(type), anyHit, hit);
   if (cbvhHasKind(blockReference(kindVert)) && type == blockReference(kindVert))
-    return cbvhTraceVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
+    return cbvhTraceVert(cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if (cbvhHasKind(movingBlockReference) && type == movingBlockReference)
     return cbvhTraceMovingVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if ((uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == 0u) return false;
@@ -133,32 +144,58 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   int top = 0, instanceTop = -1; // the stack's height where an instance was entered
   uint current = scene.root;
 
-  while (true)
+  bool isDone = false;
+  while (!isDone)
   {
-    /* down to a leaf */
-    while (current != emptyReference && cbvhIsNode(referenceType(current)))
+    /* Go on to a leaf that the ray may hit. Rays of a subgroup wait for each other at the end of this loop, so that
+     * they decode blocks together. The loop has a single exit, for the reason that cbvhTraceGroup gives. */
+    bool hasLeaf = false;
+    while (!hasLeaf && !isDone)
     {
-      bvec4 isThere = bvec4(true);
-      CbvhNode node;
-      if (cbvhHasKind(movingNodeReference) && referenceType(current) == movingNodeReference)
-        node = cbvhNodeAt(CbvhMovingNodes(scene.movingNodes).at[referenceIndex(current)], ray.time, isThere);
-      else node = nodes.at[current];
-      uvec4 keys = cbvhSortChildren(node, isThere, ray, hit.t);
-      current = emptyReference;
-      if (keys.w != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.w)], keys.w);
-      if (keys.z != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.z)], keys.z);
-      if (keys.y != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.y)], keys.y);
-      if (keys.x != 0xFFFFFFFFu) {
-        current = node.children[cbvhChildOfKey(keys.x)];
-        ray.enter = cbvhEntryOfKey(keys.x);
+      /* back to what waits and is not behind a hit */
+      if (current == emptyReference)
+      {
+        if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhTravel(worldRay); instanceTop = -1; }
+        if (top == 0) isDone = true;
+        else {
+          top--;
+          if (stack[top].y <= (floatBitsToUint(hit.t) | 3u)) {
+            current = stack[top].x;
+            ray.enter = cbvhEntryOfKey(stack[top].y);
+          }
+        }
+      }
+      if (current != emptyReference && cbvhIsNode(referenceType(current)))
+      {
+        bvec4 isThere = bvec4(true);
+        CbvhNode node;
+        if (cbvhHasKind(movingNodeReference) && referenceType(current) == movingNodeReference)
+          node = cbvhNodeAt(CbvhMovingNodes(scene.movingNodes).at[referenceIndex(current)], ray.time, isThere);
+        else node = nodes.at[current];
+        uvec4 keys = cbvhSortChildren(node, isThere, ray, hit.t);
+        current = emptyReference;
+        if (keys.w != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.w)], keys.w);
+        if (keys.z != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.z)], keys.z);
+        if (keys.y != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.y)], keys.y);
+        if (keys.x != 0xFFFFFFFFu) {
+          current = node.children[cbvhChildOfKey(keys.x)];
+          ray.enter = cbvhEntryOfKey(keys.x);
+        }
+      }
+      if (current != emptyReference && !cbvhIsNode(referenceType(current)))
+      {
+        hasLeaf = cbvhMayHitLeaf(scene, ray, current, hit.t);
+        if (!hasLeaf) current = emptyReference;
       }
     }
 
-    if (current != emptyReference)
+    if (hasLeaf)
     {
-      if (cbvhHasKind(instanceReference) && referenceType(current) == instanceReference)
+      uint leaf = current;
+      current = emptyReference;
+      if (cbvhHasKind(instanceReference) && referenceType(leaf) == instanceReference)
       {
-        uint geomID = referenceIndex(current);
+        uint geomID = referenceIndex(leaf);
         GeometryData instance = CbvhGeometries(scene.geometries).at[geomID];
         CbvhTransform toLocal;
         if ((instance.mask & worldRay.mask) != 0u && cbvhWorldToLocal(instance, ray.time, toLocal))
@@ -170,28 +207,16 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
             ray.firstGeometry = instance.firstGeometry;
             instanceTop = top;
             current = instance.root;
-            continue;
           }
         }
       }
-      else if (cbvhTraceLeaf(scene, ray, current, anyHit, hit, framed, nearest)) {
+      else if (cbvhTraceLeaf(scene, ray, leaf, anyHit, hit, framed, nearest)) {
         found = true;
-        if (anyHit) return true;
+        if (anyHit) isDone = true;
       }
     }
-
-    /* back to what waits and is not behind a hit */
-    do {
-      if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhTravel(worldRay); instanceTop = -1; }
-      if (top == 0) {
-        if (hit.t == framed.x) hit.t = framed.y;
-        return found;
-      }
-      top--;
-    } while (stack[top].y > (floatBitsToUint(hit.t) | 3u));
-    current = stack[top].x;
-    ray.enter = cbvhEntryOfKey(stack[top].y);
   }
+  if (hit.t == framed.x) hit.t = framed.y;
   return found;
 }
 
