@@ -102,22 +102,14 @@ uvec4 cbvhSortChildren (CbvhNode node, bvec4 isThere, CbvhTravel ray, float tfar
 uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
 float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & ~3u); }
 
-/* Returns false if the ray misses the bounds that a leaf itself has. Reads at most the header of a block. */
-bool cbvhMayHitLeaf (SceneData scene, CbvhTravel ray, uint reference, float tfar)
-{
-  if (!cbvhHasKind(blockReference(kindVert)) || referenceType(reference) != blockReference(kindVert)) return true;
-  return cbvhMeetsVert(scene, cbvhPointer(scene, referenceIndex(reference)), ray, tfar);
-}
-
-/* True if something nearer is hit. reference: a leaf that is no instance, and for which cbvhMayHitLeaf is true;
- * framed: see cbvhReport; nearest: of cVERT */
+/* A leaf of the tree that is no instance; true if something nearer is hit. framed: see cbvhReport; nearest: of cVERT */
 bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit, inout vec2 framed, inout CbvhVertNearest nearest)
 {
   uint type = referenceType(reference), index = referenceIndex(reference);
   if (cbvhHasKind(cellReference) && type == cellReference) return cbvhTraceCell(scene, ray, index, anyHit, hit);
   if (cbvhHasKind(triangleReference) && isRunType(type)) return cbvhTraceRun(scene, ray, index, countOfRun(type), anyHit, hit);
   if (cbvhHasKind(blockReference(kindVert)) && type == blockReference(kindVert))
-    return cbvhTraceVert(cbvhPointer(scene, index), ray, anyHit, hit, nearest);
+    return cbvhTraceVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if (cbvhHasKind(movingBlockReference) && type == movingBlockReference)
     return cbvhTraceMovingVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if ((uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == 0u) return false;
@@ -144,58 +136,32 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   int top = 0, instanceTop = -1; // the stack's height where an instance was entered
   uint current = scene.root;
 
-  bool isDone = false;
-  while (!isDone)
+  while (true)
   {
-    /* Go on to a leaf that the ray may hit. Rays of a subgroup wait for each other at the end of this loop, so that
-     * they decode blocks together. The loop has a single exit, for the reason that cbvhTraceGroup gives. */
-    bool hasLeaf = false;
-    while (!hasLeaf && !isDone)
+    /* down to a leaf */
+    while (current != emptyReference && cbvhIsNode(referenceType(current)))
     {
-      /* back to what waits and is not behind a hit */
-      if (current == emptyReference)
-      {
-        if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhTravel(worldRay); instanceTop = -1; }
-        if (top == 0) isDone = true;
-        else {
-          top--;
-          if (stack[top].y <= (floatBitsToUint(hit.t) | 3u)) {
-            current = stack[top].x;
-            ray.enter = cbvhEntryOfKey(stack[top].y);
-          }
-        }
-      }
-      if (current != emptyReference && cbvhIsNode(referenceType(current)))
-      {
-        bvec4 isThere = bvec4(true);
-        CbvhNode node;
-        if (cbvhHasKind(movingNodeReference) && referenceType(current) == movingNodeReference)
-          node = cbvhNodeAt(CbvhMovingNodes(scene.movingNodes).at[referenceIndex(current)], ray.time, isThere);
-        else node = nodes.at[current];
-        uvec4 keys = cbvhSortChildren(node, isThere, ray, hit.t);
-        current = emptyReference;
-        if (keys.w != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.w)], keys.w);
-        if (keys.z != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.z)], keys.z);
-        if (keys.y != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.y)], keys.y);
-        if (keys.x != 0xFFFFFFFFu) {
-          current = node.children[cbvhChildOfKey(keys.x)];
-          ray.enter = cbvhEntryOfKey(keys.x);
-        }
-      }
-      if (current != emptyReference && !cbvhIsNode(referenceType(current)))
-      {
-        hasLeaf = cbvhMayHitLeaf(scene, ray, current, hit.t);
-        if (!hasLeaf) current = emptyReference;
+      bvec4 isThere = bvec4(true);
+      CbvhNode node;
+      if (cbvhHasKind(movingNodeReference) && referenceType(current) == movingNodeReference)
+        node = cbvhNodeAt(CbvhMovingNodes(scene.movingNodes).at[referenceIndex(current)], ray.time, isThere);
+      else node = nodes.at[current];
+      uvec4 keys = cbvhSortChildren(node, isThere, ray, hit.t);
+      current = emptyReference;
+      if (keys.w != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.w)], keys.w);
+      if (keys.z != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.z)], keys.z);
+      if (keys.y != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.y)], keys.y);
+      if (keys.x != 0xFFFFFFFFu) {
+        current = node.children[cbvhChildOfKey(keys.x)];
+        ray.enter = cbvhEntryOfKey(keys.x);
       }
     }
 
-    if (hasLeaf)
+    if (current != emptyReference)
     {
-      uint leaf = current;
-      current = emptyReference;
-      if (cbvhHasKind(instanceReference) && referenceType(leaf) == instanceReference)
+      if (cbvhHasKind(instanceReference) && referenceType(current) == instanceReference)
       {
-        uint geomID = referenceIndex(leaf);
+        uint geomID = referenceIndex(current);
         GeometryData instance = CbvhGeometries(scene.geometries).at[geomID];
         CbvhTransform toLocal;
         if ((instance.mask & worldRay.mask) != 0u && cbvhWorldToLocal(instance, ray.time, toLocal))
@@ -207,16 +173,28 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
             ray.firstGeometry = instance.firstGeometry;
             instanceTop = top;
             current = instance.root;
+            continue;
           }
         }
       }
-      else if (cbvhTraceLeaf(scene, ray, leaf, anyHit, hit, framed, nearest)) {
+      else if (cbvhTraceLeaf(scene, ray, current, anyHit, hit, framed, nearest)) {
         found = true;
-        if (anyHit) isDone = true;
+        if (anyHit) return true;
       }
     }
+
+    /* back to what waits and is not behind a hit */
+    do {
+      if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhTravel(worldRay); instanceTop = -1; }
+      if (top == 0) {
+        if (hit.t == framed.x) hit.t = framed.y;
+        return found;
+      }
+      top--;
+    } while (stack[top].y > (floatBitsToUint(hit.t) | 3u));
+    current = stack[top].x;
+    ray.enter = cbvhEntryOfKey(stack[top].y);
   }
-  if (hit.t == framed.x) hit.t = framed.y;
   return found;
 }
 

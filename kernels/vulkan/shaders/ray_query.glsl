@@ -43,7 +43,7 @@ bool cbvhMeetsLeaf (LeafBox box, float tfar, inout CbvhTravel ray)
     leave = min(leave, max(a, b));
   }
   ray.enter = enter;
-  return enter*(1.0 - cbvhNodeSlack) <= leave*(1.0 + cbvhNodeSlack);
+  return enter*(1.0 - 3.0*floatUlp) <= leave*(1.0 + 3.0*floatUlp);
 }
 
 /* A box that the driver has found: `placed` is the custom index of the instance that has it, box the number of the primitive. ray: in the
@@ -67,7 +67,6 @@ bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const 
   travel.instID = place.instID;
   travel.firstGeometry = place.firstGeometry;
   if (!cbvhMeetsLeaf(leaf, found.hit.t, travel)) return false;
-  if (!cbvhMayHitLeaf(scene, travel, leaf.reference, found.hit.t)) return false;
   return cbvhTraceLeaf(scene, travel, leaf.reference, anyHit, found.hit, found.framed, found.nearest);
 }
 

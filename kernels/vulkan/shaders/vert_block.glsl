@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* A ray through a block of cVERT: kernels/cvert/rule/rule.h says by which rule its triangles are hit. Vertices of a block that does
- * not move are decoded one at a time, and tested as they come; those of one that moves are kept, a group at a time.
- * What a ray may hit is then looked at again, exactly. */
+ * not move are decoded a row at a time, and tested as they come; those of one that moves are kept, a group at a time. What a ray may hit is
+ * then looked at again, exactly. */
 
 #ifndef CBVH_VERT_BLOCK_GLSL
 #define CBVH_VERT_BLOCK_GLSL
@@ -41,48 +41,48 @@ vec2 cbvhSheared (CbvhShear shear, vec3 org, vec3 vertex)
 }
 
 /* Vertex i, j of group gx, gy in the world. moves: whether the block does, a constant; its group is decoded then */
-vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, uint gx, uint gy, int i, int j, const bool moves)
+vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, CellRow row, uint gx, uint gy, int i, int j, const bool moves)
 {
   if (moves) return cbvhVerticesNow[5*j + i];
   if (block.hasRaw) return cbvhRawVertex(block, block.first, gx, gy, i, j);
-  return cbvhWorldVertex(block, block.first, gx, gy, i, j, vertexOfCell(block.at, cell, i, j));
+  return cbvhWorldVertex(block, block.first, gx, gy, i, j, vertexOfRow(block.at, cell, row, i, j));
+}
+
+vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, uint gx, uint gy, int i, int j, const bool moves) {
+  return cbvhGroupVertex(block, cell, rowOfCell(cell, j), gx, gy, i, j, moves);
 }
 
 /* --- triangles ------------------------------------------------------------------------- */
 
 float cbvhSide (vec2 a, vec2 b) { return edgeSide(a.x, a.y, b.x, b.y); }
 
-/* Quads of a group whose triangles may have the ray's line in them: bit 2q + 0 or 1 of quad q. Visits one vertex at a
- * time, row by row, and keeps the six before it: it makes a quad with three of them. */
+/* Quads of a group whose triangles may have the ray's line in them: bit 2q + 0 or 1 of quad q. */
 uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, const bool moves)
 {
   uint mask = 0u;
-  int quadsX = int(quadsOfGroup(block.quadsX, gx)), vertices = cellColumns*(int(quadsOfGroup(block.quadsY, gy)) + 1);
-  CbvhCellReader reader;
-  if (!moves && !block.hasRaw) reader = cbvhReader(block.at, cell, 0);
-  vec2 v1 = vec2(0.0), v2 = v1, v3 = v1, v4 = v1, v5 = v1, v6 = v1;
-  int i = 0, j = 0;
-  [[dont_unroll]] for (int v = 0; v < vertices; v++)
+  int quadsX = int(quadsOfGroup(block.quadsX, gx)), quadsY = int(quadsOfGroup(block.quadsY, gy));
+  vec2 below[5];
+  CellRow first = rowOfCell(cell, 0);
+  [[unroll]] for (int i = 0; i < 5; i++) below[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, first, gx, gy, i, 0, moves));
+  [[dont_unroll]] for (int j = 0; j < quadsY; j++)
   {
-    vec3 vertex;
-    if (moves) vertex = cbvhVerticesNow[v];
-    else if (block.hasRaw) vertex = cbvhRawVertex(block, block.first, gx, gy, i, j);
-    else vertex = cbvhWorldVertex(block, block.first, gx, gy, i, j, cbvhNextVertex(reader, i, j));
-    vec2 at = cbvhSheared(shear, ray.org, vertex);
-    if (j > 0 && i > 0) {
-      float diag = cbvhSide(v5, v1), left = cbvhSide(v1, v6), bottom = cbvhSide(v6, v5);
-      float right = cbvhSide(v5, at), top = cbvhSide(at, v1);
-      uint bit = 2u*uint(4*j + i - 5);
+    vec2 row[5];
+    CellRow above = rowOfCell(cell, j + 1);
+    [[unroll]] for (int i = 0; i < 5; i++) row[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, above, gx, gy, i, j + 1, moves));
+    vec2 lower = min(below[0], row[0]), upper = max(below[0], row[0]);
+    [[unroll]] for (int i = 1; i < 5; i++) {
+      lower = min(lower, min(below[i], row[i]));
+      upper = max(upper, max(below[i], row[i]));
+    }
+    if (block.hasRaw || (all(lessThanEqual(lower, vec2(0.0))) && all(greaterThanEqual(upper, vec2(0.0)))))
+    [[unroll]] for (int i = 0; i < 4; i++) {
+      float diag = cbvhSide(below[i + 1], row[i]), left = cbvhSide(row[i], below[i]), bottom = cbvhSide(below[i], below[i + 1]);
+      float right = cbvhSide(below[i + 1], row[i + 1]), top = cbvhSide(row[i + 1], row[i]);
+      uint bit = 2u*uint(4*j + i);
       if (isInside(diag, left, bottom)) mask |= 1u << bit;
       if (isInside(right, top, -diag)) mask |= 2u << bit;
     }
-    v6 = v5;
-    v5 = v4;
-    v4 = v3;
-    v3 = v2;
-    v2 = v1;
-    v1 = at;
-    if (++i == cellColumns) { i = 0; j++; }
+    [[unroll]] for (int i = 0; i < 5; i++) below[i] = row[i];
   }
   if (quadsX < 4) { // what is behind the last column has no area
     uint columns = (1u << (2*quadsX)) - 1u;
@@ -117,13 +117,12 @@ CbvhVertNearest cbvhNoVertNearest () { return CbvhVertNearest(false, 0u, 0.0, Tr
 bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   int i = int(quadXOfTriangle(h)), j = int(quadYOfTriangle(h));
-  vec3 a = vec3(0.0), b = a, c = a;
-  [[dont_unroll]] for (int v = 0; v < 3; v++) {
+  vec3 vertices[3];
+  [[unroll]] for (int v = 0; v < 3; v++) {
     int corner = int(cornerOfTriangle(h, v));
-    a = b;
-    b = c;
-    c = cbvhGroupVertex(block, cell, gx, gy, i + (corner & 1), j + (corner >> 1), moves);
+    vertices[v] = cbvhGroupVertex(block, cell, gx, gy, i + (corner & 1), j + (corner >> 1), moves);
   }
+  vec3 a = vertices[0], b = vertices[1], c = vertices[2];
   if (block.hasRaw && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
   vec2 A = cbvhSheared(shear, ray.org, a), B = cbvhSheared(shear, ray.org, b), C = cbvhSheared(shear, ray.org, c);
   TriangleSides sides = triangleSides(A.x, A.y, B.x, B.y, C.x, C.y);
@@ -134,10 +133,7 @@ bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhS
   int kz = shear.kz;
   Wide org[3], dir[3];
   for (int k = 0; k < 3; k++) { org[k] = Wide(ray.org[k]); dir[k] = Wide(ray.dir[k]); }
-  /* without an index that varies, which would place the arrays in memory */
-  vec3 z = kz == 0 ? vec3(a.x, b.x, c.x) : kz == 1 ? vec3(a.y, b.y, c.y) : vec3(a.z, b.z, c.z);
-  vec3 orgTurned = cbvhTurn(kz, ray.org), dirTurned = cbvhTurn(kz, ray.dir);
-  TriangleSpan span = spanOf(Wide(z.x), Wide(z.y), Wide(z.z), Wide(orgTurned.z), Wide(dirTurned.z));
+  TriangleSpan span = spanOf(triangle.at[kz][0], triangle.at[kz][1], triangle.at[kz][2], org[kz], dir[kz]);
   Wide exact = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
   uint lane = gx + 4u*gy;
   TriangleName name = TriangleName(block.geomID, CVERT_AT(VertHeader, block.at).primID, block.region, 32u*lane + h);
@@ -158,47 +154,30 @@ uint cbvhMirror (CbvhTravel ray, vec3 alongX, vec3 alongY) {
   return (dot(alongX, ray.dir) < 0.0 ? 3u : 0u) | (dot(alongY, ray.dir) < 0.0 ? 12u : 0u);
 }
 
-/* groups of a block that does not move that the ray meets; as in cbvhTriangles a vertex at a time */
-uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhTravel ray, CbvhBoxes boxes, float tfar, uint mirror)
+/* groups of a block that does not move that the ray meets */
+uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint mirror)
 {
   uint open = 0u;
   if (block.hasRaw) {
-    CbvhVertRay vert = cbvhVertRay(ray);
     for (uint g = 0u; g < block.groups; g++)
       if (cbvhMeetsRawGroup(block, ray, vert, tfar, g)) open |= 1u << ((g % block.groupsX + 4u*(g/block.groupsX)) ^ mirror);
     return open;
   }
-  CbvhCellReader reader = cbvhReader(block.at, first, shearedAxis(block.boxForm));
-  int vertices = cellColumns*(int(block.groupsY) + 1), i = 0, j = 0;
-  uvec3 margins = uvec3(0u);
-  vec3 v1 = vec3(0.0), v2 = v1, v3 = v1, v4 = v1, v5 = v1, v6 = v1;
-  [[dont_unroll]] for (int v = 0; v < vertices; v++)
+  ivec3 below[5];
+  CellRow firstRow = rowOfCell(first, 0);
+  [[unroll]] for (int i = 0; i < 5; i++) below[i] = vertexOfRow(block.at, first, firstRow, i, 0);
+  [[dont_unroll]] for (uint gy = 0u; gy < block.groupsY; gy++)
   {
-    if (i == 0 && j > 0) margins = cbvhMargins(block, uint(j - 1)*block.groupsX);
-    vec3 at = cbvhBoxCorner(boxes, cbvhNextVertex(reader, i, j));
-    if (j > 0 && i > 0 && i <= int(block.groupsX)) {
-      if (cbvhMeetsGroup(boxes, ray, min(min(v6, v5), min(v1, at)), max(max(v6, v5), max(v1, at)), margins, tfar))
-        open |= 1u << (uint(4*j + i - 5) ^ mirror);
-      margins >>= 8;
-    }
-    v6 = v5;
-    v5 = v4;
-    v4 = v3;
-    v3 = v2;
-    v2 = v1;
-    v1 = at;
-    if (++i == cellColumns) { i = 0; j++; }
+    ivec3 row[5];
+    CellRow above = rowOfCell(first, int(gy) + 1);
+    [[unroll]] for (int i = 0; i < 5; i++) row[i] = vertexOfRow(block.at, first, above, i, int(gy) + 1);
+    [[unroll]] for (int i = 0; i < 4; i++)
+      if (uint(i) < block.groupsX &&
+          cbvhMeetsGroup(block, ray, vert, axes, tfar, gy*block.groupsX + uint(i), below[i], below[i + 1], row[i], row[i + 1]))
+        open |= 1u << ((uint(i) + 4u*gy) ^ mirror);
+    [[unroll]] for (int i = 0; i < 5; i++) below[i] = row[i];
   }
   return open;
-}
-
-/* whether the ray meets the box of a group whose cell is given */
-bool cbvhMeetsGroup (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhBoxes boxes, float tfar, uint g)
-{
-  int m = shearedAxis(block.boxForm);
-  vec3 a = cbvhBoxCorner(boxes, cbvhFromAxis(m, cell.c00)), b = cbvhBoxCorner(boxes, cbvhFromAxis(m, cell.c10));
-  vec3 c = cbvhBoxCorner(boxes, cbvhFromAxis(m, cell.c01)), d = cbvhBoxCorner(boxes, cbvhFromAxis(m, cell.c11));
-  return cbvhMeetsGroup(boxes, ray, min(min(a, b), min(c, d)), max(max(a, b), max(c, d)), cbvhMargins(block, g), tfar);
 }
 
 /* Triangles of a group; true if one is hit. There is one way out of loops here and below: lavapipe (Mesa 22.3) loses hits of
@@ -219,36 +198,24 @@ bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhSh
   return found;
 }
 
-/* The four quadwords of a block's header. */
-void cbvhReadHeader (CbvhPointer at, out uvec4 header[4])
+/* True if something is hit nearer than hit.t, which is lowered. */
+bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
-  [[unroll]] for (uint i = 0u; i < 4u; i++) header[i] = cbvhQuadword(at, i);
-}
-
-/* Returns false if the ray misses the bounds of a block that does not move, or if its mask hides the block. Reads
- * only the header. */
-bool cbvhMeetsVert (SceneData scene, CbvhPointer at, CbvhTravel ray, float tfar)
-{
-  uvec4 header[4];
-  cbvhReadHeader(at, header);
   if (!cbvhIsSeen(scene, ray, at.geomID)) return false;
-  return isRaw(header[3].z) || cbvhMeetsBounds(cbvhBoxes(header, ray), ray, tfar);
-}
-
-/* True if something is hit nearer than hit.t, which is lowered. Needs cbvhMeetsVert. */
-bool cbvhTraceVert (CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit, inout CbvhVertNearest nearest)
-{
-  uvec4 header[4];
-  cbvhReadHeader(at, header);
-  CbvhBoxes boxes = cbvhBoxes(header, ray);
-
-  CbvhVertBlock block = cbvhReadVertBlock(at, header);
-  CodedCell first = cbvhFirstCell(block, header);
+  CbvhVertBlock block = cbvhReadVertBlock(at);
   CbvhShear shear = cbvhShear(ray.dir);
+  CbvhVertRay vert = cbvhVertRay(ray);
+  CbvhVertAxes axes = CbvhVertAxes(0u, vec3(0.0), 0.0, 0.0, 0.0, 0.0);
+  CodedCell first = cbvhNoCell();
+  if (!block.hasRaw) {
+    BlockReach reach = reachAtBegin(block.first);
+    axes = cbvhVertAxes(block.boxForm, cbvhOrigin(block.first), extentOfReach(reach), ray, vert);
+    if (!cbvhMeetsBounds(ray, vert, axes, reach, vec3(0.0), hit.t)) return false;
+    first = firstCell(block.first, block.region);
+  }
   vec3 spacing = cbvhSpacing(block.first);
-  uint mirror = 0u;
-  if (!block.hasRaw) mirror = cbvhMirror(ray, vec3(first.c10 - first.c00)*spacing, vec3(first.c01 - first.c00)*spacing);
-  uint open = cbvhGroups(block, first, ray, boxes, hit.t, mirror);
+  uint mirror = cbvhMirror(ray, vec3(first.c10 - first.c00)*spacing, vec3(first.c01 - first.c00)*spacing);
+  uint open = cbvhGroups(block, first, ray, vert, axes, hit.t, mirror);
   bool found = false;
   while (open != 0u && !(anyHit && found))
   {
@@ -257,7 +224,7 @@ bool cbvhTraceVert (CbvhPointer at, CbvhTravel ray, const bool anyHit, inout Cbv
     CodedCell cell = first;
     if (!block.hasRaw) {
       cell = cbvhGroupCell(block, first, gx, gy);
-      if (found && !cbvhMeetsGroup(block, cell, ray, boxes, hit.t, gy*block.groupsX + gx)) continue;
+      if (found && !cbvhMeetsGroup(block, ray, vert, axes, hit.t, gy*block.groupsX + gx, cell.c00, cell.c10, cell.c01, cell.c11)) continue;
     }
     if (cbvhTraceGroup(block, cell, ray, shear, gx, gy, anyHit, false, hit, nearest)) found = true;
   }
@@ -268,9 +235,7 @@ bool cbvhTraceVert (CbvhPointer at, CbvhTravel ray, const bool anyHit, inout Cbv
 bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   if (!cbvhIsSeen(scene, ray, at.geomID)) return false;
-  uvec4 header[4];
-  cbvhReadHeader(at, header);
-  CbvhVertBlock block = cbvhReadVertBlock(at, header);
+  CbvhVertBlock block = cbvhReadVertBlock(at);
   CbvhSegment segment;
   if (!cbvhFindSegment(block, ray.time, segment)) return false;
   CbvhShear shear = cbvhShear(ray.dir);

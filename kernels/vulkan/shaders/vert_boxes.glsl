@@ -8,7 +8,7 @@
 #define CBVH_VERT_BOXES_GLSL
 
 #include "ray.glsl"
-#include "vert_cell.glsl"
+#include "vert_vertices.glsl"
 #include "../../cvert/decoder/group_planes.h"
 #include "../../cvert/rule/rule.h"
 
@@ -76,91 +76,15 @@ RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhTravel ray, CbvhVertR
   return clipped(interval, (planes.lower - from) - error, (planes.upper - from) + error, isSheared ? axes.rcp : vert.rcp[k]);
 }
 
-/* --- blocks that do not move ------------------------------------------------------------ */
-
-/* Axes of the boxes of a block that does not move and is not raw, in the order m, m+1, m+2. Axis m is sheared. */
-struct CbvhBoxes
+/* whether the ray meets the box of group g of a block that is not raw, whose corners are given */
+bool cbvhMeetsGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint g, ivec3 c00, ivec3 c10, ivec3 c01, ivec3 c11)
 {
-  vec3 lower, upper;   // the block's origin, from where the ray starts, less what planes are widened by, and with it
-  vec3 rcp, spacing;
-  vec3 shear;          // what coordinates count in the sheared one
-  BlockReach reach;
-  uint form;
-};
-
-/* Reads only the header. */
-CbvhBoxes cbvhBoxes (uvec4 header[4], CbvhTravel ray)
-{
-  CbvhBoxes boxes;
-  boxes.form = header[3].z;
-  int m = shearedAxis(boxes.form);
-  VertSpacing spacing = vertSpacing(header[3].w, header[2].x, header[2].y, header[2].z, header[2].w);
-  boxes.spacing = cbvhFromAxis(m, vec3(spacing.at[0], spacing.at[1], spacing.at[2]));
-  uint reach = header[0].w;
-  vec3 unit = float(reachStep(boxes.form))*boxes.spacing;
-  boxes.reach.upper[0] = float(reachOf(reach, 0))*unit.y;
-  boxes.reach.upper[1] = float(reachOf(reach, 1))*unit.z;
-  boxes.reach.sheared[0] = float(reachOf(reach, 2))*unit.x;
-  boxes.reach.sheared[1] = float(reachOf(reach, 3))*unit.x;
-  float extent = extentOfReach(boxes.reach);
-
-  vec3 shear = vec3(shearOf(boxes.form, 0), shearOf(boxes.form, 1), shearOf(boxes.form, 2));
-  boxes.shear = shear*boxes.spacing/boxes.spacing.x;
-  vec3 origin = cbvhFromAxis(m, uintBitsToFloat(header[0].xyz));
-  vec3 org = cbvhFromAxis(m, ray.org), dir = cbvhFromAxis(m, ray.dir);
-  ShearedCoordinate along = noShearedCoordinate();
-  [[unroll]] for (int k = 0; k < 3; k++) along = addSheared(along, org[k], dir[k], origin[k], extent, shear[k]);
-  vec3 slack = vec3(shearedSlack(along.size), boxSlack(org.y, origin.y, extent), boxSlack(org.z, origin.z, extent));
-  vec3 size = abs(dir);
-  vec3 from = vec3(-along.org, origin.yz - org.yz);
-  boxes.lower = from - slack;
-  boxes.upper = from + slack;
-  boxes.rcp = cbvhFromAxis(m, ray.rcp);
-  boxes.rcp.x = directionReciprocal(along.dir, max(size.x, max(size.y, size.z)));
-  return boxes;
-}
-
-/* Whether the ray meets a box whose planes are so far from the block's origin. */
-bool cbvhMeetsBox (CbvhBoxes boxes, CbvhTravel ray, vec3 lower, vec3 upper, float tfar)
-{
-  vec3 a = (lower + boxes.lower)*boxes.rcp, b = (upper + boxes.upper)*boxes.rcp;
-  vec3 enter = min(a, b), leave = max(a, b);
-  return max(max(enter.x, enter.y), max(enter.z, ray.tnear)) <= min(min(leave.x, leave.y), min(leave.z, tfar));
-}
-
-/* Whether the ray meets the bounds of the block. */
-bool cbvhMeetsBounds (CbvhBoxes boxes, CbvhTravel ray, float tfar)
-{
-  BlockReach reach = boxes.reach;
-  vec3 lower = vec3(reach.sheared[0], 0.0, 0.0), upper = vec3(reach.sheared[1], reach.upper[0], reach.upper[1]);
-  return cbvhMeetsBox(boxes, ray, lower, upper, tfar);
-}
-
-/* A corner of a group, from its coordinates on the axes m, m+1, m+2. */
-vec3 cbvhBoxCorner (CbvhBoxes boxes, ivec3 c)
-{
-  vec3 corner = vec3(c);
-  corner.x = corner.x + boxes.shear.y*corner.y + boxes.shear.z*corner.z;
-  return corner;
-}
-
-/* Margins of up to four groups that follow each other, a byte each, on the axes m, m+1, m+2. */
-uvec3 cbvhMargins (CbvhVertBlock block, uint g)
-{
-  int m = shearedAxis(block.boxForm);
-  uvec3 axis = uvec3(m, axisAfter(m, 1), axisAfter(m, 2)), begin = 8u*(block.first.margins + axis*block.groups + g);
-  return uvec3(bitsAt(block.at, begin.x, 32u), bitsAt(block.at, begin.y, 32u), bitsAt(block.at, begin.z, 32u));
-}
-
-/* Whether the ray meets the box of a group, which is that of planesOfGroup. least, greatest: of cbvhBoxCorner of its
- * corners; margins: only their lowest bytes are used */
-bool cbvhMeetsGroup (CbvhBoxes boxes, CbvhTravel ray, vec3 least, vec3 greatest, uvec3 margins, float tfar)
-{
-  int m = shearedAxis(boxes.form);
-  uvec3 shift;
-  [[unroll]] for (int k = 0; k < 3; k++) shift[k] = marginShift(boxes.form, axisAfter(m, k));
-  vec3 lower = least - vec3((margins & 15u) << shift), upper = greatest + vec3(((margins >> 4) & 15u) << shift);
-  return cbvhMeetsBox(boxes, ray, lower*boxes.spacing, upper*boxes.spacing, tfar);
+  RayInterval interval = RayInterval(ray.tnear, tfar);
+  for (int k = 0; k < 3; k++) {
+    uint margins = byteAt(block.at, block.first.margins + uint(k)*block.groups + g);
+    interval = cbvhClippedByPlanes(interval, ray, vert, axes, planesOfGroup(block.first, axes.boxForm, c00, c10, c01, c11, margins, k), k);
+  }
+  return interval.from <= interval.to;
 }
 
 /* the same of a raw block */

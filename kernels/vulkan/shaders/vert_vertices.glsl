@@ -20,40 +20,20 @@ struct CbvhVertBlock
   bool hasRaw;                          // a step that the ray sees is raw
 };
 
-/* By the quadwords of the header, which are read at once. */
-CbvhVertBlock cbvhReadVertBlock (CbvhPointer at, uvec4 header[4])
+CbvhVertBlock cbvhReadVertBlock (CbvhPointer at)
 {
   CbvhVertBlock block;
   block.at = at.address;
   block.geomID = at.geomID;
-  block.region = header[1].z;
-  block.boxForm = header[3].z;
+  block.region = CVERT_AT(VertHeader, block.at).region;
+  block.boxForm = CVERT_AT(VertHeader, block.at).boxForm;
   block.quadsX = vertQuadsX(block.region);
   block.quadsY = vertQuadsY(block.region);
   VertLayout offsets = vertLayout(block.region, block.boxForm);
   block.groupsX = offsets.groupsX;
   block.groupsY = offsets.groupsY;
   block.groups = offsets.groups;
-  StepView first;
-  first.data = block.at;
-  first.isLater = false;
-  vec3 origin = uintBitsToFloat(header[0].xyz);
-  first.origin[0] = origin.x;
-  first.origin[1] = origin.y;
-  first.origin[2] = origin.z;
-  first.spacing = vertSpacing(header[3].w, header[2].x, header[2].y, header[2].z, header[2].w);
-  first.form = block.boxForm;
-  first.word = header[3].w;
-  first.turned = 0u;
-  first.remainders = hasRemainders(block.boxForm) ? cbvhWord(at, offsets.remainders/4u) : 0u;
-  first.hasHigh = true;
-  first.corners = vertCornersOffset;
-  first.margins = offsets.margins;
-  first.words = offsets.words;
-  first.wordsHigh = offsets.wordsHigh;
-  first.cell = offsets.cell;
-  first.vertices = offsets.vertices;
-  block.first = first;
+  block.first = viewOfFirstStep(block.at, offsets);
   block.hasRaw = isRaw(block.boxForm);
   return block;
 }
@@ -68,6 +48,15 @@ CodedCell cbvhNoCell ()
   cell.c00 = cell.c10 = cell.c01 = cell.c11 = ivec3(0);
   cell.distance = cell.quadsX = cell.quadsY = 1;
   return cell;
+}
+
+/* first: the cell of the corners of groups */
+CodedCell cbvhGroupCell (CbvhVertBlock block, CodedCell first, uint gx, uint gy)
+{
+  int i = int(gx), j = int(gy);
+  return cellOfGroup(block.first, block.region, gx, gy, fieldsOfGroup(block.first, gy*block.groupsX + gx),
+                     vertexOfCell(block.at, first, i, j), vertexOfCell(block.at, first, i + 1, j),
+                     vertexOfCell(block.at, first, i, j + 1), vertexOfCell(block.at, first, i + 1, j + 1));
 }
 
 /* Vertex i, j of group gx, gy of a step that is not raw in the world, from its coordinates. */
