@@ -41,7 +41,8 @@ vec2 cbvhSheared (CbvhShear shear, vec3 org, vec3 vertex)
 }
 
 /* Vertex i, j of group gx, gy in the world. moves: whether the block does, a constant; its group is decoded then */
-vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, CellRow row, uint gx, uint gy, int i, int j, const bool moves)
+vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, CellRow row, uint gx, uint gy, int i, int j,
+                      const bool moves)
 {
   if (moves) return cbvhVerticesNow[5*j + i];
   if (block.hasRaw) return cbvhRawVertex(block, block.first, gx, gy, i, j);
@@ -57,7 +58,8 @@ vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, uint gx, uint gy, int
 float cbvhSide (vec2 a, vec2 b) { return edgeSide(a.x, a.y, b.x, b.y); }
 
 /* Quads of a group whose triangles may have the ray's line in them: bit 2q + 0 or 1 of quad q. */
-uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, const bool moves)
+uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy,
+                    const bool moves)
 {
   uint mask = 0u;
   int quadsX = int(quadsOfGroup(block.quadsX, gx)), quadsY = int(quadsOfGroup(block.quadsY, gy));
@@ -114,7 +116,8 @@ struct CbvhVertNearest
 CbvhVertNearest cbvhNoVertNearest () { return CbvhVertNearest(false, 0u, 0.0, TriangleName(0u, 0u, 0u, 0u)); }
 
 /* Triangle h of a group, bits as of cbvhTriangles; true if it is hit. */
-bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
+bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h,
+                      const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   int i = int(quadXOfTriangle(h)), j = int(quadYOfTriangle(h));
   vec3 vertices[3];
@@ -155,7 +158,8 @@ uint cbvhMirror (CbvhTravel ray, vec3 alongX, vec3 alongY) {
 }
 
 /* groups of a block that does not move that the ray meets */
-uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint mirror)
+uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes,
+                 float tfar, uint mirror)
 {
   uint open = 0u;
   if (block.hasRaw) {
@@ -182,8 +186,8 @@ uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhTravel ray, CbvhVertR
 
 /* Triangles of a group; true if one is hit. There is one way out of loops here and below: lavapipe (Mesa 22.3) loses hits of
  * rays that return from several at once while others go on. */
-bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, const bool anyHit, const bool moves,
-                     inout CbvhHit hit, inout CbvhVertNearest nearest)
+bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy,
+                     const bool anyHit, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   bool found = false;
   uint triangles = cbvhTriangles(block, cell, ray, shear, gx, gy, moves);
@@ -224,7 +228,8 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
     CodedCell cell = first;
     if (!block.hasRaw) {
       cell = cbvhGroupCell(block, first, gx, gy);
-      if (found && !cbvhMeetsGroup(block, ray, vert, axes, hit.t, gy*block.groupsX + gx, cell.c00, cell.c10, cell.c01, cell.c11)) continue;
+      if (found && !cbvhMeetsGroup(block, ray, vert, axes, hit.t, gy*block.groupsX + gx,
+                                   cell.c00, cell.c10, cell.c01, cell.c11)) continue;
     }
     if (cbvhTraceGroup(block, cell, ray, shear, gx, gy, anyHit, false, hit, nearest)) found = true;
   }

@@ -69,20 +69,24 @@ bool cbvhMeetsBounds (CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, Block
 }
 
 /* clips the ray by planes of a group's box */
-RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, BoxPlanes planes, int k)
+RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes,
+                                 BoxPlanes planes, int k)
 {
   bool isSheared = k == shearedAxis(axes.boxForm);
   float from = isSheared ? axes.org : ray.org[k], error = isSheared ? axes.error : cbvhSlack(axes, ray, k);
-  return clipped(interval, (planes.lower - from) - error, (planes.upper - from) + error, isSheared ? axes.rcp : vert.rcp[k]);
+  return clipped(interval, (planes.lower - from) - error, (planes.upper - from) + error,
+                 isSheared ? axes.rcp : vert.rcp[k]);
 }
 
 /* whether the ray meets the box of group g of a block that is not raw, whose corners are given */
-bool cbvhMeetsGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint g, ivec3 c00, ivec3 c10, ivec3 c01, ivec3 c11)
+bool cbvhMeetsGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint g,
+                     ivec3 c00, ivec3 c10, ivec3 c01, ivec3 c11)
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);
   for (int k = 0; k < 3; k++) {
     uint margins = byteAt(block.at, block.first.margins + uint(k)*block.groups + g);
-    interval = cbvhClippedByPlanes(interval, ray, vert, axes, planesOfGroup(block.first, axes.boxForm, c00, c10, c01, c11, margins, k), k);
+    interval = cbvhClippedByPlanes(interval, ray, vert, axes,
+                                   planesOfGroup(block.first, axes.boxForm, c00, c10, c01, c11, margins, k), k);
   }
   return interval.from <= interval.to;
 }
