@@ -189,7 +189,9 @@ class Report(unittest.TestCase):
             stack.enter_context(contextlib.redirect_stderr(errors))
             stack.enter_context(unittest.mock.patch.object(sys, "argv", [str(SCRIPT), *map(str, words)]))
             stack.enter_context(warnings.catch_warnings())
-            warnings.simplefilter("default")
+            warnings.simplefilter("default")  # as in a process of its own
+            for ignored in DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning:
+                warnings.simplefilter("ignore", ignored)
             try:
                 status = report.main()
             except SystemExit as stopped:
