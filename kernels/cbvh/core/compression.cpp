@@ -55,8 +55,10 @@ namespace embree
     void setCompression (Geometry* geometry, const CompressionSettings& settings)
     {
       CompressibleGeometry* const surface = compressible(geometry);
-      if (!surface) throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-          "only subdivision surfaces, grids, quads and triangles can be compressed");
+      if (!surface)
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+            "only geometry of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or "
+            "RTC_GEOMETRY_TYPE_TRIANGLE can be compressed");
       requireEditable(geometry);
       validate(settings);
       surface->compression = settings;
