@@ -6,7 +6,7 @@
 /* Packets that are wider than the instruction set go as a stream, which traces every ray that has
  * tnear <= tfar and knows of no mask. */
 
-#include "../embree/ray.h"
+#include "../embree/simd.h"
 
 namespace embree
 {

@@ -6,7 +6,7 @@
 /* Blocks that lie in a mapped file. Nobody looked at them when the file was opened, as that would fetch all of it: each is checked before it
  * is decoded first, by whoever decodes it (files/mapped_blocks.h). Decoders and all who read more of a block than its header ask here. */
 
-#include "../embree/ray.h"
+#include "../embree/simd.h"
 #include <atomic>
 #include <cstddef>
 

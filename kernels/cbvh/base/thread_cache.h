@@ -10,7 +10,7 @@
  * that is built may come to lie where another was, which may have been traced and released since the build
  * began: at its end a build makes all that threads keep outdated. */
 
-#include "../embree/ray.h"
+#include "../embree/simd.h"
 #include <atomic>
 #include <cstddef>
 

@@ -9,7 +9,7 @@
 
 #include "language.h"
 #include "../../cvert/rule/reciprocal.h"
-#include "../embree/ray.h"
+#include "../embree/simd.h"
 
 namespace embree
 {

@@ -3,12 +3,7 @@
 
 #pragma once
 
-/* The door to Embree: the headers of this folder alone include what is Embree's own and not its API, so that they are
- * what another version of Embree changes. This one: the platform, instruction sets, vectors of lanes, and what they
- * hold of a query: rays, single and in packets, hits, and the context. */
+/* Rays, single and in packets, hits, and the context of a query. */
 
-#include "../../common/isa.h"
-#include "../../../common/sys/platform.h"
-#include "../../../common/math/constants.h"
-#include "../../../common/simd/simd.h"
+#include "simd.h"
 #include "../../common/ray.h"

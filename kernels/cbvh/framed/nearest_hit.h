@@ -7,7 +7,7 @@
 
 #include "block.h"
 #include "../base/surface_ids.h"
-#include "../embree/ray.h"
+#include "../embree/simd.h"
 
 namespace embree
 {

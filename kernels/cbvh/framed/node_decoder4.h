@@ -9,7 +9,7 @@
 #include "node_cache.h"
 #include "node_tables.h"
 #include "leaf/format.h"
-#include "../embree/ray.h"
+#include "../embree/simd.h"
 
 namespace embree
 {

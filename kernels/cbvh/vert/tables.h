@@ -6,7 +6,7 @@
 /* What is known beforehand of the 25 vertices of a cell of cVERT, cvert/format/cell.h, a lane
  * each. Behind the last come lanes without a meaning, so that vectors of any width fit. */
 
-#include "../embree/ray.h"
+#include "../embree/simd.h"
 #include <cstdint>
 
 namespace embree
