@@ -497,11 +497,7 @@ TEST(Memory, StatisticsAddUpToTheMonitorsFigure)
 }
 
 /* What a commit takes besides its result is one patch a thread, however many faces there are:
-<<<<<<< HEAD
  * 14 floats a vertex (patch_vertices.h: P, N, u and v, then the undisplaced and the displaced
-=======
- * 14 floats a vertex (patch_evaluator.h: P, N, u and v, then the undisplaced and the displaced
->>>>>>> borders/borders
  * vertices), in arrays that grow by doubling, so 112 bytes at most. Blocks are gathered and
  * encoded one at a time, 1/16 of the patch each at frame level 2, and the allocator fills
  * its last blocks: 16 more. It is 104 in all at this rate, with 4 faces as with 36. */
