@@ -46,11 +46,11 @@ RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enu
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
   require(geometry,"geometry");
-  if (report) core::requireStruct(*report);
+  if (report) core::requireStruct(report);
   int value; // an enumeration may not hold what the application may have passed
   memcpy(&value,&format,sizeof(value));
   cbvh::ClusterReport sums;
-  auto finish = [&] { if (report) core::writeStruct(*report,asPublic(sums)); };
+  auto finish = [&] { if (report) core::writeStruct(report,asPublic(sums)); };
   try {
     core::forEachCluster(geometry,time,ClusterFormat(value),[&](const cbvh::StoredCluster& cluster) {
         if (!function) return true;

@@ -37,7 +37,7 @@ RTC_API void rtcDiceGeometry (RTCGeometry hgeometry, const struct RTCDicingArgum
   RTC_CATCH_BEGIN;
   require(geometry,"geometry");
   require(args,"args");
-  core::dice(geometry,cameraOf(core::readStruct(*args)));
+  core::dice(geometry,cameraOf(core::readStruct(args)));
   RTC_CATCH_END2(geometry);
 }
 
