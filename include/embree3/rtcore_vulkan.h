@@ -59,8 +59,8 @@ struct RTCVulkanDeviceInfo
 };
 
 /* Lists the Vulkan devices of the machine, in the order of Vulkan's loader. device: gets errors, may be
- * NULL. infos: room for `capacity` of them, or NULL; structSize is set in each, and is the distance in bytes from one to
- * the next. Returns how many there are, 0 also if there is no loader, or if a structSize is wrong. */
+ * NULL. infos: room for `capacity` of them, or NULL; structSize is set in each, and is the distance in bytes from one
+ * to the next. Returns how many there are, 0 also if there is no loader, or if a structSize is wrong. */
 RTC_API unsigned int rtcGetVulkanDevices (RTCDevice device, struct RTCVulkanDeviceInfo* infos, unsigned int capacity);
 
 /* Opens a device. which: an index of rtcGetVulkanDevices ("0"), or a part of a name ("llvmpipe", "nvidia";

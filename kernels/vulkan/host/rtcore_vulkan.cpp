@@ -129,7 +129,8 @@ RTC_API unsigned int rtcGetVulkanDevices(RTCDevice device, RTCVulkanDeviceInfo* 
     const std::vector<VkPhysicalDevice> devices = machine.devices();
     const size_t numWritten = infos ? std::min(size_t(capacity), devices.size()) : 0;
     for (size_t i = 0; i < numWritten; i++) written.at(i); // nothing is written if one is wrong
-    for (size_t i = 0; i < numWritten; i++) core::writeStruct(written.at(i), capabilitiesOf(machine.vk, devices[i]).info);
+    for (size_t i = 0; i < numWritten; i++)
+      core::writeStruct(written.at(i), capabilitiesOf(machine.vk, devices[i]).info);
     count = (unsigned int)devices.size();
   });
   return count;
@@ -170,7 +171,10 @@ RTC_API void rtcReleaseVulkanDevice(RTCVulkanDevice device)
 
 RTC_API void rtcGetVulkanDeviceInfo(RTCVulkanDevice device, RTCVulkanDeviceInfo* info)
 {
-  guarded(embreeOf(device), [&]() { require(device, "device"); write(info, deviceOf(device)->capabilities.info, "info"); });
+  guarded(embreeOf(device), [&]() {
+    require(device, "device");
+    write(info, deviceOf(device)->capabilities.info, "info");
+  });
 }
 
 RTC_API void rtcGetVulkanDeviceHandles(RTCVulkanDevice device, RTCVulkanHandles* handles)
@@ -244,7 +248,10 @@ RTC_API unsigned int rtcGetVulkanSceneInstances(RTCVulkanScene scene, VkAccelera
 
 RTC_API void rtcGetVulkanSceneStatistics(RTCVulkanScene scene, RTCVulkanSceneStatistics* statistics)
 {
-  guarded(embreeOf(scene), [&]() { require(scene, "scene"); write(statistics, sceneOf(scene)->statistics, "statistics"); });
+  guarded(embreeOf(scene), [&]() {
+    require(scene, "scene");
+    write(statistics, sceneOf(scene)->statistics, "statistics");
+  });
 }
 
 /* --- tracing ---------------------------------------------------------------------------- */
