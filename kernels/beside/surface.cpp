@@ -507,14 +507,14 @@ CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat 
     if (report) core::requireStruct(report);
     const std::shared_ptr<const Input> input = surface->committed();
     embree::cbvh::ClusterReport sums;
-    const auto finish = [&] { if (report) core::writeStruct(report, asPublic(sums)); };
+    const auto finish = [&] { if (report) core::writeStruct(report, embree::cbvh::reportAs<CbvhClusterReport>(sums)); };
     try {
       core::forEachCluster(input->inner(), time, embree::cbvh::ClusterFormat(format),
           [&](const embree::cbvh::StoredCluster& cluster) {
         if (!function) return true;
         const OwnErrors errors(false);
         const CbvhPart part = asPublic(*cluster.part);
-        const CbvhCluster handed = asPublic(cluster, part);
+        const CbvhCluster handed = embree::cbvh::clusterAs<CbvhCluster>(cluster, part);
         return function(userPtr, &handed) != 0;
       }, sums);
     }
