@@ -372,7 +372,7 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByAPartOfTheirName)
   const unsigned count = rtcGetVulkanDevices(embree, nullptr, 0);
   ASSERT_GE(count, 1u);
   std::vector<RTCVulkanDeviceInfo> infos(count + 1);
-  std::memset(&infos[count], 0x5A, sizeof(infos[count]));
+  std::memset((void*)&infos[count], 0x5A, sizeof(infos[count]));
   const RTCVulkanDeviceInfo untouched = infos[count];
   EXPECT_EQ(rtcGetVulkanDevices(embree, infos.data(), count + 1), count);
   EXPECT_EQ(std::memcmp(&infos[count], &untouched, sizeof(untouched)), 0);
