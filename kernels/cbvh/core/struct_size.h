@@ -9,7 +9,7 @@
  * structs that the library reads have no padding at their end.
  *
  * An application's struct may be smaller than the type that this version declares. Functions therefore accept a pointer
- * to it, and nothing may read its members directly.
+ * to it, and their callers may access only its structSize directly.
  *
  * All functions throw RTC_ERROR_INVALID_ARGUMENT with the struct's name if structSize is out of range. */
 
