@@ -9,6 +9,8 @@
  *
  *   CbvhContext context;  cbvhNewContext(NULL, NULL, NULL, &context);
  *   CbvhSurface surface;  cbvhNewSurface(context, &surface);
+ *   struct CbvhCage cage = {.structSize = sizeof(cage)};  // in C++: CbvhCage cage = CbvhCage();
+ *   cage.numFaces = ...
  *   cbvhSetCage(surface, &cage);                     // a Catmull-Clark control cage, with displacement
  *   cbvhCommitSurface(surface, NULL, NULL);          // from here on the cage's buffers may be freed
  *   CbvhGroup group;      cbvhNewGroup(context, &surface, 1, &group);
@@ -188,7 +190,8 @@ struct CbvhMesh
   struct CbvhVertices vertices;
 };
 
-/* A camera, and how large quads may be in its picture. Zeros but for the position and pixelSize: quads of a pixel, and all that is around counts as in the picture. */
+/* A camera, and how large quads may be in its picture. If all members but structSize, position and pixelSize are zero,
+ * quads have the size of a pixel, and everything around the camera counts as inside of the picture. */
 struct CbvhDicing
 {
   size_t structSize CBVH_SIZE_OF(CbvhDicing);
@@ -378,6 +381,8 @@ struct CbvhQuery
 
 /* Closest hits. Where something is hit nearer than tfar, tfar becomes its distance and the hit is written; all else stays as it
  * is. query: NULL for zeros. Returns whether it was.
+ *
+ * If structSize of the query is wrong, functions that trace rays call the error function, trace nothing and return 0.
  *
  * Packets are as RTCRayHit4, 8 and 16 of Embree; valid: -1 for rays that count, else 0, aligned as the rays, or NULL for all. They return a bit a ray. */
 CBVH_API int cbvhIntersect1(CbvhGroup group, struct CbvhRayHit* ray, const struct CbvhQuery* query);

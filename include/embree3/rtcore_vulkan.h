@@ -30,11 +30,13 @@
  * rtcGetDeviceError of the RTCDevice, and its message goes to the function that
  * rtcSetDeviceErrorFunction sets. A limit that is met is named with its value.
  *
+ * Structs begin with structSize, by the rule of rtcore_compression.h.
+ *
  * Thread safety: functions of different objects may be called at the same time. The queue of a
  * device is used by rtcNewVulkanScene and rtcStart..., one call at a time: who uses it besides, their own or that
  * of rtcGetVulkanDeviceHandles, does not use it in the meantime. */
 
-#include "rtcore.h"
+#include "rtcore_compression.h"
 #include <vulkan/vulkan_core.h>
 
 RTC_NAMESPACE_BEGIN
@@ -46,6 +48,7 @@ typedef struct RTCVulkanDeviceTy* RTCVulkanDevice;
 /* What there is to open. */
 struct RTCVulkanDeviceInfo
 {
+  size_t structSize RTC_SIZE_OF(RTCVulkanDeviceInfo); /* see rtcore_compression.h */
   char name[256];           /* as Vulkan has it: "llvmpipe (LLVM 15.0.6, 256 bits)" */
   char driver[256];         /* name and version of the driver */
   char unsupported[256];    /* what it lacks, in words; empty if it can be opened */
@@ -56,8 +59,8 @@ struct RTCVulkanDeviceInfo
 };
 
 /* Lists the Vulkan devices of the machine, in the order of Vulkan's loader. device: gets errors, may be
- * NULL. infos: room for `capacity` of them, or NULL. Returns how many there are, 0 also if there is
- * no loader. */
+ * NULL. infos: room for `capacity` of them, or NULL; structSize is set in each, and is the distance in bytes from one
+ * to the next. Returns how many there are, 0 also if there is no loader, or if a structSize is wrong. */
 RTC_API unsigned int rtcGetVulkanDevices (RTCDevice device, struct RTCVulkanDeviceInfo* infos, unsigned int capacity);
 
 /* Opens a device. which: an index of rtcGetVulkanDevices ("0"), or a part of a name ("llvmpipe", "nvidia";
@@ -69,6 +72,7 @@ RTC_API RTCVulkanDevice rtcNewVulkanDevice (RTCDevice device, const char* which)
  * does not enable. All handles are its own and outlive the RTCVulkanDevice. */
 struct RTCVulkanHandles
 {
+  size_t structSize RTC_SIZE_OF(RTCVulkanHandles); /* see rtcore_compression.h */
   PFN_vkGetInstanceProcAddr getInstanceProcAddr;
   VkInstance instance;              /* of an application of Vulkan 1.2 or later */
   VkPhysicalDevice physicalDevice;
@@ -80,14 +84,16 @@ struct RTCVulkanHandles
   unsigned int hasRayQuery;         /* VK_KHR_acceleration_structure and VK_KHR_ray_query and their features are enabled */
 };
 
-/* Takes a device of the application's. handles: read during the call. Errors: handles that are missing. */
+/* Takes a device of the application's. handles: read during the call. Errors: handles that are missing, a wrong
+ * structSize. */
 RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles (RTCDevice device, const struct RTCVulkanHandles* handles);
 
 /* Add a reference to a device, or take one away: without any, it is closed. Its scenes keep one. */
 RTC_API void rtcRetainVulkanDevice (RTCVulkanDevice device);
 RTC_API void rtcReleaseVulkanDevice (RTCVulkanDevice device);
 
-/* Return the device that was opened, or given: what it is, and its handles. */
+/* Return the device that was opened, or given: what it is, and its handles. info, handles: written during the call;
+ * structSize is read. */
 RTC_API void rtcGetVulkanDeviceInfo (RTCVulkanDevice device, struct RTCVulkanDeviceInfo* info);
 RTC_API void rtcGetVulkanDeviceHandles (RTCVulkanDevice device, struct RTCVulkanHandles* handles);
 
@@ -112,6 +118,7 @@ enum RTCVulkanTraversal
 
 struct RTCVulkanSceneArguments
 {
+  size_t structSize RTC_SIZE_OF(RTCVulkanSceneArguments); /* see rtcore_compression.h */
   enum RTCVulkanMemory memory;
   enum RTCVulkanTraversal traversal;
   RTCVulkanScene previous;      /* of ray queries, or NULL: a scene before an edit. Where a geometry has other blocks now, but as many, the
@@ -152,6 +159,7 @@ RTC_API unsigned int rtcGetVulkanSceneInstances (RTCVulkanScene scene, VkAcceler
 
 struct RTCVulkanSceneStatistics
 {
+  size_t structSize RTC_SIZE_OF(RTCVulkanSceneStatistics); /* see rtcore_compression.h */
   size_t deviceBytes;       /* of the device's memory, everything included, also what scenes share */
   size_t importedBytes;     /* of the host's memory, used in place */
   size_t topLevelBytes;     /* of the tree above blocks, and of their addresses */
@@ -164,7 +172,7 @@ struct RTCVulkanSceneStatistics
   size_t numBuiltBoxes, numUpdatedBoxes; /* of which in such that were built, or updated, for this scene */
 };
 
-/* Reports what a scene takes on its device. statistics: written during the call. */
+/* Reports what a scene takes on its device. statistics: written during the call; structSize is read. */
 RTC_API void rtcGetVulkanSceneStatistics (RTCVulkanScene scene, struct RTCVulkanSceneStatistics* statistics);
 
 /* --- tracing --------------------------------------------------------------------------- */
@@ -194,6 +202,7 @@ typedef struct RTCVulkanTraceTy* RTCVulkanTrace;
 
 struct RTCVulkanTimes
 {
+  size_t structSize RTC_SIZE_OF(RTCVulkanTimes); /* see rtcore_compression.h */
   double seconds;          /* of tracing on the device, without copies; 0 if the device has no clock */
   double copySeconds;      /* of copies of rays and hits on the device */
   double sortSeconds;      /* of rtcSetVulkanSceneRaySort */
@@ -208,7 +217,8 @@ RTC_API RTCVulkanTrace rtcStartVulkanOccluded (RTCVulkanScene scene, const struc
 RTC_API bool rtcIsVulkanTraceDone (RTCVulkanTrace trace);
 
 /* Waits for a trace, writes its rays, of the type that it was started with, and releases it. rays, times: may be
- * NULL. Returns false if it failed, as when the device was lost; rays are then left as they are. */
+ * NULL; structSize of times is read. Returns false if it failed, as when the device was lost, or for a
+ * wrong structSize; rays are then left as they are. */
 RTC_API bool rtcWaitVulkanTrace (RTCVulkanTrace trace, void* rays, struct RTCVulkanTimes* times);
 
 RTC_NAMESPACE_END

@@ -69,7 +69,7 @@ void CbvhContextTy::check() const
 
 CbvhError CbvhContextTy::report(const Failure& failure) const { return tell(failure, function, userPtr); }
 
-Failure embree::beside::caughtFailure()
+static Failure exceptionAsFailure()
 {
   try { throw; }
   catch (const Failure& failure) { return failure; }
@@ -77,6 +77,13 @@ Failure embree::beside::caughtFailure()
     const embree::core::CaughtError error = embree::core::caughtError();
     return {codeOf(error.code), error.text};
   }
+}
+
+Failure embree::beside::caughtFailure()
+{
+  Failure failure = exceptionAsFailure();
+  if (ofEmbree && ofEmbree.text != failure.text) failure.text += ": " + ofEmbree.text;
+  return failure;
 }
 
 OwnErrors::OwnErrors(bool areTaken) : outer(ofEmbree), wereTaken(isTaken)

@@ -32,7 +32,8 @@ struct Failure
   explicit operator bool() const { return code != CBVH_OK; }
 };
 
-/* The exception that is being handled: a Failure, or one of the core. */
+/* Returns the exception that is being handled: a Failure, or one of the core. If an error of Embree was kept on this
+ * thread and not thrown, its text follows: the reason why a block of a file is damaged is such an error. */
 Failure caughtFailure();
 
 /* Counts its references; made with one. */

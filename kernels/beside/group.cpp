@@ -123,8 +123,8 @@ CbvhError cbvhGetGroupStatistics(CbvhGroup group, CbvhStatistics* statistics)
 {
   if (!group || !statistics) return refuse("group or statistics are NULL");
   return guarded(group->context.get(), [&] {
-    embree::core::requireStruct(*statistics);
+    embree::core::requireStruct(statistics);
     if (!group->isCommitted) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the group was not committed: cbvhCommitGroup comes first"};
-    embree::core::writeStruct(*statistics, group->statistics);
+    embree::core::writeStruct(statistics, group->statistics);
   });
 }

@@ -44,7 +44,7 @@ __attribute__((noinline)) auto asKnown(CbvhGroup group, const CbvhQuery* query, 
 {
   CbvhQuery known;
   const CbvhContext context = group->context.get();
-  const CbvhError error = embree::beside::guarded(context, [&] { known = embree::core::readStruct(*query); });
+  const CbvhError error = embree::beside::guarded(context, [&] { known = embree::core::readStruct(query); });
   if (error != CBVH_OK) return 0;
   return trace(&known);
 }

@@ -11,7 +11,6 @@
 #include "cbvh/stored/cluster.h"
 #include "cbvh/surface/dicing_camera.h"
 
-#include <algorithm>
 #include <cstring>
 
 namespace embree {
@@ -34,19 +33,11 @@ namespace beside {
 /* Zeros are defaults. */
 inline DicingCamera cameraOf(const CbvhDicing& dicing)
 {
-  DicingCamera camera;
-  std::copy_n(dicing.position, 3, camera.position);
-  std::copy_n(dicing.direction, 3, camera.direction);
-  std::copy_n(dicing.up, 3, camera.up);
-  camera.orthographic = dicing.orthographic != 0;
-  camera.pixelSize = dicing.pixelSize;
-  camera.width = dicing.width;
-  camera.height = dicing.height;
-  camera.transform = dicing.transform;
-  if (dicing.quadSize != 0) camera.quadSize = dicing.quadSize;
-  if (dicing.outside != 0) camera.outside = dicing.outside;
-  if (dicing.maxRate != 0) camera.maxRate = dicing.maxRate;
-  camera.maxRates = dicing.maxRates;
+  const DicingCamera defaults;
+  DicingCamera camera = dicingCamera(dicing);
+  if (camera.quadSize == 0) camera.quadSize = defaults.quadSize;
+  if (camera.outside == 0) camera.outside = defaults.outside;
+  if (camera.maxRate == 0) camera.maxRate = defaults.maxRate;
   return camera;
 }
 
@@ -68,25 +59,5 @@ static_assert(CBVH_CLUSTER_COMPRESSED1 == int(cbvh::ClusterFormat::COMPRESSED1)
 static_assert(CBVH_CLUSTER_RAW == int(cbvh::ClusterReason::RAW)
     && CBVH_CLUSTER_MOVING == int(cbvh::ClusterReason::MOVING)
     && CBVH_CLUSTER_RANGE == int(cbvh::ClusterReason::RANGE), "reasons");
-
-inline CbvhCluster asPublic(const cbvh::StoredCluster& cluster, const CbvhPart& part)
-{
-  return {CbvhClusterFormat(cluster.format), CbvhClusterReason(cluster.reason), cluster.numVertices,
-          cluster.numTriangles, cluster.data, cluster.bytes, cluster.indices, cluster.triangles,
-          cluster.firstTriangle, cluster.width, cluster.height, &part};
-}
-
-inline CbvhClusterReport asPublic(const cbvh::ClusterReport& report)
-{
-  CbvhClusterReport to;
-  to.numClusters = report.numClusters;
-  to.numTriangles = report.numTriangles;
-  to.numVertices = report.numVertices;
-  to.bytes = report.bytes;
-  to.indexBytes = report.indexBytes;
-  std::copy_n(report.numClustersOf, 4, to.numClustersOf);
-  std::copy_n(report.numTrianglesOf, 4, to.numTrianglesOf);
-  return to;
-}
 
 }} // namespace embree::beside

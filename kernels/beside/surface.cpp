@@ -394,7 +394,7 @@ CbvhError withStruct(CbvhSurface surface, const T* from, const char* name, const
 {
   return onSurface(surface, [&] {
     if (!from) refuseValue(std::string(name) + " is NULL");
-    closure(core::readStruct(*from));
+    closure(core::readStruct(from));
   });
 }
 
@@ -423,7 +423,7 @@ CbvhError cbvhDiceSurface(CbvhSurface surface, const CbvhDicing* dicing, float* 
 
 CbvhError cbvhSetAccuracy(CbvhSurface surface, const CbvhAccuracy* accuracy)
 {
-  return onSurface(surface, [&] { surface->set(accuracy ? core::readStruct(*accuracy) : CbvhAccuracy()); });
+  return onSurface(surface, [&] { surface->set(accuracy ? core::readStruct(accuracy) : CbvhAccuracy()); });
 }
 
 CbvhError cbvhSetLossless(CbvhSurface surface, int lossless) { return onSurface(surface, [&] { surface->setLossless(lossless != 0); }); }
@@ -504,17 +504,17 @@ CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction func
 CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat format, CbvhClusterFunction function, void* userPtr, CbvhClusterReport* report)
 {
   return onSurface(surface, [&] {
-    if (report) core::requireStruct(*report);
+    if (report) core::requireStruct(report);
     const std::shared_ptr<const Input> input = surface->committed();
     embree::cbvh::ClusterReport sums;
-    const auto finish = [&] { if (report) core::writeStruct(*report, asPublic(sums)); };
+    const auto finish = [&] { if (report) core::writeStruct(report, embree::cbvh::reportAs<CbvhClusterReport>(sums)); };
     try {
       core::forEachCluster(input->inner(), time, embree::cbvh::ClusterFormat(format),
           [&](const embree::cbvh::StoredCluster& cluster) {
         if (!function) return true;
         const OwnErrors errors(false);
         const CbvhPart part = asPublic(*cluster.part);
-        const CbvhCluster handed = asPublic(cluster, part);
+        const CbvhCluster handed = embree::cbvh::clusterAs<CbvhCluster>(cluster, part);
         return function(userPtr, &handed) != 0;
       }, sums);
     }

@@ -16,8 +16,6 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/core/dicing.cpp
   cbvh/core/errors.cpp
   cbvh/core/files.cpp
-  cbvh/core/input_checks.cpp
-  cbvh/core/loaded_geometry.cpp
   cbvh/core/stored_surface.cpp
   cbvh/core/struct_size.cpp
   cvert/basics/reason.cpp
@@ -28,12 +26,14 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/files/saved_surface.cpp
   cbvh/building/input_bytes.cpp
   cbvh/files/mapped_blocks.cpp
+  cbvh/files/loaded_geometry.cpp
   cbvh/files/loaded_surface.cpp
   cbvh/flat/flat_scene.cpp
   cbvh/building/builder.cpp
   cbvh/stored/stored_triangles.cpp
   cbvh/stored/stored_clusters.cpp
   cbvh/stored/surface_blocks.cpp
+  cbvh/surface/input_checks.cpp
   cbvh/surface/quad_regions.cpp
   cbvh/vert/tables.cpp
   cbvh/traversal/thread_cache.cpp

@@ -34,6 +34,10 @@ TYPE = re.compile(
     re.S | re.M,
 )
 LABEL = re.compile(r"^(?P<names>[A-Za-z]\w*(?:, [A-Za-z]\w*)*):\s+(?P<text>.*)", re.S)
+SIZE_OF = re.compile(r" (?:RTC|CBVH)_SIZE_OF\(\w+\)")  # the default of structSize in C++
+STRUCT_SIZE = (
+    "Set structSize to the sizeof of its struct: in C++, T s = T() does so; in C, T s = {.structSize = sizeof(s)}."
+)
 SECTIONS = {"Returns ": "RETURN VALUE", "Errors: ": "ERRORS", "Thread safety: ": "NOTES"}
 
 
@@ -95,6 +99,7 @@ def paragraphs(lines, arguments):
 
 def types_of(header):
     """All types of a header by name."""
+    header = SIZE_OF.sub("", header)
     found = (Type(m["name"] or m["callback"], m["comment"] or "", m["text"]) for m in TYPE.finditer(header))
     return {type_.name: type_ for type_ in found}
 
@@ -195,6 +200,8 @@ def page_of(group, version, include, library, types, others):
         parts["ERRORS"].insert(0, library.failures)
     used = types_used(group.declarations, types, library.own_pages)
     synopsis = [type_.comment + type_.text for type_ in used] + group.declarations
+    if any(" structSize;" in type_.text for type_ in used):
+        parts["NOTES"].append(STRUCT_SIZE)
     out = head(group.names[0], version, summary_of(texts[0]), include, synopsis)
     for section, found in parts.items():
         if found:

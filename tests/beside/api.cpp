@@ -13,6 +13,7 @@
 #include <embree3/rtcore_dicing.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
 
 namespace cbvh::test {
@@ -479,6 +480,24 @@ TEST(Beside, BadInputIsAnErrorThatNamesIt)
   context.expect(cbvhSetCage(surface, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "NULL");
   const CbvhAccuracy negative = {sizeof(CbvhAccuracy), -1, 0, {0, 0, 0}, 0};
   context.expect(cbvhSetAccuracy(surface, &negative), CBVH_ERROR_INVALID_ARGUMENT, "negative");
+  const auto refuseAccuracy = [&](const char* name, const std::function<void(CbvhAccuracy&)>& change) {
+    CbvhAccuracy accuracy = CbvhAccuracy();
+    accuracy.maxPixelError = 0.5f;
+    accuracy.pixelSize = 0.001f;
+    EXPECT_EQ(cbvhSetAccuracy(surface, &accuracy), CBVH_OK) << cbvhGetErrorText();
+    change(accuracy);
+    context.expect(cbvhSetAccuracy(surface, &accuracy), CBVH_ERROR_INVALID_ARGUMENT, name);
+  };
+  for (float wrong : {NAN, INFINITY, -1.0f}) {
+    refuseAccuracy("maxError", [=](CbvhAccuracy& a) { a.maxError = wrong; });
+    refuseAccuracy("maxPixelError", [=](CbvhAccuracy& a) { a.maxPixelError = wrong; });
+    refuseAccuracy("pixelSize", [=](CbvhAccuracy& a) { a.pixelSize = wrong; });
+  }
+  refuseAccuracy("pixelSize", [](CbvhAccuracy& a) { a.pixelSize = 0; });
+  for (int k = 0; k < 3; k++) refuseAccuracy("cameraPosition", [=](CbvhAccuracy& a) { a.cameraPosition[k] = NAN; });
+  const CbvhAccuracy unused = {sizeof(CbvhAccuracy), 0, 0, {0, 0, 0}, -1};
+  EXPECT_EQ(cbvhSetAccuracy(surface, &unused), CBVH_OK) << "without maxPixelError there is no camera";
+  EXPECT_EQ(cbvhSetAccuracy(surface, nullptr), CBVH_OK);
 
   EXPECT_EQ(cbvhNewSurface(nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(cbvhCommitGroup(nullptr), CBVH_ERROR_INVALID_ARGUMENT);

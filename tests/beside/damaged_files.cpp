@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Damage in a file that rays of libembree_cbvh find: the error function of the context is called with it, once, whatever traces. */
+/* Damage in a file that functions of libembree_cbvh find: the error function of the context is called with its reason,
+ * once per surface if rays find it. */
 
 #include "support/file_mutations.h"
 
@@ -33,6 +34,7 @@ struct Damaged : testing::Test
   CbvhContext context = nullptr;
   Folder folder;
   const std::string path = folder/"surface.cbvh";
+  std::string whole; // the file without damage
 
   Damaged()
   {
@@ -52,11 +54,19 @@ struct Damaged : testing::Test
     EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
     EXPECT_EQ(cbvhSaveSurface(surface, path.c_str()), CBVH_OK) << cbvhGetErrorText();
     cbvhReleaseSurface(surface);
-    FileBytes file(bytesOf(path));
-    std::fill_n(file.bytes.begin() + ptrdiff_t(file.record(0).blocks), file.record(0).blockBytes/2, '\0');
-    writeBytes(path, file.bytes);
+    whole = bytesOf(path);
+    damage(0);
   }
   ~Damaged() override { cbvhReleaseContext(context); }
+
+  // Sets the first or the second half of the blocks to zero.
+  void damage(int half)
+  {
+    FileBytes file(whole);
+    const uint64_t bytes = file.record(0).blockBytes/2, begin = file.record(0).blocks + (half ? bytes : 0);
+    std::fill_n(file.bytes.begin() + ptrdiff_t(begin), bytes, '\0');
+    writeBytes(path, file.bytes);
+  }
 
   CbvhGroup load()
   {
@@ -126,6 +136,57 @@ TEST_F(Damaged, IsToldByRays)
     expectOne(name);
     cbvhReleaseGroup(group);
   }
+}
+
+// The text names the file, the block and what is wrong with it, as after rays.
+TEST_F(Damaged, IsNamedByFunctionsThatReadAllBlocks)
+{
+  const auto parts = [](CbvhSurface surface) {
+    return cbvhForEachPart(surface, 0, [](void*, const CbvhPart*) { return 1; }, nullptr);
+  };
+  const auto clusters = [](CbvhSurface surface) {
+    return cbvhForEachCluster(surface, 0, CBVH_CLUSTER_FLOAT3, nullptr, nullptr, nullptr);
+  };
+  for (const auto& [name, call] : {std::make_pair("parts", +parts), std::make_pair("clusters", +clusters)}) {
+    SCOPED_TRACE(name);
+    CbvhGroup group = load();
+    EXPECT_EQ(call(cbvhGetGroupSurface(group, 0)), CBVH_ERROR_INVALID_OPERATION);
+    EXPECT_EQ(told.errors, 1u);
+    for (const std::string& part : {path, std::string("the geometry's file is damaged"), std::string("the block at ")})
+      EXPECT_NE(told.text.find(part), std::string::npos) << told.text << " lacks " << part;
+    EXPECT_EQ(cbvhGetErrorText(), told.text);
+    told = Told();
+    cbvhReleaseGroup(group);
+  }
+}
+
+// The first block that is read is in one of the halves: damage to the other one is found after clusters.
+TEST_F(Damaged, LeavesTheSumsOfWhatCameBeforeInAReport)
+{
+  const CbvhClusterFunction add = [](void* ptr, const CbvhCluster* cluster) {
+    CbvhClusterReport& sums = *(CbvhClusterReport*)ptr;
+    sums.numClusters++;
+    sums.numTriangles += cluster->numTriangles;
+    sums.bytes += cluster->bytes;
+    return 1;
+  };
+  size_t most = 0;
+  for (int half : {0, 1}) {
+    damage(half);
+    CbvhGroup group = load();
+    CbvhClusterReport sums = CbvhClusterReport(), report = CbvhClusterReport();
+    report.numClusters = report.numTriangles = report.bytes = report.numClustersOf[3] = 12345;
+    EXPECT_EQ(cbvhForEachCluster(cbvhGetGroupSurface(group, 0), 0, CBVH_CLUSTER_FLOAT3, add, &sums, &report),
+              CBVH_ERROR_INVALID_OPERATION);
+    EXPECT_EQ(report.numClusters, sums.numClusters);
+    EXPECT_EQ(report.numTriangles, sums.numTriangles);
+    EXPECT_EQ(report.bytes, sums.bytes);
+    EXPECT_EQ(report.numClustersOf[3], 0u);
+    most = std::max(most, report.numClusters);
+    told = Told();
+    cbvhReleaseGroup(group);
+  }
+  EXPECT_GT(most, 0u);
 }
 
 // Rays that a callback traces while something else is committed: that succeeds.

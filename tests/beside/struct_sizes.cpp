@@ -333,20 +333,20 @@ TEST(StructGrowth, MembersThatTheApplicationLacksAreZeroAndNotWritten)
 {
   using embree::core::Grown;
   Grown application = {16, 3, 4, 5.0};
-  const Grown read = embree::core::readStruct(application);
+  const Grown read = embree::core::readStruct(&application);
   EXPECT_EQ(read.structSize, sizeof(Grown));
   EXPECT_EQ(read.a, 3);
   EXPECT_EQ(read.b, 4);
   EXPECT_EQ(read.c, 0.0);
-  embree::core::writeStruct(application, Grown{sizeof(Grown), 6, 7, 8.0});
+  embree::core::writeStruct(&application, Grown{sizeof(Grown), 6, 7, 8.0});
   EXPECT_EQ(application.structSize, 16u);
   EXPECT_EQ(application.a, 6);
   EXPECT_EQ(application.b, 7);
   EXPECT_EQ(application.c, 5.0) << "which is not the struct's";
   application.structSize = 15;
-  EXPECT_THROW(embree::core::requireStruct(application), std::invalid_argument);
+  EXPECT_THROW(embree::core::requireStruct(&application), std::invalid_argument);
   application.structSize = 20; // which would cut a member
-  EXPECT_THROW(embree::core::readStruct(application), std::invalid_argument);
+  EXPECT_THROW(embree::core::readStruct(&application), std::invalid_argument);
 }
 
 } // namespace

@@ -33,6 +33,13 @@ struct CbvhPair
   float a, b; /* first, second */
 };
 
+/* Options of a visit. */
+struct CbvhVisit
+{
+  size_t structSize CBVH_SIZE_OF(CbvhVisit); /* by the rule */
+  int flags;
+};
+
 /* Called for each pair. */
 typedef int (*CbvhPairFunction)(void* userPtr, const struct CbvhPair* pair);
 
@@ -47,6 +54,9 @@ typedef int (*CbvhPairFunction)(void* userPtr, const struct CbvhPair* pair);
  * Errors: CBVH_ERROR_UNKNOWN for a NULL function. Thread safety: any thread. */
 CBVH_API enum CbvhError cbvhVisit(float u, float v[2], CbvhPairFunction function, void* userPtr);
 CBVH_API enum CbvhError cbvhVisitAgain(float u);
+
+/* Visits with options. */
+CBVH_API void cbvhVisitWith(const struct CbvhVisit* visit);
 
 /* Returns the number of pairs. */
 CBVH_API unsigned int cbvhCount(void);
@@ -97,6 +107,14 @@ class KnownHeader(unittest.TestCase):
         self.assertEqual(section(self.visit, "NOTES"), ".PP\nThread safety: any thread.\n")
         self.assertIsNone(section(self.visit, "EXIT STATUS"))
 
+    def test_structs_that_grow_have_no_default_and_a_note(self):
+        page = self.pages["cbvhVisitWith.3cbvh"]
+        self.assertIn("  size_t structSize; /* by the rule */\n  int flags;\n", section(page, "SYNOPSIS"))
+        notes = section(page, "NOTES")
+        self.assertEqual(notes.count("structSize"), 2)
+        self.assertIn("T s = {.structSize = sizeof(s)}", notes)
+        self.assertNotIn("structSize", self.visit)
+
     def test_functions_of_one_comment_share_a_page(self):
         self.assertEqual(self.pages["cbvhVisitAgain.3cbvh"], ".so man3/cbvhVisit.3cbvh\n")
 
@@ -113,6 +131,7 @@ class PublicHeaders(unittest.TestCase):
             pages = made(folder, *HEADERS)
             self.assertGreater(len(pages), 80)
             for name, page in pages.items():
+                self.assertNotIn("SIZE_OF", page, name)
                 for other in re.findall(r"(\w+)\((3\w+)\)", page):
                     self.assertIn(".".join(other), pages, name)
                 if not page.startswith(".so") and shutil.which("groff"):

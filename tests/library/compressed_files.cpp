@@ -196,6 +196,35 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWhoseInputIsGone)
   EXPECT_EQ(rtcLoadCompressedGeometry(device, (folder/"all").c_str()), nullptr) << "there are several";
 }
 
+TEST(CompressedFiles, StatisticsNeedAnOpenFileAStructAndAnIndexInRange)
+{
+  Folder folder;
+  Device device;
+  RTCGeometry geometry = allSaveable().front().make(device);
+  ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) << device.message;
+  rtcReleaseGeometry(geometry);
+  RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"a").c_str());
+  ASSERT_NE(file, nullptr) << device.message;
+  RTCCompressionStatistics statistics = RTCCompressionStatistics();
+  statistics.numQuads = 12345;
+  for (unsigned index : {1u, 7u, ~0u}) {
+    EXPECT_FALSE(rtcGetCompressedFileGeometryStatistics(file, index, &statistics)) << index;
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << index;
+    EXPECT_NE(device.message.find(std::to_string(index)), std::string::npos) << device.message;
+  }
+  EXPECT_FALSE(rtcGetCompressedFileGeometryStatistics(file, 0, nullptr));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(device.message.find("statistics is NULL"), std::string::npos) << device.message;
+  EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_NONE);
+  EXPECT_FALSE(rtcGetCompressedFileGeometryStatistics(nullptr, 0, &statistics));
+  EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT) << "without a file the error is the thread's";
+  EXPECT_EQ(statistics.numQuads, 12345u) << "an error writes nothing";
+  EXPECT_TRUE(rtcGetCompressedFileGeometryStatistics(file, 0, &statistics));
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE);
+  EXPECT_NE(statistics.numQuads, 12345u);
+  rtcReleaseCompressedFile(file);
+}
+
 TEST(CompressedFiles, AGeometryIsLoadedSeveralTimesInOneScene)
 {
   for (const Saveable& saveable : allSaveable()) {

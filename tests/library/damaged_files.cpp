@@ -9,6 +9,8 @@
 #include "support/file_mutations.h"
 #include "support/random_rounds.h"
 
+#include <embree3/rtcore_compressed_clusters.h>
+
 #include <csignal>
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -324,6 +326,38 @@ TEST_F(DamagedFiles, AFileThatOnlyMayBeReadIsOpenedAndKeepsItsMode)
   EXPECT_EQ(bytesOf(path), sound);
   rtcReleaseGeometry(geometry);
   rtcReleaseGeometry(second);
+}
+
+// The first block that is read is in one of the halves: damage to the other one is found after clusters.
+TEST_F(DamagedFiles, AClusterReportHasTheSumsOfWhatCameBeforeTheDamage)
+{
+  const RTCCompressedClusterFunction add = [](void* ptr, const RTCCompressedCluster* cluster) {
+    RTCCompressedClusterReport& sums = *(RTCCompressedClusterReport*)ptr;
+    sums.numClusters++;
+    sums.numTriangles += cluster->numTriangles;
+    sums.bytes += cluster->bytes;
+    return true;
+  };
+  size_t most = 0;
+  for (int half : {0, 1}) {
+    FileBytes file(sound);
+    const uint64_t bytes = file.record(0).blockBytes/2, begin = file.record(0).blocks + (half ? bytes : 0);
+    std::fill_n(file.bytes.begin() + ptrdiff_t(begin), bytes, '\0');
+    writeBytes(path, file.bytes);
+    RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+    ASSERT_NE(geometry, nullptr) << device.message;
+    RTCCompressedClusterReport sums = RTCCompressedClusterReport(), report = RTCCompressedClusterReport();
+    report.numClusters = report.numTriangles = report.bytes = report.numClustersOf[3] = 12345;
+    rtcForEachCompressedCluster(geometry, 0, RTC_CLUSTER_FORMAT_FLOAT3, add, &sums, &report);
+    EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
+    EXPECT_EQ(report.numClusters, sums.numClusters);
+    EXPECT_EQ(report.numTriangles, sums.numTriangles);
+    EXPECT_EQ(report.bytes, sums.bytes);
+    EXPECT_EQ(report.numClustersOf[3], 0u);
+    most = std::max(most, report.numClusters);
+    rtcReleaseGeometry(geometry);
+  }
+  EXPECT_GT(most, 0u);
 }
 
 TEST_F(DamagedFiles, AWriterThatIsReleasedLeavesNothing)

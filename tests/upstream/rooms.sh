@@ -59,4 +59,8 @@ check core files stored framed surface base state embree
 check api core building traversal files flat stored vert framed surface base state embree
 end
 
+# Interfaces outside of libembree3 include the headers of core, which therefore include none of Embree's own.
+found=$(grep -nE '#include "(\.\./)+(cbvh/)?(embree|common)/' cbvh/core/*.h || true)
+[ -z "$found" ] || { echo "$found"; failed=1; }
+
 exit $failed

@@ -68,6 +68,138 @@ TEST_F(VulkanAPI, ArgumentsThatAreNullAreNamed)
   expectError(RTC_ERROR_INVALID_ARGUMENT, {"commands"});
 }
 
+// What comes before a device: needs neither one nor a loader.
+TEST(VulkanStructSizes, AreCheckedBeforeALoaderIsOpened)
+{
+  Device embree;
+  const auto expectWrong = [&](const char* name, size_t size) {
+    EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+    for (const std::string& part : {std::string(name), std::to_string(size), std::string("expected")})
+      EXPECT_TRUE(has(embree.message, part)) << embree.message << " lacks " << part;
+  };
+  RTCVulkanDeviceInfo info = RTCVulkanDeviceInfo();
+  RTCVulkanHandles handles = RTCVulkanHandles();
+  EXPECT_EQ(info.structSize, sizeof(info));
+  EXPECT_EQ(handles.structSize, sizeof(handles));
+  for (size_t wrong : {size_t(0), size_t(8), sizeof(handles) - 1, sizeof(handles) + 1, size_t(1032), ~size_t(0)}) {
+    info.structSize = handles.structSize = wrong;
+    EXPECT_EQ(rtcGetVulkanDevices(embree, &info, 1), 0u);
+    expectWrong("RTCVulkanDeviceInfo", wrong);
+    EXPECT_EQ(rtcNewVulkanDeviceFromHandles(embree, &handles), nullptr);
+    expectWrong("RTCVulkanHandles", wrong);
+  }
+  struct { RTCVulkanHandles known; size_t more; } newer = {RTCVulkanHandles(), 1};
+  newer.known.structSize = sizeof(newer);
+  EXPECT_EQ(rtcNewVulkanDeviceFromHandles(embree, &newer.known), nullptr);
+  expectWrong("RTCVulkanHandles", sizeof(newer));
+  newer.more = 0;
+  EXPECT_EQ(rtcNewVulkanDeviceFromHandles(embree, &newer.known), nullptr);
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_TRUE(has(embree.message, "getInstanceProcAddr")) << embree.message;
+}
+
+// A struct of a newer application. more: what a later version appends.
+template<typename T>
+struct Newer
+{
+  T known = T();
+  size_t more[2] = {7, 7};
+  Newer() { known.structSize = sizeof(*this); }
+};
+
+TEST_F(VulkanAPI, StructsOfNewerApplicationsAreFilledWithZeros)
+{
+  const SmallScene scene(embree);
+  const std::vector<RTCRayHit> rays = raysFromAbove();
+  Newer<RTCVulkanSceneArguments> arguments;
+  EXPECT_EQ(rtcNewVulkanScene(device.get(), scene, &arguments.known), nullptr);
+  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanSceneArguments", "is not zero"});
+  arguments.more[0] = arguments.more[1] = 0;
+  const VulkanScene uploaded(rtcNewVulkanScene(device.get(), scene, &arguments.known));
+  ASSERT_TRUE(uploaded) << embree.message;
+
+  const auto expectFilled = [](const auto& written) {
+    EXPECT_EQ(written.known.structSize, sizeof(written));
+    EXPECT_EQ(written.more[0], 0u);
+    EXPECT_EQ(written.more[1], 0u);
+  };
+  Newer<RTCVulkanDeviceInfo> info;
+  rtcGetVulkanDeviceInfo(device.get(), &info.known);
+  expectFilled(info);
+  EXPECT_EQ(info.known.name, vulkan->name);
+  Newer<RTCVulkanHandles> handles;
+  rtcGetVulkanDeviceHandles(device.get(), &handles.known);
+  expectFilled(handles);
+  EXPECT_EQ(handles.known.queue, vulkan->handles.queue);
+  Newer<RTCVulkanSceneStatistics> statistics;
+  rtcGetVulkanSceneStatistics(uploaded.get(), &statistics.known);
+  expectFilled(statistics);
+  EXPECT_GT(statistics.known.deviceBytes + statistics.known.importedBytes, 0u);
+  Newer<RTCVulkanTimes> times;
+  times.known.seconds = -1;
+  const RTCVulkanTrace trace = rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size());
+  EXPECT_TRUE(rtcWaitVulkanTrace(trace, nullptr, &times.known));
+  expectFilled(times);
+  EXPECT_GE(times.known.seconds, 0);
+  expectNoError();
+}
+
+TEST_F(VulkanAPI, StructsOfTheWrongSizeAreNamedAndNotWritten)
+{
+  const SmallScene scene(embree);
+  const VulkanScene uploaded = upload(scene);
+  std::vector<RTCRayHit> rays = raysFromAbove();
+  const std::vector<RTCRayHit> before = rays;
+  RTCVulkanSceneArguments arguments = RTCVulkanSceneArguments();
+  RTCVulkanDeviceInfo info = RTCVulkanDeviceInfo();
+  RTCVulkanHandles handles = RTCVulkanHandles();
+  RTCVulkanSceneStatistics statistics = RTCVulkanSceneStatistics();
+  RTCVulkanTimes times = {0, -1, -1, -1};
+  arguments.structSize = info.structSize = handles.structSize = statistics.structSize = 0;
+  EXPECT_EQ(rtcNewVulkanScene(device.get(), scene, &arguments), nullptr);
+  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanSceneArguments", "structSize 0"});
+  rtcGetVulkanDeviceInfo(device.get(), &info);
+  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanDeviceInfo", "structSize 0"});
+  EXPECT_STREQ(info.name, "");
+  rtcGetVulkanDeviceHandles(device.get(), &handles);
+  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanHandles", "structSize 0"});
+  EXPECT_FALSE(handles.device);
+  rtcGetVulkanSceneStatistics(uploaded.get(), &statistics);
+  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanSceneStatistics", "structSize 0"});
+  EXPECT_EQ(statistics.deviceBytes, 0u);
+  const RTCVulkanTrace trace = rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size());
+  EXPECT_FALSE(rtcWaitVulkanTrace(trace, rays.data(), &times));
+  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanTimes", "structSize 0"});
+  EXPECT_EQ(times.seconds, -1);
+  EXPECT_TRUE(areSame(rays, before));
+}
+
+// structSize is the distance of the entries of an array.
+TEST_F(VulkanAPI, ListsOfDevicesHaveEntriesOfTheApplicationsSize)
+{
+  const unsigned count = rtcGetVulkanDevices(embree, nullptr, 0);
+  ASSERT_GE(count, 1u);
+  std::vector<RTCVulkanDeviceInfo> infos(count);
+  ASSERT_EQ(rtcGetVulkanDevices(embree, infos.data(), count), count);
+  std::vector<Newer<RTCVulkanDeviceInfo>> newer(count + 1);
+  ASSERT_EQ(rtcGetVulkanDevices(embree, &newer[0].known, count), count);
+  for (unsigned i = 0; i < count; i++) {
+    EXPECT_STREQ(newer[i].known.name, infos[i].name);
+    EXPECT_EQ(newer[i].known.memoryBytes, infos[i].memoryBytes);
+    EXPECT_EQ(newer[i].known.structSize, sizeof(newer[i]));
+    EXPECT_EQ(newer[i].more[0], 0u);
+  }
+  EXPECT_STREQ(newer[count].known.name, "");
+  EXPECT_EQ(newer[count].more[0], 7u);
+  expectNoError();
+  if (count < 2) return;
+  infos[1].structSize = 0;
+  infos[0].name[0] = '\0';
+  EXPECT_EQ(rtcGetVulkanDevices(embree, infos.data(), count), 0u);
+  expectError(RTC_ERROR_INVALID_ARGUMENT, {"RTCVulkanDeviceInfo", "structSize 0", "infos[1]"});
+  EXPECT_STREQ(infos[0].name, "");
+}
+
 TEST_F(VulkanAPI, ArgumentsOfOrdersOfRaysAreChecked)
 {
   const SmallScene scene(embree);
@@ -240,7 +372,7 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByAPartOfTheirName)
   const unsigned count = rtcGetVulkanDevices(embree, nullptr, 0);
   ASSERT_GE(count, 1u);
   std::vector<RTCVulkanDeviceInfo> infos(count + 1);
-  std::memset(&infos[count], 0x5A, sizeof(infos[count]));
+  std::memset((void*)&infos[count], 0x5A, sizeof(infos[count]));
   const RTCVulkanDeviceInfo untouched = infos[count];
   EXPECT_EQ(rtcGetVulkanDevices(embree, infos.data(), count + 1), count);
   EXPECT_EQ(std::memcmp(&infos[count], &untouched, sizeof(untouched)), 0);

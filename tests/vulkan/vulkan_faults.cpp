@@ -57,7 +57,7 @@ std::function<bool()> tracing(const VulkanScene& scene, const std::vector<Ray>& 
 {
   return [&] {
     std::vector<Ray> traced = rays;
-    RTCVulkanTimes times = {-1, -1, -1};
+    RTCVulkanTimes times = {sizeof(times), -1, -1, -1};
     const bool done = trace(scene.get(), traced, &times);
     EXPECT_TRUE(areSame(traced, done ? expected : rays));
     EXPECT_EQ(times.seconds >= 0, done);
@@ -300,7 +300,7 @@ TEST_F(VulkanFaults, ADeviceThatIsLostDuringATraceLeavesRaysAsTheyWere)
   const RTCVulkanTrace other = rtcStartVulkanOccluded(uploaded.get(), occluded.data(), occluded.size());
   ASSERT_TRUE(one && other) << embree.message;
   faults->fail("WaitForFences", 1, VK_ERROR_DEVICE_LOST, Faults::BEHIND, true);
-  RTCVulkanTimes times = {-1, -1, -1};
+  RTCVulkanTimes times = {sizeof(times), -1, -1, -1};
   EXPECT_FALSE(rtcWaitVulkanTrace(one, traced.data(), &times));
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost")) << embree.message;

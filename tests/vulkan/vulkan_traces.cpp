@@ -166,7 +166,7 @@ TEST_F(VulkanTraces, SeveralTracesAreInFlightAtOnce)
   for (int i : {3, 7, 0, 1, 6, 5, 2, 4}) {
     std::vector<RTCRayHit> traced(rays[size_t(i)].size());
     while (i % 2 && !rtcIsVulkanTraceDone(traces[size_t(i)])) std::this_thread::yield();
-    RTCVulkanTimes times = {-1, -1, -1};
+    RTCVulkanTimes times = {sizeof(times), -1, -1, -1};
     ASSERT_TRUE(rtcWaitVulkanTrace(traces[size_t(i)], traced.data(), &times)) << embree.message;
     EXPECT_GE(times.seconds, 0);
     EXPECT_GE(times.copySeconds, 0);

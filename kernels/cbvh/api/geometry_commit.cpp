@@ -5,9 +5,9 @@
 
 #include "../embree/scene.h"
 #include "../base/environment.h"
-#include "../core/input_checks.h"
 #include "../stored/surface_blocks.h"
 #include "../surface/embree_bytes.h"
+#include "../surface/input_checks.h"
 #include "../surface/plan.h"
 #include "../surface/quad_regions.h"
 #include "../../cvert/format/block.h"

@@ -16,26 +16,6 @@ namespace
       && int(ClusterFormat::DGF1) == RTC_CLUSTER_FORMAT_DGF1,"formats");
   static_assert(int(ClusterReason::RAW) == RTC_CLUSTER_RAW && int(ClusterReason::MOVING) == RTC_CLUSTER_MOVING
       && int(ClusterReason::RANGE) == RTC_CLUSTER_RANGE,"reasons");
-
-  RTCCompressedCluster asPublic (const cbvh::StoredCluster& cluster, const RTCCompressedPart& part)
-  {
-    return RTCCompressedCluster{ RTCClusterFormat(cluster.format),RTCClusterReason(cluster.reason),cluster.numVertices,
-                                 cluster.numTriangles,cluster.data,cluster.bytes,cluster.indices,cluster.triangles,
-                                 cluster.firstTriangle,cluster.width,cluster.height,&part };
-  }
-
-  RTCCompressedClusterReport asPublic (const cbvh::ClusterReport& report)
-  {
-    RTCCompressedClusterReport to;
-    to.numClusters = report.numClusters;
-    to.numTriangles = report.numTriangles;
-    to.numVertices = report.numVertices;
-    to.bytes = report.bytes;
-    to.indexBytes = report.indexBytes;
-    std::copy_n(report.numClustersOf,4,to.numClustersOf);
-    std::copy_n(report.numTrianglesOf,4,to.numTrianglesOf);
-    return to;
-  }
 }
 
 RTC_NAMESPACE_BEGIN;
@@ -46,16 +26,16 @@ RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enu
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
   require(geometry,"geometry");
-  if (report) core::requireStruct(*report);
+  if (report) core::requireStruct(report);
   int value; // an enumeration may not hold what the application may have passed
   memcpy(&value,&format,sizeof(value));
   cbvh::ClusterReport sums;
-  auto finish = [&] { if (report) core::writeStruct(*report,asPublic(sums)); };
+  auto finish = [&] { if (report) core::writeStruct(report,cbvh::reportAs<RTCCompressedClusterReport>(sums)); };
   try {
     core::forEachCluster(geometry,time,ClusterFormat(value),[&](const cbvh::StoredCluster& cluster) {
         if (!function) return true;
-        const RTCCompressedPart part = embree::asPublic(*cluster.part);
-        const RTCCompressedCluster handed = asPublic(cluster,part);
+        const RTCCompressedPart part = asPublic(*cluster.part);
+        const RTCCompressedCluster handed = cbvh::clusterAs<RTCCompressedCluster>(cluster,part);
         return function(userPtr,&handed);
       },sums);
   }

@@ -141,7 +141,7 @@ RTC_API bool rtcGetCompressedFileGeometry (RTCCompressedFile hfile, unsigned int
   std::copy_n(known.lower,3,to.lower);
   std::copy_n(known.upper,3,to.upper);
   to.bytes = known.bytes;
-  core::writeStruct(*description,to);
+  core::writeStruct(description,to);
   return true;
   RTC_CATCH_END2(file);
   return false;
@@ -154,7 +154,7 @@ RTC_API bool rtcGetCompressedFileGeometryStatistics (RTCCompressedFile hfile, un
   RTC_CATCH_BEGIN;
   require(file,"file");
   require(statistics,"statistics");
-  core::writeStruct(*statistics,asPublic(file->statistics(index)));
+  core::writeStruct(statistics,asPublic(file->statistics(index)));
   return true;
   RTC_CATCH_END2(file);
   return false;

@@ -57,7 +57,7 @@ RTC_API void rtcSetGeometryCompression (RTCGeometry hgeometry, const struct RTCC
   RTC_CATCH_BEGIN;
   require(geometry,"geometry");
   require(args,"args");
-  core::setCompression(geometry,settingsOf(core::readStruct(*args)));
+  core::setCompression(geometry,settingsOf(core::readStruct(args)));
   RTC_CATCH_END2(geometry);
 }
 
@@ -67,8 +67,8 @@ RTC_API void rtcGetSceneCompressionStatistics (RTCScene hscene, struct RTCCompre
   RTC_CATCH_BEGIN;
   require(scene,"scene");
   require(stats,"stats");
-  core::requireStruct(*stats);
-  core::writeStruct(*stats,asPublic(core::statisticsOf(scene)));
+  core::requireStruct(stats);
+  core::writeStruct(stats,asPublic(core::statisticsOf(scene)));
   RTC_CATCH_END2(scene);
 }
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "compression.h"
-#include "compressed_geometry.h"
 #include "../base/kinds.h"
+#include "../files/loaded_geometry.h"
 #include "../stored/report.h"
 #include <cmath>
 #include <cstring>

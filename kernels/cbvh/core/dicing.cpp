@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "dicing.h"
-#include "compressed_geometry.h"
-#include "input_checks.h"
+#include "../files/loaded_geometry.h"
 #include "../surface/dicing_samples.h"
+#include "../surface/input_checks.h"
 
 namespace embree
 {

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "files.h"
-#include "compressed_geometry.h"
 #include "../files/codec_errors.h"
 #include "../files/file_statistics.h"
+#include "../files/loaded_geometry.h"
 #include "../files/loaded_surface.h"
 #include "../files/saved_surface.h"
+#include "../stored/required_blocks.h"
 
 namespace embree
 {

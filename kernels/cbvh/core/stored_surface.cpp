@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "stored_surface.h"
-#include "compressed_geometry.h"
+#include "../stored/required_blocks.h"
 #include "../stored/stored_clusters.h"
 
 namespace embree

@@ -8,6 +8,9 @@
  * members, for which zero means what the library did before, and begin them at the sizeof of the version before:
  * structs that the library reads have no padding at their end.
  *
+ * An application's struct may be smaller than the type that this version declares. Functions therefore accept a pointer
+ * to it, and their callers may access only its structSize directly.
+ *
  * All functions throw RTC_ERROR_INVALID_ARGUMENT with the struct's name if structSize is out of range. */
 
 #include <cstddef>
@@ -50,20 +53,20 @@ namespace embree
     /*! Returns a struct that an application passed, as this version knows it: members that the application lacks are
      *  zero, structSize is sizeof(T). Also throws if a byte that this version does not know is not zero. */
     template<typename T>
-    T readStruct (const T& from)
+    T readStruct (const T* from)
     {
       T to;
-      copyFromApplication(knownStruct<T>(),&from,&to);
+      copyFromApplication(knownStruct<T>(),from,&to);
       return to;
     }
 
     /*! Checks a struct that will be written. Call it before the work whose result it receives. */
     template<typename T>
-    void requireStruct (const T& to) { checkStructSize(knownStruct<T>(),&to); }
+    void requireStruct (const T* to) { checkStructSize(knownStruct<T>(),to); }
 
     /*! Writes the members that the application has, and zeros after the members that this version knows. Keeps
      *  structSize. */
     template<typename T>
-    void writeStruct (T& to, const T& from) { copyToApplication(knownStruct<T>(),&to,&from); }
+    void writeStruct (T* to, const T& from) { copyToApplication(knownStruct<T>(),to,&from); }
   }
 }

@@ -7,6 +7,7 @@
  * docs/formats/clusters.md describes the formats. */
 
 #include "part.h"
+#include <algorithm>
 #include <cstddef>
 
 namespace embree
@@ -60,5 +61,32 @@ namespace embree
       size_t numClustersOf[numClusterReasons] = {};
       size_t numTrianglesOf[numClusterReasons] = {};
     };
+
+    /*! Returns a cluster as the struct of an interface, which has the same members in the same order. part: of the
+     *  interface, likewise; must outlive the result. */
+    template<typename Cluster, typename Part>
+    Cluster clusterAs (const StoredCluster& cluster, const Part& part)
+    {
+      return Cluster{ decltype(Cluster::format)(cluster.format),decltype(Cluster::reason)(cluster.reason),
+          cluster.numVertices,cluster.numTriangles,cluster.data,cluster.bytes,cluster.indices,cluster.triangles,
+          cluster.firstTriangle,cluster.width,cluster.height,&part };
+    }
+
+    /*! Returns sums as the struct of an interface, which has members of the same names. */
+    template<typename Report>
+    Report reportAs (const ClusterReport& report)
+    {
+      Report to = Report();
+      static_assert(sizeof(to.numClustersOf) == sizeof(report.numClustersOf)
+          && sizeof(to.numTrianglesOf) == sizeof(report.numTrianglesOf),"one sum per reason");
+      to.numClusters = report.numClusters;
+      to.numTriangles = report.numTriangles;
+      to.numVertices = report.numVertices;
+      to.bytes = report.bytes;
+      to.indexBytes = report.indexBytes;
+      std::copy_n(report.numClustersOf,size_t(numClusterReasons),to.numClustersOf);
+      std::copy_n(report.numTrianglesOf,size_t(numClusterReasons),to.numTrianglesOf);
+      return to;
+    }
   }
 }

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include <algorithm>
+
 namespace embree
 {
   /*! A camera, and how large quads may be in its picture. Plain data, which includes nothing of Embree. World space
@@ -25,4 +27,24 @@ namespace embree
     float maxRate = 4096;              //!< quads along an edge, 1 to 4096
     const float* maxRates = nullptr;   //!< the same for each edge, one per index, at least 1; null: maxRate alone
   };
+
+  /*! Returns the camera that a struct of an interface describes, which has members of the same names. */
+  template<typename Arguments>
+  DicingCamera dicingCamera (const Arguments& args)
+  {
+    DicingCamera camera;
+    std::copy_n(args.position,3,camera.position);
+    std::copy_n(args.direction,3,camera.direction);
+    std::copy_n(args.up,3,camera.up);
+    camera.orthographic = args.orthographic != 0;
+    camera.pixelSize = args.pixelSize;
+    camera.width = args.width;
+    camera.height = args.height;
+    camera.transform = args.transform;
+    camera.quadSize = args.quadSize;
+    camera.outside = args.outside;
+    camera.maxRate = args.maxRate;
+    camera.maxRates = args.maxRates;
+    return camera;
+  }
 }

@@ -4,13 +4,19 @@
 #define RTC_EXPORT_API
 
 #include "ray_order.h"
+#include "structs.h"
 #include "trace.h"
+
+#include "kernels/cbvh/core/errors.h"
 
 #include <algorithm>
 #include <cstring>
 #include <new>
 
 using namespace embree::vulkan;
+namespace core = embree::core;
+
+void embree::core::invalidArgument(const std::string& text) { throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, text); }
 
 namespace {
 
@@ -35,6 +41,41 @@ void require(const void* argument, const char* name)
 {
   if (!argument) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string(name) + " is NULL");
 }
+
+/* Checks and writes a struct of the application. */
+template<typename T>
+void write(T* to, const T& from, const char* name)
+{
+  require(to, name);
+  core::writeStruct(to, from);
+}
+
+/* An array of structs that are as large as the application compiled them: all have the structSize of the first. */
+class DeviceInfos
+{
+public:
+  DeviceInfos(RTCVulkanDeviceInfo* first, size_t count) : first(first), size(0)
+  {
+    if (count == 0) return;
+    core::requireStruct(first);
+    std::memcpy(&size, first, sizeof(size));
+  }
+
+  RTCVulkanDeviceInfo* at(size_t i) const
+  {
+    char* const info = (char*)first + i*size;
+    size_t own;
+    std::memcpy(&own, info, sizeof(own));
+    if (own != size)
+      core::invalidArgument("RTCVulkanDeviceInfo: invalid structSize " + std::to_string(own) + " of infos["
+                            + std::to_string(i) + "]: expected " + std::to_string(size) + ", as infos[0] has it");
+    return (RTCVulkanDeviceInfo*)info;
+  }
+
+private:
+  RTCVulkanDeviceInfo* const first;
+  size_t size;
+};
 
 Device* deviceOf(RTCVulkanDevice device) { return reinterpret_cast<Device*>(device); }
 Scene* sceneOf(RTCVulkanScene scene) { return reinterpret_cast<Scene*>(scene); }
@@ -83,11 +124,14 @@ RTC_API unsigned int rtcGetVulkanDevices(RTCDevice device, RTCVulkanDeviceInfo* 
 {
   unsigned int count = 0;
   guarded(device, [&]() {
+    const DeviceInfos written(infos, infos ? capacity : 0);
     const Machine machine;
-    for (VkPhysicalDevice physical : machine.devices()) {
-      if (infos && count < capacity) infos[count] = capabilitiesOf(machine.vk, physical).info;
-      count++;
-    }
+    const std::vector<VkPhysicalDevice> devices = machine.devices();
+    const size_t numWritten = infos ? std::min(size_t(capacity), devices.size()) : 0;
+    for (size_t i = 0; i < numWritten; i++) written.at(i); // nothing is written if one is wrong
+    for (size_t i = 0; i < numWritten; i++)
+      core::writeStruct(written.at(i), capabilitiesOf(machine.vk, devices[i]).info);
+    count = (unsigned int)devices.size();
   });
   return count;
 }
@@ -99,17 +143,18 @@ RTC_API RTCVulkanDevice rtcNewVulkanDevice(RTCDevice embree, const char* which)
   return reinterpret_cast<RTCVulkanDevice>(device);
 }
 
-RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles(RTCDevice embree, const RTCVulkanHandles* handles)
+RTC_API RTCVulkanDevice rtcNewVulkanDeviceFromHandles(RTCDevice embree, const RTCVulkanHandles* given)
 {
   Device* device = nullptr;
   guarded(embree, [&]() {
-    require(handles, "handles");
-    require((const void*)handles->getInstanceProcAddr, "getInstanceProcAddr");
-    require(handles->instance, "instance");
-    require(handles->physicalDevice, "physicalDevice");
-    require(handles->device, "device");
-    require(handles->queue, "queue");
-    device = new Device(embree, *handles);
+    require(given, "handles");
+    const RTCVulkanHandles handles = core::readStruct(given);
+    require((const void*)handles.getInstanceProcAddr, "getInstanceProcAddr");
+    require(handles.instance, "instance");
+    require(handles.physicalDevice, "physicalDevice");
+    require(handles.device, "device");
+    require(handles.queue, "queue");
+    device = new Device(embree, handles);
   });
   return reinterpret_cast<RTCVulkanDevice>(device);
 }
@@ -126,32 +171,33 @@ RTC_API void rtcReleaseVulkanDevice(RTCVulkanDevice device)
 
 RTC_API void rtcGetVulkanDeviceInfo(RTCVulkanDevice device, RTCVulkanDeviceInfo* info)
 {
-  guarded(embreeOf(device), [&]() { require(device, "device"); require(info, "info"); *info = deviceOf(device)->capabilities.info; });
+  guarded(embreeOf(device), [&]() {
+    require(device, "device");
+    write(info, deviceOf(device)->capabilities.info, "info");
+  });
 }
 
 RTC_API void rtcGetVulkanDeviceHandles(RTCVulkanDevice device, RTCVulkanHandles* handles)
 {
-  guarded(embreeOf(device), [&]() { require(device, "device"); require(handles, "handles"); *handles = deviceOf(device)->handles; });
+  guarded(embreeOf(device), [&]() { require(device, "device"); write(handles, deviceOf(device)->handles, "handles"); });
 }
 
 /* --- scenes ----------------------------------------------------------------------------- */
 
-RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from, const RTCVulkanSceneArguments* args)
+RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from, const RTCVulkanSceneArguments* given)
 {
   Scene* scene = nullptr;
   guarded(embreeOf(device), [&]() {
     require(device, "device");
     require(from, "scene");
-    int memory = RTC_VULKAN_MEMORY_AUTO;   // an enumeration may not hold what the application may have written
-    if (args) std::memcpy(&memory, &args->memory, sizeof(memory));
+    const RTCVulkanSceneArguments args = given ? core::readStruct(given) : RTCVulkanSceneArguments();
+    int memory, traversal; // an enumeration may not hold what the application may have written
+    std::memcpy(&memory, &args.memory, sizeof(memory));
+    std::memcpy(&traversal, &args.traversal, sizeof(traversal));
     if (memory < RTC_VULKAN_MEMORY_AUTO || memory > RTC_VULKAN_MEMORY_IMPORT) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid memory " + std::to_string(memory) + ": expected AUTO, COPY or IMPORT");
     SceneOptions options;
     options.memory = RTCVulkanMemory(memory);
-    int traversal = RTC_VULKAN_TRAVERSAL_COMPUTE;
-    if (args) {
-      std::memcpy(&traversal, &args->traversal, sizeof(traversal));
-      options.previous = sceneOf(args->previous);
-    }
+    options.previous = sceneOf(args.previous);
     if (traversal < RTC_VULKAN_TRAVERSAL_COMPUTE || traversal > RTC_VULKAN_TRAVERSAL_RAY_QUERY) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid traversal " + std::to_string(traversal) + ": expected COMPUTE or RAY_QUERY");
     options.byQuery = traversal == RTC_VULKAN_TRAVERSAL_RAY_QUERY;
     if (options.byQuery && !deviceOf(device)->handles.hasRayQuery)
@@ -202,7 +248,10 @@ RTC_API unsigned int rtcGetVulkanSceneInstances(RTCVulkanScene scene, VkAccelera
 
 RTC_API void rtcGetVulkanSceneStatistics(RTCVulkanScene scene, RTCVulkanSceneStatistics* statistics)
 {
-  guarded(embreeOf(scene), [&]() { require(scene, "scene"); require(statistics, "statistics"); *statistics = sceneOf(scene)->statistics; });
+  guarded(embreeOf(scene), [&]() {
+    require(scene, "scene");
+    write(statistics, sceneOf(scene)->statistics, "statistics");
+  });
 }
 
 /* --- tracing ---------------------------------------------------------------------------- */
@@ -268,7 +317,10 @@ RTC_API bool rtcWaitVulkanTrace(RTCVulkanTrace htrace, void* rays, RTCVulkanTime
   const bool done = guarded(embree, [&]() {
     require(htrace, "trace");
     const std::unique_ptr<Trace> trace(traceOf(htrace));
-    trace->finish(rays, times);
+    if (times) core::requireStruct(times);
+    RTCVulkanTimes known;
+    trace->finish(rays, times ? &known : nullptr);
+    if (times) core::writeStruct(times, known);
   });
   if (embree) rtcReleaseDevice(embree);
   return done;

@@ -81,7 +81,7 @@ void Trace::record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeli
 
 RTCVulkanTimes Trace::readTimes() const
 {
-  RTCVulkanTimes times = {0, 0, 0};
+  RTCVulkanTimes times = RTCVulkanTimes();
   uint64_t stamps[numStamps];
   if (!clock || device.vk.GetQueryPoolResults(device.handles.device, clock, 0, numStamps, sizeof(stamps), stamps, sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) != VK_SUCCESS) return times;
   const uint32_t bits = device.capabilities.timestampBits;

@@ -3,7 +3,6 @@
 
 #include "loaded_geometry.h"
 #include "../base/kinds.h"
-#include "../embree/scene.h"
 #include "../stored/surface_blocks.h"
 
 namespace embree

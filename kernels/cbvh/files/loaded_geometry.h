@@ -6,8 +6,8 @@
 /* A geometry that came from a file: it has blocks, and nothing that they were made from. It has a mask, filters and user data, is enabled or
  * not, and is attached and instanced as any other. What asks for a cage, or would change it, is refused. */
 
-#include "../state/compressible_geometry.h"
 #include "../base/codec.h"
+#include "../embree/scene.h"
 #include "../../cvert/file/format.h"
 
 namespace embree
@@ -47,4 +47,10 @@ namespace embree
 
     const BBox1f ownTimes; //!< of the first step and of the last
   };
+
+  /*! Throws for a geometry of a file. */
+  inline void requireEditable (Geometry* geometry) {
+    if (dynamic_cast<const LoadedGeometry*>(geometry))
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,LoadedGeometry::whyNot);
+  }
 }

@@ -1,0 +1,23 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include "surface_blocks.h"
+#include "../embree/scene.h"
+
+namespace embree
+{
+  [[noreturn]] inline void notCompressed () {
+    throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+        "the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
+  }
+
+  /*! Returns the blocks of a geometry, which keeps them until its next commit. Throws if it has none. */
+  inline const SurfaceBlocks& requireBlocks (Geometry* geometry)
+  {
+    const CompressibleGeometry* const surface = compressible(geometry);
+    if (!surface || !surface->surface.blocks) notCompressed();
+    return *surface->surface.blocks;
+  }
+}

@@ -1,0 +1,21 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Structs of include/embree3/rtcore_vulkan.h that may grow. core/struct_size.cpp is compiled into this library, as
+ * libembree3 does not export it; its errors are VulkanErrors here. */
+
+#include "kernels/cbvh/core/struct_size.h"
+
+#include <embree3/rtcore_vulkan.h>
+
+namespace embree { namespace core {
+
+CBVH_GROWING_STRUCT(RTCVulkanDeviceInfo, hasRayQuery);
+CBVH_GROWING_STRUCT(RTCVulkanHandles, hasRayQuery);
+CBVH_GROWING_STRUCT(RTCVulkanSceneArguments, previous);
+CBVH_GROWING_STRUCT(RTCVulkanSceneStatistics, numUpdatedBoxes);
+CBVH_GROWING_STRUCT(RTCVulkanTimes, sortSeconds);
+
+}} // namespace embree::core
