@@ -53,8 +53,9 @@ namespace cvert { inline namespace CVERT_ISA
       for (size_t i=0; i<mesh.numTriangles; i++) add(mesh,i,centers,report);
       if (lattice.numExceptions() > 0) settle(mesh,centers);
       report.finerVertices = lattice.numExceptions();
-      const MeshClusters clusters(settings.groupTriangles);
-      clusters.cut(centers.data(),centers.size(),[&](const MeshCenter* cluster, uint32_t count) { encodeCluster(mesh,cluster,count,report.statistics,onBlock); });
+      MeshClusters clusters(settings.groupTriangles);
+      clusters.cut(centers.data(),centers.size(),[&](uint32_t index, float lower[3], float upper[3]) { bound(mesh,index,lower,upper); },
+                   [&](const MeshCenter* cluster, uint32_t count) { encodeCluster(mesh,cluster,count,report.statistics,onBlock); });
       return report;
     }
 
@@ -67,10 +68,19 @@ namespace cvert { inline namespace CVERT_ISA
       if (!isFinite(a) || !isFinite(b) || !isFinite(c)) { report.invalidTriangles++; return; }
       if (isDegenerate(a,b,c)) { report.degenerateTriangles++; return; }
       lattice.check(a,b,c);
-      MeshCenter center;
-      for (int k=0; k<3; k++) center.at[k] = 0.5f*(std::min(std::min(a[k],b[k]),c[k]) + std::max(std::max(a[k],b[k]),c[k]));
-      center.index = uint32_t(i);
-      centers.push_back(center);
+      float lower[3], upper[3];
+      bound(mesh,i,lower,upper);
+      centers.push_back({ { 0.5f*(lower[0]+upper[0]),0.5f*(lower[1]+upper[1]),0.5f*(lower[2]+upper[2]) },uint32_t(i) });
+    }
+
+    static void bound (const MeshSource& mesh, size_t i, float lower[3], float upper[3])
+    {
+      const uint32_t* const t = mesh.triangles[i];
+      const float* const a = mesh.vertices[t[0]], * const b = mesh.vertices[t[1]], * const c = mesh.vertices[t[2]];
+      for (int k=0; k<3; k++) {
+        lower[k] = std::min(std::min(a[k],b[k]),c[k]);
+        upper[k] = std::max(std::max(a[k],b[k]),c[k]);
+      }
     }
 
     static bool isDegenerate (const float a[3], const float b[3], const float c[3])
@@ -92,6 +102,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
+    /*! A cluster with a group that must be stored as two may need several blocks. */
     template<typename OnBlock>
     void encodeCluster (const MeshSource& mesh, const MeshCenter* cluster, uint32_t count, MeshStatistics& statistics, const OnBlock& onBlock)
     {
@@ -104,7 +115,6 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t stored;
       for (uint32_t first=0; first<count; first+=stored)
       {
-        /* a cluster that needs more groups than a block has becomes several blocks */
         uint32_t ends[maxMeshTriangles], groups = 0;
         for (uint32_t end=(first/settings.groupTriangles+1)*settings.groupTriangles; ; end+=settings.groupTriangles) {
           ends[groups++] = std::min(end,count)-first;
