@@ -64,7 +64,7 @@ namespace cvert { inline namespace CVERT_ISA
   {
   public:
     /*! room for any block */
-    static const size_t maxBytes = 9216;
+    static constexpr size_t maxBytes = 9216;
 
     MeshEncoder () { std::memset(slots,0,sizeof(slots)); }
 
