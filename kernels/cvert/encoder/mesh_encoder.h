@@ -10,7 +10,6 @@
  * On each axis all vertices are multiples of some power of two, the step, which is found in the floats. It becomes the spacing. If coordinates
  * then need more than maxMeshCoordinateBits, or more bits than ranks of floats, the axis has ranks. */
 
-#include "../clusters/bits.h"
 #include "mesh_strips.h"
 #include <algorithm>
 #include <cmath>
@@ -41,7 +40,8 @@ namespace cvert { inline namespace CVERT_ISA
       bits |= uint64_t(value) << used;
       used += count;
       if (used < 32) return;
-      putWord(out,uint32_t(bits));
+      const uint32_t word = uint32_t(bits);
+      std::memcpy(out,&word,sizeof(word));
       out += 4;
       bits >>= 32;
       used -= 32;
@@ -95,6 +95,9 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t primIDs[maxGroupTriangles];
       uint32_t lower[3], extent[3];                            //!< of its box
     };
+
+    /*! how many bits a number takes: 0 of 0 */
+    static uint32_t bitsOf (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
 
     static const uint32_t slotCount = 2048;
     static const uint16_t noNumber = 0xFFFF;
