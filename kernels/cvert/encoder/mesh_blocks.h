@@ -66,8 +66,10 @@ namespace cvert { inline namespace CVERT_ISA
       if (t[0] >= mesh.numVertices || t[1] >= mesh.numVertices || t[2] >= mesh.numVertices) { report.invalidTriangles++; return; }
       const float* const a = mesh.vertices[t[0]], * const b = mesh.vertices[t[1]], * const c = mesh.vertices[t[2]];
       if (!isFinite(a) || !isFinite(b) || !isFinite(c)) { report.invalidTriangles++; return; }
-      if (isDegenerate(a,b,c)) { report.degenerateTriangles++; return; }
-      lattice.check(a,b,c);
+      if (!lattice.isRobust(a,b,c)) {
+        if (isDegenerate(a,b,c)) { report.degenerateTriangles++; return; }
+        lattice.check(a,b,c);
+      }
       float lower[3], upper[3];
       bound(mesh,i,lower,upper);
       centers.push_back({ { 0.5f*(lower[0]+upper[0]),0.5f*(lower[1]+upper[1]),0.5f*(lower[2]+upper[2]) },uint32_t(i) });

@@ -53,7 +53,7 @@ namespace cvert { inline namespace CVERT_ISA
 
   private:
     static const size_t partTriangles = 4096, sampleTriangles = 64;
-    static const uint32_t bins = 64;
+    static const uint32_t bins = 32;
 
     /*! of a triangle or of several: 0 to 2 the lower bounds, 3 to 5: 65535 less the upper bounds, so that the least of both bounds a box; 6: number in the
      *  part; 7: bin */
@@ -106,7 +106,8 @@ namespace cvert { inline namespace CVERT_ISA
       for (T* i=items; i<items+count; i++) { const T item = *i; *i = *to; *to = item; to += binOf(item) < bin; }
       if (before == half) return;
       T* const first = to;
-      for (T* i=first; i<items+count; i++) { const T item = *i; *i = *to; *to = item; to += binOf(item) == bin; }
+      for (T* i=first; i<items+count; i++)
+        if (binOf(*i) == bin) std::swap(*i,*to++); // few are in the bin
       std::nth_element(first,items+half,to,less);
     }
 

@@ -33,20 +33,33 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) out[k] = lattice.snap(p[k]);
     }
 
+    /*! True if a triangle is so large compared with the spacing that its normal turns by less than 90 degrees wherever its corners snap to, and that it
+     *  has an area. A quick test, false for some triangles of which that is true as well. */
+    bool isRobust (const float a[3], const float b[3], const float c[3]) const
+    {
+      float e[3], f[3];
+      for (int k=0; k<3; k++) { e[k] = b[k]-a[k]; f[k] = c[k]-a[k]; }
+      const float x = e[1]*f[2] - e[2]*f[1], y = e[2]*f[0] - e[0]*f[2], z = e[0]*f[1] - e[1]*f[0];
+      const float nn = x*x + y*y + z*z, ee = e[0]*e[0] + e[1]*e[1] + e[2]*e[2], ff = f[0]*f[0] + f[1]*f[1] + f[2]*f[2], ss = lattices[0].spacing*lattices[0].spacing;
+      /* An edge changes by sqrt(3) s at most, so the normal n by sqrt(3) s (|e| + |f|) + 3 s^2, and rounding by less than 1e-6 |e| |f|. The square
+       * of the sum of both is at most 60 s^2 (e^2 + f^2 + s^2) + 2e-12 e^2 f^2. Overflow and underflow make this false. */
+      return nn > 96*ss*(ee + ff + ss) + 1e-9f*ee*ff;
+    }
+
     /*! Makes exceptions of the vertices of a triangle if the lattice turns it over or flattens it. Corners must be finite. Returns true if it did:
      *  then triangles that were checked before may have to be checked again. */
     bool check (const float a[3], const float b[3], const float c[3])
     {
-      if (isExact) return false;
+      if (isExact || isRobust(a,b,c)) return false;
       const Double3 own = normal(a,b,c);
-      if (own.x == 0 && own.y == 0 && own.z == 0) return false;
+      if (isZero(own)) return false;
       bool changed = false;
       for (;;)
       {
         float p[3], q[3], r[3];
         snap(a,p); snap(b,q); snap(c,r);
-        if (dot(normal(p,q,r),own) > 0) return changed;
-        if (dot(normal(p,q,r),own) == 0 && !isZero(normal(p,q,r))) return changed; // at 90 degrees, or too small for doubles
+        const Double3 n = normal(p,q,r);
+        if (dot(n,own) >= 0 && !isZero(n)) return changed;
         const uint32_t level = std::min(std::min(levelOf(a),levelOf(b)),levelOf(c));
         if (level == 2) return changed;
         raise(a,level+1); raise(b,level+1); raise(c,level+1);

@@ -53,11 +53,12 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t degree (uint32_t t) const
     {
       const uint32_t a = incident[corners[t][0]], b = incident[corners[t][1]], c = incident[corners[t][2]];
-      return uint32_t(__builtin_popcount(((a & b) | (b & c) | (c & a)) & left & ~(1u << t)));
+      return countBits(((a & b) | (b & c) | (c & a)) & left & ~(1u << t));
     }
 
     uint32_t leastConnected (uint32_t of) const
     {
+      if ((of & (of-1)) == 0) return uint32_t(__builtin_ctz(of));
       uint32_t best = 0, least = ~0u;
       for (; of && least; of&=of-1) {
         const uint32_t t = uint32_t(__builtin_ctz(of)), d = degree(t);
@@ -66,12 +67,11 @@ namespace cvert { inline namespace CVERT_ISA
       return best;
     }
 
-    /*! a, b, c: corners of the strip's last triangle in the order of the stream; isFlipped: the application's triangle is b, a, c */
-    void append (uint32_t t, uint8_t a, uint8_t b, uint8_t c, bool isFlipped)
+    /*! a, b: first corners of the strip's last triangle in the order of the stream; isFlipped: the application's triangle is b, a, and the third */
+    void append (uint32_t t, uint8_t a, uint8_t b, bool isFlipped)
     {
       const uint8_t first = isFlipped ? b : a, second = isFlipped ? a : b, * own = corners[t];
       turns[numTriangles] = uint8_t(own[0] == first ? 0 : own[0] == second ? 1 : 2);
-      (void)c;
       order[numTriangles++] = uint8_t(t);
       left &= ~(1u << t);
     }
@@ -89,7 +89,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (numTriangles != 0) { restarts |= 1u << numTriangles; numRestarts++; }
       stream[streamSize++] = a; stream[streamSize++] = b; stream[streamSize++] = c;
       bool isFlipped = false;
-      append(t,a,b,c,isFlipped);
+      append(t,a,b,isFlipped);
       for (;;)
       {
         /* neighbors come along the common edge the other way round */
@@ -104,7 +104,7 @@ namespace cvert { inline namespace CVERT_ISA
         b = c;
         c = d;
         stream[streamSize++] = d;
-        append(t,a,b,c,isFlipped);
+        append(t,a,b,isFlipped);
       }
     }
   };
