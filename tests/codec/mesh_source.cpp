@@ -140,6 +140,30 @@ TEST(MeshSource, VerticesMoveByHalfASpacingAndSurfacesStayClosed)
     }
 }
 
+// The quick test never says that a triangle is safe when it is not.
+TEST(MeshSource, RobustTrianglesDoNotTurnOver)
+{
+  Random random(seed + 6);
+  size_t robust = 0;
+  for (int i = 0; i < 300000; i++) {
+    const int exponent = std::vector<int>{-100, -40, -8, 0, 40}[i % 5];
+    const MeshLattice lattice(i % 7 == 0 ? exactLattice : exponent);
+    const double size = random.magnitude(0.1, 1e5), flatness = random.magnitude(1e-6, 1), far = random.chance(0.5) ? 0 : random.magnitude(1, 1e7);
+    double axis[2][3], origin[3];
+    for (int k = 0; k < 3; k++) { origin[k] = far*random.normal(); for (auto& a : axis) a[k] = random.normal(); }
+    Point p[3], q[3];
+    for (int c = 0; c < 3; c++) {
+      const double u = random.normal(), v = flatness*random.normal();
+      for (int k = 0; k < 3; k++) p[c][k] = float(std::ldexp(origin[k] + size*(u*axis[0][k] + v*axis[1][k]), exponent));
+      lattice.snap(p[c].data(), q[c].data());
+    }
+    if (!lattice.isRobust(p[0].data(), p[1].data(), p[2].data())) continue;
+    robust++;
+    ASSERT_GT(dot(normal(p[0], p[1], p[2]), normal(q[0], q[1], q[2])), 0) << "triangle " << i;
+  }
+  EXPECT_GT(robust, 30000u);
+}
+
 // Triangles not much larger than the spacing, and needles: many would turn over or become lines.
 TEST(MeshSource, NoTriangleTurnsOverOrIsFlattened)
 {
