@@ -1,0 +1,84 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Decodes a mesh block in scalar code, group by group. This is the reference that SIMD decoders must equal. It is also the decoder for programs
+ * that need all triangles of a block. */
+
+#include "mesh_view.h"
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  /*! The triangles of a group, one per lane. */
+  struct DecodedMeshGroup
+  {
+    uint32_t numTriangles, numVertices;
+    uint32_t vertices[maxGroupVertices];                  //!< numbers in the block
+    uint8_t indices[3][maxGroupTriangles];                //!< into `vertices`: the corners of each triangle, in the order of the application
+    float corners[3][3][maxGroupTriangles];               //!< by corner and axis
+    uint32_t primIDs[maxGroupTriangles];
+
+    /*! Decodes group g. Reads the header, the records, the boxes, the topology and the numbers of the group, and the vertices that it uses. */
+    DecodedMeshGroup (const MeshView& view, uint32_t g)
+    {
+      const uint32_t group = meshGroupByte(view.block,g), record = meshRecord(view.block,g);
+      numTriangles = groupTriangles(group);
+      numVertices = groupVertices(record);
+      const MeshTopology at = meshTopology(group,record,meshVertices(view.block->counts));
+      auto bits = [&](uint32_t begin, uint32_t count) { return meshBitsAt(view.topology,view.topologyBegin[g]+begin,count); };
+
+      const uint32_t owns = bits(at.owns,numVertices);
+      float positions[maxGroupVertices][3];
+      for (uint32_t i=0, own=0, other=0; i<numVertices; i++) {
+        vertices[i] = (owns >> i) & 1 ? view.firstVertex[g] + own++ : bits(at.others + at.otherBits*other++,at.otherBits);
+        view.vertex(vertices[i],positions[i]);
+      }
+
+      uint8_t stream[maxGroupTriangles+2+2*maxGroupRestarts];
+      const uint32_t length = streamLength(numTriangles,groupRestarts(group,record));
+      for (uint32_t i=0, news=0, repeats=0; i<length; i++)
+        stream[i] = uint8_t(i < 3 || bits(at.news+i-3,1) ? news++ : bits(at.repeats + at.repeatBits*repeats++,at.repeatBits));
+
+      const uint32_t restarts = bits(at.restarts,numTriangles-1) << 1 | 1, fans = bits(at.fans,numTriangles-1) << 1;
+      for (uint32_t t=0; t<numTriangles; t++)
+      {
+        const StripTriangle triangle = stripTriangle(restarts,fans,bits(at.turns+2*t,2),t);
+        const uint32_t positionsInStream[3] = { triangle.v0,triangle.v1,triangle.v2 };
+        for (uint32_t c=0; c<3; c++) {
+          indices[c][t] = stream[positionsInStream[c]];
+          for (uint32_t k=0; k<3; k++) corners[c][k][t] = positions[indices[c][t]][k];
+        }
+        primIDs[t] = view.primID(g,t);
+      }
+    }
+  };
+
+  /*! All triangles of a block, exactly as they were encoded. The block must be valid (validateMesh). */
+  class DecodedMesh
+  {
+  public:
+    uint32_t numVertices, numTriangles, numGroups;
+    float vertices[maxMeshVertices][3];
+    uint32_t triangles[maxMeshTriangles][3];         //!< indices of vertices, in the order of the application
+    uint32_t primIDs[maxMeshTriangles];
+    uint32_t firstTriangle[maxMeshGroups+1];         //!< of each group; then the number of all
+
+    explicit DecodedMesh (const MeshHeader* block) : numVertices(meshVertices(block->counts)), numTriangles(meshTriangles(block->counts)), numGroups(meshGroups(block->counts))
+    {
+      const MeshView view(block);
+      for (uint32_t v=0; v<numVertices; v++) view.vertex(v,vertices[v]);
+      for (uint32_t g=0; g<numGroups; g++)
+      {
+        const DecodedMeshGroup group(view,g);
+        firstTriangle[g] = view.firstTriangle[g];
+        for (uint32_t t=0; t<group.numTriangles; t++) {
+          const uint32_t i = firstTriangle[g]+t;
+          for (uint32_t c=0; c<3; c++) triangles[i][c] = group.vertices[group.indices[c][t]];
+          primIDs[i] = group.primIDs[t];
+        }
+      }
+      firstTriangle[numGroups] = numTriangles;
+    }
+  };
+}}

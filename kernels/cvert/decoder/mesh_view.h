@@ -1,0 +1,121 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Where the parts of a mesh block are: sums over its groups, and access to single vertices and numbers. Everything that decodes a group of a mesh
+ * block begins here. */
+
+#include "../format/mesh_block.h"
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  /*! Returns up to 32 bits from a bit on. Reads only bytes that contain one of them. */
+  inline uint32_t meshBitsAt (const uint8_t* data, size_t begin, uint32_t count)
+  {
+    uint64_t bits = 0;
+    if (count == 0) return 0;
+    const size_t first = begin >> 3, last = (begin+count-1) >> 3;
+    for (size_t i=first; i<=last; i++) bits |= uint64_t(data[i]) << (8*(i-first));
+    return uint32_t((bits >> (begin & 7)) & ((uint64_t(1) << count)-1));
+  }
+
+  /*! The block must be valid (validateMesh), and exist as long as this. */
+  class MeshView
+  {
+  public:
+    const MeshHeader* const block;
+    const uint32_t groups;
+    const MeshLayout layout;
+    uint32_t firstTriangle[maxMeshGroups+1]; //!< number in the block of the first triangle of a group; then the number of all
+    uint32_t firstVertex[maxMeshGroups+1];   //!< the same of the vertices that belong to a group
+    uint32_t topologyBegin[maxMeshGroups+1]; //!< first bit of a group's topology, from `topology` on
+    uint32_t vertexBegin[maxMeshGroups+1];   //!< first bit of the fields of a group's vertices, from `vertices` on
+    uint32_t numberBegin[maxMeshGroups+1];   //!< first bit of a group's primitive numbers, from `numbers` on
+    uint32_t fieldBits[maxMeshGroups][3];    //!< of a vertex that belongs to a group
+    const uint8_t* topology, * vertices, * numbers;
+
+    /*! Uses header, records and boxes only. */
+    explicit MeshView (const MeshHeader* block) : block(block), groups(meshGroups(block->counts)), layout(meshLayout(block->counts))
+    {
+      const uint32_t numVertices = meshVertices(block->counts);
+      firstTriangle[0] = firstVertex[0] = topologyBegin[0] = vertexBegin[0] = numberBegin[0] = 0;
+      for (uint32_t g=0; g<groups; g++)
+      {
+        const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g);
+        uint32_t bits = 0;
+        for (uint32_t k=0; k<3; k++) bits += fieldBits[g][k] = meshFieldBits(block->spacings,block->form,meshPlane(block,3+k,g),k);
+        firstTriangle[g+1] = firstTriangle[g] + groupTriangles(group);
+        firstVertex[g+1] = firstVertex[g] + groupOwnVertices(record);
+        topologyBegin[g+1] = topologyBegin[g] + meshTopology(group,record,numVertices).bits;
+        vertexBegin[g+1] = vertexBegin[g] + groupOwnVertices(record)*bits;
+        numberBegin[g+1] = numberBegin[g] + meshNumberBits(block->counts,group,record);
+      }
+      topology = (const uint8_t*)block + layout.topology;
+      vertices = topology + (topologyBegin[groups]+7)/8;
+      numbers = vertices + (vertexBegin[groups]+7)/8;
+    }
+
+    /*! Bytes of the block. */
+    uint32_t bytes () const { return (uint32_t(numbers - (const uint8_t*)block) + (numberBegin[groups]+7)/8 + 3) & ~3u; }
+
+    /*! Returns the group that a vertex of the block belongs to. */
+    uint32_t groupOfVertex (uint32_t v) const
+    {
+      uint32_t g = 0;
+      while (g+1 < groups && v >= firstVertex[g+1]) g++;
+      return g;
+    }
+
+    /*! Decodes vertex v of the block. */
+    void vertex (uint32_t v, float out[3]) const
+    {
+      const uint32_t g = groupOfVertex(v), *const bits = fieldBits[g];
+      size_t at = vertexBegin[g] + size_t(v-firstVertex[g])*(bits[0]+bits[1]+bits[2]);
+      uint32_t coordinates[3];
+      for (uint32_t k=0; k<3; at+=bits[k++])
+        coordinates[k] = meshBitsAt(vertices,at,bits[k]) + (meshPlane(block,k,g) << meshBoxShift(block->spacings,block->form,k));
+      if (isSheared()) {
+        const uint32_t m = meshShearedAxis(block->form);
+        coordinates[m] -= uint32_t(meshShear(block->form,int(coordinates[(m+1)%3]),int(coordinates[(m+2)%3])));
+      }
+      for (uint32_t k=0; k<3; k++) out[k] = position(k,coordinates[k]);
+    }
+
+    /*! Returns the primitive number of triangle t of a group. */
+    uint32_t primID (uint32_t g, uint32_t t) const
+    {
+      const uint32_t base = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
+      return block->primID + meshBitsAt(numbers,numberBegin[g],base) + meshBitsAt(numbers,numberBegin[g] + base + t*bits,bits);
+    }
+
+    bool isSheared () const { return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0; }
+
+    /*! Box of a group. On the sheared axis it bounds the sheared coordinate times the spacing, from the origin. */
+    void groupBox (uint32_t g, float lower[3], float upper[3]) const
+    {
+      for (uint32_t k=0; k<3; k++)
+      {
+        const uint32_t shift = meshBoxShift(block->spacings,block->form,k), plane = meshPlane(block,k,g);
+        const uint32_t begin = plane << shift, end = (plane + meshPlane(block,3+k,g) + 1) << shift;
+        if (hasRanks(block->spacings,k)) {
+          lower[k] = position(k,begin);
+          upper[k] = position(k,end-1);
+          continue;
+        }
+        const bool sheared = isSheared() && k == meshShearedAxis(block->form);
+        const float spacing = meshSpacing(block->spacings,k), origin = sheared ? 0.0f : block->origin[k];
+        lower[k] = origin + (float(begin) - (sheared ? 0.5f : 0.0f))*spacing; // coordinates were rounded when they were sheared
+        upper[k] = origin + float(end)*spacing;
+      }
+    }
+
+  private:
+    /*! Position of a coordinate on an axis. On the sheared axis it may be negative, modulo 2^32. */
+    float position (uint32_t k, uint32_t coordinate) const
+    {
+      if (hasRanks(block->spacings,k)) return floatOfRank(rankOfFloat(block->origin[k]) + coordinate);
+      return block->origin[k] + float(int(coordinate))*meshSpacing(block->spacings,k);
+    }
+  };
+}}

@@ -1,0 +1,136 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A mesh as mesh blocks: leaves out what cannot be hit, chooses which vertices need a finer lattice, and clusters and encodes the rest. */
+
+#include "mesh_clusters.h"
+#include "mesh_encoder.h"
+#include "mesh_lattice.h"
+#include <memory>
+#include <vector>
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  /*! an indexed mesh of the caller */
+  struct MeshSource
+  {
+    const float (*vertices)[3];
+    size_t numVertices;
+    const uint32_t (*triangles)[3];
+    size_t numTriangles;
+  };
+
+  struct MeshSettings
+  {
+    int exponent = exactLattice;  //!< of the lattice's spacing
+    uint32_t groupTriangles = 16; //!< of a full group, up to maxGroupTriangles
+    uint32_t surface = 0;
+  };
+
+  struct MeshReport
+  {
+    MeshStatistics statistics;
+    size_t invalidTriangles = 0;    //!< left out: an index out of range, or a vertex that is not finite
+    size_t degenerateTriangles = 0; //!< left out: without an area
+    size_t finerVertices = 0;       //!< exceptions of the lattice
+  };
+
+  class MeshBlocks
+  {
+  public:
+    explicit MeshBlocks (const MeshSettings& settings) : settings(settings), lattice(settings.exponent), encoder(new MeshEncoder) {}
+
+    /*! Encodes a mesh. Calls onBlock(const MeshHeader*) for each block; the bytes exist until it returns. The number of a triangle is its index. Needs 16 bytes
+     *  per triangle meanwhile. Throws std::bad_alloc. */
+    template<typename OnBlock>
+    MeshReport encode (const MeshSource& mesh, const OnBlock& onBlock)
+    {
+      MeshReport report;
+      std::vector<MeshCenter> centers;
+      centers.reserve(mesh.numTriangles);
+      for (size_t i=0; i<mesh.numTriangles; i++) add(mesh,i,centers,report);
+      if (lattice.numExceptions() > 0) settle(mesh,centers);
+      report.finerVertices = lattice.numExceptions();
+      MeshClusters clusters(settings.groupTriangles);
+      clusters.cut(centers.data(),centers.size(),[&](uint32_t index, float lower[3], float upper[3]) { bound(mesh,index,lower,upper); },
+                   [&](const MeshCenter* cluster, uint32_t count) { encodeCluster(mesh,cluster,count,report.statistics,onBlock); });
+      return report;
+    }
+
+  private:
+    void add (const MeshSource& mesh, size_t i, std::vector<MeshCenter>& centers, MeshReport& report)
+    {
+      const uint32_t* const t = mesh.triangles[i];
+      if (t[0] >= mesh.numVertices || t[1] >= mesh.numVertices || t[2] >= mesh.numVertices) { report.invalidTriangles++; return; }
+      const float* const a = mesh.vertices[t[0]], * const b = mesh.vertices[t[1]], * const c = mesh.vertices[t[2]];
+      if (!isFinite(a) || !isFinite(b) || !isFinite(c)) { report.invalidTriangles++; return; }
+      if (!lattice.isRobust(a,b,c)) {
+        if (isDegenerate(a,b,c)) { report.degenerateTriangles++; return; }
+        lattice.check(a,b,c);
+      }
+      float lower[3], upper[3];
+      bound(mesh,i,lower,upper);
+      centers.push_back({ { 0.5f*(lower[0]+upper[0]),0.5f*(lower[1]+upper[1]),0.5f*(lower[2]+upper[2]) },uint32_t(i) });
+    }
+
+    static void bound (const MeshSource& mesh, size_t i, float lower[3], float upper[3])
+    {
+      const uint32_t* const t = mesh.triangles[i];
+      const float* const a = mesh.vertices[t[0]], * const b = mesh.vertices[t[1]], * const c = mesh.vertices[t[2]];
+      for (int k=0; k<3; k++) {
+        lower[k] = std::min(std::min(a[k],b[k]),c[k]);
+        upper[k] = std::max(std::max(a[k],b[k]),c[k]);
+      }
+    }
+
+    static bool isDegenerate (const float a[3], const float b[3], const float c[3])
+    {
+      const Double3 e = { double(b[0])-a[0], double(b[1])-a[1], double(b[2])-a[2] }, f = { double(c[0])-a[0], double(c[1])-a[1], double(c[2])-a[2] };
+      const Double3 n = cross(e,f);
+      return n.x == 0 && n.y == 0 && n.z == 0;
+    }
+
+    /*! A finer vertex may turn over the other triangles that it belongs to: checks until none does. */
+    void settle (const MeshSource& mesh, const std::vector<MeshCenter>& centers)
+    {
+      for (bool changed=true; changed; ) {
+        changed = false;
+        for (const MeshCenter& center : centers) {
+          const uint32_t* const t = mesh.triangles[center.index];
+          changed |= lattice.check(mesh.vertices[t[0]],mesh.vertices[t[1]],mesh.vertices[t[2]]);
+        }
+      }
+    }
+
+    /*! A cluster with a group that must be stored as two may need several blocks. */
+    template<typename OnBlock>
+    void encodeCluster (const MeshSource& mesh, const MeshCenter* cluster, uint32_t count, MeshStatistics& statistics, const OnBlock& onBlock)
+    {
+      for (uint32_t i=0; i<count; i++)
+      {
+        const uint32_t index = cluster[i].index;
+        for (int c=0; c<3; c++) lattice.snap(mesh.vertices[mesh.triangles[index][c]],triangles[i].corners[c]);
+        triangles[i].primID = index;
+      }
+      uint32_t stored;
+      for (uint32_t first=0; first<count; first+=stored)
+      {
+        uint32_t ends[maxMeshTriangles], groups = 0;
+        for (uint32_t end=(first/settings.groupTriangles+1)*settings.groupTriangles; ; end+=settings.groupTriangles) {
+          ends[groups++] = std::min(end,count)-first;
+          if (end >= count) break;
+        }
+        encoder->encode(triangles+first,ends,groups,settings.surface,block,stored,statistics);
+        onBlock((const MeshHeader*)block);
+      }
+    }
+
+    const MeshSettings settings;
+    MeshLattice lattice;
+    const std::unique_ptr<MeshEncoder> encoder;
+    MeshTriangle triangles[maxMeshTriangles];
+    alignas(16) uint8_t block[MeshEncoder::maxBytes];
+  };
+}}

@@ -1,0 +1,431 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Encoder of a mesh block, cvert/format/mesh_block.h. It loses nothing: corners come as they are to be stored, snapped to a lattice
+ * (cvert/encoder/mesh_lattice.h) or not, and each is the same float when it is decoded; only -0 may become 0. Corners with equal
+ * coordinates become one vertex.
+ *
+ * On each axis all vertices are multiples of some power of two, the step, which is found in the floats. It becomes the spacing. If coordinates
+ * then need more than maxMeshCoordinateBits, or more bits than ranks of floats, the axis has ranks. */
+
+#include "mesh_strips.h"
+#include <algorithm>
+#include <cmath>
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  struct MeshTriangle
+  {
+    float corners[3][3]; //!< by corner and axis; finite, and three different points
+    uint32_t primID;
+  };
+
+  struct MeshStatistics
+  {
+    uint64_t blocks = 0, groups = 0, triangles = 0, vertices = 0, restarts = 0, bytes = 0;
+    uint64_t topologyBits = 0, vertexBits = 0, numberBits = 0;
+    uint64_t rankAxes = 0, shearedBlocks = 0;
+  };
+
+  /*! Appends numbers of up to 32 bits to bytes, the lowest bit first. */
+  class MeshBitWriter
+  {
+  public:
+    explicit MeshBitWriter (uint8_t* out) : out(out) {}
+
+    void put (uint32_t value, uint32_t count)
+    {
+      bits |= uint64_t(value) << used;
+      used += count;
+      if (used < 32) return;
+      const uint32_t word = uint32_t(bits);
+      std::memcpy(out,&word,sizeof(word));
+      out += 4;
+      bits >>= 32;
+      used -= 32;
+    }
+
+    /*! Zeros up to a whole byte. Returns the end. */
+    uint8_t* finish ()
+    {
+      for (; used > 0; used = used > 8 ? used-8 : 0, bits >>= 8) *out++ = uint8_t(bits);
+      return out;
+    }
+
+  private:
+    uint8_t* out;
+    uint64_t bits = 0;
+    uint32_t used = 0;
+  };
+
+  class MeshEncoder
+  {
+  public:
+    /*! room for any block */
+    static constexpr size_t maxBytes = 9216;
+
+    MeshEncoder () { std::memset(slots,0,sizeof(slots)); }
+
+    /*! Encodes as many of the triangles as one block can store, from the first on. ends: of each group the number of its last triangle plus 1; a
+     *  group with too many triangles, vertices or strips is stored as several. stored: how many triangles were. block: maxBytes, aligned to 4.
+     *  Returns the number of bytes written, a multiple of 4. */
+    size_t encode (const MeshTriangle* triangles, const uint32_t* ends, uint32_t numGroups, uint32_t surface, uint8_t* block, uint32_t& stored, MeshStatistics& statistics)
+    {
+      begin();
+      for (uint32_t g=0; g<numGroups && groups < maxMeshGroups && numTriangles < maxMeshTriangles; g++)
+        while (numTriangles < ends[g] && groups < maxMeshGroups && numTriangles < maxMeshTriangles)
+          addGroup(triangles+numTriangles,std::min(std::min(ends[g],maxMeshTriangles)-numTriangles,maxGroupTriangles));
+      stored = numTriangles;
+      for (int k=0; k<3; k++) place(k);
+      chooseShear();
+      bound();
+      return write(surface,block,statistics);
+    }
+
+  private:
+    struct Group
+    {
+      uint32_t triangles, vertices, own, restarts, repeats, others, firstVertex;
+      uint32_t restartMask, fanMask, ownMask;
+      uint64_t newMask;                                        //!< a bit per vertex of the stream
+      uint8_t turns[maxGroupTriangles], repeated[3*maxGroupTriangles];
+      uint16_t numbers[maxGroupVertices];                      //!< in the block
+      uint32_t primIDs[maxGroupTriangles];
+      uint32_t lower[3], extent[3];                            //!< of its box
+    };
+
+    /*! how many bits a number takes: 0 of 0 */
+    static uint32_t bitsOf (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
+
+    static const uint32_t slotCount = 2048;
+    static const uint16_t noNumber = 0xFFFF;
+
+    void begin ()
+    {
+      groups = numTriangles = numVertices = numCorners = attempt = 0;
+      if (++epoch == 0) { std::memset(slots,0,sizeof(slots)); epoch = 1; }
+    }
+
+    /*! Returns the number of a position among those of this block's corners. */
+    uint32_t cornerAt (const float p[3])
+    {
+      float q[3];
+      for (int k=0; k<3; k++) q[k] = p[k] + 0.0f; // -0 is 0
+      uint32_t words[3];
+      std::memcpy(words,q,sizeof(words));
+      uint32_t hash = (words[0]*0x9E3779B1u) ^ (words[1]*0x85EBCA77u) ^ (words[2]*0xC2B2AE3Du);
+      hash ^= hash >> 15;
+      hash *= 0x2C1B3C6Du;
+      for (uint32_t i = hash >> 21; ; i = (i+1) % slotCount)
+      {
+        Slot& slot = slots[i];
+        if (slot.epoch != epoch) {
+          slot.epoch = epoch;
+          slot.corner = numCorners;
+          std::memcpy(corners[numCorners],q,sizeof(q));
+          numberOf[numCorners] = noNumber;
+          groupOf[numCorners] = ~0u;
+          return numCorners++;
+        }
+        if (std::memcmp(corners[slot.corner],q,sizeof(q)) == 0) return slot.corner;
+      }
+    }
+
+    /*! Adds a group of the first of these triangles, up to count of them. */
+    void addGroup (const MeshTriangle* triangles, uint32_t count)
+    {
+      uint8_t local[maxGroupTriangles][3];
+      uint32_t corner[maxGroupVertices];
+      for (bool fits=false; !fits; count/=2)
+      {
+        uint32_t used = 0, vertices = 0;
+        attempt++;
+        for (; used<count; used++)
+        {
+          uint32_t own[3], fresh = 0;
+          for (int c=0; c<3; c++) { own[c] = cornerAt(triangles[used].corners[c]); fresh += groupOf[own[c]] != attempt; }
+          if (vertices+fresh > maxGroupVertices) break;
+          for (int c=0; c<3; c++) {
+            if (groupOf[own[c]] != attempt) { groupOf[own[c]] = attempt; localOf[own[c]] = uint8_t(vertices); corner[vertices++] = own[c]; }
+            local[used][c] = localOf[own[c]];
+          }
+        }
+        count = used;
+        strips.make(local,count);
+        fits = strips.numRestarts <= maxGroupRestarts;
+        if (fits) break;
+      }
+      Group& group = all[groups++];
+      group.triangles = count;
+      group.restarts = strips.numRestarts;
+      group.restartMask = strips.restarts;
+      group.fanMask = strips.fans;
+      group.firstVertex = numVertices;
+      group.vertices = group.own = group.repeats = group.others = 0;
+      group.ownMask = 0;
+      group.newMask = 0;
+      uint8_t reached[maxGroupVertices+1];
+      std::memset(reached,255,sizeof(reached));
+      for (uint32_t i=0; i<strips.streamSize; i++)
+      {
+        const uint8_t v = strips.stream[i];
+        if (reached[v] != 255) { group.repeated[group.repeats++] = reached[v]; continue; }
+        reached[v] = uint8_t(group.vertices);
+        group.newMask |= uint64_t(1) << i;
+        uint16_t& number = numberOf[corner[v]];
+        if (number == noNumber) {
+          number = uint16_t(numVertices);
+          std::memcpy(vertices[numVertices++],corners[corner[v]],sizeof(vertices[0]));
+          group.ownMask |= 1u << group.vertices;
+          group.own++;
+        }
+        group.numbers[group.vertices++] = number;
+      }
+      for (uint32_t t=0; t<count; t++) {
+        group.turns[t] = strips.turns[t];
+        group.primIDs[t] = triangles[strips.order[t]].primID;
+      }
+      numTriangles += count;
+    }
+
+    /*! Finds origin, spacing and coordinates on an axis. */
+    void place (int k)
+    {
+      float lo = vertices[0][k], hi = lo;
+      int step = 1000;
+      for (uint32_t v=0; v<numVertices; v++)
+      {
+        const float x = vertices[v][k];
+        lo = std::min(lo,x);
+        hi = std::max(hi,x);
+        const uint32_t bits = bitsOfFloat(x), biased = (bits >> 23) & 255;
+        const uint32_t mantissa = (bits & 0x7FFFFF) | (biased != 0 ? 0x800000u : 0u);
+        if (mantissa != 0) step = std::min(step,int(std::max(biased,1u)) - 150 + __builtin_ctz(mantissa));
+      }
+      origin[k] = lo;
+      isRanked[k] = false;
+      exponent[k] = std::max(step,-126);
+      const double span = double(hi)-double(lo), least = double(lo);
+      if (span == 0) { // its boxes should be thin
+        exponent[k] = -126;
+        std::fill(coordinates[k],coordinates[k]+numVertices,0u);
+        return;
+      }
+      const bool fits = step >= -126 && std::ldexp(span,-step) < double(1 << maxMeshCoordinateBits);
+      if (fits) {
+        const double unit = std::ldexp(1.0,-exponent[k]);
+        for (uint32_t v=0; v<numVertices; v++) coordinates[k][v] = uint32_t(int((double(vertices[v][k])-least)*unit));
+        if (std::ldexp(span,-step) < double(1 << fewCoordinateBits)) return;
+      }
+      const uint32_t first = rankOfFloat(lo);
+      for (uint32_t v=0; v<numVertices; v++) other[v] = rankOfFloat(vertices[v][k])-first;
+      isRanked[k] = !fits || bitsOnAxis(other,true) < bitsOnAxis(coordinates[k],false);
+      if (isRanked[k]) std::memcpy(coordinates[k],other,numVertices*sizeof(other[0]));
+    }
+
+    /*! Bits of the fields of all vertices on an axis, if these are the coordinates. */
+    uint64_t bitsOnAxis (const uint32_t* of, bool ranked) const
+    {
+      uint32_t lo[maxMeshGroups], hi[maxMeshGroups], most = 0;
+      for (uint32_t g=0; g<groups; g++)
+      {
+        lo[g] = hi[g] = of[all[g].numbers[0]];
+        for (uint32_t i=1; i<all[g].vertices; i++) { const uint32_t c = of[all[g].numbers[i]]; lo[g] = std::min(lo[g],c); hi[g] = std::max(hi[g],c); }
+        most = std::max(most,hi[g]);
+      }
+      if (!ranked && most >= 1u << maxMeshCoordinateBits) return ~uint64_t(0);
+      const uint32_t shift = shiftOf(most,ranked);
+      uint64_t sum = 0;
+      for (uint32_t g=0; g<groups; g++)
+        sum += all[g].own*bitsOf((((hi[g] >> shift) - (lo[g] >> shift) + 1) << shift) - 1);
+      return sum;
+    }
+
+    /*! shift of boxes for coordinates up to `most` */
+    static uint32_t shiftOf (uint32_t most, bool ranked)
+    {
+      const uint32_t bits = bitsOf(most), least = ranked ? leastRankShift : 0;
+      return bits > 8+least ? bits-8 : least;
+    }
+
+    static const int fewCoordinateBits = 18; //!< that ranks never undercut by much
+
+    /*! Shears an axis if its fields become shorter. */
+    void chooseShear ()
+    {
+      shearedAxis = 0;
+      slopes[0] = slopes[1] = 0;
+      if (isRanked[0] || isRanked[1] || isRanked[2]) return;
+      double mean[3] = { 0,0,0 }, s[3][3] = {};
+      for (int k=0; k<3; k++) {
+        for (uint32_t v=0; v<numVertices; v++) mean[k] += coordinates[k][v];
+        mean[k] /= numVertices;
+      }
+      for (uint32_t v=0; v<numVertices; v++) {
+        const double x = coordinates[0][v]-mean[0], y = coordinates[1][v]-mean[1], z = coordinates[2][v]-mean[2];
+        s[0][0] += x*x; s[1][1] += y*y; s[2][2] += z*z; s[0][1] += x*y; s[1][2] += y*z; s[2][0] += z*x;
+      }
+      s[1][0] = s[0][1]; s[2][1] = s[1][2]; s[0][2] = s[2][0];
+      /* the axis on which a plane explains most */
+      double best = 0.5;
+      for (int m=0; m<3; m++)
+      {
+        const int a = (m+1)%3, b = (m+2)%3;
+        const double det = s[a][a]*s[b][b] - s[a][b]*s[a][b];
+        if (!(det > 1e-9*s[a][a]*s[b][b]) || !(s[m][m] > 0)) continue;
+        const double p = (s[m][a]*s[b][b] - s[m][b]*s[a][b])/det, q = (s[m][b]*s[a][a] - s[m][a]*s[a][b])/det;
+        const double rest = (s[m][m] - p*s[m][a] - q*s[m][b])/s[m][m];
+        if (!(std::fabs(p) < 15.5/16 && std::fabs(q) < 15.5/16 && rest < best)) continue;
+        best = rest;
+        shearedAxis = uint32_t(m);
+        slopes[0] = int(std::floor(-16*p + 0.5));
+        slopes[1] = int(std::floor(-16*q + 0.5));
+      }
+      if ((slopes[0] | slopes[1]) == 0) return;
+      const uint32_t* const c1 = coordinates[(shearedAxis+1)%3], * const c2 = coordinates[(shearedAxis+2)%3];
+      uint32_t* const c = coordinates[shearedAxis];
+      int least = 0x7FFFFFFF;
+      for (uint32_t v=0; v<numVertices; v++) {
+        const int sheared = int(c[v]) + ((slopes[0]*int(c1[v]) + slopes[1]*int(c2[v]) + 8) >> 4);
+        other[v] = uint32_t(sheared);
+        least = std::min(least,sheared);
+      }
+      /* The origin moves so that sheared coordinates begin at 0. */
+      for (uint32_t v=0; v<numVertices; v++) other[v] -= uint32_t(least);
+      const double moved = double(origin[shearedAxis]) + std::ldexp(double(least),exponent[shearedAxis]);
+      if (bitsOnAxis(other,false) >= bitsOnAxis(c,false) || double(float(moved)) != moved) { slopes[0] = slopes[1] = 0; return; }
+      origin[shearedAxis] = float(moved);
+      std::memcpy(c,other,numVertices*sizeof(other[0]));
+    }
+
+    /*! boxes of groups */
+    void bound ()
+    {
+      for (int k=0; k<3; k++)
+      {
+        const uint32_t* const of = coordinates[k];
+        uint32_t most = 0;
+        for (uint32_t v=0; v<numVertices; v++) most = std::max(most,of[v]);
+        shifts[k] = shiftOf(most,isRanked[k]);
+        for (uint32_t g=0; g<groups; g++)
+        {
+          Group& group = all[g];
+          uint32_t lo = ~0u, hi = 0;
+          for (uint32_t i=0; i<group.vertices; i++) { const uint32_t c = of[group.numbers[i]]; lo = std::min(lo,c); hi = std::max(hi,c); }
+          group.lower[k] = lo >> shifts[k];
+          group.extent[k] = (hi >> shifts[k]) - group.lower[k];
+        }
+      }
+    }
+
+    size_t write (uint32_t surface, uint8_t* block, MeshStatistics& statistics)
+    {
+      MeshHeader header;
+      std::memset(&header,0,sizeof(header));
+      uint32_t lowest = ~0u, highestBase = 0, base[maxMeshGroups], numberBits[maxMeshGroups];
+      for (uint32_t g=0; g<groups; g++)
+      {
+        const uint32_t* const ids = all[g].primIDs;
+        base[g] = *std::min_element(ids,ids+all[g].triangles);
+        numberBits[g] = bitsOf(*std::max_element(ids,ids+all[g].triangles)-base[g]);
+        if (numberBits[g] == 31) numberBits[g] = 32;
+        lowest = std::min(lowest,base[g]);
+        highestBase = std::max(highestBase,base[g]);
+      }
+      const uint32_t baseBits = bitsOf(highestBase-lowest), otherBits = bitsOf(numVertices-1);
+      std::memcpy(header.origin,origin,sizeof(origin));
+      for (int k=0; k<3; k++) header.spacings |= (isRanked[k] ? 0u : uint32_t(exponent[k]+127)) << (8*k);
+      for (int k=0; k<3; k++) header.form |= (shifts[k] - (isRanked[k] ? leastRankShift : 0)) << (4*k);
+      header.surface = surface;
+      header.primID = lowest;
+      header.counts = meshMarkOfCounts() | (numVertices-1) | (groups-1) << 10 | (numTriangles-1) << 16 | baseBits << 24;
+      header.form |= meshMarkOfForm() | shearedAxis << 12 | (uint32_t(slopes[0]) & 31) << 16 | (uint32_t(slopes[1]) & 31) << 21;
+
+      const MeshLayout layout = meshLayout(header.counts);
+      MeshBitWriter topology(block+layout.topology);
+      uint32_t topologyBits = 0, vertexBits = 0;
+      for (uint32_t g=0; g<groups; g++)
+      {
+        const Group& group = all[g];
+        const uint32_t byte = (group.triangles-1) | (group.restarts & 7) << 5;
+        const uint32_t record = group.vertices | group.own << 5 | std::min(numberBits[g],31u) << 10 | (group.restarts >> 3) << 15;
+        header.groups[g/4] |= byte << (8*(g%4));
+        block[layout.records+2*g] = uint8_t(record);
+        block[layout.records+2*g+1] = uint8_t(record >> 8);
+        for (int k=0; k<3; k++) {
+          block[layout.boxes + uint32_t(k)*groups + g] = uint8_t(group.lower[k]);
+          block[layout.boxes + uint32_t(3+k)*groups + g] = uint8_t(group.extent[k]);
+        }
+        const uint32_t stream = streamLength(group.triangles,group.restarts), repeatBits = bitsOf(group.vertices-1);
+        topology.put(group.restartMask >> 1,group.triangles-1);
+        topology.put(group.fanMask >> 1,group.triangles-1);
+        for (uint32_t t=0; t<group.triangles; t++) topology.put(group.turns[t],2);
+        const uint64_t news = group.newMask >> 3;
+        topology.put(uint32_t(news),std::min(stream-3,32u));
+        if (stream-3 > 32) topology.put(uint32_t(news >> 32),stream-3-32);
+        topology.put(group.ownMask,group.vertices);
+        for (uint32_t i=0; i<group.repeats; i++) topology.put(group.repeated[i],repeatBits);
+        for (uint32_t i=0; i<group.vertices; i++)
+          if (((group.ownMask >> i) & 1) == 0) topology.put(group.numbers[i],otherBits);
+        topologyBits += meshTopology(byte,record,numVertices).bits;
+      }
+      MeshBitWriter fields(topology.finish());
+      for (uint32_t g=0; g<groups; g++)
+      {
+        const Group& group = all[g];
+        uint32_t bits[3];
+        for (uint32_t k=0; k<3; k++) bits[k] = meshFieldBits(header.spacings,header.form,group.extent[k],k);
+        vertexBits += group.own*(bits[0]+bits[1]+bits[2]);
+        for (uint32_t v=group.firstVertex; v<group.firstVertex+group.own; v++)
+          for (int k=0; k<3; k++)
+            fields.put(coordinates[k][v] - (group.lower[k] << shifts[k]),bits[k]);
+      }
+      MeshBitWriter numbers(fields.finish());
+      uint32_t sumOfNumberBits = 0;
+      for (uint32_t g=0; g<groups; g++) {
+        numbers.put(base[g]-lowest,baseBits);
+        for (uint32_t t=0; t<all[g].triangles; t++) numbers.put(all[g].primIDs[t]-base[g],numberBits[g]);
+        sumOfNumberBits += baseBits + all[g].triangles*numberBits[g];
+        statistics.restarts += all[g].restarts;
+      }
+      uint8_t* end = numbers.finish();
+      while ((end-block) % 4 != 0) *end++ = 0;
+      header.bytes = uint32_t(end-block);
+      std::memcpy(block,&header,sizeof(header));
+
+      statistics.blocks++;
+      statistics.groups += groups;
+      statistics.triangles += numTriangles;
+      statistics.vertices += numVertices;
+      statistics.bytes += header.bytes;
+      statistics.topologyBits += topologyBits;
+      statistics.vertexBits += vertexBits;
+      statistics.numberBits += sumOfNumberBits;
+      for (bool is : isRanked) statistics.rankAxes += is;
+      statistics.shearedBlocks += (slopes[0] | slopes[1]) != 0;
+      return header.bytes;
+    }
+
+    struct Slot { uint32_t epoch, corner; };
+    Slot slots[slotCount];
+    uint32_t epoch = 0, attempt = 0;
+    /* of corners, in the order in which they were found */
+    uint32_t numCorners;
+    float corners[3*maxMeshTriangles+3*maxGroupTriangles][3];
+    uint16_t numberOf[3*maxMeshTriangles+3*maxGroupTriangles]; //!< as a vertex of the block
+    uint32_t groupOf[3*maxMeshTriangles+3*maxGroupTriangles];  //!< attempt that used it last
+    uint8_t localOf[3*maxMeshTriangles+3*maxGroupTriangles];   //!< number in that attempt
+    MeshStrips strips;
+    uint32_t groups, numTriangles, numVertices;
+    Group all[maxMeshGroups];
+    float vertices[maxMeshVertices][3];
+    uint32_t coordinates[3][maxMeshVertices], other[maxMeshVertices];
+    float origin[3];
+    int exponent[3];
+    bool isRanked[3];
+    uint32_t shearedAxis, shifts[3];
+    int slopes[2];
+  };
+}}

@@ -1,0 +1,119 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The lattice of a mesh, and its exceptions. A vertex snaps to the nearest point of the lattice. If that turns a triangle over or flattens it, the
+ * vertices of the triangle become exceptions: they snap to a finer lattice, or stay where they are. A vertex is known by its position, so all triangles
+ * and blocks that share it agree, and the surface stays closed, whether an application welds its vertices or not. */
+
+#include "../basics/world.h"
+#include "lattice.h"
+#include <cstring>
+#include <unordered_map>
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  class MeshLattice
+  {
+  public:
+    /*! Exceptions snap to a lattice whose spacing is this power of two times smaller; if that does not suffice, they do not move. */
+    static const int finerBits = 6;
+
+    /*! exponent: of the spacing, from minLatticeExponent to maxLatticeExponent; exactLattice: nothing moves */
+    explicit MeshLattice (int exponent)
+      : lattices{ WorldLattice(exponent),WorldLattice(exponent == exactLattice ? exactLattice : std::max(exponent-finerBits,exactLattice)),WorldLattice(exactLattice) }, isExact(exponent == exactLattice)
+    {
+      std::memset(filter,0,sizeof(filter));
+    }
+
+    void snap (const float p[3], float out[3]) const
+    {
+      const WorldLattice& lattice = lattices[levelOf(p)];
+      for (int k=0; k<3; k++) out[k] = lattice.snap(p[k]);
+    }
+
+    /*! True if a triangle is so large compared with the spacing that its normal turns by less than 90 degrees wherever its corners snap to, and that it
+     *  has an area. A quick test, false for some triangles of which that is true as well. */
+    bool isRobust (const float a[3], const float b[3], const float c[3]) const
+    {
+      float e[3], f[3];
+      for (int k=0; k<3; k++) { e[k] = b[k]-a[k]; f[k] = c[k]-a[k]; }
+      const float x = e[1]*f[2] - e[2]*f[1], y = e[2]*f[0] - e[0]*f[2], z = e[0]*f[1] - e[1]*f[0];
+      const float nn = x*x + y*y + z*z, ee = e[0]*e[0] + e[1]*e[1] + e[2]*e[2], ff = f[0]*f[0] + f[1]*f[1] + f[2]*f[2], ss = lattices[0].spacing*lattices[0].spacing;
+      /* An edge changes by sqrt(3) s at most, so the normal n by sqrt(3) s (|e| + |f|) + 3 s^2, and rounding by less than 1e-6 |e| |f|. The square
+       * of the sum of both is at most 60 s^2 (e^2 + f^2 + s^2) + 2e-12 e^2 f^2. Overflow and underflow make this false. */
+      return nn > 96*ss*(ee + ff + ss) + 1e-9f*ee*ff;
+    }
+
+    /*! Makes exceptions of the vertices of a triangle if the lattice turns it over or flattens it. Corners must be finite. Returns true if it did:
+     *  then triangles that were checked before may have to be checked again. */
+    bool check (const float a[3], const float b[3], const float c[3])
+    {
+      if (isExact || isRobust(a,b,c)) return false;
+      const Double3 own = normal(a,b,c);
+      if (isZero(own)) return false;
+      bool changed = false;
+      for (;;)
+      {
+        float p[3], q[3], r[3];
+        snap(a,p); snap(b,q); snap(c,r);
+        const Double3 n = normal(p,q,r);
+        if (dot(n,own) >= 0 && !isZero(n)) return changed;
+        const uint32_t level = std::min(std::min(levelOf(a),levelOf(b)),levelOf(c));
+        if (level == 2) return changed;
+        raise(a,level+1); raise(b,level+1); raise(c,level+1);
+        changed = true;
+      }
+    }
+
+    /*! vertices that snap to a finer lattice, or not at all */
+    size_t numExceptions () const { return exceptions.size(); }
+
+  private:
+    struct Position
+    {
+      uint32_t words[3];
+
+      explicit Position (const float p[3]) { for (int k=0; k<3; k++) words[k] = bitsOfFloat(p[k] + 0.0f); } // -0 is 0
+      bool operator== (const Position& other) const { return std::memcmp(words,other.words,sizeof(words)) == 0; }
+      uint32_t hash () const {
+        const uint32_t h = (words[0]*0x9E3779B1u) ^ (words[1]*0x85EBCA77u) ^ (words[2]*0xC2B2AE3Du);
+        return (h ^ (h >> 15))*0x2C1B3C6Du;
+      }
+    };
+    struct Hash { size_t operator() (const Position& p) const { return p.hash(); } };
+
+    static Double3 normal (const float a[3], const float b[3], const float c[3])
+    {
+      const Double3 e = { double(b[0])-a[0], double(b[1])-a[1], double(b[2])-a[2] }, f = { double(c[0])-a[0], double(c[1])-a[1], double(c[2])-a[2] };
+      return cross(e,f);
+    }
+
+    static bool isZero (const Double3& n) { return n.x == 0 && n.y == 0 && n.z == 0; }
+
+    uint32_t levelOf (const float p[3]) const
+    {
+      if (exceptions.empty()) return 0;
+      const Position position(p);
+      const uint32_t hash = position.hash() >> 16;
+      if (((filter[hash >> 5] >> (hash & 31)) & 1) == 0) return 0;
+      const auto found = exceptions.find(position);
+      return found == exceptions.end() ? 0 : found->second;
+    }
+
+    void raise (const float p[3], uint32_t level)
+    {
+      const Position position(p);
+      const uint32_t hash = position.hash() >> 16;
+      filter[hash >> 5] |= 1u << (hash & 31);
+      uint32_t& stored = exceptions[position];
+      stored = std::max(stored,level);
+    }
+
+    const WorldLattice lattices[3];
+    const bool isExact;
+    std::unordered_map<Position,uint32_t,Hash> exceptions; //!< index of the lattice of a position
+    uint32_t filter[2048];                                  //!< a bit per hash that an exception has
+  };
+}}

@@ -1,0 +1,111 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Strips of a group of triangles, as cvert/format/mesh_block.h stores them. Greedy: a strip goes on with the neighbor that has the fewest neighbors
+ * left, and begins with a triangle that has the fewest. */
+
+#include "../format/mesh_block.h"
+#include <cstring>
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  class MeshStrips
+  {
+  public:
+    uint32_t numTriangles, streamSize, numRestarts; //!< the first strip does not count as a restart
+    uint8_t order[maxGroupTriangles];               //!< triangles as they were passed, in the order of the strips
+    uint8_t stream[3*maxGroupTriangles];            //!< vertices as they were passed
+    uint8_t turns[maxGroupTriangles];
+    uint32_t restarts, fans;                        //!< a bit per triangle in the order of the strips; bit 0 is 0
+
+    /*! corners: indices below maxGroupVertices, three different ones per triangle; count: up to maxGroupTriangles */
+    void make (const uint8_t (*corners)[3], uint32_t count)
+    {
+      this->corners = corners;
+      numTriangles = streamSize = numRestarts = 0;
+      restarts = fans = 0;
+      std::memset(incident,0,sizeof(incident));
+      for (uint32_t t=0; t<count; t++)
+        for (int c=0; c<3; c++) incident[corners[t][c]] |= 1u << t;
+      for (left = count == 32 ? ~0u : (1u << count)-1; left != 0; )
+        makeStrip(leastConnected(left));
+    }
+
+  private:
+    const uint8_t (*corners)[3];
+    uint32_t incident[maxGroupVertices+1]; //!< a bit for each triangle of a vertex
+    uint32_t left;                         //!< triangles that are in no strip
+
+    /*! Triangles in no strip that have the edge from x to y. */
+    uint32_t withEdge (uint8_t x, uint8_t y) const
+    {
+      uint32_t result = 0;
+      for (uint32_t candidates=incident[x] & incident[y] & left; candidates; candidates&=candidates-1) {
+        const uint32_t t = uint32_t(__builtin_ctz(candidates));
+        const uint8_t* c = corners[t];
+        if ((c[0] == x && c[1] == y) || (c[1] == x && c[2] == y) || (c[2] == x && c[0] == y)) result |= 1u << t;
+      }
+      return result;
+    }
+
+    uint32_t degree (uint32_t t) const
+    {
+      const uint32_t a = incident[corners[t][0]], b = incident[corners[t][1]], c = incident[corners[t][2]];
+      return countBits(((a & b) | (b & c) | (c & a)) & left & ~(1u << t));
+    }
+
+    uint32_t leastConnected (uint32_t of) const
+    {
+      if ((of & (of-1)) == 0) return uint32_t(__builtin_ctz(of));
+      uint32_t best = 0, least = ~0u;
+      for (; of && least; of&=of-1) {
+        const uint32_t t = uint32_t(__builtin_ctz(of)), d = degree(t);
+        if (d < least) { least = d; best = t; }
+      }
+      return best;
+    }
+
+    /*! a, b: first corners of the strip's last triangle in the order of the stream; isFlipped: the application's triangle is b, a, and the third */
+    void append (uint32_t t, uint8_t a, uint8_t b, bool isFlipped)
+    {
+      const uint8_t first = isFlipped ? b : a, second = isFlipped ? a : b, * own = corners[t];
+      turns[numTriangles] = uint8_t(own[0] == first ? 0 : own[0] == second ? 1 : 2);
+      order[numTriangles++] = uint8_t(t);
+      left &= ~(1u << t);
+    }
+
+    void makeStrip (uint32_t t)
+    {
+      /* The edge from a to b is lost to the strip: it should have no neighbor, another one should. */
+      left &= ~(1u << t);
+      const uint8_t* own = corners[t];
+      uint32_t neighbors[3], turn = 0;
+      for (int e=0; e<3; e++) neighbors[e] = withEdge(own[(e+1)%3],own[e]);
+      while (turn < 2 && (neighbors[turn] != 0 || (neighbors[(turn+1)%3] | neighbors[(turn+2)%3]) == 0)) turn++;
+      if (neighbors[turn] != 0 && (neighbors[(turn+1)%3] | neighbors[(turn+2)%3]) == 0) turn = (turn+1)%3;
+      uint8_t a = own[turn], b = own[(turn+1)%3], c = own[(turn+2)%3];
+      if (numTriangles != 0) { restarts |= 1u << numTriangles; numRestarts++; }
+      stream[streamSize++] = a; stream[streamSize++] = b; stream[streamSize++] = c;
+      bool isFlipped = false;
+      append(t,a,b,isFlipped);
+      for (;;)
+      {
+        /* neighbors come along the common edge the other way round */
+        const uint32_t strips = isFlipped ? withEdge(b,c) : withEdge(c,b), fansOn = isFlipped ? withEdge(c,a) : withEdge(a,c);
+        if ((strips | fansOn) == 0) return;
+        t = leastConnected(strips | fansOn);
+        const uint8_t* next = corners[t];
+        const bool isFan = ((strips >> t) & 1) == 0;
+        const uint8_t x = isFan ? a : b, d = next[0] != x && next[0] != c ? next[0] : next[1] != x && next[1] != c ? next[1] : next[2];
+        if (isFan) fans |= 1u << numTriangles;
+        else { a = b; isFlipped = !isFlipped; }
+        b = c;
+        c = d;
+        stream[streamSize++] = d;
+        append(t,a,b,isFlipped);
+      }
+    }
+  };
+}}

@@ -1,0 +1,177 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Damaged mesh blocks are refused with a reason, or decoded without reading other bytes. Blocks lie in allocations of their own size, so that a
+ * sanitizer sees each byte too far. */
+
+#include "kernels/cvert/encoder/block_encoder.h"
+#include "kernels/cvert/encoder/mesh_encoder.h"
+#include "kernels/cvert/decoder/decoded_mesh.h"
+#include "kernels/cvert/decoder/validate.h"
+#include "kernels/cvert/decoder/validate_mesh.h"
+#include "support/random.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+namespace cbvh::test {
+namespace {
+
+using namespace cvert;
+
+constexpr uint32_t seed = 815;
+
+typedef std::vector<uint32_t> Words; // aligned to 4 bytes, and of the block's size
+
+// Blocks of several kinds: sheets, soups, on lattices and not.
+std::vector<Words> someBlocks(Random& random)
+{
+  std::vector<Words> blocks;
+  auto encoder = std::make_unique<MeshEncoder>();
+  MeshStatistics statistics;
+  for (int i = 0; i < 24; i++) {
+    const uint32_t count = i < 12 ? 1 + random.below(40) : 256, groupSize = std::vector<uint32_t>{1, 16, 32}[i % 3];
+    const bool soup = i % 4 == 0, lattice = i % 2 == 0;
+    std::vector<MeshTriangle> mesh(count);
+    for (uint32_t t = 0; t < count; t++) {
+      const uint32_t x = t/2 % 12, y = t/24;
+      const uint32_t corners[2][3][2] = {{{0, 0}, {1, 0}, {0, 1}}, {{1, 1}, {0, 1}, {1, 0}}};
+      for (int c = 0; c < 3; c++) {
+        const uint32_t px = x + corners[t % 2][c][0], py = y + corners[t % 2][c][1];
+        const double p[3] = {px + 0.1*std::sin(7.0*px + 3*py), double(py), 0.3*px + std::sin(0.3*px*py)};
+        for (int k = 0; k < 3; k++) mesh[t].corners[c][k] = soup ? float(random.normal()) : lattice ? float(std::floor(64*p[k])/64) : float(p[k]);
+      }
+      mesh[t].primID = i % 5 == 0 ? random.bits() : 1000 + t;
+    }
+    std::vector<uint32_t> ends;
+    for (uint32_t end = groupSize; ends.empty() || ends.back() < count; end += groupSize) ends.push_back(std::min(end, count));
+    Words words(MeshEncoder::maxBytes/4);
+    uint32_t stored;
+    words.resize(encoder->encode(mesh.data(), ends.data(), uint32_t(ends.size()), 0, (uint8_t*)words.data(), stored, statistics)/4);
+    words.shrink_to_fit();
+    EXPECT_EQ(validateMesh(words.data(), 4*words.size()).message(), "");
+    blocks.push_back(words);
+  }
+  return blocks;
+}
+
+TEST(MeshDamage, ReadersOfGridsRefuseMeshBlocksByTheirVersion)
+{
+  Random random(seed);
+  for (const Words& block : someBlocks(random)) {
+    const Reason reason = validateVert(block.data(), 4*block.size());
+    EXPECT_EQ(reason.code, ErrorCode::UNSUPPORTED) << reason.message();
+    EXPECT_NE(reason.message().find("version 6"), std::string::npos) << reason.message();
+    EXPECT_TRUE(isMeshBlock(block.data()));
+  }
+}
+
+TEST(MeshDamage, ReadersOfMeshBlocksRefuseGrids)
+{
+  auto encoder = std::make_unique<VertEncoder>();
+  for (int i = 0; i < 25; i++)
+    for (int k = 0; k < 3; k++) encoder->vertices[i][k] = float(k == 0 ? i % 5 : k == 1 ? i/5 : i % 3);
+  alignas(16) uint8_t bytes[VertEncoder::maxBytes];
+  VertStatistics statistics;
+  const size_t size = encoder->encode({vertRegion(4, 4, 0, 0), vertPatch(4, 4)}, bytes, statistics);
+  const Reason reason = validateMesh(bytes, size);
+  EXPECT_EQ(reason.code, ErrorCode::UNSUPPORTED);
+  EXPECT_NE(reason.message().find("kind 0"), std::string::npos) << reason.message();
+  EXPECT_FALSE(isMeshBlock(bytes));
+}
+
+TEST(MeshDamage, NewerPartsAreUnsupported)
+{
+  Random random(seed + 1);
+  const Words block = someBlocks(random)[20];
+  const auto expectUnsupported = [&](size_t word, uint32_t bit) {
+    Words changed = block;
+    changed[word] ^= 1u << bit;
+    const Reason reason = validateMesh(changed.data(), 4*changed.size());
+    EXPECT_EQ(reason.code, ErrorCode::UNSUPPORTED) << "word " << word << ", bit " << bit << ": " << reason.message();
+  };
+  for (uint32_t bit : {14u, 15u, 30u, 31u}) { expectUnsupported(12, bit); expectUnsupported(13, bit); } // kind and version
+  for (uint32_t bit = 24; bit < 32; bit++) expectUnsupported(3, bit);
+  for (uint32_t bit = 26; bit < 30; bit++) expectUnsupported(13, bit);
+  for (uint32_t bit = 0; bit < 32; bit++) expectUnsupported(7, bit); // motion
+}
+
+TEST(MeshDamage, ShorterBlocksAreRefused)
+{
+  Random random(seed + 2);
+  for (const Words& block : someBlocks(random))
+    for (size_t bytes = 0; bytes < 4*block.size(); bytes += bytes < 400 ? 1 : 37) {
+      const Words part(block.begin(), block.begin() + (bytes + 3)/4);
+      ASSERT_TRUE(validateMesh(part.data(), bytes)) << bytes << " of " << 4*block.size() << " bytes";
+    }
+}
+
+TEST(MeshDamage, RefusedOrDecodedWithinTheBlock)
+{
+  Random random(seed + 3);
+  const std::vector<Words> blocks = someBlocks(random);
+  size_t refused = 0, decoded = 0;
+  float sum = 0;
+  for (int i = 0; i < 60000; i++) {
+    Words words = blocks[random.below(uint32_t(blocks.size()))];
+    uint8_t* const bytes = (uint8_t*)words.data();
+    const uint32_t size = uint32_t(4*words.size());
+    // changes to the header and to records are the ones that matter most
+    for (uint32_t n = 1 + random.below(4); n > 0; n--) {
+      const uint32_t end = std::vector<uint32_t>{meshHeaderBytes, 200, size}[random.below(3)], at = random.below(std::min(end, size));
+      if (random.chance(0.5)) bytes[at] ^= uint8_t(1 << random.below(8));
+      else bytes[at] = uint8_t(random.bits());
+    }
+    if (validateMesh(words.data(), size)) { refused++; continue; }
+    decoded++;
+    const auto mesh = std::make_unique<DecodedMesh>((const MeshHeader*)words.data());
+    for (uint32_t t = 0; t < mesh->numTriangles; t++)
+      for (uint32_t v : mesh->triangles[t]) {
+        ASSERT_LT(v, mesh->numVertices);
+        sum += mesh->vertices[v][0];
+      }
+    const MeshView view((const MeshHeader*)words.data());
+    float lower[3], upper[3];
+    for (uint32_t g = 0; g < view.groups; g++) view.groupBox(g, lower, upper);
+  }
+  EXPECT_GT(refused, 15000u);
+  EXPECT_GT(decoded, 3000u);
+  (void)sum;
+}
+
+// Random bytes after a header that passes.
+TEST(MeshDamage, RandomBytesAreRefusedOrDecoded)
+{
+  Random random(seed + 4);
+  size_t decoded = 0;
+  for (int i = 0; i < 100000; i++) {
+    Words words(16 + random.below(40));
+    for (uint32_t& word : words) word = random.chance(0.3) ? 0 : random.bits();
+    MeshHeader& header = *(MeshHeader*)words.data();
+    for (float& x : header.origin) x = float(random.normal());
+    header.spacings = 0x7F7F7F & random.bits();
+    header.motion = 0;
+    header.bytes = uint32_t(4*words.size());
+    header.counts = meshMarkOfCounts() | (random.bits() & 15) | (random.bits() & 3) << 16 | (random.bits() & 15) << 24; // one group
+    header.form = meshMarkOfForm() | (random.bits() & 0x0FFF);
+    header.groups[0] = (header.counts >> 16 & 31) | (random.chance(0.7) ? 0 : 32);
+    header.groups[1] = header.groups[2] = header.groups[3] = 0;
+    const uint32_t vertices = meshVertices(header.counts), record = vertices | vertices << 5 | (random.bits() & 7) << 10;
+    ((uint8_t*)words.data())[56] = uint8_t(record);
+    ((uint8_t*)words.data())[57] = uint8_t(record >> 8);
+    if (vertices > 31) continue;
+    header.bytes = MeshView(&header).bytes();
+    if (header.bytes > 4*words.size()) continue;
+    if (validateMesh(words.data(), 4*words.size())) continue;
+    decoded++;
+    const auto mesh = std::make_unique<DecodedMesh>(&header);
+    for (uint32_t t = 0; t < mesh->numTriangles; t++)
+      for (uint32_t v : mesh->triangles[t]) ASSERT_LT(v, mesh->numVertices);
+  }
+  EXPECT_GT(decoded, 20u);
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,271 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Meshes become blocks: clusters, lattices, and what is left out. How far vertices move is computed in long double, without the library's lattice. */
+
+#include "kernels/cvert/encoder/mesh_blocks.h"
+#include "kernels/cvert/decoder/decoded_mesh.h"
+#include "kernels/cvert/decoder/validate_mesh.h"
+#include "support/random.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <map>
+#include <memory>
+#include <set>
+#include <vector>
+
+namespace cbvh::test {
+namespace {
+
+using namespace cvert;
+
+constexpr uint32_t seed = 42;
+
+typedef std::array<float, 3> Point;
+typedef std::array<uint32_t, 3> Corners;
+
+struct Mesh
+{
+  std::vector<Point> points;
+  std::vector<Corners> triangles;
+
+  MeshSource source() const {
+    return {(const float (*)[3])points.data(), points.size(), (const uint32_t (*)[3])triangles.data(), triangles.size()};
+  }
+  void unweld()
+  {
+    Mesh mesh;
+    for (Corners& t : triangles) {
+      for (uint32_t& v : t) { mesh.points.push_back(points[v]); v = uint32_t(mesh.points.size() - 1); }
+      mesh.triangles.push_back(t);
+    }
+    *this = mesh;
+  }
+};
+
+// Triangles of blocks by primID: corners as they are stored.
+struct Stored
+{
+  MeshReport report;
+  std::map<uint32_t, std::array<Point, 3>> triangles;
+  size_t blocks = 0;
+
+  Stored(const Mesh& mesh, int exponent, uint32_t groupTriangles = 16)
+  {
+    MeshSettings settings;
+    settings.exponent = exponent;
+    settings.groupTriangles = groupTriangles;
+    auto encoder = std::make_unique<MeshBlocks>(settings);
+    report = encoder->encode(mesh.source(), [&](const MeshHeader* block) {
+      blocks++;
+      ASSERT_EQ(validateMesh(block, block->bytes).message(), "");
+      const auto decoded = std::make_unique<DecodedMesh>(block);
+      for (uint32_t t = 0; t < decoded->numTriangles; t++) {
+        std::array<Point, 3> corners;
+        for (int c = 0; c < 3; c++) std::copy(decoded->vertices[decoded->triangles[t][c]], decoded->vertices[decoded->triangles[t][c]] + 3, corners[c].begin());
+        ASSERT_TRUE(triangles.emplace(decoded->primIDs[t], corners).second) << "triangle " << decoded->primIDs[t] << " is there twice";
+      }
+    });
+  }
+};
+
+typedef std::array<long double, 3> Normal;
+Normal normal(const Point& a, const Point& b, const Point& c)
+{
+  long double e[3], f[3];
+  for (int k = 0; k < 3; k++) { e[k] = (long double)b[k] - a[k]; f[k] = (long double)c[k] - a[k]; }
+  return {e[1]*f[2] - e[2]*f[1], e[2]*f[0] - e[0]*f[2], e[0]*f[1] - e[1]*f[0]};
+}
+long double dot(const Normal& a, const Normal& b) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; }
+
+// Each triangle is there once, moved by half a spacing at most, not turned over or flattened; equal positions stay equal.
+void expectStored(const Mesh& mesh, const Stored& stored, int exponent)
+{
+  const long double most = exponent == exactLattice ? 0 : std::ldexp(0.5L, exponent);
+  std::map<Point, Point> placeOf;
+  size_t count = 0;
+  for (uint32_t i = 0; i < mesh.triangles.size(); i++) {
+    const auto found = stored.triangles.find(i);
+    if (found == stored.triangles.end()) continue;
+    count++;
+    Point own[3];
+    for (int c = 0; c < 3; c++) {
+      own[c] = mesh.points[mesh.triangles[i][c]];
+      for (float& x : own[c]) x += 0.0f; // -0
+      for (int k = 0; k < 3; k++) ASSERT_LE(std::fabs((long double)found->second[c][k] - own[c][k]), most) << "triangle " << i;
+      const auto place = placeOf.emplace(own[c], found->second[c]).first;
+      ASSERT_EQ(place->second, found->second[c]) << "a vertex of triangle " << i << " is stored at two places";
+    }
+    const Normal before = normal(own[0], own[1], own[2]), after = normal(found->second[0], found->second[1], found->second[2]);
+    ASSERT_GT(dot(after, after), 0) << "triangle " << i << " is flat";
+    ASSERT_GE(dot(before, after), 0) << "triangle " << i << " is turned over";
+  }
+  EXPECT_EQ(count, stored.triangles.size());
+  EXPECT_EQ(count + stored.report.invalidTriangles + stored.report.degenerateTriangles, mesh.triangles.size());
+  EXPECT_EQ(stored.report.statistics.triangles, count);
+  EXPECT_EQ(stored.report.statistics.blocks, stored.blocks);
+}
+
+// A closed, noisy sphere-like surface of 2 n^2 triangles.
+Mesh torus(Random& random, uint32_t n, double noise)
+{
+  Mesh mesh;
+  for (uint32_t y = 0; y < n; y++)
+    for (uint32_t x = 0; x < n; x++) {
+      const double s = 2*M_PI*x/n, t = 2*M_PI*y/n, r = 3 + std::cos(t) + noise*random.normal();
+      mesh.points.push_back({float(r*std::cos(s)), float(r*std::sin(s)), float(std::sin(t) + noise*random.normal())});
+    }
+  for (uint32_t y = 0; y < n; y++)
+    for (uint32_t x = 0; x < n; x++) {
+      const uint32_t a = y*n + x, b = y*n + (x + 1) % n, c = (y + 1) % n*n + x, d = (y + 1) % n*n + (x + 1) % n;
+      mesh.triangles.push_back({a, b, d});
+      mesh.triangles.push_back({d, c, a});
+    }
+  return mesh;
+}
+
+TEST(MeshSource, VerticesMoveByHalfASpacingAndSurfacesStayClosed)
+{
+  Random random(seed);
+  for (int exponent : {-14, -10, -7, exactLattice})
+    for (bool welded : {true, false}) {
+      Mesh mesh = torus(random, 60, 0.01);
+      if (!welded) mesh.unweld();
+      const Stored stored(mesh, exponent, welded ? 16 : 32);
+      expectStored(mesh, stored, exponent);
+      EXPECT_EQ(stored.triangles.size(), 7200u);
+      EXPECT_LT(stored.report.statistics.vertices, 0.75*7200);
+    }
+}
+
+// The quick test never says that a triangle is safe when it is not.
+TEST(MeshSource, RobustTrianglesDoNotTurnOver)
+{
+  Random random(seed + 6);
+  size_t robust = 0;
+  for (int i = 0; i < 300000; i++) {
+    const int exponent = std::vector<int>{-100, -40, -8, 0, 40}[i % 5];
+    const MeshLattice lattice(i % 7 == 0 ? exactLattice : exponent);
+    const double size = random.magnitude(0.1, 1e5), flatness = random.magnitude(1e-6, 1), far = random.chance(0.5) ? 0 : random.magnitude(1, 1e7);
+    double axis[2][3], origin[3];
+    for (int k = 0; k < 3; k++) { origin[k] = far*random.normal(); for (auto& a : axis) a[k] = random.normal(); }
+    Point p[3], q[3];
+    for (int c = 0; c < 3; c++) {
+      const double u = random.normal(), v = flatness*random.normal();
+      for (int k = 0; k < 3; k++) p[c][k] = float(std::ldexp(origin[k] + size*(u*axis[0][k] + v*axis[1][k]), exponent));
+      lattice.snap(p[c].data(), q[c].data());
+    }
+    if (!lattice.isRobust(p[0].data(), p[1].data(), p[2].data())) continue;
+    robust++;
+    ASSERT_GT(dot(normal(p[0], p[1], p[2]), normal(q[0], q[1], q[2])), 0) << "triangle " << i;
+  }
+  EXPECT_GT(robust, 30000u);
+}
+
+// Triangles not much larger than the spacing, and needles: many would turn over or become lines.
+TEST(MeshSource, NoTriangleTurnsOverOrIsFlattened)
+{
+  Random random(seed + 1);
+  size_t finer = 0;
+  for (int exponent : {-6, -4, -3}) {
+    const Mesh mesh = torus(random, 60, 0.03);
+    const Stored stored(mesh, exponent);
+    expectStored(mesh, stored, exponent);
+    EXPECT_EQ(stored.triangles.size(), 7200u);
+    finer += stored.report.finerVertices;
+  }
+  EXPECT_GT(finer, 1000u);
+  Mesh needles;
+  for (uint32_t i = 0; i < 1000; i++) {
+    const float x = float(random.uniform(0, 100)), y = float(random.uniform(0, 100)), z = float(random.uniform(0, 1));
+    needles.points.insert(needles.points.end(), {{x, y, z}, {x + 50, y + 20, z}, {x + 50, y + 20 + 5e-5f, z + 5e-5f}}); // 1e6
+    needles.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+  }
+  const Stored stored(needles, -7);
+  expectStored(needles, stored, -7);
+  EXPECT_GT(stored.report.finerVertices, 1000u);
+  // without a need, all vertices are on the lattice
+  EXPECT_EQ(Stored(torus(random, 60, 0), -12).report.finerVertices, 0u);
+}
+
+TEST(MeshSource, LosslessToTheBit)
+{
+  Random random(seed + 2);
+  const Mesh mesh = torus(random, 100, 0.02);
+  const Stored stored(mesh, exactLattice);
+  ASSERT_EQ(stored.triangles.size(), mesh.triangles.size());
+  for (uint32_t i = 0; i < mesh.triangles.size(); i++)
+    for (int c = 0; c < 3; c++) ASSERT_EQ(std::memcmp(&stored.triangles.at(i)[c], &mesh.points[mesh.triangles[i][c]], sizeof(Point)), 0) << "triangle " << i;
+}
+
+TEST(MeshSource, TrianglesThatCannotBeHitAreLeftOutAndCounted)
+{
+  Mesh mesh;
+  mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {NAN, 0, 0}, {0, INFINITY, 0}, {1e30f, 0, 0}, {2, 0, 0}, {-0.0f, 0, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 1, 3}, {4, 1, 2}, {0, 5, 2}, {0, 1, 8}, {0, ~0u, 1},  // invalid: 5
+                    {0, 0, 1}, {1, 2, 1}, {0, 1, 6}, {0, 7, 1},                          // degenerate: 4
+                    {2, 1, 6}};
+  const Stored stored(mesh, -10);
+  EXPECT_EQ(stored.report.invalidTriangles, 5u);
+  EXPECT_EQ(stored.report.degenerateTriangles, 4u);
+  ASSERT_EQ(stored.triangles.size(), 2u);
+  EXPECT_EQ(stored.triangles.count(0), 1u);
+  EXPECT_EQ(stored.triangles.count(10), 1u);
+  EXPECT_EQ(Stored(Mesh(), -10).blocks, 0u);
+}
+
+TEST(MeshSource, ScalesFromTinyToHuge)
+{
+  Random random(seed + 3);
+  for (float scale : {1e-30f, 1e-20f, 1e-6f, 1e6f, 1e17f})
+    for (bool lattice : {true, false}) {
+      Mesh mesh = torus(random, 24, 0.01);
+      for (Point& p : mesh.points)
+        for (float& x : p) x *= scale;
+      const int exponent = lattice ? latticeExponent(0.1*scale/2048) : exactLattice;
+      const Stored stored(mesh, exponent);
+      expectStored(mesh, stored, exponent);
+      EXPECT_EQ(stored.triangles.size(), 1152u);
+    }
+}
+
+// A guard of the sizes that the format was made for; the numbers of a mesh are in the order of its rows here.
+TEST(MeshSource, BytesPerTriangle)
+{
+  Random random(seed + 4);
+  const Mesh mesh = torus(random, 160, 0.001);
+  const double triangles = double(mesh.triangles.size()), edge = 2*M_PI*3/160;
+  EXPECT_LT(double(Stored(mesh, latticeExponent(edge/2048), 16).report.statistics.bytes)/triangles, 6.5);
+  EXPECT_LT(double(Stored(mesh, latticeExponent(edge/2048), 32).report.statistics.bytes)/triangles, 6.3);
+  EXPECT_LT(double(Stored(mesh, exactLattice, 16).report.statistics.bytes)/triangles, 8.8);
+}
+
+TEST(MeshClusters, AllTrianglesInFullClusters)
+{
+  Random random(seed + 5);
+  for (uint32_t groupTriangles : {1u, 16u, 32u})
+    for (size_t count : {size_t(0), size_t(1), size_t(255), size_t(256), size_t(257), size_t(5000), size_t(20000)})
+      for (int kind = 0; kind < 3; kind++) {
+        std::vector<MeshCenter> centers(count);
+        for (size_t i = 0; i < count; i++) {
+          centers[i].index = uint32_t(i);
+          for (float& x : centers[i].at) x = kind == 0 ? 1.0f : kind == 1 ? float(random.normal()) : float(random.below(3))*1e18f; // many are at one place
+        }
+        MeshClusters clusters(groupTriangles);
+        std::set<uint32_t> seen;
+        size_t full = 0, others = 0;
+        clusters.cut(centers.data(), count, [&](uint32_t, float lower[3], float upper[3]) { for (int k = 0; k < 3; k++) { lower[k] = -1e18f; upper[k] = 1e18f; } },
+                     [&](const MeshCenter* cluster, uint32_t n) {
+          (n == clusters.clusterTriangles ? full : others)++;
+          for (uint32_t i = 0; i < n; i++) ASSERT_TRUE(seen.insert(cluster[i].index).second);
+        });
+        ASSERT_EQ(seen.size(), count);
+        ASSERT_EQ(full, count/clusters.clusterTriangles);
+        ASSERT_EQ(others, size_t(count % clusters.clusterTriangles != 0));
+      }
+}
+
+} // namespace
+} // namespace cbvh::test
