@@ -34,9 +34,10 @@
  *
  * - Of a struct that the library reads, members that the application's version lacks count as zero. A struct that is
  *   larger than the library's own is accepted if all bytes after the members that the library knows are zero.
- * - Of a struct that the library writes, it writes the members that both versions have, and sets the other bytes of
- *   the application's to zero. structSize keeps its value.
- * - A structSize of 0, below the size in the first version, or above 4096 is an error: RTC_ERROR_INVALID_ARGUMENT.
+ * - Of a struct that the library writes, it writes the members that both versions have, and sets the remaining
+ *   bytes of the application's struct to zero. structSize keeps its value.
+ * - A structSize that is below the size in the first version, above 1024, or not a multiple of sizeof(size_t) is an
+ *   error: RTC_ERROR_INVALID_ARGUMENT.
  *
  * Structs without structSize that an application passes, such as RTCCompressedTriangle, never grow. Structs that the
  * library passes to callbacks, such as RTCCompressedPart and RTCCompressedCluster, may grow at their end: do not

@@ -5,8 +5,8 @@
  * one description of the format and of the hit rule, for the CPU's scalar path, for the
  * SIMD path as far as it is scalar, for the tests, and for shaders.
  *
- * Shared code is free functions on plain values. It has no references and pointers, no
- * member functions, no 64-bit integers, no recursion, and no braces around
+ * Shared code is free functions on plain values. It has no member functions, references
+ * and pointers but those of bytes.h and int3.h, no 64-bit integers, no recursion, and no braces around
  * values but in the initializers of constants.
  *
  * Quantities whose precision the user chooses are of type Real: CVERT_REAL comes before
