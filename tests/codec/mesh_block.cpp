@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Mesh blocks lose nothing: triangles of random and of hard meshes are the same floats after encoding and scalar decoding, in the same order of
- * corners, with the same numbers. A second decoder, written from docs/formats/mesh_block.md, agrees with the first. */
+/* Mesh blocks lose nothing: triangles of random and of hard meshes are the same floats after encoding and scalar
+ * decoding, in the same order of corners, with the same numbers. A second decoder, written from
+ * docs/formats/mesh_block.md, agrees with the first. */
 
 #include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
@@ -48,16 +49,19 @@ struct Encoded
 };
 
 // All blocks of a mesh whose groups are runs of up to groupSize triangles.
-std::vector<std::unique_ptr<Encoded>> encode(MeshEncoder& encoder, const Mesh& mesh, uint32_t groupSize, MeshStatistics& statistics)
+std::vector<std::unique_ptr<Encoded>> encode(MeshEncoder& encoder, const Mesh& mesh, uint32_t groupSize,
+  MeshStatistics& statistics)
 {
   std::vector<std::unique_ptr<Encoded>> blocks;
   for (size_t first = 0; first < mesh.size(); first += blocks.back()->stored) {
     const uint32_t room = uint32_t(std::min(mesh.size() - first, size_t(maxMeshTriangles)));
     std::vector<uint32_t> ends;
-    for (uint32_t end = groupSize; ends.empty() || ends.back() < room; end += groupSize) ends.push_back(std::min(end, room));
+    for (uint32_t end = groupSize; ends.empty() || ends.back() < room; end += groupSize)
+      ends.push_back(std::min(end, room));
     blocks.push_back(std::make_unique<Encoded>());
     Encoded& encoded = *blocks.back();
-    encoded.size = encoder.encode(mesh.data() + first, ends.data(), uint32_t(ends.size()), 3, encoded.bytes, encoded.stored, statistics);
+    encoded.size = encoder.encode(mesh.data() + first, ends.data(), uint32_t(ends.size()), 3, encoded.bytes,
+      encoded.stored, statistics);
     EXPECT_GT(encoded.stored, 0u);
     EXPECT_LE(encoded.size, MeshEncoder::maxBytes);
     if (encoded.stored == 0) break;
@@ -118,7 +122,8 @@ public:
       for (uint32_t i = 0; i < group.vertices; i++) isOwn[i] = read(1);
       uint32_t next = 0;
       for (uint32_t i = 0; i < stream; i++) entries[i] = isNew[i] ? next++ : read(bits(group.vertices - 1));
-      for (uint32_t i = 0, own = firstOwn; i < group.vertices; i++) numbers[i] = isOwn[i] ? own++ : read(bits(vertices - 1));
+      for (uint32_t i = 0, own = firstOwn; i < group.vertices; i++) numbers[i] = isOwn[i] ? own++
+        : read(bits(vertices - 1));
       firstOwn += group.own;
       // one triangle after the other
       uint32_t at = 0, a = 0, b = 0, c = 0;
@@ -145,7 +150,9 @@ public:
           const uint32_t exponent = spacings >> 8*k & 255;
           float origin;
           std::memcpy(&origin, block + 4*k, 4);
-          if (exponent != 0) { p[k] = float(double(origin) + double(c[k])*std::ldexp(1.0, int(exponent) - 127)); continue; }
+          if (exponent != 0) {
+            p[k] = float(double(origin) + double(c[k])*std::ldexp(1.0, int(exponent) - 127)); continue;
+          }
           for (p[k] = origin; c[k] > 0; c[k]--) p[k] = next(p[k], c[k]);
         }
         points.push_back(p);
@@ -154,7 +161,8 @@ public:
     const uint32_t primID = word(20);
     for (uint32_t g = 0; g < groups; g++) {
       const uint32_t base = primID + read(baseBits);
-      for (const auto& t : topology[g].triangles) add(triangles, points[t[0]], points[t[1]], points[t[2]], base + read(all[g].numberBits));
+      for (const auto& t : topology[g].triangles)
+        add(triangles, points[t[0]], points[t[1]], points[t[2]], base + read(all[g].numberBits));
     }
     bytes = ((position + 7)/8 + 3)/4*4;
   }
@@ -165,14 +173,16 @@ private:
   static uint32_t bits(uint64_t x) { uint32_t n = 0; for (; x; x >>= 1) n++; return n; }
   static int signed5(uint32_t x) { return int(x & 31) - ((x & 16) ? 32 : 0); }
 
-  // The float `steps` after x, by steps that are as large as one exponent has room for; `steps` keeps 1 of what was used.
+  // The float `steps` after x, by steps that are as large as one exponent has room for; `steps` keeps 1 of what was
+  // used.
   static float next(float x, int64_t& steps)
   {
     uint32_t bits;
     std::memcpy(&bits, &x, 4);
     const bool isNegative = bits >> 31;
     const uint32_t magnitude = bits & 0x7FFFFFFF;
-    const int64_t room = isNegative ? std::max(int64_t(magnitude), int64_t(1)) : int64_t(1) << 32, used = std::min(room, steps);
+    const int64_t room = isNegative ? std::max(int64_t(magnitude), int64_t(1)) : int64_t(1) << 32,
+      used = std::min(room, steps);
     if (isNegative && magnitude == 0) bits = uint32_t(used); // -0
     else bits = isNegative ? uint32_t(used) == magnitude ? 0 : bits - uint32_t(used) : bits + uint32_t(used);
     steps -= used - 1;
@@ -200,7 +210,9 @@ long double shearedCoordinate(const MeshHeader* block, const float* p)
 {
   const uint32_t m = meshShearedAxis(block->form);
   long double h = ((long double)p[m] - block->origin[m])/meshSpacing(block->spacings, m);
-  for (uint32_t i = 1; i < 3; i++) h += meshSlope(block->form, i)/16.0L*((long double)p[(m + i) % 3] - block->origin[(m + i) % 3])/meshSpacing(block->spacings, (m + i) % 3);
+  for (uint32_t i = 1; i < 3; i++)
+    h += meshSlope(block->form, i)/16.0L*((long double)p[(m + i) % 3]
+    - block->origin[(m + i) % 3])/meshSpacing(block->spacings, (m + i) % 3);
   return h*meshSpacing(block->spacings, m);
 }
 
@@ -224,10 +236,12 @@ void expectMesh(const Mesh& mesh, const std::vector<std::unique_ptr<Encoded>>& b
     ASSERT_EQ(view.bytes(), encoded->size);
     for (uint32_t t = 0; t < decoded->numTriangles; t++) {
       MeshTriangle triangle;
-      for (int c = 0; c < 3; c++) std::memcpy(triangle.corners[c], decoded->vertices[decoded->triangles[t][c]], sizeof(triangle.corners[c]));
+      for (int c = 0; c < 3; c++)
+        std::memcpy(triangle.corners[c], decoded->vertices[decoded->triangles[t][c]], sizeof(triangle.corners[c]));
       triangle.primID = decoded->primIDs[t];
       const auto found = left.find(bytesOf(triangle));
-      ASSERT_TRUE(found != left.end() && found->second > 0) << "triangle " << t << ", primID " << triangle.primID << " is not of the mesh";
+      ASSERT_TRUE(found != left.end()
+        && found->second > 0) << "triangle " << t << ", primID " << triangle.primID << " is not of the mesh";
       found->second--;
       ASSERT_EQ(bytesOf(second.triangles[t]), bytesOf(triangle)) << "triangle " << t << " by the page";
     }
@@ -239,10 +253,13 @@ void expectMesh(const Mesh& mesh, const std::vector<std::unique_ptr<Encoded>>& b
       for (uint32_t t = 0; t < group->numTriangles; t++)
         for (int c = 0; c < 3; c++) {
           const float p[3] = {group->corners[c][0][t], group->corners[c][1][t], group->corners[c][2][t]};
-          ASSERT_EQ(std::memcmp(p, decoded->vertices[decoded->triangles[decoded->firstTriangle[g] + t][c]], sizeof(p)), 0) << "lane " << t;
+          ASSERT_EQ(std::memcmp(p, decoded->vertices[decoded->triangles[decoded->firstTriangle[g] + t][c]],
+            sizeof(p)), 0) << "lane " << t;
           for (uint32_t k = 0; k < 3; k++) {
-            const long double x = view.isSheared() && k == meshShearedAxis(block->form) ? shearedCoordinate(block, p) : (long double)p[k];
-            ASSERT_TRUE(lower[k] <= x && x <= upper[k]) << "group " << g << ", axis " << k << ": " << lower[k] << " <= " << double(x) << " <= " << upper[k];
+            const long double x = view.isSheared() && k == meshShearedAxis(block->form) ? shearedCoordinate(block, p)
+              : (long double)p[k];
+            ASSERT_LE(lower[k], x) << "group " << g << ", axis " << k;
+            ASSERT_GE(upper[k], x) << "group " << g << ", axis " << k;
           }
         }
     }
@@ -254,7 +271,9 @@ void expectMesh(MeshEncoder& encoder, const Mesh& mesh, uint32_t groupSize, Mesh
   expectMesh(mesh, encode(encoder, mesh, groupSize, statistics));
 }
 
-float snapped(double x, int exponent) { return float(std::ldexp(std::floor(std::ldexp(x, -exponent) + 0.5), exponent)); }
+float snapped(double x, int exponent) {
+  return float(std::ldexp(std::floor(std::ldexp(x, -exponent) + 0.5), exponent));
+}
 
 bool areDifferent(const Point& a, const Point& b, const Point& c) { return a != b && b != c && c != a; }
 
@@ -270,7 +289,8 @@ Mesh sheet(Random& random, uint32_t size, int exponent, double far)
   }
   for (uint32_t y = 0; y <= size; y++)
     for (uint32_t x = 0; x <= size; x++) {
-      const double u = x + random.uniform(-0.3, 0.3), v = y + random.uniform(-0.3, 0.3), h = 0.3*std::sin(0.4*u)*std::cos(0.3*v) + 0.02*random.normal();
+      const double u = x + random.uniform(-0.3, 0.3), v = y + random.uniform(-0.3, 0.3),
+        h = 0.3*std::sin(0.4*u)*std::cos(0.3*v) + 0.02*random.normal();
       Point p;
       for (int k = 0; k < 3; k++) {
         const double value = origin[k] + u*axis[0][k] + v*axis[1][k] + h*axis[2][k];
@@ -285,7 +305,8 @@ Mesh sheet(Random& random, uint32_t size, int exponent, double far)
       uint32_t t[2][3] = {{a, b, other ? d : c}, {other ? a : b, d, c}};
       for (auto& corners : t) {
         std::rotate(corners, corners + random.below(3), corners + 3);
-        if (areDifferent(points[corners[0]], points[corners[1]], points[corners[2]])) add(mesh, points[corners[0]], points[corners[1]], points[corners[2]], uint32_t(mesh.size()));
+        if (areDifferent(points[corners[0]], points[corners[1]], points[corners[2]]))
+          add(mesh, points[corners[0]], points[corners[1]], points[corners[2]], uint32_t(mesh.size()));
       }
     }
   return mesh;
@@ -324,7 +345,8 @@ TEST(MeshBlock, NonManifoldTrianglesAreTheSame)
       for (float& x : p) x = float(random.below(1000));
     Mesh mesh;
     for (uint32_t n = 1 + random.below(300); mesh.size() < n;) {
-      const Point a = points[random.below(uint32_t(points.size()))], b = points[random.below(uint32_t(points.size()))], c = points[random.below(uint32_t(points.size()))];
+      const Point a = points[random.below(uint32_t(points.size()))],
+        b = points[random.below(uint32_t(points.size()))], c = points[random.below(uint32_t(points.size()))];
       if (areDifferent(a, b, c)) add(mesh, a, b, c, random.below(4));
       else if (points.size() < 8) points.push_back({float(random.below(9)), float(random.below(9)), 0});
     }
@@ -345,20 +367,24 @@ TEST(MeshBlock, HardMeshesAreTheSame)
     const uint32_t n = uint32_t(i);
     add(meshes["one triangle many times"], {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, n);
     const double s = 2*M_PI*i/300, t = 2*M_PI*(i + 1)/300;
-    add(meshes["a fan around a vertex"], {0, 0, 1}, {float(std::cos(s)), float(std::sin(s)), 0}, {float(std::cos(t)), float(std::sin(t)), 0}, n);
+    add(meshes["a fan around a vertex"], {0, 0, 1}, {float(std::cos(s)), float(std::sin(s)), 0},
+      {float(std::cos(t)), float(std::sin(t)), 0}, n);
     add(meshes["pages of a book"], {0, 0, 0}, {0, 0, 1}, {float(std::cos(s)), float(std::sin(s)), 0.5f}, n);
-    add(meshes["needles of aspect 1e6"], {f(-1, 1), f(-1, 1), f(-1, 1)}, {f(-1, 1) + 1e6f, 0, 0}, {f(-1, 1) + 1e6f, 1, 0}, n);
+    add(meshes["needles of aspect 1e6"], {f(-1, 1), f(-1, 1), f(-1, 1)}, {f(-1, 1) + 1e6f, 0, 0},
+      {f(-1, 1) + 1e6f, 1, 0}, n);
     const float x = float(i), huge = i == 77 ? 1e7f : 1;
     add(meshes["a huge triangle among small ones"], {x, 0, 0}, {x + huge, 0, f(0, 1)}, {x, huge, 0}, n);
     const float place = i % 2 ? 1e17f : -1e3f;
     add(meshes["far components"], {place + x, 0, 0}, {place*1.01f, 5, f(0, 1)}, {0.1f, place, 0.7f}, n);
     for (float scale : {1e-38f, 1e-30f, 1e-20f, 1e10f, 1e18f})
-      add(meshes["scale " + std::to_string(std::log10(scale))], {scale*f(-1, 1), scale*f(-1, 1), scale*f(-1, 1)}, {scale*f(-1, 1), 0, scale}, {-0.0f, scale*f(-1, 1), scale*f(-1, 1)}, n);
+      add(meshes["scale " + std::to_string(std::log10(scale))], {scale*f(-1, 1), scale*f(-1, 1), scale*f(-1, 1)},
+        {scale*f(-1, 1), 0, scale}, {-0.0f, scale*f(-1, 1), scale*f(-1, 1)}, n);
     const auto any = [&] { return float((random.chance(0.5) ? -1 : 1)*random.magnitude(1e-45, 1.8e18)); };
     add(meshes["any floats"], {any(), any(), any()}, {any(), any(), any()}, {any(), any(), any()}, random.bits());
     add(meshes["denormals"], {1e-45f*float(i + 1), 0, 0}, {0, 1e-45f*float(2*i + 1), 1e-40f}, {-1e-44f, -1e-45f, 1}, n);
     add(meshes["a plane"], {f(0, 1), f(0, 1), 0.1f}, {f(1, 2), f(0, 1), 0.1f}, {f(0, 1), f(1, 2), 0.1f}, n);
-    add(meshes["numbers of all sizes"], {0, 0, 0}, {x + 1, 0, 0}, {0, x + 1, 0}, i == 0 ? 0 : i == 1 ? ~0u : random.bits() >> random.below(32));
+    add(meshes["numbers of all sizes"], {0, 0, 0}, {x + 1, 0, 0}, {0, x + 1, 0}, i == 0 ? 0 : i == 1 ? ~0u
+      : random.bits() >> random.below(32));
   }
   for (const auto& mesh : meshes)
     for (uint32_t groupSize : {1u, 16u, 32u}) {
@@ -381,7 +407,8 @@ TEST(MeshBlock, AGroupIsDecodedWithoutTheOthers)
   ASSERT_GT(view.groups, 10u);
   for (uint32_t g = 0; g < view.groups; g++) {
     const auto group = std::make_unique<DecodedMeshGroup>(view, g);
-    // everything that the group does not need becomes 1s: topology and numbers of other groups, and vertices that it does not use
+    // everything that the group does not need becomes 1s: topology and numbers of other groups, and vertices that it
+    // does not use
     auto damaged = std::make_unique<Encoded>(whole);
     const auto setBits = [&](const uint8_t* section, size_t begin, size_t end) {
       for (size_t b = begin; b < end; b++) damaged->bytes[size_t(section - whole.bytes) + b/8] |= uint8_t(1 << b % 8);
@@ -392,8 +419,10 @@ TEST(MeshBlock, AGroupIsDecodedWithoutTheOthers)
       setBits(view.numbers, view.numberBegin[o], view.numberBegin[o + 1]);
     }
     for (uint32_t v = 0; v < meshVertices(whole.block()->counts); v++) {
-      if (std::find(group->vertices, group->vertices + group->numVertices, v) != group->vertices + group->numVertices) continue;
-      const uint32_t owner = view.groupOfVertex(v), bits = view.fieldBits[owner][0] + view.fieldBits[owner][1] + view.fieldBits[owner][2];
+      if (std::find(group->vertices, group->vertices + group->numVertices, v) != group->vertices + group->numVertices)
+        continue;
+      const uint32_t owner = view.groupOfVertex(v), bits = view.fieldBits[owner][0] + view.fieldBits[owner][1]
+        + view.fieldBits[owner][2];
       const size_t at = view.vertexBegin[owner] + size_t(v - view.firstVertex[owner])*bits;
       setBits(view.vertices, at, at + bits);
     }
@@ -401,7 +430,8 @@ TEST(MeshBlock, AGroupIsDecodedWithoutTheOthers)
     for (uint32_t t = 0; t < group->numTriangles; t++) {
       ASSERT_EQ(again->primIDs[t], group->primIDs[t]);
       for (int c = 0; c < 3; c++)
-        for (int k = 0; k < 3; k++) ASSERT_EQ(again->corners[c][k][t], group->corners[c][k][t]) << "group " << g << ", lane " << t;
+        for (int k = 0; k < 3; k++) ASSERT_EQ(again->corners[c][k][t], group->corners[c][k][t])
+          << "group " << g << ", lane " << t;
     }
   }
 }
@@ -413,12 +443,14 @@ TEST(MeshBlock, AllSizesHaveRoom)
   Random random(seed + 4);
   Mesh mesh;
   const auto any = [&] { return float((random.chance(0.5) ? -1 : 1)*random.magnitude(1e-45, 1.8e18)); };
-  for (int i = 0; i < 2000; i++) add(mesh, {any(), any(), any()}, {any(), any(), any()}, {any(), any(), any()}, random.bits());
+  for (int i = 0; i < 2000; i++)
+    add(mesh, {any(), any(), any()}, {any(), any(), any()}, {any(), any(), any()}, random.bits());
   size_t most = 0;
   for (const auto& block : encode(*encoder, mesh, 32, statistics)) most = std::max(most, block->size);
   EXPECT_GT(most, 5000u);
   // what no mesh reaches: each section at its largest
-  const size_t topology = maxMeshGroups*((31 + 31 + 64 + 61 + 31 + 61*5 + 31*9 + 7)/8), vertices = maxMeshVertices*12, numbers = maxMeshTriangles*4 + maxMeshGroups*4;
+  const size_t topology = maxMeshGroups*((31 + 31 + 64 + 61 + 31 + 61*5 + 31*9 + 7)/8), vertices = maxMeshVertices*12,
+    numbers = maxMeshTriangles*4 + maxMeshGroups*4;
   EXPECT_LE(meshHeaderBytes + 8*maxMeshGroups + topology + vertices + numbers + 8, MeshEncoder::maxBytes);
 }
 
@@ -511,16 +543,23 @@ TEST(MeshBlock, ConstantsAreThoseOfThePage)
   std::ostringstream table;
   table << "| constant | value |\n|:--|--:|\n";
   const std::pair<const char*, uint32_t> constants[] = {
-    {"format version, `meshFormatVersion`", meshFormatVersion}, {"kind of a block, `kindOfMesh`", kindOfMesh}, {"bytes of the header", meshHeaderBytes},
-    {"bytes of a record", meshRecordBytes}, {"bytes of a box", meshBoxBytes}, {"triangles of a block, at most", maxMeshTriangles},
-    {"groups of a block, at most", maxMeshGroups}, {"vertices of a block, at most", maxMeshVertices}, {"triangles of a group, at most", maxGroupTriangles},
+    {"format version, `meshFormatVersion`", meshFormatVersion}, {"kind of a block, `kindOfMesh`", kindOfMesh},
+      {"bytes of the header", meshHeaderBytes},
+    {"bytes of a record", meshRecordBytes}, {"bytes of a box", meshBoxBytes},
+      {"triangles of a block, at most", maxMeshTriangles},
+    {"groups of a block, at most", maxMeshGroups}, {"vertices of a block, at most", maxMeshVertices},
+      {"triangles of a group, at most", maxGroupTriangles},
     {"vertices of a group, at most", maxGroupVertices}, {"restarts of a group, at most", maxGroupRestarts},
-    {"shift of boxes on an axis of ranks, at least", leastRankShift}, {"bytes after a block that decoders may read", readBehindVert}};
+    {"shift of boxes on an axis of ranks, at least", leastRankShift},
+      {"bytes after a block that decoders may read", readBehindVert}};
   for (const auto& constant : constants) table << "| " << constant.first << " | " << constant.second << " |\n";
-  EXPECT_NE(page.find("-->\n\n" + table.str() + "\n"), std::string::npos) << "mesh_block.md has to have\n" << table.str();
+  EXPECT_NE(page.find("-->\n\n" + table.str() + "\n"),
+    std::string::npos) << "mesh_block.md has to have\n" << table.str();
   const std::pair<const char*, size_t> fields[] = {
-    {"origin", offsetof(MeshHeader, origin)}, {"spacings", offsetof(MeshHeader, spacings)}, {"surface", offsetof(MeshHeader, surface)}, {"primID", offsetof(MeshHeader, primID)},
-    {"bytes", offsetof(MeshHeader, bytes)}, {"motion", offsetof(MeshHeader, motion)}, {"groups", offsetof(MeshHeader, groups)}, {"counts", offsetof(MeshHeader, counts)},
+    {"origin", offsetof(MeshHeader, origin)}, {"spacings", offsetof(MeshHeader, spacings)},
+      {"surface", offsetof(MeshHeader, surface)}, {"primID", offsetof(MeshHeader, primID)},
+    {"bytes", offsetof(MeshHeader, bytes)}, {"motion", offsetof(MeshHeader, motion)},
+      {"groups", offsetof(MeshHeader, groups)}, {"counts", offsetof(MeshHeader, counts)},
     {"form", offsetof(MeshHeader, form)}};
   for (const auto& field : fields) {
     const std::string row = "\n| " + std::to_string(field.second) + " | ";

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Damaged mesh blocks are refused with a reason, or decoded without reading other bytes. Blocks lie in allocations of their own size, so that a
- * sanitizer sees each byte too far. */
+/* Damaged mesh blocks are refused with a reason, or decoded without reading other bytes. Blocks lie in allocations
+ * of their own size, so that a sanitizer sees each byte too far. */
 
 #include "kernels/cvert/encoder/block_encoder.h"
 #include "kernels/cvert/encoder/mesh_encoder.h"
@@ -41,15 +41,18 @@ std::vector<Words> someBlocks(Random& random)
       for (int c = 0; c < 3; c++) {
         const uint32_t px = x + corners[t % 2][c][0], py = y + corners[t % 2][c][1];
         const double p[3] = {px + 0.1*std::sin(7.0*px + 3*py), double(py), 0.3*px + std::sin(0.3*px*py)};
-        for (int k = 0; k < 3; k++) mesh[t].corners[c][k] = soup ? float(random.normal()) : lattice ? float(std::floor(64*p[k])/64) : float(p[k]);
+        for (int k = 0; k < 3; k++) mesh[t].corners[c][k] = soup ? float(random.normal()) : lattice
+          ? float(std::floor(64*p[k])/64) : float(p[k]);
       }
       mesh[t].primID = i % 5 == 0 ? random.bits() : 1000 + t;
     }
     std::vector<uint32_t> ends;
-    for (uint32_t end = groupSize; ends.empty() || ends.back() < count; end += groupSize) ends.push_back(std::min(end, count));
+    for (uint32_t end = groupSize; ends.empty() || ends.back() < count; end += groupSize)
+      ends.push_back(std::min(end, count));
     Words words(MeshEncoder::maxBytes/4);
     uint32_t stored;
-    words.resize(encoder->encode(mesh.data(), ends.data(), uint32_t(ends.size()), 0, (uint8_t*)words.data(), stored, statistics)/4);
+    words.resize(encoder->encode(mesh.data(), ends.data(), uint32_t(ends.size()), 0, (uint8_t*)words.data(), stored,
+      statistics)/4);
     words.shrink_to_fit();
     EXPECT_EQ(validateMesh(words.data(), 4*words.size()).message(), "");
     blocks.push_back(words);
@@ -92,7 +95,8 @@ TEST(MeshDamage, NewerPartsAreUnsupported)
     const Reason reason = validateMesh(changed.data(), 4*changed.size());
     EXPECT_EQ(reason.code, ErrorCode::UNSUPPORTED) << "word " << word << ", bit " << bit << ": " << reason.message();
   };
-  for (uint32_t bit : {14u, 15u, 30u, 31u}) { expectUnsupported(12, bit); expectUnsupported(13, bit); } // kind and version
+  // kind and version
+  for (uint32_t bit : {14u, 15u, 30u, 31u}) { expectUnsupported(12, bit); expectUnsupported(13, bit); }
   for (uint32_t bit = 24; bit < 32; bit++) expectUnsupported(3, bit);
   for (uint32_t bit = 26; bit < 30; bit++) expectUnsupported(13, bit);
   for (uint32_t bit = 0; bit < 32; bit++) expectUnsupported(7, bit); // motion
@@ -120,7 +124,8 @@ TEST(MeshDamage, RefusedOrDecodedWithinTheBlock)
     const uint32_t size = uint32_t(4*words.size());
     // changes to the header and to records are the ones that matter most
     for (uint32_t n = 1 + random.below(4); n > 0; n--) {
-      const uint32_t end = std::vector<uint32_t>{meshHeaderBytes, 200, size}[random.below(3)], at = random.below(std::min(end, size));
+      const uint32_t end = std::vector<uint32_t>{meshHeaderBytes, 200, size}[random.below(3)],
+        at = random.below(std::min(end, size));
       if (random.chance(0.5)) bytes[at] ^= uint8_t(1 << random.below(8));
       else bytes[at] = uint8_t(random.bits());
     }
@@ -154,11 +159,13 @@ TEST(MeshDamage, RandomBytesAreRefusedOrDecoded)
     header.spacings = 0x7F7F7F & random.bits();
     header.motion = 0;
     header.bytes = uint32_t(4*words.size());
-    header.counts = meshMarkOfCounts() | (random.bits() & 15) | (random.bits() & 3) << 16 | (random.bits() & 15) << 24; // one group
+    // one group
+    header.counts = meshMarkOfCounts() | (random.bits() & 15) | (random.bits() & 3) << 16 | (random.bits() & 15) << 24;
     header.form = meshMarkOfForm() | (random.bits() & 0x0FFF);
     header.groups[0] = (header.counts >> 16 & 31) | (random.chance(0.7) ? 0 : 32);
     header.groups[1] = header.groups[2] = header.groups[3] = 0;
-    const uint32_t vertices = meshVertices(header.counts), record = vertices | vertices << 5 | (random.bits() & 7) << 10;
+    const uint32_t vertices = meshVertices(header.counts), record = vertices | vertices << 5
+      | (random.bits() & 7) << 10;
     ((uint8_t*)words.data())[56] = uint8_t(record);
     ((uint8_t*)words.data())[57] = uint8_t(record >> 8);
     if (vertices > 31) continue;

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Meshes become blocks: clusters, lattices, and what is left out. How far vertices move is computed in long double, without the library's lattice. */
+/* Meshes become blocks: clusters, lattices, and what is left out. How far vertices move is computed in long double,
+ * without the library's lattice. */
 
 #include "kernels/cvert/encoder/mesh_blocks.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
@@ -32,7 +33,8 @@ struct Mesh
   std::vector<Corners> triangles;
 
   MeshSource source() const {
-    return {(const float (*)[3])points.data(), points.size(), (const uint32_t (*)[3])triangles.data(), triangles.size()};
+    return {(const float (*)[3])points.data(), points.size(), (const uint32_t (*)[3])triangles.data(),
+      triangles.size()};
   }
   void unweld()
   {
@@ -64,8 +66,11 @@ struct Stored
       const auto decoded = std::make_unique<DecodedMesh>(block);
       for (uint32_t t = 0; t < decoded->numTriangles; t++) {
         std::array<Point, 3> corners;
-        for (int c = 0; c < 3; c++) std::copy(decoded->vertices[decoded->triangles[t][c]], decoded->vertices[decoded->triangles[t][c]] + 3, corners[c].begin());
-        ASSERT_TRUE(triangles.emplace(decoded->primIDs[t], corners).second) << "triangle " << decoded->primIDs[t] << " is there twice";
+        for (int c = 0; c < 3; c++)
+          std::copy(decoded->vertices[decoded->triangles[t][c]], decoded->vertices[decoded->triangles[t][c]] + 3,
+          corners[c].begin());
+        ASSERT_TRUE(triangles.emplace(decoded->primIDs[t],
+          corners).second) << "triangle " << decoded->primIDs[t] << " is there twice";
       }
     });
   }
@@ -80,7 +85,8 @@ Normal normal(const Point& a, const Point& b, const Point& c)
 }
 long double dot(const Normal& a, const Normal& b) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; }
 
-// Each triangle is there once, moved by half a spacing at most, not turned over or flattened; equal positions stay equal.
+// Each triangle is there once, moved by half a spacing at most, not turned over or flattened; equal positions stay
+// equal.
 void expectStored(const Mesh& mesh, const Stored& stored, int exponent)
 {
   const long double most = exponent == exactLattice ? 0 : std::ldexp(0.5L, exponent);
@@ -94,11 +100,13 @@ void expectStored(const Mesh& mesh, const Stored& stored, int exponent)
     for (int c = 0; c < 3; c++) {
       own[c] = mesh.points[mesh.triangles[i][c]];
       for (float& x : own[c]) x += 0.0f; // -0
-      for (int k = 0; k < 3; k++) ASSERT_LE(std::fabs((long double)found->second[c][k] - own[c][k]), most) << "triangle " << i;
+      for (int k = 0; k < 3; k++) ASSERT_LE(std::fabs((long double)found->second[c][k] - own[c][k]), most)
+        << "triangle " << i;
       const auto place = placeOf.emplace(own[c], found->second[c]).first;
       ASSERT_EQ(place->second, found->second[c]) << "a vertex of triangle " << i << " is stored at two places";
     }
-    const Normal before = normal(own[0], own[1], own[2]), after = normal(found->second[0], found->second[1], found->second[2]);
+    const Normal before = normal(own[0], own[1], own[2]),
+      after = normal(found->second[0], found->second[1], found->second[2]);
     ASSERT_GT(dot(after, after), 0) << "triangle " << i << " is flat";
     ASSERT_GE(dot(before, after), 0) << "triangle " << i << " is turned over";
   }
@@ -148,7 +156,8 @@ TEST(MeshSource, RobustTrianglesDoNotTurnOver)
   for (int i = 0; i < 300000; i++) {
     const int exponent = std::vector<int>{-100, -40, -8, 0, 40}[i % 5];
     const MeshLattice lattice(i % 7 == 0 ? exactLattice : exponent);
-    const double size = random.magnitude(0.1, 1e5), flatness = random.magnitude(1e-6, 1), far = random.chance(0.5) ? 0 : random.magnitude(1, 1e7);
+    const double size = random.magnitude(0.1, 1e5), flatness = random.magnitude(1e-6, 1), far = random.chance(0.5) ? 0
+      : random.magnitude(1, 1e7);
     double axis[2][3], origin[3];
     for (int k = 0; k < 3; k++) { origin[k] = far*random.normal(); for (auto& a : axis) a[k] = random.normal(); }
     Point p[3], q[3];
@@ -180,7 +189,8 @@ TEST(MeshSource, NoTriangleTurnsOverOrIsFlattened)
   Mesh needles;
   for (uint32_t i = 0; i < 1000; i++) {
     const float x = float(random.uniform(0, 100)), y = float(random.uniform(0, 100)), z = float(random.uniform(0, 1));
-    needles.points.insert(needles.points.end(), {{x, y, z}, {x + 50, y + 20, z}, {x + 50, y + 20 + 5e-5f, z + 5e-5f}}); // 1e6
+    // 1e6
+    needles.points.insert(needles.points.end(), {{x, y, z}, {x + 50, y + 20, z}, {x + 50, y + 20 + 5e-5f, z + 5e-5f}});
     needles.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
   }
   const Stored stored(needles, -7);
@@ -197,13 +207,16 @@ TEST(MeshSource, LosslessToTheBit)
   const Stored stored(mesh, exactLattice);
   ASSERT_EQ(stored.triangles.size(), mesh.triangles.size());
   for (uint32_t i = 0; i < mesh.triangles.size(); i++)
-    for (int c = 0; c < 3; c++) ASSERT_EQ(std::memcmp(&stored.triangles.at(i)[c], &mesh.points[mesh.triangles[i][c]], sizeof(Point)), 0) << "triangle " << i;
+    for (int c = 0; c < 3; c++)
+      ASSERT_EQ(std::memcmp(&stored.triangles.at(i)[c], &mesh.points[mesh.triangles[i][c]], sizeof(Point)),
+      0) << "triangle " << i;
 }
 
 TEST(MeshSource, TrianglesThatCannotBeHitAreLeftOutAndCounted)
 {
   Mesh mesh;
-  mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {NAN, 0, 0}, {0, INFINITY, 0}, {1e30f, 0, 0}, {2, 0, 0}, {-0.0f, 0, 0}};
+  mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {NAN, 0, 0}, {0, INFINITY, 0}, {1e30f, 0, 0}, {2, 0, 0},
+    {-0.0f, 0, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 1, 3}, {4, 1, 2}, {0, 5, 2}, {0, 1, 8}, {0, ~0u, 1},  // invalid: 5
                     {0, 0, 1}, {1, 2, 1}, {0, 1, 6}, {0, 7, 1},                          // degenerate: 4
                     {2, 1, 6}};
@@ -251,12 +264,16 @@ TEST(MeshClusters, AllTrianglesInFullClusters)
         std::vector<MeshCenter> centers(count);
         for (size_t i = 0; i < count; i++) {
           centers[i].index = uint32_t(i);
-          for (float& x : centers[i].at) x = kind == 0 ? 1.0f : kind == 1 ? float(random.normal()) : float(random.below(3))*1e18f; // many are at one place
+          // many are at one place
+          for (float& x : centers[i].at) x = kind == 0 ? 1.0f : kind == 1 ? float(random.normal())
+            : float(random.below(3))*1e18f;
         }
         MeshClusters clusters(groupTriangles);
         std::set<uint32_t> seen;
         size_t full = 0, others = 0;
-        clusters.cut(centers.data(), count, [&](uint32_t, float lower[3], float upper[3]) { for (int k = 0; k < 3; k++) { lower[k] = -1e18f; upper[k] = 1e18f; } },
+        clusters.cut(centers.data(), count,
+          [&](uint32_t, float lower[3],
+          float upper[3]) { for (int k = 0; k < 3; k++) { lower[k] = -1e18f; upper[k] = 1e18f; } },
                      [&](const MeshCenter* cluster, uint32_t n) {
           (n == clusters.clusterTriangles ? full : others)++;
           for (uint32_t i = 0; i < n; i++) ASSERT_TRUE(seen.insert(cluster[i].index).second);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Decodes a mesh block in scalar code, group by group. This is the reference that SIMD decoders must equal. It is also the decoder for programs
- * that need all triangles of a block. */
+/* Decodes a mesh block in scalar code, group by group. This is the reference that SIMD decoders must equal. It is
+ * also the decoder for programs that need all triangles of a block. */
 
 #include "mesh_view.h"
 
@@ -15,30 +15,36 @@ namespace cvert { inline namespace CVERT_ISA
   {
     uint32_t numTriangles, numVertices;
     uint32_t vertices[maxGroupVertices];                  //!< numbers in the block
-    uint8_t indices[3][maxGroupTriangles];                //!< into `vertices`: the corners of each triangle, in the order of the application
+    //! into `vertices`: the corners of each triangle, in the order of the application
+    uint8_t indices[3][maxGroupTriangles];
     float corners[3][3][maxGroupTriangles];               //!< by corner and axis
     uint32_t primIDs[maxGroupTriangles];
 
-    /*! Decodes group g. Reads the header, the records, the boxes, the topology and the numbers of the group, and the vertices that it uses. */
+    /*! Decodes group g. Reads the header, the records, the boxes, the topology and the numbers of the group, and the
+     *  vertices that it uses. */
     DecodedMeshGroup (const MeshView& view, uint32_t g)
     {
       const uint32_t group = meshGroupByte(view.block,g), record = meshRecord(view.block,g);
       numTriangles = groupTriangles(group);
       numVertices = groupVertices(record);
       const MeshTopology at = meshTopology(group,record,meshVertices(view.block->counts));
-      auto bits = [&](uint32_t begin, uint32_t count) { return meshBitsAt(view.topology,view.topologyBegin[g]+begin,count); };
+      auto bits = [&](uint32_t begin, uint32_t count) {
+        return meshBitsAt(view.topology,view.topologyBegin[g]+begin,count);
+      };
 
       const uint32_t owns = bits(at.owns,numVertices);
       float positions[maxGroupVertices][3];
       for (uint32_t i=0, own=0, other=0; i<numVertices; i++) {
-        vertices[i] = (owns >> i) & 1 ? view.firstVertex[g] + own++ : bits(at.others + at.otherBits*other++,at.otherBits);
+        vertices[i] = (owns >> i) & 1 ? view.firstVertex[g] + own++
+          : bits(at.others + at.otherBits*other++,at.otherBits);
         view.vertex(vertices[i],positions[i]);
       }
 
       uint8_t stream[maxGroupTriangles+2+2*maxGroupRestarts];
       const uint32_t length = streamLength(numTriangles,groupRestarts(group,record));
       for (uint32_t i=0, news=0, repeats=0; i<length; i++)
-        stream[i] = uint8_t(i < 3 || bits(at.news+i-3,1) ? news++ : bits(at.repeats + at.repeatBits*repeats++,at.repeatBits));
+        stream[i] = uint8_t(i < 3 || bits(at.news+i-3,1) ? news++
+          : bits(at.repeats + at.repeatBits*repeats++,at.repeatBits));
 
       const uint32_t restarts = bits(at.restarts,numTriangles-1) << 1 | 1, fans = bits(at.fans,numTriangles-1) << 1;
       for (uint32_t t=0; t<numTriangles; t++)
@@ -64,7 +70,8 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t primIDs[maxMeshTriangles];
     uint32_t firstTriangle[maxMeshGroups+1];         //!< of each group; then the number of all
 
-    explicit DecodedMesh (const MeshHeader* block) : numVertices(meshVertices(block->counts)), numTriangles(meshTriangles(block->counts)), numGroups(meshGroups(block->counts))
+    explicit DecodedMesh (const MeshHeader* block) : numVertices(meshVertices(block->counts)),
+      numTriangles(meshTriangles(block->counts)), numGroups(meshGroups(block->counts))
     {
       const MeshView view(block);
       for (uint32_t v=0; v<numVertices; v++) view.vertex(v,vertices[v]);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Where the parts of a mesh block are: sums over its groups, and access to single vertices and numbers. Everything that decodes a group of a mesh
- * block begins here. */
+/* Where the parts of a mesh block are: sums over its groups, and access to single vertices and numbers. Everything
+ * that decodes a group of a mesh block begins here. */
 
 #include "../format/mesh_block.h"
 
@@ -27,7 +27,8 @@ namespace cvert { inline namespace CVERT_ISA
     const MeshHeader* const block;
     const uint32_t groups;
     const MeshLayout layout;
-    uint32_t firstTriangle[maxMeshGroups+1]; //!< number in the block of the first triangle of a group; then the number of all
+    //! number in the block of the first triangle of a group; then the number of all
+    uint32_t firstTriangle[maxMeshGroups+1];
     uint32_t firstVertex[maxMeshGroups+1];   //!< the same of the vertices that belong to a group
     uint32_t topologyBegin[maxMeshGroups+1]; //!< first bit of a group's topology, from `topology` on
     uint32_t vertexBegin[maxMeshGroups+1];   //!< first bit of the fields of a group's vertices, from `vertices` on
@@ -36,7 +37,8 @@ namespace cvert { inline namespace CVERT_ISA
     const uint8_t* topology, * vertices, * numbers;
 
     /*! Uses header, records and boxes only. */
-    explicit MeshView (const MeshHeader* block) : block(block), groups(meshGroups(block->counts)), layout(meshLayout(block->counts))
+    explicit MeshView (const MeshHeader* block) : block(block), groups(meshGroups(block->counts)),
+      layout(meshLayout(block->counts))
     {
       const uint32_t numVertices = meshVertices(block->counts);
       firstTriangle[0] = firstVertex[0] = topologyBegin[0] = vertexBegin[0] = numberBegin[0] = 0;
@@ -44,7 +46,8 @@ namespace cvert { inline namespace CVERT_ISA
       {
         const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g);
         uint32_t bits = 0;
-        for (uint32_t k=0; k<3; k++) bits += fieldBits[g][k] = meshFieldBits(block->spacings,block->form,meshPlane(block,3+k,g),k);
+        for (uint32_t k=0; k<3; k++)
+          bits += fieldBits[g][k] = meshFieldBits(block->spacings,block->form,meshPlane(block,3+k,g),k);
         firstTriangle[g+1] = firstTriangle[g] + groupTriangles(group);
         firstVertex[g+1] = firstVertex[g] + groupOwnVertices(record);
         topologyBegin[g+1] = topologyBegin[g] + meshTopology(group,record,numVertices).bits;
@@ -57,7 +60,9 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Bytes of the block. */
-    uint32_t bytes () const { return (uint32_t(numbers - (const uint8_t*)block) + (numberBegin[groups]+7)/8 + 3) & ~3u; }
+    uint32_t bytes () const {
+      return (uint32_t(numbers - (const uint8_t*)block) + (numberBegin[groups]+7)/8 + 3) & ~3u;
+    }
 
     /*! Returns the group that a vertex of the block belongs to. */
     uint32_t groupOfVertex (uint32_t v) const
@@ -74,7 +79,8 @@ namespace cvert { inline namespace CVERT_ISA
       size_t at = vertexBegin[g] + size_t(v-firstVertex[g])*(bits[0]+bits[1]+bits[2]);
       uint32_t coordinates[3];
       for (uint32_t k=0; k<3; at+=bits[k++])
-        coordinates[k] = meshBitsAt(vertices,at,bits[k]) + (meshPlane(block,k,g) << meshBoxShift(block->spacings,block->form,k));
+        coordinates[k] = meshBitsAt(vertices,at,bits[k])
+          + (meshPlane(block,k,g) << meshBoxShift(block->spacings,block->form,k));
       if (isSheared()) {
         const uint32_t m = meshShearedAxis(block->form);
         coordinates[m] -= uint32_t(meshShear(block->form,int(coordinates[(m+1)%3]),int(coordinates[(m+2)%3])));
@@ -86,7 +92,8 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t primID (uint32_t g, uint32_t t) const
     {
       const uint32_t base = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
-      return block->primID + meshBitsAt(numbers,numberBegin[g],base) + meshBitsAt(numbers,numberBegin[g] + base + t*bits,bits);
+      return block->primID + meshBitsAt(numbers,numberBegin[g],base)
+        + meshBitsAt(numbers,numberBegin[g] + base + t*bits,bits);
     }
 
     bool isSheared () const { return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0; }
@@ -105,7 +112,8 @@ namespace cvert { inline namespace CVERT_ISA
         }
         const bool sheared = isSheared() && k == meshShearedAxis(block->form);
         const float spacing = meshSpacing(block->spacings,k), origin = sheared ? 0.0f : block->origin[k];
-        lower[k] = origin + (float(begin) - (sheared ? 0.5f : 0.0f))*spacing; // coordinates were rounded when they were sheared
+        // coordinates were rounded when they were sheared
+        lower[k] = origin + (float(begin) - (sheared ? 0.5f : 0.0f))*spacing;
         upper[k] = origin + float(end)*spacing;
       }
     }

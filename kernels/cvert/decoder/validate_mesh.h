@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Checks bytes that may be a mesh block: counts, sizes and indices must fit together and into the memory that there is. Fields of vertices and
- * primitive numbers may have any value. */
+/* Checks bytes that may be a mesh block: counts, sizes and indices must fit together and into the memory that there
+ * is. Fields of vertices and primitive numbers may have any value. */
 
 #include "../basics/reason.h"
 #include "mesh_view.h"
@@ -14,20 +14,28 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshValidation
   {
   public:
-    /*! Returns what is wrong with the block at data, which must be aligned to 4 bytes and may have up to that many bytes. Reads no other bytes. */
+    /*! Returns what is wrong with the block at data, which must be aligned to 4 bytes and may have up to that many
+     *  bytes. Reads no other bytes. */
     static Reason validate (const void* data, size_t bytes)
     {
-      if (bytes < meshHeaderBytes) return Reason::damaged("it has % bytes: the header of a mesh block needs %",bytes,meshHeaderBytes);
+      if (bytes < meshHeaderBytes)
+        return Reason::damaged("it has % bytes: the header of a mesh block needs %",bytes,meshHeaderBytes);
       const MeshHeader& header = *(const MeshHeader*)data;
       if (const Reason reason = validateHeader(header)) return reason;
       const MeshLayout layout = meshLayout(header.counts);
-      if (bytes < layout.topology) return Reason::damaged("it has % bytes: header, records and boxes need %",bytes,layout.topology);
+      if (bytes < layout.topology)
+        return Reason::damaged("it has % bytes: header, records and boxes need %",bytes,layout.topology);
       if (const Reason reason = validateGroups(header)) return reason;
       const MeshView view(&header);
-      if (view.bytes() != header.bytes) return Reason::damaged("its header counts % bytes: its groups need %",header.bytes,view.bytes());
+      if (view.bytes() != header.bytes)
+        return Reason::damaged("its header counts % bytes: its groups need %",header.bytes,view.bytes());
       if (bytes < header.bytes) return Reason::damaged("it has % bytes: its header counts %",bytes,header.bytes);
-      if (view.firstTriangle[view.groups] != meshTriangles(header.counts)) return Reason::damaged("its groups have % triangles: expected %",view.firstTriangle[view.groups],meshTriangles(header.counts));
-      if (view.firstVertex[view.groups] != meshVertices(header.counts)) return Reason::damaged("its groups have % vertices: expected %",view.firstVertex[view.groups],meshVertices(header.counts));
+      if (view.firstTriangle[view.groups] != meshTriangles(header.counts))
+        return Reason::damaged("its groups have % triangles: expected %",view.firstTriangle[view.groups],
+          meshTriangles(header.counts));
+      if (view.firstVertex[view.groups] != meshVertices(header.counts))
+        return Reason::damaged("its groups have % vertices: expected %",view.firstVertex[view.groups],
+          meshVertices(header.counts));
       for (uint32_t g=0; g<view.groups; g++)
         if (const Reason reason = validateTopology(view,g)) return reason;
       return Reason();
@@ -37,21 +45,32 @@ namespace cvert { inline namespace CVERT_ISA
     static Reason validateHeader (const MeshHeader& header)
     {
       const uint32_t kind = kindOfBlock(header.counts,header.form), version = versionOfBlock(header.counts,header.form);
-      if (kind != kindOfMesh) return Reason::unsupported("it is a block of kind %: expected %, a mesh block",kind,kindOfMesh);
-      if (version != meshFormatVersion) return Reason::unsupported("it is a mesh block of version %: this library reads version %",version,meshFormatVersion);
-      if (header.motion != 0) return Reason::unsupported("it is a mesh block that moves, which this library does not read");
+      if (kind != kindOfMesh)
+        return Reason::unsupported("it is a block of kind %: expected %, a mesh block",kind,kindOfMesh);
+      if (version != meshFormatVersion)
+        return Reason::unsupported("it is a mesh block of version %: this library reads version %",version,
+          meshFormatVersion);
+      if (header.motion != 0)
+        return Reason::unsupported("it is a mesh block that moves, which this library does not read");
       if (header.spacings >> 24) return Reason::unsupported("reserved bits of its spacings are set");
       if (header.form & 0x3C000000u) return Reason::unsupported("reserved bits of its form are set");
       for (float x : header.origin)
         if (!std::isfinite(x)) return Reason::damaged("its origin is not finite");
       for (uint32_t k=0; k<3; k++)
-        if (((header.spacings >> (8*k)) & 255) == 255) return Reason::damaged("the exponent of a spacing is 255: expected at most 254");
+        if (((header.spacings >> (8*k)) & 255) == 255)
+          return Reason::damaged("the exponent of a spacing is 255: expected at most 254");
       const int slopes[2] = { meshSlope(header.form,1),meshSlope(header.form,2) };
       if (meshShearedAxis(header.form) > 2) return Reason::damaged("its sheared axis is 3: expected 0 to 2");
-      if (slopes[0] < -maxSlope || slopes[1] < -maxSlope) return Reason::damaged("a slope of its boxes is -16: expected -15 to 15");
-      if ((slopes[0] | slopes[1]) != 0 && (hasRanks(header.spacings,0) || hasRanks(header.spacings,1) || hasRanks(header.spacings,2))) return Reason::damaged("it is sheared, and an axis counts floats");
-      if (meshVertices(header.counts) > maxMeshVertices) return Reason::damaged("it has % vertices: expected at most %",meshVertices(header.counts),maxMeshVertices);
-      if (baseNumberBits(header.counts) > 32) return Reason::damaged("base numbers of its groups have % bits: expected at most 32",baseNumberBits(header.counts));
+      if (slopes[0] < -maxSlope || slopes[1] < -maxSlope)
+        return Reason::damaged("a slope of its boxes is -16: expected -15 to 15");
+      if ((slopes[0] | slopes[1]) != 0
+        && (hasRanks(header.spacings,0) || hasRanks(header.spacings,1) || hasRanks(header.spacings,2)))
+        return Reason::damaged("it is sheared, and an axis counts floats");
+      if (meshVertices(header.counts) > maxMeshVertices)
+        return Reason::damaged("it has % vertices: expected at most %",meshVertices(header.counts),maxMeshVertices);
+      if (baseNumberBits(header.counts) > 32)
+        return Reason::damaged("base numbers of its groups have % bits: expected at most 32",
+          baseNumberBits(header.counts));
       return Reason();
     }
 
@@ -67,46 +86,59 @@ namespace cvert { inline namespace CVERT_ISA
           continue;
         }
         const uint32_t record = meshRecord(&header,g), vertices = groupVertices(record), own = groupOwnVertices(record);
-        if (vertices < 3 || vertices > streamLength(groupTriangles(group),groupRestarts(group,record))) return Reason::damaged("group % has % vertices, which do not fit its triangles",g,vertices);
+        if (vertices < 3 || vertices > streamLength(groupTriangles(group),groupRestarts(group,record)))
+          return Reason::damaged("group % has % vertices, which do not fit its triangles",g,vertices);
         if (own > vertices) return Reason::damaged("% of the % vertices of a group belong to it",own,vertices);
-        if (groupRestarts(group,record) >= groupTriangles(group)) return Reason::damaged("group % starts as many strips as it has triangles, or more",g);
+        if (groupRestarts(group,record) >= groupTriangles(group))
+          return Reason::damaged("group % starts as many strips as it has triangles, or more",g);
         for (uint32_t k=0; k<3; k++)
-          if (meshPlane(&header,k,g) + meshPlane(&header,3+k,g) > 255) return Reason::damaged("a box of group % ends at %: expected at most 255",g,meshPlane(&header,k,g) + meshPlane(&header,3+k,g));
+          if (meshPlane(&header,k,g) + meshPlane(&header,3+k,g) > 255)
+            return Reason::damaged("a box of group % ends at %: expected at most 255",g,meshPlane(&header,k,g)
+              + meshPlane(&header,3+k,g));
       }
       return Reason();
     }
 
     static Reason validateTopology (const MeshView& view, uint32_t g)
     {
-      const uint32_t group = meshGroupByte(view.block,g), record = meshRecord(view.block,g), triangles = groupTriangles(group), vertices = groupVertices(record);
+      const uint32_t group = meshGroupByte(view.block,g), record = meshRecord(view.block,g),
+        triangles = groupTriangles(group), vertices = groupVertices(record);
       const uint32_t stream = streamLength(triangles,groupRestarts(group,record));
       const MeshTopology at = meshTopology(group,record,meshVertices(view.block->counts));
-      auto bits = [&](uint32_t begin, uint32_t count) { return meshBitsAt(view.topology,view.topologyBegin[g]+begin,count); };
+      auto bits = [&](uint32_t begin, uint32_t count) {
+        return meshBitsAt(view.topology,view.topologyBegin[g]+begin,count);
+      };
       const uint32_t restarts = bits(at.restarts,triangles-1), fans = bits(at.fans,triangles-1);
-      if (countBits(restarts) != groupRestarts(group,record)) return Reason::damaged("group % starts other strips than its record counts",g);
+      if (countBits(restarts) != groupRestarts(group,record))
+        return Reason::damaged("group % starts other strips than its record counts",g);
       if (restarts & fans) return Reason::damaged("a triangle of group % starts a strip and is part of a fan",g);
       for (uint32_t t=0; t<triangles; t++)
-        if (bits(at.turns+2*t,2) > 2) return Reason::damaged("a triangle of group % is turned by 3 corners: expected 0 to 2",g);
-      if (countBits(bits(at.owns,vertices)) != groupOwnVertices(record)) return Reason::damaged("group % has other vertices than its record counts",g);
+        if (bits(at.turns+2*t,2) > 2)
+          return Reason::damaged("a triangle of group % is turned by 3 corners: expected 0 to 2",g);
+      if (countBits(bits(at.owns,vertices)) != groupOwnVertices(record))
+        return Reason::damaged("group % has other vertices than its record counts",g);
       uint32_t news = 3;
       for (uint32_t i=3; i<stream; i++) news += bits(at.news+i-3,1);
-      if (news != vertices) return Reason::damaged("the strips of group % have % vertices, which is not what its record counts",g,news);
+      if (news != vertices)
+        return Reason::damaged("the strips of group % have % vertices, which is not what its record counts",g,news);
       news = 3;
       for (uint32_t i=3; i<stream; i++)
         if (bits(at.news+i-3,1)) news++;
         else {
           const uint32_t local = bits(at.repeats + at.repeatBits*(i-news),at.repeatBits);
-          if (local >= news) return Reason::damaged("a strip of group % repeats vertex %, which it has not reached",g,local);
+          if (local >= news)
+            return Reason::damaged("a strip of group % repeats vertex %, which it has not reached",g,local);
         }
       for (uint32_t i=0; i<vertices-groupOwnVertices(record); i++) {
         const uint32_t v = bits(at.others + at.otherBits*i,at.otherBits);
-        if (v >= view.firstVertex[g]) return Reason::damaged("group % uses vertex %, which does not belong to a group before it",g,v);
+        if (v >= view.firstVertex[g])
+          return Reason::damaged("group % uses vertex %, which does not belong to a group before it",g,v);
       }
       return Reason();
     }
   };
 
-  /*! Returns what is wrong with the mesh block at data, which must be aligned to 4 bytes and may have up to that many bytes. What passes can be
-   *  decoded: decoders read only it and readBehindVert bytes after it. */
+  /*! Returns what is wrong with the mesh block at data, which must be aligned to 4 bytes and may have up to that
+   *  many bytes. What passes can be decoded: decoders read only it and readBehindVert bytes after it. */
   inline Reason validateMesh (const void* data, size_t bytes) { return MeshValidation::validate(data,bytes); }
 }}

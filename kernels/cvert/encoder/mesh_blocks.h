@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* A mesh as mesh blocks: leaves out what cannot be hit, chooses which vertices need a finer lattice, and clusters and encodes the rest. */
+/* A mesh as mesh blocks: leaves out what cannot be hit, chooses which vertices need a finer lattice, and clusters
+ * and encodes the rest. */
 
 #include "mesh_clusters.h"
 #include "mesh_encoder.h"
@@ -40,10 +41,11 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshBlocks
   {
   public:
-    explicit MeshBlocks (const MeshSettings& settings) : settings(settings), lattice(settings.exponent), encoder(new MeshEncoder) {}
+    explicit MeshBlocks (const MeshSettings& settings) : settings(settings), lattice(settings.exponent),
+      encoder(new MeshEncoder) {}
 
-    /*! Encodes a mesh. Calls onBlock(const MeshHeader*) for each block; the bytes exist until it returns. The number of a triangle is its index. Needs 16 bytes
-     *  per triangle meanwhile. Throws std::bad_alloc. */
+    /*! Encodes a mesh. Calls onBlock(const MeshHeader*) for each block; the bytes exist until it returns. The number
+     *  of a triangle is its index. Needs 16 bytes per triangle meanwhile. Throws std::bad_alloc. */
     template<typename OnBlock>
     MeshReport encode (const MeshSource& mesh, const OnBlock& onBlock)
     {
@@ -54,8 +56,11 @@ namespace cvert { inline namespace CVERT_ISA
       if (lattice.numExceptions() > 0) settle(mesh,centers);
       report.finerVertices = lattice.numExceptions();
       MeshClusters clusters(settings.groupTriangles);
-      clusters.cut(centers.data(),centers.size(),[&](uint32_t index, float lower[3], float upper[3]) { bound(mesh,index,lower,upper); },
-                   [&](const MeshCenter* cluster, uint32_t count) { encodeCluster(mesh,cluster,count,report.statistics,onBlock); });
+      clusters.cut(centers.data(),centers.size(),
+        [&](uint32_t index, float lower[3], float upper[3]) { bound(mesh,index,lower,upper); },
+        [&](const MeshCenter* cluster, uint32_t count) {
+          encodeCluster(mesh,cluster,count,report.statistics,onBlock);
+        });
       return report;
     }
 
@@ -63,7 +68,9 @@ namespace cvert { inline namespace CVERT_ISA
     void add (const MeshSource& mesh, size_t i, std::vector<MeshCenter>& centers, MeshReport& report)
     {
       const uint32_t* const t = mesh.triangles[i];
-      if (t[0] >= mesh.numVertices || t[1] >= mesh.numVertices || t[2] >= mesh.numVertices) { report.invalidTriangles++; return; }
+      if (t[0] >= mesh.numVertices || t[1] >= mesh.numVertices || t[2] >= mesh.numVertices) {
+        report.invalidTriangles++; return;
+      }
       const float* const a = mesh.vertices[t[0]], * const b = mesh.vertices[t[1]], * const c = mesh.vertices[t[2]];
       if (!isFinite(a) || !isFinite(b) || !isFinite(c)) { report.invalidTriangles++; return; }
       if (!lattice.isRobust(a,b,c)) {
@@ -87,7 +94,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     static bool isDegenerate (const float a[3], const float b[3], const float c[3])
     {
-      const Double3 e = { double(b[0])-a[0], double(b[1])-a[1], double(b[2])-a[2] }, f = { double(c[0])-a[0], double(c[1])-a[1], double(c[2])-a[2] };
+      const Double3 e = { double(b[0])-a[0], double(b[1])-a[1], double(b[2])-a[2] },
+        f = { double(c[0])-a[0], double(c[1])-a[1], double(c[2])-a[2] };
       const Double3 n = cross(e,f);
       return n.x == 0 && n.y == 0 && n.z == 0;
     }
@@ -106,7 +114,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     /*! A cluster with a group that must be stored as two may need several blocks. */
     template<typename OnBlock>
-    void encodeCluster (const MeshSource& mesh, const MeshCenter* cluster, uint32_t count, MeshStatistics& statistics, const OnBlock& onBlock)
+    void encodeCluster (const MeshSource& mesh, const MeshCenter* cluster, uint32_t count, MeshStatistics& statistics,
+      const OnBlock& onBlock)
     {
       for (uint32_t i=0; i<count; i++)
       {

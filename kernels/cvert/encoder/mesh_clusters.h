@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Cuts triangles into clusters of up to 256, and these into groups: recursively, at the median of an axis, so that all but the last cluster and group
- * are full. Compact groups share few vertices and have small boxes. A part of many triangles is cut across its longest axis. A smaller part is cut
- * across the axis where the bounds of the two halves have the least sum of areas; for that, bounds of triangles are rounded to 16 bits. */
+/* Cuts triangles into clusters of up to 256, and these into groups: recursively, at the median of an axis, so that
+ * all but the last cluster and group are full. Compact groups share few vertices and have small boxes. A part of
+ * many triangles is cut across its longest axis. A smaller part is cut across the axis where the bounds of the two
+ * halves have the least sum of areas; for that, bounds of triangles are rounded to 16 bits. */
 
 #include "../format/mesh_block.h"
 #include <algorithm>
@@ -27,10 +28,12 @@ namespace cvert { inline namespace CVERT_ISA
   public:
     /*! groupTriangles: of a full group, from 1 to maxGroupTriangles */
     explicit MeshClusters (uint32_t groupTriangles)
-      : groupTriangles(groupTriangles), clusterTriangles(std::min(groupTriangles*maxMeshGroups,maxMeshTriangles)), part(new Part) {}
+      : groupTriangles(groupTriangles), clusterTriangles(std::min(groupTriangles*maxMeshGroups,maxMeshTriangles)),
+        part(new Part) {}
 
-    /*! Reorders the triangles and calls onCluster(triangles,count) for each cluster, in order. Each run of groupTriangles of a cluster is a group; the last
-     *  may be shorter. boundsOf(index,lower,upper) returns the bounds of a triangle. */
+    /*! Reorders the triangles and calls onCluster(triangles,count) for each cluster, in order. Each run of
+     *  groupTriangles of a cluster is a group; the last may be shorter. boundsOf(index,lower,upper) returns the
+     *  bounds of a triangle. */
     template<typename BoundsOf, typename OnCluster>
     void cut (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, const OnCluster& onCluster)
     {
@@ -44,9 +47,11 @@ namespace cvert { inline namespace CVERT_ISA
         return;
       }
       load(triangles,count,boundsOf);
-      split(part->items,count,clusterTriangles,[&](Item* cluster, size_t size) { split(cluster,size,groupTriangles,[](Item*, size_t) {}); });
+      split(part->items,count,clusterTriangles,
+        [&](Item* cluster, size_t size) { split(cluster,size,groupTriangles,[](Item*, size_t) {}); });
       for (size_t i=0; i<count; i++) triangles[i] = part->centers[part->items[i].at[6]];
-      for (size_t i=0; i<count; i+=clusterTriangles) onCluster(triangles+i,uint32_t(std::min(count-i,size_t(clusterTriangles))));
+      for (size_t i=0; i<count; i+=clusterTriangles)
+        onCluster(triangles+i,uint32_t(std::min(count-i,size_t(clusterTriangles))));
     }
 
     const uint32_t groupTriangles, clusterTriangles;
@@ -55,8 +60,8 @@ namespace cvert { inline namespace CVERT_ISA
     static const size_t partTriangles = 4096, sampleTriangles = 64;
     static const uint32_t bins = 32;
 
-    /*! of a triangle or of several: 0 to 2 the lower bounds, 3 to 5: 65535 less the upper bounds, so that the least of both bounds a box; 6: number in the
-     *  part; 7: bin */
+    /*! of a triangle or of several: 0 to 2 the lower bounds, 3 to 5: 65535 less the upper bounds, so that the least
+     *  of both bounds a box; 6: number in the part; 7: bin */
     struct Item
     {
       uint16_t at[8];
@@ -93,8 +98,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     static size_t halfOf (size_t count, size_t unit) { return (count+unit-1)/unit/2*unit; }
 
-    /*! Moves the `half` items that are first on an axis to the front. counts: of items by bin; binOf: bin of an item; less: order of items, which agrees
-     *  with the bins */
+    /*! Moves the `half` items that are first on an axis to the front. counts: of items by bin; binOf: bin of an
+     *  item; less: order of items, which agrees with the bins */
     template<typename T, typename Count, typename BinOf, typename Less>
     static void select (T* items, size_t count, size_t half, const Count* counts, const BinOf& binOf, const Less& less)
     {
@@ -115,7 +120,9 @@ namespace cvert { inline namespace CVERT_ISA
     {
       float lower[3] = { INFINITY,INFINITY,INFINITY }, upper[3] = { -INFINITY,-INFINITY,-INFINITY };
       for (size_t i=0; i<count; i+=count/1024)
-        for (int k=0; k<3; k++) { lower[k] = std::min(lower[k],triangles[i].at[k]); upper[k] = std::max(upper[k],triangles[i].at[k]); }
+        for (int k=0; k<3; k++) {
+          lower[k] = std::min(lower[k],triangles[i].at[k]); upper[k] = std::max(upper[k],triangles[i].at[k]);
+        }
       int axis = 0;
       for (int k=1; k<3; k++)
         if (upper[k]-lower[k] > upper[axis]-lower[axis]) axis = k;
@@ -127,7 +134,8 @@ namespace cvert { inline namespace CVERT_ISA
       };
       uint32_t counts[bins] = {};
       for (size_t i=0; i<count; i++) counts[binOf(triangles[i])]++;
-      select(triangles,count,half,counts,binOf,[=](const MeshCenter& a, const MeshCenter& b) { return a.at[axis] < b.at[axis]; });
+      select(triangles,count,half,counts,binOf,
+        [=](const MeshCenter& a, const MeshCenter& b) { return a.at[axis] < b.at[axis]; });
     }
 
     template<typename BoundsOf>
@@ -135,8 +143,11 @@ namespace cvert { inline namespace CVERT_ISA
     {
       float lower[3] = { INFINITY,INFINITY,INFINITY }, upper[3] = { -INFINITY,-INFINITY,-INFINITY };
       for (size_t i=0; i<count; i++)
-        for (int k=0; k<3; k++) { lower[k] = std::min(lower[k],triangles[i].at[k]); upper[k] = std::max(upper[k],triangles[i].at[k]); }
-      const float size = std::max(std::max(upper[0]-lower[0],upper[1]-lower[1]),std::max(upper[2]-lower[2],1e-30f)), scale = 49152.0f/size;
+        for (int k=0; k<3; k++) {
+          lower[k] = std::min(lower[k],triangles[i].at[k]); upper[k] = std::max(upper[k],triangles[i].at[k]);
+        }
+      const float size = std::max(std::max(upper[0]-lower[0],upper[1]-lower[1]),std::max(upper[2]-lower[2],1e-30f)),
+        scale = 49152.0f/size;
       for (size_t i=0; i<count; i++)
       {
         part->centers[i] = triangles[i];
@@ -164,16 +175,19 @@ namespace cvert { inline namespace CVERT_ISA
       const int k = axisOf(items,count,half,lower,shift);
       uint16_t counts[bins] = {};
       for (size_t i=0; i<count; i++) {
-        const uint32_t c = items[i].center(k), bin = std::min((std::max(c,lower)-lower) >> shift,bins-1); // a sample's range may be less
+        // a sample's range may be less
+        const uint32_t c = items[i].center(k), bin = std::min((std::max(c,lower)-lower) >> shift,bins-1);
         items[i].at[7] = uint16_t(bin);
         counts[bin]++;
       }
-      select(items,count,half,counts,[](const Item& item) { return uint32_t(item.at[7]); },[k](const Item& a, const Item& b) { return a.center(k) < b.center(k); });
+      select(items,count,half,counts,[](const Item& item) { return uint32_t(item.at[7]); },
+        [k](const Item& a, const Item& b) { return a.center(k) < b.center(k); });
       split(items,half,unit,onPart);
       split(items+half,count-half,unit,onPart);
     }
 
-    /*! Returns the axis on which to cut off `half` items, from a sample of the items, and the bins of the sample's centers. */
+    /*! Returns the axis on which to cut off `half` items, from a sample of the items, and the bins of the sample's
+     *  centers. */
     static int axisOf (const Item* items, size_t count, size_t half, uint32_t& lower, uint32_t& shift)
     {
       const size_t step = (count+sampleTriangles-1)/sampleTriangles;
@@ -205,7 +219,8 @@ namespace cvert { inline namespace CVERT_ISA
       {
         Lanes lanes;
         std::memcpy(&lanes,items[i].at,sizeof(lanes));
-        const uint16_t isUpper[3] = { uint16_t(-int(items[i].center(0) >= median[0])),uint16_t(-int(items[i].center(1) >= median[1])),uint16_t(-int(items[i].center(2) >= median[2])) };
+        const uint16_t isUpper[3] = { uint16_t(-int(items[i].center(0) >= median[0])),
+          uint16_t(-int(items[i].center(1) >= median[1])),uint16_t(-int(items[i].center(2) >= median[2])) };
         halves[0][0].extend(lanes,uint16_t(~isUpper[0])); halves[0][1].extend(lanes,isUpper[0]);
         halves[1][0].extend(lanes,uint16_t(~isUpper[1])); halves[1][1].extend(lanes,isUpper[1]);
         halves[2][0].extend(lanes,uint16_t(~isUpper[2])); halves[2][1].extend(lanes,isUpper[2]);

@@ -3,12 +3,13 @@
 
 #pragma once
 
-/* Encoder of a mesh block, cvert/format/mesh_block.h. It loses nothing: corners come as they are to be stored, snapped to a lattice
- * (cvert/encoder/mesh_lattice.h) or not, and each is the same float when it is decoded; only -0 may become 0. Corners with equal
- * coordinates become one vertex.
+/* Encoder of a mesh block, cvert/format/mesh_block.h. It loses nothing: corners come as they are to be stored,
+ * snapped to a lattice (cvert/encoder/mesh_lattice.h) or not, and each is the same float when it is decoded; only -0
+ * may become 0. Corners with equal coordinates become one vertex.
  *
- * On each axis all vertices are multiples of some power of two, the step, which is found in the floats. It becomes the spacing. If coordinates
- * then need more than maxMeshCoordinateBits, or more bits than ranks of floats, the axis has ranks. */
+ * On each axis all vertices are multiples of some power of two, the step, which is found in the floats. It becomes
+ * the spacing. If coordinates then need more than maxMeshCoordinateBits, or more bits than ranks of floats, the axis
+ * has ranks. */
 
 #include "mesh_strips.h"
 #include <algorithm>
@@ -68,10 +69,11 @@ namespace cvert { inline namespace CVERT_ISA
 
     MeshEncoder () { std::memset(slots,0,sizeof(slots)); }
 
-    /*! Encodes as many of the triangles as one block can store, from the first on. ends: of each group the number of its last triangle plus 1; a
-     *  group with too many triangles, vertices or strips is stored as several. stored: how many triangles were. block: maxBytes, aligned to 4.
-     *  Returns the number of bytes written, a multiple of 4. */
-    size_t encode (const MeshTriangle* triangles, const uint32_t* ends, uint32_t numGroups, uint32_t surface, uint8_t* block, uint32_t& stored, MeshStatistics& statistics)
+    /*! Encodes as many of the triangles as one block can store, from the first on. ends: of each group the number of
+     *  its last triangle plus 1; a group with too many triangles, vertices or strips is stored as several. stored:
+     *  how many triangles were. block: maxBytes, aligned to 4. Returns the number of bytes written, a multiple of 4. */
+    size_t encode (const MeshTriangle* triangles, const uint32_t* ends, uint32_t numGroups, uint32_t surface,
+      uint8_t* block, uint32_t& stored, MeshStatistics& statistics)
     {
       begin();
       for (uint32_t g=0; g<numGroups && groups < maxMeshGroups && numTriangles < maxMeshTriangles; g++)
@@ -145,10 +147,14 @@ namespace cvert { inline namespace CVERT_ISA
         for (; used<count; used++)
         {
           uint32_t own[3], fresh = 0;
-          for (int c=0; c<3; c++) { own[c] = cornerAt(triangles[used].corners[c]); fresh += groupOf[own[c]] != attempt; }
+          for (int c=0; c<3; c++) {
+            own[c] = cornerAt(triangles[used].corners[c]); fresh += groupOf[own[c]] != attempt;
+          }
           if (vertices+fresh > maxGroupVertices) break;
           for (int c=0; c<3; c++) {
-            if (groupOf[own[c]] != attempt) { groupOf[own[c]] = attempt; localOf[own[c]] = uint8_t(vertices); corner[vertices++] = own[c]; }
+            if (groupOf[own[c]] != attempt) {
+              groupOf[own[c]] = attempt; localOf[own[c]] = uint8_t(vertices); corner[vertices++] = own[c];
+            }
             local[used][c] = localOf[own[c]];
           }
         }
@@ -232,7 +238,9 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t g=0; g<groups; g++)
       {
         lo[g] = hi[g] = of[all[g].numbers[0]];
-        for (uint32_t i=1; i<all[g].vertices; i++) { const uint32_t c = of[all[g].numbers[i]]; lo[g] = std::min(lo[g],c); hi[g] = std::max(hi[g],c); }
+        for (uint32_t i=1; i<all[g].vertices; i++) {
+          const uint32_t c = of[all[g].numbers[i]]; lo[g] = std::min(lo[g],c); hi[g] = std::max(hi[g],c);
+        }
         most = std::max(most,hi[g]);
       }
       if (!ranked && most >= 1u << maxMeshCoordinateBits) return ~uint64_t(0);
@@ -295,7 +303,9 @@ namespace cvert { inline namespace CVERT_ISA
       /* The origin moves so that sheared coordinates begin at 0. */
       for (uint32_t v=0; v<numVertices; v++) other[v] -= uint32_t(least);
       const double moved = double(origin[shearedAxis]) + std::ldexp(double(least),exponent[shearedAxis]);
-      if (bitsOnAxis(other,false) >= bitsOnAxis(c,false) || double(float(moved)) != moved) { slopes[0] = slopes[1] = 0; return; }
+      if (bitsOnAxis(other,false) >= bitsOnAxis(c,false) || double(float(moved)) != moved) {
+        slopes[0] = slopes[1] = 0; return;
+      }
       origin[shearedAxis] = float(moved);
       std::memcpy(c,other,numVertices*sizeof(other[0]));
     }
@@ -313,7 +323,9 @@ namespace cvert { inline namespace CVERT_ISA
         {
           Group& group = all[g];
           uint32_t lo = ~0u, hi = 0;
-          for (uint32_t i=0; i<group.vertices; i++) { const uint32_t c = of[group.numbers[i]]; lo = std::min(lo,c); hi = std::max(hi,c); }
+          for (uint32_t i=0; i<group.vertices; i++) {
+            const uint32_t c = of[group.numbers[i]]; lo = std::min(lo,c); hi = std::max(hi,c);
+          }
           group.lower[k] = lo >> shifts[k];
           group.extent[k] = (hi >> shifts[k]) - group.lower[k];
         }
@@ -341,7 +353,8 @@ namespace cvert { inline namespace CVERT_ISA
       header.surface = surface;
       header.primID = lowest;
       header.counts = meshMarkOfCounts() | (numVertices-1) | (groups-1) << 10 | (numTriangles-1) << 16 | baseBits << 24;
-      header.form |= meshMarkOfForm() | shearedAxis << 12 | (uint32_t(slopes[0]) & 31) << 16 | (uint32_t(slopes[1]) & 31) << 21;
+      header.form |= meshMarkOfForm() | shearedAxis << 12 | (uint32_t(slopes[0]) & 31) << 16
+        | (uint32_t(slopes[1]) & 31) << 21;
 
       const MeshLayout layout = meshLayout(header.counts);
       MeshBitWriter topology(block+layout.topology);
@@ -350,7 +363,8 @@ namespace cvert { inline namespace CVERT_ISA
       {
         const Group& group = all[g];
         const uint32_t byte = (group.triangles-1) | (group.restarts & 7) << 5;
-        const uint32_t record = group.vertices | group.own << 5 | std::min(numberBits[g],31u) << 10 | (group.restarts >> 3) << 15;
+        const uint32_t record = group.vertices | group.own << 5 | std::min(numberBits[g],31u) << 10
+          | (group.restarts >> 3) << 15;
         header.groups[g/4] |= byte << (8*(g%4));
         block[layout.records+2*g] = uint8_t(record);
         block[layout.records+2*g+1] = uint8_t(record >> 8);

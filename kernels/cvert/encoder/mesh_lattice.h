@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* The lattice of a mesh, and its exceptions. A vertex snaps to the nearest point of the lattice. If that turns a triangle over or flattens it, the
- * vertices of the triangle become exceptions: they snap to a finer lattice, or stay where they are. A vertex is known by its position, so all triangles
- * and blocks that share it agree, and the surface stays closed, whether an application welds its vertices or not. */
+/* The lattice of a mesh, and its exceptions. A vertex snaps to the nearest point of the lattice. If that turns a
+ * triangle over or flattens it, the vertices of the triangle become exceptions: they snap to a finer lattice, or
+ * stay where they are. A vertex is known by its position, so all triangles and blocks that share it agree, and the
+ * surface stays closed, whether an application welds its vertices or not. */
 
 #include "../basics/world.h"
 #include "lattice.h"
@@ -17,12 +18,15 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshLattice
   {
   public:
-    /*! Exceptions snap to a lattice whose spacing is this power of two times smaller; if that does not suffice, they do not move. */
+    /*! Exceptions snap to a lattice whose spacing is this power of two times smaller; if that does not suffice, they
+     *  do not move. */
     static const int finerBits = 6;
 
     /*! exponent: of the spacing, from minLatticeExponent to maxLatticeExponent; exactLattice: nothing moves */
     explicit MeshLattice (int exponent)
-      : lattices{ WorldLattice(exponent),WorldLattice(exponent == exactLattice ? exactLattice : std::max(exponent-finerBits,exactLattice)),WorldLattice(exactLattice) }, isExact(exponent == exactLattice)
+      : lattices{ WorldLattice(exponent),
+        WorldLattice(exponent == exactLattice ? exactLattice : std::max(exponent-finerBits,exactLattice)),
+        WorldLattice(exactLattice) }, isExact(exponent == exactLattice)
     {
       std::memset(filter,0,sizeof(filter));
     }
@@ -33,21 +37,24 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) out[k] = lattice.snap(p[k]);
     }
 
-    /*! True if a triangle is so large compared with the spacing that its normal turns by less than 90 degrees wherever its corners snap to, and that it
-     *  has an area. A quick test, false for some triangles of which that is true as well. */
+    /*! True if a triangle is so large compared with the spacing that its normal turns by less than 90 degrees
+     *  wherever its corners snap to, and that it has an area. A quick test, false for some triangles of which that
+     *  is true as well. */
     bool isRobust (const float a[3], const float b[3], const float c[3]) const
     {
       float e[3], f[3];
       for (int k=0; k<3; k++) { e[k] = b[k]-a[k]; f[k] = c[k]-a[k]; }
       const float x = e[1]*f[2] - e[2]*f[1], y = e[2]*f[0] - e[0]*f[2], z = e[0]*f[1] - e[1]*f[0];
-      const float nn = x*x + y*y + z*z, ee = e[0]*e[0] + e[1]*e[1] + e[2]*e[2], ff = f[0]*f[0] + f[1]*f[1] + f[2]*f[2], ss = lattices[0].spacing*lattices[0].spacing;
-      /* An edge changes by sqrt(3) s at most, so the normal n by sqrt(3) s (|e| + |f|) + 3 s^2, and rounding by less than 1e-6 |e| |f|. The square
-       * of the sum of both is at most 60 s^2 (e^2 + f^2 + s^2) + 2e-12 e^2 f^2. Overflow and underflow make this false. */
+      const float nn = x*x + y*y + z*z, ss = lattices[0].spacing*lattices[0].spacing;
+      const float ee = e[0]*e[0] + e[1]*e[1] + e[2]*e[2], ff = f[0]*f[0] + f[1]*f[1] + f[2]*f[2];
+      /* An edge changes by sqrt(3) s at most, so the normal n by sqrt(3) s (|e| + |f|) + 3 s^2, and rounding by less
+       * than 1e-6 |e| |f|. The square of the sum of both is at most 60 s^2 (e^2 + f^2 + s^2) + 2e-12 e^2 f^2.
+       * Overflow and underflow make this false. */
       return nn > 96*ss*(ee + ff + ss) + 1e-9f*ee*ff;
     }
 
-    /*! Makes exceptions of the vertices of a triangle if the lattice turns it over or flattens it. Corners must be finite. Returns true if it did:
-     *  then triangles that were checked before may have to be checked again. */
+    /*! Makes exceptions of the vertices of a triangle if the lattice turns it over or flattens it. Corners must be
+     *  finite. Returns true if it did: then triangles that were checked before may have to be checked again. */
     bool check (const float a[3], const float b[3], const float c[3])
     {
       if (isExact || isRobust(a,b,c)) return false;
@@ -86,7 +93,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     static Double3 normal (const float a[3], const float b[3], const float c[3])
     {
-      const Double3 e = { double(b[0])-a[0], double(b[1])-a[1], double(b[2])-a[2] }, f = { double(c[0])-a[0], double(c[1])-a[1], double(c[2])-a[2] };
+      const Double3 e = { double(b[0])-a[0], double(b[1])-a[1], double(b[2])-a[2] },
+        f = { double(c[0])-a[0], double(c[1])-a[1], double(c[2])-a[2] };
       return cross(e,f);
     }
 

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Strips of a group of triangles, as cvert/format/mesh_block.h stores them. Greedy: a strip goes on with the neighbor that has the fewest neighbors
- * left, and begins with a triangle that has the fewest. */
+/* Strips of a group of triangles, as cvert/format/mesh_block.h stores them. Greedy: a strip goes on with the
+ * neighbor that has the fewest neighbors left, and begins with a triangle that has the fewest. */
 
 #include "../format/mesh_block.h"
 #include <cstring>
@@ -67,7 +67,8 @@ namespace cvert { inline namespace CVERT_ISA
       return best;
     }
 
-    /*! a, b: first corners of the strip's last triangle in the order of the stream; isFlipped: the application's triangle is b, a, and the third */
+    /*! a, b: first corners of the strip's last triangle in the order of the stream; isFlipped: the application's
+     *  triangle is b, a, and the third */
     void append (uint32_t t, uint8_t a, uint8_t b, bool isFlipped)
     {
       const uint8_t first = isFlipped ? b : a, second = isFlipped ? a : b, * own = corners[t];
@@ -93,12 +94,14 @@ namespace cvert { inline namespace CVERT_ISA
       for (;;)
       {
         /* neighbors come along the common edge the other way round */
-        const uint32_t strips = isFlipped ? withEdge(b,c) : withEdge(c,b), fansOn = isFlipped ? withEdge(c,a) : withEdge(a,c);
+        const uint32_t strips = isFlipped ? withEdge(b,c) : withEdge(c,b);
+        const uint32_t fansOn = isFlipped ? withEdge(c,a) : withEdge(a,c);
         if ((strips | fansOn) == 0) return;
         t = leastConnected(strips | fansOn);
         const uint8_t* next = corners[t];
         const bool isFan = ((strips >> t) & 1) == 0;
-        const uint8_t x = isFan ? a : b, d = next[0] != x && next[0] != c ? next[0] : next[1] != x && next[1] != c ? next[1] : next[2];
+        const uint8_t x = isFan ? a : b;
+        const uint8_t d = next[0] != x && next[0] != c ? next[0] : next[1] != x && next[1] != c ? next[1] : next[2];
         if (isFan) fans |= 1u << numTriangles;
         else { a = b; isFlipped = !isFlipped; }
         b = c;

@@ -4,25 +4,28 @@
 /* A mesh block: up to 256 triangles of any mesh in up to 16 groups, with their vertices and primitive numbers.
  * docs/formats/mesh_block.md specifies it. It is
  *
- *   header | records of groups | boxes of groups | topology of groups | fields of vertices | primitive numbers of groups
+ *   header | records of groups | boxes of groups | topology of groups | fields of vertices | numbers of groups
  *
- * Only the sizes of groups are stored. The offsets of a group in the last three sections are sums over the groups before it.
+ * Only the sizes of groups are stored. The offsets of a group in the last three sections are sums over the groups
+ * before it.
  *
- * A vertex belongs to the first group that uses it. Groups share vertices by their number in the block. On each axis a vertex is
+ * A vertex belongs to the first group that uses it. Groups share vertices by their number in the block. On each axis
+ * a vertex is
  *
  *   origin + coordinate * spacing
  *
- * with a power of two as the spacing, and exact in float. If that takes too many bits, a coordinate counts floats instead: it is
- * the number of floats between the origin and the vertex. Fields of vertices count from the box of the group that they belong to,
- * and have as many bits as its box is wide. On one axis boxes and fields may be of a sheared coordinate, so that an inclined sheet
- * has flat boxes and short fields.
+ * with a power of two as the spacing, and exact in float. If that takes too many bits, a coordinate counts floats
+ * instead: it is the number of floats between the origin and the vertex. Fields of vertices count from the box of
+ * the group that they belong to, and have as many bits as its box is wide. On one axis boxes and fields may be of a
+ * sheared coordinate, so that an inclined sheet has flat boxes and short fields.
  *
- * The triangles of a group are generalized strips. A strip is a stream of vertices. Each triangle after the first takes the last
- * vertex, the second to last vertex or the first vertex of the triangle before it, and the next vertex of the stream. Where each
- * triangle is in the stream follows from bit masks, so triangles are decoded in parallel.
+ * The triangles of a group are generalized strips. A strip is a stream of vertices. Each triangle after the first
+ * takes the last vertex, the second to last vertex or the first vertex of the triangle before it, and the next
+ * vertex of the stream. Where each triangle is in the stream follows from bit masks, so triangles are decoded in
+ * parallel.
  *
- * Based on: Deering, "Geometry Compression", 1995; Barczak, Benthin, McAllister, "DGF: A Dense, Hardware-Friendly Geometry Format for
- * Lossily Compressing Meshlets with Arbitrary Topologies", 2024. */
+ * Based on: Deering, "Geometry Compression", 1995; Barczak, Benthin, McAllister, "DGF: A Dense, Hardware-Friendly
+ * Geometry Format for Lossily Compressing Meshlets with Arbitrary Topologies", 2024. */
 
 #ifndef CVERT_MESH_BLOCK_H
 #define CVERT_MESH_BLOCK_H
@@ -31,8 +34,8 @@
 
 CVERT_BEGIN
 
-/*! Version of the bytes that this header and docs/formats/mesh_block.md describe. It stands where grid blocks have theirs: readers that know only
- *  grid blocks refuse version 6 as one that they do not know. */
+/*! Version of the bytes that this header and docs/formats/mesh_block.md describe. It stands where grid blocks have
+ *  theirs: readers that know only grid blocks refuse version 6 as one that they do not know. */
 CVERT_CONSTANT uint32_t meshFormatVersion = 6u;
 
 /*! Kind of a block, in the bits of `counts` and `form` that are reserved in blocks of version 5; 0 is a grid. */
@@ -53,14 +56,19 @@ CVERT_CONSTANT uint32_t leastRankShift = 9u;        //!< of boxes on an axis tha
 struct MeshHeader
 {
   float origin[3];        //!< where coordinates are 0
-  uint32_t spacings;      //!< bits 0..7, 8..15, 16..23: biased exponents on x, y, z; 0 if coordinates count floats; others: 0
+  //! bits 0..7, 8..15, 16..23: biased exponents on x, y, z; 0 if coordinates count floats; others: 0
+  uint32_t spacings;
   uint32_t surface;       //!< number of the geometry's surface, limits.h
   uint32_t primID;        //!< that primitive numbers count from
   uint32_t bytes;         //!< of the block, a multiple of 4
   uint32_t motion;        //!< 0, reserved
-  uint32_t groups[4];     //!< a byte per group: bits 0..4: triangles less 1, 5..7: lower bits of its restarts; 0 if there is no group
-  uint32_t counts;        //!< bits 0..9: vertices less 1, 10..13: groups less 1; 16..23: triangles less 1, 24..29: bits of a group's base number
-  uint32_t form;          //!< bits 0..11: shifts of boxes, a nibble per axis; 12..13: sheared axis; 16..20, 21..25: slopes; 26..29: 0
+  //! a byte per group: bits 0..4: triangles less 1, 5..7: lower bits of its restarts; 0 if there is no group
+  uint32_t groups[4];
+  //! bits 0..9: vertices less 1, 10..13: groups less 1; 16..23: triangles less 1, 24..29: bits of a group's base
+  //! number
+  uint32_t counts;
+  //! bits 0..11: shifts of boxes, a nibble per axis; 12..13: sheared axis; 16..20, 21..25: slopes; 26..29: 0
+  uint32_t form;
 };
 
 CVERT_FUNCTION uint32_t meshVertices (uint32_t counts) { return (counts & 1023u) + 1u; }
@@ -70,17 +78,21 @@ CVERT_FUNCTION uint32_t baseNumberBits (uint32_t counts) { return (counts >> 24)
 
 /*! bits of version and kind in `counts` and in `form`, which are words 4 and 5 of a grid block's corners */
 CVERT_FUNCTION uint32_t meshMarkOfCounts () {
-  return (meshFormatVersion & 1u) << 15 | (meshFormatVersion & 2u) << 30 | (kindOfMesh & 1u) << 14 | (kindOfMesh & 2u) << 29;
+  return (meshFormatVersion & 1u) << 15 | (meshFormatVersion & 2u) << 30 | (kindOfMesh & 1u) << 14
+    | (kindOfMesh & 2u) << 29;
 }
 CVERT_FUNCTION uint32_t meshMarkOfForm () {
-  return (meshFormatVersion & 4u) << 13 | (meshFormatVersion & 8u) << 28 | (kindOfMesh & 4u) << 12 | (kindOfMesh & 8u) << 27;
+  return (meshFormatVersion & 4u) << 13 | (meshFormatVersion & 8u) << 28 | (kindOfMesh & 4u) << 12
+    | (kindOfMesh & 8u) << 27;
 }
 
 /*! version and kind of any block, from its words 12 and 13 */
 CVERT_FUNCTION uint32_t versionOfBlock (uint32_t counts, uint32_t form) { return versionOfCorners(counts,form); }
 CVERT_FUNCTION uint32_t kindOfBlock (uint32_t counts, uint32_t form) { return reservedOfCorners(counts,form); }
 
-CVERT_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) { return floatOfBits(((spacings >> (8u*axis)) & 255u) << 23); }
+CVERT_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) {
+  return floatOfBits(((spacings >> (8u*axis)) & 255u) << 23);
+}
 
 /*! True if coordinates on an axis count floats. */
 CVERT_FUNCTION bool hasRanks (uint32_t spacings, uint32_t axis) { return ((spacings >> (8u*axis)) & 255u) == 0u; }
@@ -91,7 +103,9 @@ CVERT_FUNCTION uint32_t rankOfFloat (float x)
   uint32_t bits = bitsOfFloat(x);
   return (bits >> 31) != 0u ? 0u - bits : bits + 0x80000000u;
 }
-CVERT_FUNCTION float floatOfRank (uint32_t rank) { return floatOfBits(rank >= 0x80000000u ? rank - 0x80000000u : 0u - rank); }
+CVERT_FUNCTION float floatOfRank (uint32_t rank) {
+  return floatOfBits(rank >= 0x80000000u ? rank - 0x80000000u : 0u - rank);
+}
 
 /*! planes of boxes are multiples of 2^this coordinates */
 CVERT_FUNCTION uint32_t meshBoxShift (uint32_t spacings, uint32_t form, uint32_t axis) {
@@ -103,8 +117,11 @@ CVERT_FUNCTION uint32_t meshShearedAxis (uint32_t form) { return (form >> 12) & 
 /*! in 1/16, of the axis m+1 (i = 1) and m+2 (i = 2), where m is the sheared axis */
 CVERT_FUNCTION int meshSlope (uint32_t form, uint32_t i) { return int(form << (16u-5u*i)) >> 27; }
 
-/*! What is added to a coordinate of the sheared axis, from those of the axes m+1 and m+2: rounded to the nearest, up where two are near. */
-CVERT_FUNCTION int meshShear (uint32_t form, int c1, int c2) { return (meshSlope(form,1u)*c1 + meshSlope(form,2u)*c2 + 8) >> 4; }
+/*! What is added to a coordinate of the sheared axis, from those of the axes m+1 and m+2: rounded to the nearest, up
+ *  where two are near. */
+CVERT_FUNCTION int meshShear (uint32_t form, int c1, int c2) {
+  return (meshSlope(form,1u)*c1 + meshSlope(form,2u)*c2 + 8) >> 4;
+}
 
 /* The byte of a group, and its record:
  *
@@ -114,10 +131,14 @@ CVERT_FUNCTION int meshShear (uint32_t form, int c1, int c2) { return (meshSlope
  *   bit 15         upper bit of its restarts */
 
 CVERT_FUNCTION uint32_t groupTriangles (uint32_t group) { return (group & 31u) + 1u; }
-CVERT_FUNCTION uint32_t groupRestarts (uint32_t group, uint32_t record) { return ((group >> 5) & 7u) | ((record >> 12) & 8u); }
+CVERT_FUNCTION uint32_t groupRestarts (uint32_t group, uint32_t record) {
+  return ((group >> 5) & 7u) | ((record >> 12) & 8u);
+}
 CVERT_FUNCTION uint32_t groupVertices (uint32_t record) { return record & 31u; }
 CVERT_FUNCTION uint32_t groupOwnVertices (uint32_t record) { return (record >> 5) & 31u; }
-CVERT_FUNCTION uint32_t groupNumberBits (uint32_t record) { uint32_t bits = (record >> 10) & 31u; return bits == 31u ? 32u : bits; }
+CVERT_FUNCTION uint32_t groupNumberBits (uint32_t record) {
+  uint32_t bits = (record >> 10) & 31u; return bits == 31u ? 32u : bits;
+}
 
 /*! bits of a number below `count` */
 CVERT_FUNCTION uint32_t bitsForBelow (uint32_t count)
@@ -130,12 +151,14 @@ CVERT_FUNCTION uint32_t bitsForBelow (uint32_t count)
 /*! vertices in the stream of a group */
 CVERT_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { return triangles + 2u + 2u*restarts; }
 
-/* Topology of a group, in this order, the lowest bit first. Triangle 0 starts a strip, and the first three vertices of the stream are new.
+/* Topology of a group, in this order, the lowest bit first. Triangle 0 starts a strip, and the first three vertices
+ * of the stream are new.
  *
  *   restarts      a bit per triangle from 1 on: it starts a strip
  *   fans          a bit per triangle from 1 on: it keeps the first vertex of the triangle before it
  *   turns         2 bits per triangle, 0 to 2
- *   news          a bit per vertex of the stream from 3 on: it was not in the stream before, and gets the next number in the group
+ *   news          a bit per vertex of the stream from 3 on: it was not in the stream before, and gets the group's
+ *                 next number
  *   owns          a bit per vertex of the group: it belongs to the group
  *   repeats       for each vertex of the stream that is not new: its number in the group
  *   others        for each vertex of the group that does not belong to it: its number in the block */
@@ -149,7 +172,8 @@ struct MeshTopology
 /*! group, record: of the group; vertices: of the block */
 CVERT_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32_t vertices)
 {
-  uint32_t triangles = groupTriangles(group), stream = streamLength(triangles,groupRestarts(group,record)), locals = groupVertices(record);
+  uint32_t triangles = groupTriangles(group), stream = streamLength(triangles,groupRestarts(group,record)),
+    locals = groupVertices(record);
   MeshTopology at;
   at.repeatBits = bitsForBelow(locals);
   at.otherBits = bitsForBelow(vertices);
@@ -221,7 +245,8 @@ CVERT_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, ui
   uint32_t upTo = bitsUpTo(t);
   uint32_t last = t + 2u*countBits(restarts & upTo); // position in the stream of the triangle's last vertex
   uint32_t start = highestBit(restarts & upTo);      // triangle that starts the strip
-  uint32_t kept = highestBit((~fans | restarts) & upTo); // the last triangle, up to this one, that did not keep the first vertex
+  // the last triangle, up to this one, that did not keep the first vertex
+  uint32_t kept = highestBit((~fans | restarts) & upTo);
   uint32_t first = kept + 2u*countBits(restarts & bitsUpTo(kept)) - 2u;
   uint32_t flips = countBits(~(fans | restarts) & upTo & ~((1u << start) - 1u));
   uint32_t a = (flips & 1u) != 0u ? last-1u : first, b = (flips & 1u) != 0u ? first : last-1u;
