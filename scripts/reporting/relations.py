@@ -57,7 +57,8 @@ def speed_range(data, scene, kind, low, high, mean):
 def fine_frames(data, scene):
     """Of cVOXEL^4 at the levels that were measured, the paper's at level 8."""
     levels = [level for level in data.levels(scene) if data.pick(scene, level, VOXEL4) is not None]
-    claim = f"{scene}: {VOXEL4} (levels {levels}) is slower than {LEAF} (levels 4 to 6), relative to GRID"
+    measured = f"at level {', '.join(map(str, levels))} " if levels else ""
+    claim = f"{scene}: {VOXEL4} {measured}is slower than {LEAF} at levels 4 to 6, relative to GRID"
     found = {frames: ratios(data, "cVOXEL", scene, levels, (frames,)).mean() for frames in (2, 4)}
     coarse, none = ratios(data, "cLEAF-only", scene, frame_levels=(2,)).mean(), Relation(claim, "mean 68% against 80%")
     if not (found[4] > 0 and coarse > 0):
