@@ -6,6 +6,7 @@
 #include "api_fixture.h"
 #include "recorded_trace.h"
 
+#include <cstddef>
 #include <vulkan/vulkan.h>
 
 #include <algorithm>
