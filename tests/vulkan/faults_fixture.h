@@ -91,7 +91,8 @@ protected:
       EXPECT_EQ(embree.takeError(), fault.error) << embree.message;
       EXPECT_TRUE(has(embree.message, fault.name)) << embree.message;
       if (function == "AllocateMemory") {
-        EXPECT_TRUE(has(embree.message, "allocating " + std::to_string(faults->lastAllocation()) + " bytes for ")) << embree.message;
+        const std::string size = std::to_string(faults->lastAllocation());
+        EXPECT_TRUE(has(embree.message, " " + size + " bytes for ")) << embree.message;
       }
       EXPECT_EQ(faults->live(), before) << embree.message;
       EXPECT_TRUE(step()) << "it does not go on: " << embree.message;
