@@ -6,9 +6,9 @@
 #
 #   scripts/test.sh [CTEST-OPTION...]    for example -R Abi, or -L quick
 #
-# On a Debian 12 tests of Vulkan run on the lavapipe of the backports, which has ray queries, and then on the one that is installed. The
-# second run leaves out tests that do not depend on the driver: vulkan_application compiles shaders only, and vulkan_bounds checks the
-# accesses of the same shaders with the validation layer.
+# On Debian 12, tests of Vulkan run on the lavapipe of the backports, which has ray queries, and then on the one that
+# is installed. The second run leaves out tests that do not depend on the driver: vulkan_application only compiles
+# shaders, and vulkan_bounds checks the accesses of the same shaders with the validation layer.
 
 arguments=any # ctest's
 . "$(dirname -- "$0")/lib.sh"

@@ -134,7 +134,8 @@ struct CbvhAttribute
   enum CbvhBoundary boundary;
 };
 
-/* A control cage, which Catmull-Clark subdivision makes a surface of. Set structSize and zero all other members first; in C++ CbvhCage cage = CbvhCage() does so. */
+/* A control cage for Catmull-Clark subdivision. Set structSize and zero all other members first. In C++,
+ * CbvhCage cage = CbvhCage() does both. */
 struct CbvhCage
 {
   size_t structSize CBVH_SIZE_OF(CbvhCage);

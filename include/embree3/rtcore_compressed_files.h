@@ -141,7 +141,8 @@ RTC_API bool rtcGetCompressedFileGeometry(RTCCompressedFile file, unsigned int i
  * Returns whether they were written.
  *
  * Errors: as rtcGetCompressedFileGeometry. */
-RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile file, unsigned int index, struct RTCCompressionStatistics* statistics);
+RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile file, unsigned int index,
+    struct RTCCompressionStatistics* statistics);
 
 /* Makes a geometry of one in an open file, as rtcLoadCompressedGeometry. The file may be released before it. Each call makes another geometry: a
  * second one that lives beside the first has copies of its own of what rays meet, so an instance is better.

@@ -4,6 +4,8 @@
 /* libembree_cbvh and callers that make mistakes: NULL for every pointer, indices past the end, numbers that are not finite, cages that contradict
  * themselves, callbacks that change what is being worked on, settings with typing errors. */
 
+#include "small_cube.h"
+
 #include <cbvh/cbvh.h>
 #include <gtest/gtest.h>
 
@@ -18,26 +20,6 @@
 
 namespace cbvh::test {
 namespace {
-
-const float cubeVertices[] = {-1,-1,-1, 1,-1,-1, -1,1,-1, 1,1,-1, -1,-1,1, 1,-1,1, -1,1,1, 1,1,1, 0};
-const unsigned cubeFaces[] = {4,4,4,4,4,4}, cubeIndices[] = {0,2,3,1, 4,5,7,6, 0,1,5,4, 2,6,7,3, 0,4,6,2, 1,3,7,5};
-const float* const cubeSteps[] = {cubeVertices};
-const float corners[] = {0,0, 1,0, 1,1, 0,1, 0,0, 1,0, 1,1, 0,1};
-const CbvhAttribute attribute = {corners, 8, 8, 2, nullptr, CBVH_BOUNDARY_SMOOTH};
-
-CbvhCage cube()
-{
-  CbvhCage cage = CbvhCage();
-  cage.numFaces = 6;
-  cage.faceVertices = cubeFaces;
-  cage.numIndices = 24;
-  cage.indices = cubeIndices;
-  cage.vertices = {8, 12, cubeSteps, 1, 0, 1};
-  cage.rate = 8;
-  cage.numAttributes = 1;
-  cage.attributes = &attribute;
-  return cage;
-}
 
 struct OddCalls : ::testing::Test
 {

@@ -6,6 +6,7 @@
 
 #include "kernels/cbvh/core/errors.h"
 #include "kernels/cbvh/core/struct_size.h"
+#include "small_cube.h"
 #include "support/saved.h"
 
 #include <cbvh/cbvh.h>
@@ -38,12 +39,6 @@ namespace cbvh::test {
 namespace {
 
 using Bytes = std::vector<char>;
-
-const float cubeVertices[] = {-1,-1,-1, 1,-1,-1, -1,1,-1, 1,1,-1, -1,-1,1, 1,-1,1, -1,1,1, 1,1,1, 0};
-const unsigned cubeFaces[] = {4,4,4,4,4,4}, cubeIndices[] = {0,2,3,1, 4,5,7,6, 0,1,5,4, 2,6,7,3, 0,4,6,2, 1,3,7,5};
-const float* const cubeSteps[] = {cubeVertices};
-const float corners[] = {0,0, 1,0, 1,1, 0,1, 0,0, 1,0, 1,1, 0,1};
-const CbvhAttribute attribute = {corners, 8, 8, 2, nullptr, CBVH_BOUNDARY_SMOOTH};
 
 // A struct, and a function of the library that reads or writes it.
 struct Case
@@ -114,20 +109,6 @@ struct StructSizes : ::testing::Test
     cbvhReleaseSurface(other);
     cbvhReleaseSurface(surface);
     cbvhReleaseContext(context);
-  }
-
-  static CbvhCage cube()
-  {
-    CbvhCage cage = CbvhCage();
-    cage.numFaces = 6;
-    cage.faceVertices = cubeFaces;
-    cage.numIndices = 24;
-    cage.indices = cubeIndices;
-    cage.vertices = {8, 12, cubeSteps, 1, 0, 1};
-    cage.rate = 8;
-    cage.numAttributes = 1;
-    cage.attributes = &attribute;
-    return cage;
   }
 
   std::string error()

@@ -8,6 +8,7 @@
 #include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "kernels/cvert/decoder/validate_mesh.h"
+#include "codec/annotated_block.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>
@@ -512,21 +513,9 @@ Mesh annotatedMesh()
   return mesh;
 }
 
-// Rows "| offset | `bytes` | meaning |" of the page's last section.
 TEST(MeshBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
 {
-  std::ifstream file(FORMATS "/mesh_block.md");
-  std::vector<int> annotated;
-  bool inside = false;
-  for (std::string line; std::getline(file, line);) {
-    if (line.compare(0, 1, "#") == 0) inside = line == "## Annotated block";
-    unsigned offset;
-    if (!inside || std::sscanf(line.c_str(), "| %u | `", &offset) != 1) continue;
-    EXPECT_EQ(offset, annotated.size()) << line;
-    const size_t begin = line.find('`') + 1;
-    std::istringstream row(line.substr(begin, line.find('`', begin) - begin));
-    for (unsigned byte; row >> std::hex >> byte;) annotated.push_back(int(byte));
-  }
+  const std::vector<int> annotated = annotatedBytes(FORMATS "/mesh_block.md");
   auto encoder = std::make_unique<MeshEncoder>();
   MeshStatistics statistics;
   const Mesh mesh = annotatedMesh();

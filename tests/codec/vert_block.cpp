@@ -9,13 +9,12 @@
 #include "kernels/cvert/encoder/block_encoder.h"
 #include "kernels/cvert/decoder/decoded_block.h"
 #include "kernels/cvert/decoder/validate.h"
+#include "codec/annotated_block.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <vector>
 
 namespace cbvh::test {
@@ -350,21 +349,9 @@ TEST(VertBlock, CoordinatesBeyond14BitsHaveRemainders)
   }
 }
 
-// Rows "| offset | `bytes` | meaning |" of the page's last section.
 TEST(VertBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
 {
-  std::ifstream file(FORMATS "/block_example.md");
-  std::vector<int> annotated;
-  bool inside = false;
-  for (std::string line; std::getline(file, line);) {
-    if (line.compare(0, 1, "#") == 0) inside = line == "## Annotated block";
-    unsigned offset;
-    if (!inside || std::sscanf(line.c_str(), "| %u | `", &offset) != 1) continue;
-    EXPECT_EQ(offset, annotated.size()) << line;
-    const size_t begin = line.find('`') + 1;
-    std::istringstream row(line.substr(begin, line.find('`', begin) - begin));
-    for (unsigned byte; row >> std::hex >> byte;) annotated.push_back(int(byte));
-  }
+  const std::vector<int> annotated = annotatedBytes(FORMATS "/block_example.md");
   auto encoder = std::make_unique<VertEncoder>();
   for (int j = 0; j <= 2; j++)
     for (int i = 0; i <= 5; i++) {

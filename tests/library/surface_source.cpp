@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A source that is none of the library's becomes blocks: through the builder, with the library's own object files, as
+/* A source outside of the library becomes blocks: through the builder, with the library's own object files, as
  * the library hides what it does not export. */
 
 #include "sphere_source.h"

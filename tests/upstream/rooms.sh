@@ -40,7 +40,7 @@ check rule format basics
 check decoder format basics
 check encoder format basics
 check file decoder format basics
-check clusters
+check clusters basics
 end
 
 within cbvh

@@ -13,7 +13,7 @@
  *     o---x---x-o-x---x---o
  *
  * The border is the same polyline except for a lip of 2^-20. No quad collapses or leans over to another block, and
- * parameters differ from those of the regular patch by at most half a quad along the border. */
+ * parameters differ by at most half a quad along the border from the parameters of the regular patch. */
 
 #include "../surface/shared_border.h"
 #include <cmath>

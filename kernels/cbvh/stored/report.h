@@ -26,8 +26,8 @@ namespace embree
     }
   };
 
-  /*! accelerator of a scene's compressed surfaces that move, or of its subdivision surfaces that do not, at least one
-   *  of which is compressed */
+  /*! Accelerator of a scene: either of its compressed surfaces that move, or of its subdivision surfaces that do not
+   *  move, if at least one is compressed. */
   struct CompressedAccel : public AccelInstance
   {
     CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report,

@@ -130,7 +130,8 @@ namespace embree
         }
 
       private:
-        static __forceinline void set (End& end, const float* origin, const VertSpacing& spacing, uint32_t step, uint32_t reach)
+        static __forceinline void set (End& end, const float* origin, const VertSpacing& spacing, uint32_t step,
+                                       uint32_t reach)
         {
           end.origin = origin;
           end.spacing = spacing;

@@ -44,7 +44,7 @@ namespace embree
     /*! What a block's groups have in common, and their boxes. Of a raw block only axes, lanes and planes are anything. */
     struct VertBoxes : public GroupBoxes
     {
-      const void* block;     //!< whose they are
+      const void* block;     //!< that the boxes belong to
       alignas(64) uint16_t fields[16]; //!< of each group: bytes from the block's start
       uint32_t words[16];    //!< of each group's cell
       CellCoordinates corners; //!< of groups
@@ -53,7 +53,7 @@ namespace embree
     /*! quads of a group of a block, in the world */
     struct VertQuads
     {
-      const void* block;     //!< whose they are
+      const void* block;     //!< that the group belongs to
       uint32_t lane;
       QuadCorners quads;
     };
@@ -87,7 +87,9 @@ namespace embree
       const void* block;
       uint32_t segment, lane;
 
-      __forceinline bool operator== (const SegmentKey& other) const { return block == other.block && segment == other.segment && lane == other.lane; }
+      __forceinline bool operator== (const SegmentKey& other) const {
+        return block == other.block && segment == other.segment && lane == other.lane;
+      }
     };
 
     /*! a step's cells, as far as they are known once for all groups */
@@ -98,19 +100,20 @@ namespace embree
       CellCoordinates corners;         //!< of groups
     };
 
-    /*! What a block's groups have in common in a segment, and their boxes at its ends: of a time between them all are between. */
+    /*! What the groups of a block have in common in a segment, and their boxes at both of its ends. At a time in
+     *  between, boxes are in between. */
     struct SegmentBoxes : public GroupBoxes
     {
-      SegmentKey key;            //!< whose they are
+      SegmentKey key;            //!< of the block
       float origins[2][3];       //!< of the block, at the ends
-      GroupPlanes ends[2][3];    //!< planes at the ends, by axis; those of GroupBoxes are not anything
-      StepCells steps[2];        //!< of the ends; of a raw one not anything
+      GroupPlanes ends[2][3];    //!< planes at the ends, by axis; the planes of GroupBoxes are not used
+      StepCells steps[2];        //!< of the ends; not used for a raw step
     };
 
     /*! vertices of a group at the ends of a segment, in the world */
     struct SegmentVertices
     {
-      SegmentKey key;            //!< whose they are
+      SegmentKey key;            //!< of the group
       CellVertices ends[2];
     };
 

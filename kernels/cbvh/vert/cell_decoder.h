@@ -100,7 +100,9 @@ namespace embree
         const VertSpacing& spacing;
         const float* origin;
 
-        __forceinline void put (int axis, const CellVector& v) const { CoordinatesOfCell{ out }.put(axis,madd(v,spacing.at[axis],origin[axis])); }
+        __forceinline void put (int axis, const CellVector& v) const {
+          CoordinatesOfCell{ out }.put(axis,madd(v,spacing.at[axis],origin[axis]));
+        }
       };
 
       struct WorldOfCell

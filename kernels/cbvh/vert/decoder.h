@@ -15,10 +15,11 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Words of the groups, and where their fields are: after those of the groups before. low, high: halves of
-       *  words, by group; high may be null. begin: where the fields of the first group are. words, fields: by lane.
-       *  Reads up to 16 bytes at `high`, which a block has there. */
-      __forceinline void decodeGroupWords (const uint8_t* low, const uint8_t* high, uint32_t begin, const VertLayout& layout, uint32_t words[16], uint16_t fields[16])
+      /*! Decodes the words of all groups, and the offsets of their fields, which follow each other. low, high: halves
+       *  of the words, by group; high may be null. begin: offset of the fields of the first group. words, fields: by
+       *  lane. Reads up to 16 bytes at `high`, which a block has there. */
+      __forceinline void decodeGroupWords (const uint8_t* low, const uint8_t* high, uint32_t begin,
+                                           const VertLayout& layout, uint32_t words[16], uint16_t fields[16])
       {
         if (unlikely(layout.groups != maxVertGroups))
         {

@@ -3,16 +3,13 @@
 
 #pragma once
 
-/* Numbers of a few bits one behind the other, the lowest bits of the first byte first. */
+/* Puts numbers of a few bits into bytes that are zeros, in any order. The lowest bits of the first byte come first. */
 
+#include "../basics/bits.h"
 #include <cstddef>
-#include <cstdint>
 
 namespace cvert
 {
-  /*! how many bits a number takes: 0 of 0 */
-  inline uint32_t bitsOf (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
-
   /*! Puts `count` bits at a position of bytes that are zeros. */
   inline void putBits (uint8_t* bytes, size_t position, uint32_t count, uint32_t value)
   {

@@ -10,14 +10,9 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Returns up to 32 bits from a bit on. Reads only bytes that contain one of them. */
-  inline uint32_t meshBitsAt (const uint8_t* data, size_t begin, uint32_t count)
-  {
-    uint64_t bits = 0;
-    if (count == 0) return 0;
-    const size_t first = begin >> 3, last = (begin+count-1) >> 3;
-    for (size_t i=first; i<=last; i++) bits |= uint64_t(data[i]) << (8*(i-first));
-    return uint32_t((bits >> (begin & 7)) & ((uint64_t(1) << count)-1));
+  /*! Returns a number of up to 32 bits from a bit on. Reads only bytes that contain one of them. */
+  inline uint32_t meshBitsAt (const uint8_t* data, uint32_t begin, uint32_t count) {
+    return count == 0 ? 0 : bitsAt(data,begin,count) & (0xFFFFFFFFu >> (32-count));
   }
 
   /*! The block must be valid (validateMesh), and exist as long as this. */
@@ -76,7 +71,7 @@ namespace cvert { inline namespace CVERT_ISA
     void vertex (uint32_t v, float out[3]) const
     {
       const uint32_t g = groupOfVertex(v), *const bits = fieldBits[g];
-      size_t at = vertexBegin[g] + size_t(v-firstVertex[g])*(bits[0]+bits[1]+bits[2]);
+      uint32_t at = vertexBegin[g] + (v-firstVertex[g])*(bits[0]+bits[1]+bits[2]);
       uint32_t coordinates[3];
       for (uint32_t k=0; k<3; at+=bits[k++])
         coordinates[k] = meshBitsAt(vertices,at,bits[k])

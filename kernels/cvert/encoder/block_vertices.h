@@ -148,10 +148,10 @@ namespace cvert { inline namespace CVERT_ISA
     uint8_t* writeRemainders (uint8_t* out, uint32_t offset, uint32_t& word) const
     {
       word = remainderBits[0] | remainderBits[1] << 5 | remainderBits[2] << 10 | offset << 16;
-      BitWriter writer = { out };
+      BitWriter writer(out);
       for (uint32_t i=0; i<numVertices(); i++)
         for (int k=0; k<3; k++)
-          if (remainderBits[k] != 0) writer.put(remainders[k][i],int(storedRemainderBits(word,k)));
+          if (remainderBits[k] != 0) writer.put(remainders[k][i],storedRemainderBits(word,k));
       return writer.end();
     }
 

@@ -7,6 +7,7 @@
  * and fields. */
 
 #include "../format/cell.h"
+#include "../basics/bits.h"
 #include "../basics/lanes.h"
 #include <algorithm>
 #include <cmath>
@@ -17,34 +18,6 @@ namespace cvert { inline namespace CVERT_ISA
 {
   /*! a cell's vertices and three more: seven times four */
   static const int paddedVertices = 28;
-
-  /*! Writes numbers of up to 32 bits one behind the other, the lowest bit first. */
-  struct BitWriter
-  {
-    uint8_t* out;
-    uint64_t pending = 0;
-    int count = 0;
-
-    BitWriter (uint8_t* out) : out(out) {}
-
-    void put (uint32_t field, int bits)
-    {
-      pending |= uint64_t(field) << count; // at most 31 + 32 bits
-      count += bits;
-      if (count < 32) return;
-      const uint32_t word = uint32_t(pending);
-      memcpy(out,&word,4);
-      out += 4;
-      pending >>= 32;
-      count -= 32;
-    }
-
-    uint8_t* end ()
-    {
-      for (; count > 0; count -= 8) { *out++ = uint8_t(pending); pending >>= 8; }
-      return out;
-    }
-  };
 
   class CellEncoder
   {
@@ -107,7 +80,7 @@ namespace cvert { inline namespace CVERT_ISA
       const int main = cellMainAxis(word), sum = cellFieldBits(word);
       const int bits[3] = { cellBits(word,0),cellBits(word,1),cellBits(word,2) };
       const int* component[3] = { residuals[main],residuals[cellAxis(word,1)],residuals[cellAxis(word,2)] };
-      BitWriter writer = { out };
+      BitWriter writer(out);
       alignas(16) uint32_t fields[paddedVertices];
       auto residual = [&](int i, int v) { return Int4::load(component[i]+v) & Int4(int((1u << bits[i])-1u)); };
       auto put = [&](int width) {

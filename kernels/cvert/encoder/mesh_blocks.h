@@ -74,7 +74,7 @@ namespace cvert { inline namespace CVERT_ISA
       const float* const a = mesh.vertices[t[0]], * const b = mesh.vertices[t[1]], * const c = mesh.vertices[t[2]];
       if (!isFinite(a) || !isFinite(b) || !isFinite(c)) { report.invalidTriangles++; return; }
       if (!lattice.isRobust(a,b,c)) {
-        if (isDegenerate(a,b,c)) { report.degenerateTriangles++; return; }
+        if (MeshLattice::isDegenerate(a,b,c)) { report.degenerateTriangles++; return; }
         lattice.check(a,b,c);
       }
       float lower[3], upper[3];
@@ -90,14 +90,6 @@ namespace cvert { inline namespace CVERT_ISA
         lower[k] = std::min(std::min(a[k],b[k]),c[k]);
         upper[k] = std::max(std::max(a[k],b[k]),c[k]);
       }
-    }
-
-    static bool isDegenerate (const float a[3], const float b[3], const float c[3])
-    {
-      const Double3 e = { double(b[0])-a[0], double(b[1])-a[1], double(b[2])-a[2] },
-        f = { double(c[0])-a[0], double(c[1])-a[1], double(c[2])-a[2] };
-      const Double3 n = cross(e,f);
-      return n.x == 0 && n.y == 0 && n.z == 0;
     }
 
     /*! A finer vertex may turn over the other triangles that it belongs to: checks until none does. */

@@ -11,6 +11,8 @@
  * the spacing. If coordinates then need more than maxMeshCoordinateBits, or more bits than ranks of floats, the axis
  * has ranks. */
 
+#include "../basics/bits.h"
+#include "mesh_position.h"
 #include "mesh_strips.h"
 #include <algorithm>
 #include <cmath>
@@ -28,37 +30,6 @@ namespace cvert { inline namespace CVERT_ISA
     uint64_t blocks = 0, groups = 0, triangles = 0, vertices = 0, restarts = 0, bytes = 0;
     uint64_t topologyBits = 0, vertexBits = 0, numberBits = 0;
     uint64_t rankAxes = 0, shearedBlocks = 0;
-  };
-
-  /*! Appends numbers of up to 32 bits to bytes, the lowest bit first. */
-  class MeshBitWriter
-  {
-  public:
-    explicit MeshBitWriter (uint8_t* out) : out(out) {}
-
-    void put (uint32_t value, uint32_t count)
-    {
-      bits |= uint64_t(value) << used;
-      used += count;
-      if (used < 32) return;
-      const uint32_t word = uint32_t(bits);
-      std::memcpy(out,&word,sizeof(word));
-      out += 4;
-      bits >>= 32;
-      used -= 32;
-    }
-
-    /*! Zeros up to a whole byte. Returns the end. */
-    uint8_t* finish ()
-    {
-      for (; used > 0; used = used > 8 ? used-8 : 0, bits >>= 8) *out++ = uint8_t(bits);
-      return out;
-    }
-
-  private:
-    uint8_t* out;
-    uint64_t bits = 0;
-    uint32_t used = 0;
   };
 
   class MeshEncoder
@@ -98,9 +69,6 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t lower[3], extent[3];                            //!< of its box
     };
 
-    /*! how many bits a number takes: 0 of 0 */
-    static uint32_t bitsOf (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
-
     static const uint32_t slotCount = 2048;
     static const uint16_t noNumber = 0xFFFF;
 
@@ -113,25 +81,19 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Returns the number of a position among those of this block's corners. */
     uint32_t cornerAt (const float p[3])
     {
-      float q[3];
-      for (int k=0; k<3; k++) q[k] = p[k] + 0.0f; // -0 is 0
-      uint32_t words[3];
-      std::memcpy(words,q,sizeof(words));
-      uint32_t hash = (words[0]*0x9E3779B1u) ^ (words[1]*0x85EBCA77u) ^ (words[2]*0xC2B2AE3Du);
-      hash ^= hash >> 15;
-      hash *= 0x2C1B3C6Du;
-      for (uint32_t i = hash >> 21; ; i = (i+1) % slotCount)
+      const MeshPosition position(p);
+      for (uint32_t i = position.hash() >> 21; ; i = (i+1) % slotCount)
       {
         Slot& slot = slots[i];
         if (slot.epoch != epoch) {
           slot.epoch = epoch;
           slot.corner = numCorners;
-          std::memcpy(corners[numCorners],q,sizeof(q));
+          std::memcpy(corners[numCorners],position.words,sizeof(position.words));
           numberOf[numCorners] = noNumber;
           groupOf[numCorners] = ~0u;
           return numCorners++;
         }
-        if (std::memcmp(corners[slot.corner],q,sizeof(q)) == 0) return slot.corner;
+        if (std::memcmp(corners[slot.corner],position.words,sizeof(position.words)) == 0) return slot.corner;
       }
     }
 
@@ -140,7 +102,7 @@ namespace cvert { inline namespace CVERT_ISA
     {
       uint8_t local[maxGroupTriangles][3];
       uint32_t corner[maxGroupVertices];
-      for (bool fits=false; !fits; count/=2)
+      for (;; count/=2)
       {
         uint32_t used = 0, vertices = 0;
         attempt++;
@@ -160,8 +122,7 @@ namespace cvert { inline namespace CVERT_ISA
         }
         count = used;
         strips.make(local,count);
-        fits = strips.numRestarts <= maxGroupRestarts;
-        if (fits) break;
+        if (strips.numRestarts <= maxGroupRestarts) break;
       }
       Group& group = all[groups++];
       group.triangles = count;
@@ -357,7 +318,7 @@ namespace cvert { inline namespace CVERT_ISA
         | (uint32_t(slopes[1]) & 31) << 21;
 
       const MeshLayout layout = meshLayout(header.counts);
-      MeshBitWriter topology(block+layout.topology);
+      BitWriter topology(block+layout.topology);
       uint32_t topologyBits = 0, vertexBits = 0;
       for (uint32_t g=0; g<groups; g++)
       {
@@ -385,7 +346,7 @@ namespace cvert { inline namespace CVERT_ISA
           if (((group.ownMask >> i) & 1) == 0) topology.put(group.numbers[i],otherBits);
         topologyBits += meshTopology(byte,record,numVertices).bits;
       }
-      MeshBitWriter fields(topology.finish());
+      BitWriter fields(topology.end());
       for (uint32_t g=0; g<groups; g++)
       {
         const Group& group = all[g];
@@ -396,7 +357,7 @@ namespace cvert { inline namespace CVERT_ISA
           for (int k=0; k<3; k++)
             fields.put(coordinates[k][v] - (group.lower[k] << shifts[k]),bits[k]);
       }
-      MeshBitWriter numbers(fields.finish());
+      BitWriter numbers(fields.end());
       uint32_t sumOfNumberBits = 0;
       for (uint32_t g=0; g<groups; g++) {
         numbers.put(base[g]-lowest,baseBits);
@@ -404,7 +365,7 @@ namespace cvert { inline namespace CVERT_ISA
         sumOfNumberBits += baseBits + all[g].triangles*numberBits[g];
         statistics.restarts += all[g].restarts;
       }
-      uint8_t* end = numbers.finish();
+      uint8_t* end = numbers.end();
       while ((end-block) % 4 != 0) *end++ = 0;
       header.bytes = uint32_t(end-block);
       std::memcpy(block,&header,sizeof(header));

@@ -10,6 +10,7 @@
 
 #include "../basics/world.h"
 #include "lattice.h"
+#include "mesh_position.h"
 #include <cstring>
 #include <unordered_map>
 
@@ -38,8 +39,8 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! True if a triangle is so large compared with the spacing that its normal turns by less than 90 degrees
-     *  wherever its corners snap to, and that it has an area. A quick test, false for some triangles of which that
-     *  is true as well. */
+     *  wherever its corners snap to, and that it has an area. A quick test, which is also false for some
+     *  triangles that are robust. */
     bool isRobust (const float a[3], const float b[3], const float c[3]) const
     {
       float e[3], f[3];
@@ -74,22 +75,14 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
+    /*! True if a triangle has no area: its corners are on a line, as exactly as double counts. */
+    static bool isDegenerate (const float a[3], const float b[3], const float c[3]) { return isZero(normal(a,b,c)); }
+
     /*! vertices that snap to a finer lattice, or not at all */
     size_t numExceptions () const { return exceptions.size(); }
 
   private:
-    struct Position
-    {
-      uint32_t words[3];
-
-      explicit Position (const float p[3]) { for (int k=0; k<3; k++) words[k] = bitsOfFloat(p[k] + 0.0f); } // -0 is 0
-      bool operator== (const Position& other) const { return std::memcmp(words,other.words,sizeof(words)) == 0; }
-      uint32_t hash () const {
-        const uint32_t h = (words[0]*0x9E3779B1u) ^ (words[1]*0x85EBCA77u) ^ (words[2]*0xC2B2AE3Du);
-        return (h ^ (h >> 15))*0x2C1B3C6Du;
-      }
-    };
-    struct Hash { size_t operator() (const Position& p) const { return p.hash(); } };
+    struct Hash { size_t operator() (const MeshPosition& p) const { return p.hash(); } };
 
     static Double3 normal (const float a[3], const float b[3], const float c[3])
     {
@@ -103,7 +96,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t levelOf (const float p[3]) const
     {
       if (exceptions.empty()) return 0;
-      const Position position(p);
+      const MeshPosition position(p);
       const uint32_t hash = position.hash() >> 16;
       if (((filter[hash >> 5] >> (hash & 31)) & 1) == 0) return 0;
       const auto found = exceptions.find(position);
@@ -112,7 +105,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     void raise (const float p[3], uint32_t level)
     {
-      const Position position(p);
+      const MeshPosition position(p);
       const uint32_t hash = position.hash() >> 16;
       filter[hash >> 5] |= 1u << (hash & 31);
       uint32_t& stored = exceptions[position];
@@ -121,7 +114,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const WorldLattice lattices[3];
     const bool isExact;
-    std::unordered_map<Position,uint32_t,Hash> exceptions; //!< index of the lattice of a position
+    std::unordered_map<MeshPosition,uint32_t,Hash> exceptions; //!< index of the lattice of a position
     uint32_t filter[2048];                                  //!< a bit per hash that an exception has
   };
 }}

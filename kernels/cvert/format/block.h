@@ -238,8 +238,8 @@ CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, u
   return hasHigh ? low | (byteAt(data,wordsHigh+g) << 16) : low;
 }
 
-/*! Offset where the fields of a number of groups end, and those of the next group begin. cell, word: of the first
- *  cell */
+/*! Returns the offset at which the fields of the first `groups` groups end, and the next group begins. cell, word:
+ *  of the first cell */
 CVERT_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words,
                                      uint32_t groups)
 {

@@ -117,8 +117,8 @@ CVERT_FUNCTION uint32_t meshShearedAxis (uint32_t form) { return (form >> 12) & 
 /*! in 1/16, of the axis m+1 (i = 1) and m+2 (i = 2), where m is the sheared axis */
 CVERT_FUNCTION int meshSlope (uint32_t form, uint32_t i) { return int(form << (16u-5u*i)) >> 27; }
 
-/*! What is added to a coordinate of the sheared axis, from those of the axes m+1 and m+2: rounded to the nearest, up
- *  where two are near. */
+/*! Returns what is added to a coordinate of the sheared axis. c1, c2: coordinates on the axes m+1 and m+2. Rounded to
+ *  the nearest integer, halves up. */
 CVERT_FUNCTION int meshShear (uint32_t form, int c1, int c2) {
   return (meshSlope(form,1u)*c1 + meshSlope(form,2u)*c2 + 8) >> 4;
 }
@@ -239,7 +239,7 @@ CVERT_FUNCTION uint32_t highestBit (uint32_t mask)
 /*! the vertices of a triangle in the stream, in the order of the application's triangle */
 struct StripTriangle { uint32_t v0, v1, v2; };
 
-/*! restarts, fans: masks, of which bit 0 of the first is set, and of the second 0; turn: of triangle t */
+/*! restarts, fans: masks; bit 0 is set in restarts, and not in fans. turn: of triangle t */
 CVERT_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, uint32_t turn, uint32_t t)
 {
   uint32_t upTo = bitsUpTo(t);

@@ -99,8 +99,8 @@ CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipped (CVERT_OF(RayInterval) int
 
 /* --- sides --------------------------------------------------------------------------- */
 
-/*! Axis of a direction's largest component, of which the magnitudes are given; the first of equal ones. What is not a
- *  number counts as largest. Without branches, which a processor would not foresee. */
+/*! Returns the axis of the largest of three magnitudes, the first if several are equal. NaN counts as largest. It has
+ *  no branches, which a processor would often mispredict. */
 CVERT_FUNCTION int largestAxis (float x, float y, float z)
 {
   int isY = int(!(x >= y)), isZ = (isY & int(!(y >= z))) | ((1-isY) & int(!(x >= z)));

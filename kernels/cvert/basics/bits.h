@@ -1,0 +1,48 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Numbers of a few bits: how many bits they have, and how they are written one after the other. */
+
+#include "isa_namespace.h"
+#include <cstdint>
+#include <cstring>
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  /*! Returns the number of bits of a number, 0 for 0. */
+  inline uint32_t bitsOf (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
+
+  /*! Writes numbers of up to 32 bits one after the other, the lowest bit first. */
+  class BitWriter
+  {
+  public:
+    explicit BitWriter (uint8_t* out) : out(out) {}
+
+    /*! number: below 2^bits */
+    void put (uint32_t number, uint32_t bits)
+    {
+      pending |= uint64_t(number) << count; // at most 31 + 32 bits
+      count += bits;
+      if (count < 32) return;
+      const uint32_t word = uint32_t(pending);
+      std::memcpy(out,&word,sizeof(word));
+      out += 4;
+      pending >>= 32;
+      count -= 32;
+    }
+
+    /*! Writes zeros up to a whole byte. Returns the end. */
+    uint8_t* end ()
+    {
+      for (; count > 0; count = count > 8 ? count-8 : 0) { *out++ = uint8_t(pending); pending >>= 8; }
+      return out;
+    }
+
+  private:
+    uint8_t* out;
+    uint64_t pending = 0;
+    uint32_t count = 0;
+  };
+}}
