@@ -60,6 +60,13 @@ CBVH_API void cbvhVisitWith(const struct CbvhVisit* visit);
 
 /* Returns the number of pairs. */
 CBVH_API unsigned int cbvhCount(void);
+
+/* Joins pairs.
+ *
+ * first: a pair. */
+CBVH_API int cbvhJoin(const struct CbvhPair* first,
+    const struct CbvhPair* second,
+    int flags);
 """
 
 
@@ -118,6 +125,12 @@ class KnownHeader(unittest.TestCase):
     def test_functions_of_one_comment_share_a_page(self):
         self.assertEqual(self.pages["cbvhVisitAgain.3cbvh"], ".so man3/cbvhVisit.3cbvh\n")
 
+    def test_a_declaration_of_several_lines_has_a_page(self):
+        page = self.pages["cbvhJoin.3cbvh"]
+        self.assertIn("int cbvhJoin(\n  const struct CbvhPair* first,\n  const struct CbvhPair* second,\n  int flags\n);",
+                      section(page, "SYNOPSIS"))
+        self.assertIn('.IP "first" 4\na pair.', section(page, "DESCRIPTION"))
+
     def test_a_function_without_a_comment_is_an_error(self):
         header = Path(self.folder.name) / "cbvh" / "bare.h"
         header.write_text("CBVH_API int cbvhBare(void);\n")
@@ -126,6 +139,15 @@ class KnownHeader(unittest.TestCase):
 
 
 class PublicHeaders(unittest.TestCase):
+    def test_each_function_has_a_page(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pages = {name.split(".")[0] for name in made(folder, *HEADERS)}
+            for header in HEADERS:
+                # Up to its semicolon or its body, whatever lines a declaration has.
+                declarations = re.findall(r"^(?:RTC_API|RTC_FORCEINLINE|CBVH_API)\s[^;{]*", header.read_text(), re.M)
+                for declaration in declarations:
+                    self.assertIn(re.search(r"(\w+)\s*\(", declaration)[1], pages, header.name)
+
     def test_references_lead_to_pages_and_no_page_has_warnings(self):
         with tempfile.TemporaryDirectory() as folder:
             pages = made(folder, *HEADERS)
