@@ -12,14 +12,11 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! vertices of a cell by axis, in a lane each */
+    /*! vertices of a cell by axis, in a lane each; lanes behind the last are not anything */
     struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
 
     /*! the same in coordinates: x, y and z of a lane, and 0 */
     struct alignas(64) CellCoordinates { uint16_t at[VertTables::lanes][4]; };
-
-    /*! corners of the 4 x 4 quads of a group: 00, 10, 01 and 11, each by axis, a quad in a lane */
-    struct alignas(64) QuadCorners { float at[4][3][16]; };
 
     /*! Planes of groups' boxes on one axis, in the world, or, of the sheared one, from the block's origin;
      *  group (x,y) in lane x + 4 y. Lanes of no group are not anything. */
@@ -50,12 +47,12 @@ namespace embree
       CellCoordinates corners; //!< of groups
     };
 
-    /*! quads of a group of a block, in the world */
-    struct VertQuads
+    /*! vertices of a group of a block, in the world */
+    struct VertGroup
     {
       const void* block;     //!< that the group belongs to
       uint32_t lane;
-      QuadCorners quads;
+      CellVertices vertices;
     };
 
     class VertEntries
@@ -64,19 +61,19 @@ namespace embree
       /*! The slot of a block (of a group): what is there is the caller's if `block` (and lane) say so, else
        *  it is to be filled, and named. */
       __forceinline VertBoxes& slot (const void* block) { return blocks[hashOfBlock(block) % numBlocks]; }
-      __forceinline VertQuads& slot (const void* block, uint32_t lane) { return groups[(hashOfBlock(block)*5 + lane) % numGroups]; }
+      __forceinline VertGroup& slot (const void* block, uint32_t lane) { return groups[(hashOfBlock(block)*5 + lane) % numGroups]; }
 
       void clear ()
       {
         for (VertBoxes& block : blocks) block.block = nullptr;
-        for (VertQuads& group : groups) group.block = nullptr;
+        for (VertGroup& group : groups) group.block = nullptr;
       }
 
     private:
       static const size_t numBlocks = 512, numGroups = 256;
 
       VertBoxes blocks[numBlocks];
-      VertQuads groups[numGroups];
+      VertGroup groups[numGroups];
     };
 
     /* --- blocks that move: segments, at both of their ends --- */

@@ -34,19 +34,19 @@ namespace embree
         /*! Returns false if the block is damaged: nothing of it may be read, not even its header. */
         __forceinline bool isUsable () const { return cbvh::isUsable(block,true); }
 
-        /*! corners and boxes of groups of a usable block */
+        /*! boxes of groups of a usable block */
         __forceinline const VertBoxes& boxes () const
         {
           if (unlikely(slot.block != block)) decode();
           return slot;
         }
 
-        /*! of the group in a lane */
-        __forceinline const QuadCorners& quads (uint32_t lane) const
+        /*! of the group in a lane, in the world */
+        __forceinline const CellVertices& vertices (uint32_t lane) const
         {
-          VertQuads& at = cache.slot(block,lane);
-          if (at.block != block || at.lane != lane) decode(lane,at);
-          return at.quads;
+          VertGroup& at = cache.slot(block,lane);
+          if (unlikely(at.block != block || at.lane != lane)) decode(lane,at);
+          return at.vertices;
         }
 
       private:
@@ -59,12 +59,12 @@ namespace embree
           VertDecoder(block).decode(slot);
         }
 
-        __noinline void decode (uint32_t lane, VertQuads& at) const
+        __noinline void decode (uint32_t lane, VertGroup& at) const
         {
           const VertBoxes& boxes = this->boxes();
           at.block = block;
           at.lane = lane;
-          VertDecoder(block).quads(boxes,lane,at.quads);
+          VertDecoder(block).vertices(boxes,lane,at.vertices);
         }
 
         VertCache& cache;

@@ -82,7 +82,7 @@ namespace embree
           {
             const uint32_t g = IsAnyHit<RayType>::value ? takeAny(open) : takeFirst(open,enter);
             if (enter[g] > ray.tfar) continue;
-            const GroupTriangles triangles(vertRay,cached.quads(g));
+            const GroupTriangles triangles(vertRay,cached.vertices(g));
             if (triangles.mask == 0 || !hits.report(g,triangles.mask)) continue;
             if (IsAnyHit<RayType>::value) return true;
             found = true;

@@ -153,12 +153,12 @@ namespace embree
             uint32_t accepted = 0;
             for (uint32_t rest=mask; rest; rest&=rest-1) {
               const uint32_t k = uint32_t(bsf(rest));
-              const GroupTriangles triangles(vertRays.at(k),cached.quads(g));
+              const GroupTriangles triangles(vertRays.at(k),cached.vertices(g));
               if (triangles.mask && hits.report(k,g,triangles.mask)) accepted |= 1u << k;
             }
             return accepted;
           }
-          const GroupTrianglesK<K> triangles(vertRays,kz,cached.quads(g));
+          const GroupTrianglesK<K> triangles(vertRays,kz,cached.vertices(g));
           mask &= uint32_t(movemask(triangles.mask != vint<K>(zero)));
           return mask ? hits.report(mask,kz,g,triangles.mask) : 0u;
         }
