@@ -44,9 +44,9 @@ namespace embree
         /*! of the group in a lane, in the world */
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
-          VertGroup& at = cache.slot(block,lane);
-          if (unlikely(at.block != block || at.lane != lane)) decode(lane,at);
-          return at.vertices;
+          const size_t slot = cache.slot(block,lane);
+          if (unlikely(cache.key(slot) != keyOfGroup(block,lane))) decode(lane,slot);
+          return cache.vertices(slot);
         }
 
       private:
@@ -59,12 +59,11 @@ namespace embree
           VertDecoder(block).decode(slot);
         }
 
-        __noinline void decode (uint32_t lane, VertGroup& at) const
+        __noinline void decode (uint32_t lane, size_t slot) const
         {
           const VertBoxes& boxes = this->boxes();
-          at.block = block;
-          at.lane = lane;
-          VertDecoder(block).vertices(boxes,lane,at.vertices);
+          cache.key(slot) = keyOfGroup(block,lane);
+          VertDecoder(block).vertices(boxes,lane,cache.vertices(slot));
         }
 
         VertCache& cache;

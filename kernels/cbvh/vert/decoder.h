@@ -100,7 +100,7 @@ namespace embree
             auto four = [&](int k) { return _mm_cvttps_epi32(_mm_load_ps(v.at[k]+l)); };
             const __m128i xy = _mm_or_si128(four(0),_mm_slli_epi32(four(1),16)), z = four(2);
             _mm_store_si128((__m128i*)out.at[l],_mm_unpacklo_epi32(xy,z));
-            _mm_store_si128((__m128i*)out.at[l+2],_mm_unpackhi_epi32(xy,z));
+            if (l+2 < cellVertices) _mm_store_si128((__m128i*)out.at[l+2],_mm_unpackhi_epi32(xy,z));
           }
         }
 
