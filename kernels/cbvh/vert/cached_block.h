@@ -19,8 +19,9 @@ namespace embree
       class CachedVertBlock
       {
       public:
-        __forceinline explicit CachedVertBlock (const VertHeader* block)
-          : cache(VertCache::ofThread()), block(block), slot(cache.slot(block)) {}
+        /*! ray: VertRay or VertRays, with the thread's cache */
+        template<typename VertRay>
+        __forceinline CachedVertBlock (const VertRay& ray, const VertHeader* block) : cache(*ray.cache), block(block), slot(cache.slot(block)) {}
 
         /*! its boxes, or null if they are not decoded */
         __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }

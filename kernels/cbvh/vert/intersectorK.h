@@ -31,7 +31,7 @@ namespace embree
         static const size_t few = vectorWidth == K ? 3 : 2;
 
         __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays, const VertHeader* block)
-          : rays(rays), context(context), vertRays(vertRays), block(block), cached(block), found(0) {}
+          : rays(rays), context(context), vertRays(vertRays), block(block), cached(vertRays,block), found(0) {}
 
         __forceinline vbool<K> run (vbool<K> valid)
         {

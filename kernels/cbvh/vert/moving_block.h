@@ -20,6 +20,8 @@ namespace embree
       class MovingVertBlock
       {
       public:
+        __forceinline MovingVertBlock (const VertRay&, const VertHeader* block, const TimeInMotion& at) : MovingVertBlock(block,at) {}
+
         __forceinline MovingVertBlock (const VertHeader* block, const TimeInMotion& at)
           : cache(MotionCache::ofThread()), block(block), segment(at.segment), fraction(at.fraction), lane(~0u) {}
 

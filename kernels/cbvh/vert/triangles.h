@@ -121,7 +121,12 @@ namespace embree
             firsts |= uint32_t(movemask(first)) << (vectorWidth*j);
             seconds |= uint32_t(movemask(second)) << (vectorWidth*j);
           }
-          if (firsts | seconds) mask = spread(firsts) | (spread(seconds) << 1);
+          const uint32_t met = firsts | (seconds << 16);
+          if (likely((met & (met-1)) == 0)) { // of one triangle or of none, as mostly
+            const uint32_t h = uint32_t(bsf(met | (1u << 31)));
+            mask = met ? 1u << (2*(h & 15u) + (h >> 4)) : 0u;
+          }
+          else mask = spread(firsts) | (spread(seconds) << 1);
         }
 
       private:
