@@ -97,7 +97,8 @@ namespace embree
           vfloatV tNear[vectors], tFar[vectors];
           for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(ray.tnear()); tFar[j] = vfloatV(ray.tfar); }
           /* descends: an index, as a branch would not be foreseen */
-          auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float slackOfPlanes, uint32_t descends) {
+          auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float slackOfPlanes,
+                          uint32_t descends) {
             const float* near = planes.at[descends];
             const float* far  = planes.at[1-descends];
             const vfloatV org(from), rcp(reciprocal), slack(slackOfPlanes);
