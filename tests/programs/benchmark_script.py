@@ -123,7 +123,7 @@ class Benchmark(unittest.TestCase):
         process.send_signal(signal.SIGINT)
         said, _ = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 130)
-        self.assertIn("goes on from there", said)
+        self.assertIn("stopped", said)
         self.assertEqual(json.loads(record.read_text())["groups"][0]["level"], 4)
         self.calls()
         self.set_mode("quick")
@@ -140,7 +140,8 @@ class Benchmark(unittest.TestCase):
         again = self.run_script("quick", "--scene", "cube")
         self.assertEqual(again.returncode, 0)
         lines = [line for line in again.stdout.split("\n") if "cube_fivefold_L6.json" in line]
-        self.assertEqual(lines, ["cube_fivefold_L6.json: truncated or no JSON; measured again"])
+        self.assertEqual(len(lines), 1, lines)
+        self.assertRegex(lines[0], "truncated.*measured again")
         self.assertEqual(self.calls(), ["cube:0.45 6"])
         json.loads(record.read_text())
 
@@ -149,7 +150,7 @@ class Benchmark(unittest.TestCase):
         full = self.run_script("quick", "--scene", "cube")
         self.assertEqual(full.returncode, 1)
         self.assertEqual(full.stderr.count("\n"), 1, full.stderr)
-        self.assertIn(f"{self.output}: no room for results: File too large; what is measured is kept", full.stderr)
+        self.assertIn(f"{self.output}: no room for results: File too large", full.stderr)
         self.assertEqual(self.calls(), ["cube 4,5,6,7,8"], "and the next job is not begun")
         record = json.loads((self.output / "cube_L4-5-6-7-8.json").read_text())
         self.assertEqual([group["level"] for group in record["groups"]], [4])

@@ -216,7 +216,7 @@ class Report(unittest.TestCase):
         (folder / "short_L4.json").write_text(text[:1000])
         done = self.run_process(folder)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(done.stderr, "report.py: warning: short_L4.json: truncated or no JSON; left out\n")
+        self.assertRegex(done.stderr, r"\Areport\.py: warning: short_L4\.json: truncated.*; left out\n\Z")
 
         html = (folder / "report.html").read_text()
         page = Page(html)
@@ -562,7 +562,7 @@ class Report(unittest.TestCase):
             self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
             self.assertIn("would replace the record cube_L2-6.json", done.stderr)
         done = self.run_script(folder, "--output", folder / "one", "--tables", folder / "./one")
-        self.assertIn("is the file of two of --output, --tables and --csv", done.stderr)
+        self.assertIn("two of --output, --tables and --csv", done.stderr)
         self.assertEqual(before, {path: path.read_bytes() for path in before})
 
     def test_bad_folders_get_one_line(self):
@@ -741,7 +741,7 @@ class Report(unittest.TestCase):
         (elsewhere / "short.json").write_text("{")
         damaged = self.run_without_charts(self.records, "--output", output, "--gpu", elsewhere)
         self.assertEqual((damaged.returncode, damaged.stderr.count("\n")), (0, 1))
-        self.assertIn("short.json: truncated or no JSON", damaged.stderr)
+        self.assertIn("short.json: truncated", damaged.stderr)
 
     def test_scenes_of_one_name_and_several_sizes_stay_apart(self):
         folder = Path(self.temporary.name) / "herds"
