@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Layout of blocks: sizes and offsets as framed_block.md states them, and the blocks that
- * it shows byte by byte. The tables there are read, so the two cannot drift. */
+/* Layout of blocks: compares sizes, offsets and annotated blocks with framed_block.md. The test reads the page's
+ * tables, so that code and page cannot diverge. */
 
 #include "support/encoded_block.h"
 
@@ -24,12 +24,12 @@ using namespace embree::cbvh;
 
 constexpr uint32_t headerBytes = 76;
 
-TEST(BlockFormat, SizesAndOffsetsFollowFromKindAndHeight)
+TEST(BlockFormat, SizesAndOffsetsMatchFormulas)
 {
   uint32_t quads = 1, nodes = 0; // 4^h, (4^h - 1)/3
   for (uint32_t height = 0; height <= maxLevel; height++) {
     const uint32_t width = (1u << height) + 1;
-    const uint32_t groups = height ? (quads/4 - 1)/3 : 0; // nodes of h-1 levels
+    const uint32_t groups = height ? (quads/4 - 1)/3 : 0; // number of nodes in h-1 levels
     const BlockLayout grid = blockLayout(kindGrid, height), voxel = blockLayout(kindVoxel, height), leaf = blockLayout(kindLeaf, height);
     SCOPED_TRACE(height);
     EXPECT_EQ(voxel.nodeLevels, height);
@@ -50,7 +50,7 @@ TEST(BlockFormat, SizesAndOffsetsFollowFromKindAndHeight)
   }
 }
 
-TEST(BlockFormat, InfoHoldsEveryFieldAtItsLimits)
+TEST(BlockFormat, InfoRoundTripsLimitsOfEveryField)
 {
   for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
     for (uint32_t height = 0; height <= maxLevel; height++)
@@ -69,7 +69,7 @@ TEST(BlockFormat, InfoHoldsEveryFieldAtItsLimits)
         }
 }
 
-TEST(BlockFormat, ParametersEndAtOneForAnyNumberOfBlocks)
+TEST(BlockFormat, ParametersEndAtOneForAnyTiling)
 {
   for (uint32_t height : {0, 1, 3})
     for (uint32_t last = 0; last < 256u >> height; last++) {
@@ -81,7 +81,7 @@ TEST(BlockFormat, ParametersEndAtOneForAnyNumberOfBlocks)
     }
 }
 
-TEST(BlockFormat, MortonOrderIsAOneToOneMapWithXInTheEvenBits)
+TEST(BlockFormat, MortonOrderIsBijectiveWithXInEvenBits)
 {
   for (uint32_t y = 0; y < 256; y++)
     for (uint32_t x = 0; x < 256; x++) {
@@ -93,8 +93,8 @@ TEST(BlockFormat, MortonOrderIsAOneToOneMapWithXInTheEvenBits)
     }
 }
 
-// A triangle with a vertex at infinity might be hit, and one with NaN is not.
-TEST(BlockFormat, VerticesOfCGridAreKeptToTheBitAndNaNWhereTheyAreNotFinite)
+// Rays can hit a triangle with a vertex at infinity, but not one with NaN.
+TEST(BlockFormat, CGridStoresVerticesExactlyAndNonFiniteOnesAsNaN)
 {
   const uint32_t height = 2, width = (1u << height) + 1, count = width*width;
   const float infinity = std::numeric_limits<float>::infinity(), corners[4][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {4, 4, 0}};
@@ -115,7 +115,7 @@ TEST(BlockFormat, VerticesOfCGridAreKeptToTheBitAndNaNWhereTheyAreNotFinite)
   }
 }
 
-// The lines of a section of a page, up to the next heading. FORMATS is the folder of the pages.
+// Returns the lines of a section of a page, up to the next heading. FORMATS is the folder of the pages.
 std::vector<std::string> section(const std::string& page, const std::string& heading)
 {
   std::ifstream file(FORMATS "/" + page);
@@ -129,8 +129,8 @@ std::vector<std::string> section(const std::string& page, const std::string& hea
   return lines;
 }
 
-// The table of constants, generated.
-TEST(BlockFormat, ConstantsAreThoseOfTheCode)
+// The table of constants, generated from the code.
+TEST(BlockFormat, ConstantsMatchPage)
 {
   std::ostringstream table;
   table << "| format version, `formatVersion` | " << formatVersion << " |\n| alignment of a block, bytes | " << blockAlignment
@@ -138,11 +138,11 @@ TEST(BlockFormat, ConstantsAreThoseOfTheCode)
         << " |\n| height of a block, at most | " << maxLevel << " |\n";
   std::string text;
   for (const std::string& line : section("framed_block.md", "# Format of a block with a frame")) text += line + "\n";
-  EXPECT_NE(text.find("| constant | value |\n|:--|--:|\n" + table.str() + "\n"), std::string::npos) << "the page has to have\n" << table.str();
+  EXPECT_NE(text.find("| constant | value |\n|:--|--:|\n" + table.str() + "\n"), std::string::npos) << "the page must contain\n" << table.str();
 }
 
 // Rows "| h | cGRID | cVOXEL | cLEAF |".
-TEST(BlockFormat, SizesAreThoseOfThePage)
+TEST(BlockFormat, SizesMatchPage)
 {
   uint32_t rows = 0;
   for (const std::string& line : section("framed_block.md", "## Sizes")) {
@@ -169,7 +169,7 @@ std::vector<uint8_t> annotatedBytes(const std::string& heading)
   return bytes;
 }
 
-// Words as a table shows them.
+// Formats words as in the tables of the page.
 std::string wordsOf(const std::vector<uint8_t>& bytes)
 {
   std::ostringstream text;
@@ -182,7 +182,7 @@ std::string wordsOf(const std::vector<uint8_t>& bytes)
   return text.str();
 }
 
-// Vertices (i, j, z), row by row, in the block that a section of framed_example.md describes.
+// Vertices (i, j, z), row by row, of a block in framed_example.md.
 void expectAnnotated(const std::string& heading, uint32_t height, const std::vector<float>& z)
 {
   const uint32_t quads = 1u << height, width = quads + 1;
@@ -200,17 +200,17 @@ void expectAnnotated(const std::string& heading, uint32_t height, const std::vec
   EXPECT_EQ(wordsOf(written), wordsOf(annotatedBytes(heading)));
 }
 
-TEST(BlockFormat, TheAnnotatedLatticeIsWhatTheEncoderWrites)
+TEST(BlockFormat, EncoderWritesAnnotatedLattice)
 {
   expectAnnotated("## A lattice", 1, {0, 0, 0,  0, 1, 2,  0, 2, 4});
 }
 
-TEST(BlockFormat, TheAnnotatedLooseGroupIsWhatTheEncoderWrites)
+TEST(BlockFormat, EncoderWritesAnnotatedLooseGroup)
 {
   expectAnnotated("## A loose group", 1, {0, 0.25f, 1.5f,  0.5f, 1, 0,  1, 1.75f, NAN});
 }
 
-TEST(BlockFormat, TheAnnotatedBlockOfTwoLevelsIsWhatTheEncoderWrites)
+TEST(BlockFormat, EncoderWritesAnnotatedBlockOfTwoLevels)
 {
   std::vector<float> z;
   for (int j = 0; j <= 4; j++)

@@ -2,7 +2,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# The examples of the codec: encode_grid writes a file, file_to_obj reads it and writes all of its quads.
+# Tests the examples of the codec: encode_grid writes a file; file_to_obj reads it and writes all of its quads.
 #
 #   examples.sh ENCODE_GRID FILE_TO_OBJ
 set -eu

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Leaves of cLEAF: what is stored bounds the quads' edges, and says so when it cannot. */
+/* Leaves of cLEAF: stored leaves bound the edges of the quads, or the encoder reports that it cannot bound them. */
 
 #include "kernels/cbvh/framed/leaf/crossing.h"
 #include "kernels/cbvh/framed/tree.h"
@@ -17,13 +17,13 @@ namespace {
 
 using namespace embree::cbvh;
 
-// The encoder's slack, and what float arithmetic on numbers up to 4 rounds.
+// The encoder's slack, and the rounding of float arithmetic on numbers up to 4.
 constexpr double tolerance = containmentSlack + 0x1p-20;
 
-// Lattices of vertices in the parent's box; the first kinds are graphs over it.
+// Lattices of vertices in the parent's box; the first kinds are height fields over it.
 enum Shape { REGULAR, WAVY, JITTERED, STEEP, ROUGH, FOLDED, ANYWHERE, COLLAPSED, VERTICAL, SHAPES };
 
-// rounding: how far from there a neighbouring face may have vertices, in parent extents.
+// rounding: largest distance of a neighboring face's copies of vertices, in parent extents.
 void makeGroup(Random& random, Shape shape, const NodeBox& parent, QuadGroup& group, double rounding = 0)
 {
   const double slopeX = random.uniform(-1, 1), slopeY = random.uniform(-1, 1), bend = random.uniform(-1, 1);
@@ -70,7 +70,7 @@ NodeBox randomBox(Random& random)
   return box;
 }
 
-// Distance of a leaf's surface from a point, up; false outside of its box.
+// Computes the signed distance of a leaf's surface above a point; false if the point is outside of the leaf's box.
 bool surfaceAbove(const LeafPatch& leaf, const double p[3], double& distance, double position[2])
 {
   for (int k = 0; k < 3; k++)
@@ -101,9 +101,9 @@ struct EdgeOfGroup
 };
 std::ostream& operator<<(std::ostream& out, const EdgeOfGroup& e) { return out << "quad " << e.quad << ", " << (e.upper ? "upper" : "lower") << " side along axis " << e.axis; }
 
-// A point of an edge is in a leaf of the group (its own, if they are loose) within half a
-// thickness of the surface. On the border of a block it is not above that, and within the
-// border's width.
+// A point of an edge must be in a leaf of the group (the quad's own leaf, if leaves are loose) within half a
+// thickness of the surface. On the border of a block it must not be above that, and must be within the border's
+// width.
 void expectBounded(const GroupLeaves& leaves, const EdgeOfGroup& edge, const double p[3], float borderWidth)
 {
   bool found = false;
@@ -124,7 +124,7 @@ void expectBounded(const GroupLeaves& leaves, const EdgeOfGroup& edge, const dou
 
 struct GroupCounts { unsigned lattices[SHAPES] = {}, loose[SHAPES] = {}, solid[SHAPES] = {}; };
 
-// Every edge of every quad is bounded, and so is every edge that is off by no more than the rounding.
+// Every edge of every quad must be bounded, including edges that deviate by the rounding.
 void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCounts& counts)
 {
   Random random(seed);
@@ -158,19 +158,19 @@ void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCo
     }
 }
 
-TEST(LeafCodec, LeavesBoundTheEdgesOfTheirQuads)
+TEST(LeafCodec, LeavesBoundEdgesOfTheirQuads)
 {
   GroupCounts counts;
   expectEdgesBounded(11, 4000, 0, counts);
-  // each answer is given where it is the right one
+  // the group type must be used for the shapes that it is intended for
   for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH}) EXPECT_GT(counts.lattices[shape], 3000u) << "shape " << shape;
   for (Shape shape : {FOLDED, COLLAPSED, VERTICAL, ANYWHERE}) EXPECT_GT(counts.loose[shape], 3000u) << "shape " << shape;
   EXPECT_GT(counts.solid[ANYWHERE], 0u);
   EXPECT_LT(counts.solid[COLLAPSED], 4*counts.loose[COLLAPSED]);
 }
 
-// Far from the origin neighbours round a common vertex apart by a good part of a bin.
-TEST(LeafCodec, LeavesBoundEdgesWhereNeighboursHaveThem)
+// Far from the origin, neighbors round copies of a vertex to positions that differ by a large part of a bin.
+TEST(LeafCodec, LeavesBoundNeighborsCopiesOfEdges)
 {
   GroupCounts counts;
   expectEdgesBounded(16, 2000, 5e-4, counts);
@@ -179,7 +179,7 @@ TEST(LeafCodec, LeavesBoundEdgesWhereNeighboursHaveThem)
 
 // --- whole blocks --------------------------------------------------------------------------
 
-// Displaced vertices over a quad, row by row.
+// Displaced vertices of a quad, row by row.
 std::vector<float> displacedQuad(Random& random, uint32_t height, const float corners[4][3], Shape shape)
 {
   const uint32_t n = 1u << height;
@@ -221,20 +221,20 @@ struct Side
     }
   }
 
-  // The point this many vertices along.
+  // Returns the point at a position along the side, in vertices.
   Double3 at(double t) const
   {
     const size_t i = std::min(size_t(t), vertices.size() - 2);
     return vertices[i] + (t - double(i))*(vertices[i + 1] - vertices[i]);
   }
 
-  // Morton index of a cell that has it.
+  // Morton index of a cell that contains it.
   uint32_t cell(uint32_t i, uint32_t cells) const { return axis == 0 ? morton(upper ? cells - 1 : 0, i) : morton(i, upper ? cells - 1 : 0); }
 };
 
-// Between blocks a ray is stopped by their surfaces' being above the edge that they share, by half
-// a thickness at most and within the width that lips are looked for in: on each of the four sides.
-TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllFourSides)
+// The surface of blocks must be above their common edge, by at most half a thickness and within the width of lips, on
+// each of the four sides. Otherwise rays could pass between blocks.
+TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllSides)
 {
   Random random(18);
   const float square[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, trapezoid[4][3] = {{0, 0, 0}, {1, 0, 0}, {0.3f, 1, 0}, {0.7f, 1, 0}};
@@ -272,9 +272,9 @@ TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllFourSides)
 
 // --- lattices ------------------------------------------------------------------------------
 
-// The encoder moves heights until no vertex is off by more than 1/16 of a bin, then rounds
-// each by half a bin at most, and a patch weighs its four by weights that sum up to 1.
-TEST(LeafCodec, LatticesPassThroughTheirVerticesWithinHalfABin)
+// The encoder adjusts heights until each vertex is within 1/16 of a bin, then rounds each height by at most half a
+// bin. A patch is a convex combination of four heights.
+TEST(LeafCodec, LatticesMatchVerticesWithinHalfABin)
 {
   Random random(12);
   for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH}) {
@@ -302,7 +302,7 @@ TEST(LeafCodec, LatticesPassThroughTheirVerticesWithinHalfABin)
   }
 }
 
-TEST(LeafCodec, EveryHeightIsReadBack)
+TEST(LeafCodec, EveryHeightRoundTrips)
 {
   Random random(14);
   for (int vertex = 0; vertex < 9; vertex++)
@@ -316,8 +316,8 @@ TEST(LeafCodec, EveryHeightIsReadBack)
     }
 }
 
-// Siblings of a lattice share the planes between them and the heights along them.
-TEST(LeafCodec, LatticesHaveNoStepsBetweenSiblings)
+// Siblings of a lattice share planes and heights.
+TEST(LeafCodec, LatticesAreContinuousBetweenSiblings)
 {
   Random random(15);
   for (int repeat = 0; repeat < 2000; repeat++) {
@@ -339,7 +339,7 @@ TEST(LeafCodec, LatticesHaveNoStepsBetweenSiblings)
   }
 }
 
-TEST(LeafCodec, QuadsWithAVertexThatIsNotFiniteAreEmptyAndNoOthers)
+TEST(LeafCodec, OnlyQuadsWithNonFiniteVerticesAreEmpty)
 {
   Random random(13);
   const float bad[3] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
@@ -364,7 +364,7 @@ TEST(LeafCodec, QuadsWithAVertexThatIsNotFiniteAreEmptyAndNoOthers)
             if (!std::isfinite(vertices[3*((y + (c >> 1))*width + x + (c & 1)) + k])) return true;
         return false;
       };
-      if (!encoded) continue; // all are bad
+      if (!encoded) continue; // all vertices are invalid
       uint32_t count = 0;
       for (uint32_t m = 0; m < n*n; m++) {
         const bool expected = isBad(mortonX(m), mortonY(m));
@@ -376,7 +376,7 @@ TEST(LeafCodec, QuadsWithAVertexThatIsNotFiniteAreEmptyAndNoOthers)
     }
 }
 
-// World distance between the two bounds of a leaf, from points of both.
+// World distance between the two bounds of a leaf, measured from points on both.
 double worldThickness(const InverseFrame& inverse, const LeafPatch& leaf)
 {
   const double slope[2] = {0.5*((leaf.z[1] + leaf.z[3]) - (leaf.z[0] + leaf.z[2]))/leaf.box.extent[0],
@@ -401,9 +401,8 @@ double largestThickness(const Block* block, const InverseFrame& inverse, uint32_
   return largest;
 }
 
-// In projective frames, where a unit of the frame is not everywhere the same in the world, and
-// on slopes, where a leaf is thinner across than it is high.
-TEST(LeafCodec, ThicknessIsThatOfTheWorld)
+// In projective frames a unit of the frame varies in world space. On slopes a leaf is thinner than its height.
+TEST(LeafCodec, ThicknessIsInWorldSpace)
 {
   constexpr uint32_t height = 4, n = 1 << height, width = n + 1;
   const float corners[4][3] = {{0, 0, 0}, {4, 0, 0}, {1.4f, 3, 0}, {2.6f, 3, 0}};
@@ -429,8 +428,8 @@ TEST(LeafCodec, ThicknessIsThatOfTheWorld)
   EXPECT_EQ(compared, 3u);
 }
 
-// Four random groups of one parent, each in a lane.
-TEST(LeafCodec, FourLatticesAtATimeAreThoseOfOneAtATime)
+// Four random groups of one parent, one per lane.
+TEST(LeafCodec, FourLatticesAtOnceMatchSingleOnes)
 {
   Random random(47);
   unsigned encoded = 0, refused = 0, undecided = 0;

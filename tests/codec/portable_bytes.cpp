@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The encoder writes the same bytes in plain C++ as with vector instructions. */
+/* The encoder writes the same bytes in plain C++ and with vector instructions. */
 
 #define HERE vectors
 #include "encode_here.h"
@@ -17,7 +17,7 @@ std::vector<uint8_t> encodePortably(const std::vector<std::vector<float>>& steps
 
 namespace {
 
-TEST(PortableBytes, AreTheSame)
+TEST(PortableBytes, PlainCodeMatchesVectorCode)
 {
   Random random(5);
   size_t numRaw = 0, total = 0;

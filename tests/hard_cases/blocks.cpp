@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Hard cases: blocks of hard shapes, sizes and places. */
+/* Hard cases: blocks of difficult shapes, sizes and positions. */
 
 #include "hard_cases/hard_case.h"
 #include "support/reference_check.h"
@@ -14,7 +14,7 @@ const Placement atOrigin = {1, {0, 0, 0}};
 class HardBlocks : public HardCase
 {
 protected:
-  // part of the rays that has to have the reference's own hit
+  // share of rays that must have exactly the reference's hit
   double exact = 0.75;
 
   void trace(const std::vector<Shape>& shapes, const std::vector<Placement>& placements, unsigned raysOfAKind)
@@ -31,12 +31,12 @@ protected:
   }
   void trace(Shape shape) { trace({shape}, {atOrigin, atOrigin}, 12); }
 
-  // Sheets that have no good frame.
+  // Sheets without a usable frame.
   void expectGridsHits(Random& random, const std::vector<Sheet>& sheets)
   {
     ReferenceCheck check(device, compression());
     for (const Sheet& sheet : sheets) check.trace(random, sheet, allRays, 50);
-    // cVERT has no frames, and holds any vertices
+    // cVERT has no frames and supports any vertices.
     EXPECT_EQ(check.sheetsOfGrid, compression() == RTC_COMPRESSION_VERT ? 0 : sheets.size());
   }
 };

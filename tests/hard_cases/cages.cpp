@@ -14,8 +14,8 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 class HardCages : public HardCase
 {
 protected:
-  // At frame levels from a block a face to a block a quad. gap: between GRID's own vertices,
-  // where it is no reference for more than that.
+  // Tests frame levels from one block per face to one block per quad. gap: largest gap between GRID's own vertices,
+  // which limits its accuracy as a reference.
   void expectAgreement(const Cage& cage, const std::vector<RTCRayHit>& raysFromInside = {}, float gap = 0)
   {
     for (int frameLevel : {0, 1, 2, 4}) {
@@ -46,7 +46,7 @@ protected:
   Displacement displacement;
 
 private:
-  // From the middle of a closed cage: in all directions, and at its vertices and beside them.
+  // Rays from the center of a closed cage: in all directions, at its vertices and close to them.
   static std::vector<RTCRayHit> raysFromInside(Random& random, const Cage& cage)
   {
     std::vector<RTCRayHit> rays;
@@ -77,7 +77,7 @@ TEST_P(HardCages, Valences3To16)
 
 TEST_P(HardCages, Valences33And64)
 {
-  property("around vertices of valence 33 and 64, the most that Embree takes, hits agree with GRID's, and no ray from inside leaks");
+  property("around vertices of valence 33 and 64, the most that Embree supports, hits agree with GRID's, and no ray from inside leaks");
   for (unsigned n : {33, 64}) {
     SCOPED_TRACE(testing::Message() << "valence " << n);
     expectAgreementAndNoLeaks(trapezohedronCage(n));
@@ -181,8 +181,8 @@ TEST_P(HardCages, NonManifoldEdges)
     cubes.addFace({e, d, d+up, e+up});
     cubes.addFace({d, a, a+up, d+up});
   }
-  // Embree evaluates such faces another way from each of their corners and sides, with gaps of
-  // up to 0.004 between GRID's own vertices.
+  // Embree evaluates such faces differently from each of their corners and sides. The gaps between GRID's own
+  // vertices are up to 0.004.
   expectAgreement(cubes, {}, 0.01f);
 }
 

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Hard cases: rays that are not finite, alone and among others, through every entrance of the API; and directions of every
- * length, which scales t and changes nothing else. */
+/* Hard cases: rays that are not finite, alone and together with others, through every function of the API; and
+ * directions of all lengths, which scale t and nothing else. */
 
 #include "hard_cases/hard_case.h"
 #include "support/odd_rays.h"
@@ -14,7 +14,7 @@
 namespace cbvh::test {
 namespace {
 
-// Until this ends, numbers near 0 are 0 or not, as renderers set it.
+// Sets whether denormals are flushed to zero until the end of the scope. Renderers use both modes.
 class Denormals
 {
 public:
@@ -54,7 +54,7 @@ std::vector<Call> allCalls()
   return calls;
 }
 
-// All lanes are on.
+// All lanes are active.
 template<typename Packet, typename Trace>
 void inPackets(std::vector<RTCRayHit>& rays, const Trace& trace)
 {
@@ -125,9 +125,9 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(HardCases, HardOddRays, testing::ValuesIn(tracers()), tracerName);
 
-TEST_P(HardOddRays, ThatAreNotFiniteMiss)
+TEST_P(HardOddRays, NonFiniteRaysMiss)
 {
-  property("rays with NaN or infinity in origin or direction, or a tnear or tfar of NaN, miss and are left as they are; other rays of a packet or a stream hit what they hit alone");
+  property("rays with NaN or infinity in origin or direction, or a tnear or tfar of NaN, miss and remain unchanged; other rays of a packet or a stream have the same hits as alone");
   const SurfaceScene scene(device, cubeCage(), settings());
   Random random(34);
   std::vector<RTCRayHit> rays; // as a picture has them, from outside and from inside
@@ -160,7 +160,7 @@ TEST_P(HardOddRays, ThatAreNotFiniteMiss)
 
 // --- lengths -------------------------------------------------------------------------------------
 
-TEST_P(HardOddRays, WithDirectionsOfEveryLengthDoNotSlipThrough)
+TEST_P(HardOddRays, DirectionsOfAnyLengthDoNotLeak)
 {
   property("rays from inside a closed surface, along an axis or nearly so, hit it whatever the length of their direction, 1e-20 to 1e18, and at the same place");
   AllVertices recorder;
@@ -182,7 +182,7 @@ TEST_P(HardOddRays, WithDirectionsOfEveryLengthDoNotSlipThrough)
         size_t leaks = 0, others = 0;
         for (size_t i = 0; i < rays.size(); i++) {
           const bool isFound = call.any ? found[i].ray.tfar < 0 : isHit(found[i]), expected = isHit(ofUnitLength[i]);
-          // cGRID has GRID's triangles, which let some through at their edges
+          // cGRID has GRID's triangles, where some rays pass through edges
           leaks += !isFound && compression() != RTC_COMPRESSION_GRID;
           others += isFound != expected || (isFound && !call.any && found[i].ray.tfar*length != ofUnitLength[i].ray.tfar);
         }

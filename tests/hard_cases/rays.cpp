@@ -59,7 +59,7 @@ TEST_P(HardRays, InThePlaneOfALeaf)
 
 TEST_P(HardRays, FromInsideABlock)
 {
-  property("rays that start inside a block find the reference's hits, none of them behind the start");
+  property("rays that start inside a block find the reference's hits, none of them before the start");
   trace({RayKind::FromInsideBlock}, 40);
 }
 
@@ -69,19 +69,19 @@ TEST_P(HardRays, FromInsideALeaf)
   trace({RayKind::FromInsideLeaf}, 40);
 }
 
-TEST_P(HardRays, ThatEndInsideABlock)
+TEST_P(HardRays, EndInsideABlock)
 {
-  property("rays that end inside a block or a leaf find the reference's hits, none of them behind the end");
+  property("rays that end inside a block or a leaf find the reference's hits, none of them beyond the end");
   trace({RayKind::Segment}, 40);
 }
 
-TEST_P(HardRays, WithDirectionsOfLength1em15To1e18)
+TEST_P(HardRays, DirectionsOfLength1em15To1e18)
 {
   property("the length of a direction, 1e-15 to 1e18, scales t and changes nothing else");
   trace(allRays, 6, false);
 }
 
-// Displaced vertices on the borders of blocks, where a ray could slip through.
+// Displaced vertices on the borders of blocks, where leaks are most likely.
 struct Seams : public VertexRecorder
 {
   int frameLevel = 3;
@@ -124,15 +124,15 @@ TEST_P(HardRays, FromFarAway)
       const RTCRayHit ray = makeRay(o, d);
       for (int k = compression() == RTC_COMPRESSION_GRID ? 0 : 1; k < 2; k++) leaks[k] += !isHit(intersect(scenes[k], ray));
     }
-    // cGRID has GRID's triangles, which let some through at their edges
+    // cGRID has GRID's triangles, where some rays pass through edges
     EXPECT_LE(leaks[1], leaks[0] + 5*std::sqrt(leaks[0])) << "amplitude " << amplitude;
   }
 }
 
-// Upstream's own limits: the square of a direction and 1/direction are floats.
-TEST_P(HardRays, BeyondTheLimitsEnd)
+// Upstream's limits: the square of a direction and 1/direction must be floats.
+TEST_P(HardRays, RaysBeyondLimitsTerminate)
 {
-  property("rays beyond Embree's limits (directions longer than 1.8e18, shorter than 1e-18, zero, infinite or NaN, such origins) end, and hit within [tnear, tfar] or not at all");
+  property("rays beyond Embree's limits (directions longer than 1.8e18, shorter than 1e-18, zero, infinite or NaN, such origins) terminate, and hit within [tnear, tfar] or not at all");
   Random random(32);
   const Sheet sheet = randomSheet(random, Shape::Waves, 4, {1, {0, 0, 0}});
   Scene scene(device);
@@ -143,7 +143,7 @@ TEST_P(HardRays, BeyondTheLimitsEnd)
   for (int i = 0; i < 20000; i++) {
     RTCRayHit ray = randomRay(random, allRays[random.below(uint32_t(allRays.size()))], sheet);
     float* const fields[] = {&ray.ray.dir_x, &ray.ray.dir_y, &ray.ray.dir_z, &ray.ray.org_x, &ray.ray.org_y, &ray.ray.org_z};
-    if (i % 4 == 0) { // the whole direction, by a power of ten
+    if (i % 4 == 0) { // the whole direction, scaled by a power of ten
       const float length = std::pow(10.0f, float(random.uniform(18, 38))*(random.chance(0.5) ? 1 : -1));
       for (int k = 0; k < 3; k++) *fields[k] *= length;
     }

@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The traversal's decoder of blocks of cVERT that move against the scalar one: random segments, all groups at both ends to the last bit, and
- * between the ends boxes that contain what is in them, in the same floats. Compiled once for every ISA, outside of the library. */
+/* Compares the traversal's decoder of moving cVERT blocks with the scalar one: random segments, all groups at both ends
+ * bit by bit. Between the ends, boxes must contain the vertices in the same float arithmetic. Compiled once for every
+ * ISA, outside of the library. */
 
 #include "kernels/cbvh/vert/moving_block.h"
 #include "kernels/cvert/decoder/decoded_block.h"
@@ -22,7 +23,8 @@ namespace {
 using namespace embree::cbvh;
 using namespace embree::isa::cbvh;
 
-// Whether planes of a group's box contain a vertex along an axis; the sheared coordinate in double.
+// True if the planes of a group's box contain a vertex along an axis; the sheared coordinate is computed in double
+// precision.
 bool contains(const GroupBoxes& boxes, uint32_t lane, int k, const float p[3])
 {
   double c = p[k];
@@ -33,7 +35,7 @@ bool contains(const GroupBoxes& boxes, uint32_t lane, int k, const float p[3])
   return boxes.planes[k].at[0][lane] <= c && c <= boxes.planes[k].at[1][lane];
 }
 
-TEST(MotionDecoding, SegmentsEqualTheScalarDecoder)
+TEST(MotionDecoding, SegmentsMatchScalarDecoder)
 {
   Random random(3161);
   auto encoder = std::make_unique<MotionEncoder>();
@@ -83,8 +85,8 @@ TEST(MotionDecoding, SegmentsEqualTheScalarDecoder)
   EXPECT_GT(turned, 2000u);
 }
 
-// Bounds of whole blocks leave no ray out that meets a vertex.
-TEST(MotionDecoding, BoundsOfBlocksContainTheirVerticesAtAllTimes)
+// Bounds of whole blocks must not cull rays that hit a vertex.
+TEST(MotionDecoding, BlockBoundsContainVerticesAtAllTimes)
 {
   Random random(3162);
   auto encoder = std::make_unique<MotionEncoder>();

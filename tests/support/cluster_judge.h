@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Whether the clusters of a surface are its triangles: what decoders make of them against what rtcForEachCompressedPart hands out, and rays hit. Throws where not. */
+/* Checks that the clusters of a surface contain its triangles: compares the decoded triangles with those that
+ * rtcForEachCompressedPart passes to its callback and that rays hit. Throws if they differ. */
 
 #include "support/cluster_decoder.h"
 
@@ -16,7 +17,8 @@ namespace cbvh::test {
 
 typedef std::array<float, 3> Corner;
 
-// Triangles as a set that may be too many to keep: sums of hashes of them, and their count. A triangle is the same wherever it begins, and another one if it is turned round.
+// A set of triangles, represented by sums of hashes and a count because it may be too large to store. Triangles with
+// rotated corners are equal; triangles with reversed corners are different.
 struct TriangleSet
 {
   size_t count = 0;
@@ -31,7 +33,7 @@ struct TriangleSet
       for (const Corner& corner : first)
         for (float x : corner) {
           uint32_t bits;
-          x += 0.0f; // -0 is 0
+          x += 0.0f; // maps -0 to 0
           std::memcpy(&bits, &x, sizeof(bits));
           hash = (hash ^ bits)*0xFF51AFD7ED558CCDull;
           hash ^= hash >> 32;
@@ -57,7 +59,7 @@ inline std::array<Corner, 3> triangleOf(const RTCCompressedPart& part, unsigned 
   return {cornerOf(part, x, y), cornerOf(part, x + 1, y), cornerOf(part, x, y + 1)};
 }
 
-// What a ray may hit: with three vertices that are numbers, and apart.
+// True if rays can hit the triangle: its vertices are finite and distinct.
 inline bool canBeHit(const std::array<Corner, 3>& t)
 {
   for (const Corner& c : t)
@@ -72,7 +74,7 @@ public:
   size_t decodedVertices = 0;
   size_t wholeClusters = 0, largestCluster = 0;
 
-  // Throws with what is wrong.
+  // Throws with a description of the first difference.
   ClusterJudge(RTCGeometry geometry, float time, RTCClusterFormat format) : format(format)
   {
     std::memset((void*)&report, 0xFF, sizeof(report));
@@ -137,7 +139,6 @@ private:
         isUsed[v] = true;
         triangle[c] = decoded.vertices[v];
       }
-      /* it is what it says */
       std::array<Corner, 3> said = triangleOf(*cluster.part, cluster.triangles[t]);
       demand(said == triangle || std::array<Corner, 3>{said[1], said[2], said[0]} == triangle || std::array<Corner, 3>{said[2], said[0], said[1]} == triangle, "a triangle is not the part's");
       found.add(triangle[0], triangle[1], triangle[2]);

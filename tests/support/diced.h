@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Surfaces that an application has diced: grids of vertices, as geometry of type RTC_GEOMETRY_TYPE_GRID. */
+/* Surfaces diced by an application: grids of vertices, as geometries of type RTC_GEOMETRY_TYPE_GRID. */
 
 #include "support/scene.h"
 
@@ -14,7 +14,7 @@
 
 namespace cbvh::test {
 
-// Where a vertex is at a time step.
+// Returns the position of a vertex at a time step.
 typedef std::function<Vec(const Vec& position, unsigned step)> DicedMotion;
 inline std::vector<Vec> movedTo(const std::vector<Vec>& vertices, const DicedMotion& motion, unsigned step)
 {
@@ -39,7 +39,7 @@ struct Diced
     return n;
   }
 
-  // A grid with vertices of its own.
+  // Adds a grid that shares no vertices with other grids.
   void add(unsigned width, unsigned height, const std::function<Vec(unsigned x, unsigned y)>& position)
   {
     grids.push_back({unsigned(vertices.size()), width, (unsigned short)width, (unsigned short)height});
@@ -50,8 +50,8 @@ struct Diced
 
 inline float roundTo(double x, double lattice) { return float(lattice > 0 ? std::nearbyint(x/lattice)*lattice : x); }
 
-// A bumpy sheet over [-1,1]^2, n x n grids of `quads` quads that share the vertices of one buffer by their index. lattice: positions
-// are multiples of it, if not 0.
+// A bumpy sheet over [-1,1]^2: n x n grids of `quads` quads that share the vertices of one buffer by index. lattice:
+// positions are multiples of it, unless it is 0.
 inline Diced dicedSheet(unsigned n, unsigned quads, double lattice = 0)
 {
   Diced diced;
@@ -67,8 +67,9 @@ inline Diced dicedSheet(unsigned n, unsigned quads, double lattice = 0)
   return diced;
 }
 
-// A closed, bumpy ball: n x n grids of `quads` quads on each side of a cube, with vertices of their own: those that grids share are the
-// same floats. warp: above 1, quads in the middle of a side are smaller, by far if it is 3.
+// A closed, bumpy ball: n x n grids of `quads` quads on each side of a cube. Each grid has its own vertices; vertices
+// on common borders are the same floats. warp: if above 1, quads in the middle of a side are smaller, much smaller
+// for 3.
 inline Diced dicedBall(unsigned n, unsigned quads, double warp = 1)
 {
   Diced diced;
@@ -102,7 +103,7 @@ inline void commitAs(RTCGeometry geometry, RTCCompression compression, unsigned 
   rtcCommitGeometry(geometry);
 }
 
-// Committed, not attached; the caller releases it.
+// Returns a committed geometry that is not attached. The caller releases it.
 inline RTCGeometry newGrids(RTCDevice device, const Diced& diced, RTCCompression compression = RTC_COMPRESSION_INHERIT, unsigned flags = 0, unsigned timeSteps = 1)
 {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
@@ -113,7 +114,7 @@ inline RTCGeometry newGrids(RTCDevice device, const Diced& diced, RTCCompression
   return geometry;
 }
 
-// One geometry, committed.
+// A scene with one committed geometry.
 class GridScene : public Scene
 {
 public:
@@ -124,7 +125,7 @@ public:
   }
 };
 
-// At a place inside of a random triangle of the grids, from anywhere around.
+// A ray from a random direction through a point inside a random triangle of the grids.
 inline RTCRayHit rayAt(Random& random, const Diced& diced)
 {
   const RTCGrid& grid = diced.grids[random.below(unsigned(diced.grids.size()))];

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Surfaces that an application has diced into indexed quads or triangles. */
+/* Surfaces diced by an application into indexed quads or triangles. */
 
 #include "support/diced.h"
 
@@ -22,13 +22,13 @@ struct DicedMesh
   std::vector<Vec> vertices;
   DicedMotion motion;
   std::vector<std::array<unsigned, 4>> quads;
-  std::vector<std::array<unsigned, 3>> triangles; // if there are any, these are the mesh
+  std::vector<std::array<unsigned, 3>> triangles; // if not empty, the mesh consists of these triangles instead of quads
 
   bool isOfTriangles() const { return !triangles.empty(); }
   size_t size() const { return isOfTriangles() ? triangles.size() : quads.size(); }
 };
 
-// Of the n-th of 4^k quads that were cut out of one as Catmull-Clark subdivision does it: its place among them.
+// Position of the n-th of 4^k quads in the order of recursive Catmull-Clark subdivision.
 inline std::array<unsigned, 2> recursivePlace(unsigned n)
 {
   const unsigned cornerX[] = {0, 1, 1, 0}, cornerY[] = {0, 0, 1, 1};
@@ -40,8 +40,8 @@ inline std::array<unsigned, 2> recursivePlace(unsigned n)
   return at;
 }
 
-// The quads of grids, grid by grid, with one vertex for those that are the same floats. Recursive: grids have as many quads as a power
-// of 2 along both sides.
+// The quads of grids, grid by grid. Vertices with the same floats are merged. For QuadOrder::Recursive the number of
+// quads along both sides must be a power of two.
 inline DicedMesh meshOf(const Diced& diced, QuadOrder order, Random& random)
 {
   DicedMesh mesh;
@@ -64,7 +64,7 @@ inline DicedMesh meshOf(const Diced& diced, QuadOrder order, Random& random)
   return mesh;
 }
 
-// Each quad as two triangles, which begin at any of their corners, all at the same.
+// Splits each quad into two triangles. All first triangles begin at the same corner, and so do all second ones.
 inline DicedMesh trianglesOf(const DicedMesh& mesh, unsigned turnOfFirst = 0, unsigned turnOfSecond = 0)
 {
   DicedMesh out;
@@ -78,7 +78,7 @@ inline DicedMesh trianglesOf(const DicedMesh& mesh, unsigned turnOfFirst = 0, un
   return out;
 }
 
-// A globe of rows of quads, or of triangles, from pole to pole, whose quads at the poles have an edge without a length.
+// A globe of rows of quads or triangles between two poles. The quads at the poles have a degenerate edge.
 inline DicedMesh globe(unsigned columns, unsigned rows)
 {
   DicedMesh mesh;
@@ -94,7 +94,7 @@ inline DicedMesh globe(unsigned columns, unsigned rows)
   return mesh;
 }
 
-// Committed, not attached; the caller releases it.
+// Returns a committed geometry that is not attached. The caller releases it.
 inline RTCGeometry newMesh(RTCDevice device, const DicedMesh& mesh, RTCCompression compression = RTC_COMPRESSION_INHERIT, unsigned flags = 0, unsigned timeSteps = 1)
 {
   RTCGeometry geometry = rtcNewGeometry(device, mesh.isOfTriangles() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
@@ -106,7 +106,7 @@ inline RTCGeometry newMesh(RTCDevice device, const DicedMesh& mesh, RTCCompressi
   return geometry;
 }
 
-// One geometry, committed.
+// A scene with one committed geometry.
 class MeshScene : public Scene
 {
 public:
@@ -117,7 +117,7 @@ public:
   }
 };
 
-// At a place inside of a random triangle, from any side that is not too steep to it: of a ball, from outside.
+// A ray through a point inside a random triangle, at an angle that is not too grazing; on a ball, from outside.
 inline RTCRayHit rayAt(Random& random, const DicedMesh& mesh)
 {
   unsigned v[3];

@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* A geometry behind filters, in a scene of its own and in an instance of that. */
+/* A geometry with filter functions, in its own scene and in an instance of it. */
 
 #include "support/scene.h"
 
 namespace cbvh::test {
 
-// Refuses hits by what filters are handed of them.
+// Sets filters that reject hits depending on the values that they receive.
 inline void setFilters(RTCGeometry geometry)
 {
   const auto filter = [](const RTCFilterFunctionNArguments* args) {
@@ -20,7 +20,7 @@ inline void setFilters(RTCGeometry geometry)
   rtcSetGeometryOccludedFilterFunction(geometry, filter);
 }
 
-// Commits both scenes. geometry: released here. transforms: of the instance, one a time step.
+// Commits both scenes and releases `geometry`. transforms: of the instance, one per time step.
 inline void attachFiltered(RTCDevice device, RTCGeometry geometry, RTCScene scene, RTCScene top, const std::vector<std::array<float, 12>>& transforms)
 {
   setFilters(geometry);

@@ -28,7 +28,7 @@ void unitNormal(const RTCRayHit& r, double n[3])
   n[0] = x/l; n[1] = y/l; n[2] = z/l;
 }
 
-// Lengths of the shortest and the longest edge.
+// Returns the lengths of the shortest and the longest edge.
 std::pair<float, float> edgeLengths(const Cage& cage)
 {
   std::pair<float, float> range(INFINITY, 0);
@@ -44,8 +44,8 @@ std::pair<float, float> edgeLengths(const Cage& cage)
   return range;
 }
 
-// Whether GRID has a surface within a distance of a point. Probes start beside the point,
-// as it may lie in the plane of the surface, past its border.
+// True if GRID has a surface within a distance of a point. Probes start next to the point, because the point may lie
+// in the plane of the surface, outside of its border.
 bool isNearGrid(RTCScene grid, const Vec& p, float distance)
 {
   Random random(1);
@@ -66,15 +66,16 @@ bool isNearGrid(RTCScene grid, const Vec& p, float distance)
   return false;
 }
 
-// What the leaves that report a hit's parameters say of its place; several on the border of two.
+// Position of a hit relative to the leaf that reports its parameters. On common borders there are several such
+// leaves.
 struct LeafOfHit
 {
   bool exists = false;
-  double outside = INFINITY; // of the nearest one's box, in the error that rays are widened by
-  double reach = 0;          // to the farthest corner of those boxes that the hit is in
+  double outside = INFINITY; // distance to the nearest leaf's box, in units of the error by which rays are widened
+  double reach = 0;          // distance to the farthest corner of the boxes that contain the hit
 };
 
-// In the frame W is 1 over a linear form: over the block's box it is least at a corner.
+// In the frame W is 1 over a linear form, so its minimum over the block's box is at a corner.
 double leastW(const FrameMap& map)
 {
   double least = INFINITY;
@@ -86,8 +87,8 @@ double leastW(const FrameMap& map)
   return least;
 }
 
-// The traversal widens boxes by the error of its ray, which is divided by the lesser W of the two
-// ends of the ray in the block (local_ray.h). The hit's t is rounded, which is as much at most.
+// The traversal widens boxes by the error of its ray, divided by the smaller W of both ends of the ray in the block
+// (local_ray.h). The rounding of the hit's t is at most as large.
 constexpr double hitError = 2;
 
 LeafOfHit leafOfHit(const std::vector<const Block*>& blocks, const RTCRayHit& r)
@@ -129,7 +130,7 @@ void expectNearGrid(RTCScene grid, const std::vector<const Block*>& blocks, cons
   ASSERT_GE(hit.hit.v, 0);
   const double n2 = double(hit.hit.Ng_x)*hit.hit.Ng_x + double(hit.hit.Ng_y)*hit.hit.Ng_y + double(hit.hit.Ng_z)*hit.hit.Ng_z;
   ASSERT_GT(n2, 0);
-  if (blocks.empty()) { // cVERT's: they have no boxes that hits lie in
+  if (blocks.empty()) { // blocks of cVERT have no leaf boxes
     ASSERT_TRUE(isNearGrid(grid, hitPoint(hit), slack)) << "nothing within " << slack << " of a hit";
     return;
   }
@@ -140,7 +141,7 @@ void expectNearGrid(RTCScene grid, const std::vector<const Block*>& blocks, cons
   ASSERT_TRUE(isNearGrid(grid, hitPoint(hit), reach)) << "nothing within " << reach << " of a hit";
 }
 
-// How far cVERT's surface may be from GRID's: moved vertices, closed borders, and floats.
+// Largest distance of cVERT's surface from GRID's: rounded vertices, closed borders, and float errors.
 float vertSlack(RTCScene scene)
 {
   const RTCCompressionStatistics stats = statisticsOf(scene);
@@ -169,13 +170,13 @@ void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     unitNormal(b, n);
     const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z}, length = std::sqrt(dot(d, d));
     const double cosine = std::fabs(dot(d, m))/length;
-    // GRID keeps u and v as integers of 8/65536, which levels up to 8 hit exactly. Where GRID cuts a
-    // face into 8 x 8 quads its vertices may round another way, and the compiler may fuse one of two
-    // copies of the same test another way: that shifts a hit by ulps of t over the cosine, and u and v
-    // by as much out of the length of a face.
+    // GRID stores u and v as multiples of 8/65536, which represents levels up to 8 exactly. If GRID splits a face
+    // into 8 x 8 quads its vertices may round differently, and the compiler may fuse operations in only one of two
+    // copies of the same test. This shifts a hit by ulps of t divided by the cosine, and u and v by the same distance
+    // divided by the length of a face.
     ASSERT_LE(std::fabs(b.ray.tfar - a.ray.tfar), 4*ulp*(a.ray.tfar + 1/(cosine*length))) << "face " << a.hit.primID << " at " << a.hit.u << ", " << a.hit.v
       << " is face " << b.hit.primID << " at " << b.hit.u << ", " << b.hit.v << ", cosine " << cosine << ", t " << a.ray.tfar;
-    if (b.hit.primID != a.hit.primID) continue; // on the border of two faces either may come first
+    if (b.hit.primID != a.hit.primID) continue; // on the border of two faces the ray may hit either first
     ASSERT_GT(dot(m, n), 1 - 1e-5);
     const double tolerance = 4*ulp*(1 + 1/(cosine*face));
     ASSERT_LE(std::fabs(b.hit.u - a.hit.u), tolerance);
@@ -189,11 +190,11 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
 {
   const Displacement& displacement = *settings.displacement;
   const float thickness = statisticsOf(scene).maxLeafThickness + vertSlack(scene), rate = settings.rate;
-  // Catmull-Clark pulls faces of high valence together, to about half their width.
+  // Catmull-Clark subdivision shrinks faces of high valence to about half their width.
   const float quad = edgeLengths(cage).second/rate, narrow = 0.5f*edgeLengths(cage).first/rate;
   const std::vector<const Block*> blocks = sceneBlocks(scene);
-  // A quad's two triangles leave its bilinear patch by a quarter of its twist, the mixed
-  // derivative of the displacement, at most amplitude times twice the frequency squared.
+  // The two triangles of a quad deviate from its bilinear patch by a quarter of its twist, the mixed derivative of
+  // the displacement. The twist is at most amplitude times twice the frequency squared.
   const float twist = 0.25f*2*displacement.amplitude*displacement.frequency*displacement.frequency*quad*quad;
   unsigned hits = 0, misses = 0, falseHits = 0, compared = 0, across = 0, otherWay = 0, parameters = 0;
   for (const RTCRayHit& ray : rays) {
@@ -202,7 +203,8 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     hits += isHit(a);
     if (isHit(a) && !isHit(b)) {
       ASSERT_NE(settings.compression, RTC_COMPRESSION_VOXEL) << "a box contains the surface: no misses";
-      if (settings.compression == RTC_COMPRESSION_VERT) { // at a border or a silhouette, as far as vertices are moved
+      // only at a border or a silhouette, within the distance by which vertices are moved
+      if (settings.compression == RTC_COMPRESSION_VERT) {
         ASSERT_TRUE(isNearGrid(scene, hitPoint(a), vertSlack(scene))) << "a miss far from the surface";
         continue;
       }
@@ -231,13 +233,13 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
   }
   EXPECT_GT(hits, rays.size()/10);
   EXPECT_GT(compared, hits/3);
-  // The rest: a leaf's box reaches past its quad, and what is extrapolated there may be hit first.
+  // The other hits: a leaf's box extends beyond its quad, and rays may hit the extrapolated surface there first.
   EXPECT_GE(across, compared - compared/10) << "of " << compared << " hits lie within the thickness";
   EXPECT_LE(otherWay, compared/100) << "of " << compared << " normals point the other way";
   EXPECT_GE(parameters, compared - compared/10) << "of " << compared << " parameters agree";
   EXPECT_LE(misses, hits/200 + 1);
-  // A border as wide as the thickness and the overlap of boxes around a sheet
-  // that is 2 wide is four times their ratio to it, and as much again for folds.
+  // The sheet is 2 wide. A border of the width of thickness and box overlap covers four times the ratio of that width
+  // to 2. Folds add as much again.
   EXPECT_LE(falseHits, hits*std::min(1.0f, 8*(thickness + 0.25f*quad)/2) + 2);
 }
 

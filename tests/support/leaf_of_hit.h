@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The leaves of a scene's blocks that a hit may lie in, by its parameters, and what they
- * decode to, by the kind of their block: docs/formats/framed_block.md. */
+/* Finds the leaves that may contain a hit by its parameters, and decodes them depending on the kind of their block:
+ * docs/formats/framed_block.md. */
 
 #include "kernels/cbvh/framed/tree.h"
 #include <embree3/rtcore.h>
@@ -17,10 +17,10 @@ namespace cbvh::test {
 struct LeafOfBlock
 {
   const embree::cbvh::Block* block;
-  uint32_t leaf; // Morton index; of a group of 2 x 2 quads in cGRID, of a quarter where cLEAF has one quad
+  uint32_t leaf; // Morton index; in cGRID of a group of 2 x 2 quads, in cLEAF of a quarter of a quad
 };
 
-// Several on the border of two.
+// Returns several leaves if the hit is on their common border.
 inline std::vector<LeafOfBlock> leavesOfHit(const std::vector<const embree::cbvh::Block*>& blocks, const RTCHit& hit)
 {
   std::vector<LeafOfBlock> leaves;
@@ -37,8 +37,8 @@ inline std::vector<LeafOfBlock> leavesOfHit(const std::vector<const embree::cbvh
   return leaves;
 }
 
-// Words of nodes down to the last level, whose words are those of groups in cLEAF. Only cLEAF has
-// more than the box.
+// Decodes words of nodes down to the last level; in cLEAF the words of that level belong to groups. Only cLEAF has
+// more than a box.
 inline embree::cbvh::LeafPatch decodeLeafOfBlock(const LeafOfBlock& at)
 {
   using namespace embree::cbvh;

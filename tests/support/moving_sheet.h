@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Sheets of quads that move, on lattices: what blocks of cVERT that move are made of. */
+/* Moving sheets of quads on lattices, the input of moving cVERT blocks. */
 
 #include "kernels/cvert/encoder/lattice.h"
 #include "kernels/cvert/encoder/motion_encoder.h"
@@ -22,22 +22,22 @@ struct MovingSheet
   typedef std::vector<std::array<float, 3>> Step;
 
   uint32_t quadsX, quadsY;
-  std::vector<float> spacings; // of each step's lattice
+  std::vector<float> spacings; // lattice spacing of each step
   std::vector<Step> steps;
 
-  // Any: what moves how is chosen by i, with vertices that are not finite, and steps that are far away, among them.
+  // A sheet whose kind depends on i. Includes vertices that are not finite and steps at large distances.
   MovingSheet(Random& random, uint32_t quadsX, uint32_t quadsY, int i)
     : MovingSheet(random, quadsX, quadsY, SheetMotion(i % 4), std::vector<double>{0, 0.5, 5, 40, 4000}[i % 5], i % 50 == 0 ? 129 : 2 + random.below(5))
   {
     if (i % 7 == 0) steps[random.below(uint32_t(steps.size()))][random.below(uint32_t(steps[0].size()))][i % 3] = i % 2 ? NAN : INFINITY;
     if (i % 31 == 0) std::fill(steps[i % 2].begin(), steps[i % 2].end(), std::array<float, 3>{NAN, 0, 0});
-    if (i % 13 == 5) // on no lattice
+    if (i % 13 == 5) // not on a lattice
       for (auto& p : steps[random.below(uint32_t(steps.size()))])
         for (float& c : p) c *= 0.7123f;
     if (i % 11 == 0) snap(uint32_t(steps.size()) - 1, std::ldexp(spacings[0], int(random.below(9)) - 4));
   }
 
-  // A sheet with a rough surface; roughness in spacings
+  // A sheet with a rough surface. roughness: in lattice spacings.
   MovingSheet(Random& random, uint32_t quadsX, uint32_t quadsY, SheetMotion motion, double roughness, uint32_t numSteps) : quadsX(quadsX), quadsY(quadsY)
   {
     const float spacing = std::ldexp(1.0f, int(random.below(60)) - 30);
@@ -65,7 +65,7 @@ struct MovingSheet
     }
   }
 
-  // Some steps of another one.
+  // Some time steps of another sheet.
   MovingSheet(const MovingSheet& other, const std::vector<uint32_t>& of) : quadsX(other.quadsX), quadsY(other.quadsY)
   {
     for (uint32_t s : of) { steps.push_back(other.steps[s]); spacings.push_back(other.spacings[s]); }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Motion of cages, and rays at compressed surfaces that move: from their middle at what triangles share. */
+/* Moving cages, and rays from the center of moving compressed surfaces at shared vertices and edges. */
 
 #include "support/scene.h"
 
@@ -39,7 +39,7 @@ struct MovingTargets
   }
 };
 
-// At so many times, of which the first two are 0 and 1.
+// Rays at the given number of times, the first two of which are 0 and 1.
 inline std::vector<RTCRayHit> raysAtMovingSurface(Random& random, RTCGeometry geometry, unsigned times, unsigned raysPerTime)
 {
   std::vector<RTCRayHit> rays;
@@ -58,7 +58,7 @@ inline std::vector<RTCRayHit> raysAtMovingSurface(Random& random, RTCGeometry ge
   return rays;
 }
 
-// Each at a time of its own.
+// Rays with different times.
 inline std::vector<RTCRayHit> timedRays(Random& random, unsigned count)
 {
   std::vector<RTCRayHit> rays = raysAt(random, count);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The same rays by every function of the API that traces rays. */
+/* Traces the same rays with every function of the API. */
 
 #include "support/scene.h"
 
@@ -32,7 +32,7 @@ inline const char* nameOf(QueryForm form)
   return "";
 }
 
-// The closest hits, or, for any hit, rays whose tfar is negative where there is one.
+// Traces the closest hits. For any hit, returns rays whose tfar is negative if they are occluded.
 class QueryRun
 {
 public:
@@ -72,7 +72,7 @@ public:
   }
 
 private:
-  // Lanes behind the last ray are off.
+  // Lanes after the last ray are inactive.
   template<unsigned N, typename Packet, typename Ray>
   void packets(std::vector<RTCRayHit>& rays, void (*intersect)(const int*, RTCScene, RTCIntersectContext*, Packet*),
                void (*occluded)(const int*, RTCScene, RTCIntersectContext*, Ray*))
@@ -93,7 +93,8 @@ private:
     }
   }
 
-  // Calls closure(word of RTCRayHit, row of a packet): a single ray is aligned behind its words, and its hit too.
+  // Calls closure(word of RTCRayHit, row of a packet). In a packet the words of the ray and of the hit are aligned
+  // separately.
   template<typename Closure>
   static void forWords(const Closure& closure)
   {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Cages of the tests of the true surface, and points on them. */
+/* Cages for tests against the true surface, and points on them. */
 
 #include "support/random.h"
 #include "surface/true_surface.h"
@@ -28,7 +28,7 @@ inline Cage sheet(unsigned n)
   return cage;
 }
 
-/* Closed: two faces of n vertices, n quads. */
+/* Closed: two caps of n vertices, n quads. */
 inline Cage prism(unsigned n)
 {
   Cage cage;

@@ -61,7 +61,7 @@ Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement&
       }
       sheet.vertices.push_back(toWorld(p));
     }
-  if (shape == Shape::CollapsedQuads && n > 1) // quads that are lines, triangles and points
+  if (shape == Shape::CollapsedQuads && n > 1) // quads that degenerate to lines, triangles and points
     for (unsigned i = 0; i < n*n/2 + 1; i++) {
       const unsigned x = 1 + random.below(n-1), y = 1 + random.below(n-1);
       sheet.vertices[y*(n+1) + x] = sheet.vertex(x - random.below(2), y - random.below(2));
@@ -72,7 +72,7 @@ Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement&
   return sheet;
 }
 
-// Overwrites what the tessellator made.
+// Replaces the vertices of the tessellator.
 static void place(const RTCDisplacementFunctionNArguments* args)
 {
   const Sheet& sheet = *(const Sheet*)args->geometryUserPtr;
@@ -118,7 +118,7 @@ RTCRayHit randomRay(Random& random, RayKind kind, const Sheet& sheet, double dir
   if (kind == RayKind::Across) for (double& t : target) t += 0.1*sheet.scale*random.normal();
   double length = std::sqrt(dir[0]*dir[0] + dir[1]*dir[1] + dir[2]*dir[2]);
   if (!(length > 0)) { dir[2] = length = 1; }
-  double back = 3*sheet.scale; // from the origin to the target
+  double back = 3*sheet.scale; // distance from the origin to the target
   if (kind == RayKind::FromInsideBlock) back = 0.2*sheet.scale*random.uniform();
   if (kind == RayKind::FromInsideLeaf) back = random.chance(0.5) ? 0 : 0.01*sheet.scale*random.uniform();
   Vec o, d;

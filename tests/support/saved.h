@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Geometries in files: a folder for them, their bytes, and surfaces of every form to save. */
+/* Geometries in files: a folder for files, their bytes, and surfaces of all forms. */
 
 #include "support/diced_mesh.h"
 #include "support/scene.h"
@@ -23,7 +23,7 @@
 
 namespace cbvh::test {
 
-// A folder of its own, empty, and removed with what is in it.
+// A new, empty folder. The destructor removes it with its contents.
 class Folder
 {
 public:
@@ -64,7 +64,8 @@ inline std::string bytesOf(const std::string& path)
 
 inline void writeBytes(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
 
-// One of each form that a file has, by name; committed, and compressed by their own commit, so that their input is gone.
+// Named geometries of each form of a file. They are committed and compressed by their own commit, which releases
+// their input.
 struct Saveable
 {
   std::string name;
