@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Surfaces as clusters of formats for GPUs: decoders written from the specifications find the triangles that rays hit, to the bit. */
+/* Surfaces as clusters of GPU formats: decoders written from the specifications find exactly the triangles that rays
+ * hit. */
 
 #include "support/cluster_judge.h"
 #include "support/diced_mesh.h"
@@ -16,7 +17,7 @@ namespace {
 const RTCClusterFormat allFormats[] = {RTC_CLUSTER_FORMAT_FLOAT3, RTC_CLUSTER_FORMAT_COMPRESSED1, RTC_CLUSTER_FORMAT_DGF1};
 const char* nameOf(RTCClusterFormat format) { return format == RTC_CLUSTER_FORMAT_DGF1 ? "DGF1" : format == RTC_CLUSTER_FORMAT_COMPRESSED1 ? "COMPRESSED1" : "floats"; }
 
-// A geometry that is compressed by its own commit.
+// A geometry compressed by its own commit.
 struct Stored
 {
   RTCGeometry geometry;
@@ -43,7 +44,7 @@ private:
   RTCScene scene = nullptr;
 };
 
-// Of all formats. allFit: no cluster has floats in place of another format.
+// Checks all formats. allFit: no cluster falls back to floats.
 void expectClusters(RTCGeometry geometry, bool allFit, float time = 0)
 {
   size_t triangles = 0;
@@ -60,7 +61,7 @@ void expectClusters(RTCGeometry geometry, bool allFit, float time = 0)
   }
 }
 
-TEST(Clusters, OfCagesAreTheTrianglesThatRaysHit)
+TEST(Clusters, ClustersOfCagesMatchHitTriangles)
 {
   Device device;
   Random random(171);
@@ -76,7 +77,7 @@ TEST(Clusters, OfCagesAreTheTrianglesThatRaysHit)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, AreWholeGridsWhereNothingIsStitched)
+TEST(Clusters, UnstitchedClustersAreWholeGrids)
 {
   Device device;
   SurfaceSettings settings;
@@ -95,7 +96,7 @@ TEST(Clusters, AreWholeGridsWhereNothingIsStitched)
   EXPECT_LE(dgf.largestCluster, 64u);
 }
 
-TEST(Clusters, HaveScalesAndPlacesOfAnyKind)
+TEST(Clusters, AnyScaleAndPositionIsSupported)
 {
   Device device;
   for (float scale : {1e-30f, 1e-6f, 1.0f, 1e6f, 1e12f})
@@ -107,12 +108,13 @@ TEST(Clusters, HaveScalesAndPlacesOfAnyKind)
       SurfaceSettings settings;
       settings.displacement = &displacement;
       settings.rate = 20;
-      expectClusters(Stored(device, creasedCube(), settings), away <= 3000); // beyond, vertices are finer than 24 bits have it
+      // farther away, vertices are finer than 24 bits
+      expectClusters(Stored(device, creasedCube(), settings), away <= 3000);
     }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, OfHolesAndVerticesThatAreNotFiniteLeaveThemOut)
+TEST(Clusters, HolesAndNonFiniteVerticesAreLeftOut)
 {
   Device device;
   Random random(172);
@@ -128,7 +130,7 @@ TEST(Clusters, OfHolesAndVerticesThatAreNotFiniteLeaveThemOut)
   }
 }
 
-TEST(Clusters, OfGridsQuadsAndTriangles)
+TEST(Clusters, GridsQuadsAndTrianglesAreSupported)
 {
   Device device;
   Random random(173);
@@ -143,7 +145,7 @@ TEST(Clusters, OfGridsQuadsAndTriangles)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, SayWhyTheyHaveFloats)
+TEST(Clusters, ReasonForFloatsIsReported)
 {
   Device device;
   Displacement displacement;
@@ -166,7 +168,7 @@ TEST(Clusters, SayWhyTheyHaveFloats)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, OfStitchedGridsMeetWhereSomeHaveFloats)
+TEST(Clusters, StitchedGridsStayClosedIfSomeClustersHaveFloats)
 {
   Device device;
   Diced diced;
@@ -174,7 +176,8 @@ TEST(Clusters, OfStitchedGridsMeetWhereSomeHaveFloats)
   diced.add(9, 9, [&](unsigned x, unsigned y) { return position(x/8.0, y/8.0); });
   diced.add(25, 25, [&](unsigned x, unsigned y) {
     if (x > 0) return position(1 + x/24.0, y/24.0);
-    const Vec a = position(1, y/3/8.0), b = position(1, (y/3 + 1)/8.0); // on an edge of the coarser grid: a third is on no lattice
+    // on an edge of the coarser grid; a third is on no lattice
+    const Vec a = position(1, y/3/8.0), b = position(1, (y/3 + 1)/8.0);
     const float t = float(y % 3)/3;
     return Vec{a[0] + t*(b[0] - a[0]), a[1] + t*(b[1] - a[1]), a[2] + t*(b[2] - a[2])};
   });
@@ -188,7 +191,7 @@ TEST(Clusters, OfStitchedGridsMeetWhereSomeHaveFloats)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, OfNothingAndOfUnknownFormatsAreErrors)
+TEST(Clusters, EmptyInputAndUnknownFormatsAreErrors)
 {
   Device device;
   SurfaceSettings settings;

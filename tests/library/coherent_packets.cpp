@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Coherent packets where they could go another way than single rays: lanes that are off, rays that start on the
- * surface, filters, and faces that GRID traces. scene_features.cpp has all that is plain. */
+/* Coherent packets in cases where they could differ from single rays: inactive lanes, rays that start on the surface,
+ * filters, and faces that GRID traces. scene_features.cpp tests simple cases. */
 
 #include "support/filtered_surface.h"
 #include "support/random.h"
@@ -25,7 +25,7 @@ struct Traced
   bool occluded;
 };
 
-// In packets of 8. Lanes that are off hold `garbage` in every word, and are not in the result.
+// Traces packets of 8. Inactive lanes contain `garbage` in every word and are not part of the result.
 std::map<size_t, Traced> inPackets(RTCScene scene, const std::vector<RTCRayHit>& rays, RTCIntersectContext& context,
                                    const std::function<bool(size_t)>& isOn = [](size_t) { return true; }, float garbage = 0)
 {
@@ -63,7 +63,7 @@ std::map<size_t, Traced> inPackets(RTCScene scene, const std::vector<RTCRayHit>&
   return inPackets(scene, rays, context);
 }
 
-// As a picture has them, row by row, from near.
+// Rays of a picture, row by row, from a short distance.
 std::vector<RTCRayHit> pictureRays(unsigned side)
 {
   std::vector<RTCRayHit> rays;
@@ -110,8 +110,8 @@ void expectHitsOfSingleRays(RTCScene scene, const std::vector<RTCRayHit>& rays, 
   }
 }
 
-// They hold what memory held before.
-TEST_P(CoherentPackets, DoNotLookAtLanesThatAreOff)
+// Inactive lanes contain arbitrary memory.
+TEST_P(CoherentPackets, InactiveLanesAreIgnored)
 {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
@@ -126,7 +126,7 @@ TEST_P(CoherentPackets, DoNotLookAtLanesThatAreOff)
   }
 }
 
-TEST_P(CoherentPackets, ThatStartOnTheSurfaceHitWhatSingleRaysHit)
+TEST_P(CoherentPackets, RaysThatStartOnTheSurfaceMatchSingleRays)
 {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
@@ -149,7 +149,7 @@ struct SeenHit { float t, u, v; unsigned primID; };
 
 struct PacketFilter
 {
-  RTCIntersectContext context; // first
+  RTCIntersectContext context; // must be the first member
   std::function<bool(const SeenHit&)> accepts;
   std::map<unsigned, std::vector<SeenHit>> seen; // by ray
 
@@ -170,7 +170,7 @@ void filter(const RTCFilterFunctionNArguments* args)
 
 bool isOnDarkSquare(const SeenHit& s) { return (int(s.u*5.3f + 0.37f) + int(s.v*5.3f + 0.37f)) % 2 == 0; }
 
-TEST_P(CoherentPackets, HitTheNearestThatAFilterAccepts)
+TEST_P(CoherentPackets, NearestAcceptedHitIsReported)
 {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
@@ -192,7 +192,7 @@ TEST_P(CoherentPackets, HitTheNearestThatAFilterAccepts)
   EXPECT_GT(past, 100u) << "the filter rejected no first hit";
 }
 
-TEST_P(CoherentPackets, AskAFilterOnceAfterAnyHit)
+TEST_P(CoherentPackets, FilterIsNotCalledAfterAcceptedAnyHit)
 {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
@@ -211,8 +211,8 @@ TEST_P(CoherentPackets, AskAFilterOnceAfterAnyHit)
   for (const auto& [id, hits] : all.seen) ASSERT_EQ(hits.size(), 1u) << "ray " << id;
 }
 
-// Closest hit and any hit, in whatever order.
-TEST_P(CoherentPackets, ShowAFilterThatRejectsAllWhatSingleRaysShowIt)
+// Closest hit and any hit, in any order.
+TEST_P(CoherentPackets, FilterThatRejectsAllSeesSameHitsAsForSingleRays)
 {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
@@ -234,8 +234,8 @@ TEST_P(CoherentPackets, ShowAFilterThatRejectsAllWhatSingleRaysShowIt)
   }
 }
 
-// What a thread keeps of blocks is overwritten meanwhile: packets go on as if nothing had happened.
-TEST_P(CoherentPackets, GoOnAfterAFilterHasTracedRays)
+// The filter function evicts the thread's cached blocks by tracing other rays.
+TEST_P(CoherentPackets, FilterMayTraceRays)
 {
   Scene scene(device);
   SurfaceSettings of = settings();
@@ -273,13 +273,14 @@ TEST_P(CoherentPackets, GoOnAfterAFilterHasTracedRays)
 
 // --- faces that GRID traces ----------------------------------------------------------------------
 
-// GRID's triangles are tested another way by packets: not to the bit, and a ray in 1000 may hit beside an edge.
-TEST_P(CoherentPackets, HitWhatGridTracesInTheSameScene)
+// Packets use a different test for GRID's triangles: results are not bit-identical, and one ray in 1000 may hit the
+// other side of an edge.
+TEST_P(CoherentPackets, GridFacesInSameSceneMatchSingleRays)
 {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
   Displacement aside;
-  aside.offset = {0.5f, 0.1f, 0.1f}; // both in each other
+  aside.offset = {0.5f, 0.1f, 0.1f}; // both surfaces intersect each other
   SurfaceSettings ofGrid = settings();
   ofGrid.displacement = &aside;
   ofGrid.compression = RTC_COMPRESSION_NONE;

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What rtcGetSceneCompressionStatistics counts, and when it does. */
+/* Counters of rtcGetSceneCompressionStatistics, and the times at which they are valid. */
 
 #include "support/scene.h"
 
@@ -24,12 +24,12 @@ bool isAllZero(const RTCCompressionStatistics& s)
     s.numInvalidQuads + s.numAffineBlocks + s.numSolidLeaves == 0 && s.maxLeafThickness == 0;
 }
 
-// Each of two surfaces has some of everything: blocks, affine ones, solid leaves, quads that are
-// left out, and quads of GRID's. A scene of both has the sums, but for the tree over them.
+// Both surfaces contribute to each counter: blocks, affine ones, solid leaves, quads that are left out, and quads of
+// GRID. A scene with both must have the sums, except for the tree above them.
 TEST(CompressionStatistics, AddUpOverSurfaces)
 {
   Device device;
-  Cage many = sheetCage(6), few = cubeCage(); // of several tasks, and of one
+  Cage many = sheetCage(6), few = cubeCage(); // one with several tasks, one with a single task
   Displacement rough, rougher;
   rough.amplitude = 0.4f;
   rougher.amplitude = 0.9f;
@@ -42,13 +42,13 @@ TEST(CompressionStatistics, AddUpOverSurfaces)
   for (int i = 0; i < 2; i++) {
     settings[i].displacement = displacements[i];
     settings[i].compression = RTC_COMPRESSION_LEAF;
-    settings[i].frameLevel = 1; // blocks small enough that some have no frame but an affine one
+    settings[i].frameLevel = 1; // blocks small enough that some have only an affine frame
     settings[i].edgeRates.assign(cages[i]->indices.size(), 16.0f);
-    std::fill_n(settings[i].edgeRates.end() - 4, 4, 257.0f); // the last face, and so the edges of its neighbours too
+    std::fill_n(settings[i].edgeRates.end() - 4, 4, 257.0f); // the last face, which includes edges of its neighbors
     alone[i] = statisticsOf(device, {{cages[i], &settings[i]}});
     for (size_t n : {alone[i].frameBytes, alone[i].nodeBytes, alone[i].leafBytes, alone[i].gridBytes, alone[i].numBlocks, alone[i].numQuads,
                      alone[i].numGridQuads, alone[i].numInvalidQuads, alone[i].numAffineBlocks, alone[i].numSolidLeaves})
-      EXPECT_GT(n, 0u) << "surface " << i << " has to have some of everything";
+      EXPECT_GT(n, 0u) << "surface " << i << " must contribute to every counter";
   }
   const RTCCompressionStatistics both = statisticsOf(device, {{cages[0], &settings[0]}, {cages[1], &settings[1]}});
   for (size_t RTCCompressionStatistics::*field : {&RTCCompressionStatistics::frameBytes, &RTCCompressionStatistics::nodeBytes,
@@ -60,8 +60,8 @@ TEST(CompressionStatistics, AddUpOverSurfaces)
   EXPECT_GE(both.topLevelBytes, std::max(alone[0].topLevelBytes, alone[1].topLevelBytes));
 }
 
-// Blocks follow each other at multiples of 16 bytes, and what is between them is theirs.
-TEST(CompressionStatistics, BytesOfBlocksAreThoseOfTheirStride)
+// Blocks are aligned to 16 bytes, and the padding counts as part of the block.
+TEST(CompressionStatistics, BytesOfBlocksIncludePadding)
 {
   Device device;
   Displacement displacement;
@@ -79,8 +79,8 @@ TEST(CompressionStatistics, BytesOfBlocksAreThoseOfTheirStride)
     }
 }
 
-// There is a projective map of the corners of a trapezoid, of those of a dented quad there is none.
-TEST(CompressionStatistics, CountAffineBlocks)
+// The corners of a trapezoid have a projective map; those of a dented quad have none.
+TEST(CompressionStatistics, AffineBlocksAreCounted)
 {
   Device device;
   SurfaceSettings settings;
@@ -97,7 +97,7 @@ TEST(CompressionStatistics, CountAffineBlocks)
   }
 }
 
-TEST(CompressionStatistics, AreThoseOfTheLastCommit)
+TEST(CompressionStatistics, DescribeTheLastCommit)
 {
   Device device;
   SurfaceSettings settings;
@@ -107,13 +107,14 @@ TEST(CompressionStatistics, AreThoseOfTheLastCommit)
   rtcCommitScene(scene);
   EXPECT_GT(statisticsOf(scene).numBlocks, 0u);
   RTCGeometry geometry = rtcGetGeometry(scene, 0);
-  rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_NO_BOUNDARY); // has no face at a border, and there is no other
+  // every face is at a border, so this mode removes all of them
+  rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_NO_BOUNDARY);
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
   EXPECT_TRUE(isAllZero(statisticsOf(scene)));
 }
 
-TEST(CompressionStatistics, AreRefusedUntilAChangeIsCommitted)
+TEST(CompressionStatistics, AreRejectedUntilChangesAreCommitted)
 {
   Device device;
   SurfaceSettings settings;
@@ -143,8 +144,8 @@ TEST(CompressionStatistics, AreRefusedUntilAChangeIsCommitted)
   }
 }
 
-// A surface that is disabled asks for nothing: the others are as without it, stock Embree's.
-TEST(CompressionStatistics, KnowNothingOfDisabledSurfaces)
+// A disabled surface does not request compression: the other surfaces are traced by stock Embree.
+TEST(CompressionStatistics, IgnoreDisabledSurfaces)
 {
   Device device;
   SurfaceSettings settings;
@@ -162,8 +163,8 @@ TEST(CompressionStatistics, KnowNothingOfDisabledSurfaces)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Whatever kind is asked for, what moves is cVERT.
-TEST(CompressionStatistics, CountWhatMoves)
+// Moving geometry is stored as cVERT, independently of the selected kind.
+TEST(CompressionStatistics, CountMovingGeometry)
 {
   for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     Device device;
@@ -185,8 +186,8 @@ TEST(CompressionStatistics, CountWhatMoves)
   }
 }
 
-// The spacing follows the edges of each time step, and the statistics have the largest.
-TEST(CompressionStatistics, HaveTheSpacingOfEveryTimeStep)
+// The spacing follows the edges of each time step. The statistics contain the largest spacing.
+TEST(CompressionStatistics, ReportLargestSpacingOfAllTimeSteps)
 {
   Device device;
   const auto spacing = [&](unsigned timeSteps, const std::function<float(unsigned)>& scale) {
@@ -203,7 +204,7 @@ TEST(CompressionStatistics, HaveTheSpacingOfEveryTimeStep)
   for (unsigned large : {0u, 1u, 2u, 3u}) EXPECT_EQ(spacing(4, [&](unsigned step) { return step == large ? 64.0f : 1.0f; }), 64*still) << large;
 }
 
-// What Embree's subdivision does not evaluate is counted.
+// Faces that Embree's subdivision does not evaluate are counted.
 TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
 {
   const auto fan = [](unsigned faces, unsigned corners) { // around vertex 0
@@ -240,13 +241,13 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
       const RTCCompressionStatistics stats = statisticsOf(scene);
       EXPECT_EQ(stats.numQuads + stats.numGridQuads > 0, c.hasOthers);
       if (c.unsupported) EXPECT_EQ(stats.numUnsupportedFaces, c.unsupported);
-      EXPECT_EQ(device.errors, 0u) << "Embree says nothing, and programs rely on it: " << device.message;
+      EXPECT_EQ(device.errors, 0u) << "Embree does not report these faces, and programs rely on that: " << device.message;
       rtcReleaseGeometry(geometry);
     }
 }
 
-// The frame level of a face is that of its roughest sub-patch, whichever of them that is.
-TEST(CompressionStatistics, KeepTheErrorBoundInEverySubPatch)
+// The frame level of a face is determined by its roughest sub-patch.
+TEST(CompressionStatistics, ErrorBoundHoldsInEverySubPatch)
 {
   Device device;
   const Cage cage = prismCage(5);
@@ -260,11 +261,12 @@ TEST(CompressionStatistics, KeepTheErrorBoundInEverySubPatch)
     settings.maxError = 0.003f;
     settings.rate = 32;
     RTCGeometry geometry = newSurface(device, cage, settings);
-    displacement.frequency = float(rough); // carries it to the function
+    displacement.frequency = float(rough); // passes the value to the displacement function
     rtcSetGeometryDisplacementFunction(geometry, [](const RTCDisplacementFunctionNArguments* args) {
       const unsigned wanted = unsigned(((const Displacement*)args->geometryUserPtr)->frequency);
       for (unsigned i = 0; i < args->N; i++) {
-        const float su = std::floor((args->u[i] - 0.25f)/2), sv = std::floor((args->v[i] - 0.25f)/2); // corner k of an n-gon is at (2 (k%4) + 1/2, 2 (k/4) + 1/2)
+        // corner k of an n-gon is at (2 (k%4) + 1/2, 2 (k/4) + 1/2)
+        const float su = std::floor((args->u[i] - 0.25f)/2), sv = std::floor((args->v[i] - 0.25f)/2);
         if (args->primID < 2 && unsigned(su + 4*sv) == wanted)
           args->P_z[i] += 0.02f*std::sin(8*args->u[i])*std::sin(6*args->v[i]);
       }
@@ -274,7 +276,7 @@ TEST(CompressionStatistics, KeepTheErrorBoundInEverySubPatch)
     attach(scene, geometry);
     rtcCommitScene(scene);
     EXPECT_LE(statisticsOf(scene).maxLeafThickness, settings.maxError) << "sub-patch " << rough;
-    EXPECT_LT(statisticsOf(scene).numBlocks, statisticsOf(scene).numQuads) << "the bound is met before blocks have one quad";
+    EXPECT_LT(statisticsOf(scene).numBlocks, statisticsOf(scene).numQuads) << "the bound holds before blocks have one quad";
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   }
 }

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Displacement that gives NaN or infinity at some vertices: the quads around them are
- * left out and counted, an error of the device names them, all else is as without. */
+/* Displacement functions that return NaN or infinity at some vertices. The quads around them are left out and counted,
+ * an error of the device reports them, and everything else is unchanged. */
 
 #include "support/random.h"
 #include "support/scene.h"
@@ -26,11 +26,12 @@ constexpr int quads = 16;
 
 int lattice(float u) { return int(std::lround(u*quads)); }
 
-TEST_P(InvalidVertices, LeaveOutTheirQuadsAndNoOthers)
+TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
 {
   RecordProperty("property", "quads with a vertex that is NaN or infinite are left out and counted, and no others: inside a block, on borders of blocks, on the rim");
   Device device;
-  // vertex (x, y) of the grid is bad; inside a block, on the border of two, on a corner of four, on the rim
+  // vertex (x, y) of the grid is invalid: inside a block, on the border of two blocks, on a corner of four blocks, on
+  // the rim
   const std::vector<std::vector<std::array<int, 2>>> sets = {
     {{6, 6}}, {{4, 6}}, {{8, 8}}, {{0, 5}}, {{0, 0}}, {{3, 3}, {4, 3}, {13, 2}, {16, 16}}, {{7, 9}, {7, 10}, {7, 11}, {8, 12}}};
   for (size_t set = 0; set < sets.size(); set++)
@@ -62,8 +63,8 @@ TEST_P(InvalidVertices, LeaveOutTheirQuadsAndNoOthers)
       EXPECT_TRUE(std::isfinite(bounds.lower_x) && std::isfinite(bounds.upper_z));
 
       const bool hasVertices = GetParam() == RTC_COMPRESSION_GRID || GetParam() == RTC_COMPRESSION_VERT;
-      // straight down at the first triangle of each quad; quads next to a hole may reach over it, by a leaf's
-      // overlap, and what is next to one may be seen in it only by a thick leaf
+      // Rays straight down at the first triangle of each quad. Quads next to a hole may extend into it by a leaf's
+      // overlap. A thick leaf next to a hole may be visible in it.
       for (int y = 0; y < quads; y++)
         for (int x = 0; x < quads; x++) {
           const float u = (x + 0.3f)/quads, v = (y + 0.3f)/quads;
@@ -71,7 +72,7 @@ TEST_P(InvalidVertices, LeaveOutTheirQuadsAndNoOthers)
           const RTCRayHit hit = intersect(scene, ray);
           ASSERT_EQ(occluded(scene, ray), isHit(hit));
           if (!isBadQuad(x, y)) { ASSERT_TRUE(isHit(hit)) << "quad " << x << ", " << y; }
-          // cGRID and cVERT have vertices: the other triangle of a quad may be seen, as GRID sees it
+          // cGRID and cVERT have vertices: the other triangle of a quad may be visible, as in GRID
           const bool badTriangle = isBad(x, y) || isBad(x+1, y) || isBad(x, y+1);
           if (badTriangle && hasVertices) { ASSERT_FALSE(isHit(hit)) << "quad " << x << ", " << y; }
           if (!isHit(hit)) continue;
@@ -104,8 +105,8 @@ TEST_P(InvalidVertices, HolesStayOpen)
   EXPECT_TRUE(isHit(intersect(scene, makeRay({2.0f/quads, 7.0f/quads, 1}, {0, 0, -1}))));
 }
 
-// cVOXEL stores patches with holes as cLEAF: the same bytes, frames included.
-TEST(VoxelsWithHoles, AreTheBlocksOfLeaves)
+// cVOXEL stores patches with holes as cLEAF: the same bytes, including frames.
+TEST(VoxelsWithHoles, MatchBlocksOfLeaves)
 {
   Device device;
   Displacement displacement;
@@ -126,7 +127,7 @@ TEST(VoxelsWithHoles, AreTheBlocksOfLeaves)
   EXPECT_EQ(blocks[0], blocks[1]);
 }
 
-TEST_P(InvalidVertices, ASceneOfNothingElseIsEmpty)
+TEST_P(InvalidVertices, SceneOfOnlyInvalidVerticesIsEmpty)
 {
   RecordProperty("property", "a scene of nothing but vertices that are not finite is empty, and tracing it ends");
   Device device;
@@ -143,9 +144,9 @@ TEST_P(InvalidVertices, ASceneOfNothingElseIsEmpty)
   EXPECT_FALSE(occluded(scene, makeRay({0, 0, 5}, {0, 0, -1})));
 }
 
-TEST_P(InvalidVertices, FacesBesideBadOnesAreWhole)
+TEST_P(InvalidVertices, FacesNextToInvalidOnesAreComplete)
 {
-  RecordProperty("property", "faces beside one whose vertices are not finite are whole");
+  RecordProperty("property", "faces next to one whose vertices are not finite are complete");
   Device device;
   Displacement displacement;
   displacement.poison = [](unsigned primID, float, float) { return primID == 2; };
@@ -157,7 +158,7 @@ TEST_P(InvalidVertices, FacesBesideBadOnesAreWhole)
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 16u*16);
   EXPECT_EQ(statisticsOf(scene).numBlocks, GetParam() == RTC_COMPRESSION_VERT ? 5u : 5u*16);
   Random random(71);
-  for (int i = 0; i < 2000; i++) { // from the middle: all but the side towards -y
+  for (int i = 0; i < 2000; i++) { // from the center: all sides except for -y
     Vec d = {float(random.uniform(-1, 1)), float(random.uniform(-0.5, 1)), float(random.uniform(-1, 1))};
     if (d[1] < 0 && std::fabs(d[1]) > 0.5f*std::max(std::fabs(d[0]), std::fabs(d[2]))) continue;
     ASSERT_TRUE(isHit(intersect(scene, makeRay({0, 0, 0}, d))));
@@ -194,7 +195,7 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
 
   EXPECT_EQ(commit(), RTC_ERROR_NONE) << "nothing changed";
   rtcCommitGeometry(geometries[0]);
-  EXPECT_EQ(commit(), RTC_ERROR_NONE) << "only a sound geometry changed";
+  EXPECT_EQ(commit(), RTC_ERROR_NONE) << "only a valid geometry changed";
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 259u);
   rtcCommitGeometry(geometries[1]);
   EXPECT_EQ(commit(), RTC_ERROR_INVALID_ARGUMENT);
@@ -202,10 +203,10 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
   for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry);
 }
 
-// A commit that was cancelled has reported nothing, the next one reports what it would have.
-TEST_P(InvalidVertices, AreReportedOnceAfterACancelledCommit)
+// A cancelled commit reports nothing; the next one must report the vertices.
+TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit)
 {
-  RecordProperty("property", "vertices that are not finite are an error once, also after a commit that was cancelled");
+  RecordProperty("property", "vertices that are not finite are an error once, also after a commit that was canceled");
   Device device("threads=1");
   Displacement bad, sound;
   bad.poison = [](unsigned primID, float u, float v) { return primID == 3 && u == 0 && v == 0; };
@@ -249,10 +250,10 @@ TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)
   EXPECT_EQ(device.errors, 1u);
 }
 
-// A needle has no good frame, and GRID, which takes those, takes none with a hole.
-TEST_P(InvalidVertices, LeaveTheOthersOfABlockWithoutAGoodFrame)
+// A needle has no usable frame, and GRID, which traces such blocks, does not support holes.
+TEST_P(InvalidVertices, ValidQuadsOfBlocksWithoutFrameAreKept)
 {
-  RecordProperty("property", "a block without a good frame keeps its finite quads");
+  RecordProperty("property", "a block without a usable frame keeps its finite quads");
   const float width = 1e-5f;
   Cage needle = quadCage();
   for (Vec& p : needle.positions) p[1] *= width;
@@ -272,7 +273,7 @@ TEST_P(InvalidVertices, LeaveTheOthersOfABlockWithoutAGoodFrame)
       for (int x = 0; x < quads; x++) {
         const float u = (x + 0.3f)/quads, v = (y + 0.3f)/quads;
         const RTCRayHit hit = intersect(scene, makeRay({u, v*width, 1}, {0, 0, -1}));
-        if (x == 8 && y == 4) continue; // its first triangle is sound, and may be seen
+        if (x == 8 && y == 4) continue; // its first triangle is valid and may be visible
         if ((x == 8 || x == 9) && (y == 4 || y == 5)) { EXPECT_FALSE(isHit(hit)) << "quad " << x << ", " << y; continue; }
         ASSERT_TRUE(isHit(hit)) << "quad " << x << ", " << y;
         EXPECT_NEAR(hit.ray.tfar, 1, 1e-5f);
@@ -282,10 +283,10 @@ TEST_P(InvalidVertices, LeaveTheOthersOfABlockWithoutAGoodFrame)
   }
 }
 
-// Coordinates that are finite but huge: an answer or nothing, no crash.
-TEST_P(InvalidVertices, HugeCoordinatesAreTakenOrLeft)
+// Coordinates that are finite but huge are supported or left out, without a crash.
+TEST_P(InvalidVertices, HugeCoordinatesAreSupportedOrLeftOut)
 {
-  RecordProperty("property", "coordinates up to 1e37 are taken or left out: no crash, and hits up to 1e15");
+  RecordProperty("property", "coordinates up to 1e37 are supported or left out: no crash, and hits up to 1e15");
   Device device;
   for (float scale : {1e10f, 1e15f, 1e18f, 1e25f, 1e30f, 1e37f}) {
     Displacement displacement;

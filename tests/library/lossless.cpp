@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* cbvh_max_error=0: the vertices of grids, quads and triangles are stored to the bit, wherever they are. Rays hit the
- * same triangles as in Embree's own kernels, and t, u and v differ by rounding alone; in files, too. vert_surfaces.cpp
+/* cbvh_max_error=0: the vertices of grids, quads and triangles are stored exactly, at any position. Rays hit the same
+ * triangles as in Embree's kernels, and t, u and v differ only by rounding; the same holds for files. vert_surfaces.cpp
  * tests the vertices of cages, moving_meshes.cpp filters, masks and point queries of moving meshes. */
 
 #include "support/diced.h"
@@ -49,10 +49,10 @@ void expectEmbreesHits(const Embree& embree, const Ours& scene, const Rays& rays
   }
 }
 
-TEST_P(Lossless, HitsAreEmbrees)
+TEST_P(Lossless, HitsMatchEmbree)
 {
   Device device(GetParam() + ("," + lossless));
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(1501);
   const struct { const char* name; Diced diced; } shapes[] = {
     {"a grid of 64 quads", dicedSheet(1, 64)}, {"grids of 8 quads", dicedSheet(5, 8)}, {"grids of 33 quads", dicedSheet(2, 33)}, {"a ball", dicedBall(2, 16)}};
@@ -66,9 +66,9 @@ TEST_P(Lossless, HitsAreEmbrees)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-Vec withoutSign(const Vec& p) { return {p[0] + 0.0f, p[1] + 0.0f, p[2] + 0.0f}; } // of zeros
+Vec withoutSign(const Vec& p) { return {p[0] + 0.0f, p[1] + 0.0f, p[2] + 0.0f}; } // -0 becomes 0
 
-// What is handed out of the geometry, but for what is not finite.
+// All finite vertices that the geometry reports.
 std::set<Vec> storedVertices(RTCGeometry geometry)
 {
   std::set<Vec> vertices;
@@ -82,7 +82,7 @@ std::set<Vec> storedVertices(RTCGeometry geometry)
   return vertices;
 }
 
-// Of sizes from 1e-30 to 1e12, other ones on each axis, around the origin or far from it, with stray vertices.
+// Sizes from 1e-30 to 1e12, different on each axis, around the origin or far from it, with stray vertices.
 Vec randomPlace(const Vec& p, const double scale[3], const double away[3])
 {
   Vec q;
@@ -90,7 +90,7 @@ Vec randomPlace(const Vec& p, const double scale[3], const double away[3])
   return q;
 }
 
-TEST(LosslessVertices, AreTheApplicationsWhereverTheyAre)
+TEST(LosslessVertices, MatchApplicationAtAnyPosition)
 {
   Device device(lossless);
   Random random(1502);
@@ -125,7 +125,7 @@ TEST(LosslessVertices, AreTheApplicationsWhereverTheyAre)
   }
 }
 
-// Where floats do not take that much of it.
+// For vertices that do not need all bits of a float.
 TEST(LosslessVertices, TakeFewerBytesThanEmbree)
 {
   Device device(lossless);
@@ -142,7 +142,7 @@ TEST(LosslessVertices, TakeFewerBytesThanEmbree)
 
 // --- t, u and v, and files -------------------------------------------------------------------------
 
-// Makes the same geometry compressed or for Embree's own kernel.
+// Creates the same geometry compressed or for Embree's kernel.
 struct Source
 {
   std::string name;
@@ -150,7 +150,7 @@ struct Source
   std::function<RTCGeometry(RTCDevice, RTCCompression)> make;
 };
 
-// Turns and bends around a point that may be far from the origin.
+// Rotates and bends around a point that may be far from the origin.
 Vec bentAround(const Vec& p, const Vec& middle, unsigned step)
 {
   const double a = 0.3*step, c = std::cos(a), s = std::sin(a);
@@ -158,7 +158,7 @@ Vec bentAround(const Vec& p, const Vec& middle, unsigned step)
   return {float(middle[0] + c*x - s*y), float(middle[1] + s*x + c*y), float(middle[2] + z + 0.01*step*x*x)};
 }
 
-// Cells of 2 m in coordinates where floats are half a meter apart.
+// Cells of 2 m at coordinates where floats are half a meter apart.
 Diced nationalGrid()
 {
   Diced diced;
@@ -264,7 +264,7 @@ std::vector<RTCRayHit> raysAtStored(Random& random, RTCGeometry geometry, float 
   return rays;
 }
 
-// The largest differences: of t in its ulps, of u and v in ulps of 1.
+// The largest differences: t in its ulps, u and v in ulps of 1.
 struct Differences
 {
   double t = 0, uv = 0;
@@ -301,12 +301,12 @@ void expectWithin(const char* whose, const Found& found, const ExactTriangleHit&
   ASSERT_LE(std::fabs(double(found.v) - exact.v), bound.v) << whose << " v";
 }
 
-/* Compares the hits of both kernels on the same triangle with the exact hit. Rays that lie nearly in the plane are left
- * out: ours clamps t, and first-order bounds do not hold. More rays: CBVH_RANDOM_GEOMETRIES=2000. */
-TEST_P(Lossless, HitsDifferFromEmbreesByRoundingAlone)
+/* Compares the hits of both kernels on the same triangle with the exact hit. Excludes rays that are nearly parallel to
+ * the plane: our kernel clamps t, and first-order bounds do not hold. More rays: CBVH_RANDOM_GEOMETRIES=2000. */
+TEST_P(Lossless, HitsDifferFromEmbreeOnlyByRounding)
 {
   Device device(GetParam() + ("," + lossless));
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(1504);
   constexpr double leastCosine = 1e-3;
   const unsigned raysOfSource = unsigned(randomRounds(320));
@@ -326,7 +326,7 @@ TEST_P(Lossless, HitsDifferFromEmbreesByRoundingAlone)
     ASSERT_EQ(rays.size(), raysOfSource);
     Differences ofOurs, ofEmbree, between;
     size_t compared = 0, others = 0;
-    std::set<std::array<float, 8>> known; // pairs of hits that another form had
+    std::set<std::array<float, 8>> known; // pairs of hits that another form of query also had
     for (QueryForm form : allQueryForms) {
       SCOPED_TRACE(nameOf(form));
       const std::vector<RTCRayHit> expected = closestHits(embree, rays, form), found = closestHits(ours, rays, form);
@@ -344,9 +344,9 @@ TEST_P(Lossless, HitsDifferFromEmbreesByRoundingAlone)
         const ExactTriangleHit exact(rays[i].ray, triangle);
         if (!exact.isMet() || exact.cosine < leastCosine) continue;
         compared++;
-        /* In GRID neighboring faces evaluate their border some ulps apart, and vertices have 13 bits of u and v. Vertices
-         * that move are the same floats in both libraries at all times, except that Embree interpolates grids by another
-         * formula: at most three roundings in either. */
+        /* In GRID neighboring faces evaluate their border with differences of some ulps, and vertices have 13 bits of u
+         * and v. Moving vertices are the same floats in both libraries at all times, except that Embree uses a
+         * different interpolation formula for grids: at most three roundings in either. */
         double vertexError[3];
         for (int k = 0; k < 3; k++) {
           float largest = 0;
@@ -372,12 +372,12 @@ TEST_P(Lossless, HitsDifferFromEmbreesByRoundingAlone)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-/* Hits are the same to the bit as before saving, and geometrically Embree's own. Between time steps Embree interpolates
- * grids by another formula than cages, quads and triangles. */
+/* Hits must be bit-identical to those before saving, and geometrically match Embree's. Embree's interpolation between
+ * time steps differs between grids and other geometries. */
 TEST_P(Lossless, FilesHaveTheSameHits)
 {
   Device device(GetParam() + ("," + lossless));
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(1505);
   for (const Source& source : allSources(random)) {
     SCOPED_TRACE(source.name);

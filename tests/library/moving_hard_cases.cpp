@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Surfaces that move and are hard: closed ones let no ray through at any time, and vertices that are not finite at one step, steps in opposite
- * order, surfaces that turn inside out, collapse, or go far away neither crash nor vanish. */
+/* Difficult moving surfaces: closed ones do not leak at any time. Vertices that are not finite at one step, steps in
+ * opposite order, and surfaces that turn inside out, collapse, or move far away neither crash nor disappear. */
 
 #include "support/diced_mesh.h"
 #include "support/moving_surface.h"
@@ -24,7 +24,7 @@ SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
   return settings;
 }
 
-// How many rays from the middle of a closed surface leave it.
+// Number of rays from the center of a closed surface that leave it.
 size_t countLeaks(Random& random, RTCGeometry geometry, RTCScene scene, unsigned times, unsigned raysPerTime, size_t& rays)
 {
   size_t leaks = 0;
@@ -35,7 +35,7 @@ size_t countLeaks(Random& random, RTCGeometry geometry, RTCScene scene, unsigned
   return leaks;
 }
 
-TEST(MovingHardCases, ClosedSurfacesLetNoRayThroughAtAnyTime)
+TEST(MovingHardCases, ClosedSurfacesDoNotLeakAtAnyTime)
 {
   Random random(seed);
   size_t rays = 0;
@@ -48,7 +48,8 @@ TEST(MovingHardCases, ClosedSurfacesLetNoRayThroughAtAnyTime)
         Displacement displacement;
         displacement.amplitude = 0.1f;
         SurfaceSettings settings = moving(displacement, timeSteps);
-        for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(float(1 + (7*i)%23)); // rates and owners differ
+        // rates and owners differ
+        for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(float(1 + (7*i)%23));
         RTCGeometry geometry = newSurface(device, cage, settings);
         Scene scene(device);
         rtcAttachGeometry(scene, geometry);
@@ -60,7 +61,7 @@ TEST(MovingHardCases, ClosedSurfacesLetNoRayThroughAtAnyTime)
   EXPECT_GT(rays, 30000u);
 }
 
-// What rays see of a surface, and that nothing is wrong with it.
+// Counts the rays that hit a surface, and checks all hits.
 size_t countHits(RTCScene scene, Random& random, float from = 0, float to = 1)
 {
   size_t hits = 0;
@@ -76,7 +77,7 @@ size_t countHits(RTCScene scene, Random& random, float from = 0, float to = 1)
   return hits;
 }
 
-TEST(MovingHardCases, AVertexThatIsNotFiniteAtOneStepLeavesOutItsQuadsThere)
+TEST(MovingHardCases, NonFiniteVertexAtOneStepRemovesItsQuadsAroundThatStep)
 {
   Random random(seed + 1);
   for (unsigned bad : {0u, 1u, 3u}) {
@@ -89,7 +90,7 @@ TEST(MovingHardCases, AVertexThatIsNotFiniteAtOneStepLeavesOutItsQuadsThere)
     EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
     EXPECT_NE(device.message.find("not finite"), std::string::npos) << device.message;
     EXPECT_GT(statisticsOf(scene).numInvalidQuads, 0u);
-    // the segments that do not have the step are whole
+    // segments without that step are complete
     const float begin = bad == 3 ? 0.0f : bad == 0 ? 0.34f : 0.67f, end = bad == 3 ? 0.66f : 1.0f;
     settings.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.2*i); };
     const SurfaceScene whole(device, cubeCage(), settings);
@@ -101,7 +102,7 @@ TEST(MovingHardCases, AVertexThatIsNotFiniteAtOneStepLeavesOutItsQuadsThere)
   }
 }
 
-TEST(MovingHardCases, StepsInOppositeOrderAreTheSameBackwards)
+TEST(MovingHardCases, ReversedStepsMatchReversedTimes)
 {
   Random random(seed + 2);
   Device device;
@@ -121,16 +122,16 @@ TEST(MovingHardCases, StepsInOppositeOrderAreTheSameBackwards)
   EXPECT_LE(others, 3u);
 }
 
-TEST(MovingHardCases, WhatTurnsInsideOutCollapsesOrGoesFarIsTraced)
+TEST(MovingHardCases, InvertedCollapsedAndDistantSurfacesAreTraced)
 {
   Random random(seed + 3);
   const std::function<Vec(const Vec&, unsigned)> motions[] = {
-    [](const Vec& p, unsigned i) { return i ? Vec{-p[0], -p[1], -p[2]} : p; },            // through a point, inside out
+    [](const Vec& p, unsigned i) { return i ? Vec{-p[0], -p[1], -p[2]} : p; },            // through a point, turning inside out
     [](const Vec& p, unsigned i) { return i ? Vec{0.1f, 0.2f, 0.3f} : p; },                // to a point
     [](const Vec& p, unsigned i) { return i ? p : Vec{0.1f, 0.2f, 0.3f}; },                // from a point
-    [](const Vec& p, unsigned i) { return i ? Vec{p[0] + 2e5f, p[1], p[2]} : p; },         // by 10^5 of its size
-    [](const Vec& p, unsigned i) { return i ? Vec{1e4f*p[0], 1e4f*p[1], 1e4f*p[2]} : p; }, // grows by as much
-    [](const Vec& p, unsigned) { return p; },                                              // not at all
+    [](const Vec& p, unsigned i) { return i ? Vec{p[0] + 2e5f, p[1], p[2]} : p; },         // by 10^5 times its size
+    [](const Vec& p, unsigned i) { return i ? Vec{1e4f*p[0], 1e4f*p[1], 1e4f*p[2]} : p; }, // grows by a factor of 10^4
+    [](const Vec& p, unsigned) { return p; },                                              // no motion
   };
   for (size_t m = 0; m < std::size(motions); m++) {
     SCOPED_TRACE(testing::Message() << "motion " << m);
@@ -156,7 +157,7 @@ TEST(MovingHardCases, WhatTurnsInsideOutCollapsesOrGoesFarIsTraced)
   }
 }
 
-TEST(MovingHardCases, TimesAtStepsAreThoseOfTheSteps)
+TEST(MovingHardCases, TimesOfStepsMatchSteps)
 {
   Random random(seed + 4);
   Device device;
@@ -211,8 +212,9 @@ std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device
   return all;
 }
 
-// Time ranges that end before 0, begin after 1, or touch them: such a surface is nowhere, and nothing is read that is not there.
-TEST(MovingHardCases, TimeRangesOutsideOfThoseOfRaysCommit)
+// Time ranges that end before 0, begin after 1, or touch these limits: the surface is never visible, and no data is
+// read out of bounds.
+TEST(MovingHardCases, TimeRangesOutsideOfRayTimesCommit)
 {
   const float times[] = {-3, -1, -1e-5f, 0, 1e-5f, 0.5f, 0.99995f, 1, 1.00001f, 1.5f, 2};
   size_t commits = 0;
@@ -240,8 +242,8 @@ TEST(MovingHardCases, TimeRangesOutsideOfThoseOfRaysCommit)
   EXPECT_EQ(commits, 2u*3*55*4);
 }
 
-// Surfaces that are there one after the other. Time is split until there are parts of it without any.
-TEST(MovingHardCases, SurfacesAreHitOnlyWhileTheyAreThere)
+// Consecutive surfaces. The builder splits time until some parts contain no surface.
+TEST(MovingHardCases, SurfacesAreHitOnlyInTheirTimeRange)
 {
   const unsigned parts = 6;
   for (const char* config : {"", "subdiv_accel=cbvh"})
@@ -272,8 +274,8 @@ TEST(MovingHardCases, SurfacesAreHitOnlyWhileTheyAreThere)
     }
 }
 
-// One of them beside a surface that is there at all times.
-TEST(MovingHardCases, ASurfaceOutsideOfTheTimesOfRaysHidesNoOther)
+// One such surface next to one that exists at all times.
+TEST(MovingHardCases, SurfaceOutsideOfRayTimesDoesNotHideOthers)
 {
   for (const char* config : {"", "subdiv_accel=cbvh"}) {
     Device device(config);
@@ -306,7 +308,7 @@ TEST(MovingHardCases, ASurfaceOutsideOfTheTimesOfRaysHidesNoOther)
   }
 }
 
-// Surfaces without a primitive that can be hit have empty bounds.
+// Surfaces without a primitive that rays can hit have empty bounds.
 TEST(MovingHardCases, EmptySurfacesHaveEmptyBounds)
 {
   const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -1,10 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Grid geometry of random sizes, strides and vertices, most of it wrong somewhere: what is right is compressed and traced, what is wrong
- * is named. Memory is of exactly the size that the API asks for, so that sanitizers see what is read beside it.
+/* Grid geometry with random sizes, strides and vertices, mostly invalid. Valid grids are compressed and traced; errors
+ * are reported. Memory has exactly the size that the API requires, so that sanitizers detect reads out of bounds.
  *
- *   CBVH_RANDOM_GEOMETRIES=100000 random_grids    for longer */
+ *   CBVH_RANDOM_GEOMETRIES=100000 random_grids    for a longer run */
 
 #include "support/query_forms.h"
 #include "support/random_rounds.h"
@@ -17,7 +17,7 @@ namespace {
 struct RandomGrids
 {
   size_t numVertices, vertexStride, numGrids, gridStride;
-  std::unique_ptr<char[]> vertices, grids; // of vertices with the 4 bytes behind the last that Embree may read
+  std::unique_ptr<char[]> vertices, grids; // vertices include the 4 bytes after the last one, which Embree may read
 
   explicit RandomGrids(Random& random)
     : numVertices(random.chance(0.1) ? random.below(4) : 1 + random.below(random.chance(0.2) ? 5000 : 200)), vertexStride(12 + 4*random.below(3)),
@@ -78,7 +78,7 @@ private:
   }
 };
 
-TEST(RandomGrids, AreTracedOrNamed)
+TEST(RandomGrids, AreTracedOrReported)
 {
   Random random(107);
   const size_t rounds = randomRounds(400);
@@ -96,7 +96,8 @@ TEST(RandomGrids, AreTracedOrNamed)
     rtcInitCompressionArguments(&args);
     args.compression = RTC_COMPRESSION_VERT;
     if (random.chance(0.3)) args.maxError = float(random.magnitude(1e-38, 1e38));
-    const bool releases = random.chance(0.3) || grids.areSmall(); // else they would be left to Embree, which does not name what is wrong
+    // otherwise they would be left to Embree, which does not report errors
+    const bool releases = random.chance(0.3) || grids.areSmall();
     if (releases) args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
     rtcSetGeometryCompression(geometry, &args);
     rtcCommitGeometry(geometry);
@@ -143,7 +144,7 @@ TEST(RandomGrids, AreTracedOrNamed)
       }
     }
   }
-  EXPECT_GT(right, rounds/2); // about one a round
+  EXPECT_GT(right, rounds/2); // about one per round
   EXPECT_GT(named, rounds/4);
   EXPECT_GT(hits, rounds);
 }

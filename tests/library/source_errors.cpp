@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Sources that lack one member each, for source_errors.sh: the compiler must refuse them by the message behind
- * "expected:", and none for another reason. The first class lacks nothing. */
+/* Sources that lack one member each, for source_errors.sh. The compiler must reject each of them with the message after
+ * "expected:", and no other class. The first class is complete. */
 
 #include "sphere_source.h"
 

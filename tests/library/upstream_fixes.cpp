@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Defects of Embree 3.13.5 itself that our patches mend: input that is refused, left out, or clamped, where memory was read or written
- * that does not exist. Nothing here is compressed. */
+/* Defects of Embree 3.13.5 that our patches fix: invalid input is rejected, left out or clamped, where Embree reads or
+ * writes out of bounds. Nothing is compressed here. */
 
 #include "support/diced_mesh.h"
 #include "support/query_forms.h"
@@ -16,7 +16,7 @@
 namespace cbvh::test {
 namespace {
 
-// Floats that end at a page that cannot be read.
+// Floats that end at an unreadable page.
 class BeforeUnreadable
 {
 public:
@@ -40,7 +40,7 @@ private:
   size_t size;
 };
 
-TEST(UpstreamFixes, GridsOutsideOfTheirVerticesAndThinOnesHideNoOther)
+TEST(UpstreamFixes, InvalidAndThinGridsHideNoOthers)
 {
   for (unsigned timeSteps : {1u, 2u}) {
     Device device;
@@ -70,7 +70,7 @@ TEST(UpstreamFixes, GridsOutsideOfTheirVerticesAndThinOnesHideNoOther)
   }
 }
 
-TEST(UpstreamFixes, GridsOfTooManyVerticesAreErrors)
+TEST(UpstreamFixes, GridsWithTooManyVerticesAreErrors)
 {
   Device device;
   Diced diced;
@@ -81,7 +81,7 @@ TEST(UpstreamFixes, GridsOfTooManyVerticesAreErrors)
 }
 
 // At u = 1 and v = 1, where the last row and column end.
-TEST(UpstreamFixes, InterpolationReadsNothingBehindAGrid)
+TEST(UpstreamFixes, InterpolationDoesNotReadAfterAGrid)
 {
   Device device;
   std::vector<float> positions;
@@ -105,7 +105,7 @@ TEST(UpstreamFixes, InterpolationReadsNothingBehindAGrid)
   rtcReleaseGeometry(geometry);
 }
 
-TEST(UpstreamFixes, BuffersThatEndOutsideOfTheirMemoryAreErrors)
+TEST(UpstreamFixes, BuffersThatExceedTheirMemoryAreErrors)
 {
   Device device;
   RTCBuffer buffer = rtcNewBuffer(device, 1200);
@@ -119,13 +119,13 @@ TEST(UpstreamFixes, BuffersThatEndOutsideOfTheirMemoryAreErrors)
   }
   rtcReleaseGeometry(geometry);
   rtcReleaseBuffer(buffer);
-  for (size_t less : {0, 1, 15, 30}) { // the size that is allocated would wrap around to a few bytes
+  for (size_t less : {0, 1, 15, 30}) { // the allocated size would wrap around to a few bytes
     EXPECT_EQ(rtcNewBuffer(device, ~size_t(0) - less), nullptr);
     EXPECT_EQ(device.takeError(), RTC_ERROR_OUT_OF_MEMORY) << less;
   }
 }
 
-TEST(UpstreamFixes, FacesOutsideOfTheirVerticesAreLeftOut)
+TEST(UpstreamFixes, FacesWithInvalidIndicesAreLeftOut)
 {
   for (unsigned timeSteps : {1u, 2u}) {
     const Cage cage = sheetCage(8);
@@ -199,7 +199,7 @@ TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors)
   rtcReleaseGeometry(geometry);
 }
 
-TEST(UpstreamFixes, AttributesThatDoNotExistAreNotInterpolated)
+TEST(UpstreamFixes, MissingAttributesAreNotInterpolated)
 {
   Device device;
   Random random(1);
@@ -230,8 +230,8 @@ TEST(UpstreamFixes, AttributesThatDoNotExistAreNotInterpolated)
   }
 }
 
-// Scenes within scenes, deeper than an RTCPointQueryContext has room for.
-TEST(UpstreamFixes, PointQueriesEndAtTheDeepestInstanceThatTheirContextHas)
+// Nested scenes that exceed the depth of RTCPointQueryContext.
+TEST(UpstreamFixes, PointQueriesStopAtMaximumInstanceDepth)
 {
   for (unsigned levels : {1u, 2u, 3u}) {
     Device device;
@@ -263,8 +263,8 @@ TEST(UpstreamFixes, PointQueriesEndAtTheDeepestInstanceThatTheirContextHas)
   }
 }
 
-// A tree of an application's own, of low quality, of more children and larger leaves than the builder holds.
-TEST(UpstreamFixes, MortonTreesHaveNoMoreChildrenAndPrimitivesThanFit)
+// A low-quality tree of an application, with more children and larger leaves than the builder's arrays.
+TEST(UpstreamFixes, MortonTreesRespectTheirLimits)
 {
   Device device;
   struct Counts { std::mutex mutex; size_t primitives = 0; unsigned children = 0, leaf = 0; };
@@ -308,7 +308,7 @@ TEST(UpstreamFixes, MortonTreesHaveNoMoreChildrenAndPrimitivesThanFit)
   }
 }
 
-TEST(UpstreamFixes, TimeRangesOfNoFiniteLengthAreErrors)
+TEST(UpstreamFixes, NonFiniteTimeRangesAreErrors)
 {
   Device device;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -322,7 +322,7 @@ TEST(UpstreamFixes, TimeRangesOfNoFiniteLengthAreErrors)
   rtcReleaseGeometry(geometry);
 }
 
-// Moving cages whose time range reaches past that of rays: boxes were read of other patches, or of none.
+// Moving cages with time ranges beyond those of rays: Embree read boxes of other patches, or out of bounds.
 TEST(UpstreamFixes, MovingCagesAreTheSameOnEveryDevice)
 {
   const std::pair<float, float> ranges[] = {{0, 1}, {0.25f, 1.5f}, {-1, 2}, {-0.001f, 1}, {0.3f, 0.6f}, {-1, 0.5f}};
@@ -338,7 +338,7 @@ TEST(UpstreamFixes, MovingCagesAreTheSameOnEveryDevice)
       const auto trace = [&](bool hasOthers) {
         Device device("threads=1");
         Scene scene(device), other(device);
-        if (hasOthers) { // memory with other contents
+        if (hasOthers) { // memory with different contents
           SurfaceSettings far = settings;
           far.motion = [](const Vec& p, unsigned step) { return Vec{p[0] - 1000*float(1 + step), p[1] + 500, p[2]}; };
           addSurface(device, other, sheetCage(9), far);
@@ -373,15 +373,15 @@ TEST(UpstreamFixes, MovingCagesAreTheSameOnEveryDevice)
     }
 }
 
-// GCC before 14 stores 16 bits of a mask on the stack and reads back 64. This fills the stack, so that the other 48 bits are
-// not zero by chance.
+// GCC before 14 stores 16 bits of a mask on the stack and reads back 64. Fills the stack, so that the other 48 bits
+// are not zero by chance.
 [[gnu::noinline]] void fillStack()
 {
   volatile unsigned char bytes[1 << 17];
   for (size_t i = 0; i < sizeof(bytes); i++) bytes[i] = 0xFF;
 }
 
-TEST(UpstreamFixes, CoherentOcclusionOfPacketsEnds)
+TEST(UpstreamFixes, CoherentOcclusionOfPacketsTerminates)
 {
   alarm(240);
   Device device;
