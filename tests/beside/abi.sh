@@ -2,9 +2,10 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# The binary interface of libembree_cbvh: types and functions of its header are those that were written down in libembree_cbvh.abi, or more. What is
-# compared are functions without content, made of the header, so that types are known without debug information in the library. A change
-# that programs have to be built again for is an error, unless it is meant: write it down then, and raise the version.
+# Checks the binary interface of libembree_cbvh: types and functions of its header must match libembree_cbvh.abi, or
+# extend it. Compares empty functions generated from the header, so that types are known without debug information in
+# the library. A change that requires programs to be compiled again is an error. If it is intended, record it with
+# --write and raise the version.
 #
 #   abi.sh HEADER VERSION-SCRIPT [--write]
 set -eu
@@ -25,7 +26,7 @@ abidiff "$here/libembree_cbvh.abi" "$work/now.abi" > "$work/report" || status=$?
 [ $((status & 3)) = 0 ] || { cat "$work/report"; echo "abidiff failed"; exit 1; }
 if [ $((status & 8)) != 0 ] || grep -q "^[1-9][0-9]* .*[Cc]hanged\|^  \[C\]" "$work/report"; then
   cat "$work/report"
-  echo "FAILED: programs would have to be built again"
+  echo "FAILED: programs would have to be compiled again"
   exit 1
 fi
-echo "$functions functions as they were written down"
+echo "$functions functions match the recorded interface"

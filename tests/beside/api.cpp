@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The API of libembree_cbvh: the hits of our libembree3 to the bit, input that is let go, errors that are told, commits that are cancelled. */
+/* The API of libembree_cbvh: hits are bit-identical to those of our libembree3, input is released, errors are reported,
+ * commits can be canceled. */
 
 #include "support/diced_mesh.h"
 #include "support/edge_rates.h"
@@ -19,7 +20,7 @@
 namespace cbvh::test {
 namespace {
 
-// A context whose errors are kept.
+// A context that stores its errors.
 struct Context
 {
   CbvhContext handle = nullptr;
@@ -31,7 +32,7 @@ struct Context
   Context& operator=(const Context&) = delete;
   operator CbvhContext() const { return handle; }
 
-  // The last error, and no other.
+  // Expects this error and no other since the last call.
   void expect(CbvhError found, CbvhError code, const char* text)
   {
     EXPECT_EQ(found, code);
@@ -68,7 +69,7 @@ struct Group
   operator CbvhGroup() const { return handle; }
 };
 
-// Our displacement, called in their way.
+// Our displacement with the signature of libembree_cbvh.
 void displace(const CbvhDisplacementArguments* args)
 {
   RTCDisplacementFunctionNArguments ours = RTCDisplacementFunctionNArguments();
@@ -81,7 +82,7 @@ void displace(const CbvhDisplacementArguments* args)
   Displacement::apply(&ours);
 }
 
-// Vertices of time steps, as the API takes them, with what is read behind the last.
+// Vertices of time steps as the API expects them, padded after the last vertex.
 struct Steps
 {
   std::vector<std::vector<Vec>> vertices;
@@ -129,7 +130,7 @@ struct CageInput
   }
 };
 
-// To the bit, but for IDs of geometries and instances.
+// Compares bits, except for IDs of geometries and instances.
 void expectSame(RTCScene scene, CbvhGroup group, const std::vector<RTCRayHit>& rays)
 {
   size_t hits = 0;
@@ -160,7 +161,7 @@ SurfaceSettings settingsOf(Displacement& displacement, unsigned timeSteps, float
   return settings;
 }
 
-// As handed out by either of the two libraries.
+// Clusters as reported by one of the two libraries.
 struct Clusters
 {
   std::vector<std::vector<unsigned char>> data;
@@ -173,7 +174,7 @@ struct Clusters
   }
 };
 
-TEST(Beside, SurfacesHaveTheClustersOfOurEmbree)
+TEST(Beside, ClustersMatchOurEmbree)
 {
   Context context;
   Device device;
@@ -203,13 +204,13 @@ TEST(Beside, SurfacesHaveTheClustersOfOurEmbree)
     }
   size_t calls = 0;
   EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, [](void* n, const CbvhCluster*) { return int(++*(size_t*)n < 3); }, &calls, nullptr), CBVH_OK);
-  EXPECT_EQ(calls, 3u) << "0 ends the calls";
+  EXPECT_EQ(calls, 3u) << "a callback that returns 0 ends the calls";
   EXPECT_EQ(cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT);
   context.told.clear();
   context.expect(cbvhForEachCluster(surface, 0, CbvhClusterFormat(7), nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "7");
 }
 
-TEST(Beside, CagesHaveTheHitsOfOurEmbree)
+TEST(Beside, CageHitsMatchOurEmbree)
 {
   Random random(91);
   Device device;
@@ -244,8 +245,8 @@ TEST(Beside, CagesHaveTheHitsOfOurEmbree)
   EXPECT_TRUE(context.told.empty());
 }
 
-// Vertices of grids and meshes are read by the commit, and gone when rays come.
-TEST(Beside, WhatWasDicedHasTheHitsOfOurEmbree)
+// The commit reads vertices of grids and meshes; they are released before rays are traced.
+TEST(Beside, GridAndMeshHitsMatchOurEmbree)
 {
   Random random(92);
   Device device;
@@ -290,8 +291,8 @@ TEST(Beside, WhatWasDicedHasTheHitsOfOurEmbree)
   }
 }
 
-// No vertex moves. Without cbvhSetLossless surfaces are stored as by default again.
-TEST(Beside, LosslessSurfacesHaveTheHitsOfOurEmbree)
+// No vertex moves. Without cbvhSetLossless, surfaces use the default precision again.
+TEST(Beside, LosslessHitsMatchOurEmbree)
 {
   Random random(95);
   Device exact("cbvh_max_error=0"), device;
@@ -332,8 +333,8 @@ TEST(Beside, LosslessSurfacesHaveTheHitsOfOurEmbree)
   EXPECT_TRUE(context.told.empty());
 }
 
-// Of both libraries, either opens what the other saved.
-TEST(Beside, FilesAreThoseOfOurEmbree)
+// Both libraries open the other's files.
+TEST(Beside, FilesAreInterchangeableWithOurEmbree)
 {
   Random random(93);
   Folder folder;
@@ -373,8 +374,8 @@ TEST(Beside, FilesAreThoseOfOurEmbree)
   context.expect(cbvhSaveSurface(empty, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "path is NULL");
 }
 
-// As rtcDiceGeometry, whose tests say what rates are.
-TEST(Beside, ACageIsDicedByTheView)
+// The same as rtcDiceGeometry, whose tests check the rates.
+TEST(Beside, CagesAreDicedByTheView)
 {
   Random random(94);
   Context context;
@@ -417,20 +418,21 @@ TEST(Beside, ACageIsDicedByTheView)
       const Folder folder;
       ASSERT_EQ(cbvhSaveSurface(surface, (folder/"diced").c_str()), CBVH_OK);
       ASSERT_EQ(cbvhSaveSurface(given, (folder/"given").c_str()), CBVH_OK);
-      EXPECT_EQ(bytesOf(folder/"diced"), bytesOf(folder/"given")) << "whoever says the rates";
+      EXPECT_EQ(bytesOf(folder/"diced"), bytesOf(folder/"given")) << "both ways to set rates";
 
       dicing.pixelSize = 0;
-      context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_OPERATION, "no cage to dice"); // it has let it go
+      // the cage has been released
+      context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_OPERATION, "no cage to dice");
       ASSERT_EQ(cbvhSetCage(given, &input.cage), CBVH_OK);
       context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "pixelSize");
       context.expect(cbvhDiceSurface(given, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "dicing is NULL");
-      ASSERT_EQ(cbvhCommitSurface(given, nullptr, nullptr), CBVH_OK) << "a refused view changes nothing";
+      ASSERT_EQ(cbvhCommitSurface(given, nullptr, nullptr), CBVH_OK) << "a rejected view changes nothing";
       ASSERT_EQ(cbvhSaveSurface(given, (folder/"given").c_str()), CBVH_OK);
       EXPECT_EQ(bytesOf(folder/"diced"), bytesOf(folder/"given"));
     }
 }
 
-TEST(Beside, AMeshThatLiesInNoGridsIsAnError)
+TEST(Beside, MeshWithoutGridsIsAnError)
 {
   Random random(93);
   Context context;
@@ -447,7 +449,7 @@ TEST(Beside, AMeshThatLiesInNoGridsIsAnError)
   context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION, "do not lie in grids");
 }
 
-TEST(Beside, BadInputIsAnErrorThatNamesIt)
+TEST(Beside, InvalidInputIsReportedByName)
 {
   Context context;
   const Surface surface(context);
@@ -514,8 +516,8 @@ TEST(Beside, BadInputIsAnErrorThatNamesIt)
   EXPECT_EQ(none2, nullptr);
 }
 
-// What is left out is told, and the rest is there.
-TEST(Beside, ADisplacementThatIsNotFiniteIsTold)
+// Parts that are left out are reported; the rest exists.
+TEST(Beside, NonFiniteDisplacementIsReported)
 {
   Random random(94);
   Device device;
@@ -533,7 +535,7 @@ TEST(Beside, ADisplacementThatIsNotFiniteIsTold)
   ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, raysAt(random, 2000)));
 }
 
-TEST(Beside, CommitsTellHowFarTheyAreAndCanBeCancelled)
+TEST(Beside, CommitsReportProgressAndCanBeCanceled)
 {
   Random random(95);
   Device device;
@@ -558,7 +560,7 @@ TEST(Beside, CommitsTellHowFarTheyAreAndCanBeCancelled)
   ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, raysAt(random, 1000)));
 }
 
-TEST(Beside, AttributesAreInterpolatedWhereTheCageIsGone)
+TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased)
 {
   Device device;
   Context context;
@@ -591,8 +593,8 @@ TEST(Beside, AttributesAreInterpolatedWhereTheCageIsGone)
   context.expect(cbvhInterpolate(surface, 6, 0, 0, 0, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "face");
 }
 
-// Of hits, and all of them.
-TEST(Beside, TrianglesComeOut)
+// Triangles of hits, and all triangles.
+TEST(Beside, TrianglesAreReported)
 {
   Random random(96);
   Context context;
@@ -624,8 +626,8 @@ TEST(Beside, TrianglesComeOut)
   EXPECT_EQ(quads, 6u*16*16);
 }
 
-// Objects go with their last reference, whoever has it, and groups see surfaces as they were committed.
-TEST(Beside, WhatIsHeldStays)
+// Objects exist until their last reference is released. Groups use surfaces as of their last commit.
+TEST(Beside, ReferencedObjectsStayAlive)
 {
   CbvhContext context = nullptr;
   ASSERT_EQ(cbvhNewContext("threads=1", nullptr, nullptr, &context), CBVH_OK);

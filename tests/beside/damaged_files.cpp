@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Damage in a file that functions of libembree_cbvh find: the error function of the context is called with its reason,
- * once per surface if rays find it. */
+/* Functions of libembree_cbvh detect damaged files: they call the context's error function with the reason, once per
+ * surface if rays detect the damage. */
 
 #include "support/file_mutations.h"
 
@@ -24,7 +24,7 @@ struct Told
     told.errors++;
     told.code = code;
     told.text = text;
-    cbvhReleaseContext(nullptr); // functions of the library may be called here
+    cbvhReleaseContext(nullptr); // functions of the library may be called in callbacks
   }
 };
 
@@ -34,7 +34,7 @@ struct Damaged : testing::Test
   CbvhContext context = nullptr;
   Folder folder;
   const std::string path = folder/"surface.cbvh";
-  std::string whole; // the file without damage
+  std::string whole; // contents of the intact file
 
   Damaged()
   {
@@ -128,7 +128,7 @@ void tracePackets(CbvhGroup group, const std::vector<RTCRayHit>& rays)
   }
 }
 
-TEST_F(Damaged, IsToldByRays)
+TEST_F(Damaged, IsReportedByRays)
 {
   for (const auto& [name, trace] : {std::make_pair("single rays", traceSingle), std::make_pair("packets, any hit", tracePackets)}) {
     CbvhGroup group = load();
@@ -138,8 +138,8 @@ TEST_F(Damaged, IsToldByRays)
   }
 }
 
-// The text names the file, the block and what is wrong with it, as after rays.
-TEST_F(Damaged, IsNamedByFunctionsThatReadAllBlocks)
+// The message names the file, the block and the defect, the same as after rays.
+TEST_F(Damaged, IsReportedByFunctionsThatReadAllBlocks)
 {
   const auto parts = [](CbvhSurface surface) {
     return cbvhForEachPart(surface, 0, [](void*, const CbvhPart*) { return 1; }, nullptr);
@@ -160,8 +160,8 @@ TEST_F(Damaged, IsNamedByFunctionsThatReadAllBlocks)
   }
 }
 
-// The first block that is read is in one of the halves: damage to the other one is found after clusters.
-TEST_F(Damaged, LeavesTheSumsOfWhatCameBeforeInAReport)
+// The first block that is read is in one of the halves: damage of the other half is detected after some clusters.
+TEST_F(Damaged, ReportContainsSumsOfClustersBeforeIt)
 {
   const CbvhClusterFunction add = [](void* ptr, const CbvhCluster* cluster) {
     CbvhClusterReport& sums = *(CbvhClusterReport*)ptr;
@@ -189,8 +189,8 @@ TEST_F(Damaged, LeavesTheSumsOfWhatCameBeforeInAReport)
   EXPECT_GT(most, 0u);
 }
 
-// Rays that a callback traces while something else is committed: that succeeds.
-TEST_F(Damaged, DoesNotFailTheCallThatACallbackIsOf)
+// A callback traces rays while another object is committed: the commit must succeed.
+TEST_F(Damaged, DoesNotFailTheCallThatInvokedACallback)
 {
   struct Callback { CbvhGroup group; std::vector<RTCRayHit> rays; } callback = {load(), rays()};
   const float vertices[] = {0,0,0, 1,0,0, 1,1,0, 0,1,0, 0};

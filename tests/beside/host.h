@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* An Embree that is not ours, 3.13 or 4, whichever the compiler is shown, with a displaced cube in it: what libembree_cbvh is tested in, on this Debian
- * and on the next. Needs nothing but a compiler, Embree and our headers. */
+/* A foreign Embree, 3.13 or 4 depending on the include path, with a displaced cube: the environment for tests of
+ * libembree_cbvh on this Debian and on the next one. Requires only a compiler, Embree and our headers. */
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -25,7 +25,7 @@ namespace host {
 
 using Vec = std::array<float, 3>;
 
-// --- what is wrong, and where -----------------------------------------------------------------
+// --- failures ----------------------------------------------------------------------------------
 
 inline unsigned failures = 0;
 #define CHECK(condition) do { if (!(condition)) { if (host::failures++ < 20) std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); } } while (0)
@@ -33,11 +33,11 @@ inline unsigned failures = 0;
 
 inline int conclude(const char* what)
 {
-  if (failures == 0) std::printf("all well: %s beside Embree %s\n", what, RTC_VERSION_STRING);
+  if (failures == 0) std::printf("passed: %s next to Embree %s\n", what, RTC_VERSION_STRING);
   return failures ? 1 : 0;
 }
 
-// --- queries, as both versions of Embree have them --------------------------------------------
+// --- queries of both versions of Embree ---------------------------------------------------------
 
 struct Query
 {
@@ -127,7 +127,7 @@ inline RTCRayHit makeRay(const Vec& org, const Vec& dir, float time = 0)
   return r;
 }
 
-// From outside at what is around the middle; coherent ones are neighbours in a picture.
+// Rays from outside at the center. Coherent ones are neighbors in a picture.
 inline std::vector<RTCRayHit> randomRays(std::mt19937& random, size_t count, bool areCoherent, float spread = 0.9f)
 {
   std::normal_distribution<float> normal;
@@ -183,7 +183,7 @@ struct Cube
     for (int step = 0; step < 2; step++)
       for (int i = 0; i < 8; i++)
         vertices[step].push_back({middle[0] + size*(i & 1 ? 1.f : -1.f) + 0.1f*float(step)*float(i & 2), middle[1] + size*(i & 2 ? 1.f : -1.f), middle[2] + size*(i & 4 ? 1.f : -1.f) + 0.2f*float(step)});
-    for (auto& step : vertices) step.push_back({0, 0, 0}); // what is read behind the last one
+    for (auto& step : vertices) step.push_back({0, 0, 0}); // padding after the last vertex, which may be read
     steps[0] = &vertices[0][0][0];
     steps[1] = &vertices[1][0][0];
   }
@@ -201,7 +201,7 @@ struct Cube
     return cage;
   }
 
-  // The same by the Embree around.
+  // The same cube as a geometry of the foreign Embree.
   RTCGeometry newInHost(RTCDevice device, float rate, unsigned numSteps = 1) const
   {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
@@ -214,17 +214,17 @@ struct Cube
     std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 24), indices.data(), 96);
     rtcSetGeometryTessellationRate(geometry, rate);
     rtcSetGeometryDisplacementFunction(geometry, displaceInHost);
-    rtcSetGeometryMask(geometry, ~0u); // Embree 4 begins with 1
+    rtcSetGeometryMask(geometry, ~0u); // the default of Embree 4 is 1
     rtcCommitGeometry(geometry);
     return geometry;
   }
 };
 
-// One or more cubes, committed: large, or of those that overlap from one on.
+// One or more committed cubes: a large one, or overlapping ones.
 class Group
 {
 public:
-  // Of one surface.
+  // A group with one surface.
   Group(CbvhContext context, CbvhSurface surface)
   {
     OK(cbvhNewGroup(context, &surface, 1, &group));
@@ -256,7 +256,7 @@ private:
   CbvhGroup group = nullptr;
 };
 
-// Attached; its number in the scene is 0.
+// Attached to a scene with ID 0.
 class Scene
 {
 public:

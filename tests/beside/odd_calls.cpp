@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* libembree_cbvh and callers that make mistakes: NULL for every pointer, indices past the end, numbers that are not finite, cages that contradict
- * themselves, callbacks that change what is being worked on, settings with typing errors. */
+/* Incorrect callers of libembree_cbvh: NULL for every pointer, indices out of range, numbers that are not finite,
+ * inconsistent cages, callbacks that change the object that is being processed, misspelled settings. */
 
 #include "small_cube.h"
 
@@ -52,7 +52,7 @@ struct OddCalls : ::testing::Test
   bool isSeen(CbvhGroup by) const { CbvhRayHit r = ray(); return cbvhIntersect1(by, &r, nullptr) != 0; }
 };
 
-TEST_F(OddCalls, NullIsRefusedByEveryFunction)
+TEST_F(OddCalls, NullIsRejectedByEveryFunction)
 {
   commit();
   CbvhDicing dicing = CbvhDicing();
@@ -154,7 +154,7 @@ TEST_F(OddCalls, NullIsRefusedByEveryFunction)
   EXPECT_TRUE(isSeen(group)) << "nothing was changed";
 }
 
-TEST_F(OddCalls, CagesThatContradictThemselvesAreRefusedWhenTheyAreSet)
+TEST_F(OddCalls, InconsistentCagesAreRejectedWhenSet)
 {
   const unsigned few[] = {4,4,4,4,4,3}, many[] = {4,4,4,4,4,400}, flat[] = {4,4,4,4,6,2};
   std::vector<unsigned> past(cubeIndices, cubeIndices + 24);
@@ -177,14 +177,14 @@ TEST_F(OddCalls, CagesThatContradictThemselvesAreRefusedWhenTheyAreSet)
   CbvhDicing dicing = CbvhDicing();
   dicing.position[2] = 5;
   dicing.pixelSize = 0.1f;
-  EXPECT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << "the cage that was set before";
+  EXPECT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << "the previous cage is still set";
   commit();
   EXPECT_TRUE(isSeen(group));
 }
 
 const float oddNumbers[] = {-1, -0.01f, 1.5f, 8, 1e7f, -1e7f, 1e30f, -1e30f, INFINITY, -INFINITY, NAN, FLT_MAX, -FLT_MAX};
 
-TEST_F(OddCalls, QueriesAreRefusedParametersThatAreNone)
+TEST_F(OddCalls, NonFiniteQueryParametersAreRejected)
 {
   commit();
   CbvhTriangle triangle;
@@ -200,7 +200,7 @@ TEST_F(OddCalls, QueriesAreRefusedParametersThatAreNone)
 }
 
 // A face of 5 corners has the sub-patches 0 to 4.
-TEST_F(OddCalls, SubPatchesThatAFaceDoesNotHaveAreRefused)
+TEST_F(OddCalls, MissingSubPatchesAreRejected)
 {
   const unsigned faces[] = {5}, indices[] = {0,1,2,3,4};
   CbvhCage cage = cube();
@@ -257,12 +257,13 @@ TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface)
   ASSERT_EQ(cbvhCommitSurface(surface, [](void* self, double) { ((Attempts*)self)->make(); return 1; }, &attempts), CBVH_OK) << cbvhGetErrorText();
   EXPECT_GT(attempts.calls, diced);
   EXPECT_EQ(attempts.refused, 4*attempts.calls);
-  EXPECT_GT(attempts.interpolated, 6u) << "attributes are there while the cage is displaced";
+  EXPECT_GT(attempts.interpolated, 6u) << "attributes are available during displacement";
   EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "changes are possible again";
 }
 
-// A displacement function that looks up texture coordinates moves the surface as one that knows them.
-TEST_F(OddCalls, PointsHaveTheirTextureCoordinatesWhileTheyAreDisplaced)
+// A displacement function that interpolates texture coordinates gives the same surface as one with explicit
+// coordinates.
+TEST_F(OddCalls, TextureCoordinatesAreAvailableDuringDisplacement)
 {
   const unsigned own[] = {0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3};
   const CbvhAttribute unit = {corners, 4, 8, 2, own, CBVH_BOUNDARY_PIN_ALL}; // equal to u and v
@@ -294,7 +295,7 @@ TEST_F(OddCalls, PointsHaveTheirTextureCoordinatesWhileTheyAreDisplaced)
   EXPECT_EQ(P[0], -9) << "nothing is written";
 }
 
-TEST_F(OddCalls, APartFunctionMayReleaseTheLastReference)
+TEST_F(OddCalls, PartCallbackMayReleaseTheLastReference)
 {
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
   const auto release = [](void* self, const CbvhPart* part) {
@@ -307,8 +308,8 @@ TEST_F(OddCalls, APartFunctionMayReleaseTheLastReference)
   EXPECT_EQ(surface, nullptr);
 }
 
-// After each of them the surface can be diced and committed.
-TEST_F(OddCalls, CommitsThatEndEarlyLeaveTheSurfaceAsItWas)
+// Afterwards the surface can be diced and committed.
+TEST_F(OddCalls, FailedCommitsLeaveTheSurfaceUnchanged)
 {
   static std::atomic<bool> throws;
   CbvhCage cage = cube();
@@ -330,7 +331,7 @@ TEST_F(OddCalls, CommitsThatEndEarlyLeaveTheSurfaceAsItWas)
   EXPECT_TRUE(isSeen(group));
 }
 
-TEST_F(OddCalls, AMaskCountsFromTheNextCommitOfAGroup)
+TEST_F(OddCalls, MaskTakesEffectWithTheNextCommitOfAGroup)
 {
   commit();
   CbvhStatistics before, after;
@@ -361,7 +362,7 @@ TEST_F(OddCalls, StatisticsOfAnotherGroupStayAvailable)
   cbvhReleaseGroup(other);
 }
 
-TEST_F(OddCalls, AccuracyThatCannotBeAppliedStaysAnError)
+TEST_F(OddCalls, AccuracyThatCannotBeAppliedRemainsAnError)
 {
   commit();
   const CbvhAccuracy fine = {sizeof(CbvhAccuracy), 0.001f, 0, {0, 0, 0}, 0};
@@ -370,10 +371,10 @@ TEST_F(OddCalls, AccuracyThatCannotBeAppliedStaysAnError)
     EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION);
   }
   ASSERT_EQ(cbvhSetAccuracy(surface, nullptr), CBVH_OK);
-  EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "as it is stored";
+  EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "the stored accuracy";
 }
 
-TEST(OddContexts, AnErrorFunctionMayCauseErrors)
+TEST(OddContexts, ErrorFunctionMayCauseErrors)
 {
   struct Told { CbvhContext context = nullptr; std::string before, after; } told;
   const auto tell = [](void* self, CbvhError, const char* text) {
@@ -393,7 +394,7 @@ TEST(OddContexts, AnErrorFunctionMayCauseErrors)
   cbvhReleaseContext(told.context);
 }
 
-TEST(OddContexts, SettingsWithErrorsNameTheKeyAndTheNearest)
+TEST(OddContexts, InvalidSettingsNameTheKeyAndSuggestTheNearest)
 {
   const char* const wrong[][3] = {
     {"thread=2", "\"thread\"", "threads"}, {"isa=avx9", "\"avx9\"", "avx2"}, {"max_isa=bogus", "\"bogus\"", "max_isa"}, {"threads=two", "\"two\"", "a number"},
@@ -413,8 +414,9 @@ TEST(OddContexts, SettingsWithErrorsNameTheKeyAndTheNearest)
   }
 }
 
-// A prism of 20 sides: neither its caps nor the faces at them can be subdivided. It is said once, and not again without a change.
-TEST_F(OddCalls, FacesOfTooManyCornersAreToldOnce)
+// A prism with 20 sides: neither its caps nor the adjacent faces can be subdivided. This is reported once, and not
+// again without a change.
+TEST_F(OddCalls, FacesWithTooManyCornersAreReportedOnce)
 {
   std::vector<float> vertices;
   std::vector<unsigned> faces = {20, 20}, indices;
@@ -447,7 +449,7 @@ TEST_F(OddCalls, FacesOfTooManyCornersAreToldOnce)
   EXPECT_EQ(cbvhCommitGroup(group), CBVH_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(std::string(cbvhGetErrorText()).find("22 faces are left out"), std::string::npos) << cbvhGetErrorText();
   CbvhStatistics statistics;
-  EXPECT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK) << "the rest is there";
+  EXPECT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK) << "the other faces exist";
   EXPECT_EQ(statistics.numQuads, 6u*64);
   EXPECT_EQ(cbvhSetSurfaceMask(prism, 1), CBVH_OK);
   EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* libembree_cbvh is loaded, used by two threads and unloaded, over and over, in a program that has an Embree of its own: nothing crashes, and
- * memory does not grow. reload PATH/TO/libembree_cbvh.so.0 */
+/* Loads libembree_cbvh, uses it in two threads and unloads it, repeatedly, in a program with its own Embree: it must
+ * not crash, and memory must not grow. reload PATH/TO/libembree_cbvh.so.0 */
 
 #include "host.h"
 

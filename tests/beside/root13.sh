@@ -1,7 +1,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# For scripts that run programs on Debian 13: sourced with $roots, a folder, set. $root is then Debian 13's in it.
+# Functions for scripts that run programs on Debian 13. Source it with $roots set to a folder; $root is then the root
+# file system in it.
 
 export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
 fail() { echo "FAILED: $*" >&2; exit 1; }
@@ -16,7 +17,7 @@ if [ ! -d "$root" ]; then
   mv "$root.part" "$root"
 fi
 
-# Installs what is not there.
+# Installs missing packages.
 with_packages()
 {
   for package in "$@"; do

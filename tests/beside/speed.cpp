@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* How fast a displaced cube of libembree_cbvh is through the user geometry of the Embree that is around, of its own rays and of that Embree's own
- * subdivision surface, and from a file: rays a second of one thread, medians of turns. beside_speed [--rays N] [--rate R] [--turns N] */
+/* Measures rays per second of one thread on a displaced cube: through the user geometry of the surrounding Embree, by
+ * libembree_cbvh's own functions, on Embree's own subdivision surface, and from a file. Prints medians of interleaved
+ * runs. beside_speed [--rays N] [--rate R] [--turns N] */
 
 #include "host.h"
 
@@ -32,7 +33,7 @@ double median(std::vector<double> values)
   return values[values.size()/2];
 }
 
-// What is traced in turns, on the same rays.
+// Traced alternately with others, with the same rays.
 struct Contender
 {
   const char* name;
@@ -66,7 +67,7 @@ void measure(const char* what, const std::vector<RTCRayHit>& rays, std::vector<C
   std::printf("\n");
 }
 
-/* The cube as it was made, and as it comes from a file. */
+/* The original cube, and the cube loaded from a file. */
 void measureFile(RTCDevice device, CbvhContext context, float rate, size_t count, unsigned turns)
 {
   const std::string path = std::string(std::getenv("TMPDIR") ? std::getenv("TMPDIR") : "/tmp") + "/beside_speed_" + std::to_string(getpid()) + ".cbvh";
@@ -83,7 +84,7 @@ void measureFile(RTCDevice device, CbvhContext context, float rate, size_t count
     const Group inMemory(context, made), fromFile(context, opened);
     const Scene madeScene(device, inMemory), openedScene(device, fromFile);
     const auto single = [](RTCScene in) { return [in](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) intersect(in, r); }; };
-    std::printf("\n| opened in %.1f ms, million a second | as it was made | from a file | file of made |\n|:--|--:|--:|--:|\n", 1e3*seconds);
+    std::printf("\n| opened in %.1f ms, million per second | original | from a file | file/original |\n|:--|--:|--:|--:|\n", 1e3*seconds);
     std::mt19937 random(3);
     for (bool areCoherent : {true, false})
       measure(areCoherent ? "coherent, closest" : "incoherent, closest", randomRays(random, count, areCoherent), {{"", single(madeScene), {}}, {"", single(openedScene), {}}}, turns, true);
@@ -124,9 +125,9 @@ int main(int argc, char** argv)
     CbvhStatistics statistics;
     OK(cbvhGetGroupStatistics(*group, &statistics));
     const double quads = double(statistics.numQuads);
-    std::printf("Embree %s; a displaced cube of %.2f million quads: %.1f bytes a quad, built in %.2f s; its own subdivision surface %.1f bytes, %.2f s\n\n", RTC_VERSION_STRING,
+    std::printf("Embree %s; a displaced cube of %.2f million quads: %.1f bytes per quad, built in %.2f s; its own subdivision surface %.1f bytes, %.2f s\n\n", RTC_VERSION_STRING,
                 quads*1e-6, double(statistics.bytes)/quads, ours, double(live - before)/quads, theirs);
-    std::printf("| rays, million a second | user geometry | libembree_cbvh alone | Embree's own | user geometry of alone | of Embree's own |\n|:--|--:|--:|--:|--:|--:|\n");
+    std::printf("| rays, million per second | user geometry | libembree_cbvh alone | Embree's own | user geometry/alone | user geometry/Embree's own |\n|:--|--:|--:|--:|--:|--:|\n");
     const auto single = [](RTCScene in) { return [in](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) intersect(in, r); }; };
     const auto any = [](RTCScene in) { return [in](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) occluded(in, r.ray); }; };
     const CbvhGroup handle = *group;
@@ -159,7 +160,7 @@ int main(int argc, char** argv)
     const auto single = [](RTCScene in) { return [in](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) intersect(in, r); }; };
     const CbvhGroup handle = together;
     const auto alone = [handle](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) cbvhIntersect1(handle, (CbvhRayHit*)&r, nullptr); };
-    std::printf("\n| nine surfaces, million a second | libembree_cbvh alone | as one geometry | as nine | one of alone | nine of alone |\n|:--|--:|--:|--:|--:|--:|\n");
+    std::printf("\n| nine surfaces, million per second | libembree_cbvh alone | as one geometry | as nine | one/alone | nine/alone |\n|:--|--:|--:|--:|--:|--:|\n");
     std::mt19937 random(2);
     for (bool areCoherent : {true, false})
       measure(areCoherent ? "coherent, closest" : "incoherent, closest", randomRays(random, count, areCoherent, 0.6f), {{"", alone, {}}, {"", single(asOne), {}}, {"", single(asMany), {}}}, turns, true);

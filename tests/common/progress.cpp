@@ -17,7 +17,7 @@
 namespace cbvh::test {
 namespace {
 
-/* Handlers and flags are of the process: what sets them runs in one of its own. */
+/* Handlers and flags belong to the process: code that sets them runs in its own process. */
 
 void loopUntilCancelled()
 {
@@ -37,12 +37,12 @@ void loopUntilCancelled()
   }
 }
 
-TEST(CancelDeathTest, ASignalEndsLoops)
+TEST(CancelDeathTest, SignalEndsLoops)
 {
   EXPECT_EXIT(loopUntilCancelled(), testing::ExitedWithCode(7), "stopped by itself");
 }
 
-/* As code does that does not look at the flag. */
+/* Like code that does not check the flag. */
 void hang(const std::string& path)
 {
   installCancelHandler();
@@ -54,7 +54,7 @@ void hang(const std::string& path)
     pause();
 }
 
-TEST(CancelDeathTest, WhatHangsIsEndedAndItsFileRemoved)
+TEST(CancelDeathTest, HangingProcessIsEndedAndItsFileRemoved)
 {
   const std::filesystem::path folder =
     std::filesystem::temp_directory_path() / ("cbvh_progress_" + std::to_string(getpid()));

@@ -14,7 +14,7 @@
 namespace cbvh::test {
 namespace {
 
-/* Status and what is on stderr. */
+/* Returns the exit status and the output to stderr. */
 std::pair<int, std::string> outcome(const std::function<int()>& run)
 {
   testing::internal::CaptureStderr();
@@ -28,7 +28,7 @@ TEST(RunProgram, ReturnsTheStatus)
   EXPECT_EQ(outcome([] { return 3; }), std::make_pair(3, std::string()));
 }
 
-TEST(RunProgram, SaysInALineWhatWasThrown)
+TEST(RunProgram, PrintsExceptionsInOneLine)
 {
   EXPECT_EQ(outcome([]() -> int { throw Cancelled(); }), std::make_pair(130, std::string("cbvh_test: cancelled\n")));
   EXPECT_EQ(outcome([]() -> int { throw std::bad_alloc(); }), std::make_pair(1, std::string("cbvh_test: out of memory\n")));

@@ -1,12 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* With no compression asked for, our library behaves as Debian's libembree3-3:
- * the same rays find the same IDs and misses, and distances a few ulps apart.
+/* Without compression our library behaves as Debian's libembree3-3: the same rays have the same IDs and misses, and
+ * distances that differ by a few ulps.
  *
- * Two libraries of one name do not fit into one process. This program therefore
- * runs itself as `stock_equality --trace CONFIG FILE`, once for each library
- * directory in LD_LIBRARY_PATH, and compares what the two runs write. */
+ * Two libraries with the same name cannot be loaded into one process. Therefore the program runs itself as
+ * `stock_equality --trace CONFIG FILE` once for each library directory in LD_LIBRARY_PATH, and compares the results. */
 
 #include <embree3/rtcore.h>
 #include <gtest/gtest.h>
@@ -28,17 +27,17 @@
 namespace {
 
 constexpr unsigned seed = 20180717;
-constexpr unsigned numRays = 1 << 14; // of each scene, in each way to ask
+constexpr unsigned numRays = 1 << 14; // per scene and query
 
-// Upstream evaluates patches in code of the lowest ISA it is built for. Where ours
-// is not Debian's (SSE2), fused multiply-adds make other vertices of the same patch:
-// 38 ulps of distance were seen, at 1/8 of the largest coordinate.
+// Upstream evaluates patches in code of the lowest ISA that it is built for. If ours is not Debian's (SSE2), fused
+// multiply-adds give different vertices of the same patch: differences of up to 38 ulps of distance were measured, at
+// 1/8 of the largest coordinate.
 constexpr uint32_t maxUlps = SAME_LOWEST_ISA ? 4 : 64;
 
 struct Vec { float x, y, z; };
 struct Vec4 { float x, y, z, w; };
 
-// What a ray found. `occluded` is what the any-hit query says of the same ray.
+// The hit of a ray. `occluded` is the result of the any-hit query for the same ray.
 struct Record
 {
   uint32_t geomID, primID, instID, occluded;
@@ -161,7 +160,7 @@ void displace(const RTCDisplacementFunctionNArguments* args)
   }
 }
 
-// A cube with creases, its faces tessellated `rate` times along an edge.
+// A cube with creases, whose faces are tessellated `rate` times along an edge.
 void addSubdivision(RTCDevice device, RTCScene scene, float rate, bool displaced, unsigned timeSteps = 1)
 {
   std::vector<Vec> points;
@@ -184,7 +183,7 @@ void addSubdivision(RTCDevice device, RTCScene scene, float rate, bool displaced
   attach(scene, geometry);
 }
 
-// Lets every other quarter of the surface through.
+// Accepts hits on every other quarter of the surface.
 void filter(const RTCFilterFunctionNArguments* args)
 {
   for (unsigned i = 0; i < args->N; i++)
@@ -263,7 +262,7 @@ std::vector<RTCRayHit> makeRays()
 
 template<typename Packet, unsigned N, typename F> void packets(std::vector<RTCRayHit>& rays, F ask)
 {
-  // All packet types are arrays of N after arrays of N, as RTCRayHitN is.
+  // All packet types consist of arrays of N, like RTCRayHitN.
   alignas(64) Packet packet;
   alignas(64) int valid[N];
   for (size_t i = 0; i + N <= rays.size(); i += N) {
@@ -302,7 +301,7 @@ const std::map<std::string, Query> queries = {
   }},
 };
 
-// --- the traced side ----------------------------------------------------------------
+// --- tracing process ------------------------------------------------------------------
 
 void writeString(FILE* file, const std::string& s)
 {
@@ -347,7 +346,7 @@ int trace(const char* config, const char* path)
   return error == RTC_ERROR_NONE ? 0 : 3;
 }
 
-// --- the comparing side ---------------------------------------------------------------
+// --- comparing process ------------------------------------------------------------------
 
 struct Trace
 {
@@ -363,7 +362,7 @@ bool readString(FILE* file, std::string& s)
   return fread(&s[0], 1, size, file) == size;
 }
 
-// Exit status of the tracing run; 2 where the device refuses the configuration.
+// Returns the exit status of the tracing process; 2 if the device rejects the configuration.
 int run(const std::string& directory, const std::string& config, Trace& result)
 {
   char self[4096] = {}, path[] = "/tmp/stock_equality_XXXXXX";
@@ -383,7 +382,7 @@ int run(const std::string& directory, const std::string& config, Trace& result)
   return status;
 }
 
-// Distance of two floats of one sign in units of the last place.
+// Difference of two floats with the same sign, in ulps.
 uint32_t ulps(float a, float b)
 {
   int32_t i, j;
@@ -399,7 +398,7 @@ TEST_P(StockEquality, FindsTheSameHits)
   Trace ours, stock;
   const std::string config = GetParam();
   const int status = run(OUR_LIBRARY_DIR, config, ours);
-  if (status == 2) GTEST_SKIP() << "this machine does not run " << config;
+  if (status == 2) GTEST_SKIP() << "this machine does not support " << config;
   ASSERT_EQ(status, 0);
   ASSERT_EQ(run(STOCK_LIBRARY_DIR, config, stock), 0);
   ASSERT_NE(ours.library, stock.library);
@@ -425,7 +424,7 @@ TEST_P(StockEquality, FindsTheSameHits)
       worst = std::max(worst, ulps(a.tfar, b.tfar));
     }
     EXPECT_EQ(different, 0u);
-    EXPECT_GT(hits, numRays/20) << "the rays miss the scene";
+    EXPECT_GT(hits, numRays/20) << "too many rays miss the scene";
     EXPECT_LE(worst, maxUlps);
   }
 }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Whether rays have the same hits on the device as on the processor. */
+/* Compares hits of the same rays on the device and on the CPU. */
 
 #include "small_scenes.h"
 #include "vulkan_tracer.h"
@@ -12,19 +12,19 @@
 
 namespace cbvh::test {
 
-// What was compared, and what was not the same.
+// Numbers of compared rays and of differences.
 struct Agreement
 {
   size_t rays = 0, hits = 0;
-  size_t otherHit = 0;    // a hit for a miss, or the other way round
-  size_t otherPlace = 0;  // other IDs, or farther apart than a hundredth of what a quad of 1/64 is wide
-  size_t otherNormal = 0; // at the same place, as on the edge of two triangles
-  size_t otherAny = 0;    // any hit is not what closest hit is
+  size_t otherHit = 0;    // a hit instead of a miss, or the reverse
+  size_t otherPlace = 0;  // different IDs, or a distance of more than a hundredth of the width of a quad of 1/64
+  size_t otherNormal = 0; // at the same position, for example on the edge of two triangles
+  size_t otherAny = 0;    // any hit differs from closest hit
 
-  // One ray in 10^5, as where a ray grazes an edge; rays of tests are fewer.
+  // Allows one ray in 10^5, for example a ray that grazes an edge; tests have fewer rays.
   void expect() const
   {
-    EXPECT_GT(hits, rays/10) << "the rays miss";
+    EXPECT_GT(hits, rays/10) << "too many rays miss";
     EXPECT_LE(otherHit, rays/100000 + 1);
     EXPECT_LE(otherPlace, hits/10000 + 2);
     EXPECT_LE(otherNormal, hits/1000 + 2);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The fixture of tests of the errors that a program gets. */
+/* The fixture for tests of reported errors. */
 
 #include "small_scenes.h"
 

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A shader of an application that uses the names of our headers for things of its own. It is
- * compiled, not run. */
+/* A shader of an application that uses the names of our headers for its own purposes. It is compiled, not run. */
 
 #version 460
 #extension GL_GOOGLE_include_directive : require

@@ -34,18 +34,18 @@ template<> constexpr const char* kindOf<VkFence> = "fence";
 template<typename Handle>
 void created(const Handle* handles, uint32_t count)
 {
-  static_assert(kindOf<Handle> != nullptr, "a kind of object that this file does not know");
+  static_assert(kindOf<Handle> != nullptr, "add the kind of this object to kindOf");
   for (uint32_t i = 0; i < count; i++) faults->created(kindOf<Handle>, handles[i]);
 }
 
 template<typename Handle>
 void destroyed(Handle handle)
 {
-  static_assert(kindOf<Handle> != nullptr, "a kind of object that this file does not know");
+  static_assert(kindOf<Handle> != nullptr, "add the kind of this object to kindOf");
   if (handle) faults->destroyed(kindOf<Handle>, handle);
 }
 
-// --- what is seen of calls, by their arguments -------------------------------------------------
+// --- observing calls by their arguments --------------------------------------------------------
 
 // before the call
 template<typename... Arguments>
@@ -75,7 +75,7 @@ void begins(VkDevice, const VkMemoryAllocateInfo* info, const VkAllocationCallba
 
 void begins(VkDevice, const VkPipelineCacheCreateInfo* info, const VkAllocationCallbacks*, VkPipelineCache*) { faults->askedCache(info->initialDataSize); }
 
-// behind the call, if it went well
+// after a successful call
 template<typename... Arguments>
 void ends(Arguments...) {}
 
@@ -100,9 +100,9 @@ void ends(VkPhysicalDevice, VkPhysicalDeviceProperties* properties)
 void ends(VkPhysicalDevice, VkPhysicalDeviceProperties2* properties) { if (faults->onProperties2) faults->onProperties2(*properties); }
 void ends(VkPhysicalDevice, VkPhysicalDeviceFeatures2* features) { if (faults->onFeatures) faults->onFeatures(*features); }
 
-// --- discrete devices: every type of memory is there twice, for the device and for the host ---------
+// --- discrete devices: every memory type exists twice, for the device and for the host -------------
 
-uint32_t numMemoryTypes = 0;   // that there really are
+uint32_t numMemoryTypes = 0;   // number of actual types
 
 void ends(VkPhysicalDevice, VkPhysicalDeviceMemoryProperties* memory)
 {
@@ -121,7 +121,7 @@ void ends(VkDevice, VkBuffer, VkMemoryRequirements* requirements)
   if (faults->isDiscrete) requirements->memoryTypeBits |= requirements->memoryTypeBits << numMemoryTypes;
 }
 
-// --- lists that are changed ----------------------------------------------------------------------
+// --- modified lists ------------------------------------------------------------------------------
 
 template<typename Item, typename List, typename Change>
 VkResult changedList(List list, const Change& change, uint32_t* count, Item* items)
@@ -139,7 +139,7 @@ VkResult changedList(List list, const Change& change, uint32_t* count, Item* ite
   return *count < changed.size() ? VK_INCOMPLETE : VK_SUCCESS;
 }
 
-// By default the call itself.
+// By default, only calls the function.
 template<typename Result, typename... Arguments>
 Result forwarded(Result (VKAPI_PTR* next)(Arguments...), Arguments... arguments) { return next(arguments...); }
 
@@ -209,7 +209,7 @@ struct Wrapper<index, Result (VKAPI_PTR*)(Arguments...)>
     }
   }
 };
-// The wrapper of a function that `found` is, or `found`.
+// Returns the wrapper of a function, or `found` if there is none.
 PFN_vkVoidFunction wrapped(const char* name, PFN_vkVoidFunction found)
 {
   if (!found) return nullptr;
@@ -236,7 +236,7 @@ PFN_vkVoidFunction VKAPI_CALL getInstanceProcAddrOfFaults(VkInstance instance, c
 
 Faults::Faults(PFN_vkGetInstanceProcAddr next) : next(next)
 {
-  if (faults) throw std::logic_error("there are Faults already");
+  if (faults) throw std::logic_error("only one Faults object may exist");
   faults = this;
 }
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A loader of Vulkan, for EMBREE_VULKAN_LOADER: what it hands out is of the test program's Faults. */
+/* A Vulkan loader for EMBREE_VULKAN_LOADER: returns the functions of the test program's Faults. */
 
 #include <vulkan/vulkan_core.h>
 

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A shader of an application with a top level of its own, in which a compressed scene is beside triangles. Rays are RTCRayHit;
- * triangles have the application's name as geomID. */
+/* A shader of an application whose own top level contains a compressed scene next to triangles. Rays are RTCRayHit;
+ * triangles have the application's geomID. */
 
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -18,7 +18,7 @@ layout(push_constant, scalar) uniform Arguments
   uvec2 topLevel;
   uvec2 rays;
   uint count;
-  float offset;   // of the scene in the application's world, along x
+  float offset;   // position of the scene in the application's world, along x
 } arguments;
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Rays { float at[]; };

@@ -39,7 +39,7 @@ RayBuffer::RayBuffer(const RTCVulkanHandles& handles, const void* data, size_t b
   allocation.pNext = &flags;
   allocation.allocationSize = requirements.size;
   while (!(requirements.memoryTypeBits & (1u << allocation.memoryTypeIndex)) || (types.memoryTypes[allocation.memoryTypeIndex].propertyFlags & host) != host)
-    if (++allocation.memoryTypeIndex == types.memoryTypeCount) throw std::runtime_error("there is no memory that the host sees");
+    if (++allocation.memoryTypeIndex == types.memoryTypeCount) throw std::runtime_error("no host-visible memory");
   check(vkAllocateMemory(handles.device, &allocation, nullptr, &memory), "vkAllocateMemory");
   check(vkBindBufferMemory(handles.device, buffer, memory, 0), "vkBindBufferMemory");
   check(vkMapMemory(handles.device, memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory");

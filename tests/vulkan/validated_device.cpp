@@ -10,8 +10,8 @@
 #include <cstdlib>
 #include <stdexcept>
 
-/* Of a sanitizer: what the loader and the driver keep is reported as theirs no more once they are
- * unloaded. What the library keeps of Vulkan's, faults.h counts. */
+/* Options of a sanitizer: it cannot attribute memory of the loader and the driver once they are unloaded. faults.h
+ * counts the Vulkan objects of the library. */
 extern "C" const char* __asan_default_options();
 extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
 
@@ -31,7 +31,7 @@ void check(VkResult result, const char* doing)
   if (result != VK_SUCCESS) throw std::runtime_error(std::string(doing) + " failed: VkResult " + std::to_string(result));
 }
 
-// All items of a function of Vulkan that lists some.
+// Returns all items of a Vulkan function that lists some.
 template<typename T, typename List>
 std::vector<T> listed(const List& list)
 {
@@ -68,7 +68,7 @@ VkInstance newInstance(Validation* validation)
   return instance;
 }
 
-// What the library asks of a device, as its header says.
+// Extensions that the library requires of a device according to its header.
 const char* const rayQueryExtensions[] = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, VK_KHR_RAY_QUERY_EXTENSION_NAME,
                                           VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
 
@@ -125,7 +125,7 @@ VkInstanceCreateInfo Validation::extended(VkInstanceCreateInfo info)
   layers.push_back(layerName);
   extensions.assign(info.ppEnabledExtensionNames, info.ppEnabledExtensionNames + info.enabledExtensionCount);
   extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-  // this messenger is of vkCreateInstance and vkDestroyInstance, where no other can be
+  // this messenger reports errors of vkCreateInstance and vkDestroyInstance
   messengerInfo.pNext = info.pNext;
   features.pNext = &messengerInfo;
   features.enabledValidationFeatureCount = uint32_t(enabled.size());
@@ -162,7 +162,7 @@ bool Validation::isInstalled()
   static const bool installed = [] {
     const std::vector<VkLayerProperties> layers = listed<VkLayerProperties>(vkEnumerateInstanceLayerProperties);
     const bool found = std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) { return std::string(layer.layerName) == layerName; });
-    if (!found) std::printf("%s is not installed: nothing is validated\n", layerName);
+    if (!found) std::printf("%s is not installed: no validation\n", layerName);
     return found;
   }();
   return installed;
@@ -174,11 +174,11 @@ std::string ValidatedDevice::missing()
 {
   static const std::string reason = []() -> std::string {
     VkInstance instance;
-    try { instance = newInstance(nullptr); } catch (const std::exception& error) { return std::string("there is no driver of Vulkan: ") + error.what(); }
+    try { instance = newInstance(nullptr); } catch (const std::exception& error) { return std::string("no Vulkan driver: ") + error.what(); }
     const std::vector<VkPhysicalDevice> devices = devicesOf(instance);
     const bool found = std::any_of(devices.begin(), devices.end(), isUsable);
     vkDestroyInstance(instance, nullptr);
-    return found ? "" : "of " + std::to_string(devices.size()) + " Vulkan devices none has Vulkan 1.2, bufferDeviceAddress, scalarBlockLayout and shaderFloat64";
+    return found ? "" : "of " + std::to_string(devices.size()) + " Vulkan devices, none supports Vulkan 1.2, bufferDeviceAddress, scalarBlockLayout and shaderFloat64";
   }();
   return reason;
 }
@@ -201,7 +201,7 @@ void ValidatedDevice::open(const Options& options)
 
   const std::vector<VkPhysicalDevice> devices = devicesOf(handles.instance);
   const auto found = std::find_if(devices.begin(), devices.end(), isUsable);
-  if (found == devices.end()) throw std::runtime_error("there is no Vulkan device");
+  if (found == devices.end()) throw std::runtime_error("no Vulkan device");
   handles.physicalDevice = *found;
   VkPhysicalDeviceProperties properties;
   vkGetPhysicalDeviceProperties(handles.physicalDevice, &properties);
@@ -232,7 +232,7 @@ void ValidatedDevice::open(const Options& options)
   features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
   features.pNext = &features12;
   features.features.shaderFloat64 = options.hasFloat64;
-  if (options.isGpuAssisted) // what the instrumentation stores with, and reads addresses by
+  if (options.isGpuAssisted) // features that the instrumentation requires for stores and addresses
     features.features.fragmentStoresAndAtomics = features.features.vertexPipelineStoresAndAtomics = features.features.shaderInt64 = VK_TRUE;
   VkPhysicalDeviceRayQueryFeaturesKHR query = {};
   query.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR;
@@ -258,7 +258,7 @@ void ValidatedDevice::open(const Options& options)
 
 std::vector<std::string> ValidatedDevice::destroy()
 {
-  // the layer reports here what was not destroyed
+  // the layer reports objects that were not destroyed here
   if (handles.device) vkDestroyDevice(handles.device, nullptr);
   validation.detach();
   if (handles.instance) vkDestroyInstance(handles.instance, nullptr);

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Whatever shaders read and write lies in a buffer, by the validation layer's own instrumentation of
- * them. It makes them many times as large: lavapipe compiles those of cVERT for four minutes, which is too
- * long for a test, and the others in seconds. */
+/* Checks with the validation layer's instrumentation that shaders access memory only inside of buffers. Instrumentation
+ * makes shaders many times larger: lavapipe compiles those of cVERT for four minutes, which is too long for a test, and
+ * the others in seconds. */
 
 #include "recorded_trace.h"
 #include "small_scenes.h"
@@ -20,7 +20,7 @@ protected:
   {
     useCacheFolderOfTests();
     if (const std::string reason = ValidatedDevice::missing(); !reason.empty()) GTEST_SKIP() << reason;
-    if (!Validation::isInstalled()) GTEST_SKIP() << "there is no validation layer";
+    if (!Validation::isInstalled()) GTEST_SKIP() << "no validation layer";
     DeviceOptions options;
     options.isGpuAssisted = true;
     vulkan = std::make_unique<ValidatedDevice>(options);
@@ -29,7 +29,7 @@ protected:
   }
 };
 
-TEST_F(VulkanBounds, RaysBesideTheirBufferAreSeen)
+TEST_F(VulkanBounds, RaysOutsideOfTheirBufferAreDetected)
 {
   Scene scene(embree);
   attach(scene, newTriangle(embree, 0));
@@ -48,7 +48,7 @@ TEST_F(VulkanBounds, RaysBesideTheirBufferAreSeen)
   EXPECT_TRUE(has(said, "out of bounds")) << said;
 }
 
-TEST_F(VulkanBounds, ScenesAreReadWhereTheyAre)
+TEST_F(VulkanBounds, ScenesAreAccessedWithinBounds)
 {
   Scene scene(embree), surfaces(embree);
   Displacement displacements[4];

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A device that fails: every call of every function of Vulkan that can, in turn. The caller gets
- * an error that says what failed, nothing is left behind, and what there was before goes on. */
+/* A failing device: makes every call of every fallible Vulkan function fail in turn. The caller gets an error that
+ * names the failed operation, nothing leaks, and existing objects continue to work. */
 
 #include "faults_fixture.h"
 
@@ -10,13 +10,12 @@
 
 #include <vulkan/vulkan.h>
 
-
 namespace cbvh::test {
 namespace {
 
 // --- every call fails in turn ------------------------------------------------------------------
 
-TEST_F(VulkanFaults, OpeningADeviceLeavesNothingBehind)
+TEST_F(VulkanFaults, OpeningADeviceDoesNotLeak)
 {
   device.reset();
   expectAll(failEverything([&] { return bool(open(vulkan->handles)); }), {"CreateCommandPool", "CreatePipelineLayout", "CreatePipelineCache", "GetPipelineCacheData"});
@@ -27,7 +26,7 @@ class VulkanUploadFaults : public VulkanFaults, public testing::WithParamInterfa
 INSTANTIATE_TEST_SUITE_P(Memory, VulkanUploadFaults, testing::Values(false, true),
                          [](const testing::TestParamInfo<bool>& info) { return info.param ? "OfADiscreteDevice" : "OfTheHost"; });
 
-TEST_P(VulkanUploadFaults, UploadingASceneLeavesNothingBehind)
+TEST_P(VulkanUploadFaults, UploadingASceneDoesNotLeak)
 {
   faults->isDiscrete = GetParam();
   reopen();
@@ -42,7 +41,7 @@ TEST_P(VulkanUploadFaults, UploadingASceneLeavesNothingBehind)
     SCOPED_TRACE(testing::Message() << "memory " << int(memory));
     const std::vector<std::string> called = failEverything([&] {
       const VulkanScene uploaded = newVulkanScene(device, scene, memory);
-      EXPECT_TRUE(isHit(intersect(scene, raysFromAbove()[0]))) << "the CPU goes on";
+      EXPECT_TRUE(isHit(intersect(scene, raysFromAbove()[0]))) << "the CPU scene still works";
       return uploaded != nullptr;
     });
     expectAll(called, {"AllocateMemory", "CreateBuffer", "BindBufferMemory", "MapMemory"});
@@ -51,7 +50,7 @@ TEST_P(VulkanUploadFaults, UploadingASceneLeavesNothingBehind)
   }
 }
 
-// Traces rays of a scene; they are as they were if it fails.
+// Traces rays of a scene. The rays remain unchanged if it fails.
 template<typename Ray>
 std::function<bool()> tracing(const VulkanScene& scene, const std::vector<Ray>& rays, const std::vector<Ray>& expected)
 {
@@ -70,7 +69,7 @@ class VulkanTraceFaults : public VulkanUploadFaults {};
 INSTANTIATE_TEST_SUITE_P(Memory, VulkanTraceFaults, testing::Values(false, true),
                          [](const testing::TestParamInfo<bool>& info) { return info.param ? "OfADiscreteDevice" : "OfTheHost"; });
 
-TEST_P(VulkanTraceFaults, TracingLeavesNothingBehindAndRaysAsTheyWere)
+TEST_P(VulkanTraceFaults, TracingDoesNotLeakAndKeepsRaysUnchanged)
 {
   faults->isDiscrete = GetParam();
   reopen();
@@ -96,8 +95,8 @@ TEST_P(VulkanTraceFaults, TracingLeavesNothingBehindAndRaysAsTheyWere)
   expectAll(failEverything(tracing(uploaded, rays, hits)), expected);
 }
 
-// Each of them: of the trace, and of the sort of rays before it.
-TEST_F(VulkanFaults, AShaderThatCannotBeMadeIsMadeAtTheNextTrace)
+// Each shader: those for tracing, and those for sorting rays beforehand.
+TEST_F(VulkanFaults, FailedShadersAreCreatedByTheNextTrace)
 {
   SmallScene scene(embree, RTC_COMPRESSION_VOXEL);
   const std::vector<RTCRayHit> rays = raysFromAbove();
@@ -110,7 +109,7 @@ TEST_F(VulkanFaults, AShaderThatCannotBeMadeIsMadeAtTheNextTrace)
     const std::map<std::string, size_t> before = faults->live();
     std::vector<RTCRayHit> traced = rays;
     size_t made = 0;
-    // one more is made each time, and then the next one fails
+    // each attempt creates one more shader, and then the next one fails
     for (bool done = false; !done && made < 100; made += !done) {
       for (unsigned n : {1, 1, 2}) {
         faults->fail(function, n, fault.result);
@@ -125,7 +124,7 @@ TEST_F(VulkanFaults, AShaderThatCannotBeMadeIsMadeAtTheNextTrace)
         EXPECT_EQ(faults->live(), expected);
       }
     }
-    EXPECT_EQ(made, 4u) << "and the fifth was the last";
+    EXPECT_EQ(made, 4u) << "the fifth was the last";
     expectAsOnTheCPU(scene, rays, traced);
     reopen();
   }
@@ -133,8 +132,8 @@ TEST_F(VulkanFaults, AShaderThatCannotBeMadeIsMadeAtTheNextTrace)
 
 // --- memory --------------------------------------------------------------------------------------
 
-// What an error says: sizes are those of the call, names are from the scene.
-TEST_F(VulkanFaults, AnAllocationThatFailsIsNamed)
+// The message contains the size of the failed call and the name of the buffer.
+TEST_F(VulkanFaults, FailedAllocationsAreReported)
 {
   SmallScene scene(embree);
   std::vector<std::string> messages;
@@ -157,10 +156,10 @@ TEST_F(VulkanFaults, AnAllocationThatFailsIsNamed)
     EXPECT_TRUE(std::any_of(messages.begin(), messages.end(), [&](const std::string& message) { return has(message, std::string(" bytes for ") + what); })) << what;
 }
 
-// NVIDIA's driver refuses to import mapped files.
+// NVIDIA's driver rejects imports of mapped files.
 TEST_F(VulkanFaults, BlocksThatTheDriverDoesNotImportAreCopied)
 {
-  if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "memory cannot be imported";
+  if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "the driver does not import memory";
   const SmallScene scene(embree, RTC_COMPRESSION_VERT);
   faults->fail("GetMemoryHostPointerPropertiesEXT", 1, VK_ERROR_OUT_OF_DEVICE_MEMORY);
   EXPECT_FALSE(newVulkanScene(device, scene, RTC_VULKAN_MEMORY_IMPORT));
@@ -179,7 +178,7 @@ TEST_F(VulkanFaults, BlocksThatTheDriverDoesNotImportAreCopied)
   expectAsOnTheCPU(scene, rays, traceAll(uploaded.get(), rays));
 }
 
-TEST_F(VulkanFaults, ALimitOnAllocationsIsNamedWithItsValue)
+TEST_F(VulkanFaults, AllocationLimitIsReportedWithItsValue)
 {
   size_t limit = 100000;
   faults->onProperties2 = [&](VkPhysicalDeviceProperties2& properties) {
@@ -207,8 +206,8 @@ TEST_F(VulkanFaults, ALimitOnAllocationsIsNamedWithItsValue)
   EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 100 bytes") && has(embree.message, "blocks need ")) << embree.message;
 }
 
-// Blocks lie in as many buffers as the limit asks for, and are found.
-TEST_F(VulkanFaults, BlocksAreInSeveralBuffersWhereTheLimitIsLow)
+// Blocks are distributed over as many buffers as the limit requires.
+TEST_F(VulkanFaults, BlocksUseSeveralBuffersIfTheLimitIsLow)
 {
   SurfaceSettings settings = smallSurface(RTC_COMPRESSION_GRID);
   settings.rate = 64;
@@ -230,17 +229,18 @@ TEST_F(VulkanFaults, BlocksAreInSeveralBuffersWhereTheLimitIsLow)
       const size_t before = faults->live()["buffer"];
       const VulkanScene uploaded = newVulkanScene(device, scene, memory);
       ASSERT_TRUE(uploaded) << embree.message;
-      EXPECT_GE(faults->live()["buffer"], before + 4) << "3 MB of blocks, in pieces of 1 MiB, and what describes them";
+      EXPECT_GE(faults->live()["buffer"], before + 4) << "3 MB of blocks in pieces of 1 MiB, and their descriptions";
       const std::vector<RTCRayHit> traced = traceAll(uploaded.get(), rays);
       expectAsOnTheCPU(scene, rays, traced);
     }
 }
 
-// Bits of cVERT are read in words, which may reach over the last byte of a block: kernels/cbvh has memory there, and
-// the next page is imported, too, where it is on that. Scenes of all sizes, so that some blocks end at the end of a page.
-TEST_F(VulkanFaults, WhatLiesBehindABlockOfBitsIsImportedWithIt)
+// Bits of cVERT are read in words, which may extend beyond the last byte of a block. kernels/cbvh allocates memory
+// there, and the next page is imported as well if necessary. Scenes of all sizes, so that some blocks end at the end
+// of a page.
+TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem)
 {
-  if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "memory cannot be imported";
+  if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "the driver does not import memory";
   struct Range { const char* begin; size_t bytes; };
   std::vector<Range> ranges;
   faults->onAllocation = [&](const VkMemoryAllocateInfo& info) {
@@ -273,9 +273,9 @@ TEST_F(VulkanFaults, WhatLiesBehindABlockOfBitsIsImportedWithIt)
   EXPECT_GT(overEndOfPage, 0u);
 }
 
-// --- devices that are lost ---------------------------------------------------------------------
+// --- lost devices ------------------------------------------------------------------------------
 
-TEST_F(VulkanFaults, ADeviceThatIsLostWhenATraceStartsIsAnError)
+TEST_F(VulkanFaults, DeviceLostAtTheStartOfATraceIsAnError)
 {
   SmallScene scene(embree);
   VulkanScene uploaded = newVulkanScene(device, scene);
@@ -285,10 +285,10 @@ TEST_F(VulkanFaults, ADeviceThatIsLostWhenATraceStartsIsAnError)
   EXPECT_EQ(rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size()), nullptr);
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost")) << embree.message;
-  EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU goes on";
+  EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU scene still works";
 }
 
-TEST_F(VulkanFaults, ADeviceThatIsLostDuringATraceLeavesRaysAsTheyWere)
+TEST_F(VulkanFaults, DeviceLostDuringATraceKeepsRaysUnchanged)
 {
   SmallScene scene(embree);
   VulkanScene uploaded = newVulkanScene(device, scene);
@@ -309,11 +309,11 @@ TEST_F(VulkanFaults, ADeviceThatIsLostDuringATraceLeavesRaysAsTheyWere)
   EXPECT_FALSE(rtcWaitVulkanTrace(other, occluded.data(), nullptr));
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   EXPECT_TRUE(areSame(occluded, withoutHits(rays)));
-  EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU goes on";
+  EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU scene still works";
   faults->fail("GetPipelineCacheData", 1, VK_ERROR_DEVICE_LOST, Faults::INSTEAD, true);
 }
 
-TEST_F(VulkanFaults, ATraceOfALostDeviceIsDone)
+TEST_F(VulkanFaults, TraceOfALostDeviceIsDone)
 {
   SmallScene scene(embree);
   VulkanScene uploaded = newVulkanScene(device, scene);
@@ -327,7 +327,7 @@ TEST_F(VulkanFaults, ATraceOfALostDeviceIsDone)
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
 }
 
-TEST_F(VulkanFaults, ADeviceThatIsLostDuringAnUploadIsAnError)
+TEST_F(VulkanFaults, DeviceLostDuringAnUploadIsAnError)
 {
   faults->isDiscrete = true;
   reopen();
@@ -340,8 +340,8 @@ TEST_F(VulkanFaults, ADeviceThatIsLostDuringAnUploadIsAnError)
   }
 }
 
-// The trace is the last that holds everything, the RTCDevice that gets the error included.
-TEST_F(VulkanFaults, AnErrorOfATraceThatOutlivesEverythingIsTold)
+// The trace holds the last references to all objects, including the RTCDevice that receives the error.
+TEST_F(VulkanFaults, ErrorOfATraceThatOutlivesAllObjectsIsReported)
 {
   std::string message;
   {

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* An application that puts a compressed scene into a top level of its own, beside its own triangles, by what
- * rtcGetVulkanSceneInstances gives, and queries it by a shader of its own, own_top_level.comp. */
+/* An application that adds a compressed scene to its own top level next to its triangles with
+ * rtcGetVulkanSceneInstances, and queries it with its own shader, own_top_level.comp. */
 
 #include "small_scenes.h"
 #include "recorded_trace.h"
@@ -27,7 +27,7 @@ struct Functions
   {
     const auto get = [&](const char* name) {
       const PFN_vkVoidFunction found = vkGetDeviceProcAddr(device, name);
-      if (!found) throw std::runtime_error(std::string("there is no ") + name);
+      if (!found) throw std::runtime_error(std::string("missing function ") + name);
       return found;
     };
     create = PFN_vkCreateAccelerationStructureKHR(get("vkCreateAccelerationStructureKHR"));
@@ -47,7 +47,7 @@ struct Functions
 constexpr VkBufferUsageFlags inputUsage = VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR;
 constexpr VkBufferUsageFlags storageUsage = VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR;
 
-// A structure of one geometry, built at once.
+// An acceleration structure of one geometry, built immediately.
 class OwnStructure
 {
 public:
@@ -147,12 +147,12 @@ protected:
   void SetUp() override
   {
     VulkanTest::SetUp();
-    if (vulkan && !vulkan->handles.hasRayQuery) GTEST_SKIP() << vulkan->name << " has no ray queries";
+    if (vulkan && !vulkan->handles.hasRayQuery) GTEST_SKIP() << vulkan->name << " does not support ray queries";
   }
 };
 
-// The scene is moved along x by the application, and its triangle cuts through it.
-TEST_F(VulkanOwnTopLevel, HasTheSceneBesideTriangles)
+// The application moves the scene along x, and its triangle intersects the scene.
+TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
 {
   const RTCVulkanHandles& handles = vulkan->handles;
   const Functions functions(handles.device);
@@ -163,7 +163,7 @@ TEST_F(VulkanOwnTopLevel, HasTheSceneBesideTriangles)
   settings.compression = RTC_COMPRESSION_VERT;
   settings.rate = 16;
 
-  /* an instance besides a surface */
+  /* an instance next to a surface */
   Scene inside(embree), scene(embree);
   addSurface(embree, inside, cubeCage(), settings);
   rtcCommitScene(inside);
@@ -210,7 +210,7 @@ TEST_F(VulkanOwnTopLevel, HasTheSceneBesideTriangles)
   query(handles, {rtcGetVulkanSceneAddress(onDevice.get()), topLevel.address, buffer.address, uint32_t(rays.size()), offset});
   const RTCRayHit* found = static_cast<const RTCRayHit*>(buffer.mapped);
 
-  /* the processor has the same world, triangle included */
+  /* the same world on the CPU, including the triangle */
   Scene world(embree);
   RTCGeometry whole = newInstance(embree, inside, 0);
   const float transform[12] = {1,0,0, 0,1,0, 0,0,1, offset,0,0.4f};

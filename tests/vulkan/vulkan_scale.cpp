@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Scenes that are large in one way or another are traced as the processor traces them. */
+/* Large scenes have the same hits on the device and on the CPU. */
 
 #include "vulkan_tracer.h"
 
@@ -46,7 +46,7 @@ protected:
   }
 };
 
-TEST_F(VulkanScale, AHundredThousandInstances)
+TEST_F(VulkanScale, HundredThousandInstances)
 {
   Scene leaf(embree), scene(embree);
   addSurface(embree, leaf, cubeCage(), settings(RTC_COMPRESSION_LEAF, 16));
@@ -79,8 +79,8 @@ TEST_F(VulkanScale, TenThousandGeometries)
     EXPECT_EQ(expectProcessorsHits(scene, memory, 5000).numGeometries, displacements.size());
 }
 
-// More than a storage buffer of lavapipe, 128 MiB, and many pages of references.
-TEST_F(VulkanScale, MoreThanABufferHolds)
+// More than lavapipe's largest storage buffer, 128 MiB, and many pages of references.
+TEST_F(VulkanScale, BlocksBeyondTheLargestBuffer)
 {
   const SurfaceScene scene(embree, sheetCage(35), settings(RTC_COMPRESSION_NONE, 64));
   const RTCVulkanSceneStatistics copied = expectProcessorsHits(scene, RTC_VULKAN_MEMORY_COPY, 20000);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Which scenes go to a Vulkan device, which do not and why, and where they are then. */
+/* Scenes that a Vulkan device accepts, scenes that it rejects with a reason, and the location of their memory. */
 
 #include "api_fixture.h"
 
@@ -13,9 +13,9 @@ namespace {
 
 using VulkanScenes = VulkanAPI;
 
-// --- scenes that are not taken ---------------------------------------------------------------------
+// --- rejected scenes -------------------------------------------------------------------------------
 
-TEST_F(VulkanScenes, ScenesThatAreNotCommittedAreErrors)
+TEST_F(VulkanScenes, UncommittedScenesAreErrors)
 {
   Scene scene(embree);
   attach(scene, newTriangle(embree, 0));
@@ -28,8 +28,8 @@ TEST_F(VulkanScenes, ScenesThatAreNotCommittedAreErrors)
   expectError(RTC_ERROR_INVALID_OPERATION, {"not committed"});
 }
 
-// The scene's own RTCDevice may be another: both get the error.
-TEST_F(VulkanScenes, AnErrorOfASceneOfAnotherDeviceReachesTheVulkanDevicesToo)
+// The scene may belong to another RTCDevice: both devices get the error.
+TEST_F(VulkanScenes, ErrorReachesDevicesOfSceneAndVulkanDevice)
 {
   Device other;
   Scene scene(other);
@@ -49,7 +49,7 @@ struct RefusedGeometry
 {
   const char* name;
   std::vector<std::string> message;
-  std::function<RTCGeometry(RTCDevice)> make;  // committed; NULL if this build has none
+  std::function<RTCGeometry(RTCDevice)> make;  // committed; NULL if this build does not support it
 };
 
 template<typename Fill>
@@ -114,7 +114,7 @@ std::vector<RefusedGeometry> refusedGeometries()
     }}};
 }
 
-TEST_F(VulkanScenes, GeometriesThatAreNotTakenAreNamedUnlessTheyAreDisabled)
+TEST_F(VulkanScenes, UnsupportedGeometriesAreReportedUnlessDisabled)
 {
   for (const RefusedGeometry& refused : refusedGeometries())
   {
@@ -122,7 +122,7 @@ TEST_F(VulkanScenes, GeometriesThatAreNotTakenAreNamedUnlessTheyAreDisabled)
     const RTCGeometry geometry = refused.make(embree);
     if (!geometry) { expectNoError(); continue; }
     Scene scene(embree);
-    rtcAttachGeometryByID(scene, geometry, 3);   // and there are IDs without a geometry before it
+    rtcAttachGeometryByID(scene, geometry, 3);   // lower IDs have no geometry
     attach(scene, newTriangle(embree, 1));
     rtcCommitScene(scene);
     expectNoError();
@@ -150,7 +150,7 @@ TEST_F(VulkanScenes, GeometriesThatAreNotTakenAreNamedUnlessTheyAreDisabled)
   }
 }
 
-TEST_F(VulkanScenes, InstancesThatAreNotTakenAreNamed)
+TEST_F(VulkanScenes, UnsupportedInstancesAreReported)
 {
   Scene triangle(embree), instance(embree), above(embree), moving(embree);
   attach(triangle, newTriangle(embree, 0));
@@ -179,8 +179,8 @@ TEST_F(VulkanScenes, InstancesThatAreNotTakenAreNamed)
   EXPECT_TRUE(upload(moving)) << embree.message;
 }
 
-// An RTCDevice that runs out of memory during an upload leaves nothing of it behind.
-TEST_F(VulkanScenes, AnUploadThatEmbreeHasNoMemoryForIsAnError)
+// If an RTCDevice runs out of memory during an upload, nothing leaks.
+TEST_F(VulkanScenes, UploadWithoutMemoryOfEmbreeIsAnError)
 {
   struct Limit
   {
@@ -208,9 +208,9 @@ TEST_F(VulkanScenes, AnUploadThatEmbreeHasNoMemoryForIsAnError)
   }
 }
 
-// --- scenes that are taken -----------------------------------------------------------------------
+// --- accepted scenes -------------------------------------------------------------------------------
 
-TEST_F(VulkanScenes, StatisticsSayWhereMemoryIs)
+TEST_F(VulkanScenes, StatisticsReportLocationOfMemory)
 {
   Scene scene(embree);
   const SmallScene instanced(embree);
@@ -224,7 +224,7 @@ TEST_F(VulkanScenes, StatisticsSayWhereMemoryIs)
   rtcGetVulkanSceneStatistics(copy.get(), &copied);
   EXPECT_EQ(copied.importedBytes, 0u);
   EXPECT_EQ(copied.numInstances, 2u);
-  EXPECT_EQ(copied.numGeometries, 5u) << "three, and two of the instanced scene, which is there once";
+  EXPECT_EQ(copied.numGeometries, 5u) << "three, and two of the instanced scene, which is stored once";
   EXPECT_EQ(copied.numBlocks, 4u*4);
   EXPECT_GT(copied.numNodes, 0u);
   EXPECT_GT(copied.topLevelBytes, 0u);
@@ -247,10 +247,10 @@ TEST_F(VulkanScenes, StatisticsSayWhereMemoryIs)
   EXPECT_TRUE(areSame(traceAll(again.get(), rays), traced));
 }
 
-// What was sent is what the surfaces take that the device had not, and the scene's own tree.
-TEST_F(VulkanScenes, BlocksAreSentOnceForAllScenesAndAgainOnlyWhereTheSurfaceChanged)
+// The transferred bytes are those of surfaces that the device did not have, and of the scene's tree.
+TEST_F(VulkanScenes, BlocksAreTransferredOnceAndAgainOnlyAfterChanges)
 {
-  for (unsigned rate : {16u, 512u}) { // surfaces that share a buffer, and that have their own
+  for (unsigned rate : {16u, 512u}) { // surfaces that share a buffer, and surfaces with their own buffers
     SCOPED_TRACE(testing::Message() << "rate " << rate);
     SurfaceSettings settings = smallSurface(RTC_COMPRESSION_VERT);
     Displacement displacement;
@@ -275,8 +275,8 @@ TEST_F(VulkanScenes, BlocksAreSentOnceForAllScenesAndAgainOnlyWhereTheSurfaceCha
     ASSERT_TRUE(all) << embree.message;
     auto blockBytes = [](RTCScene scene) { const RTCCompressionStatistics s = statisticsOf(scene); return s.frameBytes + s.nodeBytes + s.leafBytes; };
     const size_t bytes = blockBytes(*first), ofA = blockBytes(*second);
-    EXPECT_GE(sent(all), bytes*9/10); // without what lies between blocks on the host
-    const size_t ofTheScene = 1024; // geometries and the like
+    EXPECT_GE(sent(all), bytes*9/10); // without the padding between blocks on the host
+    const size_t ofTheScene = 1024; // geometries and similar data
     const VulkanScene shared = upload(*second, RTC_VULKAN_MEMORY_COPY), again = upload(*first, RTC_VULKAN_MEMORY_COPY);
     EXPECT_LT(sent(shared), ofTheScene);
     EXPECT_LT(sent(again), ofTheScene);
@@ -297,12 +297,12 @@ TEST_F(VulkanScenes, BlocksAreSentOnceForAllScenesAndAgainOnlyWhereTheSurfaceCha
     expectHits(changed, *first);
     expectHits(shared, *second);
     changed.reset();
-    first.reset(); // a's blocks live on in the second
+    first.reset(); // a's blocks are still used by the second scene
     expectHits(shared, *second);
   }
 }
 
-TEST_F(VulkanScenes, WhatNoSceneHasAnyMoreIsSentAgain)
+TEST_F(VulkanScenes, BlocksWithoutASceneAreTransferredAgain)
 {
   const SmallScene scene(embree, RTC_COMPRESSION_VERT);
   RTCVulkanSceneStatistics before, after;

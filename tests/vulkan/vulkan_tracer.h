@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Rays of tests on a Vulkan device. */
+/* Traces rays of tests on a Vulkan device. */
 
 #include "validated_device.h"
 

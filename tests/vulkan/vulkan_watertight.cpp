@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* No ray slips through on the device either: rays through random sheets, and rays out of closed
- * surfaces that aim at what they share; and rays that leave the surface do not meet it again where
- * the processor's do not. */
+/* No leaks on the device: rays through random sheets, and rays out of closed surfaces at shared vertices and edges.
+ * Rays that leave the surface do not hit it again if rays of the CPU do not. */
 
 #include "basics/parallel.h"
 #include "building/built_scene.h"
@@ -44,7 +43,7 @@ TEST_P(VulkanWatertight, RaysThroughRandomSheetsHit)
   for (const std::string& example : found.examples) ADD_FAILURE() << example;
 }
 
-// A closed scene by GRID, and by a representation on the device.
+// A closed scene with GRID, and with a representation on the device.
 struct ClosedScene
 {
   static constexpr int level = 5, frameLevel = 2;
@@ -64,7 +63,8 @@ struct ClosedScene
   }
   static Representation representation(RTCCompression compression)
   {
-    for (const Representation& r : parseRepresentations("cvoxel,cleaf-only,cvert", frameLevel)) // leaves are tested as leaves
+    // exact_faces is off: leaves are tested
+    for (const Representation& r : parseRepresentations("cvoxel,cleaf-only,cvert", frameLevel))
       if (r.compression() == compression) return r;
     throw std::logic_error("no such representation");
   }
@@ -92,8 +92,8 @@ TEST_P(VulkanWatertight, RaysOutOfAClosedSurfaceHit)
   EXPECT_EQ(counts.ofScene.through, 0u);
 }
 
-// As many of them are wrong as of the processor's own: 1 in 1000 of all may differ by rounding.
-TEST_P(VulkanWatertight, SecondaryRaysSeeWhatTheProcessorsSee)
+// Not more errors than on the CPU: 1 in 1000 of all rays may differ by rounding.
+TEST_P(VulkanWatertight, SecondaryRaysMatchCpu)
 {
   const ClosedScene closed(GetParam());
   const Box3f box = closed.grid.bounds();

@@ -1,10 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A program on Embree 4 that uses of subdivision geometry what there is: it is run without the interposer, keeps its hits in a file, and is run with it, where
- * they have to be the same but for the lattice's rounding. It knows nothing of us: of host.h it takes what is Embree's.
+/* A program that uses all features of Embree 4 for subdivision geometry. The first run, without the interposer, stores
+ * its hits in a file. The second run, with the interposer, must have the same hits except for the rounding to the
+ * lattice. The program does not depend on our code: it uses only the parts of host.h for Embree.
  *
- *   calls FILE          the first time it writes, the second it compares */
+ *   calls FILE          writes FILE if it does not exist, otherwise compares with it */
 
 #include "../host.h"
 
@@ -17,7 +18,7 @@ using host::Vec;
 
 namespace {
 
-/* --- hits, kept and compared ----------------------------------------------------------------- */
+/* --- stored hits ----------------------------------------------------------------------------- */
 
 struct Kept
 {
@@ -49,9 +50,9 @@ public:
     if (!numbersMatter && host::isHit(ray)) now.back().geomID = 0;
   }
 
-  bool numbersMatter = true;   // of geometry
+  bool numbersMatter = true;   // compare IDs of geometries
 
-  /* From here on hits are of another use. */
+  /* Begins a new section of hits. */
   void begin(const char* use) { uses.push_back({use, now.size()}); }
 
   void conclude()
@@ -81,9 +82,9 @@ private:
       distance = std::max(distance, std::abs(a.t - b.t));
       turned += a.Ng[0]*b.Ng[0] + a.Ng[1]*b.Ng[1] + a.Ng[2]*b.Ng[2] < 0.95f;
     }
-    std::printf("%-14s %6zu rays, %6zu hits: %3zu of another surface, face or place, %zu with another normal; distances differ by %g at most\n", use, end - begin, hits, others, turned, double(distance));
+    std::printf("%-14s %6zu rays, %6zu hits: %3zu with another surface, face or position, %zu with another normal; distances differ by %g at most\n", use, end - begin, hits, others, turned, double(distance));
     CHECK(hits > 0);
-    CHECK(others*500 < hits);   // at silhouettes, and between faces
+    CHECK(others*500 < hits);   // at silhouettes and between faces
     CHECK(turned*500 < hits);
   }
 
@@ -92,17 +93,17 @@ private:
   std::vector<std::pair<const char*, size_t>> uses;
 };
 
-/* --- what applications do ------------------------------------------------------------------- */
+/* --- features that applications use ---------------------------------------------------------- */
 
 struct Context
 {
   RTCRayQueryContext context;
-  unsigned magic = 4711, numCalls = 0;   // an application's own behind Embree's
+  unsigned magic = 4711, numCalls = 0;   // the application's members after Embree's
 };
 
 int userData;
 
-/* Faces of odd numbers do not count. */
+/* Rejects hits on odd faces. */
 void refuseOdd(const RTCFilterFunctionNArguments* args)
 {
   CHECK(args->geometryUserPtr == &userData);
@@ -113,7 +114,7 @@ void refuseOdd(const RTCFilterFunctionNArguments* args)
     if (args->valid[i] && RTCHitN_primID(args->hit, args->N, i) % 2 == 1) args->valid[i] = 0;
 }
 
-/* One side does not count. */
+/* Rejects hits on one side. */
 void refuseLeft(const RTCFilterFunctionNArguments* args)
 {
   Context& context = *(Context*)args->context;
@@ -123,7 +124,7 @@ void refuseLeft(const RTCFilterFunctionNArguments* args)
     if (args->valid[i] && RTCHitN_u(args->hit, args->N, i) < 0.5f) args->valid[i] = 0;
 }
 
-/* A user geometry whose function comes with the query: a square at z = 1.5. */
+/* A user geometry whose intersection function is passed with the query: a square at z = 1.5. */
 char squareData;
 void boundSquare(const RTCBoundsFunctionArguments* args) { *args->bounds_o = {-0.3f, -0.3f, 1.5f, 0, 0.3f, 0.3f, 1.5f, 0}; }
 void intersectSquare(const RTCIntersectFunctionNArguments* args)
@@ -260,7 +261,7 @@ void Program::plain()
   CHECK(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0) != nullptr);
   CHECK(rtcGetGeometryNextHalfEdge(geometry, 3) == 0);
   CHECK(rtcGetGeometryFace(geometry, 5) == 1);
-  rtcReleaseGeometry(geometry);   // the scene has it
+  rtcReleaseGeometry(geometry);   // the scene holds a reference
   float P[3] = {0, 0, 0};
   rtcInterpolate0(rtcGetGeometry(scene, 7), 1, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX, 0, P, 3);
   CHECK(P[2] > 0.3f && P[2] < 0.8f);
@@ -291,7 +292,7 @@ void Program::filters()
   both.intersect.filter = both.occluded.filter = neither.intersect.filter = neither.occluded.filter = refuseLeft;
   both.intersect.flags = both.occluded.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
   shoot(scene, both);
-  shoot(scene, neither);   // it is not enabled
+  shoot(scene, neither);   // the geometry is not enabled
 
   rtcSetGeometryIntersectFilterFunction(geometry, nullptr);
   rtcSetGeometryOccludedFilterFunction(geometry, nullptr);
@@ -323,7 +324,7 @@ void Program::userGeometry()
   RTCPointQueryContext pointContext;
   rtcInitPointQueryContext(&pointContext);
   rtcPointQuery(scene, &point, &pointContext, [](RTCPointQueryFunctionArguments* args) { ((std::vector<unsigned>*)args->userPtr)->push_back(args->geomID); return false; }, &near);
-  CHECK(near == std::vector<unsigned>{0});   // Embree does not tell of subdivision surfaces
+  CHECK(near == std::vector<unsigned>{0});   // Embree does not call the function for subdivision surfaces
   Queries queries;
   queries.intersect.intersect = intersectSquare;
   queries.occluded.occluded = occludedSquare;
@@ -366,7 +367,7 @@ void Program::instances()
   for (int i = 0; i < 24; i++) places[i] = place[i % 12] - (i % 12 == 9 ? 0.9f : 0) + (i == 22 ? 0.8f : 0);
   rtcSetGeometryMask(array, ~0u);
   rtcCommitGeometry(array);
-  rtcReleaseScene(inner);   // the instances have it
+  rtcReleaseScene(inner);   // the instances hold references
   rtcAttachGeometry(outer, instance);
   rtcAttachGeometry(outer, array);
   rtcReleaseGeometry(instance);
@@ -380,7 +381,7 @@ void Program::edits()
 {
   const RTCGeometry geometry = newCube();
   const RTCScene scene = newScene(geometry, 3), other = newScene(geometry, 5);
-  rtcAttachGeometryByID(scene, geometry, 9);   // and once more
+  rtcAttachGeometryByID(scene, geometry, 9);   // attached a second time
   rtcCommitScene(scene);
   hits.numbersMatter = false;
   shoot(scene);
@@ -404,11 +405,11 @@ void Program::edits()
   rtcCommitScene(scene);
   shoot(scene);
 
-  /* what is left to Embree, and comes back */
+  /* a geometry that changes to Embree's kernel and back */
   unsigned* const indices = (unsigned*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0);
   CHECK(indices[4] == 4);
   unsigned* const faces = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 5);
-  for (int i = 0; i < 5; i++) faces[i] = 4;   // a side is open
+  for (int i = 0; i < 5; i++) faces[i] = 4;   // one side is open
   for (const RTCSubdivisionMode mode : {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_CORNERS, RTC_SUBDIVISION_MODE_NO_BOUNDARY}) {
     rtcSetGeometrySubdivisionMode(geometry, 0, mode);
     rtcCommitGeometry(geometry);
@@ -428,7 +429,8 @@ void Program::motion()
   const host::Cube cube;
   const RTCGeometry geometry = newCube();
   rtcSetGeometryTimeStepCount(geometry, 2);
-  rtcSetGeometryTimeRange(geometry, 0, 1);   // Embree 4.3.3 itself draws subdivision surfaces outside of others, too
+  // Embree 4.3.3 itself shows subdivision surfaces outside of other time ranges, too
+  rtcSetGeometryTimeRange(geometry, 0, 1);
   for (unsigned i = 0; i < 2; i++) rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, cube.vertices[i].data(), 0, 12, 8);
   rtcCommitGeometry(geometry);
   const RTCScene scene = newScene(geometry);
@@ -451,7 +453,7 @@ void Program::cancelling()
   rtcCommitScene(scene);
   shoot(scene);
 
-  /* A commit of several threads is cancelled for all: those that wait for the one that builds do not begin again. */
+  /* If a commit of several threads is canceled, it is canceled for all: waiting threads do not start again. */
   struct Joined
   {
     std::atomic<int> waiting{0}, calls{0}, cancelled{0};
@@ -484,7 +486,7 @@ void Program::cancelling()
   rtcReleaseScene(scene);
 }
 
-/* A sheet of 200 x 200 quads, as a grid, as quads, and as triangles: what the interposer takes where it is asked to. */
+/* A sheet of 200 x 200 quads as a grid, quads and triangles, which the interposer compresses on request. */
 void Program::meshes()
 {
   const unsigned size = 200, width = size + 1;
@@ -494,7 +496,7 @@ void Program::meshes()
       const float s = 2*float(x)/float(size) - 1, t = 2*float(y)/float(size) - 1;
       vertices.push_back({s, t, 0.2f*std::sin(5*s)*std::cos(4*t)});
     }
-  vertices.push_back({0, 0, 0}); // what is read behind the last one
+  vertices.push_back({0, 0, 0}); // padding after the last vertex, which may be read
   for (const RTCGeometryType type : {RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD, RTC_GEOMETRY_TYPE_TRIANGLE}) {
     const RTCGeometry geometry = rtcNewGeometry(device, type);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, 12, width*width);
@@ -518,7 +520,7 @@ void Program::meshes()
   }
 }
 
-/* Whoever lets go last, all goes. */
+/* All memory is freed, independently of the order of releases. */
 void Program::releases()
 {
   const auto peak = [] {
@@ -544,7 +546,7 @@ void Program::releases()
     rtcReleaseScene(outer);
     if (i % 2 == 0) { rtcDetachGeometry(inner, 0); rtcReleaseScene(inner); rtcReleaseGeometry(geometry); rtcReleaseScene(inner); }
   }
-  CHECK(peak() - before < 16 << 10);   // KiB: a third of what three hundred take
+  CHECK(peak() - before < 16 << 10);   // KiB: a third of the memory of three hundred objects
 }
 
 void Program::threads()

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A picture by OSPRay 3 of its subdivision geometry: what the interposer is judged by. It knows nothing of us.
+/* Renders subdivision geometry with OSPRay 3, for tests of the interposer. Does not depend on our code.
  *
  *   ospray RENDERER LEVEL PICTURE.ppm [colors|faces|texcoords|boxes|instances] */
 
@@ -119,7 +119,7 @@ int main(int argc, const char** argv)
   OSPGeometry geometry = cube((float)atof(argv[2]), with);
   OSPGeometricModel models[2] = {model(geometry, material)};
   int numModels = 1;
-  if (strcmp(with, "boxes") == 0) {   /* user geometry of OSPRay's own */
+  if (strcmp(with, "boxes") == 0) {   /* user geometry inside OSPRay */
     const float box[6] = {-0.9f, 0.3f, -0.9f, 0.9f, 0.9f, 0.9f};
     OSPGeometry boxes = ospNewGeometry("box");
     setData(boxes, "box", box, OSP_BOX3F, 1);
