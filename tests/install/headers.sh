@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Each public header compiles alone and before all others, in C99 and in C++11, without a warning, and leaves
-# Embree's types as they are.
+# Checks that each public header compiles alone and before all others, in C99 and in C++11, without warnings, and does
+# not change Embree's types.
 #
 #   headers.sh FOLDER-OF-EMBREE3 FOLDER-OF-CBVH [HEADER-THAT-NEEDS-WHAT-IS-NOT-HERE...]
 set -eu
@@ -16,7 +16,7 @@ ln -s "$embree" "$work/include/embree3"
 ln -s "$cbvh" "$work/include/cbvh"
 failed=0
 
-# check HEADER...: a program that includes them in this order
+# check HEADER...: compiles a program that includes them in this order
 check() {
   {
     printf '#include <%s>\n' "$@" embree3/rtcore.h

@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# What `cmake --install` lays down serves a program that says find_package(embree 3), one that asks
-# pkg-config, and our own programs, from wherever it is moved to.
+# Tests an installation by `cmake --install`: programs that use find_package(embree 3) or pkg-config, and our own
+# programs, also after it was moved.
 #
 #   test.sh CMAKE BUILD-DIRECTORY DIRECTORY-OF-STOCK-LIBRARY
 set -eu
@@ -25,10 +25,10 @@ if [ -e "$build/kernels/vulkan/libembree3_vulkan.so.3" ]; then
   [ -e "$work"/prefix/lib/libembree3_vulkan.so.3 ]
   [ -f "$work/prefix/include/embree3/rtcore_vulkan.h" ]
   [ -f "$work/prefix/include/embree3/cbvh.glsl" ]
-  # it finds the library beside it
+  # it finds the library next to it
   ldd "$work/prefix/lib/libembree3_vulkan.so.3" | grep -q "libembree3.so.3 => $work/prefix/lib/"
 fi
-# A link back into the source tree would break elsewhere.
+# A link into the source tree would break elsewhere.
 for link in $(find "$work/prefix" -type l); do
   case $(readlink "$link") in
     */*) echo "$link leads out of the installation" >&2; exit 1 ;;
@@ -36,12 +36,12 @@ for link in $(find "$work/prefix" -type l); do
 done
 
 cp "$here/CMakeLists.txt" "$here"/*.cpp "$work/"
-# Without TBB's CMake files: who links the shared library needs none.
+# Without TBB's CMake files, which users of the shared library do not need.
 "$cmake" -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON > "$work/log.configure" ||
   { cat "$work/log.configure"; exit 1; }
 "$cmake" --build "$work/build" > "$work/log" || { cat "$work/log"; exit 1; }
 grep -q "Embree 3.13.5, of Embree CBVH $version\$" "$work/log.configure" ||
-  { cat "$work/log.configure"; fail "find_package does not find version $version of ours"; }
+  { cat "$work/log.configure"; fail "find_package does not find our version $version"; }
 library=$("$work/build/renderer")
 case $library in
   "$work"/prefix/*) echo "runs on the installed library" ;;
@@ -51,7 +51,7 @@ if [ -e "$work/prefix/include/embree3/rtcore_vulkan.h" ]; then
   "$work/build/on_vulkan" || fail "find_package has no embree_vulkan that runs"
 fi
 
-# --- the library beside any Embree: a program on Debian's own --------------------------------------
+# --- libembree_cbvh next to any Embree: a program that uses Debian's -------------------------------
 
 [ -e "$work/prefix/lib/embree_cbvh/libembree_cbvh.so.0" ] || fail "libembree_cbvh is not installed"
 for folder in $(PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig" pkg-config --cflags-only-I --libs-only-L embree_cbvh); do
@@ -73,9 +73,9 @@ export PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig"
 # shellcheck disable=SC2046
 c++ "$here/renderer.cpp" -o "$work/renderer" $(pkg-config --cflags --libs embree3) -ldl
 library=$(LD_LIBRARY_PATH=$work/prefix/lib "$work/renderer")
-case $library in "$work"/prefix/*) ;; *) fail "what pkg-config gives runs on $library" ;; esac
+case $library in "$work"/prefix/*) ;; *) fail "a program built with pkg-config runs on $library" ;; esac
 
-# --- examples, which compile where they are -------------------------------------------------------------
+# --- examples, compiled in place ------------------------------------------------------------------------
 
 examples=$work/prefix/share/doc/embree-cbvh/examples
 for example in displaced_cage diced_grids; do
@@ -95,7 +95,7 @@ cp "$here/codec/CMakeLists.txt" "$examples"/codec/*.cpp "$work/codec/"
 "$cmake" -S "$work/codec" -B "$work/codec/build" -DCMAKE_PREFIX_PATH="$work/prefix" > "$work/log" && "$cmake" --build "$work/codec/build" >> "$work/log" 2>&1 ||
   { cat "$work/log"; fail "find_package has no cvert"; }
 "$here/../codec/examples.sh" "$work/codec/build/encode_grid" "$work/codec/build/file_to_obj"
-# Whatever instruction set a program is compiled for, it links the same library.
+# The library can be linked by programs compiled for any instruction set.
 "$cmake" -S "$work/codec" -B "$work/codec/wide" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_FLAGS=-mavx2 > "$work/log" && "$cmake" --build "$work/codec/wide" >> "$work/log" 2>&1 ||
   { cat "$work/log"; fail "a program compiled with -mavx2 does not link cvert"; }
 ! ldd "$work/codec/build/file_to_obj" | grep -iE "embree|tbb" || fail "the codec needs Embree or TBB"
@@ -121,13 +121,13 @@ if command -v help2man > /dev/null; then
 fi
 [ -e "$work/prefix/share/man/man3/rtcNewDevice.3embree3" ] || fail "Embree's own manual pages are missing"
 
-# --- our programs run on the library beside them, and say so where it is another ------------------
+# --- our programs use the library next to them, and report other libraries ------------------------
 
 for program in "$work"/prefix/bin/cbvh_*; do
   "$program" --version > "$work/said" || fail "$program --version"
   [ "$(head -n 1 "$work/said")" = "${program##*/} $version" ] || { cat "$work/said"; fail "$program --version"; }
   grep -q "^library: Embree CBVH $version on Embree 3.13.5, $work/prefix/" "$work/said" ||
-    { cat "$work/said"; fail "$program runs on another library"; }
+    { cat "$work/said"; fail "$program runs on a different library"; }
 done
 if [ -x "$work/prefix/bin/cbvh_render" ]; then
   render() { "$work/prefix/bin/cbvh_render" --scene cube --level 2 --size 16x16 --output "$work/pictures" "$@"; }
