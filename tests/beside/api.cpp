@@ -26,7 +26,16 @@ struct Context
   CbvhContext handle = nullptr;
   std::vector<std::pair<CbvhError, std::string>> told;
 
-  Context() { EXPECT_EQ(cbvhNewContext(nullptr, [](void* self, CbvhError code, const char* text) { ((Context*)self)->told.push_back({code, text}); }, this, &handle), CBVH_OK); }
+  Context()
+  {
+    EXPECT_EQ(cbvhNewContext(
+                nullptr,
+                [](void* self, CbvhError code, const char* text) {
+                  ((Context*)self)->told.push_back({code, text});
+                },
+                this, &handle),
+              CBVH_OK);
+  }
   ~Context() { cbvhReleaseContext(handle); }
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
@@ -97,7 +106,10 @@ struct Steps
     for (const auto& step : vertices) pointers.push_back(&step[0][0]);
   }
 
-  CbvhVertices get(float begin = 0, float end = 1) const { return {vertices[0].size() - 1, sizeof(Vec), pointers.data(), unsigned(vertices.size()), begin, end}; }
+  CbvhVertices get(float begin = 0, float end = 1) const
+  {
+    return {vertices[0].size() - 1, sizeof(Vec), pointers.data(), unsigned(vertices.size()), begin, end};
+  }
 };
 
 struct CageInput
@@ -108,8 +120,9 @@ struct CageInput
   CbvhCage cage = CbvhCage();
 
   CageInput(const Cage& from, const SurfaceSettings& settings)
-    : faces(from.faces.begin(), from.faces.end()), indices(from.indices.begin(), from.indices.end()), holes(from.holes.begin(), from.holes.end()),
-      weights(from.creaseWeights), steps(from.positions, settings.motion, settings.timeSteps)
+    : faces(from.faces.begin(), from.faces.end()), indices(from.indices.begin(), from.indices.end()),
+      holes(from.holes.begin(), from.holes.end()), weights(from.creaseWeights),
+      steps(from.positions, settings.motion, settings.timeSteps)
   {
     for (const auto& crease : from.creases) { creases.push_back(crease[0]); creases.push_back(crease[1]); }
     cage.numFaces = faces.size();
@@ -169,7 +182,8 @@ struct Clusters
   template<typename Cluster>
   static void add(void* self, const Cluster* cluster)
   {
-    ((Clusters*)self)->data.emplace_back((const unsigned char*)cluster->data, (const unsigned char*)cluster->data + cluster->bytes);
+    ((Clusters*)self)
+      ->data.emplace_back((const unsigned char*)cluster->data, (const unsigned char*)cluster->data + cluster->bytes);
     ((Clusters*)self)->data.emplace_back(cluster->indices, cluster->indices + 3*cluster->numTriangles);
   }
 };
@@ -184,7 +198,8 @@ TEST(Beside, ClustersMatchOurEmbree)
   CageInput input(cage, settings);
   Surface surface(context);
   ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
-  EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION) << "not committed";
+  EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION)
+    << "not committed";
   context.told.clear();
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
   Scene scene(device);
@@ -196,18 +211,35 @@ TEST(Beside, ClustersMatchOurEmbree)
       Clusters ours, theirs;
       CbvhClusterReport report;
       RTCCompressedClusterReport expected;
-      ASSERT_EQ(cbvhForEachCluster(surface, time, CbvhClusterFormat(format), [](void* self, const CbvhCluster* cluster) { Clusters::add(self, cluster); return 1; }, &ours, &report), CBVH_OK);
-      rtcForEachCompressedCluster(geometry, time, RTCClusterFormat(format), [](void* self, const RTCCompressedCluster* cluster) { Clusters::add(self, cluster); return true; }, &theirs, &expected);
+      ASSERT_EQ(cbvhForEachCluster(
+                  surface, time, CbvhClusterFormat(format),
+                  [](void* self, const CbvhCluster* cluster) {
+                    Clusters::add(self, cluster);
+                    return 1;
+                  },
+                  &ours, &report),
+                CBVH_OK);
+      rtcForEachCompressedCluster(
+        geometry, time, RTCClusterFormat(format),
+        [](void* self, const RTCCompressedCluster* cluster) {
+          Clusters::add(self, cluster);
+          return true;
+        },
+        &theirs, &expected);
       EXPECT_GT(ours.data.size(), 0u);
       EXPECT_EQ(ours.data, theirs.data);
       EXPECT_EQ(std::memcmp(&report, &expected, sizeof(report)), 0);
     }
   size_t calls = 0;
-  EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, [](void* n, const CbvhCluster*) { return int(++*(size_t*)n < 3); }, &calls, nullptr), CBVH_OK);
+  EXPECT_EQ(cbvhForEachCluster(
+              surface, 0, CBVH_CLUSTER_DGF1, [](void* n, const CbvhCluster*) { return int(++*(size_t*)n < 3); }, &calls,
+              nullptr),
+            CBVH_OK);
   EXPECT_EQ(calls, 3u) << "a callback that returns 0 ends the calls";
   EXPECT_EQ(cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT);
   context.told.clear();
-  context.expect(cbvhForEachCluster(surface, 0, CbvhClusterFormat(7), nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "7");
+  context.expect(cbvhForEachCluster(surface, 0, CbvhClusterFormat(7), nullptr, nullptr, nullptr),
+                 CBVH_ERROR_INVALID_ARGUMENT, "7");
 }
 
 TEST(Beside, CageHitsMatchOurEmbree)
@@ -523,7 +555,9 @@ TEST(Beside, NonFiniteDisplacementIsReported)
   Device device;
   Context context;
   Displacement displacement;
-  displacement.poison = [](unsigned primID, float u, float v) { return primID == 2 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f; };
+  displacement.poison = [](unsigned primID, float u, float v) {
+    return primID == 2 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f;
+  };
   const SurfaceSettings settings = settingsOf(displacement, 1, 32);
   const SurfaceScene scene(device, cubeCage(), settings);
   const Surface surface(context);
@@ -569,11 +603,17 @@ TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased)
   std::vector<float> ofVertices, ofCorners;
   std::vector<unsigned> corners;
   for (size_t i = 0; i < cage.positions.size(); i++) ofVertices.push_back(float(i*i));
-  for (size_t i = 0; i < cage.indices.size(); i++) { ofCorners.push_back(float(i % 4 == 1 || i % 4 == 2)); ofCorners.push_back(float(i % 4 >= 2)); corners.push_back(unsigned(i)); }
+  for (size_t i = 0; i < cage.indices.size(); i++) {
+    ofCorners.push_back(float(i % 4 == 1 || i % 4 == 2));
+    ofCorners.push_back(float(i % 4 >= 2));
+    corners.push_back(unsigned(i));
+  }
   const Surface surface(context);
   {
     CageInput input(cage, settingsOf(displacement, 1, 8));
-    const CbvhAttribute attributes[2] = {{ofVertices.data(), ofVertices.size(), 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH}, {ofCorners.data(), corners.size(), 8, 2, corners.data(), CBVH_BOUNDARY_PIN_ALL}};
+    const CbvhAttribute attributes[2] = {
+      {ofVertices.data(), ofVertices.size(), 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH},
+      {ofCorners.data(), corners.size(), 8, 2, corners.data(), CBVH_BOUNDARY_PIN_ALL}};
     input.cage.numAttributes = 2;
     input.cage.attributes = attributes;
     ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK) << cbvhGetErrorText();
@@ -589,7 +629,8 @@ TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased)
     ASSERT_EQ(cbvhInterpolate(surface, face, 0.5f, 0.5f, 0, &value, nullptr, nullptr), CBVH_OK);
     EXPECT_TRUE(value >= 0 && value <= 49);
   }
-  context.expect(cbvhInterpolate(surface, 0, 0, 0, 2, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "attribute");
+  context.expect(cbvhInterpolate(surface, 0, 0, 0, 2, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT,
+                 "attribute");
   context.expect(cbvhInterpolate(surface, 6, 0, 0, 0, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "face");
 }
 
@@ -613,16 +654,27 @@ TEST(Beside, TrianglesAreReported)
     hits++;
     CbvhTriangle t;
     ASSERT_TRUE(cbvhGetTriangle(surface, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
-    const float Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, o[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z}, d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
+    const float Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, o[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z},
+                d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
     double height = 0, n = 0;
-    for (int k = 0; k < 3; k++) { height += Ng[k]*(o[k] + double(r.ray.tfar)*d[k] - t.vertices[0][k]); n += double(Ng[k])*Ng[k]; }
+    for (int k = 0; k < 3; k++) {
+      height += Ng[k]*(o[k] + double(r.ray.tfar)*d[k] - t.vertices[0][k]);
+      n += double(Ng[k])*Ng[k];
+    }
     ASSERT_LT(std::fabs(height), 1e-5*std::sqrt(n));
   }
   EXPECT_GT(hits, 100u);
   CbvhTriangle t;
   EXPECT_FALSE(cbvhGetTriangle(surface, 0, 77, 0.5f, 0.5f, nullptr, &t));
   size_t quads = 0;
-  ASSERT_EQ(cbvhForEachPart(surface, 0.5f, [](void* sum, const CbvhPart* part) { *(size_t*)sum += size_t(part->width - 1)*(part->height - 1); return 1; }, &quads), CBVH_OK);
+  ASSERT_EQ(cbvhForEachPart(
+              surface, 0.5f,
+              [](void* sum, const CbvhPart* part) {
+                *(size_t*)sum += size_t(part->width - 1)*(part->height - 1);
+                return 1;
+              },
+              &quads),
+            CBVH_OK);
   EXPECT_EQ(quads, 6u*16*16);
 }
 
@@ -650,7 +702,11 @@ TEST(Beside, ReferencedObjectsStayAlive)
   EXPECT_LT(lower[0], -0.3f);
   EXPECT_GT(upper[2], 0.3f);
   CbvhRayHit ray = {};
-  ray.ray.org_z = 5; ray.ray.org_x = ray.ray.org_y = 0.01f; ray.ray.dir_z = -1; ray.ray.tfar = INFINITY; ray.ray.mask = ~0u;
+  ray.ray.org_z = 5;
+  ray.ray.org_x = ray.ray.org_y = 0.01f;
+  ray.ray.dir_z = -1;
+  ray.ray.tfar = INFINITY;
+  ray.ray.mask = ~0u;
   ray.hit.geomID = 17; ray.hit.instID = 18;
   EXPECT_TRUE(cbvhIntersect1(group, &ray, nullptr));
   EXPECT_EQ(ray.hit.geomID, 0u);

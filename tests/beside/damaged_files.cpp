@@ -130,7 +130,8 @@ void tracePackets(CbvhGroup group, const std::vector<RTCRayHit>& rays)
 
 TEST_F(Damaged, IsReportedByRays)
 {
-  for (const auto& [name, trace] : {std::make_pair("single rays", traceSingle), std::make_pair("packets, any hit", tracePackets)}) {
+  for (const auto& [name, trace] :
+       {std::make_pair("single rays", traceSingle), std::make_pair("packets, any hit", tracePackets)}) {
     CbvhGroup group = load();
     trace(group, rays());
     expectOne(name);
@@ -206,7 +207,10 @@ TEST_F(Damaged, DoesNotFailTheCallThatInvokedACallback)
   CbvhSurface surface = nullptr;
   ASSERT_EQ(cbvhNewSurface(context, &surface), CBVH_OK);
   ASSERT_EQ(cbvhSetCage(surface, &input), CBVH_OK) << cbvhGetErrorText();
-  const CbvhProgressFunction progress = [](void* ptr, double) { traceSingle(((Callback*)ptr)->group, ((Callback*)ptr)->rays); return 1; };
+  const CbvhProgressFunction progress = [](void* ptr, double) {
+    traceSingle(((Callback*)ptr)->group, ((Callback*)ptr)->rays);
+    return 1;
+  };
   EXPECT_EQ(cbvhCommitSurface(surface, progress, &callback), CBVH_OK) << cbvhGetErrorText();
   EXPECT_EQ(told.errors, 1u);
   EXPECT_NE(told.text.find("is damaged"), std::string::npos) << told.text;

@@ -87,7 +87,8 @@ void testHits(RTCDevice device, CbvhContext context)
         }
         CHECK(hits > 500);
         checkPackets<4>(group, scene, rays, areCoherent);
-        if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) checkPackets<8>(group, scene, rays, areCoherent);
+        if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED))
+          checkPackets<8>(group, scene, rays, areCoherent);
         const bool has16 = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
         checkPackets<16>(group, scene, rays, areCoherent, has16);
       }
@@ -280,7 +281,8 @@ void testSurface(RTCDevice device, CbvhContext context)
     intersect(theirs, a);
     intersect(ours, b);
     hits += isHit(a);
-    others += isHit(a) != isHit(b) || (isHit(a) && (a.hit.primID != b.hit.primID || std::fabs(a.ray.tfar - b.ray.tfar) > 1e-3f));
+    others += isHit(a) != isHit(b) ||
+              (isHit(a) && (a.hit.primID != b.hit.primID || std::fabs(a.ray.tfar - b.ray.tfar) > 1e-3f));
   }
   CHECK(hits > 1000);
   CHECK(others < hits/200);
@@ -315,7 +317,8 @@ void testManySurfaces(RTCDevice device, CbvhContext context)
       size_t surface = 0;
       unsigned primID = 0;
       CHECK(isHit(ray));
-      CHECK(isHit(ray) && cbvhFindGroupPrimitive(group, ray.hit.primID, &surface, &primID) && surface == size_t(i) && primID < 6);
+      CHECK(isHit(ray) && cbvhFindGroupPrimitive(group, ray.hit.primID, &surface, &primID) && surface == size_t(i) &&
+            primID < 6);
     }
   }
   size_t surface;

@@ -126,7 +126,8 @@ public:
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); // otherwise rays pass between triangles
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     const size_t count = size_t(side)*side;
-    void* const copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec), count);
+    void* const copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec),
+                                               count);
     std::memcpy(copy, terrain.vertices.data(), sizeof(Vec)*count);
     unsigned* index = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
         2*size_t(side - 1)*(side - 1));

@@ -30,7 +30,12 @@ void use(const char* path)
 {
   void* const library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
   if (!library) { std::fprintf(stderr, "%s\n", dlerror()); failures++; return; }
-  FUNCTION(cbvhNewContext); FUNCTION(cbvhNewSurface); FUNCTION(cbvhSetCage); FUNCTION(cbvhCommitSurface); FUNCTION(cbvhNewGroup); FUNCTION(cbvhCommitGroup);
+  FUNCTION(cbvhNewContext);
+  FUNCTION(cbvhNewSurface);
+  FUNCTION(cbvhSetCage);
+  FUNCTION(cbvhCommitSurface);
+  FUNCTION(cbvhNewGroup);
+  FUNCTION(cbvhCommitGroup);
   FUNCTION(cbvhIntersect1); FUNCTION(cbvhReleaseSurface); FUNCTION(cbvhReleaseGroup); FUNCTION(cbvhReleaseContext);
   CHECK(dlsym(library, "rtcNewDevice") == nullptr || dlsym(library, "rtcNewDevice") == (void*)rtcNewDevice);
   CbvhContext context = nullptr;

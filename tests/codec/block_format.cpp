@@ -30,7 +30,8 @@ TEST(BlockFormat, SizesAndOffsetsMatchFormulas)
   for (uint32_t height = 0; height <= maxLevel; height++) {
     const uint32_t width = (1u << height) + 1;
     const uint32_t groups = height ? (quads/4 - 1)/3 : 0; // number of nodes in h-1 levels
-    const BlockLayout grid = blockLayout(kindGrid, height), voxel = blockLayout(kindVoxel, height), leaf = blockLayout(kindLeaf, height);
+    const BlockLayout grid = blockLayout(kindGrid, height), voxel = blockLayout(kindVoxel, height),
+                      leaf = blockLayout(kindLeaf, height);
     SCOPED_TRACE(height);
     EXPECT_EQ(voxel.nodeLevels, height);
     EXPECT_EQ(leaf.nodeLevels, height ? height : 1);
@@ -97,10 +98,16 @@ TEST(BlockFormat, MortonOrderIsBijectiveWithXInEvenBits)
 TEST(BlockFormat, CGridStoresVerticesExactlyAndNonFiniteOnesAsNaN)
 {
   const uint32_t height = 2, width = (1u << height) + 1, count = width*width;
-  const float infinity = std::numeric_limits<float>::infinity(), corners[4][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {4, 4, 0}};
+  const float infinity = std::numeric_limits<float>::infinity(),
+              corners[4][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {4, 4, 0}};
   std::vector<float> vertices;
-  for (uint32_t i = 0; i < count; i++) vertices.insert(vertices.end(), {float(i % width), float(i / width), 0.1f*float(i*i % 7)});
-  const struct { uint32_t vertex, axis; float value; } bad[] = {{3, 0, infinity}, {7, 1, -infinity}, {12, 2, infinity}, {24, 2, std::nanf("")}};
+  for (uint32_t i = 0; i < count; i++)
+    vertices.insert(vertices.end(), {float(i % width), float(i / width), 0.1f*float(i*i % 7)});
+  const struct
+  {
+    uint32_t vertex, axis;
+    float value;
+  } bad[] = {{3, 0, infinity}, {7, 1, -infinity}, {12, 2, infinity}, {24, 2, std::nanf("")}};
   for (const auto& b : bad) vertices[3*b.vertex + b.axis] = b.value;
   const EncodedBlock encoded(Kind::GRID, height, vertices, corners);
   ASSERT_TRUE(encoded);
@@ -109,7 +116,10 @@ TEST(BlockFormat, CGridStoresVerticesExactlyAndNonFiniteOnesAsNaN)
   for (uint32_t i = 0; i < count; i++) {
     const bool isBad = std::any_of(std::begin(bad), std::end(bad), [&](const auto& b) { return b.vertex == i; });
     for (uint32_t k = 0; k < 3; k++) {
-      if (isBad) { EXPECT_TRUE(std::isnan(stored[k*count + i])) << "vertex " << i << ", axis " << k << ": " << stored[k*count + i]; }
+      if (isBad) {
+        EXPECT_TRUE(std::isnan(stored[k*count + i]))
+          << "vertex " << i << ", axis " << k << ": " << stored[k*count + i];
+      }
       else { EXPECT_EQ(stored[k*count + i], vertices[3*i + k]) << "vertex " << i << ", axis " << k; }
     }
   }
@@ -133,12 +143,14 @@ std::vector<std::string> section(const std::string& page, const std::string& hea
 TEST(BlockFormat, ConstantsMatchPage)
 {
   std::ostringstream table;
-  table << "| format version, `formatVersion` | " << formatVersion << " |\n| alignment of a block, bytes | " << blockAlignment
-        << " |\n| type of a block in the tree | " << FRAMED_BLOCK << " |\n| bytes of the header | " << blockHeaderBytes
-        << " |\n| height of a block, at most | " << maxLevel << " |\n";
+  table << "| format version, `formatVersion` | " << formatVersion << " |\n| alignment of a block, bytes | "
+        << blockAlignment << " |\n| type of a block in the tree | " << FRAMED_BLOCK << " |\n| bytes of the header | "
+        << blockHeaderBytes << " |\n| height of a block, at most | " << maxLevel << " |\n";
   std::string text;
   for (const std::string& line : section("framed_block.md", "# Format of a block with a frame")) text += line + "\n";
-  EXPECT_NE(text.find("| constant | value |\n|:--|--:|\n" + table.str() + "\n"), std::string::npos) << "the page must contain\n" << table.str();
+  EXPECT_NE(text.find("| constant | value |\n|:--|--:|\n" + table.str() + "\n"), std::string::npos)
+    << "the page must contain\n"
+    << table.str();
 }
 
 // Rows "| h | cGRID | cVOXEL | cLEAF |".
@@ -149,7 +161,8 @@ TEST(BlockFormat, SizesMatchPage)
     unsigned height, bytes[3];
     if (std::sscanf(line.c_str(), "| %u | %u | %u | %u |", &height, bytes, bytes + 1, bytes + 2) != 4) continue;
     EXPECT_EQ(height, rows++);
-    for (uint32_t kind = 0; kind < numKindFormats; kind++) EXPECT_EQ(bytes[kind], blockLayout(kind, height).bytes) << line;
+    for (uint32_t kind = 0; kind < numKindFormats; kind++)
+      EXPECT_EQ(bytes[kind], blockLayout(kind, height).bytes) << line;
   }
   EXPECT_EQ(rows, maxLevel + 1);
 }
@@ -196,7 +209,8 @@ void expectAnnotated(const std::string& heading, uint32_t height, const std::vec
   block->surface = 3;
   block->primID = 5;
   block->tiling = blockTiling(2, 1, 0, 0);
-  const std::vector<uint8_t> written((const uint8_t*)block, (const uint8_t*)block + blockLayout(kindLeaf, height).bytes);
+  const std::vector<uint8_t> written((const uint8_t*)block,
+                                     (const uint8_t*)block + blockLayout(kindLeaf, height).bytes);
   EXPECT_EQ(wordsOf(written), wordsOf(annotatedBytes(heading)));
 }
 

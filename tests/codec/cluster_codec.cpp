@@ -42,7 +42,10 @@ struct Grid
   }
 };
 
-bool place(const Grid& grid, LatticePoints& points) { return points.place(grid.points(), grid.width, grid.width, grid.height); }
+bool place(const Grid& grid, LatticePoints& points)
+{
+  return points.place(grid.points(), grid.width, grid.width, grid.height);
+}
 
 TEST(ClusterCodec, PointsAreFloatsDividedByPowerOfTwo)
 {
@@ -99,7 +102,8 @@ void expectVerticesBack(const Grid& grid, const QuadTriangles& triangles, const 
   std::vector<uint32_t> data(compressed1Bytes(81)/4 + 1);
   const size_t bytes = putCompressed1(points, span, triangles.vertices, triangles.numVertices, (uint8_t*)data.data());
   const DecodedCluster decoded = decodeCompressed1(data.data(), bytes, triangles.numVertices);
-  for (unsigned i = 0; i < triangles.numVertices; i++) ASSERT_EQ(decoded.vertices[i], grid.vertices[triangles.vertices[i]]);
+  for (unsigned i = 0; i < triangles.numVertices; i++)
+    ASSERT_EQ(decoded.vertices[i], grid.vertices[triangles.vertices[i]]);
 }
 
 TEST(ClusterCodec, Compressed1RoundTripsVertices)
@@ -188,7 +192,8 @@ TEST(ClusterCodec, DgfRoundTripsTrianglesOfGridsWithGaps)
     const DecodedCluster decoded = decodeDgf(block->bytes, sizeof(block->bytes));
     ASSERT_EQ(decoded.primitives, primitives & 0x1FFFFFFF);
     std::multiset<Triangle> found;
-    for (const auto& t : decoded.triangles) found.insert(turned({decoded.vertices[t[0]], decoded.vertices[t[1]], decoded.vertices[t[2]]}));
+    for (const auto& t : decoded.triangles)
+      found.insert(turned({decoded.vertices[t[0]], decoded.vertices[t[1]], decoded.vertices[t[2]]}));
     ASSERT_EQ(found, expected);
   }
   EXPECT_GT(written, 5000u);
@@ -199,20 +204,25 @@ TEST(ClusterCodec, DgfRoundTripsTrianglesOfGridsWithGaps)
 unsigned bitsPerIndex(unsigned quadsX, unsigned quadsY)
 {
   Grid grid(quadsX, quadsY);
-  for (unsigned i = 0; i < grid.vertices.size(); i++) grid.vertices[i] = {float(i % grid.width), float(i/grid.width), 0};
+  for (unsigned i = 0; i < grid.vertices.size(); i++)
+    grid.vertices[i] = {float(i % grid.width), float(i/grid.width), 0};
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   std::unique_ptr<dgf::Block> block(new dgf::Block);
-  if (!place(grid, *points) || !block->write(QuadTriangles(grid.points(), grid.width, {0, 0, quadsX, quadsY}, true), *points, 0)) return 6;
+  if (!place(grid, *points) ||
+      !block->write(QuadTriangles(grid.points(), grid.width, {0, 0, quadsX, quadsY}, true), *points, 0))
+    return 6;
   return decodeDgf(block->bytes, sizeof(block->bytes)).bitsPerIndex;
 }
 
 // True if whole quads in one strip, which visits each inner vertex twice, fit into a block of the specification.
 bool hasRoom(Grid& grid, int exponent, unsigned bitsPerIndex)
 {
-  const unsigned vertices = grid.width*grid.height, triangles = 2*(grid.width - 1)*(grid.height - 1), reused = (grid.width - 2)*(grid.height - 2);
+  const unsigned vertices = grid.width*grid.height, triangles = 2*(grid.width - 1)*(grid.height - 1),
+                 reused = (grid.width - 2)*(grid.height - 2);
   unsigned bits = 0;
   for (int k = 0; k < 3; k++) {
-    const auto extent = std::minmax_element(grid.vertices.begin(), grid.vertices.end(), [&](const Vertex& a, const Vertex& b) { return a[k] < b[k]; });
+    const auto extent = std::minmax_element(grid.vertices.begin(), grid.vertices.end(),
+                                            [&](const Vertex& a, const Vertex& b) { return a[k] < b[k]; });
     const unsigned steps = unsigned(std::ldexp(double((*extent.second)[k]) - (*extent.first)[k], -exponent));
     unsigned b = 1;
     while (steps >> b) b++;
@@ -220,7 +230,8 @@ bool hasRoom(Grid& grid, int exponent, unsigned bitsPerIndex)
   }
   bits = (bits + 3)/4*4;
   const unsigned front = (vertices*bits + 7)/8;
-  return vertices <= 64 && triangles <= 64 && front <= 96 && 8*(20 + front) + reused*bitsPerIndex + (triangles - 1) + 2*(triangles - 1) <= 8*128;
+  return vertices <= 64 && triangles <= 64 && front <= 96 &&
+         8*(20 + front) + reused*bitsPerIndex + (triangles - 1) + 2*(triangles - 1) <= 8*128;
 }
 
 TEST(ClusterCodec, WholeGridIsOneStripOfMinimalSize)
@@ -265,7 +276,8 @@ TEST(ClusterCodec, TrianglesReportTheirIndexInPart)
         const uint32_t id = triangles.triangles[t], x = id/2 % (grid.width - 1), y = id/2/(grid.width - 1);
         ASSERT_TRUE(seen.insert(id).second);
         ASSERT_TRUE(x >= of.x && x < of.x + width && y >= of.y && y < of.y + height);
-        const Triangle expected = id % 2 ? Triangle{grid.at(x, y + 1), grid.at(x + 1, y), grid.at(x + 1, y + 1)} : Triangle{grid.at(x, y), grid.at(x + 1, y), grid.at(x, y + 1)};
+        const Triangle expected = id % 2 ? Triangle{grid.at(x, y + 1), grid.at(x + 1, y), grid.at(x + 1, y + 1)}
+                                         : Triangle{grid.at(x, y), grid.at(x + 1, y), grid.at(x, y + 1)};
         for (int c = 0; c < 3; c++) {
           const uint32_t v = triangles.vertices[triangles.indices[t][c]];
           ASSERT_EQ(grid.at(of.x + v % (width + 1), of.y + v/(width + 1)), expected[c]);
@@ -296,7 +308,8 @@ TEST(ClusterCodec, TilesCoverEachQuadOnceAndFit)
       QuadTriangles triangles(grid.points(), grid.width, {x, y, width, height}, true);
       if (hasGaps || !triangles.isWhole) return;
       for (uint32_t i = 0; i < triangles.numVertices; i++)
-        triangles.vertices[i] = (y + triangles.vertices[i]/(width + 1))*grid.width + x + triangles.vertices[i] % (width + 1);
+        triangles.vertices[i] = (y + triangles.vertices[i]/(width + 1))*grid.width + x +
+                                triangles.vertices[i] % (width + 1);
       ASSERT_TRUE(block->write(triangles, *points, 0)) << width << " x " << height;
     });
     ASSERT_EQ(std::count(covered.begin(), covered.end(), 1u), long(covered.size()));
@@ -321,7 +334,10 @@ TEST(ClusterCodec, BytesMatchAnnotatedClusters)
   const auto print = [&](const uint8_t* from, size_t count) {
     char hex[4];
     text.clear();
-    for (size_t i = 0; i < count; i++) { std::snprintf(hex, sizeof(hex), "%02x", from[i]); text += (i ? " " : "") + std::string(hex); }
+    for (size_t i = 0; i < count; i++) {
+      std::snprintf(hex, sizeof(hex), "%02x", from[i]);
+      text += (i ? " " : "") + std::string(hex);
+    }
   };
   std::ifstream file(FORMATS "/clusters.md");
   const std::string document((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());

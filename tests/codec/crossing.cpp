@@ -111,7 +111,8 @@ TEST(Crossing, RootAtExitIsNotConfusedWithEntry)
     Parabola<double> f = randomParabola(random);
     f.f0 = -std::fabs(f.f0);
     f.f1 = 0;
-    ASSERT_NEAR(parabolaAt(f, parabolaRoot(f)), 0, 1e-14*scaleOf(f)) << "parabola " << f.f0 << " " << f.f1 << " " << f.saddle;
+    ASSERT_NEAR(parabolaAt(f, parabolaRoot(f)), 0, 1e-14*scaleOf(f))
+      << "parabola " << f.f0 << " " << f.f1 << " " << f.saddle;
   }
 }
 
@@ -135,7 +136,10 @@ struct LipCase
   double p(double k) const { return p0 + k*(p1 - p0); }
   double height(double k) const { return (1 - k)*f.f0 + k*f.f1 + f.saddle*k*(1 - k); }
   // Distance of the ray from the lip; not positive inside.
-  double outside(double k) const { return std::max({p(k) - width, height(k) - epsilon, -(reach + epsilon) - height(k)}); }
+  double outside(double k) const
+  {
+    return std::max({p(k) - width, height(k) - epsilon, -(reach + epsilon) - height(k)});
+  }
   // Largest difference between adjacent samples.
   double step() const { return std::max(std::fabs(p1 - p0), std::fabs(f.f1 - f.f0) + std::fabs(f.saddle))/samples; }
   bool isWithinReach(double k) const { return height(k) <= epsilon && height(k) >= -(reach + epsilon); }
@@ -162,8 +166,9 @@ TEST(Crossing, LipIsHitWhereSamplesAreInside)
   unsigned met = 0, missed = 0, between = 0, undecided = 0;
   for (int i = 0; i < 20000; i++) {
     const LipCase lip = randomLip(random);
-    SCOPED_TRACE(testing::Message() << "lip " << i << ": f " << lip.f.f0 << " " << lip.f.f1 << " " << lip.f.saddle << ", p " << lip.p0
-                                    << " " << lip.p1 << ", width " << lip.width << ", reach " << lip.reach << ", epsilon " << lip.epsilon);
+    SCOPED_TRACE(testing::Message() << "lip " << i << ": f " << lip.f.f0 << " " << lip.f.f1 << " " << lip.f.saddle
+                                    << ", p " << lip.p0 << " " << lip.p1 << ", width " << lip.width << ", reach "
+                                    << lip.reach << ", epsilon " << lip.epsilon);
     const LipMeeting<double> meeting = lip.meet();
     const double outside = leastOf([&](double k) { return lip.outside(k); });
     if (outside <= 0) {
@@ -257,8 +262,10 @@ TEST(Crossing, PatchIsBilinear)
     const double u = random.uniform(), v = random.uniform(), d = 1e-3;
     ASSERT_NEAR(patchZ(leaf, u, v), bilinear(leaf, u, v), 1e-14);
     // along an axis the patch is straight, so that differences are exact except for rounding
-    ASSERT_NEAR(patchSlope(leaf, 0, v), (bilinear(leaf, u + d, v) - bilinear(leaf, u - d, v))/(2*d*leaf.box.extent[0]), 1e-9);
-    ASSERT_NEAR(patchSlope(leaf, 1, u), (bilinear(leaf, u, v + d) - bilinear(leaf, u, v - d))/(2*d*leaf.box.extent[1]), 1e-9);
+    ASSERT_NEAR(patchSlope(leaf, 0, v),
+                (bilinear(leaf, u + d, v) - bilinear(leaf, u - d, v))/(2*d*leaf.box.extent[0]), 1e-9);
+    ASSERT_NEAR(patchSlope(leaf, 1, u),
+                (bilinear(leaf, u, v + d) - bilinear(leaf, u, v - d))/(2*d*leaf.box.extent[1]), 1e-9);
     leaf.solid = true;
     ASSERT_EQ(patchSlope(leaf, 0, v), 0);
     ASSERT_EQ(patchSlope(leaf, 1, u), 0);
@@ -272,12 +279,14 @@ Segment<double> randomSegment(Random& random, const NodeBox& box, double epsilon
 {
   Segment<double> segment;
   auto anywhere = [&](double p[3], bool inLeaf) {
-    for (int k = 0; k < 3; k++) p[k] = inLeaf ? box.lower[k] + random.uniform()*box.extent[k] : random.uniform(-0.2, 1.2);
+    for (int k = 0; k < 3; k++)
+      p[k] = inLeaf ? box.lower[k] + random.uniform()*box.extent[k] : random.uniform(-0.2, 1.2);
   };
   double a[3], b[3];
   anywhere(a, true); // usually a point that the segment passes through
   anywhere(b, random.chance(0.2));
-  const double before = random.chance(0.3) ? 0 : random.uniform(0, 3), behind = random.chance(0.3) ? 0.01 : random.uniform(0, 1);
+  const double before = random.chance(0.3) ? 0 : random.uniform(0, 3),
+               behind = random.chance(0.3) ? 0.01 : random.uniform(0, 1);
   const bool missing = random.chance(0.1);
   for (int k = 0; k < 3; k++) {
     const double d = b[k] - a[k];
@@ -302,7 +311,8 @@ Segment<double> randomSegment(Random& random, const NodeBox& box, double epsilon
 double at(const Segment<double>& segment, int k, double s) { return (1 - s)*segment.P0[k] + s*segment.P1[k]; }
 
 // Distance of the line from the faces of the widened box, positive inside; face: the nearest one, 2 k + (1 if upper).
-double inside(const Segment<double>& segment, const NodeBox& box, double s, int* face = nullptr, double* second = nullptr)
+double inside(const Segment<double>& segment, const NodeBox& box, double s, int* face = nullptr,
+              double* second = nullptr)
 {
   double slack[6];
   for (int k = 0; k < 3; k++) {
@@ -379,7 +389,9 @@ TEST(Crossing, EntryExitHeightsAndSidesMatchLineInBox)
     const Crossing<double> x = crossPatch(segment, leaf);
     ASSERT_NEAR(x.s0, ends.s0, 1e-9);
     ASSERT_NEAR(x.s1, ends.s1, 1e-9);
-    auto position = [&](int axis, double s) { return clamped((at(segment, axis, s) - leaf.box.lower[axis])/leaf.box.extent[axis]); };
+    auto position = [&](int axis, double s) {
+      return clamped((at(segment, axis, s) - leaf.box.lower[axis])/leaf.box.extent[axis]);
+    };
     auto height = [&](double s) { return at(segment, 2, s) - bilinear(leaf, position(0, s), position(1, s)); };
     ASSERT_NEAR(x.u0, position(0, ends.s0), 1e-7);
     ASSERT_NEAR(x.v0, position(1, ends.s0), 1e-7);
@@ -434,7 +446,8 @@ TEST(Crossing, HeightOverPatchIsParabola)
     const Crossing<double> x = crossPatch(segment, leaf);
     for (int step = 0; step <= 10; step++) {
       const double k = 0.1*step, s = x.s0 + k*(x.s1 - x.s0);
-      const double u = (at(segment, 0, s) - leaf.box.lower[0])/leaf.box.extent[0], v = (at(segment, 1, s) - leaf.box.lower[1])/leaf.box.extent[1];
+      const double u = (at(segment, 0, s) - leaf.box.lower[0])/leaf.box.extent[0],
+                   v = (at(segment, 1, s) - leaf.box.lower[1])/leaf.box.extent[1];
       ASSERT_NEAR(parabolaAt(x.f, k), at(segment, 2, s) - bilinear(leaf, u, v), 1e-7) << "segment " << i << ", k " << k;
     }
   }

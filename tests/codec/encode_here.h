@@ -16,7 +16,8 @@ namespace cbvh::test::HERE {
 
 // Returns the bytes of a block of width x height quads with vertices snapped to 2^exponent. steps: vertices of each
 // time step, row by row.
-inline std::vector<uint8_t> encode(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height, int exponent)
+inline std::vector<uint8_t> encode(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height,
+                                   int exponent)
 {
   const cvert::WorldLattice lattice(exponent);
   const cvert::VertPlacement place(cvert::vertRegion(width, height, 0, 0), cvert::vertPatch(width, height));

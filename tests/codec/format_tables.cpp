@@ -98,7 +98,8 @@ TEST(FormatTables, EpsilonOfRaysMatchesPage)
     const double reach = distance + 0.75/std::min({stretch[0], stretch[1], stretch[2]});
     for (int k = 0; k < 3; k++) {
       const double expected = 4*ulp*reach*(stretch[k] + stretch[3]) + 8*ulp;
-      ASSERT_NEAR(rayEpsilon(block, distance, k), expected, 1e-12*expected) << "axis " << k << ", distance " << distance;
+      ASSERT_NEAR(rayEpsilon(block, distance, k), expected, 1e-12*expected)
+        << "axis " << k << ", distance " << distance;
     }
   }
 }

@@ -39,7 +39,10 @@ Sheet makeSheet(Random& random, const double corners[4][3], int width, double am
   double axis[3][3];
   for (int k = 0; k < 3; k++) axis[0][k] = random.normal();
   for (int k = 0; k < 3; k++) axis[1][k] = random.normal();
-  auto normalize = [](double* a) { const double l = std::sqrt(a[0]*a[0] + a[1]*a[1] + a[2]*a[2]); for (int k = 0; k < 3; k++) a[k] /= l; };
+  auto normalize = [](double* a) {
+    const double l = std::sqrt(a[0]*a[0] + a[1]*a[1] + a[2]*a[2]);
+    for (int k = 0; k < 3; k++) a[k] /= l;
+  };
   normalize(axis[0]);
   const double d = axis[0][0]*axis[1][0] + axis[0][1]*axis[1][1] + axis[0][2]*axis[1][2];
   for (int k = 0; k < 3; k++) axis[1][k] -= d*axis[0][k];
@@ -48,7 +51,8 @@ Sheet makeSheet(Random& random, const double corners[4][3], int width, double am
 
   Sheet sheet;
   auto place = [&](const double p[3], float out[3]) {
-    for (int k = 0; k < 3; k++) out[k] = float(at.position[k] + at.scale*(p[0]*axis[0][k] + p[1]*axis[1][k] + p[2]*axis[2][k]));
+    for (int k = 0; k < 3; k++)
+      out[k] = float(at.position[k] + at.scale*(p[0]*axis[0][k] + p[1]*axis[1][k] + p[2]*axis[2][k]));
   };
   for (int c = 0; c < 4; c++) place(corners[c], sheet.corners[c]);
   for (int y = 0; y < width; y++)
@@ -92,7 +96,9 @@ void expectInside(const Sheet& sheet, const Frame& frame)
 // Expects a box that is a bounded region of the world: the map has an inverse with W > 0 at all corners.
 void expectBounded(const Frame& frame)
 {
-  auto row = [&](int k, double d) { return embree::cbvh::Form{{frame.columns[0][k], frame.columns[1][k], frame.columns[2][k]}, d}; };
+  auto row = [&](int k, double d) {
+    return embree::cbvh::Form{{frame.columns[0][k], frame.columns[1][k], frame.columns[2][k]}, d};
+  };
   const FrameMap map = {row(0, 0.5), row(1, 0.5), row(2, 0.5), row(3, 1), frame.projective};
   for (int i = 0; i < 8; i++) {
     Double3 p;
@@ -256,7 +262,8 @@ TEST(Frame, FallsBackToAffineIfProjectiveIsIllConditioned)
   for (const Bad& b : bad)
     for (double amplitude : {0.0, 0.3})
       for (const Placement& at : placements()) {
-        SCOPED_TRACE(testing::Message() << b.name << ", amplitude " << amplitude << ", scale " << at.scale << " at " << at.position[0]);
+        SCOPED_TRACE(testing::Message() << b.name << ", amplitude " << amplitude << ", scale " << at.scale << " at "
+                                        << at.position[0]);
         Frame frame;
         const Sheet sheet = makeSheet(random, b.corners, 5, amplitude, at);
         expectProperties(sheet, frame);
@@ -278,7 +285,8 @@ TEST(Frame, NeedlesAndFlatSheetsHaveInvertibleMaps)
     for (const Placement& at : placements()) {
       double needle[4][3];
       for (int c = 0; c < 4; c++) { needle[c][0] = c & 1; needle[c][1] = a*(c >> 1); needle[c][2] = 0; }
-      for (const Sheet& sheet : {makeSheet(random, needle, 5, 0, at), makeSheet(random, needle, 5, a, at), makeSheet(random, square, 5, a, at)}) {
+      for (const Sheet& sheet : {makeSheet(random, needle, 5, 0, at), makeSheet(random, needle, 5, a, at),
+                                 makeSheet(random, square, 5, a, at)}) {
         SCOPED_TRACE(testing::Message() << "aspect " << a << ", scale " << at.scale << " at " << at.position[0]);
         Frame frame;
         expectProperties(sheet, frame);
@@ -295,7 +303,11 @@ TEST(Frame, NeedlesAreDegenerateButFlatSheetsAreNot)
     for (int along : {0, 1})
       for (double a : {0x1p-10, 0x1p-12, 0x1p-16, 0x1p-18}) {
         double needle[4][3];
-        for (int c = 0; c < 4; c++) { needle[c][along] = along ? c >> 1 : c & 1; needle[c][1-along] = a*(along ? c & 1 : c >> 1); needle[c][2] = 0; }
+        for (int c = 0; c < 4; c++) {
+          needle[c][along] = along ? c >> 1 : c & 1;
+          needle[c][1-along] = a*(along ? c & 1 : c >> 1);
+          needle[c][2] = 0;
+        }
         Frame frame;
         SCOPED_TRACE(testing::Message() << "aspect " << a << ", scale " << scale);
         ASSERT_TRUE(makeSheet(random, needle, 5, 0, {scale, {0, 0, 0}}).fit(frame));
@@ -331,7 +343,8 @@ TEST(Frame, SheetsWithLargestCoordinatesHaveFrames)
       const double side = 0.5;
       double corners[4][3];
       for (int c = 0; c < 4; c++)
-        for (int k = 0; k < 3; k++) corners[c][k] = k == 2 ? 0 : side*((c >> k) & 1 ? 1 : -1)*(i % 2 ? random.uniform(0.7, 1) : 1);
+        for (int k = 0; k < 3; k++)
+          corners[c][k] = k == 2 ? 0 : side*((c >> k) & 1 ? 1 : -1)*(i % 2 ? random.uniform(0.7, 1) : 1);
       Sheet sheet = makeSheet(random, corners, 2 + i % 4, 0, {largest, {0, 0, 0}});
       Frame frame;
       expectProperties(sheet, frame);

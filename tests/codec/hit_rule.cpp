@@ -208,7 +208,8 @@ template<typename Check>
 void withRow(Table& table, const Facts& facts, const Check& check)
 {
   SCOPED_TRACE(describe(facts));
-  const Cells* row = table.find([&](const std::string& column, const std::string& cell) { return facts.holds(column, cell); });
+  const Cells* row = table.find(
+    [&](const std::string& column, const std::string& cell) { return facts.holds(column, cell); });
   ASSERT_NE(row, nullptr) << "no row applies";
   SCOPED_TRACE(testing::Message() << "row " << row - table.rows.data() + 1);
   check(*row);

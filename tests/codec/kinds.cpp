@@ -56,7 +56,8 @@ TEST(References, EachReferenceHasOneType)
     count++;
   };
   for (uint32_t index : indices) {
-    for (uint32_t type : {nodeReference, cellReference, instanceReference}) add(makeReference(type, index), type, index);
+    for (uint32_t type : {nodeReference, cellReference, instanceReference})
+      add(makeReference(type, index), type, index);
     for (uint32_t kind = 0; kind < numKinds + 14; kind++) {
       add(makeReference(blockReference(kind), index), blockReference(kind), index);
       EXPECT_FALSE(isRunType(blockReference(kind)));
@@ -69,7 +70,8 @@ TEST(References, EachReferenceHasOneType)
     }
   }
   EXPECT_EQ(references.size(), count);
-  for (uint32_t type : {nodeReference, cellReference, instanceReference, referenceType(emptyReference)}) EXPECT_FALSE(isRunType(type));
+  for (uint32_t type : {nodeReference, cellReference, instanceReference, referenceType(emptyReference)})
+    EXPECT_FALSE(isRunType(type));
 }
 
 } // namespace

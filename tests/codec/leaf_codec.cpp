@@ -28,7 +28,8 @@ void makeGroup(Random& random, Shape shape, const NodeBox& parent, QuadGroup& gr
 {
   const double slopeX = random.uniform(-1, 1), slopeY = random.uniform(-1, 1), bend = random.uniform(-1, 1);
   for (int v = 0; v < 9; v++) {
-    double x = 0.05 + 0.45*(v % 3), y = 0.05 + 0.45*(v / 3), z = 0.5 + 0.2*slopeX*(x - 0.5) + 0.2*slopeY*(y - 0.5) + 0.3*bend*(x - 0.5)*(y - 0.5);
+    double x = 0.05 + 0.45*(v % 3), y = 0.05 + 0.45*(v / 3),
+           z = 0.5 + 0.2*slopeX*(x - 0.5) + 0.2*slopeY*(y - 0.5) + 0.3*bend*(x - 0.5)*(y - 0.5);
     switch (shape) {
     case WAVY: z += 0.1*std::sin(7*x + 3*y + 6*bend); break;
     case JITTERED:
@@ -45,7 +46,8 @@ void makeGroup(Random& random, Shape shape, const NodeBox& parent, QuadGroup& gr
     default: break;
     }
     const double p[3] = {x, y, z};
-    for (int k = 0; k < 3; k++) group.vertices[v][k] = parent.lower[k] + parent.extent[k]*std::min(0.999, std::max(0.001, p[k]));
+    for (int k = 0; k < 3; k++)
+      group.vertices[v][k] = parent.lower[k] + parent.extent[k]*std::min(0.999, std::max(0.001, p[k]));
   }
   for (int k = 0; k < 3; k++) group.rounding[k] = rounding*parent.extent[k];
   for (int quad = 0; quad < 4; quad++) {
@@ -99,7 +101,10 @@ struct EdgeOfGroup
   int quad, axis, upper;
   bool onBorder;
 };
-std::ostream& operator<<(std::ostream& out, const EdgeOfGroup& e) { return out << "quad " << e.quad << ", " << (e.upper ? "upper" : "lower") << " side along axis " << e.axis; }
+std::ostream& operator<<(std::ostream& out, const EdgeOfGroup& e)
+{
+  return out << "quad " << e.quad << ", " << (e.upper ? "upper" : "lower") << " side along axis " << e.axis;
+}
 
 // A point of an edge must be in a leaf of the group (the quad's own leaf, if leaves are loose) within half a
 // thickness of the surface. On the border of a block it must not be above that, and must be within the border's
@@ -150,7 +155,9 @@ void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCo
           const double* b = group.vertexOf(quad, axis == 0 ? upper + 2 : 2*upper + 1);
           for (int step = 0; step <= 8; step++) {
             double p[3];
-            for (int k = 0; k < 3; k++) p[k] = a[k] + step*(b[k] - a[k])/8 + (rounding ? (random.chance(0.5) ? 1 : -1)*group.rounding[k] : 0);
+            for (int k = 0; k < 3; k++)
+              p[k] = a[k] + step*(b[k] - a[k])/8 +
+                     (rounding ? (random.chance(0.5) ? 1 : -1)*group.rounding[k] : 0);
             expectBounded(leaves, edge, p, width);
           }
         }
@@ -163,8 +170,10 @@ TEST(LeafCodec, LeavesBoundEdgesOfTheirQuads)
   GroupCounts counts;
   expectEdgesBounded(11, 4000, 0, counts);
   // the group type must be used for the shapes that it is intended for
-  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH}) EXPECT_GT(counts.lattices[shape], 3000u) << "shape " << shape;
-  for (Shape shape : {FOLDED, COLLAPSED, VERTICAL, ANYWHERE}) EXPECT_GT(counts.loose[shape], 3000u) << "shape " << shape;
+  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH})
+    EXPECT_GT(counts.lattices[shape], 3000u) << "shape " << shape;
+  for (Shape shape : {FOLDED, COLLAPSED, VERTICAL, ANYWHERE})
+    EXPECT_GT(counts.loose[shape], 3000u) << "shape " << shape;
   EXPECT_GT(counts.solid[ANYWHERE], 0u);
   EXPECT_LT(counts.solid[COLLAPSED], 4*counts.loose[COLLAPSED]);
 }
@@ -174,7 +183,8 @@ TEST(LeafCodec, LeavesBoundNeighborsCopiesOfEdges)
 {
   GroupCounts counts;
   expectEdgesBounded(16, 2000, 5e-4, counts);
-  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH}) EXPECT_GT(counts.lattices[shape], 1000u) << "shape " << shape;
+  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH})
+    EXPECT_GT(counts.lattices[shape], 1000u) << "shape " << shape;
 }
 
 // --- whole blocks --------------------------------------------------------------------------
@@ -189,7 +199,9 @@ std::vector<float> displacedQuad(Random& random, uint32_t height, const float co
     for (uint32_t x = 0; x <= n; x++) {
       const double u = double(x)/n, v = double(y)/n;
       double p[3];
-      for (int k = 0; k < 3; k++) p[k] = (1 - v)*((1 - u)*corners[0][k] + u*corners[1][k]) + v*((1 - u)*corners[2][k] + u*corners[3][k]);
+      for (int k = 0; k < 3; k++)
+        p[k] = (1 - v)*((1 - u)*corners[0][k] + u*corners[1][k]) +
+               v*((1 - u)*corners[2][k] + u*corners[3][k]);
       if (shape == WAVY) p[2] += 0.1*std::sin(7*u + 3*v + phase);
       if (shape == ROUGH) p[2] += 0.5/n*random.uniform(-1, 1);
       if (shape == ANYWHERE) for (double& c : p) c += 0.7/n*random.uniform(-1, 1);
@@ -211,7 +223,8 @@ struct Side
   int axis, upper;
   std::vector<Double3> vertices;
 
-  Side(const Frame& frame, uint32_t quads, const std::vector<float>& surface, int axis, int upper) : axis(axis), upper(upper)
+  Side(const Frame& frame, uint32_t quads, const std::vector<float>& surface, int axis, int upper)
+    : axis(axis), upper(upper)
   {
     for (uint32_t i = 0; i <= quads; i++) {
       const uint32_t across = upper ? quads : 0, x = axis == 0 ? across : i, y = axis == 0 ? i : across;
@@ -229,7 +242,10 @@ struct Side
   }
 
   // Morton index of a cell that contains it.
-  uint32_t cell(uint32_t i, uint32_t cells) const { return axis == 0 ? morton(upper ? cells - 1 : 0, i) : morton(i, upper ? cells - 1 : 0); }
+  uint32_t cell(uint32_t i, uint32_t cells) const
+  {
+    return axis == 0 ? morton(upper ? cells - 1 : 0, i) : morton(i, upper ? cells - 1 : 0);
+  }
 };
 
 // The surface of blocks must be above their common edge, by at most half a thickness and within the width of lips, on
@@ -237,13 +253,15 @@ struct Side
 TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllSides)
 {
   Random random(18);
-  const float square[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, trapezoid[4][3] = {{0, 0, 0}, {1, 0, 0}, {0.3f, 1, 0}, {0.7f, 1, 0}};
+  const float square[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
+              trapezoid[4][3] = {{0, 0, 0}, {1, 0, 0}, {0.3f, 1, 0}, {0.7f, 1, 0}};
   unsigned lattices[4] = {}, loose[4] = {};
   for (uint32_t height = 0; height <= 4; height++)
     for (const auto* corners : {square, trapezoid})
       for (Shape shape : {WAVY, ROUGH, ANYWHERE})
         for (int repeat = 0; repeat < 20; repeat++) {
-          SCOPED_TRACE(testing::Message() << "height " << height << ", " << (corners == square ? "square" : "trapezoid") << ", shape " << shape << ", block " << repeat);
+          SCOPED_TRACE(testing::Message() << "height " << height << ", " << (corners == square ? "square" : "trapezoid")
+                                          << ", shape " << shape << ", block " << repeat);
           const std::vector<float> vertices = displacedQuad(random, height, corners, shape);
           const EncodedBlock encoded(Kind::LEAF, height, vertices, corners);
           ASSERT_TRUE(encoded);
@@ -253,7 +271,8 @@ TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllSides)
             const Side side(encoded.frame(), quads, vertices, s/2, s % 2);
             for (uint32_t i = 0; i < cells; i++) {
               const uint32_t m = side.cell(i, cells);
-              const GroupLeaves leaves(block->nodes()[nodesOfLevels(levels - 1) + m/4], heightsOf(block, m/4), decodedBox(block, levels - 1, m/4));
+              const GroupLeaves leaves(block->nodes()[nodesOfLevels(levels - 1) + m/4], heightsOf(block, m/4),
+                                       decodedBox(block, levels - 1, m/4));
               (leaves.isLattice ? lattices : loose)[s]++;
               for (int step = 0; step <= 8; step++) {
                 const Double3 p = side.at((i + step/8.0)*quads/cells);
@@ -292,9 +311,12 @@ TEST(LeafCodec, LatticesMatchVerticesWithinHalfABin)
       for (int vertex = 0; vertex < 9; vertex++)
         for (int leaf = 0; leaf < 4; leaf++) {
           double distance, position[2];
-          if (!surfaceAbove(decodeLeaf(encoded.word, encoded.heights, leaf, parent), group.vertices[vertex], distance, position)) continue;
+          if (!surfaceAbove(decodeLeaf(encoded.word, encoded.heights, leaf, parent), group.vertices[vertex], distance,
+                            position))
+            continue;
           found[vertex] = true;
-          ASSERT_LE(std::fabs(distance), (0.5 + 1.0/16)*bin + tolerance) << "shape " << shape << ", group " << repeat << ", vertex " << vertex;
+          ASSERT_LE(std::fabs(distance), (0.5 + 1.0/16)*bin + tolerance)
+            << "shape " << shape << ", group " << repeat << ", vertex " << vertex;
         }
       ASSERT_EQ(std::count(found, found + 9, true), 9) << "shape " << shape << ", group " << repeat;
     }
@@ -342,7 +364,8 @@ TEST(LeafCodec, LatticesAreContinuousBetweenSiblings)
 TEST(LeafCodec, OnlyQuadsWithNonFiniteVerticesAreEmpty)
 {
   Random random(13);
-  const float bad[3] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
+  const float bad[3] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                        -std::numeric_limits<float>::infinity()};
   for (uint32_t height = 0; height <= 4; height++)
     for (int repeat = 0; repeat < 20; repeat++) {
       const uint32_t n = 1u << height, width = n + 1;
@@ -370,7 +393,8 @@ TEST(LeafCodec, OnlyQuadsWithNonFiniteVerticesAreEmpty)
         const bool expected = isBad(mortonX(m), mortonY(m));
         count += expected;
         const Heights heights = heightsOf(encoded.get(), m/4);
-        ASSERT_EQ(isLoose(heights) && looseLeaf(heights, int(m%4)) == emptyLeaf, expected) << "height " << height << ", quad " << m;
+        ASSERT_EQ(isLoose(heights) && looseLeaf(heights, int(m%4)) == emptyLeaf, expected)
+          << "height " << height << ", quad " << m;
       }
       EXPECT_EQ(encoded.statistics.invalidQuads, count);
     }
@@ -385,7 +409,8 @@ double worldThickness(const InverseFrame& inverse, const LeafPatch& leaf)
   for (int k = 0; k < 3; k++) c[k] = leaf.box.lower[k] + 0.5*leaf.box.extent[k];
   const double step = 1e-6;
   const Double3 o = inverse({c[0], c[1], c[2]});
-  const Double3 x = inverse({c[0] + step, c[1], c[2] + step*slope[0]}) - o, y = inverse({c[0], c[1] + step, c[2] + step*slope[1]}) - o;
+  const Double3 x = inverse({c[0] + step, c[1], c[2] + step*slope[0]}) - o,
+                y = inverse({c[0], c[1] + step, c[2] + step*slope[1]}) - o;
   const Double3 z = inverse({c[0], c[1], c[2] + step}) - o, n = cross(x, y);
   return std::fabs(dot(n, z))/length(n)*leaf.thickness/step;
 }
@@ -395,8 +420,9 @@ double largestThickness(const Block* block, const InverseFrame& inverse, uint32_
   double largest = 0;
   for (uint32_t c = 0; c < 4; c++) {
     const bool last = level + 1 == block->layout().nodeLevels;
-    largest = std::max(largest, last ? worldThickness(inverse, leafOfGroup(block, m, c, box))
-                                     : largestThickness(block, inverse, level + 1, 4*m + c, childBox(block, level, m, c, box)));
+    largest = std::max(
+      largest, last ? worldThickness(inverse, leafOfGroup(block, m, c, box))
+                    : largestThickness(block, inverse, level + 1, 4*m + c, childBox(block, level, m, c, box)));
   }
   return largest;
 }
@@ -451,14 +477,16 @@ TEST(LeafCodec, FourLatticesAtOnceMatchSingleOnes)
           lanes.rounding[k] = groups[lane].rounding[k];
         }
         for (int axis = 0; axis < 2; axis++)
-          for (int upper = 0; upper < 2; upper++) lanes.border[axis][upper] |= uint32_t(groups[lane].border[axis][upper]) << lane;
+          for (int upper = 0; upper < 2; upper++)
+            lanes.border[axis][upper] |= uint32_t(groups[lane].border[axis][upper]) << lane;
       }
       ExactBox boxes[4];
       for (int lane = 0; lane < 4; lane++)
         for (const ExactBox& box : groups[lane].boxes) boxes[lane].extend(box);
       for (int k = 0; k < 3; k++)
         for (int v = 0; v < 9; v++)
-          lanes.vertices[v][k] = Double4(groups[0].vertices[v][k], groups[1].vertices[v][k], groups[2].vertices[v][k], groups[3].vertices[v][k]);
+          lanes.vertices[v][k] = Double4(groups[0].vertices[v][k], groups[1].vertices[v][k], groups[2].vertices[v][k],
+                                         groups[3].vertices[v][k]);
       for (int k = 0; k < 2; k++) {
         lanes.lower[k] = Double4(boxes[0].lower[k], boxes[1].lower[k], boxes[2].lower[k], boxes[3].lower[k]);
         lanes.upper[k] = Double4(boxes[0].upper[k], boxes[1].upper[k], boxes[2].upper[k], boxes[3].upper[k]);

@@ -75,7 +75,8 @@ void main ()
     NodeBox parent = groupBox(sizes, m);
     LeafPatch patch_ = decodeLeaf(readWord(sizes.nodeLevels - 1u, m), readHeights(sizes, m), int(leaf & 3u), parent);
     if (!isOnSegment(rangeInBox(segment, patch_.box, 3))) {
-      if (wantsPassed(state) && isOnSegment(rangeInBox(segment, patch_.box, 2))) state = passBox(state, segment.P0[2] > upperOf(patch_.box, 2)).next;
+      if (wantsPassed(state) && isOnSegment(rangeInBox(segment, patch_.box, 2)))
+        state = passBox(state, segment.P0[2] > upperOf(patch_.box, 2)).next;
       continue;
     }
     Crossing x = crossPatch(segment, patch_);
@@ -99,8 +100,10 @@ void main ()
     float along = dot(normal, direction.xyz), direction2 = dot(direction.xyz, direction.xyz);
     if (isTurned(along, dot(normal, normal), direction2, v.from)) normal -= 2.0*along/direction2*direction.xyz;
     float size = float(1u << heightOf(header.info))/float(sizes.leaves); // size of a leaf in quads
-    float faceU = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), heightOf(header.info), size*(float(mortonX(leaf)) + u));
-    float faceV = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), heightOf(header.info), size*(float(mortonY(leaf)) + v_));
+    float faceU = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling),
+                                heightOf(header.info), size*(float(mortonX(leaf)) + u));
+    float faceV = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling),
+                                heightOf(header.info), size*(float(mortonY(leaf)) + v_));
     hits[2u*ray] = vec4(normal, worldT(segment, s));
     hits[2u*ray + 1u] = vec4(faceU, faceV, uintBitsToFloat(leaf), 0.0);
   }

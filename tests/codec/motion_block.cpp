@@ -21,7 +21,10 @@ using namespace cvert;
 
 constexpr uint32_t seed = 311;
 
-bool sameFloat(float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0) || (std::isnan(a) && std::isnan(b)); }
+bool sameFloat(float a, float b)
+{
+  return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0) || (std::isnan(a) && std::isnan(b));
+}
 
 // Returns the form and the margins of the boxes of the segment that begins at a step, or null if one of its ends is
 // raw.
@@ -38,7 +41,8 @@ const uint8_t* marginsOf(const VertHeader* block, uint32_t segment, uint32_t& fo
 double shearedCoordinate(uint32_t form, const float origin[3], const float* p)
 {
   const int m = shearedAxis(form), a = (m + 1) % 3, b = (m + 2) % 3;
-  return double(p[m]) - origin[m] + shearSlope(form, 1)/16.0*(double(p[a]) - origin[a]) + shearSlope(form, 2)/16.0*(double(p[b]) - origin[b]);
+  return double(p[m]) - origin[m] + shearSlope(form, 1)/16.0*(double(p[a]) - origin[a]) +
+         shearSlope(form, 2)/16.0*(double(p[b]) - origin[b]);
 }
 
 void expectBoxesContain(const EncodedMotion& encoded, uint32_t segment)
@@ -60,7 +64,8 @@ void expectBoxesContain(const EncodedMotion& encoded, uint32_t segment)
           for (int k = 0; k < 3; k++) {
             const float* const p = decoded->vertex(x, y);
             const double c = k == shearedAxis(form) ? shearedCoordinate(form, origin, p) : p[k];
-            ASSERT_TRUE(lower[k] <= c && c <= upper[k]) << "segment " << segment << ", step " << step << ", group " << g << ", axis " << k;
+            ASSERT_TRUE(lower[k] <= c && c <= upper[k])
+              << "segment " << segment << ", step " << step << ", group " << g << ", axis " << k;
           }
     }
   }
@@ -85,7 +90,8 @@ TEST(MotionBlock, VerticesRoundTripAtEveryStep)
         for (int k = 0; k < 3; k++) {
           const auto& p = sheet.steps[s][v];
           const bool isFinite = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-          ASSERT_TRUE(isFinite ? sameFloat(decoded->vertices[v][k], p[k]) : std::isnan(decoded->vertices[v][k])) << "sheet " << i << ", step " << s << ", vertex " << v << ", axis " << k;
+          ASSERT_TRUE(isFinite ? sameFloat(decoded->vertices[v][k], p[k]) : std::isnan(decoded->vertices[v][k]))
+            << "sheet " << i << ", step " << s << ", vertex " << v << ", axis " << k;
         }
       if (s + 1 < sheet.steps.size()) { ASSERT_NO_FATAL_FAILURE(expectBoxesContain(encoded, s)) << "sheet " << i; }
     }

@@ -188,18 +188,24 @@ TEST(NodeCodec, EveryPlaneIsTightestWithSlack)
             lower = std::min(lower, children[c].lower[axis]);
             upper = std::max(upper, children[c].upper[axis]);
           }
-        const uint32_t lowerPair = (word >> lowerShift(axis)) & planePairMask, upperPair = (word >> upperShift(axis)) & planePairMask;
+        const uint32_t lowerPair = (word >> lowerShift(axis)) & planePairMask,
+                       upperPair = (word >> upperShift(axis)) & planePairMask;
         taken[column ? lowerPair >> 2 : upperPair >> 2]++;
         for (uint32_t other = 0; other < 32; other++) {
-          if (lowerPlane(other, column) <= lower - containmentSlack) { ASSERT_LE(lowerPlane(other, column), lowerPlane(lowerPair, column)); }
-          if (upperPlane(other, column) >= upper + containmentSlack) { ASSERT_GE(upperPlane(other, column), upperPlane(upperPair, column)); }
+          if (lowerPlane(other, column) <= lower - containmentSlack) {
+            ASSERT_LE(lowerPlane(other, column), lowerPlane(lowerPair, column));
+          }
+          if (upperPlane(other, column) >= upper + containmentSlack) {
+            ASSERT_GE(upperPlane(other, column), upperPlane(upperPair, column));
+          }
         }
       }
     for (int c = 0; c < 4; c++) {
       const Interval z = zInterval(zCode(word, c));
       for (uint32_t code = 0; code < 8; code++) {
         const Interval other = zInterval(code);
-        if (other.lower <= children[c].lower[2] - containmentSlack && other.upper >= children[c].upper[2] + containmentSlack) {
+        if (other.lower <= children[c].lower[2] - containmentSlack &&
+            other.upper >= children[c].upper[2] + containmentSlack) {
           ASSERT_LE(z.upper - z.lower, other.upper - other.lower);
         }
       }
@@ -350,8 +356,10 @@ TEST(NodeTables, MatchScalarDecoderOnPathsThroughAllLevels)
         const Bounds decoded = boundsOf(box), exact = childByTables(tables, node, child, exactParent);
         const double error = level <= 3 ? 0 : level*stepError;
         for (int axis = 0; axis < 3; axis++) {
-          ASSERT_NEAR(decoded.lower[axis], exact.lower[axis], error) << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
-          ASSERT_NEAR(decoded.upper[axis], exact.upper[axis], error) << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
+          ASSERT_NEAR(decoded.lower[axis], exact.lower[axis], error)
+            << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
+          ASSERT_NEAR(decoded.upper[axis], exact.upper[axis], error)
+            << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
         }
         if (child == next) { nextBox = box; nextExact = exact; }
       }

@@ -30,10 +30,14 @@ TEST(Normals, MatchSurfaceInWorldSpace)
   for (int i = 0; i < 2000; i++) {
     const Block block = randomFrame(random);
     const InverseFrame inverse(frameMap(&block));
-    const double x = random.uniform(), y = random.uniform(), z = random.uniform(), sx = 2*random.normal(), sy = 2*random.normal(), step = 1e-6;
+    const double x = random.uniform(), y = random.uniform(), z = random.uniform(), sx = 2*random.normal(),
+                 sy = 2*random.normal(), step = 1e-6;
     const Vector<double> n = worldNormal<double>(block, {{x, y, z}}, sx, sy);
     const Double3 normal = {n.x[0], n.x[1], n.x[2]}, o = inverse({x, y, z});
-    auto cosine = [&](const Double3& to) { const Double3 d = to - o; return dot(normal, d)/(length(normal)*length(d)); };
+    auto cosine = [&](const Double3& to) {
+      const Double3 d = to - o;
+      return dot(normal, d)/(length(normal)*length(d));
+    };
     ASSERT_NEAR(cosine(inverse({x + step, y, z + step*sx})), 0, 1e-4) << "frame " << i;
     ASSERT_NEAR(cosine(inverse({x, y + step, z + step*sy})), 0, 1e-4) << "frame " << i;
     ASSERT_GT(cosine(inverse({x, y, z + step})), 0) << "frame " << i;

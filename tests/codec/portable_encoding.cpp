@@ -9,7 +9,9 @@
 
 namespace cbvh::test {
 
-std::vector<uint8_t> encodePortably(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height, int exponent) {
+std::vector<uint8_t> encodePortably(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height,
+                                    int exponent)
+{
   return portable::encode(steps, width, height, exponent);
 }
 

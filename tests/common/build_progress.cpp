@@ -59,7 +59,9 @@ TEST_P(BuildProgress, BuildStopsOnRequestAndCanBeRepeated)
   EXPECT_NO_THROW(build());
 }
 
-INSTANTIATE_TEST_SUITE_P(, BuildProgress, testing::Values(RepresentationKind::Naive, RepresentationKind::Grid, RepresentationKind::CVert),
+INSTANTIATE_TEST_SUITE_P(, BuildProgress,
+                         testing::Values(RepresentationKind::Naive, RepresentationKind::Grid,
+                                         RepresentationKind::CVert),
                          [](const auto& info) { return Representation{info.param}.fileStem(); });
 
 } // namespace

@@ -95,7 +95,8 @@ std::string kindName(const testing::TestParamInfo<RepresentationKind>& info)
   return Representation{info.param}.fileStem();
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, CageTags, testing::Values(RepresentationKind::Grid, RepresentationKind::CLeaf), kindName);
+INSTANTIATE_TEST_SUITE_P(Kinds, CageTags, testing::Values(RepresentationKind::Grid, RepresentationKind::CLeaf),
+                         kindName);
 
 } // namespace
 } // namespace cbvh::test

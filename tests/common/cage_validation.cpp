@@ -131,8 +131,9 @@ TEST(CageValidation, CountsFacesAroundAVertexLikeEmbree)
 TEST(CageValidation, WarnsOfAVertexThatJoinsPartsWithoutAnEdge)
 {
   const Checked result = checked(withFaces(5, {{0, 1, 2}, {0, 3, 4}}));
-  EXPECT_EQ(result.warnings, "test: not manifold at 1 vertex: vertex 1 joins parts that share no edge; Embree rounds each "
-                             "of them, OpenSubdiv none\n");
+  EXPECT_EQ(result.warnings,
+            "test: not manifold at 1 vertex: vertex 1 joins parts that share no edge; Embree rounds each "
+            "of them, OpenSubdiv none\n");
 }
 
 /* Four quads around vertex 4, with creases at it. */

@@ -331,8 +331,8 @@ TEST_F(Displacing, SuspiciousCoordinatesAndMapsCauseWarnings)
   EXPECT_EQ(warningsOf(twoQuads(), map), "");
   const std::string normals = constantImage(folder / "normals.png", {0.5f, 0.55f, 0.99f}, OIIO::TypeDesc::UINT8);
   EXPECT_NE(warningsOf(twoQuads(), normals).find("looks like a normal map"), std::string::npos);
-  const std::string grey = constantImage(folder / "grey.png", {0.7f, 0.7f, 0.7f}, OIIO::TypeDesc::UINT8);
-  EXPECT_EQ(warningsOf(twoQuads(), grey), "");
+  const std::string gray = constantImage(folder / "gray.png", {0.7f, 0.7f, 0.7f}, OIIO::TypeDesc::UINT8);
+  EXPECT_EQ(warningsOf(twoQuads(), gray), "");
 }
 
 TEST_F(Displacing, MidLevelAndChannelAreApplied)
@@ -509,7 +509,8 @@ TEST_F(Displacing, NeutralHeightMovesNothing)
   const Cage cage = twoQuads();
   EXPECT_EQ(offset(*displaced(cage, map, 3.0f), 1, 0.3f, 0.7f), 0.0f);
   EXPECT_EQ(offset(*displaced(withoutUVs(cage), map, 3.0f), 1, 0.3f, 0.7f), 0.0f);
-  EXPECT_EQ(offset(*displaceByAtlas(cage, FaceAtlas::forFaces(2, 2), flat(6, neutralHeight), 3.0f), 0, 0.3f, 0.7f), 0.0f);
+  EXPECT_EQ(offset(*displaceByAtlas(cage, FaceAtlas::forFaces(2, 2), flat(6, neutralHeight), 3.0f), 0, 0.3f, 0.7f),
+            0.0f);
 }
 
 TEST_F(Displacing, PolygonsInterpolateOverTheirCornerQuads)

@@ -21,7 +21,8 @@ TEST(KeptHits, EveryQueryModeMatchesSingleRays)
   const Camera camera({3, 2, 4}, {0, 0, 0}, {0, 1, 0}, 40.0f, {101, 97}); // not a multiple of packets or streams
   const std::vector<Ray> rays = primaryRays(camera);
   const std::vector<SurfaceHit> expected = traceClosest(scene, rays, 1);
-  for (TraceMode mode : {TraceMode::Single, TraceMode::Packet4, TraceMode::Packet8, TraceMode::Packet16, TraceMode::Stream})
+  for (TraceMode mode :
+       {TraceMode::Single, TraceMode::Packet4, TraceMode::Packet8, TraceMode::Packet16, TraceMode::Stream})
     for (Query query : {Closest, Any})
     {
       const std::vector<KeptHit> kept = keepHits(scene, rays, {query, mode, true, 3, 1});

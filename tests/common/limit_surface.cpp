@@ -22,7 +22,8 @@ Cage creased(Cage cage, float sharpness, Random& random)
   for (unsigned face = 0; face < cage.numFaces(); face++)
     for (unsigned i = 0, n = cage.faceSizes[face]; i < n; i++)
     {
-      const unsigned a = cage.faceIndices[borders.corner(face, i)], b = cage.faceIndices[borders.corner(face, (i + 1) % n)];
+      const unsigned a = cage.faceIndices[borders.corner(face, i)],
+                     b = cage.faceIndices[borders.corner(face, (i + 1) % n)];
       if (a < b && random.chance(0.3))
         cage.creaseEdges.push_back({a, b});
     }
@@ -119,7 +120,8 @@ TEST(LimitSurface, VerticesOfAnyValenceHaveTheKnownLimit)
       neighbours += toDouble(cage.positions[2 * i]);
       across += toDouble(cage.positions[2 * i + 1]);
     }
-    const Vec3d expected = (double(n * n) * toDouble(cage.positions[2 * n]) + 4.0 * neighbours + across) * (1.0 / (n * (n + 5.0)));
+    const Vec3d expected = (double(n * n) * toDouble(cage.positions[2 * n]) + 4.0 * neighbours + across) *
+                           (1.0 / (n * (n + 5.0)));
     for (unsigned face = 0; face < 2 * n; face += 2)
       EXPECT_NEAR(length(limit.evaluate({face, 0, 0, 0}).p - expected), 0, 1e-7) << "valence " << n;
   }
@@ -238,7 +240,8 @@ Cage fan(const std::vector<unsigned>& faceSizes)
   cage.boundary = BoundaryRule::EdgeAndCorner;
   const double step = 10 * M_PI / 6 / double(faceSizes.size());
   const auto addVertex = [&](double angle, double radius) {
-    cage.positions.push_back({float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(0.1 * std::cos(3 * angle))});
+    cage.positions.push_back(
+      {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(0.1 * std::cos(3 * angle))});
     return unsigned(cage.positions.size() - 1);
   };
   cage.positions.push_back({0, 0, 0.3f});

@@ -162,8 +162,9 @@ TEST(ObjReader, CancellationEndsTheWaitForAWriter)
 
 TEST(ObjReader, ReadsTags)
 {
-  const Cage cage = read("t interpolateboundary 1/0/0 1\n" + square +
-                         "f 1 2 3 4\nt crease 2/1/0 0 1 2.5\nt crease 4/2/0 1 2 2 3 10 1\nt corner 1/1/0 3 4\nt hole 1/0/0 0\n");
+  const Cage cage = read(
+    "t interpolateboundary 1/0/0 1\n" + square +
+    "f 1 2 3 4\nt crease 2/1/0 0 1 2.5\nt crease 4/2/0 1 2 2 3 10 1\nt corner 1/1/0 3 4\nt hole 1/0/0 0\n");
   EXPECT_EQ(cage.boundary, BoundaryRule::EdgeAndCorner);
   ASSERT_EQ(cage.creaseEdges.size(), 3u);
   EXPECT_EQ(cage.creaseEdges[1], (std::pair<unsigned, unsigned>{1, 2}));
@@ -271,7 +272,8 @@ TEST(ObjReader, RejectsBadInputWithItsLine)
   const std::string utf16("\xFF\xFEv\0 \0", 6);
   EXPECT_EQ(errorOf(utf16), "test.obj:1: unknown statement '" + std::string(2, '?') + "v?', is this an OBJ file?");
   const std::string binary = "\x89PNG" + std::string(40, '\x01');
-  EXPECT_EQ(errorOf(binary), "test.obj:1: unknown statement '?PNG" + std::string(28, '?') + "...', is this an OBJ file?");
+  EXPECT_EQ(errorOf(binary),
+            "test.obj:1: unknown statement '?PNG" + std::string(28, '?') + "...', is this an OBJ file?");
   std::string warnings;
   EXPECT_THROW(readObj("/nonexistent/cage.obj", warnings), Error);
   EXPECT_THROW(readObj("/", warnings), Error);

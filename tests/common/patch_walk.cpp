@@ -51,7 +51,8 @@ TEST(PatchWalk, CrossedBordersContinueOnTheSurface)
       constexpr double least = 1e-9;
       const double side = random.uniform(-0.1, 0.1);
       across = border;
-      const PatchPoint q = surface.patches().go(p, edge % 2 ? outward * least : side, edge % 2 ? side : outward * least);
+      const PatchPoint q = surface.patches().go(p, edge % 2 ? outward * least : side,
+                                                edge % 2 ? side : outward * least);
       along += side;
       EXPECT_LT(length(surface.evaluate(p).position - surface.evaluate(q).position), 1e-7)
         << "face " << p.face << " edge " << edge << " to face " << q.face;

@@ -52,7 +52,8 @@ TEST(Representation, NamesOfTheLibraryAreAccepted)
       EXPECT_EQ(parseRepresentations(word, autoFrameLevel)[0].label(), label);
     }
   EXPECT_EQ(parseRepresentations("Leaf^3", autoFrameLevel)[0].label(), "cLEAF^3");
-  for (const char* list : {"cvert,vert", "leaf^2,cbvh.leaf:2", "cbvh.naive", "naiv", "aive", "cbvh", "cbvh.cvert", "ccvert"})
+  for (const char* list :
+       {"cvert,vert", "leaf^2,cbvh.leaf:2", "cbvh.naive", "naiv", "aive", "cbvh", "cbvh.cvert", "ccvert"})
     EXPECT_THROW(parseRepresentations(list, 2), Error) << list;
 }
 

@@ -30,10 +30,16 @@ TEST(RunProgram, ReturnsTheStatus)
 
 TEST(RunProgram, PrintsExceptionsInOneLine)
 {
-  EXPECT_EQ(outcome([]() -> int { throw Cancelled(); }), std::make_pair(130, std::string("cbvh_test: cancelled\n")));
-  EXPECT_EQ(outcome([]() -> int { throw std::bad_alloc(); }), std::make_pair(1, std::string("cbvh_test: out of memory\n")));
-  EXPECT_EQ(outcome([]() -> int { throw Error("x.obj: 100% wrong"); }), std::make_pair(1, std::string("cbvh_test: x.obj: 100% wrong\n")));
-  EXPECT_EQ(outcome([]() -> int { throw std::out_of_range("far"); }), std::make_pair(1, std::string("cbvh_test: far\n")));
+  const std::pair<int, std::string> canceled = outcome([]() -> int { throw Cancelled(); });
+  EXPECT_EQ(canceled.first, 130);
+  EXPECT_EQ(canceled.second.find("cbvh_test: cancel"), 0u) << canceled.second;
+  EXPECT_EQ(canceled.second.find('\n'), canceled.second.size() - 1) << canceled.second;
+  EXPECT_EQ(outcome([]() -> int { throw std::bad_alloc(); }),
+            std::make_pair(1, std::string("cbvh_test: out of memory\n")));
+  EXPECT_EQ(outcome([]() -> int { throw Error("x.obj: 100% wrong"); }),
+            std::make_pair(1, std::string("cbvh_test: x.obj: 100% wrong\n")));
+  EXPECT_EQ(outcome([]() -> int { throw std::out_of_range("far"); }),
+            std::make_pair(1, std::string("cbvh_test: far\n")));
 }
 
 } // namespace

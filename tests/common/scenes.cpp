@@ -212,7 +212,9 @@ TEST_F(Trex, ChartsDoNotOverlapAndAreFew)
 TEST_F(Trex, TilesAndChartsShowTheSameHeights)
 {
   Cage cage = makeKnee().cage;
-  const auto height = [](const LimitPoint& p) { return 0.3f * p.position.x - 0.2f * p.position.y + 0.1f * p.position.z; };
+  const auto height = [](const LimitPoint& p) {
+    return 0.3f * p.position.x - 0.2f * p.position.y + 0.1f * p.position.z;
+  };
   const auto tiles = displaceByBake(cage, 16, 1.0f, {"tiles", 0, height});
   const std::filesystem::path folder =
     std::filesystem::temp_directory_path() / ("cbvh_scenes_" + std::to_string(::getpid()));
@@ -281,7 +283,8 @@ TEST(Herd, CopiesWithOwnShapesAreHitThere)
 
   model.shapes[0].swap(model.shapes[1]); // swapped shapes, which must fail
   const TrueSurfaces swapped(model);
-  const TrueErrors others = compareToTrueSurface({model, swapped, rays, view.sample, view.footprint}, hits, scene.layout(), 1);
+  const TrueErrors others = compareToTrueSurface({model, swapped, rays, view.sample, view.footprint}, hits,
+                                                 scene.layout(), 1);
   EXPECT_GT(others.medianWorld, 1e-2f);
 }
 

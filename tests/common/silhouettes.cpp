@@ -29,7 +29,10 @@ protected:
     return hit;
   }
 
-  std::vector<size_t> away(const std::vector<SurfaceHit>& hits) const { return hitsAwayFromSilhouettes(rays, hits, camera); }
+  std::vector<size_t> away(const std::vector<SurfaceHit>& hits) const
+  {
+    return hitsAwayFromSilhouettes(rays, hits, camera);
+  }
 };
 
 TEST_F(Silhouettes, PlaneHasNoneAtAnySlope)
@@ -51,7 +54,9 @@ TEST_F(Silhouettes, AreNextToStepsAndTheBackground)
       if (step == INFINITY && i % size >= size/2) hits.back() = SurfaceHit();
     }
     const std::vector<size_t> found = away(hits);
-    const auto inColumn = [&](int x) { return std::count_if(found.begin(), found.end(), [&](size_t i) { return int(i % size) == x; }); };
+    const auto inColumn = [&](int x) {
+      return std::count_if(found.begin(), found.end(), [&](size_t i) { return int(i % size) == x; });
+    };
     const long rows = size - 2, beside = step == 2*pixel ? rows : 0;
     EXPECT_EQ(inColumn(size/2 - 2), rows);
     EXPECT_EQ(inColumn(size/2 - 1), beside);

@@ -26,7 +26,8 @@ TEST(TraceTiming, EveryModeFindsTheSameHits)
     expected += hit.hit();
   ASSERT_GT(expected, rays.size() / 20);
   ASSERT_LT(expected, rays.size());
-  for (TraceMode mode : {TraceMode::Single, TraceMode::Packet4, TraceMode::Packet8, TraceMode::Packet16, TraceMode::Stream})
+  for (TraceMode mode :
+       {TraceMode::Single, TraceMode::Packet4, TraceMode::Packet8, TraceMode::Packet16, TraceMode::Stream})
     for (Query query : {Closest, Any})
       for (bool coherent : {false, true})
         for (unsigned threads : {1u, 3u})
@@ -41,7 +42,8 @@ TEST(TraceTiming, EveryModeFindsTheSameHits)
 
 TEST(TraceTiming, NamesRoundTrip)
 {
-  for (TraceMode mode : {TraceMode::Single, TraceMode::Packet4, TraceMode::Packet8, TraceMode::Packet16, TraceMode::Stream})
+  for (TraceMode mode :
+       {TraceMode::Single, TraceMode::Packet4, TraceMode::Packet8, TraceMode::Packet16, TraceMode::Stream})
     EXPECT_EQ(parseTraceMode(traceModeName(mode)), mode);
   EXPECT_EQ(parseQuery("any"), Any);
   EXPECT_THROW(parseTraceMode("packet"), Error);

@@ -172,7 +172,8 @@ TEST(TrueSurface, LinesHitItWhereTheyAreAimed)
   {
     const TruePoint aim = surface.evaluate(randomPoint(model.cage, surface, random));
     const Vec3d n = normalize(cross(aim.du, aim.dv));
-    const Vec3d origin = aim.position + 3.0 * n + Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const Vec3d origin = aim.position + 3.0 * n +
+                         Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     constexpr double cell = 1.0 / 64;
     const TruePoint start = surface.evaluate(surface.patches().go(aim.at, 0.3 * cell, -0.4 * cell));
     const auto met = surface.crossing(origin, normalize(aim.position - origin), start, cell, 1e-9);

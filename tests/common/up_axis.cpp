@@ -161,8 +161,20 @@ TEST(UpAxis, IsYForShapesStandingOnY)
   for (const auto& [name, make] : standing)
   {
     EXPECT_EQ(guessUp(make()).axis, "y") << name;
-    EXPECT_EQ(guessUp(moved(make(), [](Vec3f p) { return Vec3f{p.z, p.y, -p.x}; })).axis, "y") << name << " looking along x";
-    EXPECT_EQ(guessUp(moved(make(), [](Vec3f p) { return Vec3f{-p.x, p.y, -p.z}; })).axis, "y") << name << " looking back";
+    EXPECT_EQ(guessUp(moved(make(),
+                            [](Vec3f p) {
+                              return Vec3f{p.z, p.y, -p.x};
+                            }))
+                .axis,
+              "y")
+      << name << " looking along x";
+    EXPECT_EQ(guessUp(moved(make(),
+                            [](Vec3f p) {
+                              return Vec3f{-p.x, p.y, -p.z};
+                            }))
+                .axis,
+              "y")
+      << name << " looking back";
     EXPECT_EQ(guessUp(moved(make(), [](Vec3f p) { return p + Vec3f{0, -0.5f, 0}; })).axis, "y") << name << " sunken";
     EXPECT_EQ(guessUp(moved(make(), [](Vec3f p) { return p + Vec3f{3, 0, 2}; })).axis, "y") << name << " elsewhere";
     EXPECT_EQ(guessUp(make()).reason, "") << name;
@@ -181,10 +193,19 @@ TEST(UpAxis, IsZForShapesStandingOnZ)
 
 TEST(UpAxis, IsYIfAmbiguous)
 {
-  const std::pair<const char*, Cage> shapes[] = {{"mask", mask()}, {"gun", gun()}, {"shield", shield()}, {"sword", sword()},
-                                                 {"chair", chair()}, {"chair that could lie on its front", moved(chair(), toZ)},
-                                                 {"person upside down in z", moved(person(), [](Vec3f p) { return Vec3f{p.x, p.z, -p.y}; })},
-                                                 {"person in the air", moved(moved(person(), toZ), [](Vec3f p) { return p + Vec3f{0, 0, 0.5f}; })}};
+  const std::pair<const char*, Cage> shapes[] = {{"mask", mask()},
+                                                 {"gun", gun()},
+                                                 {"shield", shield()},
+                                                 {"sword", sword()},
+                                                 {"chair", chair()},
+                                                 {"chair that could lie on its front", moved(chair(), toZ)},
+                                                 {"person upside down in z", moved(person(),
+                                                                                   [](Vec3f p) {
+                                                                                     return Vec3f{p.x, p.z, -p.y};
+                                                                                   })},
+                                                 {"person in the air", moved(moved(person(), toZ), [](Vec3f p) {
+                                                    return p + Vec3f{0, 0, 0.5f};
+                                                  })}};
   for (const auto& [name, cage] : shapes)
     EXPECT_EQ(guessUp(cage).axis, "y") << name << ": " << guessUp(cage).reason;
   Cage flat;
@@ -196,7 +217,8 @@ TEST(UpAxis, IsYIfAmbiguous)
 
 TEST(UpAxis, IsYForAllCagesThatProgramsMake)
 {
-  for (const Cage& cage : {makeCube(0.1f).cage, makeFrog(0.1f, 0).cage, makeKnee(0.1f, 0).cage, makeScythe(0.1f, 0).cage, makeTrexCage().cage})
+  for (const Cage& cage : {makeCube(0.1f).cage, makeFrog(0.1f, 0).cage, makeKnee(0.1f, 0).cage,
+                           makeScythe(0.1f, 0).cage, makeTrexCage().cage})
     EXPECT_EQ(guessUp(cage).axis, "y") << guessUp(cage).reason;
 }
 
@@ -219,11 +241,13 @@ std::string upOf(const std::string& comments)
 
 TEST(UpAxis, IsReadFromTheHeadOfTheFile)
 {
-  for (const char* z : {"# Z up\n", "# z-up\n", "# Up axis: Z\n", "# made by hand\n#up=z\n", "# forward -Y, up Z\n", "# ZUP\n", "# Z axis up\n",
-                        "# OpenSCAD obj exporter\n", "# FreeCAD v0.20 build29177 Arch module\n"})
+  for (const char* z :
+       {"# Z up\n", "# z-up\n", "# Up axis: Z\n", "# made by hand\n#up=z\n", "# forward -Y, up Z\n", "# ZUP\n",
+        "# Z axis up\n", "# OpenSCAD obj exporter\n", "# FreeCAD v0.20 build29177 Arch module\n"})
     EXPECT_EQ(upOf(z), "z") << z;
-  for (const char* y : {"", "# Y up\n", "# Blender 3.6.0\n# www.blender.org\n", "# forward -Z, up Y\n", "# -Z forward, Y up\n", "# scaled up\n",
-                        "# z up or y up\n", "# 3ds Max Wavefront OBJ Exporter\n", "#\n", "# FreeCAD v0.20, y up\n"})
+  for (const char* y :
+       {"", "# Y up\n", "# Blender 3.6.0\n# www.blender.org\n", "# forward -Z, up Y\n", "# -Z forward, Y up\n",
+        "# scaled up\n", "# z up or y up\n", "# 3ds Max Wavefront OBJ Exporter\n", "#\n", "# FreeCAD v0.20, y up\n"})
     EXPECT_EQ(upOf(y), "y") << y;
 }
 

@@ -68,7 +68,8 @@ TEST_P(HardBlocks, Saddles)
 
 TEST_P(HardBlocks, Trapezoids)
 {
-  property("blocks in projective frames are traced as the reference traces them: the ray's parameter and normals follow W");
+  property(
+    "blocks in projective frames are traced as the reference traces them: the ray's parameter and normals follow W");
   trace(Shape::Trapezoid);
 }
 
@@ -98,7 +99,8 @@ TEST_P(HardBlocks, Noise)
 
 TEST_P(HardBlocks, CollapsedQuads)
 {
-  property("quads of zero area (lines, triangles, points) harm no other: blocks are traced as the reference traces them");
+  property(
+    "quads of zero area (lines, triangles, points) harm no other: blocks are traced as the reference traces them");
   trace(Shape::CollapsedQuads);
 }
 
@@ -123,7 +125,8 @@ TEST_P(HardBlocks, LinesAndPoints)
 
 TEST_P(HardBlocks, NeedlesBeyondAllFrames)
 {
-  property("needles 2^-16 to 2^-20 as wide as long, whose leaves would be wider than their quads, are left to GRID and have its hits");
+  property(
+    "needles 2^-16 to 2^-20 as wide as long, whose leaves would be wider than their quads, are left to GRID and have its hits");
   Random random(36);
   std::vector<Sheet> sheets;
   for (float width : {0x1p-16f, 0x1p-18f, 0x1p-20f})
@@ -137,7 +140,8 @@ TEST_P(HardBlocks, NeedlesBeyondAllFrames)
 
 TEST_P(HardBlocks, Outliers)
 {
-  property("blocks with a vertex 1e6 to 1e12 block widths away, whose leaves would be wider than their quads, are left to GRID and have its hits");
+  property(
+    "blocks with a vertex 1e6 to 1e12 block widths away, whose leaves would be wider than their quads, are left to GRID and have its hits");
   Random random(35);
   std::vector<Sheet> sheets;
   for (double distance : {1e6, 1e9, 1e12})
@@ -158,7 +162,8 @@ TEST_P(HardBlocks, ScalesFrom1em6To1e6)
 
 TEST_P(HardBlocks, FarFromTheOrigin)
 {
-  property("blocks of every shape far from the origin, a thousandth of a unit wide at 1, a unit wide at (148376, 1234, -223423), are traced as the reference traces them");
+  property(
+    "blocks of every shape far from the origin, a thousandth of a unit wide at 1, a unit wide at (148376, 1234, -223423), are traced as the reference traces them");
   exact = 0.6;
   trace(allShapes, {{1e-3, {0.5, -0.25, 1}}, {1, {148376, 1234, -223423}}, {1e3, {1e6, 1e6, -1e6}}}, 2);
 }

@@ -18,7 +18,8 @@ Cage fanCage(const std::vector<unsigned>& sizes)
   Cage cage;
   const double step = 10*M_PI/6/double(sizes.size());
   auto addVertex = [&](double angle, double radius) {
-    cage.positions.push_back({float(radius*std::cos(angle)), float(radius*std::sin(angle)), float(0.1*std::cos(3*angle))});
+    cage.positions.push_back(
+      {float(radius*std::cos(angle)), float(radius*std::sin(angle)), float(0.1*std::cos(3*angle))});
     return unsigned(cage.positions.size() - 1);
   };
   cage.positions.push_back({0, 0, 0.3f});
@@ -62,7 +63,8 @@ private:
 class FilteredScene : public Scene
 {
 public:
-  FilteredScene(RTCDevice device, const Cage& cage, const SurfaceSettings& settings) : Scene(device, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION)
+  FilteredScene(RTCDevice device, const Cage& cage, const SurfaceSettings& settings)
+    : Scene(device, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION)
   {
     addSurface(device, *this, cage, settings);
     rtcCommitScene(*this);
@@ -101,12 +103,17 @@ INSTANTIATE_TEST_SUITE_P(HardCases, CageLimits, testing::ValuesIn(tracers()), tr
 // including the gap.
 TEST_P(CageLimits, LongestRingsOfBorderVertices)
 {
-  property("a border vertex of 62 quads and a pentagon, and of all other faces that Embree supports, has all its faces, and hits on them agree with GRID's");
-  for (const Cage& cage : {fanCage(62, {5}), fanCage(61, {7}), fanCage(60, {9}), fanCage(53, {16}), fanCage(62, {}), fanCage(63, {}), fanCage(39, {5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5})}) {
+  property(
+    "a border vertex of 62 quads and a pentagon, and of all other faces that Embree supports, has all its faces, and hits on them agree with GRID's");
+  for (const Cage& cage : {fanCage(62, {5}), fanCage(61, {7}), fanCage(60, {9}), fanCage(53, {16}), fanCage(62, {}),
+                           fanCage(63, {}), fanCage(39, {5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5})}) {
     SCOPED_TRACE(testing::Message() << cage.faces.size() << " faces, " << cage.indices.size() << " corners");
     std::vector<Vec> circle;
-    for (int i = 1; i < 4000; i++) circle.push_back({float(0.7*std::cos(i*10*M_PI/24000)), float(0.7*std::sin(i*10*M_PI/24000)), 0});
-    for (RTCCompression kind : withGrid()) ASSERT_EQ(facesBelow(FilteredScene(device, cage, settings(kind)), circle).size(), cage.faces.size()) << kindName(kind);
+    for (int i = 1; i < 4000; i++)
+      circle.push_back({float(0.7*std::cos(i*10*M_PI/24000)), float(0.7*std::sin(i*10*M_PI/24000)), 0});
+    for (RTCCompression kind : withGrid())
+      ASSERT_EQ(facesBelow(FilteredScene(device, cage, settings(kind)), circle).size(), cage.faces.size())
+        << kindName(kind);
     const Twins twins(device, cage, settings(compression()));
     Random random(61);
     const std::vector<RTCRayHit> rays = raysAt(random, 800);
@@ -118,8 +125,11 @@ TEST_P(CageLimits, LongestRingsOfBorderVertices)
 
 TEST_P(CageLimits, RingsPastTheLongest)
 {
-  property("faces at a vertex of more than 64 faces, or with a longer ring of vertices than Embree supports, are left out");
-  for (const Cage& cage : {fanCage(64, {}), fanCage(65, {}), fanCage(66, {}), fanCage(70, {}), fanCage(63, {5}), fanCage(62, {6}), fanCage(61, {5, 5}), fanCage(61, {8}), fanCage(62, {16}), fanCage(40, {16, 16, 16, 16})}) {
+  property(
+    "faces at a vertex of more than 64 faces, or with a longer ring of vertices than Embree supports, are left out");
+  for (const Cage& cage :
+       {fanCage(64, {}), fanCage(65, {}), fanCage(66, {}), fanCage(70, {}), fanCage(63, {5}), fanCage(62, {6}),
+        fanCage(61, {5, 5}), fanCage(61, {8}), fanCage(62, {16}), fanCage(40, {16, 16, 16, 16})}) {
     SCOPED_TRACE(testing::Message() << cage.faces.size() << " faces, " << cage.indices.size() << " corners");
     for (RTCCompression kind : withGrid()) {
       const SurfaceScene scene(device, cage, settings(kind));
@@ -154,7 +164,8 @@ TEST_P(CageLimits, FacesWithoutEdges)
   property("faces without edges, first, last or between others, have no surface, and all other faces have a surface");
   for (RTCSubdivisionMode mode : {RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY, RTC_SUBDIVISION_MODE_NO_BOUNDARY})
     for (const std::multiset<unsigned>& at : {std::multiset<unsigned>{9}, {0}, {4}, {0, 0, 4, 4, 5, 9, 9, 9}}) {
-      SCOPED_TRACE(testing::Message() << at.size() << " without edges, the last before face " << *at.rbegin() << ", mode " << mode);
+      SCOPED_TRACE(testing::Message() << at.size() << " without edges, the last before face " << *at.rbegin()
+                                      << ", mode " << mode);
       Sheet sheet(at);
       sheet.cage.mode = mode;
       std::set<unsigned> expected = sheet.faces;
@@ -180,7 +191,8 @@ TEST_P(CageLimits, OnlyFacesWithoutEdges)
 // The half-edges of the last face still exist after those in use.
 TEST_P(CageLimits, FacesThatLoseTheirEdges)
 {
-  property("if the last face of a surface loses its edges and the surface is committed again, only the surface of that face disappears");
+  property(
+    "if the last face of a surface loses its edges and the surface is committed again, only the surface of that face disappears");
   for (RTCCompression kind : withGrid()) {
     Sheet sheet({});
     Scene scene(device, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);

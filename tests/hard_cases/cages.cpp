@@ -77,7 +77,8 @@ TEST_P(HardCages, Valences3To16)
 
 TEST_P(HardCages, Valences33And64)
 {
-  property("around vertices of valence 33 and 64, the most that Embree supports, hits agree with GRID's, and no ray from inside leaks");
+  property(
+    "around vertices of valence 33 and 64, the most that Embree supports, hits agree with GRID's, and no ray from inside leaks");
   for (unsigned n : {33, 64}) {
     SCOPED_TRACE(testing::Message() << "valence " << n);
     expectAgreementAndNoLeaks(trapezohedronCage(n));
@@ -87,7 +88,8 @@ TEST_P(HardCages, Valences33And64)
 
 TEST_P(HardCages, Valences65To100)
 {
-  property("faces at vertices of valence 65 to 100, past Embree's limit, are left out as GRID leaves them out, and hits on all others agree with GRID's");
+  property(
+    "faces at vertices of valence 65 to 100, past Embree's limit, are left out as GRID leaves them out, and hits on all others agree with GRID's");
   for (unsigned n : {65, 100}) {
     SCOPED_TRACE(testing::Message() << "valence " << n);
     Cage cage = cubeCage();
@@ -102,7 +104,8 @@ TEST_P(HardCages, Valences65To100)
 
 TEST_P(HardCages, FacesOf3To9Edges)
 {
-  property("on triangles, pentagons and faces of up to 9 edges, whose sub-patches have their own parameters, hits, u and v agree with GRID's, and no ray from inside leaks");
+  property(
+    "on triangles, pentagons and faces of up to 9 edges, whose sub-patches have their own parameters, hits, u and v agree with GRID's, and no ray from inside leaks");
   for (unsigned n : {3, 5, 6, 7, 9}) {
     SCOPED_TRACE(testing::Message() << n << " edges");
     expectAgreementAndNoLeaks(prismCage(n));
@@ -143,8 +146,9 @@ TEST_P(HardCages, Holes)
 TEST_P(HardCages, Boundaries)
 {
   property("at boundaries of every subdivision mode hits agree with GRID's");
-  for (RTCSubdivisionMode mode : {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_CORNERS,
-                                  RTC_SUBDIVISION_MODE_PIN_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_ALL}) {
+  for (RTCSubdivisionMode mode :
+       {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_CORNERS,
+        RTC_SUBDIVISION_MODE_PIN_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_ALL}) {
     SCOPED_TRACE(testing::Message() << "mode " << mode);
     Cage cage = sheetCage(3);
     cage.mode = mode;
@@ -170,7 +174,8 @@ TEST_P(HardCages, NonManifoldEdges)
 
   Cage cubes; // share the edge x = y = 0.5
   for (float z : {-0.5f, 0.5f})
-    for (const auto& p : {Vec{-0.5f,-0.5f,z}, Vec{0.5f,-0.5f,z}, Vec{-0.5f,0.5f,z}, Vec{0.5f,0.5f,z}, Vec{1.5f,0.5f,z}, Vec{0.5f,1.5f,z}, Vec{1.5f,1.5f,z}})
+    for (const auto& p : {Vec{-0.5f,-0.5f,z}, Vec{0.5f,-0.5f,z}, Vec{-0.5f,0.5f,z}, Vec{0.5f,0.5f,z},
+                          Vec{1.5f,0.5f,z}, Vec{0.5f,1.5f,z}, Vec{1.5f,1.5f,z}})
       cubes.positions.push_back(p);
   for (const auto& c : {std::array<unsigned, 4>{0,1,2,3}, std::array<unsigned, 4>{3,4,5,6}}) {
     const unsigned a = c[0], b = c[1], d = c[2], e = c[3], up = 7;

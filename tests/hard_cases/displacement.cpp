@@ -17,7 +17,8 @@ protected:
   {
     Random random(61);
     std::vector<RTCRayHit> inside;
-    for (int i = 0; i < 2000; i++) inside.push_back(makeRay({0, 0, 0}, {float(random.normal()), float(random.normal()), float(random.normal())}));
+    for (int i = 0; i < 2000; i++)
+      inside.push_back(makeRay({0, 0, 0}, {float(random.normal()), float(random.normal()), float(random.normal())}));
     for (int frameLevel : {0, 2}) {
       SCOPED_TRACE(testing::Message() << "amplitude " << displacement.amplitude << ", frame level " << frameLevel);
       SurfaceSettings settings;
@@ -38,7 +39,8 @@ INSTANTIATE_TEST_SUITE_P(HardCases, HardDisplacement, testing::ValuesIn(tracers(
 
 TEST_P(HardDisplacement, FiveFold)
 {
-  property("displaced five times as far, a quarter of a face wide, every hit is within its leaf's box of GRID's surface, and no ray from inside leaks");
+  property(
+    "displaced five times as far, a quarter of a face wide, every hit is within its leaf's box of GRID's surface, and no ray from inside leaks");
   Displacement displacement;
   displacement.amplitude *= 5;
   expectTightAndNear(displacement, 16);
@@ -46,7 +48,8 @@ TEST_P(HardDisplacement, FiveFold)
 
 TEST_P(HardDisplacement, Rough)
 {
-  property("displaced by waves of two quads' length, every hit is within its leaf's box of GRID's surface, and no ray from inside leaks");
+  property(
+    "displaced by waves of two quads' length, every hit is within its leaf's box of GRID's surface, and no ray from inside leaks");
   Displacement displacement;
   displacement.frequency = 50;
   expectTightAndNear(displacement, 16);
@@ -56,7 +59,8 @@ TEST_P(HardDisplacement, Rough)
 // the first one in traversal order.
 TEST_P(HardDisplacement, FoldsAreHitAtNearestPart)
 {
-  property("if a surface folds over its own block, the closest hit is on the nearest part of it, not on the first part that is visited");
+  property(
+    "if a surface folds over its own block, the closest hit is on the nearest part of it, not on the first part that is visited");
   const auto roll = [](const RTCDisplacementFunctionNArguments* args) {
     for (unsigned i = 0; i < args->N; i++) {
       const float u = args->u[i], v = args->v[i], a = 6*float(M_PI)*u, b = 6*float(M_PI)*v;

@@ -17,7 +17,10 @@ struct Tracer
   std::string isa; // as in the device string: isa=avx2
 };
 
-inline std::ostream& operator<<(std::ostream& out, const Tracer& tracer) { return out << kindName(tracer.compression) << ", " << tracer.isa; }
+inline std::ostream& operator<<(std::ostream& out, const Tracer& tracer)
+{
+  return out << kindName(tracer.compression) << ", " << tracer.isa;
+}
 
 // cLEAF_avx2, and sse42 for sse4.2: GoogleTest requires names of letters and digits.
 inline std::string tracerName(const testing::TestParamInfo<Tracer>& info)
@@ -30,7 +33,8 @@ inline std::string tracerName(const testing::TestParamInfo<Tracer>& info)
 inline std::vector<Tracer> tracers()
 {
   std::vector<Tracer> list;
-  for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT})
+  for (RTCCompression compression :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT})
     for (const char* isa : {TEST_ISAS}) list.push_back({compression, isa});
   return list;
 }

@@ -30,7 +30,8 @@ ExactBox boundsOf(const Frame& frame, const Sheet& sheet, uint32_t level, uint32
 }
 
 // Number of nodes of the block that do not contain their vertices, in one variant of arithmetic.
-unsigned violations(Form form, const Block* block, const Frame& frame, const Sheet& sheet, uint32_t level, uint32_t m, const NodeBox& box)
+unsigned violations(Form form, const Block* block, const Frame& frame, const Sheet& sheet, uint32_t level, uint32_t m,
+                    const NodeBox& box)
 {
   unsigned count = !contains(form, box, boundsOf(frame, sheet, level, block->height(), m));
   if (level == block->layout().nodeLevels || level == block->height()) return count;
@@ -45,8 +46,10 @@ unsigned violations(Form form, const Block* block, const Frame& frame, const She
 
 TEST(RandomBlocks, BoundsContainVerticesInAllArithmetic)
 {
-  RecordProperty("property", "every node and leaf box of random blocks of every shape, 1e-6 to 1e6 wide, near and far, contains its vertices, "
-                             "with multiply and add fused or not, mirrored or not: the arithmetic of every ISA");
+  RecordProperty(
+    "property",
+    "every node and leaf box of random blocks of every shape, 1e-6 to 1e6 wide, near and far, contains its vertices, "
+    "with multiply and add fused or not, mirrored or not: the arithmetic of every ISA");
   Random random(81);
   unsigned blocks = 0, sheets = 0;
   for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
@@ -58,8 +61,10 @@ TEST(RandomBlocks, BoundsContainVerticesInAllArithmetic)
           float corners[4][3];
           for (int c = 0; c < 4; c++) // corners of the cage for cLEAF, of the surface otherwise, in cyclic order
             std::copy_n(kind == Kind::LEAF ? sheet.cage.positions[c < 2 ? c : 5 - c].data()
-                                           : sheet.vertex((c & 1)*sheet.quads, (c >> 1)*sheet.quads).data(), 3, corners[c]);
-          std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2), memory(blockLayout(uint32_t(kind), height).bytes/sizeof(Double3) + 2);
+                                           : sheet.vertex((c & 1)*sheet.quads, (c >> 1)*sheet.quads).data(),
+                        3, corners[c]);
+          std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2),
+            memory(blockLayout(uint32_t(kind), height).bytes/sizeof(Double3) + 2);
           BlockEncoder encoder(kind, height, (const float(*)[3])sheet.vertices.data(), align(scratch.data()));
           sheets++;
           if (!encoder.fit(corners) || encoder.isDegenerate()) continue;
@@ -75,7 +80,8 @@ TEST(RandomBlocks, BoundsContainVerticesInAllArithmetic)
             for (float c : column) ASSERT_TRUE(std::isfinite(c));
           for (Form form : forms)
             ASSERT_EQ(violations(form, block, frame, sheet, 0, 0, rootBox()), 0u)
-              << nameOf(shape) << ", height " << height << ", scale " << scale << " at " << away << ", kind " << int(kind);
+              << nameOf(shape) << ", height " << height << ", scale " << scale << " at " << away << ", kind "
+              << int(kind);
         }
   std::printf("%u of %u sheets are blocks\n", blocks, sheets);
   EXPECT_GT(blocks, sheets - sheets/10);

@@ -24,7 +24,8 @@ protected:
     Random random(71);
     Displacement displacement;
     std::vector<RTCRayHit> inside;
-    for (int i = 0; i < 2000; i++) inside.push_back(makeRay({0, 0, 0}, {float(random.normal()), float(random.normal()), float(random.normal())}));
+    for (int i = 0; i < 2000; i++)
+      inside.push_back(makeRay({0, 0, 0}, {float(random.normal()), float(random.normal()), float(random.normal())}));
     for (int frameLevel : {0, 1, 3}) {
       SCOPED_TRACE(testing::Message() << "rate " << rates[0] << ", frame level " << frameLevel);
       SurfaceSettings settings;

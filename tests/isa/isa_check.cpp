@@ -19,10 +19,12 @@ __attribute__((constructor(101))) static void checkIsa()
   else if (!std::strcmp(programIsa, "SSE4.2")) runs = __builtin_cpu_supports("sse4.2");
   else if (!std::strcmp(programIsa, "AVX")) runs = __builtin_cpu_supports("avx");
   else if (!std::strcmp(programIsa, "AVX2"))
-    runs = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+    runs = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
+           __builtin_cpu_supports("bmi2");
   else if (!std::strcmp(programIsa, "AVX512"))
-    runs = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512cd") &&
-           __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+    runs = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") &&
+           __builtin_cpu_supports("avx512vl");
   else {
     std::fprintf(stderr, "FAILED: unknown ISA %s\n", programIsa);
     _exit(1);

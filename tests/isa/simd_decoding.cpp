@@ -63,7 +63,8 @@ Lanes decodeLanes(uint32_t word, const uint64_t* heights, const NodeBox& parent,
       }
       if (!heights) continue;
       const float* h = surfaces.height[i];
-      for (int corner = 0; corner < 4; corner++) lanes.z[corner][c] = h[0] + float(corner & 1)*h[1] + float(corner >> 1)*(h[2] + float(corner & 1)*h[3]);
+      for (int corner = 0; corner < 4; corner++)
+        lanes.z[corner][c] = h[0] + float(corner & 1)*h[1] + float(corner >> 1)*(h[2] + float(corner & 1)*h[3]);
       lanes.thickness[c] = 2*surfaces.reach[i];
     }
     else if (heights) {
@@ -172,7 +173,8 @@ void compareGroups(uint32_t seed, const MakeBox& makeBox, double tolerance)
     (isLoose(heights) ? loose : lattices)++;
     const Lanes lanes = decodeLanes(word, &bits, parent, 4*random.below(4));
     for (int lane = 0; lane < 4; lane++) {
-      SCOPED_TRACE(testing::Message() << "group " << i << (isLoose(heights) ? ", loose" : ", lattice") << ", lane " << lane);
+      SCOPED_TRACE(testing::Message() << "group " << i << (isLoose(heights) ? ", loose" : ", lattice") << ", lane "
+                                      << lane);
       const LeafPatch leaf = decodeLeaf(word, heights, lane, parent);
       solid += leaf.solid;
       empty += leaf.empty;

@@ -96,18 +96,23 @@ struct Quad
     };
     for (int i = 0; i < 2; i++) for (double& a : axis[i]) a = random.normal();
     unit(axis[0]);
-    auto cross = [&](const double a[3], const double b[3], double c[3]) { for (int k = 0; k < 3; k++) c[k] = a[(k + 1) % 3]*b[(k + 2) % 3] - a[(k + 2) % 3]*b[(k + 1) % 3]; };
+    auto cross = [&](const double a[3], const double b[3], double c[3]) {
+      for (int k = 0; k < 3; k++) c[k] = a[(k + 1) % 3]*b[(k + 2) % 3] - a[(k + 2) % 3]*b[(k + 1) % 3];
+    };
     cross(axis[0], axis[1], axis[2]);
     unit(axis[2]);
     cross(axis[2], axis[0], axis[1]);
-    const double away = random.chance(0.5) ? 0 : size*random.magnitude(1, 1e3), centre[3] = {away*random.normal(), away*random.normal(), away*random.normal()};
+    const double away = random.chance(0.5) ? 0 : size*random.magnitude(1, 1e3),
+                 centre[3] = {away*random.normal(), away*random.normal(), away*random.normal()};
     double plane[4][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
     if (outline == TRAPEZOID) { plane[2][0] = 0.3; plane[3][0] = 0.7; }
     if (outline == SKEWED) { plane[2][0] += 2; plane[3][0] += 2; }
     for (int c = 0; c < 4; c++) {
       if (outline == NEEDLE) plane[c][1] *= 0x1p-9;
       const double z = outline == NEEDLE ? 0 : 0.1*random.normal();
-      for (int k = 0; k < 3; k++) corners[c][k] = float(centre[k] + size*(plane[c][0]*axis[0][k] + plane[c][1]*axis[1][k] + z*axis[2][k]));
+      for (int k = 0; k < 3; k++)
+        corners[c][k] = float(centre[k] +
+                              size*(plane[c][0]*axis[0][k] + plane[c][1]*axis[1][k] + z*axis[2][k]));
     }
   }
 };
@@ -117,7 +122,9 @@ uint64_t randomHeights(Random& random)
   if (random.chance(0.5)) {
     uint64_t heights = 0;
     for (int child = 0; child < 4; child++) {
-      const uint32_t any = random.below(0x7FFE), leaf = random.chance(0.1) ? solidLeaf : random.chance(0.1) ? emptyLeaf : any;
+      const uint32_t any = random.below(0x7FFE), leaf = random.chance(0.1) ? solidLeaf
+                                                        : random.chance(0.1) ? emptyLeaf
+                                                                             : any;
       heights |= uint64_t(leaf) << (looseBits*child);
     }
     return heights | uint64_t(random.below(8)) << looseThicknessShift | uint64_t(1) << 63;
@@ -133,7 +140,8 @@ uint64_t randomHeights(Random& random)
 uint32_t randomLatticeWord(Random& random)
 {
   uint32_t word = random.below(4) << latticeThicknessShift;
-  for (int axis = 0; axis < 2; axis++) word |= (random.below(16) | random.below(16) << 5 | random.below(32) << 10) << latticeShift(axis);
+  for (int axis = 0; axis < 2; axis++)
+    word |= (random.below(16) | random.below(16) << 5 | random.below(32) << 10) << latticeShift(axis);
   return word;
 }
 
@@ -141,7 +149,8 @@ uint32_t randomLatticeWord(Random& random)
 class RandomBlock
 {
 public:
-  RandomBlock(Random& random, Kind kind, uint32_t height, const Quad& quad) : memory(blockLayout(uint32_t(kind), height).bytes/16 + 1)
+  RandomBlock(Random& random, Kind kind, uint32_t height, const Quad& quad)
+    : memory(blockLayout(uint32_t(kind), height).bytes/16 + 1)
   {
     const std::vector<float> vertices(&quad.corners[0][0], &quad.corners[0][0] + 12);
     const EncodedBlock frame(Kind::VOXEL, 0, vertices, quad.corners);
@@ -177,7 +186,8 @@ struct TestRay { float org[3], dir[3], tnear, tfar; };
 TestRay randomRay(Random& random, const Block* block)
 {
   const InverseFrame inverse(frameMap(block));
-  const Double3 a = inverse({random.uniform(), random.uniform(), random.uniform()}), b = inverse({random.uniform(), random.uniform(), random.uniform()});
+  const Double3 a = inverse({random.uniform(), random.uniform(), random.uniform()}),
+                b = inverse({random.uniform(), random.uniform(), random.uniform()});
   const Double3 d = b - a;
   const double before = random.chance(0.3) ? 0 : random.magnitude(0.5, 30), scale = random.magnitude(1e-9, 1e9);
   TestRay ray;
@@ -205,7 +215,8 @@ Scalar::Ray exact(const TestRay& ray)
 template<typename RayType>
 RayType makeRay(const TestRay& ray)
 {
-  return RayType(embree::Vec3fa(ray.org[0], ray.org[1], ray.org[2]), embree::Vec3fa(ray.dir[0], ray.dir[1], ray.dir[2]), ray.tnear, ray.tfar);
+  return RayType(embree::Vec3fa(ray.org[0], ray.org[1], ray.org[2]), embree::Vec3fa(ray.dir[0], ray.dir[1], ray.dir[2]),
+                 ray.tnear, ray.tfar);
 }
 
 // The library is not linked. Only the table of surfaces of this zeroed scene is read, and it is empty.
@@ -222,7 +233,8 @@ void traceSimd(const Block* block, RayType& ray)
 {
   outdateThreadCaches(); // new blocks may reuse the addresses of old ones
   const simd::RayState state(ray);
-  if (block->kind() == Kind::LEAF) simd::BlockIntersector1<simd::LeafVisitor1>::intersect(ray, contextOfZeros(), state, block);
+  if (block->kind() == Kind::LEAF)
+    simd::BlockIntersector1<simd::LeafVisitor1>::intersect(ray, contextOfZeros(), state, block);
   else simd::BlockIntersector1<simd::VoxelVisitor1>::intersect(ray, contextOfZeros(), state, block);
 }
 
@@ -391,7 +403,8 @@ TEST(SimdTracing, SegmentsAreWithinEpsilonOfRay)
       if (!local.init(state, block, ray.tfar)) continue;
       const Segment<double> segment = enterBlock(*block, exact(r), 1.0);
       if (!segment.valid) continue;
-      const Double3 a = {segment.P0[0], segment.P0[1], segment.P0[2]}, b = {segment.P1[0], segment.P1[1], segment.P1[2]};
+      const Double3 a = {segment.P0[0], segment.P0[1], segment.P0[2]},
+                    b = {segment.P1[0], segment.P1[1], segment.P1[2]};
       double size = 0;
       for (int k = 0; k < 3; k++) size = std::max(size, std::fabs(segment.P1[k] - segment.P0[k]));
       if (size < 0.05) continue; // touches only a corner of the box
@@ -405,7 +418,8 @@ TEST(SimdTracing, SegmentsAreWithinEpsilonOfRay)
         most[outline] = std::max(most[outline], epsilonsOff(a, b, p, epsilon));
       }
     }
-  std::printf("in epsilons, at most: square %g, trapezoid %g, skewed %g, needle %g\n", most[SQUARE], most[TRAPEZOID], most[SKEWED], most[NEEDLE]);
+  std::printf("in epsilons, at most: square %g, trapezoid %g, skewed %g, needle %g\n", most[SQUARE], most[TRAPEZOID],
+              most[SKEWED], most[NEEDLE]);
   for (double m : most) EXPECT_LT(m, 1);
 }
 
@@ -420,7 +434,8 @@ struct BothSegments
   explicit BothSegments(Random& random)
   {
     for (int k = 0; k < 3; k++) {
-      const float p0 = float(random.uniform()), p1 = float(random.uniform()), epsilon = float(random.magnitude(1e-3, 3e-2));
+      const float p0 = float(random.uniform()), p1 = float(random.uniform()),
+                  epsilon = float(random.magnitude(1e-3, 3e-2));
       local.P0[k] = p0; local.P1[k] = p1; local.epsilon[k] = epsilon;
       scalar.P0[k] = p0; scalar.P1[k] = p1; scalar.epsilon[k] = epsilon;
     }
@@ -489,14 +504,15 @@ TEST(SimdTracing, BoxesAreHitAndPassedAsInScalarCode)
 // Compares everything that hit_rule.h depends on.
 bool sameEvent(const LeafEvent& a, const LeafEvent& b)
 {
-  return a.enter == b.enter && a.leave == b.leave && a.changes == b.changes && a.nearEntry == b.nearEntry && a.near == b.near &&
-    a.started == b.started && a.ended == b.ended && a.solid == b.solid && a.empty == b.empty;
+  return a.enter == b.enter && a.leave == b.leave && a.changes == b.changes && a.nearEntry == b.nearEntry &&
+         a.near == b.near && a.started == b.started && a.ended == b.ended && a.solid == b.solid && a.empty == b.empty;
 }
 
 std::string textOf(const LeafEvent& e)
 {
   const bool flags[7] = {e.changes, e.nearEntry, e.near, e.started, e.ended, e.solid, e.empty};
-  std::string text = std::string("enter ") + (e.enter == sideAbove ? "above" : "below") + ", leave " + (e.leave == sideAbove ? "above" : "below");
+  std::string text = std::string("enter ") + (e.enter == sideAbove ? "above" : "below") + ", leave " +
+                     (e.leave == sideAbove ? "above" : "below");
   const char* const names[7] = {"changes", "nearEntry", "near", "started", "ended", "solid", "empty"};
   for (int i = 0; i < 7; i++) if (flags[i]) text += std::string(", ") + names[i];
   return text;
@@ -514,7 +530,8 @@ TEST(SimdTracing, LeavesAreCrossedAsInScalarCode)
     const uint32_t word = isLoose(heights) ? random.bits() : randomLatticeWord(random);
     NodeEntries::LeafTile tile;
     // the same four, four times
-    for (uint32_t c = 0; c < 4; c++) simd::GroupDecoder4(tile.grandchildren, tile.surfaces, 4*c).decode(word, bits, rootBox());
+    for (uint32_t c = 0; c < 4; c++)
+      simd::GroupDecoder4(tile.grandchildren, tile.surfaces, 4*c).decode(word, bits, rootBox());
     simd::BoxRanges<16> ranges;
     const simd::BoxMasks masks = simd::meetBoxes<simd::vfloatV>(ray, tile.grandchildren, 1.0f, ranges);
     const uint32_t first = 4*random.below(4);
@@ -531,10 +548,18 @@ TEST(SimdTracing, LeavesAreCrossedAsInScalarCode)
       }
       if (!stable) { unstable++; continue; }
       compared++;
-      const bool started = segments.local.startClipped && ranges.sNear[child] < 0, ended = segments.local.endClipped && ranges.sFar[child] > 1;
+      const bool started = segments.local.startClipped && ranges.sNear[child] < 0,
+                 ended = segments.local.endClipped && ranges.sFar[child] > 1;
       const LeafEvent event = simd::crossDecodedLeaf(ray, tile, child, ranges, started, ended).event;
-      ASSERT_TRUE(sameEvent(event, expected)) << "segment " << i << ", lane " << lane << ": " << textOf(event) << "; expected " << textOf(expected);
-      const bool flags[7] = {expected.enter == sideAbove, expected.leave == sideAbove, expected.changes, expected.nearEntry, expected.near, expected.started, expected.ended};
+      ASSERT_TRUE(sameEvent(event, expected))
+        << "segment " << i << ", lane " << lane << ": " << textOf(event) << "; expected " << textOf(expected);
+      const bool flags[7] = {expected.enter == sideAbove,
+                             expected.leave == sideAbove,
+                             expected.changes,
+                             expected.nearEntry,
+                             expected.near,
+                             expected.started,
+                             expected.ended};
       for (int f = 0; f < 7; f++) counts[flags[f]][f]++;
     }
   }
@@ -570,8 +595,9 @@ float endOfRay(const std::vector<const CountedHit*>& order, simd::NearestHit& ne
 TEST(NearestHit, NearestWinsThenFirstBlockInEveryOrder)
 {
   CountedHit hits[7] = {};
-  const struct { float t, own; uint32_t geomID, primID, tiling, info; } values[7] = {
-    {1, 1, 2, 7, 3, 9}, {2, 1.5f, 2, 7, 3, 9}, {2, 2, 1, 8, 4, 9}, {2, 2, 2, 6, 4, 9}, {2, 2, 2, 7, 1, 9}, {2, 2, 2, 7, 3, 5}, {2, 2, 2, 7, 3, 6}};
+  const struct { float t, own; uint32_t geomID, primID, tiling, info;
+  } values[7] = {{1, 1, 2, 7, 3, 9}, {2, 1.5f, 2, 7, 3, 9}, {2, 2, 1, 8, 4, 9}, {2, 2, 2, 6, 4, 9},
+                 {2, 2, 2, 7, 1, 9}, {2, 2, 2, 7, 3, 5}, {2, 2, 2, 7, 3, 6}};
   for (int i = 0; i < 7; i++) {
     hits[i].t = values[i].t;
     hits[i].own = values[i].own;

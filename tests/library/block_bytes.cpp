@@ -94,7 +94,8 @@ Pinned checksums(const std::string& name)
 {
   const Source source(name);
   Pinned found = {name, vertexChecksum(source), {}};
-  const RepresentationKind kinds[] = {RepresentationKind::CGrid, RepresentationKind::CVoxel, RepresentationKind::CLeafOnly};
+  const RepresentationKind kinds[] = {RepresentationKind::CGrid, RepresentationKind::CVoxel,
+                                      RepresentationKind::CLeafOnly};
   for (int k = 0; k < 3; k++) {
     const BuiltScene scene(source.model, {kinds[k], 1}, source.build);
     Checksum blocks;
@@ -110,13 +111,16 @@ TEST(BlockBytes, MatchPinnedChecksums)
   if (!PINNED_ISA) GTEST_SKIP() << "checksums exist only for builds whose lowest ISA is SSE2";
   const char* const otherVertices = "Embree evaluates different vertices on this processor";
   const uint64_t ofFirst = vertexChecksum(Source(pinned[0].scene));
-  if (ofFirst != pinned[0].vertices) GTEST_SKIP() << otherVertices << ": those of " << pinned[0].scene << " have 0x" << std::hex << ofFirst;
+  if (ofFirst != pinned[0].vertices)
+    GTEST_SKIP() << otherVertices << ": those of " << pinned[0].scene << " have 0x" << std::hex << ofFirst;
   std::string table, others;
   for (const std::string& scene : sceneNames()) {
     SCOPED_TRACE(scene);
     const Pinned found = checksums(scene);
     char row[200];
-    std::snprintf(row, sizeof(row), "  {\"%s\", 0x%016" PRIx64 ", {0x%016" PRIx64 ", 0x%016" PRIx64 ", 0x%016" PRIx64 "}},\n", scene.c_str(), found.vertices, found.blocks[0], found.blocks[1], found.blocks[2]);
+    std::snprintf(row, sizeof(row),
+                  "  {\"%s\", 0x%016" PRIx64 ", {0x%016" PRIx64 ", 0x%016" PRIx64 ", 0x%016" PRIx64 "}},\n",
+                  scene.c_str(), found.vertices, found.blocks[0], found.blocks[1], found.blocks[2]);
     table += row;
     const auto expected = std::find_if(pinned.begin(), pinned.end(), [&](const Pinned& p) { return p.scene == scene; });
     if (expected == pinned.end()) { ADD_FAILURE() << "no checksums for this scene"; continue; }

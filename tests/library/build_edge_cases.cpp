@@ -17,7 +17,11 @@ TEST(BuildEdgeCases, FaceWithoutValidVerticesDoesNotAffectNeighbors)
 {
   Device device("threads=1,subdiv_accel=cbvh.leaf");
   Scene scene(device);
-  DisplaceFunction poison = [](unsigned primID, float, float, Vec& p) { if (primID == 0) p[2] = NAN; }, none = [](unsigned, float, float, Vec&) {};
+  DisplaceFunction poison =
+                     [](unsigned primID, float, float, Vec& p) {
+                       if (primID == 0) p[2] = NAN;
+                     },
+                   none = [](unsigned, float, float, Vec&) {};
   for (int m = 0; m < 2; m++) {
     RTCGeometry geometry = newSheet(device, m ? 4 : 2, 10.f*m, 64, m ? none : poison);
     rtcCommitGeometry(geometry);
@@ -29,7 +33,8 @@ TEST(BuildEdgeCases, FaceWithoutValidVerticesDoesNotAffectNeighbors)
   for (int f = 0; f < 6; f++)
     for (int i = 0; i < 64; i++) {
       const float x = (f < 2 ? f : 10 + f - 2) + (i % 8 + 0.3f)/8, y = (i/8 + 0.4f)/8;
-      EXPECT_EQ(isHit(intersect(scene, makeRay({x, y, 1}, {0, 0, -1}))), f != 0) << "face " << f << " at " << x << ", " << y;
+      EXPECT_EQ(isHit(intersect(scene, makeRay({x, y, 1}, {0, 0, -1}))), f != 0)
+        << "face " << f << " at " << x << ", " << y;
     }
 }
 

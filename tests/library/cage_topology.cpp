@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Unusual cages that Embree supports: index buffers longer than the faces, holes, faces without edges, edges of three
- * faces some of which are quads. Builds of cVERT and cLEAF, which share borders, must give the same result as for an
+/* Unusual cages that Embree supports: index buffers longer than the faces, holes, faces without edges, edges shared by
+ * three faces, some of them quads. Builds of cVERT and cLEAF, which share borders, must give the same result as for an
  * equivalent simple cage, and closed surfaces. */
 
 #include "support/edge_rates.h"
@@ -16,7 +16,8 @@ namespace cbvh::test {
 namespace {
 
 class CageTopology : public testing::TestWithParam<RTCCompression> {};
-INSTANTIATE_TEST_SUITE_P(Compression, CageTopology, testing::Values(RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
+INSTANTIATE_TEST_SUITE_P(Compression, CageTopology, testing::Values(RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT),
+                         nameOf);
 
 // Fills new memory with this byte, because memory of a heap in use is not zero.
 class FilledHeap
@@ -94,7 +95,8 @@ TEST_P(CageTopology, FacesWithoutEdgesAreIgnored)
 TEST_P(CageTopology, OnlyHolesAreOpen)
 {
   Device device;
-  for (const std::vector<unsigned>& holes : {std::vector<unsigned>{0}, std::vector<unsigned>{5}, std::vector<unsigned>{1, 2, 3}}) {
+  for (const std::vector<unsigned>& holes :
+       {std::vector<unsigned>{0}, std::vector<unsigned>{5}, std::vector<unsigned>{1, 2, 3}}) {
     Cage cage = cubeCage();
     cage.holes = holes;
     cage.indices.resize(cage.indices.size() + 5, 0);
@@ -107,7 +109,8 @@ TEST_P(CageTopology, OnlyHolesAreOpen)
       Vec d;
       for (float& x : d) x = float(random.uniform(-0.3, 0.3));
       d[i % 3] = i % 2 ? 1.f : -1.f;
-      const RTCRayHit ray = makeRay({0, 0, 0}, d), expected = intersect(twins.grid, ray), found = intersect(twins.scene, ray);
+      const RTCRayHit ray = makeRay({0, 0, 0}, d), expected = intersect(twins.grid, ray),
+                      found = intersect(twins.scene, ray);
       ASSERT_EQ(isHit(found), isHit(expected));
       if (!isHit(expected)) continue;
       EXPECT_EQ(found.hit.primID, expected.hit.primID);
@@ -189,7 +192,8 @@ size_t quadsOfRing(const Cage& cage, unsigned n, const SurfaceSettings& settings
     for (unsigned i = 0; i < edges; i++) {
       const unsigned a = cage.indices[begin + i], b = cage.indices[begin + (i+1) % edges];
       if (a >= n || b >= n) continue;
-      const unsigned quads = ownQuads(edges, settings.edgeRates.empty() ? settings.rate : settings.edgeRates[begin + i]);
+      const unsigned quads = ownQuads(edges,
+                                      settings.edgeRates.empty() ? settings.rate : settings.edgeRates[begin + i]);
       const auto known = least.emplace(std::minmax(a, b), quads);
       known.first->second = std::min(known.first->second, quads);
     }
@@ -216,7 +220,8 @@ void expectNoMisses(const Twins& twins)
   Random random(113);
   size_t ofGrid = 0;
   for (int i = 0; i < 400; i++) {
-    const double a = 2*M_PI*random.uniform(), r = random.uniform(0.6, 1), height = i % 4 ? 0.1*random.normal() : random.uniform(-1, 1);
+    const double a = 2*M_PI*random.uniform(), r = random.uniform(0.6, 1),
+                 height = i % 4 ? 0.1*random.normal() : random.uniform(-1, 1);
     const Vec o = {float(random.uniform(-0.05, 0.05)), float(random.uniform(-0.05, 0.05)), i % 2 ? 0.2f : -0.2f};
     const RTCRayHit ray = makeRay(o, {float(r*std::cos(a)) - o[0], float(r*std::sin(a)) - o[1], float(height) - o[2]});
     ofGrid += !isHit(intersect(twins.grid, ray));
@@ -242,8 +247,8 @@ std::vector<SurfaceSettings> fewQuads(RTCCompression compression, const Cage& ca
 std::string describe(const Chambers& c, const SurfaceSettings& settings)
 {
   const auto form = [](bool isPrism) { return isPrism ? "quads" : "triangles"; };
-  return "wall of " + std::to_string(c.n) + " edges, " + form(c.isPrism[0]) + " below, " + form(c.isPrism[1]) + " above, rate "
-    + (settings.edgeRates.empty() ? std::to_string(int(settings.rate)) : "mixed");
+  return "wall of " + std::to_string(c.n) + " edges, " + form(c.isPrism[0]) + " below, " + form(c.isPrism[1]) +
+         " above, rate " + (settings.edgeRates.empty() ? std::to_string(int(settings.rate)) : "mixed");
 }
 
 /* No edge may belong to only one triangle. Then faces have the same vertices on common borders: those of the face with

@@ -14,8 +14,14 @@
 namespace cbvh::test {
 namespace {
 
-const RTCClusterFormat allFormats[] = {RTC_CLUSTER_FORMAT_FLOAT3, RTC_CLUSTER_FORMAT_COMPRESSED1, RTC_CLUSTER_FORMAT_DGF1};
-const char* nameOf(RTCClusterFormat format) { return format == RTC_CLUSTER_FORMAT_DGF1 ? "DGF1" : format == RTC_CLUSTER_FORMAT_COMPRESSED1 ? "COMPRESSED1" : "floats"; }
+const RTCClusterFormat allFormats[] = {RTC_CLUSTER_FORMAT_FLOAT3, RTC_CLUSTER_FORMAT_COMPRESSED1,
+                                       RTC_CLUSTER_FORMAT_DGF1};
+const char* nameOf(RTCClusterFormat format)
+{
+  return format == RTC_CLUSTER_FORMAT_DGF1 ? "DGF1"
+         : format == RTC_CLUSTER_FORMAT_COMPRESSED1 ? "COMPRESSED1"
+                                                    : "floats";
+}
 
 // A geometry compressed by its own commit.
 struct Stored
@@ -85,7 +91,8 @@ TEST(Clusters, UnstitchedClustersAreWholeGrids)
   Displacement displacement;
   settings.displacement = &displacement;
   const Stored cube(device, cubeCage(), settings);
-  const ClusterJudge positions(cube, 0, RTC_CLUSTER_FORMAT_COMPRESSED1), dgf(cube, 0, RTC_CLUSTER_FORMAT_DGF1), floats(cube, 0, RTC_CLUSTER_FORMAT_FLOAT3);
+  const ClusterJudge positions(cube, 0, RTC_CLUSTER_FORMAT_COMPRESSED1), dgf(cube, 0, RTC_CLUSTER_FORMAT_DGF1),
+    floats(cube, 0, RTC_CLUSTER_FORMAT_FLOAT3);
   EXPECT_EQ(positions.report.numClusters, 6*16u);
   EXPECT_EQ(positions.report.numVertices, 6*16*81u);
   EXPECT_EQ(positions.wholeClusters, 6*16u);
@@ -141,7 +148,8 @@ TEST(Clusters, GridsQuadsAndTrianglesAreSupported)
     for (const DicedMesh& mesh : {quads, trianglesOf(quads), trianglesOf(quads, 1, 2)})
       expectClusters(Stored(newMesh(device, mesh, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)), false);
   }
-  expectClusters(Stored(newMesh(device, globe(40, 30), RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)), false);
+  expectClusters(Stored(newMesh(device, globe(40, 30), RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)),
+                 false);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
@@ -207,7 +215,9 @@ TEST(Clusters, EmptyInputAndUnknownFormatsAreErrors)
   rtcForEachCompressedCluster(cube, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   size_t calls = 0;
-  rtcForEachCompressedCluster(cube, 0, RTC_CLUSTER_FORMAT_DGF1, [](void* n, const RTCCompressedCluster*) { return ++*(size_t*)n < 3; }, &calls, &report);
+  rtcForEachCompressedCluster(
+    cube, 0, RTC_CLUSTER_FORMAT_DGF1, [](void* n, const RTCCompressedCluster*) { return ++*(size_t*)n < 3; }, &calls,
+    &report);
   EXPECT_EQ(calls, 3u) << "false ends the calls";
   EXPECT_EQ(report.numClusters, 3u);
 }

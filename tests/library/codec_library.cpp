@@ -33,7 +33,8 @@ std::vector<std::vector<Vertex>> partsOf(RTCGeometry geometry)
   std::vector<std::vector<Vertex>> parts;
   rtcForEachCompressedPart(geometry, [](void* user, const RTCCompressedPart* part) {
     std::vector<Vertex> vertices;
-    for (size_t i = 0; i < size_t(part->width)*part->height; i++) vertices.push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
+    for (size_t i = 0; i < size_t(part->width)*part->height; i++)
+      vertices.push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
     ((std::vector<std::vector<Vertex>>*)user)->push_back(vertices);
     return true;
   }, &parts);
@@ -61,10 +62,13 @@ TEST(CodecLibrary, ReadsVerticesThatEmbreeTraces)
     EXPECT_NO_THROW(file.verify());
     std::vector<const cvert::VertHeader*> blocks;
     bool hasFramed = false;
-    const cvert::Reason reason = cvert::forEachBlock(file.geometry(0), file.tree(0), [&](cvert::FileChild type, uint64_t offset) {
-      if (type == cvert::FILE_FRAMED) hasFramed = true;
-      else blocks.push_back((const cvert::VertHeader*)(file.blocks(0) + offset));
-    });
+    const cvert::Reason reason = cvert::forEachBlock(
+      file.geometry(0), file.tree(0), [&](cvert::FileChild type, uint64_t offset) {
+        if (type == cvert::FILE_FRAMED)
+          hasFramed = true;
+        else
+          blocks.push_back((const cvert::VertHeader*)(file.blocks(0) + offset));
+      });
     EXPECT_EQ(reason.message(), "");
     if (!hasFramed) {
       EXPECT_EQ(blocks.size(), file.geometry(0).numBlocks);
@@ -74,7 +78,10 @@ TEST(CodecLibrary, ReadsVerticesThatEmbreeTraces)
       for (const cvert::VertHeader* block : blocks) {
         const auto decoded = std::make_unique<cvert::DecodedBlock>(block);
         size_t i = 0;
-        while (i < parts.size() && (isFound[i] || parts[i].size() != size_t(decoded->quadsX + 1)*(decoded->quadsY + 1) || !isSame(parts[i], *decoded))) i++;
+        while (i < parts.size() &&
+               (isFound[i] || parts[i].size() != size_t(decoded->quadsX + 1)*(decoded->quadsY + 1) ||
+                !isSame(parts[i], *decoded)))
+          i++;
         ASSERT_LT(i, parts.size()) << "Embree has no such block";
         isFound[i] = true;
         numBlocks++;
@@ -224,11 +231,13 @@ TEST(CodecLibrary, ReportsErrors)
   EXPECT_EQ(cvert::validateVert(header, bytes).code, ErrorCode::NONE);
   EXPECT_EQ(cvert::validateVert(header, 63).message(), "it has 63 bytes: its header needs 64");
   header->corners[4] ^= 1u << 15; // version 4
-  EXPECT_EQ(cvert::validateVert(header, bytes).message(), "it is of version 4 of the format: this library reads 5 and later");
+  EXPECT_EQ(cvert::validateVert(header, bytes).message(),
+            "it is of version 4 of the format: this library reads 5 and later");
   EXPECT_EQ(cvert::validateVert(header, bytes).code, ErrorCode::UNSUPPORTED);
   EXPECT_EQ(codeOf([&] { sheet.surface.appendToList(header, uint32_t(bytes)); }), ErrorCode::UNSUPPORTED);
   cvert::FileSurface hasTree;
-  EXPECT_EQ(codeOf([&] { hasTree.appendToList(sheet.blocks[0].data(), uint32_t(bytes)); }), ErrorCode::INVALID_ARGUMENT) << "the surface is a tree";
+  EXPECT_EQ(codeOf([&] { hasTree.appendToList(sheet.blocks[0].data(), uint32_t(bytes)); }), ErrorCode::INVALID_ARGUMENT)
+    << "the surface is a tree";
 }
 
 } // namespace

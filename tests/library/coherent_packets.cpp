@@ -26,8 +26,9 @@ struct Traced
 };
 
 // Traces packets of 8. Inactive lanes contain `garbage` in every word and are not part of the result.
-std::map<size_t, Traced> inPackets(RTCScene scene, const std::vector<RTCRayHit>& rays, RTCIntersectContext& context,
-                                   const std::function<bool(size_t)>& isOn = [](size_t) { return true; }, float garbage = 0)
+std::map<size_t, Traced> inPackets(
+  RTCScene scene, const std::vector<RTCRayHit>& rays, RTCIntersectContext& context,
+  const std::function<bool(size_t)>& isOn = [](size_t) { return true; }, float garbage = 0)
 {
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   std::map<size_t, Traced> traced;
@@ -38,7 +39,8 @@ std::map<size_t, Traced> inPackets(RTCScene scene, const std::vector<RTCRayHit>&
     auto pack = [&] {
       for (unsigned k = 0; k < N; k++) {
         valid[k] = isOn(first + k) ? -1 : 0;
-        for (unsigned w = 0; w < words; w++) std::memcpy(&lanes[w*N + k], valid[k] ? (const float*)&rays[first + k] + w : &garbage, 4);
+        for (unsigned w = 0; w < words; w++)
+          std::memcpy(&lanes[w*N + k], valid[k] ? (const float*)&rays[first + k] + w : &garbage, 4);
       }
     };
     pack();
@@ -121,7 +123,9 @@ TEST_P(CoherentPackets, InactiveLanesAreIgnored)
   for (float garbage : {nan, inf, -inf, 0.0f}) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    expectHitsOfSingleRays(scene, rays, inPackets(scene, rays, context, [](size_t i) { return i % N != i/N % N; }, garbage));
+    expectHitsOfSingleRays(scene, rays,
+                           inPackets(
+                             scene, rays, context, [](size_t i) { return i % N != i/N % N; }, garbage));
     ASSERT_FALSE(HasFatalFailure()) << "lanes hold " << garbage;
   }
 }
@@ -153,7 +157,10 @@ struct PacketFilter
   std::function<bool(const SeenHit&)> accepts;
   std::map<unsigned, std::vector<SeenHit>> seen; // by ray
 
-  explicit PacketFilter(const std::function<bool(const SeenHit&)>& accepts) : accepts(accepts) { rtcInitIntersectContext(&context); }
+  explicit PacketFilter(const std::function<bool(const SeenHit&)>& accepts) : accepts(accepts)
+  {
+    rtcInitIntersectContext(&context);
+  }
 };
 
 void filter(const RTCFilterFunctionNArguments* args)
@@ -161,8 +168,8 @@ void filter(const RTCFilterFunctionNArguments* args)
   PacketFilter& self = *(PacketFilter*)args->context;
   for (unsigned k = 0; k < args->N; k++) {
     if (args->valid[k] != -1) continue;
-    const SeenHit s = {RTCRayN_tfar(args->ray, args->N, k), RTCHitN_u(args->hit, args->N, k), RTCHitN_v(args->hit, args->N, k),
-                       RTCHitN_primID(args->hit, args->N, k)};
+    const SeenHit s = {RTCRayN_tfar(args->ray, args->N, k), RTCHitN_u(args->hit, args->N, k),
+                       RTCHitN_v(args->hit, args->N, k), RTCHitN_primID(args->hit, args->N, k)};
     self.seen[RTCRayN_id(args->ray, args->N, k)].push_back(s);
     if (!self.accepts(s)) args->valid[k] = 0;
   }
@@ -204,7 +211,8 @@ TEST_P(CoherentPackets, FilterIsNotCalledAfterAcceptedAnyHit)
     alignas(64) int valid[N];
     std::fill_n(valid, N, -1);
     for (unsigned k = 0; k < N; k++)
-      for (unsigned w = 0; w < sizeof(packet)/4/N; w++) std::memcpy((float*)&packet + w*N + k, (const float*)&rays[first + k] + w, 4);
+      for (unsigned w = 0; w < sizeof(packet)/4/N; w++)
+        std::memcpy((float*)&packet + w*N + k, (const float*)&rays[first + k] + w, 4);
     rtcOccluded8(valid, scene, &all.context, &packet);
   }
   EXPECT_GT(all.seen.size(), 1000u);
@@ -229,7 +237,8 @@ TEST_P(CoherentPackets, FilterThatRejectsAllSeesSameHitsAsForSingleRays)
     std::vector<SeenHit>& found = together.seen[id];
     ASSERT_EQ(found.size(), hits.size()) << "ray " << id;
     auto key = [](const SeenHit& s) { return std::tie(s.t, s.primID, s.u, s.v); };
-    for (auto* seen : {&found, &hits}) std::sort(seen->begin(), seen->end(), [&](const SeenHit& a, const SeenHit& b) { return key(a) < key(b); });
+    for (auto* seen : {&found, &hits})
+      std::sort(seen->begin(), seen->end(), [&](const SeenHit& a, const SeenHit& b) { return key(a) < key(b); });
     for (size_t i = 0; i < hits.size(); i++) ASSERT_EQ(key(found[i]), key(hits[i])) << "ray " << id;
   }
 }
@@ -255,7 +264,8 @@ TEST_P(CoherentPackets, FilterMayTraceRays)
     }
     return isOnDarkSquare(s);
   });
-  const std::map<size_t, Traced> expected = inPackets(scene, rays, plain.context), found = inPackets(scene, rays, busy.context);
+  const std::map<size_t, Traced> expected = inPackets(scene, rays, plain.context),
+                                 found = inPackets(scene, rays, busy.context);
   unsigned seen = 0;
   for (const auto& [i, traced] : found) {
     const Traced& e = expected.at(i);
@@ -265,7 +275,8 @@ TEST_P(CoherentPackets, FilterMayTraceRays)
     ASSERT_EQ(traced.occluded, e.occluded) << "ray " << i;
     const std::vector<SeenHit>&a = plain.seen[rays[i].ray.id], &b = busy.seen[rays[i].ray.id];
     ASSERT_EQ(a.size(), b.size()) << "ray " << i;
-    for (size_t k = 0; k < a.size(); k++) ASSERT_TRUE(a[k].t == b[k].t && a[k].u == b[k].u && a[k].primID == b[k].primID) << "ray " << i;
+    for (size_t k = 0; k < a.size(); k++)
+      ASSERT_TRUE(a[k].t == b[k].t && a[k].u == b[k].u && a[k].primID == b[k].primID) << "ray " << i;
     seen += unsigned(a.size());
   }
   EXPECT_GT(seen, 100u);
@@ -292,7 +303,8 @@ TEST_P(CoherentPackets, GridFacesInSameSceneMatchSingleRays)
     const RTCRayHit expected = intersect(scene, rays[i]);
     ASSERT_EQ(traced.occluded, isHit(traced.hit)) << "ray " << i;
     if (isHit(expected)) hits[expected.hit.geomID]++;
-    others += traced.hit.hit.geomID != expected.hit.geomID || (isHit(expected) && !(std::fabs(traced.hit.ray.tfar - expected.ray.tfar) <= 1e-4f));
+    others += traced.hit.hit.geomID != expected.hit.geomID ||
+              (isHit(expected) && !(std::fabs(traced.hit.ray.tfar - expected.ray.tfar) <= 1e-4f));
   }
   EXPECT_GT(hits[0], 1000u);
   EXPECT_GT(hits[1], 1000u);

@@ -53,7 +53,8 @@ std::string representation(const std::string& config, const RTCCompressionArgume
   return representationOf(scene);
 }
 
-RTCCompressionArguments arguments(RTCCompression compression, int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT, float maxError = -1)
+RTCCompressionArguments arguments(RTCCompression compression, int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT,
+                                  float maxError = -1)
 {
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
@@ -96,10 +97,15 @@ TEST(Settings, DefaultFrameLevelGivesBlocksOf16x16Quads)
 
 TEST(Settings, EnvironmentIsUsedIfProgramSetsNothing)
 {
-  const std::pair<const char*, const char*> cases[] = {
-    {"leaf", "leaf 1"}, {"voxel,frame_level=1", "voxel 1"}, {" leaf , frame_level=auto ", "leaf 1"},
-    {"leaf,frame_level=auto,max_error=1e-30", "leaf 5"}, {"none", "none"}, {"0", "none"}, {"", "none"}, {"frame_level=1", "none"},
-    {"grid,level=3", "grid 3"}}; // the former name of frame_level
+  const std::pair<const char*, const char*> cases[] = {{"leaf", "leaf 1"},
+                                                       {"voxel,frame_level=1", "voxel 1"},
+                                                       {" leaf , frame_level=auto ", "leaf 1"},
+                                                       {"leaf,frame_level=auto,max_error=1e-30", "leaf 5"},
+                                                       {"none", "none"},
+                                                       {"0", "none"},
+                                                       {"", "none"},
+                                                       {"frame_level=1", "none"},
+                                                       {"grid,level=3", "grid 3"}}; // the former name of frame_level
   for (const auto& c : cases) {
     Environment environment(c.first);
     EXPECT_EQ(representation(""), c.second) << c.first;
@@ -140,7 +146,8 @@ TEST(Version, LibraryAndHeadersAgree)
   const ssize_t minor = rtcGetDeviceCompressionProperty(device, RTC_COMPRESSION_PROPERTY_VERSION_MINOR);
   const ssize_t patch = rtcGetDeviceCompressionProperty(device, RTC_COMPRESSION_PROPERTY_VERSION_PATCH);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-  EXPECT_EQ(std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch), RTC_COMPRESSION_VERSION_STRING);
+  EXPECT_EQ(std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch),
+            RTC_COMPRESSION_VERSION_STRING);
   EXPECT_EQ(major*10000 + minor*100 + patch, RTC_COMPRESSION_VERSION);
 
   EXPECT_EQ(rtcGetDeviceCompressionProperty(device, RTCCompressionProperty(4)), 0);
@@ -161,10 +168,12 @@ TEST(Version, IsPrintedAboveTheBannerOfVerboseDevicesOnly)
   const std::string name = "Embree CBVH " RTC_COMPRESSION_VERSION_STRING "\n";
   EXPECT_EQ(said(""), "");
   Environment environment("leaf");
-  for (const auto& c : {std::make_pair("verbose=1", "cLEAF"), std::make_pair("verbose=1,subdiv_accel=cbvh.vert", "cVERT"),
-                        std::make_pair("verbose=1,subdiv_accel=bvh4.grid.eager", "GRID")}) {
+  for (const auto& c :
+       {std::make_pair("verbose=1", "cLEAF"), std::make_pair("verbose=1,subdiv_accel=cbvh.vert", "cVERT"),
+        std::make_pair("verbose=1,subdiv_accel=bvh4.grid.eager", "GRID")}) {
     const std::string text = said(c.first);
-    const size_t ours = text.find(name), kind = text.find(std::string("Subdivision surfaces: ") + c.second), banner = text.find("Embree Ray Tracing Kernels");
+    const size_t ours = text.find(name), kind = text.find(std::string("Subdivision surfaces: ") + c.second),
+                 banner = text.find("Embree Ray Tracing Kernels");
     EXPECT_LT(ours, kind) << text;
     EXPECT_LT(kind, banner) << text;
     EXPECT_NE(banner, std::string::npos) << text;
@@ -256,10 +265,18 @@ TEST(Settings, GeometriesCanOptOutOfEveryKind)
 
 TEST(Settings, UnknownValuesInEnvironmentAreRejectedByNameAndValue)
 {
-  const std::pair<const char*, const char*> cases[] = {
-    {"foo", "foo"}, {"leaf,frame_level=9", "9"}, {"leaf,frame_level=-1", "-1"}, {"leaf,frame_level=", ""},
-    {"leaf,frame_level=2x", "2x"}, {"leaf,level=9", "9"}, {"2", "2"},
-    {"leaf,max_error=-1", "-1"}, {"leaf,max_error=nan", "nan"}, {"leaf,colour=2", "colour=2"}, {"cbvh.foo", "cbvh.foo"}, {"cgrids", "cgrids"}};
+  const std::pair<const char*, const char*> cases[] = {{"foo", "foo"},
+                                                       {"leaf,frame_level=9", "9"},
+                                                       {"leaf,frame_level=-1", "-1"},
+                                                       {"leaf,frame_level=", ""},
+                                                       {"leaf,frame_level=2x", "2x"},
+                                                       {"leaf,level=9", "9"},
+                                                       {"2", "2"},
+                                                       {"leaf,max_error=-1", "-1"},
+                                                       {"leaf,max_error=nan", "nan"},
+                                                       {"leaf,paint=2", "paint=2"},
+                                                       {"cbvh.foo", "cbvh.foo"},
+                                                       {"cgrids", "cgrids"}};
   for (const auto& c : cases) {
     Environment environment(c.first);
     expectNoDevice("", "EMBREE_CBVH", c.second);
@@ -335,7 +352,8 @@ TEST(SetGeometryCompression, RejectsOtherGeometryTypes)
 {
   Device device;
   const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF);
-  for (RTCGeometryType type : {RTC_GEOMETRY_TYPE_SPHERE_POINT, RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE, RTC_GEOMETRY_TYPE_INSTANCE, RTC_GEOMETRY_TYPE_USER}) {
+  for (RTCGeometryType type : {RTC_GEOMETRY_TYPE_SPHERE_POINT, RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE,
+                               RTC_GEOMETRY_TYPE_INSTANCE, RTC_GEOMETRY_TYPE_USER}) {
     RTCGeometry geometry = rtcNewGeometry(device, type);
     rtcSetGeometryCompression(geometry, &args);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << type;
@@ -486,11 +504,13 @@ Sizes measure(RTCCompression kind, const Cage& cage, float rate, const std::stri
 // rounds up by a few percent and by one block per thread.
 TEST(Memory, StatisticsMatchMemoryMonitor)
 {
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     SCOPED_TRACE(kind);
     const Sizes small = measure(kind, sheetCage(8), 4), large = measure(kind, sheetCage(8), 128);
     const double added = double(large.result) - double(small.result), stated = double(large.sum) - double(small.sum);
-    std::printf("compression %d: monitor %zu, statistics %zu, peak %zu\n", int(kind), large.result, large.sum, large.peak);
+    std::printf("compression %d: monitor %zu, statistics %zu, peak %zu\n", int(kind), large.result, large.sum,
+                large.peak);
     EXPECT_GE(added, stated*0.999);
     EXPECT_LE(added, stated*1.06 + 256*1024);
   }
@@ -517,7 +537,8 @@ TEST(Memory, CommitPeakIsResultAndOnePatchPerThread)
 // the C++ library and of TBB.
 TEST(Memory, MonitorSeesAllMemory)
 {
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     SCOPED_TRACE(kind);
     measure(kind, sheetCage(8), 4); // TBB creates its threads and arenas only once
     const Sizes sizes = measure(kind, sheetCage(8), 128);
@@ -530,7 +551,8 @@ TEST(Memory, MonitorSeesAllMemory)
 TEST(Memory, MonitorSeesAllMemoryDuringCommit)
 {
   mallopt(M_MMAP_THRESHOLD, 64*1024); // the allocator maps large pieces directly
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     SCOPED_TRACE(kind);
     Memory memory;
     Device device("threads=1");
@@ -605,7 +627,8 @@ TEST(Progress, RisesToOne)
 TEST(Progress, CancelledCommitCanBeRepeated)
 {
   Memory memory;
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     {
       Device device;
       rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
@@ -630,7 +653,8 @@ TEST(Progress, CancelledCommitCanBeRepeated)
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       Random random(81);
       for (int i = 0; i < 500; i++) {
-        const RTCRayHit ray = makeRay({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 3}, {0.01f, 0.02f, -1});
+        const RTCRayHit ray = makeRay({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 3},
+                                      {0.01f, 0.02f, -1});
         const RTCRayHit a = intersect(whole, ray), b = intersect(scene, ray);
         ASSERT_EQ(isHit(a), isHit(b));
         if (isHit(a)) { ASSERT_EQ(a.ray.tfar, b.ray.tfar); }
@@ -644,7 +668,8 @@ TEST(Progress, CancelledCommitCanBeRepeated)
 
 TEST(Dynamic, ScenesFollowChanges)
 {
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     Memory memory;
     Device device;
     rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
@@ -687,9 +712,11 @@ TEST(Dynamic, SettingsTakeEffectWithTheNextCommit)
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
   addSurface(device, scene, cubeCage(), settings);
   RTCGeometry geometry = rtcGetGeometry(scene, 0);
-  const struct { RTCCompression kind; int frameLevel; const char* name; } steps[] = {
-    {RTC_COMPRESSION_INHERIT, 2, "none"}, {RTC_COMPRESSION_LEAF, 2, "leaf 2"}, {RTC_COMPRESSION_LEAF, 0, "leaf 0"},
-    {RTC_COMPRESSION_GRID, 1, "grid 1"}, {RTC_COMPRESSION_NONE, 1, "none"}, {RTC_COMPRESSION_VOXEL, 4, "voxel 4"}, {RTC_COMPRESSION_INHERIT, 0, "none"}};
+  const struct { RTCCompression kind; int frameLevel; const char* name;
+  } steps[] = {{RTC_COMPRESSION_INHERIT, 2, "none"}, {RTC_COMPRESSION_LEAF, 2, "leaf 2"},
+               {RTC_COMPRESSION_LEAF, 0, "leaf 0"},  {RTC_COMPRESSION_GRID, 1, "grid 1"},
+               {RTC_COMPRESSION_NONE, 1, "none"}, {RTC_COMPRESSION_VOXEL, 4, "voxel 4"},
+               {RTC_COMPRESSION_INHERIT, 0, "none"}};
   for (const auto& step : steps) {
     const RTCCompressionArguments args = arguments(step.kind, step.frameLevel);
     rtcSetGeometryCompression(geometry, &args);

@@ -10,7 +10,8 @@
 namespace cbvh::test {
 namespace {
 
-RTCCompressionStatistics statisticsOf(RTCDevice device, const std::vector<std::pair<const Cage*, const SurfaceSettings*>>& surfaces)
+RTCCompressionStatistics statisticsOf(RTCDevice device,
+                                      const std::vector<std::pair<const Cage*, const SurfaceSettings*>>& surfaces)
 {
   Scene scene(device);
   for (const auto& surface : surfaces) addSurface(device, scene, *surface.first, *surface.second);
@@ -20,8 +21,10 @@ RTCCompressionStatistics statisticsOf(RTCDevice device, const std::vector<std::p
 
 bool isAllZero(const RTCCompressionStatistics& s)
 {
-  return s.topLevelBytes + s.frameBytes + s.nodeBytes + s.leafBytes + s.gridBytes + s.numBlocks + s.numQuads + s.numGridQuads +
-    s.numInvalidQuads + s.numAffineBlocks + s.numSolidLeaves == 0 && s.maxLeafThickness == 0;
+  return s.topLevelBytes + s.frameBytes + s.nodeBytes + s.leafBytes + s.gridBytes + s.numBlocks + s.numQuads +
+             s.numGridQuads + s.numInvalidQuads + s.numAffineBlocks + s.numSolidLeaves ==
+           0 &&
+         s.maxLeafThickness == 0;
 }
 
 // Both surfaces contribute to each counter: blocks, affine ones, solid leaves, quads that are left out, and quads of
@@ -46,15 +49,18 @@ TEST(CompressionStatistics, AddUpOverSurfaces)
     settings[i].edgeRates.assign(cages[i]->indices.size(), 16.0f);
     std::fill_n(settings[i].edgeRates.end() - 4, 4, 257.0f); // the last face, which includes edges of its neighbors
     alone[i] = statisticsOf(device, {{cages[i], &settings[i]}});
-    for (size_t n : {alone[i].frameBytes, alone[i].nodeBytes, alone[i].leafBytes, alone[i].gridBytes, alone[i].numBlocks, alone[i].numQuads,
-                     alone[i].numGridQuads, alone[i].numInvalidQuads, alone[i].numAffineBlocks, alone[i].numSolidLeaves})
+    for (size_t n : {alone[i].frameBytes, alone[i].nodeBytes, alone[i].leafBytes, alone[i].gridBytes,
+                     alone[i].numBlocks, alone[i].numQuads, alone[i].numGridQuads, alone[i].numInvalidQuads,
+                     alone[i].numAffineBlocks, alone[i].numSolidLeaves})
       EXPECT_GT(n, 0u) << "surface " << i << " must contribute to every counter";
   }
   const RTCCompressionStatistics both = statisticsOf(device, {{cages[0], &settings[0]}, {cages[1], &settings[1]}});
-  for (size_t RTCCompressionStatistics::*field : {&RTCCompressionStatistics::frameBytes, &RTCCompressionStatistics::nodeBytes,
-      &RTCCompressionStatistics::leafBytes, &RTCCompressionStatistics::gridBytes, &RTCCompressionStatistics::numBlocks,
-      &RTCCompressionStatistics::numQuads, &RTCCompressionStatistics::numGridQuads, &RTCCompressionStatistics::numInvalidQuads,
-      &RTCCompressionStatistics::numAffineBlocks, &RTCCompressionStatistics::numSolidLeaves})
+  for (size_t RTCCompressionStatistics::*field :
+       {&RTCCompressionStatistics::frameBytes, &RTCCompressionStatistics::nodeBytes,
+        &RTCCompressionStatistics::leafBytes, &RTCCompressionStatistics::gridBytes,
+        &RTCCompressionStatistics::numBlocks, &RTCCompressionStatistics::numQuads,
+        &RTCCompressionStatistics::numGridQuads, &RTCCompressionStatistics::numInvalidQuads,
+        &RTCCompressionStatistics::numAffineBlocks, &RTCCompressionStatistics::numSolidLeaves})
     EXPECT_EQ(both.*field, alone[0].*field + alone[1].*field);
   EXPECT_EQ(both.maxLeafThickness, std::max(alone[0].maxLeafThickness, alone[1].maxLeafThickness));
   EXPECT_GE(both.topLevelBytes, std::max(alone[0].topLevelBytes, alone[1].topLevelBytes));
@@ -75,7 +81,8 @@ TEST(CompressionStatistics, BytesOfBlocksIncludePadding)
       settings.frameLevel = 3 - height;
       const RTCCompressionStatistics s = statisticsOf(device, {{&cage, &settings}});
       EXPECT_EQ(s.numBlocks, size_t(64) >> 2*height);
-      EXPECT_EQ((s.frameBytes + s.nodeBytes + s.leafBytes)/s.numBlocks % 16, 0u) << "height " << height << ", kind " << kind;
+      EXPECT_EQ((s.frameBytes + s.nodeBytes + s.leafBytes)/s.numBlocks % 16, 0u)
+        << "height " << height << ", kind " << kind;
     }
 }
 
@@ -166,7 +173,8 @@ TEST(CompressionStatistics, IgnoreDisabledSurfaces)
 // Moving geometry is stored as cVERT, independently of the selected kind.
 TEST(CompressionStatistics, CountMovingGeometry)
 {
-  for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression compression :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     Device device;
     SurfaceSettings settings;
     Scene scene(device);
@@ -194,14 +202,17 @@ TEST(CompressionStatistics, ReportLargestSpacingOfAllTimeSteps)
     SurfaceSettings settings;
     settings.compression = RTC_COMPRESSION_VERT;
     settings.timeSteps = timeSteps;
-    settings.motion = [&](const Vec& p, unsigned step) { return Vec{scale(step)*p[0], scale(step)*p[1], scale(step)*p[2]}; };
+    settings.motion = [&](const Vec& p, unsigned step) {
+      return Vec{scale(step)*p[0], scale(step)*p[1], scale(step)*p[2]};
+    };
     const SurfaceScene scene(device, cubeCage(), settings);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     return statisticsOf(scene).maxVertexSpacing;
   };
   const float still = spacing(1, [](unsigned) { return 1.0f; });
   EXPECT_GT(still, 0);
-  for (unsigned large : {0u, 1u, 2u, 3u}) EXPECT_EQ(spacing(4, [&](unsigned step) { return step == large ? 64.0f : 1.0f; }), 64*still) << large;
+  for (unsigned large : {0u, 1u, 2u, 3u})
+    EXPECT_EQ(spacing(4, [&](unsigned step) { return step == large ? 64.0f : 1.0f; }), 64*still) << large;
 }
 
 // Faces that Embree's subdivision does not evaluate are counted.
@@ -224,9 +235,12 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
   };
   Cage large = prismCage(20), tiny = sheetCage(4);
   tiny.addFace({0, 1});
-  struct Case { const char* name; Cage cage; size_t unsupported; bool hasOthers; } cases[] = {
-    {"64 quads at a vertex", fan(64, 4), 0, true}, {"65 quads at a vertex", fan(65, 4), 65, false},
-    {"16 corners", prismCage(16), 0, true}, {"20 corners, at which all quads are", large, 22, false}, {"2 corners", tiny, 0, true}};
+  struct Case { const char* name; Cage cage; size_t unsupported; bool hasOthers;
+  } cases[] = {{"64 quads at a vertex", fan(64, 4), 0, true},
+               {"65 quads at a vertex", fan(65, 4), 65, false},
+               {"16 corners", prismCage(16), 0, true},
+               {"20 corners, at which all quads are", large, 22, false},
+               {"2 corners", tiny, 0, true}};
   for (const Case& c : cases)
     for (RTCCompression compression : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF}) {
       SCOPED_TRACE(testing::Message() << c.name << ", " << kindName(compression));
@@ -241,7 +255,8 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
       const RTCCompressionStatistics stats = statisticsOf(scene);
       EXPECT_EQ(stats.numQuads + stats.numGridQuads > 0, c.hasOthers);
       if (c.unsupported) EXPECT_EQ(stats.numUnsupportedFaces, c.unsupported);
-      EXPECT_EQ(device.errors, 0u) << "Embree does not report these faces, and programs rely on that: " << device.message;
+      EXPECT_EQ(device.errors, 0u) << "Embree does not report these faces, and programs rely on that: "
+                                   << device.message;
       rtcReleaseGeometry(geometry);
     }
 }
@@ -276,7 +291,8 @@ TEST(CompressionStatistics, ErrorBoundHoldsInEverySubPatch)
     attach(scene, geometry);
     rtcCommitScene(scene);
     EXPECT_LE(statisticsOf(scene).maxLeafThickness, settings.maxError) << "sub-patch " << rough;
-    EXPECT_LT(statisticsOf(scene).numBlocks, statisticsOf(scene).numQuads) << "the bound holds before blocks have one quad";
+    EXPECT_LT(statisticsOf(scene).numBlocks, statisticsOf(scene).numQuads)
+      << "the bound holds before blocks have one quad";
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   }
 }

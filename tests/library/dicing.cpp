@@ -32,7 +32,8 @@ RTCDicingArguments cameraAt(float x, float y, float z)
 
 struct Surface
 {
-  Surface(Device& device, const Cage& cage, RTCDisplacementFunctionN displacement = nullptr) : device(device), cage(cage)
+  Surface(Device& device, const Cage& cage, RTCDisplacementFunctionN displacement = nullptr)
+    : device(device), cage(cage)
   {
     SurfaceSettings settings;
     geometry = newSurface(device, cage, settings);
@@ -141,7 +142,8 @@ TEST(Dicing, LengthOfDisplacedSurfaceCounts)
   Device device;
   const auto waves = [](const RTCDisplacementFunctionNArguments* args) {
     // no displacement on the border
-    for (unsigned i = 0; i < args->N; i++) args->P_z[i] += 0.2f*std::sin(30*args->u[i])*std::sin(float(M_PI)*args->v[i]);
+    for (unsigned i = 0; i < args->N; i++)
+      args->P_z[i] += 0.2f*std::sin(30*args->u[i])*std::sin(float(M_PI)*args->v[i]);
   };
   const RTCDicingArguments args = cameraAt(0.5f, 0.5f, 4);
   Surface flat(device, quadCage()), displaced(device, quadCage(), waves);
@@ -219,7 +221,8 @@ TEST(Dicing, ClosedSurfacesStayClosed)
     Random random(71);
     std::vector<RTCRayHit> rays;
     for (int i = 0; i < 20000; i++) {
-      const unsigned a = random.below(unsigned(c.cage.indices.size())), b = random.below(unsigned(c.cage.indices.size()));
+      const unsigned a = random.below(unsigned(c.cage.indices.size())),
+                     b = random.below(unsigned(c.cage.indices.size()));
       RTCRayHit ray = rayFromMiddle(random, c.cage.positions[c.cage.indices[a]], c.cage.positions[c.cage.indices[b]]);
       ray.ray.org_x *= 0.1f; // prisms of triangles are slim
       ray.ray.org_y *= 0.1f;

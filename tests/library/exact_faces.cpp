@@ -208,7 +208,8 @@ TEST(ExactFaces, NoGapsBetweenBothForms)
       const unsigned count = 60000;
       for (unsigned i = 0; i < count; i++) {
         // the origin is deep inside all of these cages
-        const Vec o = {float(random.uniform(-0.02, 0.02)), float(random.uniform(-0.02, 0.02)), float(random.uniform(-0.02, 0.02))};
+        const Vec o = {float(random.uniform(-0.02, 0.02)), float(random.uniform(-0.02, 0.02)),
+                       float(random.uniform(-0.02, 0.02))};
         Vec d;
         if (i % 4) {
           const Vec& target = targets[random.below(unsigned(targets.size()))];

@@ -30,7 +30,9 @@ std::map<std::string, Field> tableOf(const std::string& heading)
   const std::regex row("\\| ([0-9]+) \\| (?:([0-9]+) )?(bytes|u32|u64|f32) \\| `([a-zA-Z]+)` \\|");
   std::map<std::string, Field> fields;
   for (std::sregex_iterator i(page.begin(), page.end(), row), end; i != end; ++i) {
-    const size_t count = (*i)[2].matched ? std::stoul((*i)[2]) : 1, width = (*i)[3] == "u64" ? 8 : (*i)[3] == "bytes" ? 1 : 4;
+    const size_t count = (*i)[2].matched ? std::stoul((*i)[2]) : 1, width = (*i)[3] == "u64" ? 8
+                                                                            : (*i)[3] == "bytes" ? 1
+                                                                                                 : 4;
     fields[(*i)[4]] = {std::stoul((*i)[1]), count*width};
   }
   return fields;
@@ -147,7 +149,10 @@ TEST(FileFormat, ChecksumsMatchPageInEachForm)
       for (bool isPortable : {false, true}) {
         const char* const data = bytes.data() + begin;
         ASSERT_EQ(fileChecksum(data, count, 0, isPortable), crc32c(data, count));
-        ASSERT_EQ(fileChecksum(data + count/3, count - count/3, fileChecksum(data, count/3, 0, !isPortable), isPortable), crc32c(data, count)) << "computed in two parts";
+        ASSERT_EQ(
+          fileChecksum(data + count/3, count - count/3, fileChecksum(data, count/3, 0, !isPortable), isPortable),
+          crc32c(data, count))
+          << "computed in two parts";
       }
 }
 
@@ -247,7 +252,8 @@ TEST(FileFormat, ReaderWrittenFromPageFindsAllBlocks)
   std::set<uint32_t> forms;
   for (size_t i = 0; i < all.size(); i++) {
     SCOPED_TRACE(all[i].name);
-    const uint64_t record = reader.u64(40) + i*reader.u32(28), blocks = reader.u64(record + 16), blockBytes = reader.u64(record + 24);
+    const uint64_t record = reader.u64(40) + i*reader.u32(28), blocks = reader.u64(record + 16),
+                   blockBytes = reader.u64(record + 24);
     const uint32_t surface = reader.u32(record + 52);
     forms.insert(reader.u32(record + 40));
     EXPECT_TRUE(surface >> 30 & 1);

@@ -25,7 +25,8 @@ struct CountedDisplacement : Displacement
   }
 };
 
-RTCGeometry newCounted(RTCDevice device, CountedDisplacement& displacement, SurfaceSettings settings = SurfaceSettings())
+RTCGeometry newCounted(RTCDevice device, CountedDisplacement& displacement,
+                       SurfaceSettings settings = SurfaceSettings())
 {
   settings.displacement = &displacement;
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
@@ -70,7 +71,8 @@ TEST(GeometryBlocks, OnlyChangedSurfacesAreBuilt)
     rtcSetGeometryMask(geometries[1], 2);
     rtcCommitGeometry(geometries[1]);
     EXPECT_EQ(built(), 0) << "mask";
-    rtcSetGeometryIntersectFilterFunction(geometries[1], [](const RTCFilterFunctionNArguments* args) { args->valid[0] = 0; });
+    rtcSetGeometryIntersectFilterFunction(geometries[1],
+                                          [](const RTCFilterFunctionNArguments* args) { args->valid[0] = 0; });
     rtcCommitGeometry(geometries[1]);
     EXPECT_EQ(built(), 0) << "filter";
     EXPECT_FALSE(isHit(intersect(scene, down)));
@@ -170,13 +172,15 @@ TEST(GeometryBlocks, ScenesShareBlocksUnderTheirOwnIDs)
           hits++;
           ASSERT_EQ(a.ray.tfar, b.ray.tfar);
           ASSERT_EQ(a.hit.primID, b.hit.primID);
-          ASSERT_TRUE((a.hit.geomID == 7 && b.hit.geomID == 2) || (a.hit.geomID == 0 && b.hit.geomID == 7)) << a.hit.geomID << " " << b.hit.geomID;
+          ASSERT_TRUE((a.hit.geomID == 7 && b.hit.geomID == 2) || (a.hit.geomID == 0 && b.hit.geomID == 7))
+            << a.hit.geomID << " " << b.hit.geomID;
         }
         EXPECT_GT(hits, 200u);
         EXPECT_EQ(statisticsOf(first).numQuads, statisticsOf(second).numQuads);
         rtcDetachGeometry(first, 7);
         expectCommit(device, first);
-        EXPECT_EQ(intersect(second, makeRay({0, 0, 5}, {0, 0, -1})).hit.geomID, 2u) << "the first scene no longer contains it";
+        EXPECT_EQ(intersect(second, makeRay({0, 0, 5}, {0, 0, -1})).hit.geomID, 2u)
+          << "the first scene no longer contains it";
         EXPECT_FALSE(isHit(intersect(first, makeRay({0, 0, 5}, {0, 0, -1}))));
       }
       EXPECT_LT(memory.live, live/2) << "no scene contains it any longer";
@@ -189,7 +193,8 @@ TEST(GeometryBlocks, LowerIDInTheSceneWins)
   for (const char* kind : kinds) {
     SCOPED_TRACE(kind);
     Device device(std::string("subdiv_accel=cbvh.") + kind);
-    RTCGeometry a = newSurface(device, cubeCage(), SurfaceSettings()), b = newSurface(device, cubeCage(), SurfaceSettings());
+    RTCGeometry a = newSurface(device, cubeCage(), SurfaceSettings()),
+                b = newSurface(device, cubeCage(), SurfaceSettings());
     Scene one(device), other(device), twice(device);
     rtcAttachGeometryByID(one, a, 3);
     rtcAttachGeometryByID(one, b, 5);
@@ -280,7 +285,9 @@ TEST(GeometryBlocks, MotionBlurNextToOthersKeepsIDs)
           rtcReleaseGeometry(geometry);
         }
         expectCommit(device, scene);
-        for (unsigned i = 0; i < 3; i++) EXPECT_EQ(intersect(scene, makeRay({4.0f*float(i), 0, 5}, {0, 0, -1})).hit.geomID, 3 + i) << still << first << second;
+        for (unsigned i = 0; i < 3; i++)
+          EXPECT_EQ(intersect(scene, makeRay({4.0f*float(i), 0, 5}, {0, 0, -1})).hit.geomID, 3 + i)
+            << still << first << second;
       }
 }
 
@@ -354,11 +361,14 @@ void askForRelease(RTCGeometry geometry, Progress* progress = nullptr)
 RTCGeometry newReleased(Device& device, Displacement& displacement, const float* attribute)
 {
   const Cage cage = cubeCage();
-  const Mapped vertices(cage.positions), faces(cage.faces), indices(cage.indices), levels(std::vector<float>(24, 20.0f));
+  const Mapped vertices(cage.positions), faces(cage.faces), indices(cage.indices),
+    levels(std::vector<float>(24, 20.0f));
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.memory, 0, sizeof(Vec), cage.positions.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.memory, 0, sizeof(Vec),
+                             cage.positions.size());
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, faces.memory, 0, 4, cage.faces.size());
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, indices.memory, 0, 4, cage.indices.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, indices.memory, 0, 4,
+                             cage.indices.size());
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_LEVEL, 0, RTC_FORMAT_FLOAT, levels.memory, 0, 4, 24);
   if (attribute) {
     rtcSetGeometryVertexAttributeCount(geometry, 1);

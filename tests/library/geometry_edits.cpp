@@ -25,7 +25,8 @@ unsigned numberIn(const char* variable, unsigned otherwise)
   return text ? unsigned(std::strtoul(text, nullptr, 10)) : otherwise;
 }
 
-const RTCCompression kinds[] = {RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID, RTC_COMPRESSION_NONE};
+const RTCCompression kinds[] = {RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF,
+                                RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID, RTC_COMPRESSION_NONE};
 
 // A geometry together with a copy of all its settings.
 class EditedSurface
@@ -56,7 +57,8 @@ public:
     switch (random.below(13)) {
     case 0: { // one vertex, which may move far away and back
       const size_t i = random.below(unsigned(cage.positions.size()));
-      for (float& x : cage.positions[i]) x = random.chance(0.05) ? NAN : std::isfinite(x) ? x + float(0.1*random.normal()) : float(random.normal());
+      for (float& x : cage.positions[i])
+        x = random.chance(0.05) ? NAN : std::isfinite(x) ? x + float(0.1*random.normal()) : float(random.normal());
       if (isReleased) break;
       float* vertices = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
       std::copy(cage.positions[i].begin(), cage.positions[i].end(), vertices + 3*i);
@@ -106,7 +108,9 @@ public:
       break;
     }
     case 10: {
-      const RTCSubdivisionMode modes[] = {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_CORNERS, RTC_SUBDIVISION_MODE_PIN_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_ALL};
+      const RTCSubdivisionMode modes[] = {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY,
+                                          RTC_SUBDIVISION_MODE_PIN_CORNERS, RTC_SUBDIVISION_MODE_PIN_BOUNDARY,
+                                          RTC_SUBDIVISION_MODE_PIN_ALL};
       cage.mode = modes[random.below(5)];
       rtcSetGeometrySubdivisionMode(geometry, 0, cage.mode);
       break;
@@ -176,8 +180,9 @@ void expectTwins(RTCScene scene, RTCScene twin, Random& random, unsigned rays, s
   for (RTCRayHit ray : raysAt(random, rays, 1.2f)) {
     ray.ray.mask = random.below(2) ? ~0u : 1u;
     const RTCRayHit a = intersect(scene, ray), b = intersect(twin, ray);
-    ASSERT_EQ(std::memcmp(&a, &b, sizeof(a)), 0) << "geometries " << int(a.hit.geomID) << " " << int(b.hit.geomID) << ", faces "
-      << int(a.hit.primID) << " " << int(b.hit.primID) << ", distances " << a.ray.tfar << " " << b.ray.tfar;
+    ASSERT_EQ(std::memcmp(&a, &b, sizeof(a)), 0)
+      << "geometries " << int(a.hit.geomID) << " " << int(b.hit.geomID) << ", faces " << int(a.hit.primID) << " "
+      << int(b.hit.primID) << ", distances " << a.ray.tfar << " " << b.ray.tfar;
     hits += isHit(a);
     ASSERT_EQ(occluded(scene, ray), occluded(twin, ray));
   }

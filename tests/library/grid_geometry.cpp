@@ -24,8 +24,11 @@ Diced oddGrids(double lattice)
   Diced diced = dicedSheet(1, 37, lattice);
   const Diced sheet = diced;
   diced.grids.clear();
-  const unsigned side = 38, sizes[][4] = {{0, 0, 37, 7}, {0, 7, 5, 30}, {5, 7, 1, 30}, {6, 7, 31, 29}, {6, 36, 31, 1}}; // x, y, quads
-  for (const auto& s : sizes) diced.grids.push_back({s[1]*side + s[0], side, (unsigned short)(s[2] + 1), (unsigned short)(s[3] + 1)});
+  const unsigned side = 38,
+                 sizes[][4] = {
+                   {0, 0, 37, 7}, {0, 7, 5, 30}, {5, 7, 1, 30}, {6, 7, 31, 29}, {6, 36, 31, 1}}; // x, y, quads
+  for (const auto& s : sizes)
+    diced.grids.push_back({s[1]*side + s[0], side, (unsigned short)(s[2] + 1), (unsigned short)(s[3] + 1)});
   return diced;
 }
 
@@ -39,9 +42,14 @@ TEST_P(GridGeometry, HitsMatchEmbree)
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(101);
   const double lattice = 0x1p-10;
-  const struct { const char* name; Diced diced; } shapes[] = {
-    {"one grid", dicedSheet(1, 64, lattice)}, {"a grid of 1000 quads a side", dicedSheet(1, 1000, 0x1p-14)}, {"small grids", dicedSheet(9, 4, lattice)},
-    {"grids of 8 quads", dicedSheet(5, 8, lattice)}, {"grids of 16 quads", dicedSheet(3, 16, lattice)}, {"grids of 33 quads", dicedSheet(2, 33, lattice)}, {"odd grids", oddGrids(lattice)}};
+  const struct { const char* name; Diced diced;
+  } shapes[] = {{"one grid", dicedSheet(1, 64, lattice)},
+                {"a grid of 1000 quads a side", dicedSheet(1, 1000, 0x1p-14)},
+                {"small grids", dicedSheet(9, 4, lattice)},
+                {"grids of 8 quads", dicedSheet(5, 8, lattice)},
+                {"grids of 16 quads", dicedSheet(3, 16, lattice)},
+                {"grids of 33 quads", dicedSheet(2, 33, lattice)},
+                {"odd grids", oddGrids(lattice)}};
   for (const auto& shape : shapes) {
     SCOPED_TRACE(shape.name);
     const GridScene embree(device, shape.diced, RTC_COMPRESSION_NONE), scene(device, shape.diced);
@@ -167,9 +175,14 @@ TEST(GridSurfaces, AreClosedBetweenGrids)
 {
   Device device;
   Random random(103);
-  const struct { unsigned n, quads; double warp; } balls[] = {{3, 3, 1}, {3, 4, 1}, {3, 7, 1}, {3, 16, 1}, {3, 40, 1}, {8, 5, 3}, {5, 16, 3}};
+  const struct
+  {
+    unsigned n, quads;
+    double warp;
+  } balls[] = {{3, 3, 1}, {3, 4, 1}, {3, 7, 1}, {3, 16, 1}, {3, 40, 1}, {8, 5, 3}, {5, 16, 3}};
   for (const auto& b : balls) {
-    SCOPED_TRACE(testing::Message() << b.n << " x " << b.n << " grids of " << b.quads << " quads, warped by " << b.warp);
+    SCOPED_TRACE(testing::Message() << b.n << " x " << b.n << " grids of " << b.quads << " quads, warped by "
+                                    << b.warp);
     const Diced ball = dicedBall(b.n, b.quads, b.warp);
     const GridScene scene(device, ball);
     EXPECT_GT(statisticsOf(scene).maxVertexDeviation, 0);
@@ -178,8 +191,10 @@ TEST(GridSurfaces, AreClosedBetweenGrids)
     for (unsigned i = 0; i < 30000; i++) {
       const RTCGrid& grid = ball.grids[random.below(unsigned(ball.grids.size()))];
       const bool alongU = random.chance(0.5);
-      const unsigned n = (alongU ? grid.width : grid.height) - 1u, k = random.below(n), other = random.chance(0.5) ? 0 : (alongU ? grid.height : grid.width) - 1u;
-      const Vec &a = alongU ? ball.vertex(grid, k, other) : ball.vertex(grid, other, k), &b = alongU ? ball.vertex(grid, k + 1, other) : ball.vertex(grid, other, k + 1);
+      const unsigned n = (alongU ? grid.width : grid.height) - 1u, k = random.below(n),
+                     other = random.chance(0.5) ? 0 : (alongU ? grid.height : grid.width) - 1u;
+      const Vec &a = alongU ? ball.vertex(grid, k, other) : ball.vertex(grid, other, k),
+                &b = alongU ? ball.vertex(grid, k + 1, other) : ball.vertex(grid, other, k + 1);
       rays.push_back(rayFromMiddle(random, a, b));
     }
     expectNoneMisses(scene, rays);
@@ -219,14 +234,16 @@ TEST(GridSurfaces, StayStitched)
     SCOPED_TRACE(testing::Message() << n[0] << " and 2 x " << n[1] << " quads");
     const Diced diced = stitchedGrids(n[0], n[1]);
     const GridScene embree(device, diced, RTC_COMPRESSION_NONE), scene(device, diced);
-    EXPECT_LT(statisticsOf(scene).numRawBlocks, statisticsOf(scene).numBlocks) << "raw blocks occur only along the seam";
+    EXPECT_LT(statisticsOf(scene).numRawBlocks, statisticsOf(scene).numBlocks)
+      << "raw blocks occur only along the seam";
     size_t missed = 0, missedByEmbree = 0;
     for (unsigned i = 0; i < 20000; i++) {
       const unsigned k = random.below(n[0]);
       const Vec a = diced.vertex(diced.grids[0], n[0], k), b = diced.vertex(diced.grids[0], n[0], k + 1);
       const double t = random.uniform();
       Vec from = {float(0.5*random.normal()), float(0.5 + 0.5*random.normal()), 3}, direction;
-      for (int c = 0; c < 3; c++) direction[c] = float(a[c] + t*(b[c] - a[c]) + (c == 0 ? 1e-3*random.normal()/n[1] : 0)) - from[c];
+      for (int c = 0; c < 3; c++)
+        direction[c] = float(a[c] + t*(b[c] - a[c]) + (c == 0 ? 1e-3*random.normal()/n[1] : 0)) - from[c];
       if (t < 1e-3 && k == 0) continue; // the end of the seam
       const RTCRayHit ray = makeRay(from, direction);
       missed += !isHit(intersect(scene, ray));
@@ -296,7 +313,8 @@ TEST(GridSurfaces, CompressionCanBeSelected)
   RTCGeometry geometry = newGrids(plain, diced);
   attach(scene, geometry);
   const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
-  for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression compression :
+       {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT}) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = compression;
@@ -334,7 +352,8 @@ TEST(GridSurfaces, SmallestGridsAreNotCompressed)
 // More than 46,341 vertices per side: products of two such numbers do not fit into 32 bits.
 TEST(GridSurfaces, LongSidesAreHit)
 {
-  for (const auto& [width, height] : {std::make_pair(50000u, 3u), std::make_pair(3u, 50000u), std::make_pair(65535u, 2u), std::make_pair(46342u, 18u)}) {
+  for (const auto& [width, height] : {std::make_pair(50000u, 3u), std::make_pair(3u, 50000u),
+                                      std::make_pair(65535u, 2u), std::make_pair(46342u, 18u)}) {
     SCOPED_TRACE(testing::Message() << width << " x " << height);
     Device device;
     Diced diced;
@@ -364,7 +383,8 @@ TEST(GridSurfaces, RowsOfIdenticalVerticesAreErrors)
   for (unsigned i = 0; i < 65535; i++) diced.vertices.push_back({0, 0, 0});
   rtcReleaseGeometry(newGrids(device, diced, RTC_COMPRESSION_VERT));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_NE(device.message.find("grid 4 of 65535 x 65535 vertices has a stride of 0"), std::string::npos) << device.message;
+  EXPECT_NE(device.message.find("grid 4 of 65535 x 65535 vertices has a stride of 0"), std::string::npos)
+    << device.message;
 }
 
 // Overlapping rows make four billion quads of 131,069 vertices; the commit must react to cancellation.
@@ -456,7 +476,11 @@ TEST(GridSurfaces, CommitsReportProgressAndCanBeCancelled)
 // All bytes of the library including its tree, without the application's vertices.
 TEST(GridSurfaces, MemoryIsSmall)
 {
-  const struct { unsigned n, quads; double bytes; } sizes[] = {{400, 4, 12}, {100, 8, 6}, {32, 16, 3.5}, {8, 64, 3.5}, {1, 500, 3.5}};
+  const struct
+  {
+    unsigned n, quads;
+    double bytes;
+  } sizes[] = {{400, 4, 12}, {100, 8, 6}, {32, 16, 3.5}, {8, 64, 3.5}, {1, 500, 3.5}};
   for (const auto& s : sizes) {
     Memory memory;
     Device device;
@@ -470,8 +494,10 @@ TEST(GridSurfaces, MemoryIsSmall)
     const double bytes = double(memory.live - before)/double(diced.quads());
     const RTCCompressionStatistics stats = statisticsOf(scene);
     const auto aQuad = [&](size_t n) { return double(n)/double(diced.quads()); };
-    std::printf("%u x %u grids of %u x %u quads: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices), %.2f more during the build\n", s.n, s.n, s.quads,
-                s.quads, bytes, aQuad(stats.topLevelBytes), aQuad(stats.frameBytes), aQuad(stats.nodeBytes), aQuad(stats.leafBytes), aQuad(size_t(memory.peak - memory.live)));
+    std::printf(
+      "%u x %u grids of %u x %u quads: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices), %.2f more during the build\n",
+      s.n, s.n, s.quads, s.quads, bytes, aQuad(stats.topLevelBytes), aQuad(stats.frameBytes), aQuad(stats.nodeBytes),
+      aQuad(stats.leafBytes), aQuad(size_t(memory.peak - memory.live)));
     EXPECT_LE(bytes, s.bytes) << s.quads << " quads";
   }
 }
@@ -511,7 +537,8 @@ TEST(GridSurfaces, PointQueriesMatchEmbree)
   };
   size_t calls = 0, found = 0;
   for (unsigned i = 0; i < 300; i++) {
-    const Vec at = {float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2)), float(random.uniform(-0.5, 0.5))};
+    const Vec at = {float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2)),
+                    float(random.uniform(-0.5, 0.5))};
     const float radius = random.chance(0.3) ? INFINITY : float(random.uniform(0, 0.6));
     const auto expected = nearest(embree, at, radius), actual = nearest(scene, at, radius);
     ASSERT_EQ(expected.first, actual.first);

@@ -31,14 +31,20 @@ SurfaceSettings settingsOf(RTCCompression compression, Displacement* displacemen
 
 class HighRates : public testing::TestWithParam<RTCCompression> {};
 INSTANTIATE_TEST_SUITE_P(Compression, HighRates, testing::Values(RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF),
-                         [](const auto& info) { return std::string(info.param == RTC_COMPRESSION_VERT ? "cVERT" : "cLEAF"); });
+                         [](const auto& info) {
+                           return std::string(info.param == RTC_COMPRESSION_VERT ? "cVERT" : "cLEAF");
+                         });
 
 // Position and parameters of hits must match the displacement function: a quad of the longest side is 1/100 wide.
 TEST_P(HighRates, DisplacedPlaneIsHitAtTheRightPlace)
 {
   Device device;
-  for (const std::vector<float>& rates : {std::vector<float>{257, 257, 257, 257}, {1000, 300, 1000, 300}, {100, 4096, 100, 4096}, {4096, 300, 100, 257}}) {
-    SCOPED_TRACE(testing::Message() << "rates " << rates[0] << ", " << rates[1] << ", " << rates[2] << ", " << rates[3]);
+  for (const std::vector<float>& rates : {std::vector<float>{257, 257, 257, 257},
+                                          {1000, 300, 1000, 300},
+                                          {100, 4096, 100, 4096},
+                                          {4096, 300, 100, 257}}) {
+    SCOPED_TRACE(testing::Message() << "rates " << rates[0] << ", " << rates[1] << ", " << rates[2] << ", "
+                                    << rates[3]);
     SurfaceSettings settings = settingsOf(GetParam(), nullptr);
     settings.exactFaces = true;
     settings.edgeRates = rates;

@@ -20,7 +20,10 @@ std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
 {
   return kindName(info.param);
 }
-INSTANTIATE_TEST_SUITE_P(Compression, InvalidVertices, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
+INSTANTIATE_TEST_SUITE_P(Compression, InvalidVertices,
+                         testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
+                                         RTC_COMPRESSION_VERT),
+                         nameOf);
 
 constexpr int quads = 16;
 
@@ -28,12 +31,19 @@ int lattice(float u) { return int(std::lround(u*quads)); }
 
 TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
 {
-  RecordProperty("property", "quads with a vertex that is NaN or infinite are left out and counted, and no others: inside a block, on borders of blocks, on the rim");
+  RecordProperty(
+    "property",
+    "quads with a vertex that is NaN or infinite are left out and counted, and no others: inside a block, on borders of blocks, on the rim");
   Device device;
   // vertex (x, y) of the grid is invalid: inside a block, on the border of two blocks, on a corner of four blocks, on
   // the rim
-  const std::vector<std::vector<std::array<int, 2>>> sets = {
-    {{6, 6}}, {{4, 6}}, {{8, 8}}, {{0, 5}}, {{0, 0}}, {{3, 3}, {4, 3}, {13, 2}, {16, 16}}, {{7, 9}, {7, 10}, {7, 11}, {8, 12}}};
+  const std::vector<std::vector<std::array<int, 2>>> sets = {{{6, 6}},
+                                                             {{4, 6}},
+                                                             {{8, 8}},
+                                                             {{0, 5}},
+                                                             {{0, 0}},
+                                                             {{3, 3}, {4, 3}, {13, 2}, {16, 16}},
+                                                             {{7, 9}, {7, 10}, {7, 11}, {8, 12}}};
   for (size_t set = 0; set < sets.size(); set++)
     for (int frameLevel : {0, 1, 2, 4}) {
       SCOPED_TRACE(testing::Message() << "set " << set << ", frame level " << frameLevel);
@@ -56,7 +66,8 @@ TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
       settings.frameLevel = frameLevel;
       const SurfaceScene scene(device, quadCage(), settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-      EXPECT_EQ(device.message, "geometry 0, face 0: vertices are not finite; left out of 1 face(s): " + std::to_string(invalid) + " quads");
+      EXPECT_EQ(device.message, "geometry 0, face 0: vertices are not finite; left out of 1 face(s): " +
+                                  std::to_string(invalid) + " quads");
       EXPECT_EQ(statisticsOf(scene).numInvalidQuads, invalid);
       RTCBounds bounds;
       rtcGetSceneBounds(scene, &bounds);
@@ -80,7 +91,9 @@ TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
           ASSERT_NEAR(hit.ray.tfar, 1, 0.1f);
           const int i = int(hit.hit.u*quads), j = int(hit.hit.v*quads);
           if (hasVertices) continue;
-          ASSERT_FALSE(isBadQuad(std::min(i, quads-1), std::min(j, quads-1)) && std::fabs(hit.hit.u*quads - i - 0.5f) < 0.49f && std::fabs(hit.hit.v*quads - j - 0.5f) < 0.49f)
+          ASSERT_FALSE(isBadQuad(std::min(i, quads-1), std::min(j, quads-1)) &&
+                       std::fabs(hit.hit.u*quads - i - 0.5f) < 0.49f &&
+                       std::fabs(hit.hit.v*quads - j - 0.5f) < 0.49f)
             << "hit in a quad that is left out";
         }
     }
@@ -93,7 +106,10 @@ TEST_P(InvalidVertices, HolesStayOpen)
   Device device;
   Displacement displacement;
   displacement.amplitude = 0.01f;
-  displacement.poison = [](unsigned, float u, float v) { const int x = lattice(u), y = lattice(v); return x >= 5 && x <= 9 && y >= 5 && y <= 9; };
+  displacement.poison = [](unsigned, float u, float v) {
+    const int x = lattice(u), y = lattice(v);
+    return x >= 5 && x <= 9 && y >= 5 && y <= 9;
+  };
   SurfaceSettings settings;
   settings.displacement = &displacement;
   settings.rate = quads;
@@ -120,7 +136,8 @@ TEST(VoxelsWithHoles, MatchBlocksOfLeaves)
   for (int i = 0; i < 2; i++) {
     settings.compression = i ? RTC_COMPRESSION_LEAF : RTC_COMPRESSION_VOXEL;
     const SurfaceScene scene(device, quadCage(), settings);
-    for (const embree::cbvh::Block* block : sceneBlocks(scene)) blocks[i].emplace_back((const char*)block, block->layout().bytes);
+    for (const embree::cbvh::Block* block : sceneBlocks(scene))
+      blocks[i].emplace_back((const char*)block, block->layout().bytes);
     std::sort(blocks[i].begin(), blocks[i].end());
   }
   EXPECT_EQ(blocks[0].size(), 4u);
@@ -182,7 +199,9 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
     rtcAttachGeometry(scene, geometries[i++] = newSurface(device, cubeCage(), settings));
   }
   std::vector<std::string> messages;
-  rtcSetDeviceErrorFunction(device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); }, &messages);
+  rtcSetDeviceErrorFunction(
+    device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); },
+    &messages);
   auto commit = [&]() {
     messages.clear();
     rtcCommitScene(scene);
@@ -190,7 +209,8 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
   };
   const std::string ofBad = "geometry 1, face 3: vertices are not finite; left out of 3 face(s): 3 quads";
   EXPECT_EQ(commit(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(messages, (std::vector<std::string>{ofBad, "geometry 2, face 1: vertices are not finite; left out of 1 face(s): 256 quads"}));
+  EXPECT_EQ(messages, (std::vector<std::string>{
+                        ofBad, "geometry 2, face 1: vertices are not finite; left out of 1 face(s): 256 quads"}));
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 259u);
 
   EXPECT_EQ(commit(), RTC_ERROR_NONE) << "nothing changed";
@@ -203,7 +223,7 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
   for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry);
 }
 
-// A cancelled commit reports nothing; the next one must report the vertices.
+// A canceled commit reports nothing; the next one must report the vertices.
 TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit)
 {
   RecordProperty("property", "vertices that are not finite are an error once, also after a commit that was canceled");
@@ -218,7 +238,9 @@ TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit)
     addSurface(device, scene, cubeCage(), settings);
   }
   std::vector<std::string> messages;
-  rtcSetDeviceErrorFunction(device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); }, &messages);
+  rtcSetDeviceErrorFunction(
+    device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); },
+    &messages);
   double cancelAt = 0.6; // in the second surface
   rtcSetSceneProgressMonitorFunction(scene, [](void* at, double n) { return n < *(double*)at; }, &cancelAt);
   rtcCommitScene(scene);
@@ -227,7 +249,8 @@ TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit)
   cancelAt = 2;
   rtcCommitScene(scene);
   EXPECT_EQ(rtcGetDeviceError(device), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(messages, std::vector<std::string>{"geometry 0, face 3: vertices are not finite; left out of 1 face(s): 1 quads"});
+  EXPECT_EQ(messages,
+            std::vector<std::string>{"geometry 0, face 3: vertices are not finite; left out of 1 face(s): 1 quads"});
 }
 
 TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)
@@ -244,7 +267,10 @@ TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)
   unsigned told[4] = {};
   std::vector<std::thread> threads;
   for (unsigned& n : told)
-    threads.emplace_back([&]() { rtcJoinCommitScene(scene); n = rtcGetDeviceError(device) == RTC_ERROR_INVALID_ARGUMENT; });
+    threads.emplace_back([&]() {
+      rtcJoinCommitScene(scene);
+      n = rtcGetDeviceError(device) == RTC_ERROR_INVALID_ARGUMENT;
+    });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(told[0] + told[1] + told[2] + told[3], 1u);
   EXPECT_EQ(device.errors, 1u);
@@ -274,7 +300,10 @@ TEST_P(InvalidVertices, ValidQuadsOfBlocksWithoutFrameAreKept)
         const float u = (x + 0.3f)/quads, v = (y + 0.3f)/quads;
         const RTCRayHit hit = intersect(scene, makeRay({u, v*width, 1}, {0, 0, -1}));
         if (x == 8 && y == 4) continue; // its first triangle is valid and may be visible
-        if ((x == 8 || x == 9) && (y == 4 || y == 5)) { EXPECT_FALSE(isHit(hit)) << "quad " << x << ", " << y; continue; }
+        if ((x == 8 || x == 9) && (y == 4 || y == 5)) {
+          EXPECT_FALSE(isHit(hit)) << "quad " << x << ", " << y;
+          continue;
+        }
         ASSERT_TRUE(isHit(hit)) << "quad " << x << ", " << y;
         EXPECT_NEAR(hit.ray.tfar, 1, 1e-5f);
         EXPECT_NEAR(hit.hit.u, u, 1e-4f) << "quad " << x << ", " << y;

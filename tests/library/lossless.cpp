@@ -54,14 +54,19 @@ TEST_P(Lossless, HitsMatchEmbree)
   Device device(GetParam() + ("," + lossless));
   if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(1501);
-  const struct { const char* name; Diced diced; } shapes[] = {
-    {"a grid of 64 quads", dicedSheet(1, 64)}, {"grids of 8 quads", dicedSheet(5, 8)}, {"grids of 33 quads", dicedSheet(2, 33)}, {"a ball", dicedBall(2, 16)}};
+  const struct { const char* name; Diced diced;
+  } shapes[] = {{"a grid of 64 quads", dicedSheet(1, 64)},
+                {"grids of 8 quads", dicedSheet(5, 8)},
+                {"grids of 33 quads", dicedSheet(2, 33)},
+                {"a ball", dicedBall(2, 16)}};
   for (const auto& shape : shapes) {
     SCOPED_TRACE(shape.name);
-    ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(GridScene(device, shape.diced, RTC_COMPRESSION_NONE), GridScene(device, shape.diced), raysAt(random, shape.diced, 403)));
+    ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(GridScene(device, shape.diced, RTC_COMPRESSION_NONE),
+                                              GridScene(device, shape.diced), raysAt(random, shape.diced, 403)));
     const DicedMesh quads = meshOf(shape.diced, QuadOrder::Rows, random), triangles = trianglesOf(quads, 1, 2);
     for (const DicedMesh& mesh : {quads, triangles})
-      ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(MeshScene(device, mesh, RTC_COMPRESSION_NONE), MeshScene(device, mesh), raysAt(random, mesh, 403)));
+      ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(MeshScene(device, mesh, RTC_COMPRESSION_NONE), MeshScene(device, mesh),
+                                                raysAt(random, mesh, 403)));
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
@@ -75,7 +80,8 @@ std::set<Vec> storedVertices(RTCGeometry geometry)
   rtcForEachCompressedPart(geometry, [](void* out, const RTCCompressedPart* part) {
     for (unsigned i = 0; i < part->width*part->height; i++) {
       const float* p = part->vertices + 3*i;
-      if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) ((std::set<Vec>*)out)->insert(withoutSign({p[0], p[1], p[2]}));
+      if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))
+        ((std::set<Vec>*)out)->insert(withoutSign({p[0], p[1], p[2]}));
     }
     return true;
   }, &vertices);
@@ -104,12 +110,15 @@ TEST(LosslessVertices, MatchApplicationAtAnyPosition)
     }
     Diced diced = round % 4 ? dicedSheet(2, 20) : dicedBall(1, 20);
     for (Vec& p : diced.vertices) p = randomPlace(p, scale, away);
-    if (round % 5 == 0) diced.vertices[random.below(unsigned(diced.vertices.size()))][round % 3] = float(random.magnitude(1e6, 1e17));
+    if (round % 5 == 0)
+      diced.vertices[random.below(unsigned(diced.vertices.size()))][round % 3] = float(random.magnitude(1e6, 1e17));
     std::set<Vec> expected;
     for (const Vec& p : diced.vertices) expected.insert(withoutSign(p));
     const DicedMesh quads = meshOf(diced, QuadOrder::Rows, random);
     const std::pair<const char*, RTCGeometry> geometries[] = {
-      {"grids", newGrids(device, diced, RTC_COMPRESSION_VERT)}, {"quads", newMesh(device, quads, RTC_COMPRESSION_VERT)}, {"triangles", newMesh(device, trianglesOf(quads), RTC_COMPRESSION_VERT)}};
+      {"grids", newGrids(device, diced, RTC_COMPRESSION_VERT)},
+      {"quads", newMesh(device, quads, RTC_COMPRESSION_VERT)},
+      {"triangles", newMesh(device, trianglesOf(quads), RTC_COMPRESSION_VERT)}};
     for (const auto& g : geometries) {
       SCOPED_TRACE(g.first);
       Scene scene(device);
@@ -131,7 +140,10 @@ TEST(LosslessVertices, TakeFewerBytesThanEmbree)
   Device device(lossless);
   Random random(1503);
   Diced terrain;
-  terrain.add(257, 257, [&](unsigned x, unsigned y) { return Vec{float(x), float(y), float(100 + 3*std::sin(0.05*x) + 2*std::cos(0.07*y) + 0.01*random.normal())}; });
+  terrain.add(257, 257, [&](unsigned x, unsigned y) {
+    return Vec{float(x), float(y),
+               float(100 + 3*std::sin(0.05*x) + 2*std::cos(0.07*y) + 0.01*random.normal())};
+  });
   const RTCCompressionStatistics stats = statisticsOf(GridScene(device, terrain));
   EXPECT_EQ(stats.numRawBlocks, 0u);
   EXPECT_LT(double(stats.frameBytes + stats.nodeBytes + stats.leafBytes)/double(stats.numQuads), 2.9);
@@ -351,7 +363,9 @@ TEST_P(Lossless, HitsDifferFromEmbreeOnlyByRounding)
         for (int k = 0; k < 3; k++) {
           float largest = 0;
           for (const auto& vertex : triangle.vertices) largest = std::max(largest, std::fabs(vertex[k]));
-          vertexError[k] = source.isCage ? stats.maxBorderGap : source.isGrids && source.moves ? 6*unitRoundoff*largest : 0;
+          vertexError[k] = source.isCage ? stats.maxBorderGap
+                           : source.isGrids && source.moves ? 6*unitRoundoff*largest
+                                                            : 0;
         }
         const HitError bound = exact.embreesBound(vertexError, source.isCage ? 0x1p-13 : 0);
         ASSERT_NO_FATAL_FAILURE(expectWithin("our", f, exact, exact.oursBound()));

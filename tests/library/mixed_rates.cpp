@@ -79,7 +79,8 @@ struct BorderRecorder : public VertexRecorder
         const auto before = std::prev(after);
         const double t = (vertex.first - before->first)/(after->first - before->first);
         Vec p;
-        for (int k = 0; k < 3; k++) p[k] = float(0.5*(vertex.second[k] + before->second[k] + t*(after->second[k] - before->second[k])));
+        for (int k = 0; k < 3; k++)
+          p[k] = float(0.5*(vertex.second[k] + before->second[k] + t*(after->second[k] - before->second[k])));
         out.push_back(p);
       }
     return out;
@@ -102,7 +103,8 @@ struct PatchVertices
       const unsigned size = 1u << block->height(), width = size + 1;
       const float* p = (const float*)block->leaves();
       for (unsigned i = 0; i < width*width; i++) {
-        const unsigned x = embree::cbvh::blockXOf(block->info)*size + i % width, y = embree::cbvh::blockYOf(block->info)*size + i/width;
+        const unsigned x = embree::cbvh::blockXOf(block->info)*size + i % width,
+                       y = embree::cbvh::blockYOf(block->info)*size + i/width;
         vertices[{x, y}] = {p[i], p[width*width + i], p[2*width*width + i]};
       }
     }
@@ -140,7 +142,8 @@ void expectPolyline(const PatchVertices& patch, unsigned side, const std::vector
     // in a tie two vertices are nearest
     const unsigned below = (2*k*fine + coarse - 1)/(2*coarse), above = (2*k*fine + coarse)/(2*coarse);
     const bool isBelow = isSameVertex(patch.onSide(side, below), own[k]);
-    ASSERT_TRUE(isBelow || isSameVertex(patch.onSide(side, above), own[k])) << "vertex " << k << " of " << coarse << " is not a vertex of the patch";
+    ASSERT_TRUE(isBelow || isSameVertex(patch.onSide(side, above), own[k]))
+      << "vertex " << k << " of " << coarse << " is not a vertex of the patch";
     at.push_back(isBelow ? below : above);
   }
   for (unsigned k = 0; k < coarse; k++)
@@ -181,7 +184,8 @@ TEST(BordersOfMixedRates, ArePolylinesOfTheirEdges)
       const PatchVertices patch(blocks, face);
       for (unsigned side = 0; side < 4; side++) {
         const unsigned rate = unsigned(settings.edgeRates[4*face + side]);
-        SCOPED_TRACE(testing::Message() << "seed " << seed << ", face " << face << ", side " << side << ", rate " << rate << " of " << patch.quadsOf(side));
+        SCOPED_TRACE(testing::Message() << "seed " << seed << ", face " << face << ", side " << side << ", rate "
+                                        << rate << " of " << patch.quadsOf(side));
         std::vector<Vec> own;
         for (unsigned k = 0; k <= rate; k++) {
           const auto& border = recorder.borders.at(BorderRecorder::Side(face, 0, side));
@@ -243,7 +247,8 @@ TEST(BordersOfMixedRates, CVertEvaluatesBordersAtTheirRates)
       const SurfaceScene scene(device, cage, settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       std::vector<std::vector<std::array<float, 3>>> vertices(cage.faces.size());
-      for (const VertTriangle& t : vertTriangles(scene)) vertices[t.primID].insert(vertices[t.primID].end(), t.vertices.begin(), t.vertices.end());
+      for (const VertTriangle& t : vertTriangles(scene))
+        vertices[t.primID].insert(vertices[t.primID].end(), t.vertices.begin(), t.vertices.end());
       const double most = 0.8661*statisticsOf(scene).maxVertexSpacing + 1e-5; // faces round shared vertices differently
       size_t missing = 0, compared = 0;
       for (unsigned face = 0; face < cage.faces.size(); face++)
@@ -271,7 +276,8 @@ double worstOfParameters(RTCScene scene, const Cage& cage, const std::vector<RTC
     const RTCRayHit found = intersect(scene, ray);
     if (!isHit(found)) continue;
     const Vec p = surfacePoint(scene, cage, found.hit.primID, found.hit.u, found.hit.v);
-    const float org[3] = {ray.ray.org_x, ray.ray.org_y, ray.ray.org_z}, dir[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};
+    const float org[3] = {ray.ray.org_x, ray.ray.org_y, ray.ray.org_z},
+                dir[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};
     double d2 = 0;
     for (int k = 0; k < 3; k++) d2 += std::pow(org[k] + double(found.ray.tfar)*dir[k] - p[k], 2);
     worst = std::max(worst, std::sqrt(d2));
@@ -301,7 +307,8 @@ TEST(BordersOfMixedRates, HitsHaveParametersOfTheirPositions)
       const SurfaceScene scene(device, cage.cage, settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       const std::vector<RTCRayHit> rays = raysTowards(recorder.targets(random, 3), random);
-      EXPECT_LE(worstOfParameters(scene, cage.cage, rays), 2*worstOfParameters(grid, cage.cage, rays)) << "of " << rays.size() << " rays";
+      EXPECT_LE(worstOfParameters(scene, cage.cage, rays), 2*worstOfParameters(grid, cage.cage, rays))
+        << "of " << rays.size() << " rays";
     }
 }
 
@@ -372,7 +379,8 @@ TEST_P(MixedRates, CompressedFacesAreClosedNextToHighRates)
   bool first = true;
   BorderRecorder recorder(cage);
   SurfaceSettings settings;
-  settings.edgeRates = drawRates(cage, random, [&](Random& r) { return std::exchange(first, false) ? 300.0f : float(1 + r.below(40)); });
+  settings.edgeRates = drawRates(
+    cage, random, [&](Random& r) { return std::exchange(first, false) ? 300.0f : float(1 + r.below(40)); });
   settings.compression = RTC_COMPRESSION_NONE;
   Scene grid(device);
   recorder.build(device, grid, cage, settings);

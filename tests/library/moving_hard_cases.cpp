@@ -25,7 +25,8 @@ SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
 }
 
 // Number of rays from the center of a closed surface that leave it.
-size_t countLeaks(Random& random, RTCGeometry geometry, RTCScene scene, unsigned times, unsigned raysPerTime, size_t& rays)
+size_t countLeaks(Random& random, RTCGeometry geometry, RTCScene scene, unsigned times, unsigned raysPerTime,
+                  size_t& rays)
 {
   size_t leaks = 0;
   for (const RTCRayHit& ray : raysAtMovingSurface(random, geometry, times, raysPerTime)) {
@@ -54,7 +55,8 @@ TEST(MovingHardCases, ClosedSurfacesDoNotLeakAtAnyTime)
         Scene scene(device);
         rtcAttachGeometry(scene, geometry);
         rtcCommitScene(scene);
-        EXPECT_EQ(countLeaks(random, geometry, scene, 12, 400, rays), 0u) << cage.faces.size() << " faces, " << timeSteps << " steps, " << isa;
+        EXPECT_EQ(countLeaks(random, geometry, scene, 12, 400, rays), 0u)
+          << cage.faces.size() << " faces, " << timeSteps << " steps, " << isa;
         rtcReleaseGeometry(geometry);
       }
   }
@@ -71,7 +73,8 @@ size_t countHits(RTCScene scene, Random& random, float from = 0, float to = 1)
     EXPECT_EQ(isHit(hit), occluded(scene, ray));
     if (!isHit(hit)) continue;
     hits++;
-    EXPECT_TRUE(std::isfinite(hit.ray.tfar) && std::isfinite(hit.hit.u) && std::isfinite(hit.hit.v) && std::isfinite(hit.hit.Ng_x));
+    EXPECT_TRUE(std::isfinite(hit.ray.tfar) && std::isfinite(hit.hit.u) && std::isfinite(hit.hit.v) &&
+                std::isfinite(hit.hit.Ng_x));
     EXPECT_TRUE(hit.hit.u >= 0 && hit.hit.u <= 1 && hit.hit.v >= 0 && hit.hit.v <= 1);
   }
   return hits;
@@ -85,7 +88,9 @@ TEST(MovingHardCases, NonFiniteVertexAtOneStepRemovesItsQuadsAroundThatStep)
     SurfaceSettings settings;
     settings.compression = RTC_COMPRESSION_VERT;
     settings.timeSteps = 4;
-    settings.motion = [bad](const Vec& p, unsigned i) { return i == bad && p[0] < 0 && p[1] < 0 && p[2] < 0 ? Vec{NAN, 0, 0} : twisted(p, 0.2*i); };
+    settings.motion = [bad](const Vec& p, unsigned i) {
+      return i == bad && p[0] < 0 && p[1] < 0 && p[2] < 0 ? Vec{NAN, 0, 0} : twisted(p, 0.2*i);
+    };
     const SurfaceScene scene(device, cubeCage(), settings);
     EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
     EXPECT_NE(device.message.find("not finite"), std::string::npos) << device.message;
@@ -96,7 +101,8 @@ TEST(MovingHardCases, NonFiniteVertexAtOneStepRemovesItsQuadsAroundThatStep)
     const SurfaceScene whole(device, cubeCage(), settings);
     for (RTCRayHit ray : raysAt(random, 400)) {
       ray.ray.time = float(random.uniform(begin, end));
-      EXPECT_EQ(isHit(intersect(scene, ray)), isHit(intersect(whole, ray))) << "step " << bad << ", time " << ray.ray.time;
+      EXPECT_EQ(isHit(intersect(scene, ray)), isHit(intersect(whole, ray)))
+        << "step " << bad << ", time " << ray.ray.time;
     }
     EXPECT_GT(countHits(scene, random), 100u);
   }
@@ -126,11 +132,21 @@ TEST(MovingHardCases, InvertedCollapsedAndDistantSurfacesAreTraced)
 {
   Random random(seed + 3);
   const std::function<Vec(const Vec&, unsigned)> motions[] = {
-    [](const Vec& p, unsigned i) { return i ? Vec{-p[0], -p[1], -p[2]} : p; },            // through a point, turning inside out
-    [](const Vec& p, unsigned i) { return i ? Vec{0.1f, 0.2f, 0.3f} : p; },                // to a point
-    [](const Vec& p, unsigned i) { return i ? p : Vec{0.1f, 0.2f, 0.3f}; },                // from a point
-    [](const Vec& p, unsigned i) { return i ? Vec{p[0] + 2e5f, p[1], p[2]} : p; },         // by 10^5 times its size
-    [](const Vec& p, unsigned i) { return i ? Vec{1e4f*p[0], 1e4f*p[1], 1e4f*p[2]} : p; }, // grows by a factor of 10^4
+    [](const Vec& p, unsigned i) {
+      return i ? Vec{-p[0], -p[1], -p[2]} : p;
+    },            // through a point, turning inside out
+    [](const Vec& p, unsigned i) {
+      return i ? Vec{0.1f, 0.2f, 0.3f} : p;
+    },                // to a point
+    [](const Vec& p, unsigned i) {
+      return i ? p : Vec{0.1f, 0.2f, 0.3f};
+    },                // from a point
+    [](const Vec& p, unsigned i) {
+      return i ? Vec{p[0] + 2e5f, p[1], p[2]} : p;
+    },         // by 10^5 times its size
+    [](const Vec& p, unsigned i) {
+      return i ? Vec{1e4f*p[0], 1e4f*p[1], 1e4f*p[2]} : p;
+    }, // grows by a factor of 10^4
     [](const Vec& p, unsigned) { return p; },                                              // no motion
   };
   for (size_t m = 0; m < std::size(motions); m++) {
@@ -145,7 +161,11 @@ TEST(MovingHardCases, InvertedCollapsedAndDistantSurfacesAreTraced)
     EXPECT_EQ(statisticsOf(scene).numMovingQuads, 6u*256u);
     const float to = m == 3 || m == 4 ? 1e-6f : 1.0f;
     EXPECT_GT(countHits(scene, random, m == 2 ? 0.2f : 0, to), m == 1 || m == 2 ? 50u : 100u);
-    const SurfaceScene grid(device, cubeCage(), [&] { SurfaceSettings s = settings; s.compression = RTC_COMPRESSION_NONE; return s; }());
+    const SurfaceScene grid(device, cubeCage(), [&] {
+      SurfaceSettings s = settings;
+      s.compression = RTC_COMPRESSION_NONE;
+      return s;
+    }());
     size_t others = 0, hits = 0;
     for (RTCRayHit ray : raysAt(random, 500)) {
       ray.ray.time = float(random.uniform(0, to));
@@ -187,7 +207,8 @@ TEST(MovingHardCases, TimesOfStepsMatchSteps)
 enum class Size { Primitive, Block, Many };
 
 // Surfaces of every type.
-std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device, Size size, float begin, float end, unsigned timeSteps = 2)
+std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device, Size size, float begin, float end,
+                                                                unsigned timeSteps = 2)
 {
   std::vector<std::pair<std::string, RTCGeometry>> all;
   const DicedMotion motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.25f*float(step)}; };
@@ -226,7 +247,8 @@ TEST(MovingHardCases, TimeRangesOutsideOfRayTimesCommit)
       for (size_t b = 0; b < std::size(times); b++)
         for (size_t e = b + 1; e < std::size(times); e++)
           for (const auto& [name, geometry] : movingSurfaces(device, size, times[b], times[e])) {
-            SCOPED_TRACE(testing::Message() << name << ", size " << int(size) << ", from " << times[b] << " to " << times[e] << ", " << config);
+            SCOPED_TRACE(testing::Message() << name << ", size " << int(size) << ", from " << times[b] << " to "
+                                            << times[e] << ", " << config);
             Scene scene(device);
             attach(scene, geometry);
             rtcCommitScene(scene);
@@ -268,7 +290,8 @@ TEST(MovingHardCases, SurfacesAreHitOnlyInTheirTimeRange)
         if (!isHit(hit)) continue;
         hits++;
         const auto& [begin, end] = ranges[hit.hit.geomID];
-        ASSERT_TRUE(ray.ray.time >= begin - 1e-4f && ray.ray.time <= end + 1e-4f) << "time " << ray.ray.time << ", geometry " << hit.hit.geomID << ", " << config;
+        ASSERT_TRUE(ray.ray.time >= begin - 1e-4f && ray.ray.time <= end + 1e-4f)
+          << "time " << ray.ray.time << ", geometry " << hit.hit.geomID << ", " << config;
       }
       EXPECT_GT(hits, 50u) << int(size) << ", " << config;
     }
@@ -322,15 +345,18 @@ TEST(MovingHardCases, EmptySurfacesHaveEmptyBounds)
     SurfaceSettings settings;
     settings.timeSteps = 2;
     settings.motion = motion;
-    for (RTCGeometry geometry : {newSurface(device, cubeCage(), settings), newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, 2),
-                                 newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, 2), newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_INHERIT, 0, 2)}) {
+    for (RTCGeometry geometry :
+         {newSurface(device, cubeCage(), settings), newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, 2),
+          newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, 2),
+          newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_INHERIT, 0, 2)}) {
       Scene scene(device);
       attach(scene, geometry);
       rtcCommitScene(scene);
       RTCBounds bounds;
       rtcGetSceneBounds(scene, &bounds);
       EXPECT_TRUE(bounds.lower_x > bounds.upper_x && bounds.lower_y > bounds.upper_y && bounds.lower_z > bounds.upper_z)
-        << config << ": " << bounds.lower_x << " to " << bounds.upper_x << ", " << bounds.lower_y << " to " << bounds.upper_y << ", " << bounds.lower_z << " to " << bounds.upper_z;
+        << config << ": " << bounds.lower_x << " to " << bounds.upper_x << ", " << bounds.lower_y << " to "
+        << bounds.upper_y << ", " << bounds.lower_z << " to " << bounds.upper_z;
     }
   }
 }

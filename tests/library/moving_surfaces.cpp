@@ -59,9 +59,12 @@ TEST_P(MovingSurfaces, HitsMatchEmbreeMotionBlur)
       const std::vector<RTCRayHit> rays = timedRays(random, 600);
       for (QueryForm form : allQueryForms) {
         SCOPED_TRACE(testing::Message() << timeSteps << " steps, " << nameOf(form));
-        ASSERT_NO_FATAL_FAILURE(expectSameHits(closestHits(twins.grid, rays, form), closestHits(twins.scene, rays, form), 1e-3));
-        const std::vector<RTCRayHit> expected = anyHits(twins.grid, rays, form), found = anyHits(twins.scene, rays, form);
-        for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(expected[i].ray.tfar < 0, found[i].ray.tfar < 0) << "ray " << i;
+        ASSERT_NO_FATAL_FAILURE(
+          expectSameHits(closestHits(twins.grid, rays, form), closestHits(twins.scene, rays, form), 1e-3));
+        const std::vector<RTCRayHit> expected = anyHits(twins.grid, rays, form),
+                                     found = anyHits(twins.scene, rays, form);
+        for (size_t i = 0; i < rays.size(); i++)
+          ASSERT_EQ(expected[i].ray.tfar < 0, found[i].ray.tfar < 0) << "ray " << i;
       }
     }
 }
@@ -79,7 +82,8 @@ TEST_P(MovingSurfaces, MasksFiltersAndInstances)
     settings.compression = i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE;
     settings.mask = 2;
     RTCGeometry geometry = newSurface(device, cubeCage(), settings);
-    attachFiltered(device, geometry, scenes[i], tops[i], {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}});
+    attachFiltered(device, geometry, scenes[i], tops[i],
+                   {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}});
   }
   std::vector<RTCRayHit> rays = timedRays(random, 600);
   for (RTCRayHit& r : rays) r.ray.mask = random.chance(0.9) ? 2 : 1;
@@ -129,7 +133,8 @@ size_t countOthers(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& 
     const RTCRayHit a = intersect(grid, ray), b = intersect(scene, ray);
     if (isHit(a) != isHit(b)) { others++; continue; }
     if (!isHit(a)) continue;
-    if (std::fabs(a.ray.tfar - b.ray.tfar) > slack*std::max(1.0, 0.1/cosine(a)) || a.hit.primID != b.hit.primID) others++;
+    if (std::fabs(a.ray.tfar - b.ray.tfar) > slack*std::max(1.0, 0.1/cosine(a)) || a.hit.primID != b.hit.primID)
+      others++;
   }
   return others;
 }
@@ -140,9 +145,11 @@ TEST(MovingSurfacesInTime, PositionsMatchStepsAndSurfacesExistOnlyInTheirRange)
   Random random(seed + 1);
   Device device;
   const Cage cage = cubeCage();
-  const SurfaceSettings ranges[] = {smooth(2, 0, 1), smooth(5, 0, 1), smooth(3, 0.25f, 0.75f), smooth(129, 0, 1), smooth(4, -1, 2)};
+  const SurfaceSettings ranges[] = {smooth(2, 0, 1), smooth(5, 0, 1), smooth(3, 0.25f, 0.75f), smooth(129, 0, 1),
+                                    smooth(4, -1, 2)};
   for (const SurfaceSettings& settings : ranges) {
-    SCOPED_TRACE(testing::Message() << settings.timeSteps << " steps from " << settings.begin << " to " << settings.end);
+    SCOPED_TRACE(testing::Message() << settings.timeSteps << " steps from " << settings.begin << " to "
+                                    << settings.end);
     const SurfaceScene scene(device, cage, settings);
     ASSERT_EQ(statisticsOf(scene).numMovingQuads, 6u*256u);
     std::vector<float> times = {0, 0.25f, 0.5f, 0.75f, 1};
@@ -170,7 +177,8 @@ TEST(MovingSurfacesInTime, DifferentSurfacesShareAScene)
 {
   Random random(seed + 2);
   Device device;
-  std::vector<SurfaceSettings> all = {smooth(2, 0, 1), smooth(7, 0.5f, 1), smooth(1, 0, 1), smooth(3, 0, 0.5f), smooth(1, 0, 1)};
+  std::vector<SurfaceSettings> all = {smooth(2, 0, 1), smooth(7, 0.5f, 1), smooth(1, 0, 1), smooth(3, 0, 0.5f),
+                                      smooth(1, 0, 1)};
   all[4].compression = RTC_COMPRESSION_NONE;
   Scene scene(device), motionOnly(device);
   std::vector<std::unique_ptr<SurfaceScene>> alone;
@@ -307,7 +315,8 @@ TEST_P(MovingSurfaces, DifferentRangesTogetherMatchSeparateScenes)
     for (RTCRayHit ray : raysAt(random, 8000)) {
       ray.ray.time = float(random.chance(0.5) ? random.uniform() : random.uniform(0.49995, 0.50005));
       float nearest = INFINITY;
-      for (const auto& one : alone) nearest = std::min(nearest, isHit(intersect(*one, ray)) ? intersect(*one, ray).ray.tfar : INFINITY);
+      for (const auto& one : alone)
+        nearest = std::min(nearest, isHit(intersect(*one, ray)) ? intersect(*one, ray).ray.tfar : INFINITY);
       const RTCRayHit found = intersect(scene, ray);
       ASSERT_EQ(found.ray.tfar, nearest) << "time " << ray.ray.time;
       hits += isHit(found);

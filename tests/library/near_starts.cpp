@@ -54,7 +54,11 @@ int crossings(const std::vector<VertTriangle>& triangles, const RTCRay& ray)
 TEST(NearStarts, RaysFromNearATriangleLeaveThroughIt)
 {
   Device device;
-  const struct { const char* name; Cage cage; } solids[] = {{"cube", turned(cubeCage())}, {"prism", turned(prismCage(3))}};
+  const struct
+  {
+    const char* name;
+    Cage cage;
+  } solids[] = {{"cube", turned(cubeCage())}, {"prism", turned(prismCage(3))}};
   for (const auto& solid : solids)
     for (float maxError : {0.0f, 0.3f}) { // also lattices coarser than the quads
       SurfaceSettings settings;
@@ -71,8 +75,14 @@ TEST(NearStarts, RaysFromNearATriangleLeaveThroughIt)
           if (!at.hasArea()) continue;
           const std::array<double, 3> from = pointIn(at, random), to = pointIn(at, random);
           double a[3], b[3], normal[3], length2 = 0;
-          for (int k = 0; k < 3; k++) { a[k] = double(at.vertices[1][k]) - at.vertices[0][k]; b[k] = double(at.vertices[2][k]) - at.vertices[0][k]; }
-          for (int k = 0; k < 3; k++) { normal[k] = a[(k+1) % 3]*b[(k+2) % 3] - a[(k+2) % 3]*b[(k+1) % 3]; length2 += normal[k]*normal[k]; }
+          for (int k = 0; k < 3; k++) {
+            a[k] = double(at.vertices[1][k]) - at.vertices[0][k];
+            b[k] = double(at.vertices[2][k]) - at.vertices[0][k];
+          }
+          for (int k = 0; k < 3; k++) {
+            normal[k] = a[(k+1) % 3]*b[(k+2) % 3] - a[(k+2) % 3]*b[(k+1) % 3];
+            length2 += normal[k]*normal[k];
+          }
           if (!(length2 > 0)) continue;
           // distance from the surface relative to the size of the triangle, about the square root of its area
           const double depth = distance*std::pow(length2, 0.25)/std::sqrt(length2);

@@ -31,7 +31,8 @@ Cage randomCage(Random& random)
   }
   Cage soup; // arbitrary faces of few vertices
   const unsigned vertices = 3 + random.below(20);
-  for (unsigned i = 0; i < vertices; i++) soup.positions.push_back({float(random.normal()), float(random.normal()), float(random.normal())});
+  for (unsigned i = 0; i < vertices; i++)
+    soup.positions.push_back({float(random.normal()), float(random.normal()), float(random.normal())});
   for (unsigned i = random.below(20); i-- > 0; ) {
     unsigned size = random.chance(0.05) ? random.below(1000) : random.below(7);
     if (size == 1) size = 0; // Embree's assertions, if enabled, fail for faces with one vertex
@@ -43,14 +44,18 @@ Cage randomCage(Random& random)
 
 void spoil(Random& random, Cage& cage)
 {
-  const auto vertex = [&] { return random.chance(0.05) ? random.bits() : random.below(unsigned(cage.positions.size()) + 2); };
+  const auto vertex = [&] {
+    return random.chance(0.05) ? random.bits() : random.below(unsigned(cage.positions.size()) + 2);
+  };
   for (unsigned n = random.below(3); n-- > 0; )
     switch (random.below(6)) {
     case 0: cage.positions[random.below(unsigned(cage.positions.size()))][random.below(3)] = oddNumber(random); break;
     case 1: if (!cage.indices.empty()) cage.indices[random.below(unsigned(cage.indices.size()))] = vertex(); break;
     case 2: cage.creases.push_back({vertex(), vertex()}); cage.creaseWeights.push_back(oddNumber(random)); break;
     case 3: cage.corners.push_back(vertex()); cage.cornerWeights.push_back(oddNumber(random)); break;
-    case 4: cage.holes.push_back(random.chance(0.1) ? random.bits() : random.below(unsigned(cage.faces.size()) + 2)); break;
+    case 4:
+      cage.holes.push_back(random.chance(0.1) ? random.bits() : random.below(unsigned(cage.faces.size()) + 2));
+      break;
     case 5: cage.mode = RTCSubdivisionMode(random.below(5)); break;
     }
 }
@@ -59,7 +64,8 @@ TEST(RandomCages, AreTracedWithoutCrash)
 {
   Random random(108);
   const size_t rounds = randomRounds(300);
-  const RTCCompression kinds[] = {RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID};
+  const RTCCompression kinds[] = {RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT,
+                                  RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID};
   size_t hits = 0, named = 0;
   for (size_t round = 0; round < rounds; round++) {
     SCOPED_TRACE(testing::Message() << "round " << round);
@@ -73,7 +79,9 @@ TEST(RandomCages, AreTracedWithoutCrash)
     settings.rate = random.chance(0.05) ? oddNumber(random) : float(random.uniform(0, 9));
     if (settings.rate > 100) settings.rate = 100;
     if (random.chance(0.3))
-      for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(random.chance(0.02) ? std::min(oddNumber(random), 300.0f) : float(random.uniform(0, 12)));
+      for (size_t i = 0; i < cage.indices.size(); i++)
+        settings.edgeRates.push_back(random.chance(0.02) ? std::min(oddNumber(random), 300.0f)
+                                                         : float(random.uniform(0, 12)));
     Scene scene(device);
     addSurface(device, scene, cage, settings);
     rtcCommitScene(scene);

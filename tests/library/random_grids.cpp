@@ -20,14 +20,16 @@ struct RandomGrids
   std::unique_ptr<char[]> vertices, grids; // vertices include the 4 bytes after the last one, which Embree may read
 
   explicit RandomGrids(Random& random)
-    : numVertices(random.chance(0.1) ? random.below(4) : 1 + random.below(random.chance(0.2) ? 5000 : 200)), vertexStride(12 + 4*random.below(3)),
-      numGrids(random.chance(0.05) ? 0 : 1 + random.below(12)), gridStride(12 + 4*random.below(2)), vertices(new char[numVertices*vertexStride + 4]),
+    : numVertices(random.chance(0.1) ? random.below(4) : 1 + random.below(random.chance(0.2) ? 5000 : 200)),
+      vertexStride(12 + 4*random.below(3)), numGrids(random.chance(0.05) ? 0 : 1 + random.below(12)),
+      gridStride(12 + 4*random.below(2)), vertices(new char[numVertices*vertexStride + 4]),
       grids(new char[numGrids*gridStride + 4])
   {
     const bool isPoisoned = random.chance(0.5);
     const double scale = random.magnitude(1e-6, 1e6);
     for (size_t i = 0; i < numVertices; i++) {
-      float p[3] = {float(scale*(double(i % 16) + 0.3*random.uniform())), float(scale*(double(i / 16) + 0.3*random.uniform())), float(scale*random.normal())};
+      float p[3] = {float(scale*(double(i % 16) + 0.3*random.uniform())),
+                    float(scale*(double(i / 16) + 0.3*random.uniform())), float(scale*random.normal())};
       for (float& x : p) {
         if (random.chance(0.3)) x = std::nearbyint(x);
         if (isPoisoned && random.chance(0.01)) x = oddNumber(random);
@@ -35,7 +37,8 @@ struct RandomGrids
       std::memcpy(&vertices[i*vertexStride], p, sizeof(p));
     }
     for (size_t i = 0; i < numGrids; i++) {
-      RTCGrid grid = {random.below(unsigned(numVertices) + 1), 1 + random.below(40), (unsigned short)random.below(30), (unsigned short)random.below(30)};
+      RTCGrid grid = {random.below(unsigned(numVertices) + 1), 1 + random.below(40), (unsigned short)random.below(30),
+                      (unsigned short)random.below(30)};
       if (random.chance(0.5)) { grid.stride = 16; grid.width = (unsigned short)std::min<unsigned>(grid.width, 16); }
       if (random.chance(0.05)) grid.startVertexID = random.bits();
       if (random.chance(0.05)) grid.stride = random.chance(0.5) ? 0 : random.bits();
@@ -67,7 +70,8 @@ struct RandomGrids
   bool isRight(size_t i) const
   {
     const RTCGrid g = grid(i);
-    return g.width > 1 && g.height > 1 && uint64_t(g.startVertexID) + uint64_t(g.height - 1)*g.stride + g.width - 1 < numVertices;
+    return g.width > 1 && g.height > 1 &&
+           uint64_t(g.startVertexID) + uint64_t(g.height - 1)*g.stride + g.width - 1 < numVertices;
   }
 
 private:
@@ -89,8 +93,10 @@ TEST(RandomGrids, AreTracedOrReported)
     const RandomGrids grids(random);
     Scene scene(device);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, grids.vertices.get(), 0, grids.vertexStride, grids.numVertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids.grids.get(), 0, grids.gridStride, grids.numGrids);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, grids.vertices.get(), 0,
+                               grids.vertexStride, grids.numVertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids.grids.get(), 0,
+                               grids.gridStride, grids.numGrids);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
@@ -124,7 +130,8 @@ TEST(RandomGrids, AreTracedOrReported)
     if (quads && std::isfinite(bounds.lower_x) && bounds.upper_x - bounds.lower_x < 1e12f)
       for (int i = 0; i < 40; i++) {
         const auto in = [&](float a, float b) { return float(a + random.uniform()*(double(b) - a)); };
-        const Vec at = {in(bounds.lower_x, bounds.upper_x), in(bounds.lower_y, bounds.upper_y), in(bounds.lower_z, bounds.upper_z)};
+        const Vec at = {in(bounds.lower_x, bounds.upper_x), in(bounds.lower_y, bounds.upper_y),
+                        in(bounds.lower_z, bounds.upper_z)};
         Vec direction;
         for (float& d : direction) d = random.chance(0.2) ? 0.0f : float(random.normal());
         rays.push_back(makeRay(at, direction));

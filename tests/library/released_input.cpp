@@ -34,7 +34,8 @@ TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
       {RTC_BUFFER_TYPE_INDEX, [&] { return newMesh(device, mesh); }},
       {RTC_BUFFER_TYPE_INDEX, [&] { return newMesh(device, trianglesOf(mesh)); }}};
     for (const auto& [indices, make] : types) {
-      SCOPED_TRACE(testing::Message() << "buffer type " << indices << (byEnvironment ? ", environment" : ", device string"));
+      SCOPED_TRACE(testing::Message() << "buffer type " << indices
+                                      << (byEnvironment ? ", environment" : ", device string"));
       const ssize_t before = memory.live;
       RTCGeometry geometry = make();
       Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
@@ -89,7 +90,8 @@ TEST(ReleaseInput, StatisticsCountRemainingBuffers)
   EXPECT_NEAR(double(statisticsOf(scene).inputBytes), double(bytes), 32) << "Embree pads its buffers";
   std::vector<Vec> vertices = mesh.vertices;
   vertices.push_back({0, 0, 0});
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, sizeof(Vec), mesh.vertices.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, sizeof(Vec),
+                             mesh.vertices.size());
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
   EXPECT_NEAR(double(statisticsOf(scene).inputBytes), 16*double(mesh.quads.size()), 16);

@@ -53,7 +53,8 @@ TEST(ResampledInterior, MatchesGridIfRatesAreMultiplesOfBlocks)
     const RTCRayHit a = intersect(twins.grid, ray), b = intersect(twins.scene, ray);
     if (!isHit(a) || !isHit(b) || a.hit.primID != b.hit.primID) continue;
     // GRID stores parameters in 16 bits, and its fans at borders have the parameters of the edge
-    ASSERT_LE(std::hypot(a.hit.u - b.hit.u, a.hit.v - b.hit.v), quad) << a.hit.u << " " << a.hit.v << ", " << b.hit.u << " " << b.hit.v;
+    ASSERT_LE(std::hypot(a.hit.u - b.hit.u, a.hit.v - b.hit.v), quad)
+      << a.hit.u << " " << a.hit.v << ", " << b.hit.u << " " << b.hit.v;
     if (std::min({a.hit.u, a.hit.v, 1 - a.hit.u, 1 - a.hit.v}) < quad) { borders++; continue; }
     interior++;
     // the same test rounds differently in different compilations
@@ -79,7 +80,8 @@ bool isSteep(const RTCRayHit& fine)
 {
   const float* N = &fine.hit.Ng_x;
   const float* D = &fine.ray.dir_x;
-  const double nd = std::inner_product(N, N + 3, D, 0.0), nn = std::inner_product(N, N + 3, N, 0.0), dd = std::inner_product(D, D + 3, D, 0.0);
+  const double nd = std::inner_product(N, N + 3, D, 0.0), nn = std::inner_product(N, N + 3, N, 0.0),
+               dd = std::inner_product(D, D + 3, D, 0.0);
   return nd*nd >= 0.25*nn*dd;
 }
 
@@ -160,12 +162,14 @@ TEST_P(ResampledFaces, SurfaceIsAsCloseToTrueOneAsGridExceptForLeafError)
         grids += distanceAcross(f, a);
         ours += distanceAcross(f, b);
         const double error = leafError(blocks, f, b);
-        ASSERT_TRUE(std::isfinite(error)) << "no leaf has these parameters: face " << b.hit.primID << ", " << b.hit.u << ", " << b.hit.v;
+        ASSERT_TRUE(std::isfinite(error))
+          << "no leaf has these parameters: face " << b.hit.primID << ", " << b.hit.u << ", " << b.hit.v;
         allowed += 0.5*error;
         count++;
       }
     }
-    std::printf("%s, mean over %u hits: error %g, reference's %g, leaves may add %g\n", set.name, count, ours/count, grids/count, allowed/count);
+    std::printf("%s, mean over %u hits: error %g, reference's %g, leaves may add %g\n", set.name, count, ours/count,
+                grids/count, allowed/count);
     EXPECT_GT(count, 3000u);
     EXPECT_LE(ours/count, (grids + allowed)/count);
   }
@@ -200,7 +204,9 @@ TEST_P(ResampledFaces, EachOfTheFourEdgesDeterminesTheBlocks)
 // Small faces: level 6 is 8.6 times smaller in cLEAF; here most faces have a fraction of its quads.
 TEST_P(AnyRates, MemoryIsAFractionOfGrid)
 {
-  const double largestPart = GetParam() == RTC_COMPRESSION_GRID ? 0.65 : GetParam() == RTC_COMPRESSION_VOXEL ? 0.14 : 0.22;
+  const double largestPart = GetParam() == RTC_COMPRESSION_GRID ? 0.65
+                             : GetParam() == RTC_COMPRESSION_VOXEL ? 0.14
+                                                                   : 0.22;
   for (const auto& set : rateSets) {
     SCOPED_TRACE(testing::Message() << "rates " << set.name);
     ssize_t bytes[2];
@@ -267,7 +273,8 @@ TEST_P(AnyRates, ChangedRatesAreRebuilt)
   for (int step = 0; step < 4; step++) {
     settings.edgeRates = drawRates(cage, random, rateSets[step].draw);
     RTCGeometry geometry = rtcGetGeometry(changing, id);
-    std::copy(settings.edgeRates.begin(), settings.edgeRates.end(), (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0));
+    std::copy(settings.edgeRates.begin(), settings.edgeRates.end(),
+              (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0));
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_LEVEL, 0);
     rtcCommitGeometry(geometry);
     rtcCommitScene(changing);

@@ -20,7 +20,10 @@ class ResumedFiles : public testing::Test
 protected:
   static constexpr unsigned long long key = 0x123456789abcdef0ull;
 
-  RTCCompressedFileWriter resume(unsigned long long of = key) { return rtcResumeCompressedFileWriter(device, path.c_str(), of); }
+  RTCCompressedFileWriter resume(unsigned long long of = key)
+  {
+    return rtcResumeCompressedFileWriter(device, path.c_str(), of);
+  }
 
   /* Appends geometry i of the test's geometries. */
   void append(RTCCompressedFileWriter writer, size_t i)
@@ -56,9 +59,13 @@ protected:
       attach(made, all[i].make(device));
       rtcCommitScene(from);
       rtcCommitScene(made);
-      const std::vector<RTCRayHit> expected = closestHits(made, rays, QueryForm::Single), hits = closestHits(from, rays, QueryForm::Single);
-      for (size_t k = 0; k < rays.size(); k++) ASSERT_TRUE(std::memcmp(&hits[k].ray.tfar, &expected[k].ray.tfar, sizeof(float)) == 0 && hits[k].hit.primID == expected[k].hit.primID &&
-                                                       std::memcmp(&hits[k].hit.u, &expected[k].hit.u, 2*sizeof(float)) == 0) << all[i].name << ", ray " << k;
+      const std::vector<RTCRayHit> expected = closestHits(made, rays, QueryForm::Single),
+                                   hits = closestHits(from, rays, QueryForm::Single);
+      for (size_t k = 0; k < rays.size(); k++)
+        ASSERT_TRUE(std::memcmp(&hits[k].ray.tfar, &expected[k].ray.tfar, sizeof(float)) == 0 &&
+                    hits[k].hit.primID == expected[k].hit.primID &&
+                    std::memcmp(&hits[k].hit.u, &expected[k].hit.u, 2*sizeof(float)) == 0)
+          << all[i].name << ", ray " << k;
     }
     rtcReleaseCompressedFile(file);
   }

@@ -19,7 +19,8 @@ namespace {
 // Largest distance of a point from bounds, over the axes.
 float outside(const RTCBounds& b, const Vec& p)
 {
-  return std::max({b.lower_x - p[0], p[0] - b.upper_x, b.lower_y - p[1], p[1] - b.upper_y, b.lower_z - p[2], p[2] - b.upper_z});
+  return std::max(
+    {b.lower_x - p[0], p[0] - b.upper_x, b.lower_y - p[1], p[1] - b.upper_y, b.lower_z - p[2], p[2] - b.upper_z});
 }
 
 class SceneBounds : public testing::TestWithParam<RTCCompression> {};
@@ -44,7 +45,8 @@ TEST_P(SceneBounds, ContainEveryHit)
         const RTCRayHit hit = intersect(scene, randomRay(random, RayKind::Across, sheet));
         if (!isHit(hit)) continue;
         hits++;
-        const Vec p = {hit.ray.org_x + hit.ray.tfar*hit.ray.dir_x, hit.ray.org_y + hit.ray.tfar*hit.ray.dir_y, hit.ray.org_z + hit.ray.tfar*hit.ray.dir_z};
+        const Vec p = {hit.ray.org_x + hit.ray.tfar*hit.ray.dir_x, hit.ray.org_y + hit.ray.tfar*hit.ray.dir_y,
+                       hit.ray.org_z + hit.ray.tfar*hit.ray.dir_z};
         const float tolerance = 64*std::numeric_limits<float>::epsilon()*(1 + hit.ray.tfar);
         ASSERT_LE(outside(bounds, p), tolerance) << nameOf(shape) << ", height " << height;
         reachesPast += outside(vertices, p) > tolerance;
@@ -56,12 +58,15 @@ TEST_P(SceneBounds, ContainEveryHit)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, SceneBounds, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT),
+INSTANTIATE_TEST_SUITE_P(Kinds, SceneBounds,
+                         testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
+                                         RTC_COMPRESSION_VERT),
                          [](const auto& info) { return kindName(info.param); });
 
 // Kinds whose faces round shared vertices differently. In cVERT they share the same vertices.
 class RoundedBounds : public SceneBounds {};
-INSTANTIATE_TEST_SUITE_P(Kinds, RoundedBounds, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF),
+INSTANTIATE_TEST_SUITE_P(Kinds, RoundedBounds,
+                         testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF),
                          [](const auto& info) { return kindName(info.param); });
 
 // Bounds are rounded outwards, not to the nearest float, so that they contain vertices as rounded by a neighboring
@@ -82,7 +87,8 @@ TEST_P(RoundedBounds, ContainVerticesAsRoundedByAnyFace)
     for (const Vec& p : sheet.vertices)
       for (float x : p) coordinate = std::max(coordinate, std::fabs(double(x)));
     const double rounding = embree::cbvh::vertexRounding*coordinate;
-    const float lower[3] = {bounds.lower_x, bounds.lower_y, bounds.lower_z}, upper[3] = {bounds.upper_x, bounds.upper_y, bounds.upper_z};
+    const float lower[3] = {bounds.lower_x, bounds.lower_y, bounds.lower_z},
+                upper[3] = {bounds.upper_x, bounds.upper_y, bounds.upper_z};
     for (const Vec& p : sheet.vertices)
       for (int k = 0; k < 3; k++) {
         ASSERT_LE(lower[k], p[k] - rounding) << "sheet " << i << ", axis " << k;

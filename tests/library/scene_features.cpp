@@ -15,7 +15,8 @@
 namespace cbvh::test {
 namespace {
 
-const RTCCompression allKinds[] = {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
+const RTCCompression allKinds[] = {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
+                                   RTC_COMPRESSION_VERT};
 
 class SceneFeatures : public testing::TestWithParam<RTCCompression>
 {
@@ -47,9 +48,10 @@ TEST(MixedScene, EveryGeometryUsesItsOwnSettings)
 {
   Device device;
   Scene scene(device);
-  const struct { RTCCompression compression; int frameLevel; float rate; } kinds[] = {
-    {RTC_COMPRESSION_NONE, 0, 8}, {RTC_COMPRESSION_GRID, 1, 16}, {RTC_COMPRESSION_VOXEL, 2, 32}, {RTC_COMPRESSION_LEAF, 0, 8},
-    {RTC_COMPRESSION_LEAF, 3, 8}, {RTC_COMPRESSION_LEAF, 1, 8}, {RTC_COMPRESSION_VOXEL, 1, 8}};
+  const struct { RTCCompression compression; int frameLevel; float rate;
+  } kinds[] = {{RTC_COMPRESSION_NONE, 0, 8}, {RTC_COMPRESSION_GRID, 1, 16}, {RTC_COMPRESSION_VOXEL, 2, 32},
+               {RTC_COMPRESSION_LEAF, 0, 8}, {RTC_COMPRESSION_LEAF, 3, 8}, {RTC_COMPRESSION_LEAF, 1, 8},
+               {RTC_COMPRESSION_VOXEL, 1, 8}};
   constexpr unsigned numKinds = 7, disabled = 5, detached = 6;
   Displacement displacement[numKinds];
   size_t blocks = 0, quads = 0;
@@ -232,13 +234,14 @@ Filtered traceFiltered(RTCScene scene, const RTCRayHit& ray, const std::function
 
 bool isSame(const SeenHit& a, const SeenHit& b)
 {
-  return a.geomID == b.geomID && a.primID == b.primID && a.t == b.t && a.u == b.u && a.v == b.v && std::equal(a.Ng, a.Ng + 3, b.Ng);
+  return a.geomID == b.geomID && a.primID == b.primID && a.t == b.t && a.u == b.u && a.v == b.v &&
+         std::equal(a.Ng, a.Ng + 3, b.Ng);
 }
 
 bool isSame(const SeenHit& a, const RTCRayHit& b)
 {
-  return a.geomID == b.hit.geomID && a.primID == b.hit.primID && a.t == b.ray.tfar && a.u == b.hit.u && a.v == b.hit.v &&
-    a.Ng[0] == b.hit.Ng_x && a.Ng[1] == b.hit.Ng_y && a.Ng[2] == b.hit.Ng_z;
+  return a.geomID == b.hit.geomID && a.primID == b.hit.primID && a.t == b.ray.tfar && a.u == b.hit.u &&
+         a.v == b.hit.v && a.Ng[0] == b.hit.Ng_x && a.Ng[1] == b.hit.Ng_y && a.Ng[2] == b.hit.Ng_z;
 }
 
 TEST_P(SceneFeatures, FiltersSeeReportedHit)
@@ -280,7 +283,9 @@ TEST_P(SceneFeatures, FilterThatRejectsAllLeavesRayUnchanged)
     seen += !r.seen.empty();
     ASSERT_EQ(r.seen.size(), r.seenByAnyHit.size());
     for (auto* seen : {&r.seen, &r.seenByAnyHit})
-      std::sort(seen->begin(), seen->end(), [](const SeenHit& a, const SeenHit& b) { return std::tie(a.t, a.primID, a.u, a.v) < std::tie(b.t, b.primID, b.u, b.v); });
+      std::sort(seen->begin(), seen->end(), [](const SeenHit& a, const SeenHit& b) {
+        return std::tie(a.t, a.primID, a.u, a.v) < std::tie(b.t, b.primID, b.u, b.v);
+      });
     for (size_t i = 0; i < r.seen.size(); i++) ASSERT_TRUE(isSame(r.seen[i], r.seenByAnyHit[i])) << "hit " << i;
   }
   EXPECT_GT(seen, 300u);
@@ -427,7 +432,8 @@ void expectSame(const RTCRayHit& expected, const RTCRayHit& found)
 // Members of packets are arrays of N; every fifth lane is inactive.
 template<unsigned N, typename Packet>
 void comparePackets(RTCScene scene, const std::vector<RTCRayHit>& rays,
-                    void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*), const std::function<void(const int*, RTCIntersectContext*, Packet*)>& any,
+                    void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*),
+                    const std::function<void(const int*, RTCIntersectContext*, Packet*)>& any,
                     RTCIntersectContextFlags flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT)
 {
   RTCIntersectContext context;
@@ -441,7 +447,8 @@ void comparePackets(RTCScene scene, const std::vector<RTCRayHit>& rays,
     auto pack = [&] {
       for (unsigned k = 0; k < N; k++) {
         valid[k] = (first + k) % 5 ? -1 : 0;
-        for (unsigned w = 0; w < sizeof(Packet)/4/N; w++) std::memcpy(&lanes[w*N + k], (const float*)&rays[first + k] + w, 4);
+        for (unsigned w = 0; w < sizeof(Packet)/4/N; w++)
+          std::memcpy(&lanes[w*N + k], (const float*)&rays[first + k] + w, 4);
       }
     };
     auto unpack = [&](unsigned k) {
@@ -464,9 +471,15 @@ void comparePackets(RTCScene scene, const std::vector<RTCRayHit>& rays,
 void compareAllPackets(RTCScene scene, const std::vector<RTCRayHit>& rays)
 {
   for (RTCIntersectContextFlags flags : {RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, RTC_INTERSECT_CONTEXT_FLAG_COHERENT}) {
-    comparePackets<4, RTCRayHit4>(scene, rays, rtcIntersect4, [&](const int* v, RTCIntersectContext* c, RTCRayHit4* p) { rtcOccluded4(v, scene, c, &p->ray); }, flags);
-    comparePackets<8, RTCRayHit8>(scene, rays, rtcIntersect8, [&](const int* v, RTCIntersectContext* c, RTCRayHit8* p) { rtcOccluded8(v, scene, c, &p->ray); }, flags);
-    comparePackets<16, RTCRayHit16>(scene, rays, rtcIntersect16, [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); }, flags);
+    comparePackets<4, RTCRayHit4>(
+      scene, rays, rtcIntersect4,
+      [&](const int* v, RTCIntersectContext* c, RTCRayHit4* p) { rtcOccluded4(v, scene, c, &p->ray); }, flags);
+    comparePackets<8, RTCRayHit8>(
+      scene, rays, rtcIntersect8,
+      [&](const int* v, RTCIntersectContext* c, RTCRayHit8* p) { rtcOccluded8(v, scene, c, &p->ray); }, flags);
+    comparePackets<16, RTCRayHit16>(
+      scene, rays, rtcIntersect16,
+      [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); }, flags);
   }
 }
 
@@ -518,14 +531,16 @@ TEST(Packets, FollowChangesOfKind)
   RTCGeometry geometry = rtcGetGeometry(scene, 0);
   Random random(72);
   const std::vector<RTCRayHit> rays = pictureRays(random, 32);
-  for (RTCCompression kind : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression kind : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE,
+                              RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_VERT}) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = kind;
     rtcSetGeometryCompression(geometry, &args);
     rtcCommitGeometry(geometry);
     rtcCommitScene(scene);
-    if (kind != RTC_COMPRESSION_NONE) compareAllPackets(scene, rays); // packets of GRID are not bit-identical to single rays
+    if (kind != RTC_COMPRESSION_NONE)
+      compareAllPackets(scene, rays); // packets of GRID are not bit-identical to single rays
     ASSERT_FALSE(HasFatalFailure()) << kindName(kind);
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
@@ -578,7 +593,9 @@ TEST(Packets, RaysOnEdgesAndInPlanesMatchSingleRays)
       }
     // nearly parallel to the surface
     for (int y = 1; y < 64; y++)
-      for (int x = 1; x < 64; x++) rays.push_back(makeRay({-2, y/32.0f - 1, -2*bend - 1e-7f*(x/32.0f + 1)}, {1, x/640.0f, bend + 1e-7f}));
+      for (int x = 1; x < 64; x++)
+        rays.push_back(
+          makeRay({-2, y/32.0f - 1, -2*bend - 1e-7f*(x/32.0f + 1)}, {1, x/640.0f, bend + 1e-7f}));
     // at edges between groups of 4 x 4 quads, as close as floats allow
     Random random(98);
     for (int i = 0; i < 2000; i++) {
@@ -598,10 +615,12 @@ TEST(Packets, RaysOnEdgesAndInPlanesMatchSingleRays)
 
 // Inactive rays, as in the last packet of a stream.
 template<unsigned N, typename Packet>
-void expectLeftAlone(RTCScene scene, const RTCRayHit& active, void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*),
+void expectLeftAlone(RTCScene scene, const RTCRayHit& active,
+                     void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*),
                      const std::function<void(const int*, RTCIntersectContext*, Packet*)>& any)
 {
-  const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN(), t = intersect(scene, active).ray.tfar;
+  const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN(),
+              t = intersect(scene, active).ray.tfar;
   const float ranges[4][2] = {{std::nextafter(t, inf), t}, {inf, -inf}, {nan, inf}, {0, nan}}; // tnear, tfar
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -619,7 +638,8 @@ void expectLeftAlone(RTCScene scene, const RTCRayHit& active, void (*closest)(co
     const Packet before = packet;
     if (isAny) any(valid, &context, &packet);
     else closest(valid, scene, &context, &packet);
-    ASSERT_EQ(std::memcmp(&before, &packet, sizeof(packet)), 0) << (isAny ? "any" : "closest") << " hit, packets of " << N;
+    ASSERT_EQ(std::memcmp(&before, &packet, sizeof(packet)), 0)
+      << (isAny ? "any" : "closest") << " hit, packets of " << N;
   }
 }
 
@@ -633,9 +653,15 @@ TEST_P(SceneFeatures, PacketsIgnoreRaysWithEmptyRange)
   for (const RTCRayHit& ray : raysAt(random, 300)) {
     if (!isHit(intersect(scene, ray))) continue;
     rays++;
-    expectLeftAlone<4, RTCRayHit4>(scene, ray, rtcIntersect4, [&](const int* v, RTCIntersectContext* c, RTCRayHit4* p) { rtcOccluded4(v, scene, c, &p->ray); });
-    expectLeftAlone<8, RTCRayHit8>(scene, ray, rtcIntersect8, [&](const int* v, RTCIntersectContext* c, RTCRayHit8* p) { rtcOccluded8(v, scene, c, &p->ray); });
-    expectLeftAlone<16, RTCRayHit16>(scene, ray, rtcIntersect16, [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); });
+    expectLeftAlone<4, RTCRayHit4>(scene, ray, rtcIntersect4, [&](const int* v, RTCIntersectContext* c, RTCRayHit4* p) {
+      rtcOccluded4(v, scene, c, &p->ray);
+    });
+    expectLeftAlone<8, RTCRayHit8>(scene, ray, rtcIntersect8, [&](const int* v, RTCIntersectContext* c, RTCRayHit8* p) {
+      rtcOccluded8(v, scene, c, &p->ray);
+    });
+    expectLeftAlone<16, RTCRayHit16>(
+      scene, ray, rtcIntersect16,
+      [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); });
     if (HasFatalFailure()) return;
   }
   EXPECT_GT(rays, 100u);
@@ -673,14 +699,26 @@ TEST_P(SceneFeatures, StreamsMatchSingleRays)
       RTCRayHitNp p;
       auto f = [&](size_t offset) { return (float*)soa[offset/4].data(); };
       auto u = [&](size_t offset) { return (unsigned*)soa[offset/4].data(); };
-      p.ray.org_x = f(offsetof(RTCRay, org_x)); p.ray.org_y = f(offsetof(RTCRay, org_y)); p.ray.org_z = f(offsetof(RTCRay, org_z));
-      p.ray.dir_x = f(offsetof(RTCRay, dir_x)); p.ray.dir_y = f(offsetof(RTCRay, dir_y)); p.ray.dir_z = f(offsetof(RTCRay, dir_z));
-      p.ray.tnear = f(offsetof(RTCRay, tnear)); p.ray.tfar = f(offsetof(RTCRay, tfar)); p.ray.time = f(offsetof(RTCRay, time));
-      p.ray.mask = u(offsetof(RTCRay, mask)); p.ray.id = u(offsetof(RTCRay, id)); p.ray.flags = u(offsetof(RTCRay, flags));
+      p.ray.org_x = f(offsetof(RTCRay, org_x));
+      p.ray.org_y = f(offsetof(RTCRay, org_y));
+      p.ray.org_z = f(offsetof(RTCRay, org_z));
+      p.ray.dir_x = f(offsetof(RTCRay, dir_x));
+      p.ray.dir_y = f(offsetof(RTCRay, dir_y));
+      p.ray.dir_z = f(offsetof(RTCRay, dir_z));
+      p.ray.tnear = f(offsetof(RTCRay, tnear));
+      p.ray.tfar = f(offsetof(RTCRay, tfar));
+      p.ray.time = f(offsetof(RTCRay, time));
+      p.ray.mask = u(offsetof(RTCRay, mask));
+      p.ray.id = u(offsetof(RTCRay, id));
+      p.ray.flags = u(offsetof(RTCRay, flags));
       const size_t hit = offsetof(RTCRayHit, hit);
-      p.hit.Ng_x = f(hit + offsetof(RTCHit, Ng_x)); p.hit.Ng_y = f(hit + offsetof(RTCHit, Ng_y)); p.hit.Ng_z = f(hit + offsetof(RTCHit, Ng_z));
+      p.hit.Ng_x = f(hit + offsetof(RTCHit, Ng_x));
+      p.hit.Ng_y = f(hit + offsetof(RTCHit, Ng_y));
+      p.hit.Ng_z = f(hit + offsetof(RTCHit, Ng_z));
       p.hit.u = f(hit + offsetof(RTCHit, u)); p.hit.v = f(hit + offsetof(RTCHit, v));
-      p.hit.primID = u(hit + offsetof(RTCHit, primID)); p.hit.geomID = u(hit + offsetof(RTCHit, geomID)); p.hit.instID[0] = u(hit + offsetof(RTCHit, instID));
+      p.hit.primID = u(hit + offsetof(RTCHit, primID));
+      p.hit.geomID = u(hit + offsetof(RTCHit, geomID));
+      p.hit.instID[0] = u(hit + offsetof(RTCHit, instID));
       if (any) rtcOccludedNp(scene, &context, &p.ray, n);
       else rtcIntersectNp(scene, &context, &p, n);
       for (unsigned i = 0; i < n; i++) {

@@ -70,7 +70,8 @@ struct Fixture
 
   ShadowComparison compare(RTCScene scene, const std::vector<SurfaceHit>& hits) const
   {
-    return compareShadows({grid->tracer(), gridHits}, {EmbreeTracer(scene), hits}, {primary, camera.footprint()}, shadows, threads);
+    return compareShadows({grid->tracer(), gridHits}, {EmbreeTracer(scene), hits}, {primary, camera.footprint()},
+                          shadows, threads);
   }
 
   ShadowComparison compare(const BuiltScene& scene) const

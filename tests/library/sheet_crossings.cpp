@@ -66,7 +66,9 @@ TEST_P(CrossedSheets, RaysOfPastDefectsDoNotPass)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, CrossedSheets, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT),
+INSTANTIATE_TEST_SUITE_P(Kinds, CrossedSheets,
+                         testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
+                                         RTC_COMPRESSION_VERT),
                          [](const auto& info) { return kindName(info.param); });
 
 } // namespace

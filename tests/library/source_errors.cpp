@@ -69,7 +69,13 @@ namespace embree
     static_assert(isSource<NoWriter>(),"");
 
     // expected: bool Writer::write(size_t primitive, Patch& patch)
-    struct NoWrite : public SphereSource { struct Writer { Writer (const NoWrite&, BlockStore&, cbvh::BuildStatistics&); }; };
+    struct NoWrite : public SphereSource
+    {
+      struct Writer
+      {
+        Writer (const NoWrite&, BlockStore&, cbvh::BuildStatistics&);
+      };
+    };
     static_assert(isSource<NoWrite>(),"");
 
     // expected: a type Patch derived from SurfacePatch
@@ -87,7 +93,11 @@ namespace embree
     static_assert(isSource<With<NoCopy>>(),"");
 
     // expected: PatchVertices& Patch::evaluate(unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step)
-    struct NoEvaluate : public SphereSource::Patch { NoEvaluate (const NoEvaluate&, SphereSource::Scratch&); void evaluate (); };
+    struct NoEvaluate : public SphereSource::Patch
+    {
+      NoEvaluate (const NoEvaluate&, SphereSource::Scratch&);
+      void evaluate ();
+    };
     static_assert(isSource<With<NoEvaluate>>(),"");
 
     // expected: Patch::side(int s, unsigned step) const, whose result has a rate
@@ -109,7 +119,11 @@ namespace embree
     static_assert(isSource<With<NoVertex>>(),"");
 
     // expected: int Patch::latticeExponent(unsigned step) const
-    struct NoLattice : public SphereSource::Patch { NoLattice (const NoLattice&, SphereSource::Scratch&); void latticeExponent (unsigned) const; };
+    struct NoLattice : public SphereSource::Patch
+    {
+      NoLattice (const NoLattice&, SphereSource::Scratch&);
+      void latticeExponent (unsigned) const;
+    };
     static_assert(isSource<With<NoLattice>>(),"");
   }
 }

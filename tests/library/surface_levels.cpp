@@ -18,8 +18,10 @@ void compare(Device& device, const Cage& cage, unsigned level, int frameLevel)
   const std::vector<RTCRayHit> rays = raysAt(random, 300);
   settings.compression = RTC_COMPRESSION_NONE;
   const SurfaceScene grid(device, cage, settings);
-  for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
-    SCOPED_TRACE(testing::Message() << "compression " << compression << ", level " << level << ", frame level " << frameLevel);
+  for (RTCCompression compression :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+    SCOPED_TRACE(testing::Message() << "compression " << compression << ", level " << level << ", frame level "
+                                    << frameLevel);
     settings.compression = compression;
     settings.frameLevel = frameLevel;
     const SurfaceScene scene(device, cage, settings);

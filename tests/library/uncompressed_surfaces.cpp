@@ -9,7 +9,8 @@ namespace cbvh::test {
 namespace {
 
 // Compares the same surface in scenes with and without compression. edgeRates: levels of all edges, if not empty.
-void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool compressed, const char* says, unsigned timeSteps = 1)
+void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool compressed, const char* says,
+                         unsigned timeSteps = 1)
 {
   Random random(43);
   Displacement displacement;

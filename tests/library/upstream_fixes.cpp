@@ -22,7 +22,8 @@ class BeforeUnreadable
 public:
   explicit BeforeUnreadable(const std::vector<float>& data)
   {
-    const size_t page = size_t(sysconf(_SC_PAGESIZE)), bytes = sizeof(float)*data.size(), used = (bytes + page - 1)/page*page;
+    const size_t page = size_t(sysconf(_SC_PAGESIZE)), bytes = sizeof(float)*data.size(),
+                 used = (bytes + page - 1)/page*page;
     size = used + page;
     memory = (char*)mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     mprotect(memory + used, page, PROT_NONE);
@@ -49,8 +50,10 @@ TEST(UpstreamFixes, InvalidAndThinGridsHideNoOthers)
     const Scene alone(device), beside(device);
     attach(alone, newGrids(device, diced, RTC_COMPRESSION_NONE, 0, timeSteps));
     rtcCommitScene(alone);
-    const std::vector<RTCGrid> good = diced.grids, bad = {
-      {0, 0x80000000u, 3, 3}, {0, 0x55555556u, 3, 4}, {50, 0xFFFFFFF0u, 3, 3}, {0xFFFFFFFEu, 33, 3, 3}, {0, 33, 0, 5}, {0, 33, 5, 0}, {0, 33, 1, 4}, {0, 33, 4, 1}};
+    const std::vector<RTCGrid> good = diced.grids,
+                               bad = {{0, 0x80000000u, 3, 3}, {0, 0x55555556u, 3, 4}, {50, 0xFFFFFFF0u, 3, 3},
+                                      {0xFFFFFFFEu, 33, 3, 3}, {0, 33, 0, 5}, {0, 33, 5, 0},
+                                      {0, 33, 1, 4}, {0, 33, 4, 1}};
     diced.grids.clear();
     for (const RTCGrid& grid : good) {
       diced.grids.insert(diced.grids.end(), bad.begin(), bad.end());
@@ -100,7 +103,8 @@ TEST(UpstreamFixes, InterpolationDoesNotReadAfterAGrid)
       EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       EXPECT_NEAR(P[0], 6*u, 1e-4) << u << ", " << v;
       EXPECT_NEAR(P[1], 8*v, 1e-4) << u << ", " << v;
-      for (const float* d : {dPdu, dPdv}) EXPECT_TRUE(std::isfinite(d[0]) && std::isfinite(d[1]) && std::isfinite(d[2]));
+      for (const float* d : {dPdu, dPdv})
+        EXPECT_TRUE(std::isfinite(d[0]) && std::isfinite(d[1]) && std::isfinite(d[2]));
     }
   rtcReleaseGeometry(geometry);
 }
@@ -110,12 +114,14 @@ TEST(UpstreamFixes, BuffersThatExceedTheirMemoryAreErrors)
   Device device;
   RTCBuffer buffer = rtcNewBuffer(device, 1200);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  const struct { size_t offset, stride, count; bool isValid; } cases[] = {
-    {0, 12, 100, true}, {12, 24, 50, true}, {1188, 12, 1, true}, {0, 0, 100, true}, {0, 12, 101, false}, {0, 12, 1000, false},
-    {5000, 12, 10, false}, {0, size_t(1) << 63, 2, false}, {0, 24, 51, false}, {1200, 12, 1, false}};
+  const struct { size_t offset, stride, count; bool isValid;
+  } cases[] = {{0, 12, 100, true}, {12, 24, 50, true}, {1188, 12, 1, true}, {0, 0, 100, true},
+               {0, 12, 101, false}, {0, 12, 1000, false}, {5000, 12, 10, false}, {0, size_t(1) << 63, 2, false},
+               {0, 24, 51, false}, {1200, 12, 1, false}};
   for (const auto& c : cases) {
     rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, buffer, c.offset, c.stride, c.count);
-    EXPECT_EQ(device.takeError(), c.isValid ? RTC_ERROR_NONE : RTC_ERROR_INVALID_ARGUMENT) << c.offset << " + " << c.count << " * " << c.stride;
+    EXPECT_EQ(device.takeError(), c.isValid ? RTC_ERROR_NONE : RTC_ERROR_INVALID_ARGUMENT)
+      << c.offset << " + " << c.count << " * " << c.stride;
   }
   rtcReleaseGeometry(geometry);
   rtcReleaseBuffer(buffer);
@@ -140,7 +146,8 @@ TEST(UpstreamFixes, FacesWithInvalidIndicesAreLeftOut)
       settings.timeSteps = timeSteps;
       RTCGeometry geometry = newSurface(device, cage, settings);
       for (unsigned t = 0; t < timeSteps; t++)
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, vertices.values, 0, 16, numVertices);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, vertices.values, 0, 16,
+                                   numVertices);
       ((unsigned*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0))[1] = index;
       rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0);
       rtcCommitGeometry(geometry);
@@ -162,13 +169,27 @@ TEST(UpstreamFixes, FacesWithInvalidIndicesAreLeftOut)
 
 TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors)
 {
-  struct Case { const char* message; std::function<void(Cage&, SurfaceSettings&)> change; } cases[] = {
-    {"face 5 of 5 vertices: the index buffer ends after 24 indices", [](Cage& cage, SurfaceSettings&) { cage.faces[5] = 5; }},
-    {"face 0 of 4294967295 vertices: the index buffer ends after 24 indices", [](Cage& cage, SurfaceSettings&) { cage.faces[0] = ~0u; }},
-    {"there are 23 levels: expected at least 24, one per edge of a face", [](Cage&, SurfaceSettings& settings) { settings.edgeRates.assign(23, 4.0f); }},
-    {"there are 1 edge crease weights: expected at least 2, one per edge crease", [](Cage& cage, SurfaceSettings&) { cage.creases = {{0, 1}, {1, 3}}; cage.creaseWeights = {1}; }},
-    {"there are 0 edge crease weights: expected at least 1, one per edge crease", [](Cage& cage, SurfaceSettings&) { cage.creases = {{0, 1}}; }},
-    {"there are 1 vertex crease weights: expected at least 3, one per vertex crease", [](Cage& cage, SurfaceSettings&) { cage.corners = {0, 1, 2}; cage.cornerWeights = {1}; }}};
+  struct Case { const char* message; std::function<void(Cage&, SurfaceSettings&)> change;
+  } cases[] = {
+    {"face 5 of 5 vertices: the index buffer ends after 24 indices",
+     [](Cage& cage, SurfaceSettings&) { cage.faces[5] = 5; }},
+    {"face 0 of 4294967295 vertices: the index buffer ends after 24 indices",
+     [](Cage& cage, SurfaceSettings&) { cage.faces[0] = ~0u; }},
+    {"there are 23 levels: expected at least 24, one per edge of a face",
+     [](Cage&, SurfaceSettings& settings) { settings.edgeRates.assign(23, 4.0f); }},
+    {"there are 1 edge crease weights: expected at least 2, one per edge crease",
+     [](Cage& cage, SurfaceSettings&) {
+       cage.creases = {{0, 1}, {1, 3}};
+       cage.creaseWeights = {1};
+     }},
+    {"there are 0 edge crease weights: expected at least 1, one per edge crease",
+     [](Cage& cage, SurfaceSettings&) {
+       cage.creases = {{0, 1}};
+     }},
+    {"there are 1 vertex crease weights: expected at least 3, one per vertex crease", [](Cage& cage, SurfaceSettings&) {
+       cage.corners = {0, 1, 2};
+       cage.cornerWeights = {1};
+     }}};
   for (const Case& c : cases)
     for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT}) {
       Device device;
@@ -204,13 +225,16 @@ TEST(UpstreamFixes, MissingAttributesAreNotInterpolated)
   Device device;
   Random random(1);
   const DicedMesh mesh = meshOf(dicedSheet(1, 8), QuadOrder::Rows, random);
-  for (RTCGeometry geometry : {newSurface(device, cubeCage(), SurfaceSettings()), newGrids(device, dicedSheet(1, 8)), newMesh(device, mesh), newMesh(device, trianglesOf(mesh))}) {
+  for (RTCGeometry geometry : {newSurface(device, cubeCage(), SurfaceSettings()), newGrids(device, dicedSheet(1, 8)),
+                               newMesh(device, mesh), newMesh(device, trianglesOf(mesh))}) {
     float P[3];
     const unsigned primID = 0;
     const float u = 0.25f, v = 0.25f;
     rtcInterpolate0(geometry, primID, u, v, RTC_BUFFER_TYPE_VERTEX, 0, P, 3);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-    for (const auto& [type, slot] : {std::make_pair(RTC_BUFFER_TYPE_VERTEX, 3u), std::make_pair(RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0u), std::make_pair(RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 1000000u)}) {
+    for (const auto& [type, slot] :
+         {std::make_pair(RTC_BUFFER_TYPE_VERTEX, 3u), std::make_pair(RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0u),
+          std::make_pair(RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 1000000u)}) {
       rtcInterpolate0(geometry, primID, u, v, type, slot, P, 3);
       EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << type << ", slot " << slot;
       RTCInterpolateNArguments args = {};
@@ -255,7 +279,13 @@ TEST(UpstreamFixes, PointQueriesStopAtMaximumInstanceDepth)
     RTCPointQuery query = {};
     query.radius = 10;
     unsigned calls = 0;
-    rtcPointQuery(scenes.back(), &query, &guarded.context, [](RTCPointQueryFunctionArguments* args) { ++*(unsigned*)args->userPtr; return false; }, &calls);
+    rtcPointQuery(
+      scenes.back(), &query, &guarded.context,
+      [](RTCPointQueryFunctionArguments* args) {
+        ++*(unsigned*)args->userPtr;
+        return false;
+      },
+      &calls);
     for (unsigned char byte : guarded.guard) ASSERT_EQ(byte, 0xAB) << levels << " levels";
     EXPECT_EQ(guarded.context.instStackSize, 0u);
     EXPECT_EQ(calls > 0, levels <= RTC_MAX_INSTANCE_LEVEL_COUNT) << levels << " levels";
@@ -268,7 +298,8 @@ TEST(UpstreamFixes, MortonTreesRespectTheirLimits)
 {
   Device device;
   struct Counts { std::mutex mutex; size_t primitives = 0; unsigned children = 0, leaf = 0; };
-  for (const auto& [branching, leaf] : {std::make_pair(2u, 1u), std::make_pair(9u, 4u), std::make_pair(64u, 8u), std::make_pair(4u, 33u), std::make_pair(8u, 1000u)}) {
+  for (const auto& [branching, leaf] : {std::make_pair(2u, 1u), std::make_pair(9u, 4u), std::make_pair(64u, 8u),
+                                        std::make_pair(4u, 33u), std::make_pair(8u, 1000u)}) {
     std::vector<RTCBuildPrimitive> primitives(5000);
     Random random(2);
     for (unsigned i = 0; i < primitives.size(); i++) {
@@ -313,7 +344,8 @@ TEST(UpstreamFixes, NonFiniteTimeRangesAreErrors)
   Device device;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
-  for (const auto& [begin, end] : {std::make_pair(0.0f, inf), std::make_pair(-inf, 1.0f), std::make_pair(-3e38f, 3e38f), std::make_pair(nan, 1.0f), std::make_pair(0.0f, nan), std::make_pair(1.0f, 0.0f)}) {
+  for (const auto& [begin, end] : {std::make_pair(0.0f, inf), std::make_pair(-inf, 1.0f), std::make_pair(-3e38f, 3e38f),
+                                   std::make_pair(nan, 1.0f), std::make_pair(0.0f, nan), std::make_pair(1.0f, 0.0f)}) {
     rtcSetGeometryTimeRange(geometry, begin, end);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << begin << " to " << end;
   }
@@ -389,8 +421,10 @@ TEST(UpstreamFixes, CoherentOcclusionOfPacketsTerminates)
   const DicedMesh mesh = meshOf(dicedSheet(2, 16), QuadOrder::Rows, random);
   for (RTCSceneFlags flags : {RTC_SCENE_FLAG_NONE, RTC_SCENE_FLAG_COMPACT, RTC_SCENE_FLAG_ROBUST})
     for (int type = 0; type < 4; type++) {
-      RTCGeometry geometry = type == 0 ? newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_NONE) : type == 1 ? newMesh(device, mesh, RTC_COMPRESSION_NONE)
-        : type == 2 ? newGrids(device, dicedSheet(2, 16), RTC_COMPRESSION_NONE) : newSurface(device, cubeCage(), SurfaceSettings());
+      RTCGeometry geometry = type == 0 ? newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_NONE)
+                             : type == 1 ? newMesh(device, mesh, RTC_COMPRESSION_NONE)
+                             : type == 2 ? newGrids(device, dicedSheet(2, 16), RTC_COMPRESSION_NONE)
+                                         : newSurface(device, cubeCage(), SurfaceSettings());
       Scene scene(device, flags), outer(device, flags);
       attach(scene, geometry);
       rtcCommitScene(scene);
@@ -417,7 +451,8 @@ TEST(UpstreamFixes, CoherentOcclusionOfPacketsTerminates)
           context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
           fillStack();
           rtcOccluded16(valid, traced, &context, &packet);
-          for (size_t i = 0; i < 16; i++) ASSERT_EQ(packet.tfar[i] < 0, occluded(traced, rays[first + i])) << type << ", flags " << flags;
+          for (size_t i = 0; i < 16; i++)
+            ASSERT_EQ(packet.tfar[i] < 0, occluded(traced, rays[first + i])) << type << ", flags " << flags;
         }
       }
     }
@@ -428,7 +463,8 @@ TEST(UpstreamFixes, DevicesThatStartTheirThreadsDoNotHang)
 {
   alarm(120);
   for (int i = 0; i < 100; i++)
-    for (const char* config : {"start_threads=1", "start_threads=1,threads=1", "start_threads=1,threads=2"}) rtcReleaseDevice(rtcNewDevice(config));
+    for (const char* config : {"start_threads=1", "start_threads=1,threads=1", "start_threads=1,threads=2"})
+      rtcReleaseDevice(rtcNewDevice(config));
   alarm(0);
 }
 

@@ -28,7 +28,8 @@ struct AlongNormals : public VertexRecorder
   {
     const AlongNormals& d = *static_cast<AlongNormals*>((Displacement*)args->geometryUserPtr);
     for (unsigned i = 0; i < args->N; i++) {
-      const float h = d.amplitude*std::sin(9*args->P_x[i] + 5*args->P_y[i])*std::cos(7*args->P_z[i]) + d.jump*float(args->primID % 3);
+      const float h = d.amplitude*std::sin(9*args->P_x[i] + 5*args->P_y[i])*std::cos(7*args->P_z[i]) +
+                      d.jump*float(args->primID % 3);
       args->P_x[i] += h*args->Ng_x[i];
       args->P_y[i] += h*args->Ng_y[i];
       args->P_z[i] += h*args->Ng_z[i];
@@ -46,7 +47,8 @@ SurfaceSettings vert(float rate = 16)
   return settings;
 }
 
-void commitAlongNormals(RTCDevice device, RTCScene scene, const Cage& cage, const SurfaceSettings& settings, AlongNormals& displacement)
+void commitAlongNormals(RTCDevice device, RTCScene scene, const Cage& cage, const SurfaceSettings& settings,
+                        AlongNormals& displacement)
 {
   RTCGeometry geometry = newSurface(device, cage, settings);
   rtcSetGeometryUserData(geometry, static_cast<Displacement*>(&displacement));
@@ -116,7 +118,8 @@ TEST(VertSurfaces, FacesOnNonManifoldEdgeShareIt)
   cage.addFace({0, 2, 3, 1});
   cage.addFace({0, 4, 5, 1});
   cage.addFace({0, 6, 7, 1});
-  for (const std::vector<float>& rates : {std::vector<float>(12, 16.0f), std::vector<float>{16,16,16,4, 8,8,8,8, 16,16,16,16}}) {
+  for (const std::vector<float>& rates :
+       {std::vector<float>(12, 16.0f), std::vector<float>{16,16,16,4, 8,8,8,8, 16,16,16,16}}) {
     AlongNormals displacement;
     SurfaceSettings settings = vert();
     settings.edgeRates = rates;
@@ -162,7 +165,8 @@ struct EveryVertex : public VertexRecorder
 
   void record(const RTCDisplacementFunctionNArguments& args) override
   {
-    for (unsigned i = 0; i < args.N; i++) vertices[keyOf(args.primID, args.u[i], args.v[i])] = {args.P_x[i], args.P_y[i], args.P_z[i]};
+    for (unsigned i = 0; i < args.N; i++)
+      vertices[keyOf(args.primID, args.u[i], args.v[i])] = {args.P_x[i], args.P_y[i], args.P_z[i]};
   }
 };
 
@@ -181,7 +185,8 @@ double largestDeviation(RTCScene scene, const EveryVertex& grid)
   for (const VertTriangle& t : vertTriangles(scene))
     for (int c = 0; c < 3; c++) {
       const auto found = grid.vertices.find(keyOf(t.primID, t.u[c], t.v[c]));
-      EXPECT_NE(found, grid.vertices.end()) << "GRID has no vertex at " << t.u[c] << ", " << t.v[c] << " of face " << t.primID;
+      EXPECT_NE(found, grid.vertices.end())
+        << "GRID has no vertex at " << t.u[c] << ", " << t.v[c] << " of face " << t.primID;
       if (found == grid.vertices.end()) return INFINITY;
       largest = std::max(largest, distance(t.vertices[c], found->second));
       compared++;
@@ -244,7 +249,8 @@ TEST(VertSurfaces, LosslessStoresVerticesThatGridEvaluates)
     EXPECT_EQ(stats.maxVertexDeviation, 0);
     EXPECT_EQ(stats.maxVertexSpacing, 0);
     EXPECT_EQ(stats.numFlippedQuads, 0u);
-    EXPECT_LE(largestDeviation(scene, recorded.grid), stats.maxBorderGap*1.0001) << "faces evaluate borders with differences of some ulps";
+    EXPECT_LE(largestDeviation(scene, recorded.grid), stats.maxBorderGap*1.0001)
+      << "faces evaluate borders with differences of some ulps";
     EXPECT_LE(stats.maxBorderGap, 1e-5f);
     EXPECT_EQ(countOpenEdges(vertTriangles(scene)), 0u);
   }
@@ -273,11 +279,14 @@ TEST(VertSurfaces, BordersOfLowerRatesHaveStitchedVerticesOfGrid)
         for (unsigned side = 0; side < 4; side++) {
           const bool alongU = side % 2 == 0;
           if ((alongU ? t.v[c] : t.u[c]) != (side == 1 || side == 2)) continue;
-          const double rate = settings.edgeRates[4*t.primID + side], quads = std::max(rate, double(settings.edgeRates[4*t.primID + (side + 2) % 4]));
-          const double i = std::round(quads*(alongU ? t.u[c] : t.v[c])), k = i == quads ? rate : std::floor((i + 0.5)*rate/quads);
+          const double rate = settings.edgeRates[4*t.primID + side],
+                       quads = std::max(rate, double(settings.edgeRates[4*t.primID + (side + 2) % 4]));
+          const double i = std::round(quads*(alongU ? t.u[c] : t.v[c])),
+                       k = i == quads ? rate : std::floor((i + 0.5)*rate/quads);
           const auto found = grid.vertices.find(keyOf(t.primID, alongU ? k/rate : t.u[c], alongU ? t.v[c] : k/rate));
           ASSERT_NE(found, grid.vertices.end());
-          ASSERT_LE(distance(t.vertices[c], found->second), bound) << "face " << t.primID << ", side " << side << ", vertex " << i << " of " << quads << " with " << rate;
+          ASSERT_LE(distance(t.vertices[c], found->second), bound)
+            << "face " << t.primID << ", side " << side << ", vertex " << i << " of " << quads << " with " << rate;
           between += rate < quads && i != 0 && i != quads;
         }
   }
@@ -293,10 +302,13 @@ double likeness(const VertTriangle& t, const EveryVertex& grid)
     double edge[2][3];
     for (int c = 0; c < 2; c++)
       for (int k = 0; k < 3; k++) {
-        const auto at = [&](int i) { return side ? double(t.vertices[i][k]) : double(grid.vertices.at(keyOf(t.primID, t.u[i], t.v[i]))[k]); };
+        const auto at = [&](int i) {
+          return side ? double(t.vertices[i][k]) : double(grid.vertices.at(keyOf(t.primID, t.u[i], t.v[i]))[k]);
+        };
         edge[c][k] = at(c+1) - at(0);
       }
-    for (int k = 0; k < 3; k++) normals[side][k] = edge[0][(k+1)%3]*edge[1][(k+2)%3] - edge[0][(k+2)%3]*edge[1][(k+1)%3];
+    for (int k = 0; k < 3; k++)
+      normals[side][k] = edge[0][(k+1)%3]*edge[1][(k+2)%3] - edge[0][(k+2)%3]*edge[1][(k+1)%3];
   }
   return normals[0][0]*normals[1][0] + normals[0][1]*normals[1][1] + normals[0][2]*normals[1][2];
 }
@@ -322,7 +334,9 @@ TEST(VertSurfaces, FlippedQuadsAreCounted)
       size_t certain = 0, possible = 0; // the vertices of a face's border match GRID's except for some ulps
       for (size_t i = 0; i < triangles.size(); i += 2) { // two per quad
         const double likenesses[2] = {likeness(triangles[i], grid), likeness(triangles[i+1], grid)};
-        const auto isOf = [&](double bound) { return std::any_of(likenesses, likenesses+2, [&](double l) { return l != 0 && l < bound; }); };
+        const auto isOf = [&](double bound) {
+          return std::any_of(likenesses, likenesses+2, [&](double l) { return l != 0 && l < bound; });
+        };
         certain += isOf(-1e-9);
         possible += isOf(1e-9);
       }
@@ -360,7 +374,8 @@ TEST(VertSurfaces, SpacingIsAtMostTheBoundInPixelsOfACamera)
     const cvert::DecodedBlock decoded(block);
     double nearest = INFINITY;
     for (uint32_t i = 0; i < (decoded.quadsX + 1)*(decoded.quadsY + 1); i++)
-      nearest = std::min(nearest, std::hypot(decoded.vertices[i][0] + 2, decoded.vertices[i][1], decoded.vertices[i][2] - 0.3));
+      nearest = std::min(nearest,
+                         std::hypot(decoded.vertices[i][0] + 2, decoded.vertices[i][1], decoded.vertices[i][2] - 0.3));
     const cvert::VertSpacing spacings = cvert::vertSpacing(block->word, block->corners);
     const float spacing = *std::min_element(spacings.at, spacings.at + 3);
     EXPECT_LE(spacing, 0.5*0.002*nearest);
@@ -383,14 +398,17 @@ void expectTriangleHits(RTCScene scene, const std::vector<RTCRayHit>& rays)
     ExactHit nearest, candidate;
     bool nearEdge = false;
     for (const VertTriangle& t : triangles)
-      if (meet(ray.ray, t, candidate) && candidate.t >= ray.ray.tnear && candidate.t <= ray.ray.tfar && inside(candidate) >= -rounding) {
+      if (meet(ray.ray, t, candidate) && candidate.t >= ray.ray.tnear && candidate.t <= ray.ray.tfar &&
+          inside(candidate) >= -rounding) {
         if (candidate.t < nearest.t + 1e-5) nearEdge |= inside(candidate) < rounding;
         if (inside(candidate) >= 0 && candidate.t < nearest.t) nearest = candidate;
       }
     const RTCRayHit found = intersect(scene, ray);
     ASSERT_EQ(occluded(scene, ray), isHit(found));
     if (nearEdge) { nearEdges++; continue; }
-    ASSERT_EQ(isHit(found), nearest.triangle != nullptr) << "t " << nearest.t << " found " << found.ray.tfar << " prim " << found.hit.primID << " " << found.hit.u << " " << found.hit.v;
+    ASSERT_EQ(isHit(found), nearest.triangle != nullptr)
+      << "t " << nearest.t << " found " << found.ray.tfar << " prim " << found.hit.primID << " " << found.hit.u << " "
+      << found.hit.v;
     if (!isHit(found)) continue;
     hits++;
     const VertTriangle& t = *nearest.triangle;
@@ -400,7 +418,10 @@ void expectTriangleHits(RTCScene scene, const std::vector<RTCRayHit>& rays)
     for (int c = 0; c < 3; c++) { u += nearest.weight[c]*t.u[c]; v += nearest.weight[c]*t.v[c]; }
     ASSERT_NEAR(found.hit.u, u, 1e-4);
     ASSERT_NEAR(found.hit.v, v, 1e-4);
-    for (int k = 0; k < 3; k++) { e[0][k] = double(t.vertices[1][k]) - t.vertices[0][k]; e[1][k] = double(t.vertices[2][k]) - t.vertices[0][k]; }
+    for (int k = 0; k < 3; k++) {
+      e[0][k] = double(t.vertices[1][k]) - t.vertices[0][k];
+      e[1][k] = double(t.vertices[2][k]) - t.vertices[0][k];
+    }
     for (int k = 0; k < 3; k++) n[k] = e[0][(k+1)%3]*e[1][(k+2)%3] - e[0][(k+2)%3]*e[1][(k+1)%3];
     const double length = std::sqrt(n[0]*n[0] + n[1]*n[1] + n[2]*n[2]);
     const float ng[3] = {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z};
@@ -464,12 +485,14 @@ TEST_P(VertRays, FirstTriangleWinsOnAFold)
       ray = intersect(scene, ray);
       ASSERT_TRUE(isHit(ray)) << y;
       EXPECT_EQ(ray.ray.tfar, 8) << y;
-      EXPECT_GT(ray.hit.Ng_x*ray.hit.Ng_z, 0) << "the hit is not on the side of x < 4, at y " << y << ", slope " << slope;
+      EXPECT_GT(ray.hit.Ng_x*ray.hit.Ng_z, 0)
+        << "the hit is not on the side of x < 4, at y " << y << ", slope " << slope;
     }
 }
 
 // Expects the same hits as in a newly created scene.
-void expectHitsOfAFreshScene(const Device& device, RTCScene scene, const SurfaceSettings& settings, const std::vector<RTCRayHit>& rays)
+void expectHitsOfAFreshScene(const Device& device, RTCScene scene, const SurfaceSettings& settings,
+                             const std::vector<RTCRayHit>& rays)
 {
   std::vector<RTCRayHit> found;
   for (const RTCRayHit& ray : rays) found.push_back(intersect(scene, ray));

@@ -50,7 +50,11 @@ struct AimPointRecorder : public VertexRecorder
     const auto local = [&](float u) { return std::lround((isQuad ? u : u - 0.5f - 2*std::floor(0.5f*u))*float(size)); };
     const long x = local(args.u[a]), y = local(args.v[a]);
     const bool onU = x % size == 0, onV = y % size == 0;
-    points[onU && onV ? AtCageVertex : onU || onV ? AtFaceBorder : x % block == 0 || y % block == 0 ? AtBlockBorder : AtVertex].push_back(point);
+    points[onU && onV ? AtCageVertex
+           : onU || onV ? AtFaceBorder
+           : x % block == 0 || y % block == 0 ? AtBlockBorder
+                                              : AtVertex]
+      .push_back(point);
   }
 
   // Returns the points in an order that does not depend on threads.
@@ -95,7 +99,8 @@ std::vector<Case> cases()
   list.push_back({"far", cubeCage(), 5, 2, 1, far, false, true});
   list.push_back({"far and wide", cubeCage(), 4, 1, 1000, far, false, false});
   list.push_back({"tiny", cubeCage(), 4, 1, 1e-6f, origin, false, false});
-  list.push_back({"mixed frame levels", trapezohedronCage(5), 5, RTC_COMPRESSION_FRAME_LEVEL_AUTO, 1, origin, true, false});
+  list.push_back(
+    {"mixed frame levels", trapezohedronCage(5), 5, RTC_COMPRESSION_FRAME_LEVEL_AUTO, 1, origin, true, false});
   return list;
 }
 
@@ -126,7 +131,8 @@ TEST_P(Watertight, RaysFromInsideHit)
   Device device;
   size_t rays = 0;
   for (const Case& c : cases()) {
-    SCOPED_TRACE(testing::Message() << c.name << ", level " << c.level << ", frame level " << c.frameLevel << ", seed " << seed);
+    SCOPED_TRACE(testing::Message() << c.name << ", level " << c.level << ", frame level " << c.frameLevel << ", seed "
+                                    << seed);
     AimPointRecorder recorder;
     recorder.scale = c.scale;
     recorder.offset = c.offset;

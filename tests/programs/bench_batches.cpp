@@ -18,7 +18,8 @@ size_t bytes(RepresentationKind kind)
 
 TEST(Batches, RepresentationsThatFitAreMeasuredAlternately)
 {
-  const Batches plan = planBatches(parseRepresentations("naive,grid,cvoxel,cleaf", 2), {"avx2", "sse2"}, quads, SIZE_MAX);
+  const Batches plan = planBatches(parseRepresentations("naive,grid,cvoxel,cleaf", 2), {"avx2", "sse2"}, quads,
+                                   SIZE_MAX);
   ASSERT_EQ(plan.baselines.size(), 2u) << "GRID, one per ISA";
   ASSERT_EQ(plan.rest.size(), 1u);
   EXPECT_EQ(plan.rest[0].size(), 6u) << "GRID is not a separate variant";
@@ -55,7 +56,8 @@ TEST(Batches, BatchesFitIntoFreeMemory)
 TEST(Batches, LibrariesAreComparedInOneBatch)
 {
   const size_t available = 2 * bytes(RepresentationKind::Grid) + 3 * bytes(RepresentationKind::CLeaf);
-  const Batches plan = planBatches(parseRepresentations("naive,cleaf^1,cleaf^2", 2), {"avx2"}, quads, available, {true, true});
+  const Batches plan = planBatches(parseRepresentations("naive,cleaf^1,cleaf^2", 2), {"avx2"}, quads, available,
+                                   {true, true});
   EXPECT_EQ(plan.baselines.size(), 2u) << "GRID, one per library";
   ASSERT_EQ(plan.rest.size(), 2u);
   for (const auto& batch : plan.rest)
@@ -66,7 +68,8 @@ TEST(Batches, LibrariesAreComparedInOneBatch)
     EXPECT_EQ(batch[1].library, 1u);
   }
   ASSERT_EQ(plan.tooLarge.size(), 2u) << "NAIVE, for both";
-  EXPECT_EQ(neededBytes(plan, plan.tooLarge[0], quads), 2 * bytes(RepresentationKind::Grid) + 2 * bytes(RepresentationKind::Naive));
+  EXPECT_EQ(neededBytes(plan, plan.tooLarge[0], quads),
+            2 * bytes(RepresentationKind::Grid) + 2 * bytes(RepresentationKind::Naive));
 }
 
 TEST(Batches, StockEmbreeHasNoCompressedRepresentations)

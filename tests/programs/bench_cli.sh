@@ -51,7 +51,7 @@ refuses "check is of models that stand still" --scene cube --motion turn --check
 refuses "position '1,2'" --scene cube --position 1,2
 refuses "max-error" --scene cube --max-error -1
 refuses "size '64'" --scene cube --size 64
-refuses "colour" --scene cube --colour red
+refuses "paint" --scene cube --paint red
 refuses "cannot be made an output folder" --scene cube --pictures "$folder/quad.obj/pictures"
 
 # A record of two levels, with pictures.
@@ -236,7 +236,7 @@ kill -INT $process
 wait $process
 status=$?
 [ $status = 130 ] || complain "exit status $status after Ctrl-C: $(tail -3 "$folder/stderr")"
-grep -q "cancelled" "$folder/stderr" || complain "no message about the cancellation"
+grep -q "cancell\?ed" "$folder/stderr" || complain "no message about the cancellation"
 /usr/bin/python3 -B -c '
 import json, sys
 record = json.load(open(sys.argv[1]))

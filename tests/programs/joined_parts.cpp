@@ -69,7 +69,8 @@ void compare(int argc, char** argv)
   for (int i = 2; i < argc; i++)
   {
     const File part(argv[i]), png(pngOf(argv[i]));
-    if (part.spec.full_x != 0 || part.spec.full_y != 0 || part.spec.full_width != whole.spec.width || part.spec.full_height != whole.spec.height)
+    if (part.spec.full_x != 0 || part.spec.full_y != 0 || part.spec.full_width != whole.spec.width ||
+        part.spec.full_height != whole.spec.height)
       fail(std::string(argv[i]) + ": the display window differs from the whole picture");
     if (png.spec.width != part.spec.width || png.spec.height != part.spec.height)
       fail(std::string(argv[i]) + ": its PNG has a different size");

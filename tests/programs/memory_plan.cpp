@@ -48,7 +48,8 @@ TEST(MemoryPlan, ReferencesAreLeftOutBeforeCompressedOnes)
   const MemoryPlan alone = plan("naive,grid,cleaf", grid + leaf - 1);
   EXPECT_EQ(builtOf(alone), "cleaf2");
   ASSERT_EQ(alone.leftOut.size(), 2u);
-  EXPECT_NE(alone.leftOut[0].find("GRID is left out: 1.0 million quads take about"), std::string::npos) << alone.leftOut[0];
+  EXPECT_NE(alone.leftOut[0].find("GRID is left out: 1.0 million quads take about"), std::string::npos)
+    << alone.leftOut[0];
   EXPECT_NE(alone.leftOut[1].find("NAIVE is left out"), std::string::npos);
 }
 
@@ -59,9 +60,12 @@ TEST(MemoryPlan, CompressedRepresentationThatDoesNotFitIsLeftOut)
 
 TEST(MemoryPlan, TimeStepsRequireMoreMemory)
 {
-  for (RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::Grid, RepresentationKind::CGrid, RepresentationKind::CLeaf, RepresentationKind::CVert})
+  for (RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::Grid, RepresentationKind::CGrid,
+                                  RepresentationKind::CLeaf, RepresentationKind::CVert})
     EXPECT_LT(estimatedPeakBytes(kind, {quads, 2}), estimatedPeakBytes(kind, {quads, 3})) << int(kind);
-  EXPECT_EQ(estimatedPeakBytes(RepresentationKind::CGrid, {quads, 2}), estimatedPeakBytes(RepresentationKind::CVert, {quads, 2})) << "moving surfaces use cVERT";
+  EXPECT_EQ(estimatedPeakBytes(RepresentationKind::CGrid, {quads, 2}),
+            estimatedPeakBytes(RepresentationKind::CVert, {quads, 2}))
+    << "moving surfaces use cVERT";
   const std::vector<Representation> asked = parseRepresentations("grid,cvert", 2);
   const size_t still = peak(RepresentationKind::Grid) + peak(RepresentationKind::CVert);
   EXPECT_EQ(builtOf(planMemory(asked, {quads, 1}, still)), "grid,cvert");

@@ -100,7 +100,8 @@ TEST_P(PathTracerPictures, MatchOnBothDevices)
   const BuiltScene grid(model, {RepresentationKind::Grid}, build);
   const BuiltScene scene(model, parseRepresentations(GetParam(), 2)[0], build);
   const unsigned threads = threadCount(0);
-  const PathView view = makePathView(chooseCamera("close", model, grid, size, threads), model.view.up, bounces, Shutter());
+  const PathView view = makePathView(chooseCamera("close", model, grid, size, threads), model.view.up, bounces,
+                                     Shutter());
   const std::vector<Vec3f> expected = render(*makeCpuPathTracer(scene.handle(), view, threads));
   const std::vector<Vec3f> pixels = render(*makeVulkanPathTracer(scene.handle(), view, ""));
 

@@ -32,7 +32,7 @@ refuses "samples" --scene cube --samples 0
 refuses "bounces" --scene cube --bounces -1
 refuses "shutter '1,0' is not two times" --scene cube --shutter 1,0
 refuses "unknown --isa 'mmx'" --scene cube --isa mmx
-refuses "colour" --scene cube --colour red
+refuses "paint" --scene cube --paint red
 refuses "out.jpeg' ends neither" --scene cube --output "$folder/out.jpeg"
 refuses "there is no folder $folder/missing" --scene cube --output "$folder/missing/out.png"
 refuses "[Vv]ulkan" --scene cube --level 2 --device "no such device"
@@ -64,7 +64,7 @@ kill -INT $process
 wait $process
 status=$?
 [ $status = 130 ] || complain "exit status $status after Ctrl-C: $(cat "$folder/stderr")"
-grep -q "^cbvh_pathtracer: cancelled" "$folder/stderr" || complain "no message about the cancellation"
+grep -q "^cbvh_pathtracer: cancell\?ed" "$folder/stderr" || complain "no message about the cancellation"
 [ ! -e "$folder/out.png" ] || complain "a file is left after Ctrl-C"
 
 [ $failures = 0 ] && echo "all well"

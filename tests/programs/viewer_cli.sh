@@ -51,7 +51,7 @@ refuses "unknown --isa 'mmx'" --scene cube --isa mmx
 refuses "threads must not be negative" --scene cube --threads -1
 refuses "samples" --scene cube --samples 0
 refuses "time" --scene cube --motion turn --time 2
-refuses "colour" --scene cube --colour red
+refuses "paint" --scene cube --paint red
 refuses "$folder/missing/out.png" --scene cube --level 2 --screenshot "$folder/missing/out.png"
 refuses "$folder/out.txt" --scene cube --level 2 --screenshot "$folder/out.txt"
 
@@ -142,7 +142,7 @@ kill -INT $process
 wait $process
 status=$?
 [ $status = 130 ] || complain "exit status $status after Ctrl-C: $(cat "$folder/stderr")"
-grep -q "^cbvh_viewer: cancelled" "$folder/stderr" || complain "no message about the cancellation"
+grep -q "^cbvh_viewer: cancell\?ed" "$folder/stderr" || complain "no message about the cancellation"
 [ ! -e "$folder/out.png" ] || complain "a file is left after Ctrl-C"
 
 [ $failures = 0 ] && echo "all well"

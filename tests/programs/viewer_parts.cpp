@@ -140,7 +140,8 @@ int areaOf(Rectangle r)
 
 TEST(Layout, AreasDoNotOverlap)
 {
-  for (const ImageSize window : {ImageSize{1024, 768}, {400, 300}, {400, 900}, {600, 400}, {599, 400}, {30, 30}, {1, 1}})
+  for (const ImageSize window :
+       {ImageSize{1024, 768}, {400, 300}, {400, 900}, {600, 400}, {599, 400}, {30, 30}, {1, 1}})
     for (const PanelState panel : {PanelState::Open, PanelState::Folded, PanelState::Hidden})
       for (const bool split : {false, true})
       {
@@ -214,8 +215,8 @@ TEST_F(Pictures, HaveTheSameErrorsAsOtherPrograms)
   Picture picture(*camera, {Pane(&*coarse, &*grid)}, settings);
   picture.addSample();
   const std::vector<Ray> rays = primaryRays(*camera);
-  const HitErrors errors = compareHits(traceClosest(*grid, rays, 1), traceClosest(*coarse, rays, 1), camera->footprint(),
-                                       coarse->layout());
+  const HitErrors errors = compareHits(traceClosest(*grid, rays, 1), traceClosest(*coarse, rays, 1),
+                                       camera->footprint(), coarse->layout());
   const PaneReport& report = picture.reports().at(0);
   EXPECT_GT(report.p99, report.median);
   EXPECT_EQ(report.median, errors.median);
@@ -251,7 +252,8 @@ TEST_F(Pictures, UseOneRayIfHitsHaveNoMean)
     PictureSettings settings;
     settings.mode = mode;
     settings.samples = 4;
-    EXPECT_EQ(Picture(*camera, {Pane(&*coarse, &*grid)}, settings).wantedSamples(), mode == PictureMode::Shading ? 4 : 1);
+    EXPECT_EQ(Picture(*camera, {Pane(&*coarse, &*grid)}, settings).wantedSamples(),
+              mode == PictureMode::Shading ? 4 : 1);
   }
 }
 

@@ -127,7 +127,7 @@ class Cages(unittest.TestCase):
                 (ValueError, "indices: has no faces", (vertices, [], []), {}),
                 (ValueError, "face_sizes: adds up to 15, indices are 16", (vertices, flat, [4, 4, 4, 3]), {}),
                 (ValueError, "face_sizes: face 1 has 2 vertices", (vertices, flat, [4, 2, 4, 6]), {}),
-                (ValueError, "uvs: are 4, not one a vertex", (vertices, faces), {"uvs": np.zeros((4, 2))}),
+                (ValueError, "uvs: are 4, not one (a|per) vertex", (vertices, faces), {"uvs": np.zeros((4, 2))}),
                 (ValueError, "uv_indices: needs uvs", (vertices, faces), {"uv_indices": flat}),
                 (ValueError, "uv_indices: are 4, indices are 16", (vertices, faces),
                  {"uvs": np.zeros((4, 2)), "uv_indices": [0, 1, 2, 3]}),

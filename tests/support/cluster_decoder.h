@@ -110,7 +110,8 @@ inline DecodedCluster decodeDgf(const void* data, size_t bytes)
   const BitReader from(data, bytes);
   demand(from.read(0, 8) == 6, "the magic is not 6");
   DecodedCluster cluster;
-  const unsigned bitsPerIndex = cluster.bitsPerIndex = from.read(8, 2) + 3, numVertices = from.read(10, 6) + 1, numTriangles = from.read(16, 6) + 1;
+  const unsigned bitsPerIndex = cluster.bitsPerIndex = from.read(8, 2) + 3, numVertices = from.read(10, 6) + 1,
+                 numTriangles = from.read(16, 6) + 1;
   LatticeHeader header;
   header.exponent = from.read(32, 8);
   header.anchor[0] = from.readSigned(40, 24);

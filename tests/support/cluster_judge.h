@@ -43,7 +43,10 @@ struct TriangleSet
     count++;
   }
 
-  bool operator==(const TriangleSet& other) const { return count == other.count && sums[0] == other.sums[0] && sums[1] == other.sums[1]; }
+  bool operator==(const TriangleSet& other) const
+  {
+    return count == other.count && sums[0] == other.sums[0] && sums[1] == other.sums[1];
+  }
 };
 
 inline Corner cornerOf(const RTCCompressedPart& part, unsigned x, unsigned y)
@@ -87,7 +90,8 @@ public:
     for (int i = 0; i < 4; i++) { clusters += report.numClustersOf[i]; triangles += report.numTrianglesOf[i]; }
     demand(report.numTriangles == found.count && triangles == found.count, "the report's triangles");
     demand(report.numClusters == seen.numClusters && clusters == seen.numClusters, "the report's clusters");
-    demand(report.numVertices == seen.numVertices && report.bytes == seen.bytes && report.indexBytes == seen.indexBytes, "the report's bytes");
+    demand(report.numVertices == seen.numVertices && report.bytes == seen.bytes && report.indexBytes == seen.indexBytes,
+           "the report's bytes");
     demand(std::equal(report.numClustersOf, report.numClustersOf + 4, seen.numClustersOf), "the report's reasons");
   }
 
@@ -112,17 +116,22 @@ private:
   {
     demand((cluster.reason == RTC_CLUSTER_FITS) == (cluster.format == format), "a reason, and the format");
     demand(cluster.format == format || cluster.format == RTC_CLUSTER_FORMAT_FLOAT3, "another format");
-    demand(cluster.numVertices <= 256 && cluster.numTriangles > 0 && cluster.numTriangles <= 256, "a cluster that is too large");
+    demand(cluster.numVertices <= 256 && cluster.numTriangles > 0 && cluster.numTriangles <= 256,
+           "a cluster that is too large");
     demand(cluster.firstTriangle == found.count, "the first triangle");
     DecodedCluster decoded;
     const bool isDgf = cluster.format == RTC_CLUSTER_FORMAT_DGF1;
     if (isDgf) {
       decoded = decodeDgf(cluster.data, cluster.bytes);
-      demand(decoded.primitives == cluster.firstTriangle && decoded.vertices.size() == cluster.numVertices && decoded.triangles.size() == cluster.numTriangles, "the block's header");
+      demand(decoded.primitives == cluster.firstTriangle && decoded.vertices.size() == cluster.numVertices &&
+               decoded.triangles.size() == cluster.numTriangles,
+             "the block's header");
       for (unsigned t = 0; t < cluster.numTriangles; t++)
-        for (int c = 0; c < 3; c++) demand(decoded.triangles[t][c] == cluster.indices[3*t + c], "indices are not those of the block");
+        for (int c = 0; c < 3; c++)
+          demand(decoded.triangles[t][c] == cluster.indices[3*t + c], "indices are not those of the block");
     }
-    else if (cluster.format == RTC_CLUSTER_FORMAT_COMPRESSED1) decoded = decodeCompressed1(cluster.data, cluster.bytes, cluster.numVertices);
+    else if (cluster.format == RTC_CLUSTER_FORMAT_COMPRESSED1)
+      decoded = decodeCompressed1(cluster.data, cluster.bytes, cluster.numVertices);
     else {
       demand(cluster.bytes == 12*cluster.numVertices, "the bytes of floats");
       for (unsigned i = 0; i < cluster.numVertices; i++) {
@@ -140,15 +149,20 @@ private:
         triangle[c] = decoded.vertices[v];
       }
       std::array<Corner, 3> said = triangleOf(*cluster.part, cluster.triangles[t]);
-      demand(said == triangle || std::array<Corner, 3>{said[1], said[2], said[0]} == triangle || std::array<Corner, 3>{said[2], said[0], said[1]} == triangle, "a triangle is not the part's");
+      demand(said == triangle || std::array<Corner, 3>{said[1], said[2], said[0]} == triangle ||
+               std::array<Corner, 3>{said[2], said[0], said[1]} == triangle,
+             "a triangle is not the part's");
       found.add(triangle[0], triangle[1], triangle[2]);
     }
     demand(std::find(isUsed.begin(), isUsed.end(), false) == isUsed.end(), "a vertex without a triangle");
     if (cluster.width > 0) {
-      demand(cluster.numVertices == cluster.width*cluster.height && cluster.numTriangles == 2*(cluster.width - 1)*(cluster.height - 1), "a whole grid");
+      demand(cluster.numVertices == cluster.width*cluster.height &&
+               cluster.numTriangles == 2*(cluster.width - 1)*(cluster.height - 1),
+             "a whole grid");
       for (unsigned i = 0; i < cluster.numTriangles; i++) {
         const unsigned a = i/2/(cluster.width - 1)*cluster.width + i/2%(cluster.width - 1);
-        const unsigned corners[2][3] = {{a, a + 1, a + cluster.width}, {a + cluster.width, a + 1, a + cluster.width + 1}};
+        const unsigned corners[2][3] = {{a, a + 1, a + cluster.width},
+                                        {a + cluster.width, a + 1, a + cluster.width + 1}};
         demand(std::equal(corners[i % 2], corners[i % 2] + 3, cluster.indices + 3*i), "indices of a whole grid");
       }
       wholeClusters++;

@@ -15,7 +15,10 @@ namespace cbvh::test {
 
 enum class QuadOrder { Rows, Recursive, Shuffled };
 const QuadOrder allQuadOrders[] = {QuadOrder::Rows, QuadOrder::Recursive, QuadOrder::Shuffled};
-inline const char* nameOf(QuadOrder order) { return order == QuadOrder::Rows ? "row by row" : order == QuadOrder::Recursive ? "recursive" : "shuffled"; }
+inline const char* nameOf(QuadOrder order)
+{
+  return order == QuadOrder::Rows ? "row by row" : order == QuadOrder::Recursive ? "recursive" : "shuffled";
+}
 
 struct DicedMesh
 {
@@ -54,9 +57,11 @@ inline DicedMesh meshOf(const Diced& diced, QuadOrder order, Random& random)
   for (const RTCGrid& grid : diced.grids) {
     const unsigned w = grid.width - 1u, h = grid.height - 1u;
     for (unsigned i = 0; i < w*h; i++) {
-      const std::array<unsigned, 2> at = order == QuadOrder::Recursive ? recursivePlace(i) : std::array<unsigned, 2>{i % w, i/w};
+      const std::array<unsigned, 2> at = order == QuadOrder::Recursive ? recursivePlace(i)
+                                                                       : std::array<unsigned, 2>{i % w, i/w};
       const unsigned x = at[0], y = at[1];
-      mesh.quads.push_back({vertex(diced.vertex(grid, x, y)), vertex(diced.vertex(grid, x + 1, y)), vertex(diced.vertex(grid, x + 1, y + 1)), vertex(diced.vertex(grid, x, y + 1))});
+      mesh.quads.push_back({vertex(diced.vertex(grid, x, y)), vertex(diced.vertex(grid, x + 1, y)),
+                            vertex(diced.vertex(grid, x + 1, y + 1)), vertex(diced.vertex(grid, x, y + 1))});
     }
   }
   if (order == QuadOrder::Shuffled)
@@ -82,24 +87,32 @@ inline DicedMesh trianglesOf(const DicedMesh& mesh, unsigned turnOfFirst = 0, un
 inline DicedMesh globe(unsigned columns, unsigned rows)
 {
   DicedMesh mesh;
-  const auto vertex = [&](unsigned x, unsigned y) { return y == 0 ? 0 : y == rows ? 1 : 2 + (y - 1)*columns + x % columns; };
+  const auto vertex = [&](unsigned x, unsigned y) {
+    return y == 0 ? 0 : y == rows ? 1 : 2 + (y - 1)*columns + x % columns;
+  };
   mesh.vertices = {{0, 0, -1}, {0, 0, 1}};
   for (unsigned y = 1; y < rows; y++)
     for (unsigned x = 0; x < columns; x++) {
       const double a = 2*M_PI*x/columns, b = M_PI*y/rows, r = 1 + 0.05*std::sin(5*a)*std::sin(b)*std::cos(7*b);
-      mesh.vertices.push_back({float(r*std::cos(a)*std::sin(b)), float(r*std::sin(a)*std::sin(b)), float(-r*std::cos(b))});
+      mesh.vertices.push_back(
+        {float(r*std::cos(a)*std::sin(b)), float(r*std::sin(a)*std::sin(b)), float(-r*std::cos(b))});
     }
   for (unsigned y = 0; y < rows; y++)
-    for (unsigned x = 0; x < columns; x++) mesh.quads.push_back({vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1), vertex(x, y + 1)});
+    for (unsigned x = 0; x < columns; x++)
+      mesh.quads.push_back({vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1), vertex(x, y + 1)});
   return mesh;
 }
 
 // Returns a committed geometry that is not attached. The caller releases it.
-inline RTCGeometry newMesh(RTCDevice device, const DicedMesh& mesh, RTCCompression compression = RTC_COMPRESSION_INHERIT, unsigned flags = 0, unsigned timeSteps = 1)
+inline RTCGeometry newMesh(RTCDevice device, const DicedMesh& mesh,
+                           RTCCompression compression = RTC_COMPRESSION_INHERIT, unsigned flags = 0,
+                           unsigned timeSteps = 1)
 {
-  RTCGeometry geometry = rtcNewGeometry(device, mesh.isOfTriangles() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
+  RTCGeometry geometry = rtcNewGeometry(device,
+                                        mesh.isOfTriangles() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
   rtcSetGeometryTimeStepCount(geometry, timeSteps);
-  for (unsigned t = 0; t < timeSteps; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, movedTo(mesh.vertices, mesh.motion, t));
+  for (unsigned t = 0; t < timeSteps; t++)
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, movedTo(mesh.vertices, mesh.motion, t));
   if (mesh.isOfTriangles()) setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles);
   else setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, mesh.quads);
   commitAs(geometry, compression, flags);

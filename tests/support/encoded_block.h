@@ -19,7 +19,8 @@ public:
 
   // vertices: xyz of (2^height+1)^2 vertices, row by row; corners: the frame is aligned to (0,0), (1,0), (0,1),
   // (1,1); x, y: position in the patch, in blocks
-  EncodedBlock(embree::cbvh::Kind kind, uint32_t height, const std::vector<float>& vertices, const float corners[4][3], uint32_t x = 0, uint32_t y = 0)
+  EncodedBlock(embree::cbvh::Kind kind, uint32_t height, const std::vector<float>& vertices, const float corners[4][3],
+               uint32_t x = 0, uint32_t y = 0)
     : memory(embree::cbvh::blockLayout(uint32_t(kind), height).bytes/sizeof(Unit) + 1)
   {
     std::vector<Unit> scratch(embree::cbvh::BlockEncoder::scratchBytes(height)/sizeof(Unit) + 1);

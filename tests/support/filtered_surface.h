@@ -9,7 +9,8 @@ namespace cbvh::test {
 
 // Adds the cube as the only geometry of a scene, with a filter for closest hit and for any hit, and commits the
 // scene.
-inline void addFilteredCube(RTCDevice device, RTCScene scene, const SurfaceSettings& settings, RTCFilterFunctionN filter)
+inline void addFilteredCube(RTCDevice device, RTCScene scene, const SurfaceSettings& settings,
+                            RTCFilterFunctionN filter)
 {
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
   rtcSetGeometryIntersectFilterFunction(geometry, filter);

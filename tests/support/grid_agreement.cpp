@@ -17,7 +17,8 @@ using namespace embree::cbvh;
 constexpr float ulp = std::numeric_limits<float>::epsilon();
 
 Vec hitPoint(const RTCRayHit& r) {
-  return {r.ray.org_x + r.ray.tfar*r.ray.dir_x, r.ray.org_y + r.ray.tfar*r.ray.dir_y, r.ray.org_z + r.ray.tfar*r.ray.dir_z};
+  return {r.ray.org_x + r.ray.tfar*r.ray.dir_x, r.ray.org_y + r.ray.tfar*r.ray.dir_y,
+          r.ray.org_z + r.ray.tfar*r.ray.dir_z};
 }
 
 double dot(const double a[3], const double b[3]) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; }
@@ -116,7 +117,8 @@ LeafOfHit leafOfHit(const std::vector<const Block*>& blocks, const RTCRayHit& r)
     if (outside > hitError) continue;
     for (int c = 0; c < 8; c++) {
       Double3 q;
-      EXPECT_TRUE(unproject(map, c & 1 ? upperOf(box, 0) : box.lower[0], c & 2 ? upperOf(box, 1) : box.lower[1], c & 4 ? upperOf(box, 2) : box.lower[2], q));
+      EXPECT_TRUE(unproject(map, c & 1 ? upperOf(box, 0) : box.lower[0], c & 2 ? upperOf(box, 1) : box.lower[1],
+                            c & 4 ? upperOf(box, 2) : box.lower[2], q));
       found.reach = std::max(found.reach, length(q - p));
     }
   }
@@ -128,15 +130,18 @@ void expectNearGrid(RTCScene grid, const std::vector<const Block*>& blocks, cons
   ASSERT_EQ(hit.hit.geomID, 0u);
   ASSERT_GE(hit.hit.u, 0);
   ASSERT_GE(hit.hit.v, 0);
-  const double n2 = double(hit.hit.Ng_x)*hit.hit.Ng_x + double(hit.hit.Ng_y)*hit.hit.Ng_y + double(hit.hit.Ng_z)*hit.hit.Ng_z;
+  const double n2 = double(hit.hit.Ng_x)*hit.hit.Ng_x + double(hit.hit.Ng_y)*hit.hit.Ng_y +
+                    double(hit.hit.Ng_z)*hit.hit.Ng_z;
   ASSERT_GT(n2, 0);
   if (blocks.empty()) { // blocks of cVERT have no leaf boxes
     ASSERT_TRUE(isNearGrid(grid, hitPoint(hit), slack)) << "nothing within " << slack << " of a hit";
     return;
   }
   const LeafOfHit leaf = leafOfHit(blocks, hit);
-  ASSERT_TRUE(leaf.exists) << "no leaf has these parameters: face " << hit.hit.primID << ", " << hit.hit.u << ", " << hit.hit.v;
-  ASSERT_LE(leaf.outside, hitError) << "a hit outside of its leaf's box: face " << hit.hit.primID << ", " << hit.hit.u << ", " << hit.hit.v;
+  ASSERT_TRUE(leaf.exists) << "no leaf has these parameters: face " << hit.hit.primID << ", " << hit.hit.u << ", "
+                           << hit.hit.v;
+  ASSERT_LE(leaf.outside, hitError) << "a hit outside of its leaf's box: face " << hit.hit.primID << ", " << hit.hit.u
+                                    << ", " << hit.hit.v;
   const float reach = slack + float(leaf.reach);
   ASSERT_TRUE(isNearGrid(grid, hitPoint(hit), reach)) << "nothing within " << reach << " of a hit";
 }
@@ -148,7 +153,8 @@ float vertSlack(RTCScene scene)
   if (stats.maxVertexSpacing == 0) return 0;
   RTCBounds bounds;
   rtcGetSceneBounds(scene, &bounds);
-  const float size = std::max({std::fabs(bounds.lower_x), std::fabs(bounds.lower_y), std::fabs(bounds.lower_z), std::fabs(bounds.upper_x), std::fabs(bounds.upper_y), std::fabs(bounds.upper_z)});
+  const float size = std::max({std::fabs(bounds.lower_x), std::fabs(bounds.lower_y), std::fabs(bounds.lower_z),
+                               std::fabs(bounds.upper_x), std::fabs(bounds.upper_y), std::fabs(bounds.upper_z)});
   return stats.maxVertexDeviation + stats.maxBorderGap + 64*ulp*size;
 }
 
@@ -174,8 +180,9 @@ void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     // into 8 x 8 quads its vertices may round differently, and the compiler may fuse operations in only one of two
     // copies of the same test. This shifts a hit by ulps of t divided by the cosine, and u and v by the same distance
     // divided by the length of a face.
-    ASSERT_LE(std::fabs(b.ray.tfar - a.ray.tfar), 4*ulp*(a.ray.tfar + 1/(cosine*length))) << "face " << a.hit.primID << " at " << a.hit.u << ", " << a.hit.v
-      << " is face " << b.hit.primID << " at " << b.hit.u << ", " << b.hit.v << ", cosine " << cosine << ", t " << a.ray.tfar;
+    ASSERT_LE(std::fabs(b.ray.tfar - a.ray.tfar), 4*ulp*(a.ray.tfar + 1/(cosine*length)))
+      << "face " << a.hit.primID << " at " << a.hit.u << ", " << a.hit.v << " is face " << b.hit.primID << " at "
+      << b.hit.u << ", " << b.hit.v << ", cosine " << cosine << ", t " << a.ray.tfar;
     if (b.hit.primID != a.hit.primID) continue; // on the border of two faces the ray may hit either first
     ASSERT_GT(dot(m, n), 1 - 1e-5);
     const double tolerance = 4*ulp*(1 + 1/(cosine*face));
@@ -258,7 +265,8 @@ void expectHitsNearGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayH
   EXPECT_GT(hits, rays.size()/10);
 }
 
-void expectNoLeaks(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& raysFromInside, RTCCompression compression)
+void expectNoLeaks(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& raysFromInside,
+                   RTCCompression compression)
 {
   unsigned leaks = 0, gridLeaks = 0;
   for (const RTCRayHit& ray : raysFromInside) {

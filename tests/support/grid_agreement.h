@@ -31,6 +31,7 @@ void expectHitsNearGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayH
 
 // Checks that rays from inside a closed surface hit it. cGRID may miss if GRID misses, because both intersect the
 // same triangles.
-void expectNoLeaks(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& raysFromInside, RTCCompression compression);
+void expectNoLeaks(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& raysFromInside,
+                   RTCCompression compression);
 
 } // namespace cbvh::test

@@ -27,12 +27,17 @@ inline std::vector<LeafOfBlock> leavesOfHit(const std::vector<const embree::cbvh
   for (const embree::cbvh::Block* block : blocks) {
     if (block->primID != hit.primID) continue;
     const double cells = 1u << block->layout().nodeLevels, quads = 1u << block->height();
-    const double x = ((hit.u - embree::cbvh::cornerUOf(block->tiling)*0.5)*block->quadsX() - embree::cbvh::blockXOf(block->info)*quads)*cells/quads;
-    const double y = ((hit.v - embree::cbvh::cornerVOf(block->tiling)*0.5)*block->quadsY() - embree::cbvh::blockYOf(block->info)*quads)*cells/quads;
+    const double x = ((hit.u - embree::cbvh::cornerUOf(block->tiling)*0.5)*block->quadsX() -
+                      embree::cbvh::blockXOf(block->info)*quads)*
+                     cells/quads;
+    const double y = ((hit.v - embree::cbvh::cornerVOf(block->tiling)*0.5)*block->quadsY() -
+                      embree::cbvh::blockYOf(block->info)*quads)*
+                     cells/quads;
     const double rounding = 1e-3; // of parameters
     for (double i = std::floor(x - rounding); i <= x + rounding; i++)
       for (double j = std::floor(y - rounding); j <= y + rounding; j++)
-        if (i >= 0 && j >= 0 && i < cells && j < cells) leaves.push_back({block, embree::cbvh::morton(uint32_t(i), uint32_t(j))});
+        if (i >= 0 && j >= 0 && i < cells && j < cells)
+          leaves.push_back({block, embree::cbvh::morton(uint32_t(i), uint32_t(j))});
   }
   return leaves;
 }

@@ -26,7 +26,10 @@ struct MovingTargets
 
   static bool add(void* self, const RTCCompressedPart* part)
   {
-    const auto vertex = [&](unsigned x, unsigned y) { const float* p = part->vertices + 3*(y*part->width + x); return Vec{p[0], p[1], p[2]}; };
+    const auto vertex = [&](unsigned x, unsigned y) {
+      const float* p = part->vertices + 3*(y*part->width + x);
+      return Vec{p[0], p[1], p[2]};
+    };
     for (unsigned y = 0; y < part->height; y++)
       for (unsigned x = 0; x < part->width; x++) {
         const Vec a = vertex(x, y);
@@ -39,8 +42,9 @@ struct MovingTargets
   }
 };
 
-// Rays at the given number of times, the first two of which are 0 and 1.
-inline std::vector<RTCRayHit> raysAtMovingSurface(Random& random, RTCGeometry geometry, unsigned times, unsigned raysPerTime)
+// Rays at the given number of times. The first two times are 0 and 1.
+inline std::vector<RTCRayHit> raysAtMovingSurface(Random& random, RTCGeometry geometry, unsigned times,
+                                                  unsigned raysPerTime)
 {
   std::vector<RTCRayHit> rays;
   for (unsigned t = 0; t < times; t++) {

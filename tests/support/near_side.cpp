@@ -191,7 +191,8 @@ void occlude(const RTCOccludedFunctionNArguments* args)
 
 } // namespace
 
-NearSideScene::NearSideScene(RTCScene compressed) : blocks(sceneBlocks(compressed)), device(rtcNewDevice("")), scene(rtcNewScene(device))
+NearSideScene::NearSideScene(RTCScene compressed)
+  : blocks(sceneBlocks(compressed)), device(rtcNewDevice("")), scene(rtcNewScene(device))
 {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, unsigned(blocks.size()));

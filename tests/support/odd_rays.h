@@ -17,7 +17,8 @@ namespace cbvh::test {
 inline void spoil(RTCRay& ray, Random& random)
 {
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
-  float* const fields[] = {&ray.org_x, &ray.org_y, &ray.org_z, &ray.dir_x, &ray.dir_y, &ray.dir_z, &ray.tnear, &ray.tfar};
+  float* const fields[] = {&ray.org_x, &ray.org_y, &ray.org_z, &ray.dir_x,
+                           &ray.dir_y, &ray.dir_z, &ray.tnear, &ray.tfar};
   const float values[] = {nan, infinity, -infinity};
   if (random.chance(0.1)) { // all components of the origin or of the direction
     const unsigned first = 3*random.below(2);
@@ -58,7 +59,8 @@ inline RTCRayHit rayBesideVertex(Random& random, const std::vector<Vec>& vertice
     Vec o, d;
     for (unsigned k = 0; k < 3; k++) {
       const bool isZero = k == across || (zeros == 2 && k == other);
-      const float aside = float(random.magnitude(1e-8, 1e-5)), tilt = random.chance(0.3) ? float(random.magnitude(1e-14, 1e-7)) : 0;
+      const float aside = float(random.magnitude(1e-8, 1e-5)),
+                  tilt = random.chance(0.3) ? float(random.magnitude(1e-14, 1e-7)) : 0;
       o[k] = isZero ? v[k] + (random.chance(0.5) ? aside : -aside) : float(random.uniform(-0.2, 0.2));
       d[k] = isZero ? (random.chance(0.5) ? tilt : -tilt) : v[k] - o[k];
     }

@@ -14,8 +14,9 @@
 namespace cbvh::test {
 
 enum class QueryForm { Single, Packet4, Packet8, Packet16, Coherent8, Stream, CoherentStream, Pointers };
-const QueryForm allQueryForms[] = {QueryForm::Single, QueryForm::Packet4, QueryForm::Packet8, QueryForm::Packet16, QueryForm::Coherent8,
-  QueryForm::Stream, QueryForm::CoherentStream, QueryForm::Pointers};
+const QueryForm allQueryForms[] = {QueryForm::Single, QueryForm::Packet4, QueryForm::Packet8,
+                                   QueryForm::Packet16, QueryForm::Coherent8, QueryForm::Stream,
+                                   QueryForm::CoherentStream, QueryForm::Pointers};
 
 inline const char* nameOf(QueryForm form)
 {
@@ -36,7 +37,10 @@ inline const char* nameOf(QueryForm form)
 class QueryRun
 {
 public:
-  QueryRun(RTCScene scene, QueryForm form, bool any) : scene(scene), form(form), any(any) { rtcInitIntersectContext(&context); }
+  QueryRun(RTCScene scene, QueryForm form, bool any) : scene(scene), form(form), any(any)
+  {
+    rtcInitIntersectContext(&context);
+  }
 
   RTCIntersectContext context;
 
@@ -53,7 +57,8 @@ public:
       }
       break;
     case QueryForm::Packet4 : packets<4, RTCRayHit4>(traced, rtcIntersect4, rtcOccluded4); break;
-    case QueryForm::Packet8 : case QueryForm::Coherent8: packets<8, RTCRayHit8>(traced, rtcIntersect8, rtcOccluded8); break;
+    case QueryForm::Packet8 :
+    case QueryForm::Coherent8: packets<8, RTCRayHit8>(traced, rtcIntersect8, rtcOccluded8); break;
     case QueryForm::Packet16: packets<16, RTCRayHit16>(traced, rtcIntersect16, rtcOccluded16); break;
     case QueryForm::Stream: case QueryForm::CoherentStream:
       if (any) rtcOccluded1M(scene, &context, &traced[0].ray, unsigned(traced.size()), sizeof(RTCRayHit));
@@ -84,12 +89,15 @@ private:
       std::memset(&packet, 0, sizeof(packet));
       for (unsigned k = 0; k < N; k++) {
         valid[k] = first + k < rays.size() ? -1 : 0;
-        if (valid[k]) forWords([&](size_t w, size_t p) { std::memcpy(lanes + p*N + k, (const char*)&rays[first + k] + 4*w, 4); });
+        if (valid[k])
+          forWords(
+            [&](size_t w, size_t p) { std::memcpy(lanes + p*N + k, (const char*)&rays[first + k] + 4*w, 4); });
       }
       if (any) occluded(valid, scene, &context, &packet.ray);
       else intersect(valid, scene, &context, &packet);
       for (unsigned k = 0; k < N; k++)
-        if (valid[k]) forWords([&](size_t w, size_t p) { std::memcpy((char*)&rays[first + k] + 4*w, lanes + p*N + k, 4); });
+        if (valid[k])
+          forWords([&](size_t w, size_t p) { std::memcpy((char*)&rays[first + k] + 4*w, lanes + p*N + k, 4); });
     }
   }
 
@@ -100,7 +108,8 @@ private:
   {
     size_t p = 0;
     for (size_t w = 0; w < offsetof(RTCRay, flags)/4 + 1; w++) closure(w, p++);
-    for (size_t w = 0; w < offsetof(RTCHit, instID)/4 + RTC_MAX_INSTANCE_LEVEL_COUNT; w++) closure(offsetof(RTCRayHit, hit)/4 + w, p++);
+    for (size_t w = 0; w < offsetof(RTCHit, instID)/4 + RTC_MAX_INSTANCE_LEVEL_COUNT; w++)
+      closure(offsetof(RTCRayHit, hit)/4 + w, p++);
   }
 
   RTCScene scene;
@@ -108,7 +117,13 @@ private:
   bool any;
 };
 
-inline std::vector<RTCRayHit> closestHits(RTCScene scene, const std::vector<RTCRayHit>& rays, QueryForm form) { return QueryRun(scene, form, false)(rays); }
-inline std::vector<RTCRayHit> anyHits(RTCScene scene, const std::vector<RTCRayHit>& rays, QueryForm form) { return QueryRun(scene, form, true)(rays); }
+inline std::vector<RTCRayHit> closestHits(RTCScene scene, const std::vector<RTCRayHit>& rays, QueryForm form)
+{
+  return QueryRun(scene, form, false)(rays);
+}
+inline std::vector<RTCRayHit> anyHits(RTCScene scene, const std::vector<RTCRayHit>& rays, QueryForm form)
+{
+  return QueryRun(scene, form, true)(rays);
+}
 
 } // namespace cbvh::test

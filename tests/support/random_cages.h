@@ -76,7 +76,8 @@ inline Cage trapezohedron(unsigned n)
 inline Cage moved(Cage cage, Random& random, double size)
 {
   for (Vec3f& p : cage.positions)
-    p += Vec3f{float(random.uniform(-size, size)), float(random.uniform(-size, size)), float(random.uniform(-size, size))};
+    p += Vec3f{float(random.uniform(-size, size)), float(random.uniform(-size, size)),
+               float(random.uniform(-size, size))};
   return cage;
 }
 

@@ -42,7 +42,8 @@ Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement&
   }
   const double phase = 6*random.uniform();
   auto toWorld = [&](const double p[3]) {
-    return Vec{float(at.position[0] + at.scale*p[0]), float(at.position[1] + at.scale*p[1]), float(at.position[2] + at.scale*p[2])};
+    return Vec{float(at.position[0] + at.scale*p[0]), float(at.position[1] + at.scale*p[1]),
+               float(at.position[2] + at.scale*p[2])};
   };
   for (unsigned y = 0; y <= n; y++)
     for (unsigned x = 0; x <= n; x++) {
@@ -51,7 +52,11 @@ Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement&
       for (int k = 0; k < 3; k++)
         p[k] = (1-v)*((1-u)*corners[0][k] + u*corners[1][k]) + v*((1-u)*corners[3][k] + u*corners[2][k]);
       switch (shape) {
-      case Shape::Waves: case Shape::Folded: case Shape::Trapezoid: case Shape::CollapsedQuads: case Shape::CollapsedSide: p[2] += 0.05*std::sin(7*u + 3*v + phase); break;
+      case Shape::Waves:
+      case Shape::Folded:
+      case Shape::Trapezoid:
+      case Shape::CollapsedQuads:
+      case Shape::CollapsedSide: p[2] += 0.05*std::sin(7*u + 3*v + phase); break;
       case Shape::Noise: for (double& c : p) c += 0.2/n*random.normal(); break;
       case Shape::Spikes: if (random.chance(0.1)) p[2] += 0.5*random.uniform(); break;
       case Shape::Jumps: p[2] += (x > n/3) != (y > n/2) ? 0.3 : 0; break;
@@ -77,7 +82,8 @@ static void place(const RTCDisplacementFunctionNArguments* args)
 {
   const Sheet& sheet = *(const Sheet*)args->geometryUserPtr;
   for (unsigned i = 0; i < args->N; i++) {
-    const Vec& p = sheet.vertex(unsigned(std::lround(args->u[i]*sheet.quads)), unsigned(std::lround(args->v[i]*sheet.quads)));
+    const Vec& p = sheet.vertex(unsigned(std::lround(args->u[i]*sheet.quads)),
+                                unsigned(std::lround(args->v[i]*sheet.quads)));
     args->P_x[i] = p[0]; args->P_y[i] = p[1]; args->P_z[i] = p[2];
   }
 }

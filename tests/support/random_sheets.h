@@ -15,8 +15,9 @@ enum class Shape {
   Waves, Noise, Spikes, Jumps, Folded, Saddle, Vertical, // displaced
   Flat, Needle, Trapezoid, CollapsedQuads, CollapsedSide // with difficult outlines
 };
-const std::vector<Shape> allShapes = {Shape::Waves, Shape::Noise, Shape::Spikes, Shape::Jumps, Shape::Folded, Shape::Saddle, Shape::Vertical,
-  Shape::Flat, Shape::Needle, Shape::Trapezoid, Shape::CollapsedQuads, Shape::CollapsedSide};
+const std::vector<Shape> allShapes = {Shape::Waves, Shape::Noise, Shape::Spikes, Shape::Jumps,
+                                      Shape::Folded, Shape::Saddle, Shape::Vertical,       Shape::Flat,
+                                      Shape::Needle, Shape::Trapezoid, Shape::CollapsedQuads, Shape::CollapsedSide};
 const char* nameOf(Shape);
 
 struct Placement { double scale, position[3]; };
@@ -38,9 +39,21 @@ Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement&
 // then.
 void commitSheet(RTCDevice device, RTCScene scene, const Sheet& sheet, RTCCompression compression);
 
-enum class RayKind { Across, AlongAxis, ThroughVertex, AcrossEdge, AlongEdge, InPlaneOfLeaf, FromInsideBlock, FromInsideLeaf, Segment };
-const std::vector<RayKind> allRays = {RayKind::Across, RayKind::AlongAxis, RayKind::ThroughVertex, RayKind::AcrossEdge, RayKind::AlongEdge,
-  RayKind::InPlaneOfLeaf, RayKind::FromInsideBlock, RayKind::FromInsideLeaf, RayKind::Segment};
+enum class RayKind
+{
+  Across,
+  AlongAxis,
+  ThroughVertex,
+  AcrossEdge,
+  AlongEdge,
+  InPlaneOfLeaf,
+  FromInsideBlock,
+  FromInsideLeaf,
+  Segment
+};
+const std::vector<RayKind> allRays = {RayKind::Across, RayKind::AlongAxis, RayKind::ThroughVertex,
+                                      RayKind::AcrossEdge, RayKind::AlongEdge,      RayKind::InPlaneOfLeaf,
+                                      RayKind::FromInsideBlock, RayKind::FromInsideLeaf, RayKind::Segment};
 const char* nameOf(RayKind);
 
 // directionLength: length of the ray's direction, the unit of t.

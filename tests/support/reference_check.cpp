@@ -26,7 +26,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 double dot(const double a[3], const double b[3]) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; }
 
 double determinant(const double m[3][3]) {
-  return m[0][0]*(m[1][1]*m[2][2] - m[1][2]*m[2][1]) - m[0][1]*(m[1][0]*m[2][2] - m[1][2]*m[2][0]) + m[0][2]*(m[1][0]*m[2][1] - m[1][1]*m[2][0]);
+  return m[0][0]*(m[1][1]*m[2][2] - m[1][2]*m[2][1]) - m[0][1]*(m[1][0]*m[2][2] - m[1][2]*m[2][0]) +
+         m[0][2]*(m[1][0]*m[2][1] - m[1][1]*m[2][0]);
 }
 
 // World vector that the linear part of the frame maps to a multiple of one axis.
@@ -198,13 +199,15 @@ double distanceTo(const VertTriangle& triangle, const double point[3])
 bool grazes(const RTCRay& r, const double n[3])
 {
   const double d[3] = {r.dir_x, r.dir_y, r.dir_z};
-  return std::fabs(d[0]*n[0] + d[1]*n[1] + d[2]*n[2]) <= 1e-3*std::sqrt((d[0]*d[0] + d[1]*d[1] + d[2]*d[2])*(n[0]*n[0] + n[1]*n[1] + n[2]*n[2]));
+  return std::fabs(d[0]*n[0] + d[1]*n[1] + d[2]*n[2]) <=
+         1e-3*std::sqrt((d[0]*d[0] + d[1]*d[1] + d[2]*d[2])*(n[0]*n[0] + n[1]*n[1] + n[2]*n[2]));
 }
 
 bool sameHit(const RTCRayHit& a, const RTCRayHit& b)
 {
-  return isHit(a) == isHit(b) && (!isHit(a) || (std::fabs(double(a.ray.tfar) - b.ray.tfar) <= 4*ulp*std::fabs(double(b.ray.tfar)) &&
-    std::fabs(a.hit.u - b.hit.u) <= 4*ulp && std::fabs(a.hit.v - b.hit.v) <= 4*ulp));
+  return isHit(a) == isHit(b) &&
+         (!isHit(a) || (std::fabs(double(a.ray.tfar) - b.ray.tfar) <= 4*ulp*std::fabs(double(b.ray.tfar)) &&
+                        std::fabs(a.hit.u - b.hit.u) <= 4*ulp && std::fabs(a.hit.v - b.hit.v) <= 4*ulp));
 }
 
 // True if a hit is too close to an edge of a triangle to be assigned to one triangle.
@@ -216,7 +219,8 @@ bool nearEdge(double u, double v)
 
 } // namespace
 
-void ReferenceCheck::trace(Random& random, const Sheet& sheet, const std::vector<RayKind>& kinds, unsigned raysOfAKind, bool unitLength)
+void ReferenceCheck::trace(Random& random, const Sheet& sheet, const std::vector<RayKind>& kinds, unsigned raysOfAKind,
+                           bool unitLength)
 {
   Scene scene(device), grid(device);
   commitSheet(device, scene, sheet, compression);
@@ -261,7 +265,8 @@ void ReferenceCheck::traceByEmbree(RTCScene scene, std::vector<RTCRayHit>& close
   for (RTCRay& ray : any) rtcOccluded1(scene, &context, &ray);
 }
 
-void ReferenceCheck::compareTriangles(const Answer& answer, const Sheet& sheet, const std::vector<VertTriangle>& triangles)
+void ReferenceCheck::compareTriangles(const Answer& answer, const Sheet& sheet,
+                                      const std::vector<VertTriangle>& triangles)
 {
   const RTCRayHit &ray = answer.ray, &found = answer.found;
   const double t = isHit(found) ? double(found.ray.tfar) : infinity;
@@ -288,8 +293,13 @@ void ReferenceCheck::compareTriangles(const Answer& answer, const Sheet& sheet, 
     const double cosine = std::fabs(dot(n, d))/(area*length), error = 8*ulp*reach;
     const double ofT = error/(std::max(cosine, 1e-12)*length), ofWeights = 2*side*error/(area*std::max(cosine, 1e-12));
     const bool inRange = hit.t >= ray.ray.tnear && hit.t <= ray.ray.tfar;
-    if (inRange && inside(hit) >= 0 && hit.t < nearest.t) { nearest = hit; same = std::fabs(hit.t - t) <= ofT + 4*ulp*std::fabs(hit.t); }
-    near |= inside(hit) >= -ofWeights && (!isHit(found) ? inside(hit) <= ofWeights || hit.t <= ray.ray.tnear + ofT || hit.t >= ray.ray.tfar - ofT : std::fabs(hit.t - t) <= ofT + 4*ulp*std::fabs(hit.t));
+    if (inRange && inside(hit) >= 0 && hit.t < nearest.t) {
+      nearest = hit;
+      same = std::fabs(hit.t - t) <= ofT + 4*ulp*std::fabs(hit.t);
+    }
+    near |= inside(hit) >= -ofWeights &&
+            (!isHit(found) ? inside(hit) <= ofWeights || hit.t <= ray.ray.tnear + ofT || hit.t >= ray.ray.tfar - ofT
+                           : std::fabs(hit.t - t) <= ofT + 4*ulp*std::fabs(hit.t));
   }
   // rays that pass a degenerate triangle, or a triangle seen edge-on, within rounding errors also hit it
   for (size_t i = 0; i < triangles.size() && isHit(found) && !same && !near; i++) {
@@ -303,8 +313,9 @@ void ReferenceCheck::compareTriangles(const Answer& answer, const Sheet& sheet, 
   sameT += same;
   if (answer.isOccluded != isHit(found) || (!same && !near)) {
     if (failures++ < 12)
-      ADD_FAILURE() << "no triangle says so: " << sheet.quads << " quads, " << nameOf(sheet.shape) << ", scale " << sheet.scale << ", ray " << nameOf(answer.kind) << ", t " << t
-                    << ", reference " << nearest.t << ", weights " << nearest.weight[0] << " " << nearest.weight[1] << " " << nearest.weight[2];
+      ADD_FAILURE() << "no triangle says so: " << sheet.quads << " quads, " << nameOf(sheet.shape) << ", scale "
+                    << sheet.scale << ", ray " << nameOf(answer.kind) << ", t " << t << ", reference " << nearest.t
+                    << ", weights " << nearest.weight[0] << " " << nearest.weight[1] << " " << nearest.weight[2];
   }
   else if (same) equal++;
   else if (isHit(found) != (nearest.triangle != nullptr)) atBorder++;
@@ -322,14 +333,17 @@ void ReferenceCheck::compare(const Answer& answer, const Sheet& sheet, const Blo
   hits += isHit(found);
   auto fail = [&](const testing::Message& what) {
     if (failures++ < 12)
-      ADD_FAILURE() << what << ": " << sheet.quads << " quads, " << nameOf(sheet.shape) << ", scale " << sheet.scale << " at " << block->centre[0]
-        << ", ray " << nameOf(answer.kind) << ", t " << t << ", reference " << exact.t << ", rounding " << rounding;
+      ADD_FAILURE() << what << ": " << sheet.quads << " quads, " << nameOf(sheet.shape) << ", scale " << sheet.scale
+                    << " at " << block->centre[0] << ", ray " << nameOf(answer.kind) << ", t " << t << ", reference "
+                    << exact.t << ", rounding " << rounding;
   };
   if (answer.isOccluded != isHit(found)) fail(testing::Message() << "any hit differs");
 
-  const double u = found.hit.u, v = found.hit.v, n[3] = {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}, n2 = dot(n, n);
+  const double u = found.hit.u, v = found.hit.v, n[3] = {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z},
+               n2 = dot(n, n);
   if (isHit(found)) {
-    if (!(found.ray.tfar >= ray.ray.tnear && found.ray.tfar <= ray.ray.tfar)) fail(testing::Message() << "outside tnear, tfar");
+    if (!(found.ray.tfar >= ray.ray.tnear && found.ray.tfar <= ray.ray.tfar))
+      fail(testing::Message() << "outside tnear, tfar");
     // GRID's own parameters exceed [0,1] by rounding, and its triangles may have no area
     const double outside = compression == RTC_COMPRESSION_GRID ? 1e-4 : 0;
     if (!(std::min(u, v) >= -outside && std::max(u, v) <= 1 + outside && n2 < infinity && (n2 > 0 || outside)))
@@ -344,7 +358,8 @@ void ReferenceCheck::compare(const Answer& answer, const Sheet& sheet, const Blo
   };
   auto equals = [&](const ReferenceHit& hit) {
     if (hit.found != isHit(found)) return false;
-    return !hit.found || (std::fabs(hit.t - t) <= rounding && std::fabs(hit.u - u) <= tolerance && std::fabs(hit.v - v) <= tolerance && sameNormal(hit));
+    return !hit.found || (std::fabs(hit.t - t) <= rounding && std::fabs(hit.u - u) <= tolerance &&
+                          std::fabs(hit.v - v) <= tolerance && sameNormal(hit));
   };
   sameT += isHit(found) ? std::fabs(t - exact.t) <= rounding : !exact.found;
   if (equals(exact)) { equal++; return; }
@@ -353,7 +368,11 @@ void ReferenceCheck::compare(const Answer& answer, const Sheet& sheet, const Blo
     // Embree's triangle test is less exact than a block's bounds, at edges and for rays in the plane of a triangle.
     // cGRID must find GRID's hit; the compiler may fuse operations in only one of two copies of the same test.
     if (sameHit(found, answer.ofGrid)) { hitsOfGrid++; return; }
-    if ((isHit(found) && (grazes(ray.ray, n) || nearEdge(u*quads, v*quads))) || (exact.found && grazes(ray.ray, exact.Ng))) { strayed++; return; }
+    if ((isHit(found) && (grazes(ray.ray, n) || nearEdge(u*quads, v*quads))) ||
+        (exact.found && grazes(ray.ray, exact.Ng))) {
+      strayed++;
+      return;
+    }
   }
 
   // a different result must be the result of a ray within the error of SIMD
@@ -369,9 +388,11 @@ void ReferenceCheck::compare(const Answer& answer, const Sheet& sheet, const Blo
   });
   if (!explained) {
     testing::Message m;
-    m << (isHit(found) ? "no such hit" : "no miss") << " among " << answers.leaves.size() << " leaves" << (answers.misses ? " and misses" : "")
-      << ", u " << u*quads << ", v " << v*quads << " quads, reference " << exact.u*quads << ", " << exact.v*quads;
-    for (const auto& leaf : answers.leaves) m << "; leaf " << leaf.first << " t " << leaf.second.lower[0] << " to " << leaf.second.upper[0];
+    m << (isHit(found) ? "no such hit" : "no miss") << " among " << answers.leaves.size() << " leaves"
+      << (answers.misses ? " and misses" : "") << ", u " << u*quads << ", v " << v*quads << " quads, reference "
+      << exact.u*quads << ", " << exact.v*quads;
+    for (const auto& leaf : answers.leaves)
+      m << "; leaf " << leaf.first << " t " << leaf.second.lower[0] << " to " << leaf.second.upper[0];
     fail(m);
   }
   else if (answers.misses && !answers.leaves.empty()) atBorder++;
@@ -381,8 +402,9 @@ void ReferenceCheck::compare(const Answer& answer, const Sheet& sheet, const Blo
 
 void ReferenceCheck::conclude(double share)
 {
-  std::printf("%u rays, %u hits: %u equal, %u in t; %u hit or miss by rounding, %u hit one of several leaves by rounding, %u graze one leaf; %u GRID's, %u strayed\n",
-              rays, hits, equal, sameT, atBorder, betweenLeaves, alongLeaf, hitsOfGrid, strayed);
+  std::printf(
+    "%u rays, %u hits: %u equal, %u in t; %u hit or miss by rounding, %u hit one of several leaves by rounding, %u graze one leaf; %u GRID's, %u strayed\n",
+    rays, hits, equal, sameT, atBorder, betweenLeaves, alongLeaf, hitsOfGrid, strayed);
   EXPECT_EQ(failures, 0u) << "of " << rays;
   EXPECT_GT(hits, rays/3) << "too many rays miss the blocks";
   EXPECT_GE(sameT + hitsOfGrid, share*rays) << "the tolerance of the reference explains too many hits";

@@ -25,7 +25,9 @@ std::vector<RTCRayHit> raysAt(Random& random, const Diced& diced, unsigned count
 inline double angleBetween(const RTCHit& a, const RTCHit& b)
 {
   const double dot = double(a.Ng_x)*b.Ng_x + double(a.Ng_y)*b.Ng_y + double(a.Ng_z)*b.Ng_z;
-  const auto square = [](const RTCHit& h) { return double(h.Ng_x)*h.Ng_x + double(h.Ng_y)*h.Ng_y + double(h.Ng_z)*h.Ng_z; };
+  const auto square = [](const RTCHit& h) {
+    return double(h.Ng_x)*h.Ng_x + double(h.Ng_y)*h.Ng_y + double(h.Ng_z)*h.Ng_z;
+  };
   return std::acos(std::min(1.0, dot/std::sqrt(square(a)*square(b))));
 }
 
@@ -38,7 +40,8 @@ inline double cosine(const RTCRayHit& r)
 }
 
 // slack: tolerance of parameters for rays that do not graze
-inline void expectSameHits(const std::vector<RTCRayHit>& expected, const std::vector<RTCRayHit>& found, double slack = 1e-4)
+inline void expectSameHits(const std::vector<RTCRayHit>& expected, const std::vector<RTCRayHit>& found,
+                           double slack = 1e-4)
 {
   ASSERT_EQ(expected.size(), found.size());
   for (size_t i = 0; i < expected.size(); i++) {

@@ -56,7 +56,10 @@ private:
 class Scene
 {
 public:
-  explicit Scene(RTCDevice device, RTCSceneFlags flags = RTC_SCENE_FLAG_NONE) : scene(rtcNewScene(device)) { rtcSetSceneFlags(scene, flags); }
+  explicit Scene(RTCDevice device, RTCSceneFlags flags = RTC_SCENE_FLAG_NONE) : scene(rtcNewScene(device))
+  {
+    rtcSetSceneFlags(scene, flags);
+  }
   ~Scene() { rtcReleaseScene(scene); }
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
@@ -170,7 +173,8 @@ struct Displacement
       float* P[3] = {args->P_x + i, args->P_y + i, args->P_z + i};
       double p[3];
       for (int k = 0; k < 3; k++) p[k] = (double(*P[k]) - d.offset[k])/d.scale*d.frequency;
-      const double f[3] = {std::sin(p[0] + 2*p[1])*std::cos(p[2]), std::sin(p[1] - p[2]), std::cos(p[2] + p[0])*std::sin(p[1])};
+      const double f[3] = {std::sin(p[0] + 2*p[1])*std::cos(p[2]), std::sin(p[1] - p[2]),
+                           std::cos(p[2] + p[0])*std::sin(p[1])};
       for (int k = 0; k < 3; k++) *P[k] = float(*P[k] + double(d.scale)*d.amplitude*f[k]);
       if (d.lattice > 0)
         for (int k = 0; k < 3; k++) *P[k] = std::nearbyint(*P[k]/d.lattice)*d.lattice;
@@ -292,7 +296,11 @@ struct Twins
   SurfaceScene grid, scene;
 
 private:
-  static SurfaceSettings uncompressed(SurfaceSettings settings) { settings.compression = RTC_COMPRESSION_NONE; return settings; }
+  static SurfaceSettings uncompressed(SurfaceSettings settings)
+  {
+    settings.compression = RTC_COMPRESSION_NONE;
+    return settings;
+  }
 };
 
 inline RTCCompressionStatistics statisticsOf(RTCScene scene)
@@ -304,7 +312,8 @@ inline RTCCompressionStatistics statisticsOf(RTCScene scene)
   return stats;
 }
 
-inline RTCRayHit makeRay(const Vec& org, const Vec& dir, float tnear = 0, float tfar = std::numeric_limits<float>::infinity())
+inline RTCRayHit makeRay(const Vec& org, const Vec& dir, float tnear = 0,
+                         float tfar = std::numeric_limits<float>::infinity())
 {
   RTCRayHit r;
   std::memset(&r, 0, sizeof(r));

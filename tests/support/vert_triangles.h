@@ -23,7 +23,10 @@ struct VertTriangle
   // of its vertices; rows and columns of edges with a lower rate are not considered
   double u[3], v[3];
 
-  bool hasArea() const { return vertices[0] != vertices[1] && vertices[1] != vertices[2] && vertices[2] != vertices[0]; }
+  bool hasArea() const
+  {
+    return vertices[0] != vertices[1] && vertices[1] != vertices[2] && vertices[2] != vertices[0];
+  }
 };
 
 inline std::vector<VertTriangle> vertTriangles(RTCScene scene)

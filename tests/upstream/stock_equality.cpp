@@ -46,7 +46,8 @@ struct Record
 
 // --- scenes: all inside [-1,1]^3 ---------------------------------------------------
 
-template<typename T> T* buffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCFormat format, const std::vector<T>& data)
+template<typename T>
+T* buffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCFormat format, const std::vector<T>& data)
 {
   void* memory = rtcSetNewGeometryBuffer(geometry, type, slot, format, sizeof(T), data.size());
   return static_cast<T*>(std::memcpy(memory, data.data(), data.size()*sizeof(T)));
@@ -67,7 +68,8 @@ std::vector<Vec> spherePoints(unsigned n, float radius)
   for (unsigned j = 0; j <= n; j++)
     for (unsigned i = 0; i <= 2*n; i++) {
       const float theta = float(M_PI)*j/n, phi = float(M_PI)*i/n;
-      points.push_back({radius*std::sin(theta)*std::cos(phi), radius*std::cos(theta), radius*std::sin(theta)*std::sin(phi)});
+      points.push_back(
+        {radius*std::sin(theta)*std::cos(phi), radius*std::cos(theta), radius*std::sin(theta)*std::sin(phi)});
     }
   return points;
 }
@@ -129,7 +131,8 @@ void addGrid(RTCDevice device, RTCScene scene)
   const unsigned n = 20;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
   buffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, spherePoints(n, 0.65f));
-  buffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, std::vector<RTCGrid>{{0, 2*n+1, uint16_t(2*n+1), uint16_t(n+1)}});
+  buffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID,
+         std::vector<RTCGrid>{{0, 2*n+1, uint16_t(2*n+1), uint16_t(n+1)}});
   attach(scene, geometry);
 }
 
@@ -177,7 +180,8 @@ void addSubdivision(RTCDevice device, RTCScene scene, float rate, bool displaced
     std::vector<unsigned>{0,4,6,2, 1,3,7,5, 0,1,5,4, 2,6,7,3, 0,2,3,1, 4,5,7,6});
   struct Edge { unsigned a, b; };
   buffer(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_INDEX, 0, RTC_FORMAT_UINT2, std::vector<Edge>{{0,1},{1,3},{3,2},{2,0}});
-  buffer(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT, std::vector<float>{1.5f, 2, 0.5f, INFINITY});
+  buffer(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT,
+         std::vector<float>{1.5f, 2, 0.5f, INFINITY});
   rtcSetGeometryTessellationRate(geometry, rate);
   if (displaced) rtcSetGeometryDisplacementFunction(geometry, displace);
   attach(scene, geometry);
@@ -210,28 +214,56 @@ void addInstances(RTCDevice device, RTCScene scene)
 using Build = std::function<void(RTCDevice, RTCScene)>;
 
 const std::map<std::string, Build> scenes = {
-  {"triangles",     [](RTCDevice d, RTCScene s) { addTriangles(d, s); addTriangleSoup(d, s, ~0u); }},
-  {"masked",        [](RTCDevice d, RTCScene s) { addTriangleSoup(d, s, 2); addTriangles(d, s); }},
-  {"robust",        [](RTCDevice d, RTCScene s) { rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST); addTriangles(d, s); addQuads(d, s); }},
-  {"dynamic",       [](RTCDevice d, RTCScene s) { rtcSetSceneFlags(s, RTC_SCENE_FLAG_DYNAMIC); addTriangles(d, s); addTriangleSoup(d, s, ~0u); }},
+  {"triangles",
+   [](RTCDevice d, RTCScene s) {
+     addTriangles(d, s);
+     addTriangleSoup(d, s, ~0u);
+   }},
+  {"masked",
+   [](RTCDevice d, RTCScene s) {
+     addTriangleSoup(d, s, 2);
+     addTriangles(d, s);
+   }},
+  {"robust",
+   [](RTCDevice d, RTCScene s) {
+     rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST);
+     addTriangles(d, s);
+     addQuads(d, s);
+   }},
+  {"dynamic",
+   [](RTCDevice d, RTCScene s) {
+     rtcSetSceneFlags(s, RTC_SCENE_FLAG_DYNAMIC);
+     addTriangles(d, s);
+     addTriangleSoup(d, s, ~0u);
+   }},
   {"quads",         [](RTCDevice d, RTCScene s) { addQuads(d, s); }},
   {"grid",          [](RTCDevice d, RTCScene s) { addGrid(d, s); }},
-  {"curves",        [](RTCDevice d, RTCScene s) { addCurves(d, s, RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE); addCurves(d, s, RTC_GEOMETRY_TYPE_FLAT_BSPLINE_CURVE); }},
+  {"curves",
+   [](RTCDevice d, RTCScene s) {
+     addCurves(d, s, RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE);
+     addCurves(d, s, RTC_GEOMETRY_TYPE_FLAT_BSPLINE_CURVE);
+   }},
   {"instances",     [](RTCDevice d, RTCScene s) { addInstances(d, s); }},
   {"subdivision",   [](RTCDevice d, RTCScene s) { addSubdivision(d, s, 16, false); }},
   {"displaced",     [](RTCDevice d, RTCScene s) { addSubdivision(d, s, 37, true); }},
   {"moving",        [](RTCDevice d, RTCScene s) { addSubdivision(d, s, 8, true, 2); }},
-  {"subdivisions",  [](RTCDevice d, RTCScene s) { addSubdivision(d, s, 16, true); addSubdivision(d, s, 1, false); addTriangles(d, s); }},
-  {"filtered",      [](RTCDevice d, RTCScene s) {
-    addSubdivision(d, s, 16, true);
-    addTriangles(d, s);
-    for (unsigned id : {0u, 1u}) {
-      RTCGeometry geometry = rtcGetGeometry(s, id);
-      rtcSetGeometryIntersectFilterFunction(geometry, filter);
-      rtcSetGeometryOccludedFilterFunction(geometry, filter);
-      rtcCommitGeometry(geometry);
-    }
-  }},
+  {"subdivisions",
+   [](RTCDevice d, RTCScene s) {
+     addSubdivision(d, s, 16, true);
+     addSubdivision(d, s, 1, false);
+     addTriangles(d, s);
+   }},
+  {"filtered",
+   [](RTCDevice d, RTCScene s) {
+     addSubdivision(d, s, 16, true);
+     addTriangles(d, s);
+     for (unsigned id : {0u, 1u}) {
+       RTCGeometry geometry = rtcGetGeometry(s, id);
+       rtcSetGeometryIntersectFilterFunction(geometry, filter);
+       rtcSetGeometryOccludedFilterFunction(geometry, filter);
+       rtcCommitGeometry(geometry);
+     }
+   }},
 };
 
 // --- queries ------------------------------------------------------------------------
@@ -368,7 +400,8 @@ int run(const std::string& directory, const std::string& config, Trace& result)
   char self[4096] = {}, path[] = "/tmp/stock_equality_XXXXXX";
   if (readlink("/proc/self/exe", self, sizeof(self) - 1) < 0) return 1;
   close(mkstemp(path));
-  const std::string command = "env -u EMBREE_CBVH LD_LIBRARY_PATH='" + directory + "' '" + self + "' --trace '" + config + "' " + path;
+  const std::string command = "env -u EMBREE_CBVH LD_LIBRARY_PATH='" + directory + "' '" + self + "' --trace '" +
+                              config + "' " + path;
   const int status = WEXITSTATUS(std::system(command.c_str()));
   FILE* file = fopen(path, "rb");
   readString(file, result.library);
@@ -416,9 +449,9 @@ TEST_P(StockEquality, FindsTheSameHits)
       hits += a.geomID != RTC_INVALID_GEOMETRY_ID;
       if (a.geomID != b.geomID || a.primID != b.primID || a.instID != b.instID || a.occluded != b.occluded) {
         if (different++ < 3)
-          ADD_FAILURE() << "ray " << i << ": geometry, primitive, instance, occluded " << b.geomID << " " << b.primID << " "
-            << b.instID << " " << b.occluded << " at " << b.tfar << ", expected " << a.geomID << " " << a.primID << " "
-            << a.instID << " " << a.occluded << " at " << a.tfar;
+          ADD_FAILURE() << "ray " << i << ": geometry, primitive, instance, occluded " << b.geomID << " " << b.primID
+                        << " " << b.instID << " " << b.occluded << " at " << b.tfar << ", expected " << a.geomID << " "
+                        << a.primID << " " << a.instID << " " << a.occluded << " at " << a.tfar;
         continue;
       }
       worst = std::max(worst, ulps(a.tfar, b.tfar));

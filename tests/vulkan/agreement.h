@@ -37,7 +37,8 @@ class VulkanAgreement : public VulkanTest
 protected:
   Random random{71};
 
-  void compare(RTCScene scene, const std::vector<RTCRayHit>& rays, Agreement& sum, RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO)
+  void compare(RTCScene scene, const std::vector<RTCRayHit>& rays, Agreement& sum,
+               RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO)
   {
     ASSERT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
     const VulkanScene onDevice = newVulkanScene(device, scene, memory);
@@ -58,8 +59,8 @@ protected:
       const double n = std::sqrt(double(a.Ng_x)*a.Ng_x + double(a.Ng_y)*a.Ng_y + double(a.Ng_z)*a.Ng_z);
       const double dn = std::max({std::fabs(a.Ng_x - b.Ng_x), std::fabs(a.Ng_y - b.Ng_y), std::fabs(a.Ng_z - b.Ng_z)});
       const double dt = std::fabs(double(truth.ray.tfar) - found[i].ray.tfar);
-      const bool isOther = a.geomID != b.geomID || a.primID != b.primID || a.instID[0] != b.instID[0] || dt > 1e-5*truth.ray.tfar
-        || std::max(std::fabs(a.u - b.u), std::fabs(a.v - b.v)) > 1e-3;
+      const bool isOther = a.geomID != b.geomID || a.primID != b.primID || a.instID[0] != b.instID[0] ||
+                           dt > 1e-5*truth.ray.tfar || std::max(std::fabs(a.u - b.u), std::fabs(a.v - b.v)) > 1e-3;
       sum.otherPlace += isOther;
       sum.otherNormal += !isOther && dn > 1e-2*n;
     }

@@ -33,6 +33,7 @@ void main ()
   CbvhRay ray = CbvhRay(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), 1e30, 0xFFFFFFFFu, 0.5);
   CbvhHit hit;
   uint i = gl_GlobalInvocationID.x;
-  if (cbvhIntersect(arguments.scene, ray, hit)) t[i] = lesser(hit.t) + float(hit.primID + hit.geomID + hit.instID) + hit.u + hit.v + hit.Ng.x;
+  if (cbvhIntersect(arguments.scene, ray, hit))
+    t[i] = lesser(hit.t) + float(hit.primID + hit.geomID + hit.instID) + hit.u + hit.v + hit.Ng.x;
   if (cbvhOccluded(arguments.scene, ray)) t[i] = float(referenceType(uint32_t(maxLevel)));
 }

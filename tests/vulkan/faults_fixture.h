@@ -17,10 +17,14 @@ struct Fault { VkResult result; const char* name; RTCError error; };
 
 inline Fault faultOf(const std::string& function)
 {
-  if (function == "MapMemory") return {VK_ERROR_MEMORY_MAP_FAILED, "VK_ERROR_MEMORY_MAP_FAILED", RTC_ERROR_OUT_OF_MEMORY};
-  if (function == "GetMemoryHostPointerPropertiesEXT") return {VK_ERROR_INVALID_EXTERNAL_HANDLE, "VK_ERROR_INVALID_EXTERNAL_HANDLE", RTC_ERROR_UNKNOWN};
-  if (function == "CreateInstance" || function == "CreateDevice") return {VK_ERROR_INITIALIZATION_FAILED, "VK_ERROR_INITIALIZATION_FAILED", RTC_ERROR_UNKNOWN};
-  if (function == "AllocateMemory") return {VK_ERROR_OUT_OF_DEVICE_MEMORY, "VK_ERROR_OUT_OF_DEVICE_MEMORY", RTC_ERROR_OUT_OF_MEMORY};
+  if (function == "MapMemory")
+    return {VK_ERROR_MEMORY_MAP_FAILED, "VK_ERROR_MEMORY_MAP_FAILED", RTC_ERROR_OUT_OF_MEMORY};
+  if (function == "GetMemoryHostPointerPropertiesEXT")
+    return {VK_ERROR_INVALID_EXTERNAL_HANDLE, "VK_ERROR_INVALID_EXTERNAL_HANDLE", RTC_ERROR_UNKNOWN};
+  if (function == "CreateInstance" || function == "CreateDevice")
+    return {VK_ERROR_INITIALIZATION_FAILED, "VK_ERROR_INITIALIZATION_FAILED", RTC_ERROR_UNKNOWN};
+  if (function == "AllocateMemory")
+    return {VK_ERROR_OUT_OF_DEVICE_MEMORY, "VK_ERROR_OUT_OF_DEVICE_MEMORY", RTC_ERROR_OUT_OF_MEMORY};
   return {VK_ERROR_OUT_OF_HOST_MEMORY, "VK_ERROR_OUT_OF_HOST_MEMORY", RTC_ERROR_OUT_OF_MEMORY};
 }
 
@@ -116,7 +120,8 @@ protected:
 inline void expectAll(const std::vector<std::string>& called, const std::vector<std::string>& expected)
 {
   for (const std::string& function : expected)
-    EXPECT_TRUE(std::find(called.begin(), called.end(), function) != called.end()) << "vk" << function << " was not called, so it is not tested";
+    EXPECT_TRUE(std::find(called.begin(), called.end(), function) != called.end())
+      << "vk" << function << " was not called, so it is not tested";
 }
 
 } // namespace cbvh::test

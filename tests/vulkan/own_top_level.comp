@@ -31,14 +31,18 @@ void main ()
   if (i >= arguments.count) return;
   Rays rays = Rays(arguments.rays);
   uint w = 20u*i;
-  vec3 origin = vec3(rays.at[w], rays.at[w + 1u], rays.at[w + 2u]), direction = vec3(rays.at[w + 4u], rays.at[w + 5u], rays.at[w + 6u]);
-  CbvhRay ray = CbvhRay(origin - vec3(arguments.offset, 0.0, 0.0), rays.at[w + 3u], direction, rays.at[w + 8u], floatBitsToUint(rays.at[w + 9u]), rays.at[w + 7u]);
+  vec3 origin = vec3(rays.at[w], rays.at[w + 1u], rays.at[w + 2u]),
+       direction = vec3(rays.at[w + 4u], rays.at[w + 5u], rays.at[w + 6u]);
+  CbvhRay ray = CbvhRay(origin - vec3(arguments.offset, 0.0, 0.0), rays.at[w + 3u], direction, rays.at[w + 8u],
+                        floatBitsToUint(rays.at[w + 9u]), rays.at[w + 7u]);
 
   CbvhCandidates found = cbvhNoCandidates(ray);
   rayQueryEXT query;
-  rayQueryInitializeEXT(query, accelerationStructureEXT(arguments.topLevel), gl_RayFlagsNoneEXT, 0xFFu, origin, ray.tnear, direction, min(ray.tfar, 3.0e38));
+  rayQueryInitializeEXT(query, accelerationStructureEXT(arguments.topLevel), gl_RayFlagsNoneEXT, 0xFFu, origin,
+                        ray.tnear, direction, min(ray.tfar, 3.0e38));
   while (rayQueryProceedEXT(query))
-    if (rayQueryGetIntersectionTypeEXT(query, false) == gl_RayQueryCandidateIntersectionAABBEXT) cbvhIntersectCandidate(query, arguments.scene, ray, found);
+    if (rayQueryGetIntersectionTypeEXT(query, false) == gl_RayQueryCandidateIntersectionAABBEXT)
+      cbvhIntersectCandidate(query, arguments.scene, ray, found);
     else rayQueryConfirmIntersectionEXT(query);
 
   uint type = rayQueryGetIntersectionTypeEXT(query, true);

@@ -16,7 +16,8 @@ inline RTCGeometry newTriangle(RTCDevice device, float z, unsigned timeSteps = 1
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetGeometryTimeStepCount(geometry, timeSteps);
   for (unsigned t = 0; t < timeSteps; t++)
-    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, std::vector<Vec>{{-1, -1, z}, {1, -1, z}, {-1, 1, z}});
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3,
+              std::vector<Vec>{{-1, -1, z}, {1, -1, z}, {-1, 1, z}});
   setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, std::vector<std::array<unsigned, 3>>{{0, 1, 2}});
   rtcCommitGeometry(geometry);
   return geometry;
@@ -29,7 +30,8 @@ inline RTCGeometry newInstance(RTCDevice device, RTCScene scene, float z, unsign
   rtcSetGeometryInstancedScene(geometry, scene);
   rtcSetGeometryTimeStepCount(geometry, timeSteps);
   const float transform[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,z};
-  for (unsigned t = 0; t < timeSteps; t++) rtcSetGeometryTransform(geometry, t, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
+  for (unsigned t = 0; t < timeSteps; t++)
+    rtcSetGeometryTransform(geometry, t, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
   rtcCommitGeometry(geometry);
   return geometry;
 }
@@ -44,7 +46,8 @@ inline SurfaceSettings smallSurface(RTCCompression compression)
   return settings;
 }
 
-const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
+const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL,
+                                   RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
 
 // With a displacement that must outlive the surface.
 inline SurfaceSettings displacedSettings(Displacement& displacement, RTCCompression compression, float rate)
@@ -96,7 +99,8 @@ public:
 inline std::vector<RTCRayHit> raysFromAbove()
 {
   std::vector<RTCRayHit> rays;
-  for (const Vec& org : {Vec{-0.5f, -0.4f, 5}, Vec{0.4f, 0.5f, 5}, Vec{7, 7, 5}, Vec{-0.6f, 0.2f, 5}, Vec{0.3f, 0.7f, 0.5f}})
+  for (const Vec& org :
+       {Vec{-0.5f, -0.4f, 5}, Vec{0.4f, 0.5f, 5}, Vec{7, 7, 5}, Vec{-0.6f, 0.2f, 5}, Vec{0.3f, 0.7f, 0.5f}})
     rays.push_back(makeRay(org, {0.01f, 0.02f, -1}));
   return rays;
 }

@@ -115,7 +115,8 @@ struct VulkanRelease
 using VulkanDevice = std::unique_ptr<RTCVulkanDeviceTy, VulkanRelease>;
 using VulkanScene = std::unique_ptr<RTCVulkanSceneTy, VulkanRelease>;
 
-inline VulkanScene newVulkanScene(const VulkanDevice& device, RTCScene scene, RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO)
+inline VulkanScene newVulkanScene(const VulkanDevice& device, RTCScene scene,
+                                  RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO)
 {
   RTCVulkanSceneArguments args = {};
   args.memory = memory;
@@ -141,7 +142,10 @@ protected:
   void TearDown() override;
 
   // Opens another library device on the same VkDevice.
-  VulkanDevice open(const RTCVulkanHandles& handles) { return VulkanDevice(rtcNewVulkanDeviceFromHandles(embree, &handles)); }
+  VulkanDevice open(const RTCVulkanHandles& handles)
+  {
+    return VulkanDevice(rtcNewVulkanDeviceFromHandles(embree, &handles));
+  }
 
   // Errors that the test does not retrieve fail the test.
   Device embree;

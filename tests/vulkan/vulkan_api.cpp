@@ -214,16 +214,22 @@ TEST_F(VulkanAPI, ArgumentsOfRayOrdersAreChecked)
   EXPECT_EQ(rtcGetVulkanRayOrderBytes(most + 1), 0u);
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
   recorded.record([&](VkCommandBuffer commands) {
-    const struct { VkCommandBuffer commands; VkDeviceAddress rays; size_t stride, count; VkDeviceAddress order; std::vector<std::string> message; } wrong[] = {
-      {nullptr, 0x1000, 80, 1, 0x2000, {"commands"}},
-      {commands, 0x1004, 80, 1, 0x2000, {"rays", "4100"}},
-      {commands, 0x1000, 80, 1, 0x2004, {"order", "8196"}},
-      {commands, 0, 80, 1, 0x2000, {"rays", "is 0"}},
-      {commands, 0x1000, 80, 1, 0, {"order", "is 0"}},
-      {commands, 0x1000, 24, 1, 0x2000, {"stride 24"}},
-      {commands, 0x1000, 50, 1, 0x2000, {"stride 50"}},
-      {commands, 0x1000, 80, most + 1, 0x2000, {std::to_string(most + 1)}},
-      {commands, 0x1000, 4096, most/16, 0x2000, {"stride 4096", std::to_string(most/16)}}};
+    const struct
+    {
+      VkCommandBuffer commands;
+      VkDeviceAddress rays;
+      size_t stride, count;
+      VkDeviceAddress order;
+      std::vector<std::string> message;
+    } wrong[] = {{nullptr, 0x1000, 80, 1, 0x2000, {"commands"}},
+                 {commands, 0x1004, 80, 1, 0x2000, {"rays", "4100"}},
+                 {commands, 0x1000, 80, 1, 0x2004, {"order", "8196"}},
+                 {commands, 0, 80, 1, 0x2000, {"rays", "is 0"}},
+                 {commands, 0x1000, 80, 1, 0, {"order", "is 0"}},
+                 {commands, 0x1000, 24, 1, 0x2000, {"stride 24"}},
+                 {commands, 0x1000, 50, 1, 0x2000, {"stride 50"}},
+                 {commands, 0x1000, 80, most + 1, 0x2000, {std::to_string(most + 1)}},
+                 {commands, 0x1000, 4096, most/16, 0x2000, {"stride 4096", std::to_string(most/16)}}};
     for (const auto& w : wrong) {
       EXPECT_FALSE(rtcRecordVulkanRayOrder(uploaded.get(), w.commands, w.rays, w.stride, w.count, w.order));
       expectError(RTC_ERROR_INVALID_ARGUMENT, w.message);
@@ -232,7 +238,8 @@ TEST_F(VulkanAPI, ArgumentsOfRayOrdersAreChecked)
     expectError(RTC_ERROR_INVALID_ARGUMENT, {"order", "8196"});
     EXPECT_FALSE(rtcRecordVulkanOccludedInOrder(uploaded.get(), commands, 0x1000, most + 1, 0x2000));
     expectError(RTC_ERROR_INVALID_ARGUMENT, {std::to_string(most + 1)});
-    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, 0, 80, 0, 0)) << "zero rays are valid: " << embree.message;
+    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, 0, 80, 0, 0))
+      << "zero rays are valid: " << embree.message;
   });
 }
 
@@ -252,7 +259,8 @@ TEST_F(VulkanAPI, ManyRaysAreRecordedWithinDeviceLimits)
     EXPECT_TRUE(rtcRecordVulkanIntersectInOrder(uploaded.get(), commands, 0x1000, most, 0x2000)) << embree.message;
     if (!rtcRecordVulkanRayOrder(uploaded.get(), commands, 0x1000, sizeof(RTCRayHit), most, 0x2000))
       expectError(RTC_ERROR_INVALID_ARGUMENT, {std::to_string(most), "maxComputeWorkGroupCount"});
-    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, 0x1000, sizeof(RTCRayHit), size_t(1) << 20, 0x2000)) << embree.message;
+    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, 0x1000, sizeof(RTCRayHit), size_t(1) << 20, 0x2000))
+      << embree.message;
   });
 }
 
@@ -381,7 +389,8 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
   EXPECT_EQ(rtcGetVulkanDevices(nullptr, nullptr, 0), count) << "device may be NULL";
 
   for (unsigned i = 0; i < count; i++)
-    for (const std::string& which : {std::to_string(count), std::to_string(count + 100), std::string("4294967296"), std::string("no such device")}) {
+    for (const std::string& which : {std::to_string(count), std::to_string(count + 100), std::string("4294967296"),
+                                     std::string("no such device")}) {
       EXPECT_EQ(rtcNewVulkanDevice(embree, which.c_str()), nullptr);
       expectError(RTC_ERROR_INVALID_ARGUMENT, {"'" + which + "'", std::to_string(i) + " " + infos[i].name});
     }
@@ -400,7 +409,8 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
       EXPECT_TRUE(has(info.name, which == part ? part.substr(0, 0) : which) || which == std::to_string(i));
       RTCVulkanHandles handles;
       rtcGetVulkanDeviceHandles(opened.get(), &handles);
-      EXPECT_TRUE(handles.getInstanceProcAddr && handles.instance && handles.physicalDevice && handles.device && handles.queue);
+      EXPECT_TRUE(handles.getInstanceProcAddr && handles.instance && handles.physicalDevice && handles.device &&
+                  handles.queue);
     }
   }
   for (const char* which : {"", static_cast<const char*>(nullptr)}) {

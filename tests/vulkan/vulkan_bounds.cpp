@@ -40,7 +40,9 @@ TEST_F(VulkanBounds, RaysOutsideOfTheirBufferAreDetected)
   {
     RayBuffer buffer(vulkan->handles, rays.data(), 2*sizeof(RTCRayHit));
     RecordedTrace recorded(vulkan->handles);
-    recorded.record([&](VkCommandBuffer commands) { EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, buffer.address, 3)); });
+    recorded.record([&](VkCommandBuffer commands) {
+      EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, buffer.address, 3));
+    });
     recorded.submitAndWait();
   }
   std::string said;
@@ -55,14 +57,16 @@ TEST_F(VulkanBounds, ScenesAreAccessedWithinBounds)
   Random random(233);
   std::vector<RTCRayHit> rays;
   int i = 0;
-  for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+  for (RTCCompression compression :
+       {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
     const float x = 3.0f*float(i);
     SurfaceSettings settings = smallSurface(compression);
     settings.displacement = &displacements[i];
     displacements[i].offset = {x, 0, 0};
     addSurface(embree, surfaces, sheetCage(4), settings);
     for (int k = 0; k < 200; k++)
-      rays.push_back(makeRay({x + float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 2}, {float(random.uniform(-0.1, 0.1)), float(random.uniform(-0.1, 0.1)), -1}));
+      rays.push_back(makeRay({x + float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 2},
+                             {float(random.uniform(-0.1, 0.1)), float(random.uniform(-0.1, 0.1)), -1}));
     i++;
   }
   attach(surfaces, newTriangle(embree, 1));

@@ -18,13 +18,16 @@ namespace {
 TEST_F(VulkanFaults, OpeningADeviceDoesNotLeak)
 {
   device.reset();
-  expectAll(failEverything([&] { return bool(open(vulkan->handles)); }), {"CreateCommandPool", "CreatePipelineLayout", "CreatePipelineCache", "GetPipelineCacheData"});
+  expectAll(failEverything([&] { return bool(open(vulkan->handles)); }),
+            {"CreateCommandPool", "CreatePipelineLayout", "CreatePipelineCache", "GetPipelineCacheData"});
 }
 
 class VulkanUploadFaults : public VulkanFaults, public testing::WithParamInterface<bool> {};
 
 INSTANTIATE_TEST_SUITE_P(Memory, VulkanUploadFaults, testing::Values(false, true),
-                         [](const testing::TestParamInfo<bool>& info) { return info.param ? "OfADiscreteDevice" : "OfTheHost"; });
+                         [](const testing::TestParamInfo<bool>& info) {
+                           return info.param ? "OfADiscreteDevice" : "OfTheHost";
+                         });
 
 TEST_P(VulkanUploadFaults, UploadingASceneDoesNotLeak)
 {
@@ -46,7 +49,9 @@ TEST_P(VulkanUploadFaults, UploadingASceneDoesNotLeak)
     });
     expectAll(called, {"AllocateMemory", "CreateBuffer", "BindBufferMemory", "MapMemory"});
     if (memory == RTC_VULKAN_MEMORY_IMPORT) expectAll(called, {"GetMemoryHostPointerPropertiesEXT"});
-    if (GetParam()) expectAll(called, {"AllocateCommandBuffers", "BeginCommandBuffer", "EndCommandBuffer", "CreateFence", "QueueSubmit", "WaitForFences"});
+    if (GetParam())
+      expectAll(called, {"AllocateCommandBuffers", "BeginCommandBuffer", "EndCommandBuffer", "CreateFence",
+                         "QueueSubmit", "WaitForFences"});
   }
 }
 
@@ -67,7 +72,9 @@ std::function<bool()> tracing(const VulkanScene& scene, const std::vector<Ray>& 
 class VulkanTraceFaults : public VulkanUploadFaults {};
 
 INSTANTIATE_TEST_SUITE_P(Memory, VulkanTraceFaults, testing::Values(false, true),
-                         [](const testing::TestParamInfo<bool>& info) { return info.param ? "OfADiscreteDevice" : "OfTheHost"; });
+                         [](const testing::TestParamInfo<bool>& info) {
+                           return info.param ? "OfADiscreteDevice" : "OfTheHost";
+                         });
 
 TEST_P(VulkanTraceFaults, TracingDoesNotLeakAndKeepsRaysUnchanged)
 {
@@ -83,8 +90,10 @@ TEST_P(VulkanTraceFaults, TracingDoesNotLeakAndKeepsRaysUnchanged)
   ASSERT_TRUE(trace(uploaded.get(), hits) && trace(uploaded.get(), occluded)) << embree.message;
   expectAsOnTheCPU(scene, rays, hits);
 
-  const char* const functions[] = {"AllocateMemory", "CreateBuffer", "BindBufferMemory", "MapMemory", "AllocateCommandBuffers", "BeginCommandBuffer",
-                                   "EndCommandBuffer", "CreateFence", "CreateQueryPool", "QueueSubmit", "WaitForFences", "GetQueryPoolResults"};
+  const char* const functions[] = {
+    "AllocateMemory", "CreateBuffer", "BindBufferMemory", "MapMemory",
+    "AllocateCommandBuffers", "BeginCommandBuffer", "EndCommandBuffer", "CreateFence",
+    "CreateQueryPool", "QueueSubmit", "WaitForFences", "GetQueryPoolResults"};
   const std::vector<std::string> expected(std::begin(functions), std::end(functions));
   expectAll(failEverything(tracing(uploaded, rays, hits)), expected);
   expectAll(failEverything(tracing(uploaded, shadowRays, occluded)), expected);
@@ -148,12 +157,16 @@ TEST_F(VulkanFaults, FailedAllocationsAreReported)
     }
   };
   collect([&] { return newVulkanScene(device, scene, RTC_VULKAN_MEMORY_COPY) != nullptr; });
-  if (vulkan->handles.hasHostImport) collect([&] { return newVulkanScene(device, scene, RTC_VULKAN_MEMORY_IMPORT) != nullptr; });
+  if (vulkan->handles.hasHostImport)
+    collect([&] { return newVulkanScene(device, scene, RTC_VULKAN_MEMORY_IMPORT) != nullptr; });
   const VulkanScene uploaded = newVulkanScene(device, scene);
   const std::vector<RTCRayHit> rays = raysFromAbove();
   collect([&] { std::vector<RTCRayHit> traced = rays; return trace(uploaded.get(), traced); });
   for (const char* what : {"blocks", "rays"})
-    EXPECT_TRUE(std::any_of(messages.begin(), messages.end(), [&](const std::string& message) { return has(message, std::string(" bytes for ") + what); })) << what;
+    EXPECT_TRUE(
+      std::any_of(messages.begin(), messages.end(),
+                  [&](const std::string& message) { return has(message, std::string(" bytes for ") + what); }))
+      << what;
 }
 
 // NVIDIA's driver rejects imports of mapped files.
@@ -183,7 +196,8 @@ TEST_F(VulkanFaults, AllocationLimitIsReportedWithItsValue)
   size_t limit = 100000;
   faults->onProperties2 = [&](VkPhysicalDeviceProperties2& properties) {
     for (VkBaseOutStructure* p = (VkBaseOutStructure*)&properties; p; p = p->pNext)
-      if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES) ((VkPhysicalDeviceMaintenance3Properties*)p)->maxMemoryAllocationSize = limit;
+      if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES)
+        ((VkPhysicalDeviceMaintenance3Properties*)p)->maxMemoryAllocationSize = limit;
   };
   reopen();
   {
@@ -193,7 +207,9 @@ TEST_F(VulkanFaults, AllocationLimitIsReportedWithItsValue)
     std::vector<RTCRayHit> rays(limit/sizeof(RTCRayHit) + 1, raysFromAbove()[0]);
     EXPECT_FALSE(trace(uploaded.get(), rays));
     EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
-    EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 100000 bytes") && has(embree.message, "rays need " + std::to_string(rays.size()*sizeof(RTCRayHit)) + " bytes")) << embree.message;
+    EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 100000 bytes") &&
+                has(embree.message, "rays need " + std::to_string(rays.size()*sizeof(RTCRayHit)) + " bytes"))
+      << embree.message;
     rays.pop_back();
     EXPECT_TRUE(trace(uploaded.get(), rays)) << embree.message;
   }
@@ -203,7 +219,8 @@ TEST_F(VulkanFaults, AllocationLimitIsReportedWithItsValue)
   SmallScene scene(embree);
   EXPECT_FALSE(newVulkanScene(device, scene, RTC_VULKAN_MEMORY_COPY));
   EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
-  EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 100 bytes") && has(embree.message, "blocks need ")) << embree.message;
+  EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 100 bytes") && has(embree.message, "blocks need "))
+    << embree.message;
 }
 
 // Blocks are distributed over as many buffers as the limit requires.
@@ -215,10 +232,12 @@ TEST_F(VulkanFaults, BlocksUseSeveralBuffersIfTheLimitIsLow)
   SurfaceScene scene(embree, sheetCage(8), settings);
   std::vector<RTCRayHit> rays;
   Random random(211);
-  for (int i = 0; i < 200; i++) rays.push_back(makeRay({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 3}, {0.01f, 0.02f, -1}));
+  for (int i = 0; i < 200; i++)
+    rays.push_back(makeRay({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 3}, {0.01f, 0.02f, -1}));
   faults->onProperties2 = [&](VkPhysicalDeviceProperties2& properties) {
     for (VkBaseOutStructure* p = (VkBaseOutStructure*)&properties; p; p = p->pNext)
-      if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES) ((VkPhysicalDeviceMaintenance3Properties*)p)->maxMemoryAllocationSize = 1 << 20;
+      if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES)
+        ((VkPhysicalDeviceMaintenance3Properties*)p)->maxMemoryAllocationSize = 1 << 20;
   };
   for (const bool isDiscrete : {false, true})
     for (RTCVulkanMemory memory : {RTC_VULKAN_MEMORY_COPY, RTC_VULKAN_MEMORY_IMPORT}) {
@@ -246,7 +265,8 @@ TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem)
   faults->onAllocation = [&](const VkMemoryAllocateInfo& info) {
     for (const VkBaseInStructure* p = (const VkBaseInStructure*)&info; p; p = p->pNext)
       if (p->sType == VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT)
-        ranges.push_back({(const char*)((const VkImportMemoryHostPointerInfoEXT*)p)->pHostPointer, size_t(info.allocationSize)});
+        ranges.push_back(
+          {(const char*)((const VkImportMemoryHostPointerInfoEXT*)p)->pHostPointer, size_t(info.allocationSize)});
   };
   const size_t readBehind = 16;
   size_t overEndOfPage = 0;
@@ -265,7 +285,10 @@ TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem)
     for (size_t b = 0; b < flat->numBlocks; b++) {
       const char* begin = (const char*)flat->blocks[b].data;
       const char* end = begin + flat->blocks[b].bytes;
-      EXPECT_TRUE(std::any_of(ranges.begin(), ranges.end(), [&](const Range& r) { return begin >= r.begin && end + readBehind <= r.begin + r.bytes; })) << "scene " << i << ", block " << b;
+      EXPECT_TRUE(
+        std::any_of(ranges.begin(), ranges.end(),
+                    [&](const Range& r) { return begin >= r.begin && end + readBehind <= r.begin + r.bytes; }))
+        << "scene " << i << ", block " << b;
       overEndOfPage += (size_t(end) - 1)/4096 != (size_t(end) + readBehind - 1)/4096;
     }
     rtcReleaseFlatScene(flat);
@@ -284,7 +307,8 @@ TEST_F(VulkanFaults, DeviceLostAtTheStartOfATraceIsAnError)
   faults->fail("QueueSubmit", 1, VK_ERROR_DEVICE_LOST, Faults::INSTEAD, true);
   EXPECT_EQ(rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size()), nullptr);
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
-  EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost")) << embree.message;
+  EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost"))
+    << embree.message;
   EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU scene still works";
 }
 
@@ -303,7 +327,8 @@ TEST_F(VulkanFaults, DeviceLostDuringATraceKeepsRaysUnchanged)
   RTCVulkanTimes times = {sizeof(times), -1, -1, -1};
   EXPECT_FALSE(rtcWaitVulkanTrace(one, traced.data(), &times));
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
-  EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost")) << embree.message;
+  EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost"))
+    << embree.message;
   EXPECT_TRUE(areSame(traced, rays));
   EXPECT_EQ(times.seconds, -1);
   EXPECT_FALSE(rtcWaitVulkanTrace(other, occluded.data(), nullptr));
@@ -332,7 +357,8 @@ TEST_F(VulkanFaults, DeviceLostDuringAnUploadIsAnError)
   faults->isDiscrete = true;
   reopen();
   SmallScene scene(embree);
-  for (const auto& [function, when] : {std::make_pair("QueueSubmit", Faults::INSTEAD), std::make_pair("WaitForFences", Faults::BEHIND)}) {
+  for (const auto& [function, when] :
+       {std::make_pair("QueueSubmit", Faults::INSTEAD), std::make_pair("WaitForFences", Faults::BEHIND)}) {
     faults->fail(function, 1, VK_ERROR_DEVICE_LOST, when, true);
     EXPECT_FALSE(newVulkanScene(device, scene));
     EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);

@@ -64,7 +64,8 @@ TEST_F(VulkanFiles, LoadedGeometryHasTheSameHits)
     if (!vulkan->handles.hasRayQuery) continue;
     const std::vector<RTCRayHit> byQuery = traced(newQueryScene(device, loaded), rays);
     size_t others = 0;
-    for (size_t i = 0; i < rays.size() && i < byQuery.size(); i++) others += std::memcmp(&expected[i], &byQuery[i], sizeof(RTCRayHit)) != 0;
+    for (size_t i = 0; i < rays.size() && i < byQuery.size(); i++)
+      others += std::memcmp(&expected[i], &byQuery[i], sizeof(RTCRayHit)) != 0;
     EXPECT_LE(others, 1u); // blocks of cVOXEL overlap
   }
   if (!refused.empty() && !HasFailure())

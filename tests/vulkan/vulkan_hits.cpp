@@ -18,7 +18,10 @@ class VulkanHits : public VulkanAgreement
 protected:
   Displacement displacement;
 
-  SurfaceSettings settings(RTCCompression compression, float rate = 16) { return displacedSettings(displacement, compression, rate); }
+  SurfaceSettings settings(RTCCompression compression, float rate = 16)
+  {
+    return displacedSettings(displacement, compression, rate);
+  }
 };
 
 struct NamedCage
@@ -77,8 +80,11 @@ TEST_F(VulkanHits, DifferentEdgeRatesMatchCpu)
 // Quads around vertices that are not finite are left out. Blocks without a usable frame are left to GRID.
 TEST_F(VulkanHits, SurfacesWithNaNHolesMatchCpu)
 {
-  displacement.poison = [](unsigned primID, float u, float v) { return primID % 2 == 0 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f; };
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  displacement.poison = [](unsigned primID, float u, float v) {
+    return primID % 2 == 0 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f;
+  };
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     Agreement sum;
     const SurfaceScene scene(embree, cubeCage(), settings(kind, 32));
     EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT); // reports the vertices
@@ -133,7 +139,8 @@ void addTriangles(RTCDevice device, RTCScene scene, Random& random, unsigned cou
 TEST_F(VulkanHits, CompressedGridsMatchCpu)
 {
   Agreement sum;
-  for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(12, 4), dicedSheet(6, 8), dicedSheet(3, 16), dicedSheet(1, 64), dicedSheet(1, 1000), dicedBall(2, 11)}) {
+  for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(12, 4), dicedSheet(6, 8), dicedSheet(3, 16),
+                             dicedSheet(1, 64), dicedSheet(1, 1000), dicedBall(2, 11)}) {
     Scene scene(embree);
     rtcAttachGeometryByID(scene, newGrids(embree, diced, RTC_COMPRESSION_VERT), 3);
     rtcReleaseGeometry(rtcGetGeometry(scene, 3));
@@ -243,7 +250,8 @@ TEST_F(VulkanHits, InstancesMatchCpu)
     for (auto& column : m)
       for (double& x : column) x = 0.25*random.normal();
     float transform[12];
-    copyTo(transform, m, {float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2))});
+    copyTo(transform, m,
+           {float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2))});
     rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
     rtcSetGeometryMask(instance, 1u << (i % 4));
     rtcCommitGeometry(instance);
@@ -295,7 +303,8 @@ TEST_F(VulkanHits, NonFiniteRaysMiss)
       ASSERT_EQ(std::memcmp(&any[i], &rays[i].ray, sizeof(RTCRay)), 0) << kindName(kind) << ", any hit, ray " << i;
     }
     size_t others = 0;
-    for (size_t i = 1; i < rays.size(); i += 2) others += isHit(found[i]) != isHit(intersect(scene, rays[i])) || (any[i].tfar < 0) != isHit(found[i]);
+    for (size_t i = 1; i < rays.size(); i += 2)
+      others += isHit(found[i]) != isHit(intersect(scene, rays[i])) || (any[i].tfar < 0) != isHit(found[i]);
     EXPECT_LE(others, 1u) << kindName(kind);
   }
 }

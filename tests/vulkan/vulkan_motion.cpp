@@ -90,7 +90,10 @@ TEST_F(VulkanMotion, TimeRangesMatchCpu)
   rtcCommitScene(scene);
   std::vector<RTCRayHit> rays = raysAt(random, 20000);
   for (size_t i = 0; i < rays.size(); i++)
-    rays[i].ray.time = i % 4 == 0 ? float(random.uniform()) : i % 4 == 1 ? 0.125f*float(random.below(9)) : i % 4 == 2 ? std::nextafter(0.25f*float(random.below(5)), float(random.below(2))) : float(random.uniform(0.2, 0.3));
+    rays[i].ray.time = i % 4 == 0 ? float(random.uniform())
+                       : i % 4 == 1 ? 0.125f*float(random.below(9))
+                       : i % 4 == 2 ? std::nextafter(0.25f*float(random.below(5)), float(random.below(2)))
+                                    : float(random.uniform(0.2, 0.3));
   for (size_t i = 0; i < rays.size(); i += 97) rays[i].ray.time = i % 2 ? NAN : INFINITY;
   compare(scene, rays, sum);
   sum.expect();
@@ -163,7 +166,9 @@ TEST_F(VulkanMotion, NonFiniteStepsMatchCpu)
   Agreement sum;
   for (unsigned bad : {0u, 1u, 3u}) {
     SurfaceSettings s = settings(4);
-    s.motion = [bad](const Vec& p, unsigned i) { return i == bad && p[0] < 0 && p[1] < 0 && p[2] < 0 ? Vec{NAN, 0, 0} : twisted(p, 0.2*i); };
+    s.motion = [bad](const Vec& p, unsigned i) {
+      return i == bad && p[0] < 0 && p[1] < 0 && p[2] < 0 ? Vec{NAN, 0, 0} : twisted(p, 0.2*i);
+    };
     const SurfaceScene scene(embree, cubeCage(), s);
     EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT); // reports the vertices
     compare(scene, timedRays(random, 4000), sum);
@@ -190,7 +195,8 @@ TEST_F(VulkanMotion, ClosedMovingSurfacesDoNotLeak)
       ASSERT_NE(onDevice, nullptr) << embree.message;
       intersectOnDevice(onDevice, found);
       occludedOnDevice(onDevice, any);
-      for (size_t i = 0; i < found.size(); i++) ASSERT_TRUE(isHit(found[i]) && any[i].tfar < 0) << "ray " << i << " at time " << found[i].ray.time;
+      for (size_t i = 0; i < found.size(); i++)
+        ASSERT_TRUE(isHit(found[i]) && any[i].tfar < 0) << "ray " << i << " at time " << found[i].ray.time;
       rays += found.size();
       rtcReleaseGeometry(geometry);
     }

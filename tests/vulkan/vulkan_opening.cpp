@@ -21,22 +21,33 @@ using VulkanOpening = VulkanFaults;
 
 TEST_F(VulkanOpening, OldDriversAreRejected)
 {
-  faults->onProperties = [](VkPhysicalDeviceProperties& properties) { properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 1, 42); };
+  faults->onProperties = [](VkPhysicalDeviceProperties& properties) {
+    properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 1, 42);
+  };
   EXPECT_FALSE(open(vulkan->handles));
   EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_TRUE(has(embree.message, "Vulkan 1.1.42, 1.2 is needed") && has(embree.message, vulkan->name)) << embree.message;
+  EXPECT_TRUE(has(embree.message, "Vulkan 1.1.42, 1.2 is needed") && has(embree.message, vulkan->name))
+    << embree.message;
 }
 
 TEST_F(VulkanOpening, MissingFeaturesAreReported)
 {
-  const struct { const char* name; void (*remove)(VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features&); } features[] = {
-    {"bufferDeviceAddress", [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.bufferDeviceAddress = VK_FALSE; }},
-    {"scalarBlockLayout", [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.scalarBlockLayout = VK_FALSE; }},
-    {"shaderFloat64", [](VkPhysicalDeviceFeatures2& f, VkPhysicalDeviceVulkan12Features&) { f.features.shaderFloat64 = VK_FALSE; }}};
+  const struct
+  {
+    const char* name;
+    void (*remove)(VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features&);
+  } features[] = {
+    {"bufferDeviceAddress",
+     [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.bufferDeviceAddress = VK_FALSE; }},
+    {"scalarBlockLayout",
+     [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.scalarBlockLayout = VK_FALSE; }},
+    {"shaderFloat64",
+     [](VkPhysicalDeviceFeatures2& f, VkPhysicalDeviceVulkan12Features&) { f.features.shaderFloat64 = VK_FALSE; }}};
   for (const auto& feature : features) {
     faults->onFeatures = [&](VkPhysicalDeviceFeatures2& f) {
       for (VkBaseOutStructure* p = (VkBaseOutStructure*)&f; p; p = p->pNext)
-        if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES) feature.remove(f, *(VkPhysicalDeviceVulkan12Features*)p);
+        if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES)
+          feature.remove(f, *(VkPhysicalDeviceVulkan12Features*)p);
     };
     EXPECT_FALSE(open(vulkan->handles)) << feature.name;
     EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
@@ -122,13 +133,16 @@ TEST_F(VulkanLoader, OwnDeviceTracesUnderValidation)
 
 TEST_F(VulkanLoader, OpeningDoesNotLeak)
 {
-  expectAll(failEverything([&] { return bool(openOwn()); }), {"CreateInstance", "EnumeratePhysicalDevices", "EnumerateDeviceExtensionProperties", "CreateDevice", "CreateCommandPool"});
+  expectAll(failEverything([&] { return bool(openOwn()); }),
+            {"CreateInstance", "EnumeratePhysicalDevices", "EnumerateDeviceExtensionProperties", "CreateDevice",
+             "CreateCommandPool"});
 }
 
 TEST_F(VulkanLoader, MissingFunctionsAreReported)
 {
-  for (const char* name : {"CreateInstance", "EnumeratePhysicalDevices", "GetPhysicalDeviceProperties2", "GetPhysicalDeviceFeatures2", "CreateDevice",
-                           "GetDeviceProcAddr", "GetBufferDeviceAddress", "GetMemoryHostPointerPropertiesEXT", "QueueSubmit"}) {
+  for (const char* name : {"CreateInstance", "EnumeratePhysicalDevices", "GetPhysicalDeviceProperties2",
+                           "GetPhysicalDeviceFeatures2", "CreateDevice", "GetDeviceProcAddr", "GetBufferDeviceAddress",
+                           "GetMemoryHostPointerPropertiesEXT", "QueueSubmit"}) {
     SCOPED_TRACE(name);
     faults->hide(name);
     EXPECT_FALSE(openOwn());
@@ -162,7 +176,9 @@ TEST_F(VulkanLoader, MachineWithoutADeviceIsAnError)
 
 TEST_F(VulkanLoader, UnusableDeviceIsListedWithTheReasonAndNotChosen)
 {
-  faults->onProperties = [](VkPhysicalDeviceProperties& properties) { properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 0, 3); };
+  faults->onProperties = [](VkPhysicalDeviceProperties& properties) {
+    properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 0, 3);
+  };
   std::vector<RTCVulkanDeviceInfo> infos(rtcGetVulkanDevices(embree, nullptr, 0));
   ASSERT_EQ(rtcGetVulkanDevices(embree, infos.data(), unsigned(infos.size())), infos.size());
   for (const RTCVulkanDeviceInfo& info : infos) EXPECT_TRUE(has(info.unsupported, "1.2 is needed")) << info.name;
@@ -179,7 +195,10 @@ TEST_F(VulkanLoader, DiscreteDevicesAreChosenFirst)
   int calls = 0;
   faults->onDevices = [](std::vector<VkPhysicalDevice>& devices) { devices.push_back(devices[0]); };
   faults->onProperties = [&](VkPhysicalDeviceProperties& properties) {
-    if (calls++ % 2) { properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU; std::snprintf(properties.deviceName, sizeof(properties.deviceName), "Discrete"); }
+    if (calls++ % 2) {
+      properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
+      std::snprintf(properties.deviceName, sizeof(properties.deviceName), "Discrete");
+    }
   };
   RTCVulkanDeviceInfo infos[2];
   if (rtcGetVulkanDevices(embree, infos, 2) != 2) GTEST_SKIP() << "the machine has more devices";
@@ -189,7 +208,10 @@ TEST_F(VulkanLoader, DiscreteDevicesAreChosenFirst)
   for (const char* which : {"", "discrete", "1"}) {
     calls = 0;
     faults->onProperties = [&](VkPhysicalDeviceProperties& properties) {
-      if (calls++) { properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU; std::snprintf(properties.deviceName, sizeof(properties.deviceName), "Discrete"); }
+      if (calls++) {
+        properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
+        std::snprintf(properties.deviceName, sizeof(properties.deviceName), "Discrete");
+      }
     };
     const VulkanDevice opened = openOwn(which);
     ASSERT_TRUE(opened) << embree.message;
@@ -205,7 +227,8 @@ TEST_F(VulkanLoader, MissingLoaderIsReported)
   setenv("EMBREE_VULKAN_LOADER", "/nowhere/libvulkan.so.1", 1);
   EXPECT_FALSE(openOwn());
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
-  EXPECT_TRUE(has(embree.message, "/nowhere/libvulkan.so.1") && has(embree.message, "EMBREE_VULKAN_LOADER")) << embree.message;
+  EXPECT_TRUE(has(embree.message, "/nowhere/libvulkan.so.1") && has(embree.message, "EMBREE_VULKAN_LOADER"))
+    << embree.message;
   EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   // a library without vkGetInstanceProcAddr
@@ -265,7 +288,12 @@ TEST_F(VulkanOpening, CompiledShadersAreStoredAndReadIfIntact)
   EXPECT_EQ(damage([](const fs::path& file) { fs::resize_file(file, 5); }), 0u);
   EXPECT_EQ(damage([&](const fs::path& file) { fs::resize_file(file, whole); }), 0u);
   EXPECT_EQ(damage([&](const fs::path& file) { fs::resize_file(file, whole + 100); }), 0u);
-  EXPECT_EQ(damage([](const fs::path& file) { std::fstream f(file, std::ios::in | std::ios::out | std::ios::binary); f.seekp(20); f.put(char(0x5A)); }), 0u);
+  EXPECT_EQ(damage([](const fs::path& file) {
+              std::fstream f(file, std::ios::in | std::ios::out | std::ios::binary);
+              f.seekp(20);
+              f.put(char(0x5A));
+            }),
+            0u);
   EXPECT_EQ(damage([](const fs::path& file) { fs::remove_all(file); fs::create_directories(file/"folder"); }), 0u);
 
   device.reset();

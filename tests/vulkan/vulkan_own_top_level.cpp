@@ -51,7 +51,8 @@ constexpr VkBufferUsageFlags storageUsage = VK_BUFFER_USAGE_ACCELERATION_STRUCTU
 class OwnStructure
 {
 public:
-  OwnStructure(const RTCVulkanHandles& handles, const Functions& functions, VkAccelerationStructureTypeKHR type, const VkAccelerationStructureGeometryKHR& geometry, uint32_t count)
+  OwnStructure(const RTCVulkanHandles& handles, const Functions& functions, VkAccelerationStructureTypeKHR type,
+               const VkAccelerationStructureGeometryKHR& geometry, uint32_t count)
     : handles(handles), functions(functions)
   {
     VkAccelerationStructureBuildGeometryInfoKHR info = {};
@@ -70,7 +71,8 @@ public:
     create.buffer = memory->buffer;
     create.size = sizes.accelerationStructureSize;
     create.type = type;
-    if (functions.create(handles.device, &create, nullptr, &handle) != VK_SUCCESS) throw std::runtime_error("vkCreateAccelerationStructureKHR failed");
+    if (functions.create(handles.device, &create, nullptr, &handle) != VK_SUCCESS)
+      throw std::runtime_error("vkCreateAccelerationStructureKHR failed");
     info.dstAccelerationStructure = handle;
     info.scratchData.deviceAddress = (scratch.address + alignment - 1)/alignment*alignment;
     const VkAccelerationStructureBuildRangeInfoKHR range = {count, 0, 0, 0}, *ranges = &range;
@@ -203,11 +205,13 @@ TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
   list.geometryType = VK_GEOMETRY_TYPE_INSTANCES_KHR;
   list.geometry.instances.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR;
   list.geometry.instances.data.deviceAddress = instanceInput.address;
-  const OwnStructure topLevel(handles, functions, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, list, uint32_t(instances.size()));
+  const OwnStructure topLevel(handles, functions, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, list,
+                              uint32_t(instances.size()));
 
   std::vector<RTCRayHit> rays = raysAt(random, 20000);
   const RayBuffer buffer(handles, rays.data(), sizeof(RTCRayHit)*rays.size());
-  query(handles, {rtcGetVulkanSceneAddress(onDevice.get()), topLevel.address, buffer.address, uint32_t(rays.size()), offset});
+  query(handles,
+        {rtcGetVulkanSceneAddress(onDevice.get()), topLevel.address, buffer.address, uint32_t(rays.size()), offset});
   const RTCRayHit* found = static_cast<const RTCRayHit*>(buffer.mapped);
 
   /* the same world on the CPU, including the triangle */
@@ -237,9 +241,13 @@ TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
     const RTCRayHit truth = intersect(world, rays[i]);
     const unsigned kind = !isHit(truth) ? 3 : truth.hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? truth.hit.instID[0] : 2;
     counts[kind]++;
-    bool same = isHit(found[i]) == isHit(truth) && (kind == 3 || std::fabs(found[i].ray.tfar - truth.ray.tfar) <= 1e-5f*truth.ray.tfar);
-    if (kind == 0) same = same && found[i].hit.geomID == 0 && found[i].hit.instID[0] == 0 && found[i].hit.primID == truth.hit.primID;
-    if (kind == 1) same = same && found[i].hit.geomID == 1 && found[i].hit.instID[0] == RTC_INVALID_GEOMETRY_ID && found[i].hit.primID == truth.hit.primID;
+    bool same = isHit(found[i]) == isHit(truth) &&
+                (kind == 3 || std::fabs(found[i].ray.tfar - truth.ray.tfar) <= 1e-5f*truth.ray.tfar);
+    if (kind == 0)
+      same = same && found[i].hit.geomID == 0 && found[i].hit.instID[0] == 0 && found[i].hit.primID == truth.hit.primID;
+    if (kind == 1)
+      same = same && found[i].hit.geomID == 1 && found[i].hit.instID[0] == RTC_INVALID_GEOMETRY_ID &&
+             found[i].hit.primID == truth.hit.primID;
     if (kind == 2) same = same && found[i].hit.geomID == triangleName;
     differing += !same;
   }

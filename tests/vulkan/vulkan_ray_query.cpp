@@ -36,7 +36,10 @@ protected:
     if (vulkan && !vulkan->handles.hasRayQuery) GTEST_SKIP() << vulkan->name << " does not support ray queries";
   }
 
-  SurfaceSettings settings(RTCCompression compression, float rate = 16) { return displacedSettings(displacement, compression, rate); }
+  SurfaceSettings settings(RTCCompression compression, float rate = 16)
+  {
+    return displacedSettings(displacement, compression, rate);
+  }
 
   Differences compare(RTCScene scene, const std::vector<RTCRayHit>& rays)
   {
@@ -54,7 +57,9 @@ protected:
       found.rays++;
       found.hits += isHit(a[i]);
       found.bits += std::memcmp(&a[i], &b[i], sizeof(RTCRayHit)) != 0;
-      const bool same = isHit(a[i]) == isHit(b[i]) && (!isHit(a[i]) || (a[i].hit.geomID == b[i].hit.geomID && a[i].hit.primID == b[i].hit.primID && a[i].hit.instID[0] == b[i].hit.instID[0]));
+      const bool same = isHit(a[i]) == isHit(b[i]) &&
+                        (!isHit(a[i]) || (a[i].hit.geomID == b[i].hit.geomID && a[i].hit.primID == b[i].hit.primID &&
+                                          a[i].hit.instID[0] == b[i].hit.instID[0]));
       found.otherHit += !same;
       found.otherAny += isHit(b[i]) != (any[i].tfar < 0);
     }

@@ -15,13 +15,16 @@ class VulkanReference : public VulkanTest
 protected:
   void expectReferences(RTCCompression compression)
   {
-    ReferenceCheck check(embree, compression, [&](RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any) {
-      const VulkanScene onDevice = newVulkanScene(device, scene, ++scenes % 2 ? RTC_VULKAN_MEMORY_COPY : RTC_VULKAN_MEMORY_AUTO);
-      intersectOnDevice(onDevice, closest);
-      occludedOnDevice(onDevice, any);
-    });
+    ReferenceCheck check(embree, compression,
+                         [&](RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any) {
+                           const VulkanScene onDevice = newVulkanScene(
+                             device, scene, ++scenes % 2 ? RTC_VULKAN_MEMORY_COPY : RTC_VULKAN_MEMORY_AUTO);
+                           intersectOnDevice(onDevice, closest);
+                           occludedOnDevice(onDevice, any);
+                         });
     Random random(61);
-    const std::vector<Placement> placements = {{1, {0, 0, 0}}, {1e-6, {0, 0, 0}}, {1e6, {0, 0, 0}}, {1, {1000, -2000, 500}}};
+    const std::vector<Placement> placements = {
+      {1, {0, 0, 0}}, {1e-6, {0, 0, 0}}, {1e6, {0, 0, 0}}, {1, {1000, -2000, 500}}};
     for (unsigned height : {0, 1, 2, 3, 5})
       for (const Placement& at : placements)
         for (Shape shape : allShapes) {

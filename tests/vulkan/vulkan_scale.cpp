@@ -38,7 +38,8 @@ protected:
     for (size_t i = 0; i < count; i++) {
       const RTCRayHit truth = intersect(scene, rays[i]);
       hits += isHit(truth);
-      other += isHit(truth) != isHit(found[i]) || (isHit(truth) && (truth.hit.geomID != found[i].hit.geomID || truth.hit.instID[0] != found[i].hit.instID[0]));
+      other += isHit(truth) != isHit(found[i]) || (isHit(truth) && (truth.hit.geomID != found[i].hit.geomID ||
+                                                                    truth.hit.instID[0] != found[i].hit.instID[0]));
     }
     EXPECT_GT(hits, count/10);
     EXPECT_LE(other, 1 + count/10000);
@@ -54,7 +55,18 @@ TEST_F(VulkanScale, HundredThousandInstances)
   for (int i = 0; i < 100000; i++) {
     RTCGeometry instance = rtcNewGeometry(embree, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, leaf);
-    const float k = 0.01f, m[12] = {k,0,0, 0,k,0, 0,0,k, float(random.uniform(-2, 2)), float(random.uniform(-2, 2)), float(random.uniform(-2, 2))};
+    const float k = 0.01f, m[12] = {k,
+                                    0,
+                                    0,
+                                    0,
+                                    k,
+                                    0,
+                                    0,
+                                    0,
+                                    k,
+                                    float(random.uniform(-2, 2)),
+                                    float(random.uniform(-2, 2)),
+                                    float(random.uniform(-2, 2))};
     rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, m);
     rtcCommitGeometry(instance);
     attach(scene, instance);
@@ -69,7 +81,8 @@ TEST_F(VulkanScale, TenThousandGeometries)
   std::vector<Displacement> displacements(10000);
   for (size_t i = 0; i < displacements.size(); i++) {
     displacements[i].scale = 0.04f;
-    displacements[i].offset = {float(random.uniform(-2, 2)), float(random.uniform(-2, 2)), float(random.uniform(-2, 2))};
+    displacements[i].offset = {float(random.uniform(-2, 2)), float(random.uniform(-2, 2)),
+                               float(random.uniform(-2, 2))};
     SurfaceSettings s = settings(i % 2 ? RTC_COMPRESSION_LEAF : RTC_COMPRESSION_VERT, 2);
     s.displacement = &displacements[i];
     addSurface(embree, scene, cubeCage(), s);

@@ -67,51 +67,76 @@ const std::vector<Vec> square = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}
 std::vector<RefusedGeometry> refusedGeometries()
 {
   return {
-    {"quad mesh", {"is a quad mesh"}, [](RTCDevice device) { return newGeometry(device, RTC_GEOMETRY_TYPE_QUAD, [](RTCGeometry g) {
-      setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, square);
-      setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, std::vector<std::array<unsigned, 4>>{{0, 1, 2, 3}});
-    }); }},
-    {"grid mesh", {"is a grid mesh"}, [](RTCDevice device) { return newGeometry(device, RTC_GEOMETRY_TYPE_GRID, [](RTCGeometry g) {
-      setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, std::vector<Vec>{square[0], square[1], square[3], square[2]});
-      setBuffer(g, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, std::vector<RTCGrid>{{0, 2, 2, 2}});
-    }); }},
-    {"user geometry", {"is user geometry"}, [](RTCDevice device) { return newGeometry(device, RTC_GEOMETRY_TYPE_USER, [](RTCGeometry g) {
-      rtcSetGeometryUserPrimitiveCount(g, 1);
-      rtcSetGeometryBoundsFunction(g, [](const RTCBoundsFunctionArguments* args) { *args->bounds_o = {-1, -1, -1, 0, 1, 1, 1, 0}; }, nullptr);
-      rtcSetGeometryIntersectFunction(g, [](const RTCIntersectFunctionNArguments*) {});
-      rtcSetGeometryOccludedFunction(g, [](const RTCOccludedFunctionNArguments*) {});
-    }); }},
-    {"curve", {"is of curves or points"}, [](RTCDevice device) -> RTCGeometry {
-      if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED)) return nullptr;
-      return newGeometry(device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE, [](RTCGeometry g) {
-        setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, std::vector<std::array<float, 4>>{{-1, 0, 0, 0.1f}, {1, 0, 0, 0.1f}});
-        setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, std::vector<unsigned>{0});
-      });
-    }},
-    {"points", {"is of curves or points"}, [](RTCDevice device) -> RTCGeometry {
-      if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED)) return nullptr;
-      return newGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT, [](RTCGeometry g) {
-        setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, std::vector<std::array<float, 4>>{{0, 0, 0, 0.1f}});
-      });
-    }},
-    {"triangle mesh with motion blur", {"motion blur", "2 time steps"}, [](RTCDevice device) { return newTriangle(device, 0, 2); }},
-    {"surface with motion blur", {"motion blur"}, [](RTCDevice device) {
-      SurfaceSettings settings = smallSurface(RTC_COMPRESSION_NONE);
-      settings.timeSteps = 2;
-      return newSurface(device, sheetCage(1), settings);
-    }},
-    {"triangle mesh with an intersection filter", {"filter function"}, [](RTCDevice device) {
-      const RTCGeometry g = newTriangle(device, 0);
-      rtcSetGeometryIntersectFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
-      rtcCommitGeometry(g);
-      return g;
-    }},
+    {"quad mesh",
+     {"is a quad mesh"},
+     [](RTCDevice device) {
+       return newGeometry(device, RTC_GEOMETRY_TYPE_QUAD, [](RTCGeometry g) {
+         setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, square);
+         setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, std::vector<std::array<unsigned, 4>>{{0, 1, 2, 3}});
+       });
+     }},
+    {"grid mesh",
+     {"is a grid mesh"},
+     [](RTCDevice device) {
+       return newGeometry(device, RTC_GEOMETRY_TYPE_GRID, [](RTCGeometry g) {
+         setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                   std::vector<Vec>{square[0], square[1], square[3], square[2]});
+         setBuffer(g, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, std::vector<RTCGrid>{{0, 2, 2, 2}});
+       });
+     }},
+    {"user geometry",
+     {"is user geometry"},
+     [](RTCDevice device) {
+       return newGeometry(device, RTC_GEOMETRY_TYPE_USER, [](RTCGeometry g) {
+         rtcSetGeometryUserPrimitiveCount(g, 1);
+         rtcSetGeometryBoundsFunction(
+           g, [](const RTCBoundsFunctionArguments* args) { *args->bounds_o = {-1, -1, -1, 0, 1, 1, 1, 0}; }, nullptr);
+         rtcSetGeometryIntersectFunction(g, [](const RTCIntersectFunctionNArguments*) {});
+         rtcSetGeometryOccludedFunction(g, [](const RTCOccludedFunctionNArguments*) {});
+       });
+     }},
+    {"curve",
+     {"is of curves or points"},
+     [](RTCDevice device) -> RTCGeometry {
+       if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED)) return nullptr;
+       return newGeometry(device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE, [](RTCGeometry g) {
+         setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                   std::vector<std::array<float, 4>>{{-1, 0, 0, 0.1f}, {1, 0, 0, 0.1f}});
+         setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, std::vector<unsigned>{0});
+       });
+     }},
+    {"points",
+     {"is of curves or points"},
+     [](RTCDevice device) -> RTCGeometry {
+       if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED)) return nullptr;
+       return newGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT, [](RTCGeometry g) {
+         setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, std::vector<std::array<float, 4>>{{0, 0, 0, 0.1f}});
+       });
+     }},
+    {"triangle mesh with motion blur",
+     {"motion blur", "2 time steps"},
+     [](RTCDevice device) { return newTriangle(device, 0, 2); }},
+    {"surface with motion blur",
+     {"motion blur"},
+     [](RTCDevice device) {
+       SurfaceSettings settings = smallSurface(RTC_COMPRESSION_NONE);
+       settings.timeSteps = 2;
+       return newSurface(device, sheetCage(1), settings);
+     }},
+    {"triangle mesh with an intersection filter",
+     {"filter function"},
+     [](RTCDevice device) {
+       const RTCGeometry g = newTriangle(device, 0);
+       rtcSetGeometryIntersectFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
+       rtcCommitGeometry(g);
+       return g;
+     }},
     {"surface with an occlusion filter", {"filter function"}, [](RTCDevice device) {
-      const RTCGeometry g = newSurface(device, sheetCage(1), smallSurface(RTC_COMPRESSION_LEAF));
-      rtcSetGeometryOccludedFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
-      rtcCommitGeometry(g);
-      return g;
-    }}};
+       const RTCGeometry g = newSurface(device, sheetCage(1), smallSurface(RTC_COMPRESSION_LEAF));
+       rtcSetGeometryOccludedFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
+       rtcCommitGeometry(g);
+       return g;
+     }}};
 }
 
 TEST_F(VulkanScenes, UnsupportedGeometriesAreReportedUnlessDisabled)
@@ -162,7 +187,8 @@ TEST_F(VulkanScenes, UnsupportedInstancesAreReported)
   attach(above, newInstance(embree, instance, 0));
   rtcCommitScene(above);
   EXPECT_FALSE(upload(above));
-  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 of an instanced scene", "is an instance", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
+  expectError(RTC_ERROR_INVALID_OPERATION,
+              {"geometry 1 of an instanced scene", "is an instance", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
   attach(moving, newTriangle(embree, 1));
   attach(moving, newInstance(embree, triangle, 0, 2));
   rtcCommitScene(moving);
@@ -228,7 +254,8 @@ TEST_F(VulkanScenes, StatisticsReportLocationOfMemory)
   EXPECT_EQ(copied.numBlocks, 4u*4);
   EXPECT_GT(copied.numNodes, 0u);
   EXPECT_GT(copied.topLevelBytes, 0u);
-  EXPECT_GE(copied.deviceBytes, copied.topLevelBytes + statisticsOf(instanced).frameBytes + statisticsOf(instanced).nodeBytes + statisticsOf(instanced).leafBytes);
+  EXPECT_GE(copied.deviceBytes, copied.topLevelBytes + statisticsOf(instanced).frameBytes +
+                                  statisticsOf(instanced).nodeBytes + statisticsOf(instanced).leafBytes);
   EXPECT_EQ(copied.stackSize % 32, 0u);
   EXPECT_NE(rtcGetVulkanSceneAddress(copy.get()), 0u);
   EXPECT_EQ(rtcGetVulkanSceneAddress(copy.get()) % 16, 0u);
@@ -269,11 +296,16 @@ TEST_F(VulkanScenes, BlocksAreTransferredOnceAndAgainOnlyAfterChanges)
       return statistics.sentBytes - statistics.topLevelBytes;
     };
     const std::vector<RTCRayHit> rays = raysFromAbove();
-    auto expectHits = [&](const VulkanScene& scene, RTCScene of) { expectAsOnTheCPU(of, rays, traceAll(scene.get(), rays)); };
+    auto expectHits = [&](const VulkanScene& scene, RTCScene of) {
+      expectAsOnTheCPU(of, rays, traceAll(scene.get(), rays));
+    };
 
     VulkanScene all = upload(*first, RTC_VULKAN_MEMORY_COPY);
     ASSERT_TRUE(all) << embree.message;
-    auto blockBytes = [](RTCScene scene) { const RTCCompressionStatistics s = statisticsOf(scene); return s.frameBytes + s.nodeBytes + s.leafBytes; };
+    auto blockBytes = [](RTCScene scene) {
+      const RTCCompressionStatistics s = statisticsOf(scene);
+      return s.frameBytes + s.nodeBytes + s.leafBytes;
+    };
     const size_t bytes = blockBytes(*first), ofA = blockBytes(*second);
     EXPECT_GE(sent(all), bytes*9/10); // without the padding between blocks on the host
     const size_t ofTheScene = 1024; // geometries and similar data

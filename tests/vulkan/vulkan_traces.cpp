@@ -65,7 +65,8 @@ TEST_F(VulkanTraces, InactiveRaysAreUnchanged)
   std::vector<RTCRayHit> rays = raysFromAbove();
   const std::vector<RTCRayHit> hits = traceAll(uploaded.get(), rays);
   const size_t active = rays.size();
-  for (const auto& [tnear, tfar] : {std::make_pair(0.0f, -inf), std::make_pair(7.0f, 6.0f), std::make_pair(inf, 0.0f), std::make_pair(0.0f, -1.0f)}) {
+  for (const auto& [tnear, tfar] : {std::make_pair(0.0f, -inf), std::make_pair(7.0f, 6.0f), std::make_pair(inf, 0.0f),
+                                    std::make_pair(0.0f, -1.0f)}) {
     RTCRayHit ray = rays[0];
     ray.ray.tnear = tnear;
     ray.ray.tfar = tfar;
@@ -105,7 +106,8 @@ TEST_F(VulkanTraces, RecordedTraceMatchesTraceFromHost)
   const size_t first = 64;
   recorded.record([&](VkCommandBuffer commands) {
     EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, closest.address, first));
-    EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, closest.address + first*sizeof(RTCRayHit), rays.size() - first));
+    EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, closest.address + first*sizeof(RTCRayHit),
+                                         rays.size() - first));
     EXPECT_TRUE(rtcRecordVulkanOccluded(uploaded.get(), commands, any.address, shadowRays.size()));
   });
   recorded.submitAndWait();
@@ -136,12 +138,16 @@ TEST_F(VulkanTraces, SortedTraceMatchesUnsortedTrace)
   RecordedTrace recorded(vulkan->handles);
   const size_t bytes = rtcGetVulkanRayOrderBytes(rays.size());
   const std::vector<char> nothing(bytes, 0x55);
-  RayBuffer closest(vulkan->handles, rays.data(), rays.size()*sizeof(RTCRayHit)), any(vulkan->handles, shadowRays.data(), shadowRays.size()*sizeof(RTCRay));
+  RayBuffer closest(vulkan->handles, rays.data(), rays.size()*sizeof(RTCRayHit)),
+    any(vulkan->handles, shadowRays.data(), shadowRays.size()*sizeof(RTCRay));
   RayBuffer orders[2] = {{vulkan->handles, nothing.data(), bytes}, {vulkan->handles, nothing.data(), bytes}};
   recorded.record([&](VkCommandBuffer commands) {
-    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, closest.address, sizeof(RTCRayHit), rays.size(), orders[0].address));
-    EXPECT_TRUE(rtcRecordVulkanIntersectInOrder(uploaded.get(), commands, closest.address, rays.size(), orders[0].address));
-    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, any.address, sizeof(RTCRay), rays.size(), orders[1].address));
+    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, closest.address, sizeof(RTCRayHit), rays.size(),
+                                        orders[0].address));
+    EXPECT_TRUE(
+      rtcRecordVulkanIntersectInOrder(uploaded.get(), commands, closest.address, rays.size(), orders[0].address));
+    EXPECT_TRUE(
+      rtcRecordVulkanRayOrder(uploaded.get(), commands, any.address, sizeof(RTCRay), rays.size(), orders[1].address));
     EXPECT_TRUE(rtcRecordVulkanOccludedInOrder(uploaded.get(), commands, any.address, rays.size(), orders[1].address));
   });
   recorded.submitAndWait();

@@ -26,7 +26,8 @@ protected:
 };
 
 std::string nameOf(const testing::TestParamInfo<RTCCompression>& info) { return kindName(info.param); }
-INSTANTIATE_TEST_SUITE_P(Compression, VulkanWatertight, testing::Values(RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
+INSTANTIATE_TEST_SUITE_P(Compression, VulkanWatertight,
+                         testing::Values(RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
 
 TEST_P(VulkanWatertight, RaysThroughRandomSheetsHit)
 {
@@ -81,7 +82,8 @@ TEST_P(VulkanWatertight, RaysOutOfAClosedSurfaceHit)
 {
   const ClosedScene closed(GetParam());
   const PatchLayout layout = closed.model.layout(ClosedScene::level);
-  const AimPoints points = pickAimPoints({layout, ClosedScene::level, ClosedScene::frameLevel}, tessellate(closed.model, ClosedScene::settings("cpu")), 10000, 83);
+  const AimPoints points = pickAimPoints({layout, ClosedScene::level, ClosedScene::frameLevel},
+                                         tessellate(closed.model, ClosedScene::settings("cpu")), 10000, 83);
   LeakSettings settings;
   settings.rays = 200000;
   settings.thickness = closed.scene.report().distanceFromMesh();
@@ -100,14 +102,16 @@ TEST_P(VulkanWatertight, SecondaryRaysMatchCpu)
   const Vec3f eye = box.upper + 1.5f*(box.upper - box.lower);
   const Camera camera(eye, 0.5f*(box.lower + box.upper), {0, 1, 0}, 30, ImageSize{256, 256});
   const std::vector<Ray> primary = primaryRays(camera);
-  const std::vector<SurfaceHit> gridHits = traceClosest(closed.grid, primary, 1), hits = traceClosest(closed.scene, primary, 1);
+  const std::vector<SurfaceHit> gridHits = traceClosest(closed.grid, primary, 1),
+                                hits = traceClosest(closed.scene, primary, 1);
   ShadowSettings shadows;
   shadows.offset = RayOffset::ofEmbree();
   shadows.raysPerHit = 2;
   const auto compare = [&](const SceneTracer& tracer) {
     return compareShadows({closed.grid.tracer(), gridHits}, {tracer, hits}, {primary, camera.footprint()}, shadows, 1);
   };
-  const ShadowComparison onDevice = compare(closed.scene.tracer()), onProcessor = compare(EmbreeTracer(closed.scene.handle()));
+  const ShadowComparison onDevice = compare(closed.scene.tracer()),
+                         onProcessor = compare(EmbreeTracer(closed.scene.handle()));
   EXPECT_GT(onDevice.rays, 20000u);
   EXPECT_EQ(onDevice.rays, onProcessor.rays);
   const size_t slack = onDevice.rays/1000;
