@@ -28,8 +28,19 @@ using Vec = std::array<float, 3>;
 // --- failures ----------------------------------------------------------------------------------
 
 inline unsigned failures = 0;
-#define CHECK(condition) do { if (!(condition)) { if (host::failures++ < 20) std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); } } while (0)
-#define OK(call) do { const CbvhError error = (call); if (error != CBVH_OK) { host::failures++; std::fprintf(stderr, "%s:%d: error %d: %s\n", __FILE__, __LINE__, int(error), cbvhGetErrorText()); } } while (0)
+#define CHECK(condition) \
+  do { \
+    if (!(condition) && host::failures++ < 20) \
+      std::fprintf(stderr, "%s:%d: failed: %s\n", __FILE__, __LINE__, #condition); \
+  } while (0)
+#define OK(call) \
+  do { \
+    const CbvhError error = (call); \
+    if (error != CBVH_OK) { \
+      host::failures++; \
+      std::fprintf(stderr, "%s:%d: error %d: %s\n", __FILE__, __LINE__, int(error), cbvhGetErrorText()); \
+    } \
+  } while (0)
 
 inline int conclude(const char* what)
 {
@@ -62,11 +73,27 @@ struct Arguments
     if (query.isCoherent) intersect.flags = occluded.flags = RTC_RAY_QUERY_FLAG_COHERENT;
   }
 };
-inline void intersect(RTCScene scene, RTCRayHit& ray, const Query& query = {}) { Arguments a(query); rtcIntersect1(scene, &ray, &a.intersect); }
-inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {}) { Arguments a(query); rtcOccluded1(scene, &ray, &a.occluded); }
+inline void intersect(RTCScene scene, RTCRayHit& ray, const Query& query = {})
+{
+  Arguments a(query);
+  rtcIntersect1(scene, &ray, &a.intersect);
+}
+inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {})
+{
+  Arguments a(query);
+  rtcOccluded1(scene, &ray, &a.occluded);
+}
 #define HOST_PACKET(N) \
-  inline void intersect(const int* valid, RTCScene scene, RTCRayHit##N& rays, const Query& query = {}) { Arguments a(query); rtcIntersect##N(valid, scene, &rays, &a.intersect); } \
-  inline void occluded(const int* valid, RTCScene scene, RTCRay##N& rays, const Query& query = {}) { Arguments a(query); rtcOccluded##N(valid, scene, &rays, &a.occluded); }
+  inline void intersect(const int* valid, RTCScene scene, RTCRayHit##N& rays, const Query& query = {}) \
+  { \
+    Arguments a(query); \
+    rtcIntersect##N(valid, scene, &rays, &a.intersect); \
+  } \
+  inline void occluded(const int* valid, RTCScene scene, RTCRay##N& rays, const Query& query = {}) \
+  { \
+    Arguments a(query); \
+    rtcOccluded##N(valid, scene, &rays, &a.occluded); \
+  }
 constexpr unsigned contextFilters = CBVH_GEOMETRY_CONTEXT_FILTERS;
 #else
 struct Arguments
@@ -80,11 +107,27 @@ struct Arguments
     if (query.isCoherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   }
 };
-inline void intersect(RTCScene scene, RTCRayHit& ray, const Query& query = {}) { Arguments a(query); rtcIntersect1(scene, &a.context, &ray); }
-inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {}) { Arguments a(query); rtcOccluded1(scene, &a.context, &ray); }
+inline void intersect(RTCScene scene, RTCRayHit& ray, const Query& query = {})
+{
+  Arguments a(query);
+  rtcIntersect1(scene, &a.context, &ray);
+}
+inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {})
+{
+  Arguments a(query);
+  rtcOccluded1(scene, &a.context, &ray);
+}
 #define HOST_PACKET(N) \
-  inline void intersect(const int* valid, RTCScene scene, RTCRayHit##N& rays, const Query& query = {}) { Arguments a(query); rtcIntersect##N(valid, scene, &a.context, &rays); } \
-  inline void occluded(const int* valid, RTCScene scene, RTCRay##N& rays, const Query& query = {}) { Arguments a(query); rtcOccluded##N(valid, scene, &a.context, &rays); }
+  inline void intersect(const int* valid, RTCScene scene, RTCRayHit##N& rays, const Query& query = {}) \
+  { \
+    Arguments a(query); \
+    rtcIntersect##N(valid, scene, &a.context, &rays); \
+  } \
+  inline void occluded(const int* valid, RTCScene scene, RTCRay##N& rays, const Query& query = {}) \
+  { \
+    Arguments a(query); \
+    rtcOccluded##N(valid, scene, &a.context, &rays); \
+  }
 constexpr unsigned contextFilters = CBVH_GEOMETRY_FILTERS;
 #endif
 HOST_PACKET(4)
@@ -104,8 +147,10 @@ constexpr unsigned hitWords = CBVH_HIT_INST_ID + RTC_MAX_INSTANCE_LEVEL_COUNT;
 #endif
 inline void setRay(void* packet, unsigned N, unsigned i, const RTCRayHit& ray)
 {
-  for (unsigned word = 0; word < CBVH_RAY_WORDS; word++) *cbvhWordOf(packet, N, word, i) = *cbvhWordOf((void*)&ray.ray, 1, word, 0);
-  for (unsigned word = 0; word < hitWords; word++) *cbvhWordOf(packet, N, CBVH_RAY_WORDS + word, i) = *cbvhWordOf((void*)&ray.hit, 1, word, 0);
+  for (unsigned word = 0; word < CBVH_RAY_WORDS; word++)
+    *cbvhWordOf(packet, N, word, i) = *cbvhWordOf((void*)&ray.ray, 1, word, 0);
+  for (unsigned word = 0; word < hitWords; word++)
+    *cbvhWordOf(packet, N, CBVH_RAY_WORDS + word, i) = *cbvhWordOf((void*)&ray.hit, 1, word, 0);
 }
 
 // --- rays ----------------------------------------------------------------------------------------
@@ -141,9 +186,11 @@ inline std::vector<RTCRayHit> randomRays(std::mt19937& random, size_t count, boo
       for (float& x : org) { x = normal(random); length += x*x; }
       for (float& x : org) x *= 4/std::sqrt(length);
     }
-    const float u = areCoherent ? 2*float(i % side)/float(side) - 1 : 2*uniform(random) - 1, v = areCoherent ? 2*float(i/side)/float(side) - 1 : 2*uniform(random) - 1;
+    const float u = areCoherent ? 2*float(i % side)/float(side) - 1 : 2*uniform(random) - 1,
+                v = areCoherent ? 2*float(i/side)/float(side) - 1 : 2*uniform(random) - 1;
     Vec dir;
-    for (int k = 0; k < 3; k++) dir[k] = -org[k] + spread*(k == 0 ? u : k == 1 ? v : areCoherent ? -u - v : uniform(random) - 0.5f);
+    for (int k = 0; k < 3; k++)
+      dir[k] = -org[k] + spread*(k == 0 ? u : k == 1 ? v : areCoherent ? -u - v : uniform(random) - 0.5f);
     rays.push_back(makeRay(org, dir, uniform(random)));
   }
   return rays;
@@ -182,7 +229,9 @@ struct Cube
   {
     for (int step = 0; step < 2; step++)
       for (int i = 0; i < 8; i++)
-        vertices[step].push_back({middle[0] + size*(i & 1 ? 1.f : -1.f) + 0.1f*float(step)*float(i & 2), middle[1] + size*(i & 2 ? 1.f : -1.f), middle[2] + size*(i & 4 ? 1.f : -1.f) + 0.2f*float(step)});
+        vertices[step].push_back({middle[0] + size*(i & 1 ? 1.f : -1.f) + 0.1f*float(step)*float(i & 2),
+                                  middle[1] + size*(i & 2 ? 1.f : -1.f),
+                                  middle[2] + size*(i & 4 ? 1.f : -1.f) + 0.2f*float(step)});
     for (auto& step : vertices) step.push_back({0, 0, 0}); // padding after the last vertex, which may be read
     steps[0] = &vertices[0][0][0];
     steps[1] = &vertices[1][0][0];
@@ -210,8 +259,10 @@ struct Cube
       void* const data = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, 12, 8);
       std::memcpy(data, steps[i], 96);
     }
-    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 6), faceVertices.data(), 24);
-    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 24), indices.data(), 96);
+    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 6), faceVertices.data(),
+                24);
+    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 24), indices.data(),
+                96);
     rtcSetGeometryTessellationRate(geometry, rate);
     rtcSetGeometryDisplacementFunction(geometry, displaceInHost);
     rtcSetGeometryMask(geometry, ~0u); // the default of Embree 4 is 1

@@ -24,7 +24,10 @@ size_t residentKiB()
   return 0;
 }
 
-#define FUNCTION(name) const auto name = (decltype(&::name))dlsym(library, #name); CHECK(name != nullptr); if (!name) return
+#define FUNCTION(name) \
+  const auto name = (decltype(&::name))dlsym(library, #name); \
+  CHECK(name != nullptr); \
+  if (!name) return
 
 void use(const char* path)
 {

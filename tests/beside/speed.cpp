@@ -143,10 +143,12 @@ int main(int argc, char** argv)
     OK(cbvhGetGroupStatistics(*group, &statistics));
     const double quads = double(statistics.numQuads);
     std::printf(
-      "Embree %s; a displaced cube of %.2f million quads: %.1f bytes per quad, built in %.2f s; its own subdivision surface %.1f bytes, %.2f s\n\n",
+      "Embree %s; a displaced cube of %.2f million quads: %.1f bytes per quad, built in %.2f s; its own subdivision "
+      "surface %.1f bytes, %.2f s\n\n",
       RTC_VERSION_STRING, quads*1e-6, double(statistics.bytes)/quads, ours, double(live - before)/quads, theirs);
     std::printf(
-      "| rays, million per second | user geometry | libembree_cbvh alone | Embree's own | user geometry/alone | user geometry/Embree's own |\n|:--|--:|--:|--:|--:|--:|\n");
+      "| rays, million per second | user geometry | libembree_cbvh alone | Embree's own | user geometry/alone | user "
+      "geometry/Embree's own |\n|:--|--:|--:|--:|--:|--:|\n");
     const auto single = [](RTCScene in) {
       return [in](std::vector<RTCRayHit>& rays) {
         for (RTCRayHit& r : rays) intersect(in, r);
@@ -207,7 +209,8 @@ int main(int argc, char** argv)
       for (RTCRayHit& r : rays) cbvhIntersect1(handle, (CbvhRayHit*)&r, nullptr);
     };
     std::printf(
-      "\n| nine surfaces, million per second | libembree_cbvh alone | as one geometry | as nine | one/alone | nine/alone |\n|:--|--:|--:|--:|--:|--:|\n");
+      "\n| nine surfaces, million per second | libembree_cbvh alone | as one geometry | as nine | one/alone | "
+      "nine/alone |\n|:--|--:|--:|--:|--:|--:|\n");
     std::mt19937 random(2);
     for (bool areCoherent : {true, false})
       measure(areCoherent ? "coherent, closest" : "incoherent, closest", randomRays(random, count, areCoherent, 0.6f),

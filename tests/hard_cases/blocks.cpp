@@ -126,7 +126,8 @@ TEST_P(HardBlocks, LinesAndPoints)
 TEST_P(HardBlocks, NeedlesBeyondAllFrames)
 {
   property(
-    "needles 2^-16 to 2^-20 as wide as long, whose leaves would be wider than their quads, are left to GRID and have its hits");
+    "needles 2^-16 to 2^-20 as wide as long, whose leaves would be wider than their quads, are left to GRID and have "
+    "its hits");
   Random random(36);
   std::vector<Sheet> sheets;
   for (float width : {0x1p-16f, 0x1p-18f, 0x1p-20f})
@@ -141,7 +142,8 @@ TEST_P(HardBlocks, NeedlesBeyondAllFrames)
 TEST_P(HardBlocks, Outliers)
 {
   property(
-    "blocks with a vertex 1e6 to 1e12 block widths away, whose leaves would be wider than their quads, are left to GRID and have its hits");
+    "blocks with a vertex 1e6 to 1e12 block widths away, whose leaves would be wider than their quads, are left to "
+    "GRID and have its hits");
   Random random(35);
   std::vector<Sheet> sheets;
   for (double distance : {1e6, 1e9, 1e12})
@@ -163,7 +165,8 @@ TEST_P(HardBlocks, ScalesFrom1em6To1e6)
 TEST_P(HardBlocks, FarFromTheOrigin)
 {
   property(
-    "blocks of every shape far from the origin, a thousandth of a unit wide at 1, a unit wide at (148376, 1234, -223423), are traced as the reference traces them");
+    "blocks of every shape far from the origin, a thousandth of a unit wide at 1, a unit wide at (148376, 1234, "
+    "-223423), are traced as the reference traces them");
   exact = 0.6;
   trace(allShapes, {{1e-3, {0.5, -0.25, 1}}, {1, {148376, 1234, -223423}}, {1e3, {1e6, 1e6, -1e6}}}, 2);
 }

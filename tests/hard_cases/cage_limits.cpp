@@ -104,7 +104,8 @@ INSTANTIATE_TEST_SUITE_P(HardCases, CageLimits, testing::ValuesIn(tracers()), tr
 TEST_P(CageLimits, LongestRingsOfBorderVertices)
 {
   property(
-    "a border vertex of 62 quads and a pentagon, and of all other faces that Embree supports, has all its faces, and hits on them agree with GRID's");
+    "a border vertex of 62 quads and a pentagon, and of all other faces that Embree supports, has all its faces, and "
+    "hits on them agree with GRID's");
   for (const Cage& cage : {fanCage(62, {5}), fanCage(61, {7}), fanCage(60, {9}), fanCage(53, {16}), fanCage(62, {}),
                            fanCage(63, {}), fanCage(39, {5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5})}) {
     SCOPED_TRACE(testing::Message() << cage.faces.size() << " faces, " << cage.indices.size() << " corners");
@@ -192,7 +193,8 @@ TEST_P(CageLimits, OnlyFacesWithoutEdges)
 TEST_P(CageLimits, FacesThatLoseTheirEdges)
 {
   property(
-    "if the last face of a surface loses its edges and the surface is committed again, only the surface of that face disappears");
+    "if the last face of a surface loses its edges and the surface is committed again, only the surface of that face "
+    "disappears");
   for (RTCCompression kind : withGrid()) {
     Sheet sheet({});
     Scene scene(device, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);

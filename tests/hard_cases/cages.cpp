@@ -78,7 +78,8 @@ TEST_P(HardCages, Valences3To16)
 TEST_P(HardCages, Valences33And64)
 {
   property(
-    "around vertices of valence 33 and 64, the most that Embree supports, hits agree with GRID's, and no ray from inside leaks");
+    "around vertices of valence 33 and 64, the most that Embree supports, hits agree with GRID's, and no ray from "
+    "inside leaks");
   for (unsigned n : {33, 64}) {
     SCOPED_TRACE(testing::Message() << "valence " << n);
     expectAgreementAndNoLeaks(trapezohedronCage(n));
@@ -89,7 +90,8 @@ TEST_P(HardCages, Valences33And64)
 TEST_P(HardCages, Valences65To100)
 {
   property(
-    "faces at vertices of valence 65 to 100, past Embree's limit, are left out as GRID leaves them out, and hits on all others agree with GRID's");
+    "faces at vertices of valence 65 to 100, past Embree's limit, are left out as GRID leaves them out, and hits on "
+    "all others agree with GRID's");
   for (unsigned n : {65, 100}) {
     SCOPED_TRACE(testing::Message() << "valence " << n);
     Cage cage = cubeCage();
@@ -105,7 +107,8 @@ TEST_P(HardCages, Valences65To100)
 TEST_P(HardCages, FacesOf3To9Edges)
 {
   property(
-    "on triangles, pentagons and faces of up to 9 edges, whose sub-patches have their own parameters, hits, u and v agree with GRID's, and no ray from inside leaks");
+    "on triangles, pentagons and faces of up to 9 edges, whose sub-patches have their own parameters, hits, u and v "
+    "agree with GRID's, and no ray from inside leaks");
   for (unsigned n : {3, 5, 6, 7, 9}) {
     SCOPED_TRACE(testing::Message() << n << " edges");
     expectAgreementAndNoLeaks(prismCage(n));

@@ -40,7 +40,8 @@ INSTANTIATE_TEST_SUITE_P(HardCases, HardDisplacement, testing::ValuesIn(tracers(
 TEST_P(HardDisplacement, FiveFold)
 {
   property(
-    "displaced five times as far, a quarter of a face wide, every hit is within its leaf's box of GRID's surface, and no ray from inside leaks");
+    "displaced five times as far, a quarter of a face wide, every hit is within its leaf's box of GRID's surface, and "
+    "no ray from inside leaks");
   Displacement displacement;
   displacement.amplitude *= 5;
   expectTightAndNear(displacement, 16);
@@ -49,7 +50,8 @@ TEST_P(HardDisplacement, FiveFold)
 TEST_P(HardDisplacement, Rough)
 {
   property(
-    "displaced by waves of two quads' length, every hit is within its leaf's box of GRID's surface, and no ray from inside leaks");
+    "displaced by waves of two quads' length, every hit is within its leaf's box of GRID's surface, and no ray from "
+    "inside leaks");
   Displacement displacement;
   displacement.frequency = 50;
   expectTightAndNear(displacement, 16);
@@ -60,7 +62,8 @@ TEST_P(HardDisplacement, Rough)
 TEST_P(HardDisplacement, FoldsAreHitAtNearestPart)
 {
   property(
-    "if a surface folds over its own block, the closest hit is on the nearest part of it, not on the first part that is visited");
+    "if a surface folds over its own block, the closest hit is on the nearest part of it, not on the first part that "
+    "is visited");
   const auto roll = [](const RTCDisplacementFunctionNArguments* args) {
     for (unsigned i = 0; i < args->N; i++) {
       const float u = args->u[i], v = args->v[i], a = 6*float(M_PI)*u, b = 6*float(M_PI)*v;

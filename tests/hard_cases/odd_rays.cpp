@@ -135,7 +135,8 @@ INSTANTIATE_TEST_SUITE_P(HardCases, HardOddRays, testing::ValuesIn(tracers()), t
 TEST_P(HardOddRays, NonFiniteRaysMiss)
 {
   property(
-    "rays with NaN or infinity in origin or direction, or a tnear or tfar of NaN, miss and remain unchanged; other rays of a packet or a stream have the same hits as alone");
+    "rays with NaN or infinity in origin or direction, or a tnear or tfar of NaN, miss and remain unchanged; other "
+    "rays of a packet or a stream have the same hits as alone");
   const SurfaceScene scene(device, cubeCage(), settings());
   Random random(34);
   std::vector<RTCRayHit> rays; // as a picture has them, from outside and from inside
@@ -172,7 +173,8 @@ TEST_P(HardOddRays, NonFiniteRaysMiss)
 TEST_P(HardOddRays, DirectionsOfAnyLengthDoNotLeak)
 {
   property(
-    "rays from inside a closed surface, along an axis or nearly so, hit it whatever the length of their direction, 1e-20 to 1e18, and at the same place");
+    "rays from inside a closed surface, along an axis or nearly so, hit it whatever the length of their direction, "
+    "1e-20 to 1e18, and at the same place");
   AllVertices recorder;
   Scene scene(device);
   recorder.build(device, scene, cubeCage(), settings());

@@ -100,7 +100,8 @@ struct Seams : public VertexRecorder
 TEST_P(HardRays, FromFarAway)
 {
   property(
-    "rays from 10 to 10,000 block widths away, aimed at vertices between blocks, hit there or before, and do not slip through");
+    "rays from 10 to 10,000 block widths away, aimed at vertices between blocks, hit there or before, and do not slip "
+    "through");
   for (float amplitude : {0.0f, 0.05f}) {
     Seams seams;
     seams.amplitude = amplitude;
@@ -135,7 +136,8 @@ TEST_P(HardRays, FromFarAway)
 TEST_P(HardRays, RaysBeyondLimitsTerminate)
 {
   property(
-    "rays beyond Embree's limits (directions longer than 1.8e18, shorter than 1e-18, zero, infinite or NaN, such origins) terminate, and hit within [tnear, tfar] or not at all");
+    "rays beyond Embree's limits (directions longer than 1.8e18, shorter than 1e-18, zero, infinite or NaN, such "
+    "origins) terminate, and hit within [tnear, tfar] or not at all");
   Random random(32);
   const Sheet sheet = randomSheet(random, Shape::Waves, 4, {1, {0, 0, 0}});
   Scene scene(device);

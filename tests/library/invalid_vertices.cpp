@@ -33,7 +33,8 @@ TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
 {
   RecordProperty(
     "property",
-    "quads with a vertex that is NaN or infinite are left out and counted, and no others: inside a block, on borders of blocks, on the rim");
+    "quads with a vertex that is NaN or infinite are left out and counted, and no others: inside a block, on borders "
+    "of blocks, on the rim");
   Device device;
   // vertex (x, y) of the grid is invalid: inside a block, on the border of two blocks, on a corner of four blocks, on
   // the rim

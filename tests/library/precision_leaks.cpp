@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Rays that start inside a closed surface hit it at every precision of cVERT: by default, with a bound, and lossless.
- * The surfaces are cages, grids, quads and triangles, still and moving. Rays aim at stored vertices and edges, including
- * diagonals, straight on and grazing. Embree's robust kernel traces the stored triangles and decides which points are
- * inside.
+ * The surfaces are cages, grids, quads and triangles, static and moving. Rays aim at stored vertices and edges,
+ * including diagonals, straight on and grazing. Embree's robust kernel traces the stored triangles and decides which
+ * points are inside.
  *
  * CBVH_AIMED_RAYS sets the number of rays for each precision, for example 10000000. */
 

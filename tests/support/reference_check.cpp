@@ -403,7 +403,8 @@ void ReferenceCheck::compare(const Answer& answer, const Sheet& sheet, const Blo
 void ReferenceCheck::conclude(double share)
 {
   std::printf(
-    "%u rays, %u hits: %u equal, %u in t; %u hit or miss by rounding, %u hit one of several leaves by rounding, %u graze one leaf; %u GRID's, %u strayed\n",
+    "%u rays, %u hits: %u equal, %u in t; %u hit or miss by rounding, %u hit one of several leaves by rounding, %u "
+    "graze one leaf; %u GRID's, %u strayed\n",
     rays, hits, equal, sameT, atBorder, betweenLeaves, alongLeaf, hitsOfGrid, strayed);
   EXPECT_EQ(failures, 0u) << "of " << rays;
   EXPECT_GT(hits, rays/3) << "too many rays miss the blocks";

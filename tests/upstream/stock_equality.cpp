@@ -322,7 +322,9 @@ const std::map<std::string, Query> queries = {
   {#N, [](RTCScene scene, std::vector<RTCRayHit>& rays, bool occluded) { \
     RTCIntersectContext context; rtcInitIntersectContext(&context); \
     packets<RTCRayHit##N, N>(rays, [&](int* valid, RTCRayHit##N& p) { \
-      if (occluded) rtcOccluded##N(valid, scene, &context, &p.ray); else rtcIntersect##N(valid, scene, &context, &p); }); \
+      if (occluded) rtcOccluded##N(valid, scene, &context, &p.ray); \
+      else rtcIntersect##N(valid, scene, &context, &p); \
+    }); \
   }}
   PACKET(4), PACKET(8), PACKET(16),
 #undef PACKET

@@ -203,7 +203,8 @@ PFN_vkVoidFunction VKAPI_CALL getDeviceProcAddr(VkDevice device, const char* nam
 
 // --- wrappers --------------------------------------------------------------------------------------
 
-#define CBVH_TEST_FUNCTIONS(F) F(CreateInstance) CBVH_INSTANCE_FUNCTIONS(F) CBVH_DEVICE_FUNCTIONS(F) F(GetMemoryHostPointerPropertiesEXT)
+#define CBVH_TEST_FUNCTIONS(F) \
+  F(CreateInstance) CBVH_INSTANCE_FUNCTIONS(F) CBVH_DEVICE_FUNCTIONS(F) F(GetMemoryHostPointerPropertiesEXT)
 
 #define CBVH_NAME(NAME) of##NAME,
 enum FunctionIndex { CBVH_TEST_FUNCTIONS(CBVH_NAME) numFunctions };

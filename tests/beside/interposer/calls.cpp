@@ -86,7 +86,8 @@ private:
       turned += a.Ng[0]*b.Ng[0] + a.Ng[1]*b.Ng[1] + a.Ng[2]*b.Ng[2] < 0.95f;
     }
     std::printf(
-      "%-14s %6zu rays, %6zu hits: %3zu with another surface, face or position, %zu with another normal; distances differ by %g at most\n",
+      "%-14s %6zu rays, %6zu hits: %3zu with another surface, face or position, %zu with another normal; distances "
+      "differ by %g at most\n",
       use, end - begin, hits, others, turned, double(distance));
     CHECK(hits > 0);
     CHECK(others*500 < hits);   // at silhouettes and between faces
